@@ -7,6 +7,7 @@
 #import lists
 #import screen_ray
 #import radiance
+#import shown
 
 override VERIFY: bool = true; // false: the paper's threshold T decides
 override TRACE: bool = true; // false: method ssr, what the screen cannot answer stays black
@@ -42,6 +43,11 @@ var<private> march_triangles: u32 = 0u;
 fn culled_at(pixel: vec2u) -> f32 {
     if (!HAS_CULLED) { return 0.0; }
     return bitcast<f32>(lists[culled_slot(pixel)]);
+}
+
+// Whether rays pass what a pixel shows.
+fn is_unreflected(instance: u32) -> bool {
+    return HAS_UNSHOWN && is_passed(instances[instance].trace_flags, UNREFLECTED);
 }
 
 // Nearest near / depth that a cell holds.
@@ -157,7 +163,7 @@ fn accept_verified(r: ScreenRay, c: Candidate, origin: vec3f, direction: vec3f) 
         let pixel = min(vec2u(corner) + step, vec2u(frame.size) - 1u);
         let sides = select(vec2f(1.0) - part, part, step == vec2u(1u));
         let other = textureLoad(ids, pixel, 0).xy;
-        if (other.x == NONE) { continue; }
+        if (other.x == NONE || is_unreflected(other.x)) { continue; }
         if (all(other == id)) {
             support += sides.x * sides.y;
             continue;
@@ -262,8 +268,8 @@ fn march(s0: Surface, direction: vec3f) -> March {
         }
         if (c.low < 0.0) { break; }
         last = c;
-        if (culled_at(c.pixel) > 0.0) {
-            m.cause = CAUSE_HIDDEN; // behind something that the camera does not show, and rays meet
+        if (culled_at(c.pixel) > 0.0 || is_unreflected(textureLoad(ids, c.pixel, 0).x)) {
+            m.cause = CAUSE_HIDDEN; // behind something that camera and rays do not show alike
         } else if (VERIFY) {
             m = accept_verified(r, c, origin, direction);
         } else {

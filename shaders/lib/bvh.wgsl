@@ -11,13 +11,15 @@
 // Intervals are open: t_min < t < t_max. Directions may have any length but 0; t counts in them.
 
 #import constants
+#import shown
 
 // Whether the scene has a static tree, a top level, and cut-outs; without them their code is dropped.
 override HAS_STATIC: bool = true;
 override HAS_TOP_LEVEL: bool = true;
 override HAS_CUTOUT: bool = true;
-// Whether the nearest triangle is kept that nearest hits passed from behind.
-override TRACK_CULLED: bool = false;
+// Whether nearest hits are of rays that leave the camera. Then the nearest triangle is kept that they
+// passed, from behind or as what the camera is not to see, and that reflections meet.
+override OF_CAMERA: bool = false;
 // Whether some instance is marked ALPHA_TESTED: cut-outs, and what lets light pass.
 override HAS_TESTED: bool = true;
 // Whether work is counted; without it the counting is no part of the pipeline.
@@ -49,7 +51,7 @@ struct Hit {
 var<private> traversals: u32 = 0u;
 var<private> visited_nodes: u32 = 0u;
 var<private> tested_triangles: u32 = 0u;
-// The nearest triangle that was passed from behind since the invocation started, with TRACK_CULLED.
+// The nearest triangle that was passed since the invocation started, with OF_CAMERA.
 var<private> culled_t: f32 = 1e30;
 // Nodes that the ray may still visit, and rays that ended because there were none left.
 var<private> visits_left: u32 = 0u;
@@ -184,6 +186,11 @@ fn visit_node(index: u32, ray: TraversalRay, t_min: f32, t_max: f32) -> NodeVisi
     );
 }
 
+// Flags of what a ray passes.
+fn passed_flags(shadow: bool) -> u32 {
+    return select(select(UNREFLECTED, UNSEEN, OF_CAMERA), SHADOWLESS, shadow);
+}
+
 // Tests one triangle and updates the nearest hit. `inside` is the instance whose object space the
 // ray is in.
 fn test_triangle(index: u32, ray: TraversalRay, t_min: f32, inside: u32, inside_flags: u32,
@@ -220,7 +227,11 @@ fn test_triangle(index: u32, ray: TraversalRay, t_min: f32, inside: u32, inside_
     }
     let front = (det > 0.0) != ((flags & FLIPPED) != 0u);
     if !shadow && !front && (flags & DOUBLE_SIDED) == 0u {
-        if TRACK_CULLED { culled_t = min(culled_t, t); }
+        if OF_CAMERA && !is_passed(flags, UNREFLECTED) { culled_t = min(culled_t, t); }
+        return;
+    }
+    if is_passed(flags, passed_flags(shadow)) {
+        if OF_CAMERA && !is_passed(flags, UNREFLECTED) { culled_t = min(culled_t, t); }
         return;
     }
     let positive = max(bary, vec2f(0.0));

@@ -7,7 +7,10 @@ use crate::{
     scene::desc::{LightKind, Method, ReflectionMode, ToneMap},
     world::{
         MAX_LIGHTS,
-        bvh::{ALPHA_TESTED, DOUBLE_SIDED, FLIPPED, STACK_SIZE, STATIC_ROOT, TOP_LEVEL, TOP_ROOT},
+        bvh::{
+            ALPHA_TESTED, DOUBLE_SIDED, FLIPPED, SHADOWLESS, STACK_SIZE, STATIC_ROOT, TOP_LEVEL,
+            TOP_ROOT, UNREFLECTED, UNSEEN,
+        },
     },
 };
 
@@ -113,6 +116,9 @@ pub fn wgsl() -> String {
         ALPHA_TESTED,
         DOUBLE_SIDED,
         FLIPPED,
+        UNSEEN,
+        SHADOWLESS,
+        UNREFLECTED,
         STACK_SIZE,
     );
     for (index, name) in LightKind::NAMES.iter().enumerate() {

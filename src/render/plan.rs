@@ -5,7 +5,7 @@ mod mutual_reflections;
 use serde::Serialize;
 
 use crate::{
-    scene::desc::{Method, ReflectionDesc, ReflectionMode, Visibility},
+    scene::desc::{Method, ReflectionDesc, ReflectionMode, ShownDesc, Visibility},
     world::{Material, World, Wrap, bvh::Trees},
 };
 
@@ -39,6 +39,8 @@ pub struct Plan {
     pub culled_surfaces: bool,
     /// What keeps its light.
     pub precision: Precision,
+    /// Some instance is not shown to all rays.
+    pub unshown: bool,
     /// Some material is cut out.
     pub cutouts: bool,
     /// Some material has a normal map.
@@ -180,6 +182,7 @@ impl Plan {
             top_level: true,
             culled_surfaces: verifies(options),
             precision: Precision::of(world, options),
+            unshown: true,
             cutouts: true,
             normal_maps: true,
             textures: true,
@@ -214,8 +217,9 @@ impl Plan {
             top_level: trees.is_built() && !trees.top_instances.is_empty(),
             culled_surfaces: reflections
                 && verifies(options)
-                && world.instances.iter().any(|i| world.hides_backs(i)),
+                && world.instances.iter().any(|i| world.hides_from_camera(i)),
             precision: Precision::of(world, options),
+            unshown: (world.instances.iter()).any(|i| i.shown != ShownDesc::default()),
             cutouts: materials().any(|m| m.alpha_cutoff.is_some()),
             normal_maps: materials().any(|m| m.normal_texture.is_some()),
             textures: materials().any(|m| m.slots().iter().any(Option::is_some)),
@@ -346,6 +350,7 @@ impl Plan {
             ("HAS_TOP_LEVEL", flag(self.top_level)),
             ("HAS_CULLED", flag(self.culled_surfaces)),
             ("EMISSION_SCALE", self.precision.emission_scale().into()),
+            ("HAS_UNSHOWN", flag(self.unshown)),
             ("HAS_CUTOUT", flag(self.cutouts)),
             ("HAS_TESTED", flag(self.cutouts || self.transmission)),
             ("HAS_NORMAL_MAPS", flag(self.normal_maps)),

@@ -8,6 +8,7 @@ use glam::Affine3A;
 use crate::{
     gpu::{Gpu, GpuError},
     math::Bounds,
+    scene::desc::ShownDesc,
     world::{
         Instance, Material, World,
         bvh::{CwBvhNode, TraceTriangle, Trees},
@@ -54,6 +55,8 @@ pub struct Draw {
     pub shape: u64,
     /// Whether it is drawn into shadow maps, which know no light that passes.
     pub casts_shadow: bool,
+    /// Which rays see it.
+    pub shown: ShownDesc,
 }
 
 /// A scene on the GPU.
@@ -341,8 +344,10 @@ fn draws(world: &World, mesh_ranges: &[MeshRange]) -> Vec<Draw> {
             dynamic: instance.dynamic,
             hides_backs: world.hides_backs(instance),
             shape: shape_of(world, instance.mesh),
-            casts_shadow: (world.materials[instance.material].transmission)
-                .is_none_or(|share| share < 0.5),
+            casts_shadow: instance.shown.casts_shadow
+                && (world.materials[instance.material].transmission)
+                    .is_none_or(|share| share < 0.5),
+            shown: instance.shown,
         })
     };
     world

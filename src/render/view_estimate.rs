@@ -12,7 +12,7 @@ use crate::{
     scene::desc::{LightKind, ShadowMode},
     world::{
         Light, Material, TextureRef, World,
-        bvh::{Ray, RayHit, Trees},
+        bvh::{Ray, RayHit, SHADOWLESS, Trees},
     },
 };
 
@@ -221,6 +221,7 @@ impl Estimator<'_> {
         }
         let ray = Ray {
             t_max,
+            passes: SHADOWLESS,
             ..off_surface(point, to_light)
         };
         let has_shadow = light.desc.shadow != ShadowMode::None;

@@ -7,7 +7,7 @@ use crate::{
     scene::desc::LightKind,
     world::{
         Light, World,
-        bvh::{Ray, RayHit, Trees},
+        bvh::{Ray, RayHit, Trees, UNREFLECTED, UNSEEN},
     },
 };
 
@@ -57,6 +57,7 @@ impl ViewRays<'_> {
                 - view.up.as_dvec3() * ndc.y,
             t_min: f64::from(view.near_m),
             t_max: f64::INFINITY,
+            passes: UNSEEN,
         }
     }
 
@@ -114,7 +115,7 @@ pub fn mirror_ray(point: &SurfacePoint, direction: DVec3) -> Ray {
     off_surface(point, mirrored.normalize())
 }
 
-/// A ray that starts a little above the surface.
+/// A ray of a reflection that starts a little above the surface.
 pub fn off_surface(point: &SurfacePoint, direction: DVec3) -> Ray {
     let size = point.position.abs().max_element().max(1e-3);
     Ray {
@@ -122,5 +123,6 @@ pub fn off_surface(point: &SurfacePoint, direction: DVec3) -> Ray {
         direction,
         t_min: 0.0,
         t_max: f64::INFINITY,
+        passes: UNREFLECTED,
     }
 }

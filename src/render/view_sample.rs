@@ -8,7 +8,7 @@ use crate::{
     scene::desc::{LightKind, ShadowMode},
     world::{
         World,
-        bvh::{Ray, RayHit, Trees},
+        bvh::{Ray, RayHit, SHADOWLESS, Trees},
     },
 };
 
@@ -173,6 +173,7 @@ impl Sampler<'_> {
             let ray = Ray {
                 direction,
                 t_max,
+                passes: SHADOWLESS,
                 ..off_surface(point, direction)
             };
             let (rays, visits) = &mut sum.shadows[kind.index()];

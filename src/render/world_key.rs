@@ -4,8 +4,11 @@ use std::{collections::BTreeMap, sync::Arc};
 
 use glam::Affine3A;
 
-use crate::world::{
-    Instance, Material, Mesh, Shared, Texture, World, deform::Deformed, environment::Panorama,
+use crate::{
+    scene::desc::ShownDesc,
+    world::{
+        Instance, Material, Mesh, Shared, Texture, World, deform::Deformed, environment::Panorama,
+    },
 };
 
 /// Key of the uploaded world.
@@ -27,6 +30,7 @@ struct TreeInstance {
     static_pose: Option<Affine3A>,
     is_cutout: bool,
     is_double_sided: bool,
+    shown: ShownDesc,
 }
 
 impl WorldKey {
@@ -39,6 +43,7 @@ impl WorldKey {
                 static_pose: (!i.dynamic).then_some(i.world_from_object),
                 is_cutout: material.alpha_cutoff.is_some() || material.passes_light(),
                 is_double_sided: material.double_sided,
+                shown: i.shown,
             }
         };
         let instances = &world.instances;
@@ -100,6 +105,7 @@ impl WorldKey {
         let fits = |((tree, material), i): ((&TreeInstance, &usize), &Instance)| {
             tree.mesh == i.mesh
                 && *material == i.material
+                && tree.shown == i.shown
                 && tree.static_pose.map(bits) == (!i.dynamic).then(|| bits(i.world_from_object))
         };
         let known = self.trees.iter().zip(&self.materials.1);

@@ -7,6 +7,7 @@
 mod animation;
 mod camera;
 mod environment;
+mod hierarchy;
 mod include;
 mod light;
 mod material;
@@ -24,13 +25,16 @@ pub use self::{
     animation::{AnimationDesc, Playback},
     camera::{CAMERA, CameraDesc, CameraMotionDesc},
     environment::{EnvironmentDesc, EnvironmentShadow},
+    hierarchy::{GroupDesc, Parents, ShownDesc},
     include::Include,
     light::{LIGHT, LightDesc, LightKind, LightMotionDesc, ShadowMode},
     material::{
         CheckerDesc, MATERIAL, MATERIAL_FIELDS, MaterialDesc, MaterialMotionDesc, PLAIN,
         ReflectionMode, reflectivity_of,
     },
-    motion::{InstanceMotionDesc, ModelMotionDesc, MotionDesc, ParamValue, TimelineDesc},
+    motion::{
+        GroupMotionDesc, InstanceMotionDesc, ModelMotionDesc, MotionDesc, ParamValue, TimelineDesc,
+    },
     reflection::{Accept, Method, REFLECTION, ReflectionDesc},
     script::ScriptDesc,
     stage::{StageDesc, is_stage},
@@ -82,6 +86,8 @@ pub struct SceneDesc {
     pub models: Vec<Entry<ModelDesc>>,
     /// `[[instance]]`: placements of models.
     pub instances: Vec<InstanceDesc>,
+    /// `[group.NAME]`: places for others to hang on by `parent`.
+    pub groups: Vec<Entry<GroupDesc>>,
     /// `[light.NAME]`: lights, at most 64 with those inside glTF files.
     pub lights: Vec<Entry<LightDesc>>,
     /// `[environment]`: what rays that leave the scene see, and the light it sheds.
@@ -96,6 +102,8 @@ pub struct SceneDesc {
     pub motion: MotionDesc,
     /// `[params]`: parameters of the script, with names of your choice.
     pub params: Vec<Entry<ParamValue>>,
+    /// What hangs on what.
+    pub parents: Parents,
     /// `[variant.NAME]`: any keys of the scene, laid over it like a scene over its base where
     /// `--variant NAME` chooses it.
     pub variants: Vec<At<String>>,
@@ -205,6 +213,10 @@ pub enum ShapeDesc {
 }
 
 /// `[[instance]]`
+///
+/// - `parent`: `name` of another instance, or a `[group.NAME]`, that this hangs on: its placement is
+///   then relative to where that is, wherever it moves. On an instance with copies, the first.
+///   Default: none.
 #[derive(Clone, Debug, PartialEq)]
 pub struct InstanceDesc {
     /// Optional name, unique; scripts and messages use it.
@@ -215,6 +227,8 @@ pub struct InstanceDesc {
     pub placement: PlacementDesc,
     /// Whether it may move: it then lives in the dynamic tree. Default false.
     pub dynamic: bool,
+    /// What shows it.
+    pub shown: ShownDesc,
     /// Copies on a grid.
     pub repeat: Option<RepeatDesc>,
     /// `material = "name"` or `material = {…}`: replaces or overrides every material of this placement.

@@ -2,20 +2,22 @@
 //! number.
 
 mod clock;
+mod hierarchy;
 mod material;
+mod names;
 mod parts;
 pub(super) mod track;
 
-use std::{
-    collections::{HashMap, HashSet},
-    sync::Arc,
-};
+use std::{borrow::Cow, collections::HashSet, sync::Arc};
 
 use glam::{Affine3A, DQuat, EulerRot, Quat, Vec3};
 
+use self::hierarchy::{hang_cameras, hang_lights};
+pub use self::hierarchy::{placed_camera, placed_light};
 pub use self::material::{
     FileMaterial, MaterialChange, Values, changing_overrides, file_materials, override_of, written,
 };
+pub use self::names::Names;
 pub use self::parts::{Kind, wrong_with_camera, wrong_with_light};
 use self::track::Track;
 use super::{
@@ -36,7 +38,8 @@ pub struct FrameState {
     pub time_s: f64,
     /// Position of each camera.
     pub cameras: Vec<CameraDesc>,
-    /// World from model space of each instance, or of the first of its copies.
+    /// World from model space of each instance, or of the first of its copies, then of each group;
+    /// relative to parents until [`Animator`](super::stages::Animator) is done.
     pub instances: Vec<Affine3A>,
     /// Time inside its animations that the script has set for each instance, seconds.
     pub animation_s: Vec<Option<f64>>,
@@ -50,63 +53,6 @@ pub struct FrameState {
     pub overrides: Vec<MaterialChange>,
     /// What the script printed.
     pub log: Vec<String>,
-}
-
-/// Indices by name.
-#[derive(Clone, Debug, Default)]
-pub struct Names {
-    /// Of [`SceneDesc::cameras`].
-    pub cameras: HashMap<String, usize>,
-    /// Of [`SceneDesc::instances`]; those without a name cannot be named.
-    pub instances: HashMap<String, usize>,
-    /// Of [`SceneDesc::lights`].
-    pub lights: HashMap<String, usize>,
-    /// Of [`SceneDesc::materials`].
-    pub materials: HashMap<String, usize>,
-    /// Of [`file_materials`], by model and material.
-    pub file_materials: HashMap<(String, String), usize>,
-    /// What the scene's tables say of each of those.
-    pub written: Vec<MaterialDesc>,
-    /// What the own `material = { … }` of an instance says, where it may change.
-    pub overrides: HashMap<usize, MaterialDesc>,
-    /// Which instances may move.
-    pub dynamic: Vec<bool>,
-    /// Which instances play animations.
-    pub playing: Vec<bool>,
-}
-
-impl Names {
-    /// Of a scene.
-    pub fn of(desc: &SceneDesc) -> Self {
-        fn entries<T>(list: &[Entry<T>]) -> HashMap<String, usize> {
-            let names = list.iter().enumerate();
-            names.map(|(i, e)| (e.name.clone(), i)).collect()
-        }
-        let named = desc.instances.iter().enumerate();
-        let of_files = file_materials(desc);
-        Self {
-            cameras: entries(&desc.cameras),
-            instances: named
-                .filter_map(|(i, e)| Some((e.name.clone()?, i)))
-                .collect(),
-            lights: entries(&desc.lights),
-            materials: entries(&desc.materials),
-            file_materials: (of_files.iter().enumerate())
-                .map(|(i, m)| ((m.model.to_owned(), m.material.to_owned()), i))
-                .collect(),
-            written: of_files.iter().map(|m| written(desc, m)).collect(),
-            overrides: (changing_overrides(desc).into_iter().enumerate())
-                .filter(|(_, changes)| *changes)
-                .filter_map(|(i, _)| Some((i, override_of(&desc.instances[i])?.clone())))
-                .collect(),
-            dynamic: moving(desc),
-            playing: desc
-                .instances
-                .iter()
-                .map(|i| desc.played_by(i).is_some())
-                .collect(),
-        }
-    }
 }
 
 impl SceneDesc {
@@ -138,13 +84,19 @@ impl SceneDesc {
     }
 }
 
-/// Which instances may move: those that say so, and those with motion.
+/// Which instances, then which groups, may move: those that say so, those with motion, and those that
+/// hang on such.
 pub fn moving(desc: &SceneDesc) -> Vec<bool> {
     let moved = desc.motion.instances.iter().filter(|e| e.value.moves());
-    let named: HashSet<_> = moved.map(|e| &e.name).collect();
-    let moves = |name: &Option<String>| name.as_ref().is_some_and(|name| named.contains(name));
-    let instances = desc.instances.iter();
-    instances.map(|i| i.dynamic || moves(&i.name)).collect()
+    let moved = moved.chain(&desc.motion.groups);
+    let named: HashSet<_> = moved.map(|e| e.name.as_str()).collect();
+    let groups = desc.groups.iter().map(|group| group.value.dynamic);
+    let dynamic = desc.instances.iter().map(|i| i.dynamic).chain(groups);
+    let moves = |name: Option<&str>| name.is_some_and(|name| named.contains(name));
+    let nodes = dynamic.zip(desc.node_names());
+    let mut moving: Vec<_> = nodes.map(|(says, name)| says || moves(name)).collect();
+    desc.parents.inherit(&mut moving);
+    moving
 }
 
 /// World from model space of a placement at rest.
@@ -173,6 +125,7 @@ pub(super) struct Motion<'a> {
     desc: &'a SceneDesc,
     rest: FrameState,
     names: Arc<Names>,
+    placements: Vec<&'a PlacementDesc>,
     instances: Vec<(usize, [Option<Track<'a>>; 3])>,
     cameras: Vec<Moved<'a>>,
     lights: Vec<Moved<'a>>,
@@ -191,6 +144,16 @@ struct Moved<'a> {
 }
 
 impl Moved<'_> {
+    /// The nodes as they are in the space of a parent, where something follows one of them.
+    fn seen_from<'w>(&self, parent: Option<usize>, world: &'w [Affine3A]) -> Cow<'w, [Affine3A]> {
+        let follows = self.tracks.iter().any(|(_, track)| track.follows());
+        let Some(parent) = parent.filter(|_| follows) else {
+            return world.into();
+        };
+        let parent_from_world = world[parent].inverse();
+        world.iter().map(|node| parent_from_world * *node).collect()
+    }
+
     /// Sets what moves of `to`, which is at rest.
     fn pose<T>(&self, to: &mut T, fields: &[Field<T>], time_s: f64, instances: &[Affine3A]) {
         for (field, track) in &self.tracks {
@@ -207,11 +170,7 @@ impl<'a> Motion<'a> {
         let names = Names::of(desc);
         let rest = FrameState {
             cameras: desc.cameras.iter().map(|e| e.value.clone()).collect(),
-            instances: desc
-                .instances
-                .iter()
-                .map(|i| transform(&i.placement))
-                .collect(),
+            instances: desc.placements().map(transform).collect(),
             animation_s: vec![None; desc.instances.len()],
             lights: desc.lights.iter().map(|e| e.value).collect(),
             materials: desc.materials.iter().map(|e| e.value.clone()).collect(),
@@ -261,13 +220,16 @@ impl<'a> Motion<'a> {
         });
         Self {
             overrides: overrides.collect(),
-            instances: motion.instances.iter().filter_map(instance).collect(),
+            instances: (motion.instances.iter().chain(&motion.groups))
+                .filter_map(instance)
+                .collect(),
             cameras: cameras.collect(),
             lights: lights.collect(),
             materials: materials.collect(),
             file_materials: of_files.collect(),
             rest,
             names: Arc::new(names),
+            placements: desc.placements().collect(),
             desc,
         }
     }
@@ -307,7 +269,7 @@ impl<'a> Motion<'a> {
             translation,
             rotation,
             scale,
-        } = self.desc.instances[index].placement
+        } = *self.placements[index]
         else {
             return self.rest.instances[index];
         };
@@ -334,22 +296,35 @@ impl<'a> Motion<'a> {
 
     /// Moves those cameras and lights that are wanted; they may follow instances.
     pub fn follow(&self, state: &mut FrameState, wanted: impl Fn(Kind, usize) -> bool) {
-        let (time_s, instances) = (state.time_s, &state.instances);
+        let (time_s, parents) = (state.time_s, &self.desc.parents);
+        let world = parents.world(&state.instances);
         for moved in &self.cameras {
             if wanted(Kind::Camera, moved.index) {
                 let camera = &mut state.cameras[moved.index];
                 camera.clone_from(&self.rest.cameras[moved.index]);
-                moved.pose(camera, &CAMERA, time_s, instances);
+                let seen = moved.seen_from(parents.of_camera(moved.index), &world);
+                moved.pose(camera, &CAMERA, time_s, &seen);
             }
         }
         for moved in &self.lights {
             if wanted(Kind::Light, moved.index) {
                 let light = &mut state.lights[moved.index];
                 *light = self.rest.lights[moved.index];
-                moved.pose(light, &LIGHT, time_s, instances);
+                let seen = moved.seen_from(parents.of_light(moved.index), &world);
+                moved.pose(light, &LIGHT, time_s, &seen);
                 light.settle();
             }
         }
+    }
+
+    /// Moves everything from the spaces of its parents to the world.
+    pub fn hang(&self, state: &mut FrameState) {
+        let parents = &self.desc.parents;
+        if let Cow::Owned(world) = parents.world(&state.instances) {
+            state.instances = world;
+        }
+        hang_lights(parents, &mut state.lights, &state.instances);
+        hang_cameras(parents, &mut state.cameras, &state.instances);
     }
 
     /// Refuses cameras and lights that motion has left without a direction.

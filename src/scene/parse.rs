@@ -7,6 +7,7 @@ mod document;
 mod enum_values;
 mod exposure;
 mod extends;
+mod hierarchy;
 mod include;
 mod key_recorder;
 mod layers;

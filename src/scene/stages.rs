@@ -160,6 +160,7 @@ impl<'a> Animator<'a> {
             self.motion.follow(&mut state, is_free);
         }
         self.motion.check(&state)?;
+        self.motion.hang(&mut state);
         Ok(state)
     }
 }

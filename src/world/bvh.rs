@@ -35,7 +35,10 @@ mod refit;
 mod tests;
 mod tree;
 
-pub use gpu_layout::{ALPHA_TESTED, DOUBLE_SIDED, FLIPPED, TraceInstance, TraceTriangle};
+pub use gpu_layout::{
+    ALPHA_TESTED, DOUBLE_SIDED, FLIPPED, SHADOWLESS, TraceInstance, TraceTriangle, UNREFLECTED,
+    UNSEEN,
+};
 use leaves::{mesh_tree, static_tree, too_far, within_reach};
 pub use oracle::{Oracle, Ray, RayHit};
 use placement::{Placement, error, too_large};
@@ -141,7 +144,7 @@ impl Trees {
         }
         let instances = world.instances.iter().zip(in_top).map(|(i, in_top)| {
             let root = if in_top { roots[i.mesh] } else { NONE };
-            TraceInstance::new(&i.world_from_object, &world.materials[i.material], root)
+            TraceInstance::new(i, world, root)
         });
         let mut trees = Self {
             instances: instances.collect(),
@@ -161,9 +164,7 @@ impl Trees {
     /// For a plan without rays: placeholder buffers, and the instance records, which shading reads
     /// too.
     pub fn unbuilt(world: &World) -> Self {
-        let record = |i: &Instance| {
-            TraceInstance::new(&i.world_from_object, &world.materials[i.material], NONE)
-        };
+        let record = |i: &Instance| TraceInstance::new(i, world, NONE);
         let dynamic = world.instances.iter().enumerate();
         let dynamic = dynamic.filter(|(_, i)| i.dynamic).map(|(id, _)| id as u32);
         Self {
@@ -205,11 +206,8 @@ impl Trees {
         let (mut records, mut ids, mut boxes) = (Vec::new(), Vec::new(), Vec::new());
         for id in &self.top_instances {
             let instance = &world.instances[*id as usize];
-            let record = TraceInstance::new(
-                &instance.world_from_object,
-                &world.materials[instance.material],
-                self.instances[*id as usize].tree_root,
-            );
+            let root = self.instances[*id as usize].tree_root;
+            let record = TraceInstance::new(instance, world, root);
             records.push(record);
             let bounds = world.bounds_of(instance);
             let rows = record.object_from_world;

@@ -74,6 +74,11 @@ impl World {
         !self.materials[instance.material].double_sided
             && !self.meshes[instance.mesh].is_closed_outward()
     }
+
+    /// Whether an instance has triangles that reflections show and the camera does not.
+    pub fn hides_from_camera(&self, instance: &Instance) -> bool {
+        instance.shown.in_reflections && (!instance.shown.visible || self.hides_backs(instance))
+    }
 }
 
 /// A hash of the edge, and 1 or -1 by its direction; 0 of a point.

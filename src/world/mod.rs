@@ -11,7 +11,7 @@ use glam::{Affine3A, Vec2, Vec3, Vec4};
 use crate::{
     math::Bounds,
     scene::{
-        desc::{CameraDesc, Entry, LightDesc},
+        desc::{CameraDesc, Entry, LightDesc, ShownDesc},
         diagnostic::Diagnostic,
     },
 };
@@ -148,6 +148,8 @@ pub struct Instance {
     pub world_from_object: Affine3A,
     /// Whether it may move or is deformed; then it is traced through the top level.
     pub dynamic: bool,
+    /// Which rays see it.
+    pub shown: ShownDesc,
 }
 
 impl Instance {

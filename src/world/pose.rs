@@ -15,7 +15,7 @@ use crate::{
     scene::{
         desc::{CameraDesc, LightDesc, MaterialDesc, PLAIN, ReflectionMode},
         diagnostic::{Diagnostic, Span},
-        motion::{FrameState, MaterialChange},
+        motion::{FrameState, MaterialChange, placed_camera, placed_light},
     },
 };
 
@@ -44,8 +44,10 @@ pub struct Moving {
 pub struct Anchor {
     /// Index into `SceneDesc::instances`; `None` for a model that no instance names.
     pub desc: Option<usize>,
-    /// Of its copy in a grid, meters in world space.
-    pub offset: Vec3,
+    /// From where the instance stands to where its copy does, in the space of `parent`.
+    pub copy: Affine3A,
+    /// Index into `FrameState::instances` of what the copies of the instance hang on, if they do.
+    pub parent: Option<usize>,
     /// Index into [`Moving::players`] and slot of its animated node, if any.
     pub node: Option<(usize, usize)>,
     /// Whether that node only shows and hides it, and does not place it.
@@ -62,7 +64,11 @@ impl Anchor {
     fn place(&self, state: &FrameState, poses: &Poses) -> (Affine3A, bool) {
         let instance = self.desc.map_or(Affine3A::IDENTITY, |i| state.instances[i]);
         let node = self.node.map(|(player, slot)| &poses[player].nodes[slot]);
-        let world = Affine3A::from_translation(self.offset) * instance * self.model(poses);
+        let copy = self.parent.map_or(self.copy, |parent| {
+            let parent = state.instances[parent];
+            parent * self.copy * parent.inverse()
+        });
+        let world = copy * instance * self.model(poses);
         (world, node.is_none_or(|node| node.visible))
     }
 
@@ -368,26 +374,4 @@ fn pose(player: &Player, state: &FrameState) -> RigPose {
         || player.pose(state.time_s),
         |local_s| player.pose_at(local_s),
     )
-}
-
-/// A light moved from its own space to the world.
-pub fn placed_light(light: &LightDesc, world: &Affine3A) -> LightDesc {
-    let mut light = *light;
-    let place = |p: &mut Vec3| *p = world.transform_point3(*p);
-    let turn = |d: &mut Vec3| *d = world.transform_vector3(*d).try_normalize().unwrap_or(*d);
-    light.kind.position_mut().map(place);
-    light.kind.direction_mut().map(turn);
-    light
-}
-
-/// A camera moved from its own space to the world.
-pub fn placed_camera(camera: &CameraDesc, world: &Affine3A) -> CameraDesc {
-    let eye = world.transform_point3(camera.eye);
-    let turn = |d: Vec3| world.transform_vector3(d).try_normalize().unwrap_or(d);
-    CameraDesc {
-        eye,
-        target: eye + turn(camera.target - camera.eye),
-        up: turn(camera.up),
-        ..*camera
-    }
 }

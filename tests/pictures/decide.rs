@@ -96,6 +96,7 @@ fn the_cpu_counts_the_nodes_that_the_gpu_visits() {
             direction,
             t_min: f64::from(view.near_m),
             t_max: f64::INFINITY,
+            passes: 0,
         };
         u64::from(trees.nearest_counted(&ray).1)
     };

@@ -29,5 +29,6 @@ mod oracle;
 mod panorama;
 mod precision;
 mod ray_list;
+mod shown;
 mod specialized;
 mod textures;

@@ -12,7 +12,7 @@ use reflet::{
     scene::desc::SceneDesc,
     world::{
         World,
-        bvh::{Oracle, Ray, RayHit},
+        bvh::{Oracle, Ray, RayHit, UNREFLECTED, UNSEEN},
         load::{self, LoadOptions},
     },
 };
@@ -36,6 +36,7 @@ fn primary(view: &View, pixel: usize) -> Ray {
         direction: (forward + right * ndc.x - up * ndc.y).normalize(),
         t_min: 0.0,
         t_max: f64::INFINITY,
+        passes: UNSEEN,
     }
 }
 
@@ -61,6 +62,7 @@ fn mirrored(
         direction: (reflected + plane * lift).normalize(),
         t_min: 0.0,
         t_max: length_m,
+        passes: UNREFLECTED,
     })
 }
 

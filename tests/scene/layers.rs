@@ -55,6 +55,18 @@ impl Folder {
             .unwrap_or_else(|errors| panic!("{errors}"))
     }
 
+    pub fn path(&self) -> &std::path::Path {
+        &self.0
+    }
+
+    /// The first frame fails with this.
+    #[track_caller]
+    pub fn assert_frame(&self, says: &str) {
+        let scene = self.expect();
+        let errors = scene.pose(0).expect_err("it is wrong");
+        assert!(errors[0].message.contains(says), "{}", errors[0].message);
+    }
+
     /// The errors have each of these.
     #[track_caller]
     pub fn assert_says(&self, variants: &[&str], says: &[&str]) {

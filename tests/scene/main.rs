@@ -6,6 +6,7 @@ mod common;
 mod bad;
 mod docs;
 mod extends;
+mod hierarchy;
 mod hostile;
 mod include;
 mod layers;

@@ -123,6 +123,7 @@ pub fn world(offset: Vec3) -> World {
             Vec3::new(0.0, -8.0, 0.0),
         ),
         dynamic: false,
+        shown: Default::default(),
     }];
     for i in 0..48 {
         instances.push(Instance {
@@ -151,6 +152,7 @@ pub fn ray(origin: Vec3, direction: Vec3, t_min: f32, t_max: f32) -> Ray {
         direction: direction.as_dvec3(),
         t_min: f64::from(t_min),
         t_max: f64::from(t_max),
+        passes: 0,
     }
 }
 
@@ -223,6 +225,7 @@ pub fn closed_shape(offset: Vec3, dynamic: bool) -> World {
                 offset,
             ),
             dynamic,
+            shown: Default::default(),
         }],
         ..World::default()
     }

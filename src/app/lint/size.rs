@@ -80,6 +80,7 @@ mod tests {
                 material: 0,
                 world_from_object: Affine3A::IDENTITY,
                 dynamic: false,
+                shown: Default::default(),
             }],
             ..World::default()
         };

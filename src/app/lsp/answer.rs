@@ -9,7 +9,7 @@ use std::{
 use serde_json::{Value, json};
 
 use super::{
-    names::{TextFile, files_of_value, kind_of_value, names, with_parts},
+    names::{TextFile, files_of_value, kinds_of_value, names, with_parts},
     outline::{Part, Word, outline},
     position::{range, uri_of},
     tables::{Below, below, key, keys_of, table},
@@ -125,7 +125,7 @@ fn values(file: &TextFile, word: &Word, name: &str, quoted: bool) -> Vec<Value> 
         let chosen = section.variants.iter().filter(|v| v.key == name);
         all.extend(chosen.map(|v| item(&text(v.word), VALUE, variant_text(section, v.word))));
     }
-    if let Some(kind) = kind_of_value(name) {
+    for kind in kinds_of_value(name) {
         let names = names_of_kind(file, kind);
         all.extend(names.iter().map(|name| item(&text(name), REFERENCE, "")));
     }
@@ -220,7 +220,7 @@ pub fn definition(file: &TextFile, offset: usize) -> Vec<Value> {
     let Some(word) = word_at(&file.text, offset) else {
         return Vec::new();
     };
-    let kind = match (&word.part, word.table.as_slice()) {
+    let kinds: Vec<String> = match (&word.part, word.table.as_slice()) {
         (Part::Value(key), table) => {
             let ends = files_of_value(table, key);
             let at_start =
@@ -233,17 +233,17 @@ pub fn definition(file: &TextFile, offset: usize) -> Vec<Value> {
                     .into_iter()
                     .collect();
             }
-            kind_of_value(key).map(str::to_owned)
+            kinds_of_value(key)
+                .iter()
+                .map(|kind| (*kind).to_owned())
+                .collect()
         }
         // [motion.instance.NAME]
-        (Part::Header, [motion, kind]) if motion == "motion" => Some(kind.clone()),
-        _ => None,
-    };
-    let Some(kind) = kind else {
-        return Vec::new();
+        (Part::Header, [motion, kind]) if motion == "motion" => vec![kind.clone()],
+        _ => Vec::new(),
     };
     places(&with_parts(&file.path, &file.text), &word.text, |k| {
-        k == kind
+        kinds.iter().any(|kind| kind == k)
     })
 }
 

@@ -15,7 +15,9 @@ use crate::{
 };
 
 /// Tables whose entries have names that other tables use.
-const NAMED: [&str; 6] = ["camera", "material", "model", "light", "params", "variant"];
+const NAMED: [&str; 7] = [
+    "camera", "group", "light", "material", "model", "params", "variant",
+];
 
 /// A name and where it is given.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -74,13 +76,14 @@ pub fn with_parts(path: &Path, text: &str) -> Vec<TextFile> {
     all
 }
 
-/// What the value of a key names: a kind of [`Name`], if it names something of the scene.
-pub fn kind_of_value(key: &str) -> Option<&'static str> {
+/// What the value of a key names: kinds of [`Name`]; empty if it names nothing of the scene.
+pub fn kinds_of_value(key: &str) -> &'static [&'static str] {
     match key {
-        "model" => Some("model"),
-        "material" | "extends" => Some("material"),
-        "instance" => Some("instance"),
-        _ => None,
+        "model" => &["model"],
+        "material" | "extends" => &["material"],
+        "instance" | "parent" => &["instance", "group"],
+        "camera" => &["camera"],
+        _ => &[],
     }
 }
 

@@ -18,7 +18,7 @@ pub const PASS: Pass = Pass {
     color: [95, 160, 205],
     writes: &[Target::Ids],
     needed: |_, options| has_primary_rays(options),
-    overrides: |_| vec![("TRACK_CULLED", 1.0)],
+    overrides: |_| vec![("OF_CAMERA", 1.0)],
     // `check_world` and `Trees::build` validated every index that tracing follows.
     checks: Checks::TrustedBuiltin,
     counted: true,

@@ -29,6 +29,8 @@ pub struct Visibility {
     pipelines: Vec<(DrawClass, wgpu::RenderPipeline)>,
     /// Of what the camera culls, where the march is to know its depth.
     culled: Vec<(DrawClass, wgpu::RenderPipeline)>,
+    /// Of what only reflections show, likewise.
+    unseen: Vec<(DrawClass, wgpu::RenderPipeline)>,
 }
 
 impl FramePass for Visibility {
@@ -36,9 +38,11 @@ impl FramePass for Visibility {
     fn new(builder: &PassBuilder<'_>) -> Result<Self, GpuError> {
         let draws = &builder.resources.scene.draws;
         let has_culled = builder.plan.culled_surfaces;
-        let culled = draws.iter().filter(|d| has_culled && d.hides_backs);
+        let culled = draws.iter().filter(|d| has_culled && is_culled(d));
+        let unseen = draws.iter().filter(|d| has_culled && is_unseen(d));
         Ok(Self {
             pipelines: pipelines(builder, draws, Faces::Shown)?,
+            unseen: pipelines(builder, unseen, Faces::Unseen)?,
             culled: pipelines(builder, culled, Faces::Culled)?,
         })
     }
@@ -74,11 +78,22 @@ impl FramePass for Visibility {
                     }
                 }
             };
-            draw_all(&self.pipelines, |_| true);
+            draw_all(&self.pipelines, |draw| draw.shown.visible);
             // Last: most of it lies behind what is shown, and only its depth is kept.
-            draw_all(&self.culled, |draw| draw.hides_backs);
+            draw_all(&self.culled, is_culled);
+            draw_all(&self.unseen, is_unseen);
         });
     }
+}
+
+/// Whether the camera culls some of it.
+fn is_culled(draw: &Draw) -> bool {
+    draw.shown.visible && draw.hides_backs
+}
+
+/// Whether only reflections show it.
+fn is_unseen(draw: &Draw) -> bool {
+    !draw.shown.visible && draw.shown.in_reflections
 }
 
 /// Which faces of single-sided triangles a pipeline draws.
@@ -88,6 +103,8 @@ enum Faces {
     Shown,
     /// Those that it does not, into the depth alone.
     Culled,
+    /// All, into the depth alone.
+    Unseen,
 }
 
 /// A pipeline for each class of these draws.
@@ -176,11 +193,12 @@ fn pipeline(
         _ if class.double_sided => None,
         Faces::Shown => Some(wgpu::Face::Back),
         Faces::Culled => Some(wgpu::Face::Front),
+        Faces::Unseen => None,
     };
     let ids = wgpu::ColorTargetState {
         write_mask: match faces {
             Faces::Shown => wgpu::ColorWrites::ALL,
-            Faces::Culled => wgpu::ColorWrites::empty(),
+            Faces::Culled | Faces::Unseen => wgpu::ColorWrites::empty(),
         },
         ..Target::Ids.format(false).into()
     };

@@ -9,6 +9,9 @@ use crate::scene::{
 };
 
 /// `[camera.NAME]`
+///
+/// - `parent`: `name` of an instance, or a `[group.NAME]`, that this hangs on: its positions and
+///   directions are then relative to where that is, wherever it moves. Default: none.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CameraDesc {
     /// Position, meters.

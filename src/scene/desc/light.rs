@@ -199,9 +199,21 @@ impl LightKind {
             Self::Point { .. } | Self::Directional { .. } => None,
         }
     }
+
+    /// The direction of its second edge, if it has edges.
+    pub fn up_mut(&mut self) -> Option<&mut Vec3> {
+        match self {
+            Self::Rect { up, .. } => Some(up),
+            _ => None,
+        }
+    }
 }
 
 /// `[light.NAME]`. A white surface lit with π lux shows as 1 (white) at exposure 0.
+///
+/// - `parent`: `name` of an instance, or a `[group.NAME]`, that this hangs on: its position and its
+///   directions are then relative to where that is, wherever it moves; sizes and intensities stay.
+///   Default: none.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightDesc {
     /// `kind = "point" | "spot" | "directional" | "rect" | "disk"` and its keys. Lights with a size are

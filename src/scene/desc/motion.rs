@@ -22,6 +22,8 @@ pub struct MotionDesc {
     /// `instance.NAME`: motion of an instance, by its `name`, which is dynamic then, and changing
     /// numbers of its own `material`.
     pub instances: Vec<Entry<InstanceMotionDesc>>,
+    /// `group.NAME`: motion of a group, and with it of what hangs on it.
+    pub groups: Vec<Entry<InstanceMotionDesc>>,
     /// `light.NAME`: motion of a light.
     pub lights: Vec<Entry<LightMotionDesc>>,
     /// `material.NAME`: changing numbers of a `[material.NAME]`.
@@ -35,6 +37,7 @@ impl MotionDesc {
     pub fn is_empty(&self) -> bool {
         self.cameras.is_empty()
             && self.instances.is_empty()
+            && self.groups.is_empty()
             && self.lights.is_empty()
             && self.materials.is_empty()
             && self.models.is_empty()
@@ -64,6 +67,15 @@ impl InstanceMotionDesc {
         self.material.is_none() || tracks.iter().any(|track| track.is_some())
     }
 }
+
+/// `[motion.group.NAME]`: `translation`, `rotation_deg` and `scale` are of a group that is placed by
+/// these or `rotation_quat`, not by `matrix`.
+///
+/// - `translation`: track of where the group's origin goes, meters.
+/// - `rotation_deg`: track of the turn, degrees about X, then Y, then Z, all fixed axes. Without `keys`
+///   it is applied before the group's own rotation, so about its own axes.
+/// - `scale`: track of the factor on what hangs on it, or of three; must not pass 0, but by a `"step"`.
+pub struct GroupMotionDesc;
 
 /// `[motion.model.NAME]`: of a model with a `file`.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -108,7 +108,7 @@ pub struct ScaleKeyDesc;
 /// `follow = { instance = "car", offset = [0, 1, 0] }`
 #[derive(Clone, Debug, PartialEq)]
 pub struct FollowDesc {
-    /// `name` of an instance.
+    /// `name` of an instance or a group.
     pub instance: At<String>,
     /// A point of that instance's model space, meters, so it turns and grows with it. Default [0, 0, 0].
     pub offset: Vec3,

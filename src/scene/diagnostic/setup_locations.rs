@@ -18,11 +18,12 @@ use super::{Source, Span};
 use crate::scene::suggest;
 
 /// Keys of what `setup` returns, and whether they are lists.
-pub const TABLES: [(&str, &str, bool); 5] = [
+pub const TABLES: [(&str, &str, bool); 6] = [
     ("cameras", "camera", false),
     ("materials", "material", false),
     ("models", "model", false),
     ("lights", "light", false),
+    ("groups", "group", false),
     ("instances", "instance", true),
 ];
 

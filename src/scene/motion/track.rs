@@ -38,6 +38,11 @@ impl<'a> Track<'a> {
         !self.desc.keys.is_empty()
     }
 
+    /// Whether it takes the place of an instance.
+    pub fn follows(&self) -> bool {
+        self.follow.is_some()
+    }
+
     /// The value at a time, seconds; `base` is what the thing's own table says, `instances` are the
     /// poses of this time.
     pub fn at(&self, time_s: f64, base: Vec3, instances: &[Affine3A]) -> Vec3 {

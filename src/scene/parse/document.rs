@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use toml::de::{DeTable, DeValue};
 
 use super::{
-    OVERRIDE, Parsed, ReadOptions, VARIANT, additions, extends,
+    OVERRIDE, Parsed, ReadOptions, VARIANT, additions, extends, hierarchy,
     include::{self, Included},
     layers::{self, Base},
     names, params,
@@ -194,6 +194,9 @@ impl<'t> Document<'t> {
         if shadows.is_empty() {
             let is_included = |at: &Span| texts.is_included(at);
             names::check(&scene, table, &is_included, &mut report);
+            if report.errors() == 0 {
+                scene.parents = hierarchy::parents(&scene, table);
+            }
         }
         // Those of included files are definitions only, and are not placed by themselves.
         let instances = &scene.instances;

@@ -7,7 +7,7 @@ use std::{
 
 use toml::de::DeTable;
 
-use super::{extends, report::Report};
+use super::{extends, hierarchy, report::Report};
 use crate::scene::suggest;
 use crate::scene::{
     desc::{At, Entry, InstanceDesc, InstanceMaterialDesc, ModelDesc, ModelSource, SceneDesc},
@@ -110,6 +110,7 @@ pub fn check(
         }
     }
     check_instance_names(root, report);
+    hierarchy::check(root, report);
     motion::check(scene, root, report);
     if report.errors() == 0 {
         materials

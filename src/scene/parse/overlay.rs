@@ -40,9 +40,10 @@ impl Level {
     /// Of the table under a key.
     fn below(self, key: &str) -> Self {
         match (self, key) {
-            (Self::Scene, "camera" | "instance" | "light" | "material" | "model" | "params") => {
-                Self::Names
-            }
+            (
+                Self::Scene,
+                "camera" | "group" | "instance" | "light" | "material" | "model" | "params",
+            ) => Self::Names,
             (Self::Scene, "motion") | (Self::Variants, _) => Self::Scene,
             (Self::Scene, "variant") => Self::Variants,
             _ => Self::Keys,
@@ -159,6 +160,7 @@ pub fn remove(root: &mut Node, path: &str, at: &std::ops::Range<usize>, report: 
     let known = match node.get_mut() {
         DeValue::Table(table) if table.contains_key(last) => {
             table.remove(last);
+            report.note_removed(path, at);
             return;
         }
         DeValue::Table(table) => table.keys().map(|k| k.get_ref().to_string()).collect(),
@@ -166,6 +168,7 @@ pub fn remove(root: &mut Node, path: &str, at: &std::ops::Range<usize>, report: 
             Some(index) => {
                 let kept = items.iter().enumerate().filter(|(i, _)| *i != index);
                 *items = kept.map(|(_, item)| item.clone()).collect();
+                report.note_removed(path, at);
                 return;
             }
             None => names_in(items),

@@ -14,6 +14,7 @@ use glam::Vec3;
 
 use super::{
     color::Color,
+    hierarchy,
     table::{Either, Section, Table},
     value::{Names, Version},
 };
@@ -37,6 +38,7 @@ impl Section for SceneDesc {
             materials: t.entries("material"),
             models: t.entries("model"),
             instances: t.list("instance"),
+            groups: t.entries("group"),
             lights: t.entries("light"),
             environment: t.table("environment").unwrap_or_default(),
             reflection: t.table("reflection").unwrap_or_default(),
@@ -44,6 +46,7 @@ impl Section for SceneDesc {
             timeline: t.table("timeline"),
             motion: t.table("motion").unwrap_or_default(),
             params: t.params("params"),
+            parents: Parents::default(),
             variants: t.changes("variant"),
             includes: Vec::new(),
             script: None,
@@ -69,6 +72,7 @@ impl Section for CameraDesc {
 
     fn read(t: &mut Table) -> Option<Self> {
         let default = Self::default();
+        hierarchy::ask(t);
         let camera = Self {
             eye: t.get("eye", ANY, default.eye),
             target: t.get("target", ANY, default.target),

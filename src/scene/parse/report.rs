@@ -1,6 +1,11 @@
 //! Where messages are collected while a scene is read, and what turns byte ranges into places.
 
-use std::{collections::HashSet, ops::Range, path::Path, sync::Arc};
+use std::{
+    collections::{HashMap, HashSet},
+    ops::Range,
+    path::Path,
+    sync::Arc,
+};
 
 use crate::scene::diagnostic::{Diagnostic, Returned, Severity, Source, Span};
 
@@ -22,6 +27,8 @@ pub struct Report {
     /// Where values begin that are floats, though they are written as integers.
     floats: HashSet<usize>,
     lacks_names: bool,
+    /// What a layer has removed, and where it says so.
+    removed: HashMap<String, Range<usize>>,
 }
 
 impl Report {
@@ -58,6 +65,16 @@ impl Report {
     /// Whether the value that begins here is a float in any case.
     pub fn is_float(&self, start: usize) -> bool {
         self.floats.contains(&start)
+    }
+
+    /// Notes that a layer has removed what is at a path, such as `light.lamp`; `at` is where it says so.
+    pub fn note_removed(&mut self, path: &str, at: &Range<usize>) {
+        self.removed.insert(path.to_owned(), at.clone());
+    }
+
+    /// Where a layer says that it removes what is at a path.
+    pub fn removed(&self, path: &str) -> Option<Span> {
+        self.removed.get(path).map(|at| self.span(at))
     }
 
     /// Notes that a script or an included file would add names to the scene, and failed to.

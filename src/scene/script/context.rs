@@ -148,7 +148,7 @@ impl Context {
         }
         let shown = suggest::text(name);
         fail(format!(
-            "instance {shown} stands still; write `dynamic = true` in its [[instance]]"
+            "{shown} stands still; write `dynamic = true` in its [[instance]] or [group]"
         ))
     }
 
@@ -215,10 +215,12 @@ impl Context {
         })
     }
 
-    /// Where an instance is now.
+    /// Where an instance or a group is now, in the world.
     pub fn matrix(&self, name: &str) -> Result<DMat4> {
         let index = self.find("instance", name, |n| &n.instances)?;
-        Ok(glam::Mat4::from(self.scene().state.instances[index]).as_dmat4())
+        let parents = &self.names()?.parents;
+        let world = parents.world_of(&self.scene().state.instances, index);
+        Ok(glam::Mat4::from(world).as_dmat4())
     }
 
     /// Sets the time inside the animations that an instance plays.

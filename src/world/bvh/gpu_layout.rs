@@ -1,9 +1,12 @@
 //! Buffer layout of triangles and instances for traversal.
 
 use bytemuck::{Pod, Zeroable};
-use glam::{Affine3A, Vec3};
+use glam::Vec3;
 
-use crate::{math::in_f64, world::Material};
+use crate::{
+    math::in_f64,
+    world::{Instance, World},
+};
 
 /// Flag: hits ask `alpha_passes` first.
 pub const ALPHA_TESTED: u32 = 1;
@@ -11,6 +14,12 @@ pub const ALPHA_TESTED: u32 = 1;
 pub const DOUBLE_SIDED: u32 = 2;
 /// Flag: clockwise is the front, because a mirroring transform was baked in.
 pub const FLIPPED: u32 = 4;
+/// Flag: rays of the camera pass.
+pub const UNSEEN: u32 = 8;
+/// Flag: shadow rays pass.
+pub const SHADOWLESS: u32 = 16;
+/// Flag: rays of reflections, and those through glass, pass.
+pub const UNREFLECTED: u32 = 32;
 
 /// A triangle as traversal reads it, 48 bytes (3 × `vec4u`).
 #[repr(C)]
@@ -26,7 +35,8 @@ pub struct TraceTriangle {
     pub triangle: u32,
     /// Vertex 2 − vertex 0.
     pub edge2: [f32; 3],
-    /// [`ALPHA_TESTED`], [`DOUBLE_SIDED`], [`FLIPPED`]; 0 in mesh trees, where the instance decides.
+    /// [`ALPHA_TESTED`], [`DOUBLE_SIDED`], [`FLIPPED`], [`UNSEEN`], [`SHADOWLESS`], [`UNREFLECTED`]; 0 in
+    /// mesh trees, where the instance decides.
     pub flags: u32,
 }
 
@@ -39,16 +49,16 @@ pub struct TraceInstance {
     pub object_from_world: [[f32; 4]; 3],
     /// Root of its mesh tree; [`NONE`](super::NONE) where it is part of the static tree.
     pub tree_root: u32,
-    /// [`ALPHA_TESTED`] and [`DOUBLE_SIDED`] of its material. Object space keeps its winding, so
-    /// [`FLIPPED`] is never set.
+    /// As those of a triangle. Object space keeps its winding, so [`FLIPPED`] is never set.
     pub trace_flags: u32,
     /// Unused.
     pub padding: [u32; 2],
 }
 
 impl TraceInstance {
-    /// Record of an instance with this transform.
-    pub(super) fn new(world_from_object: &Affine3A, material: &Material, tree_root: u32) -> Self {
+    /// Record of an instance of a world.
+    pub(super) fn new(instance: &Instance, world: &World, tree_root: u32) -> Self {
+        let world_from_object = &instance.world_from_object;
         // Inverted in f64, so that only its storage rounds.
         let inverse = in_f64(world_from_object).matrix3.inverse().as_mat3();
         let row = |k: usize| {
@@ -60,17 +70,23 @@ impl TraceInstance {
         Self {
             object_from_world: [row(0), row(1), row(2)],
             tree_root,
-            trace_flags: material_flags(material),
+            trace_flags: instance_flags(instance, world),
             padding: [0; 2],
         }
     }
 }
 
-pub(super) fn material_flags(material: &Material) -> u32 {
+/// What rays need to know of an instance, but for its winding.
+pub(super) fn instance_flags(instance: &Instance, world: &World) -> u32 {
+    let (material, shown) = (&world.materials[instance.material], instance.shown);
     let flag = |set: bool, bit: u32| if set { bit } else { 0 };
     // Light that passes is asked for like cut-outs, behind the traversal.
     let tested = material.alpha_cutoff.is_some() || material.passes_light();
-    flag(tested, ALPHA_TESTED) | flag(material.double_sided, DOUBLE_SIDED)
+    flag(tested, ALPHA_TESTED)
+        | flag(material.double_sided, DOUBLE_SIDED)
+        | flag(!shown.visible, UNSEEN)
+        | flag(!shown.casts_shadow, SHADOWLESS)
+        | flag(!shown.in_reflections, UNREFLECTED)
 }
 
 pub(super) fn trace_triangle(

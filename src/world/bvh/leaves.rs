@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::{
     FLIPPED, MAX_REACH_M, NONE, TraceTriangle,
-    gpu_layout::{material_flags, trace_triangle},
+    gpu_layout::{instance_flags, trace_triangle},
     placement::error,
     tree::Tree,
 };
@@ -103,7 +103,7 @@ pub(super) fn static_tree(
         .iter()
         .map(|i| {
             let mirrors = in_f64(&i.world_from_object).matrix3.determinant() < 0.0;
-            material_flags(&world.materials[i.material]) | if mirrors { FLIPPED } else { 0 }
+            instance_flags(i, world) | if mirrors { FLIPPED } else { 0 }
         })
         .collect();
     let triangles = tree

@@ -8,7 +8,7 @@ use glam::{DMat3, DVec2, DVec3, Vec3};
 
 use super::{
     ALPHA_TESTED, DOUBLE_SIDED, FLIPPED, NONE, STATIC_ROOT, TOP_LEVEL, TOP_ROOT, TraceTriangle,
-    Trees, gpu_layout::material_flags, leaves::corners,
+    Trees, gpu_layout::instance_flags, leaves::corners,
 };
 use crate::{math::in_f64, world::World};
 
@@ -23,6 +23,9 @@ pub struct Ray {
     pub t_min: f64,
     /// Hits at or after this are ignored.
     pub t_max: f64,
+    /// Flags of what it passes: [`UNSEEN`](super::UNSEEN), [`SHADOWLESS`](super::SHADOWLESS) or
+    /// [`UNREFLECTED`](super::UNREFLECTED); 0 meets everything.
+    pub passes: u32,
 }
 
 /// A hit.
@@ -65,7 +68,8 @@ impl Corner {
         let (t, bary, front) = self.plane_hit(ray)?;
         let inside = bary.x >= 0.0 && bary.y >= 0.0 && bary.x + bary.y <= 1.0;
         let seen = front || !cull || self.flags & DOUBLE_SIDED != 0;
-        (inside && seen && ray.t_min < t && t < ray.t_max).then_some((t, bary))
+        let met = inside && seen && self.flags & ray.passes == 0;
+        (met && ray.t_min < t && t < ray.t_max).then_some((t, bary))
     }
 }
 
@@ -88,8 +92,7 @@ impl Oracle {
             let mesh = &world.meshes[instance.mesh];
             let transform = in_f64(&instance.world_from_object);
             let mirrors = transform.matrix3.determinant() < 0.0;
-            let flags = material_flags(&world.materials[instance.material])
-                | if mirrors { FLIPPED } else { 0 };
+            let flags = instance_flags(instance, world) | if mirrors { FLIPPED } else { 0 };
             for t in 0..mesh.triangles.len() as u32 {
                 let [base, b, c] = corners(world, instance.mesh, t)
                     .map(|p| transform.transform_point3(p.as_dvec3()));

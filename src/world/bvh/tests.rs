@@ -41,6 +41,7 @@ fn world(meshes: Vec<Mesh>, placements: &[(usize, Affine3A, bool)]) -> World {
                 material: 0,
                 world_from_object: *world_from_object,
                 dynamic: *dynamic,
+                shown: Default::default(),
             })
             .collect(),
         ..World::default()
@@ -54,6 +55,7 @@ fn look_at(trees: &Trees, x: f64) -> Option<RayHit> {
         direction: DVec3::NEG_Z,
         t_min: 0.0,
         t_max: 1e30,
+        passes: 0,
     };
     assert_eq!(
         trees.nearest(&ray, |_, _, _| true).is_some(),

@@ -79,7 +79,10 @@ impl<'a> Framed<'a> {
                 !world.instances[i].dynamic
             }
         };
-        let seen = |i: &usize| !world.instances[*i].is_hidden();
+        let seen = |i: &usize| {
+            let instance = &world.instances[*i];
+            instance.shown.visible && !instance.is_hidden()
+        };
         let all = || (0..world.instances.len()).filter(seen);
         let mut shown: Vec<usize> = all().filter(|i| still(*i)).collect();
         if shown.is_empty() && boxes.is_empty() {

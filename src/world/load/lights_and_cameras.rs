@@ -2,17 +2,18 @@
 
 use std::collections::HashSet;
 
+use glam::Affine3A;
+
 use super::{
     Loader, error_at,
     model_instance::{ModelInstance, Place},
 };
 use crate::{
-    scene::desc::{CameraDesc, Entry, LightDesc, ModelDesc, SceneDesc},
-    world::{
-        Light, MAX_LIGHTS, World,
-        gltf::Model,
-        pose::{Moved, placed_camera, placed_light},
+    scene::{
+        desc::{CameraDesc, Entry, LightDesc, ModelDesc, SceneDesc},
+        motion::{placed_camera, placed_light},
     },
+    world::{Light, MAX_LIGHTS, World, gltf::Model, pose::Moved},
 };
 
 /// Lights and cameras found so far.
@@ -27,17 +28,24 @@ pub struct Extras {
 }
 
 impl Extras {
-    /// Those of the scene text.
-    pub fn new(desc: &SceneDesc) -> Self {
-        let light = |entry: &Entry<_>| Light {
+    /// Those of the scene text; `rest` are its instances and groups.
+    pub fn new(desc: &SceneDesc, rest: &[Affine3A]) -> Self {
+        let light = |(entry, desc): (&Entry<_>, _)| Light {
             name: entry.name.clone(),
-            desc: entry.value,
+            desc,
             range_m: None,
         };
+        let camera = |(entry, value): (&Entry<_>, _)| Entry {
+            name: entry.name.clone(),
+            at: entry.at.clone(),
+            value,
+        };
+        let lights = desc.lights.iter().zip(desc.lights_at_rest(rest));
+        let cameras = desc.cameras.iter().zip(desc.cameras_at_rest(rest));
         Self {
-            lights: desc.lights.iter().map(light).collect(),
+            lights: lights.map(light).collect(),
             light_count: desc.lights.len(),
-            cameras: desc.cameras.clone(),
+            cameras: cameras.map(camera).collect(),
             camera_names: desc.cameras.iter().map(|c| c.name.clone()).collect(),
             moving_lights: Vec::new(),
             moving_cameras: Vec::new(),

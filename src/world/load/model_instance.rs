@@ -3,7 +3,10 @@
 use glam::Affine3A;
 
 use super::repeat::Copy;
-use crate::world::{World, gltf::Attached, pose::Anchor};
+use crate::{
+    scene::desc::ShownDesc,
+    world::{World, gltf::Attached, pose::Anchor},
+};
 
 /// A model copy being placed.
 pub struct ModelInstance<'a> {
@@ -13,6 +16,8 @@ pub struct ModelInstance<'a> {
     pub dynamic: bool,
     /// Index into `Moving::players`, if it plays an animation.
     pub player: Option<usize>,
+    /// What shows it.
+    pub shown: ShownDesc,
     /// Copy in the grid.
     pub copy: &'a Copy,
 }
@@ -22,6 +27,7 @@ pub struct Place {
     pub world: Affine3A,
     pub world_from_model: Affine3A,
     pub anchor: Option<Anchor>,
+    pub shown: ShownDesc,
 }
 
 impl Place {
@@ -58,7 +64,8 @@ impl ModelInstance<'_> {
         });
         let anchor = (self.dynamic || slot.is_some()).then(|| Anchor {
             desc: self.desc,
-            offset: self.copy.offset,
+            copy: self.copy.from_instance,
+            parent: self.copy.parent,
             node: slot,
             is_skinned,
             local: if slot.is_some() && !is_skinned {
@@ -71,6 +78,7 @@ impl ModelInstance<'_> {
             world_from_model: self.copy.world_from_model,
             world: self.copy.world_from_model * model_from_object,
             anchor,
+            shown: self.shown,
         }
     }
 }

@@ -2,16 +2,18 @@
 
 use std::collections::HashMap;
 
+use glam::Affine3A;
+
 use super::{
     Loader, Source, error_at,
     lights_and_cameras::Extras,
     model_instance::{ModelInstance, Place},
-    repeat::copies,
+    repeat::{Stand, copies},
 };
 use crate::{
     math::invertible,
     scene::{
-        desc::{Entry, InstanceDesc, ModelDesc, SceneDesc},
+        desc::{Entry, InstanceDesc, ModelDesc, SceneDesc, ShownDesc},
         diagnostic::{Diagnostic, Severity, Span},
         motion::{changing_overrides, moving},
     },
@@ -93,12 +95,14 @@ fn placed_at(desc: &SceneDesc) -> Vec<Span> {
 impl Loader<'_> {
     /// Fills the world's instances, lights and cameras.
     pub fn place_all(&mut self, sources: &[Source]) {
-        let mut extras = Extras::new(self.desc);
+        let rest = self.desc.rest();
+        let mut extras = Extras::new(self.desc, &rest);
         self.world.moving.placed_at = placed_at(self.desc);
         for job in &jobs(self.desc) {
             let before = self.world.instances.len();
             let mut dropped = Vec::new();
-            self.place(job, &sources[job.model], &mut extras, &mut dropped);
+            let stand = self.stand(job, &rest);
+            self.place((job, stand), &sources[job.model], &mut extras, &mut dropped);
             let placed = self.world.instances.len();
             if placed > MAX_INSTANCES {
                 let text = format!("more than {MAX_INSTANCES} instances");
@@ -110,6 +114,15 @@ impl Loader<'_> {
         }
         self.finish_extras(extras);
         self.list_animations(sources);
+    }
+
+    /// Where an instance stands; `rest` are all instances and groups.
+    fn stand(&self, job: &Job<'_>, rest: &[Affine3A]) -> Stand {
+        let parent = job.index.and_then(|i| self.desc.parents.of_node(i));
+        Stand {
+            world: job.index.map_or(Affine3A::IDENTITY, |i| rest[i]),
+            parent: parent.map(|parent| (parent, rest[parent])),
+        }
     }
 
     /// Lists the animations of the files.
@@ -170,7 +183,7 @@ impl Loader<'_> {
 
     fn place(
         &mut self,
-        job: &Job<'_>,
+        (job, at): (&Job<'_>, Stand),
         source: &Source,
         extras: &mut Extras,
         dropped: &mut Vec<String>,
@@ -178,12 +191,13 @@ impl Loader<'_> {
         let model = &self.desc.models[job.model];
         let base_name = (job.instance.and_then(|i| i.name.as_ref())).unwrap_or(&model.name);
         let player = self.add_player(job, source);
-        for (number, copy) in copies(job.instance).enumerate() {
+        for (number, copy) in copies(job.instance, at).enumerate() {
             let name = format!("{base_name}{}", copy.suffix);
             let stand = ModelInstance {
                 desc: job.index,
                 dynamic: job.dynamic,
                 player,
+                shown: job.instance.map_or_else(ShownDesc::default, |i| i.shown),
                 copy: &copy,
             };
             match source {
@@ -310,6 +324,7 @@ impl Loader<'_> {
             material,
             world_from_object,
             dynamic,
+            shown: place.shown,
         });
     }
 

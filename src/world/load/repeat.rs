@@ -2,26 +2,37 @@
 
 use glam::{Affine3A, Vec3};
 
-use crate::scene::{desc::InstanceDesc, motion::transform};
+use crate::scene::desc::InstanceDesc;
 
 /// One copy of a placed model.
 pub struct Copy {
     /// Suffix of its name.
     pub suffix: String,
-    /// Offset of its grid cell, meters.
-    pub offset: Vec3,
+    /// From where the instance stands to where the copy does, in the space of the parent.
+    pub from_instance: Affine3A,
+    /// The node on which the copies hang, if they do.
+    pub parent: Option<usize>,
     /// Transform of this copy.
     pub world_from_model: Affine3A,
 }
 
+/// Where an instance stands: itself, and what it hangs on.
+#[derive(Clone, Copy)]
+pub struct Stand {
+    /// World from model space, at rest.
+    pub world: Affine3A,
+    /// What it hangs on, and its transform at rest.
+    pub parent: Option<(usize, Affine3A)>,
+}
+
 /// The copies of an instance.
-pub fn copies(instance: Option<&InstanceDesc>) -> impl Iterator<Item = Copy> + use<> {
-    let base = instance.map_or(Affine3A::IDENTITY, |i| transform(&i.placement));
+pub fn copies(instance: Option<&InstanceDesc>, stand: Stand) -> impl Iterator<Item = Copy> + use<> {
     let repeat = instance.and_then(|i| i.repeat);
     let [nx, ny, nz] = repeat.map_or([1; 3], |r| r.count);
     let step = repeat.map_or(Vec3::ZERO, |r| r.step);
     let cells =
         (0..nx).flat_map(move |x| (0..ny).flat_map(move |y| (0..nz).map(move |z| [x, y, z])));
+    let parent = stand.parent.filter(|_| repeat.is_some());
     cells.map(move |[x, y, z]| {
         let offset = step * Vec3::new(x as f32, y as f32, z as f32);
         let suffix = if repeat.is_some() {
@@ -29,10 +40,15 @@ pub fn copies(instance: Option<&InstanceDesc>) -> impl Iterator<Item = Copy> + u
         } else {
             String::new()
         };
+        let from_instance = Affine3A::from_translation(offset);
         Copy {
             suffix,
-            offset,
-            world_from_model: Affine3A::from_translation(offset) * base,
+            from_instance,
+            parent: parent.map(|(node, _)| node),
+            world_from_model: match parent {
+                Some((_, parent)) => parent * from_instance * parent.inverse() * stand.world,
+                None => from_instance * stand.world,
+            },
         }
     })
 }

@@ -53,6 +53,7 @@ mod tests {
             material: 0,
             world_from_object: Affine3A::IDENTITY,
             dynamic: false,
+            shown: Default::default(),
         };
         World {
             instances: names.iter().map(instance).collect(),

@@ -7,9 +7,9 @@ use toml::de::DeTable;
 use super::Names;
 use crate::scene::{
     desc::{
-        At, CAMERA, Entry, InstanceMaterialDesc, InstanceMotionDesc, LIGHT, LightMotionDesc,
-        MATERIAL, MaterialDesc, MaterialMotionDesc, ModelMotionDesc, ModelSource, PlacementDesc,
-        SceneDesc, TrackDesc, Tracks,
+        At, CAMERA, Entry, InstanceDesc, InstanceMaterialDesc, InstanceMotionDesc, LIGHT,
+        LightMotionDesc, MATERIAL, MaterialDesc, MaterialMotionDesc, ModelMotionDesc, ModelSource,
+        PlacementDesc, SceneDesc, TrackDesc, Tracks,
     },
     diagnostic::{Diagnostic, Span},
     motion::{FileMaterial, written},
@@ -28,28 +28,21 @@ pub fn check(scene: &SceneDesc, root: &DeTable, report: &mut Report) {
     refer_all(&mut lights, &motion.lights, report);
     refer_all(&mut materials, &motion.materials, report);
     refer_all(&mut Names::of("model", root), &motion.models, report);
+    refer_all(&mut Names::of("group", root), &motion.groups, report);
     for entry in &motion.instances {
         refer_instance(root, &entry.name, &entry.at, report);
         check_override(scene, root, entry, report);
-        let fixed = scene.instances.iter().find(|i| {
-            i.name.as_ref() == Some(&entry.name) && matches!(i.placement, PlacementDesc::Matrix(_))
-        });
-        if let Some(instance) = fixed.filter(|_| entry.value.moves()) {
-            let message = "an instance that is placed by `matrix` cannot have motion";
-            let error = Diagnostic::at("wrong-motion", entry.at.clone(), message)
-                .help("place it by `translation`, `rotation_deg` and `scale`")
-                .related(instance.at.clone(), "the instance is here");
-            report.push(error);
+        let of = |i: &&InstanceDesc| i.name.as_ref() == Some(&entry.name);
+        if let Some(instance) = scene.instances.iter().find(of) {
+            check_placed(scene, (&instance.placement, &instance.at), entry, report);
         }
-        zero_scale::check(scene, entry, report);
-        // A loop of instances that follow each other would have no order.
-        for track in [&entry.value.translation, &entry.value.rotation_deg] {
-            if let Some(follow) = track.as_ref().and_then(|t| t.follow.as_ref()) {
-                let message = "an instance cannot follow another one";
-                let error = Diagnostic::at("wrong-motion", follow.instance.at.clone(), message);
-                report.push(error.help("only cameras and lights follow; give it the same keys"));
-            }
+        check_own(entry, report);
+    }
+    for entry in &motion.groups {
+        if let Some(group) = scene.groups.iter().find(|g| g.name == entry.name) {
+            check_placed(scene, (&group.value.placement, &group.at), entry, report);
         }
+        check_own(entry, report);
     }
     for entry in &motion.cameras {
         check_tracks(root, &entry.value.tracks, &CAMERA, &entry.at, report);
@@ -88,6 +81,36 @@ fn warn_of_standing_still(scene: &SceneDesc, root: &DeTable, report: &mut Report
     let message = format!("{what}, but there is no `[timeline]`, so only time 0 is shown");
     let warning = Diagnostic::at("no-timeline", at, message);
     report.push(warning.help("write `[timeline]` with `end = 47`").warning());
+}
+
+/// What moves must be placed by what moves.
+fn check_placed(
+    scene: &SceneDesc,
+    (placement, at): (&PlacementDesc, &Span),
+    entry: &Entry<InstanceMotionDesc>,
+    report: &mut Report,
+) {
+    if entry.value.moves() && matches!(placement, PlacementDesc::Matrix(_)) {
+        let message = "what is placed by `matrix` cannot have motion";
+        let error = Diagnostic::at("wrong-motion", entry.at.clone(), message)
+            .help("place it by `translation`, `rotation_deg` and `scale`")
+            .related(at.clone(), "it is placed here");
+        report.push(error);
+    }
+    zero_scale::check(scene.timeline.as_ref(), placement, entry, report);
+}
+
+/// A loop of instances that follow each other would have no order.
+fn check_own(entry: &Entry<InstanceMotionDesc>, report: &mut Report) {
+    for track in [&entry.value.translation, &entry.value.rotation_deg] {
+        if let Some(follow) = track.as_ref().and_then(|t| t.follow.as_ref()) {
+            let message = "an instance or a group cannot follow another one";
+            let error = Diagnostic::at("wrong-motion", follow.instance.at.clone(), message);
+            report.push(
+                error.help("only cameras and lights follow; hang it on the other by `parent`"),
+            );
+        }
+    }
 }
 
 fn check_model(
@@ -164,7 +187,7 @@ fn check_override(
 fn first_motion(scene: &SceneDesc) -> Option<Span> {
     let motion = &scene.motion;
     let cameras = motion.cameras.iter().map(|e| &e.at);
-    let instances = motion.instances.iter().map(|e| &e.at);
+    let instances = motion.instances.iter().chain(&motion.groups).map(|e| &e.at);
     let lights = motion.lights.iter().map(|e| &e.at);
     let materials = motion.materials.iter().map(|e| &e.at);
     let models = scene.models.iter().map(|e| &e.value.animation);
@@ -190,6 +213,11 @@ fn refer_all<T>(names: &mut Names, entries: &[Entry<T>], report: &mut Report) {
     }
 }
 
+fn is_group(root: &DeTable, name: &str) -> bool {
+    let groups = root.get("group").and_then(|n| n.get_ref().as_table());
+    groups.is_some_and(|groups| groups.contains_key(name))
+}
+
 /// Looks in the tree: an instance with a mistake still has its name.
 fn refer_instance(root: &DeTable, name: &str, at: &Span, report: &mut Report) {
     let list = root.get("instance").and_then(|n| n.get_ref().as_array());
@@ -203,7 +231,12 @@ fn refer_instance(root: &DeTable, name: &str, at: &Span, report: &mut Report) {
         return;
     }
     let message = format!("no instance is named {}", suggest::text(name));
-    let help = if known.is_empty() {
+    let help = if is_group(root, name) {
+        format!(
+            "it is a group; write `[motion.group.{}]`",
+            suggest::clip(name)
+        )
+    } else if known.is_empty() {
         "give an `[[instance]]` a `name`".to_owned()
     } else {
         suggest::hint(name, &known, suggest::text, "the instances with a name are")
@@ -221,7 +254,9 @@ fn check_tracks<T>(
 ) {
     for (field, track) in tracks {
         if fields[*field].form != Form::Color {
-            if let Some(follow) = followed(track) {
+            if let Some(follow) = followed(track)
+                && !is_group(root, &follow.value)
+            {
                 refer_instance(root, &follow.value, &follow.at, report);
             }
         } else if track.follow.is_some() || track.orbit.is_some() {

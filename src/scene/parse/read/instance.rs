@@ -5,9 +5,10 @@ use glam::{DMat4, DQuat, DVec4, Mat4, Quat, Vec3};
 use super::animation::animation;
 use crate::scene::range::{ANY, range};
 use crate::scene::{
-    desc::{InstanceDesc, InstanceMaterialDesc, PlacementDesc, RepeatDesc},
+    desc::{GroupDesc, InstanceDesc, InstanceMaterialDesc, PlacementDesc, RepeatDesc, ShownDesc},
     motion::turned,
     parse::{
+        hierarchy,
         table::{Either, Section, Table},
         value::Scale,
     },
@@ -18,14 +19,20 @@ const MOST_COPIES: u64 = 100_000;
 
 impl Section for InstanceDesc {
     const TYPE: &'static str = "InstanceDesc";
-    const ALSO: &'static [&'static str] = &["PlacementDesc"];
+    const ALSO: &'static [&'static str] = &["PlacementDesc", "ShownDesc"];
     const HEADING: &'static str = "[[instance]]";
 
     fn read(t: &mut Table) -> Option<Self> {
         let name = t.find("name", ANY);
         let model = t.need("model", ANY);
+        hierarchy::ask(t);
         let placement = placement(t);
         let dynamic = t.get("dynamic", ANY, false);
+        let shown = ShownDesc {
+            visible: t.get("visible", ANY, true),
+            casts_shadow: t.get("casts_shadow", ANY, true),
+            in_reflections: t.get("in_reflections", ANY, true),
+        };
         let repeat = t.table("repeat");
         let material = t.name_or_table("material").map(|material| match material {
             Either::Name(name) => InstanceMaterialDesc::Named(name),
@@ -37,10 +44,25 @@ impl Section for InstanceDesc {
             model: model?,
             placement,
             dynamic,
+            shown,
             repeat,
             material,
             animation,
             at: t.start(),
+        })
+    }
+}
+
+impl Section for GroupDesc {
+    const TYPE: &'static str = "GroupDesc";
+    const ALSO: &'static [&'static str] = &["PlacementDesc"];
+    const HEADING: &'static str = "[group.NAME]";
+
+    fn read(t: &mut Table) -> Option<Self> {
+        hierarchy::ask(t);
+        Some(Self {
+            placement: placement(t),
+            dynamic: t.get("dynamic", ANY, false),
         })
     }
 }

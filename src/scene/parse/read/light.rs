@@ -7,6 +7,7 @@ use crate::scene::{
     desc::{LightDesc, LightKind, ShadowMode},
     parse::{
         color::Color,
+        hierarchy,
         table::{Section, Table},
     },
 };
@@ -17,6 +18,7 @@ impl Section for LightDesc {
     const HEADING: &'static str = "[light.NAME]";
 
     fn read(t: &mut Table) -> Option<Self> {
+        hierarchy::ask(t);
         let Color(color) = t.get("color", FROM_0, Color(Vec3::ONE));
         let shadow = t.find("shadow", ANY);
         let shadow_px = t.get("shadow_px", range(16.0, 4096.0), 1024);

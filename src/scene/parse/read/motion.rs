@@ -44,6 +44,7 @@ impl Section for MotionDesc {
         Some(Self {
             cameras: t.entries("camera"),
             instances: t.entries("instance"),
+            groups: groups(t),
             lights: t.entries("light"),
             materials: t.entries("material"),
             models: t.entries("model"),
@@ -84,6 +85,33 @@ impl Section for InstanceMotionDesc {
             material: t.table("material"),
         })
     }
+}
+
+/// The motion of a group: that of an instance without a material.
+struct GroupMotion(InstanceMotionDesc);
+
+impl Section for GroupMotion {
+    const TYPE: &'static str = "GroupMotionDesc";
+    const HEADING: &'static str = "[motion.group.NAME]";
+
+    fn read(t: &mut Table) -> Option<Self> {
+        Some(Self(InstanceMotionDesc {
+            translation: track::<Vec3>(t, "translation", ANY),
+            rotation_deg: track::<Vec3>(t, "rotation_deg", ANY),
+            scale: track::<Scale>(t, "scale", ANY),
+            material: None,
+        }))
+    }
+}
+
+fn groups(t: &mut Table) -> Vec<Entry<InstanceMotionDesc>> {
+    let groups = t.entries::<GroupMotion>("group").into_iter();
+    let motion = |group: Entry<GroupMotion>| Entry {
+        name: group.name,
+        at: group.at,
+        value: group.value.0,
+    };
+    groups.map(motion).collect()
 }
 
 impl Section for LightMotionDesc {

@@ -73,7 +73,7 @@ pub static POSE: &[Entry] = &[
     Entry {
         signature: "ctx.place(name, position); ctx.place(name, position, rotation); ctx.place(name, position, rotation, scale); ctx.place(name, matrix)",
         gives: "(); (); (); ()",
-        text: "Places an instance. A position is a `vec3` or three numbers; a rotation is a `quat` or degrees about X, Y, Z; a scale is one number or three. Omitted arguments stay unchanged.",
+        text: "Places an instance or a group, relative to its `parent` if it has one. A position is a `vec3` or three numbers; a rotation is a `quat` or degrees about X, Y, Z; a scale is one number or three. Omitted arguments stay unchanged.",
         example: "ctx.place(\"ball\", [0, 1, 2], [0, 90, 0], 0.5); ctx.position(\"ball\").y == 1.0",
         register: |e| {
             e.register_fn("place", |c: &mut Context, name: &str, at: Dynamic| {
@@ -94,7 +94,7 @@ pub static POSE: &[Entry] = &[
     Entry {
         signature: "ctx.position(name)",
         gives: "vec3",
-        text: "Where an instance is in this frame: as the scene's motion or this call has put it.",
+        text: "Where an instance or a group is in this frame, in the world: as the scene's motion or this call has put it.",
         example: "ctx.position(\"ball\") == vec3(0, 1, 0)",
         register: |e| {
             e.register_fn("position", |c: &mut Context, name: &str| {
@@ -105,7 +105,7 @@ pub static POSE: &[Entry] = &[
     Entry {
         signature: "ctx.matrix(name)",
         gives: "mat4",
-        text: "World from model space of an instance in this frame, a `mat4`.",
+        text: "World from model space of an instance or a group in this frame, a `mat4`.",
         example: "ctx.matrix(\"ball\") * vec3(0, 0, 0) == ctx.position(\"ball\")",
         register: |e| {
             e.register_fn(
@@ -128,7 +128,7 @@ pub static POSE: &[Entry] = &[
     Entry {
         signature: "ctx.camera(name, #{ … })",
         gives: "()",
-        text: "Sets any of {camera} of a camera.",
+        text: "Sets any of {camera} of a camera; with a `parent`, relative to that.",
         example: "ctx.camera(\"main\", #{ eye: vec3(0, 2, 6), target: ctx.position(\"ball\") }); true",
         register: |e| {
             e.register_fn("camera", |c: &mut Context, name: &str, keys: Map| {
@@ -139,7 +139,7 @@ pub static POSE: &[Entry] = &[
     Entry {
         signature: "ctx.light(name, #{ … })",
         gives: "()",
-        text: "Sets any of {light} that the light's kind has.",
+        text: "Sets any of {light} that the light's kind has; with a `parent`, relative to that.",
         example: "ctx.light(\"lamp\", #{ position: [0, 3, 0], intensity_cd: 40 + 10 * ctx.frame % 2 }); true",
         register: |e| {
             e.register_fn("light", |c: &mut Context, name: &str, keys: Map| {

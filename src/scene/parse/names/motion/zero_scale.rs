@@ -2,7 +2,7 @@
 //! vanish in a frame at 0.
 
 use crate::scene::{
-    desc::{CurveKind, Entry, InstanceMotionDesc, KeyDesc, PlacementDesc, SceneDesc, TrackDesc},
+    desc::{CurveKind, Entry, InstanceMotionDesc, KeyDesc, PlacementDesc, TimelineDesc, TrackDesc},
     diagnostic::Diagnostic,
     motion::track::Track,
     parse::report::Report,
@@ -12,8 +12,13 @@ use crate::scene::{
 const STEPS: u32 = 8;
 const MOST_STEPS: u32 = 1 << 16;
 
-/// Refuses a track of `scale` that is 0 or passes it.
-pub fn check(scene: &SceneDesc, entry: &Entry<InstanceMotionDesc>, report: &mut Report) {
+/// Refuses a track of `scale` that is 0 or passes it, of what has this placement.
+pub fn check(
+    timeline: Option<&TimelineDesc>,
+    placement: &PlacementDesc,
+    entry: &Entry<InstanceMotionDesc>,
+    report: &mut Report,
+) {
     let Some(track) = &entry.value.scale else {
         return;
     };
@@ -36,7 +41,7 @@ pub fn check(scene: &SceneDesc, entry: &Entry<InstanceMotionDesc>, report: &mut 
         let message = "`scale` passes through 0 before this key";
         let error = Diagnostic::at("passes-zero", key.at.clone(), message).help(help);
         report.push(error.related(before.at.clone(), "the previous key is here"));
-    } else if let Some(time_s) = on_the_way(scene, entry, track) {
+    } else if let Some(time_s) = on_the_way(timeline, placement, track) {
         let message = format!("`scale` passes 0 at about {time_s:.2} s");
         report.push(Diagnostic::at("passes-zero", entry.at.clone(), message).help(help));
     }
@@ -56,14 +61,12 @@ fn between_keys(track: &TrackDesc) -> Option<[&KeyDesc; 2]> {
 
 /// When curves, rates and swings pass it, in the timeline, seconds.
 fn on_the_way(
-    scene: &SceneDesc,
-    entry: &Entry<InstanceMotionDesc>,
+    timeline: Option<&TimelineDesc>,
+    placement: &PlacementDesc,
     track: &TrackDesc,
 ) -> Option<f64> {
-    let timeline = scene.timeline.as_ref()?;
-    let of = |name: &Option<String>| name.as_ref() == Some(&entry.name);
-    let instance = scene.instances.iter().find(|instance| of(&instance.name))?;
-    let PlacementDesc::Trs { scale: base, .. } = instance.placement else {
+    let timeline = timeline?;
+    let PlacementDesc::Trs { scale: base, .. } = *placement else {
         return None;
     };
     let ready = Track::new(track, |_| None);

@@ -1,0 +1,168 @@
+//! What hangs on what: from transforms relative to parents to the world.
+
+use std::borrow::Cow;
+
+use glam::{Affine3A, Vec3};
+
+use super::transform;
+use crate::scene::desc::{CameraDesc, LightDesc, Parents, PlacementDesc, SceneDesc};
+
+impl Parents {
+    /// Of each node, light and camera, as indices of nodes; nodes must not form circles.
+    pub(in crate::scene) fn new(
+        nodes: Vec<Option<usize>>,
+        lights: Vec<Option<usize>>,
+        cameras: Vec<Option<usize>>,
+    ) -> Self {
+        let mut is_done = vec![false; nodes.len()];
+        let mut order = Vec::new();
+        for first in 0..nodes.len() {
+            let mut path = Vec::new();
+            let mut next = Some(first);
+            while let Some(node) = next.filter(|node| !is_done[*node]) {
+                is_done[node] = true;
+                path.push(node);
+                next = nodes[node];
+            }
+            let hung = path.into_iter().rev().filter(|node| nodes[*node].is_some());
+            order.extend(hung);
+        }
+        let some = |list: Vec<Option<usize>>| match list.iter().any(Option::is_some) {
+            true => list,
+            false => Vec::new(),
+        };
+        Self {
+            nodes: some(nodes),
+            order,
+            lights: some(lights),
+            cameras: some(cameras),
+        }
+    }
+
+    /// The node that a node hangs on.
+    pub fn of_node(&self, node: usize) -> Option<usize> {
+        self.nodes.get(node).copied().flatten()
+    }
+
+    /// The node that a light hangs on.
+    pub fn of_light(&self, light: usize) -> Option<usize> {
+        self.lights.get(light).copied().flatten()
+    }
+
+    /// The node that a camera hangs on.
+    pub fn of_camera(&self, camera: usize) -> Option<usize> {
+        self.cameras.get(camera).copied().flatten()
+    }
+
+    /// World transforms of nodes, from those relative to parents.
+    pub fn world<'a>(&self, own: &'a [Affine3A]) -> Cow<'a, [Affine3A]> {
+        if self.order.is_empty() {
+            return own.into();
+        }
+        let mut world = own.to_vec();
+        for &node in &self.order {
+            if let Some(parent) = self.nodes[node] {
+                world[node] = world[parent] * world[node];
+            }
+        }
+        world.into()
+    }
+
+    /// World transform of one node, from those relative to parents.
+    pub fn world_of(&self, own: &[Affine3A], node: usize) -> Affine3A {
+        let mut world = own[node];
+        let mut next = self.of_node(node);
+        while let Some(parent) = next {
+            world = own[parent] * world;
+            next = self.of_node(parent);
+        }
+        world
+    }
+
+    /// Marks the nodes that hang on marked ones.
+    pub(super) fn inherit(&self, marks: &mut [bool]) {
+        for &node in &self.order {
+            marks[node] |= self.nodes[node].is_some_and(|parent| marks[parent]);
+        }
+    }
+}
+
+impl SceneDesc {
+    /// Placement of each node: of the instances, then of the groups.
+    pub fn placements(&self) -> impl Iterator<Item = &PlacementDesc> {
+        let groups = self.groups.iter().map(|group| &group.value.placement);
+        self.instances.iter().map(|i| &i.placement).chain(groups)
+    }
+
+    /// Name of each node; instances need none.
+    pub fn node_names(&self) -> impl Iterator<Item = Option<&str>> {
+        let groups = self.groups.iter().map(|group| Some(group.name.as_str()));
+        let instances = self.instances.iter().map(|i| i.name.as_deref());
+        instances.chain(groups)
+    }
+
+    /// World transform of each node at rest.
+    pub fn rest(&self) -> Vec<Affine3A> {
+        let own: Vec<_> = self.placements().map(transform).collect();
+        self.parents.world(&own).into_owned()
+    }
+
+    /// The lights at rest, in the world; `rest` are the nodes.
+    pub fn lights_at_rest(&self, rest: &[Affine3A]) -> Vec<LightDesc> {
+        let mut lights: Vec<_> = self.lights.iter().map(|e| e.value).collect();
+        hang_lights(&self.parents, &mut lights, rest);
+        lights
+    }
+
+    /// The cameras at rest, in the world; `rest` are the nodes.
+    pub fn cameras_at_rest(&self, rest: &[Affine3A]) -> Vec<CameraDesc> {
+        let mut cameras: Vec<_> = self.cameras.iter().map(|e| e.value.clone()).collect();
+        hang_cameras(&self.parents, &mut cameras, rest);
+        cameras
+    }
+}
+
+/// Moves lights from the spaces of their parents to the world.
+pub(super) fn hang_lights(parents: &Parents, lights: &mut [LightDesc], world: &[Affine3A]) {
+    for (index, light) in lights.iter_mut().enumerate() {
+        if let Some(parent) = parents.of_light(index) {
+            *light = placed_light(light, &world[parent]);
+        }
+    }
+}
+
+/// Moves cameras from the spaces of their parents to the world.
+pub(super) fn hang_cameras(parents: &Parents, cameras: &mut [CameraDesc], world: &[Affine3A]) {
+    for (index, camera) in cameras.iter_mut().enumerate() {
+        if let Some(parent) = parents.of_camera(index) {
+            *camera = placed_camera(camera, &world[parent]);
+        }
+    }
+}
+
+/// A light moved from its own space to the world. Its size and its intensity stay.
+pub fn placed_light(light: &LightDesc, world: &Affine3A) -> LightDesc {
+    let mut light = *light;
+    let place = |p: &mut Vec3| *p = world.transform_point3(*p);
+    let turn = |d: &mut Vec3| *d = world.transform_vector3(*d).try_normalize().unwrap_or(*d);
+    light.kind.position_mut().map(place);
+    light.kind.direction_mut().map(turn);
+    light.kind.up_mut().map(turn);
+    if let Some(target) = light.kind.target_mut().and_then(Option::as_mut) {
+        place(target);
+    }
+    light
+}
+
+/// A camera moved from its own space to the world. Its target stays as far away.
+pub fn placed_camera(camera: &CameraDesc, world: &Affine3A) -> CameraDesc {
+    let eye = world.transform_point3(camera.eye);
+    let turn = |d: Vec3| world.transform_vector3(d).try_normalize().unwrap_or(d);
+    let view = camera.target - camera.eye;
+    CameraDesc {
+        eye,
+        target: eye + turn(view) * view.length(),
+        up: turn(camera.up),
+        ..*camera
+    }
+}

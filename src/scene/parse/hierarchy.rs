@@ -1,0 +1,175 @@
+//! `parent = "NAME"`: what hangs on what. Read from the tree, so that a parent with a mistake is still
+//! known by its name.
+
+use std::{
+    collections::{HashMap, HashSet},
+    ops::Range,
+};
+
+use toml::de::DeTable;
+
+use super::{report::Report, table::Table, value::Node};
+use crate::scene::{
+    desc::{At, Entry, Parents, SceneDesc},
+    range::ANY,
+    suggest,
+};
+
+/// Parents that a message about a circle lists, and names that are compared with a wrong one.
+const MOST_SHOWN: usize = 8;
+const MOST_SUGGESTED: usize = 1000;
+
+/// Asks for the key, so that tables with a parent have it; it is resolved after all are read.
+pub fn ask(t: &mut Table) {
+    t.find::<At<String>>("parent", ANY);
+}
+
+/// The parent that a table names, and where.
+fn named<'n>(table: &'n DeTable<'_>) -> Option<(&'n str, Range<usize>)> {
+    let node = table.get("parent")?;
+    Some((node.get_ref().as_str()?, node.span()))
+}
+
+fn tables<'n, 'i>(
+    root: &'n DeTable<'i>,
+    kind: &str,
+) -> impl Iterator<Item = (&'n str, Range<usize>, &'n DeTable<'i>)> {
+    let all = root.get(kind).and_then(|node| node.get_ref().as_table());
+    let all = all.into_iter().flat_map(|all| all.iter());
+    all.filter_map(|(name, node)| {
+        let table = node.get_ref().as_table()?;
+        Some((name.get_ref().as_ref(), name.span(), table))
+    })
+}
+
+fn instances<'n, 'i>(root: &'n DeTable<'i>) -> impl Iterator<Item = &'n DeTable<'i>> {
+    let list = root.get("instance");
+    let list = list.and_then(|node| node.get_ref().as_array());
+    let items = list.into_iter().flat_map(|list| list.iter());
+    items.filter_map(|item: &Node| item.get_ref().as_table())
+}
+
+fn name_of<'n>(instance: &'n DeTable<'_>) -> Option<(&'n str, Range<usize>)> {
+    let node = instance.get("name")?;
+    Some((node.get_ref().as_str()?, node.span()))
+}
+
+/// Checks that parents exist and form no circles, and that no group has the name of an instance.
+pub fn check(root: &DeTable, report: &mut Report) {
+    let mut nodes: HashMap<&str, Option<(&str, Range<usize>)>> = HashMap::new();
+    for instance in instances(root) {
+        if let Some((name, _)) = name_of(instance) {
+            nodes.insert(name, named(instance));
+        }
+    }
+    for (name, at, group) in tables(root, "group") {
+        if nodes.insert(name, named(group)).is_some() {
+            let message = format!("an instance and a group are named {}", suggest::text(name));
+            let error = report.error("duplicate-name", &at, message);
+            error.help = Some("rename one: `parent` could mean either".into());
+        }
+    }
+    let hung = instances(root).filter_map(named);
+    let others = ["group", "light", "camera"];
+    let others = others.iter().flat_map(|kind| tables(root, kind));
+    let hung = hung.chain(others.filter_map(|(_, _, table)| named(table)));
+    for (parent, at) in hung {
+        if !nodes.contains_key(parent) {
+            refuse_dangling(parent, &at, &nodes, report);
+        }
+    }
+    refuse_circles(&nodes, report);
+}
+
+fn refuse_dangling<T>(
+    parent: &str,
+    at: &Range<usize>,
+    nodes: &HashMap<&str, T>,
+    report: &mut Report,
+) {
+    if report.lacks_names() {
+        return;
+    }
+    let removed = ["group", "instance"].map(|kind| report.removed(&format!("{kind}.{parent}")));
+    let removed = removed.into_iter().flatten().next();
+    let message = format!("no instance or group is named {}", suggest::text(parent));
+    let help = if removed.is_some() {
+        "take the `parent` away, or give it another".to_owned()
+    } else if nodes.is_empty() {
+        "write `[group.NAME]`, or give an `[[instance]]` a `name`".to_owned()
+    } else {
+        let mut known: Vec<&str> = nodes.keys().copied().collect();
+        known.sort_unstable();
+        known.truncate(MOST_SUGGESTED);
+        suggest::hint(parent, &known, suggest::text, "there are")
+    };
+    let error = report.error("dangling-name", at, message);
+    error.help = Some(help);
+    error.related = removed.map(|at| (at, "a layer removes it here".into()));
+}
+
+fn refuse_circles(nodes: &HashMap<&str, Option<(&str, Range<usize>)>>, report: &mut Report) {
+    let mut starts: Vec<_> = nodes
+        .iter()
+        .filter_map(|(name, parent)| Some((parent.as_ref()?.1.start, *name)))
+        .collect();
+    starts.sort_unstable();
+    let mut is_done: HashSet<&str> = HashSet::new();
+    for (_, start) in starts {
+        let (mut path, mut on_path) = (Vec::new(), HashSet::new());
+        let mut next = Some(start);
+        while let Some(name) = next.filter(|name| is_done.insert(name)) {
+            on_path.insert(name);
+            path.push(name);
+            next = nodes.get(name).and_then(|p| p.as_ref()).map(|p| p.0);
+        }
+        let Some(first) = next.filter(|name| on_path.contains(name)) else {
+            continue;
+        };
+        let from = path.iter().position(|name| *name == first).unwrap_or(0);
+        let circle = &path[from..];
+        let shown: Vec<_> = (circle.iter().take(MOST_SHOWN))
+            .map(|name| suggest::text(name))
+            .collect();
+        let more = if circle.len() > MOST_SHOWN {
+            " → …"
+        } else {
+            ""
+        };
+        let message = format!(
+            "parents form a circle: {}{more} → {}",
+            shown.join(" → "),
+            suggest::text(first)
+        );
+        if let Some(Some((_, at))) = nodes.get(first) {
+            let error = report.error("circle", at, message);
+            error.help = Some("take `parent` out of one of them".into());
+        }
+    }
+}
+
+/// The parents of a scene that was read from this tree without errors.
+pub fn parents(scene: &SceneDesc, root: &DeTable) -> Parents {
+    let names = scene.node_names().enumerate();
+    let index: HashMap<&str, usize> = names.filter_map(|(i, name)| Some((name?, i))).collect();
+    let parent = |table: &DeTable| named(table).and_then(|(name, _)| index.get(name).copied());
+    let mut nodes: Vec<_> = instances(root).map(parent).collect();
+    nodes.resize(scene.instances.len(), None);
+    fn of<T>(
+        root: &DeTable,
+        kind: &str,
+        entries: &[Entry<T>],
+        parent: impl Fn(&DeTable) -> Option<usize>,
+    ) -> Vec<Option<usize>> {
+        let all = root.get(kind).and_then(|node| node.get_ref().as_table());
+        let one = |entry: &Entry<T>| {
+            let table = all?.get(entry.name.as_str())?.get_ref().as_table()?;
+            parent(table)
+        };
+        entries.iter().map(one).collect()
+    }
+    nodes.extend(of(root, "group", &scene.groups, parent));
+    let lights = of(root, "light", &scene.lights, parent);
+    let cameras = of(root, "camera", &scene.cameras, parent);
+    Parents::new(nodes, lights, cameras)
+}

@@ -1,0 +1,140 @@
+//! What only some rays see: by rasterization and by primary rays, by the march and by traced rays, in
+//! shadow maps and by shadow rays alike.
+
+use reflet::render::aov::Aov;
+
+use crate::kit::{color, floats, gpu, integers, mean, render};
+
+/// A mirror on the floor, a red box over it, and a lamp above that.
+const BOX: &str = r#"
+version = 1
+[image]
+size = [160, 120]
+tone_map = "none"
+[camera.main]
+eye = [0, 2, 6]
+target = [0, 0.5, 0]
+fov_deg = 45
+[environment]
+color = [0.1, 0.1, 0.1]
+shadow = "none"
+[light.lamp]
+kind = "spot"
+position = [0, 6, 0]
+direction = [0, -1, 0]
+intensity_cd = 100
+[material.floor]
+base_color = [0.5, 0.5, 0.5]
+reflectivity = 0.5
+reflection = "mirror"
+[material.red]
+base_color = [1, 0, 0]
+roughness = 1
+[model.floor]
+shape = { kind = "plane", size = [8, 8] }
+material = "floor"
+[model.box]
+shape = { kind = "box" }
+material = "red"
+[[instance]]
+model = "floor"
+[[instance]]
+name = "box"
+model = "box"
+translation = [0, 1, 0]
+"#;
+
+/// Pixels that show the box, and pixels that reflect it.
+fn counts(text: &str, set: &[&str]) -> Option<[usize; 2]> {
+    let picture = render(gpu()?, text, set, &[Aov::Ids, Aov::HitIds]);
+    let count = |aov| {
+        let ids = integers(&picture, aov).chunks(2);
+        ids.filter(|id| id[0] == 1).count()
+    };
+    Some([Aov::Ids, Aov::HitIds].map(count))
+}
+
+fn with(keys: &str) -> String {
+    BOX.replace("name = \"box\"", &format!("name = \"box\"\n{keys}"))
+}
+
+#[test]
+fn camera_and_reflections_show_what_they_are_to() {
+    let ways = |method: &'static str, visibility: &'static str| {
+        [
+            format!("reflection.method={method}"),
+            format!("image.visibility={visibility}"),
+        ]
+    };
+    let count =
+        |text: &str, [method, visibility]: [String; 2]| counts(text, &[&method, &visibility]);
+    let Some([seen, reflected]) = count(BOX, ways("rt", "rays")) else {
+        return;
+    };
+    assert!(seen > 500 && reflected > 300, "{seen} {reflected}");
+    for dynamic in ["", "\ndynamic = true"] {
+        for (keys, want) in [
+            ("visible = false", [false, true]),
+            ("in_reflections = false", [true, false]),
+            ("visible = false\nin_reflections = false", [false, false]),
+            ("casts_shadow = false", [true, true]),
+        ] {
+            let text = with(&format!("{keys}{dynamic}"));
+            let truth = count(&text, ways("rt", "rays")).expect("a device");
+            assert_eq!(truth.map(|n| n > 0), want, "{keys}: {truth:?}");
+            if want[1] && want[0] {
+                assert_eq!(truth, [seen, reflected]);
+            }
+            for (method, visibility) in [("rt", "raster"), ("hybrid", "rays"), ("hybrid", "raster")]
+            {
+                let found = count(&text, ways(method, visibility)).expect("a device");
+                let near = found.iter().zip(truth).all(|(a, b)| a.abs_diff(b) <= 4);
+                assert!(near, "{keys} {method} {visibility}: {found:?} {truth:?}");
+            }
+        }
+    }
+}
+
+/// The floor under the box.
+#[test]
+fn what_casts_no_shadow_is_not_in_the_way_of_light() {
+    let Some(gpu) = gpu() else { return };
+    for shadow in ["map", "ray"] {
+        let set = [
+            format!("light.lamp.shadow={shadow}"),
+            "reflection.method=rt".into(),
+        ];
+        let set = set.each_ref().map(String::as_str);
+        let lit = |text: &str| {
+            let picture = render(gpu, text, &set, &[Aov::Radiance, Aov::Ids]);
+            let ids = integers(&picture, Aov::Ids).chunks(2);
+            let light = floats(&picture, Aov::Radiance).chunks(3);
+            let floor = light.zip(ids).filter(|(_, id)| id[0] == 0);
+            floor.map(|(light, _)| f64::from(light[1])).sum::<f64>()
+        };
+        let (dark, light) = (lit(BOX), lit(&with("casts_shadow = false")));
+        assert!(light > dark * 1.02, "{shadow}: {dark} {light}");
+        // Unseen, but its shadow stays.
+        let unseen = lit(&with("visible = false"));
+        let none = lit(&with("visible = false\ncasts_shadow = false"));
+        assert!(none > unseen * 1.02, "{shadow}: {unseen} {none}");
+    }
+}
+
+/// What is behind an unseen box shows as if there were none.
+#[test]
+fn pictures_show_what_is_behind() {
+    let Some(gpu) = gpu() else { return };
+    let keys = "visible = false\nin_reflections = false\ncasts_shadow = false";
+    let without = BOX.replace("translation = [0, 1, 0]", "translation = [0, 1, 100]");
+    let set = ["light.lamp.shadow=ray"];
+    let (hidden, away) = (
+        render(gpu, &with(keys), &set, &[]),
+        render(gpu, &without, &set, &[]),
+    );
+    let differences = mean(&hidden).into_iter().zip(mean(&away));
+    for (a, b) in differences {
+        assert!((a - b).abs() < 1e-4, "{a} {b}");
+    }
+    assert_eq!(color(&hidden, 80, 50), color(&away, 80, 50));
+}

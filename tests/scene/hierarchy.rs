@@ -1,0 +1,259 @@
+//! What hangs on what, at rest, moved by tracks and by scripts; and what cannot.
+
+use std::{fs, path::Path};
+
+use glam::Vec3;
+use reflet::{
+    scene::{
+        desc::LightKind,
+        motion::FrameState,
+        stages::{Animator, Scene},
+    },
+    world::{World, load},
+};
+
+use crate::layers::Folder;
+
+const RIG: &str = r#"
+version = 1
+timeline = { fps = 2, end = 8 }
+[camera.main]
+eye = [0, 0, 2]
+target = [0, 0, 0]
+parent = "arm"
+[model.ball]
+shape = { kind = "sphere" }
+[[instance]]
+name = "hand"
+model = "ball"
+parent = "arm"
+translation = [1, 0, 0]
+[[instance]]
+name = "row"
+model = "ball"
+parent = "arm"
+repeat = { count = [2, 1, 1], step = [3, 0, 0] }
+[[instance]]
+name = "still"
+model = "ball"
+translation = [0, 0, 9]
+[group.arm]
+parent = "base"
+translation = [0, 1, 0]
+[group.base]
+translation = [10, 0, 0]
+rotation_deg = [0, 90, 0]
+[light.lamp]
+kind = "spot"
+parent = "hand"
+position = [1, 0, 0]
+target = [1, -1, 0]
+intensity_cd = 10
+"#;
+
+fn read(text: &str) -> Scene {
+    let read = Scene::from_text(text, Path::new("scene.toml"), &[]);
+    let (scene, warnings) = read.unwrap_or_else(|e| panic!("{e:?}"));
+    assert!(warnings.is_empty(), "{warnings:?}");
+    scene
+}
+
+fn pose(scene: &Scene, frame: u32) -> FrameState {
+    let posed = Animator::new(scene).pose(frame);
+    posed.unwrap_or_else(|e| panic!("{e:?}"))
+}
+
+fn loaded(scene: &Scene) -> World {
+    load::load(scene, &load::LoadOptions::default()).unwrap_or_else(|e| panic!("{e:?}"))
+}
+
+#[track_caller]
+fn assert_at(found: impl Into<Vec3>, want: [f32; 3]) {
+    let found = found.into();
+    assert!(found.distance(Vec3::from(want)) < 1e-5, "{found} {want:?}");
+}
+
+#[track_caller]
+fn assert_rig(world: &World) {
+    let at = |i: usize| world.instances[i].world_from_object.translation;
+    // +X of the base points along -Z.
+    assert_at(at(0), [10.0, 1.0, -1.0]);
+    assert_at(at(1), [10.0, 1.0, 0.0]);
+    assert_at(at(2), [10.0, 1.0, -3.0]);
+    assert_at(at(3), [0.0, 0.0, 9.0]);
+    let camera = &world.cameras[0].value;
+    assert_at(camera.eye, [12.0, 1.0, 0.0]);
+    assert_at(camera.target, [10.0, 1.0, 0.0]);
+    let LightKind::Spot {
+        position,
+        direction,
+        target,
+        ..
+    } = world.lights[0].desc.kind
+    else {
+        panic!("it is a spot");
+    };
+    assert_at(position, [10.0, 1.0, -2.0]);
+    assert_at(direction, [0.0, -1.0, 0.0]);
+    assert_at(target.expect("it has one"), [10.0, 0.0, -2.0]);
+}
+
+#[test]
+fn parents_place_what_hangs_on_them() {
+    let scene = read(RIG);
+    let world = loaded(&scene);
+    assert_rig(&world);
+    assert!(world.instances.iter().all(|i| !i.dynamic));
+}
+
+#[test]
+fn tracks_of_parents_move_what_hangs_on_them() {
+    let text = format!("{RIG}[motion.group.base]\ntranslation = {{ rate = [0, 0, 2] }}\n");
+    let scene = read(&text);
+    let mut world = loaded(&scene);
+    let moves: Vec<_> = world.instances.iter().map(|i| i.dynamic).collect();
+    assert_eq!(moves, [true, true, true, false]);
+    world.apply(&pose(&scene, 0)).expect("it can be posed");
+    assert_rig(&world);
+    world.apply(&pose(&scene, 3)).expect("it can be posed");
+    let at = |i: usize| world.instances[i].world_from_object.translation;
+    assert_at(at(0), [10.0, 1.0, 2.0]);
+    assert_at(at(2), [10.0, 1.0, 0.0]);
+    assert_at(world.cameras[0].value.eye, [12.0, 1.0, 3.0]);
+    let lamp = &world.lights[0].desc.kind;
+    assert_at(lamp.position().expect("it has one"), [10.0, 1.0, 1.0]);
+}
+
+#[test]
+fn what_hangs_on_a_thing_follows_another_in_the_world() {
+    let track = "[motion.camera.main]\ntarget = { follow = { instance = \"still\" } }\n";
+    let scene = read(&format!("{RIG}{track}"));
+    let camera = &pose(&scene, 0).cameras[0];
+    let view = (camera.target - camera.eye).normalize();
+    let want = (Vec3::new(0.0, 0.0, 9.0) - camera.eye).normalize();
+    assert_at(view, want.to_array());
+    let track = "[motion.camera.main]\ntarget = { follow = { instance = \"base\" } }\n";
+    let camera = &pose(&read(&format!("{RIG}{track}")), 0).cameras[0];
+    assert_at(camera.target, [10.0, 0.0, 0.0]);
+}
+
+#[test]
+fn scripts_move_groups_and_see_the_world() {
+    let folder = Folder::new(
+        "hung",
+        &[
+            ("shot/scene.toml", &format!("script = \"move.rhai\"\n{RIG}")),
+            (
+                "shot/move.rhai",
+                "fn frame(ctx) {
+                    ctx.place(\"base\", [10, ctx.t, 0]);
+                    ctx.place(\"hand\", [2, 0, 0]);
+                    print(`${ctx.position(\"hand\")}`);
+                }",
+            ),
+        ],
+    );
+    folder.assert_frame("\"base\" stands still; write `dynamic = true`");
+    let path = folder.path().join("shot/scene.toml");
+    let text = fs::read_to_string(&path).expect("it is there");
+    let text = text.replace("[group.base]", "[group.base]\ndynamic = true");
+    fs::write(&path, text).expect("it can be written");
+    let scene = folder.expect();
+    let state = pose(&scene, 4);
+    assert_at(state.instances[0].translation, [10.0, 3.0, -2.0]);
+    assert!(
+        state.log[0].contains("vec3(10, 3, -1.99"),
+        "{:?}",
+        state.log
+    );
+}
+
+#[test]
+fn wrong_parents_are_named() {
+    for (from, to, says) in [
+        (
+            "parent = \"base\"",
+            "parent = \"bas\"",
+            "no instance or group is named \"bas\"",
+        ),
+        (
+            "parent = \"base\"",
+            "parent = \"bas\"",
+            "did you mean \"base\"?",
+        ),
+        (
+            "[group.base]",
+            "[group.base]\nparent = \"hand\"",
+            "parents form a circle: \"hand\" → \"arm\" → \"base\" → \"hand\"",
+        ),
+        (
+            "parent = \"base\"",
+            "parent = \"arm\"",
+            "parents form a circle: \"arm\" → \"arm\"",
+        ),
+        (
+            "[group.base]",
+            "[group.hand]\n[group.base]",
+            "an instance and a group are named \"hand\"",
+        ),
+        (
+            "parent = \"base\"",
+            "parent = 3",
+            "`parent` must be text in quotes",
+        ),
+    ] {
+        let text = RIG.replacen(from, to, 1);
+        assert_ne!(text, RIG, "{from}");
+        let read = Scene::from_text(&text, Path::new("scene.toml"), &[]);
+        let errors = read.expect_err("it is wrong");
+        let all: String = errors
+            .iter()
+            .map(|e| format!("{e}\n{:?}\n", e.help))
+            .collect();
+        let plain = all.replace("\\\"", "\"");
+        assert!(plain.contains(says), "no {says:?} in {plain}");
+        assert_eq!(errors.len(), 1, "{plain}");
+    }
+}
+
+#[test]
+fn a_parent_that_a_layer_removes_is_named() {
+    let folder = Folder::new(
+        "removed-parent",
+        &[
+            (
+                "shot/scene.toml",
+                "version = 1\nbase = \"rig.toml\"\nremove = [\"group.base\"]\n",
+            ),
+            ("shot/rig.toml", RIG),
+        ],
+    );
+    folder.assert_says(
+        &[],
+        &[
+            "no instance or group is named \"base\"",
+            "rig.toml:25:10",
+            "a layer removes it here",
+            "scene.toml:3:11",
+        ],
+    );
+}
+
+#[test]
+fn deep_chains_are_placed() {
+    let mut text = "version = 1\n[camera.main]\n[group.n0]\n".to_owned();
+    for i in 1..10_000 {
+        let group = format!(
+            "[group.n{i}]\nparent = \"n{}\"\ntranslation = [1, 0, 0]\n",
+            i - 1
+        );
+        text.push_str(&group);
+    }
+    text += "[model.ball]\nshape = { kind = \"sphere\" }\n";
+    text += "[[instance]]\nmodel = \"ball\"\nparent = \"n9999\"\n";
+    let world = loaded(&read(&text));
+    assert_at(
+        world.instances[0].world_from_object.translation,
+        [9999.0, 0.0, 0.0],
+    );
+}
