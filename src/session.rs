@@ -127,6 +127,9 @@ impl Session {
         if let Some(assets) = assets {
             self.assets = assets;
         }
+        if options.camera.is_none() {
+            self.scene.set_camera(self.scene.loaded.camera_at(frame));
+        }
         (self.options, self.frame) = (options, frame);
         Ok(())
     }
@@ -140,6 +143,9 @@ impl Session {
     pub fn pose(&mut self, frame: u32) -> Result<Vec<String>, SessionError> {
         check_frame(&self.scene.loaded, frame)?;
         let log = self.scene.loaded.pose(frame)?;
+        if self.options.camera.is_none() {
+            self.scene.set_camera(self.scene.loaded.camera_at(frame));
+        }
         self.frame = frame;
         Ok(log)
     }

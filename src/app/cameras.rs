@@ -24,7 +24,10 @@ pub fn runs(args: &RenderArgs, loaded: &LoadedScene) -> Result<Vec<(usize, Rende
     let shown = args.output.display();
     let has_place = is_in(&args.output);
     if let [index] = cameras.as_slice() {
-        let output = file_of(&args.output, name(*index));
+        // The camera may change from frame to frame.
+        let follows_cuts = args.camera.is_none() && !loaded.scene.cuts.is_empty();
+        let name = if follows_cuts { "cut" } else { name(*index) };
+        let output = file_of(&args.output, name);
         let args = RenderArgs {
             output,
             ..args.clone()

@@ -54,6 +54,8 @@ pub struct Info {
     pub variants: Vec<ListedVariants>,
     /// First frame, last frame and frames a second; `None` without a timeline.
     pub timeline: Option<Timeline>,
+    /// Which camera is shown from which frame on.
+    pub cuts: Vec<Cut>,
     /// Animated values and their sources.
     pub moves: Vec<String>,
     /// Parameters of the script, as scene text.
@@ -95,6 +97,15 @@ pub struct Timeline {
     pub end: u32,
     /// Frames a second.
     pub fps: f32,
+}
+
+/// A cut of the timeline.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Cut {
+    /// First frame of the camera.
+    pub frame: u32,
+    /// Its name.
+    pub camera: String,
 }
 
 /// Prints the contents of a scene.
@@ -161,6 +172,12 @@ pub fn gather(loaded: &LoadedScene) -> Result<Info, AppError> {
             end: t.end,
             fps: t.fps,
         }),
+        cuts: (loaded.scene.cuts.iter())
+            .map(|cut| Cut {
+                frame: cut.frame,
+                camera: cut.camera.value.clone(),
+            })
+            .collect(),
         moves: moves(&loaded.scene),
         params: (loaded.scene.params.iter())
             .map(|param| setting(&param.name, &param.value))
@@ -197,6 +214,7 @@ fn moves(desc: &SceneDesc) -> Vec<String> {
     let tracks = [
         of("camera", &motion.cameras),
         of("instance", &motion.instances),
+        of("group", &motion.groups),
         of("light", &motion.lights),
         of("material", &motion.materials),
         of("materials of model", &motion.models),
@@ -251,6 +269,9 @@ fn table(info: &Info) -> String {
     }
     if let Some(Timeline { start, end, fps }) = info.timeline {
         line("timeline", format!("frames {start} to {end} at {fps} fps"));
+    }
+    for cut in &info.cuts {
+        line("cut", format!("frame {}: {}", cut.frame, cut.camera));
     }
     for what in &info.moves {
         line("moves", what.clone());

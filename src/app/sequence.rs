@@ -180,6 +180,10 @@ pub fn render(
                 break;
             }
             let started = Instant::now();
+            if args.camera.is_none() {
+                let camera = session.scene.loaded.camera_at(frame);
+                session.scene.set_camera(camera);
+            }
             match begin_frame(&mut session, &animator, frame, has_color, &encoders) {
                 Ok(picture) => {
                     let rendered = Rendered {

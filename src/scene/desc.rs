@@ -25,7 +25,7 @@ pub use self::{
     animation::{AnimationDesc, Playback},
     camera::{CAMERA, CameraDesc, CameraMotionDesc},
     environment::{EnvironmentDesc, EnvironmentShadow},
-    hierarchy::{GroupDesc, Parents, ShownDesc},
+    hierarchy::{GroupDesc, Parents, PlacedSceneDesc, ShownDesc},
     include::Include,
     light::{LIGHT, LightDesc, LightKind, LightMotionDesc, ShadowMode},
     material::{
@@ -33,7 +33,8 @@ pub use self::{
         ReflectionMode, reflectivity_of,
     },
     motion::{
-        GroupMotionDesc, InstanceMotionDesc, ModelMotionDesc, MotionDesc, ParamValue, TimelineDesc,
+        CutDesc, GroupMotionDesc, InstanceMotionDesc, ModelMotionDesc, MotionDesc, ParamValue,
+        TimelineDesc,
     },
     reflection::{Accept, Method, REFLECTION, ReflectionDesc},
     script::ScriptDesc,
@@ -98,6 +99,8 @@ pub struct SceneDesc {
     pub image: ImageDesc,
     /// `[timeline]`: the frames of a film. Without it the scene is one picture, at time 0.
     pub timeline: Option<TimelineDesc>,
+    /// `cuts` of the timeline.
+    pub cuts: Vec<CutDesc>,
     /// `[motion]`: what moves.
     pub motion: MotionDesc,
     /// `[params]`: parameters of the script, with names of your choice.
@@ -221,7 +224,7 @@ pub enum ShapeDesc {
 pub struct InstanceDesc {
     /// Optional name, unique; scripts and messages use it.
     pub name: Option<String>,
-    /// Name of a `[model.NAME]`.
+    /// Name of a `[model.NAME]`, or `{ scene = "….toml" }`.
     pub model: At<String>,
     /// Where it stands.
     pub placement: PlacementDesc,
@@ -231,6 +234,11 @@ pub struct InstanceDesc {
     pub shown: ShownDesc,
     /// Copies on a grid.
     pub repeat: Option<RepeatDesc>,
+    /// In place of `repeat`: a table of points (`.csv`), a copy for each row, at most a million. The
+    /// first line names the columns: `x`, `y`, `z`, meters; `rx_deg`, `ry_deg`, `rz_deg` or `qx`, `qy`,
+    /// `qz`, `qw`; `scale` or `sx`, `sy`, `sz`. Each moves the instance as its own keys place it.
+    /// Looked for beside the scene, then in each `--assets` folder.
+    pub instances_from: Option<At<String>>,
     /// `material = "name"` or `material = {…}`: replaces or overrides every material of this placement.
     pub material: Option<InstanceMaterialDesc>,
     /// Which of its file's animations this placement plays; in place of its model's `animation`.

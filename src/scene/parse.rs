@@ -14,6 +14,7 @@ mod layers;
 mod names;
 mod overlay;
 mod params;
+mod placed;
 mod read;
 mod report;
 mod set;

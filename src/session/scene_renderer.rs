@@ -82,6 +82,11 @@ impl SceneRenderer {
         Ok(())
     }
 
+    /// Shows the next pictures by another camera; what is `auto` stays decided.
+    pub fn set_camera(&mut self, camera: usize) {
+        self.camera = camera;
+    }
+
     /// Settings without `auto`.
     pub fn options(&self) -> &RenderOptions {
         self.renderer.options()

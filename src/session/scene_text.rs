@@ -227,12 +227,21 @@ impl LoadedScene {
         Ok(state.log)
     }
 
-    /// Index of the named camera; without a name that of `main`, else of the first.
+    /// Index of the camera that is shown at a frame where none is chosen: that of the last cut before,
+    /// else `main`, else the first.
+    pub fn camera_at(&self, frame: u32) -> usize {
+        let cuts = self.scene.cuts.iter().rev();
+        let cut = cuts.into_iter().find(|cut| cut.frame <= frame);
+        let named = cut.and_then(|cut| self.camera(Some(&cut.camera.value)));
+        named.unwrap_or_else(|| self.world.main_camera())
+    }
+
+    /// Index of the named camera; without a name the one that is shown at the first frame.
     pub fn camera(&self, name: Option<&str>) -> Option<usize> {
         let cameras = &self.world.cameras;
         match name {
             Some(name) => cameras.iter().position(|camera| camera.name == name),
-            None => (!cameras.is_empty()).then(|| self.world.main_camera()),
+            None => (!cameras.is_empty()).then(|| self.camera_at(self.scene.first_frame())),
         }
     }
 

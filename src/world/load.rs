@@ -27,6 +27,7 @@ mod material;
 mod material_binding;
 mod model_instance;
 mod place;
+mod points;
 mod preloaded_models;
 mod read_models;
 mod repeat;

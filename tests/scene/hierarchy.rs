@@ -257,3 +257,50 @@ fn deep_chains_are_placed() {
         [9999.0, 0.0, 0.0],
     );
 }
+
+#[test]
+fn points_of_a_table_place_copies() {
+    let text = RIG.replace(
+        "repeat = { count = [2, 1, 1], step = [3, 0, 0] }",
+        "instances_from = \"points.csv\"\nscale = 2",
+    );
+    let folder = Folder::new(
+        "points",
+        &[
+            ("shot/scene.toml", text.as_str()),
+            ("shot/points.csv", "x,y,z,scale\n0,0,0,1\n3,0,0,0.5\n"),
+        ],
+    );
+    let read = |folder: &Folder| load::load(&folder.expect(), &load::LoadOptions::default());
+    let world = read(&folder).unwrap_or_else(|e| panic!("{e:?}"));
+    let [a, b] = [1, 2].map(|i| &world.instances[i]);
+    assert_eq!([a.name.as_str(), b.name.as_str()], ["row[0]", "row[1]"]);
+    assert_at(a.world_from_object.translation, [10.0, 1.0, 0.0]);
+    assert_at(b.world_from_object.translation, [10.0, 1.0, -3.0]);
+    let grown = b.world_from_object.transform_vector3(Vec3::Y).length();
+    assert!((grown - 1.0).abs() < 1e-5, "{grown}");
+    assert!(world.files.iter().any(|f| f.ends_with("points.csv")));
+
+    let moving = format!("{text}[motion.group.base]\ntranslation = {{ rate = [0, 0, 2] }}\n");
+    let path = folder.path().join("shot/scene.toml");
+    fs::write(&path, moving).expect("it can be written");
+    let scene = folder.expect();
+    let mut world = read(&folder).unwrap_or_else(|e| panic!("{e:?}"));
+    world.apply(&pose(&scene, 3)).expect("it can be posed");
+    assert_at(
+        world.instances[2].world_from_object.translation,
+        [10.0, 1.0, 0.0],
+    );
+
+    fs::write(folder.path().join("shot/points.csv"), "x,y,z\n1,2\n").expect("it can be written");
+    let errors = read(&folder).expect_err("it is wrong");
+    let text = errors[0].to_string();
+    assert!(text.contains("points.csv:2:4"), "{text}");
+    assert!(
+        text.contains("named here") && text.contains("scene.toml:19:18"),
+        "{text}"
+    );
+    fs::remove_file(folder.path().join("shot/points.csv")).expect("it can be removed");
+    let errors = read(&folder).expect_err("it is wrong");
+    assert_eq!(errors[0].name, "file-not-found");
+}

@@ -11,6 +11,7 @@ mod hostile;
 mod include;
 mod layers;
 mod moving;
+mod placed;
 mod returned;
 mod schema;
 mod set;

@@ -132,6 +132,7 @@ pub fn world(offset: Vec3) -> World {
             material: random.below(materials.len()),
             world_from_object: placement(&mut random, 8.0),
             dynamic: i % 2 == 1,
+            shown: Default::default(),
         });
     }
     for instance in &mut instances {

@@ -67,6 +67,21 @@ impl Live {
         Ok(())
     }
 
+    /// From which frame on which camera is shown; none without cuts.
+    pub fn cuts(&self) -> Vec<(u32, usize)> {
+        let cuts = &self.scene.cuts;
+        if cuts.is_empty() {
+            return Vec::new();
+        }
+        let cameras = &self.world.cameras;
+        let index = |name: &str| cameras.iter().position(|camera| camera.name == name);
+        let named = cuts.iter();
+        let named = named.filter_map(|cut| Some((cut.frame, index(&cut.camera.value)?)));
+        std::iter::once((0, self.world.main_camera()))
+            .chain(named)
+            .collect()
+    }
+
     /// The current edit of a material.
     pub fn edit_of(&self, material: usize) -> Edit {
         let known = self.edits.iter().find(|edit| edit.material == material);

@@ -92,6 +92,8 @@ pub fn files_of_value(table: &[String], key: &str) -> &'static [&'static str] {
     match (table.first().map(String::as_str), key) {
         (None, "base" | "include") => &["toml"],
         (None, "script") => &["rhai"],
+        (Some("instance"), "instances_from") => &["csv"],
+        (_, "scene") => &["toml"],
         (Some("environment"), "file") => &["hdr", "exr"],
         (Some("model"), "file") => &["gltf", "glb", "usd", "usda", "usdc", "usdz"],
         (_, key) if key.ends_with("_texture") => &["png", "jpg", "jpeg", "webp"],

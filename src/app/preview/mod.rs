@@ -93,6 +93,7 @@ pub fn preview(args: &PreviewArgs) -> Result<(), AppError> {
     let summary = SceneSummary::of(&live);
     let method = method.unwrap_or(summary.method);
     let camera = choose_camera(&summary, args.camera.as_deref())?;
+    let follows_cuts = args.camera.is_none();
     let stem = args.scene.as_deref().and_then(|path| path.file_stem());
     let stem = stem.map_or("atrium".to_owned(), |stem| {
         stem.to_string_lossy().into_owned()
@@ -131,7 +132,8 @@ pub fn preview(args: &PreviewArgs) -> Result<(), AppError> {
         });
         let repaint = context.egui_ctx.clone();
         let worker = RenderThread::start(gpu, live, is_waiting, move || repaint.request_repaint());
-        let window = Window::new(worker, summary, method, camera, (screenshot_folder, stem));
+        let mut window = Window::new(worker, summary, method, camera, (screenshot_folder, stem));
+        window.set_follows_cuts(follows_cuts);
         Ok(Box::new(window) as Box<dyn eframe::App>)
     };
     eframe::run_native(&title, options, Box::new(create))

@@ -35,6 +35,8 @@ pub struct MaterialRow {
 pub struct SceneSummary {
     /// Timeline, if the scene has one.
     pub timeline: Option<TimelineDesc>,
+    /// From which frame on which of the cameras is shown; the first from frame 0 on.
+    pub cuts: Vec<(u32, usize)>,
     /// The script's parameters.
     pub declared: DeclaredParameters,
     /// What the script printed.
@@ -65,6 +67,12 @@ impl SceneSummary {
         self.materials.iter().all(|row| row.uses == 0)
     }
 
+    /// The camera of the cuts at a frame.
+    pub fn cut_at(&self, frame: u32) -> Option<usize> {
+        let before = self.cuts.iter().rev().find(|(from, _)| *from <= frame);
+        before.map(|(_, camera)| *camera)
+    }
+
     /// Summary of a live scene.
     pub fn of(live: &Live) -> Self {
         let world = live.world();
@@ -89,6 +97,7 @@ impl SceneSummary {
         let dropped = live.renderer().plan().dropped.iter();
         Self {
             timeline: live.timeline().cloned(),
+            cuts: live.cuts(),
             declared: live.declared().clone(),
             log: live.log().cloned().collect(),
             cameras: (world.cameras.iter())

@@ -14,6 +14,17 @@ pub struct GroupDesc {
     pub dynamic: bool,
 }
 
+/// `model = { scene = "car.toml" }`: another scene stands here, as a group with the name of the instance,
+/// or else of the file. Its cameras, lights, materials, models, instances, groups and motion come
+/// along, with that name and a dot before their own: `car.wheel`. Its picture, environment, reflection
+/// settings, timeline, parameters and variants do not count, and it cannot have a script. Beside
+/// `model`, such an instance has `name`, a placement, `parent`, `dynamic`, and `visible`, `casts_shadow`
+/// and `in_reflections` for all of its instances.
+///
+/// - `scene`: name of the file, looked for beside the scene, then in each `--assets` folder. Names of
+///   files in it start from its own folder, then from those of this scene.
+pub struct PlacedSceneDesc;
+
 /// What shows an instance; of what hangs on it, its own keys say that.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct ShownDesc {

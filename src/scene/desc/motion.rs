@@ -1,9 +1,12 @@
 //! What changes with time, as people write it: the frames of a film, what moves in it, and the
 //! parameters of its script.
 
-use super::{CameraMotionDesc, Entry, LightMotionDesc, MaterialMotionDesc, TrackDesc};
+use super::{At, CameraMotionDesc, Entry, LightMotionDesc, MaterialMotionDesc, TrackDesc};
 
 /// `[timeline]`: the frames of a film.
+///
+/// - `cuts`: which camera is shown from which frame on, where none is chosen by `--camera`. Before the
+///   first cut it is the one without cuts: `main`, else the first.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TimelineDesc {
     /// Frames a second, above 0 and at most 1000. Frame F shows the time F / fps. Default 24.
@@ -12,6 +15,15 @@ pub struct TimelineDesc {
     pub start: u32,
     /// Last frame, itself shown, 0 to 1000000; not before `start`.
     pub end: u32,
+}
+
+/// `cuts = [{ frame = 48, camera = "close" }, …]`, in the order of frames.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CutDesc {
+    /// From which frame on, 0 to 1000000.
+    pub frame: u32,
+    /// Name of the camera that is shown from there on.
+    pub camera: At<String>,
 }
 
 /// `[motion]`: what moves, by name; what has no motion keeps the value of its own table.

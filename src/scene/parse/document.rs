@@ -10,6 +10,8 @@ use super::{
     include::{self, Included},
     layers::{self, Base},
     names, params,
+    placed::{self, Placed},
+    read::motion::Film,
     report::Report,
     set,
     syntax::{self, Shadow},
@@ -32,6 +34,7 @@ pub struct Texts<'t> {
     variants: Vec<(&'t str, usize)>,
     included: Included,
     bases: Vec<Base>,
+    placed: Placed,
     report: Report,
 }
 
@@ -67,7 +70,11 @@ impl<'t> Texts<'t> {
             .chain(options.assets.iter().cloned())
             .collect();
         let included = include::collect((text, 0), path, &folders, dependencies, &mut report);
-        let bases = layers::collect(text, path, &folders, dependencies, &mut report);
+        let bases = layers::collect((text, 0), path, &folders, dependencies, &mut report);
+        let parts = bases.iter().flat_map(Base::texts);
+        let parts: Vec<_> = included.texts().chain(parts).collect();
+        let parts = [&[(text, 0)], parts.as_slice()].concat();
+        let placed = placed::collect(&parts, path, &folders, dependencies, &mut report);
         Self {
             text,
             folders,
@@ -75,15 +82,19 @@ impl<'t> Texts<'t> {
             variants,
             included,
             bases,
+            placed,
             report,
         }
     }
 }
 
 impl Texts<'_> {
-    /// Whether this is written in a file that is included, by the scene or by a base.
+    /// Whether this is written in a file that is included, by the scene or by a base, or in a placed
+    /// scene.
     fn is_included(&self, at: &Span) -> bool {
-        self.included.has(at) || self.bases.iter().any(|base| base.includes(at))
+        self.included.has(at)
+            || self.bases.iter().any(|base| base.includes(at))
+            || self.placed.has(at, &self.report)
     }
 }
 
@@ -108,6 +119,7 @@ impl<'t> Document<'t> {
         for (text, start) in &texts.overrides {
             set::apply(&mut root, text, *start, &mut report);
         }
+        placed::expand(&mut root, &texts.placed, &mut shadows, &mut report);
         Self {
             texts,
             root,
@@ -142,8 +154,9 @@ impl<'t> Document<'t> {
         let mut unheard = self.report.unheard();
         let root = self.root.get_ref().as_table()?;
         let table = |key| root.get(key).and_then(|node| node.get_ref().as_table());
-        let timeline =
-            table("timeline").and_then(|t| Table::read(&mut unheard, t, Place::default()));
+        let timeline = table("timeline")
+            .and_then(|t| Table::read::<Film>(&mut unheard, t, Place::default()))
+            .map(|film| film.timeline);
         let values = table("params").map_or_else(Vec::new, |t| params::read(t, &mut unheard));
         (unheard.errors() == 0).then_some((values, timeline))
     }
@@ -210,7 +223,8 @@ impl<'t> Document<'t> {
         match report.finish() {
             (messages, false) => {
                 let bases = texts.bases.iter().flat_map(Base::files);
-                scene.includes = texts.included.files().chain(bases).cloned().collect();
+                let parts = texts.included.files().chain(bases);
+                scene.includes = parts.chain(texts.placed.files()).cloned().collect();
                 Ok((scene, messages))
             }
             (messages, true) => Err(messages),

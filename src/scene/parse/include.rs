@@ -55,6 +55,13 @@ impl Included {
         source.is_some_and(|s| self.sources.iter().any(|own| Arc::ptr_eq(own, s)))
     }
 
+    /// Their texts, with where they begin in the report.
+    pub fn texts(&self) -> impl Iterator<Item = (&str, usize)> {
+        self.files
+            .iter()
+            .map(|(start, file)| (file.text.as_str(), *start))
+    }
+
     /// The files.
     pub fn files(&self) -> impl Iterator<Item = &Include> {
         self.files.iter().map(|(_, file)| file)

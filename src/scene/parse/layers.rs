@@ -50,16 +50,26 @@ impl Base {
         std::iter::once(&self.file).chain(self.included.files())
     }
 
+    /// Their texts, with where they begin in the report.
+    pub fn texts(&self) -> impl Iterator<Item = (&str, usize)> {
+        std::iter::once((self.file.text.as_str(), self.start)).chain(self.included.texts())
+    }
+
+    /// Where its text begins in the report.
+    pub fn start(&self) -> usize {
+        self.start
+    }
+
     /// Whether this is written in a file that it includes.
     pub fn includes(&self, at: &crate::scene::diagnostic::Span) -> bool {
         self.included.has(at)
     }
 }
 
-/// Reads the base of a scene, that one's base, and so on. `folders` are those where they are looked
+/// Reads the base of a scene, whose text begins at `start` in the report, that one's base, and so on. `folders` are those where they are looked
 /// for, the scene's first, and `path` is the scene's own file.
 pub fn collect(
-    text: &str,
+    (text, start): (&str, usize),
     path: &Path,
     folders: &[PathBuf],
     dependencies: &Dependencies,
@@ -67,7 +77,7 @@ pub fn collect(
 ) -> Vec<Base> {
     let mut bases: Vec<Base> = Vec::new();
     let mut known: HashSet<PathBuf> = path.canonicalize().into_iter().collect();
-    let mut next = named(text, 0, true, report);
+    let mut next = named(text, start, start == 0, report);
     while let Some(name) = next.take() {
         if bases.len() == MOST {
             let message = format!("at most {MOST} bases can lie below each other");

@@ -111,6 +111,10 @@ pub fn check(
     }
     check_instance_names(root, report);
     hierarchy::check(root, report);
+    let mut cameras = Names::of("camera", root);
+    // Those of files are known when these are read.
+    let own = (scene.cuts.iter()).filter(|cut| !cut.camera.value.contains('/'));
+    own.for_each(|cut| cameras.refer(&cut.camera, report));
     motion::check(scene, root, report);
     if report.errors() == 0 {
         materials

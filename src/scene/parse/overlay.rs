@@ -11,7 +11,8 @@ use crate::scene::suggest;
 
 /// Keys that exclude each other: where one of a group is written above, those of the other groups
 /// below do not count.
-const EXCLUSIVE: [&[&[&str]]; 6] = [
+const EXCLUSIVE: [&[&[&str]]; 7] = [
+    &[&["repeat"], &["instances_from"]],
     &[&["file"], &["shape"]],
     &[&["checker"], &["base_color_texture"]],
     &[&["direction"], &["target"]],

@@ -5,7 +5,7 @@ mod animation;
 mod environment;
 mod instance;
 mod light;
-mod motion;
+pub mod motion;
 mod stage;
 
 use std::path::PathBuf;
@@ -32,7 +32,7 @@ impl Section for SceneDesc {
 
     fn read(t: &mut Table) -> Option<Self> {
         t.need::<Version>("version", ANY);
-        let scene = Self {
+        let mut scene = Self {
             folder: PathBuf::new(),
             cameras: t.entries("camera"),
             materials: t.entries("material"),
@@ -43,7 +43,8 @@ impl Section for SceneDesc {
             environment: t.table("environment").unwrap_or_default(),
             reflection: t.table("reflection").unwrap_or_default(),
             image: t.table("image").unwrap_or_default(),
-            timeline: t.table("timeline"),
+            timeline: None,
+            cuts: Vec::new(),
             motion: t.table("motion").unwrap_or_default(),
             params: t.params("params"),
             parents: Parents::default(),
@@ -51,6 +52,9 @@ impl Section for SceneDesc {
             includes: Vec::new(),
             script: None,
         };
+        if let Some(film) = t.table::<motion::Film>("timeline") {
+            (scene.timeline, scene.cuts) = (Some(film.timeline), film.cuts);
+        }
         // Read before, because they add to the tables above; asked for here, so that they are keys.
         t.find::<At<String>>("base", ANY);
         t.find::<Names>("remove", ANY);

@@ -11,7 +11,7 @@ use super::{
 };
 use crate::{
     scene::{
-        desc::{ModelSource, SceneDesc, ShapeDesc},
+        desc::{ModelSource, SceneDesc, ShapeDesc, StageDesc},
         diagnostic::Diagnostic,
     },
     world::{Mesh, Shared, World, environment::Panorama, gltf::Model, usd},
@@ -48,7 +48,16 @@ pub(super) fn sources(desc: &SceneDesc) -> Vec<NamedSource> {
         };
         (entry.name.clone(), source)
     });
-    named.collect()
+    // Its points are read again where another file has them.
+    let points = desc
+        .instances
+        .iter()
+        .filter_map(|i| i.instances_from.as_ref());
+    let points = points.map(|file| {
+        let source = Ok((file.value.clone(), usd::Choice::of(&StageDesc::default())));
+        (String::new(), source)
+    });
+    named.chain(points).collect()
 }
 
 impl AssetCache {

@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use glam::Affine3A;
 
 use super::{
-    Loader, error_at,
+    Loader, did_you_mean, error_at,
     model_instance::{ModelInstance, Place},
 };
 use crate::{
@@ -129,6 +129,20 @@ impl Loader<'_> {
             let help = "leave a file's lights out with `lights = false` in its [model.NAME]";
             error.help = Some(help.into());
             self.errors.push(error);
+        }
+        for cut in &self.desc.cuts {
+            let name = &cut.camera;
+            if !extras
+                .cameras
+                .iter()
+                .any(|camera| camera.name == name.value)
+            {
+                let text = format!("no camera is named \"{}\"", name.value);
+                let mut error = error_at("unknown-name", &name.at, text);
+                let known = extras.cameras.iter().map(|camera| camera.name.as_str());
+                error.help = did_you_mean(&name.value, known);
+                self.errors.push(error);
+            }
         }
         self.world.lights = extras.lights;
         self.world.moving.lights = extras.moving_lights;

@@ -117,11 +117,14 @@ impl Loader<'_> {
     }
 
     /// Where an instance stands; `rest` are all instances and groups.
-    fn stand(&self, job: &Job<'_>, rest: &[Affine3A]) -> Stand {
+    fn stand(&mut self, job: &Job<'_>, rest: &[Affine3A]) -> Stand {
+        let from = job.instance.and_then(|i| i.instances_from.as_ref());
+        let points = from.map(|file| self.points(file).into());
         let parent = job.index.and_then(|i| self.desc.parents.of_node(i));
         Stand {
             world: job.index.map_or(Affine3A::IDENTITY, |i| rest[i]),
             parent: parent.map(|parent| (parent, rest[parent])),
+            points,
         }
     }
 

@@ -65,7 +65,7 @@ impl Window {
             (Key::C, ViewRequest::Copy),
             (Key::X, ViewRequest::Compare),
             (Key::F12, ViewRequest::Screenshot),
-            (Key::R, ViewRequest::SceneCamera(self.settings.last_camera)),
+            (Key::R, self.scene_camera_again()),
         ] {
             if pressed(key) {
                 requests.push(request);
@@ -94,7 +94,12 @@ impl Window {
                         self.camera_controls.camera = camera.clone();
                         (self.settings.scene_camera, self.settings.last_camera) =
                             (Some(index), index);
+                        self.settings.follows_cuts = false;
                     }
+                }
+                ViewRequest::FollowCuts => {
+                    self.settings.follows_cuts = true;
+                    self.settings.scene_camera = Some(self.settings.last_camera);
                 }
                 ViewRequest::Frame => self.frame_selection(),
                 ViewRequest::Copy => {
@@ -137,6 +142,7 @@ impl Window {
             ui.ctx().request_repaint_after_secs(wait as f32);
         }
         let frame = self.tick(ui, now);
+        self.follow_cuts(frame);
         let scene_camera = self
             .settings
             .scene_camera
@@ -165,6 +171,23 @@ impl Window {
             self.is_busy = true;
             self.render_thread.mailbox.post_view(view.clone());
             self.requested = Some(view);
+        }
+    }
+
+    /// What shows the scene's camera that was shown last.
+    fn scene_camera_again(&self) -> ViewRequest {
+        match self.settings.follows_cuts && !self.summary.cuts.is_empty() {
+            true => ViewRequest::FollowCuts,
+            false => ViewRequest::SceneCamera(self.settings.last_camera),
+        }
+    }
+
+    /// Shows the camera of the cuts, unless another one was chosen or moved.
+    fn follow_cuts(&mut self, frame: u32) {
+        let settings = &mut self.settings;
+        let is_free = !settings.follows_cuts || settings.scene_camera.is_none();
+        if let Some(index) = self.summary.cut_at(frame).filter(|_| !is_free) {
+            (settings.scene_camera, settings.last_camera) = (Some(index), index);
         }
     }
 

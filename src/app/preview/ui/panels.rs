@@ -25,6 +25,8 @@ use crate::{
 pub enum ViewRequest {
     /// View through the scene's camera of this index.
     SceneCamera(usize),
+    /// Show the camera of the cuts at each frame.
+    FollowCuts,
     /// Frame the selection or the scene.
     Frame,
     /// Copy the camera.
@@ -58,6 +60,8 @@ pub struct ViewSettings {
     pub scene_camera: Option<usize>,
     /// Index of the scene's camera that was used last.
     pub last_camera: usize,
+    /// Whether the cuts of the timeline choose the scene's camera.
+    pub follows_cuts: bool,
     /// Whether the list of keys is open.
     pub help: bool,
     /// Whether the error map is shown in place of the picture.
@@ -84,6 +88,7 @@ impl ViewSettings {
             scrolls_to_material: false,
             scene_camera: None,
             last_camera: 0,
+            follows_cuts: true,
             help: false,
             error_map: false,
         }
@@ -204,8 +209,13 @@ fn cameras(
         .width(MENU)
         .truncate()
         .show_ui(ui, |ui| {
+            let cuts = settings.follows_cuts && settings.scene_camera.is_some();
+            let has_cuts = !summary.cuts.is_empty();
+            if has_cuts && ui.selectable_label(cuts, "by the cuts").clicked() {
+                requests.push(ViewRequest::FollowCuts);
+            }
             for (index, (name, _)) in summary.cameras.iter().enumerate() {
-                let is_shown = settings.scene_camera == Some(index);
+                let is_shown = settings.scene_camera == Some(index) && !(has_cuts && cuts);
                 if ui.selectable_label(is_shown, name).clicked() {
                     requests.push(ViewRequest::SceneCamera(index));
                 }

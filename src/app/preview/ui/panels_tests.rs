@@ -39,6 +39,7 @@ pub fn summary() -> SceneSummary {
     };
     SceneSummary {
         timeline: None,
+        cuts: Vec::new(),
         declared: Vec::new(),
         log: Vec::new(),
         cameras: vec![

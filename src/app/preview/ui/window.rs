@@ -61,6 +61,11 @@ pub struct Window {
 }
 
 impl Window {
+    /// Whether the cuts of the timeline choose the camera, until another one is chosen.
+    pub fn set_follows_cuts(&mut self, follows: bool) {
+        self.settings.follows_cuts = follows;
+    }
+
     /// A window that first shows `method` through the scene's camera of this index, and writes
     /// screenshots into this folder with this file name prefix.
     pub fn new(

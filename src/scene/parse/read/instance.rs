@@ -5,7 +5,9 @@ use glam::{DMat4, DQuat, DVec4, Mat4, Quat, Vec3};
 use super::animation::animation;
 use crate::scene::range::{ANY, range};
 use crate::scene::{
-    desc::{GroupDesc, InstanceDesc, InstanceMaterialDesc, PlacementDesc, RepeatDesc, ShownDesc},
+    desc::{
+        At, GroupDesc, InstanceDesc, InstanceMaterialDesc, PlacementDesc, RepeatDesc, ShownDesc,
+    },
     motion::turned,
     parse::{
         hierarchy,
@@ -24,7 +26,10 @@ impl Section for InstanceDesc {
 
     fn read(t: &mut Table) -> Option<Self> {
         let name = t.find("name", ANY);
-        let model = t.need("model", ANY);
+        let model = match t.need_name_or_table::<PlacedScene>("model") {
+            Some(Either::Name(name)) => Some(name),
+            _ => None,
+        };
         hierarchy::ask(t);
         let placement = placement(t);
         let dynamic = t.get("dynamic", ANY, false);
@@ -33,7 +38,9 @@ impl Section for InstanceDesc {
             casts_shadow: t.get("casts_shadow", ANY, true),
             in_reflections: t.get("in_reflections", ANY, true),
         };
+        t.one_of(false, &[&["repeat"], &["instances_from"]]);
         let repeat = t.table("repeat");
+        let instances_from = t.find("instances_from", ANY);
         let material = t.name_or_table("material").map(|material| match material {
             Either::Name(name) => InstanceMaterialDesc::Named(name),
             Either::Nested(desc) => InstanceMaterialDesc::Override(Box::new(desc)),
@@ -46,10 +53,24 @@ impl Section for InstanceDesc {
             dynamic,
             shown,
             repeat,
+            instances_from,
             material,
             animation,
             at: t.start(),
         })
+    }
+}
+
+/// A scene that is placed; its file was read before.
+struct PlacedScene;
+
+impl Section for PlacedScene {
+    const TYPE: &'static str = "PlacedSceneDesc";
+    const HEADING: &'static str = "model = { scene = … }";
+
+    fn read(t: &mut Table) -> Option<Self> {
+        t.need::<At<String>>("scene", ANY)?;
+        Some(Self)
     }
 }
 

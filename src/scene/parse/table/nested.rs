@@ -9,7 +9,7 @@ use crate::scene::{
     parse::{
         key_recorder::{Form, KeyRecord},
         params,
-        value::{Node, found, wrong_type},
+        value::{Node, Value as _, found, wrong_type},
     },
     range::ANY,
     suggest,
@@ -34,8 +34,13 @@ impl Table<'_, '_> {
 
     /// A name, or a table in its place.
     pub fn name_or_table<T: Section>(&mut self, key: &'static str) -> Option<Either<T>> {
-        self.note(key, || {
-            KeyRecord::value::<At<String>>(key, ANY).or(Form::Table(T::TYPE))
+        self.either(key, false)
+    }
+
+    fn either<T: Section>(&mut self, key: &'static str, required: bool) -> Option<Either<T>> {
+        self.note(key, || KeyRecord {
+            required,
+            ..KeyRecord::value::<At<String>>(key, ANY).or(Form::Table(T::TYPE))
         });
         self.describe_nested::<T>();
         let node = self.values.get(key)?;
@@ -43,6 +48,16 @@ impl Table<'_, '_> {
             DeValue::Table(_) => self.nested(key, node).map(Either::Nested),
             _ => self.name(key, node).map(Either::Name),
         }
+    }
+
+    /// As [`Table::name_or_table`], of a key that must be there; what the table means is resolved
+    /// before.
+    pub fn need_name_or_table<T: Section>(&mut self, key: &'static str) -> Option<Either<T>> {
+        if !self.has(key) {
+            let help = format!("write `{key} = …`, {}", <At<String>>::expected());
+            self.missing.push((key, help));
+        }
+        self.either(key, true)
     }
 
     /// A name, or tables `[….key.NAME]` in its place.

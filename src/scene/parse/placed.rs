@@ -1,0 +1,202 @@
+//! `model = { scene = "car.toml" }`: scenes that stand in a scene. Each becomes a group with the name
+//! of its instance; what it consists of hangs on that, with the name and a dot before its own names.
+
+mod collect;
+mod prefix;
+
+use toml::{
+    Spanned,
+    de::{DeTable, DeValue},
+};
+
+pub use self::collect::{Placed, collect};
+use self::{
+    collect::PlacedFile,
+    prefix::{Prefix, text},
+};
+use super::{
+    include, layers,
+    report::Report,
+    set::shift,
+    syntax::{self, Shadow},
+    value::Node,
+};
+use crate::scene::suggest;
+
+/// Scenes that stand in a scene, those inside them too.
+const MOST_PLACED: usize = 1000;
+
+/// Keys of an instance that what a placed scene consists of takes over where it does not say them.
+const INHERITED: [&str; 3] = ["visible", "casts_shadow", "in_reflections"];
+
+/// Keys of an instance that a placed scene cannot have.
+const OF_MODELS: [&str; 4] = ["animation", "instances_from", "material", "repeat"];
+
+/// The name of the scene that an instance places, with its node.
+fn placed_by<'n, 'i>(instance: &'n Node<'i>) -> Option<(&'n str, &'n Node<'i>)> {
+    let model = instance.get_ref().as_table()?.get("model")?;
+    let node = model.get_ref().as_table()?.get("scene")?;
+    Some((node.get_ref().as_str()?, node))
+}
+
+/// Puts placed scenes in the place of the instances that name them.
+pub fn expand<'i>(
+    root: &mut Node<'i>,
+    placed: &'i Placed,
+    shadows: &mut Vec<Shadow>,
+    report: &mut Report,
+) {
+    let mut expansion = Expansion {
+        placed,
+        shadows,
+        report,
+        left: MOST_PLACED,
+    };
+    if let DeValue::Table(root) = root.get_mut() {
+        expansion.expand(root, "");
+    }
+}
+
+struct Expansion<'p, 'i> {
+    placed: &'i Placed,
+    shadows: &'p mut Vec<Shadow>,
+    report: &'p mut Report,
+    left: usize,
+}
+
+impl<'i> Expansion<'_, 'i> {
+    /// Expands what a tree places; `folder` is where names of files in it start.
+    fn expand(&mut self, root: &mut DeTable<'i>, folder: &str) {
+        let Some(DeValue::Array(list)) = root.get_mut("instance").map(Node::get_mut) else {
+            return;
+        };
+        if !list.iter().any(|instance| placed_by(instance).is_some()) {
+            return;
+        }
+        let (scenes, others): (Vec<_>, Vec<_>) =
+            (list.iter().cloned()).partition(|instance| placed_by(instance).is_some());
+        *list = others.into_iter().collect();
+        for instance in scenes {
+            self.place(root, instance, folder);
+        }
+    }
+
+    fn place(&mut self, root: &mut DeTable<'i>, instance: Node<'i>, folder: &str) {
+        let Some((name, node)) = placed_by(&instance) else {
+            return;
+        };
+        let at = node.span();
+        let Some(file) = self.placed.file(folder, name) else {
+            if !self.placed.is_missing(folder, name) {
+                let message = "a scene can be placed by scene text only";
+                let error = self.report.error("placed-scene", &at, message);
+                error.help =
+                    Some("write the `[[instance]]` in a file, not in `setup` or `--set`".into());
+            }
+            self.report.note_lacking_names();
+            return;
+        };
+        if self.left == 0 {
+            let message = format!("at most {MOST_PLACED} scenes can stand in a scene");
+            self.report.error("too-many-files", &at, message);
+            self.report.note_lacking_names();
+            return;
+        }
+        self.left -= 1;
+        let stem = file.stem().to_owned();
+        let DeValue::Table(mut group) = instance.into_inner() else {
+            return;
+        };
+        group.remove("model");
+        let own = group.remove("name");
+        let own = own.and_then(|node| Some((node.get_ref().as_str()?.to_owned(), node.span())));
+        let (name, at) = own.unwrap_or((stem, at));
+        for key in OF_MODELS {
+            if let Some((key, _)) = group.remove_entry(key) {
+                let message = format!("`{}` does not apply to a placed scene", key.get_ref());
+                let error = self.report.error("unknown-key", &key.span(), message);
+                error.help = Some("write it in the instances of that scene".into());
+            }
+        }
+        let inherited: Vec<_> = (INHERITED.iter())
+            .filter_map(|key| group.remove_entry(*key))
+            .collect();
+        let mut tree = self.tree(file);
+        if let DeValue::Table(tree) = tree.get_mut() {
+            self.expand(tree, &file.folder);
+            let prefix = Prefix {
+                group: &name,
+                file,
+                placed: self.placed,
+                at: at.clone(),
+                inherited: &inherited,
+            };
+            prefix.apply(tree, self.report);
+        }
+        self.add_group(root, &name, at, group);
+        if let DeValue::Table(tree) = tree.into_inner() {
+            merge(root, tree);
+        }
+    }
+
+    /// The tree of a placed file, with its bases and what it includes.
+    fn tree(&mut self, file: &'i PlacedFile) -> Node<'i> {
+        let (tree, more) = syntax::parse(&file.file.text, file.start, self.report);
+        self.shadows.extend(more);
+        let tree = Node::new(tree.span(), DeValue::Table(tree.into_inner()));
+        let mut tree = shift(tree, file.start);
+        include::merge(&mut tree, &file.included, self.shadows, self.report);
+        layers::merge(tree, &file.bases, self.shadows, self.report)
+    }
+
+    fn add_group(
+        &mut self,
+        root: &mut DeTable<'i>,
+        name: &str,
+        at: std::ops::Range<usize>,
+        group: DeTable<'i>,
+    ) {
+        let key = text("group".to_owned(), at.clone());
+        let groups = root.entry(key);
+        let groups =
+            groups.or_insert_with(|| Spanned::new(at.clone(), DeValue::Table(DeTable::new())));
+        let DeValue::Table(groups) = groups.get_mut() else {
+            return; // its reader says so
+        };
+        if groups.contains_key(name) {
+            let message = format!(
+                "two groups or placed scenes are named {}",
+                suggest::text(name)
+            );
+            let error = self.report.error("duplicate-name", &at, message);
+            error.help = Some("give each `[[instance]]` that places a scene its own `name`".into());
+            return;
+        }
+        let node = Spanned::new(at.clone(), DeValue::Table(group));
+        groups.insert(text(name.to_owned(), at), node);
+    }
+}
+
+/// Adds what a placed scene consists of; its names have a prefix, so that none is there already.
+fn merge<'i>(root: &mut DeTable<'i>, tree: DeTable<'i>) {
+    for (key, node) in tree {
+        match root.get_mut(key.get_ref().as_ref()).map(Node::get_mut) {
+            None => {
+                root.insert(key, node);
+            }
+            Some(DeValue::Table(old)) => {
+                if let DeValue::Table(new) = node.into_inner() {
+                    merge(old, new);
+                }
+            }
+            Some(DeValue::Array(old)) => {
+                if let DeValue::Array(new) = node.into_inner() {
+                    for item in new {
+                        old.push(item);
+                    }
+                }
+            }
+            Some(_) => {} // its reader says so
+        }
+    }
+}

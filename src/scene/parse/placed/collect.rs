@@ -1,0 +1,269 @@
+//! The files of placed scenes.
+
+use std::{
+    collections::{HashMap, HashSet},
+    path::{Path, PathBuf},
+};
+
+use toml::de::{DeTable, DeValue};
+
+use super::placed_by;
+use crate::scene::{
+    confined_read::{self, Kind},
+    dependencies::Dependencies,
+    desc::{At, Include},
+    diagnostic::{Diagnostic, Span},
+    parse::{
+        MOST_BYTES,
+        include::{self, Included},
+        layers::{self, Base},
+        report::Report,
+        set::shift,
+    },
+    suggest,
+};
+
+/// Files of placed scenes.
+const MOST: usize = 100;
+
+/// Scene text that is placed, in messages about its files.
+const SCENES: Kind = Kind {
+    one: "scene text",
+    names: "names of placed scenes start from the scene's folder or an asset folder (--assets DIR)",
+    inside: "placed scenes are read only from the scene's folder, asset folders, and the folders below",
+    most_mib: MOST_BYTES >> 20,
+};
+
+/// A scene that is placed, with its bases and what it includes.
+pub struct PlacedFile {
+    /// Where its text begins in the report.
+    pub start: usize,
+    /// The file.
+    pub file: Include,
+    /// Where names of files in it start, from the folders of the outermost scene; empty or with a `/`
+    /// at its end.
+    pub folder: String,
+    /// What it includes.
+    pub included: Included,
+    /// Its bases.
+    pub bases: Vec<Base>,
+}
+
+impl PlacedFile {
+    /// Name of the file without its end.
+    pub fn stem(&self) -> &str {
+        let name = Path::new(&self.file.name).file_stem();
+        name.and_then(|stem| stem.to_str()).unwrap_or("scene")
+    }
+
+    /// Whether this is written in a file that it, or a base of it, includes.
+    pub fn includes(&self, at: &Span) -> bool {
+        self.included.has(at) || self.bases.iter().any(|base| base.includes(at))
+    }
+}
+
+/// All files of placed scenes, by the folder and the name by which they are placed.
+#[derive(Default)]
+pub struct Placed {
+    files: Vec<PlacedFile>,
+    /// `None` for those that cannot be read, which was reported.
+    by_name: HashMap<(String, String), Option<usize>>,
+    /// Folders of the outermost scene.
+    folders: Vec<PathBuf>,
+}
+
+impl Placed {
+    /// The file that a scene in `folder` calls `name`.
+    pub fn file(&self, folder: &str, name: &str) -> Option<&PlacedFile> {
+        let index = self.by_name.get(&(folder.to_owned(), name.to_owned()))?;
+        index.map(|index| &self.files[index])
+    }
+
+    /// Whether it was reported that this file cannot be read.
+    pub fn is_missing(&self, folder: &str, name: &str) -> bool {
+        self.by_name.get(&(folder.to_owned(), name.to_owned())) == Some(&None)
+    }
+
+    /// All files, those that placed scenes include and their bases too.
+    pub fn files(&self) -> impl Iterator<Item = &Include> {
+        self.files.iter().flat_map(|placed| {
+            let bases = placed.bases.iter().flat_map(Base::files);
+            let own = std::iter::once(&placed.file);
+            own.chain(placed.included.files()).chain(bases)
+        })
+    }
+
+    /// Whether this is written in a placed scene.
+    pub fn has(&self, at: &Span, report: &Report) -> bool {
+        let is_in = |start: usize| {
+            let source = report.span(&(start..start)).source;
+            matches!((&source, &at.source), (Some(a), Some(b)) if std::sync::Arc::ptr_eq(a, b))
+        };
+        let mut files = self.files.iter();
+        files.any(|placed| {
+            let bases = placed.bases.iter().any(|base| is_in(base.start()));
+            placed.includes(at) || is_in(placed.start) || bases
+        })
+    }
+
+    /// How the outermost scene names a file that a placed scene in `folder` names.
+    pub fn file_name(&self, folder: &str, name: &str) -> String {
+        let inside = format!("{folder}{name}");
+        match self.folders.iter().any(|f| f.join(&inside).exists()) {
+            true => inside,
+            false => name.to_owned(),
+        }
+    }
+}
+
+/// A scene that is to be read.
+struct Wanted {
+    name: At<String>,
+    folder: String,
+    /// Files in which it stands, outermost first.
+    above: Vec<PathBuf>,
+}
+
+/// Reads the scenes that some texts place, and those that these place. The texts begin at their places
+/// in the report, the outermost scene's first, whose file is `path`.
+pub fn collect(
+    texts: &[(&str, usize)],
+    path: &Path,
+    folders: &[PathBuf],
+    dependencies: &Dependencies,
+    report: &mut Report,
+) -> Placed {
+    let mut placed = Placed {
+        folders: folders.to_vec(),
+        ..Placed::default()
+    };
+    let above: Vec<_> = path.canonicalize().into_iter().collect();
+    let mut waiting = Vec::new();
+    let wanted = |texts: &[(&str, usize)], folder: &str, above: &[PathBuf], report: &Report| {
+        let names = texts.iter().flat_map(|text| named(*text, report));
+        let wanted = |name| Wanted {
+            name,
+            folder: folder.to_owned(),
+            above: above.to_vec(),
+        };
+        names.map(wanted).collect::<Vec<_>>()
+    };
+    waiting.extend(wanted(texts, "", &above, report));
+    waiting.reverse();
+    while let Some(next) = waiting.pop() {
+        let key = (next.folder.clone(), next.name.value.clone());
+        if placed.by_name.contains_key(&key) {
+            continue;
+        }
+        let file = read(&next, &placed, folders, dependencies, report);
+        let index = file.map(|(file, real)| {
+            let mut texts = vec![(file.file.text.as_str(), file.start)];
+            texts.extend(file.included.texts());
+            texts.extend(file.bases.iter().flat_map(Base::texts));
+            let above = [next.above.as_slice(), &[real]].concat();
+            waiting.extend(
+                wanted(&texts, &file.folder, &above, report)
+                    .into_iter()
+                    .rev(),
+            );
+            placed.files.push(file);
+            placed.files.len() - 1
+        });
+        if index.is_none() {
+            report.note_lacking_names();
+        }
+        placed.by_name.insert(key, index);
+    }
+    placed
+}
+
+fn read(
+    next: &Wanted,
+    placed: &Placed,
+    folders: &[PathBuf],
+    dependencies: &Dependencies,
+    report: &mut Report,
+) -> Option<(PlacedFile, PathBuf)> {
+    let at = next.name.at.clone();
+    if placed.files.len() == MOST {
+        let message = format!("at most {MOST} files can be placed in a scene");
+        report.push(Diagnostic::at("too-many-files", at, message));
+        return None;
+    }
+    let name = placed.file_name(&next.folder, &next.name.value);
+    let found = match confined_read::read(folders, &name, &SCENES, dependencies) {
+        Ok(found) => found,
+        Err(problem) => {
+            report.push(problem.at_name("placed-file", at));
+            return None;
+        }
+    };
+    if next.above.contains(&found.real) {
+        let shown = suggest::text(&next.name.value);
+        let message = format!("{shown} stands in itself, directly or through others");
+        let error = Diagnostic::at("circle", at, message);
+        report.push(error.help("take its `[[instance]]` out of one file of the circle"));
+        return None;
+    }
+    let folder = name.rfind('/').map_or("", |end| &name[..=end]).to_owned();
+    // Beside it first, then as for the outermost scene.
+    let beside = found.path.parent().map(Path::to_owned);
+    let mut own: Vec<PathBuf> = beside.into_iter().collect();
+    own.extend(
+        folders
+            .iter()
+            .filter(|f| own.first() != Some(f))
+            .cloned()
+            .collect::<Vec<_>>(),
+    );
+    let start = report.add_source(&found.path, &found.text);
+    let text = (found.text.as_str(), start);
+    let included = include::collect(text, &found.path, &own, dependencies, report);
+    let bases = layers::collect(text, &found.path, &own, dependencies, report);
+    let file = PlacedFile {
+        start,
+        folder,
+        included,
+        bases,
+        file: Include {
+            name,
+            path: found.real.clone(),
+            text: found.text,
+        },
+    };
+    Some((file, found.real))
+}
+
+/// The scenes that a text places, also in its variants.
+fn named((text, start): (&str, usize), report: &Report) -> Vec<At<String>> {
+    // Texts are parsed once more for this, which most are spared.
+    if !text.contains("scene") {
+        return Vec::new();
+    }
+    let (root, _) = DeTable::parse_recoverable(text);
+    let root = root.into_inner();
+    let variants = root.get("variant").and_then(|n| n.get_ref().as_table());
+    let variants = variants.into_iter().flat_map(|all| all.values());
+    let tables = variants.filter_map(|node| node.get_ref().as_table());
+    let mut seen = HashSet::new();
+    let mut found = Vec::new();
+    for table in std::iter::once(&root).chain(tables) {
+        let list = table.get("instance").map(toml::Spanned::get_ref);
+        let Some(DeValue::Array(list)) = list else {
+            continue;
+        };
+        for instance in list {
+            if let Some((name, node)) = placed_by(instance)
+                && seen.insert(name.to_owned())
+            {
+                let node = shift(node.clone(), start);
+                let at = report.span(&node.span());
+                found.push(At {
+                    value: name.to_owned(),
+                    at,
+                });
+            }
+        }
+    }
+    found
+}

@@ -1,0 +1,220 @@
+//! Names of a placed scene: its own, what refers to them, and names of files.
+
+use std::{collections::HashSet, ops::Range};
+
+use toml::{
+    Spanned,
+    de::{DeString, DeTable, DeValue},
+};
+
+use super::{Placed, PlacedFile};
+use crate::scene::parse::{
+    report::Report,
+    value::{Named, Node, Value as _, Version},
+};
+use crate::scene::range::ANY;
+
+/// Tables whose entries have names.
+const NAMED: [&str; 5] = ["camera", "group", "light", "material", "model"];
+
+/// What of a scene is placed; the rest is of its picture or its film.
+const PLACED: [&str; 7] = [
+    "camera", "group", "instance", "light", "material", "model", "motion",
+];
+
+/// A text with a place.
+pub fn text(value: String, at: Range<usize>) -> Spanned<DeString<'static>> {
+    Spanned::new(at, value.into())
+}
+
+/// What names of a placed scene become.
+pub struct Prefix<'a, 'i> {
+    /// Name of the group that stands for the scene.
+    pub group: &'a str,
+    /// Its file.
+    pub file: &'a PlacedFile,
+    /// All files.
+    pub placed: &'a Placed,
+    /// Where it is placed.
+    pub at: Range<usize>,
+    /// Keys of all its instances that do not say them.
+    pub inherited: &'a [(Spanned<DeString<'i>>, Node<'i>)],
+}
+
+impl<'i> Prefix<'_, 'i> {
+    /// Renames everything of a scene's tree, and hangs what stands free on the group.
+    pub fn apply(&self, tree: &mut DeTable<'i>, report: &mut Report) {
+        if let Some(version) = tree.get("version") {
+            let named = Named {
+                key: "version",
+                range: &ANY,
+            };
+            Version::read(version, &named, report);
+        }
+        if let Some((key, _)) = tree.get_key_value("script") {
+            let message = "a scene that is placed cannot have a script";
+            let error = report.error("include-script", &key.span(), message);
+            error.help = Some("move it by `[motion]`, or by the script of the scene itself".into());
+        }
+        let of_picture: Vec<_> = (tree.keys())
+            .map(|key| key.get_ref().to_string())
+            .filter(|key| !PLACED.contains(&key.as_str()))
+            .collect();
+        for key in of_picture {
+            tree.remove(key.as_str());
+        }
+        self.place_free_models(tree, report);
+        for kind in NAMED {
+            if let Some(DeValue::Table(entries)) = tree.get_mut(kind).map(Node::get_mut) {
+                for (_, node) in entries.iter_mut() {
+                    self.entry(kind, node);
+                }
+                self.rename(entries);
+            }
+        }
+        if let Some(DeValue::Array(list)) = tree.get_mut("instance").map(Node::get_mut) {
+            for node in list.iter_mut() {
+                self.entry("instance", node);
+            }
+        }
+        if let Some(DeValue::Table(kinds)) = tree.get_mut("motion").map(Node::get_mut) {
+            for (_, node) in kinds.iter_mut() {
+                if let DeValue::Table(entries) = node.get_mut() {
+                    entries.iter_mut().for_each(|(_, node)| self.followed(node));
+                    self.rename(entries);
+                }
+            }
+        }
+    }
+
+    /// Models that no instance names stand at the origin of the scene.
+    fn place_free_models(&self, tree: &mut DeTable<'i>, report: &Report) {
+        let model = |instance: &Node| {
+            let name = instance.get_ref().as_table()?.get("model")?;
+            name.get_ref().as_str().map(str::to_owned)
+        };
+        let list = tree.get("instance").and_then(|n| n.get_ref().as_array());
+        let used: HashSet<_> = list.into_iter().flatten().filter_map(model).collect();
+        let models = tree.get("model").and_then(|n| n.get_ref().as_table());
+        let models = models.into_iter().flat_map(|all| all.keys());
+        let is_free = |key: &&Spanned<DeString>| {
+            let is_included = self.file.includes(&report.span(&key.span()));
+            !used.contains(key.get_ref().as_ref()) && !is_included
+        };
+        let free: Vec<_> = (models.filter(is_free))
+            .map(|key| (key.get_ref().to_string(), key.span()))
+            .collect();
+        if free.is_empty() {
+            return;
+        }
+        let list = tree
+            .entry(text("instance".to_owned(), self.at.clone()))
+            .or_insert_with(|| Spanned::new(self.at.clone(), DeValue::Array(<_>::default())));
+        if let DeValue::Array(list) = list.get_mut() {
+            for (name, at) in free {
+                let mut instance = DeTable::new();
+                let model = Node::new(at.clone(), DeValue::String(name.into()));
+                instance.insert(text("model".to_owned(), at.clone()), model);
+                list.push(Node::new(at, DeValue::Table(instance)));
+            }
+        }
+    }
+
+    /// The name of something of the scene.
+    fn named(&self, name: &str) -> String {
+        format!("{}.{name}", self.group)
+    }
+
+    fn rename(&self, entries: &mut DeTable<'i>) {
+        let all = std::mem::take(entries);
+        for (key, node) in all {
+            let name = self.named(key.get_ref());
+            entries.insert(text(name, key.span()), node);
+        }
+    }
+
+    /// Changes the text of a key, if it has one.
+    fn change(table: &mut DeTable<'i>, key: &str, new: impl FnOnce(&str) -> String) {
+        if let Some(node) = table.get_mut(key)
+            && let DeValue::String(old) = node.get_mut()
+        {
+            *old = new(old).into();
+        }
+    }
+
+    /// References, names of files and parents in one table.
+    fn entry(&self, kind: &str, node: &mut Node<'i>) {
+        let DeValue::Table(table) = node.get_mut() else {
+            return; // its reader says so
+        };
+        match kind {
+            "material" => self.material(table),
+            "model" => {
+                Self::change(table, "material", |name| self.named(name));
+                Self::change(table, "file", |name| self.file_name(name));
+                if let Some(DeValue::Table(all)) = table.get_mut("material").map(Node::get_mut) {
+                    for (_, node) in all.iter_mut() {
+                        if let DeValue::Table(material) = node.get_mut() {
+                            self.material(material);
+                        }
+                    }
+                }
+            }
+            "instance" => {
+                for key in ["name", "model", "material"] {
+                    Self::change(table, key, |name| self.named(name));
+                }
+                Self::change(table, "instances_from", |name| self.file_name(name));
+                if let Some(DeValue::Table(own)) = table.get_mut("material").map(Node::get_mut) {
+                    self.material(own);
+                }
+                for (key, node) in self.inherited {
+                    if !table.contains_key(key.get_ref().as_ref()) {
+                        table.insert(key.clone(), node.clone());
+                    }
+                }
+                self.hang(table);
+            }
+            _ => self.hang(table),
+        }
+    }
+
+    fn hang(&self, table: &mut DeTable<'i>) {
+        if table.contains_key("parent") {
+            return Self::change(table, "parent", |name| self.named(name));
+        }
+        let group = DeValue::String(self.group.to_owned().into());
+        let key = text("parent".to_owned(), self.at.clone());
+        table.insert(key, Node::new(self.at.clone(), group));
+    }
+
+    fn material(&self, table: &mut DeTable<'i>) {
+        Self::change(table, "extends", |name| self.named(name));
+        let textures: Vec<_> = (table.keys())
+            .map(|key| key.get_ref().to_string())
+            .filter(|key| key.ends_with("_texture"))
+            .collect();
+        for key in textures {
+            Self::change(table, &key, |name| self.file_name(name));
+        }
+    }
+
+    fn file_name(&self, name: &str) -> String {
+        self.placed.file_name(&self.file.folder, name)
+    }
+
+    /// What tracks follow.
+    fn followed(&self, node: &mut Node<'i>) {
+        let DeValue::Table(tracks) = node.get_mut() else {
+            return;
+        };
+        for (_, track) in tracks.iter_mut() {
+            let DeValue::Table(track) = track.get_mut() else {
+                continue;
+            };
+            if let Some(DeValue::Table(follow)) = track.get_mut("follow").map(Node::get_mut) {
+                Self::change(follow, "instance", |name| self.named(name));
+            }
+        }
+    }
+}

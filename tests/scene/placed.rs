@@ -1,0 +1,301 @@
+//! Scenes that stand in scenes.
+
+use reflet::{
+    scene::{desc::ModelSource, stages::Animator},
+    world::load,
+};
+
+use crate::layers::Folder;
+
+const CAR: &str = r#"
+version = 1
+include = ["parts/paint.toml"]
+timeline = { end = 5 }
+image = { size = [8, 8] }
+[model.body]
+shape = { kind = "box" }
+material = "red"
+[model.wheel]
+shape = { kind = "cylinder" }
+material = "black"
+[material.black]
+extends = "paint"
+base_color = [0, 0, 0]
+[group.axle]
+translation = [0, 0, 1]
+[[instance]]
+name = "wheel"
+model = "wheel"
+parent = "axle"
+material = { extends = "red" }
+[light.beam]
+kind = "spot"
+parent = "wheel"
+position = [0, 0, 0]
+direction = [0, 0, 1]
+intensity_cd = 5
+[camera.seat]
+eye = [0, 1, 0]
+target = [0, 1, 5]
+[motion.group.axle]
+rotation_deg = { rate = [360, 0, 0] }
+[motion.camera.seat]
+target = { follow = { instance = "wheel" } }
+"#;
+
+const PAINT: &str = r#"
+version = 1
+[material.paint]
+roughness = 0.25
+[material.red]
+extends = "paint"
+base_color = [1, 0, 0]
+[model.unused]
+shape = { kind = "sphere" }
+"#;
+
+const SHOT: &str = r#"
+version = 1
+[timeline]
+end = 23
+cuts = [{ frame = 12, camera = "left.seat" }]
+[camera.main]
+[material.red]
+base_color = [0, 0, 1]
+[[instance]]
+name = "left"
+model = { scene = "cars/car.toml" }
+translation = [-5, 0, 0]
+in_reflections = false
+[[instance]]
+model = { scene = "cars/car.toml" }
+parent = "left"
+scale = 2
+[model.floor]
+shape = { kind = "plane" }
+material = "red"
+"#;
+
+fn shot(shot: &str) -> Folder {
+    let files = [
+        ("shot/scene.toml", shot),
+        ("library/cars/car.toml", CAR),
+        ("library/cars/parts/paint.toml", PAINT),
+    ];
+    let name = format!("placed-{}", shot.len());
+    Folder::new(&name, &files)
+}
+
+#[test]
+fn a_scene_stands_in_a_scene_with_its_names_prefixed() {
+    let folder = shot(SHOT);
+    let scene = folder.expect();
+    let mut names: Vec<_> = scene.node_names().flatten().collect();
+    names.sort_unstable();
+    let want = [
+        "car",
+        "car.axle",
+        "car.wheel",
+        "left",
+        "left.axle",
+        "left.wheel",
+    ];
+    assert_eq!(names, want);
+    let mut models: Vec<_> = scene.models.iter().map(|m| m.name.as_str()).collect();
+    models.sort_unstable();
+    assert_eq!(
+        models,
+        ["car.body", "car.wheel", "floor", "left.body", "left.wheel"]
+    );
+    assert_eq!(
+        scene.image.size,
+        [1280, 720],
+        "its own picture does not count"
+    );
+    assert_eq!(scene.timeline.as_ref().map(|t| t.end), Some(23));
+    let black = scene.materials.iter().find(|m| m.name == "left.black");
+    let black = &black.expect("it comes along").value;
+    assert_eq!(black.roughness, Some(0.25), "by what it extends");
+    assert!(
+        scene
+            .instances
+            .iter()
+            .all(|i| { i.shown.in_reflections != i.model.value.starts_with("left.") })
+    );
+    let options = load::LoadOptions::default();
+    let mut world = load::load(&scene, &options).unwrap_or_else(|e| panic!("{e:?}"));
+    let at = |name: &str| {
+        let found = world.instances.iter().find(|i| i.name == name);
+        found
+            .unwrap_or_else(|| panic!("no {name}"))
+            .world_from_object
+            .translation
+            .to_array()
+    };
+    assert_eq!(at("left.body"), [-5.0, 0.0, 0.0]);
+    assert_eq!(at("left.wheel"), [-5.0, 0.0, 1.0]);
+    assert_eq!(at("car.wheel"), [-5.0, 0.0, 2.0]);
+    let seat = world
+        .cameras
+        .iter()
+        .find(|c| c.name == "left.seat")
+        .expect("a seat");
+    assert_eq!(seat.value.eye.to_array(), [-5.0, 1.0, 0.0]);
+    let state = Animator::new(&scene)
+        .pose(12)
+        .unwrap_or_else(|e| panic!("{e:?}"));
+    world.apply(&state).unwrap_or_else(|e| panic!("{e:?}"));
+    let wheel = world
+        .instances
+        .iter()
+        .find(|i| i.name == "left.wheel")
+        .expect("a wheel");
+    let up = wheel.world_from_object.transform_vector3(glam::Vec3::Y);
+    assert!(up.distance(glam::Vec3::NEG_Y) < 1e-4, "half a turn: {up}");
+    let files: Vec<_> = scene.includes.iter().map(|f| f.name.as_str()).collect();
+    assert_eq!(files, ["cars/car.toml", "parts/paint.toml"]);
+}
+
+#[test]
+fn files_are_named_from_the_placed_scene() {
+    let car =
+        "version = 1\n[model.body]\nfile = \"body.glb\"\n[model.seat]\nfile = \"shared.glb\"\n";
+    let folder = Folder::new(
+        "placed-files",
+        &[
+            (
+                "shot/scene.toml",
+                "version = 1\n[camera.main]\n[[instance]]\nmodel = { scene = \"car/car.toml\" }\n",
+            ),
+            ("shot/car/car.toml", car),
+            ("shot/car/body.glb", ""),
+        ],
+    );
+    let scene = folder.expect();
+    let files: Vec<_> = (scene.models.iter())
+        .map(|model| match &model.value.source {
+            ModelSource::File(file) => file.value.as_str(),
+            ModelSource::Shape(_) => "",
+        })
+        .collect();
+    assert_eq!(files, ["car/body.glb", "shared.glb"]);
+}
+
+#[test]
+fn wrong_placed_scenes_are_named() {
+    for (from, to, says) in [
+        (
+            "cars/car.toml\" }\ntranslation",
+            "cars/cat.toml\" }\ntranslation",
+            "does not exist",
+        ),
+        (
+            "cars/car.toml\" }\ntranslation",
+            "scene.toml\" }\ntranslation",
+            "stands in itself",
+        ),
+        (
+            "parent = \"left\"",
+            "parent = \"left\"\nname = \"left\"",
+            "two groups or placed scenes are named \"left\"",
+        ),
+        (
+            "parent = \"left\"",
+            "repeat = { count = [2, 1, 1], step = [1, 0, 0] }",
+            "`repeat` does not apply to a placed scene",
+        ),
+        (
+            "parent = \"left\"",
+            "parent = \"left.whel\"",
+            "no instance or group is named \"left.whel\"",
+        ),
+        ("left.seat", "left.sear", "no camera is named \"left.sear\""),
+        (
+            "{ scene = \"cars/car.toml\" }\nparent",
+            "{ scen = \"cars/car.toml\" }\nparent",
+            "`scen` is not a key of",
+        ),
+        (
+            "cars/car.toml\" }\ntranslation",
+            "../car.toml\" }\ntranslation",
+            "is not below the scene's folder",
+        ),
+    ] {
+        let text = SHOT.replacen(from, to, 1);
+        assert_ne!(text, SHOT, "{from}");
+        shot(&text).assert_says(&[], &[says]);
+    }
+    let scripted = format!("script = \"a.rhai\"\n{CAR}");
+    let folder = Folder::new(
+        "placed-script",
+        &[
+            ("shot/scene.toml", SHOT),
+            ("library/cars/car.toml", &scripted),
+            ("library/cars/parts/paint.toml", PAINT),
+        ],
+    );
+    folder.assert_says(
+        &[],
+        &[
+            "a scene that is placed cannot have a script",
+            "car.toml:1:1",
+        ],
+    );
+}
+
+/// Each places the next ten times: a million cars, if nothing stopped it.
+#[test]
+fn scenes_that_multiply_are_refused() {
+    let ten = |next: &str| {
+        let one =
+            |i: usize| format!("[[instance]]\nname = \"i{i}\"\nmodel = {{ scene = \"{next}\" }}\n");
+        format!("version = 1\n{}", (0..10).map(one).collect::<String>())
+    };
+    let files: Vec<_> = (0..6)
+        .map(|i| (format!("shot/s{i}.toml"), ten(&format!("s{}.toml", i + 1))))
+        .collect();
+    let last = (
+        "shot/s6.toml".to_owned(),
+        "version = 1\n[model.m]\nshape = { kind = \"box\" }\n".to_owned(),
+    );
+    let first = ("shot/scene.toml".to_owned(), ten("s0.toml"));
+    let files: Vec<_> = files.into_iter().chain([last, first]).collect();
+    let files: Vec<_> = files
+        .iter()
+        .map(|(name, text)| (name.as_str(), text.as_str()))
+        .collect();
+    Folder::new("placed-many", &files)
+        .assert_says(&[], &["at most 1000 scenes can stand in a scene"]);
+}
+
+#[test]
+fn cuts_are_in_order_and_name_cameras() {
+    let cuts = |text: &str| SHOT.replace("[{ frame = 12, camera = \"left.seat\" }]", text);
+    for (text, says) in [
+        (
+            "[{ frame = 3, camera = \"main\" }, { frame = 3, camera = \"main\" }]",
+            "`frame` must be after that of the cut before, which is 3",
+        ),
+        ("[{ frame = 3 }]", "`camera` is missing"),
+        (
+            "[{ frame = -1, camera = \"main\" }]",
+            "`frame` must be 0 to 1000000",
+        ),
+        ("3", "`cuts` must be a list of tables"),
+        (
+            "[{ frame = 0, camera = \"mian\" }]",
+            "did you mean \"main\"?",
+        ),
+    ] {
+        shot(&cuts(text)).assert_says(&[], &[says]);
+    }
+    let scene = shot(&cuts("[{ frame = 0, camera = \"car/body\" }]")).expect();
+    let errors =
+        load::load(&scene, &load::LoadOptions::default()).expect_err("no such file has it");
+    assert!(
+        errors[0]
+            .message
+            .contains("no camera is named \"car/body\""),
+        "{errors:?}"
+    );
+}
