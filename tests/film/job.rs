@@ -22,8 +22,8 @@ fn read(path: &Path) -> Value {
     serde_json::from_str(&text).expect("it is JSON")
 }
 
-/// Runs one task of a template with these frames, its parameters replaced by their values.
-fn run_task(bundle: &Path, frames: &str) -> String {
+/// One task of a template with these frames, its parameters replaced by their values.
+pub fn task(bundle: &Path, frames: &str) -> Command {
     let template = read(&bundle.join("template.json"));
     let values = read(&bundle.join("parameter_values.json"));
     let action = &template["steps"][0]["script"]["actions"]["onRun"];
@@ -43,11 +43,14 @@ fn run_task(bundle: &Path, frames: &str) -> String {
         .expect("a list")
         .iter()
         .map(argument);
-    let output = Command::new(env!("CARGO_BIN_EXE_reflet"))
-        .args(arguments)
-        .env("NODEVICE_SELECT", "1")
-        .output()
-        .expect("the program starts");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_reflet"));
+    command.args(arguments).env("NODEVICE_SELECT", "1");
+    command
+}
+
+/// Runs one task to its end; what it printed.
+pub fn run_task(bundle: &Path, frames: &str) -> String {
+    let output = task(bundle, frames).output().expect("the program starts");
     let errors = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{errors}");
     String::from_utf8_lossy(&output.stdout).into_owned()

@@ -14,6 +14,7 @@ mod job;
 mod pack;
 mod paths;
 mod readme;
+mod show;
 
 use std::{
     collections::BTreeMap,

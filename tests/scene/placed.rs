@@ -157,6 +157,30 @@ fn a_scene_stands_in_a_scene_with_its_names_prefixed() {
 }
 
 #[test]
+fn a_scene_changes_what_it_places() {
+    let over = "[material.\"left.black\"]\nroughness = 0.75\n[[instance]]\nname = \"left.wheel\"\nvisible = false\n";
+    let over =
+        format!("{SHOT}{over}[motion.group.\"left.axle\"]\ntranslation = {{ rate = [1, 0, 0] }}\n");
+    let scene = shot(&over).expect();
+    let black = scene.materials.iter().find(|m| m.name == "left.black");
+    let black = &black.expect("it comes along").value;
+    assert_eq!(
+        (black.roughness, black.base_color),
+        (Some(0.75), Some(glam::Vec3::ZERO))
+    );
+    let wheel = scene
+        .instances
+        .iter()
+        .find(|i| i.name.as_deref() == Some("left.wheel"));
+    let wheel = wheel.expect("it comes along");
+    assert!(!wheel.shown.visible && !wheel.shown.in_reflections);
+    assert_eq!(wheel.model.value, "left.wheel");
+    let axle = scene.motion.groups.iter().find(|g| g.name == "left.axle");
+    let axle = &axle.expect("it comes along").value;
+    assert!(axle.translation.is_some() && axle.rotation_deg.is_some());
+}
+
+#[test]
 fn files_are_named_from_the_placed_scene() {
     let car =
         "version = 1\n[model.body]\nfile = \"body.glb\"\n[model.seat]\nfile = \"shared.glb\"\n";

@@ -29,7 +29,10 @@ pub fn lights(scene: &Scene, world: &World) -> Vec<Diagnostic> {
         };
         let cameras: Vec<Vec3> = world.cameras.iter().map(|c| c.value.eye).collect();
         let mut around = closed.around(position);
-        around.retain(|i| !cameras.iter().any(|eye| closed.contains(*i, *eye)));
+        around.retain(|i| {
+            let casts_shadow = world.instances[*i].shown.casts_shadow;
+            casts_shadow && !cameras.iter().any(|eye| closed.contains(*i, *eye))
+        });
         if let Some(shape) = around.first() {
             let shape = &world.instances[*shape];
             let message = format!(
@@ -60,7 +63,8 @@ pub fn cameras(scene: &Scene, world: &World) -> Vec<Diagnostic> {
             };
             let lamps = world.lights.iter().filter_map(|l| l.desc.kind.position());
             let has_lamp = lamps.into_iter().any(|at| closed.contains(shape, at));
-            let is_seen = world.materials[world.instances[shape].material].double_sided;
+            let around = &world.instances[shape];
+            let is_seen = around.shown.visible && world.materials[around.material].double_sided;
             if has_lamp || !is_seen || world.instances.iter().enumerate().any(inner) {
                 continue;
             }

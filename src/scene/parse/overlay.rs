@@ -57,6 +57,11 @@ pub fn overlay<'i>(below: &mut DeTable<'i>, above: DeTable<'i>) {
     overlay_at(Level::Scene, below, above);
 }
 
+/// Lays the keys of a thing over those of another one.
+pub fn overlay_keys<'i>(below: &mut DeTable<'i>, above: DeTable<'i>) {
+    overlay_at(Level::Keys, below, above);
+}
+
 fn overlay_at<'i>(level: Level, below: &mut DeTable<'i>, above: DeTable<'i>) {
     for (key, node) in above {
         // A model may be called "file", and another one "shape".
@@ -137,7 +142,7 @@ fn overlay_instances<'i>(below: &mut toml::de::DeArray<'i>, above: impl Iterator
 }
 
 /// `name` of an instance.
-fn name_of<'n>(node: &'n Node<'_>) -> Option<&'n str> {
+pub fn name_of<'n>(node: &'n Node<'_>) -> Option<&'n str> {
     node.get_ref().as_table()?.get("name")?.get_ref().as_str()
 }
 

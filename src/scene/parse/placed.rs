@@ -4,6 +4,8 @@
 mod collect;
 mod prefix;
 
+use std::collections::HashMap;
+
 use toml::{
     Spanned,
     de::{DeTable, DeValue},
@@ -15,7 +17,7 @@ use self::{
     prefix::{Prefix, text},
 };
 use super::{
-    include, layers,
+    include, layers, overlay,
     report::Report,
     set::shift,
     syntax::{self, Shadow},
@@ -177,26 +179,52 @@ impl<'i> Expansion<'_, 'i> {
     }
 }
 
-/// Adds what a placed scene consists of; its names have a prefix, so that none is there already.
+/// Adds what a placed scene consists of; what the scene itself says of the same names lies over it.
 fn merge<'i>(root: &mut DeTable<'i>, tree: DeTable<'i>) {
-    for (key, node) in tree {
-        match root.get_mut(key.get_ref().as_ref()).map(Node::get_mut) {
-            None => {
-                root.insert(key, node);
+    for (kind, node) in tree {
+        let Some(own) = root.get_mut(kind.get_ref().as_ref()).map(Node::get_mut) else {
+            root.insert(kind, node);
+            continue;
+        };
+        match (own, node.into_inner()) {
+            (DeValue::Table(kinds), DeValue::Table(more)) if kind.get_ref() == "motion" => {
+                merge(kinds, more);
             }
-            Some(DeValue::Table(old)) => {
-                if let DeValue::Table(new) = node.into_inner() {
-                    merge(old, new);
+            (DeValue::Table(own), DeValue::Table(more)) => {
+                for (name, thing) in more {
+                    let above = own.remove(name.get_ref().as_ref());
+                    own.insert(name, over(thing, above));
                 }
             }
-            Some(DeValue::Array(old)) => {
-                if let DeValue::Array(new) = node.into_inner() {
-                    for item in new {
-                        old.push(item);
+            (DeValue::Array(own), DeValue::Array(more)) => {
+                let named = own.iter().enumerate();
+                let named: HashMap<String, usize> = named
+                    .filter_map(|(i, instance)| Some((overlay::name_of(instance)?.to_owned(), i)))
+                    .collect();
+                for thing in more {
+                    let known = overlay::name_of(&thing).and_then(|name| named.get(name));
+                    match known.and_then(|index| own.get_mut(*index)) {
+                        Some(above) => *above = over(thing, Some(above.clone())),
+                        None => own.push(thing),
                     }
                 }
             }
-            Some(_) => {} // its reader says so
+            _ => {} // its reader says so
         }
+    }
+}
+
+/// One thing under another of the same name.
+fn over<'i>(below: Node<'i>, above: Option<Node<'i>>) -> Node<'i> {
+    let Some(above) = above else {
+        return below;
+    };
+    let at = below.span();
+    match (below.into_inner(), above.into_inner()) {
+        (DeValue::Table(mut below), DeValue::Table(above)) => {
+            overlay::overlay_keys(&mut below, above);
+            Spanned::new(at, DeValue::Table(below))
+        }
+        (_, above) => Spanned::new(at, above),
     }
 }

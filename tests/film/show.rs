@@ -1,0 +1,110 @@
+//! The show in `scenes/show`: its shots in chunks as a farm renders them, killed and resumed, against
+//! one run; its variants.
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    process::{Command, Stdio},
+    time::{Duration, Instant},
+};
+
+use crate::{common::gpu_or_skip, folder, job, pictures};
+
+fn show() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/show")
+}
+
+fn reflet(arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_reflet"));
+    command.args(arguments).env("NODEVICE_SELECT", "1");
+    command
+}
+
+#[test]
+fn every_shot_and_variant_of_the_show_is_right() {
+    for shot in ["base", "lamp", "shot010", "shot020", "shot030"] {
+        let path = show().join(format!("{shot}.toml"));
+        let path = path.to_str().expect("text");
+        let output = reflet(&["check", path])
+            .output()
+            .expect("the program starts");
+        let errors = String::from_utf8_lossy(&output.stderr);
+        assert!(
+            output.status.success() && errors.is_empty(),
+            "{shot}: {errors}"
+        );
+    }
+}
+
+#[test]
+fn a_shot_in_chunks_killed_and_resumed_gives_the_bytes_of_one_run() {
+    if gpu_or_skip().is_none() {
+        return;
+    }
+    let folder = folder("show");
+    let shot = show().join("shot020.toml");
+    let shot = shot.to_str().expect("text");
+    let look = [
+        "--size",
+        "64x36",
+        "--variant",
+        "night",
+        "--variant",
+        "brass",
+    ];
+    let whole = folder.join("whole/f.##.png");
+    fs::create_dir(folder.join("whole")).expect("a folder");
+    let whole = whole.to_str().expect("text");
+    let frames = ["--frames", "4-19"];
+    let run = [&["render", shot, "-o", whole][..], &frames, &look].concat();
+    let output = reflet(&run).output().expect("the program starts");
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+
+    let bundle = folder.join("bundle");
+    let write = [
+        "job",
+        "openjd",
+        shot,
+        "-o",
+        "bundle",
+        "--pictures",
+        "parts/f.##.png",
+        "--chunk",
+        "8",
+    ];
+    let output = reflet(&[&write[..], &frames, &look].concat())
+        .current_dir(&folder)
+        .output()
+        .expect("the program starts");
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    // The first task is killed when some of its frames are written.
+    let parts = folder.join("parts");
+    let mut task = job::task(&bundle, "4-11");
+    let mut child = (task.stdout(Stdio::null()).stderr(Stdio::null()).spawn()).expect("it starts");
+    let begun = Instant::now();
+    let written = || fs::read_dir(&parts).map_or(0, |files| files.count());
+    while written() < 2 && child.try_wait().expect("a child").is_none() {
+        assert!(
+            begun.elapsed() < Duration::from_secs(300),
+            "nothing is written"
+        );
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    child.kill().expect("it can be killed");
+    child.wait().expect("it has ended");
+    job::run_task(&bundle, "12-19");
+    let again = job::run_task(&bundle, "4-11");
+    assert!(again.contains("openjd_status: kept"), "{again}");
+    let (parts, whole) = (pictures(&parts), pictures(&folder.join("whole")));
+    assert_eq!(parts.len(), 16);
+    assert!(parts == whole, "the frames differ");
+    assert_ne!(parts["f.07.png"], parts["f.08.png"]);
+}
