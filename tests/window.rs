@@ -284,3 +284,53 @@ fn preview_plays_pauses_and_follows_a_script_edit() {
     );
     session.close();
 }
+
+/// Clicks a ball in the middle, and moves it by a key: one line of the file changes, and the picture.
+#[test]
+fn preview_moves_an_instance_in_the_scene_text() {
+    let text = "version = 1
+[camera.main]
+eye = [0, 0, 5]
+[material.white]
+emission = [1, 1, 1]
+[model.ball]
+shape = { kind = \"sphere\", segments = 12 }
+material = \"white\"
+[[instance]]               # the only one
+model = \"ball\"
+translation = [0, 0, 0.00] # in the middle
+";
+    let Some(session) = Session::open("moves", &[("scene.toml", text)]) else {
+        return;
+    };
+    let first = session.screenshot();
+    let read = || fs::read_to_string(session.folder.join("scene.toml")).expect("it is there");
+    until("a line of the file", || {
+        // The sidebar takes the right of the window.
+        let [x, y] = ["190", "210"];
+        session.xdotool(&["mousemove", "--window", &session.window, x, y]);
+        session.xdotool(&["click", "1"]);
+        thread::sleep(Duration::from_millis(400));
+        session.key("alt+Right");
+        thread::sleep(Duration::from_millis(400));
+        (read() != text).then_some(())
+    });
+    let after = read();
+    let pairs = text.lines().zip(after.lines());
+    let changed: Vec<_> = pairs.filter(|(a, b)| a != b).map(|(_, b)| b).collect();
+    assert_eq!(changed.len(), 1, "{after}");
+    assert!(
+        changed[0].ends_with(", 0, 0.00] # in the middle"),
+        "{after}"
+    );
+    assert_eq!(text.lines().count(), after.lines().count());
+    until("the ball beside", || {
+        (session.screenshot() != first).then_some(())
+    });
+    until("the file as it was", || {
+        session.key("ctrl+z");
+        thread::sleep(Duration::from_millis(400));
+        (read() == text).then_some(())
+    });
+    session.close();
+}

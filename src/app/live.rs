@@ -13,6 +13,7 @@ use super::{
     error::AppError,
     params::{DeclaredParameters, ParameterOverrides},
     watch::{Change, WatchList},
+    write_back::History,
 };
 use crate::{
     gpu::{Gpu, ShaderError, ShaderLibrary},
@@ -38,6 +39,7 @@ mod parameter_trial;
 mod pose;
 mod reload;
 mod reload_job;
+mod write_back;
 
 pub use parameter_trial::Refusal;
 use parameter_trial::TrialState;
@@ -158,6 +160,7 @@ pub struct Live {
     /// Requested values that are not accepted yet.
     trial: TrialState,
     edits: Vec<Edit>,
+    history: History,
     /// Requested frame, and shown frame.
     frame: u32,
     posed: u32,
@@ -250,6 +253,7 @@ impl Live {
             parameters: read.parameters,
             trial: TrialState::default(),
             edits: Vec::new(),
+            history: History::default(),
             frame: read.frame,
             posed: read.frame,
             pending: None,

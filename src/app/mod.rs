@@ -50,6 +50,8 @@ pub mod stats;
 pub mod unique_names;
 #[cfg(feature = "bench")]
 pub mod watch;
+#[cfg(feature = "bench")]
+pub mod write_back;
 
 use cli::{Cli, Command};
 pub use error::AppError;

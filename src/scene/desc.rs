@@ -77,6 +77,8 @@ pub struct At<T> {
 ///   in a variant.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct SceneDesc {
+    /// The scene's own text, without the files that it names.
+    pub own: Span,
     /// Folder that relative file names start from (the scene file's own).
     pub folder: PathBuf,
     /// `[camera.NAME]`: the view points; `main`, else the first, is rendered by default.

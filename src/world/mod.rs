@@ -48,6 +48,8 @@ pub struct World {
     pub textures: Shared<Texture>,
     /// Placements of meshes.
     pub instances: Vec<Instance>,
+    /// For each of them the index of its `[[instance]]` in the scene text, if it has one.
+    pub written: Vec<Option<usize>>,
     /// The scene's and the files' lights, at most [`MAX_LIGHTS`].
     pub lights: Vec<Light>,
     /// The scene's and the files' cameras; never empty.

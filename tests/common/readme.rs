@@ -8,6 +8,8 @@ pub struct Story {
     motion: String,
     /// Scene that is a variation of the first one, `my.toml`.
     pub shot: String,
+    /// Scene in which a rigged lamp, `lamp.toml`, is placed.
+    pub rig: String,
     /// Line of the scene that refers to the script.
     pub script_line: String,
     /// File name of the script.
@@ -31,11 +33,13 @@ impl Story {
         let (scene, motion, script_line) = (next(), next(), next());
         let script_name = script_line.split('"').nth(1).expect("a name").to_owned();
         let shot = toml.find(|block| block.contains("base = \"my.toml\""));
+        let rig = toml.find(|block| block.contains("scene = \"lamp.toml\""));
         let script = blocks("```rust\n").swap_remove(0);
         Self {
             scene,
             motion,
             shot: shot.expect("a scene with a base"),
+            rig: rig.expect("a scene with a rig"),
             script_line,
             script_name,
             script,

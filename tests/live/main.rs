@@ -16,3 +16,4 @@ mod picking;
 mod rebuilds;
 mod saves;
 mod scripts;
+mod write_back;

@@ -96,6 +96,29 @@ fn each_step_of_the_readme_scene_is_valid() {
     assert_ne!(first.materials, later.materials);
 }
 
+/// The README's scene with a rig, beside the lamp of the show.
+#[test]
+fn the_rig_of_the_readme_is_valid() {
+    let readme = crate::common::readme::Story::read();
+    let path = root().join("scenes/show/readme.toml");
+    let (desc, warnings) =
+        Scene::from_text(&readme.rig, &path, &[]).unwrap_or_else(|e| panic!("{}", said(&e)));
+    assert!(warnings.is_empty(), "{}", said(&warnings));
+    let mut world =
+        load::load(&desc, &LoadOptions::default()).unwrap_or_else(|e| panic!("{}", said(&e)));
+    let eye = |world: &reflet::world::World| {
+        let camera = world.cameras.iter().find(|c| c.name == "on_the_lamp");
+        camera.expect("it is there").value.eye
+    };
+    let first = eye(&world);
+    let state = Animator::new(&desc).pose(24);
+    let state = state.unwrap_or_else(|e| panic!("{}", said(&e)));
+    world
+        .apply(&state)
+        .unwrap_or_else(|e| panic!("{}", said(&e)));
+    assert!(first.distance(eye(&world)) > 0.1, "it turns with the lamp");
+}
+
 #[test]
 fn a_script_that_moves_a_scene_without_a_timeline_is_warned_about() {
     let readme = crate::common::readme::Story::read();

@@ -27,6 +27,7 @@ use crate::{
 mod display_errors;
 pub mod frame_texture;
 pub mod mailbox;
+mod outline;
 pub mod protocol;
 pub mod render_thread;
 pub mod scene_summary;

@@ -8,6 +8,7 @@ use crate::{
         live::{Edit, Refusal, Reload},
         params::ParameterOverrides,
         watch::Changes,
+        write_back::{Inspected, Numbers, Thing},
     },
     bench::metric::Scores,
     math::Bounds,
@@ -85,6 +86,12 @@ pub enum Task {
     Frame(FrameRequest),
     /// Clear the selection.
     Unpick,
+    /// Select something of the scene.
+    Select(Thing),
+    /// Write numbers of it into the scene text.
+    Write(Thing, Numbers),
+    /// Take the last written change back, or make it again.
+    Undo(bool),
 }
 
 /// A screenshot to write.
@@ -199,6 +206,8 @@ pub enum Report {
     Picked(Option<Picked>),
     /// The selection was cleared.
     Unpicked,
+    /// What is selected, as the scene text has it; `None` for what it does not place.
+    Inspected(Option<Box<Inspected>>),
     /// File watching is limited, why, and what to do; `None` once it works again.
     Unwatched(Option<String>),
     /// A message for the status line.

@@ -1,6 +1,7 @@
 //! Scene summary for the window: plain values, while the rendering thread owns the world.
 
-use super::view_channel::ShadowLight;
+pub use super::outline::ThingRow;
+use super::{outline::outline, view_channel::ShadowLight};
 use crate::{
     app::{
         live::{Edit, Live, Problems},
@@ -47,6 +48,8 @@ pub struct SceneSummary {
     pub materials: Vec<MaterialRow>,
     /// Lights with shadow maps.
     pub shadow_lights: Vec<ShadowLight>,
+    /// What the scene text consists of.
+    pub things: Vec<ThingRow>,
     /// Bounds of the scene.
     pub bounds: Bounds,
     /// Method set in the scene.
@@ -112,6 +115,7 @@ impl SceneSummary {
                 })
                 .filter(|shadow_light| shadow_light.faces > 0)
                 .collect(),
+            things: outline(live.desc()),
             bounds,
             method: live.scene_method(),
             unit_m: live.renderer().unit_m(),

@@ -202,6 +202,7 @@ impl<'t> Document<'t> {
         let table = root.get_ref().as_table().unwrap_or(&nothing);
         let mut scene =
             Table::read::<SceneDesc>(&mut report, table, Place::default()).unwrap_or_default();
+        scene.own = texts.report.span(&(0..0));
         scene.folder.clone_from(&texts.folders[0]);
         scene.script = script;
         if shadows.is_empty() {

@@ -19,7 +19,10 @@ use super::{
     value::{Names, Version},
 };
 use crate::scene::range::{ABOVE_0, ANY, BOUNCES, FROM_0, Range, STEPS, UNIT, range};
-use crate::scene::{desc::*, diagnostic::Diagnostic};
+use crate::scene::{
+    desc::*,
+    diagnostic::{Diagnostic, Span},
+};
 
 /// Divisions around a curved shape.
 const SEGMENTS: Range = range(3.0, 1024.0);
@@ -33,6 +36,7 @@ impl Section for SceneDesc {
     fn read(t: &mut Table) -> Option<Self> {
         t.need::<Version>("version", ANY);
         let mut scene = Self {
+            own: Span::default(),
             folder: PathBuf::new(),
             cameras: t.entries("camera"),
             materials: t.entries("material"),

@@ -104,6 +104,7 @@ impl Loader<'_> {
             let stand = self.stand(job, &rest);
             self.place((job, stand), &sources[job.model], &mut extras, &mut dropped);
             let placed = self.world.instances.len();
+            self.world.written.resize(placed, job.index);
             if placed > MAX_INSTANCES {
                 let text = format!("more than {MAX_INSTANCES} instances");
                 self.errors

@@ -39,10 +39,19 @@ impl Worker {
                     Task::Unwatched(why) => self.send(Report::Unwatched(why)),
                     Task::Frame(request) => self.frame_requests.push_back(request),
                     Task::Unpick => self.unpick(),
+                    Task::Select(thing) => {
+                        redraw = true;
+                        self.select(thing);
+                    }
+                    Task::Write(thing, numbers) => self.write(thing, &numbers),
+                    Task::Undo(again) => self.undo(again),
                 }
             }
             redraw |= self.run_jobs(mailbox, watcher);
-            redraw |= self.reloads.iter().any(|(reload, _)| reload.ok);
+            if self.reloads.iter().any(|(reload, _)| reload.ok) {
+                redraw = true;
+                self.show_thing_again();
+            }
             if redraw && !self.renders_other_frame() {
                 self.draw();
             }

@@ -3,6 +3,7 @@
 mod dynamic_resolution;
 mod event_loop;
 mod frame_requests;
+mod inspecting;
 mod instance_key;
 mod picking;
 mod pixels;

@@ -28,7 +28,9 @@ impl Worker {
         let ids: Vec<[u32; 2]> = self.live.renderer().read(&self.gpu, Target::Ids)?;
         let pixel = |part: f32, side: u32| ((part * side as f32) as u32).min(side - 1);
         let index = pixel(at[1], height) * width + pixel(at[0], width);
-        self.selected = InstanceKey::of(self.live.world(), ids[index as usize][0] as usize);
+        let instance = ids[index as usize][0] as usize;
+        self.selected = InstanceKey::of(self.live.world(), instance);
+        self.show_thing(self.live.thing_of(instance));
         let picked = self.picked_among(&ids)?;
         self.send(Report::Picked(picked));
         Ok(())
@@ -37,6 +39,7 @@ impl Worker {
     /// Clears the selection.
     pub(super) fn unpick(&mut self) {
         self.selected = None;
+        self.thing = None;
         self.send(Report::Unpicked);
     }
 

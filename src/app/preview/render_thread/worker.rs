@@ -19,6 +19,7 @@ use crate::{
             scene_summary::SceneSummary,
         },
         watch::{WatchList, Watcher},
+        write_back::Thing,
     },
     gpu::Gpu,
     render::{RenderError, stats::FrameStats},
@@ -37,6 +38,8 @@ pub(super) struct Worker {
     /// The selected instance.
     pub(super) selected: Option<InstanceKey>,
     pub(super) outline: Option<FrameTexture>,
+    /// What the window shows the numbers of, with its name.
+    pub(super) thing: Option<(Thing, Option<String>)>,
     /// Running and pending scripts.
     pub(super) reload_jobs: ReloadJobs,
     /// The view in the targets, if they hold one of the posed frame.
@@ -71,6 +74,7 @@ impl Worker {
             error_map: None,
             selected: None,
             outline: None,
+            thing: None,
             reload_jobs: ReloadJobs::default(),
             rendered_view: None,
             frame_requests: VecDeque::new(),

@@ -8,6 +8,7 @@ use eframe::egui::{self, Key, Ui};
 use super::{
     channel_menu::METHODS,
     panels::{self, ViewRequest},
+    place_panel,
     status_bar::{self, Activity},
     timeline::{self, Timeline},
     window::Window,
@@ -71,6 +72,7 @@ impl Window {
                 requests.push(request);
             }
         }
+        requests.extend(place_panel::keys(ui, &self.selection));
         if pressed(Key::B) {
             self.settings.wipe = !self.settings.wipe;
         }
@@ -124,6 +126,9 @@ impl Window {
                     self.send(Task::Edit(*edit));
                 }
                 ViewRequest::SetParameters(overrides) => self.send(Task::SetParameters(overrides)),
+                ViewRequest::Select(thing) => self.send(Task::Select(thing)),
+                ViewRequest::Write(thing, numbers) => self.send(Task::Write(thing, numbers)),
+                ViewRequest::Undo(again) => self.send(Task::Undo(again)),
             }
         }
     }

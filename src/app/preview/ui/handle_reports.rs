@@ -52,7 +52,11 @@ impl Window {
                     }
                 }
                 Ok(Report::Picked(picked)) => self.apply_pick(picked),
-                Ok(Report::Unpicked) => self.picked = None,
+                Ok(Report::Unpicked) => {
+                    self.picked = None;
+                    self.selection.show(None);
+                }
+                Ok(Report::Inspected(inspected)) => self.selection.show(inspected.map(|i| *i)),
                 Ok(Report::Message(message)) => self.message.set(message),
                 Ok(Report::Unwatched(why)) => self.unwatched = why,
                 Ok(Report::Idle) => self.is_busy = false,

@@ -9,6 +9,7 @@ mod handle_reports;
 mod material_panel;
 mod panels;
 mod parameter_panel;
+mod place_panel;
 mod sidebar;
 mod status_bar;
 mod status_message;

@@ -14,6 +14,7 @@ use crate::{
         live::Edit,
         params::ParameterOverrides,
         preview::{protocol::Side, scene_summary::SceneSummary, view_channel::ViewChannel},
+        write_back::{Numbers, Thing},
     },
     bench::{metric::Scores, parameter::method_name},
     render::stats::{Audit, FrameStats, Share},
@@ -39,6 +40,12 @@ pub enum ViewRequest {
     Edit(Box<Edit>),
     /// Change the script's parameters.
     SetParameters(ParameterOverrides),
+    /// Select something of the scene.
+    Select(Thing),
+    /// Write numbers of it into the scene text.
+    Write(Thing, Numbers),
+    /// Take the last written change back, or make it again.
+    Undo(bool),
 }
 
 /// User settings of the view.

@@ -48,6 +48,7 @@ pub fn summary() -> SceneSummary {
         ],
         materials: vec![row(0, "floor"), row(1, "chrome")],
         shadow_lights: Vec::new(),
+        things: Vec::new(),
         bounds: Bounds::EMPTY,
         method: Method::Hybrid,
         unit_m: 1.0,

@@ -8,7 +8,7 @@ use super::{
     camera_controls::as_text,
     material_panel,
     panels::{self, ViewRequest},
-    parameter_panel, status_bar,
+    parameter_panel, place_panel, status_bar,
     window::Window,
 };
 use crate::app::preview::protocol::{Comparison, Task};
@@ -33,6 +33,9 @@ impl Window {
                     self.parameters.overrides.clone(),
                 ));
             }
+            place_panel::panel(ui, &mut self.selection, requests);
+            let thing = self.selection.thing();
+            place_panel::outline(ui, &self.summary.things, thing, requests);
             let before = self.settings.material;
             let picked = self.picked.as_ref();
             material_panel::panel(ui, &mut self.settings, &self.summary, picked, requests);

@@ -6,7 +6,7 @@ use super::{diagnostics_panel::located, status_message::StatusMessage};
 use crate::{app::preview::scene_summary::SceneSummary, scene::script::DEADLINE};
 
 /// Keys and what they do.
-pub const KEYS: [(&str, &str); 20] = [
+pub const KEYS: [(&str, &str); 22] = [
     ("left drag", "orbit around the target"),
     ("middle drag", "pan"),
     ("right drag", "look around"),
@@ -23,6 +23,11 @@ pub const KEYS: [(&str, &str); 20] = [
         "Esc",
         "close this list or the error map; otherwise deselect",
     ),
+    (
+        "Alt + arrows, Page Up, Page Down",
+        "move the selection by 0.1 m, with Shift by 1 m, in the scene text",
+    ),
+    ("Ctrl Z, Ctrl Shift Z", "undo, redo what was written"),
     ("Space", "play, pause"),
     ("left, right arrow", "one frame back, on"),
     ("Home, End", "first, last frame"),

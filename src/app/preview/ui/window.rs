@@ -10,7 +10,8 @@ use eframe::egui;
 
 use super::{
     camera_controls::CameraControls, diagnostics_panel::FoldState, panels::ViewSettings,
-    parameter_panel::Parameters, status_message::StatusMessage, timeline::Timeline,
+    parameter_panel::Parameters, place_panel::Selection, status_message::StatusMessage,
+    timeline::Timeline,
 };
 use crate::{
     app::preview::{
@@ -39,6 +40,8 @@ pub struct Window {
     pub(super) comparison: Option<Comparison>,
     /// The selected instance.
     pub(super) picked: Option<Picked>,
+    /// What of the scene text is selected.
+    pub(super) selection: Selection,
     /// Revision of the scene; comparisons of earlier revisions are stale.
     pub(super) edits: u64,
     /// Statistics of the last pictures, newest last.
@@ -91,6 +94,7 @@ impl Window {
             shown: None,
             comparison: None,
             picked: None,
+            selection: Selection::default(),
             edits: 0,
             history: VecDeque::new(),
             textures: HashMap::new(),

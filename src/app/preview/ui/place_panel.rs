@@ -1,0 +1,275 @@
+//! The panel of what is selected: its numbers, written into the scene text where a drag or an input
+//! ends; and the outline of the scene.
+
+use eframe::egui::{self, Key, Modifiers, Ui};
+
+use super::panels::ViewRequest;
+use crate::app::{
+    preview::scene_summary::ThingRow,
+    write_back::{Inspected, Numbers, Thing},
+};
+
+/// Change of a number for each point that the mouse moves.
+const SPEED: f64 = 0.01;
+/// The same of angles, degrees.
+const TURN_SPEED: f64 = 0.5;
+/// What a key moves the selection by, meters; ten times as much with Shift.
+const STEP_M: f64 = 0.1;
+/// Height of a row of the outline, and most of the outline, points.
+const ROW: f32 = 18.0;
+const OUTLINE: f32 = 180.0;
+
+/// What is selected, and its numbers while they are dragged.
+#[derive(Clone, Debug, Default)]
+pub struct Selection {
+    shown: Option<Inspected>,
+    numbers: Vec<Numbers>,
+}
+
+impl Selection {
+    /// Shows another thing, or its numbers as the scene has them now.
+    pub fn show(&mut self, inspected: Option<Inspected>) {
+        self.numbers = inspected
+            .as_ref()
+            .map_or_else(Vec::new, |i| i.numbers.clone());
+        self.shown = inspected;
+    }
+
+    /// What is selected.
+    pub fn thing(&self) -> Option<Thing> {
+        self.shown.as_ref().map(|inspected| inspected.thing)
+    }
+
+    /// The request that moves the selection by a step, if it has a position.
+    pub fn moved(&self, by: [f64; 3]) -> Option<ViewRequest> {
+        let shown = self.shown.as_ref()?;
+        let position = ["translation", "position", "eye"];
+        let mut moved = shown
+            .numbers
+            .iter()
+            .find(|n| position.contains(&n.key))?
+            .clone();
+        for (value, by) in moved.values.iter_mut().zip(by) {
+            *value += by;
+        }
+        Some(ViewRequest::Write(shown.thing, moved))
+    }
+}
+
+/// Moves the selection by the keys Alt and an arrow, or Page Up and Page Down; undoes and redoes.
+pub fn keys(ui: &Ui, selection: &Selection) -> Vec<ViewRequest> {
+    let mut requests = Vec::new();
+    let pressed = |modifiers: Modifiers, key: Key| {
+        let shortcut = egui::KeyboardShortcut::new(modifiers, key);
+        ui.input_mut(|input| input.consume_shortcut(&shortcut))
+    };
+    let redo = Modifiers::COMMAND | Modifiers::SHIFT;
+    if pressed(redo, Key::Z) || pressed(Modifiers::COMMAND, Key::Y) {
+        requests.push(ViewRequest::Undo(true));
+    } else if pressed(Modifiers::COMMAND, Key::Z) {
+        requests.push(ViewRequest::Undo(false));
+    }
+    for (key, by) in [
+        (Key::ArrowLeft, [-STEP_M, 0.0, 0.0]),
+        (Key::ArrowRight, [STEP_M, 0.0, 0.0]),
+        (Key::ArrowUp, [0.0, 0.0, -STEP_M]),
+        (Key::ArrowDown, [0.0, 0.0, STEP_M]),
+        (Key::PageUp, [0.0, STEP_M, 0.0]),
+        (Key::PageDown, [0.0, -STEP_M, 0.0]),
+    ] {
+        let large = pressed(Modifiers::ALT | Modifiers::SHIFT, key);
+        if large || pressed(Modifiers::ALT, key) {
+            let by = by.map(|x| if large { 10.0 * x } else { x });
+            requests.extend(selection.moved(by));
+        }
+    }
+    requests
+}
+
+/// The numbers of what is selected.
+pub fn panel(ui: &mut Ui, selection: &mut Selection, requests: &mut Vec<ViewRequest>) {
+    let Some(shown) = &selection.shown else {
+        return;
+    };
+    let header = egui::CollapsingHeader::new("Selected").default_open(true);
+    header.show(ui, |ui| {
+        ui.add(egui::Label::new(&shown.label).truncate());
+        ui.add(egui::Label::new(egui::RichText::new(&shown.place).weak()).truncate());
+        if let Some(why) = &shown.refused {
+            ui.weak(why);
+        }
+        for (now, before) in selection.numbers.iter_mut().zip(&shown.numbers) {
+            if row(ui, now) && now != before {
+                requests.push(ViewRequest::Write(shown.thing, now.clone()));
+            }
+        }
+        ui.horizontal(|ui| {
+            if ui.button("undo").on_hover_text("Ctrl+Z").clicked() {
+                requests.push(ViewRequest::Undo(false));
+            }
+            if ui.button("redo").on_hover_text("Ctrl+Shift+Z").clicked() {
+                requests.push(ViewRequest::Undo(true));
+            }
+        });
+    });
+}
+
+/// One key with its numbers; true where an input ends.
+fn row(ui: &mut Ui, numbers: &mut Numbers) -> bool {
+    let speed = match numbers.key {
+        key if key.ends_with("_deg") => TURN_SPEED,
+        _ => SPEED,
+    };
+    let label = ui.weak(numbers.key);
+    let drag = |ui: &mut Ui, value: &mut f64| {
+        let drag = egui::DragValue::new(value).speed(speed).max_decimals(4);
+        let response = ui.add(drag).labelled_by(label.id);
+        response.drag_stopped() || response.lost_focus()
+    };
+    ui.horizontal(|ui| {
+        // All of them, whichever has ended.
+        let ended = numbers.values.iter_mut().map(|value| drag(ui, value));
+        ended.fold(false, |any, one| any | one)
+    })
+    .inner
+}
+
+/// What the scene consists of, by what hangs on what; a click selects.
+pub fn outline(
+    ui: &mut Ui,
+    rows: &[ThingRow],
+    selected: Option<Thing>,
+    requests: &mut Vec<ViewRequest>,
+) {
+    if rows.is_empty() {
+        return;
+    }
+    egui::CollapsingHeader::new("Outline").show(ui, |ui| {
+        let area = egui::ScrollArea::vertical()
+            .id_salt("outline")
+            .max_height(OUTLINE);
+        area.show_rows(ui, ROW, rows.len(), |ui, range| {
+            for row in &rows[range] {
+                ui.horizontal(|ui| {
+                    ui.add_space(12.0 * f32::from(row.depth));
+                    let is_selected = selected == Some(row.thing);
+                    if ui.selectable_label(is_selected, &row.label).clicked() {
+                        requests.push(ViewRequest::Select(row.thing));
+                    }
+                });
+            }
+        });
+    });
+}
+
+#[cfg(all(test, feature = "ui-tests"))]
+mod tests {
+    use egui_kittest::{Harness, kittest::Queryable as _};
+
+    use super::*;
+
+    struct State {
+        selection: Selection,
+        requests: Vec<ViewRequest>,
+    }
+
+    fn harness<'a>(refused: Option<&str>) -> Harness<'a, State> {
+        let numbers = Numbers {
+            key: "translation",
+            values: vec![1.0, 2.0, 3.0],
+        };
+        let mut selection = Selection::default();
+        selection.show(Some(Inspected {
+            thing: Thing::Instance(4),
+            label: "instance ball".to_owned(),
+            place: "scene.toml:7".to_owned(),
+            numbers: refused.map_or_else(|| vec![numbers], |_| Vec::new()),
+            refused: refused.map(str::to_owned),
+        }));
+        let rows = [ThingRow {
+            thing: Thing::Light(2),
+            label: "light lamp".to_owned(),
+            depth: 1,
+        }];
+        let draw = move |ui: &mut Ui, state: &mut State| {
+            let State {
+                selection,
+                requests,
+            } = state;
+            requests.extend(keys(ui, selection));
+            panel(ui, selection, requests);
+            outline(ui, &rows, selection.thing(), requests);
+        };
+        Harness::builder()
+            .with_size(egui::vec2(320.0, 700.0))
+            .build_ui_state(
+                draw,
+                State {
+                    selection,
+                    requests: Vec::new(),
+                },
+            )
+    }
+
+    #[test]
+    fn keys_and_buttons_request_what_they_say() {
+        let mut harness = harness(None);
+        for label in ["instance ball", "scene.toml:7", "translation"] {
+            assert!(
+                harness.query_all_by_label(label).next().is_some(),
+                "{label}"
+            );
+        }
+        let moved = |values: [f64; 3]| {
+            let values = values.to_vec();
+            ViewRequest::Write(
+                Thing::Instance(4),
+                Numbers {
+                    key: "translation",
+                    values,
+                },
+            )
+        };
+        for (modifiers, key, request) in [
+            (Modifiers::ALT, Key::ArrowRight, moved([1.1, 2.0, 3.0])),
+            (
+                Modifiers::ALT | Modifiers::SHIFT,
+                Key::PageUp,
+                moved([1.0, 3.0, 3.0]),
+            ),
+            (Modifiers::COMMAND, Key::Z, ViewRequest::Undo(false)),
+            (
+                Modifiers::COMMAND | Modifiers::SHIFT,
+                Key::Z,
+                ViewRequest::Undo(true),
+            ),
+        ] {
+            harness.key_press_modifiers(modifiers, key);
+            harness.run();
+            assert_eq!(harness.state_mut().requests.pop(), Some(request), "{key:?}");
+        }
+        harness.get_by_label("undo").click();
+        harness.run();
+        assert_eq!(
+            harness.state_mut().requests.pop(),
+            Some(ViewRequest::Undo(false))
+        );
+        harness.get_by_label("Outline").click();
+        harness.run();
+        harness.run();
+        harness.get_by_label("light lamp").click();
+        harness.run();
+        let select = ViewRequest::Select(Thing::Light(2));
+        assert_eq!(harness.state_mut().requests.pop(), Some(select));
+    }
+
+    #[test]
+    fn what_cannot_be_changed_says_why() {
+        let mut harness = harness(Some("it comes from the command line"));
+        let why = "it comes from the command line";
+        assert!(harness.query_by_label(why).is_some());
+        harness.key_press_modifiers(Modifiers::ALT, Key::ArrowRight);
+        harness.run();
+        assert!(harness.state().requests.is_empty());
+    }
+}

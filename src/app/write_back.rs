@@ -1,0 +1,352 @@
+//! What the preview changes of a scene, written into its texts: numbers of placements, lights and
+//! cameras, each where it stands. Everything else of a text stays, byte by byte, and a file that
+//! was changed meanwhile is not touched.
+
+mod places;
+mod splice;
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    sync::Arc,
+};
+
+use glam::{EulerRot, Vec3};
+
+use self::places::{Place, places};
+use crate::{
+    files::write_whole,
+    scene::{
+        desc::{CAMERA, Entry, LIGHT, PlacementDesc, SceneDesc},
+        diagnostic::{Source, Span},
+        motion::turned,
+        number::{Field, Form},
+    },
+};
+
+/// Something of a scene that has a place: an index into the list of its kind.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Thing {
+    /// Of [`SceneDesc::instances`].
+    Instance(usize),
+    /// Of [`SceneDesc::groups`].
+    Group(usize),
+    /// Of [`SceneDesc::lights`].
+    Light(usize),
+    /// Of [`SceneDesc::cameras`].
+    Camera(usize),
+}
+
+/// Numbers of a thing.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Numbers {
+    /// Their key.
+    pub key: &'static str,
+    /// One, two or three.
+    pub values: Vec<f64>,
+}
+
+/// A thing, and what of it can be changed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Inspected {
+    /// Which.
+    pub thing: Thing,
+    /// What it is, and its name.
+    pub label: String,
+    /// File and line where it is written.
+    pub place: String,
+    /// What can be changed.
+    pub numbers: Vec<Numbers>,
+    /// Why nothing can be changed.
+    pub refused: Option<String>,
+}
+
+/// A text before and after a change.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Change {
+    path: PathBuf,
+    before: String,
+    after: String,
+}
+
+/// What was changed, for undo and redo.
+#[derive(Debug, Default)]
+pub struct History {
+    done: Vec<Change>,
+    undone: Vec<Change>,
+}
+
+impl Thing {
+    /// Its name, where it has one, and the place of its table.
+    pub fn named(self, desc: &SceneDesc) -> Option<(Option<&str>, &Span)> {
+        fn entry<T>(list: &[Entry<T>], index: usize) -> Option<(Option<&str>, &Span)> {
+            list.get(index).map(|e| (Some(e.name.as_str()), &e.at))
+        }
+        match self {
+            Self::Instance(i) => desc.instances.get(i).map(|i| (i.name.as_deref(), &i.at)),
+            Self::Group(i) => entry(&desc.groups, i),
+            Self::Light(i) => entry(&desc.lights, i),
+            Self::Camera(i) => entry(&desc.cameras, i),
+        }
+    }
+
+    /// The thing of the same name in another reading of the scene; without a name, of the same number.
+    pub fn again(self, desc: &SceneDesc, name: Option<&str>) -> Option<Self> {
+        let Some(name) = name else {
+            return self.named(desc).map(|_| self);
+        };
+        fn of<T>(list: &[Entry<T>], name: &str) -> Option<usize> {
+            list.iter().position(|e| e.name == name)
+        }
+        match self {
+            Self::Instance(_) => {
+                let mut all = desc.instances.iter();
+                all.position(|i| i.name.as_deref() == Some(name))
+                    .map(Self::Instance)
+            }
+            Self::Group(_) => of(&desc.groups, name).map(Self::Group),
+            Self::Light(_) => of(&desc.lights, name).map(Self::Light),
+            Self::Camera(_) => of(&desc.cameras, name).map(Self::Camera),
+        }
+    }
+
+    /// The word for it, and its name.
+    pub fn label(self, desc: &SceneDesc) -> String {
+        let name = self.named(desc).and_then(|(name, _)| name);
+        match self {
+            Self::Instance(i) => {
+                let model = desc.instances.get(i).map(|i| i.model.value.as_str());
+                format!("instance {}", name.or(model).unwrap_or_default())
+            }
+            Self::Group(_) => format!("group {}", name.unwrap_or_default()),
+            Self::Light(_) => format!("light {}", name.unwrap_or_default()),
+            Self::Camera(_) => format!("camera {}", name.unwrap_or_default()),
+        }
+    }
+
+    /// The word for its table.
+    fn kind(self) -> &'static str {
+        match self {
+            Self::Instance(_) => "instance",
+            Self::Group(_) => "group",
+            Self::Light(_) => "light",
+            Self::Camera(_) => "camera",
+        }
+    }
+}
+
+/// What of a thing can be changed, with its numbers at rest.
+pub fn inspect(desc: &SceneDesc, thing: Thing) -> Option<Inspected> {
+    let (_, at) = thing.named(desc)?;
+    let source = at.source.as_ref();
+    let place = source.map_or_else(String::new, |source| {
+        let line = source.place(at.range.start).line;
+        format!("{}:{line}", source.path.display())
+    });
+    let (numbers, refused) = match numbers(desc, thing).and_then(|all| {
+        places::writable(source.map(Arc::as_ref))?;
+        Ok(all)
+    }) {
+        Ok(numbers) => (numbers, None),
+        Err(why) => (Vec::new(), Some(why)),
+    };
+    Some(Inspected {
+        thing,
+        label: thing.label(desc),
+        place,
+        numbers,
+        refused,
+    })
+}
+
+fn numbers(desc: &SceneDesc, thing: Thing) -> Result<Vec<Numbers>, String> {
+    let placement = match thing {
+        Thing::Instance(i) => &desc.instances[i].placement,
+        Thing::Group(i) => &desc.groups[i].value.placement,
+        Thing::Light(i) => return Ok(fields(&desc.lights[i].value, &LIGHT)),
+        Thing::Camera(i) => return Ok(fields(&desc.cameras[i].value, &CAMERA)),
+    };
+    let PlacementDesc::Trs {
+        translation,
+        rotation,
+        scale,
+    } = *placement
+    else {
+        let help = "write `translation`, `rotation_deg` and `scale` in its place";
+        return Err(format!("it is placed by `matrix`; {help}"));
+    };
+    let three = |v: Vec3| v.to_array().map(exact).to_vec();
+    let written = places(desc, &[], thing, "rotation_deg");
+    let written = written.ok().and_then(|place| place.numbers("rotation_deg"));
+    let agrees = |euler: &Vec<f64>| {
+        let [x, y, z] = *euler.as_slice() else {
+            return false;
+        };
+        let turn = turned(Vec3::new(x as f32, y as f32, z as f32));
+        turn.angle_between(rotation) < 1e-3
+    };
+    let euler = written.filter(agrees).unwrap_or_else(|| {
+        let (z, y, x) = rotation.as_dquat().to_euler(EulerRot::ZYX);
+        [x, y, z]
+            .map(|turn| exact(turn.to_degrees() as f32))
+            .to_vec()
+    });
+    Ok(vec![
+        Numbers {
+            key: "translation",
+            values: three(translation),
+        },
+        Numbers {
+            key: "rotation_deg",
+            values: euler,
+        },
+        Numbers {
+            key: "scale",
+            values: three(scale),
+        },
+    ])
+}
+
+/// The double that is written as the float is.
+fn exact(x: f32) -> f64 {
+    x.to_string().parse().unwrap_or(f64::from(x))
+}
+
+/// What may change of a light or a camera.
+fn fields<T>(of: &T, fields: &[Field<T>]) -> Vec<Numbers> {
+    let one = |field: &Field<T>| {
+        let value = (field.get)(of)?.to_array().map(exact);
+        let count = match field.form {
+            Form::Number => 1,
+            Form::Pair => 2,
+            Form::Color | Form::Vector => 3,
+        };
+        Some(Numbers {
+            key: field.key,
+            values: value[..count].to_vec(),
+        })
+    };
+    let mut all: Vec<_> = fields.iter().filter_map(one).collect();
+    // A light that faces a point has its direction from there.
+    let has = |key: &str| all.iter().any(|n| n.key == key);
+    if has("target") && has("direction") {
+        all.retain(|n| n.key != "target");
+    }
+    all
+}
+
+/// The change of the text in which a key of a thing is written; `variants` are those that are chosen.
+///
+/// # Errors
+/// Why it cannot be written, as a sentence.
+pub fn change(
+    desc: &SceneDesc,
+    variants: &[String],
+    thing: Thing,
+    numbers: &Numbers,
+) -> Result<Change, String> {
+    let place = places(desc, variants, thing, numbers.key)?;
+    let Place { source, .. } = &place;
+    let mut values = numbers.values.clone();
+    let mut key = numbers.key;
+    if key == "rotation_deg"
+        && place.numbers(key).is_none()
+        && place.numbers("rotation_quat").is_some()
+    {
+        let turn = turned(Vec3::from_slice(
+            &values.iter().map(|x| *x as f32).collect::<Vec<_>>(),
+        ));
+        key = "rotation_quat";
+        values = turn.as_dquat().to_array().to_vec();
+    }
+    if key == "direction" && place.numbers(key).is_none() && place.numbers("target").is_some() {
+        return Err("it faces its `target`; change that in the text".to_owned());
+    }
+    let after = place.put(key, &values)?;
+    Ok(Change {
+        path: source.path.clone(),
+        before: source.text.clone(),
+        after,
+    })
+}
+
+impl Change {
+    /// The file.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Writes one text in place of the other.
+    fn write(&self, from: &str, to: &str) -> Result<(), String> {
+        let shown = self.path.display();
+        let failed = |error: std::io::Error| format!("{shown} cannot be written: {error}");
+        // Links stay, and lead to the same file.
+        let path = self.path.canonicalize().map_err(failed)?;
+        let permissions = fs::metadata(&path).map_err(failed)?.permissions();
+        if permissions.readonly() {
+            return Err(format!("{shown} is read-only; it stays as it is"));
+        }
+        let on_disk = fs::read(&path).map_err(failed)?;
+        if on_disk != from.as_bytes() {
+            return Err(format!(
+                "{shown} was changed on disk and is not shown yet; nothing is written"
+            ));
+        }
+        write_whole(&path, to.as_bytes()).map_err(failed)?;
+        fs::set_permissions(&path, permissions).map_err(failed)
+    }
+}
+
+impl History {
+    /// Writes a change, which can be undone then; one that changes nothing is left out. What it is
+    /// made of may be older than what was written last.
+    ///
+    /// # Errors
+    /// A file that is read-only, or was changed meanwhile: nothing is written.
+    pub fn write(&mut self, change: Change) -> Result<(), String> {
+        if change.before == change.after {
+            return Ok(());
+        }
+        change.write(&change.before, &change.after)?;
+        self.done.push(change);
+        self.undone.clear();
+        Ok(())
+    }
+
+    /// Takes the last change back; returns its file, or nothing if there is none.
+    ///
+    /// # Errors
+    /// As [`History::write`]; the change can still be undone then.
+    pub fn undo(&mut self) -> Result<Option<PathBuf>, String> {
+        let Some(change) = self.done.last() else {
+            return Ok(None);
+        };
+        change.write(&change.after, &change.before)?;
+        let path = change.path.clone();
+        self.undone.extend(self.done.pop());
+        Ok(Some(path))
+    }
+
+    /// Makes the change again that was taken back last; as [`History::undo`].
+    ///
+    /// # Errors
+    /// As [`History::undo`].
+    pub fn redo(&mut self) -> Result<Option<PathBuf>, String> {
+        let Some(change) = self.undone.last() else {
+            return Ok(None);
+        };
+        change.write(&change.before, &change.after)?;
+        let path = change.path.clone();
+        self.done.extend(self.undone.pop());
+        Ok(Some(path))
+    }
+}
+
+/// A text that was read.
+fn source_of(path: &Path, text: &str) -> Arc<Source> {
+    Arc::new(Source {
+        path: path.to_owned(),
+        text: text.to_owned(),
+        returned: None,
+    })
+}

@@ -1,0 +1,168 @@
+//! Where a key of a thing is written: in the topmost layer that says it, else where the thing is.
+
+use std::sync::Arc;
+
+use toml::de::{DeTable, DeValue};
+
+use super::{
+    Thing, source_of,
+    splice::{self, Locator, Which},
+};
+use crate::scene::{
+    desc::SceneDesc,
+    diagnostic::{Source, Span},
+    parse::{OVERRIDE, VARIANT},
+};
+
+/// A table in a text.
+pub struct Place {
+    /// The text.
+    pub source: Arc<Source>,
+    locator: Locator,
+}
+
+impl Place {
+    /// The numbers under a key of the table.
+    pub fn numbers(&self, key: &str) -> Option<Vec<f64>> {
+        let root = splice::parse(&self.source.text).ok()?;
+        let node = splice::find(&root, &self.locator)?;
+        splice::numbers(node.get_ref().as_table()?.get(key)?)
+    }
+
+    /// The text with other numbers there.
+    pub fn put(&self, key: &str, values: &[f64]) -> Result<String, String> {
+        let root = splice::parse(&self.source.text)?;
+        let node = splice::find(&root, &self.locator).ok_or("its table is not there any more")?;
+        splice::put(&self.source.text, node, key, values)
+    }
+}
+
+/// Refuses texts that have no file.
+pub fn writable(source: Option<&Source>) -> Result<(), String> {
+    let Some(source) = source else {
+        return Err("it is not written in a file".to_owned());
+    };
+    if source.returned.is_some() {
+        let script = source.path.display();
+        return Err(format!(
+            "it comes from `setup` of {script}; change it there"
+        ));
+    }
+    if [OVERRIDE, VARIANT]
+        .iter()
+        .any(|name| source.path.as_os_str() == *name)
+    {
+        return Err("it comes from the command line".to_owned());
+    }
+    Ok(())
+}
+
+/// Keys that stand for each other.
+fn alike(key: &str) -> &'static [&'static str] {
+    match key {
+        "translation" => &["translation"],
+        "rotation_deg" => &["rotation_deg", "rotation_quat"],
+        "scale" => &["scale"],
+        "direction" | "target" => &["direction", "target"],
+        _ => &[],
+    }
+}
+
+/// Where a key of a thing is to be written; `variants` are those that are chosen, the later wins.
+///
+/// # Errors
+/// Why it cannot be written, as a sentence.
+pub fn places(
+    desc: &SceneDesc,
+    variants: &[String],
+    thing: Thing,
+    key: &str,
+) -> Result<Place, String> {
+    let (name, at) = thing.named(desc).ok_or("it is not there any more")?;
+    let source = at.source.as_ref();
+    writable(source.map(Arc::as_ref))?;
+    let source = source.ok_or("it is not written in a file")?;
+    if let Some(place) = name.and_then(|name| above(desc, variants, (thing, name), key)) {
+        return Ok(place);
+    }
+    let root = splice::parse(&source.text)?;
+    let locator = own(&root, thing, at).ok_or("its table cannot be found in the text")?;
+    Ok(Place {
+        source: Arc::clone(source),
+        locator,
+    })
+}
+
+/// The topmost table of the name that has the key.
+fn above(
+    desc: &SceneDesc,
+    variants: &[String],
+    (thing, name): (Thing, &str),
+    key: &str,
+) -> Option<Place> {
+    let own = desc.own.source.iter().cloned();
+    let parts = desc.includes.iter();
+    let texts = own.chain(parts.map(|part| source_of(&part.path, &part.text)));
+    // A group may be a placed scene, which an instance names.
+    let kinds: &[&'static str] = match thing {
+        Thing::Group(_) => &["group", "instance"],
+        thing => &[thing.kind()][..],
+    };
+    for source in texts {
+        let Ok(root) = splice::parse(&source.text) else {
+            continue;
+        };
+        let chosen = variants.iter().rev();
+        let chosen = chosen.map(|name| vec!["variant".to_owned(), name.clone()]);
+        for above in chosen.chain([Vec::new()]) {
+            for kind in kinds {
+                let locator = Locator {
+                    above: above.clone(),
+                    kind,
+                    which: Which::Name(name.to_owned()),
+                };
+                let node = splice::find(&root, &locator);
+                let table = node.and_then(|node| node.get_ref().as_table());
+                let keys = alike(key).iter().chain([&key]);
+                if table.is_some_and(|table| keys.into_iter().any(|key| table.contains_key(*key))) {
+                    return Some(Place { source, locator });
+                }
+            }
+        }
+    }
+    None
+}
+
+/// The table that begins, or has its name, at a place.
+fn own(root: &DeTable, thing: Thing, at: &Span) -> Option<Locator> {
+    for (above, table) in splice::roots(root) {
+        let locator = |kind: &'static str, which| Locator {
+            above: above.clone(),
+            kind,
+            which,
+        };
+        let kind = thing.kind();
+        if let Some(DeValue::Table(all)) = table.get(kind).map(toml::Spanned::get_ref) {
+            let found = all.keys().find(|key| key.span().start == at.range.start);
+            if let Some(name) = found {
+                return Some(locator(kind, Which::Name(name.get_ref().to_string())));
+            }
+        }
+        let Some(DeValue::Array(list)) = table.get("instance").map(toml::Spanned::get_ref) else {
+            continue;
+        };
+        // A placed scene is where its name is, or that of its file.
+        let begins = |item: &toml::Spanned<DeValue>| {
+            let table = item.get_ref().as_table();
+            let key = |key: &str| table?.get(key);
+            let file = || key("model")?.get_ref().as_table()?.get("scene");
+            let starts = [Some(item), key("name"), file()];
+            let mut starts = starts.into_iter().flatten();
+            starts.any(|node| node.span().start == at.range.start)
+        };
+        if let Some(index) = list.iter().position(begins) {
+            return Some(locator("instance", Which::Index(index)));
+        }
+    }
+    None
+}

@@ -1,0 +1,243 @@
+//! What the preview writes into the scene text: one line, where it stands, and never over what was
+//! saved meanwhile.
+
+use std::{fs, sync::Arc};
+
+use reflet::app::{
+    preview::protocol::{FrameAction, FrameRequest, Report, Task},
+    write_back::{Inspected, Numbers, Thing},
+};
+
+use crate::{
+    background_scripts::Watched,
+    common::gpu_or_skip,
+    kit::{Folder, SCENE, open},
+};
+
+fn preview(files: &[(&str, &str)]) -> Option<Watched> {
+    let gpu = Arc::new(gpu_or_skip()?);
+    let folder = Folder::new();
+    for (name, text) in files {
+        folder.write(name, text);
+    }
+    let live = open(&gpu, &folder.path("scene.toml"), None);
+    Some(Watched::start(gpu, folder, live, false))
+}
+
+fn inspected(preview: &mut Watched) -> Option<Inspected> {
+    preview.until("the numbers", |report| match report {
+        Report::Inspected(found) => Some(found.as_deref().cloned()),
+        _ => None,
+    })
+}
+
+fn select(preview: &mut Watched, thing: Thing) -> Inspected {
+    preview.worker.mailbox.post(Task::Select(thing));
+    inspected(preview).expect("it is there")
+}
+
+fn write(preview: &mut Watched, thing: Thing, key: &'static str, values: &[f64]) {
+    let values = values.to_vec();
+    preview
+        .worker
+        .mailbox
+        .post(Task::Write(thing, Numbers { key, values }));
+}
+
+fn message(preview: &mut Watched) -> String {
+    preview.until("a message", |report| match report {
+        Report::Message(text) => Some(text.clone()),
+        _ => None,
+    })
+}
+
+fn values(inspected: &Inspected, key: &str) -> Vec<f64> {
+    let found = inspected.numbers.iter().find(|n| n.key == key);
+    found
+        .unwrap_or_else(|| panic!("no {key}: {inspected:?}"))
+        .values
+        .clone()
+}
+
+/// The lines that differ between two texts of as many lines.
+fn changed_lines(before: &str, after: &str) -> Vec<(String, String)> {
+    assert_eq!(before.lines().count(), after.lines().count());
+    let pairs = before.lines().zip(after.lines());
+    let pairs = pairs.filter(|(a, b)| a != b);
+    pairs.map(|(a, b)| (a.to_owned(), b.to_owned())).collect()
+}
+
+#[test]
+fn moving_what_was_clicked_changes_one_line_and_can_be_undone() {
+    let text = SCENE.replace(
+        "translation = [0, 0.5, 0]",
+        "translation = [0, 0.50, 0] # on the floor",
+    );
+    let Some(mut preview) = preview(&[("scene.toml", &text)]) else {
+        return;
+    };
+    let path = preview.folder.path("scene.toml");
+    let read = || fs::read_to_string(&path).expect("it is there");
+    let pick = FrameRequest {
+        view: preview.view.clone(),
+        action: FrameAction::Pick([0.5, 0.5]),
+    };
+    preview.worker.mailbox.post(Task::Frame(pick));
+    let picked = inspected(&mut preview).expect("the box");
+    assert_eq!(
+        (picked.thing, picked.refused.clone()),
+        (Thing::Instance(1), None)
+    );
+    assert!(picked.place.ends_with("scene.toml:22"), "{}", picked.place);
+    assert_eq!(values(&picked, "translation"), [0.0, 0.5, 0.0]);
+
+    write(&mut preview, picked.thing, "translation", &[0.3, 0.5, 0.0]);
+    let again = inspected(&mut preview).expect("the box");
+    assert_eq!(values(&again, "translation"), [0.3, 0.5, 0.0]);
+    let want = (
+        "translation = [0, 0.50, 0] # on the floor",
+        "translation = [0.3, 0.50, 0] # on the floor",
+    );
+    assert_eq!(
+        changed_lines(&text, &read()),
+        [(want.0.to_owned(), want.1.to_owned())]
+    );
+
+    // A key that is not there yet is one more line.
+    write(&mut preview, picked.thing, "scale", &[2.0, 2.0, 2.0]);
+    inspected(&mut preview);
+    let grown = format!("{}\nscale = [2, 2, 2]\n", want.1);
+    assert!(read().contains(&grown), "{}", read());
+
+    for (again, said) in [
+        (false, "took"),
+        (false, "took"),
+        (true, "made"),
+        (false, "took"),
+    ] {
+        preview.worker.mailbox.post(Task::Undo(again));
+        assert!(message(&mut preview).starts_with(said));
+        inspected(&mut preview);
+    }
+    assert_eq!(read(), text);
+    preview.worker.mailbox.post(Task::Undo(false));
+    assert_eq!(message(&mut preview), "there is nothing to undo");
+}
+
+#[test]
+fn what_must_not_be_written_is_named_and_stays() {
+    let Some(mut preview) = preview(&[("scene.toml", SCENE)]) else {
+        return;
+    };
+    let path = preview.folder.path("scene.toml");
+    let lamp = select(&mut preview, Thing::Light(0));
+    assert_eq!(lamp.label, "light lamp");
+    assert_eq!(values(&lamp, "intensity_cd"), [30.0]);
+    let permissions = fs::metadata(&path).expect("it is there").permissions();
+    let mut locked = permissions.clone();
+    locked.set_readonly(true);
+    fs::set_permissions(&path, locked).expect("they can be set");
+    write(&mut preview, lamp.thing, "intensity_cd", &[40.0]);
+    let said = message(&mut preview);
+    assert!(
+        said.starts_with("not written: ") && said.ends_with("is read-only; it stays as it is"),
+        "{said}"
+    );
+    fs::set_permissions(&path, permissions).expect("they can be set");
+    assert_eq!(fs::read_to_string(&path).expect("it is there"), SCENE);
+
+    // Saved by an editor with a mistake, which is not shown.
+    let broken = SCENE.replace("base_color = [0.4, 0.4, 0.4]", "base_color = [0.4, 0.4,");
+    let gpu = Arc::new(gpu_or_skip().expect("a device"));
+    let mut live = open(&gpu, &path, None);
+    fs::write(&path, &broken).expect("it can be written");
+    let numbers = Numbers {
+        key: "intensity_cd",
+        values: vec![40.0],
+    };
+    let refused = live
+        .write(Thing::Light(0), &numbers)
+        .expect_err("it has changed");
+    assert!(
+        refused.contains("was changed on disk and is not shown yet"),
+        "{refused}"
+    );
+    assert_eq!(fs::read_to_string(&path).expect("it is there"), broken);
+}
+
+const SHOT: &str = "version = 1
+base = \"base.toml\"
+script = \"more.rhai\"
+[light.lamp]
+intensity_cd = 5 # dim
+[[instance]]
+name = \"rig\"
+model = { scene = \"rig.toml\" }
+";
+
+#[test]
+fn changes_go_where_a_thing_is_written() {
+    let rig = "version = 1\n[model.ball]\nshape = { kind = \"sphere\" }\n[[instance]]\nname = \"ball\"\nmodel = \"ball\"\nrotation_quat = [0, 0, 0, 1]\n";
+    let script = "fn setup(ctx) { #{ instances: [#{ name: \"more\", model: \"box\" }] } }";
+    let files = [
+        ("base.toml", SCENE),
+        ("rig.toml", rig),
+        ("more.rhai", script),
+        ("scene.toml", SHOT),
+    ];
+    let Some(mut preview) = preview(&files) else {
+        return;
+    };
+    let read = |preview: &Watched, name: &str| {
+        fs::read_to_string(preview.folder.path(name)).expect("it is there")
+    };
+    let find = |preview: &mut Watched, label: &str| {
+        let kinds: [fn(usize) -> Thing; 4] =
+            [Thing::Instance, Thing::Group, Thing::Light, Thing::Camera];
+        let all = kinds
+            .iter()
+            .flat_map(|kind| (0..4).map(kind))
+            .collect::<Vec<_>>();
+        for thing in all {
+            preview.worker.mailbox.post(Task::Select(thing));
+            if let Some(found) = inspected(preview).filter(|found| found.label == label) {
+                return found;
+            }
+        }
+        panic!("no {label}");
+    };
+    // Of the base, but its intensity is the shot's.
+    let lamp = find(&mut preview, "light lamp");
+    write(&mut preview, lamp.thing, "intensity_cd", &[7.5]);
+    inspected(&mut preview);
+    assert!(read(&preview, "scene.toml").contains("intensity_cd = 7.5 # dim"));
+    write(&mut preview, lamp.thing, "position", &[2.0, 4.5, 3.0]);
+    inspected(&mut preview);
+    assert_eq!(
+        changed_lines(SCENE, &read(&preview, "base.toml")),
+        [(
+            "position = [2, 4, 3]".to_owned(),
+            "position = [2, 4.5, 3]".to_owned()
+        )]
+    );
+    // A placed scene moves by the instance that places it, its parts in its own file.
+    let group = find(&mut preview, "group rig");
+    write(&mut preview, group.thing, "translation", &[0.0, 1.0, 0.0]);
+    inspected(&mut preview);
+    let text = read(&preview, "scene.toml");
+    assert!(
+        text.ends_with("model = { scene = \"rig.toml\" }\ntranslation = [0, 1, 0]\n"),
+        "{text}"
+    );
+    let ball = find(&mut preview, "instance rig.ball");
+    write(&mut preview, ball.thing, "rotation_deg", &[0.0, 180.0, 0.0]);
+    inspected(&mut preview);
+    let text = read(&preview, "rig.toml");
+    assert!(text.contains("rotation_quat = [0, 1, 0, 0]"), "{text}");
+    let more = find(&mut preview, "instance more");
+    let why = more.refused.expect("a script makes it");
+    assert!(
+        why.contains("it comes from `setup` of") && more.numbers.is_empty(),
+        "{why}"
+    );
+}
