@@ -1,0 +1,246 @@
+#!/usr/bin/env python3
+"""Compares light and materials with Mitsuba 3 and with closed forms, and writes docs/light.md.
+
+    tools/light.py measure OUT [--reflet PROGRAM] [--only NAME]    # what OUT lacks
+    tools/light.py page OUT                       # the page's tables and pictures, and docs/data
+
+Mitsuba is no part of the project's environment: `python3 -m venv DIR && DIR/bin/pip install
+mitsuba numpy pillow`, then run this file by DIR/bin/python. It needs LLVM 17 or newer as a shared
+library (`DRJIT_LIBLLVM_PATH` says where, if it is not found). Pictures are 96 x 64, in linear
+light. Sentences around the tables are a person's: read them again.
+"""
+
+import argparse
+import csv
+import pathlib
+import re
+import subprocess
+import sys
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any
+
+import numpy as np
+from reflet_light import furnace
+from reflet_light.scenes import ROUGHNESSES, Scene, all_scenes, panorama
+
+ROOT = pathlib.Path(__file__).resolve().parents[1]
+PAGE = ROOT / "docs" / "light.md"
+DATA = ROOT / "docs" / "data" / "light.csv"
+IMAGES = ROOT / "docs" / "images"
+SIZE = (96, 64)
+THEIR_SAMPLES = 4096
+TRIMMED = 0.01  # share of the pixels that differ most: edges of what is tessellated here
+# Scenes whose convergence is followed, and the sub-frames at which.
+CONVERGING = ["metal-040", "light-rect", "glass-rough"]
+COUNTS = [1, 4, 16, 64, 256]
+COLUMNS = ["scene", "samples", "rel_mse", "noise", "brightness"]
+
+Row = dict[str, str]
+Picture = np.ndarray
+
+
+def rel_mse(a: Picture, b: Picture) -> float:
+    """Mean of (a − b)² / (b² + 0.01) over channels and all but the worst pixels."""
+    error = ((a - b) ** 2 / (b**2 + 0.01)).mean(axis=2).ravel()
+    return float(np.sort(error)[: round(len(error) * (1 - TRIMMED))].mean())
+
+
+def write_scene(out: pathlib.Path, scene: Scene) -> pathlib.Path:
+    path = out / f"{scene.name}.toml"
+    path.write_text(scene.text)
+    return path
+
+
+def ours(out: pathlib.Path, scene: Scene, samples: int, program: pathlib.Path) -> Picture:
+    picture = out / f"{scene.name}.{samples}.exr"
+    if not picture.exists():
+        text = write_scene(out, scene)
+        size = f"{SIZE[0]}x{SIZE[1]}"
+        command = [program, "render", text, "--size", size, "--samples", str(samples)]
+        subprocess.run([*command, "-o", picture], check=True, stderr=subprocess.DEVNULL)
+    return load(picture)
+
+
+def load(path: pathlib.Path) -> Picture:
+    import mitsuba as mi
+
+    bitmap = mi.Bitmap(str(path))
+    return np.array(bitmap.convert(mi.Bitmap.PixelFormat.RGB, mi.Struct.Type.Float32))
+
+
+def theirs(out: pathlib.Path, scene: Scene) -> tuple[Picture, Picture]:
+    """Two converged pictures that differ by their noise alone."""
+    import mitsuba as mi
+    import tomllib
+    from reflet_light import export
+
+    found = out / f"{scene.name}.npy"
+    if not found.exists():
+        made = mi.load_dict(export.scene(tomllib.loads(scene.text), out, SIZE, scene.depth))
+        pair = [np.array(mi.render(made, spp=THEIR_SAMPLES // 2, seed=seed)) for seed in (1, 2)]
+        np.save(found, np.stack(pair))
+    pair = np.load(found)
+    return pair[0], pair[1]
+
+
+def measure(out: pathlib.Path, program: pathlib.Path, only: str | None) -> None:
+    import mitsuba as mi
+
+    mi.set_variant("llvm_ad_rgb")
+    from reflet_light import bsdf
+
+    bsdf.register()
+    out.mkdir(parents=True, exist_ok=True)
+    mi.Bitmap(panorama()).write(str(out / "sky.exr"))
+    rows = {(row["scene"], row["samples"]): row for row in read(out)}
+    for scene in all_scenes():
+        if only and not re.fullmatch(only, scene.name):
+            continue
+        counts = [*(COUNTS if scene.name in CONVERGING else []), scene.samples]
+        for samples in counts:
+            if (scene.name, str(samples)) in rows:
+                continue
+            row = compare(out, scene, samples, program)
+            rows[scene.name, str(samples)] = row
+            print(" ".join(row.values()), flush=True)
+            write(out / "light.csv", rows.values())
+    if not only or only == "furnace":
+        furnace.measure(out, program)
+
+
+def compare(out: pathlib.Path, scene: Scene, samples: int, program: pathlib.Path) -> Row:
+    a, b = theirs(out, scene)
+    truth = (a + b) / 2
+    found = ours(out, scene, samples, program)
+    numbers = {
+        "rel_mse": rel_mse(found, truth),
+        "noise": rel_mse(a, b) / 4,  # of the mean of two
+        "brightness": float(found.mean() / truth.mean()),
+    }
+    head = {"scene": scene.name, "samples": str(samples)}
+    return head | {name: f"{value:.6g}" for name, value in numbers.items()}
+
+
+def read(out: pathlib.Path) -> list[Row]:
+    path = out / "light.csv"
+    if not path.exists():
+        return []
+    with path.open(newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def write(path: pathlib.Path, rows: Iterable[Row]) -> None:
+    with path.open("w", newline="") as file:
+        writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+
+
+def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    return "\n".join(f"| {' | '.join(line)} |" for line in [head, ["---"] * len(head), *rows])
+
+
+def scenes_table(rows: list[Row]) -> str:
+    found = {(row["scene"], row["samples"]): row for row in rows}
+    lines = []
+    for scene in all_scenes():
+        row = found.get((scene.name, str(scene.samples)))
+        if row:
+            numbers = [f"{float(row['rel_mse']):.1e}", f"{float(row['noise']):.0e}"]
+            bright = f"{100 * (float(row['brightness']) - 1):+.2f} %"
+            lines.append([f"`{scene.name}`", scene.shows, row["samples"], *numbers, bright])
+    head = ["scene", "shows", "sub-frames", "relMSE", "of Mitsuba's noise", "mean brightness"]
+    return table(head, lines)
+
+
+def slope(points: Sequence[tuple[float, float]]) -> float:
+    """Of the line through the logarithms of points, by least squares."""
+    x, y = (np.log([p[i] for p in points]) for i in (0, 1))
+    return float(np.polyfit(x, y, 1)[0])
+
+
+def convergence_table(rows: list[Row]) -> str:
+    lines = []
+    for name in CONVERGING:
+        of = {int(r["samples"]): float(r["rel_mse"]) for r in rows if r["scene"] == name}
+        points = [(n, of[n]) for n in COUNTS if n in of]
+        if len(points) == len(COUNTS):
+            cells = [f"{error:.1e}" for _, error in points]
+            lines.append([f"`{name}`", *cells, f"{slope(points):.2f}"])
+    return table(["scene", *map(str, COUNTS), "exponent"], lines)
+
+
+def display(linear: Picture) -> Picture:
+    c = np.clip(linear, 0, 1)
+    srgb = np.where(c <= 0.0031308, 12.92 * c, 1.055 * c ** (1 / 2.4) - 0.055)
+    return (255 * srgb + 0.5).astype(np.uint8)
+
+
+def sheet(out: pathlib.Path, names: Sequence[str], path: pathlib.Path) -> None:
+    """Reflet above Mitsuba, side by side for each scene."""
+    from PIL import Image
+
+    scenes = {scene.name: scene for scene in all_scenes()}
+    columns = []
+    for name in names:
+        mine = load(out / f"{name}.{scenes[name].samples}.exr")
+        columns.append(np.concatenate([mine, np.load(out / f"{name}.npy").mean(axis=0)]))
+    picture = Image.fromarray(display(np.concatenate(columns, axis=1)))
+    picture.resize((picture.width * 2, picture.height * 2), Image.Resampling.NEAREST).save(path)
+
+
+def page(out: pathlib.Path) -> None:
+    rows = read(out)
+    if not rows:
+        sys.exit(f"{out} holds no measurements; run `measure` first")
+    tables: dict[str, Callable[[], str]] = {
+        "scenes": lambda: scenes_table(rows),
+        "convergence": lambda: convergence_table(rows),
+        "furnace": lambda: furnace.table(out),
+    }
+    text = PAGE.read_text()
+    for name, make in tables.items():
+        pattern = rf"(<!-- table: {name} -->\n).*?(<!-- end -->)"
+        content = make()
+        text, found = re.subn(
+            pattern, lambda m, content=content: f"{m[1]}{content}\n{m[2]}", text, flags=re.DOTALL
+        )
+        if found != 1:
+            sys.exit(f"{PAGE} has {found} places for the table {name!r}")
+    PAGE.write_text(text)
+    write(DATA, rows)
+    pictures(out)
+
+
+def pictures(out: pathlib.Path) -> None:
+    import mitsuba as mi
+
+    mi.set_variant("scalar_rgb")
+    for kind in ("metal", "dielectric"):
+        names = [f"{kind}-{round(100 * r):03}" for r in ROUGHNESSES]
+        sheet(out, names, IMAGES / f"light-{kind}.png")
+    glass = ["glass", "glass-rough", "glass-thin", "clearcoat", "clearcoat-rough", "metal-panels"]
+    sheet(out, glass, IMAGES / "light-glass.png")
+    lights = [f"light-{n}" for n in ("point", "sphere", "spot", "sun", "rect", "disk")]
+    sheet(out, lights, IMAGES / "light-kinds.png")
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
+    commands = parser.add_subparsers(required=True, dest="command")
+    measuring = commands.add_parser("measure", help="measure what OUT lacks")
+    program = ROOT / "target" / "release" / "reflet"
+    measuring.add_argument("--reflet", type=pathlib.Path, default=program, metavar="PROGRAM")
+    measuring.add_argument("--only", metavar="NAME", help="a scene, or a pattern of names")
+    writing = commands.add_parser("page", help="write the tables of docs/light.md")
+    for command in (measuring, writing):
+        command.add_argument("out", type=pathlib.Path, metavar="OUT")
+    arguments: Any = parser.parse_args()
+    if arguments.command == "measure":
+        measure(arguments.out.resolve(), arguments.reflet.resolve(), arguments.only)
+    else:
+        page(arguments.out.resolve())
+
+
+if __name__ == "__main__":
+    main()

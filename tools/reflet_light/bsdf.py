@@ -1,0 +1,154 @@
+"""The Khronos formulas as Mitsuba BSDFs, written from the specification and not from our shaders.
+
+glTF 2.0 appendix B, KHR_materials_clearcoat and KHR_materials_transmission, with the two choices
+that docs/light.md states: the height-correlated Smith term, and a diffuse albedo that does not
+depend on the view.
+"""
+
+from typing import Any
+
+import drjit as dr
+import mitsuba as mi
+
+COAT_F0 = 0.04
+SMOOTHEST_ALPHA = 2e-3
+
+
+def schlick(f0: Any, f90: Any, cosine: Any) -> Any:
+    return f0 + (f90 - f0) * (1 - dr.clip(cosine, 0, 1)) ** 5
+
+
+def correlated_ggx(alpha: float, wi: Any, wo: Any, m: Any) -> Any:
+    """D × G2 / (4 cos cos) × cos of `wo`; Heitz 2014, eq. 99."""
+    a2 = alpha * alpha
+    ni, no, nm = wi.z, wo.z, dr.clip(m.z, 0, 1)
+    d = a2 / (dr.pi * (nm * nm * (a2 - 1) + 1) ** 2)
+    root_i, root_o = dr.sqrt(a2 + (1 - a2) * ni * ni), dr.sqrt(a2 + (1 - a2) * no * no)
+    return d * 0.5 / dr.maximum(no * root_i + ni * root_o, 1e-9) * no
+
+
+class Layer:
+    """One GGX lobe with its sampling."""
+
+    def __init__(self, roughness: float) -> None:
+        self.alpha = max(roughness**2, SMOOTHEST_ALPHA)
+        self.facets = mi.MicrofacetDistribution(mi.MicrofacetType.GGX, self.alpha, True)
+
+    def value(self, wi: Any, wo: Any, m: Any) -> Any:
+        return correlated_ggx(self.alpha, wi, wo, m)
+
+    def sample(self, wi: Any, square: Any) -> Any:
+        return mi.reflect(wi, self.facets.sample(wi, square)[0])
+
+    def pdf(self, wi: Any, m: Any) -> Any:
+        return self.facets.pdf(wi, m) / dr.maximum(4 * dr.dot(wi, m), 1e-9)
+
+
+class Khronos(mi.BSDF):
+    """A metal, a dielectric or a mix of them, perhaps under a clear coat."""
+
+    def __init__(self, props: mi.Properties) -> None:
+        mi.BSDF.__init__(self, props)
+        color = [props.get(c, 1.0) for c in ("red", "green", "blue")]
+        self.color = [float(c) for c in color]
+        self.metallic = float(props.get("metallic", 0.0))
+        self.f0 = float(props.get("reflectivity", 0.04))
+        self.coat = float(props.get("clearcoat", 0.0))
+        self.layers = [Layer(float(props.get("roughness", 1.0)))]
+        if self.coat > 0:
+            self.layers.append(Layer(float(props.get("clearcoat_roughness", 0.0))))
+        flags = mi.BSDFFlags.DiffuseReflection | mi.BSDFFlags.GlossyReflection
+        self.m_components = [flags | mi.BSDFFlags.FrontSide]
+        self.m_flags = self.m_components[0]
+
+    def eval(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> Any:
+        wi = si.wi
+        m = dr.normalize(wi + wo)
+        cosine = dr.dot(wi, m)
+        color = mi.Color3f(self.color)
+        f0 = dr.lerp(mi.Color3f(self.f0), color, self.metallic)
+        # Below 2 % the lobe is occluded: Lagarde & de Rousiers 2014, 3.2.
+        f90 = dr.clip(50 * dr.mean(f0), 0, 1)
+        dielectric_f90 = min(50 * self.f0, 1.0)
+        lost = self.f0 + (dielectric_f90 - self.f0) / 21
+        diffuse = color * ((1 - self.metallic) * (1 - lost)) * (dr.inv_pi * wo.z)
+        value = diffuse + schlick(f0, f90, cosine) * self.layers[0].value(wi, wo, m)
+        if self.coat > 0:
+            value *= 1 - self.coat * schlick(COAT_F0, 1.0, wi.z)
+            value += self.coat * schlick(COAT_F0, 1.0, cosine) * self.layers[1].value(wi, wo, m)
+        return dr.select(active & (wi.z > 0) & (wo.z > 0), value, 0)
+
+    def pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> Any:
+        m = dr.normalize(si.wi + wo)
+        total = mi.warp.square_to_cosine_hemisphere_pdf(wo)
+        for layer in self.layers:
+            total += layer.pdf(si.wi, m)
+        return dr.select(active & (si.wi.z > 0) & (wo.z > 0), total / (1 + len(self.layers)), 0)
+
+    def eval_pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> Any:
+        return self.eval(ctx, si, wo, active), self.pdf(ctx, si, wo, active)
+
+    def sample(self, ctx: Any, si: Any, sample1: Any, sample2: Any, active: Any = True) -> Any:
+        kind = sample1 * (1 + len(self.layers))
+        wo = mi.warp.square_to_cosine_hemisphere(sample2)
+        for index, layer in enumerate(self.layers):
+            chosen = (kind >= 1 + index) & (kind < 2 + index)
+            wo = dr.select(chosen, layer.sample(si.wi, sample2), wo)
+        sample = mi.BSDFSample3f()
+        sample.wo = wo
+        sample.pdf = self.pdf(ctx, si, wo, active)
+        sample.eta = 1.0
+        sample.sampled_type = +mi.BSDFFlags.GlossyReflection
+        sample.sampled_component = 0
+        value = self.eval(ctx, si, wo, active)
+        usable = active & (sample.pdf > 0)
+        return sample, dr.select(usable, value / dr.maximum(sample.pdf, 1e-20), 0)
+
+    def to_string(self) -> str:
+        return "Khronos[]"
+
+
+class ThinPane(mi.BSDF):
+    """A smooth sheet: one reflection by Fresnel, the rest goes straight on, tinted."""
+
+    def __init__(self, props: mi.Properties) -> None:
+        mi.BSDF.__init__(self, props)
+        self.color = [float(props.get(c, 1.0)) for c in ("red", "green", "blue")]
+        self.ior = float(props.get("ior", 1.5))
+        self.m_components = [
+            mi.BSDFFlags.DeltaReflection | mi.BSDFFlags.FrontSide | mi.BSDFFlags.BackSide,
+            mi.BSDFFlags.Null | mi.BSDFFlags.FrontSide | mi.BSDFFlags.BackSide,
+        ]
+        self.m_flags = self.m_components[0] | self.m_components[1]
+
+    def sample(self, ctx: Any, si: Any, sample1: Any, sample2: Any, active: Any = True) -> Any:
+        reflected, _, _, _ = mi.fresnel(dr.abs(si.wi.z), self.ior)
+        is_mirrored = sample1 < reflected
+        sample = mi.BSDFSample3f()
+        sample.wo = dr.select(is_mirrored, mi.reflect(si.wi), -si.wi)
+        sample.pdf = dr.select(is_mirrored, reflected, 1 - reflected)
+        sample.eta = 1.0
+        sample.sampled_type = dr.select(
+            is_mirrored, mi.UInt32(+mi.BSDFFlags.DeltaReflection), mi.UInt32(+mi.BSDFFlags.Null)
+        )
+        sample.sampled_component = dr.select(is_mirrored, mi.UInt32(0), mi.UInt32(1))
+        weight = dr.select(is_mirrored, mi.Color3f(1), mi.Color3f(self.color))
+        return sample, dr.select(active, weight, 0)
+
+    def eval(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> Any:
+        return mi.Color3f(0)
+
+    def pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> Any:
+        return mi.Float(0)
+
+    def eval_pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> Any:
+        return mi.Color3f(0), mi.Float(0)
+
+    def to_string(self) -> str:
+        return "ThinPane[]"
+
+
+def register() -> None:
+    """Makes both known to `mi.load_dict`; after the variant is chosen."""
+    mi.register_bsdf("khronos", Khronos)
+    mi.register_bsdf("thin_pane", ThinPane)

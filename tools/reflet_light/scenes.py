@@ -1,0 +1,182 @@
+"""The scenes of docs/light.md, as scene text that both renderers read."""
+
+import dataclasses
+import math
+
+import numpy as np
+
+ROUGHNESSES = (0.08, 0.16, 0.24, 0.4, 0.7, 1.0)
+
+
+@dataclasses.dataclass(frozen=True)
+class Scene:
+    """What is compared. `depth` is the most segments of Mitsuba's paths."""
+
+    name: str
+    shows: str
+    text: str
+    depth: int
+    samples: int = 1024
+    note: str = ""
+
+
+HEAD = """version = 1
+[image]
+tone_map = "none"
+[reflection]
+method = "rt"
+roughness_cutoff = 1
+bounces = 12
+unit_m = 1
+ray_length_u = 1000
+"""
+CLOSE_UP = HEAD + "[camera.main]\neye = [0, 0, 4]\ntarget = [0, 0, 0]\nfov_deg = 34\n"
+SKY = '[environment]\nfile = "sky.exr"\n'
+DARK = "[environment]\ncolor = [0, 0, 0]\n"
+GRADIENT = "[environment]\nzenith = [0.9, 1.1, 1.4]\nhorizon = [0.5, 0.45, 0.4]\n"
+GRADIENT += "ground = [0.08, 0.06, 0.05]\n"
+
+
+def thing(name: str, shape: str, material: str, place: str = "") -> str:
+    return (
+        f"[material.{name}]\n{material}\n[model.{name}]\nshape = {shape}\nmaterial = \"{name}\"\n"
+        f"[[instance]]\nmodel = \"{name}\"\n{place}\n"
+    )
+
+
+BALL = '{ kind = "sphere", radius = 1, segments = 512 }'
+METAL = "base_color = [1.0, 0.78, 0.34]\nmetallic = 1\n"
+PLASTIC = "base_color = [0.5, 0.08, 0.06]\n"
+
+
+def ball(material: str) -> str:
+    return CLOSE_UP + SKY + thing("ball", BALL, material)
+
+
+def rough_balls() -> list[Scene]:
+    scenes = []
+    for kind, material in (("metal", METAL), ("dielectric", PLASTIC)):
+        for roughness in ROUGHNESSES:
+            name = f"{kind}-{round(100 * roughness):03}"
+            text = ball(material + f"roughness = {roughness}")
+            shows = f"{kind} of roughness {roughness:g} under a panorama"
+            scenes.append(Scene(name, shows, text, 2))
+    return scenes
+
+
+def panels() -> str:
+    """A box of glowing walls around a ball."""
+    square = '{ kind = "plane", size = [6, 6] }'
+    dark = "base_color = [0, 0, 0]\nreflectivity = 0\n"
+    walls = [
+        ("[0, -2, 0]", "[0, 0, 0]", "[0.3, 0.3, 0.25]"),
+        ("[0, 4, 0]", "[180, 0, 0]", "[0.6, 0.7, 0.9]"),
+        ("[-3, 1, 0]", "[0, 0, -90]", "[0.9, 0.15, 0.1]"),
+        ("[3, 1, 0]", "[0, 0, 90]", "[0.1, 0.6, 0.15]"),
+        ("[0, 1, -3]", "[90, 0, 0]", "[0.5, 0.45, 0.1]"),
+    ]
+    return DARK + "".join(
+        thing(
+            f"wall{i}", square, f"{dark}emission = {color}",
+            f"translation = {at}\nrotation_deg = {turn}",
+        )
+        for i, (at, turn, color) in enumerate(walls)
+    )  # fmt: skip
+
+
+FLOOR = HEAD + "[camera.main]\neye = [0, 3, 6]\ntarget = [0, 0.6, 0]\nfov_deg = 40\n" + DARK
+FLOOR += thing(
+    "floor", '{ kind = "plane", size = [40, 40] }', "base_color = [0.7, 0.7, 0.7]\nreflectivity = 0"
+)
+FLOOR += thing(
+    "block",
+    '{ kind = "box", size = [0.8, 1.2, 0.8] }',
+    "base_color = [0.2, 0.4, 0.7]\nreflectivity = 0",
+    "translation = [0.4, 0.6, 0]\nrotation_deg = [0, 30, 0]",
+)
+LIGHTS = {
+    "point": ('kind = "point"\nposition = [-2, 4, 2]\nintensity_cd = 40\nshadow = "ray"', 64),
+    "sphere": ('kind = "point"\nposition = [-2, 4, 2]\nintensity_cd = 40\nradius_m = 0.5', 1024),
+    "spot": (
+        'kind = "spot"\nposition = [-2, 4, 2]\ndirection = [2, -3.4, -2]\ninner_deg = 24.9\n'
+        'outer_deg = 25\nintensity_cd = 40\nshadow = "ray"',
+        64,
+    ),
+    "sun": (
+        'kind = "directional"\ndirection = [2, -4, -2]\nintensity_lux = 3\nangle_deg = 8',
+        1024,
+    ),
+    "rect": (
+        'kind = "rect"\nposition = [-2, 3, 1]\ntarget = [0.2, 0, 0]\nsize = [1.6, 0.8]\n'
+        "intensity_cd = 30",
+        1024,
+    ),
+    "disk": (
+        'kind = "disk"\nposition = [2.2, 3, 1]\ntarget = [0.2, 0, 0]\nradius_m = 0.7\n'
+        "intensity_cd = 30",
+        1024,
+    ),
+}
+
+
+def lights() -> list[Scene]:
+    names = {
+        "point": "point light", "sphere": "point light with a radius", "spot": "spot light",
+        "sun": "directional light that spans 8°", "rect": "rectangle", "disk": "disk",
+    }  # fmt: skip
+    return [
+        Scene(f"light-{name}", f"{names[name]}, a block and its shadow",
+              FLOOR + f"[light.l]\n{text}\n", 2, samples)
+        for name, (text, samples) in LIGHTS.items()
+    ]  # fmt: skip
+
+
+def all_scenes() -> list[Scene]:
+    glass = "transmission = 1\nior = 1.5\n"
+    solid = glass + "thickness_m = 1\n"
+    lacquer = "base_color = [0.42, 0.03, 0.035]\nroughness = 0.5\nclearcoat = 1\n"
+    shiny = METAL + "roughness = 0.24"
+    in_panels = CLOSE_UP.replace("fov_deg = 34", "fov_deg = 60") + panels()
+    matte = "base_color = [0.7, 0.7, 0.7]\nreflectivity = 0"
+    satin = "base_color = [0.9, 0.9, 0.9]\nmetallic = 1\nroughness = 0.4"
+    satin_floor = FLOOR.replace(matte, satin).split("[material.block]")[0]
+    satin_floor += f"[light.l]\n{LIGHTS['rect'][0]}\n"
+    return [
+        *rough_balls(),
+        Scene("metal-gradient", "metal of roughness 0.4 under a gradient",
+              CLOSE_UP + GRADIENT + thing("ball", BALL, METAL + "roughness = 0.4"), 2),
+        Scene("metal-panels", "metal of roughness 0.24 in a room of glowing walls",
+              in_panels + thing("ball", BALL, shiny), 8),
+        Scene("mirror-panels", "mirror in a room of glowing walls",
+              in_panels + thing("ball", BALL, METAL + "roughness = 0"), 8, 256),
+        Scene("metal-rect", "rough metal floor below a rectangle", satin_floor, 3),
+        Scene("glass", "solid ball of glass, index 1.5", ball(solid + "roughness = 0"), 16),
+        Scene("glass-rough", "solid ball of glass, roughness 0.4",
+              ball(solid + "roughness = 0.4"), 16),
+        Scene("glass-thin", "thin hollow ball of glass", ball(glass + "roughness = 0"), 16),
+        Scene("clearcoat", "clear coat over roughness 0.5", ball(lacquer), 2),
+        Scene("clearcoat-rough", "clear coat of roughness 0.24 over roughness 0.7",
+              ball(lacquer.replace("0.5\n", "0.7\n") + "clearcoat_roughness = 0.24"), 2),
+        *lights(),
+    ]  # fmt: skip
+
+
+def panorama() -> np.ndarray:
+    """A sky with a bright window, smooth enough that both interpolate it alike."""
+    height, width = 64, 128
+    y, x = np.mgrid[0:height, 0:width]
+    latitude = np.pi * (0.5 - (y + 0.5) / height)
+    longitude = 2 * np.pi * (0.5 - (x + 0.5) / width)
+    up = np.sin(latitude)[..., None]
+    sky = np.where(up > 0, 0.4 + up * [0.2, 0.5, 1.0], 0.4 + up * [0.2, 0.25, 0.3])
+    bands = 1 + 0.5 * np.cos(8 * longitude)[..., None] * np.cos(latitude)[..., None]
+
+    def spot(longitude_deg: float, latitude_deg: float, width_deg: float) -> np.ndarray:
+        to = [math.radians(v) for v in (longitude_deg, latitude_deg)]
+        cosine = np.sin(latitude) * math.sin(to[1])
+        cosine = cosine + np.cos(latitude) * math.cos(to[1]) * np.cos(longitude - to[0])
+        angle = np.arccos(np.clip(cosine, -1, 1))
+        return np.exp(-((angle / math.radians(width_deg)) ** 2))[..., None]
+
+    glow = spot(35, 40, 12) * [30.0, 26.0, 20.0] + spot(-70, 15, 20) * [1.0, 2.0, 4.0]
+    return (sky * bands + glow).astype(np.float32)
