@@ -4,6 +4,7 @@
 #import behind
 #import gbuffer
 #import cause
+#import lobe_albedo
 
 override HAS_REFLECTIONS: bool = true;
 override FILTER: bool = true; // rough reflections were smoothed
@@ -47,7 +48,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
             let ray = reflected(normalize(s.position - frame.eye), s);
             var weight = ray.weight;
             // Of all facets, as the smoothed light is, not of one.
-            if (FILTER && is_spread(s) && s.clearcoat == 0.0) { weight = mean_weight(s, normalize(frame.eye - s.position)) * coverage(s); }
+            if (FILTER && is_spread(s) && s.clearcoat == 0.0) { weight = specular_albedo(s, normalize(frame.eye - s.position)) * coverage(s); }
             out += weight * faded(id.xy, ray.direction, textureLoad(reflection, id.xy, 0).xyz);
         }
     }

@@ -1,6 +1,7 @@
 // Light of the environment in closed form: a gradient that nothing is in the way of.
 
 #import frame
+#import lobe_albedo
 
 // Mean of a clamped cosine lobe around +Y under a clamped cosine lobe at `c` = cos of the angle
 // between them: 2/(3π) ((π − θ) cos θ + sin θ).
@@ -17,11 +18,26 @@ fn ambient(normal: vec3f) -> vec3f {
         + (frame.ground - frame.horizon) * lobe_overlap(-normal.y);
 }
 
-// Environment through a rough lobe.
+// Mean of the absolute height of directions whose mean is `m`: that of one direction, where they are all
+// alike, up to that of a cosine lobe, whose mean has a length of 2/3.
+fn mean_height(m: vec3f) -> f32 {
+    let length_m = max(length(m), 1e-6);
+    let c = clamp(m.y / length_m, -1.0, 1.0);
+    let spread = saturate(3.0 * (1.0 - length_m));
+    return mix(abs(c), lobe_overlap(c) + lobe_overlap(-c), spread);
+}
+
+// Environment through a rough lobe: a gradient weighs directions by their height, so that it only asks for the
+// means of the height and of its absolute.
 fn environment_specular(s: Surface, view: vec3f) -> vec3f {
-    let direction = reflect(-view, s.normal);
-    let radiance = mix(environment(direction), ambient(s.normal), s.roughness);
-    return lobe_albedo(s, view) * radiance * s.occlusion;
+    let nv = dot(s.normal, view);
+    let lobe = lobe_at(s.roughness, nv);
+    let away = s.normal * nv - view;
+    let m = (s.normal * lobe.z + away * (lobe.w / max(length(away), 1e-6))) / lobe.x;
+    let height = mean_height(m);
+    let radiance = frame.horizon + (frame.zenith - frame.horizon) * (0.5 * (height + m.y))
+        + (frame.ground - frame.horizon) * (0.5 * (height - m.y));
+    return specular_albedo(s, view) * radiance * s.occlusion;
 }
 
 // No ray is sent towards the environment.

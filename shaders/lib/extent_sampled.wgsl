@@ -53,7 +53,8 @@ fn lobe_ray(direction: vec3f, s: Surface) -> Reflected {
     let seen = nl * (nv + masked_v) / (nv * masked_l + nl * masked_v);
     let pdf = lobe_density(s, -direction, out);
     let sky_weight = balance(pdf, environment_rays_pdf(s, out));
-    return Reflected(lifted(out, s), fresnel(s, dot(facet, -direction)) * seen, pdf, sky_weight);
+    let weight = fresnel(s, dot(facet, -direction)) * compensation(s, -direction) * seen;
+    return Reflected(lifted(out, s), weight, pdf, sky_weight);
 }
 
 fn is_sized(i: u32) -> bool {

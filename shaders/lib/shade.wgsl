@@ -1,6 +1,7 @@
 // Light on a surface: one function for raster pixels, screen hits and traced hits.
 
 #import ambient
+#import energy
 #import environment
 #import extent
 #import frame
@@ -48,12 +49,9 @@ fn goes_on(s: Surface) -> bool {
     return is_reflector(s) || is_transmissive(s);
 }
 
-// Diffuse albedo: what the specular coat leaves, on average over the hemisphere, so that it does
-// not depend on the view. The cosine-weighted mean of Schlick's curve is F0 + (F90 - F0) / 21.
-fn diffuse_albedo(s: Surface) -> vec3f {
-    let f = vec3f(s.reflectivity);
-    let coat = f.x + (f90(f) - f.x) / 21.0;
-    return s.base_color * (1.0 - s.metallic) * (1.0 - coat) * reflected_share(s);
+// Share of light that the surface scatters below its specular lobe.
+fn diffuse_albedo(s: Surface, view: vec3f) -> vec3f {
+    return s.base_color * (1.0 - s.metallic) * unreflected(s, view) * reflected_share(s);
 }
 
 // Below it highlights would be smaller than rounding can tell, and reflections are sharp.
@@ -73,26 +71,7 @@ fn ggx(s: Surface, view: vec3f, to_light: vec3f) -> vec3f {
     let a2 = alpha * alpha;
     let d = nh * nh * (a2 - 1.0) + 1.0;
     let visibility = 0.5 / max(nl * sqrt(nv * nv * (1.0 - a2) + a2) + nv * sqrt(nl * nl * (1.0 - a2) + a2), 1e-6);
-    return fresnel(s, dot(view, h)) * (a2 / (PI * d * d) * visibility * nl);
-}
-
-// Share of uniform light that a rough lobe reflects: Karis 2014, "Physically Based Shading on Mobile".
-fn lobe_albedo(s: Surface, view: vec3f) -> vec3f {
-    let nv = saturate(dot(s.normal, view));
-    let r = s.roughness * vec4f(-1.0, -0.0275, -0.572, 0.022) + vec4f(1.0, 0.0425, 1.04, -0.04);
-    let a = min(r.x * r.x, exp2(-9.28 * nv)) * r.x + r.y;
-    let ab = vec2f(-1.04, 1.04) * a + r.zw;
-    let f = f0(s);
-    return max(f * ab.x + vec3f(f90(f)) * ab.y, vec3f(0.0));
-}
-
-// What a reflector returns of uniform light: Fresnel's share times the single-scattering albedo of GGX, by a
-// polynomial that was fitted to its integral (3 % off on average over all angles and roughnesses).
-fn mean_weight(s: Surface, view: vec3f) -> vec3f {
-    let c = saturate(dot(s.normal, view));
-    let alpha = s.roughness * s.roughness;
-    let lost = alpha * (0.354 + c * (1.016 - 0.994 * c)) + alpha * alpha * (-0.257 + c * (0.221 + 0.374 * c));
-    return fresnel(s, c) * saturate(1.0 - lost);
+    return fresnel(s, dot(view, h)) * compensation(s, view) * (a2 / (PI * d * d) * visibility * nl);
 }
 
 // Whether what a surface reflects is spread, over more than rounding.
@@ -149,7 +128,7 @@ fn lent_bits(words: vec2u, i: u32) -> u32 {
 
 // One layer of a surface. `lent`: what is known already of the lights that reach the surface; 0: nothing.
 fn shade_layer(s: Surface, view: vec3f, lent: vec2u) -> Shade {
-    let albedo = diffuse_albedo(s);
+    let albedo = diffuse_albedo(s, view);
     var out = environment_light(s, view, albedo);
     out.diffuse += s.emission;
     let has_specular = s.metallic > 0.0 || s.reflectivity > 0.0;

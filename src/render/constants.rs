@@ -17,6 +17,7 @@ use crate::{
 use super::{
     cause::{Cause, Source},
     lights::{SHADOW_MAP, SHADOW_NEAR_M, SHADOW_NONE, SHADOW_RAY},
+    lobe_table::{LOBE_COSINES, LOBE_NODES, LOBE_ROUGHNESSES},
     ray_list::{
         AUDIT_RAYS, AUDITED_COUNTER, COUNTERS, EXHAUSTED_COUNTER, HIT_COUNTER, PYRAMID_LEVELS,
         RAY_COUNTER, RAYS_PER_GROUP, REFLECTOR_COUNTER, WRONG_COUNTER,
@@ -85,6 +86,9 @@ pub fn wgsl() -> String {
         NONE,
         FAR_M,
         MAX_LIGHTS,
+        LOBE_COSINES,
+        LOBE_ROUGHNESSES,
+        LOBE_NODES,
         SHADOW_NONE,
         SHADOW_MAP,
         SHADOW_RAY,

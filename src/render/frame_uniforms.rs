@@ -1,6 +1,7 @@
 //! The uniform blocks of group 0: the frame and its lights.
 
 use glam::Vec2;
+use wgpu::util::DeviceExt as _;
 
 use crate::{
     gpu::Gpu,
@@ -10,6 +11,7 @@ use crate::{
 
 use super::{
     precision::brightest_emission,
+    lobe_table::lobe_table,
     types::{Frame, LightBlock, Sampling},
     view::View,
 };
@@ -20,6 +22,7 @@ pub struct FrameUniforms {
     frame: wgpu::Buffer,
     lights: wgpu::Buffer,
     sampling: wgpu::Buffer,
+    lobe_table: wgpu::Buffer,
 }
 
 impl FrameUniforms {
@@ -37,6 +40,13 @@ impl FrameUniforms {
             frame: make("frame", size_of::<Frame>()),
             lights: make("lights", size_of::<LightBlock>()),
             sampling: make("sampling", size_of::<Sampling>()),
+            lobe_table: gpu
+                .device
+                .create_buffer_init(&wgpu::util::BufferInitDescriptor {
+                    label: Some("lobe_table"),
+                    contents: bytemuck::cast_slice(lobe_table()),
+                    usage: wgpu::BufferUsages::UNIFORM,
+                }),
         }
     }
 
@@ -56,6 +66,7 @@ impl FrameUniforms {
             "frame" => Some(self.frame.as_entire_binding()),
             "lights" => Some(self.lights.as_entire_binding()),
             "sampling" => Some(self.sampling.as_entire_binding()),
+            "lobe_table" => Some(self.lobe_table.as_entire_binding()),
             _ => None,
         }
     }

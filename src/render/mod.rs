@@ -16,6 +16,7 @@ pub(crate) mod frame_uniforms;
 pub(crate) mod geometry;
 pub(crate) mod gpu_material;
 pub(crate) mod lights;
+pub(crate) mod lobe_table;
 pub mod measure;
 pub mod options;
 pub(crate) mod panorama;

@@ -63,6 +63,8 @@ pub struct Plan {
     pub coats: bool,
     /// Some reflection is spread by roughness.
     pub rough_reflections: bool,
+    /// Light that facets reflect more than once is given back.
+    pub multiple_scattering: bool,
     /// The environment is a panorama.
     pub panorama: bool,
     /// Rays find what is in the way of the environment's light.
@@ -131,6 +133,11 @@ pub fn passes_light(world: &World) -> bool {
     (world.instances.iter()).any(|i| world.materials[i.material].passes_light())
 }
 
+/// Whether some lobe has facets that may be in each other's way.
+fn scatters_twice(world: &World) -> bool {
+    (world.instances.iter()).any(|i| has_specular(&world.materials[i.material]))
+}
+
 fn has_coats(world: &World) -> bool {
     (world.instances.iter()).any(|i| world.materials[i.material].clearcoat.is_some())
 }
@@ -173,6 +180,7 @@ impl Plan {
             rough_reflections: reflects_roughly(world, settings.reflects_below()),
             transmission: passes_light(world),
             coats: has_coats(world),
+            multiple_scattering: settings.multiple_scattering && scatters_twice(world),
             panorama: world.environment.panorama.is_some(),
             environment_rays: world.environment.casts_rays(),
             shows_environment: world.environment.desc.visible,
@@ -231,6 +239,7 @@ impl Plan {
             rough_reflections: reflects_roughly(world, cutoff),
             transmission: passes_light(world),
             coats: has_coats(world),
+            multiple_scattering: settings.multiple_scattering && scatters_twice(world),
             panorama: world.environment.panorama.is_some(),
             environment_rays: world.environment.casts_rays(),
             shows_environment: world.environment.desc.visible,
@@ -316,6 +325,11 @@ impl Plan {
         );
         drop(!self.coats, "clear coats", "no material has one");
         drop(
+            settings.multiple_scattering && !self.multiple_scattering,
+            "multiple scattering",
+            "no material has a specular lobe",
+        );
+        drop(
             self.reflections && self.bounces < settings.bounces,
             "bounces after the first",
             "no reflector can see another",
@@ -333,6 +347,7 @@ impl Plan {
             panorama: self.panorama,
             layers: self.has_layers(),
             full: self.precision.full,
+            conserved: self.multiple_scattering,
         }
     }
 

@@ -1,5 +1,5 @@
 //! Which shader files stand for what a scene may or may not need: `#import ambient`,
-//! `behind`, `environment`, `extent`, `layers` and `radiance` mean others where a plan drops samples, so that unused code and bindings are
+//! `behind`, `energy`, `environment`, `extent`, `layers` and `radiance` mean others where a plan drops samples, so that unused code and bindings are
 //! no part of any shader.
 
 use crate::gpu::{ShaderError, ShaderLibrary};
@@ -19,31 +19,46 @@ pub struct ShaderVariant {
     pub layers: bool,
     /// 32 bits keep radiance, not 16.
     pub full: bool,
+    /// Light that facets reflect more than once is given back.
+    pub conserved: bool,
 }
 
 impl ShaderVariant {
     /// All that there are.
-    pub const ALL: [Self; 8] = [
-        Self::new([false, false, false, false]),
-        Self::new([true, false, false, false]),
-        Self::new([true, true, false, false]),
-        Self::new([true, true, true, false]),
-        Self::new([true, false, false, true]),
-        Self::new([true, true, false, true]),
-        Self::new([true, true, true, true]),
-        Self {
+    pub const ALL: [Self; 15] = {
+        let mut all = [Self::new([false; 4], false); 15];
+        let mut i = 0;
+        while i < 7 {
+            all[i] = Self::new(Self::SAMPLED[i], false);
+            all[i + 7] = Self::new(Self::SAMPLED[i], true);
+            i += 1;
+        }
+        all[14] = Self {
             full: true,
-            ..Self::new([true, true, true, true])
-        },
+            ..all[13]
+        };
+        all
+    };
+
+    /// Which of extent, ambient, panorama and layers go together.
+    const SAMPLED: [[bool; 4]; 7] = [
+        [false, false, false, false],
+        [true, false, false, false],
+        [true, true, false, false],
+        [true, true, true, false],
+        [true, false, false, true],
+        [true, true, false, true],
+        [true, true, true, true],
     ];
 
-    const fn new([extent, ambient, panorama, layers]: [bool; 4]) -> Self {
+    const fn new([extent, ambient, panorama, layers]: [bool; 4], conserved: bool) -> Self {
         Self {
             extent,
             ambient,
             panorama,
             layers,
             full: false,
+            conserved,
         }
     }
 
@@ -60,6 +75,7 @@ impl ShaderVariant {
             choose("ambient", self.ambient, ["closed", "sampled"]),
             choose("behind", self.layers, ["none", "transmitted"]),
             choose("layers", self.layers, ["none", "followed"]),
+            choose("energy", self.conserved, ["single", "conserved"]),
             choose("environment", self.panorama, ["gradient", "panorama"]),
             choose("radiance", self.full, ["half", "full"]),
             choose("extent", self.extent, ["none", "sampled"]),

@@ -14,6 +14,7 @@ mod culled;
 mod decide;
 mod deform;
 mod edge_cases;
+mod energy;
 mod environment;
 mod extent;
 mod far;

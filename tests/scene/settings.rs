@@ -11,7 +11,7 @@ use crate::text::read;
 fn environment_reflection_and_image_arrive() {
     let scene = read(
         "environment.color = [1, 2, 3]\n[reflection]\nmethod = \"ssr\"\nray_length_u = 2\n\
-         accept = \"threshold\"\nedge_px = 0.5\nthreshold_u = 0\nbounces = 16\nsteps = 8\nroughness_cutoff = 1\nunit_m = 0.5\nreuse_light = false\nfade = true\nfilter = false\n\
+         accept = \"threshold\"\nedge_px = 0.5\nthreshold_u = 0\nbounces = 16\nsteps = 8\nroughness_cutoff = 1\nunit_m = 0.5\nreuse_light = false\nfade = true\nfilter = false\nmultiple_scattering = true\n\
          blur_px = 1.5\n[image]\nsize = [1, 16384]\nsamples = 4096\nlight_rays = 256\nexposure_ev = -20\n\
          tone_map = \"aces\"\nvisibility = \"rays\"\nradiance = \"full\"",
     );
@@ -38,6 +38,7 @@ fn environment_reflection_and_image_arrive() {
             reuse_light: false,
             fade: true,
             filter: false,
+            multiple_scattering: true,
             blur_px: 1.5,
         }
     );

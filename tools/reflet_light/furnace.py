@@ -74,7 +74,7 @@ def at_cosines(picture: np.ndarray) -> list[float]:
 
 def measure(out: pathlib.Path, program: pathlib.Path) -> None:
     import mitsuba as mi
-    from PIL import Image  # noqa: F401  # the page needs it: better now than later
+
 
     rows = read(out)
     known = {tuple(list(row.values())[:4]) for row in rows}

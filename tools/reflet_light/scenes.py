@@ -131,6 +131,17 @@ def lights() -> list[Scene]:
     ]  # fmt: skip
 
 
+def past_the_cutoff() -> list[Scene]:
+    """By the split sum."""
+    head = (CLOSE_UP + GRADIENT).replace("roughness_cutoff = 1", "roughness_cutoff = 0")
+    scenes = []
+    for roughness in (0.24, 0.4, 0.7, 1.0):
+        shows = f"metal of roughness {roughness:g} under a gradient, past the cut-off"
+        text = head + thing("ball", BALL, METAL + f"roughness = {roughness}")
+        scenes.append(Scene(f"far-{round(100 * roughness):03}", shows, text, 2, 64))
+    return scenes
+
+
 def all_scenes() -> list[Scene]:
     glass = "transmission = 1\nior = 1.5\n"
     solid = glass + "thickness_m = 1\n"
@@ -145,6 +156,7 @@ def all_scenes() -> list[Scene]:
         *rough_balls(),
         Scene("metal-gradient", "metal of roughness 0.4 under a gradient",
               CLOSE_UP + GRADIENT + thing("ball", BALL, METAL + "roughness = 0.4"), 2),
+        *past_the_cutoff(),
         Scene("metal-panels", "metal of roughness 0.24 in a room of glowing walls",
               in_panels + thing("ball", BALL, shiny), 8),
         Scene("mirror-panels", "mirror in a room of glowing walls",

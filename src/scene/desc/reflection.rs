@@ -78,6 +78,10 @@ pub struct ReflectionDesc {
     /// spreads, in pictures of fewer than 16 `samples`: less grain, and a little less detail. Sharp
     /// reflections and benchmarks are never smoothed. Default true.
     pub filter: bool,
+    /// Whether what rough surfaces reflect more than once between their facets is given back (Turquin
+    /// 2019): they are brighter, metals more colorful, and in even white light white surfaces vanish. `false` is
+    /// glTF's model, which loses it: up to half of the light that the roughest metal reflects. Default false.
+    pub multiple_scattering: bool,
     /// Standard deviation of the Gaussian blur of the combined reflection, pixels, 0 to 16: 0 is off. Default 0.
     pub blur_px: f32,
 }
@@ -97,6 +101,7 @@ impl Default for ReflectionDesc {
             reuse_light: true,
             fade: false,
             filter: true,
+            multiple_scattering: false,
             blur_px: 0.0,
         }
     }

@@ -325,6 +325,7 @@ impl Section for ReflectionDesc {
             reuse_light: t.get("reuse_light", ANY, default.reuse_light),
             fade: t.get("fade", ANY, default.fade),
             filter: t.get("filter", ANY, default.filter),
+            multiple_scattering: t.get("multiple_scattering", ANY, default.multiple_scattering),
             ..default
         };
         for field in &REFLECTION {

@@ -1,0 +1,37 @@
+// What rough lobes return of even light, and where it comes from on average: integrals by the angle of the
+// view and the roughness, tabulated in src/render/lobe_table.rs.
+
+#import frame
+
+// x: of a reflectance of 1; y: the part of it that (1 - V·H)^5 weighs; zw: the mean direction, along the
+// normal and away from the view.
+@group(0) @binding(9) var<uniform> lobe_table: array<vec4f, LOBE_NODES>;
+
+fn lobe_at(roughness: f32, cosine: f32) -> vec4f {
+    let place = sqrt(saturate(cosine)) * f32(LOBE_COSINES - 1u);
+    let row = saturate(roughness) * f32(LOBE_ROUGHNESSES - 1u);
+    let i = min(u32(place), LOBE_COSINES - 2u);
+    let at = min(u32(row), LOBE_ROUGHNESSES - 2u) * LOBE_COSINES + i;
+    let low = mix(lobe_table[at], lobe_table[at + 1u], place - f32(i));
+    let high = mix(lobe_table[at + LOBE_COSINES], lobe_table[at + LOBE_COSINES + 1u], place - f32(i));
+    return mix(low, high, row - floor(min(row, f32(LOBE_ROUGHNESSES - 2u))));
+}
+
+// Roughness of the lobe that a surface shows.
+fn shown_roughness(s: Surface) -> f32 {
+    return select(s.roughness, 0.0, s.reflection == REFLECTION_MIRROR);
+}
+
+// Share of even light that a lobe of a reflectance at normal incidence returns, by one facet: the split sum of
+// Karis 2013.
+fn split_sum(f: vec3f, lobe: vec4f) -> vec3f {
+    return f * (lobe.x - lobe.y) + vec3f(f90(f) * lobe.y);
+}
+
+// Share of even light that a surface's lobe returns.
+fn specular_albedo(s: Surface, view: vec3f) -> vec3f {
+    let cosine = saturate(dot(s.normal, view));
+    let lobe = lobe_at(shown_roughness(s), cosine);
+    if (is_transmissive(s)) { return transmissive_fresnel(s, cosine) * lobe.x; }
+    return split_sum(f0(s), lobe) * compensation(s, view);
+}

@@ -1,0 +1,72 @@
+//! Light that facets reflect more than once, and both sides of `roughness_cutoff`.
+
+use crate::kit::{assert_close, gpu, mean, render};
+
+/// A floor seen from 3 m at an angle that a test sets.
+const FLOOR: &str = r#"
+version = 1
+[camera.main]
+target = [0, 0, 0]
+fov_deg = 1
+[image]
+size = [8, 8]
+samples = 64
+tone_map = "none"
+[reflection]
+method = "rt"
+[model.floor]
+shape = { kind = "plane", size = [20, 20] }
+material = "floor"
+"#;
+const METAL: &str = "[material.floor]\nmetallic = 1\n";
+const DIELECTRIC: &str = "[material.floor]\n";
+
+/// Mean brightness of the floor.
+fn brightness(text: &str, cosine: f32, roughness: f32, set: &[&str]) -> Option<f32> {
+    let sine = (1.0 - cosine * cosine).sqrt();
+    let own = [
+        format!("camera.main.eye=[{}, {}, 0]", 3.0 * sine, 3.0 * cosine),
+        format!("material.floor.roughness={roughness}"),
+    ];
+    let own = own.iter().map(String::as_str);
+    let set: Vec<&str> = own.chain(set.iter().copied()).collect();
+    Some(mean(&render(gpu()?, text, &set, &[]))[0])
+}
+
+#[test]
+fn white_surfaces_vanish_in_a_furnace_with_multiple_scattering() {
+    for material in [METAL, DIELECTRIC] {
+        let text = [FLOOR, material, "[environment]\ncolor = [1, 1, 1]\n"].concat();
+        for (roughness, cosine) in [(0.24, 0.3), (0.7, 0.5), (1.0, 0.9)] {
+            for cutoff in ["0", "1"] {
+                let cutoff = format!("reflection.roughness_cutoff={cutoff}");
+                let set = [cutoff.as_str(), "reflection.multiple_scattering=true"];
+                let Some(found) = brightness(&text, cosine, roughness, &set) else {
+                    return;
+                };
+                assert_close(found, 1.0, 0.01);
+            }
+        }
+    }
+}
+
+#[test]
+fn both_sides_of_the_cutoff_are_alike_bright() {
+    let even = "[environment]\ncolor = [1, 1, 1]\n";
+    let gradient =
+        "[environment]\nzenith = [1, 1, 1]\nhorizon = [0.5, 0.5, 0.5]\nground = [0, 0, 0]\n";
+    for (sky, tolerance) in [(even, 0.01), (gradient, 0.02)] {
+        for material in [METAL, DIELECTRIC] {
+            let text = [FLOOR, material, sky].concat();
+            for (roughness, cosine) in [(0.24, 0.45), (0.4, 0.45), (0.4, 0.9), (0.7, 0.6)] {
+                let side = |set: &str| brightness(&text, cosine, roughness, &[set]);
+                let near = side("reflection.roughness_cutoff=1");
+                let far = side("reflection.roughness_cutoff=0");
+                let (Some(near), Some(far)) = (near, far) else {
+                    return;
+                };
+                assert_close(far, near, tolerance);
+            }
+        }
+    }
+}
