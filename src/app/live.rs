@@ -209,8 +209,7 @@ impl Live {
         let empty = empty_scene(&source).map_err(AppError::Scene)?;
         let (texts, now) = (Dependencies::default(), SystemTime::now());
         let mut live = Self::build(gpu, source, overrides, texts, empty, now)?;
-        live.warnings.clear(); // of the empty scene
-        live.problems.scene = mistakes;
+        (live.warnings, live.problems.scene) = (Vec::new(), mistakes);
         Ok(live)
     }
 
