@@ -10,8 +10,8 @@ use crate::{
 };
 
 use super::{
-    precision::brightest_emission,
     lobe_table::lobe_table,
+    precision::brightest_emission,
     types::{Frame, LightBlock, Sampling},
     view::View,
 };

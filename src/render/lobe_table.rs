@@ -81,12 +81,13 @@ mod tests {
         }
     }
 
-    /// Heitz 2014 and Kulla & Conty 2017: about 45 % are lost of the roughest metal seen from the side.
+    /// At alpha = 1 the normals are spread evenly and both Smith roots are 1: seen from above, what is left is the
+    /// integral of x / (1 + x) over the cosine x.
     #[test]
     fn rough_lobes_lose_light_and_never_gain() {
         let all = lobe_table().iter().map(|node| node[0]);
-        assert!(all.clone().all(|share| (0.4..1.003).contains(&share)));
+        assert!(all.clone().all(|share| (0.3..1.003).contains(&share)));
         let last = lobe(1.0, 1.0)[0];
-        assert!((0.4..0.7).contains(&last), "{last}");
+        assert!((last - (1.0 - 2.0_f32.ln())).abs() < 2e-3, "{last}");
     }
 }

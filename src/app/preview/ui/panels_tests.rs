@@ -15,6 +15,7 @@ use crate::{
         preview::{
             scene_summary::MaterialRow,
             ui::{
+                frame_panels::{shares, times},
                 status_bar::{Activity, help, log, status, unwatched},
                 status_message::StatusMessage,
                 timeline::{self, Timeline},
@@ -22,7 +23,7 @@ use crate::{
         },
     },
     math::Bounds,
-    render::stats::{Audit, Shares},
+    render::stats::{Audit, FrameStats, Shares},
     scene::{
         desc::{CameraDesc, MaterialDesc, TimelineDesc},
         diagnostic::Diagnostic,

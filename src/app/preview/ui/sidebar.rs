@@ -6,7 +6,7 @@ use eframe::egui::{self, Ui};
 
 use super::{
     camera_controls::as_text,
-    material_panel,
+    frame_panels, material_panel,
     panels::{self, ViewRequest},
     parameter_panel, place_panel, status_bar,
     window::Window,
@@ -50,8 +50,8 @@ impl Window {
             panels::comparison(ui, comparison, is_old, &mut self.settings);
             let shown = self.shown.as_ref().and_then(|shown| shown.sides.first());
             if let Some(side) = shown {
-                panels::shares(ui, &side.stats, &self.history);
-                panels::times(ui, &side.stats, &self.history);
+                frame_panels::shares(ui, &side.stats, &self.history);
+                frame_panels::times(ui, &side.stats, &self.history);
             }
             status_bar::log(ui, &self.summary.log);
             status_bar::scene(ui, &self.summary);

@@ -1,0 +1,281 @@
+//! Readers of tracks, their keys and helpers.
+
+use glam::Vec3;
+
+use crate::scene::range::{ABOVE_0, ANY, Range};
+use crate::scene::{
+    desc::*,
+    diagnostic::{Diagnostic, Span},
+    number::{Field, Form, Lanes},
+    parse::{
+        table::{Section, Table},
+        value::{Scale, Value},
+    },
+};
+
+/// The tracks of what may change.
+pub fn tracks<T>(t: &mut Table, fields: &[Field<T>]) -> Tracks {
+    let read = |field: &Field<T>| match field.form {
+        Form::Number => track::<f32>(t, field.key, field.range),
+        Form::Pair => track::<[f32; 2]>(t, field.key, field.range),
+        Form::Color | Form::Vector => track::<Vec3>(t, field.key, field.range),
+    };
+    let all: Vec<_> = fields.iter().map(read).collect();
+    let written = all.into_iter().enumerate();
+    written
+        .filter_map(|(field, track)| Some((field, track?)))
+        .collect()
+}
+
+/// What a track moves: one number, two or three.
+pub trait Lane: Value + Lanes {
+    const TRACK: &'static str;
+    const TRACK_HEADING: &'static str;
+    const KEY: &'static str;
+    const KEY_HEADING: &'static str;
+    const SWING: &'static str;
+    const SWING_HEADING: &'static str;
+    /// Whether it may be a position.
+    const IS_VECTOR: bool;
+}
+
+impl Lane for Vec3 {
+    const TRACK: &'static str = "TrackDesc";
+    const TRACK_HEADING: &'static str = "eye = { … }";
+    const KEY: &'static str = "KeyDesc";
+    const KEY_HEADING: &'static str = "keys = [{ at_s = …, value = […] }, …]";
+    const SWING: &'static str = "OscillateDesc";
+    const SWING_HEADING: &'static str = "oscillate = { amplitude = […], … }";
+    const IS_VECTOR: bool = true;
+}
+
+impl Lane for [f32; 2] {
+    const TRACK: &'static str = "PairTrackDesc";
+    const TRACK_HEADING: &'static str = "uv_scale = { … }";
+    const KEY: &'static str = "PairKeyDesc";
+    const KEY_HEADING: &'static str = "keys = [{ at_s = …, value = […, …] }, …]";
+    const SWING: &'static str = "PairOscillateDesc";
+    const SWING_HEADING: &'static str = "oscillate = { amplitude = […, …], … }";
+    const IS_VECTOR: bool = false;
+}
+
+impl Lane for f32 {
+    const TRACK: &'static str = "NumberTrackDesc";
+    const TRACK_HEADING: &'static str = "roughness = { … }";
+    const KEY: &'static str = "NumberKeyDesc";
+    const KEY_HEADING: &'static str = "keys = [{ at_s = …, value = … }, …]";
+    const SWING: &'static str = "NumberOscillateDesc";
+    const SWING_HEADING: &'static str = "oscillate = { amplitude = …, … }";
+    const IS_VECTOR: bool = false;
+}
+
+impl Lane for Scale {
+    const TRACK: &'static str = "ScaleTrackDesc";
+    const TRACK_HEADING: &'static str = "scale = { … }";
+    const KEY: &'static str = "ScaleKeyDesc";
+    const KEY_HEADING: &'static str = "keys = [{ at_s = …, value = … or […] }, …]";
+    const SWING: &'static str = "ScaleOscillateDesc";
+    const SWING_HEADING: &'static str = "oscillate = { amplitude = … or […], … }";
+    const IS_VECTOR: bool = false;
+}
+
+impl Lanes for Scale {
+    fn lanes(self) -> Vec3 {
+        self.0
+    }
+    fn of(lanes: Vec3) -> Self {
+        Self(lanes)
+    }
+}
+
+/// A track whose lanes are `L`s.
+struct TrackOf<L>(TrackDesc, std::marker::PhantomData<L>);
+
+/// A key whose value is an `L`.
+struct KeyOf<L>(KeyDesc, std::marker::PhantomData<L>);
+
+/// A swing whose amplitude is an `L`.
+struct SwingOf<L>(OscillateDesc, std::marker::PhantomData<L>);
+
+/// The track under `key`; the values of its keys must lie in `range`.
+pub fn track<L: Lane>(t: &mut Table, key: &'static str, range: Range) -> Option<TrackDesc> {
+    let TrackOf(track, _) = t.table::<TrackOf<L>>(key)?;
+    for point in &track.keys {
+        let lanes = point.value.to_array();
+        let wrong = lanes.into_iter().find(|x| !range.contains(f64::from(*x)));
+        if let Some(x) = wrong {
+            let message = format!("`value` of `{key}` must be {}, not {x}", range.words());
+            t.report
+                .push(Diagnostic::at("key-range", point.at.clone(), message));
+        }
+    }
+    Some(track)
+}
+
+impl<L: Lane> Section for TrackOf<L> {
+    const TYPE: &'static str = L::TRACK;
+    const ALSO: &'static [&'static str] = &["TrackDesc"];
+    const HEADING: &'static str = L::TRACK_HEADING;
+
+    fn read(t: &mut Table) -> Option<Self> {
+        if L::IS_VECTOR {
+            t.one_of(false, &[&["keys"], &["follow"]]);
+            t.one_of(true, &[&["keys", "follow", "orbit", "rate", "oscillate"]]);
+        } else {
+            t.one_of(true, &[&["keys", "rate", "oscillate"]]);
+        }
+        let points: Vec<KeyOf<L>> = t.list("keys");
+        let keys: Vec<_> = points.into_iter().map(|KeyOf(key, _)| key).collect();
+        let track = TrackDesc {
+            curve: t.get("curve", ANY, CurveKind::default()),
+            ease: t.get("ease", ANY, Ease::default()),
+            loop_s: t.find("loop_s", ABOVE_0),
+            constant_speed: t.get("constant_speed", ANY, false),
+            follow: if L::IS_VECTOR {
+                t.table("follow")
+            } else {
+                None
+            },
+            orbit: if L::IS_VECTOR { t.table("orbit") } else { None },
+            rate: t.find::<L>("rate", ANY).map(Lanes::lanes),
+            oscillate: t
+                .table::<SwingOf<L>>("oscillate")
+                .map(|SwingOf(swing, _)| swing),
+            keys,
+        };
+        check_keys(t, &track);
+        Some(Self(track, std::marker::PhantomData))
+    }
+}
+
+fn check_keys(t: &mut Table, track: &TrackDesc) {
+    if !t.has("keys") {
+        for key in ["curve", "ease", "loop_s", "constant_speed"] {
+            if t.has(key) {
+                let message = format!("`{key}` needs `keys` to interpolate, and there are none");
+                t.refuse("no-keys", key, &message, "write `keys`, or remove it");
+            }
+        }
+        return;
+    }
+    if !t.clean() {
+        return;
+    }
+    let Some(last) = track.keys.last() else {
+        let help = "write `keys = [{ at_s = 0, value = … }, { at_s = 2, value = … }]`";
+        t.refuse("no-keys", "keys", "`keys` must have at least one key", help);
+        return;
+    };
+    for pair in track.keys.windows(2) {
+        if pair[1].at_s <= pair[0].at_s {
+            let message = format!(
+                "`at_s` must be later than that of the previous key, which is {}",
+                pair[0].at_s
+            );
+            let error = Diagnostic::at("key-order", pair[1].at.clone(), message);
+            t.report
+                .push(error.related(pair[0].at.clone(), "the previous key is here"));
+        }
+    }
+    let run = last.at_s - track.keys[0].at_s;
+    if track.loop_s.is_some_and(|l| l <= run) {
+        let message =
+            format!("`loop_s` must be more than the {run} s from the first key to the last");
+        let help = "the path returns to the first key in the time after the last one";
+        t.refuse("key-order", "loop_s", &message, help);
+    }
+    if let Some(key) = track.keys.iter().find(|key| key.ease != Ease::None)
+        && track.constant_speed
+    {
+        let message = "`ease` of a key cannot be combined with `constant_speed`";
+        let help = "remove it, or write `ease` beside `keys`: that eases the whole path";
+        t.report
+            .push(Diagnostic::at("no-ease", key.at.clone(), message).help(help));
+    }
+    let bent = |key: &&KeyDesc| key.handle_in.is_some() || key.handle_out.is_some();
+    if let Some(key) = track.keys.iter().find(bent)
+        && track.curve != CurveKind::Bezier
+    {
+        let message = "`handle_in` and `handle_out` need `curve = \"bezier\"`";
+        t.report
+            .push(Diagnostic::at("no-handles", key.at.clone(), message));
+    }
+}
+
+impl<L: Lane> Section for KeyOf<L> {
+    const TYPE: &'static str = L::KEY;
+    const ALSO: &'static [&'static str] = &["KeyDesc"];
+    const HEADING: &'static str = L::KEY_HEADING;
+
+    fn read(t: &mut Table) -> Option<Self> {
+        let at_s = t.need("at_s", ANY);
+        let value: Option<L> = t.need("value", ANY);
+        let ease = t.get("ease", ANY, Ease::default());
+        let handle_in: Option<L> = t.find("handle_in", ANY);
+        let handle_out: Option<L> = t.find("handle_out", ANY);
+        let at: Span = t.start();
+        let key = KeyDesc {
+            at_s: at_s?,
+            value: value?.lanes(),
+            ease,
+            handle_in: handle_in.map(Lanes::lanes),
+            handle_out: handle_out.map(Lanes::lanes),
+            at,
+        };
+        Some(Self(key, std::marker::PhantomData))
+    }
+}
+
+impl<L: Lane> Section for SwingOf<L> {
+    const TYPE: &'static str = L::SWING;
+    const ALSO: &'static [&'static str] = &["OscillateDesc"];
+    const HEADING: &'static str = L::SWING_HEADING;
+
+    fn read(t: &mut Table) -> Option<Self> {
+        let amplitude: Option<L> = t.need("amplitude", ANY);
+        let period_s = t.need("period_s", ABOVE_0);
+        let phase = t.get("phase", ANY, 0.0);
+        let swing = OscillateDesc {
+            amplitude: amplitude?.lanes(),
+            period_s: period_s?,
+            phase,
+        };
+        Some(Self(swing, std::marker::PhantomData))
+    }
+}
+
+impl Section for OrbitDesc {
+    const TYPE: &'static str = "OrbitDesc";
+    const HEADING: &'static str = "orbit = { … }";
+
+    fn read(t: &mut Table) -> Option<Self> {
+        let center = t.get("center", ANY, Vec3::ZERO);
+        let axis = t.get("axis", ANY, Vec3::Y);
+        let period_s = t.need("period_s", ABOVE_0);
+        let phase = t.get("phase", ANY, 0.0);
+        if t.has("axis") && axis == Vec3::ZERO {
+            let help = "write `axis = [0, 1, 0]` for a horizontal orbit";
+            t.refuse("zero-direction", "axis", "`axis` must not be zero", help);
+        }
+        Some(Self {
+            center,
+            axis,
+            period_s: period_s?,
+            phase,
+        })
+    }
+}
+
+impl Section for FollowDesc {
+    const TYPE: &'static str = "FollowDesc";
+    const HEADING: &'static str = "follow = { … }";
+
+    fn read(t: &mut Table) -> Option<Self> {
+        let instance = t.need("instance", ANY);
+        let offset = t.get("offset", ANY, Vec3::ZERO);
+        Some(Self {
+            instance: instance?,
+            offset,
+        })
+    }
+}
