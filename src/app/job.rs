@@ -1,5 +1,7 @@
 //! `job`: what a render farm needs to render a film in parts.
 
+mod slurm;
+
 use std::{
     collections::BTreeSet,
     fs,
@@ -9,6 +11,8 @@ use std::{
 use clap::{Args, Subcommand};
 use serde_json::{Value, json};
 
+pub use self::slurm::SlurmArgs;
+use self::slurm::slurm;
 use super::{
     args::{SceneArgs, parse_size},
     cameras,
@@ -28,16 +32,15 @@ use crate::{
 pub enum JobCommand {
     /// Write a job bundle for farms that read Open Job Description, such as AWS Deadline Cloud
     Openjd(Box<OpenjdArgs>),
+    /// Write a script for Slurm's sbatch, an array of tasks that resume
+    Slurm(Box<SlurmArgs>),
 }
 
-/// `job openjd`
+/// What is rendered in parts
 #[derive(Clone, Debug, Args)]
-pub struct OpenjdArgs {
+pub struct TaskArgs {
     /// Scene file
     pub scene: PathBuf,
-    /// Folder to write template.json, parameter_values.json and asset_references.json to
-    #[arg(short, long, value_name = "DIR")]
-    pub output: PathBuf,
     /// Files of the frames, such as out/film.####.exr
     #[arg(long, value_name = "FILE")]
     pub pictures: PathBuf,
@@ -53,9 +56,71 @@ pub struct OpenjdArgs {
     /// Width and height in pixels, each 1 to 16384
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     pub size: Option<[u32; 2]>,
-    /// Which camera of the scene; without it `main`, else the first
+    /// Which camera of the scene; without it those of its cuts, else `main`, else the first
     #[arg(long, value_name = "NAME")]
     pub camera: Option<String>,
+}
+
+/// A loaded scene, and the frames that are rendered.
+struct Film {
+    loaded: LoadedScene,
+    frames: Vec<u32>,
+}
+
+impl TaskArgs {
+    /// Loads the scene, and checks that its frames can be rendered in parts.
+    fn film(&self) -> Result<Film, AppError> {
+        if Template::new(&self.pictures)?.is_none() || Format::is_film(&self.pictures) {
+            return Err(AppError::Usage(format!(
+                "--pictures {}: tasks need a file for each frame, such as out/film.####.exr",
+                self.pictures.display()
+            )));
+        }
+        Format::expect(&self.pictures)?;
+        let loaded = load_scene(Some(&self.scene), &self.from, &[])?;
+        choose_camera(&loaded, self.camera.as_deref())?;
+        let Some(timeline) = loaded.scene.timeline.as_ref() else {
+            let text = "the scene has no [timeline], so there are no frames to divide";
+            return Err(AppError::Usage(text.to_owned()));
+        };
+        let frames = FrameList::parse("--frames", &self.frames, timeline)?.0;
+        Ok(Film { loaded, frames })
+    }
+
+    /// The options of `render` that say what is rendered, but for files and frames.
+    fn options(&self) -> Vec<String> {
+        let mut options = Vec::new();
+        let mut option = |name: &str, value: &str| {
+            options.extend([name.to_owned(), value.to_owned()]);
+        };
+        for setting in &self.from.set {
+            option("--set", setting);
+        }
+        for variant in &self.from.variant {
+            option("--variant", variant);
+        }
+        if let Some([width, height]) = self.size {
+            option("--size", &format!("{width}x{height}"));
+        }
+        if let Some(camera) = &self.camera {
+            option("--camera", camera);
+        }
+        if self.from.lenient {
+            options.push("--lenient".to_owned());
+        }
+        options
+    }
+}
+
+/// `job openjd`
+#[derive(Clone, Debug, Args)]
+pub struct OpenjdArgs {
+    /// What is rendered
+    #[command(flatten)]
+    pub tasks: TaskArgs,
+    /// Folder to write template.json, parameter_values.json and asset_references.json to
+    #[arg(short, long, value_name = "DIR")]
+    pub output: PathBuf,
 }
 
 /// Writes what a farm needs.
@@ -66,26 +131,18 @@ pub struct OpenjdArgs {
 pub fn job(command: &JobCommand) -> Result<(), AppError> {
     match command {
         JobCommand::Openjd(args) => openjd(args),
+        JobCommand::Slurm(args) => slurm(args),
     }
 }
 
 /// Open Job Description 2023-09 with its extension for chunks of tasks (RFC 0001), in the layout of a
 /// Deadline Cloud job bundle. Paths are parameters, so that the farm's path mapping applies to them.
 fn openjd(args: &OpenjdArgs) -> Result<(), AppError> {
-    let usage = |text: String| Err(AppError::Usage(text));
-    if Template::new(&args.pictures)?.is_none() || Format::is_film(&args.pictures) {
-        return usage(format!(
-            "--pictures {}: tasks need a file for each frame, such as out/film.####.exr",
-            args.pictures.display()
-        ));
-    }
-    Format::expect(&args.pictures)?;
-    let loaded = load_scene(Some(&args.scene), &args.from, &[])?;
-    choose_camera(&loaded, args.camera.as_deref())?;
-    let Some(timeline) = loaded.scene.timeline.as_ref() else {
-        return usage("the scene has no [timeline], so there are no frames to divide".to_owned());
-    };
-    let frames = FrameList::parse("--frames", &args.frames, timeline)?;
+    let OpenjdArgs {
+        tasks: args,
+        output,
+    } = args;
+    let Film { loaded, frames } = args.film()?;
     let folders = asset_folders(&args.from.assets);
     let bundle = Bundle {
         scene: absolute(&args.scene)?,
@@ -95,14 +152,14 @@ fn openjd(args: &OpenjdArgs) -> Result<(), AppError> {
             .map(|f| absolute(f))
             .collect::<Result<_, _>>()?,
         args,
-        frames: super::frame_spans::spans(&frames.0),
+        frames: super::frame_spans::spans(&frames),
     };
     let files = [
         ("template.json", bundle.template()?),
         ("parameter_values.json", bundle.values()),
         ("asset_references.json", bundle.references(&loaded)),
     ];
-    let folder = &args.output;
+    let folder = output;
     fs::create_dir_all(folder).map_err(|error| {
         AppError::Usage(format!(
             "--output {}: cannot be created: {error}",
@@ -127,7 +184,7 @@ fn absolute(path: &Path) -> Result<PathBuf, AppError> {
 
 /// What a bundle is made of.
 struct Bundle<'a> {
-    args: &'a OpenjdArgs,
+    args: &'a TaskArgs,
     scene: PathBuf,
     pictures: PathBuf,
     assets: Vec<PathBuf>,
@@ -211,22 +268,8 @@ impl Bundle<'_> {
         ] {
             command.push(fixed.to_owned());
         }
-        let mut option = |name: &str, value: &str| {
-            command.push(name.to_owned());
-            command.push(plain(value)?);
-            Ok::<_, AppError>(())
-        };
-        for setting in &args.from.set {
-            option("--set", setting)?;
-        }
-        for variant in &args.from.variant {
-            option("--variant", variant)?;
-        }
-        if let Some([width, height]) = args.size {
-            option("--size", &format!("{width}x{height}"))?;
-        }
-        if let Some(camera) = &args.camera {
-            option("--camera", camera)?;
+        for option in args.options() {
+            command.push(plain(&option)?);
         }
         for i in 1..=self.assets.len() {
             command.push("--assets".to_owned());

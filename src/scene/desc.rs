@@ -153,7 +153,7 @@ pub enum ModelSource {
 }
 
 /// `shape = { kind = "…" }`, centered on the origin unless said; curved ones are tessellated.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum ShapeDesc {
     /// `"plane"`: in XZ, facing +Y.
     Plane {
@@ -212,6 +212,15 @@ pub enum ShapeDesc {
         radius: f32,
         /// From end to end, meters, above 0 and at least twice the radius. Default 1.
         height: f32,
+        /// Divisions around, 3 to 1024. Default 64.
+        segments: u32,
+    },
+    /// `"lathe"`: an outline turned around axis Y.
+    Lathe {
+        /// The outline from below upwards, 2 to 1000 points, each the distance from the axis, 0 or more,
+        /// and the height, meters. Its right side is outside; bends of more than 40° are edges. Where
+        /// it ends away from the axis the shape is open.
+        points: Vec<[f32; 2]>,
         /// Divisions around, 3 to 1024. Default 64.
         segments: u32,
     },

@@ -15,6 +15,7 @@ mod names;
 mod overlay;
 mod params;
 mod placed;
+mod points;
 mod read;
 mod report;
 mod set;

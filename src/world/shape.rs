@@ -1,5 +1,7 @@
 //! Shapes without files: their tessellation into meshes, in object space.
 
+mod lathe;
+
 use std::f32::consts::TAU;
 
 use glam::{Vec2, Vec3};
@@ -62,6 +64,13 @@ pub fn mesh(shape: &ShapeDesc) -> Mesh {
         } => {
             builder.torus(radius, tube_radius, segments.max(3));
             "torus"
+        }
+        ShapeDesc::Lathe {
+            ref points,
+            segments,
+        } => {
+            lathe::add(&mut builder.mesh, points, segments.max(3));
+            "lathe"
         }
         ShapeDesc::Capsule {
             radius,

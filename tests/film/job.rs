@@ -145,3 +145,67 @@ fn what_a_farm_cannot_use_is_refused() {
         assert!(!folder.join("bundle").exists(), "nothing is written");
     }
 }
+
+/// Runs one task of a script as Slurm does, in a shell of its own.
+fn run_array_task(script: &Path, task: usize) -> (bool, String) {
+    let program = Path::new(env!("CARGO_BIN_EXE_reflet"));
+    let folder = program.parent().expect("a folder");
+    let paths = std::env::var("PATH").unwrap_or_default();
+    let output = Command::new("bash")
+        .arg(script)
+        .env("PATH", format!("{}:{paths}", folder.display()))
+        .env("SLURM_ARRAY_TASK_ID", task.to_string())
+        .env("NODEVICE_SELECT", "1")
+        .output()
+        .expect("a shell starts");
+    let text = String::from_utf8_lossy(&output.stderr).into_owned();
+    (output.status.success(), text)
+}
+
+#[test]
+#[cfg(unix)]
+fn an_array_of_slurm_gives_the_frames_of_one_run() {
+    let folder = folder("slurm it's");
+    let slurm = |arguments: &[&str]| {
+        let output = Command::new(env!("CARGO_BIN_EXE_reflet"))
+            .current_dir(&folder)
+            .args(["job", "slurm", "scene.toml", "-o", "film.sh"])
+            .args(arguments)
+            .output()
+            .expect("the program starts");
+        let text = String::from_utf8_lossy(&output.stderr).into_owned();
+        (output.status.code(), text)
+    };
+    let set = "params.lift=0.7";
+    let (code, text) = slurm(&["--pictures", "{camera}.##.png"]);
+    assert_eq!(code, Some(2), "{text}");
+    assert!(!folder.join("film.sh").exists(), "nothing is written");
+    let (code, text) = slurm(&["--pictures", "f.png"]);
+    assert!(
+        code == Some(2) && text.contains("a file for each frame"),
+        "{text}"
+    );
+    let pictures_to = ["--pictures", "parts/f.##.png", "--chunk", "4", "--set", set];
+    let (code, text) = slurm(&pictures_to);
+    assert_eq!(code, Some(0), "{text}");
+    let script = fs::read_to_string(folder.join("film.sh")).expect("it is written");
+    assert!(script.starts_with("#!/bin/bash\n"), "{script}");
+    for line in [
+        "#SBATCH --array=0-1\n",
+        "#SBATCH --requeue\n",
+        "chunks=( 0-3 4-5 )\n",
+    ] {
+        assert!(script.contains(line), "{script}");
+    }
+    if gpu_or_skip().is_none() {
+        return;
+    }
+    for task in [0, 1, 0] {
+        let (success, text) = run_array_task(&folder.join("film.sh"), task);
+        assert!(success, "{text}");
+    }
+    render(&folder, &["-o", "f.##.png", "--set", set], 0);
+    assert_eq!(pictures(&folder.join("parts")), pictures(&folder));
+    // No such task.
+    assert!(!run_array_task(&folder.join("film.sh"), 2).0);
+}

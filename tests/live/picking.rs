@@ -38,6 +38,50 @@ fn pick(preview: &mut Watched, at: [f32; 2]) -> Option<Picked> {
     })
 }
 
+#[test]
+fn what_a_pixel_holds_is_listed() {
+    let Some(mut preview) = preview() else { return };
+    let at = |preview: &mut Watched, at: [f32; 2]| {
+        let inspection = FrameRequest {
+            view: preview.view.clone(),
+            action: FrameAction::Pick(at),
+        };
+        preview.worker.mailbox.post(Task::Frame(inspection));
+        let values = preview.until("a pixel", |report| match report {
+            Report::Pixel(values) => Some(values.clone()),
+            _ => None,
+        });
+        move |name: &str| {
+            let value = values.iter().find(|v| v.name == name);
+            value.unwrap_or_else(|| panic!("no {name}")).text.clone()
+        }
+    };
+    let middle = at(&mut preview, MIDDLE);
+    assert!(
+        middle("ids").starts_with("box, triangle "),
+        "{}",
+        middle("ids")
+    );
+    let depth = middle("depth");
+    let meters: f32 = depth
+        .strip_suffix(" m")
+        .expect("meters")
+        .parse()
+        .expect("a number");
+    assert!((4.0..5.3).contains(&meters), "{depth}");
+    assert_eq!(middle("base_color"), "0.8999, 0.1000, 0.1000");
+    assert_eq!(middle("pixel"), "12, 8");
+    // The floor before the box is a mirror.
+    let floor = at(&mut preview, [0.5, 0.95]);
+    assert!(floor("ids").starts_with("floor, "), "{}", floor("ids"));
+    assert!(!["not reflective", "rough"].contains(&floor("source").as_str()));
+    let sky = at(&mut preview, SKY);
+    assert_eq!(
+        (sky("ids"), sky("depth")),
+        ("nothing".to_owned(), "nothing".to_owned())
+    );
+}
+
 /// Saves atomically: a partial scene is an error.
 fn save(preview: &Watched, text: &str) {
     let temporary = preview.folder.write("next.toml", text);

@@ -185,6 +185,15 @@ pub struct Comparison {
     pub error_map: FrameTexture,
 }
 
+/// What a plane of the picture holds at a pixel.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PixelValue {
+    /// The plane, as `--aov` calls it.
+    pub name: &'static str,
+    /// Its value, with its unit.
+    pub text: String,
+}
+
 /// A report of the rendering thread.
 #[derive(Clone, Debug)]
 pub enum Report {
@@ -204,6 +213,8 @@ pub enum Report {
     Compared(Box<Comparison>),
     /// Result of a pick.
     Picked(Option<Picked>),
+    /// What the pixel holds that was clicked.
+    Pixel(Vec<PixelValue>),
     /// The selection was cleared.
     Unpicked,
     /// What is selected, as the scene text has it; `None` for what it does not place.

@@ -11,7 +11,7 @@ use super::{
     layers::{self, Base},
     names, params,
     placed::{self, Placed},
-    read::motion::Film,
+    read::timeline::Film,
     report::Report,
     set,
     syntax::{self, Shadow},

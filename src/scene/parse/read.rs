@@ -5,9 +5,10 @@ mod animation;
 mod environment;
 mod instance;
 mod light;
-pub mod motion;
+mod motion;
 mod stage;
 mod track;
+pub mod timeline;
 
 use std::path::PathBuf;
 
@@ -16,6 +17,7 @@ use glam::Vec3;
 use super::{
     color::Color,
     hierarchy,
+    points::Points,
     table::{Either, Section, Table},
     value::{Names, Version},
 };
@@ -57,7 +59,7 @@ impl Section for SceneDesc {
             includes: Vec::new(),
             script: None,
         };
-        if let Some(film) = t.table::<motion::Film>("timeline") {
+        if let Some(film) = t.table::<timeline::Film>("timeline") {
             (scene.timeline, scene.cuts) = (Some(film.timeline), film.cuts);
         }
         // Read before, because they add to the tables above; asked for here, so that they are keys.
@@ -276,6 +278,7 @@ impl Section for ShapeDesc {
                 }),
                 ("torus", torus),
                 ("capsule", capsule),
+                ("lathe", lathe),
             ],
         )
     }
@@ -309,6 +312,39 @@ fn capsule(t: &mut Table) -> Option<ShapeDesc> {
         height,
         segments: t.get("segments", SEGMENTS, 64),
     })
+}
+
+/// Most points of an outline.
+const MOST_POINTS: usize = 1000;
+
+fn lathe(t: &mut Table) -> Option<ShapeDesc> {
+    let points = t.need("points", ANY);
+    let segments = t.get("segments", SEGMENTS, 64);
+    let Points(points) = points?;
+    let flat = |pair: &[[f32; 2]]| pair[0] == pair[1];
+    let wrong = if !(2..=MOST_POINTS).contains(&points.len()) {
+        Some(format!(
+            "`points` must be 2 to {MOST_POINTS} points, not {}",
+            points.len()
+        ))
+    } else if let Some([radius, _]) = points.iter().find(|[radius, _]| *radius < 0.0) {
+        Some(format!(
+            "a point of `points` must be 0 or more from the axis, not {radius}"
+        ))
+    } else if points.windows(2).any(flat) {
+        Some("two points of `points` in a row must differ".to_owned())
+    } else if points.iter().all(|[radius, _]| *radius == 0.0) {
+        Some("`points` must not all lie on the axis".to_owned())
+    } else {
+        None
+    };
+    if let Some(message) = wrong {
+        let help =
+            "write the outline from below upwards: `points = [[0.3, 0], [0.5, 0.4], [0, 0.8]]`";
+        t.refuse("out-of-range", "points", &message, help);
+        return None;
+    }
+    Some(ShapeDesc::Lathe { points, segments })
 }
 
 impl Section for ReflectionDesc {

@@ -44,7 +44,7 @@ pub(super) fn sources(desc: &SceneDesc) -> Vec<NamedSource> {
     let named = desc.models.iter().map(|entry| {
         let source = match &entry.value.source {
             ModelSource::File(file) => Ok((file.value.clone(), usd::Choice::of(&entry.value.usd))),
-            ModelSource::Shape(shape) => Err(*shape),
+            ModelSource::Shape(shape) => Err(shape.clone()),
         };
         (entry.name.clone(), source)
     });

@@ -74,6 +74,36 @@ fn flat_shapes_are_exact() {
     assert!(plane.normals.iter().all(|n| *n == Vec3::Y));
 }
 
+/// A bottle: a floor, a bulge, a neck and a lid; and a cone upside down.
+#[test]
+fn outlines_turned_are_closed_and_near_their_closed_form() {
+    let segments = 256;
+    let lathe = |points: &[[f32; 2]]| ShapeDesc::Lathe {
+        points: points.to_vec(),
+        segments,
+    };
+    let cylinder = lathe(&[[0.0, 0.0], [0.5, 0.0], [0.5, 2.0], [0.0, 2.0]]);
+    check(
+        cylinder,
+        PI * 0.5 * (2.0 * 2.0 + 2.0 * 0.5),
+        PI * 0.25 * 2.0,
+        1e-3,
+    );
+    let cone = lathe(&[[0.0, 0.0], [0.5, 1.0], [0.0, 1.0]]);
+    let slant = 1.25_f64.sqrt();
+    check(cone, PI * 0.5 * (slant + 0.5), PI * 0.25 / 3.0, 1e-3);
+    // Smooth where it bends little, an edge where it bends much.
+    let mesh = mesh(&lathe(&[[0.5, 0.0], [0.5, 1.0], [0.45, 2.0], [0.2, 2.0]]));
+    let at = |y: f32, x: f32| {
+        let near = |p: &Vec3| (p.y - y).abs() < 1e-6 && (p.z - x).abs() < 1e-6;
+        let all = mesh.positions.iter().zip(&mesh.normals);
+        let mut found: Vec<_> = all.filter(|(p, _)| near(p)).map(|(_, n)| *n).collect();
+        found.dedup_by(|a, b| a.distance(*b) < 1e-6);
+        found.len()
+    };
+    assert_eq!((at(1.0, 0.5), at(2.0, 0.45)), (1, 2));
+}
+
 #[test]
 fn curved_shapes_are_closed_and_near_their_closed_form() {
     let (radius, height, segments) = (0.5, 2.0, 256);
@@ -114,7 +144,7 @@ fn curved_shapes_are_closed_and_near_their_closed_form() {
             segments,
         };
         let volume = PI * r * r * (h - 2.0 * r) + 4.0 / 3.0 * PI * r * r * r;
-        check(capsule, 2.0 * PI * r * h, volume, 1e-3);
+        check(capsule.clone(), 2.0 * PI * r * h, volume, 1e-3);
         let bounds = mesh(&capsule).bounds;
         assert_eq!((bounds.min.y, bounds.max.y), (0.0, height));
     }

@@ -6,6 +6,7 @@ mod frame_requests;
 mod inspecting;
 mod instance_key;
 mod picking;
+mod pixel;
 mod pixels;
 mod reload;
 mod reload_jobs;

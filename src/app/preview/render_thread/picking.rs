@@ -27,7 +27,9 @@ impl Worker {
         let [width, height] = self.live.renderer().targets().size;
         let ids: Vec<[u32; 2]> = self.live.renderer().read(&self.gpu, Target::Ids)?;
         let pixel = |part: f32, side: u32| ((part * side as f32) as u32).min(side - 1);
-        let index = pixel(at[1], height) * width + pixel(at[0], width);
+        let [x, y] = [pixel(at[0], width), pixel(at[1], height)];
+        let index = y * width + x;
+        self.send(Report::Pixel(self.pixel(view, [x, y])?));
         let instance = ids[index as usize][0] as usize;
         self.selected = InstanceKey::of(self.live.world(), instance);
         self.show_thing(self.live.thing_of(instance));

@@ -56,6 +56,7 @@ impl Window {
                     self.picked = None;
                     self.selection.show(None);
                 }
+                Ok(Report::Pixel(values)) => self.pixel = values,
                 Ok(Report::Inspected(inspected)) => self.selection.show(inspected.map(|i| *i)),
                 Ok(Report::Message(message)) => self.message.set(message),
                 Ok(Report::Unwatched(why)) => self.unwatched = why,

@@ -5,7 +5,7 @@ use eframe::egui::{self, Key, Modifiers, Ui};
 
 use super::panels::ViewRequest;
 use crate::app::{
-    preview::scene_summary::ThingRow,
+    preview::{protocol::PixelValue, scene_summary::ThingRow},
     write_back::{Inspected, Numbers, Thing},
 };
 
@@ -132,6 +132,22 @@ fn row(ui: &mut Ui, numbers: &mut Numbers) -> bool {
         ended.fold(false, |any, one| any | one)
     })
     .inner
+}
+
+/// What the clicked pixel held when it was clicked.
+pub fn pixel(ui: &mut Ui, values: &[PixelValue]) {
+    if values.is_empty() {
+        return;
+    }
+    egui::CollapsingHeader::new("Pixel").show(ui, |ui| {
+        egui::Grid::new("pixel").num_columns(2).show(ui, |ui| {
+            for PixelValue { name, text } in values {
+                ui.weak(*name);
+                ui.add(egui::Label::new(text).truncate());
+                ui.end_row();
+            }
+        });
+    });
 }
 
 /// What the scene consists of, by what hangs on what; a click selects.

@@ -34,6 +34,7 @@ impl Window {
                 ));
             }
             place_panel::panel(ui, &mut self.selection, requests);
+            place_panel::pixel(ui, &self.pixel);
             let thing = self.selection.thing();
             place_panel::outline(ui, &self.summary.things, thing, requests);
             let before = self.settings.material;

@@ -15,7 +15,9 @@ use super::{
 };
 use crate::{
     app::preview::{
-        protocol::{Comparison, FinishedFrame, FrameAction, FrameRequest, Picked, Task, View},
+        protocol::{
+            Comparison, FinishedFrame, FrameAction, FrameRequest, Picked, PixelValue, Task, View,
+        },
         render_thread::RenderThread,
         scene_summary::SceneSummary,
     },
@@ -42,6 +44,8 @@ pub struct Window {
     pub(super) picked: Option<Picked>,
     /// What of the scene text is selected.
     pub(super) selection: Selection,
+    /// What the clicked pixel holds.
+    pub(super) pixel: Vec<PixelValue>,
     /// Revision of the scene; comparisons of earlier revisions are stale.
     pub(super) edits: u64,
     /// Statistics of the last pictures, newest last.
@@ -95,6 +99,7 @@ impl Window {
             comparison: None,
             picked: None,
             selection: Selection::default(),
+            pixel: Vec::new(),
             edits: 0,
             history: VecDeque::new(),
             textures: HashMap::new(),

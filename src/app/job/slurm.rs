@@ -1,0 +1,138 @@
+//! `job slurm`: a script for `sbatch`, an array whose tasks render chunks of the frames.
+
+use std::{fmt::Write as _, path::PathBuf};
+
+use clap::Args;
+
+use super::{Film, TaskArgs, absolute};
+use crate::{
+    app::{cameras, error::AppError, frame_spans::spans},
+    files::write_whole,
+};
+
+/// Tasks that Slurm allows in an array, where `MaxArraySize` is not set.
+const MOST_TASKS: usize = 1000;
+
+/// `job slurm`
+#[derive(Clone, Debug, Args)]
+pub struct SlurmArgs {
+    /// What is rendered
+    #[command(flatten)]
+    pub tasks: TaskArgs,
+    /// Script to write, such as film.sh; `sbatch film.sh` starts it
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+}
+
+/// Writes the script.
+///
+/// # Errors
+/// Errors of the scene, [`AppError::Usage`] for names that are no text and too many tasks, and a script
+/// that cannot be written.
+pub fn slurm(args: &SlurmArgs) -> Result<(), AppError> {
+    let film = args.tasks.film()?;
+    let script = script(&args.tasks, &film)?;
+    let output = &args.output;
+    write_whole(output, script.as_bytes()).map_err(|error| AppError::unwritten(output, &error))?;
+    eprintln!("wrote {}", output.display());
+    Ok(())
+}
+
+fn script(args: &TaskArgs, film: &Film) -> Result<String, AppError> {
+    let chunks: Vec<_> = film.frames.chunks(args.chunk as usize).map(spans).collect();
+    if chunks.len() > MOST_TASKS {
+        let enough = film.frames.len().div_ceil(MOST_TASKS);
+        return Err(AppError::Usage(format!(
+            "--chunk {}: {} tasks are more than the {MOST_TASKS} of an array; write --chunk {enough}",
+            args.chunk,
+            chunks.len()
+        )));
+    }
+    let name = args.scene.file_stem().unwrap_or_default().to_string_lossy();
+    let mut script = format!(
+        "#!/bin/bash\n\
+         # Written by `reflet job slurm`. Each task renders one chunk of the frames; a task that is run again\n\
+         # keeps those that are there.\n\
+         #SBATCH --job-name={}\n\
+         #SBATCH --array=0-{}\n\
+         #SBATCH --requeue\n\
+         set -eu\n\
+         chunks=(",
+        plain_name(&name),
+        chunks.len() - 1
+    );
+    for chunk in &chunks {
+        let _ = write!(script, " {chunk}");
+    }
+    script.push_str(" )\n# It ends after its frame where Slurm asks it to, so it takes the place of this script.\nexec reflet render");
+    for argument in command(args)? {
+        let _ = write!(script, " {}", quoted(&argument));
+    }
+    script.push_str(" --frames \"${chunks[$SLURM_ARRAY_TASK_ID]}\"\n");
+    Ok(script)
+}
+
+/// The arguments of all tasks.
+fn command(args: &TaskArgs) -> Result<Vec<String>, AppError> {
+    let path = |path: &std::path::Path| {
+        let path = absolute(path)?;
+        let text = path.to_str().map(str::to_owned);
+        text.ok_or_else(|| AppError::Usage(format!("{}: a script cannot name it", path.display())))
+    };
+    let mut command = vec![path(&args.scene)?, "--output".into(), path(&args.pictures)?];
+    command.push("--resume".into());
+    for folder in crate::session::scene_text::asset_folders(&args.from.assets) {
+        command.extend(["--assets".into(), path(&folder)?]);
+    }
+    command.extend(args.options());
+    if let Some(braces) = command
+        .iter()
+        .find(|text| text.contains(cameras::PLACEHOLDER))
+    {
+        return Err(AppError::Usage(format!(
+            "\"{braces}\": tasks render one camera; name it by --camera, and take another name"
+        )));
+    }
+    Ok(command)
+}
+
+/// What is hardly part of a name becomes `_`.
+fn plain_name(name: &str) -> String {
+    let safe = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
+    let name: String = name
+        .chars()
+        .map(|c| if safe(c) { c } else { '_' })
+        .collect();
+    match name.is_empty() {
+        true => "reflet".to_owned(),
+        false => name,
+    }
+}
+
+/// An argument as shells read it.
+fn quoted(text: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=#:,".contains(c);
+    match !text.is_empty() && !text.starts_with('#') && text.chars().all(plain) {
+        true => text.to_owned(),
+        false => format!("'{}'", text.replace('\'', "'\\''")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn arguments_are_quoted_where_a_shell_would_change_them() {
+        for (text, want) in [
+            ("a/b.####.png", "a/b.####.png"),
+            ("#1", "'#1'"),
+            ("", "''"),
+            ("image.size=[1, 2]", "'image.size=[1, 2]'"),
+            ("it's $HOME", "'it'\\''s $HOME'"),
+        ] {
+            assert_eq!(quoted(text), want);
+        }
+        assert_eq!(plain_name("my film"), "my_film");
+    }
+}

@@ -1,0 +1,69 @@
+//! Reader of the timeline and its cuts.
+
+use crate::scene::{
+    desc::{CutDesc, TimelineDesc},
+    diagnostic::Diagnostic,
+    parse::table::{Section, Table},
+    range::{ANY, Range, range},
+};
+
+/// Frame numbers.
+const FRAMES: Range = range(0.0, 1e6);
+
+/// `[timeline]`, with its cuts.
+pub struct Film {
+    pub timeline: TimelineDesc,
+    pub cuts: Vec<CutDesc>,
+}
+
+impl Section for CutDesc {
+    const TYPE: &'static str = "CutDesc";
+    const HEADING: &'static str = "cuts = [{ frame = …, camera = … }, …]";
+
+    fn read(t: &mut Table) -> Option<Self> {
+        let frame = t.need("frame", FRAMES);
+        let camera = t.need("camera", ANY);
+        Some(Self {
+            frame: frame?,
+            camera: camera?,
+        })
+    }
+}
+
+fn cuts(t: &mut Table) -> Vec<CutDesc> {
+    let cuts: Vec<CutDesc> = t.list("cuts");
+    for pair in cuts.windows(2) {
+        if pair[1].frame <= pair[0].frame {
+            let before = pair[0].frame;
+            let message =
+                format!("`frame` must be after that of the cut before, which is {before}");
+            let at = pair[1].camera.at.clone();
+            let error = Diagnostic::at("key-order", at, message);
+            t.report
+                .push(error.related(pair[0].camera.at.clone(), "the cut before is here"));
+        }
+    }
+    cuts
+}
+
+impl Section for Film {
+    const TYPE: &'static str = "TimelineDesc";
+    const HEADING: &'static str = "[timeline]";
+
+    fn read(t: &mut Table) -> Option<Self> {
+        let fps = t.get("fps", range(0.0, 1000.0).above(), 24.0);
+        let start = t.get("start", FRAMES, 0);
+        let end: Option<u32> = t.need("end", FRAMES);
+        if t.clean() && end.is_some_and(|end| end < start) {
+            let message = format!("`end` must not be before `start`, which is {start}");
+            t.refuse("empty-timeline", "end", &message, "both frames are shown");
+        }
+        let cuts = cuts(t);
+        let timeline = TimelineDesc {
+            fps,
+            start,
+            end: end?,
+        };
+        Some(Self { timeline, cuts })
+    }
+}
