@@ -271,3 +271,45 @@ fn a_lost_device_is_an_error() {
         assert!(matches!(error, SessionError::Gpu(_)), "{error}");
     }
 }
+
+/// A glowing bar that moves by its own width in a frame, by tracks or by a script that knows the time.
+#[test]
+fn an_open_shutter_smears_what_moves() {
+    if gpu_or_skip().is_none() {
+        return;
+    }
+    let bar = |motion: &str| {
+        format!(
+            "version = 1\n{motion}\n[image]\nsize = [32, 2]\nsamples = 256\nshutter = 1\n\
+             tone_map = \"none\"\n[timeline]\nfps = 2\nend = 4\n[camera.main]\neye = [0, 0, 8]\n\
+             target = [0, 0, 0]\nfov_deg = 7.152669\n[environment]\ncolor = [0, 0, 0]\n\
+             [material.glow]\nbase_color = [0, 0, 0]\nreflectivity = 0\nemission = [1, 1, 1]\n\
+             [model.bar]\nshape = {{ kind = \"plane\", size = [2, 9] }}\nmaterial = \"glow\"\n\
+             [[instance]]\nname = \"bar\"\nmodel = \"bar\"\nrotation_deg = [90, 0, 0]\ndynamic = true\n"
+        )
+    };
+    let tracks = "[motion.instance.bar]\ntranslation = { rate = [4, 0, 0] }";
+    let moves = "fn frame(ctx) { ctx.place(\"bar\", [4 * ctx.t, 0, 0]); }";
+    for (name, motion, script) in [
+        ("tracks", tracks, "fn setup(ctx) {}"),
+        ("script", "script = \"moves.rhai\"", moves),
+    ] {
+        let folder = folder(name);
+        fs::write(folder.join("moves.rhai"), script).expect("written");
+        fs::write(folder.join("bar.toml"), bar(motion)).expect("written");
+        let file = folder.join("bar.toml");
+        let mut session = Session::open(&file, &SessionOptions::default()).expect("it opens");
+        session.pose(0).expect("it poses");
+        let picture = session.render(&[]).expect("it renders");
+        // The picture shows 16 m; the middle of the bar moves from -1 m to 1 m.
+        for (x, pixel) in picture.color[..4 * 32].chunks_exact(4).enumerate() {
+            let at = (x as f32 + 0.5 - 16.0) / 2.0;
+            let expected = (1.0 - at.abs() / 2.0).max(0.0);
+            assert!(
+                (pixel[0] - expected).abs() < 0.02,
+                "{name}, {at} m: {}",
+                pixel[0]
+            );
+        }
+    }
+}

@@ -76,9 +76,14 @@ def theirs(out: pathlib.Path, scene: Scene) -> tuple[Picture, Picture]:
 
     found = out / f"{scene.name}.npy"
     if not found.exists():
-        made = mi.load_dict(export.scene(tomllib.loads(scene.text), out, SIZE, scene.depth))
-        pair = [np.array(mi.render(made, spp=THEIR_SAMPLES // 2, seed=seed)) for seed in (1, 2)]
-        np.save(found, np.stack(pair))
+        moments = scene.moments or (scene.text,)
+        pair = np.zeros((2, SIZE[1], SIZE[0], 3))
+        for index, text in enumerate(moments):
+            made = mi.load_dict(export.scene(tomllib.loads(text), out, SIZE, scene.depth))
+            for half in range(2):
+                samples = THEIR_SAMPLES // 2 // len(moments)
+                pair[half] += mi.render(made, spp=samples, seed=2 * index + half + 1).numpy()
+        np.save(found, pair / len(moments))
     pair = np.load(found)
     return pair[0], pair[1]
 
@@ -221,6 +226,7 @@ def pictures(out: pathlib.Path) -> None:
         sheet(out, names, IMAGES / f"light-{kind}.png")
     glass = ["glass", "glass-rough", "glass-thin", "clearcoat", "clearcoat-rough", "metal-panels"]
     sheet(out, glass, IMAGES / "light-glass.png")
+    sheet(out, ["depth-of-field", "motion-blur"], IMAGES / "light-lens.png")
     lights = [f"light-{n}" for n in ("point", "sphere", "spot", "sun", "rect", "disk")]
     sheet(out, lights, IMAGES / "light-kinds.png")
 

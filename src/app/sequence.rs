@@ -319,8 +319,7 @@ fn begin_frame(
     for line in &state.log {
         encoders.print_above(|| eprintln!("frame {frame}: {line}"));
     }
-    let world = &mut session.scene.loaded.world;
-    world.apply(&state).map_err(scene_error)?;
+    session.scene.loaded.apply(&state).map_err(scene_error)?;
     session.begin(has_color).map_err(|error| {
         let fatal = matches!(
             error,

@@ -109,7 +109,9 @@ impl Renderer {
         timing: Timing,
         probe: Option<Probe>,
     ) -> Recorder<'a> {
-        let jitter = jitter(sample, self.options.image.samples);
+        let samples = self.options.image.samples;
+        let (view, shift) = &view.through_lens(sample, samples);
+        let jitter = jitter(sample, samples) + *shift;
         let (block, shadow_views) = self.lights(world);
         let settings = &self.options.reflection;
         let frame = Frame::new(
@@ -173,7 +175,7 @@ impl Renderer {
     }
 
     /// The stats of a frame whose counters nobody has read.
-    fn stats(&self, times: PassTimes, frame_ms: f64) -> FrameStats {
+    pub(super) fn stats(&self, times: PassTimes, frame_ms: f64) -> FrameStats {
         let mut bytes: Vec<(String, u64)> = Vec::new();
         let named = |(name, size): (&str, u64)| (name.to_owned(), size);
         bytes.extend(self.scene.report().into_iter().map(named));

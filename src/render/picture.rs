@@ -121,7 +121,7 @@ impl Renderer {
         self.pending(gpu, camera, request, stats, true)
     }
 
-    fn pending(
+    pub(super) fn pending(
         &self,
         gpu: &Gpu,
         camera: &CameraDesc,

@@ -21,6 +21,10 @@ pub struct View {
     pub fov: f32,
     /// Pixels.
     pub size: [u32; 2],
+    /// Radius of the lens, meters; 0 is a pinhole.
+    pub lens_m: f32,
+    /// Distance in focus, meters.
+    pub focus_m: f32,
 }
 
 impl View {
@@ -43,6 +47,8 @@ impl View {
             near_m: camera.near_m,
             fov: camera.fov_deg.to_radians(),
             size,
+            lens_m: camera.lens_m(),
+            focus_m: camera.focused_m(),
         }
     }
 
@@ -60,10 +66,38 @@ impl View {
         Mat4::from_translation(shift) * projection * view
     }
 
+    /// The view from the point of the lens that sub-frame `index` of `count` looks through, and the shift in
+    /// pixels that keeps what is in focus where it is. The last sub-frame looks through the middle.
+    pub fn through_lens(&self, index: u32, count: u32) -> (Self, Vec2) {
+        let k = count - 1 - index.min(count - 1);
+        if self.lens_m <= 0.0 || k == 0 {
+            return (*self, Vec2::ZERO);
+        }
+        // A sunflower (Vogel 1979), from the middle to the rim.
+        let radius = (f64::from(k) / f64::from(count - 1)).sqrt();
+        let (sine, cosine) = (f64::from(k) * GOLDEN_ANGLE).sin_cos();
+        let at = Vec2::new((radius * cosine) as f32, (radius * sine) as f32) * self.lens_m;
+        let (right, up) = (self.right.length(), self.up.length());
+        let eye = self.eye + self.right * (at.x / right) + self.up * (at.y / up);
+        let half = Vec2::new(self.size[0] as f32, self.size[1] as f32) * 0.5;
+        let shift = Vec2::new(-at.x / right, at.y / up) / self.focus_m * half;
+        (Self { eye, ..*self }, shift)
+    }
+
     /// Radians that one pixel spans in the middle of the picture.
     pub fn pixel_spread(&self) -> f32 {
         2.0 * self.up.length() / self.size[1] as f32
     }
+}
+
+/// Radians; turns by it never come close to one another.
+const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
+
+/// Moment of sub-frame `index` of `count` while a shutter is open, -0.5 to 0.5 of that; the last one is in the
+/// middle.
+pub fn shutter_moment(index: u32, count: u32) -> f64 {
+    let k = f64::from(count - 1 - index.min(count - 1));
+    (k * (2f64.sqrt() - 1.0) + 0.5).fract() - 0.5
 }
 
 /// Sub-pixel shift of sub-frame `index` of `count`; the last one is unshifted, so that AOVs, which

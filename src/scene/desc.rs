@@ -375,6 +375,10 @@ pub struct ImageDesc {
     /// How many bits keep the light of a frame until it is shown, or written as EXR. Brighter light than
     /// they hold is cut. Default `"auto"`.
     pub radiance: Radiance,
+    /// How long the shutter is open around the moment of a frame, in frames, 0 to 1: 0.5 is the 180 degrees of
+    /// film. Tracks, animations of files, and scripts that use `ctx.t` move while it is open, one moment a
+    /// sub-frame, so it takes many `samples`; `render` alone shows it. Default 0.
+    pub shutter: f32,
 }
 
 impl ImageDesc {
@@ -395,6 +399,7 @@ impl Default for ImageDesc {
             tone_map: ToneMap::Neutral,
             visibility: Visibility::Auto,
             radiance: Radiance::Auto,
+            shutter: 0.0,
         }
     }
 }

@@ -239,12 +239,12 @@ impl<'a> Motion<'a> {
         &self.names
     }
 
-    /// The scene at a frame as tracks move it, before its script.
-    pub fn pose(&self, frame: u32) -> FrameState {
+    /// The scene around a frame as tracks move it, before its script.
+    pub fn pose(&self, frame: u32, late_frames: f64) -> FrameState {
         let fps = self.desc.timeline.as_ref().map_or(24.0, |t| t.fps);
         let mut state = self.rest.clone();
         state.frame = frame;
-        state.time_s = f64::from(frame) / f64::from(fps);
+        state.time_s = (f64::from(frame) + late_frames) / f64::from(fps);
         for (index, tracks) in &self.instances {
             state.instances[*index] = self.instance(*index, tracks, state.time_s);
         }

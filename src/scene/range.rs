@@ -30,6 +30,8 @@ pub const ABOVE_0: Range = Range {
 /// 0 to 1.
 pub const UNIT: Range = range(0.0, 1.0);
 
+/// Of `camera.NAME.aperture_f`.
+pub const APERTURE_F: Range = range(0.1, 1000.0);
 /// Of `reflection.ray_length_u`.
 pub const RAY_LENGTH_U: Range = ABOVE_0;
 /// Of `reflection.threshold_u`.

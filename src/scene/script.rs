@@ -235,7 +235,9 @@ impl Script {
             return Ok((state, HashSet::new()));
         }
         let frame = state.frame;
-        let call = Call::new(&desc.params, desc.timeline.as_ref(), frame);
+        let mut call = Call::new(&desc.params, desc.timeline.as_ref(), frame);
+        // Not that of the frame while its shutter is open.
+        call.time_s = state.time_s;
         let context = |state| Context::for_frame(call.clone(), state, Arc::clone(names));
         let (posed, afresh) = (context(state.clone()), context(state));
         let (result, log) = self.call("frame", [posed.clone(), afresh], |_| ());

@@ -150,7 +150,16 @@ impl<'a> Animator<'a> {
     /// # Errors
     /// What the script does wrong, and cameras or lights that have no direction.
     pub fn pose(&self, frame: u32) -> Result<FrameState, Vec<Diagnostic>> {
-        let mut state = self.motion.pose(frame);
+        self.pose_within(frame, 0.0)
+    }
+
+    /// The scene so many frames after a frame, while its shutter is open; the script knows the moment by
+    /// its time alone.
+    ///
+    /// # Errors
+    /// As [`Animator::pose`].
+    pub fn pose_within(&self, frame: u32, late_frames: f64) -> Result<FrameState, Vec<Diagnostic>> {
+        let mut state = self.motion.pose(frame, late_frames);
         if let Some(script) = &self.scene.script {
             let (names, desc) = (self.motion.names(), &self.scene.desc);
             let touched: HashSet<_>;

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::scene_text::LoadedScene;
+use super::{open_shutter::OpenShutter, scene_text::LoadedScene};
 use crate::{
     gpu::{Gpu, ShaderLibrary},
     render::{
@@ -97,6 +97,10 @@ impl SceneRenderer {
     /// # Errors
     /// As [`Renderer::render`].
     pub fn picture(&mut self, aovs: &[Aov]) -> Result<Picture, RenderError> {
+        if let Some(mut moments) = OpenShutter::of(&mut self.loaded) {
+            let (gpu, camera) = (&self.gpu, self.camera);
+            return (self.renderer).picture_of_moments(gpu, &mut moments, camera, aovs);
+        }
         let world = &self.loaded.world;
         self.renderer.update(&self.gpu, world)?;
         let camera = &world.cameras[self.camera].value;
@@ -108,6 +112,11 @@ impl SceneRenderer {
     /// # Errors
     /// As [`Renderer::begin_picture`].
     pub fn begin(&mut self, request: PictureRequest) -> Result<PendingPicture, RenderError> {
+        if let Some(mut moments) = OpenShutter::of(&mut self.loaded) {
+            let (gpu, camera) = (&self.gpu, self.camera);
+            let renderer = &mut self.renderer;
+            return renderer.begin_picture_of_moments(gpu, &mut moments, camera, request);
+        }
         let world = &self.loaded.world;
         self.renderer.update(&self.gpu, world)?;
         let camera = &world.cameras[self.camera].value;

@@ -12,6 +12,7 @@ use crate::{
         dependencies::Dependencies,
         desc::ParamValue,
         diagnostic::Diagnostic,
+        motion::FrameState,
         parse::{self, ReadOptions, VARIANT},
         stages::Scene,
     },
@@ -84,6 +85,8 @@ pub struct LoadedScene {
     pub overrides: Vec<String>,
     /// Warnings about its text, script and files.
     pub warnings: Vec<Diagnostic>,
+    /// The frame that the world was posed at last.
+    pub frame: u32,
 }
 
 impl SceneText {
@@ -191,6 +194,7 @@ impl OpenedScene {
     /// With its loaded world.
     pub(super) fn with_world(mut self, name: String, world: World) -> LoadedScene {
         self.warnings.extend(world.warnings.iter().cloned());
+        let frame = self.scene.first_frame();
         LoadedScene {
             name,
             scene: self.scene,
@@ -198,6 +202,7 @@ impl OpenedScene {
             text: self.text,
             overrides: self.overrides,
             warnings: self.warnings,
+            frame,
         }
     }
 }
@@ -223,8 +228,18 @@ impl LoadedScene {
         let Some(state) = self.scene.pose(frame)? else {
             return Ok(Vec::new());
         };
-        self.world.apply(&state)?;
+        self.apply(&state)?;
         Ok(state.log)
+    }
+
+    /// Poses the world.
+    ///
+    /// # Errors
+    /// As [`World::apply`].
+    pub fn apply(&mut self, state: &FrameState) -> Result<(), Vec<Diagnostic>> {
+        self.world.apply(state)?;
+        self.frame = state.frame;
+        Ok(())
     }
 
     /// Index of the camera that is shown at a frame where none is chosen: that of the last cut before,

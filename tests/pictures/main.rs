@@ -22,6 +22,7 @@ mod foreign_worlds;
 mod kit;
 mod lamp;
 mod layers;
+mod lens;
 mod light_reuse;
 mod material;
 mod mesh;

@@ -37,10 +37,14 @@ def camera(text: Table, size: tuple[int, int]) -> Table:
     aim = Place().look_at(origin=text["eye"], target=text["target"], up=text.get("up", [0, 1, 0]))
     film = {"type": "hdrfilm", "width": size[0], "height": size[1], "pixel_format": "rgb"}
     film |= {"component_format": "float32", "rfilter": {"type": "box"}}
-    return {
-        "type": "perspective", "fov": text.get("fov_deg", 60.0), "fov_axis": "y",
-        "to_world": aim, "film": film, "sampler": {"type": "independent"},
-    }
+    fov_deg = text.get("fov_deg", 60.0)
+    lens: Table = {"type": "perspective", "fov": fov_deg, "fov_axis": "y"}
+    if "aperture_f" in text:
+        focal_m = 0.012 / math.tan(math.radians(fov_deg / 2))
+        focus_m = text.get("focus_m", math.dist(text["eye"], text["target"]))
+        lens |= {"type": "thinlens", "focus_distance": focus_m}
+        lens["aperture_radius"] = focal_m / text["aperture_f"] / 2
+    return lens | {"to_world": aim, "film": film, "sampler": {"type": "independent"}}
 
 
 def environment(text: Table, folder: pathlib.Path) -> Table:

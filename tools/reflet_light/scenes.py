@@ -17,7 +17,8 @@ class Scene:
     text: str
     depth: int
     samples: int = 1024
-    note: str = ""
+    # For what moves while the shutter is open: moments of it, whose pictures Mitsuba averages.
+    moments: tuple[str, ...] = ()
 
 
 HEAD = """version = 1
@@ -131,6 +132,44 @@ def lights() -> list[Scene]:
     ]  # fmt: skip
 
 
+def glow(color: str) -> str:
+    return f"base_color = [0, 0, 0]\nreflectivity = 0\nemission = {color}"
+
+
+def out_of_focus() -> Scene:
+    """Glowing balls before, in and behind the plane that is in focus."""
+    text = HEAD + DARK + "[camera.main]\neye = [0, 0, 4]\ntarget = [0, 0, 0]\nfov_deg = 34\n"
+    text += "aperture_f = 0.15\nfocus_m = 4\n"
+    small = '{ kind = "sphere", radius = 0.4, segments = 256 }'
+    for name, place, color in (
+        ("near", "[-0.6, 0.1, 1.6]", "[0.9, 0.3, 0.1]"),
+        ("sharp", "[0.1, -0.1, 0]", "[0.2, 0.8, 0.2]"),
+        ("far", "[1.6, 0.2, -3]", "[0.1, 0.3, 0.9]"),
+    ):
+        text += thing(name, small, glow(color), f"translation = {place}")
+    return Scene("depth-of-field", "glowing balls through a lens, one in focus", text, 2)
+
+
+def moving() -> Scene:
+    """A mirror ball that crosses a room of glowing walls while the shutter is open."""
+    moments = 64
+    head = CLOSE_UP + panels()
+    small = '{ kind = "sphere", radius = 0.5, segments = 256 }'
+
+    def at(x: float) -> str:
+        place = f'name = "metal"\ntranslation = [{x}, 0.4, 0]'
+        text = head + thing("metal", small, METAL + "roughness = 0", place)
+        return text + thing("lamp", small, glow("[2, 2, 1.5]"), "translation = [0.3, -0.9, 0.5]")
+
+    keys = "[{ at_s = 0, value = [-0.8, 0.4, 0] }, { at_s = 2, value = [0.8, 0.4, 0] }]"
+    text = at(0.0).replace("[image]\n", "[image]\nshutter = 0.5\n")
+    text += "[timeline]\nfps = 1\nstart = 1\nend = 2\n"
+    text += f"[motion.instance.metal]\ntranslation = {{ keys = {keys} }}\n"
+    # Half a frame around second 1: from -0.2 to 0.2.
+    still = tuple(at(-0.2 + 0.4 * (i + 0.5) / moments) for i in range(moments))
+    return Scene("motion-blur", "a mirror ball that moves, half a frame", text, 8, 1024, still)
+
+
 def past_the_cutoff() -> list[Scene]:
     """By the split sum."""
     head = (CLOSE_UP + GRADIENT).replace("roughness_cutoff = 1", "roughness_cutoff = 0")
@@ -169,6 +208,8 @@ def all_scenes() -> list[Scene]:
         Scene("clearcoat", "clear coat over roughness 0.5", ball(lacquer), 2),
         Scene("clearcoat-rough", "clear coat of roughness 0.24 over roughness 0.7",
               ball(lacquer.replace("0.5\n", "0.7\n") + "clearcoat_roughness = 0.24"), 2),
+        out_of_focus(),
+        moving(),
         *lights(),
     ]  # fmt: skip
 

@@ -4,8 +4,8 @@ use glam::Vec3;
 
 use super::Tracks;
 use crate::scene::{
-    number::{Field, plain},
-    range::{ABOVE_0, ANY, range},
+    number::{Field, Form, Lanes, plain},
+    range::{ABOVE_0, ANY, APERTURE_F, range},
 };
 
 /// `[camera.NAME]`
@@ -24,6 +24,30 @@ pub struct CameraDesc {
     pub fov_deg: f32,
     /// Nearest visible distance, meters, above 0. There is no far plane.
     pub near_m: f32,
+    /// Aperture as an f-number, 0.1 to 1000: less blurs more of what is out of focus. The lens is that of a
+    /// camera with a sensor of 24 mm height and this field of view. Each sub-frame looks through one point of it, so it
+    /// takes many `image.samples`. Default: a pinhole, everything is sharp.
+    pub aperture_f: Option<f32>,
+    /// Distance along the view that is in focus, meters, above 0. Default: that of `target`, so that what a
+    /// camera looks at or follows is sharp.
+    pub focus_m: Option<f32>,
+}
+
+/// Height of the sensor that `aperture_f` speaks of, meters.
+const SENSOR_M: f32 = 0.024;
+
+impl CameraDesc {
+    /// Radius of its lens, meters; 0 is a pinhole.
+    pub fn lens_m(&self) -> f32 {
+        let focal_m = 0.5 * SENSOR_M / (0.5 * self.fov_deg.to_radians()).tan();
+        self.aperture_f.map_or(0.0, |f| 0.5 * focal_m / f)
+    }
+
+    /// Distance that is in focus, meters.
+    pub fn focused_m(&self) -> f32 {
+        self.focus_m
+            .unwrap_or_else(|| self.target.distance(self.eye))
+    }
 }
 
 impl Default for CameraDesc {
@@ -34,17 +58,33 @@ impl Default for CameraDesc {
             up: Vec3::Y,
             fov_deg: 60.0,
             near_m: 0.01,
+            aperture_f: None,
+            focus_m: None,
         }
     }
 }
 
 /// What changes of a camera.
-pub static CAMERA: [Field<CameraDesc>; 5] = [
+pub static CAMERA: [Field<CameraDesc>; 7] = [
     plain!(eye, Vector, ANY),
     plain!(target, Vector, ANY),
     plain!(up, Vector, ANY),
     plain!(fov_deg, Number, range(1.0, 170.0)),
     plain!(near_m, Number, ABOVE_0),
+    Field {
+        key: "aperture_f",
+        form: Form::Number,
+        range: APERTURE_F,
+        get: |camera| camera.aperture_f.map(Lanes::lanes),
+        put: |camera, value| camera.aperture_f = Some(Lanes::of(value)),
+    },
+    Field {
+        key: "focus_m",
+        form: Form::Number,
+        range: ABOVE_0,
+        get: |camera| Some(camera.focused_m().lanes()),
+        put: |camera, value| camera.focus_m = Some(Lanes::of(value)),
+    },
 ];
 
 /// `[motion.camera.NAME]`
@@ -56,5 +96,7 @@ pub struct CameraMotionDesc {
     /// - `up`: track of the direction that is up in the picture.
     /// - `fov_deg`: track of the vertical field of view, degrees, 1 to 170.
     /// - `near_m`: track of the nearest visible distance, meters, above 0.
+    /// - `aperture_f`: track of the f-number, 0.1 to 1000.
+    /// - `focus_m`: track of the distance in focus, meters, above 0.
     pub tracks: Tracks,
 }

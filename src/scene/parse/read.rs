@@ -7,8 +7,8 @@ mod instance;
 mod light;
 mod motion;
 mod stage;
-mod track;
 pub mod timeline;
+mod track;
 
 use std::path::PathBuf;
 
@@ -21,7 +21,7 @@ use super::{
     table::{Either, Section, Table},
     value::{Names, Version},
 };
-use crate::scene::range::{ABOVE_0, ANY, BOUNCES, FROM_0, Range, STEPS, UNIT, range};
+use crate::scene::range::{ABOVE_0, ANY, APERTURE_F, BOUNCES, FROM_0, Range, STEPS, UNIT, range};
 use crate::scene::{
     desc::*,
     diagnostic::{Diagnostic, Span},
@@ -90,6 +90,8 @@ impl Section for CameraDesc {
             up: t.get("up", ANY, default.up),
             fov_deg: t.get("fov_deg", range(1.0, 170.0), default.fov_deg),
             near_m: t.get("near_m", ABOVE_0, default.near_m),
+            aperture_f: t.find("aperture_f", APERTURE_F),
+            focus_m: t.find("focus_m", ABOVE_0),
         };
         if !t.clean() {
             return Some(camera);
@@ -389,6 +391,7 @@ impl Section for ImageDesc {
             tone_map: t.get("tone_map", ANY, default.tone_map),
             visibility: t.get("visibility", ANY, default.visibility),
             radiance: t.get("radiance", ANY, default.radiance),
+            shutter: t.get("shutter", UNIT, default.shutter),
         })
     }
 }

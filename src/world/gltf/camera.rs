@@ -29,5 +29,6 @@ pub fn read(
         up: Vec3::Y,
         fov_deg: clamped,
         near_m,
+        ..CameraDesc::default()
     })
 }

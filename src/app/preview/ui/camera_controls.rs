@@ -158,6 +158,15 @@ pub fn as_text(name: &str, camera: &CameraDesc) -> String {
     if camera.near_m != defaults.near_m {
         let _ = writeln!(text, "near_m = {}", camera.near_m);
     }
+    let lens = [
+        ("aperture_f", camera.aperture_f),
+        ("focus_m", camera.focus_m),
+    ];
+    for (key, value) in lens {
+        if let Some(value) = value {
+            let _ = writeln!(text, "{key} = {value}");
+        }
+    }
     text
 }
 

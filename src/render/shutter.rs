@@ -1,0 +1,105 @@
+//! Pictures of what moves while the shutter is open: each sub-frame shows another moment.
+
+use std::time::Instant;
+
+use crate::{
+    gpu::{Gpu, readback},
+    world::World,
+};
+
+use super::{
+    aov::Aov,
+    error::RenderError,
+    picture::{PendingPicture, Picture, PictureRequest},
+    recorder::{PassTimes, Timing},
+    renderer::Renderer,
+    stats::FrameStats,
+};
+
+/// Poses of the moments of one picture.
+pub trait Moments {
+    /// The world at the moment of sub-frame `sample` of `samples`; the last one is the frame's own.
+    ///
+    /// # Errors
+    /// What a script does wrong at that moment.
+    fn pose(&mut self, sample: u32, samples: u32) -> Result<&World, RenderError>;
+}
+
+impl Renderer {
+    /// Renders one picture of several moments, as camera number `camera` sees them; times its passes and
+    /// reads everything back.
+    ///
+    /// # Errors
+    /// As [`Renderer::update`] and [`Renderer::picture`], and of the poses.
+    pub fn picture_of_moments(
+        &mut self,
+        gpu: &Gpu,
+        moments: &mut dyn Moments,
+        camera: usize,
+        aovs: &[Aov],
+    ) -> Result<Picture, RenderError> {
+        let started = Instant::now();
+        let mut times = PassTimes::default();
+        self.each_moment(gpu, moments, |renderer, world, sample| {
+            let view = renderer.view(world, &world.cameras[camera].value)?;
+            let world = &*renderer.relative(world);
+            let recorder = renderer.sub_frame(gpu, world, &view, sample, Timing::Passes, None);
+            times.extend(renderer.submitted(recorder.finish())?);
+            Ok(())
+        })?;
+        gpu.wait()?;
+        let frame_ms = started.elapsed().as_secs_f64() * 1e3;
+        let mut stats = self.stats(times.summed(), frame_ms);
+        let counters = &self.bindings.ray_list.counters;
+        stats.set_counters(&readback::read_buffer(gpu, counters)?);
+        let samples = self.options.image.samples;
+        let world = moments.pose(samples - 1, samples)?;
+        let request = PictureRequest { color: true, aovs };
+        let camera = &world.cameras[camera].value;
+        self.pending(gpu, camera, request, stats, false)?.take(gpu)
+    }
+
+    /// Starts a picture of several moments without timing or waiting for it.
+    ///
+    /// # Errors
+    /// As [`Renderer::picture_of_moments`].
+    pub fn begin_picture_of_moments(
+        &mut self,
+        gpu: &Gpu,
+        moments: &mut dyn Moments,
+        camera: usize,
+        request: PictureRequest,
+    ) -> Result<PendingPicture, RenderError> {
+        let mut before = None;
+        self.each_moment(gpu, moments, |renderer, world, sample| {
+            let view = renderer.view(world, &world.cameras[camera].value)?;
+            let world = &*renderer.relative(world);
+            let recorder = renderer.sub_frame(gpu, world, &view, sample, Timing::None, None);
+            let submission = renderer.submitted(recorder.submit())?;
+            if let Some(before) = before.replace(submission) {
+                gpu.wait_for(&before)?;
+            }
+            Ok(())
+        })?;
+        let stats: FrameStats = self.stats(PassTimes::default(), 0.0);
+        let samples = self.options.image.samples;
+        let world = moments.pose(samples - 1, samples)?;
+        self.pending(gpu, &world.cameras[camera].value, request, stats, true)
+    }
+
+    /// Poses the renderer for each sub-frame, and has it recorded.
+    fn each_moment(
+        &mut self,
+        gpu: &Gpu,
+        moments: &mut dyn Moments,
+        mut record: impl FnMut(&Self, &World, u32) -> Result<(), RenderError>,
+    ) -> Result<(), RenderError> {
+        let samples = self.options.image.samples;
+        for sample in 0..samples {
+            let world = moments.pose(sample, samples)?;
+            self.update(gpu, world)?;
+            record(self, world, sample)?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,77 @@
+//! What a lens blurs, and what it leaves sharp.
+
+use std::f32::consts::PI;
+
+use crate::kit::{assert_close, color, gpu, mean, render};
+
+/// A glowing disk of 10 cm radius on a dark world, 4 m before a camera whose lens has a radius of 0.1 m.
+const DISK: &str = r#"
+version = 1
+[camera.main]
+eye = [0, 0, 4]
+target = [0, 0, 0]
+fov_deg = 53.13010235
+aperture_f = 0.12
+[image]
+size = [64, 64]
+samples = 512
+tone_map = "none"
+[environment]
+color = [0, 0, 0]
+[material.glow]
+base_color = [0, 0, 0]
+reflectivity = 0
+emission = [1, 1, 1]
+[model.disk]
+shape = { kind = "disk", radius = 0.1 }
+material = "glow"
+[[instance]]
+model = "disk"
+rotation_deg = [90, 0, 0]
+"#;
+
+/// Light of the disk, and the root of the mean square of how far it falls from the middle, pixels.
+fn light_and_spread(set: &[&str]) -> Option<(f32, f32)> {
+    let picture = render(gpu()?, DISK, set, &[]);
+    let (mut sum, mut square) = (0.0, 0.0);
+    for (x, y) in (0..64).flat_map(|y| (0..64).map(move |x| (x, y))) {
+        let light = color(&picture, x, y)[0];
+        let [x, y] = [x, y].map(|i| i as f32 + 0.5 - 32.0);
+        sum += light;
+        square += light * (x * x + y * y);
+    }
+    Some((sum, (square / sum).sqrt()))
+}
+
+#[test]
+fn a_lens_spreads_what_is_out_of_focus_over_its_circle_of_confusion() {
+    // A focal length of 24 mm; half the picture is as wide as half the distance.
+    let lens_m = 0.5 * 0.024 / 0.12;
+    let pixel_m = 4.0 / 64.0;
+    let Some((sharp, at_focus)) = light_and_spread(&[]) else {
+        return;
+    };
+    assert_close(sharp * pixel_m * pixel_m, PI * 0.1 * 0.1, 0.05);
+    assert_close(at_focus, 0.1 / pixel_m / 2.0_f32.sqrt(), 0.1);
+    for focus_m in [1.0_f32, 2.0] {
+        let focus = format!("camera.main.focus_m={focus_m}");
+        let Some((light, spread)) = light_and_spread(&[&focus]) else {
+            return;
+        };
+        // The cone of the lens, cut 4 m away; a disk spreads by its radius over √2.
+        let circle_px = lens_m * (4.0 - focus_m) / focus_m / pixel_m;
+        assert_close(light, sharp, 0.05);
+        let expected = (circle_px * circle_px / 2.0 + at_focus * at_focus).sqrt();
+        assert_close(spread, expected, 0.05);
+    }
+}
+
+#[test]
+fn one_sub_frame_looks_through_the_middle_of_the_lens() {
+    let Some(gpu) = gpu() else { return };
+    let one = ["image.samples=1", "camera.main.focus_m=2"];
+    let through_lens = render(gpu, DISK, &one, &[]);
+    let pinhole = render(gpu, &DISK.replace("aperture_f = 0.12\n", ""), &one, &[]);
+    assert!(through_lens.color == pinhole.color);
+    assert!(mean(&pinhole)[0] > 0.0);
+}
