@@ -8,6 +8,7 @@ static SOURCE: &str = concat!(
     include_str!("../desc/camera.rs"),
     include_str!("../desc/environment.rs"),
     include_str!("../desc/hierarchy.rs"),
+    include_str!("../desc/image.rs"),
     include_str!("../desc/light.rs"),
     include_str!("../desc/material.rs"),
     include_str!("../desc/motion.rs"),

@@ -2,10 +2,9 @@
 
 use glam::Vec3;
 
-use crate::scene::range::{ANY, Range, range};
+use crate::scene::range::ANY;
 use crate::scene::{
     desc::*,
-    diagnostic::Diagnostic,
     parse::{
         table::{Section, Table},
         value::Scale,
