@@ -48,7 +48,7 @@ fn environment_light(s: Surface, view: vec3f, albedo: vec3f) -> Shade {
             }
         }
         let nl = dot(s.normal, direction);
-        if (nl <= 0.0 || dot(s.geometric_normal, direction) <= 0.0) { continue; }
+        if (!faces(s, direction)) { continue; }
         var pdf = (1.0 - by_specular) * nl / PI;
         var facets = 0.0;
         if (has_specular) { facets = facet_pdf(s, view, direction); }

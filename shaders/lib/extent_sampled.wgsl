@@ -128,7 +128,7 @@ fn sized_light(i: u32, s: Surface, view: vec3f, albedo: vec3f) -> Shade {
     for (var k = 0u; k < sampling.rays; k++) {
         var l = light_sample(i, s.position, sample_square(sampling.first + k, pair));
         let nl = dot(s.normal, l.to_light);
-        if (nl <= 0.0 || dot(s.geometric_normal, l.to_light) <= 0.0 || max(l.color.x, max(l.color.y, l.color.z)) <= 0.0) {
+        if (!faces(s, l.to_light) || max(l.color.x, max(l.color.y, l.color.z)) <= 0.0) {
             continue;
         }
         if (HAS_SHADOW_RAYS && lights[i].shadow == SHADOW_RAY) {

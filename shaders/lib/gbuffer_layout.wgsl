@@ -17,8 +17,18 @@ fn pack_surface(s: Surface) -> vec4u {
 
 // 14 bits beside the reflection mode. Index and absorption are those of the pixel's material.
 fn layer_bits(s: Surface) -> u32 {
-    if (!HAS_LAYERS) { return u32(s.unlit); }
+    if (!HAS_LAYERS) { return u32(s.unlit) | (lift_bits(s.lift_m) << 1u); }
     return u32(s.transmission * 127.0 + 0.5) | (u32(s.clearcoat * 127.0 + 0.5) << 7u);
+}
+
+// 13 bits: 128 an octave from 2^-20 m up; 0: none.
+fn lift_bits(lift_m: f32) -> u32 {
+    if (lift_m <= 0.0) { return 0u; }
+    return u32(clamp(log2(lift_m) * 128.0 + 2561.5, 1.0, 8191.0));
+}
+
+fn lift_of(bits: u32) -> f32 {
+    return select(exp2((f32(bits) - 2561.0) / 128.0), 0.0, bits == 0u);
 }
 
 // 16 bits beside the emission.
@@ -77,7 +87,8 @@ fn unpack_surface(bits: vec4u, packed: vec4u) -> Surface {
     s.reflection = (bits.w >> 16u) & 3u;
     s.emission = vec3f(unpack2x16float(packed.z), unpack2x16float(packed.w).x) * EMISSION_SCALE;
     if (!HAS_LAYERS) {
-        s.unlit = (bits.w >> 18u) != 0u;
+        s.unlit = ((bits.w >> 18u) & 1u) != 0u;
+        s.lift_m = lift_of(bits.w >> 19u);
         s.curvature = unpack2x16float(packed.w).y;
         return s;
     }

@@ -47,6 +47,7 @@ struct Surface {
     reflection: u32, // 0 none, 1 auto, 2 mirror
     curvature: f32, // mean, 1/m; positive: convex to the viewer. Only where something is filtered by it
     unlit: bool, // its emission is a display color: no exposure, no tone map
+    lift_m: f32, // how far the smooth surface that the normals describe lies above the triangle; 0: flat or concave
     // Set with HAS_LAYERS.
     transmission: f32,
     alpha: f32,

@@ -141,14 +141,14 @@ fn shade_layer(s: Surface, view: vec3f, lent: vec2u) -> Shade {
         }
         let l = incoming(i, s.position);
         let nl = dot(s.normal, l.to_light);
-        if (nl <= 0.0 || dot(s.geometric_normal, l.to_light) <= 0.0 || max(l.color.x, max(l.color.y, l.color.z)) <= 0.0) {
+        if (!faces(s, l.to_light) || max(l.color.x, max(l.color.y, l.color.z)) <= 0.0) {
             continue;
         }
         let known = lent_bits(lent, i);
         if (known == LENT_DARK) { continue; }
         var visible = vec3f(1.0);
         if (known != LENT_LIT) {
-            visible = light_visibility(i, s.position, s.geometric_normal, l.to_light, l.distance_m);
+            visible = light_visibility(i, smooth_position(s), s.geometric_normal, l.to_light, l.distance_m);
         }
         if (i < LENT_LIGHTS && lights[i].shadow == SHADOW_RAY) {
             let bits = select(0u, LENT_DARK, all(visible == vec3f(0.0))) | select(0u, LENT_LIT, all(visible == vec3f(1.0)));
@@ -161,9 +161,21 @@ fn shade_layer(s: Surface, view: vec3f, lent: vec2u) -> Shade {
     return out;
 }
 
+// Whether light from there can reach the surface: below the plane of a triangle only where the smooth
+// surface lies above it.
+fn faces(s: Surface, direction: vec3f) -> bool {
+    return dot(s.normal, direction) > 0.0 && (s.lift_m > 0.0 || dot(s.geometric_normal, direction) > 0.0);
+}
+
+// Where shadows are looked up: on the smooth surface, so that they end where its shading does, not at the edges of
+// triangles.
+fn smooth_position(s: Surface) -> vec3f {
+    return s.position + s.geometric_normal * s.lift_m;
+}
+
 // Share of light that arrives at the surface from there.
 fn arriving_share(s: Surface, direction: vec3f, distance_m: f32) -> vec3f {
-    return transmittance(ray_origin(s.position, s.geometric_normal), direction, distance_m);
+    return transmittance(ray_origin(smooth_position(s), s.geometric_normal), direction, distance_m);
 }
 
 // What a reflection ray sees that meets no surface.

@@ -121,6 +121,19 @@ fn mean_curvature(p: array<vec3f, 3>, normals: array<vec3f, 3>, area2_world: f32
     return sum / 3.0 * sqrt(length(cross(e[0], e[1])) / area2_world);
 }
 
+// Of what is smooth, so that it is known as such at its vertices too.
+const LEAST_LIFT_M: f32 = 1e-6;
+
+// How far above the triangle the surface lies whose tangent planes at the vertices are those of the normals
+// (Hanika 2021, "Hacking the Shadow Terminator"), along the normal; 0 where that is nowhere above.
+fn smooth_lift(p: array<vec3f, 3>, normals: array<vec3f, 3>, weights: vec3f, normal: vec3f, area2_world: f32) -> f32 {
+    let point = p[0] * weights.x + p[1] * weights.y + p[2] * weights.z;
+    var offset = vec3f(0.0);
+    for (var k = 0; k < 3; k++) { offset -= normals[k] * (min(dot(point - p[k], normals[k]), 0.0) * weights[k]); }
+    let area2 = length(cross(p[1] - p[0], p[2] - p[0]));
+    return max(dot(offset, normal), 0.0) / max(length(normal), 1e-20) * sqrt(area2_world / max(area2, 1e-30));
+}
+
 // `direction` is the unit direction of the arriving ray, `cone_m` the width of its cone here.
 fn surface_at(instance: u32, triangle: u32, bary: vec2f, direction: vec3f, cone_m: f32) -> Surface {
     let m = instances[instance].material;
@@ -147,6 +160,11 @@ fn surface_at(instance: u32, triangle: u32, bary: vec2f, direction: vec3f, cone_
     let n_object = normals[0] * weights.x + normals[1] * weights.y + normals[2] * weights.z;
     if ((HAS_TEXTURES || HAS_CHECKERS) && s.reflection != REFLECTION_NONE) {
         s.curvature = mean_curvature(c.p, normals, area2) * select(1.0, -1.0, behind);
+    }
+    // With layers the pixels have no bits for it.
+    let bends = min(dot(normals[0], normals[1]), dot(normals[0], normals[2])) < 0.99999;
+    if (!HAS_LAYERS && !behind && bends) {
+        s.lift_m = max(smooth_lift(c.p, normals, weights, n_object, area2), LEAST_LIFT_M);
     }
     var n = normal_to_world(instance, n_object);
     n = select(ng, normalize(n), dot(n, n) > 1e-20);

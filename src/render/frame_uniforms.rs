@@ -36,18 +36,15 @@ impl FrameUniforms {
                 mapped_at_creation: false,
             })
         };
-        Self {
+        let table: &[u8] = bytemuck::cast_slice(lobe_table());
+        let this = Self {
             frame: make("frame", size_of::<Frame>()),
             lights: make("lights", size_of::<LightBlock>()),
             sampling: make("sampling", size_of::<Sampling>()),
-            lobe_table: gpu
-                .device
-                .create_buffer_init(&wgpu::util::BufferInitDescriptor {
-                    label: Some("lobe_table"),
-                    contents: bytemuck::cast_slice(lobe_table()),
-                    usage: wgpu::BufferUsages::UNIFORM,
-                }),
-        }
+            lobe_table: make("lobe_table", table.len()),
+        };
+        gpu.queue.write_buffer(&this.lobe_table, 0, table);
+        this
     }
 
     /// Uploads all blocks.

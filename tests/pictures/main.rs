@@ -33,4 +33,5 @@ mod precision;
 mod ray_list;
 mod shown;
 mod specialized;
+mod terminator;
 mod textures;

@@ -1,0 +1,64 @@
+//! Where light ends on a smooth ball of few triangles: at the smooth surface's horizon, not at edges of
+//! triangles.
+
+use glam::Vec3;
+use reflet::render::aov::Aov;
+
+use crate::kit::{color, floats, gpu, render};
+
+const BALL: &str = r#"
+version = 1
+[camera.main]
+eye = [0, 0, 4]
+target = [0, 0, 0]
+fov_deg = 30
+[image]
+size = [64, 64]
+tone_map = "none"
+[material.white]
+base_color = [1, 1, 1]
+reflectivity = 0
+reflection = "none"
+[model.ball]
+shape = { kind = "sphere", radius = 0.9, segments = 16 }
+material = "white"
+[[instance]]
+model = "ball"
+[light.lamp]
+kind = "directional"
+direction = [-1, -0.3, -0.2]
+intensity_lux = 3.14159265
+"#;
+
+#[test]
+fn light_ends_where_the_smooth_surface_turns_away() {
+    let Some(gpu) = gpu() else { return };
+    let to_light = Vec3::new(1.0, 0.3, 0.2).normalize();
+    // Shadow maps blur over texels; of 16-bit light and normals 1 % is left.
+    for (shadow, tolerance, most) in [("none", 0.01, 0), ("ray", 0.01, 0), ("map", 0.05, 20)] {
+        let set = format!("light.lamp.shadow={shadow}");
+        let picture = render(gpu, BALL, &[&set], &[Aov::Normal]);
+        let normals = floats(&picture, Aov::Normal).chunks_exact(3);
+        let mut seen = 0;
+        let mut wrong = Vec::new();
+        for (i, normal) in (0..).zip(normals.map(Vec3::from_slice)) {
+            if normal == Vec3::ZERO {
+                continue;
+            }
+            seen += 1;
+            let [x, y] = [i % 64, i / 64];
+            let expected = normal.dot(to_light).max(0.0);
+            let found = color(&picture, x, y)[0];
+            if (found - expected).abs() > tolerance {
+                wrong.push((x, y, found, expected));
+            }
+        }
+        assert!(seen > 1500, "{seen} pixels of the ball");
+        assert!(
+            wrong.len() <= most,
+            "{shadow}: {} wrong: {:?}",
+            wrong.len(),
+            wrong.first()
+        );
+    }
+}
