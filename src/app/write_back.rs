@@ -11,7 +11,7 @@ use std::{
     sync::Arc,
 };
 
-use glam::{EulerRot, Vec3};
+use glam::{Affine3A, EulerRot, Vec3};
 
 use self::places::{Place, places};
 use crate::{
@@ -59,6 +59,8 @@ pub struct Inspected {
     pub numbers: Vec<Numbers>,
     /// Why nothing can be changed.
     pub refused: Option<String>,
+    /// World transform, at rest, of the space that it is placed in.
+    pub world_from_parent: Affine3A,
 }
 
 /// A text before and after a change.
@@ -156,7 +158,19 @@ pub fn inspect(desc: &SceneDesc, thing: Thing) -> Option<Inspected> {
         place,
         numbers,
         refused,
+        world_from_parent: world_from_parent(desc, thing),
     })
+}
+
+fn world_from_parent(desc: &SceneDesc, thing: Thing) -> Affine3A {
+    let parents = &desc.parents;
+    let parent = match thing {
+        Thing::Instance(i) => parents.of_node(i),
+        Thing::Group(i) => parents.of_node(desc.instances.len() + i),
+        Thing::Light(i) => parents.of_light(i),
+        Thing::Camera(i) => parents.of_camera(i),
+    };
+    parent.map_or(Affine3A::IDENTITY, |parent| desc.rest()[parent])
 }
 
 fn numbers(desc: &SceneDesc, thing: Thing) -> Result<Vec<Numbers>, String> {

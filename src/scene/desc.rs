@@ -226,6 +226,14 @@ pub enum ShapeDesc {
         /// Divisions around, 3 to 1024. Default 64.
         segments: u32,
     },
+    /// `"heightfield"`: a surface as high as an image is bright, black at y = 0, facing +Y.
+    Heightfield {
+        /// The image, of 2 to 2048 pixels on each side, 8 or 16 bits; its top row is towards -Z.
+        /// Searched beside the scene, then in each `--assets` folder.
+        file: At<String>,
+        /// Lengths along X, Y and Z, meters, above 0; Y is the height of white. Default [1, 0.25, 1].
+        size: Vec3,
+    },
 }
 
 /// `[[instance]]`

@@ -1,5 +1,6 @@
 //! Shapes without files: their tessellation into meshes, in object space.
 
+pub mod heightfield;
 mod lathe;
 
 use std::f32::consts::TAU;
@@ -9,7 +10,8 @@ use glam::{Vec2, Vec3};
 use super::Mesh;
 use crate::{math::Bounds, scene::desc::ShapeDesc};
 
-/// Tessellates `shape` (sizes in meters, as its description says).
+/// Tessellates `shape` (sizes in meters, as its description says); of a height field nothing, see
+/// [`heightfield::mesh`].
 ///
 /// Triangles are counter-clockwise seen from outside; curved sides have smooth normals; texture
 /// coordinates run left to right and top to bottom as seen from outside, once around. Tangents
@@ -65,6 +67,8 @@ pub fn mesh(shape: &ShapeDesc) -> Mesh {
             builder.torus(radius, tube_radius, segments.max(3));
             "torus"
         }
+        // Its image is read by the loader.
+        ShapeDesc::Heightfield { .. } => "heightfield",
         ShapeDesc::Lathe {
             ref points,
             segments,

@@ -206,6 +206,42 @@ fn files_are_named_from_the_placed_scene() {
 }
 
 #[test]
+fn height_fields_read_their_image_beside_their_scene() {
+    let hills = "version = 1\n[model.hills]\nshape = { kind = \"heightfield\", file = \"hills.png\", size = [2, 3, 4] }\n";
+    let folder = Folder::new(
+        "heights",
+        &[
+            (
+                "shot/scene.toml",
+                "version = 1\n[camera.main]\n[[instance]]\nmodel = { scene = \"land/hills.toml\" }\n",
+            ),
+            ("shot/land/hills.toml", hills),
+        ],
+    );
+    let load = || load::load(&folder.expect(), &load::LoadOptions::default());
+    let image = folder.path().join("shot/land/hills.png");
+    let errors = load().expect_err("there is no image");
+    assert_eq!(errors[0].name, "file-not-found");
+    std::fs::write(&image, "no image").expect("it can be written");
+    let errors = load().expect_err("it is no image");
+    let text = errors[0].to_string();
+    assert!(
+        errors[0].name == "wrong-heights" && text.contains("hills.toml:3:40"),
+        "{text}"
+    );
+    let pixels = [0, 128, 255, 0, 128, 255];
+    image::save_buffer(&image, &pixels, 3, 2, image::ExtendedColorType::L8)
+        .expect("it can be written");
+    let world = load().unwrap_or_else(|e| panic!("{e:?}"));
+    let bounds = &world.meshes[0].bounds;
+    assert_eq!(
+        (bounds.min.to_array(), bounds.max.to_array()),
+        ([-1.0, 0.0, -2.0], [1.0, 3.0, 2.0])
+    );
+    assert!(world.files.iter().any(|file| file.ends_with("hills.png")));
+}
+
+#[test]
 fn wrong_placed_scenes_are_named() {
     for (from, to, says) in [
         (

@@ -95,6 +95,9 @@ pub fn files_of_value(table: &[String], key: &str) -> &'static [&'static str] {
         (Some("instance"), "instances_from") => &["csv"],
         (_, "scene") => &["toml"],
         (Some("environment"), "file") => &["hdr", "exr"],
+        (Some("model"), "file") if table.last().is_some_and(|last| last == "shape") => {
+            &["png", "jpg", "jpeg", "webp"]
+        }
         (Some("model"), "file") => &["gltf", "glb", "usd", "usda", "usdc", "usdz"],
         (_, key) if key.ends_with("_texture") => &["png", "jpg", "jpeg", "webp"],
         _ => &[],

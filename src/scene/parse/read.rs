@@ -281,6 +281,7 @@ impl Section for ShapeDesc {
                 ("torus", torus),
                 ("capsule", capsule),
                 ("lathe", lathe),
+                ("heightfield", heightfield),
             ],
         )
     }
@@ -347,6 +348,12 @@ fn lathe(t: &mut Table) -> Option<ShapeDesc> {
         return None;
     }
     Some(ShapeDesc::Lathe { points, segments })
+}
+
+fn heightfield(t: &mut Table) -> Option<ShapeDesc> {
+    let file = t.need("file", ANY);
+    let size = t.get("size", ABOVE_0, Vec3::new(1.0, 0.25, 1.0));
+    Some(ShapeDesc::Heightfield { file: file?, size })
 }
 
 impl Section for ReflectionDesc {

@@ -44,6 +44,11 @@ pub(super) fn sources(desc: &SceneDesc) -> Vec<NamedSource> {
     let named = desc.models.iter().map(|entry| {
         let source = match &entry.value.source {
             ModelSource::File(file) => Ok((file.value.clone(), usd::Choice::of(&entry.value.usd))),
+            // Where it is written does not matter.
+            ModelSource::Shape(ShapeDesc::Heightfield { file, size }) => {
+                let choice = usd::Choice::of(&StageDesc::default());
+                Ok((format!("{} {size}", file.value), choice))
+            }
             ModelSource::Shape(shape) => Err(shape.clone()),
         };
         (entry.name.clone(), source)

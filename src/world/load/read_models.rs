@@ -8,12 +8,17 @@ use std::{
 use super::{Loader, Source, error_at, foreign_formats};
 use crate::{
     scene::{
-        desc::{ModelDesc, ModelSource, is_stage},
+        desc::{ModelDesc, ModelSource, ShapeDesc, is_stage},
         diagnostic::{Diagnostic, Span},
     },
     world::{
+        Mesh,
         gltf::{self, Fault, Model, Sandbox},
-        shape, usd,
+        shape::{
+            self,
+            heightfield::{self, Heights},
+        },
+        usd,
     },
 };
 
@@ -32,7 +37,13 @@ impl Loader<'_> {
     fn read_model(&mut self, name: &str, model: &ModelDesc) -> Source {
         let file = match &model.source {
             ModelSource::Shape(shape) => {
-                let mut mesh = shape::mesh(shape);
+                let mut mesh = match self.shape_mesh(shape) {
+                    Ok(mesh) => mesh,
+                    Err(error) => {
+                        self.report_once(*error);
+                        return Source::Broken;
+                    }
+                };
                 mesh.name = name.to_owned();
                 self.world.meshes.push(mesh);
                 return Source::Shape(self.world.meshes.len() - 1);
@@ -53,6 +64,25 @@ impl Loader<'_> {
         let part = (path, usd::Choice::of(&model.usd));
         let loaded = self.read_once(&part, &file.at);
         loaded.map_or(Source::Broken, Source::File)
+    }
+
+    /// The mesh of a shape, with the image of a height field.
+    fn shape_mesh(&mut self, shape: &ShapeDesc) -> Result<Mesh, Box<Diagnostic>> {
+        let ShapeDesc::Heightfield { file, size } = shape else {
+            return Ok(shape::mesh(shape));
+        };
+        let path = self.find(file)?;
+        let fault = |name: &'static str, text: String| {
+            let shown = path.display();
+            Box::new(error_at(name, &file.at, format!("\"{shown}\": {text}")))
+        };
+        let bytes = self
+            .sandbox
+            .read(&path)
+            .map_err(|f| fault(f.name, f.message))?;
+        self.add_files(std::slice::from_ref(&path));
+        let heights = Heights::decode(&bytes).map_err(|text| fault("wrong-heights", text))?;
+        Ok(heightfield::mesh(&heights, *size))
     }
 
     /// Index into [`Loader::loaded`]; `None` after an error, which is reported once.

@@ -6,6 +6,7 @@ mod channel_menu;
 mod charts;
 mod diagnostics_panel;
 mod frame_panels;
+mod gizmo;
 mod handle_reports;
 mod material_panel;
 mod panels;

@@ -2,6 +2,7 @@
 //! ends; and the outline of the scene.
 
 use eframe::egui::{self, Key, Modifiers, Ui};
+use glam::{Affine3A, Vec3};
 
 use super::panels::ViewRequest;
 use crate::app::{
@@ -15,15 +16,48 @@ const SPEED: f64 = 0.01;
 const TURN_SPEED: f64 = 0.5;
 /// What a key moves the selection by, meters; ten times as much with Shift.
 const STEP_M: f64 = 0.1;
+/// What the handles may change.
+const HANDLES: [(Handle, &str); 3] = [
+    (Handle::Move, "move"),
+    (Handle::Turn, "turn"),
+    (Handle::Scale, "scale"),
+];
 /// Height of a row of the outline, and most of the outline, points.
 const ROW: f32 = 18.0;
 const OUTLINE: f32 = 180.0;
+
+/// What the handles over the picture change.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Handle {
+    /// The place.
+    #[default]
+    Move,
+    /// The turn.
+    Turn,
+    /// The size.
+    Scale,
+}
+
+impl Handle {
+    /// Keys of which a thing has one at most.
+    fn keys(self) -> &'static [&'static str] {
+        match self {
+            Self::Move => &["translation", "position", "eye"],
+            Self::Turn => &["rotation_deg"],
+            Self::Scale => &["scale"],
+        }
+    }
+}
 
 /// What is selected, and its numbers while they are dragged.
 #[derive(Clone, Debug, Default)]
 pub struct Selection {
     shown: Option<Inspected>,
     numbers: Vec<Numbers>,
+    /// What the handles change.
+    pub handle: Handle,
+    /// The numbers when a drag of a handle began.
+    dragged: Option<Numbers>,
 }
 
 impl Selection {
@@ -35,6 +69,48 @@ impl Selection {
         self.shown = inspected;
     }
 
+    /// The numbers that handles change.
+    fn held(&self, handle: Handle) -> Option<&Numbers> {
+        let is_held = |n: &&Numbers| handle.keys().contains(&n.key);
+        self.numbers.iter().find(is_held)
+    }
+
+    /// The space that it is placed in, and its place there.
+    pub fn origin(&self) -> Option<(Affine3A, Vec3)> {
+        self.held(self.handle)?;
+        let place = self.held(Handle::Move)?;
+        let [x, y, z] = *place.values.as_slice() else {
+            return None;
+        };
+        let place = Vec3::new(x as f32, y as f32, z as f32);
+        Some((self.shown.as_ref()?.world_from_parent, place))
+    }
+
+    /// A drag of a handle begins.
+    pub fn start_drag(&mut self) {
+        self.dragged = self.held(self.handle).cloned();
+    }
+
+    /// The numbers when the drag began.
+    pub fn drag_from(&self) -> Option<&Numbers> {
+        self.dragged.as_ref()
+    }
+
+    /// Shows other numbers, which are not written yet.
+    pub fn put(&mut self, numbers: &Numbers) {
+        if let Some(known) = self.numbers.iter_mut().find(|n| n.key == numbers.key) {
+            known.clone_from(numbers);
+        }
+    }
+
+    /// The drag ends; what is to be written then.
+    pub fn end_drag(&mut self) -> Option<(Thing, Numbers)> {
+        let before = self.dragged.take()?;
+        let now = self.numbers.iter().find(|n| n.key == before.key)?;
+        let thing = self.thing()?;
+        (*now != before).then(|| (thing, now.clone()))
+    }
+
     /// What is selected.
     pub fn thing(&self) -> Option<Thing> {
         self.shown.as_ref().map(|inspected| inspected.thing)
@@ -43,12 +119,7 @@ impl Selection {
     /// The request that moves the selection by a step, if it has a position.
     pub fn moved(&self, by: [f64; 3]) -> Option<ViewRequest> {
         let shown = self.shown.as_ref()?;
-        let position = ["translation", "position", "eye"];
-        let mut moved = shown
-            .numbers
-            .iter()
-            .find(|n| position.contains(&n.key))?
-            .clone();
+        let mut moved = self.held(Handle::Move)?.clone();
         for (value, by) in moved.values.iter_mut().zip(by) {
             *value += by;
         }
@@ -103,6 +174,11 @@ pub fn panel(ui: &mut Ui, selection: &mut Selection, requests: &mut Vec<ViewRequ
                 requests.push(ViewRequest::Write(shown.thing, now.clone()));
             }
         }
+        ui.horizontal(|ui| {
+            for (handle, name) in HANDLES {
+                ui.selectable_value(&mut selection.handle, handle, name);
+            }
+        });
         ui.horizontal(|ui| {
             if ui.button("undo").on_hover_text("Ctrl+Z").clicked() {
                 requests.push(ViewRequest::Undo(false));
@@ -201,6 +277,7 @@ mod tests {
             place: "scene.toml:7".to_owned(),
             numbers: refused.map_or_else(|| vec![numbers], |_| Vec::new()),
             refused: refused.map(str::to_owned),
+            world_from_parent: Affine3A::IDENTITY,
         }));
         let rows = [ThingRow {
             thing: Thing::Light(2),

@@ -5,7 +5,7 @@ use eframe::egui::{Key, PointerButton, Pos2, Rect, Response, Sense, Ui};
 use glam::{Vec2, Vec3};
 
 use super::{
-    diagnostics_panel,
+    diagnostics_panel, gizmo,
     viewport_paint::{self, fit},
     window::Window,
 };
@@ -26,6 +26,7 @@ impl Window {
         }
         diagnostics_panel::overlay(ui, rect, &self.summary.problems, &mut self.fold);
         let grabbed = self.settings.wipe && self.wipe_line(ui, rect);
+        self.gizmo(ui, rect);
         if response.clicked()
             && !grabbed
             && let Some(at) = response.interact_pointer_pos()
@@ -33,6 +34,22 @@ impl Window {
             self.click(at, rect);
         }
         !grabbed && self.navigate(ui, &response)
+    }
+
+    /// Shows the handles of the selection over the picture of the camera.
+    fn gizmo(&mut self, ui: &Ui, rect: Rect) {
+        let Some(shown) = self.shown.as_ref().filter(|_| !self.settings.wipe) else {
+            return;
+        };
+        let layer = self.layer_at(rect.center(), rect);
+        let Some(layer) = layer.filter(|layer| layer.is_of_camera) else {
+            return;
+        };
+        let place = fit(rect, layer.shape);
+        let camera = shown.camera.clone();
+        if let Some((thing, numbers)) = gizmo::handles(ui, place, &camera, &mut self.selection) {
+            self.send(Task::Write(thing, numbers));
+        }
     }
 
     /// Picks at the click; outside of the picture it clears the selection.

@@ -152,6 +152,9 @@ impl<'i> Prefix<'_, 'i> {
             "model" => {
                 Self::change(table, "material", |name| self.named(name));
                 Self::change(table, "file", |name| self.file_name(name));
+                if let Some(DeValue::Table(shape)) = table.get_mut("shape").map(Node::get_mut) {
+                    Self::change(shape, "file", |name| self.file_name(name));
+                }
                 if let Some(DeValue::Table(all)) = table.get_mut("material").map(Node::get_mut) {
                     for (_, node) in all.iter_mut() {
                         if let DeValue::Table(material) = node.get_mut() {
