@@ -223,7 +223,8 @@ fn numbers(desc: &SceneDesc, thing: Thing) -> Result<Vec<Numbers>, String> {
 
 /// The double that is written as the float is.
 fn exact(x: f32) -> f64 {
-    x.to_string().parse().unwrap_or(f64::from(x))
+    // No minus before a zero.
+    x.to_string().parse().unwrap_or(f64::from(x)) + 0.0
 }
 
 /// What may change of a light or a camera.

@@ -256,3 +256,41 @@ fn names_that_a_broken_script_would_add_are_not_reported() {
     let errors = Scene::from_text(&wrong, &folder.join("scene.toml"), &[]).expect_err("no hop2");
     assert_eq!(errors[0].name, "dangling-name");
 }
+
+#[test]
+fn setup_gives_the_environment() {
+    let script =
+        "fn setup(ctx) {\n    #{ environment: #{ color: [0.1, 0.2, ctx.params.speed] } }\n}\n";
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("returned-environment");
+    fs::create_dir_all(&folder).expect("temporary folder");
+    fs::write(folder.join("walk.rhai"), script).expect("the script can be written");
+    let read = |scene: &str| Scene::from_text(scene, &folder.join("scene.toml"), &[]);
+    let (scene, _) = read(SCENE).unwrap_or_else(|e| panic!("{e:?}"));
+    let zenith = scene.environment.zenith.to_array();
+    assert_eq!(zenith, [0.1, 0.2, 1.5]);
+    let errors = read(&format!("{SCENE}[environment]\nintensity = 2\n")).expect_err("two of them");
+    let text = errors[0].to_string();
+    assert!(
+        text.contains("the scene has an `[environment]` of its own"),
+        "{text}"
+    );
+    assert!(text.contains("walk.rhai:2:8"), "{text}");
+    let wrong = |of: &str| format!("fn setup(ctx) {{\n    #{{ environment: {of} }}\n}}\n");
+    assert_says(
+        "environment-key",
+        &wrong("#{ zenit: 1 }"),
+        &[
+            "`zenit` is not a key",
+            "did you mean `zenith`?",
+            "walk.rhai:2:",
+        ],
+    );
+    assert_says(
+        "environment-list",
+        &wrong("[]"),
+        &[
+            "`environment` of what setup returns must be a map",
+            "walk.rhai:2:",
+        ],
+    );
+}

@@ -32,6 +32,11 @@ pub fn merge<'i>(root: &mut Node<'i>, text: &'i str, base: usize, report: &mut R
                     list.push(item);
                 }
             }
+            (DeValue::Table(_), DeValue::Table(_)) if key.get_ref() == "environment" => {
+                let message = "the scene has an `[environment]` of its own";
+                let error = report.error("duplicate-name", &key.span(), message);
+                error.help = Some("setup can add to the scene, but not replace what it has".into());
+            }
             (DeValue::Table(table), DeValue::Table(more)) => {
                 for (name, node) in more {
                     add_named(table, key.get_ref(), name, node, report);

@@ -8,6 +8,9 @@ use rhai::{Array, Dynamic, Map};
 use super::{format_value::named, limits::NESTED};
 use crate::scene::{diagnostic::TABLES, suggest, toml_text::toml_text};
 
+/// The table of which a scene has one.
+const ENVIRONMENT: &str = "environment";
+
 /// What is not as `setup` must return it.
 #[derive(Debug, Default)]
 pub struct Wrong {
@@ -54,20 +57,29 @@ pub fn text(returned: &Dynamic) -> Result<String, Wrong> {
         return Err(wrong);
     };
     let mut out = String::new();
-    if let Some(key) = map
-        .keys()
-        .find(|k| !TABLES.iter().any(|t| t.0 == k.as_str()))
-    {
-        let known = TABLES.map(|t| t.0);
-        let meant = suggest::nearest(key, known);
+    let known: Vec<&str> = TABLES.iter().map(|t| t.0).chain([ENVIRONMENT]).collect();
+    if let Some(key) = map.keys().find(|k| !known.contains(&k.as_str())) {
+        let meant = suggest::nearest(key, known.iter().copied());
         let meant = meant.map(|meant| format!("; did you mean {}?", suggest::key(meant)));
         let (shown, meant) = (suggest::key(key), meant.unwrap_or_default());
         let mut wrong = Wrong::new(format!("setup cannot return {shown}{meant}"));
         wrong.help = Some(format!(
             "it may return {}",
-            known.map(suggest::key).join(", ")
+            known
+                .iter()
+                .map(|key| suggest::key(key))
+                .collect::<Vec<_>>()
+                .join(", ")
         ));
         return Err(wrong.under(key));
+    }
+    if let Some(value) = map.get(ENVIRONMENT) {
+        let Some(table) = value.read_lock::<Map>() else {
+            let message = format!("`{ENVIRONMENT}` of what setup returns must be a map");
+            return Err(Wrong::new(message).under(ENVIRONMENT));
+        };
+        let _ = writeln!(out, "[{ENVIRONMENT}]");
+        keys(&mut out, &table).map_err(|w| w.under(ENVIRONMENT))?;
     }
     for (key, table, is_list) in TABLES {
         let Some(value) = map.get(key) else { continue };
