@@ -13,6 +13,11 @@ struct Params {
 @group(2) @binding(1) var display: texture_storage_2d<rgba8unorm, write>;
 @group(2) @binding(2) var<uniform> params: Params;
 
+@group(2) @binding(3) var coverage_sum: texture_2d<f32>;
+
+// Whether the background is transparent.
+override HAS_ALPHA: bool = false;
+
 // Khronos PBR Neutral Tone Mapper, specification of 2024.
 fn neutral(c_in: vec3f) -> vec3f {
     let start = 0.8 - 0.04;
@@ -60,7 +65,13 @@ fn srgb(c: vec3f) -> vec3f {
 @compute @workgroup_size(8, 8)
 fn main(@builtin(global_invocation_id) id: vec3u) {
     if (any(id.xy >= textureDimensions(color))) { return; }
-    let sum = max(textureLoad(color, id.xy, 0), vec4f(0.0));
+    var sum = max(textureLoad(color, id.xy, 0), vec4f(0.0));
+    var alpha = 1.0;
+    if (HAS_ALPHA) {
+        // Display colors are not multiplied by it.
+        alpha = saturate(textureLoad(coverage_sum, id.xy, 0).x * params.sample_share);
+        sum /= max(alpha, 1e-6);
+    }
     var c = sum.xyz * params.scale;
     switch params.curve {
         case TONE_NEUTRAL: { c = neutral(c); }
@@ -70,5 +81,5 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     }
     // Unlit materials are not exposed and not tone-mapped.
     if (sum.w > 0.0) { c = mix(c, sum.xyz * params.sample_share, sum.w * params.sample_share); }
-    textureStore(display, id.xy, vec4f(srgb(saturate(c)), 1.0));
+    textureStore(display, id.xy, vec4f(srgb(saturate(c)), alpha));
 }

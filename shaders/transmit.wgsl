@@ -10,6 +10,9 @@
 
 const FIRST_VERTEX: u32 = 64u; // its samples are others than those of reflections
 
+// Whether the background is left out, where the camera sees it past surfaces that are only partly there.
+override HIDES_BACKGROUND: bool = false;
+
 // What the picture does not hold of the surface of a pixel.
 fn completed(pixel: vec2u) -> Surface {
     var s = load_surface(pixel);
@@ -20,16 +23,20 @@ fn completed(pixel: vec2u) -> Surface {
     return s;
 }
 
-fn behind(pixel: vec2u) -> vec3f {
-    if (textureLoad(view_depth, pixel, 0).x >= FAR_M) { return vec3f(0.0); }
+// w: share that is something, not the background.
+fn behind(pixel: vec2u) -> vec4f {
+    if (textureLoad(view_depth, pixel, 0).x >= FAR_M) { return vec4f(0.0); }
     var s = completed(pixel);
-    if (!is_transmissive(s)) { return vec3f(0.0); }
+    if (!is_transmissive(s)) { return vec4f(0.0, 0.0, 0.0, 1.0); }
     start_path();
     start_samples(pixel, FIRST_VERTEX);
     var cone = pixel_cone(distance(s.position, frame.eye));
     var ray = through(normalize(s.position - frame.eye), s);
     var throughput = ray.weight;
     var color = vec3f(0.0);
+    let seen = normalize(s.position - frame.eye);
+    var is_straight = s.transmission <= 0.0;
+    var uncovered = 1.0; // by what the path has met since
     for (var step = 0u; step < frame.bounces + crossings(); step++) {
         if (max(throughput.x, max(throughput.y, throughput.z)) < frame.dimmest) { break; }
         start_samples(pixel, FIRST_VERTEX + step + 1u);
@@ -37,6 +44,7 @@ fn behind(pixel: vec2u) -> vec3f {
         let h = trace_nearest(origin, ray.direction, 0.0, FAR_M);
         throughput *= medium_transmittance(h.t);
         if (h.instance == NONE) {
+            if (HIDES_BACKGROUND && is_straight) { return vec4f(color, 1.0 - uncovered); }
             color += throughput * beyond(origin, ray);
             break;
         }
@@ -51,15 +59,17 @@ fn behind(pixel: vec2u) -> vec3f {
         let lit = shade(s, -direction, vec2u(0u));
         color += throughput * (lit.diffuse + lit.specular);
         if (!goes_on(s)) { break; }
+        uncovered *= 1.0 - coverage(s);
         ray = onward(direction, s);
         throughput *= ray.weight;
+        is_straight = is_straight && s.transmission <= 0.0 && dot(ray.direction, seen) > 0.99999;
     }
-    return color;
+    return vec4f(color, 1.0);
 }
 
 @compute @workgroup_size(8, 8)
 fn main(@builtin(global_invocation_id) id: vec3u) {
     if (any(id.xy >= vec2u(frame.size))) { return; }
-    textureStore(transmitted_light, id.xy, vec4f(min(behind(id.xy), BRIGHTEST), 1.0));
+    textureStore(transmitted_light, id.xy, min(behind(id.xy), vec4f(BRIGHTEST, 1.0)));
     if (exhausted_rays > 0u) { atomicAdd(&counters[EXHAUSTED_COUNTER], exhausted_rays); }
 }

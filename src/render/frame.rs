@@ -159,6 +159,7 @@ impl Renderer {
         passes.filter.record(frame);
         passes.blur.record(frame);
         passes.compose.record(frame);
+        passes.coverage.record(frame);
         passes.tone.record(frame);
     }
 

@@ -16,10 +16,13 @@ use super::{
 pub struct Picture {
     /// Pixels.
     pub size: [u32; 2],
-    /// Linear radiance, RGBA, exposure not applied, mean of the sub-frames; empty if not requested.
+    /// Linear radiance, RGBA, exposure not applied, mean of the sub-frames; empty if not requested. Opaque
+    /// unless [`Self::alpha`].
     pub color: Vec<f32>,
     /// Display color, RGBA, sRGB.
     pub display: Vec<u8>,
+    /// Whether alpha counts: linear radiance is multiplied by it, display color is not.
+    pub alpha: bool,
     /// Requested AOVs.
     pub planes: Vec<Plane>,
     /// Statistics of its frame.
@@ -43,6 +46,7 @@ pub struct PendingPicture {
     color: Option<Target>,
     aovs: Vec<Aov>,
     camera: CameraDesc,
+    alpha: bool,
     stats: FrameStats,
 }
 
@@ -59,7 +63,7 @@ impl PendingPicture {
         }
         let color = self
             .color
-            .map(|target| mean(&values, target, stats.samples));
+            .map(|target| mean(&values, target, (stats.samples, self.alpha)));
         let planes = self
             .aovs
             .iter()
@@ -68,14 +72,15 @@ impl PendingPicture {
             size: values.size,
             color: color.unwrap_or_default(),
             display: values.texels(Target::Display),
+            alpha: self.alpha,
             planes: planes.collect(),
             stats,
         })
     }
 }
 
-/// The mean of the sub-frames whose sum a target holds, opaque.
-fn mean(values: &TargetValues, target: Target, samples: u32) -> Vec<f32> {
+/// The mean of the sub-frames whose sum a target holds.
+fn mean(values: &TargetValues, target: Target, (samples, alpha): (u32, bool)) -> Vec<f32> {
     let mut color: Vec<f32> = values.texels(target);
     let scale = 1.0 / samples as f32;
     for pixel in color.chunks_exact_mut(4) {
@@ -83,6 +88,12 @@ fn mean(values: &TargetValues, target: Target, samples: u32) -> Vec<f32> {
             *channel *= scale;
         }
         pixel[3] = 1.0;
+    }
+    if alpha {
+        let sums = values.texels::<f32>(Target::CoverageSum);
+        for (pixel, sum) in color.chunks_exact_mut(4).zip(sums) {
+            pixel[3] = (sum * scale).clamp(0.0, 1.0);
+        }
     }
     color
 }
@@ -132,12 +143,15 @@ impl Renderer {
         let color = request.color.then(|| self.color());
         let planes = request.aovs.iter().flat_map(|aov| aov.targets());
         let targets = [Target::Display].into_iter().chain(color);
-        let targets: Vec<_> = targets.chain(planes.copied()).collect();
+        let alpha = self.options.image.alpha;
+        let covered = (alpha && color.is_some()).then_some(Target::CoverageSum);
+        let targets: Vec<_> = targets.chain(covered).chain(planes.copied()).collect();
         Ok(PendingPicture {
             download: self.download(gpu, &targets, count)?,
             color,
             aovs: request.aovs.to_vec(),
             camera: camera.clone(),
+            alpha,
             stats,
         })
     }

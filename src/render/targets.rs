@@ -37,6 +37,8 @@ pub enum Target {
     ColorEven,
     /// Sum of the sub-frames, odd ones.
     ColorOdd,
+    /// Sum over the sub-frames of the share of a pixel that shows something.
+    CoverageSum,
     /// Tone-mapped.
     Display,
 }
@@ -48,7 +50,7 @@ use wgpu::TextureFormat as F;
 
 impl Target {
     /// All of them.
-    pub const ALL: [Self; 16] = [
+    pub const ALL: [Self; 17] = [
         Self::RasterDepth,
         Self::Ids,
         Self::ViewDepth,
@@ -64,6 +66,7 @@ impl Target {
         Self::Hit,
         Self::ColorEven,
         Self::ColorOdd,
+        Self::CoverageSum,
         Self::Display,
     ];
 
@@ -85,6 +88,7 @@ impl Target {
             Self::Hit => "hit",
             Self::ColorEven => "color_even",
             Self::ColorOdd => "color_odd",
+            Self::CoverageSum => "coverage_sum",
             Self::Display => "display",
         }
     }
@@ -94,7 +98,7 @@ impl Target {
         match self {
             Self::RasterDepth => F::Depth32Float,
             Self::Ids | Self::VisibleLights => F::Rg32Uint,
-            Self::ViewDepth => F::R32Float,
+            Self::ViewDepth | Self::CoverageSum => F::R32Float,
             Self::Surface | Self::Colors | Self::Hit => F::Rgba32Uint,
             Self::Radiance
             | Self::Specular

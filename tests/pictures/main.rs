@@ -4,6 +4,7 @@
 mod common;
 
 mod agreement;
+mod alpha;
 mod animation;
 mod audit;
 mod bounces;
@@ -30,6 +31,7 @@ mod moving;
 mod oracle;
 mod panorama;
 mod precision;
+mod random_materials;
 mod ray_list;
 mod shown;
 mod specialized;

@@ -13,7 +13,7 @@ fn environment_reflection_and_image_arrive() {
         "environment.color = [1, 2, 3]\n[reflection]\nmethod = \"ssr\"\nray_length_u = 2\n\
          accept = \"threshold\"\nedge_px = 0.5\nthreshold_u = 0\nbounces = 16\nsteps = 8\nroughness_cutoff = 1\nunit_m = 0.5\nreuse_light = false\nfade = true\nfilter = false\nmultiple_scattering = true\n\
          blur_px = 1.5\n[image]\nsize = [1, 16384]\nsamples = 4096\nlight_rays = 256\nexposure_ev = -20\n\
-         tone_map = \"aces\"\nvisibility = \"rays\"\nradiance = \"full\"\nshutter = 0.5",
+         tone_map = \"aces\"\nvisibility = \"rays\"\nradiance = \"full\"\nalpha = true\nshutter = 0.5",
     );
     let color = Vec3::new(1.0, 2.0, 3.0);
     let flat = EnvironmentDesc {
@@ -53,6 +53,7 @@ fn environment_reflection_and_image_arrive() {
             tone_map,
             visibility: Visibility::Rays,
             radiance: Radiance::Full,
+            alpha: true,
             shutter: 0.5,
         }
     );

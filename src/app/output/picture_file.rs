@@ -77,10 +77,13 @@ impl PictureFile {
         match self.format {
             PictureFormat::Exr => files.push((self.path.clone(), exr::encode(picture, mark))),
             PictureFormat::Png => {
-                files.push((
-                    self.path.clone(),
-                    png::encode(picture.size, &picture.display, mark),
-                ));
+                let encode = if picture.alpha {
+                    png::encode_with_alpha
+                } else {
+                    png::encode
+                };
+                let bytes = encode(picture.size, &picture.display, mark);
+                files.push((self.path.clone(), bytes));
                 for plane in &picture.planes {
                     let png = png::encode(picture.size, &aov::view(plane), mark);
                     files.push((self.beside(plane.name), png));

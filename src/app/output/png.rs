@@ -9,9 +9,29 @@ use super::format::FINGERPRINT_KEY;
 /// # Errors
 /// Encoder error.
 pub fn encode(size: [u32; 2], rgba: &[u8], mark: Option<&str>) -> Result<Vec<u8>, String> {
+    encode_texels(size, (&rgb(rgba), ::png::ColorType::Rgb), mark)
+}
+
+/// The same with its alpha, which colors are not multiplied by.
+///
+/// # Errors
+/// Encoder error.
+pub fn encode_with_alpha(
+    size: [u32; 2],
+    rgba: &[u8],
+    mark: Option<&str>,
+) -> Result<Vec<u8>, String> {
+    encode_texels(size, (rgba, ::png::ColorType::Rgba), mark)
+}
+
+fn encode_texels(
+    size: [u32; 2],
+    (texels, color): (&[u8], ::png::ColorType),
+    mark: Option<&str>,
+) -> Result<Vec<u8>, String> {
     let mut bytes = Vec::new();
     let mut encoder = ::png::Encoder::new(&mut bytes, size[0], size[1]);
-    encoder.set_color(::png::ColorType::Rgb);
+    encoder.set_color(color);
     encoder.set_depth(::png::BitDepth::Eight);
     encoder.set_compression(::png::Compression::Fast);
     let written = mark
@@ -20,14 +40,14 @@ pub fn encode(size: [u32; 2], rgba: &[u8], mark: Option<&str>) -> Result<Vec<u8>
         })
         .and_then(|()| encoder.write_header())
         .and_then(|mut writer| {
-            writer.write_image_data(&rgb(rgba))?;
+            writer.write_image_data(texels)?;
             writer.finish()
         });
     written.map_err(|error| error.to_string())?;
     Ok(bytes)
 }
 
-/// Drops alpha, which display colors do not use.
+/// Drops alpha.
 pub fn rgb(rgba: &[u8]) -> Vec<u8> {
     let texels = rgba.chunks_exact(4);
     texels.flat_map(|t| [t[0], t[1], t[2]]).collect()

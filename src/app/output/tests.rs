@@ -42,6 +42,7 @@ fn names(folder: &Path) -> Vec<String> {
 
 fn picture() -> Picture {
     Picture {
+        alpha: false,
         size: [2, 1],
         color: vec![0.25, 4.0, -1.0, 1.0, 0.5, 0.0, 1e-4, 1.0],
         display: vec![10, 20, 30, 255, 40, 50, 60, 255],
@@ -193,5 +194,23 @@ fn failed_output_leaves_no_file() {
     );
     let obstacle = obstacle.file_name().expect("a name").to_string_lossy();
     assert_eq!(names(&folder), [obstacle]);
+    fs::remove_dir_all(&folder).expect("clean up");
+}
+
+#[test]
+fn a_transparent_background_is_in_the_file() {
+    let folder = folder("alpha");
+    let output = PictureFile::new(&folder.join("out.png")).expect("writable");
+    let mut transparent = Picture {
+        alpha: true,
+        ..picture()
+    };
+    transparent.display[3] = 64;
+    output.write(&transparent).expect("written");
+    let read = image::open(folder.join("out.png")).expect("a PNG");
+    let image::DynamicImage::ImageRgba8(read) = read else {
+        panic!("the PNG has no alpha");
+    };
+    assert_eq!(read.into_raw(), transparent.display);
     fs::remove_dir_all(&folder).expect("clean up");
 }

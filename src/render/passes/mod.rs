@@ -4,6 +4,7 @@ pub mod arguments;
 pub mod audit;
 pub mod blur;
 pub mod compose;
+pub mod coverage;
 pub mod filter;
 pub mod hits;
 pub mod light;
@@ -66,6 +67,7 @@ passes! {
     filter: Filter,
     blur: Blur,
     compose: Compose,
+    coverage: Coverage,
     tone: Tone,
 }
 

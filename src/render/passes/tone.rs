@@ -17,9 +17,10 @@ use crate::{
 pub const PASS: Pass = Pass {
     name: "tone",
     color: [205, 180, 230],
-    reads: &[Target::ColorEven, Target::ColorOdd],
+    reads: &[Target::ColorEven, Target::ColorOdd, Target::CoverageSum],
     writes: &[Target::Display],
     params: Some(Params::LAYOUT),
+    overrides: |options| vec![("HAS_ALPHA", f64::from(u8::from(options.image.alpha)))],
     ..Pass::DEFAULT
 };
 

@@ -23,6 +23,7 @@ pub const PASS: Pass = Pass {
     ],
     writes: &[Target::TransmittedLight],
     needed: |plan, _| plan.transmission,
+    overrides: |options| vec![("HIDES_BACKGROUND", f64::from(u8::from(options.image.alpha)))],
     // `check_world` and `Trees::build` validated every index that rays follow.
     checks: Checks::TrustedBuiltin,
     ..Pass::DEFAULT

@@ -82,6 +82,10 @@ pub struct ImageDesc {
     /// How many bits keep the light of a frame until it is shown, or written as EXR. Brighter light than
     /// they hold is cut. Default `"auto"`.
     pub radiance: Radiance,
+    /// Whether the background is transparent: PNG and EXR files get alpha, the share of each pixel that shows
+    /// something (EXR: linear radiance is multiplied by it; PNG: colors are not), and the environment is lit by and
+    /// reflected, not seen. Glass counts as something, blended alpha by its share. Films stay opaque. Default false.
+    pub alpha: bool,
     /// How long the shutter is open around the moment of a frame, in frames, 0 to 1: 0.5 is the 180 degrees of
     /// film. Tracks, animations of files, and scripts that use `ctx.t` move while it is open, one moment a
     /// sub-frame, so it takes many `samples`; `render` alone shows it. Default 0.
@@ -106,6 +110,7 @@ impl Default for ImageDesc {
             tone_map: ToneMap::Neutral,
             visibility: Visibility::Auto,
             radiance: Radiance::Auto,
+            alpha: false,
             shutter: 0.0,
         }
     }

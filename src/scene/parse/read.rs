@@ -398,6 +398,7 @@ impl Section for ImageDesc {
             tone_map: t.get("tone_map", ANY, default.tone_map),
             visibility: t.get("visibility", ANY, default.visibility),
             radiance: t.get("radiance", ANY, default.radiance),
+            alpha: t.get("alpha", ANY, default.alpha),
             shutter: t.get("shutter", UNIT, default.shutter),
         })
     }

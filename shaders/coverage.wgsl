@@ -1,0 +1,29 @@
+// Coverage: how much of each pixel shows something, not the background; adds it to the sub-frames before it.
+
+#import behind
+#import gbuffer
+
+struct Params {
+    sample: u32, // 0 for the first sub-frame
+    pad0: u32,
+    pad1: u32,
+    pad2: u32,
+}
+
+@group(2) @binding(3) var coverage_sum: texture_storage_2d<r32float, read_write>;
+@group(2) @binding(4) var<uniform> params: Params;
+
+@compute @workgroup_size(8, 8)
+fn main(@builtin(global_invocation_id) id: vec3u) {
+    if (any(id.xy >= vec2u(frame.size))) { return; }
+    var covered = 0.0;
+    if (textureLoad(view_depth, id.xy, 0).x < FAR_M) {
+        covered = 1.0;
+        if (HAS_TRANSMISSION) {
+            let own = coverage(load_surface(id.xy));
+            covered = own + (1.0 - own) * covered_behind(id.xy);
+        }
+    }
+    if (params.sample > 0u) { covered += textureLoad(coverage_sum, id.xy).x; }
+    textureStore(coverage_sum, id.xy, vec4f(covered, 0.0, 0.0, 0.0));
+}

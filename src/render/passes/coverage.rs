@@ -1,0 +1,63 @@
+//! Coverage: how much of each pixel shows something, for pictures with a transparent background.
+
+use crate::{
+    gpu::GpuError,
+    render::{
+        frame_pass::FramePass,
+        pass::{ComputePass, Dispatch, Pass},
+        pass_builder::PassBuilder,
+        sub_frame::SubFrame,
+        targets::Target,
+        types::gpu_struct,
+    },
+};
+
+/// See `shaders/coverage.wgsl`.
+pub const PASS: Pass = Pass {
+    name: "coverage",
+    color: [170, 170, 120],
+    reads: &[
+        Target::ViewDepth,
+        Target::Surface,
+        Target::Colors,
+        Target::TransmittedLight,
+    ],
+    writes: &[Target::CoverageSum],
+    needed: |_, options| options.image.alpha,
+    params: Some(Params::LAYOUT),
+    ..Pass::DEFAULT
+};
+
+gpu_struct! {
+    /// Of one sub-frame.
+    pub struct Params = "Params" {
+        /// 0 for the first sub-frame.
+        sample: u32,
+        /// Unused.
+        pad0: u32,
+        /// Unused.
+        pad1: u32,
+        /// Unused.
+        pad2: u32,
+    }
+}
+
+/// The pass.
+#[derive(Debug)]
+pub struct Coverage(ComputePass);
+
+impl FramePass for Coverage {
+    fn new(builder: &PassBuilder<'_>) -> Result<Self, GpuError> {
+        Ok(Self(builder.compute(&PASS, &[])?))
+    }
+
+    fn record(&self, frame: &mut SubFrame<'_>) {
+        let params = Params {
+            sample: frame.sample,
+            pad0: 0,
+            pad1: 0,
+            pad2: 0,
+        };
+        frame.dispatch_with(&self.0, &params, &Dispatch::PerPixel);
+    }
+}

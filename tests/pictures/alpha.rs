@@ -1,0 +1,79 @@
+//! Pictures with a transparent background.
+
+use std::f32::consts::PI;
+
+use crate::kit::{assert_close, gpu, render, renderer, scene};
+
+/// A white matte ball in the middle of a bright world.
+const BALL: &str = r#"
+version = 1
+[camera.main]
+eye = [0, 0, 4]
+target = [0, 0, 0]
+fov_deg = 40
+[image]
+size = [32, 32]
+samples = 64
+alpha = true
+tone_map = "none"
+[environment]
+color = [0.5, 0.5, 0.5]
+[material.white]
+reflectivity = 0
+[model.ball]
+shape = { kind = "sphere", radius = 1 }
+material = "white"
+[[instance]]
+model = "ball"
+"#;
+
+#[test]
+fn alpha_is_the_share_of_a_pixel_that_shows_something() {
+    let Some(gpu) = gpu() else { return };
+    let picture = render(gpu, BALL, &[], &[]);
+    assert!(picture.alpha);
+    let mut sum = 0.0;
+    for (linear, shown) in picture
+        .color
+        .chunks_exact(4)
+        .zip(picture.display.chunks_exact(4))
+    {
+        let alpha = linear[3];
+        sum += alpha;
+        // Radiance is multiplied by alpha, display color is not.
+        assert!((linear[0] - 0.5 * alpha).abs() < 2e-3, "{linear:?}");
+        assert!(
+            (f32::from(shown[3]) - 255.0 * alpha).abs() <= 0.51,
+            "{shown:?}"
+        );
+        assert!(shown[3] == 0 || shown[0].abs_diff(188) <= 1, "{shown:?}");
+    }
+    // The outline of a ball of radius 1 seen from 4 m: tan of its half angle over that of the view.
+    let radius_px = 16.0 / 15_f32.sqrt() / 20_f32.to_radians().tan();
+    assert_close(sum, PI * radius_px * radius_px, 0.01);
+    let opaque = render(gpu, BALL, &["image.alpha=false"], &[]);
+    assert!(!opaque.alpha && opaque.color.chunks_exact(4).all(|c| c[3] == 1.0));
+}
+
+#[test]
+fn blended_surfaces_cover_by_their_alpha_and_glass_wholly() {
+    let Some(gpu) = gpu() else { return };
+    for (blended, expected) in [(true, 1.0 - 0.7 * 0.7), (false, 1.0)] {
+        let (desc, mut world) = scene(BALL, &["material.white.transmission=1"]);
+        let material = &mut world.materials[0];
+        if blended {
+            material.transmission = None;
+            material.blended = true;
+            material.base_color.w = 0.3;
+        }
+        let mut renderer = renderer(gpu, &desc, &world, false);
+        let picture = renderer.picture(gpu, &world, &world.cameras[0].value, &[]);
+        let picture = picture.unwrap_or_else(|e| panic!("{e}"));
+        let alpha = |x: usize, y: usize| picture.color[4 * (y * 32 + x) + 3];
+        let middle: f32 = (12..20)
+            .flat_map(|y| (12..20).map(move |x| alpha(x, y)))
+            .sum();
+        assert_close(middle / 64.0, expected, 0.02);
+        assert_eq!(alpha(0, 0), 0.0);
+    }
+}

@@ -1,0 +1,129 @@
+//! Random materials, whose numbers are often at the ends of their ranges: every pixel stays a number.
+
+use std::fmt::Write as _;
+
+use reflet::render::RenderOptions;
+
+use crate::{
+    common::shaders,
+    kit::{gpu, renderer, scene},
+};
+
+const WORLDS: u32 = 5;
+const BALLS: u32 = 100;
+
+/// PCG (O'Neill 2014), from 0 to 1.
+struct Random(u64);
+
+impl Random {
+    fn unit(&mut self) -> f32 {
+        let old = self.0;
+        self.0 = old
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        let word = (((old >> 18) ^ old) >> 27) as u32;
+        let bits = word.rotate_right((old >> 59) as u32);
+        (bits >> 8) as f32 / 16_777_216.0
+    }
+
+    /// One of the ends for half of the time.
+    fn between(&mut self, low: f32, high: f32) -> f32 {
+        match (self.unit() * 4.0) as u32 {
+            0 => low,
+            1 => high,
+            _ => low + (high - low) * self.unit(),
+        }
+    }
+
+    fn color(&mut self, high: f32) -> [f32; 3] {
+        [(); 3].map(|()| self.between(0.0, high))
+    }
+}
+
+fn material(random: &mut Random) -> String {
+    let mut text = String::new();
+    let mut key = |name: &str, value: String| {
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "{name} = {value}");
+    };
+    key("base_color", format!("{:?}", random.color(1.0)));
+    for name in ["metallic", "roughness", "reflectivity"] {
+        key(name, random.between(0.0, 1.0).to_string());
+    }
+    if random.unit() < 0.3 {
+        key("emission", format!("{:?}", random.color(1e5)));
+    }
+    if random.unit() < 0.5 {
+        for name in ["transmission", "clearcoat", "clearcoat_roughness"] {
+            key(name, random.between(0.0, 1.0).to_string());
+        }
+        key("ior", random.between(1.0, 4.0).to_string());
+        key("thickness_m", random.between(0.0, 2.0).to_string());
+        key("attenuation_color", format!("{:?}", random.color(1.0)));
+        key(
+            "attenuation_distance_m",
+            random.between(1e-6, 10.0).to_string(),
+        );
+    }
+    let modes = ["none", "auto", "mirror"];
+    key(
+        "reflection",
+        format!("{:?}", modes[(random.unit() * 3.0) as usize % 3]),
+    );
+    text
+}
+
+/// Balls in rows, of a material each, on one another's heels.
+fn world(seed: u32) -> String {
+    let mut random = Random(u64::from(seed) * 7919 + 1);
+    // Nothing that takes other shaders, which are long to build.
+    let cutoff = ["0.2", "1"][seed as usize % 2];
+    let mut text = format!(
+        "version = 1\n[image]\nsize = [60, 60]\nsamples = 2\n[camera.main]\neye = [0, 4, 9]\n\
+         target = [0, 0, 0]\n[reflection]\nmultiple_scattering = true\nroughness_cutoff = {cutoff}\nbounces = 6\n\
+         [environment]\nzenith = [0.5, 0.7, 1]\nhorizon = [0.4, 0.4, 0.4]\nground = [0, 0, 0]\n\
+         shadow = \"ray\"\n\
+         [light.key]\nkind = \"rect\"\nposition = [0, 3, 0]\ndirection = [0, -1, 0]\nsize = [3, 3]\n\
+         intensity_cd = 100\n[light.lamp]\nkind = \"point\"\nposition = [0, 0, 0]\nradius_m = 0.6\n\
+         intensity_cd = 1000\nshadow = \"ray\"\n",
+    );
+    for i in 0..BALLS {
+        let [x, z] = [i % 10, i / 10].map(|k| k as f32 - 4.5);
+        let _ = write!(
+            text,
+            "[material.m{i}]\n{}[model.b{i}]\nshape = {{ kind = \"sphere\", radius = 0.55, segments = 24 }}\n\
+             material = \"m{i}\"\n[[instance]]\nmodel = \"b{i}\"\ntranslation = [{x}, 0, {z}]\n",
+            material(&mut random),
+        );
+    }
+    text
+}
+
+#[test]
+fn no_material_makes_a_pixel_that_is_no_number() {
+    let Some(gpu) = gpu() else { return };
+    let mut kept = None;
+    for seed in 0..WORLDS {
+        let text = world(seed);
+        let (desc, world) = scene(&text, &["reflection.method=rt"]);
+        let renderer = match &mut kept {
+            None => kept.insert(renderer(gpu, &desc, &world, false)),
+            Some(renderer) => {
+                let changed = renderer.change(gpu, &shaders(), &world, &RenderOptions::of(&desc));
+                changed.unwrap_or_else(|e| panic!("{seed}: {e}"));
+                renderer
+            }
+        };
+        let picture = renderer.picture(gpu, &world, &world.cameras[0].value, &[]);
+        let picture = picture.unwrap_or_else(|e| panic!("{seed}: {e}"));
+        for (i, pixel) in picture.color.chunks_exact(4).enumerate() {
+            let sound = pixel.iter().all(|v| v.is_finite() && *v >= 0.0);
+            assert!(
+                sound,
+                "world {seed}, pixel ({}, {}): {pixel:?}",
+                i % 60,
+                i / 60
+            );
+        }
+    }
+}
