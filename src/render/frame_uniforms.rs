@@ -1,7 +1,6 @@
 //! The uniform blocks of group 0: the frame and its lights.
 
 use glam::Vec2;
-use wgpu::util::DeviceExt as _;
 
 use crate::{
     gpu::Gpu,
