@@ -183,6 +183,7 @@ fn light_too_bright_for_half_floats_stays_finite() {
     let set = [
         "environment.color=[0, 50000, 0]",
         "material.wall.emission=[1e6, 60000, 2]",
+        "image.radiance=half",
     ];
     let (desc, world) = scene(WALL, &set);
     let Some(picture) = picture(&desc, &world, &[]) else {
