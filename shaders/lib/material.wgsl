@@ -30,7 +30,7 @@ struct Material {
     clearcoat_roughness: f32,
     is_solid: u32, // 1: what passes is refracted and absorbed up to the other side
     is_blended: u32, // 1: its alpha is the share of light that it stops
-    pad: u32,
+    pattern: u32, // PATTERN_*, of the checker's colors and size
     textures: array<TextureUse, 5>, // base color, metallic-roughness, normal, occlusion, emission
 }
 

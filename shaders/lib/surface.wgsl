@@ -1,6 +1,7 @@
 // The one function that turns (instance, triangle, barycentrics, footprint) into a surface, for
 // raster pixels and traced hits alike: that is why no seam shows between them.
 
+#import pattern
 #import frame
 #import pack
 #import scene
@@ -93,24 +94,6 @@ fn alpha_passes(instance: u32, triangle: u32, bary: vec2f) -> bool {
     return material_alpha(material, instance, c.index, bary, 0.0, 1.0) >= materials[material].alpha_cutoff;
 }
 
-// Integral from 0 of the square wave that is 1 in the first cell, -1 in the second, and so on.
-fn square_wave_integral(x: f32) -> f32 {
-    return 1.0 - 2.0 * abs(fract(x * 0.5) - 0.5);
-}
-
-// 3D checker, filtered by the box that holds the footprint; it lies in the surface, so it has no
-// depth along the normal. The small shift keeps faces that lie on a cell border stable.
-fn checker(p: vec3f, normal: vec3f, width: f32) -> f32 {
-    let w = max(width * sqrt(max(vec3f(1.0) - normal * normal, vec3f(0.0))), vec3f(1e-4));
-    let q = p + 1e-3;
-    var product = 1.0;
-    for (var axis = 0; axis < 3; axis++) {
-        let half = w[axis] * 0.5;
-        product *= (square_wave_integral(q[axis] + half) - square_wave_integral(q[axis] - half)) / w[axis];
-    }
-    return 0.5 - 0.5 * clamp(product, -1.0, 1.0);
-}
-
 // From the vertices of a triangle of twice this area in the world: how much the normal turns along its
 // edges, a mean of the three.
 fn mean_curvature(p: array<vec3f, 3>, normals: array<vec3f, 3>, area2_world: f32) -> f32 {
@@ -178,7 +161,7 @@ fn surface_at(instance: u32, triangle: u32, bary: vec2f, direction: vec3f, cone_
         let cross_object = cross(c.p[1] - c.p[0], c.p[2] - c.p[0]);
         let area2_object = max(length(cross_object), 1e-20);
         let width = footprint * sqrt(area2_object / area2) / size;
-        let odd = checker(p_object / size, cross_object / area2_object, width);
+        let odd = pattern(materials[m].pattern, p_object / size, cross_object / area2_object, width);
         s.base_color *= mix(materials[m].checker_a, materials[m].checker_b, odd);
     }
     if (HAS_TEXTURES) {

@@ -4,7 +4,7 @@
 use std::fmt::Write as _;
 
 use crate::{
-    scene::desc::{LightKind, Method, ReflectionMode, ToneMap},
+    scene::desc::{LightKind, Method, PatternKind, ReflectionMode, ToneMap},
     world::{
         MAX_LIGHTS,
         bvh::{
@@ -141,6 +141,13 @@ pub fn wgsl() -> String {
         ("TONE_AGX", ToneMap::Agx),
     ] {
         define(&mut out, name, &(curve as u32));
+    }
+    for (name, kind) in [
+        ("PATTERN_BRICK", PatternKind::Brick),
+        ("PATTERN_NOISE", PatternKind::Noise),
+        ("PATTERN_MARBLE", PatternKind::Marble),
+    ] {
+        define(&mut out, name, &(kind as u32));
     }
     for cause in Cause::ALL {
         let name = format!("CAUSE_{}", cause.name().to_uppercase());

@@ -28,6 +28,7 @@ pub fn gpu_material(m: &Material, world: &World, layers: &Layers) -> GpuMaterial
         checker_a: color(0),
         checker_size_m: checker.map_or(0.0, |c| c.size_m),
         checker_b: color(1),
+        pattern: checker.map_or(0, |c| c.kind as u32),
         alpha_cutoff: m.alpha_cutoff.unwrap_or(-1.0),
         // Without specular there is no reflection, whatever the reflection mode.
         reflection: if has_specular(m) {
@@ -43,7 +44,6 @@ pub fn gpu_material(m: &Material, world: &World, layers: &Layers) -> GpuMaterial
         clearcoat_roughness: m.clearcoat_roughness,
         is_solid: m.solid.into(),
         is_blended: m.blended.into(),
-        pad: 0,
         textures: m.slots().map(slot),
     }
 }

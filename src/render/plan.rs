@@ -6,7 +6,7 @@ mod mutual_reflections;
 use serde::Serialize;
 
 use crate::{
-    scene::desc::{Method, ReflectionMode, ShownDesc, Visibility},
+    scene::desc::{Method, PatternKind, ReflectionMode, ShownDesc, Visibility},
     world::{Material, World, Wrap, bvh::Trees},
 };
 
@@ -42,6 +42,8 @@ pub struct Plan {
     pub textures: bool,
     /// Some material has a checker.
     pub checkers: bool,
+    /// Some material has another pattern than a checker.
+    pub patterns: bool,
     /// Some light casts its shadow by rays.
     pub shadow_rays: bool,
     /// Reflections may take from the picture which lights with shadow rays reach what they meet.
@@ -188,6 +190,7 @@ impl Plan {
             normal_maps: true,
             textures: true,
             checkers: true,
+            patterns: true,
             shadow_rays: true,
             lends_light: true,
             bounces: settings.bounces,
@@ -225,6 +228,8 @@ impl Plan {
             normal_maps: materials().any(|m| m.normal_texture.is_some()),
             textures: materials().any(|m| m.slots().iter().any(Option::is_some)),
             checkers: materials().any(|m| m.checker.is_some()),
+            patterns: materials()
+                .any(|m| m.checker.is_some_and(|c| c.kind != PatternKind::Checker)),
             shadow_rays: has_shadow_rays(&world.lights, options),
             lends_light: reflections && has_shadow_rays(&world.lights, options),
             sampled_environment: world.environment.is_sampled(),
@@ -280,6 +285,7 @@ impl Plan {
             ("HAS_NORMAL_MAPS", flag(self.normal_maps)),
             ("HAS_TEXTURES", flag(self.textures)),
             ("HAS_CHECKERS", flag(self.checkers)),
+            ("HAS_PATTERNS", flag(self.patterns)),
             ("HAS_SHADOW_RAYS", flag(self.shadow_rays)),
             ("LENDS_LIGHT", flag(self.lends_light)),
             ("HAS_SIZED_LIGHTS", flag(self.sized_lights)),

@@ -277,8 +277,8 @@ gpu_struct! {
         is_solid: u32,
         /// 1: its alpha is the share of light that it stops.
         is_blended: u32,
-        /// Unused.
-        pad: u32,
+        /// [`PatternKind`](crate::scene::desc::PatternKind) of the checker's colors and size.
+        pattern: u32,
         /// Base color, metallic-roughness, normal, occlusion, emission.
         textures: [GpuTextureUse; 5],
     }

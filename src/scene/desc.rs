@@ -32,7 +32,7 @@ pub use self::{
     light::{LIGHT, LightDesc, LightKind, LightMotionDesc, ShadowMode},
     material::{
         CheckerDesc, MATERIAL, MATERIAL_FIELDS, MaterialDesc, MaterialMotionDesc, PLAIN,
-        ReflectionMode, reflectivity_of,
+        PatternDesc, PatternKind, ReflectionMode, reflectivity_of,
     },
     motion::{
         CutDesc, GroupMotionDesc, InstanceMotionDesc, ModelMotionDesc, MotionDesc, ParamValue,

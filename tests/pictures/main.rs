@@ -30,6 +30,7 @@ mod mesh;
 mod moving;
 mod oracle;
 mod panorama;
+mod pattern;
 mod precision;
 mod random_materials;
 mod ray_list;

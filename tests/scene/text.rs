@@ -90,6 +90,7 @@ fn every_material_key_arrives() {
     let checker = CheckerDesc {
         colors: [Vec3::ONE, Vec3::ZERO],
         size_m: 0.25,
+        kind: Default::default(),
     };
     assert_eq!(
         scene.materials[1].value,

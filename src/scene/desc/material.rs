@@ -25,6 +25,7 @@ pub enum ReflectionMode {
 /// them and is applied first) and `material = {…}` of an instance. Keys left out keep the glTF
 /// value, or the default of a plain white, rough, non-metallic surface.
 ///
+/// - `pattern`: another procedural pattern, in place of `checker` and of a base color texture.
 /// - `extends`: name of a `[material.NAME]` whose keys count where this table does not say them.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct MaterialDesc {
@@ -99,7 +100,44 @@ pub struct CheckerDesc {
     pub colors: [Vec3; 2],
     /// Edge of one cell, meters in object space, above 0.
     pub size_m: f32,
+    /// What pattern it is.
+    pub kind: PatternKind,
 }
+
+/// Patterns of two colors.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PatternKind {
+    /// `"checker"`: cubes of both colors in turn.
+    #[default]
+    Checker,
+    /// `"brick"`: a running bond of bricks, of the first color, with mortar, of the second; a brick is
+    /// `size_m` long along X, a third of it high along Y, and half of it deep along Z.
+    Brick,
+    /// `"noise"`: clouds, about `size_m` wide.
+    Noise,
+    /// `"marble"`: bent veins across X, two `size_m` apart.
+    Marble,
+}
+
+impl PatternKind {
+    /// Its word in scene text.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Checker => "checker",
+            Self::Brick => "brick",
+            Self::Noise => "noise",
+            Self::Marble => "marble",
+        }
+    }
+}
+
+/// `pattern = { kind = "brick", colors = [[…], […]], size_m = 0.25 }`: two colors, aligned with the
+/// object's axes. What is finer than a pixel shows its mean.
+///
+/// - `kind`: what pattern it is. Default `"checker"`.
+/// - `colors`: the two linear colors, each three numbers 0 to 1.
+/// - `size_m`: its size, meters in object space, above 0.
+pub struct PatternDesc;
 
 impl MaterialDesc {
     /// What `over` says, else what this says.
@@ -153,7 +191,7 @@ pub struct MaterialMotionDesc {
     /// - `clearcoat`: track of the strength of the clear coat, 0 to 1; the material's own table must have a
     ///   `clearcoat`, which may be 0.
     /// - `clearcoat_roughness`: track of the perceptual roughness of the clear coat, 0 to 1.
-    /// - `checker_a`: track of the first color of its `checker`, 0 to 1.
+    /// - `checker_a`: track of the first color of its `checker` or `pattern`, 0 to 1.
     /// - `checker_b`: track of the second color of its `checker`, 0 to 1.
     /// - `checker_size_m`: track of the edge of a cell of its `checker`, meters, above 0.
     pub tracks: Tracks,

@@ -7,8 +7,8 @@ use super::{
     value::{Named, Node, Value, wrong_type},
 };
 use crate::scene::desc::{
-    Accept, CurveKind, Ease, EnvironmentShadow, Method, Playback, Radiance, ReflectionMode,
-    ShadowMode, ToneMap, Visibility,
+    Accept, CurveKind, Ease, EnvironmentShadow, Method, PatternKind, Playback, Radiance,
+    ReflectionMode, ShadowMode, ToneMap, Visibility,
 };
 use crate::scene::{range::Range, suggest};
 
@@ -54,6 +54,12 @@ words!(CurveKind {
 });
 words!(Ease { "none" => Self::None, "in" => Self::In, "out" => Self::Out, "in_out" => Self::InOut });
 words!(Playback { "once" => Self::Once, "loop" => Self::Loop, "ping_pong" => Self::PingPong });
+words!(PatternKind {
+    "checker" => Self::Checker,
+    "brick" => Self::Brick,
+    "noise" => Self::Noise,
+    "marble" => Self::Marble,
+});
 words!(Visibility { "raster" => Self::Raster, "rays" => Self::Rays, "auto" => Self::Auto });
 words!(Radiance { "half" => Self::Half, "full" => Self::Full, "auto" => Self::Auto });
 words!(ToneMap { "none" => Self::None, "neutral" => Self::Neutral, "aces" => Self::Aces, "agx" => Self::Agx });

@@ -14,7 +14,7 @@ use crate::scene::suggest;
 const EXCLUSIVE: [&[&[&str]]; 7] = [
     &[&["repeat"], &["instances_from"]],
     &[&["file"], &["shape"]],
-    &[&["checker"], &["base_color_texture"]],
+    &[&["checker"], &["pattern"], &["base_color_texture"]],
     &[&["direction"], &["target"]],
     &[
         &["matrix"],

@@ -15,7 +15,7 @@ use crate::{
         },
     },
     scene::{
-        desc::{MATERIAL, MaterialDesc, PLAIN},
+        desc::{MATERIAL, MaterialDesc, PLAIN, PatternKind},
         number::{Field, Form},
         range::LIMIT,
     },
@@ -199,10 +199,11 @@ fn scene_text(material: &MaterialDesc) -> String {
     if let Some(checker) = &material.checker {
         let [a, b] = checker.colors.map(|color| list(&color.to_array()));
         let size_m = checker.size_m;
-        let _ = writeln!(
-            text,
-            "checker = {{ colors = [{a}, {b}], size_m = {size_m} }}"
-        );
+        let start = match checker.kind {
+            PatternKind::Checker => "checker = {".to_owned(),
+            kind => format!("pattern = {{ kind = \"{}\",", kind.name()),
+        };
+        let _ = writeln!(text, "{start} colors = [{a}, {b}], size_m = {size_m} }}");
     }
     text
 }

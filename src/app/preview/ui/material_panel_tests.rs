@@ -36,6 +36,7 @@ fn harness<'a>() -> Harness<'a, State> {
         checker: Some(CheckerDesc {
             colors: [Vec3::ONE, Vec3::ZERO],
             size_m: 0.5,
+            kind: Default::default(),
         }),
         ..PLAIN
     };
@@ -187,6 +188,7 @@ fn a_material_as_scene_text_has_what_its_table_needs() {
         checker: Some(CheckerDesc {
             colors: [Vec3::ONE, Vec3::ZERO],
             size_m: 0.5,
+            kind: Default::default(),
         }),
         ..PLAIN
     };

@@ -1,0 +1,111 @@
+// Patterns of two colors in object space, filtered: checkers, bricks, noise and marble.
+
+#import constants
+
+// Whether some material has another pattern than a checker; without one the code is dropped.
+override HAS_PATTERNS: bool = false;
+
+const BRICK_SIZE = vec3f(1.0, 1.0 / 3.0, 0.5); // length, height, depth
+const MORTAR: f32 = 0.06;
+const OCTAVES = 5u;
+
+// Integral from 0 of the square wave that is 1 in the first cell, -1 in the second, and so on.
+fn square_wave_integral(x: f32) -> f32 {
+    return 1.0 - 2.0 * abs(fract(x * 0.5) - 0.5);
+}
+
+// 3D checker, filtered by the box that holds the footprint; it lies in the surface, so it has no
+// depth along the normal. The small shift keeps faces that lie on a cell border stable.
+fn checker(p: vec3f, normal: vec3f, width: f32) -> f32 {
+    let w = max(width * sqrt(max(vec3f(1.0) - normal * normal, vec3f(0.0))), vec3f(1e-4));
+    let q = p + 1e-3;
+    var product = 1.0;
+    for (var axis = 0; axis < 3; axis++) {
+        let half = w[axis] * 0.5;
+        product *= (square_wave_integral(q[axis] + half) - square_wave_integral(q[axis] - half)) / w[axis];
+    }
+    return 0.5 - 0.5 * clamp(product, -1.0, 1.0);
+}
+
+// Integral from 0 of pulses as wide as mortar, around multiples of `period`.
+fn mortar_integral(x: f32, period: f32) -> f32 {
+    let shifted = x / period + 0.5;
+    let inside = clamp((fract(shifted) - 0.5) * period + 0.5 * MORTAR, 0.0, MORTAR);
+    return floor(shifted) * MORTAR + inside;
+}
+
+// Share of mortar between bricks in a running bond, filtered by a box as checkers are. A face shows no
+// joint that lies in it.
+fn mortar(p: vec3f, normal: vec3f, width: f32) -> f32 {
+    let w = max(width * sqrt(max(vec3f(1.0) - normal * normal, vec3f(0.0))), vec3f(1e-3));
+    let odd = fract(floor(p.y / BRICK_SIZE.y) * 0.5) * 2.0;
+    // Bricks overlap those below by a half, along the wall that they are in.
+    let q = p + 1e-3 + vec3f(0.5, 0.0, 0.25) * odd;
+    var brick = 1.0;
+    for (var axis = 0; axis < 3; axis++) {
+        if (abs(normal[axis]) > 0.7) { continue; }
+        let half = w[axis] * 0.5;
+        let period = BRICK_SIZE[axis];
+        brick *= 1.0 - (mortar_integral(q[axis] + half, period) - mortar_integral(q[axis] - half, period)) / w[axis];
+    }
+    return 1.0 - clamp(brick, 0.0, 1.0);
+}
+
+// Integer hash of three coordinates (Jarzynski and Olano 2020, "pcg3d"), as a direction.
+fn lattice_gradient(cell: vec3i) -> vec3f {
+    var v = bitcast<vec3u>(cell) * 1664525u + 1013904223u;
+    v.x += v.y * v.z;
+    v.y += v.z * v.x;
+    v.z += v.x * v.y;
+    v ^= v >> vec3u(16u);
+    v.x += v.y * v.z;
+    v.y += v.z * v.x;
+    v.z += v.x * v.y;
+    return vec3f(v >> vec3u(8u)) * (2.0 / 16777216.0) - 1.0;
+}
+
+// Gradient noise (Perlin 2002), about -1 to 1.
+fn gradient_noise(p: vec3f) -> f32 {
+    let cell = vec3i(floor(p));
+    let f = p - floor(p);
+    let u = f * f * f * (f * (f * 6.0 - 15.0) + 10.0);
+    var sum = 0.0;
+    for (var corner = 0; corner < 8; corner++) {
+        let at = vec3i(corner & 1, (corner >> 1) & 1, corner >> 2);
+        let side = vec3f(at);
+        let weights = mix(vec3f(1.0) - u, u, side);
+        sum += weights.x * weights.y * weights.z * dot(lattice_gradient(cell + at), f - side);
+    }
+    return sum;
+}
+
+// Octaves of noise; those that are finer than the footprint fade out before they could sparkle.
+fn octaves(p: vec3f, width: f32) -> f32 {
+    var sum = 0.0;
+    var scale = 1.0;
+    for (var octave = 0u; octave < OCTAVES; octave++) {
+        let fade = 1.0 - smoothstep(0.25, 0.75, width * scale);
+        if (fade <= 0.0) { break; }
+        sum += fade * gradient_noise(p * scale + 17.0 * f32(octave)) / scale;
+        scale *= 2.0;
+    }
+    return sum;
+}
+
+// Share of the second color at a point in units of the pattern's size.
+fn pattern(kind: u32, p: vec3f, normal: vec3f, width: f32) -> f32 {
+    if (HAS_PATTERNS) {
+        switch kind {
+            case PATTERN_BRICK: { return mortar(p, normal, width); }
+            case PATTERN_NOISE: { return clamp(0.5 + 0.7 * octaves(p, width), 0.0, 1.0); }
+            case PATTERN_MARBLE: {
+                // Veins across X, bent by noise; a sine's mean over the footprint fades with it.
+                let bent = p.x + 1.2 * octaves(p, width);
+                let fade = exp(-2.0 * width * width);
+                return 0.5 + 0.5 * fade * sin(6.2831853 * 0.5 * bent);
+            }
+            default: {}
+        }
+    }
+    return checker(p, normal, width);
+}
