@@ -123,9 +123,9 @@ fn accept_by_threshold(r: ScreenRay, c: Candidate, origin: vec3f, direction: vec
     return m;
 }
 
-// Whether a crossing is accepted as a screen-space hit: only what the ray is shown to meet, the triangle that the pixel names, one that the pixels
-// around the point name, or the plane that they have in common. CAUSE_NOT_REFLECTIVE: the ray is
-// still in front of the surface when it leaves the pixel.
+// Whether a crossing is accepted as a screen-space hit: only where the ray is shown to meet the triangle that the
+// pixel names, one that the pixels around the point name, or the plane that they have in common.
+// CAUSE_NOT_REFLECTIVE: the ray is still in front of the surface when it leaves the pixel.
 fn accept_verified(r: ScreenRay, c: Candidate, origin: vec3f, direction: vec3f) -> March {
     let slack = params.edge_px / max(max(abs(r.delta.x), abs(r.delta.y)), 1e-3);
     let low_m = distance_at(r, max(c.low - slack, 0.0));

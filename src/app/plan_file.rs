@@ -41,13 +41,18 @@ impl PlanFile {
         let units = toml::Table::try_from(plan.unit_ns).map_err(|e| e.to_string())?;
         for (name, value) in units {
             let value = value.as_float().unwrap_or_default();
-            if !(value.is_finite() && value > 0.0) {
-                return Err(format!("unit_ns.{name} is {value}, and must be above 0"));
+            if !(value > 0.0 && value <= MAX_NS) {
+                return Err(format!(
+                    "unit_ns.{name} is {value}, and must be above 0 and at most {MAX_NS}"
+                ));
             }
         }
         Ok(plan)
     }
 }
+
+/// A second: no piece of work takes so long.
+const MAX_NS: f64 = 1e9;
 
 /// The unit costs in a plan file, for the adapter that they were measured on.
 ///

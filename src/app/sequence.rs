@@ -75,7 +75,8 @@ pub fn choose(args: &RenderArgs, timeline: Option<&TimelineDesc>) -> Result<Fram
     }
     if args.stats.is_some() {
         return Err(AppError::Usage(
-            "--stats applies to a single picture".to_owned(),
+            "--stats applies to a single picture; leave --frames out, or render one frame without it"
+                .to_owned(),
         ));
     }
     let has_number = in_one_file || Template::new(&args.output)?.is_some();

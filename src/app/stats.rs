@@ -112,8 +112,12 @@ impl Report {
         line("source", list(&shares.sources));
         line("cause", list(&shares.causes));
         line("rays", self.rays());
-        if let Some(audit) = &frame.audit {
-            line("audit", audit.to_string());
+        match &frame.audit {
+            Some(audit) => line("audit", audit.to_string()),
+            None if frame.passes_ms.iter().any(|(pass, _)| pass == "audit") => {
+                line("audit", "no hit on the screen".to_owned());
+            }
+            None => {}
         }
         if frame.exhausted_rays > 0 {
             let n = frame.exhausted_rays;

@@ -21,7 +21,7 @@ pub enum Probe {
 /// Work of a pass over all pixels. It depends on the scene and its settings, not on the machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Counts {
-    /// Depth buffer reads: steps of the march and of the bisection after it.
+    /// Cells of the depth pyramid that the march looks at.
     pub march_steps: u64,
     /// Traversals from the root: one for each ray, including bounces and shadow rays, and one more
     /// for each cut-out that a ray passes.

@@ -1,6 +1,6 @@
 //! What a frame cost and where its reflections came from.
 
-use serde::Serialize;
+use serde::{Serialize, ser::SerializeStruct as _};
 
 use crate::scene::desc::Method;
 
@@ -84,7 +84,7 @@ pub const TOLERANCE_U: f32 = 0.005;
 pub const TOLERANCE_RELATIVE: f32 = 0.01;
 
 /// Screen hits that were traced too, drawn at random.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Audit {
     /// How many.
     pub hits: u32,
@@ -114,6 +114,18 @@ impl Audit {
         let scale = 1.0 + Z * Z / n;
         let ends = [middle - reach, middle + reach].map(|end| (end / scale).clamp(0.0, 1.0));
         (share, ends)
+    }
+}
+
+impl Serialize for Audit {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let (wrong_share, interval) = self.wrong_share();
+        let mut fields = serializer.serialize_struct("Audit", 4)?;
+        fields.serialize_field("hits", &self.hits)?;
+        fields.serialize_field("wrong", &self.wrong)?;
+        fields.serialize_field("wrong_share", &wrong_share)?;
+        fields.serialize_field("interval_95", &interval)?;
+        fields.end()
     }
 }
 
