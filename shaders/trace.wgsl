@@ -33,7 +33,7 @@ fn trace_pixel(pixel: vec2u) {
     var origin = ray_origin(first.position, first.geometric_normal);
     start_samples(pixel, 0u);
     var ray = reflected(normalize(first.position - frame.eye), first);
-    start_path();
+    start_path(first.position);
 
     var color = vec3f(0.0);
     var throughput = vec3f(1.0);
@@ -66,7 +66,7 @@ fn trace_pixel(pixel: vec2u) {
             color += throughput * (lit.diffuse + lit.specular);
         }
         if (!goes_on(s)) { break; }
-        ray = onward(direction, s);
+        ray = onward(ray, s);
         throughput *= ray.weight;
         if (max(throughput.x, max(throughput.y, throughput.z)) < frame.dimmest) { break; }
         // What goes through keeps its cone.

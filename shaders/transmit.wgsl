@@ -28,7 +28,7 @@ fn behind(pixel: vec2u) -> vec4f {
     if (textureLoad(view_depth, pixel, 0).x >= FAR_M) { return vec4f(0.0); }
     var s = completed(pixel);
     if (!is_transmissive(s)) { return vec4f(0.0, 0.0, 0.0, 1.0); }
-    start_path();
+    start_path(s.position);
     start_samples(pixel, FIRST_VERTEX);
     var cone = pixel_cone(distance(s.position, frame.eye));
     var ray = through(normalize(s.position - frame.eye), s);
@@ -60,7 +60,7 @@ fn behind(pixel: vec2u) -> vec4f {
         color += throughput * (lit.diffuse + lit.specular);
         if (!goes_on(s)) { break; }
         uncovered *= 1.0 - coverage(s);
-        ray = onward(direction, s);
+        ray = onward(ray, s);
         throughput *= ray.weight;
         is_straight = is_straight && s.transmission <= 0.0 && dot(ray.direction, seen) > 0.99999;
     }

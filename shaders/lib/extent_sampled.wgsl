@@ -146,6 +146,9 @@ fn sized_light(i: u32, s: Surface, view: vec3f, albedo: vec3f) -> Shade {
     return Shade(out.diffuse / rays, out.specular / rays, vec2u(0u));
 }
 
+// Way through panes since the surface whose rays towards lights share what a ray sees, meters.
+var<private> passed_m: f32 = 0.0;
+
 // The light with a size that a reflection ray meets first.
 struct SeenLight {
     is_seen: bool,
@@ -185,7 +188,7 @@ fn seen_light(origin: vec3f, ray: Reflected, t_max: f32) -> SeenLight {
                 let inside = select(max(abs(at.x), abs(at.y)), length(at), is_disk) <= 1.0;
                 if (facing > 0.0 && inside) { t = at_t; }
                 radiance = lights[i].color / flat_area(i);
-                light_pdf = at_t * at_t / max(facing * flat_area(i), 1e-12);
+                light_pdf = (at_t + passed_m) * (at_t + passed_m) / max(facing * flat_area(i), 1e-12);
             }
             default: {
                 let along = dot(offset, direction);
@@ -194,7 +197,8 @@ fn seen_light(origin: vec3f, ray: Reflected, t_max: f32) -> SeenLight {
                 if (rest > 0.0 && dot(offset, offset) > extent * extent) { t = along - sqrt(rest); }
                 let d = length(offset);
                 radiance *= reach(i, offset / max(d, 1e-12), d) / (extent * extent);
-                let sine2 = min(extent * extent / max(d * d, 1e-12), 1.0);
+                let whole = offset + direction * passed_m;
+                let sine2 = min(extent * extent / max(dot(whole, whole), 1e-12), 1.0);
                 light_pdf = (1.0 + sqrt(1.0 - sine2)) / (2.0 * PI * sine2);
             }
         }

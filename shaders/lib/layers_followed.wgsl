@@ -27,9 +27,11 @@ const ONWARD_PAIR: u32 = 0x10002u;
 const ALPHA_PAIR: u32 = 0x10003u;
 
 var<private> path_crossings: u32 = 0u;
+var<private> vertex: vec3f = vec3f(0.0); // that the path left last
 var<private> medium: vec3f = vec3f(0.0); // absorption of what the path is in, per meter
 
-fn start_path() {
+fn start_path(position: vec3f) {
+    vertex = position;
     path_crossings = 0u;
     medium = vec3f(0.0);
 }
@@ -237,12 +239,23 @@ fn cross_surface(s: Surface) {
     if (s.is_solid && s.transmission > 0.0) { medium = select(s.absorption, vec3f(0.0), s.is_inside); }
 }
 
-fn onward(direction: vec3f, s: Surface) -> Reflected {
+// Where a path goes on from a surface that a ray of it has met.
+fn onward(before: Reflected, s: Surface) -> Reflected {
+    let direction = before.direction;
     var back = reflected(direction, s);
     if (!is_transmissive(s)) { return back; }
     if (!is_reflector(s)) { back.weight = vec3f(0.0); }
-    let ray = chosen(transmitted(direction, s), back, ONWARD_PAIR);
+    var through = transmitted(direction, s);
+    // Rays towards what shines go straight through panes, so what is seen there has its weight still: a rough
+    // surface would see a lamp behind glass twice, and once of that as rare, bright specks.
+    through.pdf = before.pdf;
+    through.sky_weight = before.sky_weight;
+    let ray = chosen(through, back, ONWARD_PAIR);
+    let way_m = passed_m + distance(vertex, s.position);
+    vertex = s.position;
+    passed_m = 0.0;
     if (dot(ray.direction, s.geometric_normal) < 0.0) {
+        passed_m = way_m;
         cross_surface(s);
     } else if (s.is_inside) {
         path_crossings++;

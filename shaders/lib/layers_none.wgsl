@@ -33,9 +33,9 @@ fn reflected(direction: vec3f, s: Surface) -> Reflected {
     return lobe_ray(direction, s);
 }
 
-// Where a path goes on from a surface that it has met.
-fn onward(direction: vec3f, s: Surface) -> Reflected {
-    return lobe_ray(direction, s);
+// Where a path goes on from a surface that a ray of it has met.
+fn onward(before: Reflected, s: Surface) -> Reflected {
+    return lobe_ray(before.direction, s);
 }
 
 fn onward_origin(s: Surface, direction: vec3f) -> vec3f {
@@ -51,7 +51,7 @@ fn crossings() -> u32 {
     return 0u;
 }
 
-fn start_path() {}
+fn start_path(position: vec3f) {}
 
 // Share of light that is left after a way through what the path is in.
 fn medium_transmittance(distance_m: f32) -> f32 {

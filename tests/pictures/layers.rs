@@ -255,3 +255,30 @@ clearcoat = 1",
         assert_close(found[1], 0.04 * lobe + 0.96 * 0.5, 0.01);
     }
 }
+
+#[test]
+fn rough_metals_see_a_lamp_behind_a_pane_once() {
+    let Some(gpu) = gpu() else { return };
+    let metal = WALL
+        .replace("emission = [1, 0.5, 0.25]", "roughness = 0.4")
+        .replace(
+            "base_color = [0, 0, 0]\nreflectivity = 0",
+            "base_color = [1, 1, 1]\nmetallic = 1",
+        );
+    let lamp =
+        "[light.lamp]\nkind = \"point\"\nposition = [0, 0, 2]\nintensity_cd = 10\nradius_m = 0.3\n";
+    let pane = thing(PANE, "transmission = 1\nior = 1.5");
+    // From behind the pane, so that only the light passes through it.
+    let set = [
+        "camera.main.eye=[0, 0, -1]",
+        "camera.main.target=[0, 0, -5]",
+        "reflection.roughness_cutoff=1",
+        "reflection.method=rt",
+        // The metal is not to see itself in the pane.
+        "reflection.bounces=1",
+        "image.samples=256",
+    ];
+    let open = mean(&render(gpu, &[&metal, lamp].concat(), &set, &[]))[0];
+    let behind = mean(&render(gpu, &[&metal, lamp, &pane].concat(), &set, &[]))[0];
+    assert_close(behind, open * (1.0 - fresnel_at_normal(1.5)), 0.01);
+}
