@@ -97,8 +97,9 @@ def surface() -> tuple[np.ndarray, np.ndarray]:
             if a[axis]:
                 continue
             b = a + np.eye(3, dtype=int)[axis]
-            va, vb = (values[tuple(slice(c[i], c[i] + size[i] - 1) for i in range(3))]
-                      for c in (a, b))
+            va, vb = (
+                values[tuple(slice(c[i], c[i] + size[i] - 1) for i in range(3))] for c in (a, b)
+            )
             crosses = (va < 0.0) != (vb < 0.0)
             share = np.where(crosses, va / np.where(crosses, va - vb, 1.0), 0.0)
             at = a + share[..., None] * (b - a)
@@ -156,11 +157,13 @@ def product(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 def rotation(q: np.ndarray) -> np.ndarray:
     """Matrix of a unit quaternion."""
     x, y, z, w = q
-    return np.array([
-        [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-        [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-        [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-    ])
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+        ]
+    )
 
 
 def step_pose(phase: float) -> dict[str, np.ndarray]:
@@ -221,8 +224,13 @@ class Writer:
             array = padded
         self.data += array.tobytes()
         self.views.append(view)
-        accessor = {"bufferView": len(self.views) - 1, "componentType": code, "type": kind,
-                    "count": len(values), **more}
+        accessor = {
+            "bufferView": len(self.views) - 1,
+            "componentType": code,
+            "type": kind,
+            "count": len(values),
+            **more,
+        }
         self.accessors.append(accessor)
         return len(self.accessors) - 1
 
@@ -265,9 +273,11 @@ def glb() -> bytes:
     joints, weights = influences(vertices)
     places = bind_positions()
     out = Writer()
-    bound = {"min": vertices.min(0).astype("f4").tolist(),
-             "max": vertices.max(0).astype("f4").tolist()}
-    chest = np.exp(-((vertices - places[INDEX["chest"]] - (0, 0.05, 0.1)) / 0.14) ** 2).prod(1)
+    bound = {
+        "min": vertices.min(0).astype("f4").tolist(),
+        "max": vertices.max(0).astype("f4").tolist(),
+    }
+    chest = np.exp(-(((vertices - places[INDEX["chest"]] - (0, 0.05, 0.1)) / 0.14) ** 2)).prod(1)
     offset = normals_at(vertices) * (chest * 0.025)[:, None]
     swell = {"min": offset.min(0).astype("f4").tolist(), "max": offset.max(0).astype("f4").tolist()}
     bind = np.tile(np.eye(4), (len(JOINTS), 1, 1))
@@ -290,26 +300,44 @@ def glb() -> bytes:
         nodes.append(node | ({"children": children} if children else {}))
     inverse = out.add("MAT4", 5126, bind.reshape(-1, 16))
     root = {
-        "asset": {"version": "2.0", "generator": "tools/walker.py",
-                  "extras": {"strideM": round(stride_m(), 3), "cycleS": CYCLE_S}},
+        "asset": {
+            "version": "2.0",
+            "generator": "tools/walker.py",
+            "extras": {"strideM": round(stride_m(), 3), "cycleS": CYCLE_S},
+        },
         "extensionsUsed": ["KHR_mesh_quantization"],
         "extensionsRequired": ["KHR_mesh_quantization"],
-        "scene": 0, "scenes": [{"nodes": [0, 1]}], "nodes": nodes,
+        "scene": 0,
+        "scenes": [{"nodes": [0, 1]}],
+        "nodes": nodes,
         "meshes": [{"name": "body", "primitives": [primitive]}],
-        "materials": [{"name": "body", "pbrMetallicRoughness": {
-            "baseColorFactor": [0.8, 0.45, 0.2, 1], "metallicFactor": 0, "roughnessFactor": 0.45}}],
+        "materials": [
+            {
+                "name": "body",
+                "pbrMetallicRoughness": {
+                    "baseColorFactor": [0.8, 0.45, 0.2, 1],
+                    "metallicFactor": 0,
+                    "roughnessFactor": 0.45,
+                },
+            }
+        ],
         "skins": [{"joints": list(range(1, 1 + len(JOINTS))), "inverseBindMatrices": inverse}],
         "animations": [animation(out)],
-        "accessors": out.accessors, "bufferViews": out.views,
+        "accessors": out.accessors,
+        "bufferViews": out.views,
         "buffers": [{"byteLength": len(out.data)}],
     }
     text = json.dumps(root, separators=(",", ":")).encode()
     text += b" " * (-len(text) % 4)
     data = bytes(out.data) + b"\0" * (-len(out.data) % 4)
     total = 12 + 8 + len(text) + 8 + len(data)
-    return (struct.pack("<4sII", b"glTF", 2, total)
-            + struct.pack("<I4s", len(text), b"JSON") + text
-            + struct.pack("<I4s", len(data), b"BIN\0") + data)
+    return (
+        struct.pack("<4sII", b"glTF", 2, total)
+        + struct.pack("<I4s", len(text), b"JSON")
+        + text
+        + struct.pack("<I4s", len(data), b"BIN\0")
+        + data
+    )
 
 
 def main() -> None:

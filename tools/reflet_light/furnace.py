@@ -75,7 +75,6 @@ def at_cosines(picture: np.ndarray) -> list[float]:
 def measure(out: pathlib.Path, program: pathlib.Path) -> None:
     import mitsuba as mi
 
-
     rows = read(out)
     known = {tuple(list(row.values())[:4]) for row in rows}
     for kind in KINDS:

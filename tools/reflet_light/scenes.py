@@ -40,8 +40,8 @@ GRADIENT += "ground = [0.08, 0.06, 0.05]\n"
 
 def thing(name: str, shape: str, material: str, place: str = "") -> str:
     return (
-        f"[material.{name}]\n{material}\n[model.{name}]\nshape = {shape}\nmaterial = \"{name}\"\n"
-        f"[[instance]]\nmodel = \"{name}\"\n{place}\n"
+        f'[material.{name}]\n{material}\n[model.{name}]\nshape = {shape}\nmaterial = "{name}"\n'
+        f'[[instance]]\nmodel = "{name}"\n{place}\n'
     )
 
 

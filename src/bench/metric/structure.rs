@@ -89,7 +89,7 @@ impl Maps<'_> {
     /// Neighbors along `stride` pixels that both are inside the mask.
     fn pairs(&self, stride: usize) -> impl Iterator<Item = (usize, usize)> {
         let (width, inside) = (self.width(), self.mask.inside());
-        let is_in_line = move |i: usize| stride % width == 0 || i % width + stride < width;
+        let is_in_line = move |i: usize| stride.is_multiple_of(width) || i % width + stride < width;
         let all = (0..inside.len().saturating_sub(stride)).filter(move |i| is_in_line(*i));
         all.map(move |i| (i, i + stride))
             .filter(|&(a, b)| inside[a] && inside[b])
@@ -301,7 +301,7 @@ mod tests {
             _ => 0,
         });
         for (i, shown) in scene.shown.iter_mut().enumerate() {
-            let lost = (*shown == 1 && (i / SIZE[0]) % 2 == 0) || *shown == 2;
+            let lost = (*shown == 1 && (i / SIZE[0]).is_multiple_of(2)) || *shown == 2;
             *shown = if lost { 0 } else { *shown };
         }
         assert_eq!(scene.structure().recall, [Some(0.5), Some(0.0), Some(1.0)]);
