@@ -31,9 +31,30 @@ fn inspected(preview: &mut Watched) -> Option<Inspected> {
     })
 }
 
-fn select(preview: &mut Watched, thing: Thing) -> Inspected {
+/// What a thing holds, if there is one; reports of what was selected before may still come, as its file
+/// is read again after each change.
+fn selected(preview: &mut Watched, thing: Thing) -> Option<Inspected> {
     preview.worker.mailbox.post(Task::Select(thing));
-    inspected(preview).expect("it is there")
+    preview.until("the numbers", |report| match report {
+        Report::Inspected(None) => Some(None),
+        Report::Inspected(Some(found)) if found.thing == thing => Some(Some((**found).clone())),
+        _ => None,
+    })
+}
+
+fn select(preview: &mut Watched, thing: Thing) -> Inspected {
+    selected(preview, thing).expect("it is there")
+}
+
+/// Waits until a key of what is selected is shown with these values.
+fn until_shown(preview: &mut Watched, key: &str, wanted: &[f64]) {
+    preview.until("the new numbers", |report| match report {
+        Report::Inspected(Some(found)) => {
+            let numbers = found.numbers.iter().find(|n| n.key == key)?;
+            (numbers.values == wanted).then_some(())
+        }
+        _ => None,
+    });
 }
 
 fn write(preview: &mut Watched, thing: Thing, key: &'static str, values: &[f64]) {
@@ -92,8 +113,7 @@ fn moving_what_was_clicked_changes_one_line_and_can_be_undone() {
     assert_eq!(values(&picked, "translation"), [0.0, 0.5, 0.0]);
 
     write(&mut preview, picked.thing, "translation", &[0.3, 0.5, 0.0]);
-    let again = inspected(&mut preview).expect("the box");
-    assert_eq!(values(&again, "translation"), [0.3, 0.5, 0.0]);
+    until_shown(&mut preview, "translation", &[0.3, 0.5, 0.0]);
     let want = (
         "translation = [0, 0.50, 0] # on the floor",
         "translation = [0.3, 0.50, 0] # on the floor",
@@ -105,19 +125,20 @@ fn moving_what_was_clicked_changes_one_line_and_can_be_undone() {
 
     // A key that is not there yet is one more line.
     write(&mut preview, picked.thing, "scale", &[2.0, 2.0, 2.0]);
-    inspected(&mut preview);
+    until_shown(&mut preview, "scale", &[2.0, 2.0, 2.0]);
     let grown = format!("{}\nscale = [2, 2, 2]\n", want.1);
     assert!(read().contains(&grown), "{}", read());
 
-    for (again, said) in [
-        (false, "took"),
-        (false, "took"),
-        (true, "made"),
-        (false, "took"),
+    let (small, here, there) = ([1.0; 3], [0.0, 0.5, 0.0], [0.3, 0.5, 0.0]);
+    for (again, said, key, wanted) in [
+        (false, "took", "scale", small),
+        (false, "took", "translation", here),
+        (true, "made", "translation", there),
+        (false, "took", "translation", here),
     ] {
         preview.worker.mailbox.post(Task::Undo(again));
         assert!(message(&mut preview).starts_with(said));
-        inspected(&mut preview);
+        until_shown(&mut preview, key, &wanted);
     }
     assert_eq!(read(), text);
     preview.worker.mailbox.post(Task::Undo(false));
@@ -199,8 +220,7 @@ fn changes_go_where_a_thing_is_written() {
             .flat_map(|kind| (0..4).map(kind))
             .collect::<Vec<_>>();
         for thing in all {
-            preview.worker.mailbox.post(Task::Select(thing));
-            if let Some(found) = inspected(preview).filter(|found| found.label == label) {
+            if let Some(found) = selected(preview, thing).filter(|found| found.label == label) {
                 return found;
             }
         }
@@ -209,10 +229,10 @@ fn changes_go_where_a_thing_is_written() {
     // Of the base, but its intensity is the shot's.
     let lamp = find(&mut preview, "light lamp");
     write(&mut preview, lamp.thing, "intensity_cd", &[7.5]);
-    inspected(&mut preview);
+    until_shown(&mut preview, "intensity_cd", &[7.5]);
     assert!(read(&preview, "scene.toml").contains("intensity_cd = 7.5 # dim"));
     write(&mut preview, lamp.thing, "position", &[2.0, 4.5, 3.0]);
-    inspected(&mut preview);
+    until_shown(&mut preview, "position", &[2.0, 4.5, 3.0]);
     assert_eq!(
         changed_lines(SCENE, &read(&preview, "base.toml")),
         [(
@@ -223,7 +243,7 @@ fn changes_go_where_a_thing_is_written() {
     // A placed scene moves by the instance that places it, its parts in its own file.
     let group = find(&mut preview, "group rig");
     write(&mut preview, group.thing, "translation", &[0.0, 1.0, 0.0]);
-    inspected(&mut preview);
+    until_shown(&mut preview, "translation", &[0.0, 1.0, 0.0]);
     let text = read(&preview, "scene.toml");
     assert!(
         text.ends_with("model = { scene = \"rig.toml\" }\ntranslation = [0, 1, 0]\n"),
@@ -231,9 +251,11 @@ fn changes_go_where_a_thing_is_written() {
     );
     let ball = find(&mut preview, "instance rig.ball");
     write(&mut preview, ball.thing, "rotation_deg", &[0.0, 180.0, 0.0]);
-    inspected(&mut preview);
-    let text = read(&preview, "rig.toml");
-    assert!(text.contains("rotation_quat = [0, 1, 0, 0]"), "{text}");
+    let rig = preview.folder.path("rig.toml");
+    preview.until("the turned ball", |_| {
+        let text = fs::read_to_string(&rig).expect("it is there");
+        text.contains("rotation_quat = [0, 1, 0, 0]").then_some(())
+    });
     let more = find(&mut preview, "instance more");
     let why = more.refused.expect("a script makes it");
     assert!(
