@@ -108,3 +108,58 @@ fn so_it_does_with_rays_for_visibility_and_other_methods() {
         }
     }
 }
+
+/// Prints what dropping saves at 640 × 360: pipelines that are compiled, and milliseconds of all passes (processor time
+/// on a software adapter), medians of five frames in turns.
+#[test]
+#[ignore = "measures and prints a table; nothing can fail"]
+fn print_what_dropping_saves() {
+    let Some(gpu) = gpu() else { return };
+    let assets = shared_folder("REFLET_ASSETS", "assets");
+    println!(
+        "| scene | pipelines | of all | ms | of all | saved |\n| --- | --- | --- | --- | --- | --- |"
+    );
+    for path in shipped() {
+        let set = ["image.size=[640, 360]".to_owned()];
+        let (scene, _) = Scene::from_file(&path, &set).expect("a shipped scene");
+        let options = LoadOptions {
+            assets: assets.clone().into_iter().collect(),
+            ..LoadOptions::default()
+        };
+        let Ok(mut world) = load::load(&scene, &options) else {
+            continue; // it needs assets
+        };
+        if let Some(timeline) = &scene.timeline {
+            let state = Animator::new(&scene).pose(timeline.start).expect("a pose");
+            world.apply(&state).expect("a world in this pose");
+        }
+        let mut pipelines = [0; 2];
+        let mut renderers = [0, 1].map(|general| {
+            let before = gpu.compile_stats.pipelines();
+            let made = renderer(gpu, &scene, &world, general == 1);
+            pipelines[general] = gpu.compile_stats.pipelines() - before;
+            made
+        });
+        let mut times = [const { Vec::new() }; 2];
+        for _ in 0..6 {
+            for (renderer, times) in renderers.iter_mut().zip(&mut times) {
+                let camera = &world.cameras[0].value;
+                let stats = renderer.render(gpu, &world, camera).expect("a frame");
+                times.push(stats.cost_ms());
+            }
+        }
+        let [special, general] = times.map(|mut times| {
+            let mut warm = times.split_off(1);
+            warm.sort_by(f64::total_cmp);
+            warm[2]
+        });
+        let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+        println!(
+            "| {} | {} | {} | {special:.1} | {general:.1} | {:.0} % |",
+            path.strip_prefix(root).unwrap_or(&path).display(),
+            pipelines[0],
+            pipelines[1],
+            100.0 * (1.0 - special / general)
+        );
+    }
+}
