@@ -7,8 +7,12 @@ use super::{
     parse::{Form, KeyRecord, Rule, SectionRecord, VariantRecord, recorded_keys},
 };
 
-/// The schema, draft 2020-12. It cannot tell what depends on other values: names that refer to
-/// nothing, directions that are zero, matrices that are singular.
+/// The key that every scene file has, with a base too.
+const VERSION: &str = "version";
+
+/// The schema, draft 2020-12. It cannot tell what depends on other values or files: names that refer to
+/// nothing, directions that are zero, matrices that are singular, keys that are missing here and stand in a
+/// `base`.
 pub fn schema() -> Value {
     let sections = recorded_keys().sections;
     let mut tables = sections.iter();
@@ -59,7 +63,8 @@ fn keys(section: &SectionRecord, variant: Option<&VariantRecord>) -> Map<String,
     let common = section.keys.iter().map(|key| (None, key));
     for (word, key) in common.chain(own.iter().map(|key| (variant.map(|v| v.word), key))) {
         properties.insert(key.name.into(), property(section, word, key));
-        if key.required {
+        // Anything else may stand in a `base`.
+        if key.required && key.name == VERSION {
             required.push(key.name.into());
         }
     }

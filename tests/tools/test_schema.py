@@ -85,6 +85,8 @@ def test_the_schema_refuses_what_the_reader_refuses(validator):
             continue  # changes from outside are not in the text
         messages = path.with_suffix(".txt").read_text(encoding="utf-8")
         names = set(re.findall(r"^error\[([a-z-]+)\]", messages, re.MULTILINE))
+        if names == {"missing-key"}:
+            continue  # it could stand in a base
         is_within = bool(names - BEYOND_SCHEMA)
         assert validator.is_valid(scene) != is_within, f"{path.name}: {names}"
         compared += 1
