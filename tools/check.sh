@@ -37,12 +37,12 @@ heading "Format"
 cargo fmt --all -- --check
 
 heading "Lints"
-# The release profile, like the tests and the demo: dependencies are built once.
-cargo clippy --release --locked --all-targets --all-features -- -D warnings
+# The dev profile, like the tests and the demo: dependencies are built once.
+cargo clippy --locked --all-targets --all-features -- -D warnings
 
 heading "Lints without the window, the measuring and the command line"
 for features in bench cli ""; do
-    cargo clippy --release --locked --no-default-features --features "$features" -- -D warnings
+    cargo clippy --locked --no-default-features --features "$features" -- -D warnings
 done
 library="$(cargo tree --locked --no-default-features)"
 if grep -E '(egui|winit|clap|plotters) v' <<<"$library"; then
@@ -51,14 +51,14 @@ if grep -E '(egui|winit|clap|plotters) v' <<<"$library"; then
 fi
 
 heading "Tests"
-cargo test --release --locked --all-features
+cargo test --locked --all-features
 
 heading "Example of the library"
-cargo run --release --locked --all-features --example render_to_pixels
+cargo run --locked --all-features --example render_to_pixels
 
 if [ "$full" = yes ]; then
     heading "Long tests"
-    cargo test --release --locked --all-features -- --ignored
+    cargo test --locked --all-features -- --ignored
 
     heading "Licenses and vulnerabilities of dependencies"
     if cargo deny --version >/dev/null 2>&1; then

@@ -11,8 +11,8 @@ cd "$root"
 
 printf '\n== Building ==\n'
 # Only what renders: 170 packages instead of the 274 of a build with the window.
-cargo build --release --locked --no-default-features --features cli
+cargo build --locked --no-default-features --features cli
 
 printf '\n== Rendering the built-in scene ==\n'
-binary="${CARGO_TARGET_DIR:-$root/target}/release/reflet"
+binary="${CARGO_TARGET_DIR:-$root/target}/debug/reflet"
 "$binary" render --output "$root/atrium.png" --stats text

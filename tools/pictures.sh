@@ -5,8 +5,8 @@ set -euo pipefail
 root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
 readonly root
 cd "$root"
-cargo build --release --locked
-binary="${CARGO_TARGET_DIR:-$root/target}/release/reflet"
+cargo build --locked
+binary="${CARGO_TARGET_DIR:-$root/target}/debug/reflet"
 images="$root/docs/images"
 mkdir -p "$images"
 

@@ -11,8 +11,8 @@ corpus="$(cd "$1" && pwd)"
 out="$(realpath "${2:-$root/docs/images/usd.png}")"
 readonly root corpus out
 cd "$root"
-cargo build --release --locked
-binary="${CARGO_TARGET_DIR:-$root/target}/release/reflet"
+cargo build --locked
+binary="${CARGO_TARGET_DIR:-$root/target}/debug/reflet"
 folder="$(mktemp -d)"
 trap 'rm -rf "$folder"' EXIT
 cells=()

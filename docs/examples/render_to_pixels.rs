@@ -1,5 +1,5 @@
 //! Renders a scene of this folder to pixels and reads two of its AOVs:
-//! `cargo run --release --no-default-features --example render_to_pixels [SCENE [OUT.png]]`.
+//! `cargo run --no-default-features --example render_to_pixels [SCENE [OUT.png]]`.
 
 use std::{env, error::Error};
 

@@ -43,6 +43,7 @@ pub mod render_session;
 pub mod sarif;
 pub mod scene;
 pub mod sequence;
+pub mod shaders;
 pub mod shell;
 pub mod shutdown;
 pub mod stats;
@@ -96,8 +97,8 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), AppError
 #[cfg(not(feature = "preview"))]
 fn left_out(command: &str, feature: &str) -> AppError {
     AppError::Usage(format!(
-        "this build of Reflet has no `{command}`; build it with `cargo build --release`, or with \
-         `--features {feature}`"
+        "this build of Reflet has no `{command}`; build it with `--features {feature}`, or with \
+         those that `cargo build` takes by itself"
     ))
 }
 

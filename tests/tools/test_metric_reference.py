@@ -16,7 +16,7 @@ np = pytest.importorskip("numpy", reason="the references are computed with NumPy
 Image = pytest.importorskip("PIL.Image", reason="test pictures are written with Pillow")
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-BINARY = pathlib.Path(os.environ.get("REFLET", ROOT / "target" / "release" / "reflet"))
+BINARY = pathlib.Path(os.environ.get("REFLET", ROOT / "target" / "debug" / "reflet"))
 LUMA = np.array([0.299, 0.587, 0.114])  # Rec. 601, as Wang's script
 SSIM_TOLERANCE = 1e-6
 # Two releases of one code, both in single precision: a pixel can differ by more than the mean does.
@@ -108,7 +108,7 @@ def simple_errors(test, reference, where):
 @pytest.fixture(scope="session")
 def binary():
     if not BINARY.is_file():
-        pytest.skip(f"{BINARY} is missing: cargo build --release, or set REFLET")
+        pytest.skip(f"{BINARY} is missing: cargo build, or set REFLET")
     known = subprocess.run([BINARY, "compare", "--help"], capture_output=True)
     if known.returncode != 0:
         pytest.skip(f"{BINARY} has no command `compare`: build it again")

@@ -15,7 +15,7 @@ np = pytest.importorskip("numpy", reason="pictures are compared with NumPy")
 mi = pytest.importorskip("mitsuba", reason="the independent renderer is not installed")
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-BINARY = pathlib.Path(os.environ.get("REFLET", ROOT / "target" / "release" / "reflet"))
+BINARY = pathlib.Path(os.environ.get("REFLET", ROOT / "target" / "debug" / "reflet"))
 WIDTH, HEIGHT, FOV_DEG = 160, 120, 50.0
 BOUNCES = 4
 LIGHT = {"position": [1.5, 4.0, 2.5], "intensity": 40.0}

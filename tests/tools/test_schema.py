@@ -19,7 +19,7 @@ jsonschema = pytest.importorskip("jsonschema")
 tomli = pytest.importorskip("tomli")
 
 ROOT = pathlib.Path(__file__).parents[2]
-BINARY = pathlib.Path(os.environ.get("REFLET", ROOT / "target" / "release" / "reflet"))
+BINARY = pathlib.Path(os.environ.get("REFLET", ROOT / "target" / "debug" / "reflet"))
 
 # Mistakes that depend on other values, or are no JSON at all.
 BEYOND_SCHEMA = {
@@ -45,7 +45,7 @@ BEYOND_SCHEMA = {
 @pytest.fixture(scope="module")
 def schema():
     if not BINARY.is_file():
-        pytest.skip(f"{BINARY} is missing: cargo build --release, or set REFLET")
+        pytest.skip(f"{BINARY} is missing: cargo build, or set REFLET")
     return json.loads(subprocess.run([BINARY, "schema"], capture_output=True, check=True).stdout)
 
 

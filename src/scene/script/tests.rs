@@ -230,7 +230,7 @@ fn wrong_keys_are_placed_where_they_are_written() {
 
 /// Lists that are built one by one; printed, not judged.
 #[test]
-#[ignore = "a measurement: cargo test --release --lib pushes -- --ignored --nocapture"]
+#[ignore = "a measurement: cargo test --lib pushes -- --ignored --nocapture"]
 fn many_pushes() {
     for count in [1_000, 10_000, 50_000] {
         let script = format!(
@@ -291,7 +291,7 @@ fn errors_list_nested_calls() {
 
 /// A thousand poses a frame; printed, not judged, since machines differ.
 #[test]
-#[ignore = "a measurement: cargo test --release --lib thousand -- --ignored --nocapture"]
+#[ignore = "a measurement: cargo test --lib thousand -- --ignored --nocapture"]
 fn a_thousand_instances() {
     let mut desc = scene();
     let ball = desc.instances[0].clone();
