@@ -69,7 +69,10 @@ pub fn read_at_most(file: &File, most: u64) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     file.take(most + 1).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > most {
-        let message = format!("it is longer than {} MiB", most >> 20);
+        let message = match most >> 20 {
+            0 => format!("it is longer than {} KiB", most >> 10),
+            mebibytes => format!("it is longer than {mebibytes} MiB"),
+        };
         return Err(io::Error::new(io::ErrorKind::FileTooLarge, message));
     }
     Ok(bytes)

@@ -6,7 +6,10 @@ mod fit;
 
 use fit::{LEAST_NS, Measured, fit};
 
-use super::{args::CalibrateArgs, error::AppError, plan_file::PlanFile, print_out};
+use super::{
+    args::CalibrateArgs, error::AppError, output::writable::check_writable, plan_file::PlanFile,
+    print_out,
+};
 use crate::{
     files::write_whole,
     gpu::{Gpu, GpuOptions, ShaderLibrary},
@@ -102,6 +105,7 @@ const WAYS: [Way; 3] = [
 /// # Errors
 /// No usable adapter, or one that cannot time passes; a file that cannot be written.
 pub fn calibrate(args: &CalibrateArgs) -> Result<(), AppError> {
+    check_writable(&args.output)?;
     let gpu = Gpu::new(&GpuOptions {
         adapter_filter: args.adapter.clone(),
     })?;
@@ -316,12 +320,11 @@ fn table(found: &UnitCosts, kind: &UnitCosts) -> Result<String, AppError> {
         let number =
             |value: Option<&toml::Value>| value.and_then(toml::Value::as_float).unwrap_or_default();
         // Writing to a string cannot fail.
-        let _ = writeln!(
-            out,
-            "{name:<18}{:>12.4}{:>12.4}",
-            number(Some(value)),
-            number(kind.get(name))
-        );
+        let here = match number(Some(value)) {
+            cost if cost > LEAST_NS => format!("{cost:.4}"),
+            _ => "too small".to_owned(), // to be told from what is measured with it
+        };
+        let _ = writeln!(out, "{name:<18}{here:>12}{:>12.4}", number(kind.get(name)));
     }
     Ok(out)
 }

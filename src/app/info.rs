@@ -5,14 +5,14 @@ use std::fmt::Write as _;
 use serde::Serialize;
 
 use super::{
-    args::InfoArgs, error::AppError, params::setting, print_json, print_out, scene::load_scene,
-    stats::mebibytes,
+    args::InfoArgs, error::AppError, params::setting, plan_file::PlanFile, print_json, print_out,
+    scene::load_scene, stats::mebibytes,
 };
 use crate::{
     render::{
         RenderOptions,
-        decide::{Decision, decide},
-        plan::{Dropped, Plan, can_reflect, traces_rays},
+        decide::{Decision, decide, needs_trees},
+        plan::{Dropped, Plan, can_reflect},
         textures::Layers,
         types::GpuVertex,
     },
@@ -80,6 +80,8 @@ pub struct Info {
     pub decided_software: Vec<Decision>,
     /// The same on all others.
     pub decided_gpu: Vec<Decision>,
+    /// What the file of `--plan` makes of it; `None` without one.
+    pub decided_plan: Option<AdapterDecisions>,
     /// Features that the plan drops, and why that changes nothing.
     pub left_out: Vec<Dropped>,
     /// Warnings of loading.
@@ -99,6 +101,15 @@ pub struct Timeline {
     pub fps: f32,
 }
 
+/// Decisions for one adapter.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct AdapterDecisions {
+    /// Its name.
+    pub adapter: String,
+    /// As those of kinds of adapters.
+    pub decisions: Vec<Decision>,
+}
+
 /// A cut of the timeline.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Cut {
@@ -113,8 +124,9 @@ pub struct Cut {
 /// # Errors
 /// [`AppError::Scene`] when it cannot be loaded.
 pub fn info(args: &InfoArgs) -> Result<(), AppError> {
+    let plan = args.plan.as_deref().map(PlanFile::read).transpose()?;
     let loaded = load_scene(args.scene.as_deref(), &args.from, &[])?;
-    let info = gather(&loaded)?;
+    let info = gather(&loaded, plan.as_ref())?;
     if args.json {
         print_json(&info)
     } else {
@@ -122,11 +134,11 @@ pub fn info(args: &InfoArgs) -> Result<(), AppError> {
     }
 }
 
-/// Counts and measures a loaded scene.
+/// Counts and measures a loaded scene. `plan` decides beside what ships for kinds of adapters.
 ///
 /// # Errors
 /// [`AppError::Scene`] when its trees cannot be built.
-pub fn gather(loaded: &LoadedScene) -> Result<Info, AppError> {
+pub fn gather(loaded: &LoadedScene, plan_file: Option<&PlanFile>) -> Result<Info, AppError> {
     let world = &loaded.first_frame();
     let reflection = &loaded.scene.reflection;
     let unit_m = reflection.unit_m.unwrap_or_else(|| world.unit_m());
@@ -139,12 +151,20 @@ pub fn gather(loaded: &LoadedScene) -> Result<Info, AppError> {
     let bounds = world.static_bounds();
     let num_triangles = |mesh: usize| world.meshes[mesh].triangles.len();
     let options = RenderOptions::of(&loaded.scene);
-    let trees = if traces_rays(world, &options) {
+    let trees = if needs_trees(world, &options) {
         Trees::build(world, u64::MAX).map_err(|diagnostic| AppError::Scene(vec![*diagnostic]))?
     } else {
         Trees::unbuilt(world)
     };
     let [software, gpu] = [true, false].map(|software| decide(world, &trees, &options, software));
+    let decided_plan = plan_file.map(|file| {
+        let mut priced = options;
+        priced.costs = Some(file.unit_ns);
+        AdapterDecisions {
+            adapter: file.adapter.clone(),
+            decisions: decide(world, &trees, &priced, false).decisions,
+        }
+    });
     let layers = Layers::of(world);
     let plan = Plan::of(world, &trees, &layers, &gpu.options);
     let materials = world.materials.iter();
@@ -194,6 +214,7 @@ pub fn gather(loaded: &LoadedScene) -> Result<Info, AppError> {
         bounces: plan.bounces,
         decided_software: software.decisions,
         decided_gpu: gpu.decisions,
+        decided_plan,
         left_out: plan.dropped,
         warnings: loaded.warnings.len(),
         files: world
@@ -338,13 +359,16 @@ fn choices(info: &Info) -> Vec<(&'static str, String)> {
 
 /// What is left to `auto` becomes what, on which adapters.
 fn decisions(info: &Info) -> Vec<String> {
-    let kinds = [
-        ("software", &info.decided_software),
-        ("GPUs", &info.decided_gpu),
-    ];
-    let of = |(kind, list): (&str, &Vec<Decision>)| {
+    let of = |kind: &str, list: &[Decision]| {
         let text = |d: &Decision| format!("{} = {} on {kind}: {}", d.what, d.chosen, d.why);
         list.iter().map(text).collect::<Vec<_>>()
     };
-    kinds.into_iter().flat_map(of).collect()
+    match &info.decided_plan {
+        Some(plan) => of(&plan.adapter, &plan.decisions),
+        None => [
+            of("software", &info.decided_software),
+            of("GPUs", &info.decided_gpu),
+        ]
+        .concat(),
+    }
 }

@@ -32,6 +32,15 @@ impl PlanFile {
         ))
     }
 
+    /// Reads one, of any adapter.
+    ///
+    /// # Errors
+    /// [`AppError::Usage`] with the file: unreadable, broken.
+    pub fn read(path: &Path) -> Result<Self, AppError> {
+        let text = read_text(path, MAX_BYTES).map_err(|e| refused(path, &e.to_string()))?;
+        Self::parse(&text).map_err(|why| refused(path, &why))
+    }
+
     /// From TOML.
     ///
     /// # Errors
@@ -59,21 +68,25 @@ const MAX_NS: f64 = 1e9;
 /// # Errors
 /// [`AppError::Usage`] with the file: unreadable, broken, of another adapter.
 pub fn costs(path: &Path, gpu: &Gpu) -> Result<UnitCosts, AppError> {
-    let usage = |why: String| AppError::Usage(format!("--plan {}: {why}", path.display()));
-    let text = read_text(path, MAX_BYTES).map_err(|e| usage(e.to_string()))?;
-    let plan = PlanFile::parse(&text).map_err(|why| {
-        usage(format!(
-            "{why}\n  = help: `reflet calibrate -o FILE` writes such a file"
-        ))
-    })?;
+    let plan = PlanFile::read(path)?;
     let adapter = &gpu.adapter_info.name;
     if plan.adapter != *adapter {
-        return Err(usage(format!(
-            "it was measured on {:?}, and this adapter is {adapter:?}; `reflet calibrate` measures it",
-            plan.adapter
-        )));
+        return Err(refused(
+            path,
+            &format!(
+                "it was measured on {:?}, and this adapter is {adapter:?}",
+                plan.adapter
+            ),
+        ));
     }
     Ok(plan.unit_ns)
+}
+
+fn refused(path: &Path, why: &str) -> AppError {
+    AppError::Usage(format!(
+        "--plan {}: {why}\n  = help: `reflet calibrate -o FILE` measures an adapter and writes such a file",
+        path.display()
+    ))
 }
 
 #[cfg(test)]

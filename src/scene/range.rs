@@ -101,8 +101,10 @@ impl Range {
         if self.contains(x) && self.contains(f64::from(x as f32)) {
             return Ok(());
         }
+        // Words say nothing of an end that is that of any number.
+        let is_past_any = (x > LIMIT && self.max == LIMIT) || (x < -LIMIT && self.min == -LIMIT);
         Err(match self.words() {
-            words if words.is_empty() || x.abs() > LIMIT => "between -1e12 and 1e12".into(),
+            words if words.is_empty() || is_past_any => "between -1e12 and 1e12".into(),
             words => words,
         })
     }
@@ -145,5 +147,23 @@ impl Range {
             }
         };
         json!({ "type": kind, low: bound(self.min), high: bound(self.max) })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_number_out_of_range_is_told_the_end_that_it_passes() {
+        for (range, x, words) in [
+            (EDGE_PX, 1e30, "0 to 4"),
+            (EDGE_PX, -1e30, "0 to 4"),
+            (FROM_0, 1e30, "between -1e12 and 1e12"),
+            (FROM_0, -1e30, "0 or more"),
+            (ANY, -1e30, "between -1e12 and 1e12"),
+        ] {
+            assert_eq!(range.check(x), Err(words.to_owned()), "{x}");
+        }
     }
 }
