@@ -40,8 +40,16 @@ pub struct Decided {
     pub decisions: Vec<Decision>,
 }
 
+/// Whether frames follow rays, or [`decide`] does.
+pub fn needs_trees(world: &World, options: &RenderOptions) -> bool {
+    let is_auto = |light: &Light| light.desc.shadow == ShadowMode::Auto;
+    traces_rays(world, options)
+        || options.image.exposure_ev == Exposure::Auto
+        || world.lights.iter().any(is_auto)
+}
+
 /// Decides for a posed world, as its camera [`RenderOptions::camera`] shows it. `trees` are those of
-/// [`traces_rays`]; `software` says of which kind the adapter is.
+/// [`needs_trees`]; `software` says of which kind the adapter is.
 pub fn decide(world: &World, trees: &Trees, options: &RenderOptions, software: bool) -> Decided {
     let mut decider = Decider {
         workload: None,
@@ -120,14 +128,14 @@ impl Decider<'_> {
             .collect();
         for kind in kinds {
             let what = format!("shadow of {} lights", LightKind::NAMES[kind]);
-            if !traces_rays(self.world, &self.decided.options) {
-                self.choose(&what, "map", NO_RAYS.to_owned());
-                continue;
-            }
             if let Some(span) = self.coarsest_px(kind).filter(|span| *span > COARSE_PX) {
                 self.decided.options.auto_shadow[kind] = ShadowMode::Ray;
                 let why = format!("a texel of a map would span {span:.0} pixels");
                 self.choose(&what, "ray", why);
+                continue;
+            }
+            if !traces_rays(self.world, &self.decided.options) {
+                self.choose(&what, "map", NO_RAYS.to_owned());
                 continue;
             }
             let pair = self.workload().shadow(&self.unit, kind);

@@ -7,7 +7,7 @@ use glam::Vec3;
 
 use crate::{
     gpu::{Gpu, ShaderLibrary, Timer},
-    scene::desc::{Exposure, Method, ReflectionDesc},
+    scene::desc::{Method, ReflectionDesc},
     world::{
         World,
         bvh::{TopLevel, Trees},
@@ -16,7 +16,7 @@ use crate::{
 
 use super::{
     bindings::{BindingInputs, BindingKey, Bindings},
-    decide::{Decision, decide},
+    decide::{Decision, decide, needs_trees},
     error::RenderError,
     frame_uniforms::FrameUniforms,
     lights::ShadowSizes,
@@ -59,17 +59,12 @@ fn build_trees(
     world: &World,
     options: &RenderOptions,
 ) -> Result<(Trees, f64), RenderError> {
-    if !needs_trees(world, options) {
+    if !options.general && !needs_trees(world, options) {
         return Ok((Trees::unbuilt(world), 0.0));
     }
     let started = Instant::now();
     let trees = Trees::build(world, gpu.largest_storage_buffer())?;
     Ok((trees, started.elapsed().as_secs_f64() * 1e3))
-}
-
-fn needs_trees(world: &World, options: &RenderOptions) -> bool {
-    // What is bright is estimated by rays.
-    options.general || traces_rays(world, options) || options.image.exposure_ev == Exposure::Auto
 }
 
 impl Renderer {
@@ -113,6 +108,10 @@ impl Renderer {
         let (trees, tree_ms) = build_trees(gpu, world, options)?;
         let decided = decide(world, &trees, options, gpu.is_software());
         let options = &decided.options;
+        let trees = match options.general || traces_rays(world, options) {
+            true => trees,
+            false => Trees::unbuilt(world), // they were for deciding alone
+        };
         let scene = GpuScene::new(gpu, world, &trees)?;
         let plan = plan_of(world, &trees, &scene, options);
         let needed = needed_passes(&plan, options);

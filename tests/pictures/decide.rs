@@ -4,8 +4,7 @@ use glam::DVec3;
 use reflet::{
     render::{
         RenderOptions, Renderer,
-        decide::{Decided, decide},
-        plan::traces_rays,
+        decide::{Decided, decide, needs_trees},
         view::View,
         view_sample::ViewSample,
     },
@@ -62,7 +61,7 @@ shadow = "auto"
 fn decided(text: &str, set: &[&str], software: bool) -> Decided {
     let (desc, world) = scene(text, set);
     let options = RenderOptions::of(&desc);
-    let trees = if traces_rays(&world, &options) {
+    let trees = if needs_trees(&world, &options) {
         Trees::build(&world, u64::MAX).expect("small")
     } else {
         Trees::unbuilt(&world)
@@ -160,8 +159,14 @@ fn rays_win_where_triangles_are_many_and_pixels_few() {
 #[test]
 fn rays_find_shadows_where_a_map_would_be_too_coarse() {
     let few = BALLS.replace("count = [20, 1, 20]", "count = [2, 1, 2]");
-    for (size, spans) in [("[640, 360]", false), ("[3840, 2160]", true)] {
-        let found = decided(&few, &[&format!("image.size={size}")], true);
+    for (size, spans, roughness) in [
+        ("[640, 360]", false, 0.05),
+        ("[3840, 2160]", true, 0.05),
+        ("[3840, 2160]", true, 0.9), // nothing else follows rays
+    ] {
+        let size = format!("image.size={size}");
+        let roughness = format!("material.chrome.roughness={roughness}");
+        let found = decided(&few, &[&size, &roughness], true);
         let sun = found
             .decisions
             .iter()
