@@ -9,6 +9,7 @@ use std::{
 };
 
 use common::gpu_or_skip;
+use reflet::gpu::ShaderLibrary;
 
 /// A floor that reflects a ball which moves for three frames.
 const SCENE: &str = "\
@@ -100,6 +101,43 @@ fn a_regression_fails_and_is_named() {
     assert_eq!(code, 6, "{says}");
     assert!(
         says.contains("worse: 15-facing-mirrors, rt: flip is"),
+        "{says}"
+    );
+}
+
+#[test]
+fn a_planted_fault_of_a_shader_turns_cells_red() {
+    if gpu_or_skip().is_none() {
+        return;
+    }
+    let folder = folder("planted");
+    let shaders = folder.join("shaders");
+    let verified = "if (support < SUPPORT || !is_near) { m.cause = CAUSE_UNCONFIRMED; }";
+    let library = ShaderLibrary::embedded();
+    let mut planted = 0;
+    for (name, text) in library.texts() {
+        let path = shaders.join(name);
+        fs::create_dir_all(path.parent().expect("a folder")).expect("a folder");
+        planted += text.matches(verified).count();
+        fs::write(path, text.replace(verified, "")).expect("a shader");
+    }
+    assert_eq!(planted, 1, "the march confirms its hits in one place");
+    let march = shaders.join("ssr.wgsl");
+    let shaders = shaders.to_str().expect("Unicode");
+    let ratchet = ["3", "18", "--ratchet", "tests/stability.toml"];
+    let own = ["--methods", "hybrid", "--shaders", shaders];
+    let (code, says) = stability(&folder, &[&ratchet[..], &own[..]].concat());
+    assert_eq!(code, 6, "{says}");
+    for cell in ["03-rails", "18-fence"] {
+        let worse = format!("worse: {cell}, hybrid: ");
+        assert!(says.contains(&worse), "{says}");
+    }
+    fs::write(&march, "no shader").expect("a shader");
+    fs::remove_file(folder.join("samples.csv")).expect("samples");
+    let (code, says) = stability(&folder, &[&ratchet[..], &own[..]].concat());
+    assert_eq!(code, 2, "{says}");
+    assert!(
+        says.contains("--shaders: ") && says.contains("ssr.wgsl:1"),
         "{says}"
     );
 }

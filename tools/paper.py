@@ -35,9 +35,9 @@ RUNS = {
     "fig1": ["paper", "fig1", *SMALL, "--frames", "3", "--warm-up", "1"],
     "sizes": [
         *["paper", "scenario2", "--sizes", "640x480,1280x720,1920x1080"],
-        *["--every", "475", *ONCE],
+        *["--timeline", "0-949:475", *ONCE],
     ],
-    "walk": ["paper", "scenario2", *SMALL, "--every", "38", *ONCE],
+    "walk": ["paper", "scenario2", *SMALL, "--timeline", "0-949:38", *ONCE],
     "scenario3": ["paper", "scenario3", *SMALL, "--frames", "7"],
     "atrium": ["--sizes", "640x360"],
 }

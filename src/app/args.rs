@@ -162,6 +162,10 @@ pub struct InfoArgs {
     /// What is changed in it
     #[command(flatten)]
     pub from: SceneArgs,
+    /// Decide what is left to auto by the unit costs in a file of `calibrate`, not by those that ship for
+    /// software adapters and for GPUs
+    #[arg(long, value_name = "FILE")]
+    pub plan: Option<PathBuf>,
     /// Print JSON
     #[arg(long)]
     pub json: bool,

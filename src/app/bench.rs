@@ -7,6 +7,7 @@ use super::{
     error::AppError,
     print_out,
     scene::{choose_camera, load_scene},
+    shaders,
 };
 use crate::{
     bench::{
@@ -24,8 +25,7 @@ use crate::{
         sample::Sample,
     },
     files::write_whole,
-    gpu::{Gpu, GpuOptions, ShaderLibrary},
-    render::RenderError,
+    gpu::{Gpu, GpuOptions},
     scene::{desc::Method, diagnostic::Diagnostic},
     session::scene_text::LoadedScene,
 };
@@ -233,6 +233,7 @@ fn sample(
     protocol: &Protocol,
     reels: &mut [FrameSeries],
 ) -> Result<(Vec<Sample>, Option<AppError>), AppError> {
+    let library = shaders::library(args.shaders.as_deref())?;
     let path = args.output.join("samples.csv");
     let mut log = if args.resume {
         Log::resume(&path)
@@ -240,10 +241,17 @@ fn sample(
         Log::create(&path)
     }
     .map_err(|d| of_file(*d))?;
-    let host = Host::of(gpu);
+    let mut host = Host::of(gpu);
+    if args.shaders.is_some() {
+        let texts = library.texts();
+        let hash = texts.fold(Hash::default(), |hash, (name, text)| {
+            hash.with(name).with(text)
+        });
+        host.commit += &format!("-shaders-{:08x}", hash.value() >> 32);
+    }
     let bench = Bench {
         gpu,
-        library: &ShaderLibrary::embedded(),
+        library: &library,
         host: &host,
         protocol,
         stock: Stock::default(),
@@ -256,8 +264,7 @@ fn sample(
     let outcome = outcome.map_err(|error| match error {
         BenchError::File(diagnostic) => AppError::Picture(vec![*diagnostic]),
         BenchError::Scene(diagnostics) => AppError::Scene(diagnostics),
-        BenchError::Render(RenderError::Gpu(error)) => AppError::Gpu(error),
-        BenchError::Render(RenderError::Scene(diagnostic)) => AppError::Scene(vec![*diagnostic]),
+        BenchError::Render(error) => AppError::from_render(error, args.shaders.is_some()),
     })?;
     if outcome.skipped > 0 {
         let text = format!(
@@ -295,7 +302,7 @@ pub fn report(
         write(&folder.join(&chart.name), chart.svg.as_bytes())?;
     }
     let path = folder.join("report.html");
-    write(&path, page(title, &sections, galleries).as_bytes())?;
+    write(&path, page(title, "", &sections, galleries).as_bytes())?;
     for section in &sections {
         if sections.len() > 1 {
             eprintln!("\n{}:", section.heading());

@@ -13,12 +13,11 @@ use super::{
     print_json, print_out,
     render_session::RenderSession,
     scene::load_scene,
-    sequence,
+    sequence, shaders,
     stats::{Report, ReportContext},
 };
 use crate::{
     files::sweep,
-    gpu::ShaderLibrary,
     render::aov::Aov,
     scene::{desc::Method, diagnostic::Diagnostic},
     session::{model_viewer_scene::is_model, scene_text::LoadedScene},
@@ -40,7 +39,7 @@ pub fn render(args: &RenderArgs) -> Result<(), AppError> {
         PictureFile::new(&args.output)?;
     }
     let aovs = choose_aovs(&args.aov)?;
-    let library = shader_library(args.shaders.as_deref())?;
+    let library = shaders::library(args.shaders.as_deref())?;
     let load_started = Instant::now();
     let loaded = load_scene(args.scene.as_deref(), &args.from, &overrides(args))?;
     let load_ms = load_started.elapsed().as_secs_f64() * 1e3;
@@ -169,13 +168,4 @@ fn overrides(args: &RenderArgs) -> Vec<String> {
         .method
         .map(|method| format!("reflection.method=\"{}\"", Method::from(method).name()));
     [size, samples, method].into_iter().flatten().collect()
-}
-
-fn shader_library(folder: Option<&Path>) -> Result<ShaderLibrary, AppError> {
-    match folder {
-        None => Ok(ShaderLibrary::embedded()),
-        Some(folder) => {
-            ShaderLibrary::from_dir(folder).map_err(|error| AppError::from_user_shader(&error))
-        }
-    }
 }

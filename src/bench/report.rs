@@ -80,6 +80,7 @@ pub fn sections(samples: &[Sample]) -> Result<Vec<Section>, String> {
                 ("parameter", LineChart::ErrorByParameter),
                 ("ms", LineChart::Milliseconds),
                 ("ssim", LineChart::Ssim),
+                ("flicker", LineChart::Flicker),
             ] {
                 if let Some(svg) = line_chart::draw(&group, chart)? {
                     charts.push(ChartFile {

@@ -2,6 +2,7 @@
 //! × methods.
 
 pub mod document;
+pub mod heat_map;
 pub mod ratchet;
 #[cfg(test)]
 mod tests;

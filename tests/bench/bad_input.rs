@@ -73,8 +73,21 @@ fn options_that_would_do_nothing_are_refused() {
         let [_, error] = exits(&folder, &arguments, 2);
         assert!(error.contains("cannot be used with"), "{error}");
     }
-    let [_, error] = exits(&folder, &["paper", "fig1", "--every", "3", "-o", "new"], 2);
+    let [_, error] = exits(
+        &folder,
+        &["paper", "fig1", "--timeline", "3", "-o", "new"],
+        2,
+    );
     assert!(error.contains("only scenario2"), "{error}");
+    let [_, error] = exits(
+        &folder,
+        &["paper", "scenario2", "--timeline", "0-950", "-o", "new"],
+        2,
+    );
+    assert!(
+        error.contains("not in the timeline, which has 0 to 949"),
+        "{error}"
+    );
     assert!(!folder.join("new").exists());
 }
 

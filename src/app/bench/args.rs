@@ -90,7 +90,7 @@ pub struct BenchArgs {
 #[derive(Clone, Debug, Args)]
 pub struct RunArgs {
     /// How often each setting is timed, 1 to 100000; from 20 on, percentiles are reported. Of which
-    /// frames of an animation, --timeline says, or --every for a paper's walk
+    /// frames of an animation, --timeline says
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub frames: u32,
     /// Untimed frames of each setting before them, 1 to 1000
@@ -110,6 +110,9 @@ pub struct RunArgs {
     /// Add to the samples that the folder holds, measuring only what they lack
     #[arg(long)]
     pub resume: bool,
+    /// Read the shaders from a folder instead of the built-in ones
+    #[arg(long, value_name = "DIR")]
+    pub shaders: Option<PathBuf>,
     /// Take the adapter whose name contains this; also REFLET_ADAPTER
     #[arg(long, value_name = "NAME")]
     pub adapter: Option<String>,
@@ -223,6 +226,9 @@ pub struct StabilityArgs {
     /// Add to the samples that the folder holds, measuring only what they lack
     #[arg(long)]
     pub resume: bool,
+    /// Read the shaders from a folder instead of the built-in ones
+    #[arg(long, value_name = "DIR")]
+    pub shaders: Option<PathBuf>,
     /// Take the adapter whose name contains this; also REFLET_ADAPTER
     #[arg(long, value_name = "NAME")]
     pub adapter: Option<String>,
@@ -236,9 +242,10 @@ pub struct PaperArgs {
     /// Folder to search for the models; repeatable. The folders of REFLET_ASSETS come last
     #[arg(long, value_name = "DIR")]
     pub assets: Vec<PathBuf>,
-    /// Of the walk of scenario2, measure every N-th frame, 1 to 475; without it, 95
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=475))]
-    pub every: Option<u32>,
+    /// Frames of the walk of scenario2, of 0 to 949: a list such as 0-949:38 or 0-23,463-486; without it,
+    /// 0-949:95
+    #[arg(long, value_name = "LIST")]
+    pub timeline: Option<String>,
     /// Sizes such as 640x480,1280x720; without any, 640x360
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = parse_size)]
     pub sizes: Vec<[u32; 2]>,

@@ -10,7 +10,7 @@ use super::{
     run, scenario2, subject,
 };
 use crate::{
-    app::{error::AppError, scene::load},
+    app::{error::AppError, frames::FrameList, scene::load, shaders},
     bench::{
         parameter::Parameter,
         run::{FrameSeries, Protocol, Subject, Turn},
@@ -22,8 +22,8 @@ use crate::{
 /// Size without `--sizes`: what a CPU draws in a second.
 const SIZE: [u32; 2] = [640, 360];
 
-/// Without `--every`: ten frames of the walk.
-const EVERY: u32 = 95;
+/// Without `--timeline`: ten frames of the walk.
+const FRAMES: &str = "0-949:95";
 
 /// Where the paper's experiments happen.
 const SPONZA: &str = "Sponza";
@@ -107,9 +107,9 @@ const ATRIUM_REFLECTORS: [&str; 4] = ["floor", "chrome", "brass", "glass_mirror"
 /// # Errors
 /// As `bench`.
 pub fn paper(args: &PaperArgs) -> Result<(), AppError> {
-    if args.every.is_some() && args.figure != PaperExperiment::Scenario2 {
+    if args.timeline.is_some() && args.figure != PaperExperiment::Scenario2 {
         return Err(AppError::Usage(
-            "--every: only scenario2 is a walk of frames; leave it out".to_owned(),
+            "--timeline: only scenario2 is a walk of frames; leave it out".to_owned(),
         ));
     }
     let stage = stage(args.figure, &asset_folders(&args.assets));
@@ -131,8 +131,10 @@ pub fn paper(args: &PaperArgs) -> Result<(), AppError> {
         split_trace: args.run.split_trace || args.figure == PaperExperiment::Scenario1,
     };
     let is_walk = args.figure == PaperExperiment::Scenario2;
+    let list = args.timeline.as_deref().unwrap_or(FRAMES);
+    let frames = FrameList::parse("--timeline", list, &scenario2::TIMELINE)?;
     let reel = |subject| match is_walk {
-        true => scenario2::reel(subject, stage.place == SPONZA, args.every.unwrap_or(EVERY)),
+        true => scenario2::reel(subject, stage.place == SPONZA, &frames.0),
         false => Ok(FrameSeries::still(subject)),
     };
     let subjects = stage.subjects(&args.assets)?.into_iter();
@@ -140,11 +142,14 @@ pub fn paper(args: &PaperArgs) -> Result<(), AppError> {
     let gpu = open_gpu(&args.run)?;
     protocol.count |= gpu.is_software();
     let samples = run(&gpu, &args.run, &protocol, &mut reels)?;
+    let library = shaders::library(args.run.shaders.as_deref())?;
     let mut galleries = Vec::new();
     for reel in &mut reels {
-        let subject = reel.at(scenario2::FRAMES / 4).map_err(AppError::Scene)?;
+        let subject = reel
+            .at(scenario2::TIMELINE.end / 4)
+            .map_err(AppError::Scene)?;
         let shots = shots(args.figure, &subject.reflection);
-        galleries.push(gallery(&gpu, subject, protocol.sizes[0], &shots)?);
+        galleries.push(gallery(&gpu, &library, subject, protocol.sizes[0], &shots)?);
     }
     let title = match args.figure {
         PaperExperiment::Fig1 => "The paper's Fig. 1: the threshold T",

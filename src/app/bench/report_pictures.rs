@@ -36,17 +36,66 @@ impl Shot {
     }
 }
 
-/// Renders the shots of a scene; those that share a method and a rule of acceptance share a renderer.
+/// What a shot shows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Shown {
+    /// Setting and kind.
+    pub caption: String,
+    /// Width and height.
+    pub size: [u32; 2],
+    /// Display code values, row by row.
+    pub rgba: Vec<u8>,
+}
+
+impl Shown {
+    /// As a PNG file.
+    ///
+    /// # Errors
+    /// What the encoder says.
+    pub fn figure(self) -> Result<Figure, AppError> {
+        let png = encode(self.size, &self.rgba, None).map_err(AppError::Internal)?;
+        let caption = self.caption;
+        Ok(Figure { caption, png })
+    }
+}
+
+/// A gallery of shots of a scene.
 ///
 /// # Errors
 /// What the renderer refuses.
 pub fn gallery(
     gpu: &Gpu,
+    library: &ShaderLibrary,
     subject: &Subject,
     size: [u32; 2],
     shots: &[Shot],
 ) -> Result<Gallery, AppError> {
-    let mut figures: Vec<Option<Figure>> = vec![None; shots.len()];
+    let shown = shown(gpu, library, subject, size, shots)?.into_iter();
+    Ok(Gallery {
+        title: format!("{}: pictures", subject.name),
+        anchor: String::new(),
+        text: SOURCES.to_owned(),
+        charts: Vec::new(),
+        figures: shown.map(Shown::figure).collect::<Result<_, _>>()?,
+    })
+}
+
+/// What the colors of sources mean.
+pub const SOURCES: &str = "Sources: blue was found on screen, pink was traced, green has nothing in reach, gray is \
+                           too rough; red is what ssr alone leaves without reflection.";
+
+/// Renders the shots of a scene; those that share a method and a rule of acceptance share a renderer.
+///
+/// # Errors
+/// What the renderer refuses.
+pub fn shown(
+    gpu: &Gpu,
+    library: &ShaderLibrary,
+    subject: &Subject,
+    size: [u32; 2],
+    shots: &[Shot],
+) -> Result<Vec<Shown>, AppError> {
+    let mut figures: Vec<Option<Shown>> = vec![None; shots.len()];
     let mut reference = None;
     // The reference comes first: differences need it.
     let with = |method, accept| ReflectionDesc {
@@ -65,7 +114,7 @@ pub fn gallery(
         if built.method != Method::Rt && !shots.iter().any(is_of) {
             continue;
         }
-        let mut session = RenderSession::new(gpu, subject, size, &built)?;
+        let mut session = RenderSession::new(gpu, library, subject, size, &built)?;
         if built.method == Method::Rt {
             let settings = ReflectionDesc {
                 bounces: REFERENCE_BOUNCES,
@@ -75,17 +124,11 @@ pub fn gallery(
         }
         for (shot, figure) in shots.iter().zip(&mut figures) {
             if is_of(shot) {
-                *figure = Some(session.figure(shot, reference.as_ref())?);
+                *figure = Some(session.show(shot, reference.as_ref())?);
             }
         }
     }
-    Ok(Gallery {
-        title: format!("{}: pictures", subject.name),
-        text: "Sources: blue was found on screen, pink was traced, green has nothing in reach, \
-               gray is too rough; red is what ssr alone leaves without reflection."
-            .to_owned(),
-        figures: figures.into_iter().flatten().collect(),
-    })
+    Ok(figures.into_iter().flatten().collect())
 }
 
 /// A renderer of one method with what it looks at.
@@ -98,12 +141,12 @@ struct RenderSession<'a> {
 impl<'a> RenderSession<'a> {
     fn new(
         gpu: &'a Gpu,
+        library: &ShaderLibrary,
         subject: &'a Subject,
         size: [u32; 2],
         reflection: &ReflectionDesc,
     ) -> Result<Self, AppError> {
-        let library = ShaderLibrary::embedded();
-        let renderer = subject.renderer(gpu, &library, reflection, size);
+        let renderer = subject.renderer(gpu, library, reflection, size);
         Ok(Self {
             gpu,
             subject,
@@ -123,7 +166,7 @@ impl<'a> RenderSession<'a> {
         View::new(&picture, picture.size).map_err(|e| AppError::Internal(e.to_string()))
     }
 
-    fn figure(&mut self, shot: &Shot, reference: Option<&View>) -> Result<Figure, AppError> {
+    fn show(&mut self, shot: &Shot, reference: Option<&View>) -> Result<Shown, AppError> {
         let settings = shot.settings();
         let method = method_name(settings.method);
         let label = match settings.method {
@@ -161,7 +204,10 @@ impl<'a> RenderSession<'a> {
                 (caption, size, opaque.collect())
             }
         };
-        let png = encode(size, &rgba, None).map_err(AppError::Internal)?;
-        Ok(Figure { caption, png })
+        Ok(Shown {
+            caption,
+            size,
+            rgba,
+        })
     }
 }

@@ -8,10 +8,15 @@ use glam::{Affine3A, Vec3};
 use crate::{
     app::error::AppError,
     bench::run::{FrameSeries, Subject},
+    scene::desc::TimelineDesc,
 };
 
-/// Frames of the paper's walk.
-pub const FRAMES: u32 = 950;
+/// The paper's walk: 950 frames. Times of its parts are shares of it, so the rate is not used.
+pub const TIMELINE: TimelineDesc = TimelineDesc {
+    fps: 24.0,
+    start: 0,
+    end: 949,
+};
 
 /// The spline's points in Sponza, meters; closed.
 const PATH: [[f32; 3]; 8] = [
@@ -46,19 +51,18 @@ struct Walk {
     unit_m: f32,
 }
 
-/// Every `every`-th frame of the walk through a loaded scene. In Sponza the camera follows a path
+/// Some frames of the walk through a loaded scene. In Sponza the camera follows a path
 /// through the hall, elsewhere it circles around where it stands.
 ///
 /// # Errors
 /// As [`FrameSeries::moving`].
-pub fn reel(subject: Subject, in_sponza: bool, every: u32) -> Result<FrameSeries, AppError> {
+pub fn reel(subject: Subject, in_sponza: bool, frames: &[u32]) -> Result<FrameSeries, AppError> {
     let walk = Walk::new(&subject, in_sponza);
-    let frames: Vec<u32> = (0..FRAMES).step_by(every as usize).collect();
     let mover = move |subject: &mut Subject, frame| {
         walk.put(subject, frame);
         Ok(())
     };
-    FrameSeries::moving(subject, &frames, Box::new(mover)).map_err(AppError::Scene)
+    FrameSeries::moving(subject, frames, Box::new(mover)).map_err(AppError::Scene)
 }
 
 impl Walk {
@@ -93,7 +97,7 @@ impl Walk {
 
     /// Poses the scene at a frame.
     fn put(&self, subject: &mut Subject, frame: u32) {
-        let t = frame as f32 / FRAMES as f32;
+        let t = frame as f32 / (TIMELINE.end + 1) as f32;
         let sway = SWAY_U * self.unit_m * (TAU * SWAYS * t).sin();
         for (instance, at_rest) in subject.world.instances.iter_mut().zip(&self.at_rest) {
             if instance.dynamic {

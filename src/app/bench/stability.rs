@@ -9,7 +9,7 @@ use super::{
     write,
 };
 use crate::{
-    app::{error::AppError, print_out, scene::load_scene},
+    app::{error::AppError, print_out, scene::load_scene, shaders},
     bench::{
         hash::Hash,
         parameter::{THRESHOLD_SERIES, method_name},
@@ -17,7 +17,8 @@ use crate::{
         run::{FrameSeries, Protocol, Subject, Turn},
         sample::Sample,
         stability::{
-            Against, Cell, Mode, Part, cells, document::document, ratchet::Ratchet, table,
+            Against, Cell, Mode, Part, cells, document::document, heat_map::heat_map,
+            ratchet::Ratchet, table,
         },
     },
     files::write_whole,
@@ -75,6 +76,7 @@ pub fn stability(args: &StabilityArgs) -> Result<(), AppError> {
         split_trace: false,
         output: args.output.clone(),
         resume: args.resume,
+        shaders: args.shaders.clone(),
         adapter: args.adapter.clone(),
     };
     let protocol = Protocol {
@@ -95,8 +97,19 @@ pub fn stability(args: &StabilityArgs) -> Result<(), AppError> {
     let cells = cells(&modes, &columns, &samples);
     report(args, &modes, &columns, &cells, &samples)?;
     if args.pictures {
-        let galleries = pictures::galleries(&gpu, &modes, &cells, &mut all_series)?;
-        let page = page("Where methods fail", &[], &galleries);
+        let library = shaders::library(args.shaders.as_deref())?;
+        let galleries = pictures::galleries(
+            &gpu,
+            &library,
+            &modes,
+            &columns,
+            &cells,
+            &samples,
+            &mut all_series,
+        )?;
+        let shown: Vec<&str> = galleries.iter().map(|g| g.anchor.as_str()).collect();
+        let head = heat_map(&modes, &columns, &cells, &shown);
+        let page = page("Where methods fail", &head, &[], &galleries);
         let path = args.output.join("stability.html");
         write(&path, page.as_bytes())?;
         eprintln!("wrote {}", path.display());

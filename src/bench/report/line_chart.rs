@@ -16,6 +16,8 @@ pub enum LineChart {
     Milliseconds,
     /// SSIM of the frame over the frames of an animation.
     Ssim,
+    /// How otherwise than the reference it changes, over the frames of an animation.
+    Flicker,
     /// FLIP over the one parameter that all points share.
     ErrorByParameter,
 }
@@ -27,6 +29,10 @@ impl LineChart {
             Self::Milliseconds => "Wall time of each frame that was measured, a line per setting.",
             Self::Ssim => {
                 "SSIM of each frame that was measured against rt, a line per setting: 1 is equal."
+            }
+            Self::Flicker => {
+                "Flicker: how far the change of each frame since the measured frame before is from that of rt, \
+                 mean over the reflective pixels, of 255 levels. 0 where a picture changes exactly as rt does."
             }
             Self::ErrorByParameter => {
                 "What the parameter does to the error. A method that it does nothing for is a level line."
@@ -72,6 +78,7 @@ pub fn draw(group: &Group, chart: LineChart) -> Result<Option<String>, String> {
 fn over_frames(group: &Group, chart: LineChart) -> Option<Plot> {
     let value = |point: &Point| match chart {
         LineChart::Milliseconds => Some(point.frame_ms.median),
+        LineChart::Flicker => point.sample.mask_temporal_difference,
         _ => point.sample.ssim,
     };
     let mut lines: Vec<Line> = Vec::new();
@@ -108,6 +115,10 @@ fn over_frames(group: &Group, chart: LineChart) -> Option<Plot> {
     let [low, high] = range(&lines)?;
     let (bottom, top, y_title) = match chart {
         LineChart::Milliseconds => (0.0, high * 1.2, "milliseconds a frame (wall time)"),
+        LineChart::Flicker => {
+            let title = "flicker in reflections, of 255 levels";
+            (0.0, (high * 1.2).max(1e-3), title)
+        }
         _ => (low - 0.1 * (1.0 - low).max(1e-4), 1.0, "SSIM, whole frame"),
     };
     Some(Plot {

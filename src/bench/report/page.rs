@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use super::{
-    Section,
+    ChartFile, Section,
     chart::escape,
     tables::{breakdown, overview, points},
     work::{verdicts, work},
@@ -24,8 +24,12 @@ pub struct Figure {
 pub struct Gallery {
     /// The heading.
     pub title: String,
+    /// What `#ANCHOR` leads here; may be empty.
+    pub anchor: String,
     /// What to look for.
     pub text: String,
+    /// Charts, before the figures.
+    pub charts: Vec<ChartFile>,
     /// Side by side.
     pub figures: Vec<Figure>,
 }
@@ -46,6 +50,8 @@ th,td{padding:.25rem .45rem;border-bottom:1px solid #8883;text-align:right;white
 th{white-space:normal;vertical-align:bottom;line-height:1.25}
 th:first-child,td:first-child,td.left,th.left{text-align:left}
 tr.front td:first-child::after{content:' ●';color:#c60}
+table.heat{font-size:14px}table.heat td{padding:.3rem .8rem;border:1px solid #fff}
+table.heat td[style],table.heat td[style] a{color:#000}table.heat a{text-decoration:none}
 table.passes{font-size:12px}table.passes td,table.passes th{padding:.2rem .3rem}
 tr.scene td{font-weight:600;padding-top:.7rem}
 tr.failed td{opacity:.75;font-style:italic}
@@ -120,8 +126,8 @@ fn terms() -> String {
     out + "</dl></details>\n"
 }
 
-/// The page with all sections and galleries.
-pub fn page(title: &str, sections: &[Section], galleries: &[Gallery]) -> String {
+/// The page with all sections and galleries; `head` is HTML that it begins with.
+pub fn page(title: &str, head: &str, sections: &[Section], galleries: &[Gallery]) -> String {
     let mut out = format!(
         "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n<title>{}</title>\n\
          <meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n\
@@ -130,6 +136,7 @@ pub fn page(title: &str, sections: &[Section], galleries: &[Gallery]) -> String 
         escape(title)
     );
     out += &host(sections);
+    out += head;
     out += &terms();
     if sections.len() > 1 {
         out += &overview(sections);
@@ -204,14 +211,7 @@ fn section(section: &Section) -> String {
             format!(" Content of the scene: {}.", escape(&s.content))
         }
     );
-    for chart in &section.charts {
-        let _ = writeln!(
-            out,
-            "<figure>{}<figcaption>{}</figcaption></figure>",
-            chart.svg,
-            escape(&chart.caption)
-        );
-    }
+    out += &charts(&section.charts);
     out += "</div>\n";
     out += &points(section);
     out += &verdicts(&section.group.points);
@@ -220,11 +220,24 @@ fn section(section: &Section) -> String {
     out
 }
 
+fn charts(charts: &[ChartFile]) -> String {
+    let figure = |chart: &ChartFile| {
+        let caption = escape(&chart.caption);
+        format!(
+            "<figure>{}<figcaption>{caption}</figcaption></figure>\n",
+            chart.svg
+        )
+    };
+    charts.iter().map(figure).collect()
+}
+
 fn gallery(gallery: &Gallery) -> String {
     let mut out = format!(
-        "<h2>{}</h2>\n<p>{}</p>\n<div class=\"shots\">",
+        "<h2 id=\"{}\">{}</h2>\n<p>{}</p>\n<div class=\"charts\">{}</div>\n<div class=\"shots\">",
+        escape(&gallery.anchor),
         escape(&gallery.title),
-        escape(&gallery.text)
+        escape(&gallery.text),
+        charts(&gallery.charts)
     );
     for figure in &gallery.figures {
         let caption = escape(&figure.caption);

@@ -11,12 +11,42 @@ use crate::{
     render::stats::{TOLERANCE_RELATIVE, TOLERANCE_U},
 };
 
-/// Bands of the 99th percentile of FLIP: up to which, mark, and what it means.
-const BANDS: [(f64, &str, &str); 4] = [
-    (0.05, "🟩", "not seen"),
-    (0.2, "🟨", "seen in a direct comparison"),
-    (0.5, "🟧", "seen"),
-    (f64::INFINITY, "🟥", "wrong"),
+/// A band of the 99th percentile of FLIP.
+#[derive(Clone, Copy, Debug)]
+pub struct Band {
+    up_to: f64,
+    mark: &'static str,
+    /// Of the same, in HTML; black text is read on it.
+    pub color: &'static str,
+    means: &'static str,
+}
+
+/// From not seen to wrong.
+const BANDS: [Band; 4] = [
+    Band {
+        up_to: 0.05,
+        mark: "🟩",
+        color: "#9bd89b",
+        means: "not seen",
+    },
+    Band {
+        up_to: 0.2,
+        mark: "🟨",
+        color: "#f3e48a",
+        means: "seen in a direct comparison",
+    },
+    Band {
+        up_to: 0.5,
+        mark: "🟧",
+        color: "#f2b661",
+        means: "seen",
+    },
+    Band {
+        up_to: f64::INFINITY,
+        mark: "🟥",
+        color: "#ee8277",
+        means: "wrong",
+    },
 ];
 
 /// What a score is, for one table.
@@ -83,12 +113,12 @@ pub fn document(modes: &[Mode], methods: &[&str], cells: &[Cell], machine: &str)
 }
 
 fn scores() -> Vec<Score> {
-    let bands = BANDS.map(|(up_to, mark, means)| match up_to.is_finite() {
-        true => format!("{mark} up to {up_to}: {means}"),
-        false => format!("{mark} above: {means}"),
+    let bands = BANDS.map(|band| match band.up_to.is_finite() {
+        true => format!("{} up to {}: {}", band.mark, band.up_to, band.means),
+        false => format!("{} above: {}", band.mark, band.means),
     });
     let banded: fn(&CellScores) -> _ =
-        |s| Some(format!("{} {:.3}", band(s.flip_p99).1, s.flip_p99));
+        |s| Some(format!("{} {:.3}", band(s.flip_p99).mark, s.flip_p99));
     let mut all = vec![
         Score {
             title: "99th percentile of FLIP against `rt`",
@@ -217,19 +247,26 @@ fn text(cells: &[Cell], mode: &Mode, method: &str, score: &Score) -> Option<Stri
     }
 }
 
-fn find<'a>(cells: &'a [Cell], mode: &Mode, method: &str, against: Against) -> Option<&'a Cell> {
+/// The cell of a mode and a method.
+pub fn find<'a>(
+    cells: &'a [Cell],
+    mode: &Mode,
+    method: &str,
+    against: Against,
+) -> Option<&'a Cell> {
     let wanted = (mode.name.as_str(), method, against);
     let is_wanted = |c: &&Cell| (c.mode.as_str(), c.method.as_str(), c.against) == wanted;
     cells.iter().find(is_wanted)
 }
 
-fn band(p99: f64) -> (f64, &'static str, &'static str) {
-    let found = BANDS.into_iter().find(|(up_to, ..)| p99 <= *up_to);
+/// Where a score lies.
+pub fn band(p99: f64) -> Band {
+    let found = BANDS.into_iter().find(|band| p99 <= band.up_to);
     found.unwrap_or(BANDS[BANDS.len() - 1])
 }
 
 /// One sentence for each method: how wrong it is, and where most.
-fn verdicts(mode: &Mode, methods: &[&str], cells: &[Cell]) -> Vec<String> {
+pub fn verdicts(mode: &Mode, methods: &[&str], cells: &[Cell]) -> Vec<String> {
     let mut sentences = Vec::new();
     for method in methods {
         let Some(cell) = find(cells, mode, method, Against::Rt) else {
@@ -244,7 +281,7 @@ fn verdicts(mode: &Mode, methods: &[&str], cells: &[Cell]) -> Vec<String> {
         };
         let mut sentence = format!(
             "{method}: {} (p99 {:.3}, mean {:.4}, relMSE {:.2e}",
-            band(s.flip_p99).2,
+            band(s.flip_p99).means,
             s.flip_p99,
             s.flip,
             s.rel_mse
@@ -257,7 +294,11 @@ fn verdicts(mode: &Mode, methods: &[&str], cells: &[Cell]) -> Vec<String> {
             scores: Ok(truth), ..
         }) = find(cells, mode, method, Against::Truth)
         {
-            let _ = write!(sentence, "; against the truth {}", band(truth.flip_p99).2);
+            let _ = write!(
+                sentence,
+                "; against the truth {}",
+                band(truth.flip_p99).means
+            );
         }
         sentences.push(sentence);
     }
@@ -313,8 +354,8 @@ mod tests {
 
     #[test]
     fn bands_have_their_ends() {
-        assert_eq!(band(0.05).2, "not seen");
-        assert_eq!(band(0.0501).1, "🟨");
-        assert_eq!((band(0.9).2, band(f64::NAN).2), ("wrong", "wrong"));
+        assert_eq!(band(0.05).means, "not seen");
+        assert_eq!(band(0.0501).mark, "🟨");
+        assert_eq!((band(0.9).means, band(f64::NAN).means), ("wrong", "wrong"));
     }
 }

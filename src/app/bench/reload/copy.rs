@@ -104,12 +104,7 @@ impl SceneCopy {
         from: &SceneArgs,
         shaders: Option<&Path>,
     ) -> Result<Self, AppError> {
-        let library = match shaders {
-            None => ShaderLibrary::embedded(),
-            Some(folder) => {
-                ShaderLibrary::from_dir(folder).map_err(|e| AppError::from_user_shader(&e))?
-            }
-        };
+        let library = crate::app::shaders::library(shaders)?;
         let opened = SceneText::read(path, &from.options())
             .and_then(|text| text.open(&[], &Dependencies::default()))
             .map_err(AppError::Scene)?;

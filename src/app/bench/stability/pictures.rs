@@ -2,15 +2,16 @@
 
 use crate::{
     app::{
-        bench::report_pictures::{Shot, gallery},
+        bench::report_pictures::{SOURCES, Shot, Shown, shown},
         error::AppError,
     },
     bench::{
-        report::page::Gallery,
+        report::{page::Gallery, sections},
         run::FrameSeries,
-        stability::{Against, Cell, Mode, Part, Place},
+        sample::Sample,
+        stability::{Against, Cell, Mode, Part, Place, document::verdicts},
     },
-    gpu::Gpu,
+    gpu::{Gpu, ShaderLibrary},
     scene::desc::{Accept, Method, ReflectionDesc},
 };
 
@@ -21,8 +22,11 @@ use crate::{
 /// What the renderer refuses.
 pub fn galleries(
     gpu: &Gpu,
+    library: &ShaderLibrary,
     modes: &[Mode],
+    columns: &[&str],
     cells: &[Cell],
+    samples: &[Sample],
     all_series: &mut [FrameSeries],
 ) -> Result<Vec<Gallery>, AppError> {
     let mut galleries = Vec::new();
@@ -38,19 +42,94 @@ pub fn galleries(
         let Some(series) = series else { continue };
         let subject = series.at(frame).map_err(AppError::Scene)?;
         let (title, about) = mode.heading();
-        let shown = gallery(gpu, subject, size, &shots(&subject.reflection))?;
+        let shots = shots(&subject.reflection);
+        let mut shown = shown(gpu, library, subject, size, &shots)?;
+        if let Some(window) = worst_window(&shown[HYBRID], &shown[RT]) {
+            let crops: Vec<Shown> = shown.iter().map(|shown| window.cut(shown)).collect();
+            shown.extend(crops);
+        }
         let at = if part.frames.len() > 1 {
             format!(" Frame {frame}.")
         } else {
             String::new()
         };
+        let says = verdicts(mode, columns, cells);
+        let of_part = samples.iter().filter(|s| s.scene == part.scene);
+        let of_part: Vec<Sample> = of_part.cloned().collect();
+        let sections = sections(&of_part).map_err(AppError::Internal)?;
+        let charts = sections.into_iter().flat_map(|section| section.charts);
         galleries.push(Gallery {
             title,
-            text: format!("{about}{at} {}", shown.text),
-            figures: shown.figures,
+            anchor: mode.name.clone(),
+            text: format!("{about}{at} {} {SOURCES}", says.join("; ")),
+            charts: charts
+                .filter(|c| c.name.ends_with("-flicker.svg"))
+                .collect(),
+            figures: (shown.into_iter().map(Shown::figure)).collect::<Result<_, _>>()?,
         });
     }
     Ok(galleries)
+}
+
+/// Where a picture differs most from another.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Window {
+    corner: [u32; 2],
+    size: [u32; 2],
+}
+
+/// Largest size of crops, pixels.
+const CROP_PX: [u32; 2] = [48, 36];
+
+impl Window {
+    fn cut(self, shown: &Shown) -> Shown {
+        let [x, y] = self.corner;
+        let [width, height] = self.size;
+        let row = |row: u32| {
+            let start = 4 * (row * shown.size[0] + x) as usize;
+            &shown.rgba[start..start + 4 * width as usize]
+        };
+        Shown {
+            caption: format!("{}: the {width} × {height} px at ({x}, {y})", shown.caption),
+            size: self.size,
+            rgba: (y..y + height).flat_map(row).copied().collect(),
+        }
+    }
+}
+
+/// The window whose sum of differences is the largest; none where the pictures are equal, or hardly larger.
+fn worst_window(picture: &Shown, reference: &Shown) -> Option<Window> {
+    let full = picture.size;
+    let size = [0, 1].map(|axis| CROP_PX[axis].min(full[axis]));
+    if reference.size != full || size == full {
+        return None;
+    }
+    let pixels = picture
+        .rgba
+        .chunks_exact(4)
+        .zip(reference.rgba.chunks_exact(4));
+    let difference = |(a, b): (&[u8], &[u8])| {
+        let channels = a.iter().zip(b);
+        channels
+            .map(|(a, b)| u64::from(a.abs_diff(*b)))
+            .sum::<u64>()
+    };
+    // Sums of all that is above and to the left.
+    let [width, height] = full.map(|side| side as usize);
+    let mut sums = vec![0; (width + 1) * (height + 1)];
+    for (index, pixel) in pixels.enumerate() {
+        let at = (index / width + 1) * (width + 1) + index % width + 1;
+        sums[at] = difference(pixel) + sums[at - 1] + sums[at - width - 1] - sums[at - width - 2];
+    }
+    let sum = |[x, y]: [u32; 2]| {
+        let at = |x: u32, y: u32| sums[y as usize * (width + 1) + x as usize];
+        let [right, below] = [x + size[0], y + size[1]];
+        at(right, below) + at(x, y) - at(right, y) - at(x, below)
+    };
+    let corners =
+        (0..=full[1] - size[1]).flat_map(|y| (0..=full[0] - size[0]).map(move |x| [x, y]));
+    let corner = corners.max_by_key(|corner| sum(*corner))?;
+    (sum(corner) > 0).then_some(Window { corner, size })
 }
 
 fn shows(part: &Part, frame: u32, size: [u32; 2]) -> bool {
@@ -66,6 +145,10 @@ fn worst(mode: &Mode, cells: &[Cell]) -> Option<Place> {
     let scores = cell.or_else(|| of_mode().next())?.scores.as_ref();
     scores.ok().map(|scores| scores.worst)
 }
+
+/// Places in [`shots`].
+const HYBRID: usize = 2;
+const RT: usize = 3;
 
 fn shots(settings: &ReflectionDesc) -> Vec<Shot> {
     let with = |method, accept| ReflectionDesc {
@@ -84,4 +167,35 @@ fn shots(settings: &ReflectionDesc) -> Vec<Shot> {
         Shot::Difference(hybrid),
         Shot::Source(hybrid),
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn gray(value: impl Fn(u32, u32) -> u8) -> Shown {
+        let size = [100, 60];
+        let pixels = (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| [x, y]));
+        Shown {
+            caption: "gray".to_owned(),
+            size,
+            rgba: pixels.flat_map(|[x, y]| [value(x, y); 4]).collect(),
+        }
+    }
+
+    #[test]
+    fn the_worst_window_holds_what_differs_most() {
+        let plain = gray(|_, _| 100);
+        assert_eq!(worst_window(&plain, &plain), None);
+        let wrong = gray(|x, y| match (x, y) {
+            (10, 10) => 130,
+            (90..94, 50..54) => 140,
+            _ => 100,
+        });
+        let window = worst_window(&wrong, &plain).expect("a window");
+        let cut = window.cut(&wrong);
+        assert_eq!(cut.size, CROP_PX);
+        assert_eq!(cut.rgba.iter().filter(|v| **v == 140).count(), 4 * 16);
+        assert!(!cut.rgba.contains(&130));
+    }
 }

@@ -1,0 +1,19 @@
+//! Shaders of `--shaders`, else the built-in ones.
+
+use std::path::Path;
+
+use super::error::AppError;
+use crate::gpu::ShaderLibrary;
+
+/// The shaders of a folder; without one, those of the program.
+///
+/// # Errors
+/// [`AppError::Usage`] with the file that is missing or cannot be read.
+pub fn library(folder: Option<&Path>) -> Result<ShaderLibrary, AppError> {
+    match folder {
+        None => Ok(ShaderLibrary::embedded()),
+        Some(folder) => {
+            ShaderLibrary::from_dir(folder).map_err(|error| AppError::from_user_shader(&error))
+        }
+    }
+}
