@@ -198,13 +198,37 @@ fn is_refusal(cause: u32) -> bool {
     return cause == CAUSE_HIDDEN || cause == CAUSE_UNCONFIRMED || cause == CAUSE_BACK_FACE || cause == CAUSE_REFLECTOR;
 }
 
+// Which way a ray goes through the grid of pixels.
+struct Heading {
+    positive: vec2<bool>,
+    steep: vec2<bool>, // whether it ever reaches the next column, and row
+    inverse: vec2f, // s for each pixel
+}
+
+fn heading_of(r: ScreenRay) -> Heading {
+    let steep = abs(r.delta.xy) > vec2f(1e-9);
+    let inverse = select(vec2f(1e30), 1.0 / select(vec2f(1.0), r.delta.xy, steep), steep);
+    return Heading(r.delta.xy > vec2f(0.0), steep, inverse);
+}
+
+// s where the ray leaves the columns, and the rows, of a cell of pixels, which ends before `next`.
+fn exits_of(r: ScreenRay, h: Heading, first: vec2i, next: vec2i) -> vec2f {
+    let edges = vec2f(select(first, next, h.positive));
+    return select(vec2f(2.0), (edges - r.start.xy) * h.inverse, h.steep);
+}
+
+// The pixel after that cell. Only the one across the border is exact; along it, rounding must not skip any.
+fn pixel_past(r: ScreenRay, h: Heading, first: vec2i, next: vec2i, exits: vec2f, exit: f32) -> vec2i {
+    let along = clamp(vec2i(floor(r.start.xy + r.delta.xy * exit)), first, next - 1);
+    let beyond = select(first - 1, next, h.positive);
+    return select(vec2i(along.x, beyond.y), vec2i(beyond.x, along.y), exits.x <= exits.y);
+}
+
 fn march(s0: Surface, direction: vec3f) -> March {
     let origin = ray_origin(s0.position, s0.geometric_normal);
     let r = screen_ray(origin, direction);
     let length_px = max(max(abs(r.delta.x), abs(r.delta.y)), 1e-3);
-    let positive = r.delta.xy > vec2f(0.0);
-    let steep = abs(r.delta.xy) > vec2f(1e-9);
-    let inverse = select(vec2f(1e30), 1.0 / select(vec2f(1.0), r.delta.xy, steep), steep);
+    let heading = heading_of(r);
     // Height of what a pixel shows over the reflector's tangent plane, by its depth: a point on or
     // below that plane is never in front of the ray, for camera and ray are both above it, and so is
     // every point between them. This keeps grazing floors from reflecting themselves.
@@ -233,8 +257,7 @@ fn march(s0: Surface, direction: vec3f) -> March {
             let cell = pixel >> vec2u(level);
             let first = cell << vec2u(level);
             let next = (cell + 1) << vec2u(level);
-            let edges = vec2f(select(first, next, positive));
-            let exits = select(vec2f(2.0), (edges - r.start.xy) * inverse, steep);
+            let exits = exits_of(r, heading, first, next);
             let exit = clamp(min(exits.x, exits.y), s, r.end);
             let z_in = r.start.z + r.delta.z * s;
             let z_out = r.start.z + r.delta.z * exit;
@@ -250,11 +273,7 @@ fn march(s0: Surface, direction: vec3f) -> March {
                 }
             }
             if (is_free) {
-                // Only the pixel across the border is exact; along it, rounding must not skip any.
-                let across_x = exits.x <= exits.y;
-                let along = clamp(vec2i(floor(r.start.xy + r.delta.xy * exit)), first, next - 1);
-                let beyond = select(first - 1, next, positive);
-                pixel = select(vec2i(along.x, beyond.y), vec2i(beyond.x, along.y), across_x);
+                pixel = pixel_past(r, heading, first, next, exits, exit);
                 s = exit;
                 level = min(level + 1u, PYRAMID_LEVELS);
                 continue;
@@ -277,11 +296,8 @@ fn march(s0: Surface, direction: vec3f) -> March {
         }
         if (m.cause != CAUSE_NOT_REFLECTIVE) { break; }
         // Past this pixel; the ray was in front of its surface all along.
-        let edges = vec2f(select(pixel, pixel + 1, positive));
-        let exits = select(vec2f(2.0), (edges - r.start.xy) * inverse, steep);
-        let across_x = exits.x <= exits.y;
-        let beyond = select(pixel - 1, pixel + 1, positive);
-        pixel = select(vec2i(pixel.x, beyond.y), vec2i(beyond.x, pixel.y), across_x);
+        let exits = exits_of(r, heading, pixel, pixel + 1);
+        pixel = pixel_past(r, heading, pixel, pixel + 1, exits, c.high);
         s = c.high;
         m.cause = CAUSE_STEPS;
     }

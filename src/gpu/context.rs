@@ -226,8 +226,16 @@ impl Gpu {
     ///
     /// # Errors
     /// [`GpuError::Limit`] naming it.
-    pub fn check_buffer_size(&self, what: &str, bytes: u64) -> Result<(), GpuError> {
+    pub fn check_storage_size(&self, what: &str, bytes: u64) -> Result<(), GpuError> {
         within(what, bytes, self.largest_storage_buffer(), "bytes")
+    }
+
+    /// Whether a buffer named `what` of `bytes`, which no shader binds, can be created.
+    ///
+    /// # Errors
+    /// [`GpuError::Limit`] naming it.
+    pub fn check_buffer_size(&self, what: &str, bytes: u64) -> Result<(), GpuError> {
+        within(what, bytes, self.limits.max_buffer_size, "bytes")
     }
 
     /// Whether a 2D texture named `what` of this many pixels can be created.

@@ -37,7 +37,7 @@ pub fn buffer<T: Pod>(
 ) -> Result<wgpu::Buffer, GpuError> {
     let bytes: &[u8] = cast_slice(data);
     let size = (bytes.len().max(size_of::<T>()).max(16) as u64).next_multiple_of(16);
-    gpu.check_buffer_size(name, size)?;
+    gpu.check_storage_size(name, size)?;
     let buffer = gpu.scoped(name, || {
         gpu.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some(name),

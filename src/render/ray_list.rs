@@ -82,7 +82,7 @@ impl RayList {
     /// A picture whose lists are past the adapter's buffer limit.
     pub fn new(gpu: &Gpu, size: [u32; 2], parts: ListedParts) -> Result<Self, GpuError> {
         let bytes = parts.bytes(size);
-        gpu.check_buffer_size("the lists of this picture size", bytes)?;
+        gpu.check_storage_size("a list of all pixels of this size", bytes)?;
         let storage = wgpu::BufferUsages::STORAGE;
         let make = |label, size, usage| {
             gpu.device.create_buffer(&wgpu::BufferDescriptor {
