@@ -157,14 +157,6 @@ pub fn gather(loaded: &LoadedScene, plan_file: Option<&PlanFile>) -> Result<Info
         Trees::unbuilt(world)
     };
     let [software, gpu] = [true, false].map(|software| decide(world, &trees, &options, software));
-    let decided_plan = plan_file.map(|file| {
-        let mut priced = options;
-        priced.costs = Some(file.unit_ns);
-        AdapterDecisions {
-            adapter: file.adapter.clone(),
-            decisions: decide(world, &trees, &priced, false).decisions,
-        }
-    });
     let layers = Layers::of(world);
     let plan = Plan::of(world, &trees, &layers, &gpu.options);
     let materials = world.materials.iter();
@@ -214,7 +206,7 @@ pub fn gather(loaded: &LoadedScene, plan_file: Option<&PlanFile>) -> Result<Info
         bounces: plan.bounces,
         decided_software: software.decisions,
         decided_gpu: gpu.decisions,
-        decided_plan,
+        decided_plan: plan_file.map(|file| decide_by(file, world, &trees, options)),
         left_out: plan.dropped,
         warnings: loaded.warnings.len(),
         files: world
@@ -223,6 +215,19 @@ pub fn gather(loaded: &LoadedScene, plan_file: Option<&PlanFile>) -> Result<Info
             .map(|f| f.display().to_string())
             .collect(),
     })
+}
+
+fn decide_by(
+    file: &PlanFile,
+    world: &World,
+    trees: &Trees,
+    mut options: RenderOptions,
+) -> AdapterDecisions {
+    options.costs = Some(file.unit_ns);
+    AdapterDecisions {
+        adapter: file.adapter.clone(),
+        decisions: decide(world, trees, &options, false).decisions,
+    }
 }
 
 /// Names of what `[motion]` and the script animate.

@@ -6,7 +6,7 @@ use super::{diagnostics_panel::located, status_message::StatusMessage};
 use crate::{app::preview::scene_summary::SceneSummary, scene::script::DEADLINE};
 
 /// Keys and what they do.
-pub const KEYS: [(&str, &str); 22] = [
+pub const KEYS: [(&str, &str); 23] = [
     ("left drag", "orbit around the target"),
     ("middle drag", "pan"),
     ("right drag", "look around"),
@@ -42,6 +42,7 @@ pub const KEYS: [(&str, &str); 22] = [
         "F12",
         "write what is shown to a PNG file, without labels and outline",
     ),
+    ("Ctrl O, or a dropped file", "open another scene or model"),
     ("H", "this list"),
     ("Ctrl Q", "close"),
 ];
