@@ -11,6 +11,7 @@ from read_converted import Converted, convert_text
 from reflet_usd.convert import instance_motion as motion_module
 from reflet_usd.convert import instancer as instancer_module
 from reflet_usd.validate.validation import validate_file
+from tampering import agrees
 
 QUAD = """
     def Mesh "Q" {
@@ -193,6 +194,27 @@ def PointInstancer "Outer" {
     assert places == {(x, y, 0.0) for x in (0.0, 10.0) for y in (1.0, 2.0, 3.0)}
     assert len(done.gltf.meshes) == 1
     assert all(row["warned"] == 0 for row in done.result.ledger.values())
+
+
+def test_nested_instancers_come_and_go(tmp_path: Path) -> None:
+    """The outer one is hidden at rest: what it draws later is still its own."""
+    text = """
+def PointInstancer "Outer" {
+    token visibility.timeSamples = {1: "invisible", 2: "inherited"}
+    rel prototypes = </Outer/Inner>
+    int[] protoIndices = [0, 0]
+    point3f[] positions = [(0,0,0), (10,0,0)]
+    def PointInstancer "Inner" {
+        token visibility.timeSamples = {1: "inherited", 3: "invisible"}
+        rel prototypes = </Outer/Inner/Ball>
+        int[] protoIndices = [0, 0]
+        point3f[] positions = [(0,1,0), (0,2,0)]
+        def Sphere "Ball" {
+        }
+    }
+}
+"""
+    assert agrees(convert_text(tmp_path, text))
 
 
 def test_a_cycle_ends_and_is_named(tmp_path: Path) -> None:

@@ -160,6 +160,23 @@ def test_orthographic_camera(tmp_path: Path) -> None:
     assert found["ymag"] == pytest.approx(0.012)
 
 
+def test_an_orthographic_camera_may_begin_at_its_eye(tmp_path: Path) -> None:
+    body = 'float2 clippingRange = (0, 100)\n    token projection = "orthographic"'
+    done = convert_light(tmp_path, "Camera", body)
+    assert done.json["cameras"][0]["orthographic"]["znear"] == 0
+    assert done.warnings("/L") == set()
+    assert agrees(done)
+    done = convert_light(tmp_path, "Camera", "float2 clippingRange = (0, 100)")
+    assert "camera-clip-invalid" in done.warnings("/L")
+
+
+def test_lens_values_that_are_no_numbers_are_named(tmp_path: Path) -> None:
+    body = "float fStop = nan\n    float exposure = inf\n    double shutter:open = 0.5"
+    done = convert_light(tmp_path, "Camera", body)
+    assert done.json["nodes"][done.node("/L")]["extras"]["lens"] == {"shutter:open": 0.5}
+    assert agrees(done)
+
+
 def test_what_a_pinhole_lacks_is_named(tmp_path: Path) -> None:
     body = CAMERA + "\n    float fStop = 2.8\n    float horizontalApertureOffset = 3"
     body += "\n    float focusDistance = 500"

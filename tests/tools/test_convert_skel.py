@@ -297,6 +297,7 @@ def SkelRoot "B" (instanceable = true
     done = convert_text(tmp_path, text)
     world = done.world(0.0)
     assert sorted(world[skin.joints[0]][0, 3] for skin in done.gltf.skins) == pytest.approx([3, 7])
+    assert done.result.ledger["BlendShape"]["warned"] == 0
 
 
 CHARACTER = """#usda 1.0

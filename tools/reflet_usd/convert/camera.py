@@ -31,9 +31,10 @@ def add_camera(context: Context, writer: GltfWriter, prim: Usd.Prim, node: Node)
         message = f"apertures {width} × {height} and focal length {focal} make no camera"
         context.ledger.warn("camera-invalid", prim, message)
         return
-    near, far = _clip_planes(context, prim)
+    is_flat = authored(prim, "projection", context.time, "perspective") == "orthographic"
+    near, far = _clip_planes(context, prim, is_flat)
     entry: dict[str, Any] = {"name": prim.GetName(), "extras": {"prim": str(prim.GetPath())}}
-    if authored(prim, "projection", context.time, "perspective") == "orthographic":
+    if is_flat:
         scale = _TENTH * context.meters_per_unit / 2
         entry["type"] = "orthographic"
         entry["orthographic"] = {
@@ -55,10 +56,11 @@ def add_camera(context: Context, writer: GltfWriter, prim: Usd.Prim, node: Node)
     _warn_animated(context, prim)
 
 
-def _clip_planes(context: Context, prim: Usd.Prim) -> tuple[float, float]:
+def _clip_planes(context: Context, prim: Usd.Prim, is_flat: bool) -> tuple[float, float]:
     near, far = (float(v) for v in authored(prim, "clippingRange", context.time, (1.0, 1e6)))
     near, far = near * context.meters_per_unit, far * context.meters_per_unit
-    if math.isfinite(near) and math.isfinite(far) and 0.0 < near < far:
+    is_usable = math.isfinite(near) and math.isfinite(far) and 0.0 <= near < far
+    if is_usable and (near > 0.0 or is_flat):
         return near, far
     message = f"clipping range {near} to {far} m is not usable, taken as 0.01 to 10000 m"
     context.ledger.warn("camera-clip-invalid", prim, message)
@@ -89,14 +91,18 @@ def _keep_lens(context: Context, prim: Usd.Prim, node: Node) -> None:
     ]
     if planes:
         lens["clippingPlanes"] = [p for p in planes if all(map(math.isfinite, p))]
-    if lens.get("fStop"):
+    if lens.get("fStop") and math.isfinite(lens["fStop"]):
         lens["focusDistance_m"] = (
             authored(prim, "focusDistance", context.time, 0.0) * context.meters_per_unit
         )
-    lens = {k: v for k, v in lens.items() if not isinstance(v, float) or math.isfinite(v)}
-    if lens:
-        node.extras["lens"] = lens
-        message = f"a glTF camera has no {', '.join(lens)}; kept in extras"
+    finite = {k: v for k, v in lens.items() if not isinstance(v, float) or math.isfinite(v)}
+    if finite:
+        node.extras["lens"] = finite
+        message = f"a glTF camera has no {', '.join(finite)}; kept in extras"
+        context.ledger.warn("lens-dropped", prim, message)
+    lost = [name for name in lens if name not in finite]
+    if lost:
+        message = f"{', '.join(lost)}: not finite, not carried"
         context.ledger.warn("lens-dropped", prim, message)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from pxr import Usd, UsdGeom, UsdSkel
+from pxr import Sdf, Usd, UsdGeom, UsdSkel
 
 from reflet_usd.convert.context import Context, in_float32
 from reflet_usd.convert.gltf_writer import ARRAY_BUFFER, GltfWriter
@@ -168,7 +168,7 @@ class Deformation:
         order = self.skinning.GetBlendShapeOrder()
         targets = self.skinning.GetBlendShapeTargetsRel().GetTargets()
         for name, target in zip(order or [], targets, strict=False):
-            shape_prim = self.context.stage.GetPrimAtPath(target)
+            shape_prim = self.context.stage.GetPrimAtPath(_proxy_path(self.prim, target))
             shape = UsdSkel.BlendShape(shape_prim) if shape_prim else None
             if not shape:
                 message = f"blend shape {target} does not exist"
@@ -208,6 +208,16 @@ class Deformation:
         dense = np.zeros((point_count, 3))
         dense[rows] = values
         return dense
+
+
+def _proxy_path(prim: Usd.Prim, target: Sdf.Path) -> Sdf.Path:
+    """The path of what `prim` names: within a native instance USD gives that in the prototype."""
+    if not prim.IsInstanceProxy():
+        return target
+    instance, prototype = prim, prim.GetPrimInPrototype()
+    while not instance.IsInstance():
+        instance, prototype = instance.GetParent(), prototype.GetParent()
+    return target.ReplacePrefix(prototype.GetPath(), instance.GetPath())
 
 
 def _packed(joints: Array, weights: Array) -> tuple[Array, Array]:

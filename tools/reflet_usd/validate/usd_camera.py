@@ -40,9 +40,10 @@ def read_camera(
     near, far = (
         end * truth.meters_per_unit for end in (lens.clippingRange.min, lens.clippingRange.max)
     )
-    if not (math.isfinite(near) and math.isfinite(far) and 0.0 < near < far):
-        near, far = _FALLBACK_RANGE_M
     orthographic = lens.projection == Gf.Camera.Orthographic
+    is_finite = math.isfinite(near) and math.isfinite(far)
+    if not (is_finite and 0.0 <= near < far and (near > 0.0 or orthographic)):
+        near, far = _FALLBACK_RANGE_M
     yfov = math.radians(lens.GetFieldOfView(Gf.Camera.FOVVertical))
     half_height = 0.5 * lens.verticalAperture * Gf.Camera.APERTURE_UNIT * truth.meters_per_unit
     return Camera(

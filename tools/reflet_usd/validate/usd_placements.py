@@ -32,7 +32,7 @@ class PlacementWalk:
         self.purposes = purposes
         self.xforms = UsdGeom.XformCache(time)
         self.instancers: list[str] = []
-        """Paths of the outermost instancers that were met."""
+        """Paths of the outermost instancers, hidden or not."""
         self.outermost: dict[str, set[str]] = {}
         """By path of each instancer within another's prototype, the outermost ones around it."""
         self._open: set[str] = set()
@@ -54,9 +54,11 @@ class PlacementWalk:
         for prim in prims:
             if prim.IsA(UsdGeom.PointInstancer):
                 prims.PruneChildren()
+                path = str(prim.GetPath())
+                # Also one that is hidden now, for it may be shown at another time.
+                self.instancers.append(path)
+                self._note_nested(prim, path, {path})
                 if self._drawn(prim):
-                    path = str(prim.GetPath())
-                    self.instancers.append(path)
                     world = self.xforms.GetLocalToWorldTransform(prim)
                     yield from self._instances(prim, path, world)
             elif self._is_relevant(prim) and self._drawn(prim):
@@ -85,6 +87,18 @@ class PlacementWalk:
         if not (prim.IsA(UsdGeom.Gprim) or prim.IsA(UsdGeom.PointInstancer)):
             return True
         return UsdGeom.Imageable(prim).ComputePurpose() in self.purposes
+
+    def _note_nested(self, instancer: Usd.Prim, key: str, seen: set[str]) -> None:
+        """Note the instancers within the prototypes of one, hidden or not."""
+        predicate = Usd.TraverseInstanceProxies(Usd.PrimIsActive & Usd.PrimIsLoaded)
+        for target in UsdGeom.PointInstancer(instancer).GetPrototypesRel().GetForwardedTargets():
+            root = self.stage.GetPrimAtPath(target)
+            for prim in Usd.PrimRange(root, predicate) if root else ():
+                path = str(prim.GetPath())
+                if path not in seen and prim.IsA(UsdGeom.PointInstancer):
+                    seen.add(path)
+                    self.outermost.setdefault(path, set()).add(key)
+                    self._note_nested(prim, key, seen)
 
     def _instances(self, instancer: Usd.Prim, key: str, world: Gf.Matrix4d) -> Iterator[Placement]:
         own = str(instancer.GetPath())
@@ -132,7 +146,6 @@ class PlacementWalk:
                 root = _IDENTITY if reset else own.get(int(index), _IDENTITY)
                 place = relative * root * transform * world
                 if prim.IsA(UsdGeom.PointInstancer):
-                    self.outermost.setdefault(str(prim.GetPath()), set()).add(key)
                     yield from self._instances(prim, key, place)
                 else:
                     yield Placement(prim, key, place)
