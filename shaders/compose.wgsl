@@ -45,10 +45,10 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         if (reflects(textureLoad(cause, id.xy, 0).x)) {
             let s = load_surface(id.xy);
             start_samples(id.xy, 0u);
-            let ray = reflected(normalize(s.position - frame.eye), s);
+            let ray = reflected(view_direction(s.position), s);
             var weight = ray.weight;
             // Of all facets, as the smoothed light is, not of one.
-            if (FILTER && is_spread(s) && s.clearcoat == 0.0) { weight = specular_albedo(s, normalize(frame.eye - s.position)) * coverage(s); }
+            if (FILTER && is_spread(s) && s.clearcoat == 0.0) { weight = specular_albedo(s, -view_direction(s.position)) * coverage(s); }
             out += weight * faded(id.xy, ray.direction, textureLoad(reflection, id.xy, 0).xyz);
         }
     }

@@ -50,7 +50,7 @@ fn filtered(pixel: vec2u, center: vec3f) -> vec3f {
     if (!is_spread(s)) { return center; }
     let roughness = reflected_roughness(s);
     let alpha = roughness * roughness;
-    let footprint_m = frame.pixel_spread * distance(s.position, frame.eye);
+    let footprint_m = pixel_width(distance(s.position, frame.eye));
     let widest_px = WIDEST * frame.size.y;
     let farthest_m = widest_px * footprint_m / alpha;
     let reach_m = params.reach * alpha * mean_hit_m(vec2i(pixel), farthest_m);

@@ -15,7 +15,7 @@
 fn shade_pixel(pixel: vec2u) {
     start_samples(pixel, 0u);
     let first = load_surface(pixel);
-    let ray = reflected(normalize(first.position - frame.eye), first);
+    let ray = reflected(view_direction(first.position), first);
     let direction = ray.direction;
     let found = textureLoad(hit, pixel, 0);
     let cone = mirrored_cone(pixel_cone(distance(first.position, frame.eye)), first.curvature);

@@ -22,7 +22,7 @@ fn light_pixel(id: vec3u) {
     var unlit = 0.0;
     if (textureLoad(view_depth, id.xy, 0).x < FAR_M) {
         let s = load_surface(id.xy);
-        lit = shade(s, normalize(frame.eye - s.position), vec2u(0u));
+        lit = shade(s, -view_direction(s.position), vec2u(0u));
         unlit = select(0.0, coverage(s), s.unlit);
     } else if (SHOW_ENVIRONMENT) {
         lit.diffuse = environment(normalize(pixel_ray(vec2f(id.xy) + 0.5)));

@@ -1,4 +1,4 @@
-// Pyramid: the nearest depth in cells of 2, 4, … 64 pixels, as near / depth, which is linear along a ray
+// Pyramid: the nearest depth in cells of 2, 4, … 64 pixels, as clip-space z, which is linear along a ray
 // on the screen. One workgroup makes all levels of a tile of 64 × 64 pixels.
 
 #import lists
@@ -11,7 +11,7 @@ fn depth_at(pixel: vec2u) -> f32 {
     // What lies past the border is no obstacle.
     let inside = all(pixel < vec2u(frame.size));
     let at = min(pixel, vec2u(frame.size) - 1u);
-    var nearest = frame.near_m / textureLoad(view_depth, at, 0).x;
+    var nearest = screen_z(textureLoad(view_depth, at, 0).x);
     if (HAS_CULLED) { nearest = max(nearest, bitcast<f32>(lists[culled_slot(at)])); }
     return select(0.0, nearest, inside);
 }

@@ -39,7 +39,7 @@ const SAME_PLANE_PX: f32 = 3.0;
 var<private> march_steps: u32 = 0u;
 var<private> march_triangles: u32 = 0u;
 
-// near / depth of what the camera culls in front of what a pixel shows; 0: none.
+// Clip-space z of what the camera culls in front of what a pixel shows; 0: none.
 fn culled_at(pixel: vec2u) -> f32 {
     if (!HAS_CULLED) { return 0.0; }
     return bitcast<f32>(lists[culled_slot(pixel)]);
@@ -50,9 +50,9 @@ fn is_unreflected(instance: u32) -> bool {
     return HAS_UNSHOWN && is_passed(instances[instance].trace_flags, UNREFLECTED);
 }
 
-// Nearest near / depth that a cell holds.
+// Clip-space z of the nearest thing that a cell holds.
 fn nearest_in(cell: vec2u, level: u32) -> f32 {
-    if (level == 0u) { return max(frame.near_m / textureLoad(view_depth, cell, 0).x, culled_at(cell)); }
+    if (level == 0u) { return max(screen_z(textureLoad(view_depth, cell, 0).x), culled_at(cell)); }
     return bitcast<f32>(lists[pyramid_slot(cell, level)]);
 }
 
@@ -110,9 +110,10 @@ struct Candidate {
 fn accept_by_threshold(r: ScreenRay, c: Candidate, origin: vec3f, direction: vec3f) -> March {
     let met = load_surface(c.pixel);
     let id = textureLoad(ids, c.pixel, 0).xy;
-    let at = meet(triangle_of(id, frame.eye), pixel_ray(vec2f(c.pixel) + 0.5));
+    let center = vec2f(c.pixel) + 0.5;
+    let at = meet(triangle_of(id, pixel_origin(center)), pixel_ray(center));
     var m = March(CAUSE_HIT, dot(met.position - origin, direction), id, clamped(at.yz));
-    let ray_m = frame.near_m / max(r.start.z + r.delta.z * c.low, 1e-30);
+    let ray_m = depth_of(r.start.z + r.delta.z * c.low);
     if (ray_m - dot(met.position - frame.eye, frame.forward) > params.threshold_m) {
         m.cause = CAUSE_HIDDEN;
     } else if (dot(met.geometric_normal, direction) >= 0.0) {
@@ -174,14 +175,14 @@ fn accept_verified(r: ScreenRay, c: Candidate, origin: vec3f, direction: vec3f) 
             && dot(neighbor.geometric_normal, direction) < 0.0 && !goes_on(neighbor)) {
             return March(CAUSE_HIT, beside.x, other, beside.yz);
         }
-        let footprint = frame.pixel_spread * dot(neighbor.position - frame.eye, frame.forward);
+        let footprint = pixel_width(dot(neighbor.position - frame.eye, frame.forward));
         if (abs(dot(neighbor.position - origin - t.corner, normal)) < SAME_PLANE_PX * footprint) {
             support += sides.x * sides.y;
         }
     }
     // Between small triangles: as far from the one that was seen as what pixels show may be.
     let gap = t.edge1 * (at.y - m.bary.x) + t.edge2 * (at.z - m.bary.y);
-    let footprint = frame.pixel_spread * dot(met.position - frame.eye, frame.forward);
+    let footprint = pixel_width(dot(met.position - frame.eye, frame.forward));
     let is_near = length(gap) < params.edge_px * footprint;
     if (support < SUPPORT || !is_near) { m.cause = CAUSE_UNCONFIRMED; }
     return m;
@@ -236,13 +237,18 @@ fn march(s0: Surface, direction: vec3f) -> March {
     let eye_height = dot(frame.eye - s0.position, normal);
     let rise_x = 2.0 * dot(frame.right, normal) / frame.size.x;
     let rise_y = -2.0 * dot(frame.up, normal) / frame.size.y;
-    let rise_0 = dot(pixel_ray(vec2f(0.5)), normal);
+    let rise_0 = dot(pixel_offset(vec2f(0.5)), normal);
+    let approach = dot(frame.forward, normal);
 
     var s = min(START_PX / length_px, r.end); // up to here the ray is free
+    // But where it leads back to an orthographic camera, past what that culls.
+    if (s >= r.end && culled_at(vec2u(clamp(r.start.xy, vec2f(0.0), frame.size - 1.0))) > 0.0) { s = 0.0; }
     var pixel = clamp(vec2i(floor(r.start.xy + r.delta.xy * s)), vec2i(0), vec2i(frame.size) - 1);
     var level = 0u;
     var steps = 0u;
     var m = March(CAUSE_STEPS, 0.0, vec2u(NONE), vec2f(0.0));
+    // No pixel shows what is seen edge-on, so nothing is known of any ray.
+    if (TRACE && VERIFY && frame.has_edge_on != 0u) { return m; }
     var last: Candidate;
     for (var candidate = 0u; candidate < MAX_CANDIDATES; candidate++) {
         var c = Candidate(vec2u(0u), -1.0, 0.0);
@@ -264,9 +270,10 @@ fn march(s0: Surface, direction: vec3f) -> March {
             let stored = nearest_in(vec2u(cell), level);
             var is_free = min(z_in, z_out) > stored;
             if (!is_free && level == 0u) {
-                let depth_m = frame.near_m / stored;
+                let depth_m = depth_of(stored);
                 let rise = rise_0 + rise_x * f32(pixel.x) + rise_y * f32(pixel.y);
-                is_free = eye_height + depth_m * rise <= depth_m * 2e-4;
+                let height = eye_height + depth_m * approach + rise * select(depth_m, 1.0, is_orthographic());
+                is_free = height <= select(depth_m * 2e-4, frame.pixel_m * 0.2, is_orthographic());
                 if (!is_free) {
                     c = Candidate(vec2u(pixel), s, exit);
                     break;
@@ -323,7 +330,7 @@ var<workgroup> first_ray: u32;
 fn reflect_pixel(pixel: vec2u) -> u32 {
     start_samples(pixel, 0u);
     let s = load_surface(pixel);
-    let ray = reflected(normalize(s.position - frame.eye), s);
+    let ray = reflected(view_direction(s.position), s);
     let direction = ray.direction;
     let m = march(s, direction);
     let is_hit = m.cause == CAUSE_HIT;

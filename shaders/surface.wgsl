@@ -18,7 +18,7 @@ override RASTERIZED: bool = true; // false: primary rays have found what is cull
 @group(2) @binding(2) var surface: texture_storage_2d<rgba32uint, write>;
 @group(2) @binding(3) var colors: texture_storage_2d<rgba32uint, write>;
 @group(2) @binding(4) var cause: texture_storage_2d<r32uint, write>;
-@group(2) @binding(5) var raster_depth: texture_depth_2d; // near / depth, also of what was culled
+@group(2) @binding(5) var raster_depth: texture_depth_2d; // clip-space z, also of what was culled
 
 const CULLED_SLACK: f32 = 1e-4;
 
@@ -31,11 +31,11 @@ struct PlaneHit {
     bary: vec2f,
 }
 
-fn plane_hit(direction: vec3f, instance: u32, triangle: u32) -> PlaneHit {
+fn plane_hit(origin: vec3f, direction: vec3f, instance: u32, triangle: u32) -> PlaneHit {
     let c = corners(instance, triangle);
-    let p0 = to_world(instance, c.p[0]) - frame.eye;
-    let e1 = to_world(instance, c.p[1]) - frame.eye - p0;
-    let e2 = to_world(instance, c.p[2]) - frame.eye - p0;
+    let p0 = to_world(instance, c.p[0]) - origin;
+    let e1 = to_world(instance, c.p[1]) - origin - p0;
+    let e2 = to_world(instance, c.p[2]) - origin - p0;
     let p = cross(direction, e2);
     let determinant = dot(e1, p);
     let inverse = select(0.0, 1.0 / determinant, abs(determinant) > 1e-30);
@@ -47,7 +47,7 @@ fn plane_hit(direction: vec3f, instance: u32, triangle: u32) -> PlaneHit {
 fn keep_culled(pixel: vec2u, depth_m: f32) {
     let nearest = textureLoad(raster_depth, pixel, 0);
     // What is shown is found by its plane, and differs a little from what was rasterized.
-    let is_culled = nearest > frame.near_m / depth_m * (1.0 + CULLED_SLACK);
+    let is_culled = nearest > screen_z(depth_m * (1.0 - CULLED_SLACK));
     lists[culled_slot(pixel)] = bitcast<u32>(select(0.0, nearest, is_culled));
 }
 
@@ -61,12 +61,13 @@ fn resolve(pixel: vec2u) -> u32 {
         textureStore(colors, pixel, vec4u(0u));
         return CAUSE_NOT_REFLECTIVE;
     }
-    let ray = pixel_ray(vec2f(pixel) + 0.5);
-    let plane = plane_hit(ray, hit.x, hit.y);
+    let center = vec2f(pixel) + 0.5;
+    let ray = pixel_ray(center);
+    let plane = plane_hit(pixel_origin(center), ray, hit.x, hit.y);
     // A pixel center may lie just outside the triangle that covers it.
     var bary = clamp(plane.bary, vec2f(0.0), vec2f(1.0));
     bary /= max(bary.x + bary.y, 1.0);
-    let s = surface_at(hit.x, hit.y, bary, normalize(ray), frame.pixel_spread * plane.t * length(ray));
+    let s = surface_at(hit.x, hit.y, bary, normalize(ray), pixel_width(plane.t * length(ray)));
     // Depth along this pixel's own ray, so that the position found from it lies on the plane; only
     // a triangle seen edge-on is too far off for that.
     let on_plane = distance(bary, plane.bary) < 0.1;

@@ -32,7 +32,7 @@ fn trace_pixel(pixel: vec2u) {
     var cone = mirrored_cone(pixel_cone(distance(first.position, frame.eye)), first.curvature);
     var origin = ray_origin(first.position, first.geometric_normal);
     start_samples(pixel, 0u);
-    var ray = reflected(normalize(first.position - frame.eye), first);
+    var ray = reflected(view_direction(first.position), first);
     start_path(first.position);
 
     var color = vec3f(0.0);

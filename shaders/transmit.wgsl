@@ -31,10 +31,10 @@ fn behind(pixel: vec2u) -> vec4f {
     start_path(s.position);
     start_samples(pixel, FIRST_VERTEX);
     var cone = pixel_cone(distance(s.position, frame.eye));
-    var ray = through(normalize(s.position - frame.eye), s);
+    var ray = through(view_direction(s.position), s);
     var throughput = ray.weight;
     var color = vec3f(0.0);
-    let seen = normalize(s.position - frame.eye);
+    let seen = view_direction(s.position);
     var is_straight = s.transmission <= 0.0;
     var uncovered = 1.0; // by what the path has met since
     for (var step = 0u; step < frame.bounces + crossings(); step++) {

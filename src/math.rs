@@ -65,18 +65,27 @@ impl Bounds {
         }
     }
 
+    /// Its eight corners; none when empty.
+    pub fn corners(self) -> impl Iterator<Item = Vec3> {
+        let count = if self.is_empty() { 0 } else { 8 };
+        (0..count).map(move |i| {
+            Vec3::new(
+                if i & 1 == 0 { self.min.x } else { self.max.x },
+                if i & 2 == 0 { self.min.y } else { self.max.y },
+                if i & 4 == 0 { self.min.z } else { self.max.z },
+            )
+        })
+    }
+
     /// The box around the eight transformed corners.
     pub fn transformed(&self, transform: &Affine3A) -> Self {
         if self.is_empty() {
             return *self;
         }
-        Self::of((0..8).map(|i| {
-            transform.transform_point3(Vec3::new(
-                if i & 1 == 0 { self.min.x } else { self.max.x },
-                if i & 2 == 0 { self.min.y } else { self.max.y },
-                if i & 4 == 0 { self.min.z } else { self.max.z },
-            ))
-        }))
+        Self::of(
+            self.corners()
+                .map(|corner| transform.transform_point3(corner)),
+        )
     }
 }
 

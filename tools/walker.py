@@ -310,7 +310,13 @@ def glb() -> bytes:
         "scene": 0,
         "scenes": [{"nodes": [0, 1]}],
         "nodes": nodes,
-        "meshes": [{"name": "body", "primitives": [primitive]}],
+        "meshes": [
+            {
+                "name": "body",
+                "primitives": [primitive],
+                "extras": {"targetNames": ["breath"]},
+            }
+        ],
         "materials": [
             {
                 "name": "body",

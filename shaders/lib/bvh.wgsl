@@ -2,8 +2,8 @@
 //
 // The buffers are packed by src/world/bvh.rs, whose module comment is the layout. The including
 // shader declares:
-//   nodes: array<vec4u>        5 to a node
-//   triangles: array<vec4u>    3 to a TraceTriangle
+//   node_words(i: u32) -> vec4u        5 to a node
+//   triangle_words(i: u32) -> vec4u    3 to a TraceTriangle
 //   instances: array<…>        with object_from_world: array<vec4f, 3>, tree_root, trace_flags: u32
 //   alpha_passes(instance: u32, triangle: u32, bary: vec2f) -> bool
 //
@@ -159,11 +159,11 @@ fn hit_children(grid: GridRay, near_planes: vec3u, far_planes: vec3u, slots: u32
 
 fn visit_node(index: u32, ray: TraversalRay, t_min: f32, t_max: f32) -> NodeVisit {
     let at = index * 5u;
-    let head = nodes[at];
-    let links = nodes[at + 1u];
-    let x = nodes[at + 2u];
-    let y = nodes[at + 3u];
-    let z = nodes[at + 4u];
+    let head = node_words(at);
+    let links = node_words(at + 1u);
+    let x = node_words(at + 2u);
+    let y = node_words(at + 3u);
+    let z = node_words(at + 4u);
 
     let exponents = (vec3u(head.w) >> vec3u(0u, 8u, 16u)) & vec3u(0xffu);
     let step = bitcast<vec3f>(exponents << vec3u(23u)) * ray.inverse;
@@ -195,9 +195,9 @@ fn passed_flags(shadow: bool) -> u32 {
 // ray is in.
 fn test_triangle(index: u32, ray: TraversalRay, t_min: f32, inside: u32, inside_flags: u32,
         shadow: bool, best: ptr<function, Hit>) {
-    let a = triangles[index * 3u];
-    let b = triangles[index * 3u + 1u];
-    let c = triangles[index * 3u + 2u];
+    let a = triangle_words(index * 3u);
+    let b = triangle_words(index * 3u + 1u);
+    let c = triangle_words(index * 3u + 2u);
     let edge1 = bitcast<vec3f>(b.xyz);
     let edge2 = bitcast<vec3f>(c.xyz);
     // Möller and Trumbore 1997.
@@ -310,7 +310,7 @@ fn next_instance(cursor: ptr<function, Cursor>, ray: TraversalRay, t_min: f32, t
     while visits_left > 0u {
         if (*cursor).primitives.y != 0u {
             let word = next_primitive(cursor) & ~TOP_LEVEL;
-            return nodes[word >> 2u][word & 3u];
+            return node_words(word >> 2u)[word & 3u];
         }
         if (*cursor).group.y < 0x01000000u {
             if (*cursor).depth == 0u {

@@ -10,7 +10,7 @@ struct Cone {
 
 // Of a pixel, at a distance from the eye.
 fn pixel_cone(distance_m: f32) -> Cone {
-    return Cone(frame.pixel_spread * distance_m, frame.pixel_spread);
+    return Cone(pixel_width(distance_m), frame.pixel_spread);
 }
 
 // Further along; past its focus a cone that has narrowed widens again.

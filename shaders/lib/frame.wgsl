@@ -8,7 +8,7 @@ struct Frame {
     near_m: f32,
     forward: vec3f,
     pixel_spread: f32, // radians that one pixel spans; ray cones start with it
-    right: vec3f, // half the width of the picture at distance 1
+    right: vec3f, // half the width of the picture, at distance 1 or, if orthographic, at any
     ray_length_m: f32,
     up: vec3f, // half its height
     roughness_cutoff: f32,
@@ -22,8 +22,12 @@ struct Frame {
     fade: u32,
     reuse_light: u32, // 1: hits take from the picture which lights reach them
     dimmest: f32, // share of light that a bounce must carry to be seen
+    pixel_m: f32, // width of an orthographic pixel; 0: perspective
+    far_m: f32, // depth where an orthographic clip space ends: nothing lies beyond; 0: perspective
+    has_edge_on: u32, // 1: rays on the screen may pass surfaces that are seen edge-on
     pad0: u32,
     pad1: u32,
+    pad2: u32,
 }
 
 struct Light {
@@ -52,8 +56,45 @@ struct Light {
 
 const PI: f32 = 3.14159265358979;
 
+fn is_orthographic() -> bool {
+    return frame.far_m > 0.0;
+}
+
+// From the middle of the picture to a pixel: at distance 1 or, if orthographic, at any.
+fn pixel_offset(pixel: vec2f) -> vec3f {
+    let ndc = (pixel + frame.jitter) / frame.size * 2.0 - 1.0;
+    return frame.right * ndc.x - frame.up * ndc.y;
+}
+
+fn pixel_origin(pixel: vec2f) -> vec3f {
+    if (is_orthographic()) { return frame.eye + pixel_offset(pixel); }
+    return frame.eye;
+}
+
 // Not normalized: its length along `forward` is 1, so that t along it is linear view depth.
 fn pixel_ray(pixel: vec2f) -> vec3f {
-    let ndc = (pixel + frame.jitter) / frame.size * 2.0 - 1.0;
-    return frame.forward + frame.right * ndc.x - frame.up * ndc.y;
+    if (is_orthographic()) { return frame.forward; }
+    return frame.forward + pixel_offset(pixel);
+}
+
+// Unit direction along which the camera sees a point.
+fn view_direction(position: vec3f) -> vec3f {
+    if (is_orthographic()) { return frame.forward; }
+    return normalize(position - frame.eye);
+}
+
+// Width of a pixel's cone at a distance from the eye.
+fn pixel_width(distance_m: f32) -> f32 {
+    return frame.pixel_m + frame.pixel_spread * distance_m;
+}
+
+// Clip-space z of a view depth, and back. It is linear along a ray on the screen, and 1 at the near plane.
+fn screen_z(depth_m: f32) -> f32 {
+    if (is_orthographic()) { return max((frame.far_m - depth_m) / (frame.far_m - frame.near_m), 0.0); }
+    return frame.near_m / depth_m;
+}
+
+fn depth_of(z: f32) -> f32 {
+    if (is_orthographic()) { return frame.far_m - z * (frame.far_m - frame.near_m); }
+    return frame.near_m / max(z, 1e-30);
 }

@@ -9,7 +9,8 @@
 @group(2) @binding(2) var colors: texture_2d<u32>;
 
 fn position_at(pixel: vec2u, depth_m: f32) -> vec3f {
-    return frame.eye + pixel_ray(vec2f(pixel) + 0.5) * depth_m;
+    let center = vec2f(pixel) + 0.5;
+    return pixel_origin(center) + pixel_ray(center) * depth_m;
 }
 
 fn load_surface(pixel: vec2u) -> Surface {

@@ -15,13 +15,14 @@ override LENDS_LIGHT: bool = true;
 fn lent_light(stored: texture_2d<u32>, s: Surface) -> vec2u {
     if (frame.reuse_light == 0u) { return vec2u(0u); }
     let clip = frame.clip_from_world * vec4f(s.position, 1.0);
-    if (clip.w <= frame.near_m) { return vec2u(0u); }
+    let distance_m = dot(s.position - frame.eye, frame.forward);
+    if (distance_m <= frame.near_m) { return vec2u(0u); }
     let ndc = clip.xy / clip.w;
     let at = (vec2f(ndc.x, -ndc.y) * 0.5 + 0.5) * frame.size - 0.5;
     if (any(at < vec2f(-0.5)) || any(at > frame.size - 0.5)) { return vec2u(0u); }
     let corner = floor(at);
     let part = at - corner;
-    let tolerance_m = 0.5 * frame.pixel_spread * clip.w;
+    let tolerance_m = 0.5 * pixel_width(distance_m);
     var agreed = vec2u(0xffffffffu);
     var weight = 0.0;
     for (var k = 0u; k < 4u; k++) {

@@ -35,7 +35,7 @@ fn pyramid_slot(cell: vec2u, level: u32) -> u32 {
 // Whether the march is to be stopped by surfaces that the camera culls and rays meet.
 override HAS_CULLED: bool = true;
 
-// Where a pixel's near / depth is of the nearest surface that the camera culls in front of what it shows;
+// Where a pixel's clip-space z is of the nearest surface that the camera culls in front of what it shows;
 // 0: none.
 fn culled_slot(pixel: vec2u) -> u32 {
     return pyramid_slot(vec2u(0u), PYRAMID_LEVELS + 1u) + pixel.y * u32(frame.size.x) + pixel.x;

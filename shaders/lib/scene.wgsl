@@ -1,6 +1,7 @@
 // Group 1: the scene's geometry, trees, materials and textures.
 
 #import constants
+#import geometry
 #import material
 
 struct Instance {
@@ -24,11 +25,7 @@ struct Vertex {
     color: u32, // unorm8 × 4, linear
 }
 
-@group(1) @binding(0) var<storage, read> nodes: array<vec4u>;
-@group(1) @binding(1) var<storage, read> triangles: array<vec4u>;
 @group(1) @binding(2) var<storage, read> instances: array<Instance>;
-@group(1) @binding(3) var<storage, read> vertices: array<Vertex>;
-@group(1) @binding(4) var<storage, read> mesh_data: array<u32>;
 @group(1) @binding(5) var<storage, read> materials: array<Material>;
 @group(1) @binding(6) var pool_0: texture_2d_array<f32>;
 @group(1) @binding(7) var pool_0_srgb: texture_2d_array<f32>;

@@ -2,7 +2,7 @@
 
 #import frame
 
-// A ray on the screen: pixel position and near / depth are linear in s from 0 to 1.
+// A ray on the screen: pixel position and clip-space z are linear in s from 0 to 1.
 struct ScreenRay {
     start: vec3f,
     delta: vec3f,
@@ -35,6 +35,10 @@ fn screen_ray(origin: vec3f, direction: vec3f) -> ScreenRay {
         r.length_m = max(to_near, 0.0);
         r.leaves = true;
     }
+    // Beyond the far plane there is nothing.
+    if (is_orthographic() && approach > 0.0) {
+        r.length_m = min(r.length_m, max(0.999 * (frame.far_m - depth), 0.0) / approach);
+    }
     r.start = to_screen(origin);
     r.delta = to_screen(origin + direction * r.length_m) - r.start;
     let exit = min(exit_at(r.start.x, r.delta.x, frame.size.x), exit_at(r.start.y, r.delta.y, frame.size.y));
@@ -45,10 +49,12 @@ fn screen_ray(origin: vec3f, direction: vec3f) -> ScreenRay {
 
 // Distance along the ray of a place on the screen, and back: perspective-correct interpolation.
 fn distance_at(r: ScreenRay, s: f32) -> f32 {
+    if (is_orthographic()) { return r.length_m * s; }
     return r.length_m * s * (r.start.z + r.delta.z) / max(r.start.z + r.delta.z * s, 1e-30);
 }
 
 fn place_of(r: ScreenRay, distance_m: f32) -> f32 {
     let u = distance_m / max(r.length_m, 1e-30);
+    if (is_orthographic()) { return u; }
     return u * r.start.z / max((1.0 - u) * (r.start.z + r.delta.z) + u * r.start.z, 1e-30);
 }

@@ -27,8 +27,8 @@ fn corners(instance: u32, triangle: u32) -> Corner {
     var c: Corner;
     let base = instances[instance].index_base + triangle * 3u;
     for (var k = 0u; k < 3u; k++) {
-        c.index[k] = mesh_data[base + k];
-        c.p[k] = vertices[instances[instance].vertex_base + c.index[k]].position;
+        c.index[k] = mesh_word(base + k);
+        c.p[k] = vertex_position(instances[instance].vertex_base + c.index[k]);
     }
     return c;
 }
@@ -41,9 +41,9 @@ fn uv_corner(instance: u32, index: u32, second: bool) -> vec2f {
     let base = instances[instance].uv1_base;
     if (second && base != NONE) {
         let at = base + index * 2u;
-        return vec2f(bitcast<f32>(mesh_data[at]), bitcast<f32>(mesh_data[at + 1u]));
+        return vec2f(bitcast<f32>(mesh_word(at)), bitcast<f32>(mesh_word(at + 1u)));
     }
-    return vertices[instances[instance].vertex_base + index].uv;
+    return vertex_uv(instances[instance].vertex_base + index);
 }
 
 // Texture coordinates of a slot at a point, and the width of a world-space `footprint` in them.
@@ -82,9 +82,9 @@ fn material_alpha(material: u32, instance: u32, index: array<u32, 3>, bary: vec2
 
 fn vertex_color(instance: u32, index: array<u32, 3>, bary: vec2f) -> vec4f {
     let base = instances[instance].vertex_base;
-    return unpack4x8unorm(vertices[base + index[0]].color) * (1.0 - bary.x - bary.y)
-        + unpack4x8unorm(vertices[base + index[1]].color) * bary.x
-        + unpack4x8unorm(vertices[base + index[2]].color) * bary.y;
+    return unpack4x8unorm(vertex_shade(base + index[0])) * (1.0 - bary.x - bary.y)
+        + unpack4x8unorm(vertex_shade(base + index[1])) * bary.x
+        + unpack4x8unorm(vertex_shade(base + index[2])) * bary.y;
 }
 
 // Whether a cut-out surface is solid here. The finest level: coverage must not depend on who asks.
@@ -138,7 +138,7 @@ fn surface_at(instance: u32, triangle: u32, bary: vec2f, direction: vec3f, cone_
     var weights = vec3f(1.0 - bary.x - bary.y, bary.x, bary.y);
     var normals: array<vec3f, 3>;
     for (var k = 0u; k < 3u; k++) {
-        normals[k] = unpack_unit(vertices[base + c.index[k]].normal);
+        normals[k] = unpack_unit(vertex_normal(base + c.index[k]));
     }
     let n_object = normals[0] * weights.x + normals[1] * weights.y + normals[2] * weights.z;
     if ((HAS_TEXTURES || HAS_CHECKERS) && s.reflection != REFLECTION_NONE) {
@@ -219,9 +219,9 @@ fn perturbed(instance: u32, index: array<u32, 3>, weights: vec3f, n: vec3f, texe
     let base = instances[instance].vertex_base;
     var t_object = vec3f(0.0);
     for (var k = 0u; k < 3u; k++) {
-        t_object += unpack_unit(vertices[base + index[k]].tangent & 0xfffffffeu) * weights[k];
+        t_object += unpack_unit(vertex_tangent(base + index[k]) & 0xfffffffeu) * weights[k];
     }
-    let sign = select(-1.0, 1.0, (vertices[base + index[0]].tangent & 1u) != 0u);
+    let sign = select(-1.0, 1.0, (vertex_tangent(base + index[0]) & 1u) != 0u);
     let t = direction_to_world(instance, t_object);
     if (dot(t, t) < 1e-20) { return n; }
     let mirrored = select(1.0, -1.0, (instances[instance].flags & FLAG_MIRRORED) != 0u);

@@ -164,7 +164,9 @@ fn check_variant((path, text): SourceText, from: &SceneArgs) -> Result<Checked, 
         Ok(_) => messages.extend(lint.finish()),
         Err(errors) => messages.extend(errors.iter().cloned()),
     }
-    let Ok(posed) = posed else {
+    let refused = Lint::refused_here(&loaded.scene, &loaded.world);
+    let (Ok(posed), None) = (posed, &refused) else {
+        messages.extend(refused);
         return Err(messages);
     };
     let all = last - first + 1;

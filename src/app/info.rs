@@ -5,8 +5,8 @@ use std::fmt::Write as _;
 use serde::Serialize;
 
 use super::{
-    args::InfoArgs, error::AppError, params::setting, plan_file::PlanFile, print_json, print_out,
-    scene::load_scene, stats::mebibytes,
+    args::InfoArgs, error::AppError, lint::Lint, params::setting, plan_file::PlanFile, print_json,
+    print_out, scene::load_scene, stats::mebibytes,
 };
 use crate::{
     render::{
@@ -122,10 +122,13 @@ pub struct Cut {
 /// Prints the contents of a scene.
 ///
 /// # Errors
-/// [`AppError::Scene`] when it cannot be loaded.
+/// [`AppError::Scene`] when it cannot be loaded, or when this machine's device cannot hold it.
 pub fn info(args: &InfoArgs) -> Result<(), AppError> {
     let plan = args.plan.as_deref().map(PlanFile::read).transpose()?;
     let loaded = load_scene(args.scene.as_deref(), &args.from, &[])?;
+    if let Some(refused) = Lint::refused_here(&loaded.scene, &loaded.world) {
+        return Err(AppError::Scene(vec![refused]));
+    }
     let info = gather(&loaded, plan.as_ref())?;
     if args.json {
         print_json(&info)

@@ -91,6 +91,12 @@ impl<'a> Lint<'a> {
         self.found.into_iter().map(Diagnostic::warning).collect()
     }
 
+    /// What `render` would refuse on this machine.
+    pub fn refused_here(scene: &Scene, world: &World) -> Option<Diagnostic> {
+        let is_traced = traces_rays(world, &RenderOptions::of(scene));
+        size::refused_here(world, is_traced)
+    }
+
     /// The first line of the scene's text, as far as that is known from its tables.
     fn start(&self) -> Span {
         let desc = &self.scene.desc;

@@ -14,6 +14,10 @@ pub const ADAPTER_ENV: &str = "REFLET_ADAPTER";
 /// Maximum requested buffer size: drivers mishandle 2 GiB and more, and sizes are multiples of 4.
 const MAX_BUFFER_BYTES: u64 = (2 << 30) - 4;
 
+/// Maximum requested number of storage buffers of a stage: only geometry that exceeds one takes more than
+/// the default of 8.
+const MAX_STORAGE_BUFFERS: u32 = 32;
+
 /// Maximum requested texture size, pixels.
 const MAX_TEXTURE_SIDE: u32 = 16384;
 
@@ -44,7 +48,7 @@ pub struct Gpu {
     pub device: wgpu::Device,
     /// Its only queue.
     pub queue: wgpu::Queue,
-    /// Limits of the device: the defaults, with larger buffers and textures.
+    /// Limits of the device: the defaults, with larger and more buffers and larger textures.
     pub limits: wgpu::Limits,
     /// Enabled optional features: timestamps, where present.
     pub features: wgpu::Features,
@@ -97,6 +101,9 @@ impl Gpu {
                 .max_storage_buffer_binding_size
                 .min(MAX_BUFFER_BYTES),
             max_buffer_size: offered.max_buffer_size.min(MAX_BUFFER_BYTES),
+            max_storage_buffers_per_shader_stage: offered
+                .max_storage_buffers_per_shader_stage
+                .min(MAX_STORAGE_BUFFERS),
             max_texture_array_layers: offered.max_texture_array_layers.min(MAX_ARRAY_LAYERS),
             max_texture_dimension_2d: offered.max_texture_dimension_2d.min(MAX_TEXTURE_SIDE),
             ..wgpu::Limits::default()

@@ -99,14 +99,14 @@ impl Shader {
     /// A pipeline layout over these groups; group numbers are positions.
     ///
     /// # Errors
-    /// [`GpuError::Shader`] when the shader or the groups exceed `Limits::default()`.
+    /// [`GpuError::Shader`] when the shader or the groups exceed the limits of the device.
     pub fn pipeline_layout(
         &self,
         gpu: &Gpu,
         groups: &[&GroupLayout],
     ) -> Result<wgpu::PipelineLayout, GpuError> {
         let bindings: Vec<&[Binding]> = groups.iter().map(|g| g.bindings.as_slice()).collect();
-        let problems = over_limits(&bindings, &wgpu::Limits::default());
+        let problems = over_limits(&bindings, &gpu.limits);
         if !problems.is_empty() {
             return Err(ShaderError::new(&self.info.file, problems.join("; ")).into());
         }

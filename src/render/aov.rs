@@ -1,6 +1,6 @@
 //! AOVs: quantities of the frame as planes, decoded from the intermediate textures.
 
-use glam::{Vec2, Vec3};
+use glam::{DVec2, Vec2, Vec3};
 
 use crate::{
     gpu::{Gpu, GpuError},
@@ -272,7 +272,8 @@ fn reflectance(
         }
         let [x, y] = [i as u32 % size[0], i as u32 / size[0]].map(|v| v as f32 + 0.5);
         let ndc = Vec2::new(x / size[0] as f32, y / size[1] as f32) * 2.0 - 1.0;
-        let ray = (view.forward + view.right * ndc.x - view.up * ndc.y).normalize();
+        let (_, ray) = view.ray(DVec2::new(ndc.x.into(), (-ndc.y).into()));
+        let ray = ray.normalize().as_vec3();
         let cosine = -unpack_unit(packed[i][0]).dot(ray);
         let (metallic, reflectivity) = (half(packed[i][2] >> 16), half(packed[i][3]));
         let f0 = Vec3::from_slice(&base[3 * i..]);

@@ -10,6 +10,7 @@ use crate::{
 };
 
 use super::{
+    edge_on::has_edge_on_surfaces,
     error::RenderError,
     frame_pass::FramePass as _,
     lights::{ShadowView, lights},
@@ -84,7 +85,9 @@ impl Renderer {
     pub(super) fn view(&self, world: &World, camera: &CameraDesc) -> Result<View, RenderError> {
         self.check_posed(world)?;
         let camera = relative_camera(camera, self.origin);
-        Ok(View::new(&camera, self.options.image.size))
+        let mut view = View::new(&camera, self.options.image.size);
+        view.has_edge_on = self.plan.reflections && has_edge_on_surfaces(world, &view);
+        Ok(view)
     }
 
     /// Has the next picture draw all shadow maps, also those of lights and casters at rest.
@@ -111,6 +114,7 @@ impl Renderer {
     ) -> Recorder<'a> {
         let samples = self.options.image.samples;
         let (view, shift) = &view.through_lens(sample, samples);
+        let view = &view.reaching(&self.drawn_bounds());
         let jitter = jitter(sample, samples) + *shift;
         let (block, shadow_views) = self.lights(world);
         let settings = &self.options.reflection;
@@ -165,14 +169,18 @@ impl Renderer {
 
     /// The lights' uniform block, and the views of the shadow maps in the order of the lights.
     pub(super) fn lights(&self, world: &World) -> (LightBlock, Vec<ShadowView>) {
-        let draws = self.scene.draws.iter();
-        let bounds = draws.fold(Bounds::EMPTY, |all, d| all.union(d.bounds));
         lights(
             &world.lights,
             self.bindings.maps.sizes,
-            &bounds,
+            &self.drawn_bounds(),
             &self.options,
         )
+    }
+
+    /// What contains everything that is drawn.
+    fn drawn_bounds(&self) -> Bounds {
+        let draws = self.scene.draws.iter();
+        draws.fold(Bounds::EMPTY, |all, draw| all.union(draw.bounds))
     }
 
     /// The stats of a frame whose counters nobody has read.

@@ -99,8 +99,12 @@ impl Frame {
             fade: u32::from(settings.fade),
             reuse_light: u32::from(settings.reuse_light),
             dimmest: dimmest(world, exposure_ev),
+            pixel_m: view.pixel_m(),
+            far_m: view.far_m(),
+            has_edge_on: u32::from(view.has_edge_on),
             pad0: 0,
             pad1: 0,
+            pad2: 0,
         }
     }
 }

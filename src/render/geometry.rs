@@ -8,7 +8,10 @@ use crate::{
     world::{Mesh, Posed, World},
 };
 
-use super::types::{GpuVertex, NONE};
+use super::{
+    chunks::ChunkedArray,
+    types::{GpuVertex, NONE},
+};
 
 /// Ranges of a mesh in the shared buffers.
 #[derive(Clone, Copy, Debug)]
@@ -50,14 +53,23 @@ pub fn buffer<T: Pod>(
     Ok(buffer)
 }
 
-/// The vertex buffer, the index buffer and the ranges of each mesh.
+/// Bytes of all vertices, and of all indices and second texture coordinates.
+pub fn geometry_bytes(world: &World) -> (u64, u64) {
+    let sum = |bytes: fn(&Mesh) -> usize| world.meshes.iter().map(bytes).sum::<usize>() as u64;
+    (
+        sum(|m| m.positions.len() * size_of::<GpuVertex>()),
+        sum(|m| m.triangles.len() * 12 + m.uv1.len() * 8),
+    )
+}
+
+/// The vertices, the indices and the ranges of each mesh.
 ///
 /// # Errors
-/// As [`buffer`].
+/// A wgpu error.
 pub fn geometry(
     gpu: &Gpu,
     world: &World,
-) -> Result<(wgpu::Buffer, wgpu::Buffer, Vec<MeshRange>), GpuError> {
+) -> Result<(ChunkedArray, ChunkedArray, Vec<MeshRange>), GpuError> {
     let mut vertices: Vec<GpuVertex> = Vec::new();
     let mut data: Vec<u32> = Vec::new();
     let mut ranges = Vec::with_capacity(world.meshes.len());
@@ -84,13 +96,13 @@ pub fn geometry(
     }
     let storage = wgpu::BufferUsages::STORAGE;
     Ok((
-        buffer(
+        ChunkedArray::new(
             gpu,
             "vertices",
             &vertices,
             storage | wgpu::BufferUsages::VERTEX,
         )?,
-        buffer(gpu, "mesh data", &data, storage | wgpu::BufferUsages::INDEX)?,
+        ChunkedArray::new(gpu, "mesh data", &data, storage | wgpu::BufferUsages::INDEX)?,
         ranges,
     ))
 }

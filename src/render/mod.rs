@@ -3,12 +3,14 @@
 pub mod aov;
 pub(crate) mod bindings;
 pub mod cause;
+pub mod chunks;
 pub mod constants;
 pub(crate) mod cost;
 pub(crate) mod cull;
 pub(crate) mod debug_readback;
 pub mod decide;
 pub(crate) mod download;
+mod edge_on;
 pub mod error;
 pub(crate) mod frame;
 pub(crate) mod frame_pass;

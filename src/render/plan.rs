@@ -262,6 +262,7 @@ impl Plan {
             layers: self.has_layers(),
             full: self.precision.full,
             conserved: self.multiple_scattering,
+            ..ShaderVariant::default()
         }
     }
 

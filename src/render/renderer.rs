@@ -16,9 +16,11 @@ use crate::{
 
 use super::{
     bindings::{BindingInputs, BindingKey, Bindings},
+    chunks::largest_tree_array,
     decide::{Decision, decide, needs_trees},
     error::RenderError,
     frame_uniforms::FrameUniforms,
+    geometry::geometry_bytes,
     lights::ShadowSizes,
     options::RenderOptions,
     pass_builder::PassBuilder,
@@ -28,6 +30,7 @@ use super::{
     relative::{origin_of, relative_world},
     resources::Resources,
     scene::GpuScene,
+    shader_variant::ShaderVariant,
     shaders::Shaders,
     targets::{Target, Targets},
     validate::{check_deformed, check_lights, check_moving_materials, check_world, refuse},
@@ -63,7 +66,9 @@ fn build_trees(
         return Ok((Trees::unbuilt(world), 0.0));
     }
     let started = Instant::now();
-    let trees = Trees::build(world, gpu.largest_storage_buffer())?;
+    let (vertices, indices) = geometry_bytes(world);
+    let limit = largest_tree_array(gpu, vertices, indices);
+    let trees = Trees::build(world, limit)?;
     Ok((trees, started.elapsed().as_secs_f64() * 1e3))
 }
 
@@ -115,7 +120,7 @@ impl Renderer {
         let scene = GpuScene::new(gpu, world, &trees)?;
         let plan = plan_of(world, &trees, &scene, options);
         let needed = needed_passes(&plan, options);
-        let shaders = shaders.updated(gpu, library, plan.variant(), &needed)?;
+        let shaders = shaders.updated(gpu, library, variant(&plan, &scene), &needed)?;
         let uniforms = FrameUniforms::new(gpu);
         let key = BindingKey::new(
             &plan,
@@ -194,7 +199,7 @@ impl Renderer {
         let needed = needed_passes(&plan, options);
         let shaders = self
             .shaders
-            .updated(gpu, library, plan.variant(), &needed)?;
+            .updated(gpu, library, variant(&plan, scene), &needed)?;
         let key = BindingKey::new(
             &plan,
             options,
@@ -364,6 +369,14 @@ impl Renderer {
             );
         }
         Ok(())
+    }
+}
+
+/// The shader files of a plan over a scene.
+fn variant(plan: &Plan, scene: &GpuScene) -> ShaderVariant {
+    ShaderVariant {
+        chunks: scene.chunks,
+        ..plan.variant()
     }
 }
 

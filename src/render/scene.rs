@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use bytemuck::{Pod, cast_slice};
+use bytemuck::cast_slice;
 use glam::Affine3A;
 
 use crate::{
@@ -16,6 +16,7 @@ use crate::{
 };
 
 use super::{
+    chunks::{ChunkedArray, Chunks, chunk_of},
     geometry::{MeshRange, buffer, geometry, mesh_vertices},
     gpu_material::gpu_material,
     panorama::GpuPanorama,
@@ -63,15 +64,15 @@ pub struct Draw {
 #[derive(Debug)]
 pub struct GpuScene {
     /// Tree nodes.
-    pub nodes: wgpu::Buffer,
+    pub nodes: ChunkedArray,
     /// Triangles in leaf order.
-    pub triangles: wgpu::Buffer,
+    pub triangles: ChunkedArray,
     /// Parallel to [`World::instances`].
     pub instances: wgpu::Buffer,
     /// Attributes of all meshes; also the vertex buffer.
-    pub vertices: wgpu::Buffer,
+    pub vertices: ChunkedArray,
     /// Indices and second texture coordinates; also the index buffer.
-    pub mesh_data: wgpu::Buffer,
+    pub mesh_data: ChunkedArray,
     /// Parallel to [`World::materials`].
     pub materials: wgpu::Buffer,
     /// Images.
@@ -82,6 +83,8 @@ pub struct GpuScene {
     pub panorama: Option<GpuPanorama>,
     /// One per instance that has triangles.
     pub draws: Vec<Draw>,
+    /// Buffers of the geometry.
+    pub chunks: Chunks,
     mesh_ranges: Vec<MeshRange>,
     records: Vec<GpuInstance>,
     /// Whether the alpha of some cut-out material may change.
@@ -99,11 +102,13 @@ impl GpuScene {
         let materials = materials(gpu, world, &pools)?;
         let records = instance_records(world, trees, &mesh_ranges);
         let panorama = world.environment.panorama.as_deref();
+        let (nodes, triangles) = tree_arrays(gpu, trees)?;
         let storage = wgpu::BufferUsages::STORAGE;
         Ok(Self {
             panorama: panorama.map(|p| GpuPanorama::new(gpu, p)).transpose()?,
-            nodes: buffer(gpu, "tree nodes", &trees.nodes, storage)?,
-            triangles: buffer(gpu, "tree triangles", &trees.triangles, storage)?,
+            chunks: Chunks::of(gpu, &nodes, &triangles, &vertices, &mesh_data)?,
+            nodes,
+            triangles,
             instances: buffer(gpu, "instances", &records, storage)?,
             vertices,
             mesh_data,
@@ -137,14 +142,12 @@ impl GpuScene {
             false => Pools::new(gpu, world)?,
         };
         let (nodes, triangles) = if new_trees {
-            (
-                buffer(gpu, "tree nodes", &trees.nodes, storage)?,
-                buffer(gpu, "tree triangles", &trees.triangles, storage)?,
-            )
+            tree_arrays(gpu, trees)?
         } else {
             (self.nodes.clone(), self.triangles.clone())
         };
         Ok(Self {
+            chunks: Chunks::of(gpu, &nodes, &triangles, &self.vertices, &self.mesh_data)?,
             nodes,
             triangles,
             instances: buffer(gpu, "instances", &records, storage)?,
@@ -167,16 +170,12 @@ impl GpuScene {
             let posed = world.posed(*mesh);
             let vertices: Vec<_> = mesh_vertices(&world.meshes[*mesh], &posed).collect();
             let first = self.mesh_ranges[*mesh].vertex_base as usize;
-            write(gpu, &self.vertices, first, &vertices);
+            self.vertices.write(gpu, first, &vertices);
         }
         for (nodes, triangles) in trees.deformed_ranges() {
-            write(gpu, &self.nodes, nodes.start, &trees.nodes[nodes]);
-            write(
-                gpu,
-                &self.triangles,
-                triangles.start,
-                &trees.triangles[triangles],
-            );
+            self.nodes.write(gpu, nodes.start, &trees.nodes[nodes]);
+            let moved = &trees.triangles[triangles.clone()];
+            self.triangles.write(gpu, triangles.start, moved);
         }
     }
 
@@ -203,7 +202,7 @@ impl GpuScene {
             .write_buffer(&self.instances, 0, cast_slice(&self.records));
         let range = trees.top_range.clone();
         if !range.is_empty() {
-            write(gpu, &self.nodes, range.start, &trees.nodes[range]);
+            self.nodes.write(gpu, range.start, &trees.nodes[range]);
         }
         self.update_deformed(gpu, world, trees);
     }
@@ -233,11 +232,7 @@ impl GpuScene {
         };
         let sampler = |i: usize| Some(wgpu::BindingResource::Sampler(&self.samplers[i]));
         match name {
-            "nodes" => Some(self.nodes.as_entire_binding()),
-            "triangles" => Some(self.triangles.as_entire_binding()),
             "instances" => Some(self.instances.as_entire_binding()),
-            "vertices" => Some(self.vertices.as_entire_binding()),
-            "mesh_data" => Some(self.mesh_data.as_entire_binding()),
             "materials" => Some(self.materials.as_entire_binding()),
             "pool_0" => view(0, 0),
             "pool_0_srgb" => view(0, 1),
@@ -249,7 +244,17 @@ impl GpuScene {
             "sampler_rc" => sampler(1),
             "sampler_cr" => sampler(2),
             "sampler_cc" => sampler(3),
-            _ => None,
+            _ => {
+                let (array, chunk) = chunk_of(name);
+                let array = match array {
+                    "nodes" => &self.nodes,
+                    "triangles" => &self.triangles,
+                    "vertices" => &self.vertices,
+                    "mesh_data" => &self.mesh_data,
+                    _ => return None,
+                };
+                array.binding(chunk)
+            }
         }
     }
 
@@ -268,10 +273,13 @@ impl GpuScene {
     }
 }
 
-/// Writes elements of a buffer from an index on.
-fn write<T: Pod>(gpu: &Gpu, buffer: &wgpu::Buffer, first: usize, elements: &[T]) {
-    let offset = (first * size_of::<T>()) as u64;
-    gpu.queue.write_buffer(buffer, offset, cast_slice(elements));
+/// Nodes and triangles of the trees.
+fn tree_arrays(gpu: &Gpu, trees: &Trees) -> Result<(ChunkedArray, ChunkedArray), GpuError> {
+    let storage = wgpu::BufferUsages::STORAGE;
+    Ok((
+        ChunkedArray::new(gpu, "tree nodes", &trees.nodes, storage)?,
+        ChunkedArray::new(gpu, "tree triangles", &trees.triangles, storage)?,
+    ))
 }
 
 fn shape_of(world: &World, mesh: usize) -> u64 {

@@ -4,7 +4,7 @@
 
 use crate::gpu::{ShaderError, ShaderLibrary};
 
-use super::constants::wgsl;
+use super::{chunks::Chunks, constants::wgsl};
 
 /// The files that a plan needs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -21,6 +21,8 @@ pub struct ShaderVariant {
     pub full: bool,
     /// Light that facets reflect more than once is given back.
     pub conserved: bool,
+    /// Buffers of the geometry.
+    pub chunks: Chunks,
 }
 
 impl ShaderVariant {
@@ -59,6 +61,7 @@ impl ShaderVariant {
             layers,
             full: false,
             conserved,
+            chunks: Chunks::WHOLE,
         }
     }
 
@@ -80,7 +83,9 @@ impl ShaderVariant {
             choose("radiance", self.full, ["half", "full"]),
             choose("extent", self.extent, ["none", "sampled"]),
         ];
-        let library = library.with_generated("constants", wgsl())?;
+        let library = library
+            .with_generated("constants", wgsl())?
+            .with_generated("geometry", self.chunks.wgsl())?;
         (imports.into_iter()).try_fold(library, |library, (name, text)| {
             library.with_generated(&name, text)
         })

@@ -33,7 +33,7 @@ impl SeenSurfaces {
             let ray = rays.primary(place);
             let hit = trees.nearest_counted(&ray).0?;
             let point = rays.point(&hit, ray.direction).position.as_vec3();
-            Some((point, hit.t as f32 * view.pixel_spread()))
+            Some((point, view.pixel_m() + hit.t as f32 * view.pixel_spread()))
         });
         let casters = world.instances.iter().filter(|i| !i.is_hidden());
         Self {

@@ -41,7 +41,7 @@ pub(crate) use gpu_struct;
 gpu_struct! {
     /// Uniforms of a frame; see `shaders/lib/frame.wgsl`.
     pub struct Frame = "Frame" {
-        /// World to clip, reversed and infinite depth, with this sub-frame's jitter.
+        /// World to clip, reversed depth, with this sub-frame's jitter.
         clip_from_world: [[f32; 4]; 4],
         /// Camera position, meters.
         eye: [f32; 3],
@@ -49,13 +49,13 @@ gpu_struct! {
         near_m: f32,
         /// Unit view direction.
         forward: [f32; 3],
-        /// Radians that one pixel spans.
+        /// Radians that one pixel spans; 0: orthographic.
         pixel_spread: f32,
-        /// Half the picture's width at distance 1.
+        /// Half the picture's width, at distance 1 or, if orthographic, at any.
         right: [f32; 3],
         /// Longest reflection ray, meters.
         ray_length_m: f32,
-        /// Half the picture's height at distance 1.
+        /// Half its height.
         up: [f32; 3],
         /// `auto` materials reflect below it.
         roughness_cutoff: f32,
@@ -79,10 +79,18 @@ gpu_struct! {
         reuse_light: u32,
         /// Share of light that a bounce must carry to be seen.
         dimmest: f32,
+        /// Width of an orthographic pixel, meters; 0: perspective.
+        pixel_m: f32,
+        /// Depth where an orthographic clip space ends, meters; 0: perspective.
+        far_m: f32,
+        /// 1: rays on the screen may pass surfaces that are seen edge-on.
+        has_edge_on: u32,
         /// Unused.
         pad0: u32,
         /// Unused.
         pad1: u32,
+        /// Unused.
+        pad2: u32,
     }
 }
 

@@ -1,8 +1,23 @@
 //! Camera → the frame's uniform block: projection, pixel rays, jitter.
 
-use glam::{Mat4, Vec2, Vec3, camera::rh};
+use glam::{DVec2, DVec3, Mat4, Vec2, Vec3, camera::rh};
 
-use crate::scene::desc::CameraDesc;
+use crate::{math::Bounds, scene::desc::CameraDesc};
+
+/// How distances show in the picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Projection {
+    /// What is farther away is smaller.
+    Perspective {
+        /// Vertical field of view, radians.
+        fov: f32,
+    },
+    /// All rays are parallel.
+    Orthographic {
+        /// View depth that nothing lies beyond, meters: depth is linear, so it must end somewhere.
+        far_m: f32,
+    },
+}
 
 /// A camera at a picture size.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -11,14 +26,16 @@ pub struct View {
     pub eye: Vec3,
     /// Unit view direction.
     pub forward: Vec3,
-    /// Half the picture's width at distance 1.
+    /// Half the picture's width, at distance 1 or, if orthographic, at any.
     pub right: Vec3,
-    /// Half the picture's height at distance 1.
+    /// Half its height.
     pub up: Vec3,
     /// Near plane, meters.
     pub near_m: f32,
-    /// Vertical field of view, radians.
-    pub fov: f32,
+    /// The kind of projection.
+    pub projection: Projection,
+    /// Whether rays on the screen may pass surfaces unseen.
+    pub has_edge_on: bool,
     /// Pixels.
     pub size: [u32; 2],
     /// Radius of the lens, meters; 0 is a pinhole.
@@ -37,7 +54,13 @@ impl View {
         } else {
             forward.any_orthonormal_vector()
         };
-        let half = (camera.fov_deg.to_radians() * 0.5).tan();
+        let half = camera.half_height_m(1.0);
+        let projection = match camera.orthographic_height_m {
+            Some(_) => Projection::Orthographic { far_m: FAR_M },
+            None => Projection::Perspective {
+                fov: camera.fov_deg.to_radians(),
+            },
+        };
         let aspect = size[0] as f32 / size[1] as f32;
         Self {
             eye: camera.eye,
@@ -45,18 +68,53 @@ impl View {
             right: right * half * aspect,
             up: right.cross(forward) * half,
             near_m: camera.near_m,
-            fov: camera.fov_deg.to_radians(),
+            projection,
+            has_edge_on: false,
             size,
             lens_m: camera.lens_m(),
             focus_m: camera.focused_m(),
         }
     }
 
-    /// World to clip: reversed, infinite depth; what lies at pixel + jitter lands on pixel.
+    /// The same view for a scene within `bounds`: an orthographic one ends behind them.
+    pub fn reaching(self, bounds: &Bounds) -> Self {
+        let Projection::Orthographic { .. } = self.projection else {
+            return self;
+        };
+        let corners = bounds.corners();
+        let depths = corners.map(|corner| (corner - self.eye).dot(self.forward));
+        let farthest = depths.fold(self.near_m, f32::max);
+        let far_m = self.near_m + (farthest - self.near_m) * 1.01 + 1e-3;
+        Self {
+            projection: Projection::Orthographic { far_m },
+            ..self
+        }
+    }
+
+    /// The ray through a place of the picture, -1 to 1 right and up: where it starts, and its direction,
+    /// 1 along `forward`.
+    pub fn ray(&self, ndc: DVec2) -> (DVec3, DVec3) {
+        let (eye, forward) = (self.eye.as_dvec3(), self.forward.as_dvec3());
+        let offset = self.right.as_dvec3() * ndc.x + self.up.as_dvec3() * ndc.y;
+        match self.projection {
+            Projection::Perspective { .. } => (eye, forward + offset),
+            Projection::Orthographic { .. } => (eye + offset, forward),
+        }
+    }
+
+    /// World to clip: reversed depth, infinite if perspective; what lies at pixel + jitter lands on pixel.
     pub fn clip_from_world(&self, jitter: Vec2) -> Mat4 {
         let aspect = self.size[0] as f32 / self.size[1] as f32;
-        let projection =
-            rh::proj::directx::perspective_infinite_reverse(self.fov, aspect, self.near_m);
+        let projection = match self.projection {
+            Projection::Perspective { fov } => {
+                rh::proj::directx::perspective_infinite_reverse(fov, aspect, self.near_m)
+            }
+            Projection::Orthographic { far_m } => {
+                let (half, depth_m) = (self.up.length(), far_m - self.near_m);
+                let scale = Vec3::new(1.0 / (half * aspect), 1.0 / half, 1.0 / depth_m);
+                Mat4::from_translation(Vec3::Z * (far_m / depth_m)) * Mat4::from_scale(scale)
+            }
+        };
         let view = rh::view::look_to_mat4(self.eye, self.forward, self.up.normalize());
         let shift = Vec3::new(
             -2.0 * jitter.x / self.size[0] as f32,
@@ -84,11 +142,33 @@ impl View {
         (Self { eye, ..*self }, shift)
     }
 
-    /// Radians that one pixel spans in the middle of the picture.
+    /// Radians that one pixel spans in the middle of the picture; 0 if orthographic.
     pub fn pixel_spread(&self) -> f32 {
-        2.0 * self.up.length() / self.size[1] as f32
+        match self.projection {
+            Projection::Perspective { .. } => 2.0 * self.up.length() / self.size[1] as f32,
+            Projection::Orthographic { .. } => 0.0,
+        }
+    }
+
+    /// Width of an orthographic pixel, meters; 0 if perspective.
+    pub fn pixel_m(&self) -> f32 {
+        match self.projection {
+            Projection::Perspective { .. } => 0.0,
+            Projection::Orthographic { .. } => 2.0 * self.up.length() / self.size[1] as f32,
+        }
+    }
+
+    /// View depth where an orthographic clip space ends, meters; 0 if perspective.
+    pub fn far_m(&self) -> f32 {
+        match self.projection {
+            Projection::Perspective { .. } => 0.0,
+            Projection::Orthographic { far_m } => far_m,
+        }
     }
 }
+
+/// End of an orthographic view of a scene of unknown size, meters.
+const FAR_M: f32 = 1e12;
 
 /// Radians; turns by it never come close to one another.
 const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;

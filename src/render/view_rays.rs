@@ -50,12 +50,11 @@ impl ViewRays<'_> {
     /// The ray through a place of the picture, 0 to 1 from its upper left corner; its `t` is the depth.
     pub fn primary(&self, place: DVec2) -> Ray {
         let ndc = place * 2.0 - 1.0;
-        let view = self.view;
+        let (origin, direction) = self.view.ray(DVec2::new(ndc.x, -ndc.y));
         Ray {
-            origin: view.eye.as_dvec3(),
-            direction: view.forward.as_dvec3() + view.right.as_dvec3() * ndc.x
-                - view.up.as_dvec3() * ndc.y,
-            t_min: f64::from(view.near_m),
+            origin,
+            direction,
+            t_min: f64::from(self.view.near_m),
             t_max: f64::INFINITY,
             passes: UNSEEN,
         }

@@ -14,7 +14,7 @@ use crate::{
 
 use super::{
     plan::may_reflect,
-    view::View,
+    view::{Projection, View},
     view_rays::{SurfacePoint, ViewRays, is_in_reach, mirror_ray, off_surface, places},
 };
 
@@ -93,14 +93,14 @@ impl Sampler<'_> {
         sum.visits = visits;
         let Some(hit) = hit else { return sum };
         sum.surfaces = 1;
-        let eye = self.rays.view.eye.as_dvec3();
-        let point = self.rays.point(&hit, self.rays.primary(place).direction);
+        let direction = self.rays.primary(place).direction.normalize();
+        let point = self.rays.point(&hit, direction);
         self.count_shadows(&point, &mut sum);
         if !self.reflects(&point) {
             return sum;
         }
         sum.reflective = 1;
-        let ray = mirror_ray(&point, (point.position - eye).normalize());
+        let ray = mirror_ray(&point, direction);
         let (met, visits) = self.rays.trees.nearest_counted(&ray);
         let mut all_visits = visits;
         let shown = met.is_some_and(|met| self.is_shown(&ray, &met));
@@ -150,9 +150,13 @@ impl Sampler<'_> {
     fn place_of(&self, point: DVec3) -> Option<DVec2> {
         let offset = point - self.rays.view.eye.as_dvec3();
         let depth = offset.dot(self.rays.view.forward.as_dvec3());
+        let scale = match self.rays.view.projection {
+            Projection::Perspective { .. } => depth,
+            Projection::Orthographic { .. } => 1.0,
+        };
         let along = |axis: Vec3| {
             let axis = axis.as_dvec3();
-            offset.dot(axis) / axis.length_squared() / depth
+            offset.dot(axis) / axis.length_squared() / scale
         };
         let ndc = DVec2::new(along(self.rays.view.right), -along(self.rays.view.up));
         (depth > f64::from(self.rays.view.near_m)).then_some(ndc * 0.5 + 0.5)

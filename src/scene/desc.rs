@@ -264,6 +264,12 @@ pub struct InstanceDesc {
     pub material: Option<InstanceMaterialDesc>,
     /// Which of its file's animations this placement plays; in place of its model's `animation`.
     pub animation: Option<AnimationDesc>,
+    /// Nodes of its file that scripts pose with `ctx.joint`: joints of a skin, or any other, by name. What hangs on
+    /// them moves too.
+    pub joints: Vec<At<String>>,
+    /// Morph targets of its file whose weights scripts set with `ctx.morph`, by name; one without a name is
+    /// called by its number, from "0".
+    pub morphs: Vec<At<String>>,
     /// Where the table starts.
     pub at: Span,
 }

@@ -3,17 +3,23 @@
 
 mod clock;
 mod hierarchy;
+mod joint;
 mod material;
 mod names;
 mod parts;
 pub(super) mod track;
 
-use std::{borrow::Cow, collections::HashSet, sync::Arc};
+use std::{
+    borrow::Cow,
+    collections::{BTreeMap, HashSet},
+    sync::Arc,
+};
 
 use glam::{Affine3A, DQuat, EulerRot, Quat, Vec3};
 
 use self::hierarchy::{hang_cameras, hang_lights};
 pub use self::hierarchy::{placed_camera, placed_light};
+pub use self::joint::JointPose;
 pub use self::material::{
     FileMaterial, MaterialChange, Values, changing_overrides, file_materials, override_of, written,
 };
@@ -43,6 +49,10 @@ pub struct FrameState {
     pub instances: Vec<Affine3A>,
     /// Time inside its animations that the script has set for each instance, seconds.
     pub animation_s: Vec<Option<f64>>,
+    /// What the script has set of nodes, by instance and place in [`InstanceDesc::joints`].
+    pub joints: BTreeMap<(usize, usize), JointPose>,
+    /// Weights that the script has set, by instance and place in [`InstanceDesc::morphs`].
+    pub morphs: BTreeMap<(usize, usize), f32>,
     /// How each light shines.
     pub lights: Vec<LightDesc>,
     /// What each `[material.NAME]` says.

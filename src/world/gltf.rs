@@ -34,6 +34,7 @@ mod material;
 mod meshopt;
 mod morph;
 mod node;
+mod posed;
 mod primitive;
 mod primitive_context;
 mod read_array;
@@ -49,6 +50,7 @@ mod wire;
 pub use animation::{Clip, Playable, Stage, StageTime};
 pub use container::Bytes;
 pub use extension::SUPPORTED as SUPPORTED_EXTENSIONS;
+pub use posed::{Posed, PosedNames};
 pub use specular_glossiness::{Factors, Part, SpecularGlossinessMaps};
 pub use uri::Sandbox;
 
@@ -74,10 +76,12 @@ pub struct Model {
     pub placements: Vec<Attached<Placement>>,
     /// KHR_lights_punctual, in the space of their nodes.
     pub lights: Vec<Attached<Light>>,
-    /// Perspective cameras by name, in the space of their nodes.
+    /// Cameras by name, in the space of their nodes.
     pub cameras: Vec<Attached<(String, CameraDesc)>>,
     /// Node hierarchy.
     pub rig: Arc<Rig>,
+    /// Names that scripts may pose something by, where they do.
+    pub posed_names: PosedNames,
     /// Animations.
     pub clips: Vec<Clip>,
     /// The USD stage that it was converted from.
@@ -245,24 +249,35 @@ const GEOMETRY_BUDGET_BYTES: u64 = 2 << 30;
 /// Maximum number of listed errors per file.
 const MAX_ERRORS: usize = 20;
 
-/// Reads the file at `path` (canonical, from [`Sandbox::resolve`]). With `lenient`, extensions that
-/// only change the look are ignored even if the file requires them. Skins and morph targets are at
-/// rest.
+/// How a file is read.
+#[derive(Clone, Debug, Default)]
+pub struct ReadOptions {
+    /// Whether extensions that only change the look are ignored even if the file requires them.
+    pub lenient: bool,
+    /// What scripts pose.
+    pub posed: Posed,
+}
+
+/// Reads the file at `path` (canonical, from [`Sandbox::resolve`]). Skins and morph targets are at rest.
 ///
 /// # Errors
 /// All errors, each with its place inside the file.
-pub fn read(path: &Path, sandbox: &Sandbox, lenient: bool) -> Result<Model, Vec<Diagnostic>> {
-    read_faults(path, sandbox, lenient).map_err(|faults| {
+pub fn read(
+    path: &Path,
+    sandbox: &Sandbox,
+    options: &ReadOptions,
+) -> Result<Model, Vec<Diagnostic>> {
+    read_faults(path, sandbox, options).map_err(|faults| {
         (faults.into_iter().take(MAX_ERRORS))
             .map(|fault| fault.in_file(path))
             .collect()
     })
 }
 
-fn read_faults(path: &Path, sandbox: &Sandbox, lenient: bool) -> Result<Model, Vec<Fault>> {
+fn read_faults(path: &Path, sandbox: &Sandbox, options: &ReadOptions) -> Result<Model, Vec<Fault>> {
     let one = |fault: Fault| vec![fault];
     let bytes = sandbox.read(path).map_err(one)?;
-    let (mut root, binary) = container::open(bytes, lenient).map_err(one)?;
+    let (mut root, binary) = container::open(bytes, options.lenient).map_err(one)?;
     let folder = path.parent().unwrap_or(Path::new("."));
     let mut model = Model {
         files: vec![path.to_owned()],
@@ -287,7 +302,11 @@ fn read_faults(path: &Path, sandbox: &Sandbox, lenient: bool) -> Result<Model, V
         let what = "animations are broken and cannot be played";
         notes.add("animation-broken", 1, what, &fault.message);
     }
-    let visit = node::traverse(&root, &data, &model.clips, &mut notes).map_err(one)?;
+    let visit =
+        node::traverse(&root, &data, (&model.clips, &options.posed), &mut notes).map_err(one)?;
+    model.posed_names = PosedNames::of(&root, &options.posed, |node| {
+        visit.model_from_node(node).is_some()
+    });
     let primitives = geometry::read(&root, &data, &visit, &mut model, &mut notes)?;
     node::place(visit, &primitives, &mut model).map_err(one)?;
     model.warnings = extension::ignored(&root, path);

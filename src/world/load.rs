@@ -31,6 +31,7 @@ mod points;
 mod preloaded_models;
 mod read_models;
 mod repeat;
+mod scripted;
 mod tangent;
 mod vertex_streams;
 
@@ -146,6 +147,15 @@ fn did_you_mean<'n>(name: &str, known: impl Iterator<Item = &'n str>) -> Option<
         .filter(|(score, _)| *score >= CLOSE)
         .max_by(|a, b| a.0.total_cmp(&b.0));
     best.map(|(_, k)| format!("did you mean \"{k}\"?"))
+}
+
+/// `its … are a, b, c`, of so many names as can be read.
+fn list<'n>(what: &str, names: impl Iterator<Item = &'n str>) -> String {
+    const MOST: usize = 30;
+    let mut names: Vec<_> = names.collect();
+    let more = if names.len() > MOST { ", …" } else { "" };
+    names.truncate(MOST);
+    format!("its {what} are {}{more}", names.join(", "))
 }
 
 impl<'a> Loader<'a> {

@@ -164,7 +164,7 @@ impl World {
     /// not finite; the world is unchanged then.
     pub fn apply(&mut self, state: &FrameState) -> Result<(), Vec<Diagnostic>> {
         let players = self.moving.players.iter();
-        let poses: Vec<_> = players.map(|player| pose(player, state)).collect();
+        let poses: Vec<_> = players.map(|player| player.pose(state)).collect();
         let placed = self.placed(state, &poses)?;
         self.deformed = self.deformed(&self.meshes, state.frame, &poses)?;
         for (moving, pose) in self.moving.instances.iter().zip(placed) {
@@ -230,8 +230,13 @@ impl World {
         frame: u32,
         time_s: f64,
     ) -> Result<(), Vec<Diagnostic>> {
+        let state = FrameState {
+            frame,
+            time_s,
+            ..FrameState::default()
+        };
         let players = self.moving.players.iter();
-        let poses: Vec<_> = players.map(|player| player.pose(time_s)).collect();
+        let poses: Vec<_> = players.map(|player| player.pose(&state)).collect();
         self.deformed = self.deformed(meshes, frame, &poses)?;
         Ok(())
     }
@@ -365,13 +370,4 @@ impl World {
             .filter_map(|(i, _)| Some(of_mesh.get(&i.mesh)?.transformed(&i.world_from_object)))
             .collect()
     }
-}
-
-/// What a player moves in a frame: at the time that its script has set, else at the scene's.
-fn pose(player: &Player, state: &FrameState) -> RigPose {
-    let set = player.desc.and_then(|i| state.animation_s[i]);
-    set.map_or_else(
-        || player.pose(state.time_s),
-        |local_s| player.pose_at(local_s),
-    )
 }

@@ -5,7 +5,7 @@ use std::{collections::BTreeMap, sync::Arc};
 use glam::Affine3A;
 
 use super::animation::{Animation, Local, Property};
-use crate::scene::desc::AnimationDesc;
+use crate::scene::{desc::AnimationDesc, motion::FrameState};
 
 /// The nodes of a file's scene, at rest.
 #[derive(Clone, Debug, Default)]
@@ -29,6 +29,17 @@ pub struct RigNode {
     pub model_from_node: Affine3A,
 }
 
+/// What scripts pose of a placed file.
+#[derive(Clone, Debug, Default)]
+pub struct Scripted {
+    /// Nodes of each of the instance's `joints`, by their index in the file.
+    pub joints: Vec<Vec<usize>>,
+    /// Morph targets of each of its `morphs`, as node and index.
+    pub morphs: Vec<Vec<(usize, usize)>>,
+    /// Weights at rest of the nodes that have those.
+    pub rest_weights: BTreeMap<usize, Vec<f32>>,
+}
+
 /// Animation player of a placed file, shared by all copies of an instance.
 #[derive(Clone, Debug)]
 pub struct Player {
@@ -38,6 +49,7 @@ pub struct Player {
     pub timing: AnimationDesc,
     /// Played animations; the later wins for the same property.
     animations: Vec<Arc<Animation>>,
+    scripted: Scripted,
     /// Animated nodes, parents first.
     moved: Vec<MovedNode>,
     /// Index into `moved` of each node of the file.
@@ -80,16 +92,19 @@ pub struct PosedNode {
 }
 
 impl Player {
-    /// Player of some animations of a file.
+    /// Player of some animations of a file, and of what scripts pose of it.
     pub fn new(
         rig: &Rig,
         animations: Vec<Arc<Animation>>,
-        desc: Option<usize>,
-        timing: &AnimationDesc,
+        scripted: Scripted,
+        (desc, timing): (Option<usize>, &AnimationDesc),
     ) -> Self {
         let mut animated = vec![false; rig.nodes.len()];
         for channel in animations.iter().flat_map(|a| &a.channels) {
             animated[channel.node] = true;
+        }
+        for node in scripted.joints.iter().flatten() {
+            animated[*node] = true;
         }
         let mut slots = vec![None; rig.nodes.len()];
         let mut moved = Vec::new();
@@ -116,6 +131,7 @@ impl Player {
             desc,
             timing: timing.clone(),
             animations,
+            scripted,
             moved,
             slots,
         }
@@ -128,6 +144,9 @@ impl Player {
 
     /// Whether it moves the weights of a node's morph targets.
     pub fn moves_weights(&self, node: usize) -> bool {
+        if self.scripted.rest_weights.contains_key(&node) {
+            return true;
+        }
         let mut tracks = self.animations.iter().flat_map(|a| &a.weights);
         tracks.any(|track| track.node == node)
     }
@@ -138,19 +157,25 @@ impl Player {
         ends.fold(0.0, f64::max)
     }
 
-    /// What it moves at a time of the scene, seconds.
-    pub fn pose(&self, time_s: f64) -> RigPose {
-        self.pose_each(|animation| self.timing.local_s(time_s, f64::from(animation.duration_s)))
+    /// What it moves in a frame: at the time that its script has set, else at the scene's, and as its script
+    /// has posed it.
+    pub fn pose(&self, state: &FrameState) -> RigPose {
+        let set = self.desc.and_then(|i| *state.animation_s.get(i)?);
+        let scene_s = |animation: &Animation| {
+            let duration_s = f64::from(animation.duration_s);
+            self.timing.local_s(state.time_s, duration_s)
+        };
+        self.pose_each(|animation| set.unwrap_or_else(|| scene_s(animation)), state)
     }
 
-    /// What it moves at a time inside all of its animations, seconds.
+    /// What it moves at a time inside all of its animations, seconds; scripts have set nothing.
     pub fn pose_at(&self, local_s: f64) -> RigPose {
-        self.pose_each(|_| local_s)
+        self.pose_each(|_| local_s, &FrameState::default())
     }
 
-    fn pose_each(&self, local_s: impl Fn(&Animation) -> f64) -> RigPose {
+    fn pose_each(&self, local_s: impl Fn(&Animation) -> f64, state: &FrameState) -> RigPose {
         let mut nodes = self.moved.clone();
-        let mut weights = BTreeMap::new();
+        let mut weights = self.scripted.rest_weights.clone();
         for animation in &self.animations {
             let time_s = local_s(animation);
             for channel in &animation.channels {
@@ -167,6 +192,7 @@ impl Player {
                 weights.insert(track.node, track.at(time_s));
             }
         }
+        self.follow_script(state, &mut nodes, &mut weights);
         let mut posed: Vec<PosedNode> = Vec::with_capacity(nodes.len());
         for node in nodes {
             let (model_from_parent, seen) = match node.parent {
@@ -181,6 +207,33 @@ impl Player {
         RigPose {
             nodes: posed,
             weights,
+        }
+    }
+
+    /// Sets what the script has set of the instance.
+    fn follow_script(
+        &self,
+        state: &FrameState,
+        nodes: &mut [MovedNode],
+        weights: &mut BTreeMap<usize, Vec<f32>>,
+    ) {
+        let Some(desc) = self.desc else { return };
+        let of_instance = (desc, 0)..(desc + 1, 0);
+        for (&(_, place), pose) in state.joints.range(of_instance.clone()) {
+            let named = self.scripted.joints.get(place);
+            for slot in named.into_iter().flatten().filter_map(|n| self.slot(*n)) {
+                let local = &mut nodes[slot].local;
+                *local = Local::Matrix(pose.over(&local.transform()));
+            }
+        }
+        for (&(_, place), weight) in state.morphs.range(of_instance) {
+            let named = self.scripted.morphs.get(place);
+            for (node, target) in named.into_iter().flatten() {
+                let of_node = weights.get_mut(node);
+                if let Some(own) = of_node.and_then(|of_node| of_node.get_mut(*target)) {
+                    *own = *weight;
+                }
+            }
         }
     }
 }

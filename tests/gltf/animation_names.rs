@@ -236,7 +236,7 @@ fn file_lists_its_animations() {
     let path = folder.write("m.glb", cart().glb());
     let sandbox = gltf::Sandbox::new([folder.0.as_path()], 1 << 20);
     let path = path.canonicalize().expect("it is there");
-    let playable = gltf::read(&path, &sandbox, false)
+    let playable = gltf::read(&path, &sandbox, &gltf::ReadOptions::default())
         .expect("it can be read")
         .playable();
     let found: Vec<_> = (playable.clips.iter())
@@ -253,7 +253,7 @@ fn file_lists_its_animations() {
     doc.json["scenes"][0]["extras"] = json!({"usd": {"timeCodesPerSecond": 30, "timeOrigin": 101,
         "startTimeCode": null, "endTimeCode": 150, "upAxis": "Y", "domeRadiance": [1, 0.5, 0]}});
     folder.write("m.glb", doc.glb());
-    let playable = gltf::read(&path, &sandbox, false)
+    let playable = gltf::read(&path, &sandbox, &gltf::ReadOptions::default())
         .expect("it can be read")
         .playable();
     assert_eq!(playable.stage.dome_radiance, Some([1.0, 0.5, 0.0]));

@@ -298,6 +298,8 @@ pub fn instance(model: &str) -> InstanceDesc {
         instances_from: None,
         material: None,
         animation: None,
+        joints: Vec::new(),
+        morphs: Vec::new(),
         at: Span::default(),
     }
 }

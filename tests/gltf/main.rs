@@ -25,6 +25,7 @@ mod material;
 mod meshopt;
 mod overrides;
 mod scene;
+mod scripted;
 mod skin;
 mod specular_glossiness;
 mod variants;

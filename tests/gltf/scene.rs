@@ -38,7 +38,7 @@ fn lights_and_cameras() -> Doc {
     ]}});
     doc.json["cameras"] = json!([
         {"name": "eye", "type": "perspective", "perspective": {"yfov": 1.0, "znear": 0.5}},
-        {"type": "orthographic", "orthographic": {"xmag": 1, "ymag": 1, "zfar": 1, "znear": 0}}
+        {"type": "orthographic", "orthographic": {"xmag": 1, "ymag": 1.5, "zfar": 1, "znear": 0}}
     ]);
     let spot = json!({"KHR_lights_punctual": {"light": 0}});
     doc.root_node(
@@ -85,14 +85,18 @@ fn lights_and_cameras_of_files_are_placed() {
         }
     ));
 
-    assert_eq!(world.cameras.len(), 1);
+    assert_eq!(world.cameras.len(), 2);
     let camera = &world.cameras[0];
     assert_eq!(camera.name, "m/eye");
     assert_eq!(camera.value.eye, Vec3::new(1.0, 4.0, 0.0));
     assert!((camera.value.target - Vec3::new(1.0, 3.0, 0.0)).length() < 1e-5);
     assert!((camera.value.up - Vec3::NEG_Z).length() < 1e-5);
     assert!((camera.value.fov_deg - 57.29578).abs() < 1e-3);
-    assert_eq!(warnings(&world), ["camera-orthographic"]);
+    assert_eq!(camera.value.orthographic_height_m, None);
+    let flat = &world.cameras[1].value;
+    assert_eq!((flat.eye, flat.orthographic_height_m), (Vec3::X, Some(3.0)));
+    assert!(flat.near_m > 0.0 && flat.near_m < 1e-4, "{}", flat.near_m);
+    assert_eq!(warnings(&world), [""; 0]);
 
     desc.models[0].value.lights = false;
     assert!(load_scene(&desc).expect("loads").lights.is_empty());
@@ -104,6 +108,25 @@ fn lights_and_cameras_of_files_are_placed() {
     let (name, message) = one_error(load_scene(&desc));
     assert_eq!(name, "lights-too-many");
     assert!(message.starts_with("66 lights"), "{message}");
+}
+
+#[test]
+fn cameras_without_a_view_are_errors() {
+    let folder = Folder::new();
+    for camera in [
+        json!({"type": "orthographic"}),
+        json!({"type": "orthographic", "orthographic": {"xmag": 1, "ymag": 0, "zfar": 1, "znear": 0}}),
+        json!({"type": "orthographic", "orthographic": {"xmag": 1, "ymag": 1e39, "zfar": 1, "znear": 0}}),
+        json!({"type": "orthographic", "orthographic": {"xmag": 1, "ymag": 1, "zfar": 1, "znear": -1}}),
+        json!({"type": "perspective", "perspective": {"yfov": 0, "znear": 1}}),
+    ] {
+        let mut doc = Doc::triangle();
+        doc.json["cameras"] = json!([camera]);
+        doc.root_node(json!({"camera": 0}));
+        folder.write("m.glb", doc.glb());
+        let (name, message) = one_error(load_scene(&scene(&folder.0, "m.glb")));
+        assert_eq!(name, "gltf-camera", "{camera}: {message}");
+    }
 }
 
 #[test]

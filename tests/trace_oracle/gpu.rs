@@ -19,6 +19,13 @@ struct Instance {
 @group(1) @binding(1) var<storage, read> triangles: array<vec4u>;
 @group(1) @binding(2) var<storage, read> instances: array<Instance>;
 
+fn node_words(i: u32) -> vec4u {
+    return nodes[i];
+}
+fn triangle_words(i: u32) -> vec4u {
+    return triangles[i];
+}
+
 struct Query { origin: vec3f, t_min: f32, direction: vec3f, t_max: f32 }
 struct Answer { hit: Hit, blocked: u32, exhausted: u32, visits: vec2u }
 @group(0) @binding(0) var<storage, read> queries: array<Query>;

@@ -1,7 +1,11 @@
 //! Geometry that not every device can hold.
 
 use crate::{
-    render::types::GpuVertex,
+    gpu::{Gpu, GpuOptions},
+    render::{
+        chunks::{Sizes, check_size},
+        types::GpuVertex,
+    },
     scene::diagnostic::{Diagnostic, Span},
     world::{Mesh, World, bvh::TraceTriangle},
 };
@@ -11,24 +15,37 @@ const EVERYWHERE_BYTES: u64 = 128 << 20;
 
 /// A warning about the largest buffer, if some devices refuse it. `is_traced`: rays are followed.
 pub fn lint(world: &World, is_traced: bool, start: Span) -> Option<Diagnostic> {
-    let (what, bytes) = largest(world, is_traced);
+    let (what, bytes) = largest(&sizes(world, is_traced));
     if bytes <= EVERYWHERE_BYTES {
         return None;
     }
     let mebibytes = |bytes: u64| bytes >> 20;
     let message = format!(
-        "{what} take {} MiB in one buffer; every device allows {} MiB, and `render` refuses the \
-         scene where no more is allowed",
+        "{what} take {} MiB; every device allows {} MiB in one buffer, and `render` refuses the \
+         scene where neither larger nor more buffers are allowed",
         mebibytes(bytes),
         mebibytes(EVERYWHERE_BYTES)
     );
     let help = "simplify the models, or render on a device with a larger \
-                `maxStorageBufferBindingSize`";
+                `maxStorageBufferBindingSize` or `maxStorageBuffersPerShaderStage`";
     Some(Diagnostic::at("geometry-large", start, message).help(help))
 }
 
-/// The largest buffer, and its bytes; copies of a mesh that are stored again are not counted.
-fn largest(world: &World, is_traced: bool) -> (&'static str, u64) {
+/// Why `render` would refuse the geometry on this machine's device; nothing where it would not, or where there
+/// is no device to ask.
+pub fn refused_here(world: &World, is_traced: bool) -> Option<Diagnostic> {
+    let sizes = sizes(world, is_traced);
+    if largest(&sizes).1 <= EVERYWHERE_BYTES {
+        return None;
+    }
+    let gpu = Gpu::new(&GpuOptions::default()).ok()?;
+    let error = check_size(&gpu, sizes).err()?;
+    let found = Diagnostic::at("geometry-too-large", Span::default(), error.to_string());
+    Some(found.help("simplify the models, or leave some out"))
+}
+
+/// Of the meshes that are placed; copies of a mesh that are stored again are not counted.
+fn sizes(world: &World, is_traced: bool) -> Sizes {
     let mut used = vec![false; world.meshes.len()];
     for instance in &world.instances {
         used[instance.mesh] = true;
@@ -39,21 +56,21 @@ fn largest(world: &World, is_traced: bool) -> (&'static str, u64) {
         used.map(|(mesh, _)| bytes(mesh) as u64).sum::<u64>()
     };
     let traced = sum(|mesh| mesh.triangles.len() * size_of::<TraceTriangle>());
-    let buffers = [
-        (
-            "the vertices",
-            sum(|m| m.positions.len() * size_of::<GpuVertex>()),
-        ),
-        (
-            "the indices",
-            sum(|m| m.triangles.len() * 12 + m.uv1.len() * 8),
-        ),
-        (
-            "the triangles that rays meet",
-            if is_traced { traced } else { 0 },
-        ),
+    Sizes {
+        vertices: sum(|m| m.positions.len() * size_of::<GpuVertex>()),
+        mesh_data: sum(|m| m.triangles.len() * 12 + m.uv1.len() * 8),
+        triangles: if is_traced { traced } else { 0 },
+    }
+}
+
+/// The largest array, and its bytes.
+fn largest(sizes: &Sizes) -> (&'static str, u64) {
+    let arrays = [
+        ("the vertices", sizes.vertices),
+        ("the indices", sizes.mesh_data),
+        ("the triangles that rays meet", sizes.triangles),
     ];
-    let largest = buffers.into_iter().max_by_key(|(_, bytes)| *bytes);
+    let largest = arrays.into_iter().max_by_key(|(_, bytes)| *bytes);
     largest.unwrap_or(("the vertices", 0))
 }
 

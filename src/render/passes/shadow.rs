@@ -140,25 +140,31 @@ impl Shadow {
 
     fn draw(&self, pass: &mut wgpu::RenderPass<'_>, scene: &GpuScene, view: &ShadowView) {
         let visible = || casters(scene, view);
+        let opaque = || visible().filter(|d| !d.class.cutout);
+        let instance = |draw: &Draw| draw.instance..draw.instance + 1;
         pass.set_pipeline(&self.opaque);
-        pass.set_vertex_buffer(0, scene.vertices.slice(..));
-        pass.set_index_buffer(scene.mesh_data.slice(..), wgpu::IndexFormat::Uint32);
-        for draw in visible().filter(|d| !d.class.cutout) {
-            pass.draw_indexed(
-                draw.indices.clone(),
-                draw.vertex_base,
-                draw.instance..draw.instance + 1,
-            );
+        if let Some((vertices, indices)) = indexed(scene) {
+            pass.set_vertex_buffer(0, vertices.slice(..));
+            pass.set_index_buffer(indices.slice(..), wgpu::IndexFormat::Uint32);
+            for draw in opaque() {
+                pass.draw_indexed(draw.indices.clone(), draw.vertex_base, instance(draw));
+            }
+        } else {
+            for draw in opaque() {
+                pass.draw(0..draw.indices.len() as u32, instance(draw));
+            }
         }
         let Some(cutout) = &self.cutout else { return };
         pass.set_pipeline(cutout);
         for draw in visible().filter(|d| d.class.cutout) {
-            pass.draw(
-                0..draw.indices.len() as u32,
-                draw.instance..draw.instance + 1,
-            );
+            pass.draw(0..draw.indices.len() as u32, instance(draw));
         }
     }
+}
+
+/// Vertex and index buffer; `None` where there are several of either, so that shaders pull vertices.
+fn indexed(scene: &GpuScene) -> Option<(&wgpu::Buffer, &wgpu::Buffer)> {
+    Some((scene.vertices.whole()?, scene.mesh_data.whole()?))
 }
 
 /// What a map may show.
@@ -200,6 +206,7 @@ fn pipeline(
         step_mode: wgpu::VertexStepMode::Vertex,
         attributes: &attributes,
     })];
+    let is_pulled = cutout || indexed(builder.resources.scene).is_none();
     let state = if cutout { "cutout" } else { "opaque" };
     shader.render_pipeline(gpu, state, &groups, &constants, |layout| {
         gpu.device
@@ -208,9 +215,9 @@ fn pipeline(
                 layout: Some(layout),
                 vertex: wgpu::VertexState {
                     module: &shader.module,
-                    entry_point: Some(if cutout { "vertex" } else { "vertex_opaque" }),
+                    entry_point: Some(if is_pulled { "vertex" } else { "vertex_opaque" }),
                     compilation_options: compilation_options.clone(),
-                    buffers: if cutout { &[] } else { &vertices },
+                    buffers: if is_pulled { &[] } else { &vertices },
                 },
                 // Both sides cast, as both block shadow rays.
                 primitive: wgpu::PrimitiveState::default(),

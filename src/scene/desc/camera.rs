@@ -22,10 +22,13 @@ pub struct CameraDesc {
     pub up: Vec3,
     /// Vertical field of view, degrees, 1 to 170. More shows more and shrinks everything.
     pub fov_deg: f32,
+    /// Height of what the picture shows, meters, above 0: makes the camera orthographic. Its rays are parallel, so
+    /// that nothing shrinks with distance; `fov_deg` has no meaning then. Default: perspective.
+    pub orthographic_height_m: Option<f32>,
     /// Nearest visible distance, meters, above 0. There is no far plane.
     pub near_m: f32,
     /// Aperture as an f-number, 0.1 to 1000: less blurs more of what is out of focus. The lens is that of a
-    /// camera with a sensor of 24 mm height and this field of view. Each sub-frame looks through one point of it, so it
+    /// camera with a sensor of 24 mm height and this field of view, so an orthographic one has none. Each sub-frame looks through one point of it, so it
     /// takes many `image.samples`. Default: a pinhole, everything is sharp.
     pub aperture_f: Option<f32>,
     /// Distance along the view that is in focus, meters, above 0. Default: that of `target`, so that what a
@@ -37,8 +40,18 @@ pub struct CameraDesc {
 const SENSOR_M: f32 = 0.024;
 
 impl CameraDesc {
+    /// Half the height of what the picture shows at a distance along the view, meters.
+    pub fn half_height_m(&self, distance_m: f32) -> f32 {
+        let slope = (0.5 * self.fov_deg.to_radians()).tan();
+        self.orthographic_height_m
+            .map_or(slope * distance_m, |height_m| 0.5 * height_m)
+    }
+
     /// Radius of its lens, meters; 0 is a pinhole.
     pub fn lens_m(&self) -> f32 {
+        if self.orthographic_height_m.is_some() {
+            return 0.0;
+        }
         let focal_m = 0.5 * SENSOR_M / (0.5 * self.fov_deg.to_radians()).tan();
         self.aperture_f.map_or(0.0, |f| 0.5 * focal_m / f)
     }
@@ -57,6 +70,7 @@ impl Default for CameraDesc {
             target: Vec3::ZERO,
             up: Vec3::Y,
             fov_deg: 60.0,
+            orthographic_height_m: None,
             near_m: 0.01,
             aperture_f: None,
             focus_m: None,
@@ -65,11 +79,18 @@ impl Default for CameraDesc {
 }
 
 /// What changes of a camera.
-pub static CAMERA: [Field<CameraDesc>; 7] = [
+pub static CAMERA: [Field<CameraDesc>; 8] = [
     plain!(eye, Vector, ANY),
     plain!(target, Vector, ANY),
     plain!(up, Vector, ANY),
     plain!(fov_deg, Number, range(1.0, 170.0)),
+    Field {
+        key: "orthographic_height_m",
+        form: Form::Number,
+        range: ABOVE_0,
+        get: |camera| camera.orthographic_height_m.map(Lanes::lanes),
+        put: |camera, value| camera.orthographic_height_m = Some(Lanes::of(value)),
+    },
     plain!(near_m, Number, ABOVE_0),
     Field {
         key: "aperture_f",
@@ -95,6 +116,7 @@ pub struct CameraMotionDesc {
     ///   at an instance.
     /// - `up`: track of the direction that is up in the picture.
     /// - `fov_deg`: track of the vertical field of view, degrees, 1 to 170.
+    /// - `orthographic_height_m`: track of the height of what an orthographic camera shows, meters, above 0.
     /// - `near_m`: track of the nearest visible distance, meters, above 0.
     /// - `aperture_f`: track of the f-number, 0.1 to 1000.
     /// - `focus_m`: track of the distance in focus, meters, above 0.

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::{changing_overrides, file_materials, moving, override_of, written};
-use crate::scene::desc::{Entry, MaterialDesc, Parents, SceneDesc};
+use crate::scene::desc::{At, Entry, MaterialDesc, Parents, SceneDesc};
 
 /// Indices by name.
 #[derive(Clone, Debug, Default)]
@@ -27,6 +27,10 @@ pub struct Names {
     pub dynamic: Vec<bool>,
     /// Which instances play animations.
     pub playing: Vec<bool>,
+    /// [`InstanceDesc::joints`](crate::scene::desc::InstanceDesc::joints) of each instance.
+    pub joints: Vec<Vec<String>>,
+    /// [`InstanceDesc::morphs`](crate::scene::desc::InstanceDesc::morphs) of each instance.
+    pub morphs: Vec<Vec<String>>,
     /// What hangs on what.
     pub parents: Parents,
 }
@@ -38,6 +42,7 @@ impl Names {
             let names = list.iter().enumerate();
             names.map(|(i, e)| (e.name.clone(), i)).collect()
         }
+        let values = |names: &[At<String>]| names.iter().map(|name| name.value.clone()).collect();
         let named = desc.node_names().enumerate();
         let of_files = file_materials(desc);
         Self {
@@ -62,6 +67,8 @@ impl Names {
                 .map(|i| desc.played_by(i).is_some())
                 .chain(desc.groups.iter().map(|_| false))
                 .collect(),
+            joints: desc.instances.iter().map(|i| values(&i.joints)).collect(),
+            morphs: desc.instances.iter().map(|i| values(&i.morphs)).collect(),
             parents: desc.parents.clone(),
         }
     }

@@ -32,7 +32,14 @@ const MOST_PLACED: usize = 1000;
 const INHERITED: [&str; 3] = ["visible", "casts_shadow", "in_reflections"];
 
 /// Keys of an instance that a placed scene cannot have.
-const OF_MODELS: [&str; 4] = ["animation", "instances_from", "material", "repeat"];
+const OF_MODELS: [&str; 6] = [
+    "animation",
+    "instances_from",
+    "joints",
+    "material",
+    "morphs",
+    "repeat",
+];
 
 /// The name of the scene that an instance places, with its node.
 fn placed_by<'n, 'i>(instance: &'n Node<'i>) -> Option<(&'n str, &'n Node<'i>)> {

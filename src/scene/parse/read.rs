@@ -88,12 +88,19 @@ impl Section for CameraDesc {
             target: t.get("target", ANY, default.target),
             up: t.get("up", ANY, default.up),
             fov_deg: t.get("fov_deg", range(1.0, 170.0), default.fov_deg),
+            orthographic_height_m: t.find("orthographic_height_m", ABOVE_0),
             near_m: t.get("near_m", ABOVE_0, default.near_m),
             aperture_f: t.find("aperture_f", APERTURE_F),
             focus_m: t.find("focus_m", ABOVE_0),
         };
         if !t.clean() {
             return Some(camera);
+        }
+        if camera.orthographic_height_m.is_some() && camera.aperture_f.is_some() {
+            let message = "an orthographic camera has no aperture";
+            let help =
+                "leave out `aperture_f`, or `orthographic_height_m` for a perspective camera";
+            t.refuse("orthographic-aperture", "aperture_f", message, help);
         }
         let forward = (camera.target - camera.eye).as_dvec3();
         let up = camera.up.as_dvec3();

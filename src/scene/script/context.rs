@@ -1,5 +1,7 @@
 //! `ctx`: what a call sees of the scene, and what it may set.
 
+mod rig;
+
 use std::{
     collections::HashSet,
     sync::{Arc, Mutex, MutexGuard, PoisonError},

@@ -90,9 +90,7 @@ fn check_size(world: &World, placement: &Placement, limit: u64) -> Result<(), Bo
 pub(super) fn too_large(what: &str, bytes: u64, limit: u64) -> Box<Diagnostic> {
     error(
         "geometry-too-large",
-        &format!(
-            "{what} would take {bytes} bytes for ray tracing; this device allows {limit} in one buffer"
-        ),
+        &format!("{what} would take {bytes} bytes for ray tracing; this device allows {limit}"),
         "simplify the mesh, or leave out models",
     )
 }

@@ -1,12 +1,29 @@
-//! Perspective cameras of glTF files.
+//! Cameras of glTF files.
 
 use glam::Vec3;
 
 use super::{FORWARD, Fault, Notes, schema};
 use crate::scene::desc::CameraDesc;
 
-/// A camera in the space of its node; the far plane is not used.
-pub fn read(
+/// Near plane of orthographic cameras that begin at their eye, meters.
+const NEAREST_M: f32 = 1e-5;
+
+/// An orthographic camera in the space of its node. The picture's shape decides about the width.
+pub fn orthographic(lens: &schema::Orthographic) -> Result<CameraDesc, Fault> {
+    let (height_m, near_m) = (2.0 * lens.ymag.abs(), lens.znear);
+    if !(height_m > 0.0 && height_m.is_finite() && near_m >= 0.0 && near_m.is_finite()) {
+        let text = "ymag must not be 0, nor znear negative";
+        return Err(Fault::new("gltf-camera", text));
+    }
+    Ok(CameraDesc {
+        orthographic_height_m: Some(height_m),
+        near_m: near_m.max(NEAREST_M),
+        ..at_node()
+    })
+}
+
+/// A perspective camera in the space of its node; the far plane is not used.
+pub fn perspective(
     lens: &schema::Perspective,
     notes: &mut Notes,
     path: &str,
@@ -24,11 +41,17 @@ pub fn read(
         path,
     );
     Ok(CameraDesc {
+        fov_deg: clamped,
+        near_m,
+        ..at_node()
+    })
+}
+
+fn at_node() -> CameraDesc {
+    CameraDesc {
         eye: Vec3::ZERO,
         target: FORWARD,
         up: Vec3::Y,
-        fov_deg: clamped,
-        near_m,
         ..CameraDesc::default()
-    })
+    }
 }

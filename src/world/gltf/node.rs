@@ -10,6 +10,7 @@ use super::{
     accessor::Data,
     animated::Animated,
     camera, label, light,
+    posed::Posed,
     schema::{Node, Root},
     transform,
     uri::shorten,
@@ -97,11 +98,11 @@ fn fault(text: impl Into<String>) -> Fault {
 }
 
 /// Traverses the default scene; the first scene without a default; all roots without a scene.
-/// Hidden nodes are skipped, unless one of `clips` may show them.
+/// Hidden nodes are skipped, unless one of `clips` may show them. Scripts pose what `posed` says.
 pub fn traverse(
     root: &Root,
     data: &Data<'_>,
-    clips: &[Clip],
+    (clips, posed): (&[Clip], &Posed),
     notes: &mut Notes,
 ) -> Result<Visit, Fault> {
     let parents = parents(root)?;
@@ -122,6 +123,7 @@ pub fn traverse(
         animated: Animated::by(clips),
         ..Visit::default()
     };
+    posed.add_to(&mut visit.animated, root);
     visit.rig.nodes.resize(root.nodes.len(), None);
     let start = |&node: &usize| Step {
         node,
@@ -335,14 +337,16 @@ impl Found<'_> {
         let camera = camera.ok_or_else(|| fault(format!("camera {i} does not exist")))?;
         let name = camera.name.as_deref().or(self.node.name.as_deref());
         let name = name.map_or_else(|| format!("camera {i}"), shorten);
-        if let Some(lens) = &camera.perspective {
-            let camera = camera::read(lens, self.notes, self.path)?;
-            let camera = self.attached((name, camera));
-            self.visit.cameras.push(camera);
-        } else {
-            let what = "orthographic cameras are left out";
-            self.notes.add("camera-orthographic", 1, what, self.path);
-        }
+        let camera = match (&camera.perspective, &camera.orthographic) {
+            (Some(lens), _) => camera::perspective(lens, self.notes, self.path)?,
+            (None, Some(lens)) => camera::orthographic(lens)?,
+            (None, None) => {
+                let text = format!("camera {i} has neither `perspective` nor `orthographic`");
+                return Err(Fault::new("gltf-camera", text));
+            }
+        };
+        let camera = self.attached((name, camera));
+        self.visit.cameras.push(camera);
         Ok(())
     }
 }

@@ -153,6 +153,8 @@ pub struct Mesh {
     /// Of the morph targets.
     #[serde(default)]
     pub weights: Vec<f32>,
+    #[serde(default)]
+    pub extras: serde_json::Value,
 }
 
 #[derive(Debug, Deserialize)]
@@ -341,10 +343,17 @@ pub struct AnimationSampler {
 pub struct Camera {
     pub name: Option<String>,
     pub perspective: Option<Perspective>,
+    pub orthographic: Option<Orthographic>,
 }
 
 #[derive(Debug, Deserialize)]
 pub struct Perspective {
     pub yfov: f32,
+    pub znear: f32,
+}
+
+#[derive(Debug, Deserialize)]
+pub struct Orthographic {
+    pub ymag: f32,
     pub znear: f32,
 }

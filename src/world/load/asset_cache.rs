@@ -62,7 +62,15 @@ pub(super) fn sources(desc: &SceneDesc) -> Vec<NamedSource> {
         let source = Ok((file.value.clone(), usd::Choice::of(&StageDesc::default())));
         (String::new(), source)
     });
-    named.chain(points).collect()
+    // Files are read with what scripts pose.
+    let posed = desc.instances.iter().flat_map(|i| [&i.joints, &i.morphs]);
+    let posed = posed.enumerate().flat_map(|(i, names)| {
+        names.iter().map(move |name| {
+            let choice = usd::Choice::of(&StageDesc::default());
+            (format!("posed {i}"), Ok((name.value.clone(), choice)))
+        })
+    });
+    named.chain(points).chain(posed).collect()
 }
 
 impl AssetCache {

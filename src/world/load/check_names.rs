@@ -1,6 +1,6 @@
 //! Checks names in the scene text that refer to contents of files.
 
-use super::{Loader, Source, did_you_mean, error_at};
+use super::{Loader, Source, did_you_mean, error_at, list};
 use crate::{
     scene::desc::{AnimationDesc, ModelDesc},
     world::{Material, gltf::Model},
@@ -15,6 +15,9 @@ impl Loader<'_> {
             let model = desc.models.iter().position(|m| m.name == name.value);
             if let (Some(model), Some(played)) = (model, &instance.animation) {
                 self.check_animation(&sources[model], played);
+            }
+            if let Some(model) = model {
+                self.check_scripted(&sources[model], instance);
             }
             if model.is_none() {
                 let text = format!("model \"{}\" is not defined", name.value);
@@ -112,12 +115,4 @@ fn list_animations(model: &Model) -> String {
 fn list_names(materials: &[Material]) -> String {
     let names = materials.iter().rev().skip(1).rev(); // the default one is last and cannot be named
     list("materials", names.map(|m| m.name.as_str()))
-}
-
-fn list<'a>(what: &str, names: impl Iterator<Item = &'a str>) -> String {
-    const MOST: usize = 30;
-    let mut names: Vec<_> = names.collect();
-    let more = if names.len() > MOST { ", …" } else { "" };
-    names.truncate(MOST);
-    format!("its {what} are {}{more}", names.join(", "))
 }

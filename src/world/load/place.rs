@@ -13,7 +13,7 @@ use super::{
 use crate::{
     math::invertible,
     scene::{
-        desc::{Entry, InstanceDesc, ModelDesc, SceneDesc, ShownDesc},
+        desc::{AnimationDesc, Entry, InstanceDesc, ModelDesc, SceneDesc, ShownDesc},
         diagnostic::{Diagnostic, Severity, Span},
         motion::{changing_overrides, moving},
     },
@@ -223,7 +223,7 @@ impl Loader<'_> {
         }
     }
 
-    /// Adds the player of a placed file; returns its index, if it plays animations.
+    /// Adds the player of a placed file; returns its index, if it plays animations or scripts pose it.
     fn add_player(&mut self, job: &Job<'_>, source: &Source) -> Option<usize> {
         let Source::File(loaded) = source else {
             return None;
@@ -231,7 +231,14 @@ impl Loader<'_> {
         let played = match job.instance {
             Some(instance) => self.desc.played_by(instance),
             None => self.desc.models[job.model].value.animation.as_ref(),
-        }?;
+        };
+        let scripted = job.instance.and_then(|i| self.scripted(i, *loaded));
+        let nothing = AnimationDesc::of(Vec::new());
+        let played = match (played, &scripted) {
+            (Some(played), _) => played,
+            (None, Some(_)) => &nothing,
+            (None, None) => return None,
+        };
         let model = &self.loaded[*loaded];
         let mut animations = Vec::new();
         for clip in model.clips.iter().filter(|clip| played.plays(&clip.name)) {
@@ -244,10 +251,11 @@ impl Loader<'_> {
                 }
             }
         }
-        if animations.is_empty() {
+        if animations.is_empty() && scripted.is_none() {
             return None;
         }
-        let player = Player::new(&model.rig, animations, job.index, played);
+        let scripted = scripted.unwrap_or_default();
+        let player = Player::new(&model.rig, animations, scripted, (job.index, played));
         self.world.moving.players.push(player);
         Some(self.world.moving.players.len() - 1)
     }

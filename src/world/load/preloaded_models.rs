@@ -6,7 +6,7 @@ use std::{
 };
 
 use super::read_models::read_guarded;
-use crate::world::gltf::{Model, Playable, Sandbox};
+use crate::world::gltf::{Model, Playable, ReadOptions, Sandbox};
 
 /// Models by their canonical path; clones share them.
 #[derive(Clone, Debug, Default)]
@@ -16,7 +16,11 @@ impl PreloadedModels {
     /// Reads the file at `path` (canonical, from [`Sandbox::resolve`]) and caches it for the next
     /// load; returns its animations. Invalid files are not cached; the load reports their errors.
     pub fn read(&self, path: &Path, sandbox: &Sandbox, lenient: bool) -> Playable {
-        let Ok(model) = read_guarded(path, sandbox, lenient) else {
+        let options = ReadOptions {
+            lenient,
+            ..ReadOptions::default()
+        };
+        let Ok(model) = read_guarded(path, sandbox, &options) else {
             return Playable::default();
         };
         let playable = model.playable();

@@ -5,7 +5,7 @@ use std::{
     thread,
 };
 
-use super::{Loader, Source, error_at, foreign_formats};
+use super::{Loader, Source, error_at, foreign_formats, scripted::posed};
 use crate::{
     scene::{
         desc::{ModelDesc, ModelSource, ShapeDesc, is_stage},
@@ -98,9 +98,12 @@ impl Loader<'_> {
         let read = if is_stage(path) {
             self.read_stage(path, choice)
         } else {
-            let lenient = self.options.lenient;
-            let ready = self.options.preloaded_models.take(path);
-            ready.map_or_else(|| read_guarded(path, &self.sandbox, lenient), Ok)
+            let options = gltf::ReadOptions {
+                lenient: self.options.lenient,
+                posed: posed(self.desc),
+            };
+            let ready = self.preloaded(path);
+            ready.map_or_else(|| read_guarded(path, &self.sandbox, &options), Ok)
         };
         match read {
             Ok(model) => {
@@ -121,6 +124,12 @@ impl Loader<'_> {
         }
     }
 
+    /// The model of a file that was read before; it was read without what scripts pose.
+    fn preloaded(&self, path: &Path) -> Option<Model> {
+        let ready = self.options.preloaded_models.take(path)?;
+        posed(self.desc).is_empty().then_some(ready)
+    }
+
     /// A stage is read from its converted glTF file; its own files are the dependencies.
     fn read_stage(&mut self, path: &Path, choice: &usd::Choice) -> Result<Model, Vec<Diagnostic>> {
         let named = |fault: Fault| {
@@ -131,8 +140,13 @@ impl Loader<'_> {
         let converted = usd::convert(path, choice, &self.folders).map_err(named)?;
         let folder = converted.glb.parent().unwrap_or(Path::new("."));
         let sandbox = Sandbox::new([folder], self.options.max_file_bytes);
-        let ready = self.options.preloaded_models.take(&converted.glb);
-        let mut model = ready.map_or_else(|| read_guarded(&converted.glb, &sandbox, false), Ok)?;
+        let ready = self.preloaded(&converted.glb);
+        let options = gltf::ReadOptions {
+            lenient: false,
+            posed: posed(self.desc),
+        };
+        let read = || read_guarded(&converted.glb, &sandbox, &options);
+        let mut model = ready.map_or_else(read, Ok)?;
         model.warnings.extend(converted.warnings);
         model.files = converted.files;
         Ok(model)
@@ -143,9 +157,9 @@ impl Loader<'_> {
 pub fn read_guarded(
     path: &Path,
     sandbox: &Sandbox,
-    lenient: bool,
+    options: &gltf::ReadOptions,
 ) -> Result<Model, Vec<Diagnostic>> {
-    let read = || gltf::read(path, sandbox, lenient);
+    let read = || gltf::read(path, sandbox, options);
     let worker = thread::scope(|scope| scope.spawn(read).join());
     worker.unwrap_or_else(|_| {
         let text = "the reader panicked on this file; please report this";

@@ -85,7 +85,7 @@ impl CameraControls {
     pub fn pan(&mut self, drag: Vec2) {
         let right = self.right();
         let up = right.cross(self.forward());
-        let height = 2.0 * self.distance() * (self.camera.fov_deg.to_radians() * 0.5).tan();
+        let height = 2.0 * self.camera.half_height_m(self.distance());
         self.shift((up * drag.y - right * drag.x) * height);
     }
 
@@ -94,10 +94,16 @@ impl CameraControls {
         self.camera.target += by;
     }
 
-    /// Dollies towards the target or away from it; never through it.
+    /// Dollies towards the target or away from it; never through it. An orthographic camera shows less or more.
     pub fn dolly(&mut self, notches: f32) {
+        let factor = (-notches * NOTCH).exp();
+        if let Some(height_m) = &mut self.camera.orthographic_height_m {
+            let range = (self.scale_m * 1e-4, self.scale_m * 1e4);
+            *height_m = (*height_m * factor).clamp(range.0, range.1);
+            return;
+        }
         let least = (self.scale_m * 1e-4).max(2.0 * self.camera.near_m);
-        let distance = (self.distance() * (-notches * NOTCH).exp()).max(least);
+        let distance = (self.distance() * factor).max(least);
         self.camera.eye = self.camera.target - self.forward() * distance;
     }
 
@@ -120,9 +126,16 @@ impl CameraControls {
             return;
         }
         let radius = (bounds.diagonal() * 0.5).max(self.scale_m * 1e-4);
+        let forward = self.forward();
+        if let Some(height_m) = &mut self.camera.orthographic_height_m {
+            *height_m = 2.2 * radius / aspect.min(1.0);
+            let distance = self.distance().max(1.1 * radius + self.camera.near_m);
+            self.camera.target = bounds.center();
+            self.camera.eye = self.camera.target - forward * distance;
+            return;
+        }
         let half = self.camera.fov_deg.to_radians() * 0.5;
         let narrow = half.min((half.tan() * aspect).atan());
-        let forward = self.forward();
         self.camera.target = bounds.center();
         self.camera.eye = self.camera.target - forward * (1.1 * radius / narrow.sin());
     }
@@ -154,7 +167,10 @@ pub fn as_text(name: &str, camera: &CameraDesc) -> String {
     if camera.up != defaults.up {
         let _ = writeln!(text, "up = {}", vector(camera.up, 6));
     }
-    let _ = writeln!(text, "fov_deg = {}", number(camera.fov_deg, 4));
+    let _ = match camera.orthographic_height_m {
+        Some(height_m) => writeln!(text, "orthographic_height_m = {height_m}"),
+        None => writeln!(text, "fov_deg = {}", number(camera.fov_deg, 4)),
+    };
     if camera.near_m != defaults.near_m {
         let _ = writeln!(text, "near_m = {}", camera.near_m);
     }
@@ -272,6 +288,36 @@ mod tests {
                 assert!(depth > 0.0 && side <= depth * half * aspect, "{aspect}");
             }
         }
+    }
+
+    #[test]
+    fn orthographic_cameras_zoom_by_their_height() {
+        let mut nav = camera_controls();
+        nav.camera.orthographic_height_m = Some(4.0);
+        let (eye, target) = (nav.camera.eye, nav.camera.target);
+        nav.dolly(5.0);
+        let height_m = nav
+            .camera
+            .orthographic_height_m
+            .expect("still orthographic");
+        assert!(height_m < 3.0 && nav.camera.eye == eye);
+        nav.pan(Vec2::new(0.0, 1.0));
+        assert!((nav.camera.target.distance(target) - height_m).abs() < 1e-4);
+        let bounds = Bounds {
+            min: Vec3::splat(-5.0),
+            max: Vec3::splat(5.0),
+        };
+        nav.frame(&bounds, 0.5);
+        let height_m = nav
+            .camera
+            .orthographic_height_m
+            .expect("still orthographic");
+        assert!(0.5 * height_m > bounds.diagonal());
+        assert!(nav.distance() > 0.5 * bounds.diagonal());
+        let text = format!("version = 1\n{}", as_text("flat", &nav.camera));
+        let (desc, _) = Scene::from_text(&text, Path::new("copied.toml"), &[]).expect(&text);
+        let read = desc.cameras[0].value.orthographic_height_m;
+        assert_eq!(read, nav.camera.orthographic_height_m);
     }
 
     #[test]

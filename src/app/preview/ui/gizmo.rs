@@ -34,8 +34,7 @@ fn project(camera: &CameraDesc, place: Rect, point: Vec3) -> Option<(Pos2, f32)>
     if depth <= camera.near_m {
         return None;
     }
-    let half = depth * (camera.fov_deg.to_radians() * 0.5).tan();
-    let scale = place.height() * 0.5 / half;
+    let scale = place.height() * 0.5 / camera.half_height_m(depth);
     let shift = vec2(offset.dot(right), -offset.dot(up)) * scale;
     Some((place.center() + shift, depth))
 }
@@ -49,7 +48,7 @@ fn axes(
     let (parent, position) = selection.origin()?;
     let origin = parent.transform_point3(position);
     let (start, depth) = project(camera, place, origin)?;
-    let point_m = 2.0 * depth * (camera.fov_deg.to_radians() * 0.5).tan() / place.height();
+    let point_m = 2.0 * camera.half_height_m(depth) / place.height();
     let end = |axis: Vec3| {
         let along = parent.transform_vector3(axis);
         let share = LENGTH * point_m / along.length().max(1e-12);

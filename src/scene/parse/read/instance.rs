@@ -12,7 +12,7 @@ use crate::scene::{
     parse::{
         hierarchy,
         table::{Either, Section, Table},
-        value::Scale,
+        value::{Names, Scale},
     },
 };
 
@@ -46,6 +46,10 @@ impl Section for InstanceDesc {
             Either::Nested(desc) => InstanceMaterialDesc::Override(Box::new(desc)),
         });
         let animation = animation(t);
+        let [joints, morphs] = ["joints", "morphs"].map(|key| {
+            let names = t.find::<Names>(key, ANY);
+            names.map_or_else(Vec::new, |Names(names)| names)
+        });
         Some(Self {
             name,
             model: model?,
@@ -56,6 +60,8 @@ impl Section for InstanceDesc {
             instances_from,
             material,
             animation,
+            joints,
+            morphs,
             at: t.start(),
         })
     }

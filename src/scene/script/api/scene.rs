@@ -126,6 +126,32 @@ pub static POSE: &[Entry] = &[
         },
     },
     Entry {
+        signature: "ctx.joint(name, joint, #{ … })",
+        gives: "()",
+        text: "Poses a node that the `joints` of an instance name, relative to its parent: sets any of `translation`, `rotation` and `scale` in place of what the file or its animation says; `turn` rotates it further, about its own axes. Rotations are a `quat` or degrees about X, Y, Z.",
+        example: "ctx.joint(\"walker\", \"knee\", #{ turn: [30, 0, 0] }); true",
+        register: |e| {
+            e.register_fn(
+                "joint",
+                |c: &mut Context, name: &str, joint: &str, keys: Map| c.joint(name, joint, &keys),
+            );
+        },
+    },
+    Entry {
+        signature: "ctx.morph(name, target, weight)",
+        gives: "()",
+        text: "Sets the weight of a morph target that the `morphs` of an instance name: 0 is none of it, 1 all.",
+        example: "ctx.morph(\"walker\", \"smile\", 0.5); true",
+        register: |e| {
+            e.register_fn(
+                "morph",
+                |c: &mut Context, name: &str, target: &str, weight: Dynamic| {
+                    c.morph(name, target, &weight)
+                },
+            );
+        },
+    },
+    Entry {
         signature: "ctx.camera(name, #{ … })",
         gives: "()",
         text: "Sets any of {camera} of a camera; with a `parent`, relative to that.",

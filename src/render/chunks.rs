@@ -1,0 +1,339 @@
+//! Arrays of the scene's geometry in several buffers, where a device binds less in one than a scene needs.
+
+use std::fmt::Write as _;
+
+use bytemuck::{Pod, cast_slice};
+
+use crate::gpu::{Gpu, GpuError};
+
+/// Buffers of a pass beside the geometry: instances, materials, lists, counters.
+const OTHER_BUFFERS: u32 = 4;
+
+/// An array in one buffer, or in several of the same size but for the last.
+#[derive(Clone, Debug)]
+pub struct ChunkedArray {
+    buffers: Vec<wgpu::Buffer>,
+    chunk_bytes: u64,
+}
+
+impl ChunkedArray {
+    /// An initialized array, never of zero size.
+    ///
+    /// # Errors
+    /// A wgpu error.
+    pub fn new<T: Pod>(
+        gpu: &Gpu,
+        name: &str,
+        data: &[T],
+        usage: wgpu::BufferUsages,
+    ) -> Result<Self, GpuError> {
+        let bytes: &[u8] = cast_slice(data);
+        let least = size_of::<T>().max(16);
+        let whole = (bytes.len().max(least) as u64).next_multiple_of(16);
+        let chunk_bytes = match whole <= gpu.largest_storage_buffer() {
+            true => whole,
+            false => chunk_bytes(gpu),
+        };
+        let mut buffers = Vec::new();
+        let mut first = 0;
+        while first < whole {
+            let size = (whole - first).min(chunk_bytes);
+            let make = || {
+                gpu.device.create_buffer(&wgpu::BufferDescriptor {
+                    label: Some(name),
+                    size,
+                    usage: usage | wgpu::BufferUsages::COPY_DST,
+                    mapped_at_creation: false,
+                })
+            };
+            buffers.push(gpu.scoped(name, make)?);
+            first += size;
+        }
+        let array = Self {
+            buffers,
+            chunk_bytes,
+        };
+        array.write(gpu, 0, data);
+        Ok(array)
+    }
+
+    /// Writes elements from an index on.
+    pub fn write<T: Pod>(&self, gpu: &Gpu, first: usize, elements: &[T]) {
+        let mut bytes: &[u8] = cast_slice(elements);
+        let mut at = (first * size_of::<T>()) as u64;
+        while !bytes.is_empty() {
+            let (chunk, offset) = (at / self.chunk_bytes, at % self.chunk_bytes);
+            let room = usize::try_from(self.chunk_bytes - offset).unwrap_or(usize::MAX);
+            let (now, later) = bytes.split_at(bytes.len().min(room));
+            gpu.queue
+                .write_buffer(&self.buffers[chunk as usize], offset, now);
+            at += now.len() as u64;
+            bytes = later;
+        }
+    }
+
+    /// Bytes of all buffers.
+    pub fn size(&self) -> u64 {
+        self.buffers.iter().map(wgpu::Buffer::size).sum()
+    }
+
+    /// The only buffer; `None` where there are several.
+    pub fn whole(&self) -> Option<&wgpu::Buffer> {
+        match self.buffers.as_slice() {
+            [whole] => Some(whole),
+            _ => None,
+        }
+    }
+
+    fn count(&self) -> u32 {
+        self.buffers.len() as u32
+    }
+
+    /// A buffer, if there is one of this number.
+    pub fn binding(&self, chunk: usize) -> Option<wgpu::BindingResource<'_>> {
+        Some(self.buffers.get(chunk)?.as_entire_binding())
+    }
+}
+
+/// How many buffers each array has; shaders are made for that.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Chunks {
+    /// Of tree nodes.
+    pub nodes: u32,
+    /// Of triangles in leaf order.
+    pub triangles: u32,
+    /// Of vertices.
+    pub vertices: u32,
+    /// Of indices and second texture coordinates.
+    pub mesh_data: u32,
+    /// Bytes of each of several buffers, a power of two.
+    pub bytes: u64,
+}
+
+impl Default for Chunks {
+    fn default() -> Self {
+        Self::WHOLE
+    }
+}
+
+impl Chunks {
+    /// One buffer for each array.
+    pub const WHOLE: Self = Self {
+        nodes: 1,
+        triangles: 1,
+        vertices: 1,
+        mesh_data: 1,
+        bytes: 0,
+    };
+
+    /// Of these arrays, which a device has.
+    ///
+    /// # Errors
+    /// More buffers than the device binds at a time.
+    pub fn of(
+        gpu: &Gpu,
+        nodes: &ChunkedArray,
+        triangles: &ChunkedArray,
+        vertices: &ChunkedArray,
+        mesh_data: &ChunkedArray,
+    ) -> Result<Self, GpuError> {
+        let chunks = Self {
+            nodes: nodes.count(),
+            triangles: triangles.count(),
+            vertices: vertices.count(),
+            mesh_data: mesh_data.count(),
+            bytes: chunk_bytes(gpu),
+        };
+        let count = chunks.nodes + chunks.triangles + chunks.vertices + chunks.mesh_data;
+        if count == 4 {
+            return Ok(Self::WHOLE);
+        }
+        let allowed = most_chunks(gpu);
+        if count > allowed {
+            let arrays = [nodes, triangles, vertices, mesh_data];
+            let bytes = arrays.map(ChunkedArray::size).iter().sum();
+            return Err(GpuError::Limit {
+                what: "the scene's geometry".to_owned(),
+                wanted: bytes,
+                limit: u64::from(allowed) * chunks.bytes,
+                unit: "bytes",
+            });
+        }
+        Ok(chunks)
+    }
+
+    /// Shader text of the functions of `shaders/lib/geometry_whole.wgsl` over these buffers.
+    pub fn wgsl(&self) -> String {
+        if *self == Self::WHOLE {
+            return "#import geometry_whole\n".to_owned();
+        }
+        let mut text = String::new();
+        let mut binding = FIRST_FREE_BINDING;
+        let mut array = |name: &str, of: &str, first: u32, (count, size): (u32, u64)| {
+            for chunk in 0..count {
+                let at = if chunk == 0 { first } else { binding };
+                binding += u32::from(chunk > 0);
+                let name = chunk_name(name, chunk);
+                let _ = writeln!(
+                    text,
+                    "@group(1) @binding({at}) var<storage, read> {name}: array<{of}>;"
+                );
+            }
+            let shift = (self.bytes / size).trailing_zeros();
+            (name.to_owned(), count, shift)
+        };
+        let nodes = array("nodes", "vec4u", 0, (self.nodes, 16));
+        let triangles = array("triangles", "vec4u", 1, (self.triangles, 16));
+        let vertices = array("vertices", "Vertex", 3, (self.vertices, 32));
+        let mesh_data = array("mesh_data", "u32", 4, (self.mesh_data, 4));
+        for (function, array, member, of) in [
+            ("node_words", &nodes, "", "vec4u"),
+            ("triangle_words", &triangles, "", "vec4u"),
+            ("mesh_word", &mesh_data, "", "u32"),
+            ("vertex_position", &vertices, ".position", "vec3f"),
+            ("vertex_normal", &vertices, ".normal", "u32"),
+            ("vertex_uv", &vertices, ".uv", "vec2f"),
+            ("vertex_tangent", &vertices, ".tangent", "u32"),
+            ("vertex_shade", &vertices, ".color", "u32"),
+        ] {
+            write_function(&mut text, function, array, (member, of));
+        }
+        text
+    }
+}
+
+/// Bindings of group 1 that `shaders/lib/scene.wgsl` leaves free begin here.
+const FIRST_FREE_BINDING: u32 = 16;
+
+fn write_function(
+    text: &mut String,
+    function: &str,
+    (array, count, shift): &(String, u32, u32),
+    (member, of): (&str, &str),
+) {
+    let _ = writeln!(text, "fn {function}(i: u32) -> {of} {{");
+    if *count == 1 {
+        let _ = writeln!(text, "    return {array}[i]{member};\n}}");
+        return;
+    }
+    let mask = (1u32 << shift) - 1;
+    let _ = writeln!(
+        text,
+        "    let at = i & {mask}u;\n    switch i >> {shift}u {{"
+    );
+    for chunk in 0..*count {
+        let label = match chunk + 1 == *count {
+            true => "default".to_owned(),
+            false => format!("case {chunk}u"),
+        };
+        let name = chunk_name(array, chunk);
+        let _ = writeln!(text, "        {label}: {{ return {name}[at]{member}; }}");
+    }
+    let _ = writeln!(text, "    }}\n}}");
+}
+
+/// `nodes`, `nodes_1`, …
+fn chunk_name(array: &str, chunk: u32) -> String {
+    match chunk {
+        0 => array.to_owned(),
+        _ => format!("{array}_{chunk}"),
+    }
+}
+
+/// The array and the chunk of a name as shaders declare it.
+pub fn chunk_of(name: &str) -> (&str, usize) {
+    let numbered = name.rsplit_once('_');
+    let numbered = numbered.and_then(|(array, chunk)| Some((array, chunk.parse().ok()?)));
+    numbered.unwrap_or((name, 0))
+}
+
+/// Bytes of one of several buffers.
+fn chunk_bytes(gpu: &Gpu) -> u64 {
+    1 << gpu.largest_storage_buffer().ilog2()
+}
+
+/// Most buffers of all arrays together.
+fn most_chunks(gpu: &Gpu) -> u32 {
+    let limit = gpu.limits.max_storage_buffers_per_shader_stage;
+    limit.saturating_sub(OTHER_BUFFERS)
+}
+
+/// Bytes that an array of the trees may have beside vertices and indices of these sizes.
+pub fn largest_tree_array(gpu: &Gpu, vertex_bytes: u64, index_bytes: u64) -> u64 {
+    let chunk = chunk_bytes(gpu);
+    let taken = [vertex_bytes, index_bytes].map(|bytes| bytes.div_ceil(chunk).max(1));
+    // The other array of the trees has at least one.
+    let left = u64::from(most_chunks(gpu)).saturating_sub(taken.iter().sum::<u64>() + 1);
+    match left {
+        0 | 1 => gpu.largest_storage_buffer(),
+        _ => left * chunk,
+    }
+}
+
+/// Whether a device can hold a scene's geometry, as far as that is known before trees are built: their
+/// nodes are not counted.
+///
+/// # Errors
+/// [`GpuError::Limit`].
+pub fn check_size(gpu: &Gpu, sizes: Sizes) -> Result<(), GpuError> {
+    let chunk = chunk_bytes(gpu);
+    let largest = gpu.largest_storage_buffer();
+    let buffers = |bytes: u64| match bytes <= largest {
+        true => 1,
+        false => bytes.div_ceil(chunk),
+    };
+    let arrays = [sizes.vertices, sizes.mesh_data, sizes.triangles];
+    let count = 1 + arrays.map(buffers).iter().sum::<u64>();
+    let allowed = u64::from(most_chunks(gpu));
+    if count <= allowed || count == 4 {
+        return Ok(());
+    }
+    Err(GpuError::Limit {
+        what: "the scene's geometry".to_owned(),
+        wanted: arrays.iter().sum(),
+        limit: allowed * chunk,
+        unit: "bytes",
+    })
+}
+
+/// Bytes of the arrays of a scene's geometry.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Sizes {
+    /// Of vertices.
+    pub vertices: u64,
+    /// Of indices and second texture coordinates.
+    pub mesh_data: u64,
+    /// Of the triangles that rays meet.
+    pub triangles: u64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn arrays_of_several_buffers_are_read_by_shift_and_mask() {
+        let chunks = Chunks {
+            triangles: 3,
+            vertices: 2,
+            bytes: 1 << 20,
+            ..Chunks::WHOLE
+        };
+        let text = chunks.wgsl();
+        for line in [
+            "@group(1) @binding(1) var<storage, read> triangles: array<vec4u>;",
+            "@group(1) @binding(16) var<storage, read> triangles_1: array<vec4u>;",
+            "@group(1) @binding(17) var<storage, read> triangles_2: array<vec4u>;",
+            "@group(1) @binding(18) var<storage, read> vertices_1: array<Vertex>;",
+            "    switch i >> 16u {",
+            "        case 1u: { return triangles_1[at]; }",
+            "        default: { return triangles_2[at]; }",
+            "    let at = i & 32767u;",
+            "    return nodes[i];",
+        ] {
+            assert!(text.contains(line), "{line} in\n{text}");
+        }
+        assert_eq!(chunk_of("triangles_2"), ("triangles", 2));
+        assert_eq!(chunk_of("mesh_data"), ("mesh_data", 0));
+    }
+}

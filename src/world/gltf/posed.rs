@@ -1,0 +1,87 @@
+//! Nodes and morph targets that scripts pose, although no animation of the file need move them.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::{animated::Animated, schema::Root};
+
+/// What scripts pose of a file.
+#[derive(Clone, Debug, Default)]
+pub struct Posed {
+    /// Names of nodes.
+    pub nodes: BTreeSet<String>,
+    /// Whether weights of morph targets.
+    pub morphs: bool,
+}
+
+impl Posed {
+    /// Whether it is nothing.
+    pub fn is_empty(&self) -> bool {
+        self.nodes.is_empty() && !self.morphs
+    }
+
+    /// Counts it among what animations move.
+    pub(super) fn add_to(&self, animated: &mut Animated, root: &Root) {
+        for (i, node) in root.nodes.iter().enumerate() {
+            let is_named = |name: &String| self.nodes.contains(name);
+            if node.name.as_ref().is_some_and(is_named) {
+                animated.places.insert(i);
+            }
+            if self.morphs && count(root, node.mesh) > 0 {
+                animated.weights.insert(i);
+            }
+        }
+    }
+}
+
+/// The names that scripts may pose something by.
+#[derive(Clone, Debug, Default)]
+pub struct PosedNames {
+    /// The nodes of each name.
+    pub nodes: BTreeMap<String, Vec<usize>>,
+    /// The morph targets of each name, as node and index.
+    pub morphs: BTreeMap<String, Vec<(usize, usize)>>,
+    /// Weights at rest of the nodes that have morph targets.
+    pub rest_weights: BTreeMap<usize, Vec<f32>>,
+}
+
+impl PosedNames {
+    /// Those of the nodes that are part of the scene, if anything of the file is posed.
+    pub(super) fn of(root: &Root, posed: &Posed, is_part: impl Fn(usize) -> bool) -> Self {
+        let mut names = Self::default();
+        if posed.is_empty() {
+            return names;
+        }
+        for (i, node) in root.nodes.iter().enumerate() {
+            if !is_part(i) {
+                continue;
+            }
+            if let Some(name) = &node.name {
+                names.nodes.entry(name.clone()).or_default().push(i);
+            }
+            let Some(mesh) = node.mesh.and_then(|mesh| root.meshes.get(mesh)) else {
+                continue;
+            };
+            let targets = count(root, node.mesh);
+            let own = mesh.extras.get("targetNames").and_then(|n| n.as_array());
+            for target in 0..targets {
+                let name = own.and_then(|own| own.get(target)?.as_str());
+                let name = name.map_or_else(|| target.to_string(), str::to_owned);
+                names.morphs.entry(name).or_default().push((i, target));
+            }
+            if targets > 0 {
+                let mut weights = node.weights.clone().unwrap_or_else(|| mesh.weights.clone());
+                weights.resize(targets, 0.0);
+                names.rest_weights.insert(i, weights);
+            }
+        }
+        names
+    }
+}
+
+/// How many morph targets a mesh has.
+fn count(root: &Root, mesh: Option<usize>) -> usize {
+    let mesh = mesh.and_then(|mesh| root.meshes.get(mesh));
+    let primitives = mesh.map_or(&[][..], |mesh| &mesh.primitives);
+    let counts = primitives.iter().map(|primitive| primitive.targets.len());
+    counts.max().unwrap_or(0)
+}

@@ -1,0 +1,118 @@
+//! Geometry that a device binds only in several buffers.
+
+use std::fmt::Write as _;
+
+use reflet::{
+    gpu::Gpu,
+    render::{
+        Picture, RenderOptions, Renderer,
+        aov::Aov,
+        chunks::{Sizes, check_size},
+    },
+    scene::desc::{Method, Visibility},
+};
+
+use crate::{
+    common::{gpu_or_skip, shaders},
+    kit::{gpu, integers, scene},
+};
+
+/// Balls of their own mesh each over a mirror.
+fn balls() -> String {
+    let mut text = r#"
+version = 1
+[camera.main]
+eye = [0, 3, 6]
+target = [0, 0.5, 0]
+[image]
+size = [96, 64]
+[light.sun]
+kind = "directional"
+direction = [-0.3, -1, -0.5]
+intensity_lux = 3
+shadow = "map"
+[material.mirror]
+metallic = 1
+roughness = 0
+[model.floor]
+shape = { kind = "plane", size = [9, 9] }
+material = "mirror"
+[[instance]]
+model = "floor"
+"#
+    .to_owned();
+    for i in 0..20_u8 {
+        let (x, z) = (f32::from(i % 5) - 2.0, f32::from(i / 5) - 1.5);
+        let radius = 0.3 + 0.003 * f32::from(i);
+        let _ = write!(
+            text,
+            "[model.ball{i}]\nshape = {{ kind = \"sphere\", radius = {radius} }}\n\
+             [[instance]]\nmodel = \"ball{i}\"\ntranslation = [{x}, 0.5, {z}]\ndynamic = {}\n",
+            i % 3 == 0
+        );
+    }
+    text
+}
+
+fn shown(gpu: &Gpu, visibility: Visibility) -> Picture {
+    let (desc, world) = scene(&balls(), &[]);
+    let mut options = RenderOptions::of(&desc);
+    options.reflection.method = Method::Hybrid;
+    options.image.visibility = visibility;
+    let mut renderer =
+        Renderer::new(gpu, &shaders(), &world, &options).unwrap_or_else(|e| panic!("{e}"));
+    let camera = &world.cameras[0].value;
+    let picture = renderer.picture(gpu, &world, camera, &[Aov::Ids, Aov::HitIds]);
+    picture.unwrap_or_else(|e| panic!("{e}"))
+}
+
+#[test]
+fn pictures_do_not_depend_on_how_much_a_buffer_holds() {
+    let (Some(gpu), Some(mut small)) = (gpu(), gpu_or_skip()) else {
+        return;
+    };
+    small.limits.max_storage_buffer_binding_size = 1 << 21;
+    for visibility in [Visibility::Raster, Visibility::Rays] {
+        let whole = shown(gpu, visibility);
+        let chunked = shown(&small, visibility);
+        let bytes = &chunked.stats.bytes;
+        for array in ["tree_nodes", "tree_triangles", "vertices", "mesh_data"] {
+            let of_array = bytes.iter().find(|(name, _)| name == array);
+            let size = of_array.map_or(0, |(_, size)| *size);
+            assert!(size > 1 << 21, "{array}: {size} bytes are one buffer");
+        }
+        for aov in [Aov::Ids, Aov::HitIds] {
+            assert!(
+                integers(&whole, aov) == integers(&chunked, aov),
+                "{}",
+                aov.name()
+            );
+        }
+        assert!(whole.display == chunked.display, "{visibility:?}");
+    }
+}
+
+#[test]
+fn more_than_all_buffers_hold_is_refused_by_name() {
+    let Some(mut small) = gpu_or_skip() else {
+        return;
+    };
+    small.limits.max_storage_buffer_binding_size = 1 << 21;
+    small.limits.max_storage_buffers_per_shader_stage = 12;
+    let (desc, world) = scene(&balls(), &[]);
+    let mut options = RenderOptions::of(&desc);
+    options.reflection.method = Method::Hybrid;
+    let error = Renderer::new(&small, &shaders(), &world, &options).expect_err("too much");
+    let message = error.to_string();
+    // As `check` and `info` say it, without trees.
+    let sizes = |triangles| Sizes {
+        triangles,
+        ..Sizes::default()
+    };
+    assert!(check_size(&small, sizes(10 << 21)).is_err());
+    assert_eq!(check_size(&small, sizes(4 << 21)), Ok(()));
+    assert!(
+        message.contains("geometry") || message.contains("triangles"),
+        "{message}"
+    );
+}

@@ -1,0 +1,184 @@
+//! Orthographic cameras: sizes in closed form, and views that must agree.
+
+use reflet::render::{Picture, aov::Aov};
+
+use crate::kit::{floats, gpu, integers, render, share_differing};
+
+/// A box and a ball on a mirror, before a tilted wall.
+const STAGE: &str = r#"
+version = 1
+[camera.main]
+eye = [3, 2, 5]
+target = [0, 0.5, 0]
+orthographic_height_m = 3
+[image]
+size = [160, 90]
+[environment]
+color = [0.5, 0.6, 0.8]
+[light.sun]
+kind = "directional"
+direction = [-0.3, -1, -0.5]
+intensity_lux = 2
+[material.mirror]
+metallic = 1
+roughness = 0
+[material.red]
+base_color = [0.8, 0.1, 0.1]
+reflection = "none"
+[material.checker]
+checker = { colors = [[0.9, 0.9, 0.9], [0.1, 0.2, 0.7]], size_m = 0.25 }
+reflection = "none"
+[model.floor]
+shape = { kind = "plane", size = [6, 6] }
+material = "mirror"
+[model.box]
+shape = { kind = "box", size = [0.6, 1, 0.6] }
+material = "red"
+[model.ball]
+shape = { kind = "sphere", radius = 0.4 }
+material = "mirror"
+[model.wall]
+shape = { kind = "plane", size = [4, 2] }
+material = "checker"
+[[instance]]
+model = "floor"
+[[instance]]
+model = "box"
+translation = [-0.6, 0.5, 0]
+[[instance]]
+model = "ball"
+translation = [0.5, 0.4, 0.6]
+[[instance]]
+model = "wall"
+translation = [0, 0.6, -1.2]
+rotation_deg = [80, 0, 0]
+"#;
+
+fn hits(picture: &Picture) -> Vec<&[u32]> {
+    integers(picture, Aov::HitIds).chunks(2).collect()
+}
+
+#[test]
+fn sizes_do_not_depend_on_distance() {
+    let Some(gpu) = gpu() else { return };
+    let text = r#"
+version = 1
+[camera.main]
+eye = [0, 0, 10]
+target = [0, 0, 0]
+orthographic_height_m = 4
+[image]
+size = [64, 32]
+[model.near]
+shape = { kind = "box", size = [1, 1, 1] }
+[[instance]]
+model = "near"
+translation = [-2, 0, 8]
+[[instance]]
+model = "near"
+translation = [2, 0, -800]
+"#;
+    for visibility in ["raster", "rays"] {
+        let set = format!("image.visibility={visibility}");
+        let picture = render(gpu, text, &[&set], &[Aov::Ids, Aov::Depth]);
+        let (ids, depths) = (integers(&picture, Aov::Ids), floats(&picture, Aov::Depth));
+        for (instance, left, depth_m) in [(0, 12, 1.5), (1, 44, 809.5)] {
+            let shown: Vec<usize> = (0..64 * 32).filter(|i| ids[2 * i] == instance).collect();
+            assert_eq!(shown.len(), 64, "8 × 8 pixels");
+            for i in shown {
+                assert!((left..left + 8).contains(&(i % 64)) && (12..20).contains(&(i / 64)));
+                assert!((depths[i] - depth_m).abs() < 1e-3, "{}", depths[i]);
+            }
+        }
+    }
+}
+
+#[test]
+fn it_is_the_view_from_far_away() {
+    let Some(gpu) = gpu() else { return };
+    let eye = [3.0_f64, 1.5, 5.0].map(|x| x / (9.0 + 2.25 + 25.0_f64).sqrt());
+    let distance = 1.5 / 0.5_f64.to_radians().tan();
+    let [x, y, z] = eye.map(|x| x * distance);
+    let far = STAGE
+        .replace("[3, 2, 5]", &format!("[{x}, {}, {z}]", y + 0.5))
+        .replace("orthographic_height_m = 3", "fov_deg = 1");
+    for method in ["hybrid", "rt"] {
+        let set = format!("reflection.method={method}");
+        let near = render(gpu, STAGE, &[&set], &[]);
+        let far = render(gpu, &far, &[&set], &[]);
+        // What is a meter nearer is half a pixel larger.
+        let differing = share_differing(&near, &far, 24);
+        assert!(differing < 0.06, "{method}: {differing}");
+    }
+}
+
+#[test]
+fn march_and_rays_see_the_same() {
+    let Some(gpu) = gpu() else { return };
+    // From the side the floor is a line that no pixel shows.
+    for eye in ["[3, 2, 5]", "[0, 0.5, 5]", "[0.01, 8, 0]", "[3, 40, 50]"] {
+        let text = STAGE.replace("[3, 2, 5]", eye);
+        let aovs = [Aov::HitIds, Aov::Ids];
+        let rt = render(gpu, &text, &["reflection.method=rt"], &aovs);
+        let reflecting = hits(&rt).iter().filter(|hit| hit[0] != u32::MAX).count();
+        assert!(reflecting > 100, "{eye}: {reflecting}");
+        for visibility in ["raster", "rays"] {
+            let visibility = format!("image.visibility={visibility}");
+            let set = ["reflection.method=hybrid", visibility.as_str()];
+            let hybrid = render(gpu, &text, &set, &aovs);
+            let seen = |p: &Picture| integers(p, Aov::Ids).to_vec();
+            let (a, b) = (seen(&hybrid), seen(&rt));
+            let other = a.chunks(2).zip(b.chunks(2)).filter(|(a, b)| a != b).count();
+            assert!(
+                other <= 12,
+                "{eye}, {visibility}: {other} pixels show something else"
+            );
+            let (a, b) = (hits(&hybrid), hits(&rt));
+            let wrong = a.iter().zip(&b).filter(|(a, b)| a[0] != b[0]).count();
+            assert!(
+                wrong <= 30,
+                "{eye}, {visibility}: {wrong} reflect something else"
+            );
+        }
+    }
+}
+
+/// The mirror's rays lead straight back to the camera, past a plane whose back it culls.
+#[test]
+fn what_is_culled_before_a_facing_mirror_is_reflected() {
+    let Some(gpu) = gpu() else { return };
+    let text = r#"
+version = 1
+[camera.main]
+eye = [0, 0, 5]
+target = [0, 0, 0]
+orthographic_height_m = 1
+[image]
+size = [32, 32]
+[material.mirror]
+metallic = 1
+roughness = 0
+[model.mirror]
+shape = { kind = "plane", size = [2, 2] }
+material = "mirror"
+[material.screen]
+double_sided = false
+[model.screen]
+shape = { kind = "plane", size = [2, 2] }
+material = "screen"
+[[instance]]
+model = "mirror"
+rotation_deg = [90, 0, 0]
+[[instance]]
+model = "screen"
+translation = [0, 0, 1]
+rotation_deg = [-90, 0, 0]
+"#;
+    for method in ["hybrid", "rt"] {
+        let set = format!("reflection.method={method}");
+        let picture = render(gpu, text, &[&set], &[Aov::HitIds, Aov::Ids]);
+        assert!(integers(&picture, Aov::Ids).chunks(2).all(|id| id[0] == 0));
+        let met = hits(&picture).iter().filter(|hit| hit[0] == 1).count();
+        assert_eq!(met, 32 * 32, "{method}");
+    }
+}
