@@ -20,7 +20,8 @@ fn shade_pixel(pixel: vec2u) {
     let found = textureLoad(hit, pixel, 0);
     let cone = mirrored_cone(pixel_cone(distance(first.position, frame.eye)), first.curvature);
     let cone_m = continued(cone, bitcast<f32>(found.x)).width_m;
-    let s = surface_at(found.y, found.z, unpack2x16unorm(found.w), direction, cone_m);
+    var s = surface_at(found.y, found.z, unpack2x16unorm(found.w), direction, cone_m);
+    s.emission *= met_emission(ray, found.y, bitcast<f32>(found.x), s);
     start_samples(pixel, 1u);
     let light = seen_light(first.position, ray, bitcast<f32>(found.x));
     var color = light.radiance;

@@ -58,7 +58,8 @@ fn trace_pixel(pixel: vec2u) {
         // Without shading a surface only matters where the path may go on from it.
         if (!SHADE && bounce + 1u == frame.bounces + crossings()) { break; }
         cone = continued(cone, h.t);
-        let s = surface_at(h.instance, h.triangle, h.bary, direction, cone.width_m);
+        var s = surface_at(h.instance, h.triangle, h.bary, direction, cone.width_m);
+        s.emission *= met_emission(ray, h.instance, h.t, s);
         if (SHADE) {
             var lent = vec2u(0u);
             if (LENDS_LIGHT) { lent = lent_light(visible_lights, s); }

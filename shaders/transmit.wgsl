@@ -56,6 +56,7 @@ fn behind(pixel: vec2u) -> vec4f {
         cone = continued(cone, h.t);
         let direction = ray.direction;
         s = surface_at(h.instance, h.triangle, h.bary, direction, cone.width_m);
+        s.emission *= met_emission(ray, h.instance, h.t, s);
         let lit = shade(s, -direction, vec2u(0u));
         color += throughput * (lit.diffuse + lit.specular);
         if (!goes_on(s)) { break; }

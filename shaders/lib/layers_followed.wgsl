@@ -144,14 +144,19 @@ fn shade(s: Surface, view: vec3f, lent: vec2u) -> Shade {
     return out;
 }
 
-fn brightness(color: vec3f) -> f32 {
-    return dot(color, vec3f(0.2126, 0.7152, 0.0722));
+// Share of what a point of a triangle emits that leaves it at this cosine: past its coat, where it is at all.
+fn emitted_share(material: u32, instance: u32, index: array<u32, 3>, bary: vec2f, cosine: f32) -> f32 {
+    var s = material_surface(material);
+    s.clearcoat = materials[material].clearcoat;
+    s.alpha = 1.0;
+    if (materials[material].is_blended != 0u) { s.alpha = material_alpha(material, instance, index, bary, 0.0, 1.0); }
+    return s.alpha * coat_transmittance(s, cosine);
 }
 
 // One of two rays by what each returns. Of what a picture has too few sub-frames to hold, the other one
 // stands for both.
 fn chosen(a: Reflected, b: Reflected, pair: u32) -> Reflected {
-    let weights = vec2f(brightness(a.weight), brightness(b.weight));
+    let weights = vec2f(luminance(a.weight), luminance(b.weight));
     let both = weights.x + weights.y;
     if (both <= 0.0) { return a; }
     let least = 0.5 / f32(sampling.samples);

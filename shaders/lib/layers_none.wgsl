@@ -25,6 +25,11 @@ fn transmissive_fresnel(s: Surface, cosine: f32) -> vec3f {
     return vec3f(0.0);
 }
 
+// Share of what a point of a triangle emits that leaves it at this cosine.
+fn emitted_share(material: u32, instance: u32, index: array<u32, 3>, bary: vec2f, cosine: f32) -> f32 {
+    return 1.0;
+}
+
 fn shade(s: Surface, view: vec3f, lent: vec2u) -> Shade {
     return shade_layer(s, view, lent);
 }

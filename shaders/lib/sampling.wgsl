@@ -11,9 +11,9 @@ struct Sampling {
     scale: f32, // radiance of a texel of 1
     sample: u32, // the sub-frame
     samples: u32, // sub-frames of a picture
+    emitters: u32, // triangles that light
+    emitted_power: f32, // of all of them: areas by the luminance that they emit
     pad0: u32,
-    pad1: u32,
-    pad2: u32,
 }
 
 @group(0) @binding(5) var<uniform> sampling: Sampling;

@@ -1,6 +1,7 @@
 // Light on a surface: one function for raster pixels, screen hits and traced hits.
 
 #import ambient
+#import emitters
 #import energy
 #import environment
 #import extent
@@ -158,6 +159,9 @@ fn shade_layer(s: Surface, view: vec3f, lent: vec2u) -> Shade {
         out.diffuse += albedo * lit * (nl / PI);
         if (has_specular) { out.specular += ggx(s, view, l.to_light) * lit; }
     }
+    let emitted = emitted_light(s, view, albedo);
+    out.diffuse += emitted.diffuse;
+    out.specular += emitted.specular;
     return out;
 }
 

@@ -16,6 +16,7 @@ use crate::{
 
 use super::{
     cause::{Cause, Source},
+    emitters::EMITTER_COLUMNS,
     lights::{SHADOW_MAP, SHADOW_NEAR_M, SHADOW_NONE, SHADOW_RAY},
     lobe_table::{LOBE_COSINES, LOBE_NODES, LOBE_ROUGHNESSES},
     ray_list::{
@@ -25,8 +26,9 @@ use super::{
     targets::FAR_M,
     textures::SMALLEST_POOL_PX,
     types::{
-        FLAG_COLORS, FLAG_MIRRORED, NONE, TEXTURE_NEAREST, TEXTURE_POOL_MASK, TEXTURE_SRGB,
-        TEXTURE_UV1, TEXTURE_WRAP_U_SHIFT, TEXTURE_WRAP_V_SHIFT, WRAP_MIRROR, WRAP_REPEAT,
+        FLAG_COLORS, FLAG_EMITTER, FLAG_MIRRORED, NONE, TEXTURE_NEAREST, TEXTURE_POOL_MASK,
+        TEXTURE_SRGB, TEXTURE_UV1, TEXTURE_WRAP_U_SHIFT, TEXTURE_WRAP_V_SHIFT, WRAP_MIRROR,
+        WRAP_REPEAT,
     },
 };
 
@@ -95,6 +97,8 @@ pub fn wgsl() -> String {
         SHADOW_NEAR_M,
         FLAG_COLORS,
         FLAG_MIRRORED,
+        FLAG_EMITTER,
+        EMITTER_COLUMNS,
         SMALLEST_POOL_PX,
         TEXTURE_POOL_MASK,
         TEXTURE_SRGB,

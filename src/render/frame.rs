@@ -125,7 +125,7 @@ impl Renderer {
             (settings, self.options.image.exposure_ev.ev()),
             (self.unit_m, self.plan.bounces),
         );
-        let sampling = Sampling::new(world, &self.options.image, sample);
+        let sampling = Sampling::new(world, &self.options.image, self.scene.emitters(), sample);
         self.uniforms.set(gpu, &frame, &block, &sampling);
         let size = self.options.image.size;
         let mut frame = SubFrame {

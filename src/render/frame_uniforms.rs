@@ -9,6 +9,7 @@ use crate::{
 };
 
 use super::{
+    emitters::Emitters,
     lobe_table::lobe_table,
     precision::brightest_emission,
     types::{Frame, LightBlock, Sampling},
@@ -126,7 +127,7 @@ const DISPLAY_STEP: f32 = 1.0 / 255.0;
 
 impl Sampling {
     /// The block of sub-frame `sample`.
-    pub fn new(world: &World, image: &ImageDesc, sample: u32) -> Self {
+    pub fn new(world: &World, image: &ImageDesc, emitters: Emitters, sample: u32) -> Self {
         let rays = image.light_rays();
         let environment = &world.environment;
         let panorama = environment.panorama.as_ref();
@@ -140,9 +141,9 @@ impl Sampling {
             scale: environment.desc.intensity * panorama.map_or(0.0, |p| p.scale),
             sample,
             samples: image.samples,
+            emitters: emitters.triangles,
+            emitted_power: emitters.power,
             pad0: 0,
-            pad1: 0,
-            pad2: 0,
         }
     }
 }

@@ -11,6 +11,7 @@ pub(crate) mod debug_readback;
 pub mod decide;
 pub(crate) mod download;
 mod edge_on;
+pub(crate) mod emitters;
 pub mod error;
 pub(crate) mod frame;
 pub(crate) mod frame_pass;

@@ -52,6 +52,8 @@ pub struct Plan {
     pub sampled_environment: bool,
     /// Some light has a size.
     pub sized_lights: bool,
+    /// Some surface lights what is around.
+    pub emitters: bool,
     /// Some surface lets light through.
     pub transmission: bool,
     /// Some surface has a clear coat.
@@ -156,6 +158,7 @@ pub fn traces_rays(world: &World, options: &RenderOptions) -> bool {
         || has_primary_rays(options)
         || has_shadow_rays(&world.lights, options)
         || world.environment.casts_rays()
+        || world.has_emitters()
         || passes_light(world)
 }
 
@@ -172,6 +175,7 @@ impl Plan {
         Self {
             sampled_environment: world.environment.is_sampled(),
             sized_lights: world.lights.iter().any(|l| l.desc.kind.has_size()),
+            emitters: world.has_emitters(),
             rough_reflections: reflects_roughly(world, settings.reflects_below()),
             transmission: passes_light(world),
             coats: has_coats(world),
@@ -234,6 +238,7 @@ impl Plan {
             lends_light: reflections && has_shadow_rays(&world.lights, options),
             sampled_environment: world.environment.is_sampled(),
             sized_lights: world.lights.iter().any(|l| l.desc.kind.has_size()),
+            emitters: world.has_emitters(),
             rough_reflections: reflects_roughly(world, cutoff),
             transmission: passes_light(world),
             coats: has_coats(world),
@@ -255,8 +260,10 @@ impl Plan {
         ShaderVariant {
             extent: self.sampled_environment
                 || self.sized_lights
+                || self.emitters
                 || self.rough_reflections
                 || self.has_layers(),
+            emitters: self.emitters,
             ambient: self.sampled_environment,
             panorama: self.panorama,
             layers: self.has_layers(),

@@ -25,7 +25,7 @@ use super::{
     options::RenderOptions,
     pass_builder::PassBuilder,
     passes::needed_passes,
-    plan::{Plan, traces_rays},
+    plan::Plan,
     rebuild_summary::RebuildSummary,
     relative::{origin_of, relative_world},
     resources::Resources,
@@ -113,10 +113,6 @@ impl Renderer {
         let (trees, tree_ms) = build_trees(gpu, world, options)?;
         let decided = decide(world, &trees, options, gpu.is_software());
         let options = &decided.options;
-        let trees = match options.general || traces_rays(world, options) {
-            true => trees,
-            false => Trees::unbuilt(world), // they were for deciding alone
-        };
         let scene = GpuScene::new(gpu, world, &trees)?;
         let plan = plan_of(world, &trees, &scene, options);
         let needed = needed_passes(&plan, options);
@@ -344,6 +340,7 @@ impl Renderer {
         }
         self.scene.update(gpu, world, &self.trees);
         self.scene.update_materials(gpu, world);
+        self.scene.update_emitters(gpu, world);
         self.world_key.update(world);
     }
 

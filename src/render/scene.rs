@@ -17,11 +17,12 @@ use crate::{
 
 use super::{
     chunks::{ChunkedArray, Chunks, chunk_of},
+    emitters::{Emitters, GpuEmitters},
     geometry::{MeshRange, buffer, geometry, mesh_vertices},
     gpu_material::gpu_material,
     panorama::GpuPanorama,
     textures::{Pools, samplers},
-    types::{FLAG_COLORS, FLAG_MIRRORED, GpuInstance, GpuMaterial, flag},
+    types::{FLAG_COLORS, FLAG_EMITTER, FLAG_MIRRORED, GpuInstance, GpuMaterial, flag},
 };
 
 /// How a draw is rasterized.
@@ -81,6 +82,8 @@ pub struct GpuScene {
     pub samplers: [wgpu::Sampler; 4],
     /// Of the environment, if it is one.
     pub panorama: Option<GpuPanorama>,
+    /// The table of triangles that light, if there are any.
+    pub emitters: Option<GpuEmitters>,
     /// One per instance that has triangles.
     pub draws: Vec<Draw>,
     /// Buffers of the geometry.
@@ -109,6 +112,7 @@ impl GpuScene {
             chunks: Chunks::of(gpu, &nodes, &triangles, &vertices, &mesh_data)?,
             nodes,
             triangles,
+            emitters: GpuEmitters::new(gpu, world)?,
             instances: buffer(gpu, "instances", &records, storage)?,
             vertices,
             mesh_data,
@@ -159,6 +163,7 @@ impl GpuScene {
             mesh_ranges: self.mesh_ranges.clone(),
             pools,
             panorama: self.panorama.clone(),
+            emitters: GpuEmitters::new(gpu, world)?,
             records,
             has_moving_cutouts: has_moving_cutouts(world),
         })
@@ -207,6 +212,20 @@ impl GpuScene {
         self.update_deformed(gpu, world, trees);
     }
 
+    /// What lights by its surface.
+    pub fn emitters(&self) -> Emitters {
+        self.emitters
+            .as_ref()
+            .map_or_else(Emitters::default, |e| e.emitters)
+    }
+
+    /// Uploads the table of what lights by its surface, where that moved or changed.
+    pub fn update_emitters(&mut self, gpu: &Gpu, world: &World) {
+        if let Some(emitters) = &mut self.emitters {
+            emitters.update(gpu, world);
+        }
+    }
+
     /// Rows of the transform of an instance.
     pub fn pose(&self, instance: u32) -> &[[f32; 4]; 3] {
         &self.records[instance as usize].world_from_object
@@ -233,6 +252,7 @@ impl GpuScene {
         let sampler = |i: usize| Some(wgpu::BindingResource::Sampler(&self.samplers[i]));
         match name {
             "instances" => Some(self.instances.as_entire_binding()),
+            "emitters" => self.emitters.as_ref().map(GpuEmitters::resource),
             "materials" => Some(self.materials.as_entire_binding()),
             "pool_0" => view(0, 0),
             "pool_0_srgb" => view(0, 1),
@@ -269,6 +289,10 @@ impl GpuScene {
             ("materials", self.materials.size()),
             ("texture_pools", self.pools.bytes),
             ("panorama", self.panorama.as_ref().map_or(0, |p| p.bytes)),
+            (
+                "emitters",
+                self.emitters.as_ref().map_or(0, GpuEmitters::bytes),
+            ),
         ]
     }
 }
@@ -313,7 +337,9 @@ fn instance_records(world: &World, trees: &Trees, mesh_ranges: &[MeshRange]) -> 
             index_base: range.index_base,
             uv1_base: range.uv1_base,
             material: instance.material as u32,
-            flags: flag(class.mirrored, FLAG_MIRRORED) | flag(range.has_colors, FLAG_COLORS),
+            flags: flag(class.mirrored, FLAG_MIRRORED)
+                | flag(range.has_colors, FLAG_COLORS)
+                | flag(world.materials[instance.material].light, FLAG_EMITTER),
             pad: 0,
         }
     };

@@ -1,5 +1,5 @@
 //! Which shader files stand for what a scene may or may not need: `#import ambient`,
-//! `behind`, `energy`, `environment`, `extent`, `layers` and `radiance` mean others where a plan drops samples, so that unused code and bindings are
+//! `behind`, `emitters`, `energy`, `environment`, `extent`, `layers` and `radiance` mean others where a plan drops samples, so that unused code and bindings are
 //! no part of any shader.
 
 use crate::gpu::{ShaderError, ShaderLibrary};
@@ -9,8 +9,10 @@ use super::{chunks::Chunks, constants::wgsl};
 /// The files that a plan needs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ShaderVariant {
-    /// Some light has a size, some reflection is rough, or some surface has layers; so it is where the environment is sampled.
+    /// Some light has a size, some surface lights, some reflection is rough, or some surface has layers; so it is where the environment is sampled.
     pub extent: bool,
+    /// Some surface lights what is around.
+    pub emitters: bool,
     /// The environment's light is sampled, not in closed form.
     pub ambient: bool,
     /// The environment is a panorama; then its light is sampled.
@@ -26,13 +28,20 @@ pub struct ShaderVariant {
 }
 
 impl ShaderVariant {
-    /// All that there are.
-    pub const ALL: [Self; 15] = {
-        let mut all = [Self::new([false; 4], false); 15];
+    /// All that there are, but for what is chosen apart from the others: of each of that one.
+    pub const ALL: [Self; 21] = {
+        let mut all = [Self::new([false; 4], false); 21];
         let mut i = 0;
         while i < 7 {
             all[i] = Self::new(Self::SAMPLED[i], false);
             all[i + 7] = Self::new(Self::SAMPLED[i], true);
+            // Who lights by its surface is sampled.
+            if i > 0 {
+                all[i + 14] = Self {
+                    emitters: true,
+                    ..all[i]
+                };
+            }
             i += 1;
         }
         all[14] = Self {
@@ -56,6 +65,7 @@ impl ShaderVariant {
     const fn new([extent, ambient, panorama, layers]: [bool; 4], conserved: bool) -> Self {
         Self {
             extent,
+            emitters: false,
             ambient,
             panorama,
             layers,
@@ -76,6 +86,7 @@ impl ShaderVariant {
         };
         let imports = [
             choose("ambient", self.ambient, ["closed", "sampled"]),
+            choose("emitters", self.emitters, ["none", "sampled"]),
             choose("behind", self.layers, ["none", "transmitted"]),
             choose("layers", self.layers, ["none", "followed"]),
             choose("energy", self.conserved, ["single", "conserved"]),

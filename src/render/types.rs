@@ -113,12 +113,12 @@ gpu_struct! {
         sample: u32,
         /// Sub-frames of a picture.
         samples: u32,
+        /// Triangles that light.
+        emitters: u32,
+        /// Of all of them: areas by the luminance that they emit.
+        emitted_power: f32,
         /// Unused.
         pad0: u32,
-        /// Unused.
-        pad1: u32,
-        /// Unused.
-        pad2: u32,
     }
 }
 
@@ -188,6 +188,8 @@ gpu_struct! {
 pub const FLAG_COLORS: u32 = 1;
 /// [`GpuInstance::flags`]: the transform mirrors.
 pub const FLAG_MIRRORED: u32 = 2;
+/// [`GpuInstance::flags`]: what it emits lights what is around.
+pub const FLAG_EMITTER: u32 = 4;
 
 gpu_struct! {
     /// A vertex, 32 bytes.

@@ -20,6 +20,7 @@ mod asset_cache;
 mod blended;
 mod camera;
 mod check_names;
+mod emitters;
 mod environment;
 pub mod foreign_formats;
 mod lights_and_cameras;
@@ -255,6 +256,7 @@ impl<'a> Loader<'a> {
         let (meshes, textures) = (self.world.meshes.clone(), self.world.textures.clone());
         blended::drop_opaque(&mut self.world, &meshes, &textures);
         deform_at_start(&mut self.world, &meshes, self.desc)?;
+        emitters::check(&mut self.world, &meshes, self.desc)?;
         camera::add_default(&mut self.world, &meshes, self.desc.image.size);
         self.world.rest_unit_m = Some(self.world.unit_m());
         let files = self.world.files.clone();

@@ -21,6 +21,8 @@ pub struct Material {
     pub reflectivity: f32,
     /// Linear radiance, strength already multiplied in.
     pub emission: Vec3,
+    /// Whether its emission lights what is around; else only reflections show it.
+    pub light: bool,
     /// Strength of the normal map.
     pub normal_scale: f32,
     /// Texture repetitions along u and v, on top of each texture's own transform.
@@ -86,6 +88,7 @@ impl Default for Material {
             roughness: 1.0,
             reflectivity: 0.04,
             emission: Vec3::ZERO,
+            light: false,
             normal_scale: 1.0,
             uv_scale: [1.0; 2],
             occlusion_strength: 1.0,

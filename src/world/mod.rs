@@ -20,6 +20,7 @@ pub mod animation;
 pub mod bvh;
 mod closed;
 pub mod deform;
+pub mod emitters;
 pub mod environment;
 pub mod gltf;
 pub mod load;

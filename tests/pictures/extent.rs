@@ -10,7 +10,7 @@ use crate::{
 };
 
 /// A white, matte floor at y = 0 of which the picture shows a few centimeters around the origin.
-const FLOOR: &str = r#"
+pub const FLOOR: &str = r#"
 version = 1
 [camera.main]
 eye = [0, 0.5, 1]

@@ -16,6 +16,7 @@ mod culled;
 mod decide;
 mod deform;
 mod edge_cases;
+mod emitters;
 mod energy;
 mod environment;
 mod extent;

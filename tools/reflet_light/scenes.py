@@ -132,6 +132,21 @@ def lights() -> list[Scene]:
     ]  # fmt: skip
 
 
+def surfaces_that_light() -> list[Scene]:
+    """A glowing ball and a glowing box, as surfaces."""
+    lamps = thing("lamp", '{ kind = "sphere", radius = 0.5, segments = 160 }',
+                  glow("[8, 7, 5]") + "\nlight = true", "translation = [-1.6, 2.2, 0.8]")
+    lamps += thing("cube", '{ kind = "box", size = [0.3, 0.3, 2] }',
+                   glow("[2, 4, 9]") + "\nlight = true", "translation = [1.9, 0.5, 0]")
+    matte = "base_color = [0.7, 0.7, 0.7]\nreflectivity = 0"
+    satin = "base_color = [0.9, 0.9, 0.9]\nmetallic = 1\nroughness = 0.3"
+    return [
+        Scene("light-mesh", "a ball and a box that glow, a block and its shadows", FLOOR + lamps, 2),
+        Scene("light-mesh-metal", "rough metal floor below a ball and a box that glow",
+              FLOOR.replace(matte, satin) + lamps, 3),
+    ]  # fmt: skip
+
+
 def glow(color: str) -> str:
     return f"base_color = [0, 0, 0]\nreflectivity = 0\nemission = {color}"
 
@@ -211,6 +226,7 @@ def all_scenes() -> list[Scene]:
         out_of_focus(),
         moving(),
         *lights(),
+        *surfaces_that_light(),
     ]  # fmt: skip
 
 

@@ -64,7 +64,7 @@ impl Plan {
         ]
     }
 
-    fn surfaces_and_light(&self, settings: &ReflectionDesc) -> [Candidate; 13] {
+    fn surfaces_and_light(&self, settings: &ReflectionDesc) -> [Candidate; 14] {
         [
             (!self.cutouts, "alpha tests", "no material is cut out"),
             (!self.textures, "textures", "no material has one"),
@@ -89,6 +89,11 @@ impl Plan {
                 !self.sized_lights,
                 "samples of lights",
                 "no light has a size",
+            ),
+            (
+                !self.emitters,
+                "samples of emitting surfaces",
+                "no material has `light = true`",
             ),
             (
                 self.reflections && !self.rough_reflections,

@@ -54,6 +54,10 @@ pub struct MaterialDesc {
     pub emission_strength: Option<f32>,
     /// Image file multiplied into the emission (sRGB).
     pub emission_texture: Option<At<String>>,
+    /// Whether its emission lights what is around, by samples of its triangles, with shadows; else only
+    /// reflections show it. A glowing wall or a neon tube lights so; a scene has at most 65,536 such triangles,
+    /// and small or few ones need fewer `samples`. Default false.
+    pub light: Option<bool>,
     /// Texture repetitions per unit of the texture coordinates, two numbers. Default [1, 1].
     pub uv_scale: Option<[f32; 2]>,
     /// Alpha below this is cut out, 0 to 1. Default: not cut out, or the glTF value.
@@ -154,6 +158,7 @@ impl MaterialDesc {
             normal_texture: text(&o.normal_texture, &b.normal_texture),
             emission_texture: text(&o.emission_texture, &b.emission_texture),
             double_sided: o.double_sided.or(b.double_sided),
+            light: o.light.or(b.light),
             reflection: o.reflection.or(b.reflection),
             ior: o.ior.or(b.ior),
             thickness_m: o.thickness_m.or(b.thickness_m),
@@ -266,6 +271,7 @@ pub const PLAIN: MaterialDesc = MaterialDesc {
     emission: Some(Vec3::ZERO),
     emission_strength: Some(1.0),
     emission_texture: None,
+    light: None,
     uv_scale: Some([1.0, 1.0]),
     alpha_cutoff: None,
     double_sided: None,

@@ -160,6 +160,7 @@ impl Section for MaterialDesc {
             emission: t.find("emission", FROM_0).map(|Color(c)| c),
             emission_strength: t.find("emission_strength", FROM_0),
             emission_texture: t.find("emission_texture", ANY),
+            light: t.find("light", ANY),
             uv_scale: t.find("uv_scale", ANY),
             alpha_cutoff: t.find("alpha_cutoff", UNIT),
             double_sided: t.find("double_sided", ANY),

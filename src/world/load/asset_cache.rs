@@ -4,7 +4,7 @@
 use std::{collections::HashMap, mem, path::PathBuf, sync::Arc};
 
 use super::{
-    LoadOptions, Loader, Source, blended, camera, deform_at_start,
+    LoadOptions, Loader, Source, blended, camera, deform_at_start, emitters,
     material::{ImageKey, slots},
     place::MeshKey,
     vertex_streams::{self, Needs},
@@ -108,6 +108,7 @@ impl AssetCache {
         self.loaded = mem::take(&mut loader.loaded);
         if placed? {
             deform_at_start(&mut loader.world, &world.meshes, desc)?;
+            emitters::check(&mut loader.world, &world.meshes, desc)?;
             blended::drop_opaque(&mut loader.world, &world.meshes, &world.textures);
             camera::add_default(&mut loader.world, &world.meshes, desc.image.size);
             loader.world.rest_unit_m = Some(loader.world.unit_m());

@@ -123,6 +123,7 @@ impl Loader<'_> {
     pub fn apply(&mut self, desc: &MaterialDesc, material: &mut Material) {
         material.set_numbers(desc);
         material.double_sided = desc.double_sided.unwrap_or(material.double_sided);
+        material.light = desc.light.unwrap_or(material.light);
         material.reflection = desc.reflection.unwrap_or(material.reflection);
         material.ior = desc.ior.unwrap_or(material.ior);
         if let Some(thickness_m) = desc.thickness_m {

@@ -1,0 +1,106 @@
+// Surfaces that light what is around, by samples of their triangles: chosen by area and luminance, then
+// uniform in area.
+
+#import bvh
+#import extent
+#import frame
+#import sampling
+#import shown
+#import surface
+
+// By triangle: instance, triangle, the share of its column that is its own, and whose the rest is
+// (Walker's alias method, as of Vose 1991).
+@group(1) @binding(16) var emitters: texture_2d<u32>;
+
+// Density per area with which points of a material are chosen.
+fn emitter_density(material: u32) -> f32 {
+    return luminance(materials[material].emission) / max(sampling.emitted_power, 1e-30);
+}
+
+fn emitter_texel(k: u32) -> vec4u {
+    return textureLoad(emitters, vec2u(k % EMITTER_COLUMNS, k / EMITTER_COLUMNS), 0);
+}
+
+fn chosen_emitter(u: vec2f) -> vec2u {
+    let found = emitter_texel(min(u32(u.x * f32(sampling.emitters)), sampling.emitters - 1u));
+    if (u.y < bitcast<f32>(found.z)) { return found.xy; }
+    return emitter_texel(found.w).xy;
+}
+
+// A point of a triangle that emits; its color is without what stands between.
+fn emitter_sample(id: vec2u, position: vec3f, u: vec2f) -> LightSample {
+    var r: LightSample;
+    let instance = id.x;
+    let m = instances[instance].material;
+    let c = corners(instance, id.y);
+    let p0 = to_world(instance, c.p[0]);
+    let e1 = to_world(instance, c.p[1]) - p0;
+    let e2 = to_world(instance, c.p[2]) - p0;
+    let root = sqrt(u.x);
+    let bary = vec2f(root * (1.0 - u.y), root * u.y);
+    let offset = p0 + e1 * bary.x + e2 * bary.y - position;
+    let d2 = max(dot(offset, offset), 1e-8);
+    r.distance_m = sqrt(d2);
+    r.to_light = offset / r.distance_m;
+    let area2 = cross(e1, e2);
+    let flags = instances[instance].trace_flags;
+    var facing = -dot(area2, r.to_light) / max(length(area2), 1e-30);
+    if ((instances[instance].flags & FLAG_MIRRORED) != 0u) { facing = -facing; }
+    if ((flags & DOUBLE_SIDED) != 0u) { facing = abs(facing); }
+    if (facing <= 0.0) { return r; }
+    var emission = materials[m].emission * emitted_share(m, instance, c.index, bary, facing);
+    if (HAS_TEXTURES) {
+        emission *= texel_at(materials[m].textures[EMISSION_SLOT], pools_of(EMISSION_SLOT), instance, c.index, bary, 1.0, 0.0).xyz;
+    }
+    let density = emitter_density(m);
+    r.color = emission * (facing / (d2 * density));
+    r.pdf = density * d2 / facing;
+    return r;
+}
+
+// Share of light that arrives at the surface from a point of another: aimed there from where the ray starts,
+// for else what shines at a grazing angle is in its own way.
+fn arriving_from(s: Surface, point: vec3f) -> vec3f {
+    let origin = ray_origin(smooth_position(s), s.geometric_normal);
+    let way = point - origin;
+    let way_m = max(length(way), 1e-12);
+    return transmittance(origin, way / way_m, way_m * 0.9999);
+}
+
+// What they all add together; sharp reflectors see them by their reflection rays alone.
+fn emitted_light(s: Surface, view: vec3f, albedo: vec3f) -> Shade {
+    var out: Shade;
+    let is_rough = is_rough_reflector(s);
+    let has_specular = (is_rough || !is_reflector(s)) && (s.metallic > 0.0 || s.reflectivity > 0.0);
+    let is_lit = has_specular || max(albedo.x, max(albedo.y, albedo.z)) > 0.0;
+    if (!is_lit || sampling.emitted_power <= 0.0) { return out; }
+    let choices = next_pair();
+    let points = next_pair();
+    for (var k = 0u; k < sampling.rays; k++) {
+        let id = chosen_emitter(sample_square(sampling.first + k, choices));
+        var l = emitter_sample(id, s.position, sample_square(sampling.first + k, points));
+        let nl = dot(s.normal, l.to_light);
+        if (l.pdf <= 0.0 || !faces(s, l.to_light) || max(l.color.x, max(l.color.y, l.color.z)) <= 0.0) { continue; }
+        let arriving = arriving_from(s, s.position + l.to_light * l.distance_m);
+        if (all(arriving == vec3f(0.0))) { continue; }
+        l.color *= arriving;
+        out.diffuse += albedo * l.color * (nl / PI);
+        if (!has_specular) { continue; }
+        var share = 1.0;
+        if (is_rough && !is_passed(instances[id.x].trace_flags, UNREFLECTED)) {
+            share = balance(l.pdf * f32(sampling.rays), lobe_density(s, view, l.to_light));
+        }
+        out.specular += ggx(s, view, l.to_light) * l.color * share;
+    }
+    let rays = f32(sampling.rays);
+    return Shade(out.diffuse / rays, out.specular / rays, vec2u(0u));
+}
+
+// Share of what a surface emits that a reflection ray has found; the rest comes by rays towards it.
+fn met_emission(ray: Reflected, instance: u32, distance_m: f32, s: Surface) -> f32 {
+    if (ray.pdf == 0.0 || (instances[instance].flags & FLAG_EMITTER) == 0u) { return 1.0; }
+    let way_m = distance_m + passed_m;
+    let facing = abs(dot(s.geometric_normal, ray.direction));
+    let pdf = emitter_density(instances[instance].material) * way_m * way_m / max(facing, 1e-12);
+    return balance(ray.pdf, pdf * f32(sampling.rays));
+}

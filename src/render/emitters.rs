@@ -1,0 +1,169 @@
+//! The table by which samples choose triangles that light.
+
+use crate::{
+    gpu::{Gpu, GpuError},
+    world::{World, emitters::Emitter},
+};
+
+/// Texels in a row of the table.
+pub const EMITTER_COLUMNS: u32 = 256;
+
+/// What the shaders know of the table beside its texels.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Emitters {
+    /// How many triangles light.
+    pub triangles: u32,
+    /// Sum of their powers; 0: none is chosen.
+    pub power: f32,
+}
+
+/// The table on the GPU.
+#[derive(Clone, Debug)]
+pub struct GpuEmitters {
+    texture: wgpu::Texture,
+    view: wgpu::TextureView,
+    /// What it holds now.
+    pub emitters: Emitters,
+    /// Whether it may differ from frame to frame.
+    pub is_moving: bool,
+}
+
+impl GpuEmitters {
+    /// Uploads the table of a world; `None` where nothing lights by its surface.
+    ///
+    /// # Errors
+    /// A wgpu error.
+    pub fn new(gpu: &Gpu, world: &World) -> Result<Option<Self>, GpuError> {
+        if !world.has_emitters() {
+            return Ok(None);
+        }
+        let count: usize = (world.lighting_instances())
+            .map(|(_, i)| world.meshes[i.mesh].triangles.len())
+            .sum();
+        let rows = (count as u32).div_ceil(EMITTER_COLUMNS).max(1);
+        gpu.check_texture_size("the table of emitting triangles", EMITTER_COLUMNS, rows)?;
+        let texture = gpu.scoped("emitters", || {
+            gpu.device.create_texture(&wgpu::TextureDescriptor {
+                label: Some("emitters"),
+                size: wgpu::Extent3d {
+                    width: EMITTER_COLUMNS,
+                    height: rows,
+                    depth_or_array_layers: 1,
+                },
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format: wgpu::TextureFormat::Rgba32Uint,
+                usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+                view_formats: &[],
+            })
+        })?;
+        let mut this = Self {
+            view: texture.create_view(&wgpu::TextureViewDescriptor::default()),
+            texture,
+            emitters: Emitters::default(),
+            is_moving: world.has_moving_emitters(),
+        };
+        this.upload(gpu, world);
+        Ok(Some(this))
+    }
+
+    /// Uploads the table of a world whose parts moved.
+    pub fn update(&mut self, gpu: &Gpu, world: &World) {
+        if self.is_moving {
+            self.upload(gpu, world);
+        }
+    }
+
+    fn upload(&mut self, gpu: &Gpu, world: &World) {
+        let emitters = world.emitters();
+        let (mut texels, power) = alias_table(&emitters);
+        let size = self.texture.size();
+        texels.resize((size.width * size.height) as usize, [0; 4]);
+        gpu.queue.write_texture(
+            self.texture.as_image_copy(),
+            bytemuck::cast_slice(&texels),
+            wgpu::TexelCopyBufferLayout {
+                offset: 0,
+                bytes_per_row: Some(16 * size.width),
+                rows_per_image: Some(size.height),
+            },
+            size,
+        );
+        self.emitters = Emitters {
+            triangles: emitters.len() as u32,
+            power,
+        };
+    }
+
+    /// What the shaders bind.
+    pub fn resource(&self) -> wgpu::BindingResource<'_> {
+        wgpu::BindingResource::TextureView(&self.view)
+    }
+
+    /// Size in bytes.
+    pub fn bytes(&self) -> u64 {
+        let size = self.texture.size();
+        16 * u64::from(size.width) * u64::from(size.height)
+    }
+}
+
+/// For each triangle its instance, itself, the bits of the share of its column that is its own, and whose
+/// the rest is; and the sum of all powers (Vose 1991, "A linear algorithm for generating random numbers
+/// with a given distribution").
+fn alias_table(emitters: &[Emitter]) -> (Vec<[u32; 4]>, f32) {
+    let sum: f64 = emitters.iter().map(|e| f64::from(e.power)).sum();
+    let count = emitters.len();
+    let mut shares: Vec<f64> = (emitters.iter())
+        .map(|e| f64::from(e.power) * count as f64 / sum.max(f64::MIN_POSITIVE))
+        .collect();
+    let mut aliases: Vec<usize> = (0..count).collect();
+    let (mut small, mut large): (Vec<_>, Vec<_>) = (0..count).partition(|i| shares[*i] < 1.0);
+    while let (Some(less), Some(more)) = (small.pop(), large.pop()) {
+        aliases[less] = more;
+        shares[more] -= 1.0 - shares[less];
+        if shares[more] < 1.0 {
+            small.push(more);
+        } else {
+            large.push(more);
+        }
+    }
+    // What rounding left over fills its column.
+    for rest in small.into_iter().chain(large) {
+        shares[rest] = 1.0;
+    }
+    let texel = |(i, e): (usize, &Emitter)| {
+        let share = (shares[i] as f32).to_bits();
+        [e.instance, e.triangle, share, aliases[i] as u32]
+    };
+    let texels = emitters.iter().enumerate().map(texel).collect();
+    (texels, sum as f32)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn triangles_are_chosen_by_their_power() {
+        let powers = [0.0_f32, 3.0, 1e-4, 1.0, 0.0, 16.0];
+        let emitters: Vec<_> = (powers.iter().zip(0..))
+            .map(|(power, triangle)| Emitter {
+                instance: 7,
+                triangle,
+                power: *power,
+            })
+            .collect();
+        let (texels, sum) = alias_table(&emitters);
+        let mut found = [0.0_f64; 6];
+        for (i, [_, _, share, alias]) in texels.iter().enumerate() {
+            let share = f64::from(f32::from_bits(*share));
+            found[i] += share / 6.0;
+            found[*alias as usize] += (1.0 - share) / 6.0;
+        }
+        for (found, power) in found.iter().zip(powers) {
+            let expected = f64::from(power / sum);
+            assert!((found - expected).abs() < 1e-7, "{found}, not {expected}");
+        }
+    }
+}

@@ -1,0 +1,78 @@
+//! Checks of surfaces that are to light what is around.
+
+use glam::Vec3;
+
+use super::error_at;
+use crate::{
+    scene::{
+        desc::SceneDesc,
+        diagnostic::{Diagnostic, Span},
+    },
+    world::{Mesh, World, emitters::MAX_EMITTERS},
+};
+
+/// Refuses what cannot light, by name; materials of files that emit nothing just do not. `meshes` are the
+/// world's.
+///
+/// # Errors
+/// A material that emits nothing, too many triangles.
+pub fn check(world: &mut World, meshes: &[Mesh], desc: &SceneDesc) -> Result<(), Vec<Diagnostic>> {
+    let mut errors = Vec::new();
+    for index in 0..world.materials.len() {
+        let material = &world.materials[index];
+        let changes = world.moving.materials.iter().any(|m| m.material == index);
+        let emits = material.emission != Vec3::ZERO && !material.unlit;
+        if !material.light || emits || (changes && !material.unlit) {
+            continue;
+        }
+        let written = desc.materials.iter().find(|m| m.name == material.name);
+        match written {
+            Some(entry) if entry.value.light == Some(true) => {
+                let name = &material.name;
+                let text = format!("material \"{name}\" has `light = true`, but emits nothing");
+                let error = error_at("emits-nothing", &entry.at, text);
+                errors.push(error.help("give it an `emission` above 0, or remove `light`"));
+            }
+            _ => world.materials[index].light = false,
+        }
+    }
+    let moving = &mut world.moving.materials;
+    for moving in moving.iter_mut() {
+        moving.rest.light = world.materials[moving.material].light;
+    }
+    check_triangles(world, meshes, desc, &mut errors);
+    if errors.is_empty() {
+        Ok(())
+    } else {
+        Err(errors)
+    }
+}
+
+fn check_triangles(world: &World, meshes: &[Mesh], desc: &SceneDesc, errors: &mut Vec<Diagnostic>) {
+    let mut count = 0;
+    for (index, instance) in world.lighting_instances() {
+        count += meshes[instance.mesh].triangles.len();
+        if count > MAX_EMITTERS {
+            let text = format!(
+                "with \"{}\", more than {MAX_EMITTERS} triangles have a material with `light = true`",
+                instance.name
+            );
+            let error = error_at("emitters-too-many", &place_of(world, desc, index), text);
+            let help =
+                "let fewer or simpler meshes light: reflections show the others all the same";
+            errors.push(error.help(help));
+            return;
+        }
+    }
+}
+
+/// Where an instance is written; else where its material or the scene is.
+fn place_of(world: &World, desc: &SceneDesc, index: usize) -> Span {
+    let written = world.written.get(index).copied().flatten();
+    let material = &world.materials[world.instances[index].material].name;
+    let entry = || desc.materials.iter().find(|m| m.name == *material);
+    written
+        .map(|i| desc.instances[i].at.clone())
+        .or_else(|| Some(entry()?.at.clone()))
+        .unwrap_or_else(|| desc.own.clone())
+}

@@ -1,0 +1,250 @@
+//! Surfaces that light what is around, against form factors and lights of the same shape.
+
+use std::f32::consts::PI;
+
+use reflet::{
+    render::Picture,
+    scene::stages::{Animator, Scene},
+    world::load,
+};
+
+use crate::{
+    extent::FLOOR,
+    kit::{assert_close, assert_color, gpu, mean, render, renderer, scene},
+};
+
+/// A shape that lights, with these keys of its instance.
+fn lamp(shape: &str, emission: &str, place: &str) -> String {
+    format!(
+        "[material.lamp]\nbase_color = [0, 0, 0]\nreflectivity = 0\nemission = {emission}\nlight = true\n\
+         [model.lamp]\nshape = {shape}\nmaterial = \"lamp\"\n[[instance]]\nname = \"lamp\"\nmodel = \"lamp\"\n\
+         {place}\n"
+    )
+}
+
+/// Howell, configuration B-4, four times: a point below the middle of a rectangle, both sides over the
+/// distance.
+fn rectangle(a: f32, b: f32) -> f32 {
+    let term = |a: f32, b: f32| a / (1.0 + a * a).sqrt() * (b / (1.0 + a * a).sqrt()).atan();
+    4.0 / (2.0 * PI) * (term(a / 2.0, b / 2.0) + term(b / 2.0, a / 2.0))
+}
+
+#[test]
+fn a_glowing_rectangle_and_ball_light_a_floor_by_their_form_factors() {
+    let Some(gpu) = gpu() else { return };
+    let flat = "{ kind = \"plane\", size = [3, 1] }";
+    let text = [FLOOR, &lamp(flat, "[3, 1, 0]", "translation = [0, 2, 0]")].concat();
+    let found = mean(&render(gpu, &text, &[], &[]));
+    let expected = rectangle(1.5, 0.5);
+    assert_close(found[0], 3.0 * expected, 5e-3);
+    assert_close(found[1], expected, 5e-3);
+    assert!(found[2] == 0.0);
+
+    // Howell, B-39: (r / d)² cos θ; 12,000 triangles.
+    let ball = "{ kind = \"sphere\", radius = 1, segments = 110 }";
+    for (place, r2_over_d2, cosine) in [
+        ("translation = [0, 2, 0]", 0.25_f32, 1.0),
+        (
+            "translation = [1.5, 1.5, 0]\nscale = 0.5",
+            0.25 / 4.5,
+            0.5_f32.sqrt(),
+        ),
+    ] {
+        let text = [FLOOR, &lamp(ball, "[2, 2, 2]", place)].concat();
+        let found = mean(&render(gpu, &text, &["image.light_rays=8"], &[]));
+        assert_close(found[0], 2.0 * r2_over_d2 * cosine, 1e-2);
+    }
+}
+
+#[test]
+fn what_lights_on_one_side_only_leaves_the_other_dark() {
+    let Some(gpu) = gpu() else { return };
+    let flat = "{ kind = \"plane\", size = [3, 1] }";
+    // Planes face up.
+    for (turn, expected) in [(180, rectangle(1.5, 0.5)), (0, 0.0)] {
+        let place = format!("translation = [0, 2, 0]\nrotation_deg = [{turn}, 0, 0]");
+        let text = [FLOOR, &lamp(flat, "[1, 1, 1]", &place)].concat();
+        let set = ["material.lamp.double_sided=false"];
+        let found = mean(&render(gpu, &text, &set, &[]))[0];
+        assert!((found - expected).abs() <= 5e-3 * expected, "{found}");
+    }
+}
+
+/// The lamp of 3 m × 1 m above a floor with another material and a block, as a light and as a surface.
+fn pair(floor: &str) -> [String; 2] {
+    let floor = FLOOR
+        .replace(
+            "base_color = [1, 1, 1]\nreflectivity = 0\nreflection = \"none\"",
+            floor,
+        )
+        .replace("fov_deg = 1", "fov_deg = 50")
+        .replace("eye = [0, 0.5, 1]", "eye = [0, 2, 4]")
+        .replace("size = [8, 8]", "size = [24, 16]");
+    let block = "[material.block]\nbase_color = [0.5, 0.5, 0.5]\nreflectivity = 0\n[model.block]\n\
+                 shape = { kind = \"box\", size = [0.6, 0.8, 0.6] }\nmaterial = \"block\"\n[[instance]]\n\
+                 model = \"block\"\ntranslation = [0.5, 0.4, 0.3]\n";
+    let light = "[light.lamp]\nkind = \"rect\"\nposition = [0, 2, -1]\ndirection = [0, -1, 0]\n\
+                 intensity_cd = 12\nsize = [3, 1]\nup = [0, 0, 1]\n";
+    let surface = lamp(
+        "{ kind = \"plane\", size = [3, 1] }",
+        "[4, 4, 4]",
+        "translation = [0, 2, -1]\nrotation_deg = [180, 0, 0]",
+    ) + "visible = false\n";
+    [light, &surface].map(|lamp| [&floor, block, lamp].concat())
+}
+
+/// Root mean square of the difference over the mean of what is expected.
+fn difference(found: &Picture, expected: &Picture) -> f32 {
+    let pairs = found.color.iter().zip(&expected.color);
+    let squares: f32 = pairs.map(|(a, b)| (a - b).powi(2)).sum();
+    (squares / found.color.len() as f32).sqrt() / mean(expected)[0]
+}
+
+#[test]
+fn a_glowing_rectangle_is_a_rectangular_light() {
+    let Some(gpu) = gpu() else { return };
+    // What noise may leave of 256 samples, for each.
+    for (floor, noise) in [
+        ("base_color = [0.8, 0.8, 0.8]\nreflectivity = 0", 0.02),
+        // By rays of its lobe and rays towards the lamp, each with its share.
+        (
+            "base_color = [0.8, 0.8, 0.8]\nmetallic = 1\nroughness = 0.3",
+            0.15,
+        ),
+        (
+            "base_color = [0.8, 0.8, 0.8]\nmetallic = 1\nroughness = 0.7",
+            0.04,
+        ),
+        (
+            "base_color = [0.8, 0.8, 0.8]\nroughness = 0.4\nclearcoat = 1",
+            0.04,
+        ),
+        // A mirror, which shows the lit block too.
+        (
+            "base_color = [0.8, 0.8, 0.8]\nmetallic = 1\nroughness = 0",
+            0.01,
+        ),
+        // Past the cut-off.
+        (
+            "base_color = [0.8, 0.8, 0.8]\nmetallic = 1\nroughness = 0.5\nreflection = \"none\"",
+            0.08,
+        ),
+    ] {
+        let texts = pair(floor);
+        for method in ["rt", "hybrid"] {
+            let method = format!("reflection.method={method}");
+            let set = [
+                "image.samples=256",
+                "reflection.roughness_cutoff=1",
+                "material.lamp.double_sided=false",
+                &method,
+            ];
+            let light = render(gpu, &texts[0], &[&set[..2], &set[3..]].concat(), &[]);
+            let surface = render(gpu, &texts[1], &set, &[]);
+            let error = difference(&surface, &light);
+            assert!(error < noise, "{error} with {floor}");
+            assert_close(mean(&surface)[0], mean(&light)[0], 1e-2);
+        }
+    }
+}
+
+#[test]
+fn mirrors_show_what_a_surface_lights() {
+    let Some(gpu) = gpu() else { return };
+    // The camera looks into a mirror above, which shows the lit floor.
+    let ball = lamp(
+        "{ kind = \"sphere\", radius = 0.5, segments = 96 }",
+        "[2, 2, 2]",
+        "translation = [0, 2, 0]",
+    );
+    let mirror = "[material.mirror]\nbase_color = [1, 1, 1]\nmetallic = 1\nroughness = 0\n\
+                  [model.mirror]\nshape = { kind = \"plane\", size = [1, 1] }\nmaterial = \"mirror\"\n\
+                  [[instance]]\nmodel = \"mirror\"\ntranslation = [2, 1, 0]\nrotation_deg = [180, 0, 0]\n";
+    let text = [FLOOR, &ball, mirror].concat();
+    for method in ["rt", "hybrid"] {
+        let method = format!("reflection.method={method}");
+        let set = [
+            "camera.main.eye=[4, 0.1, 0]",
+            "camera.main.target=[2, 1, 0]",
+            "camera.main.fov_deg=1",
+            &method,
+        ];
+        let picture = render(gpu, &text, &set, &[]);
+        // From (2, 1, 0) the ray goes on as steeply down: to x = -0.22.
+        let x = 2.0_f32 - 2.0 / 0.9;
+        let d2 = x * x + 4.0;
+        let expected = 2.0 * 0.25 / d2 * (2.0 / d2.sqrt());
+        assert_close(mean(&picture)[0], expected, 0.02);
+    }
+}
+
+#[test]
+fn what_lights_may_move_and_change() {
+    let Some(gpu) = gpu() else { return };
+    let flat = "{ kind = \"plane\", size = [3, 1] }";
+    let text = FLOOR.replace(
+        "version = 1",
+        "version = 1\ntimeline = { fps = 1, end = 2 }",
+    ) + lamp(flat, "[1, 1, 1]", "").as_str()
+        + "[motion.instance.lamp]\ntranslation = { keys = [{ at_s = 0, value = [0, 1, 0] }, \
+           { at_s = 1, value = [0, 2, 0] }] }\n[motion.material.lamp]\nemission_strength = \
+           { keys = [{ at_s = 0, value = 0 }, { at_s = 1, value = 3 }] }\n";
+    let (read, _) = Scene::from_text(&text, "test.toml".as_ref(), &[]).expect("it is a scene");
+    let mut world = load::load(&read, &load::LoadOptions::default()).expect("it loads");
+    let animator = Animator::new(&read);
+    let mut renderer = renderer(gpu, &read, &world, false);
+    let camera = world.cameras[0].value.clone();
+    for (frame, expected) in [(0, 0.0), (1, 3.0 * rectangle(1.5, 0.5)), (0, 0.0)] {
+        let state = animator.pose(frame).expect("it is posed");
+        world.apply(&state).expect("it fits");
+        renderer.update(gpu, &world).expect("it fits");
+        let picture = renderer.picture(gpu, &world, &camera, &[]);
+        let found = mean(&picture.expect("it renders"))[0];
+        assert!(
+            (found - expected).abs() <= 5e-3 * expected,
+            "{found}, not {expected}"
+        );
+    }
+}
+
+#[test]
+fn without_light_a_surface_is_seen_and_lights_nothing() {
+    let Some(gpu) = gpu() else { return };
+    let flat = "{ kind = \"plane\", size = [3, 1] }";
+    let text = [FLOOR, &lamp(flat, "[1, 1, 1]", "translation = [0, 2, 0]")].concat();
+    let picture = render(gpu, &text, &["material.lamp.light=false"], &[]);
+    assert_color(&picture, 4, 4, [0.0; 3], 0.0);
+    let (desc, world) = scene(&text, &["material.lamp.light=false"]);
+    let renderer = renderer(gpu, &desc, &world, false);
+    let dropped = &renderer.plan().dropped;
+    assert!(
+        dropped
+            .iter()
+            .any(|d| d.what == "samples of emitting surfaces")
+    );
+}
+
+#[test]
+fn what_cannot_light_is_named() {
+    let ball = "{ kind = \"sphere\", radius = 1, segments = 512 }";
+    let small = "{ kind = \"sphere\", radius = 1, segments = 16 }";
+    for (text, name, words) in [
+        (
+            lamp(small, "[0, 0, 0]", ""),
+            "emits-nothing",
+            "emits nothing",
+        ),
+        (lamp(ball, "[1, 1, 1]", ""), "emitters-too-many", "65536"),
+    ] {
+        let text = [FLOOR, &text].concat();
+        let (read, _) = Scene::from_text(&text, "test.toml".as_ref(), &[]).expect("it is a scene");
+        let errors = load::load(&read, &load::LoadOptions::default());
+        let errors = errors.expect_err("it cannot light");
+        let [error] = &errors[..] else {
+            panic!("{} errors", errors.len())
+        };
+        let message = error.to_string();
+        assert!(error.name == name && message.contains(words), "{message}");
+        assert!(message.contains("test.toml:"), "{message}");
+    }
+}
