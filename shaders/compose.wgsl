@@ -5,6 +5,7 @@
 #import gbuffer
 #import cause
 #import lobe_albedo
+#import scattered
 
 override HAS_REFLECTIONS: bool = true;
 override FILTER: bool = true; // rough reflections were smoothed
@@ -41,6 +42,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     var out = lit.xyz + textureLoad(specular, id.xy, 0).xyz;
     var unlit = lit.w;
     if (HAS_TRANSMISSION) { out += light_behind(id.xy); }
+    out += light_scattered(id.xy);
     if (HAS_REFLECTIONS) {
         if (reflects(textureLoad(cause, id.xy, 0).x)) {
             let s = load_surface(id.xy);

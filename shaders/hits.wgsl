@@ -3,6 +3,7 @@
 
 #import cone
 #import gbuffer
+#import indirect
 #import light_reuse
 #import lists
 #import radiance
@@ -19,8 +20,8 @@ fn shade_pixel(pixel: vec2u) {
     let direction = ray.direction;
     let found = textureLoad(hit, pixel, 0);
     let cone = mirrored_cone(pixel_cone(distance(first.position, frame.eye)), first.curvature);
-    let cone_m = continued(cone, bitcast<f32>(found.x)).width_m;
-    var s = surface_at(found.y, found.z, unpack2x16unorm(found.w), direction, cone_m);
+    let cone_there = continued(cone, bitcast<f32>(found.x));
+    var s = surface_at(found.y, found.z, unpack2x16unorm(found.w), direction, cone_there.width_m);
     s.emission *= met_emission(ray, found.y, bitcast<f32>(found.x), s);
     start_samples(pixel, 1u);
     let light = seen_light(first.position, ray, bitcast<f32>(found.x));
@@ -29,7 +30,7 @@ fn shade_pixel(pixel: vec2u) {
         var lent = vec2u(0u);
         if (LENDS_LIGHT) { lent = lent_light(visible_lights, s); }
         let lit = shade(s, -direction, lent);
-        color = lit.diffuse + lit.specular;
+        color = lit.diffuse + lit.specular + scattered_on(pixel, 1u, ray, s, cone_there);
     }
     textureStore(reflection, pixel, vec4f(min(color, BRIGHTEST), 1.0));
     if (exhausted_rays > 0u) { atomicAdd(&counters[EXHAUSTED_COUNTER], exhausted_rays); }

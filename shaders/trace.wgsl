@@ -3,6 +3,7 @@
 #import cause
 #import cone
 #import gbuffer
+#import indirect
 #import light_reuse
 #import lists
 #import radiance
@@ -39,7 +40,7 @@ fn trace_pixel(pixel: vec2u) {
     var throughput = vec3f(1.0);
     var found = vec4u(0u, NONE, NONE, 0u);
     var start_m = free_m(textureLoad(cause, pixel, 0).x); // the march has looked up to here
-    for (var bounce = 0u; bounce < frame.bounces + crossings(); bounce++) {
+    for (var bounce = 0u; bounce < frame.bounces + crossings() + scatterings(); bounce++) {
         start_samples(pixel, bounce + 1u);
         let direction = ray.direction;
         let h = trace_nearest(origin, direction, start_m, frame.ray_length_m);
@@ -56,7 +57,7 @@ fn trace_pixel(pixel: vec2u) {
         }
         if (bounce == 0u) { found = vec4u(bitcast<u32>(h.t), h.instance, h.triangle, 0u); }
         // Without shading a surface only matters where the path may go on from it.
-        if (!SHADE && bounce + 1u == frame.bounces + crossings()) { break; }
+        if (!SHADE && bounce + 1u == frame.bounces + crossings() + scatterings()) { break; }
         cone = continued(cone, h.t);
         var s = surface_at(h.instance, h.triangle, h.bary, direction, cone.width_m);
         s.emission *= met_emission(ray, h.instance, h.t, s);
@@ -66,8 +67,8 @@ fn trace_pixel(pixel: vec2u) {
             let lit = shade(s, -direction, lent);
             color += throughput * (lit.diffuse + lit.specular);
         }
-        if (!goes_on(s)) { break; }
-        ray = onward(ray, s);
+        if (!continues(s)) { break; }
+        ray = next_ray(ray, s);
         throughput *= ray.weight;
         if (max(throughput.x, max(throughput.y, throughput.z)) < frame.dimmest) { break; }
         // What goes through keeps its cone.

@@ -2,6 +2,7 @@
 
 #import cone
 #import gbuffer
+#import indirect
 #import lists
 #import radiance
 
@@ -37,7 +38,7 @@ fn behind(pixel: vec2u) -> vec4f {
     let seen = view_direction(s.position);
     var is_straight = s.transmission <= 0.0;
     var uncovered = 1.0; // by what the path has met since
-    for (var step = 0u; step < frame.bounces + crossings(); step++) {
+    for (var step = 0u; step < frame.bounces + crossings() + scatterings(); step++) {
         if (max(throughput.x, max(throughput.y, throughput.z)) < frame.dimmest) { break; }
         start_samples(pixel, FIRST_VERTEX + step + 1u);
         let origin = onward_origin(s, ray.direction);
@@ -59,9 +60,9 @@ fn behind(pixel: vec2u) -> vec4f {
         s.emission *= met_emission(ray, h.instance, h.t, s);
         let lit = shade(s, -direction, vec2u(0u));
         color += throughput * (lit.diffuse + lit.specular);
-        if (!goes_on(s)) { break; }
+        if (!continues(s)) { break; }
         uncovered *= 1.0 - coverage(s);
-        ray = onward(ray, s);
+        ray = next_ray(ray, s);
         throughput *= ray.weight;
         is_straight = is_straight && s.transmission <= 0.0 && dot(ray.direction, seen) > 0.99999;
     }

@@ -99,6 +99,7 @@ fn emitted_light(s: Surface, view: vec3f, albedo: vec3f) -> Shade {
 // Share of what a surface emits that a reflection ray has found; the rest comes by rays towards it.
 fn met_emission(ray: Reflected, instance: u32, distance_m: f32, s: Surface) -> f32 {
     if (ray.pdf == 0.0 || (instances[instance].flags & FLAG_EMITTER) == 0u) { return 1.0; }
+    if (ray.pdf == TAKEN) { return 0.0; }
     let way_m = distance_m + passed_m;
     let facing = abs(dot(s.geometric_normal, ray.direction));
     let pdf = emitter_density(instances[instance].material) * way_m * way_m / max(facing, 1e-12);

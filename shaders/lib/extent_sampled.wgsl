@@ -7,13 +7,14 @@
 override HAS_ROUGH_REFLECTIONS: bool = true;
 override HAS_SIZED_LIGHTS: bool = true;
 
+const TAKEN: f32 = -1.0;
 const BEYOND: f32 = FAR_M; // where parallel light comes from
 
 // Where a reflection ray goes, and what of its light is reflected.
 struct Reflected {
     direction: vec3f,
     weight: vec3f,
-    pdf: f32, // lobe_density; 0: the only direction there is
+    pdf: f32, // lobe_density; 0: the only direction there is; TAKEN: rays towards lights find all that shines
     sky_weight: f32, // of the environment's light; the rest comes by rays towards the environment
 }
 
@@ -209,6 +210,7 @@ fn seen_light(origin: vec3f, ray: Reflected, t_max: f32) -> SeenLight {
             seen = SeenLight(true, radiance);
         }
     }
+    if (ray.pdf == TAKEN) { seen.radiance = vec3f(0.0); }
     if (ray.pdf > 0.0) { seen.radiance *= balance(ray.pdf, pdf * f32(sampling.rays)); }
     seen.radiance += behind;
     return seen;

@@ -25,9 +25,9 @@ struct Frame {
     pixel_m: f32, // width of an orthographic pixel; 0: perspective
     far_m: f32, // depth where an orthographic clip space ends: nothing lies beyond; 0: perspective
     has_edge_on: u32, // 1: rays on the screen may pass surfaces that are seen edge-on
+    diffuse_bounces: u32, // times that matte surfaces scatter along a path
     pad0: u32,
     pad1: u32,
-    pad2: u32,
 }
 
 struct Light {
@@ -97,4 +97,9 @@ fn screen_z(depth_m: f32) -> f32 {
 fn depth_of(z: f32) -> f32 {
     if (is_orthographic()) { return frame.far_m - z * (frame.far_m - frame.near_m); }
     return frame.near_m / max(z, 1e-30);
+}
+
+// Of linear Rec. 709 colors: what choices between colors weigh by.
+fn luminance(color: vec3f) -> f32 {
+    return dot(color, vec3f(0.2126, 0.7152, 0.0722));
 }

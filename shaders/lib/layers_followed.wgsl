@@ -159,7 +159,7 @@ fn chosen(a: Reflected, b: Reflected, pair: u32) -> Reflected {
     let weights = vec2f(luminance(a.weight), luminance(b.weight));
     let both = weights.x + weights.y;
     if (both <= 0.0) { return a; }
-    let least = 0.5 / f32(sampling.samples);
+    let least = select(0.5 / f32(sampling.samples), 0.0, UNBIASED);
     var share = weights.y / both;
     if (share < least) { share = 0.0; }
     if (share > 1.0 - least) { share = 1.0; }
@@ -233,6 +233,25 @@ fn through(direction: vec3f, s: Surface) -> Reflected {
     return transmitted(direction, s);
 }
 
+// Of what a surface scatters below its layers, the share that leaves them towards the view.
+fn scattered_share(s: Surface, view: vec3f) -> f32 {
+    if (HAS_TRANSMISSION && s.is_inside && s.transmission > 0.0) { return 0.0; }
+    return s.alpha * coat_transmittance(s, dot(s.normal, view));
+}
+
+// About what a surface returns along the ways on which paths go on.
+fn onward_albedo(s: Surface, view: vec3f) -> f32 {
+    let mirrored = luminance(fresnel(s, dot(s.normal, view))) + 0.1 * s.clearcoat;
+    let passed = s.transmission * (1.0 - s.metallic) * luminance(s.base_color);
+    return min(mirrored + passed, 1.0) * s.alpha + 1.0 - s.alpha;
+}
+
+// The path goes on in a direction of its own.
+fn leave_vertex(s: Surface) {
+    vertex = s.position;
+    passed_m = 0.0;
+}
+
 // Share of a pixel that its surface covers.
 fn coverage(s: Surface) -> f32 {
     return s.alpha;
@@ -244,6 +263,15 @@ fn cross_surface(s: Surface) {
     if (s.is_solid && s.transmission > 0.0) { medium = select(s.absorption, vec3f(0.0), s.is_inside); }
 }
 
+// Whether only rays that pass through a surface as light does find what is behind it, and straight ones do not.
+fn bends(s: Surface) -> bool {
+    return UNBIASED && s.transmission > 0.0 && (s.is_solid || s.roughness * s.roughness > SMOOTH_ALPHA);
+}
+
+fn is_refracted(s: Surface, before: vec3f, after: vec3f) -> bool {
+    return bends(s) && (s.alpha >= 1.0 || any(before != after));
+}
+
 // Where a path goes on from a surface that a ray of it has met.
 fn onward(before: Reflected, s: Surface) -> Reflected {
     let direction = before.direction;
@@ -253,8 +281,10 @@ fn onward(before: Reflected, s: Surface) -> Reflected {
     var through = transmitted(direction, s);
     // Rays towards what shines go straight through panes, so what is seen there has its weight still: a rough
     // surface would see a lamp behind glass twice, and once of that as rare, bright specks.
-    through.pdf = before.pdf;
-    through.sky_weight = before.sky_weight;
+    if (!is_refracted(s, direction, through.direction)) {
+        through.pdf = before.pdf;
+        through.sky_weight = before.sky_weight;
+    }
     let ray = chosen(through, back, ONWARD_PAIR);
     let way_m = passed_m + distance(vertex, s.position);
     vertex = s.position;
@@ -265,7 +295,7 @@ fn onward(before: Reflected, s: Surface) -> Reflected {
     } else if (s.is_inside) {
         path_crossings++;
     }
-    if (path_crossings > MAX_CROSSINGS) { return Reflected(ray.direction, vec3f(0.0), 0.0, 0.0); }
+    if (path_crossings > MAX_CROSSINGS && !UNBIASED) { return Reflected(ray.direction, vec3f(0.0), 0.0, 0.0); }
     return ray;
 }
 
@@ -316,8 +346,8 @@ fn transmittance(origin: vec3f, direction: vec3f, distance_m: f32) -> vec3f {
         s.is_inside = false;
         let through = (vec3f(1.0) - transmissive_fresnel(s, cosine)) * s.base_color
             * (s.transmission * (1.0 - s.metallic) * coat_transmittance(s, cosine));
-        share *= mix(vec3f(1.0), through, s.alpha);
-        if (max(share.x, max(share.y, share.z)) < DARKEST_PANE) { break; }
+        share *= mix(vec3f(1.0), select(through, vec3f(0.0), bends(s)), s.alpha);
+        if (max(share.x, max(share.y, share.z)) < select(DARKEST_PANE, 1e-12, UNBIASED)) { break; }
     }
     return vec3f(0.0);
 }

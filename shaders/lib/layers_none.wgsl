@@ -68,6 +68,18 @@ fn transmittance(origin: vec3f, direction: vec3f, distance_m: f32) -> vec3f {
     return vec3f(select(1.0, 0.0, trace_any(origin, direction, 0.0, distance_m)));
 }
 
+// Of what a surface scatters below its layers, the share that leaves them towards the view.
+fn scattered_share(s: Surface, view: vec3f) -> f32 {
+    return 1.0;
+}
+
+// About what a surface returns along the ways on which paths go on.
+fn onward_albedo(s: Surface, view: vec3f) -> f32 {
+    return luminance(fresnel(s, dot(s.normal, view)));
+}
+
+fn leave_vertex(s: Surface) {}
+
 // Share of a pixel that its surface covers.
 fn coverage(s: Surface) -> f32 {
     return 1.0;

@@ -2,11 +2,6 @@
 
 #import frame
 
-// Of linear Rec. 709 colors: what choices between colors weigh by.
-fn luminance(color: vec3f) -> f32 {
-    return dot(color, vec3f(0.2126, 0.7152, 0.0722));
-}
-
 // Columns: tangent, bitangent, normal (Duff et al. 2017).
 fn basis(n: vec3f) -> mat3x3f {
     let sign = select(-1.0, 1.0, n.z >= 0.0);

@@ -18,6 +18,9 @@ struct Sampling {
 
 @group(0) @binding(5) var<uniform> sampling: Sampling;
 
+// Whether paths end by chance alone, nothing of them is left out, and light that is refracted is found as such.
+override UNBIASED: bool = false;
+
 var<private> sample_seed: u32;
 var<private> sample_pair: u32; // of dimensions, counted since the start
 

@@ -80,6 +80,10 @@ pub struct RenderArgs {
     /// reflectance from 0 to 255, as `compare --mask` takes it
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     pub aov: Vec<String>,
+    /// Remove grain by Intel Open Image Denoise, where that library is installed (REFLET_OIDN names its folder),
+    /// guided by color and normal of what pixels show; sharp mirrors stay as they are
+    #[arg(long)]
+    pub denoise: bool,
     /// Read the shaders from a folder instead of the built-in ones
     #[arg(long, value_name = "DIR")]
     pub shaders: Option<PathBuf>,
@@ -216,6 +220,8 @@ pub enum MethodArg {
     Rt,
     /// Screen space first, ray traced where that fails
     Hybrid,
+    /// Everything by rays, however often light is reflected and scattered: the truth, and slow
+    Path,
     /// Hybrid or rt, whichever is expected to take less time
     Auto,
 }
@@ -226,6 +232,7 @@ impl From<MethodArg> for Method {
             MethodArg::Ssr => Self::Ssr,
             MethodArg::Rt => Self::Rt,
             MethodArg::Hybrid => Self::Hybrid,
+            MethodArg::Path => Self::Path,
             MethodArg::Auto => Self::Auto,
         }
     }

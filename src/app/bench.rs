@@ -128,6 +128,11 @@ fn methods(listed: &[MethodArg]) -> Result<Vec<Method>, AppError> {
             let text = "--methods auto: name the methods to compare: ssr, hybrid, rt";
             return Err(AppError::Usage(text.to_owned()));
         }
+        if method == Method::Path {
+            let text = "--methods path: it is the truth, of no cost to compare; render it by \
+                        `reflet render --method path` and compare pictures by `reflet compare`";
+            return Err(AppError::Usage(text.to_owned()));
+        }
         if !methods.contains(&method) {
             methods.push(method);
         }

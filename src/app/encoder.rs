@@ -13,6 +13,7 @@ use std::{
 };
 
 use super::{
+    denoise::Denoiser,
     error::AppError,
     output::{picture_file::PictureFile, video::Film},
     progress::Progress,
@@ -59,6 +60,8 @@ pub type Failures = Vec<(u32, String)>;
 pub struct Encoders<'a> {
     gpu: &'a Gpu,
     target: &'a Target,
+    /// Removes the grain of each frame, if that is asked for.
+    denoiser: Option<Arc<Denoiser>>,
     progress: Mutex<Progress>,
     failures: Mutex<Failures>,
     /// Error of a full disk.
@@ -81,10 +84,16 @@ pub struct Outcome {
 
 impl<'a> Encoders<'a> {
     /// Encoders that write to `target`.
-    pub fn new(gpu: &'a Gpu, target: &'a Target, progress: Progress) -> Self {
+    pub fn new(
+        gpu: &'a Gpu,
+        target: &'a Target,
+        progress: Progress,
+        denoiser: Option<Arc<Denoiser>>,
+    ) -> Self {
         Self {
             gpu,
             target,
+            denoiser,
             progress: Mutex::new(progress),
             failures: Mutex::default(),
             full: Mutex::default(),
@@ -174,7 +183,10 @@ impl<'a> Encoders<'a> {
 
     fn write(&self, rendered: Rendered) -> Result<(&'static str, PathBuf), AppError> {
         let picture = rendered.picture.take(self.gpu);
-        let picture = picture.map_err(|error| AppError::from_render(error, false))?;
+        let mut picture = picture.map_err(|error| AppError::from_render(error, false))?;
+        if let Some(denoiser) = &self.denoiser {
+            denoiser.apply(&mut picture)?;
+        }
         match self.target {
             Target::Film(film) => {
                 let mut film = lock(film);

@@ -46,6 +46,7 @@ pub fn of_run(args: &RenderArgs, session: &RenderSession) -> Result<u128, AppErr
         add(&read(file)?);
     }
     add(args.camera.as_deref().unwrap_or_default().as_bytes());
+    add(&[u8::from(args.denoise)]);
     for aov in &args.aov {
         add(aov.as_bytes());
     }

@@ -19,6 +19,7 @@ pub mod calibrate;
 pub mod cameras;
 pub mod check;
 pub mod cli;
+pub mod denoise;
 pub mod encoder;
 pub mod error;
 pub mod fingerprint;

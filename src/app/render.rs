@@ -91,9 +91,12 @@ fn picture(
     for line in &log.map_err(AppError::Scene)? {
         eprintln!("{line}");
     }
-    let picture = session
+    let mut picture = session
         .picture()
         .map_err(|error| AppError::from_render(error, session.own_shaders))?;
+    if let Some(denoiser) = &session.denoiser {
+        denoiser.apply(&mut picture)?;
+    }
     if picture.stats.exhausted_rays > 0 {
         eprintln!(
             "warning: {} rays visited too many nodes and count as misses: too many instances overlap",

@@ -1,8 +1,8 @@
 //! A scene to render with what its command asked for.
 
-use std::time::SystemTime;
+use std::{sync::Arc, time::SystemTime};
 
-use super::{args::RenderArgs, error::AppError, plan_file::costs};
+use super::{args::RenderArgs, denoise::Denoiser, error::AppError, plan_file::costs};
 use crate::{
     gpu::{Gpu, GpuOptions, ShaderLibrary},
     render::{PendingPicture, Picture, PictureRequest, RenderError, aov::Aov},
@@ -20,6 +20,8 @@ pub struct RenderSession {
     pub aovs: Vec<Aov>,
     /// Time before the first of its files was opened.
     pub opened: SystemTime,
+    /// Removes their grain, if that is asked for.
+    pub denoiser: Option<Arc<Denoiser>>,
     /// Whether the shaders come from the user.
     pub own_shaders: bool,
 }
@@ -37,6 +39,9 @@ impl RenderSession {
         library: &ShaderLibrary,
         opened: SystemTime,
     ) -> Result<Self, AppError> {
+        let denoiser = (args.denoise)
+            .then(|| Denoiser::new(&aovs).map(Arc::new))
+            .transpose()?;
         let gpu = Gpu::new(&GpuOptions {
             adapter_filter: args.adapter.clone(),
         })?;
@@ -55,6 +60,7 @@ impl RenderSession {
             scene,
             aovs,
             opened,
+            denoiser,
             own_shaders,
         })
     }
@@ -64,7 +70,8 @@ impl RenderSession {
     /// # Errors
     /// As [`SceneRenderer::picture`].
     pub fn picture(&mut self) -> Result<Picture, RenderError> {
-        self.scene.picture(&self.aovs)
+        let aovs = self.read_aovs();
+        self.scene.picture(&aovs)
     }
 
     /// Starts a picture of the posed scene, with or without linear color.
@@ -72,7 +79,15 @@ impl RenderSession {
     /// # Errors
     /// As [`SceneRenderer::begin`].
     pub fn begin(&mut self, color: bool) -> Result<PendingPicture, RenderError> {
-        let aovs = &self.aovs;
+        let aovs = &self.read_aovs();
         self.scene.begin(PictureRequest { color, aovs })
+    }
+
+    /// The AOVs that a picture is read with.
+    fn read_aovs(&self) -> Vec<Aov> {
+        match self.denoiser {
+            Some(_) => Denoiser::aovs(&self.aovs),
+            None => self.aovs.clone(),
+        }
     }
 }

@@ -168,7 +168,7 @@ pub fn render(
     }
     shutdown::listen();
     let gpu = session.scene.gpu.clone();
-    let encoders = Encoders::new(&gpu, &target, progress);
+    let encoders = Encoders::new(&gpu, &target, progress, session.denoiser.clone());
     let scene = session.scene.loaded.scene.clone();
     let animator = Animator::new(&scene);
     let has_color = matches!(&target, Target::Files { output, .. } if output.has_color());

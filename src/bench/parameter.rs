@@ -108,7 +108,7 @@ impl Parameter {
     pub const fn own(method: Method) -> &'static [Self] {
         match method {
             Method::Ssr => &[Self::Steps],
-            Method::Rt => &[Self::Bounces, Self::ReuseLight],
+            Method::Rt | Method::Path => &[Self::Bounces, Self::ReuseLight],
             Method::Hybrid | Method::Auto => &[Self::ThresholdU, Self::EdgePx, Self::ReuseLight],
         }
     }
@@ -116,7 +116,7 @@ impl Parameter {
     /// Whether turning it can change the picture of this method.
     pub const fn acts_on(self, method: Method) -> bool {
         match self {
-            Self::ThresholdU | Self::Steps => !matches!(method, Method::Rt),
+            Self::ThresholdU | Self::Steps => method.marches(),
             Self::EdgePx => matches!(method, Method::Hybrid | Method::Auto),
             // `ssr` alone follows one reflection and nothing beyond it.
             Self::Bounces => !matches!(method, Method::Ssr),

@@ -153,6 +153,7 @@ impl Renderer {
         passes.surface.record(frame);
         passes.light.record(frame);
         passes.transmit.record(frame);
+        passes.indirect.record(frame);
         passes.pyramid.record(frame);
         passes.arguments.record(frame); // of the reflective pixels
         passes.ssr.record(frame);

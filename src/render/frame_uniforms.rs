@@ -4,7 +4,7 @@ use glam::Vec2;
 
 use crate::{
     gpu::Gpu,
-    scene::desc::{ImageDesc, ReflectionDesc},
+    scene::desc::{ImageDesc, Method, ReflectionDesc},
     world::World,
 };
 
@@ -99,13 +99,16 @@ impl Frame {
             ground: radiance(environment.ground),
             fade: u32::from(settings.fade),
             reuse_light: u32::from(settings.reuse_light),
-            dimmest: dimmest(world, exposure_ev),
+            dimmest: match settings.method {
+                Method::Path => f32::MIN_POSITIVE,
+                _ => dimmest(world, exposure_ev),
+            },
             pixel_m: view.pixel_m(),
             far_m: view.far_m(),
             has_edge_on: u32::from(view.has_edge_on),
+            diffuse_bounces: settings.diffuse_bounces,
             pad0: 0,
             pad1: 0,
-            pad2: 0,
         }
     }
 }

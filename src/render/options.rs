@@ -4,7 +4,9 @@
 use crate::world::World;
 
 use super::unit_costs::UnitCosts;
-use crate::scene::desc::{ImageDesc, LightDesc, LightKind, ReflectionDesc, SceneDesc, ShadowMode};
+use crate::scene::desc::{
+    ImageDesc, LightDesc, LightKind, Method, ReflectionDesc, SceneDesc, ShadowMode,
+};
 
 /// Render options.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,9 +51,23 @@ impl RenderOptions {
         }
     }
 
+    /// The same with the settings that its method stands for.
+    pub fn settled(&self) -> Self {
+        Self {
+            reflection: self.reflection.settled(),
+            ..*self
+        }
+    }
+
+    /// Whether all light is followed by rays, and nothing is left out.
+    pub fn is_unbiased(&self) -> bool {
+        self.reflection.method == Method::Path
+    }
+
     /// How the shadows of a light are found.
     pub fn shadow_of(&self, light: &LightDesc) -> ShadowMode {
         match light.shadow {
+            ShadowMode::Map | ShadowMode::Auto if self.is_unbiased() => ShadowMode::Ray,
             ShadowMode::Auto => self.auto_shadow[light.kind.index()],
             mode => mode,
         }

@@ -54,6 +54,10 @@ pub struct Plan {
     pub sized_lights: bool,
     /// Some surface lights what is around.
     pub emitters: bool,
+    /// Matte surfaces pass on what others scatter.
+    pub indirect: bool,
+    /// All light is followed by rays, and nothing is left out.
+    pub unbiased: bool,
     /// Some surface lets light through.
     pub transmission: bool,
     /// Some surface has a clear coat.
@@ -157,14 +161,26 @@ pub fn traces_rays(world: &World, options: &RenderOptions) -> bool {
     reflections
         || has_primary_rays(options)
         || has_shadow_rays(&world.lights, options)
-        || world.environment.casts_rays()
+        || environment_casts_rays(world, options)
+        || scatters(options)
         || world.has_emitters()
         || passes_light(world)
 }
 
+/// Whether matte surfaces pass on what others scatter.
+fn scatters(options: &RenderOptions) -> bool {
+    options.reflection.settled().diffuse_bounces > 0
+}
+
+/// Whether rays find what is in the way of the environment's light: where surfaces in its way light, it may
+/// not shine through them too.
+fn environment_casts_rays(world: &World, options: &RenderOptions) -> bool {
+    world.environment.casts_rays() || (scatters(options) && !world.environment.is_black())
+}
+
 /// Whether the march takes only what a ray is shown to meet.
 fn verifies(options: &RenderOptions) -> bool {
-    options.reflection.method != Method::Rt && options.reflection.verifies()
+    options.reflection.method.marches() && options.reflection.verifies()
 }
 
 impl Plan {
@@ -173,7 +189,10 @@ impl Plan {
     pub fn general(world: &World, options: &RenderOptions) -> Self {
         let settings = &options.reflection;
         Self {
-            sampled_environment: world.environment.is_sampled(),
+            sampled_environment: world.environment.is_sampled()
+                || environment_casts_rays(world, options),
+            indirect: scatters(options),
+            unbiased: options.is_unbiased(),
             sized_lights: world.lights.iter().any(|l| l.desc.kind.has_size()),
             emitters: world.has_emitters(),
             rough_reflections: reflects_roughly(world, settings.reflects_below()),
@@ -181,7 +200,7 @@ impl Plan {
             coats: has_coats(world),
             multiple_scattering: settings.multiple_scattering && scatters_twice(world),
             panorama: world.environment.panorama.is_some(),
-            environment_rays: world.environment.casts_rays(),
+            environment_rays: environment_casts_rays(world, options),
             shows_environment: world.environment.desc.visible && !options.image.alpha,
             reflections: true,
             traced: true,
@@ -215,8 +234,10 @@ impl Plan {
         let cutoff = settings.reflects_below();
         let reflections = reflects(world, cutoff);
         // What lets light through also shows reflectors their backs.
-        let single_bounce =
-            reflections && !passes_light(world) && !reflectors_see_each_other(world, cutoff);
+        let single_bounce = reflections
+            && !passes_light(world)
+            && !scatters(options)
+            && !reflectors_see_each_other(world, cutoff);
         let traced = traces_rays(world, options);
         let mut plan = Self {
             reflections,
@@ -236,7 +257,10 @@ impl Plan {
                 .any(|m| m.checker.is_some_and(|c| c.kind != PatternKind::Checker)),
             shadow_rays: has_shadow_rays(&world.lights, options),
             lends_light: reflections && has_shadow_rays(&world.lights, options),
-            sampled_environment: world.environment.is_sampled(),
+            sampled_environment: world.environment.is_sampled()
+                || environment_casts_rays(world, options),
+            indirect: scatters(options),
+            unbiased: options.is_unbiased(),
             sized_lights: world.lights.iter().any(|l| l.desc.kind.has_size()),
             emitters: world.has_emitters(),
             rough_reflections: reflects_roughly(world, cutoff),
@@ -244,7 +268,7 @@ impl Plan {
             coats: has_coats(world),
             multiple_scattering: settings.multiple_scattering && scatters_twice(world),
             panorama: world.environment.panorama.is_some(),
-            environment_rays: world.environment.casts_rays(),
+            environment_rays: environment_casts_rays(world, options),
             shows_environment: world.environment.desc.visible && !options.image.alpha,
             bounces: if single_bounce { 1 } else { settings.bounces },
             slot_pools,
@@ -261,9 +285,11 @@ impl Plan {
             extent: self.sampled_environment
                 || self.sized_lights
                 || self.emitters
+                || self.indirect
                 || self.rough_reflections
                 || self.has_layers(),
             emitters: self.emitters,
+            indirect: self.indirect,
             ambient: self.sampled_environment,
             panorama: self.panorama,
             layers: self.has_layers(),
@@ -303,6 +329,7 @@ impl Plan {
             ("HAS_TRANSMISSION", flag(self.transmission)),
             ("HAS_COATS", flag(self.coats)),
             ("SHOW_ENVIRONMENT", flag(self.shows_environment)),
+            ("UNBIASED", flag(self.unbiased)),
             ("SLOT_POOLS", f64::from(self.slot_pools)),
             ("WRAPS", f64::from(self.wraps)),
         ]

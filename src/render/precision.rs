@@ -39,6 +39,7 @@ impl Precision {
         let stops = (emitted / BRIGHTEST).max(1.0).log2().ceil();
         Self {
             full: match options.image.radiance {
+                _ if options.is_unbiased() => true,
                 Radiance::Half => false,
                 Radiance::Full => true,
                 Radiance::Auto => needs_full(),

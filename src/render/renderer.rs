@@ -108,6 +108,7 @@ impl Renderer {
         shaders: &Shaders,
     ) -> Result<Self, RenderError> {
         check_world(world)?;
+        let options = &options.settled();
         let origin = origin_of(world, options);
         let world = &*relative_world(world, origin);
         let (trees, tree_ms) = build_trees(gpu, world, options)?;
@@ -162,6 +163,7 @@ impl Renderer {
         options: &RenderOptions,
     ) -> Result<RebuildSummary, RenderError> {
         check_world(world)?;
+        let options = &options.settled();
         let given = world;
         let world = &*self.relative(given);
         let world_key = WorldKey::of(world);
@@ -303,10 +305,18 @@ impl Renderer {
     /// Takes over the settings that need no rebuilding: threshold, edge, steps, ray length, bounces,
     /// light reuse. The others stay as the renderer was made; so does what its plan left out.
     pub fn set_reflection_parameters(&mut self, settings: &ReflectionDesc) {
+        let settings = ReflectionDesc {
+            method: self.method(),
+            ..*settings
+        };
+        let settings = settings.settled();
         let single_bounce = self.plan.bounces < self.options.reflection.bounces;
         if !single_bounce {
             self.plan.bounces = settings.bounces;
             self.options.reflection.bounces = settings.bounces;
+        }
+        if self.options.reflection.diffuse_bounces > 0 {
+            self.options.reflection.diffuse_bounces = settings.diffuse_bounces.max(1);
         }
         self.options.reflection.threshold_u = settings.threshold_u;
         self.options.reflection.edge_px = settings.edge_px;

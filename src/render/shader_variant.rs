@@ -1,5 +1,5 @@
 //! Which shader files stand for what a scene may or may not need: `#import ambient`,
-//! `behind`, `emitters`, `energy`, `environment`, `extent`, `layers` and `radiance` mean others where a plan drops samples, so that unused code and bindings are
+//! `behind`, `emitters`, `energy`, `environment`, `extent`, `indirect`, `layers`, `radiance` and `scattered` mean others where a plan drops samples, so that unused code and bindings are
 //! no part of any shader.
 
 use crate::gpu::{ShaderError, ShaderLibrary};
@@ -9,10 +9,12 @@ use super::{chunks::Chunks, constants::wgsl};
 /// The files that a plan needs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ShaderVariant {
-    /// Some light has a size, some surface lights, some reflection is rough, or some surface has layers; so it is where the environment is sampled.
+    /// Some light has a size, some surface lights, light is scattered more than once, some reflection is rough, or some surface has layers; so it is where the environment is sampled.
     pub extent: bool,
     /// Some surface lights what is around.
     pub emitters: bool,
+    /// Paths go on where surfaces scatter light.
+    pub indirect: bool,
     /// The environment's light is sampled, not in closed form.
     pub ambient: bool,
     /// The environment is a panorama; then its light is sampled.
@@ -29,8 +31,8 @@ pub struct ShaderVariant {
 
 impl ShaderVariant {
     /// All that there are, but for what is chosen apart from the others: of each of that one.
-    pub const ALL: [Self; 21] = {
-        let mut all = [Self::new([false; 4], false); 21];
+    pub const ALL: [Self; 27] = {
+        let mut all = [Self::new([false; 4], false); 27];
         let mut i = 0;
         while i < 7 {
             all[i] = Self::new(Self::SAMPLED[i], false);
@@ -40,6 +42,10 @@ impl ShaderVariant {
                 all[i + 14] = Self {
                     emitters: true,
                     ..all[i]
+                };
+                all[i + 20] = Self {
+                    indirect: true,
+                    ..all[i + 14]
                 };
             }
             i += 1;
@@ -66,6 +72,7 @@ impl ShaderVariant {
         Self {
             extent,
             emitters: false,
+            indirect: false,
             ambient,
             panorama,
             layers,
@@ -85,6 +92,8 @@ impl ShaderVariant {
             (name.to_owned(), format!("#import {name}_{word}\n"))
         };
         let imports = [
+            choose("indirect", self.indirect, ["none", "followed"]),
+            choose("scattered", self.indirect, ["none", "indirect"]),
             choose("ambient", self.ambient, ["closed", "sampled"]),
             choose("emitters", self.emitters, ["none", "sampled"]),
             choose("behind", self.layers, ["none", "transmitted"]),

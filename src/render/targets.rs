@@ -29,6 +29,8 @@ pub enum Target {
     Blurred,
     /// Radiance that passes through the surface.
     TransmittedLight,
+    /// Radiance that the surface scatters of what others do.
+    IndirectLight,
     /// Why, in the low byte; see [`super::cause::Cause`]. Above: the distance proven free.
     Cause,
     /// Distance (bits of an f32), instance, triangle and barycentrics that the mirror ray met.
@@ -50,7 +52,7 @@ use wgpu::TextureFormat as F;
 
 impl Target {
     /// All of them.
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 18] = [
         Self::RasterDepth,
         Self::Ids,
         Self::ViewDepth,
@@ -62,6 +64,7 @@ impl Target {
         Self::Reflection,
         Self::Blurred,
         Self::TransmittedLight,
+        Self::IndirectLight,
         Self::Cause,
         Self::Hit,
         Self::ColorEven,
@@ -84,6 +87,7 @@ impl Target {
             Self::Reflection => "reflection",
             Self::Blurred => "blurred",
             Self::TransmittedLight => "transmitted_light",
+            Self::IndirectLight => "indirect_light",
             Self::Cause => "cause",
             Self::Hit => "hit",
             Self::ColorEven => "color_even",
@@ -104,7 +108,8 @@ impl Target {
             | Self::Specular
             | Self::Reflection
             | Self::Blurred
-            | Self::TransmittedLight => match full {
+            | Self::TransmittedLight
+            | Self::IndirectLight => match full {
                 true => F::Rgba32Float,
                 false => F::Rgba16Float,
             },

@@ -85,12 +85,12 @@ gpu_struct! {
         far_m: f32,
         /// 1: rays on the screen may pass surfaces that are seen edge-on.
         has_edge_on: u32,
+        /// Times that matte surfaces scatter along a path.
+        diffuse_bounces: u32,
         /// Unused.
         pad0: u32,
         /// Unused.
         pad1: u32,
-        /// Unused.
-        pad2: u32,
     }
 }
 

@@ -40,6 +40,8 @@ pub const THRESHOLD_U: Range = FROM_0;
 pub const EDGE_PX: Range = range(0.0, 4.0);
 /// Of `reflection.bounces`.
 pub const BOUNCES: Range = range(1.0, 16.0);
+/// Of `reflection.diffuse_bounces`.
+pub const DIFFUSE_BOUNCES: Range = range(0.0, 8.0);
 /// Of `reflection.steps`.
 pub const STEPS: Range = range(8.0, 4096.0);
 

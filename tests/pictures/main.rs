@@ -22,6 +22,7 @@ mod environment;
 mod extent;
 mod far;
 mod foreign_worlds;
+mod indirect;
 mod kit;
 mod lamp;
 mod layers;

@@ -134,17 +134,74 @@ def lights() -> list[Scene]:
 
 def surfaces_that_light() -> list[Scene]:
     """A glowing ball and a glowing box, as surfaces."""
-    lamps = thing("lamp", '{ kind = "sphere", radius = 0.5, segments = 160 }',
-                  glow("[8, 7, 5]") + "\nlight = true", "translation = [-1.6, 2.2, 0.8]")
-    lamps += thing("cube", '{ kind = "box", size = [0.3, 0.3, 2] }',
-                   glow("[2, 4, 9]") + "\nlight = true", "translation = [1.9, 0.5, 0]")
+    lamps = thing(
+        "lamp",
+        '{ kind = "sphere", radius = 0.5, segments = 160 }',
+        glow("[8, 7, 5]") + "\nlight = true",
+        "translation = [-1.6, 2.2, 0.8]",
+    )
+    lamps += thing(
+        "cube",
+        '{ kind = "box", size = [0.3, 0.3, 2] }',
+        glow("[2, 4, 9]") + "\nlight = true",
+        "translation = [1.9, 0.5, 0]",
+    )
     matte = "base_color = [0.7, 0.7, 0.7]\nreflectivity = 0"
     satin = "base_color = [0.9, 0.9, 0.9]\nmetallic = 1\nroughness = 0.3"
     return [
-        Scene("light-mesh", "a ball and a box that glow, a block and its shadows", FLOOR + lamps, 2),
+        Scene("light-mesh", "a ball and a box that glow, and shadows", FLOOR + lamps, 2),
         Scene("light-mesh-metal", "rough metal floor below a ball and a box that glow",
               FLOOR.replace(matte, satin) + lamps, 3),
     ]  # fmt: skip
+
+
+def room() -> str:
+    """A closed room with colored walls, a block and a lamp below the ceiling."""
+    head = HEAD + DARK + "[camera.main]\neye = [0, 1, 2.4]\ntarget = [0, 1, 0]\nfov_deg = 60\n"
+    square = '{ kind = "plane", size = [5, 5] }'
+    walls = [
+        ("[0, 0, 0]", "[0, 0, 0]", "[0.7, 0.7, 0.7]"),
+        ("[0, 2, 0]", "[180, 0, 0]", "[0.7, 0.7, 0.7]"),
+        ("[-1.5, 1, 0]", "[0, 0, -90]", "[0.7, 0.12, 0.1]"),
+        ("[1.5, 1, 0]", "[0, 0, 90]", "[0.12, 0.5, 0.14]"),
+        ("[0, 1, -1.5]", "[90, 0, 0]", "[0.7, 0.7, 0.7]"),
+        ("[0, 1, 2.5]", "[-90, 0, 0]", "[0.5, 0.5, 0.5]"),
+    ]
+    for i, (at, turn, color) in enumerate(walls):
+        matte = f"base_color = {color}\nreflectivity = 0"
+        head += thing(f"wall{i}", square, matte, f"translation = {at}\nrotation_deg = {turn}")
+    lamp = glow("[6, 6, 6]") + "\nlight = true"
+    return head + thing(
+        "lamp", '{ kind = "box", size = [0.7, 0.04, 0.7] }', lamp, "translation = [0, 1.9, 0]"
+    )
+
+
+def indirect() -> list[Scene]:
+    block = thing(
+        "block",
+        '{ kind = "box", size = [0.6, 1.1, 0.6] }',
+        "base_color = [0.7, 0.7, 0.7]\nreflectivity = 0",
+        "translation = [-0.5, 0.55, -0.6]\nrotation_deg = [0, 25, 0]",
+    )
+    metal = thing(
+        "metal",
+        '{ kind = "sphere", radius = 0.4, segments = 256 }',
+        METAL + "roughness = 0.2",
+        "translation = [0.55, 0.4, -0.5]",
+    )
+    glass = thing(
+        "glass",
+        '{ kind = "sphere", radius = 0.25, segments = 256 }',
+        "transmission = 1\nior = 1.5\nthickness_m = 1\nroughness = 0",
+        "translation = [-0.1, 0.25, 0.3]",
+    )
+    scenes = []
+    for n in (1, 4):
+        bounces = f"bounces = 12\ndiffuse_bounces = {n}"
+        text = (room() + block).replace("bounces = 12", bounces)
+        scenes.append(Scene(f"room-{n}", f"room of matte walls, {n} diffuse bounces", text, n + 2))
+    text = (room() + block + metal + glass).replace('"rt"', '"path"')
+    return [*scenes, Scene("room-path", "the same with metal and glass, by all paths", text, -1)]
 
 
 def glow(color: str) -> str:
@@ -227,6 +284,7 @@ def all_scenes() -> list[Scene]:
         moving(),
         *lights(),
         *surfaces_that_light(),
+        *indirect(),
     ]  # fmt: skip
 
 

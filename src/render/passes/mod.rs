@@ -7,6 +7,7 @@ pub mod compose;
 pub mod coverage;
 pub mod filter;
 pub mod hits;
+pub mod indirect;
 pub mod light;
 pub mod primary;
 pub mod pyramid;
@@ -58,6 +59,7 @@ passes! {
     surface: Surface,
     light: Light,
     transmit: Transmit,
+    indirect: Indirect,
     pyramid: Pyramid,
     arguments: Arguments,
     ssr: Ssr,

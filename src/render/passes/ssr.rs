@@ -13,7 +13,7 @@ use crate::{
         targets::Target,
         types::gpu_struct,
     },
-    scene::desc::{Method, ReflectionDesc},
+    scene::desc::ReflectionDesc,
 };
 
 use super::trace;
@@ -46,7 +46,7 @@ pub const PASS: Pass = Pass {
 
 /// Whether the method marches.
 pub fn is_enabled(options: &RenderOptions) -> bool {
-    options.reflection.method != Method::Rt
+    options.reflection.method.marches()
 }
 
 gpu_struct! {

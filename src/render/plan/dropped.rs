@@ -64,7 +64,7 @@ impl Plan {
         ]
     }
 
-    fn surfaces_and_light(&self, settings: &ReflectionDesc) -> [Candidate; 14] {
+    fn surfaces_and_light(&self, settings: &ReflectionDesc) -> [Candidate; 15] {
         [
             (!self.cutouts, "alpha tests", "no material is cut out"),
             (!self.textures, "textures", "no material has one"),
@@ -100,6 +100,7 @@ impl Plan {
                 "rough reflections",
                 "whatever reflects is smooth",
             ),
+            (!self.indirect, "indirect light", "`diffuse_bounces` is 0"),
             (
                 !self.transmission,
                 "transmission",

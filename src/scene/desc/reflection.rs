@@ -14,6 +14,12 @@ pub enum Method {
     Rt,
     /// `"hybrid"`: screen space first, ray traced where that fails.
     Hybrid,
+    /// `"path"`: the truth that others are compared with. All light is followed by rays, however often it is
+    /// reflected and scattered, and nothing is left out: as `rt` with all `bounces` and `diffuse_bounces`,
+    /// `roughness_cutoff = 1`, shadows by rays, 32 bits of `radiance`, and without reuse, filter, fade and
+    /// limits of length. Takes hundreds of `samples`. Lamps without a size are not seen through solid or
+    /// rough glass, for no ray meets them.
+    Path,
     /// `"auto"`: `rt` or `hybrid`, whichever a cost model of the adapter's kind expects to take less
     /// time; `reflet info` and `--stats` say which and why.
     #[default]
@@ -27,8 +33,14 @@ impl Method {
             Self::Ssr => "ssr",
             Self::Rt => "rt",
             Self::Hybrid => "hybrid",
+            Self::Path => "path",
             Self::Auto => "auto",
         }
+    }
+
+    /// Whether reflections are searched in the picture first.
+    pub const fn marches(self) -> bool {
+        !matches!(self, Self::Rt | Self::Path)
     }
 }
 
@@ -61,6 +73,11 @@ pub struct ReflectionDesc {
     pub threshold_u: f32,
     /// Most reflections in a row, 1 to 16. Default 3.
     pub bounces: u32,
+    /// How often matte surfaces pass on what other surfaces scatter, 0 to 8: 0 leaves corners that no light
+    /// and no sky reaches dark; 2 to 4 fill a room. Above 0 the environment's light casts shadows, whatever
+    /// its `shadow`, and surfaces that emit light others also without `light = true`, but with more grain. One
+    /// ray a pixel and sub-frame: good with 64 `samples` and more. Default 0.
+    pub diffuse_bounces: u32,
     /// Most steps of the screen-space march, 8 to 4096. More misses less and takes longer. Default 128.
     pub steps: u32,
     /// `"auto"` materials reflect below this roughness, 0 to 1; with 1 all of them do. Others show only the
@@ -95,6 +112,7 @@ impl Default for ReflectionDesc {
             edge_px: 0.25,
             threshold_u: 0.025,
             bounces: 3,
+            diffuse_bounces: 0,
             steps: 128,
             roughness_cutoff: 0.2,
             unit_m: None,
@@ -113,6 +131,26 @@ impl ReflectionDesc {
         match self.roughness_cutoff {
             cutoff if cutoff < 1.0 => cutoff,
             _ => 2.0,
+        }
+    }
+
+    /// What they mean together: method `path` sets most of the others.
+    pub fn settled(&self) -> Self {
+        /// Paths end by chance before it.
+        const ENDLESS: u32 = 1 << 12;
+        if self.method != Method::Path {
+            return *self;
+        }
+        Self {
+            bounces: ENDLESS,
+            diffuse_bounces: ENDLESS,
+            roughness_cutoff: 1.0,
+            ray_length_u: 1e12,
+            reuse_light: false,
+            fade: false,
+            filter: false,
+            blur_px: 0.0,
+            ..*self
         }
     }
 

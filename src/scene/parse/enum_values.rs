@@ -44,7 +44,7 @@ words!(ReflectionMode { "none" => Self::None, "auto" => Self::Auto, "mirror" => 
 words!(ShadowMode { "map" => Self::Map, "ray" => Self::Ray, "none" => Self::None, "auto" => Self::Auto });
 words!(EnvironmentShadow { "ray" => Self::Ray, "none" => Self::None });
 words!(Accept { "verified" => Self::Verified, "threshold" => Self::Threshold });
-words!(Method { "ssr" => Self::Ssr, "rt" => Self::Rt, "hybrid" => Self::Hybrid, "auto" => Self::Auto });
+words!(Method { "ssr" => Self::Ssr, "rt" => Self::Rt, "hybrid" => Self::Hybrid, "path" => Self::Path, "auto" => Self::Auto });
 words!(CurveKind {
     "step" => Self::Step,
     "linear" => Self::Linear,

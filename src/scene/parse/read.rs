@@ -22,7 +22,9 @@ use super::{
     table::{Either, Section, Table},
     value::{Names, Version},
 };
-use crate::scene::range::{ABOVE_0, ANY, APERTURE_F, BOUNCES, FROM_0, STEPS, UNIT, range};
+use crate::scene::range::{
+    ABOVE_0, ANY, APERTURE_F, BOUNCES, DIFFUSE_BOUNCES, FROM_0, STEPS, UNIT, range,
+};
 use crate::scene::{
     desc::*,
     diagnostic::{Diagnostic, Span},
@@ -271,6 +273,7 @@ impl Section for ReflectionDesc {
             method: t.get("method", ANY, default.method),
             accept: t.get("accept", ANY, default.accept),
             bounces: t.get("bounces", BOUNCES, default.bounces),
+            diffuse_bounces: t.get("diffuse_bounces", DIFFUSE_BOUNCES, default.diffuse_bounces),
             steps: t.get("steps", STEPS, default.steps),
             unit_m: t.find("unit_m", ABOVE_0),
             reuse_light: t.get("reuse_light", ANY, default.reuse_light),

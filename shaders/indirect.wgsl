@@ -1,0 +1,28 @@
+// Indirect: follows what the surfaces of pixels scatter of what other surfaces do.
+
+#import cone
+#import gbuffer
+#import indirect
+#import lists
+#import radiance
+
+@group(2) @binding(3) var indirect_light: RadianceTexture;
+
+const FIRST_VERTEX: u32 = 128u; // its samples are others than those of reflections
+
+fn gathered(pixel: vec2u) -> vec3f {
+    if (textureLoad(view_depth, pixel, 0).x >= FAR_M) { return vec3f(0.0); }
+    let s = load_surface(pixel);
+    let distance_m = distance(s.position, frame.eye);
+    start_path(s.position);
+    start_samples(pixel, FIRST_VERTEX);
+    let view = Reflected((s.position - frame.eye) / distance_m, vec3f(1.0), 0.0, 1.0);
+    return scattered_on(pixel, FIRST_VERTEX, view, s, pixel_cone(distance_m));
+}
+
+@compute @workgroup_size(8, 8)
+fn main(@builtin(global_invocation_id) id: vec3u) {
+    if (any(id.xy >= vec2u(frame.size))) { return; }
+    textureStore(indirect_light, id.xy, vec4f(min(gathered(id.xy), BRIGHTEST), 1.0));
+    if (exhausted_rays > 0u) { atomicAdd(&counters[EXHAUSTED_COUNTER], exhausted_rays); }
+}

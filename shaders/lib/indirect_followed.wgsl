@@ -1,0 +1,113 @@
+// Diffuse interreflection: paths also go on in a direction that a matte surface scatters.
+
+#import cone
+#import extent
+#import layers
+#import lobe
+#import sampling
+
+// Pairs of dimensions that no other sample of a surface uses.
+const SCATTER_PAIR: u32 = 0x10004u;
+const CHOICE_PAIR: u32 = 0x10005u;
+const FIRST_ENDING: u32 = 4u; // vertices before a path may end by chance
+const MOST_LIKELY: f32 = 0.95;
+
+var<private> path_scatterings: u32 = 0u;
+var<private> path_weight: vec3f = vec3f(1.0);
+var<private> path_vertices: u32 = 0u;
+
+// Times that the path was scattered, which are no bounces.
+fn scatterings() -> u32 {
+    return path_scatterings;
+}
+
+// Share of light that a surface scatters towards the view.
+fn scattered_albedo(s: Surface, view: vec3f) -> vec3f {
+    if (path_scatterings >= frame.diffuse_bounces) { return vec3f(0.0); }
+    return diffuse_albedo(s, view) * scattered_share(s, view);
+}
+
+fn continues(s: Surface) -> bool {
+    return goes_on(s) || (path_scatterings < frame.diffuse_bounces && s.metallic < 1.0 && any(s.base_color > vec3f(0.0)));
+}
+
+// A direction of even light over the cosine. What shines is found by rays towards it alone.
+fn scattered_ray(s: Surface, weight: vec3f) -> Reflected {
+    path_scatterings++;
+    leave_vertex(s);
+    let out = cosine_direction(s.normal, sample_square(sampling.sample, SCATTER_PAIR));
+    if (dot(out, s.geometric_normal) <= 0.0) { return Reflected(s.normal, vec3f(0.0), TAKEN, 0.0); }
+    return Reflected(out, weight, TAKEN, 0.0);
+}
+
+// Scattered, or along what the surface mirrors and lets pass, by what they return.
+fn next_ray(before: Reflected, s: Surface) -> Reflected {
+    let view = -before.direction;
+    let albedo = scattered_albedo(s, view);
+    let diffuse = luminance(albedo);
+    let rest = select(0.0, max(onward_albedo(s, view), 0.01), goes_on(s));
+    if (diffuse + rest <= 0.0) { return Reflected(s.normal, vec3f(0.0), TAKEN, 0.0); }
+    let share = diffuse / (diffuse + rest);
+    let u = sample_square(sampling.sample, CHOICE_PAIR);
+    var ray: Reflected;
+    if (u.x < share) {
+        ray = scattered_ray(s, albedo / share);
+    } else {
+        ray = onward(before, s);
+        ray.weight /= 1.0 - share;
+    }
+    if (UNBIASED) { ray.weight *= survival(ray.weight, u.y); }
+    return ray;
+}
+
+// Russian roulette: what goes on stands for what ends.
+fn survival(weight: vec3f, u: f32) -> f32 {
+    path_weight *= weight;
+    path_vertices++;
+    if (path_vertices < FIRST_ENDING) { return 1.0; }
+    let chance = clamp(max(path_weight.x, max(path_weight.y, path_weight.z)), 0.05, MOST_LIKELY);
+    if (u >= chance) { return 0.0; }
+    path_weight /= chance;
+    return 1.0 / chance;
+}
+
+// What a path finds that leaves a surface by a ray. `vertex` counts the surfaces before it.
+fn followed(pixel: vec2u, vertex: u32, start: Reflected, from_s: Surface, first: Cone) -> vec3f {
+    var color = vec3f(0.0);
+    var ray = start;
+    var throughput = ray.weight;
+    var s = from_s;
+    var cone = first;
+    for (var k = 0u; k < frame.bounces + crossings() + scatterings(); k++) {
+        if (max(throughput.x, max(throughput.y, throughput.z)) < frame.dimmest) { break; }
+        start_samples(pixel, vertex + k);
+        let origin = onward_origin(s, ray.direction);
+        let h = trace_nearest(origin, ray.direction, 0.0, FAR_M);
+        throughput *= medium_transmittance(h.t);
+        if (h.instance == NONE) {
+            color += throughput * beyond(origin, ray);
+            break;
+        }
+        let light = seen_light(origin, ray, h.t);
+        if (light.is_seen) {
+            color += throughput * light.radiance;
+            break;
+        }
+        cone = continued(cone, h.t);
+        s = surface_at(h.instance, h.triangle, h.bary, ray.direction, cone.width_m);
+        s.emission *= met_emission(ray, h.instance, h.t, s);
+        let lit = shade(s, -ray.direction, vec2u(0u));
+        color += throughput * (lit.diffuse + lit.specular);
+        if (!continues(s)) { break; }
+        ray = next_ray(ray, s);
+        throughput *= ray.weight;
+    }
+    return color;
+}
+
+// What a surface that a ray has met scatters of what others do.
+fn scattered_on(pixel: vec2u, vertex: u32, before: Reflected, s: Surface, cone: Cone) -> vec3f {
+    let albedo = scattered_albedo(s, -before.direction);
+    if (all(albedo <= vec3f(0.0))) { return vec3f(0.0); }
+    return followed(pixel, vertex + 1u, scattered_ray(s, albedo), s, cone);
+}

@@ -1,0 +1,20 @@
+// What surfaces scatter lights no other surface: paths go on where something is mirrored or passes.
+
+#import cone
+#import layers
+
+fn scatterings() -> u32 {
+    return 0u;
+}
+
+fn continues(s: Surface) -> bool {
+    return goes_on(s);
+}
+
+fn next_ray(before: Reflected, s: Surface) -> Reflected {
+    return onward(before, s);
+}
+
+fn scattered_on(pixel: vec2u, vertex: u32, before: Reflected, s: Surface, cone: Cone) -> vec3f {
+    return vec3f(0.0);
+}

@@ -1,0 +1,235 @@
+//! `--denoise`: Intel Open Image Denoise, a library that is loaded at run time where it is installed.
+
+use std::{
+    env,
+    ffi::{CStr, c_char, c_int, c_void},
+    path::PathBuf,
+    ptr,
+};
+
+use libloading::Library;
+
+use super::error::AppError;
+use crate::render::{Picture, Plane, PlaneData, aov::Aov};
+
+/// Its file, by its major version, which its interface has had since 2023.
+#[cfg(target_os = "linux")]
+const FILE: &str = "libOpenImageDenoise.so.2";
+#[cfg(target_os = "macos")]
+const FILE: &str = "libOpenImageDenoise.2.dylib";
+#[cfg(not(any(target_os = "linux", target_os = "macos")))]
+const FILE: &str = "OpenImageDenoise.dll";
+
+/// Folder of the library, if the system does not find it.
+const FOLDER: &str = "REFLET_OIDN";
+
+/// What tells it where surfaces end.
+const GUIDES: [Aov; 4] = [Aov::BaseColor, Aov::Normal, Aov::Material, Aov::Reflectance];
+
+/// Roughness below which reflections are sharp: no guide says what they show, so they stay as they are.
+const SHARP: f32 = 0.05;
+/// Reflectance from which on a sharp reflection is what a pixel shows.
+const MIRROR: f32 = 0.2;
+
+// Of `oidn.h`.
+const DEVICE_CPU: c_int = 1;
+const FORMAT_FLOAT3: c_int = 3;
+
+type Handle = *mut c_void;
+
+/// The loaded library.
+pub struct Denoiser {
+    library: Library,
+    /// How many AOVs are written, before those that guide it.
+    written: usize,
+}
+
+/// A filter's input or output: its name, and three floats a pixel.
+struct Image<'a>(&'a CStr, &'a mut [f32]);
+
+impl Denoiser {
+    /// Loads the library, for pictures that are written with these AOVs.
+    ///
+    /// # Errors
+    /// It is not installed, with what to do.
+    pub fn new(aovs: &[Aov]) -> Result<Self, AppError> {
+        let folder = env::var_os(FOLDER).filter(|folder| !folder.is_empty());
+        let path = folder.map_or_else(|| FILE.into(), |folder| PathBuf::from(folder).join(FILE));
+        #[expect(
+            unsafe_code,
+            reason = "the library is no build dependency: most machines lack it"
+        )]
+        // SAFETY: the library of this name runs no code of its own when it is loaded but that of C++
+        // constructors, as when a program is linked to it.
+        let library = unsafe { Library::new(&path) };
+        let library = library.map_err(|error| {
+            AppError::Usage(format!(
+                "--denoise needs Intel Open Image Denoise 2, and {} could not be loaded: {error}\n\
+                 install it from https://www.openimagedenoise.org or by `pip install pyoidn`, and set \
+                 {FOLDER} to the folder that has {FILE}",
+                path.display()
+            ))
+        })?;
+        let written = aovs.len();
+        Ok(Self { library, written })
+    }
+
+    /// The AOVs of a picture that is to be denoised: those that are asked for, then what guides it.
+    pub fn aovs(requested: &[Aov]) -> Vec<Aov> {
+        let guides = GUIDES.into_iter().filter(|g| !requested.contains(g));
+        requested.iter().copied().chain(guides).collect()
+    }
+
+    /// Denoises linear and display color of a picture with the planes of [`Denoiser::aovs`], and drops those
+    /// that are not written.
+    ///
+    /// # Errors
+    /// What the library says.
+    pub fn apply(&self, picture: &mut Picture) -> Result<(), AppError> {
+        let plane = |aov: Aov| values(&picture.planes, aov);
+        let (albedo, normal) = (plane(Aov::BaseColor), plane(Aov::Normal));
+        let sharp: Vec<bool> = (plane(Aov::Material).chunks_exact(3))
+            .zip(plane(Aov::Reflectance))
+            .map(|(material, reflectance)| material[0] < SHARP && reflectance > MIRROR)
+            .collect();
+        let guides = (albedo, normal);
+        if !picture.color.is_empty() {
+            let linear: Vec<f32> = picture.color.chunks_exact(4).flat_map(first).collect();
+            let clean = self.filtered(picture.size, linear, &guides, c"hdr")?;
+            let pixels = picture.color.chunks_exact_mut(4).zip(clean.chunks_exact(3));
+            for ((pixel, clean), sharp) in pixels.zip(&sharp) {
+                if !sharp {
+                    pixel[..3].copy_from_slice(clean);
+                }
+            }
+        }
+        let display = picture.display.chunks_exact(4);
+        let display: Vec<f32> = display
+            .flat_map(|p| [p[0], p[1], p[2]].map(|v| f32::from(v) / 255.0))
+            .collect();
+        let clean = self.filtered(picture.size, display, &guides, c"srgb")?;
+        let pixels = picture
+            .display
+            .chunks_exact_mut(4)
+            .zip(clean.chunks_exact(3));
+        for ((pixel, clean), sharp) in pixels.zip(&sharp) {
+            if !sharp {
+                for (byte, value) in pixel.iter_mut().zip(clean) {
+                    *byte = (value.clamp(0.0, 1.0) * 255.0).round() as u8;
+                }
+            }
+        }
+        picture.planes.truncate(self.written);
+        Ok(())
+    }
+
+    /// A picture of three floats a pixel without its noise; `kind` is the flag of its filter that is set.
+    fn filtered(
+        &self,
+        size: [u32; 2],
+        mut color: Vec<f32>,
+        (albedo, normal): &(Vec<f32>, Vec<f32>),
+        kind: &CStr,
+    ) -> Result<Vec<f32>, AppError> {
+        let mut output = vec![0.0; color.len()];
+        let (mut albedo, mut normal) = (albedo.clone(), normal.clone());
+        let images = [
+            Image(c"color", &mut color),
+            Image(c"albedo", &mut albedo),
+            Image(c"normal", &mut normal),
+            Image(c"output", &mut output),
+        ];
+        self.execute(size, images, kind)
+            .map_err(|why| AppError::Internal(format!("Open Image Denoise: {why}")))?;
+        Ok(output)
+    }
+
+    #[expect(unsafe_code, reason = "the library is C, and loaded at run time")]
+    fn execute(&self, size: [u32; 2], images: [Image<'_>; 4], kind: &CStr) -> Result<(), String> {
+        let pixels = size[0] as usize * size[1] as usize;
+        if images.iter().any(|image| image.1.len() != 3 * pixels) {
+            return Err(format!("an image has other than {pixels} pixels"));
+        }
+        macro_rules! function {
+            ($name:ident($($argument:ty),* $(,)?) $(-> $result:ty)?) => {
+                // SAFETY: the type is that of `oidn.h`, version 2.
+                unsafe {
+                    let name = concat!(stringify!($name), "\0");
+                    self.library
+                        .get::<unsafe extern "C" fn($($argument),*) $(-> $result)?>(name.as_bytes())
+                        .map_err(|error| error.to_string())?
+                }
+            };
+        }
+        let new_device = function!(oidnNewDevice(c_int) -> Handle);
+        let commit_device = function!(oidnCommitDevice(Handle));
+        let release_device = function!(oidnReleaseDevice(Handle));
+        let device_error = function!(oidnGetDeviceError(Handle, *mut *const c_char) -> c_int);
+        let new_filter = function!(oidnNewFilter(Handle, *const c_char) -> Handle);
+        let set_image = function!(
+            oidnSetSharedFilterImage(
+                Handle,
+                *const c_char,
+                *mut c_void,
+                c_int,
+                usize,
+                usize,
+                usize,
+                usize,
+                usize,
+            )
+        );
+        let set_flag = function!(oidnSetFilterBool(Handle, *const c_char, bool));
+        let commit_filter = function!(oidnCommitFilter(Handle));
+        let run = function!(oidnExecuteFilter(Handle));
+        let release_filter = function!(oidnReleaseFilter(Handle));
+        // SAFETY: handles are used between their making and their release; images have three floats for each
+        // of the pixels (checked above) and live until the filter is released; a device on the CPU reads them
+        // where they are.
+        unsafe {
+            let device = new_device(DEVICE_CPU);
+            commit_device(device);
+            let filter = new_filter(device, c"RT".as_ptr());
+            for Image(name, values) in images {
+                let data = values.as_mut_ptr().cast();
+                let [width, height] = size.map(|v| v as usize);
+                set_image(
+                    filter,
+                    name.as_ptr(),
+                    data,
+                    FORMAT_FLOAT3,
+                    width,
+                    height,
+                    0,
+                    0,
+                    0,
+                );
+            }
+            set_flag(filter, kind.as_ptr(), true);
+            commit_filter(filter);
+            run(filter);
+            let mut message = ptr::null();
+            let failed = device_error(device, &raw mut message) != 0;
+            let text = match failed && !message.is_null() {
+                true => CStr::from_ptr(message).to_string_lossy().into_owned(),
+                false => "no reason given".to_owned(),
+            };
+            release_filter(filter);
+            release_device(device);
+            if failed { Err(text) } else { Ok(()) }
+        }
+    }
+}
+
+fn first(pixel: &[f32]) -> [f32; 3] {
+    [pixel[0], pixel[1], pixel[2]]
+}
+
+/// The values of an AOV that a picture has.
+fn values(planes: &[Plane], aov: Aov) -> Vec<f32> {
+    let plane = planes.iter().find(|plane| plane.name == aov.name());
+    match plane.map(|plane| &plane.data) {
+        Some(PlaneData::F32(values)) => values.clone(),
+        _ => Vec::new(),
+    }
+}

@@ -1,0 +1,228 @@
+//! Light that surfaces pass on to each other, and the method that follows all of it, against closed forms.
+
+use crate::kit::{assert_close, gpu, mean, render, renderer, scene};
+
+/// The camera stands in a box whose walls all shine and scatter alike.
+const OVEN: &str = r#"
+version = 1
+[camera.main]
+eye = [0.3, 0.2, 0.1]
+target = [1, 0.5, -1]
+fov_deg = 60
+[image]
+size = [8, 8]
+samples = 4
+tone_map = "none"
+[reflection]
+method = "rt"
+[material.wall]
+base_color = [0.5, 0.5, 0.5]
+reflectivity = 0
+emission = [0.25, 0.25, 0.25]
+[model.box]
+shape = { kind = "box", size = [3, 3, 3] }
+material = "wall"
+[[instance]]
+model = "box"
+"#;
+
+#[test]
+fn an_oven_shines_by_the_sum_of_its_bounces() {
+    let Some(gpu) = gpu() else { return };
+    for (set, orders, tolerance) in [
+        ("reflection.diffuse_bounces=0", 0, 1e-3),
+        ("reflection.diffuse_bounces=1", 1, 1e-3),
+        ("reflection.diffuse_bounces=4", 4, 1e-3),
+        ("reflection.method=path", 40, 5e-2),
+    ] {
+        // Every ray meets the same light, so that nothing but where paths end by chance is grainy.
+        let found = mean(&render(gpu, OVEN, &[set, "image.samples=64"], &[]))[0];
+        let expected: f32 = (0..=orders).map(|k| 0.25 * 0.5_f32.powi(k)).sum();
+        assert_close(found, expected, tolerance);
+    }
+    // Surfaces that light are found by rays towards them, one order earlier.
+    for (bounces, orders) in [(0, 1), (2, 3)] {
+        let bounces = format!("reflection.diffuse_bounces={bounces}");
+        let set = ["material.wall.light=true", "image.samples=256", &bounces];
+        let found = mean(&render(gpu, OVEN, &set, &[]))[0];
+        let expected: f32 = (0..=orders).map(|k| 0.25 * 0.5_f32.powi(k)).sum();
+        assert_close(found, expected, 0.02);
+    }
+}
+
+/// A floor that the camera sees below a shining ceiling, both much wider than they are apart.
+const PLATES: &str = r#"
+version = 1
+[camera.main]
+eye = [0, 0.5, 0]
+target = [0.3, 0, 0]
+fov_deg = 5
+[image]
+size = [8, 8]
+samples = 256
+tone_map = "none"
+[material.floor]
+base_color = [0.8, 0.5, 0.2]
+reflectivity = 0
+[material.ceiling]
+base_color = [0.5, 0.5, 0.5]
+reflectivity = 0
+emission = [1, 1, 1]
+[model.floor]
+shape = { kind = "plane", size = [400, 400] }
+material = "floor"
+[model.ceiling]
+shape = { kind = "plane", size = [400, 400] }
+material = "ceiling"
+[[instance]]
+model = "floor"
+[[instance]]
+model = "ceiling"
+translation = [0, 1, 0]
+"#;
+
+#[test]
+fn two_plates_light_each_other() {
+    let Some(gpu) = gpu() else { return };
+    let found = mean(&render(gpu, PLATES, &["reflection.method=path"], &[]));
+    for (found, albedo) in found.iter().zip([0.8_f32, 0.5, 0.2]) {
+        assert_close(*found, albedo / (1.0 - 0.5 * albedo), 0.02);
+    }
+}
+
+/// White things that hide each other, in even light.
+const WHITE: &str = r#"
+version = 1
+[camera.main]
+eye = [0, 2, 4]
+target = [0, 0, 0]
+fov_deg = 30
+[image]
+size = [16, 16]
+samples = 256
+tone_map = "none"
+[environment]
+color = [1, 1, 1]
+[material.white]
+base_color = [1, 1, 1]
+reflectivity = 0
+[material.mirror]
+base_color = [1, 1, 1]
+metallic = 1
+roughness = 0
+[material.glass]
+transmission = 1
+thickness_m = 1
+roughness = 0
+[model.ring]
+shape = { kind = "torus", radius = 0.8, tube_radius = 0.35 }
+material = "white"
+[model.ball]
+shape = { kind = "sphere", radius = 0.4 }
+material = "mirror"
+[model.drop]
+shape = { kind = "sphere", radius = 0.3, segments = 128 }
+material = "glass"
+[[instance]]
+model = "ring"
+[[instance]]
+model = "ball"
+translation = [0, -0.2, 0]
+[[instance]]
+model = "drop"
+translation = [0.6, 0.5, 0.5]
+"#;
+
+#[test]
+fn white_things_in_white_light_cannot_be_seen_by_all_paths() {
+    let Some(gpu) = gpu() else { return };
+    let found = mean(&render(gpu, WHITE, &["reflection.method=path"], &[]))[0];
+    assert_close(found, 1.0, 0.01);
+    let direct = mean(&render(gpu, WHITE, &["environment.shadow=ray"], &[]))[0];
+    assert!(direct < 0.98, "{direct}");
+    // Most of it is there after a few.
+    let few = ["reflection.diffuse_bounces=4", "reflection.bounces=8"];
+    let few = mean(&render(gpu, WHITE, &few, &[]))[0];
+    assert_close(few, 1.0, 0.01);
+}
+
+#[test]
+fn mirrors_show_scattered_light_whatever_finds_it() {
+    let Some(gpu) = gpu() else { return };
+    // A floor that a shining wall colors, in a mirror.
+    let mirror = "[material.mirror]\nbase_color = [1, 1, 1]\nmetallic = 1\nroughness = 0\n[model.mirror]\n\
+                  shape = { kind = \"plane\", size = [2, 2] }\nmaterial = \"mirror\"\n[[instance]]\n\
+                  model = \"mirror\"\ntranslation = [0.6, 0.4, 0]\nrotation_deg = [0, 0, 90]\n";
+    let text = [PLATES, mirror].concat();
+    let picture = |set: &[&str]| {
+        let all = [
+            &[
+                "camera.main.eye=[-0.5, 0.7, 0]",
+                "camera.main.target=[0.5, 0.25, 0]",
+                "camera.main.fov_deg=60",
+                "image.size=[48, 32]",
+                "image.samples=64",
+                "reflection.diffuse_bounces=2",
+            ],
+            set,
+        ];
+        mean(&render(gpu, &text, &all.concat(), &[]))
+    };
+    let traced = picture(&["reflection.method=rt"]);
+    let hybrid = picture(&["reflection.method=hybrid"]);
+    let direct = picture(&["reflection.method=rt", "reflection.diffuse_bounces=0"]);
+    for channel in 0..3 {
+        assert_close(hybrid[channel], traced[channel], 0.01);
+        assert!(traced[channel] > 1.05 * direct[channel]);
+    }
+}
+
+#[test]
+fn the_truth_depends_on_no_setting_of_the_others() {
+    let Some(gpu) = gpu() else { return };
+    let path = |set: &[&str]| {
+        let all = [&["reflection.method=path", "image.samples=2"], set].concat();
+        render(gpu, WHITE, &all, &[]).color
+    };
+    let others = path(&[
+        "reflection.bounces=1",
+        "reflection.roughness_cutoff=0",
+        "reflection.diffuse_bounces=1",
+        "reflection.fade=true",
+        "reflection.ray_length_u=1",
+    ]);
+    assert_eq!(path(&[]), others);
+    let (desc, world) = scene(WHITE, &["reflection.method=path"]);
+    let renderer = renderer(gpu, &desc, &world, false);
+    assert!(renderer.plan().precision.full && renderer.plan().unbiased);
+    let (desc, world) = scene(WHITE, &[]);
+    assert!(
+        !crate::kit::renderer(gpu, &desc, &world, false)
+            .plan()
+            .indirect
+    );
+}
+
+#[test]
+fn light_behind_solid_glass_is_found_by_what_is_refracted() {
+    let Some(gpu) = gpu() else { return };
+    // A slab that bends nothing: only how light is found differs.
+    let slab = "[material.slab]\ntransmission = 1\nthickness_m = 1\nior = 1\nreflectivity = 0\nroughness = 0\n\
+                [model.slab]\nshape = { kind = \"box\", size = [9, 0.2, 9] }\nmaterial = \"slab\"\n[[instance]]\n\
+                model = \"slab\"\ntranslation = [0, 1, 0]\n";
+    let lamp =
+        "[light.lamp]\nkind = \"point\"\nposition = [0, 2, 0]\nintensity_cd = 10\nradius_m = 0.7\n";
+    let floor = PLATES
+        .replace("emission = [1, 1, 1]", "")
+        .replace("translation = [0, 1, 0]", "translation = [0, -1, 0]");
+    let set = ["reflection.method=path", "image.samples=1024"];
+    let open = mean(&render(gpu, &[floor.as_str(), lamp].concat(), &set, &[]))[0];
+    let behind = mean(&render(
+        gpu,
+        &[floor.as_str(), lamp, slab].concat(),
+        &set,
+        &[],
+    ))[0];
+    assert!(open > 0.1);
+    assert_close(behind, open, 0.03);
+}
