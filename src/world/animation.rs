@@ -1,8 +1,11 @@
 //! Keyframes of a file's nodes and their evaluation: glTF 2.0 §3.11 and its appendix C.
 
+mod tracks;
+
 use glam::{Affine3A, DQuat, DVec4, Quat, Vec3};
 use serde::Serialize;
 
+pub use self::tracks::{Pointed, PointedValue, PointerTrack, WeightTrack};
 use crate::math::spline::hermite;
 
 /// Animated property of a node.
@@ -115,23 +118,6 @@ pub struct Channel {
     pub sampler: Sampler,
 }
 
-/// The weights of a node's morph targets over time.
-#[derive(Clone, Debug, PartialEq)]
-pub struct WeightTrack {
-    /// Index of the node in its file.
-    pub node: usize,
-    /// One for each target; its value is in x.
-    pub samplers: Vec<Sampler>,
-}
-
-impl WeightTrack {
-    /// The weights at a time, seconds.
-    pub fn at(&self, time_s: f64) -> Vec<f32> {
-        let weight = |sampler: &Sampler| sampler.at(time_s, Property::Scale).x as f32;
-        self.samplers.iter().map(weight).collect()
-    }
-}
-
 /// An animation of a file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Animation {
@@ -139,20 +125,29 @@ pub struct Animation {
     pub channels: Vec<Channel>,
     /// Weights of morph targets.
     pub weights: Vec<WeightTrack>,
+    /// Values of materials, lights and cameras.
+    pub pointers: Vec<PointerTrack>,
     /// Time of its last key, seconds.
     pub duration_s: f32,
 }
 
 impl Animation {
-    /// Animation of these channels and weights.
-    pub fn new(channels: Vec<Channel>, weights: Vec<WeightTrack>) -> Self {
+    /// Animation of these channels, weights and values.
+    pub fn new(
+        channels: Vec<Channel>,
+        weights: Vec<WeightTrack>,
+        pointers: Vec<PointerTrack>,
+    ) -> Self {
         let of_weights = weights.iter().filter_map(|track| track.samplers.first());
-        let samplers = channels.iter().map(|c| &c.sampler).chain(of_weights);
+        let of_pointers = pointers.iter().map(|track| &track.sampler);
+        let samplers = channels.iter().map(|c| &c.sampler);
+        let samplers = samplers.chain(of_weights).chain(of_pointers);
         let ends = samplers.filter_map(|sampler| sampler.times_s.last());
         Self {
             duration_s: ends.copied().fold(0.0, f32::max),
             channels,
             weights,
+            pointers,
         }
     }
 }

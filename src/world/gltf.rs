@@ -115,6 +115,8 @@ pub struct Attached<T> {
     pub model_from_object: Affine3A,
     /// Whether it is hidden unless an animation shows it.
     pub hidden: bool,
+    /// Index in the file of a light or a camera.
+    pub index: Option<usize>,
     /// The attached item.
     pub value: T,
 }

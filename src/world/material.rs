@@ -147,6 +147,18 @@ impl Material {
         (color.map(|c| -c.ln()) / distance_m).min(Vec3::splat(1e12))
     }
 
+    /// The slots of its textures, in the order of [`Self::slots`].
+    pub fn texture_slots(&mut self) -> [Option<&mut TextureRef>; 5] {
+        [
+            &mut self.base_color_texture,
+            &mut self.metallic_roughness_texture,
+            &mut self.normal_texture,
+            &mut self.occlusion_texture,
+            &mut self.emission_texture,
+        ]
+        .map(Option::as_mut)
+    }
+
     /// The numbers that motion may change; the strength is in the emission already.
     pub fn numbers(&self) -> Box<MaterialDesc> {
         Box::new(MaterialDesc {

@@ -25,6 +25,7 @@ pub mod environment;
 pub mod gltf;
 pub mod load;
 mod material;
+mod pointed;
 pub mod pose;
 pub mod rig;
 pub mod shape;
@@ -178,6 +179,18 @@ pub struct TextureRef {
     pub wrap: [Wrap; 2],
     /// Whether magnification picks the nearest texel.
     pub nearest: bool,
+}
+
+impl TextureRef {
+    /// KHR_texture_transform. The extension's printed rotation matrix turns the other way than its
+    /// reference pictures and every viewer; see KhronosGroup/glTF#1563.
+    pub fn rows(offset: Vec2, rotation: f32, scale: Vec2) -> [Vec3; 2] {
+        let (s, c) = rotation.sin_cos();
+        [
+            Vec3::new(c * scale.x, s * scale.y, offset.x),
+            Vec3::new(-s * scale.x, c * scale.y, offset.y),
+        ]
+    }
 }
 
 /// glTF's wrap modes.

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 
 use super::{
     Instance, Material, Mesh, World,
+    animation::Pointed,
     deform::{Deformed, Deformer},
     rig::{Player, RigPose},
 };
@@ -103,6 +104,8 @@ pub struct Moved<T> {
     pub anchor: Anchor,
     /// As the file has it, in its own space.
     pub rest: T,
+    /// Player that changes it, as an index into [`Moving::players`], and what it is there.
+    pub pointed: Option<(usize, Pointed)>,
 }
 
 /// Source of a material animation.
@@ -120,6 +123,8 @@ pub enum MaterialSource {
         own: Box<MaterialDesc>,
         /// Static overrides of the scene.
         overrides: Box<MaterialDesc>,
+        /// Player that changes it, as an index into [`Moving::players`], and its index in the file.
+        player: Option<(usize, usize)>,
     },
 }
 
@@ -186,7 +191,14 @@ impl World {
                     changes,
                     own,
                     overrides,
+                    player,
                 } => {
+                    let mut own = Cow::Borrowed(&**own);
+                    if let Some((player, index)) = player {
+                        own = Cow::Owned(poses[*player].material(*index, &own));
+                        poses[*player].move_textures(*index, material);
+                    }
+                    let own = &*own;
                     let mut desc = (**overrides).clone();
                     for change in changes {
                         desc = state.file_materials[*change].over(&desc, own);
@@ -207,14 +219,21 @@ impl World {
         for moved in &self.moving.lights {
             let (world, seen) = moved.anchor.place(state, &poses);
             let light = &mut self.lights[moved.index].desc;
-            *light = placed_light(&moved.rest, &world);
+            let rest = moved
+                .pointed
+                .map(|(p, object)| poses[p].light(object, &moved.rest));
+            *light = placed_light(rest.as_ref().unwrap_or(&moved.rest), &world);
             if !seen {
                 light.color = Vec3::ZERO;
             }
         }
         for moved in &self.moving.cameras {
             let (world, _) = moved.anchor.place(state, &poses);
-            self.cameras[moved.index].value = placed_camera(&moved.rest, &world);
+            let rest = moved
+                .pointed
+                .map(|(p, object)| poses[p].camera(object, &moved.rest));
+            let rest = rest.as_ref().unwrap_or(&moved.rest);
+            self.cameras[moved.index].value = placed_camera(rest, &world);
         }
         Ok(())
     }

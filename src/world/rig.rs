@@ -2,9 +2,9 @@
 
 use std::{collections::BTreeMap, sync::Arc};
 
-use glam::Affine3A;
+use glam::{Affine3A, Vec3};
 
-use super::animation::{Animation, Local, Property};
+use super::animation::{Animation, Local, Pointed, PointedValue, Property};
 use crate::scene::{desc::AnimationDesc, motion::FrameState};
 
 /// The nodes of a file's scene, at rest.
@@ -80,6 +80,8 @@ pub struct RigPose {
     pub nodes: Vec<PosedNode>,
     /// Weights of morph targets, by the index of their node in the file.
     pub weights: BTreeMap<usize, Vec<f32>>,
+    /// Values of materials, lights and cameras.
+    pub values: BTreeMap<(Pointed, PointedValue), Vec3>,
 }
 
 /// An animated node at one time.
@@ -151,6 +153,12 @@ impl Player {
         tracks.any(|track| track.node == node)
     }
 
+    /// Whether it changes a material, a light or a camera of the file.
+    pub fn changes(&self, object: Pointed) -> bool {
+        let mut tracks = self.animations.iter().flat_map(|a| &a.pointers);
+        tracks.any(|track| track.object == object)
+    }
+
     /// End of the longest animation, seconds.
     pub fn duration_s(&self) -> f64 {
         let ends = self.animations.iter().map(|a| f64::from(a.duration_s));
@@ -176,6 +184,7 @@ impl Player {
     fn pose_each(&self, local_s: impl Fn(&Animation) -> f64, state: &FrameState) -> RigPose {
         let mut nodes = self.moved.clone();
         let mut weights = self.scripted.rest_weights.clone();
+        let mut values = BTreeMap::new();
         for animation in &self.animations {
             let time_s = local_s(animation);
             for channel in &animation.channels {
@@ -190,6 +199,9 @@ impl Player {
             }
             for track in &animation.weights {
                 weights.insert(track.node, track.at(time_s));
+            }
+            for track in &animation.pointers {
+                values.insert((track.object, track.value), track.at(time_s));
             }
         }
         self.follow_script(state, &mut nodes, &mut weights);
@@ -207,6 +219,7 @@ impl Player {
         RigPose {
             nodes: posed,
             weights,
+            values,
         }
     }
 

@@ -24,6 +24,7 @@ mod limits;
 mod material;
 mod meshopt;
 mod overrides;
+mod pointer;
 mod scene;
 mod scripted;
 mod skin;

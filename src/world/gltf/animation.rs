@@ -1,5 +1,7 @@
 //! Animations of a file: validates and decodes their channels.
 
+mod pointer;
+
 use std::{
     collections::{HashMap, HashSet},
     rc::Rc,
@@ -9,6 +11,7 @@ use std::{
 use glam::DVec4;
 use serde::Deserialize;
 
+use self::pointer::{pointed_at, weights_pointed_at};
 use super::{
     Fault, Notes,
     accessor::{self, Component, Data},
@@ -138,12 +141,16 @@ impl Reader<'_> {
         if animation.channels.is_empty() {
             return Err(fault("it has no channels"));
         }
-        let (mut channels, mut weights) = (Vec::new(), Vec::new());
+        let (mut channels, mut weights, mut pointers) = (Vec::new(), Vec::new(), Vec::new());
         let mut targets = HashSet::new();
         for (c, channel) in animation.channels.iter().enumerate() {
             let at = |fault: Fault| fault.at(&format!("channel {c}"));
             if let Some(track) = self.weights(animation, channel).map_err(at)? {
                 weights.push(track);
+                continue;
+            }
+            if let Some(track) = self.pointed(animation, channel).map_err(at)? {
+                pointers.push(track);
                 continue;
             }
             let target = self.target(&channel.target, place, notes).map_err(at)?;
@@ -175,7 +182,8 @@ impl Reader<'_> {
                 sampler,
             });
         }
-        Ok(Animation::new(channels, weights))
+        self.add_companions(&mut pointers);
+        Ok(Animation::new(channels, weights, pointers))
     }
 
     /// The weights that a channel moves; `None` for other channels, and for nodes without targets.
@@ -241,8 +249,8 @@ impl Reader<'_> {
         };
         let found = if let Some(pointer) = &target.extensions.pointer {
             let Some(found) = pointed_at(&pointer.pointer) else {
-                let what = "channels of KHR_animation_pointer move something other than a node's \
-                            place, visibility and weights, and are left out";
+                let what = "channels of KHR_animation_pointer change what Reflet keeps as it is, and are \
+                            left out";
                 return left_out("animation-pointer", what);
             };
             found
@@ -365,23 +373,4 @@ fn interpolation(sampler: &schema::AnimationSampler) -> Result<Interpolation, Fa
             Err(fault(text))
         }
     }
-}
-
-/// Node of a pointer such as `/nodes/3/weights`.
-fn weights_pointed_at(pointer: &str) -> Option<usize> {
-    let (node, rest) = pointer.strip_prefix("/nodes/")?.split_once('/')?;
-    (rest == "weights").then(|| node.parse().ok())?
-}
-
-/// Node and property of a pointer such as `/nodes/3/translation`.
-fn pointed_at(pointer: &str) -> Option<(usize, Property)> {
-    let (node, rest) = pointer.strip_prefix("/nodes/")?.split_once('/')?;
-    let property = match rest {
-        "translation" => Property::Translation,
-        "rotation" => Property::Rotation,
-        "scale" => Property::Scale,
-        "extensions/KHR_node_visibility/visible" => Property::Visible,
-        _ => return None,
-    };
-    Some((node.parse().ok()?, property))
 }

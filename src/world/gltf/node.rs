@@ -311,6 +311,7 @@ impl Found<'_> {
             is_skinned: false,
             model_from_object: self.model_from_node,
             hidden: self.hidden,
+            index: None,
             value,
         }
     }
@@ -324,7 +325,8 @@ impl Found<'_> {
         let light = light.ok_or_else(|| fault(format!("light {} does not exist", used.light)))?;
         let place = label("light", used.light, light.name.as_deref());
         let light = light::read(light, self.path).map_err(|f| f.at(&place))?;
-        let light = self.attached(light);
+        let mut light = self.attached(light);
+        light.index = Some(used.light);
         self.visit.lights.push(light);
         Ok(())
     }
@@ -345,7 +347,8 @@ impl Found<'_> {
                 return Err(Fault::new("gltf-camera", text));
             }
         };
-        let camera = self.attached((name, camera));
+        let mut camera = self.attached((name, camera));
+        camera.index = Some(i);
         self.visit.cameras.push(camera);
         Ok(())
     }
@@ -370,6 +373,7 @@ pub fn place(visit: Visit, primitives: &Primitives, model: &mut Model) -> Result
             is_skinned: placed.is_skinned,
             model_from_object: placed.model_from_object,
             hidden: placed.hidden,
+            index: None,
             value: Placement {
                 name: name.clone(),
                 mesh,

@@ -2,7 +2,7 @@
 
 use std::{collections::HashMap, path::Path};
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 use super::{
     Fault, ImageSource, ImageUse, Notes,
@@ -154,22 +154,22 @@ fn wrap(code: Option<u32>) -> Result<Wrap, Fault> {
     })
 }
 
-/// KHR_texture_transform. The extension's printed rotation matrix turns the other way than its
-/// reference pictures and every viewer; see KhronosGroup/glTF#1563.
+/// KHR_texture_transform.
 fn rows(transform: Option<&schema::TextureTransform>) -> Result<[Vec3; 2], Fault> {
     let Some(t) = transform else {
         return Ok([Vec3::X, Vec3::Y]);
     };
     let ([ox, oy], [sx, sy]) = (t.offset.unwrap_or_default(), t.scale.unwrap_or([1.0; 2]));
-    let (s, c) = t.rotation.unwrap_or(0.0).sin_cos();
-    if !finite(&[ox, oy, sx, sy, s, c]) {
+    let rotation = t.rotation.unwrap_or(0.0);
+    if !finite(&[ox, oy, sx, sy, rotation]) {
         return Err(Fault::new(
             "gltf-material",
             "KHR_texture_transform must be finite",
         ));
     }
-    Ok([
-        Vec3::new(c * sx, s * sy, ox),
-        Vec3::new(-s * sx, c * sy, oy),
-    ])
+    Ok(TextureRef::rows(
+        Vec2::new(ox, oy),
+        rotation,
+        Vec2::new(sx, sy),
+    ))
 }

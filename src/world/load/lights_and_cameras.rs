@@ -13,7 +13,12 @@ use crate::{
         desc::{CameraDesc, Entry, LightDesc, ModelDesc, SceneDesc},
         motion::{placed_camera, placed_light},
     },
-    world::{Light, MAX_LIGHTS, World, gltf::Model, pose::Moved},
+    world::{
+        Light, MAX_LIGHTS, World,
+        animation::Pointed,
+        gltf::Model,
+        pose::{Anchor, Moved},
+    },
 };
 
 /// Lights and cameras found so far.
@@ -69,8 +74,11 @@ impl Extras {
                     continue;
                 }
                 self.light_count += 1;
+                let pointed = stand.pointed(world, part.index.map(Pointed::Light));
+                let anchor = place.anchor.clone();
+                let anchor = anchor.or_else(|| pointed.map(|_| stand.still(part)));
                 if self.lights.len() < MAX_LIGHTS {
-                    self.add_light(&part.value, name, place);
+                    self.add_light(&part.value, name, &place, (anchor, pointed));
                 }
             }
         }
@@ -84,8 +92,11 @@ impl Extras {
             }
             let place = stand.of(world, part);
             let value = placed_camera(camera, &place.world);
-            if let Some(anchor) = place.anchor {
+            let pointed = stand.pointed(world, part.index.map(Pointed::Camera));
+            let anchor = place.anchor;
+            if let Some(anchor) = anchor.or_else(|| pointed.map(|_| stand.still(part))) {
                 self.moving_cameras.push(Moved {
+                    pointed,
                     index: self.cameras.len(),
                     anchor,
                     rest: camera.clone(),
@@ -99,9 +110,16 @@ impl Extras {
         }
     }
 
-    fn add_light(&mut self, light: &Light, name: &str, place: Place) {
-        if let Some(anchor) = place.anchor {
+    fn add_light(
+        &mut self,
+        light: &Light,
+        name: &str,
+        place: &Place,
+        (anchor, pointed): (Option<Anchor>, Option<(usize, Pointed)>),
+    ) {
+        if let Some(anchor) = anchor {
             self.moving_lights.push(Moved {
+                pointed,
                 index: self.lights.len(),
                 anchor,
                 rest: light.desc,

@@ -11,6 +11,7 @@ use crate::{
     },
     world::{
         Material,
+        animation::Pointed,
         pose::{MaterialSource, MovingMaterial},
     },
 };
@@ -44,10 +45,17 @@ impl Loader<'_> {
         self.add_moving_material(key, name, (over, job.over_change), material)
     }
 
-    pub fn instance_material(&mut self, job: &Job<'_>, loaded: usize, index: usize) -> usize {
-        let changed = job
-            .index
-            .filter(|_| job.instance.is_some_and(|i| i.material.is_some()));
+    pub fn instance_material(
+        &mut self,
+        job: &Job<'_>,
+        loaded: usize,
+        index: usize,
+        player: Option<usize>,
+    ) -> usize {
+        let players = &self.world.moving.players;
+        let player = player.filter(|p| players[*p].changes(Pointed::Material(index)));
+        let is_own = player.is_some() || job.instance.is_some_and(|i| i.material.is_some());
+        let changed = job.index.filter(|_| is_own);
         let key = (job.model, index, changed);
         if let Some(&index) = self.materials.get(&key) {
             return index;
@@ -77,11 +85,12 @@ impl Loader<'_> {
             _ => MaterialDesc::default(),
         };
         let changes = self.changes_of(job.model, &own.name);
-        let is_moving = !changes.is_empty() || job.over_change.is_some();
+        let is_moving = !changes.is_empty() || job.over_change.is_some() || player.is_some();
         let from = is_moving.then(|| MaterialSource::File {
             changes,
             own: own.numbers(),
             overrides: Box::new(desc.clone()),
+            player: player.map(|player| (player, index)),
         });
         let material = self.file_material(loaded, index, &desc.overlaid(&over));
         match from {

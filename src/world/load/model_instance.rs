@@ -5,7 +5,7 @@ use glam::Affine3A;
 use super::repeat::Copy;
 use crate::{
     scene::desc::ShownDesc,
-    world::{World, gltf::Attached, pose::Anchor},
+    world::{World, animation::Pointed, gltf::Attached, pose::Anchor},
 };
 
 /// A model copy being placed.
@@ -42,6 +42,25 @@ impl ModelInstance<'_> {
     pub fn of<T>(&self, world: &World, part: &Attached<T>) -> Place {
         let transforms = [part.node_from_object, part.model_from_object];
         self.place_on(world, part.node, part.is_skinned, transforms)
+    }
+
+    /// The player that changes an item of the file, and what it is there.
+    pub fn pointed(&self, world: &World, object: Option<Pointed>) -> Option<(usize, Pointed)> {
+        let (player, object) = self.player.zip(object)?;
+        let changes = world.moving.players[player].changes(object);
+        changes.then_some((player, object))
+    }
+
+    /// Where an item is that nothing but the instance moves.
+    pub fn still<T>(&self, part: &Attached<T>) -> Anchor {
+        Anchor {
+            desc: self.desc,
+            copy: self.copy.from_instance,
+            parent: self.copy.parent,
+            node: None,
+            is_skinned: false,
+            local: part.model_from_object,
+        }
     }
 
     /// Transform of the model itself.

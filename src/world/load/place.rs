@@ -151,7 +151,8 @@ impl Loader<'_> {
                     model: entry.name.clone(),
                     name: clip.name.clone(),
                     duration_s: whole.map_or(0.0, |a| a.duration_s),
-                    channels: whole.map_or(0, |a| a.channels.len() + a.weights.len()),
+                    channels: whole
+                        .map_or(0, |a| a.channels.len() + a.weights.len() + a.pointers.len()),
                     played: whole.is_some() && played.iter().flatten().any(|p| p.plays(&clip.name)),
                 });
             }
@@ -280,7 +281,7 @@ impl Loader<'_> {
             });
             let mesh = self.file_mesh((loaded, placement.value.mesh, player));
             let material = self.variant_material(job, loaded, &placement.value);
-            let material = self.instance_material(job, loaded, material);
+            let material = self.instance_material(job, loaded, material, stand.player);
             let name = format!("{name}/{}", placement.value.name);
             self.push(name, (mesh, material), place, dropped);
             if self.world.instances.len() > MAX_INSTANCES {

@@ -1,0 +1,300 @@
+//! KHR_animation_pointer: what a pointer names.
+
+use std::f64::consts::PI;
+
+use glam::DVec4;
+
+use super::{Fault, Reader, fault, finite, interpolation};
+use crate::world::{
+    animation::{Interpolation, Pointed, PointedValue, PointerTrack, Property, Sampler},
+    gltf::{accessor, schema, schema::Root},
+};
+
+/// Values of materials: pointer, key of scene text, how many numbers.
+const MATERIAL: [(&str, &str, usize); 13] = [
+    ("pbrMetallicRoughness/baseColorFactor", "base_color", 4),
+    ("pbrMetallicRoughness/metallicFactor", "metallic", 1),
+    ("pbrMetallicRoughness/roughnessFactor", "roughness", 1),
+    ("normalTexture/scale", "normal_scale", 1),
+    ("occlusionTexture/strength", "occlusion_strength", 1),
+    ("emissiveFactor", EMISSION, 3),
+    (
+        "extensions/KHR_materials_emissive_strength/emissiveStrength",
+        EMISSION_STRENGTH,
+        1,
+    ),
+    ("alphaCutoff", "alpha_cutoff", 1),
+    (
+        "extensions/KHR_materials_transmission/transmissionFactor",
+        "transmission",
+        1,
+    ),
+    (
+        "extensions/KHR_materials_volume/attenuationColor",
+        "attenuation_color",
+        3,
+    ),
+    (
+        "extensions/KHR_materials_volume/attenuationDistance",
+        "attenuation_distance_m",
+        1,
+    ),
+    (
+        "extensions/KHR_materials_clearcoat/clearcoatFactor",
+        "clearcoat",
+        1,
+    ),
+    (
+        "extensions/KHR_materials_clearcoat/clearcoatRoughnessFactor",
+        "clearcoat_roughness",
+        1,
+    ),
+];
+const EMISSION: &str = "emission";
+const EMISSION_STRENGTH: &str = "emission_strength";
+
+/// Textures in the order of [`crate::world::Material::slots`].
+const TEXTURES: [&str; 5] = [
+    "pbrMetallicRoughness/baseColorTexture",
+    "pbrMetallicRoughness/metallicRoughnessTexture",
+    "normalTexture",
+    "occlusionTexture",
+    "emissiveTexture",
+];
+
+/// Values of cameras: pointer, key, factor on the way to scene text.
+const CAMERA: [(&str, &str, f64); 4] = [
+    ("perspective/yfov", "fov_deg", 180.0 / PI),
+    ("perspective/znear", "near_m", 1.0),
+    ("orthographic/ymag", "orthographic_height_m", 2.0),
+    ("orthographic/znear", "near_m", 1.0),
+];
+
+/// Node of a pointer such as `/nodes/3/weights`.
+pub fn weights_pointed_at(pointer: &str) -> Option<usize> {
+    let (node, rest) = pointer.strip_prefix("/nodes/")?.split_once('/')?;
+    (rest == "weights").then(|| node.parse().ok())?
+}
+
+/// Node and property of a pointer such as `/nodes/3/translation`.
+pub fn pointed_at(pointer: &str) -> Option<(usize, Property)> {
+    let (node, rest) = pointer.strip_prefix("/nodes/")?.split_once('/')?;
+    let property = match rest {
+        "translation" => Property::Translation,
+        "rotation" => Property::Rotation,
+        "scale" => Property::Scale,
+        "extensions/KHR_node_visibility/visible" => Property::Visible,
+        _ => return None,
+    };
+    Some((node.parse().ok()?, property))
+}
+
+/// What a pointer names that is no node.
+struct Target {
+    object: Pointed,
+    value: PointedValue,
+    /// How many numbers.
+    lanes: usize,
+    /// From the file's unit to that of scene text.
+    factor: f64,
+}
+
+fn target(root: &Root, pointer: &str) -> Option<Target> {
+    let of = |prefix: &str| {
+        let (index, rest) = pointer.strip_prefix(prefix)?.split_once('/')?;
+        Some((index.parse::<usize>().ok()?, rest))
+    };
+    if let Some((index, rest)) = of("/materials/") {
+        let (value, lanes) = material_value(rest)?;
+        return Some(Target {
+            object: Pointed::Material(index),
+            value,
+            lanes,
+            factor: 1.0,
+        });
+    }
+    if let Some((index, rest)) = of("/cameras/") {
+        let (_, key, factor) = CAMERA.into_iter().find(|(pointer, ..)| *pointer == rest)?;
+        return Some(Target {
+            object: Pointed::Camera(index),
+            value: PointedValue::Field(key),
+            lanes: 1,
+            factor,
+        });
+    }
+    let (index, rest) = of("/extensions/KHR_lights_punctual/lights/")?;
+    let lights = root.extensions.lights.as_ref();
+    let is_directional =
+        (lights.and_then(|l| l.lights.get(index))).is_some_and(|light| light.kind == "directional");
+    let (key, lanes, factor) = match rest {
+        "color" => ("color", 3, 1.0),
+        "intensity" if is_directional => ("intensity_lux", 1, 1.0),
+        "intensity" => ("intensity_cd", 1, 1.0),
+        "spot/innerConeAngle" => ("inner_deg", 1, 180.0 / PI),
+        "spot/outerConeAngle" => ("outer_deg", 1, 180.0 / PI),
+        _ => return None,
+    };
+    Some(Target {
+        object: Pointed::Light(index),
+        value: PointedValue::Field(key),
+        lanes,
+        factor,
+    })
+}
+
+fn material_value(rest: &str) -> Option<(PointedValue, usize)> {
+    let found = MATERIAL.into_iter().find(|(pointer, ..)| *pointer == rest);
+    if let Some((_, key, lanes)) = found {
+        return Some((PointedValue::Field(key), lanes));
+    }
+    let (texture, part) = rest.split_once("/extensions/KHR_texture_transform/")?;
+    let slot = TEXTURES.iter().position(|name| *name == texture)?;
+    match part {
+        "offset" => Some((PointedValue::TextureOffset(slot), 2)),
+        "rotation" => Some((PointedValue::TextureRotation(slot), 1)),
+        "scale" => Some((PointedValue::TextureScale(slot), 2)),
+        _ => None,
+    }
+}
+
+/// How many there are of an object's kind, its index, and what it is called.
+fn known(root: &Root, object: Pointed) -> (usize, usize, &'static str) {
+    match object {
+        Pointed::Material(i) => (root.materials.len(), i, "material"),
+        Pointed::Camera(i) => (root.cameras.len(), i, "camera"),
+        Pointed::Light(i) => {
+            let lights = root.extensions.lights.as_ref();
+            (lights.map_or(0, |l| l.lights.len()), i, "light")
+        }
+    }
+}
+
+impl Reader<'_> {
+    /// What a channel changes of materials, lights and cameras; `None` for other channels.
+    pub(super) fn pointed(
+        &mut self,
+        animation: &schema::Animation,
+        channel: &schema::Channel,
+    ) -> Result<Option<PointerTrack>, Fault> {
+        let pointer = channel.target.extensions.pointer.as_ref();
+        let Some(target) = pointer.and_then(|p| target(self.root, &p.pointer)) else {
+            return Ok(None);
+        };
+        let (count, index, kind) = known(self.root, target.object);
+        if index >= count {
+            return Err(fault(format!("{kind} {index} does not exist")));
+        }
+        let sampler = animation.samplers.get(channel.sampler).ok_or_else(|| {
+            let number = channel.sampler;
+            fault(format!("sampler {number} does not exist"))
+        })?;
+        let interpolation = interpolation(sampler)?;
+        let times_s = self.times(sampler.input).map_err(|f| f.at("input"))?;
+        let values = self.numbers(sampler.output, target.lanes);
+        let values = values.map_err(|f| f.at("output"))?;
+        let expected = times_s.len().saturating_mul(interpolation.values_per_key());
+        if values.len() != expected {
+            let (keys, found) = (times_s.len(), values.len());
+            return Err(fault(format!(
+                "{keys} keys need {expected} output values, there are {found}"
+            )));
+        }
+        Ok(Some(PointerTrack {
+            object: target.object,
+            value: target.value,
+            sampler: Sampler {
+                times_s: times_s.to_vec(),
+                values: values.into_iter().map(|v| v * target.factor).collect(),
+                interpolation,
+            },
+        }))
+    }
+
+    fn numbers(&self, output: usize, lanes: usize) -> Result<Vec<DVec4>, Fault> {
+        fn wide<const N: usize>(values: Vec<[f32; N]>) -> Vec<[f32; 4]> {
+            let value = |v: [f32; N]| std::array::from_fn(|i| v.get(i).copied().unwrap_or(0.0));
+            values.into_iter().map(value).collect()
+        }
+        let accept = accessor::float_or_normalized;
+        let values = match lanes {
+            1 => self.data.floats::<1>(output, accept).map(wide),
+            2 => self.data.floats::<2>(output, accept).map(wide),
+            3 => self.data.floats::<3>(output, accept).map(wide),
+            _ => self.data.floats::<4>(output, accept).map(wide),
+        }?;
+        if let Some(i) = values.iter().position(|v| !finite(v)) {
+            return Err(fault(format!("value {i} is not finite")));
+        }
+        let value = |v: [f32; 4]| DVec4::from_array(v.map(f64::from));
+        Ok(values.into_iter().map(value).collect())
+    }
+
+    /// Adds, as constants, what tracks are combined with: a color of light with its strength, the parts of a
+    /// texture transform.
+    pub(super) fn add_companions(&self, tracks: &mut Vec<PointerTrack>) {
+        let has = |tracks: &[PointerTrack], object, value| {
+            let mut tracks = tracks.iter();
+            tracks.any(|track| track.object == object && track.value == value)
+        };
+        for i in 0..tracks.len() {
+            let (object, value) = (tracks[i].object, tracks[i].value);
+            for (companion, constant) in self.companions(object, value) {
+                if !has(tracks, object, companion) {
+                    tracks.push(PointerTrack {
+                        object,
+                        value: companion,
+                        sampler: Sampler {
+                            times_s: vec![0.0],
+                            values: vec![constant],
+                            interpolation: Interpolation::Step,
+                        },
+                    });
+                }
+            }
+        }
+    }
+
+    fn companions(&self, object: Pointed, value: PointedValue) -> Vec<(PointedValue, DVec4)> {
+        let Pointed::Material(index) = object else {
+            return Vec::new();
+        };
+        let material = &self.root.materials[index];
+        let lanes = |v: &[f32]| {
+            let lane = |i: usize| v.get(i).copied().map_or(0.0, f64::from);
+            DVec4::new(lane(0), lane(1), lane(2), lane(3))
+        };
+        match value {
+            PointedValue::Field(EMISSION | EMISSION_STRENGTH) => {
+                let strength = material.extensions.emissive_strength.as_ref();
+                let strength = strength.and_then(|s| s.emissive_strength).unwrap_or(1.0);
+                let factor = material.emissive_factor.unwrap_or_default();
+                vec![
+                    (PointedValue::Field(EMISSION), lanes(&factor)),
+                    (PointedValue::Field(EMISSION_STRENGTH), lanes(&[strength])),
+                ]
+            }
+            PointedValue::Field(_) => Vec::new(),
+            PointedValue::TextureOffset(slot)
+            | PointedValue::TextureRotation(slot)
+            | PointedValue::TextureScale(slot) => {
+                let pbr = &material.pbr_metallic_roughness;
+                let used = [
+                    &pbr.base_color_texture,
+                    &pbr.metallic_roughness_texture,
+                    &material.normal_texture,
+                    &material.occlusion_texture,
+                    &material.emissive_texture,
+                ][slot];
+                let own = used.as_ref().and_then(|u| u.extensions.transform.as_ref());
+                let offset = own.and_then(|t| t.offset).unwrap_or_default();
+                let rotation = own.and_then(|t| t.rotation).unwrap_or_default();
+                let scale = own.and_then(|t| t.scale).unwrap_or([1.0; 2]);
+                vec![
+                    (PointedValue::TextureOffset(slot), lanes(&offset)),
+                    (PointedValue::TextureRotation(slot), lanes(&[rotation])),
+                    (PointedValue::TextureScale(slot), lanes(&scale)),
+                ]
+            }
+        }
+    }
+}

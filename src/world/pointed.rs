@@ -1,0 +1,83 @@
+//! What animations of a file change of its materials, lights and cameras.
+
+use glam::Vec3;
+
+use super::{
+    Material, TextureRef,
+    animation::{Pointed, PointedValue},
+    rig::RigPose,
+};
+use crate::scene::{
+    desc::{CAMERA, CameraDesc, LIGHT, LightDesc, MATERIAL, MaterialDesc},
+    number::{Field, find},
+};
+
+impl RigPose {
+    fn of(&self, object: Pointed) -> impl Iterator<Item = (PointedValue, Vec3)> {
+        let values = self.values.iter();
+        values
+            .filter(move |((of, _), _)| *of == object)
+            .map(|((_, value), number)| (*value, *number))
+    }
+
+    fn put<T>(&self, object: Pointed, fields: &'static [Field<T>], to: &mut T) {
+        for (value, number) in self.of(object) {
+            if let PointedValue::Field(key) = value
+                && let Some(field) = find(fields, key)
+            {
+                field.put_clamped(to, number);
+            }
+        }
+    }
+
+    /// The numbers of a material of the file, which are `own` at rest.
+    pub fn material(&self, index: usize, own: &MaterialDesc) -> MaterialDesc {
+        let mut changed = own.clone();
+        self.put(Pointed::Material(index), &MATERIAL, &mut changed);
+        // A material is made with or without these.
+        for field in MATERIAL.iter().filter(|field| field.lacks(own).is_some()) {
+            match field.key {
+                "alpha_cutoff" => changed.alpha_cutoff = None,
+                "transmission" => changed.transmission = None,
+                "attenuation_distance_m" => changed.attenuation_distance_m = None,
+                "clearcoat" => changed.clearcoat = None,
+                _ => {}
+            }
+        }
+        changed
+    }
+
+    /// Moves the textures of a material of the file.
+    pub fn move_textures(&self, index: usize, material: &mut Material) {
+        for (value, offset) in self.of(Pointed::Material(index)) {
+            let PointedValue::TextureOffset(slot) = value else {
+                continue;
+            };
+            // All three come together.
+            let part = |part| {
+                let found = self.values.get(&(Pointed::Material(index), part));
+                found.copied().unwrap_or_default()
+            };
+            let rotation = part(PointedValue::TextureRotation(slot)).x;
+            let scale = part(PointedValue::TextureScale(slot)).truncate();
+            if let Some(texture) = &mut material.texture_slots()[slot] {
+                texture.transform = TextureRef::rows(offset.truncate(), rotation, scale);
+            }
+        }
+    }
+
+    /// A light of the file, in the space of its node.
+    pub fn light(&self, object: Pointed, rest: &LightDesc) -> LightDesc {
+        let mut light = *rest;
+        self.put(object, &LIGHT, &mut light);
+        light.settle();
+        light
+    }
+
+    /// A camera of the file, in the space of its node.
+    pub fn camera(&self, object: Pointed, rest: &CameraDesc) -> CameraDesc {
+        let mut camera = rest.clone();
+        self.put(object, &CAMERA, &mut camera);
+        camera
+    }
+}
