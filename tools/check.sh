@@ -60,6 +60,9 @@ if [ "$full" = yes ]; then
     heading "Long tests"
     cargo test --locked --all-features -- --ignored
 
+    heading "Broken files"
+    tools/fuzz.sh
+
     heading "Licenses and vulnerabilities of dependencies"
     if cargo deny --version >/dev/null 2>&1; then
         cargo deny check --config tools/deny.toml

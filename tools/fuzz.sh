@@ -1,0 +1,56 @@
+#!/usr/bin/env bash
+# Feeds broken files to the readers of glTF and scene text, each 10 minutes unless --seconds says otherwise.
+# Whatever panics, takes more than 5 s or more than 1.5 GB ends the run; the input is kept in fuzz/artifacts.
+set -euo pipefail
+
+seconds=600
+targets=(gltf scene)
+while [ $# -gt 0 ]; do
+    case "$1" in
+        --seconds)
+            seconds="${2:?--seconds N}"
+            shift 2
+            ;;
+        gltf | scene)
+            targets=("$1")
+            shift
+            ;;
+        *)
+            echo "usage: tools/fuzz.sh [--seconds N] [gltf|scene]" >&2
+            exit 2
+            ;;
+    esac
+done
+readonly seconds targets
+
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+# What `cargo fuzz` passes, without a sanitizer, which needs a nightly compiler.
+export RUSTFLAGS="--cfg fuzzing -Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-level=4 \
+-Cllvm-args=-sanitizer-coverage-inline-8bit-counters -Cllvm-args=-sanitizer-coverage-pc-table"
+triple="$(rustc -vV | sed -n 's/^host: //p')"
+# With --target build scripts are not instrumented.
+cargo build --release --manifest-path fuzz/Cargo.toml --target "$triple"
+
+# Inputs that are right, and those that once were not.
+for target in "${targets[@]}"; do
+    seeds="fuzz/corpus/$target"
+    mkdir -p "$seeds" fuzz/artifacts
+    case "$target" in
+        gltf)
+            find scripts "${REFLET_CORPUS:-../shared/corpus}" -name '*.gl[bt]*' -size -64k 2>/dev/null \
+                | head -n 300 | while read -r file; do
+                    cp "$file" "$seeds/$(sha256sum "$file" | cut -c1-16)"
+                done
+            ;;
+        scene)
+            find scenes scripts tests/bad_scenes -name '*.toml' | while read -r file; do
+                cp "$file" "$seeds/$(sha256sum "$file" | cut -c1-16)"
+            done
+            ;;
+    esac
+    echo "== $target: $seconds s =="
+    "fuzz/target/$triple/release/$target" "$seeds" -max_total_time="$seconds" -timeout=5 \
+        -rss_limit_mb=1500 -malloc_limit_mb=1500 -artifact_prefix="fuzz/artifacts/$target-" \
+        -print_final_stats=1 -verbosity=0
+done

@@ -1,0 +1,189 @@
+"""Compares loading and showing large glTF files: reflet, f3d and trimesh, each in its own process.
+
+python3 -m venv /tmp/viewers && /tmp/viewers/bin/pip install f3d trimesh numpy pillow
+.venv/bin/python tools/model_load.py --viewers /tmp/viewers/bin/python -o docs/data/model-load.csv
+
+Counts processor time and the most memory of each process, which other work on the machine changes
+little; wall-clock time is there too. f3d draws to an off-screen window, trimesh only loads.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import json
+import os
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+
+F3D = """
+import sys, f3d
+f3d.Log.set_verbose_level(f3d.Log.QUIET)
+engine = f3d.Engine.create(True)
+engine.window.size = 256, 256
+engine.scene.add(sys.argv[1])
+engine.window.render_to_image().save(sys.argv[2])
+"""
+TRIMESH = "import sys, trimesh; trimesh.load(sys.argv[1])"
+
+
+class Writer:
+    """One .glb of meshes with positions, normals and indices."""
+
+    def __init__(self) -> None:
+        self.data = bytearray()
+        self.views: list[dict] = []
+        self.accessors: list[dict] = []
+        self.root: dict = {"asset": {"version": "2.0"}, "scene": 0, "meshes": [], "nodes": []}
+
+    def view(self, raw: bytes) -> int:
+        self.data += b"\0" * (-len(self.data) % 4)
+        self.views.append({"buffer": 0, "byteOffset": len(self.data), "byteLength": len(raw)})
+        self.data += raw
+        return len(self.views) - 1
+
+    def add(self, values: np.ndarray, kind: str, component: int) -> int:
+        entry = {"componentType": component, "type": kind, "count": len(values)}
+        entry["bufferView"] = self.view(values.tobytes())
+        if kind == "VEC3":
+            entry |= {"min": values.min(0).tolist(), "max": values.max(0).tolist()}
+        self.accessors.append(entry)
+        return len(self.accessors) - 1
+
+    def mesh(self, side: int, seed: int, material: int | None = None) -> None:
+        """A wavy square of 2 (side - 1)² triangles."""
+        x, z = np.meshgrid(np.linspace(-1, 1, side), np.linspace(-1, 1, side))
+        y = 0.1 * np.sin(9 * x + seed) * np.cos(7 * z)
+        points = np.stack([x, y, z], -1).reshape(-1, 3).astype("f4")
+        up = np.stack([-0.9 * np.cos(9 * x + seed) * np.cos(7 * z), np.ones_like(x), 0 * x], -1)
+        up = (up / np.linalg.norm(up, axis=-1, keepdims=True)).reshape(-1, 3).astype("f4")
+        corner = (np.arange(side - 1)[:, None] * side + np.arange(side - 1)).reshape(-1, 1)
+        quads = corner + np.array([0, side, 1, 1, side, side + 1])
+        attributes = {"POSITION": self.add(points, "VEC3", 5126)}
+        attributes["NORMAL"] = self.add(up, "VEC3", 5126)
+        if material is not None:
+            uv = np.stack([x, z], -1).reshape(-1, 2).astype("f4")
+            attributes["TEXCOORD_0"] = self.add(uv, "VEC2", 5126)
+        indices = self.add(quads.astype("u4").reshape(-1), "SCALAR", 5125)
+        primitive = {"attributes": attributes, "indices": indices}
+        if material is not None:
+            primitive["material"] = material
+        self.root["meshes"].append({"primitives": [primitive]})
+
+    def node(self, mesh: int, place: tuple[float, float, float]) -> None:
+        self.root["nodes"].append({"mesh": mesh, "translation": list(place)})
+
+    def write(self, path: Path) -> None:
+        root = self.root | {"accessors": self.accessors, "bufferViews": self.views}
+        root["scenes"] = [{"nodes": list(range(len(root["nodes"])))}]
+        self.data += b"\0" * (-len(self.data) % 4)
+        root["buffers"] = [{"byteLength": len(self.data)}]
+        text = json.dumps(root).encode()
+        text += b" " * (-len(text) % 4)
+        head = struct.pack("<4sII", b"glTF", 2, 28 + len(text) + len(self.data))
+        with path.open("wb") as file:
+            file.write(head + struct.pack("<I4s", len(text), b"JSON") + text)
+            file.write(struct.pack("<I4s", len(self.data), b"BIN\0"))
+            file.write(self.data)
+
+
+def triangles(millions: float, path: Path) -> None:
+    out = Writer()
+    out.mesh(round((millions * 5e5) ** 0.5) + 1, 0)
+    out.node(0, (0, 0, 0))
+    out.write(path)
+
+
+def meshes(path: Path) -> None:
+    out = Writer()
+    for i in range(10_000):
+        out.mesh(8, i)
+        out.node(i, (2.2 * (i % 100), 0, 2.2 * (i // 100)))
+    out.write(path)
+
+
+def textures(path: Path) -> None:
+    from io import BytesIO
+
+    from PIL import Image
+
+    out = Writer()
+    random = np.random.default_rng(1)
+    out.root |= {"images": [], "textures": [], "materials": []}
+    for i in range(200):
+        small = random.integers(0, 255, (32, 32, 3), dtype=np.uint8)
+        raw = BytesIO()
+        Image.fromarray(small).resize((1024, 1024)).save(raw, "JPEG")
+        view = out.view(raw.getvalue())
+        out.root["images"].append({"bufferView": view, "mimeType": "image/jpeg"})
+        out.root["textures"].append({"source": i})
+        pbr = {"baseColorTexture": {"index": i}}
+        out.root["materials"].append({"pbrMetallicRoughness": pbr})
+        out.mesh(8, i, i)
+        out.node(i, (2.2 * (i % 20), 0, 2.2 * (i // 20)))
+    out.write(path)
+
+
+def measured(command: list[str]) -> tuple[str, str, str, str]:
+    """Wall-clock and processor seconds, MiB at most, and the exit status."""
+    started = time.monotonic()
+    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    _, status, usage = os.wait4(process.pid, 0)
+    process.returncode = os.waitstatus_to_exitcode(status)
+    wall = time.monotonic() - started
+    cpu = usage.ru_utime + usage.ru_stime
+    return f"{wall:.2f}", f"{cpu:.2f}", f"{usage.ru_maxrss / 1024:.0f}", str(process.returncode)
+
+
+MAKERS = {
+    "1 M triangles": lambda path: triangles(1, path),
+    "5 M triangles": lambda path: triangles(5, path),
+    "10 M triangles": lambda path: triangles(10, path),
+    "10,000 meshes": meshes,
+    "200 textures": textures,
+}
+
+
+def main() -> None:
+    if sys.argv[1:2] == ["make"]:
+        MAKERS[sys.argv[2]](Path(sys.argv[3]))
+        return
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("--viewers", default="python3", help="a Python with f3d and trimesh")
+    parser.add_argument("--program", default="target/release/reflet")
+    parser.add_argument("--only", default="", help="models whose name contains this")
+    parser.add_argument("-o", "--out", type=Path, required=True)
+    arguments = parser.parse_args()
+    rows = []
+    with tempfile.TemporaryDirectory() as folder:
+        for name in MAKERS:
+            if arguments.only not in name:
+                continue
+            model, picture = Path(folder) / "model.glb", str(Path(folder) / "out.png")
+            # A child begins with the memory that this process has had, so it must stay small.
+            subprocess.run([sys.executable, __file__, "make", name, str(model)], check=True)
+            render = [arguments.program, "render", str(model), "-o", picture, "--size", "256x256"]
+            shiny = 'model.model.material."*"={ metallic = 1, roughness = 0 }'
+            for tool, command in {
+                "reflet": render,
+                "reflet, reflective": [*render, "--set", shiny],
+                "f3d": [arguments.viewers, "-c", F3D, str(model), picture],
+                "trimesh, loads only": [arguments.viewers, "-c", TRIMESH, str(model)],
+            }.items():
+                row = (name, tool, *measured(command))
+                print(", ".join(row), flush=True)
+                rows.append(row)
+    with arguments.out.open("w", newline="", encoding="utf-8") as file:
+        out = csv.writer(file)
+        out.writerow(["model", "tool", "wall_s", "processor_s", "memory_mib", "exit"])
+        out.writerows(rows)
+
+
+if __name__ == "__main__":
+    main()
