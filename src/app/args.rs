@@ -81,7 +81,7 @@ pub struct RenderArgs {
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     pub aov: Vec<String>,
     /// Remove grain by Intel Open Image Denoise, where that library is installed (REFLET_OIDN names its folder),
-    /// guided by color and normal of what pixels show; sharp mirrors stay as they are
+    /// guided by color and normal of what pixels show, and by the color of what sharp mirrors do
     #[arg(long)]
     pub denoise: bool,
     /// Read the shaders from a folder instead of the built-in ones

@@ -129,8 +129,8 @@ fn methods(listed: &[MethodArg]) -> Result<Vec<Method>, AppError> {
             return Err(AppError::Usage(text.to_owned()));
         }
         if method == Method::Path {
-            let text = "--methods path: it is the truth, of no cost to compare; render it by \
-                        `reflet render --method path` and compare pictures by `reflet compare`";
+            let text =
+                "--methods path: it is what the others are judged by with --against-path SAMPLES";
             return Err(AppError::Usage(text.to_owned()));
         }
         if !methods.contains(&method) {
@@ -156,7 +156,8 @@ fn reels(args: &BenchArgs) -> Result<Vec<FrameSeries>, AppError> {
     if paths.is_empty() {
         paths.push(None);
     }
-    let load = |path: Option<&Path>| {
+    let mut all = Vec::new();
+    for path in paths {
         let loaded = load_scene(path, &args.from, &[])?;
         let mut name = loaded.name.clone();
         if !args.from.set.is_empty() {
@@ -164,9 +165,38 @@ fn reels(args: &BenchArgs) -> Result<Vec<FrameSeries>, AppError> {
             name = format!("{name} with {}", args.from.set.join(", "));
         }
         let (camera, list) = (args.camera.as_deref(), args.timeline.as_deref());
-        timeline::reel(loaded, name, camera, list)
-    };
-    paths.into_iter().map(load).collect()
+        if let Some(samples) = args.against_path {
+            let still = against_path(loaded.clone(), &name, camera, samples)?;
+            all.push(FrameSeries::still(still));
+        }
+        all.push(timeline::reel(loaded, name, camera, list)?);
+    }
+    Ok(all)
+}
+
+/// A still scene with the picture of method `path` as its reference.
+fn against_path(
+    loaded: LoadedScene,
+    name: &str,
+    camera: Option<&str>,
+    samples: u32,
+) -> Result<Subject, AppError> {
+    if !loaded.scene.is_still() {
+        let text = format!("--against-path: {name} moves; it judges scenes that stand still");
+        return Err(AppError::Usage(text));
+    }
+    let still = subject(loaded, format!("{name} against path"), camera)?;
+    let mut truth = still.clone();
+    truth.reflection.method = Method::Path;
+    truth.image.samples = samples;
+    let content = Hash::default()
+        .with(still.content.to_le_bytes())
+        .with(format!("path of {samples} samples"));
+    Ok(Subject {
+        content: content.value(),
+        truth: Some(Box::new(truth)),
+        ..still
+    })
 }
 
 /// A loaded scene as what is measured.

@@ -7,10 +7,14 @@ use std::{
     ptr,
 };
 
+use glam::Vec3;
 use libloading::Library;
 
 use super::error::AppError;
-use crate::render::{Picture, Plane, PlaneData, aov::Aov};
+use crate::{
+    render::{Picture, Plane, PlaneData, aov::Aov},
+    world::{Instance, World},
+};
 
 /// Its file, by its major version, which its interface has had since 2023.
 #[cfg(target_os = "linux")]
@@ -24,11 +28,18 @@ const FILE: &str = "OpenImageDenoise.dll";
 const FOLDER: &str = "REFLET_OIDN";
 
 /// What tells it where surfaces end.
-const GUIDES: [Aov; 4] = [Aov::BaseColor, Aov::Normal, Aov::Material, Aov::Reflectance];
+const GUIDES: [Aov; 6] = [
+    Aov::BaseColor,
+    Aov::Emission,
+    Aov::Normal,
+    Aov::Material,
+    Aov::Reflectance,
+    Aov::HitIds,
+];
 
-/// Roughness below which reflections are sharp: no guide says what they show, so they stay as they are.
+/// Roughness below which reflections are sharp.
 const SHARP: f32 = 0.05;
-/// Reflectance from which on a sharp reflection is what a pixel shows.
+/// Reflectance from which on a sharp reflection is what a pixel shows: then its guide is of what is reflected.
 const MIRROR: f32 = 0.2;
 
 // Of `oidn.h`.
@@ -42,17 +53,19 @@ pub struct Denoiser {
     library: Library,
     /// How many AOVs are written, before those that guide it.
     written: usize,
+    /// What each instance looks like in a mirror, without its texture.
+    colors: Vec<[f32; 3]>,
 }
 
 /// A filter's input or output: its name, and three floats a pixel.
 struct Image<'a>(&'a CStr, &'a mut [f32]);
 
 impl Denoiser {
-    /// Loads the library, for pictures that are written with these AOVs.
+    /// Loads the library, for pictures of a world that are written with these AOVs.
     ///
     /// # Errors
     /// It is not installed, with what to do.
-    pub fn new(aovs: &[Aov]) -> Result<Self, AppError> {
+    pub fn new(aovs: &[Aov], world: &World) -> Result<Self, AppError> {
         let folder = env::var_os(FOLDER).filter(|folder| !folder.is_empty());
         let path = folder.map_or_else(|| FILE.into(), |folder| PathBuf::from(folder).join(FILE));
         #[expect(
@@ -70,8 +83,17 @@ impl Denoiser {
                 path.display()
             ))
         })?;
-        let written = aovs.len();
-        Ok(Self { library, written })
+        let color = |instance: &Instance| {
+            let material = &world.materials[instance.material];
+            (material.base_color.truncate() + material.emission)
+                .min(Vec3::ONE)
+                .to_array()
+        };
+        Ok(Self {
+            library,
+            written: aovs.len(),
+            colors: world.instances.iter().map(color).collect(),
+        })
     }
 
     /// The AOVs of a picture that is to be denoised: those that are asked for, then what guides it.
@@ -86,21 +108,17 @@ impl Denoiser {
     /// # Errors
     /// What the library says.
     pub fn apply(&self, picture: &mut Picture) -> Result<(), AppError> {
-        let plane = |aov: Aov| values(&picture.planes, aov);
-        let (albedo, normal) = (plane(Aov::BaseColor), plane(Aov::Normal));
-        let sharp: Vec<bool> = (plane(Aov::Material).chunks_exact(3))
-            .zip(plane(Aov::Reflectance))
-            .map(|(material, reflectance)| material[0] < SHARP && reflectance > MIRROR)
-            .collect();
-        let guides = (albedo, normal);
+        let guides = (
+            self.albedo(&picture.planes),
+            values(&picture.planes, Aov::Normal),
+        );
         if !picture.color.is_empty() {
+            let first = |pixel: &[f32]| [pixel[0], pixel[1], pixel[2]];
             let linear: Vec<f32> = picture.color.chunks_exact(4).flat_map(first).collect();
             let clean = self.filtered(picture.size, linear, &guides, c"hdr")?;
-            let pixels = picture.color.chunks_exact_mut(4).zip(clean.chunks_exact(3));
-            for ((pixel, clean), sharp) in pixels.zip(&sharp) {
-                if !sharp {
-                    pixel[..3].copy_from_slice(clean);
-                }
+            let pixels = picture.color.chunks_exact_mut(4);
+            for (pixel, clean) in pixels.zip(clean.chunks_exact(3)) {
+                pixel[..3].copy_from_slice(clean);
             }
         }
         let display = picture.display.chunks_exact(4);
@@ -108,19 +126,36 @@ impl Denoiser {
             .flat_map(|p| [p[0], p[1], p[2]].map(|v| f32::from(v) / 255.0))
             .collect();
         let clean = self.filtered(picture.size, display, &guides, c"srgb")?;
-        let pixels = picture
-            .display
-            .chunks_exact_mut(4)
-            .zip(clean.chunks_exact(3));
-        for ((pixel, clean), sharp) in pixels.zip(&sharp) {
-            if !sharp {
-                for (byte, value) in pixel.iter_mut().zip(clean) {
-                    *byte = (value.clamp(0.0, 1.0) * 255.0).round() as u8;
-                }
+        let pixels = picture.display.chunks_exact_mut(4);
+        for (pixel, clean) in pixels.zip(clean.chunks_exact(3)) {
+            for (byte, value) in pixel.iter_mut().zip(clean) {
+                *byte = (value.clamp(0.0, 1.0) * 255.0).round() as u8;
             }
         }
         picture.planes.truncate(self.written);
         Ok(())
+    }
+
+    /// The color of what pixels show, and in sharp mirrors of what these do.
+    fn albedo(&self, planes: &[Plane]) -> Vec<f32> {
+        let mut albedo = values(planes, Aov::BaseColor);
+        for (albedo, emission) in albedo.iter_mut().zip(values(planes, Aov::Emission)) {
+            *albedo = (*albedo + emission).min(1.0);
+        }
+        let hits = planes.iter().find(|plane| plane.name == Aov::HitIds.name());
+        let Some(PlaneData::U32(hits)) = hits.map(|plane| &plane.data) else {
+            return albedo;
+        };
+        let material = values(planes, Aov::Material);
+        let mirrors = (material.chunks_exact(3))
+            .zip(values(planes, Aov::Reflectance))
+            .map(|(material, reflectance)| material[0] < SHARP && reflectance > MIRROR);
+        let pixels = albedo.chunks_exact_mut(3).zip(hits.chunks_exact(2));
+        for ((albedo, hit), _) in pixels.zip(mirrors).filter(|(_, is_mirror)| *is_mirror) {
+            let seen = self.colors.get(hit[0] as usize);
+            albedo.copy_from_slice(seen.unwrap_or(&[1.0; 3]));
+        }
+        albedo
     }
 
     /// A picture of three floats a pixel without its noise; `kind` is the flag of its filter that is set.
@@ -219,10 +254,6 @@ impl Denoiser {
             if failed { Err(text) } else { Ok(()) }
         }
     }
-}
-
-fn first(pixel: &[f32]) -> [f32; 3] {
-    [pixel[0], pixel[1], pixel[2]]
 }
 
 /// The values of an AOV that a picture has.

@@ -40,7 +40,7 @@ impl RenderSession {
         opened: SystemTime,
     ) -> Result<Self, AppError> {
         let denoiser = (args.denoise)
-            .then(|| Denoiser::new(&aovs).map(Arc::new))
+            .then(|| Denoiser::new(&aovs, &loaded.world).map(Arc::new))
             .transpose()?;
         let gpu = Gpu::new(&GpuOptions {
             adapter_filter: args.adapter.clone(),

@@ -169,6 +169,7 @@ impl Material {
             occlusion_strength: Some(self.occlusion_strength),
             uv_scale: Some(self.uv_scale),
             alpha_cutoff: self.alpha_cutoff,
+            alpha: self.blended.then_some(self.base_color.w),
             emission: Some(self.emission),
             emission_strength: Some(1.0),
             reflectivity: Some(self.reflectivity),
@@ -192,6 +193,7 @@ impl Material {
         if let Some(color) = desc.base_color {
             self.base_color = color.extend(self.base_color.w);
         }
+        set(&mut self.base_color.w, desc.alpha);
         set(&mut self.metallic, desc.metallic);
         set(&mut self.roughness, desc.roughness);
         set(&mut self.normal_scale, desc.normal_scale);

@@ -1,5 +1,6 @@
 //! `bench` end to end: samples, report, resuming, selection and invalid input.
 
+mod against_path;
 mod animation;
 mod bad_input;
 #[path = "../common/mod.rs"]

@@ -3,6 +3,7 @@
 mod calibrate;
 #[path = "../common/mod.rs"]
 mod common;
+mod denoise;
 mod lsp;
 
 use std::{

@@ -282,3 +282,20 @@ fn rough_metals_see_a_lamp_behind_a_pane_once() {
     let behind = mean(&render(gpu, &[&metal, lamp, &pane].concat(), &set, &[]))[0];
     assert_close(behind, open * (1.0 - fresnel_at_normal(1.5)), 0.01);
 }
+
+#[test]
+fn alpha_of_scene_text_blends_as_that_of_a_file() {
+    let Some(gpu) = gpu() else { return };
+    let pane = "base_color = [0, 0, 0]\nreflectivity = 0\nemission = [0, 0, 1]\nalpha = 0.25";
+    let text = wall_and(&thing(PANE, pane));
+    let found = mean(&render(gpu, &text, &["image.samples=16"], &[]));
+    for (found, expected) in found.iter().zip([0.75, 0.375, 0.25 * 0.75 + 0.25]) {
+        assert_close(*found, expected, 0.01); // 7 bits of alpha
+    }
+    // Opaque, it costs nothing; compared with a cut-off it is there or not.
+    let (desc, world) = scene(&text, &["material.thing.alpha=1"]);
+    assert!(!renderer(gpu, &desc, &world, false).plan().transmission);
+    let cut = ["material.thing.alpha_cutoff=0.5"];
+    let found = mean(&render(gpu, &text, &cut, &[]));
+    assert_close(found[0], 1.0, 1e-3);
+}

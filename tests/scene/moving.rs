@@ -16,6 +16,7 @@ timeline = { fps = 2, end = 8 }
 [camera.main]
 [material.board]
 alpha_cutoff = 0.25
+alpha = 0.75
 transmission = 0.25
 attenuation_distance_m = 2
 clearcoat = 0.5
@@ -256,12 +257,13 @@ fn the_lit_part_of_a_cone_is_no_wider_than_the_cone() {
 fn absent_material_parts_cannot_move() {
     for (key, value, lacking) in [
         ("alpha_cutoff", "0.5", "write `alpha_cutoff = 0`"),
+        ("alpha", "0.5", "write `alpha = 1`"),
         ("transmission", "0.5", "write `transmission = 0`"),
         ("clearcoat", "0.5", "write `clearcoat = 0`"),
         ("checker_size_m", "0.5", "write `checker = { colors ="),
         ("checker_b", "[0, 0, 1]", "write `checker = { colors ="),
     ] {
-        let scene = (SCENE.replace("alpha_cutoff = 0.25\n", ""))
+        let scene = (SCENE.replace("alpha_cutoff = 0.25\nalpha = 0.75\n", ""))
             .replace("transmission = 0.25\n", "")
             .replace("clearcoat = 0.5\n", "");
         let scene = scene.replace("checker = {", "#");
@@ -280,7 +282,7 @@ fn absent_material_parts_cannot_move() {
             error.contains("`[model.tree.material.leaf]` has none"),
             "{error}"
         );
-        let rest = "alpha_cutoff = 0.5\ntransmission = 0\nclearcoat = 0\nchecker = { colors = [[1, 1, 1], [0, 0, 0]], size_m = 1 }\n";
+        let rest = "alpha_cutoff = 0.5\nalpha = 1\ntransmission = 0\nclearcoat = 0\nchecker = { colors = [[1, 1, 1], [0, 0, 0]], size_m = 1 }\n";
         for name in ["leaf", "\"*\""] {
             let table = format!("[model.tree.material.{name}]\n{rest}");
             pose(&format!("{SCENE}{model}{table}{motion}"), 0).expect("is right");

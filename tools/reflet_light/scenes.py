@@ -148,11 +148,12 @@ def surfaces_that_light() -> list[Scene]:
     )
     matte = "base_color = [0.7, 0.7, 0.7]\nreflectivity = 0"
     satin = "base_color = [0.9, 0.9, 0.9]\nmetallic = 1\nroughness = 0.3"
+    metal = FLOOR.replace(matte, satin).split("[material.block]")[0] + lamps
+    shows = "a ball and a box that glow"
     return [
-        Scene("light-mesh", "a ball and a box that glow, and shadows", FLOOR + lamps, 2),
-        Scene("light-mesh-metal", "rough metal floor below a ball and a box that glow",
-              FLOOR.replace(matte, satin) + lamps, 3),
-    ]  # fmt: skip
+        Scene("light-mesh", f"{shows}, and shadows", FLOOR + lamps, 2),
+        Scene("light-mesh-metal", f"rough metal floor below {shows}", metal, 3),
+    ]
 
 
 def room() -> str:
@@ -199,9 +200,14 @@ def indirect() -> list[Scene]:
     for n in (1, 4):
         bounces = f"bounces = 12\ndiffuse_bounces = {n}"
         text = (room() + block).replace("bounces = 12", bounces)
-        scenes.append(Scene(f"room-{n}", f"room of matte walls, {n} diffuse bounces", text, n + 2))
+        scenes.append(
+            Scene(f"room-{n}", f"room of matte walls, {n} diffuse bounces", text, n + 2, 256)
+        )
     text = (room() + block + metal + glass).replace('"rt"', '"path"')
-    return [*scenes, Scene("room-path", "the same with metal and glass, by all paths", text, -1)]
+    return [
+        *scenes,
+        Scene("room-path", "the same with metal and glass, by all paths", text, -1, 256),
+    ]
 
 
 def glow(color: str) -> str:

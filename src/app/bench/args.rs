@@ -69,6 +69,15 @@ pub struct BenchArgs {
     /// says
     #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
     pub timeline: Option<String>,
+    /// Also judge every setting by a picture of method `path` with so many samples, 1 to 4096, as a scene
+    /// "NAME against path": the error of the model beside that of the method. Scenes that stand still only
+    #[arg(
+        long,
+        value_name = "SAMPLES",
+        value_parser = clap::value_parser!(u32).range(1..=4096),
+        conflicts_with = "timeline"
+    )]
+    pub against_path: Option<u32>,
     /// Which camera of the scenes; without it `main`, else the first
     #[arg(long, value_name = "NAME")]
     pub camera: Option<String>,

@@ -36,7 +36,14 @@ impl Bench<'_> {
     ) -> Result<Reference, BenchError> {
         let reflection = self.protocol.reference(&subject.reflection);
         let mut of_truth = match &subject.truth {
-            Some(truth) => Some(truth.renderer(self.gpu, self.library, &reflection, size)?),
+            Some(truth) => {
+                // The truth of the model follows its own method, that of the method `rt`.
+                let own = match truth.reflection.method {
+                    Method::Path => truth.reflection,
+                    _ => reflection,
+                };
+                Some(truth.renderer(self.gpu, self.library, &own, size)?)
+            }
             None => None,
         };
         let shown = subject.truth.as_deref().unwrap_or(subject);

@@ -62,6 +62,10 @@ pub struct MaterialDesc {
     pub uv_scale: Option<[f32; 2]>,
     /// Alpha below this is cut out, 0 to 1. Default: not cut out, or the glTF value.
     pub alpha_cutoff: Option<f32>,
+    /// Share of light that the surface stops, 0 to 1, multiplied by the alpha of its base color texture; what is
+    /// behind shows through the rest (glTF's `BLEND`), also in reflections. Followed by rays. With an `alpha_cutoff`
+    /// it is what that is compared with. Default 1, opaque, or the glTF value.
+    pub alpha: Option<f32>,
     /// Whether the back of a triangle is seen. Default true for shapes; glTF's own for models.
     pub double_sided: Option<bool>,
     /// How it takes part in reflections. Default `"auto"`.
@@ -187,6 +191,8 @@ pub struct MaterialMotionDesc {
     /// - `uv_scale`: track of the texture repetitions, two numbers.
     /// - `alpha_cutoff`: track of the alpha below which it is cut out, 0 to 1; the material's own
     ///   table must have an `alpha_cutoff`, which may be 0.
+    /// - `alpha`: track of the share of light that the surface stops, 0 to 1; the material's own table must have
+    ///   an `alpha`, which may be 1.
     /// - `reflectivity`: track of the specular reflectance at normal incidence, 0 to 1.
     /// - `transmission`: track of the share of light that passes through, 0 to 1; the material's own table
     ///   must have a `transmission`, which may be 0.
@@ -233,7 +239,7 @@ macro_rules! of_checkers {
 }
 
 /// How many values of a material may change.
-pub const MATERIAL_FIELDS: usize = 18;
+pub const MATERIAL_FIELDS: usize = 19;
 
 /// What changes of a material.
 pub static MATERIAL: [Field<MaterialDesc>; MATERIAL_FIELDS] = [
@@ -246,6 +252,7 @@ pub static MATERIAL: [Field<MaterialDesc>; MATERIAL_FIELDS] = [
     optional!(emission_strength, Number, FROM_0),
     optional!(uv_scale, Pair, ANY),
     optional!(alpha_cutoff, Number, UNIT),
+    optional!(alpha, Number, UNIT),
     optional!(reflectivity, Number, UNIT),
     optional!(transmission, Number, UNIT),
     optional!(attenuation_color, Color, UNIT),
@@ -274,6 +281,7 @@ pub const PLAIN: MaterialDesc = MaterialDesc {
     light: None,
     uv_scale: Some([1.0, 1.0]),
     alpha_cutoff: None,
+    alpha: None,
     double_sided: None,
     reflection: None,
     reflectivity: Some(0.04),
@@ -296,6 +304,7 @@ impl Field<MaterialDesc> {
         }
         Some(match self.key {
             "alpha_cutoff" => "alpha_cutoff = 0",
+            "alpha" => "alpha = 1",
             "transmission" => "transmission = 0",
             "attenuation_distance_m" => "attenuation_distance_m = 1",
             "clearcoat" => "clearcoat = 0",

@@ -165,6 +165,7 @@ impl Section for MaterialDesc {
             light: t.find("light", ANY),
             uv_scale: t.find("uv_scale", ANY),
             alpha_cutoff: t.find("alpha_cutoff", UNIT),
+            alpha: t.find("alpha", UNIT),
             double_sided: t.find("double_sided", ANY),
             reflection: t.find("reflection", ANY),
             reflectivity: t.find("reflectivity", UNIT).or(ior.map(reflectivity_of)),

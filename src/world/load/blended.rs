@@ -1,6 +1,6 @@
 //! Which blended materials have something to blend: many files mark opaque ones too.
 
-use crate::world::{Instance, Mesh, Texture, World};
+use crate::world::{Instance, Mesh, Texture, World, pose::MaterialSource};
 
 /// Makes materials opaque that are blended although their alpha is 1 everywhere, so that they cost
 /// nothing. The meshes and textures are those that the world will have.
@@ -9,7 +9,10 @@ pub fn drop_opaque(world: &mut World, meshes: &[Mesh], textures: &[Texture]) {
         |instance: &Instance| meshes[instance.mesh].colors.iter().any(|c| c.w < 1.0);
     for index in 0..world.materials.len() {
         let material = &world.materials[index];
-        if !material.blended || material.base_color.w < 1.0 {
+        // What the scene text says an `alpha` of may have another in other frames.
+        let is_moving = (world.moving.materials.iter())
+            .any(|m| m.material == index && !matches!(m.from, MaterialSource::File { .. }));
+        if !material.blended || material.base_color.w < 1.0 || is_moving {
             continue;
         }
         let texture = material.base_color_texture.map(|t| &textures[t.texture]);

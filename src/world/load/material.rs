@@ -126,6 +126,9 @@ impl Loader<'_> {
         material.light = desc.light.unwrap_or(material.light);
         material.reflection = desc.reflection.unwrap_or(material.reflection);
         material.ior = desc.ior.unwrap_or(material.ior);
+        if desc.alpha.is_some() && material.alpha_cutoff.is_none() {
+            material.blended = true;
+        }
         if let Some(thickness_m) = desc.thickness_m {
             material.solid = thickness_m > 0.0;
         }

@@ -1,0 +1,74 @@
+//! `--against-path`: the error of the model beside that of the method.
+
+use std::fs;
+
+use crate::{common::gpu_or_skip, exits, folder, samples};
+
+/// A mirror below a white wall that only other walls light: `rt` leaves it dark, all paths do not.
+const SCENE: &str = r#"
+version = 1
+[camera.main]
+eye = [0, 1, 4]
+target = [0, 0.5, 0]
+[image]
+samples = 4
+[material.mirror]
+metallic = 1
+roughness = 0
+[material.glow]
+emission = [2, 1, 0.5]
+[model.floor]
+shape = { kind = "plane", size = [4, 4] }
+material = "mirror"
+[model.wall]
+shape = { kind = "plane", size = [4, 4] }
+[[instance]]
+model = "floor"
+[[instance]]
+model = "wall"
+translation = [0, 2, -2]
+rotation_deg = [90, 0, 0]
+[[instance]]
+model = "wall"
+material = "glow"
+translation = [-2, 2, 0]
+rotation_deg = [0, 0, -90]
+"#;
+
+#[test]
+fn a_second_reference_judges_the_model() {
+    if gpu_or_skip().is_none() {
+        return;
+    }
+    let folder = folder("against-path");
+    fs::write(folder.join("room.toml"), SCENE).expect("a scene");
+    let run: Vec<&str> =
+        "room.toml --methods rt --sizes 64x36 --frames 1 --warm-up 1 --against-path 64 -o out"
+            .split(' ')
+            .collect();
+    exits(&folder, &run, 0);
+    let found = samples(&folder.join("out"));
+    let flip = |by_path: bool| {
+        let of = found
+            .iter()
+            .find(|s| s.scene.ends_with("against path") == by_path);
+        of.expect("measured").flip.expect("judged")
+    };
+    assert!(
+        flip(false) < 0.01 && flip(true) > 0.1,
+        "{} {}",
+        flip(false),
+        flip(true)
+    );
+    let moving = SCENE.replace(
+        "version = 1",
+        "version = 1\ntimeline = { fps = 1, end = 3 }",
+    ) + "name = \"lamp\"\n[motion.instance.lamp]\ntranslation = { rate = [0, 1, 0] }\n";
+    fs::write(folder.join("moving.toml"), moving).expect("a scene");
+    let run: Vec<&str> = "moving.toml --against-path 4 -o moved".split(' ').collect();
+    let [_, error] = exits(&folder, &run, 2);
+    assert!(
+        error.contains("moves") && !folder.join("moved").exists(),
+        "{error}"
+    );
+}
