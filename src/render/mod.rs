@@ -10,6 +10,7 @@ pub(crate) mod cull;
 pub(crate) mod debug_readback;
 pub mod decide;
 pub(crate) mod download;
+pub(crate) mod draw;
 mod edge_on;
 pub(crate) mod emitters;
 pub mod error;

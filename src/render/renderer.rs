@@ -396,6 +396,5 @@ fn plan_of(world: &World, trees: &Trees, scene: &GpuScene, options: &RenderOptio
 }
 
 fn unit_of(world: &World, options: &RenderOptions) -> f32 {
-    let unit_m = options.reflection.unit_m;
-    unit_m.unwrap_or_else(|| world.unit_m())
+    (options.reflection.unit_m).unwrap_or_else(|| world.unit_m())
 }

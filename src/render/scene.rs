@@ -1,22 +1,19 @@
 //! Scene upload: buffers, texture pools and the list of draws; group 1 of every shader.
 
-use std::ops::Range;
-
 use bytemuck::cast_slice;
 use glam::Affine3A;
 
 use crate::{
     gpu::{Gpu, GpuError},
-    math::Bounds,
-    scene::desc::ShownDesc,
     world::{
-        Instance, Material, World,
+        Instance, World,
         bvh::{CwBvhNode, TraceTriangle, Trees},
     },
 };
 
 use super::{
     chunks::{ChunkedArray, Chunks, chunk_of},
+    draw::{Draw, class_of, draws, mirrors},
     emitters::{Emitters, GpuEmitters},
     geometry::{MeshRange, buffer, geometry, mesh_vertices},
     gpu_material::gpu_material,
@@ -24,42 +21,6 @@ use super::{
     textures::{Pools, samplers},
     types::{FLAG_COLORS, FLAG_EMITTER, FLAG_MIRRORED, GpuInstance, GpuMaterial, flag},
 };
-
-/// How a draw is rasterized.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct DrawClass {
-    /// Tests alpha.
-    pub cutout: bool,
-    /// Double-sided.
-    pub double_sided: bool,
-    /// Mirrored by its transform.
-    pub mirrored: bool,
-}
-
-/// One instance's draw.
-#[derive(Clone, Debug)]
-pub struct Draw {
-    /// Index of the instance.
-    pub instance: u32,
-    /// Its part of `mesh_data`.
-    pub indices: Range<u32>,
-    /// First vertex.
-    pub vertex_base: i32,
-    /// World bounds.
-    pub bounds: Bounds,
-    /// How.
-    pub class: DrawClass,
-    /// Whether its pose, and with it its handedness, may change.
-    pub dynamic: bool,
-    /// Whether the camera, which culls its triangles from behind, may look through them.
-    pub hides_backs: bool,
-    /// Hash of the vertices of a deformed mesh, else 0.
-    pub shape: u64,
-    /// Whether it is drawn into shadow maps, which know no light that passes.
-    pub casts_shadow: bool,
-    /// Which rays see it.
-    pub shown: ShownDesc,
-}
 
 /// A scene on the GPU.
 #[derive(Debug)]
@@ -198,10 +159,7 @@ impl GpuScene {
             record.object_from_world = traced.object_from_world;
         }
         for draw in &mut self.draws {
-            let instance = &world.instances[draw.instance as usize];
-            draw.class.mirrored = mirrors(&instance.world_from_object);
-            draw.bounds = world.bounds_of(instance);
-            draw.shape = shape_of(world, instance.mesh);
+            draw.pose(world);
         }
         gpu.queue
             .write_buffer(&self.instances, 0, cast_slice(&self.records));
@@ -306,10 +264,6 @@ fn tree_arrays(gpu: &Gpu, trees: &Trees) -> Result<(ChunkedArray, ChunkedArray),
     ))
 }
 
-fn shape_of(world: &World, mesh: usize) -> u64 {
-    world.deformed.get(&mesh).map_or(0, |d| d.hash)
-}
-
 fn rows(transform: &Affine3A) -> [[f32; 4]; 3] {
     let m = transform.matrix3;
     let t = transform.translation;
@@ -348,47 +302,6 @@ fn instance_records(world: &World, trees: &Trees, mesh_ranges: &[MeshRange]) -> 
         .iter()
         .zip(&trees.instances)
         .map(record)
-        .collect()
-}
-
-fn mirrors(transform: &Affine3A) -> bool {
-    transform.matrix3.determinant() < 0.0
-}
-
-fn class_of(material: &Material, transform: &Affine3A) -> DrawClass {
-    DrawClass {
-        cutout: material.alpha_cutoff.is_some(),
-        double_sided: material.double_sided,
-        mirrored: mirrors(transform),
-    }
-}
-
-fn draws(world: &World, mesh_ranges: &[MeshRange]) -> Vec<Draw> {
-    let draw = |(i, instance): (usize, &Instance)| {
-        let range = mesh_ranges[instance.mesh];
-        (range.index_count > 0).then(|| Draw {
-            instance: i as u32,
-            indices: range.index_base..range.index_base + range.index_count,
-            vertex_base: range.vertex_base as i32,
-            bounds: world.bounds_of(instance),
-            class: class_of(
-                &world.materials[instance.material],
-                &instance.world_from_object,
-            ),
-            dynamic: instance.dynamic,
-            hides_backs: world.hides_backs(instance),
-            shape: shape_of(world, instance.mesh),
-            casts_shadow: instance.shown.casts_shadow
-                && (world.materials[instance.material].transmission)
-                    .is_none_or(|share| share < 0.5),
-            shown: instance.shown,
-        })
-    };
-    world
-        .instances
-        .iter()
-        .enumerate()
-        .filter_map(draw)
         .collect()
 }
 

@@ -4,11 +4,11 @@ use crate::{
     gpu::GpuError,
     render::{
         cull::is_outside,
+        draw::{Draw, DrawClass},
         frame_pass::FramePass,
         pass::{Pass, declared_overrides},
         pass_builder::PassBuilder,
         plan::has_primary_rays,
-        scene::{Draw, DrawClass},
         sub_frame::SubFrame,
         targets::Target,
     },

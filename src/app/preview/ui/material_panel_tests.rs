@@ -27,6 +27,7 @@ fn harness<'a>() -> Harness<'a, State> {
     summary.materials[0].numbers = PLAIN;
     summary.materials[1].numbers = MaterialDesc {
         emission: Some(Vec3::new(0.0, 2.0, 4.0)),
+        alpha: Some(0.5),
         alpha_cutoff: Some(0.5),
         transmission: Some(0.5),
         attenuation_color: Some(Vec3::ONE),

@@ -1,0 +1,106 @@
+//! What is rasterized: one draw for each instance that has triangles.
+
+use std::ops::Range;
+
+use glam::Affine3A;
+
+use super::geometry::MeshRange;
+use crate::{
+    math::Bounds,
+    scene::desc::ShownDesc,
+    world::{Instance, Material, World},
+};
+
+/// How a draw is rasterized.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct DrawClass {
+    /// Tests alpha.
+    pub cutout: bool,
+    /// Double-sided.
+    pub double_sided: bool,
+    /// Mirrored by its transform.
+    pub mirrored: bool,
+}
+
+/// One instance's draw.
+#[derive(Clone, Debug)]
+pub struct Draw {
+    /// Index of the instance.
+    pub instance: u32,
+    /// Its part of `mesh_data`.
+    pub indices: Range<u32>,
+    /// First vertex.
+    pub vertex_base: i32,
+    /// World bounds.
+    pub bounds: Bounds,
+    /// How.
+    pub class: DrawClass,
+    /// Whether its pose, and with it its handedness, may change.
+    pub dynamic: bool,
+    /// Whether the camera, which culls its triangles from behind, may look through them.
+    pub hides_backs: bool,
+    /// Hash of the vertices of a deformed mesh, else 0.
+    pub shape: u64,
+    /// Whether it is drawn into shadow maps, which know no light that passes.
+    pub casts_shadow: bool,
+    /// Which rays see it.
+    pub shown: ShownDesc,
+}
+
+impl Draw {
+    /// Takes over the pose of its instance.
+    pub fn pose(&mut self, world: &World) {
+        let instance = &world.instances[self.instance as usize];
+        self.class.mirrored = mirrors(&instance.world_from_object);
+        self.bounds = world.bounds_of(instance);
+        self.shape = shape_of(world, instance.mesh);
+    }
+}
+
+/// Whether a transform turns triangles around.
+pub fn mirrors(transform: &Affine3A) -> bool {
+    transform.matrix3.determinant() < 0.0
+}
+
+/// How an instance of a material is drawn.
+pub fn class_of(material: &Material, transform: &Affine3A) -> DrawClass {
+    DrawClass {
+        cutout: material.alpha_cutoff.is_some(),
+        double_sided: material.double_sided,
+        mirrored: mirrors(transform),
+    }
+}
+
+/// One for each instance that has triangles.
+pub fn draws(world: &World, mesh_ranges: &[MeshRange]) -> Vec<Draw> {
+    let draw = |(i, instance): (usize, &Instance)| {
+        let range = mesh_ranges[instance.mesh];
+        (range.index_count > 0).then(|| Draw {
+            instance: i as u32,
+            indices: range.index_base..range.index_base + range.index_count,
+            vertex_base: range.vertex_base as i32,
+            bounds: world.bounds_of(instance),
+            class: class_of(
+                &world.materials[instance.material],
+                &instance.world_from_object,
+            ),
+            dynamic: instance.dynamic,
+            hides_backs: world.hides_backs(instance),
+            shape: shape_of(world, instance.mesh),
+            casts_shadow: instance.shown.casts_shadow
+                && (world.materials[instance.material].transmission)
+                    .is_none_or(|share| share < 0.5),
+            shown: instance.shown,
+        })
+    };
+    world
+        .instances
+        .iter()
+        .enumerate()
+        .filter_map(draw)
+        .collect()
+}
+
+fn shape_of(world: &World, mesh: usize) -> u64 {
+    world.deformed.get(&mesh).map_or(0, |d| d.hash)
+}
