@@ -1,6 +1,6 @@
 """Renders every glTF root of a corpus; puts the pictures on sheets, beside reference pictures.
 
-.venv/bin/python tools/gltf_corpus.py ../shared/corpus/gltf /tmp/sheets --docs docs/gltf.md
+.venv/bin/python tools/gltf_corpus.py ../shared/corpus/gltf /tmp/sheets
 
 The corpus lists its roots in INDEX.tsv, with the errors that the Khronos validator finds in each.
 A reference picture is `Figures/SampleImages/NAME.png` beside or above a root, as in
@@ -25,7 +25,6 @@ SIZE = 192
 CELLS = 48
 COLUMNS = 8
 LIMIT_S = 60
-BEGIN, END = "<!-- corpus: tools/gltf_corpus.py -->\n", "<!-- end of corpus -->\n"
 
 
 @dataclasses.dataclass
@@ -120,9 +119,8 @@ def table(roots: list[Root]) -> str:
 def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("corpus", type=Path)
-    parser.add_argument("out", type=Path, help="folder for the sheets")
+    parser.add_argument("out", type=Path, help="folder for the sheets and table.md")
     parser.add_argument("--program", default="target/release/reflet")
-    parser.add_argument("--docs", type=Path, help="page whose table of the corpus is replaced")
     parser.add_argument("--only", default="", help="roots whose path contains this")
     arguments = parser.parse_args()
     (arguments.out / "cells").mkdir(parents=True, exist_ok=True)
@@ -138,10 +136,6 @@ def main() -> None:
     (arguments.out / "table.md").write_text(text, encoding="utf-8")
     slowest = max(roots, key=lambda root: root.seconds)
     print(f"{len(roots)} roots on {count} sheets; slowest {slowest.file}: {slowest.seconds:.1f} s")
-    if arguments.docs:
-        page = arguments.docs.read_text(encoding="utf-8")
-        head, rest = page.split(BEGIN)
-        arguments.docs.write_text(head + BEGIN + "\n" + text + "\n" + END + rest.split(END)[1])
 
 
 if __name__ == "__main__":
