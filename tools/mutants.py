@@ -45,6 +45,7 @@ MODULES = [
     "edge_cases",
     "ray_list",
     "agreement",
+    "orthographic",
 ]
 GROUPS = {
     "shader": (48, ["shaders/*.wgsl", "shaders/lib/*.wgsl"]),
