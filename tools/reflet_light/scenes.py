@@ -206,7 +206,7 @@ def indirect() -> list[Scene]:
     text = (room() + block + metal + glass).replace('"rt"', '"path"')
     return [
         *scenes,
-        Scene("room-path", "the same with metal and glass, by all paths", text, -1, 256),
+        Scene("room-path", "the same with metal and glass, by all paths", text, 32, 256),
     ]
 
 
