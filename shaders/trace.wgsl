@@ -47,12 +47,12 @@ fn trace_pixel(pixel: vec2u) {
         start_m = 0.0;
         throughput *= medium_transmittance(h.t);
         if (h.instance == NONE) {
-            color += throughput * beyond(origin, ray);
+            color += found_light(throughput * beyond(origin, ray), bounce);
             break;
         }
         let light = seen_light(origin, ray, h.t);
         if (light.is_seen) {
-            color += throughput * light.radiance;
+            color += found_light(throughput * light.radiance, bounce);
             break;
         }
         if (bounce == 0u) { found = vec4u(bitcast<u32>(h.t), h.instance, h.triangle, 0u); }
@@ -65,7 +65,7 @@ fn trace_pixel(pixel: vec2u) {
             var lent = vec2u(0u);
             if (LENDS_LIGHT) { lent = lent_light(visible_lights, s); }
             let lit = shade(s, -direction, lent);
-            color += throughput * (lit.diffuse + lit.specular);
+            color += found_light(throughput * (lit.diffuse + lit.specular), bounce);
         }
         if (!continues(s)) { break; }
         ray = next_ray(ray, s);

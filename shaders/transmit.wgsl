@@ -46,12 +46,12 @@ fn behind(pixel: vec2u) -> vec4f {
         throughput *= medium_transmittance(h.t);
         if (h.instance == NONE) {
             if (HIDES_BACKGROUND && is_straight) { return vec4f(color, 1.0 - uncovered); }
-            color += throughput * beyond(origin, ray);
+            color += found_light(throughput * beyond(origin, ray), step);
             break;
         }
         let light = seen_light(origin, ray, h.t);
         if (light.is_seen) {
-            color += throughput * light.radiance;
+            color += found_light(throughput * light.radiance, step);
             break;
         }
         cone = continued(cone, h.t);
@@ -59,7 +59,7 @@ fn behind(pixel: vec2u) -> vec4f {
         s = surface_at(h.instance, h.triangle, h.bary, direction, cone.width_m);
         s.emission *= met_emission(ray, h.instance, h.t, s);
         let lit = shade(s, -direction, vec2u(0u));
-        color += throughput * (lit.diffuse + lit.specular);
+        color += found_light(throughput * (lit.diffuse + lit.specular), step);
         if (!continues(s)) { break; }
         uncovered *= 1.0 - coverage(s);
         ray = next_ray(ray, s);

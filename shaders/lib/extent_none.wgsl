@@ -17,6 +17,11 @@ fn lobe_ray(direction: vec3f, s: Surface) -> Reflected {
     return Reflected(mirror_direction(direction, s), fresnel(s, dot(s.normal, -direction)), 0.0, 1.0);
 }
 
+// What a path adds past its first hit.
+fn limited(light: vec3f) -> vec3f {
+    return light;
+}
+
 fn is_sized(i: u32) -> bool {
     return false;
 }

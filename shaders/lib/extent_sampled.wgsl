@@ -31,6 +31,17 @@ fn balance(pdf: f32, other: f32) -> f32 {
     return 1.0 / (1.0 + ratio * ratio);
 }
 
+// Whether the path has left a surface in one of several directions, by chance.
+var<private> path_is_chance: bool = false;
+
+// What a path adds past its first hit: after a chance at most the limit, for what is bright and seldom met shows as
+// specks long before it converges.
+fn limited(light: vec3f) -> vec3f {
+    let brightest = max(light.x, max(light.y, light.z));
+    if (UNBIASED || !path_is_chance || frame.glint_limit <= 0.0 || brightest <= frame.glint_limit) { return light; }
+    return light * (frame.glint_limit / brightest);
+}
+
 // One facet of the surface a sub-frame; over many they are all that the view sees. `direction` is that of
 // the arriving ray.
 fn lobe_ray(direction: vec3f, s: Surface) -> Reflected {
@@ -39,6 +50,7 @@ fn lobe_ray(direction: vec3f, s: Surface) -> Reflected {
     if (!is_rough_reflector(s)) {
         return Reflected(mirror, fresnel(s, dot(s.normal, -direction)), 0.0, 1.0);
     }
+    path_is_chance = true;
     let axes = basis(s.normal);
     var view = -direction * axes;
     view.z = max(view.z, 1e-3);

@@ -26,8 +26,8 @@ struct Frame {
     far_m: f32, // depth where an orthographic clip space ends: nothing lies beyond; 0: perspective
     has_edge_on: u32, // 1: rays on the screen may pass surfaces that are seen edge-on
     diffuse_bounces: u32, // times that matte surfaces scatter along a path
+    glint_limit: f32, // radiance that paths add past a chance; 0: no limit
     pad0: u32,
-    pad1: u32,
 }
 
 struct Light {

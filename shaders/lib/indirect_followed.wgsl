@@ -34,6 +34,7 @@ fn continues(s: Surface) -> bool {
 // A direction of even light over the cosine. What shines is found by rays towards it alone.
 fn scattered_ray(s: Surface, weight: vec3f) -> Reflected {
     path_scatterings++;
+    path_is_chance = true;
     leave_vertex(s);
     let out = cosine_direction(s.normal, sample_square(sampling.sample, SCATTER_PAIR));
     if (dot(out, s.geometric_normal) <= 0.0) { return Reflected(s.normal, vec3f(0.0), TAKEN, 0.0); }
@@ -85,19 +86,19 @@ fn followed(pixel: vec2u, vertex: u32, start: Reflected, from_s: Surface, first:
         let h = trace_nearest(origin, ray.direction, 0.0, FAR_M);
         throughput *= medium_transmittance(h.t);
         if (h.instance == NONE) {
-            color += throughput * beyond(origin, ray);
+            color += found_light(throughput * beyond(origin, ray), k);
             break;
         }
         let light = seen_light(origin, ray, h.t);
         if (light.is_seen) {
-            color += throughput * light.radiance;
+            color += found_light(throughput * light.radiance, k);
             break;
         }
         cone = continued(cone, h.t);
         s = surface_at(h.instance, h.triangle, h.bary, ray.direction, cone.width_m);
         s.emission *= met_emission(ray, h.instance, h.t, s);
         let lit = shade(s, -ray.direction, vec2u(0u));
-        color += throughput * (lit.diffuse + lit.specular);
+        color += found_light(throughput * (lit.diffuse + lit.specular), k);
         if (!continues(s)) { break; }
         ray = next_ray(ray, s);
         throughput *= ray.weight;

@@ -182,6 +182,12 @@ fn arriving_share(s: Surface, direction: vec3f, distance_m: f32) -> vec3f {
     return transmittance(ray_origin(smooth_position(s), s.geometric_normal), direction, distance_m);
 }
 
+// What a path adds at one of its hits; only past the first it is limited.
+fn found_light(light: vec3f, hit: u32) -> vec3f {
+    if (hit == 0u) { return light; }
+    return limited(light);
+}
+
 // What a reflection ray sees that meets no surface.
 fn beyond(origin: vec3f, ray: Reflected) -> vec3f {
     let light = seen_light(origin, ray, 2.0 * FAR_M);

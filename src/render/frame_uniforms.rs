@@ -107,8 +107,8 @@ impl Frame {
             far_m: view.far_m(),
             has_edge_on: u32::from(view.has_edge_on),
             diffuse_bounces: settings.diffuse_bounces,
+            glint_limit: settings.glint_limit,
             pad0: 0,
-            pad1: 0,
         }
     }
 }

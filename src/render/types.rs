@@ -87,10 +87,10 @@ gpu_struct! {
         has_edge_on: u32,
         /// Times that matte surfaces scatter along a path.
         diffuse_bounces: u32,
+        /// Radiance that paths add past a chance; 0: no limit.
+        glint_limit: f32,
         /// Unused.
         pad0: u32,
-        /// Unused.
-        pad1: u32,
     }
 }
 

@@ -226,3 +226,30 @@ fn light_behind_solid_glass_is_found_by_what_is_refracted() {
     assert!(open > 0.1);
     assert_close(behind, open, 0.03);
 }
+
+#[test]
+fn a_limit_takes_away_what_paths_find_seldom() {
+    let Some(gpu) = gpu() else { return };
+    // Through matte surfaces all light of the oven is seen after a chance; directly none is.
+    let set = [
+        "reflection.diffuse_bounces=2",
+        "material.wall.emission_strength=4",
+    ];
+    let open = mean(&render(gpu, OVEN, &set, &[]))[0];
+    assert_close(open, 1.0 + 0.5 + 0.25, 1e-3);
+    let limited = [&set[..], &["reflection.glint_limit=0.1"]].concat();
+    assert_close(
+        mean(&render(gpu, OVEN, &limited, &[]))[0],
+        1.0 + 0.5 + 0.1,
+        1e-3,
+    );
+    let path = [
+        "reflection.method=path",
+        "image.samples=1",
+        "reflection.glint_limit=0.1",
+    ];
+    assert_eq!(
+        render(gpu, OVEN, &path, &[]).color,
+        render(gpu, OVEN, &path[..2], &[]).color
+    );
+}

@@ -2,7 +2,7 @@
 
 use crate::scene::{
     number::{Field, plain},
-    range::{EDGE_PX, RAY_LENGTH_U, THRESHOLD_U, UNIT, range},
+    range::{EDGE_PX, FROM_0, RAY_LENGTH_U, THRESHOLD_U, UNIT, range},
 };
 
 /// How reflections are found.
@@ -78,6 +78,10 @@ pub struct ReflectionDesc {
     /// its `shadow`, and surfaces that emit light others also without `light = true`, but with more grain. One
     /// ray a pixel and sub-frame: good with 64 `samples` and more. Default 0.
     pub diffuse_bounces: u32,
+    /// Most radiance that a path may add past its first hit, once it has gone one of several ways by chance, 0 or
+    /// more: less takes away bright specks of lamps that rough surfaces, glass and coats find seldom, and light
+    /// with them. 1 is white at exposure 0; 0 is no limit, as for method `path`. Default 0.
+    pub glint_limit: f32,
     /// Most steps of the screen-space march, 8 to 4096. More misses less and takes longer. Default 128.
     pub steps: u32,
     /// `"auto"` materials reflect below this roughness, 0 to 1; with 1 all of them do. Others show only the
@@ -113,6 +117,7 @@ impl Default for ReflectionDesc {
             threshold_u: 0.025,
             bounces: 3,
             diffuse_bounces: 0,
+            glint_limit: 0.0,
             steps: 128,
             roughness_cutoff: 0.2,
             unit_m: None,
@@ -144,6 +149,7 @@ impl ReflectionDesc {
         Self {
             bounces: ENDLESS,
             diffuse_bounces: ENDLESS,
+            glint_limit: 0.0,
             roughness_cutoff: 1.0,
             ray_length_u: 1e12,
             reuse_light: false,
@@ -161,10 +167,11 @@ impl ReflectionDesc {
 }
 
 /// The keys of `[reflection]` that are one number: the reader works from this table.
-pub static REFLECTION: [Field<ReflectionDesc>; 5] = [
+pub static REFLECTION: [Field<ReflectionDesc>; 6] = [
     plain!(ray_length_u, Number, RAY_LENGTH_U),
     plain!(edge_px, Number, EDGE_PX),
     plain!(threshold_u, Number, THRESHOLD_U),
     plain!(roughness_cutoff, Number, UNIT),
+    plain!(glint_limit, Number, FROM_0),
     plain!(blur_px, Number, range(0.0, 16.0)),
 ];
