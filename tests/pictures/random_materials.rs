@@ -51,12 +51,15 @@ fn material(random: &mut Random) -> String {
         key(name, random.between(0.0, 1.0).to_string());
     }
     if random.unit() < 0.3 {
-        key("emission", format!("{:?}", random.color(1e5)));
+        let [red, green, blue] = random.color(1e5);
+        key("emission", format!("{:?}", [red.max(1e-6), green, blue]));
+        key("light", (random.unit() < 0.5).to_string());
     }
     if random.unit() < 0.5 {
         for name in ["transmission", "clearcoat", "clearcoat_roughness"] {
             key(name, random.between(0.0, 1.0).to_string());
         }
+        key("alpha", random.between(0.0, 1.0).to_string());
         key("ior", random.between(1.0, 4.0).to_string());
         key("thickness_m", random.between(0.0, 2.0).to_string());
         key("attenuation_color", format!("{:?}", random.color(1.0)));
@@ -80,7 +83,7 @@ fn world(seed: u32) -> String {
     let cutoff = ["0.2", "1"][seed as usize % 2];
     let mut text = format!(
         "version = 1\n[image]\nsize = [60, 60]\nsamples = 2\n[camera.main]\neye = [0, 4, 9]\n\
-         target = [0, 0, 0]\n[reflection]\nmultiple_scattering = true\nroughness_cutoff = {cutoff}\nbounces = 6\n\
+         target = [0, 0, 0]\n[reflection]\nmultiple_scattering = true\nroughness_cutoff = {cutoff}\nbounces = 6\ndiffuse_bounces = 2\n\
          [environment]\nzenith = [0.5, 0.7, 1]\nhorizon = [0.4, 0.4, 0.4]\nground = [0, 0, 0]\n\
          shadow = \"ray\"\n\
          [light.key]\nkind = \"rect\"\nposition = [0, 3, 0]\ndirection = [0, -1, 0]\nsize = [3, 3]\n\
