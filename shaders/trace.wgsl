@@ -43,7 +43,7 @@ fn trace_pixel(pixel: vec2u) {
     for (var bounce = 0u; bounce < frame.bounces + crossings() + scatterings(); bounce++) {
         start_samples(pixel, bounce + 1u);
         let direction = ray.direction;
-        let h = trace_nearest(origin, direction, start_m, frame.ray_length_m);
+        let h = trace_nearest(origin, direction, start_m, reach_m());
         start_m = 0.0;
         throughput *= medium_transmittance(h.t);
         if (h.instance == NONE) {

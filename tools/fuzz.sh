@@ -38,10 +38,12 @@ for target in "${targets[@]}"; do
     mkdir -p "$seeds" fuzz/artifacts
     case "$target" in
         gltf)
-            find scripts "${REFLET_CORPUS:-../shared/corpus}" -name '*.gl[bt]*' -size -64k 2>/dev/null \
-                | head -n 300 | while read -r file; do
-                    cp "$file" "$seeds/$(sha256sum "$file" | cut -c1-16)"
-                done
+            folders=(scripts)
+            [ -d "${REFLET_CORPUS:-../shared/corpus}" ] && folders+=("${REFLET_CORPUS:-../shared/corpus}")
+            mapfile -t files < <(find "${folders[@]}" -name '*.gl[bt]*' -size -64k | sort)
+            for file in "${files[@]:0:300}"; do
+                cp "$file" "$seeds/$(sha256sum "$file" | cut -c1-16)"
+            done
             ;;
         scene)
             find scenes scripts tests/bad_scenes -name '*.toml' | while read -r file; do

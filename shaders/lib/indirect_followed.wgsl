@@ -21,6 +21,11 @@ fn scatterings() -> u32 {
     return path_scatterings;
 }
 
+// How far the path's next ray is followed: only reflections end at the length of rays.
+fn reach_m() -> f32 {
+    return select(frame.ray_length_m, FAR_M, path_scatterings > 0u);
+}
+
 // Share of light that a surface scatters towards the view.
 fn scattered_albedo(s: Surface, view: vec3f) -> vec3f {
     if (path_scatterings >= frame.diffuse_bounces) { return vec3f(0.0); }
@@ -72,8 +77,9 @@ fn survival(weight: vec3f, u: f32) -> f32 {
     return 1.0 / chance;
 }
 
-// What a path finds that leaves a surface by a ray. `vertex` counts the surfaces before it.
-fn followed(pixel: vec2u, vertex: u32, start: Reflected, from_s: Surface, first: Cone) -> vec3f {
+// What a path finds that leaves a surface by a ray. `vertex` numbers its samples, `hits` counts what rays of the path
+// have met before.
+fn followed(pixel: vec2u, vertex: u32, hits: u32, start: Reflected, from_s: Surface, first: Cone) -> vec3f {
     var color = vec3f(0.0);
     var ray = start;
     var throughput = ray.weight;
@@ -86,19 +92,19 @@ fn followed(pixel: vec2u, vertex: u32, start: Reflected, from_s: Surface, first:
         let h = trace_nearest(origin, ray.direction, 0.0, FAR_M);
         throughput *= medium_transmittance(h.t);
         if (h.instance == NONE) {
-            color += found_light(throughput * beyond(origin, ray), k);
+            color += found_light(throughput * beyond(origin, ray), hits + k);
             break;
         }
         let light = seen_light(origin, ray, h.t);
         if (light.is_seen) {
-            color += found_light(throughput * light.radiance, k);
+            color += found_light(throughput * light.radiance, hits + k);
             break;
         }
         cone = continued(cone, h.t);
         s = surface_at(h.instance, h.triangle, h.bary, ray.direction, cone.width_m);
         s.emission *= met_emission(ray, h.instance, h.t, s);
         let lit = shade(s, -ray.direction, vec2u(0u));
-        color += found_light(throughput * (lit.diffuse + lit.specular), k);
+        color += found_light(throughput * (lit.diffuse + lit.specular), hits + k);
         if (!continues(s)) { break; }
         ray = next_ray(ray, s);
         throughput *= ray.weight;
@@ -106,9 +112,9 @@ fn followed(pixel: vec2u, vertex: u32, start: Reflected, from_s: Surface, first:
     return color;
 }
 
-// What a surface that a ray has met scatters of what others do.
-fn scattered_on(pixel: vec2u, vertex: u32, before: Reflected, s: Surface, cone: Cone) -> vec3f {
+// What a surface scatters of what others do, after as many hits of the path.
+fn scattered_on(pixel: vec2u, vertex: u32, hits: u32, before: Reflected, s: Surface, cone: Cone) -> vec3f {
     let albedo = scattered_albedo(s, -before.direction);
     if (all(albedo <= vec3f(0.0))) { return vec3f(0.0); }
-    return followed(pixel, vertex + 1u, scattered_ray(s, albedo), s, cone);
+    return followed(pixel, vertex + 1u, hits, scattered_ray(s, albedo), s, cone);
 }

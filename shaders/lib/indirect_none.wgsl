@@ -7,6 +7,10 @@ fn scatterings() -> u32 {
     return 0u;
 }
 
+fn reach_m() -> f32 {
+    return frame.ray_length_m;
+}
+
 fn continues(s: Surface) -> bool {
     return goes_on(s);
 }
@@ -15,6 +19,6 @@ fn next_ray(before: Reflected, s: Surface) -> Reflected {
     return onward(before, s);
 }
 
-fn scattered_on(pixel: vec2u, vertex: u32, before: Reflected, s: Surface, cone: Cone) -> vec3f {
+fn scattered_on(pixel: vec2u, vertex: u32, hits: u32, before: Reflected, s: Surface, cone: Cone) -> vec3f {
     return vec3f(0.0);
 }

@@ -202,8 +202,8 @@ impl Chunks {
     }
 }
 
-/// Bindings of group 1 that `shaders/lib/scene.wgsl` leaves free begin here.
-const FIRST_FREE_BINDING: u32 = 16;
+/// No shader file declares this binding of group 1, nor a later one.
+const FIRST_FREE_BINDING: u32 = 17;
 
 fn write_function(
     text: &mut String,
@@ -322,7 +322,7 @@ mod tests {
         let text = chunks.wgsl();
         for line in [
             "@group(1) @binding(1) var<storage, read> triangles: array<vec4u>;",
-            "@group(1) @binding(16) var<storage, read> triangles_1: array<vec4u>;",
+            "@group(1) @binding(17) var<storage, read> triangles_1: array<vec4u>;",
             "@group(1) @binding(17) var<storage, read> triangles_2: array<vec4u>;",
             "@group(1) @binding(18) var<storage, read> vertices_1: array<Vertex>;",
             "    switch i >> 16u {",

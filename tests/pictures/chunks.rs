@@ -34,9 +34,18 @@ shadow = "map"
 [material.mirror]
 metallic = 1
 roughness = 0
+[material.lamp]
+emission = [2, 2, 2]
+light = true
 [model.floor]
 shape = { kind = "plane", size = [9, 9] }
 material = "mirror"
+[model.lamp]
+shape = { kind = "sphere", radius = 0.2, segments = 8 }
+material = "lamp"
+[[instance]]
+model = "lamp"
+translation = [0, 2, 1]
 [[instance]]
 model = "floor"
 "#

@@ -253,3 +253,61 @@ fn a_limit_takes_away_what_paths_find_seldom() {
         render(gpu, OVEN, &path[..2], &[]).color
     );
 }
+
+/// A mirror that shows a matte wall, lit by a ceiling alone that is farther away than reflections reach.
+const MIRRORED: &str = r#"
+version = 1
+[camera.main]
+eye = [0, 0.6, 1.5]
+target = [0, 0.1, 0]
+fov_deg = 40
+[image]
+size = [32, 18]
+samples = 64
+tone_map = "none"
+[reflection]
+unit_m = 1
+ray_length_u = 2
+diffuse_bounces = 2
+[material.mirror]
+metallic = 1
+roughness = 0
+[material.wall]
+base_color = [0.8, 0.8, 0.8]
+reflectivity = 0
+[material.ceiling]
+base_color = [0, 0, 0]
+reflectivity = 0
+emission = [1, 1, 1]
+[model.floor]
+shape = { kind = "plane", size = [4, 4] }
+material = "mirror"
+[model.wall]
+shape = { kind = "box", size = [3, 1, 0.1] }
+material = "wall"
+[model.ceiling]
+shape = { kind = "plane", size = [60, 60] }
+material = "ceiling"
+[[instance]]
+model = "floor"
+[[instance]]
+model = "wall"
+translation = [0, 0.5, -0.5]
+[[instance]]
+model = "ceiling"
+translation = [0, 5, 0]
+rotation_deg = [180, 0, 0]
+"#;
+
+#[test]
+fn screen_hits_gather_what_traced_ones_do() {
+    let Some(gpu) = gpu() else { return };
+    for limit in ["reflection.glint_limit=0", "reflection.glint_limit=0.02"] {
+        let [hybrid, rt] = ["hybrid", "rt"].map(|method| {
+            let method = format!("reflection.method={method}");
+            mean(&render(gpu, MIRRORED, &[limit, &method], &[]))[0]
+        });
+        assert!(rt > 0.01, "{limit}: the wall is lit, {rt}");
+        assert_close(hybrid, rt, 0.02);
+    }
+}

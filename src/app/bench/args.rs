@@ -10,10 +10,12 @@ use crate::{
 };
 
 /// What says how to measure, which a table that is drawn again leaves nothing to say about.
-const MEASURING: [&str; 15] = [
+const MEASURING: [&str; 19] = [
     "scenes",
     "set",
+    "variant",
     "assets",
+    "lenient",
     "methods",
     "parameter",
     "values",
@@ -25,6 +27,8 @@ const MEASURING: [&str; 15] = [
     "split_trace",
     "resume",
     "timeline",
+    "against_path",
+    "shaders",
     "adapter",
 ];
 

@@ -233,8 +233,11 @@ fn charts(charts: &[ChartFile]) -> String {
 
 fn gallery(gallery: &Gallery) -> String {
     let mut out = format!(
-        "<h2 id=\"{}\">{}</h2>\n<p>{}</p>\n<div class=\"charts\">{}</div>\n<div class=\"shots\">",
-        escape(&gallery.anchor),
+        "<h2{}>{}</h2>\n<p>{}</p>\n<div class=\"charts\">{}</div>\n<div class=\"shots\">",
+        match gallery.anchor.as_str() {
+            "" => String::new(),
+            anchor => format!(" id=\"{}\"", escape(anchor)),
+        },
         escape(&gallery.title),
         escape(&gallery.text),
         charts(&gallery.charts)
