@@ -323,8 +323,8 @@ mod tests {
         for line in [
             "@group(1) @binding(1) var<storage, read> triangles: array<vec4u>;",
             "@group(1) @binding(17) var<storage, read> triangles_1: array<vec4u>;",
-            "@group(1) @binding(17) var<storage, read> triangles_2: array<vec4u>;",
-            "@group(1) @binding(18) var<storage, read> vertices_1: array<Vertex>;",
+            "@group(1) @binding(18) var<storage, read> triangles_2: array<vec4u>;",
+            "@group(1) @binding(19) var<storage, read> vertices_1: array<Vertex>;",
             "    switch i >> 16u {",
             "        case 1u: { return triangles_1[at]; }",
             "        default: { return triangles_2[at]; }",
@@ -335,5 +335,18 @@ mod tests {
         }
         assert_eq!(chunk_of("triangles_2"), ("triangles", 2));
         assert_eq!(chunk_of("mesh_data"), ("mesh_data", 0));
+    }
+
+    #[test]
+    fn no_shader_file_declares_the_bindings_of_further_buffers() {
+        let library = crate::gpu::ShaderLibrary::embedded();
+        let mut most = 0;
+        for (_, text) in library.texts() {
+            for declared in text.split("@group(1) @binding(").skip(1) {
+                let number = declared.split(')').next().unwrap_or_default();
+                most = most.max(number.parse().expect("a number"));
+            }
+        }
+        assert_eq!(most + 1, FIRST_FREE_BINDING);
     }
 }
