@@ -86,10 +86,10 @@ fn the_specialized_frame_equals_the_general_one() {
     let assets = shared_folder("REFLET_ASSETS", "assets");
     let scenes = shipped();
     assert!(scenes.len() >= 13, "{scenes:?}");
-    // What matte surfaces scatter is the same code in both, which software drivers compile for minutes.
-    let direct = "reflection.diffuse_bounces=0";
-    for path in scenes {
-        compare(&path, assets.as_deref(), &[SMALL, direct]);
+    // Software drivers take minutes to compile the general frame of these two.
+    let is_slow = |path: &Path| path.ends_with("interior.toml") || path.ends_with("street.toml");
+    for path in scenes.iter().filter(|path| !is_slow(path)) {
+        compare(path, assets.as_deref(), &[SMALL]);
     }
 }
 
