@@ -19,6 +19,7 @@ import subprocess
 import sys
 
 import numpy as np
+from measuring import add_program, program_of, table, write_rows, write_tables
 from PIL import Image
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
@@ -97,10 +98,7 @@ def samples(out: pathlib.Path, program: pathlib.Path) -> None:
             rms = f"{math.sqrt(float((error**2).mean())):.5f}"
             rows.append({"method": method, "samples": str(count), "rms": rms})
             print(*rows[-1].values(), flush=True)
-    with SAMPLES_DATA.open("w", newline="") as file:
-        writer = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
+    write_rows(SAMPLES_DATA, rows)
 
 
 def samples_table() -> str:
@@ -161,33 +159,22 @@ def line(film: str, method: str, rows: Rows) -> list[str]:
     ]
 
 
-def table(rows: Rows) -> str:
+def films_table(rows: Rows) -> str:
     head = ["film", "method", "pairs", "flicker, %", "worst, of 255", "FLIP", "worst p99"]
     head += ["reflections, ms", "frame, ms"]
-    lines = [head, ["---"] * len(head)]
+    lines = []
     for film in FILMS:
         for method in METHODS:
             own = [r for r in rows if r["film"] == film and r["method"] == method]
             lines.append(line(film, method, own))
-    return "\n".join(f"| {' | '.join(cells)} |" for cells in lines)
+    return table(head, lines)
 
 
 def page(out: pathlib.Path) -> None:
     rows = read(out)
-    text = PAGE.read_text()
-    for name, content in {"films": table(rows), "samples": samples_table()}.items():
-        pattern = rf"(<!-- table: {name} -->\n).*?(<!-- end -->)"
-        text, found = re.subn(
-            pattern, lambda m, content=content: f"{m[1]}{content}\n{m[2]}", text, flags=re.DOTALL
-        )
-        if found != 1:
-            sys.exit(f"{PAGE} has {found} places for the table {name!r}")
-    PAGE.write_text(text)
+    write_tables(PAGE, {"films": films_table(rows), "samples": samples_table()})
     CHART.write_bytes((out / folder_of(PAPER_WALK) / "line-chart-1-flicker.svg").read_bytes())
-    with DATA.open("w", newline="") as file:
-        writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
+    write_rows(DATA, rows)
 
 
 def main() -> None:
@@ -195,18 +182,17 @@ def main() -> None:
     commands = parser.add_subparsers(required=True, dest="command")
     measuring = commands.add_parser("measure", help="measure what OUT lacks")
     measuring.add_argument("--assets", type=pathlib.Path, required=True)
-    program = ROOT / "target" / "release" / "reflet"
     sampling = commands.add_parser("samples", help="measure what samples do for a fence")
     for command in (measuring, sampling):
-        command.add_argument("--reflet", type=pathlib.Path, default=program, metavar="PROGRAM")
+        add_program(command)
     writing = commands.add_parser("page", help="write docs/films.md")
     for command in (measuring, sampling, writing):
         command.add_argument("out", type=pathlib.Path, metavar="OUT")
     arguments = parser.parse_args()
     if arguments.command == "measure":
-        measure(arguments.out.resolve(), arguments.assets.resolve(), arguments.reflet.resolve())
+        measure(arguments.out.resolve(), arguments.assets.resolve(), program_of(arguments.reflet))
     elif arguments.command == "samples":
-        samples(arguments.out.resolve(), arguments.reflet.resolve())
+        samples(arguments.out.resolve(), program_of(arguments.reflet))
     else:
         page(arguments.out)
 

@@ -19,6 +19,7 @@ import subprocess
 import time
 from pathlib import Path
 
+from measuring import add_program, program_of
 from sheet import sheet
 
 SIZE = 192
@@ -44,7 +45,7 @@ class Root:
         return self.file.split("/")[0]
 
 
-def render(program: str, corpus: Path, out: Path, root: Root) -> Root:
+def render(program: Path, corpus: Path, out: Path, root: Root) -> Root:
     """Render `root` alone, from its default view."""
     picture = out / "cells" / (re.sub(r"[^A-Za-z0-9.]+", "_", root.file) + ".png")
     started = time.monotonic()
@@ -120,14 +121,16 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("corpus", type=Path)
     parser.add_argument("out", type=Path, help="folder for the sheets and table.md")
-    parser.add_argument("--program", default="target/release/reflet")
+    add_program(parser)
     parser.add_argument("--only", default="", help="roots whose path contains this")
     arguments = parser.parse_args()
     (arguments.out / "cells").mkdir(parents=True, exist_ok=True)
     roots = [root for root in read_index(arguments.corpus) if arguments.only in root.file]
 
+    program = program_of(arguments.reflet)
+
     def job(root: Root) -> Root:
-        return render(arguments.program, arguments.corpus, arguments.out, root)
+        return render(program, arguments.corpus, arguments.out, root)
 
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         roots = list(pool.map(job, roots))

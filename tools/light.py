@@ -16,10 +16,11 @@ import pathlib
 import re
 import subprocess
 import sys
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from measuring import add_program, program_of, table, write_rows, write_tables
 from reflet_light import furnace
 from reflet_light.scenes import ROUGHNESSES, Scene, all_scenes, panorama
 
@@ -33,7 +34,6 @@ TRIMMED = 0.01  # share of the pixels that differ most: edges of what is tessell
 # Scenes whose convergence is followed, and the sub-frames at which.
 CONVERGING = ["metal-040", "light-rect", "glass-rough"]
 COUNTS = [1, 4, 16, 64, 256]
-COLUMNS = ["scene", "samples", "rel_mse", "noise", "brightness"]
 
 Row = dict[str, str]
 Picture = np.ndarray
@@ -108,7 +108,7 @@ def measure(out: pathlib.Path, program: pathlib.Path, only: str | None) -> None:
             row = compare(out, scene, samples, program)
             rows[scene.name, str(samples)] = row
             print(" ".join(row.values()), flush=True)
-            write(out / "light.csv", rows.values())
+            write_rows(out / "light.csv", list(rows.values()))
     if not only or only == "furnace":
         furnace.measure(out, program)
 
@@ -132,17 +132,6 @@ def read(out: pathlib.Path) -> list[Row]:
         return []
     with path.open(newline="") as file:
         return list(csv.DictReader(file))
-
-
-def write(path: pathlib.Path, rows: Iterable[Row]) -> None:
-    with path.open("w", newline="") as file:
-        writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
-
-
-def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    return "\n".join(f"| {' | '.join(line)} |" for line in [head, ["---"] * len(head), *rows])
 
 
 def scenes_table(rows: list[Row]) -> str:
@@ -198,22 +187,13 @@ def page(out: pathlib.Path) -> None:
     rows = read(out)
     if not rows:
         sys.exit(f"{out} holds no measurements; run `measure` first")
-    tables: dict[str, Callable[[], str]] = {
-        "scenes": lambda: scenes_table(rows),
-        "convergence": lambda: convergence_table(rows),
-        "furnace": lambda: furnace.table(out),
+    tables = {
+        "scenes": scenes_table(rows),
+        "convergence": convergence_table(rows),
+        "furnace": furnace.table(out),
     }
-    text = PAGE.read_text()
-    for name, make in tables.items():
-        pattern = rf"(<!-- table: {name} -->\n).*?(<!-- end -->)"
-        content = make()
-        text, found = re.subn(
-            pattern, lambda m, content=content: f"{m[1]}{content}\n{m[2]}", text, flags=re.DOTALL
-        )
-        if found != 1:
-            sys.exit(f"{PAGE} has {found} places for the table {name!r}")
-    PAGE.write_text(text)
-    write(DATA, rows)
+    write_tables(PAGE, tables)
+    write_rows(DATA, rows)
     pictures(out)
 
 
@@ -235,15 +215,14 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
     commands = parser.add_subparsers(required=True, dest="command")
     measuring = commands.add_parser("measure", help="measure what OUT lacks")
-    program = ROOT / "target" / "release" / "reflet"
-    measuring.add_argument("--reflet", type=pathlib.Path, default=program, metavar="PROGRAM")
+    add_program(measuring)
     measuring.add_argument("--only", metavar="NAME", help="a scene, or a pattern of names")
     writing = commands.add_parser("page", help="write the tables of docs/light.md")
     for command in (measuring, writing):
         command.add_argument("out", type=pathlib.Path, metavar="OUT")
     arguments: Any = parser.parse_args()
     if arguments.command == "measure":
-        measure(arguments.out.resolve(), arguments.reflet.resolve(), arguments.only)
+        measure(arguments.out.resolve(), program_of(arguments.reflet), arguments.only)
     else:
         page(arguments.out.resolve())
 

@@ -21,6 +21,7 @@ import time
 from pathlib import Path
 
 import numpy as np
+from measuring import add_program, program_of
 
 F3D = """
 import sys, f3d
@@ -156,10 +157,11 @@ def main() -> None:
         return
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--viewers", default="python3", help="a Python with f3d and trimesh")
-    parser.add_argument("--program", default="target/release/reflet")
+    add_program(parser)
     parser.add_argument("--only", default="", help="models whose name contains this")
     parser.add_argument("-o", "--out", type=Path, required=True)
     arguments = parser.parse_args()
+    program = str(program_of(arguments.reflet))
     rows = []
     with tempfile.TemporaryDirectory() as folder:
         for name in MAKERS:
@@ -168,7 +170,7 @@ def main() -> None:
             model, picture = Path(folder) / "model.glb", str(Path(folder) / "out.png")
             # A child begins with the memory that this process has had, so it must stay small.
             subprocess.run([sys.executable, __file__, "make", name, str(model)], check=True)
-            render = [arguments.program, "render", str(model), "-o", picture, "--size", "256x256"]
+            render = [program, "render", str(model), "-o", picture, "--size", "256x256"]
             shiny = 'model.model.material."*"={ metallic = 1, roughness = 0 }'
             for tool, command in {
                 "reflet": render,

@@ -22,6 +22,8 @@ import sys
 import tempfile
 from collections.abc import Callable, Iterable
 
+from measuring import add_program, program_of, table, write_tables
+
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 PAGE = ROOT / "docs" / "paper.md"
 CHARTS = ROOT / "docs" / "charts"
@@ -53,19 +55,16 @@ Row = dict[str, str]
 Rows = list[Row]
 
 
-def measure(out: pathlib.Path, assets: pathlib.Path, program: pathlib.Path | None) -> None:
-    binary = program or ROOT / "target" / "release" / "reflet"
-    if program is None:
-        subprocess.run(["cargo", "build", "--release", "--locked"], cwd=ROOT, check=True)
+def measure(out: pathlib.Path, assets: pathlib.Path, program: pathlib.Path) -> None:
     for name, arguments in RUNS.items():
-        command: list[str | pathlib.Path] = [binary, "bench", *arguments, "--resume"]
+        command: list[str | pathlib.Path] = [program, "bench", *arguments, "--resume"]
         if name != "atrium":
             command += ["--assets", assets]
         print(f"== {name}", flush=True)
         subprocess.run([*command, "-o", out / name], check=True)
 
 
-def pictures(assets: pathlib.Path) -> None:
+def pictures(assets: pathlib.Path, program: pathlib.Path) -> None:
     """The floor of Fig. 1's scene, where stripes and prolonged reflections are seen."""
     scene = ROOT / "scenes" / "paper" / "sponza.toml"
     thresholds = ["0.005", "0.025", "0.065"]
@@ -76,8 +75,8 @@ def pictures(assets: pathlib.Path) -> None:
     with tempfile.TemporaryDirectory() as folder:
         for index, (method, t, aov) in enumerate(shots):
             out = pathlib.Path(folder) / f"{index}.png"
-            command: list[str | pathlib.Path] = [ROOT / "target" / "release" / "reflet", "render"]
-            command += [scene, "--assets", assets]
+            command: list[str | pathlib.Path] = [program, "render", scene]
+            command += ["--assets", assets]
             command += ["--size", "1280x720", "--method", method, "-o", out]
             rule = ["reflection.accept=threshold", f"reflection.threshold_u={t}"] if t else []
             command += [part for setting in rule for part in ("--set", setting)]
@@ -137,11 +136,6 @@ def fixed(row: Row, column: str, places: int) -> str:
 
 def count(value: float) -> str:
     return f"{round(value):,}"
-
-
-def table(head: list[str], rows: Iterable[list[str]]) -> str:
-    lines = [head, ["---"] * len(head), *rows]
-    return "\n".join(f"| {' | '.join(line)} |" for line in lines).replace("|  |", "| |")
 
 
 def frame_ms(rows: Rows) -> dict[str, float]:
@@ -420,14 +414,7 @@ def page(out: pathlib.Path) -> None:
             runs[name] = [in_processor_time(row) for row in csv.DictReader(file)]
     tables = {name: make(runs[run]) for name, (run, make) in TABLES.items()}
     tables["measured"] = measured(runs)
-    text = PAGE.read_text()
-    for name, content in tables.items():
-        pattern = rf"(<!-- table: {name} -->\n).*?(\n<!-- end -->)"
-        new, found = re.subn(pattern, lambda m: m[1] + content + m[2], text, flags=re.DOTALL)  # noqa: B023
-        if found != 1:
-            sys.exit(f"{PAGE} has {found} places for the table {name!r}")
-        text = new
-    PAGE.write_text(text)
+    write_tables(PAGE, tables)
     for name, (run, drawn) in PICTURES.items():
         shutil.copyfile(out / run / drawn, CHARTS / name)
     scenario3_sheet(out / "scenario3" / "report.html")
@@ -441,17 +428,18 @@ def main() -> None:
     commands = parser.add_subparsers(required=True, dest="command")
     measuring = commands.add_parser("measure", help="run what OUT lacks")
     measuring.add_argument("--assets", type=pathlib.Path, required=True)
-    measuring.add_argument("--reflet", type=pathlib.Path, help="instead of building it")
     drawing = commands.add_parser("pictures", help="render the floor with three thresholds")
     drawing.add_argument("--assets", type=pathlib.Path, required=True)
+    for command in (measuring, drawing):
+        add_program(command)
     writing = commands.add_parser("page", help="write the tables and charts of docs/paper.md")
     for command in (measuring, writing):
         command.add_argument("out", type=pathlib.Path, metavar="OUT")
     arguments = parser.parse_args()
     if arguments.command == "measure":
-        measure(arguments.out, arguments.assets, arguments.reflet)
+        measure(arguments.out, arguments.assets, program_of(arguments.reflet))
     elif arguments.command == "pictures":
-        pictures(arguments.assets)
+        pictures(arguments.assets, program_of(arguments.reflet))
     else:
         page(arguments.out)
 

@@ -16,7 +16,8 @@ import re
 import statistics
 import subprocess
 import sys
-from collections.abc import Iterable
+
+from measuring import add_program, program_of, table, write_rows, write_tables
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 PAGE = ROOT / "docs" / "views.md"
@@ -132,10 +133,6 @@ def wrong_permille(row: Row) -> float:
     return 1000 * float(row["false_accepts"] or 0) / max(hits, 1.0)
 
 
-def table(head: list[str], lines: Iterable[list[str]]) -> str:
-    return "\n".join(f"| {' | '.join(line)} |" for line in [head, ["---"] * len(head), *lines])
-
-
 def errors(rows: Rows) -> str:
     def line(view: str, edge_px: float) -> list[str]:
         row = of(rows, view, "hybrid", edge_px)[0]
@@ -177,20 +174,8 @@ TABLES = {"errors": errors, "work": work}
 
 def page(out: pathlib.Path) -> None:
     rows = read(out)
-    text = PAGE.read_text()
-    for name, make in TABLES.items():
-        pattern = rf"(<!-- table: {name} -->\n).*?(<!-- end -->)"
-        content = make(rows)
-        text, found = re.subn(
-            pattern, lambda m, content=content: f"{m[1]}{content}\n{m[2]}", text, flags=re.DOTALL
-        )
-        if found != 1:
-            sys.exit(f"{PAGE} has {found} places for the table {name!r}")
-    PAGE.write_text(text)
-    with DATA.open("w", newline="") as file:
-        writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
+    write_tables(PAGE, {name: make(rows) for name, make in TABLES.items()})
+    write_rows(DATA, rows)
 
 
 def main() -> None:
@@ -198,14 +183,13 @@ def main() -> None:
     commands = parser.add_subparsers(required=True, dest="command")
     measuring = commands.add_parser("measure", help="measure what OUT lacks")
     measuring.add_argument("--assets", type=pathlib.Path, required=True)
-    program = ROOT / "target" / "release" / "reflet"
-    measuring.add_argument("--reflet", type=pathlib.Path, default=program, metavar="PROGRAM")
+    add_program(measuring)
     writing = commands.add_parser("page", help="write the tables of docs/views.md")
     for command in (measuring, writing):
         command.add_argument("out", type=pathlib.Path, metavar="OUT")
     arguments = parser.parse_args()
     if arguments.command == "measure":
-        measure(arguments.out.resolve(), arguments.assets.resolve(), arguments.reflet.resolve())
+        measure(arguments.out.resolve(), arguments.assets.resolve(), program_of(arguments.reflet))
     else:
         page(arguments.out)
 
