@@ -226,6 +226,7 @@ fn pixel_past(r: ScreenRay, h: Heading, first: vec2i, next: vec2i, exits: vec2f,
 }
 
 fn march(s0: Surface, direction: vec3f) -> March {
+    if (frame.has_edge_on != 0u) { return March(CAUSE_EDGE_ON, 0.0, vec2u(NONE), vec2f(0.0)); }
     let origin = ray_origin(s0.position, s0.geometric_normal);
     let r = screen_ray(origin, direction);
     let length_px = max(max(abs(r.delta.x), abs(r.delta.y)), 1e-3);
@@ -247,8 +248,6 @@ fn march(s0: Surface, direction: vec3f) -> March {
     var level = 0u;
     var steps = 0u;
     var m = March(CAUSE_STEPS, 0.0, vec2u(NONE), vec2f(0.0));
-    // No pixel shows what is seen edge-on, so nothing is known of any ray.
-    if (TRACE && VERIFY && frame.has_edge_on != 0u) { return m; }
     var last: Candidate;
     for (var candidate = 0u; candidate < MAX_CANDIDATES; candidate++) {
         var c = Candidate(vec2u(0u), -1.0, 0.0);
@@ -328,9 +327,8 @@ var<workgroup> first_ray: u32;
 
 // Marches a pixel and writes what is known of its reflection.
 fn reflect_pixel(pixel: vec2u) -> u32 {
-    start_samples(pixel, 0u);
     let s = load_surface(pixel);
-    let ray = reflected(view_direction(s.position), s);
+    let ray = reflected_ray(pixel, s);
     let direction = ray.direction;
     let m = march(s, direction);
     let is_hit = m.cause == CAUSE_HIT;

@@ -318,7 +318,9 @@ fn codes() -> Vec<CauseCode> {
         verdict: match cause {
             Cause::Hit => Verdict::Accepted,
             Cause::None => Verdict::Empty,
-            Cause::NotReflective | Cause::Rough | Cause::Unmarched => Verdict::NotAsked,
+            Cause::NotReflective | Cause::Rough | Cause::Unmarched | Cause::EdgeOn => {
+                Verdict::NotAsked
+            }
             Cause::Hidden | Cause::Unconfirmed | Cause::BackFace | Cause::Reflector => {
                 Verdict::Rejected
             }

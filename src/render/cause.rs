@@ -32,6 +32,8 @@ pub enum Cause {
     Unmarched = 9,
     /// Crossed what a pixel shows, but neither a triangle nor a plane there confirms it.
     Unconfirmed = 10,
+    /// Was not marched: an orthographic camera sees surfaces edge-on, so no pixel shows what is in its way.
+    EdgeOn = 11,
 }
 
 /// Where a pixel's reflection came from.
@@ -54,7 +56,7 @@ pub enum Source {
 
 impl Cause {
     /// All causes; the index is the number.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::NotReflective,
         Self::Hit,
         Self::Hidden,
@@ -66,6 +68,7 @@ impl Cause {
         Self::Rough,
         Self::Unmarched,
         Self::Unconfirmed,
+        Self::EdgeOn,
     ];
 
     /// The cause of a texel of the `cause` target, whose upper bits hold what the march has proven
@@ -93,6 +96,7 @@ impl Cause {
             Self::Rough => "rough",
             Self::Unmarched => "unmarched",
             Self::Unconfirmed => "unconfirmed",
+            Self::EdgeOn => "edge_on",
         }
     }
 
@@ -133,6 +137,7 @@ impl Cause {
             Self::Rough => [130, 130, 130],
             Self::Unmarched => [255, 150, 200],
             Self::Unconfirmed => [170, 60, 40],
+            Self::EdgeOn => [0, 160, 170],
         }
     }
 }

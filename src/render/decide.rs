@@ -10,6 +10,7 @@ use crate::{
 use super::{
     cost::Workload,
     cull::is_outside,
+    edge_on::has_edge_on_surfaces,
     lights::{CUBE_FACES, has_cube_map},
     options::RenderOptions,
     plan::{reflects, traces_rays},
@@ -100,6 +101,13 @@ impl Decider<'_> {
         if !reflects(self.world, self.asked.reflection.reflects_below()) {
             self.decided.options.reflection.method = Method::Rt;
             return;
+        }
+        let view = view_of(self.world, &self.asked);
+        if self.asked.reflection.verifies() && has_edge_on_surfaces(self.world, &view) {
+            self.decided.options.reflection.method = Method::Rt;
+            let why =
+                "the camera sees surfaces edge-on, which no pixel shows, so nothing is marched";
+            return self.choose("reflection.method", Method::Rt.name(), why.to_owned());
         }
         let workload = self.workload();
         let pair = workload.reflections(&self.unit);

@@ -86,7 +86,9 @@ impl Renderer {
         self.check_posed(world)?;
         let camera = relative_camera(camera, self.origin);
         let mut view = View::new(&camera, self.options.image.size);
-        view.has_edge_on = self.plan.reflections && has_edge_on_surfaces(world, &view);
+        // `ssr` and the paper's rule take what the picture shows for all that there is.
+        let verifies = self.plan.reflections && self.options.reflection.verifies();
+        view.has_edge_on = verifies && has_edge_on_surfaces(world, &view);
         Ok(view)
     }
 

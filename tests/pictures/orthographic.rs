@@ -1,6 +1,6 @@
 //! Orthographic cameras: sizes in closed form, and views that must agree.
 
-use reflet::render::{Picture, aov::Aov};
+use reflet::render::{Picture, aov::Aov, cause::Cause};
 
 use crate::kit::{floats, gpu, integers, render, share_differing};
 
@@ -116,7 +116,12 @@ fn it_is_the_view_from_far_away() {
 fn march_and_rays_see_the_same() {
     let Some(gpu) = gpu() else { return };
     // From the side the floor is a line that no pixel shows.
-    for eye in ["[3, 2, 5]", "[0, 0.5, 5]", "[0.01, 8, 0]", "[3, 40, 50]"] {
+    for (eye, is_edge_on) in [
+        ("[3, 2, 5]", false),
+        ("[0, 0.5, 5]", true),
+        ("[0.01, 8, 0]", true),
+        ("[3, 40, 50]", false),
+    ] {
         let text = STAGE.replace("[3, 2, 5]", eye);
         let aovs = [Aov::HitIds, Aov::Ids];
         let rt = render(gpu, &text, &["reflection.method=rt"], &aovs);
@@ -132,6 +137,23 @@ fn march_and_rays_see_the_same() {
             assert!(
                 other <= 12,
                 "{eye}, {visibility}: {other} pixels show something else"
+            );
+            let of = |cause: Cause| {
+                hybrid
+                    .stats
+                    .shares
+                    .causes
+                    .iter()
+                    .find(|s| s.name == cause.name())
+            };
+            let pixels = |cause: Cause| of(cause).map_or(0, |share| share.pixels);
+            // From the side and from above, the box's sides are lines too: all is traced, and says why.
+            let (marched, edge_on) = (pixels(Cause::Hit), pixels(Cause::EdgeOn));
+            assert_eq!(edge_on > 0, is_edge_on, "{eye}");
+            assert_eq!(
+                marched > 100,
+                !is_edge_on,
+                "{eye}: {marched} met on the screen"
             );
             let (a, b) = (hits(&hybrid), hits(&rt));
             let wrong = a.iter().zip(&b).filter(|(a, b)| a[0] != b[0]).count();
