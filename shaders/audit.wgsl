@@ -28,9 +28,8 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let hits = atomicLoad(&counters[HIT_COUNTER]);
     if (id.x >= min(AUDIT_RAYS, hits)) { return; }
     let pixel = unpack_pixel(lists[hit_slot(drawn(id.x, hits))]);
-    start_samples(pixel, 0u);
     let first = load_surface(pixel);
-    let ray = reflected(view_direction(first.position), first);
+    let ray = reflected_ray(pixel, first);
     let origin = ray_origin(first.position, first.geometric_normal);
     let truth = trace_nearest(origin, ray.direction, 0.0, frame.ray_length_m);
     let found = textureLoad(hit, pixel, 0);

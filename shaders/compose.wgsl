@@ -46,8 +46,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     if (HAS_REFLECTIONS) {
         if (reflects(textureLoad(cause, id.xy, 0).x)) {
             let s = load_surface(id.xy);
-            start_samples(id.xy, 0u);
-            let ray = reflected(view_direction(s.position), s);
+            let ray = reflected_ray(id.xy, s);
             var weight = ray.weight;
             // Of all facets, as the smoothed light is, not of one.
             if (FILTER && is_spread(s) && s.clearcoat == 0.0) { weight = specular_albedo(s, -view_direction(s.position)) * coverage(s); }

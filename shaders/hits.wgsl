@@ -14,9 +14,8 @@
 @group(2) @binding(6) var counts: texture_storage_2d<rgba32uint, write>; // of `counted`
 
 fn shade_pixel(pixel: vec2u) {
-    start_samples(pixel, 0u);
     let first = load_surface(pixel);
-    let ray = reflected(view_direction(first.position), first);
+    let ray = reflected_ray(pixel, first);
     let direction = ray.direction;
     let found = textureLoad(hit, pixel, 0);
     let cone = mirrored_cone(pixel_cone(distance(first.position, frame.eye)), first.curvature);

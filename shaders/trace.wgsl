@@ -32,8 +32,7 @@ fn trace_pixel(pixel: vec2u) {
     let first = load_surface(pixel);
     var cone = mirrored_cone(pixel_cone(distance(first.position, frame.eye)), first.curvature);
     var origin = ray_origin(first.position, first.geometric_normal);
-    start_samples(pixel, 0u);
-    var ray = reflected(view_direction(first.position), first);
+    var ray = reflected_ray(pixel, first);
     start_path(first.position);
 
     var color = vec3f(0.0);

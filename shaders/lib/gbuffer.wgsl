@@ -18,3 +18,9 @@ fn load_surface(pixel: vec2u) -> Surface {
     s.position = position_at(pixel, textureLoad(view_depth, pixel, 0).x);
     return s;
 }
+
+// The ray by which the surface of a pixel reflects: the same in every pass, for its samples begin anew.
+fn reflected_ray(pixel: vec2u, s: Surface) -> Reflected {
+    start_samples(pixel, 0u);
+    return reflected(view_direction(s.position), s);
+}
