@@ -3,7 +3,6 @@
 use std::{fs, io, path::Path};
 
 use super::{
-    args::MethodArg,
     error::AppError,
     print_out,
     scene::{choose_camera, load_scene},
@@ -101,7 +100,7 @@ fn open_gpu(args: &RunArgs) -> Result<Gpu, AppError> {
 }
 
 fn protocol(args: &BenchArgs) -> Result<Protocol, AppError> {
-    let methods = methods(&args.methods)?;
+    let methods = methods(&args.methods);
     let turn = match args.parameter {
         None => Turn::Own,
         Some(parameter) if args.values.is_empty() => {
@@ -121,23 +120,14 @@ fn protocol(args: &BenchArgs) -> Result<Protocol, AppError> {
 }
 
 /// The methods of `--methods`, each once.
-fn methods(listed: &[MethodArg]) -> Result<Vec<Method>, AppError> {
-    let mut methods: Vec<Method> = Vec::new();
-    for method in listed.iter().map(|m| Method::from(*m)) {
-        if method == Method::Auto {
-            let text = "--methods auto: name the methods to compare: ssr, hybrid, rt";
-            return Err(AppError::Usage(text.to_owned()));
-        }
-        if method == Method::Path {
-            let text =
-                "--methods path: it is what the others are judged by with --against-path SAMPLES";
-            return Err(AppError::Usage(text.to_owned()));
-        }
-        if !methods.contains(&method) {
-            methods.push(method);
+fn methods(listed: &[Method]) -> Vec<Method> {
+    let mut methods = Vec::new();
+    for method in listed {
+        if !methods.contains(method) {
+            methods.push(*method);
         }
     }
-    Ok(methods)
+    methods
 }
 
 fn checked(parameter: Parameter, values: &[f64]) -> Result<Vec<f64>, AppError> {

@@ -2,11 +2,15 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, Subcommand};
+use clap::{
+    Args, Subcommand,
+    builder::{PossibleValuesParser, TypedValueParser},
+};
 
 use crate::{
-    app::args::{MethodArg, SceneArgs, parse_size},
+    app::args::{SceneArgs, parse_size},
     bench::{choose::Bound, parameter::Parameter},
+    scene::desc::Method,
 };
 
 /// What says how to measure, which a table that is drawn again leaves nothing to say about.
@@ -20,17 +24,27 @@ const MEASURING: [&str; 19] = [
     "parameter",
     "values",
     "sizes",
+    "timeline",
+    "against_path",
     "camera",
     "frames",
     "warm_up",
     "counters",
     "split_trace",
     "resume",
-    "timeline",
-    "against_path",
     "shaders",
     "adapter",
 ];
+
+/// What can be compared: `auto` is one of them, and `path` judges them with --against-path.
+const COMPARED: [Method; 3] = [Method::Ssr, Method::Hybrid, Method::Rt];
+
+/// Reads the name of a method that can be compared.
+fn compared() -> impl TypedValueParser<Value = Method> {
+    let method = |name: String| COMPARED.into_iter().find(|method| method.name() == name);
+    PossibleValuesParser::new(COMPARED.map(Method::name))
+        .map(move |name| method(name).expect("one of the possible values"))
+}
 
 /// `bench`
 #[derive(Clone, Debug, Args)]
@@ -44,14 +58,15 @@ pub struct BenchArgs {
     /// What is changed in them
     #[command(flatten)]
     pub from: SceneArgs,
-    /// Methods to compare, of ssr, hybrid and rt
+    /// Methods to compare
     #[arg(
         long,
         value_name = "LIST",
         value_delimiter = ',',
+        value_parser = compared(),
         default_value = "ssr,hybrid,rt"
     )]
-    pub methods: Vec<MethodArg>,
+    pub methods: Vec<Method>,
     /// What to turn: threshold_u, edge_px, reuse_light, steps, ray_length_u, bounces or scale; without
     /// it each method's own (ssr: steps, hybrid: threshold_u and edge_px, rt: bounces, both also
     /// reuse_light)
@@ -211,9 +226,10 @@ pub struct StabilityArgs {
         long,
         value_name = "LIST",
         value_delimiter = ',',
+        value_parser = compared(),
         default_value = "ssr,hybrid,rt"
     )]
-    pub methods: Vec<MethodArg>,
+    pub methods: Vec<Method>,
     /// Size of all pictures; without it, the scenes' own, or that of the ratchet
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     pub size: Option<[u32; 2]>,
@@ -288,4 +304,20 @@ fn parse_parameter(text: &str) -> Result<Parameter, String> {
             names.join(", ")
         )
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::{Args, Command};
+
+    use super::*;
+
+    #[test]
+    fn a_table_drawn_again_refuses_all_that_measures() {
+        let command = BenchArgs::augment_args(Command::new("bench"));
+        let named = command.get_arguments().map(|a| a.get_id().as_str());
+        let drawing = ["output", "choose", "samples"];
+        let measuring: Vec<&str> = named.filter(|name| !drawing.contains(name)).collect();
+        assert_eq!(measuring, MEASURING);
+    }
 }

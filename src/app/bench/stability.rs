@@ -54,7 +54,7 @@ struct Plan<'a> {
 /// Modes and files that do not exist, scenes that do not load, what the renderer refuses, and
 /// [`AppError::Threshold`] where a score is worse than the ratchet allows.
 pub fn stability(args: &StabilityArgs) -> Result<(), AppError> {
-    let methods = methods(&args.methods)?;
+    let methods = methods(&args.methods);
     let ratchet = open_ratchet(args)?;
     let plan = Plan {
         args,
