@@ -15,6 +15,8 @@ mod pack;
 mod paths;
 mod readme;
 mod show;
+#[cfg(target_os = "linux")]
+mod slurm_cluster;
 
 use std::{
     collections::BTreeMap,

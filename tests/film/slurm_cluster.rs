@@ -1,0 +1,215 @@
+//! A script for Slurm on a cluster of one machine, this one. Prints `SKIPPED` where Slurm is not installed or
+//! its daemons may not run.
+
+use std::{
+    env, fs,
+    net::TcpListener,
+    path::{Path, PathBuf},
+    process::{Child, Command, Stdio},
+    thread::sleep,
+    time::Duration,
+};
+
+use crate::{common::gpu_or_skip, folder, pictures, render};
+
+/// Where Debian keeps daemons, which users need not have in their path.
+const PATHS: &str = "/usr/sbin:/usr/local/sbin";
+
+struct Cluster {
+    folder: PathBuf,
+    daemons: Vec<Child>,
+}
+
+impl Drop for Cluster {
+    fn drop(&mut self) {
+        for daemon in self.daemons.iter_mut().rev() {
+            let _ = daemon.kill();
+            let _ = daemon.wait();
+        }
+        let _ = fs::remove_dir_all(&self.folder);
+    }
+}
+
+fn output(command: &mut Command) -> String {
+    let output = command.output().expect("it starts");
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{command:?}: {text}{errors}");
+    text
+}
+
+fn is_installed(tool: &str) -> bool {
+    let paths = env::var("PATH").unwrap_or_default();
+    let folders = paths.split(':').chain(PATHS.split(':'));
+    folders
+        .into_iter()
+        .any(|f| Path::new(f).join(tool).exists())
+}
+
+impl Cluster {
+    /// `None` after printing `SKIPPED`.
+    fn start() -> Option<Self> {
+        let tools = [
+            "munged",
+            "slurmctld",
+            "slurmd",
+            "sbatch",
+            "squeue",
+            "scancel",
+            "sinfo",
+        ];
+        if let Some(tool) = tools.into_iter().find(|tool| !is_installed(tool)) {
+            eprintln!("SKIPPED: {tool} is not installed");
+            return None;
+        }
+        let user = output(Command::new("id").arg("-u"));
+        if user.trim() != "0" {
+            eprintln!("SKIPPED: the daemons of Slurm run as root");
+            return None;
+        }
+        // Not in the target folder: a socket's path has at most 108 bytes.
+        let folder = env::temp_dir().join(format!("reflet-slurm-{}", std::process::id()));
+        let mut cluster = Self {
+            folder,
+            daemons: Vec::new(),
+        };
+        cluster.write_settings();
+        let at = |name: &str| cluster.folder.join(name).display().to_string();
+        let munged = [
+            "--foreground".to_owned(),
+            "--force".to_owned(),
+            format!("--key-file={}", at("munge.key")),
+            format!("--socket={}", at("munge.socket")),
+            format!("--pid-file={}", at("munge.pid")),
+            format!("--seed-file={}", at("munge.seed")),
+            format!("--log-file={}", at("munge.log")),
+        ];
+        let socket = cluster.folder.join("munge.socket");
+        cluster.spawn("munged", &munged);
+        cluster.wait_until("the socket", |_| socket.exists());
+        for daemon in ["slurmctld", "slurmd"] {
+            cluster.spawn(daemon, &["-D".to_owned()]);
+        }
+        cluster.wait_until("an idle node", |cluster| {
+            let sinfo = cluster.command("sinfo").args(["-h", "-o", "%T"]).output();
+            sinfo.is_ok_and(|found| found.stdout == b"idle\n")
+        });
+        Some(cluster)
+    }
+
+    fn write_settings(&self) {
+        let folder = self.folder.display();
+        for name in ["", "state", "spool"] {
+            fs::create_dir_all(self.folder.join(name)).expect("temporary folder");
+        }
+        let key = self.folder.join("munge.key");
+        fs::write(&key, [b'k'; 128]).expect("temporary key");
+        // It must not be readable for others.
+        output(Command::new("chmod").arg("600").arg(&key));
+        let host = fs::read_to_string("/proc/sys/kernel/hostname").expect("Linux has a name");
+        let host = host.trim().split('.').next().expect("a name");
+        let port = || {
+            let listener = TcpListener::bind("127.0.0.1:0").expect("a free port");
+            listener.local_addr().expect("an address").port()
+        };
+        let settings = format!(
+            "ClusterName=reflet\nSlurmctldHost={host}(127.0.0.1)\n\
+             AuthType=auth/munge\nAuthInfo=socket={folder}/munge.socket\n\
+             SlurmUser=root\nSlurmdUser=root\nStateSaveLocation={folder}/state\nSlurmdSpoolDir={folder}/spool\n\
+             SlurmctldPidFile={folder}/ctld.pid\nSlurmdPidFile={folder}/d.pid\n\
+             SlurmctldPort={}\nSlurmdPort={}\nProctrackType=proctrack/pgid\nTaskPlugin=task/none\n\
+             ReturnToService=2\nSelectType=select/cons_tres\nSelectTypeParameters=CR_CPU\n\
+             NodeName={host} NodeAddr=127.0.0.1 CPUs=1 State=UNKNOWN\n\
+             PartitionName=all Nodes=ALL Default=YES MaxTime=INFINITE State=UP\n",
+            port(),
+            port()
+        );
+        fs::write(self.folder.join("slurm.conf"), settings).expect("temporary file");
+    }
+
+    fn command(&self, program: &str) -> Command {
+        let binary = Path::new(env!("CARGO_BIN_EXE_reflet"))
+            .parent()
+            .expect("a folder");
+        let paths = env::var("PATH").unwrap_or_default();
+        let mut command = Command::new(program);
+        command
+            .env("PATH", format!("{}:{paths}:{PATHS}", binary.display()))
+            .env("SLURM_CONF", self.folder.join("slurm.conf"));
+        command
+    }
+
+    fn spawn(&mut self, daemon: &str, arguments: &[String]) {
+        let mut command = self.command(daemon);
+        command
+            .args(arguments)
+            .stdout(Stdio::null())
+            .stderr(Stdio::null());
+        self.daemons
+            .push(command.spawn().expect("the daemon starts"));
+    }
+
+    /// Waits for as long as anything can take; only where something is broken does it end.
+    fn wait_until(&self, what: &str, is_so: impl Fn(&Self) -> bool) {
+        for _ in 0..3000 {
+            if is_so(self) {
+                return;
+            }
+            sleep(Duration::from_millis(100));
+        }
+        panic!("there is still not {what}");
+    }
+
+    fn is_at_rest(&self) -> bool {
+        output(self.command("squeue").arg("-h")).is_empty()
+    }
+}
+
+/// What the tasks of all jobs said.
+fn said(folder: &Path) -> String {
+    let files = fs::read_dir(folder).expect("it is there").flatten();
+    let outputs = files.filter(|f| f.file_name().to_string_lossy().ends_with(".out"));
+    outputs
+        .map(|f| fs::read_to_string(f.path()).unwrap_or_default())
+        .collect()
+}
+
+#[test]
+fn a_cancelled_array_goes_on_where_it_is_sent_again() {
+    if gpu_or_skip().is_none() {
+        return;
+    }
+    let Some(cluster) = Cluster::start() else {
+        return;
+    };
+    let folder = folder("slurm-cluster");
+    let parts = folder.join("parts");
+    fs::create_dir(&parts).expect("temporary folder");
+    let mut job = cluster.command(env!("CARGO_BIN_EXE_reflet"));
+    job.args([
+        "job",
+        "slurm",
+        "scene.toml",
+        "-o",
+        "film.sh",
+        "--chunk",
+        "3",
+    ]);
+    job.args(["--pictures", "parts/f.##.png"])
+        .current_dir(&folder);
+    output(&mut job);
+    let sbatch = |arguments: &[&str]| {
+        let mut command = cluster.command("sbatch");
+        output(command.args(arguments).arg("film.sh").current_dir(&folder))
+    };
+    let id = sbatch(&["--parsable"]);
+    cluster.wait_until("a picture", |_| !pictures(&parts).is_empty());
+    output(cluster.command("scancel").arg(id.trim()));
+    cluster.wait_until("an end", Cluster::is_at_rest);
+    let before = pictures(&parts).len();
+    sbatch(&["--wait"]);
+    let said = said(&folder);
+    assert!(said.matches("kept").count() >= before, "{before}: {said}");
+    render(&folder, &["-o", "f.##.png"], 0);
+    assert_eq!(pictures(&parts), pictures(&folder));
+}
