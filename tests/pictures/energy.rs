@@ -9,8 +9,8 @@ version = 1
 target = [0, 0, 0]
 fov_deg = 1
 [image]
-size = [8, 8]
-samples = 64
+size = [16, 16]
+samples = 16
 tone_map = "none"
 [reflection]
 method = "rt"

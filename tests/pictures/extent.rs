@@ -17,8 +17,8 @@ eye = [0, 0.5, 1]
 target = [0, 0, 0]
 fov_deg = 1
 [image]
-size = [8, 8]
-samples = 64
+size = [16, 16]
+samples = 16
 light_rays = 4
 tone_map = "none"
 [material.white]
@@ -150,8 +150,8 @@ version = 1
 [camera.main]
 eye = [0, 3, 0.1]
 [image]
-size = [8, 8]
-samples = 64
+size = [16, 16]
+samples = 16
 tone_map = "none"
 [reflection]
 roughness_cutoff = 1
@@ -197,7 +197,7 @@ fn a_mirror_stays_sharp_whatever_its_roughness() {
     let ball = "[material.red]\nemission = [1, 0, 0]\n[model.ball]\nshape = { kind = \"sphere\" }\n\
                 material = \"red\"\n[[instance]]\nmodel = \"metal\"\n[[instance]]\nmodel = \"ball\"\n\
                 translation = [0, 1, 0]\n";
-    let text = format!("{METAL}{ball}").replace("size = [8, 8]\nsamples = 64", "size = [64, 36]");
+    let text = format!("{METAL}{ball}").replace("size = [16, 16]\nsamples = 16", "size = [64, 36]");
     let of = |set: &[&str]| render(gpu, &text, set, &[]);
     let camera = [
         "camera.main.eye=[0, 2, 4]",
@@ -241,7 +241,7 @@ fn rough_floor() -> String {
             metal,
         )
         .replace("fov_deg = 1", "fov_deg = 20")
-        .replace("size = [8, 8]\nsamples = 64", "size = [96, 96]")
+        .replace("size = [16, 16]\nsamples = 16", "size = [96, 96]")
         + wall
 }
 

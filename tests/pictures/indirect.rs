@@ -36,14 +36,24 @@ fn an_oven_shines_by_the_sum_of_its_bounces() {
         ("reflection.method=path", 40, 5e-2),
     ] {
         // Every ray meets the same light, so that nothing but where paths end by chance is grainy.
-        let found = mean(&render(gpu, OVEN, &[set, "image.samples=64"], &[]))[0];
+        let found = mean(&render(
+            gpu,
+            OVEN,
+            &[set, "image.size=[16, 16]", "image.samples=16"],
+            &[],
+        ))[0];
         let expected: f32 = (0..=orders).map(|k| 0.25 * 0.5_f32.powi(k)).sum();
         assert_close(found, expected, tolerance);
     }
     // Surfaces that light are found by rays towards them, one order earlier.
     for (bounces, orders) in [(0, 1), (2, 3)] {
         let bounces = format!("reflection.diffuse_bounces={bounces}");
-        let set = ["material.wall.light=true", "image.samples=256", &bounces];
+        let set = [
+            "material.wall.light=true",
+            "image.size=[32, 32]",
+            "image.samples=16",
+            &bounces,
+        ];
         let found = mean(&render(gpu, OVEN, &set, &[]))[0];
         let expected: f32 = (0..=orders).map(|k| 0.25 * 0.5_f32.powi(k)).sum();
         assert_close(found, expected, 0.02);
@@ -58,8 +68,8 @@ eye = [0, 0.5, 0]
 target = [0.3, 0, 0]
 fov_deg = 5
 [image]
-size = [8, 8]
-samples = 256
+size = [32, 32]
+samples = 16
 tone_map = "none"
 [material.floor]
 base_color = [0.8, 0.5, 0.2]
@@ -98,8 +108,8 @@ eye = [0, 2, 4]
 target = [0, 0, 0]
 fov_deg = 30
 [image]
-size = [16, 16]
-samples = 256
+size = [64, 64]
+samples = 16
 tone_map = "none"
 [environment]
 color = [1, 1, 1]
@@ -160,8 +170,8 @@ fn mirrors_show_scattered_light_whatever_finds_it() {
                 "camera.main.eye=[-0.5, 0.7, 0]",
                 "camera.main.target=[0.5, 0.25, 0]",
                 "camera.main.fov_deg=60",
-                "image.size=[48, 32]",
-                "image.samples=64",
+                "image.size=[96, 64]",
+                "image.samples=16",
                 "reflection.diffuse_bounces=2",
             ],
             set,
@@ -215,7 +225,11 @@ fn light_behind_solid_glass_is_found_by_what_is_refracted() {
     let floor = PLATES
         .replace("emission = [1, 1, 1]", "")
         .replace("translation = [0, 1, 0]", "translation = [0, -1, 0]");
-    let set = ["reflection.method=path", "image.samples=1024"];
+    let set = [
+        "reflection.method=path",
+        "image.size=[64, 64]",
+        "image.samples=64",
+    ];
     let open = mean(&render(gpu, &[floor.as_str(), lamp].concat(), &set, &[]))[0];
     let behind = mean(&render(
         gpu,
@@ -262,8 +276,8 @@ eye = [0, 0.6, 1.5]
 target = [0, 0.1, 0]
 fov_deg = 40
 [image]
-size = [32, 18]
-samples = 64
+size = [64, 36]
+samples = 16
 tone_map = "none"
 [reflection]
 unit_m = 1

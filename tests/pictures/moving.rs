@@ -164,12 +164,12 @@ const MOVES: [[&str; 5]; 19] = [
 #[test]
 fn moved_scene_equals_the_scene_written_in_that_pose() {
     let folder = folder("numbers");
+    let Some([before, _]) = frames(&folder, SCENE, &[], [0, 0]) else {
+        return;
+    };
     for [kind, name, key, path, value] in MOVES {
         let set = [format!("{kind}.{name}.{path}={value}")];
         let Some([still, _]) = frames(&folder, SCENE, &set, [0, 0]) else {
-            return;
-        };
-        let Some([before, _]) = frames(&folder, SCENE, &[], [0, 0]) else {
             return;
         };
         let keys = format!("{{ curve = \"step\", keys = [{{ at_s = 1, value = {value} }}] }}");
