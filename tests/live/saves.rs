@@ -15,6 +15,8 @@ use crate::kit::{Folder, Watch};
 
 /// Repetitions of each way of saving.
 pub const ROUNDS: usize = 50;
+/// Repetitions of a thousand saves at once, of which some hundred are read.
+pub const BURSTS: usize = 12;
 
 fn watch(path: &Path) -> Watch {
     Watch::settled(WatchList {
@@ -128,7 +130,7 @@ fn a_burst_of_a_thousand_saves_ends_with_the_last() {
     let folder = Folder::new();
     let path = folder.write("a.toml", "first");
     let watch = watch(&path);
-    for burst in 0..ROUNDS {
+    for burst in 0..BURSTS {
         for i in 0..1000 {
             fs::write(&path, format!("{burst} {i}")).expect("written");
         }

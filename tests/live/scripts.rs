@@ -19,7 +19,7 @@ use reflet::{
 use crate::{
     common::gpu_or_skip,
     kit::{Folder, RunNow, SCENE, Watch, open, open_with, picture},
-    saves::{ROUNDS, SAVES, Save},
+    saves::{BURSTS, ROUNDS, SAVES, Save},
 };
 
 pub const SCRIPT: &str = r#"import "parts/path" as path;
@@ -38,9 +38,6 @@ fn frame(ctx) {
     ctx.material("red", #{ roughness: 0.5 + 0.1 * ctx.t });
 }
 "#;
-
-/// Each is a thousand saves, and some hundred of them are read.
-const BURSTS: usize = 12;
 
 const PATH: &str = "fn place(i, t) { vec3(i - 1 + 0.4 * t, 0.5, 0) }\n";
 
