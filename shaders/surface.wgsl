@@ -5,8 +5,8 @@
 #import gbuffer_layout
 #import lists
 #import pack
+#import pixel_surface
 #import shade
-#import surface
 
 override HAS_REFLECTIONS: bool = true;
 override MARCH: bool = true; // false: method rt, reflective pixels are listed as rays
@@ -24,24 +24,6 @@ const CULLED_SLACK: f32 = 1e-4;
 
 var<workgroup> tile_counts: array<atomic<u32>, 3>; // not reflective, rough, reflective
 var<workgroup> tile_start: u32;
-
-// Where the pixel's ray meets the plane of its triangle: exact, where the depth buffer is not.
-struct PlaneHit {
-    t: f32,
-    bary: vec2f,
-}
-
-fn plane_hit(origin: vec3f, direction: vec3f, instance: u32, triangle: u32) -> PlaneHit {
-    let c = corners(instance, triangle);
-    let p0 = to_world(instance, c.p[0]) - origin;
-    let e1 = to_world(instance, c.p[1]) - origin - p0;
-    let e2 = to_world(instance, c.p[2]) - origin - p0;
-    let p = cross(direction, e2);
-    let determinant = dot(e1, p);
-    let inverse = select(0.0, 1.0 / determinant, abs(determinant) > 1e-30);
-    let q = cross(-p0, e1);
-    return PlaneHit(dot(e2, q) * inverse, vec2f(dot(-p0, p), dot(direction, q)) * inverse);
-}
 
 // Keeps the depth of what the camera culls in front of what it shows at `depth_m`.
 fn keep_culled(pixel: vec2u, depth_m: f32) {
@@ -61,17 +43,9 @@ fn resolve(pixel: vec2u) -> u32 {
         textureStore(colors, pixel, vec4u(0u));
         return CAUSE_NOT_REFLECTIVE;
     }
-    let center = vec2f(pixel) + 0.5;
-    let ray = pixel_ray(center);
-    let plane = plane_hit(pixel_origin(center), ray, hit.x, hit.y);
-    // A pixel center may lie just outside the triangle that covers it.
-    var bary = clamp(plane.bary, vec2f(0.0), vec2f(1.0));
-    bary /= max(bary.x + bary.y, 1.0);
-    let s = surface_at(hit.x, hit.y, bary, normalize(ray), pixel_width(plane.t * length(ray)));
-    // Depth along this pixel's own ray, so that the position found from it lies on the plane; only
-    // a triangle seen edge-on is too far off for that.
-    let on_plane = distance(bary, plane.bary) < 0.1;
-    let depth_m = select(dot(s.position - frame.eye, frame.forward), plane.t, on_plane);
+    let shown = pixel_surface(pixel, hit);
+    let s = shown.surface;
+    let depth_m = shown.depth_m;
     if (HAS_CULLED && RASTERIZED) { keep_culled(pixel, depth_m); }
     textureStore(view_depth, pixel, vec4f(depth_m, 0.0, 0.0, 0.0));
     textureStore(surface, pixel, pack_surface(s));
@@ -79,6 +53,8 @@ fn resolve(pixel: vec2u) -> u32 {
     // As the packed surface will be read again.
     var packed = s;
     packed.roughness = unpack2x16float(pack2x16float(vec2f(s.roughness, 0.0))).x;
+    packed.clearcoat = round(s.clearcoat * 127.0) / 127.0;
+    packed.clearcoat_roughness = round(s.clearcoat_roughness * 127.0) / 127.0;
     if (is_reflector(packed)) { return CAUSE_UNMARCHED; }
     return select(CAUSE_NOT_REFLECTIVE, CAUSE_ROUGH, s.reflection != REFLECTION_NONE);
 }

@@ -91,8 +91,9 @@ impl Session {
     }
 
     /// Changes values of the scene, each written as `--set` takes it: `material.chrome.roughness=0.2`,
-    /// `image.size=[640, 360]`, `params.height=2`. The text and the script are read again, models and
-    /// images only where the changed scene needs others. The frame stays, where the timeline still has it.
+    /// `image.size=[640, 360]`, `reflection.diffuse_bounces=2`, `reflection.glint_limit=4`, `params.height=2`. The text
+    /// and the script are read again, models and images only where the changed scene needs others. The frame stays,
+    /// where the timeline still has it.
     ///
     /// # Errors
     /// As [`Session::open`]; the session is then as before.

@@ -205,7 +205,9 @@ def pictures(out: pathlib.Path) -> None:
         names = [f"{kind}-{round(100 * r):03}" for r in ROUGHNESSES]
         sheet(out, names, IMAGES / f"light-{kind}.png")
     glass = ["glass", "glass-rough", "glass-thin", "clearcoat", "clearcoat-rough", "metal-panels"]
+    cloth = ["sheen", "sheen-sharp", "specular-color", "specular-half"]
     sheet(out, glass, IMAGES / "light-glass.png")
+    sheet(out, cloth, IMAGES / "light-cloth.png")
     sheet(out, ["depth-of-field", "motion-blur"], IMAGES / "light-lens.png")
     lights = [f"light-{n}" for n in ("point", "sphere", "spot", "sun", "rect", "disk")]
     sheet(out, lights, IMAGES / "light-kinds.png")

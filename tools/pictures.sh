@@ -5,6 +5,16 @@ set -euo pipefail
 root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
 readonly root
 cd "$root"
+# Found before minutes are spent on rendering: grain of the three scenes below is removed by it.
+if [ -z "${REFLET_OIDN:-}" ]; then
+    for folder in "$root"/.venv/lib/*/site-packages/pyoidn/oidn/lib; do
+        [ ! -d "$folder" ] || export REFLET_OIDN="$folder"
+    done
+fi
+if ! compgen -G "${REFLET_OIDN:-/nowhere}/libOpenImageDenoise*" >/dev/null; then
+    echo "pictures: REFLET_OIDN must name the folder of Open Image Denoise; tools/setup.sh installs it" >&2
+    exit 1
+fi
 cargo build --locked
 binary="${CARGO_TARGET_DIR:-$root/target}/debug/reflet"
 images="$root/docs/images"
@@ -18,7 +28,6 @@ done
 mv "$images/atrium-one.source.png" "$images/atrium-source.png"
 mv "$images/atrium-one.cause.png" "$images/atrium-cause.png"
 rm "$images/atrium-one.png"
-# Without grain by Open Image Denoise, which REFLET_OIDN must name the folder of.
 "$binary" render "$root/scenes/studio.toml" --samples 64 --size 640x360 --denoise --output "$images/studio.png"
 "$binary" render "$root/scenes/interior.toml" --samples 16 --size 960x540 --denoise --output "$images/interior.png"
 "$binary" render "$root/scenes/street.toml" --samples 16 --size 960x540 --denoise --output "$images/street.png"

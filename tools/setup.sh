@@ -258,6 +258,20 @@ setup_validator() {
     fi
 }
 
+# Open Image Denoise (Apache 2.0; 170 MB) in a package of PyPI, for the test of `--denoise`; nothing imports it.
+setup_denoiser() {
+    [ -f "$root/tools/pyproject.toml" ] || return 0
+    heading "Denoiser"
+    if compgen -G "$root/.venv/lib/*/site-packages/pyoidn" >/dev/null; then
+        echo "present: .venv"
+    elif "$root/.venv/bin/python" -m pip install --quiet --disable-pip-version-check --no-deps \
+        "pyoidn>=2.4,<3"; then
+        echo "ready: .venv"
+    else
+        echo "missing: pyoidn; the test of --denoise will be skipped"
+    fi
+}
+
 if has apt-get; then
     setup_debian
 else
@@ -271,4 +285,5 @@ if wants run; then
 fi
 if wants test; then
     setup_validator
+    setup_denoiser
 fi

@@ -27,17 +27,20 @@ fn mean_height(m: vec3f) -> f32 {
     return mix(abs(c), lobe_overlap(c) + lobe_overlap(-c), spread);
 }
 
-// Environment through a rough lobe: a gradient weighs directions by their height, so that it only asks for the
+// Mean radiance of what a lobe returns: a gradient weighs directions by their height, so that it only asks for the
 // means of the height and of its absolute.
-fn environment_specular(s: Surface, view: vec3f) -> vec3f {
+fn environment_through(lobe: vec4f, s: Surface, view: vec3f) -> vec3f {
     let nv = dot(s.normal, view);
-    let lobe = lobe_at(s.roughness, nv);
     let away = s.normal * nv - view;
     let m = (s.normal * lobe.z + away * (lobe.w / max(length(away), 1e-6))) / lobe.x;
     let height = mean_height(m);
-    let radiance = frame.horizon + (frame.zenith - frame.horizon) * (0.5 * (height + m.y))
+    return frame.horizon + (frame.zenith - frame.horizon) * (0.5 * (height + m.y))
         + (frame.ground - frame.horizon) * (0.5 * (height - m.y));
-    return specular_albedo(s, view) * radiance * s.occlusion;
+}
+
+fn environment_specular(s: Surface, view: vec3f) -> vec3f {
+    let lobe = lobe_at(s.roughness, dot(s.normal, view));
+    return specular_albedo(s, view) * environment_through(lobe, s, view) * s.occlusion;
 }
 
 // No ray is sent towards the environment.
@@ -49,6 +52,10 @@ fn environment_rays_pdf(s: Surface, direction: vec3f) -> f32 {
 fn environment_light(s: Surface, view: vec3f, albedo: vec3f) -> Shade {
     var out: Shade;
     out.diffuse = albedo * ambient(s.normal) * s.occlusion;
+    if (has_sheen(s)) {
+        let lobe = sheen_lobe(s, dot(s.normal, view));
+        out.diffuse += s.sheen_color * environment_through(lobe, s, view) * (lobe.x * s.occlusion);
+    }
     if (!is_reflector(s)) { out.specular = environment_specular(s, view); }
     return out;
 }

@@ -28,7 +28,7 @@ fn environment_light(s: Surface, view: vec3f, albedo: vec3f) -> Shade {
     let by_environment = environment_ray_share();
     let is_rough = by_environment > 0.0 && is_rough_reflector(s);
     let has_specular = (is_rough || !is_reflector(s)) && (s.metallic > 0.0 || s.reflectivity > 0.0);
-    let has_diffuse = max(albedo.x, max(albedo.y, albedo.z)) > 0.0;
+    let has_diffuse = has_sheen(s) || max(albedo.x, max(albedo.y, albedo.z)) > 0.0;
     if (!has_specular && !has_diffuse) { return out; }
     let by_specular = select(0.0, select(1.0, 0.5, has_diffuse), has_specular && !is_rough);
     let pair = next_pair();
@@ -59,7 +59,7 @@ fn environment_light(s: Surface, view: vec3f, albedo: vec3f) -> Shade {
             if (all(arriving == vec3f(0.0))) { continue; }
         }
         let light = environment(direction) * arriving * (s.occlusion / max(pdf, 1e-12));
-        out.diffuse += albedo * light * (nl / PI);
+        out.diffuse += (albedo + sheen(s, view, direction)) * light * (nl / PI);
         if (!has_specular) { continue; }
         let share = select(1.0, balance(pdf * f32(sampling.rays), lobe_density(s, view, direction)), is_rough);
         out.specular += ggx(s, view, direction) * light * share;

@@ -72,7 +72,7 @@ fn emitted_light(s: Surface, view: vec3f, albedo: vec3f) -> Shade {
     var out: Shade;
     let is_rough = is_rough_reflector(s);
     let has_specular = (is_rough || !is_reflector(s)) && (s.metallic > 0.0 || s.reflectivity > 0.0);
-    let is_lit = has_specular || max(albedo.x, max(albedo.y, albedo.z)) > 0.0;
+    let is_lit = has_specular || has_sheen(s) || max(albedo.x, max(albedo.y, albedo.z)) > 0.0;
     if (!is_lit || sampling.emitted_power <= 0.0) { return out; }
     let choices = next_pair();
     let points = next_pair();
@@ -84,7 +84,7 @@ fn emitted_light(s: Surface, view: vec3f, albedo: vec3f) -> Shade {
         let arriving = arriving_from(s, s.position + l.to_light * l.distance_m);
         if (all(arriving == vec3f(0.0))) { continue; }
         l.color *= arriving;
-        out.diffuse += albedo * l.color * (nl / PI);
+        out.diffuse += (albedo + sheen(s, view, l.to_light)) * l.color * (nl / PI);
         if (!has_specular) { continue; }
         var share = 1.0;
         if (is_rough && !is_passed(instances[id.x].trace_flags, UNREFLECTED)) {

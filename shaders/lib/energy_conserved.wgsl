@@ -13,6 +13,6 @@ fn compensation(s: Surface, view: vec3f) -> vec3f {
 // What the specular lobe leaves to diffuse light, towards this view.
 fn unreflected(s: Surface, view: vec3f) -> f32 {
     let lobe = lobe_at(shown_roughness(s), dot(s.normal, view));
-    let f = vec3f(s.reflectivity);
-    return max(1.0 - split_sum(f, lobe).x * (1.0 + f.x * (1.0 / max(lobe.x, 1e-3) - 1.0)), 0.0);
+    let f = dielectric_reflectance(s);
+    return max(1.0 - split_sum(vec3f(f.x), f.y, lobe).x * (1.0 + f.x * (1.0 / max(lobe.x, 1e-3) - 1.0)), 0.0);
 }

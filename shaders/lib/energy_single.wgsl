@@ -10,6 +10,6 @@ fn compensation(s: Surface, view: vec3f) -> vec3f {
 // What the specular lobe leaves to diffuse light, on average over the hemisphere, so that it does not depend
 // on the view. The cosine-weighted mean of Schlick's curve is F0 + (F90 - F0) / 21.
 fn unreflected(s: Surface, view: vec3f) -> f32 {
-    let f = vec3f(s.reflectivity);
-    return 1.0 - (f.x + (f90(f) - f.x) / 21.0);
+    let f = dielectric_reflectance(s);
+    return 1.0 - (f.x + (f.y - f.x) / 21.0);
 }

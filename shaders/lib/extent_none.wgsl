@@ -14,7 +14,7 @@ struct Reflected {
 }
 
 fn lobe_ray(direction: vec3f, s: Surface) -> Reflected {
-    return Reflected(mirror_direction(direction, s), fresnel(s, dot(s.normal, -direction)), 0.0, 1.0);
+    return Reflected(mirror_direction(direction, s), fresnel(s, dot(s.normal, -direction)) * base_share(s, -direction), 0.0, 1.0);
 }
 
 // What a path adds past its first hit.

@@ -48,7 +48,7 @@ fn lobe_ray(direction: vec3f, s: Surface) -> Reflected {
     let alpha = s.roughness * s.roughness;
     let mirror = mirror_direction(direction, s);
     if (!is_rough_reflector(s)) {
-        return Reflected(mirror, fresnel(s, dot(s.normal, -direction)), 0.0, 1.0);
+        return Reflected(mirror, fresnel(s, dot(s.normal, -direction)) * base_share(s, -direction), 0.0, 1.0);
     }
     path_is_chance = true;
     let axes = basis(s.normal);
@@ -66,7 +66,7 @@ fn lobe_ray(direction: vec3f, s: Surface) -> Reflected {
     let seen = nl * (nv + masked_v) / (nv * masked_l + nl * masked_v);
     let pdf = lobe_density(s, -direction, out);
     let sky_weight = balance(pdf, environment_rays_pdf(s, out));
-    let weight = fresnel(s, dot(facet, -direction)) * compensation(s, -direction) * seen;
+    let weight = fresnel(s, dot(facet, -direction)) * compensation(s, -direction) * (seen * base_share(s, -direction));
     return Reflected(lifted(out, s), weight, pdf, sky_weight);
 }
 
@@ -136,7 +136,7 @@ fn sized_light(i: u32, s: Surface, view: vec3f, albedo: vec3f) -> Shade {
     var out: Shade;
     let is_rough = is_rough_reflector(s);
     let has_specular = (is_rough || !is_reflector(s)) && (s.metallic > 0.0 || s.reflectivity > 0.0);
-    if (!has_specular && max(albedo.x, max(albedo.y, albedo.z)) <= 0.0) { return out; }
+    if (!has_specular && !has_sheen(s) && max(albedo.x, max(albedo.y, albedo.z)) <= 0.0) { return out; }
     let pair = next_pair();
     for (var k = 0u; k < sampling.rays; k++) {
         var l = light_sample(i, s.position, sample_square(sampling.first + k, pair));
@@ -149,7 +149,7 @@ fn sized_light(i: u32, s: Surface, view: vec3f, albedo: vec3f) -> Shade {
             if (all(arriving == vec3f(0.0))) { continue; }
             l.color *= arriving;
         }
-        out.diffuse += albedo * l.color * (nl / PI);
+        out.diffuse += (albedo + sheen(s, view, l.to_light)) * l.color * (nl / PI);
         if (!has_specular) { continue; }
         var share = 1.0;
         if (is_rough) { share = balance(l.pdf * f32(sampling.rays), lobe_density(s, view, l.to_light)); }

@@ -1,5 +1,6 @@
 // The resolved surface of each pixel, as the surface pass wrote it.
 
+#import details
 #import frame
 #import gbuffer_layout
 #import shade
@@ -14,7 +15,7 @@ fn position_at(pixel: vec2u, depth_m: f32) -> vec3f {
 }
 
 fn load_surface(pixel: vec2u) -> Surface {
-    var s = unpack_surface(textureLoad(surface, pixel, 0), textureLoad(colors, pixel, 0));
+    var s = detailed(unpack_surface(textureLoad(surface, pixel, 0), textureLoad(colors, pixel, 0)), pixel);
     s.position = position_at(pixel, textureLoad(view_depth, pixel, 0).x);
     return s;
 }

@@ -33,16 +33,17 @@ fn scattered_albedo(s: Surface, view: vec3f) -> vec3f {
 }
 
 fn continues(s: Surface) -> bool {
-    return goes_on(s) || (path_scatterings < frame.diffuse_bounces && s.metallic < 1.0 && any(s.base_color > vec3f(0.0)));
+    return goes_on(s) || (path_scatterings < frame.diffuse_bounces && (has_sheen(s) || (s.metallic < 1.0 && any(s.base_color > vec3f(0.0)))));
 }
 
 // A direction of even light over the cosine. What shines is found by rays towards it alone.
-fn scattered_ray(s: Surface, weight: vec3f) -> Reflected {
+fn scattered_ray(s: Surface, view: vec3f, albedo: vec3f) -> Reflected {
     path_scatterings++;
     path_is_chance = true;
     leave_vertex(s);
     let out = cosine_direction(s.normal, sample_square(sampling.sample, SCATTER_PAIR));
     if (dot(out, s.geometric_normal) <= 0.0) { return Reflected(s.normal, vec3f(0.0), TAKEN, 0.0); }
+    let weight = albedo + sheen(s, view, out) * scattered_share(s, view);
     return Reflected(out, weight, TAKEN, 0.0);
 }
 
@@ -50,14 +51,18 @@ fn scattered_ray(s: Surface, weight: vec3f) -> Reflected {
 fn next_ray(before: Reflected, s: Surface) -> Reflected {
     let view = -before.direction;
     let albedo = scattered_albedo(s, view);
-    let diffuse = luminance(albedo);
+    var diffuse = luminance(albedo);
+    if (has_sheen(s) && path_scatterings < frame.diffuse_bounces) {
+        diffuse += luminance(sheen_albedo(s, view)) * scattered_share(s, view);
+    }
     let rest = select(0.0, max(onward_albedo(s, view), 0.01), goes_on(s));
     if (diffuse + rest <= 0.0) { return Reflected(s.normal, vec3f(0.0), TAKEN, 0.0); }
     let share = diffuse / (diffuse + rest);
     let u = sample_square(sampling.sample, CHOICE_PAIR);
     var ray: Reflected;
     if (u.x < share) {
-        ray = scattered_ray(s, albedo / share);
+        ray = scattered_ray(s, view, albedo);
+        ray.weight /= share;
     } else {
         ray = onward(before, s);
         ray.weight /= 1.0 - share;
@@ -114,7 +119,9 @@ fn followed(pixel: vec2u, vertex: u32, hits: u32, start: Reflected, from_s: Surf
 
 // What a surface scatters of what others do, after as many hits of the path.
 fn scattered_on(pixel: vec2u, vertex: u32, hits: u32, before: Reflected, s: Surface, cone: Cone) -> vec3f {
-    let albedo = scattered_albedo(s, -before.direction);
-    if (all(albedo <= vec3f(0.0))) { return vec3f(0.0); }
-    return followed(pixel, vertex + 1u, hits, scattered_ray(s, albedo), s, cone);
+    let view = -before.direction;
+    let albedo = scattered_albedo(s, view);
+    let is_matte = any(albedo > vec3f(0.0)) || has_sheen(s);
+    if (!is_matte || path_scatterings >= frame.diffuse_bounces) { return vec3f(0.0); }
+    return followed(pixel, vertex + 1u, hits, scattered_ray(s, view, albedo), s, cone);
 }

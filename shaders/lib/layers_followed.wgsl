@@ -82,13 +82,22 @@ fn schlick_weight(cosine: f32) -> f32 {
     return x2 * x2 * x;
 }
 
+// The same between a strength and a color's reflectances at normal and grazing incidence. Inside of a solid it is
+// what leaves nothing out.
+fn tinted(s: Surface, reflectance: f32) -> vec3f {
+    if (!HAS_TINTS || s.is_inside) { return vec3f(reflectance); }
+    let least = min(s.reflectivity, 0.999);
+    let rise = saturate((reflectance - least) / (1.0 - least));
+    return mix(dielectric_f0(s), vec3f(s.specular), rise);
+}
+
 // Exact, for the approximation knows no total reflection. The index follows from the reflectivity.
 fn transmissive_fresnel(s: Surface, cosine: f32) -> vec3f {
     let root = sqrt(min(s.reflectivity, 0.999));
     let index = (1.0 + root) / (1.0 - root);
     let dielectric = dielectric_fresnel(cosine, select(index, 1.0 / index, s.is_inside));
     let metal = s.base_color + (1.0 - s.base_color) * schlick_weight(cosine);
-    return mix(vec3f(dielectric), metal, s.metallic);
+    return mix(tinted(s, dielectric), metal, s.metallic);
 }
 
 // The coat alone, as a surface.
@@ -102,6 +111,9 @@ fn coat_of(s: Surface) -> Surface {
     coat.transmission = 0.0;
     coat.alpha = 1.0;
     coat.clearcoat = 0.0;
+    coat.specular = 1.0;
+    coat.specular_color = vec3f(1.0);
+    coat.sheen_color = vec3f(0.0);
     return coat;
 }
 
@@ -147,7 +159,7 @@ fn shade(s: Surface, view: vec3f, lent: vec2u) -> Shade {
 // Share of what a point of a triangle emits that leaves it at this cosine: past its coat, where it is at all.
 fn emitted_share(material: u32, instance: u32, index: array<u32, 3>, bary: vec2f, cosine: f32) -> f32 {
     var s = material_surface(material);
-    s.clearcoat = materials[material].clearcoat;
+    s.clearcoat = materials[material].clearcoat * layer_texel(CLEARCOAT_SLOT, instance, index, bary, 1.0, 0.0).x;
     s.alpha = 1.0;
     if (materials[material].is_blended != 0u) { s.alpha = material_alpha(material, instance, index, bary, 0.0, 1.0); }
     return s.alpha * coat_transmittance(s, cosine);
@@ -217,7 +229,8 @@ fn transmitted(direction: vec3f, s: Surface) -> Reflected {
     var weight = vec3f(0.0);
     if (below > 0.0 && dot(out, s.geometric_normal) < 0.0) {
         weight = (vec3f(1.0) - transmissive_fresnel(s, cosine)) * s.base_color
-            * (s.transmission * (1.0 - s.metallic) * s.alpha * coat_transmittance(s, dot(s.normal, -direction)));
+            * (s.transmission * (1.0 - s.metallic) * s.alpha * coat_transmittance(s, dot(s.normal, -direction))
+                * base_share(s, -direction));
         if (is_rough) { weight *= ggx_g1(below, alpha * alpha); }
         out = normalize(out);
     } else {
@@ -315,8 +328,8 @@ fn pane_at(h: Hit, direction: vec3f) -> Surface {
     s.is_solid = materials[m].is_solid != 0u;
     s.is_inside = s.is_solid && dot(normal, direction) > 0.0;
     s.normal = select(normal, -normal, dot(normal, direction) > 0.0);
-    s.transmission = materials[m].transmission;
-    s.clearcoat = materials[m].clearcoat;
+    s.transmission = materials[m].transmission * layer_texel(TRANSMISSION_SLOT, h.instance, c.index, h.bary, 1.0, 0.0).x;
+    s.clearcoat = materials[m].clearcoat * layer_texel(CLEARCOAT_SLOT, h.instance, c.index, h.bary, 1.0, 0.0).x;
     s.absorption = materials[m].absorption;
     s.alpha = 1.0;
     if (materials[m].is_blended != 0u) { s.alpha = material_alpha(m, h.instance, c.index, h.bary, 0.0, 1.0); }
@@ -346,7 +359,7 @@ fn transmittance(origin: vec3f, direction: vec3f, distance_m: f32) -> vec3f {
         // Both sides alike: it goes out as it came in.
         s.is_inside = false;
         let through = (vec3f(1.0) - transmissive_fresnel(s, cosine)) * s.base_color
-            * (s.transmission * (1.0 - s.metallic) * coat_transmittance(s, cosine));
+            * (s.transmission * (1.0 - s.metallic) * coat_transmittance(s, cosine) * base_share(s, -direction));
         share *= mix(vec3f(1.0), select(through, vec3f(0.0), bends(s)), s.alpha);
         if (max(share.x, max(share.y, share.z)) < select(DARKEST_PANE, 1e-12, UNBIASED)) { break; }
     }

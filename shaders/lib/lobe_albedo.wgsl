@@ -7,14 +7,26 @@
 // normal and away from the view.
 @group(0) @binding(9) var<uniform> lobe_table: array<vec4f, LOBE_NODES>;
 
-fn lobe_at(roughness: f32, cosine: f32) -> vec4f {
+// A node, and how far from it towards the next.
+struct LobePlace {
+    at: u32,
+    along: f32, // the cosines
+    across: f32, // the roughnesses
+}
+
+fn lobe_place(roughness: f32, cosine: f32) -> LobePlace {
     let place = sqrt(saturate(cosine)) * f32(LOBE_COSINES - 1u);
     let row = saturate(roughness) * f32(LOBE_ROUGHNESSES - 1u);
     let i = min(u32(place), LOBE_COSINES - 2u);
     let at = min(u32(row), LOBE_ROUGHNESSES - 2u) * LOBE_COSINES + i;
-    let low = mix(lobe_table[at], lobe_table[at + 1u], place - f32(i));
-    let high = mix(lobe_table[at + LOBE_COSINES], lobe_table[at + LOBE_COSINES + 1u], place - f32(i));
-    return mix(low, high, row - floor(min(row, f32(LOBE_ROUGHNESSES - 2u))));
+    return LobePlace(at, place - f32(i), row - floor(min(row, f32(LOBE_ROUGHNESSES - 2u))));
+}
+
+fn lobe_at(roughness: f32, cosine: f32) -> vec4f {
+    let place = lobe_place(roughness, cosine);
+    let low = mix(lobe_table[place.at], lobe_table[place.at + 1u], place.along);
+    let high = mix(lobe_table[place.at + LOBE_COSINES], lobe_table[place.at + LOBE_COSINES + 1u], place.along);
+    return mix(low, high, place.across);
 }
 
 // Roughness of the lobe that a surface shows.
@@ -24,14 +36,14 @@ fn shown_roughness(s: Surface) -> f32 {
 
 // Share of even light that a lobe of a reflectance at normal incidence returns, by one facet: the split sum of
 // Karis 2013.
-fn split_sum(f: vec3f, lobe: vec4f) -> vec3f {
-    return f * (lobe.x - lobe.y) + vec3f(f90(f) * lobe.y);
+fn split_sum(f: vec3f, grazing: f32, lobe: vec4f) -> vec3f {
+    return f * (lobe.x - lobe.y) + vec3f(grazing * lobe.y);
 }
 
 // Share of even light that a surface's lobe returns.
 fn specular_albedo(s: Surface, view: vec3f) -> vec3f {
     let cosine = saturate(dot(s.normal, view));
     let lobe = lobe_at(shown_roughness(s), cosine);
-    if (is_transmissive(s)) { return transmissive_fresnel(s, cosine) * lobe.x; }
-    return split_sum(f0(s), lobe) * compensation(s, view);
+    if (is_transmissive(s)) { return transmissive_fresnel(s, cosine) * (lobe.x * base_share(s, view)); }
+    return split_sum(f0(s), grazing_reflectance(s), lobe) * (compensation(s, view) * base_share(s, view));
 }

@@ -31,7 +31,12 @@ struct Material {
     is_solid: u32, // 1: what passes is refracted and absorbed up to the other side
     is_blended: u32, // 1: its alpha is the share of light that it stops
     pattern: u32, // PATTERN_*, of the checker's colors and size
+    specular_color: vec3f,
+    specular: f32,
+    sheen_color: vec3f,
+    sheen_roughness: f32,
     textures: array<TextureUse, 5>, // base color, metallic-roughness, normal, occlusion, emission
+    layer_textures: array<TextureUse, 7>, // see surface.wgsl
 }
 
 struct Surface {
@@ -57,10 +62,21 @@ struct Surface {
     absorption: vec3f,
     is_solid: bool,
     is_inside: bool, // seen from within a solid
+    // Set with HAS_TINTS: factors on the reflectivity and, the first, on what is reflected at grazing angles.
+    specular: f32,
+    specular_color: vec3f,
+    // Set with HAS_SHEEN.
+    sheen_color: vec3f,
+    sheen_roughness: f32,
 }
 
 // Whether some surface lets light through or has a clear coat.
 override HAS_LAYERS: bool = true;
+
+// Whether some dielectric's specular lobe has a strength or a color of its own.
+override HAS_TINTS: bool = true;
+
+override HAS_SHEEN: bool = true;
 
 // A surface with the numbers of a material, before textures.
 fn material_surface(m: u32) -> Surface {
@@ -73,5 +89,13 @@ fn material_surface(m: u32) -> Surface {
     s.occlusion = 1.0;
     s.reflection = materials[m].reflection;
     s.unlit = materials[m].unlit != 0u;
+    if (HAS_TINTS) {
+        s.specular = materials[m].specular;
+        s.specular_color = materials[m].specular_color;
+    }
+    if (HAS_SHEEN) {
+        s.sheen_color = materials[m].sheen_color;
+        s.sheen_roughness = materials[m].sheen_roughness;
+    }
     return s;
 }

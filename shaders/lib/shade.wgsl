@@ -9,6 +9,7 @@
 #import layers
 #import surface
 #import shadow
+#import sheen
 
 // Two bits a light: 0 is unknown or partly lit.
 const LENT_LIGHTS: u32 = 32u;
@@ -21,8 +22,14 @@ struct Shade {
     visible: vec2u, // which lights reach it, two bits each; see light_reuse.wgsl
 }
 
+// KHR_materials_specular.
+fn dielectric_f0(s: Surface) -> vec3f {
+    if (!HAS_TINTS) { return vec3f(s.reflectivity); }
+    return min(s.reflectivity * s.specular_color, vec3f(1.0)) * s.specular;
+}
+
 fn f0(s: Surface) -> vec3f {
-    return mix(vec3f(s.reflectivity), s.base_color, s.metallic);
+    return mix(dielectric_f0(s), s.base_color, s.metallic);
 }
 
 // Reflectance at grazing angles; below 2 % at normal incidence it is taken as occlusion of the
@@ -31,13 +38,26 @@ fn f90(f: vec3f) -> f32 {
     return saturate(50.0 * dot(f, vec3f(1.0 / 3.0)));
 }
 
+// Of a surface: a color does not change it, a strength does.
+fn grazing_reflectance(s: Surface) -> f32 {
+    if (!HAS_TINTS) { return f90(f0(s)); }
+    return f90(mix(vec3f(s.reflectivity), s.base_color, s.metallic)) * mix(s.specular, 1.0, s.metallic);
+}
+
+// Its dielectric part, by its strongest channel, so that what is left is not tinted: normal and grazing.
+fn dielectric_reflectance(s: Surface) -> vec2f {
+    if (!HAS_TINTS) { return vec2f(s.reflectivity, f90(vec3f(s.reflectivity))); }
+    let f = dielectric_f0(s);
+    return vec2f(max(f.x, max(f.y, f.z)), f90(vec3f(s.reflectivity)) * s.specular);
+}
+
 // Schlick 1994.
 fn fresnel(s: Surface, cosine: f32) -> vec3f {
     if (is_transmissive(s)) { return transmissive_fresnel(s, cosine); }
     let f = f0(s);
     let x = 1.0 - saturate(cosine);
     let x2 = x * x;
-    return f + (vec3f(f90(f)) - f) * (x2 * x2 * x);
+    return f + (vec3f(grazing_reflectance(s)) - f) * (x2 * x2 * x);
 }
 
 fn is_reflector(s: Surface) -> bool {
@@ -52,7 +72,7 @@ fn goes_on(s: Surface) -> bool {
 
 // Share of light that the surface scatters below its specular lobe.
 fn diffuse_albedo(s: Surface, view: vec3f) -> vec3f {
-    return s.base_color * (1.0 - s.metallic) * unreflected(s, view) * reflected_share(s);
+    return s.base_color * (1.0 - s.metallic) * unreflected(s, view) * reflected_share(s) * base_share(s, view);
 }
 
 // Below it highlights would be smaller than rounding can tell, and reflections are sharp.
@@ -72,7 +92,7 @@ fn ggx(s: Surface, view: vec3f, to_light: vec3f) -> vec3f {
     let a2 = alpha * alpha;
     let d = nh * nh * (a2 - 1.0) + 1.0;
     let visibility = 0.5 / max(nl * sqrt(nv * nv * (1.0 - a2) + a2) + nv * sqrt(nl * nl * (1.0 - a2) + a2), 1e-6);
-    return fresnel(s, dot(view, h)) * compensation(s, view) * (a2 / (PI * d * d) * visibility * nl);
+    return fresnel(s, dot(view, h)) * compensation(s, view) * (a2 / (PI * d * d) * visibility * nl * base_share(s, view));
 }
 
 // Whether what a surface reflects is spread, over more than rounding.
@@ -156,7 +176,7 @@ fn shade_layer(s: Surface, view: vec3f, lent: vec2u) -> Shade {
             out.visible[i >> 4u] |= bits << (2u * (i & 15u));
         }
         let lit = l.color * visible;
-        out.diffuse += albedo * lit * (nl / PI);
+        out.diffuse += (albedo + sheen(s, view, l.to_light)) * lit * (nl / PI);
         if (has_specular) { out.specular += ggx(s, view, l.to_light) * lit; }
     }
     let emitted = emitted_light(s, view, albedo);

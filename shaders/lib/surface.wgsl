@@ -18,6 +18,15 @@ const NORMAL_SLOT = 2u;
 const OCCLUSION_SLOT = 3u;
 const EMISSION_SLOT = 4u;
 
+// Of `Material.layer_textures`.
+const SPECULAR_SLOT = 0u; // alpha
+const SPECULAR_COLOR_SLOT = 1u; // color
+const SHEEN_COLOR_SLOT = 2u; // color
+const SHEEN_ROUGHNESS_SLOT = 3u; // alpha
+const TRANSMISSION_SLOT = 4u; // red
+const CLEARCOAT_SLOT = 5u; // red
+const CLEARCOAT_ROUGHNESS_SLOT = 6u; // green
+
 struct Corner {
     p: array<vec3f, 3>,
     index: array<u32, 3>,
@@ -192,12 +201,25 @@ fn surface_at(instance: u32, triangle: u32, bary: vec2f, direction: vec3f, cone_
         s.transmission = materials[m].transmission;
         s.clearcoat = materials[m].clearcoat;
         s.clearcoat_roughness = materials[m].clearcoat_roughness;
+        if (LAYER_POOLS != 0u) {
+            s.transmission *= layer_texel(TRANSMISSION_SLOT, instance, c.index, bary, area2, footprint).x;
+            s.clearcoat *= layer_texel(CLEARCOAT_SLOT, instance, c.index, bary, area2, footprint).x;
+            s.clearcoat_roughness *= layer_texel(CLEARCOAT_ROUGHNESS_SLOT, instance, c.index, bary, area2, footprint).y;
+        }
         s.ior = materials[m].ior;
         s.absorption = materials[m].absorption;
         s.is_solid = materials[m].is_solid != 0u;
         s.is_inside = behind && s.is_solid;
         s.alpha = 1.0;
         if (materials[m].is_blended != 0u) { s.alpha = material_alpha(m, instance, c.index, bary, footprint, area2); }
+    }
+    if (HAS_TINTS && LAYER_POOLS != 0u) {
+        s.specular *= layer_texel(SPECULAR_SLOT, instance, c.index, bary, area2, footprint).w;
+        s.specular_color *= layer_texel(SPECULAR_COLOR_SLOT, instance, c.index, bary, area2, footprint).xyz;
+    }
+    if (HAS_SHEEN && LAYER_POOLS != 0u) {
+        s.sheen_color *= layer_texel(SHEEN_COLOR_SLOT, instance, c.index, bary, area2, footprint).xyz;
+        s.sheen_roughness *= layer_texel(SHEEN_ROUGHNESS_SLOT, instance, c.index, bary, area2, footprint).w;
     }
     let below = dot(n, ng);
     if (below < 0.0) { n = normalize(n - 2.0 * below * ng); }
@@ -211,6 +233,13 @@ fn texel_at(used: TextureUse, pools: u32, instance: u32, index: array<u32, 3>, b
     if (pools == 0u || used.layer == NONE) { return vec4f(1.0); }
     let at = slot_uv(used, instance, index, bary, area2, footprint);
     return sample_slot(used, at.uv, at.footprint, pools);
+}
+
+// The same of `Material.layer_textures`.
+fn layer_texel(slot: u32, instance: u32, index: array<u32, 3>, bary: vec2f, area2: f32, footprint: f32) -> vec4f {
+    if (LAYER_POOLS == 0u) { return vec4f(1.0); }
+    let used = materials[instances[instance].material].layer_textures[slot];
+    return texel_at(used, LAYER_POOLS, instance, index, bary, area2, footprint);
 }
 
 // Tangent-space normal map with MikkTSpace tangents (glTF 2.0, 3.9.3). `scale` is negative where u or v

@@ -5,6 +5,8 @@
 // Six bits for each slot of a material, in their order: bit 2k: it samples pool k linear, bit 2k + 1: as
 // sRGB. Some drivers sample every texture that a branch might, so that each that can be left out counts.
 override SLOT_POOLS: u32 = 0x3fffffffu;
+// Six bits for all layer textures together.
+override LAYER_POOLS: u32 = 63u;
 override WRAPS: u32 = 15u; // bit per sampler: rr, rc, cr, cc
 
 fn fold_mirror(x: f32) -> f32 {

@@ -1,6 +1,7 @@
 //! Lint: what is allowed in a scene but hardly meant. `check` reports it as warnings, each with its
 //! place and what to do.
 
+mod ignored;
 mod inside;
 mod shadow;
 mod size;
@@ -52,6 +53,7 @@ impl<'a> Lint<'a> {
         if !std::mem::replace(&mut self.is_first, false) {
             return;
         }
+        self.found.extend(ignored::lint(self.scene, &self.start()));
         self.found.extend(inside::lights(self.scene, world));
         self.found.extend(inside::cameras(self.scene, world));
         let is_traced = traces_rays(world, &RenderOptions::of(self.scene));

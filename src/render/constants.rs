@@ -23,6 +23,7 @@ use super::{
         AUDIT_RAYS, AUDITED_COUNTER, COUNTERS, EXHAUSTED_COUNTER, HIT_COUNTER, PYRAMID_LEVELS,
         RAY_COUNTER, RAYS_PER_GROUP, REFLECTOR_COUNTER, WRONG_COUNTER,
     },
+    sheen_table::LEAST_SHEEN_ALPHA,
     targets::FAR_M,
     textures::SMALLEST_POOL_PX,
     types::{
@@ -91,6 +92,7 @@ pub fn wgsl() -> String {
         LOBE_COSINES,
         LOBE_ROUGHNESSES,
         LOBE_NODES,
+        LEAST_SHEEN_ALPHA,
         SHADOW_NONE,
         SHADOW_MAP,
         SHADOW_RAY,

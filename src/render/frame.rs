@@ -153,6 +153,7 @@ impl Renderer {
         passes.visibility.record(frame);
         passes.primary.record(frame);
         passes.surface.record(frame);
+        passes.details.record(frame);
         passes.light.record(frame);
         passes.transmit.record(frame);
         passes.indirect.record(frame);

@@ -1,5 +1,7 @@
 //! The uniform blocks of group 0: the frame and its lights.
 
+use std::sync::OnceLock;
+
 use glam::Vec2;
 
 use crate::{
@@ -12,6 +14,7 @@ use super::{
     emitters::Emitters,
     lobe_table::lobe_table,
     precision::brightest_emission,
+    sheen_table::sheen_table,
     types::{Frame, LightBlock, Sampling},
     view::View,
 };
@@ -23,25 +26,20 @@ pub struct FrameUniforms {
     lights: wgpu::Buffer,
     sampling: wgpu::Buffer,
     lobe_table: wgpu::Buffer,
+    sheen_table: OnceLock<wgpu::Buffer>,
 }
 
 impl FrameUniforms {
     /// Empty blocks.
     pub fn new(gpu: &Gpu) -> Self {
-        let make = |label, size: usize| {
-            gpu.device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some(label),
-                size: size as u64,
-                usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-                mapped_at_creation: false,
-            })
-        };
+        let make = |label, size| uniform(gpu, label, size);
         let table: &[u8] = bytemuck::cast_slice(lobe_table());
         let this = Self {
             frame: make("frame", size_of::<Frame>()),
             lights: make("lights", size_of::<LightBlock>()),
             sampling: make("sampling", size_of::<Sampling>()),
             lobe_table: make("lobe_table", table.len()),
+            sheen_table: OnceLock::new(),
         };
         gpu.queue.write_buffer(&this.lobe_table, 0, table);
         this
@@ -58,15 +56,35 @@ impl FrameUniforms {
     }
 
     /// The block with this name in group 0, if there is one.
-    pub fn resource(&self, name: &str) -> Option<wgpu::BindingResource<'_>> {
+    pub fn resource(&self, gpu: &Gpu, name: &str) -> Option<wgpu::BindingResource<'_>> {
         match name {
             "frame" => Some(self.frame.as_entire_binding()),
             "lights" => Some(self.lights.as_entire_binding()),
             "sampling" => Some(self.sampling.as_entire_binding()),
             "lobe_table" => Some(self.lobe_table.as_entire_binding()),
+            "sheen_table" => Some(self.sheen_table(gpu).as_entire_binding()),
             _ => None,
         }
     }
+
+    /// Made when the first scene asks for it.
+    fn sheen_table(&self, gpu: &Gpu) -> &wgpu::Buffer {
+        self.sheen_table.get_or_init(|| {
+            let table: &[u8] = bytemuck::cast_slice(sheen_table());
+            let buffer = uniform(gpu, "sheen_table", table.len());
+            gpu.queue.write_buffer(&buffer, 0, table);
+            buffer
+        })
+    }
+}
+
+fn uniform(gpu: &Gpu, label: &str, size: usize) -> wgpu::Buffer {
+    gpu.device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some(label),
+        size: size as u64,
+        usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    })
 }
 
 impl Frame {

@@ -1,5 +1,7 @@
 //! Materials as the shaders know them.
 
+use glam::Vec3;
+
 use super::{
     plan::has_specular,
     textures::Layers,
@@ -8,13 +10,14 @@ use super::{
         TEXTURE_WRAP_U_SHIFT, TEXTURE_WRAP_V_SHIFT, WRAP_CLAMP, WRAP_MIRROR, WRAP_REPEAT, flag,
     },
 };
-use crate::world::{Material, TextureRef, World, Wrap};
+use crate::world::{CORE_SLOTS, Material, TextureRef, World, Wrap};
 
 /// A material of the world, whose images lie in `layers`.
 pub fn gpu_material(m: &Material, world: &World, layers: &Layers) -> GpuMaterial {
     let slot = |slot: Option<TextureRef>| {
         slot.map_or(NO_TEXTURE, |s| texture_use(&s, m.uv_scale, world, layers))
     };
+    let slots = m.slots();
     let checker = m.checker;
     let color = |i: usize| checker.map_or([0.0; 3], |c| c.colors[i].to_array());
     GpuMaterial {
@@ -44,7 +47,12 @@ pub fn gpu_material(m: &Material, world: &World, layers: &Layers) -> GpuMaterial
         clearcoat_roughness: m.clearcoat_roughness,
         is_solid: m.solid.into(),
         is_blended: m.blended.into(),
-        textures: m.slots().map(slot),
+        specular_color: m.specular_color.unwrap_or(Vec3::ONE).to_array(),
+        specular: m.specular.unwrap_or(1.0),
+        sheen_color: m.sheen_color.unwrap_or(Vec3::ZERO).to_array(),
+        sheen_roughness: m.sheen_roughness,
+        textures: std::array::from_fn(|i| slot(slots[i])),
+        layer_textures: std::array::from_fn(|i| slot(slots[CORE_SLOTS + i])),
     }
 }
 

@@ -12,7 +12,7 @@ pub const LOBE_NODES: u32 = LOBE_COSINES * LOBE_ROUGHNESSES;
 /// Facets that each integral takes, in slope and around the normal.
 const STEPS: [u32; 2] = [40, 16];
 /// Nothing is seen at exactly 90 degrees.
-const LEAST_COSINE: f64 = 1e-4;
+pub const LEAST_COSINE: f64 = 1e-4;
 /// As in the shaders; see `SMOOTH_ALPHA` there.
 const LEAST_ALPHA: f64 = 2e-3;
 

@@ -44,6 +44,7 @@ pub(crate) mod shaders;
 pub(crate) mod shadow_maps;
 pub(crate) mod shadow_texels;
 pub(crate) mod shared_groups;
+mod sheen_table;
 pub mod shutter;
 pub mod stats;
 pub(crate) mod sub_frame;

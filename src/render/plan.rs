@@ -2,16 +2,20 @@
 
 mod dropped;
 mod mutual_reflections;
+mod uses;
 
 use serde::Serialize;
 
 use crate::{
     scene::desc::{Method, PatternKind, ReflectionMode, ShownDesc, Visibility},
-    world::{Material, World, Wrap, bvh::Trees},
+    world::{CORE_SLOTS, LayerTexture, Material, World, Wrap, bvh::Trees},
 };
 
-pub use self::dropped::Dropped;
-use self::mutual_reflections::reflectors_see_each_other;
+pub use self::{dropped::Dropped, uses::passes_light};
+use self::{
+    mutual_reflections::reflectors_see_each_other,
+    uses::{has_coats, has_sheen, has_tints, scatters_twice},
+};
 use super::{
     lights::has_shadow_rays, options::RenderOptions, precision::Precision,
     shader_variant::ShaderVariant, textures::Layers,
@@ -62,6 +66,10 @@ pub struct Plan {
     pub transmission: bool,
     /// Some surface has a clear coat.
     pub coats: bool,
+    /// Some dielectric's specular lobe has a strength or a color of its own.
+    pub tints: bool,
+    /// Some surface has a sheen.
+    pub sheen: bool,
     /// Some reflection is spread by roughness.
     pub rough_reflections: bool,
     /// Light that facets reflect more than once is given back.
@@ -77,6 +85,8 @@ pub struct Plan {
     /// Texture pools in use, six bits for each slot of a material: a bit for each linear and sRGB
     /// view.
     pub slot_pools: u32,
+    /// The same of all textures of layers together.
+    pub layer_pools: u32,
     /// Wrap mode pairs in use.
     pub wraps: u32,
     /// What was left out.
@@ -90,9 +100,17 @@ pub fn has_specular(material: &Material) -> bool {
 
 /// Whether a material can reflect at all, so that its pixels are worth marching.
 pub fn can_reflect(material: &Material, cutoff: f32) -> bool {
+    let has_map = material
+        .layer_texture(LayerTexture::ClearcoatRoughness)
+        .is_some();
+    let coat_roughness = if has_map {
+        0.0
+    } else {
+        material.clearcoat_roughness
+    };
     let smooth = material.metallic_roughness_texture.is_some()
         || material.roughness < cutoff
-        || (material.clearcoat.is_some() && material.clearcoat_roughness < cutoff);
+        || (material.clearcoat.is_some() && coat_roughness < cutoff);
     has_specular(material)
         && match material.reflection {
             ReflectionMode::None => false,
@@ -127,20 +145,6 @@ pub fn reflects_roughly(world: &World, cutoff: f32) -> bool {
             || scatters
     };
     world.instances.iter().any(|i| is_rough(i.material))
-}
-
-/// Whether some material may let light through.
-pub fn passes_light(world: &World) -> bool {
-    (world.instances.iter()).any(|i| world.materials[i.material].passes_light())
-}
-
-/// Whether some lobe has facets that may be in each other's way.
-fn scatters_twice(world: &World) -> bool {
-    (world.instances.iter()).any(|i| has_specular(&world.materials[i.material]))
-}
-
-fn has_coats(world: &World) -> bool {
-    (world.instances.iter()).any(|i| world.materials[i.material].clearcoat.is_some())
 }
 
 /// Whether some material reflects in some frame.
@@ -198,6 +202,8 @@ impl Plan {
             rough_reflections: reflects_roughly(world, settings.reflects_below()),
             transmission: passes_light(world),
             coats: has_coats(world),
+            tints: has_tints(world),
+            sheen: has_sheen(world),
             multiple_scattering: settings.multiple_scattering && scatters_twice(world),
             panorama: world.environment.panorama.is_some(),
             environment_rays: environment_casts_rays(world, options),
@@ -218,6 +224,7 @@ impl Plan {
             lends_light: true,
             bounces: settings.bounces,
             slot_pools: (1 << 30) - 1,
+            layer_pools: (1 << 6) - 1,
             wraps: 15,
             dropped: Vec::new(),
         }
@@ -230,7 +237,7 @@ impl Plan {
         used.sort_unstable();
         used.dedup();
         let materials = || used.iter().map(|&m| &world.materials[m]);
-        let (slot_pools, wraps) = samplers(world, &used, layers);
+        let (slot_pools, layer_pools, wraps) = samplers(world, &used, layers);
         let cutoff = settings.reflects_below();
         let reflections = reflects(world, cutoff);
         // What lets light through also shows reflectors their backs.
@@ -266,12 +273,15 @@ impl Plan {
             rough_reflections: reflects_roughly(world, cutoff),
             transmission: passes_light(world),
             coats: has_coats(world),
+            tints: has_tints(world),
+            sheen: has_sheen(world),
             multiple_scattering: settings.multiple_scattering && scatters_twice(world),
             panorama: world.environment.panorama.is_some(),
             environment_rays: environment_casts_rays(world, options),
             shows_environment: world.environment.desc.visible && !options.image.alpha,
             bounces: if single_bounce { 1 } else { settings.bounces },
             slot_pools,
+            layer_pools,
             wraps,
             dropped: Vec::new(),
         };
@@ -293,6 +303,7 @@ impl Plan {
             ambient: self.sampled_environment,
             panorama: self.panorama,
             layers: self.has_layers(),
+            details: self.has_details(),
             full: self.precision.full,
             conserved: self.multiple_scattering,
             ..ShaderVariant::default()
@@ -302,6 +313,11 @@ impl Plan {
     /// Whether some surface lets light through or has a clear coat.
     fn has_layers(&self) -> bool {
         self.transmission || self.coats
+    }
+
+    /// Whether some surface has what the G-buffer has no bits for.
+    pub fn has_details(&self) -> bool {
+        self.tints || self.sheen
     }
 
     /// Values for the shaders' overrides, by name.
@@ -328,23 +344,30 @@ impl Plan {
             ("HAS_LAYERS", flag(self.has_layers())),
             ("HAS_TRANSMISSION", flag(self.transmission)),
             ("HAS_COATS", flag(self.coats)),
+            ("HAS_TINTS", flag(self.tints)),
+            ("HAS_SHEEN", flag(self.sheen)),
             ("SHOW_ENVIRONMENT", flag(self.shows_environment)),
             ("UNBIASED", flag(self.unbiased)),
             ("SLOT_POOLS", f64::from(self.slot_pools)),
+            ("LAYER_POOLS", f64::from(self.layer_pools)),
             ("WRAPS", f64::from(self.wraps)),
         ]
     }
 }
 
 /// Which pools each slot, and which wrap pairs the used materials sample, as the shader's bit masks.
-fn samplers(world: &World, used: &[usize], layers: &Layers) -> (u32, u32) {
-    let (mut slot_pools, mut wraps) = (0, 0);
+fn samplers(world: &World, used: &[usize], layers: &Layers) -> (u32, u32, u32) {
+    let (mut slot_pools, mut layer_pools, mut wraps) = (0, 0, 0);
     for &m in used {
         let slots_of = world.materials[m].slots().into_iter().enumerate();
         for (index, slot) in slots_of.filter_map(|(i, slot)| Some((i, slot?))) {
             let srgb = u32::from(world.textures[slot.texture].srgb);
             let pool = layers.slot(&slot, &world.textures).map_or(0, |s| s.pool);
-            slot_pools |= 1 << (6 * index as u32 + 2 * pool + srgb);
+            let bit = 2 * pool + srgb;
+            match index < CORE_SLOTS {
+                true => slot_pools |= 1 << (6 * index as u32 + bit),
+                false => layer_pools |= 1 << bit,
+            }
             let clamps = slot.wrap.map(|w| w != Wrap::Repeat);
             wraps |= match clamps {
                 [false, false] => 1,
@@ -354,5 +377,5 @@ fn samplers(world: &World, used: &[usize], layers: &Layers) -> (u32, u32) {
             };
         }
     }
-    (slot_pools, wraps)
+    (slot_pools, layer_pools, wraps)
 }

@@ -1,6 +1,6 @@
 //! Which shader files stand for what a scene may or may not need: `#import ambient`,
-//! `behind`, `emitters`, `energy`, `environment`, `extent`, `indirect`, `layers`, `radiance` and `scattered` mean others where a plan drops samples, so that unused code and bindings are
-//! no part of any shader.
+//! `behind`, `details`, `emitters`, `energy`, `environment`, `extent`, `indirect`, `layers`, `radiance`, `scattered` and
+//! `sheen` mean others where a plan drops samples, so that unused code and bindings are no part of any shader.
 
 use crate::gpu::{ShaderError, ShaderLibrary};
 
@@ -21,6 +21,8 @@ pub struct ShaderVariant {
     pub panorama: bool,
     /// Some surface lets light through or has a clear coat; then there are samples.
     pub layers: bool,
+    /// Some surface has a sheen, or a specular lobe with a color or strength of its own.
+    pub details: bool,
     /// 32 bits keep radiance, not 16.
     pub full: bool,
     /// Light that facets reflect more than once is given back.
@@ -31,8 +33,8 @@ pub struct ShaderVariant {
 
 impl ShaderVariant {
     /// All that there are, but for what is chosen apart from the others: of each of that one.
-    pub const ALL: [Self; 27] = {
-        let mut all = [Self::new([false; 4], false); 27];
+    pub const ALL: [Self; 29] = {
+        let mut all = [Self::new([false; 4], false); 29];
         let mut i = 0;
         while i < 7 {
             all[i] = Self::new(Self::SAMPLED[i], false);
@@ -53,6 +55,14 @@ impl ShaderVariant {
         all[14] = Self {
             full: true,
             ..all[13]
+        };
+        all[27] = Self {
+            details: true,
+            ..all[0]
+        };
+        all[28] = Self {
+            details: true,
+            ..all[26]
         };
         all
     };
@@ -76,6 +86,7 @@ impl ShaderVariant {
             ambient,
             panorama,
             layers,
+            details: false,
             full: false,
             conserved,
             chunks: Chunks::WHOLE,
@@ -97,6 +108,8 @@ impl ShaderVariant {
             choose("ambient", self.ambient, ["closed", "sampled"]),
             choose("emitters", self.emitters, ["none", "sampled"]),
             choose("behind", self.layers, ["none", "transmitted"]),
+            choose("details", self.details, ["none", "packed"]),
+            choose("sheen", self.details, ["none", "charlie"]),
             choose("layers", self.layers, ["none", "followed"]),
             choose("energy", self.conserved, ["single", "conserved"]),
             choose("environment", self.panorama, ["gradient", "panorama"]),

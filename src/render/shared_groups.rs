@@ -32,7 +32,7 @@ impl SharedGroups {
         let frame_group = frame.bind_with(gpu, |name| {
             let panorama = resources.scene.panorama.as_ref();
             uniforms
-                .resource(name)
+                .resource(gpu, name)
                 .or_else(|| maps.resource(name))
                 .or_else(|| panorama?.resource(name))
         })?;

@@ -17,6 +17,8 @@ pub enum Target {
     Surface,
     /// Linear base color, occlusion and emitted radiance, as 16-bit floats.
     Colors,
+    /// Specular color and strength, sheen.
+    Details,
     /// View-independent radiance.
     Radiance,
     /// View-dependent radiance of lights and environment.
@@ -52,12 +54,13 @@ use wgpu::TextureFormat as F;
 
 impl Target {
     /// All of them.
-    pub const ALL: [Self; 18] = [
+    pub const ALL: [Self; 19] = [
         Self::RasterDepth,
         Self::Ids,
         Self::ViewDepth,
         Self::Surface,
         Self::Colors,
+        Self::Details,
         Self::Radiance,
         Self::Specular,
         Self::VisibleLights,
@@ -81,6 +84,7 @@ impl Target {
             Self::ViewDepth => "view_depth",
             Self::Surface => "surface",
             Self::Colors => "colors",
+            Self::Details => "details",
             Self::Radiance => "radiance",
             Self::Specular => "specular",
             Self::VisibleLights => "visible_lights",
@@ -103,7 +107,7 @@ impl Target {
             Self::RasterDepth => F::Depth32Float,
             Self::Ids | Self::VisibleLights => F::Rg32Uint,
             Self::ViewDepth | Self::CoverageSum => F::R32Float,
-            Self::Surface | Self::Colors | Self::Hit => F::Rgba32Uint,
+            Self::Surface | Self::Colors | Self::Details | Self::Hit => F::Rgba32Uint,
             Self::Radiance
             | Self::Specular
             | Self::Reflection

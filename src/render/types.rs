@@ -3,6 +3,8 @@
 
 use bytemuck::{Pod, Zeroable};
 
+use crate::world::{CORE_SLOTS, LAYER_SLOTS};
+
 /// Layout of a shared struct in Rust.
 #[derive(Clone, Copy, Debug)]
 pub struct StructSpec {
@@ -289,8 +291,18 @@ gpu_struct! {
         is_blended: u32,
         /// [`PatternKind`](crate::scene::desc::PatternKind) of the checker's colors and size.
         pattern: u32,
+        /// Factor on the reflectivity.
+        specular_color: [f32; 3],
+        /// Factor on the reflectivity and on what is reflected at grazing angles.
+        specular: f32,
+        /// Of the sheen; black: none.
+        sheen_color: [f32; 3],
+        /// Perceptual.
+        sheen_roughness: f32,
         /// Base color, metallic-roughness, normal, occlusion, emission.
-        textures: [GpuTextureUse; 5],
+        textures: [GpuTextureUse; CORE_SLOTS],
+        /// In the order of [`LayerTexture`](crate::world::LayerTexture).
+        layer_textures: [GpuTextureUse; LAYER_SLOTS],
     }
 }
 

@@ -50,6 +50,14 @@ pub struct Material {
     pub clearcoat: Option<f32>,
     /// Perceptual roughness of the clear coat, 0 to 1.
     pub clearcoat_roughness: f32,
+    /// Factor on the reflectivity and on what the dielectric part reflects at grazing angles, 0 to 1; `None`: always 1.
+    pub specular: Option<f32>,
+    /// Factor on the reflectivity, 0 or more; `None`: always white.
+    pub specular_color: Option<Vec3>,
+    /// Color of the sheen, 0 to 1; `None`: it never has one.
+    pub sheen_color: Option<Vec3>,
+    /// Perceptual roughness of the sheen, 0 to 1.
+    pub sheen_roughness: f32,
     /// Whether its alpha is the share of light that it stops (glTF's `BLEND`).
     pub blended: bool,
     /// Reflection mode.
@@ -66,6 +74,34 @@ pub struct Material {
     pub occlusion_texture: Option<TextureRef>,
     /// sRGB.
     pub emission_texture: Option<TextureRef>,
+    /// By [`LayerTexture`].
+    pub layer_textures: [Option<TextureRef>; LAYER_SLOTS],
+}
+
+/// Textures that every material may have.
+pub const CORE_SLOTS: usize = 5;
+/// Those of [`LayerTexture`].
+pub const LAYER_SLOTS: usize = 7;
+/// All of them.
+pub const TEXTURE_SLOTS: usize = CORE_SLOTS + LAYER_SLOTS;
+
+/// Textures of what extensions of glTF add to a material; each is multiplied by its number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LayerTexture {
+    /// Linear: alpha.
+    Specular,
+    /// sRGB.
+    SpecularColor,
+    /// sRGB.
+    SheenColor,
+    /// Linear: alpha.
+    SheenRoughness,
+    /// Linear: red.
+    Transmission,
+    /// Linear: red.
+    Clearcoat,
+    /// Linear: green.
+    ClearcoatRoughness,
 }
 
 /// The material variants of a file.
@@ -102,6 +138,10 @@ impl Default for Material {
             attenuation_distance_m: None,
             clearcoat: None,
             clearcoat_roughness: 0.0,
+            specular: None,
+            specular_color: None,
+            sheen_color: None,
+            sheen_roughness: 0.0,
             blended: false,
             reflection: ReflectionMode::Auto,
             checker: None,
@@ -110,22 +150,16 @@ impl Default for Material {
             normal_texture: None,
             occlusion_texture: None,
             emission_texture: None,
+            layer_textures: [None; LAYER_SLOTS],
         }
     }
 }
 
 impl Material {
-    /// Base color, metallic-roughness, normal, occlusion and emission textures, in the order in
-    /// which the shaders know them, with `uv_scale` in their transforms.
-    pub fn slots(&self) -> [Option<TextureRef>; 5] {
-        [
-            self.base_color_texture,
-            self.metallic_roughness_texture,
-            self.normal_texture,
-            self.occlusion_texture,
-            self.emission_texture,
-        ]
-        .map(|slot| {
+    /// Base color, metallic-roughness, normal, occlusion and emission textures and those of the layers, in the order
+    /// in which the shaders know them, with `uv_scale` in their transforms.
+    pub fn slots(&self) -> [Option<TextureRef>; TEXTURE_SLOTS] {
+        self.textures().map(|slot| {
             slot.map(|mut slot| {
                 slot.transform[0] *= self.uv_scale[0];
                 slot.transform[1] *= self.uv_scale[1];
@@ -147,16 +181,46 @@ impl Material {
         (color.map(|c| -c.ln()) / distance_m).min(Vec3::splat(1e12))
     }
 
-    /// The slots of its textures, in the order of [`Self::slots`].
-    pub fn texture_slots(&mut self) -> [Option<&mut TextureRef>; 5] {
+    /// Its textures as they are, in the order of [`Self::slots`].
+    pub fn textures(&self) -> [Option<TextureRef>; TEXTURE_SLOTS] {
+        let core = [
+            self.base_color_texture,
+            self.metallic_roughness_texture,
+            self.normal_texture,
+            self.occlusion_texture,
+            self.emission_texture,
+        ];
+        let all = core.into_iter().chain(self.layer_textures);
+        let mut slots = [None; TEXTURE_SLOTS];
+        slots
+            .iter_mut()
+            .zip(all)
+            .for_each(|(slot, used)| *slot = used);
+        slots
+    }
+
+    /// Where they are kept, in the same order.
+    pub fn texture_slots(&mut self) -> [&mut Option<TextureRef>; TEXTURE_SLOTS] {
+        let [a, b, c, d, e, f, g] = &mut self.layer_textures;
         [
             &mut self.base_color_texture,
             &mut self.metallic_roughness_texture,
             &mut self.normal_texture,
             &mut self.occlusion_texture,
             &mut self.emission_texture,
+            a,
+            b,
+            c,
+            d,
+            e,
+            f,
+            g,
         ]
-        .map(Option::as_mut)
+    }
+
+    /// A texture of a layer.
+    pub fn layer_texture(&self, which: LayerTexture) -> Option<TextureRef> {
+        self.layer_textures[which as usize]
     }
 
     /// The numbers that motion may change; the strength is in the emission already.
@@ -178,6 +242,10 @@ impl Material {
             attenuation_distance_m: self.attenuation_distance_m,
             clearcoat: self.clearcoat,
             clearcoat_roughness: Some(self.clearcoat_roughness),
+            specular: self.specular,
+            specular_color: self.specular_color,
+            sheen_color: self.sheen_color,
+            sheen_roughness: Some(self.sheen_roughness),
             checker: self.checker,
             ..MaterialDesc::default()
         })
@@ -207,6 +275,10 @@ impl Material {
         self.attenuation_distance_m = desc.attenuation_distance_m.or(self.attenuation_distance_m);
         self.clearcoat = desc.clearcoat.or(self.clearcoat);
         set(&mut self.clearcoat_roughness, desc.clearcoat_roughness);
+        self.specular = desc.specular.or(self.specular);
+        self.specular_color = desc.specular_color.or(self.specular_color);
+        self.sheen_color = desc.sheen_color.or(self.sheen_color);
+        set(&mut self.sheen_roughness, desc.sheen_roughness);
         if let Some(emission) = desc.emission {
             self.emission = emission;
         }

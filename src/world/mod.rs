@@ -34,7 +34,9 @@ pub mod texture;
 pub mod usd;
 
 pub use environment::Environment;
-pub use material::{ListedVariants, Material};
+pub use material::{
+    CORE_SLOTS, LAYER_SLOTS, LayerTexture, ListedVariants, Material, TEXTURE_SLOTS,
+};
 pub use shared::Shared;
 
 use deform::{Deformation, Deformed};

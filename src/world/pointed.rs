@@ -41,6 +41,9 @@ impl RigPose {
                 "transmission" => changed.transmission = None,
                 "attenuation_distance_m" => changed.attenuation_distance_m = None,
                 "clearcoat" => changed.clearcoat = None,
+                "specular" => changed.specular = None,
+                "specular_color" => changed.specular_color = None,
+                "sheen_color" => changed.sheen_color = None,
                 _ => {}
             }
         }
@@ -60,7 +63,7 @@ impl RigPose {
             };
             let rotation = part(PointedValue::TextureRotation(slot)).x;
             let scale = part(PointedValue::TextureScale(slot)).truncate();
-            if let Some(texture) = &mut material.texture_slots()[slot] {
+            if let Some(texture) = material.texture_slots()[slot] {
                 texture.transform = TextureRef::rows(offset.truncate(), rotation, scale);
             }
         }

@@ -75,6 +75,7 @@ fn materials(judge: &Judge, model: &Model) -> Vec<String> {
             theirs.emissive_texture().map(|t| image(t.texture())),
         ];
         let own = ours.slots();
+        let own: [_; 5] = std::array::from_fn(|i| own[i]);
         let own = own.map(|slot| slot.map(|slot| model.images[slot.texture].index));
         let cutoff = match theirs.alpha_mode() {
             ::gltf::material::AlphaMode::Mask => Some(theirs.alpha_cutoff().unwrap_or(0.5)),

@@ -28,10 +28,11 @@ fn materials_arrive_whole() {
     assert_eq!((m.metallic, m.roughness), (0.25, 0.75));
     assert_eq!(m.emission, Vec3::new(8.0, 4.0, 0.0));
     assert!(
-        (m.reflectivity - 0.5 / 9.0).abs() < 1e-6,
-        "((2 − 1)/(2 + 1))² · 0.5: {}",
+        (m.reflectivity - 1.0 / 9.0).abs() < 1e-6,
+        "((2 − 1)/(2 + 1))²: {}",
         m.reflectivity
     );
+    assert_eq!((m.specular, m.specular_color), (Some(0.5), None));
     let color = m.base_color_texture.expect("texture");
     assert_eq!(
         (color.wrap, color.nearest, color.uv_set),
@@ -74,10 +75,10 @@ fn texture_transform_turns_like_the_viewers() {
 fn unsupported_features_are_warned_about() {
     let mut doc = stone();
     doc.json["extensionsUsed"] = json!([
-        "KHR_materials_sheen",
+        "KHR_materials_iridescence",
         "KHR_materials_unlit",
         "VENDOR_look",
-        "KHR_materials_sheen"
+        "KHR_materials_iridescence"
     ]);
     let world = doc.world();
     assert_eq!(warnings(&world), ["extension-ignored", "extension-ignored"]);
@@ -85,7 +86,7 @@ fn unsupported_features_are_warned_about() {
     assert_eq!(
         messages.take(2).collect::<Vec<_>>(),
         [
-            "extension \"KHR_materials_sheen\" is ignored",
+            "extension \"KHR_materials_iridescence\" is ignored",
             "extension \"VENDOR_look\" is ignored"
         ]
     );
@@ -126,6 +127,7 @@ fn what_passes_through_and_what_lies_over_a_material_is_read() {
     let mut doc = stone();
     doc.json["materials"][0]["extensions"] = json!({
         "KHR_materials_transmission": {"transmissionTexture": {"index": 0}},
+        "KHR_materials_clearcoat": {"clearcoatNormalTexture": {"index": 0}},
         "KHR_materials_volume": {"attenuationDistance": 0}
     });
     let error = &doc.load().expect_err("a distance of 0")[0];
@@ -145,6 +147,60 @@ fn what_passes_through_and_what_lies_over_a_material_is_read() {
             world.materials[0].clearcoat
         ),
         (None, None)
+    );
+}
+
+#[test]
+fn specular_sheen_and_the_textures_of_layers_are_read() {
+    let mut doc = stone();
+    let map = json!({"index": 0, "texCoord": 1});
+    doc.json["materials"][0]["extensions"] = json!({
+        "KHR_materials_specular": {
+            "specularFactor": 0.75, "specularTexture": map,
+            "specularColorFactor": [2, 1, 0], "specularColorTexture": map
+        },
+        "KHR_materials_sheen": {
+            "sheenColorFactor": [0.5, 0.25, 1], "sheenColorTexture": map,
+            "sheenRoughnessFactor": 0.3, "sheenRoughnessTexture": map
+        },
+        "KHR_materials_transmission": {"transmissionFactor": 1, "transmissionTexture": map},
+        "KHR_materials_clearcoat": {
+            "clearcoatFactor": 1, "clearcoatTexture": map,
+            "clearcoatRoughnessFactor": 1, "clearcoatRoughnessTexture": map
+        }
+    });
+    let world = doc.world();
+    let m = &world.materials[0];
+    assert_eq!(m.specular, Some(0.75));
+    assert_eq!(m.specular_color, Some(Vec3::new(2.0, 1.0, 0.0)));
+    assert_eq!(m.sheen_color, Some(Vec3::new(0.5, 0.25, 1.0)));
+    assert_eq!(m.sheen_roughness, 0.3);
+    assert!((m.reflectivity - 0.04).abs() < 1e-6);
+    let is_color = m
+        .layer_textures
+        .map(|used| world.textures[used.expect("read").texture].srgb);
+    assert_eq!(is_color, [false, true, true, false, false, false, false]);
+    // Textures of what is not there are not loaded.
+    doc.json["materials"][0]["extensions"] = json!({
+        "KHR_materials_specular": {"specularFactor": 0, "specularTexture": map},
+        "KHR_materials_sheen": {"sheenColorTexture": map},
+        "KHR_materials_clearcoat": {"clearcoatTexture": map}
+    });
+    let world = doc.world();
+    let m = &world.materials[0];
+    assert_eq!(
+        (m.reflectivity, m.sheen_color, m.clearcoat),
+        (0.0, None, None)
+    );
+    assert!(m.layer_textures.iter().all(Option::is_none));
+    doc.json["materials"][0]["extensions"] = json!({"KHR_materials_sheen": {
+        "sheenColorFactor": [1, 1, 1], "sheenColorTexture": {"index": 99}
+    }});
+    let error = &doc.load().expect_err("no such texture")[0];
+    assert!(
+        error.message.contains("sheenColorTexture: texture 99"),
+        "{}",
+        error.message
     );
 }
 

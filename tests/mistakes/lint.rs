@@ -32,6 +32,19 @@ pub const LINTS: &[Mistake] = &[
         ],
     ),
     text(
+        "settings that follow from method path",
+        scene!(
+            "[environment]\ncolor = [1, 1, 1]\n[reflection]\nmethod = \"path\"\nbounces = 2\n\
+             accept = \"verified\"\nfilter = true\n[[instance]]\nmodel = \"floor\"\n"
+        ),
+        [
+            "ignored-key",
+            "6:1",
+            "so `bounces`, `filter` change nothing",
+            "remove them",
+        ],
+    ),
+    text(
         "a lamp in its bulb",
         scene!(
             "[light.lamp]\nkind = \"point\"\nposition = [0, 2, 0]\nintensity_cd = 20\n\

@@ -38,6 +38,7 @@ mod pattern;
 mod precision;
 mod random_materials;
 mod ray_list;
+mod sheen;
 mod shown;
 mod specialized;
 mod terminator;

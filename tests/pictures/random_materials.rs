@@ -68,6 +68,12 @@ fn material(random: &mut Random) -> String {
             random.between(1e-6, 10.0).to_string(),
         );
     }
+    if random.unit() < 0.5 {
+        key("specular", random.between(0.0, 1.0).to_string());
+        key("specular_color", format!("{:?}", random.color(30.0)));
+        key("sheen_color", format!("{:?}", random.color(1.0)));
+        key("sheen_roughness", random.between(0.0, 1.0).to_string());
+    }
     let modes = ["none", "auto", "mirror"];
     key(
         "reflection",

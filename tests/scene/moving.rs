@@ -20,6 +20,9 @@ alpha = 0.75
 transmission = 0.25
 attenuation_distance_m = 2
 clearcoat = 0.5
+specular = 0.5
+specular_color = [1, 0.5, 0.25]
+sheen_color = [0.25, 0.5, 1]
 checker = { colors = [[1, 1, 1], [0, 0, 0]], size_m = 1 }
 [model.ball]
 shape = { kind = \"sphere\" }
@@ -260,12 +263,27 @@ fn absent_material_parts_cannot_move() {
         ("alpha", "0.5", "write `alpha = 1`"),
         ("transmission", "0.5", "write `transmission = 0`"),
         ("clearcoat", "0.5", "write `clearcoat = 0`"),
+        ("specular", "0.5", "write `specular = 1`"),
+        (
+            "specular_color",
+            "[0, 0, 1]",
+            "write `specular_color = [1, 1, 1]`",
+        ),
+        (
+            "sheen_color",
+            "[0, 0, 1]",
+            "write `sheen_color = [0, 0, 0]`",
+        ),
         ("checker_size_m", "0.5", "write `checker = { colors ="),
         ("checker_b", "[0, 0, 1]", "write `checker = { colors ="),
     ] {
         let scene = (SCENE.replace("alpha_cutoff = 0.25\nalpha = 0.75\n", ""))
             .replace("transmission = 0.25\n", "")
-            .replace("clearcoat = 0.5\n", "");
+            .replace(
+                "clearcoat = 0.5\nspecular = 0.5\nspecular_color = [1, 0.5, 0.25]\n",
+                "",
+            )
+            .replace("sheen_color = [0.25, 0.5, 1]\n", "");
         let scene = scene.replace("checker = {", "#");
         let text = format!("{scene}[motion.material.board]\n{key} = {{ rate = {value} }}\n");
         let error = pose(&text, 0).expect_err("there is none");
@@ -282,7 +300,7 @@ fn absent_material_parts_cannot_move() {
             error.contains("`[model.tree.material.leaf]` has none"),
             "{error}"
         );
-        let rest = "alpha_cutoff = 0.5\nalpha = 1\ntransmission = 0\nclearcoat = 0\nchecker = { colors = [[1, 1, 1], [0, 0, 0]], size_m = 1 }\n";
+        let rest = "alpha_cutoff = 0.5\nalpha = 1\ntransmission = 0\nclearcoat = 0\nspecular = 1\nspecular_color = [1, 1, 1]\nsheen_color = [0, 0, 0]\nchecker = { colors = [[1, 1, 1], [0, 0, 0]], size_m = 1 }\n";
         for name in ["leaf", "\"*\""] {
             let table = format!("[model.tree.material.{name}]\n{rest}");
             pose(&format!("{SCENE}{model}{table}{motion}"), 0).expect("is right");

@@ -1,8 +1,8 @@
 """The Khronos formulas as Mitsuba BSDFs, written from the specification and not from our shaders.
 
-glTF 2.0 appendix B, KHR_materials_clearcoat and KHR_materials_transmission, with the two choices
-that docs/light.md states: the height-correlated Smith term, and a diffuse albedo that does not
-depend on the view.
+glTF 2.0 appendix B and KHR_materials_clearcoat, _transmission, _specular and _sheen, with the
+choices that docs/light.md states: the height-correlated Smith term, a diffuse albedo that does not
+depend on the view, and a sheen that takes from what is below it by the view alone.
 """
 
 from typing import Any
@@ -12,6 +12,7 @@ import mitsuba as mi
 
 COAT_F0 = 0.04
 SMOOTHEST_ALPHA = 2e-3
+LEAST_COSINE = 1e-3
 
 
 def schlick(f0: Any, f90: Any, cosine: Any) -> Any:
@@ -44,8 +45,67 @@ class Layer:
         return self.facets.pdf(wi, m) / dr.maximum(4 * dr.dot(wi, m), 1e-9)
 
 
+def charlie(roughness: float, wi: Any, wo: Any, m: Any) -> Any:
+    """Distribution and visibility of KHR_materials_sheen, times the cosine of `wo`."""
+    alpha = roughness**2
+    t = (1 - alpha) ** 2
+    a, b, c, d, e = (
+        smooth + (rough - smooth) * t
+        for smooth, rough in (
+            (21.5473, 25.3245),
+            (3.82987, 3.32435),
+            (0.19823, 0.16801),
+            (-1.97760, -1.27393),
+            (-4.32054, -4.85967),
+        )
+    )
+
+    def fit(x: Any) -> Any:
+        return a / (1 + b * dr.power(dr.maximum(x, 1e-6), c)) + d * x + e
+
+    def masked(cosine: Any) -> Any:
+        far = dr.exp(2 * fit(mi.Float(0.5)) - fit(1 - cosine))
+        return dr.select(cosine < 0.5, dr.exp(fit(cosine)), far)
+
+    sine2 = dr.maximum(1 - m.z * m.z, 1e-7)
+    distribution = (2 + 1 / alpha) * dr.power(sine2, 0.5 / alpha) / (2 * dr.pi)
+    ni, no = dr.maximum(wi.z, 1e-4), dr.maximum(wo.z, 1e-4)
+    return distribution / ((1 + masked(ni) + masked(no)) * 4 * ni)
+
+
+class Sheen:
+    """The lobe of a roughness, and what it returns of even light."""
+
+    NODES = 64
+
+    def __init__(self, color: list[float], roughness: float) -> None:
+        self.color = color
+        self.roughness = roughness
+        steps, turns = 256, 64
+        lane = dr.arange(mi.UInt32, self.NODES * steps * turns)
+        node, step, turn = lane // (steps * turns), lane // turns % steps, lane % turns
+        cosine = dr.maximum(mi.Float(node) / (self.NODES - 1), LEAST_COSINE)
+        view = mi.Vector3f(dr.sqrt(1 - cosine * cosine), 0, cosine)
+        # Denser towards the horizon; half around, the other half is its mirror image.
+        u = (mi.Float(step) + 0.5) / steps
+        up = u * u
+        flat = dr.sqrt(1 - up * up)
+        phi = dr.pi * (mi.Float(turn) + 0.5) / turns
+        light = mi.Vector3f(flat * dr.cos(phi), flat * dr.sin(phi), up)
+        value = charlie(roughness, view, light, dr.normalize(view + light)) * 4 * dr.pi * u
+        self.albedo = mi.Float(value.numpy().reshape(self.NODES, -1).mean(axis=1))
+
+    def below(self, wi: Any) -> Any:
+        """Share of the light that what is below it keeps."""
+        place = dr.clip(wi.z, 0, 1) * (self.NODES - 1)
+        index = mi.UInt32(dr.minimum(place, self.NODES - 2))
+        low = dr.gather(mi.Float, self.albedo, index)
+        high = dr.gather(mi.Float, self.albedo, index + 1)
+        return 1 - max(self.color) * dr.lerp(low, high, place - mi.Float(index))
+
+
 class Khronos(mi.BSDF):
-    """A metal, a dielectric or a mix of them, perhaps under a clear coat."""
+    """A metal, a dielectric or a mix of them, perhaps under a sheen or a clear coat."""
 
     def __init__(self, props: mi.Properties) -> None:
         mi.BSDF.__init__(self, props)
@@ -53,6 +113,10 @@ class Khronos(mi.BSDF):
         self.color = [float(c) for c in color]
         self.metallic = float(props.get("metallic", 0.0))
         self.f0 = float(props.get("reflectivity", 0.04))
+        self.strength = float(props.get("specular", 1.0))
+        self.tint = [float(props.get(f"specular_{c}", 1.0)) for c in ("red", "green", "blue")]
+        sheen = [float(props.get(f"sheen_{c}", 0.0)) for c in ("red", "green", "blue")]
+        self.sheen = Sheen(sheen, float(props.get("sheen_roughness", 0.0))) if any(sheen) else None
         self.coat = float(props.get("clearcoat", 0.0))
         self.layers = [Layer(float(props.get("roughness", 1.0)))]
         if self.coat > 0:
@@ -66,13 +130,18 @@ class Khronos(mi.BSDF):
         m = dr.normalize(wi + wo)
         cosine = dr.dot(wi, m)
         color = mi.Color3f(self.color)
-        f0 = dr.lerp(mi.Color3f(self.f0), color, self.metallic)
         # Below 2 % the lobe is occluded: Lagarde & de Rousiers 2014, 3.2.
-        f90 = dr.clip(50 * dr.mean(f0), 0, 1)
-        dielectric_f90 = min(50 * self.f0, 1.0)
-        lost = self.f0 + (dielectric_f90 - self.f0) / 21
+        f90 = dr.clip(50 * dr.mean(dr.lerp(mi.Color3f(self.f0), color, self.metallic)), 0, 1)
+        f90 *= self.strength + (1 - self.strength) * self.metallic
+        dielectric = [min(self.f0 * tint, 1.0) * self.strength for tint in self.tint]
+        f0 = dr.lerp(mi.Color3f(dielectric), color, self.metallic)
+        dielectric_f90 = min(50 * self.f0, 1.0) * self.strength
+        lost = max(dielectric) + (dielectric_f90 - max(dielectric)) / 21
         diffuse = color * ((1 - self.metallic) * (1 - lost)) * (dr.inv_pi * wo.z)
         value = diffuse + schlick(f0, f90, cosine) * self.layers[0].value(wi, wo, m)
+        if self.sheen:
+            fibers = charlie(self.sheen.roughness, wi, wo, m)
+            value = value * self.sheen.below(wi) + mi.Color3f(self.sheen.color) * fibers
         if self.coat > 0:
             value *= 1 - self.coat * schlick(COAT_F0, 1.0, wi.z)
             value += self.coat * schlick(COAT_F0, 1.0, cosine) * self.layers[1].value(wi, wo, m)

@@ -155,6 +155,10 @@ def bsdf(text: Table) -> Table:
     if text.get("reflectivity") == 0 and text.get("metallic", 0) == 0:
         matte = {"type": "diffuse", "reflectance": rgb([red, green, blue])}
         return {"type": "twosided", "nested": matte}
-    names = ("metallic", "reflectivity", "clearcoat", "clearcoat_roughness")
+    names = ("metallic", "reflectivity", "specular", "clearcoat", "clearcoat_roughness")
+    names += ("sheen_roughness",)
     numbers = {name: float(text[name]) for name in names if name in text}
+    for name in ("specular", "sheen"):
+        for channel, value in zip(("red", "green", "blue"), text.get(f"{name}_color", ())):
+            numbers[f"{name}_{channel}"] = float(value)
     return {"type": "khronos", "roughness": float(roughness), **numbers, **color}

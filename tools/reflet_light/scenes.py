@@ -259,6 +259,23 @@ def past_the_cutoff() -> list[Scene]:
     return scenes
 
 
+def cloth() -> list[Scene]:
+    """Sheen and colored specular lobes."""
+    felt = "base_color = [0.16, 0.03, 0.05]\nroughness = 0.9\nsheen_color = [0.9, 0.5, 0.4]\n"
+    satin = "base_color = [0.03, 0.05, 0.2]\nroughness = 0.35\nsheen_color = [0.6, 0.7, 1]\n"
+    tinted = "base_color = [0.05, 0.08, 0.25]\nroughness = 0.3\nreflectivity = 0.08\n"
+    return [
+        Scene("sheen", "sheen of roughness 0.8 over a dielectric",
+              ball(felt + "sheen_roughness = 0.8"), 2),
+        Scene("sheen-sharp", "sheen of roughness 0.35 over a dielectric",
+              ball(satin + "sheen_roughness = 0.35"), 2),
+        Scene("specular-color", "dielectric with a golden specular lobe",
+              ball(tinted + "specular_color = [8, 5, 1.5]"), 2),
+        Scene("specular-half", "dielectric with half of its specular lobe",
+              ball(PLASTIC + "roughness = 0.3\nspecular = 0.5"), 2),
+    ]  # fmt: skip
+
+
 def all_scenes() -> list[Scene]:
     glass = "transmission = 1\nior = 1.5\n"
     solid = glass + "thickness_m = 1\n"
@@ -286,6 +303,7 @@ def all_scenes() -> list[Scene]:
         Scene("clearcoat", "clear coat over roughness 0.5", ball(lacquer), 2),
         Scene("clearcoat-rough", "clear coat of roughness 0.24 over roughness 0.7",
               ball(lacquer.replace("0.5\n", "0.7\n") + "clearcoat_roughness = 0.24"), 2),
+        *cloth(),
         out_of_focus(),
         moving(),
         *lights(),

@@ -25,6 +25,7 @@ pub const PASS: Pass = Pass {
         Target::ViewDepth,
         Target::Surface,
         Target::Colors,
+        Target::Details,
         Target::Hit,
     ],
     params: Some(Params::LAYOUT),

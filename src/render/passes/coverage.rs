@@ -20,6 +20,7 @@ pub const PASS: Pass = Pass {
         Target::ViewDepth,
         Target::Surface,
         Target::Colors,
+        Target::Details,
         Target::TransmittedLight,
     ],
     writes: &[Target::CoverageSum],

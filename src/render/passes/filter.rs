@@ -21,6 +21,7 @@ pub const PASS: Pass = Pass {
         Target::ViewDepth,
         Target::Surface,
         Target::Colors,
+        Target::Details,
         Target::Cause,
         Target::Hit,
         Target::Reflection,

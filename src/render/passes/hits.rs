@@ -22,6 +22,7 @@ pub const PASS: Pass = Pass {
         Target::ViewDepth,
         Target::Surface,
         Target::Colors,
+        Target::Details,
         Target::Hit,
         Target::VisibleLights,
     ],

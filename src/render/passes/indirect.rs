@@ -15,7 +15,12 @@ use crate::{
 pub const PASS: Pass = Pass {
     name: "indirect",
     color: [150, 190, 110],
-    reads: &[Target::ViewDepth, Target::Surface, Target::Colors],
+    reads: &[
+        Target::ViewDepth,
+        Target::Surface,
+        Target::Colors,
+        Target::Details,
+    ],
     writes: &[Target::IndirectLight],
     needed: |plan, _| plan.indirect,
     // `check_world` and `Trees::build` validated every index that rays follow.

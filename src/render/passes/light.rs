@@ -15,7 +15,12 @@ use crate::{
 pub const PASS: Pass = Pass {
     name: "light",
     color: [235, 200, 90],
-    reads: &[Target::ViewDepth, Target::Surface, Target::Colors],
+    reads: &[
+        Target::ViewDepth,
+        Target::Surface,
+        Target::Colors,
+        Target::Details,
+    ],
     writes: &[Target::Radiance, Target::Specular, Target::VisibleLights],
     is_written: |plan, _, target| target != Target::VisibleLights || plan.lends_light,
     counted: true,

@@ -5,6 +5,7 @@ pub mod audit;
 pub mod blur;
 pub mod compose;
 pub mod coverage;
+pub mod details;
 pub mod filter;
 pub mod hits;
 pub mod indirect;
@@ -57,6 +58,7 @@ passes! {
     visibility: Visibility,
     primary: Primary,
     surface: Surface,
+    details: Details,
     light: Light,
     transmit: Transmit,
     indirect: Indirect,

@@ -27,6 +27,7 @@ pub const PASS: Pass = Pass {
         Target::ViewDepth,
         Target::Surface,
         Target::Colors,
+        Target::Details,
     ],
     writes: &[Target::Reflection, Target::Cause, Target::Hit],
     params: Some(Params::LAYOUT),

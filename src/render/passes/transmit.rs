@@ -20,6 +20,7 @@ pub const PASS: Pass = Pass {
         Target::ViewDepth,
         Target::Surface,
         Target::Colors,
+        Target::Details,
     ],
     writes: &[Target::TransmittedLight],
     needed: |plan, _| plan.transmission,

@@ -64,7 +64,7 @@ impl Plan {
         ]
     }
 
-    fn surfaces_and_light(&self, settings: &ReflectionDesc) -> [Candidate; 15] {
+    fn surfaces_and_light(&self, settings: &ReflectionDesc) -> [Candidate; 17] {
         [
             (!self.cutouts, "alpha tests", "no material is cut out"),
             (!self.textures, "textures", "no material has one"),
@@ -107,6 +107,12 @@ impl Plan {
                 "no material lets light through",
             ),
             (!self.coats, "clear coats", "no material has one"),
+            (
+                !self.tints,
+                "strength and color of specular lobes",
+                "no material says one",
+            ),
+            (!self.sheen, "sheen", "no material has one"),
             (
                 settings.multiple_scattering && !self.multiple_scattering,
                 "multiple scattering",

@@ -94,6 +94,18 @@ pub struct MaterialDesc {
     pub clearcoat: Option<f32>,
     /// Perceptual roughness of the clear coat, 0 to 1. Default 0.
     pub clearcoat_roughness: Option<f32>,
+    /// Strength of the specular lobe of the non-metallic part, 0 to 1: a factor on `reflectivity` and on what is
+    /// reflected at grazing angles (`KHR_materials_specular`). Default 1, or the glTF value.
+    pub specular: Option<f32>,
+    /// Color of that lobe at normal incidence, three numbers 0 or more: a factor on `reflectivity`, whose product is at
+    /// most 1. Default white, or the glTF value.
+    pub specular_color: Option<Vec3>,
+    /// Color of a sheen over the material, as fibers of cloth have it towards grazing angles, three numbers 0 to 1
+    /// (`KHR_materials_sheen`). Default black, no sheen, or the glTF value.
+    pub sheen_color: Option<Vec3>,
+    /// Perceptual roughness of the sheen, 0 to 1: 0.1 is a thin rim of satin, 1 the even bloom of felt; below 0.07 it
+    /// counts as that. Default 0, or the glTF value.
+    pub sheen_roughness: Option<f32>,
 }
 
 /// Reflectance at normal incidence of a dielectric with this index of refraction.
@@ -202,6 +214,13 @@ pub struct MaterialMotionDesc {
     /// - `clearcoat`: track of the strength of the clear coat, 0 to 1; the material's own table must have a
     ///   `clearcoat`, which may be 0.
     /// - `clearcoat_roughness`: track of the perceptual roughness of the clear coat, 0 to 1.
+    /// - `specular`: track of the strength of the non-metallic specular lobe, 0 to 1; the material's own table must
+    ///   have a `specular`, which may be 1.
+    /// - `specular_color`: track of its color, 0 or more; the material's own table must have a `specular_color`, which
+    ///   may be white.
+    /// - `sheen_color`: track of the color of the sheen, 0 to 1; the material's own table must have a `sheen_color`,
+    ///   which may be black.
+    /// - `sheen_roughness`: track of the perceptual roughness of the sheen, 0 to 1.
     /// - `checker_a`: track of the first color of its `checker` or `pattern`, 0 to 1.
     /// - `checker_b`: track of the second color of its `checker`, 0 to 1.
     /// - `checker_size_m`: track of the edge of a cell of its `checker`, meters, above 0.
@@ -239,7 +258,7 @@ macro_rules! of_checkers {
 }
 
 /// How many values of a material may change.
-pub const MATERIAL_FIELDS: usize = 19;
+pub const MATERIAL_FIELDS: usize = 23;
 
 /// What changes of a material.
 pub static MATERIAL: [Field<MaterialDesc>; MATERIAL_FIELDS] = [
@@ -259,6 +278,10 @@ pub static MATERIAL: [Field<MaterialDesc>; MATERIAL_FIELDS] = [
     optional!(attenuation_distance_m, Number, ABOVE_0),
     optional!(clearcoat, Number, UNIT),
     optional!(clearcoat_roughness, Number, UNIT),
+    optional!(specular, Number, UNIT),
+    optional!(specular_color, Color, FROM_0),
+    optional!(sheen_color, Color, UNIT),
+    optional!(sheen_roughness, Number, UNIT),
     of_checkers!("checker_a", Color, UNIT, |checker| checker.colors[0]),
     of_checkers!("checker_b", Color, UNIT, |checker| checker.colors[1]),
     of_checkers!("checker_size_m", Number, ABOVE_0, |checker| checker.size_m),
@@ -292,6 +315,10 @@ pub const PLAIN: MaterialDesc = MaterialDesc {
     attenuation_distance_m: None,
     clearcoat: None,
     clearcoat_roughness: Some(0.0),
+    specular: None,
+    specular_color: None,
+    sheen_color: None,
+    sheen_roughness: Some(0.0),
 };
 
 impl Field<MaterialDesc> {
@@ -308,6 +335,9 @@ impl Field<MaterialDesc> {
             "transmission" => "transmission = 0",
             "attenuation_distance_m" => "attenuation_distance_m = 1",
             "clearcoat" => "clearcoat = 0",
+            "specular" => "specular = 1",
+            "specular_color" => "specular_color = [1, 1, 1]",
+            "sheen_color" => "sheen_color = [0, 0, 0]",
             _ => "checker = { colors = [[1, 1, 1], [0, 0, 0]], size_m = 1 }",
         })
     }

@@ -176,6 +176,10 @@ impl Section for MaterialDesc {
             attenuation_distance_m: t.find("attenuation_distance_m", ABOVE_0),
             clearcoat: t.find("clearcoat", UNIT),
             clearcoat_roughness: t.find("clearcoat_roughness", UNIT),
+            specular: t.find("specular", UNIT),
+            specular_color: t.find("specular_color", FROM_0).map(|Color(c)| c),
+            sheen_color: t.find("sheen_color", UNIT).map(|Color(c)| c),
+            sheen_roughness: t.find("sheen_roughness", UNIT),
         })
     }
 }

@@ -6,18 +6,19 @@ use super::{Fault, schema::Root, uri::shorten};
 use crate::scene::diagnostic::{Diagnostic, Severity};
 
 /// Extensions that may stand in `extensionsRequired`.
-pub const SUPPORTED: [&str; 19] = [
+pub const SUPPORTED: [&str; 20] = [
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
     "EXT_texture_webp",
     "KHR_draco_mesh_compression",
     "KHR_lights_punctual",
-    "KHR_materials_clearcoat", // its factors
+    "KHR_materials_clearcoat", // without its normal map
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
     "KHR_materials_pbrSpecularGlossiness", // approximated, with a warning
+    "KHR_materials_sheen",
     "KHR_materials_specular",
-    "KHR_materials_transmission", // its factor
+    "KHR_materials_transmission",
     "KHR_materials_unlit",
     "KHR_materials_variants", // without a chosen variant the default materials show, as specified
     "KHR_materials_volume",

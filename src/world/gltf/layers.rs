@@ -1,32 +1,126 @@
-//! What passes through a material and what lies over it: KHR_materials_transmission, _volume and
-//! _clearcoat.
+//! What extensions add to a material: KHR_materials_ior, _specular, _sheen, _transmission, _volume and _clearcoat.
 
 use glam::Vec3;
 
-use super::{Fault, Notes, finite, schema::MaterialExtensions};
-use crate::world::Material;
+use super::{
+    Fault, Notes, finite,
+    schema::{MaterialExtensions, TextureInfo},
+};
+use crate::world::{LAYER_SLOTS, LayerTexture, Material, TextureRef};
 
-/// Reads the factors into `out`; their textures are not used, with a warning.
+/// Finds a texture: its use in the file, whether it is a color, and its key, for messages.
+pub type FindTexture<'a> =
+    dyn FnMut(&Option<TextureInfo>, bool, &str) -> Result<Option<TextureRef>, Fault> + 'a;
+
+/// Reads the factors and textures into `out`.
 pub fn read(
     extensions: &MaterialExtensions,
     out: &mut Material,
-    place: &str,
-    notes: &mut Notes,
+    texture: &mut FindTexture<'_>,
 ) -> Result<(), Fault> {
+    specular(extensions, out)?;
+    sheen(extensions, out)?;
     transmission(extensions, out)?;
     clearcoat(extensions, out)?;
-    let has_texture = extensions
-        .transmission
-        .as_ref()
-        .is_some_and(|t| t.transmission_texture.is_some())
-        || extensions.clearcoat.as_ref().is_some_and(|c| {
-            c.clearcoat_texture.is_some()
-                || c.clearcoat_roughness_texture.is_some()
-                || c.clearcoat_normal_texture.is_some()
-        });
-    let what = "materials have a texture of their transmission or clear coat, of which only the factor \
-                is used";
-    notes.add("layer-texture-ignored", u64::from(has_texture), what, place);
+    let is_used = [
+        out.specular.is_some(),
+        out.specular_color.is_some(),
+        out.sheen_color.is_some(),
+        out.sheen_color.is_some(),
+        out.transmission.is_some(),
+        out.clearcoat.is_some(),
+        out.clearcoat.is_some(),
+    ];
+    let places = textures(extensions).into_iter().zip(KEYS).zip(is_used);
+    for (i, ((info, key), _)) in places.enumerate().filter(|(_, (_, used))| *used) {
+        let srgb = [LayerTexture::SpecularColor, LayerTexture::SheenColor];
+        let is_color = srgb.iter().any(|color| *color as usize == i);
+        out.layer_textures[i] = texture(info, is_color, key)?;
+    }
+    Ok(())
+}
+
+/// Keys of the textures, in the order of [`LayerTexture`].
+const KEYS: [&str; LAYER_SLOTS] = [
+    "specularTexture",
+    "specularColorTexture",
+    "sheenColorTexture",
+    "sheenRoughnessTexture",
+    "transmissionTexture",
+    "clearcoatTexture",
+    "clearcoatRoughnessTexture",
+];
+
+/// The textures of the file, in the order of [`LayerTexture`].
+pub fn textures(extensions: &MaterialExtensions) -> [&Option<TextureInfo>; LAYER_SLOTS] {
+    let specular = extensions.specular.as_ref();
+    let sheen = extensions.sheen.as_ref();
+    let transmission = extensions.transmission.as_ref();
+    let coat = extensions.clearcoat.as_ref();
+    [
+        specular.map_or(&None, |s| &s.specular_texture),
+        specular.map_or(&None, |s| &s.specular_color_texture),
+        sheen.map_or(&None, |s| &s.sheen_color_texture),
+        sheen.map_or(&None, |s| &s.sheen_roughness_texture),
+        transmission.map_or(&None, |t| &t.transmission_texture),
+        coat.map_or(&None, |c| &c.clearcoat_texture),
+        coat.map_or(&None, |c| &c.clearcoat_roughness_texture),
+    ]
+}
+
+/// Warns of what is not used.
+pub fn note_ignored(extensions: &MaterialExtensions, place: &str, notes: &mut Notes) {
+    let coat = extensions.clearcoat.as_ref();
+    let has_normals = coat.is_some_and(|c| c.clearcoat_normal_texture.is_some());
+    let what =
+        "materials have a normal map of their clear coat, which follows that of the material";
+    notes.add("layer-texture-ignored", u64::from(has_normals), what, place);
+}
+
+fn specular(extensions: &MaterialExtensions, out: &mut Material) -> Result<(), Fault> {
+    let ior = extensions.ior.as_ref().and_then(|e| e.ior).unwrap_or(1.5);
+    // 0 stands for an infinite index.
+    if !(ior == 0.0 || ior >= 1.0 && ior.is_finite()) {
+        return Err(Fault::new(
+            "gltf-material",
+            format!("ior is {ior}, expected 0 or at least 1"),
+        ));
+    }
+    out.reflectivity = if ior == 0.0 {
+        1.0
+    } else {
+        ((ior - 1.0) / (ior + 1.0)).powi(2)
+    };
+    let Some(specular) = &extensions.specular else {
+        return Ok(());
+    };
+    let factor = specular.specular_factor.unwrap_or(1.0);
+    let color = specular.specular_color_factor.unwrap_or([1.0; 3]);
+    check(&color, "specular factors must be finite")?;
+    check(&[factor], "specular factors must be finite")?;
+    if factor <= 0.0 {
+        out.reflectivity = 0.0;
+        return Ok(());
+    }
+    let has_texture = specular.specular_texture.is_some();
+    out.specular = (factor < 1.0 || has_texture).then_some(factor.min(1.0));
+    let color = Vec3::from_array(color).clamp(Vec3::ZERO, Vec3::splat(1e4));
+    let has_texture = specular.specular_color_texture.is_some();
+    out.specular_color = (color != Vec3::ONE || has_texture).then_some(color);
+    Ok(())
+}
+
+fn sheen(extensions: &MaterialExtensions, out: &mut Material) -> Result<(), Fault> {
+    let Some(sheen) = &extensions.sheen else {
+        return Ok(());
+    };
+    let color = sheen.sheen_color_factor.unwrap_or_default();
+    let roughness = sheen.sheen_roughness_factor.unwrap_or(0.0);
+    check(&color, "sheen factors must be finite")?;
+    check(&[roughness], "sheen factors must be finite")?;
+    let color = Vec3::from_array(color).clamp(Vec3::ZERO, Vec3::ONE);
+    out.sheen_color = (color != Vec3::ZERO).then_some(color);
+    out.sheen_roughness = roughness.clamp(0.0, 1.0);
     Ok(())
 }
 

@@ -49,13 +49,7 @@ pub fn read(
 /// The two sets of texture coordinates that meshes with this material have, which its textures refer to
 /// from then on by 0 and 1.
 fn choose_uv_sets(material: &mut Material, place: &str, notes: &mut Notes) -> [u32; 2] {
-    let mut textures = [
-        &mut material.base_color_texture,
-        &mut material.metallic_roughness_texture,
-        &mut material.normal_texture,
-        &mut material.occlusion_texture,
-        &mut material.emission_texture,
-    ];
+    let mut textures = material.texture_slots();
     let mut used: Vec<u32> = textures
         .iter()
         .flat_map(|t| t.as_ref())
@@ -96,10 +90,10 @@ fn convert(
     out.normal_texture = texture(&material.normal_texture, false, "normalTexture")?;
     out.occlusion_texture = texture(&material.occlusion_texture, false, "occlusionTexture")?;
     out.emission_texture = texture(&material.emissive_texture, true, "emissiveTexture")?;
+    layers::read(&material.extensions, &mut out, &mut texture)?;
+    layers::note_ignored(&material.extensions, place, notes);
     out.alpha_cutoff = alpha(material)?;
     out.blended = material.alpha_mode.as_deref() == Some("BLEND");
-    layers::read(&material.extensions, &mut out, place, notes)?;
-    out.reflectivity = reflectivity(&material.extensions, place, notes)?;
     if let Some(gloss) = &material.extensions.specular_glossiness {
         specular_glossiness::convert(gloss, &mut out, textures, place, notes)?;
     }
@@ -161,54 +155,6 @@ fn alpha(material: &schema::Material) -> Result<Option<f32>, Fault> {
             ))
         }
     }
-}
-
-/// Reflectance at normal incidence from KHR_materials_ior and KHR_materials_specular:
-/// min(((ior − 1) / (ior + 1))² · specularColor, 1) · specular.
-fn reflectivity(
-    extensions: &schema::MaterialExtensions,
-    place: &str,
-    notes: &mut Notes,
-) -> Result<f32, Fault> {
-    let ior = extensions.ior.as_ref().and_then(|e| e.ior).unwrap_or(1.5);
-    // 0 stands for an infinite index.
-    if !(ior == 0.0 || ior >= 1.0 && ior.is_finite()) {
-        return Err(Fault::new(
-            "gltf-material",
-            format!("ior is {ior}, expected 0 or at least 1"),
-        ));
-    }
-    let f0 = if ior == 0.0 {
-        1.0
-    } else {
-        ((ior - 1.0) / (ior + 1.0)).powi(2)
-    };
-    let Some(specular) = &extensions.specular else {
-        return Ok(f0);
-    };
-    let factor = specular.specular_factor.unwrap_or(1.0);
-    let color = specular.specular_color_factor.unwrap_or([1.0; 3]);
-    if !(finite(&color) && factor.is_finite()) {
-        return Err(Fault::new(
-            "gltf-material",
-            "specular factors must be finite",
-        ));
-    }
-    let tinted = color[0] != color[1] || color[1] != color[2];
-    let textured = specular.specular_texture.is_some() || specular.specular_color_texture.is_some();
-    let what = "materials have a specular tint or texture, of which only the mean factor is used";
-    notes.add(
-        "specular-approximated",
-        u64::from(tinted || textured),
-        what,
-        place,
-    );
-    let mean = color
-        .iter()
-        .map(|c| (f0 * c.max(0.0)).min(1.0))
-        .sum::<f32>()
-        / 3.0;
-    Ok((mean * factor).clamp(0.0, 1.0))
 }
 
 /// KHR_materials_unlit: of the material only the base color and its alpha remain.

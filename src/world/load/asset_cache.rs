@@ -5,7 +5,7 @@ use std::{collections::HashMap, mem, path::PathBuf, sync::Arc};
 
 use super::{
     LoadOptions, Loader, Source, blended, camera, deform_at_start, emitters,
-    material::{ImageKey, slots},
+    material::ImageKey,
     place::MeshKey,
     vertex_streams::{self, Needs},
 };
@@ -14,7 +14,7 @@ use crate::{
         desc::{ModelSource, SceneDesc, ShapeDesc, StageDesc},
         diagnostic::Diagnostic,
     },
-    world::{Mesh, Shared, World, environment::Panorama, gltf::Model, usd},
+    world::{Material, Mesh, Shared, World, environment::Panorama, gltf::Model, usd},
 };
 
 /// A model's name and source.
@@ -146,7 +146,12 @@ impl AssetCache {
                 None => return Ok(false),
             }
         }
-        for slot in world.materials.iter_mut().flat_map(slots).flatten() {
+        for slot in world
+            .materials
+            .iter_mut()
+            .flat_map(Material::texture_slots)
+            .flatten()
+        {
             slot.texture = indices[slot.texture];
         }
         world.files.clone_from(&self.files);

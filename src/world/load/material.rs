@@ -44,7 +44,8 @@ impl TextureTable {
     pub fn take_used(&mut self, world: &mut World) -> Vec<(ImageKey, TextureRequest)> {
         let mut new_index = vec![None; self.requests.len()];
         let mut used = Vec::new();
-        for slot in world.materials.iter_mut().flat_map(slots).flatten() {
+        let materials = world.materials.iter_mut();
+        for slot in materials.flat_map(Material::texture_slots).flatten() {
             let old = slot.texture;
             slot.texture = *new_index[old].get_or_insert_with(|| {
                 used.push(self.requests[old].clone());
@@ -55,17 +56,6 @@ impl TextureTable {
         self.indices.clear();
         used
     }
-}
-
-/// All texture slots of a material.
-pub fn slots(material: &mut Material) -> [&mut Option<TextureRef>; 5] {
-    [
-        &mut material.base_color_texture,
-        &mut material.metallic_roughness_texture,
-        &mut material.normal_texture,
-        &mut material.occlusion_texture,
-        &mut material.emission_texture,
-    ]
 }
 
 impl Loader<'_> {
@@ -84,7 +74,7 @@ impl Loader<'_> {
         if desc.emission_texture.is_some() {
             material.emission_texture = None;
         }
-        for texture in slots(&mut material).into_iter().flatten() {
+        for texture in material.texture_slots().into_iter().flatten() {
             texture.texture = self.file_image(loaded, texture.texture);
         }
         self.apply(desc, &mut material);

@@ -43,13 +43,7 @@ pub fn needs(world: &World) -> Vec<Needs> {
             let uv = NormalUv::of(normal);
             need.tangents_differ |= *need.tangents_from.get_or_insert(uv) != uv;
         }
-        let textures = [
-            &material.base_color_texture,
-            &material.metallic_roughness_texture,
-            &material.normal_texture,
-            &material.occlusion_texture,
-            &material.emission_texture,
-        ];
+        let textures = material.textures();
         need.uv1 |= textures.into_iter().flatten().any(|t| t.uv_set == 1);
     }
     needs

@@ -34,6 +34,9 @@ fn harness<'a>() -> Harness<'a, State> {
         attenuation_distance_m: Some(1.0),
         clearcoat: Some(1.0),
         clearcoat_roughness: Some(0.1),
+        specular: Some(0.5),
+        specular_color: Some(Vec3::ONE),
+        sheen_color: Some(Vec3::ONE),
         checker: Some(CheckerDesc {
             colors: [Vec3::ONE, Vec3::ZERO],
             size_m: 0.5,

@@ -176,7 +176,7 @@ pub static POSE: &[Entry] = &[
     Entry {
         signature: "ctx.material(name, #{ … })",
         gives: "()",
-        text: "Sets any of {material} of a `[material.NAME]`; `checker_a` and `checker_b` are its checker's colors. Of `alpha_cutoff`, `alpha`, `transmission`, `attenuation_distance_m`, `clearcoat` and the checker's, its table must have one at rest.",
+        text: "Sets any of {material} of a `[material.NAME]`; `checker_a` and `checker_b` are its checker's colors. Of `alpha_cutoff`, `alpha`, `transmission`, `attenuation_distance_m`, `clearcoat`, `specular`, `specular_color`, `sheen_color` and the checker's, its table must have one at rest.",
         example: "ctx.material(\"brass\", #{ roughness: 0.1, base_color: vec3(1, 0.8, 0.3) }); true",
         register: |e| {
             e.register_fn("material", |c: &mut Context, name: &str, keys: Map| {

@@ -6,12 +6,13 @@ use glam::DVec4;
 
 use super::{Fault, Reader, fault, finite, interpolation};
 use crate::world::{
+    TEXTURE_SLOTS,
     animation::{Interpolation, Pointed, PointedValue, PointerTrack, Property, Sampler},
-    gltf::{accessor, schema, schema::Root},
+    gltf::{accessor, layers, schema, schema::Root},
 };
 
 /// Values of materials: pointer, key of scene text, how many numbers.
-const MATERIAL: [(&str, &str, usize); 13] = [
+const MATERIAL: [(&str, &str, usize); 17] = [
     ("pbrMetallicRoughness/baseColorFactor", "base_color", 4),
     ("pbrMetallicRoughness/metallicFactor", "metallic", 1),
     ("pbrMetallicRoughness/roughnessFactor", "roughness", 1),
@@ -49,17 +50,44 @@ const MATERIAL: [(&str, &str, usize); 13] = [
         "clearcoat_roughness",
         1,
     ),
+    (
+        "extensions/KHR_materials_specular/specularFactor",
+        "specular",
+        1,
+    ),
+    (
+        "extensions/KHR_materials_specular/specularColorFactor",
+        "specular_color",
+        3,
+    ),
+    (
+        "extensions/KHR_materials_sheen/sheenColorFactor",
+        "sheen_color",
+        3,
+    ),
+    (
+        "extensions/KHR_materials_sheen/sheenRoughnessFactor",
+        "sheen_roughness",
+        1,
+    ),
 ];
 const EMISSION: &str = "emission";
 const EMISSION_STRENGTH: &str = "emission_strength";
 
 /// Textures in the order of [`crate::world::Material::slots`].
-const TEXTURES: [&str; 5] = [
+const TEXTURES: [&str; TEXTURE_SLOTS] = [
     "pbrMetallicRoughness/baseColorTexture",
     "pbrMetallicRoughness/metallicRoughnessTexture",
     "normalTexture",
     "occlusionTexture",
     "emissiveTexture",
+    "extensions/KHR_materials_specular/specularTexture",
+    "extensions/KHR_materials_specular/specularColorTexture",
+    "extensions/KHR_materials_sheen/sheenColorTexture",
+    "extensions/KHR_materials_sheen/sheenRoughnessTexture",
+    "extensions/KHR_materials_transmission/transmissionTexture",
+    "extensions/KHR_materials_clearcoat/clearcoatTexture",
+    "extensions/KHR_materials_clearcoat/clearcoatRoughnessTexture",
 ];
 
 /// Values of cameras: pointer, key, factor on the way to scene text.
@@ -278,14 +306,17 @@ impl Reader<'_> {
             | PointedValue::TextureRotation(slot)
             | PointedValue::TextureScale(slot) => {
                 let pbr = &material.pbr_metallic_roughness;
-                let used = [
+                let core = [
                     &pbr.base_color_texture,
                     &pbr.metallic_roughness_texture,
                     &material.normal_texture,
                     &material.occlusion_texture,
                     &material.emissive_texture,
-                ][slot];
-                let own = used.as_ref().and_then(|u| u.extensions.transform.as_ref());
+                ];
+                let layers = layers::textures(&material.extensions);
+                let used = core.into_iter().chain(layers).nth(slot);
+                let used = used.and_then(Option::as_ref);
+                let own = used.and_then(|u| u.extensions.transform.as_ref());
                 let offset = own.and_then(|t| t.offset).unwrap_or_default();
                 let rotation = own.and_then(|t| t.rotation).unwrap_or_default();
                 let scale = own.and_then(|t| t.scale).unwrap_or([1.0; 2]);

@@ -36,6 +36,8 @@ pub struct MaterialExtensions {
     pub ior: Option<Ior>,
     #[serde(rename = "KHR_materials_specular")]
     pub specular: Option<Specular>,
+    #[serde(rename = "KHR_materials_sheen")]
+    pub sheen: Option<Sheen>,
     #[serde(rename = "KHR_materials_transmission")]
     pub transmission: Option<Transmission>,
     #[serde(rename = "KHR_materials_volume")]
@@ -75,15 +77,24 @@ pub struct Ior {
 pub struct Specular {
     pub specular_factor: Option<f32>,
     pub specular_color_factor: Option<[f32; 3]>,
-    pub specular_texture: Option<IgnoredAny>,
-    pub specular_color_texture: Option<IgnoredAny>,
+    pub specular_texture: Option<TextureInfo>,
+    pub specular_color_texture: Option<TextureInfo>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub struct Sheen {
+    pub sheen_color_factor: Option<[f32; 3]>,
+    pub sheen_color_texture: Option<TextureInfo>,
+    pub sheen_roughness_factor: Option<f32>,
+    pub sheen_roughness_texture: Option<TextureInfo>,
 }
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(default, rename_all = "camelCase")]
 pub struct Transmission {
     pub transmission_factor: Option<f32>,
-    pub transmission_texture: Option<IgnoredAny>,
+    pub transmission_texture: Option<TextureInfo>,
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -98,9 +109,9 @@ pub struct Volume {
 #[serde(default, rename_all = "camelCase")]
 pub struct Clearcoat {
     pub clearcoat_factor: Option<f32>,
-    pub clearcoat_texture: Option<IgnoredAny>,
+    pub clearcoat_texture: Option<TextureInfo>,
     pub clearcoat_roughness_factor: Option<f32>,
-    pub clearcoat_roughness_texture: Option<IgnoredAny>,
+    pub clearcoat_roughness_texture: Option<TextureInfo>,
     pub clearcoat_normal_texture: Option<IgnoredAny>,
 }
 

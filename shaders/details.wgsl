@@ -1,0 +1,16 @@
+// Details: specular color and sheen of the surfaces that pixels show, for which the G-buffer has no bits.
+
+#import details_layout
+#import pixel_surface
+
+@group(2) @binding(0) var ids: texture_2d<u32>;
+@group(2) @binding(1) var details: texture_storage_2d<rgba32uint, write>;
+
+@compute @workgroup_size(8, 8)
+fn main(@builtin(global_invocation_id) id: vec3u) {
+    if (any(id.xy >= vec2u(frame.size))) { return; }
+    let hit = textureLoad(ids, id.xy, 0).xy;
+    var bits = vec4u(0u);
+    if (hit.x != NONE) { bits = pack_details(pixel_surface(id.xy, hit).surface); }
+    textureStore(details, id.xy, bits);
+}

@@ -1,0 +1,22 @@
+// How the details pass writes what the G-buffer does not hold of a surface, and how it is read again.
+
+#import scene
+
+fn pack_details(s: Surface) -> vec4u {
+    return vec4u(
+        pack2x16float(min(s.specular_color.xy, vec2f(65000.0))),
+        (pack2x16float(vec2f(min(s.specular_color.z, 65000.0), 0.0)) & 0xffffu) | (pack2x16unorm(vec2f(0.0, s.specular)) & 0xffff0000u),
+        pack2x16unorm(s.sheen_color.xy),
+        pack2x16unorm(vec2f(s.sheen_color.z, s.sheen_roughness)),
+    );
+}
+
+fn with_details(surface: Surface, bits: vec4u) -> Surface {
+    var s = surface;
+    s.specular_color = vec3f(unpack2x16float(bits.x), unpack2x16float(bits.y).x);
+    s.specular = unpack2x16unorm(bits.y).y;
+    let rest = unpack2x16unorm(bits.w);
+    s.sheen_color = vec3f(unpack2x16unorm(bits.z), rest.x);
+    s.sheen_roughness = rest.y;
+    return s;
+}

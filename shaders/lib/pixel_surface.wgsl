@@ -1,0 +1,43 @@
+// The surface that a pixel shows, from the instance and the triangle that the visibility pass found.
+
+#import frame
+#import surface
+
+// Where the pixel's ray meets the plane of its triangle: exact, where the depth buffer is not.
+struct PlaneHit {
+    t: f32,
+    bary: vec2f,
+}
+
+fn plane_hit(origin: vec3f, direction: vec3f, instance: u32, triangle: u32) -> PlaneHit {
+    let c = corners(instance, triangle);
+    let p0 = to_world(instance, c.p[0]) - origin;
+    let e1 = to_world(instance, c.p[1]) - origin - p0;
+    let e2 = to_world(instance, c.p[2]) - origin - p0;
+    let p = cross(direction, e2);
+    let determinant = dot(e1, p);
+    let inverse = select(0.0, 1.0 / determinant, abs(determinant) > 1e-30);
+    let q = cross(-p0, e1);
+    return PlaneHit(dot(e2, q) * inverse, vec2f(dot(-p0, p), dot(direction, q)) * inverse);
+}
+
+struct PixelSurface {
+    surface: Surface,
+    depth_m: f32, // along the view direction
+}
+
+fn pixel_surface(pixel: vec2u, hit: vec2u) -> PixelSurface {
+    let center = vec2f(pixel) + 0.5;
+    let ray = pixel_ray(center);
+    let plane = plane_hit(pixel_origin(center), ray, hit.x, hit.y);
+    // A pixel center may lie just outside the triangle that covers it.
+    var bary = clamp(plane.bary, vec2f(0.0), vec2f(1.0));
+    bary /= max(bary.x + bary.y, 1.0);
+    var shown: PixelSurface;
+    shown.surface = surface_at(hit.x, hit.y, bary, normalize(ray), pixel_width(plane.t * length(ray)));
+    // Depth along this pixel's own ray, so that the position found from it lies on the plane; only
+    // a triangle seen edge-on is too far off for that.
+    let on_plane = distance(bary, plane.bary) < 0.1;
+    shown.depth_m = select(dot(shown.surface.position - frame.eye, frame.forward), plane.t, on_plane);
+    return shown;
+}

@@ -1,0 +1,36 @@
+//! Details: what the G-buffer does not hold of the surfaces that pixels show.
+
+use crate::{
+    gpu::GpuError,
+    render::{
+        frame_pass::FramePass,
+        pass::{ComputePass, Dispatch, Pass},
+        pass_builder::PassBuilder,
+        sub_frame::SubFrame,
+        targets::Target,
+    },
+};
+
+/// See `shaders/details.wgsl`.
+pub const PASS: Pass = Pass {
+    name: "details",
+    color: [205, 175, 205],
+    reads: &[Target::Ids],
+    writes: &[Target::Details],
+    needed: |plan, _| plan.has_details(),
+    ..Pass::DEFAULT
+};
+
+/// The pass.
+#[derive(Debug)]
+pub struct Details(ComputePass);
+
+impl FramePass for Details {
+    fn new(builder: &PassBuilder<'_>) -> Result<Self, GpuError> {
+        Ok(Self(builder.compute(&PASS, &[])?))
+    }
+
+    fn record(&self, frame: &mut SubFrame<'_>) {
+        frame.dispatch(&self.0, &Dispatch::PerPixel);
+    }
+}
