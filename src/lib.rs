@@ -24,7 +24,7 @@
 //! | [`gpu`] | wgpu without opinions: device, shaders, bindings by name, timings, readback; knows no scene |
 //! | [`world`] | SceneDesc → CPU data: glTF, images, shapes, trees and the CPU oracle; no wgpu |
 //! | [`scene`] | what people can write, its defaults and its manual; [`scene::stages`] from text to a scene at a frame: [`scene::parse`] runs no program, [`scene::script`] is the sandbox, [`scene::motion`] what tracks move; no assets |
-//! | [`math`], [`files`] | bounds and color over glam; files that are whole or not there |
+//! | [`math`], [`files`], [`memory`] | bounds and color over glam; files that are whole or not there; what memory is left |
 //! | `docs/` | `extending.md`: what each kind of addition touches; `glossary.md`: terms that are ours |
 //! | `shaders/` | a file for each pass, named like `src/render/passes/*.rs`; only `shaders/lib` can be imported |
 //!
@@ -124,6 +124,7 @@ pub mod bench;
 pub mod files;
 pub mod gpu;
 pub mod math;
+pub mod memory;
 pub mod render;
 pub mod scene;
 pub mod session;

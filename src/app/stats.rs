@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use crate::{
     gpu::Gpu,
+    memory::peak_resident_bytes,
     render::{
         decide::Decision,
         probe::PassCounts,
@@ -186,16 +187,6 @@ fn list(shares: &[Share]) -> String {
 /// Bytes with a unit.
 pub fn mebibytes(bytes: u64) -> String {
     format!("{:.1} MiB", bytes as f64 / (1024.0 * 1024.0))
-}
-
-/// Peak resident memory, where the system reports it.
-fn peak_resident_bytes() -> Option<u64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status
-        .lines()
-        .find_map(|line| line.strip_prefix("VmHWM:"))?;
-    let kibibytes: u64 = line.trim().trim_end_matches("kB").trim().parse().ok()?;
-    Some(kibibytes * 1024)
 }
 
 #[cfg(test)]

@@ -24,7 +24,7 @@ pub use obvhs::cwbvh::node::CwBvhNode;
 use rayon::prelude::*;
 
 use super::{Instance, World};
-use crate::scene::diagnostic::Diagnostic;
+use crate::{memory, scene::diagnostic::Diagnostic};
 
 mod gpu_layout;
 mod leaves;
@@ -100,9 +100,10 @@ impl Trees {
     /// Builds all trees; neither buffer exceeds `device_limit_bytes`.
     ///
     /// # Errors
-    /// Geometry past that limit, or past [`MAX_REACH_M`].
+    /// Geometry past that limit, past [`MAX_REACH_M`], or past the memory that is left.
     pub fn build(world: &World, device_limit_bytes: u64) -> Result<Self, Box<Diagnostic>> {
         let placement = Placement::within(world, device_limit_bytes)?;
+        placement.check_memory(world, memory::available_bytes().unwrap_or(u64::MAX))?;
         let (static_tree, mut triangles) = static_tree(world, &placement.baked)?;
         let static_triangles = triangles.len();
         let (deformed, rigid): (Vec<usize>, Vec<usize>) =
@@ -280,6 +281,15 @@ impl Trees {
 /// Nodes reserved for a top level over `instances`: every inner node has at least two children.
 fn top_capacity(instances: usize) -> usize {
     instances.max(1)
+}
+
+/// Refuses trees that [`Trees::build`] has no memory for.
+///
+/// # Errors
+/// `memory-short`.
+pub fn check_memory(world: &World) -> Result<(), Box<Diagnostic>> {
+    let placement = Placement::within(world, u64::MAX)?;
+    placement.check_memory(world, memory::available_bytes().unwrap_or(u64::MAX))
 }
 
 /// Refuses trees past the buffer limit or deeper than the traversal's stack.

@@ -13,9 +13,12 @@ use std::{
 use glam::{Affine3A, Vec3};
 
 use super::{Light, Material, Mesh, deform::DeformingNodes, rig::Rig};
-use crate::scene::{
-    desc::CameraDesc,
-    diagnostic::{Diagnostic, Severity},
+use crate::{
+    memory,
+    scene::{
+        desc::CameraDesc,
+        diagnostic::{Diagnostic, Severity},
+    },
 };
 
 mod accessor;
@@ -245,7 +248,7 @@ impl Notes {
     }
 }
 
-/// Maximum decoded geometry of one file, bytes.
+/// Maximum decoded geometry of one file, bytes, where as much memory is left.
 const GEOMETRY_BUDGET_BYTES: u64 = 2 << 30;
 
 /// Maximum number of listed errors per file.
@@ -288,8 +291,9 @@ fn read_faults(path: &Path, sandbox: &Sandbox, options: &ReadOptions) -> Result<
     let mut notes = Notes::default();
     let mut buffers =
         buffer::read(&root, binary, folder, sandbox, &mut model.files).map_err(one)?;
-    draco::decompress(&mut root, &mut buffers, GEOMETRY_BUDGET_BYTES).map_err(one)?;
-    let data = accessor::Data::new(&root, buffers, GEOMETRY_BUDGET_BYTES).map_err(one)?;
+    let budget_bytes = memory::budget(GEOMETRY_BUDGET_BYTES);
+    draco::decompress(&mut root, &mut buffers, budget_bytes).map_err(one)?;
+    let data = accessor::Data::new(&root, buffers, budget_bytes).map_err(one)?;
     check_indices::check(&root).map_err(one)?;
     material::read(&root, &data, folder, sandbox, &mut model, &mut notes).map_err(one)?;
     model.stage = Stage::of(&root);

@@ -10,10 +10,13 @@ use super::{
     gltf::{self, Fault, Model, Sandbox},
     texture::{self, TextureLimits},
 };
-use crate::scene::{
-    dependencies::Dependencies,
-    desc::{At, SceneDesc},
-    diagnostic::{Diagnostic, Severity, Span},
+use crate::{
+    memory,
+    scene::{
+        dependencies::Dependencies,
+        desc::{At, SceneDesc},
+        diagnostic::{Diagnostic, Severity, Span},
+    },
 };
 
 mod asset_cache;
@@ -236,7 +239,7 @@ impl<'a> Loader<'a> {
     fn finish(mut self, models: Vec<Source>) -> Result<(World, AssetCache), Vec<Diagnostic>> {
         let limits = TextureLimits {
             max_px: self.options.max_texture_px,
-            budget_bytes: self.options.image_budget_bytes,
+            budget_bytes: memory::budget(self.options.image_budget_bytes),
             max_file_bytes: self.options.max_file_bytes,
         };
         self.drop_unused_deformations();

@@ -287,3 +287,19 @@ fn accessors_without_data_are_bounded() {
     let errors = doc.load().expect_err("six vertices around each point");
     assert!(errors.iter().all(|e| e.name == "geometry-too-large"));
 }
+
+/// 100,000 targets of the same 20,000 vertices: refused before the first of them is read.
+#[test]
+#[cfg(target_os = "linux")]
+fn morph_targets_are_refused_before_they_take_memory() {
+    let mut doc = Doc::triangle();
+    doc.json["accessors"][0] = json!({"componentType": 5126, "count": 20_000, "type": "VEC3"});
+    doc.json["accessors"][0]["bufferView"] = Value::Null;
+    let target = json!({"POSITION": 0});
+    doc.primitive("targets", Value::Array(vec![target; 100_000]));
+    doc.json["meshes"][0]["weights"] = Value::Array(vec![json!(0.5); 100_000]);
+    let before = reflet::memory::peak_resident_bytes().expect("Linux says it");
+    assert_eq!(doc.error().0, "geometry-too-large");
+    let taken = reflet::memory::peak_resident_bytes().expect("Linux says it") - before;
+    assert!(taken < 512 << 20, "{taken} bytes"); // other tests run meanwhile
+}

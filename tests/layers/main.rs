@@ -9,11 +9,12 @@ use std::{
 };
 
 /// Lower comes first. A file may name modules of its own layer and of those it lists.
-const LAYERS: [(&str, &[&str]); 9] = [
+const LAYERS: [(&str, &[&str]); 10] = [
     ("math", &[]),
     ("files", &[]),
+    ("memory", &[]),
     ("scene", &["math", "files"]),
-    ("world", &["scene", "math", "files"]),
+    ("world", &["scene", "math", "files", "memory"]),
     ("gpu", &["math", "files"]),
     ("render", &["gpu", "world", "scene", "math"]),
     (
@@ -27,7 +28,7 @@ const LAYERS: [(&str, &[&str]); 9] = [
     (
         "app",
         &[
-            "session", "bench", "render", "gpu", "world", "scene", "math", "files",
+            "session", "bench", "render", "gpu", "world", "scene", "math", "files", "memory",
         ],
     ),
 ];

@@ -7,7 +7,10 @@ use crate::{
         types::GpuVertex,
     },
     scene::diagnostic::{Diagnostic, Span},
-    world::{Mesh, World, bvh::TraceTriangle},
+    world::{
+        Mesh, World,
+        bvh::{TraceTriangle, check_memory},
+    },
 };
 
 /// What every device allows in one buffer: the default of WebGPU's `maxStorageBufferBindingSize`.
@@ -31,9 +34,13 @@ pub fn lint(world: &World, is_traced: bool, start: Span) -> Option<Diagnostic> {
     Some(Diagnostic::at("geometry-large", start, message).help(help))
 }
 
-/// Why `render` would refuse the geometry on this machine's device; nothing where it would not, or where there
-/// is no device to ask.
+/// Why `render` would refuse the geometry on this machine and its device; nothing where it would not, or where
+/// there is no device to ask.
 pub fn refused_here(world: &World, is_traced: bool) -> Option<Diagnostic> {
+    let short = is_traced.then(|| check_memory(world).err()).flatten();
+    if let Some(short) = short {
+        return Some(*short);
+    }
     let sizes = sizes(world, is_traced);
     if largest(&sizes).1 <= EVERYWHERE_BYTES {
         return None;

@@ -157,6 +157,20 @@ fn scene_past_the_limit_is_an_error() {
 }
 
 #[test]
+fn memory_is_refused_before_it_is_taken() {
+    let mesh = triangle_mesh(&[unit_triangle(); 1000]);
+    // Copies of one moved mesh have one tree.
+    let placements = [(0, Affine3A::IDENTITY, true); 50];
+    let world = world(vec![mesh], &placements);
+    let placement = Placement::within(&world, LIMIT).unwrap();
+    assert!(placement.check_memory(&world, 240_000).is_ok());
+    let refused = placement.check_memory(&world, 239_999).unwrap_err();
+    assert_eq!(refused.name, "memory-short");
+    let said = "the trees of 1000 triangles";
+    assert!(refused.message.starts_with(said), "{}", refused.message);
+}
+
+#[test]
 fn degenerate_geometry_neither_panics_nor_hides_the_rest() {
     let point = [Vec3::ONE; 3];
     let line = [Vec3::ZERO, Vec3::X, Vec3::X * 2.0];

@@ -13,7 +13,18 @@ pub fn targets(context: &Context<'_>, are_animated: bool) -> Result<Vec<MorphTar
     let weight = |index: usize| context.weights.get(index).copied().unwrap_or(0.0);
     let targets = 0..context.primitive.targets.len();
     let used = targets.filter(|index| are_animated || weight(*index) != 0.0);
-    used.map(|index| target(context, index)).collect()
+    let used: Vec<usize> = used.collect();
+    let arrays = used
+        .iter()
+        .map(|index| context.primitive.targets[*index].len() as u64);
+    let vertices = arrays
+        .sum::<u64>()
+        .saturating_mul(context.num_vertices as u64);
+    let bytes = vertices.saturating_mul(size_of::<Vec3>() as u64);
+    context.data.check_budget(bytes)?;
+    used.into_iter()
+        .map(|index| target(context, index))
+        .collect()
 }
 
 fn target(context: &Context<'_>, number: usize) -> Result<MorphTarget, Fault> {

@@ -4,6 +4,7 @@ use std::{path::Path, sync::Arc};
 
 use super::Loader;
 use crate::{
+    memory,
     scene::diagnostic::{Diagnostic, Severity},
     world::{
         Environment,
@@ -20,7 +21,7 @@ impl Loader<'_> {
             let path = path.ok()?;
             let limits = PanoramaLimits {
                 max_px: self.options.max_texture_px,
-                budget_bytes: self.options.image_budget_bytes,
+                budget_bytes: memory::budget(self.options.image_budget_bytes),
             };
             let bytes = self.sandbox.read(&path);
             match bytes.and_then(|bytes| read(&path, &bytes, &limits)) {
