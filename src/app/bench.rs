@@ -204,7 +204,7 @@ pub fn subject(
     for setting in &loaded.overrides {
         content = content.with(setting);
     }
-    for (name, text) in loaded.scene.script.iter().flat_map(|s| &s.texts) {
+    for (name, text) in loaded.scene.scripts().flat_map(|s| &s.texts) {
         let name = Path::new(&name).file_name().unwrap_or_default();
         content = content.with(name.as_encoded_bytes()).with(text);
     }

@@ -142,7 +142,7 @@ fn check_variant((path, text): SourceText, from: &SceneArgs) -> Result<Checked, 
     };
     let name = path.display().to_string();
     let opened = text.open(&[], &Dependencies::default())?;
-    for line in opened.scene.script.iter().flat_map(|s| &s.setup_log) {
+    for line in opened.scene.scripts().flat_map(|s| &s.setup_log) {
         eprintln!("{line}");
     }
     let mut loaded = opened.load(name)?;

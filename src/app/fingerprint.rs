@@ -37,7 +37,7 @@ pub fn of_run(args: &RenderArgs, session: &RenderSession) -> Result<u128, AppErr
     for setting in &loaded.overrides {
         add(setting.as_bytes());
     }
-    for (name, text) in loaded.scene.script.iter().flat_map(|s| &s.texts) {
+    for (name, text) in loaded.scene.scripts().flat_map(|s| &s.texts) {
         let name = Path::new(&name).file_name().unwrap_or_default();
         add(name.as_encoded_bytes());
         add(text.as_bytes());

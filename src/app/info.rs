@@ -248,7 +248,7 @@ fn moves(desc: &SceneDesc) -> Vec<String> {
         of("material", &motion.materials),
         of("materials of model", &motion.models),
     ];
-    let script = desc.script.as_ref().filter(|script| script.has_frame);
+    let script = desc.scripts().filter(|script| script.has_frame);
     let script = script.map(|script| format!("what frame() of {} poses", script.name));
     tracks.concat().into_iter().chain(script).collect()
 }

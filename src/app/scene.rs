@@ -33,7 +33,7 @@ pub fn load_scene(
 /// # Errors
 /// [`AppError::Scene`] with all errors.
 pub fn load(opened: OpenedScene, name: String) -> Result<LoadedScene, AppError> {
-    for line in opened.scene.script.iter().flat_map(|s| &s.setup_log) {
+    for line in opened.scene.scripts().flat_map(|s| &s.setup_log) {
         eprintln!("{line}");
     }
     let loaded = opened.load(name).map_err(AppError::Scene)?;

@@ -44,7 +44,7 @@ pub use self::{
     track::{
         CurveKind, Ease, FollowDesc, KeyDesc, NumberKeyDesc, NumberOscillateDesc, NumberTrackDesc,
         OrbitDesc, OscillateDesc, PairKeyDesc, PairOscillateDesc, PairTrackDesc, ScaleKeyDesc,
-        ScaleOscillateDesc, ScaleTrackDesc, TrackDesc, Tracks,
+        ScaleOscillateDesc, ScaleTrackDesc, ShownKeyDesc, ShownTrackDesc, TrackDesc, Tracks,
     },
 };
 use super::diagnostic::Span;
@@ -120,6 +120,8 @@ pub struct SceneDesc {
     /// `script = "….rhai"`: a script beside the scene that adds to it and moves it; see
     /// `docs/scripting.md`.
     pub script: Option<ScriptDesc>,
+    /// Scripts of placed scenes, each file once.
+    pub placed_scripts: Vec<ScriptDesc>,
 }
 
 /// `[model.NAME]`: exactly one of `file` and `shape`.

@@ -47,6 +47,9 @@ pub struct FrameState {
     /// World from model space of each instance, or of the first of its copies, then of each group;
     /// relative to parents until [`Animator`](super::stages::Animator) is done.
     pub instances: Vec<Affine3A>,
+    /// Whether each of the same is not there; all of those that hang on it are not, too. Those that are not
+    /// listed are there.
+    pub hidden: Vec<bool>,
     /// Time inside its animations that the script has set for each instance, seconds.
     pub animation_s: Vec<Option<f64>>,
     /// What the script has set of nodes, by instance and place in [`InstanceDesc::joints`].
@@ -65,6 +68,13 @@ pub struct FrameState {
     pub log: Vec<String>,
 }
 
+impl FrameState {
+    /// Whether an instance or group is not there.
+    pub fn is_hidden(&self, node: usize) -> bool {
+        self.hidden.get(node).is_some_and(|hidden| *hidden)
+    }
+}
+
 impl SceneDesc {
     /// What an instance plays: its own choice, else its model's.
     pub fn played_by<'a>(&'a self, instance: &'a InstanceDesc) -> Option<&'a AnimationDesc> {
@@ -76,8 +86,7 @@ impl SceneDesc {
 
     /// Whether no two frames can differ.
     pub fn is_still(&self) -> bool {
-        let has_frame = self.script.as_ref().is_some_and(|s| s.has_frame);
-        self.motion.is_empty() && !has_frame && !self.plays()
+        self.motion.is_empty() && !self.has_frame_script() && !self.plays()
     }
 
     /// First frame of the timeline, 0 without one.
@@ -137,6 +146,7 @@ pub(super) struct Motion<'a> {
     names: Arc<Names>,
     placements: Vec<&'a PlacementDesc>,
     instances: Vec<(usize, [Option<Track<'a>>; 3])>,
+    shown: Vec<(usize, Track<'a>)>,
     cameras: Vec<Moved<'a>>,
     lights: Vec<Moved<'a>>,
     materials: Vec<Moved<'a>>,
@@ -181,6 +191,7 @@ impl<'a> Motion<'a> {
         let rest = FrameState {
             cameras: desc.cameras.iter().map(|e| e.value.clone()).collect(),
             instances: desc.placements().map(transform).collect(),
+            hidden: vec![false; desc.placements().count()],
             animation_s: vec![None; desc.instances.len()],
             lights: desc.lights.iter().map(|e| e.value).collect(),
             materials: desc.materials.iter().map(|e| e.value.clone()).collect(),
@@ -195,6 +206,10 @@ impl<'a> Motion<'a> {
             let m = &e.value;
             let tracks = [&m.translation, &m.rotation_deg, &m.scale].map(track);
             Some((*names.instances.get(&e.name)?, tracks))
+        };
+        let shown = |e: &'a Entry<InstanceMotionDesc>| {
+            let track = Track::new(e.value.shown.as_ref()?, find);
+            Some((*names.instances.get(&e.name)?, track))
         };
         let moved = |index, at, tracks: &'a Tracks| Moved {
             index,
@@ -233,6 +248,9 @@ impl<'a> Motion<'a> {
             instances: (motion.instances.iter().chain(&motion.groups))
                 .filter_map(instance)
                 .collect(),
+            shown: (motion.instances.iter().chain(&motion.groups))
+                .filter_map(shown)
+                .collect(),
             cameras: cameras.collect(),
             lights: lights.collect(),
             materials: materials.collect(),
@@ -257,6 +275,9 @@ impl<'a> Motion<'a> {
         state.time_s = (f64::from(frame) + late_frames) / f64::from(fps);
         for (index, tracks) in &self.instances {
             state.instances[*index] = self.instance(*index, tracks, state.time_s);
+        }
+        for (index, track) in &self.shown {
+            state.hidden[*index] = track.at(state.time_s, Vec3::ONE, &[]).x < 0.5;
         }
         for moved in &self.materials {
             let material = &mut state.materials[moved.index];
@@ -334,6 +355,13 @@ impl<'a> Motion<'a> {
             state.instances = world;
         }
         hang_lights(parents, &mut state.lights, &state.instances);
+        parents.inherit(&mut state.hidden);
+        for (index, light) in state.lights.iter_mut().enumerate() {
+            let parent = parents.of_light(index);
+            if parent.is_some_and(|parent| state.hidden[parent]) {
+                light.color = Vec3::ZERO;
+            }
+        }
         hang_cameras(parents, &mut state.cameras, &state.instances);
     }
 

@@ -27,6 +27,7 @@ use std::path::{Path, PathBuf};
 
 pub use self::document::{Document, Texts};
 pub use self::key_recorder::{Form, KeyRecord, RecordedKeys, Rule, SectionRecord, VariantRecord};
+pub use self::placed::{PlacedScript, RanScript, Run, ScriptInput};
 use self::table::Table;
 use crate::files::{open_regular, read_at_most};
 
@@ -112,7 +113,7 @@ pub fn read(path: &Path) -> Result<String, Vec<Diagnostic>> {
 /// determined.
 pub fn params(text: &str, path: &Path, options: &ReadOptions) -> Option<Vec<Entry<ParamValue>>> {
     let texts = Texts::collect(text, path, options, &Dependencies::default());
-    Document::new(&texts).params()
+    Document::new(&texts, None).params()
 }
 
 /// Every table and key that the readers ask for, the whole file first.

@@ -39,7 +39,7 @@ use self::{
 };
 use super::{
     dependencies::Dependencies,
-    desc::{At, Entry, ParamValue, SceneDesc, ScriptDesc, TimelineDesc},
+    desc::{At, Entry, ParamValue, ScriptDesc, TimelineDesc},
     diagnostic::{Diagnostic, Returned},
     motion::{FrameState, Kind, Names},
 };
@@ -229,20 +229,21 @@ impl Script {
         &self,
         state: FrameState,
         names: &Arc<Names>,
-        desc: &SceneDesc,
+        params: &[Entry<ParamValue>],
+        timeline: Option<&TimelineDesc>,
     ) -> Result<Posed, Vec<Diagnostic>> {
         if !self.0.has_frame {
             return Ok((state, HashSet::new()));
         }
         let frame = state.frame;
-        let mut call = Call::new(&desc.params, desc.timeline.as_ref(), frame);
+        let mut call = Call::new(params, timeline, frame);
         // Not that of the frame while its shutter is open.
         call.time_s = state.time_s;
         let context = |state| Context::for_frame(call.clone(), state, Arc::clone(names));
         let (posed, afresh) = (context(state.clone()), context(state));
         let (result, log) = self.call("frame", [posed.clone(), afresh], |_| ());
         let when = format!("in frame {frame}");
-        let explain = |wrong| vec![*self.explain(&wrong, &desc.params, Some(&when))];
+        let explain = |wrong| vec![*self.explain(&wrong, params, Some(&when))];
         result.map_err(explain)?;
         let (mut state, touched) = posed.into_result();
         state.log.extend(log);

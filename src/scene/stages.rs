@@ -1,14 +1,20 @@
 //! The stages from scene text to a scene at a frame: document → `setup` → merged document →
 //! description → pose. Each is a function of what it is given and the files it reads.
 
-use std::{cell::OnceCell, collections::HashSet, ops::Deref, path::Path, sync::Arc};
+use std::{
+    cell::{OnceCell, RefCell},
+    collections::HashSet,
+    ops::Deref,
+    path::Path,
+    sync::Arc,
+};
 
 use super::{
     dependencies::Dependencies,
-    desc::SceneDesc,
+    desc::{Entry, ParamValue, SceneDesc},
     diagnostic::Diagnostic,
-    motion::{FrameState, Motion},
-    parse::{self, Document, ReadOptions, Texts},
+    motion::{FrameState, Motion, Names},
+    parse::{self, Document, PlacedScript, RanScript, ReadOptions, ScriptInput, Texts},
     script::Script,
 };
 
@@ -18,6 +24,17 @@ pub struct Scene {
     /// What is written, and what the script's `setup` added.
     pub desc: SceneDesc,
     script: Option<Script>,
+    placed: Vec<ScriptOfPlaced>,
+}
+
+/// The script of a placed scene, which has the names of that scene.
+#[derive(Clone, Debug)]
+struct ScriptOfPlaced {
+    script: Script,
+    /// Name of the group that stands for the scene.
+    group: String,
+    /// What the scene itself declares.
+    params: Vec<Entry<ParamValue>>,
 }
 
 /// A scene and warnings, or all messages, errors and warnings alike.
@@ -35,7 +52,11 @@ impl From<SceneDesc> for Scene {
     /// A description without a script.
     fn from(mut desc: SceneDesc) -> Self {
         desc.script = None;
-        Self { desc, script: None }
+        Self {
+            desc,
+            script: None,
+            placed: Vec::new(),
+        }
     }
 }
 
@@ -43,8 +64,11 @@ impl Scene {
     /// A description whose frames this script poses; its `setup` is not run.
     pub fn new(mut desc: SceneDesc, script: Script) -> Self {
         desc.script = Some(script.describe(Vec::new()));
-        let script = Some(script);
-        Self { desc, script }
+        Self {
+            desc,
+            script: Some(script),
+            placed: Vec::new(),
+        }
     }
 
     /// Reads a scene file; `overrides` are `path=value` texts that are laid over it, as `--set`
@@ -78,7 +102,9 @@ impl Scene {
     ) -> Read {
         let texts = Texts::collect(text, path, options, dependencies);
         let additions = OnceCell::new(); // before the document, which borrows them
-        let mut document = Document::new(&texts);
+        let placed = RefCell::new(Vec::new());
+        let run = |input: &ScriptInput| run_placed(input, dependencies, &placed);
+        let mut document = Document::new(&texts, Some(&run));
         let ran = match run_setup(&mut document, dependencies) {
             Ok(ran) => ran,
             Err(mistake) => {
@@ -96,8 +122,26 @@ impl Scene {
             (script, desc)
         });
         let (script, script_desc) = ran.unzip();
-        let (desc, warnings) = document.read(script_desc)?;
-        Ok((Self { desc, script }, warnings))
+        let of_placed = document.take_placed_scripts();
+        let (mut desc, warnings) = document.read(script_desc)?;
+        let ran = placed.into_inner();
+        desc.placed_scripts = (ran.iter())
+            .map(|(script, log)| script.describe(log.clone()))
+            .collect();
+        let script_of = |placed: PlacedScript| ScriptOfPlaced {
+            script: ran[placed.number].0.clone(),
+            group: placed.group,
+            params: placed.params,
+        };
+        let placed = of_placed.into_iter().map(script_of).collect();
+        Ok((
+            Self {
+                desc,
+                script,
+                placed,
+            },
+            warnings,
+        ))
     }
 
     /// The scene at a frame; `None` if frames cannot differ.
@@ -130,18 +174,45 @@ fn run_setup(
     Ok(Some((script, text, log)))
 }
 
+/// Loads the script of a placed scene and calls its `setup`; keeps it with the lines that it printed.
+fn run_placed(
+    input: &ScriptInput,
+    dependencies: &Dependencies,
+    all: &RefCell<Vec<(Script, Vec<String>)>>,
+) -> Result<RanScript, Box<Diagnostic>> {
+    let script = Script::load(input.folders, input.file, dependencies)?;
+    let (text, log) = script.setup(input.params, input.timeline)?;
+    let mut all = all.borrow_mut();
+    let ran = RanScript {
+        number: all.len(),
+        name: script.name().to_owned(),
+        text,
+        returned: script.returned(),
+    };
+    all.push((script, log));
+    Ok(ran)
+}
+
 /// Poses the frames of a scene: names resolved, paths measured.
 #[derive(Debug)]
 pub struct Animator<'a> {
     scene: &'a Scene,
     motion: Motion<'a>,
+    /// What the script of each placed scene may name.
+    placed_names: Vec<Arc<Names>>,
 }
 
 impl<'a> Animator<'a> {
     /// Prepares the motion of a scene.
     pub fn new(scene: &'a Scene) -> Self {
         let motion = Motion::new(&scene.desc);
-        Self { scene, motion }
+        let placed = scene.placed.iter();
+        let names = placed.map(|placed| Arc::new(motion.names().within(&placed.group)));
+        Self {
+            scene,
+            placed_names: names.collect(),
+            motion,
+        }
     }
 
     /// The scene at a frame. Nothing but the arguments decides about it: not the frames before, not
@@ -160,11 +231,21 @@ impl<'a> Animator<'a> {
     /// As [`Animator::pose`].
     pub fn pose_within(&self, frame: u32, late_frames: f64) -> Result<FrameState, Vec<Diagnostic>> {
         let mut state = self.motion.pose(frame, late_frames);
+        let mut touched: HashSet<_> = HashSet::new();
+        let timeline = self.scene.timeline.as_ref();
+        for (placed, names) in self.scene.placed.iter().zip(&self.placed_names) {
+            let (posed, more) = (placed.script).frame(state, names, &placed.params, timeline)?;
+            state = posed;
+            touched.extend(more);
+        }
         if let Some(script) = &self.scene.script {
-            let (names, desc) = (self.motion.names(), &self.scene.desc);
-            let touched: HashSet<_>;
-            (state, touched) = script.frame(state, &Arc::clone(names), desc)?;
-            // What follows an instance follows where the script has put it.
+            let (names, params) = (self.motion.names(), &self.scene.params);
+            let (posed, more) = script.frame(state, names, params, timeline)?;
+            state = posed;
+            touched.extend(more);
+        }
+        if self.scene.has_frame_script() {
+            // What follows an instance follows where scripts have put it.
             let is_free = |kind, index| !touched.contains(&(kind, index));
             self.motion.follow(&mut state, is_free);
         }

@@ -97,7 +97,7 @@ fn choice_of(text: &str, path: &Path, overrides: &[String]) -> usd::Choice {
     let asked: Vec<_> = asked.cloned().collect();
     let options = asked.as_slice().into();
     let texts = Texts::collect(text, path, &options, &Dependencies::default());
-    let scene = Document::new(&texts).read(None);
+    let scene = Document::new(&texts, None).read(None);
     let models = scene.map_or(Vec::new(), |(desc, _)| desc.models);
     let model = models.first();
     model.map_or_else(usd::Choice::default, |model| {

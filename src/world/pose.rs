@@ -61,7 +61,7 @@ pub struct Anchor {
 type Poses = [RigPose];
 
 impl Anchor {
-    /// Transform from its space to the world, and visibility.
+    /// Transform from its space to the world, and whether it is there.
     fn place(&self, state: &FrameState, poses: &Poses) -> (Affine3A, bool) {
         let instance = self.desc.map_or(Affine3A::IDENTITY, |i| state.instances[i]);
         let node = self.node.map(|(player, slot)| &poses[player].nodes[slot]);
@@ -70,7 +70,8 @@ impl Anchor {
             parent * self.copy * parent.inverse()
         });
         let world = copy * instance * self.model(poses);
-        (world, node.is_none_or(|node| node.visible))
+        let is_shown = !self.desc.is_some_and(|i| state.is_hidden(i));
+        (world, is_shown && node.is_none_or(|node| node.visible))
     }
 
     /// Transform from its space to the model.
@@ -303,6 +304,9 @@ impl World {
                     Instance::HIDDEN
                 });
                 (!pose.is_finite()).then_some("is not finite")
+            } else if !seen {
+                placed.push(Instance::HIDDEN);
+                None
             } else if !usable {
                 Some("is singular or not finite")
             } else if (pose.matrix3.determinant() < 0.0) != moving.mirrored {

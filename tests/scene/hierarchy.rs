@@ -125,6 +125,36 @@ fn tracks_of_parents_move_what_hangs_on_them() {
 }
 
 #[test]
+fn what_hangs_on_something_hidden_is_hidden() {
+    let keys = "{ keys = [{ at_s = 1, value = false }, { at_s = 3, value = true }], loop_s = 4 }";
+    let text = format!("{RIG}[motion.group.base]\nshown = {keys}\n");
+    let scene = read(&text);
+    let mut world = loaded(&scene);
+    let mut shown = |frame: u32| {
+        let state = pose(&scene, frame);
+        world.apply(&state).expect("it can be posed");
+        let hidden = world.instances.iter().map(|i| !i.is_hidden());
+        let lit = world.lights[0].desc.color != Vec3::ZERO;
+        (hidden.collect::<Vec<_>>(), lit)
+    };
+    // Half a second a frame; the loop begins with the first key.
+    let (there, gone) = (
+        (vec![true; 4], true),
+        (vec![false, false, false, true], false),
+    );
+    for (frame, want) in [
+        (0, &there),
+        (2, &gone),
+        (5, &gone),
+        (6, &there),
+        (9, &there),
+        (10, &gone),
+    ] {
+        assert_eq!(shown(frame), *want, "frame {frame}");
+    }
+}
+
+#[test]
 fn what_hangs_on_a_thing_follows_another_in_the_world() {
     let track = "[motion.camera.main]\ntarget = { follow = { instance = \"still\" } }\n";
     let scene = read(&format!("{RIG}{track}"));

@@ -12,6 +12,7 @@ mod include;
 mod layers;
 mod moving;
 mod placed;
+mod placed_script;
 mod returned;
 mod schema;
 mod set;

@@ -285,22 +285,6 @@ fn wrong_placed_scenes_are_named() {
         assert_ne!(text, SHOT, "{from}");
         shot(&text).assert_says(&[], &[says]);
     }
-    let scripted = format!("script = \"a.rhai\"\n{CAR}");
-    let folder = Folder::new(
-        "placed-script",
-        &[
-            ("shot/scene.toml", SHOT),
-            ("library/cars/car.toml", &scripted),
-            ("library/cars/parts/paint.toml", PAINT),
-        ],
-    );
-    folder.assert_says(
-        &[],
-        &[
-            "a scene that is placed cannot have a script",
-            "car.toml:1:1",
-        ],
-    );
 }
 
 /// Each places the next ten times: a million cars, if nothing stopped it.

@@ -17,9 +17,9 @@ pub struct GroupDesc {
 /// `model = { scene = "car.toml" }`: another scene stands here, as a group with the name of the instance,
 /// or else of the file. Its cameras, lights, materials, models, instances, groups and motion come
 /// along, with that name and a dot before their own: `car.wheel`; what this scene says of the same names,
-/// such as `[material."car.paint"]`, lies over it. Its picture, environment, reflection
-/// settings, timeline, parameters and variants do not count, and it cannot have a script. Beside
-/// `model`, such an instance has `name`, a placement, `parent`, `dynamic`, and `visible`, `casts_shadow`
+/// such as `[material."car.paint"]`, lies over it. Its script comes along too: `frame` runs before that of
+/// this scene, with the names and the `[params]` of its own scene and the timeline of this one. Its picture,
+/// environment, reflection settings, timeline and variants do not count. Beside `model`, such an instance has `name`, a placement, `parent`, `dynamic`, and `visible`, `casts_shadow`
 /// and `in_reflections` for all of its instances.
 ///
 /// - `scene`: name of the file, looked for beside the scene, then in each `--assets` folder. Names of

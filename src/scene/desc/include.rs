@@ -5,9 +5,9 @@ use std::path::PathBuf;
 use super::SceneDesc;
 
 impl SceneDesc {
-    /// The script, what it imports and included scene text, without links.
+    /// The scripts, what they import and included scene text, without links.
     pub fn text_files(&self) -> Vec<PathBuf> {
-        let of_script = self.script.iter().flat_map(|s| &s.files).cloned();
+        let of_script = self.scripts().flat_map(|s| &s.files).cloned();
         let included = self.includes.iter().map(|file| file.path.clone());
         of_script.chain(included).collect()
     }

@@ -67,6 +67,8 @@ pub struct InstanceMotionDesc {
     pub rotation_deg: Option<TrackDesc>,
     /// Track of the factor on the model's size, or of three; must not pass 0, but by a `"step"`.
     pub scale: Option<TrackDesc>,
+    /// When it is there. Hidden, it is not, for the camera, for light and for reflections. Default: always.
+    pub shown: Option<TrackDesc>,
     /// Changing numbers of its own `material = { … }`, which it must have and which may be empty;
     /// what that leaves open begins at what is below it.
     pub material: Option<MaterialMotionDesc>,
@@ -75,8 +77,13 @@ pub struct InstanceMotionDesc {
 impl InstanceMotionDesc {
     /// Whether it is more than its material that changes.
     pub fn moves(&self) -> bool {
+        self.material.is_none() || self.shown.is_some() || self.is_placed_by_tracks()
+    }
+
+    /// Whether its place changes.
+    pub fn is_placed_by_tracks(&self) -> bool {
         let tracks = [&self.translation, &self.rotation_deg, &self.scale];
-        self.material.is_none() || tracks.iter().any(|track| track.is_some())
+        tracks.iter().any(|track| track.is_some())
     }
 }
 
@@ -87,6 +94,8 @@ impl InstanceMotionDesc {
 /// - `rotation_deg`: track of the turn, degrees about X, then Y, then Z, all fixed axes. Without `keys`
 ///   it is applied before the group's own rotation, so about its own axes.
 /// - `scale`: track of the factor on what hangs on it, or of three; must not pass 0, but by a `"step"`.
+/// - `shown`: when what hangs on it is there. Hidden, it is not, for the camera, for light and for
+///   reflections, and lights that hang on it are dark. Default: always.
 pub struct GroupMotionDesc;
 
 /// `[motion.model.NAME]`: of a model with a `file`.

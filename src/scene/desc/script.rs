@@ -2,6 +2,20 @@
 
 use std::path::PathBuf;
 
+use super::SceneDesc;
+
+impl SceneDesc {
+    /// The scene's own script, and those of placed scenes.
+    pub fn scripts(&self) -> impl Iterator<Item = &ScriptDesc> {
+        self.script.iter().chain(&self.placed_scripts)
+    }
+
+    /// Whether a script poses frames.
+    pub fn has_frame_script(&self) -> bool {
+        self.scripts().any(|script| script.has_frame)
+    }
+}
+
 /// `script = "….rhai"` after its `setup` was run.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct ScriptDesc {

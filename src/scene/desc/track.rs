@@ -76,6 +76,19 @@ pub struct PairTrackDesc;
 /// the thing's own table; `rate` and `oscillate` are then added to it.
 pub struct ScaleTrackDesc;
 
+/// `shown = { keys = [{ at_s = 0, value = false }, { at_s = 2, value = true }] }`: whether something is there.
+///
+/// - `keys`: from when on it is there, or not, at least one; the first also holds before its time.
+/// - `loop_s`: seconds after which it starts over, above 0 and after the last key; for ever and before the
+///   first key too. Default: no loop.
+pub struct ShownTrackDesc;
+
+/// `keys = [{ at_s = 0, value = true }, …]`, in the order of time.
+///
+/// - `at_s`: when, seconds; later than the key before.
+/// - `value`: whether it is there from then on.
+pub struct ShownKeyDesc;
+
 /// `keys = [{ at_s = 0, value = [0, 1, 5] }, …]`, in the order of time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KeyDesc {

@@ -45,6 +45,17 @@ pub struct Returned {
 }
 
 /// What was looked up so far does not matter.
+impl Clone for Returned {
+    fn clone(&self) -> Self {
+        Self {
+            scripts: self.scripts.clone(),
+            setup: self.setup.clone(),
+            entries: OnceLock::new(),
+            explained: AtomicUsize::new(0),
+        }
+    }
+}
+
 impl PartialEq for Returned {
     fn eq(&self, other: &Self) -> bool {
         self.scripts == other.scripts && self.setup == other.setup

@@ -29,7 +29,7 @@ pub fn file_materials(desc: &SceneDesc) -> Vec<FileMaterial<'_>> {
             found.push(new);
         }
     };
-    if desc.script.as_ref().is_some_and(|s| s.has_frame) {
+    if desc.has_frame_script() {
         for model in &desc.models {
             (model.value.overrides.iter()).for_each(|e| add(model.name.as_str(), e.name.as_str()));
         }
@@ -43,7 +43,7 @@ pub fn file_materials(desc: &SceneDesc) -> Vec<FileMaterial<'_>> {
 /// For each instance whether its own `material = { … }` may change: for those with tracks for it,
 /// and, for a script, for those with a name.
 pub fn changing_overrides(desc: &SceneDesc) -> Vec<bool> {
-    let by_script = desc.script.as_ref().is_some_and(|s| s.has_frame);
+    let by_script = desc.has_frame_script();
     let tracks = desc.motion.instances.iter();
     let named: HashSet<_> = tracks
         .filter(|e| e.value.material.is_some())

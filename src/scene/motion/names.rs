@@ -36,6 +36,31 @@ pub struct Names {
 }
 
 impl Names {
+    /// Those of a placed scene, as it calls them itself; `group` stands for it.
+    pub fn within(&self, group: &str) -> Self {
+        let own = |name: &str| {
+            let name = name.strip_prefix(group)?.strip_prefix('.')?;
+            Some(name.to_owned())
+        };
+        let those = |all: &HashMap<String, usize>| {
+            let all = all.iter();
+            all.filter_map(|(name, index)| Some((own(name)?, *index)))
+                .collect()
+        };
+        let of_files = self.file_materials.iter();
+        let of_files = of_files.filter_map(|((model, material), index)| {
+            Some(((own(model)?, material.clone()), *index))
+        });
+        Self {
+            cameras: those(&self.cameras),
+            instances: those(&self.instances),
+            lights: those(&self.lights),
+            materials: those(&self.materials),
+            file_materials: of_files.collect(),
+            ..self.clone()
+        }
+    }
+
     /// Of a scene.
     pub fn of(desc: &SceneDesc) -> Self {
         fn entries<T>(list: &[Entry<T>]) -> HashMap<String, usize> {

@@ -10,7 +10,7 @@ use super::{
     include::{self, Included},
     layers::{self, Base},
     names, params,
-    placed::{self, Placed},
+    placed::{self, Placed, PlacedScript, Run, ScriptInput},
     read::timeline::Film,
     report::Report,
     set,
@@ -98,6 +98,24 @@ impl Texts<'_> {
     }
 }
 
+/// The timeline of a tree; mistakes in it are reported when the scene is read.
+fn film_of(root: &Node, report: &Report) -> Option<Film> {
+    let timeline = root.get_ref().as_table()?.get("timeline")?;
+    let mut unheard = report.unheard();
+    let film = Table::read::<Film>(
+        &mut unheard,
+        timeline.get_ref().as_table()?,
+        Place::default(),
+    );
+    film.filter(|_| unheard.errors() == 0)
+}
+
+/// For those who want no more of a document than what is written.
+fn not_run(input: &ScriptInput) -> Diagnostic {
+    let message = "the script of a placed scene is not run here";
+    Diagnostic::at("script-error", input.file.at.clone(), message).warning()
+}
+
 /// A tree that is not yet read, and the messages about it so far.
 pub struct Document<'t> {
     texts: &'t Texts<'t>,
@@ -105,11 +123,13 @@ pub struct Document<'t> {
     /// What broken lines make doubtful.
     shadows: Vec<Shadow>,
     report: Report,
+    placed_scripts: Vec<PlacedScript>,
 }
 
 impl<'t> Document<'t> {
-    /// The tree of the texts.
-    pub fn new(texts: &'t Texts<'t>) -> Self {
+    /// The tree of the texts; `run` runs the scripts of placed scenes, without which it lacks what their
+    /// `setup` would add.
+    pub fn new(texts: &'t Texts<'t>, run: Option<Run>) -> Self {
         let mut report = texts.report.clone();
         let (root, mut shadows) = syntax::parse(texts.text, 0, &mut report);
         let mut root = Node::new(root.span(), DeValue::Table(root.into_inner()));
@@ -119,13 +139,23 @@ impl<'t> Document<'t> {
         for (text, start) in &texts.overrides {
             set::apply(&mut root, text, *start, &mut report);
         }
-        placed::expand(&mut root, &texts.placed, &mut shadows, &mut report);
+        let timeline = film_of(&root, &report).map(|film| film.timeline);
+        let nothing = |input: &ScriptInput| Err(Box::new(not_run(input)));
+        let run = (run.unwrap_or(&nothing), timeline.as_ref());
+        let placed_scripts =
+            placed::expand(&mut root, &texts.placed, run, &mut shadows, &mut report);
         Self {
             texts,
             root,
             shadows,
             report,
+            placed_scripts,
         }
+    }
+
+    /// The scripts of placed scenes, those of inner ones first.
+    pub fn take_placed_scripts(&mut self) -> Vec<PlacedScript> {
+        std::mem::take(&mut self.placed_scripts)
     }
 
     /// Where files are looked for, the scene's own folder first.
@@ -196,6 +226,7 @@ impl<'t> Document<'t> {
             mut root,
             shadows,
             mut report,
+            ..
         } = self;
         extends::resolve(&mut root, &mut report);
         let nothing = DeTable::new();

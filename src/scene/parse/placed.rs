@@ -3,6 +3,8 @@
 
 mod collect;
 mod prefix;
+mod run;
+mod scripts;
 
 use std::collections::HashMap;
 
@@ -12,6 +14,7 @@ use toml::{
 };
 
 pub use self::collect::{Placed, collect};
+pub use self::run::{PlacedScript, RanScript, Run, ScriptInput};
 use self::{
     collect::PlacedFile,
     prefix::{Prefix, text},
@@ -23,7 +26,7 @@ use super::{
     syntax::{self, Shadow},
     value::Node,
 };
-use crate::scene::suggest;
+use crate::scene::{desc::TimelineDesc, suggest};
 
 /// Scenes that stand in a scene, those inside them too.
 const MOST_PLACED: usize = 1000;
@@ -48,28 +51,37 @@ fn placed_by<'n, 'i>(instance: &'n Node<'i>) -> Option<(&'n str, &'n Node<'i>)> 
     Some((node.get_ref().as_str()?, node))
 }
 
-/// Puts placed scenes in the place of the instances that name them.
+/// Puts placed scenes in the place of the instances that name them; returns their scripts, those of
+/// inner scenes first. `timeline` is what they are told of.
 pub fn expand<'i>(
     root: &mut Node<'i>,
     placed: &'i Placed,
+    (run, timeline): (Run, Option<&TimelineDesc>),
     shadows: &mut Vec<Shadow>,
     report: &mut Report,
-) {
+) -> Vec<PlacedScript> {
     let mut expansion = Expansion {
         placed,
+        run,
+        timeline,
         shadows,
         report,
+        scripts: Vec::new(),
         left: MOST_PLACED,
     };
     if let DeValue::Table(root) = root.get_mut() {
         expansion.expand(root, "");
     }
+    expansion.scripts
 }
 
 struct Expansion<'p, 'i> {
     placed: &'i Placed,
+    run: Run<'p>,
+    timeline: Option<&'p TimelineDesc>,
     shadows: &'p mut Vec<Shadow>,
     report: &'p mut Report,
+    scripts: Vec<PlacedScript>,
     left: usize,
 }
 
@@ -131,8 +143,14 @@ impl<'i> Expansion<'_, 'i> {
             .filter_map(|key| group.remove_entry(*key))
             .collect();
         let mut tree = self.tree(file);
+        let script = self.run_script(&mut tree, file, &name);
         if let DeValue::Table(tree) = tree.get_mut() {
+            let inner = self.scripts.len();
             self.expand(tree, &file.folder);
+            for script in &mut self.scripts[inner..] {
+                script.group = format!("{name}.{}", script.group);
+            }
+            self.scripts.extend(script);
             let prefix = Prefix {
                 group: &name,
                 file,

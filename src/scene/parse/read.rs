@@ -59,6 +59,7 @@ impl Section for SceneDesc {
             variants: t.changes("variant"),
             includes: Vec::new(),
             script: None,
+            placed_scripts: Vec::new(),
         };
         if let Some(film) = t.table::<timeline::Film>("timeline") {
             (scene.timeline, scene.cuts) = (Some(film.timeline), film.cuts);

@@ -179,6 +179,13 @@ impl Context {
         Ok(())
     }
 
+    /// Shows or hides an instance, or what hangs on a group.
+    pub fn show(&self, name: &str, shown: bool) -> Result<()> {
+        let index = self.movable(name)?;
+        self.scene().state.hidden[index] = !shown;
+        Ok(())
+    }
+
     /// Moves an instance; it keeps its rotation and scale.
     pub fn place(&self, name: &str, position: Dynamic) -> Result<()> {
         if let Some(matrix) = position.clone().try_cast::<DMat4>() {

@@ -323,7 +323,9 @@ fn a_thousand_instances() {
     let mut best = f64::MAX;
     for _ in 0..50 {
         let started = std::time::Instant::now();
-        let _ = script.frame(rest.clone(), &names, &scene).expect("it runs");
+        let _ = script
+            .frame(rest.clone(), &names, &scene.params, scene.timeline.as_ref())
+            .expect("it runs");
         best = best.min(started.elapsed().as_secs_f64() * 1e3);
     }
     println!("1,000 instances: {best:.2} ms a frame at best of 50");

@@ -120,7 +120,7 @@ impl Loader<'_> {
         material: Material,
     ) -> usize {
         let desc = self.desc;
-        let by_script = desc.script.as_ref().is_some_and(|s| s.has_frame);
+        let by_script = desc.has_frame_script();
         let over_changes = over.1.is_some();
         let moves = |name: &str| {
             over_changes || by_script || desc.motion.materials.iter().any(|m| m.name == name)

@@ -117,7 +117,7 @@ impl SceneCopy {
                 .unwrap_or(Path::new(name));
             relative.display().to_string()
         };
-        let scripts = desc.script.iter().flat_map(|s| &s.texts);
+        let scripts = desc.scripts().flat_map(|s| &s.texts);
         for (name, script) in scripts {
             folder.write(&local(name), script)?;
         }

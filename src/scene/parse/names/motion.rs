@@ -90,7 +90,8 @@ fn check_placed(
     entry: &Entry<InstanceMotionDesc>,
     report: &mut Report,
 ) {
-    if entry.value.moves() && matches!(placement, PlacementDesc::Matrix(_)) {
+    let is_moved = entry.value.is_placed_by_tracks() || entry.value.shown.is_none();
+    if is_moved && entry.value.moves() && matches!(placement, PlacementDesc::Matrix(_)) {
         let message = "what is placed by `matrix` cannot have motion";
         let error = Diagnostic::at("wrong-motion", entry.at.clone(), message)
             .help("place it by `translation`, `rotation_deg` and `scale`")

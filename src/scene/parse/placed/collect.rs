@@ -1,13 +1,14 @@
 //! The files of placed scenes.
 
 use std::{
+    cell::OnceCell,
     collections::{HashMap, HashSet},
     path::{Path, PathBuf},
 };
 
 use toml::de::{DeTable, DeValue};
 
-use super::placed_by;
+use super::{placed_by, run::RanScript};
 use crate::scene::{
     confined_read::{self, Kind},
     dependencies::Dependencies,
@@ -47,6 +48,8 @@ pub struct PlacedFile {
     pub included: Included,
     /// Its bases.
     pub bases: Vec<Base>,
+    /// Its script, once that was run; `None` where that failed, which was reported.
+    pub ran: OnceCell<Option<RanScript>>,
 }
 
 impl PlacedFile {
@@ -104,6 +107,21 @@ impl Placed {
             let bases = placed.bases.iter().any(|base| is_in(base.start()));
             placed.includes(at) || is_in(placed.start) || bases
         })
+    }
+
+    /// Where a placed scene looks for files.
+    pub fn folders_of(&self, file: &PlacedFile) -> Vec<PathBuf> {
+        let folders = self.folders.iter();
+        let inner = folders.map(|folder| folder.join(&file.folder));
+        let mut all: Vec<_> = inner.filter(|folder| folder.is_dir()).collect();
+        all.extend(
+            self.folders
+                .iter()
+                .filter(|f| !all.contains(f))
+                .cloned()
+                .collect::<Vec<_>>(),
+        );
+        all
     }
 
     /// How the outermost scene names a file that a placed scene in `folder` names.
@@ -225,6 +243,7 @@ fn read(
         folder,
         included,
         bases,
+        ran: OnceCell::new(),
         file: Include {
             name,
             path: found.real.clone(),

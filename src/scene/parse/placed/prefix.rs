@@ -51,11 +51,6 @@ impl<'i> Prefix<'_, 'i> {
             };
             Version::read(version, &named, report);
         }
-        if let Some((key, _)) = tree.get_key_value("script") {
-            let message = "a scene that is placed cannot have a script";
-            let error = report.error("include-script", &key.span(), message);
-            error.help = Some("move it by `[motion]`, or by the script of the scene itself".into());
-        }
         let of_picture: Vec<_> = (tree.keys())
             .map(|key| key.get_ref().to_string())
             .filter(|key| !PLACED.contains(&key.as_str()))

@@ -11,7 +11,7 @@ use crate::scene::{
     },
 };
 
-use super::track::{track, tracks};
+use super::track::{shown, track, tracks};
 
 impl Section for MotionDesc {
     const TYPE: &'static str = "MotionDesc";
@@ -59,6 +59,7 @@ impl Section for InstanceMotionDesc {
             translation: track::<Vec3>(t, "translation", ANY),
             rotation_deg: track::<Vec3>(t, "rotation_deg", ANY),
             scale: track::<Scale>(t, "scale", ANY),
+            shown: shown(t),
             material: t.table("material"),
         })
     }
@@ -76,6 +77,7 @@ impl Section for GroupMotion {
             translation: track::<Vec3>(t, "translation", ANY),
             rotation_deg: track::<Vec3>(t, "rotation_deg", ANY),
             scale: track::<Scale>(t, "scale", ANY),
+            shown: shown(t),
             material: None,
         }))
     }

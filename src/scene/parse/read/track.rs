@@ -112,6 +112,54 @@ pub fn track<L: Lane>(t: &mut Table, key: &'static str, range: Range) -> Option<
     Some(track)
 }
 
+/// When something is there: 1 where it is, 0 where it is not.
+struct ShownTrack(TrackDesc);
+
+struct ShownKey(KeyDesc);
+
+/// The track of `shown`.
+pub fn shown(t: &mut Table) -> Option<TrackDesc> {
+    let ShownTrack(track) = t.table("shown")?;
+    Some(track)
+}
+
+impl Section for ShownTrack {
+    const TYPE: &'static str = "ShownTrackDesc";
+    const HEADING: &'static str = "shown = { … }";
+
+    fn read(t: &mut Table) -> Option<Self> {
+        t.one_of(true, &[&["keys"]]);
+        let points: Vec<ShownKey> = t.list("keys");
+        let track = TrackDesc {
+            keys: points.into_iter().map(|ShownKey(key)| key).collect(),
+            curve: CurveKind::Step,
+            loop_s: t.find("loop_s", ABOVE_0),
+            ..TrackDesc::default()
+        };
+        check_keys(t, &track);
+        Some(Self(track))
+    }
+}
+
+impl Section for ShownKey {
+    const TYPE: &'static str = "ShownKeyDesc";
+    const HEADING: &'static str = "keys = [{ at_s = …, value = true or false }, …]";
+
+    fn read(t: &mut Table) -> Option<Self> {
+        let at_s = t.need("at_s", ANY);
+        let value: Option<bool> = t.need("value", ANY);
+        let at: Span = t.start();
+        Some(Self(KeyDesc {
+            at_s: at_s?,
+            value: Vec3::splat(f32::from(u8::from(value?))),
+            ease: Ease::None,
+            handle_in: None,
+            handle_out: None,
+            at,
+        }))
+    }
+}
+
 impl<L: Lane> Section for TrackOf<L> {
     const TYPE: &'static str = L::TRACK;
     const ALSO: &'static [&'static str] = &["TrackDesc"];

@@ -115,6 +115,17 @@ pub static POSE: &[Entry] = &[
         },
     },
     Entry {
+        signature: "ctx.show(name, shown)",
+        gives: "()",
+        text: "Whether an instance, or what hangs on a group, is there in this frame: hidden, it is not, for the camera, for light and for reflections. What nothing shows or hides is there.",
+        example: "ctx.show(\"ball\", ctx.t < 2.0); true",
+        register: |e| {
+            e.register_fn("show", |c: &mut Context, name: &str, shown: bool| {
+                c.show(name, shown)
+            });
+        },
+    },
+    Entry {
         signature: "ctx.animate(name, time_s)",
         gives: "()",
         text: "Shows an instance at a time inside the animations that its `animation` selects, in place of the scene's time. Before 0 and after their end they hold.",

@@ -1,0 +1,198 @@
+//! Scripts of scenes that stand in scenes.
+
+use glam::Vec3;
+use reflet::scene::{
+    desc::LightKind,
+    motion::FrameState,
+    stages::{Animator, Scene},
+};
+
+use crate::layers::Folder;
+
+const CAR: &str = r#"
+version = 1
+script = "drive.rhai"
+params = { bolts = 2, speed = 0.5 }
+[model.body]
+shape = { kind = "box" }
+[model.bolt]
+shape = { kind = "sphere" }
+[[instance]]
+name = "body"
+model = "body"
+dynamic = true
+[light.beam]
+kind = "point"
+position = [0, 0, 0]
+intensity_cd = 5
+"#;
+
+const DRIVE: &str = r#"
+import "parts/road" as road;
+fn setup(ctx) {
+    let instances = [];
+    for i in 0..ctx.params.bolts {
+        instances += #{ name: `bolt${i}`, model: "bolt", parent: "body", translation: [i, 0, 0] };
+    }
+    print(`${ctx.end} frames`);
+    #{ instances: instances, lights: #{ lamp: #{ kind: "point", position: [0, 1, 0], intensity_cd: 1 } } }
+}
+fn frame(ctx) {
+    ctx.place("body", [0, 0, road::at(ctx.params.speed, ctx.t)]);
+    ctx.light("beam", #{ position: [ctx.position("body").x, 0, 0] });
+}
+"#;
+
+const SHOT: &str = r#"
+version = 1
+timeline = { fps = 1, end = 7 }
+[camera.main]
+[[instance]]
+name = "left"
+model = { scene = "cars/car.toml" }
+translation = [-5, 0, 0]
+[[instance]]
+name = "right"
+model = { scene = "cars/car.toml" }
+translation = [5, 0, 0]
+"#;
+
+const PAIR: &str = r#"
+version = 1
+[[instance]]
+name = "inner"
+model = { scene = "car.toml" }
+translation = [0, 1, 0]
+"#;
+
+fn folder(name: &str, shot: &str, drive: &str) -> Folder {
+    let files = [
+        ("shot/scene.toml", shot),
+        (
+            "shot/own.rhai",
+            "fn frame(ctx) { ctx.place(\"left.body\", [0, 0, 100]); }",
+        ),
+        ("library/cars/car.toml", CAR),
+        ("library/cars/pair.toml", PAIR),
+        ("library/cars/drive.rhai", drive),
+        (
+            "library/cars/parts/road.rhai",
+            "fn at(speed, t) { speed * t }",
+        ),
+    ];
+    Folder::new(&format!("placed-script-{name}"), &files)
+}
+
+fn pose(scene: &Scene, frame: u32) -> FrameState {
+    let posed = Animator::new(scene).pose(frame);
+    posed.unwrap_or_else(|e| panic!("{e:?}"))
+}
+
+#[track_caller]
+fn place(scene: &Scene, state: &FrameState, name: &str) -> Vec3 {
+    let mut names = scene.node_names();
+    let index = names.position(|known| known == Some(name));
+    let index = index.unwrap_or_else(|| panic!("no {name}"));
+    state.instances[index].translation.into()
+}
+
+#[test]
+fn each_placed_scene_is_moved_by_its_own_script() {
+    let scene = folder("moves", SHOT, DRIVE).expect();
+    assert!(!scene.is_still());
+    let state = pose(&scene, 4);
+    for (car, x) in [("left", -5.0), ("right", 5.0)] {
+        let at = |name: &str| place(&scene, &state, &format!("{car}.{name}"));
+        assert_eq!(at("body"), Vec3::new(x, 0.0, 2.0));
+        assert_eq!(at("bolt1"), Vec3::new(x + 1.0, 0.0, 2.0), "by setup");
+    }
+    assert!(
+        scene
+            .models
+            .iter()
+            .all(|m| m.name.ends_with(".body") || m.name.ends_with(".bolt"))
+    );
+    let bolts = scene
+        .instances
+        .iter()
+        .filter(|i| i.model.value.ends_with(".bolt"));
+    assert_eq!(bolts.count(), 4, "none beside those of setup");
+    let lights: Vec<_> = scene.lights.iter().map(|l| l.name.as_str()).collect();
+    assert_eq!(lights.len(), 4, "{lights:?}");
+    let beam = scene.lights.iter().position(|l| l.name == "left.beam");
+    let LightKind::Point { position, .. } = state.lights[beam.expect("it comes along")].kind else {
+        panic!("it is a point");
+    };
+    // The script sees the world, and the light hangs on its car.
+    assert_eq!(position, Vec3::new(-10.0, 0.0, 0.0));
+    let files = scene.text_files();
+    for name in ["drive.rhai", "road.rhai", "car.toml"] {
+        assert!(
+            files.iter().any(|file| file.ends_with(name)),
+            "{name} in {files:?}"
+        );
+    }
+    let log: Vec<_> = scene.scripts().flat_map(|s| &s.setup_log).collect();
+    assert_eq!(log.len(), 1, "once a file: {log:?}");
+    assert!(log[0].ends_with("7 frames"), "{log:?}");
+}
+
+#[test]
+fn the_scene_of_the_placed_ones_has_the_last_word() {
+    let scene = folder("last", &format!("script = \"own.rhai\"\n{SHOT}"), DRIVE).expect();
+    let state = pose(&scene, 4);
+    assert_eq!(
+        place(&scene, &state, "left.body"),
+        Vec3::new(-5.0, 0.0, 100.0)
+    );
+    assert_eq!(
+        place(&scene, &state, "right.body"),
+        Vec3::new(5.0, 0.0, 2.0)
+    );
+}
+
+#[test]
+fn scripts_of_inner_scenes_have_the_names_of_their_own_scene() {
+    let shot = SHOT.replacen("car.toml", "pair.toml", 1);
+    let scene = folder("inner", &shot, DRIVE).expect();
+    let state = pose(&scene, 2);
+    assert_eq!(
+        place(&scene, &state, "left.inner.body"),
+        Vec3::new(-5.0, 1.0, 1.0)
+    );
+    assert_eq!(
+        place(&scene, &state, "right.body"),
+        Vec3::new(5.0, 0.0, 1.0)
+    );
+}
+
+#[test]
+fn mistakes_of_placed_scripts_are_named() {
+    let frame = folder(
+        "frame",
+        SHOT,
+        &DRIVE.replace("ctx.place(\"body\"", "ctx.place(\"boddy\""),
+    );
+    frame.assert_frame("no instance is named \"boddy\"; did you mean \"body\"?");
+    for (name, from, to, says) in [
+        (
+            "missing",
+            "script = \"drive.rhai\"",
+            "script = \"dive.rhai\"",
+            "does not exist",
+        ),
+        (
+            "type",
+            "script = \"drive.rhai\"",
+            "script = 3",
+            "`script` must be text in quotes",
+        ),
+    ] {
+        let folder = folder(name, SHOT, DRIVE);
+        let car = CAR.replacen(from, to, 1);
+        std::fs::write(folder.path().join("library/cars/car.toml"), car).expect("writable");
+        folder.assert_says(&[], &[says, "car.toml:3"]);
+    }
+    let wrong = DRIVE.replace("model: \"bolt\"", "model: \"bold\"");
+    folder("setup", SHOT, &wrong).assert_says(&[], &["left.bold", "drive.rhai:6"]);
+}
