@@ -161,6 +161,8 @@ pub struct Live {
     trial: TrialState,
     edits: Vec<Edit>,
     history: History,
+    /// The scene on disk while another one is shown by a drag.
+    undragged: Option<Arc<Scene>>,
     /// Requested frame, and shown frame.
     frame: u32,
     posed: u32,
@@ -253,6 +255,7 @@ impl Live {
             trial: TrialState::default(),
             edits: Vec::new(),
             history: History::default(),
+            undragged: None,
             frame: read.frame,
             posed: read.frame,
             pending: None,
@@ -366,16 +369,6 @@ impl Live {
         &self.source
     }
 
-    /// Script parameters declared by the scene, with `--set` applied.
-    pub fn declared(&self) -> &DeclaredParameters {
-        &self.declared
-    }
-
-    /// Overrides of the declared parameters.
-    pub fn parameters(&self) -> &ParameterOverrides {
-        &self.parameters
-    }
-
     /// Shown frame.
     pub fn posed_frame(&self) -> u32 {
         self.posed
@@ -383,7 +376,7 @@ impl Live {
 
     /// Output of the script in `setup`, then in the shown frame.
     pub fn log(&self) -> impl Iterator<Item = &String> {
-        let of_setup = self.scene.script.iter().flat_map(|s| &s.setup_log);
+        let of_setup = self.scene.scripts().flat_map(|s| &s.setup_log);
         of_setup.chain(&self.log)
     }
 }

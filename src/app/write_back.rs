@@ -3,6 +3,7 @@
 //! was changed meanwhile is not touched.
 
 mod places;
+mod put;
 mod splice;
 
 use std::{
@@ -14,6 +15,7 @@ use std::{
 use glam::{Affine3A, EulerRot, Vec3};
 
 use self::places::{Place, places};
+pub use self::put::put;
 use crate::{
     files::write_whole,
     scene::{

@@ -4,7 +4,9 @@
 use std::{fs, sync::Arc};
 
 use reflet::app::{
+    live::Live,
     preview::protocol::{FrameAction, FrameRequest, Report, Task},
+    watch::Change,
     write_back::{Inspected, Numbers, Thing},
 };
 
@@ -86,6 +88,44 @@ fn changed_lines(before: &str, after: &str) -> Vec<(String, String)> {
     let pairs = before.lines().zip(after.lines());
     let pairs = pairs.filter(|(a, b)| a != b);
     pairs.map(|(a, b)| (a.to_owned(), b.to_owned())).collect()
+}
+
+#[test]
+fn a_drag_is_shown_before_it_is_written() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let (gpu, folder) = (Arc::new(gpu), Folder::new());
+    folder.write("scene.toml", SCENE);
+    let path = folder.path("scene.toml");
+    let mut live = open(&gpu, &path, None);
+    let drag = |live: &mut Live, x: f64| {
+        let numbers = Numbers {
+            key: "translation",
+            values: vec![x, 0.5, 0.0],
+        };
+        let reload = live.drag(Thing::Instance(1), &numbers);
+        assert!(reload.ok && !reload.files, "{reload:?}");
+        numbers
+    };
+    let place = |live: &Live| live.world().instances[1].world_from_object.translation.x;
+    assert_eq!(place(&live), 0.0);
+    for x in [0.25, 0.5] {
+        drag(&mut live, x);
+        assert_eq!(place(&live), x as f32);
+    }
+    assert_eq!(fs::read_to_string(&path).expect("it is there"), SCENE);
+    // What is on disk comes back where nothing is written.
+    assert!(live.drop_drag() && !live.drop_drag());
+    assert_eq!(place(&live), 0.0);
+    drag(&mut live, 0.5);
+    assert!(live.reload(&[Change::Scene].into()).ok);
+    assert_eq!(place(&live), 0.0);
+    let last = drag(&mut live, 0.75);
+    live.write(Thing::Instance(1), &last)
+        .expect("it is written");
+    assert!(live.reload(&[Change::Scene].into()).ok);
+    assert_eq!(place(&live), 0.75);
+    let text = fs::read_to_string(&path).expect("it is there");
+    assert_eq!(changed_lines(SCENE, &text).len(), 1);
 }
 
 #[test]

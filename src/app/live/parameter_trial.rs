@@ -2,7 +2,10 @@
 //! with it, or refused in favor of the previous values.
 
 use super::{Live, Problems, Reload};
-use crate::{app::params::ParameterOverrides, scene::desc::ParamValue};
+use crate::{
+    app::params::{DeclaredParameters, ParameterOverrides},
+    scene::desc::ParamValue,
+};
 
 /// Refused parameter values.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,6 +37,16 @@ pub(super) struct TrialState {
 }
 
 impl Live {
+    /// Script parameters declared by the scene, with `--set` applied.
+    pub fn declared(&self) -> &DeclaredParameters {
+        &self.declared
+    }
+
+    /// Overrides of the declared parameters.
+    pub fn parameters(&self) -> &ParameterOverrides {
+        &self.parameters
+    }
+
     /// Requests other parameter overrides for the next [`Live::read_job`]. Values that fail are
     /// refused, see [`Live::refusal`].
     pub fn set_parameters(&mut self, parameters: ParameterOverrides) {

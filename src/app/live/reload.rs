@@ -7,7 +7,7 @@ use std::{
 
 use super::{
     Edit, Live, Reload, SceneSource, ViewOverrides,
-    reload_job::{Pose, Read, Reuse},
+    reload_job::{Pose, Read, Reuse, pose_of},
 };
 use crate::{
     app::{
@@ -143,6 +143,17 @@ impl Live {
         }
     }
 
+    /// Shows a scene that differs from the shown one by numbers, or records its errors.
+    pub(super) fn show_changed(&mut self, read: Read, reload: &mut Reload) {
+        self.pending = None;
+        let pose = pose_of(&read.scene, read.frame);
+        let reuse = Reuse {
+            files: true,
+            edits: true,
+        };
+        self.show(PendingScene { read, reuse }, pose, reload);
+    }
+
     /// Shows a posed frame of the shown or pending scene, or records its errors; the last good
     /// frame stays then.
     pub(super) fn adopt_pose(
@@ -262,6 +273,7 @@ impl Live {
     /// Replaces the scene's state after its world was adopted.
     fn settle(&mut self, read: Read, state: Option<FrameState>) {
         self.scene = read.scene;
+        self.undragged = None;
         (self.declared, self.parameters) = (read.declared, read.parameters);
         (self.frame, self.posed) = (read.frame, read.frame);
         self.log = state.map_or_else(Vec::new, |state| state.log);

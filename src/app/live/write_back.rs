@@ -1,10 +1,13 @@
 //! Changes that are written into the scene's texts; the files' own saves then bring them into the
 //! picture.
 
-use super::Live;
+use std::sync::Arc;
+
+use super::{Live, Reload, reload_job::Read};
 use crate::{
-    app::write_back::{Inspected, Numbers, Thing, change, inspect},
-    session::model_viewer_scene::is_model,
+    app::write_back::{Inspected, Numbers, Thing, change, inspect, put},
+    scene::stages::Scene,
+    session::{model_viewer_scene::is_model, scene_text::load_options},
 };
 
 impl Live {
@@ -33,6 +36,43 @@ impl Live {
         let variants = &self.source.args.variant;
         self.history
             .write(change(&self.scene, variants, thing, numbers)?)
+    }
+
+    /// Shows a thing with other numbers while they are dragged: no text changes, and the next reload shows what
+    /// is written again. Nothing happens while the scene on disk has errors.
+    pub fn drag(&mut self, thing: Thing, numbers: &Numbers) -> Reload {
+        if self.check_text().is_err() || !self.problems.scene.is_empty() {
+            return Reload::default();
+        }
+        let written = self.undragged.take();
+        let written = written.unwrap_or_else(|| Arc::clone(&self.scene));
+        let mut scene = Scene::clone(&self.scene);
+        put(&mut scene.desc, thing, numbers);
+        let reload = self.show_numbers(Arc::new(scene));
+        self.undragged = Some(written);
+        reload
+    }
+
+    /// Shows again what is written; returns whether a drag had changed it.
+    pub fn drop_drag(&mut self) -> bool {
+        let written = self.undragged.take();
+        written.is_some_and(|scene| self.show_numbers(scene).ok)
+    }
+
+    /// Shows a scene that differs from the shown one by numbers.
+    fn show_numbers(&mut self, scene: Arc<Scene>) -> Reload {
+        let read = Read {
+            scene,
+            warnings: Vec::new(),
+            declared: self.declared.clone(),
+            parameters: self.parameters.clone(),
+            frame: self.frame,
+            options: load_options(&self.source.args.options(), &self.dependencies),
+        };
+        let warnings = std::mem::take(&mut self.warnings);
+        let reload = self.measured(|live, reload| live.show_changed(read, reload));
+        self.warnings = warnings;
+        reload
     }
 
     /// Takes the last written change back, or makes it again; returns what was done.

@@ -31,12 +31,16 @@ impl Mailbox {
         self.change(|inbox| inbox.view = Some(view));
     }
 
-    /// Posts a task; a new edit of the same material, or of parameters, replaces a pending one.
+    /// Posts a task; a new edit of the same material, or of parameters, and another step of a drag replace a
+    /// pending one.
     pub fn post(&self, task: Task) {
         self.change(|inbox| {
             if let Task::Edit(new) = &task {
                 let same = |old: &Task| matches!(old, Task::Edit(e) if e.material == new.material);
                 inbox.tasks.retain(|old| !same(old));
+            }
+            if matches!(task, Task::Drag(..)) {
+                inbox.tasks.retain(|old| !matches!(old, Task::Drag(..)));
             }
             if matches!(task, Task::SetParameters(_)) {
                 inbox

@@ -88,6 +88,8 @@ pub enum Task {
     Unpick,
     /// Select something of the scene.
     Select(Thing),
+    /// Show it with other numbers while they are dragged.
+    Drag(Thing, Numbers),
     /// Write numbers of it into the scene text.
     Write(Thing, Numbers),
     /// Take the last written change back, or make it again.

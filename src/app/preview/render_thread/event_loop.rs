@@ -43,7 +43,8 @@ impl Worker {
                         redraw = true;
                         self.select(thing);
                     }
-                    Task::Write(thing, numbers) => self.write(thing, &numbers),
+                    Task::Drag(thing, numbers) => redraw |= self.drag(thing, &numbers),
+                    Task::Write(thing, numbers) => redraw |= self.write(thing, &numbers),
                     Task::Undo(again) => self.undo(again),
                 }
             }

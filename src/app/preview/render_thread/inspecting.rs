@@ -36,12 +36,26 @@ impl Worker {
         }
     }
 
-    /// Writes numbers into the text; the save brings them into the picture.
-    pub(super) fn write(&mut self, thing: Thing, numbers: &Numbers) {
-        if let Err(why) = self.live.write(thing, numbers) {
-            self.send(Report::Message(format!("not written: {why}")));
-            self.show_thing(Some(thing));
+    /// Shows a thing with other numbers; returns whether the picture changes.
+    pub(super) fn drag(&mut self, thing: Thing, numbers: &Numbers) -> bool {
+        let before = self.live.problems.clone();
+        let is_shown = self.live.drag(thing, numbers).ok;
+        if self.live.problems != before {
+            self.send_summary();
         }
+        is_shown
+    }
+
+    /// Writes numbers into the text; the save brings them into the picture. Returns whether the picture changes
+    /// because they are not written, but were shown by a drag.
+    pub(super) fn write(&mut self, thing: Thing, numbers: &Numbers) -> bool {
+        let Err(why) = self.live.write(thing, numbers) else {
+            return false;
+        };
+        let was_dragged = self.live.drop_drag();
+        self.send(Report::Message(format!("not written: {why}")));
+        self.show_thing(Some(thing));
+        was_dragged
     }
 
     /// Takes the last change back, or makes it again.

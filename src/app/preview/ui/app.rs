@@ -13,7 +13,10 @@ use super::{
     timeline::{self, Timeline},
     window::Window,
 };
-use crate::app::preview::protocol::{FrameAction, Screenshot, Task, View, ViewCamera};
+use crate::app::{
+    preview::protocol::{FrameAction, Screenshot, Task, View, ViewCamera},
+    write_back::{Numbers, Thing},
+};
 
 /// Rest time of the camera before the full-resolution picture is rendered, seconds.
 const SETTLE_S: f64 = 0.15;
@@ -127,10 +130,17 @@ impl Window {
                 }
                 ViewRequest::SetParameters(overrides) => self.send(Task::SetParameters(overrides)),
                 ViewRequest::Select(thing) => self.send(Task::Select(thing)),
+                ViewRequest::Drag(thing, numbers) => self.drag(ui, thing, numbers),
                 ViewRequest::Write(thing, numbers) => self.send(Task::Write(thing, numbers)),
                 ViewRequest::Undo(again) => self.send(Task::Undo(again)),
             }
         }
+    }
+
+    /// Shows what is dragged, at the resolution of what moves.
+    pub(super) fn drag(&mut self, ui: &Ui, thing: Thing, numbers: Numbers) {
+        self.moved_at = ui.input(|i| i.time);
+        self.send(Task::Drag(thing, numbers));
     }
 
     /// Requests the view, if it changed.

@@ -1,14 +1,15 @@
 //! Handles over the picture that move, turn and scale what is selected, along the axes of what it hangs
-//! on. They are where the scene text places it; the text is changed where a drag ends.
+//! on. They are where the scene text places it; the picture follows a drag, the text is changed where it
+//! ends.
 
 use eframe::egui::{self, Color32, Pos2, Rect, Sense, Stroke, Ui, Vec2, vec2};
 use glam::Vec3;
 
-use super::place_panel::{Handle, Selection};
-use crate::{
-    app::write_back::{Numbers, Thing},
-    scene::desc::CameraDesc,
+use super::{
+    panels::ViewRequest,
+    place_panel::{Handle, Selection},
 };
+use crate::{app::write_back::Numbers, scene::desc::CameraDesc};
 
 /// Length of a handle, and size of its end, points.
 const LENGTH: f32 = 64.0;
@@ -79,16 +80,16 @@ fn dragged(handle: Handle, before: &Numbers, axis: usize, along: f32, share: f32
     after
 }
 
-/// Shows the handles; gives what is to be written where a drag ends.
+/// Shows the handles; gives what is to be shown while a drag goes on, and written where it ends.
 pub fn handles(
     ui: &Ui,
     place: Rect,
     camera: &CameraDesc,
     selection: &mut Selection,
-) -> Option<(Thing, Numbers)> {
+) -> Option<ViewRequest> {
     let (start, ends) = axes(selection, camera, place)?;
     let painter = ui.painter().with_clip_rect(place);
-    let mut written = None;
+    let mut request = None;
     for (axis, (end, share)) in ends.into_iter().enumerate() {
         let stroke = Stroke::new(2.0, COLORS[axis]);
         painter.line_segment([start, end], stroke);
@@ -119,13 +120,18 @@ pub fn handles(
             // As it was when the drag began; the handle itself moves along.
             let way = (end - start).normalized();
             let after = dragged(selection.handle, &before, axis, total.dot(way), share);
-            selection.put(&after);
+            if selection.put(&after) {
+                request = selection
+                    .thing()
+                    .map(|thing| ViewRequest::Drag(thing, after));
+            }
         }
         if response.drag_stopped() {
-            written = selection.end_drag();
+            let written = selection.end_drag();
+            request = written.map(|(thing, numbers)| ViewRequest::Write(thing, numbers));
         }
     }
-    written
+    request
 }
 
 #[cfg(test)]
@@ -156,7 +162,7 @@ mod tests {
         use egui_kittest::Harness;
         use glam::Affine3A;
 
-        use crate::app::write_back::Inspected;
+        use crate::app::write_back::{Inspected, Thing};
 
         let mut selection = Selection::default();
         selection.show(Some(Inspected {
@@ -177,8 +183,8 @@ mod tests {
             ..CameraDesc::default()
         };
         let place = Rect::from_min_size(Pos2::ZERO, vec2(400.0, 400.0));
-        let draw = move |ui: &mut Ui, (selection, written): &mut (Selection, Vec<_>)| {
-            written.extend(handles(ui, place, &camera, selection));
+        let draw = move |ui: &mut Ui, (selection, requests): &mut (Selection, Vec<_>)| {
+            requests.extend(handles(ui, place, &camera, selection));
         };
         let mut harness = Harness::builder()
             .with_size(vec2(400.0, 400.0))
@@ -201,13 +207,19 @@ mod tests {
             harness.event(event);
             harness.run();
         }
-        assert!(harness.state().1.is_empty(), "nothing yet");
+        let requests = &harness.state().1;
+        let is_drag = |request: &ViewRequest| matches!(request, ViewRequest::Drag(..));
+        assert!(requests.iter().all(is_drag), "nothing is written yet");
+        let Some(ViewRequest::Drag(_, dragged)) = requests.last().cloned() else {
+            panic!("{requests:?}");
+        };
         harness.event(button(goal, false));
         harness.run();
-        let [(thing, numbers)] = harness.state().1.as_slice() else {
+        let Some(ViewRequest::Write(thing, numbers)) = harness.state().1.last() else {
             panic!("{:?}", harness.state().1);
         };
         assert_eq!((*thing, numbers.key), (Thing::Light(1), "position"));
+        assert_eq!(numbers.values, dragged.values);
         // 80 points are 2 m at this distance, and 1 where the light is.
         let x = numbers.values[0];
         assert!((x - 1.0).abs() < 0.02, "{x}");

@@ -96,11 +96,14 @@ impl Selection {
         self.dragged.as_ref()
     }
 
-    /// Shows other numbers, which are not written yet.
-    pub fn put(&mut self, numbers: &Numbers) {
-        if let Some(known) = self.numbers.iter_mut().find(|n| n.key == numbers.key) {
-            known.clone_from(numbers);
-        }
+    /// Shows other numbers, which are not written yet; returns whether they differ.
+    pub fn put(&mut self, numbers: &Numbers) -> bool {
+        let known = self.numbers.iter_mut().find(|n| n.key == numbers.key);
+        let Some(known) = known.filter(|known| *known != numbers) else {
+            return false;
+        };
+        known.clone_from(numbers);
+        true
     }
 
     /// The drag ends; what is to be written then.
@@ -170,8 +173,12 @@ pub fn panel(ui: &mut Ui, selection: &mut Selection, requests: &mut Vec<ViewRequ
             ui.weak(why);
         }
         for (now, before) in selection.numbers.iter_mut().zip(&shown.numbers) {
-            if row(ui, now) && now != before {
-                requests.push(ViewRequest::Write(shown.thing, now.clone()));
+            match row(ui, now) {
+                Input::Ended if now != before => {
+                    requests.push(ViewRequest::Write(shown.thing, now.clone()));
+                }
+                Input::Changed => requests.push(ViewRequest::Drag(shown.thing, now.clone())),
+                _ => {}
             }
         }
         ui.horizontal(|ui| {
@@ -190,8 +197,16 @@ pub fn panel(ui: &mut Ui, selection: &mut Selection, requests: &mut Vec<ViewRequ
     });
 }
 
-/// One key with its numbers; true where an input ends.
-fn row(ui: &mut Ui, numbers: &mut Numbers) -> bool {
+/// What a user does to numbers.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Input {
+    None,
+    Changed,
+    Ended,
+}
+
+/// One key with its numbers.
+fn row(ui: &mut Ui, numbers: &mut Numbers) -> Input {
     let speed = match numbers.key {
         key if key.ends_with("_deg") => TURN_SPEED,
         _ => SPEED,
@@ -200,12 +215,16 @@ fn row(ui: &mut Ui, numbers: &mut Numbers) -> bool {
     let drag = |ui: &mut Ui, value: &mut f64| {
         let drag = egui::DragValue::new(value).speed(speed).max_decimals(4);
         let response = ui.add(drag).labelled_by(label.id);
-        response.drag_stopped() || response.lost_focus()
+        match response.drag_stopped() || response.lost_focus() {
+            true => Input::Ended,
+            false if response.changed() => Input::Changed,
+            false => Input::None,
+        }
     };
     ui.horizontal(|ui| {
         // All of them, whichever has ended.
-        let ended = numbers.values.iter_mut().map(|value| drag(ui, value));
-        ended.fold(false, |any, one| any | one)
+        let inputs = numbers.values.iter_mut().map(|value| drag(ui, value));
+        inputs.fold(Input::None, Input::max)
     })
     .inner
 }

@@ -6,6 +6,7 @@ use glam::{Vec2, Vec3};
 
 use super::{
     diagnostics_panel, gizmo,
+    panels::ViewRequest,
     viewport_paint::{self, fit},
     window::Window,
 };
@@ -47,8 +48,10 @@ impl Window {
         };
         let place = fit(rect, layer.shape);
         let camera = shown.camera.clone();
-        if let Some((thing, numbers)) = gizmo::handles(ui, place, &camera, &mut self.selection) {
-            self.send(Task::Write(thing, numbers));
+        match gizmo::handles(ui, place, &camera, &mut self.selection) {
+            Some(ViewRequest::Drag(thing, numbers)) => self.drag(ui, thing, numbers),
+            Some(ViewRequest::Write(thing, numbers)) => self.send(Task::Write(thing, numbers)),
+            _ => {}
         }
     }
 
