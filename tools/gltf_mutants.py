@@ -1,0 +1,244 @@
+"""Breaks glTF files at random and tables how Reflet answers, for docs/gltf.md.
+
+.venv/bin/python tools/gltf_mutants.py ../shared/corpus/gltf [--count 2500] [--seed 1] [--only N]
+
+Each broken file is read by `reflet check` within 5 s of processor time and 1.5 GiB of address
+space, and rendered at 16 × 16 where that finds nothing wrong. Of one seed, file N is always the
+same; those that are answered wrongly are kept in the folder that `--keep` names.
+"""
+
+from __future__ import annotations
+
+import argparse
+import collections
+import concurrent.futures
+import dataclasses
+import os
+import random
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+from gltf_mutations import KINDS, Model, mutate, read_model
+
+ROOT = Path(__file__).resolve().parent.parent
+PAGE = ROOT / "docs" / "gltf.md"
+CPU_S = 5
+MEMORY_MIB = 1536
+RENDER_SPACE_MIB = 4096
+"""Address space of `render`: compilers of shaders reserve more than they use."""
+WALL_S = 300
+SHADERS_S = 60
+"""Processor time of a first picture, whose shaders are compiled."""
+SIZE = "16x16"
+
+
+@dataclasses.dataclass
+class Answer:
+    """How one command ended."""
+
+    what: str
+    """`fine`, `refused`, `panic`, `abort`, `time`, `memory` or `unnamed`."""
+    error: str = ""
+    """The error's name."""
+    cpu_s: float = 0.0
+    memory_mib: float = 0.0
+    said: str = ""
+
+
+@dataclasses.dataclass
+class Mutant:
+    """One broken file, and what became of it."""
+
+    number: int
+    kind: str
+    model: Model
+    check: Answer
+    render: Answer | None = None
+
+    @property
+    def answers(self) -> Iterator[Answer]:
+        yield self.check
+        if self.render:
+            yield self.render
+
+    @property
+    def end(self) -> str:
+        """`refused`, `shown`, or what went wrong."""
+        wrong = [a.what for a in self.answers if a.what not in ("fine", "refused")]
+        if wrong:
+            return wrong[0]
+        return "refused" if any(a.what == "refused" for a in self.answers) else "shown"
+
+
+def run(command: list[str], space_mib: int, cpu_s: int = CPU_S) -> Answer:
+    """Run it within the limits."""
+    limited = f'ulimit -v {space_mib * 1024}; ulimit -t {cpu_s}; exec "$@"'
+    with tempfile.TemporaryFile() as errors:
+        process = subprocess.Popen(
+            ["sh", "-c", limited, "sh", *command], stdout=subprocess.DEVNULL, stderr=errors
+        )
+        timer = signal_after(process.pid)
+        _, status, usage = os.wait4(process.pid, 0)
+        timer.cancel()
+        process.returncode = os.waitstatus_to_exitcode(status)
+        errors.seek(0)
+        said = errors.read().decode(errors="replace")
+    answer = judge(process.returncode, said)
+    answer.cpu_s = usage.ru_utime + usage.ru_stime
+    answer.memory_mib = usage.ru_maxrss / 1024
+    if answer.what in ("fine", "refused") and answer.memory_mib > MEMORY_MIB:
+        answer.what = "memory"
+    return answer
+
+
+def signal_after(pid: int) -> threading.Timer:
+    """Ends what waits without working."""
+    timer = threading.Timer(WALL_S, lambda: os.kill(pid, signal.SIGXCPU))
+    timer.daemon = True
+    timer.start()
+    return timer
+
+
+def judge(code: int, said: str) -> Answer:
+    """What an exit status and standard error mean."""
+    found = re.search(r"^error\[([a-z0-9-]+)\]", said, re.M)
+    name = found.group(1) if found else ""
+    if "panicked at" in said or name == "internal" or code == 101:
+        return Answer("panic", name, said=said)
+    if code in (-signal.SIGXCPU, -signal.SIGKILL):
+        return Answer("time", name, said=said)
+    if "memory allocation of" in said:
+        return Answer("memory", name, said=said)
+    if code < 0 or code > 128:
+        return Answer("abort", name, said=said)
+    if code == 0:
+        return Answer("fine", said=said)
+    return Answer("refused" if name else "unnamed", name, said=said)
+
+
+def roots(corpus: Path) -> list[Path]:
+    """The corpus's roots, and the models of this repository."""
+    lines = (corpus / "INDEX.tsv").read_text(encoding="utf-8").splitlines()[1:]
+    own = [path for path in sorted(ROOT.glob("scripts/*.gl[bt]*")) if path.is_file()]
+    return [corpus / line.split("\t")[0] for line in lines] + own
+
+
+def one(
+    number: int,
+    seed: int,
+    models: list[Model],
+    reflet: str,
+    keep: Path | None,
+    *,
+    render: bool = True,
+) -> Mutant:
+    """Make, check and render file `number`."""
+    chance = random.Random(f"{seed} {number}")
+    kind, model, files = mutate(models, number, chance)
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        for place, data in files.items():
+            (folder / place).parent.mkdir(parents=True, exist_ok=True)
+            (folder / place).write_bytes(data)
+        file = str(folder / model.name)
+        mutant = Mutant(number, kind, model, run([reflet, "check", file], MEMORY_MIB))
+        if render and mutant.check.what == "fine":
+            picture = str(folder / "out.png")
+            command = [reflet, "render", file, "-o", picture, "--size", SIZE]
+            command += ["--set", "image.samples=1"]
+            mutant.render = run(command, RENDER_SPACE_MIB, SHADERS_S)
+            if mutant.render.cpu_s > CPU_S:
+                # Software drivers compile shaders for seconds, which they keep.
+                mutant.render = run(command, RENDER_SPACE_MIB)
+            if mutant.render.what == "refused" and Path(picture).exists():
+                mutant.render.what = "unnamed"  # a refusal leaves no picture
+        if keep and mutant.end not in ("refused", "shown"):
+            shutil.copytree(folder, keep / str(number), dirs_exist_ok=True)
+    return mutant
+
+
+ENDS = {
+    "refused": "refused by name",
+    "shown": "shown",
+    "panic": "panics",
+    "abort": "aborts",
+    "time": f"over {CPU_S} s",
+    "memory": f"over {MEMORY_MIB / 1024:.1f} GiB",
+    "unnamed": "without a name",
+}
+
+
+def table(mutants: list[Mutant], seed: int, sources: int) -> str:
+    """Markdown: how many of each kind ended how."""
+    head = ["what is broken", "files", *ENDS.values()]
+    lines = ["| " + " | ".join(head) + " |", "|---" * len(head) + "|"]
+    for kind, words in [*KINDS.items(), ("", "all")]:
+        of = [m for m in mutants if not kind or m.kind == kind]
+        ends = collections.Counter(m.end for m in of)
+        cells = [words, f"{len(of):,}", *(f"{ends[end]:,}" for end in ENDS)]
+        lines.append("| " + " | ".join(cells) + " |")
+    checks = [m.check for m in mutants]
+    renders = [m.render for m in mutants if m.render]
+    packed = sum(m.model.is_compressed for m in mutants)
+    lines += [
+        "",
+        f"Seed {seed}, {sources} models, {packed:,} of the broken files made of those that hold "
+        f"compressed geometry or images. At most {worst(checks, 'reading')}"
+        + (f", {worst(renders, 'rendering')}." if renders else "."),
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def worst(answers: Iterable[Answer], doing: str) -> str:
+    of = list(answers)
+    cpu, memory = max(a.cpu_s for a in of), max(a.memory_mib for a in of)
+    return f"{cpu:.1f} s of processor time and {memory:,.0f} MiB for {doing}"
+
+
+def write_page(text: str) -> None:
+    pattern = r"(<!-- table: mutants -->\n).*?(<!-- end -->)"
+    page = PAGE.read_text(encoding="utf-8")
+    changed, count = re.subn(pattern, lambda m: m[1] + text + m[2], page, flags=re.S)
+    if count != 1:
+        raise SystemExit(f"{PAGE}: no place for the table")
+    PAGE.write_text(changed, encoding="utf-8")
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("corpus", type=Path)
+    parser.add_argument("--reflet", default="target/release/reflet")
+    parser.add_argument("--count", type=int, default=2500)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--only", type=int, help="this file alone, with what it is answered")
+    parser.add_argument("--keep", type=Path, help="folder for what is answered wrongly")
+    parser.add_argument("--page", action="store_true", help="write the table into docs/gltf.md")
+    arguments = parser.parse_args()
+    models = [read_model(file) for file in roots(arguments.corpus)]
+    numbers = range(arguments.count) if arguments.only is None else [arguments.only]
+
+    def job(number: int) -> Mutant:
+        return one(number, arguments.seed, models, arguments.reflet, arguments.keep)
+
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        mutants = list(pool.map(job, numbers))
+    text = table(mutants, arguments.seed, len(models))
+    print(text)
+    wrong = [m for m in mutants if m.end not in ("refused", "shown")]
+    for mutant in wrong if arguments.only is None else mutants:
+        said = [answer.said[-400:] for answer in mutant.answers]
+        print(f"{mutant.number} {mutant.kind} {mutant.model.file}: {mutant.end}: {said}")
+    if arguments.page:
+        write_page(text)
+    sys.exit(bool(wrong))
+
+
+if __name__ == "__main__":
+    main()
