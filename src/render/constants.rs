@@ -155,13 +155,18 @@ pub fn wgsl() -> String {
     ] {
         define(&mut out, name, &(kind as u32));
     }
+    define_causes(&mut out);
+    out
+}
+
+/// What each cause is, and which are traced and reflect.
+fn define_causes(out: &mut String) {
     for cause in Cause::ALL {
         let name = format!("CAUSE_{}", cause.name().to_uppercase());
-        define(&mut out, &name, &(cause as u32));
+        define(out, &name, &(cause as u32));
     }
-    define(&mut out, "CAUSES", &Cause::ALL.len());
+    define(out, "CAUSES", &Cause::ALL.len());
     let traced = |cause: Cause| cause.source(Method::Hybrid) == Source::Traced;
-    define(&mut out, "TRACED_CAUSES", &Cause::mask(traced));
-    define(&mut out, "REFLECTING_CAUSES", &Cause::mask(Cause::reflects));
-    out
+    define(out, "TRACED_CAUSES", &Cause::mask(traced));
+    define(out, "REFLECTING_CAUSES", &Cause::mask(Cause::reflects));
 }
