@@ -1,10 +1,12 @@
-// Details: specular color and sheen of the surfaces that pixels show, for which the G-buffer has no bits.
+// Details: specular color and sheen of the surfaces that pixels show, for which the G-buffer has no bits, behind a copy
+// of their colors.
 
 #import details_layout
 #import pixel_surface
 
 @group(2) @binding(0) var ids: texture_2d<u32>;
-@group(2) @binding(1) var details: texture_storage_2d<rgba32uint, write>;
+@group(2) @binding(1) var colors: texture_2d<u32>;
+@group(2) @binding(2) var details: texture_storage_2d_array<rgba32uint, write>;
 
 @compute @workgroup_size(8, 8)
 fn main(@builtin(global_invocation_id) id: vec3u) {
@@ -12,5 +14,6 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let hit = textureLoad(ids, id.xy, 0).xy;
     var bits = vec4u(0u);
     if (hit.x != NONE) { bits = pack_details(pixel_surface(id.xy, hit).surface); }
-    textureStore(details, id.xy, bits);
+    textureStore(details, id.xy, 0, textureLoad(colors, id.xy, 0));
+    textureStore(details, id.xy, 1, bits);
 }

@@ -1,9 +1,14 @@
-// What the G-buffer does not hold of a surface, as the details pass found it.
+// What the G-buffer does not hold of a surface, as the details pass found it, and its colors beside it: passes sample as
+// many textures as every adapter has.
 
 #import details_layout
 
-@group(2) @binding(30) var details: texture_2d<u32>;
+@group(2) @binding(2) var details: texture_2d_array<u32>;
+
+fn packed_colors(pixel: vec2u) -> vec4u {
+    return textureLoad(details, pixel, 0, 0);
+}
 
 fn detailed(s: Surface, pixel: vec2u) -> Surface {
-    return with_details(s, textureLoad(details, pixel, 0));
+    return with_details(s, textureLoad(details, pixel, 1, 0));
 }

@@ -7,7 +7,6 @@
 
 @group(2) @binding(0) var view_depth: texture_2d<f32>; // meters along the view direction; FAR_M: sky
 @group(2) @binding(1) var surface: texture_2d<u32>;
-@group(2) @binding(2) var colors: texture_2d<u32>;
 
 fn position_at(pixel: vec2u, depth_m: f32) -> vec3f {
     let center = vec2f(pixel) + 0.5;
@@ -15,7 +14,7 @@ fn position_at(pixel: vec2u, depth_m: f32) -> vec3f {
 }
 
 fn load_surface(pixel: vec2u) -> Surface {
-    var s = detailed(unpack_surface(textureLoad(surface, pixel, 0), textureLoad(colors, pixel, 0)), pixel);
+    var s = detailed(unpack_surface(textureLoad(surface, pixel, 0), packed_colors(pixel)), pixel);
     s.position = position_at(pixel, textureLoad(view_depth, pixel, 0).x);
     return s;
 }

@@ -17,7 +17,7 @@ pub enum Target {
     Surface,
     /// Linear base color, occlusion and emitted radiance, as 16-bit floats.
     Colors,
-    /// Specular color and strength, sheen.
+    /// Two layers: the colors again, then specular color and strength, and sheen.
     Details,
     /// View-independent radiance.
     Radiance,
@@ -125,7 +125,14 @@ impl Target {
 
     /// Bytes a pixel.
     pub fn pixel_bytes(self, full: bool) -> u64 {
-        u64::from(self.format(full).block_copy_size(None).unwrap_or(4))
+        u64::from(self.format(full).block_copy_size(None).unwrap_or(4)) * u64::from(self.layers())
+    }
+
+    const fn layers(self) -> u32 {
+        match self {
+            Self::Details => 2,
+            _ => 1,
+        }
     }
 
     /// Where sub-frames add up: even and odd ones take turns.
@@ -195,7 +202,7 @@ impl Targets {
                     size: wgpu::Extent3d {
                         width,
                         height,
-                        depth_or_array_layers: 1,
+                        depth_or_array_layers: target.layers(),
                     },
                     mip_level_count: 1,
                     sample_count: 1,

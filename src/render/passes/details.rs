@@ -15,7 +15,7 @@ use crate::{
 pub const PASS: Pass = Pass {
     name: "details",
     color: [205, 175, 205],
-    reads: &[Target::Ids],
+    reads: &[Target::Ids, Target::Colors],
     writes: &[Target::Details],
     needed: |plan, _| plan.has_details(),
     ..Pass::DEFAULT
