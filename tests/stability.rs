@@ -239,7 +239,11 @@ fn bad_input_is_named() {
         (&["none.toml"], 3, &["none.toml"]),
         (&["--suite", "none"], 2, &["--suite none"]),
         (&["--suite", gap], 2, &["mode 2 is missing"]),
-        (&["3", "--methods", "auto"], 2, &["invalid value 'auto' for '--methods"]),
+        (
+            &["3", "--methods", "auto"],
+            2,
+            &["invalid value 'auto' for '--methods"],
+        ),
         (
             &["--ratchet", "none.toml"],
             2,

@@ -32,40 +32,43 @@ pub struct ShaderVariant {
 }
 
 impl ShaderVariant {
-    /// All that there are, but for what is chosen apart from the others: of each of that one.
-    pub const ALL: [Self; 29] = {
-        let mut all = [Self::new([false; 4], false); 29];
-        let mut i = 0;
-        while i < 7 {
-            all[i] = Self::new(Self::SAMPLED[i], false);
-            all[i + 7] = Self::new(Self::SAMPLED[i], true);
-            // Who lights by its surface is sampled.
-            if i > 0 {
-                all[i + 14] = Self {
-                    emitters: true,
-                    ..all[i]
-                };
-                all[i + 20] = Self {
-                    indirect: true,
-                    ..all[i + 14]
-                };
-            }
-            i += 1;
+    /// All that there are, but for what is chosen apart from the others: of each of that one with little else and
+    /// one with much.
+    pub fn all() -> Vec<Self> {
+        let sampled = Self::SAMPLED.map(|[extent, ambient, panorama, layers]| Self {
+            extent,
+            ambient,
+            panorama,
+            layers,
+            ..Self::default()
+        });
+        let conserved = sampled.map(|variant| Self {
+            conserved: true,
+            ..variant
+        });
+        // Who lights by its surface is sampled, and what goes on from there.
+        let lit = sampled[1..].iter().map(|variant| Self {
+            emitters: true,
+            ..*variant
+        });
+        let followed = lit.clone().map(|variant| Self {
+            indirect: true,
+            ..variant
+        });
+        let mut all = [sampled, conserved].concat();
+        all.extend(lit.chain(followed));
+        for variant in [all[0], all[all.len() - 1]] {
+            all.push(Self {
+                full: true,
+                ..variant
+            });
+            all.push(Self {
+                details: true,
+                ..variant
+            });
         }
-        all[14] = Self {
-            full: true,
-            ..all[13]
-        };
-        all[27] = Self {
-            details: true,
-            ..all[0]
-        };
-        all[28] = Self {
-            details: true,
-            ..all[26]
-        };
         all
-    };
+    }
 
     /// Which of extent, ambient, panorama and layers go together.
     const SAMPLED: [[bool; 4]; 7] = [
@@ -77,21 +80,6 @@ impl ShaderVariant {
         [true, true, false, true],
         [true, true, true, true],
     ];
-
-    const fn new([extent, ambient, panorama, layers]: [bool; 4], conserved: bool) -> Self {
-        Self {
-            extent,
-            emitters: false,
-            indirect: false,
-            ambient,
-            panorama,
-            layers,
-            details: false,
-            full: false,
-            conserved,
-            chunks: Chunks::WHOLE,
-        }
-    }
 
     /// The library with the shared constants and the files of this variant.
     ///
