@@ -3,14 +3,13 @@
 
 use std::{
     collections::BTreeSet,
-    path::{Path, PathBuf},
+    path::PathBuf,
     sync::Arc,
     time::{Duration, SystemTime},
 };
 
 use super::{
     args::SceneArgs,
-    error::AppError,
     params::{DeclaredParameters, ParameterOverrides},
     watch::{Change, WatchList},
     write_back::History,
@@ -24,32 +23,25 @@ use crate::{
         diagnostic::Diagnostic,
         stages::Scene,
     },
-    session::{
-        model_viewer_scene::is_model,
-        scene_text::{SceneOptions, SceneText},
-    },
-    world::{
-        World,
-        load::{self, AssetCache},
-    },
+    session::model_viewer_scene::is_model,
+    world::{World, load::AssetCache},
 };
 
 mod catch_panic;
+mod coarse;
+mod open;
 mod parameter_trial;
 mod pose;
 mod reload;
 mod reload_job;
 mod write_back;
 
+pub use open::Begins;
 pub use parameter_trial::Refusal;
 use parameter_trial::TrialState;
 pub use pose::Edit;
-use reload::{PendingScene, options_of, read_library};
+use reload::{PendingScene, options_of};
 pub use reload_job::{FinishedJob, ReloadJob, Reuse};
-use reload_job::{Read, pose_of};
-
-/// Scene text shown while no valid scene exists.
-const EMPTY_SCENE: &str = "version = 1\n[camera.main]\neye = [0, 1, 4]\ntarget = [0, 0, 0]\n";
 
 /// Files and arguments of a live scene.
 #[derive(Clone, Debug)]
@@ -145,6 +137,8 @@ pub struct Live {
     world: World,
     asset_cache: AssetCache,
     renderer: Renderer,
+    /// What is shown first, while most of what the scene needs is not built.
+    coarse: Option<World>,
     /// Decided for a scene with method `auto`, before the view chose another.
     auto_method: Method,
     overrides: ViewOverrides,
@@ -176,94 +170,6 @@ pub struct Live {
 }
 
 impl Live {
-    /// Reads and builds everything for the first time, at the first frame.
-    ///
-    /// # Errors
-    /// As the command `render`: there is no last good scene yet.
-    pub fn open(
-        gpu: Arc<Gpu>,
-        source: SceneSource,
-        overrides: ViewOverrides,
-    ) -> Result<Self, AppError> {
-        let read_since = SystemTime::now();
-        let texts = Dependencies::default();
-        let read = reload_job::read(&source, &ParameterOverrides::default(), &texts, 0);
-        Self::build(
-            gpu,
-            source,
-            overrides,
-            texts,
-            read.map_err(AppError::Scene)?,
-            read_since,
-        )
-    }
-
-    /// Shows an empty scene in place of one with errors, until a reload succeeds.
-    ///
-    /// # Errors
-    /// As [`Live::open`], without scene errors.
-    pub fn open_empty(
-        gpu: Arc<Gpu>,
-        source: SceneSource,
-        overrides: ViewOverrides,
-        mistakes: Vec<Diagnostic>,
-    ) -> Result<Self, AppError> {
-        let empty = empty_scene(&source).map_err(AppError::Scene)?;
-        let (texts, now) = (Dependencies::default(), SystemTime::now());
-        let mut live = Self::build(gpu, source, overrides, texts, empty, now)?;
-        (live.warnings, live.problems.scene) = (Vec::new(), mistakes);
-        Ok(live)
-    }
-
-    /// Loads a scene that was read and builds its renderer.
-    fn build(
-        gpu: Arc<Gpu>,
-        source: SceneSource,
-        overrides: ViewOverrides,
-        texts: Dependencies,
-        read: Read,
-        read_since: SystemTime,
-    ) -> Result<Self, AppError> {
-        let library = read_library(&source).map_err(|e| AppError::from_user_shader(&e))?;
-        let state = pose_of(&read.scene, read.frame).map_err(AppError::Scene)?;
-        let loaded = load::load_with_cache(&read.scene, &read.options);
-        let (mut world, asset_cache) = loaded.map_err(AppError::Scene)?;
-        if let Some(state) = &state {
-            world.apply(state).map_err(AppError::Scene)?;
-        }
-        let mut warnings = read.warnings;
-        warnings.extend(world.warnings.iter().cloned());
-        let renderer = Renderer::new(&gpu, &library, &world, &options_of(&read.scene, overrides));
-        let renderer = renderer.map_err(|error| AppError::from_render(error, true))?;
-        Ok(Self {
-            gpu,
-            source,
-            library,
-            log: state.map_or_else(Vec::new, |state| state.log),
-            scene: read.scene,
-            world,
-            asset_cache,
-            auto_method: renderer.method(),
-            renderer,
-            overrides,
-            dependencies: read.options.dependencies,
-            texts,
-            pending_texts: Dependencies::default(),
-            read_since,
-            declared: read.declared,
-            parameters: read.parameters,
-            trial: TrialState::default(),
-            edits: Vec::new(),
-            history: History::default(),
-            undragged: None,
-            frame: read.frame,
-            posed: read.frame,
-            pending: None,
-            warnings,
-            problems: Problems::default(),
-        })
-    }
-
     /// Files to watch: those of the shown scene and those searched since, with the time of the
     /// read.
     pub fn watch_list(&self) -> (WatchList, SystemTime) {
@@ -321,7 +227,10 @@ impl Live {
             return Ok(());
         }
         let options = options_of(&self.scene, overrides);
-        let world = &self.world;
+        let (world, options) = match &self.coarse {
+            Some(coarse) => (coarse, coarse::options(options)),
+            None => (&self.world, options),
+        };
         (self.renderer).change(&self.gpu, &self.library, world, &options)?;
         self.overrides = overrides;
         Ok(())
@@ -332,7 +241,8 @@ impl Live {
     /// # Errors
     /// As [`Renderer::render`].
     pub fn render(&mut self, camera: &CameraDesc) -> Result<FrameStats, RenderError> {
-        self.renderer.render(&self.gpu, &self.world, camera)
+        let world = self.coarse.as_ref().unwrap_or(&self.world);
+        self.renderer.render(&self.gpu, world, camera)
     }
 
     /// Scene description.
@@ -379,15 +289,4 @@ impl Live {
         let of_setup = self.scene.scripts().flat_map(|s| &s.setup_log);
         of_setup.chain(&self.log)
     }
-}
-
-/// The scene of [`EMPTY_SCENE`].
-fn empty_scene(source: &SceneSource) -> Result<Read, Vec<Diagnostic>> {
-    let from = SceneOptions {
-        assets: source.args.assets.clone(),
-        ..SceneOptions::default()
-    };
-    let text = SceneText::new(EMPTY_SCENE, Path::new("nothing"), &from);
-    let opened = text.open(&[], &Dependencies::default())?;
-    Ok(Read::new(opened, <_>::default(), <_>::default(), 0))
 }

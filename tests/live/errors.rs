@@ -5,7 +5,7 @@ use std::{fs, sync::Arc};
 use reflet::app::{
     args::SceneArgs,
     error::AppError,
-    live::{Live, SceneSource, ViewOverrides},
+    live::{Begins, Live, SceneSource, ViewOverrides},
     watch::Change,
 };
 
@@ -120,7 +120,12 @@ fn a_scene_that_is_broken_at_first_is_shown_when_it_is_mended() {
         args: SceneArgs::default(),
         shaders: None,
     };
-    let mistakes = match Live::open(gpu.clone(), source.clone(), ViewOverrides::default()) {
+    let mistakes = match Live::open(
+        gpu.clone(),
+        source.clone(),
+        ViewOverrides::default(),
+        Begins::Whole,
+    ) {
         Err(AppError::Scene(mistakes)) => mistakes,
         other => panic!("{other:?}"),
     };

@@ -14,7 +14,7 @@ use std::{
 use reflet::{
     app::{
         args::SceneArgs,
-        live::{Live, Reload, Reuse, SceneSource, ViewOverrides},
+        live::{Begins, Live, Reload, Reuse, SceneSource, ViewOverrides},
         params::ParameterOverrides,
         watch::{Change, Changes, News, WatchList, Watcher},
     },
@@ -117,7 +117,7 @@ pub fn open_with(gpu: &Arc<Gpu>, scene: &Path, shaders: Option<&Path>, set: &[&s
         },
         shaders: shaders.map(Path::to_owned),
     };
-    match Live::open(gpu.clone(), source, ViewOverrides::default()) {
+    match Live::open(gpu.clone(), source, ViewOverrides::default(), Begins::Whole) {
         Ok(live) => live,
         Err(error) => {
             error.print();

@@ -6,6 +6,7 @@ mod common;
 
 mod animation;
 mod background_scripts;
+mod coarse;
 mod errors;
 mod includes;
 mod kit;

@@ -8,7 +8,7 @@ use super::{args::ReloadArgs, create_folder, progress::Progress, write};
 use crate::{
     app::{
         error::AppError,
-        live::{Live, ViewOverrides},
+        live::{Begins, Live, ViewOverrides},
         print_out,
     },
     bench::{
@@ -123,7 +123,7 @@ pub fn measure_all(
         let Some(edited) = copy.edited(edit)? else {
             continue;
         };
-        let mut live = Live::open(gpu.clone(), copy.origin(), overrides)?;
+        let mut live = Live::open(gpu.clone(), copy.origin(), overrides, Begins::Whole)?;
         progress.note(&format!(
             "{} {} edits of {}",
             args.saves,

@@ -55,6 +55,7 @@ impl Live {
     /// Shows a posed frame: uploads poses, the top-level tree and material numbers only.
     pub(super) fn apply(&mut self, state: Option<FrameState>) -> Result<(), Vec<Diagnostic>> {
         if let Some(state) = state {
+            self.complete().map_err(RenderError::into_diagnostics)?;
             self.world.apply(&state)?;
             for edit in &self.edits {
                 edit.put(&mut self.world);
@@ -96,6 +97,7 @@ impl Live {
         if edit.material >= self.world.materials.len() {
             return Ok(RebuildSummary::default()); // of a replaced scene
         }
+        self.complete()?;
         let materials = self.world.materials.clone();
         edit.put(&mut self.world);
         let options = *self.renderer.options();

@@ -108,6 +108,7 @@ impl Live {
         reload.parse += started.elapsed();
         let built = read.map_err(RenderError::Gpu).and_then(|library| {
             let rebuilt = (self.renderer).change(&self.gpu, &library, world, &options)?;
+            self.coarse = None;
             Ok((library, rebuilt))
         });
         self.problems.shader = None;
@@ -263,6 +264,7 @@ impl Live {
                 passes: true,
             };
         }
+        self.coarse = None;
         if self.overrides.method.is_none() {
             self.auto_method = self.renderer.method();
         }

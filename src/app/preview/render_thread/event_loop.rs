@@ -9,7 +9,8 @@ use crate::{
         live::Edit,
         preview::{
             mailbox::Mailbox,
-            protocol::{FinishedFrame, Report, Task, View, Visualization},
+            protocol::{FinishedFrame, Picked, Report, Task, View, Visualization},
+            view_channel::ViewChannel,
         },
         watch::Watcher,
     },
@@ -82,27 +83,55 @@ impl Worker {
         }
     }
 
+    /// Shows the scene coarsely first, while most of what it needs is not built, and builds that.
+    fn complete(&mut self, view: &mut View) -> Result<(), RenderError> {
+        if !self.live.is_coarse() {
+            return Ok(());
+        }
+        if view.a.channel == ViewChannel::Picture && view.b.is_none() {
+            let stats = self.render_coarse(view)?;
+            let side = self.visualize(view.a, view, stats, None)?;
+            self.textures = vec![side.texture.clone()];
+            self.finish(view, vec![side], None);
+        }
+        let before = self.live.scene_method();
+        self.live.complete()?;
+        let decided = self.live.scene_method();
+        if decided != before && view.a.method == before {
+            view.a.method = decided;
+        }
+        self.send_summary();
+        Ok(())
+    }
+
+    fn finish(&mut self, view: &View, sides: Vec<Visualization>, picked: Option<Picked>) {
+        self.number += 1;
+        let number = self.number;
+        self.send(Report::Frame(Box::new(FinishedFrame {
+            number,
+            frame: self.live.posed_frame(),
+            camera: self.camera(&view.camera),
+            size: view.size,
+            sides,
+            picked,
+        })));
+    }
+
     fn draw(&mut self) {
-        let Some(view) = self.view.clone() else {
+        let Some(mut view) = self.view.clone() else {
             return;
         };
+        if let Err(error) = self.complete(&mut view) {
+            return self.report_error(&error);
+        }
         match self
             .render_sides(&view)
             .and_then(|s| Ok((s, self.picked()?)))
         {
             Ok((sides, picked)) => {
                 self.rendered_view = Some(view.clone());
-                self.number += 1;
                 let had_problem = self.live.problems.refused.take().is_some();
-                let number = self.number;
-                self.send(Report::Frame(Box::new(FinishedFrame {
-                    number,
-                    frame: self.live.posed_frame(),
-                    camera: self.camera(&view.camera),
-                    size: view.size,
-                    sides,
-                    picked,
-                })));
+                self.finish(&view, sides, picked);
                 // Animated values are sent at intervals, and once they rest.
                 let is_new = self.summary_frame != self.live.posed_frame();
                 let is_time =

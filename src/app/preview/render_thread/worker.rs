@@ -127,6 +127,16 @@ impl Worker {
         }
     }
 
+    /// Renders a first picture, for which little is built.
+    pub(super) fn render_coarse(&mut self, view: &View) -> Result<FrameStats, RenderError> {
+        let most = self.gpu.limits.max_texture_dimension_2d;
+        self.live.set_overrides(ViewOverrides {
+            size: Some(view.size.map(|side| side.clamp(1, most))),
+            ..self.live.overrides()
+        })?;
+        self.live.render(&self.camera(&view.camera))
+    }
+
     /// Renders into the targets, with resolution and sub-frames reduced to the time budget.
     pub(super) fn render(
         &mut self,

@@ -23,6 +23,8 @@ use crate::{
 
 /// Change per pixel of dragging where a number has no upper limit.
 const SPEED: f32 = 0.01;
+/// Most rows of the list that are shown at a time.
+const ROWS: f32 = 7.0;
 
 /// The list of materials, the picked instance, and the values of the selected material.
 pub fn panel(
@@ -65,7 +67,9 @@ pub fn panel(
 
 fn list(ui: &mut Ui, settings: &mut ViewSettings, summary: &SceneSummary) {
     let area = egui::ScrollArea::vertical().id_salt("materials");
-    area.max_height(110.0).show(ui, |ui| {
+    // Whole rows, so that none is cut.
+    let row = ui.spacing().interact_size.y + ui.spacing().item_spacing.y;
+    area.max_height(ROWS * row).show(ui, |ui| {
         for row in &summary.materials {
             let index = row.edit.material;
             let text = format!("{}  ×{}", row.name, row.uses);

@@ -17,7 +17,7 @@ use crate::{
     app::{
         args::PreviewArgs,
         error::{AppError, print_diagnostics},
-        live::{Live, SceneSource, ViewOverrides},
+        live::{Begins, Live, SceneSource, ViewOverrides},
         plan_file::costs,
         preview::{render_thread::RenderThread, scene_summary::SceneSummary},
     },
@@ -185,7 +185,7 @@ pub fn open(
             halt.halt();
         });
     }
-    match halt.over(|| Live::open(gpu.clone(), source.clone(), overrides)) {
+    match halt.over(|| Live::open(gpu.clone(), source.clone(), overrides, Begins::Coarse)) {
         Err(AppError::Scene(errors)) if waits => {
             let mistakes = if halt.is_halted() { Vec::new() } else { errors };
             print_diagnostics(&mistakes);
