@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from read_converted import Converted, convert_text
+from reflet_usd.convert.normals import smooth_groups
 from reflet_usd.convert.subdiv import INFINITE, Cage, Step, edge_keys
 from tampering import agrees
 
@@ -201,3 +202,54 @@ def test_a_loop_cage_is_not_said_to_refine(tmp_path: Path, level: int) -> None:
     assert len(told) == 1
     assert "--subdiv" not in told[0]
     assert "loop" in told[0]
+
+
+CUBE = """
+def Mesh "M" {{
+    uniform token subdivisionScheme = "{scheme}"
+    int[] faceVertexCounts = [4, 4, 4, 4, 4, 4]
+    int[] faceVertexIndices = [0,1,3,2, 4,6,7,5, 0,4,5,1, 2,3,7,6, 0,2,6,4, 1,5,7,3]
+    point3f[] points = [(0,0,0),(1,0,0),(0,1,0),(1,1,0),(0,0,1),(1,0,1),(0,1,1),(1,1,1)]
+    int[] creaseIndices = [4, 5, 7, 6, 4]
+    int[] creaseLengths = [5]
+    float[] creaseSharpnesses = [{sharpness}]
+}}
+"""
+
+
+@pytest.mark.parametrize("level", [0, 1])
+@pytest.mark.parametrize("scheme", ["catmullClark", "loop"])
+def test_normals_are_not_shared_over_creases(tmp_path: Path, scheme: str, level: int) -> None:
+    def upright(sharpness: float) -> tuple[int, int]:
+        """How many vertices around the creased face face along z, and how many across it."""
+        text = CUBE.format(scheme=scheme, sharpness=sharpness)
+        done = convert_text(tmp_path, text, subdiv_level=level)
+        position, normal = (done.attribute(0, 0, name) for name in ("POSITION", "NORMAL"))
+        up = np.abs(normal[position[:, 2] == 1.0][:, 2])
+        return int((up > 0.999).sum()), int((up < 0.1).sum())
+
+    along, across = upright(10.0)
+    assert along >= 4 and across >= 4
+    along, across = upright(2.0)
+    assert across == 0, "a semi-sharp crease is rounded"
+
+
+def test_creases_split_only_what_they_part() -> None:
+    # Two quads over an edge, and a third beside the first; the edge between the first two is sharp.
+    corners = np.array([0, 1, 2, 3, 1, 4, 5, 2, 3, 2, 6, 7])
+    counts = np.array([4, 4, 4])
+    sharp = edge_keys(np.array([1]), np.array([2]), 8)
+    groups = smooth_groups(corners, counts, 8, sharp)
+    point_groups = {point: {int(group) for group in groups[corners == point]} for point in range(8)}
+    assert {point: len(of) for point, of in point_groups.items()} == {
+        0: 1,
+        1: 2,
+        2: 2,
+        3: 1,
+        4: 1,
+        5: 1,
+        6: 1,
+        7: 1,
+    }
+    # Around point 2 the first and the third quad go on over their own edge.
+    assert groups[2] == groups[9] != groups[7]

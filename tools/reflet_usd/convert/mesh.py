@@ -8,7 +8,12 @@ import numpy as np
 from pxr import Usd, UsdGeom
 
 from reflet_usd.convert.context import Context
-from reflet_usd.convert.normals import face_area_vectors, smooth_normals, unit_rows
+from reflet_usd.convert.normals import (
+    face_area_vectors,
+    smooth_groups,
+    smooth_normals,
+    unit_rows,
+)
 from reflet_usd.convert.polygons import Polygons
 from reflet_usd.convert.primvars import Primvar, Topology, read_primvar, to_stream
 from reflet_usd.convert.refine import refine_polygons
@@ -93,7 +98,13 @@ def computed_normals(polygons: Polygons, points: Array, drawn: DrawnFaces) -> St
     if polygons.left_handed:
         areas = -areas
     if is_smooth(polygons):
-        values = smooth_normals(points, corner_points, drawn.counts, areas)
+        if len(polygons.sharp_edges):
+            groups = smooth_groups(corner_points, drawn.counts, len(points), polygons.sharp_edges)
+            values = smooth_normals(groups, drawn.counts, areas, int(groups.max()) + 1)
+            ids = np.zeros(len(polygons.corner_points), dtype=np.int64)
+            ids[drawn.corners] = groups
+            return Stream(values, ids, by_point=False)
+        values = smooth_normals(corner_points, drawn.counts, areas, len(points))
         return Stream(values, polygons.corner_points, by_point=True)
     ids = np.zeros(len(polygons.corner_points), dtype=np.int64)
     ids[drawn.corners] = np.repeat(np.arange(len(drawn.faces)), drawn.counts)

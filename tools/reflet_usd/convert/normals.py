@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from reflet_usd.convert.scene import Array
+from reflet_usd.convert.subdiv import edge_keys
 
 
 def face_area_vectors(points: Array, corner_points: Array, counts: Array) -> Array:
@@ -32,17 +33,55 @@ def cross_rows(a: Array, b: Array) -> Array:
     return result
 
 
-def smooth_normals(points: Array, corner_points: Array, counts: Array, areas: Array) -> Array:
-    """Per point the sum of its faces' area vectors, as unit vectors, (N, 3)."""
+def smooth_normals(groups: Array, counts: Array, areas: Array, group_count: int) -> Array:
+    """Per group of corners the sum of their faces' area vectors, as unit vectors, (N, 3)."""
     corner_face = np.repeat(np.arange(len(counts)), counts)
     total = np.stack(
         [
-            np.bincount(corner_points, weights=areas[corner_face, axis], minlength=len(points))
+            np.bincount(groups, weights=areas[corner_face, axis], minlength=group_count)
             for axis in range(3)
         ],
         axis=1,
     )
     return unit_rows(total)
+
+
+def smooth_groups(corners: Array, counts: Array, point_count: int, sharp_edges: Array) -> Array:
+    """For each corner the group that shares a normal: all corners of a point, but at the ends of
+    sharp edges only those that faces join around the point without crossing one.
+
+    `sharp_edges` are sorted keys of `edge_keys`.
+    """
+    starts = np.concatenate(([0], np.cumsum(counts)[:-1])).astype(np.int64)
+    following = np.arange(1, len(corners) + 1)
+    following[starts + counts - 1] = starts
+    here, there = corners, corners[following]
+    keys = edge_keys(here, there, point_count)
+    is_sharp = np.isin(keys, sharp_edges)
+    at_crease = np.zeros(point_count, dtype=bool)
+    at_crease[here[is_sharp]] = True
+    at_crease[there[is_sharp]] = True
+    # The corners of an edge's two ends, of the faces beside it one after the other.
+    order = np.argsort(keys, kind="stable")
+    pairs = (keys[order][1:] == keys[order][:-1]) & ~is_sharp[order][1:]
+    first, second = order[:-1][pairs], order[1:][pairs]
+    is_low = here < there
+    ends = [
+        np.where(is_low, np.arange(len(corners)), following),
+        np.where(is_low, following, np.arange(len(corners))),
+    ]
+    joined = [(end[first], end[second]) for end in ends]
+    labels = np.arange(len(corners))
+    while True:
+        before = labels.copy()
+        for one, other in joined:
+            least = np.minimum(labels[one], labels[other])
+            np.minimum.at(labels, one, least)
+            np.minimum.at(labels, other, least)
+        if np.array_equal(before, labels):
+            break
+    groups = np.where(at_crease[corners], point_count + labels, corners)
+    return np.unique(groups, return_inverse=True)[1].reshape(-1)
 
 
 def unit_rows(vectors: Array) -> Array:

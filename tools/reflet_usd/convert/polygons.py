@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from pxr import Usd, UsdGeom
@@ -29,6 +29,8 @@ class Polygons:
     """(F,) bool."""
     left_handed: bool
     scheme: str
+    sharp_edges: Array = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    """Sorted keys, see `edge_keys`, of edges over which smooth normals are not shared: creases."""
     computed_normals: bool = False
     """Normals follow from the points, so they follow deformations too."""
 

@@ -96,6 +96,11 @@ def refine_polygons(
     reason = _why_not(context, prim, polygons, level)
     if reason:
         context.ledger.warn("subdivision-cage", prim, reason)
+        corners = polygons.corner_points
+        if _inside(corners, len(polygons.points)):
+            cage = Cage(polygons.counts, corners, len(polygons.points))
+            _read_sharpness(context, prim, cage)
+            polygons.sharp_edges = _sharp_edges(cage)
         return polygons, None
     topology = polygons.topology()
     cage = Cage(polygons.counts, polygons.corner_points, len(polygons.points))
@@ -117,8 +122,14 @@ def refine_polygons(
         drawn[refiner.face_parents()],
         polygons.left_handed,
         polygons.scheme,
+        _sharp_edges(child),
     )
     return refined, refiner
+
+
+def _sharp_edges(cage: Cage) -> Array:
+    """Keys of creases that no refinement rounds."""
+    return cage.crease_keys[cage.crease_values >= _SHARP]
 
 
 def _why_not(context: Context, prim: Usd.Prim, polygons: Polygons, level: int) -> str:
