@@ -1,5 +1,5 @@
-//! A script for Slurm on a cluster of one machine, this one. Prints `SKIPPED` where Slurm is not installed or
-//! its daemons may not run.
+//! A script for Slurm on a cluster of one machine, this one. Prints `SKIPPED` where Slurm is not installed, or the
+//! user is not root.
 
 use std::{
     env, fs,
@@ -139,12 +139,16 @@ impl Cluster {
         command
     }
 
+    fn log(&self, daemon: &str) -> PathBuf {
+        self.folder.join(format!("{daemon}.out"))
+    }
+
     fn spawn(&mut self, daemon: &str, arguments: &[String]) {
         let mut command = self.command(daemon);
-        command
-            .args(arguments)
-            .stdout(Stdio::null())
-            .stderr(Stdio::null());
+        let log = fs::File::create(self.log(daemon)).expect("temporary file");
+        let (again, nothing) = (log.try_clone().expect("a file"), Stdio::null());
+        command.args(arguments).stdin(nothing);
+        command.stdout(log).stderr(again);
         self.daemons
             .push(command.spawn().expect("the daemon starts"));
     }
@@ -157,7 +161,11 @@ impl Cluster {
             }
             sleep(Duration::from_millis(100));
         }
-        panic!("there is still not {what}");
+        let logs = ["munged", "slurmctld", "slurmd"].map(|daemon| {
+            let text = fs::read_to_string(self.log(daemon)).unwrap_or_default();
+            format!("{daemon}: {text}")
+        });
+        panic!("there is still not {what}\n{}", logs.join("\n"));
     }
 
     fn is_at_rest(&self) -> bool {
