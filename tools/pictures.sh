@@ -28,8 +28,8 @@ done
 mv "$images/atrium-one.source.png" "$images/atrium-source.png"
 mv "$images/atrium-one.cause.png" "$images/atrium-cause.png"
 rm "$images/atrium-one.png"
-"$binary" render "$root/scenes/studio.toml" --samples 64 --size 640x360 --denoise --output "$images/studio.png"
-"$binary" render "$root/scenes/interior.toml" --samples 16 --size 960x540 --denoise --output "$images/interior.png"
+"$binary" render "$root/scenes/studio.toml" --samples 16 --size 640x360 --denoise --output "$images/studio.png"
+"$binary" render "$root/scenes/interior.toml" --samples 16 --size 640x360 --denoise --output "$images/interior.png"
 "$binary" render "$root/scenes/street.toml" --samples 16 --size 960x540 --denoise --output "$images/street.png"
 
 # The films at their start and at a later frame that differs most.
