@@ -100,6 +100,14 @@ fn transmissive_fresnel(s: Surface, cosine: f32) -> vec3f {
     return mix(tinted(s, dielectric), metal, s.metallic);
 }
 
+// Of what a transmissive surface does not reflect: as much of all colors where the reflection is tinted, as the
+// `fresnel_mix` of KHR_materials_specular says.
+fn passing_share(s: Surface, cosine: f32) -> vec3f {
+    let f = transmissive_fresnel(s, cosine);
+    if (!HAS_TINTS) { return vec3f(1.0) - f; }
+    return vec3f(1.0 - max(f.x, max(f.y, f.z)));
+}
+
 // The coat alone, as a surface.
 fn coat_of(s: Surface) -> Surface {
     var coat = s;
@@ -228,7 +236,7 @@ fn transmitted(direction: vec3f, s: Surface) -> Reflected {
     let below = -dot(out, s.normal);
     var weight = vec3f(0.0);
     if (below > 0.0 && dot(out, s.geometric_normal) < 0.0) {
-        weight = (vec3f(1.0) - transmissive_fresnel(s, cosine)) * s.base_color
+        weight = passing_share(s, cosine) * s.base_color
             * (s.transmission * (1.0 - s.metallic) * s.alpha * coat_transmittance(s, dot(s.normal, -direction))
                 * base_share(s, -direction));
         if (is_rough) { weight *= ggx_g1(below, alpha * alpha); }
@@ -358,7 +366,7 @@ fn transmittance(origin: vec3f, direction: vec3f, distance_m: f32) -> vec3f {
         let cosine = dot(s.normal, -direction);
         // Both sides alike: it goes out as it came in.
         s.is_inside = false;
-        let through = (vec3f(1.0) - transmissive_fresnel(s, cosine)) * s.base_color
+        let through = passing_share(s, cosine) * s.base_color
             * (s.transmission * (1.0 - s.metallic) * coat_transmittance(s, cosine) * base_share(s, -direction));
         share *= mix(vec3f(1.0), select(through, vec3f(0.0), bends(s)), s.alpha);
         if (max(share.x, max(share.y, share.z)) < select(DARKEST_PANE, 1e-12, UNBIASED)) { break; }

@@ -205,6 +205,47 @@ fn specular_sheen_and_the_textures_of_layers_are_read() {
 }
 
 #[test]
+fn layers_that_an_animation_moves_are_there_at_rest() {
+    let mut doc = stone();
+    doc.json["materials"][0]["extensions"] = json!({
+        "KHR_materials_specular": {"specularFactor": 0},
+        "KHR_materials_sheen": {"sheenColorFactor": [0, 0, 0]},
+        "KHR_materials_clearcoat": {}
+    });
+    let times = doc.floats("SCALAR", &[0.0, 1.0]);
+    let numbers = doc.floats("SCALAR", &[0.0, 1.0]);
+    let colors = doc.floats("VEC3", &[0.0, 0.0, 0.0, 1.0, 1.0, 1.0]);
+    let channel = |sampler: u32, of: &str| {
+        let pointer = format!("/materials/0/extensions/KHR_materials_{of}");
+        json!({"sampler": sampler, "target": {"path": "pointer",
+               "extensions": {"KHR_animation_pointer": {"pointer": pointer}}}})
+    };
+    doc.json["animations"] = json!([{
+        "samplers": [{"input": times, "output": numbers}, {"input": times, "output": colors}],
+        "channels": [channel(0, "specular/specularFactor"), channel(1, "sheen/sheenColorFactor"),
+                     channel(0, "clearcoat/clearcoatFactor")]
+    }]);
+    let world = doc.world();
+    let m = &world.materials[0];
+    assert_eq!((m.specular, m.specular_color), (Some(0.0), None));
+    assert_eq!((m.sheen_color, m.clearcoat), (Some(Vec3::ZERO), Some(0.0)));
+    assert!((m.reflectivity - 0.04).abs() < 1e-6);
+}
+
+#[test]
+fn glass_keeps_its_index_without_a_reflection() {
+    let mut doc = stone();
+    doc.json["materials"][0]["extensions"] = json!({
+        "KHR_materials_specular": {"specularFactor": 0},
+        "KHR_materials_transmission": {"transmissionFactor": 1}
+    });
+    let world = doc.world();
+    let m = &world.materials[0];
+    assert_eq!(m.specular, Some(0.0));
+    assert!((m.reflectivity - 0.04).abs() < 1e-6);
+}
+
+#[test]
 fn blended_materials_are_opaque_where_nothing_is_clear() {
     for (alpha, has_texture, blended) in
         [(0.4, false, true), (1.0, true, true), (1.0, false, false)]

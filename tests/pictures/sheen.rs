@@ -187,6 +187,30 @@ fn what_a_tinted_lobe_leaves_is_not_tinted() {
     }
 }
 
+/// What passes through glass is what the strongest color of its reflection leaves, and not tinted.
+#[test]
+fn tinted_glass_passes_no_tint() {
+    let own = "transmission = 1\nior = 1.5\nroughness = 0\nspecular_color = [20, 5, 0]";
+    // Nothing but a black floor below, so that what passes is missing.
+    let text = [
+        &FLOOR.replace("[material.floor]", &format!("[material.floor]\n{own}")),
+        "[material.black]\nbase_color = [0, 0, 0]\nreflectivity = 0\n[model.black]\n\
+         shape = { kind = \"plane\", size = [20, 20] }\nmaterial = \"black\"\n[[instance]]\nmodel = \"black\"\n\
+         translation = [0, -1, 0]\n",
+    ]
+    .concat();
+    let Some(gpu) = gpu() else { return };
+    let eye = "camera.main.eye=[0, 3, 0]";
+    let reflected = mean(&render(gpu, &text, &[eye], &[]));
+    let white = ["material.black.emission=[1, 1, 1]", eye];
+    let both = mean(&render(gpu, &text, &white, &[]));
+    assert_close(reflected[0], 0.8, 0.02); // .04 × 20
+    assert_close(reflected[1], 0.2, 0.05);
+    for channel in 0..3 {
+        assert_close(both[channel] - reflected[channel], 0.2, 0.05);
+    }
+}
+
 /// Mirrors show cloth as the camera sees it, by rays and by the march.
 #[test]
 fn reflections_show_sheen_and_tints_too() {

@@ -159,6 +159,8 @@ def bsdf(text: Table) -> Table:
     names += ("sheen_roughness",)
     numbers = {name: float(text[name]) for name in names if name in text}
     for name in ("specular", "sheen"):
-        for channel, value in zip(("red", "green", "blue"), text.get(f"{name}_color", ())):
+        for channel, value in zip(
+            ("red", "green", "blue"), text.get(f"{name}_color", ()), strict=False
+        ):
             numbers[f"{name}_{channel}"] = float(value)
     return {"type": "khronos", "roughness": float(roughness), **numbers, **color}

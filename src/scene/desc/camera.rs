@@ -24,7 +24,8 @@ pub struct CameraDesc {
     pub fov_deg: f32,
     /// Height of what the picture shows, meters, above 0: makes the camera orthographic. Its rays are parallel, so
     /// that nothing shrinks with distance; `fov_deg` has no meaning then. Default: perspective. Where such a camera
-    /// sees surfaces edge-on, as walls from straight above, no pixel shows them, so `hybrid` traces every reflection.
+    /// sees surfaces edge-on, as walls from straight above, no pixel shows them: where they have the area of more
+    /// than 16 × 16 pixels, `hybrid` traces every reflection.
     pub orthographic_height_m: Option<f32>,
     /// Nearest visible distance, meters, above 0. There is no far plane.
     pub near_m: f32,

@@ -11,6 +11,7 @@ use std::{
 use glam::DVec4;
 use serde::Deserialize;
 
+pub use self::pointer::moved_material_keys;
 use self::pointer::{pointed_at, weights_pointed_at};
 use super::{
     Fault, Notes,

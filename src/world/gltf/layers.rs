@@ -12,16 +12,18 @@ use crate::world::{LAYER_SLOTS, LayerTexture, Material, TextureRef};
 pub type FindTexture<'a> =
     dyn FnMut(&Option<TextureInfo>, bool, &str) -> Result<Option<TextureRef>, Fault> + 'a;
 
-/// Reads the factors and textures into `out`.
+/// Reads the factors and textures into `out`. `moves` says of a key of scene text whether an animation of the file
+/// moves it: then the layer is there, even where it is nothing at rest.
 pub fn read(
     extensions: &MaterialExtensions,
     out: &mut Material,
+    moves: &dyn Fn(&str) -> bool,
     texture: &mut FindTexture<'_>,
 ) -> Result<(), Fault> {
-    specular(extensions, out)?;
-    sheen(extensions, out)?;
-    transmission(extensions, out)?;
-    clearcoat(extensions, out)?;
+    specular(extensions, out, moves)?;
+    sheen(extensions, out, moves)?;
+    transmission(extensions, out, moves)?;
+    clearcoat(extensions, out, moves)?;
     let is_used = [
         out.specular.is_some(),
         out.specular_color.is_some(),
@@ -77,7 +79,11 @@ pub fn note_ignored(extensions: &MaterialExtensions, place: &str, notes: &mut No
     notes.add("layer-texture-ignored", u64::from(has_normals), what, place);
 }
 
-fn specular(extensions: &MaterialExtensions, out: &mut Material) -> Result<(), Fault> {
+fn specular(
+    extensions: &MaterialExtensions,
+    out: &mut Material,
+    moves: &dyn Fn(&str) -> bool,
+) -> Result<(), Fault> {
     let ior = extensions.ior.as_ref().and_then(|e| e.ior).unwrap_or(1.5);
     // 0 stands for an infinite index.
     if !(ior == 0.0 || ior >= 1.0 && ior.is_finite()) {
@@ -98,19 +104,25 @@ fn specular(extensions: &MaterialExtensions, out: &mut Material) -> Result<(), F
     let color = specular.specular_color_factor.unwrap_or([1.0; 3]);
     check(&color, "specular factors must be finite")?;
     check(&[factor], "specular factors must be finite")?;
-    if factor <= 0.0 {
+    let is_kept = moves("specular");
+    // Glass bends light by its index, also where it mirrors none.
+    if factor <= 0.0 && !is_kept && extensions.transmission.is_none() {
         out.reflectivity = 0.0;
         return Ok(());
     }
-    let has_texture = specular.specular_texture.is_some();
-    out.specular = (factor < 1.0 || has_texture).then_some(factor.min(1.0));
+    let is_kept = is_kept || specular.specular_texture.is_some();
+    out.specular = (factor < 1.0 || is_kept).then_some(factor.clamp(0.0, 1.0));
     let color = Vec3::from_array(color).clamp(Vec3::ZERO, Vec3::splat(1e4));
-    let has_texture = specular.specular_color_texture.is_some();
-    out.specular_color = (color != Vec3::ONE || has_texture).then_some(color);
+    let is_kept = specular.specular_color_texture.is_some() || moves("specular_color");
+    out.specular_color = (color != Vec3::ONE || is_kept).then_some(color);
     Ok(())
 }
 
-fn sheen(extensions: &MaterialExtensions, out: &mut Material) -> Result<(), Fault> {
+fn sheen(
+    extensions: &MaterialExtensions,
+    out: &mut Material,
+    moves: &dyn Fn(&str) -> bool,
+) -> Result<(), Fault> {
     let Some(sheen) = &extensions.sheen else {
         return Ok(());
     };
@@ -119,18 +131,22 @@ fn sheen(extensions: &MaterialExtensions, out: &mut Material) -> Result<(), Faul
     check(&color, "sheen factors must be finite")?;
     check(&[roughness], "sheen factors must be finite")?;
     let color = Vec3::from_array(color).clamp(Vec3::ZERO, Vec3::ONE);
-    out.sheen_color = (color != Vec3::ZERO).then_some(color);
+    out.sheen_color = (color != Vec3::ZERO || moves("sheen_color")).then_some(color);
     out.sheen_roughness = roughness.clamp(0.0, 1.0);
     Ok(())
 }
 
-fn transmission(extensions: &MaterialExtensions, out: &mut Material) -> Result<(), Fault> {
+fn transmission(
+    extensions: &MaterialExtensions,
+    out: &mut Material,
+    moves: &dyn Fn(&str) -> bool,
+) -> Result<(), Fault> {
     let Some(transmission) = &extensions.transmission else {
         return Ok(());
     };
     let share = transmission.transmission_factor.unwrap_or(0.0);
     check(&[share], "transmissionFactor must be finite")?;
-    out.transmission = (share > 0.0).then_some(share.min(1.0));
+    out.transmission = (share > 0.0 || moves("transmission")).then_some(share.clamp(0.0, 1.0));
     // 0 stands for an infinite index, which lets nothing through.
     let ior = extensions.ior.as_ref().and_then(|e| e.ior).unwrap_or(1.5);
     out.ior = if ior == 0.0 { 1.5 } else { ior };
@@ -155,14 +171,18 @@ fn transmission(extensions: &MaterialExtensions, out: &mut Material) -> Result<(
     Ok(())
 }
 
-fn clearcoat(extensions: &MaterialExtensions, out: &mut Material) -> Result<(), Fault> {
+fn clearcoat(
+    extensions: &MaterialExtensions,
+    out: &mut Material,
+    moves: &dyn Fn(&str) -> bool,
+) -> Result<(), Fault> {
     let Some(coat) = &extensions.clearcoat else {
         return Ok(());
     };
     let strength = coat.clearcoat_factor.unwrap_or(0.0);
     let roughness = coat.clearcoat_roughness_factor.unwrap_or(0.0);
     check(&[strength, roughness], "clearcoat factors must be finite")?;
-    out.clearcoat = (strength > 0.0).then_some(strength.min(1.0));
+    out.clearcoat = (strength > 0.0 || moves("clearcoat")).then_some(strength.clamp(0.0, 1.0));
     out.clearcoat_roughness = roughness.clamp(0.0, 1.0);
     Ok(())
 }

@@ -7,6 +7,7 @@ use glam::{Vec3, Vec4};
 use super::{
     Fault, Model, Notes,
     accessor::Data,
+    animation::moved_material_keys,
     finite, label, layers,
     schema::{self, Root, TextureInfo},
     specular_glossiness,
@@ -25,9 +26,12 @@ pub fn read(
     notes: &mut Notes,
 ) -> Result<(), Fault> {
     let mut textures = Textures::new(root, data, folder, sandbox);
+    let moved = moved_material_keys(root);
     for (i, material) in root.materials.iter().enumerate() {
         let place = label("material", i, material.name.as_deref());
-        let mut read = convert(material, &place, &mut textures, notes).map_err(|f| f.at(&place))?;
+        let moves = |key: &str| moved.contains(&(i, key));
+        let read = convert(material, &place, &moves, &mut textures, notes);
+        let mut read = read.map_err(|f| f.at(&place))?;
         model.uv_sets.push(choose_uv_sets(&mut read, &place, notes));
         let name = material
             .name
@@ -36,7 +40,8 @@ pub fn read(
         model.materials.push(Material { name, ..read });
     }
     // Primitives without a material get glTF's defaults: white, metallic 1, roughness 1.
-    let default = convert(&schema::Material::default(), "", &mut textures, notes)?;
+    let default = schema::Material::default();
+    let default = convert(&default, "", &|_| false, &mut textures, notes)?;
     model.materials.push(Material {
         name: "default".into(),
         ..default
@@ -74,6 +79,7 @@ fn choose_uv_sets(material: &mut Material, place: &str, notes: &mut Notes) -> [u
 fn convert(
     material: &schema::Material,
     place: &str,
+    moves: &dyn Fn(&str) -> bool,
     textures: &mut Textures<'_>,
     notes: &mut Notes,
 ) -> Result<Material, Fault> {
@@ -90,7 +96,7 @@ fn convert(
     out.normal_texture = texture(&material.normal_texture, false, "normalTexture")?;
     out.occlusion_texture = texture(&material.occlusion_texture, false, "occlusionTexture")?;
     out.emission_texture = texture(&material.emissive_texture, true, "emissiveTexture")?;
-    layers::read(&material.extensions, &mut out, &mut texture)?;
+    layers::read(&material.extensions, &mut out, moves, &mut texture)?;
     layers::note_ignored(&material.extensions, place, notes);
     out.alpha_cutoff = alpha(material)?;
     out.blended = material.alpha_mode.as_deref() == Some("BLEND");

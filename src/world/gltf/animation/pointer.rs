@@ -1,6 +1,6 @@
 //! KHR_animation_pointer: what a pointer names.
 
-use std::f64::consts::PI;
+use std::{collections::HashSet, f64::consts::PI};
 
 use glam::DVec4;
 
@@ -168,6 +168,27 @@ fn target(root: &Root, pointer: &str) -> Option<Target> {
         lanes,
         factor,
     })
+}
+
+/// Materials of the file, and their keys of scene text, that some animation moves.
+pub fn moved_material_keys(root: &Root) -> HashSet<(usize, &'static str)> {
+    // Animations are read when they are played.
+    let channels = root
+        .animations
+        .iter()
+        .filter_map(|a| a["channels"].as_array());
+    let pointers = channels.flatten().filter_map(|channel| {
+        channel["target"]["extensions"]["KHR_animation_pointer"]["pointer"].as_str()
+    });
+    let moved = pointers.filter_map(|pointer| match target(root, pointer)? {
+        Target {
+            object: Pointed::Material(index),
+            value: PointedValue::Field(key),
+            ..
+        } => Some((index, key)),
+        _ => None,
+    });
+    moved.collect()
 }
 
 fn material_value(rest: &str) -> Option<(PointedValue, usize)> {
