@@ -325,7 +325,8 @@ fn onward_origin(s: Surface, direction: vec3f) -> vec3f {
     return ray_origin(s.position, s.geometric_normal * select(1.0, -1.0, dot(direction, s.geometric_normal) < 0.0));
 }
 
-// What a surface is to light that passes straight through it: its material's numbers alone.
+// What a surface is to light that passes straight through it: its material, without the textures of its color, its
+// normal and its roughness.
 fn pane_at(h: Hit, direction: vec3f) -> Surface {
     let m = instances[h.instance].material;
     var s = material_surface(m);
@@ -338,6 +339,7 @@ fn pane_at(h: Hit, direction: vec3f) -> Surface {
     s.normal = select(normal, -normal, dot(normal, direction) > 0.0);
     s.transmission = materials[m].transmission * layer_texel(TRANSMISSION_SLOT, h.instance, c.index, h.bary, 1.0, 0.0).x;
     s.clearcoat = materials[m].clearcoat * layer_texel(CLEARCOAT_SLOT, h.instance, c.index, h.bary, 1.0, 0.0).x;
+    s = with_textured_details(s, h.instance, c.index, h.bary, 1.0, 0.0);
     s.absorption = materials[m].absorption;
     s.alpha = 1.0;
     if (materials[m].is_blended != 0u) { s.alpha = material_alpha(m, h.instance, c.index, h.bary, 0.0, 1.0); }

@@ -213,14 +213,7 @@ fn surface_at(instance: u32, triangle: u32, bary: vec2f, direction: vec3f, cone_
         s.alpha = 1.0;
         if (materials[m].is_blended != 0u) { s.alpha = material_alpha(m, instance, c.index, bary, footprint, area2); }
     }
-    if (HAS_TINTS && LAYER_POOLS != 0u) {
-        s.specular *= layer_texel(SPECULAR_SLOT, instance, c.index, bary, area2, footprint).w;
-        s.specular_color *= layer_texel(SPECULAR_COLOR_SLOT, instance, c.index, bary, area2, footprint).xyz;
-    }
-    if (HAS_SHEEN && LAYER_POOLS != 0u) {
-        s.sheen_color *= layer_texel(SHEEN_COLOR_SLOT, instance, c.index, bary, area2, footprint).xyz;
-        s.sheen_roughness *= layer_texel(SHEEN_ROUGHNESS_SLOT, instance, c.index, bary, area2, footprint).w;
-    }
+    s = with_textured_details(s, instance, c.index, bary, area2, footprint);
     let below = dot(n, ng);
     if (below < 0.0) { n = normalize(n - 2.0 * below * ng); }
     s.normal = n;
@@ -233,6 +226,20 @@ fn texel_at(used: TextureUse, pools: u32, instance: u32, index: array<u32, 3>, b
     if (pools == 0u || used.layer == NONE) { return vec4f(1.0); }
     let at = slot_uv(used, instance, index, bary, area2, footprint);
     return sample_slot(used, at.uv, at.footprint, pools);
+}
+
+// What textures leave of the tint, the strength and the sheen of a material.
+fn with_textured_details(s0: Surface, instance: u32, index: array<u32, 3>, bary: vec2f, area2: f32, footprint: f32) -> Surface {
+    var s = s0;
+    if (HAS_TINTS && LAYER_POOLS != 0u) {
+        s.specular *= layer_texel(SPECULAR_SLOT, instance, index, bary, area2, footprint).w;
+        s.specular_color *= layer_texel(SPECULAR_COLOR_SLOT, instance, index, bary, area2, footprint).xyz;
+    }
+    if (HAS_SHEEN && LAYER_POOLS != 0u) {
+        s.sheen_color *= layer_texel(SHEEN_COLOR_SLOT, instance, index, bary, area2, footprint).xyz;
+        s.sheen_roughness *= layer_texel(SHEEN_ROUGHNESS_SLOT, instance, index, bary, area2, footprint).w;
+    }
+    return s;
 }
 
 // The same of `Material.layer_textures`.
