@@ -12,10 +12,11 @@ use std::{
 use super::{
     dependencies::Dependencies,
     desc::{Entry, ParamValue, SceneDesc},
-    diagnostic::Diagnostic,
+    diagnostic::{Diagnostic, Span},
     motion::{FrameState, Motion, Names},
     parse::{self, Document, PlacedScript, RanScript, ReadOptions, ScriptInput, Texts},
     script::Script,
+    suggest,
 };
 
 /// A description with its compiled script.
@@ -33,8 +34,21 @@ struct ScriptOfPlaced {
     script: Script,
     /// Name of the group that stands for the scene.
     group: String,
+    /// Where it is placed.
+    at: Span,
     /// What the scene itself declares.
     params: Vec<Entry<ParamValue>>,
+}
+
+impl ScriptOfPlaced {
+    /// Says which of the places of its scene an error is about.
+    fn explain(&self, mut errors: Vec<Diagnostic>) -> Vec<Diagnostic> {
+        for error in &mut errors {
+            let note = || format!("of {}, which is placed here", suggest::text(&self.group));
+            (error.related).get_or_insert_with(|| (self.at.clone(), note()));
+        }
+        errors
+    }
 }
 
 /// A scene and warnings, or all messages, errors and warnings alike.
@@ -131,6 +145,7 @@ impl Scene {
         let script_of = |placed: PlacedScript| ScriptOfPlaced {
             script: ran[placed.number].0.clone(),
             group: placed.group,
+            at: placed.at,
             params: placed.params,
         };
         let placed = of_placed.into_iter().map(script_of).collect();
@@ -174,22 +189,29 @@ fn run_setup(
     Ok(Some((script, text, log)))
 }
 
-/// Loads the script of a placed scene and calls its `setup`; keeps it with the lines that it printed.
+/// Loads the script of a placed scene, where it is not known yet, and calls its `setup`; keeps it with the
+/// lines that it printed.
 fn run_placed(
     input: &ScriptInput,
     dependencies: &Dependencies,
     all: &RefCell<Vec<(Script, Vec<String>)>>,
 ) -> Result<RanScript, Box<Diagnostic>> {
-    let script = Script::load(input.folders, input.file, dependencies)?;
+    let script = match input.known {
+        Some(number) => all.borrow()[number].0.clone(),
+        None => Script::load(input.folders, input.file, dependencies)?,
+    };
     let (text, log) = script.setup(input.params, input.timeline)?;
     let mut all = all.borrow_mut();
     let ran = RanScript {
-        number: all.len(),
+        number: input.known.unwrap_or(all.len()),
         name: script.name().to_owned(),
         text,
         returned: script.returned(),
     };
-    all.push((script, log));
+    match input.known {
+        Some(number) => all[number].1.extend(log),
+        None => all.push((script, log)),
+    }
     Ok(ran)
 }
 
@@ -206,11 +228,10 @@ impl<'a> Animator<'a> {
     /// Prepares the motion of a scene.
     pub fn new(scene: &'a Scene) -> Self {
         let motion = Motion::new(&scene.desc);
-        let placed = scene.placed.iter();
-        let names = placed.map(|placed| Arc::new(motion.names().within(&placed.group)));
+        let groups: Vec<_> = scene.placed.iter().map(|p| p.group.as_str()).collect();
         Self {
             scene,
-            placed_names: names.collect(),
+            placed_names: motion.names().of_placed(&groups),
             motion,
         }
     }
@@ -234,7 +255,8 @@ impl<'a> Animator<'a> {
         let mut touched: HashSet<_> = HashSet::new();
         let timeline = self.scene.timeline.as_ref();
         for (placed, names) in self.scene.placed.iter().zip(&self.placed_names) {
-            let (posed, more) = (placed.script).frame(state, names, &placed.params, timeline)?;
+            let ran = (placed.script).frame(state, names, &placed.params, timeline);
+            let (posed, more) = ran.map_err(|errors| placed.explain(errors))?;
             state = posed;
             touched.extend(more);
         }

@@ -167,6 +167,51 @@ fn scripts_of_inner_scenes_have_the_names_of_their_own_scene() {
 }
 
 #[test]
+fn each_placed_scene_has_its_own_params() {
+    let shot = SHOT.replacen(
+        "\"cars/car.toml\" }",
+        "\"cars/car.toml\", params = { bolts = 3, speed = 2 } }",
+        1,
+    );
+    let scene = folder("params", &shot, DRIVE).expect();
+    let state = pose(&scene, 4);
+    assert_eq!(place(&scene, &state, "left.body").z, 8.0);
+    assert_eq!(place(&scene, &state, "right.body").z, 2.0);
+    let named = |start: &str| {
+        let names = scene.node_names().flatten();
+        names.filter(|name| name.starts_with(start)).count()
+    };
+    assert_eq!([named("left.bolt"), named("right.bolt")], [3, 2]);
+    assert_eq!(scene.scripts().count(), 1, "one file");
+    let set = "instance.left.model.params.speed=3";
+    let scene = folder("params-set", &shot, DRIVE).read(&[], &[set]);
+    let scene = scene.unwrap_or_else(|errors| panic!("{errors}"));
+    assert_eq!(place(&scene, &pose(&scene, 4), "left.body").z, 12.0);
+}
+
+#[test]
+fn params_that_a_placed_scene_does_not_have_are_refused() {
+    for (name, params, says) in [
+        (
+            "unknown",
+            "params = { sped = 2 }",
+            "no parameter is named \"sped\"\n --> shot/scene.toml:7:47",
+        ),
+        (
+            "kind",
+            "params = { bolts = 2.5 }",
+            "`bolts` is a whole number, not 2.5",
+        ),
+        ("table", "params = 3", "`params` must be a table"),
+        ("key", "parms = { speed = 2 }", "did you mean `params`?"),
+    ] {
+        let with = format!("\"cars/car.toml\", {params} }}");
+        let shot = SHOT.replacen("\"cars/car.toml\" }", &with, 1);
+        folder(&format!("params-{name}"), &shot, DRIVE).assert_says(&[], &[says]);
+    }
+}
+
+#[test]
 fn mistakes_of_placed_scripts_are_named() {
     let frame = folder(
         "frame",
@@ -174,6 +219,10 @@ fn mistakes_of_placed_scripts_are_named() {
         &DRIVE.replace("ctx.place(\"body\"", "ctx.place(\"boddy\""),
     );
     frame.assert_frame("no instance is named \"boddy\"; did you mean \"body\"?");
+    let errors = frame.expect().pose(0).expect_err("it is wrong");
+    let (at, note) = errors[0].related.as_ref().expect("the place of the scene");
+    assert_eq!(&SHOT[at.range.clone()], "\"left\"");
+    assert_eq!(note, "of \"left\", which is placed here");
     for (name, from, to, says) in [
         (
             "missing",

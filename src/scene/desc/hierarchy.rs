@@ -24,6 +24,8 @@ pub struct GroupDesc {
 ///
 /// - `scene`: name of the file, looked for beside the scene, then in each `--assets` folder. Names of
 ///   files in it start from its own folder, then from those of this scene.
+/// - `params`: values for what the scene declares in its `[params]`, such as `{ speed = 3 }`, which its
+///   script reads; of the same kinds. Default: as it declares them.
 pub struct PlacedSceneDesc;
 
 /// What shows an instance; of what hangs on it, its own keys say that.

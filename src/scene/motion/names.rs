@@ -1,6 +1,6 @@
 //! What tracks and scripts may name.
 
-use std::collections::HashMap;
+use std::{collections::HashMap, sync::Arc};
 
 use super::{changing_overrides, file_materials, moving, override_of, written};
 use crate::scene::desc::{At, Entry, MaterialDesc, Parents, SceneDesc};
@@ -19,7 +19,14 @@ pub struct Names {
     pub materials: HashMap<String, usize>,
     /// Of [`file_materials`], by model and material.
     pub file_materials: HashMap<(String, String), usize>,
-    /// What the scene's tables say of each of those.
+    /// What is known by index, shared with the names of placed scenes.
+    pub known: Arc<Known>,
+}
+
+/// What scripts may do with what has a name, by its index.
+#[derive(Debug, Default)]
+pub struct Known {
+    /// What the scene's tables say of each of [`file_materials`].
     pub written: Vec<MaterialDesc>,
     /// What the own `material = { … }` of an instance says, where it may change.
     pub overrides: HashMap<usize, MaterialDesc>,
@@ -36,29 +43,49 @@ pub struct Names {
 }
 
 impl Names {
-    /// Those of a placed scene, as it calls them itself; `group` stands for it.
-    pub fn within(&self, group: &str) -> Self {
-        let own = |name: &str| {
-            let name = name.strip_prefix(group)?.strip_prefix('.')?;
-            Some(name.to_owned())
+    /// Those of placed scenes, as they call them themselves; a group stands for each.
+    pub fn of_placed(&self, groups: &[&str]) -> Vec<Arc<Self>> {
+        let empty = || Self {
+            known: Arc::clone(&self.known),
+            ..Self::default()
         };
-        let those = |all: &HashMap<String, usize>| {
-            let all = all.iter();
-            all.filter_map(|(name, index)| Some((own(name)?, *index)))
-                .collect()
+        let mut all: Vec<_> = groups.iter().map(|_| empty()).collect();
+        let numbers: HashMap<_, _> = groups.iter().enumerate().map(|(i, g)| (*g, i)).collect();
+        // Where a name goes on after a group: in "a.b.c" after "a" and after "a.b".
+        let inside = |name: &str| -> Vec<(usize, String)> {
+            let dots = name.match_indices('.');
+            let found = dots.filter_map(|(dot, _)| {
+                let number = numbers.get(&name[..dot])?;
+                Some((*number, name[dot + 1..].to_owned()))
+            });
+            found.collect()
         };
-        let of_files = self.file_materials.iter();
-        let of_files = of_files.filter_map(|((model, material), index)| {
-            Some(((own(model)?, material.clone()), *index))
-        });
-        Self {
-            cameras: those(&self.cameras),
-            instances: those(&self.instances),
-            lights: those(&self.lights),
-            materials: those(&self.materials),
-            file_materials: of_files.collect(),
-            ..self.clone()
+        let tables: [fn(&mut Self) -> &mut HashMap<String, usize>; 4] = [
+            |names| &mut names.cameras,
+            |names| &mut names.instances,
+            |names| &mut names.lights,
+            |names| &mut names.materials,
+        ];
+        let own = [
+            &self.cameras,
+            &self.instances,
+            &self.lights,
+            &self.materials,
+        ];
+        for (table, own) in tables.into_iter().zip(own) {
+            for (name, index) in own {
+                for (number, own) in inside(name) {
+                    table(&mut all[number]).insert(own, *index);
+                }
+            }
         }
+        for ((model, material), index) in &self.file_materials {
+            for (number, own) in inside(model) {
+                let key = (own, material.clone());
+                all[number].file_materials.insert(key, *index);
+            }
+        }
+        all.into_iter().map(Arc::new).collect()
     }
 
     /// Of a scene.
@@ -80,21 +107,23 @@ impl Names {
             file_materials: (of_files.iter().enumerate())
                 .map(|(i, m)| ((m.model.to_owned(), m.material.to_owned()), i))
                 .collect(),
-            written: of_files.iter().map(|m| written(desc, m)).collect(),
-            overrides: (changing_overrides(desc).into_iter().enumerate())
-                .filter(|(_, changes)| *changes)
-                .filter_map(|(i, _)| Some((i, override_of(&desc.instances[i])?.clone())))
-                .collect(),
-            dynamic: moving(desc),
-            playing: desc
-                .instances
-                .iter()
-                .map(|i| desc.played_by(i).is_some())
-                .chain(desc.groups.iter().map(|_| false))
-                .collect(),
-            joints: desc.instances.iter().map(|i| values(&i.joints)).collect(),
-            morphs: desc.instances.iter().map(|i| values(&i.morphs)).collect(),
-            parents: desc.parents.clone(),
+            known: Arc::new(Known {
+                written: of_files.iter().map(|m| written(desc, m)).collect(),
+                overrides: (changing_overrides(desc).into_iter().enumerate())
+                    .filter(|(_, changes)| *changes)
+                    .filter_map(|(i, _)| Some((i, override_of(&desc.instances[i])?.clone())))
+                    .collect(),
+                dynamic: moving(desc),
+                playing: desc
+                    .instances
+                    .iter()
+                    .map(|i| desc.played_by(i).is_some())
+                    .chain(desc.groups.iter().map(|_| false))
+                    .collect(),
+                joints: desc.instances.iter().map(|i| values(&i.joints)).collect(),
+                morphs: desc.instances.iter().map(|i| values(&i.morphs)).collect(),
+                parents: desc.parents.clone(),
+            }),
         }
     }
 }

@@ -1,7 +1,10 @@
 //! `[params]`: values with names of the user's choice, which the script reads.
 
 use serde_json::{Value as Json, json};
-use toml::de::{DeTable, DeValue};
+use toml::{
+    Spanned,
+    de::{DeString, DeTable, DeValue},
+};
 
 use super::{
     report::Report,
@@ -78,5 +81,69 @@ fn number(node: &Node, key: &str, report: &mut Report) -> Option<f64> {
             .map(|x| x as f64),
         DeValue::Float(f) => f.as_str().parse().ok(),
         _ => None,
+    }
+}
+
+/// Gives a declared parameter another value of its kind.
+pub fn set<'i>(
+    declared: &mut DeTable<'i>,
+    key: Spanned<DeString<'i>>,
+    value: Node<'i>,
+    report: &mut Report,
+) {
+    let name = key.get_ref();
+    let Some(old) = declared.get(name.as_ref()) else {
+        let names: Vec<_> = declared.keys().map(|k| k.get_ref().as_ref()).collect();
+        let message = format!("no parameter is named {}", suggest::text(name));
+        let help = match names.is_empty() {
+            true => "the scene has no `[params]`".to_owned(),
+            false => suggest::hint(name, &names, suggest::text, "the names are"),
+        };
+        report.error("dangling-name", &key.span(), message).help = Some(help);
+        return;
+    };
+    if !fits(old, &value, report) {
+        let (own, key) = (kind(old.get_ref()), suggest::key(name));
+        let (other, help) = match (old.get_ref(), value.get_ref()) {
+            (DeValue::Integer(i), DeValue::Float(x)) => {
+                let help = format!("declared as {i}.0 in `[params]` it takes any number");
+                (x.to_string(), Some(help))
+            }
+            (_, other) => (kind(other), None),
+        };
+        let message = format!("{key} is {own}, not {other}");
+        report.error("wrong-type", &value.span(), message).help = help;
+        return;
+    }
+    // Declared as a float it stays one, also where it is set to 3.
+    if matches!(old.get_ref(), DeValue::Float(_)) || report.is_float(old.span().start) {
+        report.keep_float(value.span().start);
+    }
+    // Removed first, so that the key's position is that of the new value.
+    declared.remove(key.get_ref().as_ref());
+    declared.insert(key, value);
+}
+
+/// Whether a parameter keeps its kind; a list also its length, as each place may have its meaning.
+fn fits(declared: &Node, value: &Node, report: &Report) -> bool {
+    match (declared.get_ref(), value.get_ref()) {
+        (DeValue::Float(_), DeValue::Integer(_)) => true,
+        // Set to 3 before, it is a float all the same.
+        (DeValue::Integer(_), DeValue::Float(_)) => report.is_float(declared.span().start),
+        (DeValue::Array(a), DeValue::Array(b)) => a.len() == b.len(),
+        (a, b) => std::mem::discriminant(a) == std::mem::discriminant(b),
+    }
+}
+
+/// The kind of a parameter, in words.
+fn kind(value: &DeValue) -> String {
+    match value {
+        DeValue::String(_) => "a text".into(),
+        DeValue::Integer(_) => "a whole number".into(),
+        DeValue::Float(_) => "a number".into(),
+        DeValue::Boolean(_) => "true or false".into(),
+        DeValue::Datetime(_) => "a date".into(),
+        DeValue::Array(items) => format!("a list of {}", items.len()),
+        DeValue::Table(_) => "a table".into(),
     }
 }

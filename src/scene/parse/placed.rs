@@ -128,7 +128,7 @@ impl<'i> Expansion<'_, 'i> {
         let DeValue::Table(mut group) = instance.into_inner() else {
             return;
         };
-        group.remove("model");
+        let given = self.params_of(group.remove("model"));
         let own = group.remove("name");
         let own = own.and_then(|node| Some((node.get_ref().as_str()?.to_owned(), node.span())));
         let (name, at) = own.unwrap_or((stem, at));
@@ -143,7 +143,7 @@ impl<'i> Expansion<'_, 'i> {
             .filter_map(|key| group.remove_entry(*key))
             .collect();
         let mut tree = self.tree(file);
-        let script = self.run_script(&mut tree, file, &name);
+        let script = self.run_script(&mut tree, file, (&name, &at), given);
         if let DeValue::Table(tree) = tree.get_mut() {
             let inner = self.scripts.len();
             self.expand(tree, &file.folder);
@@ -164,6 +164,22 @@ impl<'i> Expansion<'_, 'i> {
         if let DeValue::Table(tree) = tree.into_inner() {
             merge(root, tree);
         }
+    }
+
+    /// The `params` of `model = { scene = "car.toml", params = { … } }`.
+    fn params_of(&mut self, model: Option<Node<'i>>) -> Option<Node<'i>> {
+        let DeValue::Table(mut model) = model?.into_inner() else {
+            return None;
+        };
+        let params = model.remove("params");
+        for key in model.keys().filter(|key| key.get_ref() != "scene") {
+            let name = key.get_ref();
+            let message = format!("{} is no key of a placed scene", suggest::key(name));
+            let help = suggest::hint(name, &["scene", "params"], suggest::key, "the keys are");
+            let error = self.report.error("unknown-key", &key.span(), message);
+            error.help = Some(help);
+        }
+        params
     }
 
     /// The tree of a placed file, with its bases and what it includes.

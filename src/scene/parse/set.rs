@@ -8,7 +8,7 @@ use toml::{
     de::{DeTable, DeValue},
 };
 
-use super::{report::Report, syntax, value::Node};
+use super::{params, report::Report, syntax, value::Node};
 use crate::scene::suggest;
 
 /// Tables whose next name must exist already: a new one would most likely be a typing error.
@@ -150,77 +150,18 @@ fn put<'i>(root: &mut Node<'i>, path: &[Segment], value: Node<'i>, report: &mut 
             None => return,
         }
     }
-    if let (DeValue::Table(table), [params]) = (node.get_mut(), above)
-        && params.name == "params"
-        && !table.contains_key(last.name.as_str())
-    {
-        let names: Vec<_> = table.keys().map(|k| k.get_ref().as_ref()).collect();
-        let message = format!("no parameter is named {}", suggest::text(&last.name));
-        let help = match names.is_empty() {
-            true => "the scene has no `[params]`".to_owned(),
-            false => suggest::hint(&last.name, &names, suggest::text, "the names are"),
-        };
-        report.error("dangling-name", &last.at, message).help = Some(help);
-    } else if let (DeValue::Table(table), [params]) = (node.get_mut(), above)
-        && params.name == "params"
-        && let Some(declared) = table.get(last.name.as_str())
-        && !fits(declared, &value, report)
-    {
-        let (own, key) = (kind(declared.get_ref()), suggest::key(&last.name));
-        let (other, help) = match (declared.get_ref(), value.get_ref()) {
-            (DeValue::Integer(i), DeValue::Float(x)) => {
-                let help = format!("declared as {i}.0 in `[params]` it takes any number");
-                (x.to_string(), Some(help))
-            }
-            (_, other) => (kind(other), None),
-        };
-        let message = format!("{key} is {own}, not {other}");
-        report.error("wrong-type", &value.span(), message).help = help;
-    } else if let DeValue::Table(table) = node.get_mut() {
-        keep_kind(table.get(last.name.as_str()), above, &value, report);
-        // Removed first, so that the key's position is the option's.
-        table.remove(last.name.as_str());
-        table.insert(
-            Spanned::new(last.at.clone(), last.name.clone().into()),
-            value,
-        );
+    let is_param = matches!(above, [params] if params.name == "params");
+    if let DeValue::Table(table) = node.get_mut() {
+        let key = Spanned::new(last.at.clone(), last.name.clone().into());
+        if is_param {
+            params::set(table, key, value, report);
+        } else {
+            // Removed first, so that the key's position is the option's.
+            table.remove(last.name.as_str());
+            table.insert(key, value);
+        }
     } else if let Some(element) = step(node, last, New::Table, report) {
         *element = value;
-    }
-}
-
-/// A parameter that is declared as a float stays one, also where it is set to 3.
-fn keep_kind(declared: Option<&Node>, above: &[Segment], value: &Node, report: &mut Report) {
-    let is_param = matches!(above, [params] if params.name == "params");
-    let is_float = |declared: &Node| {
-        matches!(declared.get_ref(), DeValue::Float(_)) || report.is_float(declared.span().start)
-    };
-    if is_param && declared.is_some_and(is_float) {
-        report.keep_float(value.span().start);
-    }
-}
-
-/// Whether a parameter keeps its kind; a list also its length, as each place may have its meaning.
-fn fits(declared: &Node, value: &Node, report: &Report) -> bool {
-    match (declared.get_ref(), value.get_ref()) {
-        (DeValue::Float(_), DeValue::Integer(_)) => true,
-        // Set to 3 before, it is a float all the same.
-        (DeValue::Integer(_), DeValue::Float(_)) => report.is_float(declared.span().start),
-        (DeValue::Array(a), DeValue::Array(b)) => a.len() == b.len(),
-        (a, b) => std::mem::discriminant(a) == std::mem::discriminant(b),
-    }
-}
-
-/// The kind of a parameter, in words.
-fn kind(value: &DeValue) -> String {
-    match value {
-        DeValue::String(_) => "a text".into(),
-        DeValue::Integer(_) => "a whole number".into(),
-        DeValue::Float(_) => "a number".into(),
-        DeValue::Boolean(_) => "true or false".into(),
-        DeValue::Datetime(_) => "a date".into(),
-        DeValue::Array(items) => format!("a list of {}", items.len()),
-        DeValue::Table(_) => "a table".into(),
     }
 }
 

@@ -145,7 +145,7 @@ impl Context {
     /// Index of an instance that may move.
     fn movable(&self, name: &str) -> Result<usize> {
         let index = self.find("instance", name, |n| &n.instances)?;
-        if self.names()?.dynamic[index] {
+        if self.names()?.known.dynamic[index] {
             return Ok(index);
         }
         let shown = suggest::text(name);
@@ -227,7 +227,7 @@ impl Context {
     /// Where an instance or a group is now, in the world.
     pub fn matrix(&self, name: &str) -> Result<DMat4> {
         let index = self.find("instance", name, |n| &n.instances)?;
-        let parents = &self.names()?.parents;
+        let parents = &self.names()?.known.parents;
         let world = parents.world_of(&self.scene().state.instances, index);
         Ok(glam::Mat4::from(world).as_dmat4())
     }
@@ -235,7 +235,7 @@ impl Context {
     /// Sets the time inside the animations that an instance plays.
     pub fn animate(&self, name: &str, time_s: &Dynamic) -> Result<()> {
         let index = self.find("instance", name, |n| &n.instances)?;
-        if !self.names()?.playing[index] {
+        if !self.names()?.known.playing[index] {
             let shown = suggest::text(name);
             return fail(format!(
                 "instance {shown} plays nothing; write `animation = \"…\"` in its [[instance]]"
@@ -317,7 +317,7 @@ impl Context {
     /// Sets numbers of what an instance lays over its materials.
     pub fn instance_material(&self, name: &str, keys: &Map) -> Result<()> {
         let index = self.find("instance", name, |n| &n.instances)?;
-        let Some(own) = self.names()?.overrides.get(&index) else {
+        let Some(own) = self.names()?.known.overrides.get(&index) else {
             let shown = suggest::text(name);
             return fail(format!(
                 "instance {shown} has no `material = {{ … }}` of its own; write `material = {{}}` \
@@ -352,7 +352,7 @@ impl Context {
             return fail(format!("the scene has no table `[model.{path}]`; {hint}"));
         };
         let values = material_values(keys)?;
-        refuse_lacking(&values, &self.names()?.written[index], || {
+        refuse_lacking(&values, &self.names()?.known.written[index], || {
             let [model, name] = [model, name].map(suggest::clip);
             format!("`[model.{model}.material.{name}]`")
         })?;

@@ -1,14 +1,13 @@
 //! The files of placed scenes.
 
 use std::{
-    cell::OnceCell,
     collections::{HashMap, HashSet},
     path::{Path, PathBuf},
 };
 
 use toml::de::{DeTable, DeValue};
 
-use super::{placed_by, run::RanScript};
+use super::{placed_by, run::Runs};
 use crate::scene::{
     confined_read::{self, Kind},
     dependencies::Dependencies,
@@ -48,8 +47,8 @@ pub struct PlacedFile {
     pub included: Included,
     /// Its bases.
     pub bases: Vec<Base>,
-    /// Its script, once that was run; `None` where that failed, which was reported.
-    pub ran: OnceCell<Option<RanScript>>,
+    /// What its script gave.
+    pub runs: Runs,
 }
 
 impl PlacedFile {
@@ -243,7 +242,7 @@ fn read(
         folder,
         included,
         bases,
-        ran: OnceCell::new(),
+        runs: Runs::default(),
         file: Include {
             name,
             path: found.real.clone(),

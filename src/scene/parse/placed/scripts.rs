@@ -1,6 +1,8 @@
 //! Scripts of placed scenes: what their `setup` returns is laid into their trees before these are placed.
 
-use toml::de::DeValue;
+use std::ops::Range;
+
+use toml::de::{DeTable, DeValue};
 
 use super::{
     Expansion,
@@ -18,11 +20,15 @@ impl<'i> Expansion<'_, 'i> {
         &mut self,
         tree: &mut Node<'i>,
         file: &'i PlacedFile,
-        group: &str,
+        (group, at): (&str, &Range<usize>),
+        given: Option<Node<'i>>,
     ) -> Option<PlacedScript> {
         let DeValue::Table(table) = tree.get_mut() else {
             return None;
         };
+        if let Some(given) = given {
+            self.set_params(table, given);
+        }
         let node = table.remove("script")?;
         let DeValue::String(name) = node.get_ref() else {
             let message = "`script` must be text in quotes";
@@ -41,12 +47,13 @@ impl<'i> Expansion<'_, 'i> {
             value: name.to_string(),
             at: self.report.span(&node.span()),
         };
-        let ran = file.ran.get_or_init(|| {
+        let ran = file.runs.with(&params, |known| {
             let input = ScriptInput {
                 folders: &self.placed.folders_of(file),
                 file: &name,
                 params: &params,
                 timeline: self.timeline,
+                known,
             };
             let ran = (self.run)(&input);
             ran.map_err(|mistake| self.report.push(*mistake)).ok()
@@ -59,8 +66,30 @@ impl<'i> Expansion<'_, 'i> {
         additions::merge(tree, &ran.text, base, self.report);
         Some(PlacedScript {
             group: group.to_owned(),
+            at: self.report.span(at),
             number: ran.number,
             params,
         })
+    }
+
+    /// Gives parameters of a placed scene the values of the place where it stands.
+    fn set_params(&mut self, tree: &mut DeTable<'i>, given: Node<'i>) {
+        let at = given.span();
+        let DeValue::Table(given) = given.into_inner() else {
+            let error = self
+                .report
+                .error("wrong-type", &at, "`params` must be a table");
+            error.help = Some("write `params = { speed = 3 }`".into());
+            return;
+        };
+        let mut none = DeTable::new();
+        let declared = tree.get_mut("params").map(Node::get_mut);
+        let declared = match declared {
+            Some(DeValue::Table(declared)) => declared,
+            _ => &mut none,
+        };
+        for (key, value) in given {
+            params::set(declared, key, value, self.report);
+        }
     }
 }

@@ -75,7 +75,8 @@ impl Section for PlacedScene {
     const HEADING: &'static str = "model = { scene = … }";
 
     fn read(t: &mut Table) -> Option<Self> {
-        t.need::<At<String>>("scene", ANY)?;
+        t.need::<At<String>>("scene", ANY);
+        t.params("params");
         Some(Self)
     }
 }

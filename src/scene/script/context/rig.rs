@@ -17,7 +17,7 @@ const KEYS: [&str; 4] = ["translation", "rotation", "scale", "turn"];
 impl Context {
     /// Poses a node of an instance's file, relative to its parent.
     pub fn joint(&self, name: &str, joint: &str, keys: &Map) -> Result<()> {
-        let place = self.listed(name, joint, "joint", |names| &names.joints)?;
+        let place = self.listed(name, joint, "joint", |names| &names.known.joints)?;
         let mut scene = self.scene();
         let mut pose = scene.state.joints.get(&place).copied().unwrap_or_default();
         for (key, value) in keys {
@@ -29,7 +29,7 @@ impl Context {
 
     /// Sets the weight of a morph target of an instance's file.
     pub fn morph(&self, name: &str, target: &str, weight: &Dynamic) -> Result<()> {
-        let place = self.listed(name, target, "morph", |names| &names.morphs)?;
+        let place = self.listed(name, target, "morph", |names| &names.known.morphs)?;
         let weight = number(weight, "weight")?;
         if !within(weight) {
             return fail(format!(
