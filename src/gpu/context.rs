@@ -6,7 +6,7 @@ use std::{
     time::Duration,
 };
 
-use super::{compile_stats::CompileStats, error::GpuError};
+use super::{compile_stats::CompileStats, error::GpuError, shader_cache::ShaderCache};
 
 /// Environment variable with the adapter filter, as `--adapter`.
 pub const ADAPTER_ENV: &str = "REFLET_ADAPTER";
@@ -54,6 +54,8 @@ pub struct Gpu {
     pub features: wgpu::Features,
     /// Compile statistics of the device.
     pub compile_stats: CompileStats,
+    /// Shaders that renderers share.
+    pub(super) shaders: ShaderCache,
     /// The first error outside an error scope.
     fault: Arc<Mutex<Option<GpuError>>>,
 }
@@ -135,6 +137,7 @@ impl Gpu {
             instance: instance.clone(),
             adapter,
             compile_stats: CompileStats::default(),
+            shaders: ShaderCache::default(),
             device,
             queue,
             limits,

@@ -10,13 +10,14 @@ pub mod pipeline;
 pub mod readback;
 pub mod reflect;
 pub mod shader;
+mod shader_cache;
 pub mod timer;
 
 pub use bind::{GroupLayout, Named};
 pub use context::{Gpu, GpuOptions};
 pub use error::GpuError;
-pub(crate) use pipeline::Checks;
-pub use pipeline::Shader;
 pub use reflect::{ShaderModuleInfo, check};
 pub use shader::{ShaderError, ShaderLibrary, ShaderSource};
+pub(crate) use shader_cache::Checks;
+pub use shader_cache::Shader;
 pub use timer::Timer;

@@ -1,9 +1,6 @@
-//! Shader modules and pipelines, created in error scopes. Pipelines are cached per shader.
+//! Shader modules and pipelines, created in error scopes.
 
-use std::{
-    collections::HashMap,
-    sync::{Arc, Mutex, PoisonError, atomic::Ordering},
-};
+use std::sync::atomic::Ordering;
 
 use naga::valid::Capabilities;
 
@@ -11,54 +8,10 @@ use super::{
     bind::{GroupLayout, over_limits},
     context::Gpu,
     error::GpuError,
-    reflect::{self, Binding, ShaderModuleInfo},
+    reflect::{self, Binding},
     shader::{ShaderError, ShaderLibrary, ShaderSource},
+    shader_cache::{Checks, PipelineCache, Shader, get_or_make},
 };
-
-/// Run-time checks of a shader.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Checks {
-    /// Bounds checks and loop bounding.
-    All,
-    /// No bounds checks and no loop bounding, but only for text that was built into this
-    /// program; for anything else this is [`Checks::All`]. The caller must have validated every
-    /// index that the shader reads from buffers: no public function takes this.
-    TrustedBuiltin,
-}
-
-/// A checked shader on the device.
-#[derive(Clone, Debug)]
-pub struct Shader {
-    /// Reflection of the module.
-    pub info: ShaderModuleInfo,
-    /// The module.
-    pub module: wgpu::ShaderModule,
-    computes: PipelineCache<wgpu::ComputePipeline>,
-    renders: PipelineCache<wgpu::RenderPipeline>,
-}
-
-/// Pipeline cache, shared by clones of the shader.
-type PipelineCache<P> = Arc<Mutex<HashMap<String, P>>>;
-
-fn get_or_create<P: Clone>(
-    cache: &PipelineCache<P>,
-    key: String,
-    make: impl FnOnce() -> Result<P, GpuError>,
-) -> Result<P, GpuError> {
-    let known = |map: &PipelineCache<P>| {
-        map.lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .get(&key)
-            .cloned()
-    };
-    if let Some(pipeline) = known(cache) {
-        return Ok(pipeline);
-    }
-    let pipeline = make()?;
-    let mut map = cache.lock().unwrap_or_else(PoisonError::into_inner);
-    map.insert(key, pipeline.clone());
-    Ok(pipeline)
-}
 
 fn cache_key(what: &str, groups: &[&GroupLayout], constants: &[(&str, f64)]) -> String {
     let of = |b: &Binding| (b.group, b.binding, b.ty, b.visibility);
@@ -67,21 +20,27 @@ fn cache_key(what: &str, groups: &[&GroupLayout], constants: &[(&str, f64)]) -> 
     format!("{what} {constants:?} {bindings:?}")
 }
 
+impl Gpu {
+    /// Checks and creates assembled text, or finds what was made of the same text.
+    ///
+    /// # Errors
+    /// As [`Shader::new`].
+    pub(crate) fn shader(&self, source: ShaderSource, checks: Checks) -> Result<Shader, GpuError> {
+        (self.shaders).get_or_make(source, checks, |s| Shader::from_source(self, s, checks))
+    }
+}
+
 impl Shader {
     /// Loads, checks and creates the shader `name`.
     ///
     /// # Errors
     /// [`GpuError::Shader`] at the line in the author's file, or a wgpu error.
     pub fn new(gpu: &Gpu, library: &ShaderLibrary, name: &str) -> Result<Self, GpuError> {
-        Self::from_source(gpu, &library.source(name)?, Checks::All)
+        gpu.shader(library.source(name)?, Checks::All)
     }
 
     /// Checks and creates assembled text.
-    pub(crate) fn from_source(
-        gpu: &Gpu,
-        source: &ShaderSource,
-        checks: Checks,
-    ) -> Result<Self, GpuError> {
+    fn from_source(gpu: &Gpu, source: &ShaderSource, checks: Checks) -> Result<Self, GpuError> {
         let capabilities: Capabilities = reflect::capabilities(gpu.features);
         let info = reflect::check(source, capabilities)?;
         let module = gpu.scoped(&format!("shader {}", source.file), || {
@@ -139,7 +98,7 @@ impl Shader {
             return Err(ShaderError::new(&self.info.file, message).into());
         }
         self.check_constants(constants)?;
-        get_or_create(&self.computes, cache_key(entry, groups, constants), || {
+        get_or_make(&self.computes, cache_key(entry, groups, constants), |_| {
             let layout = self.pipeline_layout(gpu, groups)?;
             let label = format!("{}.{entry}", self.info.name);
             let descriptor = wgpu::ComputePipelineDescriptor {
@@ -173,7 +132,7 @@ impl Shader {
         make: impl FnOnce(&wgpu::PipelineLayout) -> wgpu::RenderPipeline,
     ) -> Result<wgpu::RenderPipeline, GpuError> {
         self.check_constants(constants)?;
-        get_or_create(&self.renders, cache_key(state, groups, constants), || {
+        get_or_make(&self.renders, cache_key(state, groups, constants), |_| {
             let layout = self.pipeline_layout(gpu, groups)?;
             gpu.scoped(&format!("pipeline {}", self.info.name), || {
                 gpu.compile_stats.pipeline(|| make(&layout))

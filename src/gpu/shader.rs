@@ -84,7 +84,7 @@ impl fmt::Display for ShaderError {
 impl std::error::Error for ShaderError {}
 
 /// An assembled shader with all its imports.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ShaderSource {
     /// Its name, such as `ssr`.
     pub name: String,

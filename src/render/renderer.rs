@@ -73,7 +73,7 @@ fn build_trees(
 }
 
 impl Renderer {
-    /// Uploads the world and builds every pipeline that its plan needs.
+    /// Uploads the world and builds every pipeline that its plan needs and the device does not have yet.
     ///
     /// # Errors
     /// Geometry or pictures past the adapter's limits, a shader that does not build.
@@ -82,30 +82,6 @@ impl Renderer {
         library: &ShaderLibrary,
         world: &World,
         options: &RenderOptions,
-    ) -> Result<Self, RenderError> {
-        Self::with_shaders(gpu, library, world, options, &Shaders::default())
-    }
-
-    /// A renderer for another world that takes over this one's shaders and pipelines.
-    ///
-    /// # Errors
-    /// As [`Renderer::new`].
-    pub fn with_world(
-        &self,
-        gpu: &Gpu,
-        library: &ShaderLibrary,
-        world: &World,
-        options: &RenderOptions,
-    ) -> Result<Self, RenderError> {
-        Self::with_shaders(gpu, library, world, options, &self.shaders)
-    }
-
-    fn with_shaders(
-        gpu: &Gpu,
-        library: &ShaderLibrary,
-        world: &World,
-        options: &RenderOptions,
-        shaders: &Shaders,
     ) -> Result<Self, RenderError> {
         check_world(world)?;
         let options = &options.settled();
@@ -117,7 +93,7 @@ impl Renderer {
         let scene = GpuScene::new(gpu, world, &trees)?;
         let plan = plan_of(world, &trees, &scene, options);
         let needed = needed_passes(&plan, options);
-        let shaders = shaders.updated(gpu, library, variant(&plan, &scene), &needed)?;
+        let shaders = Shaders::new(gpu, library, variant(&plan, &scene), &needed)?;
         let uniforms = FrameUniforms::new(gpu);
         let key = BindingKey::new(
             &plan,
@@ -169,7 +145,7 @@ impl Renderer {
         let world_key = WorldKey::of(world);
         let is_far = origin_of(given, options) != self.origin;
         if is_far || !world_key.has_same_uploads(&self.world_key) {
-            *self = self.with_world(gpu, library, given, options)?;
+            *self = Self::new(gpu, library, given, options)?;
             return Ok(RebuildSummary::NEW);
         }
         // Trees that nothing follows any more are kept while they fit: a preview that compares two
@@ -195,9 +171,7 @@ impl Renderer {
         let scene = new_scene.as_ref().unwrap_or(&self.scene);
         let plan = plan_of(world, trees, scene, options);
         let needed = needed_passes(&plan, options);
-        let shaders = self
-            .shaders
-            .updated(gpu, library, variant(&plan, scene), &needed)?;
+        let shaders = Shaders::new(gpu, library, variant(&plan, scene), &needed)?;
         let key = BindingKey::new(
             &plan,
             options,

@@ -6,37 +6,28 @@ use crate::gpu::{Gpu, GpuError, Shader, ShaderLibrary, ShaderModuleInfo, shader:
 
 use super::{pass::Pass, shader_variant::ShaderVariant};
 
-/// Validated shaders by pass name, each with its source text. Unused shaders stay cached with their
-/// pipelines.
-#[derive(Clone, Debug, Default)]
+/// Validated shaders by pass name, each with its source text.
+#[derive(Debug)]
 pub struct Shaders(HashMap<&'static str, (ShaderSource, Shader)>);
 
 impl Shaders {
-    /// Adds the needed shaders of `library`; shaders with unchanged text are reused.
+    /// The needed shaders of `library`; the device gives those that it has with their pipelines.
     ///
     /// # Errors
     /// The first shader error, at the line in the author's file.
-    pub fn updated(
-        &self,
+    pub fn new(
         gpu: &Gpu,
         library: &ShaderLibrary,
         variant: ShaderVariant,
         needed: &[&'static Pass],
     ) -> Result<Self, GpuError> {
         let library = variant.library(library)?;
-        let mut shaders = self.clone();
-        for pass in needed {
+        let shaders = needed.iter().map(|pass| {
             let source = library.source(pass.name)?;
-            let is_same = |(old, _): &(ShaderSource, Shader)| {
-                old.text == source.text && old.embedded == source.embedded
-            };
-            if shaders.0.get(pass.name).is_some_and(is_same) {
-                continue;
-            }
-            let shader = Shader::from_source(gpu, &source, pass.checks)?;
-            shaders.0.insert(pass.name, (source, shader));
-        }
-        Ok(shaders)
+            let shader = gpu.shader(source.clone(), pass.checks)?;
+            Ok((pass.name, (source, shader)))
+        });
+        shaders.collect::<Result<_, GpuError>>().map(Self)
     }
 
     /// Whether these passes have the same shaders in both.

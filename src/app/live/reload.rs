@@ -15,7 +15,7 @@ use crate::{
         watch::{Change, Changes},
     },
     gpu::{GpuError, ShaderError, ShaderLibrary},
-    render::{RebuildSummary, RenderError, RenderOptions},
+    render::{RebuildSummary, RenderError, RenderOptions, Renderer},
     scene::{desc::SceneDesc, diagnostic::Diagnostic, motion::FrameState, stages::Scene},
     session::scene_text::load_options,
     world::{World, load},
@@ -253,7 +253,7 @@ impl Live {
             if let Err(errors) = apply(&mut world) {
                 return Err(Refused::Pose(Box::new(read), errors));
             }
-            let built = (self.renderer).with_world(&self.gpu, &self.library, &world, &wanted);
+            let built = Renderer::new(&self.gpu, &self.library, &world, &wanted);
             self.renderer = built.map_err(|error| self.record_problem(error))?;
             (self.world, self.asset_cache) = (world, asset_cache);
             reload.rebuilt = RebuildSummary {

@@ -1,0 +1,114 @@
+//! The shaders of a device: renderers that use the same text share them with their pipelines.
+
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use super::{error::GpuError, reflect::ShaderModuleInfo, shader::ShaderSource};
+
+/// Maximum number of shaders kept; a frame has about 30. Those used last stay, so that a text that is
+/// being edited pushes out its own old versions.
+const SHADERS: usize = 64;
+
+/// Maximum number of pipelines kept for each: software drivers hold several MB of code for one.
+const PIPELINES: usize = 6;
+
+/// Run-time checks of a shader.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Checks {
+    /// Bounds checks and loop bounding.
+    All,
+    /// No bounds checks and no loop bounding, but only for text that was built into this
+    /// program; for anything else this is [`Checks::All`]. The caller must have validated every
+    /// index that the shader reads from buffers: no public function takes this.
+    TrustedBuiltin,
+}
+
+/// A checked shader on the device.
+#[derive(Clone, Debug)]
+pub struct Shader {
+    /// Reflection of the module.
+    pub info: ShaderModuleInfo,
+    /// The module.
+    pub module: wgpu::ShaderModule,
+    pub(super) computes: PipelineCache<wgpu::ComputePipeline>,
+    pub(super) renders: PipelineCache<wgpu::RenderPipeline>,
+}
+
+/// Things by key, the most recently used last.
+#[derive(Debug)]
+pub(super) struct Recent<K, V, const MOST: usize>(Vec<(K, V)>);
+
+impl<K, V, const MOST: usize> Default for Recent<K, V, MOST> {
+    fn default() -> Self {
+        Self(Vec::new())
+    }
+}
+
+impl<K: PartialEq, V: Clone, const MOST: usize> Recent<K, V, MOST> {
+    fn find(&mut self, key: &K) -> Option<V> {
+        let at = self.0.iter().position(|(other, _)| other == key)?;
+        let found = self.0.remove(at);
+        let value = found.1.clone();
+        self.0.push(found);
+        Some(value)
+    }
+
+    fn insert(&mut self, key: K, value: V) {
+        if self.0.len() >= MOST {
+            self.0.remove(0);
+        }
+        self.0.push((key, value));
+    }
+}
+
+/// Pipelines by entry point and state, shared by clones of the shader.
+pub(super) type PipelineCache<P> = Arc<Mutex<Recent<String, P, PIPELINES>>>;
+
+/// What is kept for this key, or what `make` makes. Other threads are not kept waiting meanwhile; two that make
+/// the same keep both until one is pushed out.
+///
+/// # Errors
+/// As `make`.
+pub(super) fn get_or_make<K: PartialEq, V: Clone, const MOST: usize>(
+    cache: &Mutex<Recent<K, V, MOST>>,
+    key: K,
+    make: impl FnOnce(&K) -> Result<V, GpuError>,
+) -> Result<V, GpuError> {
+    let known = locked(cache).find(&key);
+    if let Some(value) = known {
+        return Ok(value);
+    }
+    let value = make(&key)?;
+    locked(cache).insert(key, value.clone());
+    Ok(value)
+}
+
+fn locked<T>(cache: &Mutex<T>) -> MutexGuard<'_, T> {
+    cache.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Shaders by text.
+#[derive(Debug, Default)]
+pub(super) struct ShaderCache(Mutex<Recent<Key, Shader, SHADERS>>);
+
+#[derive(Debug, PartialEq, Eq)]
+struct Key {
+    /// With its file and line numbers, which errors of pipelines name.
+    source: ShaderSource,
+    checks: Checks,
+}
+
+impl ShaderCache {
+    /// The shader of this text, made by `make` where it is not known.
+    ///
+    /// # Errors
+    /// As `make`.
+    pub fn get_or_make(
+        &self,
+        source: ShaderSource,
+        checks: Checks,
+        make: impl FnOnce(&ShaderSource) -> Result<Shader, GpuError>,
+    ) -> Result<Shader, GpuError> {
+        let key = Key { source, checks };
+        get_or_make(&self.0, key, |key| make(&key.source))
+    }
+}
