@@ -14,7 +14,7 @@ fov_deg = 53.13010235
 aperture_f = 0.12
 [image]
 size = [64, 64]
-samples = 512
+samples = 128
 tone_map = "none"
 [environment]
 color = [0, 0, 0]

@@ -15,8 +15,8 @@ target = [0, 0, 0]
 up = [0, 0, -1]
 fov_deg = 1
 [image]
-size = [8, 8]
-samples = 64
+size = [32, 32]
+samples = 4
 tone_map = "none"
 [reflection]
 method = "rt"
@@ -78,7 +78,7 @@ fn a_sheen_in_even_light_shows_its_directional_albedo() {
     let cloth = "base_color = [0, 0, 0]\nreflectivity = 0\nsheen_color = [1, 0.5, 0.25]";
     let check = |light: &str, roughness: f64, angle_deg: f64| {
         let own = format!("{cloth}\nsheen_roughness = {roughness}");
-        let Some(found) = seen(angle_deg, &own, &[light, "image.samples=256"]) else {
+        let Some(found) = seen(angle_deg, &own, &[light, "image.samples=16"]) else {
             return;
         };
         let expected = sheen_albedo(angle_deg.to_radians().cos(), roughness) as f32;
@@ -176,7 +176,7 @@ fn what_a_tinted_lobe_leaves_is_not_tinted() {
         let set = [
             cutoff.as_str(),
             "reflection.multiple_scattering=true",
-            "image.samples=256",
+            "image.samples=16",
         ];
         let Some(found) = seen(40.0, own, &set) else {
             return;
@@ -226,11 +226,11 @@ fn reflections_show_sheen_and_tints_too() {
     let straight = [
         "camera.main.eye=[-9, 3, 0]",
         "instance.1.visible=false",
-        "image.samples=256",
+        "image.samples=16",
     ];
     let expected = mean(&render(gpu, &text, &straight, &[]));
     for (method, fov, size) in [
-        ("rt", "1", "[8, 8]"),
+        ("rt", "1", "[32, 32]"),
         ("ssr", "70", "[64, 64]"),
         ("hybrid", "70", "[64, 64]"),
     ] {
@@ -241,16 +241,21 @@ fn reflections_show_sheen_and_tints_too() {
             "camera.main.eye=[3, 3, 0]".to_owned(),
             "camera.main.up=[0, 1, 0]".to_owned(),
             "camera.main.target=[-3, 1, 0]".to_owned(),
-            "image.samples=64".to_owned(),
+            "image.samples=16".to_owned(),
         ];
         let set: Vec<&str> = set.iter().map(String::as_str).collect();
         let picture = render(gpu, &text, &set, &[]);
-        // The middle lies between pixels.
-        let half = picture.size[0] / 2;
-        let around =
-            [(1, 1), (1, 0), (0, 1), (0, 0)].map(|(x, y)| color(&picture, half - x, half - y));
+        // The 4 × 4 pixels around the middle.
+        let around = |at: u32| picture.size[0] / 2 - 2 + at;
+        let colors =
+            [0, 1, 2, 3].map(|y| [0, 1, 2, 3].map(|x| color(&picture, around(x), around(y))));
         for (channel, expected) in expected.into_iter().enumerate() {
-            let found = around.iter().map(|c| c[channel]).sum::<f32>() / 4.0;
+            let found = colors
+                .as_flattened()
+                .iter()
+                .map(|c| c[channel])
+                .sum::<f32>()
+                / 16.0;
             assert_close(found, expected, 0.02);
         }
     }
