@@ -304,6 +304,7 @@ impl Plan {
             panorama: self.panorama,
             layers: self.has_layers(),
             details: self.has_details(),
+            sheen: self.sheen,
             full: self.precision.full,
             conserved: self.multiple_scattering,
             ..ShaderVariant::default()
