@@ -95,7 +95,10 @@ pub struct Plan {
 
 /// Whether a material has a specular lobe that a reflection could replace.
 pub fn has_specular(material: &Material) -> bool {
-    material.reflectivity > 0.0 || material.metallic > 0.0 || material.clearcoat.is_some()
+    // Glass mirrors inside whatever its strength.
+    let is_dimmed = material.specular == Some(0.0) && !material.passes_light();
+    let dielectric = material.reflectivity > 0.0 && !is_dimmed;
+    dielectric || material.metallic > 0.0 || material.clearcoat.is_some()
 }
 
 /// Whether a material can reflect at all, so that its pixels are worth marching.
