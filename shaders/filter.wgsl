@@ -67,7 +67,7 @@ fn filtered(pixel: vec2u, center: vec3f) -> vec3f {
         let other = load_surface(vec2u(at));
         if (!is_spread(other)) { continue; }
         // Mirrored directions turn twice as much as normals, and lobes are about twice as wide as alpha.
-        let tilt2 = 2.0 * (1.0 - dot(s.normal, other.normal));
+        let tilt2 = 2.0 * (1.0 - dot(reflected_normal(s), reflected_normal(other)));
         let away_m = dot(other.position - s.position, s.geometric_normal);
         let rougher = (reflected_roughness(other) - roughness) / (0.2 * roughness);
         var weight = exp(-2.0 * r * r - tilt2 / (alpha * alpha) - rougher * rougher);

@@ -14,7 +14,7 @@ use crate::{
 
 pub mod error;
 pub mod model_viewer_scene;
-mod open_shutter;
+pub mod open_shutter;
 pub mod scene_renderer;
 pub mod scene_text;
 

@@ -210,4 +210,18 @@ fn closed_forms_need_no_samples() {
     assert_eq!(has(&sampled, "sampling"), [true; 2]);
     assert_eq!(has(&sampled, "panorama_density"), [false; 2]);
     assert_eq!(has(&panorama, "panorama_density"), [true; 2]);
+    let details = |sheen: bool| {
+        let variant = ShaderVariant {
+            details: true,
+            sheen,
+            ..ShaderVariant::default()
+        };
+        bindings(&variant.library(&embedded).unwrap_or_else(|e| panic!("{e}")))
+    };
+    let [tinted, sheen] = [false, true].map(details);
+    for name in ["sheen_table", "sheen_lambda"] {
+        assert!(!has(&tinted, name).contains(&true), "{name}");
+        assert!(has(&sheen, name)[0], "{name}");
+    }
+    assert!(has(&sheen, "sheen_table")[1]);
 }

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Compare two builds of Reflet pixel by pixel.
+"""Compare two builds of Reflet, pixel by pixel or by the time they take.
 
 Renders every shipped scene, and 8 frames of every film, with both programs: the tone-mapped
 picture as PNG, and linear color with all AOVs as EXR. Decoded PNG pixels and the EXR's channels and
@@ -7,6 +7,12 @@ data must be the same; other metadata, such as the fingerprint of a film's frame
 data is compared as compressed, so both builds need the same version of their EXR writer.
 
     tools/compare_builds.py OLD NEW [--assets DIR] [--cache DIR]
+
+With --pairs scenes are rendered instead by both programs in turns, and the ratio of their processor
+time is told: of a picture with one sub-frame, which is mostly reading and compiling, and of every
+further sub-frame.
+
+    tools/compare_builds.py OLD NEW --pairs 200 [--assets DIR] [--set KEY=VALUE] SCENE...
 
 Exit code: 0 equal, 1 different, 2 usage or a render that failed.
 """
@@ -17,6 +23,8 @@ import argparse
 import concurrent.futures
 import hashlib
 import json
+import os
+import statistics
 import struct
 import subprocess
 import sys
@@ -29,6 +37,8 @@ from PIL import Image
 ROOT = Path(__file__).resolve().parent.parent
 SIZE = "160x90"
 FILM_FRAMES = 8
+# What one sub-frame more costs is the mean of so many.
+MORE_SUB_FRAMES = 32
 # Attributes of the EXR header that say what its data is.
 EXR_LAYOUT = {b"channels", b"compression", b"dataWindow", b"displayWindow", b"lineOrder"}
 
@@ -160,6 +170,48 @@ def compare(old: Path, new: Path, works: list[Work]) -> tuple[int, list[str]]:
     return len(names), [name for name in names if not same_file(old / name, new / name)]
 
 
+def processor_s(program: Path, scene: Path, sub_frames: int, options: list[str | Path]) -> float:
+    """Processor time of all threads of a program that renders a picture, seconds."""
+    with tempfile.TemporaryDirectory() as folder:
+        out = Path(folder) / "picture.png"
+        size: list[str | Path] = ["--size", SIZE, "--samples", str(sub_frames)]
+        command = [program, "render", scene, "-o", out, *size, *options]
+        log = (Path(folder) / "log").open("w+")
+        with log, subprocess.Popen(command, stdout=log, stderr=log) as child:
+            _, status, used = os.wait4(child.pid, 0)
+            child.returncode = os.waitstatus_to_exitcode(status)
+            if child.returncode != 0:
+                log.seek(0)
+                raise CompareError(f"{' '.join(map(str, command))} failed:\n{log.read().strip()}")
+    return used.ru_utime + used.ru_stime
+
+
+def interval(values: list[float]) -> tuple[float, float, float]:
+    """Median, and bounds of it that hold with 95 % (order statistics of the binomial)."""
+    ordered = sorted(values)
+    reach = 0.98 * len(ordered) ** 0.5
+    middle = (len(ordered) - 1) / 2
+    low, high = max(round(middle - reach), 0), min(round(middle + reach), len(ordered) - 1)
+    return statistics.median(ordered), ordered[low], ordered[high]
+
+
+def tell_ratio(programs: list[Path], scene: Path, pairs: int, options: list[str | Path]) -> None:
+    """Print how long the second program takes, over the first."""
+    counts = (1, 1 + MORE_SUB_FRAMES)
+    ratios: dict[str, list[float]] = {"first": [], "further": []}
+    for pair in range(pairs):
+        # Who begins takes turns too.
+        order = programs if pair % 2 == 0 else programs[::-1]
+        took = {p: [processor_s(p, scene, count, options) for count in counts] for p in order}
+        old, new = (took[program] for program in programs)
+        ratios["first"].append(new[0] / old[0])
+        ratios["further"].append((new[1] - new[0]) / (old[1] - old[0]))
+    for name, values in ratios.items():
+        median, low, high = interval(values)
+        found = f"{median:.3f} of the time ({low:.3f} to {high:.3f})"
+        print(f"{scene.name}: {name} sub-frames take {found}, {pairs} pairs", flush=True)
+
+
 def main() -> int:
     """Run the command."""
     parser = argparse.ArgumentParser(
@@ -169,8 +221,21 @@ def main() -> int:
     parser.add_argument("new", type=Path, help="the program from now")
     parser.add_argument("--assets", type=Path, help="models of scenes/paper; left out without")
     parser.add_argument("--cache", type=Path, help="keep the pictures of each program here")
+    parser.add_argument("--pairs", type=int, help="compare the time, in so many turns")
+    parser.add_argument("--set", action="append", default=[], help="with --pairs: as of `render`")
+    parser.add_argument("scene", type=Path, nargs="*", help="with --pairs")
     args = parser.parse_args()
     assets: list[str | Path] = ["--assets", args.assets] if args.assets else []
+    if args.pairs:
+        options = assets + [word for text in args.set for word in ("--set", text)]
+        try:
+            programs = [program.resolve(strict=True) for program in (args.old, args.new)]
+            for scene in args.scene:
+                tell_ratio(programs, scene, args.pairs, options)
+        except (CompareError, OSError) as error:
+            print(f"error: {error}", file=sys.stderr)
+            return 2
+        return 0
     with tempfile.TemporaryDirectory() as scratch:
         place = args.cache or Path(scratch)
         try:

@@ -10,5 +10,7 @@ fn packed_colors(pixel: vec2u) -> vec4u {
 }
 
 fn detailed(s: Surface, pixel: vec2u) -> Surface {
-    return with_details(s, textureLoad(details, pixel, 1, 0));
+    var whole = with_details(s, textureLoad(details, pixel, 1, 0));
+    if (HAS_COAT_NORMALS) { whole.coat_normal = unpack_unit(textureLoad(details, pixel, 2, 0).x); }
+    return whole;
 }

@@ -60,6 +60,12 @@ fn reflected_roughness(s: Surface) -> f32 {
     return select(s.roughness, s.clearcoat_roughness, has_traced_coat(s));
 }
 
+// Normal of that layer.
+fn reflected_normal(s: Surface) -> vec3f {
+    if (has_traced_coat(s)) { return coat_normal(s); }
+    return s.normal;
+}
+
 // Of the light that the surface does not mirror, what is scattered and not passed on.
 fn reflected_share(s: Surface) -> f32 {
     return 1.0 - s.transmission;
@@ -108,6 +114,11 @@ fn passing_share(s: Surface, cosine: f32) -> vec3f {
     return vec3f(1.0 - max(f.x, max(f.y, f.z)));
 }
 
+fn coat_normal(s: Surface) -> vec3f {
+    if (HAS_COAT_NORMALS) { return s.coat_normal; }
+    return s.normal;
+}
+
 // The coat alone, as a surface.
 fn coat_of(s: Surface) -> Surface {
     var coat = s;
@@ -115,6 +126,7 @@ fn coat_of(s: Surface) -> Surface {
     coat.emission = vec3f(0.0);
     coat.metallic = 0.0;
     coat.roughness = s.clearcoat_roughness;
+    coat.normal = coat_normal(s);
     coat.reflectivity = COAT_REFLECTIVITY;
     coat.transmission = 0.0;
     coat.alpha = 1.0;
@@ -150,7 +162,7 @@ fn shade(s: Surface, view: vec3f, lent: vec2u) -> Shade {
             part = coat_of(s);
             share = s.clearcoat;
         } else if (has_coat) {
-            share = coat_transmittance(s, dot(s.normal, view));
+            share = coat_transmittance(s, dot(coat_normal(s), view));
         }
         let lit = shade_layer(part, view, lent | out.visible);
         out.diffuse += lit.diffuse * share;
@@ -197,7 +209,7 @@ fn reflected(direction: vec3f, s: Surface) -> Reflected {
     if (HAS_COATS && s.clearcoat > 0.0) {
         let base = below_coat(s);
         var below = lobe_ray(direction, base);
-        below.weight *= coat_transmittance(s, dot(s.normal, -direction));
+        below.weight *= coat_transmittance(s, dot(coat_normal(s), -direction));
         if (!is_reflector(base)) { below.weight = vec3f(0.0); }
         var over = lobe_ray(direction, coat_of(s));
         over.weight *= s.clearcoat;
@@ -237,7 +249,7 @@ fn transmitted(direction: vec3f, s: Surface) -> Reflected {
     var weight = vec3f(0.0);
     if (below > 0.0 && dot(out, s.geometric_normal) < 0.0) {
         weight = passing_share(s, cosine) * s.base_color
-            * (s.transmission * (1.0 - s.metallic) * s.alpha * coat_transmittance(s, dot(s.normal, -direction))
+            * (s.transmission * (1.0 - s.metallic) * s.alpha * coat_transmittance(s, dot(coat_normal(s), -direction))
                 * base_share(s, -direction));
         if (is_rough) { weight *= ggx_g1(below, alpha * alpha); }
         out = normalize(out);
@@ -258,7 +270,7 @@ fn through(direction: vec3f, s: Surface) -> Reflected {
 // Of what a surface scatters below its layers, the share that leaves them towards the view.
 fn scattered_share(s: Surface, view: vec3f) -> f32 {
     if (HAS_TRANSMISSION && s.is_inside && s.transmission > 0.0) { return 0.0; }
-    return s.alpha * coat_transmittance(s, dot(s.normal, view));
+    return s.alpha * coat_transmittance(s, dot(coat_normal(s), view));
 }
 
 // About what a surface returns along the ways on which paths go on.

@@ -17,6 +17,10 @@ fn reflected_roughness(s: Surface) -> f32 {
     return s.roughness;
 }
 
+fn reflected_normal(s: Surface) -> vec3f {
+    return s.normal;
+}
+
 fn reflected_share(s: Surface) -> f32 {
     return 1.0;
 }

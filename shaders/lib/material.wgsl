@@ -6,7 +6,7 @@ struct TextureUse {
     row_v: vec3f,
     bits: u32, // TEXTURE_*
     texels: vec2f, // size of the source image, for nearest
-    signs: vec2f, // of the material's uv_scale
+    signs: vec2f, // of the material's uv_scale; of a clear coat's normals times their strength
 }
 
 struct Material {
@@ -36,7 +36,7 @@ struct Material {
     sheen_color: vec3f,
     sheen_roughness: f32,
     textures: array<TextureUse, 5>, // base color, metallic-roughness, normal, occlusion, emission
-    layer_textures: array<TextureUse, 7>, // see surface.wgsl
+    layer_textures: array<TextureUse, 8>, // see surface.wgsl
 }
 
 struct Surface {
@@ -62,6 +62,7 @@ struct Surface {
     absorption: vec3f,
     is_solid: bool,
     is_inside: bool, // seen from within a solid
+    coat_normal: vec3f, // with HAS_COAT_NORMALS
     // Set with HAS_TINTS: factors on the reflectivity and, the first, on what is reflected at grazing angles.
     specular: f32,
     specular_color: vec3f,
@@ -77,6 +78,9 @@ override HAS_LAYERS: bool = true;
 override HAS_TINTS: bool = true;
 
 override HAS_SHEEN: bool = true;
+
+// Whether some clear coat has other normals than what is below.
+override HAS_COAT_NORMALS: bool = true;
 
 // A surface with the numbers of a material, before textures.
 fn material_surface(m: u32) -> Surface {

@@ -26,6 +26,7 @@ const SHEEN_ROUGHNESS_SLOT = 3u; // alpha
 const TRANSMISSION_SLOT = 4u; // red
 const CLEARCOAT_SLOT = 5u; // red
 const CLEARCOAT_ROUGHNESS_SLOT = 6u; // green
+const CLEARCOAT_NORMAL_SLOT = 7u;
 
 struct Corner {
     p: array<vec3f, 3>,
@@ -173,6 +174,7 @@ fn surface_at(instance: u32, triangle: u32, bary: vec2f, direction: vec3f, cone_
         let odd = pattern(materials[m].pattern, p_object / size, cross_object / area2_object, width);
         s.base_color *= mix(materials[m].checker_a, materials[m].checker_b, odd);
     }
+    var coat_normal = n;
     if (HAS_TEXTURES) {
         let t = materials[m].textures;
         s.base_color *= texel_at(t[BASE_COLOR_SLOT], pools_of(BASE_COLOR_SLOT), instance, c.index, bary, area2, footprint).xyz;
@@ -182,6 +184,11 @@ fn surface_at(instance: u32, triangle: u32, bary: vec2f, direction: vec3f, cone_
         if (HAS_NORMAL_MAPS && t[NORMAL_SLOT].layer != NONE) {
             let texel = texel_at(t[NORMAL_SLOT], pools_of(NORMAL_SLOT), instance, c.index, bary, area2, footprint);
             n = perturbed(instance, c.index, weights, n, texel.xyz, materials[m].normal_scale * t[NORMAL_SLOT].signs);
+        }
+        if (HAS_COAT_NORMALS && LAYER_POOLS != 0u && materials[m].layer_textures[CLEARCOAT_NORMAL_SLOT].layer != NONE) {
+            let texel = layer_texel(CLEARCOAT_NORMAL_SLOT, instance, c.index, bary, area2, footprint);
+            let scale = materials[m].layer_textures[CLEARCOAT_NORMAL_SLOT].signs;
+            coat_normal = perturbed(instance, c.index, weights, coat_normal, texel.xyz, scale);
         }
         let occlusion = texel_at(t[OCCLUSION_SLOT], pools_of(OCCLUSION_SLOT), instance, c.index, bary, area2, footprint).x;
         s.occlusion = 1.0 + materials[m].occlusion_strength * (occlusion - 1.0);
@@ -195,8 +202,8 @@ fn surface_at(instance: u32, triangle: u32, bary: vec2f, direction: vec3f, cone_
     if (behind) {
         n = -n;
         ng = -ng;
+        coat_normal = -coat_normal;
     }
-    // Interpolated or mapped normals may tip over the edge of a silhouette triangle.
     if (HAS_LAYERS) {
         s.transmission = materials[m].transmission;
         s.clearcoat = materials[m].clearcoat;
@@ -214,11 +221,17 @@ fn surface_at(instance: u32, triangle: u32, bary: vec2f, direction: vec3f, cone_
         if (materials[m].is_blended != 0u) { s.alpha = material_alpha(m, instance, c.index, bary, footprint, area2); }
     }
     s = with_textured_details(s, instance, c.index, bary, area2, footprint);
-    let below = dot(n, ng);
-    if (below < 0.0) { n = normalize(n - 2.0 * below * ng); }
-    s.normal = n;
+    s.normal = facing(n, ng);
+    if (HAS_COAT_NORMALS) { s.coat_normal = facing(coat_normal, ng); }
     s.geometric_normal = ng;
     return s;
+}
+
+// Interpolated or mapped normals may tip over the edge of a silhouette triangle.
+fn facing(normal: vec3f, geometric_normal: vec3f) -> vec3f {
+    let below = dot(normal, geometric_normal);
+    if (below >= 0.0) { return normal; }
+    return normalize(normal - 2.0 * below * geometric_normal);
 }
 
 // What a material's texture holds at a point; 1 where it has none. `pools` is a constant.

@@ -16,14 +16,20 @@ use super::{
 };
 use crate::{
     gpu::{Gpu, ShaderError, ShaderLibrary},
-    render::{RebuildSummary, RenderError, Renderer, stats::FrameStats, unit_costs::UnitCosts},
+    render::{
+        RebuildSummary, RenderError, Renderer, shutter::Moments, stats::FrameStats,
+        unit_costs::UnitCosts,
+    },
     scene::{
         dependencies::Dependencies,
         desc::{CameraDesc, Method, SceneDesc, TimelineDesc},
         diagnostic::Diagnostic,
         stages::Scene,
     },
-    session::model_viewer_scene::is_model,
+    session::{
+        model_viewer_scene::is_model,
+        open_shutter::{self, OpenShutter},
+    },
     world::{World, load::AssetCache},
 };
 
@@ -241,8 +247,32 @@ impl Live {
     /// # Errors
     /// As [`Renderer::render`].
     pub fn render(&mut self, camera: &CameraDesc) -> Result<FrameStats, RenderError> {
-        let world = self.coarse.as_ref().unwrap_or(&self.world);
-        self.renderer.render(&self.gpu, world, camera)
+        self.render_by(&|_| camera.clone())
+    }
+
+    /// Renders into the targets what a camera sees that may move with the world: each of several sub-frames
+    /// shows another moment while the shutter is open.
+    ///
+    /// # Errors
+    /// As [`Live::render`], and what a script does wrong at one of the moments.
+    pub fn render_by(
+        &mut self,
+        camera: &dyn Fn(&World) -> CameraDesc,
+    ) -> Result<FrameStats, RenderError> {
+        let samples = self.renderer.options().image.samples;
+        if self.coarse.is_some() || !open_shutter::moves(&self.scene, samples) {
+            let world = self.coarse.as_ref().unwrap_or(&self.world);
+            return self.renderer.render(&self.gpu, world, &camera(world));
+        }
+        let edits = &self.edits;
+        let edited = |world: &mut World| edits.iter().for_each(|edit| edit.put(world));
+        let mut moments = OpenShutter::new(&self.scene, &mut self.world, self.posed, &edited);
+        let rendered = (self.renderer).render_moments(&self.gpu, &mut moments, camera);
+        if rendered.is_err() {
+            // What is picked and inspected is that of the frame; its pose was valid before.
+            let _ = moments.pose(samples - 1, samples);
+        }
+        rendered
     }
 
     /// Scene description.

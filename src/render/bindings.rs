@@ -29,6 +29,7 @@ pub struct BindingKey {
     size: [u32; 2],
     targets: Vec<Target>,
     full: bool,
+    detail_layers: u32,
     shadows: ShadowSizes,
     shadow_rays: bool,
     lists: ListedParts,
@@ -50,6 +51,7 @@ impl BindingKey {
             size: options.image.size,
             targets: written_targets(passes, plan, options),
             full: plan.precision.full,
+            detail_layers: 2 + u32::from(plan.coat_normals),
             shadows,
             shadow_rays: plan.shadow_rays,
             lists: ListedParts {
@@ -60,6 +62,11 @@ impl BindingKey {
             audit: options.audit,
             overrides: plan.overrides().into_iter().chain(own).collect(),
         }
+    }
+
+    /// Size, bits and layers of the textures.
+    fn shape(&self) -> ([u32; 2], bool, u32) {
+        (self.size, self.full, self.detail_layers)
     }
 
     /// Whether these lights use the shadow maps that there are, and shadow rays only if there are
@@ -121,11 +128,10 @@ impl Bindings {
             Some(old) => old.maps.clone(),
             None => ShadowMaps::new(gpu, key.shadows)?,
         };
-        let targets =
-            match fits(|a, b| (a.size, a.full) == (b.size, b.full) && a.targets == b.targets) {
-                Some(old) => old.targets.clone(),
-                None => Targets::new(gpu, key.size, &key.targets, key.full)?,
-            };
+        let targets = match fits(|a, b| a.shape() == b.shape() && a.targets == b.targets) {
+            Some(old) => old.targets.clone(),
+            None => Targets::new(gpu, key.size, &key.targets, key.full, key.detail_layers)?,
+        };
         let ray_list = match fits(|a, b| a.size == b.size && a.lists == b.lists) {
             Some(old) => old.ray_list.clone(),
             None => RayList::new(gpu, key.size, key.lists)?,

@@ -10,7 +10,7 @@ use super::{
         TEXTURE_WRAP_U_SHIFT, TEXTURE_WRAP_V_SHIFT, WRAP_CLAMP, WRAP_MIRROR, WRAP_REPEAT, flag,
     },
 };
-use crate::world::{CORE_SLOTS, Material, TextureRef, World, Wrap};
+use crate::world::{CORE_SLOTS, LAYER_SLOTS, LayerTexture, Material, TextureRef, World, Wrap};
 
 /// A material of the world, whose images lie in `layers`.
 pub fn gpu_material(m: &Material, world: &World, layers: &Layers) -> GpuMaterial {
@@ -20,6 +20,9 @@ pub fn gpu_material(m: &Material, world: &World, layers: &Layers) -> GpuMaterial
     let slots = m.slots();
     let checker = m.checker;
     let color = |i: usize| checker.map_or([0.0; 3], |c| c.colors[i].to_array());
+    let mut layer_textures: [_; LAYER_SLOTS] = std::array::from_fn(|i| slot(slots[CORE_SLOTS + i]));
+    let coat = &mut layer_textures[LayerTexture::ClearcoatNormal as usize];
+    coat.signs = coat.signs.map(|sign| sign * m.clearcoat_normal_scale);
     GpuMaterial {
         base_color: m.base_color.to_array(),
         emission: m.emission.to_array(),
@@ -52,7 +55,7 @@ pub fn gpu_material(m: &Material, world: &World, layers: &Layers) -> GpuMaterial
         sheen_color: m.sheen_color.unwrap_or(Vec3::ZERO).to_array(),
         sheen_roughness: m.sheen_roughness,
         textures: std::array::from_fn(|i| slot(slots[i])),
-        layer_textures: std::array::from_fn(|i| slot(slots[CORE_SLOTS + i])),
+        layer_textures,
     }
 }
 

@@ -14,7 +14,7 @@ use crate::{
 pub use self::{dropped::Dropped, uses::passes_light};
 use self::{
     mutual_reflections::reflectors_see_each_other,
-    uses::{has_coats, has_sheen, has_tints, scatters_twice},
+    uses::{has_coat_normals, has_coats, has_sheen, has_tints, scatters_twice},
 };
 use super::{
     lights::has_shadow_rays, options::RenderOptions, precision::Precision,
@@ -66,6 +66,8 @@ pub struct Plan {
     pub transmission: bool,
     /// Some surface has a clear coat.
     pub coats: bool,
+    /// Some clear coat has other normals than what is below.
+    pub coat_normals: bool,
     /// Some dielectric's specular lobe has a strength or a color of its own.
     pub tints: bool,
     /// Some surface has a sheen.
@@ -95,7 +97,10 @@ pub struct Plan {
 
 /// Whether a material has a specular lobe that a reflection could replace.
 pub fn has_specular(material: &Material) -> bool {
-    material.reflectivity > 0.0 || material.metallic > 0.0 || material.clearcoat.is_some()
+    // Glass mirrors inside whatever its strength.
+    let is_dimmed = material.specular == Some(0.0) && !material.passes_light();
+    let dielectric = material.reflectivity > 0.0 && !is_dimmed;
+    dielectric || material.metallic > 0.0 || material.clearcoat.is_some()
 }
 
 /// Whether a material can reflect at all, so that its pixels are worth marching.
@@ -202,6 +207,7 @@ impl Plan {
             rough_reflections: reflects_roughly(world, settings.reflects_below()),
             transmission: passes_light(world),
             coats: has_coats(world),
+            coat_normals: has_coat_normals(world),
             tints: has_tints(world),
             sheen: has_sheen(world),
             multiple_scattering: settings.multiple_scattering && scatters_twice(world),
@@ -273,6 +279,7 @@ impl Plan {
             rough_reflections: reflects_roughly(world, cutoff),
             transmission: passes_light(world),
             coats: has_coats(world),
+            coat_normals: has_coat_normals(world),
             tints: has_tints(world),
             sheen: has_sheen(world),
             multiple_scattering: settings.multiple_scattering && scatters_twice(world),
@@ -304,6 +311,7 @@ impl Plan {
             panorama: self.panorama,
             layers: self.has_layers(),
             details: self.has_details(),
+            sheen: self.sheen,
             full: self.precision.full,
             conserved: self.multiple_scattering,
             ..ShaderVariant::default()
@@ -317,7 +325,7 @@ impl Plan {
 
     /// Whether some surface has what the G-buffer has no bits for.
     pub fn has_details(&self) -> bool {
-        self.tints || self.sheen
+        self.tints || self.sheen || self.coat_normals
     }
 
     /// Values for the shaders' overrides, by name.
@@ -344,6 +352,7 @@ impl Plan {
             ("HAS_LAYERS", flag(self.has_layers())),
             ("HAS_TRANSMISSION", flag(self.transmission)),
             ("HAS_COATS", flag(self.coats)),
+            ("HAS_COAT_NORMALS", flag(self.coat_normals)),
             ("HAS_TINTS", flag(self.tints)),
             ("HAS_SHEEN", flag(self.sheen)),
             ("SHOW_ENVIRONMENT", flag(self.shows_environment)),

@@ -21,8 +21,11 @@ pub struct ShaderVariant {
     pub panorama: bool,
     /// Some surface lets light through or has a clear coat; then there are samples.
     pub layers: bool,
-    /// Some surface has a sheen, or a specular lobe with a color or strength of its own.
+    /// Some surface has what the G-buffer has no bits for: a sheen, or a specular lobe with a color or strength of
+    /// its own.
     pub details: bool,
+    /// Some surface has a sheen; then there are details.
+    pub sheen: bool,
     /// 32 bits keep radiance, not 16.
     pub full: bool,
     /// Light that facets reflect more than once is given back.
@@ -62,10 +65,13 @@ impl ShaderVariant {
                 full: true,
                 ..variant
             });
-            all.push(Self {
-                details: true,
-                ..variant
-            });
+            for sheen in [false, true] {
+                all.push(Self {
+                    details: true,
+                    sheen,
+                    ..variant
+                });
+            }
         }
         all
     }
@@ -97,7 +103,7 @@ impl ShaderVariant {
             choose("emitters", self.emitters, ["none", "sampled"]),
             choose("behind", self.layers, ["none", "transmitted"]),
             choose("details", self.details, ["none", "packed"]),
-            choose("sheen", self.details, ["none", "charlie"]),
+            choose("sheen", self.sheen, ["none", "charlie"]),
             choose("layers", self.layers, ["none", "followed"]),
             choose("energy", self.conserved, ["single", "conserved"]),
             choose("environment", self.panorama, ["gradient", "panorama"]),

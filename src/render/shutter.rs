@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use crate::{
     gpu::{Gpu, readback},
+    scene::desc::CameraDesc,
     world::World,
 };
 
@@ -26,6 +27,33 @@ pub trait Moments {
 }
 
 impl Renderer {
+    /// Renders one picture of several moments into the targets, each as the camera of its world sees it.
+    ///
+    /// # Errors
+    /// As [`Renderer::update`] and [`Renderer::render`], and of the poses.
+    pub fn render_moments(
+        &mut self,
+        gpu: &Gpu,
+        moments: &mut dyn Moments,
+        camera: &dyn Fn(&World) -> CameraDesc,
+    ) -> Result<FrameStats, RenderError> {
+        let started = Instant::now();
+        let mut times = PassTimes::default();
+        self.each_moment(gpu, moments, |renderer, world, sample| {
+            let view = renderer.view(world, &camera(world))?;
+            let world = &*renderer.relative(world);
+            let recorder = renderer.sub_frame(gpu, world, &view, sample, Timing::Passes, None);
+            times.extend(renderer.submitted(recorder.finish())?);
+            Ok(())
+        })?;
+        gpu.wait()?;
+        let frame_ms = started.elapsed().as_secs_f64() * 1e3;
+        let mut stats = self.stats(times.summed(), frame_ms);
+        let counters = &self.bindings.ray_list.counters;
+        stats.set_counters(&readback::read_buffer(gpu, counters)?);
+        Ok(stats)
+    }
+
     /// Renders one picture of several moments, as camera number `camera` sees them; times its passes and
     /// reads everything back.
     ///
@@ -38,20 +66,8 @@ impl Renderer {
         camera: usize,
         aovs: &[Aov],
     ) -> Result<Picture, RenderError> {
-        let started = Instant::now();
-        let mut times = PassTimes::default();
-        self.each_moment(gpu, moments, |renderer, world, sample| {
-            let view = renderer.view(world, &world.cameras[camera].value)?;
-            let world = &*renderer.relative(world);
-            let recorder = renderer.sub_frame(gpu, world, &view, sample, Timing::Passes, None);
-            times.extend(renderer.submitted(recorder.finish())?);
-            Ok(())
-        })?;
-        gpu.wait()?;
-        let frame_ms = started.elapsed().as_secs_f64() * 1e3;
-        let mut stats = self.stats(times.summed(), frame_ms);
-        let counters = &self.bindings.ray_list.counters;
-        stats.set_counters(&readback::read_buffer(gpu, counters)?);
+        let seen_by = |world: &World| world.cameras[camera].value.clone();
+        let stats = self.render_moments(gpu, moments, &seen_by)?;
         let samples = self.options.image.samples;
         let world = moments.pose(samples - 1, samples)?;
         let request = PictureRequest { color: true, aovs };

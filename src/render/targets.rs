@@ -17,7 +17,8 @@ pub enum Target {
     Surface,
     /// Linear base color, occlusion and emitted radiance, as 16-bit floats.
     Colors,
-    /// Two layers: the colors again, then specular color and strength, and sheen.
+    /// Layers: the colors again, then specular color and strength, and sheen; then the normals of clear coats, where
+    /// those have their own.
     Details,
     /// View-independent radiance.
     Radiance,
@@ -123,16 +124,9 @@ impl Target {
         }
     }
 
-    /// Bytes a pixel.
+    /// Bytes a pixel of a layer.
     pub fn pixel_bytes(self, full: bool) -> u64 {
-        u64::from(self.format(full).block_copy_size(None).unwrap_or(4)) * u64::from(self.layers())
-    }
-
-    const fn layers(self) -> u32 {
-        match self {
-            Self::Details => 2,
-            _ => 1,
-        }
+        u64::from(self.format(full).block_copy_size(None).unwrap_or(4))
     }
 
     /// Where sub-frames add up: even and odd ones take turns.
@@ -180,12 +174,18 @@ impl Targets {
         size: [u32; 2],
         written: &[Target],
         full: bool,
+        detail_layers: u32,
     ) -> Result<Self, GpuError> {
+        let layers = |target: Target| match target {
+            Target::Details => detail_layers,
+            _ => 1,
+        };
         let needed = |target: Target| written.contains(&target);
         gpu.check_texture_size("the picture", size[0], size[1])?;
         let pixels = u64::from(size[0]) * u64::from(size[1]);
         let filled = Target::ALL.into_iter().filter(|t| needed(*t));
-        let bytes = filled.map(|t| t.pixel_bytes(full) * pixels).sum();
+        let bytes = filled.map(|t| t.pixel_bytes(full) * u64::from(layers(t)) * pixels);
+        let bytes = bytes.sum();
         if bytes > MAX_TARGET_BYTES {
             return Err(GpuError::Limit {
                 what: format!("a picture of {}x{}", size[0], size[1]),
@@ -202,7 +202,7 @@ impl Targets {
                     size: wgpu::Extent3d {
                         width,
                         height,
-                        depth_or_array_layers: target.layers(),
+                        depth_or_array_layers: layers(target),
                     },
                     mip_level_count: 1,
                     sample_count: 1,
@@ -237,7 +237,12 @@ impl Targets {
     /// Name and bytes of each.
     pub fn report(&self) -> Vec<(&'static str, u64)> {
         let bytes = |target: Target| {
-            let pixels = |t: &wgpu::Texture| u64::from(t.width()) * u64::from(t.height());
+            let pixels = |t: &wgpu::Texture| {
+                [t.width(), t.height(), t.depth_or_array_layers()]
+                    .map(u64::from)
+                    .iter()
+                    .product::<u64>()
+            };
             self.textures
                 .get(&target)
                 .map_or(0, |(t, _)| target.pixel_bytes(self.full) * pixels(t))

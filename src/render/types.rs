@@ -222,7 +222,8 @@ gpu_struct! {
         bits: u32,
         /// Size of the source image.
         texels: [f32; 2],
-        /// Signs of the material's `uv_scale`: which way its u and v run.
+        /// Signs of the material's `uv_scale`: which way its u and v run; of a clear coat's normals times their
+        /// strength.
         signs: [f32; 2],
     }
 }

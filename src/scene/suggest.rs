@@ -49,10 +49,10 @@ const STRANGERS: &[[&str; 2]] = &[["material", "matrix"]];
 /// What there is none of, by a word that would be one of its kind, and what to do instead.
 const ABSENT: &[(&[&str], &str, &str)] = &[
     (
-        &["area", "rect", "quad", "sphere", "disk", "tube", "mesh"],
+        &["area", "quad", "sphere", "tube", "mesh"],
         "directional",
-        "there are no area lights; a point light lights, and a shape whose material has `emission` \
-         is seen and mirrored",
+        "flat lights are \"rect\" and \"disk\", a ball is \"point\" with `radius_m`, and any other shape lights \
+         where its material has `emission` and `light = true`",
     ),
     (
         &[
@@ -73,11 +73,56 @@ const ABSENT: &[(&[&str], &str, &str)] = &[
         "a model from a file is `file = \"….glb\"`, without `shape`",
     ),
     (
-        &["path", "pathtraced", "raytraced", "raytracing", "pt"],
+        &["raytraced", "raytracing"],
         "hybrid",
         "write \"rt\", which traces a ray for every reflective pixel",
     ),
+    (
+        &["pathtraced", "pathtracing", "pt", "reference"],
+        "hybrid",
+        "write \"path\", which follows all light by rays",
+    ),
 ];
+
+/// Keys that there are none of, a key of the tables where they are missed, and what to do instead.
+const ABSENT_KEYS: &[(&[&str], &str, &str)] = &[
+    (
+        &["shown", "visible", "hidden"],
+        "intensity_lux",
+        "hang the light on a group and say when that is there: `parent = \"GROUP\"` in `[light.NAME]`, and \
+         `shown = { keys = [{ at_s = 0, value = false }, { at_s = 2, value = true }] }` in `[motion.group.GROUP]`",
+    ),
+    (
+        &["shown", "hidden"],
+        "casts_shadow",
+        "write `visible = false`; when it is there is said in `[motion.instance.NAME]`, by \
+         `shown = { keys = [{ at_s = 0, value = false }, { at_s = 2, value = true }] }`",
+    ),
+    (
+        &[
+            "specular_texture",
+            "specular_color_texture",
+            "sheen_color_texture",
+            "sheen_roughness_texture",
+            "transmission_texture",
+            "clearcoat_texture",
+            "clearcoat_roughness_texture",
+            "clearcoat_normal_texture",
+        ],
+        "clearcoat",
+        "this texture comes from glTF files only: name one by `file = \"….glb\"` in `[model.NAME]`; the key without \
+         `_texture` holds everywhere on the surface",
+    ),
+];
+
+/// What to do in place of a key that a table with the keys `known` has not.
+pub fn absent_key(typed: &str, known: &[&str]) -> Option<&'static str> {
+    let lower = typed.to_lowercase();
+    let (.., help) = ABSENT_KEYS
+        .iter()
+        .find(|(absent, among, _)| absent.contains(&lower.as_str()) && known.contains(among))?;
+    Some(help)
+}
 
 /// What to do in place of a word that none of `words` can stand for.
 pub fn absent(typed: &str, words: &[&str]) -> Option<&'static str> {

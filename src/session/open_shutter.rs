@@ -4,7 +4,10 @@ use std::path::Path;
 
 use crate::{
     render::{RenderError, shutter::Moments, view::shutter_moment},
-    scene::{diagnostic::Diagnostic, stages::Animator},
+    scene::{
+        diagnostic::Diagnostic,
+        stages::{Animator, Scene},
+    },
     world::World,
 };
 
@@ -17,21 +20,38 @@ pub struct OpenShutter<'a> {
     frame: u32,
     /// Frames that the shutter is open.
     open: f64,
+    /// What is done to each pose.
+    after: &'a dyn Fn(&mut World),
 }
 
 impl<'a> OpenShutter<'a> {
     /// None where all sub-frames show the same.
     pub fn of(loaded: &'a mut LoadedScene) -> Option<Self> {
-        let image = &loaded.scene.image;
-        let moves = image.shutter > 0.0 && image.samples > 1 && !loaded.scene.is_still();
-        let open = f64::from(image.shutter);
-        moves.then(|| Self {
-            animator: Animator::new(&loaded.scene),
-            world: &mut loaded.world,
-            frame: loaded.frame,
-            open,
-        })
+        let LoadedScene { scene, world, .. } = loaded;
+        let moves = moves(scene, scene.image.samples);
+        moves.then(|| Self::new(scene, world, loaded.frame, &|_| ()))
     }
+
+    /// The moments of a frame; `after` is done to each pose.
+    pub fn new(
+        scene: &'a Scene,
+        world: &'a mut World,
+        frame: u32,
+        after: &'a dyn Fn(&mut World),
+    ) -> Self {
+        Self {
+            animator: Animator::new(scene),
+            world,
+            frame,
+            open: scene.image.shutter.into(),
+            after,
+        }
+    }
+}
+
+/// Whether so many sub-frames show different moments.
+pub fn moves(scene: &Scene, samples: u32) -> bool {
+    scene.image.shutter > 0.0 && samples > 1 && !scene.is_still()
 }
 
 impl Moments for OpenShutter<'_> {
@@ -44,6 +64,7 @@ impl Moments for OpenShutter<'_> {
         };
         let state = self.animator.pose_within(self.frame, late_frames);
         self.world.apply(&state.map_err(first)?).map_err(first)?;
+        (self.after)(self.world);
         Ok(self.world)
     }
 }

@@ -50,6 +50,8 @@ pub struct Material {
     pub clearcoat: Option<f32>,
     /// Perceptual roughness of the clear coat, 0 to 1.
     pub clearcoat_roughness: f32,
+    /// Strength of the clear coat's own normal map.
+    pub clearcoat_normal_scale: f32,
     /// Factor on the reflectivity and on what the dielectric part reflects at grazing angles, 0 to 1; `None`: always 1.
     pub specular: Option<f32>,
     /// Factor on the reflectivity, 0 or more; `None`: always white.
@@ -81,11 +83,11 @@ pub struct Material {
 /// Textures that every material may have.
 pub const CORE_SLOTS: usize = 5;
 /// Those of [`LayerTexture`].
-pub const LAYER_SLOTS: usize = 7;
+pub const LAYER_SLOTS: usize = 8;
 /// All of them.
 pub const TEXTURE_SLOTS: usize = CORE_SLOTS + LAYER_SLOTS;
 
-/// Textures of what extensions of glTF add to a material; each is multiplied by its number.
+/// Textures of what extensions of glTF add to a material; each but the normals is multiplied by its number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LayerTexture {
     /// Linear: alpha.
@@ -102,6 +104,8 @@ pub enum LayerTexture {
     Clearcoat,
     /// Linear: green.
     ClearcoatRoughness,
+    /// Linear, tangent space.
+    ClearcoatNormal,
 }
 
 /// The material variants of a file.
@@ -138,6 +142,7 @@ impl Default for Material {
             attenuation_distance_m: None,
             clearcoat: None,
             clearcoat_roughness: 0.0,
+            clearcoat_normal_scale: 1.0,
             specular: None,
             specular_color: None,
             sheen_color: None,
@@ -201,7 +206,7 @@ impl Material {
 
     /// Where they are kept, in the same order.
     pub fn texture_slots(&mut self) -> [&mut Option<TextureRef>; TEXTURE_SLOTS] {
-        let [a, b, c, d, e, f, g] = &mut self.layer_textures;
+        let [a, b, c, d, e, f, g, h] = &mut self.layer_textures;
         [
             &mut self.base_color_texture,
             &mut self.metallic_roughness_texture,
@@ -215,7 +220,17 @@ impl Material {
             e,
             f,
             g,
+            h,
         ]
+    }
+
+    /// Whether its clear coat has other normals than what is below: it follows its own map alone, and none of
+    /// the material's (KHR_materials_clearcoat).
+    pub fn has_coat_normals(&self) -> bool {
+        let own = self.layer_texture(LayerTexture::ClearcoatNormal);
+        let is_same = own == self.normal_texture
+            && (own.is_none() || self.clearcoat_normal_scale == self.normal_scale);
+        self.clearcoat.is_some() && !is_same
     }
 
     /// A texture of a layer.

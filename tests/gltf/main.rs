@@ -20,6 +20,7 @@ mod image;
 mod judge;
 mod kit;
 mod ktx2;
+mod layers;
 mod limits;
 mod material;
 mod meshopt;

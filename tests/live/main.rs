@@ -17,4 +17,5 @@ mod picking;
 mod rebuilds;
 mod saves;
 mod scripts;
+mod shutter;
 mod write_back;

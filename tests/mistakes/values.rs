@@ -35,7 +35,7 @@ pub const VALUES: &[Mistake] = &[
             "unknown-word",
             "3:8",
             "not \"area\"",
-            "there are no area lights",
+            "flat lights are \"rect\" and \"disk\"",
         ],
     ),
     text(
@@ -67,6 +67,99 @@ pub const VALUES: &[Mistake] = &[
         "a path tracer",
         "[reflection]\nmethod = \"raytracing\"\n",
         ["unknown-word", "3:10", "not \"raytracing\"", "write \"rt\""],
+    ),
+    text(
+        "the truth by another name",
+        "[reflection]\nmethod = \"pathtraced\"\n",
+        [
+            "unknown-word",
+            "3:10",
+            "not \"pathtraced\"",
+            "write \"path\"",
+        ],
+    ),
+    text(
+        "a shape by its name alone",
+        "[model.a]\nshape = \"sphere\"\n",
+        [
+            "wrong-type",
+            "3:9",
+            "`shape` must be a table",
+            "write `shape = { kind = \"sphere\" }`",
+        ],
+    ),
+    text(
+        "something that is always shown",
+        "[timeline]\nend = 9\n[model.b]\nshape = { kind = \"box\" }\n[[instance]]\nmodel = \"b\"\n\
+         name = \"b\"\n[motion.instance.b]\nshown = true\n",
+        [
+            "wrong-type",
+            "10:9",
+            "`shown` must be a table",
+            "leave `shown` out",
+        ],
+    ),
+    text(
+        "something that is never shown",
+        "[timeline]\nend = 9\n[group.g]\n[motion.group.g]\nshown = false\n",
+        [
+            "wrong-type",
+            "6:9",
+            "`shown` must be a table",
+            "write `shown = { keys = [{ at_s = 0, value = false }] }`",
+        ],
+    ),
+    text(
+        "something hidden in its own table",
+        "[model.b]\nshape = { kind = \"box\" }\n[[instance]]\nmodel = \"b\"\nshown = false\n",
+        [
+            "unknown-key",
+            "6:1",
+            "`shown` is not a key",
+            "write `visible = false`",
+        ],
+    ),
+    text(
+        "a light that is switched",
+        "[timeline]\nend = 9\n[light.a]\nkind = \"point\"\nposition = [0, 1, 0]\nintensity_cd = 1\n\
+         [motion.light.a]\nshown = { keys = [{ at_s = 0, value = false }] }\n",
+        [
+            "unknown-key",
+            "9:1",
+            "`shown` is not a key",
+            "in `[motion.group.GROUP]`",
+        ],
+    ),
+    text(
+        "a track of one value",
+        "[timeline]\nend = 9\n[light.a]\nkind = \"point\"\nposition = [0, 1, 0]\nintensity_cd = 1\n\
+         [motion.light.a]\nintensity_cd = 5\n",
+        [
+            "wrong-type",
+            "9:16",
+            "`intensity_cd` must be a table",
+            "write `intensity_cd = { keys = [",
+        ],
+    ),
+    text(
+        "a texture of a layer",
+        "[material.a]\nclearcoat = 1\nclearcoat_texture = \"a.png\"\n",
+        [
+            "unknown-key",
+            "4:1",
+            "`clearcoat_texture` is not a key",
+            "comes from glTF files only",
+        ],
+    ),
+    text(
+        "a texture of the specular lobe",
+        "[material.a]\nspecular_texture = \"a.png\"\n",
+        [
+            "unknown-key",
+            "3:1",
+            "`specular_texture` is not a key",
+            "comes from glTF files only",
+        ],
     ),
     text(
         "a script in Python",

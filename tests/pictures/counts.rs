@@ -10,7 +10,7 @@ use reflet::{
     world::World,
 };
 
-use crate::kit::{FACING, floats, gpu, integers, renderer, scene};
+use crate::kit::{FACING, floats, gpu, integers, render, renderer, scene};
 
 const ATRIUM: &str = include_str!("../../scenes/atrium.toml");
 
@@ -109,6 +109,36 @@ fn bounces_end_where_the_throughput_falls_below_a_level_of_255() {
         return;
     };
     assert_eq!(of(&counts, "trace").traversals, 3 * 81);
+}
+
+/// A strength of 0 leaves nothing to reflect, so that no ray is sent, and the picture is the same; but glass
+/// mirrors inside of it.
+#[test]
+fn surfaces_without_a_specular_lobe_send_no_rays() {
+    let mirror = "material.mirror.specular=0";
+    for method in ["rt", "hybrid"] {
+        let method = format!("reflection.method={method}");
+        let other = "instance.1.material={ specular = 1 }";
+        let Some((renderer, _, counts)) = counted(FACING, &[mirror, &method]) else {
+            return;
+        };
+        let sent = |counts: &[PassCounts]| counts.iter().map(|c| c.counts.traversals).sum::<u64>();
+        assert!(
+            !renderer.plan().reflections && sent(&counts) == 0,
+            "{counts:?}"
+        );
+        // Of two that face each other one is seen, and nothing goes on from it.
+        let (_, _, counts) = counted(FACING, &[mirror, other, &method]).expect("there is a GPU");
+        assert_eq!(sent(&counts), 0, "{method}: {counts:?}");
+        let gpu = gpu().expect("as before");
+        let almost = "material.mirror.specular=0.000001";
+        let [none, almost] = [mirror, almost].map(|s| render(gpu, FACING, &[s, &method], &[]));
+        let pairs = none.color.iter().zip(&almost.color);
+        assert!(
+            pairs.into_iter().all(|(a, b)| (a - b).abs() < 1e-4),
+            "{method}"
+        );
+    }
 }
 
 #[test]

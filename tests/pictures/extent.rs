@@ -111,6 +111,59 @@ fn half_a_light_behind_an_edge_gives_half_of_its_light() {
     assert_close(through, open, 1e-4);
 }
 
+/// A ball of radiance 1 at (x, 2, 0) lights the origin, past a shade at height 1 that begins at `edge`: the integral of
+/// the cosine over the directions in which the ball is seen.
+fn light_past_an_edge(x: f64, radius_m: f64, edge: f64) -> f64 {
+    let steps = 1000;
+    let distance = (x * x + 4.0).sqrt();
+    let (axis, across) = (
+        [x / distance, 2.0 / distance],
+        [2.0 / distance, -x / distance],
+    );
+    let least = (1.0 - (radius_m / distance).powi(2)).sqrt();
+    let solid_angle = 2.0 * std::f64::consts::PI * (1.0 - least);
+    let place = |k: usize| (k as f64 + 0.5) / steps as f64;
+    let seen = |i: usize| {
+        let along = 1.0 - place(i / steps) * (1.0 - least);
+        let side = (1.0 - along * along).sqrt() * (std::f64::consts::TAU * place(i % steps)).cos();
+        let [x, up] = [0, 1].map(|k| axis[k] * along + across[k] * side);
+        if x / up < edge { up } else { 0.0 }
+    };
+    (0..steps * steps).map(seen).sum::<f64>() / (steps * steps) as f64 * solid_angle
+}
+
+/// A spot with a size is a ball whose light is dimmed as a whole, by where its middle is seen in the cone.
+#[test]
+fn a_spot_with_a_size_lights_past_an_edge_as_a_ball_in_a_cone() {
+    let radius_m = 0.4;
+    for (x, inner_deg, outer_deg, beyond) in [
+        (0.0_f64, 30.0_f64, 40.0_f64, 0.05),
+        (0.9, 5.0, 40.0, -0.08),
+        (1.3, 0.0, 60.0, 0.1),
+        (1.9, 10.0, 40.0, 0.1), // its middle is outside, some of the ball is not
+    ] {
+        let edge = x / 2.0 + beyond;
+        let text = format!(
+            "kind = \"spot\"\nposition = [{x}, 2, 0]\ndirection = [0, -1, 0]\nintensity_cd = 10\n\
+             radius_m = {radius_m}\ninner_deg = {inner_deg}\nouter_deg = {outer_deg}\n\
+             [model.shade]\nshape = {{ kind = \"plane\", size = [4, 4] }}\nmaterial = \"white\"\n\
+             [[instance]]\nmodel = \"shade\"\ntranslation = [{}, 1, 0]\n",
+            edge + 2.0
+        );
+        let Some(found) = irradiance_over_pi(&text) else {
+            return;
+        };
+        // KHR_lights_punctual, "Inner and Outer Cone Angles".
+        let [inner, outer] = [inner_deg, outer_deg].map(|deg| deg.to_radians().cos());
+        let cosine = 2.0 / (x * x + 4.0).sqrt();
+        let cone = ((cosine - outer) / (inner - outer)).clamp(0.0, 1.0).powi(2);
+        let pi = std::f64::consts::PI;
+        let radiance = 10.0 / (pi * radius_m * radius_m) * cone;
+        let expected = radiance * light_past_an_edge(x, radius_m, edge) / pi;
+        assert_close(found, expected as f32, 0.02);
+    }
+}
+
 #[test]
 fn mirrors_show_lights_with_a_size() {
     let Some(gpu) = gpu() else { return };

@@ -306,3 +306,30 @@ fn alpha_of_scene_text_blends_as_that_of_a_file() {
     let found = mean(&render(gpu, &text, &cut, &[]));
     assert_close(found[0], 1.0, 1e-3);
 }
+
+#[test]
+fn glass_of_no_strength_mirrors_inside() {
+    let Some(gpu) = gpu() else { return };
+    let ball = |strength: &str| {
+        let keys = format!("transmission = 1\nthickness_m = 2\nspecular = {strength}");
+        wall_and(&thing("{ kind = \"box\", size = [2, 2, 2] }", &keys))
+    };
+    // Seen from above the far side is past the angle of total reflection.
+    let set = [
+        "camera.main.eye=[1, 3, 4]",
+        "camera.main.fov_deg=30",
+        "image.size=[32, 32]",
+        "environment.color=[0.2, 0.3, 0.4]",
+    ];
+    let [none, almost] = ["0", "0.002"].map(|s| render(gpu, &ball(s), &set, &[]));
+    for (x, y) in (0..32).flat_map(|y| (0..32).map(move |x| (x, y))) {
+        assert_color(&none, x, y, color(&almost, x, y), 5e-3);
+    }
+    let without = "material.thing.reflection=none";
+    let picture = render(gpu, &ball("0"), &[set.as_slice(), &[without]].concat(), &[]);
+    let differs = |&i: &usize| (picture.color[i] - none.color[i]).abs() > 0.05;
+    assert!(
+        (0..picture.color.len()).filter(differs).count() > 50,
+        "what is inside shows"
+    );
+}

@@ -11,6 +11,7 @@ mod bounces;
 mod change;
 mod chunks;
 mod closed_form;
+mod coat_normals;
 mod counts;
 mod culled;
 mod decide;

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use glam::Vec3;
-use reflet::world::{LAYER_SLOTS, Texture, TextureRef, Wrap};
+use reflet::world::{LAYER_SLOTS, LayerTexture, Texture, TextureRef, Wrap};
 
 use crate::kit::{assert_close, color, gpu, mean, render, renderer, scene};
 
@@ -299,6 +299,8 @@ fn textures_of_layers_multiply_their_numbers() {
         wrap: [Wrap::Repeat; 2],
         nearest: false,
     }); LAYER_SLOTS];
+    // Its texels are no factors.
+    world.materials[material].layer_textures[LayerTexture::ClearcoatNormal as usize] = None;
     let camera = &world.cameras[0].value;
     let picture = renderer(gpu, &desc, &world, false).picture(gpu, &world, camera, &[]);
     let found = mean(&picture.unwrap_or_else(|e| panic!("{e}")));
@@ -314,5 +316,9 @@ fn what_no_material_has_is_no_part_of_the_frame() {
     let with = renderer(gpu, &desc, &world, false);
     assert!(!with.plan().has_details() && with.plan().layer_pools == 0);
     let (desc, world) = scene(FLOOR, &["material.floor.sheen_color=[0, 0, 0.5]"]);
-    assert!(renderer(gpu, &desc, &world, false).plan().sheen);
+    let plan = renderer(gpu, &desc, &world, false).plan().clone();
+    assert!(plan.sheen && plan.variant().sheen && !plan.tints);
+    let (desc, world) = scene(FLOOR, &["material.floor.specular_color=[0, 0, 0.5]"]);
+    let plan = renderer(gpu, &desc, &world, false).plan().clone();
+    assert!(plan.tints && plan.variant().details && !plan.variant().sheen);
 }

@@ -41,7 +41,7 @@ impl Edit {
         desc
     }
 
-    fn put(&self, world: &mut World) {
+    pub(super) fn put(&self, world: &mut World) {
         let material = &mut world.materials[self.material];
         let desc = MaterialDesc {
             checker: material.checker, // has editable numbers

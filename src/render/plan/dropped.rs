@@ -64,7 +64,7 @@ impl Plan {
         ]
     }
 
-    fn surfaces_and_light(&self, settings: &ReflectionDesc) -> [Candidate; 17] {
+    fn surfaces_and_light(&self, settings: &ReflectionDesc) -> [Candidate; 18] {
         [
             (!self.cutouts, "alpha tests", "no material is cut out"),
             (!self.textures, "textures", "no material has one"),
@@ -107,6 +107,11 @@ impl Plan {
                 "no material lets light through",
             ),
             (!self.coats, "clear coats", "no material has one"),
+            (
+                self.coats && !self.coat_normals,
+                "normals of clear coats",
+                "all have those of what they cover",
+            ),
             (
                 !self.tints,
                 "strength and color of specular lobes",

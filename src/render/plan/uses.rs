@@ -24,6 +24,16 @@ pub fn has_coats(world: &World) -> bool {
     uses(world, |m| m.clearcoat.is_some())
 }
 
+/// Whether some clear coat has, or may get, other normals than what is below.
+pub fn has_coat_normals(world: &World) -> bool {
+    let differ = |index: usize| {
+        let material = &world.materials[index];
+        let is_mapped = material.normal_texture.is_some() && material.clearcoat.is_some();
+        material.has_coat_normals() || is_mapped && world.may_change(index)
+    };
+    world.instances.iter().any(|i| differ(i.material))
+}
+
 /// Whether some dielectric's specular lobe has a strength or a color of its own.
 pub fn has_tints(world: &World) -> bool {
     uses(world, |m| {

@@ -28,6 +28,10 @@ pub trait Section: Sized {
     const HEADING: &'static str;
     /// Pulls every key; what is wrong goes to the report.
     fn read(table: &mut Table) -> Option<Self>;
+    /// What to write where `key` has another value than a table.
+    fn instead(_key: &str, _value: &Node) -> Option<String> {
+        None
+    }
 }
 
 /// Location of a table.
@@ -219,7 +223,10 @@ impl<'r, 'i> Table<'r, 'i> {
             );
             let meant = suggest::nearest(name, self.asked.iter().copied());
             self.missing.retain(|(key, _)| Some(*key) != meant);
-            let help = suggest::hint(name, &self.asked, suggest::key, "its keys are");
+            let help = suggest::absent_key(name, &self.asked).map_or_else(
+                || suggest::hint(name, &self.asked, suggest::key, "its keys are"),
+                str::to_owned,
+            );
             self.report.error("unknown-key", &key.span(), message).help = Some(help);
         }
     }

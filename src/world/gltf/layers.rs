@@ -32,6 +32,7 @@ pub fn read(
         out.transmission.is_some(),
         out.clearcoat.is_some(),
         out.clearcoat.is_some(),
+        out.clearcoat.is_some(),
     ];
     let places = textures(extensions).into_iter().zip(KEYS).zip(is_used);
     for (i, ((info, key), _)) in places.enumerate().filter(|(_, (_, used))| *used) {
@@ -51,6 +52,7 @@ const KEYS: [&str; LAYER_SLOTS] = [
     "transmissionTexture",
     "clearcoatTexture",
     "clearcoatRoughnessTexture",
+    "clearcoatNormalTexture",
 ];
 
 /// The textures of the file, in the order of [`LayerTexture`].
@@ -67,16 +69,20 @@ pub fn textures(extensions: &MaterialExtensions) -> [&Option<TextureInfo>; LAYER
         transmission.map_or(&None, |t| &t.transmission_texture),
         coat.map_or(&None, |c| &c.clearcoat_texture),
         coat.map_or(&None, |c| &c.clearcoat_roughness_texture),
+        coat.map_or(&None, |c| &c.clearcoat_normal_texture),
     ]
 }
 
-/// Warns of what is not used.
-pub fn note_ignored(extensions: &MaterialExtensions, place: &str, notes: &mut Notes) {
-    let coat = extensions.clearcoat.as_ref();
-    let has_normals = coat.is_some_and(|c| c.clearcoat_normal_texture.is_some());
-    let what =
-        "materials have a normal map of their clear coat, which follows that of the material";
-    notes.add("layer-texture-ignored", u64::from(has_normals), what, place);
+/// Warns of a clear coat whose normal map is turned otherwise than that of its material, for vertices have one
+/// tangent each.
+pub fn note_shared_tangents(material: &Material, place: &str, notes: &mut Notes) {
+    let turn = |map: TextureRef| (map.uv_set, map.transform.map(|row| row.truncate()));
+    let own = material.normal_texture.map(turn);
+    let coat = material.layer_texture(LayerTexture::ClearcoatNormal);
+    let differs = own.is_some() && coat.is_some_and(|map| own != Some(turn(map)));
+    let what = "materials have a clear coat whose normal map has other coordinates than their own; the tangents \
+                fit the latter";
+    notes.add("tangents-shared", u64::from(differs), what, place);
 }
 
 fn specular(
@@ -184,6 +190,8 @@ fn clearcoat(
     check(&[strength, roughness], "clearcoat factors must be finite")?;
     out.clearcoat = (strength > 0.0 || moves("clearcoat")).then_some(strength.clamp(0.0, 1.0));
     out.clearcoat_roughness = roughness.clamp(0.0, 1.0);
+    let scale = coat.clearcoat_normal_texture.as_ref().and_then(|t| t.scale);
+    out.clearcoat_normal_scale = scale.filter(|s| s.is_finite()).unwrap_or(1.0);
     Ok(())
 }
 

@@ -97,7 +97,7 @@ fn convert(
     out.occlusion_texture = texture(&material.occlusion_texture, false, "occlusionTexture")?;
     out.emission_texture = texture(&material.emissive_texture, true, "emissiveTexture")?;
     layers::read(&material.extensions, &mut out, moves, &mut texture)?;
-    layers::note_ignored(&material.extensions, place, notes);
+    layers::note_shared_tangents(&out, place, notes);
     out.alpha_cutoff = alpha(material)?;
     out.blended = material.alpha_mode.as_deref() == Some("BLEND");
     if let Some(gloss) = &material.extensions.specular_glossiness {

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use super::tangent::{self, NormalUv};
 use crate::{
     scene::diagnostic::{Diagnostic, Severity, Span},
-    world::{Mesh, World},
+    world::{LayerTexture, Mesh, World},
 };
 
 /// Streams that a mesh needs for its materials.
@@ -39,8 +39,9 @@ pub fn needs(world: &World) -> Vec<Needs> {
     for instance in &world.instances {
         let material = &world.materials[instance.material];
         let need = &mut needs[instance.mesh];
-        if let Some(normal) = &material.normal_texture {
-            let uv = NormalUv::of(normal);
+        let coat = || material.layer_texture(LayerTexture::ClearcoatNormal);
+        if let Some(normal) = material.normal_texture.or_else(coat) {
+            let uv = NormalUv::of(&normal);
             need.tangents_differ |= *need.tangents_from.get_or_insert(uv) != uv;
         }
         let textures = material.textures();

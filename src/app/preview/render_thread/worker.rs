@@ -24,6 +24,7 @@ use crate::{
     gpu::Gpu,
     render::{RenderError, stats::FrameStats},
     scene::desc::{CameraDesc, Method},
+    world::World,
 };
 
 /// Time budget of a still picture; beyond it sub-frames are dropped, milliseconds.
@@ -57,6 +58,18 @@ pub(super) struct Worker {
     frame_cost: FrameCost,
     sender: Sender<Report>,
     on_report: Box<dyn Fn() + Send>,
+}
+
+/// A view's camera in a posed world.
+fn camera_in(world: &World, eye: &ViewCamera) -> CameraDesc {
+    match eye {
+        ViewCamera::Free(camera) => camera.clone(),
+        ViewCamera::Scene(name) => {
+            let found = world.cameras.iter().find(|camera| camera.name == *name);
+            let found = found.or(world.cameras.first());
+            found.map_or_else(CameraDesc::default, |camera| camera.value.clone())
+        }
+    }
 }
 
 impl Worker {
@@ -116,15 +129,7 @@ impl Worker {
 
     /// A view's camera in the posed scene.
     pub(super) fn camera(&self, eye: &ViewCamera) -> CameraDesc {
-        let cameras = &self.live.world().cameras;
-        match eye {
-            ViewCamera::Free(camera) => camera.clone(),
-            ViewCamera::Scene(name) => {
-                let found = cameras.iter().find(|camera| camera.name == *name);
-                let found = found.or(cameras.first());
-                found.map_or_else(CameraDesc::default, |camera| camera.value.clone())
-            }
-        }
+        camera_in(self.live.world(), eye)
     }
 
     /// Renders a first picture, for which little is built.
@@ -170,7 +175,8 @@ impl Worker {
             samples: Some(samples),
             ..self.live.overrides()
         })?;
-        let stats = self.live.render(&self.camera(&view.camera))?;
+        let seen_by = |world: &World| camera_in(world, &view.camera);
+        let stats = self.live.render_by(&seen_by)?;
         self.frame_cost
             .record(pixels(size) * f64::from(samples), stats.frame_ms);
         Ok(stats)

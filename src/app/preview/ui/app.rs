@@ -59,7 +59,8 @@ impl Window {
             };
             timeline::keys(timeline, presses, ui.input(|i| i.time));
         }
-        for (key, method) in [Key::Num1, Key::Num2, Key::Num3].into_iter().zip(METHODS) {
+        let keys = [Key::Num1, Key::Num2, Key::Num3, Key::Num4];
+        for (key, method) in keys.into_iter().zip(METHODS) {
             if pressed(key) {
                 self.settings.a.method = method;
             }

@@ -12,8 +12,8 @@ use crate::{
     scene::desc::Method,
 };
 
-/// In the order of the keys 1, 2, 3.
-pub const METHODS: [Method; 3] = [Method::Hybrid, Method::Ssr, Method::Rt];
+/// In the order of the keys 1, 2, 3, 4.
+pub const METHODS: [Method; 4] = [Method::Hybrid, Method::Ssr, Method::Rt, Method::Path];
 
 /// Width of a menu, points; longer names are truncated.
 pub const MENU: f32 = 96.0;
@@ -149,6 +149,14 @@ mod tests {
         assert_eq!(harness.state().channel, shadow(0, None));
         choose(&mut harness, 0, "ray_list");
         assert_eq!(harness.state().channel, ViewChannel::Rays);
+    }
+
+    #[test]
+    fn the_reference_is_one_of_the_methods() {
+        let mut harness = harness(Vec::new());
+        harness.get_by_label("path").click();
+        harness.run();
+        assert_eq!(harness.state().method, Method::Path);
     }
 
     #[test]

@@ -33,7 +33,7 @@ pub const KEYS: [(&str, &str); 23] = [
     ("Home, End", "first, last frame"),
     ("L", "loop: the first frame follows the last"),
     ("F", "frame the selection, or the scene"),
-    ("1 2 3", "hybrid, ssr, rt"),
+    ("1 2 3 4", "hybrid, ssr, rt, path"),
     ("B", "wipe between two methods or textures; drag its line"),
     ("C", "copy the camera as scene text"),
     ("R", "back to the scene's camera"),

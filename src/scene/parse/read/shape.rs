@@ -7,8 +7,10 @@ use crate::scene::{
     parse::{
         points::Points,
         table::{Section, Table},
+        value::Node,
     },
     range::{ABOVE_0, ANY, Range, range},
+    suggest,
 };
 
 /// Divisions around a curved shape.
@@ -63,6 +65,11 @@ impl Section for ShapeDesc {
                 ("heightfield", heightfield),
             ],
         )
+    }
+
+    fn instead(key: &str, value: &Node) -> Option<String> {
+        let kind = suggest::text(value.get_ref().as_str()?);
+        Some(format!("write `{key} = {{ kind = {kind} }}`"))
     }
 }
 

@@ -1,6 +1,7 @@
 //! Readers of tracks, their keys and helpers.
 
 use glam::Vec3;
+use toml::de::DeValue;
 
 use crate::scene::range::{ABOVE_0, ANY, Range};
 use crate::scene::{
@@ -9,7 +10,7 @@ use crate::scene::{
     number::{Field, Form, Lanes},
     parse::{
         table::{Section, Table},
-        value::{Scale, Value},
+        value::{Node, Scale, Value},
     },
 };
 
@@ -139,6 +140,17 @@ impl Section for ShownTrack {
         check_keys(t, &track);
         Some(Self(track))
     }
+
+    fn instead(key: &str, value: &Node) -> Option<String> {
+        let keys = match value.get_ref() {
+            DeValue::Boolean(true) => {
+                return Some(format!("leave `{key}` out: without it, it is always there"));
+            }
+            DeValue::Boolean(false) => "[{ at_s = 0, value = false }]",
+            _ => "[{ at_s = 0, value = false }, { at_s = 2, value = true }]",
+        };
+        Some(format!("write `{key} = {{ keys = {keys} }}`"))
+    }
 }
 
 impl Section for ShownKey {
@@ -193,6 +205,13 @@ impl<L: Lane> Section for TrackOf<L> {
         };
         check_keys(t, &track);
         Some(Self(track, std::marker::PhantomData))
+    }
+
+    fn instead(key: &str, _: &Node) -> Option<String> {
+        let keys = "keys = [{ at_s = 0, value = … }, { at_s = 2, value = … }]";
+        Some(format!(
+            "write `{key} = {{ {keys} }}`; what does not change stands in the table of the thing itself"
+        ))
     }
 }
 

@@ -175,7 +175,9 @@ impl Table<'_, '_> {
 
     fn nested<T: Section>(&mut self, key: &str, node: &Node) -> Option<T> {
         let DeValue::Table(values) = node.get_ref() else {
-            wrong_type(node, key, "a table", self.report);
+            let message = format!("`{key}` must be a table, not {}", found(node));
+            let error = self.report.error("wrong-type", &node.span(), message);
+            error.help = T::instead(key, node);
             return None;
         };
         Table::read(self.report, values, self.place.nested(key, node.span()))

@@ -88,6 +88,7 @@ const TEXTURES: [&str; TEXTURE_SLOTS] = [
     "extensions/KHR_materials_transmission/transmissionTexture",
     "extensions/KHR_materials_clearcoat/clearcoatTexture",
     "extensions/KHR_materials_clearcoat/clearcoatRoughnessTexture",
+    "extensions/KHR_materials_clearcoat/clearcoatNormalTexture",
 ];
 
 /// Values of cameras: pointer, key, factor on the way to scene text.

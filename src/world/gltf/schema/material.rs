@@ -112,7 +112,7 @@ pub struct Clearcoat {
     pub clearcoat_texture: Option<TextureInfo>,
     pub clearcoat_roughness_factor: Option<f32>,
     pub clearcoat_roughness_texture: Option<TextureInfo>,
-    pub clearcoat_normal_texture: Option<IgnoredAny>,
+    pub clearcoat_normal_texture: Option<TextureInfo>,
 }
 
 /// A use of a texture, with the keys of normal and occlusion textures too.

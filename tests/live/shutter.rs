@@ -1,0 +1,88 @@
+//! Motion blur of a live scene: a view at rest shows what `render` does.
+
+use std::sync::Arc;
+
+use glam::Vec3;
+use reflet::{
+    app::live::Live,
+    gpu::Gpu,
+    render::targets::Target,
+    scene::desc::MATERIAL,
+    session::{Session, SessionOptions},
+    world::World,
+};
+
+use crate::{
+    common::gpu_or_skip,
+    kit::{Folder, RunNow, SCENE, open, open_with},
+};
+
+/// The box and the camera move while the shutter is open.
+fn moving() -> String {
+    let text = SCENE
+        .replace(
+            "[image]",
+            "[reflection]\nmethod = \"rt\"\n[image]\nsamples = 8\nshutter = 1",
+        )
+        .replace(
+            "model = \"box\"",
+            "model = \"box\"\nname = \"box\"\ndynamic = true",
+        );
+    [
+        text.as_str(),
+        "[timeline]\nfps = 2\nend = 4\n[motion.instance.box]\ntranslation = { rate = [2, 0, 0] }\n\
+         [motion.camera.main]\neye = { rate = [0, 0.5, 0] }\n",
+    ]
+    .concat()
+}
+
+/// What the first camera sees, which may move.
+fn seen(gpu: &Gpu, live: &mut Live) -> Vec<u8> {
+    let first = |world: &World| world.cameras[0].value.clone();
+    live.render_by(&first).expect("renders");
+    live.renderer().read(gpu, Target::Display).expect("is read")
+}
+
+#[test]
+fn a_view_at_rest_is_blurred_as_a_render_is() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let gpu = Arc::new(gpu);
+    let folder = Folder::new();
+    let scene = folder.write("scene.toml", moving());
+    let mut live = open(&gpu, &scene, None);
+    let mut sharp = open_with(&gpu, &scene, None, &["image.shutter=0"]);
+    let mut session = Session::open(&scene, &SessionOptions::default()).expect("opens");
+    for frame in [1, 3] {
+        assert!(live.pose_now(frame) && sharp.pose_now(frame));
+        session.pose(frame).expect("poses");
+        let expected = session.render(&[]).expect("renders").display;
+        let before = live.world().instances[1].world_from_object;
+        assert!(seen(&gpu, &mut live) == expected, "frame {frame}");
+        assert!(seen(&gpu, &mut sharp) != expected, "the shutter shows");
+        let after = live.world().instances[1].world_from_object;
+        assert_eq!(before, after, "what is picked is that of the frame");
+    }
+}
+
+/// Edits that are not on disk stay in every moment.
+#[test]
+fn moments_keep_edited_materials() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let gpu = Arc::new(gpu);
+    let folder = Folder::new();
+    let moved = "[motion.material.red]\nroughness = { rate = 0.01 }\n";
+    let scene = folder.write("scene.toml", moving() + moved);
+    let mut live = open(&gpu, &scene, None);
+    assert!(live.pose_now(2));
+    let red = (live.world().materials.iter()).position(|m| m.name == "red");
+    let red = red.expect("it is used");
+    let before = seen(&gpu, &mut live);
+    let mut edit = live.edit_of(red);
+    let place = MATERIAL.iter().position(|field| field.key == "base_color");
+    edit.values[place.expect("a field")] = Some(Vec3::new(0.1, 0.1, 0.9));
+    live.edit(edit).expect("builds");
+    let blue = seen(&gpu, &mut live);
+    assert!(blue != before);
+    assert!(seen(&gpu, &mut live) == blue);
+    assert_eq!(live.world().materials[red].base_color.z, 0.9);
+}

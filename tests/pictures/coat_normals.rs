@@ -1,0 +1,187 @@
+//! Normals of clear coats: their own map or none, beside a dielectric of the same normals.
+
+use std::{path::Path, sync::Once};
+
+use glam::Vec3;
+use reflet::{
+    render::Picture,
+    scene::desc::SceneDesc,
+    world::{LayerTexture, World},
+};
+
+use crate::kit::{color, gpu, renderer, scene_of};
+
+/// A wall between a lamp, a glowing box and a mirror on the floor, which shows it again.
+const WALL: &str = r#"
+version = 1
+[camera.main]
+eye = [0.5, 0.3, 4]
+target = [0, -0.5, 0]
+fov_deg = 40
+[image]
+size = [48, 40]
+samples = 16
+tone_map = "none"
+[reflection]
+roughness_cutoff = 1
+[environment]
+zenith = [0.2, 0.3, 1]
+horizon = [1, 1, 1]
+ground = [0.3, 0.2, 0.1]
+[light.lamp]
+kind = "point"
+position = [1, 2, 3]
+intensity_cd = 40
+[material.wall]
+base_color = [0, 0, 0]
+[material.mirror]
+metallic = 1
+roughness = 0
+[material.box]
+base_color = [0, 0, 0]
+reflectivity = 0
+emission = [9, 1, 0]
+[model.wall]
+shape = { kind = "plane", size = [3, 2] }
+material = "wall"
+[model.mirror]
+shape = { kind = "plane", size = [3, 3] }
+material = "mirror"
+[model.box]
+shape = { kind = "box", size = [0.5, 1, 0.5] }
+material = "box"
+[[instance]]
+model = "wall"
+rotation_deg = [90, 0, 0]
+[[instance]]
+model = "mirror"
+translation = [0, -1, 1.5]
+[[instance]]
+model = "box"
+translation = [0.9, 0, 1]
+"#;
+
+const MAP: &str = "normal_texture = \"coat-normal.png\"\n";
+const STEEP_MAP: &str = "normal_texture = \"coat-steep-normal.png\"\n";
+const STEEP: [u8; 3] = [240, 128, 140];
+
+/// The wall with these keys of its material.
+fn wall(keys: &str, set: &[&str]) -> (SceneDesc, World) {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
+    static MAPS: Once = Once::new();
+    MAPS.call_once(|| {
+        for (name, texel) in [
+            ("coat-normal", [160, 140, 235]),
+            ("coat-steep-normal", STEEP),
+        ] {
+            let map = image::RgbImage::from_pixel(4, 4, image::Rgb(texel));
+            let file = folder.join(name).with_extension("png");
+            map.save(file).expect("a PNG");
+        }
+    });
+    let text = WALL.replace("[material.wall]\n", &format!("[material.wall]\n{keys}"));
+    scene_of(&folder.join("test.toml"), &text, set)
+}
+
+/// The map that the scene's text gives to the wall, given to its coat.
+fn to_coat((desc, mut world): (SceneDesc, World)) -> (SceneDesc, World) {
+    let material = world.materials.iter_mut().find(|m| m.name == "wall");
+    let material = material.expect("it is used");
+    material.layer_textures[LayerTexture::ClearcoatNormal as usize] =
+        material.normal_texture.take();
+    assert!(material.has_coat_normals());
+    (desc, world)
+}
+
+fn picture((desc, world): &(SceneDesc, World)) -> Option<(Picture, bool)> {
+    let gpu = gpu()?;
+    let mut renderer = renderer(gpu, desc, world, false);
+    let picture = renderer.picture(gpu, world, &world.cameras[0].value, &[]);
+    let has_own = renderer.plan().coat_normals;
+    Some((picture.unwrap_or_else(|e| panic!("{e}")), has_own))
+}
+
+/// The share of pixels that differ by more than what packing may.
+fn differing(a: &Picture, b: &Picture) -> f64 {
+    let [width, height] = a.size;
+    let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+    let differs = |(x, y): &(u32, u32)| {
+        let (a, b) = (color(a, *x, *y), color(b, *x, *y));
+        let pairs = a.into_iter().zip(b);
+        pairs
+            .into_iter()
+            .any(|(a, b)| (a - b).abs() > 4e-3 + 0.02 * b.abs())
+    };
+    pixels.filter(differs).count() as f64 / f64::from(width * height)
+}
+
+#[test]
+fn a_coat_reflects_by_its_own_normals() {
+    // Over what reflects nothing a coat is a dielectric of its index.
+    for (roughness, samples, method) in [
+        ("0", "1", "rt"),
+        ("0", "1", "hybrid"),
+        ("0.503937", "16", "hybrid"),
+    ] {
+        let method = format!("reflection.method={method}");
+        let samples = format!("image.samples={samples}");
+        let set = [method.as_str(), samples.as_str()];
+        let dielectric = format!("reflectivity = 0.04\nroughness = {roughness}\n");
+        let coat = format!("reflectivity = 0\nclearcoat = 1\nclearcoat_roughness = {roughness}\n");
+        let [tipped, plain, own, over_map] = [
+            picture(&wall(&format!("{dielectric}{MAP}"), &set)),
+            picture(&wall(&dielectric, &set)),
+            picture(&to_coat(wall(&format!("{coat}{MAP}"), &set))),
+            picture(&wall(&format!("{coat}{MAP}"), &set)),
+        ];
+        let (Some(tipped), Some(plain), Some(own), Some(over_map)) = (tipped, plain, own, over_map)
+        else {
+            return;
+        };
+        let case = format!("{roughness}, {method}, {samples}");
+        let shown = differing(&tipped.0, &plain.0);
+        assert!(shown > 0.1, "{case}: the map shows at {shown}");
+        let [by_own, by_none] = [(&own, &tipped), (&over_map, &plain)];
+        for (coat, expected) in [by_own, by_none] {
+            assert!(coat.1 && !expected.1, "{case}");
+            let share = differing(&coat.0, &expected.0);
+            assert!(share < 0.01, "{case}: {share} of the pixels differ");
+        }
+    }
+}
+
+/// What a coat takes from below follows its own normals too.
+#[test]
+fn a_coat_that_is_tipped_takes_more_from_below() {
+    let keys = "emission = [1, 1, 1]\nreflectivity = 0\nclearcoat = 1\n";
+    let dark = [
+        "environment.zenith=[0, 0, 0]",
+        "environment.horizon=[0, 0, 0]",
+        "environment.ground=[0, 0, 0]",
+        "light.lamp.intensity_cd=0",
+        "instance.2.visible=false",
+        "instance.1.visible=false",
+        "image.samples=1",
+        "camera.main.fov_deg=1",
+        "camera.main.eye=[0, 0, 4]",
+        "camera.main.target=[0, 0, 0]",
+    ];
+    let Some((found, _)) = picture(&to_coat(wall(&format!("{keys}{STEEP_MAP}"), &dark))) else {
+        return;
+    };
+    let normal = Vec3::from_array(STEEP.map(|v| f32::from(v) / 127.5 - 1.0)).normalize();
+    let fresnel = 0.04 + 0.96 * (1.0 - normal.z).powi(5);
+    let [middle, ..] = color(&found, 24, 20);
+    assert!(
+        (middle - (1.0 - fresnel)).abs() < 5e-3,
+        "{middle}, of {fresnel}"
+    );
+}
+
+#[test]
+fn coats_without_maps_have_no_normals_of_their_own() {
+    let Some((_, has_own)) = picture(&wall("clearcoat = 1\n", &["image.samples=1"])) else {
+        return;
+    };
+    assert!(!has_own);
+}
