@@ -179,6 +179,26 @@ pub const LINTS: &[Mistake] = &[
         ],
     ),
     script(
+        "a semicolon behind what setup returns",
+        "fn setup(ctx) {\n    let lamps = #{ n: ctx.params.count };\n    #{ lights: lamps };\n}\n",
+        [
+            "nothing-returned",
+            "3:23",
+            "`setup` returns nothing",
+            "leave out this `;`",
+        ],
+    ),
+    script(
+        "a name made between quotation marks",
+        "fn frame(ctx) {\n    for i in 0..ctx.params.count {\n        print(\"ball${i}\");\n    }\n}\n",
+        [
+            "uninterpolated-text",
+            "3:15",
+            "is taken as it is written",
+            "between backticks",
+        ],
+    ),
+    script(
         "a quotient of whole numbers",
         "fn frame(ctx) {\n    ctx.place(\"b\", [ctx.frame / 24, 0, ctx.params.count]);\n}\n",
         [

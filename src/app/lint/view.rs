@@ -111,7 +111,8 @@ fn reflector(
         );
         return Some(Diagnostic::at("short-reflection", at, message).help(help));
     }
-    world.environment.is_black().then(|| {
+    let has_lamp = world.lights.iter().any(|light| light.desc.kind.has_size());
+    (world.environment.is_black() && !has_lamp).then(|| {
         let message = format!("material \"{name}\" reflects nothing but the black environment");
         let help = "write `[environment]`, or place what it shall show where its reflection falls";
         Diagnostic::at("black-reflector", at, message).help(help)

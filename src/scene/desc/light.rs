@@ -69,7 +69,8 @@ pub enum LightKind {
         angle_deg: f32,
     },
     /// `"rect"`: a flat rectangle around `position` that shines to one side, along `direction` or towards
-    /// `target`; it looks alike bright from everywhere on that side.
+    /// `target`; it looks alike bright from everywhere on that side. Reflections show it, the camera itself
+    /// does not: put a shape with `emission` where it shall be seen.
     Rect {
         /// Its middle, meters.
         position: Vec3,

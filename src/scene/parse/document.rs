@@ -243,10 +243,12 @@ impl<'t> Document<'t> {
                 scene.parents = hierarchy::parents(&scene, table);
             }
         }
-        // Those of included files are definitions only, and are not placed by themselves.
+        // Those of included files are definitions only, and are not placed by themselves; neither are those
+        // whose instance a layer has removed.
         let instances = &scene.instances;
         let is_used = |name: &str| instances.iter().any(|i| i.model.value == name);
-        (scene.models).retain(|m| is_used(&m.name) || !texts.is_included(&m.at));
+        let stands = |m: &Entry<_>| !texts.is_included(&m.at) && !report.is_unplaced(&m.name);
+        (scene.models).retain(|m| is_used(&m.name) || stands(m));
         report.retain(|d| !shadows.iter().any(|s| s.hides(d)));
         if report.has("unsupported-version") {
             // In another version other keys may be right.

@@ -188,7 +188,14 @@ pub fn merge<'i>(
         }
         None => {
             let removed = own.get_ref().as_table().and_then(|t| t.get("remove"));
-            removed.iter().for_each(|node| refuse_remove(node, report));
+            // A base that cannot be read was reported.
+            let has_base = own
+                .get_ref()
+                .as_table()
+                .is_some_and(|t| t.contains_key("base"));
+            if !has_base {
+                removed.iter().for_each(|node| refuse_remove(node, report));
+            }
             own
         }
     }

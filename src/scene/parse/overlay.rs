@@ -172,6 +172,10 @@ pub fn remove(root: &mut Node, path: &str, at: &std::ops::Range<usize>, report: 
         DeValue::Table(table) => table.keys().map(|k| k.get_ref().to_string()).collect(),
         DeValue::Array(items) => match index_of(items, last) {
             Some(index) => {
+                let table = items.get(index).and_then(|item| item.get_ref().as_table());
+                if let Some(model) = table.and_then(|t| t.get("model")?.get_ref().as_str()) {
+                    report.note_unplaced(model);
+                }
                 let kept = items.iter().enumerate().filter(|(i, _)| *i != index);
                 *items = kept.map(|(_, item)| item.clone()).collect();
                 report.note_removed(path, at);

@@ -27,6 +27,8 @@ pub struct Report {
     /// Where values begin that are floats, though they are written as integers.
     floats: HashSet<usize>,
     lacks_names: bool,
+    /// Models of instances that a layer has removed.
+    unplaced: HashSet<String>,
     /// What a layer has removed, and where it says so.
     removed: HashMap<String, Range<usize>>,
 }
@@ -70,6 +72,16 @@ impl Report {
     /// Notes that a layer has removed what is at a path, such as `light.lamp`; `at` is where it says so.
     pub fn note_removed(&mut self, path: &str, at: &Range<usize>) {
         self.removed.insert(path.to_owned(), at.clone());
+    }
+
+    /// Notes that a layer has removed an instance of a model.
+    pub fn note_unplaced(&mut self, model: &str) {
+        self.unplaced.insert(model.to_owned());
+    }
+
+    /// Whether a layer has removed an instance of a model.
+    pub fn is_unplaced(&self, model: &str) -> bool {
+        self.unplaced.contains(model)
     }
 
     /// Where a layer says that it removes what is at a path.
