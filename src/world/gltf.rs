@@ -41,6 +41,7 @@ mod node;
 mod posed;
 mod primitive;
 mod primitive_context;
+mod ranges;
 mod read_array;
 pub(super) mod repair;
 mod schema;
@@ -141,6 +142,8 @@ pub struct Placement {
 pub struct ImageUse {
     /// For messages: `image 3 "wall"`.
     pub name: String,
+    /// For messages: the texture that uses it first, its place in the JSON and its material.
+    pub used_by: String,
     /// Index in the file.
     pub index: usize,
     /// Whether it is sampled as color.

@@ -22,6 +22,7 @@ mod kit;
 mod ktx2;
 mod limits;
 mod material;
+mod material_faults;
 mod meshopt;
 mod overrides;
 mod pointer;

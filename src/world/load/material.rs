@@ -102,6 +102,7 @@ impl Loader<'_> {
         };
         let request = TextureRequest {
             name: image.name.clone(),
+            used_by: image.used_by.clone(),
             file,
             source,
             srgb: image.srgb,
@@ -159,6 +160,7 @@ impl Loader<'_> {
         };
         let request = TextureRequest {
             name: "image".into(),
+            used_by: String::new(),
             file: path.clone(),
             source: ImageSource::File(path.clone()),
             srgb,
