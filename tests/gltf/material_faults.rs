@@ -72,3 +72,26 @@ fn factors_outside_their_range_are_named() {
         );
     }
 }
+
+#[test]
+fn mesh_lights_of_a_file_light_up_to_their_number() {
+    let mut doc = stone();
+    doc.json["materials"][0]["extras"] = json!({"mesh_light": {}});
+    let lights = |doc: &Doc| {
+        let world = doc.world();
+        (world.materials[0].light, warnings(&world))
+    };
+    assert_eq!(lights(&doc), (true, vec![]));
+    let many = 3 * (reflet::world::emitters::MAX_EMITTERS + 1);
+    let indices: Vec<u8> = (0..many as u32)
+        .flat_map(|i| (i % 3).to_le_bytes())
+        .collect();
+    let indices = doc.accessor("SCALAR", 5125, many, &indices);
+    doc.primitive("indices", indices.into());
+    assert_eq!(lights(&doc), (false, vec!["emitters-too-many"]));
+    // What emits nothing does not.
+    let mut doc = stone();
+    doc.json["materials"][0]["extras"] = json!({"mesh_light": {}});
+    doc.json["materials"][0]["emissiveFactor"] = json!([0, 0, 0]);
+    assert_eq!(lights(&doc), (false, vec![]));
+}

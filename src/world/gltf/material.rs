@@ -78,6 +78,9 @@ fn choose_uv_sets(material: &mut Material, place: &str, notes: &mut Notes) -> [u
     sets
 }
 
+/// Key of a material's extras, by which its emission lights what is around.
+const MESH_LIGHT: &str = "mesh_light";
+
 fn convert(
     material: &schema::Material,
     (index, place): (usize, &str),
@@ -112,6 +115,8 @@ fn convert(
     layers::read(extensions, &mut out, moves, &mut ranges, &mut texture)?;
     layers::note_ignored(&material.extensions, place, notes);
     out.alpha_cutoff = alpha(material, &mut ranges)?;
+    out.is_mesh_light = material.extras.get(MESH_LIGHT).is_some();
+    out.light = out.is_mesh_light;
     out.blended = material.alpha_mode.as_deref() == Some("BLEND");
     if let Some(gloss) = &material.extensions.specular_glossiness {
         let place = (index, place);
