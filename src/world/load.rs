@@ -172,14 +172,18 @@ impl<'a> Loader<'a> {
             .chain(&options.assets)
             .cloned()
             .collect();
+        let memory = (options.memory_bytes).map_or_else(Budget::of_machine, Budget::new);
         Self {
             desc,
             options,
-            memory: (options.memory_bytes).map_or_else(Budget::of_machine, Budget::new),
+            memory: memory.clone(),
             sandbox: Sandbox::new(folders.iter().map(PathBuf::as_path), options.max_file_bytes)
                 .with_dependencies(&options.dependencies),
             folders,
-            world: World::default(),
+            world: World {
+                memory,
+                ..World::default()
+            },
             errors: Vec::new(),
             textures: material::TextureTable::default(),
             files: HashMap::new(),
