@@ -1,6 +1,13 @@
 //! How much memory this process has, and may still take, where the system tells it (Linux).
 
-use std::{fs, path::Path};
+use std::{
+    fs,
+    path::Path,
+    sync::{
+        Arc,
+        atomic::{AtomicU64, Ordering},
+    },
+};
 
 /// Peak resident memory of this process.
 pub fn peak_resident_bytes() -> Option<u64> {
@@ -8,7 +15,7 @@ pub fn peak_resident_bytes() -> Option<u64> {
 }
 
 /// What this process can still take without being ended for it: of the machine's memory and swap, of its
-/// control groups (version 2) and of its address space, the least.
+/// control groups and of its address space, the least.
 pub fn available_bytes() -> Option<u64> {
     let read = |path: &str| fs::read_to_string(path).ok();
     let machine = read("/proc/meminfo").and_then(|text| machine_bytes(&text));
@@ -18,11 +25,47 @@ pub fn available_bytes() -> Option<u64> {
     [machine, group, space].into_iter().flatten().min()
 }
 
-/// A budget of so many bytes, or of three quarters of what is left, if that is less: what is read is also
-/// copied, and others take memory too.
-pub fn budget(bytes: u64) -> u64 {
-    let left = available_bytes().unwrap_or(u64::MAX);
-    bytes.min(left - left / 4)
+/// What one load may still take of the memory; all of its parts, which are clones, take from the same.
+#[derive(Clone, Debug)]
+pub struct Budget(Arc<AtomicU64>);
+
+impl Default for Budget {
+    /// Without a limit.
+    fn default() -> Self {
+        Self::new(u64::MAX)
+    }
+}
+
+impl Budget {
+    /// Of so many bytes.
+    pub fn new(bytes: u64) -> Self {
+        Self(Arc::new(AtomicU64::new(bytes)))
+    }
+
+    /// Of what this process can take now.
+    pub fn of_machine() -> Self {
+        Self::of(available_bytes())
+    }
+
+    /// Three quarters of what can be taken, if that is known: what is read is also copied, and others take
+    /// memory too.
+    fn of(available_bytes: Option<u64>) -> Self {
+        Self::new(available_bytes.map_or(u64::MAX, |left| left - left / 4))
+    }
+
+    /// Bytes that may still be taken.
+    pub fn left(&self) -> u64 {
+        self.0.load(Ordering::Relaxed)
+    }
+
+    /// Takes bytes, or none where fewer are left; whether it took them.
+    #[must_use]
+    pub fn take(&self, bytes: u64) -> bool {
+        let taken = |left: u64| left.checked_sub(bytes);
+        (self.0)
+            .fetch_update(Ordering::Relaxed, Ordering::Relaxed, taken)
+            .is_ok()
+    }
 }
 
 const CONTROL_GROUPS: &str = "/sys/fs/cgroup";
@@ -40,25 +83,58 @@ fn machine_bytes(meminfo: &str) -> Option<u64> {
     Some(kibibytes(meminfo, "MemAvailable")? + swap)
 }
 
-/// Of the group that the text of `/proc/self/cgroup` names, and of those around it.
+/// Names of the files of a control group, and where its kind is mounted.
+struct GroupFiles {
+    folder: &'static str,
+    most: &'static str,
+    now: &'static str,
+    /// Its line of `memory.stat`.
+    cached: &'static str,
+}
+
+const VERSION_1: GroupFiles = GroupFiles {
+    folder: "memory",
+    most: "memory.limit_in_bytes",
+    now: "memory.usage_in_bytes",
+    cached: "total_inactive_file ",
+};
+const VERSION_2: GroupFiles = GroupFiles {
+    folder: "",
+    most: "memory.max",
+    now: "memory.current",
+    cached: "inactive_file ",
+};
+
+/// Of the groups that the text of `/proc/self/cgroup` names, and of those around them.
 fn group_bytes(cgroup: &str, mount: &str) -> Option<u64> {
-    let path = cgroup.lines().find_map(|line| line.strip_prefix("0::"))?;
-    let group = Path::new(mount).join(path.trim_start_matches('/'));
-    let groups = group.ancestors().take_while(|at| at.starts_with(mount));
-    groups.filter_map(left_in_group).min()
+    let left = |line: &str| {
+        // `7:cpu,memory:/path`, of version 2 `0::/path`.
+        let (controllers, path) = line.split_once(':')?.1.split_once(':')?;
+        let files = match controllers {
+            "" => &VERSION_2,
+            some if some.split(',').any(|name| name == "memory") => &VERSION_1,
+            _ => return None,
+        };
+        let mount = Path::new(mount).join(files.folder);
+        let group = mount.join(path.trim_start_matches('/'));
+        // Inside a container, the path may be that outside; the mount is then the container's own group.
+        let groups = group.ancestors().take_while(|at| at.starts_with(&mount));
+        groups.filter_map(|at| left_in_group(at, files)).min()
+    };
+    cgroup.lines().filter_map(left).min()
 }
 
 /// Without what is cached of files, which is given back where memory is short.
-fn left_in_group(folder: &Path) -> Option<u64> {
+fn left_in_group(folder: &Path, files: &GroupFiles) -> Option<u64> {
     let number = |file: &str| -> Option<u64> {
         let text = fs::read_to_string(folder.join(file)).ok()?;
         text.trim().parse().ok()
     };
-    let (most, now) = (number("memory.max")?, number("memory.current")?);
+    let (most, now) = (number(files.most)?, number(files.now)?);
     let stat = fs::read_to_string(folder.join("memory.stat")).unwrap_or_default();
     let cached = stat
         .lines()
-        .find_map(|line| line.strip_prefix("inactive_file ")?.trim().parse().ok());
+        .find_map(|line| line.strip_prefix(files.cached)?.trim().parse().ok());
     Some(most.saturating_sub(now.saturating_sub(cached.unwrap_or(0))))
 }
 
@@ -105,14 +181,28 @@ mod tests {
         );
         write("outer/inner/memory.max", "max\n");
         write("outer/inner/memory.current", "600\n");
+        // Version 1, in a container whose own group is the mount; its unlimited is a huge number.
+        fs::create_dir_all(mount.join("memory/job")).unwrap();
+        write("memory/memory.limit_in_bytes", "2000\n");
+        write("memory/memory.usage_in_bytes", "900\n");
+        write(
+            "memory/memory.stat",
+            "inactive_file 7\ntotal_inactive_file 100\n",
+        );
+        write("memory/job/memory.limit_in_bytes", "9223372036854771712\n");
+        write("memory/job/memory.usage_in_bytes", "500\n");
         let left = |text: &str| group_bytes(text, mount.to_str().unwrap());
         let found = [
             left("0::/outer/inner\n"),
             left("0::/\n"),
-            left("1:memory:/outer\n"),
+            left("5:cpu,memory:/job\n"),
+            left("1:name=systemd:/\n5:memory:/docker/12ab\n0::/\n"),
+            left("5:memory:/job\n0::/outer\n"),
+            left("5:cpuset:/outer\n"),
         ];
         fs::remove_dir_all(&mount).unwrap();
-        assert_eq!(found, [Some(500), None, None]);
+        let expected = [Some(500), None, Some(1200), Some(1200), Some(500), None];
+        assert_eq!(found, expected);
     }
 
     #[test]
@@ -123,9 +213,18 @@ mod tests {
             let left = available_bytes().unwrap();
             assert!(left > 0, "{left} of {total}");
             assert!(peak_resident_bytes().unwrap() < total);
-            let most = budget(u64::MAX);
+            let most = Budget::of_machine().left();
             assert!(0 < most && most < total, "{most}");
-            assert_eq!(budget(1), 1);
         }
+    }
+
+    #[test]
+    fn parts_share_a_budget() {
+        let budget = Budget::of(Some(1000));
+        let part = budget.clone();
+        assert_eq!(part.left(), 750);
+        assert!(part.take(700) && !budget.take(51) && budget.take(50) && !part.take(1));
+        assert_eq!((budget.left(), part.left()), (0, 0));
+        assert_eq!(Budget::of(None).left(), u64::MAX);
     }
 }

@@ -28,7 +28,12 @@ static READ: LazyLock<Scene> = LazyLock::new(|| {
 
 fuzz_target!(|bytes: &[u8]| {
     fs::write(FOLDER.join("m.glb"), bytes).expect("it can be written");
-    let Ok(mut world) = load(&READ, &LoadOptions::default()) else {
+    // Half a GiB is left for what is copied.
+    let options = LoadOptions {
+        memory_bytes: Some(1 << 30),
+        ..LoadOptions::default()
+    };
+    let Ok(mut world) = load(&READ, &options) else {
         return;
     };
     let state = Animator::new(&READ).pose(12).expect("nothing but the file moves");

@@ -103,7 +103,7 @@ impl Trees {
     /// Geometry past that limit, past [`MAX_REACH_M`], or past the memory that is left.
     pub fn build(world: &World, device_limit_bytes: u64) -> Result<Self, Box<Diagnostic>> {
         let placement = Placement::within(world, device_limit_bytes)?;
-        placement.check_memory(world, memory::available_bytes().unwrap_or(u64::MAX))?;
+        placement.check_memory(world, left_bytes(world))?;
         let (static_tree, mut triangles) = static_tree(world, &placement.baked)?;
         let static_triangles = triangles.len();
         let (deformed, rigid): (Vec<usize>, Vec<usize>) =
@@ -289,7 +289,13 @@ fn top_capacity(instances: usize) -> usize {
 /// `memory-short`.
 pub fn check_memory(world: &World) -> Result<(), Box<Diagnostic>> {
     let placement = Placement::within(world, u64::MAX)?;
-    placement.check_memory(world, memory::available_bytes().unwrap_or(u64::MAX))
+    placement.check_memory(world, left_bytes(world))
+}
+
+/// What trees may take: the rest of the load's memory, as far as it is there now.
+fn left_bytes(world: &World) -> u64 {
+    let now = memory::available_bytes().unwrap_or(u64::MAX);
+    world.memory.left().min(now)
 }
 
 /// Refuses trees past the buffer limit or deeper than the traversal's stack.

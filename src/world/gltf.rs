@@ -24,6 +24,7 @@ use crate::{
 mod accessor;
 mod animated;
 mod animation;
+mod budget;
 mod buffer;
 mod camera;
 mod check_indices;
@@ -40,6 +41,7 @@ mod node;
 mod posed;
 mod primitive;
 mod primitive_context;
+mod ranges;
 mod read_array;
 pub(super) mod repair;
 mod schema;
@@ -140,6 +142,8 @@ pub struct Placement {
 pub struct ImageUse {
     /// For messages: `image 3 "wall"`.
     pub name: String,
+    /// For messages: the texture that uses it first, its place in the JSON and its material.
+    pub used_by: String,
     /// Index in the file.
     pub index: usize,
     /// Whether it is sampled as color.
@@ -248,7 +252,7 @@ impl Notes {
     }
 }
 
-/// Maximum decoded geometry of one file, bytes, where as much memory is left.
+/// Maximum decoded geometry of one file, bytes, where the load has as much left.
 const GEOMETRY_BUDGET_BYTES: u64 = 2 << 30;
 
 /// Maximum number of listed errors per file.
@@ -261,6 +265,8 @@ pub struct ReadOptions {
     pub lenient: bool,
     /// What scripts pose.
     pub posed: Posed,
+    /// What geometry takes from.
+    pub memory: memory::Budget,
 }
 
 /// Reads the file at `path` (canonical, from [`Sandbox::resolve`]). Skins and morph targets are at rest.
@@ -291,9 +297,12 @@ fn read_faults(path: &Path, sandbox: &Sandbox, options: &ReadOptions) -> Result<
     let mut notes = Notes::default();
     let mut buffers =
         buffer::read(&root, binary, folder, sandbox, &mut model.files).map_err(one)?;
-    let budget_bytes = memory::budget(GEOMETRY_BUDGET_BYTES);
-    draco::decompress(&mut root, &mut buffers, budget_bytes).map_err(one)?;
-    let data = accessor::Data::new(&root, buffers, budget_bytes).map_err(one)?;
+    let budget = budget::GeometryBudget {
+        file: memory::Budget::new(GEOMETRY_BUDGET_BYTES),
+        load: options.memory.clone(),
+    };
+    draco::decompress(&mut root, &mut buffers, &budget).map_err(one)?;
+    let data = accessor::Data::new(&root, buffers, budget).map_err(one)?;
     check_indices::check(&root).map_err(one)?;
     material::read(&root, &data, folder, sandbox, &mut model, &mut notes).map_err(one)?;
     model.stage = Stage::of(&root);

@@ -11,7 +11,7 @@ use super::{
     texture::{self, TextureLimits},
 };
 use crate::{
-    memory,
+    memory::Budget,
     scene::{
         dependencies::Dependencies,
         desc::{At, SceneDesc},
@@ -53,6 +53,8 @@ pub struct LoadOptions {
     pub image_budget_bytes: u64,
     /// Largest single file, bytes.
     pub max_file_bytes: u64,
+    /// What geometry, images and trees may take together, bytes; `None` is three quarters of what is left.
+    pub memory_bytes: Option<u64>,
     /// Whether extensions that only change the look are ignored in glTF files that require them.
     pub lenient: bool,
     /// Records the files that were searched.
@@ -68,6 +70,7 @@ impl Default for LoadOptions {
             max_texture_px: 16384,
             image_budget_bytes: 2 << 30,
             max_file_bytes: 4 << 30,
+            memory_bytes: None,
             lenient: false,
             dependencies: Dependencies::default(),
             preloaded_models: PreloadedModels::default(),
@@ -105,6 +108,7 @@ pub fn load_with_cache(
 struct Loader<'a> {
     desc: &'a SceneDesc,
     options: &'a LoadOptions,
+    memory: Budget,
     sandbox: Sandbox,
     /// Folders to search, as the user named them.
     folders: Vec<PathBuf>,
@@ -168,13 +172,18 @@ impl<'a> Loader<'a> {
             .chain(&options.assets)
             .cloned()
             .collect();
+        let memory = (options.memory_bytes).map_or_else(Budget::of_machine, Budget::new);
         Self {
             desc,
             options,
+            memory: memory.clone(),
             sandbox: Sandbox::new(folders.iter().map(PathBuf::as_path), options.max_file_bytes)
                 .with_dependencies(&options.dependencies),
             folders,
-            world: World::default(),
+            world: World {
+                memory,
+                ..World::default()
+            },
             errors: Vec::new(),
             textures: material::TextureTable::default(),
             files: HashMap::new(),
@@ -239,7 +248,7 @@ impl<'a> Loader<'a> {
     fn finish(mut self, models: Vec<Source>) -> Result<(World, AssetCache), Vec<Diagnostic>> {
         let limits = TextureLimits {
             max_px: self.options.max_texture_px,
-            budget_bytes: memory::budget(self.options.image_budget_bytes),
+            budget_bytes: self.options.image_budget_bytes.min(self.memory.left()),
             max_file_bytes: self.options.max_file_bytes,
         };
         self.drop_unused_deformations();
@@ -255,6 +264,10 @@ impl<'a> Loader<'a> {
         let image_files: Vec<_> = image_files.cloned().collect();
         self.add_files(&image_files);
         self.world.textures = texture::decode_all(&requests, &limits)?.into();
+        let image_bytes = self.world.textures.iter().map(|t| t.rgba.len() as u64);
+        // They are at most what was left.
+        let _ = self.memory.take(image_bytes.sum());
+        self.world.memory = self.memory.clone();
         self.warn_of_reduced(&requests);
         let (meshes, textures) = (self.world.meshes.clone(), self.world.textures.clone());
         blended::drop_opaque(&mut self.world, &meshes, &textures);

@@ -23,6 +23,8 @@ pub struct Material {
     pub emission: Vec3,
     /// Whether its emission lights what is around; else only reflections show it.
     pub light: bool,
+    /// Whether its file says so, and not the scene text.
+    pub is_mesh_light: bool,
     /// Strength of the normal map.
     pub normal_scale: f32,
     /// Texture repetitions along u and v, on top of each texture's own transform.
@@ -129,6 +131,7 @@ impl Default for Material {
             reflectivity: 0.04,
             emission: Vec3::ZERO,
             light: false,
+            is_mesh_light: false,
             normal_scale: 1.0,
             uv_scale: [1.0; 2],
             occlusion_strength: 1.0,

@@ -10,6 +10,7 @@ use glam::{Affine3A, Vec2, Vec3, Vec4};
 
 use crate::{
     math::Bounds,
+    memory::Budget,
     scene::{
         desc::{CameraDesc, Entry, LightDesc, ShownDesc},
         diagnostic::Diagnostic,
@@ -75,6 +76,8 @@ pub struct World {
     /// U at load, meters: without static geometry, poses would change it. `None` computes it from
     /// the current bounds.
     pub rest_unit_m: Option<f32>,
+    /// What its load left of the memory for trees.
+    pub memory: Budget,
 }
 
 /// Most lights in a scene; their uniform block stays far below 64 KiB.

@@ -43,12 +43,23 @@ pub struct TextureLimits {
 pub struct TextureRequest {
     /// Which image of `file`, for messages.
     pub name: String,
+    /// What uses it, for messages; may be empty.
+    pub used_by: String,
     /// File for error messages.
     pub file: PathBuf,
     /// Encoded bytes.
     pub source: ImageSource,
     /// Becomes [`Texture::srgb`].
     pub srgb: bool,
+}
+
+impl TextureRequest {
+    fn place(&self) -> String {
+        match self.used_by.as_str() {
+            "" => self.name.clone(),
+            used_by => format!("{}, {used_by}", self.name),
+        }
+    }
 }
 
 fn fault(name: &'static str, text: impl Into<String>) -> Fault {
@@ -64,7 +75,7 @@ pub fn decode_all(
     requests: &[TextureRequest],
     limits: &TextureLimits,
 ) -> Result<Vec<Texture>, Vec<Diagnostic>> {
-    let blame = |request: &TextureRequest, f: Fault| f.at(&request.name).in_file(&request.file);
+    let blame = |request: &TextureRequest, f: Fault| f.at(&request.place()).in_file(&request.file);
     let mut errors = Vec::new();
     let mut total = 0u64;
     let mut over = None;

@@ -75,3 +75,22 @@ fn flat_things_are_seen_from_the_side_that_they_face() {
         }
     }
 }
+
+/// Tubes around lines are closed, so that which side they face is a matter of rounding.
+#[test]
+fn lines_are_seen_from_the_usual_side() {
+    for turn in 0..12_u8 {
+        let mut doc = Doc::empty();
+        let corner = |i: u16| {
+            let angle = f32::from(i) * std::f32::consts::FRAC_PI_2 + 0.3 * f32::from(turn);
+            [angle.cos(), angle.sin(), 0.0]
+        };
+        let corners: Vec<f32> = (0..4).flat_map(corner).collect();
+        let positions = doc.floats("VEC3", &corners);
+        let mesh = doc.mesh(json!({"attributes": {"POSITION": positions}, "mode": 2}));
+        doc.root_node(json!({"mesh": mesh}));
+        let world = doc.world();
+        let camera = camera(&world);
+        assert!(camera.eye.z > camera.target.z, "turn {turn}");
+    }
+}

@@ -194,6 +194,28 @@ fn all_images_together_have_a_budget() {
         };
         assert_eq!(load(&desc, &options).err().map(|e| e[0].name), expected);
     }
+    // Geometry and images share the memory of the load; what they leave is for trees.
+    let outcome = |memory_bytes: u64| {
+        let options = LoadOptions {
+            memory_bytes: Some(memory_bytes),
+            ..LoadOptions::default()
+        };
+        let loaded = load(&desc, &options).map(|world| world.memory.left());
+        loaded.map_err(|errors| errors[0].name)
+    };
+    let (mut refused, mut held) = (0, 1 << 20);
+    while held - refused > 1 {
+        let middle = (refused + held) / 2;
+        match outcome(middle) == Err("geometry-too-large") {
+            true => refused = middle,
+            false => held = middle,
+        }
+    }
+    assert!(held > 128, "geometry takes {held} bytes");
+    assert_eq!(outcome(held), Err("image-budget"));
+    assert_eq!(outcome(held + 127), Err("image-budget"));
+    assert_eq!(outcome(held + 128), Ok(0));
+    assert_eq!(outcome(held + 1128), Ok(1000));
     let options = LoadOptions {
         max_file_bytes: 100,
         ..LoadOptions::default()

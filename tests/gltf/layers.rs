@@ -105,11 +105,9 @@ fn specular_sheen_and_the_textures_of_layers_are_read() {
         "sheenColorFactor": [1, 1, 1], "sheenColorTexture": {"index": 99}
     }});
     let error = &doc.load().expect_err("no such texture")[0];
-    assert!(
-        error.message.contains("sheenColorTexture: texture 99"),
-        "{}",
-        error.message
-    );
+    let path = "/materials/0/extensions/KHR_materials_sheen/sheenColorTexture";
+    let expected = format!("material 0 \"stone\": sheenColorTexture ({path}): texture 99 does not");
+    assert!(error.message.starts_with(&expected), "{}", error.message);
 }
 
 #[test]

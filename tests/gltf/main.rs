@@ -23,6 +23,7 @@ mod ktx2;
 mod layers;
 mod limits;
 mod material;
+mod material_faults;
 mod meshopt;
 mod overrides;
 mod pointer;

@@ -68,7 +68,7 @@ def test_the_manual_lists_every_excuse_and_no_other() -> None:
         *allowed_deviations.TRANSLUCENT,
         *allowed_deviations.EXTRAS,
     }
-    for kind in ("Mesh", "DomeLight", "PortalLight", "NurbsCurves"):
+    for kind in ("Mesh", "DomeLight", "PortalLight", "PluginLight", "NurbsCurves"):
         found |= {name.replace(kind, "<type>") for name in allowed_deviations.absent(kind)}
     assert set().union(*rows) == found
     cannot = {

@@ -266,6 +266,7 @@ def PointInstancer "pi"
     assert check_of(validation, "positions").compared == 1
 
 
+POINT = "point3f[] points = [(0, 0, 0)]\nfloat[] widths = [0.1]\n"
 LOST = [
     ("RectLight", "", "asset inputs:texture:file = @sky.png@", "light-texture-dropped"),
     ("SphereLight", "", "float inputs:specular = 0", "light-specular-dropped"),
@@ -273,7 +274,7 @@ LOST = [
     ("DistantLight", "ShadowAPI", "bool inputs:shadow:enable = 0", "light-shadow-dropped"),
     ("CylinderLight", "", "bool treatAsLine = 1", "light-line-dropped"),
     ("SphereLight", "ShapingAPI", "float inputs:shaping:focus = 2", "light-shaping-dropped"),
-    ("Mesh", "MeshLightAPI", QUAD + "float inputs:intensity = 5", "mesh-light-dropped"),
+    ("Points", "MeshLightAPI", POINT + "float inputs:intensity = 5", "mesh-light-dropped"),
     ("Camera", "", "float4[] clippingPlanes = [(1, 0, 0, 1)]", "lens-dropped"),
     ("Camera", "", "float exposure:iso = 400", "lens-dropped"),
     ("Camera", "", "float exposure:responsivity = 2", "lens-dropped"),

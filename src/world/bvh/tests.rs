@@ -6,6 +6,7 @@ use glam::{Affine3A, DVec3, Quat, Vec3};
 use super::*;
 use crate::{
     math::Bounds,
+    memory::Budget,
     scene::desc::ShapeDesc,
     world::{Material, Mesh, shape},
 };
@@ -168,6 +169,15 @@ fn memory_is_refused_before_it_is_taken() {
     assert_eq!(refused.name, "memory-short");
     let said = "the trees of 1000 triangles";
     assert!(refused.message.starts_with(said), "{}", refused.message);
+    // Where the load left less than the machine has.
+    for (left, fits) in [(240_000, true), (239_999, false)] {
+        let world = World {
+            memory: Budget::new(left),
+            ..world.clone()
+        };
+        assert_eq!(check_memory(&world).is_ok(), fits);
+        assert_eq!(Trees::build(&world, LIMIT).is_ok(), fits);
+    }
 }
 
 #[test]

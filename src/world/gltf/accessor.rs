@@ -1,10 +1,11 @@
 //! Buffer views and accessors: every count, range, stride and alignment is validated before bytes
 //! are read (by `gather`).
 
-use std::sync::{OnceLock, atomic::AtomicU64};
+use std::sync::OnceLock;
 
 use super::{
     Fault,
+    budget::GeometryBudget,
     container::Bytes,
     meshopt,
     schema::{Accessor, BufferView, Root},
@@ -19,8 +20,7 @@ pub struct Data<'a> {
     buffers: Vec<Option<Bytes>>,
     /// Decompressed buffer views, each on first use.
     decompressed: Vec<OnceLock<Result<Bytes, Fault>>>,
-    /// Remaining decode budget.
-    pub(super) bytes_left: AtomicU64,
+    pub(super) budget: GeometryBudget,
 }
 
 /// Layout of an accessor's elements; all offsets are inside the view.
@@ -108,21 +108,21 @@ pub(super) fn shape(kind: &str, size: usize) -> Option<Shape> {
 }
 
 impl<'a> Data<'a> {
-    /// Checks all buffer views and accessors against the buffers. At most `budget_bytes` are
-    /// decoded through the result.
+    /// Checks all buffer views and accessors against the buffers. What is decoded through the result is
+    /// taken from `budget`.
     ///
     /// # Errors
     /// The first accessor or view that is out of range, misaligned or of unknown type.
     pub fn new(
         root: &'a Root,
         buffers: Vec<Option<Bytes>>,
-        budget_bytes: u64,
+        budget: GeometryBudget,
     ) -> Result<Self, Fault> {
         let data = Self {
             root,
             buffers,
             decompressed: root.buffer_views.iter().map(|_| OnceLock::new()).collect(),
-            bytes_left: AtomicU64::new(budget_bytes),
+            budget,
         };
         for (i, view) in root.buffer_views.iter().enumerate() {
             data.check_view(view)

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use super::{
     Fault,
     accessor::{Component, shape},
+    budget::GeometryBudget,
     container::Bytes,
     label,
     schema::{Accessor, Buffer, BufferView, Primitive, Root},
@@ -34,15 +35,15 @@ struct Geometry {
     attributes: Vec<(String, Decoded)>,
 }
 
-/// Decodes every compressed primitive whose accessors have no uncompressed data. Streams decode to at
-/// most `budget_bytes` together.
+/// Decodes every compressed primitive whose accessors have no uncompressed data. What streams say that they
+/// decode to is taken from `budget`.
 ///
 /// # Errors
 /// The first stream that is broken, too large, or lacks an attribute that it should have.
 pub fn decompress(
     root: &mut Root,
     buffers: &mut Vec<Option<Bytes>>,
-    budget_bytes: u64,
+    budget: &GeometryBudget,
 ) -> Result<(), Fault> {
     let compressed: Vec<(usize, usize)> = (root.meshes.iter().enumerate())
         .flat_map(|(m, mesh)| (0..mesh.primitives.len()).map(move |p| (m, p)))
@@ -58,18 +59,14 @@ pub fn decompress(
         fault.at(&format!("{place} primitive {p}"))
     };
     // What streams claim is known before they are decoded.
-    let mut claimed = 0u64;
+    let most = budget.left();
     for &(m, p) in &compressed {
         let bytes = claimed_bytes(shared, &shared.meshes[m].primitives[p]);
-        claimed = claimed.saturating_add(bytes);
-        if claimed > budget_bytes {
-            let text = "the file's geometry exceeds the memory budget";
-            return Err(at((m, p), Fault::new("geometry-too-large", text)));
-        }
+        budget.take(bytes).map_err(|fault| at((m, p), fault))?;
     }
     let decode = |&(m, p): &(usize, usize)| {
         let primitive = &shared.meshes[m].primitives[p];
-        decode(shared, buffers, primitive, budget_bytes).map_err(|fault| at((m, p), fault))
+        decode(shared, buffers, primitive, most).map_err(|fault| at((m, p), fault))
     };
     let decoded: Result<Vec<Geometry>, Fault> = compressed.par_iter().map(decode).collect();
     for ((m, p), geometry) in compressed.into_iter().zip(decoded?) {

@@ -4,11 +4,12 @@ use glam::Vec3;
 
 use super::{
     Fault, Notes, finite,
+    ranges::Ranges,
     schema::{MaterialExtensions, TextureInfo},
 };
 use crate::world::{LAYER_SLOTS, LayerTexture, Material, TextureRef};
 
-/// Finds a texture: its use in the file, whether it is a color, and its key, for messages.
+/// Finds a texture: its use in the file, whether it is a color, and its keys inside the material, for messages.
 pub type FindTexture<'a> =
     dyn FnMut(&Option<TextureInfo>, bool, &str) -> Result<Option<TextureRef>, Fault> + 'a;
 
@@ -18,12 +19,13 @@ pub fn read(
     extensions: &MaterialExtensions,
     out: &mut Material,
     moves: &dyn Fn(&str) -> bool,
+    ranges: &mut Ranges,
     texture: &mut FindTexture<'_>,
 ) -> Result<(), Fault> {
-    specular(extensions, out, moves)?;
-    sheen(extensions, out, moves)?;
-    transmission(extensions, out, moves)?;
-    clearcoat(extensions, out, moves)?;
+    specular(extensions, out, moves, ranges)?;
+    sheen(extensions, out, moves, ranges)?;
+    transmission(extensions, out, moves, ranges)?;
+    clearcoat(extensions, out, moves, ranges)?;
     let is_used = [
         out.specular.is_some(),
         out.specular_color.is_some(),
@@ -34,25 +36,25 @@ pub fn read(
         out.clearcoat.is_some(),
         out.clearcoat.is_some(),
     ];
-    let places = textures(extensions).into_iter().zip(KEYS).zip(is_used);
-    for (i, ((info, key), _)) in places.enumerate().filter(|(_, (_, used))| *used) {
+    let places = textures(extensions).into_iter().zip(PATHS).zip(is_used);
+    for (i, ((info, path), _)) in places.enumerate().filter(|(_, (_, used))| *used) {
         let srgb = [LayerTexture::SpecularColor, LayerTexture::SheenColor];
         let is_color = srgb.iter().any(|color| *color as usize == i);
-        out.layer_textures[i] = texture(info, is_color, key)?;
+        out.layer_textures[i] = texture(info, is_color, path)?;
     }
     Ok(())
 }
 
-/// Keys of the textures, in the order of [`LayerTexture`].
-const KEYS: [&str; LAYER_SLOTS] = [
-    "specularTexture",
-    "specularColorTexture",
-    "sheenColorTexture",
-    "sheenRoughnessTexture",
-    "transmissionTexture",
-    "clearcoatTexture",
-    "clearcoatRoughnessTexture",
-    "clearcoatNormalTexture",
+/// Keys of the textures inside a material, in the order of [`LayerTexture`].
+const PATHS: [&str; LAYER_SLOTS] = [
+    "extensions/KHR_materials_specular/specularTexture",
+    "extensions/KHR_materials_specular/specularColorTexture",
+    "extensions/KHR_materials_sheen/sheenColorTexture",
+    "extensions/KHR_materials_sheen/sheenRoughnessTexture",
+    "extensions/KHR_materials_transmission/transmissionTexture",
+    "extensions/KHR_materials_clearcoat/clearcoatTexture",
+    "extensions/KHR_materials_clearcoat/clearcoatRoughnessTexture",
+    "extensions/KHR_materials_clearcoat/clearcoatNormalTexture",
 ];
 
 /// The textures of the file, in the order of [`LayerTexture`].
@@ -89,6 +91,7 @@ fn specular(
     extensions: &MaterialExtensions,
     out: &mut Material,
     moves: &dyn Fn(&str) -> bool,
+    ranges: &mut Ranges,
 ) -> Result<(), Fault> {
     let ior = extensions.ior.as_ref().and_then(|e| e.ior).unwrap_or(1.5);
     // 0 stands for an infinite index.
@@ -110,6 +113,7 @@ fn specular(
     let color = specular.specular_color_factor.unwrap_or([1.0; 3]);
     check(&color, "specular factors must be finite")?;
     check(&[factor], "specular factors must be finite")?;
+    let factor = ranges.unit("specularFactor", factor);
     let is_kept = moves("specular");
     // Glass bends light by its index, also where it mirrors none.
     if factor <= 0.0 && !is_kept && extensions.transmission.is_none() {
@@ -117,8 +121,8 @@ fn specular(
         return Ok(());
     }
     let is_kept = is_kept || specular.specular_texture.is_some();
-    out.specular = (factor < 1.0 || is_kept).then_some(factor.clamp(0.0, 1.0));
-    let color = Vec3::from_array(color).clamp(Vec3::ZERO, Vec3::splat(1e4));
+    out.specular = (factor < 1.0 || is_kept).then_some(factor);
+    let color = Vec3::from_array(ranges.clamped("specularColorFactor", color, 1e4));
     let is_kept = specular.specular_color_texture.is_some() || moves("specular_color");
     out.specular_color = (color != Vec3::ONE || is_kept).then_some(color);
     Ok(())
@@ -128,6 +132,7 @@ fn sheen(
     extensions: &MaterialExtensions,
     out: &mut Material,
     moves: &dyn Fn(&str) -> bool,
+    ranges: &mut Ranges,
 ) -> Result<(), Fault> {
     let Some(sheen) = &extensions.sheen else {
         return Ok(());
@@ -136,9 +141,9 @@ fn sheen(
     let roughness = sheen.sheen_roughness_factor.unwrap_or(0.0);
     check(&color, "sheen factors must be finite")?;
     check(&[roughness], "sheen factors must be finite")?;
-    let color = Vec3::from_array(color).clamp(Vec3::ZERO, Vec3::ONE);
+    let color = Vec3::from_array(ranges.clamped("sheenColorFactor", color, 1.0));
     out.sheen_color = (color != Vec3::ZERO || moves("sheen_color")).then_some(color);
-    out.sheen_roughness = roughness.clamp(0.0, 1.0);
+    out.sheen_roughness = ranges.unit("sheenRoughnessFactor", roughness);
     Ok(())
 }
 
@@ -146,13 +151,15 @@ fn transmission(
     extensions: &MaterialExtensions,
     out: &mut Material,
     moves: &dyn Fn(&str) -> bool,
+    ranges: &mut Ranges,
 ) -> Result<(), Fault> {
     let Some(transmission) = &extensions.transmission else {
         return Ok(());
     };
     let share = transmission.transmission_factor.unwrap_or(0.0);
     check(&[share], "transmissionFactor must be finite")?;
-    out.transmission = (share > 0.0 || moves("transmission")).then_some(share.clamp(0.0, 1.0));
+    let share = ranges.unit("transmissionFactor", share);
+    out.transmission = (share > 0.0 || moves("transmission")).then_some(share);
     // 0 stands for an infinite index, which lets nothing through.
     let ior = extensions.ior.as_ref().and_then(|e| e.ior).unwrap_or(1.5);
     out.ior = if ior == 0.0 { 1.5 } else { ior };
@@ -161,10 +168,11 @@ fn transmission(
     };
     let thickness = volume.thickness_factor.unwrap_or(0.0);
     check(&[thickness], "thicknessFactor must be finite")?;
+    let [thickness] = ranges.clamped("thicknessFactor", [thickness], f32::INFINITY);
     out.solid = thickness > 0.0;
     let color = volume.attenuation_color.unwrap_or([1.0; 3]);
     check(&color, "attenuationColor must be finite")?;
-    out.attenuation_color = Vec3::from_array(color).clamp(Vec3::ZERO, Vec3::ONE);
+    out.attenuation_color = Vec3::from_array(ranges.clamped("attenuationColor", color, 1.0));
     // glTF's default is an infinite distance; JSON cannot write it.
     let distance = volume.attenuation_distance;
     if distance.is_some_and(|d| d.is_nan() || d <= 0.0) {
@@ -181,6 +189,7 @@ fn clearcoat(
     extensions: &MaterialExtensions,
     out: &mut Material,
     moves: &dyn Fn(&str) -> bool,
+    ranges: &mut Ranges,
 ) -> Result<(), Fault> {
     let Some(coat) = &extensions.clearcoat else {
         return Ok(());
@@ -188,8 +197,9 @@ fn clearcoat(
     let strength = coat.clearcoat_factor.unwrap_or(0.0);
     let roughness = coat.clearcoat_roughness_factor.unwrap_or(0.0);
     check(&[strength, roughness], "clearcoat factors must be finite")?;
-    out.clearcoat = (strength > 0.0 || moves("clearcoat")).then_some(strength.clamp(0.0, 1.0));
-    out.clearcoat_roughness = roughness.clamp(0.0, 1.0);
+    let strength = ranges.unit("clearcoatFactor", strength);
+    out.clearcoat = (strength > 0.0 || moves("clearcoat")).then_some(strength);
+    out.clearcoat_roughness = ranges.unit("clearcoatRoughnessFactor", roughness);
     let scale = coat.clearcoat_normal_texture.as_ref().and_then(|t| t.scale);
     out.clearcoat_normal_scale = scale.filter(|s| s.is_finite()).unwrap_or(1.0);
     Ok(())

@@ -9,9 +9,10 @@ use super::{
     accessor::Data,
     animation::moved_material_keys,
     finite, label, layers,
+    ranges::Ranges,
     schema::{self, Root, TextureInfo},
     specular_glossiness,
-    texture_ref::Textures,
+    texture_ref::{Slot, Textures},
     uri::{self, Sandbox},
 };
 use crate::{scene::desc::ReflectionMode, world::Material};
@@ -30,7 +31,7 @@ pub fn read(
     for (i, material) in root.materials.iter().enumerate() {
         let place = label("material", i, material.name.as_deref());
         let moves = |key: &str| moved.contains(&(i, key));
-        let read = convert(material, &place, &moves, &mut textures, notes);
+        let read = convert(material, (i, &place), &moves, &mut textures, notes);
         let mut read = read.map_err(|f| f.at(&place))?;
         model.uv_sets.push(choose_uv_sets(&mut read, &place, notes));
         let name = material
@@ -41,7 +42,8 @@ pub fn read(
     }
     // Primitives without a material get glTF's defaults: white, metallic 1, roughness 1.
     let default = schema::Material::default();
-    let default = convert(&default, "", &|_| false, &mut textures, notes)?;
+    let no_place = (root.materials.len(), "");
+    let default = convert(&default, no_place, &|_| false, &mut textures, notes)?;
     model.materials.push(Material {
         name: "default".into(),
         ..default
@@ -76,33 +78,51 @@ fn choose_uv_sets(material: &mut Material, place: &str, notes: &mut Notes) -> [u
     sets
 }
 
+/// Key of a material's extras, by which its emission lights what is around.
+const MESH_LIGHT: &str = "mesh_light";
+
 fn convert(
     material: &schema::Material,
-    place: &str,
+    (index, place): (usize, &str),
     moves: &dyn Fn(&str) -> bool,
     textures: &mut Textures<'_>,
     notes: &mut Notes,
 ) -> Result<Material, Fault> {
-    let mut out = factors(material)?;
+    let mut ranges = Ranges::default();
+    let mut out = factors(material, &mut ranges)?;
     let pbr = &material.pbr_metallic_roughness;
-    let mut texture = |info: &Option<TextureInfo>, srgb: bool, slot: &str| match info {
-        Some(info) => (textures.reference(info, srgb, place, notes)).map_err(|f| f.at(slot)),
-        None => Ok(None),
+    let mut texture = |info: &Option<TextureInfo>, srgb: bool, path: &str| {
+        let slot = Slot {
+            material: place,
+            index,
+            path,
+        };
+        let found = info
+            .as_ref()
+            .map(|info| textures.reference(info, srgb, &slot, notes));
+        found.transpose().map(Option::flatten)
     };
-    out.base_color_texture = texture(&pbr.base_color_texture, true, "baseColorTexture")?;
+    let core = "pbrMetallicRoughness";
+    let base_color = &pbr.base_color_texture;
+    out.base_color_texture = texture(base_color, true, &format!("{core}/baseColorTexture"))?;
     let metallic_roughness = &pbr.metallic_roughness_texture;
-    out.metallic_roughness_texture =
-        texture(metallic_roughness, false, "metallicRoughnessTexture")?;
+    let path = format!("{core}/metallicRoughnessTexture");
+    out.metallic_roughness_texture = texture(metallic_roughness, false, &path)?;
     out.normal_texture = texture(&material.normal_texture, false, "normalTexture")?;
     out.occlusion_texture = texture(&material.occlusion_texture, false, "occlusionTexture")?;
     out.emission_texture = texture(&material.emissive_texture, true, "emissiveTexture")?;
-    layers::read(&material.extensions, &mut out, moves, &mut texture)?;
+    let extensions = &material.extensions;
+    layers::read(extensions, &mut out, moves, &mut ranges, &mut texture)?;
     layers::note_shared_tangents(&out, place, notes);
-    out.alpha_cutoff = alpha(material)?;
+    out.alpha_cutoff = alpha(material, &mut ranges)?;
+    out.is_mesh_light = material.extras.get(MESH_LIGHT).is_some();
+    out.light = out.is_mesh_light;
     out.blended = material.alpha_mode.as_deref() == Some("BLEND");
     if let Some(gloss) = &material.extensions.specular_glossiness {
-        specular_glossiness::convert(gloss, &mut out, textures, place, notes)?;
+        let place = (index, place);
+        specular_glossiness::convert(gloss, &mut out, textures, place, &mut ranges, notes)?;
     }
+    ranges.note(place, notes);
     if material.extensions.unlit.is_some() {
         out = unlit(out);
     }
@@ -110,7 +130,7 @@ fn convert(
 }
 
 /// The numbers of core glTF and KHR_materials_emissive_strength.
-fn factors(material: &schema::Material) -> Result<Material, Fault> {
+fn factors(material: &schema::Material, ranges: &mut Ranges) -> Result<Material, Fault> {
     let fault = |text: &str| Err(Fault::new("gltf-material", text));
     let pbr = &material.pbr_metallic_roughness;
     let base = pbr.base_color_factor.unwrap_or([1.0; 4]);
@@ -129,30 +149,31 @@ fn factors(material: &schema::Material) -> Result<Material, Fault> {
         let number = info.as_ref().and_then(get);
         number.filter(|v| v.is_finite()).unwrap_or(1.0)
     };
+    // Above 1 it is as bright as written.
+    let emission = Vec3::from_array(ranges.clamped("emissiveFactor", emission, f32::INFINITY));
     let occlusion = number(&material.occlusion_texture, |t| t.strength);
     Ok(Material {
-        base_color: Vec4::from_array(base).clamp(Vec4::ZERO, Vec4::ONE),
-        metallic: metallic.clamp(0.0, 1.0),
-        roughness: roughness.clamp(0.0, 1.0),
+        base_color: Vec4::from_array(ranges.clamped("baseColorFactor", base, 1.0)),
+        metallic: ranges.unit("metallicFactor", metallic),
+        roughness: ranges.unit("roughnessFactor", roughness),
         // The cap keeps products finite.
-        emission: (Vec3::from_array(emission).max(Vec3::ZERO) * strength).min(Vec3::splat(1e30)),
+        emission: (emission * strength).min(Vec3::splat(1e30)),
         normal_scale: number(&material.normal_texture, |t| t.scale),
-        occlusion_strength: occlusion.clamp(0.0, 1.0),
+        occlusion_strength: ranges.unit("occlusionTexture/strength", occlusion),
         double_sided: material.double_sided,
         ..Material::default()
     })
 }
 
-fn alpha(material: &schema::Material) -> Result<Option<f32>, Fault> {
+fn alpha(material: &schema::Material, ranges: &mut Ranges) -> Result<Option<f32>, Fault> {
     match material.alpha_mode.as_deref().unwrap_or("OPAQUE") {
         "OPAQUE" | "BLEND" => Ok(None),
-        "MASK" => Ok(Some(
-            material
-                .alpha_cutoff
-                .filter(|c| c.is_finite())
-                .unwrap_or(0.5)
-                .max(0.0),
-        )),
+        "MASK" => {
+            let cutoff = material.alpha_cutoff.filter(|c| c.is_finite());
+            let cutoff = [cutoff.unwrap_or(0.5)];
+            let [cutoff] = ranges.clamped("alphaCutoff", cutoff, f32::INFINITY);
+            Ok(Some(cutoff))
+        }
         other => {
             let other = uri::shorten(other);
             Err(Fault::new(

@@ -21,7 +21,7 @@ pub fn targets(context: &Context<'_>, are_animated: bool) -> Result<Vec<MorphTar
         .sum::<u64>()
         .saturating_mul(context.num_vertices as u64);
     let bytes = vertices.saturating_mul(size_of::<Vec3>() as u64);
-    context.data.check_budget(bytes)?;
+    context.data.budget.check(bytes)?;
     used.into_iter()
         .map(|index| target(context, index))
         .collect()

@@ -1,36 +1,15 @@
 //! Typed arrays out of checked accessors: floats, normalized integers, indices, sparse elements.
 
-use std::sync::atomic::Ordering;
-
 use super::{
     Fault,
     accessor::{Component, Data, Layout, fault, shape},
     schema::Accessor,
 };
 
-fn over_budget() -> Fault {
-    let text = "the file's geometry exceeds the memory budget";
-    let help = "it is 2 GiB, or three quarters of the memory that is left, if that is less";
-    Fault::new("geometry-too-large", text).help(help)
-}
-
 impl Data<'_> {
-    /// Refuses what the budget does not hold, before any of it is read.
-    pub(super) fn check_budget(&self, bytes: u64) -> Result<(), Fault> {
-        match bytes <= self.bytes_left.load(Ordering::Relaxed) {
-            true => Ok(()),
-            false => Err(over_budget()),
-        }
-    }
-
     /// Takes bytes from the budget.
     pub(super) fn spend(&self, bytes: u64) -> Result<(), Fault> {
-        let spend = |left: u64| left.checked_sub(bytes);
-        (self
-            .bytes_left
-            .fetch_update(Ordering::Relaxed, Ordering::Relaxed, spend))
-        .map(|_| ())
-        .map_err(|_| over_budget())
+        self.budget.take(bytes)
     }
 
     /// Elements of an accessor as floats; normalized integers become 0 to 1 or −1 to 1.

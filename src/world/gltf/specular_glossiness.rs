@@ -6,8 +6,9 @@ use glam::{Vec3, Vec4};
 
 use super::{
     Fault, ImageSource, Notes, finite,
+    ranges::Ranges,
     schema::{SpecularGlossiness, TextureInfo},
-    texture_ref::Textures,
+    texture_ref::{Slot, Textures},
 };
 use crate::world::{Material, TextureRef};
 
@@ -88,17 +89,28 @@ impl Factors {
     }
 }
 
+/// Its keys inside a material.
+const EXTENSION: &str = "extensions/KHR_materials_pbrSpecularGlossiness";
+
 /// Replaces the core values of `material`: exactly for gray specular factors without a map,
 /// else as [`Factors::to_metallic_roughness`] says, with a warning.
 pub fn convert(
     gloss: &SpecularGlossiness,
     material: &mut Material,
     textures: &mut Textures<'_>,
-    place: &str,
+    (index, place): (usize, &str),
+    ranges: &mut Ranges,
     notes: &mut Notes,
 ) -> Result<(), Fault> {
-    let mut texture = |info: &Option<TextureInfo>, slot: &str| match info {
-        Some(info) => (textures.reference(info, true, place, notes)).map_err(|f| f.at(slot)),
+    let mut texture = |info: &Option<TextureInfo>, key: &str| match info {
+        Some(info) => {
+            let slot = Slot {
+                material: place,
+                index,
+                path: &format!("{EXTENSION}/{key}"),
+            };
+            textures.reference(info, true, &slot, notes)
+        }
         None => Ok(None),
     };
     let diffuse_map = texture(&gloss.diffuse_texture, "diffuseTexture")?;
@@ -112,11 +124,11 @@ pub fn convert(
     if !(finite(&diffuse) && finite(&specular) && glossiness.is_finite()) {
         return Err(Fault::new("gltf-material", "factors must be finite"));
     }
-    let diffuse = Vec4::from_array(diffuse).clamp(Vec4::ZERO, Vec4::ONE);
+    let diffuse = Vec4::from_array(ranges.clamped("diffuseFactor", diffuse, 1.0));
     let factors = Factors {
         diffuse: diffuse.truncate(),
-        specular: Vec3::from_array(specular).clamp(Vec3::ZERO, Vec3::ONE),
-        glossiness: glossiness.clamp(0.0, 1.0),
+        specular: Vec3::from_array(ranges.clamped("specularFactor", specular, 1.0)),
+        glossiness: ranges.unit("glossinessFactor", glossiness),
     };
     material.base_color = diffuse;
     material.base_color_texture = diffuse_map;
@@ -143,7 +155,7 @@ pub fn convert(
         factors,
         material,
         textures,
-        place,
+        (index, place),
         notes,
     );
     Ok(())
@@ -155,7 +167,7 @@ fn convert_maps(
     factors: Factors,
     material: &mut Material,
     textures: &mut Textures<'_>,
-    place: &str,
+    (index, place): (usize, &str),
     notes: &mut Notes,
 ) {
     let [diffuse_map, specular_map] = maps;
@@ -164,7 +176,8 @@ fn convert_maps(
     };
     let mut converted = |maps: [Option<TextureRef>; 2], part: Part| {
         let used = maps[1].or(maps[0])?;
-        let name = format!("{place}: specular-glossiness maps");
+        let name = "specular-glossiness maps".to_owned();
+        let used_by = format!("/materials/{index}/{EXTENSION} of {place}");
         let srgb = part == Part::BaseColor;
         let convert = |[diffuse, specular]: [Option<ImageSource>; 2]| {
             ImageSource::SpecularGlossiness(Arc::new(SpecularGlossinessMaps {
@@ -174,7 +187,7 @@ fn convert_maps(
                 part,
             }))
         };
-        let texture = textures.converted(maps, name, srgb, convert);
+        let texture = textures.converted(maps, (name, used_by), srgb, convert);
         Some(TextureRef { texture, ..used })
     };
     let both_alike = diffuse_map

@@ -1,6 +1,6 @@
 //! Texture references of materials, and the images that they use.
 
-use std::{collections::HashMap, path::Path};
+use std::{collections::HashMap, fmt, path::Path};
 
 use glam::{Vec2, Vec3};
 
@@ -38,13 +38,42 @@ impl<'a> Textures<'a> {
     }
 }
 
+/// A use of a texture, for messages.
+pub struct Slot<'a> {
+    /// `material 3 "silk"`.
+    pub material: &'a str,
+    /// The material's index in the file.
+    pub index: usize,
+    /// Keys inside the material, joined with `/`.
+    pub path: &'a str,
+}
+
+impl fmt::Display for Slot<'_> {
+    /// Its key, and where in the JSON it is.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let key = self.path.rsplit('/').next().unwrap_or_default();
+        write!(f, "{key} (/materials/{}/{})", self.index, self.path)
+    }
+}
+
 impl Textures<'_> {
     /// `None` if the texture has only images of unsupported formats.
     pub fn reference(
         &mut self,
         info: &TextureInfo,
         srgb: bool,
-        place: &str,
+        slot: &Slot<'_>,
+        notes: &mut Notes,
+    ) -> Result<Option<TextureRef>, Fault> {
+        let found = self.find(info, srgb, slot, notes);
+        found.map_err(|fault| fault.at(&slot.to_string()))
+    }
+
+    fn find(
+        &mut self,
+        info: &TextureInfo,
+        srgb: bool,
+        slot: &Slot<'_>,
         notes: &mut Notes,
     ) -> Result<Option<TextureRef>, Fault> {
         let Some(texture) = self.root.textures.get(info.index) else {
@@ -57,13 +86,14 @@ impl Textures<'_> {
         };
         let Some(image) = texture.extensions.sources().next().or(texture.source) else {
             let what = "textures have no PNG, JPEG, WebP or KTX2 image and are left out";
-            notes.add("texture-unsupported", 1, what, place);
+            let place = format!("{}: {slot}", slot.material);
+            notes.add("texture-unsupported", 1, what, &place);
             return Ok(None);
         };
         let transform = info.extensions.transform.as_ref();
         let uv_set = transform.and_then(|t| t.tex_coord);
         Ok(Some(TextureRef {
-            texture: self.image_use(image, srgb)?,
+            texture: self.image_use(image, srgb, slot)?,
             uv_set: uv_set.unwrap_or(info.tex_coord),
             transform: rows(transform)?,
             wrap: [wrap(sampler.wrap_s)?, wrap(sampler.wrap_t)?],
@@ -72,7 +102,7 @@ impl Textures<'_> {
     }
 
     /// Index of the image in this color space.
-    fn image_use(&mut self, index: usize, srgb: bool) -> Result<usize, Fault> {
+    fn image_use(&mut self, index: usize, srgb: bool, user: &Slot<'_>) -> Result<usize, Fault> {
         let Some(image) = self.root.images.get(index) else {
             return Err(missing("image", index));
         };
@@ -81,9 +111,12 @@ impl Textures<'_> {
         if slot == next {
             let uri = image.uri.as_deref().filter(|uri| !uri.starts_with("data:"));
             let name = label("image", index, image.name.as_deref().or(uri));
-            let source = self.source(image).map_err(|f| f.at(&name));
+            let used_by = format!("{user} of {}", user.material);
+            let place = format!("{name}, {used_by}");
+            let source = self.source(image).map_err(|f| f.at(&place));
             self.images.push(ImageUse {
                 name,
+                used_by,
                 index,
                 srgb,
                 source,
@@ -92,11 +125,11 @@ impl Textures<'_> {
         Ok(slot)
     }
 
-    /// Adds an image that is made of others, which `convert` gets; `name` is for messages.
+    /// Adds an image that is made of others, which `convert` gets; `name` and `used_by` are for messages.
     pub fn converted<const N: usize>(
         &mut self,
         from: [Option<TextureRef>; N],
-        name: String,
+        (name, used_by): (String, String),
         srgb: bool,
         convert: impl FnOnce([Option<ImageSource>; N]) -> ImageSource,
     ) -> usize {
@@ -109,6 +142,7 @@ impl Textures<'_> {
         };
         self.images.push(ImageUse {
             name,
+            used_by,
             // Behind those of the file, and unique.
             index: self.root.images.len() + self.images.len(),
             srgb,

@@ -17,6 +17,8 @@ const FILLED: f32 = 0.8;
 const MOST_VERTICES: usize = 1 << 23;
 /// Thickness of a flat scene, as a fraction of its second smallest extent.
 const FLAT: f32 = 0.1;
+/// Least part of the area of a flat scene that faces its back more than its front, for it to be seen from there.
+const LEAST_FACING: f32 = 1e-3;
 
 /// Adds a camera `main` that frames the whole scene at `size` pixels, if there is no camera.
 /// `meshes` are those of the world, with their vertices.
@@ -148,14 +150,16 @@ impl<'a> Framed<'a> {
         }
         let mut to_eye = usual;
         to_eye[thin] = 1.0;
-        if self.facing()[thin] < 0.0 {
+        let (facing, area) = self.facing();
+        // What is closed, such as the tubes of lines, faces all sides, but for rounding.
+        if facing[thin] < -area * LEAST_FACING {
             to_eye[thin] = -1.0;
         }
         to_eye.normalize()
     }
 
-    /// Sum of the area vectors of all triangles that have only one side.
-    fn facing(&self) -> Vec3 {
+    /// Sum of the area vectors of all triangles that have only one side, and of their lengths.
+    fn facing(&self) -> (Vec3, f32) {
         let single = self.meshes.iter().filter(|shown| !shown.double_sided);
         let area = |shown: &Shown<'_>| {
             let place = shown.place.matrix3;
@@ -164,11 +168,16 @@ impl<'a> Framed<'a> {
                 let [a, b, c] = corners.map(|p| place * glam::Vec3A::from(p));
                 (b - a).cross(c - a)
             };
-            let sum: glam::Vec3A = shown.triangles.iter().map(triangle).sum();
+            let sum = |(sum, lengths): (glam::Vec3A, f32), area: glam::Vec3A| {
+                (sum + area, lengths + area.length())
+            };
+            let areas = shown.triangles.iter().map(triangle);
+            let (vectors, lengths) = areas.fold((glam::Vec3A::ZERO, 0.0), sum);
             // The order of corners turns with a mirror, their front does not.
-            Vec3::from(sum) * place.determinant().signum()
+            (Vec3::from(vectors) * place.determinant().signum(), lengths)
         };
-        single.map(area).sum()
+        let add = |(a, b): (Vec3, f32), (c, d): (Vec3, f32)| (a + c, b + d);
+        single.map(area).fold((Vec3::ZERO, 0.0), add)
     }
 
     /// Target and distance at which all points are within the picture and touch its borders on two

@@ -6,7 +6,7 @@ use super::error_at;
 use crate::{
     scene::{
         desc::SceneDesc,
-        diagnostic::{Diagnostic, Span},
+        diagnostic::{Diagnostic, Severity, Span},
     },
     world::{Mesh, World, emitters::MAX_EMITTERS},
 };
@@ -36,6 +36,7 @@ pub fn check(world: &mut World, meshes: &[Mesh], desc: &SceneDesc) -> Result<(),
             _ => world.materials[index].light = false,
         }
     }
+    keep_mesh_lights_few(world, meshes, desc);
     let moving = &mut world.moving.materials;
     for moving in moving.iter_mut() {
         moving.rest.light = world.materials[moving.material].light;
@@ -45,6 +46,35 @@ pub fn check(world: &mut World, meshes: &[Mesh], desc: &SceneDesc) -> Result<(),
         Ok(())
     } else {
         Err(errors)
+    }
+}
+
+/// Where more triangles would light than may, those that files alone let light do not, with a warning.
+fn keep_mesh_lights_few(world: &mut World, meshes: &[Mesh], desc: &SceneDesc) {
+    let lighting = world.lighting_instances();
+    let count: usize = lighting
+        .map(|(_, instance)| meshes[instance.mesh].triangles.len())
+        .sum();
+    if count <= MAX_EMITTERS {
+        return;
+    }
+    let dropped: Vec<_> = (world.materials.iter_mut())
+        .filter(|material| material.light && material.is_mesh_light)
+        .map(|material| {
+            material.light = false;
+            material.name.clone()
+        })
+        .collect();
+    if let [first, ..] = &dropped[..] {
+        let text = format!(
+            "{count} triangles of mesh lights are more than {MAX_EMITTERS}; {} materials shine, but do not \
+             light what is around; first: \"{first}\"",
+            dropped.len()
+        );
+        world.warnings.push(Diagnostic {
+            severity: Severity::Warning,
+            ..error_at("emitters-too-many", &desc.own, text)
+        });
     }
 }
 

@@ -4,7 +4,6 @@ use std::{path::Path, sync::Arc};
 
 use super::Loader;
 use crate::{
-    memory,
     scene::diagnostic::{Diagnostic, Severity},
     world::{
         Environment,
@@ -21,11 +20,13 @@ impl Loader<'_> {
             let path = path.ok()?;
             let limits = PanoramaLimits {
                 max_px: self.options.max_texture_px,
-                budget_bytes: memory::budget(self.options.image_budget_bytes),
+                budget_bytes: self.options.image_budget_bytes.min(self.memory.left()),
             };
             let bytes = self.sandbox.read(&path);
             match bytes.and_then(|bytes| read(&path, &bytes, &limits)) {
                 Ok(panorama) => {
+                    // It is less than what was left.
+                    let _ = self.memory.take(size_of_val(&panorama.texels[..]) as u64);
                     self.warn_of_shape(&path, &panorama);
                     self.add_files(&[path]);
                     Some(Arc::new(panorama))

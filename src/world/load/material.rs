@@ -102,6 +102,7 @@ impl Loader<'_> {
         };
         let request = TextureRequest {
             name: image.name.clone(),
+            used_by: image.used_by.clone(),
             file,
             source,
             srgb: image.srgb,
@@ -114,6 +115,7 @@ impl Loader<'_> {
         material.set_numbers(desc);
         material.double_sided = desc.double_sided.unwrap_or(material.double_sided);
         material.light = desc.light.unwrap_or(material.light);
+        material.is_mesh_light &= desc.light.is_none();
         material.reflection = desc.reflection.unwrap_or(material.reflection);
         material.ior = desc.ior.unwrap_or(material.ior);
         if desc.alpha.is_some() && material.alpha_cutoff.is_none() {
@@ -159,6 +161,7 @@ impl Loader<'_> {
         };
         let request = TextureRequest {
             name: "image".into(),
+            used_by: String::new(),
             file: path.clone(),
             source: ImageSource::File(path.clone()),
             srgb,

@@ -6,11 +6,17 @@ use std::{
 };
 
 use super::read_models::read_guarded;
-use crate::world::gltf::{Model, Playable, ReadOptions, Sandbox};
+use crate::{
+    memory::Budget,
+    world::gltf::{Model, Playable, ReadOptions, Sandbox},
+};
+
+/// A model with its canonical path and the budget that it was read with.
+type Preloaded = (PathBuf, Model, Budget);
 
 /// Models by their canonical path; clones share them.
 #[derive(Clone, Debug, Default)]
-pub struct PreloadedModels(Arc<Mutex<Vec<(PathBuf, Model)>>>);
+pub struct PreloadedModels(Arc<Mutex<Vec<Preloaded>>>);
 
 impl PreloadedModels {
     /// Reads the file at `path` (canonical, from [`Sandbox::resolve`]) and caches it for the next
@@ -18,6 +24,7 @@ impl PreloadedModels {
     pub fn read(&self, path: &Path, sandbox: &Sandbox, lenient: bool) -> Playable {
         let options = ReadOptions {
             lenient,
+            memory: Budget::of_machine(),
             ..ReadOptions::default()
         };
         let Ok(model) = read_guarded(path, sandbox, &options) else {
@@ -25,14 +32,15 @@ impl PreloadedModels {
         };
         let playable = model.playable();
         let mut models = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        models.push((path.to_owned(), model));
+        models.push((path.to_owned(), model, options.memory));
         playable
     }
 
-    /// Takes a cached model.
-    pub(super) fn take(&self, path: &Path) -> Option<Model> {
+    /// Takes a cached model, with what it left of its budget.
+    pub(super) fn take(&self, path: &Path) -> Option<(Model, Budget)> {
         let mut models = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let found = models.iter().position(|(known, _)| known == path)?;
-        Some(models.swap_remove(found).1)
+        let found = models.iter().position(|(known, ..)| known == path)?;
+        let (_, model, memory) = models.swap_remove(found);
+        Some((model, memory))
     }
 }

@@ -101,6 +101,7 @@ impl Loader<'_> {
             let options = gltf::ReadOptions {
                 lenient: self.options.lenient,
                 posed: posed(self.desc),
+                memory: self.memory.clone(),
             };
             let ready = self.preloaded(path);
             ready.map_or_else(|| read_guarded(path, &self.sandbox, &options), Ok)
@@ -125,9 +126,15 @@ impl Loader<'_> {
     }
 
     /// The model of a file that was read before; it was read without what scripts pose.
-    fn preloaded(&self, path: &Path) -> Option<Model> {
-        let ready = self.options.preloaded_models.take(path)?;
-        posed(self.desc).is_empty().then_some(ready)
+    fn preloaded(&mut self, path: &Path) -> Option<Model> {
+        let (ready, memory) = self.options.preloaded_models.take(path)?;
+        if !posed(self.desc).is_empty() {
+            return None;
+        }
+        if memory.left() < self.memory.left() {
+            self.memory = memory;
+        }
+        Some(ready)
     }
 
     /// A stage is read from its converted glTF file; its own files are the dependencies.
@@ -144,6 +151,7 @@ impl Loader<'_> {
         let options = gltf::ReadOptions {
             lenient: false,
             posed: posed(self.desc),
+            memory: self.memory.clone(),
         };
         let read = || read_guarded(&converted.glb, &sandbox, &options);
         let mut model = ready.map_or_else(read, Ok)?;

@@ -24,6 +24,7 @@ from reflet_usd.convert.gltf_writer import GltfWriter
 from reflet_usd.convert.gprim import GPRIM_TYPES, cube_polygons, tessellate
 from reflet_usd.convert.material import MaterialLibrary, MaterialPlan, warn_translucent
 from reflet_usd.convert.mesh import mesh_surface
+from reflet_usd.convert.mesh_light import MeshLights
 from reflet_usd.convert.network import Constant, PrimvarRead, TextureRead
 from reflet_usd.convert.nurbs import patch_polygons, patch_topology
 from reflet_usd.convert.polygons import Polygons, read_polygons, tet_polygons
@@ -71,6 +72,7 @@ class GeometryBuilder:
         self.context = context
         self.writer = writer
         self.materials = MaterialLibrary(context, writer)
+        self.lights = MeshLights(context)
         self._meshes: dict[tuple[Any, ...], tuple[Usd.Prim, BuiltMesh | None]] = {}
 
     def build(self, prim: Usd.Prim, deformation: Deformer | None = None) -> BuiltMesh | None:
@@ -80,7 +82,7 @@ class GeometryBuilder:
         if deformation is not None:
             return self._build(prim, groups, primvars, deformation)
         bound = tuple("" if g.material is None else source_path(g.material) for g in groups)
-        key = (source_path(prim), bound, primvar_signature(primvars))
+        key = (source_path(prim), bound, primvar_signature(primvars), self.lights.glow(prim))
         if key not in self._meshes:
             self._meshes[key] = (prim, self._build(prim, groups, primvars, None))
             return self._meshes[key][1]
@@ -190,6 +192,7 @@ class GeometryBuilder:
             display,
             color is not None,
             self._constants(prim, plan, primvars),
+            self.lights.glow(prim),
         )
         if group.subset is not None:
             parts.entry["extras"] = {"prim": str(group.subset.GetPath())}

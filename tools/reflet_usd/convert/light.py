@@ -17,7 +17,6 @@ from reflet_usd.convert.context import Context, in_float32, type_name
 from reflet_usd.convert.gltf_writer import GltfWriter
 from reflet_usd.convert.light_losses import (
     light_value,
-    warn_geometry_light,
     warn_unsupported,
 )
 from reflet_usd.convert.light_size import Emitter
@@ -38,7 +37,7 @@ _SHAPES = {
 
 
 @dataclass
-class _Source:
+class Source:
     """A light's emission before its shape is known."""
 
     radiance: float
@@ -51,9 +50,13 @@ def add_light(context: Context, writer: GltfWriter, prim: Usd.Prim, node: Node) 
 
     Returned is a light whose power its size in the world decides, see `size_lights`.
     """
-    source = _emission(context, prim)
-    warn_unsupported(context, prim)
     kind = type_name(prim)
+    if kind == "PortalLight":
+        message = "a portal sends no light of its own, it guides how domes are sampled"
+        context.ledger.warn("portal-light-ignored", prim, message)
+        return None
+    source = light_emission(context, prim)
+    warn_unsupported(context, prim)
     if kind in ("DomeLight", "DomeLight_1"):
         _keep_dome(context, prim, node, source)
         return None
@@ -74,7 +77,8 @@ def add_light(context: Context, writer: GltfWriter, prim: Usd.Prim, node: Node) 
     return _emitter(context, prim, source, brightest)
 
 
-def _emission(context: Context, prim: Usd.Prim) -> _Source:
+def light_emission(context: Context, prim: Usd.Prim) -> Source:
+    """The emission of any light; what is negative or not finite is 0, with a warning."""
     intensity = float(light_value(context, prim, "intensity", 1.0))
     exposure = float(light_value(context, prim, "exposure", 0.0))
     color = np.array(light_value(context, prim, "color", (1.0, 1.0, 1.0)), dtype=np.float64)
@@ -91,10 +95,10 @@ def _emission(context: Context, prim: Usd.Prim) -> _Source:
     if radiance < 0.0 or (color < 0.0).any():
         context.ledger.warn("light-invalid", prim, "its emission is negative, taken as 0")
         radiance, color = max(radiance, 0.0), np.maximum(color, 0.0)
-    return _Source(radiance, color, bool(light_value(context, prim, "normalize", False)))
+    return Source(radiance, color, bool(light_value(context, prim, "normalize", False)))
 
 
-def _punctual(context: Context, prim: Usd.Prim, source: _Source) -> dict[str, Any] | None:
+def _punctual(context: Context, prim: Usd.Prim, source: Source) -> dict[str, Any] | None:
     """The light's entry; the intensity of one that has a size is a placeholder."""
     kind = type_name(prim)
     if kind == "DistantLight":
@@ -113,7 +117,7 @@ def _punctual(context: Context, prim: Usd.Prim, source: _Source) -> dict[str, An
     return None
 
 
-def _emitter(context: Context, prim: Usd.Prim, source: _Source, brightest: float) -> Emitter | None:
+def _emitter(context: Context, prim: Usd.Prim, source: Source, brightest: float) -> Emitter | None:
     """What decides the power of a light that has a size."""
     kind = type_name(prim)
     if kind not in _SHAPES:
@@ -153,7 +157,7 @@ def _shaped(context: Context, prim: Usd.Prim) -> dict[str, Any]:
     return {"type": "spot", "intensity": 0.0, "spot": cone}
 
 
-def _keep_dome(context: Context, prim: Usd.Prim, node: Node, source: _Source) -> None:
+def _keep_dome(context: Context, prim: Usd.Prim, node: Node, source: Source) -> None:
     texture = light_value(context, prim, "texture:file", None)
     dome: dict[str, Any] = {
         "color": source.color.tolist(),
@@ -171,12 +175,3 @@ def _keep_dome(context: Context, prim: Usd.Prim, node: Node, source: _Source) ->
     node.extras["dome_light"] = dome
     message = "glTF has no environment; color, radiance and texture are in the node's extras"
     context.ledger.warn("dome-light-external", prim, message)
-
-
-def keep_mesh_light(context: Context, prim: Usd.Prim, node: Node) -> None:
-    """Keep in extras the emission of a mesh or volume that is a light; its geometry is carried."""
-    source = _emission(context, prim)
-    node.extras["mesh_light"] = {"color": source.color.tolist(), "radiance_nits": source.radiance}
-    warn_geometry_light(context, prim)
-    message = "glTF has no mesh light; color and radiance are in the node's extras"
-    context.ledger.warn("mesh-light-dropped", prim, message)

@@ -84,6 +84,17 @@ def warn_unsupported(context: Context, prim: Usd.Prim) -> None:
     ies = light_value(context, prim, "shaping:ies:file", None)
     if isinstance(ies, Sdf.AssetPath) and ies.path:
         warn("light-linking-dropped", prim, "an IES profile has no counterpart")
+    _warn_animated(context, prim)
+
+
+def warn_geometry_light(context: Context, prim: Usd.Prim) -> None:
+    """The same of geometry that is a light."""
+    warn_links(context, prim)
+    _warn_inputs(context, prim, _JUDGED_OF_GEOMETRY)
+    _warn_animated(context, prim)
+
+
+def _warn_animated(context: Context, prim: Usd.Prim) -> None:
     animated = [
         attribute.GetName()
         for attribute in prim.GetAuthoredAttributes()
@@ -91,13 +102,7 @@ def warn_unsupported(context: Context, prim: Usd.Prim) -> None:
     ]
     if animated:
         message = f"animated {', '.join(sorted(animated))} stay at their first value"
-        warn("light-animation-frozen", prim, message)
-
-
-def warn_geometry_light(context: Context, prim: Usd.Prim) -> None:
-    """The same of a mesh or volume that is a light."""
-    warn_links(context, prim)
-    _warn_inputs(context, prim, _JUDGED_OF_GEOMETRY)
+        context.ledger.warn("light-animation-frozen", prim, message)
 
 
 def _warn_inputs(context: Context, prim: Usd.Prim, judged: frozenset[str]) -> None:

@@ -12,6 +12,7 @@ from reflet_usd.convert.channel_packing import Packer
 from reflet_usd.convert.context import Context, source_path
 from reflet_usd.convert.gltf_writer import GltfWriter
 from reflet_usd.convert.materialx import MATERIALX_SURFACES, approximate
+from reflet_usd.convert.mesh_light import Glow, shine
 from reflet_usd.convert.network import (
     Constant,
     NetworkReader,
@@ -81,10 +82,11 @@ class MaterialLibrary:
         display: DisplayColor,
         has_colors: bool,
         overrides: dict[str, Constant] | None = None,
+        glow: Glow | None = None,
     ) -> int:
         """The glTF material of `plan` for a primitive with these UV slots and colors.
 
-        `overrides` are inputs whose primvar has one value on the prim.
+        `overrides` are inputs whose primvar has one value on the prim; `glow` is what it sends.
         """
         used_slots = tuple((name, slots[name]) for name in plan.uv_sets if name in slots)
         uses_display = plan.color_primvar is not None or plan.opacity_primvar is not None
@@ -92,11 +94,13 @@ class MaterialLibrary:
         inputs = {**plan.inputs, **(overrides or {})}
         path = "" if plan.prim is None else str(plan.prim.GetPath())
         changed = tuple(sorted((overrides or {}).items()))
-        key = (path, used_slots, double_sided, constant, has_colors, changed)
+        key = (path, used_slots, double_sided, constant, has_colors, changed, glow)
         if key not in self._written:
             entry = self._entry(plan, inputs, slots, display, has_colors)
             if double_sided:
                 entry["doubleSided"] = True
+            if glow is not None:
+                shine(self.writer, entry, glow)
             self._written[key] = self.writer.add_once("materials", entry)
         return self._written[key]
 

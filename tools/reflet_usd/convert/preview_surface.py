@@ -11,6 +11,7 @@ from reflet_usd.convert.attributes import DisplayColor
 from reflet_usd.convert.channel_packing import Channel, Packer
 from reflet_usd.convert.context import Context
 from reflet_usd.convert.gltf_writer import GltfWriter
+from reflet_usd.convert.mesh_light import write_emission
 from reflet_usd.convert.network import Constant, PrimvarRead, Source, TextureRead
 
 # Names and fallbacks: https://openusd.org/release/spec_usdpreviewsurface.html
@@ -241,14 +242,7 @@ class PreviewMaterial:
             channels: list[Channel | None] = [channel for _, channel in parts]
             if color.any():
                 entry["emissiveTexture"] = self.packer.texture(channels, True, self.slots)
-        strongest = float(color.max())
-        if strongest > 1.0:
-            self.writer.use_extension("KHR_materials_emissive_strength")
-            extension = {"KHR_materials_emissive_strength": {"emissiveStrength": strongest}}
-            entry.setdefault("extensions", {}).update(extension)
-            color = color / strongest
-        if strongest > 0.0:
-            entry["emissiveFactor"] = [min(float(part), 1.0) for part in color]
+        write_emission(self.writer, entry, color)
 
     def _specular(self, entry: dict[str, Any]) -> None:
         """ior, or the specular workflow: F0 = specularColor through KHR_materials_specular."""

@@ -22,9 +22,10 @@ from reflet_usd.convert.extras import keep_custom_properties
 from reflet_usd.convert.geometry import BuiltMesh, GeometryBuilder, is_surface
 from reflet_usd.convert.gltf_writer import GltfWriter
 from reflet_usd.convert.instancer import Instancers
-from reflet_usd.convert.light import add_light, keep_mesh_light
+from reflet_usd.convert.light import add_light
 from reflet_usd.convert.light_size import Emitter, size_lights
 from reflet_usd.convert.loose_primvars import keep_loose_primvars
+from reflet_usd.convert.mesh_light import add_geometry_light, keep_mesh_light
 from reflet_usd.convert.metadata import keep_metadata, warn_schemas
 from reflet_usd.convert.morph import point_keys
 from reflet_usd.convert.node_depth import check_depth, check_level, levels_to
@@ -251,6 +252,8 @@ class Traversal:
             self._draw(node, build_curves(context, self.writer, self.geometry.materials, prim))
         elif prim.IsA(UsdGeom.Camera):
             add_camera(context, self.writer, prim, node)
+        elif kind == "GeometryLight":
+            add_geometry_light(context, self.geometry.lights, prim)
         elif prim.HasAPI(UsdLux.LightAPI) and not prim.IsA(UsdGeom.Gprim):
             emitter = add_light(context, self.writer, prim, node)
             if emitter is not None and node.light is not None:
@@ -261,7 +264,7 @@ class Traversal:
             self._warn_dropped(prim)
             return True
         if prim.IsA(UsdGeom.Gprim) and prim.HasAPI(UsdLux.LightAPI):
-            keep_mesh_light(context, prim, node)
+            keep_mesh_light(context, prim, node, node.mesh is not None and is_surface(prim))
         placed = node.mesh is not None or node.camera is not None or node.light is not None
         if placed or kind in _GROUPS or len(node.children) > before:
             ledger.carry(prim)

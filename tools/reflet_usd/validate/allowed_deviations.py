@@ -13,7 +13,7 @@ PLACED = ("animation-resampled",)
 ABSENT = ("prim-damaged",)
 """A prim of any type that is not in the file."""
 MESH_LIGHT = ("mesh-light-dropped", "Volume-dropped")
-"""Light that geometry sends."""
+"""Light that points and curves send."""
 UNORDERED_COLORS = ("primvar-interpolation-dropped",)
 """Display colors on parts of a gprim whose order USD does not define, by the primvar's name."""
 UV_SET = ("primvar-*",)
@@ -50,13 +50,15 @@ LOST_FILE = (*UNREAD_FILE, "asset-outside-roots", "texture-missing", "texture-un
 """A texture whose fallback counts."""
 NORMAL_SCALE = ("normal-scale-missing",)
 _DOMES = ("DomeLight", "DomeLight_1")
-_NO_LIGHTS = ("GeometryLight", "PortalLight", "PluginLight")
+_NO_LIGHTS = ("GeometryLight", "PluginLight")
 
 
 def absent(kind: str) -> tuple[str, ...]:
     """The warnings by which a prim of type `kind` may be missing."""
     if kind in _DOMES:
         return (*ABSENT, "dome-light-external")
+    if kind == "PortalLight":
+        return (*ABSENT, "portal-light-ignored")
     if kind in _NO_LIGHTS:
         return (*ABSENT, "light-dropped")
     if kind.endswith("Curves"):

@@ -74,7 +74,7 @@ class SceneComparer:
             for name in names:
                 text = f"'{name}' has values without a place"
                 self.checks.add_lost(prim, UV_SET, text, name)
-        for prim in sorted(truth.mesh_lights):
+        for prim in sorted(truth.dark_lights):
             self.checks.add_lost(prim, MESH_LIGHT, "shines")
 
     def matrices(self, truth: Scene, output: Scene, at: str) -> None:

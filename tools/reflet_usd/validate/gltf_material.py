@@ -15,6 +15,11 @@ _CHANNELS = {"opacity": [3], "metallic": [2], "roughness": [1], "occlusion": [0]
 _WRAP_NAMES = {10497: "repeat", 33648: "mirror", 33071: "clamp"}
 
 
+def is_mesh_light(material: Any) -> bool:
+    """Whether its emission lights what is around."""
+    return bool((material.extras or {}).get("mesh_light"))
+
+
 class OutputMaterial:
     """One material of a file; channels are named as in UsdPreviewSurface."""
 

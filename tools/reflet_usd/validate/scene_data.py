@@ -121,6 +121,16 @@ class Light:
     """What of its inputs no punctual light holds."""
 
 
+@dataclasses.dataclass(frozen=True)
+class MeshLight:
+    """The light that a surface sends."""
+
+    nits: Array
+    """(3,)"""
+    tinted: bool
+    """Whether the emission of its material, where it has some, is a factor."""
+
+
 @dataclasses.dataclass
 class Scene:
     """Everything compared at one time."""
@@ -133,8 +143,10 @@ class Scene:
     """World matrices of the nodes that stand for a prim, by prim path."""
     other: dict[str, str] = dataclasses.field(default_factory=dict)
     """Prims that draw something else, by path: their type name."""
-    mesh_lights: set[str] = dataclasses.field(default_factory=set)
-    """Prims that draw geometry and also light the scene with it."""
+    mesh_lights: dict[str, MeshLight] = dataclasses.field(default_factory=dict)
+    """Prims that draw surfaces and also light the scene with them."""
+    dark_lights: set[str] = dataclasses.field(default_factory=set)
+    """Prims that draw something else and should light the scene with it."""
     turned: set[str] = dataclasses.field(default_factory=set)
     """Keys of `surfaces` whose documented tessellation is in `corners`."""
     closed: set[str] = dataclasses.field(default_factory=set)

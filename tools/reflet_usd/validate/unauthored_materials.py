@@ -11,6 +11,7 @@ import numpy as np
 
 from .allowed_deviations import TRANSLUCENT
 from .checks import Checks
+from .gltf_material import is_mesh_light
 from .gltf_scene import OutputReader
 
 _FIELDS: dict[str, tuple[str, ...]] = {
@@ -97,9 +98,14 @@ def non_default_values(material: Any) -> Iterator[str]:
     for name in _TEXTURES:
         if getattr(material, name, None) is not None or (pbr and getattr(pbr, name, None)):
             yield f"has a {name}"
-    if any(material.emissiveFactor or ()):
+    # What lights is compared by itself.
+    shining = is_mesh_light(material)
+    if any(material.emissiveFactor or ()) and not shining:
         yield "shines"
-    yield from (f"has {name}" for name in material.extensions or {})
+    names = set(material.extensions or {})
+    if shining:
+        names.discard("KHR_materials_emissive_strength")
+    yield from (f"has {name}" for name in sorted(names))
 
 
 def _compare_alpha(

@@ -8,10 +8,10 @@ import re
 from typing import Any
 
 import numpy as np
-from pxr import Gf, Usd, UsdLux
+from pxr import Gf, Usd, UsdGeom, UsdLux
 
 from .light_area import is_even, surface_area
-from .scene_data import Array, Light, Lost
+from .scene_data import Array, Light, Lost, MeshLight
 from .usd_stage import TruthStage
 
 _APPROXIMATED = "area-light-approximated"
@@ -105,6 +105,29 @@ def read_source(prim: Usd.Prim, time: Usd.TimeCode, truth: TruthStage) -> Source
         cone = (0.0, math.pi / 2)
     sort = "point" if cone is None else "spot"
     return Source(sort, radiance, shape, (first, second), normalized, cone, lost)
+
+
+def read_mesh_light(light: Usd.Prim, time: Usd.TimeCode, of_itself: bool) -> MeshLight:
+    """What a surface sends by the light that it is (`of_itself`), or that names it."""
+    nits = _stored(read_radiance(light, time))
+    mode = light.GetAttribute("light:materialSyncMode").Get()
+    return MeshLight(nits, of_itself and mode == "materialGlowTintsLight")
+
+
+def geometry_lights(stage: Usd.Stage) -> dict[str, Usd.Prim]:
+    """By path of what each GeometryLight names, the light; the first one counts."""
+    found: dict[str, Usd.Prim] = {}
+    for prim in stage.Traverse(Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)):
+        if prim.GetPrimTypeInfo().GetSchemaTypeName() != "GeometryLight":
+            continue
+        shown = UsdGeom.Imageable(prim).ComputeVisibility(Usd.TimeCode.EarliestTime())
+        if shown == UsdGeom.Tokens.invisible:
+            continue
+        for path in UsdLux.GeometryLight(prim).GetGeometryRel().GetForwardedTargets():
+            target = stage.GetPrimAtPath(path)
+            if target and target.IsA(UsdGeom.Gprim) and not target.HasAPI(UsdLux.LightAPI):
+                found.setdefault(str(path), prim)
+    return found
 
 
 def lost_of_dome(prim: Usd.Prim, time: Usd.TimeCode) -> Lost:

@@ -12,7 +12,15 @@ from .scene_data import Array, Corners, Indices, Scene, transform_points
 from .usd_camera import read_camera
 from .usd_curves import read_patch, read_points
 from .usd_gprim import read_grid, read_polyhedron, read_surface
-from .usd_light import OF_GEOMETRY, Source, lost_of_dome, read_source, unusual_inputs
+from .usd_light import (
+    OF_GEOMETRY,
+    Source,
+    geometry_lights,
+    lost_of_dome,
+    read_mesh_light,
+    read_source,
+    unusual_inputs,
+)
 from .usd_material import bound_material
 from .usd_mesh import LocalMesh, read_mesh
 from .usd_placements import PlacementWalk, is_light
@@ -39,6 +47,7 @@ class TruthReader:
         """Skinned and morphed prims, whose points move within them."""
         self.cages = cages
         """Subdivision meshes that are never refined."""
+        self._named_lights = geometry_lights(truth.stage)
         self.instancers: list[str] = []
         self.outermost: dict[str, set[str]] = {}
         """Of the scene read last, as `PlacementWalk` has them."""
@@ -53,6 +62,7 @@ class TruthReader:
         clouds: dict[str, list[tuple[Array, dict[str, Array]]]] = {}
         meshes: dict[str, LocalMesh | None] = {}
         sources: dict[str, Source | None] = {}
+        geometry = {str(light.GetPath()) for light in self._named_lights.values()}
         for place in walk.placements():
             prim = place.prim
             matrix = self.truth.world(place.matrix)
@@ -65,9 +75,11 @@ class TruthReader:
                 else:
                     scene.cameras.setdefault(place.key, []).append(camera)
                 continue
-            if is_light(prim) and prim.IsA(UsdGeom.Gprim):
-                scene.mesh_lights.add(str(prim.GetPath()))
+            if prim.IsA(UsdGeom.Gprim):
+                _read_shining(scene, prim, time, self._named_lights)
+            elif str(prim.GetPath()) in geometry:
                 scene.inputs[str(prim.GetPath())] = unusual_inputs(prim, time, OF_GEOMETRY)
+                continue
             elif is_light(prim):
                 path = str(prim.GetPath())
                 if path not in sources:
@@ -152,6 +164,22 @@ class TruthReader:
                 world = xforms.GetLocalToWorldTransform(prim)
                 result[str(prim.GetPath())] = [self.truth.node_world(world)]
         return result
+
+
+def _read_shining(
+    scene: Scene, prim: Usd.Prim, time: Usd.TimeCode, named: dict[str, Usd.Prim]
+) -> None:
+    """The light that a gprim sends: its own, or that of a GeometryLight that names it."""
+    path = str(prim.GetPath())
+    light = prim if is_light(prim) else named.get(path)
+    if light is None:
+        return
+    if light == prim:
+        scene.inputs[path] = unusual_inputs(prim, time, OF_GEOMETRY)
+    if prim.IsA(UsdGeom.Points) or prim.IsA(UsdGeom.Curves) or prim.IsA("Volume"):
+        scene.dark_lights.add(path)
+    else:
+        scene.mesh_lights[path] = read_mesh_light(light, time, light == prim)
 
 
 def _add_tessellated(

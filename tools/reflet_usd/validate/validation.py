@@ -140,6 +140,7 @@ def _compare(
 
     from .document import compare_document
     from .material_compare import compare_materials
+    from .mesh_light_compare import compare_mesh_lights
     from .unauthored_materials import compare_unauthored_materials
     from .usd_layers import compare_layers
     from .usd_ops import compare_ops, repair_ops
@@ -187,6 +188,7 @@ def _compare(
     comparer.lights(rest, stored, "at rest")
     uses, colored = compare_materials(checks, truth, file, rest)
     compare_unauthored_materials(checks, output, colored)
+    compare_mesh_lights(checks, truth, output, rest)
     compare_document(checks, truth, output, rest_time, settings)
     compare_uv_uses(checks, rest, stored, uses, comparer.diagonal)
     _summarize_output(output, stored, checks, validation)

@@ -15,6 +15,8 @@ pub struct Material {
     pub alpha_cutoff: Option<f32>,
     pub double_sided: bool,
     pub extensions: MaterialExtensions,
+    /// Arbitrary data; the USD converter marks mesh lights here.
+    pub extras: serde_json::Value,
 }
 
 #[derive(Debug, Default, Deserialize)]

@@ -1,0 +1,97 @@
+//! What is said about materials that are wrong: where the fault is, and what is done instead.
+
+use crate::kit::{Doc, stone, warnings};
+use serde_json::json;
+
+#[test]
+fn a_broken_image_names_the_texture_that_uses_it() {
+    for (extension, factor, key) in [
+        ("specular", "specularFactor", "specularTexture"),
+        ("sheen", "sheenRoughnessFactor", "sheenRoughnessTexture"),
+        ("transmission", "transmissionFactor", "transmissionTexture"),
+        ("clearcoat", "clearcoatFactor", "clearcoatRoughnessTexture"),
+    ] {
+        let mut doc = stone();
+        let broken = doc.texture(b"no image");
+        let name = format!("KHR_materials_{extension}");
+        let mut layer = json!({"sheenColorFactor": [1, 1, 1]});
+        layer[factor] = json!(0.5);
+        layer[key] = json!({"index": broken});
+        doc.json["materials"][0]["extensions"] = json!({ &name: layer });
+        let place = format!("{key} (/materials/0/extensions/{name}/{key}) of material 0 \"stone\"");
+        let (_, found) = doc.error();
+        assert!(found.contains(&place), "{found}");
+        // The same of a file that is not there.
+        doc.json["images"][1] = json!({"uri": "lost.png"});
+        let (error, found) = doc.error();
+        assert_eq!(error, "file-not-found");
+        assert!(found.contains(&place), "{found}");
+    }
+}
+
+#[test]
+fn factors_outside_their_range_are_named() {
+    let mut doc = stone();
+    let world = doc.world();
+    assert!(warnings(&world).is_empty());
+    let material = &mut doc.json["materials"][0];
+    material["pbrMetallicRoughness"]["metallicFactor"] = json!(1.5);
+    let named = |doc: &Doc| {
+        let world = doc.world();
+        let messages = world.warnings.iter().map(|w| (w.name, w.message.clone()));
+        messages.collect::<Vec<_>>()
+    };
+    let [(name, message)] = &named(&doc)[..] else {
+        panic!("one warning")
+    };
+    assert_eq!(*name, "factor-clamped");
+    let expected = "material 0 \"stone\": metallicFactor is 1.5, expected 0 to 1";
+    assert!(
+        message.starts_with('1') && message.ends_with(expected),
+        "{message}"
+    );
+    for (extension, key, value) in [
+        ("clearcoat", "clearcoatFactor", json!(2)),
+        ("clearcoat", "clearcoatRoughnessFactor", json!(-1)),
+        ("sheen", "sheenColorFactor", json!([0.5, 1.25, 0])),
+        ("sheen", "sheenRoughnessFactor", json!(7)),
+        ("specular", "specularFactor", json!(1.01)),
+        ("specular", "specularColorFactor", json!([-1, 0, 0])),
+        ("transmission", "transmissionFactor", json!(3)),
+    ] {
+        let mut doc = stone();
+        let name = format!("KHR_materials_{extension}");
+        doc.json["materials"][0]["extensions"] = json!({ name: { key: value } });
+        let [(name, message)] = &named(&doc)[..] else {
+            panic!("one warning of {key}")
+        };
+        assert_eq!(*name, "factor-clamped");
+        assert!(
+            message.contains(&format!("\"stone\": {key} is ")),
+            "{message}"
+        );
+    }
+}
+
+#[test]
+fn mesh_lights_of_a_file_light_up_to_their_number() {
+    let mut doc = stone();
+    doc.json["materials"][0]["extras"] = json!({"mesh_light": {}});
+    let lights = |doc: &Doc| {
+        let world = doc.world();
+        (world.materials[0].light, warnings(&world))
+    };
+    assert_eq!(lights(&doc), (true, vec![]));
+    let many = 3 * (reflet::world::emitters::MAX_EMITTERS + 1);
+    let indices: Vec<u8> = (0..many as u32)
+        .flat_map(|i| (i % 3).to_le_bytes())
+        .collect();
+    let indices = doc.accessor("SCALAR", 5125, many, &indices);
+    doc.primitive("indices", indices.into());
+    assert_eq!(lights(&doc), (false, vec!["emitters-too-many"]));
+    // What emits nothing does not.
+    let mut doc = stone();
+    doc.json["materials"][0]["extras"] = json!({"mesh_light": {}});
+    doc.json["materials"][0]["emissiveFactor"] = json!([0, 0, 0]);
+    assert_eq!(lights(&doc), (false, vec![]));
+}

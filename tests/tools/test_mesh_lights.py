@@ -1,0 +1,225 @@
+"""Owns the tests of geometry that lights: emission of its materials, and what portals say."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from PIL import Image
+from read_converted import Converted, convert_text
+from tampering import FACE, UNIT, UVS, Output, agrees, expect_found, forget, mesh
+
+LEVELS = """
+    float inputs:intensity = 3
+    float inputs:exposure = 2
+    color3f inputs:color = (1, 0.5, 0)
+"""
+NITS = [12.0, 6.0, 0.0]
+LAMP = mesh("L", LEVELS, "MeshLightAPI")
+NAMED = f"""
+def GeometryLight "G"
+{{{LEVELS}
+    rel geometry = </L>
+}}
+{mesh("L")}
+"""
+
+
+def material(emission: str, binding: str = "") -> str:
+    """A lamp bound to a preview surface of this emission, and the same without light beside it."""
+    return f"""
+def Scope "Looks"
+{{
+    def Material "M"
+    {{
+        token outputs:surface.connect = </Looks/M/S.outputs:surface>
+        def Shader "S"
+        {{
+            uniform token info:id = "UsdPreviewSurface"
+            {emission}
+            token outputs:surface
+        }}
+        def Shader "T"
+        {{
+            uniform token info:id = "UsdUVTexture"
+            asset inputs:file = @glow.png@
+            token inputs:sourceColorSpace = "sRGB"
+            float2 inputs:st.connect = </Looks/M/R.outputs:result>
+            float3 outputs:rgb
+        }}
+        def Shader "R"
+        {{
+            uniform token info:id = "UsdPrimvarReader_float2"
+            string inputs:varname = "st"
+            float2 outputs:result
+        }}
+    }}
+}}
+def Mesh "L" (prepend apiSchemas = ["MeshLightAPI", "MaterialBindingAPI"])
+{{{FACE}{UVS}{LEVELS}{binding}
+    rel material:binding = </Looks/M>
+}}
+def Mesh "Plain" (prepend apiSchemas = ["MaterialBindingAPI"])
+{{{FACE}{UVS}
+    rel material:binding = </Looks/M>
+}}
+"""
+
+
+def look_of(done: Converted, prim: str) -> dict[str, Any]:
+    """The material of the prim's first primitive."""
+    entry = done.json["nodes"][done.node(prim)]
+    primitive = done.json["meshes"][entry["mesh"]]["primitives"][0]
+    found: dict[str, Any] = done.json["materials"][primitive["material"]]
+    return found
+
+
+def nits(look: dict[str, Any]) -> list[float]:
+    """The emission of a material, without its texture."""
+    strength = look.get("extensions", {}).get("KHR_materials_emissive_strength", {})
+    factor = np.array(look.get("emissiveFactor", (0.0, 0.0, 0.0)))
+    return list(factor * strength.get("emissiveStrength", 1.0))
+
+
+@pytest.mark.parametrize("stage", [LAMP, NAMED])
+def test_a_mesh_sends_its_light(tmp_path: Path, stage: str) -> None:
+    done = convert_text(tmp_path, stage + UNIT)
+    look = look_of(done, "/L")
+    assert nits(look) == pytest.approx(NITS)
+    assert look["extras"]["mesh_light"] == {"nits": NITS}
+    assert not done.warnings() & {"mesh-light-dropped", "light-dropped"}
+    others = [m for m in done.json["materials"] if m is not look]
+    assert others and all("mesh_light" not in (m.get("extras") or {}) for m in others)
+    assert agrees(done)
+
+
+@pytest.mark.parametrize(
+    ("emission", "binding", "expected"),
+    [
+        ("", "", NITS),
+        ("color3f inputs:emissiveColor = (0.5, 2, 1)", "", [6.0, 12.0, 0.0]),
+        (
+            "color3f inputs:emissiveColor = (0.5, 2, 1)",
+            'uniform token light:materialSyncMode = "independent"',
+            NITS,
+        ),
+        ("color3f inputs:emissiveColor.connect = </Looks/M/T.outputs:rgb>", "", NITS),
+    ],
+)
+def test_the_emission_of_a_material_tints_the_light(
+    tmp_path: Path, emission: str, binding: str, expected: list[float]
+) -> None:
+    texels = np.random.default_rng(3).integers(0, 255, (8, 8, 3), dtype=np.uint8)
+    Image.fromarray(texels).save(tmp_path / "glow.png")
+    done = convert_text(tmp_path, material(emission, binding))
+    lit, plain = look_of(done, "/L"), look_of(done, "/Plain")
+    assert nits(lit) == pytest.approx(expected)
+    assert ("emissiveTexture" in lit) == ("connect" in emission)
+    assert "mesh_light" not in plain["extras"]
+    assert agrees(done)
+
+
+def scale_emission(out: Output) -> None:
+    """Everything shines otherwise."""
+    for entry in out.gltf.materials:
+        entry.emissiveFactor = [0.3, 0.3, 0.3]
+
+
+def unmark(out: Output) -> None:
+    """Nothing lights."""
+    for entry in out.gltf.materials:
+        entry.extras.pop("mesh_light", None)
+
+
+def mark(out: Output) -> None:
+    """Everything lights."""
+    for entry in out.gltf.materials:
+        entry.extras = {**(entry.extras or {}), "mesh_light": {"nits": NITS}}
+
+
+@pytest.mark.parametrize("stage", [LAMP + UNIT, NAMED + UNIT, material("")])
+@pytest.mark.parametrize("damage", [scale_emission, unmark, mark])
+def test_validation_finds_another_light(tmp_path: Path, stage: str, damage: Any) -> None:
+    expect_found(convert_text(tmp_path, stage), damage)
+
+
+def test_instances_of_a_lamp_share_its_light(tmp_path: Path) -> None:
+    text = f"""
+class Xform "Proto"
+{{
+    {LAMP}
+}}
+def Xform "A" (instanceable = true
+    inherits = </Proto>)
+{{
+}}
+def Xform "B" (instanceable = true
+    inherits = </Proto>)
+{{
+    double3 xformOp:translate = (5, 0, 0)
+    uniform token[] xformOpOrder = ["xformOp:translate"]
+}}
+def PointInstancer "P"
+{{
+    rel prototypes = </P/L>
+    int[] protoIndices = [0, 0]
+    point3f[] positions = [(0, 3, 0), (0, 6, 0)]
+    {LAMP}
+}}
+"""
+    done = convert_text(tmp_path, text)
+    assert nits(look_of(done, "/A/L")) == pytest.approx(NITS)
+    assert nits(look_of(done, "/B/L")) == pytest.approx(NITS)
+    assert "mesh-light-dropped" not in done.warnings()
+    assert agrees(done)
+
+
+def test_a_light_of_no_strength_is_none(tmp_path: Path) -> None:
+    stage = mesh("L", "float inputs:intensity = 0\n", "MeshLightAPI")
+    done = convert_text(tmp_path, stage + UNIT)
+    assert nits(look_of(done, "/L")) == [0.0, 0.0, 0.0]
+    assert "mesh_light" not in (look_of(done, "/L").get("extras") or {})
+    assert agrees(done)
+
+
+@pytest.mark.parametrize("geometry", ["", "rel geometry = </S>", "rel geometry = </Nowhere>"])
+def test_a_geometry_light_of_nothing_is_lost(tmp_path: Path, geometry: str) -> None:
+    text = f"""
+def GeometryLight "G"
+{{
+    {geometry}
+}}
+def Scope "S"
+{{
+}}
+"""
+    done = convert_text(tmp_path, text + UNIT)
+    assert done.warnings("/G") == {"light-dropped"}
+    assert agrees(done)
+
+
+def test_animated_emission_is_named(tmp_path: Path) -> None:
+    stage = mesh("L", "float inputs:intensity.timeSamples = { 0: 1, 9: 2 }\n", "MeshLightAPI")
+    done = convert_text(tmp_path, stage + UNIT)
+    assert "light-animation-frozen" in done.warnings("/L")
+    assert nits(look_of(done, "/L")) == [1.0, 1.0, 1.0]
+
+
+def test_a_portal_is_ignored_and_not_lost(tmp_path: Path) -> None:
+    text = """
+def PortalLight "P"
+{
+    float inputs:intensity = 7
+}
+def DomeLight "D"
+{
+}
+"""
+    done = convert_text(tmp_path, text + UNIT)
+    assert done.warnings("/P") == {"portal-light-ignored"}
+    assert "KHR_lights_punctual" not in (done.gltf.extensionsUsed or [])
+    assert agrees(done)
+    forget(done, "portal-light-ignored")
+    assert not agrees(done)
