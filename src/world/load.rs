@@ -273,7 +273,7 @@ impl<'a> Loader<'a> {
         blended::drop_opaque(&mut self.world, &meshes, &textures);
         deform_at_start(&mut self.world, &meshes, self.desc)?;
         emitters::check(&mut self.world, &meshes, self.desc)?;
-        camera::add_default(&mut self.world, &meshes, self.desc.image.size);
+        camera::add_default(&mut self.world, &meshes, self.desc);
         self.world.rest_unit_m = Some(self.world.unit_m());
         let files = self.world.files.clone();
         self.add_texts();

@@ -94,3 +94,28 @@ fn lines_are_seen_from_the_usual_side() {
         assert!(camera.eye.z > camera.target.z, "turn {turn}");
     }
 }
+
+#[test]
+fn cameras_of_files_that_see_nothing_give_way() {
+    let mut doc = Doc::triangle();
+    doc.json["cameras"] = json!([
+        {"name": "eye", "type": "perspective", "perspective": {"yfov": 1.0, "znear": 0.1}}
+    ]);
+    doc.root_node(json!({"name": "tripod", "camera": 0, "translation": [0, 0, 5]}));
+    let world = doc.world();
+    assert_eq!(
+        (world.cameras.len(), world.warnings.len()),
+        (1, 0),
+        "it sees the triangle"
+    );
+    let last = doc.json["nodes"].as_array().expect("nodes").len() - 1;
+    // Turned away from it.
+    doc.json["nodes"][last]["rotation"] = json!([0, 1, 0, 0]);
+    let world = doc.world();
+    let names: Vec<_> = world.cameras.iter().map(|c| c.name.as_str()).collect();
+    assert_eq!(names.len(), 2, "{names:?}");
+    assert_eq!(names[0], "main");
+    assert_eq!(world.warnings[0].name, "cameras-see-nothing");
+    let [[left, right], _] = seen(&world);
+    assert!(-1.0 < left && right < 1.0, "{left} {right}");
+}

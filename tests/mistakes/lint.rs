@@ -179,16 +179,6 @@ pub const LINTS: &[Mistake] = &[
         ],
     ),
     script(
-        "a semicolon behind what setup returns",
-        "fn setup(ctx) {\n    let lamps = #{ n: ctx.params.count };\n    #{ lights: lamps };\n}\n",
-        [
-            "nothing-returned",
-            "3:23",
-            "`setup` returns nothing",
-            "leave out this `;`",
-        ],
-    ),
-    script(
         "a name made between quotation marks",
         "fn frame(ctx) {\n    for i in 0..ctx.params.count {\n        print(\"ball${i}\");\n    }\n}\n",
         [

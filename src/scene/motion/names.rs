@@ -60,23 +60,24 @@ impl Names {
             });
             found.collect()
         };
-        let tables: [fn(&mut Self) -> &mut HashMap<String, usize>; 4] = [
-            |names| &mut names.cameras,
-            |names| &mut names.instances,
-            |names| &mut names.lights,
-            |names| &mut names.materials,
-        ];
-        let own = [
-            &self.cameras,
-            &self.instances,
-            &self.lights,
-            &self.materials,
-        ];
-        for (table, own) in tables.into_iter().zip(own) {
-            for (name, index) in own {
-                for (number, own) in inside(name) {
-                    table(&mut all[number]).insert(own, *index);
-                }
+        for (name, index) in &self.cameras {
+            for (number, own) in inside(name) {
+                all[number].cameras.insert(own, *index);
+            }
+        }
+        for (name, index) in &self.instances {
+            for (number, own) in inside(name) {
+                all[number].instances.insert(own, *index);
+            }
+        }
+        for (name, index) in &self.lights {
+            for (number, own) in inside(name) {
+                all[number].lights.insert(own, *index);
+            }
+        }
+        for (name, index) in &self.materials {
+            for (number, own) in inside(name) {
+                all[number].materials.insert(own, *index);
             }
         }
         for ((model, material), index) in &self.file_materials {

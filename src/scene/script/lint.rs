@@ -118,10 +118,7 @@ impl<'t> ScriptLint<'t, '_> {
             match self.word(i) {
                 "{" | "#{" => self.scopes.push(std::mem::take(&mut next)),
                 "}" if self.scopes.len() > 1 => drop(self.scopes.pop()),
-                "fn" => {
-                    next = self.function(i);
-                    self.unreturned(i);
-                }
+                "fn" => next = self.function(i),
                 "for" => {
                     if let Some((name, at, whole)) = self.loop_variable(i) {
                         self.warn_if_hidden(name, &at);
@@ -183,33 +180,6 @@ impl<'t> ScriptLint<'t, '_> {
             self.warn("shadowed-function", name.at, message, help);
         }
         scope
-    }
-
-    /// Warns where the last statement of `setup` ends in `;`, so that it returns nothing.
-    fn unreturned(&mut self, i: usize) {
-        if self.word(i + 1) != "setup" {
-            return;
-        }
-        let mut depth = 0;
-        let mut rest = i..self.tokens.len();
-        let end = rest.find(|k| {
-            match self.word(*k) {
-                "{" | "#{" => depth += 1,
-                "}" => depth -= 1,
-                _ => return false,
-            }
-            depth == 0
-        });
-        let Some(end) = end.filter(|end| self.word(end - 1) == ";") else {
-            return;
-        };
-        if (i..end).any(|k| matches!(self.word(k), "return" | "throw")) {
-            return;
-        }
-        let at = self.tokens[end - 1].at.clone();
-        let message = "`setup` returns nothing, so it adds nothing to the scene".to_owned();
-        let help = "leave out this `;`: what stands last without one is returned".to_owned();
-        self.warn("nothing-returned", at, message, help);
     }
 
     /// Warns of `"lamp${i}"`, which is taken as it is written.

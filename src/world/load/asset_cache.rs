@@ -110,7 +110,7 @@ impl AssetCache {
             deform_at_start(&mut loader.world, &world.meshes, desc)?;
             emitters::check(&mut loader.world, &world.meshes, desc)?;
             blended::drop_opaque(&mut loader.world, &world.meshes, &world.textures);
-            camera::add_default(&mut loader.world, &world.meshes, desc.image.size);
+            camera::add_default(&mut loader.world, &world.meshes, desc);
             loader.world.rest_unit_m = Some(loader.world.unit_m());
             loader.add_texts();
             loader.world.meshes = Shared::default();

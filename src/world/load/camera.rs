@@ -5,8 +5,8 @@ use glam::{Affine3A, Vec3};
 use crate::{
     math::Bounds,
     scene::{
-        desc::{CameraDesc, Entry},
-        diagnostic::Span,
+        desc::{CameraDesc, Entry, SceneDesc},
+        diagnostic::{Diagnostic, Span},
     },
     world::{Mesh, Posed, World},
 };
@@ -20,14 +20,23 @@ const FLAT: f32 = 0.1;
 /// Least part of the area of a flat scene that faces its back more than its front, for it to be seen from there.
 const LEAST_FACING: f32 = 1e-3;
 
-/// Adds a camera `main` that frames the whole scene at `size` pixels, if there is no camera.
-/// `meshes` are those of the world, with their vertices.
-pub fn add_default(world: &mut World, meshes: &[Mesh], size: [u32; 2]) {
-    if !world.cameras.is_empty() {
+/// Adds a camera `main` that frames the whole scene, before all others, if there is none or if all come from
+/// files and, where nothing moves, see nothing. `meshes` are those of the world, with their vertices.
+pub fn add_default(world: &mut World, meshes: &[Mesh], desc: &SceneDesc) {
+    let size = desc.image.size;
+    let is_moving = !desc.is_still() || !world.moving.players.is_empty();
+    let is_fixed = !desc.cameras.is_empty() || is_moving || world.instances.is_empty();
+    if is_fixed && !world.cameras.is_empty() {
         return;
     }
     let framed = Framed::of(world, meshes);
     let bounds = framed.bounds();
+    let aspect = size[0] as f32 / size[1] as f32;
+    let mut cameras = world.cameras.iter();
+    let may_see = |camera: &CameraDesc| bounds.is_empty() || may_see(camera, &bounds, aspect);
+    if cameras.any(|camera| may_see(&camera.value)) {
+        return;
+    }
     let radius = (bounds.diagonal() * 0.5).max(1e-3);
     let defaults = CameraDesc::default();
     let to_eye = framed.to_eye(&bounds);
@@ -35,7 +44,7 @@ pub fn add_default(world: &mut World, meshes: &[Mesh], size: [u32; 2]) {
     let fit = Fit {
         to_eye,
         half_angle,
-        aspect: size[0] as f32 / size[1] as f32,
+        aspect,
         origin: bounds.center(),
     };
     let (target, distance) = framed.fitted(&fit);
@@ -45,11 +54,45 @@ pub fn add_default(world: &mut World, meshes: &[Mesh], size: [u32; 2]) {
         near_m: (radius * 1e-3).clamp(1e-5, defaults.near_m),
         ..defaults
     };
-    world.cameras.push(Entry {
+    let main = Entry {
         name: "main".into(),
         at: Span::default(),
         value,
+    };
+    if !world.cameras.is_empty() {
+        let message = "no camera of the files sees anything; `main` shows the whole";
+        let note = Diagnostic::at("cameras-see-nothing", Span::default(), message).warning();
+        world.warnings.push(note);
+    }
+    world.cameras.insert(0, main);
+}
+
+/// Whether a box is not wholly on the outer side of an edge of the picture; one that touches it is not.
+fn may_see(camera: &CameraDesc, bounds: &Bounds, aspect: f32) -> bool {
+    let forward = (camera.target - camera.eye).normalize_or_zero();
+    let right = forward.cross(camera.up).normalize_or_zero();
+    let up = right.cross(forward);
+    let half_angle = camera.fov_deg.to_radians() * 0.5;
+    let corners = [0, 1, 2, 3, 4, 5, 6, 7].map(|i| {
+        let pick = |k: usize| [bounds.min[k], bounds.max[k]][(i >> k) & 1];
+        let to = Vec3::new(pick(0), pick(1), pick(2)) - camera.eye;
+        let depth = to.dot(forward);
+        let half_height = match camera.orthographic_height_m {
+            Some(height) => 0.5 * height,
+            None => depth * half_angle.tan(),
+        };
+        let [x, y] = [to.dot(right), to.dot(up)];
+        let half_width = half_height * aspect;
+        [
+            depth,
+            half_width - x,
+            half_width + x,
+            half_height - y,
+            half_height + y,
+        ]
     });
+    let nearly = -1e-4 * bounds.diagonal();
+    (0..5).all(|edge| corners.iter().any(|inside| inside[edge] >= nearly))
 }
 
 /// A mesh that is framed.
