@@ -271,6 +271,7 @@ impl Live {
         if rendered.is_err() {
             // What is picked and inspected is that of the frame; its pose was valid before.
             let _ = moments.pose(samples - 1, samples);
+            let _ = self.renderer.update(&self.gpu, &self.world);
         }
         rendered
     }

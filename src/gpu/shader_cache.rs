@@ -4,12 +4,16 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::{error::GpuError, reflect::ShaderModuleInfo, shader::ShaderSource};
 
-/// Maximum number of shaders kept; a frame has about 30. Those used last stay, so that a text that is
+/// Maximum number of shaders kept; a frame has at most 19. Those used last stay, so that a text that is
 /// being edited pushes out its own old versions.
 const SHADERS: usize = 64;
 
-/// Maximum number of pipelines kept for each: software drivers hold several MB of code for one.
-const PIPELINES: usize = 6;
+/// Maximum number of compute pipelines kept for each: software drivers hold several MB of code for one.
+const COMPUTES: usize = 6;
+
+/// Maximum number of render pipelines kept for each: a frame has up to 24, for cut-out, double-sided and
+/// mirrored things, shown, culled and unseen; their code is small.
+const RENDERS: usize = 48;
 
 /// Run-time checks of a shader.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,8 +33,8 @@ pub struct Shader {
     pub info: ShaderModuleInfo,
     /// The module.
     pub module: wgpu::ShaderModule,
-    pub(super) computes: PipelineCache<wgpu::ComputePipeline>,
-    pub(super) renders: PipelineCache<wgpu::RenderPipeline>,
+    pub(super) computes: PipelineCache<wgpu::ComputePipeline, COMPUTES>,
+    pub(super) renders: PipelineCache<wgpu::RenderPipeline, RENDERS>,
 }
 
 /// Things by key, the most recently used last.
@@ -61,7 +65,7 @@ impl<K: PartialEq, V: Clone, const MOST: usize> Recent<K, V, MOST> {
 }
 
 /// Pipelines by entry point and state, shared by clones of the shader.
-pub(super) type PipelineCache<P> = Arc<Mutex<Recent<String, P, PIPELINES>>>;
+pub(super) type PipelineCache<P, const MOST: usize> = Arc<Mutex<Recent<String, P, MOST>>>;
 
 /// What is kept for this key, or what `make` makes. Other threads are not kept waiting meanwhile; two that make
 /// the same keep both until one is pushed out.

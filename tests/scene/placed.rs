@@ -181,6 +181,24 @@ fn a_scene_changes_what_it_places() {
 }
 
 #[test]
+fn models_of_removed_instances_stand_nowhere_in_placed_scenes_either() {
+    let floor = "[model.floor]\nshape = { kind = \"plane\" }\n";
+    let placed = "[[instance]]\nmodel = { scene = \"car.toml\" }\n";
+    let instance = "[[instance]]\nname = \"floor\"\nmodel = \"floor\"\n";
+    let removed = "version = 1\nbase = \"b.toml\"\nremove = [\"instance.floor\"]\n";
+    let files = [
+        ("shot/scene.toml", &*format!("version = 1\n{floor}{placed}")),
+        ("shot/car.toml", removed),
+        ("shot/b.toml", &*format!("version = 1\n{floor}{instance}")),
+    ];
+    let scene = Folder::new("unplaced-inside", &files).expect();
+    assert!(scene.instances.is_empty(), "none of the car");
+    // That of the scene itself stands, whatever the car removes.
+    assert_eq!(scene.models.len(), 1);
+    assert_eq!(scene.models[0].name, "floor");
+}
+
+#[test]
 fn files_are_named_from_the_placed_scene() {
     let car =
         "version = 1\n[model.body]\nfile = \"body.glb\"\n[model.seat]\nfile = \"shared.glb\"\n";

@@ -6,7 +6,7 @@ mod prefix;
 mod run;
 mod scripts;
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use toml::{
     Spanned,
@@ -142,7 +142,9 @@ impl<'i> Expansion<'_, 'i> {
         let inherited: Vec<_> = (INHERITED.iter())
             .filter_map(|key| group.remove_entry(*key))
             .collect();
+        let outer = self.report.swap_unplaced(HashSet::new());
         let mut tree = self.tree(file);
+        let unplaced = self.report.swap_unplaced(outer);
         let script = self.run_script(&mut tree, file, (&name, &at), given);
         if let DeValue::Table(tree) = tree.get_mut() {
             let inner = self.scripts.len();
@@ -157,6 +159,7 @@ impl<'i> Expansion<'_, 'i> {
                 placed: self.placed,
                 at: at.clone(),
                 inherited: &inherited,
+                unplaced: &unplaced,
             };
             prefix.apply(tree, self.report);
         }

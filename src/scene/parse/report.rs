@@ -79,6 +79,11 @@ impl Report {
         self.unplaced.insert(model.to_owned());
     }
 
+    /// Takes the models of another scene's removed instances in place of what it knows, which it returns.
+    pub fn swap_unplaced(&mut self, other: HashSet<String>) -> HashSet<String> {
+        std::mem::replace(&mut self.unplaced, other)
+    }
+
     /// Whether a layer has removed an instance of a model.
     pub fn is_unplaced(&self, model: &str) -> bool {
         self.unplaced.contains(model)

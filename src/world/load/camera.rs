@@ -20,7 +20,7 @@ const FLAT: f32 = 0.1;
 /// Least part of the area of a flat scene that faces its back more than its front, for it to be seen from there.
 const LEAST_FACING: f32 = 1e-3;
 
-/// Adds a camera `main` that frames the whole scene, before all others, if there is none or if all come from
+/// Adds a camera `main` that frames the whole scene if there is none or if all come from
 /// files and, where nothing moves, see nothing. `meshes` are those of the world, with their vertices.
 pub fn add_default(world: &mut World, meshes: &[Mesh], desc: &SceneDesc) {
     let size = desc.image.size;
@@ -64,7 +64,7 @@ pub fn add_default(world: &mut World, meshes: &[Mesh], desc: &SceneDesc) {
         let note = Diagnostic::at("cameras-see-nothing", Span::default(), message).warning();
         world.warnings.push(note);
     }
-    world.cameras.insert(0, main);
+    world.cameras.push(main);
 }
 
 /// Whether a box is not wholly on the outer side of an edge of the picture; one that touches it is not.

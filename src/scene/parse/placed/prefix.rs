@@ -37,6 +37,8 @@ pub struct Prefix<'a, 'i> {
     pub placed: &'a Placed,
     /// Where it is placed.
     pub at: Range<usize>,
+    /// Models whose instances a layer of it has removed.
+    pub unplaced: &'a HashSet<String>,
     /// Keys of all its instances that do not say them.
     pub inherited: &'a [(Spanned<DeString<'i>>, Node<'i>)],
 }
@@ -94,7 +96,8 @@ impl<'i> Prefix<'_, 'i> {
         let models = models.into_iter().flat_map(|all| all.keys());
         let is_free = |key: &&Spanned<DeString>| {
             let is_included = self.file.includes(&report.span(&key.span()));
-            !used.contains(key.get_ref().as_ref()) && !is_included
+            let name = key.get_ref().as_ref();
+            !used.contains(name) && !self.unplaced.contains(name) && !is_included
         };
         let free: Vec<_> = (models.filter(is_free))
             .map(|key| (key.get_ref().to_string(), key.span()))
