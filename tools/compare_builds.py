@@ -224,7 +224,9 @@ def main() -> int:
     parser.add_argument("--pairs", type=int, help="compare the time, in so many turns")
     parser.add_argument("--set", action="append", default=[], help="with --pairs: as of `render`")
     parser.add_argument("scene", type=Path, nargs="*", help="with --pairs")
-    args = parser.parse_args()
+    args = parser.parse_intermixed_args()
+    if (args.pairs is not None) != bool(args.scene) or args.pairs == 0:
+        parser.error("--pairs needs a number above 0 and scenes; without it there are none to name")
     assets: list[str | Path] = ["--assets", args.assets] if args.assets else []
     if args.pairs:
         options = assets + [word for text in args.set for word in ("--set", text)]
