@@ -313,8 +313,8 @@ translation = [0, 0, 0.00] # in the middle
     let first = session.steady();
     let read = || fs::read_to_string(session.folder.join("scene.toml")).expect("it is there");
     until("a line of the file", || {
-        // The sidebar takes the right of the window.
-        let [x, y] = ["190", "210"];
+        // The sidebar takes the right of the window, three rows of the bar its top.
+        let [x, y] = ["190", "236"];
         session.xdotool(&["mousemove", "--window", &session.window, x, y]);
         session.xdotool(&["click", "1"]);
         thread::sleep(Duration::from_millis(400));
