@@ -48,8 +48,12 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
             let s = load_surface(id.xy);
             let ray = reflected_ray(id.xy, s);
             var weight = ray.weight;
-            // Of all facets, as the smoothed light is, not of one.
-            if (FILTER && is_spread(s) && s.clearcoat == 0.0) { weight = specular_albedo(s, -view_direction(s.position)) * coverage(s); }
+            if (FILTER && is_spread(s)) {
+                // Of all facets, as the smoothed light is, not of one. Of two lobes the ray knows which it follows.
+                let view = -view_direction(s.position);
+                let only = only_lobe(s, view);
+                if (only.share > 0.0) { weight = specular_albedo(only.layer, view) * only.share; }
+            }
             out += weight * faded(id.xy, ray.direction, textureLoad(reflection, id.xy, 0).xyz);
         }
     }

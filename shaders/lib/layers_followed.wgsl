@@ -208,18 +208,34 @@ fn reflected(direction: vec3f, s: Surface) -> Reflected {
     var ray: Reflected;
     if (HAS_COATS && s.clearcoat > 0.0) {
         let base = below_coat(s);
-        var below = lobe_ray(direction, base);
-        below.weight *= coat_transmittance(s, dot(coat_normal(s), -direction));
-        if (!is_reflector(base)) { below.weight = vec3f(0.0); }
-        var over = lobe_ray(direction, coat_of(s));
-        over.weight *= s.clearcoat;
-        if (!has_traced_coat(s)) { over.weight = vec3f(0.0); }
-        ray = chosen(below, over, COAT_PAIR);
+        ray = lobe_ray(direction, base);
+        ray.weight *= coat_transmittance(s, dot(coat_normal(s), -direction));
+        if (!is_reflector(base)) { ray.weight = vec3f(0.0); }
+        if (has_traced_coat(s)) {
+            var over = lobe_ray(direction, coat_of(s));
+            over.weight *= s.clearcoat;
+            ray = chosen(over, ray, COAT_PAIR);
+        }
     } else {
         ray = lobe_ray(direction, s);
     }
     if (HAS_TRANSMISSION) { ray.weight *= s.alpha; }
     return ray;
+}
+
+// The one layer of a surface that rays are reflected by, and the share of its light that arrives; none where there
+// are two.
+struct OnlyLobe {
+    layer: Surface,
+    share: f32,
+}
+
+fn only_lobe(s: Surface, view: vec3f) -> OnlyLobe {
+    if (!HAS_COATS || s.clearcoat == 0.0) { return OnlyLobe(s, s.alpha); }
+    let base = below_coat(s);
+    if (!is_reflector(base) || grazing_reflectance(base) == 0.0) { return OnlyLobe(coat_of(s), s.clearcoat * s.alpha); }
+    let passed = coat_transmittance(s, dot(coat_normal(s), view));
+    return OnlyLobe(base, select(passed * s.alpha, 0.0, has_traced_coat(s)));
 }
 
 // The ray that passes through a surface: straight through thin ones, refracted into and out of solids; by

@@ -42,6 +42,15 @@ fn reflected(direction: vec3f, s: Surface) -> Reflected {
     return lobe_ray(direction, s);
 }
 
+struct OnlyLobe {
+    layer: Surface,
+    share: f32,
+}
+
+fn only_lobe(s: Surface, view: vec3f) -> OnlyLobe {
+    return OnlyLobe(s, 1.0);
+}
+
 // Where a path goes on from a surface that a ray of it has met.
 fn onward(before: Reflected, s: Surface) -> Reflected {
     return lobe_ray(before.direction, s);
