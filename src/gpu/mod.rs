@@ -11,6 +11,7 @@ pub mod readback;
 pub mod reflect;
 pub mod shader;
 mod shader_cache;
+mod specialize;
 pub mod timer;
 
 pub use bind::{GroupLayout, Named};

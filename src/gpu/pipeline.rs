@@ -1,6 +1,9 @@
 //! Shader modules and pipelines, created in error scopes.
 
-use std::sync::atomic::Ordering;
+use std::{
+    borrow::Cow,
+    sync::{Arc, atomic::Ordering},
+};
 
 use naga::valid::Capabilities;
 
@@ -11,6 +14,7 @@ use super::{
     reflect::{self, Binding},
     shader::{ShaderError, ShaderLibrary, ShaderSource},
     shader_cache::{Checks, PipelineCache, Shader, get_or_make},
+    specialize::specialized,
 };
 
 fn cache_key(what: &str, groups: &[&GroupLayout], constants: &[(&str, f64)]) -> String {
@@ -42,16 +46,51 @@ impl Shader {
     /// Checks and creates assembled text.
     fn from_source(gpu: &Gpu, source: &ShaderSource, checks: Checks) -> Result<Self, GpuError> {
         let capabilities: Capabilities = reflect::capabilities(gpu.features);
-        let info = reflect::check(source, capabilities)?;
-        let module = gpu.scoped(&format!("shader {}", source.file), || {
-            create_module(gpu, source, checks)
-        })?;
+        let (info, module, validated) = reflect::checked(source, capabilities)?;
         gpu.compile_stats.shaders.fetch_add(1, Ordering::Relaxed);
         Ok(Self {
             info,
-            module,
+            module: Arc::new((module, validated)),
+            trusted: checks == Checks::TrustedBuiltin && source.embedded,
             computes: PipelineCache::default(),
             renders: PipelineCache::default(),
+        })
+    }
+
+    /// The module on the device, for one compute entry point or all entry points, with values for its overrides.
+    fn specialized(
+        &self,
+        gpu: &Gpu,
+        compute: Option<&str>,
+        constants: &[(&str, f64)],
+    ) -> Result<wgpu::ShaderModule, GpuError> {
+        let (module, validated) = &*self.module;
+        let module = specialized(module, validated, compute, constants)
+            .map_err(|error| ShaderError::new(&self.info.file, error.to_string()))?;
+        let descriptor = wgpu::ShaderModuleDescriptor {
+            label: Some(&self.info.name),
+            source: wgpu::ShaderSource::Naga(Cow::Owned(module)),
+        };
+        gpu.scoped(&format!("shader {}", self.info.file), || {
+            if !self.trusted {
+                return gpu.device.create_shader_module(descriptor);
+            }
+            let unbounded = wgpu::ShaderRuntimeChecks {
+                bounds_checks: false,
+                force_loop_bounding: false,
+                ..wgpu::ShaderRuntimeChecks::checked()
+            };
+            #[expect(
+                unsafe_code,
+                reason = "bounds checks and loop bounds cost a quarter of the tracing speed; the text is \
+                          ours, and the caller validated every index"
+            )]
+            // SAFETY: `trusted` says that the text was compiled into this program, and that the caller answers
+            // for the buffers it reads.
+            unsafe {
+                gpu.device
+                    .create_shader_module_trusted(descriptor, unbounded)
+            }
         })
     }
 
@@ -100,16 +139,14 @@ impl Shader {
         self.check_constants(constants)?;
         get_or_make(&self.computes, cache_key(entry, groups, constants), |_| {
             let layout = self.pipeline_layout(gpu, groups)?;
+            let module = self.specialized(gpu, Some(entry), constants)?;
             let label = format!("{}.{entry}", self.info.name);
             let descriptor = wgpu::ComputePipelineDescriptor {
                 label: Some(&label),
                 layout: Some(&layout),
-                module: &self.module,
+                module: &module,
                 entry_point: Some(entry),
-                compilation_options: wgpu::PipelineCompilationOptions {
-                    constants,
-                    ..Default::default()
-                },
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
                 cache: None,
             };
             gpu.scoped(&format!("pipeline {label}"), || {
@@ -118,8 +155,8 @@ impl Shader {
         })
     }
 
-    /// A cached render pipeline, created by `make` with the layout of these groups; `state` is the
-    /// rest of its cache key.
+    /// A cached render pipeline, created by `make` with the layout of these groups and a module of all entry points
+    /// without overrides; `state` is the rest of its cache key.
     ///
     /// # Errors
     /// [`GpuError::Shader`] for an unknown override or exceeded limits, or what wgpu says.
@@ -129,13 +166,14 @@ impl Shader {
         state: &str,
         groups: &[&GroupLayout],
         constants: &[(&str, f64)],
-        make: impl FnOnce(&wgpu::PipelineLayout) -> wgpu::RenderPipeline,
+        make: impl FnOnce(&wgpu::PipelineLayout, &wgpu::ShaderModule) -> wgpu::RenderPipeline,
     ) -> Result<wgpu::RenderPipeline, GpuError> {
         self.check_constants(constants)?;
         get_or_make(&self.renders, cache_key(state, groups, constants), |_| {
             let layout = self.pipeline_layout(gpu, groups)?;
+            let module = self.specialized(gpu, None, constants)?;
             gpu.scoped(&format!("pipeline {}", self.info.name), || {
-                gpu.compile_stats.pipeline(|| make(&layout))
+                gpu.compile_stats.pipeline(|| make(&layout, &module))
             })
         })
     }
@@ -164,31 +202,5 @@ impl Shader {
             )),
             None => Ok(()),
         }
-    }
-}
-
-fn create_module(gpu: &Gpu, source: &ShaderSource, checks: Checks) -> wgpu::ShaderModule {
-    let descriptor = wgpu::ShaderModuleDescriptor {
-        label: Some(&source.name),
-        source: wgpu::ShaderSource::Wgsl(source.text.as_str().into()),
-    };
-    if checks == Checks::All || !source.embedded {
-        return gpu.device.create_shader_module(descriptor);
-    }
-    let unbounded = wgpu::ShaderRuntimeChecks {
-        bounds_checks: false,
-        force_loop_bounding: false,
-        ..wgpu::ShaderRuntimeChecks::checked()
-    };
-    #[expect(
-        unsafe_code,
-        reason = "bounds checks and loop bounds cost a quarter of the tracing speed; the text is \
-                  ours, and the caller validated every index"
-    )]
-    // SAFETY: `source.embedded` says that the text was compiled into this program, and
-    // `Checks::TrustedBuiltin` makes the caller answer for the buffers it reads.
-    unsafe {
-        gpu.device
-            .create_shader_module_trusted(descriptor, unbounded)
     }
 }

@@ -127,6 +127,17 @@ pub fn check(
     source: &ShaderSource,
     capabilities: Capabilities,
 ) -> Result<ShaderModuleInfo, ShaderError> {
+    checked(source, capabilities).map(|(declared, _, _)| declared)
+}
+
+/// What a shader declares, the shader, and what its validation found.
+///
+/// # Errors
+/// As [`check`].
+pub(super) fn checked(
+    source: &ShaderSource,
+    capabilities: Capabilities,
+) -> Result<(ShaderModuleInfo, Module, ModuleInfo), ShaderError> {
     let module = wgsl::parse_str(&source.text).map_err(|error| parse_error(source, &error))?;
     let info = Validator::new(ValidationFlags::all(), capabilities)
         .validate(&module)
@@ -135,13 +146,14 @@ pub fn check(
     layouter
         .update(module.to_ctx())
         .map_err(|error| ShaderError::new(&source.file, error.to_string()))?;
-    Reflection {
+    let declared = Reflection {
         source,
         module: &module,
         info: &info,
         layouter: &layouter,
     }
-    .reflect()
+    .reflect()?;
+    Ok((declared, module, info))
 }
 
 fn parse_error(source: &ShaderSource, error: &wgsl::ParseError) -> ShaderError {

@@ -26,13 +26,14 @@ pub(crate) enum Checks {
     TrustedBuiltin,
 }
 
-/// A checked shader on the device.
+/// A checked shader, and the pipelines that were made of it.
 #[derive(Clone, Debug)]
 pub struct Shader {
     /// Reflection of the module.
     pub info: ShaderModuleInfo,
-    /// The module.
-    pub module: wgpu::ShaderModule,
+    pub(super) module: Arc<(naga::Module, naga::valid::ModuleInfo)>,
+    /// Whether its text was built into this program, and its caller validates what it reads.
+    pub(super) trusted: bool,
     pub(super) computes: PipelineCache<wgpu::ComputePipeline, COMPUTES>,
     pub(super) renders: PipelineCache<wgpu::RenderPipeline, RENDERS>,
 }

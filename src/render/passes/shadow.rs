@@ -197,10 +197,6 @@ fn pipeline(
     let (gpu, shared, shader) = (builder.gpu, builder.shared, builder.shader(&PASS)?);
     let groups = [&shared.empty.0, &shared.layouts[1], layout];
     let constants = declared_overrides(shader, &builder.overrides(&PASS));
-    let compilation_options = wgpu::PipelineCompilationOptions {
-        constants: &constants,
-        ..Default::default()
-    };
     let attributes = wgpu::vertex_attr_array![0 => Float32x3];
     let vertices = [Some(wgpu::VertexBufferLayout {
         array_stride: size_of::<GpuVertex>() as u64,
@@ -209,15 +205,15 @@ fn pipeline(
     })];
     let is_pulled = cutout || indexed(builder.resources.scene).is_none();
     let state = if cutout { "cutout" } else { "opaque" };
-    shader.render_pipeline(gpu, state, &groups, &constants, |layout| {
+    shader.render_pipeline(gpu, state, &groups, &constants, |layout, module| {
         gpu.device
             .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
                 label: Some(PASS.name),
                 layout: Some(layout),
                 vertex: wgpu::VertexState {
-                    module: &shader.module,
+                    module,
                     entry_point: Some(if is_pulled { "vertex" } else { "vertex_opaque" }),
-                    compilation_options: compilation_options.clone(),
+                    compilation_options: wgpu::PipelineCompilationOptions::default(),
                     buffers: if is_pulled { &[] } else { &vertices },
                 },
                 // Both sides cast, as both block shadow rays.
@@ -225,9 +221,9 @@ fn pipeline(
                 depth_stencil: Some(reversed_depth(FORMAT)),
                 multisample: wgpu::MultisampleState::default(),
                 fragment: cutout.then_some(wgpu::FragmentState {
-                    module: &shader.module,
+                    module,
                     entry_point: Some("fragment"),
-                    compilation_options,
+                    compilation_options: wgpu::PipelineCompilationOptions::default(),
                     targets: &[],
                 }),
                 multiview_mask: None,

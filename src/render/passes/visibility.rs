@@ -185,10 +185,6 @@ fn pipeline(
     let groups = [&shared.layouts[0], &shared.layouts[1]];
     let mut constants = declared_overrides(shader, &builder.overrides(&PASS));
     constants.push(("CUTOUT", f64::from(u8::from(class.cutout))));
-    let compilation_options = wgpu::PipelineCompilationOptions {
-        constants: &constants,
-        ..Default::default()
-    };
     let cull_mode = match faces {
         _ if class.double_sided => None,
         Faces::Shown => Some(wgpu::Face::Back),
@@ -203,15 +199,15 @@ fn pipeline(
         ..Target::Ids.format(false).into()
     };
     let state = format!("{class:?} {faces:?}");
-    shader.render_pipeline(gpu, &state, &groups, &constants, |layout| {
+    shader.render_pipeline(gpu, &state, &groups, &constants, |layout, module| {
         gpu.device
             .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
                 label: Some(PASS.name),
                 layout: Some(layout),
                 vertex: wgpu::VertexState {
-                    module: &shader.module,
+                    module,
                     entry_point: Some("vertex"),
-                    compilation_options: compilation_options.clone(),
+                    compilation_options: wgpu::PipelineCompilationOptions::default(),
                     buffers: &[],
                 },
                 primitive: wgpu::PrimitiveState {
@@ -226,9 +222,9 @@ fn pipeline(
                 depth_stencil: Some(reversed_depth(Target::RasterDepth.format(false))),
                 multisample: wgpu::MultisampleState::default(),
                 fragment: Some(wgpu::FragmentState {
-                    module: &shader.module,
+                    module,
                     entry_point: Some("fragment"),
-                    compilation_options,
+                    compilation_options: wgpu::PipelineCompilationOptions::default(),
                     targets: &[Some(ids)],
                 }),
                 multiview_mask: None,

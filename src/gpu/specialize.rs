@@ -1,0 +1,308 @@
+//! Shaders for one pipeline: overrides get their values, and what these leave out goes before a driver sees it. Drivers
+//! drop it too, but only after they have read and inlined all of it.
+
+use naga::{
+    BinaryOperator, Block, Expression, Function, Handle, Literal, LocalVariable, Module,
+    ShaderStage, Statement, UnaryOperator,
+    back::pipeline_constants::{PipelineConstantError, process_overrides},
+    compact::{KeepUnused, compact},
+    valid::ModuleInfo,
+};
+
+/// A module without overrides, for one compute entry point or for all entry points.
+///
+/// # Errors
+/// A value that does not fit its override.
+pub fn specialized(
+    module: &Module,
+    info: &ModuleInfo,
+    compute: Option<&str>,
+    constants: &[(&str, f64)],
+) -> Result<Module, Box<PipelineConstantError>> {
+    let entry = compute.map(|name| (ShaderStage::Compute, name));
+    let values = constants
+        .iter()
+        .map(|(key, value)| ((*key).to_owned(), *value))
+        .collect();
+    let (module, _) = process_overrides(module, info, entry, &values).map_err(Box::new)?;
+    let mut module = module.into_owned();
+    let mut functions = std::mem::take(&mut module.functions);
+    for (_, function) in functions.iter_mut() {
+        prune(&module, function);
+    }
+    module.functions = functions;
+    let mut entries = std::mem::take(&mut module.entry_points);
+    for entry in &mut entries {
+        prune(&module, &mut entry.function);
+    }
+    module.entry_points = entries;
+    compact(&mut module, KeepUnused::No);
+    Ok(module)
+}
+
+/// Removes the branches that constants never take.
+fn prune(module: &Module, function: &mut Function) {
+    let mut known = Vec::new();
+    loop {
+        let body = std::mem::take(&mut function.body);
+        let kept = taken(&Values::new(module, function, &known), body);
+        function.body = kept;
+        let next = constant_temporaries(module, function, &known);
+        if next.len() == known.len() {
+            break;
+        }
+        known = next;
+    }
+    // Names of values that may be gone.
+    function.named_expressions.clear();
+}
+
+/// A temporary and its only value.
+type Known = (Handle<LocalVariable>, bool);
+
+/// Temporaries of `&&` and `||`, which are variables to naga, that only ever get one value.
+fn constant_temporaries(module: &Module, function: &Function, known: &[Known]) -> Vec<Known> {
+    let values = Values::new(module, function, known);
+    let mut stores = Vec::new();
+    collect_stores(function, &function.body, &mut stores);
+    let only = |variable| {
+        let mut of = (stores.iter()).filter(|(stored_to, _)| *stored_to == variable);
+        let first = values.of(of.next()?.1)?;
+        of.all(|(_, value)| values.of(*value) == Some(first))
+            .then_some((variable, first))
+    };
+    // The front end stores before it loads; what authors name may be read before.
+    let temporaries = (function.local_variables.iter()).filter(|(_, v)| v.name.is_none());
+    temporaries.filter_map(|(handle, _)| only(handle)).collect()
+}
+
+fn collect_stores(
+    function: &Function,
+    block: &Block,
+    stores: &mut Vec<(Handle<LocalVariable>, Handle<Expression>)>,
+) {
+    for statement in block {
+        match statement {
+            Statement::Store { pointer, value } => {
+                if let Expression::LocalVariable(variable) = function.expressions[*pointer] {
+                    stores.push((variable, *value));
+                }
+            }
+            Statement::Block(inner) => collect_stores(function, inner, stores),
+            Statement::If { accept, reject, .. } => {
+                collect_stores(function, accept, stores);
+                collect_stores(function, reject, stores);
+            }
+            Statement::Switch { cases, .. } => {
+                for case in cases {
+                    collect_stores(function, &case.body, stores);
+                }
+            }
+            Statement::Loop {
+                body, continuing, ..
+            } => {
+                collect_stores(function, body, stores);
+                collect_stores(function, continuing, stores);
+            }
+            _ => {}
+        }
+    }
+}
+
+/// Which truth values are known.
+struct Values<'a> {
+    module: &'a Module,
+    function: &'a Function,
+    known: &'a [Known],
+}
+
+impl<'a> Values<'a> {
+    fn new(module: &'a Module, function: &'a Function, known: &'a [Known]) -> Self {
+        Self {
+            module,
+            function,
+            known,
+        }
+    }
+
+    fn of(&self, expression: Handle<Expression>) -> Option<bool> {
+        match self.function.expressions[expression] {
+            Expression::Literal(Literal::Bool(value)) => Some(value),
+            Expression::Constant(constant) => {
+                let init = self.module.constants[constant].init;
+                match self.module.global_expressions[init] {
+                    Expression::Literal(Literal::Bool(value)) => Some(value),
+                    _ => None,
+                }
+            }
+            Expression::Unary {
+                op: UnaryOperator::LogicalNot,
+                expr,
+            } => self.of(expr).map(|value| !value),
+            Expression::Binary { op, left, right } => {
+                let decides = match op {
+                    BinaryOperator::And | BinaryOperator::LogicalAnd => false,
+                    BinaryOperator::InclusiveOr | BinaryOperator::LogicalOr => true,
+                    _ => return None,
+                };
+                match (self.of(left), self.of(right)) {
+                    (Some(left), Some(right)) if left == right => Some(left),
+                    (Some(one), _) | (_, Some(one)) if one == decides => Some(decides),
+                    (Some(_), Some(_)) => Some(decides),
+                    _ => None,
+                }
+            }
+            Expression::Load { pointer } => match self.function.expressions[pointer] {
+                Expression::LocalVariable(variable) => {
+                    let found = self.known.iter().find(|(other, _)| *other == variable);
+                    found.map(|(_, value)| *value)
+                }
+                _ => None,
+            },
+            _ => None,
+        }
+    }
+}
+
+/// A block without the branches that are not taken, and without what follows its end.
+fn taken(values: &Values<'_>, block: Block) -> Block {
+    let mut kept = Block::with_capacity(block.len());
+    for (statement, span) in block.span_into_iter() {
+        match statement {
+            Statement::If {
+                condition,
+                accept,
+                reject,
+            } => match values.of(condition) {
+                Some(value) => {
+                    let mut branch = taken(values, if value { accept } else { reject });
+                    kept.append(&mut branch);
+                }
+                None => kept.push(
+                    Statement::If {
+                        condition,
+                        accept: taken(values, accept),
+                        reject: taken(values, reject),
+                    },
+                    span,
+                ),
+            },
+            Statement::Block(inner) => {
+                kept.append(&mut taken(values, inner));
+            }
+            Statement::Switch {
+                selector,
+                mut cases,
+            } => {
+                for case in &mut cases {
+                    case.body = taken(values, std::mem::take(&mut case.body));
+                }
+                kept.push(Statement::Switch { selector, cases }, span);
+            }
+            Statement::Loop {
+                body,
+                continuing,
+                break_if,
+            } => kept.push(
+                Statement::Loop {
+                    body: taken(values, body),
+                    continuing: taken(values, continuing),
+                    break_if,
+                },
+                span,
+            ),
+            other => kept.push(other, span),
+        }
+        let ends = |s: &Statement| {
+            matches!(
+                s,
+                Statement::Break | Statement::Continue | Statement::Return { .. } | Statement::Kill
+            )
+        };
+        if kept.last().is_some_and(ends) {
+            break;
+        }
+    }
+    kept
+}
+
+#[cfg(test)]
+mod tests {
+    use naga::{
+        front::wgsl,
+        valid::{Capabilities, ValidationFlags, Validator},
+    };
+
+    use super::*;
+
+    const TEXT: &str = "
+        override A: bool = true;
+        override B: bool = false;
+        @group(0) @binding(0) var<storage, read_write> out: array<u32>;
+        @group(0) @binding(1) var<storage, read> of_a: array<u32>;
+        @group(0) @binding(2) var<storage, read> of_b: array<u32>;
+        fn with_a(i: u32) -> u32 { return of_a[i]; }
+        fn with_b(i: u32) -> u32 { return of_b[i]; }
+        fn chosen(i: u32) -> u32 {
+            var sum = 0u;
+            if (A && i > 3u) { sum += with_a(i); }
+            if (!(B || !A) || i > 5u) { sum += 1u; }
+            loop {
+                if (!B) { break; }
+                sum += with_b(i);
+            }
+            switch i {
+                case 1u: { if (B && A) { return with_b(i); } }
+                default: {}
+            }
+            if (B) { return sum + with_b(i); } else { return sum; }
+        }
+        @compute @workgroup_size(1) fn main() { out[0] = chosen(out[1]); }
+        @compute @workgroup_size(1) fn other() { out[1] = with_b(0u); }
+    ";
+
+    fn names(constants: &[(&str, f64)], entry: Option<&str>) -> Vec<String> {
+        let module = wgsl::parse_str(TEXT).expect("parses");
+        let validate = |module: &Module| {
+            Validator::new(ValidationFlags::all(), Capabilities::empty())
+                .validate(module)
+                .expect("is valid")
+        };
+        let info = validate(&module);
+        let special = specialized(&module, &info, entry, constants).expect("specializes");
+        validate(&special);
+        assert!(special.overrides.is_empty());
+        let functions = special.functions.iter().filter_map(|(_, f)| f.name.clone());
+        let globals = special.global_variables.iter();
+        functions
+            .chain(globals.filter_map(|(_, g)| g.name.clone()))
+            .collect()
+    }
+
+    #[test]
+    fn what_constants_leave_out_is_gone() {
+        let main = Some("main");
+        let found = names(&[], main);
+        assert_eq!(found, ["with_a", "chosen", "out", "of_a"]);
+        let found = names(&[("A", 0.0)], main);
+        assert_eq!(found, ["chosen", "out"]);
+        let found = names(&[("B", 1.0)], main);
+        let all = ["with_a", "with_b", "chosen", "out", "of_a", "of_b"];
+        assert_eq!(found, all);
+    }
+
+    #[test]
+    fn other_entry_points_stay_where_none_is_chosen() {
+        let found = names(&[("A", 0.0)], None);
+        assert_eq!(found, ["with_b", "chosen", "out", "of_b"]);
+    }
+
+    #[test]
+    fn names_of_no_override_are_refused() {
+        let module = wgsl::parse_str(TEXT).expect("parses");
+        let info = Validator::new(ValidationFlags::all(), Capabilities::empty())
+            .validate(&module)
+            .expect("is valid");
+        assert!(specialized(&module, &info, None, &[("C", 1.0)]).is_err());
+    }
+}
