@@ -102,10 +102,10 @@
 //!   them before an upload, and every later call that the world is the uploaded one, posed anew.
 //! - Every ray has one budget of nodes that it may visit (`shaders/lib/bvh.wgsl`); one that needs more is a
 //!   miss, counted in the frame's statistics.
-//! - `unsafe` stands in four places, each with its reason: `src/main.rs` sets an environment variable
+//! - `unsafe` stands in five places, each with its reason: `src/main.rs` sets an environment variable
 //!   before any thread exists, `src/gpu/pipeline.rs` turns off run-time checks of a built-in shader,
-//!   `src/world/usd/tool.rs` has the converter end with its parent, and `src/app/denoise.rs` calls a C library
-//!   that it loads at run time.
+//!   `src/scene/script/thread_time.rs` reads a clock that the standard library lacks, `src/world/usd/tool.rs`
+//!   has the converter end with its parent, and `src/app/denoise.rs` calls a C library that it loads at run time.
 //! - Nothing goes in circles: the modules of one parent can be read in some order (`tests/layers`).
 //! - Numbers that Rust and the shaders share are written once, in Rust, and generated into
 //!   `lib/constants.wgsl`.
