@@ -89,8 +89,12 @@ fn mesh_lights_of_a_file_light_up_to_their_number() {
     let indices = doc.accessor("SCALAR", 5125, many, &indices);
     doc.primitive("indices", indices.into());
     assert_eq!(lights(&doc), (false, vec!["emitters-too-many"]));
-    // What emits nothing does not.
+    // Neither does what says otherwise, nor what emits nothing.
     let mut doc = stone();
+    for not in [json!(false), json!(null), json!(1)] {
+        doc.json["materials"][0]["extras"] = json!({ "mesh_light": not });
+        assert_eq!(lights(&doc), (false, vec![]));
+    }
     doc.json["materials"][0]["extras"] = json!({"mesh_light": {}});
     doc.json["materials"][0]["emissiveFactor"] = json!([0, 0, 0]);
     assert_eq!(lights(&doc), (false, vec![]));
