@@ -60,24 +60,23 @@ impl Names {
             });
             found.collect()
         };
-        for (name, index) in &self.cameras {
-            for (number, own) in inside(name) {
-                all[number].cameras.insert(own, *index);
-            }
-        }
-        for (name, index) in &self.instances {
-            for (number, own) in inside(name) {
-                all[number].instances.insert(own, *index);
-            }
-        }
-        for (name, index) in &self.lights {
-            for (number, own) in inside(name) {
-                all[number].lights.insert(own, *index);
-            }
-        }
-        for (name, index) in &self.materials {
-            for (number, own) in inside(name) {
-                all[number].materials.insert(own, *index);
+        let kinds: [fn(&mut Self) -> &mut HashMap<String, usize>; 4] = [
+            |names| &mut names.cameras,
+            |names| &mut names.instances,
+            |names| &mut names.lights,
+            |names| &mut names.materials,
+        ];
+        let named = [
+            &self.cameras,
+            &self.instances,
+            &self.lights,
+            &self.materials,
+        ];
+        for (named, of_kind) in named.into_iter().zip(kinds) {
+            for (name, index) in named {
+                for (number, own) in inside(name) {
+                    of_kind(&mut all[number]).insert(own, *index);
+                }
             }
         }
         for ((model, material), index) in &self.file_materials {
