@@ -13,7 +13,7 @@ use std::{
 use xxhash_rust::xxh3::Xxh3Default;
 
 use super::{args::RenderArgs, error::AppError, render_session::RenderSession};
-use crate::scene::desc::SceneDesc;
+use crate::{render::RenderOptions, scene::desc::SceneDesc};
 
 /// Hash of the program's source and shaders, from `build.rs`.
 const BUILT_FROM: &str = env!("REFLET_BUILT_FROM");
@@ -66,7 +66,11 @@ pub fn of_run(args: &RenderArgs, session: &RenderSession) -> Result<u128, AppErr
         }
     }
     // Decided, where the scene leaves a choice.
-    add(format!("{:?}", session.scene.options()).as_bytes());
+    let options = RenderOptions {
+        audit: false, // it looks at the picture
+        ..*session.scene.options()
+    };
+    add(format!("{options:?}").as_bytes());
     let gpu = &session.scene.gpu;
     add(gpu.adapter_info.name.as_bytes());
     add(gpu.adapter_info.driver_info.as_bytes());

@@ -2,7 +2,7 @@
 //! encoding and writing overlap with later frames.
 
 use std::{
-    path::Path,
+    path::{Path, PathBuf},
     sync::{Mutex, PoisonError},
     thread,
     time::Instant,
@@ -149,13 +149,7 @@ pub fn render(
     let mut progress = Progress::new(frames.0.len(), args.progress);
     let target = target(args, &session, frames)?;
     let planes: Vec<_> = session.aovs.iter().map(|aov| aov.name()).collect();
-    sweep(&match &target {
-        Target::Film(_) => vec![args.output.clone()],
-        Target::Files { output, names } => {
-            let files = names.iter().cloned().map(|name| output.renamed(name));
-            files.flat_map(|file| file.files(&planes)).collect()
-        }
-    });
+    sweep(&files_of(&target, args, &planes));
     let mut wanted = Vec::new();
     for (index, frame) in frames.0.iter().enumerate() {
         let mark = fingerprint::of_frame(run, *frame);
@@ -219,16 +213,23 @@ pub fn render(
         let film = film.map_err(|_| AppError::Internal("the encoder has failed".to_owned()))?;
         eprintln!("wrote {}", film.finish()?.display());
     }
-    match last {
-        Some(last) => {
-            let first_picture_ms = command.elapsed().as_secs_f64() * 1e3;
-            let context = ReportContext {
-                load_ms,
-                first_picture_ms,
-            };
-            stats::print(args, &mut session, last, context)
+    let context = ReportContext {
+        load_ms,
+        first_picture_ms: command.elapsed().as_secs_f64() * 1e3,
+    };
+    last.map_or(Ok(()), |last| {
+        stats::print(args, &mut session, last, context)
+    })
+}
+
+/// The files that are to be written, with those of AOVs.
+fn files_of(target: &Target, args: &RenderArgs, planes: &[&str]) -> Vec<PathBuf> {
+    match target {
+        Target::Film(_) => vec![args.output.clone()],
+        Target::Files { output, names } => {
+            let files = names.iter().cloned().map(|name| output.renamed(name));
+            files.flat_map(|file| file.files(planes)).collect()
         }
-        None => Ok(()),
     }
 }
 

@@ -60,22 +60,16 @@ impl Names {
             });
             found.collect()
         };
-        let kinds: [fn(&mut Self) -> &mut HashMap<String, usize>; 4] = [
-            |names| &mut names.cameras,
-            |names| &mut names.instances,
-            |names| &mut names.lights,
-            |names| &mut names.materials,
-        ];
-        let named = [
+        let kinds = [
             &self.cameras,
             &self.instances,
             &self.lights,
             &self.materials,
         ];
-        for (named, of_kind) in named.into_iter().zip(kinds) {
+        for (kind, named) in kinds.into_iter().enumerate() {
             for (name, index) in named {
                 for (number, own) in inside(name) {
-                    of_kind(&mut all[number]).insert(own, *index);
+                    all[number].kinds()[kind].insert(own, *index);
                 }
             }
         }
@@ -86,6 +80,16 @@ impl Names {
             }
         }
         all.into_iter().map(Arc::new).collect()
+    }
+
+    /// What has one name each.
+    fn kinds(&mut self) -> [&mut HashMap<String, usize>; 4] {
+        [
+            &mut self.cameras,
+            &mut self.instances,
+            &mut self.lights,
+            &mut self.materials,
+        ]
     }
 
     /// Of a scene.

@@ -42,9 +42,11 @@ pub fn name_as_written(groups: &[PlacedGroup], placed: &Placed, report: &mut Rep
         let Some(group) = named.max_by_key(|group| group.name.len()) else {
             return true;
         };
-        let written = |text: &str| text.replace(&start(group), "\"");
-        message.message = written(&message.message);
-        message.help = message.help.as_deref().map(written);
+        let start = start(group);
+        message.message = message.message.replace(&start, "\"");
+        if let Some(help) = &mut message.help {
+            *help = help.replace(&start, "\"");
+        }
         let place = format!("of {}, which is placed here", suggest::text(&group.name));
         let alike =
             |other: &Diagnostic| other.span == message.span && other.message == message.message;
