@@ -6,6 +6,7 @@ pub mod api;
 mod bounded_functions;
 mod call_limits;
 mod catch_values;
+mod compile;
 mod context;
 mod dedup;
 mod ended;
@@ -33,6 +34,7 @@ use rhai::{AST, CallFnOptions, Dynamic, Engine, EvalAltResult, Scope};
 
 use self::{
     call_limits::run_limited,
+    compile::compile,
     context::{Call, Context},
     ended::{Ended, is_limit},
     error::Known,
@@ -104,7 +106,7 @@ impl Script {
 
     fn compile(sources: Arc<Sources>, name: String, text: &str) -> Result<Self, Box<Diagnostic>> {
         let engine = engine::engine(&sources);
-        let mut ast = run_limited(Bounds::CALL, || limited_parser::compile(&engine, text))
+        let mut ast = run_limited(Bounds::CALL, || compile(&engine, text))
             .result
             .map_err(|wrong| {
                 Box::new(error::syntax(

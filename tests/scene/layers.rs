@@ -116,7 +116,7 @@ environment = { color = [1, 0.5, 0] }
 light.sun.intensity_lux = 0.5
 ";
 
-fn over_base(name: &str, shot: &str) -> Folder {
+pub fn over_base(name: &str, shot: &str) -> Folder {
     let shot = format!("version = 1\nbase = \"base.toml\"\n{shot}");
     Folder::new(
         name,
@@ -242,10 +242,6 @@ fn what_is_removed_is_gone() {
         ("remove = \"instance.9\"\n", &["there are \"a\", \"b\""]),
         ("remove = \"a..b\"\n", &["is not a path of names"]),
         ("remove = [3]\n", &["`remove` must be text in quotes"]),
-        (
-            "script = \"own.rhai\"\nremove = \"group.row\"\n",
-            &["what a script makes it can leave out by a parameter"],
-        ),
         // What refers to it says so, in its own file.
         (
             "remove = \"material.red\"\n",
@@ -262,33 +258,6 @@ fn what_is_removed_is_gone() {
         &[],
         &["there is no base of which something could be removed"],
     );
-}
-
-#[test]
-fn variants_that_remove_and_change_the_same_thing_are_named() {
-    let folder = over_base(
-        "disputed",
-        "[variant.dim.light.lamp]\nintensity_cd = 1\n[variant.whole]\nlight.lamp = { kind = \"point\", \
-         position = [0, 1, 0], intensity_cd = 2 }\n[variant.alone]\nremove = \"light.lamp\"\n\
-         light.lamp.intensity_cd = 1\n",
-    );
-    folder.assert_says(
-        &["dusk", "dim"],
-        &[
-            "variant \"dusk\" removes `light.lamp`, of which variant \"dim\" changes keys",
-            "scene.toml:3:1",
-            "choose \"dim\" before \"dusk\"",
-            "base.toml:29:11",
-        ],
-    );
-    folder.assert_says(
-        &["alone"],
-        &["`kind` is missing in `[light.lamp]`", "is removed here"],
-    );
-    for chosen in [["dim", "dusk"], ["dusk", "whole"]] {
-        let read = folder.read(&chosen, &[]);
-        assert!(read.is_ok(), "{chosen:?}: {read:?}");
-    }
 }
 
 #[test]

@@ -1,12 +1,9 @@
 //! Reading a script within the limits of a call. Rhai's parser knows none, and some lists take it a
 //! time that grows with their square; each token is a chance to end it.
 
-use rhai::{AST, Engine, LexError, OptimizationLevel, ParseError, ParseErrorType, Token};
+use rhai::{Engine, LexError, OptimizationLevel, Token};
 
-use super::{
-    call_limits::{met, progress},
-    catch_values::Caught,
-};
+use super::{call_limits::progress, catch_values::Caught};
 
 /// Puts the limits into an engine, which tells `caught` each token.
 pub fn register(engine: &mut Engine, caught: &Caught) {
@@ -24,20 +21,6 @@ pub fn register(engine: &mut Engine, caught: &Caught) {
             token
         }
     });
-}
-
-/// Compiles a text. Where a limit was met, Rhai may say that something else was expected there.
-///
-/// # Errors
-/// A mistake of the text, or the limit.
-pub fn compile(engine: &Engine, text: &str) -> Result<AST, ParseError> {
-    engine.compile(text).map_err(|wrong| match met() {
-        Some(why) => {
-            let limit = ParseErrorType::BadInput(LexError::Runtime(why));
-            ParseError(limit.into(), wrong.position())
-        }
-        None => wrong,
-    })
 }
 
 fn wrong_with(token: &Token) -> Option<LexError> {

@@ -6,7 +6,7 @@ use std::{
     sync::Arc,
 };
 
-use glam::{Vec2, Vec4};
+use glam::Vec2;
 use rayon::prelude::*;
 
 use super::tangent;
@@ -60,12 +60,6 @@ pub fn run(world: &mut World, needs: &[Needs]) -> Result<(), Vec<Diagnostic>> {
         .zip(needs)
         .flat_map_iter(|(mesh, need)| {
             let before = mesh.bytes();
-            // A tangent at each corner is made first.
-            let corners = (size_of::<[Vec4; 3]>() * mesh.triangles.len()) as u64;
-            let is_made = need.tangents_from.is_some() && mesh.tangents.is_empty();
-            if is_made && corners > memory.left() {
-                return vec![short(mesh)];
-            }
             let mut messages = finish(mesh, need);
             if !memory.take(mesh.bytes().saturating_sub(before)) {
                 messages.push(short(mesh));
