@@ -104,8 +104,8 @@
 //!   miss, counted in the frame's statistics.
 //! - `unsafe` stands in five places, each with its reason: `src/main.rs` sets an environment variable
 //!   before any thread exists, `src/gpu/pipeline.rs` turns off run-time checks of a built-in shader,
-//!   `src/world/usd/tool.rs` has the converter end with its parent, `src/render/processor_time.rs` reads a clock
-//!   of the system, and `src/app/denoise.rs` calls a C library that it loads at run time.
+//!   `src/processor_time.rs` reads clocks that the standard library lacks, `src/world/usd/tool.rs` has the converter
+//!   end with its parent, and `src/app/denoise.rs` calls a C library that it loads at run time.
 //! - Nothing goes in circles: the modules of one parent can be read in some order (`tests/layers`).
 //! - Numbers that Rust and the shaders share are written once, in Rust, and generated into
 //!   `lib/constants.wgsl`.
@@ -125,6 +125,7 @@ pub mod files;
 pub mod gpu;
 pub mod math;
 pub mod memory;
+mod processor_time;
 pub mod render;
 pub mod scene;
 pub mod session;

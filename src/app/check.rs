@@ -91,27 +91,37 @@ fn check_source(
     source: SourceText,
     from: &SceneArgs,
 ) -> Result<(Vec<Diagnostic>, String), Vec<Diagnostic>> {
-    let Checked {
-        mut messages,
-        mut summary,
-        variants,
-    } = check_variant(source, from)?;
+    let whole = check_variant(source, from);
+    let mut failed = whole.is_err();
+    let (mut messages, mut summary, variants) = match whole {
+        Ok(Checked {
+            messages,
+            summary,
+            variants,
+        }) => (messages, summary, variants),
+        // A script that met a limit would do so in each of them.
+        Err(messages) if messages.iter().any(|d| d.name == "script-limit") => return Err(messages),
+        Err(messages) => {
+            let names = text_of(source, from).map(|text| text.variants());
+            (messages, String::new(), names.unwrap_or_default())
+        }
+    };
     for variant in variants.iter().filter(|_| from.variant.is_empty()) {
         let from = SceneArgs {
             variant: vec![variant.clone()],
             ..from.clone()
         };
         let checked = check_variant(source, &from);
-        let failed = checked.is_err();
+        failed |= checked.is_err();
         let found = checked.map_or_else(|errors| errors, |checked| checked.messages);
         let new: Vec<_> = found
             .into_iter()
             .filter(|d| !messages.contains(d))
             .collect();
         messages.extend(new);
-        if failed {
-            return Err(messages);
-        }
+    }
+    if failed {
+        return Err(messages);
     }
     match variants.len() {
         _ if !from.variant.is_empty() => {}
@@ -135,13 +145,16 @@ struct Checked {
     variants: Vec<String>,
 }
 
-fn check_variant((path, text): SourceText, from: &SceneArgs) -> Result<Checked, Vec<Diagnostic>> {
-    let text = match text {
-        Some(text) => SceneText::new(text, path, &from.options()),
-        None => SceneText::read(Some(path), &from.options())?,
-    };
-    let name = path.display().to_string();
-    let opened = text.open(&[], &Dependencies::default())?;
+fn text_of((path, text): SourceText, from: &SceneArgs) -> Result<SceneText, Vec<Diagnostic>> {
+    match text {
+        Some(text) => Ok(SceneText::new(text, path, &from.options())),
+        None => SceneText::read(Some(path), &from.options()),
+    }
+}
+
+fn check_variant(source: SourceText, from: &SceneArgs) -> Result<Checked, Vec<Diagnostic>> {
+    let name = source.0.display().to_string();
+    let opened = text_of(source, from)?.open(&[], &Dependencies::default())?;
     for line in opened.scene.scripts().flat_map(|s| &s.setup_log) {
         eprintln!("{line}");
     }

@@ -18,7 +18,10 @@ use super::{
     output::{picture_file::PictureFile, video::Film},
     progress::Progress,
 };
-use crate::{gpu::Gpu, render::PendingPicture};
+use crate::{
+    gpu::Gpu,
+    render::{PendingPicture, stats::FrameStats},
+};
 
 /// Queue length between renderer and encoders; absorbs short stalls of either.
 const QUEUE_LENGTH: usize = 2;
@@ -68,6 +71,8 @@ pub struct Encoders<'a> {
     full: Mutex<Option<String>>,
     /// Frames written by this run.
     written: Mutex<HashSet<u32>>,
+    /// Statistics of the last of them.
+    last: Mutex<Option<FrameStats>>,
 }
 
 /// Result of the run.
@@ -80,6 +85,8 @@ pub struct Outcome {
     pub failures: Failures,
     /// Error of a full disk; nothing was written after it.
     pub full: Option<String>,
+    /// Statistics of the frame that was written last.
+    pub last: Option<FrameStats>,
 }
 
 impl<'a> Encoders<'a> {
@@ -98,6 +105,7 @@ impl<'a> Encoders<'a> {
             failures: Mutex::default(),
             full: Mutex::default(),
             written: Mutex::default(),
+            last: Mutex::default(),
         }
     }
 
@@ -147,6 +155,7 @@ impl<'a> Encoders<'a> {
             written: inner(self.written),
             failures: inner(self.failures),
             full: inner(self.full),
+            last: inner(self.last),
         }
     }
 
@@ -187,19 +196,21 @@ impl<'a> Encoders<'a> {
         if let Some(denoiser) = &self.denoiser {
             denoiser.apply(&mut picture)?;
         }
-        match self.target {
+        let written = match self.target {
             Target::Film(film) => {
                 let mut film = lock(film);
                 film.add(&picture.display)?;
-                Ok(("added to", film.path().to_owned()))
+                ("added to", film.path().to_owned())
             }
             Target::Files { output, names } => {
                 let name = names[rendered.index].clone();
                 let own = output.renamed(name.clone());
                 own.write_marked(&picture, Some(&rendered.mark))?;
-                Ok(("wrote", name))
+                ("wrote", name)
             }
-        }
+        };
+        lock(&self.last).replace(picture.stats);
+        Ok(written)
     }
 }
 

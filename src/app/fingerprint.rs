@@ -3,11 +3,17 @@
 
 #[cfg(unix)]
 use std::time::Duration;
-use std::{fs, io, path::Path, time::SystemTime};
+use std::{
+    collections::HashMap,
+    fs, io,
+    path::{Path, PathBuf},
+    time::SystemTime,
+};
 
 use xxhash_rust::xxh3::Xxh3Default;
 
 use super::{args::RenderArgs, error::AppError, render_session::RenderSession};
+use crate::{render::RenderOptions, scene::desc::SceneDesc};
 
 /// Hash of the program's source and shaders, from `build.rs`.
 const BUILT_FROM: &str = env!("REFLET_BUILT_FROM");
@@ -42,8 +48,12 @@ pub fn of_run(args: &RenderArgs, session: &RenderSession) -> Result<u128, AppErr
         add(name.as_encoded_bytes());
         add(text.as_bytes());
     }
+    let texts = known_texts(&loaded.scene);
     for file in &loaded.world.files {
-        add(&read(file)?);
+        match texts.get(file.as_path()) {
+            Some(text) => add(text.as_bytes()),
+            None => add(&read(file)?),
+        }
     }
     add(args.camera.as_deref().unwrap_or_default().as_bytes());
     add(&[u8::from(args.denoise)]);
@@ -56,11 +66,26 @@ pub fn of_run(args: &RenderArgs, session: &RenderSession) -> Result<u128, AppErr
         }
     }
     // Decided, where the scene leaves a choice.
-    add(format!("{:?}", session.scene.options()).as_bytes());
+    let options = RenderOptions {
+        audit: false, // it looks at the picture
+        ..*session.scene.options()
+    };
+    add(format!("{options:?}").as_bytes());
     let gpu = &session.scene.gpu;
     add(gpu.adapter_info.name.as_bytes());
     add(gpu.adapter_info.driver_info.as_bytes());
     Ok(hash.digest128())
+}
+
+/// Contents of files as they were read, so that a later save of them does not matter.
+fn known_texts(scene: &SceneDesc) -> HashMap<&Path, &str> {
+    let included = scene.includes.iter();
+    let included = included.map(|file| (file.path.as_path(), file.text.as_str()));
+    let scripts = scene.scripts().flat_map(|script| {
+        let texts = script.texts.iter().map(|(_, text)| text.as_str());
+        script.files.iter().map(PathBuf::as_path).zip(texts)
+    });
+    included.chain(scripts).collect()
 }
 
 /// Refuses a file modified since then: the loaded content may be outdated.
@@ -113,6 +138,33 @@ fn shader_files(folder: &Path) -> Vec<std::path::PathBuf> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::stages::Scene;
+
+    #[test]
+    fn texts_count_as_they_were_read() {
+        let name = format!("reflet-read-{}", std::process::id());
+        let folder = std::env::temp_dir().join(name);
+        fs::create_dir_all(&folder).expect("writable");
+        let folder = folder.canonicalize().expect("there");
+        let files = [
+            ("a.toml", "[material.a]\n"),
+            ("b.rhai", "fn frame(ctx) { }\n"),
+        ];
+        for (file, text) in files {
+            fs::write(folder.join(file), text).expect("writable");
+        }
+        let text = "version = 1\ninclude = \"a.toml\"\nscript = \"b.rhai\"\ntimeline.end = 1\n";
+        let scene = Scene::from_text(text, &folder.join("scene.toml"), &[]);
+        let scene = scene.expect("it is right").0;
+        for (file, _) in files {
+            fs::write(folder.join(file), "saved meanwhile").expect("writable");
+        }
+        let known = known_texts(&scene);
+        for (file, text) in files {
+            assert_eq!(known.get(folder.join(file).as_path()), Some(&text));
+        }
+        fs::remove_dir_all(&folder).expect("clean up");
+    }
 
     #[test]
     fn refuses_a_file_saved_after_loading() {

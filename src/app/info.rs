@@ -1,6 +1,6 @@
 //! `info`: contents of a scene as counts, meters and bytes.
 
-use std::fmt::Write as _;
+use std::{collections::BTreeMap, fmt::Write as _};
 
 use serde::Serialize;
 
@@ -16,7 +16,7 @@ use crate::{
         textures::Layers,
         types::GpuVertex,
     },
-    scene::desc::{Entry, LightKind, SceneDesc},
+    scene::desc::{Entry, LightKind, ParamValue, SceneDesc},
     session::scene_text::LoadedScene,
     world::{ListedVariants, Mesh, World, animation::Listed, bvh::Trees},
 };
@@ -60,6 +60,8 @@ pub struct Info {
     pub moves: Vec<String>,
     /// Parameters of the script, as scene text.
     pub params: Vec<String>,
+    /// Those of placed scenes, with the values that they have there, by the names of their groups.
+    pub placed_params: BTreeMap<String, Vec<String>>,
     /// Smallest and largest corner of the static bounds, meters; `None` for an empty scene.
     pub bounds_m: Option<[[f32; 3]; 2]>,
     /// U, meters.
@@ -194,8 +196,9 @@ pub fn gather(loaded: &LoadedScene, plan_file: Option<&PlanFile>) -> Result<Info
             })
             .collect(),
         moves: moves(&loaded.scene),
-        params: (loaded.scene.params.iter())
-            .map(|param| setting(&param.name, &param.value))
+        params: settings(&loaded.scene.params),
+        placed_params: (loaded.scene.placed_params.iter())
+            .map(|(group, params)| (group.clone(), settings(params)))
             .collect(),
         bounds_m: (!bounds.is_empty()).then(|| [bounds.min.to_array(), bounds.max.to_array()]),
         unit_m,
@@ -218,6 +221,11 @@ pub fn gather(loaded: &LoadedScene, plan_file: Option<&PlanFile>) -> Result<Info
             .map(|f| f.display().to_string())
             .collect(),
     })
+}
+
+fn settings(params: &[Entry<ParamValue>]) -> Vec<String> {
+    let params = params.iter();
+    params.map(|p| setting(&p.name, &p.value)).collect()
 }
 
 fn decide_by(
@@ -307,6 +315,9 @@ fn table(info: &Info) -> String {
     }
     for param in &info.params {
         line("param", param.clone());
+    }
+    for (group, params) in &info.placed_params {
+        line("param", format!("of \"{group}\": {}", params.join(", ")));
     }
     let corner = |[x, y, z]: [f32; 3]| format!("({x:.3}, {y:.3}, {z:.3})");
     let bounds = info.bounds_m.map_or("nothing".to_owned(), |[min, max]| {

@@ -6,15 +6,14 @@ use std::{
 };
 
 use super::{
-    args::{RenderArgs, StatsForm},
+    args::RenderArgs,
     cameras,
     error::AppError,
     output::picture_file::PictureFile,
-    print_json, print_out,
     render_session::RenderSession,
     scene::load_scene,
     sequence, shaders,
-    stats::{Report, ReportContext},
+    stats::{self, ReportContext},
 };
 use crate::{
     files::sweep,
@@ -51,7 +50,7 @@ pub fn render(args: &RenderArgs) -> Result<(), AppError> {
             let frames = sequence::choose(&args, loaded.scene.timeline.as_ref())?;
             sequence::check_output(&args, &frames)?;
             let session = RenderSession::new(&args, loaded, camera, aovs, &library, opened)?;
-            sequence::render(&args, session, &frames)
+            sequence::render(&args, session, &frames, (load_ms, started))
         } else {
             let output = PictureFile::new(&args.output)?;
             output.check_beside(&aovs)?;
@@ -118,20 +117,7 @@ fn picture(
     for path in output.write(&picture)? {
         eprintln!("wrote {}", path.display());
     }
-    let mut report = Report::new(&session.scene.gpu, picture.stats, context);
-    if args.counters {
-        report.counts = Some(
-            session
-                .scene
-                .counts()
-                .map_err(|error| AppError::from_render(error, session.own_shaders))?,
-        );
-    }
-    match args.stats {
-        Some(StatsForm::Text) => print_out(&report.table()),
-        Some(StatsForm::Json) => print_json(&report),
-        None => Ok(()),
-    }
+    stats::print(args, &mut session, picture.stats, context)
 }
 
 /// A model without anything to show would be an empty picture.

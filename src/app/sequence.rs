@@ -2,7 +2,7 @@
 //! encoding and writing overlap with later frames.
 
 use std::{
-    path::Path,
+    path::{Path, PathBuf},
     sync::{Mutex, PoisonError},
     thread,
     time::Instant,
@@ -19,6 +19,7 @@ use super::{
     progress::Progress,
     render_session::RenderSession,
     shutdown,
+    stats::{self, ReportContext},
 };
 use crate::{
     files::{folder_of, sweep},
@@ -73,11 +74,11 @@ pub fn choose(args: &RenderArgs, timeline: Option<&TimelineDesc>) -> Result<Fram
             "--aov does not apply to a film; write frames".to_owned(),
         ));
     }
-    if args.stats.is_some() {
-        return Err(AppError::Usage(
-            "--stats applies to a single picture; leave --frames out, or render one frame without it"
-                .to_owned(),
-        ));
+    if args.stats.is_some() && (frames.0.len() != 1 || args.resume) {
+        let first = frames.0.first().unwrap_or(&timeline.start);
+        return Err(AppError::Usage(format!(
+            "--stats applies to one frame that is rendered; write --frames {first}, without --resume"
+        )));
     }
     let has_number = in_one_file || Template::new(&args.output)?.is_some();
     if !has_number && frames.0.len() > 1 {
@@ -133,7 +134,7 @@ fn create_last_folder(path: &Path) -> Result<(), AppError> {
     Ok(())
 }
 
-/// Renders the frames.
+/// Renders the frames; `load_ms` and the start of the command are for statistics.
 ///
 /// # Errors
 /// [`AppError::Frames`] with the failed frames; all others are written. [`AppError::Unwritten`] for
@@ -142,18 +143,13 @@ pub fn render(
     args: &RenderArgs,
     mut session: RenderSession,
     frames: &FrameList,
+    (load_ms, command): (f64, Instant),
 ) -> Result<(), AppError> {
     let run = fingerprint::of_run(args, &session)?;
     let mut progress = Progress::new(frames.0.len(), args.progress);
     let target = target(args, &session, frames)?;
     let planes: Vec<_> = session.aovs.iter().map(|aov| aov.name()).collect();
-    sweep(&match &target {
-        Target::Film(_) => vec![args.output.clone()],
-        Target::Files { output, names } => {
-            let files = names.iter().cloned().map(|name| output.renamed(name));
-            files.flat_map(|file| file.files(&planes)).collect()
-        }
-    });
+    sweep(&files_of(&target, args, &planes));
     let mut wanted = Vec::new();
     for (index, frame) in frames.0.iter().enumerate() {
         let mark = fingerprint::of_frame(run, *frame);
@@ -209,14 +205,32 @@ pub fn render(
         }
         failures
     });
-    let outcome = encoders.finish();
+    let mut outcome = encoders.finish();
+    let last = outcome.last.take();
     check_outcome(outcome, &target, failures, asked, frames.0.len())?;
     if let Target::Film(film) = target {
         let film = film.into_inner();
         let film = film.map_err(|_| AppError::Internal("the encoder has failed".to_owned()))?;
         eprintln!("wrote {}", film.finish()?.display());
     }
-    Ok(())
+    let context = ReportContext {
+        load_ms,
+        first_picture_ms: command.elapsed().as_secs_f64() * 1e3,
+    };
+    last.map_or(Ok(()), |last| {
+        stats::print(args, &mut session, last, context)
+    })
+}
+
+/// The files that are to be written, with those of AOVs.
+fn files_of(target: &Target, args: &RenderArgs, planes: &[&str]) -> Vec<PathBuf> {
+    match target {
+        Target::Film(_) => vec![args.output.clone()],
+        Target::Files { output, names } => {
+            let files = names.iter().cloned().map(|name| output.renamed(name));
+            files.flat_map(|file| file.files(planes)).collect()
+        }
+    }
 }
 
 /// Checks that every frame was written; `failures` could not be rendered, `asked` were requested,

@@ -4,6 +4,12 @@ use std::fmt::Write as _;
 
 use serde::Serialize;
 
+use super::{
+    args::{RenderArgs, StatsForm},
+    error::AppError,
+    print_json, print_out,
+    render_session::RenderSession,
+};
 use crate::{
     gpu::Gpu,
     memory::peak_resident_bytes,
@@ -49,6 +55,31 @@ pub struct ReportContext {
     pub load_ms: f64,
     /// See [`Report::first_picture_ms`].
     pub first_picture_ms: f64,
+}
+
+/// Prints the statistics of the frame that a session has rendered last, if that is asked for.
+///
+/// # Errors
+/// The frame that `--counters` asks for cannot be rendered.
+pub fn print(
+    args: &RenderArgs,
+    session: &mut RenderSession,
+    frame: FrameStats,
+    context: ReportContext,
+) -> Result<(), AppError> {
+    let Some(form) = args.stats else {
+        return Ok(());
+    };
+    let mut report = Report::new(&session.scene.gpu, frame, context);
+    if args.counters {
+        let counts = session.scene.counts();
+        let explain = |error| AppError::from_render(error, session.own_shaders);
+        report.counts = Some(counts.map_err(explain)?);
+    }
+    match form {
+        StatsForm::Text => print_out(&report.table()),
+        StatsForm::Json => print_json(&report),
+    }
 }
 
 impl Report {

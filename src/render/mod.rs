@@ -31,7 +31,6 @@ pub mod picture;
 pub mod plan;
 pub mod precision;
 pub mod probe;
-pub(crate) mod processor_time;
 pub mod ray_list;
 pub mod rebuild_summary;
 mod recorder;

@@ -3,9 +3,12 @@
 
 use std::time::Instant;
 
-use crate::gpu::{Gpu, GpuError, Timer, timer::sum_by_name};
+use crate::{
+    gpu::{Gpu, GpuError, Timer, timer::sum_by_name},
+    processor_time,
+};
 
-use super::{processor_time::processor_ms, shared_groups::SharedGroups};
+use super::shared_groups::SharedGroups;
 
 /// Whether passes are timed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,7 +24,7 @@ pub enum Timing {
 pub struct PassTimes {
     /// GPU time, or wall time of passes that were waited for.
     pub passes_ms: Vec<(String, f64)>,
-    /// Processor time of waited passes on Linux; empty elsewhere.
+    /// Processor time of waited passes; empty where the system does not tell.
     pub processor_ms: Vec<(String, f64)>,
 }
 
@@ -101,14 +104,14 @@ impl<'a> Recorder<'a> {
 
     fn wait(&mut self, name: &str) -> Result<(), GpuError> {
         let recorded = std::mem::replace(&mut self.encoder, encoder(self.gpu));
-        let (started, before_ms) = (Instant::now(), processor_ms());
+        let (started, before) = (Instant::now(), processor_time::of_process());
         self.gpu.submit(recorded)?;
         self.gpu.wait()?;
         let ms = started.elapsed().as_secs_f64() * 1e3;
         if let Some(waited) = &mut self.waited {
             waited.passes_ms.push((name.to_owned(), ms));
-            if let Some((before, after)) = before_ms.zip(processor_ms()) {
-                let own_ms = (after - before).max(0.0);
+            if let Some((before, after)) = before.zip(processor_time::of_process()) {
+                let own_ms = after.saturating_sub(before).as_secs_f64() * 1e3;
                 waited.processor_ms.push((name.to_owned(), own_ms));
             }
         }

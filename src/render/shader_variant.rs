@@ -21,8 +21,8 @@ pub struct ShaderVariant {
     pub panorama: bool,
     /// Some surface lets light through or has a clear coat; then there are samples.
     pub layers: bool,
-    /// Some surface has what the G-buffer has no bits for: a sheen, or a specular lobe with a color or strength of
-    /// its own.
+    /// Some surface has what the G-buffer has no bits for: a sheen, a clear coat with a normal map of its own, or a
+    /// specular lobe with a color or strength of its own.
     pub details: bool,
     /// Some surface has a sheen; then there are details.
     pub sheen: bool,

@@ -18,7 +18,7 @@ mod script;
 mod stage;
 mod track;
 
-use std::path::PathBuf;
+use std::{collections::HashSet, path::PathBuf};
 
 use glam::{Mat4, Quat, Vec3};
 
@@ -122,6 +122,10 @@ pub struct SceneDesc {
     pub script: Option<ScriptDesc>,
     /// Scripts of placed scenes, each file once.
     pub placed_scripts: Vec<ScriptDesc>,
+    /// Parameters of placed scenes, with the values that they have there, by the groups that stand for them.
+    pub placed_params: Vec<(String, Vec<Entry<ParamValue>>)>,
+    /// Names of the cameras that came along with placed scenes.
+    pub placed_cameras: HashSet<String>,
 }
 
 /// `[model.NAME]`: exactly one of `file` and `shape`.

@@ -12,6 +12,7 @@ mod include;
 mod key_recorder;
 mod layers;
 mod names;
+mod near_names;
 mod overlay;
 mod params;
 mod placed;
@@ -27,7 +28,7 @@ use std::path::{Path, PathBuf};
 
 pub use self::document::{Document, Texts};
 pub use self::key_recorder::{Form, KeyRecord, RecordedKeys, Rule, SectionRecord, VariantRecord};
-pub use self::placed::{PlacedScript, RanScript, Run, ScriptInput};
+pub use self::placed::{PlacedGroup, RanScript, Run, ScriptInput};
 use self::table::Table;
 use crate::files::{open_regular, read_at_most};
 
@@ -114,6 +115,12 @@ pub fn read(path: &Path) -> Result<String, Vec<Diagnostic>> {
 pub fn params(text: &str, path: &Path, options: &ReadOptions) -> Option<Vec<Entry<ParamValue>>> {
     let texts = Texts::collect(text, path, options, &Dependencies::default());
     Document::new(&texts, None).params()
+}
+
+/// The names of a text's variants, also where it has mistakes.
+pub fn variants(text: &str, path: &Path, options: &ReadOptions) -> Vec<String> {
+    let texts = Texts::collect(text, path, options, &Dependencies::default());
+    Document::new(&texts, None).variants()
 }
 
 /// Every table and key that the readers ask for, the whole file first.

@@ -6,6 +6,7 @@ pub mod api;
 mod bounded_functions;
 mod call_limits;
 mod catch_values;
+mod compile;
 mod context;
 mod dedup;
 mod ended;
@@ -31,7 +32,8 @@ use std::{collections::HashSet, fmt, path::PathBuf, sync::Arc};
 use rhai::{AST, CallFnOptions, Dynamic, Engine, EvalAltResult, Scope};
 
 use self::{
-    call_limits::{Bounds, run_limited},
+    call_limits::run_limited,
+    compile::compile,
     context::{Call, Context},
     ended::{Ended, is_limit},
     error::Known,
@@ -44,7 +46,10 @@ use super::{
     motion::{FrameState, Kind, Names},
 };
 
-pub use self::{call_limits::Halt, limits::DEADLINE};
+pub use self::{
+    call_limits::{Bounds, Halt},
+    limits::DEADLINE,
+};
 
 /// A scene as a script leaves it, and which cameras and lights the script has set.
 pub type Posed = (FrameState, HashSet<(Kind, usize)>);
@@ -100,9 +105,16 @@ impl Script {
 
     fn compile(sources: Arc<Sources>, name: String, text: &str) -> Result<Self, Box<Diagnostic>> {
         let engine = engine::engine(&sources);
-        let mut ast = run_limited(Bounds::CALL, || engine.compile(text))
+        let mut ast = run_limited(Bounds::CALL, || compile(&engine, text))
             .result
-            .map_err(|wrong| Box::new(error::syntax(&wrong, &sources, &name)))?;
+            .map_err(|wrong| {
+                Box::new(error::syntax(
+                    wrong.err_type(),
+                    wrong.position(),
+                    &sources,
+                    &name,
+                ))
+            })?;
         ast.set_source(name.as_str());
         let has = |wanted: &str| {
             ast.iter_functions()

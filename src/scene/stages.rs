@@ -14,7 +14,7 @@ use super::{
     desc::{Entry, ParamValue, SceneDesc},
     diagnostic::{Diagnostic, Span},
     motion::{FrameState, Motion, Names},
-    parse::{self, Document, PlacedScript, RanScript, ReadOptions, ScriptInput, Texts},
+    parse::{self, Document, PlacedGroup, RanScript, ReadOptions, ScriptInput, Texts},
     script::Script,
     suggest,
 };
@@ -136,19 +136,21 @@ impl Scene {
             (script, desc)
         });
         let (script, script_desc) = ran.unzip();
-        let of_placed = document.take_placed_scripts();
+        let of_placed = document.placed_groups().to_vec();
         let (mut desc, warnings) = document.read(script_desc)?;
         let ran = placed.into_inner();
         desc.placed_scripts = (ran.iter())
             .map(|(script, log)| script.describe(log.clone()))
             .collect();
-        let script_of = |placed: PlacedScript| ScriptOfPlaced {
-            script: ran[placed.number].0.clone(),
-            group: placed.group,
-            at: placed.at,
-            params: placed.params,
+        let script_of = |placed: PlacedGroup| {
+            Some(ScriptOfPlaced {
+                script: ran[placed.script?.number].0.clone(),
+                group: placed.name,
+                at: placed.at,
+                params: placed.params,
+            })
         };
-        let placed = of_placed.into_iter().map(script_of).collect();
+        let placed = of_placed.into_iter().filter_map(script_of).collect();
         Ok((
             Self {
                 desc,

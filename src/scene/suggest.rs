@@ -84,17 +84,17 @@ const ABSENT: &[(&[&str], &str, &str)] = &[
     ),
 ];
 
-/// Keys that there are none of, a key of the tables where they are missed, and what to do instead.
-const ABSENT_KEYS: &[(&[&str], &str, &str)] = &[
+/// Keys that there are none of, keys by which one knows the tables where they are missed, and what to do instead.
+const ABSENT_KEYS: &[(&[&str], &[&str], &str)] = &[
     (
         &["shown", "visible", "hidden"],
-        "intensity_lux",
+        &["shadow_px", "intensity_lux"], // a light, and its motion
         "hang the light on a group and say when that is there: `parent = \"GROUP\"` in `[light.NAME]`, and \
          `shown = { keys = [{ at_s = 0, value = false }, { at_s = 2, value = true }] }` in `[motion.group.GROUP]`",
     ),
     (
         &["shown", "hidden"],
-        "casts_shadow",
+        &["casts_shadow"],
         "write `visible = false`; when it is there is said in `[motion.instance.NAME]`, by \
          `shown = { keys = [{ at_s = 0, value = false }, { at_s = 2, value = true }] }`",
     ),
@@ -109,7 +109,7 @@ const ABSENT_KEYS: &[(&[&str], &str, &str)] = &[
             "clearcoat_roughness_texture",
             "clearcoat_normal_texture",
         ],
-        "clearcoat",
+        &["clearcoat"],
         "this texture comes from glTF files only: name one by `file = \"….glb\"` in `[model.NAME]`; the key without \
          `_texture` holds everywhere on the surface",
     ),
@@ -118,9 +118,9 @@ const ABSENT_KEYS: &[(&[&str], &str, &str)] = &[
 /// What to do in place of a key that a table with the keys `known` has not.
 pub fn absent_key(typed: &str, known: &[&str]) -> Option<&'static str> {
     let lower = typed.to_lowercase();
-    let (.., help) = ABSENT_KEYS
-        .iter()
-        .find(|(absent, among, _)| absent.contains(&lower.as_str()) && known.contains(among))?;
+    let (.., help) = ABSENT_KEYS.iter().find(|(absent, among, _)| {
+        absent.contains(&lower.as_str()) && among.iter().any(|key| known.contains(key))
+    })?;
     Some(help)
 }
 

@@ -90,6 +90,11 @@ pub struct LoadedScene {
 }
 
 impl SceneText {
+    /// Names of the scene's variants, also where it has mistakes.
+    pub fn variants(&self) -> Vec<String> {
+        parse::variants(&self.text, &self.file, &self.read)
+    }
+
     /// Reads the scene text: of the file, of a model viewer scene, or of the built-in atrium. A
     /// model is read for that and cached for the load.
     ///

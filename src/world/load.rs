@@ -246,16 +246,16 @@ impl<'a> Loader<'a> {
     }
 
     fn finish(mut self, models: Vec<Source>) -> Result<(World, AssetCache), Vec<Diagnostic>> {
-        let limits = TextureLimits {
-            max_px: self.options.max_texture_px,
-            budget_bytes: self.options.image_budget_bytes.min(self.memory.left()),
-            max_file_bytes: self.options.max_file_bytes,
-        };
         self.drop_unused_deformations();
         let needs = vertex_streams::needs(&self.world);
         let num_warnings = self.world.warnings.len();
         vertex_streams::run(&mut self.world, &needs)?;
         let mesh_warnings = self.world.warnings[num_warnings..].to_vec();
+        let limits = TextureLimits {
+            max_px: self.options.max_texture_px,
+            budget_bytes: self.options.image_budget_bytes.min(self.memory.left()),
+            max_file_bytes: self.options.max_file_bytes,
+        };
         let (images, requests): (Vec<_>, Vec<_>) = (self.textures.take_used(&mut self.world))
             .into_iter()
             .map(|(key, request)| ((key, request.srgb), request))

@@ -26,6 +26,7 @@ pub mod environment;
 pub mod gltf;
 pub mod load;
 mod material;
+mod normal_uv;
 mod pointed;
 pub mod pose;
 pub mod rig;
@@ -132,6 +133,20 @@ impl Posed<'_> {
 }
 
 impl Mesh {
+    /// Memory of its vertices and triangles.
+    pub fn bytes(&self) -> u64 {
+        let streams = [
+            size_of_val(self.positions.as_slice()),
+            size_of_val(self.normals.as_slice()),
+            size_of_val(self.tangents.as_slice()),
+            size_of_val(self.uv0.as_slice()),
+            size_of_val(self.uv1.as_slice()),
+            size_of_val(self.colors.as_slice()),
+            size_of_val(self.triangles.as_slice()),
+        ];
+        streams.into_iter().sum::<usize>() as u64
+    }
+
     /// Its own vertices, at rest.
     pub fn at_rest(&self) -> Posed<'_> {
         Posed {

@@ -31,6 +31,9 @@ fn several_cameras_are_written_to_files_with_their_names() {
         let text = render(&folder, arguments, 2);
         assert!(text.contains(says), "{arguments:?}: {text}");
     }
+    let several = ["-o", "f.#.png", "--frames", "1-2", "--stats", "text"];
+    let text = render(&folder, &several, 2);
+    assert!(text.contains("write --frames 1"), "{text}");
     if gpu_or_skip().is_none() {
         return;
     }

@@ -22,7 +22,7 @@ use std::{
     collections::BTreeMap,
     fs,
     path::{Path, PathBuf},
-    process::{Command, Stdio},
+    process::{Command, Output, Stdio},
 };
 
 use common::gpu_or_skip;
@@ -93,6 +93,11 @@ fn folder(name: &str) -> PathBuf {
 /// Runs `reflet render scene.toml`, checks the exit code, gives standard error.
 #[track_caller]
 fn render(folder: &Path, arguments: &[&str], code: i32) -> String {
+    String::from_utf8_lossy(&run(folder, arguments, code).stderr).into_owned()
+}
+
+#[track_caller]
+fn run(folder: &Path, arguments: &[&str], code: i32) -> Output {
     let output = Command::new(env!("CARGO_BIN_EXE_reflet"))
         .current_dir(folder)
         .args(["render", "scene.toml"])
@@ -104,7 +109,7 @@ fn render(folder: &Path, arguments: &[&str], code: i32) -> String {
     let text = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(code), "{arguments:?}: {text}");
     assert!(!text.contains("panicked"), "{text}");
-    text
+    output
 }
 
 fn pictures(folder: &Path) -> BTreeMap<String, Vec<u8>> {
@@ -113,12 +118,8 @@ fn pictures(folder: &Path) -> BTreeMap<String, Vec<u8>> {
         .map(|e| e.expect("entry").path());
     let is_picture = |p: &PathBuf| p.extension().is_some_and(|e| e == "png" || e == "exr");
     let named = |path: PathBuf| {
-        let name = path
-            .file_name()
-            .expect("a name")
-            .to_string_lossy()
-            .into_owned();
-        (name, fs::read(&path).expect("readable"))
+        let name = path.file_name().expect("a name").to_string_lossy();
+        (name.into_owned(), fs::read(&path).expect("readable"))
     };
     files.filter(is_picture).map(named).collect()
 }
@@ -146,7 +147,10 @@ fn order_and_shards_do_not_change_a_byte() {
     }
     assert_eq!(pictures(&shards), whole, "two shards");
     let alone = folder("alone");
-    render(&alone, &["-o", "f.003.png", "--frames", "3"], 0);
+    let third = "-o f.003.png --frames 3 --stats json --counters";
+    let third = run(&alone, &third.split(' ').collect::<Vec<_>>(), 0).stdout;
+    let stats: serde_json::Value = serde_json::from_slice(&third).expect("JSON alone");
+    assert!(stats["counts"].is_array(), "{stats}");
     // One at a time, as a farm does; the name is in the notation of another program.
     for frame in ["4", "5"] {
         render(&alone, &["-o", "f.%03d.png", "--frames", frame], 0);

@@ -259,7 +259,7 @@ fn gpu_instancing_places_copies_of_one_mesh() {
 }
 
 /// A unit square with texture coordinates as an image lies on it: u to the right, v down.
-fn mapped_square() -> Doc {
+pub fn mapped_square() -> Doc {
     let mut doc = Doc::empty();
     let positions = doc.floats(
         "VEC3",

@@ -2,15 +2,20 @@
 
 use std::{
     io::Cursor,
+    path::Path,
     time::{Duration, Instant},
 };
 
 use crate::common::Random;
+use crate::geometry::mapped_square;
 use crate::kit::{Doc, Folder, one_error, png, rich, scene};
 use image::{DynamicImage, ImageBuffer, ImageFormat, Luma, Rgb};
-use reflet::world::{
-    Texture,
-    load::{LoadOptions, load},
+use reflet::{
+    scene::{desc::SceneDesc, stages::Scene},
+    world::{
+        Texture,
+        load::{LoadOptions, load},
+    },
 };
 use serde_json::json;
 
@@ -206,7 +211,7 @@ fn all_images_together_have_a_budget() {
     let (mut refused, mut held) = (0, 1 << 20);
     while held - refused > 1 {
         let middle = (refused + held) / 2;
-        match outcome(middle) == Err("geometry-too-large") {
+        match matches!(outcome(middle), Err("geometry-too-large" | "memory-short")) {
             true => refused = middle,
             false => held = middle,
         }
@@ -221,4 +226,32 @@ fn all_images_together_have_a_budget() {
         ..LoadOptions::default()
     };
     assert_eq!(one_error(load(&desc, &options)).0, "file-too-large");
+}
+
+/// What is made, not read, takes from the memory of a load too.
+#[test]
+fn shapes_and_tangents_share_the_memory_of_a_load() {
+    let left = |desc: &SceneDesc, memory_bytes: u64| {
+        let options = LoadOptions {
+            memory_bytes: Some(memory_bytes),
+            ..LoadOptions::default()
+        };
+        let loaded = load(desc, &options).map(|world| world.memory.left());
+        loaded.map_err(|errors| errors[0].name)
+    };
+    let folder = Folder::new();
+    folder.write("m.glb", mapped_square().glb());
+    let desc = scene(&folder.0, "m.glb");
+    let most = 1 << 20;
+    let read = most - left(&desc, most).expect("it is enough") - 4 * 16 - 16; // tangents, 2 × 2 pixels
+    assert_eq!(left(&desc, read + 4 * 16 - 1), Err("memory-short"));
+    assert_eq!(left(&desc, read + 4 * 16), Err("image-budget"));
+    assert_eq!(left(&desc, read + 4 * 16 + 16), Ok(0));
+    let text = "version = 1\n[model.a]\nshape.kind = \"box\"\n[model.b]\nshape.kind = \"box\"\n";
+    let boxes = Scene::from_text(text, Path::new("a.toml"), &[]);
+    let boxes = boxes.expect("it is right").0.desc;
+    let two = most - left(&boxes, most).expect("it is enough");
+    assert!(two >= 2 * 24 * 32 + 2 * 12 * 12, "{two} bytes");
+    assert_eq!(left(&boxes, two), Ok(0));
+    assert_eq!(left(&boxes, two - 1), Err("memory-short"));
 }

@@ -120,6 +120,7 @@ fn coats_follow_their_own_normal_map_or_none() {
     };
     let map = json!({"index": 0});
     let turned = json!({"index": 0, "extensions": {"KHR_texture_transform": {"rotation": 1}}});
+    let tiled = json!({"index": 0, "extensions": {"KHR_texture_transform": {"scale": [3, 2]}}});
     let weaker = json!({"index": 0, "scale": 0.5});
     let none = serde_json::Value::Null;
     let cases = [
@@ -128,6 +129,7 @@ fn coats_follow_their_own_normal_map_or_none() {
         (map.clone(), none.clone(), true, ""),
         (none, map.clone(), true, ""),
         (map.clone(), weaker, true, ""),
+        (map.clone(), tiled, true, ""),
         (map, turned, true, "tangents-shared"),
     ];
     for (own, coat, differs, warning) in cases {

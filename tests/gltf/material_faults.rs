@@ -1,6 +1,13 @@
 //! What is said about materials that are wrong: where the fault is, and what is done instead.
 
-use crate::kit::{Doc, stone, warnings};
+use crate::kit::{Doc, Folder, stone, warnings};
+use reflet::{
+    scene::stages::Scene,
+    world::{
+        emitters::MAX_EMITTERS,
+        load::{LoadOptions, load},
+    },
+};
 use serde_json::json;
 
 #[test]
@@ -73,6 +80,44 @@ fn factors_outside_their_range_are_named() {
     }
 }
 
+fn put_triangles(doc: &mut Doc, number: usize) {
+    let number = 3 * number;
+    let indices: Vec<u8> = (0..number as u32)
+        .flat_map(|i| (i % 3).to_le_bytes())
+        .collect();
+    let indices = doc.accessor("SCALAR", 5125, number, &indices);
+    doc.primitive("indices", indices.into());
+}
+
+/// Those that the scene itself lets light go on to light.
+#[test]
+fn mesh_lights_of_a_file_make_room_for_lights_of_the_scene() {
+    let mut doc = stone();
+    doc.json["materials"][0]["extras"] = json!({"mesh_light": {}});
+    put_triangles(&mut doc, MAX_EMITTERS - 5);
+    let folder = Folder::new();
+    folder.write("m.glb", doc.glb());
+    let text = "version = 1\n[model.m]\nfile = \"m.glb\"\n[material.own]\nemission = [9, 9, 9]\n\
+                light = true\n[model.lamp]\nshape.kind = \"box\"\nmaterial = \"own\"\n";
+    let scene = Scene::from_text(text, &folder.0.join("scene.toml"), &[]);
+    let scene = scene.expect("it is right").0;
+    let world = load(&scene, &LoadOptions::default()).expect("it loads");
+    let light = |name: &str| {
+        let material = world.materials.iter().find(|m| m.name.contains(name));
+        material.expect("it is used").light
+    };
+    assert_eq!((light("own"), light("stone")), (true, false));
+    let (files, own) = (
+        format!("{} triangles", MAX_EMITTERS - 5),
+        "the 12 of the scene",
+    );
+    let warning = &world.warnings[0].message;
+    assert!(
+        warning.starts_with(&files) && warning.contains(own),
+        "{warning}"
+    );
+}
+
 #[test]
 fn mesh_lights_of_a_file_light_up_to_their_number() {
     let mut doc = stone();
@@ -82,15 +127,14 @@ fn mesh_lights_of_a_file_light_up_to_their_number() {
         (world.materials[0].light, warnings(&world))
     };
     assert_eq!(lights(&doc), (true, vec![]));
-    let many = 3 * (reflet::world::emitters::MAX_EMITTERS + 1);
-    let indices: Vec<u8> = (0..many as u32)
-        .flat_map(|i| (i % 3).to_le_bytes())
-        .collect();
-    let indices = doc.accessor("SCALAR", 5125, many, &indices);
-    doc.primitive("indices", indices.into());
+    put_triangles(&mut doc, MAX_EMITTERS + 1);
     assert_eq!(lights(&doc), (false, vec!["emitters-too-many"]));
-    // What emits nothing does not.
+    // Neither does what says otherwise, nor what emits nothing.
     let mut doc = stone();
+    for not in [json!(false), json!(null), json!(1)] {
+        doc.json["materials"][0]["extras"] = json!({ "mesh_light": not });
+        assert_eq!(lights(&doc), (false, vec![]));
+    }
     doc.json["materials"][0]["extras"] = json!({"mesh_light": {}});
     doc.json["materials"][0]["emissiveFactor"] = json!([0, 0, 0]);
     assert_eq!(lights(&doc), (false, vec![]));

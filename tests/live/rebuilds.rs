@@ -186,6 +186,20 @@ fn broken_then_good_keeps_the_last_picture() {
 }
 
 #[test]
+fn a_second_renderer_on_a_device_compiles_nothing() {
+    let text = SCENE.replace("[image]", "[reflection]\nmethod = \"hybrid\"\n[image]");
+    let Some(mut session) = Session::new(&text) else {
+        return;
+    };
+    let first = session.picture();
+    let stats = &session.gpu.compile_stats;
+    let made = (stats.shaders(), stats.pipelines());
+    let second = picture(&session.gpu, &mut open(&session.gpu, &session.scene, None));
+    assert!(made.1 > 0 && second == first);
+    assert_eq!((stats.shaders(), stats.pipelines()), made);
+}
+
+#[test]
 fn methods_share_what_they_have_in_common() {
     let text = SCENE.replace("[image]", "[reflection]\nmethod = \"hybrid\"\n[image]");
     let Some(mut session) = Session::new(&text) else {

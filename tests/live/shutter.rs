@@ -86,3 +86,35 @@ fn moments_keep_edited_materials() {
     assert!(seen(&gpu, &mut live) == blue);
     assert_eq!(live.world().materials[red].base_color.z, 0.9);
 }
+
+/// A script that fails while the shutter is open leaves what was shown.
+#[test]
+fn a_moment_that_fails_leaves_the_frame() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let gpu = Arc::new(gpu);
+    let folder = Folder::new();
+    folder.write(
+        "s.rhai",
+        "fn frame(ctx) {
+            if ctx.frame == 1 && ctx.t != 0.5 { throw \"while it is open\"; }
+            ctx.place(\"box\", [2 * ctx.t, 0.5, 0]);
+        }",
+    );
+    let text = moving().replacen("version = 1", "version = 1\nscript = \"s.rhai\"", 1);
+    let text = text.replace(
+        "[motion.instance.box]\ntranslation = { rate = [2, 0, 0] }\n",
+        "",
+    );
+    let scene = folder.write("scene.toml", text);
+    let mut live = open(&gpu, &scene, None);
+    let first = |world: &World| world.cameras[0].value.clone();
+    assert!(live.pose_now(1));
+    let before = live.world().instances[1].world_from_object;
+    let error = live.render_by(&first).expect_err("a moment fails");
+    assert!(error.to_string().contains("while it is open"), "{error}");
+    assert_eq!(live.world().instances[1].world_from_object, before);
+    assert!(live.pose_now(2));
+    let shown = seen(&gpu, &mut live);
+    let mut other = open(&gpu, &scene, None);
+    assert!(other.pose_now(2) && seen(&gpu, &mut other) == shown);
+}

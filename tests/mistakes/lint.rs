@@ -32,6 +32,20 @@ pub const LINTS: &[Mistake] = &[
         ],
     ),
     text(
+        "a slip in a name of a variant",
+        scene!(
+            "[environment]\ncolor = [1, 1, 1]\n[[instance]]\nmodel = \"floor\"\n\
+             [variant.near.camera.mian]\neye = [0, 1, 3]\n[variant.near.camera.main2]\n\
+             eye = [0, 3, 3]\n"
+        ),
+        [
+            "near-name",
+            "6:22",
+            "camera \"mian\" is new, and there is \"main\" below",
+            "did you mean \"main\"?",
+        ],
+    ),
+    text(
         "settings that follow from method path",
         scene!(
             "[environment]\ncolor = [1, 1, 1]\n[reflection]\nmethod = \"path\"\nbounces = 2\n\
@@ -228,6 +242,36 @@ fn rooms_and_lanterns_are_left_alone() {
     fs::write(folder.join("room.toml"), room).expect("writable");
     let found = results(&folder, &["room.toml".to_owned()], 0);
     assert_eq!(found, [0; 0].map(serde_json::Value::from));
+}
+
+/// A camera with a name like that of a placed scene's is the scene's own; the placed one's is not.
+#[test]
+fn cameras_of_placed_scenes_are_told_from_those_of_the_scene() {
+    let folder = folder("placed");
+    let wall = "version = 1\n[environment]\ncolor = [1, 1, 1]\n[camera.inside]\neye = [0, 0, 0]\n\
+                target = [0, 0, -1]\n[model.wall]\nshape = { kind = \"box\" }\n";
+    fs::write(folder.join("wall.toml"), wall).expect("writable");
+    let scene = "version = 1\n[environment]\ncolor = [1, 1, 1]\n[camera.main]\neye = [0, 0, 3]\n\
+                 target = [0, 0, 0]\n[camera.\"wall.own\"]\neye = [0, 0, 0]\ntarget = [0, 0, -1]\n\
+                 [[instance]]\nmodel = { scene = \"wall.toml\" }\n";
+    fs::write(folder.join("scene.toml"), scene).expect("writable");
+    let found = results(&folder, &["scene.toml".to_owned()], 0);
+    let named: Vec<_> = (found.iter())
+        .filter(|found| found["ruleId"] == "camera-inside")
+        .map(|found| place(found).0)
+        .collect();
+    assert_eq!(named, ["7:9"], "{found:#?}");
+}
+
+#[test]
+fn mistakes_of_a_scene_do_not_hide_those_of_its_variants() {
+    let folder = folder("both");
+    let scene = "version = 1\n[camera.main]\nfov_deg = 900\n[variant.a.camera.main]\nlens = 3\n\
+                 [variant.b]\nremove = \"camera.mian\"\n";
+    fs::write(folder.join("scene.toml"), scene).expect("writable");
+    let found = results(&folder, &["scene.toml".to_owned()], 3);
+    let places: Vec<_> = found.iter().map(|found| place(found).0).collect();
+    assert_eq!(places, ["3:11", "5:1", "7:10"], "{found:#?}");
 }
 
 #[test]

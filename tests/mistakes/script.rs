@@ -104,6 +104,26 @@ pub const SCRIPTS: &[Mistake] = &[
         ["script-syntax", "2:13", "no `Math` in Rhai", "`sin(x)`"],
     ),
     script(
+        "a missing brace",
+        "fn frame(ctx) {\n    if ctx.frame > 1 {\n        print(1);\n}\n\nfn other() { }\n",
+        [
+            "script-syntax",
+            "2:22",
+            "`{` is not closed",
+            "add `}`, such as after line 3",
+        ],
+    ),
+    script(
+        "a missing brace of a map",
+        "fn setup(ctx) {\n    #{\n        instances: [],\n}\n",
+        [
+            "script-syntax",
+            "2:6",
+            "`{` is not closed",
+            "add `}`, such as after line 3",
+        ],
+    ),
+    script(
         "a typing error in a name",
         "fn frame(ctx) {\n    let angle = 1;\n    ctx.place(\"b\", [angel, 0, 0]);\n}\n",
         [

@@ -245,6 +245,16 @@ pub const SYNTAX: &[Mistake] = &[
         ],
     ),
     text(
+        "a missing bracket before a brace",
+        "[model.a]\nshape = { kind = \"box\", size = [1, 1, 1 }\n[[instance]]\nmodel = \"a\"\n",
+        [
+            "toml-syntax",
+            "3:32",
+            "`[` is not closed",
+            "add `]`, before the `}` of line 3",
+        ],
+    ),
+    text(
         "two instances with one bracket",
         "[model.b]\nshape = { kind = \"box\" }\n[instance]\nmodel = \"b\"\n[instance]\nmodel = \"b\"\n",
         [

@@ -4,6 +4,36 @@ use super::{Mistake, check_table, text};
 
 pub const VALUES: &[Mistake] = &[
     text(
+        "a number in quotes",
+        "[camera.main]\nfov_deg = \"55\"\n",
+        [
+            "wrong-type",
+            "3:11",
+            "must be a number, not the text",
+            "write 55, without quotes",
+        ],
+    ),
+    text(
+        "a number of a list in quotes",
+        "[camera.main]\neye = [0, \"1.6\", 5]\n",
+        [
+            "wrong-type",
+            "3:11",
+            "must be a number, not the text",
+            "write 1.6, without quotes",
+        ],
+    ),
+    text(
+        "true in quotes",
+        "[reflection]\nfilter = \"true\"\n",
+        [
+            "wrong-type",
+            "3:10",
+            "must be true or false",
+            "write true, without quotes",
+        ],
+    ),
+    text(
         "bytes for a color",
         "[material.a]\nbase_color = [255, 128, 0]\n",
         [
@@ -127,6 +157,16 @@ pub const VALUES: &[Mistake] = &[
             "unknown-key",
             "9:1",
             "`shown` is not a key",
+            "in `[motion.group.GROUP]`",
+        ],
+    ),
+    text(
+        "a lamp that is off",
+        "[light.a]\nkind = \"point\"\nposition = [0, 1, 0]\nintensity_cd = 1\nvisible = false\n",
+        [
+            "unknown-key",
+            "6:1",
+            "`visible` is not a key",
             "in `[motion.group.GROUP]`",
         ],
     ),

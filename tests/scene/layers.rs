@@ -116,7 +116,7 @@ environment = { color = [1, 0.5, 0] }
 light.sun.intensity_lux = 0.5
 ";
 
-fn over_base(name: &str, shot: &str) -> Folder {
+pub fn over_base(name: &str, shot: &str) -> Folder {
     let shot = format!("version = 1\nbase = \"base.toml\"\n{shot}");
     Folder::new(
         name,

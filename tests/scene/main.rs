@@ -13,6 +13,7 @@ mod layers;
 mod moving;
 mod placed;
 mod placed_script;
+mod removed;
 mod returned;
 mod schema;
 mod set;

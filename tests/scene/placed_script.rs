@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use reflet::scene::{
-    desc::LightKind,
+    desc::{LightKind, ParamValue},
     motion::FrameState,
     stages::{Animator, Scene},
 };
@@ -183,10 +183,61 @@ fn each_placed_scene_has_its_own_params() {
     };
     assert_eq!([named("left.bolt"), named("right.bolt")], [3, 2]);
     assert_eq!(scene.scripts().count(), 1, "one file");
+    let given = scene.placed_params.iter();
+    let given = given.map(|(group, all)| (group.as_str(), all.iter().map(|p| &p.value)));
+    let given: Vec<_> = given
+        .map(|(group, all)| (group, all.collect::<Vec<_>>()))
+        .collect();
+    let (three, two) = (ParamValue::Integer(3), ParamValue::Integer(2));
+    assert_eq!(given.len(), 2);
+    assert!(
+        given[0].0 == "left" && given[0].1.contains(&&three),
+        "{given:?}"
+    );
+    assert!(
+        given[1].0 == "right" && given[1].1.contains(&&two),
+        "{given:?}"
+    );
     let set = "instance.left.model.params.speed=3";
     let scene = folder("params-set", &shot, DRIVE).read(&[], &[set]);
     let scene = scene.unwrap_or_else(|errors| panic!("{errors}"));
     assert_eq!(place(&scene, &pose(&scene, 4), "left.body").z, 12.0);
+}
+
+#[test]
+fn what_is_wrong_in_a_placed_scene_is_named_as_it_is_written_there_once() {
+    for (name, from, to, place) in [
+        ("setup", "model: \"bolt\"", "model: \"bold\"", "drive.rhai:"),
+        (
+            "parent",
+            "parent: \"body\"",
+            "parent: \"bod\"",
+            "drive.rhai:",
+        ),
+    ] {
+        let drive = DRIVE.replacen(from, to, 1);
+        let errors = (folder(name, SHOT, &drive).read(&[], &[])).expect_err("no such name");
+        let wrong = to.split('"').nth(1).expect("in quotes");
+        for says in [
+            format!("named \"{wrong}\""),
+            "did you mean \"bo".to_owned(),
+            "of \"left\", which is placed here".to_owned(),
+            place.to_owned(),
+        ] {
+            assert!(errors.contains(&says), "no {says:?} in\n{errors}");
+        }
+        assert!(
+            !errors.contains("left.") && !errors.contains("right"),
+            "{errors}"
+        );
+    }
+    let shot = format!("{SHOT}parent = \"left.bod\"\n");
+    let errors = folder("own-name", &shot, DRIVE).read(&[], &[]);
+    let errors = errors.expect_err("no such name");
+    assert!(
+        errors.contains("named \"left.bod\""),
+        "the scene's own: {errors}"
+    );
 }
 
 #[test]
@@ -243,5 +294,5 @@ fn mistakes_of_placed_scripts_are_named() {
         folder.assert_says(&[], &[says, "car.toml:3"]);
     }
     let wrong = DRIVE.replace("model: \"bolt\"", "model: \"bold\"");
-    folder("setup", SHOT, &wrong).assert_says(&[], &["left.bold", "drive.rhai:6"]);
+    folder("setup", SHOT, &wrong).assert_says(&[], &["\"bold\"", "drive.rhai:6"]);
 }

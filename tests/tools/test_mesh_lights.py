@@ -133,6 +133,13 @@ def unmark(out: Output) -> None:
         entry.extras.pop("mesh_light", None)
 
 
+def mark_wrongly(out: Output) -> None:
+    """Nothing lights, for the mark is no object."""
+    for entry in out.gltf.materials:
+        if "mesh_light" in (entry.extras or {}):
+            entry.extras["mesh_light"] = True
+
+
 def mark(out: Output) -> None:
     """Everything lights."""
     for entry in out.gltf.materials:
@@ -140,7 +147,7 @@ def mark(out: Output) -> None:
 
 
 @pytest.mark.parametrize("stage", [LAMP + UNIT, NAMED + UNIT, material("")])
-@pytest.mark.parametrize("damage", [scale_emission, unmark, mark])
+@pytest.mark.parametrize("damage", [scale_emission, unmark, mark_wrongly, mark])
 def test_validation_finds_another_light(tmp_path: Path, stage: str, damage: Any) -> None:
     expect_found(convert_text(tmp_path, stage), damage)
 

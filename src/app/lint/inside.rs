@@ -55,13 +55,9 @@ pub fn lights(scene: &Scene, world: &World) -> Vec<Diagnostic> {
 pub fn cameras(scene: &Scene, world: &World) -> Vec<Diagnostic> {
     let mut closed = Closed::new(world);
     let mut found = Vec::new();
-    // Those of placed scenes came along with them.
-    let of_placed = |name: &str| {
-        let mut groups = scene.groups.iter();
-        groups.any(|g| (name.strip_prefix(g.name.as_str())).is_some_and(|n| n.starts_with('.')))
-    };
     let cameras = scene.cameras.iter().zip(&world.cameras);
-    for (entry, camera) in cameras.filter(|(entry, _)| !of_placed(&entry.name)) {
+    // Those of placed scenes came along with them.
+    for (entry, camera) in cameras.filter(|(e, _)| !scene.placed_cameras.contains(&e.name)) {
         for shape in closed.around(camera.value.eye) {
             let inner = |(i, other): (usize, &Instance)| {
                 let center = world.bounds_of(other).center();

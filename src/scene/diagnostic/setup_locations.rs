@@ -85,6 +85,12 @@ impl Returned {
         }
     }
 
+    /// Whether this is written in the script.
+    pub fn has(&self, at: &Span) -> bool {
+        let source = at.source.as_ref();
+        source.is_some_and(|s| self.scripts.iter().any(|own| Arc::ptr_eq(own, s)))
+    }
+
     /// The place in a script of what is at `at` in the returned `text`, and what messages call it.
     pub fn explain(&self, text: &str, at: &Range<usize>) -> (Span, String) {
         let entries = self.entries.get_or_init(|| entries(text));

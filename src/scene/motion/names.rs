@@ -60,24 +60,17 @@ impl Names {
             });
             found.collect()
         };
-        for (name, index) in &self.cameras {
-            for (number, own) in inside(name) {
-                all[number].cameras.insert(own, *index);
-            }
-        }
-        for (name, index) in &self.instances {
-            for (number, own) in inside(name) {
-                all[number].instances.insert(own, *index);
-            }
-        }
-        for (name, index) in &self.lights {
-            for (number, own) in inside(name) {
-                all[number].lights.insert(own, *index);
-            }
-        }
-        for (name, index) in &self.materials {
-            for (number, own) in inside(name) {
-                all[number].materials.insert(own, *index);
+        let kinds = [
+            &self.cameras,
+            &self.instances,
+            &self.lights,
+            &self.materials,
+        ];
+        for (kind, named) in kinds.into_iter().enumerate() {
+            for (name, index) in named {
+                for (number, own) in inside(name) {
+                    all[number].kinds()[kind].insert(own, *index);
+                }
             }
         }
         for ((model, material), index) in &self.file_materials {
@@ -87,6 +80,16 @@ impl Names {
             }
         }
         all.into_iter().map(Arc::new).collect()
+    }
+
+    /// What has one name each.
+    fn kinds(&mut self) -> [&mut HashMap<String, usize>; 4] {
+        [
+            &mut self.cameras,
+            &mut self.instances,
+            &mut self.lights,
+            &mut self.materials,
+        ]
     }
 
     /// Of a scene.

@@ -1,7 +1,10 @@
 //! The document of a scene: the tree of its text, of its bases and what they include, of variants,
 //! of `--set` and of what a script adds, and the description that is read from it. No program is run here.
 
-use std::path::{Path, PathBuf};
+use std::{
+    collections::HashSet,
+    path::{Path, PathBuf},
+};
 
 use toml::de::{DeTable, DeValue};
 
@@ -10,7 +13,7 @@ use super::{
     include::{self, Included},
     layers::{self, Base},
     names, params,
-    placed::{self, Placed, PlacedScript, Run, ScriptInput},
+    placed::{self, Placed, PlacedGroup, Run, ScriptInput},
     read::timeline::Film,
     report::Report,
     set,
@@ -110,6 +113,14 @@ fn film_of(root: &Node, report: &Report) -> Option<Film> {
     film.filter(|_| unheard.errors() == 0)
 }
 
+/// What has a name in a tree, of a kind such as `camera`.
+fn names_of<T: FromIterator<String>>(kind: &str, root: &Node) -> T {
+    let named = root.get_ref().as_table().and_then(|t| t.get(kind));
+    let named = named.and_then(|node| node.get_ref().as_table());
+    let names = named.into_iter().flat_map(|all| all.keys());
+    names.map(|name| name.get_ref().to_string()).collect()
+}
+
 /// For those who want no more of a document than what is written.
 fn not_run(input: &ScriptInput) -> Diagnostic {
     let message = "the script of a placed scene is not run here";
@@ -123,7 +134,8 @@ pub struct Document<'t> {
     /// What broken lines make doubtful.
     shadows: Vec<Shadow>,
     report: Report,
-    placed_scripts: Vec<PlacedScript>,
+    placed_groups: Vec<PlacedGroup>,
+    placed_cameras: HashSet<String>,
 }
 
 impl<'t> Document<'t> {
@@ -142,20 +154,24 @@ impl<'t> Document<'t> {
         let timeline = film_of(&root, &report).map(|film| film.timeline);
         let nothing = |input: &ScriptInput| Err(Box::new(not_run(input)));
         let run = (run.unwrap_or(&nothing), timeline.as_ref());
-        let placed_scripts =
+        let own_cameras: HashSet<_> = names_of("camera", &root);
+        let placed_groups =
             placed::expand(&mut root, &texts.placed, run, &mut shadows, &mut report);
+        let mut placed_cameras: HashSet<_> = names_of("camera", &root);
+        placed_cameras.retain(|name| !own_cameras.contains(name));
         Self {
             texts,
             root,
             shadows,
             report,
-            placed_scripts,
+            placed_groups,
+            placed_cameras,
         }
     }
 
-    /// The scripts of placed scenes, those of inner ones first.
-    pub fn take_placed_scripts(&mut self) -> Vec<PlacedScript> {
-        std::mem::take(&mut self.placed_scripts)
+    /// What is known of placed scenes, inner ones first.
+    pub fn placed_groups(&self) -> &[PlacedGroup] {
+        &self.placed_groups
     }
 
     /// Where files are looked for, the scene's own folder first.
@@ -202,6 +218,11 @@ impl<'t> Document<'t> {
         (self.report.errors() + unheard.errors() == 0).then_some(params)
     }
 
+    /// Names of all variants.
+    pub fn variants(&self) -> Vec<String> {
+        names_of("variant", &self.root)
+    }
+
     /// Notes that the script adds nothing because of a mistake: an own one of it, or one that is
     /// reported when the scene is read.
     pub fn lacks_script(&mut self, mistake: Option<Diagnostic>) {
@@ -226,7 +247,8 @@ impl<'t> Document<'t> {
             mut root,
             shadows,
             mut report,
-            ..
+            placed_groups,
+            placed_cameras,
         } = self;
         extends::resolve(&mut root, &mut report);
         let nothing = DeTable::new();
@@ -236,6 +258,11 @@ impl<'t> Document<'t> {
         scene.own = texts.report.span(&(0..0));
         scene.folder.clone_from(&texts.folders[0]);
         scene.script = script;
+        scene.placed_cameras = placed_cameras;
+        let declared = placed_groups.iter().filter(|g| !g.params.is_empty());
+        scene.placed_params = (declared)
+            .map(|group| (group.name.clone(), group.params.clone()))
+            .collect();
         if shadows.is_empty() {
             let is_included = |at: &Span| texts.is_included(at);
             names::check(&scene, table, &is_included, &mut report);
@@ -250,6 +277,7 @@ impl<'t> Document<'t> {
         let stands = |m: &Entry<_>| !texts.is_included(&m.at) && !report.is_unplaced(&m.name);
         (scene.models).retain(|m| is_used(&m.name) || stands(m));
         report.retain(|d| !shadows.iter().any(|s| s.hides(d)));
+        placed::name_as_written(&placed_groups, &texts.placed, &mut report);
         if report.has("unsupported-version") {
             // In another version other keys may be right.
             report.retain(|d| d.name == "unsupported-version");

@@ -10,7 +10,7 @@ use toml::de::{DeTable, DeValue};
 
 use super::{
     include::{self, Included},
-    overlay,
+    near_names, overlay,
     report::Report,
     set::shift,
     syntax::{self, Shadow},
@@ -217,8 +217,14 @@ fn over<'i>(mut below: Node<'i>, above: Node<'i>, report: &mut Report) -> Node<'
         .iter()
         .for_each(|key| drop(above.remove(*key)));
     if let Some(removed) = above.remove("remove") {
-        remove_all(&mut below, &removed, report);
+        let table = below.get_ref().as_table();
+        let has_script = table
+            .into_iter()
+            .chain([&above])
+            .any(|t| t.contains_key("script"));
+        remove_all(&mut below, &removed, has_script, report);
     }
+    near_names::warn(&below, &above, report);
     match below.into_inner() {
         DeValue::Table(mut below) => {
             overlay::overlay(&mut below, above);
@@ -228,7 +234,7 @@ fn over<'i>(mut below: Node<'i>, above: Node<'i>, report: &mut Report) -> Node<'
     }
 }
 
-fn remove_all(below: &mut Node, removed: &Node, report: &mut Report) {
+fn remove_all(below: &mut Node, removed: &Node, has_script: bool, report: &mut Report) {
     let each: Vec<(&str, Range<usize>)> = match removed.get_ref() {
         DeValue::Array(items) => {
             let texts = items
@@ -245,7 +251,7 @@ fn remove_all(below: &mut Node, removed: &Node, report: &mut Report) {
     };
     if Names::read(removed, &named, report).is_some() {
         each.iter()
-            .for_each(|(path, at)| overlay::remove(below, path, at, report));
+            .for_each(|(path, at)| overlay::remove(below, path, has_script, at, report));
     }
 }
 
@@ -256,7 +262,11 @@ pub fn choose<'i>(mut root: Node<'i>, chosen: &[(&str, usize)], report: &mut Rep
         let variants = root.get_ref().as_table().and_then(|t| t.get("variant"));
         let variants = variants.and_then(|node| node.get_ref().as_table());
         match variants.and_then(|all| all.get(*name)).cloned() {
-            Some(variant) => root = over(root, variant, report),
+            Some(variant) => {
+                report.begin_variant(name);
+                root = over(root, variant, report);
+                report.end_variant(|path| overlay::has(&mut root, path));
+            }
             None if report.lacks_names() => {}
             None => {
                 let names = variants.into_iter().flat_map(|all| all.keys());

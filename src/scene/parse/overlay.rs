@@ -146,8 +146,22 @@ pub fn name_of<'n>(node: &'n Node<'_>) -> Option<&'n str> {
     node.get_ref().as_table()?.get("name")?.get_ref().as_str()
 }
 
-/// Takes away what a path such as `light.lamp` names; `at` is where the path is written.
-pub fn remove(root: &mut Node, path: &str, at: &std::ops::Range<usize>, report: &mut Report) {
+/// Whether something is at a path such as `light.lamp`.
+pub fn has(root: &mut Node, path: &str) -> bool {
+    let names = set::names_of(path).unwrap_or_default();
+    let found = names.iter().try_fold(root, |node, name| child(node, name));
+    found.is_ok() && !names.is_empty()
+}
+
+/// Takes away what a path such as `light.lamp` names; `at` is where the path is written, and `has_script` says
+/// that a script may add to the scene.
+pub fn remove(
+    root: &mut Node,
+    path: &str,
+    has_script: bool,
+    at: &std::ops::Range<usize>,
+    report: &mut Report,
+) {
     let Some(names) = set::names_of(path).filter(|names| !names.is_empty()) else {
         let message = format!("{} is not a path of names", suggest::text(path));
         let error = report.error("bad-path", at, message);
@@ -159,7 +173,7 @@ pub fn remove(root: &mut Node, path: &str, at: &std::ops::Range<usize>, report: 
     for name in above {
         match child(node, name) {
             Ok(next) => node = next,
-            Err(known) => return nothing(path, name, &known, at, report),
+            Err(known) => return nothing(path, (name, &known), has_script, at, report),
         }
     }
     let last = last[0].as_str();
@@ -185,13 +199,13 @@ pub fn remove(root: &mut Node, path: &str, at: &std::ops::Range<usize>, report: 
         },
         _ => Vec::new(),
     };
-    nothing(path, last, &known, at, report);
+    nothing(path, (last, &known), has_script, at, report);
 }
 
 fn nothing(
     path: &str,
-    name: &str,
-    known: &[String],
+    (name, known): (&str, &[String]),
+    has_script: bool,
     at: &std::ops::Range<usize>,
     report: &mut Report,
 ) {
@@ -200,10 +214,16 @@ fn nothing(
     }
     let message = format!("there is nothing at {} to remove", suggest::text(path));
     let known: Vec<_> = known.iter().map(String::as_str).collect();
-    report.error("dangling-name", at, message).help = Some(match known.is_empty() {
-        true => "only what the base has can be removed".to_owned(),
-        false => suggest::hint(name, &known, suggest::text, "there are"),
-    });
+    let written = match suggest::nearest(name, known.iter().copied()) {
+        None if has_script => {
+            "only what is written in scene text can be removed; what a script makes it can leave out by a \
+             parameter, such as `params = { lamps = false }`"
+                .to_owned()
+        }
+        None if known.is_empty() => "only what the base has can be removed".to_owned(),
+        _ => suggest::hint(name, &known, suggest::text, "there are"),
+    };
+    report.error("dangling-name", at, message).help = Some(written);
 }
 
 fn index_of(items: &[Node], name: &str) -> Option<usize> {

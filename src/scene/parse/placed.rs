@@ -2,6 +2,7 @@
 //! of its instance; what it consists of hangs on that, with the name and a dot before its own names.
 
 mod collect;
+mod group;
 mod prefix;
 mod run;
 mod scripts;
@@ -14,7 +15,8 @@ use toml::{
 };
 
 pub use self::collect::{Placed, collect};
-pub use self::run::{PlacedScript, RanScript, Run, ScriptInput};
+pub use self::group::{PlacedGroup, name_as_written};
+pub use self::run::{RanScript, Run, ScriptInput};
 use self::{
     collect::PlacedFile,
     prefix::{Prefix, text},
@@ -51,28 +53,28 @@ fn placed_by<'n, 'i>(instance: &'n Node<'i>) -> Option<(&'n str, &'n Node<'i>)> 
     Some((node.get_ref().as_str()?, node))
 }
 
-/// Puts placed scenes in the place of the instances that name them; returns their scripts, those of
-/// inner scenes first. `timeline` is what they are told of.
+/// Puts placed scenes in the place of the instances that name them; returns what is known of them, inner ones
+/// first. `timeline` is what their scripts are told of.
 pub fn expand<'i>(
     root: &mut Node<'i>,
     placed: &'i Placed,
     (run, timeline): (Run, Option<&TimelineDesc>),
     shadows: &mut Vec<Shadow>,
     report: &mut Report,
-) -> Vec<PlacedScript> {
+) -> Vec<PlacedGroup> {
     let mut expansion = Expansion {
         placed,
         run,
         timeline,
         shadows,
         report,
-        scripts: Vec::new(),
+        groups: Vec::new(),
         left: MOST_PLACED,
     };
     if let DeValue::Table(root) = root.get_mut() {
         expansion.expand(root, "");
     }
-    expansion.scripts
+    expansion.groups
 }
 
 struct Expansion<'p, 'i> {
@@ -81,7 +83,7 @@ struct Expansion<'p, 'i> {
     timeline: Option<&'p TimelineDesc>,
     shadows: &'p mut Vec<Shadow>,
     report: &'p mut Report,
-    scripts: Vec<PlacedScript>,
+    groups: Vec<PlacedGroup>,
     left: usize,
 }
 
@@ -145,14 +147,21 @@ impl<'i> Expansion<'_, 'i> {
         let outer = self.report.swap_unplaced(HashSet::new());
         let mut tree = self.tree(file);
         let unplaced = self.report.swap_unplaced(outer);
-        let script = self.run_script(&mut tree, file, (&name, &at), given);
+        let params = self.read_params(&mut tree, given);
+        let mut own = PlacedGroup {
+            name: name.clone(),
+            at: self.report.span(&at),
+            params,
+            script: None,
+        };
+        own.script = self.run_script(&mut tree, file, &own.params);
         if let DeValue::Table(tree) = tree.get_mut() {
-            let inner = self.scripts.len();
+            let inner = self.groups.len();
             self.expand(tree, &file.folder);
-            for script in &mut self.scripts[inner..] {
-                script.group = format!("{name}.{}", script.group);
+            for group in &mut self.groups[inner..] {
+                group.name = format!("{name}.{}", group.name);
             }
-            self.scripts.extend(script);
+            self.groups.push(own);
             let prefix = Prefix {
                 group: &name,
                 file,

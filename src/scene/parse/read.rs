@@ -12,8 +12,6 @@ mod stage;
 pub mod timeline;
 mod track;
 
-use std::path::PathBuf;
-
 use glam::Vec3;
 
 use super::{
@@ -25,10 +23,7 @@ use super::{
 use crate::scene::range::{
     ABOVE_0, ANY, APERTURE_F, BOUNCES, DIFFUSE_BOUNCES, FROM_0, STEPS, UNIT, range,
 };
-use crate::scene::{
-    desc::*,
-    diagnostic::{Diagnostic, Span},
-};
+use crate::scene::{desc::*, diagnostic::Diagnostic};
 
 /// Most lights of a scene.
 const MOST_LIGHTS: usize = 64;
@@ -40,8 +35,6 @@ impl Section for SceneDesc {
     fn read(t: &mut Table) -> Option<Self> {
         t.need::<Version>("version", ANY);
         let mut scene = Self {
-            own: Span::default(),
-            folder: PathBuf::new(),
             cameras: t.entries("camera"),
             materials: t.entries("material"),
             models: t.entries("model"),
@@ -51,15 +44,10 @@ impl Section for SceneDesc {
             environment: t.table("environment").unwrap_or_default(),
             reflection: t.table("reflection").unwrap_or_default(),
             image: t.table("image").unwrap_or_default(),
-            timeline: None,
-            cuts: Vec::new(),
             motion: t.table("motion").unwrap_or_default(),
             params: t.params("params"),
-            parents: Parents::default(),
             variants: t.changes("variant"),
-            includes: Vec::new(),
-            script: None,
-            placed_scripts: Vec::new(),
+            ..Self::default()
         };
         if let Some(film) = t.table::<timeline::Film>("timeline") {
             (scene.timeline, scene.cuts) = (Some(film.timeline), film.cuts);

@@ -29,8 +29,21 @@ pub struct Report {
     lacks_names: bool,
     /// Models of instances that a layer has removed.
     unplaced: HashSet<String>,
-    /// What a layer has removed, and where it says so.
-    removed: HashMap<String, Range<usize>>,
+    /// What a layer has removed.
+    removed: HashMap<String, Removal>,
+    /// The variant that is laid over the scene.
+    variant: Option<String>,
+}
+
+/// What a layer has removed.
+#[derive(Clone)]
+struct Removal {
+    /// Where it says so.
+    at: Range<usize>,
+    /// The variant that removes it.
+    by: Option<String>,
+    /// A later variant, which says something of it.
+    changed_by: Option<String>,
 }
 
 impl Report {
@@ -71,7 +84,34 @@ impl Report {
 
     /// Notes that a layer has removed what is at a path, such as `light.lamp`; `at` is where it says so.
     pub fn note_removed(&mut self, path: &str, at: &Range<usize>) {
-        self.removed.insert(path.to_owned(), at.clone());
+        let removal = Removal {
+            at: at.clone(),
+            by: self.variant.clone(),
+            changed_by: None,
+        };
+        self.removed.insert(path.to_owned(), removal);
+    }
+
+    /// Notes that a variant is laid over the scene now.
+    pub fn begin_variant(&mut self, name: &str) {
+        self.variant = Some(name.to_owned());
+    }
+
+    /// Notes that the variant is laid over the scene, and which of the removed paths are there again.
+    pub fn end_variant(&mut self, mut is_there: impl FnMut(&str) -> bool) {
+        let variant = self.variant.take();
+        for (path, removal) in &mut self.removed {
+            let is_new = removal.changed_by.is_none() && removal.by != variant;
+            if is_new && is_there(path) {
+                removal.changed_by.clone_from(&variant);
+            }
+        }
+    }
+
+    /// The variants that remove what is at a path and that say something of it all the same.
+    pub fn disputed(&self, path: &str) -> Option<(&str, &str)> {
+        let removal = self.removed.get(path)?;
+        Some((removal.by.as_deref()?, removal.changed_by.as_deref()?))
     }
 
     /// Notes that a layer has removed an instance of a model.
@@ -91,7 +131,7 @@ impl Report {
 
     /// Where a layer says that it removes what is at a path.
     pub fn removed(&self, path: &str) -> Option<Span> {
-        self.removed.get(path).map(|at| self.span(at))
+        self.removed.get(path).map(|removal| self.span(&removal.at))
     }
 
     /// Notes that a script or an included file would add names to the scene, and failed to.
@@ -180,6 +220,11 @@ impl Report {
     /// Drops messages, for what only follows from an earlier mistake.
     pub fn retain(&mut self, keep: impl FnMut(&Diagnostic) -> bool) {
         self.list.retain(keep);
+    }
+
+    /// As [`Report::retain`], and may change those that stay.
+    pub fn retain_mut(&mut self, keep: impl FnMut(&mut Diagnostic) -> bool) {
+        self.list.retain_mut(keep);
     }
 
     /// An error that a loop of a script repeats is reported once.

@@ -106,11 +106,13 @@ pub fn parse<'i>(
 fn explain_unclosed(text: &str, base: usize, open: &Unclosed, report: &mut Report) {
     let message = format!("`{}` is not closed", &text[open.at..=open.at]);
     let line = 1 + text[..open.end].matches('\n').count();
+    let place = match open.before {
+        Some(other) => format!("before the `{other}`"),
+        None => "such as at the end".to_owned(),
+    };
     let at = base + open.at..base + open.at + 1;
-    report.error("toml-syntax", &at, message).help = Some(format!(
-        "add `{}`, such as at the end of line {line}",
-        open.closer
-    ));
+    report.error("toml-syntax", &at, message).help =
+        Some(format!("add `{}`, {place} of line {line}", open.closer));
 }
 
 /// For a name in a header, what stands below that header.

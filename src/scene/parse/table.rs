@@ -232,11 +232,36 @@ impl<'r, 'i> Table<'r, 'i> {
     }
 
     fn refuse_missing(&mut self) {
-        for (key, help) in std::mem::take(&mut self.missing) {
-            let message = format!("`{key}` is missing in {}", self.place.title());
-            self.report
-                .error("missing-key", &self.place.at, message)
-                .help = Some(help);
+        let missing = std::mem::take(&mut self.missing);
+        if missing.is_empty() {
+            return;
+        }
+        let name = self.values.get("name").and_then(|n| n.get_ref().as_str());
+        let path = match name.filter(|_| self.place.in_list) {
+            Some(name) => format!("{}.{name}", self.place.path),
+            None => self.place.path.clone(),
+        };
+        let removed = self.report.removed(&path);
+        let removed = removed.map(|at| (at, "what lies below is removed here".to_owned()));
+        let title = self.place.title();
+        if let Some((first, second)) = self.report.disputed(&path) {
+            let [first, second] = [first, second].map(suggest::text);
+            let message = format!(
+                "variant {first} removes {}, of which variant {second} changes keys",
+                suggest::key(&path)
+            );
+            let error = (self.report).error("variants-disagree", &self.place.at, message);
+            error.help = Some(format!(
+                "choose one of the two, choose {second} before {first}, or write all of {title} in {second}"
+            ));
+            error.related = removed;
+            return;
+        }
+        for (key, help) in missing {
+            let message = format!("`{key}` is missing in {title}");
+            let error = (self.report).error("missing-key", &self.place.at, message);
+            error.help = Some(help);
+            error.related.clone_from(&removed);
         }
     }
 

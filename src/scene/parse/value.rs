@@ -1,6 +1,8 @@
 //! Reads one value: its type, its range, and what it should have been if it is wrong. The same
 //! implementations describe the value in the JSON Schema and in the manual.
 
+use std::{fmt::Display, str::FromStr};
+
 use glam::Vec3;
 use serde_json::{Value as Json, json};
 use toml::{Spanned, de::DeValue};
@@ -8,6 +10,7 @@ use toml::{Spanned, de::DeValue};
 use super::report::Report;
 use crate::scene::desc::At;
 use crate::scene::{
+    diagnostic::Diagnostic,
     range::{ANY, Range},
     suggest,
 };
@@ -71,9 +74,21 @@ fn digits(node: &Node) -> String {
 }
 
 /// Reports a value of another type.
-pub fn wrong_type(node: &Node, key: &str, expected: &str, report: &mut Report) {
+pub fn wrong_type<'r>(
+    node: &Node,
+    key: &str,
+    expected: &str,
+    report: &'r mut Report,
+) -> &'r mut Diagnostic {
     let message = format!("`{key}` must be {expected}, not {}", found(node));
-    report.error("wrong-type", &node.span(), message);
+    report.error("wrong-type", &node.span(), message)
+}
+
+/// What to write for a value that is right but for quotes around it.
+fn unquoted<T: FromStr + Display>(node: &Node, is_right: fn(&T) -> bool) -> Option<String> {
+    let value = node.get_ref().as_str()?.trim().parse().ok();
+    let value = value.filter(is_right)?;
+    Some(format!("write {value}, without quotes"))
 }
 
 /// Integers and floats alike, whole or not; `None` and a message for anything else.
@@ -85,7 +100,8 @@ fn number(node: &Node, named: &Named, expected: &str, report: &mut Report) -> Op
         },
         DeValue::Float(f) => f.as_str().parse().unwrap_or(f64::MAX),
         _ => {
-            wrong_type(node, named.key, expected, report);
+            let quoted = unquoted(node, |x: &f64| x.is_finite());
+            wrong_type(node, named.key, expected, report).help = quoted;
             return None;
         }
     };
@@ -161,7 +177,8 @@ impl Value for bool {
     fn read(node: &Node, named: &Named, report: &mut Report) -> Option<Self> {
         let value = node.get_ref().as_bool();
         if value.is_none() {
-            wrong_type(node, named.key, &Self::expected(), report);
+            let quoted = unquoted(node, |_: &bool| true);
+            wrong_type(node, named.key, &Self::expected(), report).help = quoted;
         }
         value
     }
@@ -368,12 +385,12 @@ impl Value for Scale {
     fn read(node: &Node, named: &Named, report: &mut Report) -> Option<Self> {
         match node.get_ref() {
             DeValue::Array(items) if items.len() == 3 => Vec3::read(node, named, report).map(Self),
-            DeValue::Integer(_) | DeValue::Float(_) => {
-                f32::read(node, named, report).map(|s| Self(Vec3::splat(s)))
-            }
-            _ => {
+            DeValue::Array(_) => {
                 wrong_type(node, named.key, &Self::expected(), report);
                 None
+            }
+            _ => {
+                number(node, named, &Self::expected(), report).map(|x| Self(Vec3::splat(x as f32)))
             }
         }
     }

@@ -14,7 +14,8 @@ use std::{
 
 use rhai::{EvalAltResult, Position};
 
-use super::limits::{DEADLINE, LINES, MEMORY, OPERATIONS, PRINTED, STACK, grouped};
+use super::limits::{DEADLINE, LINES, MEMORY, OPERATIONS, PRINTED, STACK, TIME_IS, grouped};
+use crate::processor_time;
 
 /// Operations between two checks of the clock; a closure that is bound to itself doubles in about
 /// as many.
@@ -53,6 +54,8 @@ impl Halt {
 thread_local! {
     /// What can end the calls that this thread begins.
     static HALT: RefCell<Option<Halt>> = const { RefCell::new(None) };
+    /// The most that each of them may use.
+    static BOUNDS: Cell<Bounds> = const { Cell::new(Bounds::CALL) };
 }
 
 /// How much a call may use.
@@ -68,6 +71,35 @@ impl Bounds {
         time: DEADLINE,
         operations: OPERATIONS,
     };
+
+    /// No longer than this.
+    pub fn within(self, time: Duration) -> Self {
+        self.min(Self { time, ..Self::CALL })
+    }
+
+    /// No more operations than these.
+    pub fn at_most(self, operations: u64) -> Self {
+        self.min(Self {
+            operations,
+            ..Self::CALL
+        })
+    }
+
+    /// Does work, on this thread, whose calls of scripts have these bounds, for a host that allows less than the
+    /// manual says.
+    pub fn over<T>(self, work: impl FnOnce() -> T) -> T {
+        let before = BOUNDS.replace(self.min(BOUNDS.get()));
+        let result = work();
+        BOUNDS.set(before);
+        result
+    }
+
+    fn min(self, other: Self) -> Self {
+        Self {
+            time: self.time.min(other.time),
+            operations: self.operations.min(other.operations),
+        }
+    }
 
     /// Whether a call may do anything at all.
     pub fn is_nothing(self) -> bool {
@@ -104,6 +136,9 @@ impl<T> Run<Result<T, Box<EvalAltResult>>> {
 struct Used {
     bounds: Cell<Bounds>,
     operations: Cell<u64>,
+    /// Processor time of the thread when it began, where the system tells.
+    processor_at_start: Cell<Option<Duration>>,
+    /// No earlier can its time be over, for the thread works at most all the time.
     end: Cell<Option<Instant>>,
     next_memory: Cell<Option<Instant>>,
     memory_at_start: Cell<Option<u64>>,
@@ -121,6 +156,7 @@ thread_local! {
         Used {
             bounds: Cell::new(Bounds::CALL),
             operations: Cell::new(0),
+            processor_at_start: Cell::new(None),
             end: Cell::new(None),
             next_memory: Cell::new(None),
             memory_at_start: Cell::new(None),
@@ -138,6 +174,7 @@ impl Used {
         self.halt.replace(halt);
         let now = Instant::now();
         self.bounds.set(bounds);
+        self.processor_at_start.set(processor_time::of_thread());
         self.end.set(Some(now + bounds.time));
         self.next_memory.set(Some(now + MEMORY_EVERY));
         self.memory_at_start.set(resident_bytes());
@@ -146,7 +183,7 @@ impl Used {
     /// What ends the call now.
     fn look(&self, before: u64, count: u64) -> Option<String> {
         if count > self.bounds.get().operations {
-            let most = grouped(OPERATIONS);
+            let most = grouped(self.bounds.get().operations);
             return Some(format!("it takes more than {most} operations"));
         }
         if before / CLOCK_EVERY == count / CLOCK_EVERY {
@@ -156,9 +193,10 @@ impl Used {
             return Some("it was halted".to_owned());
         }
         let now = Instant::now();
-        if self.end.get().is_some_and(|end| now > end) {
+        if self.is_out_of_time(now) {
             self.by_time.set(true);
-            return Some(format!("it takes longer than {} s", DEADLINE.as_secs()));
+            let most = self.bounds.get().time.as_secs_f64();
+            return Some(format!("it takes more than {most} s of {TIME_IS}"));
         }
         if self.next_memory.get().is_none_or(|next| now < next) {
             return None;
@@ -167,6 +205,21 @@ impl Used {
         let grown = resident_bytes()?.saturating_sub(self.memory_at_start.get()?);
         let most = grouped(MEMORY >> 20);
         (grown > MEMORY).then(|| format!("it takes more than {most} MiB of memory"))
+    }
+
+    /// Whether the work of the thread fills its time; what else the machine does is not its fault.
+    fn is_out_of_time(&self, now: Instant) -> bool {
+        if self.end.get().is_none_or(|end| now <= end) {
+            return false;
+        }
+        let (Some(start), Some(processor)) =
+            (self.processor_at_start.get(), processor_time::of_thread())
+        else {
+            return true;
+        };
+        let left = (self.bounds.get().time).checked_sub(processor.saturating_sub(start));
+        self.end.set(left.map(|left| now + left));
+        left.is_none()
     }
 
     /// Whether it was used.
@@ -207,6 +260,11 @@ pub fn progress(operations: u64) -> Option<String> {
         used.why.replace(Some(why.clone()));
         Some(why)
     })
+}
+
+/// The limit that the call on this thread has met.
+pub fn met() -> Option<String> {
+    USED.with(|used| used.why.borrow().clone())
 }
 
 /// Keeps a line that the call on this thread prints, as far as it may print.
@@ -258,6 +316,7 @@ fn resident_bytes() -> Option<u64> {
 /// Runs a call on its own thread, whose stack holds the deepest calls, and within bounds.
 pub fn run_limited<T: Send>(bounds: Bounds, work: impl FnOnce() -> T + Send) -> Run<T> {
     let halt = HALT.with_borrow(Clone::clone);
+    let bounds = bounds.min(BOUNDS.get());
     let limited = || {
         USED.with(|used| used.start(bounds, halt));
         let result = work();
@@ -265,7 +324,7 @@ pub fn run_limited<T: Send>(bounds: Bounds, work: impl FnOnce() -> T + Send) -> 
             result,
             log: used.log.take(),
             again: used.again(),
-            met: used.why.borrow().clone(),
+            met: met(),
         })
     };
     thread::scope(|scope| {
@@ -276,4 +335,36 @@ pub fn run_limited<T: Send>(bounds: Bounds, work: impl FnOnce() -> T + Send) -> 
             .expect("the system can start a thread");
         thread.join().unwrap_or_else(|panic| resume_unwind(panic))
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SHORT: Bounds = Bounds {
+        time: Duration::from_millis(20),
+        ..Bounds::CALL
+    };
+
+    #[test]
+    fn a_call_that_waits_for_a_processor_has_its_time_left() {
+        let ran = run_limited(SHORT, || {
+            thread::sleep(2 * SHORT.time);
+            progress(CLOCK_EVERY)
+        });
+        assert_eq!(ran.result.is_none(), processor_time::of_thread().is_some());
+    }
+
+    #[test]
+    fn a_call_that_works_comes_to_the_end_of_its_time() {
+        let ran = run_limited(SHORT, || {
+            loop {
+                if let Some(why) = progress(CLOCK_EVERY) {
+                    return why;
+                }
+            }
+        });
+        assert!(ran.result.contains(TIME_IS), "{}", ran.result);
+        assert_eq!(ran.again.time, FINDING_ANY);
+    }
 }

@@ -3,10 +3,13 @@
 
 mod foreign;
 mod missing;
+mod syntax;
+mod unclosed;
 
-use rhai::{EvalAltResult as Wrong, LexError, ParseError, ParseErrorType, Position};
+use rhai::{EvalAltResult as Wrong, Position};
 
 use self::missing::{missing_function, missing_key, missing_property};
+pub use self::syntax::syntax;
 use super::{
     ended::{Ended, Met, Place},
     format_value::thrown,
@@ -20,113 +23,6 @@ use crate::scene::{
     diagnostic::{Diagnostic, Span},
     suggest,
 };
-
-/// A script that does not compile.
-pub fn syntax(wrong: &ParseError, sources: &Sources, name: &str) -> Diagnostic {
-    let span = sources
-        .span(name, wrong.position())
-        .unwrap_or_else(|| sources.start_of(name));
-    let source = span.source.as_ref();
-    let word = source.and_then(|source| source.text.get(span.range.clone()));
-    let (message, help) = match word {
-        Some(word @ ("eval" | "curry")) => {
-            let help = "write a function, or a `for` loop".to_owned();
-            (format!("`{word}` is not supported in scripts"), Some(help))
-        }
-        _ => foreign_syntax(word, &span)
-            .unwrap_or_else(|| explain_syntax(wrong.err_type(), sources, name)),
-    };
-    let mut error = Diagnostic::at(kind_of(wrong.err_type()), span, message);
-    error.help = help;
-    error
-}
-
-/// What other languages write, at the place of a syntax error.
-fn foreign_syntax(word: Option<&str>, at: &Span) -> Option<(String, Option<String>)> {
-    word.and_then(foreign::word).or_else(|| foreign::sign(at))
-}
-
-fn kind_of(wrong: &ParseErrorType) -> &'static str {
-    match wrong {
-        ParseErrorType::BadInput(LexError::Runtime(_)) => "script-limit",
-        _ => "script-syntax",
-    }
-}
-
-fn explain_syntax(
-    wrong: &ParseErrorType,
-    sources: &Sources,
-    name: &str,
-) -> (String, Option<String>) {
-    match wrong {
-        ParseErrorType::VariableUndefined(variable) => {
-            let message = format!("there is no variable {}", suggest::key(variable));
-            let texts = sources.texts();
-            let text = texts
-                .iter()
-                .find(|(n, _)| n == name)
-                .map_or("", |(_, t)| t.as_str());
-            let known = variables(text);
-            let own = "functions and closures see their parameters and what they define with `let`";
-            let help = if known.contains(&variable.as_str()) {
-                format!("{own}; of the outer scope only `const NAME` is visible, as `global::NAME`")
-            } else {
-                let meant = suggest::nearest(variable, known.iter().copied());
-                meant.map_or_else(
-                    || own.to_owned(),
-                    |meant| format!("did you mean {}?", suggest::key(meant)),
-                )
-            };
-            (message, Some(help))
-        }
-        ParseErrorType::BadInput(LexError::Runtime(why)) => {
-            let help = "Rhai reads long lists of parameters, entries, cases or `let` slowly: make \
-                        them in a loop, or divide them; limits are in docs/scripting.md";
-            let message = format!("parsing of the script was stopped: {why}");
-            (message, Some(help.to_owned()))
-        }
-        ParseErrorType::BadInput(LexError::MalformedNumber(digits))
-            if digits
-                .trim_start_matches('-')
-                .bytes()
-                .all(|b| b.is_ascii_digit()) =>
-        {
-            let message = format!("{} is too large for an integer", suggest::clip(digits));
-            let help = "integers reach to 9223372036854775807; a float has a point, such as 1e20 \
-                        or 2.0";
-            (message, Some(help.to_owned()))
-        }
-        ParseErrorType::LiteralTooLarge(what, most) => {
-            (format!("{what} is too large, at most {most}"), None)
-        }
-        other => (lower_first(&other.to_string()), None),
-    }
-}
-
-/// Every name that a text defines.
-fn variables(text: &str) -> Vec<&str> {
-    let is_name = |c: char| c.is_alphanumeric() || c == '_';
-    let words: Vec<&str> = text
-        .split(|c| !is_name(c))
-        .filter(|w| !w.is_empty())
-        .collect();
-    let defines = |w: &&str| matches!(*w, "let" | "const" | "for" | "as");
-    let mut known: Vec<&str> = words
-        .windows(2)
-        .filter(|pair| defines(&pair[0]))
-        .map(|pair| pair[1])
-        .collect();
-    for definition in text.split("fn ").skip(1) {
-        let parameters = definition.split(['(', ')']).nth(1).unwrap_or("");
-        known.extend(
-            parameters
-                .split(',')
-                .map(str::trim)
-                .filter(|p| !p.is_empty()),
-        );
-    }
-    known
-}
 
 fn lower_first(text: &str) -> String {
     let mut letters = text.chars();
@@ -206,16 +102,7 @@ pub fn runtime(
 ) -> Diagnostic {
     let (inner, file, at, calls) = unwrapped(ended, name);
     if let Wrong::ErrorParsing(kind, at) = inner {
-        let span = sources
-            .span(&file, *at)
-            .unwrap_or_else(|| sources.start_of(&file));
-        let source = span.source.as_ref();
-        let word = source.and_then(|source| source.text.get(span.range.clone()));
-        let (message, help) =
-            foreign_syntax(word, &span).unwrap_or_else(|| explain_syntax(kind, sources, &file));
-        let mut error = Diagnostic::at(kind_of(kind), span, message);
-        error.help = help;
-        return with_calls(error, &calls, sources);
+        return with_calls(syntax(kind, *at, sources, &file), &calls, sources);
     }
     let (kind, message, help) = explain(inner, known);
     let message = match when {

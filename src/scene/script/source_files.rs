@@ -9,6 +9,7 @@ use std::{
 use rhai::{Dynamic, EvalAltResult, ImmutableString, Position, Scope, Shared};
 
 use super::{
+    compile::compile,
     limits::{FILE_BYTES, NESTED},
     nested_values::is_deeper,
     tokens::tokens,
@@ -385,7 +386,7 @@ fn module(
     name: &str,
     text: &str,
 ) -> Result<rhai::Module, Box<EvalAltResult>> {
-    let mut ast = engine.compile(text)?;
+    let mut ast = compile(engine, text)?;
     ast.set_source(ImmutableString::from(name));
     rhai::Module::eval_ast_as_new(Scope::new(), &ast, engine)
 }

@@ -7,7 +7,7 @@ use super::{
     ranges::Ranges,
     schema::{MaterialExtensions, TextureInfo},
 };
-use crate::world::{LAYER_SLOTS, LayerTexture, Material, TextureRef};
+use crate::world::{LAYER_SLOTS, LayerTexture, Material, TextureRef, normal_uv::NormalUv};
 
 /// Finds a texture: its use in the file, whether it is a color, and its keys inside the material, for messages.
 pub type FindTexture<'a> =
@@ -78,10 +78,10 @@ pub fn textures(extensions: &MaterialExtensions) -> [&Option<TextureInfo>; LAYER
 /// Warns of a clear coat whose normal map is turned otherwise than that of its material, for vertices have one
 /// tangent each.
 pub fn note_shared_tangents(material: &Material, place: &str, notes: &mut Notes) {
-    let turn = |map: TextureRef| (map.uv_set, map.transform.map(|row| row.truncate()));
-    let own = material.normal_texture.map(turn);
+    let own = material.normal_texture.as_ref().map(NormalUv::of);
     let coat = material.layer_texture(LayerTexture::ClearcoatNormal);
-    let differs = own.is_some() && coat.is_some_and(|map| own != Some(turn(map)));
+    let coat = coat.as_ref().map(NormalUv::of);
+    let differs = own.zip(coat).is_some_and(|(own, coat)| own != coat);
     let what = "materials have a clear coat whose normal map has other coordinates than their own; the tangents \
                 fit the latter";
     notes.add("tangents-shared", u64::from(differs), what, place);

@@ -78,7 +78,7 @@ fn choose_uv_sets(material: &mut Material, place: &str, notes: &mut Notes) -> [u
     sets
 }
 
-/// Key of a material's extras, by which its emission lights what is around.
+/// Key of a material's extras, an object by which its emission lights what is around.
 const MESH_LIGHT: &str = "mesh_light";
 
 fn convert(
@@ -115,7 +115,7 @@ fn convert(
     layers::read(extensions, &mut out, moves, &mut ranges, &mut texture)?;
     layers::note_shared_tangents(&out, place, notes);
     out.alpha_cutoff = alpha(material, &mut ranges)?;
-    out.is_mesh_light = material.extras.get(MESH_LIGHT).is_some();
+    out.is_mesh_light = (material.extras.get(MESH_LIGHT)).is_some_and(serde_json::Value::is_object);
     out.light = out.is_mesh_light;
     out.blended = material.alpha_mode.as_deref() == Some("BLEND");
     if let Some(gloss) = &material.extensions.specular_glossiness {

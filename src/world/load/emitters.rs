@@ -1,5 +1,7 @@
 //! Checks of surfaces that are to light what is around.
 
+use std::collections::BTreeSet;
+
 use glam::Vec3;
 
 use super::error_at;
@@ -51,31 +53,40 @@ pub fn check(world: &mut World, meshes: &[Mesh], desc: &SceneDesc) -> Result<(),
 
 /// Where more triangles would light than may, those that files alone let light do not, with a warning.
 fn keep_mesh_lights_few(world: &mut World, meshes: &[Mesh], desc: &SceneDesc) {
-    let lighting = world.lighting_instances();
-    let count: usize = lighting
-        .map(|(_, instance)| meshes[instance.mesh].triangles.len())
-        .sum();
-    if count <= MAX_EMITTERS {
+    let (mut of_files, mut of_scene) = (0, 0);
+    let mut dropped = BTreeSet::new();
+    for (_, instance) in world.lighting_instances() {
+        let count = meshes[instance.mesh].triangles.len();
+        if world.materials[instance.material].is_mesh_light {
+            of_files += count;
+            dropped.insert(instance.material);
+        } else {
+            of_scene += count;
+        }
+    }
+    let Some(first) = dropped
+        .first()
+        .filter(|_| of_files + of_scene > MAX_EMITTERS)
+    else {
         return;
+    };
+    let others = match of_scene {
+        0 => String::new(),
+        count => format!(" with the {count} of the scene's own lights"),
+    };
+    let text = format!(
+        "{of_files} triangles of mesh lights are{others} more than {MAX_EMITTERS}; {} materials shine, but do \
+         not light what is around; first: \"{}\"",
+        dropped.len(),
+        world.materials[*first].name
+    );
+    for material in world.materials.iter_mut().filter(|m| m.is_mesh_light) {
+        material.light = false;
     }
-    let dropped: Vec<_> = (world.materials.iter_mut())
-        .filter(|material| material.light && material.is_mesh_light)
-        .map(|material| {
-            material.light = false;
-            material.name.clone()
-        })
-        .collect();
-    if let [first, ..] = &dropped[..] {
-        let text = format!(
-            "{count} triangles of mesh lights are more than {MAX_EMITTERS}; {} materials shine, but do not \
-             light what is around; first: \"{first}\"",
-            dropped.len()
-        );
-        world.warnings.push(Diagnostic {
-            severity: Severity::Warning,
-            ..error_at("emitters-too-many", &desc.own, text)
-        });
-    }
+    world.warnings.push(Diagnostic {
+        severity: Severity::Warning,
+        ..error_at("emitters-too-many", &desc.own, text)
+    });
 }
 
 fn check_triangles(world: &World, meshes: &[Mesh], desc: &SceneDesc, errors: &mut Vec<Diagnostic>) {

@@ -8,7 +8,7 @@ use std::{
 use super::{Loader, Source, error_at, foreign_formats, scripted::posed};
 use crate::{
     scene::{
-        desc::{ModelDesc, ModelSource, ShapeDesc, is_stage},
+        desc::{Entry, ModelDesc, ModelSource, ShapeDesc, is_stage},
         diagnostic::{Diagnostic, Span},
     },
     world::{
@@ -29,12 +29,11 @@ impl Loader<'_> {
     /// Reads the files of all models.
     pub fn read_models(&mut self) -> Vec<Source> {
         let models = self.desc.models.iter();
-        models
-            .map(|entry| self.read_model(&entry.name, &entry.value))
-            .collect()
+        models.map(|entry| self.read_model(entry)).collect()
     }
 
-    fn read_model(&mut self, name: &str, model: &ModelDesc) -> Source {
+    fn read_model(&mut self, entry: &Entry<ModelDesc>) -> Source {
+        let model = &entry.value;
         let file = match &model.source {
             ModelSource::Shape(shape) => {
                 let mut mesh = match self.shape_mesh(shape) {
@@ -44,7 +43,14 @@ impl Loader<'_> {
                         return Source::Broken;
                     }
                 };
-                mesh.name = name.to_owned();
+                if !self.memory.take(mesh.bytes()) {
+                    let text = "there is not enough memory for this shape with all before it";
+                    let help =
+                        "give shapes fewer `segments`, or use one model in several instances";
+                    self.report_once(error_at("memory-short", &entry.at, text).help(help));
+                    return Source::Broken;
+                }
+                mesh.name.clone_from(&entry.name);
                 self.world.meshes.push(mesh);
                 return Source::Shape(self.world.meshes.len() - 1);
             }

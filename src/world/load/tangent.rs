@@ -3,32 +3,7 @@
 use bevy_mikktspace::{Geometry, TangentSpace, generate_tangents};
 use glam::{Mat2, Vec2, Vec4};
 
-use crate::world::{Mesh, TextureRef, gltf::repair::gather_vertices};
-
-/// Coordinates that a normal map is sampled with, as far as tangents depend on them.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct NormalUv {
-    uv_set: u32,
-    /// Linear part of KHR_texture_transform. Without a rotation only the signs of the scales:
-    /// their size changes no direction.
-    turn: Mat2,
-}
-
-impl NormalUv {
-    /// Of a material's normal map.
-    pub fn of(map: &TextureRef) -> Self {
-        let [u, v] = map.transform.map(|row| row.truncate());
-        let turn = if u.y == 0.0 && v.x == 0.0 {
-            Mat2::from_diagonal(Vec2::new(u.x, v.y).map(f32::signum))
-        } else {
-            Mat2::from_cols(u, v).transpose()
-        };
-        Self {
-            uv_set: map.uv_set,
-            turn,
-        }
-    }
-}
+use crate::world::{Mesh, gltf::repair::gather_vertices, normal_uv::NormalUv};
 
 struct Corners<'a> {
     mesh: &'a Mesh,

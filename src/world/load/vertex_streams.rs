@@ -9,10 +9,10 @@ use std::{
 use glam::Vec2;
 use rayon::prelude::*;
 
-use super::tangent::{self, NormalUv};
+use super::tangent;
 use crate::{
     scene::diagnostic::{Diagnostic, Severity, Span},
-    world::{LayerTexture, Mesh, World},
+    world::{LayerTexture, Mesh, World, normal_uv::NormalUv},
 };
 
 /// Streams that a mesh needs for its materials.
@@ -50,14 +50,22 @@ pub fn needs(world: &World) -> Vec<Needs> {
     needs
 }
 
-/// Generates or drops the vertex streams of every mesh.
+/// Generates or drops the vertex streams of every mesh, within the world's memory.
 ///
 /// # Errors
-/// `internal` where the tangent generator panicked on a mesh.
+/// `memory-short`; `internal` where the tangent generator panicked on a mesh.
 pub fn run(world: &mut World, needs: &[Needs]) -> Result<(), Vec<Diagnostic>> {
+    let memory = world.memory.clone();
     let messages: Vec<_> = (world.meshes.par_iter_mut())
         .zip(needs)
-        .flat_map_iter(|(mesh, need)| finish(mesh, need))
+        .flat_map_iter(|(mesh, need)| {
+            let before = mesh.bytes();
+            let mut messages = finish(mesh, need);
+            if !memory.take(mesh.bytes().saturating_sub(before)) {
+                messages.push(short(mesh));
+            }
+            messages
+        })
         .collect();
     let is_error = |d: &Diagnostic| d.severity == Severity::Error;
     let (errors, warnings): (Vec<_>, Vec<_>) = messages.into_iter().partition(is_error);
@@ -107,6 +115,12 @@ fn finish(mesh: &mut Mesh, need: &Needs) -> Vec<Diagnostic> {
         Some(_) => {}
     }
     messages
+}
+
+fn short(mesh: &Mesh) -> Diagnostic {
+    let text = "there is not enough memory for what its materials need of it, such as tangents";
+    let help = "simplify the model, or render where there is more memory";
+    message(Severity::Error, "memory-short", mesh, text).help(help)
 }
 
 fn message(severity: Severity, name: &'static str, mesh: &Mesh, text: &str) -> Diagnostic {

@@ -17,7 +17,7 @@ _WRAP_NAMES = {10497: "repeat", 33648: "mirror", 33071: "clamp"}
 
 def is_mesh_light(material: Any) -> bool:
     """Whether its emission lights what is around."""
-    return bool((material.extras or {}).get("mesh_light"))
+    return isinstance((material.extras or {}).get("mesh_light"), dict)
 
 
 class OutputMaterial:

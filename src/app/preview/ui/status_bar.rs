@@ -72,7 +72,7 @@ pub fn status(
             let text = format!("script running {script_s:.1} s");
             ui.colored_label(ui.visuals().warn_fg_color, text)
                 .on_hover_text(format!(
-                    "a call is stopped after {most_s} s, or by a newer save"
+                    "a call is stopped after {most_s} s of work, or by a newer save"
                 ));
             ui.separator();
         }

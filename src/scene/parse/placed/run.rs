@@ -4,7 +4,7 @@ use std::{cell::OnceCell, path::PathBuf};
 
 use crate::scene::{
     desc::{At, Entry, ParamValue, TimelineDesc},
-    diagnostic::{Diagnostic, Returned, Span},
+    diagnostic::{Diagnostic, Returned},
 };
 
 /// What the script of a placed scene is given.
@@ -80,14 +80,10 @@ impl Runs {
 pub type Run<'r> = &'r dyn Fn(&ScriptInput) -> Result<RanScript, Box<Diagnostic>>;
 
 /// The script of one placed scene.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct PlacedScript {
-    /// Name of the group that stands for the scene.
-    pub group: String,
-    /// Where the scene is placed.
-    pub at: Span,
     /// See [`RanScript::number`].
     pub number: usize,
-    /// The parameters that the scene declares, with the values that they have here.
-    pub params: Vec<Entry<ParamValue>>,
+    /// See [`RanScript::returned`].
+    pub returned: Returned,
 }

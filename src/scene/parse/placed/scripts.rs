@@ -1,7 +1,5 @@
 //! Scripts of placed scenes: what their `setup` returns is laid into their trees before these are placed.
 
-use std::ops::Range;
-
 use toml::de::{DeTable, DeValue};
 
 use super::{
@@ -10,25 +8,38 @@ use super::{
     run::{PlacedScript, ScriptInput},
 };
 use crate::scene::{
-    desc::At,
+    desc::{At, Entry, ParamValue},
     parse::{additions, params, value::Node},
 };
 
 impl<'i> Expansion<'_, 'i> {
+    /// The parameters of a placed scene, as they are where it stands.
+    pub(super) fn read_params(
+        &mut self,
+        tree: &mut Node<'i>,
+        given: Option<Node<'i>>,
+    ) -> Vec<Entry<ParamValue>> {
+        let DeValue::Table(table) = tree.get_mut() else {
+            return Vec::new();
+        };
+        if let Some(given) = given {
+            self.set_params(table, given);
+        }
+        let params = table.get("params");
+        let params = params.and_then(|node| node.get_ref().as_table());
+        params.map_or_else(Vec::new, |table| params::read(table, self.report))
+    }
+
     /// Takes the script out of the tree of a placed file, and adds what its `setup` returns.
     pub(super) fn run_script(
         &mut self,
         tree: &mut Node<'i>,
         file: &'i PlacedFile,
-        (group, at): (&str, &Range<usize>),
-        given: Option<Node<'i>>,
+        params: &[Entry<ParamValue>],
     ) -> Option<PlacedScript> {
         let DeValue::Table(table) = tree.get_mut() else {
             return None;
         };
-        if let Some(given) = given {
-            self.set_params(table, given);
-        }
         let node = table.remove("script")?;
         let DeValue::String(name) = node.get_ref() else {
             let message = "`script` must be text in quotes";
@@ -39,19 +50,15 @@ impl<'i> Expansion<'_, 'i> {
             self.report.note_lacking_names();
             return None; // a broken line makes it doubtful
         }
-        let params = table
-            .get("params")
-            .and_then(|node| node.get_ref().as_table());
-        let params = params.map_or_else(Vec::new, |table| params::read(table, self.report));
         let name = At {
             value: name.to_string(),
             at: self.report.span(&node.span()),
         };
-        let ran = file.runs.with(&params, |known| {
+        let ran = file.runs.with(params, |known| {
             let input = ScriptInput {
                 folders: &self.placed.folders_of(file),
                 file: &name,
-                params: &params,
+                params,
                 timeline: self.timeline,
                 known,
             };
@@ -65,10 +72,8 @@ impl<'i> Expansion<'_, 'i> {
         let base = (self.report).add_returned(&ran.name, ran.returned.clone(), &ran.text);
         additions::merge(tree, &ran.text, base, self.report);
         Some(PlacedScript {
-            group: group.to_owned(),
-            at: self.report.span(at),
             number: ran.number,
-            params,
+            returned: ran.returned.clone(),
         })
     }
 

@@ -7,11 +7,14 @@ pub struct Unclosed {
     pub at: usize,
     /// What would close it.
     pub closer: char,
-    /// End of the last line that can be inside.
+    /// End of what can be inside.
     pub end: usize,
+    /// The closing bracket of another kind that stands there.
+    pub before: Option<char>,
 }
 
-/// The innermost bracket that is open where a line cannot be inside of it any more.
+/// The innermost bracket that is open where a line cannot be inside of it any more, or where one around
+/// it is closed.
 pub fn first(text: &str) -> Option<Unclosed> {
     let mut open: Vec<(char, usize)> = Vec::new();
     // The last character that is neither space nor comment, and where it ends.
@@ -25,7 +28,7 @@ pub fn first(text: &str) -> Option<Unclosed> {
             if let Some((bracket, start)) = open.last()
                 && cannot_be_inside(line.trim(), *bracket, last.0)
             {
-                return Some(unclosed(*bracket, *start, last.1));
+                return Some(unclosed(*bracket, *start, last.1, None));
             }
             if open.is_empty() && line.trim_start().starts_with('[') {
                 at += line.len(); // a header
@@ -41,9 +44,15 @@ pub fn first(text: &str) -> Option<Unclosed> {
                 length_of_text(rest, c)
             }
             _ => {
-                match c {
-                    '[' | '{' => open.push((c, at)),
-                    ']' | '}' => drop(open.pop()),
+                match (c, open.last()) {
+                    ('[' | '{', _) => open.push((c, at)),
+                    (']' | '}', Some((bracket, start))) => {
+                        let is_around = |(bracket, _): &(char, usize)| closer(*bracket) == c;
+                        if closer(*bracket) != c && open.iter().any(is_around) {
+                            return Some(unclosed(*bracket, *start, last.1, Some(c)));
+                        }
+                        open.pop();
+                    }
                     _ => {}
                 }
                 if !c.is_whitespace() {
@@ -54,12 +63,20 @@ pub fn first(text: &str) -> Option<Unclosed> {
         };
     }
     open.last()
-        .map(|(bracket, start)| unclosed(*bracket, *start, last.1))
+        .map(|(bracket, start)| unclosed(*bracket, *start, last.1, None))
 }
 
-fn unclosed(bracket: char, at: usize, end: usize) -> Unclosed {
-    let closer = if bracket == '{' { '}' } else { ']' };
-    Unclosed { at, closer, end }
+fn unclosed(bracket: char, at: usize, end: usize, before: Option<char>) -> Unclosed {
+    Unclosed {
+        at,
+        closer: closer(bracket),
+        end,
+        before,
+    }
+}
+
+fn closer(bracket: char) -> char {
+    if bracket == '{' { '}' } else { ']' }
 }
 
 /// Length of a text in quotes, with them; without a closing quote it ends with its line.
@@ -118,6 +135,8 @@ mod tests {
             ),
             ("a = [[1, 2], [3\n[[instance]]\n", ("[3", ']')),
             ("a = [1,\n 2,\n", ("[1,\n 2,", ']')),
+            ("a = { b = [1, 2 }\nc = 1\n", ("[1, 2", ']')),
+            ("a = [{ b = 1, { c = 2 }]\n", ("{ b = 1, { c = 2 }", '}')),
         ] {
             assert_eq!(found(text), Some(want), "{text}");
         }
@@ -131,6 +150,7 @@ mod tests {
             "a = { b = 1,\n  c = 2 }\n[[d]]\ne = \"\"\"\n[f\n\"\"\"\n",
             "a = { b = 1, # one\n  c = 2 }\n",
             "[a\"b\n",
+            "a = [1, 2}\n",
         ] {
             assert_eq!(first(text), None, "{text}");
         }

@@ -1,0 +1,125 @@
+//! A script that does not compile.
+
+use rhai::{LexError, ParseErrorType, Position};
+
+use super::{foreign, lower_first, unclosed};
+use crate::scene::{
+    diagnostic::{Diagnostic, Span},
+    script::source_files::Sources,
+    suggest,
+};
+
+/// A mistake that keeps the script that is called `name` from being compiled.
+pub fn syntax(wrong: &ParseErrorType, at: Position, sources: &Sources, name: &str) -> Diagnostic {
+    let span = sources
+        .span(name, at)
+        .unwrap_or_else(|| sources.start_of(name));
+    let source = span.source.as_ref();
+    if let Some(open) = source.and_then(|s| unclosed::explains(wrong, &s.text)) {
+        let last = source.map_or(0, |s| s.place(open.last).line);
+        let span = Span {
+            range: open.at..open.at + 1,
+            ..span
+        };
+        let error = Diagnostic::at(kind_of(wrong), span, "`{` is not closed");
+        return error.help(format!("add `}}`, such as after line {last}"));
+    }
+    let word = source.and_then(|source| source.text.get(span.range.clone()));
+    let (message, help) = match word {
+        Some(word @ ("eval" | "curry")) => {
+            let help = "write a function, or a `for` loop".to_owned();
+            (format!("`{word}` is not supported in scripts"), Some(help))
+        }
+        _ => foreign_syntax(word, &span).unwrap_or_else(|| explain_syntax(wrong, sources, name)),
+    };
+    let mut error = Diagnostic::at(kind_of(wrong), span, message);
+    error.help = help;
+    error
+}
+
+/// What other languages write, at the place of a syntax error.
+fn foreign_syntax(word: Option<&str>, at: &Span) -> Option<(String, Option<String>)> {
+    word.and_then(foreign::word).or_else(|| foreign::sign(at))
+}
+
+fn kind_of(wrong: &ParseErrorType) -> &'static str {
+    match wrong {
+        ParseErrorType::BadInput(LexError::Runtime(_)) => "script-limit",
+        _ => "script-syntax",
+    }
+}
+
+fn explain_syntax(
+    wrong: &ParseErrorType,
+    sources: &Sources,
+    name: &str,
+) -> (String, Option<String>) {
+    match wrong {
+        ParseErrorType::VariableUndefined(variable) => {
+            let message = format!("there is no variable {}", suggest::key(variable));
+            let texts = sources.texts();
+            let text = texts
+                .iter()
+                .find(|(n, _)| n == name)
+                .map_or("", |(_, t)| t.as_str());
+            let known = variables(text);
+            let own = "functions and closures see their parameters and what they define with `let`";
+            let help = if known.contains(&variable.as_str()) {
+                format!("{own}; of the outer scope only `const NAME` is visible, as `global::NAME`")
+            } else {
+                let meant = suggest::nearest(variable, known.iter().copied());
+                meant.map_or_else(
+                    || own.to_owned(),
+                    |meant| format!("did you mean {}?", suggest::key(meant)),
+                )
+            };
+            (message, Some(help))
+        }
+        ParseErrorType::BadInput(LexError::Runtime(why)) => {
+            let help = "Rhai reads long lists of parameters, entries, cases or `let` slowly: make \
+                        them in a loop, or divide them; limits are in docs/scripting.md";
+            let message = format!("parsing of the script was stopped: {why}");
+            (message, Some(help.to_owned()))
+        }
+        ParseErrorType::BadInput(LexError::MalformedNumber(digits))
+            if digits
+                .trim_start_matches('-')
+                .bytes()
+                .all(|b| b.is_ascii_digit()) =>
+        {
+            let message = format!("{} is too large for an integer", suggest::clip(digits));
+            let help = "integers reach to 9223372036854775807; a float has a point, such as 1e20 \
+                        or 2.0";
+            (message, Some(help.to_owned()))
+        }
+        ParseErrorType::LiteralTooLarge(what, most) => {
+            (format!("{what} is too large, at most {most}"), None)
+        }
+        other => (lower_first(&other.to_string()), None),
+    }
+}
+
+/// Every name that a text defines.
+fn variables(text: &str) -> Vec<&str> {
+    let is_name = |c: char| c.is_alphanumeric() || c == '_';
+    let words: Vec<&str> = text
+        .split(|c| !is_name(c))
+        .filter(|w| !w.is_empty())
+        .collect();
+    let defines = |w: &&str| matches!(*w, "let" | "const" | "for" | "as");
+    let mut known: Vec<&str> = words
+        .windows(2)
+        .filter(|pair| defines(&pair[0]))
+        .map(|pair| pair[1])
+        .collect();
+    for definition in text.split("fn ").skip(1) {
+        let parameters = definition.split(['(', ')']).nth(1).unwrap_or("");
+        known.extend(
+            parameters
+                .split(',')
+                .map(str::trim)
+                .filter(|p| !p.is_empty()),
+        );
+    }
+    known
+}

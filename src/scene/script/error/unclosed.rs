@@ -1,0 +1,106 @@
+//! The brace that is never closed: Rhai points at the end of the script, or at the next function.
+
+use rhai::ParseErrorType;
+
+use crate::scene::script::tokens::{Token, tokens};
+
+/// A `{` without its `}`.
+#[derive(Debug, PartialEq, Eq)]
+pub struct Unclosed {
+    /// Where it stands.
+    pub at: usize,
+    /// Where the last word or sign begins that can be inside.
+    pub last: usize,
+}
+
+/// The brace that a mistake follows from, if it can follow from one.
+pub fn explains(wrong: &ParseErrorType, text: &str) -> Option<Unclosed> {
+    let may = matches!(
+        wrong,
+        ParseErrorType::MissingToken(..)
+            | ParseErrorType::UnexpectedEOF
+            | ParseErrorType::WrongFnDefinition
+    );
+    may.then(|| first(text)).flatten()
+}
+
+/// The innermost brace that is open where the indentation says that it was closed, where a function
+/// begins, or else at the end.
+fn first(text: &str) -> Option<Unclosed> {
+    let tokens = tokens(text);
+    let count = |sign: fn(&&Token) -> bool| tokens.iter().filter(sign).count();
+    if count(|t| opens(t)) <= count(|t| t.text == "}") {
+        return None;
+    }
+    let mut open: Vec<&Token> = Vec::new();
+    let mut before: Option<&Token> = None;
+    for token in &tokens {
+        let (here, is_first) = indentation(text, token);
+        let is_over = match (token.text, open.as_slice()) {
+            ("}", [.., outer, inner]) => {
+                let of = |open: &Token| indentation(text, open).0;
+                is_first && of(inner) != here && of(outer) == here
+            }
+            ("fn" | "private", [..]) => true,
+            _ => false,
+        };
+        if is_over && let Some(inner) = open.last() {
+            return Some(unclosed(inner, before));
+        }
+        if opens(token) {
+            open.push(token);
+        } else if token.text == "}" {
+            open.pop();
+        }
+        before = Some(token);
+    }
+    open.last().map(|inner| unclosed(inner, before))
+}
+
+fn unclosed(open: &Token, last: Option<&Token>) -> Unclosed {
+    Unclosed {
+        at: open.at.end - 1, // of `#{` too
+        last: last.map_or(0, |token| token.at.start),
+    }
+}
+
+fn opens(token: &Token) -> bool {
+    matches!(token.text, "{" | "#{")
+}
+
+/// What stands before the first word of the line, and whether that word is this one.
+fn indentation<'t>(text: &'t str, token: &Token) -> (&'t str, bool) {
+    let start = text[..token.at.start].rfind('\n').map_or(0, |i| i + 1);
+    let before = &text[start..token.at.start];
+    let word = before.trim_start();
+    (&before[..before.len() - word.len()], word.is_empty())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn finds_the_brace_that_is_not_closed() {
+        for (text, open, last) in [
+            ("fn a() {", 1, 1),
+            (
+                "fn a() {\n    if b {\n        c();\n}\n\nfn d() { }\n",
+                2,
+                3,
+            ),
+            ("fn a() {\n    if b { c(); }\n\nfn d() { }\n", 1, 2),
+            ("fn a() {\n    #{\n        b: 1,\n}\n// }\n", 2, 3),
+            ("fn a() {\n    b(\"}\");\n    if c {\n        d();\n", 3, 4),
+        ] {
+            let found = first(text).map(|found| {
+                let line = |at: usize| 1 + text[..at].matches('\n').count();
+                (line(found.at), line(found.last))
+            });
+            assert_eq!(found, Some((open, last)), "{text}");
+        }
+        for text in ["fn a() { fn b() { } }", "fn a() { \"{\" } // {", "}", ""] {
+            assert_eq!(first(text), None, "{text}");
+        }
+    }
+}
