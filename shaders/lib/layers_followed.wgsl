@@ -223,13 +223,6 @@ fn reflected(direction: vec3f, s: Surface) -> Reflected {
     return ray;
 }
 
-// The one layer of a surface that rays are reflected by, and the share of its light that arrives; none where there
-// are two.
-struct OnlyLobe {
-    layer: Surface,
-    share: f32,
-}
-
 fn only_lobe(s: Surface, view: vec3f) -> OnlyLobe {
     if (!HAS_COATS || s.clearcoat == 0.0) { return OnlyLobe(s, s.alpha); }
     let base = below_coat(s);

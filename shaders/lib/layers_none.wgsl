@@ -42,11 +42,6 @@ fn reflected(direction: vec3f, s: Surface) -> Reflected {
     return lobe_ray(direction, s);
 }
 
-struct OnlyLobe {
-    layer: Surface,
-    share: f32,
-}
-
 fn only_lobe(s: Surface, view: vec3f) -> OnlyLobe {
     return OnlyLobe(s, 1.0);
 }

@@ -95,6 +95,12 @@ fn ggx(s: Surface, view: vec3f, to_light: vec3f) -> vec3f {
     return fresnel(s, dot(view, h)) * compensation(s, view) * (a2 / (PI * d * d) * visibility * nl * base_share(s, view));
 }
 
+// The one layer of a surface that reflects rays, and the share of its light that arrives; none where there are two.
+struct OnlyLobe {
+    layer: Surface,
+    share: f32,
+}
+
 // Whether what a surface reflects is spread, over more than rounding.
 fn is_spread(s: Surface) -> bool {
     let roughness = reflected_roughness(s);

@@ -5,6 +5,7 @@ pub mod bind;
 pub mod compile_stats;
 pub mod context;
 pub mod error;
+mod naga_errors;
 mod naga_types;
 pub mod pipeline;
 pub mod readback;

@@ -1,15 +1,16 @@
 //! Shader reflection: validates WGSL with naga and lists its declarations.
 
-use std::{error::Error, sync::Arc};
+use std::sync::Arc;
 
 use naga::{
-    AddressSpace, Handle, ImageClass, Module, ScalarKind, Span, StorageAccess, TypeInner,
+    AddressSpace, Handle, ImageClass, Module, ScalarKind, StorageAccess, TypeInner,
     front::wgsl,
     proc::Layouter,
     valid::{Capabilities, ModuleInfo, ValidationFlags, Validator},
 };
 
 use super::{
+    naga_errors::{parse_error, validation_error},
     naga_types::{stage_of, storage_access, storage_format, view_dimension},
     shader::{ShaderError, ShaderSource},
 };
@@ -154,54 +155,6 @@ pub(super) fn checked(
     }
     .reflect()?;
     Ok((declared, module, info))
-}
-
-fn parse_error(source: &ShaderSource, error: &wgsl::ParseError) -> ShaderError {
-    let mut placed = at_first_place(source, error.message(), error.labels());
-    placed.notes.extend(error.notes().map(str::to_owned));
-    placed
-}
-
-fn validation_error(
-    source: &ShaderSource,
-    error: &naga::WithSpan<naga::valid::ValidationError>,
-) -> ShaderError {
-    let mut message = error.as_inner().to_string();
-    let mut cause = error.as_inner().source();
-    while let Some(inner) = cause {
-        message = format!("{message}: {inner}");
-        cause = inner.source();
-    }
-    let labels = error.spans().map(|(span, label)| (*span, label.as_str()));
-    at_first_place(source, &message, labels)
-}
-
-/// naga's labels: the first one with a location is the place, the others are notes.
-fn at_first_place<'a>(
-    source: &ShaderSource,
-    message: &str,
-    labels: impl Iterator<Item = (Span, &'a str)>,
-) -> ShaderError {
-    let mut error = ShaderError::new(&source.file, message);
-    for (span, label) in labels {
-        let place = span.to_range().and_then(|range| source.locate(range));
-        let label = label.trim();
-        match place {
-            Some(place) if error.location.is_none() => {
-                error.location = Some(place);
-                if !label.is_empty() && !message.contains(label) {
-                    error.notes.push(label.to_owned());
-                }
-            }
-            Some(at) => {
-                let at = format!("{}:{}:{}", at.file, at.line, at.column);
-                error.notes.push(format!("{label} ({at})"));
-            }
-            None if label.is_empty() => {}
-            None => error.notes.push(label.to_owned()),
-        }
-    }
-    error
 }
 
 /// Builder of a [`ShaderModuleInfo`] from a validated module.

@@ -9,14 +9,18 @@ use std::{
 };
 
 /// Lower comes first. A file may name modules of its own layer and of those it lists.
-const LAYERS: [(&str, &[&str]); 10] = [
+const LAYERS: [(&str, &[&str]); 11] = [
     ("math", &[]),
     ("files", &[]),
     ("memory", &[]),
-    ("scene", &["math", "files"]),
+    ("processor_time", &[]),
+    ("scene", &["math", "files", "processor_time"]),
     ("world", &["scene", "math", "files", "memory"]),
     ("gpu", &["math", "files"]),
-    ("render", &["gpu", "world", "scene", "math"]),
+    (
+        "render",
+        &["gpu", "world", "scene", "math", "processor_time"],
+    ),
     (
         "session",
         &["render", "gpu", "world", "scene", "math", "files"],
