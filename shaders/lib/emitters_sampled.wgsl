@@ -84,10 +84,12 @@ fn emitted_light(s: Surface, view: vec3f, albedo: vec3f) -> Shade {
         let arriving = arriving_from(s, s.position + l.to_light * l.distance_m);
         if (all(arriving == vec3f(0.0))) { continue; }
         l.color *= arriving;
-        out.diffuse += (albedo + sheen(s, view, l.to_light)) * l.color * (nl / PI);
+        let is_met = !is_passed(instances[id.x].trace_flags, UNREFLECTED);
+        let aimed = select(1.0, aimed_share(l.pdf * f32(sampling.rays), nl), is_met);
+        out.diffuse += (albedo + sheen(s, view, l.to_light)) * l.color * (nl / PI * aimed);
         if (!has_specular) { continue; }
         var share = 1.0;
-        if (is_rough && !is_passed(instances[id.x].trace_flags, UNREFLECTED)) {
+        if (is_rough && is_met) {
             share = balance(l.pdf * f32(sampling.rays), lobe_density(s, view, l.to_light));
         }
         out.specular += ggx(s, view, l.to_light) * l.color * share;

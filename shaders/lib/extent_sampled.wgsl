@@ -31,6 +31,21 @@ fn balance(pdf: f32, other: f32) -> f32 {
     return 1.0 / (1.0 + ratio * ratio);
 }
 
+// Times that matte surfaces have scattered the path.
+var<private> path_scatterings: u32 = 0u;
+
+// Density of a scattered ray, per solid angle.
+fn scattered_density(cosine: f32) -> f32 {
+    return max(cosine, 1e-6) / PI;
+}
+
+// Share of the light that a matte surface gets along a ray towards it; the rest is found by the ray that the surface
+// scatters, if the path may be scattered once more. Near a lamp the former alone are bright and seldom.
+fn aimed_share(pdf: f32, cosine: f32) -> f32 {
+    if (path_scatterings >= frame.diffuse_bounces) { return 1.0; }
+    return balance(pdf, scattered_density(cosine));
+}
+
 // Whether the path has left a surface in one of several directions, by chance.
 var<private> path_is_chance: bool = false;
 
@@ -149,7 +164,8 @@ fn sized_light(i: u32, s: Surface, view: vec3f, albedo: vec3f) -> Shade {
             if (all(arriving == vec3f(0.0))) { continue; }
             l.color *= arriving;
         }
-        out.diffuse += (albedo + sheen(s, view, l.to_light)) * l.color * (nl / PI);
+        let aimed = aimed_share(l.pdf * f32(sampling.rays), nl);
+        out.diffuse += (albedo + sheen(s, view, l.to_light)) * l.color * (nl / PI * aimed);
         if (!has_specular) { continue; }
         var share = 1.0;
         if (is_rough) { share = balance(l.pdf * f32(sampling.rays), lobe_density(s, view, l.to_light)); }

@@ -12,7 +12,6 @@ const CHOICE_PAIR: u32 = 0x10005u;
 const FIRST_ENDING: u32 = 4u; // vertices before a path may end by chance
 const MOST_LIKELY: f32 = 0.95;
 
-var<private> path_scatterings: u32 = 0u;
 var<private> path_weight: vec3f = vec3f(1.0);
 var<private> path_vertices: u32 = 0u;
 
@@ -36,7 +35,7 @@ fn continues(s: Surface) -> bool {
     return goes_on(s) || (path_scatterings < frame.diffuse_bounces && (has_sheen(s) || (s.metallic < 1.0 && any(s.base_color > vec3f(0.0)))));
 }
 
-// A direction of even light over the cosine. What shines is found by rays towards it alone.
+// A direction of even light over the cosine. The environment is found by rays towards it alone.
 fn scattered_ray(s: Surface, view: vec3f, albedo: vec3f) -> Reflected {
     path_scatterings++;
     path_is_chance = true;
@@ -44,7 +43,7 @@ fn scattered_ray(s: Surface, view: vec3f, albedo: vec3f) -> Reflected {
     let out = cosine_direction(s.normal, sample_square(sampling.sample, SCATTER_PAIR));
     if (dot(out, s.geometric_normal) <= 0.0) { return Reflected(s.normal, vec3f(0.0), TAKEN, 0.0); }
     let weight = albedo + sheen(s, view, out) * scattered_share(s, view);
-    return Reflected(out, weight, TAKEN, 0.0);
+    return Reflected(out, weight, scattered_density(dot(s.normal, out)), 0.0);
 }
 
 // Scattered, or along what the surface mirrors and lets pass, by what they return.
