@@ -90,16 +90,10 @@ fn picture(
     for line in &log.map_err(AppError::Scene)? {
         eprintln!("{line}");
     }
-    let rendered = match args.stats {
-        Some(_) => session.picture(),
-        // Nothing is timed, so nothing waits for each pass.
-        None => {
-            let pending = session.begin(output.has_color());
-            pending.and_then(|pending| pending.take(&session.scene.gpu))
-        }
-    };
-    let mut picture =
-        rendered.map_err(|error| AppError::from_render(error, session.own_shaders))?;
+    let pending = session.begin(output.has_color());
+    let mut picture = pending
+        .and_then(|pending| pending.take(&session.scene.gpu))
+        .map_err(|error| AppError::from_render(error, session.own_shaders))?;
     if let Some(denoiser) = &session.denoiser {
         denoiser.apply(&mut picture)?;
     }

@@ -5,7 +5,7 @@ use std::{sync::Arc, time::SystemTime};
 use super::{args::RenderArgs, denoise::Denoiser, error::AppError, plan_file::costs};
 use crate::{
     gpu::{Gpu, GpuOptions, ShaderLibrary},
-    render::{PendingPicture, Picture, PictureRequest, RenderError, aov::Aov},
+    render::{PendingPicture, PictureRequest, RenderError, aov::Aov},
     session::{
         scene_renderer::{RendererSettings, SceneRenderer},
         scene_text::LoadedScene,
@@ -24,6 +24,8 @@ pub struct RenderSession {
     pub denoiser: Option<Arc<Denoiser>>,
     /// Whether the shaders come from the user.
     pub own_shaders: bool,
+    /// Whether passes are timed, for statistics.
+    timed: bool,
 }
 
 impl RenderSession {
@@ -62,25 +64,21 @@ impl RenderSession {
             opened,
             denoiser,
             own_shaders,
+            timed: args.stats.is_some(),
         })
     }
 
-    /// Renders the posed scene.
-    ///
-    /// # Errors
-    /// As [`SceneRenderer::picture`].
-    pub fn picture(&mut self) -> Result<Picture, RenderError> {
-        let aovs = self.read_aovs();
-        self.scene.picture(&aovs)
-    }
-
-    /// Starts a picture of the posed scene, with or without linear color.
+    /// Starts a picture of the posed scene, with or without linear color; timed where statistics are asked.
     ///
     /// # Errors
     /// As [`SceneRenderer::begin`].
     pub fn begin(&mut self, color: bool) -> Result<PendingPicture, RenderError> {
         let aovs = &self.read_aovs();
-        self.scene.begin(PictureRequest { color, aovs })
+        self.scene.begin(PictureRequest {
+            color,
+            aovs,
+            timed: self.timed,
+        })
     }
 
     /// The AOVs that a picture is read with.

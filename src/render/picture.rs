@@ -36,6 +36,8 @@ pub struct PictureRequest<'a> {
     pub color: bool,
     /// Further planes.
     pub aovs: &'a [Aov],
+    /// Times of its passes, which wait for each of them.
+    pub timed: bool,
 }
 
 /// A picture being rendered or read back. Another thread may wait for it while the renderer
@@ -110,14 +112,15 @@ impl Renderer {
         camera: &CameraDesc,
         aovs: &[Aov],
     ) -> Result<Picture, RenderError> {
-        let stats = self.render(gpu, world, camera)?;
-        let color = true;
-        self.pending(gpu, camera, PictureRequest { color, aovs }, stats, false)?
-            .take(gpu)
+        let request = PictureRequest {
+            color: true,
+            aovs,
+            timed: true,
+        };
+        self.begin_picture(gpu, world, camera, request)?.take(gpu)
     }
 
-    /// Starts a picture without timing or waiting, so that the next one can be posed and started
-    /// meanwhile.
+    /// Starts a picture; unless it is timed, the next one can be posed and started meanwhile.
     ///
     /// # Errors
     /// As [`Renderer::render`].
@@ -128,8 +131,11 @@ impl Renderer {
         camera: &CameraDesc,
         request: PictureRequest,
     ) -> Result<PendingPicture, RenderError> {
-        let stats = self.submit(gpu, world, camera)?;
-        self.pending(gpu, camera, request, stats, true)
+        let stats = match request.timed {
+            true => self.render(gpu, world, camera)?,
+            false => self.submit(gpu, world, camera)?,
+        };
+        self.pending(gpu, camera, request, stats)
     }
 
     pub(super) fn pending(
@@ -138,7 +144,6 @@ impl Renderer {
         camera: &CameraDesc,
         request: PictureRequest,
         stats: FrameStats,
-        count: bool,
     ) -> Result<PendingPicture, RenderError> {
         let color = request.color.then(|| self.color());
         let planes = request.aovs.iter().flat_map(|aov| aov.targets());
@@ -147,7 +152,7 @@ impl Renderer {
         let covered = (alpha && color.is_some()).then_some(Target::CoverageSum);
         let targets: Vec<_> = targets.chain(covered).chain(planes.copied()).collect();
         Ok(PendingPicture {
-            download: self.download(gpu, &targets, count)?,
+            download: self.download(gpu, &targets, !request.timed)?,
             color,
             aovs: request.aovs.to_vec(),
             camera: camera.clone(),

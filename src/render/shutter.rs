@@ -66,16 +66,15 @@ impl Renderer {
         camera: usize,
         aovs: &[Aov],
     ) -> Result<Picture, RenderError> {
-        let seen_by = |world: &World| world.cameras[camera].value.clone();
-        let stats = self.render_moments(gpu, moments, &seen_by)?;
-        let samples = self.options.image.samples;
-        let world = moments.pose(samples - 1, samples)?;
-        let request = PictureRequest { color: true, aovs };
-        let camera = &world.cameras[camera].value;
-        self.pending(gpu, camera, request, stats, false)?.take(gpu)
+        let request = PictureRequest {
+            color: true,
+            aovs,
+            timed: true,
+        };
+        (self.begin_picture_of_moments(gpu, moments, camera, request)?).take(gpu)
     }
 
-    /// Starts a picture of several moments without timing or waiting for it.
+    /// Starts a picture of several moments, timed or without waiting for it.
     ///
     /// # Errors
     /// As [`Renderer::picture_of_moments`].
@@ -86,6 +85,24 @@ impl Renderer {
         camera: usize,
         request: PictureRequest,
     ) -> Result<PendingPicture, RenderError> {
+        let stats = if request.timed {
+            let seen_by = |world: &World| world.cameras[camera].value.clone();
+            self.render_moments(gpu, moments, &seen_by)?
+        } else {
+            self.submit_moments(gpu, moments, camera)?
+        };
+        let samples = self.options.image.samples;
+        let world = moments.pose(samples - 1, samples)?;
+        self.pending(gpu, &world.cameras[camera].value, request, stats)
+    }
+
+    /// Submits one picture of several moments, as [`Renderer::submit`] does one of a moment.
+    fn submit_moments(
+        &mut self,
+        gpu: &Gpu,
+        moments: &mut dyn Moments,
+        camera: usize,
+    ) -> Result<FrameStats, RenderError> {
         let mut before = None;
         self.each_moment(gpu, moments, |renderer, world, sample| {
             let view = renderer.view(world, &world.cameras[camera].value)?;
@@ -97,10 +114,7 @@ impl Renderer {
             }
             Ok(())
         })?;
-        let stats: FrameStats = self.stats(PassTimes::default(), 0.0);
-        let samples = self.options.image.samples;
-        let world = moments.pose(samples - 1, samples)?;
-        self.pending(gpu, &world.cameras[camera].value, request, stats, true)
+        Ok(self.stats(PassTimes::default(), 0.0))
     }
 
     /// Poses the renderer for each sub-frame, and has it recorded.

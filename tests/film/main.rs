@@ -151,6 +151,7 @@ fn order_and_shards_do_not_change_a_byte() {
     let third = run(&alone, &third.split(' ').collect::<Vec<_>>(), 0).stdout;
     let stats: serde_json::Value = serde_json::from_slice(&third).expect("JSON alone");
     assert!(stats["counts"].is_array(), "{stats}");
+    assert!(stats["frame_ms"].as_f64() > Some(0.0), "{stats}");
     // One at a time, as a farm does; the name is in the notation of another program.
     for frame in ["4", "5"] {
         render(&alone, &["-o", "f.%03d.png", "--frames", frame], 0);
