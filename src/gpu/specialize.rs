@@ -53,7 +53,7 @@ fn prune(module: &Module, function: &mut Function) {
         }
         known = next;
     }
-    // Names of values that may be gone.
+    // `compact` keeps what has a name.
     function.named_expressions.clear();
 }
 
@@ -168,49 +168,24 @@ impl<'a> Values<'a> {
 fn taken(values: &Values<'_>, block: Block) -> Block {
     let mut kept = Block::with_capacity(block.len());
     for (statement, span) in block.span_into_iter() {
-        match statement {
+        match inner_taken(values, statement) {
             Statement::If {
                 condition,
                 accept,
                 reject,
             } => match values.of(condition) {
-                Some(value) => {
-                    let mut branch = taken(values, if value { accept } else { reject });
-                    kept.append(&mut branch);
-                }
+                Some(true) => kept.extend_block(accept),
+                Some(false) => kept.extend_block(reject),
                 None => kept.push(
                     Statement::If {
                         condition,
-                        accept: taken(values, accept),
-                        reject: taken(values, reject),
+                        accept,
+                        reject,
                     },
                     span,
                 ),
             },
-            Statement::Block(inner) => {
-                kept.append(&mut taken(values, inner));
-            }
-            Statement::Switch {
-                selector,
-                mut cases,
-            } => {
-                for case in &mut cases {
-                    case.body = taken(values, std::mem::take(&mut case.body));
-                }
-                kept.push(Statement::Switch { selector, cases }, span);
-            }
-            Statement::Loop {
-                body,
-                continuing,
-                break_if,
-            } => kept.push(
-                Statement::Loop {
-                    body: taken(values, body),
-                    continuing: taken(values, continuing),
-                    break_if,
-                },
-                span,
-            ),
+            Statement::Block(inner) => kept.extend_block(inner),
             other => kept.push(other, span),
         }
         let ends = |s: &Statement| {
@@ -224,6 +199,59 @@ fn taken(values: &Values<'_>, block: Block) -> Block {
         }
     }
     kept
+}
+
+/// A statement without the branches that are not taken inside of it.
+fn inner_taken(values: &Values<'_>, statement: Statement) -> Statement {
+    match statement {
+        Statement::If {
+            condition,
+            accept,
+            reject,
+        } => {
+            let of = |branch, when| match values.of(condition) {
+                Some(value) if value != when => Block::new(),
+                _ => taken(values, branch),
+            };
+            Statement::If {
+                condition,
+                accept: of(accept, true),
+                reject: of(reject, false),
+            }
+        }
+        Statement::Block(inner) => Statement::Block(taken(values, inner)),
+        Statement::Switch {
+            selector,
+            mut cases,
+        } => {
+            for case in &mut cases {
+                case.body = taken(values, std::mem::take(&mut case.body));
+            }
+            Statement::Switch { selector, cases }
+        }
+        Statement::Loop {
+            body,
+            continuing,
+            break_if,
+        } => {
+            // What stands in the body itself, `continuing` may name, even if the body ends before.
+            let body = if continuing.is_empty() && break_if.is_none() {
+                taken(values, body)
+            } else {
+                let mut kept = Block::with_capacity(body.len());
+                for (statement, span) in body.span_into_iter() {
+                    kept.push(inner_taken(values, statement), span);
+                }
+                kept
+            };
+            Statement::Loop {
+                body,
+                continuing: taken(values, continuing),
+                break_if,
+            }
+        }
+        other => other,
+    }
 }
 
 #[cfg(test)]
@@ -243,8 +271,24 @@ mod tests {
         @group(0) @binding(2) var<storage, read> of_b: array<u32>;
         fn with_a(i: u32) -> u32 { return of_a[i]; }
         fn with_b(i: u32) -> u32 { return of_b[i]; }
+        fn unset() -> bool {
+            var known: bool;
+            if (out[2] == 0u) { known = true; }
+            return known;
+        }
         fn chosen(i: u32) -> u32 {
             var sum = 0u;
+            for (var k = 0u; k < 4u; k++) {
+                if (B) { continue; }
+                if (A) { sum += k; } else { break; }
+                sum += 1u;
+            }
+            loop {
+                if (A) { break; }
+                let step = sum + 1u;
+                continuing { sum += step; break if step > 9u; }
+            }
+            if (unset()) { sum += 1u; }
             if (A && i > 3u) { sum += with_a(i); }
             if (!(B || !A) || i > 5u) { sum += 1u; }
             loop {
@@ -283,18 +327,28 @@ mod tests {
     fn what_constants_leave_out_is_gone() {
         let main = Some("main");
         let found = names(&[], main);
-        assert_eq!(found, ["with_a", "chosen", "out", "of_a"]);
+        assert_eq!(found, ["with_a", "unset", "chosen", "out", "of_a"]);
         let found = names(&[("A", 0.0)], main);
-        assert_eq!(found, ["chosen", "out"]);
+        assert_eq!(found, ["unset", "chosen", "out"]);
         let found = names(&[("B", 1.0)], main);
-        let all = ["with_a", "with_b", "chosen", "out", "of_a", "of_b"];
+        let all = ["with_a", "with_b", "unset", "chosen", "out", "of_a", "of_b"];
         assert_eq!(found, all);
+    }
+
+    /// What a variable with a name holds before it is stored to counts.
+    #[test]
+    fn variables_of_the_author_are_not_constants() {
+        let module = wgsl::parse_str(TEXT).expect("parses");
+        let is_unset = |f: &&Function| f.name.as_deref() == Some("unset");
+        let mut functions = module.functions.iter().map(|(_, f)| f);
+        let unset = functions.find(is_unset).expect("it is there");
+        assert!(constant_temporaries(&module, unset, &[]).is_empty());
     }
 
     #[test]
     fn other_entry_points_stay_where_none_is_chosen() {
         let found = names(&[("A", 0.0)], None);
-        assert_eq!(found, ["with_b", "chosen", "out", "of_b"]);
+        assert_eq!(found, ["with_b", "unset", "chosen", "out", "of_b"]);
     }
 
     #[test]
