@@ -21,17 +21,15 @@ pub fn warn(below: &Node, above: &DeTable, report: &mut Report) {
     };
     for kind in KINDS {
         let (known, written) = (names(below, kind), names(above, kind));
-        let is_in =
-            |list: &[(&str, Range<usize>)], name: &str| list.iter().any(|(n, _)| *n == name);
         if known.len().max(written.len()) > MOST {
             continue;
         }
-        for (name, at) in &written {
+        let [in_known, in_written] =
+            [&known, &written].map(|list| list.iter().map(|(n, _)| *n).collect::<HashSet<_>>());
+        for (name, at) in written.iter().filter(|(name, _)| !in_known.contains(name)) {
             // Who writes both knows both.
-            let meant = known
-                .iter()
-                .find(|(other, _)| is_slip(name, other) && !is_in(&written, other));
-            let Some((other, first)) = meant.filter(|_| !is_in(&known, name)) else {
+            let mut others = known.iter().filter(|(n, _)| !in_written.contains(n));
+            let Some((other, first)) = others.find(|(other, _)| is_slip(name, other)) else {
                 continue;
             };
             let [name, other] = [name, other].map(|name| suggest::text(name));
@@ -66,9 +64,23 @@ fn names<'n>(table: &'n DeTable, kind: &str) -> Vec<(&'n str, Range<usize>)> {
     found
 }
 
-/// Whether two neighbouring letters are swapped, or one letter is missing; what else is alike is a name of its own,
-/// as `ball2`, `balls` and `wall_b` are.
+/// Whether two neighbouring letters are swapped, one letter is missing, or letters are large instead of small; what
+/// else is alike is a name of its own, as `ball2`, `balls`, `wall_b` and `lamp_ii` are.
 fn is_slip(a: &str, b: &str) -> bool {
+    if a.len().abs_diff(b.len()) > 4 || a == b {
+        return false;
+    }
+    let [a, b] = [a, b].map(str::to_lowercase);
+    if a == b {
+        return true;
+    }
+    // A last part of few letters numbers things of a kind.
+    let numbers = |name: &str| name.rfind(['_', '-']).filter(|at| name.len() - at <= 4);
+    if let (Some(x), Some(y)) = (numbers(&a), numbers(&b))
+        && a[..x] == b[..y]
+    {
+        return false;
+    }
     let [a, b] = [a, b].map(|name| name.chars().collect::<Vec<_>>());
     let (short, long) = if a.len() <= b.len() { (a, b) } else { (b, a) };
     let same = short.iter().zip(&long).take_while(|(a, b)| a == b).count();
@@ -98,6 +110,7 @@ mod tests {
             ("bal", "ball"),
             ("lgiht", "light"),
             ("camra", "camera"),
+            ("Blue", "blue"),
         ] {
             assert!(is_slip(a, b) && is_slip(b, a), "{a} {b}");
         }
@@ -110,6 +123,8 @@ mod tests {
             ("left", "lift"),
             ("lamp", "clamp"),
             ("ab", "a"),
+            ("lamp_ii", "lamp_iii"),
+            ("wall_ab", "wall_ba"),
             ("main", "main"),
         ] {
             assert!(!is_slip(a, b) && !is_slip(b, a), "{a} {b}");

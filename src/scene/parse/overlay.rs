@@ -213,6 +213,12 @@ fn nothing(
         return;
     }
     let message = format!("there is nothing at {} to remove", suggest::text(path));
+    if let Some(first) = report.removed(path) {
+        let error = report.error("dangling-name", at, message);
+        error.help = Some("let one of the layers or variants remove it".into());
+        error.related = Some((first, "it is removed here already".into()));
+        return;
+    }
     let known: Vec<_> = known.iter().map(String::as_str).collect();
     let written = match suggest::nearest(name, known.iter().copied()) {
         None if has_script => {

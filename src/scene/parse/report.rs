@@ -101,6 +101,10 @@ impl Report {
     pub fn end_variant(&mut self, mut is_there: impl FnMut(&str) -> bool) {
         let variant = self.variant.take();
         for (path, removal) in &mut self.removed {
+            // What a variant makes anew has its own mistakes.
+            if removal.by == variant && is_there(path) {
+                removal.by = None;
+            }
             let is_new = removal.changed_by.is_none() && removal.by != variant;
             if is_new && is_there(path) {
                 removal.changed_by.clone_from(&variant);

@@ -1,8 +1,6 @@
 //! Reads one value: its type, its range, and what it should have been if it is wrong. The same
 //! implementations describe the value in the JSON Schema and in the manual.
 
-use std::{fmt::Display, str::FromStr};
-
 use glam::Vec3;
 use serde_json::{Value as Json, json};
 use toml::{Spanned, de::DeValue};
@@ -85,10 +83,9 @@ pub fn wrong_type<'r>(
 }
 
 /// What to write for a value that is right but for quotes around it.
-fn unquoted<T: FromStr + Display>(node: &Node, is_right: fn(&T) -> bool) -> Option<String> {
-    let value = node.get_ref().as_str()?.trim().parse().ok();
-    let value = value.filter(is_right)?;
-    Some(format!("write {value}, without quotes"))
+fn unquoted(node: &Node, is_right: impl Fn(&str) -> bool) -> Option<String> {
+    let value = node.get_ref().as_str()?.trim();
+    is_right(value).then(|| format!("write {value}, without quotes"))
 }
 
 /// Integers and floats alike, whole or not; `None` and a message for anything else.
@@ -100,7 +97,13 @@ fn number(node: &Node, named: &Named, expected: &str, report: &mut Report) -> Op
         },
         DeValue::Float(f) => f.as_str().parse().unwrap_or(f64::MAX),
         _ => {
-            let quoted = unquoted(node, |x: &f64| x.is_finite());
+            let quoted = unquoted(node, |text| {
+                // Rust reads `.5` and `5.`, TOML does not.
+                let is_toml = text.starts_with(|c: char| c == '-' || c.is_ascii_digit())
+                    && text.ends_with(|c: char| c.is_ascii_digit());
+                let x = text.parse().ok().filter(|x: &f64| x.is_finite());
+                is_toml && x.is_some_and(|x| named.range.check(x).is_ok())
+            });
             wrong_type(node, named.key, expected, report).help = quoted;
             return None;
         }
@@ -177,7 +180,7 @@ impl Value for bool {
     fn read(node: &Node, named: &Named, report: &mut Report) -> Option<Self> {
         let value = node.get_ref().as_bool();
         if value.is_none() {
-            let quoted = unquoted(node, |_: &bool| true);
+            let quoted = unquoted(node, |text| matches!(text, "true" | "false"));
             wrong_type(node, named.key, &Self::expected(), report).help = quoted;
         }
         value

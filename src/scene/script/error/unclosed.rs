@@ -32,29 +32,34 @@ fn first(text: &str) -> Option<Unclosed> {
     if count(|t| opens(t)) <= count(|t| t.text == "}") {
         return None;
     }
-    let mut open: Vec<&Token> = Vec::new();
+    // With what stands before the first word of their lines.
+    let mut open: Vec<(&Token, &str)> = Vec::new();
     let mut before: Option<&Token> = None;
+    let mut here = "";
     for token in &tokens {
-        let (here, is_first) = indentation(text, token);
+        let from = before.map_or(0, |before| before.at.start);
+        let breaks = text[from..token.at.start].rfind('\n');
+        let is_first = breaks.is_some() || before.is_none();
+        if is_first {
+            let lead = &text[from + breaks.map_or(0, |i| i + 1)..token.at.start];
+            here = &lead[..lead.len() - lead.trim_start().len()];
+        }
         let is_over = match (token.text, open.as_slice()) {
-            ("}", [.., outer, inner]) => {
-                let of = |open: &Token| indentation(text, open).0;
-                is_first && of(inner) != here && of(outer) == here
-            }
+            ("}", [.., (_, outer), (_, inner)]) => is_first && *inner != here && *outer == here,
             ("fn" | "private", [..]) => true,
             _ => false,
         };
-        if is_over && let Some(inner) = open.last() {
+        if is_over && let Some((inner, _)) = open.last() {
             return Some(unclosed(inner, before));
         }
         if opens(token) {
-            open.push(token);
+            open.push((token, here));
         } else if token.text == "}" {
             open.pop();
         }
         before = Some(token);
     }
-    open.last().map(|inner| unclosed(inner, before))
+    open.last().map(|(inner, _)| unclosed(inner, before))
 }
 
 fn unclosed(open: &Token, last: Option<&Token>) -> Unclosed {
@@ -66,14 +71,6 @@ fn unclosed(open: &Token, last: Option<&Token>) -> Unclosed {
 
 fn opens(token: &Token) -> bool {
     matches!(token.text, "{" | "#{")
-}
-
-/// What stands before the first word of the line, and whether that word is this one.
-fn indentation<'t>(text: &'t str, token: &Token) -> (&'t str, bool) {
-    let start = text[..token.at.start].rfind('\n').map_or(0, |i| i + 1);
-    let before = &text[start..token.at.start];
-    let word = before.trim_start();
-    (&before[..before.len() - word.len()], word.is_empty())
 }
 
 #[cfg(test)]
