@@ -63,12 +63,14 @@ cargo test --locked --all-features --test '*' --no-run
 # Two processes: a software adapter compiles shaders on one thread of each. `pictures` takes half of the time.
 others="$(mktemp)"
 cargo test --locked --all-features --test '[!p]*' >"$others" 2>&1 &
-readonly others beside=$!
-trap 'kill "$beside" 2>/dev/null || true; rm -f "$others"' EXIT
+beside=$!
+trap 'pkill -P "$beside" || true; kill "$beside" || true; rm -f "$others"' EXIT
 failed=no
 cargo test --locked --all-features --test 'p*' || failed=yes
 wait "$beside" || failed=yes
 cat "$others"
+rm "$others"
+trap - EXIT
 [ "$failed" = no ]
 
 heading "Example of the library"
