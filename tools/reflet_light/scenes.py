@@ -201,12 +201,12 @@ def indirect() -> list[Scene]:
         bounces = f"bounces = 12\ndiffuse_bounces = {n}"
         text = (room() + block).replace("bounces = 12", bounces)
         scenes.append(
-            Scene(f"room-{n}", f"room of matte walls, {n} diffuse bounces", text, n + 2, 256)
+            Scene(f"room-{n}", f"room of matte walls, {n} diffuse bounces", text, n + 2, 4096)
         )
     text = (room() + block + metal + glass).replace('"rt"', '"path"')
     return [
         *scenes,
-        Scene("room-path", "the same with metal and glass, by all paths", text, 32, 256),
+        Scene("room-path", "the same with metal and glass, by all paths", text, 32, 4096),
     ]
 
 
@@ -298,7 +298,7 @@ def all_scenes() -> list[Scene]:
         Scene("metal-rect", "rough metal floor below a rectangle", satin_floor, 3),
         Scene("glass", "solid ball of glass, index 1.5", ball(solid + "roughness = 0"), 16),
         Scene("glass-rough", "solid ball of glass, roughness 0.4",
-              ball(solid + "roughness = 0.4"), 16),
+              ball(solid + "roughness = 0.4"), 16, 4096),
         Scene("glass-thin", "thin hollow ball of glass", ball(glass + "roughness = 0"), 16),
         Scene("clearcoat", "clear coat over roughness 0.5", ball(lacquer), 2),
         Scene("clearcoat-rough", "clear coat of roughness 0.24 over roughness 0.7",
