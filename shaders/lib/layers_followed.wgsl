@@ -220,6 +220,8 @@ fn reflected(direction: vec3f, s: Surface) -> Reflected {
         ray = lobe_ray(direction, s);
     }
     if (HAS_TRANSMISSION) { ray.weight *= s.alpha; }
+    // From within a solid no rays are sent towards what shines.
+    if (HAS_TRANSMISSION && s.is_inside && s.transmission > 0.0) { ray.pdf = 0.0; ray.sky_weight = 1.0; }
     return ray;
 }
 

@@ -116,6 +116,32 @@ fn glass_in_a_white_world_cannot_be_seen() {
     }
 }
 
+/// Light that is mirrored inside a solid is looked for by no other ray.
+#[test]
+fn rough_glass_shows_lamps_as_bright_by_any_number_of_rays() {
+    let Some(gpu) = gpu() else { return };
+    let panel = "[light.panel]\nkind = \"rect\"\nposition = [0, 0, -3]\ndirection = [0, 0, 1]\n\
+                 size = [6, 6]\nintensity_cd = 36\n";
+    let ball = thing(
+        "{ kind = \"sphere\", radius = 1 }",
+        "transmission = 1\nthickness_m = 1",
+    );
+    let ball = ball.replace("roughness = 0\n", "roughness = 0.5\n");
+    let text = wall_and(&format!("{panel}{ball}"));
+    let [few, many] = [1, 16].map(|rays| {
+        let rays = format!("image.light_rays={rays}");
+        let set = [
+            rays.as_str(),
+            "image.samples=64",
+            "image.size=[32, 32]",
+            "environment.color=[0, 0, 0]",
+            "reflection.roughness_cutoff=1",
+        ];
+        mean(&render(gpu, &text, &set, &[]))[0]
+    });
+    assert_close(many / few, 1.0, 3e-3);
+}
+
 #[test]
 fn a_ball_of_glass_turns_around_what_is_behind_it() {
     let Some(gpu) = gpu() else { return };
