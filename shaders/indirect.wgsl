@@ -21,8 +21,9 @@ fn gathered(pixel: vec2u) -> vec3f {
 }
 
 @compute @workgroup_size(8, 8)
-fn main(@builtin(global_invocation_id) id: vec3u) {
-    if (any(id.xy >= vec2u(frame.size))) { return; }
-    textureStore(indirect_light, id.xy, vec4f(min(gathered(id.xy), BRIGHTEST), 1.0));
+fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_id) local: vec3u) {
+    let pixel = invoked_pixel(group, groups, local);
+    if (any(pixel >= vec2u(frame.size))) { return; }
+    textureStore(indirect_light, pixel, vec4f(min(gathered(pixel), BRIGHTEST), 1.0));
     if (exhausted_rays > 0u) { atomicAdd(&counters[EXHAUSTED_COUNTER], exhausted_rays); }
 }

@@ -15,31 +15,33 @@ override LENDS_LIGHT: bool = true;
 // Whether the camera sees the environment.
 override SHOW_ENVIRONMENT: bool = true;
 
-fn light_pixel(id: vec3u) {
-    if (any(id.xy >= vec2u(frame.size))) { return; }
-    start_samples(id.xy, 0u);
+fn light_pixel(pixel: vec2u) {
+    if (any(pixel >= vec2u(frame.size))) { return; }
+    start_samples(pixel, 0u);
     var lit: Shade;
     var unlit = 0.0;
-    if (textureLoad(view_depth, id.xy, 0).x < FAR_M) {
-        let s = load_surface(id.xy);
+    if (textureLoad(view_depth, pixel, 0).x < FAR_M) {
+        let s = load_surface(pixel);
         lit = shade(s, -view_direction(s.position), vec2u(0u));
         unlit = select(0.0, coverage(s), s.unlit);
     } else if (SHOW_ENVIRONMENT) {
-        lit.diffuse = environment(normalize(pixel_ray(vec2f(id.xy) + 0.5)));
+        lit.diffuse = environment(normalize(pixel_ray(vec2f(pixel) + 0.5)));
     }
-    textureStore(radiance, id.xy, vec4f(min(lit.diffuse, BRIGHTEST), unlit));
-    textureStore(specular, id.xy, vec4f(min(lit.specular, BRIGHTEST), 1.0));
-    if (LENDS_LIGHT) { textureStore(visible_lights, id.xy, vec4u(lit.visible, 0u, 0u)); }
+    textureStore(radiance, pixel, vec4f(min(lit.diffuse, BRIGHTEST), unlit));
+    textureStore(specular, pixel, vec4f(min(lit.specular, BRIGHTEST), 1.0));
+    if (LENDS_LIGHT) { textureStore(visible_lights, pixel, vec4u(lit.visible, 0u, 0u)); }
     if (exhausted_rays > 0u) { atomicAdd(&counters[EXHAUSTED_COUNTER], exhausted_rays); }
 }
 
 @compute @workgroup_size(8, 8)
-fn main(@builtin(global_invocation_id) id: vec3u) {
-    light_pixel(id);
+fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_id) local: vec3u) {
+    let pixel = invoked_pixel(group, groups, local);
+    light_pixel(pixel);
 }
 
 @compute @workgroup_size(8, 8)
-fn counted(@builtin(global_invocation_id) id: vec3u) {
-    light_pixel(id);
-    textureStore(counts, id.xy, vec4u(0u, traversals, visited_nodes, tested_triangles));
+fn counted(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_id) local: vec3u) {
+    let pixel = invoked_pixel(group, groups, local);
+    light_pixel(pixel);
+    textureStore(counts, pixel, vec4u(0u, traversals, visited_nodes, tested_triangles));
 }

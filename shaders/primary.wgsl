@@ -23,12 +23,14 @@ fn find(pixel: vec2u) {
 }
 
 @compute @workgroup_size(8, 8)
-fn main(@builtin(global_invocation_id) id: vec3u) {
-    find(id.xy);
+fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_id) local: vec3u) {
+    let pixel = invoked_pixel(group, groups, local);
+    find(pixel);
 }
 
 @compute @workgroup_size(8, 8)
-fn counted(@builtin(global_invocation_id) id: vec3u) {
-    find(id.xy);
-    textureStore(counts, id.xy, vec4u(0u, traversals, visited_nodes, tested_triangles));
+fn counted(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_id) local: vec3u) {
+    let pixel = invoked_pixel(group, groups, local);
+    find(pixel);
+    textureStore(counts, pixel, vec4u(0u, traversals, visited_nodes, tested_triangles));
 }

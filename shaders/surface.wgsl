@@ -60,14 +60,15 @@ fn resolve(pixel: vec2u) -> u32 {
 }
 
 @compute @workgroup_size(8, 8)
-fn main(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_index) lane: u32) {
-    let inside = all(id.xy < vec2u(frame.size));
+fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_id) local: vec3u, @builtin(local_invocation_index) lane: u32) {
+    let pixel = invoked_pixel(group, groups, local);
+    let inside = all(pixel < vec2u(frame.size));
     var why = CAUSE_NOT_REFLECTIVE;
-    if (inside) { why = resolve(id.xy); }
+    if (inside) { why = resolve(pixel); }
     if (!HAS_REFLECTIONS) { return; }
     var place = 0u;
     if (inside) {
-        textureStore(cause, id.xy, vec4u(why, 0u, 0u, 0u));
+        textureStore(cause, pixel, vec4u(why, 0u, 0u, 0u));
         let kind = u32(why == CAUSE_ROUGH) + 2u * u32(why == CAUSE_UNMARCHED);
         place = atomicAdd(&tile_counts[kind], 1u);
     }
@@ -84,5 +85,5 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_inde
         }
     }
     workgroupBarrier();
-    if (inside && why == CAUSE_UNMARCHED) { lists[tile_start + place] = pack_pixel(id.xy); }
+    if (inside && why == CAUSE_UNMARCHED) { lists[tile_start + place] = pack_pixel(pixel); }
 }

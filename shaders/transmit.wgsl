@@ -70,8 +70,9 @@ fn behind(pixel: vec2u) -> vec4f {
 }
 
 @compute @workgroup_size(8, 8)
-fn main(@builtin(global_invocation_id) id: vec3u) {
-    if (any(id.xy >= vec2u(frame.size))) { return; }
-    textureStore(transmitted_light, id.xy, min(behind(id.xy), vec4f(BRIGHTEST, 1.0)));
+fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_id) local: vec3u) {
+    let pixel = invoked_pixel(group, groups, local);
+    if (any(pixel >= vec2u(frame.size))) { return; }
+    textureStore(transmitted_light, pixel, min(behind(pixel), vec4f(BRIGHTEST, 1.0)));
     if (exhausted_rays > 0u) { atomicAdd(&counters[EXHAUSTED_COUNTER], exhausted_rays); }
 }

@@ -1,5 +1,6 @@
 // Light of the environment in closed form: a gradient that nothing is in the way of.
 
+#import extent
 #import frame
 #import lobe_albedo
 
@@ -46,6 +47,10 @@ fn environment_specular(s: Surface, view: vec3f) -> vec3f {
 // No ray is sent towards the environment.
 fn environment_rays_pdf(s: Surface, direction: vec3f) -> f32 {
     return 0.0;
+}
+
+fn returned_of_environment(s: Surface, view: vec3f, to: Receiver, index: u32) -> Returned {
+    return Returned();
 }
 
 // What the environment adds; the specular of reflectors is found by reflection rays.

@@ -1,9 +1,10 @@
 // Surfaces that emit light no other surface but by reflection rays.
 
+#import extent
 #import frame
 
-fn emitted_light(s: Surface, view: vec3f, albedo: vec3f) -> Shade {
-    return Shade();
+fn returned_of_emitters(s: Surface, view: vec3f, to: Receiver, index: u32) -> Returned {
+    return Returned();
 }
 
 fn met_emission(ray: Reflected, instance: u32, distance_m: f32, s: Surface) -> f32 {

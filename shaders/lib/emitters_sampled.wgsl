@@ -58,44 +58,12 @@ fn emitter_sample(id: vec2u, position: vec3f, u: vec2f) -> LightSample {
     return r;
 }
 
-// Share of light that arrives at the surface from a point of another: aimed there from where the ray starts,
-// for else what shines at a grazing angle is in its own way.
-fn arriving_from(s: Surface, point: vec3f) -> vec3f {
-    let origin = ray_origin(smooth_position(s), s.geometric_normal);
-    let way = point - origin;
-    let way_m = max(length(way), 1e-12);
-    return transmittance(origin, way / way_m, way_m * 0.9999);
-}
-
-// What they all add together; sharp reflectors see them by their reflection rays alone.
-fn emitted_light(s: Surface, view: vec3f, albedo: vec3f) -> Shade {
-    var out: Shade;
-    let is_rough = is_rough_reflector(s);
-    let has_specular = (is_rough || !is_reflector(s)) && (s.metallic > 0.0 || s.reflectivity > 0.0);
-    let is_lit = has_specular || has_sheen(s) || max(albedo.x, max(albedo.y, albedo.z)) > 0.0;
-    if (!is_lit || sampling.emitted_power <= 0.0) { return out; }
-    let choices = next_pair();
-    let points = next_pair();
-    for (var k = 0u; k < sampling.rays; k++) {
-        let id = chosen_emitter(sample_square(sampling.first + k, choices));
-        var l = emitter_sample(id, s.position, sample_square(sampling.first + k, points));
-        let nl = dot(s.normal, l.to_light);
-        if (l.pdf <= 0.0 || !faces(s, l.to_light) || max(l.color.x, max(l.color.y, l.color.z)) <= 0.0) { continue; }
-        let arriving = arriving_from(s, s.position + l.to_light * l.distance_m);
-        if (all(arriving == vec3f(0.0))) { continue; }
-        l.color *= arriving;
-        let is_met = !is_passed(instances[id.x].trace_flags, UNREFLECTED);
-        let aimed = select(1.0, aimed_share(l.pdf * f32(sampling.rays), nl), is_met);
-        out.diffuse += (albedo + sheen(s, view, l.to_light)) * l.color * (nl / PI * aimed);
-        if (!has_specular) { continue; }
-        var share = 1.0;
-        if (is_rough && is_met) {
-            share = balance(l.pdf * f32(sampling.rays), lobe_density(s, view, l.to_light));
-        }
-        out.specular += ggx(s, view, l.to_light) * l.color * share;
-    }
-    let rays = f32(sampling.rays);
-    return Shade(out.diffuse / rays, out.specular / rays, vec2u(0u));
+// One point of all of them.
+fn returned_of_emitters(s: Surface, view: vec3f, to: Receiver, index: u32) -> Returned {
+    if (sampling.emitted_power <= 0.0) { return Returned(); }
+    let id = chosen_emitter(sample_square(index, next_pair()));
+    let l = emitter_sample(id, s.position, sample_square(index, next_pair()));
+    return returned_of_lamp(s, view, to, l, !is_passed(instances[id.x].trace_flags, UNREFLECTED));
 }
 
 // Share of what a surface emits that a reflection ray has found; the rest comes by rays towards it.

@@ -22,11 +22,20 @@ fn limited(light: vec3f) -> vec3f {
     return light;
 }
 
-fn is_sized(i: u32) -> bool {
-    return false;
+fn hard_lights() -> u32 {
+    return frame.light_count;
 }
 
-fn sized_light(i: u32, s: Surface, view: vec3f, albedo: vec3f) -> Shade {
+// Light from what has an extent.
+struct Returned {
+    none: f32,
+}
+
+struct Receiver {
+    none: f32,
+}
+
+fn sampled_light(s: Surface, view: vec3f, albedo: vec3f) -> Shade {
     return Shade();
 }
 

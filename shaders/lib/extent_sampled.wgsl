@@ -5,6 +5,8 @@
 #import sampling
 
 override HAS_ROUGH_REFLECTIONS: bool = true;
+override HAS_SHADOW_RAYS: bool = true; // some light casts its shadow by rays
+override HAS_ENVIRONMENT_RAYS: bool = true; // something can be in the way of the environment's light
 override HAS_SIZED_LIGHTS: bool = true;
 
 const TAKEN: f32 = -1.0;
@@ -85,8 +87,10 @@ fn lobe_ray(direction: vec3f, s: Surface) -> Reflected {
     return Reflected(lifted(out, s), weight, pdf, sky_weight);
 }
 
-fn is_sized(i: u32) -> bool {
-    return HAS_SIZED_LIGHTS && lights[i].is_sized != 0u;
+// Lights without a size, which come before the others.
+fn hard_lights() -> u32 {
+    if (HAS_SIZED_LIGHTS) { return frame.hard_lights; }
+    return frame.light_count;
 }
 
 // A point of a light: what arrives from there, over the density of choosing it.
@@ -146,30 +150,114 @@ fn light_sample(i: u32, position: vec3f, u: vec2f) -> LightSample {
     return r;
 }
 
-// What a light with a size adds; sharp reflectors see it by their reflection rays alone.
-fn sized_light(i: u32, s: Surface, view: vec3f, albedo: vec3f) -> Shade {
+// What a surface returns of light from one point, if nothing is in the way.
+struct Returned {
+    to_light: vec3f,
+    distance_m: f32,
+    diffuse: vec3f,
+    specular: vec3f,
+}
+
+// How a surface takes light from rays towards what shines.
+struct Receiver {
+    albedo: vec3f,
+    is_rough: bool, // its reflection rays find the same light
+    has_specular: bool, // sharp reflectors see what shines by their reflection rays alone
+}
+
+fn returned(s: Surface, view: vec3f, to: Receiver, l: LightSample, aimed: f32, specular_share: f32) -> Returned {
+    var r = Returned(l.to_light, l.distance_m, vec3f(0.0), vec3f(0.0));
+    r.diffuse = (to.albedo + sheen(s, view, l.to_light)) * l.color * (dot(s.normal, l.to_light) / PI * aimed);
+    if (to.has_specular) { r.specular = ggx(s, view, l.to_light) * l.color * specular_share; }
+    return r;
+}
+
+// What comes from what else finds: rays that a surface scatters, and those that it mirrors where it is rough.
+fn returned_of_lamp(s: Surface, view: vec3f, to: Receiver, l: LightSample, is_met: bool) -> Returned {
+    if (l.pdf <= 0.0 || !faces(s, l.to_light) || max(l.color.x, max(l.color.y, l.color.z)) <= 0.0) { return Returned(); }
+    let pdf = l.pdf * f32(sampling.rays);
+    var aimed = 1.0;
+    var share = 1.0;
+    if (is_met) {
+        aimed = aimed_share(pdf, dot(s.normal, l.to_light));
+        if (to.is_rough) { share = balance(pdf, lobe_density(s, view, l.to_light)); }
+    }
+    return returned(s, view, to, l, aimed, share);
+}
+
+// Share of light that arrives at the surface from a point: aimed there from where the ray starts, for else what
+// shines at a grazing angle is in its own way.
+fn arriving_from(s: Surface, to_light: vec3f, distance_m: f32) -> vec3f {
+    let origin = ray_origin(smooth_position(s), s.geometric_normal);
+    if (distance_m >= BEYOND) { return transmittance(origin, to_light, FAR_M); }
+    let way = s.position + to_light * distance_m - origin;
+    let way_m = max(length(way), 1e-12);
+    return transmittance(origin, way / way_m, way_m * 0.9999);
+}
+
+// One of several points, chosen by what the surface would return of each.
+struct Choice {
+    one: Returned,
+    part: f32, // of `whole`, that of `one`
+    whole: f32,
+    u: f32,
+}
+
+fn offer(choice: ptr<function, Choice>, r: Returned) {
+    let weight = luminance(r.diffuse + r.specular);
+    if (weight <= 0.0) { return; }
+    (*choice).whole += weight;
+    // The number that has chosen between two is even in what is left, and chooses again.
+    let share = weight / (*choice).whole;
+    if ((*choice).u < share) {
+        (*choice).u /= share;
+        (*choice).one = r;
+        (*choice).part = weight;
+    } else {
+        (*choice).u = ((*choice).u - share) / (1.0 - share);
+    }
+}
+
+// The light of all that has an extent: lights with a size, the environment where rays go towards it, and surfaces
+// that emit. Each offers a point, one of them is chosen by what the surface would return of it, and a ray goes there
+// (resampled importance sampling; Talbot et al. 2005). What casts no shadow is added without a ray.
+fn sampled_light(s: Surface, view: vec3f, albedo: vec3f) -> Shade {
     var out: Shade;
     let is_rough = is_rough_reflector(s);
     let has_specular = (is_rough || !is_reflector(s)) && (s.metallic > 0.0 || s.reflectivity > 0.0);
     if (!has_specular && !has_sheen(s) && max(albedo.x, max(albedo.y, albedo.z)) <= 0.0) { return out; }
-    let pair = next_pair();
+    let to = Receiver(albedo, is_rough, has_specular);
+    let first_pair = sample_pair;
     for (var k = 0u; k < sampling.rays; k++) {
-        var l = light_sample(i, s.position, sample_square(sampling.first + k, pair));
-        let nl = dot(s.normal, l.to_light);
-        if (!faces(s, l.to_light) || max(l.color.x, max(l.color.y, l.color.z)) <= 0.0) {
-            continue;
+        let index = sampling.first + k;
+        sample_pair = first_pair;
+        var choice: Choice;
+        choice.u = sample_square(index, next_pair()).x;
+        if (HAS_SIZED_LIGHTS) {
+            for (var i = frame.hard_lights; i < frame.light_count; i++) {
+                let l = light_sample(i, s.position, sample_square(index, next_pair()));
+                let r = returned_of_lamp(s, view, to, l, true);
+                if (HAS_SHADOW_RAYS && lights[i].shadow == SHADOW_RAY) {
+                    offer(&choice, r);
+                } else {
+                    out.diffuse += r.diffuse;
+                    out.specular += r.specular;
+                }
+            }
         }
-        if (HAS_SHADOW_RAYS && lights[i].shadow == SHADOW_RAY) {
-            let arriving = arriving_share(s, l.to_light, l.distance_m * 0.9999);
-            if (all(arriving == vec3f(0.0))) { continue; }
-            l.color *= arriving;
+        let sky = returned_of_environment(s, view, to, index);
+        if (HAS_ENVIRONMENT_RAYS) {
+            offer(&choice, sky);
+        } else {
+            out.diffuse += sky.diffuse;
+            out.specular += sky.specular;
         }
-        let aimed = aimed_share(l.pdf * f32(sampling.rays), nl);
-        out.diffuse += (albedo + sheen(s, view, l.to_light)) * l.color * (nl / PI * aimed);
-        if (!has_specular) { continue; }
-        var share = 1.0;
-        if (is_rough) { share = balance(l.pdf * f32(sampling.rays), lobe_density(s, view, l.to_light)); }
-        out.specular += ggx(s, view, l.to_light) * l.color * share;
+        offer(&choice, returned_of_emitters(s, view, to, index));
+        if (choice.part <= 0.0) { continue; }
+        let one = choice.one;
+        let arriving = arriving_from(s, one.to_light, one.distance_m) * (choice.whole / choice.part);
+        out.diffuse += one.diffuse * arriving;
+        out.specular += one.specular * arriving;
     }
     let rays = f32(sampling.rays);
     return Shade(out.diffuse / rays, out.specular / rays, vec2u(0u));
@@ -191,8 +279,7 @@ fn seen_light(origin: vec3f, ray: Reflected, t_max: f32) -> SeenLight {
     var behind = vec3f(0.0);
     var pdf = 0.0;
     var nearest = t_max;
-    for (var i = 0u; i < frame.light_count; i++) {
-        if (!is_sized(i)) { continue; }
+    for (var i = frame.hard_lights; i < frame.light_count; i++) {
         let extent = lights[i].extent;
         let offset = lights[i].position - origin;
         var t = -1.0;

@@ -27,7 +27,7 @@ struct Frame {
     has_edge_on: u32, // 1: rays on the screen may pass surfaces that are seen edge-on
     diffuse_bounces: u32, // times that matte surfaces scatter along a path
     glint_limit: f32, // radiance that paths add past a chance; 0: no limit
-    pad0: u32,
+    hard_lights: u32, // lights without a size, the first ones
 }
 
 struct Light {
@@ -45,7 +45,7 @@ struct Light {
     half_u: vec3f, // from the middle of a flat light to its edges
     extent: f32, // radius; of directional lights half their angle
     half_v: vec3f,
-    is_sized: u32,
+    pad0: u32,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;
@@ -55,6 +55,19 @@ struct Light {
 @group(0) @binding(4) var shadow_sampler: sampler_comparison;
 
 const PI: f32 = 3.14159265358979;
+
+// Times that the rows of groups are shuffled: drivers without a GPU give each of their threads one stretch of rows,
+// and rows take unlike times.
+override ROW_SHUFFLES: u32 = 0u;
+const GROUP_PX: u32 = 8u;
+
+// The pixel of an invocation of a pass over all pixels.
+fn invoked_pixel(group: vec3u, groups: vec3u, local: vec3u) -> vec2u {
+    var row = group.y;
+    let half = (groups.y + 1u) / 2u;
+    for (var k = 0u; k < ROW_SHUFFLES; k++) { row = select(2u * (row - half) + 1u, 2u * row, row < half); }
+    return vec2u(group.x, row) * GROUP_PX + local.xy;
+}
 
 fn is_orthographic() -> bool {
     return frame.far_m > 0.0;

@@ -159,13 +159,7 @@ fn shade_layer(s: Surface, view: vec3f, lent: vec2u) -> Shade {
     var out = environment_light(s, view, albedo);
     out.diffuse += s.emission;
     let has_specular = s.metallic > 0.0 || s.reflectivity > 0.0;
-    for (var i = 0u; i < frame.light_count; i++) {
-        if (is_sized(i)) {
-            let lit = sized_light(i, s, view, albedo);
-            out.diffuse += lit.diffuse;
-            out.specular += lit.specular;
-            continue;
-        }
+    for (var i = 0u; i < hard_lights(); i++) {
         let l = incoming(i, s.position);
         let nl = dot(s.normal, l.to_light);
         if (!faces(s, l.to_light) || max(l.color.x, max(l.color.y, l.color.z)) <= 0.0) {
@@ -185,9 +179,9 @@ fn shade_layer(s: Surface, view: vec3f, lent: vec2u) -> Shade {
         out.diffuse += (albedo + sheen(s, view, l.to_light)) * lit * (nl / PI);
         if (has_specular) { out.specular += ggx(s, view, l.to_light) * lit; }
     }
-    let emitted = emitted_light(s, view, albedo);
-    out.diffuse += emitted.diffuse;
-    out.specular += emitted.specular;
+    let sampled = sampled_light(s, view, albedo);
+    out.diffuse += sampled.diffuse;
+    out.specular += sampled.specular;
     return out;
 }
 
@@ -201,11 +195,6 @@ fn faces(s: Surface, direction: vec3f) -> bool {
 // triangles.
 fn smooth_position(s: Surface) -> vec3f {
     return s.position + s.geometric_normal * s.lift_m;
-}
-
-// Share of light that arrives at the surface from there.
-fn arriving_share(s: Surface, direction: vec3f, distance_m: f32) -> vec3f {
-    return transmittance(ray_origin(smooth_position(s), s.geometric_normal), direction, distance_m);
 }
 
 // What a path adds at one of its hits; only past the first it is limited.

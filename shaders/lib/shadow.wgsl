@@ -3,16 +3,22 @@
 #import frame
 #import layers
 
-override HAS_SHADOW_RAYS: bool = true;
+// Of lights without a size: whether some cast their shadow by rays, into cube maps or into flat ones.
+override HAS_HARD_SHADOW_RAYS: bool = true;
+override HAS_CUBE_MAPS: bool = true;
+override HAS_FLAT_MAPS: bool = true;
 
 fn light_visibility(i: u32, position: vec3f, normal: vec3f, to_light: vec3f, distance_m: f32) -> vec3f {
     switch lights[i].shadow {
         case SHADOW_MAP: {
-            if (lights[i].kind == LIGHT_POINT) { return vec3f(cube_visibility(i, position, normal, to_light)); }
-            return vec3f(map_visibility(i, position, normal, to_light));
+            if (HAS_CUBE_MAPS && (!HAS_FLAT_MAPS || lights[i].kind == LIGHT_POINT)) {
+                return vec3f(cube_visibility(i, position, normal, to_light));
+            }
+            if (HAS_FLAT_MAPS) { return vec3f(map_visibility(i, position, normal, to_light)); }
+            return vec3f(1.0);
         }
         case SHADOW_RAY: {
-            if (HAS_SHADOW_RAYS) {
+            if (HAS_HARD_SHADOW_RAYS) {
                 let size = max(max(abs(position.x), abs(position.y)), max(abs(position.z), 1e-3));
                 let origin = position + normal * (size * 4e-5);
                 return transmittance(origin, to_light, distance_m * 0.9999);

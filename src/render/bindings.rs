@@ -7,7 +7,7 @@ use crate::{
 
 use super::{
     frame_uniforms::FrameUniforms,
-    lights::{ShadowSizes, has_shadow_rays},
+    lights::{ShadowSizes, has_hard_shadow_rays},
     options::RenderOptions,
     pass::{Override, Pass},
     pass_builder::PassBuilder,
@@ -31,7 +31,7 @@ pub struct BindingKey {
     full: bool,
     detail_layers: u32,
     shadows: ShadowSizes,
-    shadow_rays: bool,
+    hard_shadow_rays: bool,
     lists: ListedParts,
     color: Target,
     audit: bool,
@@ -53,7 +53,7 @@ impl BindingKey {
             full: plan.precision.full,
             detail_layers: 2 + u32::from(plan.coat_normals),
             shadows,
-            shadow_rays: plan.shadow_rays,
+            hard_shadow_rays: plan.hard_shadow_rays,
             lists: ListedParts {
                 reflections: plan.reflections,
                 culled_surfaces: plan.culled_surfaces,
@@ -69,11 +69,11 @@ impl BindingKey {
         (self.size, self.full, self.detail_layers)
     }
 
-    /// Whether these lights use the shadow maps that there are, and shadow rays only if there are
-    /// any.
+    /// Whether these lights use the shadow maps that there are, and where they have no size, shadow rays
+    /// only if there are any.
     pub fn fits_lights(&self, lights: &[Light], options: &RenderOptions) -> bool {
-        let has_rays = has_shadow_rays(lights, options);
-        self.shadows == ShadowSizes::of(lights, options) && (self.shadow_rays || !has_rays)
+        let has_rays = has_hard_shadow_rays(lights, options);
+        self.shadows == ShadowSizes::of(lights, options) && (self.hard_shadow_rays || !has_rays)
     }
 }
 

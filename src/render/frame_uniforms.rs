@@ -126,7 +126,7 @@ impl Frame {
             has_edge_on: u32::from(view.has_edge_on),
             diffuse_bounces: settings.diffuse_bounces,
             glint_limit: settings.glint_limit,
-            pad0: 0,
+            hard_lights: (world.lights.iter().filter(|l| !l.desc.kind.has_size())).count() as u32,
         }
     }
 }

@@ -79,7 +79,14 @@ pub fn has_shadow_rays(lights: &[Light], options: &RenderOptions) -> bool {
     lights.any(|light| options.shadow_of(&light.desc) == ShadowMode::Ray)
 }
 
-/// The uniform block and the shadow views of one frame. `bounds` contain all shadow casters.
+/// Whether some light without a size has them.
+pub fn has_hard_shadow_rays(lights: &[Light], options: &RenderOptions) -> bool {
+    let mut hard = lights.iter().filter(|light| !light.desc.kind.has_size());
+    hard.any(|light| options.shadow_of(&light.desc) == ShadowMode::Ray)
+}
+
+/// The uniform block, lights without a size first, and the shadow views of one frame. `bounds` contain all shadow
+/// casters.
 pub fn lights(
     lights: &[Light],
     sizes: ShadowSizes,
@@ -89,7 +96,8 @@ pub fn lights(
     let mut block = LightBlock::zeroed();
     let mut views = Vec::new();
     let (mut cubes, mut maps) = (0, 0);
-    for (light, out) in lights.iter().zip(&mut block.lights) {
+    let (sized, hard): (Vec<_>, Vec<_>) = lights.iter().partition(|l| l.desc.kind.has_size());
+    for (light, out) in hard.into_iter().chain(sized).zip(&mut block.lights) {
         let shadow = options.shadow_of(&light.desc);
         *out = gpu_light(light, shadow);
         if shadow != ShadowMode::Map {
@@ -188,7 +196,6 @@ fn gpu_light(light: &Light, shadow: ShadowMode) -> GpuLight {
             intensity_cd
         }
     };
-    out.is_sized = u32::from(kind.has_size());
     out.kind = kind.index() as u32;
     out.color = (light.desc.color * intensity).to_array();
     out.range_m = light.range_m.unwrap_or(0.0);

@@ -45,7 +45,12 @@ impl PassBuilder<'_> {
     /// Values for the overrides of a pass; its shader may declare fewer.
     pub fn overrides(&self, pass: &Pass) -> Vec<Override> {
         let own = (pass.overrides)(self.options);
-        self.plan.overrides().into_iter().chain(own).collect()
+        // As many stretches of rows as threads, up to 16, see the same of the picture.
+        let shuffles = if self.gpu.is_software() { 4.0 } else { 0.0 };
+        let mut all = self.plan.overrides();
+        all.extend(own);
+        all.push(("ROW_SHUFFLES", shuffles));
+        all
     }
 
     /// A compute pass; `aliases` give targets other names in its shader.

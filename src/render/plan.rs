@@ -17,8 +17,11 @@ use self::{
     uses::{has_coat_normals, has_coats, has_sheen, has_tints, scatters_twice},
 };
 use super::{
-    lights::has_shadow_rays, options::RenderOptions, precision::Precision,
-    shader_variant::ShaderVariant, textures::Layers,
+    lights::{ShadowSizes, has_hard_shadow_rays, has_shadow_rays},
+    options::RenderOptions,
+    precision::Precision,
+    shader_variant::ShaderVariant,
+    textures::Layers,
 };
 
 /// What the frame contains; each flag is a pipeline constant or a pass that is recorded or not.
@@ -50,6 +53,10 @@ pub struct Plan {
     pub patterns: bool,
     /// Some light casts its shadow by rays.
     pub shadow_rays: bool,
+    /// Some light without a size does.
+    pub hard_shadow_rays: bool,
+    /// Shadow maps of points, and of what shines one way.
+    pub shadow_maps: [bool; 2],
     /// Reflections may take from the picture which lights with shadow rays reach what they meet.
     pub lends_light: bool,
     /// The environment's light comes from samples, not in closed form.
@@ -227,6 +234,8 @@ impl Plan {
             checkers: true,
             patterns: true,
             shadow_rays: true,
+            hard_shadow_rays: true,
+            shadow_maps: [true; 2],
             lends_light: true,
             bounces: settings.bounces,
             slot_pools: (1 << 30) - 1,
@@ -252,6 +261,8 @@ impl Plan {
             && !scatters(options)
             && !reflectors_see_each_other(world, cutoff);
         let traced = traces_rays(world, options);
+        let hard_shadow_rays = has_hard_shadow_rays(&world.lights, options);
+        let shadows = ShadowSizes::of(&world.lights, options);
         let mut plan = Self {
             reflections,
             traced,
@@ -269,7 +280,9 @@ impl Plan {
             patterns: materials()
                 .any(|m| m.checker.is_some_and(|c| c.kind != PatternKind::Checker)),
             shadow_rays: has_shadow_rays(&world.lights, options),
-            lends_light: reflections && has_shadow_rays(&world.lights, options),
+            hard_shadow_rays,
+            shadow_maps: [shadows.cubes > 0, shadows.maps > 0],
+            lends_light: reflections && hard_shadow_rays,
             sampled_environment: world.environment.is_sampled()
                 || environment_casts_rays(world, options),
             indirect: scatters(options),
@@ -345,6 +358,9 @@ impl Plan {
             ("HAS_CHECKERS", flag(self.checkers)),
             ("HAS_PATTERNS", flag(self.patterns)),
             ("HAS_SHADOW_RAYS", flag(self.shadow_rays)),
+            ("HAS_HARD_SHADOW_RAYS", flag(self.hard_shadow_rays)),
+            ("HAS_CUBE_MAPS", flag(self.shadow_maps[0])),
+            ("HAS_FLAT_MAPS", flag(self.shadow_maps[1])),
             ("LENDS_LIGHT", flag(self.lends_light)),
             ("HAS_SIZED_LIGHTS", flag(self.sized_lights)),
             ("HAS_ROUGH_REFLECTIONS", flag(self.rough_reflections)),

@@ -91,8 +91,8 @@ gpu_struct! {
         diffuse_bounces: u32,
         /// Radiance that paths add past a chance; 0: no limit.
         glint_limit: f32,
-        /// Unused.
-        pad0: u32,
+        /// Lights without a size, the first ones.
+        hard_lights: u32,
     }
 }
 
@@ -155,8 +155,8 @@ gpu_struct! {
         extent: f32,
         /// From the middle of a flat light to its edge, along `up`.
         half_v: [f32; 3],
-        /// 1: it has a size, and is sampled.
-        is_sized: u32,
+        /// Unused.
+        pad0: u32,
     }
 }
 

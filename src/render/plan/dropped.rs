@@ -78,7 +78,7 @@ impl Plan {
             (
                 self.reflections && !self.lends_light,
                 "light reuse",
-                "no light casts its shadow by rays",
+                "no light without a size casts its shadow by rays",
             ),
             (
                 !self.sampled_environment,
