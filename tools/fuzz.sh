@@ -25,12 +25,7 @@ readonly seconds targets
 
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-# What `cargo fuzz` passes, without a sanitizer, which needs a nightly compiler.
-export RUSTFLAGS="--cfg fuzzing -Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-level=4 \
--Cllvm-args=-sanitizer-coverage-inline-8bit-counters -Cllvm-args=-sanitizer-coverage-pc-table"
-triple="$(rustc -vV | sed -n 's/^host: //p')"
-# With --target build scripts are not instrumented.
-cargo build --release --manifest-path fuzz/Cargo.toml --target "$triple"
+RUSTC_WRAPPER="$PWD/fuzz/rustc.sh" cargo build --locked --manifest-path fuzz/Cargo.toml
 
 # Inputs that are right, and those that once were not.
 for target in "${targets[@]}"; do
@@ -52,7 +47,7 @@ for target in "${targets[@]}"; do
             ;;
     esac
     echo "== $target: $seconds s =="
-    "fuzz/target/$triple/release/$target" "$seeds" -max_total_time="$seconds" -timeout=5 \
+    "fuzz/target/debug/$target" "$seeds" -max_total_time="$seconds" -timeout=5 \
         -rss_limit_mb=1500 -malloc_limit_mb=1500 -artifact_prefix="fuzz/artifacts/$target-" \
         -print_final_stats=1 -verbosity=0
 done
