@@ -35,8 +35,7 @@ fn light_pixel(pixel: vec2u) {
 
 @compute @workgroup_size(8, 8)
 fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_id) local: vec3u) {
-    let pixel = invoked_pixel(group, groups, local);
-    light_pixel(pixel);
+    light_pixel(invoked_pixel(group, groups, local));
 }
 
 @compute @workgroup_size(8, 8)

@@ -24,8 +24,7 @@ fn find(pixel: vec2u) {
 
 @compute @workgroup_size(8, 8)
 fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_id) local: vec3u) {
-    let pixel = invoked_pixel(group, groups, local);
-    find(pixel);
+    find(invoked_pixel(group, groups, local));
 }
 
 @compute @workgroup_size(8, 8)

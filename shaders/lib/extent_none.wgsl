@@ -26,7 +26,7 @@ fn hard_lights() -> u32 {
     return frame.light_count;
 }
 
-// Light from what has an extent.
+// As in extent_sampled.wgsl, for nothing offers light here.
 struct Returned {
     none: f32,
 }

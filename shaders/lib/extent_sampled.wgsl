@@ -8,6 +8,7 @@ override HAS_ROUGH_REFLECTIONS: bool = true;
 override HAS_SHADOW_RAYS: bool = true; // some light casts its shadow by rays
 override HAS_ENVIRONMENT_RAYS: bool = true; // something can be in the way of the environment's light
 override HAS_SIZED_LIGHTS: bool = true;
+override HAS_SAMPLED_LIGHT: bool = true; // lights with a size, sampled environments or surfaces that emit
 
 const TAKEN: f32 = -1.0;
 const BEYOND: f32 = FAR_M; // where parallel light comes from
@@ -172,7 +173,7 @@ fn returned(s: Surface, view: vec3f, to: Receiver, l: LightSample, aimed: f32, s
     return r;
 }
 
-// What comes from what else finds: rays that a surface scatters, and those that it mirrors where it is rough.
+// Of a lamp or a surface that emits. `is_met`: rays that the surface scatters or mirrors find it too, and share.
 fn returned_of_lamp(s: Surface, view: vec3f, to: Receiver, l: LightSample, is_met: bool) -> Returned {
     if (l.pdf <= 0.0 || !faces(s, l.to_light) || max(l.color.x, max(l.color.y, l.color.z)) <= 0.0) { return Returned(); }
     let pdf = l.pdf * f32(sampling.rays);
@@ -200,11 +201,14 @@ struct Choice {
     one: Returned,
     part: f32, // of `whole`, that of `one`
     whole: f32,
-    u: f32,
+    u: f32, // even in [0, 1): what the next choice is made by
 }
 
+const BELOW_ONE: f32 = 0.99999994;
+
 fn offer(choice: ptr<function, Choice>, r: Returned) {
-    let weight = luminance(r.diffuse + r.specular);
+    // Not by luminance: what is blue would be rare and bright.
+    let weight = dot(r.diffuse + r.specular, vec3f(1.0 / 3.0));
     if (weight <= 0.0) { return; }
     (*choice).whole += weight;
     // The number that has chosen between two is even in what is left, and chooses again.
@@ -216,6 +220,7 @@ fn offer(choice: ptr<function, Choice>, r: Returned) {
     } else {
         (*choice).u = ((*choice).u - share) / (1.0 - share);
     }
+    (*choice).u = min((*choice).u, BELOW_ONE);
 }
 
 // The light of all that has an extent: lights with a size, the environment where rays go towards it, and surfaces
@@ -223,6 +228,7 @@ fn offer(choice: ptr<function, Choice>, r: Returned) {
 // (resampled importance sampling; Talbot et al. 2005). What casts no shadow is added without a ray.
 fn sampled_light(s: Surface, view: vec3f, albedo: vec3f) -> Shade {
     var out: Shade;
+    if (!HAS_SAMPLED_LIGHT) { return out; }
     let is_rough = is_rough_reflector(s);
     let has_specular = (is_rough || !is_reflector(s)) && (s.metallic > 0.0 || s.reflectivity > 0.0);
     if (!has_specular && !has_sheen(s) && max(albedo.x, max(albedo.y, albedo.z)) <= 0.0) { return out; }

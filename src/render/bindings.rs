@@ -7,7 +7,7 @@ use crate::{
 
 use super::{
     frame_uniforms::FrameUniforms,
-    lights::{ShadowSizes, has_hard_shadow_rays},
+    lights::{LightNeeds, ShadowSizes},
     options::RenderOptions,
     pass::{Override, Pass},
     pass_builder::PassBuilder,
@@ -31,7 +31,7 @@ pub struct BindingKey {
     full: bool,
     detail_layers: u32,
     shadows: ShadowSizes,
-    hard_shadow_rays: bool,
+    light_needs: LightNeeds,
     lists: ListedParts,
     color: Target,
     audit: bool,
@@ -53,7 +53,7 @@ impl BindingKey {
             full: plan.precision.full,
             detail_layers: 2 + u32::from(plan.coat_normals),
             shadows,
-            hard_shadow_rays: plan.hard_shadow_rays,
+            light_needs: plan.light_needs(),
             lists: ListedParts {
                 reflections: plan.reflections,
                 culled_surfaces: plan.culled_surfaces,
@@ -69,11 +69,11 @@ impl BindingKey {
         (self.size, self.full, self.detail_layers)
     }
 
-    /// Whether these lights use the shadow maps that there are, and where they have no size, shadow rays
-    /// only if there are any.
+    /// Whether these lights use the shadow maps that there are, and shadow rays and sizes only where passes are made
+    /// for them.
     pub fn fits_lights(&self, lights: &[Light], options: &RenderOptions) -> bool {
-        let has_rays = has_hard_shadow_rays(lights, options);
-        self.shadows == ShadowSizes::of(lights, options) && (self.hard_shadow_rays || !has_rays)
+        self.shadows == ShadowSizes::of(lights, options)
+            && self.light_needs.cover(LightNeeds::of(lights, options))
     }
 }
 

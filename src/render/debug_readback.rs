@@ -12,7 +12,7 @@ use crate::{
 };
 
 use super::{
-    lights::{CUBE_FACES, SHADOW_NEAR_M, has_cube_map},
+    lights::{CUBE_FACES, SHADOW_NEAR_M, has_cube_map, in_order},
     options::RenderOptions,
     ray_list::RAY_COUNTER,
     renderer::Renderer,
@@ -61,7 +61,9 @@ impl Renderer {
         if face >= world.lights.get(light).map_or(0, faces) {
             return Ok(None);
         }
-        let before: usize = world.lights[..light].iter().map(faces).sum();
+        let (lights, _) = in_order(&world.lights);
+        let before = lights.take_while(|l| !std::ptr::eq(*l, &raw const world.lights[light]));
+        let before: usize = before.map(faces).sum();
         let (_, views) = self.lights(world);
         let Some(view) = views.get(before + face) else {
             return Ok(None);

@@ -12,6 +12,7 @@ use crate::{
 
 use super::{
     emitters::Emitters,
+    lights::in_order,
     lobe_table::lobe_table,
     precision::brightest_emission,
     sheen_table::sheen_table,
@@ -126,7 +127,7 @@ impl Frame {
             has_edge_on: u32::from(view.has_edge_on),
             diffuse_bounces: settings.diffuse_bounces,
             glint_limit: settings.glint_limit,
-            hard_lights: (world.lights.iter().filter(|l| !l.desc.kind.has_size())).count() as u32,
+            hard_lights: in_order(&world.lights).1 as u32,
         }
     }
 }

@@ -73,16 +73,47 @@ pub fn has_cube_map(kind: &LightKind) -> bool {
     matches!(kind, LightKind::Point { .. })
 }
 
-/// Whether some light has ray-traced shadows.
-pub fn has_shadow_rays(lights: &[Light], options: &RenderOptions) -> bool {
-    let mut lights = lights.iter();
-    lights.any(|light| options.shadow_of(&light.desc) == ShadowMode::Ray)
+/// What lights ask of the passes that shade.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LightNeeds {
+    /// Some light has ray-traced shadows.
+    pub rays: bool,
+    /// Some light without a size has them.
+    pub hard_rays: bool,
+    /// Some light has a size.
+    pub sized: bool,
 }
 
-/// Whether some light without a size has them.
-pub fn has_hard_shadow_rays(lights: &[Light], options: &RenderOptions) -> bool {
-    let mut hard = lights.iter().filter(|light| !light.desc.kind.has_size());
-    hard.any(|light| options.shadow_of(&light.desc) == ShadowMode::Ray)
+impl LightNeeds {
+    /// Of these lights.
+    pub fn of(lights: &[Light], options: &RenderOptions) -> Self {
+        let is_sized = |light: &Light| light.desc.kind.has_size();
+        let has_ray = |light: &Light| options.shadow_of(&light.desc) == ShadowMode::Ray;
+        Self {
+            rays: lights.iter().any(has_ray),
+            hard_rays: lights.iter().any(|l| !is_sized(l) && has_ray(l)),
+            sized: lights.iter().any(is_sized),
+        }
+    }
+
+    /// Whether passes made for these needs serve `other` ones.
+    pub fn cover(self, other: Self) -> bool {
+        (self.rays || !other.rays)
+            && (self.hard_rays || !other.hard_rays)
+            && (self.sized || !other.sized)
+    }
+}
+
+/// Whether some light has ray-traced shadows.
+pub fn has_shadow_rays(lights: &[Light], options: &RenderOptions) -> bool {
+    LightNeeds::of(lights, options).rays
+}
+
+/// Lights as shaders have them: those without a size first. The second number says how many those are.
+pub fn in_order(lights: &[Light]) -> (impl Iterator<Item = &Light>, usize) {
+    let (sized, hard): (Vec<_>, Vec<_>) = lights.iter().partition(|l| l.desc.kind.has_size());
+    let count = hard.len();
+    (hard.into_iter().chain(sized), count)
 }
 
 /// The uniform block, lights without a size first, and the shadow views of one frame. `bounds` contain all shadow
@@ -96,8 +127,7 @@ pub fn lights(
     let mut block = LightBlock::zeroed();
     let mut views = Vec::new();
     let (mut cubes, mut maps) = (0, 0);
-    let (sized, hard): (Vec<_>, Vec<_>) = lights.iter().partition(|l| l.desc.kind.has_size());
-    for (light, out) in hard.into_iter().chain(sized).zip(&mut block.lights) {
+    for (light, out) in in_order(lights).0.zip(&mut block.lights) {
         let shadow = options.shadow_of(&light.desc);
         *out = gpu_light(light, shadow);
         if shadow != ShadowMode::Map {
@@ -303,4 +333,31 @@ fn parallel_view(forward: Vec3, px: u32, bounds: &Bounds) -> (Mat4, f32) {
     )
     .transpose();
     (clip, edge / px as f32)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn needs(rays: bool, hard_rays: bool, sized: bool) -> LightNeeds {
+        LightNeeds {
+            rays,
+            hard_rays,
+            sized,
+        }
+    }
+
+    #[test]
+    fn passes_serve_lights_that_ask_for_less() {
+        let all = needs(true, true, true);
+        for less in [
+            needs(false, true, true),
+            needs(true, false, true),
+            needs(true, true, false),
+        ] {
+            assert!(all.cover(less));
+            assert!(!less.cover(all));
+        }
+        assert!(all.cover(all));
+    }
 }

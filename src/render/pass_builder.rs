@@ -45,7 +45,7 @@ impl PassBuilder<'_> {
     /// Values for the overrides of a pass; its shader may declare fewer.
     pub fn overrides(&self, pass: &Pass) -> Vec<Override> {
         let own = (pass.overrides)(self.options);
-        // As many stretches of rows as threads, up to 16, see the same of the picture.
+        // Puts rows that are 16 apart beside each other, which is enough for 16 threads.
         let shuffles = if self.gpu.is_software() { 4.0 } else { 0.0 };
         let mut all = self.plan.overrides();
         all.extend(own);

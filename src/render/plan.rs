@@ -17,7 +17,7 @@ use self::{
     uses::{has_coat_normals, has_coats, has_sheen, has_tints, scatters_twice},
 };
 use super::{
-    lights::{ShadowSizes, has_hard_shadow_rays, has_shadow_rays},
+    lights::{LightNeeds, ShadowSizes, has_shadow_rays},
     options::RenderOptions,
     precision::Precision,
     shader_variant::ShaderVariant,
@@ -55,8 +55,10 @@ pub struct Plan {
     pub shadow_rays: bool,
     /// Some light without a size does.
     pub hard_shadow_rays: bool,
-    /// Shadow maps of points, and of what shines one way.
-    pub shadow_maps: [bool; 2],
+    /// Some light has a cube map.
+    pub cube_maps: bool,
+    /// Some light has a flat shadow map.
+    pub flat_maps: bool,
     /// Reflections may take from the picture which lights with shadow rays reach what they meet.
     pub lends_light: bool,
     /// The environment's light comes from samples, not in closed form.
@@ -235,7 +237,8 @@ impl Plan {
             patterns: true,
             shadow_rays: true,
             hard_shadow_rays: true,
-            shadow_maps: [true; 2],
+            cube_maps: true,
+            flat_maps: true,
             lends_light: true,
             bounces: settings.bounces,
             slot_pools: (1 << 30) - 1,
@@ -261,7 +264,7 @@ impl Plan {
             && !scatters(options)
             && !reflectors_see_each_other(world, cutoff);
         let traced = traces_rays(world, options);
-        let hard_shadow_rays = has_hard_shadow_rays(&world.lights, options);
+        let lights = LightNeeds::of(&world.lights, options);
         let shadows = ShadowSizes::of(&world.lights, options);
         let mut plan = Self {
             reflections,
@@ -279,15 +282,16 @@ impl Plan {
             checkers: materials().any(|m| m.checker.is_some()),
             patterns: materials()
                 .any(|m| m.checker.is_some_and(|c| c.kind != PatternKind::Checker)),
-            shadow_rays: has_shadow_rays(&world.lights, options),
-            hard_shadow_rays,
-            shadow_maps: [shadows.cubes > 0, shadows.maps > 0],
-            lends_light: reflections && hard_shadow_rays,
+            shadow_rays: lights.rays,
+            hard_shadow_rays: lights.hard_rays,
+            cube_maps: shadows.cubes > 0,
+            flat_maps: shadows.maps > 0,
+            lends_light: reflections && lights.hard_rays,
             sampled_environment: world.environment.is_sampled()
                 || environment_casts_rays(world, options),
             indirect: scatters(options),
             unbiased: options.is_unbiased(),
-            sized_lights: world.lights.iter().any(|l| l.desc.kind.has_size()),
+            sized_lights: lights.sized,
             emitters: world.has_emitters(),
             rough_reflections: reflects_roughly(world, cutoff),
             transmission: passes_light(world),
@@ -341,6 +345,15 @@ impl Plan {
         self.tints || self.sheen || self.coat_normals
     }
 
+    /// What its lights may ask for.
+    pub fn light_needs(&self) -> LightNeeds {
+        LightNeeds {
+            rays: self.shadow_rays,
+            hard_rays: self.hard_shadow_rays,
+            sized: self.sized_lights,
+        }
+    }
+
     /// Values for the shaders' overrides, by name.
     pub fn overrides(&self) -> Vec<(&'static str, f64)> {
         let flag = |on: bool| f64::from(u8::from(on));
@@ -359,12 +372,16 @@ impl Plan {
             ("HAS_PATTERNS", flag(self.patterns)),
             ("HAS_SHADOW_RAYS", flag(self.shadow_rays)),
             ("HAS_HARD_SHADOW_RAYS", flag(self.hard_shadow_rays)),
-            ("HAS_CUBE_MAPS", flag(self.shadow_maps[0])),
-            ("HAS_FLAT_MAPS", flag(self.shadow_maps[1])),
+            ("HAS_CUBE_MAPS", flag(self.cube_maps)),
+            ("HAS_FLAT_MAPS", flag(self.flat_maps)),
             ("LENDS_LIGHT", flag(self.lends_light)),
             ("HAS_SIZED_LIGHTS", flag(self.sized_lights)),
             ("HAS_ROUGH_REFLECTIONS", flag(self.rough_reflections)),
             ("HAS_ENVIRONMENT_RAYS", flag(self.environment_rays)),
+            (
+                "HAS_SAMPLED_LIGHT",
+                flag(self.sized_lights || self.sampled_environment || self.emitters),
+            ),
             ("HAS_LAYERS", flag(self.has_layers())),
             ("HAS_TRANSMISSION", flag(self.transmission)),
             ("HAS_COATS", flag(self.coats)),

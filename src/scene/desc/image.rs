@@ -94,7 +94,7 @@ pub struct ImageDesc {
 }
 
 impl ImageDesc {
-    /// Rays of a pixel and sub-frame towards each light that is sampled.
+    /// Rays of a pixel and sub-frame towards all that lights with an extent.
     pub fn light_rays(&self) -> u32 {
         let default = 4_u32.div_ceil(self.samples.max(1));
         self.light_rays.unwrap_or(default)
