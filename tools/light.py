@@ -11,7 +11,6 @@ light. Sentences around the tables are a person's: read them again.
 """
 
 import argparse
-import csv
 import pathlib
 import re
 import subprocess
@@ -20,13 +19,14 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from measuring import add_program, program_of, table, write_rows, write_tables
-from reflet_light import furnace
+from measuring import add_program, program_of, read_rows, table, write_rows, write_tables
+from reflet_light import furnace, speed
 from reflet_light.scenes import ROUGHNESSES, Scene, all_scenes, panorama
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 PAGE = ROOT / "docs" / "light.md"
 DATA = ROOT / "docs" / "data" / "light.csv"
+SPEED_DATA = ROOT / "docs" / "data" / "light-speed.csv"
 IMAGES = ROOT / "docs" / "images"
 SIZE = (96, 64)
 THEIR_SAMPLES = 4096
@@ -97,7 +97,7 @@ def measure(out: pathlib.Path, program: pathlib.Path, only: str | None) -> None:
     bsdf.register()
     out.mkdir(parents=True, exist_ok=True)
     mi.Bitmap(panorama()).write(str(out / "sky.exr"))
-    rows = {(row["scene"], row["samples"]): row for row in read(out)}
+    rows = {(row["scene"], row["samples"]): row for row in read_rows(out / "light.csv")}
     for scene in all_scenes():
         if only and not re.fullmatch(only, scene.name):
             continue
@@ -111,6 +111,8 @@ def measure(out: pathlib.Path, program: pathlib.Path, only: str | None) -> None:
             write_rows(out / "light.csv", list(rows.values()))
     if not only or only == "furnace":
         furnace.measure(out, program)
+    if not only or only == "speed":
+        speed.measure(out, program, all_scenes(), load, rel_mse)
 
 
 def compare(out: pathlib.Path, scene: Scene, samples: int, program: pathlib.Path) -> Row:
@@ -124,14 +126,6 @@ def compare(out: pathlib.Path, scene: Scene, samples: int, program: pathlib.Path
     }
     head = {"scene": scene.name, "samples": str(samples)}
     return head | {name: f"{value:.6g}" for name, value in numbers.items()}
-
-
-def read(out: pathlib.Path) -> list[Row]:
-    path = out / "light.csv"
-    if not path.exists():
-        return []
-    with path.open(newline="") as file:
-        return list(csv.DictReader(file))
 
 
 def scenes_table(rows: list[Row]) -> str:
@@ -184,16 +178,18 @@ def sheet(out: pathlib.Path, names: Sequence[str], path: pathlib.Path) -> None:
 
 
 def page(out: pathlib.Path) -> None:
-    rows = read(out)
+    rows = read_rows(out / "light.csv")
     if not rows:
         sys.exit(f"{out} holds no measurements; run `measure` first")
     tables = {
         "scenes": scenes_table(rows),
         "convergence": convergence_table(rows),
         "furnace": furnace.table(out),
+        "speed": table(speed.HEAD, speed.lines(out)),
     }
     write_tables(PAGE, tables)
     write_rows(DATA, rows)
+    write_rows(SPEED_DATA, read_rows(out / "speed.csv"))
     pictures(out)
 
 

@@ -1,12 +1,11 @@
 """Balls in an even, white light: what each angle returns, against integrals of the lobes."""
 
-import csv
 import math
 import pathlib
 import subprocess
-from collections.abc import Iterable
 
 import numpy as np
+from measuring import read_rows, write_rows
 
 from .scenes import HEAD, ROUGHNESSES, thing
 
@@ -75,7 +74,7 @@ def at_cosines(picture: np.ndarray) -> list[float]:
 def measure(out: pathlib.Path, program: pathlib.Path) -> None:
     import mitsuba as mi
 
-    rows = read(out)
+    rows = read_rows(out / "furnace.csv")
     known = {tuple(list(row.values())[:4]) for row in rows}
     for kind in KINDS:
         for side in SIDES:
@@ -93,25 +92,10 @@ def measure(out: pathlib.Path, program: pathlib.Path) -> None:
                     values = [f"{v:.4f}" for v in at_cosines(found)]
                     rows.append(dict(zip(COLUMNS, [*key, *values], strict=True)))
                     print(" ".join(rows[-1].values()), flush=True)
-                    write(out / "furnace.csv", rows)
-
-
-def read(out: pathlib.Path) -> list[Row]:
-    path = out / "furnace.csv"
-    if not path.exists():
-        return []
-    with path.open(newline="") as file:
-        return list(csv.DictReader(file))
-
-
-def write(path: pathlib.Path, rows: Iterable[Row]) -> None:
-    with path.open("w", newline="") as file:
-        writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
+                    write_rows(out / "furnace.csv", rows)
 
 
 def table(out: pathlib.Path) -> str:
     lines = [["---"] * len(COLUMNS)]
-    lines += [list(row.values()) for row in read(out)]
+    lines += [list(row.values()) for row in read_rows(out / "furnace.csv")]
     return "\n".join(f"| {' | '.join(line)} |" for line in [COLUMNS, *lines])
