@@ -3,6 +3,8 @@
 #import extent
 #import frame
 
+const HAS_EMITTERS: bool = false;
+
 fn returned_of_emitters(s: Surface, view: vec3f, to: Receiver, index: u32) -> Returned {
     return Returned();
 }

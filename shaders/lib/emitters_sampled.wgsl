@@ -8,6 +8,8 @@
 #import shown
 #import surface
 
+const HAS_EMITTERS: bool = true;
+
 // By triangle: instance, triangle, the share of its column that is its own, and whose the rest is
 // (Walker's alias method, as of Vose 1991).
 @group(1) @binding(16) var emitters: texture_2d<u32>;

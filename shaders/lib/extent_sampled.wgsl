@@ -8,6 +8,7 @@ override HAS_ROUGH_REFLECTIONS: bool = true;
 override HAS_SHADOW_RAYS: bool = true; // some light casts its shadow by rays
 override HAS_ENVIRONMENT_RAYS: bool = true; // something can be in the way of the environment's light
 override HAS_SIZED_LIGHTS: bool = true;
+override HAS_SIZED_SUNS: bool = true; // some are directional
 override HAS_SAMPLED_LIGHT: bool = true; // lights with a size, sampled environments or surfaces that emit
 
 const TAKEN: f32 = -1.0;
@@ -223,9 +224,25 @@ fn offer(choice: ptr<function, Choice>, r: Returned) {
     (*choice).u = min((*choice).u, BELOW_ONE);
 }
 
+// What the chosen one returns for all that were offered.
+fn standing_for_all(choice: Choice) -> Returned {
+    var r = choice.one;
+    let scale = choice.whole / max(choice.part, 1e-30);
+    r.diffuse *= scale;
+    r.specular *= scale;
+    return r;
+}
+
+// What sends light, by what is in its way: each gets a ray of its own, for a sun that a wall hides would else be
+// chosen nearly always, and the sky in the window hardly ever.
+const SUNS: u32 = 0u;
+const LAMPS: u32 = 1u;
+const SKY: u32 = 2u;
+const EMITTERS: u32 = 3u;
+
 // The light of all that has an extent: lights with a size, the environment where rays go towards it, and surfaces
-// that emit. Each offers a point, one of them is chosen by what the surface would return of it, and a ray goes there
-// (resampled importance sampling; Talbot et al. 2005). What casts no shadow is added without a ray.
+// that emit. Of several lamps, and of several suns, each offers a point, and one of them is chosen (resampled
+// importance sampling; Talbot et al. 2005). What casts no shadow is added without a ray.
 fn sampled_light(s: Surface, view: vec3f, albedo: vec3f) -> Shade {
     var out: Shade;
     if (!HAS_SAMPLED_LIGHT) { return out; }
@@ -233,37 +250,48 @@ fn sampled_light(s: Surface, view: vec3f, albedo: vec3f) -> Shade {
     let has_specular = (is_rough || !is_reflector(s)) && (s.metallic > 0.0 || s.reflectivity > 0.0);
     if (!has_specular && !has_sheen(s) && max(albedo.x, max(albedo.y, albedo.z)) <= 0.0) { return out; }
     let to = Receiver(albedo, is_rough, has_specular);
+    let first_source = select(select(SKY, LAMPS, HAS_SIZED_LIGHTS), SUNS, HAS_SIZED_SUNS);
+    let end_source = select(select(SKY, EMITTERS, HAS_ENVIRONMENT_RAYS), EMITTERS + 1u, HAS_EMITTERS);
     let first_pair = sample_pair;
     for (var k = 0u; k < sampling.rays; k++) {
         let index = sampling.first + k;
         sample_pair = first_pair;
-        var choice: Choice;
-        choice.u = sample_square(index, next_pair()).x;
+        var suns: Choice;
+        var lamps: Choice;
         if (HAS_SIZED_LIGHTS) {
+            let u = sample_square(index, next_pair());
+            suns.u = u.x;
+            lamps.u = u.y;
             for (var i = frame.hard_lights; i < frame.light_count; i++) {
                 let l = light_sample(i, s.position, sample_square(index, next_pair()));
                 let r = returned_of_lamp(s, view, to, l, true);
-                if (HAS_SHADOW_RAYS && lights[i].shadow == SHADOW_RAY) {
-                    offer(&choice, r);
-                } else {
+                if (!HAS_SHADOW_RAYS || lights[i].shadow != SHADOW_RAY) {
                     out.diffuse += r.diffuse;
                     out.specular += r.specular;
+                } else if (HAS_SIZED_SUNS && lights[i].kind == LIGHT_DIRECTIONAL) {
+                    offer(&suns, r);
+                } else {
+                    offer(&lamps, r);
                 }
             }
         }
         let sky = returned_of_environment(s, view, to, index);
-        if (HAS_ENVIRONMENT_RAYS) {
-            offer(&choice, sky);
-        } else {
+        if (!HAS_ENVIRONMENT_RAYS) {
             out.diffuse += sky.diffuse;
             out.specular += sky.specular;
         }
-        offer(&choice, returned_of_emitters(s, view, to, index));
-        if (choice.part <= 0.0) { continue; }
-        let one = choice.one;
-        let arriving = arriving_from(s, one.to_light, one.distance_m) * (choice.whole / choice.part);
-        out.diffuse += one.diffuse * arriving;
-        out.specular += one.specular * arriving;
+        let emitted = returned_of_emitters(s, view, to, index);
+        // One call in a loop: the code of rays is long.
+        for (var source = first_source; source < end_source; source++) {
+            var r = emitted;
+            if (HAS_SIZED_SUNS && source == SUNS) { r = standing_for_all(suns); }
+            if (HAS_SIZED_LIGHTS && source == LAMPS) { r = standing_for_all(lamps); }
+            if (source == SKY) { r = sky; }
+            if (!any(r.diffuse + r.specular > vec3f(0.0)) || (!HAS_ENVIRONMENT_RAYS && source == SKY)) { continue; }
+            let arriving = arriving_from(s, r.to_light, r.distance_m);
+            out.diffuse += r.diffuse * arriving;
+            out.specular += r.specular * arriving;
+        }
     }
     let rays = f32(sampling.rays);
     return Shade(out.diffuse / rays, out.specular / rays, vec2u(0u));

@@ -82,6 +82,8 @@ pub struct LightNeeds {
     pub hard_rays: bool,
     /// Some light has a size.
     pub sized: bool,
+    /// Some directional light has one.
+    pub sized_suns: bool,
 }
 
 impl LightNeeds {
@@ -93,6 +95,9 @@ impl LightNeeds {
             rays: lights.iter().any(has_ray),
             hard_rays: lights.iter().any(|l| !is_sized(l) && has_ray(l)),
             sized: lights.iter().any(is_sized),
+            sized_suns: lights
+                .iter()
+                .any(|l| is_sized(l) && matches!(l.desc.kind, LightKind::Directional { .. })),
         }
     }
 
@@ -101,6 +106,7 @@ impl LightNeeds {
         (self.rays || !other.rays)
             && (self.hard_rays || !other.hard_rays)
             && (self.sized || !other.sized)
+            && (self.sized_suns || !other.sized_suns)
     }
 }
 
@@ -339,22 +345,20 @@ fn parallel_view(forward: Vec3, px: u32, bounds: &Bounds) -> (Mat4, f32) {
 mod tests {
     use super::*;
 
-    fn needs(rays: bool, hard_rays: bool, sized: bool) -> LightNeeds {
+    fn needs([rays, hard_rays, sized, sized_suns]: [bool; 4]) -> LightNeeds {
         LightNeeds {
             rays,
             hard_rays,
             sized,
+            sized_suns,
         }
     }
 
     #[test]
     fn passes_serve_lights_that_ask_for_less() {
-        let all = needs(true, true, true);
-        for less in [
-            needs(false, true, true),
-            needs(true, false, true),
-            needs(true, true, false),
-        ] {
+        let all = needs([true; 4]);
+        for lacking in 0..4 {
+            let less = needs(std::array::from_fn(|i| i != lacking));
             assert!(all.cover(less));
             assert!(!less.cover(all));
         }

@@ -65,6 +65,8 @@ pub struct Plan {
     pub sampled_environment: bool,
     /// Some light has a size.
     pub sized_lights: bool,
+    /// Some directional light has one.
+    pub sized_suns: bool,
     /// Some surface lights what is around.
     pub emitters: bool,
     /// Matte surfaces pass on what others scatter.
@@ -212,6 +214,7 @@ impl Plan {
             indirect: scatters(options),
             unbiased: options.is_unbiased(),
             sized_lights: world.lights.iter().any(|l| l.desc.kind.has_size()),
+            sized_suns: true,
             emitters: world.has_emitters(),
             rough_reflections: reflects_roughly(world, settings.reflects_below()),
             transmission: passes_light(world),
@@ -292,6 +295,7 @@ impl Plan {
             indirect: scatters(options),
             unbiased: options.is_unbiased(),
             sized_lights: lights.sized,
+            sized_suns: lights.sized_suns,
             emitters: world.has_emitters(),
             rough_reflections: reflects_roughly(world, cutoff),
             transmission: passes_light(world),
@@ -351,6 +355,7 @@ impl Plan {
             rays: self.shadow_rays,
             hard_rays: self.hard_shadow_rays,
             sized: self.sized_lights,
+            sized_suns: self.sized_suns,
         }
     }
 
@@ -376,6 +381,7 @@ impl Plan {
             ("HAS_FLAT_MAPS", flag(self.flat_maps)),
             ("LENDS_LIGHT", flag(self.lends_light)),
             ("HAS_SIZED_LIGHTS", flag(self.sized_lights)),
+            ("HAS_SIZED_SUNS", flag(self.sized_suns)),
             ("HAS_ROUGH_REFLECTIONS", flag(self.rough_reflections)),
             ("HAS_ENVIRONMENT_RAYS", flag(self.environment_rays)),
             (

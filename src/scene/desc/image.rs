@@ -66,10 +66,10 @@ pub struct ImageDesc {
     pub size: [u32; 2],
     /// Sub-frames averaged per picture, 1 to 4096. More smooths edges. Default 1.
     pub samples: u32,
-    /// Rays that every pixel of a sub-frame sends towards all that lights with an extent, together: lights with a
-    /// size, an environment with `shadow = "ray"` or a `file`, and surfaces with `light = true`, 1 to 256. Each goes
-    /// to one of them, chosen by how much it may light. More is less grainy, and takes longer; `samples` multiplies
-    /// it. Default 4 with 1 sample, 2 with 2 or 3, else 1.
+    /// Rays that every pixel of a sub-frame sends towards lamps with a size, each to one of them by how much it may
+    /// light, towards suns with a size likewise, towards an environment with `shadow = "ray"` or a `file`, and
+    /// towards all surfaces with `light = true` together, 1 to 256. More is less grainy, and takes longer; `samples`
+    /// multiplies it. Default 4 with 1 sample, 2 with 2 or 3, else 1.
     pub light_rays: Option<u32>,
     /// Exposure in stops, -20 to 20; +1 doubles the brightness. `"auto"` shows the brightest tenth of
     /// the first frame as light gray or brighter, and keeps that for all frames; `reflet info` says the
@@ -94,7 +94,7 @@ pub struct ImageDesc {
 }
 
 impl ImageDesc {
-    /// Rays of a pixel and sub-frame towards all that lights with an extent.
+    /// Rays of a pixel and sub-frame towards each kind of what is sampled.
     pub fn light_rays(&self) -> u32 {
         let default = 4_u32.div_ceil(self.samples.max(1));
         self.light_rays.unwrap_or(default)
