@@ -11,10 +11,15 @@ struct ScreenRay {
     leaves: bool, // whether something is cut off after `end`
 }
 
+// Undoes `pixel_offset`. Not by the clip matrix: lavapipe 22.3 takes that for constants of the march and compiles it
+// anew for each sub-frame, which takes longer than the march.
 fn to_screen(p: vec3f) -> vec3f {
-    let clip = frame.clip_from_world * vec4f(p, 1.0);
-    let ndc = clip.xyz / clip.w;
-    return vec3f((vec2f(ndc.x, -ndc.y) * 0.5 + 0.5) * frame.size, ndc.z);
+    let offset = p - frame.eye;
+    let depth_m = dot(offset, frame.forward);
+    let across = vec2f(dot(offset, frame.right), -dot(offset, frame.up));
+    let extent = vec2f(dot(frame.right, frame.right), dot(frame.up, frame.up));
+    let ndc = across / (extent * select(depth_m, 1.0, is_orthographic()));
+    return vec3f((ndc * 0.5 + 0.5) * frame.size - frame.jitter, screen_z(depth_m));
 }
 
 // s at which x + s * dx leaves [0, size].
