@@ -1,6 +1,7 @@
-// Visibility: rasterizes depth and ids (instance, triangle), nothing else. Vertices are pulled, so
-// the triangle's number is known without the optional primitive-index feature.
+// Visibility: rasterizes depth and ids (instance, triangle), nothing else. Vertices are pulled where triangles have
+// cut-outs, or no number but that of their vertices.
 
+#import triangles
 #import frame
 #import surface
 

@@ -50,7 +50,7 @@ pub struct Gpu {
     pub queue: wgpu::Queue,
     /// Limits of the device: the defaults, with larger and more buffers and larger textures.
     pub limits: wgpu::Limits,
-    /// Enabled optional features: timestamps, where present.
+    /// Enabled optional features, where present: timestamps, and numbers of triangles.
     pub features: wgpu::Features,
     /// Compile statistics of the device.
     pub compile_stats: CompileStats,
@@ -112,7 +112,8 @@ impl Gpu {
         };
         let wanted = wgpu::Features::TIMESTAMP_QUERY
             | wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS
-            | wgpu::Features::TIMESTAMP_QUERY_INSIDE_PASSES;
+            | wgpu::Features::TIMESTAMP_QUERY_INSIDE_PASSES
+            | wgpu::Features::PRIMITIVE_INDEX;
         let features = adapter.features() & wanted;
         let (device, queue) =
             pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {

@@ -1,4 +1,4 @@
-//! Arrays of the scene's geometry in several buffers, where a device binds less in one than a scene needs.
+//! Arrays of the scene's geometry that shaders see as several, where a device binds less at a time than a scene needs.
 
 use std::fmt::Write as _;
 
@@ -9,11 +9,13 @@ use crate::gpu::{Gpu, GpuError};
 /// Buffers of a pass beside the geometry: instances, materials, lists, counters.
 const OTHER_BUFFERS: u32 = 4;
 
-/// An array in one buffer, or in several of the same size but for the last.
+/// An array of which shaders see one stretch, or several of the same size but for the last.
 #[derive(Clone, Debug)]
 pub struct ChunkedArray {
+    /// Of as many stretches as fit, but for the last.
     buffers: Vec<wgpu::Buffer>,
     chunk_bytes: u64,
+    buffer_bytes: u64,
 }
 
 impl ChunkedArray {
@@ -30,14 +32,17 @@ impl ChunkedArray {
         let bytes: &[u8] = cast_slice(data);
         let least = size_of::<T>().max(16);
         let whole = (bytes.len().max(least) as u64).next_multiple_of(16);
-        let chunk_bytes = match whole <= gpu.largest_storage_buffer() {
-            true => whole,
-            false => chunk_bytes(gpu),
+        let (chunk_bytes, buffer_bytes) = match whole <= gpu.largest_storage_buffer() {
+            true => (whole, whole),
+            false => {
+                let chunk = chunk_bytes(gpu);
+                (chunk, gpu.limits.max_buffer_size / chunk * chunk)
+            }
         };
         let mut buffers = Vec::new();
         let mut first = 0;
         while first < whole {
-            let size = (whole - first).min(chunk_bytes);
+            let size = (whole - first).min(buffer_bytes);
             let make = || {
                 gpu.device.create_buffer(&wgpu::BufferDescriptor {
                     label: Some(name),
@@ -52,6 +57,7 @@ impl ChunkedArray {
         let array = Self {
             buffers,
             chunk_bytes,
+            buffer_bytes,
         };
         array.write(gpu, 0, data);
         Ok(array)
@@ -62,11 +68,11 @@ impl ChunkedArray {
         let mut bytes: &[u8] = cast_slice(elements);
         let mut at = (first * size_of::<T>()) as u64;
         while !bytes.is_empty() {
-            let (chunk, offset) = (at / self.chunk_bytes, at % self.chunk_bytes);
-            let room = usize::try_from(self.chunk_bytes - offset).unwrap_or(usize::MAX);
+            let (buffer, offset) = (at / self.buffer_bytes, at % self.buffer_bytes);
+            let room = usize::try_from(self.buffer_bytes - offset).unwrap_or(usize::MAX);
             let (now, later) = bytes.split_at(bytes.len().min(room));
             gpu.queue
-                .write_buffer(&self.buffers[chunk as usize], offset, now);
+                .write_buffer(&self.buffers[buffer as usize], offset, now);
             at += now.len() as u64;
             bytes = later;
         }
@@ -86,12 +92,20 @@ impl ChunkedArray {
     }
 
     fn count(&self) -> u32 {
-        self.buffers.len() as u32
+        self.size().div_ceil(self.chunk_bytes) as u32
     }
 
-    /// A buffer, if there is one of this number.
+    /// What shaders see of this number, if there is one.
     pub fn binding(&self, chunk: usize) -> Option<wgpu::BindingResource<'_>> {
-        Some(self.buffers.get(chunk)?.as_entire_binding())
+        let at = chunk as u64 * self.chunk_bytes;
+        let buffer = self.buffers.get((at / self.buffer_bytes) as usize)?;
+        let offset = at % self.buffer_bytes;
+        let size = buffer.size().checked_sub(offset)?.min(self.chunk_bytes);
+        Some(wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+            buffer,
+            offset,
+            size: Some(wgpu::BufferSize::new(size)?),
+        }))
     }
 }
 

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use glam::Affine3A;
 
-use super::geometry::MeshRange;
+use super::{geometry::MeshRange, types::GpuVertex};
 use crate::{
     math::Bounds,
     scene::desc::ShownDesc,
@@ -37,7 +37,8 @@ pub struct Draw {
     pub class: DrawClass,
     /// Whether its pose, and with it its handedness, may change.
     pub dynamic: bool,
-    /// Whether the camera, which culls its triangles from behind, may look through them.
+    /// Whether the camera, which culls its triangles from behind, may look through them; see
+    /// `GpuScene::find_backs`.
     pub hides_backs: bool,
     /// Hash of the vertices of a deformed mesh, else 0.
     pub shape: u64,
@@ -71,6 +72,41 @@ pub fn class_of(material: &Material, transform: &Affine3A) -> DrawClass {
     }
 }
 
+/// The buffers of all meshes, to draw them by their indices.
+#[derive(Clone, Copy, Debug)]
+pub struct Indexed<'a> {
+    /// Of [`GpuVertex`].
+    pub vertices: &'a wgpu::Buffer,
+    /// 32 bits each, and other numbers between those of the meshes.
+    pub indices: &'a wgpu::Buffer,
+}
+
+impl Indexed<'_> {
+    /// What vertex shaders get: the position, at location 0.
+    pub const LAYOUT: wgpu::VertexBufferLayout<'static> = wgpu::VertexBufferLayout {
+        array_stride: size_of::<GpuVertex>() as u64,
+        step_mode: wgpu::VertexStepMode::Vertex,
+        attributes: &wgpu::vertex_attr_array![0 => Float32x3],
+    };
+
+    /// Binds both.
+    pub fn bind(&self, pass: &mut wgpu::RenderPass<'_>) {
+        pass.set_vertex_buffer(0, self.vertices.slice(..));
+        pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint32);
+    }
+}
+
+impl Draw {
+    /// Draws it by its indices, which are bound, or has the shader pull its vertices.
+    pub fn record(&self, pass: &mut wgpu::RenderPass<'_>, is_indexed: bool) {
+        let instance = self.instance..self.instance + 1;
+        match is_indexed {
+            true => pass.draw_indexed(self.indices.clone(), self.vertex_base, instance),
+            false => pass.draw(0..self.indices.len() as u32, instance),
+        }
+    }
+}
+
 /// One for each instance that has triangles.
 pub fn draws(world: &World, mesh_ranges: &[MeshRange]) -> Vec<Draw> {
     let draw = |(i, instance): (usize, &Instance)| {
@@ -85,7 +121,7 @@ pub fn draws(world: &World, mesh_ranges: &[MeshRange]) -> Vec<Draw> {
                 &instance.world_from_object,
             ),
             dynamic: instance.dynamic,
-            hides_backs: world.hides_backs(instance),
+            hides_backs: false,
             shape: shape_of(world, instance.mesh),
             casts_shadow: instance.shown.casts_shadow
                 && (world.materials[instance.material].transmission)

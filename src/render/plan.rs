@@ -199,9 +199,11 @@ fn environment_casts_rays(world: &World, options: &RenderOptions) -> bool {
     world.environment.casts_rays() || (scatters(options) && !world.environment.is_black())
 }
 
-/// Whether the march takes only what a ray is shown to meet.
-fn verifies(options: &RenderOptions) -> bool {
-    options.reflection.method.marches() && options.reflection.verifies()
+/// Whether there is a march, and it takes only what a ray is shown to meet: then it stops at what the camera culls.
+pub fn may_meet_culled(world: &World, options: &RenderOptions) -> bool {
+    options.reflection.method.marches()
+        && options.reflection.verifies()
+        && (options.general || reflects(world, options.reflection.reflects_below()))
 }
 
 impl Plan {
@@ -231,7 +233,7 @@ impl Plan {
             traced: true,
             static_tree: true,
             top_level: true,
-            culled_surfaces: verifies(options),
+            culled_surfaces: may_meet_culled(world, options),
             precision: Precision::of(world, options),
             unshown: true,
             cutouts: true,
@@ -275,8 +277,7 @@ impl Plan {
             traced,
             static_tree: trees.static_triangles > 0,
             top_level: trees.is_built() && !trees.top_instances.is_empty(),
-            culled_surfaces: reflections
-                && verifies(options)
+            culled_surfaces: may_meet_culled(world, options)
                 && world.instances.iter().any(|i| world.hides_from_camera(i)),
             precision: Precision::of(world, options),
             unshown: (world.instances.iter()).any(|i| i.shown != ShownDesc::default()),
@@ -343,6 +344,11 @@ impl Plan {
     /// Whether some surface lets light through or has a clear coat.
     fn has_layers(&self) -> bool {
         self.transmission || self.coats
+    }
+
+    /// Whether passes run over lists of pixels.
+    pub fn has_lists(&self) -> bool {
+        self.reflections || self.transmission
     }
 
     /// Whether some surface has what the G-buffer has no bits for.

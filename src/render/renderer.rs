@@ -25,7 +25,7 @@ use super::{
     options::RenderOptions,
     pass_builder::PassBuilder,
     passes::needed_passes,
-    plan::Plan,
+    plan::{Plan, may_meet_culled},
     rebuild_summary::RebuildSummary,
     relative::{origin_of, relative_world},
     resources::Resources,
@@ -90,10 +90,13 @@ impl Renderer {
         let (trees, tree_ms) = build_trees(gpu, world, options)?;
         let decided = decide(world, &trees, options, gpu.is_software());
         let options = &decided.options;
-        let scene = GpuScene::new(gpu, world, &trees)?;
+        let mut scene = GpuScene::new(gpu, world, &trees)?;
+        if may_meet_culled(world, options) {
+            scene.find_backs(world);
+        }
         let plan = plan_of(world, &trees, &scene, options);
         let needed = needed_passes(&plan, options);
-        let shaders = Shaders::new(gpu, library, variant(&plan, &scene), &needed)?;
+        let shaders = Shaders::new(gpu, library, variant(gpu, &plan, &scene), &needed)?;
         let uniforms = FrameUniforms::new(gpu);
         let key = BindingKey::new(
             &plan,
@@ -165,13 +168,19 @@ impl Renderer {
         let trees = new_trees.as_ref().map_or(&self.trees, |(trees, _)| trees);
         let decided = decide(world, trees, options, gpu.is_software());
         let options = &decided.options;
-        let new_scene = (rebuilt.materials)
+        let mut new_scene = (rebuilt.materials)
             .then(|| self.scene.with_materials(gpu, world, trees, rebuilt.trees))
             .transpose()?;
+        if may_meet_culled(world, options) {
+            new_scene
+                .as_mut()
+                .unwrap_or(&mut self.scene)
+                .find_backs(world);
+        }
         let scene = new_scene.as_ref().unwrap_or(&self.scene);
         let plan = plan_of(world, trees, scene, options);
         let needed = needed_passes(&plan, options);
-        let shaders = Shaders::new(gpu, library, variant(&plan, scene), &needed)?;
+        let shaders = Shaders::new(gpu, library, variant(gpu, &plan, scene), &needed)?;
         let key = BindingKey::new(
             &plan,
             options,
@@ -354,8 +363,10 @@ impl Renderer {
 }
 
 /// The shader files of a plan over a scene.
-fn variant(plan: &Plan, scene: &GpuScene) -> ShaderVariant {
+fn variant(gpu: &Gpu, plan: &Plan, scene: &GpuScene) -> ShaderVariant {
+    let numbers_triangles = gpu.features.contains(wgpu::Features::PRIMITIVE_INDEX);
     ShaderVariant {
+        indexed: numbers_triangles && scene.indexed().is_some(),
         chunks: scene.chunks,
         ..plan.variant()
     }

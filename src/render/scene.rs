@@ -13,7 +13,7 @@ use crate::{
 
 use super::{
     chunks::{ChunkedArray, Chunks, chunk_of},
-    draw::{Draw, class_of, draws, mirrors},
+    draw::{Draw, Indexed, class_of, draws, mirrors},
     emitters::{Emitters, GpuEmitters},
     geometry::{MeshRange, buffer, geometry, mesh_vertices},
     gpu_material::gpu_material,
@@ -130,6 +130,13 @@ impl GpuScene {
         })
     }
 
+    /// Has draws know whether they hide backs, which is found edge by edge, once for each mesh.
+    pub fn find_backs(&mut self, world: &World) {
+        for draw in &mut self.draws {
+            draw.hides_backs = world.hides_backs(&world.instances[draw.instance as usize]);
+        }
+    }
+
     /// Uploads the vertices of deformed meshes, and their trees.
     pub fn update_deformed(&self, gpu: &Gpu, world: &World, trees: &Trees) {
         for mesh in world.deformed.keys() {
@@ -198,6 +205,12 @@ impl GpuScene {
             gpu.queue
                 .write_buffer(&self.materials, offset, bytemuck::bytes_of(&record));
         }
+    }
+
+    /// What draws meshes by their indices; none where one buffer does not hold all of them.
+    pub fn indexed(&self) -> Option<Indexed<'_>> {
+        let (vertices, indices) = (self.vertices.whole()?, self.mesh_data.whole()?);
+        Some(Indexed { vertices, indices })
     }
 
     /// The resource with this name in group 1, if there is one.

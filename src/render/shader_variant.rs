@@ -1,6 +1,6 @@
 //! Which shader files stand for what a scene may or may not need: `#import ambient`,
-//! `behind`, `details`, `emitters`, `energy`, `environment`, `extent`, `indirect`, `layers`, `radiance`, `scattered` and
-//! `sheen` mean others where a plan drops samples, so that unused code and bindings are no part of any shader.
+//! `behind`, `details`, `emitters`, `energy`, `environment`, `extent`, `indirect`, `layers`, `radiance`, `scattered`,
+//! `sheen` and `triangles` mean others where a plan drops samples, so that unused code and bindings are no part of any shader.
 
 use crate::gpu::{ShaderError, ShaderLibrary};
 
@@ -30,6 +30,8 @@ pub struct ShaderVariant {
     pub full: bool,
     /// Light that facets reflect more than once is given back.
     pub conserved: bool,
+    /// Opaque triangles are drawn by their indices; the device numbers them.
+    pub indexed: bool,
     /// Buffers of the geometry.
     pub chunks: Chunks,
 }
@@ -63,6 +65,7 @@ impl ShaderVariant {
         for variant in [all[0], all[all.len() - 1]] {
             all.push(Self {
                 full: true,
+                indexed: true,
                 ..variant
             });
             for sheen in [false, true] {
@@ -109,6 +112,7 @@ impl ShaderVariant {
             choose("environment", self.panorama, ["gradient", "panorama"]),
             choose("radiance", self.full, ["half", "full"]),
             choose("extent", self.extent, ["none", "sampled"]),
+            choose("triangles", self.indexed, ["pulled", "indexed"]),
         ];
         let library = library
             .with_generated("constants", wgsl())?

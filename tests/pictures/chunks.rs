@@ -1,4 +1,4 @@
-//! Geometry that a device binds only in several buffers.
+//! Geometry that a device binds only in parts, and how it is drawn then.
 
 use std::fmt::Write as _;
 
@@ -81,7 +81,12 @@ fn pictures_do_not_depend_on_how_much_a_buffer_holds() {
         return;
     };
     small.limits.max_storage_buffer_binding_size = 1 << 21;
-    for visibility in [Visibility::Raster, Visibility::Rays] {
+    for (visibility, buffer_bytes) in [
+        (Visibility::Raster, gpu.limits.max_buffer_size),
+        (Visibility::Raster, 1 << 22),
+        (Visibility::Rays, 1 << 22),
+    ] {
+        small.limits.max_buffer_size = buffer_bytes;
         let whole = shown(gpu, visibility);
         let chunked = shown(&small, visibility);
         let bytes = &chunked.stats.bytes;
@@ -99,6 +104,18 @@ fn pictures_do_not_depend_on_how_much_a_buffer_holds() {
         }
         assert!(whole.display == chunked.display, "{visibility:?}");
     }
+}
+
+#[test]
+fn pictures_do_not_depend_on_whether_triangles_are_numbered() {
+    let (Some(gpu), Some(mut plain)) = (gpu(), gpu_or_skip()) else {
+        return;
+    };
+    plain.features.remove(wgpu::Features::PRIMITIVE_INDEX);
+    let numbered = shown(gpu, Visibility::Raster);
+    let pulled = shown(&plain, Visibility::Raster);
+    assert!(integers(&numbered, Aov::Ids) == integers(&pulled, Aov::Ids));
+    assert!(numbered.display == pulled.display);
 }
 
 #[test]

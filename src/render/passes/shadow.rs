@@ -9,7 +9,7 @@ use crate::{
     gpu::{GpuError, GroupLayout},
     render::{
         cull::is_outside,
-        draw::Draw,
+        draw::{Draw, Indexed},
         frame_pass::FramePass,
         lights::ShadowView,
         pass::{Pass, declared_overrides},
@@ -18,7 +18,7 @@ use crate::{
         scene::GpuScene,
         shadow_maps::FORMAT,
         sub_frame::SubFrame,
-        types::{GpuVertex, gpu_struct},
+        types::gpu_struct,
     },
 };
 
@@ -141,31 +141,20 @@ impl Shadow {
 
     fn draw(&self, pass: &mut wgpu::RenderPass<'_>, scene: &GpuScene, view: &ShadowView) {
         let visible = || casters(scene, view);
-        let opaque = || visible().filter(|d| !d.class.cutout);
-        let instance = |draw: &Draw| draw.instance..draw.instance + 1;
+        let indexed = scene.indexed();
         pass.set_pipeline(&self.opaque);
-        if let Some((vertices, indices)) = indexed(scene) {
-            pass.set_vertex_buffer(0, vertices.slice(..));
-            pass.set_index_buffer(indices.slice(..), wgpu::IndexFormat::Uint32);
-            for draw in opaque() {
-                pass.draw_indexed(draw.indices.clone(), draw.vertex_base, instance(draw));
-            }
-        } else {
-            for draw in opaque() {
-                pass.draw(0..draw.indices.len() as u32, instance(draw));
-            }
+        if let Some(indexed) = indexed {
+            indexed.bind(pass);
+        }
+        for draw in visible().filter(|d| !d.class.cutout) {
+            draw.record(pass, indexed.is_some());
         }
         let Some(cutout) = &self.cutout else { return };
         pass.set_pipeline(cutout);
         for draw in visible().filter(|d| d.class.cutout) {
-            pass.draw(0..draw.indices.len() as u32, instance(draw));
+            draw.record(pass, false);
         }
     }
-}
-
-/// Vertex and index buffer; `None` where there are several of either, so that shaders pull vertices.
-fn indexed(scene: &GpuScene) -> Option<(&wgpu::Buffer, &wgpu::Buffer)> {
-    Some((scene.vertices.whole()?, scene.mesh_data.whole()?))
 }
 
 /// What a map may show.
@@ -197,14 +186,13 @@ fn pipeline(
     let (gpu, shared, shader) = (builder.gpu, builder.shared, builder.shader(&PASS)?);
     let groups = [&shared.empty.0, &shared.layouts[1], layout];
     let constants = declared_overrides(shader, &builder.overrides(&PASS));
-    let attributes = wgpu::vertex_attr_array![0 => Float32x3];
-    let vertices = [Some(wgpu::VertexBufferLayout {
-        array_stride: size_of::<GpuVertex>() as u64,
-        step_mode: wgpu::VertexStepMode::Vertex,
-        attributes: &attributes,
-    })];
-    let is_pulled = cutout || indexed(builder.resources.scene).is_none();
-    let state = if cutout { "cutout" } else { "opaque" };
+    let vertices = [Some(Indexed::LAYOUT)];
+    let is_pulled = cutout || builder.resources.scene.indexed().is_none();
+    let state = match (cutout, is_pulled) {
+        (true, _) => "cutout",
+        (false, true) => "pulled",
+        (false, false) => "indexed",
+    };
     shader.render_pipeline(gpu, state, &groups, &constants, |layout, module| {
         gpu.device
             .create_render_pipeline(&wgpu::RenderPipelineDescriptor {

@@ -1,10 +1,10 @@
 //! Visibility: rasterizes depth and ids, nothing else.
 
 use crate::{
-    gpu::GpuError,
+    gpu::{GpuError, Shader},
     render::{
         cull::is_outside,
-        draw::{Draw, DrawClass},
+        draw::{Draw, DrawClass, Indexed},
         frame_pass::FramePass,
         pass::{Pass, declared_overrides},
         pass_builder::PassBuilder,
@@ -26,6 +26,8 @@ pub const PASS: Pass = Pass {
 /// The pass: a pipeline for each class of draws in use.
 #[derive(Debug)]
 pub struct Visibility {
+    /// Whether opaque triangles are drawn by their indices.
+    is_indexed: bool,
     pipelines: Vec<(DrawClass, wgpu::RenderPipeline)>,
     /// Of what the camera culls, where the march is to know its depth.
     culled: Vec<(DrawClass, wgpu::RenderPipeline)>,
@@ -41,6 +43,7 @@ impl FramePass for Visibility {
         let culled = draws.iter().filter(|d| has_culled && is_culled(d));
         let unseen = draws.iter().filter(|d| has_culled && is_unseen(d));
         Ok(Self {
+            is_indexed: is_indexed(builder.shader(&PASS)?),
             pipelines: pipelines(builder, draws, Faces::Shown)?,
             unseen: pipelines(builder, unseen, Faces::Unseen)?,
             culled: pipelines(builder, culled, Faces::Culled)?,
@@ -64,17 +67,20 @@ impl FramePass for Visibility {
             });
             pass.set_bind_group(0, &recording.shared.groups[0], &[]);
             pass.set_bind_group(1, &recording.shared.groups[1], &[]);
+            if let Some(indexed) = scene.indexed() {
+                indexed.bind(&mut pass);
+            }
             let mut draw_all = |pipelines: &[(DrawClass, wgpu::RenderPipeline)],
                                 is_drawn: fn(&Draw) -> bool| {
                 for (class, pipeline) in pipelines {
+                    let is_indexed = self.is_indexed && !class.cutout;
                     pass.set_pipeline(pipeline);
                     let draws = scene
                         .draws
                         .iter()
                         .filter(|d| d.class == *class && is_drawn(d));
                     for draw in draws.filter(|d| !is_outside(clip_from_world, &d.bounds)) {
-                        let instance = draw.instance..draw.instance + 1;
-                        pass.draw(0..draw.indices.len() as u32, instance);
+                        draw.record(&mut pass, is_indexed);
                     }
                 }
             };
@@ -85,6 +91,14 @@ impl FramePass for Visibility {
         });
     }
 }
+
+/// Whether the device numbers triangles that are drawn by their indices.
+fn is_indexed(shader: &Shader) -> bool {
+    shader.info.entry_point(VERTEX_INDEXED).is_some()
+}
+
+/// Entry point of `shaders/lib/triangles_indexed.wgsl`.
+const VERTEX_INDEXED: &str = "vertex_indexed";
 
 /// Whether the camera culls some of it.
 fn is_culled(draw: &Draw) -> bool {
@@ -199,6 +213,11 @@ fn pipeline(
         ..Target::Ids.format(false).into()
     };
     let state = format!("{class:?} {faces:?}");
+    let vertices = [Some(Indexed::LAYOUT)];
+    let (vertex, fragment, buffers) = match is_indexed(shader) && !class.cutout {
+        true => (VERTEX_INDEXED, "fragment_indexed", vertices.as_slice()),
+        false => ("vertex", "fragment", [].as_slice()),
+    };
     shader.render_pipeline(gpu, &state, &groups, &constants, |layout, module| {
         gpu.device
             .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
@@ -206,9 +225,9 @@ fn pipeline(
                 layout: Some(layout),
                 vertex: wgpu::VertexState {
                     module,
-                    entry_point: Some("vertex"),
+                    entry_point: Some(vertex),
                     compilation_options: wgpu::PipelineCompilationOptions::default(),
-                    buffers: &[],
+                    buffers,
                 },
                 primitive: wgpu::PrimitiveState {
                     front_face: if class.mirrored {
@@ -223,7 +242,7 @@ fn pipeline(
                 multisample: wgpu::MultisampleState::default(),
                 fragment: Some(wgpu::FragmentState {
                     module,
-                    entry_point: Some("fragment"),
+                    entry_point: Some(fragment),
                     compilation_options: wgpu::PipelineCompilationOptions::default(),
                     targets: &[Some(ids)],
                 }),

@@ -1,0 +1,21 @@
+// Opaque triangles by their indices, so that corners which triangles share are transformed once.
+
+enable primitive_index;
+
+#import frame
+#import surface
+
+struct IndexedVarying {
+    @builtin(position) clip: vec4f,
+    @location(0) @interpolate(flat) instance: u32,
+}
+
+@vertex
+fn vertex_indexed(@location(0) position: vec3f, @builtin(instance_index) instance: u32) -> IndexedVarying {
+    return IndexedVarying(frame.clip_from_world * vec4f(to_world(instance, position), 1.0), instance);
+}
+
+@fragment
+fn fragment_indexed(in: IndexedVarying, @builtin(primitive_index) triangle: u32) -> @location(0) vec2u {
+    return vec2u(in.instance, triangle);
+}
