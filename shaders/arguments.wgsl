@@ -4,7 +4,7 @@
 #import constants
 
 @group(2) @binding(0) var<storage, read> counters: array<u32, COUNTERS>;
-@group(2) @binding(1) var<storage, read_write> arguments: array<vec4u, 3>; // of reflectors, rays, hits
+@group(2) @binding(1) var<storage, read_write> arguments: array<vec4u, 4>; // of reflectors, rays, hits, transmissive pixels
 
 const GROUPS_PER_ROW: u32 = 32768u;
 
@@ -18,4 +18,5 @@ fn main() {
     arguments[0] = groups_for(counters[REFLECTOR_COUNTER]);
     arguments[1] = groups_for(counters[RAY_COUNTER]);
     arguments[2] = groups_for(counters[HIT_COUNTER]);
+    arguments[3] = groups_for(counters[TRANSMISSIVE_COUNTER]);
 }

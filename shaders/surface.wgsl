@@ -1,5 +1,5 @@
-// Surface: resolves the G-buffer from the ids of the visibility pass and lists the reflective pixels,
-// tile by tile so that neighbors stay together.
+// Surface: resolves the G-buffer from the ids of the visibility pass and lists the reflective pixels and those
+// that let light through, tile by tile so that neighbors stay together.
 
 #import cause
 #import gbuffer_layout
@@ -9,8 +9,6 @@
 #import shade
 
 override HAS_REFLECTIONS: bool = true;
-override MARCH: bool = true; // false: method rt, reflective pixels are listed as rays
-
 override RASTERIZED: bool = true; // false: primary rays have found what is culled
 
 @group(2) @binding(0) var ids: texture_2d<u32>;
@@ -22,8 +20,10 @@ override RASTERIZED: bool = true; // false: primary rays have found what is cull
 
 const CULLED_SLACK: f32 = 1e-4;
 
-var<workgroup> tile_counts: array<atomic<u32>, 3>; // not reflective, rough, reflective
+const TRANSMISSIVE: u32 = 3u;
+var<workgroup> tile_counts: array<atomic<u32>, 4>; // not reflective, rough, reflective, transmissive
 var<workgroup> tile_start: u32;
+var<workgroup> transmissive_start: u32;
 
 // Keeps the depth of what the camera culls in front of what it shows at `depth_m`.
 fn keep_culled(pixel: vec2u, depth_m: f32) {
@@ -33,15 +33,20 @@ fn keep_culled(pixel: vec2u, depth_m: f32) {
     lists[culled_slot(pixel)] = bitcast<u32>(select(0.0, nearest, is_culled));
 }
 
-// Resolves a pixel and says what it reflects.
-fn resolve(pixel: vec2u) -> u32 {
+struct Resolved {
+    why: u32, // it is reflective or not: a cause
+    is_transmissive: bool,
+}
+
+// Resolves a pixel.
+fn resolve(pixel: vec2u) -> Resolved {
     let hit = textureLoad(ids, pixel, 0).xy;
     if (hit.x == NONE) {
         if (HAS_CULLED && RASTERIZED) { keep_culled(pixel, FAR_M); }
         textureStore(view_depth, pixel, vec4f(FAR_M, 0.0, 0.0, 0.0));
         textureStore(surface, pixel, vec4u(0u));
         textureStore(colors, pixel, vec4u(0u));
-        return CAUSE_NOT_REFLECTIVE;
+        return Resolved(CAUSE_NOT_REFLECTIVE, false);
     }
     let shown = pixel_surface(pixel, hit);
     let s = shown.surface;
@@ -55,25 +60,32 @@ fn resolve(pixel: vec2u) -> u32 {
     packed.roughness = unpack2x16float(pack2x16float(vec2f(s.roughness, 0.0))).x;
     packed.clearcoat = round(s.clearcoat * 127.0) / 127.0;
     packed.clearcoat_roughness = round(s.clearcoat_roughness * 127.0) / 127.0;
-    if (is_reflector(packed)) { return CAUSE_UNMARCHED; }
-    return select(CAUSE_NOT_REFLECTIVE, CAUSE_ROUGH, s.reflection != REFLECTION_NONE);
+    let rough = select(CAUSE_NOT_REFLECTIVE, CAUSE_ROUGH, s.reflection != REFLECTION_NONE);
+    return Resolved(select(rough, CAUSE_UNMARCHED, is_reflector(packed)), is_transmissive(s));
 }
 
 @compute @workgroup_size(8, 8)
 fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_id) local: vec3u, @builtin(local_invocation_index) lane: u32) {
     let pixel = invoked_pixel(group, groups, local);
     let inside = all(pixel < vec2u(frame.size));
-    var why = CAUSE_NOT_REFLECTIVE;
-    if (inside) { why = resolve(pixel); }
-    if (!HAS_REFLECTIONS) { return; }
+    var found = Resolved(CAUSE_NOT_REFLECTIVE, false);
+    if (inside) { found = resolve(pixel); }
+    if (!HAS_REFLECTIONS && !HAS_TRANSMISSION) { return; }
+    let why = found.why;
     var place = 0u;
-    if (inside) {
+    var transmissive_place = 0u;
+    if (HAS_REFLECTIONS && inside) {
         textureStore(cause, pixel, vec4u(why, 0u, 0u, 0u));
         let kind = u32(why == CAUSE_ROUGH) + 2u * u32(why == CAUSE_UNMARCHED);
         place = atomicAdd(&tile_counts[kind], 1u);
     }
+    if (HAS_TRANSMISSION && found.is_transmissive) { transmissive_place = atomicAdd(&tile_counts[TRANSMISSIVE], 1u); }
     workgroupBarrier();
     if (lane == 0u) {
+        if (HAS_TRANSMISSION) {
+            let first = atomicAdd(&counters[TRANSMISSIVE_COUNTER], atomicLoad(&tile_counts[TRANSMISSIVE]));
+            transmissive_start = transmissive_slot(first);
+        }
         let reflective = atomicLoad(&tile_counts[2]);
         atomicAdd(&counters[CAUSE_NOT_REFLECTIVE], atomicLoad(&tile_counts[0]));
         atomicAdd(&counters[CAUSE_ROUGH], atomicLoad(&tile_counts[1]));
@@ -85,5 +97,8 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: ve
         }
     }
     workgroupBarrier();
-    if (inside && why == CAUSE_UNMARCHED) { lists[tile_start + place] = pack_pixel(pixel); }
+    if (HAS_TRANSMISSION && found.is_transmissive) {
+        lists[transmissive_start + transmissive_place] = pack_pixel(pixel);
+    }
+    if (HAS_REFLECTIONS && why == CAUSE_UNMARCHED) { lists[tile_start + place] = pack_pixel(pixel); }
 }

@@ -1,4 +1,4 @@
-// Transmit: follows what passes through the surfaces that pixels show, to what is behind them.
+// Transmit: follows what passes through the surfaces that the listed pixels show, to what is behind them.
 
 #import cone
 #import gbuffer
@@ -26,7 +26,6 @@ fn completed(pixel: vec2u) -> Surface {
 
 // w: share that is something, not the background.
 fn behind(pixel: vec2u) -> vec4f {
-    if (textureLoad(view_depth, pixel, 0).x >= FAR_M) { return vec4f(0.0); }
     var s = completed(pixel);
     if (!is_transmissive(s)) { return vec4f(0.0, 0.0, 0.0, 1.0); }
     start_path(s.position);
@@ -69,10 +68,11 @@ fn behind(pixel: vec2u) -> vec4f {
     return vec4f(color, 1.0);
 }
 
-@compute @workgroup_size(8, 8)
-fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_id) local: vec3u) {
-    let pixel = invoked_pixel(group, groups, local);
-    if (any(pixel >= vec2u(frame.size))) { return; }
+@compute @workgroup_size(RAYS_PER_GROUP)
+fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) lane: u32) {
+    let index = (group.y * groups.x + group.x) * RAYS_PER_GROUP + lane;
+    if (index >= atomicLoad(&counters[TRANSMISSIVE_COUNTER])) { return; }
+    let pixel = unpack_pixel(lists[transmissive_slot(index)]);
     textureStore(transmitted_light, pixel, min(behind(pixel), vec4f(BRIGHTEST, 1.0)));
     if (exhausted_rays > 0u) { atomicAdd(&counters[EXHAUSTED_COUNTER], exhausted_rays); }
 }

@@ -1,8 +1,12 @@
 // The lists of a frame, in one buffer because a stage may bind few: reflective pixels, then rays that
 // are traced, with screen hits from the other end, then the depth pyramid, then the depth of what the camera culls.
+// Pixels that let light through use the list of the first two that the surface pass leaves free.
 // Pixels are x | y << 16.
 
 #import frame
+
+// Whether reflective pixels are marched; false: the surface pass lists them as rays.
+override MARCH: bool = true;
 
 @group(2) @binding(20) var<storage, read_write> lists: array<u32>;
 @group(2) @binding(21) var<storage, read_write> counters: array<atomic<u32>, COUNTERS>;
@@ -22,6 +26,11 @@ fn ray_slot(index: u32) -> u32 {
 // Rays and hits together are at most as many as pixels, so that they never meet.
 fn hit_slot(index: u32) -> u32 {
     return 2u * picture_px() - 1u - index;
+}
+
+// Of pixels whose surface lets light through; taken until the march lists its rays.
+fn transmissive_slot(index: u32) -> u32 {
+    return select(reflector_slot(index), ray_slot(index), MARCH);
 }
 
 // Where a cell of a level from 1 up is; the picture counts as padded to cells of the last level.

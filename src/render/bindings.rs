@@ -55,7 +55,7 @@ impl BindingKey {
             shadows,
             light_needs: plan.light_needs(),
             lists: ListedParts {
-                reflections: plan.reflections,
+                pixels: plan.has_lists(),
                 culled_surfaces: plan.culled_surfaces,
             },
             color: Target::last_color(options.image.samples),

@@ -155,10 +155,10 @@ impl Renderer {
         passes.surface.record(frame);
         passes.details.record(frame);
         passes.light.record(frame);
+        passes.arguments.record(frame); // of what the surface pass lists
         passes.transmit.record(frame);
         passes.indirect.record(frame);
         passes.pyramid.record(frame);
-        passes.arguments.record(frame); // of the reflective pixels
         passes.ssr.record(frame);
         passes.arguments.record(frame); // of hits and rays
         passes.hits.record(frame);
@@ -200,7 +200,7 @@ impl Renderer {
                 .into_iter()
                 .map(|(n, b)| (format!("target_{n}"), b)),
         );
-        if self.plan.reflections {
+        if self.plan.has_lists() {
             bytes.push(("lists".to_owned(), self.bindings.ray_list.lists.size()));
         }
         let (size, method) = (self.options.image.size, self.method());

@@ -189,7 +189,7 @@ impl ComputePass {
                     pass.dispatch_workgroups(size[0].div_ceil(*side), size[1].div_ceil(*side), 1);
                 }
                 Dispatch::Listed(lists, list) => {
-                    let offset = 16 * *list as u64;
+                    let offset = list.arguments_offset();
                     pass.dispatch_workgroups_indirect(&lists.arguments, offset);
                 }
                 Dispatch::Groups(groups) => pass.dispatch_workgroups(*groups, 1, 1),

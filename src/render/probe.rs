@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use crate::gpu::{Gpu, GpuError, readback};
 
-use super::pass::ComputePass;
+use super::{pass::ComputePass, recorder::clear_texture};
 
 /// Kind of measurement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -135,19 +135,8 @@ impl Counted {
 
     /// Zeros: the trace pass writes no pixel that is not in its list.
     fn clear(&self, encoder: &mut wgpu::CommandEncoder) {
-        encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("clear counts"),
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: &self.view,
-                depth_slice: None,
-                resolve_target: None,
-                ops: wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
-                    store: wgpu::StoreOp::Store,
-                },
-            })],
-            ..Default::default()
-        });
+        let zero = wgpu::Color::TRANSPARENT;
+        clear_texture(encoder, "clear counts", &self.view, zero);
     }
 
     /// Sums over all pixels.

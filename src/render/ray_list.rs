@@ -1,5 +1,5 @@
-//! The lists of a frame: reflective pixels, what is traced and what is shaded of them, the depth
-//! pyramid, and the counters.
+//! The lists of a frame: reflective pixels, what is traced and what is shaded of them, pixels that let light
+//! through, the depth pyramid, and the counters.
 
 use crate::gpu::{Gpu, GpuError, Named};
 
@@ -19,6 +19,8 @@ pub const HIT_COUNTER: usize = COUNTERS - 4;
 pub const AUDITED_COUNTER: usize = COUNTERS - 5;
 /// Index of the number of those that lie on a wrong surface.
 pub const WRONG_COUNTER: usize = COUNTERS - 6;
+/// Index of the number of pixels whose surface lets light through.
+pub const TRANSMISSIVE_COUNTER: usize = COUNTERS - 7;
 /// Entries of a list that one workgroup of the passes over lists does.
 pub const RAYS_PER_GROUP: u32 = 64;
 /// Screen hits of a sub-frame that the audit traces too, at most.
@@ -26,7 +28,7 @@ pub const AUDIT_RAYS: u32 = 1024;
 /// Levels of the depth pyramid over the picture itself: cells of 2 to 64 pixels.
 pub const PYRAMID_LEVELS: u32 = 6;
 
-const _: () = assert!(Cause::ALL.len() <= WRONG_COUNTER);
+const _: () = assert!(Cause::ALL.len() <= TRANSMISSIVE_COUNTER);
 
 /// Which list a pass runs over; its place among the arguments.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,13 +39,26 @@ pub enum List {
     Rays = 1,
     /// Screen hits that are shaded.
     Hits = 2,
+    /// Pixels whose surface lets light through.
+    Transmissive = 3,
 }
+
+impl List {
+    /// Where its workgroups are among the arguments, bytes.
+    pub const fn arguments_offset(self) -> u64 {
+        self as u64 * ARGUMENT_BYTES
+    }
+}
+
+const LISTS: u64 = 4;
+/// Of what an indirect dispatch reads, padded.
+const ARGUMENT_BYTES: u64 = 16;
 
 /// What of the lists a frame uses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ListedParts {
-    /// Reflective pixels, rays, hits and the pyramid.
-    pub reflections: bool,
+    /// Lists of pixels, and the pyramid.
+    pub pixels: bool,
     /// A depth for each pixel of what the camera culls.
     pub culled_surfaces: bool,
 }
@@ -52,7 +67,7 @@ impl ListedParts {
     /// Two words a pixel, the pyramid of the picture padded to its largest cells, and one word a pixel
     /// for what is culled.
     fn bytes(self, size: [u32; 2]) -> u64 {
-        if !self.reflections {
+        if !self.pixels {
             return 16;
         }
         let padded = size.map(|side| u64::from(side.next_multiple_of(1 << PYRAMID_LEVELS)));
@@ -76,7 +91,7 @@ pub struct RayList {
 }
 
 impl RayList {
-    /// Room for every pixel in every list, or for none where nothing reflects.
+    /// Room for every pixel in every list, or for none where nothing reflects or lets light through.
     ///
     /// # Errors
     /// A picture whose lists are past the adapter's buffer limit.
@@ -99,7 +114,11 @@ impl RayList {
                 4 * COUNTERS as u64,
                 storage | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC,
             ),
-            arguments: make("arguments", 48, storage | wgpu::BufferUsages::INDIRECT),
+            arguments: make(
+                "arguments",
+                LISTS * ARGUMENT_BYTES,
+                storage | wgpu::BufferUsages::INDIRECT,
+            ),
         })
     }
 

@@ -173,6 +173,28 @@ impl Recording<'_> {
     }
 }
 
+/// Fills a texture with a color.
+pub fn clear_texture(
+    encoder: &mut wgpu::CommandEncoder,
+    label: &str,
+    view: &wgpu::TextureView,
+    color: wgpu::Color,
+) {
+    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some(label),
+        color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+            view,
+            depth_slice: None,
+            resolve_target: None,
+            ops: wgpu::Operations {
+                load: wgpu::LoadOp::Clear(color),
+                store: wgpu::StoreOp::Store,
+            },
+        })],
+        ..Default::default()
+    });
+}
+
 fn encoder(gpu: &Gpu) -> wgpu::CommandEncoder {
     let label = Some("frame");
     gpu.device

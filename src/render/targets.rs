@@ -142,8 +142,8 @@ impl Target {
         let read = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_SRC;
         match self {
             Self::RasterDepth => read | wgpu::TextureUsages::RENDER_ATTACHMENT,
-            // By rasterization or by rays.
-            Self::Ids => {
+            // By rasterization or by rays; cleared, then written where pixels are listed.
+            Self::Ids | Self::TransmittedLight => {
                 read | wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::STORAGE_BINDING
             }
             _ => read | wgpu::TextureUsages::STORAGE_BINDING,

@@ -29,7 +29,7 @@ fn arguments(gpu: &Gpu, rays: u32) -> [u32; 3] {
             })
     };
     let counters = buffer(bytemuck::bytes_of(&counters));
-    let out = buffer(&[0; 48]);
+    let out = buffer(&[0; 64]);
     let none = empty.bind(gpu, &[]).unwrap_or_else(|e| panic!("{e}"));
     let group = layout
         .bind(

@@ -1,5 +1,5 @@
 //! Surface: resolves the G-buffer in compute from the ids of the visibility pass, and lists the
-//! reflective pixels.
+//! reflective pixels and those that let light through.
 
 use crate::{
     gpu::GpuError,

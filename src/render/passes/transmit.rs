@@ -1,4 +1,4 @@
-//! Transmit: what passes through the surfaces that pixels show.
+//! Transmit: what passes through the surfaces that the listed pixels show.
 
 use crate::{
     gpu::{Checks, GpuError},
@@ -6,10 +6,14 @@ use crate::{
         frame_pass::FramePass,
         pass::{ComputePass, Dispatch, Pass},
         pass_builder::PassBuilder,
+        ray_list::List,
+        recorder::clear_texture,
         sub_frame::SubFrame,
         targets::Target,
     },
 };
+
+use super::ssr;
 
 /// See `shaders/transmit.wgsl`.
 pub const PASS: Pass = Pass {
@@ -24,11 +28,20 @@ pub const PASS: Pass = Pass {
     ],
     writes: &[Target::TransmittedLight],
     needed: |plan, _| plan.transmission,
-    overrides: |options| vec![("HIDES_BACKGROUND", f64::from(u8::from(options.image.alpha)))],
+    overrides: |options| {
+        let flag = |on| f64::from(u8::from(on));
+        vec![
+            ("MARCH", flag(ssr::is_enabled(options))),
+            ("HIDES_BACKGROUND", flag(options.image.alpha)),
+        ]
+    },
     // `check_world` and `Trees::build` validated every index that rays follow.
     checks: Checks::TrustedBuiltin,
     ..Pass::DEFAULT
 };
+
+/// Of pixels that are not listed: no light, and no background.
+const NOTHING_BEHIND: wgpu::Color = wgpu::Color::BLACK;
 
 /// The pass.
 #[derive(Debug)]
@@ -40,6 +53,11 @@ impl FramePass for Transmit {
     }
 
     fn record(&self, frame: &mut SubFrame<'_>) {
-        frame.dispatch(&self.0, &Dispatch::PerPixel);
+        let targets = frame.resources.targets;
+        if let Some(view) = targets.view(Target::TransmittedLight) {
+            clear_texture(frame.recorder.encoder(), PASS.name, view, NOTHING_BEHIND);
+        }
+        let transmissive = Dispatch::Listed(frame.resources.ray_list, List::Transmissive);
+        frame.dispatch(&self.0, &transmissive);
     }
 }
