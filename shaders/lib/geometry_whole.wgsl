@@ -1,18 +1,8 @@
-// The scene's geometry in one buffer for each kind. Where a device binds less than a scene needs,
+// The scene's meshes in one buffer for each kind. Where a device binds less than a scene needs,
 // src/render/chunks.rs writes the same functions over several.
 
-@group(1) @binding(0) var<storage, read> nodes: array<vec4u>;
-@group(1) @binding(1) var<storage, read> triangles: array<vec4u>;
 @group(1) @binding(3) var<storage, read> vertices: array<Vertex>;
 @group(1) @binding(4) var<storage, read> mesh_data: array<u32>;
-
-fn node_words(i: u32) -> vec4u {
-    return nodes[i];
-}
-
-fn triangle_words(i: u32) -> vec4u {
-    return triangles[i];
-}
 
 fn mesh_word(i: u32) -> u32 {
     return mesh_data[i];

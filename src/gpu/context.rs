@@ -18,6 +18,9 @@ const MAX_BUFFER_BYTES: u64 = (2 << 30) - 4;
 /// the default of 8.
 const MAX_STORAGE_BUFFERS: u32 = 32;
 
+/// Requested number of sampled textures of a stage: trees that are textures take two more than the default of 16.
+const SAMPLED_TEXTURES: u32 = 18;
+
 /// Maximum requested texture size, pixels.
 const MAX_TEXTURE_SIDE: u32 = 16384;
 
@@ -52,6 +55,8 @@ pub struct Gpu {
     pub limits: wgpu::Limits,
     /// Enabled optional features, where present: timestamps, and numbers of triangles.
     pub features: wgpu::Features,
+    /// Whether shaders read textures faster than buffers, and enough of them: software adapters read buffers word by word.
+    pub reads_texels_faster: bool,
     /// Compile statistics of the device.
     pub compile_stats: CompileStats,
     /// Shaders that renderers share.
@@ -106,6 +111,9 @@ impl Gpu {
             max_storage_buffers_per_shader_stage: offered
                 .max_storage_buffers_per_shader_stage
                 .min(MAX_STORAGE_BUFFERS),
+            max_sampled_textures_per_shader_stage: offered
+                .max_sampled_textures_per_shader_stage
+                .min(SAMPLED_TEXTURES),
             max_texture_array_layers: offered.max_texture_array_layers.min(MAX_ARRAY_LAYERS),
             max_texture_dimension_2d: offered.max_texture_dimension_2d.min(MAX_TEXTURE_SIDE),
             ..wgpu::Limits::default()
@@ -133,8 +141,11 @@ impl Gpu {
                 record(&keep, GpuError::Lost(message));
             }
         });
+        let adapter_info = adapter.get_info();
         Ok(Self {
-            adapter_info: adapter.get_info(),
+            reads_texels_faster: adapter_info.device_type == wgpu::DeviceType::Cpu
+                && limits.max_sampled_textures_per_shader_stage >= SAMPLED_TEXTURES,
+            adapter_info,
             instance: instance.clone(),
             adapter,
             compile_stats: CompileStats::default(),

@@ -91,7 +91,8 @@ impl ChunkedArray {
         }
     }
 
-    fn count(&self) -> u32 {
+    /// How many shaders see.
+    pub fn count(&self) -> u32 {
         self.size().div_ceil(self.chunk_bytes) as u32
     }
 
@@ -116,6 +117,8 @@ pub struct Chunks {
     pub nodes: u32,
     /// Of triangles in leaf order.
     pub triangles: u32,
+    /// Nodes and triangles are textures.
+    pub texels: bool,
     /// Of vertices.
     pub vertices: u32,
     /// Of indices and second texture coordinates.
@@ -135,37 +138,31 @@ impl Chunks {
     pub const WHOLE: Self = Self {
         nodes: 1,
         triangles: 1,
+        texels: false,
         vertices: 1,
         mesh_data: 1,
         bytes: 0,
     };
 
-    /// Of these arrays, which a device has.
+    /// These numbers, of arrays of so many bytes together, on this device.
     ///
     /// # Errors
     /// More buffers than the device binds at a time.
-    pub fn of(
-        gpu: &Gpu,
-        nodes: &ChunkedArray,
-        triangles: &ChunkedArray,
-        vertices: &ChunkedArray,
-        mesh_data: &ChunkedArray,
-    ) -> Result<Self, GpuError> {
+    pub fn on(self, gpu: &Gpu, bytes: u64) -> Result<Self, GpuError> {
         let chunks = Self {
-            nodes: nodes.count(),
-            triangles: triangles.count(),
-            vertices: vertices.count(),
-            mesh_data: mesh_data.count(),
             bytes: chunk_bytes(gpu),
+            ..self
         };
         let count = chunks.nodes + chunks.triangles + chunks.vertices + chunks.mesh_data;
         if count == 4 {
-            return Ok(Self::WHOLE);
+            let texels = chunks.texels;
+            return Ok(Self {
+                texels,
+                ..Self::WHOLE
+            });
         }
         let allowed = most_chunks(gpu);
         if count > allowed {
-            let arrays = [nodes, triangles, vertices, mesh_data];
-            let bytes = arrays.map(ChunkedArray::size).iter().sum();
             return Err(GpuError::Limit {
                 what: "the scene's geometry".to_owned(),
                 wanted: bytes,
@@ -176,12 +173,18 @@ impl Chunks {
         Ok(chunks)
     }
 
-    /// Shader text of the functions of `shaders/lib/geometry_whole.wgsl` over these buffers.
+    /// Shader text of the functions of `shaders/lib/trees_whole.wgsl` and `geometry_whole.wgsl` over these buffers.
     pub fn wgsl(&self) -> String {
-        if *self == Self::WHOLE {
-            return "#import geometry_whole\n".to_owned();
-        }
+        let trees = if self.texels { "texels" } else { "whole" };
+        let are_trees_whole = self.texels || (self.nodes, self.triangles) == (1, 1);
+        let are_meshes_whole = (self.vertices, self.mesh_data) == (1, 1);
         let mut text = String::new();
+        if are_trees_whole {
+            let _ = writeln!(text, "#import trees_{trees}");
+        }
+        if are_meshes_whole {
+            text.push_str("#import geometry_whole\n");
+        }
         let mut binding = FIRST_FREE_BINDING;
         let mut array = |name: &str, of: &str, first: u32, (count, size): (u32, u64)| {
             for chunk in 0..count {
@@ -196,21 +199,29 @@ impl Chunks {
             let shift = (self.bytes / size).trailing_zeros();
             (name.to_owned(), count, shift)
         };
-        let nodes = array("nodes", "vec4u", 0, (self.nodes, 16));
-        let triangles = array("triangles", "vec4u", 1, (self.triangles, 16));
-        let vertices = array("vertices", "Vertex", 3, (self.vertices, 32));
-        let mesh_data = array("mesh_data", "u32", 4, (self.mesh_data, 4));
-        for (function, array, member, of) in [
-            ("node_words", &nodes, "", "vec4u"),
-            ("triangle_words", &triangles, "", "vec4u"),
-            ("mesh_word", &mesh_data, "", "u32"),
-            ("vertex_position", &vertices, ".position", "vec3f"),
-            ("vertex_normal", &vertices, ".normal", "u32"),
-            ("vertex_uv", &vertices, ".uv", "vec2f"),
-            ("vertex_tangent", &vertices, ".tangent", "u32"),
-            ("vertex_shade", &vertices, ".color", "u32"),
-        ] {
-            write_function(&mut text, function, array, (member, of));
+        let mut functions = Vec::new();
+        if !are_trees_whole {
+            let nodes = array("nodes", "vec4u", 0, (self.nodes, 16));
+            let triangles = array("triangles", "vec4u", 1, (self.triangles, 16));
+            functions.push(("node_words", nodes, "", "vec4u"));
+            functions.push(("triangle_words", triangles, "", "vec4u"));
+        }
+        if !are_meshes_whole {
+            let vertices = array("vertices", "Vertex", 3, (self.vertices, 32));
+            let mesh_data = array("mesh_data", "u32", 4, (self.mesh_data, 4));
+            functions.push(("mesh_word", mesh_data, "", "u32"));
+            for (function, member, of) in [
+                ("vertex_position", ".position", "vec3f"),
+                ("vertex_normal", ".normal", "u32"),
+                ("vertex_uv", ".uv", "vec2f"),
+                ("vertex_tangent", ".tangent", "u32"),
+                ("vertex_shade", ".color", "u32"),
+            ] {
+                functions.push((function, vertices.clone(), member, of));
+            }
+        }
+        for (function, array, member, of) in &functions {
+            write_function(&mut text, function, array, (*member, *of));
         }
         text
     }

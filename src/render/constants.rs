@@ -26,6 +26,7 @@ use super::{
     sheen_table::LEAST_SHEEN_ALPHA,
     targets::FAR_M,
     textures::SMALLEST_POOL_PX,
+    tree_array::TEXEL_COLUMNS,
     types::{
         FLAG_COLORS, FLAG_EMITTER, FLAG_MIRRORED, NONE, TEXTURE_NEAREST, TEXTURE_POOL_MASK,
         TEXTURE_SRGB, TEXTURE_UV1, TEXTURE_WRAP_U_SHIFT, TEXTURE_WRAP_V_SHIFT, WRAP_MIRROR,
@@ -121,6 +122,7 @@ pub fn wgsl() -> String {
         RAYS_PER_GROUP,
         AUDIT_RAYS,
         PYRAMID_LEVELS,
+        TEXEL_COLUMNS,
         STATIC_ROOT,
         TOP_ROOT,
         TOP_LEVEL,

@@ -49,6 +49,7 @@ pub mod stats;
 pub(crate) mod sub_frame;
 pub mod targets;
 pub(crate) mod textures;
+mod tree_array;
 pub mod types;
 pub mod unit_costs;
 pub mod validate;

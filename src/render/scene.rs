@@ -19,6 +19,7 @@ use super::{
     gpu_material::gpu_material,
     panorama::GpuPanorama,
     textures::{Pools, samplers},
+    tree_array::TreeArray,
     types::{FLAG_COLORS, FLAG_EMITTER, FLAG_MIRRORED, GpuInstance, GpuMaterial, flag},
 };
 
@@ -26,9 +27,9 @@ use super::{
 #[derive(Debug)]
 pub struct GpuScene {
     /// Tree nodes.
-    pub nodes: ChunkedArray,
+    pub nodes: TreeArray,
     /// Triangles in leaf order.
-    pub triangles: ChunkedArray,
+    pub triangles: TreeArray,
     /// Parallel to [`World::instances`].
     pub instances: wgpu::Buffer,
     /// Attributes of all meshes; also the vertex buffer.
@@ -70,7 +71,7 @@ impl GpuScene {
         let storage = wgpu::BufferUsages::STORAGE;
         Ok(Self {
             panorama: panorama.map(|p| GpuPanorama::new(gpu, p)).transpose()?,
-            chunks: Chunks::of(gpu, &nodes, &triangles, &vertices, &mesh_data)?,
+            chunks: chunks(gpu, (&nodes, &triangles), (&vertices, &mesh_data))?,
             nodes,
             triangles,
             emitters: GpuEmitters::new(gpu, world)?,
@@ -112,7 +113,7 @@ impl GpuScene {
             (self.nodes.clone(), self.triangles.clone())
         };
         Ok(Self {
-            chunks: Chunks::of(gpu, &nodes, &triangles, &self.vertices, &self.mesh_data)?,
+            chunks: chunks(gpu, (&nodes, &triangles), (&self.vertices, &self.mesh_data))?,
             nodes,
             triangles,
             instances: buffer(gpu, "instances", &records, storage)?,
@@ -237,14 +238,13 @@ impl GpuScene {
             "sampler_cc" => sampler(3),
             _ => {
                 let (array, chunk) = chunk_of(name);
-                let array = match array {
-                    "nodes" => &self.nodes,
-                    "triangles" => &self.triangles,
-                    "vertices" => &self.vertices,
-                    "mesh_data" => &self.mesh_data,
-                    _ => return None,
-                };
-                array.binding(chunk)
+                match array {
+                    "nodes" => self.nodes.binding(chunk),
+                    "triangles" => self.triangles.binding(chunk),
+                    "vertices" => self.vertices.binding(chunk),
+                    "mesh_data" => self.mesh_data.binding(chunk),
+                    _ => None,
+                }
             }
         }
     }
@@ -268,12 +268,32 @@ impl GpuScene {
     }
 }
 
+/// How shaders see the trees and the meshes.
+fn chunks(
+    gpu: &Gpu,
+    (nodes, triangles): (&TreeArray, &TreeArray),
+    (vertices, mesh_data): (&ChunkedArray, &ChunkedArray),
+) -> Result<Chunks, GpuError> {
+    let bytes = nodes.size() + triangles.size() + vertices.size() + mesh_data.size();
+    let chunks = Chunks {
+        nodes: nodes.count(),
+        triangles: triangles.count(),
+        texels: nodes.is_texels(),
+        vertices: vertices.count(),
+        mesh_data: mesh_data.count(),
+        ..Chunks::WHOLE
+    };
+    chunks.on(gpu, bytes)
+}
+
 /// Nodes and triangles of the trees.
-fn tree_arrays(gpu: &Gpu, trees: &Trees) -> Result<(ChunkedArray, ChunkedArray), GpuError> {
-    let storage = wgpu::BufferUsages::STORAGE;
+fn tree_arrays(gpu: &Gpu, trees: &Trees) -> Result<(TreeArray, TreeArray), GpuError> {
+    let (nodes, triangles) = (trees.nodes.as_slice(), trees.triangles.as_slice());
+    let bytes = [size_of_val(nodes), size_of_val(triangles)];
+    let in_texels = TreeArray::prefers_texels(gpu, bytes);
     Ok((
-        ChunkedArray::new(gpu, "tree nodes", &trees.nodes, storage)?,
-        ChunkedArray::new(gpu, "tree triangles", &trees.triangles, storage)?,
+        TreeArray::new(gpu, "tree nodes", nodes, in_texels)?,
+        TreeArray::new(gpu, "tree triangles", triangles, in_texels)?,
     ))
 }
 

@@ -66,6 +66,10 @@ impl ShaderVariant {
             all.push(Self {
                 full: true,
                 indexed: true,
+                chunks: Chunks {
+                    texels: true,
+                    ..Chunks::WHOLE
+                },
                 ..variant
             });
             for sheen in [false, true] {

@@ -107,15 +107,24 @@ fn pictures_do_not_depend_on_how_much_a_buffer_holds() {
 }
 
 #[test]
-fn pictures_do_not_depend_on_whether_triangles_are_numbered() {
+fn pictures_do_not_depend_on_how_the_device_reads() {
     let (Some(gpu), Some(mut plain)) = (gpu(), gpu_or_skip()) else {
         return;
     };
+    // Vertices that are pulled, and trees in buffers.
     plain.features.remove(wgpu::Features::PRIMITIVE_INDEX);
-    let numbered = shown(gpu, Visibility::Raster);
-    let pulled = shown(&plain, Visibility::Raster);
-    assert!(integers(&numbered, Aov::Ids) == integers(&pulled, Aov::Ids));
-    assert!(numbered.display == pulled.display);
+    plain.reads_texels_faster = false;
+    for visibility in [Visibility::Raster, Visibility::Rays] {
+        let [own, other] = [gpu, &plain].map(|gpu| shown(gpu, visibility));
+        for aov in [Aov::Ids, Aov::HitIds] {
+            assert!(
+                integers(&own, aov) == integers(&other, aov),
+                "{}",
+                aov.name()
+            );
+        }
+        assert!(own.display == other.display, "{visibility:?}");
+    }
 }
 
 #[test]

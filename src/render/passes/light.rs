@@ -1,7 +1,7 @@
 //! Light: view-independent radiance, apart from the specular of this view.
 
 use crate::{
-    gpu::GpuError,
+    gpu::{Checks, GpuError},
     render::{
         frame_pass::FramePass,
         pass::{ComputePass, Dispatch, Pass},
@@ -23,6 +23,8 @@ pub const PASS: Pass = Pass {
     ],
     writes: &[Target::Radiance, Target::Specular, Target::VisibleLights],
     is_written: |plan, _, target| target != Target::VisibleLights || plan.lends_light,
+    // Rays towards lights follow what `check_world` and `Trees::build` validated.
+    checks: Checks::TrustedBuiltin,
     counted: true,
     ..Pass::DEFAULT
 };

@@ -2,7 +2,7 @@
 //! reflective pixels and those that let light through.
 
 use crate::{
-    gpu::GpuError,
+    gpu::{Checks, GpuError},
     render::{
         frame_pass::FramePass,
         pass::{ComputePass, Dispatch, Pass},
@@ -34,6 +34,8 @@ pub const PASS: Pass = Pass {
             ("RASTERIZED", flag(!has_primary_rays(options))),
         ]
     },
+    // Its ids are those of the visibility pass, which `check_world` validated.
+    checks: Checks::TrustedBuiltin,
     ..Pass::DEFAULT
 };
 

@@ -1,0 +1,15 @@
+// The nodes and triangles of the trees, in a texture each: software drivers read buffers word by word and lane by lane,
+// texels as vectors.
+
+#import constants
+
+@group(1) @binding(0) var nodes: texture_2d<u32>;
+@group(1) @binding(1) var triangles: texture_2d<u32>;
+
+fn node_words(i: u32) -> vec4u {
+    return textureLoad(nodes, vec2u(i % TEXEL_COLUMNS, i / TEXEL_COLUMNS), 0);
+}
+
+fn triangle_words(i: u32) -> vec4u {
+    return textureLoad(triangles, vec2u(i % TEXEL_COLUMNS, i / TEXEL_COLUMNS), 0);
+}
