@@ -13,7 +13,7 @@ struct Frame {
     up: vec3f, // half its height
     roughness_cutoff: f32,
     size: vec2f, // pixels
-    jitter: vec2f, // pixels, -0.5 to 0.5
+    jitter: vec2f, // pixels, -0.5 to 0.5, and beyond by what a lens shifts the picture
     zenith: vec3f,
     light_count: u32,
     horizon: vec3f,

@@ -7,6 +7,7 @@
 // Pixels that disagree leave no bit when they are combined, so an edge of a shadow is never smeared.
 
 #import gbuffer
+#import screen_ray
 
 // Some light casts its shadow by rays.
 override LENDS_LIGHT: bool = true;
@@ -14,11 +15,9 @@ override LENDS_LIGHT: bool = true;
 // Of the four pixels around a point those that show its place: they must be half of it, by bilinear weight.
 fn lent_light(stored: texture_2d<u32>, s: Surface) -> vec2u {
     if (frame.reuse_light == 0u) { return vec2u(0u); }
-    let clip = frame.clip_from_world * vec4f(s.position, 1.0);
     let distance_m = dot(s.position - frame.eye, frame.forward);
     if (distance_m <= frame.near_m) { return vec2u(0u); }
-    let ndc = clip.xy / clip.w;
-    let at = (vec2f(ndc.x, -ndc.y) * 0.5 + 0.5) * frame.size - 0.5;
+    let at = to_screen(s.position).xy - 0.5;
     if (any(at < vec2f(-0.5)) || any(at > frame.size - 0.5)) { return vec2u(0u); }
     let corner = floor(at);
     let part = at - corner;

@@ -75,3 +75,26 @@ fn one_sub_frame_looks_through_the_middle_of_the_lens() {
     assert!(through_lens.color == pinhole.color);
     assert!(mean(&pinhole)[0] > 0.0);
 }
+
+#[test]
+fn hybrid_looks_through_the_same_lens_as_rt() {
+    let Some(gpu) = gpu() else { return };
+    let text = include_str!("../../scenes/mirrors.toml");
+    let through = |method: &str| {
+        let method = format!("reflection.method=\"{method}\"");
+        let lens = "camera.main.aperture_f=0.12";
+        let sets = ["image.size=[64, 36]", "image.samples=8", lens, &method];
+        render(gpu, text, &sets, &[])
+    };
+    let [rt, hybrid] = ["rt", "hybrid"].map(through);
+    let apart: f32 = (rt.color.iter().zip(&hybrid.color))
+        .map(|(a, b)| (a - b).abs())
+        .sum();
+    let mean = apart / rt.color.len() as f32;
+    assert!(mean < 0.003, "{mean}");
+    let screen = (hybrid.stats.shares.sources.iter()).find(|share| share.name == "screen");
+    assert!(
+        screen.is_some_and(|share| share.percent > 1.0),
+        "{screen:?}"
+    );
+}
