@@ -1,6 +1,7 @@
 // Shadow: depth from one light, into a cube face or a flat map.
 
 #import frame
+#import placed
 #import surface
 
 struct Params {
@@ -28,8 +29,8 @@ fn vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance:
 }
 
 @vertex
-fn vertex_opaque(@location(0) position: vec3f, @builtin(instance_index) instance: u32) -> @builtin(position) vec4f {
-    return params.clip_from_world * vec4f(to_world(instance, position), 1.0);
+fn vertex_opaque(vertex: Placed) -> @builtin(position) vec4f {
+    return params.clip_from_world * vec4f(placed_in_world(vertex), 1.0);
 }
 
 @fragment

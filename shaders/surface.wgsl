@@ -8,7 +8,6 @@
 #import pixel_surface
 #import shade
 
-override HAS_REFLECTIONS: bool = true;
 override RASTERIZED: bool = true; // false: primary rays have found what is culled
 
 @group(2) @binding(0) var ids: texture_2d<u32>;

@@ -8,7 +8,7 @@
 override CUTOUT: bool = false; // this pipeline draws cut-out materials
 
 struct Varying {
-    @builtin(position) clip: vec4f,
+    @builtin(position) @invariant clip: vec4f,
     @location(0) @interpolate(flat) ids: vec2u,
     @location(1) bary: vec2f,
 }

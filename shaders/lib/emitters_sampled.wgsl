@@ -20,7 +20,7 @@ fn emitter_density(material: u32) -> f32 {
 }
 
 fn emitter_texel(k: u32) -> vec4u {
-    return textureLoad(emitters, vec2u(k % EMITTER_COLUMNS, k / EMITTER_COLUMNS), 0);
+    return textureLoad(emitters, vec2u(k % TEXEL_COLUMNS, k / TEXEL_COLUMNS), 0);
 }
 
 fn chosen_emitter(u: vec2f) -> vec2u {

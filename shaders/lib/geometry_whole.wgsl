@@ -1,4 +1,4 @@
-// The scene's meshes in one buffer for each kind. Where a device binds less than a scene needs,
+// The scene's meshes in one binding for each kind. Where a device binds less than a scene needs,
 // src/render/chunks.rs writes the same functions over several.
 
 @group(1) @binding(3) var<storage, read> vertices: array<Vertex>;

@@ -5,7 +5,8 @@
 
 #import frame
 
-// Whether reflective pixels are marched; false: the surface pass lists them as rays.
+// Whether there are reflective pixels, and whether they are marched; else the surface pass lists them as rays.
+override HAS_REFLECTIONS: bool = true;
 override MARCH: bool = true;
 
 @group(2) @binding(20) var<storage, read_write> lists: array<u32>;
@@ -30,7 +31,7 @@ fn hit_slot(index: u32) -> u32 {
 
 // Of pixels whose surface lets light through; taken until the march lists its rays.
 fn transmissive_slot(index: u32) -> u32 {
-    return select(reflector_slot(index), ray_slot(index), MARCH);
+    return select(reflector_slot(index), ray_slot(index), HAS_REFLECTIONS && MARCH);
 }
 
 // Where a cell of a level from 1 up is; the picture counts as padded to cells of the last level.

@@ -3,16 +3,16 @@
 enable primitive_index;
 
 #import frame
-#import surface
+#import placed
 
 struct IndexedVarying {
-    @builtin(position) clip: vec4f,
+    @builtin(position) @invariant clip: vec4f,
     @location(0) @interpolate(flat) instance: u32,
 }
 
 @vertex
-fn vertex_indexed(@location(0) position: vec3f, @builtin(instance_index) instance: u32) -> IndexedVarying {
-    return IndexedVarying(frame.clip_from_world * vec4f(to_world(instance, position), 1.0), instance);
+fn vertex_indexed(vertex: Placed, @builtin(instance_index) instance: u32) -> IndexedVarying {
+    return IndexedVarying(frame.clip_from_world * vec4f(placed_in_world(vertex), 1.0), instance);
 }
 
 @fragment

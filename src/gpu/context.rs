@@ -51,11 +51,12 @@ pub struct Gpu {
     pub device: wgpu::Device,
     /// Its only queue.
     pub queue: wgpu::Queue,
-    /// Limits of the device: the defaults, with larger and more buffers and larger textures.
+    /// Limits of the device: the defaults, with larger and more buffers and textures.
     pub limits: wgpu::Limits,
     /// Enabled optional features, where present: timestamps, and numbers of triangles.
     pub features: wgpu::Features,
-    /// Whether shaders read textures faster than buffers, and enough of them: software adapters read buffers word by word.
+    /// Whether shaders read textures faster than buffers, and enough of them: llvmpipe reads buffers word by word, and
+    /// other software adapters are taken to be like it.
     pub reads_texels_faster: bool,
     /// Compile statistics of the device.
     pub compile_stats: CompileStats,
@@ -113,7 +114,7 @@ impl Gpu {
                 .min(MAX_STORAGE_BUFFERS),
             max_sampled_textures_per_shader_stage: offered
                 .max_sampled_textures_per_shader_stage
-                .min(SAMPLED_TEXTURES),
+                .clamp(16, SAMPLED_TEXTURES),
             max_texture_array_layers: offered.max_texture_array_layers.min(MAX_ARRAY_LAYERS),
             max_texture_dimension_2d: offered.max_texture_dimension_2d.min(MAX_TEXTURE_SIDE),
             ..wgpu::Limits::default()
@@ -143,7 +144,7 @@ impl Gpu {
         });
         let adapter_info = adapter.get_info();
         Ok(Self {
-            reads_texels_faster: adapter_info.device_type == wgpu::DeviceType::Cpu
+            reads_texels_faster: is_software(&adapter_info)
                 && limits.max_sampled_textures_per_shader_stage >= SAMPLED_TEXTURES,
             adapter_info,
             instance: instance.clone(),
@@ -160,7 +161,7 @@ impl Gpu {
 
     /// Whether all work runs on the CPU.
     pub fn is_software(&self) -> bool {
-        self.adapter_info.device_type == wgpu::DeviceType::Cpu
+        is_software(&self.adapter_info)
     }
 
     /// Runs `create` in error scopes; errors name `what`.
@@ -347,6 +348,10 @@ fn from_wgpu(what: &str, error: wgpu::Error) -> GpuError {
             GpuError::Validation(format!("{what}: {description}"))
         }
     }
+}
+
+fn is_software(adapter: &wgpu::AdapterInfo) -> bool {
+    adapter.device_type == wgpu::DeviceType::Cpu
 }
 
 #[cfg(test)]

@@ -55,7 +55,8 @@ impl BindingKey {
             shadows,
             light_needs: plan.light_needs(),
             lists: ListedParts {
-                pixels: plan.has_lists(),
+                reflections: plan.reflections,
+                transmission: plan.transmission,
                 culled_surfaces: plan.culled_surfaces,
             },
             color: Target::last_color(options.image.samples),

@@ -12,7 +12,7 @@ const OTHER_BUFFERS: u32 = 4;
 /// An array of which shaders see one stretch, or several of the same size but for the last.
 #[derive(Clone, Debug)]
 pub struct ChunkedArray {
-    /// Of as many stretches as fit, but for the last.
+    /// Each holds as many whole stretches as fit; the last may hold fewer.
     buffers: Vec<wgpu::Buffer>,
     chunk_bytes: u64,
     buffer_bytes: u64,
@@ -69,7 +69,9 @@ impl ChunkedArray {
         let mut at = (first * size_of::<T>()) as u64;
         while !bytes.is_empty() {
             let (buffer, offset) = (at / self.buffer_bytes, at % self.buffer_bytes);
-            let room = usize::try_from(self.buffer_bytes - offset).unwrap_or(usize::MAX);
+            // No more at a time, for a copy of it waits until it is written.
+            let room = self.chunk_bytes - at % self.chunk_bytes;
+            let room = usize::try_from(room).unwrap_or(usize::MAX);
             let (now, later) = bytes.split_at(bytes.len().min(room));
             gpu.queue
                 .write_buffer(&self.buffers[buffer as usize], offset, now);
@@ -91,7 +93,7 @@ impl ChunkedArray {
         }
     }
 
-    /// How many shaders see.
+    /// Number of bindings.
     pub fn count(&self) -> u32 {
         self.size().div_ceil(self.chunk_bytes) as u32
     }
@@ -110,7 +112,7 @@ impl ChunkedArray {
     }
 }
 
-/// How many buffers each array has; shaders are made for that.
+/// How many bindings each array has; shaders are made for that.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Chunks {
     /// Of tree nodes.
@@ -123,7 +125,7 @@ pub struct Chunks {
     pub vertices: u32,
     /// Of indices and second texture coordinates.
     pub mesh_data: u32,
-    /// Bytes of each of several buffers, a power of two.
+    /// Bytes of each of several bindings, a power of two.
     pub bytes: u64,
 }
 
@@ -134,7 +136,7 @@ impl Default for Chunks {
 }
 
 impl Chunks {
-    /// One buffer for each array.
+    /// One binding for each array.
     pub const WHOLE: Self = Self {
         nodes: 1,
         triangles: 1,
@@ -147,7 +149,7 @@ impl Chunks {
     /// These numbers, of arrays of so many bytes together, on this device.
     ///
     /// # Errors
-    /// More buffers than the device binds at a time.
+    /// More bindings than the device has at a time.
     pub fn on(self, gpu: &Gpu, bytes: u64) -> Result<Self, GpuError> {
         let chunks = Self {
             bytes: chunk_bytes(gpu),
@@ -173,7 +175,7 @@ impl Chunks {
         Ok(chunks)
     }
 
-    /// Shader text of the functions of `shaders/lib/trees_whole.wgsl` and `geometry_whole.wgsl` over these buffers.
+    /// Shader text of the functions of `shaders/lib/trees_whole.wgsl` and `geometry_whole.wgsl` over these bindings.
     pub fn wgsl(&self) -> String {
         let trees = if self.texels { "texels" } else { "whole" };
         let are_trees_whole = self.texels || (self.nodes, self.triangles) == (1, 1);
@@ -272,12 +274,12 @@ pub fn chunk_of(name: &str) -> (&str, usize) {
     numbered.unwrap_or((name, 0))
 }
 
-/// Bytes of one of several buffers.
+/// Bytes of one of several bindings.
 fn chunk_bytes(gpu: &Gpu) -> u64 {
     1 << gpu.largest_storage_buffer().ilog2()
 }
 
-/// Most buffers of all arrays together.
+/// Most bindings of all arrays together.
 fn most_chunks(gpu: &Gpu) -> u32 {
     let limit = gpu.limits.max_storage_buffers_per_shader_stage;
     limit.saturating_sub(OTHER_BUFFERS)

@@ -16,7 +16,6 @@ use crate::{
 
 use super::{
     cause::{Cause, Source},
-    emitters::EMITTER_COLUMNS,
     lights::{SHADOW_MAP, SHADOW_NEAR_M, SHADOW_NONE, SHADOW_RAY},
     lobe_table::{LOBE_COSINES, LOBE_NODES, LOBE_ROUGHNESSES},
     ray_list::{
@@ -25,8 +24,8 @@ use super::{
     },
     sheen_table::LEAST_SHEEN_ALPHA,
     targets::FAR_M,
+    texel_array::TEXEL_COLUMNS,
     textures::SMALLEST_POOL_PX,
-    tree_array::TEXEL_COLUMNS,
     types::{
         FLAG_COLORS, FLAG_EMITTER, FLAG_MIRRORED, NONE, TEXTURE_NEAREST, TEXTURE_POOL_MASK,
         TEXTURE_SRGB, TEXTURE_UV1, TEXTURE_WRAP_U_SHIFT, TEXTURE_WRAP_V_SHIFT, WRAP_MIRROR,
@@ -101,7 +100,6 @@ pub fn wgsl() -> String {
         FLAG_COLORS,
         FLAG_MIRRORED,
         FLAG_EMITTER,
-        EMITTER_COLUMNS,
         SMALLEST_POOL_PX,
         TEXTURE_POOL_MASK,
         TEXTURE_SRGB,

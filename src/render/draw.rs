@@ -4,7 +4,10 @@ use std::ops::Range;
 
 use glam::Affine3A;
 
-use super::{geometry::MeshRange, types::GpuVertex};
+use super::{
+    geometry::MeshRange,
+    types::{GpuInstance, GpuVertex},
+};
 use crate::{
     math::Bounds,
     scene::desc::ShownDesc,
@@ -72,26 +75,36 @@ pub fn class_of(material: &Material, transform: &Affine3A) -> DrawClass {
     }
 }
 
-/// The buffers of all meshes, to draw them by their indices.
+/// The buffers of all meshes and instances, to draw by indices.
 #[derive(Clone, Copy, Debug)]
 pub struct Indexed<'a> {
     /// Of [`GpuVertex`].
     pub vertices: &'a wgpu::Buffer,
     /// 32 bits each, and other numbers between those of the meshes.
     pub indices: &'a wgpu::Buffer,
+    /// Of [`GpuInstance`].
+    pub instances: &'a wgpu::Buffer,
 }
 
 impl Indexed<'_> {
-    /// What vertex shaders get: the position, at location 0.
-    pub const LAYOUT: wgpu::VertexBufferLayout<'static> = wgpu::VertexBufferLayout {
-        array_stride: size_of::<GpuVertex>() as u64,
-        step_mode: wgpu::VertexStepMode::Vertex,
-        attributes: &wgpu::vertex_attr_array![0 => Float32x3],
-    };
+    /// What vertex shaders get: the position at location 0, and the rows of the transform to the world from 1 on.
+    pub const LAYOUTS: [Option<wgpu::VertexBufferLayout<'static>>; 2] = [
+        Some(wgpu::VertexBufferLayout {
+            array_stride: size_of::<GpuVertex>() as u64,
+            step_mode: wgpu::VertexStepMode::Vertex,
+            attributes: &wgpu::vertex_attr_array![0 => Float32x3],
+        }),
+        Some(wgpu::VertexBufferLayout {
+            array_stride: size_of::<GpuInstance>() as u64,
+            step_mode: wgpu::VertexStepMode::Instance,
+            attributes: &wgpu::vertex_attr_array![1 => Float32x4, 2 => Float32x4, 3 => Float32x4],
+        }),
+    ];
 
-    /// Binds both.
+    /// Binds them.
     pub fn bind(&self, pass: &mut wgpu::RenderPass<'_>) {
         pass.set_vertex_buffer(0, self.vertices.slice(..));
+        pass.set_vertex_buffer(1, self.instances.slice(..));
         pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint32);
     }
 }

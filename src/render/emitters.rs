@@ -5,8 +5,7 @@ use crate::{
     world::{World, emitters::Emitter},
 };
 
-/// Texels in a row of the table.
-pub const EMITTER_COLUMNS: u32 = 256;
+use super::texel_array::TexelArray;
 
 /// What the shaders know of the table beside its texels.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -20,8 +19,7 @@ pub struct Emitters {
 /// The table on the GPU.
 #[derive(Clone, Debug)]
 pub struct GpuEmitters {
-    texture: wgpu::Texture,
-    view: wgpu::TextureView,
+    table: TexelArray,
     /// What it holds now.
     pub emitters: Emitters,
     /// Whether it may differ from frame to frame.
@@ -40,27 +38,9 @@ impl GpuEmitters {
         let count: usize = (world.lighting_instances())
             .map(|(_, i)| world.meshes[i.mesh].triangles.len())
             .sum();
-        let rows = (count as u32).div_ceil(EMITTER_COLUMNS).max(1);
-        gpu.check_texture_size("the table of emitting triangles", EMITTER_COLUMNS, rows)?;
-        let texture = gpu.scoped("emitters", || {
-            gpu.device.create_texture(&wgpu::TextureDescriptor {
-                label: Some("emitters"),
-                size: wgpu::Extent3d {
-                    width: EMITTER_COLUMNS,
-                    height: rows,
-                    depth_or_array_layers: 1,
-                },
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format: wgpu::TextureFormat::Rgba32Uint,
-                usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-                view_formats: &[],
-            })
-        })?;
+        let room = vec![[0_u32; 4]; count];
         let mut this = Self {
-            view: texture.create_view(&wgpu::TextureViewDescriptor::default()),
-            texture,
+            table: TexelArray::new(gpu, "emitters", &room)?,
             emitters: Emitters::default(),
             is_moving: world.has_moving_emitters(),
         };
@@ -77,19 +57,8 @@ impl GpuEmitters {
 
     fn upload(&mut self, gpu: &Gpu, world: &World) {
         let emitters = world.emitters();
-        let (mut texels, power) = alias_table(&emitters);
-        let size = self.texture.size();
-        texels.resize((size.width * size.height) as usize, [0; 4]);
-        gpu.queue.write_texture(
-            self.texture.as_image_copy(),
-            bytemuck::cast_slice(&texels),
-            wgpu::TexelCopyBufferLayout {
-                offset: 0,
-                bytes_per_row: Some(16 * size.width),
-                rows_per_image: Some(size.height),
-            },
-            size,
-        );
+        let (texels, power) = alias_table(&emitters);
+        self.table.write(gpu, 0, &texels);
         self.emitters = Emitters {
             triangles: emitters.len() as u32,
             power,
@@ -98,13 +67,12 @@ impl GpuEmitters {
 
     /// What the shaders bind.
     pub fn resource(&self) -> wgpu::BindingResource<'_> {
-        wgpu::BindingResource::TextureView(&self.view)
+        self.table.resource()
     }
 
     /// Size in bytes.
     pub fn bytes(&self) -> u64 {
-        let size = self.texture.size();
-        16 * u64::from(size.width) * u64::from(size.height)
+        self.table.size()
     }
 }
 

@@ -48,6 +48,7 @@ pub mod shutter;
 pub mod stats;
 pub(crate) mod sub_frame;
 pub mod targets;
+mod texel_array;
 pub(crate) mod textures;
 mod tree_array;
 pub mod types;

@@ -57,8 +57,10 @@ const ARGUMENT_BYTES: u64 = 16;
 /// What of the lists a frame uses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ListedParts {
-    /// Lists of pixels, and the pyramid.
-    pub pixels: bool,
+    /// Reflective pixels, rays, hits and the pyramid.
+    pub reflections: bool,
+    /// Pixels that let light through: in the place of other lists, or alone.
+    pub transmission: bool,
     /// A depth for each pixel of what the camera culls.
     pub culled_surfaces: bool,
 }
@@ -67,11 +69,11 @@ impl ListedParts {
     /// Two words a pixel, the pyramid of the picture padded to its largest cells, and one word a pixel
     /// for what is culled.
     fn bytes(self, size: [u32; 2]) -> u64 {
-        if !self.pixels {
-            return 16;
+        let pixels = u64::from(size[0]) * u64::from(size[1]);
+        if !self.reflections {
+            return (4 * pixels * u64::from(self.transmission)).max(16);
         }
         let padded = size.map(|side| u64::from(side.next_multiple_of(1 << PYRAMID_LEVELS)));
-        let pixels = u64::from(size[0]) * u64::from(size[1]);
         let area = padded[0] * padded[1];
         let pyramid = (area - (area >> (2 * PYRAMID_LEVELS))) / 3;
         4 * ((2 + u64::from(self.culled_surfaces)) * pixels + pyramid)
@@ -82,7 +84,8 @@ impl ListedParts {
 #[derive(Clone, Debug)]
 pub struct RayList {
     /// Pixels (x | y << 16): reflective ones, then rays with hits from the other end, then the
-    /// depth pyramid, then the depth of what the camera culls. Layout: `shaders/lib/lists.wgsl`.
+    /// depth pyramid, then the depth of what the camera culls; pixels that let light through in a list that is free.
+    /// Layout: `shaders/lib/lists.wgsl`.
     pub lists: wgpu::Buffer,
     /// See [`RAY_COUNTER`].
     pub counters: wgpu::Buffer,

@@ -172,6 +172,7 @@ impl Renderer {
             .then(|| self.scene.with_materials(gpu, world, trees, rebuilt.trees))
             .transpose()?;
         if may_meet_culled(world, options) {
+            // Of the old scene too: it is true of its meshes whatever fails below.
             new_scene
                 .as_mut()
                 .unwrap_or(&mut self.scene)

@@ -68,14 +68,13 @@ impl GpuScene {
         let records = instance_records(world, trees, &mesh_ranges);
         let panorama = world.environment.panorama.as_deref();
         let (nodes, triangles) = tree_arrays(gpu, trees)?;
-        let storage = wgpu::BufferUsages::STORAGE;
         Ok(Self {
             panorama: panorama.map(|p| GpuPanorama::new(gpu, p)).transpose()?,
             chunks: chunks(gpu, (&nodes, &triangles), (&vertices, &mesh_data))?,
             nodes,
             triangles,
             emitters: GpuEmitters::new(gpu, world)?,
-            instances: buffer(gpu, "instances", &records, storage)?,
+            instances: instance_buffer(gpu, &records)?,
             vertices,
             mesh_data,
             materials,
@@ -100,7 +99,6 @@ impl GpuScene {
         trees: &Trees,
         new_trees: bool,
     ) -> Result<Self, GpuError> {
-        let storage = wgpu::BufferUsages::STORAGE;
         let records = instance_records(world, trees, &self.mesh_ranges);
         // Another sampler may need another resampling.
         let pools = match self.pools.layers.cover(world) {
@@ -116,7 +114,7 @@ impl GpuScene {
             chunks: chunks(gpu, (&nodes, &triangles), (&self.vertices, &self.mesh_data))?,
             nodes,
             triangles,
-            instances: buffer(gpu, "instances", &records, storage)?,
+            instances: instance_buffer(gpu, &records)?,
             vertices: self.vertices.clone(),
             mesh_data: self.mesh_data.clone(),
             materials: materials(gpu, world, &pools)?,
@@ -210,8 +208,11 @@ impl GpuScene {
 
     /// What draws meshes by their indices; none where one buffer does not hold all of them.
     pub fn indexed(&self) -> Option<Indexed<'_>> {
-        let (vertices, indices) = (self.vertices.whole()?, self.mesh_data.whole()?);
-        Some(Indexed { vertices, indices })
+        Some(Indexed {
+            vertices: self.vertices.whole()?,
+            indices: self.mesh_data.whole()?,
+            instances: &self.instances,
+        })
     }
 
     /// The resource with this name in group 1, if there is one.
@@ -266,6 +267,11 @@ impl GpuScene {
             ),
         ]
     }
+}
+
+fn instance_buffer(gpu: &Gpu, records: &[GpuInstance]) -> Result<wgpu::Buffer, GpuError> {
+    let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::VERTEX;
+    buffer(gpu, "instances", records, usage)
 }
 
 /// How shaders see the trees and the meshes.

@@ -3,14 +3,21 @@
 
 use reflet::{
     gpu::{Gpu, GroupLayout, Shader, readback},
-    render::ray_list::{COUNTERS, RAY_COUNTER},
+    render::{
+        RenderOptions, Renderer,
+        ray_list::{COUNTERS, List, RAY_COUNTER, TRANSMISSIVE_COUNTER},
+    },
+    scene::desc::Method,
 };
 use wgpu::util::DeviceExt as _;
 
-use crate::{common::shaders, kit::gpu};
+use crate::{
+    common::shaders,
+    kit::{gpu, scene},
+};
 
-/// The workgroups that `arguments.wgsl` gives for this many rays.
-fn arguments(gpu: &Gpu, rays: u32) -> [u32; 3] {
+/// The workgroups that `arguments.wgsl` gives for so many entries of a list.
+fn arguments(gpu: &Gpu, list: List, counter: usize, entries: u32) -> [u32; 3] {
     let shader = Shader::new(gpu, &shaders(), "arguments").unwrap_or_else(|e| panic!("{e}"));
     let empty = GroupLayout::new(gpu, "empty", &[], 0).unwrap_or_else(|e| panic!("{e}"));
     let layout =
@@ -19,7 +26,7 @@ fn arguments(gpu: &Gpu, rays: u32) -> [u32; 3] {
         .compute_pipeline(gpu, "main", &[&empty, &empty, &layout], &[])
         .unwrap_or_else(|e| panic!("{e}"));
     let mut counters = [0u32; COUNTERS];
-    counters[RAY_COUNTER] = rays;
+    counters[counter] = entries;
     let buffer = |contents: &[u8]| {
         gpu.device
             .create_buffer_init(&wgpu::util::BufferInitDescriptor {
@@ -53,7 +60,8 @@ fn arguments(gpu: &Gpu, rays: u32) -> [u32; 3] {
     }
     gpu.submit(encoder).unwrap_or_else(|e| panic!("{e}"));
     let words: Vec<u32> = readback::read_buffer(gpu, &out).unwrap_or_else(|e| panic!("{e}"));
-    [words[4], words[5], words[6]] // after those of the reflective pixels
+    let first = list.arguments_offset() as usize / 4;
+    [words[first], words[first + 1], words[first + 2]]
 }
 
 #[test]
@@ -71,7 +79,10 @@ fn every_ray_gets_an_invocation_and_no_dimension_is_too_large() {
         5_300_000,
         16384 * 16384,
     ] {
-        let [x, y, z] = arguments(gpu, rays);
+        let of = |list, counter| arguments(gpu, list, counter, rays);
+        let [x, y, z] = of(List::Rays, RAY_COUNTER);
+        let transmissive = of(List::Transmissive, TRANSMISSIVE_COUNTER);
+        assert_eq!(transmissive, [x, y, z]);
         assert!(
             x <= 65_535 && y <= 65_535 && z == 1,
             "{rays} rays: {x} × {y} × {z}"
@@ -87,4 +98,59 @@ fn every_ray_gets_an_invocation_and_no_dimension_is_too_large() {
             "{rays} rays: {invocations} invocations"
         );
     }
+}
+
+/// A pane that reflects nothing, before a wall.
+const PANE: &str = r#"
+version = 1
+[camera.main]
+eye = [0, 0, 4]
+target = [0, 0, 0]
+[image]
+size = [48, 32]
+[light.key]
+kind = "point"
+position = [1, 2, 3]
+intensity_cd = 20
+shadow = "none"
+[material.pane]
+base_color = [0.9, 0.6, 0.3]
+transmission = 0.5
+roughness = 1
+reflection = "none"
+[material.wall]
+base_color = [0.2, 0.5, 0.8]
+reflection = "none"
+[model.pane]
+shape = { kind = "box", size = [1, 1, 0.1] }
+material = "pane"
+[model.wall]
+shape = { kind = "box", size = [4, 4, 0.1] }
+material = "wall"
+[[instance]]
+model = "pane"
+[[instance]]
+model = "wall"
+translation = [0, 0, -1]
+"#;
+
+#[test]
+fn what_lets_light_through_and_reflects_nothing_has_a_list_of_its_own() {
+    let Some(gpu) = gpu() else { return };
+    let (desc, world) = scene(PANE, &[]);
+    let [of_rt, of_hybrid] = [Method::Rt, Method::Hybrid].map(|method| {
+        let mut options = RenderOptions::of(&desc);
+        options.reflection.method = method;
+        let mut renderer =
+            Renderer::new(gpu, &shaders(), &world, &options).unwrap_or_else(|e| panic!("{e}"));
+        assert!(!renderer.plan().reflections, "nothing reflects");
+        let picture = renderer.picture(gpu, &world, &world.cameras[0].value, &[]);
+        picture.unwrap_or_else(|e| panic!("{e}"))
+    });
+    let lists = of_rt.stats.bytes.iter().find(|(name, _)| name == "lists");
+    assert_eq!(lists.map(|(_, bytes)| *bytes), Some(4 * 48 * 32));
+    assert!(of_rt.display == of_hybrid.display);
+    // Seen through the pane, the wall is not black.
+    let middle = &of_rt.display[4 * (16 * 48 + 24)..][..4];
+    assert!(middle[2] > 20, "{middle:?}");
 }

@@ -30,7 +30,7 @@ use super::{
 /// Lists the passes once: modules and their types.
 macro_rules! passes {
     ($($module:ident: $type:ident,)*) => {
-        /// All passes in the order of the frame.
+        /// All passes in the order of the frame, `arguments` where it runs first.
         pub const ALL: [&Pass; [$(stringify!($module)),*].len()] = [$(&$module::PASS),*];
 
         /// What a frame records; passes that its plan leaves out are `None`.
@@ -60,10 +60,10 @@ passes! {
     surface: Surface,
     details: Details,
     light: Light,
+    arguments: Arguments,
     transmit: Transmit,
     indirect: Indirect,
     pyramid: Pyramid,
-    arguments: Arguments,
     ssr: Ssr,
     hits: Hits,
     trace: Trace,

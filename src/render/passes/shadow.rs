@@ -186,7 +186,6 @@ fn pipeline(
     let (gpu, shared, shader) = (builder.gpu, builder.shared, builder.shader(&PASS)?);
     let groups = [&shared.empty.0, &shared.layouts[1], layout];
     let constants = declared_overrides(shader, &builder.overrides(&PASS));
-    let vertices = [Some(Indexed::LAYOUT)];
     let is_pulled = cutout || builder.resources.scene.indexed().is_none();
     let state = match (cutout, is_pulled) {
         (true, _) => "cutout",
@@ -202,7 +201,7 @@ fn pipeline(
                     module,
                     entry_point: Some(if is_pulled { "vertex" } else { "vertex_opaque" }),
                     compilation_options: wgpu::PipelineCompilationOptions::default(),
-                    buffers: if is_pulled { &[] } else { &vertices },
+                    buffers: if is_pulled { &[] } else { &Indexed::LAYOUTS },
                 },
                 // Both sides cast, as both block shadow rays.
                 primitive: wgpu::PrimitiveState::default(),

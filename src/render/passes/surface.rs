@@ -34,7 +34,7 @@ pub const PASS: Pass = Pass {
             ("RASTERIZED", flag(!has_primary_rays(options))),
         ]
     },
-    // Its ids are those of the visibility pass, which `check_world` validated.
+    // Its ids are those of the visibility pass or of primary rays, which `check_world` and `Trees::build` validated.
     checks: Checks::TrustedBuiltin,
     ..Pass::DEFAULT
 };

@@ -213,9 +213,12 @@ fn pipeline(
         ..Target::Ids.format(false).into()
     };
     let state = format!("{class:?} {faces:?}");
-    let vertices = [Some(Indexed::LAYOUT)];
     let (vertex, fragment, buffers) = match is_indexed(shader) && !class.cutout {
-        true => (VERTEX_INDEXED, "fragment_indexed", vertices.as_slice()),
+        true => (
+            VERTEX_INDEXED,
+            "fragment_indexed",
+            Indexed::LAYOUTS.as_slice(),
+        ),
         false => ("vertex", "fragment", [].as_slice()),
     };
     shader.render_pipeline(gpu, &state, &groups, &constants, |layout, module| {

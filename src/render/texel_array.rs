@@ -1,0 +1,150 @@
+//! Arrays of words in the rows of a texture.
+
+use bytemuck::{Pod, cast_slice};
+
+use crate::gpu::{Gpu, GpuError};
+
+/// Texels of a row.
+pub const TEXEL_COLUMNS: u32 = 4096;
+/// Of four words.
+const TEXEL_BYTES: usize = 16;
+
+/// An array of elements that are whole texels.
+#[derive(Clone, Debug)]
+pub struct TexelArray {
+    texture: wgpu::Texture,
+    view: wgpu::TextureView,
+}
+
+impl TexelArray {
+    /// An initialized array of at least one row.
+    ///
+    /// # Errors
+    /// More rows than a texture has, by `name`, or a wgpu error.
+    pub fn new<T: Pod>(gpu: &Gpu, name: &str, data: &[T]) -> Result<Self, GpuError> {
+        let rows = rows(size_of_val(data));
+        gpu.check_texture_size(name, TEXEL_COLUMNS, rows)?;
+        let descriptor = wgpu::TextureDescriptor {
+            label: Some(name),
+            size: wgpu::Extent3d {
+                width: TEXEL_COLUMNS,
+                height: rows,
+                depth_or_array_layers: 1,
+            },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: wgpu::TextureFormat::Rgba32Uint,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+            view_formats: &[],
+        };
+        let texture = gpu.scoped(name, || gpu.device.create_texture(&descriptor))?;
+        let array = Self {
+            view: texture.create_view(&wgpu::TextureViewDescriptor::default()),
+            texture,
+        };
+        array.write(gpu, 0, data);
+        Ok(array)
+    }
+
+    /// Whether a texture can have so many bytes.
+    pub fn fits(gpu: &Gpu, bytes: usize) -> bool {
+        rows(bytes) <= gpu.limits.max_texture_dimension_2d
+    }
+
+    /// Writes elements from an index on.
+    pub fn write<T: Pod>(&self, gpu: &Gpu, first: usize, elements: &[T]) {
+        const { assert!(size_of::<T>().is_multiple_of(TEXEL_BYTES)) };
+        let mut bytes: &[u8] = cast_slice(elements);
+        let texels = size_of::<T>() / TEXEL_BYTES;
+        for span in spans(first * texels, elements.len() * texels) {
+            let [width, height] = span.size;
+            let (now, later) = bytes.split_at((width * height) as usize * TEXEL_BYTES);
+            bytes = later;
+            let [x, y] = span.origin;
+            let to = wgpu::TexelCopyTextureInfo {
+                origin: wgpu::Origin3d { x, y, z: 0 },
+                ..self.texture.as_image_copy()
+            };
+            let layout = wgpu::TexelCopyBufferLayout {
+                offset: 0,
+                bytes_per_row: Some(width * TEXEL_BYTES as u32),
+                rows_per_image: None,
+            };
+            let size = wgpu::Extent3d {
+                width,
+                height,
+                depth_or_array_layers: 1,
+            };
+            gpu.queue.write_texture(to, now, layout, size);
+        }
+    }
+
+    /// What shaders bind.
+    pub const fn resource(&self) -> wgpu::BindingResource<'_> {
+        wgpu::BindingResource::TextureView(&self.view)
+    }
+
+    /// Size in bytes.
+    pub fn size(&self) -> u64 {
+        let size = self.texture.size();
+        u64::from(size.width) * u64::from(size.height) * TEXEL_BYTES as u64
+    }
+}
+
+/// Rows for so many bytes, at least one.
+fn rows(bytes: usize) -> u32 {
+    let columns = TEXEL_COLUMNS as usize;
+    bytes.div_ceil(columns * TEXEL_BYTES).max(1) as u32
+}
+
+/// A rectangle of texels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Span {
+    origin: [u32; 2],
+    size: [u32; 2],
+}
+
+/// The rest of the first row, whole rows, and what is left.
+fn spans(first: usize, count: usize) -> Vec<Span> {
+    let columns = TEXEL_COLUMNS as usize;
+    let (mut at, end) = (first, first + count);
+    let mut spans = Vec::new();
+    while at < end {
+        let (x, y) = (at % columns, at / columns);
+        let size = match x == 0 && end - at >= columns {
+            true => [columns, (end - at) / columns],
+            false => [(end - at).min(columns - x), 1],
+        };
+        spans.push(Span {
+            origin: [x as u32, y as u32],
+            size: size.map(|n| n as u32),
+        });
+        at += size[0] * size[1];
+    }
+    spans
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn writes_cover_each_texel_once() {
+        let span = |origin, size| Span { origin, size };
+        let columns = TEXEL_COLUMNS;
+        assert_eq!(spans(7, 0), []);
+        assert_eq!(spans(5, 10), [span([5, 0], [10, 1])]);
+        assert_eq!(
+            spans(4090, 6 + 2 * 4096 + 3),
+            [
+                span([4090, 0], [6, 1]),
+                span([0, 1], [columns, 2]),
+                span([0, 3], [3, 1])
+            ]
+        );
+        assert_eq!(spans(4096, 4096), [span([0, 1], [columns, 1])]);
+        assert_eq!(rows(0), 1);
+        assert_eq!(rows(4096 * 16 + 1), 2);
+    }
+}
