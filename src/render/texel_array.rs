@@ -17,18 +17,18 @@ pub struct TexelArray {
 }
 
 impl TexelArray {
-    /// An initialized array of at least one row.
+    /// An initialized array, never of zero size; as wide as its elements where they are less than a row.
     ///
     /// # Errors
     /// More rows than a texture has, by `name`, or a wgpu error.
     pub fn new<T: Pod>(gpu: &Gpu, name: &str, data: &[T]) -> Result<Self, GpuError> {
-        let rows = rows(size_of_val(data));
-        gpu.check_texture_size(name, TEXEL_COLUMNS, rows)?;
+        let [width, height] = size(size_of_val(data));
+        gpu.check_texture_size(name, width, height)?;
         let descriptor = wgpu::TextureDescriptor {
             label: Some(name),
             size: wgpu::Extent3d {
-                width: TEXEL_COLUMNS,
-                height: rows,
+                width,
+                height,
                 depth_or_array_layers: 1,
             },
             mip_level_count: 1,
@@ -49,7 +49,7 @@ impl TexelArray {
 
     /// Whether a texture can have so many bytes.
     pub fn fits(gpu: &Gpu, bytes: usize) -> bool {
-        rows(bytes) <= gpu.limits.max_texture_dimension_2d
+        size(bytes)[1] <= gpu.limits.max_texture_dimension_2d
     }
 
     /// Writes elements from an index on.
@@ -92,10 +92,11 @@ impl TexelArray {
     }
 }
 
-/// Rows for so many bytes, at least one.
-fn rows(bytes: usize) -> u32 {
-    let columns = TEXEL_COLUMNS as usize;
-    bytes.div_ceil(columns * TEXEL_BYTES).max(1) as u32
+/// Columns and rows for so many bytes, at least one of each.
+fn size(bytes: usize) -> [u32; 2] {
+    let texels = bytes.div_ceil(TEXEL_BYTES).max(1);
+    let columns = texels.min(TEXEL_COLUMNS as usize);
+    [columns, texels.div_ceil(columns)].map(|n| n as u32)
 }
 
 /// A rectangle of texels.
@@ -144,7 +145,8 @@ mod tests {
             ]
         );
         assert_eq!(spans(4096, 4096), [span([0, 1], [columns, 1])]);
-        assert_eq!(rows(0), 1);
-        assert_eq!(rows(4096 * 16 + 1), 2);
+        assert_eq!(size(0), [1, 1]);
+        assert_eq!(size(5 * 16), [5, 1]);
+        assert_eq!(size(4096 * 16 + 1), [4096, 2]);
     }
 }
