@@ -1,116 +1,11 @@
-//! Arrays of the scene's geometry that shaders see as several, where a device binds less at a time than a scene needs.
+//! How many bindings shaders see of each array of the scene's geometry, where a device binds less at a time than a scene needs.
 
 use std::fmt::Write as _;
-
-use bytemuck::{Pod, cast_slice};
 
 use crate::gpu::{Gpu, GpuError};
 
 /// Buffers of a pass beside the geometry: instances, materials, lists, counters.
 const OTHER_BUFFERS: u32 = 4;
-
-/// An array of which shaders see one stretch, or several of the same size but for the last.
-#[derive(Clone, Debug)]
-pub struct ChunkedArray {
-    /// Each holds as many whole stretches as fit; the last may hold fewer.
-    buffers: Vec<wgpu::Buffer>,
-    chunk_bytes: u64,
-    buffer_bytes: u64,
-}
-
-impl ChunkedArray {
-    /// An initialized array, never of zero size.
-    ///
-    /// # Errors
-    /// A wgpu error.
-    pub fn new<T: Pod>(
-        gpu: &Gpu,
-        name: &str,
-        data: &[T],
-        usage: wgpu::BufferUsages,
-    ) -> Result<Self, GpuError> {
-        let bytes: &[u8] = cast_slice(data);
-        let least = size_of::<T>().max(16);
-        let whole = (bytes.len().max(least) as u64).next_multiple_of(16);
-        let (chunk_bytes, buffer_bytes) = match whole <= gpu.largest_storage_buffer() {
-            true => (whole, whole),
-            false => {
-                let chunk = chunk_bytes(gpu);
-                (chunk, gpu.limits.max_buffer_size / chunk * chunk)
-            }
-        };
-        let mut buffers = Vec::new();
-        let mut first = 0;
-        while first < whole {
-            let size = (whole - first).min(buffer_bytes);
-            let make = || {
-                gpu.device.create_buffer(&wgpu::BufferDescriptor {
-                    label: Some(name),
-                    size,
-                    usage: usage | wgpu::BufferUsages::COPY_DST,
-                    mapped_at_creation: false,
-                })
-            };
-            buffers.push(gpu.scoped(name, make)?);
-            first += size;
-        }
-        let array = Self {
-            buffers,
-            chunk_bytes,
-            buffer_bytes,
-        };
-        array.write(gpu, 0, data);
-        Ok(array)
-    }
-
-    /// Writes elements from an index on.
-    pub fn write<T: Pod>(&self, gpu: &Gpu, first: usize, elements: &[T]) {
-        let mut bytes: &[u8] = cast_slice(elements);
-        let mut at = (first * size_of::<T>()) as u64;
-        while !bytes.is_empty() {
-            let (buffer, offset) = (at / self.buffer_bytes, at % self.buffer_bytes);
-            // No more at a time, for a copy of it waits until it is written.
-            let room = self.chunk_bytes - at % self.chunk_bytes;
-            let room = usize::try_from(room).unwrap_or(usize::MAX);
-            let (now, later) = bytes.split_at(bytes.len().min(room));
-            gpu.queue
-                .write_buffer(&self.buffers[buffer as usize], offset, now);
-            at += now.len() as u64;
-            bytes = later;
-        }
-    }
-
-    /// Bytes of all buffers.
-    pub fn size(&self) -> u64 {
-        self.buffers.iter().map(wgpu::Buffer::size).sum()
-    }
-
-    /// The only buffer; `None` where there are several.
-    pub fn whole(&self) -> Option<&wgpu::Buffer> {
-        match self.buffers.as_slice() {
-            [whole] => Some(whole),
-            _ => None,
-        }
-    }
-
-    /// Number of bindings.
-    pub fn count(&self) -> u32 {
-        self.size().div_ceil(self.chunk_bytes) as u32
-    }
-
-    /// What shaders see of this number, if there is one.
-    pub fn binding(&self, chunk: usize) -> Option<wgpu::BindingResource<'_>> {
-        let at = chunk as u64 * self.chunk_bytes;
-        let buffer = self.buffers.get((at / self.buffer_bytes) as usize)?;
-        let offset = at % self.buffer_bytes;
-        let size = buffer.size().checked_sub(offset)?.min(self.chunk_bytes);
-        Some(wgpu::BindingResource::Buffer(wgpu::BufferBinding {
-            buffer,
-            offset,
-            size: Some(wgpu::BufferSize::new(size)?),
-        }))
-    }
-}
 
 /// How many bindings each array has; shaders are made for that.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -275,7 +170,7 @@ pub fn chunk_of(name: &str) -> (&str, usize) {
 }
 
 /// Bytes of one of several bindings.
-fn chunk_bytes(gpu: &Gpu) -> u64 {
+pub fn chunk_bytes(gpu: &Gpu) -> u64 {
     1 << gpu.largest_storage_buffer().ilog2()
 }
 

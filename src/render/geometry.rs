@@ -9,7 +9,7 @@ use crate::{
 };
 
 use super::{
-    chunks::ChunkedArray,
+    chunked_array::{ChunkedArray, Upload},
     types::{GpuVertex, NONE},
 };
 
@@ -65,46 +65,48 @@ pub fn geometry_bytes(world: &World) -> (u64, u64) {
 /// The vertices, the indices and the ranges of each mesh.
 ///
 /// # Errors
-/// A wgpu error.
+/// A wgpu error, or a lost device.
 pub fn geometry(
     gpu: &Gpu,
     world: &World,
 ) -> Result<(ChunkedArray, ChunkedArray, Vec<MeshRange>), GpuError> {
-    let mut vertices: Vec<GpuVertex> = Vec::new();
-    let mut data: Vec<u32> = Vec::new();
     let mut ranges = Vec::with_capacity(world.meshes.len());
-    for (index, mesh) in world.meshes.iter().enumerate() {
-        let range = MeshRange {
-            vertex_base: vertices.len() as u32,
-            index_base: data.len() as u32,
-            index_count: 3 * mesh.triangles.len() as u32,
-            uv1_base: if mesh.uv1.is_empty() {
-                NONE
+    let (mut vertex_count, mut data_count) = (0, 0);
+    for mesh in &world.meshes {
+        let index_count = 3 * mesh.triangles.len();
+        let has_uv1 = !mesh.uv1.is_empty();
+        ranges.push(MeshRange {
+            vertex_base: vertex_count as u32,
+            index_base: data_count as u32,
+            index_count: index_count as u32,
+            uv1_base: if has_uv1 {
+                (data_count + index_count) as u32
             } else {
-                (data.len() + 3 * mesh.triangles.len()) as u32
+                NONE
             },
             has_colors: !mesh.colors.is_empty(),
-        };
-        data.extend(mesh.triangles.iter().flatten());
+        });
+        vertex_count += mesh.positions.len();
+        data_count += index_count + 2 * mesh.uv1.len();
+    }
+    let storage = wgpu::BufferUsages::STORAGE;
+    let usage = storage | wgpu::BufferUsages::VERTEX;
+    let mut vertices = Upload::new(gpu, "vertices", vertex_count, usage)?;
+    for (index, mesh) in world.meshes.iter().enumerate() {
+        vertices.extend(mesh_vertices(mesh, &world.posed(index)))?;
+    }
+    let usage = storage | wgpu::BufferUsages::INDEX;
+    let mut data = Upload::new(gpu, "mesh data", data_count, usage)?;
+    for mesh in &world.meshes {
+        data.extend(mesh.triangles.iter().flatten().copied())?;
         data.extend(
             mesh.uv1
                 .iter()
-                .flat_map(|uv| [uv.x.to_bits(), uv.y.to_bits()]),
-        );
-        vertices.extend(mesh_vertices(mesh, &world.posed(index)));
-        ranges.push(range);
+                .flat_map(|uv| uv.to_array())
+                .map(f32::to_bits),
+        )?;
     }
-    let storage = wgpu::BufferUsages::STORAGE;
-    Ok((
-        ChunkedArray::new(
-            gpu,
-            "vertices",
-            &vertices,
-            storage | wgpu::BufferUsages::VERTEX,
-        )?,
-        ChunkedArray::new(gpu, "mesh data", &data, storage | wgpu::BufferUsages::INDEX)?,
-        ranges,
-    ))
+    Ok((vertices.finish(), data.finish(), ranges))
 }
 
 /// The vertices of a mesh as it is posed.

@@ -3,6 +3,7 @@
 pub mod aov;
 pub(crate) mod bindings;
 pub mod cause;
+pub mod chunked_array;
 pub mod chunks;
 pub mod constants;
 pub(crate) mod cost;

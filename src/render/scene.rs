@@ -12,7 +12,8 @@ use crate::{
 };
 
 use super::{
-    chunks::{ChunkedArray, Chunks, chunk_of},
+    chunked_array::ChunkedArray,
+    chunks::{Chunks, chunk_of},
     draw::{Draw, Indexed, class_of, draws, mirrors},
     emitters::{Emitters, GpuEmitters},
     geometry::{MeshRange, buffer, geometry, mesh_vertices},

@@ -4,7 +4,7 @@ use bytemuck::Pod;
 
 use crate::gpu::{Gpu, GpuError};
 
-use super::{chunks::ChunkedArray, texel_array::TexelArray};
+use super::{chunked_array::ChunkedArray, texel_array::TexelArray};
 
 /// An array of elements of whole texels.
 #[derive(Clone, Debug)]

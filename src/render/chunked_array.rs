@@ -1,0 +1,188 @@
+//! Arrays of the scene's geometry in buffers, of which shaders may see several bindings.
+
+use bytemuck::{Pod, cast_slice};
+
+use crate::gpu::{Gpu, GpuError};
+
+use super::chunks::chunk_bytes;
+
+/// An array of which shaders see one stretch, or several of the same size but for the last.
+#[derive(Clone, Debug)]
+pub struct ChunkedArray {
+    /// Each holds as many whole stretches as fit; the last may hold fewer.
+    buffers: Vec<wgpu::Buffer>,
+    chunk_bytes: u64,
+    buffer_bytes: u64,
+}
+
+impl ChunkedArray {
+    /// An array for so many elements, never of zero size.
+    ///
+    /// # Errors
+    /// A wgpu error.
+    fn sized<T: Pod>(
+        gpu: &Gpu,
+        name: &str,
+        count: usize,
+        usage: wgpu::BufferUsages,
+    ) -> Result<Self, GpuError> {
+        let bytes = (count * size_of::<T>()).max(size_of::<T>()).max(16);
+        let whole = (bytes as u64).next_multiple_of(16);
+        let (chunk_bytes, buffer_bytes) = match whole <= gpu.largest_storage_buffer() {
+            true => (whole, whole),
+            false => {
+                let chunk = chunk_bytes(gpu);
+                (chunk, gpu.limits.max_buffer_size / chunk * chunk)
+            }
+        };
+        let mut buffers = Vec::new();
+        let mut first = 0;
+        while first < whole {
+            let size = (whole - first).min(buffer_bytes);
+            let make = || {
+                gpu.device.create_buffer(&wgpu::BufferDescriptor {
+                    label: Some(name),
+                    size,
+                    usage: usage | wgpu::BufferUsages::COPY_DST,
+                    mapped_at_creation: false,
+                })
+            };
+            buffers.push(gpu.scoped(name, make)?);
+            first += size;
+        }
+        Ok(Self {
+            buffers,
+            chunk_bytes,
+            buffer_bytes,
+        })
+    }
+
+    /// An initialized array, never of zero size.
+    ///
+    /// # Errors
+    /// A wgpu error, or a lost device.
+    pub fn new<T: Pod>(
+        gpu: &Gpu,
+        name: &str,
+        data: &[T],
+        usage: wgpu::BufferUsages,
+    ) -> Result<Self, GpuError> {
+        let mut upload = Upload::new(gpu, name, data.len(), usage)?;
+        upload.extend(data.iter().copied())?;
+        Ok(upload.finish())
+    }
+
+    /// Writes elements from an index on.
+    pub fn write<T: Pod>(&self, gpu: &Gpu, first: usize, elements: &[T]) {
+        let mut bytes: &[u8] = cast_slice(elements);
+        let mut at = (first * size_of::<T>()) as u64;
+        while !bytes.is_empty() {
+            let (buffer, offset) = (at / self.buffer_bytes, at % self.buffer_bytes);
+            let room = self.buffer_bytes - offset;
+            let room = usize::try_from(room).unwrap_or(usize::MAX);
+            let (now, later) = bytes.split_at(bytes.len().min(room));
+            gpu.queue
+                .write_buffer(&self.buffers[buffer as usize], offset, now);
+            at += now.len() as u64;
+            bytes = later;
+        }
+    }
+
+    /// Bytes of all buffers.
+    pub fn size(&self) -> u64 {
+        self.buffers.iter().map(wgpu::Buffer::size).sum()
+    }
+
+    /// The only buffer; `None` where there are several.
+    pub fn whole(&self) -> Option<&wgpu::Buffer> {
+        match self.buffers.as_slice() {
+            [whole] => Some(whole),
+            _ => None,
+        }
+    }
+
+    /// Number of bindings.
+    pub fn count(&self) -> u32 {
+        self.size().div_ceil(self.chunk_bytes) as u32
+    }
+
+    /// What shaders see of this number, if there is one.
+    pub fn binding(&self, chunk: usize) -> Option<wgpu::BindingResource<'_>> {
+        let at = chunk as u64 * self.chunk_bytes;
+        let buffer = self.buffers.get((at / self.buffer_bytes) as usize)?;
+        let offset = at % self.buffer_bytes;
+        let size = buffer.size().checked_sub(offset)?.min(self.chunk_bytes);
+        Some(wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+            buffer,
+            offset,
+            size: Some(wgpu::BufferSize::new(size)?),
+        }))
+    }
+}
+
+/// The elements of a new array on their way to the device, of which few are in memory at a time.
+pub struct Upload<'a, T> {
+    gpu: &'a Gpu,
+    array: ChunkedArray,
+    /// Elements that are written.
+    written: usize,
+    piece: Vec<T>,
+    /// Elements of a piece.
+    most: usize,
+}
+
+/// Most bytes that are written at a time: a copy of them waits until they are.
+const PIECE_BYTES: u64 = 16 << 20;
+
+impl<'a, T: Pod> Upload<'a, T> {
+    /// An array for so many elements.
+    ///
+    /// # Errors
+    /// A wgpu error.
+    pub fn new(
+        gpu: &'a Gpu,
+        name: &str,
+        count: usize,
+        usage: wgpu::BufferUsages,
+    ) -> Result<Self, GpuError> {
+        let array = ChunkedArray::sized::<T>(gpu, name, count, usage)?;
+        let most = array.chunk_bytes.min(PIECE_BYTES) as usize / size_of::<T>();
+        Ok(Self {
+            gpu,
+            array,
+            written: 0,
+            piece: Vec::with_capacity(count.min(most)),
+            most,
+        })
+    }
+
+    /// The next elements.
+    ///
+    /// # Errors
+    /// A lost device.
+    pub fn extend(&mut self, elements: impl Iterator<Item = T>) -> Result<(), GpuError> {
+        let mut elements = elements.fuse();
+        loop {
+            let room = self.most - self.piece.len();
+            self.piece.extend(elements.by_ref().take(room));
+            if self.piece.len() < self.most {
+                return Ok(());
+            }
+            self.write();
+            self.gpu.queue.submit([]);
+            self.gpu.wait()?;
+        }
+    }
+
+    fn write(&mut self) {
+        self.array.write(self.gpu, self.written, &self.piece);
+        self.written += self.piece.len();
+        self.piece.clear();
+    }
+
+    /// The array, once all elements are there.
+    pub fn finish(mut self) -> ChunkedArray {
+        self.write();
+        self.array
+    }
+}
