@@ -200,6 +200,18 @@ impl Gpu {
         Ok(index)
     }
 
+    /// Most bytes to write at a time: a copy of them stays in memory until they are written.
+    pub const PIECE_BYTES: usize = 4 << 20;
+
+    /// Waits until what was written so far is on the device, and its copies are gone.
+    ///
+    /// # Errors
+    /// As [`Gpu::wait`].
+    pub fn finish_writes(&self) -> Result<(), GpuError> {
+        self.queue.submit([]);
+        self.wait()
+    }
+
     /// Waits until all submitted work is done.
     ///
     /// # Errors

@@ -131,9 +131,6 @@ pub struct Upload<'a, T> {
     most: usize,
 }
 
-/// Most bytes that are written at a time: a copy of them waits until they are.
-const PIECE_BYTES: u64 = 16 << 20;
-
 impl<'a, T: Pod> Upload<'a, T> {
     /// An array for so many elements.
     ///
@@ -146,7 +143,7 @@ impl<'a, T: Pod> Upload<'a, T> {
         usage: wgpu::BufferUsages,
     ) -> Result<Self, GpuError> {
         let array = ChunkedArray::sized::<T>(gpu, name, count, usage)?;
-        let most = array.chunk_bytes.min(PIECE_BYTES) as usize / size_of::<T>();
+        let most = array.chunk_bytes.min(Gpu::PIECE_BYTES as u64) as usize / size_of::<T>();
         Ok(Self {
             gpu,
             array,
@@ -169,8 +166,7 @@ impl<'a, T: Pod> Upload<'a, T> {
                 return Ok(());
             }
             self.write();
-            self.gpu.queue.submit([]);
-            self.gpu.wait()?;
+            self.gpu.finish_writes()?;
         }
     }
 

@@ -49,8 +49,20 @@ pub fn buffer<T: Pod>(
             mapped_at_creation: false,
         })
     })?;
-    gpu.queue.write_buffer(&buffer, 0, bytes);
+    write_in_pieces(gpu, &buffer, bytes)?;
     Ok(buffer)
+}
+
+/// Writes a buffer from its start on, so that few bytes of it are in memory twice.
+fn write_in_pieces(gpu: &Gpu, buffer: &wgpu::Buffer, bytes: &[u8]) -> Result<(), GpuError> {
+    for (i, piece) in bytes.chunks(Gpu::PIECE_BYTES).enumerate() {
+        if i > 0 {
+            gpu.finish_writes()?;
+        }
+        let first = i * Gpu::PIECE_BYTES;
+        gpu.queue.write_buffer(buffer, first as u64, piece);
+    }
+    Ok(())
 }
 
 /// Bytes of all vertices, and of all indices and second texture coordinates.
