@@ -1,9 +1,6 @@
 //! `render`: renders a scene to pictures or a film.
 
-use std::{
-    path::Path,
-    time::{Instant, SystemTime},
-};
+use std::time::{Instant, SystemTime};
 
 use super::{
     args::RenderArgs,
@@ -15,12 +12,7 @@ use super::{
     sequence, shaders,
     stats::{self, ReportContext},
 };
-use crate::{
-    files::sweep,
-    render::aov::Aov,
-    scene::{desc::Method, diagnostic::Diagnostic},
-    session::{model_viewer_scene::is_model, scene_text::LoadedScene},
-};
+use crate::{files::sweep, render::aov::Aov, scene::desc::Method};
 
 /// Renders one picture, or the frames of a film, for each camera.
 ///
@@ -42,7 +34,6 @@ pub fn render(args: &RenderArgs) -> Result<(), AppError> {
     let load_started = Instant::now();
     let loaded = load_scene(args.scene.as_deref(), &args.from, &overrides(args))?;
     let load_ms = load_started.elapsed().as_secs_f64() * 1e3;
-    refuse_empty(&loaded, args.scene.as_deref())?;
     let mut failed = None;
     for (camera, args) in cameras::runs(args, &loaded)? {
         let (loaded, aovs) = (loaded.clone(), aovs.clone());
@@ -112,19 +103,6 @@ fn picture(
         eprintln!("wrote {}", path.display());
     }
     stats::print(args, &mut session, picture.stats, context)
-}
-
-/// A model without anything to show would be an empty picture.
-fn refuse_empty(loaded: &LoadedScene, path: Option<&Path>) -> Result<(), AppError> {
-    match path.filter(|path| is_model(path) && loaded.world.instances.is_empty()) {
-        None => Ok(()),
-        Some(path) => {
-            let text = "there is nothing to show: no node places a mesh with triangles";
-            let mut error = Diagnostic::in_file("nothing-to-show", path, text.to_owned());
-            error.help = Some("place the model in a scene of your own to render it anyway".into());
-            Err(AppError::Scene(vec![error]))
-        }
-    }
 }
 
 /// The AOVs of a comma-separated list.

@@ -62,10 +62,14 @@ fn result(message: &Diagnostic, rules: &[&str]) -> Value {
 /// 3.28 of the standard; columns count characters.
 fn location(span: &Span) -> Option<Value> {
     let source = span.source.as_ref()?;
+    let uri = uri(&source.path.display().to_string());
+    if source.generated {
+        return Some(json!({ "physicalLocation": { "artifactLocation": { "uri": uri } } }));
+    }
     let (start, end) = (source.place(span.range.start), source.place(span.range.end));
     Some(json!({
         "physicalLocation": {
-            "artifactLocation": { "uri": uri(&source.path.display().to_string()) },
+            "artifactLocation": { "uri": uri },
             "region": {
                 "startLine": start.line,
                 "startColumn": start.column,
@@ -107,6 +111,7 @@ mod tests {
             path: "my scenes/é.toml".into(),
             text: "a = 1\nb = \"ü\" # c\n".to_owned(),
             returned: None,
+            generated: false,
         });
         let span = |range| Span {
             source: Some(Arc::clone(&source)),

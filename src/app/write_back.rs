@@ -365,5 +365,6 @@ fn source_of(path: &Path, text: &str) -> Arc<Source> {
         path: path.to_owned(),
         text: text.to_owned(),
         returned: None,
+        generated: false,
     })
 }

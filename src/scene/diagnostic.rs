@@ -23,6 +23,8 @@ pub struct Source {
     pub text: String,
     /// For text that has no file because a script returned it: where messages point instead.
     pub returned: Option<Returned>,
+    /// Whether it is no text of the user's but made for a model; messages name the path alone.
+    pub generated: bool,
 }
 
 /// A range of bytes in a [`Source`]; the default span points nowhere.
@@ -94,6 +96,7 @@ impl Span {
             // character.
             text: String::from_utf8_lossy(wrong.as_bytes()).into_owned(),
             returned: None,
+            generated: false,
         };
         Self {
             source: Some(source.into()),
@@ -139,8 +142,11 @@ impl Diagnostic {
         self
     }
 
-    /// The same message with a second place and what is there.
+    /// The same message with a second place and what is there, if a user wrote that.
     pub fn related(mut self, span: Span, note: impl Into<String>) -> Self {
+        if span.source.as_ref().is_some_and(|source| source.generated) {
+            return self;
+        }
         self.related = Some((span.shown(), note.into()));
         self
     }

@@ -56,6 +56,8 @@ pub struct ReadOptions {
     pub variants: Vec<String>,
     /// Folders where bases, included files and scripts are looked for after the scene's own.
     pub assets: Vec<PathBuf>,
+    /// Whether the text was made for a model, which messages name in its place.
+    pub generated: bool,
 }
 
 impl From<&[String]> for ReadOptions {

@@ -75,6 +75,9 @@ pub fn model_viewer_scene(
         );
     }
     text.push_str(SUN);
+    if is_dear_to_draw(&playable) {
+        text.push_str("shadow = \"ray\"\n");
+    }
     match playable.stage.dome_radiance {
         // Dome lights of the stage replace the default sky.
         Some(sky) => {
@@ -86,6 +89,17 @@ pub fn model_viewer_scene(
         None => text.push_str(SKY),
     }
     Ok(text)
+}
+
+/// Whether a model has so many copies that trees, which hold each mesh once, take less than drawing all of them
+/// into a shadow map.
+fn is_dear_to_draw(playable: &Playable) -> bool {
+    /// Triangles from which on it can be noticed.
+    const MANY: usize = 4_000_000;
+    /// The same of copies, however small.
+    const MANY_COPIES: usize = 100_000;
+    let (stored, placed) = (playable.stored_triangles, playable.placed_triangles);
+    playable.copies >= MANY_COPIES || (placed >= MANY && placed / 4 >= stored)
 }
 
 /// `--set model.model.usd.…`: chosen parts of the stage. Errors are reported when the scene is
@@ -126,7 +140,7 @@ fn playable(
             .preloaded_models
             .read(&path, &sandbox, options.lenient));
     }
-    let glb = usd::convert(&path, choice, &folders)?.glb;
+    let glb = usd::convert(&path, "model", choice, &folders)?.glb;
     let folder = glb.parent().unwrap_or(Path::new("."));
     let sandbox = Sandbox::new([folder], options.max_file_bytes);
     Ok(options.preloaded_models.read(&glb, &sandbox, false))
@@ -224,7 +238,7 @@ mod tests {
                 time: Some(stage),
                 dome_radiance: None,
             },
-            clips: Vec::new(),
+            ..Playable::default()
         };
         let f32_end = f64::from(49.0_f32 / 30.0);
         assert_eq!(frames(f32_end, &of(stage), None), (30.0, [101.0, 150.0]));

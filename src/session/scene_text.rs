@@ -18,6 +18,7 @@ use crate::{
     },
     world::{
         World,
+        gltf::MODEL_EMPTY,
         load::{self, AssetCache, LoadOptions, foreign_formats},
     },
 };
@@ -68,6 +69,8 @@ pub struct OpenedScene {
     pub warnings: Vec<Diagnostic>,
     /// Options for loading, with the dependencies so far.
     pub options: LoadOptions,
+    /// The model that the text was made for.
+    model: Option<PathBuf>,
 }
 
 /// A loaded scene with its description.
@@ -102,6 +105,8 @@ impl SceneText {
     /// As [`parse::read`], and a stage that cannot be converted.
     pub fn read(path: Option<&Path>, from: &SceneOptions) -> Result<Self, Vec<Diagnostic>> {
         let options = load_options(from, &Dependencies::default());
+        let mut read = read_options(from);
+        read.generated = path.is_some_and(is_model);
         let (text, file) = match path {
             Some(path) if is_model(path) => {
                 let text = model_viewer_scene(path, &options, &from.set);
@@ -121,7 +126,7 @@ impl SceneText {
             text,
             file: file.to_owned(),
             name: name.unwrap_or_else(|| "the built-in atrium".to_owned()),
-            read: read_options(from),
+            read,
             options,
         })
     }
@@ -169,6 +174,7 @@ impl SceneText {
             scene,
             warnings,
             options: self.options,
+            model: options.generated.then_some(self.file),
         })
     }
 }
@@ -177,7 +183,7 @@ impl OpenedScene {
     /// Loads the assets of the scene; `name` is used in messages.
     ///
     /// # Errors
-    /// All errors, after the warnings about its text.
+    /// All errors, after the warnings about its text; a bare model with nothing to show.
     pub fn load(self, name: String) -> Result<LoadedScene, Vec<Diagnostic>> {
         self.load_with_cache(name).map(|(loaded, _)| loaded)
     }
@@ -191,9 +197,27 @@ impl OpenedScene {
         name: String,
     ) -> Result<(LoadedScene, AssetCache), Vec<Diagnostic>> {
         match load::load_with_cache(&self.scene, &self.options) {
-            Ok((world, assets)) => Ok((self.with_world(name, world), assets)),
+            Ok((world, assets)) => match self.nothing_to_show(&world) {
+                Some(error) => Err(self.told_with(world, error)),
+                None => Ok((self.with_world(name, world), assets)),
+            },
             Err(errors) => Err(self.warnings.into_iter().chain(errors).collect()),
         }
+    }
+
+    /// A bare model without anything to show would be an empty picture.
+    fn nothing_to_show(&self, world: &World) -> Option<Diagnostic> {
+        let path = self.model.as_ref().filter(|_| world.instances.is_empty())?;
+        let text = "there is nothing to show: no node places a mesh with triangles";
+        let help = "place the model in a scene of your own to render it anyway";
+        Some(Diagnostic::in_file("nothing-to-show", path, text).help(help))
+    }
+
+    /// All warnings but the one that says the same as the error, and the error.
+    fn told_with(self, world: World, error: Diagnostic) -> Vec<Diagnostic> {
+        let warnings = self.warnings.into_iter().chain(world.warnings);
+        let others = warnings.filter(|warning| warning.name != MODEL_EMPTY);
+        others.chain([error]).collect()
     }
 
     /// With its loaded world.
@@ -278,6 +302,7 @@ fn read_options(from: &SceneOptions) -> ReadOptions {
         overrides: from.set.clone(),
         variants: from.variant.clone(),
         assets: asset_folders(&from.assets),
+        generated: false,
     }
 }
 

@@ -33,6 +33,7 @@ mod draco;
 mod extension;
 mod geometry;
 mod layers;
+mod least_bytes;
 mod light;
 mod material;
 mod meshopt;
@@ -59,12 +60,15 @@ pub use posed::{Posed, PosedNames};
 pub use specular_glossiness::{Factors, Part, SpecularGlossinessMaps};
 pub use uri::Sandbox;
 
+/// Name of the warning about a file that places nothing.
+pub const MODEL_EMPTY: &str = "model-empty";
+
 /// Contents of one file; transforms are relative to the model.
 #[derive(Debug, Default)]
 pub struct Model {
     /// One mesh per primitive that shows something.
     pub meshes: Vec<Mesh>,
-    /// The file's materials and last the default one; their textures index [`Model::images`].
+    /// The file's materials, the default one, and those of points and lines without light; their textures index [`Model::images`].
     pub materials: Vec<Material>,
     /// For each material the file's sets of texture coordinates that its textures call 0 and 1.
     pub uv_sets: Vec<[u32; 2]>,
@@ -100,7 +104,13 @@ pub struct Model {
 impl Model {
     /// Animations, and metadata of the stage.
     pub fn playable(&self) -> Playable {
+        let triangles = |mesh: usize| self.meshes[mesh].triangles.len();
         Playable {
+            copies: self.placements.len(),
+            stored_triangles: (0..self.meshes.len()).map(triangles).sum(),
+            placed_triangles: (self.placements.iter())
+                .map(|placed| triangles(placed.value.mesh))
+                .sum(),
             clips: self.clips.clone(),
             stage: self.stage,
         }
@@ -278,10 +288,14 @@ pub fn read(
     sandbox: &Sandbox,
     options: &ReadOptions,
 ) -> Result<Model, Vec<Diagnostic>> {
-    read_faults(path, sandbox, options).map_err(|faults| {
-        (faults.into_iter().take(MAX_ERRORS))
-            .map(|fault| fault.in_file(path))
-            .collect()
+    read_faults(path, sandbox, options).map_err(|mut faults| {
+        let left_out = faults.len().saturating_sub(MAX_ERRORS);
+        if left_out > 0 {
+            faults.truncate(MAX_ERRORS);
+            let text = format!("{left_out} more errors are not shown");
+            faults.push(Fault::new("too-many-errors", text));
+        }
+        faults.into_iter().map(|f| f.in_file(path)).collect()
     })
 }
 
@@ -297,10 +311,10 @@ fn read_faults(path: &Path, sandbox: &Sandbox, options: &ReadOptions) -> Result<
     let mut notes = Notes::default();
     let mut buffers =
         buffer::read(&root, binary, folder, sandbox, &mut model.files).map_err(one)?;
-    let budget = budget::GeometryBudget {
-        file: memory::Budget::new(GEOMETRY_BUDGET_BYTES),
-        load: options.memory.clone(),
-    };
+    let budget = budget::GeometryBudget::new(
+        memory::Budget::new(GEOMETRY_BUDGET_BYTES),
+        options.memory.clone(),
+    );
     draco::decompress(&mut root, &mut buffers, &budget).map_err(one)?;
     let data = accessor::Data::new(&root, buffers, budget).map_err(one)?;
     check_indices::check(&root).map_err(one)?;
@@ -330,7 +344,7 @@ fn read_faults(path: &Path, sandbox: &Sandbox, options: &ReadOptions) -> Result<
         let text = "the file shows nothing: no node places a mesh";
         model.warnings.push(Diagnostic {
             severity: Severity::Warning,
-            ..Diagnostic::in_file("model-empty", path, text)
+            ..Diagnostic::in_file(MODEL_EMPTY, path, text)
         });
     }
     Ok(model)

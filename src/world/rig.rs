@@ -25,6 +25,8 @@ pub struct RigNode {
     pub local: Local,
     /// Visibility of the node and its children.
     pub visible: bool,
+    /// Whether it and all its ancestors are visible.
+    pub seen: bool,
     /// The product of all `local` down to here.
     pub model_from_node: Affine3A,
 }
@@ -119,7 +121,7 @@ impl Player {
             let still = node.parent.and_then(|p| rig.nodes[p].as_ref());
             let parent = match (above, still) {
                 (Some(slot), _) => Parent::Slot(slot),
-                (None, Some(parent)) => Parent::Still(parent.model_from_node, rig.is_seen(parent)),
+                (None, Some(parent)) => Parent::Still(parent.model_from_node, parent.seen),
                 (None, None) => Parent::Still(Affine3A::IDENTITY, true),
             };
             slots[i] = Some(moved.len());
@@ -248,19 +250,5 @@ impl Player {
                 }
             }
         }
-    }
-}
-
-impl Rig {
-    /// Whether a node and all its ancestors are visible at rest.
-    fn is_seen(&self, node: &RigNode) -> bool {
-        let mut next = Some(node);
-        while let Some(node) = next {
-            if !node.visible {
-                return false;
-            }
-            next = node.parent.and_then(|p| self.nodes[p].as_ref());
-        }
-        true
     }
 }

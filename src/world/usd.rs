@@ -11,8 +11,9 @@ use std::{
 use sha2::{Digest as _, Sha256};
 
 use self::{
+    advice::in_reflet,
     conversion_record::{Inputs, Record, Sidecar, SidecarWarning},
-    tool::{ALLOW_FOLDER, OUTSIDE, Tool},
+    tool::Tool,
 };
 use super::gltf::Fault;
 use crate::{
@@ -23,6 +24,7 @@ use crate::{
     },
 };
 
+mod advice;
 mod conversion_record;
 mod tool;
 
@@ -71,13 +73,18 @@ impl Choice {
 /// Maximum conversions of a stage whose files change meanwhile.
 const MOST_TRIES: usize = 3;
 
-/// Converts the chosen parts of a stage, or finds a cached conversion of the same content. Layers
-/// and textures may lie in `roots` too.
+/// Converts the chosen parts of a stage, the file of `model`, or finds a cached conversion
+/// of the same content. Layers and textures may lie in `roots` too.
 ///
 /// # Errors
 /// A missing converter, with the command that installs it; a stage that it refuses, with its reason;
 /// a cache folder that cannot be written.
-pub fn convert(stage: &Path, choice: &Choice, roots: &[PathBuf]) -> Result<Converted, Fault> {
+pub fn convert(
+    stage: &Path,
+    model: &str,
+    choice: &Choice,
+    roots: &[PathBuf],
+) -> Result<Converted, Fault> {
     let cache = cache_folder().join("usd");
     fs::create_dir_all(&cache).map_err(|e| cannot_keep(&cache, &e))?;
     let tool = Tool::find()?;
@@ -102,11 +109,11 @@ pub fn convert(stage: &Path, choice: &Choice, roots: &[PathBuf]) -> Result<Conve
                 glb.display()
             );
         }
-        return Ok(converted(stage, glb, record));
+        return Ok(converted((stage, model), glb, record));
     }
     let known = earlier.map_or_else(Inputs::default, |record| record.inputs);
-    let (record, is_steady) = run_conversion(&tool, (stage, choice), roots, &glb, known)?;
-    let mut result = converted(stage, glb, &record);
+    let (record, is_steady) = run_conversion(&tool, (stage, model), choice, roots, &glb, known)?;
+    let mut result = converted((stage, model), glb, &record);
     if !is_steady {
         let message = format!(
             "its files changed each of the {MOST_TRIES} times that it was converted, so this may \
@@ -123,7 +130,8 @@ pub fn convert(stage: &Path, choice: &Choice, roots: &[PathBuf]) -> Result<Conve
 /// at last. `known` are files that it probably reads.
 fn run_conversion(
     tool: &Tool,
-    (stage, choice): (&Path, &Choice),
+    (stage, model): (&Path, &str),
+    choice: &Choice,
     roots: &[PathBuf],
     glb: &Path,
     mut known: Inputs,
@@ -136,7 +144,7 @@ fn run_conversion(
         let stage_path = stage.to_owned();
         let before = Inputs::of(known.paths().chain([&stage_path]));
         let since = SystemTime::now();
-        tool.convert(stage, &choice.0, &fresh.0, roots)?;
+        tool.convert((stage, model), &choice.0, &fresh.0, roots)?;
         let sidecar = read_sidecar(&fresh.sidecar())?;
         let read = sidecar.files.iter().chain(&sidecar.absent);
         let inputs = Inputs::of(read.chain([&stage_path]));
@@ -181,7 +189,7 @@ fn is_news(name: &str) -> bool {
     told.insert(name.to_owned())
 }
 
-fn converted(stage: &Path, glb: PathBuf, record: &Record) -> Converted {
+fn converted((stage, model): (&Path, &str), glb: PathBuf, record: &Record) -> Converted {
     let mut files = record.files.clone();
     if !files.iter().any(|f| f == stage) {
         files.push(stage.to_owned());
@@ -189,18 +197,22 @@ fn converted(stage: &Path, glb: PathBuf, record: &Record) -> Converted {
     Converted {
         glb,
         files,
-        warnings: told(stage, &record.warnings),
+        warnings: told((stage, model), &record.warnings),
     }
 }
+
+/// The converter's warning about a stage without meshes: the reader of its output tells that, unless
+/// the stage has lights or cameras, which scenes take.
+const STAGE_EMPTY: &str = "stage-empty";
 
 /// Maximum number of listed warnings of one name; above it the first is shown with a count.
 const MOST_OF_A_NAME: usize = 3;
 
 /// Summary of the converter's warnings.
-fn told(stage: &Path, warnings: &[SidecarWarning]) -> Vec<Diagnostic> {
+fn told(of: (&Path, &str), warnings: &[SidecarWarning]) -> Vec<Diagnostic> {
     let mut names: Vec<&str> = Vec::new();
     for warning in warnings {
-        if !names.contains(&warning.name.as_str()) {
+        if warning.name != STAGE_EMPTY && !names.contains(&warning.name.as_str()) {
             names.push(&warning.name);
         }
     }
@@ -212,21 +224,21 @@ fn told(stage: &Path, warnings: &[SidecarWarning]) -> Vec<Diagnostic> {
     };
     let groups = names.into_iter().map(of_name);
     groups
-        .flat_map(|group| told_of_a_name(stage, &group))
+        .flat_map(|group| told_of_a_name(of, &group))
         .collect()
 }
 
-fn told_of_a_name(stage: &Path, group: &[&SidecarWarning]) -> Vec<Diagnostic> {
+fn told_of_a_name((stage, model): (&Path, &str), group: &[&SidecarWarning]) -> Vec<Diagnostic> {
     let is_long = group.len() > MOST_OF_A_NAME;
     let shown = if is_long { &group[..1] } else { group };
     let one = |w: &&SidecarWarning| {
-        let mut message = format!("{}: {} [{}]", w.prim, w.message, w.name);
-        let outside = w.name == OUTSIDE;
-        let mut help = outside.then(|| ALLOW_FOLDER.into());
+        let said = in_reflet(&w.message, model);
+        let mut message = format!("{}: {said} [{}]", w.prim, w.name);
+        let mut help = None;
         if is_long {
             message += &format!(", and {} more of that name", group.len() - 1);
-            let list = format!("`reflet-usd inspect --json {}` lists all", stage.display());
-            help = Some(help.map_or(list.clone(), |help: String| format!("{help}; {list}")));
+            let inspect = format!("`reflet-usd inspect --json {}`", stage.display());
+            help = Some(format!("{inspect} lists all"));
         }
         warning(stage, message, help)
     };
@@ -300,7 +312,7 @@ mod tests {
         };
         let mut warnings = vec![of("a", "/A"), of("b", "/B"), of("a", "/C"), of("a", "/D")];
         let messages = |warnings: &[SidecarWarning]| -> Vec<String> {
-            let told = told(Path::new("s.usda"), warnings);
+            let told = told((Path::new("s.usda"), "model"), warnings);
             told.into_iter().map(|warning| warning.message).collect()
         };
         let one_by_one = ["/A", "/C", "/D"].map(|prim| format!("{prim}: is left out [a]"));

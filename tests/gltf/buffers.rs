@@ -58,6 +58,41 @@ fn an_absent_buffer_is_an_error_only_where_it_is_read() {
     }
 }
 
+/// The scene text that is made for it is not the user's.
+#[test]
+fn messages_about_a_bare_model_name_its_file_alone() {
+    let folder = Folder::new();
+    let mut doc = Doc::triangle();
+    let check = |options: &[&str]| {
+        let output = Command::new(env!("CARGO_BIN_EXE_reflet"))
+            .current_dir(&folder.0)
+            .args(["check", "m.glb"])
+            .args(options)
+            .output()
+            .expect("the program starts");
+        let all = [output.stdout, output.stderr].concat();
+        String::from_utf8_lossy(&all).into_owned()
+    };
+    // Its own fault, and one of the text: that light has a direction and no position.
+    doc.json["extensionsRequired"] = json!(["EXT_unheard_of"]);
+    doc.json["extensionsUsed"] = json!(["EXT_unheard_of"]);
+    folder.write("m.glb", doc.glb());
+    let faulty = check(&[]);
+    assert!(
+        faulty.contains("EXT_unheard_of") && faulty.contains("m.glb\n"),
+        "{faulty}"
+    );
+    folder.write("m.glb", Doc::triangle().glb());
+    let point = ["--set", "light.sun.kind=point"];
+    let missing = check(&point);
+    assert!(missing.contains("`position` is missing"), "{missing}");
+    for text in [faulty, missing, check(&[&point[..], &["--json"]].concat())] {
+        for part in ["m.glb:", "named here", " | ", "version = 1", "startLine"] {
+            assert!(!text.contains(part), "{part:?}: {text}");
+        }
+    }
+}
+
 /// A file with animations only, and one with a line that has no length.
 #[test]
 fn a_model_that_shows_nothing_is_no_picture() {
@@ -74,23 +109,31 @@ fn a_model_that_shows_nothing_is_no_picture() {
     let corners = no_length.accessor("SCALAR", 5121, 2, &[1, 1]);
     no_length.primitive("indices", corners.into());
     for (doc, said) in [
-        (animation_only, "shows nothing"),
+        (animation_only, "no node places a mesh"),
         (no_length, "have no point, line or triangle to show"),
     ] {
         assert!(warnings(&doc.world()).contains(&"model-empty"));
         let folder = Folder::new();
         folder.write("m.glb", doc.glb());
-        let output = Command::new(env!("CARGO_BIN_EXE_reflet"))
-            .current_dir(&folder.0)
-            .args(["render", "m.glb", "-o", "picture.png"])
-            .output()
-            .expect("the program starts");
-        let text = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(3), "{text}");
-        assert!(
-            text.contains("nothing-to-show") && text.contains(said),
-            "{text}"
-        );
+        // All commands refuse it, with one message about that.
+        for arguments in [
+            &["render", "m.glb", "-o", "picture.png"][..],
+            &["check", "m.glb"],
+            &["info", "m.glb"],
+        ] {
+            let output = Command::new(env!("CARGO_BIN_EXE_reflet"))
+                .current_dir(&folder.0)
+                .args(arguments)
+                .output()
+                .expect("the program starts");
+            let text = String::from_utf8_lossy(&output.stderr);
+            assert_eq!(output.status.code(), Some(3), "{arguments:?}: {text}");
+            assert!(
+                text.contains("nothing-to-show") && text.contains(said),
+                "{arguments:?}: {text}"
+            );
+            assert!(!text.contains("model-empty"), "{arguments:?}: {text}");
+        }
         assert!(!folder.0.join("picture.png").exists());
     }
 }

@@ -95,6 +95,74 @@ fn lines_are_seen_from_the_usual_side() {
     }
 }
 
+/// A small thing near the eye beside a wide one far away: none is cut off at a border.
+#[test]
+fn what_is_near_the_eye_stays_in_the_default_view() {
+    let mut doc = Doc::empty();
+    let mut corners = Vec::new();
+    for center in [[0.5_f32, 1.0, 3.0], [-0.5, 0.0, -3.0], [-0.4, 0.2, -3.0]] {
+        for offset in [[0.0_f32, 0.0, 0.0], [0.1, 0.0, 0.0], [0.0, 0.1, 0.1]] {
+            corners.extend((0..3).map(|k| center[k] + offset[k]));
+        }
+    }
+    let positions = doc.floats("VEC3", &corners);
+    let mesh = doc.mesh(json!({"attributes": {"POSITION": positions}}));
+    doc.root_node(json!({"mesh": mesh}));
+    let world = doc.world();
+    let camera = camera(&world);
+    let forward = (camera.target - camera.eye).normalize();
+    let right = forward.cross(Vec3::Y).normalize();
+    let up = right.cross(forward);
+    let high = (0.5 * camera.fov_deg).to_radians().tan();
+    for corner in corners.chunks_exact(3) {
+        let p = Vec3::from_slice(corner) - camera.eye;
+        let depth = p.dot(forward);
+        let place = [
+            p.dot(right) / (depth * high * 16.0 / 9.0),
+            p.dot(up) / (depth * high),
+        ];
+        assert!(
+            depth > 0.0 && place.iter().all(|x| x.abs() < 0.9),
+            "{corner:?} is seen at {place:?}"
+        );
+    }
+}
+
+/// Points and lines have no side that a lamp could light.
+#[test]
+fn points_and_lines_without_normals_have_no_light() {
+    for (mode, has_normals, unlit) in [
+        (0, false, true),
+        (1, false, true),
+        (1, true, false),
+        (4, false, false),
+    ] {
+        let mut doc = Doc::empty();
+        let positions = doc.floats(
+            "VEC3",
+            &[
+                0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 1.0, 0.0, 1.0, 2.0, 0.0, 2.0,
+                2.0, 0.0,
+            ],
+        );
+        let mut attributes = json!({"POSITION": positions});
+        if has_normals {
+            attributes["NORMAL"] = doc.floats("VEC3", &[0.0, 0.0, 1.0].repeat(6)).into();
+        }
+        doc.json["materials"] = json!([{"name": "ink", "emissiveFactor": [0.5, 0, 0]}]);
+        let mesh = doc.mesh(json!({"attributes": attributes, "mode": mode, "material": 0}));
+        doc.root_node(json!({"mesh": mesh}));
+        let world = doc.world();
+        let material = &world.materials[world.instances[0].material];
+        assert_eq!(
+            (material.unlit, material.name.as_str()),
+            (unlit, "ink"),
+            "mode {mode}"
+        );
+        assert_eq!(material.emission.x, 0.5);
+    }
+}
+
 #[test]
 fn cameras_of_files_that_see_nothing_give_way() {
     let mut doc = Doc::triangle();

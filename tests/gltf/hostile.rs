@@ -254,18 +254,6 @@ fn the_node_tree_must_be_a_tree() {
         doc.json["scenes"][0]["nodes"] = json!(roots);
         assert_eq!(doc.error().0, "gltf-node", "{what}");
     }
-    for (length, loads) in [(200, true), (100_000, false)] {
-        let mut doc = Doc::triangle();
-        let chain = (0..length).map(|i| {
-            if i + 1 < length {
-                json!({"children": [i + 1]})
-            } else {
-                json!({"mesh": 0})
-            }
-        });
-        doc.json["nodes"] = chain.collect();
-        assert_eq!(doc.load().is_ok(), loads, "{length} levels");
-    }
 }
 
 #[test]
@@ -284,8 +272,56 @@ fn accessors_without_data_are_bounded() {
         json!({"attributes": {"POSITION": 0}, "mode": 0});
         10_000
     ]);
-    let errors = doc.load().expect_err("six vertices around each point");
-    assert!(errors.iter().all(|e| e.name == "geometry-too-large"));
+    let (name, message) = doc.error();
+    assert_eq!(name, "geometry-too-large", "six vertices around each point");
+    assert!(
+        message.starts_with("mesh 0 \"wall\" primitive 0: ")
+            && message.ends_with(", and in 9999 more places"),
+        "{message}"
+    );
+}
+
+/// The budget is enough for few of many uses: the others are counted, not read, and told once.
+#[test]
+#[cfg(target_os = "linux")]
+fn what_is_too_large_together_is_refused_before_it_is_read() {
+    let mut doc = Doc::triangle();
+    doc.json["accessors"][0] = json!({"componentType": 5126, "count": 1 << 20, "type": "VEC3"});
+    let target = json!({"POSITION": 0});
+    doc.primitive("targets", Value::Array(vec![target; 4]));
+    let node = json!({"mesh": 0, "weights": [0.5, 0.5, 0.5, 0.5]});
+    doc.json["nodes"] = Value::Array(vec![node; 3000]);
+    doc.json["scenes"] = json!([{"nodes": (0..3000).collect::<Vec<_>>()}]);
+    let before = reflet::memory::peak_resident_bytes().expect("Linux says it");
+    let (name, message) = doc.error();
+    assert_eq!(name, "geometry-too-large");
+    let more = message.strip_prefix(
+        "mesh 0 \"wall\" primitive 0: the file's geometry exceeds the memory budget, and in ",
+    );
+    let more = more.and_then(|more| more.strip_suffix(" more places"));
+    let more: usize = more.and_then(|more| more.parse().ok()).expect(&message);
+    assert!((2900..3000).contains(&more), "{message}");
+    let taken = reflet::memory::peak_resident_bytes().expect("Linux says it") - before;
+    assert!(taken < 512 << 20, "{taken} bytes"); // other tests run meanwhile
+}
+
+/// Faults of one kind are one message; of many kinds, the number of the others is told.
+#[test]
+fn faults_of_many_primitives_are_counted() {
+    let mut doc = Doc::triangle();
+    let primitive = doc.json["meshes"][0]["primitives"][0].clone();
+    let broken = |mode: usize| {
+        let mut primitive = primitive.clone();
+        primitive["mode"] = mode.into();
+        primitive
+    };
+    doc.json["meshes"][0]["primitives"] = Value::Array(vec![broken(7); 30]);
+    let (_, message) = doc.error();
+    assert!(message.ends_with("and in 29 more places"), "{message}");
+    doc.json["meshes"][0]["primitives"] = (7..37).map(broken).collect();
+    let errors = doc.load().expect_err("modes end with 6");
+    assert_eq!(errors.len(), 21);
+    assert_eq!(errors[20].message, "10 more errors are not shown");
 }
 
 /// 100,000 targets of the same 20,000 vertices: refused before the first of them is read.

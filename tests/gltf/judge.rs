@@ -148,8 +148,17 @@ fn placements(judge: &Judge, model: &Model) -> Vec<String> {
         let theirs = node.mesh().filter(|theirs| theirs.index() == mesh);
         let theirs = theirs.and_then(|mesh| mesh.primitives().nth(primitive));
         let material = theirs.map(|primitive| primitive.material().index());
-        let default = model.materials.len() - 1;
-        let own = Some(placed.value.material).filter(|own| *own != default);
+        let default = judge.document.materials().count();
+        // Points and lines have materials of their own, of the same names.
+        let of_name = || {
+            let name = &model.materials[placed.value.material].name;
+            model.materials.iter().position(|m| m.name == *name)
+        };
+        let own = match placed.value.material {
+            own if own <= default => Some(own),
+            _ => of_name(),
+        };
+        let own = own.filter(|own| *own != default);
         let stands = model.rig.nodes[index]
             .as_ref()
             .map(|node| node.model_from_node);

@@ -1,11 +1,16 @@
 //! KHR_texture_basisu: KTX2 files of the Basis Universal encoder, and broken ones.
 
-use std::time::{Duration, Instant};
+use std::{
+    io::Cursor,
+    time::{Duration, Instant},
+};
 
 use crate::{
     common::Random,
-    kit::{Doc, check_promises, png, rich},
+    kit::{Doc, Folder, at, check_promises, entry, load_scene, png, rich, scene, stone},
 };
+use image::ImageFormat;
+use reflet::scene::desc::MaterialDesc;
 use serde_json::json;
 
 /// 16 by 16 pixels in four quadrants of one color each.
@@ -55,6 +60,32 @@ fn basis_universal_becomes_rgba() {
             let near = found.iter().zip(expected).all(|(a, b)| a.abs_diff(*b) < 8);
             assert!(near, "{name}, quadrant {quadrant}: {found:?}");
         }
+    }
+}
+
+/// Images of scene text are known by their content, too; their names say the format only.
+#[test]
+fn scene_text_names_any_image_that_is_read() {
+    let pixel = image::RgbaImage::from_pixel(3, 2, image::Rgba([10, 20, 30, 40]));
+    let mut webp = Cursor::new(Vec::new());
+    (pixel.write_to(&mut webp, ImageFormat::WebP)).expect("encoded");
+    let folder = Folder::new();
+    folder.write("m.glb", stone().glb());
+    for (name, bytes, size) in [
+        ("a.webp", webp.get_ref().as_slice(), [3, 2]),
+        ("b.ktx2", FILES[0].1, [16, 16]),
+        ("c.webp", FILES[0].1, [16, 16]),
+    ] {
+        folder.write(name, bytes);
+        let mut desc = scene(&folder.0, "m.glb");
+        let own = MaterialDesc {
+            base_color_texture: Some(at(name)),
+            ..MaterialDesc::default()
+        };
+        desc.models[0].value.overrides = vec![entry("stone", own)];
+        let world = load_scene(&desc).unwrap_or_else(|errors| panic!("{name}: {errors:?}"));
+        let found = world.textures.iter().map(|t| [t.width, t.height]);
+        assert!(found.into_iter().any(|found| found == size), "{name}");
     }
 }
 

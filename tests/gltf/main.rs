@@ -25,6 +25,7 @@ mod limits;
 mod material;
 mod material_faults;
 mod meshopt;
+mod node_chains;
 mod overrides;
 mod pointer;
 mod scene;

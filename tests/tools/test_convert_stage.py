@@ -131,6 +131,8 @@ def test_a_link_does_not_lead_out(tmp_path: Path) -> None:
     text = '#usda 1.0\ndef "X" (\n prepend references = @link.usda@\n) {\n}\n'
     drawn = convert_text(inside, f'{text}def Cube "C" {{\n}}\n')
     assert "asset-outside-roots" in drawn.warnings()
+    (message,) = [w.message for w in drawn.result.warnings if w.name == "asset-outside-roots"]
+    assert message.endswith(f"allow it with --root {tmp_path / 'out'}")
 
 
 @pytest.mark.parametrize("absolute", [False, True])

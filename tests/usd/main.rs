@@ -130,7 +130,21 @@ fn what_a_conversion_could_not_read_is_read_when_it_can_be() {
     fs::create_dir(place.0.join("sub")).expect("a folder");
     place.write("sub/main.usda", &above("../part.usda"));
     let outside = said(&place.check(&tool, "sub/main.usda"));
-    assert!(outside.contains("--assets FOLDER"), "{outside}");
+    let allow = format!(
+        "--assets {}",
+        place.0.canonicalize().expect("there").display()
+    );
+    let is_plain = |text: &str| {
+        // The option of this program, once, and no other help.
+        text.contains(&allow) && !text.contains("--root") && !text.contains("help:")
+    };
+    assert!(is_plain(&outside), "{outside}");
+    assert!(!outside.contains("error: "), "{outside}");
+    // Where something is left to draw, it is a warning.
+    let more = format!("{}def Cube \"C\" {{}}\n", above("../part.usda"));
+    place.write("sub/more.usda", &more);
+    let part = said(&place.check(&tool, "sub/more.usda"));
+    assert!(is_plain(&part) && part.contains("warning[usd]"), "{part}");
     let output = Command::new(env!("CARGO_BIN_EXE_reflet"))
         .args(["info", "--assets"])
         .arg(&place.0)
@@ -141,7 +155,7 @@ fn what_a_conversion_could_not_read_is_read_when_it_can_be() {
     let allowed = said(&output.expect("reflet runs"));
     assert!(allowed.contains("triangles   2 placed"), "{allowed}");
     let again = said(&place.check(&tool, "sub/main.usda"));
-    assert!(again.contains("--assets FOLDER"), "{again}");
+    assert!(is_plain(&again), "{again}");
 }
 
 #[test]
@@ -210,6 +224,13 @@ fn a_scene_chooses_what_of_a_stage_it_shows() {
         place.write("scene.toml", &text);
         said(&place.check(&tool, "scene.toml"))
     };
+    let text = triangles("");
+    for hint in [
+        "--set model.plain.usd.subdiv=2",
+        "--set 'model.plain.usd.purpose=[\"default\", \"render\", \"proxy\"]'",
+    ] {
+        assert!(text.contains(hint), "{hint}: {text}");
+    }
     for (usd, count) in [
         ("", 14 + 14),
         ("variants = \"/House{size=large}\"", 14 + 26),
@@ -226,6 +247,33 @@ fn a_scene_chooses_what_of_a_stage_it_shows() {
         text.contains("variant-unknown") && text.contains("large, small"),
         "{text}"
     );
+}
+
+/// It is named once, at the stage; a scene may place it.
+#[test]
+fn an_empty_stage_is_refused_where_it_stands_alone() {
+    let Some(tool) = tool() else { return };
+    let place = Workplace::new("empty");
+    place.write("empty.usda", "#usda 1.0\ndef Xform \"W\" {}\n");
+    let output = place.check(&tool, "empty.usda");
+    let text = said(&output);
+    assert_eq!(output.status.code(), Some(3), "{text}");
+    assert!(text.contains("error[nothing-to-show]"), "{text}");
+    assert!(
+        !text.contains("model-empty") && !text.contains("stage-empty"),
+        "{text}"
+    );
+    place.write(
+        "scene.toml",
+        "version = 1\n[model.m]\nfile = \"empty.usda\"\n[[instance]]\nmodel = \"m\"\n",
+    );
+    let output = place.check(&tool, "scene.toml");
+    let text = said(&output);
+    assert_eq!(output.status.code(), Some(0), "{text}");
+    let warning = text.split("model-empty").nth(1).expect("a warning");
+    let place = warning.lines().nth(1).expect("its place");
+    assert!(place.ends_with("empty.usda"), "{text}");
+    assert!(!text.contains("stage-empty"), "{text}");
 }
 
 #[test]
@@ -257,7 +305,7 @@ fn a_missing_converter_and_a_broken_stage_are_named() {
     let text = said(&output);
     assert_eq!(output.status.code(), Some(3), "{text}");
     assert!(
-        text.contains("error[usd-not-converted]") && text.contains("broken.usda"),
-        "{text}"
+        text.contains("error[usd-not-converted]: broken.usda:2") && !text.contains("help:"),
+        "the converter would say the same: {text}"
     );
 }

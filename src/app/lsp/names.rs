@@ -99,7 +99,7 @@ pub fn files_of_value(table: &[String], key: &str) -> &'static [&'static str] {
             &["png", "jpg", "jpeg", "webp"]
         }
         (Some("model"), "file") => &["gltf", "glb", "usd", "usda", "usdc", "usdz"],
-        (_, key) if key.ends_with("_texture") => &["png", "jpg", "jpeg", "webp"],
+        (_, key) if key.ends_with("_texture") => &["png", "jpg", "jpeg", "webp", "ktx2"],
         _ => &[],
     }
 }

@@ -36,9 +36,13 @@ fn place(span: &Span) -> Map<String, Value> {
     let Some(source) = &span.source else {
         return Map::new();
     };
+    let path = source.path.display().to_string();
+    if source.generated {
+        return Map::from_iter([("path".to_owned(), path.into())]);
+    }
     let (start, end) = (source.place(span.range.start), source.place(span.range.end));
     let object = json!({
-        "path": source.path.display().to_string(),
+        "path": path,
         "line": start.line,
         "column": start.column,
         "end_line": end.line,
@@ -64,6 +68,7 @@ mod tests {
             path: "a.toml".into(),
             text,
             returned: None,
+            generated: false,
         });
         let span = |range| Span {
             source: Some(Arc::clone(&source)),

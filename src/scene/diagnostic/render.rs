@@ -61,6 +61,10 @@ fn excerpt<'a>(group: Group<'a>, span: &Span) -> Group<'a> {
     let Some(source) = &span.source else {
         return group;
     };
+    let path = printable(&source.path.display().to_string());
+    if source.generated {
+        return group.element(Origin::path(path));
+    }
     let text = &source.text;
     let place = source.place(span.range.start);
     let start = text.floor_char_boundary(span.range.start);
@@ -68,7 +72,6 @@ fn excerpt<'a>(group: Group<'a>, span: &Span) -> Group<'a> {
     let line_end = text[start..].find('\n').map_or(text.len(), |i| start + i);
     let end = text.floor_char_boundary(span.range.end);
     let end = end.clamp(start, line_end);
-    let path = printable(&source.path.display().to_string());
     let near = 4 * DEFAULT_TERM_WIDTH;
     let is_long = line_end - line_start > LONG_LINE;
     let (from, to) = match is_long {
@@ -141,6 +144,7 @@ mod tests {
             path: "a.toml".into(),
             text: text.to_owned(),
             returned: None,
+            generated: false,
         };
         let span = Span {
             source: Some(Arc::new(source)),
@@ -156,6 +160,28 @@ mod tests {
         let want = "error[kind-of]: it is wrong\n --> a.toml:1:8\n  |\n\
                     1 |     大e\u{301} = x\n  |           ^";
         assert_eq!(at(text, x..x + 1).render(false), want);
+    }
+
+    /// The text was made for a model: the user never saw it.
+    #[test]
+    fn a_generated_text_is_not_shown() {
+        let source = Source {
+            path: "a.glb".into(),
+            text: "file = \"a.glb\"".to_owned(),
+            returned: None,
+            generated: true,
+        };
+        let span = Span {
+            source: Some(Arc::new(source)),
+            range: 7..14,
+        };
+        let message = Diagnostic::at("kind-of", span.clone(), "it is wrong");
+        let want = "error[kind-of]: it is wrong\n--> a.glb";
+        assert_eq!(message.render(false), want);
+        assert_eq!(message.to_json()["path"], "a.glb");
+        assert_eq!(message.to_json().get("line"), None);
+        let broken = Diagnostic::in_file("kind-of", "a.glb".as_ref(), "it is wrong");
+        assert_eq!(broken.related(span, "named here").render(false), want);
     }
 
     #[test]

@@ -52,7 +52,7 @@ impl<'t> Texts<'t> {
         dependencies: &Dependencies,
     ) -> Self {
         let mut report = Report::default();
-        report.add_source(path, text);
+        report.add_scene(path, text, options.generated);
         let mut add = |name: &str, text: &'t String| {
             let start = report.add_source(Path::new(name), text);
             (text.as_str(), start)

@@ -49,10 +49,16 @@ struct Removal {
 impl Report {
     /// Adds a text and returns the position where it begins.
     pub fn add_source(&mut self, path: &Path, text: &str) -> usize {
+        self.add_scene(path, text, false)
+    }
+
+    /// As [`Report::add_source`]; `generated` is [`Source::generated`].
+    pub fn add_scene(&mut self, path: &Path, text: &str, generated: bool) -> usize {
         self.add(Source {
             path: path.to_owned(),
             text: text.to_owned(),
             returned: None,
+            generated,
         })
     }
 
@@ -63,6 +69,7 @@ impl Report {
             path: script.into(),
             text: text.to_owned(),
             returned: Some(returned),
+            generated: false,
         })
     }
 

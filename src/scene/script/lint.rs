@@ -59,6 +59,7 @@ pub fn lint_scripts(texts: &[(String, String)], params: &[Entry<ParamValue>]) ->
             path: name.into(),
             text: text.clone(),
             returned: None,
+            generated: false,
         };
         let mut lint = ScriptLint {
             source: Arc::new(source),

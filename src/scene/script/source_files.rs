@@ -111,6 +111,7 @@ impl Sources {
             path: name.into(),
             text: text.to_owned(),
             returned: None,
+            generated: false,
         };
         self.state().texts.push((name.to_owned(), Arc::new(source)));
     }

@@ -44,6 +44,12 @@ pub struct Playable {
     pub clips: Vec<Clip>,
     /// The USD stage that it was converted from.
     pub stage: Stage,
+    /// Meshes that its nodes show.
+    pub copies: usize,
+    /// Triangles of its meshes.
+    pub stored_triangles: usize,
+    /// The same, as often as nodes show them.
+    pub placed_triangles: usize,
 }
 
 /// Stage metadata from the converter; empty for other files.

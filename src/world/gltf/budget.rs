@@ -1,5 +1,7 @@
 //! What the geometry of a file may take of the memory.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use super::Fault;
 use crate::memory::Budget;
 
@@ -7,9 +9,11 @@ use crate::memory::Budget;
 #[derive(Debug)]
 pub struct GeometryBudget {
     /// To this file alone.
-    pub file: Budget,
+    file: Budget,
     /// To all that is loaded with it.
-    pub load: Budget,
+    load: Budget,
+    /// Whether more was wanted than was left: the file is refused, and reading on is of no use.
+    exceeded: AtomicBool,
 }
 
 fn over_budget() -> Fault {
@@ -20,6 +24,31 @@ fn over_budget() -> Fault {
 }
 
 impl GeometryBudget {
+    /// What is left of both.
+    pub fn new(file: Budget, load: Budget) -> Self {
+        Self {
+            file,
+            load,
+            exceeded: AtomicBool::new(false),
+        }
+    }
+
+    /// Refuses all once something was refused.
+    ///
+    /// # Errors
+    /// Something was refused.
+    pub fn still_counts(&self) -> Result<(), Fault> {
+        self.judge(!self.exceeded.load(Ordering::Relaxed))
+    }
+
+    fn judge(&self, fits: bool) -> Result<(), Fault> {
+        if fits {
+            return Ok(());
+        }
+        self.exceeded.store(true, Ordering::Relaxed);
+        Err(over_budget())
+    }
+
     /// Bytes that may still be taken.
     pub fn left(&self) -> u64 {
         self.file.left().min(self.load.left())
@@ -30,10 +59,7 @@ impl GeometryBudget {
     /// # Errors
     /// Fewer are left.
     pub fn check(&self, bytes: u64) -> Result<(), Fault> {
-        match bytes <= self.left() {
-            true => Ok(()),
-            false => Err(over_budget()),
-        }
+        self.judge(bytes <= self.left())
     }
 
     /// Takes bytes.
@@ -41,9 +67,6 @@ impl GeometryBudget {
     /// # Errors
     /// Fewer are left.
     pub fn take(&self, bytes: u64) -> Result<(), Fault> {
-        match self.file.take(bytes) && self.load.take(bytes) {
-            true => Ok(()),
-            false => Err(over_budget()),
-        }
+        self.judge(self.file.take(bytes) && self.load.take(bytes))
     }
 }

@@ -1,7 +1,7 @@
 //! Reads the meshes that nodes use, on all cores.
 
 use std::{
-    collections::{BTreeSet, HashMap},
+    collections::{BTreeSet, HashMap, hash_map::Entry},
     sync::Arc,
 };
 
@@ -12,13 +12,18 @@ use super::{
     Fault, Model, Notes,
     accessor::Data,
     label,
+    least_bytes::least_bytes,
+    material,
     node::{MeshUse, Primitives, Visit},
     primitive,
     primitive_context::Context,
     schema::{Primitive, Root},
     skin,
 };
-use crate::world::deform::{DeformingNodes, Joint};
+use crate::world::{
+    Mesh,
+    deform::{DeformingNodes, Joint},
+};
 
 /// A skin at rest.
 struct Skin {
@@ -44,6 +49,77 @@ impl Skin {
     }
 }
 
+/// A primitive of a placed mesh, with its number in that.
+type Job<'a> = (MeshUse, usize, &'a Primitive);
+
+/// What primitives are read with.
+struct Reader<'a> {
+    root: &'a Root,
+    data: &'a Data<'a>,
+    visit: &'a Visit,
+    /// Sets of texture coordinates of each material.
+    uv_sets: Vec<[u32; 2]>,
+    quantized: bool,
+    skins: HashMap<usize, Skin>,
+}
+
+impl Reader<'_> {
+    fn skin_of(&self, mesh_use: &MeshUse) -> Option<&Skin> {
+        mesh_use.skin.and_then(|skin| self.skins.get(&skin))
+    }
+
+    fn context<'a>(&'a self, (mesh_use, _, primitive): &Job<'a>) -> Context<'a> {
+        let material = primitive.material.unwrap_or(self.root.materials.len());
+        let skin = self.skin_of(mesh_use);
+        Context {
+            data: self.data,
+            primitive,
+            num_vertices: 0,
+            rows: None,
+            uv_sets: (self.uv_sets.get(material)).map_or([0, 1], |sets| *sets),
+            quantized: self.quantized,
+            weights: self.visit.weights(self.root, mesh_use),
+            has_animated_weights: self.visit.animated_weights(mesh_use).is_some(),
+            pose: skin.map(|skin| skin.pose.as_slice()),
+            has_animated_joints: skin.is_some_and(|skin| skin.is_animated),
+        }
+    }
+
+    /// For messages.
+    fn place(&self, mesh_use: &MeshUse, p: usize) -> String {
+        let name = self.root.meshes[mesh_use.mesh].name.as_deref();
+        format!("{} primitive {p}", label("mesh", mesh_use.mesh, name))
+    }
+
+    /// Refuses what cannot fit, before any of it is read.
+    fn check_budget<'a>(&'a self, jobs: impl Iterator<Item = Job<'a>>) -> Result<(), Vec<Fault>> {
+        let mut faults = Faults::default();
+        let mut least = 0_u64;
+        for job in jobs {
+            if !faults.is_empty() {
+                faults.repeat_last();
+                continue;
+            }
+            least = least.saturating_add(least_bytes(&self.context(&job)));
+            if let Err(fault) = self.data.budget.check(least) {
+                faults.add(fault, || self.place(&job.0, job.1));
+            }
+        }
+        match faults.is_empty() {
+            true => Ok(()),
+            false => Err(faults.into_all()),
+        }
+    }
+
+    fn build<'a>(&'a self, job: &Job<'a>) -> Result<(Option<Mesh>, Notes), Fault> {
+        self.data.budget.still_counts()?;
+        let mut notes = Notes::default();
+        let place = self.place(&job.0, job.1);
+        let mesh = primitive::build(self.context(job), place, &mut notes)?;
+        Ok((mesh, notes))
+    }
+}
+
 /// Reads every placed mesh, once for each skin.
 ///
 /// # Errors
@@ -64,48 +140,37 @@ pub fn read(
             skin.map_err(|f| vec![f.at(&format!("skin {index}"))])?,
         );
     }
-    let uv_sets = &model.uv_sets;
-    let skin_of = |u: &MeshUse| u.skin.and_then(|skin| skins.get(&skin));
-    let quantized = (root.extensions_used.iter()).any(|e| e == "KHR_mesh_quantization");
-    let primitives = |u: &MeshUse| {
-        let u = *u;
-        let primitives = root.meshes[u.mesh].primitives.iter().enumerate();
-        primitives.map(move |(p, primitive)| (u, p, primitive))
+    let reader = Reader {
+        root,
+        data,
+        visit,
+        uv_sets: model.uv_sets.clone(),
+        quantized: (root.extensions_used.iter()).any(|e| e == "KHR_mesh_quantization"),
+        skins,
     };
-    let jobs: Vec<_> = uses.iter().flat_map(primitives).collect();
-    let results: Vec<_> = (jobs.par_iter())
-        .map(|(mesh_use, p, primitive)| {
-            let mesh = &root.meshes[mesh_use.mesh];
-            let name = mesh.name.as_deref();
-            let place = format!("{} primitive {p}", label("mesh", mesh_use.mesh, name));
-            let mut notes = Notes::default();
-            let context = Context {
-                data,
-                primitive,
-                num_vertices: 0,
-                rows: None,
-                uv_sets: uv_sets
-                    .get(primitive.material.unwrap_or(root.materials.len()))
-                    .map_or([0, 1], |sets| *sets),
-                quantized,
-                weights: visit.weights(root, mesh_use),
-                has_animated_weights: visit.animated_weights(mesh_use).is_some(),
-                pose: skin_of(mesh_use).map(|skin| skin.pose.as_slice()),
-                has_animated_joints: skin_of(mesh_use).is_some_and(|skin| skin.is_animated),
-            };
-            let built = primitive::build(context, place.clone(), &mut notes);
-            (built.map(|mesh| (mesh, notes))).map_err(|fault| fault.at(&place))
-        })
-        .collect();
+    let primitives = uses.iter().flat_map(|mesh_use| {
+        let primitives = root.meshes[mesh_use.mesh].primitives.iter().enumerate();
+        primitives.map(|(p, primitive)| (*mesh_use, p, primitive))
+    });
+    reader.check_budget(primitives.clone())?;
+    let jobs: Vec<_> = primitives.collect();
+    let results: Vec<_> = jobs.par_iter().map(|job| reader.build(job)).collect();
+    let mut faults = Faults::default();
     let mut out = Primitives::new();
-    let mut faults = Vec::new();
-    for ((mesh_use, _, primitive), result) in jobs.into_iter().zip(results) {
+    let mut unlit = UnlitMaterials::default();
+    for ((mesh_use, p, primitive), result) in jobs.into_iter().zip(results) {
         match result {
             Ok((mesh, new)) => {
                 notes.merge(new);
                 if let Some(mesh) = mesh {
-                    let material = primitive.material.unwrap_or(root.materials.len());
-                    let of_variants = variant_materials(primitive);
+                    let mut number = primitive.material.unwrap_or(root.materials.len());
+                    let mut of_variants = variant_materials(primitive);
+                    if primitive::is_without_light(primitive) {
+                        number = unlit.of(model, number);
+                        for (_, number) in &mut of_variants {
+                            *number = unlit.of(model, *number);
+                        }
+                    }
                     if !of_variants.is_empty() {
                         model
                             .variant_materials
@@ -113,7 +178,8 @@ pub fn read(
                     }
                     if mesh.deformation.is_some() {
                         let nodes = DeformingNodes {
-                            joints: skin_of(&mesh_use)
+                            joints: reader
+                                .skin_of(&mesh_use)
                                 .map_or_else(Vec::new, |skin| skin.joints.clone()),
                             weights: visit.animated_weights(&mesh_use),
                             rest_weights: visit.weights(root, &mesh_use).to_vec(),
@@ -121,17 +187,78 @@ pub fn read(
                         model.deforming.insert(model.meshes.len(), Arc::new(nodes));
                     }
                     let shown = out.entry(mesh_use).or_default();
-                    shown.push((model.meshes.len(), material));
+                    shown.push((model.meshes.len(), number));
                     model.meshes.push(mesh);
                 }
             }
-            Err(fault) => faults.push(fault),
+            Err(fault) => faults.add(fault, || reader.place(&mesh_use, p)),
         }
     }
     if faults.is_empty() {
         Ok(out)
     } else {
-        Err(faults)
+        Err(faults.into_all())
+    }
+}
+
+/// Faults, each told once with its first place.
+#[derive(Default)]
+struct Faults {
+    /// With how many more places have it.
+    list: Vec<(Fault, usize)>,
+    /// Places in the list by name and message.
+    known: HashMap<(&'static str, String), usize>,
+}
+
+impl Faults {
+    fn is_empty(&self) -> bool {
+        self.list.is_empty()
+    }
+
+    fn add(&mut self, fault: Fault, place: impl FnOnce() -> String) {
+        let next = self.list.len();
+        match self.known.entry((fault.name, fault.message.clone())) {
+            Entry::Occupied(entry) => self.list[*entry.get()].1 += 1,
+            Entry::Vacant(entry) => {
+                entry.insert(next);
+                self.list.push((fault.at(&place()), 0));
+            }
+        }
+    }
+
+    /// Counts one more place of the last fault.
+    fn repeat_last(&mut self) {
+        if let Some((_, more)) = self.list.last_mut() {
+            *more += 1;
+        }
+    }
+
+    fn into_all(self) -> Vec<Fault> {
+        let told = |(mut fault, more): (Fault, usize)| {
+            match more {
+                0 => {}
+                1 => fault.message += ", and in 1 more place",
+                more => fault.message += &format!(", and in {more} more places"),
+            }
+            fault
+        };
+        self.list.into_iter().map(told).collect()
+    }
+}
+
+/// The materials of points and lines without normals, by those of the file that they have.
+#[derive(Default)]
+struct UnlitMaterials(HashMap<usize, usize>);
+
+impl UnlitMaterials {
+    fn of(&mut self, model: &mut Model, lit: usize) -> usize {
+        *self.0.entry(lit).or_insert_with(|| {
+            model
+                .materials
+                .push(material::without_light(&model.materials[lit]));
+            model.uv_sets.push(model.uv_sets[lit]);
+            model.materials.len() - 1
+        })
     }
 }
 

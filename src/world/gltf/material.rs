@@ -184,6 +184,16 @@ fn alpha(material: &schema::Material, ranges: &mut Ranges) -> Result<Option<f32>
     }
 }
 
+/// What points and lines without normals show of a material: its base color and what it emits.
+pub fn without_light(material: &Material) -> Material {
+    Material {
+        name: material.name.clone(),
+        emission: material.emission,
+        emission_texture: material.emission_texture,
+        ..unlit(material.clone())
+    }
+}
+
 /// KHR_materials_unlit: of the material only the base color and its alpha remain.
 fn unlit(material: Material) -> Material {
     Material {

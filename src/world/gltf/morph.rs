@@ -5,15 +5,15 @@ use glam::Vec3;
 use super::{Fault, accessor, primitive_context::Context};
 use crate::world::deform::MorphTarget;
 
+/// The attributes that are read of targets.
+pub const READ: [&str; 3] = ["POSITION", "NORMAL", "TANGENT"];
+
 /// The targets whose weight is not 0, or all where weights are animated.
 ///
 /// # Errors
 /// Offsets of wrong type or count.
-pub fn targets(context: &Context<'_>, are_animated: bool) -> Result<Vec<MorphTarget>, Fault> {
-    let weight = |index: usize| context.weights.get(index).copied().unwrap_or(0.0);
-    let targets = 0..context.primitive.targets.len();
-    let used = targets.filter(|index| are_animated || weight(*index) != 0.0);
-    let used: Vec<usize> = used.collect();
+pub fn targets(context: &Context<'_>) -> Result<Vec<MorphTarget>, Fault> {
+    let used = used(context);
     let arrays = used
         .iter()
         .map(|index| context.primitive.targets[*index].len() as u64);
@@ -25,6 +25,14 @@ pub fn targets(context: &Context<'_>, are_animated: bool) -> Result<Vec<MorphTar
     used.into_iter()
         .map(|index| target(context, index))
         .collect()
+}
+
+/// Indices of the targets that are read.
+pub fn used(context: &Context<'_>) -> Vec<usize> {
+    let weight = |index: usize| context.weights.get(index).copied().unwrap_or(0.0);
+    let is_used = |index: &usize| context.has_animated_weights || weight(*index) != 0.0;
+    let targets = 0..context.primitive.targets.len();
+    targets.filter(is_used).collect()
 }
 
 fn target(context: &Context<'_>, number: usize) -> Result<MorphTarget, Fault> {

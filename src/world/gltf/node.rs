@@ -23,8 +23,9 @@ use crate::{
     },
 };
 
-/// Maximum depth; far beyond real files.
-const MAX_DEPTH: usize = 256;
+/// Names of ancestors that the name of what a node places consists of, at most. A chain of nodes may
+/// be of any length, and all its names at each of its nodes would not fit in memory.
+const MAX_NAMES: usize = 64;
 
 /// Maximum number of placements of one file.
 const MAX_PLACEMENTS: usize = 1 << 20;
@@ -51,6 +52,8 @@ pub struct Visit {
     cameras: Vec<Attached<(String, CameraDesc)>>,
     rig: Rig,
     animated: Animated,
+    /// For each node of the file whether an animation moves it or what it hangs on.
+    moving: Vec<bool>,
 }
 
 impl Visit {
@@ -81,15 +84,7 @@ impl Visit {
 
     /// Whether an animation moves a node or what it hangs on.
     pub fn moves(&self, node: usize) -> bool {
-        let mut next = Some(node);
-        while let Some(at) = next {
-            if self.animated.places.contains(&at) {
-                return true;
-            }
-            let known = self.rig.nodes.get(at).and_then(Option::as_ref);
-            next = known.and_then(|node| node.parent);
-        }
-        false
+        self.moving.get(node).is_some_and(|moving| *moving)
     }
 }
 
@@ -121,6 +116,7 @@ pub fn traverse(
     check_roots(&roots, &parents)?;
     let mut visit = Visit {
         animated: Animated::by(clips),
+        moving: vec![false; root.nodes.len()],
         ..Visit::default()
     };
     posed.add_to(&mut visit.animated, root);
@@ -128,43 +124,35 @@ pub fn traverse(
     let start = |&node: &usize| Step {
         node,
         parent: Affine3A::IDENTITY,
-        path: String::new(),
-        depth: 1,
         hidden: false,
     };
     let mut stack: Vec<_> = roots.iter().rev().map(start).collect();
     while let Some(step) = stack.pop() {
-        let (i, depth) = (step.node, step.depth);
+        let i = step.node;
         let node = &root.nodes[i]; // roots and children were checked above
-        let place = label("node", i, node.name.as_deref());
-        if depth > MAX_DEPTH {
-            return Err(fault(format!("{place}: deeper than {MAX_DEPTH} levels")));
-        }
+        let place = || label("node", i, node.name.as_deref());
         let visible = (node.extensions.visibility.as_ref()).is_none_or(|v| v.visible);
         if !visible && !visit.animated.visibility.contains(&i) {
             continue;
         }
-        let local = transform::of_node(node).map_err(|f| f.at(&place))?;
+        let local = transform::of_node(node).map_err(|f| f.at(&place()))?;
         let model_from_node = step.parent * local.transform();
+        let hidden = step.hidden || !visible;
         visit.rig.order.push(i);
         visit.rig.nodes[i] = Some(RigNode {
             parent: parents[i],
             local,
             visible,
+            seen: !hidden,
             model_from_node,
         });
-        let name = node.name.as_deref().filter(|n| !n.is_empty());
-        let name = name.map_or_else(|| format!("node {i}"), shorten);
-        let path = match step.path.as_str() {
-            "" => name,
-            path => format!("{path}/{name}"),
-        };
-        let hidden = step.hidden || !visible;
+        let is_parent_moving = parents[i].is_some_and(|parent| visit.moving[parent]);
+        visit.moving[i] = is_parent_moving || visit.animated.places.contains(&i);
         let mut found = Found {
             root,
             node,
             index: i,
-            path: &path,
+            path: &path(root, &parents, i),
             model_from_node,
             hidden,
             visit: &mut visit,
@@ -173,13 +161,11 @@ pub fn traverse(
         (found.mesh(data))
             .and_then(|()| found.light())
             .and_then(|()| found.camera())
-            .map_err(|f| f.at(&place))?;
+            .map_err(|f| f.at(&place()))?;
         let children = node.children.iter().rev();
         stack.extend(children.map(|&node| Step {
             node,
             parent: model_from_node,
-            path: path.clone(),
-            depth: depth + 1,
             hidden,
         }));
     }
@@ -190,9 +176,27 @@ pub fn traverse(
 struct Step {
     node: usize,
     parent: Affine3A,
-    path: String,
-    depth: usize,
     hidden: bool,
+}
+
+/// Names of the nodes from the root down, joined with `/`; the last ones where they are many. Empty
+/// for a node that places nothing.
+fn path(root: &Root, parents: &[Option<usize>], node: usize) -> String {
+    let found = &root.nodes[node];
+    if found.mesh.is_none() && found.camera.is_none() && found.extensions.light.is_none() {
+        return String::new();
+    }
+    let name = |i: usize| {
+        let name = root.nodes[i].name.as_deref().filter(|n| !n.is_empty());
+        name.map_or_else(|| format!("node {i}"), shorten)
+    };
+    let mut above = std::iter::successors(Some(node), |&i| parents[i]);
+    let mut names: Vec<_> = above.by_ref().take(MAX_NAMES).map(name).collect();
+    if above.next().is_some() {
+        names.push("…".to_owned());
+    }
+    names.reverse();
+    names.join("/")
 }
 
 fn check_roots(roots: &[usize], parents: &[Option<usize>]) -> Result<(), Fault> {

@@ -41,7 +41,7 @@ pub fn build(
         Some(index) => data.count(index).map_err(|f| f.at("indices"))?,
         None => context.num_vertices,
     };
-    spend(&context, num_corners)?;
+    data.spend(own_bytes(&context, context.num_vertices, num_corners))?;
     let mut corners = match primitive.indices {
         Some(index) => indices(data, index, context.num_vertices)?,
         None => (0..vertex_count(context.num_vertices)?).collect(),
@@ -81,7 +81,7 @@ fn deformation(context: &Context<'_>) -> Result<Deformation, Fault> {
         None => Vec::new(),
     };
     Ok(Deformation {
-        targets: morph::targets(context, context.has_animated_weights)?,
+        targets: morph::targets(context)?,
         influences,
         ..Deformation::default()
     })
@@ -121,10 +121,15 @@ fn deform(context: &Context<'_>, mesh: &mut Mesh, notes: &mut Notes) -> Result<(
     Ok(())
 }
 
+/// Whether only the vertices are read that so many corners use.
+pub fn uses_few(num_corners: usize, num_vertices: usize) -> bool {
+    num_corners <= num_vertices / 2
+}
+
 /// The vertices that `corners` use, if they are at most half of all; `corners` become indices
 /// into them. Many primitives may share the vertices of a whole file.
 fn used_rows(corners: &mut [u32], num_vertices: usize) -> Option<Vec<u32>> {
-    if corners.len() > num_vertices / 2 {
+    if !uses_few(corners.len(), num_vertices) {
         return None;
     }
     let mut rows = corners.to_vec();
@@ -137,25 +142,28 @@ fn used_rows(corners: &mut [u32], num_vertices: usize) -> Option<Vec<u32>> {
     Some(rows)
 }
 
-/// Takes from the budget what the mesh will hold beyond the attributes that are decoded, before any of
-/// it is allocated.
-fn spend(context: &Context<'_>, num_corners: usize) -> Result<(), Fault> {
+/// What the mesh will hold beyond the attributes that are decoded.
+pub fn own_bytes(context: &Context<'_>, num_vertices: usize, num_corners: usize) -> u64 {
     /// Texture coordinates, which are zeros without an attribute.
     const UV_BYTES: u64 = 8;
     /// Positions, normals and coordinates where flat shading gives each corner a vertex.
     const FLAT_BYTES: u64 = 32;
     /// Of a corner of a triangle.
     const INDEX_BYTES: u64 = 4;
-    let vertices = context.num_vertices.min(num_corners) as u64;
+    let vertices = num_vertices.min(num_corners) as u64;
     let flat = !context.primitive.attributes.contains_key("NORMAL");
     let corner_bytes = INDEX_BYTES + if flat { FLAT_BYTES } else { 0 };
-    context
-        .data
-        .spend(vertices * UV_BYTES + num_corners as u64 * corner_bytes)
+    vertices * UV_BYTES + num_corners as u64 * corner_bytes
 }
 
 /// The mode of triangles; those below are points and lines.
-const TRIANGLES: u32 = 4;
+pub const TRIANGLES: u32 = 4;
+
+/// Points and lines without normals show their colors, without light (glTF 2.0 §3.9.7).
+pub fn is_without_light(primitive: &Primitive) -> bool {
+    let has_normals = primitive.attributes.contains_key("NORMAL");
+    primitive.mode.is_some_and(|mode| mode < TRIANGLES) && !has_normals
+}
 
 /// The accessor of the positions and the mode, if the primitive has some; notes why not.
 fn shown(

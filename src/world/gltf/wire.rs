@@ -30,11 +30,8 @@ pub fn build(mesh: &mut Mesh, mode: u32, corners: &[u32], data: &Data<'_>) -> Re
         _ => RADIUS_M,
     };
     let segments = segments(mode, corners);
-    let num_vertices = match mode {
-        0 => corners.len() * 6,
-        _ => segments.len() * 8,
-    };
-    data.spend(num_vertices as u64 * VERTEX_BYTES)?;
+    let num_vertices = num_vertices(mode, corners.len());
+    data.spend(bytes(num_vertices))?;
     let mut out = Wire {
         from: mesh,
         positions: Vec::with_capacity(num_vertices),
@@ -48,6 +45,22 @@ pub fn build(mesh: &mut Mesh, mode: u32, corners: &[u32], data: &Data<'_>) -> Re
     }
     out.finish();
     Ok(())
+}
+
+/// Vertices of the geometry around so many corners.
+pub fn num_vertices(mode: u32, num_corners: usize) -> usize {
+    let num_segments = match mode {
+        0 => return num_corners * 6,
+        1 => num_corners / 2,
+        2 if num_corners > 1 => num_corners,
+        _ => num_corners.saturating_sub(1),
+    };
+    num_segments * 8
+}
+
+/// Bytes of so many vertices.
+pub fn bytes(num_vertices: usize) -> u64 {
+    num_vertices as u64 * VERTEX_BYTES
 }
 
 /// The two ends of each segment (glTF 2.0 §3.7.2.1).

@@ -261,7 +261,10 @@ impl<'a> Framed<'a> {
                 let slope = p.dot(side) / (distance - p.dot(fit.to_eye));
                 range = [range[0].min(slope), range[1].max(slope)];
             }
-            target += side * ((range[0] + range[1]) * 0.5 * distance);
+            // What is near moves by more of the picture than what is far, and stays inside.
+            let room = slopes[spare] * (distance - needed(spare));
+            let shift = (range[0] + range[1]) * 0.5 * distance;
+            target += side * shift.clamp(-room, room);
         }
         (target, distance)
     }

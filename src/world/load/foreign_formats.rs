@@ -9,9 +9,9 @@ const MODELS: [&str; 16] = [
 ];
 
 /// Images of other programs.
-const IMAGES: [&str; 16] = [
-    "avif", "bmp", "dds", "exr", "gif", "hdr", "heic", "jxl", "ktx2", "psd", "svg", "tga", "tif",
-    "tiff", "tx", "webp",
+const IMAGES: [&str; 14] = [
+    "avif", "bmp", "dds", "exr", "gif", "hdr", "heic", "jxl", "psd", "svg", "tga", "tif", "tiff",
+    "tx",
 ];
 
 fn ending<'p>(path: &'p Path, of: &[&str]) -> Option<&'p str> {
@@ -33,6 +33,7 @@ pub fn model(path: &Path) -> Option<(String, &'static str)> {
 /// What is wrong with an image of another format, and what to do; `None` for all others.
 pub fn image(path: &Path) -> Option<(String, &'static str)> {
     let ending = ending(path, &IMAGES)?;
-    let message = format!("textures are PNG or JPEG files, and this is a .{ending} file");
+    let message =
+        format!("textures are PNG, JPEG, WebP or KTX2 files, and this is a .{ending} file");
     Some((message, "save it as .png"))
 }

@@ -106,6 +106,7 @@ fn at(path: &Path, text: &str, mistake: Mistake, name: &At<String>) -> Box<Diagn
             path: path.to_owned(),
             text: text[..line].to_owned(),
             returned: None,
+            generated: false,
         })),
         range: start..cell,
     };

@@ -68,7 +68,7 @@ impl Loader<'_> {
             }
         };
         let part = (path, usd::Choice::of(&model.usd));
-        let loaded = self.read_once(&part, &file.at);
+        let loaded = self.read_once(&part, &entry.name, &file.at);
         loaded.map_or(Source::Broken, Source::File)
     }
 
@@ -92,17 +92,17 @@ impl Loader<'_> {
     }
 
     /// Index into [`Loader::loaded`]; `None` after an error, which is reported once.
-    fn read_once(&mut self, part: &Part, named_at: &Span) -> Option<usize> {
+    fn read_once(&mut self, part: &Part, model: &str, named_at: &Span) -> Option<usize> {
         if !self.files.contains_key(part) {
-            let read = self.read_file(part, named_at);
+            let read = self.read_file(part, model, named_at);
             self.files.insert(part.clone(), read);
         }
         self.files[part]
     }
 
-    fn read_file(&mut self, (path, choice): &Part, named_at: &Span) -> Option<usize> {
+    fn read_file(&mut self, (path, choice): &Part, model: &str, named_at: &Span) -> Option<usize> {
         let read = if is_stage(path) {
-            self.read_stage(path, choice)
+            self.read_stage(path, model, choice)
         } else {
             let options = gltf::ReadOptions {
                 lenient: self.options.lenient,
@@ -144,13 +144,18 @@ impl Loader<'_> {
     }
 
     /// A stage is read from its converted glTF file; its own files are the dependencies.
-    fn read_stage(&mut self, path: &Path, choice: &usd::Choice) -> Result<Model, Vec<Diagnostic>> {
+    fn read_stage(
+        &mut self,
+        path: &Path,
+        model: &str,
+        choice: &usd::Choice,
+    ) -> Result<Model, Vec<Diagnostic>> {
         let named = |fault: Fault| {
             let mut error = Diagnostic::in_file(fault.name, path, fault.message);
             error.help = fault.help;
             vec![error]
         };
-        let converted = usd::convert(path, choice, &self.folders).map_err(named)?;
+        let converted = usd::convert(path, model, choice, &self.folders).map_err(named)?;
         let folder = converted.glb.parent().unwrap_or(Path::new("."));
         let sandbox = Sandbox::new([folder], self.options.max_file_bytes);
         let ready = self.preloaded(&converted.glb);
@@ -159,8 +164,21 @@ impl Loader<'_> {
             posed: posed(self.desc),
             memory: self.memory.clone(),
         };
+        // Nobody knows the converted file by its name.
+        let at_stage = |all: &mut Vec<Diagnostic>| {
+            for message in all.iter_mut() {
+                if message.file.as_ref() == Some(&converted.glb) {
+                    message.file = Some(path.to_owned());
+                }
+            }
+        };
         let read = || read_guarded(&converted.glb, &sandbox, &options);
-        let mut model = ready.map_or_else(read, Ok)?;
+        let read = ready.map_or_else(read, Ok);
+        let mut model = read.map_err(|mut errors| {
+            at_stage(&mut errors);
+            errors
+        })?;
+        at_stage(&mut model.warnings);
         model.warnings.extend(converted.warnings);
         model.files = converted.files;
         Ok(model)

@@ -9,13 +9,8 @@ use std::{
     sync::{Mutex, PoisonError},
 };
 
-use super::TOOL_ENV;
+use super::{TOOL_ENV, advice::in_reflet};
 use crate::world::gltf::Fault;
-
-/// The converter's name for files outside of the folders that it may read.
-pub const OUTSIDE: &str = "asset-outside-roots";
-/// What allows them here.
-pub const ALLOW_FOLDER: &str = "allow the folder that it is in with --assets FOLDER";
 
 /// Prefix of the converter's progress lines.
 const PROGRESS: &str = "converting: ";
@@ -48,10 +43,11 @@ impl Tool {
         Ok(Self { path, version })
     }
 
-    /// Converts a stage to `glb`, with its sidecar; its progress is passed on.
+    /// Converts a stage, the file of the model `name`, to `glb`, with its sidecar; its progress is
+    /// passed on.
     pub(super) fn convert(
         &self,
-        stage: &Path,
+        (stage, name): (&Path, &str),
         choice: &[String],
         glb: &Path,
         roots: &[PathBuf],
@@ -77,17 +73,27 @@ impl Tool {
             return Ok(());
         }
         let errors = errors.unwrap_or_default();
+        // The message is printed with its severity and the stage.
+        let start = format!("{}: ", stage.display());
+        let plain = |line: &str| {
+            let line = line.strip_prefix("error: ").unwrap_or(line);
+            in_reflet(line.strip_prefix(&start).unwrap_or(line), name)
+        };
+        let errors: Vec<_> = errors.iter().map(|line| plain(line)).collect();
         let mut fault = Fault::new("usd-not-converted", errors.join("; "));
-        if errors.iter().any(|e| e.contains(OUTSIDE)) {
-            fault.help = Some(ALLOW_FOLDER.into());
-            return Err(fault);
+        // Anything else would fail there in the same way.
+        let is_limit = errors.iter().any(|line| line.contains("-limit SECONDS`"));
+        if is_limit || errors.is_empty() {
+            if errors.is_empty() {
+                fault.message = "the converter failed and did not say why".into();
+            }
+            fault.help = Some(format!(
+                "try: {} convert {}{} -o out.glb",
+                self.path.display(),
+                stage.display(),
+                choice.iter().map(|word| quoted(word)).collect::<String>()
+            ));
         }
-        fault.help = Some(format!(
-            "try: {} convert {}{} -o out.glb",
-            self.path.display(),
-            stage.display(),
-            choice.iter().map(|word| quoted(word)).collect::<String>()
-        ));
         Err(fault)
     }
 }

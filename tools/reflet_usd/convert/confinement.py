@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import shlex
 import stat
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -34,6 +35,17 @@ def is_allowed(resolved: str, roots: tuple[str, ...]) -> bool:
     outer = Ar.SplitPackageRelativePathOuter(resolved)[0] if resolved else resolved
     real = os.path.realpath(outer)
     return any(real == root or real.startswith(root.rstrip(os.sep) + os.sep) for root in roots)
+
+
+def _folder(resolved: str) -> str:
+    """The real folder of a resolved asset path (a package's outer file)."""
+    return os.path.dirname(os.path.realpath(Ar.SplitPackageRelativePathOuter(resolved)[0]))
+
+
+def outside_message(asset: str, resolved: str) -> str:
+    """What is wrong with a file outside the allowed folders, and what allows it."""
+    root = shlex.quote(_folder(resolved))
+    return f"{asset} is outside the allowed folders; allow it with --root {root}"
 
 
 def open_layer(identifier: str) -> Sdf.Layer | None:
@@ -161,9 +173,8 @@ def _fault(
     if _is_outside(asset_path, roots):
         path = re.sub(r"^file:(//)?", "", asset_path)
         if _names_a_layer(path) and os.path.isfile(path):
-            files.outside.add(os.path.dirname(os.path.realpath(path)))
-        message = f"@{asset_path}@ is outside the allowed folders; allow it with --root"
-        return "asset-outside-roots", message
+            files.outside.add(_folder(path))
+        return "asset-outside-roots", outside_message(f"@{asset_path}@", path)
     identifier = layer.ComputeAbsolutePath(asset_path)
     resolved = Ar.GetResolver().Resolve(identifier).GetPathString()
     if not resolved:
@@ -176,10 +187,8 @@ def _fault(
         return "asset-not-a-file", f"@{asset_path}@ is a pipe, device or folder, it is not opened"
     is_layer, allowed = _names_a_layer(identifier), is_allowed(resolved, roots)
     if is_layer and not allowed:
-        outer = Ar.SplitPackageRelativePathOuter(resolved)[0]
-        files.outside.add(os.path.dirname(os.path.realpath(outer)))
-        message = f"the layer @{asset_path}@ is outside the allowed folders; allow it with --root"
-        return "asset-outside-roots", message
+        files.outside.add(_folder(resolved))
+        return "asset-outside-roots", outside_message(f"the layer @{asset_path}@", resolved)
     if allowed:
         check_referenced(Ar.SplitPackageRelativePathOuter(resolved)[0])
     if is_layer:
@@ -326,6 +335,6 @@ def check_used_layers(stage: Usd.Stage, roots: tuple[str, ...]) -> None:
     """The last guard: no layer of the composed stage may come from elsewhere."""
     for layer in stage.GetUsedLayers():
         if not layer.anonymous and layer.realPath and not is_allowed(layer.realPath, roots):
-            message = f"@{layer.identifier}@ is outside the allowed folders; allow it with --root"
+            message = outside_message(f"@{layer.identifier}@", layer.realPath)
             raise ConvertError("asset-outside-roots", message, stage.GetRootLayer().identifier)
         check_referenced(Ar.SplitPackageRelativePathOuter(layer.realPath)[0])  # expressions' too

@@ -1,11 +1,11 @@
-"""How deep nodes may nest: Reflet reads 256 levels, and refuses a file with more."""
+"""How deep nodes may nest in a written file: readers of glTF that recurse have a limit."""
 
 from __future__ import annotations
 
 from reflet_usd.convert.scene import Node
 from reflet_usd.convert.types import ConvertError
 
-# `MAX_DEPTH` in src/world/gltf/node.rs.
+# Reflet reads any depth; USD itself, and what else reads the file, follow parents by recursion.
 MAX_LEVELS = 256
 _SHOWN_CHARS = 120
 
@@ -16,7 +16,7 @@ def check_level(level: int, path: str) -> None:
         return
     shown = path if len(path) <= _SHOWN_CHARS else f"{path[:_SHOWN_CHARS]}…"
     message = (
-        f"its node is on level {level} of the file, Reflet reads {MAX_LEVELS}"
+        f"its node is on level {level} of the file, at most {MAX_LEVELS} are written"
         " (the helper nodes of shears, op chains and instances count); flatten the groups above"
     )
     raise ConvertError("too-deep", message, shown)

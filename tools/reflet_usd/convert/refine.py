@@ -136,7 +136,7 @@ def _why_not(context: Context, prim: Usd.Prim, polygons: Polygons, level: int) -
     if polygons.scheme != "catmullClark":
         return f"the scheme '{polygons.scheme}' is not refined; its smooth cage is carried"
     if level == 0:
-        return "the catmullClark cage is carried with smooth normals; refine with --subdiv"
+        return "the catmullClark cage is carried with smooth normals; refine with --subdiv 2"
     faces = int(polygons.counts.sum()) * 4 ** (level - 1)
     if faces > MAX_REFINED_FACES:
         return f"level {level} would give {faces} faces, its cage is carried"

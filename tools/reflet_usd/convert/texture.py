@@ -10,7 +10,7 @@ import numpy as np
 from PIL import Image
 from pxr import Ar
 
-from reflet_usd.convert.confinement import is_allowed, is_plain_file
+from reflet_usd.convert.confinement import is_allowed, is_plain_file, outside_message
 from reflet_usd.convert.context import Context
 from reflet_usd.convert.gltf_writer import GltfWriter
 from reflet_usd.convert.network import TextureRead
@@ -93,7 +93,7 @@ class TextureLibrary:
             warn("texture-missing", read.prim, f"@{shown}@ does not exist; its fallback is used")
             return None
         if not is_allowed(read.file, self.context.allowed_roots):
-            message = f"@{shown}@ is outside the allowed folders; allow it with --root"
+            message = outside_message(f"@{shown}@", read.file)
             warn("asset-outside-roots", read.prim, message)
             return None
         if not is_plain_file(read.file):

@@ -225,7 +225,8 @@ class Traversal:
         draws = prim.IsA(UsdGeom.Gprim) or prim.IsA(UsdGeom.PointInstancer)
         if not draws or info.purpose in self.context.options.purpose:
             return False
-        message = f"purpose '{info.purpose}' is not kept; choose it with --purpose"
+        kept = ",".join((*self.context.options.purpose, info.purpose))
+        message = f"purpose '{info.purpose}' is not kept; choose it with --purpose {kept}"
         self.context.ledger.skip_subtree("purpose-skipped", prim, message)
         return True
 

@@ -110,8 +110,11 @@ impl DiagnosticEntry {
 
 fn place_in(span: &Span) -> Option<String> {
     let source = span.source.as_ref()?;
-    let place = source.place(span.range.start);
     let path = source.path.display();
+    if source.generated {
+        return Some(path.to_string());
+    }
+    let place = source.place(span.range.start);
     Some(format!("{path}:{}:{}", place.line, place.column))
 }
 
