@@ -1,5 +1,5 @@
-// Details: specular color and sheen of the surfaces that pixels show, and the normals of their coats, for which the
-// G-buffer has no bits, behind a copy of their colors.
+// Details: specular color, sheen and grooves of the surfaces that pixels show, and the normals of their coats, for
+// which the G-buffer has no bits, behind a copy of their colors.
 
 #import details_layout
 #import pixel_surface
@@ -16,5 +16,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     if (hit.x != NONE) { s = pixel_surface(id.xy, hit).surface; }
     textureStore(details, id.xy, 0, textureLoad(colors, id.xy, 0));
     textureStore(details, id.xy, 1, pack_details(s));
-    if (HAS_COAT_NORMALS) { textureStore(details, id.xy, 2, vec4u(pack_unit(s.coat_normal), 0u, 0u, 0u)); }
+    if (HAS_COAT_NORMALS || HAS_ANISOTROPY) {
+        textureStore(details, id.xy, 2, vec4u(pack_unit(s.coat_normal), pack_unit(s.tangent), bitcast<u32>(s.anisotropy), 0u));
+    }
 }

@@ -15,7 +15,7 @@ struct Params {
 
 @group(2) @binding(3) var cause: texture_2d<u32>;
 @group(2) @binding(4) var hit: texture_2d<u32>;
-@group(2) @binding(5) var source: texture_2d<f32>;
+@group(2) @binding(5) var source: texture_2d<f32>; // w: 0 where the facet mirrors the view into the surface
 @group(2) @binding(6) var blurred: RadianceTexture;
 @group(2) @binding(7) var<uniform> params: Params;
 
@@ -32,7 +32,7 @@ fn mean_hit_m(pixel: vec2i, farthest_m: f32) -> f32 {
     var count = 0.0;
     for (var k = 0; k < 9; k++) {
         let at = pixel + vec2i(k % 3 - 1, k / 3 - 1) * 2;
-        if (!inside(at) || !reflects(textureLoad(cause, at, 0).x)) { continue; }
+        if (!inside(at) || !reflects(textureLoad(cause, at, 0).x) || textureLoad(source, at, 0).w == 0.0) { continue; }
         let found = textureLoad(hit, at, 0).xy;
         sum += select(min(bitcast<f32>(found.x), farthest_m), farthest_m, found.y == NONE);
         count += 1.0;
@@ -45,8 +45,9 @@ fn turn_of(pixel: vec2u) -> f32 {
     return 2.0 * PI * fract(52.9829189 * fract(dot(vec2f(pixel), vec2f(0.06711056, 0.00583715))));
 }
 
-fn filtered(pixel: vec2u, center: vec3f) -> vec3f {
+fn filtered(pixel: vec2u, own: vec4f) -> vec3f {
     let s = load_surface(pixel);
+    let center = own.xyz;
     if (!is_spread(s)) { return center; }
     let roughness = reflected_roughness(s);
     let alpha = roughness * roughness;
@@ -56,8 +57,8 @@ fn filtered(pixel: vec2u, center: vec3f) -> vec3f {
     let reach_m = params.reach * alpha * mean_hit_m(vec2i(pixel), farthest_m);
     let reach_px = reach_m / footprint_m;
     if (reach_px < 0.5) { return center; }
-    var sum = center;
-    var weights = 1.0;
+    var sum = center * own.w;
+    var weights = own.w;
     let turn = turn_of(pixel);
     for (var k = 0u; k < params.taps; k++) {
         let r = sqrt((f32(k) + 0.5) / f32(params.taps));
@@ -72,16 +73,18 @@ fn filtered(pixel: vec2u, center: vec3f) -> vec3f {
         let rougher = (reflected_roughness(other) - roughness) / (0.2 * roughness);
         var weight = exp(-2.0 * r * r - tilt2 / (alpha * alpha) - rougher * rougher);
         weight *= select(1.0, 0.0, abs(away_m) > 0.1 * reach_m + 0.5 * footprint_m);
-        sum += textureLoad(source, at, 0).xyz * weight;
+        let found = textureLoad(source, at, 0);
+        weight *= found.w;
+        sum += found.xyz * weight;
         weights += weight;
     }
-    return sum / weights;
+    return sum / max(weights, 1e-6);
 }
 
 @compute @workgroup_size(8, 8)
 fn main(@builtin(global_invocation_id) id: vec3u) {
     if (any(id.xy >= vec2u(frame.size))) { return; }
     var color = textureLoad(source, id.xy, 0);
-    if (reflects(textureLoad(cause, id.xy, 0).x)) { color = vec4f(filtered(id.xy, color.xyz), color.w); }
+    if (reflects(textureLoad(cause, id.xy, 0).x)) { color = vec4f(filtered(id.xy, color), color.w); }
     textureStore(blurred, id.xy, color);
 }

@@ -329,6 +329,12 @@ var<workgroup> first_ray: u32;
 fn reflect_pixel(pixel: vec2u) -> u32 {
     let s = load_surface(pixel);
     let ray = reflected_ray(pixel, s);
+    if (!carries_light(ray)) {
+        textureStore(hit, pixel, vec4u(0u, NONE, NONE, 0u));
+        textureStore(cause, pixel, vec4u(CAUSE_NONE, 0u, 0u, 0u));
+        textureStore(reflection, pixel, vec4f(0.0));
+        return CAUSE_NONE;
+    }
     let direction = ray.direction;
     let m = march(s, direction);
     let is_hit = m.cause == CAUSE_HIT;

@@ -56,7 +56,9 @@ fn resolve(pixel: vec2u) -> Resolved {
     textureStore(colors, pixel, pack_colors(s));
     // As the packed surface will be read again.
     var packed = s;
-    packed.roughness = unpack2x16float(pack2x16float(vec2f(s.roughness, 0.0))).x;
+    let rounded = unpack2x16float(pack2x16float(vec2f(s.roughness, s.metallic)));
+    packed.roughness = rounded.x;
+    packed.metallic = rounded.y;
     packed.clearcoat = round(s.clearcoat * 127.0) / 127.0;
     packed.clearcoat_roughness = round(s.clearcoat_roughness * 127.0) / 127.0;
     let rough = select(CAUSE_NOT_REFLECTIVE, CAUSE_ROUGH, s.reflection != REFLECTION_NONE);

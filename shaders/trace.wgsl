@@ -33,6 +33,11 @@ fn trace_pixel(pixel: vec2u) {
     var cone = mirrored_cone(pixel_cone(distance(first.position, frame.eye)), first.curvature);
     var origin = ray_origin(first.position, first.geometric_normal);
     var ray = reflected_ray(pixel, first);
+    if (!carries_light(ray)) {
+        textureStore(hit, pixel, vec4u(0u, NONE, NONE, 0u));
+        if (SHADE) { textureStore(reflection, pixel, vec4f(0.0)); }
+        return;
+    }
     start_path(first.position);
 
     var color = vec3f(0.0);

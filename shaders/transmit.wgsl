@@ -14,11 +14,15 @@ const FIRST_VERTEX: u32 = 64u; // its samples are others than those of reflectio
 // Whether the background is left out, where the camera sees it past surfaces that are only partly there.
 override HIDES_BACKGROUND: bool = false;
 
+// Whether the camera sees the environment; what bends or mirrors light does in any case.
+override SHOW_ENVIRONMENT: bool = true;
+
 // What the picture does not hold of the surface of a pixel.
 fn completed(pixel: vec2u) -> Surface {
     var s = load_surface(pixel);
     let m = instances[textureLoad(ids, pixel, 0).x].material;
     s.ior = materials[m].ior;
+    s.dispersion = materials[m].dispersion;
     s.absorption = materials[m].absorption;
     s.is_solid = materials[m].is_solid != 0u;
     return s;
@@ -45,6 +49,7 @@ fn behind(pixel: vec2u) -> vec4f {
         throughput *= medium_transmittance(h.t);
         if (h.instance == NONE) {
             if (HIDES_BACKGROUND && is_straight) { return vec4f(color, 1.0 - uncovered); }
+            if (!SHOW_ENVIRONMENT && is_straight) { break; }
             color += found_light(throughput * beyond(origin, ray), step);
             break;
         }

@@ -40,7 +40,7 @@ fn environment_through(lobe: vec4f, s: Surface, view: vec3f) -> vec3f {
 }
 
 fn environment_specular(s: Surface, view: vec3f) -> vec3f {
-    let lobe = lobe_at(s.roughness, dot(s.normal, view));
+    let lobe = lobe_at(mean_roughness(s), dot(s.normal, view));
     return specular_albedo(s, view) * environment_through(lobe, s, view) * s.occlusion;
 }
 

@@ -40,8 +40,8 @@ fn returned_of_environment(s: Surface, view: vec3f, to: Receiver, index: u32) ->
     } else {
         u.x = (u.x - by_environment) / (1.0 - by_environment);
         if (u.x < by_specular) {
-            let axes = basis(s.normal);
-            let facet = visible_normal(view * axes, ggx_alpha(s), vec2f(u.x / by_specular, u.y));
+            let axes = lobe_axes(s);
+            let facet = visible_normal(view * axes, ggx_alphas(s), vec2f(u.x / by_specular, u.y));
             direction = reflect(-view, axes * facet);
         } else {
             direction = cosine_direction(s.normal, vec2f((u.x - by_specular) / (1.0 - by_specular), u.y));

@@ -61,27 +61,30 @@ fn limited(light: vec3f) -> vec3f {
     return light * (frame.glint_limit / brightest);
 }
 
+// The normal of a facet that a ray in this direction may meet.
+fn visible_facet(s: Surface, direction: vec3f, pair: u32) -> vec3f {
+    let axes = lobe_axes(s);
+    var view = -direction * axes;
+    view.z = max(view.z, 1e-3);
+    return axes * visible_normal(normalize(view), ggx_alphas(s), sample_square(sampling.sample, pair));
+}
+
 // One facet of the surface a sub-frame; over many they are all that the view sees. `direction` is that of
 // the arriving ray.
 fn lobe_ray(direction: vec3f, s: Surface) -> Reflected {
-    let alpha = s.roughness * s.roughness;
     let mirror = mirror_direction(direction, s);
     if (!is_rough_reflector(s)) {
         return Reflected(mirror, fresnel(s, dot(s.normal, -direction)) * base_share(s, -direction), 0.0, 1.0);
     }
     path_is_chance = true;
-    let axes = basis(s.normal);
-    var view = -direction * axes;
-    view.z = max(view.z, 1e-3);
-    let facet = axes * visible_normal(normalize(view), alpha, sample_square(sampling.sample, 0u));
+    let facet = visible_facet(s, direction, 0u);
     let out = reflect(direction, facet);
     let nl = dot(s.normal, out);
     if (nl <= 0.0) { return Reflected(mirror, vec3f(0.0), 0.0, 1.0); }
     // Height-correlated masking of both directions over that of the view (Heitz 2014; 2018, eq. 19).
-    let a2 = alpha * alpha;
-    let nv = view.z;
-    let masked_v = sqrt(nv * nv * (1.0 - a2) + a2);
-    let masked_l = sqrt(nl * nl * (1.0 - a2) + a2);
+    let nv = max(dot(s.normal, -direction), 1e-3);
+    let masked_v = masked(s, -direction, nv);
+    let masked_l = masked(s, out, nl);
     let seen = nl * (nv + masked_v) / (nv * masked_l + nl * masked_v);
     let pdf = lobe_density(s, -direction, out);
     let sky_weight = balance(pdf, environment_rays_pdf(s, out));

@@ -6,6 +6,7 @@
 // many sub-frames hold all of them; only what a pixel itself shows is followed both ways.
 
 #import bvh
+#import dispersion
 #import frame
 #import lobe
 #import sampling
@@ -33,6 +34,7 @@ var<private> medium: vec3f = vec3f(0.0); // absorption of what the path is in, p
 fn start_path(position: vec3f) {
     vertex = position;
     path_crossings = 0u;
+    path_channel = 0u;
     medium = vec3f(0.0);
 }
 
@@ -134,6 +136,7 @@ fn coat_of(s: Surface) -> Surface {
     coat.specular = 1.0;
     coat.specular_color = vec3f(1.0);
     coat.sheen_color = vec3f(0.0);
+    coat.anisotropy = 0.0;
     return coat;
 }
 
@@ -238,15 +241,9 @@ fn only_lobe(s: Surface, view: vec3f) -> OnlyLobe {
 fn transmitted(direction: vec3f, s: Surface) -> Reflected {
     let straight = Reflected(direction, vec3f(1.0 - s.alpha), 0.0, 1.0);
     if (s.transmission <= 0.0) { return straight; }
-    let alpha = s.roughness * s.roughness;
     var facet = s.normal;
-    let is_rough = HAS_ROUGH_REFLECTIONS && alpha > SMOOTH_ALPHA;
-    if (is_rough) {
-        let axes = basis(s.normal);
-        var view = -direction * axes;
-        view.z = max(view.z, 1e-3);
-        facet = axes * visible_normal(normalize(view), alpha, sample_square(sampling.sample, THROUGH_PAIR));
-    }
+    let is_rough = HAS_ROUGH_REFLECTIONS && s.roughness * s.roughness > SMOOTH_ALPHA;
+    if (is_rough) { facet = visible_facet(s, direction, THROUGH_PAIR); }
     let cosine = dot(facet, -direction);
     var out: vec3f;
     if (s.is_solid) {
@@ -262,7 +259,7 @@ fn transmitted(direction: vec3f, s: Surface) -> Reflected {
         weight = passing_share(s, cosine) * s.base_color
             * (s.transmission * (1.0 - s.metallic) * s.alpha * coat_transmittance(s, dot(coat_normal(s), -direction))
                 * base_share(s, -direction));
-        if (is_rough) { weight *= ggx_g1(below, alpha * alpha); }
+        if (is_rough) { weight *= 2.0 * below / (below + masked(s, out, below)); }
         out = normalize(out);
     } else {
         out = direction;
@@ -275,7 +272,7 @@ fn transmitted(direction: vec3f, s: Surface) -> Reflected {
 // The first ray of a path through what a pixel shows.
 fn through(direction: vec3f, s: Surface) -> Reflected {
     cross_surface(s);
-    return transmitted(direction, s);
+    return in_one_channel(s, transmitted(direction, dispersed(s)));
 }
 
 // Of what a surface scatters below its layers, the share that leaves them towards the view.
@@ -318,7 +315,8 @@ fn is_refracted(s: Surface, before: vec3f, after: vec3f) -> bool {
 }
 
 // Where a path goes on from a surface that a ray of it has met.
-fn onward(before: Reflected, s: Surface) -> Reflected {
+fn onward(before: Reflected, met: Surface) -> Reflected {
+    let s = dispersed(met);
     let direction = before.direction;
     var back = reflected(direction, s);
     if (!is_transmissive(s)) { return back; }
@@ -330,7 +328,8 @@ fn onward(before: Reflected, s: Surface) -> Reflected {
         through.pdf = before.pdf;
         through.sky_weight = before.sky_weight;
     }
-    let ray = chosen(through, back, ONWARD_PAIR);
+    var ray = chosen(through, back, ONWARD_PAIR);
+    if (met.is_inside || dot(ray.direction, s.geometric_normal) < 0.0) { ray = in_one_channel(met, ray); }
     let way_m = passed_m + distance(vertex, s.position);
     vertex = s.position;
     passed_m = 0.0;
@@ -363,6 +362,7 @@ fn pane_at(h: Hit, direction: vec3f) -> Surface {
     s.transmission = materials[m].transmission * layer_texel(TRANSMISSION_SLOT, h.instance, c.index, h.bary, 1.0, 0.0).x;
     s.clearcoat = materials[m].clearcoat * layer_texel(CLEARCOAT_SLOT, h.instance, c.index, h.bary, 1.0, 0.0).x;
     s = with_textured_details(s, h.instance, c.index, h.bary, 1.0, 0.0);
+    s = with_film(s, h.instance, c.index, h.bary, 1.0, 0.0, dot(s.normal, direction));
     s.absorption = materials[m].absorption;
     s.alpha = 1.0;
     if (materials[m].is_blended != 0u) { s.alpha = material_alpha(m, h.instance, c.index, h.bary, 0.0, 1.0); }

@@ -25,7 +25,7 @@ fn cosine_direction(normal: vec3f, u: vec2f) -> vec3f {
 
 // A facet's normal among those that the view sees, z up: Dupuy & Benyoub 2023, "Sampling Visible GGX
 // Normals with Spherical Caps".
-fn visible_normal(view: vec3f, alpha: f32, u: vec2f) -> vec3f {
+fn visible_normal(view: vec3f, alpha: vec2f, u: vec2f) -> vec3f {
     let stretched = normalize(vec3f(view.xy * alpha, view.z));
     let z = (1.0 - u.x) * (1.0 + stretched.z) - stretched.z;
     let flat = on_circle(sqrt(saturate(1.0 - z * z)), u.y);
@@ -33,25 +33,63 @@ fn visible_normal(view: vec3f, alpha: f32, u: vec2f) -> vec3f {
     return normalize(vec3f(h.xy * alpha, max(h.z, 1e-6)));
 }
 
-// Smith's masking and the density of GGX.
-fn ggx_g1(cosine: f32, a2: f32) -> f32 {
-    return 2.0 * cosine / (cosine + sqrt(cosine * cosine * (1.0 - a2) + a2));
+// Widths of the lobe along the tangent and across (KHR_materials_anisotropy).
+fn ggx_alphas(s: Surface) -> vec2f {
+    let across = ggx_alpha(s);
+    if (!HAS_ANISOTROPY) { return vec2f(across); }
+    return vec2f(mix(across, 1.0, s.anisotropy * s.anisotropy), across);
+}
+
+// Directions of these widths, and the normal.
+fn lobe_axes(s: Surface) -> mat3x3f {
+    if (HAS_ANISOTROPY && s.anisotropy > 0.0) {
+        let along = s.tangent - s.normal * dot(s.normal, s.tangent);
+        let along2 = dot(along, along);
+        if (along2 > 1e-6) {
+            let tangent = along * inverseSqrt(along2);
+            return mat3x3f(tangent, cross(s.normal, tangent), s.normal);
+        }
+    }
+    return basis(s.normal);
+}
+
+// Density of the normals of facets (GGX; Burley 2012, B.2).
+fn facet_density(s: Surface, facet: vec3f) -> f32 {
+    if (HAS_ANISOTROPY) {
+        let alphas = ggx_alphas(s);
+        let stretched = (facet * lobe_axes(s)) / vec3f(alphas, 1.0);
+        let length2 = dot(stretched, stretched);
+        return 1.0 / (PI * alphas.x * alphas.y * length2 * length2);
+    }
+    let alpha = ggx_alpha(s);
+    let a2 = alpha * alpha;
+    let nh = saturate(dot(s.normal, facet));
+    let d = nh * nh * (a2 - 1.0) + 1.0;
+    return a2 / (PI * d * d);
+}
+
+// The cosine of a direction with the share of the facets that Smith's masking hides: 2 / (1 + this / cosine) is what
+// is seen (Heitz 2014).
+fn masked(s: Surface, direction: vec3f, cosine: f32) -> f32 {
+    let alphas = ggx_alphas(s);
+    if (HAS_ANISOTROPY) {
+        let local = direction * lobe_axes(s);
+        return length(vec3f(alphas * local.xy, cosine));
+    }
+    let a2 = alphas.x * alphas.x;
+    return sqrt(cosine * cosine * (1.0 - a2) + a2);
 }
 
 // Density per solid angle of mirroring `view` at a visible normal.
 fn facet_pdf(s: Surface, view: vec3f, direction: vec3f) -> f32 {
-    let alpha = ggx_alpha(s);
-    let a2 = alpha * alpha;
     let nv = max(dot(s.normal, view), 1e-3);
-    let nh = saturate(dot(s.normal, normalize(view + direction)));
-    let d = nh * nh * (a2 - 1.0) + 1.0;
-    return ggx_g1(nv, a2) * a2 / (PI * d * d) / (4.0 * nv);
+    return facet_density(s, normalize(view + direction)) / (2.0 * (nv + masked(s, view, nv)));
 }
 
 // What stands for the density of reflection rays where other ways find the same light: the geometric mean of
 // that of the direction and of the lobe's highest. The first alone makes grainy what fills a lobe, for GGX
 // has long tails; the second alone has rays in the tails meet lamps at full weight.
 fn lobe_density(s: Surface, view: vec3f, direction: vec3f) -> f32 {
-    let alpha = ggx_alpha(s);
-    return sqrt(facet_pdf(s, view, direction) / (4.0 * PI)) / alpha;
+    let alphas = ggx_alphas(s);
+    return sqrt(facet_pdf(s, view, direction) / (4.0 * PI * alphas.x * alphas.y));
 }

@@ -29,9 +29,16 @@ fn lobe_at(roughness: f32, cosine: f32) -> vec4f {
     return mix(low, high, place.across);
 }
 
+// Roughness of the round lobe that loses about as much light between facets.
+fn mean_roughness(s: Surface) -> f32 {
+    if (!HAS_ANISOTROPY || s.anisotropy <= 0.0) { return s.roughness; }
+    let alphas = ggx_alphas(s);
+    return sqrt(sqrt(0.5 * dot(alphas, alphas)));
+}
+
 // Roughness of the lobe that a surface shows.
 fn shown_roughness(s: Surface) -> f32 {
-    return select(s.roughness, 0.0, s.reflection == REFLECTION_MIRROR);
+    return select(mean_roughness(s), 0.0, s.reflection == REFLECTION_MIRROR);
 }
 
 // Share of even light that a lobe of a reflectance at normal incidence returns, by one facet: the split sum of

@@ -35,8 +35,15 @@ struct Material {
     specular: f32,
     sheen_color: vec3f,
     sheen_roughness: f32,
+    iridescence: f32,
+    iridescence_ior: f32,
+    iridescence_least_nm: f32, // thickness where a texture is 0
+    iridescence_thickness_nm: f32, // where it is 1
+    anisotropy_turn: vec2f, // cosine and sine, from the tangent
+    anisotropy: f32,
+    dispersion: f32,
     textures: array<TextureUse, 5>, // base color, metallic-roughness, normal, occlusion, emission
-    layer_textures: array<TextureUse, 8>, // see surface.wgsl
+    layer_textures: array<TextureUse, 11>, // see surface.wgsl
 }
 
 struct Surface {
@@ -59,6 +66,7 @@ struct Surface {
     clearcoat: f32,
     clearcoat_roughness: f32,
     ior: f32,
+    dispersion: f32, // 20 over the Abbe number
     absorption: vec3f,
     is_solid: bool,
     is_inside: bool, // seen from within a solid
@@ -66,6 +74,9 @@ struct Surface {
     // Set with HAS_TINTS: factors on the reflectivity and, the first, on what is reflected at grazing angles.
     specular: f32,
     specular_color: vec3f,
+    // Set with HAS_ANISOTROPY: along the surface, and how much longer the lobe is there.
+    tangent: vec3f,
+    anisotropy: f32,
     // Set with HAS_SHEEN.
     sheen_color: vec3f,
     sheen_roughness: f32,
@@ -78,6 +89,9 @@ override HAS_LAYERS: bool = true;
 override HAS_TINTS: bool = true;
 
 override HAS_SHEEN: bool = true;
+
+// Whether some specular lobe is longer one way than the other.
+override HAS_ANISOTROPY: bool = true;
 
 // Whether some clear coat has other normals than what is below.
 override HAS_COAT_NORMALS: bool = true;

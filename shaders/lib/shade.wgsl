@@ -7,6 +7,7 @@
 #import extent
 #import frame
 #import layers
+#import lobe
 #import surface
 #import shadow
 #import sheen
@@ -60,8 +61,14 @@ fn fresnel(s: Surface, cosine: f32) -> vec3f {
     return f + (vec3f(grazing_reflectance(s)) - f) * (x2 * x2 * x);
 }
 
+// Roughness below which a surface reflects: metals show nothing else.
+fn reflects_below(s: Surface) -> f32 {
+    let cutoff = frame.roughness_cutoff;
+    return max(cutoff, min(cutoff * (1.0 + METAL_REACH * s.metallic), 1.0));
+}
+
 fn is_reflector(s: Surface) -> bool {
-    return s.reflection == REFLECTION_MIRROR || (s.reflection == REFLECTION_AUTO && s.roughness < frame.roughness_cutoff)
+    return s.reflection == REFLECTION_MIRROR || (s.reflection == REFLECTION_AUTO && s.roughness < reflects_below(s))
         || has_traced_coat(s);
 }
 
@@ -87,12 +94,8 @@ fn ggx(s: Surface, view: vec3f, to_light: vec3f) -> vec3f {
     let h = normalize(view + to_light);
     let nl = saturate(dot(s.normal, to_light));
     let nv = max(dot(s.normal, view), 1e-3);
-    let nh = saturate(dot(s.normal, h));
-    let alpha = ggx_alpha(s);
-    let a2 = alpha * alpha;
-    let d = nh * nh * (a2 - 1.0) + 1.0;
-    let visibility = 0.5 / max(nl * sqrt(nv * nv * (1.0 - a2) + a2) + nv * sqrt(nl * nl * (1.0 - a2) + a2), 1e-6);
-    return fresnel(s, dot(view, h)) * compensation(s, view) * (a2 / (PI * d * d) * visibility * nl * base_share(s, view));
+    let visibility = 0.5 / max(nl * masked(s, view, nv) + nv * masked(s, to_light, nl), 1e-6);
+    return fresnel(s, dot(view, h)) * compensation(s, view) * (facet_density(s, h) * visibility * nl * base_share(s, view));
 }
 
 // The one layer of a surface that reflects rays, and the share of its light that arrives; none where there are two.
@@ -208,6 +211,11 @@ fn beyond(origin: vec3f, ray: Reflected) -> vec3f {
     let light = seen_light(origin, ray, 2.0 * FAR_M);
     if (light.is_seen) { return light.radiance; }
     return environment(ray.direction) * ray.sky_weight;
+}
+
+// Whether anything is seen along a ray: a facet may mirror the view into the surface.
+fn carries_light(ray: Reflected) -> bool {
+    return any(ray.weight > vec3f(0.0));
 }
 
 // Mirror direction that stays above the surface even where the shading normal leans.

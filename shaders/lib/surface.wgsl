@@ -1,6 +1,7 @@
 // The one function that turns (instance, triangle, barycentrics, footprint) into a surface, for
 // raster pixels and traced hits alike: that is why no seam shows between them.
 
+#import film
 #import pattern
 #import frame
 #import pack
@@ -27,6 +28,9 @@ const TRANSMISSION_SLOT = 4u; // red
 const CLEARCOAT_SLOT = 5u; // red
 const CLEARCOAT_ROUGHNESS_SLOT = 6u; // green
 const CLEARCOAT_NORMAL_SLOT = 7u;
+const IRIDESCENCE_SLOT = 8u; // red
+const IRIDESCENCE_THICKNESS_SLOT = 9u; // green
+const ANISOTROPY_SLOT = 10u;
 
 struct Corner {
     p: array<vec3f, 3>,
@@ -214,6 +218,7 @@ fn surface_at(instance: u32, triangle: u32, bary: vec2f, direction: vec3f, cone_
             s.clearcoat_roughness *= layer_texel(CLEARCOAT_ROUGHNESS_SLOT, instance, c.index, bary, area2, footprint).y;
         }
         s.ior = materials[m].ior;
+        s.dispersion = materials[m].dispersion;
         s.absorption = materials[m].absorption;
         s.is_solid = materials[m].is_solid != 0u;
         s.is_inside = behind && s.is_solid;
@@ -221,7 +226,9 @@ fn surface_at(instance: u32, triangle: u32, bary: vec2f, direction: vec3f, cone_
         if (materials[m].is_blended != 0u) { s.alpha = material_alpha(m, instance, c.index, bary, footprint, area2); }
     }
     s = with_textured_details(s, instance, c.index, bary, area2, footprint);
+    if (HAS_ANISOTROPY) { s = with_grooves(s, instance, c.index, weights, bary, area2, footprint, n); }
     s.normal = facing(n, ng);
+    s = with_film(s, instance, c.index, bary, area2, footprint, dot(s.normal, direction));
     if (HAS_COAT_NORMALS) { s.coat_normal = facing(coat_normal, ng); }
     s.geometric_normal = ng;
     return s;
@@ -255,6 +262,33 @@ fn with_textured_details(s0: Surface, instance: u32, index: array<u32, 3>, bary:
     return s;
 }
 
+// Roughness whose square is SMOOTH_ALPHA, and a little more.
+const LEAST_SPREAD_ROUGHNESS: f32 = 0.045;
+
+// KHR_materials_anisotropy. None where the mesh has no texture coordinates to take a direction from. `n` is the
+// shading normal.
+fn with_grooves(s0: Surface, instance: u32, index: array<u32, 3>, weights: vec3f, bary: vec2f, area2: f32, footprint: f32, n: vec3f) -> Surface {
+    var s = s0;
+    let m = instances[instance].material;
+    var strength = materials[m].anisotropy;
+    if (strength <= 0.0) { return s; }
+    var along = vec2f(1.0, 0.0);
+    if (LAYER_POOLS != 0u && materials[m].layer_textures[ANISOTROPY_SLOT].layer != NONE) {
+        let texel = layer_texel(ANISOTROPY_SLOT, instance, index, bary, area2, footprint);
+        along = (texel.xy * 2.0 - 1.0) * materials[m].layer_textures[ANISOTROPY_SLOT].signs;
+        strength *= texel.z;
+    }
+    let turn = materials[m].anisotropy_turn;
+    along = vec2f(along.x * turn.x - along.y * turn.y, along.x * turn.y + along.y * turn.x);
+    let axes = tangents(instance, index, weights, n);
+    let tangent = axes[0] * along.x + axes[1] * along.y;
+    if (strength <= 0.0 || dot(tangent, tangent) < 1e-12) { return s; }
+    s.tangent = normalize(tangent);
+    s.anisotropy = strength;
+    s.roughness = max(s.roughness, LEAST_SPREAD_ROUGHNESS);
+    return s;
+}
+
 // The same of `Material.layer_textures`.
 fn layer_texel(slot: u32, instance: u32, index: array<u32, 3>, bary: vec2f, area2: f32, footprint: f32) -> vec4f {
     if (LAYER_POOLS == 0u) { return vec4f(1.0); }
@@ -265,6 +299,14 @@ fn layer_texel(slot: u32, instance: u32, index: array<u32, 3>, bary: vec2f, area
 // Tangent-space normal map with MikkTSpace tangents (glTF 2.0, 3.9.3). `scale` is negative where u or v
 // of the map runs against the tangents.
 fn perturbed(instance: u32, index: array<u32, 3>, weights: vec3f, n: vec3f, texel: vec3f, scale: vec2f) -> vec3f {
+    let axes = tangents(instance, index, weights, n);
+    let v = (texel * 2.0 - 1.0) * vec3f(scale, 1.0);
+    let mapped = axes[0] * v.x + axes[1] * v.y + n * v.z;
+    return select(n, normalize(mapped), dot(mapped, mapped) > 1e-12 && any(axes[0] != vec3f(0.0)));
+}
+
+// Tangent and bitangent; 0 where there are none.
+fn tangents(instance: u32, index: array<u32, 3>, weights: vec3f, n: vec3f) -> mat2x3f {
     let base = instances[instance].vertex_base;
     var t_object = vec3f(0.0);
     for (var k = 0u; k < 3u; k++) {
@@ -272,11 +314,8 @@ fn perturbed(instance: u32, index: array<u32, 3>, weights: vec3f, n: vec3f, texe
     }
     let sign = select(-1.0, 1.0, (vertex_tangent(base + index[0]) & 1u) != 0u);
     let t = direction_to_world(instance, t_object);
-    if (dot(t, t) < 1e-20) { return n; }
+    if (dot(t, t) < 1e-20) { return mat2x3f(); }
     let mirrored = select(1.0, -1.0, (instances[instance].flags & FLAG_MIRRORED) != 0u);
     let tangent = normalize(t);
-    let bitangent = cross(n, tangent) * sign * mirrored;
-    let v = (texel * 2.0 - 1.0) * vec3f(scale, 1.0);
-    let mapped = tangent * v.x + bitangent * v.y + n * v.z;
-    return select(n, normalize(mapped), dot(mapped, mapped) > 1e-12);
+    return mat2x3f(tangent, cross(n, tangent) * sign * mirrored);
 }

@@ -118,7 +118,9 @@ impl Denoiser {
             let clean = self.filtered(picture.size, linear, &guides, c"hdr")?;
             let pixels = picture.color.chunks_exact_mut(4);
             for (pixel, clean) in pixels.zip(clean.chunks_exact(3)) {
-                pixel[..3].copy_from_slice(clean);
+                // Where nothing is there is no light, also where the library has spread some.
+                let is_there = !picture.alpha || pixel[3] > 0.0;
+                pixel[..3].copy_from_slice(if is_there { clean } else { &[0.0; 3] });
             }
         }
         let display = picture.display.chunks_exact(4);

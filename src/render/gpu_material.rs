@@ -1,6 +1,6 @@
 //! Materials as the shaders know them.
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 use super::{
     plan::has_specular,
@@ -54,6 +54,13 @@ pub fn gpu_material(m: &Material, world: &World, layers: &Layers) -> GpuMaterial
         specular: m.specular.unwrap_or(1.0),
         sheen_color: m.sheen_color.unwrap_or(Vec3::ZERO).to_array(),
         sheen_roughness: m.sheen_roughness,
+        iridescence: m.iridescence.unwrap_or(0.0),
+        iridescence_ior: m.iridescence_ior,
+        iridescence_least_nm: m.iridescence_least_nm,
+        iridescence_thickness_nm: m.iridescence_thickness_nm,
+        anisotropy_turn: Vec2::from_angle(m.anisotropy_rotation_deg.to_radians()).to_array(),
+        anisotropy: m.anisotropy.unwrap_or(0.0),
+        dispersion: m.dispersion.unwrap_or(0.0),
         textures: std::array::from_fn(|i| slot(slots[i])),
         layer_textures,
     }

@@ -15,7 +15,7 @@ use crate::{
 pub use self::{dropped::Dropped, uses::passes_light};
 use self::{
     mutual_reflections::reflectors_see_each_other,
-    uses::{has_coat_normals, has_coats, has_sheen, has_tints, scatters_twice},
+    uses::{SurfaceUses, scatters_twice},
 };
 use super::{
     lights::{LightNeeds, ShadowSizes, has_shadow_rays},
@@ -23,6 +23,7 @@ use super::{
     precision::Precision,
     shader_variant::ShaderVariant,
     textures::Layers,
+    types::METAL_REACH,
 };
 
 /// What the frame contains; each flag is a pipeline constant or a pass that is recorded or not.
@@ -74,16 +75,9 @@ pub struct Plan {
     pub indirect: bool,
     /// All light is followed by rays, and nothing is left out.
     pub unbiased: bool,
-    /// Some surface lets light through.
-    pub transmission: bool,
-    /// Some surface has a clear coat.
-    pub coats: bool,
-    /// Some clear coat has other normals than what is below.
-    pub coat_normals: bool,
-    /// Some dielectric's specular lobe has a strength or a color of its own.
-    pub tints: bool,
-    /// Some surface has a sheen.
-    pub sheen: bool,
+    /// What its surfaces have.
+    #[serde(flatten)]
+    pub surfaces: SurfaceUses,
     /// Some reflection is spread by roughness.
     pub rough_reflections: bool,
     /// Light that facets reflect more than once is given back.
@@ -115,6 +109,11 @@ pub fn has_specular(material: &Material) -> bool {
     dielectric || material.metallic > 0.0 || material.clearcoat.is_some()
 }
 
+/// Roughness below which a material reflects: metals show nothing else, so that theirs is higher.
+fn reflects_below(material: &Material, cutoff: f32) -> f32 {
+    cutoff.max((cutoff * (1.0 + METAL_REACH * material.metallic)).min(1.0))
+}
+
 /// Whether a material can reflect at all, so that its pixels are worth marching.
 pub fn can_reflect(material: &Material, cutoff: f32) -> bool {
     let has_map = material
@@ -126,7 +125,7 @@ pub fn can_reflect(material: &Material, cutoff: f32) -> bool {
         material.clearcoat_roughness
     };
     let smooth = material.metallic_roughness_texture.is_some()
-        || material.roughness < cutoff
+        || material.roughness < reflects_below(material, cutoff)
         || (material.clearcoat.is_some() && coat_roughness < cutoff);
     has_specular(material)
         && match material.reflection {
@@ -150,10 +149,12 @@ pub fn reflects_roughly(world: &World, cutoff: f32) -> bool {
     let is_rough = |index: usize| {
         let material = &world.materials[index];
         let spread = material.metallic_roughness_texture.is_some()
-            || (SHARP_ROUGHNESS..cutoff).contains(&material.roughness)
+            || material.anisotropy.is_some()
+            || (SHARP_ROUGHNESS..reflects_below(material, cutoff)).contains(&material.roughness)
             || (material.clearcoat.is_some() && material.clearcoat_roughness >= SHARP_ROUGHNESS);
         let scatters = material.transmission.is_some()
             && (material.metallic_roughness_texture.is_some()
+                || material.anisotropy.is_some()
                 || material.roughness >= SHARP_ROUGHNESS);
         material.reflection == ReflectionMode::Auto
             && may_reflect(world, index, cutoff)
@@ -220,11 +221,7 @@ impl Plan {
             sized_suns: true,
             emitters: world.has_emitters(),
             rough_reflections: reflects_roughly(world, settings.reflects_below()),
-            transmission: passes_light(world),
-            coats: has_coats(world),
-            coat_normals: has_coat_normals(world),
-            tints: has_tints(world),
-            sheen: has_sheen(world),
+            surfaces: SurfaceUses::of(world),
             multiple_scattering: settings.multiple_scattering && scatters_twice(world),
             panorama: world.environment.panorama.is_some(),
             environment_rays: environment_casts_rays(world, options),
@@ -300,11 +297,7 @@ impl Plan {
             sized_suns: lights.sized_suns,
             emitters: world.has_emitters(),
             rough_reflections: reflects_roughly(world, cutoff),
-            transmission: passes_light(world),
-            coats: has_coats(world),
-            coat_normals: has_coat_normals(world),
-            tints: has_tints(world),
-            sheen: has_sheen(world),
+            surfaces: SurfaceUses::of(world),
             multiple_scattering: settings.multiple_scattering && scatters_twice(world),
             panorama: world.environment.panorama.is_some(),
             environment_rays: environment_casts_rays(world, options),
@@ -334,7 +327,8 @@ impl Plan {
             panorama: self.panorama,
             layers: self.has_layers(),
             details: self.has_details(),
-            sheen: self.sheen,
+            sheen: self.surfaces.sheen,
+            film: self.surfaces.iridescence,
             full: self.precision.full,
             conserved: self.multiple_scattering,
             ..ShaderVariant::default()
@@ -343,17 +337,18 @@ impl Plan {
 
     /// Whether some surface lets light through or has a clear coat.
     fn has_layers(&self) -> bool {
-        self.transmission || self.coats
+        self.surfaces.transmission || self.surfaces.coats
     }
 
     /// Whether passes run over lists of pixels.
     pub fn has_lists(&self) -> bool {
-        self.reflections || self.transmission
+        self.reflections || self.surfaces.transmission
     }
 
     /// Whether some surface has what the G-buffer has no bits for.
     pub fn has_details(&self) -> bool {
-        self.tints || self.sheen || self.coat_normals
+        let uses = &self.surfaces;
+        uses.has_tints() || uses.sheen || uses.has_frames()
     }
 
     /// What its lights may ask for.

@@ -1,5 +1,5 @@
 //! Which shader files stand for what a scene may or may not need: `#import ambient`,
-//! `behind`, `details`, `emitters`, `energy`, `environment`, `extent`, `indirect`, `layers`, `radiance`, `scattered`,
+//! `behind`, `details`, `emitters`, `energy`, `environment`, `extent`, `film`, `indirect`, `layers`, `radiance`, `scattered`,
 //! `sheen` and `triangles` mean others where a plan drops samples, so that unused code and bindings are no part of any shader.
 
 use crate::gpu::{ShaderError, ShaderLibrary};
@@ -26,6 +26,8 @@ pub struct ShaderVariant {
     pub details: bool,
     /// Some surface has a sheen; then there are details.
     pub sheen: bool,
+    /// Some surface has a thin film; then there are details.
+    pub film: bool,
     /// 32 bits keep radiance, not 16.
     pub full: bool,
     /// Light that facets reflect more than once is given back.
@@ -76,6 +78,7 @@ impl ShaderVariant {
                 all.push(Self {
                     details: true,
                     sheen,
+                    film: sheen,
                     ..variant
                 });
             }
@@ -111,6 +114,7 @@ impl ShaderVariant {
             choose("behind", self.layers, ["none", "transmitted"]),
             choose("details", self.details, ["none", "packed"]),
             choose("sheen", self.sheen, ["none", "charlie"]),
+            choose("film", self.film, ["none", "thin"]),
             choose("layers", self.layers, ["none", "followed"]),
             choose("energy", self.conserved, ["single", "conserved"]),
             choose("environment", self.panorama, ["gradient", "panorama"]),

@@ -300,12 +300,29 @@ gpu_struct! {
         sheen_color: [f32; 3],
         /// Perceptual.
         sheen_roughness: f32,
+        /// Of the thin film.
+        iridescence: f32,
+        /// Its index of refraction.
+        iridescence_ior: f32,
+        /// Its thickness where a texture is 0, nanometers.
+        iridescence_least_nm: f32,
+        /// The same where it is 1.
+        iridescence_thickness_nm: f32,
+        /// Cosine and sine of the direction of the anisotropy, from the tangent.
+        anisotropy_turn: [f32; 2],
+        /// Strength.
+        anisotropy: f32,
+        /// 20 over the Abbe number.
+        dispersion: f32,
         /// Base color, metallic-roughness, normal, occlusion, emission.
         textures: [GpuTextureUse; CORE_SLOTS],
         /// In the order of [`LayerTexture`](crate::world::LayerTexture).
         layer_textures: [GpuTextureUse; LAYER_SLOTS],
     }
 }
+
+/// By how many times the roughness up to which metals reflect is higher than that of dielectrics, less one.
+pub const METAL_REACH: f32 = 4.0;
 
 /// `bit` if set.
 pub fn flag(on: bool, bit: u32) -> u32 {

@@ -30,6 +30,10 @@ pub const ABOVE_0: Range = Range {
 /// 0 to 1.
 pub const UNIT: Range = range(0.0, 1.0);
 
+/// Indices of refraction.
+pub const INDEX: Range = range(1.0, 4.0);
+/// Of `material.NAME.dispersion`: at its end red light is not bent at all.
+pub const DISPERSION: Range = range(0.0, 40.0);
 /// Of `camera.NAME.aperture_f`.
 pub const APERTURE_F: Range = range(0.1, 1000.0);
 /// Of `reflection.ray_length_u`.
@@ -106,8 +110,13 @@ impl Range {
         // Words say nothing of an end that is that of any number.
         let is_past_any = (x > LIMIT && self.max == LIMIT) || (x < -LIMIT && self.min == -LIMIT);
         Err(match self.words() {
-            words if words.is_empty() || is_past_any => "between -1e12 and 1e12".into(),
-            words => words,
+            words if words.is_empty() => "between -1e12 and 1e12".into(),
+            words if !is_past_any => words,
+            words => match (self.min > -LIMIT, self.above_min) {
+                (true, true) => format!("{words} and at most 1e12"),
+                (true, false) => format!("{} to 1e12", self.min),
+                (false, _) => format!("at least -1e12 and {words}"),
+            },
         })
     }
 
@@ -161,8 +170,10 @@ mod tests {
         for (range, x, words) in [
             (EDGE_PX, 1e30, "0 to 4"),
             (EDGE_PX, -1e30, "0 to 4"),
-            (FROM_0, 1e30, "between -1e12 and 1e12"),
+            (FROM_0, 1e30, "0 to 1e12"),
             (FROM_0, -1e30, "0 or more"),
+            (ABOVE_0, 1e30, "above 0 and at most 1e12"),
+            (range(-LIMIT, 5.0), -1e30, "at least -1e12 and at most 5"),
             (ANY, -1e30, "between -1e12 and 1e12"),
         ] {
             assert_eq!(range.check(x), Err(words.to_owned()), "{x}");

@@ -108,6 +108,9 @@ const ABSENT_KEYS: &[(&[&str], &[&str], &str)] = &[
             "clearcoat_texture",
             "clearcoat_roughness_texture",
             "clearcoat_normal_texture",
+            "iridescence_texture",
+            "iridescence_thickness_texture",
+            "anisotropy_texture",
         ],
         &["clearcoat"],
         "this texture comes from glTF files only: name one by `file = \"….glb\"` in `[model.NAME]`; the key without \

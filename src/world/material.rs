@@ -62,6 +62,20 @@ pub struct Material {
     pub sheen_color: Option<Vec3>,
     /// Perceptual roughness of the sheen, 0 to 1.
     pub sheen_roughness: f32,
+    /// Strength of the thin film, 0 to 1; `None`: it never has one.
+    pub iridescence: Option<f32>,
+    /// Index of refraction of the film, 1 or more.
+    pub iridescence_ior: f32,
+    /// Thickness of the film, nanometers; where a texture varies it, at its largest values.
+    pub iridescence_thickness_nm: f32,
+    /// The same at the texture's least values.
+    pub iridescence_least_nm: f32,
+    /// How much longer the lobe is along its direction, 0 to 1; `None`: it is always round.
+    pub anisotropy: Option<f32>,
+    /// That direction, from the tangent towards the bitangent.
+    pub anisotropy_rotation_deg: f32,
+    /// 20 over the Abbe number of what bends light; `None`: all colors are bent alike.
+    pub dispersion: Option<f32>,
     /// Whether its alpha is the share of light that it stops (glTF's `BLEND`).
     pub blended: bool,
     /// Reflection mode.
@@ -85,11 +99,11 @@ pub struct Material {
 /// Textures that every material may have.
 pub const CORE_SLOTS: usize = 5;
 /// Those of [`LayerTexture`].
-pub const LAYER_SLOTS: usize = 8;
+pub const LAYER_SLOTS: usize = 11;
 /// All of them.
 pub const TEXTURE_SLOTS: usize = CORE_SLOTS + LAYER_SLOTS;
 
-/// Textures of what extensions of glTF add to a material; each but the normals is multiplied by its number.
+/// Textures of what extensions of glTF add to a material; most are multiplied by their numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LayerTexture {
     /// Linear: alpha.
@@ -108,6 +122,12 @@ pub enum LayerTexture {
     ClearcoatRoughness,
     /// Linear, tangent space.
     ClearcoatNormal,
+    /// Linear: red.
+    Iridescence,
+    /// Linear: green, from the least thickness to the largest.
+    IridescenceThickness,
+    /// Linear: direction in red and green, strength in blue.
+    Anisotropy,
 }
 
 /// The material variants of a file.
@@ -150,6 +170,13 @@ impl Default for Material {
             specular_color: None,
             sheen_color: None,
             sheen_roughness: 0.0,
+            iridescence: None,
+            iridescence_ior: 1.3,
+            iridescence_thickness_nm: 400.0,
+            iridescence_least_nm: 100.0,
+            anisotropy: None,
+            anisotropy_rotation_deg: 0.0,
+            dispersion: None,
             blended: false,
             reflection: ReflectionMode::Auto,
             checker: None,
@@ -209,7 +236,7 @@ impl Material {
 
     /// Where they are kept, in the same order.
     pub fn texture_slots(&mut self) -> [&mut Option<TextureRef>; TEXTURE_SLOTS] {
-        let [a, b, c, d, e, f, g, h] = &mut self.layer_textures;
+        let [a, b, c, d, e, f, g, h, i, j, k] = &mut self.layer_textures;
         [
             &mut self.base_color_texture,
             &mut self.metallic_roughness_texture,
@@ -224,6 +251,9 @@ impl Material {
             f,
             g,
             h,
+            i,
+            j,
+            k,
         ]
     }
 
@@ -264,6 +294,12 @@ impl Material {
             specular_color: self.specular_color,
             sheen_color: self.sheen_color,
             sheen_roughness: Some(self.sheen_roughness),
+            iridescence: self.iridescence,
+            iridescence_ior: Some(self.iridescence_ior),
+            iridescence_thickness_nm: Some(self.iridescence_thickness_nm),
+            anisotropy: self.anisotropy,
+            anisotropy_rotation_deg: Some(self.anisotropy_rotation_deg),
+            dispersion: self.dispersion,
             checker: self.checker,
             ..MaterialDesc::default()
         })
@@ -297,6 +333,18 @@ impl Material {
         self.specular_color = desc.specular_color.or(self.specular_color);
         self.sheen_color = desc.sheen_color.or(self.sheen_color);
         set(&mut self.sheen_roughness, desc.sheen_roughness);
+        self.iridescence = desc.iridescence.or(self.iridescence);
+        set(&mut self.iridescence_ior, desc.iridescence_ior);
+        set(
+            &mut self.iridescence_thickness_nm,
+            desc.iridescence_thickness_nm,
+        );
+        self.anisotropy = desc.anisotropy.or(self.anisotropy);
+        set(
+            &mut self.anisotropy_rotation_deg,
+            desc.anisotropy_rotation_deg,
+        );
+        self.dispersion = desc.dispersion.or(self.dispersion);
         if let Some(emission) = desc.emission {
             self.emission = emission;
         }

@@ -15,6 +15,12 @@ pub struct NormalUv {
 }
 
 impl NormalUv {
+    /// The first set, as it is.
+    pub const PLAIN: Self = Self {
+        uv_set: 0,
+        turn: Mat2::IDENTITY,
+    };
+
     /// Of a material's normal map.
     pub fn of(map: &TextureRef) -> Self {
         let [u, v] = map.transform.map(|row| row.truncate());

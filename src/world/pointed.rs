@@ -44,6 +44,9 @@ impl RigPose {
                 "specular" => changed.specular = None,
                 "specular_color" => changed.specular_color = None,
                 "sheen_color" => changed.sheen_color = None,
+                "iridescence" => changed.iridescence = None,
+                "anisotropy" => changed.anisotropy = None,
+                "dispersion" => changed.dispersion = None,
                 _ => {}
             }
         }

@@ -70,7 +70,16 @@ fn specular_sheen_and_the_textures_of_layers_are_read() {
             "clearcoatFactor": 1, "clearcoatTexture": map,
             "clearcoatRoughnessFactor": 1, "clearcoatRoughnessTexture": map,
             "clearcoatNormalTexture": {"index": 0, "texCoord": 1, "scale": 0.5}
-        }
+        },
+        "KHR_materials_iridescence": {
+            "iridescenceFactor": 0.5, "iridescenceTexture": map, "iridescenceIor": 1.75,
+            "iridescenceThicknessMinimum": 50, "iridescenceThicknessMaximum": 650,
+            "iridescenceThicknessTexture": map
+        },
+        "KHR_materials_anisotropy": {
+            "anisotropyStrength": 0.25, "anisotropyRotation": 0.5, "anisotropyTexture": map
+        },
+        "KHR_materials_dispersion": {"dispersion": 2}
     });
     let world = doc.world();
     let m = &world.materials[0];
@@ -86,8 +95,15 @@ fn specular_sheen_and_the_textures_of_layers_are_read() {
         .map(|used| world.textures[used.expect("read").texture].srgb);
     assert_eq!(
         is_color,
-        [false, true, true, false, false, false, false, false]
+        [
+            false, true, true, false, false, false, false, false, false, false, false
+        ]
     );
+    assert_eq!((m.iridescence, m.iridescence_ior), (Some(0.5), 1.75));
+    let film_nm = (m.iridescence_least_nm, m.iridescence_thickness_nm);
+    assert_eq!(film_nm, (50.0, 650.0));
+    assert_eq!((m.anisotropy, m.dispersion), (Some(0.25), Some(2.0)));
+    assert!((m.anisotropy_rotation_deg - 0.5_f32.to_degrees()).abs() < 1e-4);
     // Textures of what is not there are not loaded.
     doc.json["materials"][0]["extensions"] = json!({
         "KHR_materials_specular": {"specularFactor": 0, "specularTexture": map},

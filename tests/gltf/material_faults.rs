@@ -17,6 +17,12 @@ fn a_broken_image_names_the_texture_that_uses_it() {
         ("sheen", "sheenRoughnessFactor", "sheenRoughnessTexture"),
         ("transmission", "transmissionFactor", "transmissionTexture"),
         ("clearcoat", "clearcoatFactor", "clearcoatRoughnessTexture"),
+        (
+            "iridescence",
+            "iridescenceFactor",
+            "iridescenceThicknessTexture",
+        ),
+        ("anisotropy", "anisotropyStrength", "anisotropyTexture"),
     ] {
         let mut doc = stone();
         let broken = doc.texture(b"no image");
@@ -65,6 +71,10 @@ fn factors_outside_their_range_are_named() {
         ("specular", "specularFactor", json!(1.01)),
         ("specular", "specularColorFactor", json!([-1, 0, 0])),
         ("transmission", "transmissionFactor", json!(3)),
+        ("iridescence", "iridescenceFactor", json!(1.5)),
+        ("iridescence", "iridescenceThicknessMaximum", json!(-1)),
+        ("anisotropy", "anisotropyStrength", json!(-0.5)),
+        ("dispersion", "dispersion", json!(-1)),
     ] {
         let mut doc = stone();
         let name = format!("KHR_materials_{extension}");

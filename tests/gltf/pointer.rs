@@ -138,7 +138,7 @@ fn what_a_pointer_cannot_change_is_named() {
     let folder = Folder::new();
     let unknown = doc(&[
         (
-            "/materials/0/extensions/KHR_materials_iridescence/iridescenceFactor",
+            "/materials/0/extensions/KHR_materials_diffuse_transmission/diffuseTransmissionFactor",
             "SCALAR",
             &[0.0],
             &[1.0],

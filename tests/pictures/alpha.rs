@@ -77,3 +77,20 @@ fn blended_surfaces_cover_by_their_alpha_and_glass_wholly() {
         assert_eq!(alpha(0, 0), 0.0);
     }
 }
+
+#[test]
+fn an_environment_that_is_not_shown_is_not_shown_through_what_is_blended() {
+    let Some(gpu) = gpu() else { return };
+    for method in ["hybrid", "path"] {
+        let method = format!("reflection.method={method}");
+        let set = [
+            "environment.visible=false",
+            "image.alpha=false",
+            "material.white.alpha=0",
+            &method,
+        ];
+        let picture = render(gpu, BALL, &set, &[]);
+        let is_black = |pixel: &[f32]| pixel[..3].iter().all(|v| *v < 1e-6);
+        assert!(picture.color.chunks_exact(4).all(is_black));
+    }
+}

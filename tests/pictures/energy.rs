@@ -70,3 +70,73 @@ fn both_sides_of_the_cutoff_are_alike_bright() {
         }
     }
 }
+
+/// A rough metal floor below a red ceiling, under a black sky, with a small bright lamp.
+const ROOM: &str = r#"
+version = 1
+[camera.main]
+eye = [0, 1, 3]
+target = [0, 0, 0]
+fov_deg = 20
+[image]
+size = [48, 48]
+tone_map = "none"
+[material.floor]
+metallic = 1
+[material.red]
+base_color = [0, 0, 0]
+reflectivity = 0
+emission = [1, 0, 0]
+[model.floor]
+shape = { kind = "plane", size = [20, 20] }
+material = "floor"
+[model.red]
+shape = { kind = "box", size = [20, 0.1, 20] }
+material = "red"
+[[instance]]
+model = "floor"
+[[instance]]
+model = "red"
+translation = [0, 3, 0]
+"#;
+
+#[test]
+fn metals_show_what_is_around_past_the_cutoff_of_dielectrics() {
+    let of = |set: &[&str]| Some(mean(&render(gpu()?, ROOM, set, &[])));
+    for roughness in [0.19, 0.21, 0.5, 0.95] {
+        let own = format!("material.floor.roughness={roughness}");
+        let Some(found) = of(&[&own]) else { return };
+        let whole = of(&[&own, "reflection.roughness_cutoff=1"]).unwrap_or_default();
+        assert!(found[0] > 0.2 && found[1] == 0.0, "{found:?}");
+        assert_close(found[0], whole[0], 1e-5);
+    }
+    // The cut-off turns them off too.
+    let none = of(&[
+        "material.floor.roughness=0.5",
+        "reflection.roughness_cutoff=0",
+    ]);
+    assert_eq!(none.unwrap_or_default()[0], 0.0);
+}
+
+#[test]
+fn the_filter_keeps_the_light_of_a_lamp_that_facets_mirror_below_the_surface() {
+    let lamp = "[light.lamp]\nkind = \"point\"\nposition = [0, 1, -3]\nintensity_cd = 60\nradius_m = 0.2\n";
+    let text = format!("{ROOM}{lamp}").replace("emission = [1, 0, 0]\n", "");
+    for roughness in [0.6, 0.98] {
+        let own = format!("material.floor.roughness={roughness}");
+        let of = |set: &[&str]| {
+            let set: Vec<&str> = [own.as_str()].iter().chain(set).copied().collect();
+            let picture = render(gpu()?, &text, &set, &[]);
+            let brightest = picture.color.iter().copied().fold(0.0, f32::max);
+            Some((mean(&picture)[0], brightest))
+        };
+        let Some((truth, brightest)) = of(&["image.samples=128"]) else {
+            return;
+        };
+        for samples in ["image.samples=1", "image.samples=8"] {
+            let (found, most) = of(&[samples]).unwrap_or_default();
+            assert_close(found, truth, 0.03);
+            assert!(most < 1.5 * brightest, "{most}, expected {brightest}");
+        }
+    }
+}

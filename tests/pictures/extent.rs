@@ -56,6 +56,25 @@ fn a_ball_lights_a_floor_by_its_form_factor() {
 }
 
 #[test]
+fn a_ball_too_small_for_its_square_lights_as_a_point() {
+    for kind in ["point", "spot"] {
+        let aim = match kind {
+            "spot" => "direction = [0, -1, 0]\ninner_deg = 40\n",
+            _ => "",
+        };
+        for radius in ["1e-30", "1e-9"] {
+            let text = format!(
+                "kind = \"{kind}\"\n{aim}position = [0, 2, 0]\nintensity_cd = 10\nradius_m = {radius}\n"
+            );
+            let Some(found) = irradiance_over_pi(&text) else {
+                return;
+            };
+            assert_close(found, 10.0 / 4.0 / PI, 5e-3);
+        }
+    }
+}
+
+#[test]
 fn a_rectangle_and_a_disk_light_a_floor_by_their_form_factors() {
     let aim = "position = [0, 2, 0]\ndirection = [0, -1, 0]\nintensity_cd = 10\n";
     let rect = format!("kind = \"rect\"\n{aim}size = [3, 1]\nup = [0, 0, 1]\n");

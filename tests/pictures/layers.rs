@@ -327,7 +327,12 @@ fn alpha_of_scene_text_blends_as_that_of_a_file() {
     }
     // Opaque, it costs nothing; compared with a cut-off it is there or not.
     let (desc, world) = scene(&text, &["material.thing.alpha=1"]);
-    assert!(!renderer(gpu, &desc, &world, false).plan().transmission);
+    assert!(
+        !renderer(gpu, &desc, &world, false)
+            .plan()
+            .surfaces
+            .transmission
+    );
     let cut = ["material.thing.alpha_cutoff=0.5"];
     let found = mean(&render(gpu, &text, &cut, &[]));
     assert_close(found[0], 1.0, 1e-3);

@@ -22,6 +22,7 @@ mod energy;
 mod environment;
 mod extent;
 mod far;
+mod film_grooves_dispersion;
 mod foreign_worlds;
 mod indirect;
 mod kit;

@@ -2,7 +2,10 @@
 
 use std::fs;
 
-use reflet::{scene::stages::Scene, world::load};
+use reflet::{
+    scene::{diagnostic::Diagnostic, stages::Scene},
+    world::load,
+};
 
 use crate::{
     environment::{FLOOR, SKY, folder},
@@ -11,6 +14,11 @@ use crate::{
 
 /// Name and text of the error that a file gives as the panorama `sky.exr`.
 fn error_of(name: &str, bytes: &[u8]) -> (&'static str, String) {
+    let error = whole_error_of(name, bytes);
+    (error.name, error.message)
+}
+
+fn whole_error_of(name: &str, bytes: &[u8]) -> Diagnostic {
     let folder = folder(name);
     fs::write(folder.join("sky.exr"), bytes).unwrap_or_else(|e| panic!("{e}"));
     let file = folder.join("scene.toml");
@@ -24,7 +32,7 @@ fn error_of(name: &str, bytes: &[u8]) -> (&'static str, String) {
         error.related.is_some(),
         "{error:?} does not say who names it"
     );
-    (error.name, error.message)
+    error
 }
 
 /// The bytes of an OpenEXR file.
@@ -49,12 +57,30 @@ fn panoramas_that_hold_no_light_are_named_errors() {
         ("head", &good[..20], "image-broken"),
         ("hdr-head", b"#?RADIANCE\n", "image-broken"),
         (
+            "hdr-cut",
+            b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 8 +X 16\n\x02\x02",
+            "image-broken",
+        ),
+        (
+            "hdr-nothing",
+            b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 0 +X 0\n",
+            "image-broken",
+        ),
+        (
             "hdr-size",
             b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 99999 +X 99999\n",
             "image-too-large",
         ),
     ] {
-        assert_eq!(error_of(name, bytes).0, expected, "{name}");
+        let error = whole_error_of(name, bytes);
+        assert_eq!(error.name, expected, "{name}");
+        let help = error.help.unwrap_or_default();
+        let says = match expected {
+            "image-unsupported" => "convert the panorama",
+            "image-too-large" => "scale the panorama down",
+            _ => "copy or export the panorama again",
+        };
+        assert!(help.contains(says), "{name}: {help}");
     }
     for (name, value) in [("nan", f32::NAN), ("inf", f32::INFINITY), ("below", -1.0)] {
         let bad = exr_bytes(name, |x, y| {

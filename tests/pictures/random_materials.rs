@@ -40,6 +40,21 @@ impl Random {
     }
 }
 
+fn film_and_grooves(random: &mut Random) -> String {
+    let mut text = String::new();
+    for (name, low, high) in [
+        ("iridescence", 0.0, 1.0),
+        ("iridescence_ior", 1.0, 4.0),
+        ("iridescence_thickness_nm", 0.0, 1e5),
+        ("anisotropy", 0.0, 1.0),
+        ("anisotropy_rotation_deg", -1e4, 1e4),
+    ] {
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "{name} = {}", random.between(low, high));
+    }
+    text
+}
+
 fn material(random: &mut Random) -> String {
     let mut text = String::new();
     let mut key = |name: &str, value: String| {
@@ -55,11 +70,17 @@ fn material(random: &mut Random) -> String {
         key("emission", format!("{:?}", [red.max(1e-6), green, blue]));
         key("light", (random.unit() < 0.5).to_string());
     }
+    let more = if random.unit() < 0.5 {
+        film_and_grooves(random)
+    } else {
+        String::new()
+    };
     if random.unit() < 0.5 {
         for name in ["transmission", "clearcoat", "clearcoat_roughness"] {
             key(name, random.between(0.0, 1.0).to_string());
         }
         key("alpha", random.between(0.0, 1.0).to_string());
+        key("dispersion", random.between(0.0, 40.0).to_string());
         key("ior", random.between(1.0, 4.0).to_string());
         key("thickness_m", random.between(0.0, 2.0).to_string());
         key("attenuation_color", format!("{:?}", random.color(1.0)));
@@ -79,7 +100,7 @@ fn material(random: &mut Random) -> String {
         "reflection",
         format!("{:?}", modes[(random.unit() * 3.0) as usize % 3]),
     );
-    text
+    [text, more].concat()
 }
 
 /// Balls in rows, of a material each, on one another's heels.
@@ -88,7 +109,7 @@ fn world(seed: u32) -> String {
     // Nothing that takes other shaders, which are long to build.
     let cutoff = ["0.2", "1"][seed as usize % 2];
     let mut text = format!(
-        "version = 1\n[image]\nsize = [60, 60]\nsamples = 2\n[camera.main]\neye = [0, 4, 9]\n\
+        "version = 1\n[image]\nsize = [60, 60]\nsamples = 3\n[camera.main]\neye = [0, 4, 9]\n\
          target = [0, 0, 0]\n[reflection]\nmultiple_scattering = true\nroughness_cutoff = {cutoff}\nbounces = 6\ndiffuse_bounces = 2\n\
          [environment]\nzenith = [0.5, 0.7, 1]\nhorizon = [0.4, 0.4, 0.4]\nground = [0, 0, 0]\n\
          shadow = \"ray\"\n\

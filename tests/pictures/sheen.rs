@@ -317,8 +317,8 @@ fn what_no_material_has_is_no_part_of_the_frame() {
     assert!(!with.plan().has_details() && with.plan().layer_pools == 0);
     let (desc, world) = scene(FLOOR, &["material.floor.sheen_color=[0, 0, 0.5]"]);
     let plan = renderer(gpu, &desc, &world, false).plan().clone();
-    assert!(plan.sheen && plan.variant().sheen && !plan.tints);
+    assert!(plan.surfaces.sheen && plan.variant().sheen && !plan.surfaces.tints);
     let (desc, world) = scene(FLOOR, &["material.floor.specular_color=[0, 0, 0.5]"]);
     let plan = renderer(gpu, &desc, &world, false).plan().clone();
-    assert!(plan.tints && plan.variant().details && !plan.variant().sheen);
+    assert!(plan.surfaces.tints && plan.variant().details && !plan.variant().sheen);
 }

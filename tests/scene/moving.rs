@@ -23,6 +23,9 @@ clearcoat = 0.5
 specular = 0.5
 specular_color = [1, 0.5, 0.25]
 sheen_color = [0.25, 0.5, 1]
+iridescence = 0.5
+anisotropy = 0.5
+dispersion = 0.5
 checker = { colors = [[1, 1, 1], [0, 0, 0]], size_m = 1 }
 [model.ball]
 shape = { kind = \"sphere\" }
@@ -274,6 +277,9 @@ fn absent_material_parts_cannot_move() {
             "[0, 0, 1]",
             "write `sheen_color = [0, 0, 0]`",
         ),
+        ("iridescence", "0.5", "write `iridescence = 0`"),
+        ("anisotropy", "0.5", "write `anisotropy = 0`"),
+        ("dispersion", "0.5", "write `dispersion = 0`"),
         ("checker_size_m", "0.5", "write `checker = { colors ="),
         ("checker_b", "[0, 0, 1]", "write `checker = { colors ="),
     ] {
@@ -283,7 +289,10 @@ fn absent_material_parts_cannot_move() {
                 "clearcoat = 0.5\nspecular = 0.5\nspecular_color = [1, 0.5, 0.25]\n",
                 "",
             )
-            .replace("sheen_color = [0.25, 0.5, 1]\n", "");
+            .replace(
+                "sheen_color = [0.25, 0.5, 1]\niridescence = 0.5\nanisotropy = 0.5\ndispersion = 0.5\n",
+                "",
+            );
         let scene = scene.replace("checker = {", "#");
         let text = format!("{scene}[motion.material.board]\n{key} = {{ rate = {value} }}\n");
         let error = pose(&text, 0).expect_err("there is none");
@@ -300,7 +309,7 @@ fn absent_material_parts_cannot_move() {
             error.contains("`[model.tree.material.leaf]` has none"),
             "{error}"
         );
-        let rest = "alpha_cutoff = 0.5\nalpha = 1\ntransmission = 0\nclearcoat = 0\nspecular = 1\nspecular_color = [1, 1, 1]\nsheen_color = [0, 0, 0]\nchecker = { colors = [[1, 1, 1], [0, 0, 0]], size_m = 1 }\n";
+        let rest = "alpha_cutoff = 0.5\nalpha = 1\ntransmission = 0\nclearcoat = 0\nspecular = 1\nspecular_color = [1, 1, 1]\nsheen_color = [0, 0, 0]\niridescence = 0\nanisotropy = 0\ndispersion = 0\nchecker = { colors = [[1, 1, 1], [0, 0, 0]], size_m = 1 }\n";
         for name in ["leaf", "\"*\""] {
             let table = format!("[model.tree.material.{name}]\n{rest}");
             pose(&format!("{SCENE}{model}{table}{motion}"), 0).expect("is right");

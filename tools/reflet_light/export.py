@@ -155,6 +155,13 @@ def bsdf(text: Table) -> Table:
     if text.get("reflectivity") == 0 and text.get("metallic", 0) == 0:
         matte = {"type": "diffuse", "reflectance": rgb([red, green, blue])}
         return {"type": "twosided", "nested": matte}
+    if "anisotropy" in text:
+        if [red, green, blue, text["metallic"]] != [1, 1, 1, 1]:
+            raise ValueError("grooves are compared on white metal alone")
+        across = float(roughness) ** 2
+        along = across + (1 - across) * text["anisotropy"] ** 2
+        alphas = {"alpha_u": along, "alpha_v": across}
+        return {"type": "roughconductor", "material": "none", "distribution": "ggx", **alphas}
     names = ("metallic", "reflectivity", "specular", "clearcoat", "clearcoat_roughness")
     names += ("sheen_roughness",)
     numbers = {name: float(text[name]) for name in names if name in text}

@@ -286,6 +286,8 @@ def all_scenes() -> list[Scene]:
     satin = "base_color = [0.9, 0.9, 0.9]\nmetallic = 1\nroughness = 0.4"
     satin_floor = FLOOR.replace(matte, satin).split("[material.block]")[0]
     satin_floor += f"[light.l]\n{LIGHTS['rect'][0]}\n"
+    brushed = "base_color = [1, 1, 1]\nmetallic = 1\nroughness = 0.3\nanisotropy = 0.7"
+    brushed_floor = satin_floor.replace(satin, brushed)
     return [
         *rough_balls(),
         Scene("metal-gradient", "metal of roughness 0.4 under a gradient",
@@ -296,6 +298,7 @@ def all_scenes() -> list[Scene]:
         Scene("mirror-panels", "mirror in a room of glowing walls",
               in_panels + thing("ball", BALL, METAL + "roughness = 0"), 8, 256),
         Scene("metal-rect", "rough metal floor below a rectangle", satin_floor, 3),
+        Scene("metal-brushed", "floor of anisotropic metal below a rectangle", brushed_floor, 3),
         Scene("glass", "solid ball of glass, index 1.5", ball(solid + "roughness = 0"), 16),
         Scene("glass-rough", "solid ball of glass, roughness 0.4",
               ball(solid + "roughness = 0.4"), 16, 4096),

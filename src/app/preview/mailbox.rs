@@ -110,7 +110,7 @@ mod tests {
         let edit = |material, roughness| {
             let mut edit = Edit::new(material);
             edit.values[2] = Some(Vec3::splat(roughness));
-            Task::Edit(edit)
+            Task::Edit(Box::new(edit))
         };
         mailbox.post(Task::Reload([Change::Scene].into(), Instant::now()));
         for roughness in [0.1, 0.2, 0.3] {

@@ -79,7 +79,7 @@ pub enum Task {
     /// File watching is limited, and why; `None` once it works again.
     Unwatched(Option<String>),
     /// Change a material.
-    Edit(Edit),
+    Edit(Box<Edit>),
     /// Change the script's parameters.
     SetParameters(ParameterOverrides),
     /// Pick in, compare or save a frame, once it is posed.

@@ -64,7 +64,7 @@ impl Plan {
         ]
     }
 
-    fn surfaces_and_light(&self, settings: &ReflectionDesc) -> [Candidate; 18] {
+    fn surfaces_and_light(&self, settings: &ReflectionDesc) -> [Candidate; 21] {
         [
             (!self.cutouts, "alpha tests", "no material is cut out"),
             (!self.textures, "textures", "no material has one"),
@@ -102,22 +102,37 @@ impl Plan {
             ),
             (!self.indirect, "indirect light", "`diffuse_bounces` is 0"),
             (
-                !self.transmission,
+                !self.surfaces.transmission,
                 "transmission",
                 "no material lets light through",
             ),
-            (!self.coats, "clear coats", "no material has one"),
+            (!self.surfaces.coats, "clear coats", "no material has one"),
             (
-                self.coats && !self.coat_normals,
+                self.surfaces.coats && !self.surfaces.coat_normals,
                 "normals of clear coats",
                 "all have those of what they cover",
             ),
             (
-                !self.tints,
+                !self.surfaces.tints,
                 "strength and color of specular lobes",
                 "no material says one",
             ),
-            (!self.sheen, "sheen", "no material has one"),
+            (!self.surfaces.sheen, "sheen", "no material has one"),
+            (
+                !self.surfaces.iridescence,
+                "iridescence",
+                "no material has a thin film",
+            ),
+            (
+                !self.surfaces.anisotropy,
+                "anisotropy",
+                "no material has a direction",
+            ),
+            (
+                self.surfaces.transmission && !self.surfaces.dispersion,
+                "dispersion",
+                "no solid bends colors differently",
+            ),
             (
                 settings.multiple_scattering && !self.multiple_scattering,
                 "multiple scattering",

@@ -1,5 +1,7 @@
 //! What the materials of a scene ask for.
 
+use serde::Serialize;
+
 use crate::world::{Material, World};
 
 use super::has_specular;
@@ -19,13 +21,8 @@ pub fn scatters_twice(world: &World) -> bool {
     uses(world, has_specular)
 }
 
-/// Whether some material has a clear coat.
-pub fn has_coats(world: &World) -> bool {
-    uses(world, |m| m.clearcoat.is_some())
-}
-
 /// Whether some clear coat has, or may get, other normals than what is below.
-pub fn has_coat_normals(world: &World) -> bool {
+fn has_coat_normals(world: &World) -> bool {
     let differ = |index: usize| {
         let material = &world.materials[index];
         let is_mapped = material.normal_texture.is_some() && material.clearcoat.is_some();
@@ -34,14 +31,52 @@ pub fn has_coat_normals(world: &World) -> bool {
     world.instances.iter().any(|i| differ(i.material))
 }
 
-/// Whether some dielectric's specular lobe has a strength or a color of its own.
-pub fn has_tints(world: &World) -> bool {
-    uses(world, |m| {
-        m.specular.is_some() || m.specular_color.is_some()
-    })
+/// What surfaces have beyond a base color, metalness and roughness.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct SurfaceUses {
+    /// Some surface lets light through.
+    pub transmission: bool,
+    /// Some of them bends colors differently.
+    pub dispersion: bool,
+    /// Some surface has a clear coat.
+    pub coats: bool,
+    /// Some clear coat has other normals than what is below.
+    pub coat_normals: bool,
+    /// Some dielectric's specular lobe has a strength or a color of its own.
+    pub tints: bool,
+    /// Some surface has a sheen.
+    pub sheen: bool,
+    /// Some surface has a thin film.
+    pub iridescence: bool,
+    /// Some specular lobe is longer one way than the other.
+    pub anisotropy: bool,
 }
 
-/// Whether some material has a sheen.
-pub fn has_sheen(world: &World) -> bool {
-    uses(world, |m| m.sheen_color.is_some())
+impl SurfaceUses {
+    /// Of the materials that are used.
+    pub fn of(world: &World) -> Self {
+        Self {
+            transmission: passes_light(world),
+            dispersion: uses(world, |m| {
+                m.dispersion.is_some() && m.solid && m.passes_light()
+            }),
+            coats: uses(world, |m| m.clearcoat.is_some()),
+            coat_normals: has_coat_normals(world),
+            tints: uses(world, |m| {
+                m.specular.is_some() || m.specular_color.is_some()
+            }),
+            sheen: uses(world, |m| m.sheen_color.is_some()),
+            iridescence: uses(world, |m| m.iridescence.is_some()),
+            anisotropy: uses(world, |m| m.anisotropy.is_some()),
+        }
+    }
+    /// Whether specular lobes have strengths or colors, if only those that a film gives them.
+    pub const fn has_tints(&self) -> bool {
+        self.tints || self.iridescence
+    }
+
+    /// Whether surfaces have directions beside their normals.
+    pub const fn has_frames(&self) -> bool {
+        self.coat_normals || self.anisotropy
+    }
 }

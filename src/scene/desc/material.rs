@@ -5,7 +5,7 @@ use glam::Vec3;
 use super::{At, Tracks};
 use crate::scene::{
     number::{Field, Form, Lanes},
-    range::{ABOVE_0, ANY, FROM_0, UNIT, range},
+    range::{ABOVE_0, ANY, DISPERSION, FROM_0, INDEX, UNIT, range},
 };
 
 /// How a material takes part in reflections.
@@ -13,8 +13,8 @@ use crate::scene::{
 pub enum ReflectionMode {
     /// `"none"`: shows the highlights of lights and environment only; never marched or traced.
     None,
-    /// `"auto"`: reflects where its roughness is below `reflection.roughness_cutoff`, spread by that
-    /// roughness: one ray a sub-frame, so that more `image.samples` are smoother. Sharp up to 0.04.
+    /// `"auto"`: reflects where its roughness is below `reflection.roughness_cutoff`, metals below five times that,
+    /// spread by the roughness: one ray a sub-frame, so that more `image.samples` are smoother. Sharp up to 0.04.
     #[default]
     Auto,
     /// `"mirror"`: reflects sharply, like polished glass, whatever its roughness.
@@ -32,7 +32,7 @@ pub struct MaterialDesc {
     /// Linear base color, three numbers 0 to 1, or sRGB text such as `"#ff8800"`, as for all colors
     /// outside of tracks. Default white.
     pub base_color: Option<Vec3>,
-    /// Image file multiplied into the base color (sRGB; its alpha is used by `alpha_cutoff`).
+    /// Image file (PNG, JPEG, WebP or KTX2) multiplied into the base color (sRGB; its alpha is used by `alpha_cutoff`).
     pub base_color_texture: Option<At<String>>,
     /// Procedural checker in place of a base color texture.
     pub checker: Option<CheckerDesc>,
@@ -106,6 +106,24 @@ pub struct MaterialDesc {
     /// Perceptual roughness of the sheen, 0 to 1: 0.1 is a thin rim of satin, 1 the even bloom of felt; below 0.07 it
     /// counts as that. Default 0, or the glTF value.
     pub sheen_roughness: Option<f32>,
+    /// Strength of a film over the material whose colors change with the angle, as those of soap and oil, 0 to 1
+    /// (`KHR_materials_iridescence`). Default 0, none, or the glTF value.
+    pub iridescence: Option<f32>,
+    /// Index of refraction of the film, 1 to 4: 1.33 is water. Default 1.3, or the glTF value.
+    pub iridescence_ior: Option<f32>,
+    /// Thickness of the film, nanometers, 0 or more: colors are strongest from 200 to 600. Default 400, or the
+    /// largest of the glTF values.
+    pub iridescence_thickness_nm: Option<f32>,
+    /// How much longer highlights and reflections are along the grooves of brushed metal than across, 0 to 1: across
+    /// they have the `roughness`, along at 1 all of it (`KHR_materials_anisotropy`). Default 0, or the glTF value.
+    pub anisotropy: Option<f32>,
+    /// Direction along which they are longer, degrees counter-clockwise from the right of an upright texture, along
+    /// which u grows. Default 0, or the glTF value.
+    pub anisotropy_rotation_deg: Option<f32>,
+    /// How much more a solid bends blue light than red, as 20 over the Abbe number of its glass, 0 to 40: 0.3 is
+    /// crown glass, 0.36 diamond, 0.66 flint (`KHR_materials_dispersion`). Seen with several `samples`. Default 0, or
+    /// the glTF value.
+    pub dispersion: Option<f32>,
 }
 
 /// Reflectance at normal incidence of a dielectric with this index of refraction.
@@ -221,6 +239,15 @@ pub struct MaterialMotionDesc {
     /// - `sheen_color`: track of the color of the sheen, 0 to 1; the material's own table must have a `sheen_color`,
     ///   which may be black.
     /// - `sheen_roughness`: track of the perceptual roughness of the sheen, 0 to 1.
+    /// - `iridescence`: track of the strength of the film, 0 to 1; the material's own table must have an `iridescence`,
+    ///   which may be 0.
+    /// - `iridescence_ior`: track of the film's index of refraction, 1 to 4.
+    /// - `iridescence_thickness_nm`: track of the film's thickness, nanometers, 0 or more.
+    /// - `anisotropy`: track of how much longer highlights are along the grooves, 0 to 1; the material's own table must
+    ///   have an `anisotropy`, which may be 0.
+    /// - `anisotropy_rotation_deg`: track of the direction of the grooves, degrees.
+    /// - `dispersion`: track of 20 over the Abbe number, 0 to 40; the material's own table must have a `dispersion`,
+    ///   which may be 0.
     /// - `checker_a`: track of the first color of its `checker` or `pattern`, 0 to 1.
     /// - `checker_b`: track of the second color of its `checker`, 0 to 1.
     /// - `checker_size_m`: track of the edge of a cell of its `checker`, meters, above 0.
@@ -258,7 +285,7 @@ macro_rules! of_checkers {
 }
 
 /// How many values of a material may change.
-pub const MATERIAL_FIELDS: usize = 23;
+pub const MATERIAL_FIELDS: usize = 29;
 
 /// What changes of a material.
 pub static MATERIAL: [Field<MaterialDesc>; MATERIAL_FIELDS] = [
@@ -282,6 +309,12 @@ pub static MATERIAL: [Field<MaterialDesc>; MATERIAL_FIELDS] = [
     optional!(specular_color, Color, FROM_0),
     optional!(sheen_color, Color, UNIT),
     optional!(sheen_roughness, Number, UNIT),
+    optional!(iridescence, Number, UNIT),
+    optional!(iridescence_ior, Number, INDEX),
+    optional!(iridescence_thickness_nm, Number, FROM_0),
+    optional!(anisotropy, Number, UNIT),
+    optional!(anisotropy_rotation_deg, Number, ANY),
+    optional!(dispersion, Number, DISPERSION),
     of_checkers!("checker_a", Color, UNIT, |checker| checker.colors[0]),
     of_checkers!("checker_b", Color, UNIT, |checker| checker.colors[1]),
     of_checkers!("checker_size_m", Number, ABOVE_0, |checker| checker.size_m),
@@ -319,6 +352,12 @@ pub const PLAIN: MaterialDesc = MaterialDesc {
     specular_color: None,
     sheen_color: None,
     sheen_roughness: Some(0.0),
+    iridescence: None,
+    iridescence_ior: Some(1.3),
+    iridescence_thickness_nm: Some(400.0),
+    anisotropy: None,
+    anisotropy_rotation_deg: Some(0.0),
+    dispersion: None,
 };
 
 impl Field<MaterialDesc> {
@@ -338,6 +377,9 @@ impl Field<MaterialDesc> {
             "specular" => "specular = 1",
             "specular_color" => "specular_color = [1, 1, 1]",
             "sheen_color" => "sheen_color = [0, 0, 0]",
+            "iridescence" => "iridescence = 0",
+            "anisotropy" => "anisotropy = 0",
+            "dispersion" => "dispersion = 0",
             _ => "checker = { colors = [[1, 1, 1], [0, 0, 0]], size_m = 1 }",
         })
     }

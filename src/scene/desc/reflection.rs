@@ -84,8 +84,9 @@ pub struct ReflectionDesc {
     pub glint_limit: f32,
     /// Most steps of the screen-space march, 8 to 4096. More misses less and takes longer. Default 128.
     pub steps: u32,
-    /// `"auto"` materials reflect below this roughness, 0 to 1; with 1 all of them do. Others show only the
-    /// environment and the lights, which costs less. Default 0.2.
+    /// `"auto"` materials reflect below this roughness, 0 to 1, and metals, which show nothing else, below five times
+    /// of it and 1; with 1 all of them do. Others show only the environment and the lights, which costs less.
+    /// Default 0.2.
     pub roughness_cutoff: f32,
     /// U in meters, above 0. Default: the diagonal of the static bounding box / 16.
     pub unit_m: Option<f32>,
@@ -101,7 +102,7 @@ pub struct ReflectionDesc {
     pub filter: bool,
     /// Whether what rough surfaces reflect more than once between their facets is given back (Turquin
     /// 2019): they are brighter, metals more colorful, and in even white light white surfaces vanish. `false` is
-    /// glTF's model, which loses it: up to half of the light that the roughest metal reflects. Default false.
+    /// glTF's model, which loses it: up to 69 % of what the roughest metal would reflect. Default false.
     pub multiple_scattering: bool,
     /// Standard deviation of the Gaussian blur of the combined reflection, pixels, 0 to 16: 0 is off. Default 0.
     pub blur_px: f32,

@@ -21,7 +21,8 @@ use super::{
     value::{Names, Version},
 };
 use crate::scene::range::{
-    ABOVE_0, ANY, APERTURE_F, BOUNCES, DIFFUSE_BOUNCES, FROM_0, STEPS, UNIT, range,
+    ABOVE_0, ANY, APERTURE_F, BOUNCES, DIFFUSE_BOUNCES, DISPERSION, FROM_0, INDEX, STEPS, UNIT,
+    range,
 };
 use crate::scene::{desc::*, diagnostic::Diagnostic};
 
@@ -137,7 +138,7 @@ impl Section for MaterialDesc {
         let pattern = t.table("pattern").map(|Pattern(pattern)| pattern);
         // Resolved before, in the tree; asked for here, so that it is a key.
         t.find::<At<String>>("extends", ANY);
-        let ior = t.find("ior", range(1.0, 4.0));
+        let ior = t.find("ior", INDEX);
         Some(Self {
             base_color: t.find("base_color", UNIT).map(|Color(c)| c),
             base_color_texture: t.find("base_color_texture", ANY),
@@ -169,6 +170,12 @@ impl Section for MaterialDesc {
             specular_color: t.find("specular_color", FROM_0).map(|Color(c)| c),
             sheen_color: t.find("sheen_color", UNIT).map(|Color(c)| c),
             sheen_roughness: t.find("sheen_roughness", UNIT),
+            iridescence: t.find("iridescence", UNIT),
+            iridescence_ior: t.find("iridescence_ior", INDEX),
+            iridescence_thickness_nm: t.find("iridescence_thickness_nm", FROM_0),
+            anisotropy: t.find("anisotropy", UNIT),
+            anisotropy_rotation_deg: t.find("anisotropy_rotation_deg", ANY),
+            dispersion: t.find("dispersion", DISPERSION),
         })
     }
 }

@@ -20,6 +20,9 @@ const LARGEST_TEXEL: f32 = 65504.0;
 /// Most pixels across or down of the copy whose luminance makes the density.
 const DENSITY_PX: u32 = 1024;
 
+/// What to do about a file that is not whole.
+const BROKEN_HELP: &str = "copy or export the panorama again; the file is cut off or damaged";
+
 /// Limits of decoding.
 #[derive(Clone, Copy, Debug)]
 pub struct PanoramaLimits {
@@ -80,7 +83,7 @@ fn decode(bytes: &[u8], limits: &PanoramaLimits) -> Result<Pixels, Fault> {
     match bytes {
         [b'#', b'?', ..] => decode_hdr(bytes, limits),
         [0x76, 0x2f, 0x31, 0x01, ..] => decode_exr(bytes, limits),
-        [] => Err(Fault::new("image-broken", "is empty")),
+        [] => Err(Fault::new("image-broken", "is empty").help(BROKEN_HELP)),
         _ => Err(
             Fault::new("image-unsupported", "is neither Radiance HDR nor OpenEXR").help(
                 "convert the panorama to .hdr or .exr; 8 bits a channel cannot hold a sky's light",
@@ -90,8 +93,12 @@ fn decode(bytes: &[u8], limits: &PanoramaLimits) -> Result<Pixels, Fault> {
 }
 
 fn check_size(width: u64, height: u64, limits: &PanoramaLimits) -> Result<(), Fault> {
+    if width == 0 || height == 0 {
+        let text = format!("is {width} × {height} pixels, so it shows nothing");
+        return Err(Fault::new("image-broken", text).help(BROKEN_HELP));
+    }
     let most = u64::from(limits.max_px);
-    if ![width, height].iter().all(|side| (1..=most).contains(side)) {
+    if width.max(height) > most {
         let text = format!("is {width} × {height} pixels, expected 1 to {most} each");
         return Err(Fault::new("image-too-large", text).help("scale the panorama down"));
     }
@@ -105,7 +112,8 @@ fn check_size(width: u64, height: u64, limits: &PanoramaLimits) -> Result<(), Fa
 }
 
 fn decode_hdr(bytes: &[u8], limits: &PanoramaLimits) -> Result<Pixels, Fault> {
-    let broken = |e| Fault::new("image-broken", format!("cannot be decoded: {e}"));
+    let broken =
+        |e| Fault::new("image-broken", format!("cannot be decoded: {e}")).help(BROKEN_HELP);
     let decoder = HdrDecoder::new(Cursor::new(bytes)).map_err(broken)?;
     let (width, height) = decoder.dimensions();
     check_size(width.into(), height.into(), limits)?;
@@ -115,8 +123,9 @@ fn decode_hdr(bytes: &[u8], limits: &PanoramaLimits) -> Result<Pixels, Fault> {
 }
 
 fn decode_exr(bytes: &[u8], limits: &PanoramaLimits) -> Result<Pixels, Fault> {
-    let broken =
-        |e: exr::error::Error| Fault::new("image-broken", format!("cannot be decoded: {e}"));
+    let broken = |e: exr::error::Error| {
+        Fault::new("image-broken", format!("cannot be decoded: {e}")).help(BROKEN_HELP)
+    };
     let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(broken)?;
     for header in &meta.headers {
         let size = header.layer_size;

@@ -6,15 +6,18 @@ use super::{Fault, schema::Root, uri::shorten};
 use crate::scene::diagnostic::{Diagnostic, Severity};
 
 /// Extensions that may stand in `extensionsRequired`.
-pub const SUPPORTED: [&str; 20] = [
+pub const SUPPORTED: [&str; 23] = [
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
     "EXT_texture_webp",
     "KHR_draco_mesh_compression",
     "KHR_lights_punctual",
-    "KHR_materials_clearcoat", // without its normal map
+    "KHR_materials_anisotropy",
+    "KHR_materials_clearcoat",
+    "KHR_materials_dispersion",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
+    "KHR_materials_iridescence",
     "KHR_materials_pbrSpecularGlossiness", // approximated, with a warning
     "KHR_materials_sheen",
     "KHR_materials_specular",

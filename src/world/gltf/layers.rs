@@ -1,4 +1,5 @@
-//! What extensions add to a material: KHR_materials_ior, _specular, _sheen, _transmission, _volume and _clearcoat.
+//! What extensions add to a material: KHR_materials_ior, _specular, _sheen, _transmission, _volume, _dispersion,
+//! _clearcoat, _iridescence and _anisotropy.
 
 use glam::Vec3;
 
@@ -7,7 +8,10 @@ use super::{
     ranges::Ranges,
     schema::{MaterialExtensions, TextureInfo},
 };
-use crate::world::{LAYER_SLOTS, LayerTexture, Material, TextureRef, normal_uv::NormalUv};
+use crate::{
+    scene::range::DISPERSION,
+    world::{LAYER_SLOTS, LayerTexture, Material, TextureRef, normal_uv::NormalUv},
+};
 
 /// Finds a texture: its use in the file, whether it is a color, and its keys inside the material, for messages.
 pub type FindTexture<'a> =
@@ -25,7 +29,10 @@ pub fn read(
     specular(extensions, out, moves, ranges)?;
     sheen(extensions, out, moves, ranges)?;
     transmission(extensions, out, moves, ranges)?;
+    dispersion(extensions, out, moves, ranges)?;
     clearcoat(extensions, out, moves, ranges)?;
+    iridescence(extensions, out, moves, ranges)?;
+    anisotropy(extensions, out, moves, ranges)?;
     let is_used = [
         out.specular.is_some(),
         out.specular_color.is_some(),
@@ -35,6 +42,9 @@ pub fn read(
         out.clearcoat.is_some(),
         out.clearcoat.is_some(),
         out.clearcoat.is_some(),
+        out.iridescence.is_some(),
+        out.iridescence.is_some(),
+        out.anisotropy.is_some(),
     ];
     let places = textures(extensions).into_iter().zip(PATHS).zip(is_used);
     for (i, ((info, path), _)) in places.enumerate().filter(|(_, (_, used))| *used) {
@@ -55,6 +65,9 @@ const PATHS: [&str; LAYER_SLOTS] = [
     "extensions/KHR_materials_clearcoat/clearcoatTexture",
     "extensions/KHR_materials_clearcoat/clearcoatRoughnessTexture",
     "extensions/KHR_materials_clearcoat/clearcoatNormalTexture",
+    "extensions/KHR_materials_iridescence/iridescenceTexture",
+    "extensions/KHR_materials_iridescence/iridescenceThicknessTexture",
+    "extensions/KHR_materials_anisotropy/anisotropyTexture",
 ];
 
 /// The textures of the file, in the order of [`LayerTexture`].
@@ -63,6 +76,8 @@ pub fn textures(extensions: &MaterialExtensions) -> [&Option<TextureInfo>; LAYER
     let sheen = extensions.sheen.as_ref();
     let transmission = extensions.transmission.as_ref();
     let coat = extensions.clearcoat.as_ref();
+    let film = extensions.iridescence.as_ref();
+    let anisotropy = extensions.anisotropy.as_ref();
     [
         specular.map_or(&None, |s| &s.specular_texture),
         specular.map_or(&None, |s| &s.specular_color_texture),
@@ -72,6 +87,9 @@ pub fn textures(extensions: &MaterialExtensions) -> [&Option<TextureInfo>; LAYER
         coat.map_or(&None, |c| &c.clearcoat_texture),
         coat.map_or(&None, |c| &c.clearcoat_roughness_texture),
         coat.map_or(&None, |c| &c.clearcoat_normal_texture),
+        film.map_or(&None, |f| &f.iridescence_texture),
+        film.map_or(&None, |f| &f.iridescence_thickness_texture),
+        anisotropy.map_or(&None, |a| &a.anisotropy_texture),
     ]
 }
 
@@ -202,6 +220,70 @@ fn clearcoat(
     out.clearcoat_roughness = ranges.unit("clearcoatRoughnessFactor", roughness);
     let scale = coat.clearcoat_normal_texture.as_ref().and_then(|t| t.scale);
     out.clearcoat_normal_scale = scale.filter(|s| s.is_finite()).unwrap_or(1.0);
+    Ok(())
+}
+
+fn dispersion(
+    extensions: &MaterialExtensions,
+    out: &mut Material,
+    moves: &dyn Fn(&str) -> bool,
+    ranges: &mut Ranges,
+) -> Result<(), Fault> {
+    let Some(dispersion) = &extensions.dispersion else {
+        return Ok(());
+    };
+    let value = dispersion.dispersion.unwrap_or(0.0);
+    check(&[value], "dispersion must be finite")?;
+    let [value] = ranges.clamped("dispersion", [value], DISPERSION.max as f32);
+    out.dispersion = (value > 0.0 || moves("dispersion")).then_some(value);
+    Ok(())
+}
+
+fn iridescence(
+    extensions: &MaterialExtensions,
+    out: &mut Material,
+    moves: &dyn Fn(&str) -> bool,
+    ranges: &mut Ranges,
+) -> Result<(), Fault> {
+    let Some(film) = &extensions.iridescence else {
+        return Ok(());
+    };
+    let strength = film.iridescence_factor.unwrap_or(0.0);
+    let ior = film.iridescence_ior.unwrap_or(1.3);
+    let least = film.iridescence_thickness_minimum.unwrap_or(100.0);
+    let most = film.iridescence_thickness_maximum.unwrap_or(400.0);
+    let numbers = [strength, ior, least, most];
+    check(&numbers, "iridescence factors must be finite")?;
+    if ior < 1.0 {
+        return Err(Fault::new(
+            "gltf-material",
+            format!("iridescenceIor is {ior}, expected at least 1"),
+        ));
+    }
+    let strength = ranges.unit("iridescenceFactor", strength);
+    out.iridescence = (strength > 0.0 || moves("iridescence")).then_some(strength);
+    out.iridescence_ior = ior;
+    let endless = f32::INFINITY;
+    [out.iridescence_least_nm] = ranges.clamped("iridescenceThicknessMinimum", [least], endless);
+    [out.iridescence_thickness_nm] = ranges.clamped("iridescenceThicknessMaximum", [most], endless);
+    Ok(())
+}
+
+fn anisotropy(
+    extensions: &MaterialExtensions,
+    out: &mut Material,
+    moves: &dyn Fn(&str) -> bool,
+    ranges: &mut Ranges,
+) -> Result<(), Fault> {
+    let Some(anisotropy) = &extensions.anisotropy else {
+        return Ok(());
+    };
+    let strength = anisotropy.anisotropy_strength.unwrap_or(0.0);
+    let rotation = anisotropy.anisotropy_rotation.unwrap_or(0.0);
+    check(&[strength, rotation], "anisotropy factors must be finite")?;
+    let strength = ranges.unit("anisotropyStrength", strength);
+    out.anisotropy = (strength > 0.0 || moves("anisotropy")).then_some(strength);
+    out.anisotropy_rotation_deg = rotation.to_degrees();
     Ok(())
 }
 

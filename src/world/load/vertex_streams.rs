@@ -39,9 +39,12 @@ pub fn needs(world: &World) -> Vec<Needs> {
     for instance in &world.instances {
         let material = &world.materials[instance.material];
         let need = &mut needs[instance.mesh];
-        let coat = || material.layer_texture(LayerTexture::ClearcoatNormal);
-        if let Some(normal) = material.normal_texture.or_else(coat) {
-            let uv = NormalUv::of(&normal);
+        let layer = |which| material.layer_texture(which).as_ref().map(NormalUv::of);
+        let wanted = (material.normal_texture.as_ref().map(NormalUv::of))
+            .or_else(|| layer(LayerTexture::ClearcoatNormal))
+            .or_else(|| layer(LayerTexture::Anisotropy))
+            .or_else(|| material.anisotropy.map(|_| NormalUv::PLAIN));
+        if let Some(uv) = wanted {
             need.tangents_differ |= *need.tangents_from.get_or_insert(uv) != uv;
         }
         let textures = material.textures();

@@ -34,7 +34,7 @@ impl Worker {
                     Task::Reload(changes, since) => self.reload(&changes, since),
                     Task::Edit(edit) => {
                         redraw = true;
-                        self.edit(edit);
+                        self.edit(*edit);
                     }
                     Task::SetParameters(overrides) => self.set_parameters(overrides),
                     Task::Unwatched(why) => self.send(Report::Unwatched(why)),

@@ -127,7 +127,7 @@ impl Window {
                     }
                     self.comparison = None;
                     self.edits += 1;
-                    self.send(Task::Edit(*edit));
+                    self.send(Task::Edit(Box::new(*edit)));
                 }
                 ViewRequest::SetParameters(overrides) => self.send(Task::SetParameters(overrides)),
                 ViewRequest::Select(thing) => self.send(Task::Select(thing)),

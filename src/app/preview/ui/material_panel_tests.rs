@@ -37,6 +37,9 @@ fn harness<'a>() -> Harness<'a, State> {
         specular: Some(0.5),
         specular_color: Some(Vec3::ONE),
         sheen_color: Some(Vec3::ONE),
+        iridescence: Some(0.5),
+        anisotropy: Some(0.5),
+        dispersion: Some(0.5),
         checker: Some(CheckerDesc {
             colors: [Vec3::ONE, Vec3::ZERO],
             size_m: 0.5,

@@ -12,7 +12,7 @@ use crate::world::{
 };
 
 /// Values of materials: pointer, key of scene text, how many numbers.
-const MATERIAL: [(&str, &str, usize); 17] = [
+const MATERIAL: [(&str, &str, usize); 23] = [
     ("pbrMetallicRoughness/baseColorFactor", "base_color", 4),
     ("pbrMetallicRoughness/metallicFactor", "metallic", 1),
     ("pbrMetallicRoughness/roughnessFactor", "roughness", 1),
@@ -70,7 +70,39 @@ const MATERIAL: [(&str, &str, usize); 17] = [
         "sheen_roughness",
         1,
     ),
+    (
+        "extensions/KHR_materials_iridescence/iridescenceFactor",
+        "iridescence",
+        1,
+    ),
+    (
+        "extensions/KHR_materials_iridescence/iridescenceIor",
+        "iridescence_ior",
+        1,
+    ),
+    (
+        "extensions/KHR_materials_iridescence/iridescenceThicknessMaximum",
+        "iridescence_thickness_nm",
+        1,
+    ),
+    (
+        "extensions/KHR_materials_anisotropy/anisotropyStrength",
+        "anisotropy",
+        1,
+    ),
+    (
+        "extensions/KHR_materials_anisotropy/anisotropyRotation",
+        ANISOTROPY_ROTATION,
+        1,
+    ),
+    (
+        "extensions/KHR_materials_dispersion/dispersion",
+        "dispersion",
+        1,
+    ),
 ];
+/// In degrees, of the radians of files.
+const ANISOTROPY_ROTATION: &str = "anisotropy_rotation_deg";
 const EMISSION: &str = "emission";
 const EMISSION_STRENGTH: &str = "emission_strength";
 
@@ -89,6 +121,9 @@ const TEXTURES: [&str; TEXTURE_SLOTS] = [
     "extensions/KHR_materials_clearcoat/clearcoatTexture",
     "extensions/KHR_materials_clearcoat/clearcoatRoughnessTexture",
     "extensions/KHR_materials_clearcoat/clearcoatNormalTexture",
+    "extensions/KHR_materials_iridescence/iridescenceTexture",
+    "extensions/KHR_materials_iridescence/iridescenceThicknessTexture",
+    "extensions/KHR_materials_anisotropy/anisotropyTexture",
 ];
 
 /// Values of cameras: pointer, key, factor on the way to scene text.
@@ -135,11 +170,12 @@ fn target(root: &Root, pointer: &str) -> Option<Target> {
     };
     if let Some((index, rest)) = of("/materials/") {
         let (value, lanes) = material_value(rest)?;
+        let is_angle = matches!(value, PointedValue::Field(ANISOTROPY_ROTATION));
         return Some(Target {
             object: Pointed::Material(index),
             value,
             lanes,
-            factor: 1.0,
+            factor: if is_angle { 180.0 / PI } else { 1.0 },
         });
     }
     if let Some((index, rest)) = of("/cameras/") {

@@ -46,6 +46,12 @@ pub struct MaterialExtensions {
     pub volume: Option<Volume>,
     #[serde(rename = "KHR_materials_clearcoat")]
     pub clearcoat: Option<Clearcoat>,
+    #[serde(rename = "KHR_materials_iridescence")]
+    pub iridescence: Option<Iridescence>,
+    #[serde(rename = "KHR_materials_anisotropy")]
+    pub anisotropy: Option<Anisotropy>,
+    #[serde(rename = "KHR_materials_dispersion")]
+    pub dispersion: Option<Dispersion>,
     #[serde(rename = "KHR_materials_unlit")]
     pub unlit: Option<IgnoredAny>,
     #[serde(rename = "KHR_materials_pbrSpecularGlossiness")]
@@ -115,6 +121,31 @@ pub struct Clearcoat {
     pub clearcoat_roughness_factor: Option<f32>,
     pub clearcoat_roughness_texture: Option<TextureInfo>,
     pub clearcoat_normal_texture: Option<TextureInfo>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub struct Iridescence {
+    pub iridescence_factor: Option<f32>,
+    pub iridescence_texture: Option<TextureInfo>,
+    pub iridescence_ior: Option<f32>,
+    pub iridescence_thickness_minimum: Option<f32>,
+    pub iridescence_thickness_maximum: Option<f32>,
+    pub iridescence_thickness_texture: Option<TextureInfo>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub struct Anisotropy {
+    pub anisotropy_strength: Option<f32>,
+    pub anisotropy_rotation: Option<f32>,
+    pub anisotropy_texture: Option<TextureInfo>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub struct Dispersion {
+    pub dispersion: Option<f32>,
 }
 
 /// A use of a texture, with the keys of normal and occlusion textures too.
