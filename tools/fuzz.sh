@@ -33,12 +33,9 @@ for target in "${targets[@]}"; do
     mkdir -p "$seeds" fuzz/artifacts
     case "$target" in
         gltf)
-            folders=(scripts)
+            folders=(scripts tests/gltf)
             [ -d "${REFLET_CORPUS:-../shared/corpus}" ] && folders+=("${REFLET_CORPUS:-../shared/corpus}")
-            mapfile -t files < <(find "${folders[@]}" -name '*.gl[bt]*' -size -64k | sort)
-            for file in "${files[@]:0:300}"; do
-                cp "$file" "$seeds/$(sha256sum "$file" | cut -c1-16)"
-            done
+            python3 tools/fuzz_seeds.py "$seeds" "${folders[@]}"
             ;;
         scene)
             find scenes scripts tests/bad_scenes -name '*.toml' | while read -r file; do

@@ -5,7 +5,8 @@
 The corpus lists its roots in INDEX.tsv, with the errors that the Khronos validator finds in each.
 A reference picture is `Figures/SampleImages/NAME.png` beside or above a root, as in
 glTF-Asset-Generator. What looks wrong on the sheets stands in tools/gltf_looks.toml, with its
-cause; `--page` tables it in docs/gltf.md.
+cause; `--page` tables it in docs/gltf.md, with two small sheets: of all that have a reference
+picture, each before it, and of the others.
 """
 
 from __future__ import annotations
@@ -29,10 +30,13 @@ from measuring import add_program, program_of
 from sheet import sheet
 
 PAGE = measuring.ROOT / "docs" / "gltf.md"
+PAGE_SHEETS = measuring.ROOT / "docs" / "images"
 LOOKS = measuring.ROOT / "tools" / "gltf_looks.toml"
 
 SIZE = 192
 SAMPLES = 16
+SMALL = 80
+SMALL_COLUMNS = 16
 CELLS = 48
 COLUMNS = 8
 CPU_S = 60
@@ -124,6 +128,20 @@ def write_sheets(corpus: Path, out: Path, roots: list[Root]) -> int:
     return len(parts)
 
 
+def write_page_sheets(corpus: Path, roots: list[Root]) -> None:
+    """Small sheets for the page, without captions."""
+    compared, others = [], []
+    for root in roots:
+        beside = reference(corpus, root)
+        if root.picture is not None and beside is not None:
+            compared += [("", root.picture), ("", beside)]
+        elif root.picture is not None:
+            others.append(("", root.picture))
+    for name, cells in (("compared", compared), ("others", others)):
+        small = sheet(cells, SMALL_COLUMNS, SMALL)
+        small.save(PAGE_SHEETS / f"gltf-{name}.png", optimize=True)
+
+
 @dataclasses.dataclass
 class Looks:
     """What was seen on the sheets: causes by file."""
@@ -178,8 +196,8 @@ def table(roots: list[Root], looks: Looks) -> str:
         f"are refused as `nothing-to-show`, and {len(looks.refused)} must be refused: "
         + "; ".join(f"{file} ({why})" for file, why in sorted(looks.refused.items()))
     )
-    wrong = measuring.table(["not right", "why"], lines)
-    return f"{share}.\n\n{wrong}\n\n{measuring.table(head, rows)}"
+    wrong = [measuring.table(["not right", "why"], lines)] if lines else []
+    return "\n\n".join([f"{share}.", *wrong, measuring.table(head, rows)])
 
 
 def main() -> None:
@@ -205,6 +223,7 @@ def main() -> None:
     (arguments.out / "table.md").write_text(text + "\n", encoding="utf-8")
     if arguments.page and not arguments.only:
         measuring.write_tables(PAGE, {"corpus": text})
+        write_page_sheets(arguments.corpus, roots)
     slowest = max(roots, key=lambda root: root.seconds)
     print(f"{len(roots)} roots on {count} sheets; slowest {slowest.file}: {slowest.seconds:.1f} s")
 

@@ -26,6 +26,7 @@ from reflet_light.scenes import ROUGHNESSES, Scene, all_scenes, panorama
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 PAGE = ROOT / "docs" / "light.md"
 DATA = ROOT / "docs" / "data" / "light.csv"
+FURNACE_DATA = ROOT / "docs" / "data" / "light-furnace.csv"
 SPEED_DATA = ROOT / "docs" / "data" / "light-speed.csv"
 IMAGES = ROOT / "docs" / "images"
 SIZE = (96, 64)
@@ -189,6 +190,7 @@ def page(out: pathlib.Path) -> None:
     }
     write_tables(PAGE, tables)
     write_rows(DATA, rows)
+    write_rows(FURNACE_DATA, read_rows(out / "furnace.csv"))
     write_rows(SPEED_DATA, read_rows(out / "speed.csv"))
     pictures(out)
 

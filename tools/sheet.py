@@ -20,21 +20,22 @@ def sheet(
     width: int,
     crop: tuple[int, int, int, int] | None = None,
 ) -> Image.Image:
-    """The pictures row by row, each `width` pixels wide, with its caption above.
+    """The pictures row by row, each `width` pixels wide, with its caption above if any has one.
 
     `crop` is the part of each that is shown: left, top, right and bottom in its pixels.
     """
     pictures = [_scaled(path, width, crop) for _, path in cells]
     height = max(picture.height for picture in pictures)
     rows = -(-len(cells) // columns)
-    step_x, step_y = width + GAP, height + TEXT_HEIGHT + GAP
+    text_height = TEXT_HEIGHT if any(caption for caption, _ in cells) else 0
+    step_x, step_y = width + GAP, height + text_height + GAP
     out = Image.new("RGB", (columns * step_x + GAP, rows * step_y + GAP), "white")
     draw = ImageDraw.Draw(out)
     font = ImageFont.load_default()
     for index, ((caption, _), picture) in enumerate(zip(cells, pictures, strict=True)):
         x, y = GAP + index % columns * step_x, GAP + index // columns * step_y
         draw.text((x, y), caption, fill="black", font=font)
-        out.paste(picture, (x, y + TEXT_HEIGHT))
+        out.paste(picture, (x, y + text_height))
     return out
 
 

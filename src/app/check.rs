@@ -18,9 +18,9 @@ use crate::{
         dependencies::Dependencies,
         diagnostic::{Diagnostic, printable},
         parse::MOST_BYTES,
-        stages::Animator,
+        stages::{Animator, Scene},
     },
-    session::scene_text::SceneText,
+    session::scene_text::{LoadedScene, SceneText},
     world::World,
 };
 
@@ -159,30 +159,27 @@ fn check_variant(source: SourceText, from: &SceneArgs) -> Result<Checked, Vec<Di
         eprintln!("{line}");
     }
     let mut loaded = opened.load(name)?;
-    let animator = Animator::new(&loaded.scene);
-    let first = loaded.scene.first_frame();
-    let last = loaded.scene.timeline.as_ref().map_or(first, |t| t.end);
-    let (mut log, mut lint) = (Log::default(), Lint::new(&loaded.scene));
-    let mut look = |world: &World| lint.frame(world);
-    let posed = pose_all(
-        &animator,
-        &mut loaded.world,
-        first..=last,
-        &mut log,
-        &mut look,
-    );
+    let mut log = Log::default();
+    let found = look_at(&mut loaded, &mut log);
     log.print();
     let mut messages = loaded.warnings;
-    match &posed {
-        Ok(_) => messages.extend(lint.finish()),
-        Err(errors) => messages.extend(errors.iter().cloned()),
-    }
+    let posed = match found {
+        Ok((posed, warnings)) => {
+            messages.extend(warnings);
+            Some(posed)
+        }
+        Err(errors) => {
+            messages.extend(errors);
+            None
+        }
+    };
     let refused = Lint::refused_here(&loaded.scene, &loaded.world);
-    let (Ok(posed), None) = (posed, &refused) else {
+    let (Some(posed), None) = (posed, &refused) else {
         messages.extend(refused);
         return Err(messages);
     };
-    let all = last - first + 1;
+    let frames = frames_of(&loaded.scene);
+    let all = frames.end() - frames.start() + 1;
     let frames = match posed {
         _ if all == 1 => String::new(),
         posed if posed == all => format!(", {all} frames"),
@@ -197,6 +194,31 @@ fn check_variant(source: SourceText, from: &SceneArgs) -> Result<Checked, Vec<Di
         summary: format!("{}: ok{frames}", loaded.name),
         variants: variants.map(|v| v.value.clone()).collect(),
     })
+}
+
+/// All warnings of [`Lint`] about a loaded scene; none where a frame is wrong, of which `check` tells.
+pub fn lint(loaded: &mut LoadedScene) -> Vec<Diagnostic> {
+    let found = look_at(loaded, &mut Log::default());
+    found.map_or_else(|_| Vec::new(), |(_, warnings)| warnings)
+}
+
+/// How many frames were posed, and what is hardly meant in them; else all errors.
+fn look_at(
+    loaded: &mut LoadedScene,
+    log: &mut Log,
+) -> Result<(u32, Vec<Diagnostic>), Vec<Diagnostic>> {
+    let animator = Animator::new(&loaded.scene);
+    let mut lint = Lint::new(&loaded.scene);
+    let mut look = |world: &World| lint.frame(world);
+    let frames = frames_of(&loaded.scene);
+    let posed = pose_all(&animator, &mut loaded.world, frames, log, &mut look)?;
+    Ok((posed, lint.finish()))
+}
+
+/// Those of the timeline, else the one picture.
+fn frames_of(scene: &Scene) -> RangeInclusive<u32> {
+    let first = scene.first_frame();
+    first..=scene.timeline.as_ref().map_or(first, |t| t.end)
 }
 
 /// The scene text of standard input; its file names start from the folder that one is in.

@@ -1,12 +1,20 @@
 //! `info`: contents of a scene as counts, meters and bytes.
 
-use std::{collections::BTreeMap, fmt::Write as _};
+mod table;
+
+use std::collections::BTreeMap;
 
 use serde::Serialize;
 
 use super::{
-    args::InfoArgs, error::AppError, lint::Lint, params::setting, plan_file::PlanFile, print_json,
-    print_out, scene::load_scene, stats::mebibytes,
+    args::InfoArgs,
+    check,
+    error::{AppError, print_diagnostics},
+    lint::Lint,
+    params::setting,
+    plan_file::PlanFile,
+    print_json, print_out,
+    scene::load_scene,
 };
 use crate::{
     render::{
@@ -48,6 +56,8 @@ pub struct Info {
     pub textures: usize,
     /// Lights of each of [`LightKind::NAMES`].
     pub lights: [usize; LightKind::NAMES.len()],
+    /// Triangles of materials with `light = true`.
+    pub light_triangles: usize,
     /// Animations of the files, played or not.
     pub animations: Vec<Listed>,
     /// Material variants of the files that have some.
@@ -86,7 +96,7 @@ pub struct Info {
     pub decided_plan: Option<AdapterDecisions>,
     /// Features that the plan drops, and why that changes nothing.
     pub left_out: Vec<Dropped>,
-    /// Warnings of loading.
+    /// Warnings, as `check` counts them for the chosen variant.
     pub warnings: usize,
     /// Every file that was read.
     pub files: Vec<String>,
@@ -127,15 +137,18 @@ pub struct Cut {
 /// [`AppError::Scene`] when it cannot be loaded, or when this machine's device cannot hold it.
 pub fn info(args: &InfoArgs) -> Result<(), AppError> {
     let plan = args.plan.as_deref().map(PlanFile::read).transpose()?;
-    let loaded = load_scene(args.scene.as_deref(), &args.from, &[])?;
+    let mut loaded = load_scene(args.scene.as_deref(), &args.from, &[])?;
     if let Some(refused) = Lint::refused_here(&loaded.scene, &loaded.world) {
         return Err(AppError::Scene(vec![refused]));
     }
-    let info = gather(&loaded, plan.as_ref())?;
+    let mut info = gather(&loaded, plan.as_ref())?;
+    let found = check::lint(&mut loaded);
+    print_diagnostics(&found);
+    info.warnings += found.len();
     if args.json {
         print_json(&info)
     } else {
-        print_out(&table(&info))
+        print_out(&table::table(&info))
     }
 }
 
@@ -182,6 +195,9 @@ pub fn gather(loaded: &LoadedScene, plan_file: Option<&PlanFile>) -> Result<Info
         materials_cut_out: materials.filter(|m| m.alpha_cutoff.is_some()).count(),
         textures: world.textures.len(),
         lights: LightKind::NAMES.map(num_lights),
+        light_triangles: (world.lighting_instances())
+            .map(|(_, instance)| num_triangles(instance.mesh))
+            .sum(),
         animations: world.animations.clone(),
         variants: world.variants.clone(),
         timeline: loaded.scene.timeline.as_ref().map(|t| Timeline {
@@ -269,125 +285,4 @@ fn geometry_bytes(world: &World) -> u64 {
             + size_of_val(mesh.uv1.as_slice())
     };
     world.meshes.iter().map(mesh).sum::<usize>() as u64
-}
-
-fn table(info: &Info) -> String {
-    let mut out = String::new();
-    let mut line = |label: &str, value: String| {
-        // Writing to a string cannot fail.
-        let _ = writeln!(out, "{label:<12}{value}");
-    };
-    line("scene", info.scene.clone());
-    line("cameras", info.cameras.join(", "));
-    line(
-        "triangles",
-        format!(
-            "{} placed, {} stored in {} meshes",
-            info.triangles_placed, info.triangles_stored, info.meshes
-        ),
-    );
-    line(
-        "instances",
-        format!("{}, {} dynamic", info.instances, info.instances_dynamic),
-    );
-    line(
-        "materials",
-        format!(
-            "{}, {} reflective, {} cut out",
-            info.materials, info.materials_reflective, info.materials_cut_out
-        ),
-    );
-    line("textures", info.textures.to_string());
-    let lights = info.lights.iter().zip(LightKind::NAMES);
-    let lights: Vec<_> = lights.map(|(n, name)| format!("{n} {name}")).collect();
-    line("lights", lights.join(", "));
-    for (label, value) in choices(info) {
-        line(label, value);
-    }
-    if let Some(Timeline { start, end, fps }) = info.timeline {
-        line("timeline", format!("frames {start} to {end} at {fps} fps"));
-    }
-    for cut in &info.cuts {
-        line("cut", format!("frame {}: {}", cut.frame, cut.camera));
-    }
-    for what in &info.moves {
-        line("moves", what.clone());
-    }
-    for param in &info.params {
-        line("param", param.clone());
-    }
-    for (group, params) in &info.placed_params {
-        line("param", format!("of \"{group}\": {}", params.join(", ")));
-    }
-    let corner = |[x, y, z]: [f32; 3]| format!("({x:.3}, {y:.3}, {z:.3})");
-    let bounds = info.bounds_m.map_or("nothing".to_owned(), |[min, max]| {
-        format!("{} to {} m", corner(min), corner(max))
-    });
-    line("bounds", bounds);
-    line("U", format!("{:.4} m", info.unit_m));
-    line("ray length", format!("{:.3} m", info.ray_length_m));
-    line("threshold", format!("{:.4} m", info.threshold_m));
-    line(
-        "memory",
-        format!(
-            "geometry {}, trees {}, textures {}",
-            mebibytes(info.geometry_bytes),
-            mebibytes(info.tree_bytes),
-            mebibytes(info.texture_bytes)
-        ),
-    );
-    line("bounces", info.bounces.to_string());
-    for decision in decisions(info) {
-        line("decided", decision);
-    }
-    for dropped in &info.left_out {
-        line("left out", format!("{}: {}", dropped.what, dropped.why));
-    }
-    line("warnings", info.warnings.to_string());
-    for file in &info.files {
-        line("file", file.clone());
-    }
-    out
-}
-
-/// Animations and material variants of the files, of which scene text chooses.
-fn choices(info: &Info) -> Vec<(&'static str, String)> {
-    let mut lines = Vec::new();
-    for animation in &info.animations {
-        let state = match (animation.channels, animation.played) {
-            (0, _) => "cannot be played".to_owned(),
-            (n, played) => format!(
-                "{:.3} s, {n} channels, {}",
-                animation.duration_s,
-                if played { "played" } else { "not played" }
-            ),
-        };
-        let (model, name) = (&animation.model, &animation.name);
-        lines.push(("animation", format!("\"{name}\" of model {model}: {state}")));
-    }
-    for listed in &info.variants {
-        let shown = listed.shown.as_deref().unwrap_or("none of them");
-        let (names, model) = (listed.names.join(", "), &listed.model);
-        lines.push((
-            "variants",
-            format!("{names} of model {model}; shown: {shown}"),
-        ));
-    }
-    lines
-}
-
-/// What is left to `auto` becomes what, on which adapters.
-fn decisions(info: &Info) -> Vec<String> {
-    let of = |kind: &str, list: &[Decision]| {
-        let text = |d: &Decision| format!("{} = {} on {kind}: {}", d.what, d.chosen, d.why);
-        list.iter().map(text).collect::<Vec<_>>()
-    };
-    match &info.decided_plan {
-        Some(plan) => of(&plan.adapter, &plan.decisions),
-        None => [
-            of("software", &info.decided_software),
-            of("GPUs", &info.decided_gpu),
-        ]
-        .concat(),
-    }
 }

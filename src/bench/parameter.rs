@@ -317,10 +317,10 @@ mod tests {
             (
                 Parameter::RayLengthU,
                 f64::INFINITY,
-                "between -1e12 and 1e12",
+                "above 0 and at most 1e12",
             ),
             (Parameter::RayLengthU, 1e-300, "above 0"), // 0 in single precision
-            (Parameter::ThresholdU, 1e300, "between -1e12 and 1e12"),
+            (Parameter::ThresholdU, 1e300, "0 to 1e12"),
         ] {
             let error = parameter.check(value).expect_err("out of range");
             assert_eq!(

@@ -361,7 +361,7 @@ fn bad_input_is_refused_before_anything_is_measured() {
         (
             &["--parameter", "threshold_u", "--values", "1e300"],
             2,
-            "between -1e12 and 1e12",
+            "must be 0 to 1e12",
         ),
         (&["--samples", "none.csv"], 2, "cannot be read"),
         (&["--samples", "empty.csv"], 2, "is empty"),

@@ -4,6 +4,7 @@ mod calibrate;
 #[path = "../common/mod.rs"]
 mod common;
 mod denoise;
+mod info;
 mod lsp;
 
 use std::{

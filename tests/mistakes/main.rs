@@ -2,6 +2,7 @@
 //! do.
 
 mod lint;
+mod meant;
 mod script;
 mod text;
 mod values;

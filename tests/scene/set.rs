@@ -145,3 +145,14 @@ fn parameters_keep_their_kind() {
         assert!(errors[0].to_string().contains(says), "{set}: {}", errors[0]);
     }
 }
+
+#[test]
+fn a_name_where_there_are_none_is_told_so() {
+    let set = ["light.lamp.radius_m=1".to_owned()];
+    let errors = Scene::from_text(SCENE, Path::new("scene.toml"), &set);
+    let errors = errors.err().unwrap_or_default();
+    assert_eq!(errors.len(), 1, "{errors:#?}");
+    assert_eq!(errors[0].name, "dangling-name");
+    let help = errors[0].help.as_deref();
+    assert_eq!(help, Some("the scene has no `[light.NAME]`"));
+}

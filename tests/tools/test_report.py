@@ -133,6 +133,25 @@ def test_the_table_is_right_and_repeatable(folder: Path, tmp_path: Path, khronos
     assert rows["moving.usda"]["proof"]["khronos"]["errors"] == 0
 
 
+def test_a_stage_alone_is_refused_what_lies_beside_its_folder(
+    tmp_path: Path, stages: Path, khronos: None
+) -> None:
+    """As `convert` finds it without `--root`."""
+    folder = tmp_path / "corpus"
+    (folder / "shot").mkdir(parents=True)
+    shutil.copy(stages / "gprims.usda", folder / "gprims.usda")
+    reference = '#usda 1.0\ndef Xform "A" (references = @../gprims.usda@</Set>) {}\n'
+    (folder / "shot" / "shot.usda").write_text(reference)
+    found = []
+    for more in ([], ["--alone"]):
+        details = tmp_path / "details.json"
+        command = ["report", str(folder), "--only", "shot", *more, "--json", str(details)]
+        cli.main([*command, "-o", str(tmp_path / "table.md")])
+        [row] = json.loads(details.read_text())
+        found.append((row["converted"], row["reason"]))
+    assert found == [(True, ""), (False, "asset-outside-roots")]
+
+
 LOSSES = """#usda 1.0
 (
     metersPerUnit = 1

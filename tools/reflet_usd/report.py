@@ -75,6 +75,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--only", default="", type=_pattern, metavar="REGEX", help="only stages that match"
     )
+    parser.add_argument(
+        "--alone", action="store_true", help="of each stage its own folder alone, not all of DIR"
+    )
     parser.add_argument("--keep", type=Path, metavar="FOLDER", help="keep the outputs here")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="stages at a time")
     parser.add_argument(
@@ -118,7 +121,10 @@ def run(args: argparse.Namespace) -> int:
     with tempfile.TemporaryDirectory(prefix="reflet-report-") as scratch:
         place = args.keep or Path(scratch)
         place.mkdir(parents=True, exist_ok=True)
-        rows = convert_all(args.folder, roots, place, args.jobs, Limits(wall_s=args.wall_s))
+        # Stages of a corpus borrow layers and textures from each other's folders.
+        options = ConvertOptions(extra_roots=() if args.alone else (args.folder,))
+        limits = Limits(wall_s=args.wall_s)
+        rows = convert_all(args.folder, roots, place, args.jobs, limits, options)
     text = format_markdown(rows, peers, __version__)
     if args.output:
         _write(args.output, text)
@@ -159,12 +165,18 @@ def _write(place: Path, text: str) -> None:
 
 
 def convert_all(
-    folder: Path, roots: list[Root], place: Path, jobs: int, limits: Limits
+    folder: Path,
+    roots: list[Root],
+    place: Path,
+    jobs: int,
+    limits: Limits,
+    options: ConvertOptions,
 ) -> list[Row]:
     """Convert and check every root, `jobs` at a time, each in its own processes."""
     children = Children()
     with concurrent.futures.ThreadPoolExecutor(max(jobs, 1)) as pool:
-        work = [pool.submit(_one, folder, root, place, limits, children) for root in roots]
+        fixed = (limits, options, children)
+        work = [pool.submit(_one, folder, root, place, *fixed) for root in roots]
         rows = []
         try:
             for number, item in enumerate(work, 1):
@@ -190,11 +202,16 @@ def _out(root: Root, place: Path) -> Path:
     return place / (re.sub(r"[^A-Za-z0-9.]+", "_", root.file) + ".glb")
 
 
-def _one(folder: Path, root: Root, place: Path, limits: Limits, children: Children) -> Row:
+def _one(
+    folder: Path,
+    root: Root,
+    place: Path,
+    limits: Limits,
+    options: ConvertOptions,
+    children: Children,
+) -> Row:
     stage = folder / root.file
     out = _out(root, place)
-    # Stages of a corpus borrow layers and textures from each other's folders.
-    options = ConvertOptions(extra_roots=(folder,))
     start = time.monotonic()
     try:
         result = run_convert(stage, out, options, limits=limits, children=children)

@@ -1,9 +1,9 @@
-//! Keys that method `path` leaves out: it follows all light, whatever they say.
+//! Keys that change nothing: what others say makes them do so.
 
 use toml::de::DeTable;
 
 use crate::scene::{
-    desc::Method,
+    desc::{InstanceMaterialDesc, MaterialDesc, Method},
     diagnostic::{Diagnostic, Span},
     stages::Scene,
 };
@@ -21,35 +21,134 @@ const REPLACED: [&str; 9] = [
     "blur_px",
 ];
 
-/// Warns of the first of them that the text says, and names all; `start` is in the scene's text.
-pub fn lint(scene: &Scene, start: &Span) -> Option<Diagnostic> {
-    let source = start.source.as_ref()?;
+/// A key of materials, and whether a material's table says it.
+type Key = (&'static str, fn(&MaterialDesc) -> bool);
+
+/// A [`Key`] by its name.
+macro_rules! key {
+    ($key:ident) => {
+        (
+            stringify!($key),
+            (|material| material.$key.is_some()) as fn(&MaterialDesc) -> bool,
+        )
+    };
+}
+
+/// Keys of materials, and others that do nothing without them. Where something moves the first, the table must have it.
+const NEEDED: &[(Key, &[Key])] = &[
+    (
+        key!(transmission),
+        &[
+            key!(thickness_m),
+            key!(attenuation_color),
+            key!(attenuation_distance_m),
+            key!(dispersion),
+        ],
+    ),
+    (key!(clearcoat), &[key!(clearcoat_roughness)]),
+    (key!(sheen_color), &[key!(sheen_roughness)]),
+    (
+        key!(iridescence),
+        &[key!(iridescence_ior), key!(iridescence_thickness_nm)],
+    ),
+    (key!(anisotropy), &[key!(anisotropy_rotation_deg)]),
+];
+
+/// Warnings of keys that the scene's text says and that change nothing; `start` is in that text.
+pub fn lint(scene: &Scene, start: &Span) -> Vec<Diagnostic> {
+    let mut found: Vec<_> = by_path(scene, start).into_iter().collect();
+    found.extend(shutter(scene, start));
+    found.extend(materials(scene));
+    found
+}
+
+/// Keys that method `path` leaves out: it follows all light, whatever they say.
+fn by_path(scene: &Scene, start: &Span) -> Option<Diagnostic> {
     if scene.reflection.method != Method::Path {
         return None;
     }
-    let root = DeTable::parse(&source.text).ok()?.into_inner();
-    let table = root.get("reflection")?.get_ref().as_table()?;
-    let mut keys: Vec<_> = table
-        .keys()
-        .filter(|key| REPLACED.contains(&key.get_ref().as_ref()))
-        .map(|key| (key.span(), key.get_ref().as_ref()))
-        .collect();
-    keys.sort_by_key(|(range, _)| range.start);
-    let (range, _) = keys.first()?.clone();
-    let names: Vec<String> = keys.iter().map(|(_, name)| format!("`{name}`")).collect();
-    let at = Span {
-        source: Some(source.clone()),
-        range,
-    };
+    let keys = written(start, "reflection", &REPLACED);
+    let (at, _) = keys.first()?.clone();
+    let names: Vec<_> = keys.iter().map(|(_, name)| name.as_str()).collect();
     let message = format!(
-        "`method = \"path\"` follows all light, so {} {} nothing",
-        names.join(", "),
-        if names.len() == 1 {
-            "changes"
-        } else {
-            "change"
-        }
+        "`method = \"path\"` follows all light, so {}",
+        nothing(&names)
     );
     let help = "remove them, or choose another method";
     Some(Diagnostic::at("ignored-key", at, message).help(help))
+}
+
+/// A shutter that is open while nothing moves.
+fn shutter(scene: &Scene, start: &Span) -> Option<Diagnostic> {
+    if scene.image.shutter <= 0.0 || !scene.is_still() {
+        return None;
+    }
+    let key = written(start, "image", &["shutter"]);
+    let at = key.first().map_or(start, |(at, _)| at).clone();
+    let message = format!("nothing moves in the scene, so {}", nothing(&["shutter"]));
+    let help = "remove it, or write `[motion]`, a script with `frame`, or `animation` of a model";
+    Some(Diagnostic::at("ignored-key", at, message).help(help))
+}
+
+/// Materials that lack what others of their keys need. Those of files may have it there.
+fn materials(scene: &Scene) -> Vec<Diagnostic> {
+    let of_shapes = scene
+        .models
+        .iter()
+        .filter_map(|m| m.value.material.as_ref());
+    let of_instances = scene.instances.iter().filter_map(|i| match &i.material {
+        Some(InstanceMaterialDesc::Named(name)) => Some(name),
+        _ => None,
+    });
+    let used: Vec<_> = of_shapes
+        .chain(of_instances)
+        .map(|name| &name.value)
+        .collect();
+    let mut found = Vec::new();
+    for entry in scene.materials.iter().filter(|m| used.contains(&&m.name)) {
+        for ((needed, has), keys) in NEEDED {
+            let said = keys.iter().filter(|(_, says)| says(&entry.value));
+            let names: Vec<_> = said.map(|(name, _)| *name).collect();
+            if has(&entry.value) || names.is_empty() {
+                continue;
+            }
+            let message = format!(
+                "material \"{}\" has no `{needed}`, so {}",
+                entry.name,
+                nothing(&names)
+            );
+            let them = if names.len() == 1 { "it" } else { "them" };
+            let help = format!("write `{needed}`, or remove {them}");
+            found.push(Diagnostic::at("ignored-key", entry.at.clone(), message).help(help));
+        }
+    }
+    found
+}
+
+/// Where a table of the scene's text says some of these keys, in its order.
+fn written(start: &Span, table: &str, keys: &[&str]) -> Vec<(Span, String)> {
+    let find = || {
+        let source = start.source.as_ref()?;
+        let root = DeTable::parse(&source.text).ok()?.into_inner();
+        let table = root.get(table)?.get_ref().as_table()?;
+        let said = table
+            .keys()
+            .filter(|key| keys.contains(&key.get_ref().as_ref()));
+        let place = |range| Span {
+            source: Some(source.clone()),
+            range,
+        };
+        let said = said.map(|key| (place(key.span()), key.get_ref().to_string()));
+        Some(said.collect::<Vec<_>>())
+    };
+    let mut found = find().unwrap_or_default();
+    found.sort_by_key(|(at, _)| at.range.start);
+    found
+}
+
+/// That these keys change nothing.
+fn nothing(keys: &[&str]) -> String {
+    let names: Vec<_> = keys.iter().map(|key| format!("`{key}`")).collect();
+    let change = if keys.len() == 1 { "changes" } else { "change" };
+    format!("{} {change} nothing", names.join(", "))
 }

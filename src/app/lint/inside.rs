@@ -7,7 +7,7 @@ use glam::{DVec3, Vec3};
 use crate::{
     math::{in_f64, invertible},
     scene::{
-        desc::ShadowMode,
+        desc::{LightKind, ShadowMode},
         diagnostic::{Diagnostic, Span},
         stages::Scene,
     },
@@ -29,9 +29,12 @@ pub fn lights(scene: &Scene, world: &World) -> Vec<Diagnostic> {
         };
         let cameras: Vec<Vec3> = world.cameras.iter().map(|c| c.value.eye).collect();
         let mut around = closed.around(position);
+        let surface = surface(&light.desc.kind, position);
         around.retain(|i| {
             let casts_shadow = world.instances[*i].shown.casts_shadow;
-            casts_shadow && !cameras.iter().any(|eye| closed.contains(*i, *eye))
+            casts_shadow
+                && !cameras.iter().any(|eye| closed.contains(*i, *eye))
+                && surface.iter().all(|at| closed.contains(*i, *at))
         });
         if let Some(shape) = around.first() {
             let shape = &world.instances[*shape];
@@ -85,6 +88,39 @@ pub fn cameras(scene: &Scene, world: &World) -> Vec<Diagnostic> {
         }
     }
     found
+}
+
+/// Points at the edge of a light with a size, on both sides of its middle along each axis.
+fn surface(kind: &LightKind, position: Vec3) -> Vec<Vec3> {
+    let steps = match *kind {
+        LightKind::Point { radius_m, .. } | LightKind::Spot { radius_m, .. } => {
+            Vec3::AXES.map(|axis| axis * radius_m).to_vec()
+        }
+        LightKind::Disk {
+            direction,
+            radius_m,
+            ..
+        } => {
+            let (u, v) = direction.normalize_or(Vec3::NEG_Y).any_orthonormal_pair();
+            vec![u * radius_m, v * radius_m]
+        }
+        LightKind::Rect {
+            direction,
+            up,
+            size: [width, height],
+            ..
+        } => {
+            // As it is drawn: where `up` lies along its direction, Z is up.
+            let across = |up: Vec3| direction.cross(up).try_normalize();
+            let right = across(up).or_else(|| across(Vec3::Z)).unwrap_or(Vec3::X);
+            vec![right * 0.5 * width, right.cross(direction) * 0.5 * height]
+        }
+        LightKind::Directional { .. } => Vec::new(),
+    };
+    let both = steps
+        .iter()
+        .flat_map(|step| [position + *step, position - *step]);
+    both.collect()
 }
 
 /// Adds the place of an instance, where its name leads to one.

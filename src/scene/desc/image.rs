@@ -84,12 +84,12 @@ pub struct ImageDesc {
     /// they hold is cut. Default `"auto"`.
     pub radiance: Radiance,
     /// Whether the background is transparent: PNG and EXR files get alpha, the share of each pixel that shows
-    /// something (EXR: linear radiance is multiplied by it; PNG: colors are not), and the environment is lit by and
-    /// reflected, not seen. Glass counts as something, blended alpha by its share. Films stay opaque. Default false.
+    /// something (EXR: linear radiance is multiplied by it; PNG: colors are not). The environment still lights the
+    /// scene and shows in reflections, but is not seen itself. Glass counts as something, blended alpha by its share. Films stay opaque. Default false.
     pub alpha: bool,
     /// How long the shutter is open around the moment of a frame, in frames, 0 to 1: 0.5 is the 180 degrees of
     /// film. Tracks, animations of files, and scripts that use `ctx.t` move while it is open, one moment a
-    /// sub-frame, so it takes many `samples`; `render` alone shows it. Default 0.
+    /// sub-frame, so it takes many `samples`; the preview shows it where the view rests. Default 0.
     pub shutter: f32,
 }
 

@@ -27,6 +27,9 @@ pub enum ShadowMode {
     Auto,
 }
 
+/// Smallest radius of a point or spot light with a size, meters.
+const LEAST_RADIUS_M: f32 = 1e-10;
+
 /// `kind` of a light with what only that kind has.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LightKind {
@@ -36,8 +39,8 @@ pub enum LightKind {
         position: Vec3,
         /// Luminous intensity, candela, 0 or more.
         intensity_cd: f32,
-        /// Radius of a glowing ball of that intensity, meters, 0 or more; 0 has no size. More has softer
-        /// shadows and larger highlights. Default 0.
+        /// Radius of a glowing ball of that intensity, meters, 0 or more; 0, and what is below 1e-10, has no size.
+        /// More has softer shadows and larger highlights. Default 0.
         radius_m: f32,
     },
     /// `"spot"`: a cone from `position`, along `direction` or towards `target`.
@@ -55,7 +58,8 @@ pub enum LightKind {
         inner_deg: f32,
         /// Half angle where it ends, degrees, above 0 and below 90. Default 45.
         outer_deg: f32,
-        /// Radius of a glowing ball that shines inside the cone, meters, 0 or more. Default 0.
+        /// Radius of a glowing ball that shines inside the cone, meters, 0 or more; 0, and what is below 1e-10, has no
+        /// size. Default 0.
         radius_m: f32,
     },
     /// `"directional"`: parallel light, like the sun.
@@ -121,10 +125,13 @@ impl LightKind {
         Self::NAMES[self.index()]
     }
 
-    /// Whether it has a size, so that its light is sampled.
+    /// Whether it has a size, so that its light is sampled. What is smaller than an atom counts as a point: the
+    /// square of its radius, divided by that of a distance, may be 0 in 32-bit floats.
     pub fn has_size(&self) -> bool {
         match self {
-            Self::Point { radius_m, .. } | Self::Spot { radius_m, .. } => *radius_m > 0.0,
+            Self::Point { radius_m, .. } | Self::Spot { radius_m, .. } => {
+                *radius_m >= LEAST_RADIUS_M
+            }
             Self::Directional { angle_deg, .. } => *angle_deg > 0.0,
             Self::Rect { .. } | Self::Disk { .. } => true,
         }
@@ -148,6 +155,9 @@ impl LightKind {
 
     /// Radiance per unit of color of its surface, at its brightest; 0 of what has no size.
     pub fn radiance(&self) -> f32 {
+        if !self.has_size() {
+            return 0.0;
+        }
         let apparent = match *self {
             Self::Point { radius_m, .. }
             | Self::Spot { radius_m, .. }

@@ -184,7 +184,10 @@ fn step<'t, 'i>(
             if let (false, New::Refused(kind)) = (table.contains_key(name), new) {
                 let names: Vec<_> = table.keys().map(|k| k.get_ref().as_ref()).collect();
                 let message = format!("no {kind} is named {}", suggest::text(name));
-                let help = suggest::hint(name, &names, suggest::text, "the names are");
+                let help = match names.is_empty() {
+                    true => format!("the scene has no `[{kind}.NAME]`"),
+                    false => suggest::hint(name, &names, suggest::text, "the names are"),
+                };
                 report.error("dangling-name", &segment.at, message).help = Some(help);
                 return None;
             }

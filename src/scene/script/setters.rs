@@ -8,7 +8,7 @@ use crate::scene::{
     desc::{MATERIAL, MaterialDesc},
     motion::Values,
     number::{Field, Form},
-    range::{LIMIT, Range},
+    range::Range,
     suggest,
 };
 
@@ -88,12 +88,8 @@ fn lanes(value: &Dynamic, key: &str, form: Form, range: &Range) -> Result<Vec3> 
             (v.to_array().to_vec(), v)
         }
     };
-    let outside = |x: &&f64| !range.contains(**x) || !range.contains(f64::from(**x as f32));
-    if let Some(x) = numbers.iter().find(outside) {
-        let words = match range.words() {
-            words if words.is_empty() || x.abs() > LIMIT => "between -1e12 and 1e12".into(),
-            words => words,
-        };
+    let wrong = |x: &f64| Some((*x, range.check(*x).err()?));
+    if let Some((x, words)) = numbers.iter().find_map(wrong) {
         let each = if numbers.len() > 1 {
             " in each part"
         } else {

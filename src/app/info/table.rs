@@ -1,0 +1,131 @@
+//! What `info` prints without `--json`.
+
+use std::fmt::Write as _;
+
+use super::{Info, Timeline};
+use crate::{app::stats::mebibytes, render::decide::Decision, scene::desc::LightKind};
+
+/// A line for each fact.
+pub fn table(info: &Info) -> String {
+    let mut out = String::new();
+    let mut line = |label: &str, value: String| {
+        // Writing to a string cannot fail.
+        let _ = writeln!(out, "{label:<12}{value}");
+    };
+    line("scene", info.scene.clone());
+    line("cameras", info.cameras.join(", "));
+    line(
+        "triangles",
+        format!(
+            "{} placed, {} stored in {} meshes",
+            info.triangles_placed, info.triangles_stored, info.meshes
+        ),
+    );
+    line(
+        "instances",
+        format!("{}, {} dynamic", info.instances, info.instances_dynamic),
+    );
+    line(
+        "materials",
+        format!(
+            "{}, {} reflective, {} cut out",
+            info.materials, info.materials_reflective, info.materials_cut_out
+        ),
+    );
+    line("textures", info.textures.to_string());
+    let lights = info.lights.iter().zip(LightKind::NAMES);
+    let mut lights: Vec<_> = lights.map(|(n, name)| format!("{n} {name}")).collect();
+    if info.light_triangles > 0 {
+        lights.push(format!("{} triangles that light", info.light_triangles));
+    }
+    line("lights", lights.join(", "));
+    for (label, value) in choices(info) {
+        line(label, value);
+    }
+    if let Some(Timeline { start, end, fps }) = info.timeline {
+        line("timeline", format!("frames {start} to {end} at {fps} fps"));
+    }
+    for cut in &info.cuts {
+        line("cut", format!("frame {}: {}", cut.frame, cut.camera));
+    }
+    for what in &info.moves {
+        line("moves", what.clone());
+    }
+    for param in &info.params {
+        line("param", param.clone());
+    }
+    for (group, params) in &info.placed_params {
+        line("param", format!("of \"{group}\": {}", params.join(", ")));
+    }
+    let corner = |[x, y, z]: [f32; 3]| format!("({x:.3}, {y:.3}, {z:.3})");
+    let bounds = info.bounds_m.map_or("nothing".to_owned(), |[min, max]| {
+        format!("{} to {} m", corner(min), corner(max))
+    });
+    line("bounds", bounds);
+    line("U", format!("{:.4} m", info.unit_m));
+    line("ray length", format!("{:.3} m", info.ray_length_m));
+    line("threshold", format!("{:.4} m", info.threshold_m));
+    line(
+        "memory",
+        format!(
+            "geometry {}, trees {}, textures {}",
+            mebibytes(info.geometry_bytes),
+            mebibytes(info.tree_bytes),
+            mebibytes(info.texture_bytes)
+        ),
+    );
+    line("bounces", info.bounces.to_string());
+    for decision in decisions(info) {
+        line("decided", decision);
+    }
+    for dropped in &info.left_out {
+        line("left out", format!("{}: {}", dropped.what, dropped.why));
+    }
+    line("warnings", info.warnings.to_string());
+    for file in &info.files {
+        line("file", file.clone());
+    }
+    out
+}
+
+/// Animations and material variants of the files, of which scene text chooses.
+fn choices(info: &Info) -> Vec<(&'static str, String)> {
+    let mut lines = Vec::new();
+    for animation in &info.animations {
+        let state = match (animation.channels, animation.played) {
+            (0, _) => "cannot be played".to_owned(),
+            (n, played) => format!(
+                "{:.3} s, {n} channels, {}",
+                animation.duration_s,
+                if played { "played" } else { "not played" }
+            ),
+        };
+        let (model, name) = (&animation.model, &animation.name);
+        lines.push(("animation", format!("\"{name}\" of model {model}: {state}")));
+    }
+    for listed in &info.variants {
+        let shown = listed.shown.as_deref().unwrap_or("none of them");
+        let (names, model) = (listed.names.join(", "), &listed.model);
+        lines.push((
+            "variants",
+            format!("{names} of model {model}; shown: {shown}"),
+        ));
+    }
+    lines
+}
+
+/// What is left to `auto` becomes what, on which adapters.
+fn decisions(info: &Info) -> Vec<String> {
+    let of = |kind: &str, list: &[Decision]| {
+        let text = |d: &Decision| format!("{} = {} on {kind}: {}", d.what, d.chosen, d.why);
+        list.iter().map(text).collect::<Vec<_>>()
+    };
+    match &info.decided_plan {
+        Some(plan) => of(&plan.adapter, &plan.decisions),
+        None => [
+            of("software", &info.decided_software),
+            of("GPUs", &info.decided_gpu),
+        ]
+        .concat(),
+    }
+}

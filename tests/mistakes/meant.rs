@@ -1,0 +1,61 @@
+//! What looks like the mistakes of `lint` and is meant.
+
+use std::fs;
+
+use super::{folder, results};
+
+#[test]
+fn rooms_and_lanterns_are_left_alone() {
+    let folder = folder("meant");
+    let room = "version = 1\n[camera.main]\neye = [0, 0, 3]\ntarget = [0, 0, 0]\n[light.lamp]\n\
+                kind = \"point\"\nposition = [0, 1, 0]\nintensity_cd = 20\n[model.room]\n\
+                shape = { kind = \"box\", size = [8, 8, 8] }\n[model.ball]\n\
+                shape = { kind = \"sphere\" }\n[model.glass]\nshape = { kind = \"sphere\", radius = 0.1 }\n\
+                [[instance]]\nmodel = \"room\"\n[[instance]]\nmodel = \"ball\"\n[[instance]]\n\
+                model = \"glass\"\ntranslation = [0, 1, 0]\nmaterial = { alpha_cutoff = 0.5 }\n";
+    fs::write(folder.join("room.toml"), room).expect("writable");
+    let found = results(&folder, &["room.toml".to_owned()], 0);
+    assert_eq!(found, [0; 0].map(serde_json::Value::from));
+}
+
+/// Its surface is far outside of what its middle is in.
+#[test]
+fn a_light_that_is_larger_than_what_it_stands_in_is_not_inside() {
+    let folder = folder("large-light");
+    let aim = "direction = [0, -1, 0]";
+    let lights = [
+        ("kind = \"point\"\nradius_m = 0.4".to_owned(), 1),
+        ("kind = \"point\"\nradius_m = 5".to_owned(), 0),
+        (format!("kind = \"disk\"\n{aim}\nradius_m = 0.4"), 1),
+        (format!("kind = \"disk\"\n{aim}\nradius_m = 1"), 0),
+        (format!("kind = \"rect\"\n{aim}\nsize = [0.2, 3]"), 0),
+    ];
+    for (light, expected) in lights {
+        let scene = format!(
+            "version = 1\n[camera.main]\neye = [0, 9, 9]\ntarget = [0, 0, 0]\n[light.lamp]\n\
+             position = [0, 0, 0]\nintensity_cd = 2000\n{light}\n[model.ball]\n\
+             shape = {{ kind = \"sphere\", radius = 0.45 }}\n[model.floor]\n\
+             shape = {{ kind = \"plane\", size = [8, 8] }}\n[[instance]]\nmodel = \"ball\"\n\
+             [[instance]]\nmodel = \"floor\"\ntranslation = [0, -6, 0]\n"
+        );
+        fs::write(folder.join("scene.toml"), scene).expect("writable");
+        let found = results(&folder, &["scene.toml".to_owned()], 0);
+        let inside = found.iter().filter(|f| f["ruleId"] == "light-inside");
+        assert_eq!(inside.count(), expected, "{light}: {found:#?}");
+    }
+}
+
+/// A base of other materials needs none of what those add.
+#[test]
+fn keys_that_have_an_effect_are_left_alone() {
+    let folder = folder("effect");
+    let scene = "version = 1\n[environment]\ncolor = [1, 1, 1]\n[camera.main]\neye = [0, 1, 6]\n\
+                 target = [0, 0, 0]\n[image]\nshutter = 0.5\n[timeline]\nend = 3\n\
+                 [material.base]\nthickness_m = 0.1\nattenuation_color = [1, 0.5, 0.5]\n\
+                 [material.glass]\nextends = \"base\"\ntransmission = 0\nattenuation_distance_m = 1\n\
+                 [model.ball]\nshape = { kind = \"sphere\" }\nmaterial = \"glass\"\n\
+                 [motion.material.glass]\ntransmission = { keys = [{ at_s = 0, value = 0 }, { at_s = 0.1, value = 1 }] }\n";
+    fs::write(folder.join("scene.toml"), scene).expect("writable");
+    let found = results(&folder, &["scene.toml".to_owned()], 0);
+    assert_eq!(found, [0; 0].map(serde_json::Value::from));
+}

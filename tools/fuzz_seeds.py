@@ -1,0 +1,169 @@
+"""Gathers the glTF files that tools/fuzz.sh begins with, and says how many hold each codec.
+
+python3 tools/fuzz_seeds.py OUT FOLDER...
+
+Every `.glb` and `.gltf` in the folders that takes at most 64 KiB with the files that it names.
+Those with files beside are packed into a `.glb`, for the fuzzer reads one file; WebP and KTX2
+images are put on a triangle. Meshopt streams are taken by both of their names.
+"""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import json
+import os
+import struct
+import sys
+import urllib.parse
+from pathlib import Path
+from typing import Any
+
+from gltf_mutations import Model, read_model
+
+MOST_BYTES = 64 * 1024
+CODECS = (
+    "KHR_draco_mesh_compression",
+    "EXT_meshopt_compression",
+    "KHR_meshopt_compression",
+    "KHR_texture_basisu",
+    "EXT_texture_webp",
+    "KHR_mesh_quantization",
+)
+IMAGES = {
+    ".webp": ("EXT_texture_webp", "image/webp"),
+    ".ktx2": ("KHR_texture_basisu", "image/ktx2"),
+}
+
+
+def glb(root: dict[str, Any], binary: bytes) -> bytes:
+    """Both chunks of a `.glb`."""
+    chunks = b""
+    for kind, data, pad in ((b"JSON", json.dumps(root).encode(), b" "), (b"BIN\0", binary, b"\0")):
+        data += pad * (-len(data) % 4)
+        chunks += struct.pack("<I4s", len(data), kind) + data
+    return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks
+
+
+def bytes_of(uri: str, model: Model) -> bytes | None:
+    """What a URI holds or names; nothing where that file is missing."""
+    if uri.startswith("data:"):
+        return base64.b64decode(uri.partition(",")[2])
+    return model.beside.get(urllib.parse.unquote(uri))
+
+
+def pack(model: Model) -> bytes | None:
+    """The model as one file; nothing where a file that it names is missing."""
+    root = model.root
+    if root is None:
+        return model.data
+    buffers, images = root.get("buffers", []), root.get("images", [])
+    named = [item["uri"] for item in (*buffers, *images) if "uri" in item]
+    if all(uri.startswith("data:") for uri in named):
+        return model.data
+    data = {uri: bytes_of(uri, model) for uri in named}
+    if None in data.values():
+        return None
+    binary = bytearray(model.binary or b"")
+
+    def append(uri: str) -> int:
+        binary.extend(b"\0" * (-len(binary) % 4))
+        binary.extend(data[uri] or b"")
+        return len(binary) - len(data[uri] or b"")
+
+    # Buffers with data become one; those of meshopt that hold nothing stay.
+    moved: dict[int, tuple[int, int]] = {}
+    kept: list[dict[str, Any]] = [{}]
+    for index, buffer in enumerate(buffers):
+        if "uri" in buffer:
+            moved[index] = 0, append(buffer["uri"])
+        elif index == 0 and model.binary is not None:
+            moved[index] = 0, 0
+        else:
+            moved[index] = len(kept), 0
+            kept.append(buffer)
+    views = root.get("bufferViews", [])
+    for view in views:
+        for part in (view, *view.get("extensions", {}).values()):
+            part["buffer"], start = moved.get(part.get("buffer", 0), (0, 0))
+            part["byteOffset"] = part.get("byteOffset", 0) + start
+    for image in images:
+        if "uri" in image:
+            uri = image.pop("uri")
+            start = append(uri)
+            kind = "png" if (data[uri] or b"").startswith(b"\x89PNG") else "jpeg"
+            image.setdefault("mimeType", IMAGES.get(Path(uri).suffix, ("", f"image/{kind}"))[1])
+            image["bufferView"] = len(views)
+            views.append({"buffer": 0, "byteOffset": start, "byteLength": len(data[uri] or b"")})
+    kept[0] = {"byteLength": len(binary)}
+    return glb(root | {"buffers": kept, "bufferViews": views}, bytes(binary))
+
+
+def on_triangle(image: bytes, extension: str, mime: str) -> bytes:
+    """A triangle with the image as its base color."""
+    corners = struct.pack("<9f", 0, 0, 0, 1, 0, 0, 0, 1, 0)
+    uv = struct.pack("<6f", 0, 0, 1, 0, 0, 1)
+    binary, views = b"", []
+    for part in (corners, uv, image):
+        views.append({"buffer": 0, "byteOffset": len(binary), "byteLength": len(part)})
+        binary += part + b"\0" * (-len(part) % 4)
+    accessor = {"componentType": 5126, "count": 3}
+    root = {
+        "asset": {"version": "2.0"},
+        "extensionsUsed": [extension],
+        "extensionsRequired": [extension],
+        "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0}],
+        "meshes": [
+            {"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 1}, "material": 0}]}
+        ],
+        "materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}],
+        "textures": [{"extensions": {extension: {"source": 0}}}],
+        "images": [{"bufferView": 2, "mimeType": mime}],
+        "accessors": [
+            accessor
+            | {"bufferView": 0, "type": "VEC3", "min": [0.0, 0.0, 0.0], "max": [1.0, 1.0, 0.0]},
+            accessor | {"bufferView": 1, "type": "VEC2"},
+        ],
+        "bufferViews": views,
+        "buffers": [{"byteLength": len(binary)}],
+    }
+    return glb(root, binary)
+
+
+def seeds_of(file: Path) -> list[bytes]:
+    if file.stat().st_size > MOST_BYTES:
+        return []
+    if file.suffix in IMAGES:
+        return [on_triangle(file.read_bytes(), *IMAGES[file.suffix])]
+    try:
+        packed = pack(read_model(file))
+    except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
+        packed = file.read_bytes()  # broken; it is a seed as it is
+    seeds = [packed] if packed is not None else []
+    # As long, so that lengths stay right.
+    names = (b"EXT_meshopt_compression", b"KHR_meshopt_compression")
+    return seeds + [seed.replace(*names) for seed in seeds if names[0] in seed]
+
+
+def main() -> None:
+    if len(sys.argv) < 3:
+        sys.exit(__doc__)
+    out, folders = Path(sys.argv[1]), sys.argv[2:]
+    out.mkdir(parents=True, exist_ok=True)
+    seeds: set[bytes] = set()
+    for folder in folders:
+        walked = (Path(at, name) for at, _, names in os.walk(folder) for name in names)
+        for file in walked:
+            if file.suffix in (".glb", ".gltf", *IMAGES):
+                seeds |= {seed for seed in seeds_of(file) if len(seed) <= MOST_BYTES}
+    for seed in seeds:
+        (out / hashlib.sha256(seed).hexdigest()[:16]).write_bytes(seed)
+    print(f"{len(seeds)} seeds")
+    for codec in CODECS:
+        count = sum(codec.encode() in seed for seed in seeds)
+        print(f"  {count} with {codec}" + ("" if count else ": its decoder is not reached"))
+
+
+if __name__ == "__main__":
+    main()
