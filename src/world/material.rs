@@ -203,6 +203,28 @@ impl Material {
         })
     }
 
+    /// The same without light: only base color, its alpha and emission remain.
+    pub fn without_light(&self) -> Self {
+        Self {
+            name: self.name.clone(),
+            unlit: true,
+            base_color: self.base_color,
+            base_color_texture: self.base_color_texture,
+            checker: self.checker,
+            uv_scale: self.uv_scale,
+            emission: self.emission,
+            emission_texture: self.emission_texture,
+            light: self.light,
+            is_mesh_light: self.is_mesh_light,
+            alpha_cutoff: self.alpha_cutoff,
+            blended: self.blended,
+            double_sided: self.double_sided,
+            reflectivity: 0.0,
+            reflection: ReflectionMode::None,
+            ..Self::default()
+        }
+    }
+
     /// Whether it may let light through.
     pub fn passes_light(&self) -> bool {
         self.transmission.is_some() || self.blended

@@ -81,9 +81,8 @@ fn unlit_materials_are_display_colors() {
         (&["image.exposure_ev=2", "image.tone_map=\"aces\""][..], 1),
         (&["image.tone_map=\"neutral\"", "image.samples=4"][..], 4),
     ] {
-        let (desc, mut world) = scene(WALL, &[&[lit], set].concat());
-        let shown = world.instances[0].material;
-        world.materials[shown].unlit = true;
+        let unlit = "material.wall.unlit=true";
+        let (desc, mut world) = scene(WALL, &[&[lit, unlit], set].concat());
         for mesh in world.meshes.iter_mut() {
             mesh.colors = vec![glam::Vec4::new(1.0, 0.5, 1.0, 1.0); mesh.positions.len()];
         }

@@ -58,6 +58,10 @@ pub struct MaterialDesc {
     /// reflections show it. A glowing wall or a neon tube lights so; a scene has at most 65,536 such triangles,
     /// and small or few ones need fewer `samples`. Default false.
     pub light: Option<bool>,
+    /// Whether it shows its base color and emission as they are, without light, as screens and signs do: where the camera
+    /// sees it also without exposure and tone map (`KHR_materials_unlit`). It reflects nothing. Default false, or the
+    /// glTF value.
+    pub unlit: Option<bool>,
     /// Texture repetitions per unit of the texture coordinates, two numbers. Default [1, 1].
     pub uv_scale: Option<[f32; 2]>,
     /// Alpha below this is cut out, 0 to 1. Default: not cut out, or the glTF value.
@@ -193,6 +197,7 @@ impl MaterialDesc {
             emission_texture: text(&o.emission_texture, &b.emission_texture),
             double_sided: o.double_sided.or(b.double_sided),
             light: o.light.or(b.light),
+            unlit: o.unlit.or(b.unlit),
             reflection: o.reflection.or(b.reflection),
             ior: o.ior.or(b.ior),
             thickness_m: o.thickness_m.or(b.thickness_m),
@@ -335,6 +340,7 @@ pub const PLAIN: MaterialDesc = MaterialDesc {
     emission_strength: Some(1.0),
     emission_texture: None,
     light: None,
+    unlit: None,
     uv_scale: Some([1.0, 1.0]),
     alpha_cutoff: None,
     alpha: None,

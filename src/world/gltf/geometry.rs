@@ -13,7 +13,6 @@ use super::{
     accessor::Data,
     label,
     least_bytes::least_bytes,
-    material,
     node::{MeshUse, Primitives, Visit},
     primitive,
     primitive_context::Context,
@@ -253,9 +252,7 @@ struct UnlitMaterials(HashMap<usize, usize>);
 impl UnlitMaterials {
     fn of(&mut self, model: &mut Model, lit: usize) -> usize {
         *self.0.entry(lit).or_insert_with(|| {
-            model
-                .materials
-                .push(material::without_light(&model.materials[lit]));
+            model.materials.push(model.materials[lit].without_light());
             model.uv_sets.push(model.uv_sets[lit]);
             model.materials.len() - 1
         })

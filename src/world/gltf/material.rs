@@ -15,7 +15,7 @@ use super::{
     texture_ref::{Slot, Textures},
     uri::{self, Sandbox},
 };
-use crate::{scene::desc::ReflectionMode, world::Material};
+use crate::world::Material;
 
 /// Reads all materials into `model`, the default material last.
 pub fn read(
@@ -124,7 +124,7 @@ fn convert(
     }
     ranges.note(place, notes);
     if material.extensions.unlit.is_some() {
-        out = unlit(out);
+        out = unlit(&out);
     }
     Ok(out)
 }
@@ -184,27 +184,13 @@ fn alpha(material: &schema::Material, ranges: &mut Ranges) -> Result<Option<f32>
     }
 }
 
-/// What points and lines without normals show of a material: its base color and what it emits.
-pub fn without_light(material: &Material) -> Material {
-    Material {
-        name: material.name.clone(),
-        emission: material.emission,
-        emission_texture: material.emission_texture,
-        ..unlit(material.clone())
-    }
-}
-
 /// KHR_materials_unlit: of the material only the base color and its alpha remain.
-fn unlit(material: Material) -> Material {
+fn unlit(material: &Material) -> Material {
     Material {
-        unlit: true,
-        base_color: material.base_color,
-        base_color_texture: material.base_color_texture,
-        alpha_cutoff: material.alpha_cutoff,
-        blended: material.blended,
-        double_sided: material.double_sided,
-        reflectivity: 0.0,
-        reflection: ReflectionMode::None,
-        ..Material::default()
+        emission: Vec3::ZERO,
+        emission_texture: None,
+        light: false,
+        is_mesh_light: false,
+        ..material.without_light()
     }
 }

@@ -144,6 +144,11 @@ impl Loader<'_> {
         );
         texture(&mut material.normal_texture, &desc.normal_texture, false);
         texture(&mut material.emission_texture, &desc.emission_texture, true);
+        match desc.unlit {
+            Some(true) => *material = material.without_light(),
+            Some(false) => material.unlit = false,
+            None => {}
+        }
     }
 
     /// An image file that the scene text names.
