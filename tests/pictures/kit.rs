@@ -104,15 +104,6 @@ pub fn mean(picture: &Picture) -> [f32; 3] {
     sum.map(|sum| (sum / f64::from(width * height)) as f32)
 }
 
-/// Whether a number is `expected` within `tolerance` of that.
-pub fn assert_close(found: f32, expected: f32, tolerance: f32) {
-    let error = (found - expected).abs();
-    assert!(
-        error <= tolerance * expected,
-        "{found}, expected {expected}"
-    );
-}
-
 /// The plane of this AOV as floats.
 pub fn floats(picture: &Picture, aov: Aov) -> &[f32] {
     match &plane(picture, aov).data {

@@ -1,0 +1,20 @@
+//! Pictures of lights, environments and materials with known answers: closed forms and integrals.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod alpha;
+mod coat_normals;
+mod emitters;
+mod energy;
+mod environment;
+mod extent;
+mod film_grooves_dispersion;
+mod indirect;
+mod kit;
+mod lamp;
+mod layers;
+mod lens;
+mod panorama;
+mod random_materials;
+mod sheen;
