@@ -6,8 +6,8 @@
 
 override HAS_DISPERSION: bool = true;
 
-// Fewer sub-frames would show single colors: then all are bent alike.
-const LEAST_SAMPLES: u32 = 3u;
+// Fewer sub-frames would show specks of single colors: then all are bent alike.
+const LEAST_SAMPLES: u32 = 8u;
 const CHANNEL_PAIR: u32 = 0x10004u;
 
 var<private> path_channel: u32 = 0u; // 0: all of them; else one more than its number

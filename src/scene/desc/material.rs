@@ -125,8 +125,8 @@ pub struct MaterialDesc {
     /// which u grows. Default 0, or the glTF value.
     pub anisotropy_rotation_deg: Option<f32>,
     /// How much more a solid bends blue light than red, as 20 over the Abbe number of its glass, 0 to 40: 0.3 is
-    /// crown glass, 0.36 diamond, 0.66 flint (`KHR_materials_dispersion`). Seen with several `samples`. Default 0, or
-    /// the glTF value.
+    /// crown glass, 0.36 diamond, 0.66 flint (`KHR_materials_dispersion`). Seen with 8 `samples` and more. Default
+    /// 0, or the glTF value.
     pub dispersion: Option<f32>,
 }
 
