@@ -1,6 +1,7 @@
 #!/bin/sh
-# As RUSTC_WRAPPER: has Reflet's own code count what inputs reach, as `cargo fuzz` does, without a sanitizer, which
-# needs a nightly compiler. Dependencies stay as they are: instrumented they take long to build, and draw mutations to themselves.
+# Wrapper for rustc (RUSTC_WRAPPER): builds Reflet's own code with coverage counters, as `cargo fuzz` does, but
+# without a sanitizer, which needs a nightly compiler. Dependencies are not instrumented: they would take long to
+# build, and draw mutations to themselves.
 compiler="$1"
 shift
 case " $* " in

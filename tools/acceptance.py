@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 """Compares the two rules by which the march accepts a hit, and writes docs/acceptance.md.
 
-    tools/acceptance.py measure --assets DIR OUT [--reflet PROGRAM]    # what OUT lacks
+    tools/acceptance.py measure --assets DIR OUT [--reflet PROGRAM]    # scenes that OUT lacks
     tools/acceptance.py page OUT                                       # the page and docs/data
 
 Every shipped scene in five views (frames of its timeline, or a camera that sways), in two sizes.
-The verified rule has nothing to set. The threshold rule gets, for each scene, the one T that is
-best on all other scenes among those that cost no more there.
+The verified rule has no parameter to choose. The threshold rule gets, for each scene, the T that is
+best on all other scenes among the values that cost no more there.
 """
 
 import argparse
@@ -34,7 +34,7 @@ SIZES = "240x135,480x270"
 VIEWS = 5
 THRESHOLDS = [0.00025, 0.0005, 0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1]
 EDGES = [0.0, 0.25]
-# Of a still scene, the camera sways by this share of its distance to what it looks at.
+# A still scene's camera sways by these shares of the distance from its eye to its target, per axis.
 SWAY = [0.1, 0.04, 0.1]
 RESAMPLES = 10_000
 COLUMNS = [
@@ -48,17 +48,17 @@ Row = dict[str, str]
 
 @dataclasses.dataclass(frozen=True)
 class Score:
-    """One rule on one scene: means over its pictures, and sums of work."""
+    """Scores of one rule on one scene: means over its pictures, and sums of work."""
 
-    wrong_permille: float  # accepted hits that a ray contradicts
-    flip: float  # in the reflections, against rt
+    wrong_permille: float  # per mille of accepted hits that a traced ray contradicts
+    flip: float  # inside the reflections, against rt
     flip_p99: float
     ssim: float
-    nodes: float  # visited by rays
-    steps: float  # looks at the depth buffer
+    nodes: float  # BVH nodes that rays visit
+    steps: float  # march steps, each a read of the depth buffer
 
 
-Rule = tuple[str, float]  # "verified" and edge_px, or "threshold" and T
+Rule = tuple[str, float]  # ("verified", edge_px) or ("threshold", T)
 Scores = dict[str, dict[Rule, Score]]
 VERIFIED: Rule = ("verified", 0.25)
 STRICTEST: Rule = ("verified", 0.0)
@@ -84,7 +84,8 @@ def measure_scene(
         step = (timeline["end"] - timeline["start"]) / (VIEWS - 1)
         frames = ",".join(str(timeline["start"] + round(step * i)) for i in range(VIEWS))
         sets = []
-    command = [program, "bench", scene, "--assets", assets, *sets, "--timeline", frames]
+    command: list[str | pathlib.Path] = [program, "bench", scene, "--assets", assets, *sets]
+    command += ["--timeline", frames]
     command += ["--methods", "hybrid", "--sizes", SIZES, "--frames", "1", "--warm-up", "1"]
     command += ["--counters", "--resume", "-o", out]
     for parameter, turned in (("threshold_u", THRESHOLDS), ("edge_px", EDGES)):
@@ -95,7 +96,7 @@ def measure_scene(
 
 
 def sway(scene: dict[str, dict[str, dict[str, list[float]]]]) -> list[str]:
-    """What makes a still scene's camera move, as options."""
+    """Command-line options that make a still scene's camera sway."""
     name = "main" if "main" in scene["camera"] else next(iter(scene["camera"]))
     camera = scene["camera"][name]
     reach = math.dist(camera["eye"], camera["target"])
@@ -121,7 +122,7 @@ def rule_of(row: Row) -> Rule:
 
 
 def scores(rows: Iterable[Row]) -> Scores:
-    """Of each scene and rule, of pictures whose reflections are large enough to be scored."""
+    """Scores by scene and rule, over pictures whose reflections are large enough to be scored."""
     groups: dict[str, dict[Rule, list[Row]]] = {}
     for row in rows:
         if row["mask_flip"]:
@@ -146,7 +147,7 @@ def score(rows: Sequence[Row]) -> Score:
 
 
 def work_ratio(of: Scores, scene: str, rule: Rule) -> float:
-    """Nodes that the rule lets rays visit, over those of the verified rule."""
+    """BVH nodes visited with the rule, divided by those visited with the verified rule."""
     return of[scene][rule].nodes / max(of[scene][VERIFIED].nodes, 1.0)
 
 
@@ -165,12 +166,12 @@ def best_threshold(of: Scores, scenes: Sequence[str], error: Callable[[Score], f
 
 
 def left_out(of: Scores, error: Callable[[Score], float]) -> dict[str, Rule]:
-    """For each scene the T that is best on all others."""
+    """T for each scene, chosen as the best one on all other scenes."""
     return {s: best_threshold(of, [o for o in of if o != s], error) for s in of}
 
 
 def interval(differences: Sequence[float], seed: int = 1) -> tuple[float, float]:
-    """95 % of the means of scenes drawn with replacement (percentile bootstrap)."""
+    """95 % interval of the mean over scenes drawn with replacement (percentile bootstrap)."""
     draw = random.Random(seed)
     means = sorted(
         statistics.fmean(draw.choices(differences, k=len(differences))) for _ in range(RESAMPLES)

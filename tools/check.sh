@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# All checks of continuous integration. With --full, also slow ones.
+# All checks of continuous integration; with --full, also the slow ones.
 set -euo pipefail
 
 usage() {
@@ -37,13 +37,13 @@ heading "Format"
 cargo fmt --all -- --check
 
 heading "Lints"
-# The dev profile, like the tests and the demo: dependencies are built once.
+# Clippy uses the dev profile, like the tests and the demo, so dependencies are built once.
 cargo clippy --locked --all-targets --all-features -- -D warnings
 
 heading "Lints without the window, the measuring and the command line"
 feature_sets=(bench "")
 if [ "$full" = yes ]; then
-    feature_sets+=(cli) # between the other two
+    feature_sets+=(cli) # a set between the other two
 fi
 for features in "${feature_sets[@]}"; do
     cargo clippy --locked --no-default-features --features "$features" -- -D warnings
@@ -55,7 +55,7 @@ if grep -E '(egui|winit|clap|plotters) v' <<<"$library"; then
 fi
 
 heading "Tests of modules"
-# Without optimization they build in a third of the time; they compute little.
+# Unoptimized, the module tests build in a third of the time; they compute little.
 CARGO_PROFILE_TEST_OPT_LEVEL=0 cargo test --locked --all-features --lib
 
 heading "Tests"
@@ -96,7 +96,7 @@ if [ -f tools/pyproject.toml ]; then
     .venv/bin/ruff check --config tools/pyproject.toml tools tests/tools
 
     heading "Python types"
-    .venv/bin/mypy --config-file tools/pyproject.toml tools/reflet_usd
+    .venv/bin/mypy --config-file tools/pyproject.toml tools
 
     heading "Python tests"
     pytest=(.venv/bin/python -m pytest -q -rs -n auto --maxprocesses 8 --dist worksteal)

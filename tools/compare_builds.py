@@ -8,8 +8,8 @@ data is compared as compressed, so both builds need the same version of their EX
 
     tools/compare_builds.py OLD NEW [--assets DIR] [--cache DIR]
 
-With --pairs scenes are rendered instead by both programs in turns, and the ratio of their processor
-time is told: of a picture with one sub-frame, which is mostly reading and compiling, and of every
+With --pairs both programs instead render scenes in turns, and the ratio of their processor times is
+printed: for a picture with one sub-frame, which is mostly reading and compiling, and for every
 further sub-frame.
 
     tools/compare_builds.py OLD NEW --pairs 200 [--assets DIR] [--set KEY=VALUE] SCENE...
@@ -37,9 +37,9 @@ from PIL import Image
 ROOT = Path(__file__).resolve().parent.parent
 SIZE = "160x90"
 FILM_FRAMES = 8
-# What one sub-frame more costs is the mean of so many.
+# Number of further sub-frames over which the cost of one is averaged.
 MORE_SUB_FRAMES = 32
-# Attributes of the EXR header that say what its data is.
+# EXR header attributes that say how the pixel data is laid out.
 EXR_LAYOUT = {b"channels", b"compression", b"dataWindow", b"displayWindow", b"lineOrder"}
 
 
@@ -49,19 +49,19 @@ class CompareError(Exception):
 
 @dataclass(frozen=True)
 class Work:
-    """One scene and which of its frames are rendered; none for a still scene."""
+    """One scene and the numbers of its frames to render; no numbers for a still scene."""
 
     scene: Path
     frames: tuple[int, ...]
 
     def names(self, ending: str) -> list[str]:
-        """The files that it makes."""
+        """Names of the files that rendering the scene writes."""
         stem = self.scene.stem
         return [f"{stem}.{n:04}.{ending}" for n in self.frames] or [f"{stem}.{ending}"]
 
 
 def exr_content(data: bytes) -> tuple[dict[bytes, bytes], bytes]:
-    """Layout attributes and chunks of a single-part or multi-part EXR file, without its offsets."""
+    """Layout attributes and pixel chunks of an EXR file of one part or several."""
     if data[:4] != b"\x76\x2f\x31\x01":
         raise CompareError("not an EXR file")
     multi_part = bool(struct.unpack_from("<I", data, 4)[0] & 0x1000)
@@ -100,7 +100,7 @@ def same_file(old: Path, new: Path) -> bool:
 
 
 def run(command: list[str | Path]) -> str:
-    """What a command prints; an error if it fails."""
+    """Standard output of a command; raises CompareError where it fails."""
     ran = subprocess.run(command, capture_output=True, text=True, check=False)
     if ran.returncode != 0:
         raise CompareError(f"{' '.join(map(str, command))} failed:\n{ran.stderr.strip()}")
@@ -108,7 +108,7 @@ def run(command: list[str | Path]) -> str:
 
 
 def shipped(program: Path, assets: list[str | Path]) -> list[Work]:
-    """All scenes of the checkout; those of `scenes/paper` need assets."""
+    """All scenes of the checkout; those of `scenes/paper` only where asset folders are given."""
     folders = ["scenes", "scripts", *(["scenes/paper"] if assets else [])]
     found = []
     for path in sorted(path for folder in folders for path in (ROOT / folder).glob("*.toml")):
@@ -123,7 +123,7 @@ def shipped(program: Path, assets: list[str | Path]) -> list[Work]:
 
 
 def aov_names(program: Path) -> str:
-    """All AOVs of a program, as it lists them where one is wrong."""
+    """Names of all AOVs of a program, taken from its error message about a wrong one."""
     asked: list[str | Path] = [program, "render", "--aov", "?", "-o", "none.exr"]
     answer = subprocess.run(asked, capture_output=True, text=True, check=False)
     _, found, names = answer.stderr.partition("choose from ")
@@ -133,7 +133,7 @@ def aov_names(program: Path) -> str:
 
 
 def render(program: Path, work: Work, out: Path, assets: list[str | Path]) -> None:
-    """Render one piece of work into `out`."""
+    """Render one scene's pictures into `out`."""
     frames = sorted(set(work.frames))
     some: list[str | Path] = ["--frames", ",".join(map(str, frames))] if frames else []
     number = ".####" if frames else ""
@@ -146,7 +146,7 @@ def render(program: Path, work: Work, out: Path, assets: list[str | Path]) -> No
 
 
 def rendered(program: Path, works: list[Work], out: Path, assets: list[str | Path]) -> Path:
-    """The folder of a program's pictures; those that are there already are kept."""
+    """The folder of a program's pictures; pictures that it already holds are not rendered again."""
     out.mkdir(parents=True, exist_ok=True)
     missing = [
         work
@@ -160,18 +160,18 @@ def rendered(program: Path, works: list[Work], out: Path, assets: list[str | Pat
 
 
 def folder_of(program: Path, place: Path) -> Path:
-    """Where a program's pictures are kept: by its content."""
+    """Folder of a program's pictures, named by a hash of the program."""
     return place / hashlib.sha256(program.read_bytes()).hexdigest()[:16]
 
 
 def compare(old: Path, new: Path, works: list[Work]) -> tuple[int, list[str]]:
-    """How many pictures there are, and the names of those that differ."""
+    """Number of pictures, and the names of those that differ."""
     names = [name for work in works for e in ("png", "exr") for name in work.names(e)]
     return len(names), [name for name in names if not same_file(old / name, new / name)]
 
 
 def processor_s(program: Path, scene: Path, sub_frames: int, options: list[str | Path]) -> float:
-    """Processor time of all threads of a program that renders a picture, seconds."""
+    """Processor time in seconds, over all threads, of rendering a picture."""
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / "picture.png"
         size: list[str | Path] = ["--size", SIZE, "--samples", str(sub_frames)]
@@ -187,7 +187,7 @@ def processor_s(program: Path, scene: Path, sub_frames: int, options: list[str |
 
 
 def interval(values: list[float]) -> tuple[float, float, float]:
-    """Median, and bounds of it that hold with 95 % (order statistics of the binomial)."""
+    """Median and its 95 % confidence bounds (order statistics of the binomial)."""
     ordered = sorted(values)
     reach = 0.98 * len(ordered) ** 0.5
     middle = (len(ordered) - 1) / 2
@@ -196,11 +196,11 @@ def interval(values: list[float]) -> tuple[float, float, float]:
 
 
 def tell_ratio(programs: list[Path], scene: Path, pairs: int, options: list[str | Path]) -> None:
-    """Print how long the second program takes, over the first."""
+    """Print the ratio of the second program's time to the first one's."""
     counts = (1, 1 + MORE_SUB_FRAMES)
     ratios: dict[str, list[float]] = {"first": [], "further": []}
     for pair in range(pairs):
-        # Who begins takes turns too.
+        # The programs also take turns at going first.
         order = programs if pair % 2 == 0 else programs[::-1]
         took = {p: [processor_s(p, scene, count, options) for count in counts] for p in order}
         old, new = (took[program] for program in programs)
@@ -217,13 +217,13 @@ def main() -> int:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("old", type=Path, help="the program from before")
-    parser.add_argument("new", type=Path, help="the program from now")
-    parser.add_argument("--assets", type=Path, help="models of scenes/paper; left out without")
+    parser.add_argument("old", type=Path, help="reflet program of the old build")
+    parser.add_argument("new", type=Path, help="reflet program of the new build")
+    parser.add_argument("--assets", type=Path, help="models of scenes/paper, else left out")
     parser.add_argument("--cache", type=Path, help="keep the pictures of each program here")
-    parser.add_argument("--pairs", type=int, help="compare the time, in so many turns")
-    parser.add_argument("--set", action="append", default=[], help="with --pairs: as of `render`")
-    parser.add_argument("scene", type=Path, nargs="*", help="with --pairs")
+    parser.add_argument("--pairs", type=int, help="number of turns in which to compare time")
+    parser.add_argument("--set", action="append", default=[], help="with --pairs: an override")
+    parser.add_argument("scene", type=Path, nargs="*", help="with --pairs: scene files")
     args = parser.parse_intermixed_args()
     if (args.pairs is not None) != bool(args.scene) or args.pairs == 0:
         parser.error("--pairs needs a number above 0 and scenes; without it there are none to name")

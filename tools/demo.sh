@@ -10,7 +10,7 @@ export PATH="$HOME/.cargo/bin:$PATH"
 cd "$root"
 
 printf '\n== Building ==\n'
-# Only what renders: 170 packages instead of the 274 of a build with the window.
+# Features that rendering needs: 170 packages instead of the 274 of a build with the window.
 cargo build --locked --no-default-features --features cli
 
 printf '\n== Rendering the built-in scene ==\n'

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Measures flicker and time of films, frame after frame, and writes docs/films.md.
 
-    tools/films.py measure --assets DIR OUT [--reflet PROGRAM]    # what OUT lacks
-    tools/films.py samples OUT [--reflet PROGRAM]                 # what samples do for a fence
+    tools/films.py measure --assets DIR OUT [--reflet PROGRAM]    # films that OUT lacks
+    tools/films.py samples OUT [--reflet PROGRAM]                 # errors of a fence over samples
     tools/films.py page OUT                                       # tables, chart and docs/data
 
 Each film is rendered at 320 x 180 by ssr, hybrid and rt, without light reuse, so that methods
@@ -30,7 +30,7 @@ CHART = ROOT / "docs" / "charts" / "paper-walk-flicker.svg"
 METHODS = ["ssr", "hybrid", "rt"]
 PAPER_WALK = "paper's walk"
 NO_REUSE = ["--parameter", "reuse_light", "--values", "0"]
-# Name, and what is measured: three stretches of the paper's walk, and all of the others.
+# Films by name, with the measured frames: three stretches of the paper's walk, all of the others.
 FILMS: dict[str, list[str]] = {
     PAPER_WALK: ["paper", "scenario2", "--timeline", "0-23,463-486,700-723"],
     **{
@@ -41,7 +41,7 @@ FILMS: dict[str, list[str]] = {
 FENCE = ROOT / "scenes" / "fail" / "18-fence.toml"
 FENCE_SIZE = (128, 72)
 SAMPLES = [1, 2, 4, 8, 16, 32, 64, 128, 256]
-# Pixels of the truth across one of the pictures: 1024 samples a pixel of its own.
+# Truth pixels across one pixel of a picture, so 1024 truth samples for each of its pixels.
 TRUTH_PX = 32
 COLUMNS = [
     *["film", "frame", "since_frame", "method", "mask_px", "mask_flip", "mask_flip_p99"],
@@ -74,7 +74,7 @@ def linear(path: pathlib.Path) -> np.ndarray:
 
 
 def samples(out: pathlib.Path, program: pathlib.Path) -> None:
-    """Errors of the fence's reflection over samples, against a larger picture of rt."""
+    """Measure the fence's reflection over sample counts, against a larger picture of rt."""
     out.mkdir(parents=True, exist_ok=True)
 
     def render(name: str, size: tuple[int, int], method: str, count: int) -> pathlib.Path:
@@ -126,7 +126,7 @@ def read(out: pathlib.Path) -> Rows:
 
 
 def consecutive(rows: Rows) -> Rows:
-    """Those whose change is that since the frame before, inside the reflections of both."""
+    """Rows with a change since the frame before, inside the reflections of both frames."""
     return [
         r
         for r in rows

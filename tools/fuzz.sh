@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Feeds broken files to the readers of glTF and scene text, each 10 minutes unless --seconds says otherwise.
-# Whatever panics, takes more than 5 s or more than 1.5 GB ends the run; the input is kept in fuzz/artifacts.
+# A panic, more than 5 s or more than 1.5 GB end the run; the input is kept in fuzz/artifacts.
 set -euo pipefail
 
 seconds=600
@@ -27,7 +27,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 RUSTC_WRAPPER="$PWD/fuzz/rustc.sh" cargo build --locked --manifest-path fuzz/Cargo.toml
 
-# Inputs that are right, and those that once were not.
+# Seeds: valid inputs, and broken ones from the tests.
 for target in "${targets[@]}"; do
     seeds="fuzz/corpus/$target"
     mkdir -p "$seeds" fuzz/artifacts

@@ -2,9 +2,9 @@
 
 python3 tools/fuzz_seeds.py OUT FOLDER...
 
-Every `.glb` and `.gltf` in the folders that takes at most 64 KiB with the files that it names.
-Those with files beside are packed into a `.glb`, for the fuzzer reads one file; WebP and KTX2
-images are put on a triangle. Meshopt streams are taken by both of their names.
+Takes every `.glb` and `.gltf` in the folders of at most 64 KiB together with the files it names.
+Models with external files are packed into a `.glb`, since the fuzzer reads one file; WebP and KTX2
+images are put on a triangle. Models with meshopt are written once under each extension name.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ IMAGES = {
 
 
 def glb(root: dict[str, Any], binary: bytes) -> bytes:
-    """Both chunks of a `.glb`."""
+    """A `.glb` of a JSON chunk and a binary chunk."""
     chunks = b""
     for kind, data, pad in ((b"JSON", json.dumps(root).encode(), b" "), (b"BIN\0", binary, b"\0")):
         data += pad * (-len(data) % 4)
@@ -46,14 +46,14 @@ def glb(root: dict[str, Any], binary: bytes) -> bytes:
 
 
 def bytes_of(uri: str, model: Model) -> bytes | None:
-    """What a URI holds or names; nothing where that file is missing."""
+    """Bytes that a URI holds or names; None where that file is missing."""
     if uri.startswith("data:"):
         return base64.b64decode(uri.partition(",")[2])
     return model.beside.get(urllib.parse.unquote(uri))
 
 
 def pack(model: Model) -> bytes | None:
-    """The model as one file; nothing where a file that it names is missing."""
+    """The model as one file; None where a file that it names is missing."""
     root = model.root
     if root is None:
         return model.data
@@ -71,7 +71,7 @@ def pack(model: Model) -> bytes | None:
         binary.extend(data[uri] or b"")
         return len(binary) - len(data[uri] or b"")
 
-    # Buffers with data become one; those of meshopt that hold nothing stay.
+    # Buffers with data become one; meshopt fallback buffers without data stay.
     moved: dict[int, tuple[int, int]] = {}
     kept: list[dict[str, Any]] = [{}]
     for index, buffer in enumerate(buffers):
@@ -100,7 +100,7 @@ def pack(model: Model) -> bytes | None:
 
 
 def on_triangle(image: bytes, extension: str, mime: str) -> bytes:
-    """A triangle with the image as its base color."""
+    """A `.glb` of a triangle with the image as its base color."""
     corners = struct.pack("<9f", 0, 0, 0, 1, 0, 0, 0, 1, 0)
     uv = struct.pack("<6f", 0, 0, 1, 0, 0, 1)
     binary, views = b"", []
@@ -139,9 +139,9 @@ def seeds_of(file: Path) -> list[bytes]:
     try:
         packed = pack(read_model(file))
     except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
-        packed = file.read_bytes()  # broken; it is a seed as it is
+        packed = file.read_bytes()  # broken JSON; the file is a seed as it is
     seeds = [packed] if packed is not None else []
-    # As long, so that lengths stay right.
+    # Both extension names have the same length, so chunk lengths stay right.
     names = (b"EXT_meshopt_compression", b"KHR_meshopt_compression")
     return seeds + [seed.replace(*names) for seed in seeds if names[0] in seed]
 

@@ -4,9 +4,9 @@
 
 The corpus lists its roots in INDEX.tsv, with the errors that the Khronos validator finds in each.
 A reference picture is `Figures/SampleImages/NAME.png` beside or above a root, as in
-glTF-Asset-Generator. What looks wrong on the sheets stands in tools/gltf_looks.toml, with its
-cause; `--page` tables it in docs/gltf.md, with two small sheets: of all that have a reference
-picture, each before it, and of the others.
+glTF-Asset-Generator. tools/gltf_looks.toml lists the roots that look wrong on the sheets, with
+their causes; `--page` writes the table in docs/gltf.md and two small sheets: pictures that have a
+reference picture, each before it, and the others.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ CPU_S = 60
 
 @dataclasses.dataclass
 class Root:
-    """One file of the corpus, and what became of it."""
+    """One root file of the corpus, and the outcome of rendering it."""
 
     file: str
     is_valid: bool
@@ -81,7 +81,7 @@ def render(program: Path, corpus: Path, out: Path, root: Root) -> Root:
 
 
 def reference(corpus: Path, root: Root) -> Path | None:
-    """The picture that the corpus gives of a root, if any."""
+    """Reference picture that the corpus holds for a root, if any."""
     file = corpus / root.file
     for folder in (file.parent, file.parent.parent, file.parent.parent.parent):
         found = folder / "Figures" / "SampleImages" / f"{file.stem}.png"
@@ -100,7 +100,7 @@ def read_index(corpus: Path) -> list[Root]:
 
 
 def has_mesh(file: Path) -> bool:
-    """Whether a valid file has a node with a mesh that has positions, in a scene."""
+    """Whether a valid file has a scene with a node whose mesh has positions."""
     data = file.read_bytes()
     if data[:4] == b"glTF":
         (length,) = struct.unpack("<I", data[12:16])
@@ -113,7 +113,7 @@ def has_mesh(file: Path) -> bool:
 
 
 def write_sheets(corpus: Path, out: Path, roots: list[Root]) -> int:
-    """All pictures, those with a reference picture followed by it; returns how many sheets."""
+    """Write sheets of all pictures, each before its reference picture; returns their number."""
     cells: list[tuple[str, Path]] = []
     for root in roots:
         if root.picture is None:
@@ -129,7 +129,7 @@ def write_sheets(corpus: Path, out: Path, roots: list[Root]) -> int:
 
 
 def write_page_sheets(corpus: Path, roots: list[Root]) -> None:
-    """Small sheets for the page, without captions."""
+    """Write the small sheets for the page, without captions."""
     compared, others = [], []
     for root in roots:
         beside = reference(corpus, root)
@@ -144,16 +144,16 @@ def write_page_sheets(corpus: Path, roots: list[Root]) -> None:
 
 @dataclasses.dataclass
 class Looks:
-    """What was seen on the sheets: causes by file."""
+    """Judgments from looking at the sheets: causes by file."""
 
     wrong: dict[str, str]
-    """Shown, but not right."""
+    """Files that are shown, but not right."""
     refused: dict[str, str]
-    """Refused as it must be."""
+    """Files that are refused, rightly."""
 
 
 def read_looks(roots: list[Root]) -> Looks:
-    """The list of tools/gltf_looks.toml, without what no longer is so, which is named."""
+    """Read tools/gltf_looks.toml; entries that no longer hold are left out and reported."""
     listed = tomllib.loads(LOOKS.read_text(encoding="utf-8"))
     valid = [root for root in roots if root.is_valid]
     found = {
@@ -168,7 +168,7 @@ def read_looks(roots: list[Root]) -> Looks:
 
 
 def table(roots: list[Root], looks: Looks) -> str:
-    """Markdown: what is shown of each source, and why the rest is not, or not right."""
+    """Markdown table by source: roots shown, and causes of those that are not, or not right."""
     by_source: dict[str, list[Root]] = collections.defaultdict(list)
     for root in roots:
         by_source[root.source].append(root)

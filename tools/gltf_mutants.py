@@ -3,8 +3,8 @@
 .venv/bin/python tools/gltf_mutants.py ../shared/corpus/gltf [--count 2500] [--seed 1] [--only N]
 
 Each broken file is read by `reflet check` within 5 s of processor time and 1.5 GiB of address
-space, and rendered at 16 × 16 where that finds nothing wrong. Of one seed, file N is always the
-same; those that are answered wrongly are kept in the folder that `--keep` names.
+space, and rendered at 16 × 16 where that finds nothing wrong. File N of a seed is always the
+same; files that are answered wrongly are kept in the folder that `--keep` names.
 """
 
 from __future__ import annotations
@@ -41,12 +41,12 @@ SIZE = "16x16"
 
 @dataclasses.dataclass
 class Answer:
-    """How one command ended."""
+    """Outcome of one command."""
 
     what: str
     """`fine`, `refused`, `panic`, `abort`, `time`, `memory` or `unnamed`."""
     error: str = ""
-    """The error's name."""
+    """Name of the error."""
     cpu_s: float = 0.0
     memory_mib: float = 0.0
     said: str = ""
@@ -54,7 +54,7 @@ class Answer:
 
 @dataclasses.dataclass
 class Mutant:
-    """One broken file, and what became of it."""
+    """One broken file, and the outcomes of checking and rendering it."""
 
     number: int
     kind: str
@@ -70,7 +70,7 @@ class Mutant:
 
     @property
     def end(self) -> str:
-        """`refused`, `shown`, or what went wrong."""
+        """`refused`, `shown`, or the kind of failure."""
         wrong = [a.what for a in self.answers if a.what not in ("fine", "refused")]
         if wrong:
             return wrong[0]
@@ -78,7 +78,7 @@ class Mutant:
 
 
 def run(command: list[str], space_mib: int, cpu_s: int = CPU_S) -> Answer:
-    """Run it within the limits."""
+    """Run a command within limits of address space, processor time and wall-clock time."""
     limited = f'ulimit -v {space_mib * 1024}; ulimit -t {cpu_s}; exec "$@"'
     with tempfile.TemporaryFile() as errors:
         process = subprocess.Popen(
@@ -99,7 +99,7 @@ def run(command: list[str], space_mib: int, cpu_s: int = CPU_S) -> Answer:
 
 
 def signal_after(pid: int) -> threading.Timer:
-    """Ends what waits without working."""
+    """A timer that ends a process that waits without using processor time."""
     timer = threading.Timer(WALL_S, lambda: os.kill(pid, signal.SIGXCPU))
     timer.daemon = True
     timer.start()
@@ -107,7 +107,7 @@ def signal_after(pid: int) -> threading.Timer:
 
 
 def judge(code: int, said: str) -> Answer:
-    """What an exit status and standard error mean."""
+    """Answer that an exit status and standard error stand for."""
     found = re.search(r"^error\[([a-z0-9-]+)\]", said, re.M)
     name = found.group(1) if found else ""
     if "panicked at" in said or name == "internal" or code == 101:
@@ -139,7 +139,7 @@ def one(
     *,
     render: bool = True,
 ) -> Mutant:
-    """Make, check and render file `number`."""
+    """Make, check and render broken file `number`."""
     chance = random.Random(f"{seed} {number}")
     kind, model, files = mutate(models, number, chance)
     with tempfile.TemporaryDirectory() as name:
@@ -155,10 +155,10 @@ def one(
             command += ["--set", "image.samples=1"]
             mutant.render = run(command, RENDER_SPACE_MIB, SHADERS_S)
             if mutant.render.cpu_s > CPU_S:
-                # Software drivers compile shaders for seconds, which they keep.
+                # Software drivers compile shaders for seconds, and cache them for this run.
                 mutant.render = run(command, RENDER_SPACE_MIB)
             if mutant.render.what == "refused" and Path(picture).exists():
-                mutant.render.what = "unnamed"  # a refusal leaves no picture
+                mutant.render.what = "unnamed"  # no picture may be left by a refusal
         if keep and mutant.end not in ("refused", "shown"):
             shutil.copytree(folder, keep / str(number), dirs_exist_ok=True)
     return mutant
@@ -176,7 +176,7 @@ ENDS = {
 
 
 def table(mutants: list[Mutant], seed: int, sources: int) -> str:
-    """Markdown: how many of each kind ended how."""
+    """Markdown table: number of files by kind of damage and outcome."""
     head = ["what is broken", "files", *ENDS.values()]
     lines = ["| " + " | ".join(head) + " |", "|---" * len(head) + "|"]
     for kind, words in [*KINDS.items(), ("", "all")]:
@@ -217,8 +217,8 @@ def main() -> None:
     parser.add_argument("--reflet", default="target/release/reflet")
     parser.add_argument("--count", type=int, default=2500)
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--only", type=int, help="this file alone, with what it is answered")
-    parser.add_argument("--keep", type=Path, help="folder for what is answered wrongly")
+    parser.add_argument("--only", type=int, help="number of one file to run; prints its answers")
+    parser.add_argument("--keep", type=Path, help="folder for files that are answered wrongly")
     parser.add_argument("--page", action="store_true", help="write the table into docs/gltf.md")
     arguments = parser.parse_args()
     models = [read_model(file) for file in roots(arguments.corpus)]

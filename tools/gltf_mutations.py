@@ -40,13 +40,13 @@ class Model:
 
     file: Path
     data: bytes
-    """Of the file as it is."""
+    """Bytes of the whole file."""
     root: dict[str, Any] | None
-    """Its JSON, where that can be read."""
+    """JSON of the file; None where it cannot be read."""
     binary: bytes | None
     """The binary chunk of a `.glb`."""
     beside: dict[str, bytes]
-    """The files that it names, by decoded URI."""
+    """External files that the model names, by decoded URI."""
 
     @property
     def name(self) -> str:
@@ -54,7 +54,7 @@ class Model:
 
     @property
     def is_compressed(self) -> bool:
-        """Whether it holds geometry or images that are compressed by an extension."""
+        """Whether the model holds geometry or images compressed by an extension."""
         used = self.root.get("extensionsUsed", []) if self.root else []
         return any(name in used for name in (*_COMPRESSION, *_PACKED_IMAGES))
 
@@ -76,7 +76,7 @@ def is_glb(data: bytes) -> bool:
 
 
 def read_model(file: Path) -> Model:
-    """Read a root and the files beside it that it names."""
+    """Read a root file and the files that it names."""
     data = file.read_bytes()
     text, binary = data, None
     if is_glb(data):
@@ -103,7 +103,7 @@ def read_model(file: Path) -> Model:
 def mutate(
     models: list[Model], number: int, chance: random.Random
 ) -> tuple[str, Model, dict[str, bytes]]:
-    """Break one model: how, which, and its files by name. Every third is a compressed one."""
+    """Break a model, each third time a compressed one; returns damage, model and files by name."""
     packed = [model for model in models if model.is_compressed]
     model = models[number % len(models)]
     if number % 3 == 0 and packed:
@@ -147,7 +147,7 @@ def _change_length(data: bytes, chance: random.Random) -> bytes:
     if how == 2 and len(data) > 1:
         first, last = sorted(chance.randrange(len(data)) for _ in range(2))
         return data[:first] + data[last:]
-    place = chance.choice((8, 12))  # of the file, of its first chunk
+    place = chance.choice((8, 12))  # length of the file, or of its first chunk
     if not is_glb(data):
         return data + data
     length = chance.choice((0, 1, 2**31, 2**32 - 1, len(data) + 1, len(data) - 1))
@@ -155,7 +155,7 @@ def _change_length(data: bytes, chance: random.Random) -> bytes:
 
 
 def _places(value: Any) -> Iterator[Pointer]:
-    """Every value of the JSON, without recursion: files may nest deeply."""
+    """Pointers to every value of the JSON, without recursion: files may nest deeply."""
     waiting = [value]
     while waiting:
         of = waiting.pop()
@@ -197,7 +197,7 @@ def _change_claims(root: dict[str, Any], chance: random.Random) -> None:
     for of, key in chance.sample(places, min(len(places), chance.choice((1, 2, 8)))):
         of[key] = chance.choice((*_LARGE, 2**24, 2**28, 2**30))
     if root.get("accessors") and chance.random() < 0.5:
-        # Zeros without data, as many as it says.
+        # An accessor without a buffer view is all zeros, as many as its count says.
         accessor = chance.choice(_objects(root["accessors"]) or [{}])
         accessor.pop("bufferView", None)
         accessor["count"] = chance.choice((2**20, 2**24, 2**28, 2**32 - 1))
@@ -282,7 +282,7 @@ class _Buffers:
         self.images = [i for i in _objects(root.get("images")) if "uri" in i]
 
     def read(self, item: dict[str, Any]) -> bytearray:
-        """Of a buffer or an image; empty where it has none."""
+        """Bytes of a buffer or an image; empty where they are missing."""
         uri = item.get("uri")
         if uri is None:
             return bytearray(self.binary or b"")
@@ -306,7 +306,7 @@ class _Buffers:
             self.beside[urllib.parse.unquote(str(uri))] = bytes(data)
 
     def view(self, of: Any) -> tuple[dict[str, Any], int, int] | None:
-        """Buffer, start and end of what has `buffer`, `byteOffset` and `byteLength`."""
+        """Buffer, start and end of a JSON object with `buffer`, `byteOffset` and `byteLength`."""
         if not isinstance(of, dict) or not isinstance(of.get("buffer"), int):
             return None
         start, length = of.get("byteOffset", 0), of.get("byteLength", 0)
@@ -318,7 +318,7 @@ class _Buffers:
 
 
 def _streams(root: dict[str, Any], buffers: _Buffers) -> list[tuple[dict[str, Any], int, int]]:
-    """Ranges of what is compressed: geometry, images; else of all buffer views."""
+    """Byte ranges of compressed data (geometry, images), else of all buffer views."""
     views = root.get("bufferViews")
     views = views if isinstance(views, list) else []
     ranges: list[tuple[dict[str, Any], int, int] | None] = []
@@ -349,7 +349,7 @@ def _change_stream(root: dict[str, Any], buffers: _Buffers, chance: random.Rando
     if start >= end:
         return
     for _ in range(chance.choice((1, 1, 4, 32))):
-        # Headers say how much there is.
+        # Headers of compressed streams hold counts.
         last = min(end, start + 64) if chance.random() < 0.5 else end
         at = chance.randrange(start, last)
         if chance.random() < 0.3 and at + 4 <= end:

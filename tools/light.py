@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
 """Compares light and materials with Mitsuba 3 and with closed forms, and writes docs/light.md.
 
-    tools/light.py measure OUT [--reflet PROGRAM] [--only NAME]    # what OUT lacks
+    tools/light.py measure OUT [--reflet PROGRAM] [--only NAME]    # scenes that OUT lacks
     tools/light.py page OUT                       # the page's tables and pictures, and docs/data
 
 Mitsuba is no part of the project's environment: `python3 -m venv DIR && DIR/bin/pip install
 mitsuba numpy pillow`, then run this file by DIR/bin/python. It needs LLVM 17 or newer as a shared
 library (`DRJIT_LIBLLVM_PATH` says where, if it is not found). Pictures are 96 x 64, in linear
-light. Sentences around the tables are a person's: read them again.
+light. The text around the tables is written by hand: check it against new numbers.
 """
 
 import argparse
@@ -31,8 +31,8 @@ SPEED_DATA = ROOT / "docs" / "data" / "light-speed.csv"
 IMAGES = ROOT / "docs" / "images"
 SIZE = (96, 64)
 THEIR_SAMPLES = 4096
-TRIMMED = 0.01  # share of the pixels that differ most: edges of what is tessellated here
-# Scenes whose convergence is followed, and the sub-frames at which.
+TRIMMED = 0.01  # share of the pixels that are left out, those that differ most: tessellated edges
+# Scenes whose convergence is measured, and the numbers of sub-frames.
 CONVERGING = ["metal-040", "light-rect", "glass-rough"]
 COUNTS = [1, 4, 16, 64, 256]
 
@@ -57,7 +57,8 @@ def ours(out: pathlib.Path, scene: Scene, samples: int, program: pathlib.Path) -
     if not picture.exists():
         text = write_scene(out, scene)
         size = f"{SIZE[0]}x{SIZE[1]}"
-        command = [program, "render", text, "--size", size, "--samples", str(samples)]
+        command: list[str | pathlib.Path] = [program, "render", text, "--size", size]
+        command += ["--samples", str(samples)]
         subprocess.run([*command, "-o", picture], check=True, stderr=subprocess.DEVNULL)
     return load(picture)
 
@@ -70,7 +71,7 @@ def load(path: pathlib.Path) -> Picture:
 
 
 def theirs(out: pathlib.Path, scene: Scene) -> tuple[Picture, Picture]:
-    """Two converged pictures that differ by their noise alone."""
+    """Two pictures by Mitsuba that differ by their noise alone; their mean is the reference."""
     import mitsuba as mi
     import tomllib
     from reflet_light import export
@@ -122,7 +123,7 @@ def compare(out: pathlib.Path, scene: Scene, samples: int, program: pathlib.Path
     found = ours(out, scene, samples, program)
     numbers = {
         "rel_mse": rel_mse(found, truth),
-        "noise": rel_mse(a, b) / 4,  # of the mean of two
+        "noise": rel_mse(a, b) / 4,  # variance of the mean of both
         "brightness": float(found.mean() / truth.mean()),
     }
     head = {"scene": scene.name, "samples": str(samples)}
@@ -143,7 +144,7 @@ def scenes_table(rows: list[Row]) -> str:
 
 
 def slope(points: Sequence[tuple[float, float]]) -> float:
-    """Of the line through the logarithms of points, by least squares."""
+    """Slope of the least-squares line through the logarithms of points."""
     x, y = (np.log([p[i] for p in points]) for i in (0, 1))
     return float(np.polyfit(x, y, 1)[0])
 
@@ -166,7 +167,7 @@ def display(linear: Picture) -> Picture:
 
 
 def sheet(out: pathlib.Path, names: Sequence[str], path: pathlib.Path) -> None:
-    """Reflet above Mitsuba, side by side for each scene."""
+    """Sheet of Reflet's pictures above Mitsuba's, one column for each scene."""
     from PIL import Image
 
     scenes = {scene.name: scene for scene in all_scenes()}

@@ -1,4 +1,4 @@
-"""What the measuring tools share: the program that they run, and the tables that they write."""
+"""Functions that the measuring tools share: finding the program, writing tables."""
 
 import argparse
 import csv
@@ -22,7 +22,7 @@ def add_program(parser: argparse.ArgumentParser) -> None:
 
 
 def program_of(given: pathlib.Path | None) -> pathlib.Path:
-    """The program of `--reflet`, else of this folder, built now. Where there is none, exits."""
+    """The program of `--reflet`, else this checkout's, built now; exits where there is none."""
     if given is not None:
         if not given.is_file():
             sys.exit(f"--reflet: there is no program {given}")
@@ -35,7 +35,7 @@ def program_of(given: pathlib.Path | None) -> pathlib.Path:
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """A table in Markdown, without its last line's end."""
+    """A table in Markdown, without a final newline."""
     lines = [head, ["---"] * len(head), *rows]
     return "\n".join(f"| {' | '.join(line)} |" for line in lines).replace("|  |", "| |")
 
@@ -62,7 +62,7 @@ def write_rows(path: pathlib.Path, rows: Sequence[Mapping[str, object]]) -> None
 
 
 def read_rows(path: pathlib.Path) -> list[dict[str, str]]:
-    """Rows of a CSV file; none where there is no file."""
+    """Rows of a CSV file; empty where there is no file."""
     if not path.exists():
         return []
     with path.open(newline="") as file:

@@ -3,8 +3,8 @@
 python3 -m venv /tmp/viewers && /tmp/viewers/bin/pip install f3d trimesh numpy pillow
 .venv/bin/python tools/model_load.py --viewers /tmp/viewers/bin/python -o docs/data/model-load.csv
 
-Counts processor time and the most memory of each process, which other work on the machine changes
-little; wall-clock time is there too. f3d draws to an off-screen window, trimesh only loads.
+Measures processor time and peak memory of each process, which other work on the machine changes
+little, and wall-clock time. f3d draws to an off-screen window, trimesh only loads.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ TRIMESH = "import sys, trimesh; trimesh.load(sys.argv[1])"
 
 
 class Writer:
-    """One .glb of meshes with positions, normals and indices."""
+    """Builder of a .glb of meshes with positions, normals and indices."""
 
     def __init__(self) -> None:
         self.data = bytearray()
@@ -58,7 +58,7 @@ class Writer:
         return len(self.accessors) - 1
 
     def mesh(self, side: int, seed: int, material: int | None = None) -> None:
-        """A wavy square of 2 (side - 1)² triangles."""
+        """Add a wavy square of 2 (side - 1)² triangles."""
         x, z = np.meshgrid(np.linspace(-1, 1, side), np.linspace(-1, 1, side))
         y = 0.1 * np.sin(9 * x + seed) * np.cos(7 * z)
         points = np.stack([x, y, z], -1).reshape(-1, 3).astype("f4")
@@ -132,7 +132,7 @@ def textures(path: Path) -> None:
 
 
 def measured(command: list[str]) -> tuple[str, str, str, str]:
-    """Wall-clock and processor seconds, MiB at most, and the exit status."""
+    """Wall-clock and processor seconds, peak memory in MiB, and exit status of a command."""
     started = time.monotonic()
     process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     _, status, usage = os.wait4(process.pid, 0)
@@ -168,7 +168,7 @@ def main() -> None:
             if arguments.only not in name:
                 continue
             model, picture = Path(folder) / "model.glb", str(Path(folder) / "out.png")
-            # A child begins with the memory that this process has had, so it must stay small.
+            # A child's peak memory begins at the size of this process, which must stay small.
             subprocess.run([sys.executable, __file__, "make", name, str(model)], check=True)
             render = [program, "render", str(model), "-o", picture, "--size", "256x256"]
             shiny = 'model.model.material."*"={ metallic = 1, roughness = 0 }'

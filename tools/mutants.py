@@ -7,10 +7,9 @@ Shader mutants stand in a copy of shaders/ that the tests of pictures and of the
 through REFLET_TEST_SHADERS, so nothing is built. Rust mutants (metrics and scene parser) stand in
 a copy of the tree with a target folder of its own.
 
-A mutant is killed when a test fails; one at which the tests run out of time or end otherwise is
-named as such. What survives needs a test, or an entry with a reason in tools/mutants.toml; one
-without either makes the exit code 1. A mutant that does not compile is not counted, and another is
-drawn.
+A mutant is killed when a test fails; a mutant at which the tests time out or crash is listed as
+such. A survivor needs a test, or an entry with a reason in tools/mutants.toml; one without either
+makes the exit code 1. A mutant that does not compile is not counted, and another is drawn.
 """
 
 import argparse
@@ -33,9 +32,9 @@ ROOT = pathlib.Path(__file__).resolve().parents[1]
 SCRATCH = ROOT / "target" / "mutants"
 REASONS = ROOT / "tools" / "mutants.toml"
 SEED = 2018
-# A stage that takes longer than this hangs in a loop that a mutant made endless.
+# Time limit of a test stage; a longer one hangs in a loop that a mutant made endless.
 LIMIT_S = 900
-# Of the tests of pictures, the quickest first.
+# Modules of the picture tests, the quickest first.
 MODULES = [
     "mesh",
     "lamp",
@@ -109,7 +108,7 @@ class Mutant:
         return f"{self.file}:{self.line}:{self.start + 1}: `{self.old}` becomes `{self.new}`"
 
     def is_named(self, entry: dict[str, str]) -> bool:
-        """Whether an entry of the reasons speaks of this change; lines may have moved."""
+        """Whether an entry of tools/mutants.toml names this change; its line may have moved."""
         return (entry["file"], entry["code"], entry["mutant"]) == (
             self.file,
             self.code.strip(),
@@ -125,13 +124,13 @@ def other_number(text: str, kind: str) -> str:
 
 
 def code_lines(path: pathlib.Path) -> Iterator[tuple[int, str, str]]:
-    """Numbered lines of code, without comments, declarations of places, and unit tests."""
+    """Numbered lines of code, without comments, declarations, bindings and unit tests."""
     for number, line in enumerate(path.read_text().splitlines(), 1):
         text = line.strip()
         if text.startswith("#[cfg(test)]"):
             return
         code = re.sub(r"//.*", lambda match: " " * len(match[0]), line)
-        if '"' in code:  # words for people, and names
+        if '"' in code:  # strings: messages, and names
             code = re.sub(r'"(?:[^"\\]|\\.)*"', lambda match: "\0" * len(match[0]), code)
             if '"' in code:
                 continue
@@ -154,7 +153,7 @@ def places(group: str, path: pathlib.Path) -> Iterator[Mutant]:
 
 
 def drawn(group: str, seed: int) -> list[Mutant]:
-    """All mutants of a group in the order in which they are tried: files take turns."""
+    """All mutants of a group in the order in which they are tried; files alternate."""
     chance = random.Random(f"{seed} {group}")
     _, patterns = GROUPS[group]
     paths = sorted({path for pattern in patterns for path in ROOT.glob(pattern)})
@@ -163,7 +162,7 @@ def drawn(group: str, seed: int) -> list[Mutant]:
         heap = list(places(group, path))
         chance.shuffle(heap)
         heaps.append(heap)
-    # The more places a file has, the more often it is its turn; every file has one.
+    # A file's turns are spread in proportion to its number of places; every file gets one first.
     order = []
     for heap in heaps:
         order += [((i + 0.5) / len(heap), chance.random(), m) for i, m in enumerate(heap)]
@@ -193,7 +192,7 @@ def run(command: list[Any], timeout_s: float, **options: Any) -> tuple[int | Non
 
 
 def killer(code: int | None, output: str) -> str:
-    """What noticed: the first failing test."""
+    """The test that noticed the mutant: the first that fails."""
     if code is None:
         return "out of time"
     failed = re.search(r"^test (\S+) \.\.\. FAILED", output, re.MULTILINE)
@@ -201,7 +200,7 @@ def killer(code: int | None, output: str) -> str:
 
 
 def verdict(code: int | None, output: str) -> tuple[str, str]:
-    """What became of a mutant at which a stage did not pass. Only a test that fails kills it."""
+    """Verdict on a mutant that did not pass a stage. Only a failing test kills it."""
     by = killer(code, output)
     if code is None:
         return "timed out", by
@@ -209,7 +208,7 @@ def verdict(code: int | None, output: str) -> tuple[str, str]:
 
 
 def copy_tree(to: pathlib.Path) -> None:
-    """The files that Git knows, or would, as they lie here; unchanged ones keep their time."""
+    """Copy the files that Git tracks or would add; unchanged files keep their modification time."""
     command = ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"]
     listed = subprocess.run(command, cwd=ROOT, capture_output=True, check=True).stdout
     for name in filter(None, listed.decode().split("\0")):
@@ -222,7 +221,7 @@ def copy_tree(to: pathlib.Path) -> None:
 
 
 class Shaders:
-    """Tries shader mutants; the tests are built once."""
+    """Runs shader mutants; the tests are built once."""
 
     def __init__(self) -> None:
         self.folder = SCRATCH / "shaders"
@@ -230,7 +229,7 @@ class Shaders:
         tests += ["--test", "pictures", "--test", "trace_oracle"]
         built = subprocess.run(tests, cwd=ROOT, stdout=subprocess.PIPE, check=True, text=True)
         messages = [json.loads(line) for line in built.stdout.splitlines() if line[:1] == "{"]
-        # Copies: a build of the tree must not change them meanwhile.
+        # Test programs are copied: another build must not change them meanwhile.
         programs = SCRATCH / "programs"
         programs.mkdir(parents=True, exist_ok=True)
         self.programs = {
@@ -249,7 +248,7 @@ class Shaders:
                 sys.exit(f"without a mutant, {killer(code, output)} fails:\n{output[-3000:]}")
 
     def stages(self, file: str) -> Iterator[list[Any]]:
-        """What can notice a change of this file, the quickest first; the first failure ends it."""
+        """Test commands that can notice a change of this file, the quickest first."""
         if file.endswith("bvh.wgsl"):
             yield [self.programs["trace_oracle"]]
         for module in MODULES:
@@ -273,7 +272,7 @@ class Shaders:
 
 
 class Rust:
-    """Tries Rust mutants in a copy of the tree."""
+    """Runs Rust mutants in a copy of the tree."""
 
     def __init__(self) -> None:
         self.tree = SCRATCH / "tree"
@@ -286,7 +285,7 @@ class Rust:
             subprocess.run([*warm, ROOT / "target" / "debug", target / "debug"], check=True)
         self.environment = os.environ | {
             "CARGO_TARGET_DIR": str(target),
-            # Only this package's own: dependencies have settings of their own.
+            # Profile of this package alone: dependencies have settings of their own.
             "CARGO_PROFILE_DEV_OPT_LEVEL": "0",
             "CARGO_PROFILE_DEV_DEBUG": "0",
         }
@@ -336,12 +335,12 @@ def reason_for(mutant: Mutant, reasons: list[dict[str, str]]) -> str | None:
 
 def arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--seed", type=int, default=SEED, help=f"which are drawn ({SEED})")
+    parser.add_argument("--seed", type=int, default=SEED, help=f"seed of the random draw ({SEED})")
     parser.add_argument("--group", choices=GROUPS, help="only shader or only rust mutants")
-    parser.add_argument("--count", type=int, help="how many of each group")
-    parser.add_argument("--only", metavar="TEXT", help="all whose name contains this")
+    parser.add_argument("--count", type=int, help="number of mutants of each group")
+    parser.add_argument("--only", metavar="TEXT", help="all mutants whose name contains this")
     parser.add_argument("--list", action="store_true", help="print their names, run nothing")
-    parser.add_argument("--json", metavar="FILE", help="write the outcome of each there")
+    parser.add_argument("--json", metavar="FILE", help="write the outcome of each mutant there")
     parser.add_argument("--resume", action="store_true", help="keep what that file holds already")
     return parser.parse_args()
 
@@ -365,7 +364,7 @@ def main() -> int:
 
 
 class Log:
-    """Outcomes by the name of their mutant, as a file of JSON where one is wanted."""
+    """Outcomes by the name of their mutant, kept as a JSON file where one is named."""
 
     def __init__(self, file: str | None, resume: bool) -> None:
         self.path = pathlib.Path(file) if file else None
@@ -393,7 +392,7 @@ def attempts(
         started = time.monotonic()
         result = log.results.get(mutant.name)
         if result is None:
-            tester = tester or {"shader": Shaders, "rust": Rust}[group]()
+            tester = tester or (Shaders() if group == "shader" else Rust())
             outcome, by = tester.attempt(mutant)
             result = {
                 "group": group,

@@ -5,8 +5,8 @@
     tools/paper.py page OUT                    # the page's tables, charts and sheet, and docs/data
     tools/paper.py pictures --assets DIR       # the floor with three thresholds
 
-Tables come from the samples.csv of each run by sums of this file's own, not by the report's, so
-that either checks the other. Sentences around them are a person's: read them again.
+Tables are computed here from the samples.csv of each run, not by the report, so that each checks
+the other. The text around them is written by hand: check it against new numbers.
 """
 
 import argparse
@@ -43,7 +43,7 @@ RUNS = {
     "scenario3": ["paper", "scenario3", *SMALL, "--frames", "7"],
     "atrium": ["--sizes", "640x360"],
 }
-# Chart of the page: the run, and the name that its folder has for it.
+# Charts of the page: the run, and the chart's file name in the run's folder.
 PICTURES = {
     "fig1-flip-over-t.svg": ("fig1", "line-chart-1-parameter.svg"),
     "walk-ssim.svg": ("walk", "line-chart-1-ssim.svg"),
@@ -65,7 +65,7 @@ def measure(out: pathlib.Path, assets: pathlib.Path, program: pathlib.Path) -> N
 
 
 def pictures(assets: pathlib.Path, program: pathlib.Path) -> None:
-    """The floor of Fig. 1's scene, where stripes and prolonged reflections are seen."""
+    """Render the floor of Fig. 1's scene, where stripes and prolonged reflections show."""
     scene = ROOT / "scenes" / "paper" / "sponza.toml"
     thresholds = ["0.005", "0.025", "0.065"]
     shots = [("rt", "", "")]
@@ -95,7 +95,7 @@ def pictures(assets: pathlib.Path, program: pathlib.Path) -> None:
 
 
 def in_processor_time(row: Row) -> Row:
-    """Passes in processor time, where it is known: other programs do not lengthen it."""
+    """The row with passes in processor time, where known: other programs do not lengthen it."""
     times = {f"{of}_ms": row.get(f"{of}_cpu_ms") for of in ("passes", "reflection")}
     return row | {column: ms for column, ms in times.items() if ms}
 
@@ -139,7 +139,7 @@ def count(value: float) -> str:
 
 
 def frame_ms(rows: Rows) -> dict[str, float]:
-    """A method's own reflection passes and one median of what all methods share."""
+    """Frame time by method: its reflection passes plus the median of the passes that all share."""
     common = [float(r["passes_ms"]) - float(r["reflection_ms"]) for r in rows]
     shared = statistics.median(common)
     return {m: shared + median(rs, "reflection_ms") for (m,), rs in by(rows, "method").items()}
@@ -288,7 +288,7 @@ SURFACES |= {"49 / 51": "sphere with normal map", "44 / 56": "bunny"}
 
 
 def surface(row: Row) -> str:
-    """The surface that a row's scene is about."""
+    """Name of the reflective surface in a row's scene."""
     named = [s for s in SURFACES.values() if s in row["scene"]]
     if not named:
         sys.exit(f"scene {row['scene']!r} names none of {list(SURFACES.values())}")
@@ -385,7 +385,7 @@ TABLES: dict[str, tuple[str, Callable[[Rows], str]]] = {
 
 
 def scenario3_sheet(report: pathlib.Path) -> None:
-    """Pictures of a plane and a sphere, of those that the report holds."""
+    """Sheet of the plane's and the sphere's pictures, taken from the report."""
     text = report.read_text()
     cells: list[str] = []
     with tempfile.TemporaryDirectory() as folder:

@@ -5,7 +5,7 @@ set -euo pipefail
 root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
 readonly root
 cd "$root"
-# Found before minutes are spent on rendering: grain of the three scenes below is removed by it.
+# The denoiser is checked before minutes of rendering: it removes the grain of the three scenes below.
 if [ -z "${REFLET_OIDN:-}" ]; then
     for folder in "$root"/.venv/lib/*/site-packages/pyoidn/oidn/lib; do
         [ ! -d "$folder" ] || export REFLET_OIDN="$folder"
@@ -32,7 +32,7 @@ rm "$images/atrium-one.png"
 "$binary" render "$root/scenes/interior.toml" --samples 16 --size 640x360 --denoise --output "$images/interior.png"
 "$binary" render "$root/scenes/street.toml" --samples 16 --size 960x540 --denoise --output "$images/street.png"
 
-# The films at their start and at a later frame that differs most.
+# The films at their start and at the later frame that differs most.
 folder="$(mktemp -d)"
 trap 'rm -rf "$folder"' EXIT
 cells=()

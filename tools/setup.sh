@@ -54,7 +54,7 @@ as_root() {
     fi
 }
 
-# What the test of the preview's window needs, and nothing else does.
+# Packages that only the test of the preview's window needs.
 readonly window_packages=(xvfb xdotool libxkbcommon-x11-0 libxcursor1 libxi6 libxrandr2)
 
 has_package() {
@@ -94,7 +94,7 @@ manifests() {
     done
 }
 
-# A driver that needs a GPU is no adapter on a machine without one; lavapipe always is.
+# A driver that needs a GPU is no adapter on a machine without one; lavapipe always works.
 has_vulkan_adapter() {
     [ -n "${VK_DRIVER_FILES:-}${VK_ICD_FILENAMES:-}" ] && return 0
     [ -n "$(manifests 'lvp_icd*.json')" ] && return 0
@@ -147,7 +147,7 @@ missing_to_run() {
         missing+=(python3 python3-venv)
         echo "missing: python3-venv"
     fi
-    # Only .mp4, .mov, .mkv and .webm need it, so a machine for building goes without.
+    # Only .mp4, .mov, .mkv and .webm need ffmpeg, so a machine that only builds goes without.
     if [ "$only" = run ] && ! has ffmpeg; then
         missing+=(ffmpeg)
         echo "missing: ffmpeg"
@@ -171,7 +171,7 @@ missing_to_test() {
     fi
 }
 
-# Elsewhere nothing is installed: what is missing is named.
+# On other systems nothing is installed: missing parts are named.
 check_elsewhere() {
     heading "System"
     local missing=()
@@ -189,7 +189,7 @@ check_elsewhere() {
     echo "present: what the build needs"
 }
 
-# True when version $1 is at least version $2.
+# Whether version $1 is at least version $2.
 at_least() { [ "$(printf '%s\n%s\n' "$2" "$1" | sort -V | head -n 1)" = "$2" ]; }
 
 setup_rust() {
@@ -236,7 +236,7 @@ setup_python() {
     fi
     "$root/.venv/bin/python" -m pip install --quiet --disable-pip-version-check \
         --editable "$root/tools[dev]"
-    # An independent renderer, for one test. It has no build for every system.
+    # Mitsuba, an independent renderer, for one test; it has no build for every system.
     "$root/.venv/bin/python" -m pip install --quiet --disable-pip-version-check "mitsuba>=3.5" ||
         echo "missing: mitsuba; the comparison with it will be skipped"
     touch "$stamp"

@@ -20,9 +20,9 @@ def sheet(
     width: int,
     crop: tuple[int, int, int, int] | None = None,
 ) -> Image.Image:
-    """The pictures row by row, each `width` pixels wide, with its caption above if any has one.
+    """The pictures row by row, each `width` pixels wide; captions above where there are any.
 
-    `crop` is the part of each that is shown: left, top, right and bottom in its pixels.
+    `crop` is the shown part of each picture: left, top, right and bottom in its pixels.
     """
     pictures = [_scaled(path, width, crop) for _, path in cells]
     height = max(picture.height for picture in pictures)
@@ -49,7 +49,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="Puts pictures with captions on one sheet.")
     parser.add_argument("out", type=Path)
     parser.add_argument("--columns", type=int, default=4)
-    parser.add_argument("--width", type=int, default=320, help="of each picture, pixels")
+    parser.add_argument("--width", type=int, default=320, help="width of each picture, pixels")
     parser.add_argument(
         "--crop",
         type=int,

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Compares hybrid with rt in named views at 1280 x 720, and writes docs/views.md.
 
-    tools/views.py measure --assets DIR OUT [--reflet PROGRAM]    # what OUT lacks
+    tools/views.py measure --assets DIR OUT [--reflet PROGRAM]    # views that OUT lacks
     tools/views.py page OUT                                       # the tables and docs/data
 
 Accuracy is that of the reflections against rt with 16 bounces; time is processor time of the
@@ -41,7 +41,7 @@ def setting(*assignments: str) -> list[str]:
 
 ON_FLOOR = "instance.0.translation=[-4.4, 0.0, 0.0]"
 LENGTH = "reflection.ray_length_u=16"
-# Name, scene, and what is changed in it.
+# Views by name: the scene, and overrides of its values.
 VIEWS: dict[str, list[str]] = {
     "Fig. 1": ["scenes/paper/sponza.toml"],
     "Scenario 1": ["scenes/paper/scenario1.toml"],
@@ -67,7 +67,7 @@ VIEWS: dict[str, list[str]] = {
 
 
 def eight_lamps() -> str:
-    """The atrium with a ring of lamps in place of its sun and lamp."""
+    """Write a copy of the atrium with a ring of eight lamps in place of its sun and lamp."""
     lamps = []
     for i in range(8):
         turn = math.tau * i / 8

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-# Name, parent, offset from the parent in meters; the figure faces +Z and stands on y = 0. Its arms
+# Joints: name, parent, offset from parent in meters; the figure faces +Z, stands on y = 0. Its arms
 # are spread at rest, so that hands do not pull the hips along.
 JOINTS = [
     ("hips", -1, (0.0, 0.93, 0.0)),
@@ -31,7 +31,7 @@ JOINTS = [
     ("ankle.r", 15, (0.0, -0.40, -0.01)),
 ]
 INDEX = {name: i for i, (name, _, _) in enumerate(JOINTS)}
-# Round bones of the body: joint, where each begins and ends from that joint, radius at both ends.
+# Round bones of the body: joint, both ends relative to that joint, radius at both ends.
 BONES = [
     ("hips", (-0.06, 0.0, 0.0), (0.06, 0.0, 0.0), 0.12, 0.12),
     ("spine", (0.0, -0.02, 0.0), (0.0, 0.18, 0.0), 0.115, 0.13),
@@ -78,13 +78,13 @@ def distances(points: np.ndarray) -> np.ndarray:
 
 
 def body(points: np.ndarray) -> np.ndarray:
-    """Distance to the body: a smooth minimum over the bones."""
+    """Signed distance of each point to the body: a smooth minimum over the bones."""
     near = np.exp(-np.clip(distances(points), -0.5, 0.5) / BLEND_M)
     return -BLEND_M * np.log(near.sum(axis=1))
 
 
 def surface() -> tuple[np.ndarray, np.ndarray]:
-    """Vertices and triangles of the body by surface nets (Gibson 1998)."""
+    """Vertices and triangles of the body's surface, by surface nets (Gibson 1998)."""
     low, high = np.array([-0.78, -0.05, -0.22]), np.array([0.78, 1.85, 0.30])
     size = np.ceil((high - low) / CELL_M).astype(int) + 1
     grid = np.stack(np.meshgrid(*[np.arange(n) for n in size], indexing="ij"), axis=-1)
@@ -123,7 +123,7 @@ def surface() -> tuple[np.ndarray, np.ndarray]:
 
 
 def normals_at(points: np.ndarray) -> np.ndarray:
-    """Gradient of the distance."""
+    """Normals: the gradient of the distance."""
     step = 1e-4
     columns = [body(points + step * e) - body(points - step * e) for e in np.eye(3)]
     normals = np.stack(columns, axis=1)
@@ -142,14 +142,14 @@ def influences(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def about(axis: int, angle: float) -> np.ndarray:
-    """Quaternion x, y, z, w of a turn about an axis, radians."""
+    """Quaternion (x, y, z, w) of a turn about an axis by an angle in radians."""
     q = np.zeros(4)
     q[axis], q[3] = np.sin(angle / 2), np.cos(angle / 2)
     return q
 
 
 def product(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """The turn b, then the turn a."""
+    """Product of two quaternions: the turn b, then the turn a."""
     v = a[3] * b[:3] + b[3] * a[:3] + np.cross(a[:3], b[:3])
     return np.append(v, a[3] * b[3] - a[:3] @ b[:3])
 
@@ -167,7 +167,7 @@ def rotation(q: np.ndarray) -> np.ndarray:
 
 
 def step_pose(phase: float) -> dict[str, np.ndarray]:
-    """Rotations of the joints at a phase of the walk, radians; the left foot is in front at 0."""
+    """Rotations of the joints in radians at a phase of the walk; the left foot is in front at 0."""
     pose = {
         "spine": about(1, 0.07 * np.cos(phase)),
         "chest": about(1, -0.16 * np.cos(phase)),
@@ -175,7 +175,7 @@ def step_pose(phase: float) -> dict[str, np.ndarray]:
     }
     for side, lead in (("l", phase), ("r", phase + np.pi)):
         swing = np.cos(lead)
-        # The knee bends while the foot travels forward.
+        # The knee bends while its foot travels forward.
         lift = max(0.0, -np.sin(lead)) ** 1.5
         pose[f"hip.{side}"] = about(0, -0.48 * swing - 0.25 * lift)
         pose[f"knee.{side}"] = about(0, 0.10 + 0.85 * lift)
@@ -190,7 +190,7 @@ def step_pose(phase: float) -> dict[str, np.ndarray]:
 
 
 def lowest(pose: dict[str, np.ndarray]) -> float:
-    """Height of the lower foot's lowest point over the hips' height at rest."""
+    """Height of the lower foot's lowest point, in meters relative to the hips."""
     frames: list[tuple[np.ndarray, np.ndarray]] = []
     for name, parent, offset in JOINTS:
         up, at = frames[parent] if parent >= 0 else (np.eye(3), np.zeros(3))
@@ -236,7 +236,7 @@ class Writer:
 
 
 def animation(out: Writer) -> dict:
-    """The walk in one cycle: rotations, the height of the hips, and the breath."""
+    """Add the walk as one animation cycle: rotations, height of the hips, and the breath."""
     times = np.linspace(0.0, CYCLE_S, KEYS + 1)
     phases = times / CYCLE_S * 2.0 * np.pi
     poses = [step_pose(phase) for phase in phases]
@@ -262,13 +262,13 @@ def animation(out: Writer) -> dict:
 
 
 def stride_m() -> float:
-    """How far a cycle carries the figure: what the foot on the floor is moved back by."""
+    """Length of one cycle's way in meters: how far the foot on the floor moves back."""
     reach = sum(abs(JOINTS[INDEX[n]][2][1]) for n in ("knee.l", "ankle.l")) + 0.07
     return 4.0 * reach * float(np.sin(0.48)) * 0.93
 
 
 def glb() -> bytes:
-    """The whole file."""
+    """Bytes of the whole .glb file."""
     vertices, triangles = surface()
     joints, weights = influences(vertices)
     places = bind_positions()
@@ -281,7 +281,7 @@ def glb() -> bytes:
     offset = normals_at(vertices) * (chest * 0.025)[:, None]
     swell = {"min": offset.min(0).astype("f4").tolist(), "max": offset.max(0).astype("f4").tolist()}
     bind = np.tile(np.eye(4), (len(JOINTS), 1, 1))
-    bind[:, 3, :3] = -places  # columns first
+    bind[:, 3, :3] = -places  # glTF stores columns first
     primitive = {
         "attributes": {
             "POSITION": out.add("VEC3", 5126, vertices, **bound),

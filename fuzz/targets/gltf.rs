@@ -1,4 +1,4 @@
-//! Loads any bytes as a glTF file that a scene places and plays, and poses a frame of it.
+//! Loads any bytes as a glTF file that a scene places and animates, and poses one frame of it.
 #![no_main]
 
 use std::{fs, path::PathBuf, sync::LazyLock};
@@ -18,7 +18,7 @@ file = "m.glb"
 animation = "*"
 "#;
 
-/// Lives as long as the process.
+/// Temporary folder that lives as long as the process.
 static FOLDER: LazyLock<PathBuf> =
     LazyLock::new(|| tempfile::tempdir().expect("a temporary folder").keep());
 static READ: LazyLock<Scene> = LazyLock::new(|| {
@@ -28,7 +28,7 @@ static READ: LazyLock<Scene> = LazyLock::new(|| {
 
 fuzz_target!(|bytes: &[u8]| {
     fs::write(FOLDER.join("m.glb"), bytes).expect("it can be written");
-    // Half a GiB is left for what is copied.
+    // The loader gets 1 GiB of the fuzzer's 1.5 GB limit; the rest is for copies.
     let options = LoadOptions {
         memory_bytes: Some(1 << 30),
         ..LoadOptions::default()
@@ -37,6 +37,6 @@ fuzz_target!(|bytes: &[u8]| {
         return;
     };
     let state = Animator::new(&READ).pose(12).expect("nothing but the file moves");
-    // What is not finite is refused.
+    // Poses with values that are not finite are refused with an error.
     let _ = world.apply(&state);
 });

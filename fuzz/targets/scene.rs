@@ -1,4 +1,4 @@
-//! Reads any text as a scene, beside no files, and poses its first frame.
+//! Reads any text as a scene without files beside it, and poses its first frame.
 #![no_main]
 
 use std::path::Path;

@@ -1,4 +1,4 @@
-"""Owns what the tests of the USD tools share: seeds, the corpus, the validator, the `full` set."""
+"""Owns the fixtures of the USD tools' tests: seed stages, corpus, validator, `full` marker."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """`--full` runs the tests that are marked so."""
+    """Add the option `--full`, which also runs the tests with the marker `full`."""
     parser.addoption("--full", action="store_true", help="run the slow set too")
 
 
@@ -54,7 +54,7 @@ def corpus() -> Path:
 
 @pytest.fixture(scope="session")
 def khronos() -> None:
-    """Skips where the Khronos validator cannot run."""
+    """Skip the test where the Khronos validator cannot run."""
     from reflet_usd.validate.khronos import ValidatorMissingError, find_package
 
     try:

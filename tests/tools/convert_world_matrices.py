@@ -26,7 +26,7 @@ def points_of(matrix: np.ndarray) -> np.ndarray:
 
 
 def check_world(done: Converted, prim: str, codes: list[float | None]) -> None:
-    """World positions of the prim's cube agree with USD at each time code."""
+    """Assert that the world positions of the prim's cube agree with USD's at each time code."""
     stage = Usd.Stage.Open(str(done.out.with_name("stage.usda")))
     usd = done.json["scenes"][0]["extras"]["usd"]
     axis = Z_UP if usd["upAxis"] == "Z" else Y_UP

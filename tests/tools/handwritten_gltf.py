@@ -12,7 +12,7 @@ import pygltflib as gl
 
 @dataclasses.dataclass
 class HandMesh:
-    """One triangle primitive."""
+    """Arrays of one triangle primitive."""
 
     positions: Any
     triangles: Any
@@ -31,7 +31,7 @@ class HandFile:
         self.data = bytearray()
 
     def accessor(self, values: Any, kind: str, dtype: Any, target: int | None = None) -> int:
-        """Append an array; returns its accessor."""
+        """Append an array; returns the index of its accessor."""
         array = np.ascontiguousarray(values, dtype=dtype)
         while len(self.data) % 4:
             self.data.append(0)

@@ -19,7 +19,7 @@ _NUMBER = re.compile(rb"(?<![\w.])-?\d+(?:\.\d+)?(?![\w.])")
 
 @dataclasses.dataclass
 class Mutant:
-    """One hostile stage: its file's name and bytes, and files that lie beside it."""
+    """One hostile stage: file name, bytes, and the files that lie beside it."""
 
     name: str
     suffix: str
@@ -28,14 +28,14 @@ class Mutant:
 
     @property
     def title(self) -> str:
-        """Its name among all mutants."""
+        """Name of the mutant, unique among all of them."""
         return self.name + self.suffix
 
 
 def all_mutants(seeds: Path) -> list[Mutant]:
     """Every mutant, in a fixed order, from the seeds' text and binary forms."""
     texts = {path.stem: path.read_bytes() for path in sorted(seeds.glob("*.usda"))}
-    # Kept as files, for usd-core writes the same layer in other bytes each time.
+    # Stored as files, because usd-core writes the same layer in other bytes each time.
     crates = {path.stem: path.read_bytes() for path in sorted(seeds.glob("crates/*.usdc"))}
     packages = {name: _as_package(name, data) for name, data in crates.items()}
     chance = random.Random(20240229)
@@ -94,7 +94,7 @@ def _shuffle_lines(data: bytes, chance: random.Random) -> bytes:
 
 
 def _absurd_words(data: bytes, chance: random.Random) -> bytes:
-    """Counts and offsets of a crate file replaced by enormous ones."""
+    """Crate files whose counts and offsets are replaced by enormous ones."""
     result = bytearray(data)
     for _ in range(3):
         place = chance.randrange(8, len(result) - 8) & ~7
@@ -104,7 +104,7 @@ def _absurd_words(data: bytes, chance: random.Random) -> bytes:
 
 
 def _as_package(name: str, crate: bytes) -> bytes:
-    """A usdz whose root is the crate, aligned to 64 bytes as the format asks."""
+    """A usdz package whose root layer is the crate, aligned to 64 bytes as the format asks."""
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w") as archive:
         entry = zipfile.ZipInfo(f"{name}.usdc")
@@ -117,13 +117,13 @@ def _as_package(name: str, crate: bytes) -> bytes:
 
 def hand_written_bodies() -> dict[str, bytes]:
     """Layers that parse, each with one invalid value."""
-    # The format wants a line of its own for each closing brace.
+    # The usda format wants a line of its own for each closing brace.
     bodies = {name: body.replace("}", "\n}\n") for name, body in _BODIES.items()}
     return {name: _HEADER + body.encode() for name, body in bodies.items()}
 
 
 def _written_by_hand(quads: bytes) -> Iterator[Mutant]:
-    """Faults that chance does not reach."""
+    """Hand-written faults that random damage does not reach."""
     for name, body in hand_written_bodies().items():
         yield Mutant(name, ".usda", body)
     for name, metadata in _METADATA.items():

@@ -26,7 +26,7 @@ class Converted:
         self.sidecar = json.loads(Path(f"{out}.json").read_text(encoding="utf-8"))
 
     def warnings(self, prim: str | None = None) -> set[str]:
-        """Names of the warnings, of one prim or of all."""
+        """Names of the sidecar's warnings, of one prim or of all."""
         found = self.sidecar["warnings"]
         return {entry["name"] for entry in found if prim in (None, entry["prim"])}
 

@@ -1,4 +1,4 @@
-"""Owns what misbehaves inside the sandbox's child in place of the converter."""
+"""Owns functions that misbehave in the sandbox's child process in place of the converter."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Owns damaging converted files, and the check that damage is found with any sidecar."""
+"""Owns functions that damage converted files, and the check that the validator finds the damage."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ Damage = Callable[["Output"], None]
 
 
 class Output:
-    """A converted .glb that is to be damaged."""
+    """A converted .glb file, loaded so that a test can damage it."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
@@ -39,7 +39,7 @@ class Output:
         self.blob = bytearray(self.gltf.binary_blob() or b"")
 
     def rewrite(self, accessor: int, change: Callable[[np.ndarray], np.ndarray]) -> None:
-        """Change an accessor of floats in place."""
+        """Change the values of a float accessor in place."""
         entry = self.gltf.accessors[accessor]
         view = self.gltf.bufferViews[entry.bufferView]
         width = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}[entry.type]
@@ -51,7 +51,7 @@ class Output:
             entry.min, entry.max = changed.min(0).tolist(), changed.max(0).tolist()
 
     def attributes(self, name: str) -> list[int]:
-        """The accessors of an attribute of all primitives."""
+        """Accessor indices of one attribute over all primitives."""
         found = {
             getattr(primitive.attributes, name)
             for mesh in self.gltf.meshes
@@ -60,13 +60,13 @@ class Output:
         return sorted(found - {None})
 
     def save(self) -> None:
-        """Write it over the good one."""
+        """Write the damaged file over the original."""
         self.gltf.set_binary_blob(bytes(self.blob))
         self.gltf.save_binary(str(self.path))
 
 
 def lose(prim: str) -> Damage:
-    """Nothing is left of what the prim draws."""
+    """Damage: remove mesh, camera and extensions of all nodes at or below the prim."""
 
     def damage(out: Output) -> None:
         hit = [n for n in out.gltf.nodes if (n.extras or {}).get("prim", "").startswith(prim)]
@@ -78,7 +78,7 @@ def lose(prim: str) -> Damage:
 
 
 def change(name: str, how: Callable[[np.ndarray], np.ndarray]) -> Damage:
-    """An attribute of all meshes is another one."""
+    """Damage: change the values of one attribute in all meshes."""
 
     def damage(out: Output) -> None:
         found = out.attributes(name)
@@ -95,20 +95,20 @@ move_uvs = change("TEXCOORD_0", lambda values: values * 5 + 3)
 
 
 def place(out: Output) -> None:
-    """Everything drawn is somewhere else."""
+    """Damage: move all nodes with a mesh or a camera to another place."""
     for node in out.gltf.nodes:
         if node.mesh is not None or node.camera is not None:
             node.translation = [7.0, 7.0, 7.0]
 
 
 def animate(out: Output) -> None:
-    """All keys hold other values."""
+    """Damage: change the values of all animation keys."""
     for sampler in out.gltf.animations[0].samplers:
         out.rewrite(sampler.output, lambda values: values + 0.2)
 
 
 def turn(out: Output) -> None:
-    """All triangles are turned over."""
+    """Damage: reverse the winding of all triangles."""
     for mesh in out.gltf.meshes:
         for primitive in mesh.primitives:
             entry = out.gltf.accessors[primitive.indices]
@@ -121,7 +121,7 @@ def turn(out: Output) -> None:
 
 
 def look(**values: Any) -> Damage:
-    """Fields of the first material's pbrMetallicRoughness are others."""
+    """Damage: change fields of the first material's pbrMetallicRoughness."""
 
     def damage(out: Output) -> None:
         for name, value in values.items():
@@ -131,12 +131,12 @@ def look(**values: Any) -> Damage:
 
 
 def hide_colors(out: Output) -> None:
-    """The last material shows another color."""
+    """Damage: change the base color of the last material."""
     out.gltf.materials[-1].pbrMetallicRoughness.baseColorFactor = [0.0, 1.0, 1.0, 1.0]
 
 
 def light(**values: Any) -> Damage:
-    """The first light is another one."""
+    """Damage: change fields of the first light."""
 
     def damage(out: Output) -> None:
         out.gltf.extensions["KHR_lights_punctual"]["lights"][0].update(values)
@@ -145,17 +145,17 @@ def light(**values: Any) -> Damage:
 
 
 def zoom(out: Output) -> None:
-    """The camera sees another angle."""
+    """Damage: change the camera's field of view."""
     out.gltf.cameras[0].perspective.yfov *= 0.3
 
 
 def clip(out: Output) -> None:
-    """The camera has another near plane."""
+    """Damage: change the camera's near plane."""
     out.gltf.cameras[0].perspective.znear *= 0.5
 
 
 def mesh(name: str, body: str = "", api: str = "") -> str:
-    """A quad."""
+    """Scene text of a quad mesh."""
     schemas = f' (prepend apiSchemas = ["{api}"])' if api else ""
     return f'def Mesh "{name}"{schemas}\n{{{FACE}{body}}}\n'
 
@@ -167,12 +167,12 @@ UNIT = mesh(
 
 
 def agrees(done: Converted) -> bool:
-    """Whether the comparison passes; in this process, as starting another takes two seconds."""
+    """Whether the comparison passes; runs in this process, as starting one takes two seconds."""
     return validate_file(done.out, done.out.parent / "stage.usda", khronos=False).passed
 
 
 def forget(done: Converted, name: str) -> None:
-    """The sidecar has no warning of that name any more."""
+    """Remove all warnings of one name from the sidecar."""
     path = Path(f"{done.out}.json")
     sidecar = json.loads(path.read_text(encoding="utf-8"))
     kept = [warning for warning in sidecar["warnings"] if warning["name"] != name]
@@ -181,7 +181,7 @@ def forget(done: Converted, name: str) -> None:
 
 
 def expect_found(done: Converted, damage: Damage) -> None:
-    """The file passes as it is, and fails once damaged."""
+    """Assert that the file passes as it is, and fails once damaged."""
     validation = validate_file(done.out, done.out.parent / "stage.usda", khronos=False)
     assert validation.passed, format_validation(validation)
     output = Output(done.out)
@@ -191,7 +191,7 @@ def expect_found(done: Converted, damage: Damage) -> None:
 
 
 def expect_required(done: Converted, warning: str, prim: str, *named: str) -> None:
-    """The warning is there with all it names, the file passes with it, and fails without it."""
+    """Assert that the warning names all it must, and that the file passes only with it."""
     found = [w for w in done.sidecar["warnings"] if (w["name"], w["prim"]) == (warning, prim)]
     told = " ".join(entry["message"] for entry in found)
     assert found

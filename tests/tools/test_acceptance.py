@@ -1,4 +1,4 @@
-"""tools/acceptance.py: how T is chosen and how sure the comparison is."""
+"""tools/acceptance.py: how the threshold T is chosen, and the confidence intervals."""
 
 import importlib.util
 import pathlib
@@ -19,7 +19,7 @@ def score(flip: float, nodes: float) -> "acceptance.Score":
 
 
 def scene(*, verified: float, small: tuple[float, float], large: tuple[float, float]) -> dict:
-    """Error and nodes of T = .01 and T = .1; the verified rule visits 100 nodes."""
+    """Scores of one scene at T = .01 and T = .1; the verified rule visits 100 BVH nodes."""
     return {
         ("verified", 0.25): score(verified, 100.0),
         ("verified", 0.0): score(verified, 110.0),
@@ -53,7 +53,7 @@ def test_a_scene_does_not_choose_its_own_threshold() -> None:
 
 def test_the_interval_is_that_of_the_mean() -> None:
     low, high = acceptance.interval([1.0, 2.0, 3.0, 4.0] * 10)
-    # Standard error sqrt(1.25 / 40) = .177; ± 1.96 of them.
+    # The standard error is sqrt(1.25 / 40) = .177; the interval is ± 1.96 of these.
     assert low == pytest.approx(2.5 - 0.346, abs=0.03)
     assert high == pytest.approx(2.5 + 0.346, abs=0.03)
     assert acceptance.interval([0.5] * 5) == (0.5, 0.5)

@@ -1,4 +1,4 @@
-"""Animated materials: each input that stays at its first value is named, and has to be."""
+"""Animated materials: a warning names each input that stays at its first value, and is required."""
 
 from __future__ import annotations
 

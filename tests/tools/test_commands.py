@@ -1,4 +1,4 @@
-"""The command line's ends: signals, places that cannot be written, folders without stages."""
+"""The command line's limits: signals, outputs that cannot be written, folders without stages."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ CUBE = '#usda 1.0\n(\n    metersPerUnit = 1\n    upAxis = "Y"\n)\ndef Cube "C"\n
 
 
 def slow_stage(folder: Path) -> Path:
-    """A stage that takes long to convert."""
+    """A stage whose conversion takes long."""
     stage = folder / "slow.usda"
     cube = 'def Cube "c" {\n}\n'
     prims = "".join(f'def Xform "x{number}" {{\n{cube}}}\n' for number in range(20_000))
@@ -26,13 +26,13 @@ def slow_stage(folder: Path) -> Path:
 
 
 def children(pid: int) -> list[int]:
-    """The processes that `pid` started and that still run."""
+    """Process ids of the running children of `pid`."""
     found = subprocess.run(["ps", "-o", "pid=", "--ppid", str(pid)], capture_output=True, text=True)
     return [int(word) for word in found.stdout.split()]
 
 
 def runs(pid: int) -> bool:
-    """Whether a process is there and not a corpse."""
+    """Whether the process exists and is not a zombie."""
     try:
         state = Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0]
     except OSError:
@@ -88,7 +88,7 @@ def test_a_signal_ends_the_stages_that_report_has_begun(tmp_path: Path, khronos:
     process.send_signal(signal.SIGTERM)
     _, shown = process.communicate(timeout=60)
     assert process.returncode == 143
-    assert list(kept.iterdir()) == []  # a stage that had been waited for would be here
+    assert list(kept.iterdir()) == []  # else a conversion did not stop
     assert not table.exists()
     assert not runs(child)
     assert "Traceback" not in shown

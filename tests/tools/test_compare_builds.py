@@ -61,7 +61,7 @@ def test_another_file_is_no_exr(tmp_path: Path) -> None:
 
 
 def test_the_median_lies_between_its_bounds() -> None:
-    # Of 200 values the 87th and the 114th: a median outside has 5 %.
+    # 95 % interval of the median of 200 values: from the 87th to the 114th.
     values = [float(v) for v in range(200)]
     assert compare_builds.interval(values[::-1]) == (99.5, 86.0, 113.0)
     assert compare_builds.interval([3.0, 1.0]) == (2.0, 1.0, 3.0)

@@ -1,4 +1,4 @@
-"""Commands on stages that wait, lie or never end, and on outputs that cannot be written."""
+"""Commands on stages that block, lie or never end, and on outputs that cannot be written."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ CUBE = HEAD + ')\ndef Cube "C" {}\n'
 
 
 def command(*words: str) -> list[str]:
-    """The words of a `reflet-usd` command."""
+    """Command line of a `reflet-usd` subcommand."""
     return [sys.executable, "-m", "reflet_usd", *words]
 
 
@@ -46,7 +46,7 @@ def package(path: Path, *entries: tuple[str, str]) -> Path:
 
 
 def cube(folder: Path) -> tuple[Path, Path]:
-    """A stage and its file."""
+    """A stage of one cube and its converted file."""
     stage, out = folder / "cube.usda", folder / "cube.glb"
     stage.write_text(CUBE)
     run_convert(stage, out)
@@ -109,7 +109,7 @@ def test_a_file_that_the_directory_hides_is_refused(tmp_path: Path) -> None:
     with zipfile.ZipFile(stream, "w") as archive:
         archive.writestr("a.usda", CUBE)
         archive.writestr("b.usda", CUBE)
-        archive.filelist.pop()  # the directory is written when it closes
+        archive.filelist.pop()  # the zip directory is written when the archive closes
     path = tmp_path / "a.usdz"
     path.write_bytes(stream.getvalue())
     with pytest.raises(PackageError, match="does not list"):
@@ -272,7 +272,7 @@ def test_the_wall_time_of_report_covers_the_check(
         options["target"] = "sandbox_targets:sleep"
         return run_confined(*args, limits=dataclasses.replace(limits, wall_s=1.0), **options)
 
-    # The conversion keeps its time: on a busy machine it takes long too.
+    # Only the check's time limit is shortened: a conversion may take longer on a busy machine.
     monkeypatch.setattr(confined, "run_confined", check_without_end)
     details = tmp_path / "details.json"
     words = ["report", str(tmp_path / "in"), "--wall-s", "600", "--json", str(details)]

@@ -1,4 +1,4 @@
-"""Owns the tests of values that mean nothing and files that are none: all are named."""
+"""Owns the tests of invalid values and of files that are no stages: each fault has a name."""
 
 from __future__ import annotations
 
@@ -284,7 +284,7 @@ def PointInstancer "P" {
 
 
 def nested_instances(levels: int) -> str:
-    """Each level holds two instances of the one before."""
+    """A stage of nested instances: each level holds two instances of the level below."""
     text = 'def "L0" {\n    def Cube "c" {}\n}\n'
     for level in range(1, levels):
         one = f"(references = </L{level - 1}>\n instanceable = true) {{}}\n"

@@ -10,14 +10,14 @@ from reflet_usd.validate import allowed_deviations, usd_rules
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 SOURCES = sorted((ROOT / "tools" / "reflet_usd").rglob("*.py"))
-# Strings of the same shape that name something else.
+# Strings that have the shape of a warning's name but name something else.
 OTHERS = {"gltf-validator", "reflet-usd", "usd-core", "utf-8"}
-# Names by prim type: the manual's table has `<type>-dropped`.
+# Warnings named by prim type: the manual's table has `<type>-dropped`.
 BY_TYPE = {"Volume-dropped"}
 
 
 def names_in(path: Path) -> set[str]:
-    """All strings that have the shape of a name, and those in brackets at the end of a message."""
+    """Strings that have the shape of a warning's name, and those in brackets at a message's end."""
     found = set()
     for item in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(item, ast.Constant) and isinstance(item.value, str):
@@ -43,7 +43,7 @@ def test_the_manual_invents_no_name() -> None:
 
 
 VALIDATOR = ROOT / "tools" / "reflet_usd" / "validate"
-# Where warnings are named: what they excuse, what they choose, and what no file can hold.
+# Modules of the validator that name warnings for inputs without a place in glTF.
 LOSSES = ("usd_camera.py", "usd_curves.py", "usd_light.py", "usd_ops.py", "usd_truth.py")
 
 
@@ -102,7 +102,7 @@ def test_no_other_part_of_the_validator_asks_for_a_warning() -> None:
         *LOSSES,
         "__init__.py",
         "confined.py",
-    }  # which say errors
+    }  # these two name errors
     assert {name: found for name, found in told.items() if found and name not in homes} == {
         "validation.py": {"subdivision-cage"}
     }

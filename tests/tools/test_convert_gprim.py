@@ -36,7 +36,7 @@ def test_closed_outward_and_nearly_the_exact_volume(tmp_path: Path, kind: str, a
     done = convert_text(tmp_path, f'def {kind} "G" {{\n{body}\nuniform token axis = "{axis}"\n}}')
     triangles = done.triangles(0)
     signed = np.einsum("ti,ti->t", triangles[:, 0], np.cross(triangles[:, 1], triangles[:, 2]))
-    # Chords lie inside the curve: a little less volume, never more.
+    # Chords lie inside the curve: the volume is a little less than the exact one, never more.
     assert 0.97 * volume < signed.sum() / 6 <= volume * (1 + 1e-6)
     face = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     normals = done.attribute(0, 0, "NORMAL").reshape(-1, 3, 3)

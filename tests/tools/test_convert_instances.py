@@ -116,7 +116,7 @@ def test_point_instances_are_placed_like_usd_places_them(tmp_path: Path) -> None
     ]
     assert len(found) == len(wanted) == 3
     for matrix in wanted:
-        assert min(np.abs(matrix - other).max() for other in found) < 1e-3  # half floats
+        assert min(np.abs(matrix - other).max() for other in found) < 1e-3  # for half floats
     assert len(done.gltf.meshes) == 2
 
 
@@ -138,7 +138,7 @@ def test_many_instances_go_to_the_gpu_extension(
         for i, n in enumerate(done.gltf.nodes)
         if "EXT_mesh_gpu_instancing" in (n.extensions or {})
     ]
-    assert len(nodes) == 1  # the ball has one instance only
+    assert len(nodes) == 1  # the ball has only one instance
     assert "EXT_mesh_gpu_instancing" in done.json["extensionsRequired"]
     index, attributes = nodes[0]
     above = done.world()[index]
@@ -197,7 +197,7 @@ def PointInstancer "Outer" {
 
 
 def test_nested_instancers_come_and_go(tmp_path: Path) -> None:
-    """The outer one is hidden at rest: what it draws later is still its own."""
+    """An outer instancer that is hidden at rest still draws only its own instances later."""
     text = """
 def PointInstancer "Outer" {
     token visibility.timeSamples = {1: "invisible", 2: "inherited"}
@@ -376,7 +376,7 @@ def PointInstancer "I" {{
     drawn = [i for i, node in enumerate(done.gltf.nodes) if node.mesh is not None]
     places = {tuple(np.round(world[i][:3, 3], 5)) for i in drawn}
     assert places == {(101, 0, 7), (102, 0, 7), (103, 0, 9)}
-    # UsdGeom counts the ops of a prototype's own root whatever they reset.
+    # UsdGeom applies the ops of a prototype's own root even where they reset the stack.
     assert done.warnings() == {"reset-in-prototype"}
     assert done.warnings("/I/P/C") == {"reset-in-prototype"}
     assert validate_file(done.out, tmp_path / "stage.usda", khronos=False).passed

@@ -1,4 +1,4 @@
-"""Owns the tests that what does not draw is kept in extras, or named: metadata, schemas, links."""
+"""Owns the tests that metadata, schemas and links are kept in extras or named by warnings."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from read_converted import Converted, convert_text
 
 
 def messages(done: Converted, name: str) -> dict[str, str]:
-    """By prim the message of each warning of that name."""
+    """Message of each warning of that name, by prim."""
     found = [w for w in done.sidecar["warnings"] if w["name"] == name]
     assert len({w["prim"] for w in found}) == len(found), "once for each prim"
     return {w["prim"]: w["message"] for w in found}

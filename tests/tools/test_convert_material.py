@@ -1,4 +1,4 @@
-"""Owns the tests of material values and of what drives them."""
+"""Owns the tests of material values and of the shading networks that drive them."""
 
 from __future__ import annotations
 

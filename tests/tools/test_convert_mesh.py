@@ -46,7 +46,7 @@ def shoelace(outline: np.ndarray) -> float:
 @pytest.mark.parametrize("corners", [4, 6, 8, 10, 24, 26, 60, 200])
 @pytest.mark.parametrize("flip", [False, True])
 def test_concave_outlines_are_covered_exactly_once(corners: int, flip: bool) -> None:
-    # Four corners: an arrowhead. More: a star.
+    # Polygons of four corners: an arrowhead; of more: a star.
     outline = (
         star(corners, 0.3)
         if corners > 4
@@ -54,7 +54,7 @@ def test_concave_outlines_are_covered_exactly_once(corners: int, flip: bool) -> 
     )
     if flip:
         outline = outline[::-1]
-    # Turned out of the axes' planes, and moved far from the origin.
+    # Polygons turned out of the axes' planes, and moved far from the origin.
     turn = np.linalg.qr(np.array([[1, 2, 3], [0, 1, 4], [5, 6, 0.5]]))[0]
     turn *= np.sign(np.linalg.det(turn))
     points = outline @ turn.T + 100.0
@@ -72,7 +72,7 @@ def test_random_simple_polygons_keep_their_area() -> None:
     for corners in range(5, 40):
         angles = np.sort(random.random(corners)) * 2 * np.pi
         if np.diff(angles, append=angles[0] + 2 * np.pi).max() > np.pi:
-            continue  # the origin is outside, the outline may cross itself
+            continue  # the origin is outside, so the outline may cross itself
         radii = random.uniform(0.05, 1.0, corners)
         outline = np.stack([radii * np.cos(angles), radii * np.sin(angles), 0 * angles], 1)
         triangles, _ = triangulate(outline, np.arange(corners), np.array([corners]))
@@ -156,7 +156,7 @@ def test_equal_corners_are_welded_and_seams_are_not(tmp_path: Path) -> None:
     body += '\nnormal3f[] normals = [(0,0,1)] (interpolation = "constant")'
     done = convert_text(tmp_path, mesh(body, "4,4/0,1,2,3,1,4,5,2", points))
     accessor = done.json["meshes"][0]["primitives"][0]["attributes"]["POSITION"]
-    # Six points, one of them (1, 0) with two UVs; (1, 1) has the same one on both faces.
+    # Six vertices, one of them (1, 0) with two UVs; (1, 1) has the same UV on both faces.
     assert done.gltf.accessors[accessor].count == 7
 
 

@@ -1,4 +1,4 @@
-"""Owns the tests of moving transforms that are no plain keys: splines, shear, blocked samples."""
+"""Owns the tests of moving transforms without plain keys: splines, shear, blocked samples."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def test_extrapolation_is_held_and_said(tmp_path: Path) -> None:
 
 
 def matrices(*rows: str) -> str:
-    """An animated matrix with keys at 1, 10 and 20."""
+    """A prim whose matrix has keys at 1, 10 and 20."""
     keys = ", ".join(f"{code}: ({row})" for code, row in zip((1, 10, 20), rows, strict=False))
     return f"matrix4d xformOp:transform.timeSamples = {{ {keys} }}"
 
@@ -78,7 +78,7 @@ def test_matrices_that_turn_and_grow_have_few_cubic_keys(tmp_path: Path) -> None
     assert done.warnings() == {"animation-resampled"}
     samplers = done.gltf.animations[0].samplers
     assert {sampler.interpolation for sampler in samplers} == {"CUBICSPLINE"}
-    # Linear keys would be 1,100 within the same tolerance.
+    # Linear keys within the same tolerance would be 1,100.
     assert {done.gltf.accessors[sampler.input].count for sampler in samplers} == {60}
     check_world(done, "/C", [1, 1.2, 1.5, 7.7, 30.31, 59.9, 60])
 

@@ -1,4 +1,4 @@
-"""NURBS patches that move, and what their control points carry."""
+"""NURBS patches that move, and primvars of their control points."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def test_animated_control_points_move_the_surface(tmp_path: Path) -> None:
     primitive = done.json["meshes"][0]["primitives"][0]
     offsets = done.array(primitive["targets"][0]["POSITION"])
     positions = done.array(primitive["attributes"]["POSITION"])
-    # By the rational Bézier curve of weights 1, 2, 1 at u = 1/2, where x is 1.
+    # Expected from the rational Bézier curve of weights 1, 2, 1 at u = 1/2, where x is 1.
     middle = np.isclose(positions[:, 0], 1.0)
     assert middle.any()
     expected = 6 * 2 * 2 * 0.25 / (0.25 + 2 * 2 * 0.25 + 0.25)
@@ -63,7 +63,7 @@ def test_values_of_control_points_reach_the_surface(tmp_path: Path) -> None:
     positions, colors, uvs = (
         done.array(attributes[name]) for name in ("POSITION", "COLOR_0", "TEXCOORD_0")
     )
-    # Coordinates that equal x / 2 and y at the control points do so everywhere.
+    # Texture coordinates that equal x / 2 and y at the control points do so everywhere.
     assert uvs[:, 0] == pytest.approx(positions[:, 0] / 2, abs=1e-6)
     assert uvs[:, 1] == pytest.approx(1 - positions[:, 1], abs=1e-6)
     left = np.isclose(positions[:, 0], 0.0)

@@ -1,4 +1,4 @@
-"""Owns the tests of skeletons and shapes: skinned points against USD's own skinning."""
+"""Owns the tests of skeletons and blend shapes: skinned points against USD's own skinning."""
 
 from __future__ import annotations
 

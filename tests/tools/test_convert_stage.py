@@ -1,4 +1,4 @@
-"""Owns the tests of whole conversions: composition, selection, confinement, accounts, bytes."""
+"""Owns the tests of whole conversions: composition, selection, confinement, ledger, exact bytes."""
 
 from __future__ import annotations
 

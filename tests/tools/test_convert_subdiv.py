@@ -221,7 +221,7 @@ def Mesh "M" {{
 @pytest.mark.parametrize("scheme", ["catmullClark", "loop"])
 def test_normals_are_not_shared_over_creases(tmp_path: Path, scheme: str, level: int) -> None:
     def upright(sharpness: float) -> tuple[int, int]:
-        """How many vertices around the creased face face along z, and how many across it."""
+        """Number of normals along z and across z at the vertices of the creased face."""
         text = CUBE.format(scheme=scheme, sharpness=sharpness)
         done = convert_text(tmp_path, text, subdiv_level=level)
         position, normal = (done.attribute(0, 0, name) for name in ("POSITION", "NORMAL"))
@@ -235,7 +235,7 @@ def test_normals_are_not_shared_over_creases(tmp_path: Path, scheme: str, level:
 
 
 def test_creases_split_only_what_they_part() -> None:
-    # Two quads over an edge, and a third beside the first; the edge between the first two is sharp.
+    # Two quads share a sharp edge; a third quad lies beside the first.
     corners = np.array([0, 1, 2, 3, 1, 4, 5, 2, 3, 2, 6, 7])
     counts = np.array([4, 4, 4])
     sharp = edge_keys(np.array([1]), np.array([2]), 8)
@@ -251,5 +251,5 @@ def test_creases_split_only_what_they_part() -> None:
         6: 1,
         7: 1,
     }
-    # Around point 2 the first and the third quad go on over their own edge.
+    # Around point 2 the first and the third quad are joined over the edge that they share.
     assert groups[2] == groups[9] != groups[7]

@@ -304,7 +304,7 @@ def test_textures_of_single_numbers_are_named(tmp_path: Path, name: str, workflo
 
 
 def keyed(folder: Path, mode: str) -> None:
-    """A picture of which one color is transparent by a tRNS chunk."""
+    """A PNG of which one color is transparent by a tRNS chunk."""
     picture = Image.fromarray(noise("RGB", (8, 8)))
     if mode == "I;16":
         picture = Image.fromarray(np.arange(64, dtype=np.uint16).reshape(8, 8) * 500)

@@ -1,4 +1,4 @@
-"""Owns the tests of visibility that is animated above nodes which leave their parent's place."""
+"""Owns the tests of animated visibility above nodes that move to another parent."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ CODES = (0, 2, 3, 4.5, 6, 7, 9, 10, 12)
 
 
 def shown(done: Converted, prim: str, seconds: float) -> bool:
-    """Whether a prim's node and all above it are visible, by glTF's rules."""
+    """Whether a prim's node and all its ancestors are visible, by glTF's rules."""
     parents = {c: i for i, n in enumerate(done.gltf.nodes) for c in n.children or []}
     keys = {}
     for animation in done.json.get("animations", []):
@@ -43,7 +43,7 @@ def shown(done: Converted, prim: str, seconds: float) -> bool:
 
 
 def check(done: Converted, *prims: str) -> None:
-    """Each prim is seen when USD says so, and not all the time."""
+    """Assert that each prim is visible when USD says so, and not at all times."""
     stage = Usd.Stage.Open(str(done.out.with_name("stage.usda")))
     for prim in prims:
         imageable = UsdGeom.Imageable(stage.GetPrimAtPath(prim))
@@ -136,7 +136,7 @@ def test_lights_and_cameras_stay_whatever_their_purpose(
     tmp_path: Path, kept: tuple[str, ...]
 ) -> None:
     done = convert_text(tmp_path, PURPOSES.format(body=DEVICES), purpose=kept)
-    for path in ("/X", "/I/A/G") if "default" in kept else ("/X",):  # else there is no instancer
+    for path in ("/X", "/I/A/G") if "default" in kept else ("/X",):  # else no instancer
         assert done.gltf.nodes[done.node(f"{path}/C")].camera is not None
         assert done.gltf.nodes[done.node(f"{path}/L")].extensions
     validation = validate_file(done.out, tmp_path / "stage.usda", khronos=False)

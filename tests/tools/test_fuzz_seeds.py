@@ -1,4 +1,4 @@
-"""tools/fuzz_seeds.py: which files the fuzzer of glTF begins with."""
+"""tools/fuzz_seeds.py: the seed files of the glTF fuzzer."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""tools/gltf_mutants.py: what is broken, how answers are judged, and a few broken files."""
+"""tools/gltf_mutants.py: kinds of damage, how answers are judged, and a few broken files."""
 
 from __future__ import annotations
 

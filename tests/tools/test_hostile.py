@@ -19,7 +19,7 @@ QUICK = 14
 
 
 def convert(mutant: Mutant, folder: Path) -> tuple[str, Path | None]:
-    """What became of one mutant: `converted` or the error's name, and its output."""
+    """Outcome of one mutant: `converted` or the error's name, and the path of its output."""
     place = folder / mutant.title / "in"
     place.mkdir(parents=True)
     (folder / mutant.title / "secret.usda").write_text(

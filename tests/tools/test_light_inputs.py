@@ -1,4 +1,4 @@
-"""Owns the tests of what lights say beyond their emission: each input is carried or named."""
+"""Owns the tests of lights' inputs beyond emission: each one is carried or named by a warning."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Owns the tests of lights that the world stretches: their power, by place and over time."""
+"""Owns the tests of lights under scaling transforms: their power, by place and over time."""
 
 from __future__ import annotations
 
@@ -31,19 +31,19 @@ BALL = "float inputs:radius = 1"
 
 
 def entries(done: Converted) -> list[dict]:
-    """The file's lights."""
+    """Entries of the file's lights."""
     found = done.json["extensions"]["KHR_lights_punctual"]["lights"]
     assert isinstance(found, list)
     return found
 
 
 def scaled(x: float, y: float, z: float) -> tuple[str, str, str]:
-    """Rows of a matrix that scales."""
+    """Rows of a matrix that scales along the axes."""
     return f"{x}, 0, 0", f"0, {y}, 0", f"0, 0, {z}"
 
 
 def spheroid(a: float, b: float, c: float) -> float:
-    """The area of an ellipsoid."""
+    """Surface area of an ellipsoid."""
     return 4 * math.pi * special.elliprg((a * b) ** 2, (a * c) ** 2, (b * c) ** 2)
 
 

@@ -1,4 +1,4 @@
-"""Owns the tests of geometry that lights: emission of its materials, and what portals say."""
+"""Owns the tests of geometry that is a light: emission of its materials, and portal warnings."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def GeometryLight "G"
 
 
 def material(emission: str, binding: str = "") -> str:
-    """A lamp bound to a preview surface of this emission, and the same without light beside it."""
+    """A lamp bound to a preview surface of this emission, and the same surface without light."""
     return f"""
 def Scope "Looks"
 {{
@@ -77,7 +77,7 @@ def look_of(done: Converted, prim: str) -> dict[str, Any]:
 
 
 def nits(look: dict[str, Any]) -> list[float]:
-    """The emission of a material, without its texture."""
+    """Emission of a material in nits, without its texture."""
     strength = look.get("extensions", {}).get("KHR_materials_emissive_strength", {})
     factor = np.array(look.get("emissiveFactor", (0.0, 0.0, 0.0)))
     return list(factor * strength.get("emissiveStrength", 1.0))
@@ -122,26 +122,26 @@ def test_the_emission_of_a_material_tints_the_light(
 
 
 def scale_emission(out: Output) -> None:
-    """Everything shines otherwise."""
+    """Damage: change the emission of all materials."""
     for entry in out.gltf.materials:
         entry.emissiveFactor = [0.3, 0.3, 0.3]
 
 
 def unmark(out: Output) -> None:
-    """Nothing lights."""
+    """Damage: no material is marked as a light."""
     for entry in out.gltf.materials:
         entry.extras.pop("mesh_light", None)
 
 
 def mark_wrongly(out: Output) -> None:
-    """Nothing lights, for the mark is no object."""
+    """Damage: the mark of a light is no JSON object."""
     for entry in out.gltf.materials:
         if "mesh_light" in (entry.extras or {}):
             entry.extras["mesh_light"] = True
 
 
 def mark(out: Output) -> None:
-    """Everything lights."""
+    """Damage: all materials are marked as lights."""
     for entry in out.gltf.materials:
         entry.extras = {**(entry.extras or {}), "mesh_light": {"nits": NITS}}
 

@@ -17,15 +17,15 @@ Image = pytest.importorskip("PIL.Image", reason="test pictures are written with 
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 BINARY = pathlib.Path(os.environ.get("REFLET", ROOT / "target" / "debug" / "reflet"))
-LUMA = np.array([0.299, 0.587, 0.114])  # Rec. 601, as Wang's script
+LUMA = np.array([0.299, 0.587, 0.114])  # Rec. 601 luma weights, as in Wang's script
 SSIM_TOLERANCE = 1e-6
-# Two releases of one code, both in single precision: a pixel can differ by more than the mean does.
+# Two releases of the same code, both in single precision: a pixel differs by more than the mean.
 FLIP_MEAN_TOLERANCE = 1e-4
 FLIP_PERCENTILE_TOLERANCE = 1e-3
 
 
 def generated(width, height, seed):
-    """Smooth color waves, a checker and deterministic noise; `tests/metric.rs` has the same."""
+    """Smooth color waves, a checker and deterministic noise, the same as in `tests/metric.rs`."""
     y, x = np.mgrid[0:height, 0:width].astype(np.uint64)
     planes = []
     for c in range(3):
@@ -39,7 +39,7 @@ def generated(width, height, seed):
 
 
 def cases():
-    """Name → (test, reference), 8-bit."""
+    """8-bit test and reference picture by case name."""
     a = generated(64, 48, 1)
     dark = generated(40, 33, 5) // np.uint8(16)
     return {
@@ -54,7 +54,7 @@ def cases():
 
 
 def mask_weights(shape):
-    """An ellipse of weight 200, and weight 1 (not over 1/255) around it."""
+    """Weight 200 inside an ellipse, and weight 1 (not over 1/255) around it."""
     height, width = shape[:2]
     y, x = np.mgrid[0:height, 0:width]
     inside = ((x - width / 2) / (0.45 * width)) ** 2 + ((y - height / 2) / (0.45 * height)) ** 2 < 1
@@ -62,7 +62,7 @@ def mask_weights(shape):
 
 
 def eroded(inside, radius=5):
-    """Brute force: every pixel of the square neighborhood must be inside."""
+    """Mask eroded by brute force: every pixel of the square neighborhood must be inside."""
     padded = np.pad(inside, radius, constant_values=False)
     windows = np.lib.stride_tricks.sliding_window_view(padded, (2 * radius + 1, 2 * radius + 1))
     return windows.all(axis=(2, 3))
@@ -167,7 +167,7 @@ def test_errors_are_those_of_numpy(scored):
 
 
 def test_mask_of_ones_matches_nothing(binary, tmp_path):
-    """A weight of exactly 1/255 is not over 1/255."""
+    """A mask weight of exactly 1/255 is not over 1/255, so such a mask holds no pixel."""
     picture, mask = generated(32, 32, 1), np.full((32, 32), 1, np.uint8)
     Image.fromarray(picture).save(tmp_path / "a.png")
     Image.fromarray(mask).save(tmp_path / "m.png")

@@ -19,11 +19,11 @@ BINARY = pathlib.Path(os.environ.get("REFLET", ROOT / "target" / "debug" / "refl
 WIDTH, HEIGHT, FOV_DEG = 160, 120, 50.0
 BOUNCES = 4
 LIGHT = {"position": [1.5, 4.0, 2.5], "intensity": 40.0}
-mi.set_variant("scalar_rgb")  # needs no LLVM; a few seconds a scene
+mi.set_variant("scalar_rgb")  # this variant needs no LLVM; a few seconds a scene
 
 
 class Scene:
-    """One scene in both languages."""
+    """One scene as Reflet's scene text and as Mitsuba objects."""
 
     def __init__(self, eye, target):
         self.eye, self.target = eye, target
@@ -34,7 +34,7 @@ class Scene:
             f'[light.lamp]\nkind = "point"\nposition = {LIGHT["position"]}\n'
             f'intensity_cd = {LIGHT["intensity"]}\nshadow = "ray"',
             "[environment]\ncolor = [0, 0, 0]",
-            # Rays reach everything, and U needs no bounds.
+            # Rays have no length limit, and U is set, so that it needs no bounds.
             f"[reflection]\nbounces = {BOUNCES}\nray_length_u = 1000.0\nunit_m = 1.0",
             '[image]\ntone_map = "none"',
         ]
@@ -45,7 +45,7 @@ class Scene:
         }
 
     def add(self, name, shape, mitsuba, translation, color=None, normal_map=None):
-        """A diffuse thing of a color, or a perfect mirror without one."""
+        """Add an object to both scenes: diffuse with a color, a perfect mirror without one."""
         if color is None:
             material = 'metallic = 1\nroughness = 0\nreflection = "mirror"'
             bsdf = {"type": "conductor", "material": "none"}
@@ -68,7 +68,7 @@ class Scene:
         self.objects[name] = shape
 
     def ours(self, folder):
-        """Linear radiance by `reflet render --method rt`."""
+        """Linear radiance rendered by `reflet render --method rt`."""
         scene, picture = folder / "scene.toml", folder / "picture.exr"
         scene.write_text("\n".join(self.text), encoding="utf-8")
         command = [BINARY, "render", scene, "-o", picture, "--method", "rt"]
@@ -81,7 +81,7 @@ class Scene:
         return np.array(bitmap)
 
     def theirs(self):
-        """Mirrors followed, then direct light; Mitsuba's shapes, BSDFs and emitter."""
+        """Linear radiance by Mitsuba's shapes, BSDFs and emitter: mirrors, then direct light."""
         scene = mi.load_dict(self.objects)
         origin = mi.Point3f(self.eye)
         pixels = [
@@ -92,7 +92,7 @@ class Scene:
 
     @staticmethod
     def follow(scene, ray):
-        """Linear radiance along a ray."""
+        """Linear radiance along a ray, by Mitsuba."""
         context, half = mi.BSDFContext(), mi.Point2f(0.5)
         throughput = np.ones(3)
         for _ in range(BOUNCES + 1):
@@ -110,7 +110,7 @@ class Scene:
         return np.zeros(3)
 
     def directions(self):
-        """Through pixel centers, row by row from the top left."""
+        """Ray directions through pixel centers, row by row from the top left."""
         eye, target = np.array(self.eye, float), np.array(self.target, float)
         forward = (target - eye) / np.linalg.norm(target - eye)
         right = np.cross(forward, [0.0, 1.0, 0.0])
@@ -125,7 +125,7 @@ class Scene:
 
 
 def plane(size):
-    """A floor: XZ, facing +Y."""
+    """Floor in the XZ plane, facing +Y."""
     turned = mi.ScalarTransform4f().rotate([1, 0, 0], -90).scale([size / 2, size / 2, 1])
     return f'{{ kind = "plane", size = [{size}, {size}] }}', {
         "type": "rectangle",
@@ -134,7 +134,7 @@ def plane(size):
 
 
 def box(x, y, z):
-    """Mitsuba's cube spans -1 to 1."""
+    """Box; Mitsuba's cube spans -1 to 1."""
     return f'{{ kind = "box", size = [{x}, {y}, {z}] }}', {
         "type": "cube",
         "to_world": mi.ScalarTransform4f().scale([x / 2, y / 2, z / 2]),
@@ -142,7 +142,7 @@ def box(x, y, z):
 
 
 def sphere(radius):
-    """Exact there, 512 segments here."""
+    """Sphere, exact in Mitsuba and of 512 segments in Reflet."""
     return f'{{ kind = "sphere", radius = {radius}, segments = 512 }}', {
         "type": "sphere",
         "radius": radius,
@@ -150,7 +150,7 @@ def sphere(radius):
 
 
 def mirror_box(_folder):
-    """A mirror box between a wall, a ball and the floor."""
+    """Scene of a mirror box between a wall, a ball and the floor."""
     scene = Scene([-2.2, 1.9, 3.6], [0.2, 0.6, 0.0])
     scene.add("floor", *plane(8), [0, 0, 0], [0.7, 0.6, 0.5])
     scene.add("wall", *box(0.2, 2.5, 5), [2.6, 1.25, 0], [0.2, 0.3, 0.7])
@@ -160,7 +160,7 @@ def mirror_box(_folder):
 
 
 def sphere_on_a_floor(_folder):
-    """Mirrors that see each other: two spheres on a floor."""
+    """Scene of two mirror spheres on a floor, which reflect each other."""
     scene = Scene([0.3, 1.6, 4.2], [0.0, 0.6, 0.0])
     scene.add("floor", *plane(9), [0, 0, 0], [0.5, 0.6, 0.4])
     scene.add("left", *sphere(0.7), [-0.8, 0.7, 0.0])
@@ -170,7 +170,7 @@ def sphere_on_a_floor(_folder):
 
 
 def normal_mapped_floor(folder):
-    """Waves along one axis, so that no convention about image rows enters."""
+    """Scene with a normal map of waves along one axis: no convention about image rows enters."""
     slope = 0.4 * np.sin(np.linspace(0, 6 * np.pi, 256, endpoint=False))
     normal = np.stack([slope, np.zeros(256), np.sqrt(1 - slope**2)], -1)
     codes = np.round((normal * 0.5 + 0.5) * 255).astype(np.uint8)
@@ -194,7 +194,7 @@ CASES = [
 
 @pytest.mark.parametrize(("make", "max_rel_mse", "max_differing"), CASES)
 def test_rt_agrees_with_mitsuba(make, max_rel_mse, max_differing, tmp_path):
-    """relMSE away from edges, and how many pixels differ at all."""
+    """Hold relMSE away from edges, and the share of pixels that differ, under their limits."""
     scene = make(tmp_path)
     ours, theirs = scene.ours(tmp_path), scene.theirs()
     assert theirs.max() > 0.1, "nothing is lit"

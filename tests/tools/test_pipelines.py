@@ -1,4 +1,4 @@
-"""Stages as the programs of artists write them: nothing of them is lost silently, or wrong."""
+"""Stages as artists' programs write them: nothing of them is lost silently or converted wrongly."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ GRID = """
 
 
 def material(name: str, inputs: str, nodes: str = "") -> str:
-    """A UsdPreviewSurface at the root."""
+    """Scene text of a UsdPreviewSurface at the root."""
     return f"""
 def Material "{name}"
 {{
@@ -46,7 +46,7 @@ BLUE = material("Blue", "color3f inputs:diffuseColor = (0, 0, 1)")
 
 
 def proven(folder: Path, text: str) -> Converted:
-    """A stage whose file says what it says."""
+    """Convert a stage and assert that the validator passes its file."""
     done = convert_text(folder, text)
     validation = validate_file(done.out, folder / "stage.usda", khronos=False)
     assert validation.passed, [check.to_json() for check in validation.checks if not check.passed]
@@ -54,7 +54,7 @@ def proven(folder: Path, text: str) -> Converted:
 
 
 def colors_of(done: Converted, prim: str) -> list[list[float]]:
-    """The base colors of the prim's primitives."""
+    """Base colors of the prim's primitives."""
     mesh = done.gltf.meshes[done.gltf.nodes[done.node(prim)].mesh]
     found = [done.gltf.materials[primitive.material] for primitive in mesh.primitives]
     return [entry.pbrMetallicRoughness.baseColorFactor[:3] for entry in found]

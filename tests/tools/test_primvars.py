@@ -1,4 +1,4 @@
-"""Primvars that share a name, have long elements, or belong to what draws no faces."""
+"""Primvars that share a name, have long elements, or belong to prims without faces."""
 
 from __future__ import annotations
 
@@ -61,14 +61,14 @@ def BasisCurves "C"
 
 
 def values(done: Converted, name: str) -> list[Any]:
-    """An attribute of the first mesh."""
+    """Values of an attribute of the first mesh."""
     found = done.json["meshes"][0]["primitives"][0]["attributes"]
     listed: list[Any] = np.squeeze(done.array(found[name])).tolist()
     return listed
 
 
 def lose(done: Converted, *names: str) -> None:
-    """Attributes of the first mesh are gone."""
+    """Damage: remove attributes of the first mesh."""
     tree = done.json
     for name in names:
         del tree["meshes"][0]["primitives"][0]["attributes"][name]

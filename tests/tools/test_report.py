@@ -1,4 +1,4 @@
-"""The corpus report: rivals and we are scored alike, and the table can be made again."""
+"""The corpus report: all converters are scored alike, and the table can be reproduced."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pytest
 from reflet_usd import cli
 from reflet_usd.convert import ConvertOptions, convert_stage
 from reflet_usd.corpus_scores import Root, Score, read_peers, read_roots, score_output, summary_rows
-from reflet_usd.report import Row
+from reflet_usd.report_row import Row
 from reflet_usd.report_table import format_markdown
 from reflet_usd.validate.validation import validate_file
 
@@ -48,7 +48,7 @@ def folder(tmp_path: Path, stages: Path) -> Path:
 
 
 def rows_by_title(folder: Path) -> dict[str, str]:
-    """The rival's cells by the measure's title."""
+    """The rival's cells by the title of the measure."""
     peers = read_peers(folder)
     return {title: cells["Rival 1.0"] for title, cells in summary_rows(read_roots(folder), peers)}
 
@@ -136,7 +136,7 @@ def test_the_table_is_right_and_repeatable(folder: Path, tmp_path: Path, khronos
 def test_a_stage_alone_is_refused_what_lies_beside_its_folder(
     tmp_path: Path, stages: Path, khronos: None
 ) -> None:
-    """As `convert` finds it without `--root`."""
+    """With `--alone`, layers beside the stage's folder are refused, as by `convert`."""
     folder = tmp_path / "corpus"
     (folder / "shot").mkdir(parents=True)
     shutil.copy(stages / "gprims.usda", folder / "gprims.usda")
@@ -187,7 +187,7 @@ def Material "Red"
 
 
 def test_silent_losses_of_lights_cameras_and_materials_count(tmp_path: Path) -> None:
-    """The same files with and without their warnings, and one with another material."""
+    """Undeclared losses count: files with and without warnings, and with another material."""
     rows = []
     for name in ("told", "silent", "painted"):
         stage, out = tmp_path / f"{name}.usda", tmp_path / f"{name}.glb"

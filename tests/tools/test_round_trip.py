@@ -1,4 +1,4 @@
-"""Conversions proved by the validator, and the validator's own references."""
+"""Conversions proved by the validator, and the validator's own reference values."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def test_the_reference_refinement_gives_the_known_places() -> None:
     faces = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
     smooth = refine(Cage(cube, faces, list(range(6)), {}, {}, True))
     assert len(smooth.faces) == 24
-    # Corner (F + E + (n − 2)·P) / n = (1/3 + 1/3 + 1) / 3; edge (2 + 2·1/2) / 4; face 1.
+    # Vertex (F + E + (n − 2)·P) / n = (1/3 + 1/3 + 1) / 3; edge (2 + 2·1/2) / 4; face 1.
     assert np.allclose(np.abs(smooth.points[:8]), 5 / 9)
     assert np.allclose(np.sort(np.abs(smooth.points[14:]), axis=1), [0, 0.75, 0.75])
     top = {(2, 3): 10.0, (3, 7): 10.0, (6, 7): 10.0, (2, 6): 10.0}

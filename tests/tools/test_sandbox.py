@@ -38,7 +38,7 @@ def run(folder: Path, target: str, limits: Limits = SMALL, options: object = Non
 
 
 def failure(folder: Path, target: str, limits: Limits = SMALL) -> ConvertError:
-    """The error of a conversion that has to fail, after checking that nothing is left."""
+    """The error of a conversion that has to fail, after checking that no output is left."""
     with pytest.raises(ConvertError) as caught:
         run(folder, target, limits)
     assert list((folder / "out").iterdir()) == []
@@ -170,7 +170,7 @@ def package(entries: list[tuple[str, bytes]], compression: int = zipfile.ZIP_STO
 
 
 def overlapping() -> bytes:
-    """Two entries of the directory that share one body, as zip bombs do."""
+    """A zip archive with two directory entries that share one body, as in zip bombs."""
     data = package([("a.usda", bytes(4096)), ("b.bin", bytes(4096))])
     first = data.index(b"PK\1\2")
     second = data.index(b"PK\1\2", first + 4)
@@ -242,5 +242,5 @@ def test_every_package_of_the_corpus_that_usd_opens_passes(corpus: Path) -> None
             check_package(stage)
         except PackageError as error:
             refused.append(f"{stage.name}: {error.name}")
-    # Its first file is an Alembic cache, which usd-core does not open either.
+    # The first file of this package is an Alembic cache, which usd-core does not open either.
     assert refused == ["alembic.usdz: usdz-root"]

@@ -21,7 +21,7 @@ tomli = pytest.importorskip("tomli")
 ROOT = pathlib.Path(__file__).parents[2]
 BINARY = pathlib.Path(os.environ.get("REFLET", ROOT / "target" / "debug" / "reflet"))
 
-# Mistakes that depend on other values, or are no JSON at all.
+# Bad scenes whose mistakes depend on other values, or whose values have no JSON form.
 BEYOND_SCHEMA = {
     "bad-matrix",
     "bad-set",
@@ -65,7 +65,7 @@ def is_json(value):
 
 
 def scene_of(path):
-    """The scene as JSON has it; None for what is no TOML, or has no JSON (nan, dates)."""
+    """The scene as JSON; None for text that is no TOML, or has no JSON form (nan, dates)."""
     try:
         scene = tomli.loads(path.read_bytes().decode().replace("\r\n", "\n"))
     except (tomli.TOMLDecodeError, UnicodeDecodeError, RecursionError):
@@ -82,11 +82,11 @@ def test_the_schema_refuses_what_the_reader_refuses(validator):
     for path in sorted((ROOT / "tests" / "bad_scenes").glob("*.toml")):
         scene = scene_of(path)
         if scene is None or path.read_bytes().startswith(b"# --set "):
-            continue  # changes from outside are not in the text
+            continue  # the overrides of `--set` are not in the text
         messages = path.with_suffix(".txt").read_text(encoding="utf-8")
         names = set(re.findall(r"^error\[([a-z-]+)\]", messages, re.MULTILINE))
         if names == {"missing-key"}:
-            continue  # it could stand in a base
+            continue  # the key could stand in a base scene
         is_within = bool(names - BEYOND_SCHEMA)
         assert validator.is_valid(scene) != is_within, f"{path.name}: {names}"
         compared += 1
@@ -151,6 +151,6 @@ def test_defaults_are_values_that_the_schema_takes(schema):
     found = list(defaults(schema))
     assert len(found) >= 30
     for part in found:
-        # References start from the root.
+        # References of the schema start from its root.
         own = {**part, "$defs": schema["$defs"]}
         jsonschema.Draft202012Validator(own).validate(part["default"])

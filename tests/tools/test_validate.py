@@ -1,4 +1,4 @@
-"""The validator against files written by hand: right ones pass, each kind of fault is named."""
+"""The validator on hand-written files: right ones pass, each kind of fault is named."""
 
 from __future__ import annotations
 
@@ -94,7 +94,7 @@ def sphere(radius: float, around: int = 32, steps: int = 16) -> tuple[np.ndarray
 
 
 def build(change: Callable[[HandFile], None] | None = None) -> HandFile:
-    """The right file for STAGE, then `change`."""
+    """Write the right file for STAGE, changed by `change`."""
     file = HandFile()
     look = file.material(
         "/Look",

@@ -1,4 +1,4 @@
-"""The validator at the edges: empty areas, NaN, deep trees, splines, and what excuses what."""
+"""The validator's edge cases: empty areas, NaN, deep trees, splines, and what warnings excuse."""
 
 from __future__ import annotations
 
@@ -32,12 +32,12 @@ def validation_of(folder: Path, text: str) -> Validation:
 
 
 def check_of(validation: Validation, name: str) -> Check:
-    """One check's result."""
+    """Result of one check."""
     return next(check for check in validation.checks if check.name == name)
 
 
 def scaled(scale: str, body: str = QUAD) -> str:
-    """A quad below a scale."""
+    """Scene text of a quad below a transform that scales."""
     return f"""
 def Xform "R"
 {{
@@ -104,7 +104,7 @@ def Cube "Unit"
 
 
 def deep_file(folder: Path, depth: int) -> Path:
-    """A file whose nodes nest `depth` levels."""
+    """A file whose nodes nest `depth` levels deep."""
     file = HandFile()
     parent = file.node("/")
     for number in range(depth):
@@ -156,7 +156,7 @@ def Xform "R"
 
 
 def still_file(folder: Path, body: str) -> Path:
-    """The file of a stage that stands still, beside one that says `body` of its cube."""
+    """The file of a stage that stands still, and a stage whose cube also holds `body`."""
     convert_text(folder, MOVING.replace("BODY", "double xformOp:translateX = 0"))
     (folder / "stage.usda").write_text(MOVING.replace("BODY", body))
     return folder / "out.glb"
@@ -337,7 +337,7 @@ def PointInstancer "pi"
 
 
 def texture_of(name: str, varname: str) -> str:
-    """A texture and the reader of its UV set."""
+    """Scene text of a texture and the primvar reader of its UV set."""
     return f"""
     def Shader "{name}Reader"
     {{
@@ -395,7 +395,7 @@ def test_textures_of_two_uv_sets_in_one_read_the_first(tmp_path: Path) -> None:
 
 
 def test_normals_of_moving_points_count_at_their_keys_only(tmp_path: Path) -> None:
-    """Also in native instances; a quarter turn blends to normals of no point between."""
+    """Normals between keys are not compared, also in native instances: glTF blends the normals."""
     frames = "0: [(0, 0, 0), (1, 0, 0), (0, 1, 0)], 20: [(0, 0, 0), (1, 0, 0), (0, 0, 5)]"
     text = f"""
 def Xform "A" (

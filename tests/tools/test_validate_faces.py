@@ -1,4 +1,4 @@
-"""The measures that must not depend on how a face is cut into triangles."""
+"""The measures of faces, which must not depend on how a face is cut into triangles."""
 
 from __future__ import annotations
 

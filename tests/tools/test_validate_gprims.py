@@ -1,4 +1,4 @@
-"""Damaged curved gprims: every triangle, normal and side of them counts."""
+"""Damaged curved gprims: every triangle, normal and side counts."""
 
 from __future__ import annotations
 
@@ -37,12 +37,12 @@ def PointInstancer "I"
 
 
 def stage(kind: str) -> str:
-    """One gprim of the kind, mirrored and stretched."""
+    """Scene text of one gprim of the kind, mirrored and stretched."""
     return f'def {kind} "G"\n{{\n{SHAPES[kind]}\n{BODY}\n}}\n'
 
 
 def triangles(how: Callable[[np.ndarray], np.ndarray]) -> Damage:
-    """The first mesh's triangles are others, as many or fewer."""
+    """Replace the first mesh's triangles by as many or fewer."""
 
     def damage(out: Output) -> None:
         entry = out.gltf.accessors[out.gltf.meshes[0].primitives[0].indices]
@@ -58,44 +58,44 @@ def triangles(how: Callable[[np.ndarray], np.ndarray]) -> Damage:
 
 
 def flip_one(old: np.ndarray) -> np.ndarray:
-    """One triangle faces inward."""
+    """Damage: flip one triangle."""
     old[5] = old[5][::-1]
     return old
 
 
 def repeat_one(old: np.ndarray) -> np.ndarray:
-    """One triangle is there twice, its neighbor not at all."""
+    """Damage: repeat one triangle in place of its neighbor."""
     old[20] = old[22]
     return old
 
 
 def swap_pairs(old: np.ndarray) -> np.ndarray:
-    """Two opposite triangles are missing and two others are there twice: no sum changes."""
+    """Damage: repeat two triangles in place of two opposite ones, so that no sum changes."""
     half = len(old) // 2
     old[half // 2], old[half // 2 + half] = old[half // 2 + 2], old[half // 2 + half + 2]
     return old
 
 
 def scatter(old: np.ndarray) -> np.ndarray:
-    """The same corners in another order."""
+    """Damage: shuffle the corners."""
     return np.random.default_rng(0).permutation(old.ravel()).reshape(-1, 3)
 
 
 def forget_normals(out: Output) -> None:
-    """No mesh has normals."""
+    """Damage: remove the normals of all meshes."""
     for mesh in out.gltf.meshes:
         for primitive in mesh.primitives:
             primitive.attributes.NORMAL = None
 
 
 def other_sides(out: Output) -> None:
-    """All materials have the other sidedness."""
+    """Damage: toggle the sidedness of all materials."""
     for material in out.gltf.materials:
         material.doubleSided = not material.doubleSided
 
 
 def random_normals(old: np.ndarray) -> np.ndarray:
-    """Unit vectors anywhere."""
+    """Damage: replace the normals by random unit vectors."""
     found = np.random.default_rng(0).normal(size=old.shape)
     return found / np.linalg.norm(found, axis=1)[:, None]
 

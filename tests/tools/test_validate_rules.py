@@ -37,7 +37,7 @@ SKELETON = SKELETON.format(meters=1)
 
 
 def nudge(out: Output) -> None:
-    """Many instances are a little off, but within four times what normalizing them changed."""
+    """Damage: shift many instances a little, within four times what normalizing them changed."""
     for node in out.gltf.nodes:
         instancing = (node.extensions or {}).get("EXT_mesh_gpu_instancing")
         if instancing:
@@ -46,19 +46,19 @@ def nudge(out: Output) -> None:
 
 
 def drift(out: Output) -> None:
-    """Keys are a little off."""
+    """Damage: shift keys a little."""
     for sampler in out.gltf.animations[0].samplers:
         out.rewrite(sampler.output, lambda values: values + 0.01)
 
 
 def weigh(out: Output) -> None:
-    """The second joint of each vertex has more weight than it should."""
+    """Damage: exchange the weights of each vertex's joints."""
     (weights,) = out.attributes("WEIGHTS_0")
     out.rewrite(weights, lambda values: np.roll(values, 1, axis=1))
 
 
 def bend(out: Output) -> None:
-    """The shapes lead elsewhere."""
+    """Damage: scale the morph targets."""
     for primitive in out.gltf.meshes[0].primitives:
         for target in primitive.targets:
             accessor = target["POSITION"] if isinstance(target, dict) else target.POSITION
@@ -66,7 +66,7 @@ def bend(out: Output) -> None:
 
 
 def invent_camera(out: Output) -> None:
-    """A default camera replaces invalid ones."""
+    """Damage: give the node of an invalid camera another camera."""
     bad = next(n for n in out.gltf.nodes if (n.extras or {}).get("prim") == "/Bad")
     bad.camera = 0
 
@@ -212,7 +212,7 @@ SURFACES = {
 
 
 def materialx(name: str) -> str:
-    """A quad with a MaterialX surface of that name."""
+    """Scene text of a quad with a MaterialX surface of that name."""
     kind = {"gltf_pbr": "ND_gltf_pbr_surfaceshader"}.get(name, f"ND_{name}_surfaceshader")
     return f"""
 def Material "Mat"

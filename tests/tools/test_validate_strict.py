@@ -1,4 +1,4 @@
-"""Damaged outputs of stages without warnings: extra content of a file."""
+"""Damaged outputs of stages without warnings: surplus content of a file is found."""
 
 from __future__ import annotations
 
@@ -46,42 +46,42 @@ Tree = dict[str, Any]
 
 
 def look(tree: Tree, named: str) -> Tree:
-    """A material by its name."""
+    """The material of that name."""
     return next(entry for entry in tree["materials"] if entry["name"] == named)
 
 
 def attributes(tree: Tree, named: str) -> Tree:
-    """The attributes of a mesh by its name."""
+    """The attributes of the mesh of that name."""
     mesh = next(entry for entry in tree["meshes"] if entry["name"] == named)
     found: Tree = mesh["primitives"][0]["attributes"]
     return found
 
 
 def node(tree: Tree, named: str) -> Tree:
-    """A node by its name."""
+    """The node of that name."""
     return next(entry for entry in tree["nodes"] if entry["name"] == named)
 
 
 def extend(tree: Tree, named: str, extension: str, **values: Any) -> None:
-    """A material has one extension more."""
+    """Damage: give a material one more extension."""
     look(tree, named).setdefault("extensions", {})[KHR + extension] = values
     tree.setdefault("extensionsUsed", []).append(KHR + extension)
 
 
 def point(tree: Tree, pointer: str) -> None:
-    """The animation also moves what `pointer` names."""
+    """Damage: let the animation also move what `pointer` names."""
     extension = {"KHR_animation_pointer": {"pointer": pointer}}
     channel = {"sampler": 0, "target": {"path": "pointer", "extensions": extension}}
     tree["animations"][0]["channels"].append(channel)
 
 
 def swap(values: Tree, first: str, second: str) -> None:
-    """Two attributes stand for each other."""
+    """Damage: exchange two attributes."""
     values[first], values[second] = values[second], values[first]
 
 
 def lose_locator(tree: Tree) -> None:
-    """A node that draws nothing, and its motion, are gone."""
+    """Damage: remove a node that draws nothing, and its animation."""
     del tree["animations"]
     gone = tree["nodes"].index(node(tree, "Locator"))
     for entry in tree["nodes"]:
@@ -90,13 +90,13 @@ def lose_locator(tree: Tree) -> None:
 
 
 def told(tree: Tree) -> Tree:
-    """What the scene's extras say about the stage."""
+    """The facts about the stage in the scene's extras."""
     found: Tree = tree["scenes"][0]["extras"]["usd"]
     return found
 
 
 def plain(**values: Any) -> Any:
-    """Fields of the displayColor material are others."""
+    """Damage: change fields of the displayColor material."""
     return lambda t: look(t, "displayColor").update(values)
 
 
@@ -148,7 +148,7 @@ DAMAGES = {
 
 
 def rewrite(done: Converted, tree: Tree) -> None:
-    """Write the file with another tree."""
+    """Write the file with another JSON tree."""
     data = done.out.read_bytes()
     rest = data[20 + int.from_bytes(data[12:16], "little") :]
     text = json.dumps(tree).encode()

@@ -1,4 +1,4 @@
-"""`reflet-usd --version` tells converters apart by their code, as Reflet's cache needs."""
+"""`reflet-usd --version` tells converters apart by their code, as the cache of Reflet needs."""
 
 import os
 import re
@@ -11,7 +11,7 @@ import reflet_usd
 
 
 def version(tools: Path) -> str:
-    """Version of the package below `tools`."""
+    """Version of the package in the folder `tools`."""
     command = [sys.executable, "-m", "reflet_usd", "--version"]
     environment = {**os.environ, "PYTHONPATH": str(tools)}
     return subprocess.run(

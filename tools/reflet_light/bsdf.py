@@ -2,7 +2,7 @@
 
 glTF 2.0 appendix B and KHR_materials_clearcoat, _transmission, _specular and _sheen, with the
 choices that docs/light.md states: the height-correlated Smith term, a diffuse albedo that does not
-depend on the view, and a sheen that takes from what is below it by the view alone.
+depend on the view, and a sheen that dims the layer below by the view direction alone.
 """
 
 from typing import Any
@@ -74,7 +74,7 @@ def charlie(roughness: float, wi: Any, wo: Any, m: Any) -> Any:
 
 
 class Sheen:
-    """The lobe of a roughness, and what it returns of even light."""
+    """The sheen lobe of a roughness, and its directional albedo."""
 
     NODES = 64
 
@@ -86,7 +86,7 @@ class Sheen:
         node, step, turn = lane // (steps * turns), lane // turns % steps, lane % turns
         cosine = dr.maximum(mi.Float(node) / (self.NODES - 1), LEAST_COSINE)
         view = mi.Vector3f(dr.sqrt(1 - cosine * cosine), 0, cosine)
-        # Denser towards the horizon; half around, the other half is its mirror image.
+        # Steps are denser towards the horizon; turns cover half the circle, the rest is symmetric.
         u = (mi.Float(step) + 0.5) / steps
         up = u * u
         flat = dr.sqrt(1 - up * up)
@@ -96,7 +96,7 @@ class Sheen:
         self.albedo = mi.Float(value.numpy().reshape(self.NODES, -1).mean(axis=1))
 
     def below(self, wi: Any) -> Any:
-        """Share of the light that what is below it keeps."""
+        """Share of the light that the layer below the sheen keeps."""
         place = dr.clip(wi.z, 0, 1) * (self.NODES - 1)
         index = mi.UInt32(dr.minimum(place, self.NODES - 2))
         low = dr.gather(mi.Float, self.albedo, index)
@@ -178,7 +178,7 @@ class Khronos(mi.BSDF):
 
 
 class ThinPane(mi.BSDF):
-    """A smooth sheet: one reflection by Fresnel, the rest goes straight on, tinted."""
+    """A thin smooth pane: one Fresnel reflection, the rest goes straight through, tinted."""
 
     def __init__(self, props: mi.Properties) -> None:
         mi.BSDF.__init__(self, props)
@@ -218,6 +218,6 @@ class ThinPane(mi.BSDF):
 
 
 def register() -> None:
-    """Makes both known to `mi.load_dict`; after the variant is chosen."""
+    """Register both BSDFs with `mi.load_dict`; call it after choosing the variant."""
     mi.register_bsdf("khronos", Khronos)
     mi.register_bsdf("thin_pane", ThinPane)

@@ -9,7 +9,7 @@ import numpy as np
 
 Table = dict[str, Any]
 Place = mi.ScalarTransform4f
-# Parallel light comes from a disk so far away.
+# Distance of the disk that stands for a directional light with an angle.
 FAR_M = 1e4
 PANORAMA = (512, 1024)
 
@@ -66,7 +66,7 @@ def environment(text: Table, folder: pathlib.Path) -> Table:
 def emitter(text: Table) -> Table:
     color = text.get("color", [1.0, 1.0, 1.0])
     kind = text["kind"]
-    strength = text.get("intensity_cd", text.get("intensity_lux"))
+    strength: Any = text.get("intensity_cd", text.get("intensity_lux"))
     radius = text.get("radius_m", 0.0)
     if kind == "directional":
         return sun(text, color, strength)
@@ -118,7 +118,7 @@ def placement(text: Table) -> Any:
 def shape(text: Table, place: Any) -> Table:
     kind = text["kind"]
     if kind == "sphere":
-        # Exact here, tessellated there.
+        # Mitsuba's sphere is exact, Reflet's is tessellated.
         return {"type": "sphere", "radius": text.get("radius", 0.5), "to_world": place}
     if kind == "plane":
         x, z = text.get("size", [1, 1])
@@ -131,7 +131,7 @@ def shape(text: Table, place: Any) -> Table:
 
 
 def surface(text: Table) -> Table:
-    """The BSDF, and the emitter of what shines."""
+    """BSDF of a material, and the emitter where it is emissive."""
     glow: Table = {}
     emission = text.get("emission", [0, 0, 0])
     if any(emission):
@@ -162,8 +162,8 @@ def bsdf(text: Table) -> Table:
         along = across + (1 - across) * text["anisotropy"] ** 2
         alphas = {"alpha_u": along, "alpha_v": across}
         return {"type": "roughconductor", "material": "none", "distribution": "ggx", **alphas}
-    names = ("metallic", "reflectivity", "specular", "clearcoat", "clearcoat_roughness")
-    names += ("sheen_roughness",)
+    names = ["metallic", "reflectivity", "specular", "clearcoat", "clearcoat_roughness"]
+    names += ["sheen_roughness"]
     numbers = {name: float(text[name]) for name in names if name in text}
     for name in ("specular", "sheen"):
         for channel, value in zip(

@@ -1,4 +1,4 @@
-"""Balls in an even, white light: what each angle returns, against integrals of the lobes."""
+"""White furnace test: balls in even light, compared by angle with integrals of the lobes."""
 
 import math
 import pathlib
@@ -9,7 +9,7 @@ from measuring import read_rows, write_rows
 
 from .scenes import HEAD, ROUGHNESSES, thing
 
-EDGE = 64  # pixels
+EDGE = 64  # picture size in pixels
 FOV_DEG = 2.0  # so that all rays are nearly parallel
 DISTANCE_M = 60.0
 COSINES = (1.0, 0.8, 0.5, 0.25)
@@ -17,7 +17,7 @@ KINDS = {
     "metal": "base_color = [1, 1, 1]\nmetallic = 1\n",
     "dielectric": "base_color = [1, 1, 1]\n",
 }
-# How the ball's light is found: by rays, or past the cut-off.
+# How the ball's reflected light is found: by rays, or by the split sum past the cut-off.
 SIDES = {"traced": "roughness_cutoff = 1", "past the cut-off": "roughness_cutoff = 0"}
 COLUMNS = ["kind", "side", "compensated", "roughness", *(f"at {c:g}" for c in COSINES)]
 
@@ -25,7 +25,7 @@ Row = dict[str, str]
 
 
 def albedo(cosine: float, roughness: float, f0: float = 1.0) -> float:
-    """Share of even light that GGX with the height-correlated Smith term returns, by integration
+    """Directional albedo of GGX with the height-correlated Smith term, by integration
     over the facets (Heitz 2014)."""
     a2 = max(roughness**2, 2e-3) ** 2
     steps = 512
@@ -59,7 +59,7 @@ def scene(kind: str, side: str, compensated: bool, roughness: float) -> str:
 
 
 def at_cosines(picture: np.ndarray) -> list[float]:
-    """Means over rings of a ball in the middle."""
+    """Mean radiance of a centered ball over rings, one for each cosine in COSINES."""
     half = math.tan(math.radians(FOV_DEG / 2)) * DISTANCE_M
     y, x = (np.mgrid[0:EDGE, 0:EDGE] + 0.5) / EDGE * 2 - 1
     radius = np.hypot(x, y) * half
@@ -85,7 +85,8 @@ def measure(out: pathlib.Path, program: pathlib.Path) -> None:
                         continue
                     text, picture = out / "furnace.toml", out / "furnace.exr"
                     text.write_text(scene(kind, side, compensated, roughness))
-                    command = [program, "render", text, "--size", f"{EDGE}x{EDGE}"]
+                    size = f"{EDGE}x{EDGE}"
+                    command: list[str | pathlib.Path] = [program, "render", text, "--size", size]
                     command += ["--samples", "64", "-o", picture]
                     subprocess.run(command, check=True, stderr=subprocess.DEVNULL)
                     found = np.array(mi.Bitmap(str(picture)))[..., :3]

@@ -10,14 +10,14 @@ ROUGHNESSES = (0.08, 0.16, 0.24, 0.4, 0.7, 1.0)
 
 @dataclasses.dataclass(frozen=True)
 class Scene:
-    """What is compared. `depth` is the most segments of Mitsuba's paths."""
+    """One compared scene. `depth` is the maximum number of segments of Mitsuba's paths."""
 
     name: str
     shows: str
     text: str
     depth: int
     samples: int = 1024
-    # For what moves while the shutter is open: moments of it, whose pictures Mitsuba averages.
+    # Scene texts at moments while the shutter is open, whose pictures Mitsuba averages.
     moments: tuple[str, ...] = ()
 
 
@@ -133,7 +133,7 @@ def lights() -> list[Scene]:
 
 
 def surfaces_that_light() -> list[Scene]:
-    """A glowing ball and a glowing box, as surfaces."""
+    """Scenes of a glowing ball and a glowing box, as surfaces that light."""
     lamps = thing(
         "lamp",
         '{ kind = "sphere", radius = 0.5, segments = 160 }',
@@ -157,7 +157,7 @@ def surfaces_that_light() -> list[Scene]:
 
 
 def room() -> str:
-    """A closed room with colored walls, a block and a lamp below the ceiling."""
+    """Scene of a closed room with colored walls, a block and a lamp below the ceiling."""
     head = HEAD + DARK + "[camera.main]\neye = [0, 1, 2.4]\ntarget = [0, 1, 0]\nfov_deg = 60\n"
     square = '{ kind = "plane", size = [5, 5] }'
     walls = [
@@ -215,7 +215,7 @@ def glow(color: str) -> str:
 
 
 def out_of_focus() -> Scene:
-    """Glowing balls before, in and behind the plane that is in focus."""
+    """Scene of glowing balls before, in and behind the plane in focus."""
     text = HEAD + DARK + "[camera.main]\neye = [0, 0, 4]\ntarget = [0, 0, 0]\nfov_deg = 34\n"
     text += "aperture_f = 0.15\nfocus_m = 4\n"
     small = '{ kind = "sphere", radius = 0.4, segments = 256 }'
@@ -229,7 +229,7 @@ def out_of_focus() -> Scene:
 
 
 def moving() -> Scene:
-    """A mirror ball that crosses a room of glowing walls while the shutter is open."""
+    """Scene of a mirror ball that crosses a room of glowing walls while the shutter is open."""
     moments = 64
     head = CLOSE_UP + panels()
     small = '{ kind = "sphere", radius = 0.5, segments = 256 }'
@@ -243,13 +243,13 @@ def moving() -> Scene:
     text = at(0.0).replace("[image]\n", "[image]\nshutter = 0.5\n")
     text += "[timeline]\nfps = 1\nstart = 1\nend = 2\n"
     text += f"[motion.instance.metal]\ntranslation = {{ keys = {keys} }}\n"
-    # Half a frame around second 1: from -0.2 to 0.2.
+    # The shutter is open for half a frame around second 1: x from -0.2 to 0.2.
     still = tuple(at(-0.2 + 0.4 * (i + 0.5) / moments) for i in range(moments))
     return Scene("motion-blur", "a mirror ball that moves, half a frame", text, 8, 1024, still)
 
 
 def past_the_cutoff() -> list[Scene]:
-    """By the split sum."""
+    """Scenes with roughness past the cut-off, shaded by the split sum."""
     head = (CLOSE_UP + GRADIENT).replace("roughness_cutoff = 1", "roughness_cutoff = 0")
     scenes = []
     for roughness in (0.24, 0.4, 0.7, 1.0):
@@ -260,7 +260,7 @@ def past_the_cutoff() -> list[Scene]:
 
 
 def cloth() -> list[Scene]:
-    """Sheen and colored specular lobes."""
+    """Scenes with sheen and colored specular lobes."""
     felt = "base_color = [0.16, 0.03, 0.05]\nroughness = 0.9\nsheen_color = [0.9, 0.5, 0.4]\n"
     satin = "base_color = [0.03, 0.05, 0.2]\nroughness = 0.35\nsheen_color = [0.6, 0.7, 1]\n"
     tinted = "base_color = [0.05, 0.08, 0.25]\nroughness = 0.3\nreflectivity = 0.08\n"
@@ -316,7 +316,7 @@ def all_scenes() -> list[Scene]:
 
 
 def panorama() -> np.ndarray:
-    """A sky with a bright window, smooth enough that both interpolate it alike."""
+    """A sky with a bright window, smooth enough that both renderers interpolate it alike."""
     height, width = 64, 128
     y, x = np.mgrid[0:height, 0:width]
     latitude = np.pi * (0.5 - (y + 0.5) / height)

@@ -1,4 +1,4 @@
-"""Processor time and error beside Mitsuba's, of the same scenes with as many samples."""
+"""Processor time and error of Reflet and Mitsuba on the same scenes with as many samples."""
 
 import pathlib
 import resource
@@ -23,10 +23,11 @@ Picture = np.ndarray
 
 
 def reflet(path: pathlib.Path, samples: int, program: pathlib.Path) -> float:
-    """Seconds of processor time; the picture lies beside the scene."""
+    """Render a scene beside its file; returns seconds of processor time."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     size = f"{SIZE[0]}x{SIZE[1]}"
-    command = [program, "render", path, "--size", size, "--samples", str(samples)]
+    command: list[str | pathlib.Path] = [program, "render", path, "--size", size]
+    command += ["--samples", str(samples)]
     subprocess.run(
         [*command, "-o", path.with_suffix(".exr")], check=True, stderr=subprocess.DEVNULL
     )
@@ -35,10 +36,10 @@ def reflet(path: pathlib.Path, samples: int, program: pathlib.Path) -> float:
 
 
 def mitsuba(scene: Scene, out: pathlib.Path) -> tuple[float, Picture, Picture]:
-    """Seconds of processor time once all is compiled, the picture, and a converged one."""
+    """Processor seconds once all is compiled, the picture, and a converged picture."""
     import mitsuba as mi
 
-    from . import export  # asks for a variant of Mitsuba, which its caller sets
+    from . import export  # this import needs a variant of Mitsuba, which the caller sets
 
     made = mi.load_dict(export.scene(tomllib.loads(scene.text), out, SIZE, scene.depth))
     mi.render(made, spp=SAMPLES, seed=1).numpy()
@@ -65,7 +66,7 @@ def measure(
         theirs_s, theirs, truth = mitsuba(scene, out)
         path = out / f"speed-{scene.name}.toml"
         path.write_text(scene.text)
-        reflet(path, SAMPLES, program)  # has the driver keep what it compiles
+        reflet(path, SAMPLES, program)  # a first run, so that the driver caches compiled shaders
         first_s = reflet(path, 1, program)
         ours_s = (reflet(path, SAMPLES, program) - first_s) * SAMPLES / (SAMPLES - 1)
         ours = load(path.with_suffix(".exr"))
@@ -77,7 +78,7 @@ def measure(
 
 
 def lines(out: pathlib.Path) -> list[list[str]]:
-    """Rows of the page's table, with how much longer Reflet takes to the same error."""
+    """Rows of the page's table, with the ratio of Reflet's time to Mitsuba's at the same error."""
     made = []
     for row in read_rows(out / "speed.csv"):
         ours_s, ours, theirs_s, theirs = (float(row[name]) for name in COLUMNS[2:])

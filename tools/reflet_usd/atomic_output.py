@@ -30,7 +30,7 @@ def move_output(produced: Path, out: Path, stage: Path, most_bytes: int) -> None
 
 
 def _replace_all(places: list[tuple[Path, Path]], before: Path, stage: Path) -> None:
-    """Move all files to their places or none: what was there waits in `before` until all are."""
+    """Move all files to their places or none: replaced files wait in `before` until then."""
     before.mkdir()
     kept: list[tuple[Path, Path]] = []
     moved: list[Path] = []
@@ -55,11 +55,11 @@ def _replace_all(places: list[tuple[Path, Path]], before: Path, stage: Path) -> 
 
 
 def tree_bytes(folder: Path) -> int:
-    """The bytes of all files below a folder."""
+    """Total bytes of all files below a folder."""
     total = 0
     for root, _, names in os.walk(folder):
         for name in names:
-            # A file may be removed while we look.
+            # A file may be removed while its folder is listed.
             with contextlib.suppress(OSError):
                 total += os.lstat(os.path.join(root, name)).st_size
     return total

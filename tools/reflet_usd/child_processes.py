@@ -1,4 +1,4 @@
-"""Owns the processes that a command started in threads, so that a signal can end them at once."""
+"""Owns the child processes that a command's threads started: a signal can end them at once."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Process = subprocess.Popen[bytes]
 
 
 class StoppedError(Exception):
-    """The command is ending: nothing new is begun."""
+    """The command is ending, so no child process is started any more."""
 
 
 class Children:
@@ -26,7 +26,7 @@ class Children:
 
     @contextlib.contextmanager
     def started(self, command: list[str], **options: object) -> Iterator[Process]:
-        """A process that has ended when the block has; raises StoppedError after `stop`."""
+        """A child process that has ended when the block ends; raises StoppedError after `stop`."""
         with self._lock:
             if self._stopped:
                 raise StoppedError
@@ -40,7 +40,7 @@ class Children:
                 self._running.discard(child)
 
     def stop(self) -> None:
-        """End all that run and begin no more; the threads that wait for them wake up."""
+        """End all running children and start no more; threads that wait for them wake up."""
         with self._lock:
             self._stopped = True
             for child in self._running:
@@ -49,7 +49,7 @@ class Children:
 
 
 def end(child: Process) -> None:
-    """End the child and its descendants."""
+    """End a child and its descendants."""
     if child.poll() is None:
         _kill(child)
         child.wait()

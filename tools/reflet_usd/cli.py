@@ -44,7 +44,7 @@ EXIT_CODES = """exit codes:
 
 
 class _ShowVersion(argparse.Action):
-    """Prints what tells this converter from others: as long as it stays, conversions are kept."""
+    """Prints this converter's identity; Reflet keeps cached conversions while it stays the same."""
 
     def __init__(self, option_strings: Sequence[str], dest: str, **options: Any) -> None:
         super().__init__(option_strings, dest, nargs=0, default=argparse.SUPPRESS, **options)
@@ -56,7 +56,7 @@ class _ShowVersion(argparse.Action):
 
 
 def _identity() -> str:
-    """A hash of the package's code, and the versions of the libraries that read and write."""
+    """Hash of the package's code, and the versions of the libraries that read and write."""
     package = Path(__file__).parent
     code = hashlib.sha256()
     for path in sorted(package.rglob("*.py")):
@@ -103,7 +103,7 @@ def _clean_end_by_signals() -> Iterator[None]:
     def stop(number: int, _frame: FrameType | None) -> None:
         for each in signals:
             signal.signal(each, signal.SIG_IGN)  # a second one must not stop the cleaning up
-        with contextlib.suppress(OSError):  # who reads it may be what has ended
+        with contextlib.suppress(OSError):  # the reader of the output may have ended
             print(f"stopped by {signal.Signals(number).name}", file=sys.stderr, flush=True)
         raise SystemExit(128 + number)
 
@@ -120,7 +120,7 @@ def _clean_end_by_signals() -> Iterator[None]:
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one subcommand and return its exit code; a signal raises SystemExit after cleaning up."""
-    for stream in (sys.stdout, sys.stderr):  # names of files may be in any encoding
+    for stream in (sys.stdout, sys.stderr):  # file names may be in any encoding
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
     with _clean_end_by_signals():
@@ -128,7 +128,7 @@ def main(argv: Sequence[str] | None = None) -> int:
             return _run(argv)
         except ConvertError as error:
             print(f"error: {error}", file=sys.stderr)
-        except Exception as error:  # the last boundary: whatever it is, it gets a name
+        except Exception as error:  # last boundary: every error gets a name
             frame = traceback.extract_tb(error.__traceback__)[-1]
             place = f"{Path(frame.filename).name}:{frame.lineno}"
             reason = " ".join(str(error).split())[:300]

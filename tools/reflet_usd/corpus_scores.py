@@ -1,4 +1,4 @@
-"""Owns the measures of the corpus report: how any converter's results are scored alike.
+"""Owns the measures of the corpus report: the results of all converters are scored alike.
 
 A corpus folder may hold INDEX.tsv (what each root stage is and holds) and PEERS.tsv (what other
 converters made of it). Rivals' rows and ours are scored here by the same functions.
@@ -17,15 +17,15 @@ import numpy as np
 _BOX = "box in metres, Y up, earliest time"
 _PEER_BOX = "world box (ok, units, axis, bad, none, -)"
 KEYED_SKELETONS = "SkelAnimation keys"
-"""The feature of stages in which a SkelAnimation has two time samples or more of any attribute.
+"""Feature of stages in which a SkelAnimation has two time samples or more of any attribute.
 
 INDEX.tsv counts prims only, so `validate` asks usd-core; the same stages count for everyone.
 """
 _RIGS = "joints or weights animated, of those with keys"
-"""PEERS.tsv holds no such count, so that of all animated nodes is a bound for the rivals."""
+"""Title of the measure; PEERS.tsv has no such count, so animated nodes are the rivals' bound."""
 _CURVED = ("Sphere", "Cylinder", "Cone", "Capsule", "PointInstancer", "BasisCurves", "Points")
 _BOX_TOLERANCE, _CURVED_TOLERANCE = 0.001, 0.05
-"""Parts of the diagonal; the wider one where gprims are tessellated or instancers estimated."""
+"""Tolerances as parts of the diagonal; the wider one with tessellated gprims or instancers."""
 
 
 @dataclasses.dataclass
@@ -42,14 +42,14 @@ class Root:
 
 @dataclasses.dataclass
 class Score:
-    """What one converter made of one root stage."""
+    """Measures of one converter's result for one root stage."""
 
     converted: bool
     validator_errors: int | None
     box: str
     """ok, bad, none (nothing drawn) or - (the corpus knows no box)."""
     materials: tuple[int, int]
-    """In the output, and expected; so for the next ones."""
+    """Number of materials in the output, and the number expected; the next fields likewise."""
     images: int
     cameras: tuple[int, int]
     lights: tuple[int, int]
@@ -94,7 +94,7 @@ def read_peers(folder: Path) -> dict[str, dict[str, Score]]:
 def score_output(
     root: Root, facts: dict[str, Any], errors: int | None, like: Score | None
 ) -> Score:
-    """Our own score from the re-read output's facts; what is expected comes from a rival's row."""
+    """Score of our output from the re-read file's facts; a rival's row gives expected numbers."""
 
     def expected(name: str) -> int:
         return getattr(like, name)[1] if like is not None else 0
@@ -114,7 +114,7 @@ def score_output(
 
 
 def failed_score(like: Score | None) -> Score:
-    """The score of a stage that was not converted."""
+    """Score of a stage that was not converted."""
     none = (0, 0)
     if like is None:
         return Score(False, None, "-", none, 0, none, none, none, 0)
@@ -126,7 +126,7 @@ def failed_score(like: Score | None) -> Score:
 def summary_rows(
     roots: Iterable[Root], columns: dict[str, dict[str, Score]]
 ) -> list[tuple[str, dict[str, str]]]:
-    """Measure title and, by converter, "reached/of" over the stages the measure speaks of."""
+    """Title of each measure, and "reached/of" by converter, over the stages it applies to."""
     roots = [root for root in roots if all(root.file in scores for scores in columns.values())]
     rows = []
     for title, applies, reached in _MEASURES:
@@ -166,7 +166,7 @@ def _all_right(score: Score) -> bool:
 
 
 def _moves_a_rig(score: Score) -> bool:
-    """Where only moved nodes were counted, any of them: it may be a joint or not."""
+    """Whether a rig moves; where only animated nodes were counted, any of them counts."""
     return score.animated[0] > 0 if score.rigs is None else score.rigs > 0
 
 

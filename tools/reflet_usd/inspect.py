@@ -1,4 +1,4 @@
-"""Owns the command `reflet-usd inspect`: what a stage holds and what a conversion would warn of."""
+"""Owns the command `reflet-usd inspect`: contents of a stage, and warnings of a conversion."""
 
 from __future__ import annotations
 
@@ -22,18 +22,18 @@ _SHOWN = 20
 
 @dataclasses.dataclass
 class StageSummary:
-    """What one stage holds, as plain data."""
+    """Contents of one stage, as plain data."""
 
     up_axis: str
     meters_per_unit: float | None
-    """None where the stage does not author it (USD then means 0.01)."""
+    """Meters per unit; None where the stage does not author it (USD then means 0.01)."""
     codes_per_second: float
     start_code: float | None
     """First time code of the stage's authored range; None where there is none."""
     end_code: float | None
     default_prim: str
     types: dict[str, int]
-    """Drawn and supporting prims by type name, instance proxies included."""
+    """Number of prims by type name, instance proxies included."""
     layers: list[str]
     """File names of the layers that compose the stage, the root first."""
     missing_layers: list[str]
@@ -42,11 +42,11 @@ class StageSummary:
     variants: dict[str, dict[str, list[str]]]
     """Variant names by prim path and set; the selected one first."""
     instances: int
-    """Native instances."""
+    """Number of native instances."""
     warnings: list[dict[str, str]]
-    """What a conversion with default options would warn of."""
+    """Warnings of a conversion with default options."""
     refusal: str
-    """Why a conversion would be refused; empty where it would not."""
+    """Reason why a conversion would be refused; empty where it would not."""
 
 
 def summarize(stage_path: Path, out: Path, options: dict[str, Any]) -> StageSummary:
@@ -68,11 +68,11 @@ def _summary(stage_path: Path, out: Path, options: dict[str, Any]) -> StageSumma
     from reflet_usd.convert.ledger import Ledger
     from reflet_usd.convert.stage import open_context
 
-    # Opened as for a conversion, which repairs what usd-core hangs on.
+    # Opened like for a conversion, which repairs stages that usd-core hangs on.
     context = open_context(stage_path, ConvertOptions(**options), Ledger())
     stage = context.stage
     layer = stage.GetRootLayer()
-    # What was found within the confinement: USD's own search would wait for pipes.
+    # Files found by the confined search: USD's own search would block on pipes.
     files = context.files
     used = {item.identifier for item in stage.GetUsedLayers() if not item.anonymous}
     layers = [*files.layers, *sorted(used - set(files.layers))]
@@ -142,13 +142,13 @@ def _choices(sets: Any, name: str) -> list[str]:
 
 
 def _file_name(identifier: str) -> str:
-    """Without the folder, so that the summary does not depend on where the stage lies."""
+    """File name without the folder, so that the summary does not depend on where the stage lies."""
     outer, bracket, inner = identifier.partition("[")
     return Path(outer).name + bracket + inner
 
 
 def _trial(context: Context, stage_path: Path, out: Path) -> tuple[list[dict[str, str]], str]:
-    """Warnings of a conversion whose output is thrown away, or why it is refused."""
+    """Warnings of a conversion whose output is discarded, or the reason why it is refused."""
     from pxr import Tf
 
     from reflet_usd.convert.pipeline import convert_opened

@@ -1,4 +1,4 @@
-"""The options of the limits that commands put on the process that reads a stage."""
+"""Options for the limits that commands put on the process that reads a stage."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def add_limits(parser: argparse.ArgumentParser) -> None:
 
 
 def limits_from(args: argparse.Namespace) -> Limits:
-    """The limits that parsed arguments stand for."""
+    """Limits that parsed arguments stand for."""
     return Limits(cpu_s=args.cpu_limit, wall_s=float(args.time_limit))
 
 

@@ -30,7 +30,7 @@ _CLONE_NEWNET = 0x4000_0000
 _FS_EXECUTE, _FS_WRITE_FILE, _FS_READ_FILE, _FS_READ_DIR = 1 << 0, 1 << 1, 1 << 2, 1 << 3
 _FS_READ = _FS_EXECUTE | _FS_READ_FILE | _FS_READ_DIR
 _FS_FILE_ONLY = _FS_EXECUTE | _FS_WRITE_FILE | _FS_READ_FILE | (1 << 14) | (1 << 15)
-# Highest file-system access bit that each version of the interface knows.
+# Highest file-system access bit by version of the Landlock interface.
 _FS_BITS_BY_ABI = {1: 13, 2: 14, 3: 15, 4: 15, 5: 16}
 _NET_ALL = 0b11  # bind and connect over TCP, from version 4 on
 
@@ -60,11 +60,11 @@ def die_with_parent() -> None:
 
 
 def drop_network() -> str | None:
-    """Move to an empty network namespace; returns why it could not, or None when done."""
+    """Move to an empty network namespace; returns the reason where it could not, or None."""
     if sys.platform != "linux":
         return f"no network namespaces on {sys.platform}"
     libc = _libc()
-    # Root may unshare the network alone; others need a user namespace of their own first.
+    # Root may unshare the network alone; other users need a user namespace of their own first.
     for flags in (_CLONE_NEWNET, _CLONE_NEWUSER | _CLONE_NEWNET):
         if libc.unshare(flags) == 0:
             return None
@@ -102,7 +102,7 @@ def confine_files(read_roots: Iterable[Path], write_roots: Iterable[Path]) -> st
 
 
 def network_reachable() -> bool:
-    """True when this process could still open a route to another machine (no packet is sent)."""
+    """Whether this process could still open a route to another machine (no packet is sent)."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         try:
             probe.connect(("192.0.2.1", 9))  # TEST-NET-1, RFC 5737

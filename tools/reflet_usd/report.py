@@ -12,59 +12,17 @@ import sys
 import tempfile
 import time
 from pathlib import Path
-from typing import Any
 
 from reflet_usd import __version__
 from reflet_usd.child_processes import Children
 from reflet_usd.convert.types import ConvertError, ConvertOptions
 from reflet_usd.corpus_scores import Root, read_peers, read_roots
+from reflet_usd.report_row import Row
 from reflet_usd.report_table import format_markdown
 from reflet_usd.sandbox import Limits, run_convert
 from reflet_usd.standard_output import show
 from reflet_usd.validate.confined import validate_confined
 from reflet_usd.validate.khronos import ValidatorMissingError, check_files, find_package
-
-
-@dataclasses.dataclass
-class Row:
-    """What became of one root stage."""
-
-    root: Root
-    converted: bool
-    reason: str = ""
-    """Why it was not converted, or why its check could not run; empty where all ran."""
-    message: str = ""
-    validation: dict[str, Any] = dataclasses.field(default_factory=dict)
-    """The JSON of `reflet-usd validate`."""
-    warnings: list[dict[str, Any]] = dataclasses.field(default_factory=list)
-    convert_s: float = 0.0
-
-    @property
-    def validator_errors(self) -> int | None:
-        """Errors of the Khronos validator; None where it did not run."""
-        khronos = self.validation.get("khronos")
-        return khronos["errors"] if khronos else None
-
-    @property
-    def passed(self) -> bool:
-        """Converted, valid and equal to the stage in every check, or refused as it should be."""
-        if self.converted:
-            return bool(self.validation.get("passed"))
-        return self.root.opens is False and self.reason != "converter-internal"
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain data; times are the only values that differ between runs."""
-        return {
-            "file": self.root.file,
-            "opens": self.root.opens,
-            "converted": self.converted,
-            "passed": self.passed,
-            "reason": self.reason,
-            "message": self.message,
-            "convert_s": round(self.convert_s, 3),
-            "warnings": self.warnings,
-            "proof": self.validation,
-        }
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -121,7 +79,7 @@ def run(args: argparse.Namespace) -> int:
     with tempfile.TemporaryDirectory(prefix="reflet-report-") as scratch:
         place = args.keep or Path(scratch)
         place.mkdir(parents=True, exist_ok=True)
-        # Stages of a corpus borrow layers and textures from each other's folders.
+        # Stages of a corpus share layers and textures across their folders.
         options = ConvertOptions(extra_roots=() if args.alone else (args.folder,))
         limits = Limits(wall_s=args.wall_s)
         rows = convert_all(args.folder, roots, place, args.jobs, limits, options)
@@ -139,7 +97,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _unwritable(place: Path) -> str:
-    """Why no file can be written there; empty where it can. Asked before the long work."""
+    """Reason why no file can be written there; empty where it can. Asked before the long work."""
     if not place.absolute().parent.is_dir():
         return f"{place.parent} is not a folder; make it first"
     if place.is_dir():
@@ -150,7 +108,7 @@ def _unwritable(place: Path) -> str:
 
 
 def _write(place: Path, text: str) -> None:
-    """All of the file or nothing of it."""
+    """Write the whole file or leave nothing of it."""
     with tempfile.NamedTemporaryFile(
         "w", encoding="utf-8", dir=place.absolute().parent, prefix=".reflet-usd-", delete=False
     ) as staged:
@@ -183,7 +141,7 @@ def convert_all(
                 rows.append(item.result())
                 if sys.stderr.isatty():
                     print(f"\r{number}/{len(work)}", end="", file=sys.stderr, flush=True)
-        except BaseException:  # a signal: what has begun is ended, so that its threads are
+        except BaseException:  # on a signal, child processes are ended, so that threads end
             pool.shutdown(wait=False, cancel_futures=True)
             children.stop()
             raise
@@ -221,7 +179,7 @@ def _one(
         return row
     row = Row(root, True, convert_s=time.monotonic() - start)
     row.warnings = [warning.to_json() for warning in result.warnings]
-    try:  # in a process of its own, for usd-core may end the one that reads a stage
+    try:  # in its own process: usd-core may end the process that reads
         row.validation = validate_confined(
             out, stage, None, limits=limits, children=children
         ).validation
@@ -231,5 +189,5 @@ def _one(
 
 
 def _without(text: str, folder: Path) -> str:
-    """The message without the corpus's place, so that two runs print the same."""
+    """The message without the corpus folder, so that two runs print the same."""
     return text.replace(str(folder.resolve()) + os.sep, "").replace(str(folder) + os.sep, "")

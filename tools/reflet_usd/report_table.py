@@ -1,9 +1,9 @@
-"""Owns the Markdown of the corpus report: summary beside the rivals, then one line a stage."""
+"""Owns the Markdown of the corpus report: summary beside the rivals, then one line per stage."""
 
 from __future__ import annotations
 
 import collections
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from reflet_usd.corpus_scores import (
     KEYED_SKELETONS,
@@ -12,9 +12,7 @@ from reflet_usd.corpus_scores import (
     score_output,
     summary_rows,
 )
-
-if TYPE_CHECKING:
-    from reflet_usd.report import Row
+from reflet_usd.report_row import Row
 
 _DISTANCES = ("positions", "surfaces", "skinning")
 _OURS = "reflet-usd"
@@ -41,13 +39,13 @@ def _summary(rows: list[Row], peers: dict[str, dict[str, Score]], version: str) 
     columns = {f"{_OURS} {version}": ours, **peers}
     lines = ["| measure | " + " | ".join(columns) + " |", "|---" * (len(columns) + 1) + "|"]
     for title, cells in summary_rows([row.root for row in rows], columns):
-        if any(not cell.endswith("/0") for cell in cells.values()):  # else nothing to measure
+        if any(not cell.endswith("/0") for cell in cells.values()):  # else no stage has it
             lines.append(f"| {title} | " + " | ".join(cells[name] for name in columns) + " |")
     return "\n".join(lines)
 
 
 def _strict(rows: list[Row]) -> str:
-    """Our own, stricter account: every check of `validate`, and silence."""
+    """Table of our own, stricter measures: every check of `validate`, and undeclared losses."""
     done = [row for row in rows if row.converted]
     checked = [row for row in done if row.validation]
     exact = [row for row in checked if row.validation["passed"]]
@@ -111,7 +109,7 @@ def _silent(row: Row) -> list[str]:
 
 
 def _deviation(row: Row) -> float:
-    """Worst corner distance over all drawn prims and times, of the diagonal."""
+    """Worst corner distance over all drawn prims and times, as a share of the diagonal."""
     values = [check["worst"] for check in _checks(row) if check["check"] in _DISTANCES]
     return max((float("inf") if value == "infinite" else value for value in values), default=0.0)
 

@@ -1,4 +1,4 @@
-"""Owns the conversion of untrusted stages: a confined child process and what its end means.
+"""Owns the conversion of untrusted stages: a confined child process, and names for its failures.
 
 The child (`sandbox_child.py`) writes into a staging folder beside the output; only a finished,
 reported result is moved to its place, so a crash or a limit never leaves a partial output.
@@ -31,7 +31,7 @@ _CONVERT_OPTIONS = "reflet_usd.convert:ConvertOptions"
 _POLL_S = 0.05
 _STAGING = ".reflet-usd-"
 _MOST_NAME_BYTES = 220
-"""Of the output's name: the system's 255, less what is added for the files beside it."""
+"""Maximum length of the output's name: the system's 255, less the endings of files beside it."""
 _LOG_TAIL_CHARS = 2000
 _KINDS = {
     stat.S_IFDIR: "is a folder",
@@ -45,16 +45,16 @@ _USD_SUFFIXES = (".usd", ".usda", ".usdc", ".usdz")
 
 @dataclasses.dataclass(frozen=True)
 class Limits:
-    """What one conversion may use before it is stopped."""
+    """Limits of the child process of one conversion."""
 
     memory_bytes: int = 6 << 30
-    """Address space; USD maps about 1 GiB before it reads anything."""
+    """Maximum address space; USD maps about 1 GiB before it reads anything."""
     cpu_s: int = 300
-    """Processor time over all threads."""
+    """Maximum processor time over all threads."""
     wall_s: float = 600.0
-    """Time on the clock."""
+    """Maximum wall-clock time."""
     output_bytes: int = 4 << 30
-    """All files that it writes together, and each of them."""
+    """Maximum size of all written files together, and of each one."""
 
 
 def run_convert(
@@ -70,7 +70,7 @@ def run_convert(
 
     `options` is a ConvertOptions; its `extra_roots` are folders besides the stage's own that
     may be read. `target` names the function the child calls ("module:function"); `children`
-    knows the child while it runs, for those who must be able to end it.
+    registers the child while it runs, so that a signal can end it.
     Raises ConvertError with a name for each way to fail: `stage-missing`, `usdz-*`,
     `memory-limit`, `cpu-limit`, `time-limit`, `output-limit`, `usd-crash`,
     `converter-internal`, and whatever the converter itself names.
@@ -137,7 +137,7 @@ def _make_staging(folder: Path | None) -> Path:
 
 
 def _sweep(folder: Path) -> None:
-    """Remove what killed runs have left; only Linux tells which runs still live."""
+    """Remove the staging folders of killed runs; only Linux tells which runs are still alive."""
     if not Path("/proc/self").exists():
         return
     for left in folder.glob(f"{_STAGING}*"):
@@ -155,7 +155,7 @@ def _checked_output(out: Path) -> Path:
     try:
         os.stat(out.absolute().parent)
     except FileNotFoundError:
-        pass  # said below
+        pass  # the caller reports it
     except OSError as error:
         message = f"it cannot be written: {error.strerror}"
         raise convert.ConvertError("output-unwritable", message, str(out)) from error
@@ -174,7 +174,7 @@ def _checked_output(out: Path) -> Path:
 
 
 def _check_utf8(path: Path) -> None:
-    """USD and glTF name files in UTF-8."""
+    """Raise an error where the path is not UTF-8, in which USD and glTF name files."""
     try:
         str(path.absolute()).encode()
     except UnicodeEncodeError as error:
@@ -196,7 +196,7 @@ def _checked_stage(stage: Path) -> Path:
 
 
 def _other_than_file(path: Path) -> str | None:
-    """What `path` is, in words, where it is no plain file."""
+    """Phrase for the kind of `path` where it is no plain file; else None."""
     try:
         mode = path.stat().st_mode
     except FileNotFoundError:
@@ -214,7 +214,7 @@ def _job(
         _check_utf8(Path(root))
     extra_roots = [str(Path(root).resolve()) for root in values.get("extra_roots") or ()]
     if extra_roots:
-        values["extra_roots"] = extra_roots  # the child runs in another folder
+        values["extra_roots"] = extra_roots  # absolute, since the child runs in another folder
     return {
         "stage": str(stage),
         "out": str(out),
@@ -249,7 +249,7 @@ def _run_child(
             child.stdin.write(json.dumps(job, default=str).encode())
             child.stdin.close()
         except BrokenPipeError:
-            pass  # it ended early; its exit code and log say why
+            pass  # the child ended early; its exit code and log tell why
         return _watch(child, staging, limits)
 
 
@@ -269,7 +269,7 @@ def _watch(child: subprocess.Popen[bytes], staging: Path, limits: Limits) -> tup
 
 
 def _environment(staging: Path) -> dict[str, str]:
-    """A small, fixed environment: nothing of the caller's steers USD's plugins or resolvers."""
+    """A small, fixed environment: no variable of the caller's steers USD's plugins or resolvers."""
     return {
         "PATH": os.defpath,
         "LANG": "C.UTF-8",
@@ -283,7 +283,7 @@ def _environment(staging: Path) -> dict[str, str]:
 
 
 def _progress_stream() -> int | None:
-    """The child's standard output carries progress lines: show them where people see them."""
+    """Terminal for the progress lines on the child's standard output, where there is one."""
     try:
         return sys.stderr.fileno()
     except (OSError, ValueError, AttributeError):
@@ -308,7 +308,7 @@ def _read_outcome(
 def _failure(
     exit_code: int, stopped_by: str | None, log: str, stage: Path, limits: Limits
 ) -> tuple[str, str]:
-    """Name and message for a child that ended without a report."""
+    """Name and message of the failure of a child that ended without a report."""
     if stopped_by == "time-limit":
         longer = "`--time-limit SECONDS` gives it longer (for `report`: `--wall-s`)"
         return "time-limit", f"not done within {limits.wall_s:g} s; {longer}"

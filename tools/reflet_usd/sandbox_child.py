@@ -16,7 +16,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-# What the interpreter, the dynamic loader and the USD libraries need to read.
+# Folders and files that the interpreter, the dynamic loader and the USD libraries read.
 _SYSTEM_ROOTS = ("/usr", "/lib", "/lib64", "/etc/ld.so.cache", "/etc/localtime", "/dev/urandom")
 _DEVICES = ("/dev/null", "/dev/zero")
 
@@ -35,8 +35,8 @@ def main() -> int:
 
 
 def _confine(job: dict[str, Any], staging: Path) -> list[str]:
-    """Apply every limit; returns what could not be applied, in words."""
-    # Imported here because the package is found through the job's sys_path.
+    """Apply every limit; returns descriptions of those that could not be applied."""
+    # Imported here, because the package is found through the job's sys_path.
     isolation = importlib.import_module("reflet_usd.process_isolation")
     isolation.die_with_parent()
     notices = []
@@ -73,7 +73,7 @@ def _outcome(job: dict[str, Any]) -> dict[str, Any]:
             return _error("output-limit", "the output grew past its size limit", job)
         return _internal(error, job)
     except Exception as error:  # the process boundary: everything becomes a named error
-        # By its shape, not its class: a target of another package may bring its own.
+        # Told by attributes, not class: a target of another package may have its own errors.
         named: Any = error
         if all(hasattr(error, name) for name in ("name", "message", "path")):
             return _error(named.name, named.message, {"stage": named.path or job["stage"]})

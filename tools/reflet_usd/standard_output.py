@@ -1,4 +1,4 @@
-"""Owns what commands print as their result: where standard output fails, that is a named error."""
+"""Owns printing a command's result: where standard output fails, that is a named error."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from reflet_usd.convert.types import ConvertError
 def show(text: str, done: str = "") -> None:
     """Print a command's result.
 
-    A reader that has closed its end has seen enough. Any other failure raises ConvertError
-    `output-unwritable`, which says first what was `done` all the same.
+    A closed pipe is no failure. Any other failure raises ConvertError `output-unwritable`, whose
+    message begins with `done`, the work that was finished nevertheless.
     """
     try:
         print(text, flush=True)
@@ -25,7 +25,7 @@ def show(text: str, done: str = "") -> None:
 
 
 def _silence() -> None:
-    """Send what is still buffered nowhere, else the interpreter fails on it when it ends."""
+    """Discard what is still buffered, else the interpreter fails on it at exit."""
     nowhere = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, sys.stdout.fileno())
     os.close(nowhere)

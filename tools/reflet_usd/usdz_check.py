@@ -1,8 +1,8 @@
 """Owns the checks of a .usdz package that run before USD opens it.
 
 A usdz package is a zip archive of stored (never compressed) files whose first entry is the
-root layer (https://openusd.org/release/spec_usdz.html). What breaks those rules cannot be
-read by USD; what abuses the zip format is refused here by name.
+root layer (https://openusd.org/release/spec_usdz.html). USD cannot read packages that break
+these rules; packages that abuse the zip format are refused here with a named error.
 """
 
 from __future__ import annotations
@@ -25,14 +25,14 @@ LAYER_SUFFIXES = (".usd", ".usda", ".usdc")
 
 @dataclasses.dataclass(frozen=True)
 class PackageLimits:
-    """What a package may hold, counted over nested packages too."""
+    """Limits of a package's content, counted over nested packages too."""
 
     entries: int = 4096
     unpacked_bytes: int = 4 << 30
     ratio: float = 20.0
     """Unpacked size over stored size of one entry; 1 for the stored entries that usdz asks for."""
     depth: int = 4
-    """How many packages may be nested in one another."""
+    """Maximum depth of packages nested in one another."""
 
 
 class PackageError(Exception):
@@ -51,7 +51,7 @@ def check_package(path: Path, limits: PackageLimits | None = None) -> None:
 
 
 def check_referenced(path: str) -> None:
-    """As `check_package`, of a file that a stage names; other files than packages pass."""
+    """Check a package that a stage names, as `check_package` does; other files pass."""
     if not path.lower().endswith(".usdz"):
         return
     try:
@@ -129,7 +129,7 @@ def _check_entry(entry: zipfile.ZipInfo, label: str, limits: PackageLimits) -> N
 
 
 def _check_headers(stream: BinaryIO, entries: list[zipfile.ZipInfo], label: str) -> None:
-    """USD reads the header before each file, zip tools the directory: both must say the same."""
+    """Compare the header before each file, which USD reads, with the zip directory."""
     listed = {entry.header_offset for entry in entries}
     for entry in entries:
         where = f"{label}[{entry.filename!r}]"
@@ -140,7 +140,7 @@ def _check_headers(stream: BinaryIO, entries: list[zipfile.ZipInfo], label: str)
         _, flags, method, packed, size, name_size, extra_size = _HEADER.unpack(header)
         name = stream.read(name_size).decode("utf-8" if flags & 0x800 else "cp437", "replace")
         sizes = (entry.compress_size, entry.file_size)
-        streamed = bool(flags & 0x8)  # its sizes stand behind it, and USD takes them as 0
+        streamed = bool(flags & 0x8)  # sizes follow the data, and USD takes them as 0
         if (
             name != entry.orig_filename
             or method != entry.compress_type

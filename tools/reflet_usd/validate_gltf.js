@@ -33,7 +33,7 @@ function reason(error) {
 }
 
 async function main() {
-  // The validator throws some errors, such as an exhausted call stack, where no one can catch them.
+  // The validator throws some errors, such as an exhausted call stack, where no caller can catch them.
   let fail = () => {};
   process.on("uncaughtException", (error) => fail(error));
   for await (const line of readline.createInterface({ input: process.stdin })) {

@@ -14,7 +14,7 @@ def convert_stage(stage_path: Path, out: Path, options: ConvertOptions) -> Conve
 
     Writes `out` and the sidecar `out + ".json"`; on any `ConvertError` neither exists anew.
     """
-    # Imported here: the child process sets its limits before USD is loaded.
+    # Imported here, because the child process sets its limits before USD is loaded.
     from reflet_usd.convert.pipeline import run_pipeline
 
     return run_pipeline(Path(stage_path), Path(out), options)

@@ -1,4 +1,4 @@
-"""Transforms of prims to nodes and keys: exact keys where glTF interpolates like USD."""
+"""Transforms of prims as nodes and keys: exact keys where glTF interpolates like USD."""
 
 from __future__ import annotations
 
@@ -39,9 +39,9 @@ from reflet_usd.convert.xform import (
 )
 from reflet_usd.convert.xform_op_chain import chain_of_ops
 
-# Parts of a spline that change by less than this, and by less in a second, do not change.
+# Parts of a spline that change by less than this, in value and per second, count as constant.
 STILL = 1e-12
-# How far products of float64 matrices leave the fourth column of an affine one.
+# Rounding error in the fourth column of affine matrices that are products in float64.
 AFFINE_TOLERANCE = 1e-9
 
 
@@ -101,7 +101,7 @@ def _finite(context: Context, prim: Usd.Prim, matrix: object) -> Array:
 
 
 def _make_affine(context: Context, prim: Usd.Prim, columns: Array) -> None:
-    """USD divides points by w, a glTF node cannot where w differs from point to point."""
+    """Make the matrix affine: USD divides points by w, a glTF node cannot where w varies."""
     w = columns[3, 3]
     perspective = bool(columns[3, :3].any())
     if np.isfinite(w) and w != 0.0:
@@ -171,7 +171,7 @@ def animate_matrix(
 
 
 def _set_tracks(context: Context, prim: Usd.Prim, node: Node, keys: Keys) -> Node:
-    """Animate the node, and a helper above it where there are two; returns the outer one."""
+    """Animate the node, or the node and a helper above it; returns the outer one."""
     times = seconds_of(context, keys.codes)
     if len(keys.poses[0]) == 1:
         _set_node_tracks(node, times, [pose[0] for pose in keys.poses])
@@ -186,7 +186,7 @@ def _set_tracks(context: Context, prim: Usd.Prim, node: Node, keys: Keys) -> Nod
 
 def _set_spline_tracks(context: Context, node: Node, keys: SplineKeys) -> Node:
     values = np.array(keys.values)
-    # From slopes for each time code to slopes for each second.
+    # From slopes per time code to slopes per second.
     values[:, ::2] /= context.seconds(1.0) - context.seconds(0.0)
     parts = {path: values[:, :, columns] for path, columns in PARTS.items()}
     assign(node, Trs(*(part[0, 1] for part in parts.values())))
@@ -212,17 +212,17 @@ def _set_node_tracks(node: Node, times: Array, parts: list[Trs]) -> None:
 
 @dataclass(frozen=True)
 class Visibility:
-    """When something is shown: each value holds from its time code to the next."""
+    """Visibility over time: each value holds from its time code to the next."""
 
     codes: tuple[float, ...]
     shown: tuple[bool, ...]
 
     def at(self, code: float) -> bool:
-        """Whether it is shown at `code`; the first value also holds before its code."""
+        """Whether the prim is shown at `code`; the first value also holds before its code."""
         return self.shown[max(bisect_right(self.codes, code) - 1, 0)]
 
     def within(self, outer: Visibility | None) -> Visibility:
-        """Shown where both are."""
+        """Visibility of a node inside `outer`: shown where both are."""
         if outer is None:
             return self
         codes = tuple(sorted({*self.codes, *outer.codes}))
@@ -240,14 +240,14 @@ def own_visibility(context: Context, prim: Usd.Prim) -> Visibility | None:
 
 
 def add_visibility_track(context: Context, node: Node, visibility: Visibility | None) -> None:
-    """Animated visibility through KHR_node_visibility, which only some viewers follow."""
+    """Animate visibility through KHR_node_visibility, which only some viewers follow."""
     if visibility is not None:
         times = np.array([context.seconds(code) for code in visibility.codes])
         set_visibility(node, times, np.array(visibility.shown))
 
 
 def set_visibility(node: Node, times: Array, shown: Array) -> None:
-    """Show and hide `node`: one bool for each key."""
+    """Show and hide `node`; one bool for each key."""
     values = shown.astype(np.uint8).reshape(-1, 1)
     node.extras["visible"] = bool(shown[0])
     node.add_track("extensions/KHR_node_visibility/visible", times, values, step=True)

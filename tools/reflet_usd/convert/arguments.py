@@ -9,7 +9,7 @@ from pathlib import Path
 from reflet_usd.convert.types import DEFAULT_PURPOSES, ConvertOptions
 
 PURPOSES = ("default", "render", "proxy", "guide")
-_MOST_CODE = 1e9  # `MAX_CODE` of context.py, which would load USD
+_MOST_CODE = 1e9  # equals `MAX_CODE` of context.py, whose import would load USD
 _VARIANT = re.compile(r"^(?P<prim>/[^{}]*)\{(?P<set>[^={}]+)=(?P<value>[^{}]*)\}$")
 
 
@@ -50,7 +50,7 @@ def _level(text: str) -> int:
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Everything that decides what the output holds."""
+    """Add the options that decide the output's content."""
     parser.add_argument("stage", type=Path, help="a .usda, .usdc, .usd or .usdz file")
     parser.add_argument("-o", "--output", type=Path, required=True, help="a .glb or .gltf file")
     parser.add_argument(

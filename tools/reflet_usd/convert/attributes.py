@@ -14,7 +14,7 @@ from reflet_usd.convert.extras import plain_value
 from reflet_usd.convert.primvars import Primvar, Topology, read_primvar, to_stream
 from reflet_usd.convert.surface import Stream
 
-# The last one is how files of early USD versions name float2[].
+# The last pattern is how files of early USD versions name float2[].
 UV_TYPES = (
     *tuple(f"texCoord{n}{t}[]" for n in "23" for t in "fdh"),
     "float2[]",
@@ -25,7 +25,7 @@ UV_TYPES = (
 _FLOAT_TYPES = re.compile(
     r"^(float|double|half)[234]?\[\]$|^(color|vector|normal|point)[34][fdh]\[\]$"
 )
-# Read elsewhere, or without a meaning outside the tool that wrote them.
+# Primvars that other modules read, or without a meaning outside the tool that wrote them.
 _HANDLED = re.compile(r"^(displayColor|displayOpacity|normals|skel:.*)$")
 
 
@@ -34,14 +34,14 @@ class DisplayColor:
     """displayColor and displayOpacity of a gprim."""
 
     constant: tuple[float, float, float, float]
-    """The first color and opacity: all there is where both are constant."""
+    """The first color and opacity; the only ones where both are constant."""
     color: Stream | None = None
     opacity: Stream | None = None
     translucent: bool = False
-    """Some opacity is below 1."""
+    """Whether some opacity is below 1."""
 
     def stream_for(self, use_color: bool, use_opacity: bool) -> Stream | None:
-        """COLOR_0's values: None where one factor says it all."""
+        """Values of COLOR_0; None where one constant factor is enough."""
         color = self.color if use_color else None
         opacity = self.opacity if use_opacity and self.translucent else None
         if not any(s is not None and len(s.values) > 1 for s in (color, opacity)):
@@ -72,7 +72,7 @@ class GprimPrimvars:
     """The names of glTF attributes, by primvar: numbered where two primvars would share one."""
 
     def name_attribute(self, primvar: str) -> None:
-        """Choose the attribute for a primvar; those before it keep theirs.
+        """Choose the attribute for a primvar; earlier primvars keep theirs.
 
         glTF wants application attributes to begin with an underscore, in capitals.
         """
@@ -85,13 +85,13 @@ class GprimPrimvars:
 
 
 def inherited_primvars(prim: Usd.Prim) -> list[UsdGeom.Primvar]:
-    """The primvars with values that apply to `prim`, by name."""
+    """Primvars with values that apply to `prim`, by name."""
     found = UsdGeom.PrimvarsAPI(prim).FindPrimvarsWithInheritance()
     return sorted((p for p in found if p.HasValue()), key=lambda p: str(p.GetPrimvarName()))
 
 
 def primvar_signature(primvars: list[UsdGeom.Primvar]) -> tuple[str, ...]:
-    """Where a prim's primvars come from: instances that differ in this need own meshes."""
+    """Sources of a prim's primvars: instances that differ in them need own meshes."""
     places = []
     for primvar in primvars:
         places.append(f"{source_path(primvar.GetAttr().GetPrim())}.{primvar.GetName()}")
@@ -142,7 +142,7 @@ def _read_into(
 def _keep_constant(
     found: GprimPrimvars, context: Context, prim: Usd.Prim, primvar: UsdGeom.Primvar
 ) -> None:
-    """One value for the whole gprim goes to the node's extras; the rest has no place."""
+    """Keep a constant primvar in the node's extras; warn about any other one."""
     name = str(primvar.GetPrimvarName())
     value = primvar.ComputeFlattened(context.time)
     plain = plain_value(value)
@@ -202,20 +202,20 @@ def _read_display(
 
 @dataclass
 class Streams:
-    """What travels as vertex attributes."""
+    """Primvars that become vertex attributes."""
 
     uvs: dict[str, Stream] = field(default_factory=dict)
-    """By primvar."""
+    """UV sets by primvar."""
     custom: dict[str, Stream] = field(default_factory=dict)
-    """By glTF attribute."""
+    """Other values by glTF attribute."""
     renamed: dict[str, str] = field(default_factory=dict)
-    """The primvars of the attributes of `custom` whose name is not simply theirs."""
+    """Primvar by attribute of `custom`, where the attribute's name is not simply the primvar's."""
 
 
 def primvar_streams(
     context: Context, prim: Usd.Prim, found: GprimPrimvars, topology: Topology
 ) -> Streams:
-    """UV sets and custom streams; the whole of a set whose third coordinate is used is custom."""
+    """UV sets and custom streams; a set whose third coordinate is used is custom as a whole."""
     result = Streams()
     for name, primvar in {**found.uvs, **found.custom}.items():
         stream = to_stream(context, prim, primvar, topology)

@@ -13,12 +13,12 @@ from reflet_usd.convert.scene import Node
 
 # Apertures and focal length are in tenths of a scene unit (UsdGeomCamera).
 _TENTH = 0.1
-# Lenses beyond have no field of view or no width in single precision.
+# Lenses beyond this have no field of view or no width in single precision.
 _MOST_RATIO = 1e6
 
 
 def add_camera(context: Context, writer: GltfWriter, prim: Usd.Prim, node: Node) -> None:
-    """Give `node` the camera of `prim`; what a pinhole lacks is a warning and goes to extras."""
+    """Give `node` the camera of `prim`; inputs that no pinhole has go to extras, with a warning."""
 
     def read(name: str, fallback: float) -> float:
         return float(authored(prim, name, context.time, fallback))

@@ -1,4 +1,4 @@
-"""Channels from texture reads and constants packed into the textures that glTF materials expect."""
+"""Texture reads and constants packed into the channels that glTF materials expect."""
 
 from __future__ import annotations
 
@@ -71,11 +71,11 @@ class Packer:
         return self._info(texture, first, slots)
 
     def usable(self, read: TextureRead) -> bool:
-        """Whether the file can be read; a warning says why not."""
+        """Whether the file can be read; a warning gives the reason where not."""
         return self.library.image(read) is not None
 
     def copy_index(self, channels: list[Channel | None], srgb: bool) -> int | None:
-        """The image, when one file already holds every channel in its place."""
+        """Index of the image, when one file already holds every channel in its place; else None."""
         used = [(place, channel) for place, channel in enumerate(channels) if channel is not None]
         files = {channel.read.file for _, channel in used if channel.read is not None}
         if len(files) != 1 or any(channel.read is None for _, channel in used):
@@ -94,7 +94,7 @@ class Packer:
             if place == 3 and not file.has_alpha:
                 return None
         if len(channels) == 4 and channels[3] is None and file.has_alpha:
-            return None  # its alpha would show
+            return None  # the file's alpha would show
         return self.library.add_copy(file)
 
     def _file(self, channel: Channel) -> ImageFile:

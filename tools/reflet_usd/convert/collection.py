@@ -1,4 +1,4 @@
-"""Collections that neither bind a material nor link a light: kept in the node's extras."""
+"""Collections that neither bind a material nor link a light, kept in the node's extras."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ _LINKS = ("lightLink", "shadowLink", "filterLink")
 def keep_collections(
     context: Context, prim: Usd.Prim, node: Node | None, names: Iterable[str]
 ) -> None:
-    """Collections among the authored `names` to `extras.collections`, or one warning.
+    """Keep the collections among the authored `names` in `extras.collections`, or warn once.
 
-    A collection that binds materials is in the file by what it binds, one that links a light is
-    named with the light.
+    A collection that binds materials is carried by its bindings; one that links a light has a
+    warning with the light.
     """
     found: dict[str, dict[str, Any]] = {}
     for whole_name in names:

@@ -18,7 +18,7 @@ from reflet_usd.usdz_check import check_referenced
 
 MAX_LAYERS = 20_000
 _DICTIONARIES = ("assetInfo", "clips", "customData")
-# Named with their shader by the texture reader, which falls back to the node's value.
+# Image files, which the texture reader names with their shader; the node's fallback value counts.
 _IMAGES = ("png", "jpg", "jpeg", "tga", "bmp", "tif", "tiff", "exr", "hdr", "gif", "webp")
 
 
@@ -43,7 +43,7 @@ def _folder(resolved: str) -> str:
 
 
 def outside_message(asset: str, resolved: str) -> str:
-    """What is wrong with a file outside the allowed folders, and what allows it."""
+    """Message about a file outside the allowed folders, with the option that allows it."""
     root = shlex.quote(_folder(resolved))
     return f"{asset} is outside the allowed folders; allow it with --root {root}"
 
@@ -59,18 +59,18 @@ def open_layer(identifier: str) -> Sdf.Layer | None:
 
 @dataclass
 class Files:
-    """What the layers of a stage name, whether or not it is there."""
+    """Files that the layers of a stage name, whether or not they exist."""
 
     layers: list[str] = field(default_factory=list)
     """Identifiers of the layers that were read, the root first."""
     assets: set[str] = field(default_factory=set)
-    """Other files that are there."""
+    """Other files that exist."""
     missing: set[str] = field(default_factory=set)
-    """What does not resolve, or was left out."""
+    """Asset paths that do not resolve, or were left out."""
     outside: set[str] = field(default_factory=set)
     """Folders outside the allowed ones that hold layers which the stage names."""
     absent: set[str] = field(default_factory=set)
-    """Where what does not resolve would lie, as far as that is one plain and allowed file."""
+    """Paths of missing files, where an asset path stands for one plain and allowed file."""
 
 
 @dataclass
@@ -78,7 +78,7 @@ class LeftOut:
     """An asset that a layer names and that must not be opened."""
 
     name: str
-    """The warning's."""
+    """Name of the warning."""
     message: str
     layer: Sdf.Layer
     places: list[Sdf.Path]
@@ -96,7 +96,7 @@ def cut_foreign_layers(
     layers = [root_layer]
     cut: list[LeftOut] = []
     seen = {root_layer.identifier}
-    for layer in layers:  # grows while it is walked
+    for layer in layers:  # the list grows during the loop
         files.layers.append(layer.identifier)
         _turn_separators(layer)
         for identifier in _kept_dependencies(layer, roots, files, cut):
@@ -113,7 +113,7 @@ def cut_foreign_layers(
 
 
 def _turn_separators(layer: Sdf.Layer) -> None:
-    """Write, in memory, names with the separators of Windows with slashes, where that is a file."""
+    """Replace Windows path separators by slashes, in memory, where that names a file."""
 
     def resolves(path: str) -> bool:
         if UsdShade.UdimUtils.IsUdimIdentifier(path):
@@ -169,7 +169,7 @@ def _kept_dependencies(
 def _fault(
     layer: Sdf.Layer, asset_path: str, roots: tuple[str, ...], files: Files, kept: list[str]
 ) -> tuple[str, str] | None:
-    """Why the asset must not be opened (a name and a message), else None and where it belongs."""
+    """Name and message of the reason not to open the asset; else None, and `files` lists it."""
     if _is_outside(asset_path, roots):
         path = re.sub(r"^file:(//)?", "", asset_path)
         if _names_a_layer(path) and os.path.isfile(path):
@@ -203,7 +203,7 @@ def _places(layer: Sdf.Layer, asset_path: str) -> list[Sdf.Path]:
     found: set[Sdf.Path] = set()
 
     def look(path: Sdf.Path) -> None:
-        variant = path.IsPrimVariantSelectionPath()  # whose own spec holds no fields
+        variant = path.IsPrimVariantSelectionPath()  # a variant's own spec has no fields
         spec = layer.GetPrimAtPath(path) if variant else layer.GetObjectAtPath(path)
         if asset_path in _named_by(spec):
             found.add(path.GetPrimPath().StripAllVariantSelections())
@@ -213,7 +213,7 @@ def _places(layer: Sdf.Layer, asset_path: str) -> list[Sdf.Path]:
 
 
 def _named_by(spec: Sdf.Spec) -> set[str]:
-    """The assets that the arcs, asset values and dictionaries of a spec name."""
+    """Asset paths in the arcs, asset values and dictionaries of a spec."""
     named: set[str] = set()
     if isinstance(spec, Sdf.PrimSpec):
         for arcs in (spec.referenceList, spec.payloadList):
@@ -235,7 +235,7 @@ def _named_by(spec: Sdf.Spec) -> set[str]:
 
 
 def warn_left_out(stage: Usd.Stage, cut: list[LeftOut], ledger: Ledger) -> None:
-    """Name, at the prims of the stage that it would have fed, what was left out."""
+    """Name each asset that was left out, at the prims of the stage that it would have fed."""
     wanted: dict[tuple[str, Sdf.Path], list[LeftOut]] = {}
     for item in cut:
         for place in item.places:
@@ -254,7 +254,7 @@ def warn_left_out(stage: Usd.Stage, cut: list[LeftOut], ledger: Ledger) -> None:
 
 
 def warn_missing_clips(stage: Usd.Stage, roots: tuple[str, ...], ledger: Ledger) -> None:
-    """Name the value clips that cannot be read: USD leaves their animation out without a word."""
+    """Name the value clips that cannot be read: USD drops their animation silently."""
     for prim in stage.TraverseAll():
         if not prim.HasAuthoredMetadata("clips"):
             continue
@@ -263,7 +263,7 @@ def warn_missing_clips(stage: Usd.Stage, roots: tuple[str, ...], ledger: Ledger)
                 continue
             try:
                 paths = Usd.ClipsAPI(prim).ComputeClipAssetPaths(name)
-            except Tf.ErrorException:  # templates without a manifest, and sets that say too little
+            except Tf.ErrorException:  # templates without a manifest, and incomplete clip sets
                 paths = []
             if not paths and not _template_matches(prim, name):
                 message = f"the value clips '{name}' name no layer that is there"
@@ -276,7 +276,7 @@ def warn_missing_clips(stage: Usd.Stage, roots: tuple[str, ...], ledger: Ledger)
 
 
 def _template_matches(prim: Usd.Prim, name: str) -> bool:
-    """Whether a clip set's template, such as clip.##.usda, names some file that is there."""
+    """Whether a clip set's template, such as clip.##.usda, matches some existing file."""
     for spec in prim.GetPrimStack():
         clip_set = spec.GetInfo("clips").get(name, {}) if spec.HasInfo("clips") else {}
         template = clip_set.get("templateAssetPath") if isinstance(clip_set, dict) else None
@@ -285,7 +285,7 @@ def _template_matches(prim: Usd.Prim, name: str) -> bool:
         pattern = re.compile(re.sub(r"#+", r"-?\\d+", re.escape(file).replace(r"\#", "#")))
         try:
             entries = os.listdir(folder) if "#" in file else []
-        except OSError:  # not there, or outside
+        except OSError:  # the folder is missing, or outside the roots
             entries = []
         if any(pattern.fullmatch(entry) for entry in entries):
             return True
@@ -302,7 +302,7 @@ def _is_readable(asset: Sdf.AssetPath, roots: tuple[str, ...]) -> bool:
 
 
 def _is_outside(asset_path: str, roots: tuple[str, ...]) -> bool:
-    """Whether an asset is named by an absolute path or file URL outside; textures come later."""
+    """Whether an absolute path or file URL names an asset outside; textures are judged later."""
     path = re.sub(r"^file:(//)?", "", asset_path)
     if not os.path.isabs(path) or Sdf.FileFormat.GetFileExtension(path).lower() in _IMAGES:
         return False
@@ -315,13 +315,13 @@ def is_plain_file(resolved: str) -> bool:
     try:
         return stat.S_ISREG(os.stat(outer).st_mode)
     except OSError:
-        return True  # nothing that could block; whoever opens it says why it cannot
+        return True  # no file that could block; opening it names the fault
 
 
 def _absent_file(layer: Sdf.Layer, identifier: str, roots: tuple[str, ...]) -> list[str]:
-    """Where an asset would lie that does not resolve, if that is one plain and allowed file."""
+    """Path of the allowed file that a missing asset names; empty where it is not just one."""
     if not layer.realPath or any(sign in identifier + layer.realPath for sign in "<[\0"):
-        return []  # one of many tiles, or inside a package, which is a file that is there
+        return []  # one of many tiles, or inside an existing package
     path = os.path.join(os.path.dirname(layer.realPath), identifier)
     return [os.path.abspath(path)] if is_allowed(path, roots) else []
 
@@ -337,4 +337,4 @@ def check_used_layers(stage: Usd.Stage, roots: tuple[str, ...]) -> None:
         if not layer.anonymous and layer.realPath and not is_allowed(layer.realPath, roots):
             message = outside_message(f"@{layer.identifier}@", layer.realPath)
             raise ConvertError("asset-outside-roots", message, stage.GetRootLayer().identifier)
-        check_referenced(Ar.SplitPackageRelativePathOuter(layer.realPath)[0])  # expressions' too
+        check_referenced(Ar.SplitPackageRelativePathOuter(layer.realPath)[0])  # also in expressions

@@ -1,4 +1,4 @@
-"""What every part of a conversion needs to know about the stage: units, axis, time, ledger."""
+"""Facts about the stage that every part of a conversion needs: units, axis, time, ledger."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from reflet_usd.convert.ledger import Ledger
 from reflet_usd.convert.scene import Array
 from reflet_usd.convert.types import ConvertOptions
 
-# Time codes beyond this are damage: in seconds they would not fit float32's precision.
+# Time codes beyond this are damage: as seconds they would exceed float32's precision.
 MAX_CODE = 1e9
 
 
@@ -27,29 +27,29 @@ class Context:
     allowed_roots: tuple[str, ...]
     """Real paths of the folders that layers and textures may come from."""
     files: Files
-    """What the stage's layers name."""
+    """Files that the stage's layers name."""
     meters_per_unit: float = 0.01
     z_up: bool = False
     codes_per_second: float = 24.0
     """Time codes per second."""
     time: Usd.TimeCode = field(default_factory=Usd.TimeCode.EarliestTime)
-    """When everything that is not animated in the file is evaluated."""
+    """Time at which everything that is not animated in the file is evaluated."""
     time_origin: float = 0.0
     """The time code that becomes 0 seconds."""
     stated_codes: tuple[float | None, float | None] = (None, None)
     """First and last time code that the stage states, or that `--frames` keeps."""
     dome_radiance: list[float] | None = None
-    """What all dome lights without a texture send from everywhere, RGB in nits."""
+    """Radiance of all dome lights without a texture, RGB in nits."""
     visited: str = "/"
-    """Path of the prim that is converted now."""
+    """Path of the prim that is being converted."""
     boxes: UsdGeom.BBoxCache | None = None
-    """Bounds of prims at `time`, made when the first transform needs them."""
+    """Cache of prim bounds at `time`, made when the first transform needs it."""
     bound_collections: set[str] | None = None
     """Paths of the collections that bind materials, found when the first collection is met."""
     previewed: bool = False
     """Whether a binding for the purpose `preview` was met."""
     missing_ops: dict[str, list[str]] = field(default_factory=dict)
-    """By source path of a prim the ops that its order names and that are not there."""
+    """Ops that `xformOpOrder` names but the prim does not have, by the prim's source path."""
     textures_read: set[str] = field(default_factory=set)
     """Resolved paths of the images that were opened."""
 
@@ -81,19 +81,19 @@ FLOAT32_LIMIT = 3e38
 
 
 def in_float32(values: Array) -> Array:
-    """Which values are finite as float32 (the same shape, bool)."""
-    return np.asarray(np.abs(values) < FLOAT32_LIMIT)  # which NaN is not either
+    """Mask of the values that are finite as float32 (the same shape, bool)."""
+    return np.asarray(np.abs(values) < FLOAT32_LIMIT)  # NaN is not below the limit either
 
 
 def authored(prim: Usd.Prim, name: str, time: Usd.TimeCode, fallback: Any) -> Any:
-    """The value of attribute `name` at `time`, or `fallback` where there is none."""
+    """Value of attribute `name` at `time`, or `fallback` where there is none."""
     attribute = prim.GetAttribute(name)
     value = attribute.Get(time) if attribute else None
     return fallback if value is None or isinstance(value, Sdf.ValueBlock) else value
 
 
 def type_name(prim: Usd.Prim) -> str:
-    """The prim's type, or what the stage's `fallbackPrimTypes` name for one that USD lacks."""
+    """The prim's type, or the one that `fallbackPrimTypes` gives where USD lacks the prim's."""
     return str(prim.GetPrimTypeInfo().GetSchemaTypeName() or prim.GetTypeName())
 
 

@@ -32,7 +32,7 @@ from reflet_usd.convert.subsets import bound_material
 from reflet_usd.convert.surface import Stream
 
 SEGMENTS_PER_SPAN = 8
-# Rows are powers of t from 1 to t³ times these matrices times four control points.
+# Basis matrices: powers of t from 1 to t³ times these times four control points.
 _BASES = {
     "bezier": np.array([[1, 0, 0, 0], [-3, 3, 0, 0], [3, -6, 3, 0], [-1, 3, -3, 1]], dtype=float),
     "bspline": np.array([[1, 4, 1, 0], [-3, 0, 3, 0], [3, -6, 3, 0], [-1, 3, -3, 1]]) / 6.0,
@@ -41,7 +41,7 @@ _BASES = {
 
 
 def is_curves(prim: Usd.Prim) -> bool:
-    """Whether `build_curves` knows the type."""
+    """Whether `build_curves` converts the type."""
     return type_name(prim) in ("BasisCurves", "HermiteCurves")
 
 
@@ -91,7 +91,7 @@ def build_curves(
         curves = np.repeat(np.arange(len(counts)), counts)
         curves = np.pad(curves, (0, len(points) - len(curves)))
         topology = Topology(len(points), len(counts), np.arange(len(points)), curves)
-        # Points that no line reaches would still count in the file's bounds.
+        # Points that no line uses would still count in the file's bounds.
         vertices, ends = np.unique(lines, return_inverse=True)
         lines = ends.reshape(lines.shape)
         return _write(context, writer, materials, prim, points, vertices, lines, topology)
@@ -105,7 +105,7 @@ def build_curves(
     if len(sampled) == 0:
         context.ledger.warn("curves-invalid", prim, "no curve has enough points for its basis")
         return None
-    # Values per control point have no place on the samples; values per curve do.
+    # Values per control point do not fit the samples; values per curve do.
     topology = Topology(len(sampled), len(counts), np.arange(len(sampled)), curves)
     topology = replace(topology, authored=Topology(len(points), len(counts), curves, curves))
     drop = ("vertex", "varying", "faceVarying")
@@ -168,7 +168,7 @@ def _write(
     topology: Topology | None = None,
     dropped: tuple[str, ...] = (),
 ) -> BuiltMesh:
-    """Points or lines with the gprim's display color; bound materials do not shade them.
+    """Write points or lines with the gprim's display color; bound materials do not shade them.
 
     Primvars of an interpolation in `dropped` are named and left out.
     """
@@ -201,7 +201,7 @@ def _write(
 
 
 def _vertex_streams(streams: Streams) -> dict[str, Stream]:
-    """By glTF attribute; UV sets in the order of meshes without a material, v pointing down."""
+    """Streams by attribute; UV sets in the order of meshes without a material, v pointing down."""
     result = dict(streams.custom)
     names = sorted(streams.uvs, key=lambda name: (name != "st", name))
     for slot, name in enumerate(names):
@@ -217,7 +217,7 @@ def _accessor(writer: GltfWriter, values: Array, bounds: bool = False) -> int:
 
 
 def _warn_lost(context: Context, prim: Usd.Prim, message: str) -> None:
-    """Name what no glTF point or line has: widths (`message` says why), normals and numbers."""
+    """Warn about widths (`message` says why), normals and ids, which glTF points and lines lack."""
     widths = UsdGeom.PrimvarsAPI(prim).GetPrimvar("widths")
     attribute = prim.GetAttribute("widths")
     if (widths and widths.HasValue()) or (attribute and attribute.HasAuthoredValue()):

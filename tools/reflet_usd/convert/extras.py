@@ -1,4 +1,4 @@
-"""What of a prim no schema knows: custom properties, kept in the node's extras."""
+"""Custom properties, which no schema knows, kept in the node's extras."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pxr import Gf, Sdf, Usd, UsdGeom, UsdShade, UsdSkel
 from reflet_usd.convert.context import Context
 from reflet_usd.convert.scene import Node
 
-# Read elsewhere, each by the rules of what it belongs to.
+# Properties that other modules read, each by rules of its own.
 _BINDING = (
     "skel:animationSource",
     "skel:blendShapeTargets",
@@ -28,9 +28,9 @@ _MAX_VALUES = 64
 def keep_custom_properties(
     context: Context, prim: Usd.Prim, node: Node | None, names: Iterable[str]
 ) -> None:
-    """Of the authored `names` those outside all schemas to the node's extras, or one warning.
+    """Keep the authored `names` outside all schemas in the node's extras, or warn once.
 
-    Those of `userProperties:` go by their own names to `extras.userProperties`, others to
+    Names of `userProperties:` go without that prefix to `extras.userProperties`, others to
     `extras.attributes`. Prims without a node keep none.
     """
     dropped, frozen = [], []
@@ -65,7 +65,7 @@ def is_custom(prim: Usd.Prim, name: str) -> bool:
 
 
 def _has_rules(prim: Usd.Prim, name: str) -> bool:
-    """Whether names of that shape are read on such prims, though no schema lists them."""
+    """Whether names of that form are read on such prims, though no schema lists them."""
     group = name.partition(":")[0]
     if group in _SHADING:
         return bool(prim.IsA(UsdShade.NodeGraph) or prim.IsA(UsdShade.Shader))
@@ -89,17 +89,17 @@ def _custom_properties(prim: Usd.Prim, names: Iterable[str]) -> Iterator[Usd.Pro
 
 
 def property_value(context: Context, item: Usd.Property) -> Any:
-    """The property's targets or first value as JSON data; None where it is not plain or long."""
+    """The property's targets or first value as JSON data; None where not plain or too long."""
     if isinstance(item, Usd.Relationship):
         targets = item.GetTargets()
         return [str(path) for path in targets] if len(targets) <= _MAX_VALUES else None
-    if not isinstance(item, Usd.Attribute):  # a damaged file names a property and has none
+    if not isinstance(item, Usd.Attribute):  # a damaged file may name a property without having one
         return None
     return plain_value(item.Get(context.time))
 
 
 def listed(names: list[str]) -> str:
-    """The first names in quotes, how many more, and the verb."""
+    """The first names in quotes, the number of the others, and the verb."""
     shown = ", ".join(f"'{name}'" for name in names[:8])
     rest = f" and {len(names) - 8} more" if len(names) > 8 else ""
     return f"{shown}{rest} {'is' if len(names) == 1 else 'are'}"

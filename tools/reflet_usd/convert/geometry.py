@@ -40,29 +40,29 @@ _UV_SLACK = 1e-4
 
 @dataclass
 class BuiltMesh:
-    """A glTF mesh that was written, and what deformations need to know about it."""
+    """A glTF mesh that was written, with the facts that deformations need."""
 
     index: int
     extras: dict[str, Any]
-    """For the node: constants that have no place in the mesh."""
+    """Extras of the node: constants that have no place in the mesh."""
 
 
 def mesh_extras(prim: Usd.Prim, streams: Streams) -> dict[str, Any]:
-    """The path of the prim, and the primvars of attributes that had to be renamed."""
+    """Extras of a mesh: the path of the prim, and the primvars of attributes that were renamed."""
     extras: dict[str, Any] = {"prim": str(prim.GetPath())}
     return extras | ({"primvarOf": streams.renamed} if streams.renamed else {})
 
 
 class Deformer(Protocol):
-    """What skins and blend shapes add to a mesh while it is built."""
+    """Skins and blend shapes, added to a mesh while it is built."""
 
     shape_names: list[str]
 
     def prepare(self, surface: Surface, polygons: Polygons | None) -> None:
-        """Called once, before primitives are made."""
+        """Read the deformation; called once, before primitives are made."""
 
     def finish(self, surface: Surface, parts: PrimitiveParts, polygons: Polygons | None) -> None:
-        """Called for each primitive."""
+        """Add the deformation's attributes and targets; called for each primitive."""
 
 
 class GeometryBuilder:
@@ -155,7 +155,7 @@ class GeometryBuilder:
         if type_name(prim) in GPRIM_TYPES:
             curved = tessellate(self.context, prim)
             return None if curved is None else (*curved, None)
-        # Joint influences and shapes belong to the cage's points.
+        # Joint influences and blend shapes refer to the cage's points.
         level = 0 if deformed else self.context.options.subdiv_level
         return mesh_surface(self.context, prim, read_polygons(self.context, prim), level)
 
@@ -201,7 +201,7 @@ class GeometryBuilder:
     def _constants(
         self, prim: Usd.Prim, plan: MaterialPlan, primvars: GprimPrimvars
     ) -> dict[str, Constant]:
-        """Inputs that read a primvar which has one value on this prim."""
+        """Values of inputs that read a primvar with one value on this prim."""
         found = {}
         for name, source in plan.inputs.items():
             if not isinstance(source, PrimvarRead) or name in ("diffuseColor", "opacity"):
@@ -216,7 +216,7 @@ class GeometryBuilder:
         return found
 
     def _warn_black_wraps(self, surface: Surface, triangles: Array, plan: MaterialPlan) -> None:
-        """Textures that are black outside 0…1, where coordinates really leave that range."""
+        """Warn about textures that are black outside 0…1, where coordinates leave that range."""
         for name, source in sorted(plan.inputs.items()):
             if not isinstance(source, TextureRead) or not wraps_to_black(source):
                 continue
@@ -232,7 +232,7 @@ class GeometryBuilder:
     def _uv_order(
         self, prim: Usd.Prim, surface: Surface, plan: MaterialPlan
     ) -> tuple[list[str], dict[str, tuple[float, float]]]:
-        """UV sets of TEXCOORD_0…: those the material reads first, then `st`, then by name."""
+        """UV sets for TEXCOORD_0…: those the material reads first, then `st`, then by name."""
         constants = {}
         for name, fallback in plan.uv_sets.items():
             if name not in surface.uvs:
@@ -288,7 +288,7 @@ def warn_frozen(context: Context, prim: Usd.Prim, primvars: list[UsdGeom.Primvar
 
 
 def _draws_normals(prim: Usd.Prim) -> bool:
-    """Whether the attribute `normals` counts: on meshes that are no subdivision surfaces."""
+    """Whether the attribute `normals` counts: only on meshes that are not subdivision surfaces."""
     mesh = UsdGeom.Mesh(prim)
     if not mesh or mesh.GetSubdivisionSchemeAttr().Get() != UsdGeom.Tokens.none:
         return False
@@ -297,7 +297,7 @@ def _draws_normals(prim: Usd.Prim) -> bool:
 
 
 def warn_still_points(context: Context, prim: Usd.Prim) -> None:
-    """Name what is animated of points and curves, which stand still in the file."""
+    """Warn about animated attributes of points and curves, which stand still in the file."""
     warn_frozen(context, prim, UsdGeom.PrimvarsAPI(prim).FindPrimvarsWithInheritance())
     points = prim.GetAttribute("points")
     if points and points.ValueMightBeTimeVarying():

@@ -18,7 +18,7 @@ from reflet_usd.convert.types import ConvertError
 GENERATOR = "reflet-usd"
 ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER = 34962, 34963
 POINTS, LINES, LINE_STRIP, TRIANGLES = 0, 1, 3, 4
-# By the dtype's character: writing out its name takes longer than all else of a small array.
+# Keyed by the dtype's character: its name takes longer to compute than all else of a small array.
 _COMPONENT_TYPES = {"f": 5126, "I": 5125, "H": 5123, "B": 5121}
 _SHAPES = {(): "SCALAR", (2,): "VEC2", (3,): "VEC3", (4,): "VEC4", (4, 4): "MAT4"}
 _MAX_GLB_BYTES = 2**32 - 1
@@ -49,7 +49,7 @@ class GltfWriter:
         return len(entries) - 1
 
     def add_once(self, kind: str, entry: dict[str, Any]) -> int:
-        """Like `add`, but an equal earlier entry is used again."""
+        """Append to a list as `add` does, or return the index of an equal earlier entry."""
         key = (kind, json.dumps(entry, sort_keys=True).encode())
         if key not in self._known:
             self._known[key] = self.add(kind, entry)
@@ -68,7 +68,7 @@ class GltfWriter:
         """
         array = np.ascontiguousarray(array)
         data = array.tobytes()
-        # Times of keys have bounds: what they share bytes with must not be read as times.
+        # Key times have bounds; an accessor that shares their bytes must not share their entry.
         tag = f"accessor {array.dtype.char} {array.shape} {target} {normalized} {bounds}"
         key = (tag, hashlib.sha256(data).digest())
         if key in self._known:
@@ -110,7 +110,7 @@ class GltfWriter:
         return self.add("bufferViews", view)
 
     def add_nodes(self, roots: list[Node], extras: dict[str, Any]) -> None:
-        """Write the node trees, their skins and one animation, and the scene that shows them."""
+        """Add the node trees, their skins and one animation, and the scene that shows them."""
         order = [node for root in roots for node in root.walk()]
         indices = {id(node): index for index, node in enumerate(order)}
         skins: dict[int, int] = {}
@@ -126,7 +126,7 @@ class GltfWriter:
 
     def _add_skin(self, skin: Skin, indices: dict[int, int]) -> int:
         columns = np.swapaxes(skin.inverse_bind, 1, 2).astype(np.float32)
-        # An affine matrix has the exact last row 0 0 0 1; rounding must not disturb it.
+        # The last row of an affine matrix is exactly 0 0 0 1; rounding must not disturb it.
         columns[:, :, 3] = (0.0, 0.0, 0.0, 1.0)
         entry: dict[str, Any] = {
             "inverseBindMatrices": self.add_accessor(columns),
@@ -220,7 +220,7 @@ class GltfWriter:
 
 
 def _stride(array: Array, target: int | None) -> int | None:
-    """Vertex attributes whose elements are not multiples of 4 bytes are never produced here."""
+    """Stride of vertex attributes; elements that are not multiples of 4 bytes never occur here."""
     row = array.dtype.itemsize * math.prod(array.shape[1:])
     return row if target == ARRAY_BUFFER else None
 

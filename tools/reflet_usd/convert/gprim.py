@@ -15,8 +15,8 @@ from reflet_usd.convert.primvars import Topology
 from reflet_usd.convert.scene import Array
 from reflet_usd.convert.surface import Stream, Surface
 
-SEGMENTS = 32  # around the axis; a multiple of 4 puts vertices on the bounds
-RINGS = 16  # pole to pole; even, so the equator is one of them
+SEGMENTS = 32  # around the axis; with a multiple of 4, vertices lie on the bounds
+RINGS = 16  # from pole to pole; even, so that one is the equator
 GPRIM_TYPES = ("Cube", "Sphere", "Cylinder", "Cylinder_1", "Cone", "Capsule", "Capsule_1", "Plane")
 
 
@@ -36,7 +36,7 @@ class _Quads:
         self.count += len(points)
 
 
-# The cube that USD's own imaging draws; its primvars refer to these points and faces.
+# Points and faces of the cube that USD's imaging draws; its primvars refer to them.
 _CUBE_POINTS = np.array(
     [
         (1, 1, 1),
@@ -70,14 +70,14 @@ def _left_handed(context: Context, prim: Usd.Prim) -> bool:
 
 
 def _warn_size(context: Context, prim: Usd.Prim, name: str, size: float) -> None:
-    """Name a size that leaves no shape, or turns it inside out."""
+    """Warn about a size that leaves no shape, or turns it inside out."""
     if size < 0.0 or (size == 0.0 and name not in ("radiusTop", "radiusBottom")):
         message = f"its {name} is {'0' if size == 0.0 else 'negative'}, carried as it is"
         context.ledger.warn("gprim-invalid", prim, message)
 
 
 def tessellate(context: Context, prim: Usd.Prim) -> tuple[Surface, Topology] | None:
-    """The gprim's surface in meters and what its primvars count; None where it has no size."""
+    """The gprim's surface in meters and the counts of its primvars; None where it has no size."""
 
     def size(name: str, fallback: float) -> float:
         length = float(authored(prim, name, context.time, fallback)) * context.meters_per_unit
@@ -124,7 +124,7 @@ def _end_radii(size: object, fallback: float, two: bool) -> tuple[float, float]:
 
 
 def _along_axis(vectors: Array, axis: str) -> Array:
-    """Shapes are built along Z; the other axes follow by cyclic exchange, which keeps winding."""
+    """Turn a shape built along Z to its axis, by cyclic exchange of axes, which keeps winding."""
     if axis == "X":
         return vectors[:, [2, 0, 1]]
     if axis == "Y":
@@ -139,9 +139,9 @@ def _add_plane(shape: _Quads, width: float, length: float, axis: str) -> None:
     points[:, first], points[:, second] = corners.T
     normal = np.zeros(3)
     normal["XYZ".index(axis) if axis in ("X", "Y", "Z") else 2] = 1.0
-    if axis == "Y" or axis == "X":  # the second side runs before the first
+    if axis == "Y" or axis == "X":  # on these axes the second side comes before the first
         points = points[::-1].copy()
-    # One negative side turns the face over, as a negative size turns a cube inside out.
+    # One negative side reverses the face, as a negative size turns a cube inside out.
     normal *= math.copysign(1.0, width) * math.copysign(1.0, length)
     shape.append(points, np.array([[0, 1, 2, 3]]), np.tile(normal, (4, 1)))
 

@@ -1,4 +1,4 @@
-"""How each instance of a PointInstancer moves: exact keys, or USD's matrices where they stretch."""
+"""Motion of each instance of a PointInstancer: exact keys, or USD's matrices where they stretch."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from reflet_usd.convert.xform import Trs, align_hemispheres, assign, place
 
 # Matrices that normalization changes by no more than this are equal in single precision.
 _NORMALIZED = 1e-6
-# Keys times instances that are followed matrix by matrix; more would take minutes.
+# Maximum of keys times instances that are followed matrix by matrix; more would take minutes.
 MAX_MATRIX_KEYS = 40_000
 
 
 def warn_normalized(context: Context, prim: Usd.Prim, targets: Iterable[str], off: float) -> None:
-    """Say of which prototypes the instances are turned by quaternions made to length 1."""
+    """Warn about prototypes whose instances' quaternions were normalized."""
     message = f"quaternions not of length 1 were normalized, matrices differ by {off:.1e}, "
     message += "for the instances of " + ", ".join(f"'{path}'" for path in targets)
     context.ledger.warn("instance-rotation-normalized", prim, message, off)
@@ -63,7 +63,7 @@ class InstanceMotion:
         return instance
 
     def _follow(self, instance: Node, number: int) -> Node:
-        """One or two nodes, of which the outer one travels, or keys on the whole matrix."""
+        """Animate by keys on the whole matrix, or only the translation; returns the outer node."""
         tracks = self.raw.tracks
         if "rotation" in tracks or "scale" in tracks:
             if self._reach is None:

@@ -26,7 +26,7 @@ from reflet_usd.convert.xform import place
 PrototypeNode = Callable[[Usd.Prim], Node]
 # More instances of one prototype than this are written as EXT_mesh_gpu_instancing.
 MAX_INSTANCE_NODES = 4096
-# An instance that shears needs two nodes, which the extension has not; beyond this many, each is
+# A shearing instance needs two nodes, which the extension has not; beyond this many, each is
 # placed without its shear.
 MAX_SHEARED_NODES = 20_000
 MAX_NODES = 4_000_000
@@ -44,24 +44,24 @@ class Instances:
     """(I,) index into its prototypes."""
     translations: Array
     quaternions: Array
-    """As authored: half floats are rarely of length 1, and USD does not normalize them."""
+    """Authored quaternions: half floats are rarely of length 1, and USD does not normalize."""
     scales: Array
     visible_times: Array
     """Seconds of the keys of `visible`, fewer than two where it does not change."""
     visible: Array
-    """(keys, I) which instances are seen."""
+    """(keys, I) whether each instance is seen."""
 
     def changing(self, rows: Array) -> Array:
-        """Which of some instances come and go."""
+        """Mask of the given instances that appear or disappear over time."""
         return np.asarray((self.visible[:, rows] != self.visible[:1, rows]).any(axis=0))
 
     def transforms(self, rows: Array) -> tuple[Array, Array, Array]:
-        """Translations, unit quaternions and scales of some instances."""
+        """Translations, unit quaternions and scales of the given instances."""
         rotations = unit_quaternions(self.quaternions[rows])
         return self.translations[rows], rotations, self.scales[rows]
 
     def matrices(self, rows: Array) -> Array:
-        """USD's own matrices of some instances, for column vectors."""
+        """USD's own matrices of the given instances, for column vectors."""
         return trs_matrices(self.translations[rows], self.quaternions[rows], self.scales[rows])
 
 
@@ -77,7 +77,7 @@ class Instancers:
         self._node_count = 0
 
     def fill(self, prim: Usd.Prim, node: Node) -> None:
-        """Add the instances of `prim` below `node`; the prim's children are accounted for."""
+        """Add the instances of `prim` below `node`, and account for the prim's children."""
         path = source_path(prim)
         if path in self._open:
             message = "the instancer is part of its own prototype; the inner one is left out"
@@ -99,7 +99,7 @@ class Instancers:
             message = "the instancer that would draw it draws nothing"
             for target in targets:
                 child = self.context.stage.GetPrimAtPath(target)
-                if child and target.HasPrefix(prim.GetPath()):  # others are drawn where they are
+                if child and target.HasPrefix(prim.GetPath()):  # others are drawn in place
                     self.context.ledger.skip_subtree("prototype-unused", child, message)
             return
         self.context.ledger.carry(prim)
@@ -237,7 +237,7 @@ class Instancers:
         return InstanceMotion(self.context, prim, RawTrs(tracks, everything))
 
     def _tracks(self, prim: Usd.Prim, instances: Instances) -> Tracks:
-        """Per path the key codes and (keys, instances, components); empty where frozen."""
+        """Key codes and values (keys, instances, components) by glTF path; empty where frozen."""
         context = self.context
         varying = [n for n in _FROZEN if prim.GetAttribute(n).ValueMightBeTimeVarying()]
         tracks: Tracks = {}
@@ -265,7 +265,7 @@ class Instancers:
         return tracks
 
     def _masks(self, prim: Usd.Prim, count: int) -> tuple[list[float], Array]:
-        """Codes at which the mask changes, and (codes, count) who is seen from each on."""
+        """Codes at which the mask changes, and (codes, count) whether an instance is seen then."""
         instancer, context = UsdGeom.PointInstancer(prim), self.context
         samples = {*_samples(prim, "invisibleIds"), *_samples(prim, "ids")}
         codes = context.codes_in_range(sorted(samples))
@@ -288,7 +288,7 @@ class Instancers:
             self.context.ledger.warn("velocities-dropped", prim, message)
 
     def _account_children(self, prim: Usd.Prim, targets: list[str]) -> None:
-        """Groups between the instancer and its prototypes are carried by their contents."""
+        """Account for groups between the instancer and its prototypes; their contents stand in."""
         predicate = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
         prims = Usd.PrimRange(prim, predicate)
         iterator = iter(prims)

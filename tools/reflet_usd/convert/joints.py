@@ -1,4 +1,4 @@
-"""The joints of one Skeleton as nodes: rest pose, keys, USD's matrices where they stretch."""
+"""The joints of one Skeleton as nodes: rest pose, keys, and USD's matrices where they stretch."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ from reflet_usd.convert.scene import Array, Node
 from reflet_usd.convert.transform_tolerance import Reach, reach_of
 from reflet_usd.convert.xform import align_hemispheres, assign, column_matrix, nearest_trs, place
 
-# A joint that stretches less than this turns as glTF's unit quaternions do: single precision.
+# Joints that stretch less than this match glTF's unit quaternions: single precision.
 _STRETCH = 1e-6
-# Keys times joints that are followed matrix by matrix; more would take minutes.
+# Maximum of keys times joints that are followed matrix by matrix; more would take minutes.
 MAX_MATRIX_KEYS = 40_000
 
 
 @dataclass
 class Joints:
-    """A node for each joint in the skeleton's order, and the outermost nodes without a parent."""
+    """Node of each joint in the skeleton's order, and the outermost nodes, without a parent."""
 
     nodes: list[Node]
     roots: list[Node]
@@ -71,7 +71,7 @@ class _Maker:
         return Joints(nodes, roots)
 
     def _posed(self, nodes: list[Node]) -> list[Node]:
-        """The outermost node of each joint: a helper above it where its matrix shears."""
+        """Place each joint; returns its outermost node: a helper above it where it shears."""
         matrices = self._rest_pose()
         if len(matrices) != len(nodes):
             matrices = self._bind_pose()
@@ -89,12 +89,12 @@ class _Maker:
         return outer
 
     def _rest_pose(self) -> list[Array]:
-        """USD's local matrices at the conversion's time; empty where it has no pose."""
+        """USD's local matrices at the conversion's time; empty where the skeleton has no pose."""
         matrices = self.query.ComputeJointLocalTransforms(self.context.time)
         return [column_matrix(matrix, self.context.meters_per_unit) for matrix in matrices]
 
     def _bind_pose(self) -> list[Array]:
-        """Falls back to the bind pose without rest transforms and animation."""
+        """Local matrices of the bind pose, for skeletons without rest transforms and animation."""
         message = "neither restTransforms nor an animation, the bind pose is shown"
         self.context.ledger.warn("rest-pose-missing", self.prim, message)
         topology, binds = self.query.GetTopology(), self.binds
@@ -166,7 +166,7 @@ class _Maker:
         }
 
     def _usable(self) -> bool:
-        """Whether USD itself takes matrices from the animation."""
+        """Whether USD itself applies the animation's matrices."""
         return bool(self.query.GetAnimQuery().ComputeJointLocalTransforms(self.context.time))
 
     def _add_tracks(self, node: Node, tracks: Tracks, place_in_animation: int) -> None:
@@ -189,7 +189,7 @@ class _Maker:
         keys = []
         for code in codes:
             value = attribute.Get(code)
-            if value is None:  # a block: the joint's rest transform would stand here
+            if value is None:  # a blocked sample: USD would use the joint's rest transform
                 message = f"animated {path}s have blocked samples"
                 self.context.ledger.warn("skeleton-animation-dropped", self.prim, message)
                 return None

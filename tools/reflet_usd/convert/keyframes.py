@@ -16,33 +16,33 @@ from reflet_usd.convert.shear import follow
 from reflet_usd.convert.transform_tolerance import Reach
 from reflet_usd.convert.xform import Trs, decompose, nearest_trs
 
-# Between keys a matrix may deviate by this share of its largest entries and still be exact.
+# Matrices between keys may deviate by this share of their largest entries and still be exact.
 EXACT_TOLERANCE = 2e-6
-# Three entries add up in a corner's place, which should stay within 1e-5.
+# Rounding of three entries adds up in a corner's position, which should stay within 1e-5.
 SAMPLED_TOLERANCE = 5e-6
 EXACT_DEPTH = 3
 SAMPLED_DEPTH = 12
-# Halving a step must shrink the deviation to this share, else more keys do not help.
+# If halving a step does not shrink the deviation to this share, more keys do not help.
 USEFUL_SHRINKAGE = 0.7
 MAX_SAMPLES = 6_000
-# Where in a step the parts of the next instant are looked up.
+# Share of a step at which the pose just after its start is read, to choose directions.
 _AHEAD = 1e-3
 _PROBES = (0.25, 0.5, 0.75)
-# Matrices, some 300 bytes each.
+# Cache size in matrices, some 300 bytes each.
 _REMEMBERED = 1 << 16
 
 Evaluate = Callable[[float], Array]
 Pose = tuple[Trs, ...]
-"""One node's parts, or those of two nested nodes, the outer one first."""
+"""Parts of one node, or of two nested nodes, the outer one first."""
 
 
 class Fit(Protocol):
-    """How a matrix becomes a pose."""
+    """A way to write a matrix as a pose."""
 
     unjudged_depth: int
     """Minimum number of halvings before a step is tested."""
     follows_paths: bool
-    """Shorter steps always help where the pose is the whole matrix."""
+    """Whether the pose is the whole matrix, so that shorter steps always help."""
 
     def start(self, first: float, last: float, previous: Pose | None) -> Pose | None:
         """The pose at `first`, from which the step to `last` begins; None where there is none."""
@@ -53,7 +53,7 @@ class Fit(Protocol):
 
 @dataclass
 class OneNode:
-    """Translation, rotation and scale; with `nearest` also where the matrix shears."""
+    """Pose of one node: translation, rotation, scale; with `nearest` also where it shears."""
 
     evaluate: Evaluate
     nearest: bool = False
@@ -78,7 +78,7 @@ class OneNode:
 
 @dataclass
 class TwoNodes:
-    """Any affine matrix as two nested nodes; singular vectors may turn within a short step."""
+    """Pose of two nested nodes for any affine matrix; singular vectors may turn in a short step."""
 
     evaluate: Evaluate
     unjudged_depth: int = 9
@@ -109,7 +109,7 @@ class Keys:
         self.poses.append(pose)
 
     def begin(self, code: float, pose: Pose) -> None:
-        """A step's first key; other parts of the same matrix make a jump that does not show."""
+        """Add a step's first key; other parts of the same matrix make a jump that does not show."""
         if self.codes and self.codes[-1] == code:
             if _same(self.poses[-1], pose):
                 return
@@ -125,12 +125,12 @@ def _same(first: Pose, last: Pose) -> bool:
 
 
 def remembered(evaluate: Evaluate) -> Evaluate:
-    """`evaluate`, which USD answers slowly, asked once for each code: halves repeat the whole's."""
+    """`evaluate` with a cache, since USD is slow and halved steps ask for the same codes again."""
 
     @functools.lru_cache(maxsize=_REMEMBERED)
     def once(code: float) -> Array:
         matrix = evaluate(code)
-        matrix.setflags(write=False)  # many hold it
+        matrix.setflags(write=False)  # many keys share the array
         return matrix
 
     return once
@@ -148,12 +148,12 @@ def sampled_keys(evaluate: Evaluate, codes: list[float], reach: Reach) -> Keys:
     if one is not None and (one.deviation <= tolerance or not _shears(evaluate, one)):
         return one
     two = _Refiner(evaluate, TwoNodes(evaluate), reach, tolerance, depth).run(codes)
-    assert one is not None and two is not None  # only strict refinement gives up
+    assert one is not None and two is not None  # only strict refinement returns None
     return two if two.deviation < USEFUL_SHRINKAGE * one.deviation else one
 
 
 def _shears(evaluate: Evaluate, keys: Keys) -> bool:
-    """Whether a matrix is more than its key: then two nodes follow it better, and else none do."""
+    """Whether some key leaves out a shear of its matrix: only then two nodes follow it better."""
     pairs = zip(keys.codes, keys.poses, strict=True)
     return any(_is_part(pose, evaluate(code)) for code, pose in pairs)
 
@@ -190,7 +190,7 @@ class _Refiner:
                 continue
             if not self._begin(first, last) or not self._step(first, last):
                 return None
-        # One last key may follow a jump.
+        # One more key may follow a jump.
         if self.keys.codes[-1] != codes[-1] and not self._begin(codes[-1], codes[-1]):
             return None
         return self.keys
@@ -203,7 +203,7 @@ class _Refiner:
         return pose is not None
 
     def _step(self, first: float, last: float) -> bool:
-        """Add keys up to `last`; False where there are none that would do."""
+        """Add keys up to `last`; False where none are good enough."""
         stack = [(first, last, 0)]
         while stack:
             a, b, level = stack.pop()
@@ -257,7 +257,7 @@ class _Refiner:
 
 
 def _interpolate(first: Trs, last: Trs, share: float) -> Trs:
-    """What glTF shows between two keys: linear, and spherical linear for the rotation."""
+    """Pose that glTF shows between two keys: linear, and spherical linear for the rotation."""
     a, b = first.rotation, last.rotation
     dot = float(a @ b)
     if dot < 0.0:

@@ -1,4 +1,4 @@
-"""The account of a conversion: named warnings by prim path, and which prims were carried."""
+"""The ledger of a conversion: named warnings by prim path, and the prims that were carried."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ class Ledger:
             self._by_prim[entry.prim].append(entry)
 
     def repeat(self, first: object, other: object) -> None:
-        """Warn for `other` as for `first`: both share what was converted once."""
+        """Repeat the warnings of `first` for `other`: both share what was converted once."""
         for entry in list(self._by_prim[_path_text(first)]):
             self.warn(entry.name, other, entry.message, entry.deviation)
 
     def skip_subtree(self, name: str, prim: object, message: str) -> None:
-        """Warn once for `prim` and account for every prim below it."""
+        """Warn once for `prim`, and account for every prim below it."""
         self.warn(name, prim, message)
         self._skipped.append(_path_text(prim).rstrip("/") + "/")
 
@@ -39,7 +39,7 @@ class Ledger:
         self._carried.add(_path_text(prim))
 
     def note_instancer(self, prim: object) -> None:
-        """Remember that of what is below `prim` prototypes alone are drawn."""
+        """Remember an instancer: of the prims below it only prototypes are drawn."""
         self._instancers.append(_path_text(prim) + "/")
 
     def warnings(self) -> list[Warning]:
@@ -47,7 +47,7 @@ class Ledger:
         return sorted(self._warnings, key=lambda entry: (entry.prim, entry.name, entry.message))
 
     def close(self, prims: list[tuple[str, str]]) -> dict[str, dict[str, int]]:
-        """Counts per type over `prims` (path, type name); warns about each one that was missed."""
+        """Counts per type over `prims` (path, type name); warns about each prim that was missed."""
         warned = {entry.prim for entry in self._warnings}
         skipped = tuple(self._skipped)
         warned |= {path for path, _ in prims if skipped and path.startswith(skipped)}

@@ -1,4 +1,4 @@
-"""UsdLux lights to KHR_lights_punctual, with the energy each conversion keeps.
+"""UsdLux lights to KHR_lights_punctual, and the energy that each conversion keeps.
 
 L is the radiance `intensity · 2^exposure`, read as nits. Sources of the factors: UsdLux's
 documentation of `normalize` and of `inputs:angle`; KHR_lights_punctual's units (lux, candela).
@@ -27,7 +27,7 @@ _SMALLEST_CONE = 1e-3
 # integrates to 2π/3 over the hemisphere.
 _COSINE_SQUARED_SR = 2.0 * math.pi / 3.0
 _SPHERE_SR = 4.0 * math.pi
-# By type: the shape, the inputs that give its size, and what its power is spread over.
+# Shape, the inputs that give its size, and the solid angle of its power, by type of light.
 _SHAPES = {
     "SphereLight": ("sphere", ("radius", "radius"), _SPHERE_SR),
     "RectLight": ("rectangle", ("width", "height"), _COSINE_SQUARED_SR),
@@ -48,7 +48,7 @@ class Source:
 def add_light(context: Context, writer: GltfWriter, prim: Usd.Prim, node: Node) -> Emitter | None:
     """Give `node` the light of `prim`, or keep it in extras where it is an environment.
 
-    Returned is a light whose power its size in the world decides, see `size_lights`.
+    Returns a light whose power depends on its size in the world, see `size_lights`.
     """
     kind = type_name(prim)
     if kind == "PortalLight":
@@ -78,14 +78,14 @@ def add_light(context: Context, writer: GltfWriter, prim: Usd.Prim, node: Node) 
 
 
 def light_emission(context: Context, prim: Usd.Prim) -> Source:
-    """The emission of any light; what is negative or not finite is 0, with a warning."""
+    """Emission of any light; negative or non-finite values become 0, with a warning."""
     intensity = float(light_value(context, prim, "intensity", 1.0))
     exposure = float(light_value(context, prim, "exposure", 0.0))
     color = np.array(light_value(context, prim, "color", (1.0, 1.0, 1.0)), dtype=np.float64)
     if light_value(context, prim, "enableColorTemperature", False):
         kelvin = float(light_value(context, prim, "colorTemperature", 6500.0))
         color = color * np.array(UsdLux.BlackbodyTemperatureAsRgb(kelvin))
-    # glTF's one factor; equal ones for diffuse and specular reflection scale the whole light.
+    # glTF lights have one factor; equal diffuse and specular factors scale the whole light.
     diffuse = float(light_value(context, prim, "diffuse", 1.0))
     with np.errstate(over="ignore"):
         radiance = intensity * float(np.exp2(np.float64(exposure))) * diffuse
@@ -99,7 +99,7 @@ def light_emission(context: Context, prim: Usd.Prim) -> Source:
 
 
 def _punctual(context: Context, prim: Usd.Prim, source: Source) -> dict[str, Any] | None:
-    """The light's entry; the intensity of one that has a size is a placeholder."""
+    """The light's entry; a light with a size gets a placeholder for its intensity."""
     kind = type_name(prim)
     if kind == "DistantLight":
         angle = math.radians(float(light_value(context, prim, "angle", 0.53)))
@@ -118,7 +118,7 @@ def _punctual(context: Context, prim: Usd.Prim, source: Source) -> dict[str, Any
 
 
 def _emitter(context: Context, prim: Usd.Prim, source: Source, brightest: float) -> Emitter | None:
-    """What decides the power of a light that has a size."""
+    """The facts that decide the power of a light with a size."""
     kind = type_name(prim)
     if kind not in _SHAPES:
         return None
@@ -129,7 +129,7 @@ def _emitter(context: Context, prim: Usd.Prim, source: Source, brightest: float)
         * context.meters_per_unit
         for name in names
     )
-    # Unlike the inputs, this attribute of the schema has no namespace.
+    # This attribute of the schema has no namespace, other than the inputs.
     treated = prim.GetAttribute("treatAsPoint")
     point = bool(treated and treated.Get(context.time)) and kind == "SphereLight" and first == 0.0
     power = math.pi * source.radiance
@@ -138,7 +138,7 @@ def _emitter(context: Context, prim: Usd.Prim, source: Source, brightest: float)
 
 
 def _shaped(context: Context, prim: Usd.Prim) -> dict[str, Any]:
-    """A sphere light, narrowed to a spot by UsdLuxShapingAPI."""
+    """Entry of a sphere light, narrowed to a spot by UsdLuxShapingAPI."""
     angle = light_value(context, prim, "shaping:cone:angle", None)
     if not prim.HasAPI(UsdLux.ShapingAPI) or angle is None:
         return {"type": "point", "intensity": 0.0}

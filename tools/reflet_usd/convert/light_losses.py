@@ -1,4 +1,4 @@
-"""What of a light glTF has no field for: each input is named by its own warning."""
+"""Inputs of lights without a glTF field: each is named by its own warning."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _OUTDATED = (
     "colorTemperature",
 )
 _NO_SHAPING = ("RectLight", "DiskLight", "CylinderLight", "DistantLight")
-# What is carried, or named by a warning of its own.
+# Inputs that are carried, or named by a warning of their own.
 _EMISSION = (
     "inputs:color",
     "inputs:colorTemperature",
@@ -60,14 +60,14 @@ _OTHER_NAMES = ("guideRadius", "poleAxis", "portals")
 
 
 def light_value(context: Context, prim: Usd.Prim, name: str, fallback: Any) -> Any:
-    """The input `name` of a light, or `fallback`."""
+    """Value of the input `name` of a light, or `fallback`."""
     attribute = prim.GetAttribute(f"inputs:{name}")
     value = attribute.Get(context.time) if attribute else None
     return fallback if value is None else value
 
 
 def warn_unsupported(context: Context, prim: Usd.Prim) -> None:
-    """Name all that a punctual light or an environment cannot say."""
+    """Warn about all inputs that a punctual light or an environment does not have."""
     warn = context.ledger.warn
     _warn_reflection(context, prim)
     _warn_shape(context, prim)
@@ -88,7 +88,7 @@ def warn_unsupported(context: Context, prim: Usd.Prim) -> None:
 
 
 def warn_geometry_light(context: Context, prim: Usd.Prim) -> None:
-    """The same of geometry that is a light."""
+    """Warn about the inputs of geometry that is a light."""
     warn_links(context, prim)
     _warn_inputs(context, prim, _JUDGED_OF_GEOMETRY)
     _warn_animated(context, prim)

@@ -1,7 +1,7 @@
-"""The power that lights have by their size in the world, each instance by its own.
+"""Power of lights that depends on their size in the world, for each instance.
 
 An area light sends Φ = π·L·A, A the area of its transformed surface. A sphere that the world
-stretches is an ellipsoid: by Cauchy's theorem the mean of what it shows is a quarter of its area.
+stretches is an ellipsoid: by Cauchy's theorem its mean projected area is a quarter of its surface.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from reflet_usd.convert.scene import Array, Node, Track
 from reflet_usd.convert.xform import Trs
 
 _SAME = 1e-6
-"""Sizes and powers whose ratio is nearer to 1 are equal."""
+"""Sizes and powers whose ratio differs from 1 by less than this are equal."""
 _NOTHING = 1e-12
 _FLAT = ("rectangle", "disk")
 _STRAIGHT = 0.05
@@ -35,7 +35,7 @@ class Emitter:
 
     prim: Usd.Prim
     gain: float
-    """The brightest part of its color, which multiplies into the intensity."""
+    """Brightest part of the light's color, a factor of the intensity."""
     shape: str
     """sphere, rectangle, disk or cylinder."""
     sizes: tuple[float, float]
@@ -44,7 +44,7 @@ class Emitter:
     """π·L in lm/m², or lm where `normalize` makes the power independent of the size."""
     normalize: bool
     solid_angle: float
-    """What the power is spread over, in steradians."""
+    """Solid angle over which the power is spread, in steradians."""
 
 
 @dataclass
@@ -52,15 +52,15 @@ class _Use:
     node: Node
     area: float
     even: bool
-    """Whether the world stretches it equally along all its axes."""
+    """Whether the world stretches the light equally along all its axes."""
     tilt: float
-    """Degrees from the axis that glTF shines along to a flat surface's normal; NaN without one."""
+    """Degrees between glTF's light axis and a flat surface's normal; NaN without a flat surface."""
 
 
 def size_lights(
     context: Context, writer: GltfWriter, roots: Sequence[Node], emitters: dict[int, Emitter]
 ) -> None:
-    """Give each node's light the power of its world size; equal ones share an entry."""
+    """Give each node's light the power of its world size; equal powers share an entry."""
     if not emitters:
         return
     parents = {id(child): node for root in roots for node in root.walk() for child in node.children}
@@ -78,7 +78,7 @@ def size_lights(
             message = "animated world sizes stay at their first value"
             context.ledger.warn("light-animation-frozen", emitter.prim, message)
     for index, found in uses.items():
-        if found:  # else what would draw it was left out
+        if found:  # else the light's node was left out
             _write(context, writer, index, emitters[index], found)
 
 
@@ -101,7 +101,7 @@ def _tilt(linear: Array) -> float:
 def _write(
     context: Context, writer: GltfWriter, first: int, emitter: Emitter, uses: list[_Use]
 ) -> None:
-    """One entry for each distinct power, and what became of the shape."""
+    """Write one entry for each distinct power, and warn about the shape that is lost."""
     entries: dict[float, int] = {}
     extras = writer.lists["lights"][first]["extras"]
     faded = False
@@ -153,7 +153,7 @@ def _warn_shape(context: Context, emitter: Emitter, uses: list[_Use]) -> None:
 def world_area(shape: str, sizes: tuple[float, float], linear: Array) -> float:
     """Area in m² of a light's surface under the matrix `linear`, for column vectors.
 
-    Rectangles and disks send from one side, so that one counts; a cylinder has no caps.
+    Rectangles and disks emit from one side, which alone counts; a cylinder has no caps.
     """
     x, y, z = linear.T
     with np.errstate(all="ignore"):
@@ -161,12 +161,12 @@ def world_area(shape: str, sizes: tuple[float, float], linear: Array) -> float:
             area = sizes[0] * sizes[1] * np.linalg.norm(np.cross(x, y))
         elif shape == "disk":
             area = math.pi * sizes[0] * sizes[1] * np.linalg.norm(np.cross(x, y))
-        elif shape == "cylinder":  # along x, around it an ellipse of the areas that x sweeps
+        elif shape == "cylinder":  # along x; around it an ellipse of the areas that x sweeps
             swept = np.stack([np.cross(x, y), np.cross(x, z)])
             area = sizes[0] * sizes[1] * _perimeter(*_singular(swept))
         else:
             area = sizes[0] ** 2 * _ellipsoid(*_singular(linear))
-    nothing = _NOTHING * float(np.square(linear).max())  # a rounding of 0
+    nothing = _NOTHING * float(np.square(linear).max())  # areas below this are rounding errors of 0
     return float(area) if not area <= nothing * sizes[0] * sizes[1] else 0.0
 
 
@@ -177,7 +177,7 @@ def _singular(matrix: Array) -> tuple[float, ...]:
 
 
 def _perimeter(a: float, b: float) -> float:
-    """Of an ellipse with the half axes a ≥ b, by the arithmetic-geometric mean (exact)."""
+    """Perimeter of an ellipse with half axes a ≥ b, by the arithmetic-geometric mean (exact)."""
     if not (math.isfinite(a) and a > 0.0):
         return a * 0.0
     ratio = b / a
@@ -194,7 +194,7 @@ def _perimeter(a: float, b: float) -> float:
 
 
 def _ellipsoid(a: float, b: float, c: float) -> float:
-    """Area of an ellipsoid with the half axes a ≥ b ≥ c: a perimeter for each height, summed."""
+    """Area of an ellipsoid with half axes a ≥ b ≥ c, summed from the perimeters at each height."""
     if not math.isfinite(a) or a <= 0.0:
         return a * 0.0
     heights = 0.5 * (_NODES + 1.0)
@@ -222,7 +222,7 @@ def _grows(emitter: Emitter, chain: list[Node], first: float) -> bool:
 
 
 def _linear(chain: list[Node], value: Callable[[Track], Array | None]) -> Array:
-    """The linear part of a node's world matrix; `chain` leads from it to its root."""
+    """Linear part of a node's world matrix; `chain` leads from the node to its root."""
     result = np.eye(3)
     for node in reversed(chain):
         parts: dict[str, Array | None] = {"rotation": node.rotation, "scale": node.scale}
@@ -238,7 +238,7 @@ def _linear(chain: list[Node], value: Callable[[Track], Array | None]) -> Array:
 
 
 def _value(track: Track, seconds: float) -> Array:
-    """The track's value, quaternions blended and made to length 1."""
+    """Value of the track at `seconds`; quaternions are blended and normalized."""
     after = int(np.searchsorted(track.times, seconds, side="right"))
     if after == 0 or after == len(track.times) or track.step:
         row: Array = track.keys()[max(after - 1, 0)]

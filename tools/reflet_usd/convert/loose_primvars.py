@@ -1,4 +1,4 @@
-"""Primvars of prims that draw nothing themselves: kept in their own node's extras."""
+"""Primvars of prims that draw nothing themselves, kept in their own node's extras."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ _SKELETAL = "primvars:skel:"
 def keep_loose_primvars(
     context: Context, prim: Usd.Prim, node: Node | None, names: Iterable[str]
 ) -> None:
-    """Of the authored `names` the primvars of a prim that is no gprim, or one warning.
+    """Keep the primvars among the authored `names` of a prim that is no gprim, or warn once.
 
-    Gprims keep theirs by their own rules, and what they inherit; so do instancers what varies.
+    Gprims have rules of their own, as have varying primvars of instancers.
     """
     if prim.IsA(UsdGeom.Gprim):
         return

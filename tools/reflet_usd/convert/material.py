@@ -30,7 +30,7 @@ DISPLAY_ROUGHNESS = 0.5
 
 @dataclass
 class MaterialPlan:
-    """What a material needs from the meshes that use it, before it is written."""
+    """A bound material that was read but not written yet, and its needs from the meshes."""
 
     prim: Usd.Prim | None
     inputs: dict[str, Source] = field(default_factory=dict)
@@ -56,7 +56,7 @@ class MaterialLibrary:
         self._written: dict[tuple[Any, ...], int] = {}
 
     def plan(self, prim: Usd.Prim | None) -> MaterialPlan:
-        """The plan of a material prim; of `None`, the plan for plain displayColor."""
+        """The plan of a material prim, or for None the plan for plain displayColor."""
         if prim is None:
             return MaterialPlan(None)
         key = source_path(prim)
@@ -67,7 +67,7 @@ class MaterialLibrary:
             self.context.ledger.carry(prim)
         if plan.prim is not None and plan.prim != prim:
             self.context.ledger.repeat(plan.prim, prim)
-        for node in plan.nodes:  # of every instance of the material
+        for node in plan.nodes:  # each instance of the material has these nodes
             path = prim.GetPath().AppendPath(node)
             self.context.ledger.carry(path)
             if plan.prim is not None and plan.prim != prim:
@@ -86,7 +86,8 @@ class MaterialLibrary:
     ) -> int:
         """The glTF material of `plan` for a primitive with these UV slots and colors.
 
-        `overrides` are inputs whose primvar has one value on the prim; `glow` is what it sends.
+        `overrides` are inputs whose primvar has one value on the prim; `glow` is its emission
+        as a light.
         """
         used_slots = tuple((name, slots[name]) for name in plan.uv_sets if name in slots)
         uses_display = plan.color_primvar is not None or plan.opacity_primvar is not None
@@ -172,7 +173,7 @@ class MaterialLibrary:
 def warn_translucent(
     context: Context, prim: Usd.Prim, plan: MaterialPlan, display: DisplayColor
 ) -> None:
-    """Name the displayOpacity of a prim without a material; materials name their own."""
+    """Warn about the displayOpacity of a prim without a material; materials warn themselves."""
     if display.translucent and not plan.is_preview:
         message = "displayOpacity became alpha blending, which also fades reflections"
         context.ledger.warn("opacity-approximated", prim, message)
@@ -183,7 +184,7 @@ def _three(values: tuple[float, ...]) -> tuple[float, ...]:
 
 
 def _display_material(display: DisplayColor, has_colors: bool) -> dict[str, Any]:
-    """Plain dielectric in the gprim's displayColor."""
+    """A plain dielectric in the gprim's displayColor."""
     factor = [1.0, 1.0, 1.0, 1.0] if has_colors else list(display.constant)
     entry: dict[str, Any] = {
         "name": "displayColor",

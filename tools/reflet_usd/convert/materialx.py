@@ -86,7 +86,7 @@ _WRAPS = {"periodic": "repeat", "clamp": "clamp", "mirror": "mirror", "constant"
 def approximate(
     reader: NetworkReader, prim: Usd.Prim, shader: UsdShade.Shader, kind: str
 ) -> dict[str, Source]:
-    """Preview inputs for the surface; what they cannot say is one warning on the material."""
+    """Preview inputs for the surface; inputs that they cannot express give one warning."""
     inputs: dict[str, Source] = {name: Constant(value) for name, value in _DEFAULTS[kind].items()}
     mapped = MATERIALX_SURFACES[kind]
     for name, other in mapped.items():
@@ -129,7 +129,7 @@ def _source(reader: NetworkReader, shader: UsdShade.Shader, name: str) -> Source
 
 
 def _image(reader: NetworkReader, node: UsdShade.Shader, color_space: str) -> TextureRead:
-    """A MaterialX image node; texture coordinates other than the default set are not followed."""
+    """Texture read of a MaterialX image node; only the default texture coordinates are followed."""
     reader.visit(node)
     uv = UvRead()
     if "tiledimage" in shader_id(node):
@@ -162,7 +162,7 @@ def _image(reader: NetworkReader, node: UsdShade.Shader, color_space: str) -> Te
 
 
 def _pair(value: object, default: float) -> tuple[float, float]:
-    """Two numbers, or the default twice."""
+    """The first two numbers of a value; one number counts twice."""
     numbers = np.array(default if value is None else value, dtype=np.float64).reshape(-1)
     first, last = (float(number) for number in np.resize(numbers, 2))
     return first, last

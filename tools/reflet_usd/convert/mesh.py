@@ -31,7 +31,7 @@ class DrawnFaces:
     corners: Array
     """(K,) authored corner numbers, in the order of `faces`."""
     counts: Array
-    """(D,)."""
+    """(D,) corners of each face."""
 
 
 def mesh_surface(
@@ -67,7 +67,7 @@ def polygons_surface(context: Context, prim: Usd.Prim, polygons: Polygons) -> Su
 
 
 def drawn_faces(polygons: Polygons) -> DrawnFaces:
-    """Compact the faces that are drawn."""
+    """The faces that are drawn, compacted."""
     if polygons.drawn.all():
         corners = np.arange(len(polygons.corner_points))
         return DrawnFaces(np.arange(len(polygons.counts)), corners, polygons.counts)
@@ -87,7 +87,7 @@ def _normals(context: Context, prim: Usd.Prim, polygons: Polygons, drawn: DrawnF
 
 
 def is_smooth(polygons: Polygons) -> bool:
-    """Whether normals are shared over the faces of a point."""
+    """Whether faces share the normals at a point."""
     return polygons.scheme not in ("none", "bilinear")
 
 
@@ -112,7 +112,7 @@ def computed_normals(polygons: Polygons, points: Array, drawn: DrawnFaces) -> St
 
 
 def _authored_normals(context: Context, prim: Usd.Prim, polygons: Polygons) -> Stream | None:
-    """`primvars:normals` wins over the attribute `normals` (UsdGeomPointBased)."""
+    """Authored normals: `primvars:normals` wins over attribute `normals` (UsdGeomPointBased)."""
     primvar = UsdGeom.PrimvarsAPI(prim).GetPrimvar("normals")
     read: Primvar | None = None
     if primvar and primvar.HasValue():

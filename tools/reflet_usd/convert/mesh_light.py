@@ -1,4 +1,4 @@
-"""Geometry that sends light: emission of its materials, which light what is around.
+"""Geometry that is a light: the emission of its materials, which light the scene.
 
 MeshLightAPI on a gprim, or a GeometryLight (deprecated) that names one. `materialSyncMode` is
 materialGlowTintsLight unless authored: a material's own emission is a factor of the light's.
@@ -23,23 +23,23 @@ _TINTED = "materialGlowTintsLight"
 
 @dataclass(frozen=True)
 class Glow:
-    """What a surface sends in all directions."""
+    """Radiance of a surface that is a light, the same in all directions."""
 
     nits: tuple[float, float, float]
     tinted: bool
-    """Whether a material's own emission, where it has some, is a factor."""
+    """Whether a material's own emission, where it has some, multiplies the light."""
 
 
 class MeshLights:
-    """Which gprims send light by their surface, and how much."""
+    """The gprims whose surface sends light, and their emission."""
 
     def __init__(self, context: Context) -> None:
         self._context = context
         self._named: dict[str, Usd.Prim] | None = None
-        """By path of a gprim the GeometryLight that names it, found when first asked."""
+        """GeometryLight that names a gprim, by the gprim's path; filled at first use."""
 
     def glow(self, prim: Usd.Prim) -> Glow | None:
-        """None where it sends no light of its own."""
+        """Emission of a gprim's light; None where it is no light."""
         light = self.light_of(prim)
         if light is None:
             return None
@@ -52,12 +52,12 @@ class MeshLights:
         if not nits.any():
             return None
         mode = light.GetAttribute("light:materialSyncMode")
-        # A GeometryLight's fallback is that of plain lights, which have no material.
+        # A GeometryLight falls back to the mode of plain lights, which have no material.
         tinted = light == prim and (not mode or mode.Get() == _TINTED)
         return Glow((float(nits[0]), float(nits[1]), float(nits[2])), tinted)
 
     def light_of(self, prim: Usd.Prim) -> Usd.Prim | None:
-        """The prim with the emission of a gprim: itself, or a GeometryLight."""
+        """The light of a gprim: the prim itself, or the GeometryLight that names it."""
         if not prim.IsA(UsdGeom.Gprim):
             return None
         if prim.HasAPI(UsdLux.LightAPI):
@@ -67,7 +67,7 @@ class MeshLights:
         return self._named.get(str(prim.GetPath()))
 
     def shines(self, light: Usd.Prim) -> bool:
-        """Whether a GeometryLight names a gprim that takes its emission."""
+        """Whether a GeometryLight names a gprim that sends its light."""
         return any(
             (gprim := self._context.stage.GetPrimAtPath(target)) and self.light_of(gprim) == light
             for target in _geometry(light)
@@ -93,7 +93,7 @@ def _geometry(light: Usd.Prim) -> list[Any]:
 
 
 def add_geometry_light(context: Context, lights: MeshLights, prim: Usd.Prim) -> None:
-    """A GeometryLight, whose light the gprim sends that it names."""
+    """Account for a GeometryLight, whose light the gprim that it names sends."""
     warn_geometry_light(context, prim)
     if lights.shines(prim):
         context.ledger.carry(prim)
@@ -103,7 +103,7 @@ def add_geometry_light(context: Context, lights: MeshLights, prim: Usd.Prim) -> 
 
 
 def keep_mesh_light(context: Context, prim: Usd.Prim, node: Node, drawn: bool) -> None:
-    """Name what is lost of a gprim with LightAPI; of a `drawn` surface materials hold the rest."""
+    """Warn about losses of a gprim with LightAPI; materials carry a `drawn` surface's emission."""
     warn_geometry_light(context, prim)
     if drawn:
         return
@@ -114,7 +114,7 @@ def keep_mesh_light(context: Context, prim: Usd.Prim, node: Node, drawn: bool) -
 
 
 def shine(writer: GltfWriter, entry: dict[str, Any], glow: Glow) -> None:
-    """Give the material `entry` the emission, and mark it as what lights."""
+    """Give the material `entry` the emission, and mark it as a light."""
     nits = np.array(glow.nits)
     strength = entry.get("extensions", {}).pop("KHR_materials_emissive_strength", {})
     own = np.array(entry.pop("emissiveFactor", (0.0, 0.0, 0.0)))
@@ -130,7 +130,7 @@ def shine(writer: GltfWriter, entry: dict[str, Any], glow: Glow) -> None:
 
 
 def write_emission(writer: GltfWriter, entry: dict[str, Any], color: Array) -> None:
-    """Emission of any strength, in nits, as the material's factor and its strength."""
+    """Write an emission in nits as the material's factor and emissive strength."""
     strongest = float(color.max())
     if strongest > 1.0:
         writer.use_extension("KHR_materials_emissive_strength")

@@ -1,4 +1,4 @@
-"""What is said about a prim without drawing it: its metadata, API schemas and draw mode."""
+"""Metadata, API schemas and draw mode of prims, which do not draw."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from reflet_usd.convert.context import Context
 from reflet_usd.convert.extras import plain_value
 from reflet_usd.convert.scene import Node
 
-# Of all metadata what people and pipelines write; the rest is USD's own machinery.
+# Metadata fields that people and pipelines write; USD itself uses the others.
 KEPT = ("kind", "displayName", "documentation", "comment", "assetInfo", "customData")
 KEPT_OF_STAGE = ("documentation", "comment", "customLayerData")
-# Read by the converter, or without a property that says anything of their own.
+# Schemas that the converter reads, or without properties of their own that would be lost.
 _KNOWN_SCHEMAS = frozenset(
     {
         "ClipsAPI",
@@ -35,12 +35,12 @@ _KNOWN_SCHEMAS = frozenset(
 )
 _MAX_DEPTH = 8
 _MAX_VALUES = 1024
-"""Numbers and strings that the extras of one prim take."""
+"""Maximum number of numbers and strings in the extras of one prim."""
 _SHOWN = 8
 
 
 def keep_metadata(context: Context, prim: Usd.Prim, node: Node | None) -> None:
-    """The prim's metadata to the node's extras; what stays behind is one warning."""
+    """Keep the prim's metadata in the node's extras; one warning names the rest."""
     told = prim.GetAllAuthoredMetadata()
     found = {name: told[name] for name in KEPT if name in told}
     if not found:
@@ -52,7 +52,7 @@ def keep_metadata(context: Context, prim: Usd.Prim, node: Node | None) -> None:
 
 
 def stage_metadata_extras(context: Context) -> dict[str, Any]:
-    """The root layer's metadata for the scene's extras; what stays behind is one warning."""
+    """Root layer metadata for the scene's extras; one warning names the rest."""
     told = context.stage.GetPseudoRoot().GetAllAuthoredMetadata()
     kept, dropped = _plain({name: told[name] for name in KEPT_OF_STAGE if name in told})
     _warn(context, "/", dropped)
@@ -60,7 +60,7 @@ def stage_metadata_extras(context: Context) -> dict[str, Any]:
 
 
 def warn_schemas(context: Context, prim: Usd.Prim) -> None:
-    """Name the API schemas and the draw mode of a prim that the file does not follow."""
+    """Warn about the API schemas and the draw mode of a prim that the file does not follow."""
     applied = [str(name) for name in prim.GetPrimTypeInfo().GetAppliedAPISchemas()]
     lost = [name for name in applied if name.partition(":")[0] not in _KNOWN_SCHEMAS]
     if lost:
@@ -71,7 +71,7 @@ def warn_schemas(context: Context, prim: Usd.Prim) -> None:
 
 
 def _warn_draw_mode(context: Context, prim: Usd.Prim) -> None:
-    """Draw modes apply to models that ask for it, components always do (UsdGeomModelAPI)."""
+    """Warn about a draw mode; it applies to components and models that ask (UsdGeomModelAPI)."""
     model = UsdGeom.ModelAPI(prim)
     attribute = model.GetModelApplyDrawModeAttr()
     asked = attribute.Get() if attribute else None
@@ -84,7 +84,7 @@ def _warn_draw_mode(context: Context, prim: Usd.Prim) -> None:
 
 
 def _plain(values: dict[str, Any]) -> tuple[dict[str, Any], list[str]]:
-    """What of `values` JSON can hold, and the names of the rest."""
+    """The part of `values` that JSON can hold, and the names of the rest."""
     dropped: list[str] = []
     room = [_MAX_VALUES]
     return _plain_dictionary(values, "", dropped, room, _MAX_DEPTH), dropped

@@ -1,4 +1,4 @@
-"""Ops that `xformOpOrder` names and that are not there: skipped, as USD does, and named."""
+"""Ops that `xformOpOrder` names but the prim lacks: skipped, as USD does, with a warning."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _INVERSE = "!invert!"
 
 
 def skip_missing_ops(context: Context) -> None:
-    """Take them out of the order, in memory: some of USD's evaluations throw at them."""
+    """Take missing ops out of the order, in memory: some of USD's evaluations throw at them."""
     stage = context.stage
     found: list[tuple[Usd.Attribute, list[str]]] = []
     for root in (stage.GetPseudoRoot(), *stage.GetPrototypes()):
@@ -23,7 +23,7 @@ def skip_missing_ops(context: Context) -> None:
             try:
                 tokens = list(order.Get() or ())
             except DAMAGE:
-                continue  # named where the prim is converted
+                continue  # the prim's conversion warns about it
             missing = [token for token in tokens if not _is_there(prim, token)]
             if missing:
                 context.missing_ops[str(prim.GetPath())] = missing
@@ -33,11 +33,11 @@ def skip_missing_ops(context: Context) -> None:
             if not order.GetPrim().IsInPrototype():
                 order.Set(kept)
             elif (specs := order.GetPropertyStack()) and specs[0].layer.permissionToEdit:
-                specs[0].default = kept  # no edit of the session layer reaches a prototype
+                specs[0].default = kept  # edits in the session layer do not reach a prototype
 
 
 def warn_missing_ops(context: Context, prim: Usd.Prim) -> None:
-    """Name those of `prim`."""
+    """Warn about the missing ops of `prim`."""
     for token in context.missing_ops.get(source_path(prim), ()):
         message = f"xformOpOrder names '{token}', which is not there and is skipped"
         context.ledger.warn("xform-op-invalid", prim, message)

@@ -27,7 +27,7 @@ def morph_target(
     offsets: Array,
     normal_offsets: Array | None,
 ) -> dict[str, int]:
-    """One target of one primitive: `offsets` (N, 3) of the points, and what normals do."""
+    """Morph target of one primitive: `offsets` (N, 3) of the points, and those of the normals."""
     target = {"POSITION": _accessor(writer, offsets[parts.points], bounds=True)}
     normals = surface.normals
     if normals is None or polygons is None:
@@ -61,7 +61,7 @@ class PointKeys:
         self._keys = keys
 
     def prepare(self, surface: Surface, polygons: Polygons | None) -> None:
-        """The first key is the mesh itself."""
+        """Keep nothing: the first key is the mesh itself."""
         del polygons
         surface.points = self._keys[0]
 
@@ -73,7 +73,7 @@ class PointKeys:
         ]
 
     def animate(self, node: Node) -> None:
-        """Let the weights run through the keys."""
+        """Animate the weights so that they run through the keys."""
         weights = np.vstack([np.zeros(len(self._keys) - 1), np.eye(len(self._keys) - 1)])
         times = np.array([self.context.seconds(code) for code in self._codes])
         node.add_track("weights", times, weights)
@@ -95,7 +95,7 @@ def point_keys(context: Context, writer: GltfWriter, prim: Usd.Prim) -> PointKey
     elif len(codes) > MAX_POINT_KEYS:
         reason = f"there are more than {MAX_POINT_KEYS} keys"
     values = [] if reason else [attribute.Get(code) for code in codes]
-    while values and not values[0]:  # before the first value there is nothing to draw
+    while values and not values[0]:  # before the first value nothing is drawn
         values, codes = values[1:], codes[1:]
     lengths = {0 if value is None else len(value) for value in values}
     if not reason and len(values) < 2:
@@ -111,8 +111,8 @@ def point_keys(context: Context, writer: GltfWriter, prim: Usd.Prim) -> PointKey
     if not reason and type_name(prim) == "NurbsPatch":
         patch = read_patch(context, prim)
         if patch is None or patch.size != keys.shape[1]:
-            return None  # the patch itself says so
-        # A point of the surface is a weighted mean of control points, so it is linear in them.
+            return None  # the patch's own conversion warns
+        # Surface points are weighted means of control points, so they are linear in them.
         keys = np.stack([patch.evaluate(np.asarray(key)) for key in keys])
     if reason:
         message = f"animated points stay at their first value: {reason}"

@@ -1,4 +1,4 @@
-"""Reads shading networks: each surface input becomes a constant, a texture read or a primvar."""
+"""Reader of shading networks: surface inputs become constants, texture reads or primvars."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _TWINS = {
 
 @dataclass(frozen=True)
 class UvRead:
-    """Where a texture's coordinates come from: a UV set and UsdTransform2d's parameters."""
+    """Source of a texture's coordinates: a UV set and UsdTransform2d's parameters."""
 
     primvar: str = "st"
     fallback: tuple[float, float] = (0.0, 0.0)
@@ -86,7 +86,7 @@ class NetworkReader:
             path = path.GetParentPath()
 
     def source(self, shader: UsdShade.Shader, name: str) -> Source | None:
-        """What drives input `name`, or None where nothing is authored."""
+        """The source of input `name`, or None where nothing is authored."""
         shader_input = shader.GetInput(name)
         if not shader_input:
             return None
@@ -180,7 +180,7 @@ class NetworkReader:
         return sorted(tile[0] for tile in tiles)[0] if tiles else ""
 
     def _uv(self, node: UsdShade.Shader) -> UvRead:
-        """The UV set behind `st`, with one UsdTransform2d; more of them are a warning."""
+        """The UV set behind `st`, with at most one UsdTransform2d; more are a warning."""
         uv = UvRead()
         name = "st"
         transforms = 0
@@ -234,7 +234,7 @@ class NetworkReader:
 
 
 def shader_id(shader: UsdShade.Shader) -> str:
-    """The node's identifier, MaterialX twins of preview nodes under the preview name."""
+    """The node's identifier; MaterialX twins of preview nodes get the preview name."""
     if not shader:
         return ""
     identifier = shader.GetIdAttr().Get()
@@ -246,7 +246,7 @@ def _all_finite(value: Any) -> bool:
     try:
         return bool(np.isfinite(np.array(value, dtype=np.float64)).all())
     except (TypeError, ValueError):
-        return True  # no numbers
+        return True  # values without numbers
 
 
 def _pair(values: tuple[float, ...]) -> tuple[float, float]:

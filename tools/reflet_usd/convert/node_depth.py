@@ -1,11 +1,11 @@
-"""How deep nodes may nest in a written file: readers of glTF that recurse have a limit."""
+"""The maximum depth of nodes in a written file, since readers of glTF that recurse have a limit."""
 
 from __future__ import annotations
 
 from reflet_usd.convert.scene import Node
 from reflet_usd.convert.types import ConvertError
 
-# Reflet reads any depth; USD itself, and what else reads the file, follow parents by recursion.
+# Reflet reads any depth; USD and other readers follow parents by recursion.
 MAX_LEVELS = 256
 _SHOWN_CHARS = 120
 
@@ -23,7 +23,7 @@ def check_level(level: int, path: str) -> None:
 
 
 def levels_to(outer: Node, node: Node) -> int:
-    """How many levels `outer` and the helpers below it take, `node` included."""
+    """Number of levels from `outer` down to `node`, both included."""
     levels = 1
     while outer is not node:
         outer = outer.children[0]

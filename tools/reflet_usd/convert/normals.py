@@ -25,7 +25,7 @@ def face_area_vectors(points: Array, corner_points: Array, counts: Array) -> Arr
 
 
 def cross_rows(a: Array, b: Array) -> Array:
-    """`np.cross` of (N, 3) rows, without what it costs on a few of them."""
+    """`np.cross` of (N, 3) rows, without its overhead on few rows."""
     x, y, z = a.T
     u, v, w = b.T
     result = np.empty((len(a), 3))
@@ -34,7 +34,7 @@ def cross_rows(a: Array, b: Array) -> Array:
 
 
 def smooth_normals(groups: Array, counts: Array, areas: Array, group_count: int) -> Array:
-    """Per group of corners the sum of their faces' area vectors, as unit vectors, (N, 3)."""
+    """Unit normals (N, 3) per group of corners: the sum of their faces' area vectors."""
     corner_face = np.repeat(np.arange(len(counts)), counts)
     total = np.stack(
         [
@@ -61,7 +61,7 @@ def smooth_groups(corners: Array, counts: Array, point_count: int, sharp_edges: 
     at_crease = np.zeros(point_count, dtype=bool)
     at_crease[here[is_sharp]] = True
     at_crease[there[is_sharp]] = True
-    # The corners of an edge's two ends, of the faces beside it one after the other.
+    # Edge ends: the corners on both sides of each edge, one after the other.
     order = np.argsort(keys, kind="stable")
     pairs = (keys[order][1:] == keys[order][:-1]) & ~is_sharp[order][1:]
     first, second = order[:-1][pairs], order[1:][pairs]

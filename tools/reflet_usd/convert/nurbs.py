@@ -19,12 +19,12 @@ MAX_SAMPLES = 1024
 
 @dataclass
 class Patch:
-    """A patch whose description fits together."""
+    """A patch whose counts, knots and weights fit together."""
 
     u: Array
     """(columns, control points along u) basis values."""
     v: Array
-    """(rows, control points along v)."""
+    """(rows, control points along v) basis values."""
     weights: Array
     """(control points,), above 0."""
 
@@ -34,7 +34,7 @@ class Patch:
         return len(self.weights)
 
     def evaluate(self, values: Array) -> Array:
-        """Values (control points, n) at the vertices of the grid: (rows × columns, n)."""
+        """Surface values (rows × columns, n) at the grid's vertices, from (control points, n)."""
         # Points run along u first (UsdGeomNurbsPatch: u is the fastest index).
         shape = (self.v.shape[1], self.u.shape[1], -1)
         weighted = np.concatenate([values * self.weights[:, None], self.weights[:, None]], axis=1)
@@ -43,7 +43,7 @@ class Patch:
         return grid
 
     def primvar(self, primvar: Primvar) -> Primvar:
-        """A primvar of the control points at the vertices of the grid, others as they are."""
+        """Primvars of the control points evaluated at the grid's vertices; others unchanged."""
         if primvar.interpolation != "vertex":
             return primvar
         return replace(primvar, values=self.evaluate(primvar.flat()[: self.size]), indices=None)
@@ -82,7 +82,7 @@ def patch_polygons(context: Context, prim: Usd.Prim) -> Polygons | None:
 
 
 def patch_topology(context: Context, prim: Usd.Prim, topology: Topology) -> Topology:
-    """What primvars of the patch count: its control points, of which the grid shows values."""
+    """Topology of the patch's primvars: counts of control points, refined to the grid."""
     patch = read_patch(context, prim)
     if patch is None:
         return topology

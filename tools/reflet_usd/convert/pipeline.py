@@ -56,7 +56,7 @@ def convert_opened(context: Context, stage_path: Path, out: Path) -> ConvertResu
 
 
 def _refuse_empty(context: Context, stage_path: Path) -> None:
-    """An empty file is no success where the layers with the content were left out."""
+    """Raise `asset-outside-roots` where the file is empty because layers were left out."""
     if context.files.outside:
         root = os.path.commonpath(sorted(context.files.outside))
         message = "nothing is left to draw, its layers are outside the allowed folders;"
@@ -65,7 +65,7 @@ def _refuse_empty(context: Context, stage_path: Path) -> None:
 
 
 def _files_read(context: Context) -> list[str]:
-    """Files on disk; what lies in a usdz package counts as the package."""
+    """Paths of all files that were read; files in a usdz package count as the package."""
     layers = [layer.realPath for layer in context.stage.GetUsedLayers()]
     paths = [path for path in (*layers, *context.textures_read) if path]
     return sorted({os.path.abspath(Ar.SplitPackageRelativePathOuter(path)[0]) for path in paths})
@@ -78,7 +78,7 @@ def _prims(stage: Usd.Stage) -> list[tuple[str, str]]:
 
 
 def _scene_extras(context: Context) -> dict[str, Any]:
-    """What a reader needs to relate the file to the stage."""
+    """Scene extras that relate the file to the stage: units, time and axis."""
     dome = {} if context.dome_radiance is None else {"domeRadiance": context.dome_radiance}
     return {
         "usd": {

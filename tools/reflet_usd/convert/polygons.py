@@ -11,13 +11,13 @@ from reflet_usd.convert.context import Context, authored, first_value, in_float3
 from reflet_usd.convert.primvars import Topology
 from reflet_usd.convert.scene import Array
 
-# Ear clipping takes time in the square of the corners.
+# Maximum number of corners of a face; ear clipping takes quadratic time.
 MAX_FACE_CORNERS = 20_000
 
 
 @dataclass
 class Polygons:
-    """A mesh as authored, plus which faces are drawn."""
+    """A mesh as authored, with a mask of the faces that are drawn."""
 
     points: Array
     """(N, 3) float64, meters."""
@@ -26,24 +26,24 @@ class Polygons:
     corner_points: Array
     """(C,); the corners of faces that are not drawn may name no point."""
     drawn: Array
-    """(F,) bool."""
+    """(F,) whether each face is drawn."""
     left_handed: bool
     scheme: str
     sharp_edges: Array = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
     """Sorted keys, see `edge_keys`, of edges over which smooth normals are not shared: creases."""
     computed_normals: bool = False
-    """Normals follow from the points, so they follow deformations too."""
+    """Whether normals follow from the points, so that they follow deformations too."""
 
     def topology(self) -> Topology:
-        """The counts that primvars refer to."""
+        """Counts that primvars refer to."""
         faces = np.repeat(np.arange(len(self.counts)), self.counts)
         return Topology(len(self.points), len(self.counts), self.corner_points, faces)
 
 
 def read_points(context: Context, prim: Usd.Prim, name: str = "points") -> Array:
-    """The (N, 3) points in meters; those that are not finite stay so.
+    """The (N, 3) points in meters; points that are not finite stay so.
 
-    Where the stage begins without a value, the first one that comes.
+    Where the stage begins without a value, the first later value counts.
     """
     value = authored(prim, name, context.time, None)
     if value is None and prim.HasAttribute(name):
@@ -78,7 +78,7 @@ def read_polygons(context: Context, prim: Usd.Prim) -> Polygons | None:
 
 
 def tet_polygons(context: Context, prim: Usd.Prim) -> Polygons | None:
-    """The boundary of a TetMesh; its inside is named as lost."""
+    """The boundary of a TetMesh; a warning names the loss of its inside."""
     points = read_points(context, prim)
     faces = authored(prim, "surfaceFaceVertexIndices", context.time, None)
     if faces is None or len(faces) == 0:
@@ -107,7 +107,7 @@ def _integers(context: Context, prim: Usd.Prim, name: str) -> Array:
 def _repair_counts(
     context: Context, prim: Usd.Prim, counts: Array, corners: Array
 ) -> tuple[Array, Array]:
-    """Faces before the first one that does not fit the index array; the rest is dropped."""
+    """Counts and corners of the faces before the first one that does not fit the index array."""
     if counts.min() >= 0 and counts.sum() == len(corners):
         return counts, corners
     broken = np.flatnonzero(counts < 0)
@@ -127,7 +127,7 @@ def _repair_counts(
 def _drawable(
     context: Context, prim: Usd.Prim, points: Array, counts: Array, corners: Array
 ) -> Array:
-    """Which faces have three corners or more, all of them finite points."""
+    """Mask of the faces with three corners or more, all of them finite points."""
     if _are_good_triangles(points, counts, corners) or _are_good_polygons(points, counts, corners):
         return np.ones(len(counts), dtype=bool)
     drawn = counts >= 3
@@ -162,7 +162,7 @@ def _drawable(
 
 
 def _are_good_triangles(points: Array, counts: Array, corners: Array) -> bool:
-    """Whether there are only triangles of three different finite points: the short way."""
+    """Whether all faces are triangles of three different finite points: a fast test."""
     if not (counts == 3).all() or corners.min() < 0 or corners.max() >= len(points):
         return False
     a, b, c = corners.reshape(-1, 3).T
@@ -171,14 +171,14 @@ def _are_good_triangles(points: Array, counts: Array, corners: Array) -> bool:
 
 
 def _are_good_polygons(points: Array, counts: Array, corners: Array) -> bool:
-    """Whether there are only larger faces of finite points."""
+    """Whether all faces have more than three corners, all of them finite points."""
     sizes = counts.min() > 3 and counts.max() <= MAX_FACE_CORNERS
     known = corners.min() >= 0 and corners.max() < len(points)
     return bool(sizes and known and in_float32(points).all())
 
 
 def _collapsed(counts: Array, corners: Array) -> Array:
-    """(F,) triangles that name a point twice."""
+    """(F,) whether a triangle repeats a point."""
     result = np.zeros(len(counts), dtype=bool)
     triangles = np.flatnonzero(counts == 3)
     first = (np.cumsum(counts) - counts)[triangles]
@@ -188,7 +188,7 @@ def _collapsed(counts: Array, corners: Array) -> Array:
 
 
 def _cut_holes(context: Context, prim: Usd.Prim, drawn: Array) -> None:
-    """Take the faces that are holes out of `drawn`."""
+    """Remove the faces that are holes from `drawn`."""
     indices = _integers(context, prim, "holeIndices")
     if len(indices) == 0:
         return

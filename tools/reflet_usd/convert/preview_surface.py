@@ -32,7 +32,7 @@ PREVIEW_INPUTS: dict[str, tuple[float, ...]] = {
     "displacement": (0.0,),
     "occlusion": (1.0,),
 }
-# One number each in glTF, for the whole material.
+# Inputs that are one number in glTF, for the whole material.
 _WITHOUT_TEXTURE = ("useSpecularWorkflow", "opacityMode", "opacityThreshold", "ior")
 # glTF's dielectric reflects ((ior − 1) / (ior + 1))² head on, 0.04 at ior 1.5.
 _DIELECTRIC_F0 = 0.04
@@ -41,7 +41,7 @@ Slots = dict[str, int]
 
 
 class PreviewMaterial:
-    """Writes one material; a fresh object per material and UV layout."""
+    """Writer of one material; a fresh object per material and UV layout."""
 
     def __init__(
         self, context: Context, writer: GltfWriter, packer: Packer, prim: Usd.Prim | None
@@ -73,14 +73,14 @@ class PreviewMaterial:
         self.context.ledger.warn(name, self.prim, message)
 
     def _texture(self, name: str) -> TextureRead | None:
-        """The input's texture, where its file can be used."""
+        """Texture of the input, where its file can be used."""
         source = self.inputs.get(name)
         if isinstance(source, TextureRead) and self.packer.usable(source):
             return source
         return None
 
     def _numbers(self, name: str) -> tuple[float, ...]:
-        """The input's constant; a lost texture's or primvar's fallback; UsdPreviewSurface's."""
+        """The input's constant; else a lost texture's or primvar's fallback; else the schema's."""
         default = PREVIEW_INPUTS[name]
         if name in _WITHOUT_TEXTURE and self._texture(name):
             message = f"glTF has no texture for '{name}', taken as {default[0]:g}"
@@ -245,7 +245,7 @@ class PreviewMaterial:
         write_emission(self.writer, entry, color)
 
     def _specular(self, entry: dict[str, Any]) -> None:
-        """ior, or the specular workflow: F0 = specularColor through KHR_materials_specular."""
+        """Set ior, or the specular workflow: F0 = specularColor through KHR_materials_specular."""
         extensions: dict[str, Any] = {}
         if self._numbers("useSpecularWorkflow")[0] >= 0.5:
             read = self._texture("specularColor")
@@ -260,7 +260,7 @@ class PreviewMaterial:
             extensions["KHR_materials_specular"]["specularColorFactor"] = factor
         else:
             ior = self._numbers("ior")[0]
-            # glTF: 1 and above, or 0 for "reflects everything".
+            # glTF allows 1 and above, or 0 for "reflects everything".
             if ior == 0.0:
                 message = "ior 0 is no refractive index, glTF reflects everything with it"
                 self._warn("material-value-invalid", message)
@@ -302,7 +302,7 @@ class PreviewMaterial:
 
 
 def _shining(read: TextureRead, index: int) -> tuple[float, Channel]:
-    """A factor and what is left for the texels, whose values stay within 0…1."""
+    """Emissive factor, and the scale that is left for the texels, whose values stay within 0…1."""
     scale, bias = read.scale[index], read.bias[index]
     if bias == 0.0 and scale >= 0.0:
         return scale, Channel(read, index)
@@ -311,7 +311,7 @@ def _shining(read: TextureRead, index: int) -> tuple[float, Channel]:
 
 
 def _factored(read: TextureRead, count: int) -> tuple[list[float], list[Channel | None]]:
-    """Factors and channels of a read: a plain scale within 0…1 becomes the factor."""
+    """Factors and remaining channels of a read: a plain scale within 0…1 becomes the factor."""
     factors: list[float] = []
     channels: list[Channel | None] = []
     indices = (read.channels * count)[:count]

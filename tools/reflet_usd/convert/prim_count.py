@@ -1,4 +1,4 @@
-"""How many prims a composed stage has, its instances multiplied, without walking them."""
+"""Number of prims in a composed stage, instances multiplied, without walking the instances."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ def check_prim_count(stage: Usd.Stage) -> None:
 
 
 def _count(stage: Usd.Stage) -> int:
-    """All prims below the root; every prototype is walked once, the inner ones first."""
+    """Number of prims below the root; every prototype is walked once, the inner ones first."""
     own: dict[str, int] = {}
     inner: dict[str, list[str]] = {}
     for root in (*stage.GetPrototypes(), stage.GetPseudoRoot()):
         path = str(root.GetPath())
-        own[path], inner[path] = -1, []  # without the root, which its instances stand for
+        own[path], inner[path] = -1, []  # -1: instances stand for the root
         for prim in Usd.PrimRange(root):
             own[path] += 1
             if prim.IsInstance():

@@ -14,7 +14,7 @@ from reflet_usd.convert.surface import Stream, Surface, Vertices, weld
 
 @dataclass
 class PrimitiveParts:
-    """A primitive under construction and where its vertices come from."""
+    """A primitive under construction, and the surface points of its vertices."""
 
     entry: dict[str, Any]
     vertices: Vertices

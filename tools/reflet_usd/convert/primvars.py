@@ -30,18 +30,18 @@ class Primvar:
 
 @dataclass(frozen=True)
 class Topology:
-    """What the interpolations of a primvar count: points, faces and corners as authored."""
+    """Numbers of points, faces and corners as authored, to which interpolations refer."""
 
     point_count: int
     face_count: int
     corner_points: Array
     corner_faces: Array
     refine: Callable[[Primvar], Primvar] | None = None
-    """For refined meshes: carries a primvar of the authored mesh over."""
+    """For refined meshes: carries a primvar of the authored mesh over to the refined one."""
     assumed_order: bool = False
-    """For cubes: points and faces are numbered as in Hydra, UsdGeom does not number them."""
+    """Whether points and faces are numbered as in Hydra (cubes): UsdGeom does not number them."""
     dropped: tuple[str, ...] = ()
-    """Interpolations without a meaning on what the gprim became (curved gprims, cubics)."""
+    """Interpolations without a meaning on the converted gprim (curved gprims, cubics)."""
     authored: Topology | None = None
     """For refined meshes: the counts that authored primvars have."""
 
@@ -84,7 +84,7 @@ def to_stream(
     interpolation = primvar.interpolation
     count = len(primvar.values if primvar.indices is None else primvar.indices)
     if interpolation in topology.dropped and count == 1:
-        interpolation = "constant"  # whatever the parts, they all have the one value
+        interpolation = "constant"  # with several parts too, all have this value
     if interpolation in topology.dropped:
         message = f"primvar '{primvar.name}' ({interpolation}) has no place on the tessellation"
         context.ledger.warn("primvar-interpolation-dropped", prim, message)

@@ -1,4 +1,4 @@
-"""Translations, quaternions and scales of many things over time, as USD turns them to matrices.
+"""Translations, quaternions and scales of many instances or joints, as USD makes matrices of them.
 
 USD does not normalize the quaternions of instances and joints, so one that is not of length 1
 also stretches: with `|q|² = 1 + e` the plane that it turns is scaled by about `1 - e (1 - cos θ)`.
@@ -15,15 +15,15 @@ from reflet_usd.convert.instancing import trs_matrices, unit_quaternions
 from reflet_usd.convert.scene import Array
 
 Tracks = dict[str, tuple[list[float], Array]]
-"""By path the key codes and (keys, things, components), as authored, lengths in meters."""
+"""Key codes and values (keys, items, components) by path, as authored, lengths in meters."""
 Parts = dict[str, Array]
-"""By path (things, components): what holds where there is no track."""
+"""Values (items, components) by path, which hold where there is no track."""
 _PATHS = ("translation", "rotation", "scale")
 
 
 @dataclass
 class RawTrs:
-    """What `tracks` and `parts` say of each thing at any time code."""
+    """Transforms of items (instances or joints) at any time code, from `tracks` and `parts`."""
 
     tracks: Tracks
     parts: Parts
@@ -33,12 +33,12 @@ class RawTrs:
         return sorted({code for codes, _ in self.tracks.values() for code in codes})
 
     def matrix(self, number: int, code: float) -> Array:
-        """USD's matrix of one thing, for column vectors."""
+        """USD's matrix of one item, for column vectors."""
         rows = [self.at(path, number, code)[None] for path in _PATHS]
         return np.asarray(trs_matrices(*rows)[0])
 
     def at(self, path: str, number: int, code: float) -> Array:
-        """A value as USD interpolates it, linearly or spherically, but in double precision."""
+        """Value as USD interpolates it, linearly or spherically, but in double precision."""
         if path not in self.tracks:
             return np.asarray(self.parts[path][number])
         codes, values = self.tracks[path]
@@ -51,7 +51,7 @@ class RawTrs:
         return _slerp(a, b, share)
 
     def off_unit(self) -> Array:
-        """How far a unit quaternion's matrix is from USD's, at worst over each thing's keys."""
+        """Largest deviation of a unit quaternion's matrix from USD's, over the keys of an item."""
         rotations = self.parts["rotation"][None]
         if "rotation" in self.tracks:
             rotations = self.tracks["rotation"][1]
@@ -65,7 +65,7 @@ class RawTrs:
 
 
 def _slerp(a: Array, b: Array, share: float) -> Array:
-    """USD's GfSlerp, which takes lengths as they are."""
+    """USD's GfSlerp, which does not normalize."""
     cosine = float(a @ b)
     if cosine < 0.0:
         b, cosine = -b, -cosine

@@ -1,4 +1,4 @@
-"""Refines a USD mesh to a stated level: points, primvars, faces; or says why the cage stays."""
+"""Refines a USD mesh to a stated level: points, primvars, faces; or warns why the cage stays."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ _SHARP = 10.0
 
 @dataclass
 class Refiner:
-    """The refinement of one mesh, applied to whatever lives on it."""
+    """The refinement of one mesh, applied to its points and primvars."""
 
     steps: list[Step]
     authored_topology: Topology
     counts: Array
     linear_rule: str
-    """faceVaryingLinearInterpolation."""
+    """Value of faceVaryingLinearInterpolation."""
 
     def points(self, values: Array) -> Array:
         """Values at vertices, by the Catmull-Clark rules."""
@@ -62,7 +62,7 @@ class Refiner:
         return self._face_varying(primvar, flat[:corners])
 
     def _face_varying(self, primvar: Primvar, flat: Array) -> Primvar:
-        """Values meet where point and value agree; seams are boundaries of their own topology."""
+        """Refine a faceVarying primvar: corners of the same point and value join; seams part."""
         groups = unique_rows(flat)
         pairs = self.authored_topology.corner_points * (int(groups.max()) + 1) + groups
         _, first, ids = np.unique(pairs, return_index=True, return_inverse=True)
@@ -81,7 +81,7 @@ class Refiner:
         return replace(primvar, values=values, indices=corner_ids)
 
     def _crowded(self, first: Array) -> Array:
-        """Values at points where more than two regions meet."""
+        """Mask of values at points where more than two faceVarying regions meet."""
         points = self.authored_topology.corner_points[first]
         regions = np.bincount(points, minlength=self.authored_topology.point_count)
         return regions[points] > 2
@@ -128,7 +128,7 @@ def refine_polygons(
 
 
 def _sharp_edges(cage: Cage) -> Array:
-    """Keys of creases that no refinement rounds."""
+    """Keys of crease edges that no refinement rounds."""
     return cage.crease_keys[cage.crease_values >= _SHARP]
 
 
@@ -187,7 +187,7 @@ def _inside(indices: Array, count: int) -> bool:
 
 
 def _touches_boundary(step: Step) -> Array:
-    """(F,) faces with a boundary vertex: not part of the surface under interpolateBoundary none."""
+    """(F,) whether a face has a boundary vertex; interpolateBoundary none leaves it out."""
     boundary = np.zeros(step.cage.vertex_count, dtype=bool)
     boundary[step.edges[step.edge_faces == 1].reshape(-1)] = True
     return np.logical_or.reduceat(boundary[step.cage.corners], step.starts)

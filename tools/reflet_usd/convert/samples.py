@@ -1,4 +1,4 @@
-"""When values change: time samples, knots of splines, and the jumps between continuous pieces."""
+"""Times at which values change: samples, spline knots, and jumps between continuous pieces."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pxr import Usd
 from reflet_usd.convert.context import Context
 from reflet_usd.convert.scene import Array
 
-# A value that changes by more than this share of its size within one rounding has jumped.
+# A change by more than this share of a value within one rounding of time is a jump.
 JUMP = 1e-7
 
 
@@ -35,7 +35,7 @@ def first_code(attribute: Usd.Attribute) -> float | None:
 
 
 def warn_extrapolation(context: Context, attribute: Usd.Attribute) -> None:
-    """Name a spline that goes on beyond its knots, where glTF holds the outermost keys."""
+    """Warn about a spline that goes on beyond its knots, where glTF holds the outermost keys."""
     from pxr import Ts
 
     spline = attribute.GetSpline()
@@ -46,19 +46,19 @@ def warn_extrapolation(context: Context, attribute: Usd.Attribute) -> None:
 
 
 def before(code: float) -> float:
-    """The last code before `code`: where the value that is about to jump is read."""
+    """The last representable code before `code`, at which the value before a jump is read."""
     return float(np.nextafter(code, -np.inf))
 
 
 def is_jump(first: float, last: float) -> bool:
-    """Whether two neighboring codes stand for the two sides of a jump."""
+    """Whether two neighboring codes are the two sides of a jump."""
     return first == before(last)
 
 
 def with_jumps(evaluate: Callable[[float], Array], codes: list[float]) -> list[float]:
-    """`codes` with one more before each at which the matrix jumps.
+    """`codes`, with one more before each code at which the matrix jumps.
 
-    Blocked samples, held segments and knots with two values do so.
+    Blocked samples, held segments and knots with two values make jumps.
     """
     found = codes[:1]
     for code in codes[1:]:
@@ -71,7 +71,7 @@ def with_jumps(evaluate: Callable[[float], Array], codes: list[float]) -> list[f
 
 
 def seconds_of(context: Context, codes: Iterable[float]) -> Array:
-    """The keys' seconds; the sides of a jump are neighbors in the file's single precision."""
+    """Seconds of the keys; the sides of a jump are neighbors in single precision."""
     codes = list(codes)
     times = np.array([context.seconds(code) for code in codes])
     for index, (first, last) in enumerate(itertools.pairwise(codes)):

@@ -25,7 +25,7 @@ class Track:
     step: bool = False
     """Hold each value until the next key instead of interpolating."""
     spline: bool = False
-    """Cubic between keys."""
+    """Whether the values are cubic between keys."""
 
     def keys(self) -> Array:
         """(keys, components): the values at the keys."""

@@ -14,7 +14,7 @@ import numpy as np
 from reflet_usd.convert.scene import Array
 from reflet_usd.convert.xform import Trs, quaternion, rotation_matrix, split_shear
 
-# Singular values closer than this share of the largest leave the directions between them open.
+# Singular values closer than this share of the largest are equal: directions between them are free.
 EQUAL = 1e-9
 
 
@@ -40,7 +40,7 @@ def _aligned(linear: Array, near_u: Array, near_v: Array) -> tuple[Array, Array,
     u, sigma, vt = np.linalg.svd(linear)
     v = vt.T
     group = np.concatenate(([0], np.cumsum(-np.diff(sigma) > EQUAL * sigma[0])))
-    # How much of each wanted direction (rows) lies in the space of each one's group (columns).
+    # Overlap of each wanted direction (rows) with the space of each direction's group (columns).
     same = (group[:, None] == group[None, :]).astype(float)
     likeness = ((near_v.T @ v) ** 2 + (near_u.T @ u) ** 2) @ same
     order = max(
@@ -68,6 +68,6 @@ def _aligned(linear: Array, near_u: Array, near_v: Array) -> tuple[Array, Array,
 
 
 def _nearest_turn(vectors: Array, wanted: Array) -> Array:
-    """The orthogonal matrix that brings `vectors` closest to `wanted` (Procrustes)."""
+    """Orthogonal matrix that turns `vectors` closest to `wanted` (Procrustes)."""
     left, _, right = np.linalg.svd(vectors.T @ wanted)
     return np.asarray(left @ right)

@@ -56,7 +56,7 @@ class Skeletons:
                 self._bound[str(query.GetPrim().GetPath())] = _Bound(query, skeleton)
 
     def warn_ignored_binding(self, prim: Usd.Prim) -> None:
-        """Name an animation that USD does not apply because the prim's API schema is missing."""
+        """Warn about an animation that USD ignores because the prim's API schema is missing."""
         relationship = prim.GetRelationship("skel:animationSource")
         if relationship and relationship.GetTargets() and not prim.HasAPI(UsdSkel.BindingAPI):
             message = "USD ignores skel:animationSource here, SkelBindingAPI is not applied"
@@ -122,7 +122,7 @@ class Skeletons:
         return self._joints[path]
 
     def _make_joints(self, prim: Usd.Prim) -> Joints | None:
-        """The joints with pose and keys; None when unusable."""
+        """Joints with pose and keys; None, with a warning, where the skeleton is unusable."""
         query = self._cache.GetSkelQuery(UsdSkel.Skeleton(prim))
         if not query:
             self.context.ledger.warn("skeleton-invalid", prim, "USD cannot read the skeleton")
@@ -143,7 +143,7 @@ class Skeletons:
 
 
 def _invertible(matrices: Array) -> bool:
-    """Whether all have an inverse that single precision can hold."""
+    """Whether all matrices have an inverse within single precision's range."""
     if (np.abs(np.linalg.det(matrices)) < 1e-30).any():
         return False
     return bool(in_float32(np.linalg.inv(matrices)).all())

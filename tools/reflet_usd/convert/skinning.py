@@ -1,4 +1,4 @@
-"""What deforms a gprim: joint influences per vertex and blend shapes as morph targets."""
+"""Deformation of a gprim: joint influences per vertex, and blend shapes as morph targets."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from reflet_usd.convert.scene import Array, Node
 from reflet_usd.convert.surface import Surface
 from reflet_usd.convert.xform import column_matrix
 
-# USD takes weights as they are, glTF wants a sum of 1: closer than this they are the same points.
+# Weight sums within this of 1 need no warning: USD does not normalize, glTF wants a sum of 1.
 _WEIGHT_TOLERANCE = 2e-6
 
 
@@ -58,7 +58,7 @@ class Deformation:
             polygons.points = surface.points
         if abs(np.linalg.det(linear)) > 1e-30 and surface.normals is not None:
             surface.normals.values = unit_rows(surface.normals.values @ np.linalg.inv(linear))
-        # USD sees the front of a mesh by its own transform, which a glTF skin does not have.
+        # USD tells a mesh's front by its own transform, which a glTF skin does not have.
         world = UsdGeom.Xformable(self.prim).ComputeLocalToWorldTransform(self.context.time)
         if world.GetDeterminant3() < 0.0:
             surface.triangles = surface.triangles[:, [0, 2, 1]]
@@ -211,7 +211,7 @@ class Deformation:
 
 
 def _proxy_path(prim: Usd.Prim, target: Sdf.Path) -> Sdf.Path:
-    """The path of what `prim` names: within a native instance USD gives that in the prototype."""
+    """Path of a target of `prim`; USD gives the one in the prototype within a native instance."""
     if not prim.IsInstanceProxy():
         return target
     instance, prototype = prim, prim.GetPrimInPrototype()
@@ -221,7 +221,7 @@ def _proxy_path(prim: Usd.Prim, target: Sdf.Path) -> Sdf.Path:
 
 
 def _packed(joints: Array, weights: Array) -> tuple[Array, Array]:
-    """Equal joints joined, strongest first, in groups of four, weights summing to 1."""
+    """Influences with equal joints joined, strongest first, in groups of four; weights sum to 1."""
     joints, weights = joints.copy(), weights.copy()
     for later in range(1, joints.shape[1]):
         for earlier in range(later):

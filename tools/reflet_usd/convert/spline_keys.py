@@ -14,9 +14,9 @@ from reflet_usd.convert.transform_tolerance import Reach
 from reflet_usd.convert.xform import nearest_trs
 
 TOLERANCE = 5e-6
-"""Share of the matrix's or the scene's size by which a shown matrix may be off."""
+"""Maximum deviation of a shown matrix, as a share of the matrix's or the scene's size."""
 MAX_DEPTH = 5
-# Where in a step the deviation is looked at, and how far from its ends the slopes are measured.
+# Places in a step where the deviation is measured, and the distance over which slopes are.
 _PROBES = np.array([0.15, 0.35, 0.5, 0.65, 0.85])
 _SLOPE = 1e-3
 PARTS = {"translation": slice(0, 3), "rotation": slice(3, 7), "scale": slice(7, 10)}
@@ -24,7 +24,7 @@ PARTS = {"translation": slice(0, 3), "rotation": slice(3, 7), "scale": slice(7, 
 
 @dataclass
 class SplineKeys:
-    """Time codes; for each what leads to it, its value and what leads on, of all ten parts."""
+    """Keys of all ten parts: time codes, and for each the slope in, the value and the slope out."""
 
     codes: list[float] = field(default_factory=list)
     values: list[Array] = field(default_factory=list)
@@ -32,13 +32,13 @@ class SplineKeys:
     deviation: float = 0.0
 
     def begin(self, code: float, value: Array) -> None:
-        """A step's first key, which may be the last key of the step before."""
+        """Add a step's first key, unless it is the last key of the step before."""
         if not self.codes or self.codes[-1] != code:
             self.codes.append(code)
             self.values.append(np.array([np.zeros(10), value, np.zeros(10)]))
 
     def add(self, code: float, value: Array, out: Array, into: Array) -> None:
-        """The next key, and the slopes on both ends of the way to it."""
+        """Add the next key, with the slopes at both ends of the step to it."""
         self.values[-1][2] = out
         self.codes.append(code)
         self.values.append(np.array([into, value, np.zeros(10)]))
@@ -91,7 +91,7 @@ class _Follower:
         return True
 
     def _parts(self, code: float, near: Array | None) -> Array:
-        """Translation, rotation and scale; of both rotations the one that is nearer."""
+        """Translation, rotation and scale; the rotation's sign is the one nearer to `near`."""
         trs = nearest_trs(self.evaluate(code))
         parts = np.concatenate((trs.translation, trs.rotation, trs.scale))
         if near is not None and parts[3:7] @ near[3:7] < 0.0:

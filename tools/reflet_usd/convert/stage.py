@@ -29,9 +29,9 @@ from reflet_usd.convert.types import ConvertError, ConvertOptions
 # UsdGeom's documented fallbacks.
 FALLBACK_METERS_PER_UNIT = 0.01
 FALLBACK_CODES_PER_SECOND = 24.0
-# Units from picometers to billions of kilometers; outside, lengths leave single precision.
+# Range of meters per unit, picometers to billions of kilometers; outside, float32 is left.
 LEAST_UNIT = 1e-12
-# Time codes per second; outside, keys of a clip leave single precision as seconds.
+# Range of time codes per second; outside, keys of a clip leave single precision as seconds.
 LEAST_RATE, MOST_RATE = 1e-6, 1e9
 
 
@@ -94,12 +94,12 @@ def _repair_time_rates(layers: list[Sdf.Layer], ledger: Ledger) -> None:
 
 
 def error_text(error: Exception, path: Path) -> str:
-    """USD's first reason, without the source places of its library."""
+    """The first reason in USD's error, without source positions in its library."""
     if isinstance(error, UnicodeDecodeError):
         return "it holds text that is not UTF-8"
     try:
         text = " ".join(str(error).split())
-    except UnicodeDecodeError as cut:  # USD quotes bytes, or a part of a character
+    except UnicodeDecodeError as cut:  # USD quotes bytes, or parts of characters
         if not _is_utf8(path):
             return "it is not UTF-8 text"
         text = " ".join(cut.object.decode("utf-8", "replace").split())
@@ -158,7 +158,7 @@ def _warn_composition(
 
 
 def _plain(text: str) -> str:
-    """One line without what differs from run to run: addresses in memory and folder names."""
+    """One line without text that differs from run to run: memory addresses and folder names."""
     words = re.sub(r"anon:0x[0-9a-fA-F]+:?", "anonymous ", " ".join(text.split()))
     words = re.sub(r"\s*[<‹(\[]?\b0x[0-9a-fA-F]+\b[>›)\]]?", "", words)
     parts = words.split("@")
@@ -167,13 +167,13 @@ def _plain(text: str) -> str:
 
 
 def _without_folder(asset: str) -> str:
-    """The asset's file name; of a package also the path within it."""
+    """File name of the asset; for a package also the path within it."""
     package, bracket, inner = asset.partition("[")
     return os.path.basename(package) + bracket + inner
 
 
 def stage_metadata(stage: Usd.Stage, name: str) -> Any:
-    """Raw root or session metadata: typed getters throw where a float was authored for a double."""
+    """Raw root or session metadata: typed getters throw where a float stands for a double."""
     for layer in (stage.GetSessionLayer(), stage.GetRootLayer()):
         if layer is not None and layer.pseudoRoot.HasInfo(name):
             return layer.pseudoRoot.GetInfo(name)
@@ -246,7 +246,7 @@ def _stated_code(stage: Usd.Stage, name: str) -> float | None:
 
 
 def _drop_far_samples(context: Context, keyed: list[Usd.Attribute]) -> None:
-    """Leave out, in the session layer, the time samples that no clock reaches."""
+    """Drop, in the session layer, time samples beyond `MAX_CODE`."""
     found = []
     for attribute in keyed:
         codes = attribute.GetTimeSamples()
@@ -255,7 +255,7 @@ def _drop_far_samples(context: Context, keyed: list[Usd.Attribute]) -> None:
             found.append((attribute, [(code, attribute.Get(code)) for code in near]))
     if not found:
         return
-    # Else USD scales the codes that are written into the session layer by the rates' ratio.
+    # With other rates, USD would scale the codes that are written into the session layer.
     stage = context.stage
     rates = ("timeCodesPerSecond", "framesPerSecond")
     session = stage.GetSessionLayer()
@@ -273,7 +273,7 @@ def _drop_far_samples(context: Context, keyed: list[Usd.Attribute]) -> None:
 
 def _keyed_attributes(stage: Usd.Stage) -> list[Usd.Attribute]:
     """All attributes with time samples or a spline."""
-    # Prototypes instead of the instances, of which nesting can make any number.
+    # Prototypes are walked instead of instances, since nesting can make any number of these.
     return [
         attribute
         for root in (stage.GetPseudoRoot(), *stage.GetPrototypes())

@@ -15,7 +15,7 @@ from reflet_usd.convert.scene import Array
 INFINITE = 1e9
 _FACE_SHARE = 0.25
 _TRIANGLE_SHARE = 0.47
-"""Weights of the points of two faces in that of their edge; of triangles as in OpenSubdiv."""
+"""Share of each of the two faces beside an edge in its point; OpenSubdiv's rule for triangles."""
 
 
 @dataclass
@@ -28,18 +28,18 @@ class Cage:
     """(C,) the vertex of each corner."""
     vertex_count: int
     crease_keys: Array = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
-    """Sorted edge keys, see `edge_keys`, of `vertex_count` as the base."""
+    """Sorted keys of the crease edges (see `edge_keys`, with base `vertex_count`)."""
     crease_values: Array = field(default_factory=lambda: np.zeros(0))
     corner_sharpness: Array | None = None
     """(V,), 0 where smooth."""
     pin_corners: bool = True
-    """Boundary vertices of a single face stay where they are."""
+    """Whether boundary vertices of a single face stay where they are."""
     pin_boundary: bool = False
-    """All boundary vertices stay where they are (faceVarying `boundaries`)."""
+    """Whether all boundary vertices stay where they are (faceVarying `boundaries`)."""
     pinned: Array | None = None
     """(V,) pinned vertices, which keep their positions."""
     smooth_triangles: bool = False
-    """Triangles weigh more (triangleSubdivisionRule `smooth`); their children are quads."""
+    """Whether triangles weigh more (triangleSubdivisionRule `smooth`); their children are quads."""
 
 
 def edge_keys(a: Array, b: Array, base: int) -> Array:
@@ -48,7 +48,7 @@ def edge_keys(a: Array, b: Array, base: int) -> Array:
 
 
 class Step:
-    """One refinement: from values at a cage's vertices to values at its children's."""
+    """One refinement: maps values at a cage's vertices to values at its children's."""
 
     def __init__(self, cage: Cage) -> None:
         self.cage = cage
@@ -74,7 +74,7 @@ class Step:
             places = np.clip(np.searchsorted(creases, keys), 0, len(creases) - 1)
             hit = creases[places] == keys
             sharpness[hit] = self.cage.crease_values[places[hit]]
-        sharpness[self.edge_faces != 2] = INFINITE  # boundary or not a manifold
+        sharpness[self.edge_faces != 2] = INFINITE  # boundary or non-manifold
         return sharpness
 
     def _classify_vertices(self) -> None:
@@ -120,7 +120,7 @@ class Step:
         return np.asarray(sums / 2.0)
 
     def linear(self, values: Array) -> Array:
-        """Bilinear values (V + E + F, k): for `varying` and faceVarying `all`."""
+        """Bilinear values (V + E + F, k), for `varying` and faceVarying `all`."""
         middles = values[self.edges].mean(axis=1)
         return np.concatenate([values, middles, self._face_points(values)])
 
@@ -156,7 +156,7 @@ class Step:
         before = vertices + self.corner_edges[self.previous]
         corners = np.stack([own, after, center, before], axis=1).reshape(-1)
         count = vertices + edges + len(self.cage.counts)
-        # A crease of sharpness s gives two edges of sharpness s - 1; boundaries find themselves.
+        # A crease of sharpness s gives two of s - 1; boundary edges are found by their faces.
         left = (self.sharpness > 1.0) & (self.edge_faces == 2)
         middle = vertices + np.flatnonzero(left)
         keys = np.concatenate([edge_keys(self.edges[left, side], middle, count) for side in (0, 1)])

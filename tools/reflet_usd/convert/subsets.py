@@ -1,4 +1,4 @@
-"""Which faces of a gprim use which material: its binding and its material-bind GeomSubsets."""
+"""Materials of a gprim's faces: its own binding and its material-bind GeomSubsets."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class FaceGroup:
 
 
 def bound_material(prim: Usd.Prim) -> Usd.Prim | None:
-    """The material that wins for `prim`: inherited, collection and purpose bindings included.
+    """The winning material of `prim`: inherited, collection and purpose bindings included.
 
     Bindings for `preview` count where nothing is bound for `full` or for all purposes.
     """
@@ -40,7 +40,7 @@ def _material_for(prim: Usd.Prim, purpose: str) -> Usd.Prim | None:
 
 
 def note_binding_purposes(context: Context, prim: Usd.Prim, names: Iterable[str]) -> None:
-    """Name the bindings among the authored `names` whose purpose nothing asks for."""
+    """Warn about bindings among the authored `names` for purposes that are not followed."""
     for name in names:
         if name.startswith(_BINDING):
             parts = name.removeprefix(_BINDING).split(":")
@@ -53,7 +53,7 @@ def note_binding_purposes(context: Context, prim: Usd.Prim, names: Iterable[str]
 
 
 def _winner(context: Context, prim: Usd.Prim) -> Usd.Prim | None:
-    """`bound_material`, with a warning where another one is bound for previews."""
+    """The bound material, with a warning where previews are bound to another one."""
     own = bound_material(prim)
     other = _material_for(prim, _PREVIEW) if own and context.previewed else None
     if own and other and own != other:

@@ -13,14 +13,14 @@ _KEY_LIMIT = 2**62
 
 @dataclass
 class Stream:
-    """Values and, for every corner of the surface, which of them it uses."""
+    """Values, and for every corner of the surface the index of its value."""
 
     values: Array
     """(K, components)."""
     ids: Array
     """(C,) int64."""
     by_point: bool
-    """Corners of one point always use one value, so the stream never splits vertices."""
+    """Whether corners of one point always share a value: such a stream never splits vertices."""
 
 
 @dataclass
@@ -37,7 +37,7 @@ class Surface:
     """(T,) the authored face of each triangle."""
     normals: Stream | None = None
     uvs: dict[str, Stream] = field(default_factory=dict)
-    """By primvar name, v pointing up as in USD."""
+    """Texture coordinates by primvar name, v pointing up as in USD."""
     color: Stream | None = None
     """Linear RGB or RGBA in 0…1."""
     custom: dict[str, Stream] = field(default_factory=dict)
@@ -55,7 +55,7 @@ class Vertices:
 
 
 def unique_rows(values: Array) -> Array:
-    """For each row the number of its first equal row's group; equal means equal bits."""
+    """Group number of each row; rows with equal bits share a group."""
     data = np.ascontiguousarray(values, dtype=np.float32) + np.float32(0.0)  # -0.0 becomes 0.0
     bits = data.view(np.uint32).astype(np.uint64)
     key = np.zeros(len(bits), dtype=np.uint64)
@@ -93,7 +93,7 @@ def weld(surface: Surface, triangles: Array, streams: list[Stream]) -> Vertices:
 
 
 def _weld_by_table(key: Array, limit: int, corners: Array) -> Vertices:
-    """Welding without a sort, for keys that are dense."""
+    """Weld without sorting, through a table, for keys that are dense."""
     first = np.full(limit, -1, dtype=np.int64)
     first[key[::-1]] = np.arange(len(key))[::-1]
     used = np.flatnonzero(first >= 0)
@@ -103,7 +103,7 @@ def _weld_by_table(key: Array, limit: int, corners: Array) -> Vertices:
 
 
 def face_varying_stream(values: Array, ids: Array) -> Stream:
-    """A stream whose equal values are shared, so that welding finds equal corners."""
+    """A stream that shares equal values, so that welding finds equal corners."""
     groups = unique_rows(values)
     count = int(groups.max()) + 1 if len(groups) else 0
     compact = np.empty((count, values.shape[1]), dtype=values.dtype)

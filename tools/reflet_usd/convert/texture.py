@@ -1,4 +1,4 @@
-"""Texture files: found, confined, checked; copied as they are or rewritten where glTF needs it."""
+"""Texture files: found, confined, checked; copied as they are or rewritten where necessary."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from reflet_usd.convert.scene import Array
 
 MAX_PIXELS = 2**28
 PNG_COMPRESSION = 3
-# Never others: Pillow hands some, such as EPS, to programs of the system.
+# Only these formats: Pillow hands some others, such as EPS, to programs of the system.
 _FORMATS = ("PNG", "JPEG", "BMP", "GIF", "TGA", "TIFF", "WEBP")
 _MIME_TYPES = {"PNG": "image/png", "JPEG": "image/jpeg"}
 _COPIED_MODES = ("L", "LA", "RGB", "RGBA", "P", "1", "I;16", "I")
@@ -34,13 +34,13 @@ class ImageFile:
     mode: str
     size: tuple[int, int]
     wide: bool
-    """More than 8 bits per channel."""
+    """Whether channels have more than 8 bits."""
     has_key: bool = False
     """Whether one color is transparent (a PNG's tRNS chunk)."""
 
     @property
     def is_gray(self) -> bool:
-        """One color channel: red, green and blue are equal."""
+        """Whether there is one color channel, so that red, green and blue are equal."""
         return self.mode in ("L", "LA", "1", "I;16", "I", "F")
 
     @property
@@ -50,11 +50,11 @@ class ImageFile:
 
     @property
     def copies(self) -> bool:
-        """glTF takes the file as it is."""
+        """Whether glTF takes the file as it is."""
         return self.format in _MIME_TYPES and self.mode in _COPIED_MODES
 
     def rgba(self) -> Array:
-        """(height, width, 4) uint8."""
+        """Pixels (height, width, 4) as uint8."""
         with Image.open(io.BytesIO(self.data), formats=_FORMATS) as image:
             if self.wide:
                 gray = np.asarray(image, dtype=np.float64)
@@ -80,7 +80,7 @@ class TextureLibrary:
         if key not in self._files:
             self._files[key] = self._open(read)
         elif self._files[key] is None:
-            self._open(read)  # every use of a lost texture is named
+            self._open(read)  # every use of a lost texture gets a warning
         return self._files[key]
 
     def _open(self, read: TextureRead) -> ImageFile | None:
@@ -139,7 +139,7 @@ def _decode(read: TextureRead, data: bytes) -> ImageFile:
 
 
 def _reason(error: Exception) -> str:
-    """PIL's message without memory addresses, which differ from run to run."""
+    """Pillow's message without memory addresses, which differ from run to run."""
     text = str(error) or type(error).__name__
     return "not an image that can be read" if "0x" in text else text
 
@@ -152,12 +152,12 @@ def is_srgb(read: TextureRead, file: ImageFile) -> bool:
 
 
 def srgb_to_linear(encoded: Array) -> Array:
-    """IEC 61966-2-1, for values 0…1."""
+    """Decode the sRGB transfer function (IEC 61966-2-1), values 0…1."""
     return np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
 
 
 def linear_to_srgb(linear: Array) -> Array:
-    """IEC 61966-2-1, for values 0…1."""
+    """Encode with the sRGB transfer function (IEC 61966-2-1), values 0…1."""
     positive = np.maximum(linear, 0.0)
     return np.where(
         positive <= 0.0031308, positive * 12.92, 1.055 * positive ** (1.0 / 2.4) - 0.055

@@ -1,4 +1,4 @@
-"""How far a deviation of a transform shows: lever arm and scene size, as USD bounds them."""
+"""Visible size of a transform's deviation: lever arm and scene size, from USD's bounds."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from reflet_usd.convert.context import Context
 
 @dataclass(frozen=True)
 class Reach:
-    """What turns deviations of a matrix into those of corners, as a share of the scene."""
+    """Conversion of a matrix's deviation into that of corners, as a share of the scene."""
 
     lever: float = 0.0
-    """How far the farthest corner is from the origin, in the space the matrix is applied to."""
+    """Distance of the farthest corner from the origin, in the space before the matrix."""
     unit: float = math.inf
-    """The scene's diagonal in the space the matrix leads to, the same unit as translations."""
+    """Diagonal of the scene in the space after the matrix, in the unit of translations."""
 
     def corner(self, linear: float, place: float) -> float:
-        """How far a corner moves where the matrix's entries are off by this much."""
+        """Largest shift of a corner where the matrix's entries are off by this much."""
         return (linear * self.lever + place) / self.unit
 
 

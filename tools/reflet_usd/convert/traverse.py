@@ -37,7 +37,7 @@ from reflet_usd.convert.xform import column_matrix, place
 
 # Prims that live inside materials, skeletons or meshes: they have no place in space.
 _PLACELESS = ("Material", "Shader", "NodeGraph", "GeomSubset", "SkelAnimation", "BlendShape")
-# Types that only group others: carried by being there.
+# Types that only group other prims, and so need no counterpart.
 _GROUPS = ("", "Xform", "Scope", "SkelRoot", "Skeleton")
 PROGRESS_S = 5.0
 
@@ -48,14 +48,14 @@ class Tree:
 
     root: Node
     unplaced: list[Node] = field(default_factory=list)
-    """Skinned meshes: their own transform does not count, so they stand beside the root."""
+    """Skinned meshes, which ignore their own transform and so stand beside the root."""
     contents: dict[str, Node] = field(default_factory=dict)
-    """Per prim path the node that takes its children."""
+    """Node that takes the children of a prim, by prim path."""
     purposes: dict[str, UsdGeom.Imageable.PurposeInfo] = field(default_factory=dict)
     visibilities: dict[str, Visibility] = field(default_factory=dict)
-    """Per prim path how it and all above it come and go, where they do."""
+    """Animated visibility of a prim including all above it, by prim path."""
     levels: dict[str, int] = field(default_factory=dict)
-    """Per prim path the level of its node, the root being the first."""
+    """Level of a prim's node by prim path, the root being the first."""
     prototype: bool = False
     """Whether this is an instancer's prototype."""
 
@@ -94,7 +94,7 @@ class Traversal:
         return roots
 
     def _place_lost_skeletons(self, root: Node) -> None:
-        """Skeletons below prims that were left out still move what is bound to them."""
+        """Place the skeletons below prims that were left out: they still move bound prims."""
         for prim in self.skeletons.unattached():
             xformable = UsdGeom.Xformable(prim)
             matrix = xformable.ComputeLocalToWorldTransform(self.context.time)
@@ -139,21 +139,21 @@ class Traversal:
             return self._fill(prim, node)
         except DAMAGE as error:
             message = f"{reason_of_damage(prim, error)}; it is left out"
-            if not prim.IsA(UsdGeom.PointInstancer):  # what is below has a place of its own
+            if not prim.IsA(UsdGeom.PointInstancer):  # its children have nodes of their own
                 self.context.ledger.warn("prim-damaged", prim, message)
                 return True
             self.context.ledger.skip_subtree("prim-damaged", prim, f"{message} with its prototypes")
             return False
 
     def _report_progress(self) -> None:
-        """A line on standard output every few seconds; short conversions print nothing."""
+        """Print a progress line every few seconds; short conversions print nothing."""
         now = time.monotonic()
         if now - self._last_report > PROGRESS_S:
             self._last_report = now
             print(f"converting: {self._visited} prims so far", flush=True)
 
     def _place(self, prim: Usd.Prim, tree: Tree) -> Node | None:
-        """The prim's node in its place, still empty; None where the prim has none."""
+        """The prim's node in its place, still empty; None where the prim gets none."""
         kind = type_name(prim)
         if kind in _PLACELESS:
             self._keep_words(prim, None)
@@ -191,7 +191,7 @@ class Traversal:
         return node
 
     def _keep_words(self, prim: Usd.Prim, node: Node | None) -> None:
-        """What is said about the prim and does not draw; a prim without a node keeps none."""
+        """Keep properties and metadata that do not draw; a prim without a node keeps none."""
         names = [str(name) for name in prim.GetAuthoredPropertyNames()]
         keep_custom_properties(self.context, prim, node, names)
         keep_loose_primvars(self.context, prim, node, names)
@@ -201,7 +201,7 @@ class Traversal:
         warn_schemas(self.context, prim)
 
     def _show(self, prim: Usd.Prim, tree: Tree, node: Node, lifted: bool) -> None:
-        """Animated visibility; a node `lifted` to the root takes that of its parents along."""
+        """Animate visibility; a node `lifted` to the root takes its parents' visibility along."""
         above = tree.visibilities.get(str(prim.GetPath().GetParentPath()))
         own = own_visibility(self.context, prim) if prim.IsA(UsdGeom.Imageable) else None
         whole = above if own is None else own.within(above)
@@ -231,7 +231,7 @@ class Traversal:
         return True
 
     def _fill(self, prim: Usd.Prim, node: Node) -> bool:
-        """Attach what the prim is; False where its children are not walked."""
+        """Add the prim's content to its node; False where its children are not walked."""
         context, ledger = self.context, self.context.ledger
         kind = type_name(prim)
         before = len(node.children)
@@ -272,7 +272,7 @@ class Traversal:
         return True
 
     def _draw(self, node: Node, built: BuiltMesh | None) -> bool:
-        """Give `node` a mesh, where there is one."""
+        """Give `node` a mesh, where the prim has one."""
         if built is None:
             return False
         node.mesh = built.index
@@ -290,7 +290,7 @@ class Traversal:
 
 
 def warn_variants(context: Context, prim: Usd.Prim) -> None:
-    """Name the variant sets of which the file keeps the selected variant only."""
+    """Warn about variant sets, of which the file keeps the selected variant only."""
     if not prim.HasVariantSets():
         return
     sets = prim.GetVariantSets()

@@ -68,7 +68,7 @@ def _triangulate_equal(points: Array, corner_points: Array, corners: Array) -> A
 
 
 def _needs_other_diagonal(quads: Array) -> Array:
-    """Which quads (F, 4, 3) turn right at corner 1 or 3, so that the diagonal 0-2 is outside.
+    """Mask of quads (F, 4, 3) that turn right at corner 1 or 3: the diagonal 0-2 is outside.
 
     Judged in the quad's own plane: a bent quad may fold over a diagonal and still be convex.
     """
@@ -144,7 +144,7 @@ def _clip_batch(flat: Array) -> Array:
 
 
 def _best_ears(flat: Array) -> Array:
-    """For each polygon the ear with the best shape; the least bad corner where none is clean."""
+    """For each polygon the ear with the best shape; the least bad corner where no ear is clean."""
     before, after = np.roll(flat, 1, axis=1), np.roll(flat, -1, axis=1)
     turns = _cross2(flat - before, after - flat)
     size = flat.shape[1]
@@ -172,7 +172,7 @@ def _clip_one(flat: Array) -> Array:
     size = len(flat)
     following = np.roll(np.arange(size), -1)
     preceding = np.roll(np.arange(size), 1)
-    # Only corners that turn right can lie inside an ear, and none starts to while ears fall.
+    # Only corners that turn right can lie inside an ear, and cutting ears makes no new ones.
     blocking = _turns(flat[None])[0] <= 0.0
     blockers = np.flatnonzero(blocking)
     scores = np.array(

@@ -1,4 +1,4 @@
-"""What goes into a conversion and what comes out of it: options, warnings, result, error."""
+"""Input and output of a conversion: options, warnings, result, error."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ DEFAULT_PURPOSES = ("default", "render")
 
 @dataclass(frozen=True)
 class ConvertOptions:
-    """How a stage is converted. The defaults keep what a final render would show."""
+    """Options of a conversion. The defaults keep what a final render would show."""
 
     frames: tuple[float, float] | None = None
     """First and last time code of the animation to keep; None keeps all keys."""
@@ -20,11 +20,11 @@ class ConvertOptions:
     variants: tuple[tuple[str, str, str], ...] = ()
     """Variant selections as (prim path, set name, variant name)."""
     strict: bool = False
-    """Any warning becomes a `ConvertError` named `strict`."""
+    """Whether any warning becomes a `ConvertError` named `strict`."""
     extra_roots: tuple[Path, ...] = ()
     """Folders besides the stage's own from which layers and textures may be read."""
     subdiv_level: int = 0
-    """How many Catmull-Clark steps refine subdivision meshes; 0 keeps the cage."""
+    """Number of Catmull-Clark steps that refine subdivision meshes; 0 keeps the cage."""
 
     def __post_init__(self) -> None:
         # Options that traveled through JSON come back as lists and plain strings.
@@ -40,32 +40,32 @@ class ConvertOptions:
 
 @dataclass(frozen=True, order=True)
 class Warning:
-    """Something of the stage that the file does not carry as authored."""
+    """A value of the stage that the file does not carry as authored."""
 
     name: str
     prim: str
     message: str
     deviation: float | None = field(default=None, compare=False)
-    """How far the file is at most from the stage, as a share; None where that is not known."""
+    """Maximum deviation of the file from the stage, as a share; None where it is not known."""
 
     def to_json(self) -> dict[str, Any]:
-        """Plain data, without what is not known."""
+        """Plain data, without fields that are None."""
         return {key: value for key, value in asdict(self).items() if value is not None}
 
 
 @dataclass
 class ConvertResult:
-    """What a conversion did; the same data is in the JSON sidecar."""
+    """Result of a conversion; the same data is in the JSON sidecar."""
 
     warnings: list[Warning] = field(default_factory=list)
     ledger: dict[str, dict[str, int]] = field(default_factory=dict)
-    """Per prim type: how many prims were `carried`, how many `warned` about."""
+    """Number of prims `carried` and `warned` about, by prim type."""
     info: dict[str, Any] = field(default_factory=dict)
     """Facts needed to compare the file with the stage (units, axis, time origin, counts)."""
     files: list[str] = field(default_factory=list)
     """Absolute paths of every layer, package and texture that was read, sorted."""
     absent: list[str] = field(default_factory=list)
-    """Absolute paths of files that the stage names and that are not there, sorted."""
+    """Absolute paths of files that the stage names and that do not exist, sorted."""
 
     def __post_init__(self) -> None:
         self.warnings = [

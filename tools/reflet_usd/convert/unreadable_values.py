@@ -1,4 +1,4 @@
-"""Tells values that cannot be read from faults of the converter: only the first excuse a prim."""
+"""Tells unreadable values from faults of the converter: only unreadable values excuse a prim."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ from collections.abc import Iterator
 
 from pxr import Sdf, Tf, Usd
 
-# What reading or using a value of the wrong type raises.
+# Exceptions raised by reading or using a value of the wrong type.
 DAMAGE = (ValueError, TypeError, IndexError, OverflowError, UnicodeDecodeError, Tf.ErrorException)
 _MOST_PRIMS = 10_000
 
 
 def reason_of_damage(prim: Usd.Prim, error: Exception) -> str:
-    """Which value of `prim`, or of what it reads, cannot be read; raises `error` if all can."""
+    """Message about the value that damages `prim`; raises `error` if all values can be read."""
     if isinstance(error, (Tf.ErrorException, UnicodeDecodeError)):
         return "USD cannot read the file's bytes"
     for other in _read_by(prim):
@@ -25,7 +25,7 @@ def reason_of_damage(prim: Usd.Prim, error: Exception) -> str:
 
 
 def _reason(attribute: Usd.Attribute) -> str:
-    """Why the attribute's value is none of its type; empty where it is one."""
+    """Reason why the attribute's value does not have its type; empty where it does."""
     try:
         value = attribute.Get(Usd.TimeCode.EarliestTime())
         declared = attribute.GetTypeName().type.pythonClass
@@ -42,14 +42,14 @@ def _reason(attribute: Usd.Attribute) -> str:
 
 
 def _read_by(prim: Usd.Prim) -> Iterator[Usd.Prim]:
-    """The prim, what inherits to it, what is below it, and what any of these point to."""
+    """The prim, its ancestors, its descendants, and the targets of all these."""
     stage, above = prim.GetStage(), prim.GetParent()
     waiting = [prim, *Usd.PrimRange(prim, Usd.TraverseInstanceProxies())]
     while above:
         waiting.append(above)
         above = above.GetParent()
     seen: set[str] = set()
-    for other in waiting:  # grows while it is walked
+    for other in waiting:  # the list grows during the loop
         path = str(other.GetPath())
         if path in seen or len(seen) > _MOST_PRIMS:
             continue

@@ -76,7 +76,7 @@ def decompose(matrix: Array) -> Trs | None:
     """
     linear = matrix[:3, :3]
     diagonal = np.diagonal(linear)
-    turned = np.count_nonzero(diagonal < 0.0) == 2  # half a turn, not a mirror
+    turned = np.count_nonzero(diagonal < 0.0) == 2  # half a turn, no mirror
     if np.count_nonzero(linear) == np.count_nonzero(diagonal) and not turned:
         return Trs(matrix[:3, 3].copy(), np.array([0.0, 0.0, 0.0, 1.0]), diagonal.copy())
     lengths = np.linalg.norm(linear, axis=0)

@@ -13,9 +13,9 @@ from reflet_usd.convert.scene import Array, Node
 from reflet_usd.convert.transform_tolerance import Reach
 from reflet_usd.convert.xform import align_hemispheres, column_matrix, place, quaternion
 
-# glTF turns the short way between keys, so no step may reach half a turn.
+# glTF turns the short way between keys, so steps must stay well below half a turn.
 MAX_STEP_DEG = 120.0
-# Translations and scales beyond this are damage; sampled transforms name it.
+# Larger translations and scales are damage; the sampled transform warns about it.
 MAX_LENGTH_M = 1e30
 _Op = UsdGeom.XformOp
 _SINGLE_AXES = {_Op.TypeRotateX: 0, _Op.TypeRotateY: 1, _Op.TypeRotateZ: 2}
@@ -68,7 +68,7 @@ def _animated_links(context: Context, name: str, op: UsdGeom.XformOp) -> list[No
     kind = op.GetOpType()
     codes = context.codes_in_range(sorted(op.GetTimeSamples()))
     if len(codes) < 2 or any(op.Get(Usd.TimeCode(code)) is None for code in codes):
-        return None  # blocked samples, and splines, which have knots instead
+        return None  # blocked samples, or a spline, which has knots instead
     if kind in _SINGLE_AXES:
         angles = np.array([_angle(op, code, None) for code in codes])
         if not np.isfinite(angles).all():
@@ -127,7 +127,7 @@ def _turning_node(
 def _simple_link(
     context: Context, name: str, op: UsdGeom.XformOp, codes: list[float]
 ) -> list[Node] | None:
-    """A translation, scale or quaternion whose authored keys are glTF's keys."""
+    """Node of a translation, scale or quaternion op whose authored keys are glTF's keys."""
     if op.GetOpType() == _Op.TypeOrient:
         return _orienting_link(context, name, op, codes)
     values = [op.Get(Usd.TimeCode(code)) for code in codes]
@@ -148,7 +148,7 @@ def _simple_link(
 def _orienting_link(
     context: Context, name: str, op: UsdGeom.XformOp, codes: list[float]
 ) -> list[Node] | None:
-    """A quaternion by USD's own matrices, which take its angle from the real part alone."""
+    """Node of a quaternion op, by USD's own matrices, whose angle is from the real part alone."""
 
     def evaluate(code: float) -> Array:
         return column_matrix(op.GetOpTransform(Usd.TimeCode(code)), 1.0)
@@ -156,7 +156,7 @@ def _orienting_link(
     if not all(np.isfinite(evaluate(code)).all() for code in codes):
         return None
     rotations = [quaternion(evaluate(code)[:3, :3]) for code in codes]
-    # Between keys of half floats USD rounds to half floats, which glTF need not follow.
+    # USD rounds to half floats between keys of half floats; glTF need not.
     if str(op.GetTypeName()) != "quath":
         keys = exact_keys(evaluate, codes, OneNode(evaluate), Reach())
         if keys is None:

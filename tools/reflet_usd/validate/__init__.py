@@ -1,4 +1,4 @@
-"""The command `reflet-usd validate`: is a glTF file valid, and does it show what the stage shows.
+"""The command `reflet-usd validate`: is a glTF file valid, and does it show what the stage shows?
 
 The output is re-read by pygltflib and trimesh, the stage is evaluated by usd-core; no code of
 the converter takes part; the stage is read in the sandbox's child process. Exit codes: 0 all
@@ -40,7 +40,7 @@ def run(args: argparse.Namespace) -> int:
         if not path.is_file():
             print(f"{path}: no such file; name an existing one", file=sys.stderr)
             return EXIT_USAGE
-    # Imported late: the readers take long to load, and may be missing.
+    # Imported late: the readers take long to load, and may not be installed.
     try:
         return _run(args)
     except ModuleNotFoundError as error:
@@ -50,7 +50,7 @@ def run(args: argparse.Namespace) -> int:
         ) from error
     except ConvertError:
         raise
-    except Exception as error:  # a blunder of the check says nothing about the file
+    except Exception as error:  # an error of the check itself says nothing about the file
         frame = traceback.extract_tb(error.__traceback__)[-1]
         place = f"{Path(frame.filename).name}:{frame.lineno}"
         reason = " ".join(str(error).split())[:300]

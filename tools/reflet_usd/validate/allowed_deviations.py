@@ -7,29 +7,29 @@ truth computes that value (`usd_rules`) and nothing is excused.
 from __future__ import annotations
 
 SUBTREE = ("animation-resampled", "prim-damaged")
-"""Warnings that speak of their prim and of all below it; every other one of its prim alone."""
+"""Warnings that apply to their prim and all below it; every other one applies to its prim alone."""
 PLACED = ("animation-resampled",)
-"""Places that deviate by at most what the warning states, and nothing else of the prim."""
+"""Warnings that allow places to deviate by what they state, and nothing else of the prim."""
 ABSENT = ("prim-damaged",)
-"""A prim of any type that is not in the file."""
+"""Warnings by which a prim of any type may be missing from the file."""
 MESH_LIGHT = ("mesh-light-dropped", "Volume-dropped")
-"""Light that points and curves send."""
+"""Warnings about lost light that points and curves send."""
 UNORDERED_COLORS = ("primvar-interpolation-dropped",)
-"""Display colors on parts of a gprim whose order USD does not define, by the primvar's name."""
+"""Warnings about display colors on parts of a gprim whose order USD does not define."""
 UV_SET = ("primvar-*",)
-"""A primvar that the warning names in quotes is not in the file."""
+"""Warnings that a primvar, named in quotes, is not in the file."""
 UV_CONSTANT = ("uv-missing",)
-"""Constant that replaces a set without a primvar."""
+"""Warning about a constant that replaces a UV set without a primvar."""
 LEFT_OUT = ("invisible-skipped", "purpose-skipped", "prim-damaged")
-"""A prim and all below it have no node."""
+"""Warnings by which a prim and all below it have no node."""
 TRANSLUCENT = ("opacity-approximated",)
-"""A displayColor that blends although no corner that is drawn is translucent."""
+"""Warning about a displayColor that blends although no drawn corner is translucent."""
 EXTRAS = ("attribute-dropped",)
-"""A property outside all schemas that the warning names in quotes."""
+"""Warning about a property outside all schemas, named in quotes."""
 OTHER_SURFACE = ("material-unsupported", "material-approximated")
 UNKNOWN_SURFACE = ("material-unsupported",)
 NOT_READ = ("asset-outside-roots", "asset-not-a-file")
-"""A layer that a prim names and that is outside the folders, or no plain file."""
+"""Warnings about a layer that a prim names and that is outside the folders, or no plain file."""
 NO_PLACE = {
     "displacement": "displacement-dropped",
     "normal": "normal-constant-dropped",
@@ -37,24 +37,24 @@ NO_PLACE = {
 }
 """Constant inputs of a UsdPreviewSurface that no glTF material holds."""
 NO_TEXTURE = ("material-texture-dropped",)
-"""The texture of an input that is one number in glTF; its default counts."""
+"""Warning about the texture of an input that is one number in glTF; the input's default counts."""
 FROZEN_INPUT = ("material-animation-frozen",)
-"""Keys of an attribute of a material, which the warning names in quotes."""
-# What follows excuses nothing: it chooses the rule by which the truth computes a texture.
+"""Warning about keys of a material's attribute, named in quotes, that are dropped."""
+# The next constants excuse nothing: they choose the rule by which the truth computes a texture.
 PACKED = ("texture-packed-transform",)
-"""A texture that is placed as another one it was packed with."""
+"""Warning about a texture that is placed like another one it was packed with."""
 REWRITTEN = ("texture-repacked", "texture-converted")
-"""A texture whose texels were resized, by the rule that the truth follows."""
+"""Warnings about a texture whose texels were resized, by the rule that the truth follows."""
 UNREAD_FILE = ("texture-too-large", "asset-not-a-file")
 LOST_FILE = (*UNREAD_FILE, "asset-outside-roots", "texture-missing", "texture-unreadable")
-"""A texture whose fallback counts."""
+"""Warnings about a lost texture file, whose fallback value counts."""
 NORMAL_SCALE = ("normal-scale-missing",)
 _DOMES = ("DomeLight", "DomeLight_1")
 _NO_LIGHTS = ("GeometryLight", "PluginLight")
 
 
 def absent(kind: str) -> tuple[str, ...]:
-    """The warnings by which a prim of type `kind` may be missing."""
+    """Warnings by which a prim of type `kind` may be missing."""
     if kind in _DOMES:
         return (*ABSENT, "dome-light-external")
     if kind == "PortalLight":

@@ -1,4 +1,4 @@
-"""Owns the list of checks: their bars, what they found, and which losses were declared."""
+"""Owns the list of checks: their bars, their findings, and the declared losses."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _MAX_FINDINGS = 50
 
 @dataclasses.dataclass(frozen=True)
 class Bar:
-    """What a check measures and how much it tolerates."""
+    """One check's measure and its tolerance."""
 
     title: str
     limit: float
@@ -53,12 +53,12 @@ BARS: dict[str, Bar] = {
 
 
 _ADD_UP = 4.0
-"""Three entries of a matrix and its place add up in a corner."""
+"""Three entries of a matrix and its translation add up in a corner."""
 
 
 @dataclasses.dataclass
 class Finding:
-    """One value above its bar, or one thing missing."""
+    """One value above its bar, or one missing thing."""
 
     prim: str
     value: float
@@ -82,7 +82,7 @@ class Check:
 
     @property
     def passed(self) -> bool:
-        """Whether nothing deviates silently."""
+        """Whether there is no undeclared deviation."""
         return self.silent == 0
 
     def to_json(self) -> dict[str, Any]:
@@ -112,21 +112,21 @@ class _Told:
     name: str
     message: str
     reach: float
-    """How far it lets the file deviate."""
+    """Deviation up to which the warning excuses."""
 
     def fits(self, names: tuple[str, ...], value: float, named: str) -> bool:
-        """Whether it is one of `names`, reaches `value`, and names `named` in quotes, if any."""
+        """Whether the warning is one of `names`, reaches `value`, and quotes `named`, if any."""
         fits = any(fnmatch.fnmatchcase(self.name, pattern) for pattern in names)
         return fits and value <= self.reach and (not named or f"'{named}'" in self.message)
 
 
 class Checks:
-    """Collects values of all checks against their bars and the sidecar's warnings."""
+    """Collects the values of all checks, against their bars and the sidecar's warnings."""
 
     def __init__(self, warnings: Iterable[dict[str, Any]]) -> None:
         self.checks = {name: Check(name, bar) for name, bar in BARS.items()}
         self.made_of: dict[str, set[str]] = {}
-        """By instancer the prims that it draws, whose warnings are its own."""
+        """Prims that an instancer draws, by instancer; their warnings count as its own."""
         self._warnings: dict[str, list[_Told]] = {}
         for warning in warnings:
             reach = warning.get("deviation")
@@ -195,11 +195,11 @@ class Checks:
         return None
 
     def declared(self) -> int:
-        """Number of deviations declared by a warning so far."""
+        """Number of deviations so far that a warning declares."""
         return sum(check.declared for check in self.checks.values())
 
     def results(self) -> list[Check]:
-        """Checks that compared anything, in their fixed order."""
+        """Results of the checks that compared anything, in their fixed order."""
         return [check for check in self.checks.values() if check.compared]
 
 

@@ -18,7 +18,7 @@ from .uv_compare import compare_customs, compare_point_values, compare_uvs
 
 _FLOAT32_STEP = float(np.finfo(np.float32).eps)
 _ROUNDINGS = 4.0
-"""Single precision allows each stored or transformed coordinate about this many roundings."""
+"""Number of roundings to single precision allowed for a stored or transformed coordinate."""
 
 
 class SceneComparer:
@@ -29,12 +29,12 @@ class SceneComparer:
         self.skinned = skinned
         low, high = _bounds(truth)
         self.diagonal = float(np.linalg.norm(high - low)) or 1.0
-        # Coordinates far from the origin cannot be stored finer than single precision.
+        # Coordinates far from the origin can only be stored to single precision.
         reach = float(max(np.abs(low).max(), np.abs(high).max()))
         self.slack = _ROUNDINGS * _FLOAT32_STEP * reach / self.diagonal
 
     def geometry(self, truth: Scene, output: Scene, skip: frozenset[str] = frozenset()) -> None:
-        """Corners, surfaces and bounds of everything drawn, but for the prims in `skip`."""
+        """Compare corners, surfaces and bounds of everything drawn, except the prims in `skip`."""
         excused = self.checks.declared()
         for key in sorted((truth.corners.keys() | truth.surfaces.keys()) - skip):
             found = output.corners.get(key)
@@ -64,7 +64,7 @@ class SceneComparer:
             self._bounds(truth, output)
 
     def other(self, truth: Scene, output: Scene) -> None:
-        """Prims of kinds without a numeric comparison: carried or declared."""
+        """Compare prims of kinds without a numeric measure: carried or declared."""
         for key, kind in truth.other.items():
             there = key in output.corners or key in output.lights
             self._is_carried(key, there, kind)
@@ -78,13 +78,13 @@ class SceneComparer:
             self.checks.add_lost(prim, MESH_LIGHT, "shines")
 
     def matrices(self, truth: Scene, output: Scene, at: str) -> None:
-        """World matrices of all nodes that stand for a transformable prim."""
+        """Compare world matrices of all nodes that stand for a transformable prim."""
         self.matrices_of(truth.matrices, output.matrices, at)
 
     def matrices_of(
         self, truth: dict[str, list[Array]], output: dict[str, list[Array]], at: str
     ) -> None:
-        """The same for matrices alone."""
+        """Compare world matrices, given by prim path."""
         for prim, found in output.items():
             if prim in self.skinned:
                 continue  # glTF ignores the transforms of a skinned mesh's own node
@@ -98,7 +98,7 @@ class SceneComparer:
         output: dict[str, dict[str, list[Array]]],
         at: str,
     ) -> None:
-        """World matrices of the joints that both have."""
+        """Compare world matrices of the joints that both sides have."""
         for skeleton, expected in truth.items():
             for name, matrices in output.get(skeleton, {}).items():
                 if name in expected:
@@ -109,17 +109,17 @@ class SceneComparer:
                     self.checks.add("joints", skeleton, value, f"{name} {at}", self.slack)
 
     def cameras(self, truth: Scene, output: Scene, at: str) -> None:
-        """Lenses and places of all cameras."""
+        """Compare lenses and places of all cameras."""
         for key, expected in truth.cameras.items():
             self._devices("cameras", key, expected, output.cameras.get(key, []), at, camera_values)
 
     def lights(self, truth: Scene, output: Scene, at: str) -> None:
-        """Kinds, intensities and places of all lights that a punctual light can stand for."""
+        """Compare kinds, intensities and places of all lights that punctual lights stand for."""
         for key, expected in truth.lights.items():
             self._devices("lights", key, expected, output.lights.get(key, []), at, light_values)
 
     def hold_sizes(self, truth: Scene, rest: Scene, frozen: set[str]) -> None:
-        """Lights that are `frozen` have at any time the power of their size at rest."""
+        """Set the power of lights in `frozen`, at any time, to that of their size at rest."""
         for key, lights in truth.lights.items():
             first = rest.lights.get(key, [])
             if frozen & (truth.made_of.get(key, set()) | {key}) and len(first) == len(lights):
@@ -135,7 +135,7 @@ class SceneComparer:
         at: str,
         measure: Callable[[Device, Device, float], Iterable[tuple[str, float]]],
     ) -> None:
-        """Each of the stage's with the nearest of the file's; an instancer draws several."""
+        """Compare each device of the stage with the file's nearest; an instancer draws several."""
         if not self._is_carried(key, len(found) >= len(expected), check[:-1]):
             return
         if len(found) > len(expected):
@@ -192,20 +192,20 @@ class SceneComparer:
             self._surface_looks(key, surfaces, found)
 
     def _turned(self, truth: Scene, key: str, found: Corners | None) -> None:
-        """Curved gprims in their documented tessellation: as meshes, and on the exact surface."""
+        """Compare curved gprims in their documented tessellation: as meshes, and on the surface."""
         expected = truth.corners[key]
         self._corners(key, expected, found, skinned=False)
         if found is None or key not in truth.closed or not len(found.positions):
             return
         away = distances_to_surfaces(truth.surfaces[key], found.positions)
-        # Nothing is away from a flattened one by any known measure.
+        # Distances to a flattened surface are infinite and not compared.
         value = float(away[np.isfinite(away)].max(initial=0.0)) / self.diagonal
         self.checks.add("surfaces", key, value, "from the surface", self.slack)
         number = open_edges(expected.positions, found.positions)
         self.checks.add("winding", key, number, "edges without their opposite")
 
     def _surface_looks(self, key: str, surfaces: list[Surface], found: Corners) -> None:
-        """Display colors and materials of curved gprims, as sets over the instances."""
+        """Compare display colors and materials of curved gprims, as sets over the instances."""
         bound = {_name(surface.material) for surface in surfaces if surface.material}
         for name in sorted(bound ^ {_name(path) for path in found.material_paths}):
             wrong = "is not used" if name in bound else "is used only in the output"
@@ -220,7 +220,7 @@ class SceneComparer:
     def _mixed(
         self, key: str, expected: Corners, surfaces: list[Surface], found: Corners | None
     ) -> None:
-        """An instancer of polygons and curved gprims: each corner is on either."""
+        """Compare an instancer of polygons and curved gprims: each corner lies on either."""
         if self._is_carried(key, found is not None and bool(len(found.positions)), "geometry"):
             assert found is not None
             allowed = np.vstack([expected.positions, expected.optional_positions])
@@ -237,14 +237,14 @@ class SceneComparer:
         more: tuple[float, Array, float] = (0.0, np.zeros(3), 0.0)
         if found.triangles != expected.triangles and expected.optional_triangles:
             if found.triangles != expected.triangles + expected.optional_triangles:
-                return  # which of the faces that repeat a point were drawn cannot be told
+                return  # unknown which degenerate faces were drawn
             more = expected.optional_measures
         low, high = expected.area_range[0] + more[0], expected.area_range[1] + more[0]
         size = _size(expected.positions)
         area = max(high, 1e-6 * size**2)
         if not area > 0.0 or not math.isfinite(area):
-            return  # all corners are at one place, or too far apart to multiply: they were compared
-        # A rounding of one coordinate moves an area by that times the extent.
+            return  # all at one place, or too far apart to multiply: positions were compared
+        # Rounding one coordinate moves an area by the rounding times the extent.
         slack = self.slack * self.diagonal * size * math.sqrt(expected.triangles + 1) / area
         outside = max(low - found.area_range[0], found.area_range[0] - high, 0.0)
         text = f"{found.area_range[0]:.6g} m2, expected {low:.6g}"
@@ -252,7 +252,7 @@ class SceneComparer:
         turned = float(np.linalg.norm(expected.vector_area + more[1] - found.vector_area)) / area
         self.checks.add("winding", key, turned, "area vector", slack)
         first, last = (end + more[2] for end in expected.volume_range)
-        # Seen from the same center; for open meshes the volume depends on it.
+        # Both volumes are seen from the same center: that of an open mesh depends on it.
         shift = (found.center - expected.center) @ found.vector_area / 3
         volume = found.volume_range[0] + float(shift)
         beyond = max(first - volume, volume - last, 0.0) / (area * max(size, 1e-30))
@@ -261,7 +261,7 @@ class SceneComparer:
     def _attributes(self, key: str, expected: Corners, found: Corners, skinned: bool) -> None:
         tolerance = self.diagonal * (BARS["positions"].limit + self.slack)
         both = expected.optional_triangles == 0
-        # Those of flattened surfaces are not defined.
+        # Normals of flattened surfaces are not defined.
         if expected.normals is not None and not skinned and np.isfinite(expected.normals).any():
             if found.normals is None:
                 self.checks.add("normals", key, 180.0, "no normals in the output")
@@ -303,13 +303,13 @@ class SceneComparer:
             self.checks.add("colors", key, math.inf, text, excuses=(told,) if told else ())
 
     def _bindings(self, key: str, expected: Corners, found: Corners) -> None:
-        """The corners of each material, as sets, by the material's name."""
+        """Compare the corners of each material, as sets, by the material's name."""
         if expected.materials is None or found.materials is None:
             return
         names = [{_name(path) for path in side.material_paths} for side in (expected, found)]
         bare = (expected.materials < 0).any() or (found.materials < 0).any()
         if names[0] == names[1] and len(names[0]) <= 1 and not bare:
-            self.checks.add("bindings", key, 0.0)  # one material on everything, on both sides
+            self.checks.add("bindings", key, 0.0)  # both sides have one material on everything
             return
         there = {path.rsplit("/", 1)[-1]: i for i, path in enumerate(found.material_paths)}
         for index, path in enumerate(expected.material_paths):
@@ -330,7 +330,7 @@ class SceneComparer:
             self.checks.add("bindings", key, value / self.diagonal, path, self.slack)
 
     def _bounds(self, truth: Scene, output: Scene) -> None:
-        """The box of all that both sides hold; what is missing was noted already."""
+        """Compare the box of everything that both sides hold; missing prims were noted already."""
         shared = truth.corners.keys() | truth.surfaces.keys()
         clouds = [_everything(output.corners[key]) for key in shared if key in output.corners]
         clouds = [cloud for cloud in clouds if len(cloud)]
@@ -342,7 +342,7 @@ class SceneComparer:
         off = max(np.abs(points.min(0) - low).max(), np.abs(points.max(0) - high).max())
         rough = [many for key, many in truth.surfaces.items() if key not in truth.turned]
         turned = [s for many in rough for s in many if not _is_aligned(s.matrix)]
-        # The box of a turned curved gprim touches it where a tessellation need not have a vertex.
+        # A turned curved gprim touches its box where its tessellation need not have a vertex.
         if not turned:
             self.checks.add("bounds", "/", float(off) / self.diagonal, "bounding box", self.slack)
 

@@ -13,12 +13,12 @@ from .scene_data import Array, Camera, Light
 
 Device = TypeVar("Device", Camera, Light)
 _FEW = 1024
-"""So many pairs of devices are all looked at."""
+"""Maximum number of pairs of devices that are all compared."""
 _FAR = 1e30
 
 
 def matrix_distance(expected: Array, found: Array, diagonal: float) -> float:
-    """Largest difference: of the axes against their length, of the place against the scene."""
+    """Largest difference: of axes relative to their length, of places relative to the scene."""
     scale = max(float(np.abs(expected[:3, :3]).max()), 1e-30)
     linear = float(np.abs(expected[:3, :3] - found[:3, :3]).max()) / scale
     move = float(np.abs(expected[3, :3] - found[3, :3]).max())
@@ -27,7 +27,7 @@ def matrix_distance(expected: Array, found: Array, diagonal: float) -> float:
 
 
 def camera_values(expected: Camera, found: Camera, diagonal: float) -> Iterable[tuple[str, float]]:
-    """What is compared of a camera, with its relative difference."""
+    """Compared values of a camera, each with its relative difference."""
     if (expected.yfov is None) != (found.yfov is None):
         yield "projection", math.inf
         return
@@ -44,7 +44,7 @@ def camera_values(expected: Camera, found: Camera, diagonal: float) -> Iterable[
 
 
 def light_values(expected: Light, found: Light, diagonal: float) -> Iterable[tuple[str, float]]:
-    """What is compared of a light, with its relative difference."""
+    """Compared values of a light, each with its relative difference."""
     if expected.kind != found.kind and expected.exact:
         yield f"is {found.kind}, expected {expected.kind}", math.inf
         return
@@ -62,9 +62,9 @@ def light_values(expected: Light, found: Light, diagonal: float) -> Iterable[tup
 
 
 def nearby(expected: Sequence[Device], found: Sequence[Device]) -> Iterator[Iterable[int]]:
-    """For each of the stage's which of the file's may be the same: all, or of many those nearest.
+    """For each device of the stage, those of the file to compare: all, or of many the nearest.
 
-    Those that are as near as the nearest one, but for rounding, stay together.
+    Devices as near as the nearest one, within rounding, are all compared.
     """
     if len(expected) * len(found) <= _FEW:
         yield from (range(len(found)) for _ in expected)

@@ -1,4 +1,4 @@
-"""Owns the check of a file against an untrusted stage: in the sandbox's child, with its limits."""
+"""Owns the check of a file against an untrusted stage, in the sandbox's child with its limits."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ _TARGET = "reflet_usd.validate.confined:validate_here"
 
 @dataclasses.dataclass
 class Verdict:
-    """What one check found, as plain data."""
+    """Result of one check, as plain data."""
 
     validation: dict[str, Any]
-    """As `Validation.to_json` gives it."""
+    """Data from `Validation.to_json`."""
     text: str
-    """The table for people."""
+    """Table for people."""
 
 
 def validate_confined(
@@ -38,8 +38,8 @@ def validate_confined(
 ) -> Verdict:
     """Compare `out` with `stage` in a confined child process; `khronos` joins the verdict.
 
-    Readable are the folders of both and those that the sidecar records. Raises ConvertError as
-    `sandbox.run_confined`, and with `stage-unreadable` or `validate-internal`.
+    The child may read the folders of both and those that the sidecar records. Raises ConvertError
+    like `sandbox.run_confined`, and with `stage-unreadable` or `validate-internal`.
     """
     from .sidecar import read_sidecar
 
@@ -67,7 +67,7 @@ def validate_confined(
 
 
 def validate_here(stage: Path, _out: Path, options: dict[str, Any]) -> Verdict:
-    """The comparison itself, in this process."""
+    """Compare in this process."""
     from .scene_data import StageError
     from .validation import validate_file
     from .validation_table import format_validation
@@ -83,18 +83,18 @@ def validate_here(stage: Path, _out: Path, options: dict[str, Any]) -> Verdict:
 
 
 def _guard_layers(stage: Path, roots: list[str]) -> None:
-    """Mute what is no plain file, which USD would wait for, and check packages before USD does."""
+    """Mute layers that are no plain files, on which USD would block, and check packages first."""
     from pxr import Ar, Sdf, Tf
 
     from .usd_stage import is_within
 
     folders = tuple(os.path.realpath(root) for root in (str(stage.parent), *roots))
     waiting = [str(stage)]
-    for identifier in waiting:  # grows while it is walked
+    for identifier in waiting:  # the list grows during the loop
         try:
             layer = Sdf.Layer.FindOrOpen(identifier)
         except Tf.ErrorException:
-            continue  # whoever composes the stage says so
+            continue  # composing the stage reports it
         for asset in layer.GetCompositionAssetDependencies() if layer else ():
             found = layer.ComputeAbsolutePath(asset)
             resolved = Ar.GetResolver().Resolve(found).GetPathString()
@@ -112,4 +112,4 @@ def _is_plain(path: str) -> bool:
     try:
         return stat.S_ISREG(os.stat(path).st_mode)
     except OSError:
-        return True  # nothing that could block
+        return True  # no file that could block

@@ -25,7 +25,7 @@ def one_way(points: Array, others: Array) -> float:
 
 def _distinct(points: Array) -> Array:
     """The points without exact repetitions: corners repeat each vertex about six times."""
-    # Equal points have equal projections; different ones share theirs only where 53 bits agree by
+    # Equal points have equal projections; different ones share one only where 53 bits agree by
     # accident, for the direction fits no lattice.
     _, first = np.unique(points @ _DIRECTION[: points.shape[1]], return_index=True)
     return points[first]
@@ -37,9 +37,9 @@ def set_distance(first: Array, second: Array) -> float:
 
 
 def open_edges(points: Array, corners: Array) -> int:
-    """How many edges of triangles (three corners each) no other triangle runs along backwards.
+    """Number of triangle edges (three corners each) that no other triangle has in reverse.
 
-    `points` are where their vertices should be, and say which of them are one.
+    `points` are the expected vertex positions, by which vertices are joined.
     """
     size = float(np.ptp(points, axis=0).max())
     tree = cKDTree(points)
@@ -61,7 +61,7 @@ def attribute_distance(
     step: float,
     both: bool,
 ) -> float:
-    """Largest distance of the attribute at corners of one place, searched as one joint space.
+    """Largest distance of an attribute at corners of the same place, searched in one joint space.
 
     Positions count in units of `tolerance`, attributes in units of `step`, so a corner is paired
     with the nearest attribute among the corners that share its place. Expected attributes that

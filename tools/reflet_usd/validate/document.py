@@ -1,4 +1,4 @@
-"""Owns the checks of the whole file: its one animation, its nodes' prims, its lights' range."""
+"""Owns the checks of the whole file: its only animation, its nodes' prims, its lights' range."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def compare_document(
     rest: Usd.TimeCode,
     settings: dict[str, Any],
 ) -> None:
-    """Compare what belongs to no single prim; `settings` are those of the sidecar."""
+    """Compare facts that belong to no single prim; `settings` are those of the sidecar."""
     for text in _animation_faults(output, may_move(truth.stage)):
         checks.add("animation", "/", 1, text)
     checks.add("animation", "/", 0)
@@ -43,7 +43,7 @@ def compare_document(
 
 
 def _animation_faults(output: OutputReader, moves: bool) -> Iterator[str]:
-    """What makes viewers show other motion than the channels that are compared."""
+    """Faults by which viewers show other motion than the channels that are compared."""
     animations = output.file.tree.get("animations", [])
     if len(animations) > 1:
         yield f"{len(animations)} animations, expected one"
@@ -62,7 +62,7 @@ def _animation_faults(output: OutputReader, moves: bool) -> Iterator[str]:
 
 
 def _compare_nodes(checks: Checks, stage: Usd.Stage, output: OutputReader) -> None:
-    """Every prim with a place in space has a node, and every named prim is in the stage."""
+    """Check that every placed prim has a node, and every prim named by a node is in the stage."""
     named = {output.file.prim_of(output.file.nodes[node]) or "/" for node in output.poser.order}
     for path in sorted(named):
         valid = Sdf.Path.IsValidPathString(path)
@@ -89,7 +89,7 @@ def _compare_extras(
     rest: Usd.TimeCode,
     settings: dict[str, Any],
 ) -> None:
-    """What the scene's extras say about the stage; files by others need not say anything."""
+    """Compare the facts about the stage in the scene's extras; files by others may have none."""
     tree = output.file.tree
     scenes = tree.get("scenes") or [{}]
     told = (scenes[tree.get("scene", 0)].get("extras") or {}).get("usd")
@@ -113,7 +113,7 @@ def _compare_extras(
 
 
 def _dome_radiance(truth: TruthStage, rest: Usd.TimeCode) -> list[float] | None:
-    """The sum over drawn domes without a texture, in nits; None without any."""
+    """Sum of the radiance of drawn domes without a texture, in nits; None without any."""
     total = None
     for prim in Usd.PrimRange(truth.stage.GetPseudoRoot(), Usd.TraverseInstanceProxies()):
         if prim.GetTypeName() not in _DOMES:

@@ -1,4 +1,4 @@
-"""Owns the check of what nodes keep in their extras: properties outside all schemas."""
+"""Owns the check of properties outside all schemas, which nodes keep in their extras."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .allowed_deviations import EXTRAS
 from .checks import Checks
 from .gltf_scene import OutputReader
 
-# Properties compared by separate rules: on any prim, and on prims of one type.
+# Properties that other modules compare: on any prim, and on prims of one type.
 _ELSEWHERE = re.compile(
     r"collection:|extent$|extentsHint$|primvars:|material:binding(:|$)"
     r"|skel:(animationSource|blendShapeTargets|blendShapes|joints|skeleton)$"
@@ -28,13 +28,13 @@ _OF_KINDS = {
 _USER = "userProperties"
 _MAX_VALUES = 64
 NAMED = 8
-"""So many names a warning lists; of more it tells their number."""
+"""Maximum number of names that a warning lists; of more it gives the count."""
 
 
 def compare_extras(
     checks: Checks, stage: Usd.Stage, output: OutputReader, rest: Usd.TimeCode
 ) -> None:
-    """The node of a prim has exactly the prim's custom properties."""
+    """Check that the node of a prim has exactly the prim's custom properties."""
     nodes = output.file.tree.get("nodes", [])
     for index in output.poser.order:
         extras = nodes[index].get("extras") or {}
@@ -73,7 +73,7 @@ def _compare_properties(
 def _compare_collections(
     checks: Checks, prim: Usd.Prim, kept: dict[str, Any], rest: Usd.TimeCode
 ) -> None:
-    """Collections in the file equal those of the stage."""
+    """Check that collections in the file equal those of the stage."""
     for name, parts in kept.items():
         for part, value in parts.items():
             item = prim.GetProperty(f"collection:{name}:{part}")
@@ -85,7 +85,7 @@ def _compare_collections(
 
 
 def _own_properties(prim: Usd.Prim, rest: Usd.TimeCode) -> dict[str, Any]:
-    """The authored properties that no schema knows; None for what is not plain or too long."""
+    """Authored properties that no schema knows; None for values that are not plain or too long."""
     known = prim.GetPrimDefinition().GetSpecType
     result = {}
     for name in map(str, prim.GetAuthoredPropertyNames()):
@@ -108,7 +108,7 @@ def _value(item: Usd.Property, rest: Usd.TimeCode) -> Any:
 
 
 def plain(value: Any) -> Any:
-    """A value as JSON has it; None for what is not plain or too long."""
+    """A value as JSON has it; None where it is not plain or too long."""
     if isinstance(value, (bool, int, str)):
         return value
     if isinstance(value, float):
@@ -132,7 +132,7 @@ def plain(value: Any) -> Any:
 
 
 def is_same(expected: Any, found: Any) -> bool:
-    """Whether two values of JSON are equal, numbers within single precision."""
+    """Whether two JSON values are equal, numbers to single precision."""
     if isinstance(expected, list) and isinstance(found, list):
         pairs = zip(expected, found, strict=False)
         return len(expected) == len(found) and all(is_same(a, b) for a, b in pairs)

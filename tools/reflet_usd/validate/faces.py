@@ -11,12 +11,12 @@ from .scene_data import Array, Indices
 _FLAT = 1e-5
 """A face is flat when no corner leaves its plane by more than this part of its size."""
 _CROSSING = 1e-4
-"""A quad whose better diagonal has this much more area than its area vector crosses itself."""
+"""A quad's better diagonal gives this much more area than its vector area where sides cross."""
 _BENT_SLACK = 1.5
-"""A bent face of more than four corners can be larger than its fan by about this factor."""
+"""Factor by which a bent face of more than four corners may exceed the area of its fan."""
 
 _PAIRS = 1_000_000
-"""Pairs of sides that are looked at together."""
+"""Maximum number of pairs of sides that are tested at once."""
 
 
 @dataclasses.dataclass
@@ -58,14 +58,14 @@ def measure(
     flat = height <= _FLAT * size
     fan_area = np.add.reduceat(np.linalg.norm(fan, axis=1), starts)
     lower = length.copy()
-    # What was cut elsewhere folds where it became concave, and what crosses itself everywhere.
+    # Deformed faces fold where they became concave; faces whose sides cross fold in any cutting.
     convex = _convex(positions, starts, counts, normals)
     sure = flat & (convex if deformed else True)
     sure[_crossing(positions, starts, counts, normals, ~convex & flat & (counts > 4))] = False
     upper = np.where(sure, length, np.maximum(fan_area, length) * _BENT_SLACK)
     quads = np.flatnonzero(counts == 4)
     both = _quad_areas(positions[starts[quads][:, None] + np.arange(4)])
-    # A flat quad has the area of its better diagonal, unless its sides cross: then both fold.
+    # A flat quad has the area of its better diagonal; where its sides cross, both diagonals fold.
     best = both.min(axis=1)
     simple = sure[quads] & (best <= length[quads] * (1 + _CROSSING))
     lower[quads] = best
@@ -94,7 +94,7 @@ def _convex(positions: Array, starts: Indices, counts: Indices, normals: Array) 
 def _crossing(
     positions: Array, starts: Indices, counts: Indices, normals: Array, asked: np.ndarray
 ) -> Indices:
-    """Which of the flat faces that are `asked` for have sides that cross."""
+    """Numbers of those flat faces among `asked` whose sides cross."""
     found = [np.zeros(0, np.int64)]
     for size in np.unique(counts[asked]):
         faces = np.flatnonzero(asked & (counts == size))
@@ -113,7 +113,7 @@ def _crosses(corners: Array) -> np.ndarray:
     side = ends - corners
 
     def turn(points: Array) -> Array:
-        """On which side of each line (second index) each point (third index) lies."""
+        """Side of each line (second index) on which each point (third index) lies."""
         away = points[:, None] - corners[:, :, None]
         return side[:, :, None, 0] * away[..., 1] - side[:, :, None, 1] * away[..., 0]
 

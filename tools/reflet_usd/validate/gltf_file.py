@@ -34,24 +34,24 @@ class GltfFile:
         self.path = path
         try:
             loaded = pygltflib.GLTF2().load(str(path))
-        except Exception as error:  # the reader's many ways to say that a file is broken
+        except Exception as error:  # the reader has many errors for a broken file
             raise OutputError(f"pygltflib does not read {path}: {error}") from error
         if loaded is None:
             raise OutputError(f"pygltflib does not read {path}")
         self.gltf: pygltflib.GLTF2 = loaded
-        # A tree of thousands of nodes is walked often: plain lists and dictionaries are enough.
+        # Plain lists and dictionaries: a tree of thousands of nodes is walked often.
         self.nodes = list(loaded.nodes or [])
         self.meshes = list(loaded.meshes or [])
         self.materials = list(loaded.materials or [])
 
     def node_weights(self, index: int) -> list[float]:
-        """Default morph weights of node `index`, which pygltflib does not keep, or its mesh's."""
+        """Default morph weights of node `index`, which pygltflib does not keep, else its mesh's."""
         own = self.tree["nodes"][index].get("weights")
         return own or self.meshes[self.nodes[index].mesh].weights or []
 
     @functools.cached_property
     def tree(self) -> dict[str, Any]:
-        """The file's JSON as it stands, for what pygltflib does not keep."""
+        """The file's JSON as it stands, for fields that pygltflib does not keep."""
         data = self.path.read_bytes()
         if data[:4] == b"glTF":
             length = int.from_bytes(data[12:16], "little")
@@ -60,7 +60,7 @@ class GltfFile:
 
     @property
     def extensions(self) -> dict[str, Any]:
-        """The document's own extensions."""
+        """Extensions of the document itself."""
         return dict(self.gltf.extensions or {})
 
     @functools.cache  # noqa: B019 - lives exactly as long as the file
@@ -140,7 +140,7 @@ class GltfFile:
         return self.buffer(view.buffer)[start : start + view.byteLength]
 
     def prim_of(self, item: Any) -> str | None:
-        """The prim path that a node, material or camera keeps in its extras."""
+        """Prim path that a node, material or camera keeps in its extras."""
         extras = getattr(item, "extras", None) or {}
         prim = extras.get("prim") if isinstance(extras, dict) else None
         return prim if isinstance(prim, str) else None

@@ -16,12 +16,12 @@ _WRAP_NAMES = {10497: "repeat", 33648: "mirror", 33071: "clamp"}
 
 
 def is_mesh_light(material: Any) -> bool:
-    """Whether its emission lights what is around."""
+    """Whether the material is marked as a light, by its extras."""
     return isinstance((material.extras or {}).get("mesh_light"), dict)
 
 
 class OutputMaterial:
-    """One material of a file; channels are named as in UsdPreviewSurface."""
+    """One material of a file; its channels are named like UsdPreviewSurface inputs."""
 
     def __init__(self, file: GltfFile, index: int) -> None:
         self.file = file
@@ -51,13 +51,13 @@ class OutputMaterial:
         return _texels(self.file, self.file.gltf.textures[index].source)
 
     def wrap(self, name: str) -> tuple[str, str]:
-        """How the texture of channel `name` goes on beyond its image."""
+        """Wrap modes of the texture of channel `name`."""
         info = self._info(name)
         index = info["index"] if isinstance(info, dict) else info.index
         return self._wrap(self.file.gltf.textures[index])
 
     def spread(self, name: str) -> float:
-        """By how much the texels of channel `name` move its value; 0 without a texture."""
+        """Range over which the texels of channel `name` move its value; 0 without a texture."""
         texels = self.image(name)
         if texels is None:
             return 0.0
@@ -76,7 +76,7 @@ class OutputMaterial:
         return 1.0 if stated is None else float(stated)
 
     def has_image(self, name: str) -> bool:
-        """Whether there is a texture for channel `name`."""
+        """Whether channel `name` has a texture."""
         return self._info(name) is not None
 
     def _wrap(self, texture: Any) -> tuple[str, str]:
@@ -188,7 +188,7 @@ class OutputMaterial:
 
 
 def _moved(uv: Array, transform: dict[str, Any]) -> Array:
-    """KHR_texture_transform; the turn follows its text, not its sample matrix (glTF#1563)."""
+    """Coordinates after KHR_texture_transform, by its text, not its sample matrix (glTF#1563)."""
     scaled = uv * np.array(transform.get("scale", (1.0, 1.0)))
     angle = transform.get("rotation", 0.0)
     cosine, sine = np.cos(angle), np.sin(angle)

@@ -1,4 +1,4 @@
-"""Owns where the nodes of a glTF file are at a time: animation sampling and world matrices."""
+"""Owns the poses of a glTF file's nodes: animation sampling and world matrices."""
 
 from __future__ import annotations
 
@@ -37,16 +37,16 @@ class Poser:
         return {c.target.node for a in animations for c in a.channels if c.target.node is not None}
 
     def animated_rigs(self) -> int:
-        """How many channels move a joint or the weights of a mesh."""
+        """Number of channels that move a joint or the weights of a mesh."""
         joints = {joint for skin in self.file.gltf.skins or [] for joint in skin.joints}
         targets = [c.target for a in self.file.gltf.animations or [] for c in a.channels]
         return sum(target.path == "weights" or target.node in joints for target in targets)
 
     def pose(self, seconds: float | None) -> Pose:
-        """All nodes at `seconds`, or as stored in the file for None."""
+        """Pose of all nodes at `seconds`, or as stored in the file for None."""
         values: dict[tuple[int, str], Array] = {}
         if seconds is not None:
-            seconds = float(np.float32(seconds))  # as keys are stored, so that steps meet them
+            seconds = float(np.float32(seconds))  # rounded like stored keys, so that steps match
             for animation in self.file.gltf.animations or []:
                 for channel in animation.channels:
                     if channel.target.node is not None:
@@ -66,7 +66,7 @@ class Poser:
         return Pose(worlds, weights, frozenset(hidden))
 
     def _hidden(self, seconds: float | None) -> set[int]:
-        """Nodes that KHR_node_visibility hides themselves, animated by KHR_animation_pointer."""
+        """Nodes that KHR_node_visibility hides directly, animated through KHR_animation_pointer."""
         tree = self.file.tree
         hidden = set()
         for number, node in enumerate(tree.get("nodes", [])):
@@ -119,7 +119,7 @@ class Poser:
 
 
 class Pose:
-    """World matrices and morph weights of all nodes at one time, and which nodes are hidden."""
+    """World matrices and morph weights of all nodes at one time, and the hidden nodes."""
 
     def __init__(
         self, worlds: dict[int, Array], weights: dict[int, Array], hidden: frozenset[int]

@@ -1,4 +1,4 @@
-"""Owns the output reduced to facts: a glTF file's corners, cameras and lights at a time."""
+"""Owns the output's facts: corners, cameras and lights of a glTF file at a time."""
 
 from __future__ import annotations
 
@@ -36,9 +36,9 @@ class OutputReader:
             self.keys[node] = inside or self.prims[node]
 
     def scene(self, seconds: float | None, hidden: bool = False) -> Scene:
-        """Everything the file shows at `seconds` (None: as stored, no animation applied).
+        """Facts about everything that the file shows at `seconds` (None: as stored, no animation).
 
-        `hidden` also takes what KHR_node_visibility hides.
+        `hidden` includes nodes that KHR_node_visibility hides.
         """
         pose = self.poser.pose(seconds)
         scene = Scene(matrices=self.matrices(pose))
@@ -242,7 +242,7 @@ class _Local:
 
 
 class _Piece:
-    """A primitive at one place."""
+    """A primitive at one place in the world."""
 
     def __init__(self, local: _Local, place: Array) -> None:
         self.local = local

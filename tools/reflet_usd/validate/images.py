@@ -12,7 +12,7 @@ from PIL import Image
 
 from .scene_data import Array
 
-# Never others: Pillow hands some, such as EPS, to programs of the system.
+# Only these formats: Pillow hands some others, such as EPS, to programs of the system.
 FORMATS = ("PNG", "JPEG", "BMP", "GIF", "TGA", "TIFF", "WEBP")
 
 
@@ -25,7 +25,7 @@ class Texels:
     channels: int
     eight_bit: bool
     digest: bytes = b""
-    """Of the encoded file: equal ones hold equal texels."""
+    """Digest of the encoded file: equal ones hold equal texels."""
 
     @property
     def size(self) -> tuple[int, int]:
@@ -39,7 +39,7 @@ def decode(data: bytes) -> Texels | None:
         with Image.open(io.BytesIO(data), formats=FORMATS) as image:
             image.load()
             return dataclasses.replace(_texels(image), digest=hashlib.sha256(data).digest())
-    except Exception:  # Pillow raises many kinds for broken files
+    except Exception:  # Pillow raises many kinds of errors for broken files
         return None
 
 
@@ -54,7 +54,7 @@ def _texels(image: Image.Image) -> Texels:
         if image.mode in ("P", "PA", "1", "CMYK", "YCbCr", "HSV", "LAB"):
             alpha = image.mode == "PA" or "transparency" in image.info
             image = image.convert("RGBA" if alpha else "RGB")
-        elif "transparency" in image.info:  # one color of a PNG, by its tRNS chunk
+        elif "transparency" in image.info:  # one transparent color of a PNG, by its tRNS chunk
             image = image.convert("LA" if image.mode == "L" else "RGBA")
         values = np.asarray(image, dtype=np.float64) / 255.0
     if values.ndim == 2:
@@ -79,7 +79,7 @@ def linear_to_srgb(values: Array) -> Array:
 
 
 def enlarged(values: Array, size: tuple[int, int]) -> Array:
-    """(height, width, n) texels at a larger `size`, between the centers of the nearest ones."""
+    """Texels (height, width, n) at a larger `size`, between the centers of the nearest texels."""
     for axis, count in ((0, size[1]), (1, size[0])):
         have = values.shape[axis]
         place = np.clip((np.arange(count) + 0.5) * have / count - 0.5, 0.0, have - 1.0)
@@ -99,7 +99,7 @@ _WRAPS: dict[str, Callable[[Array], Array]] = {
 
 
 def sample(texels: Texels, uv: Array, wrap: tuple[str, str], linearize: bool) -> Array:
-    """(n, 4) nearest texels at (n, 2) coordinates whose v points down from the top row."""
+    """Nearest texels (n, 4) at coordinates (n, 2) whose v points down from the top row."""
     width, height = texels.size
     u, v = _WRAPS[wrap[0]](uv[:, 0]), _WRAPS[wrap[1]](uv[:, 1])
     column = np.clip((u * width).astype(np.int64), 0, width - 1)

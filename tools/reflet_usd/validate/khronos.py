@@ -18,7 +18,7 @@ _TIMEOUT_S = 600
 
 
 class ValidatorMissingError(Exception):
-    """Node or the package is not installed; the message tells the command that installs it."""
+    """Node or the package is not installed; the message gives the command that installs it."""
 
 
 @dataclasses.dataclass
@@ -97,7 +97,7 @@ def _report(answer: dict[str, Any]) -> KhronosReport:
 
 
 def _global_roots() -> list[Path]:
-    """Where npm keeps global packages, without starting npm (it takes a second)."""
+    """Folders in which npm keeps global packages, without starting npm (it takes a second)."""
     node = shutil.which("node")
     prefix = Path(node).resolve().parent.parent if node else Path("/usr")
     roots = [prefix / "lib" / "node_modules", Path("/usr/lib/node_modules")]

@@ -14,9 +14,9 @@ _PLACES, _SHARES = (
     0.5 * (part + shift)
     for part, shift in zip(np.polynomial.legendre.leggauss(96), (1.0, 0.0), strict=True)
 )
-"""Places between 0 and 1 and their shares of an integral."""
+"""Quadrature nodes between 0 and 1, and their weights."""
 _NOTHING = 1e-12
-"""Of the square of the longest axis: what is less is a rounding of 0."""
+"""Values below this share of the longest axis's square are rounding errors of 0."""
 
 
 def surface_area(shape: str, sizes: tuple[float, float], matrix: Array) -> float:
@@ -30,7 +30,7 @@ def surface_area(shape: str, sizes: tuple[float, float], matrix: Array) -> float
     reach = float(np.abs(matrix).max())
     if reach == 0.0:
         return 0.0
-    # Whatever turns the surface as a whole leaves its area: the axes' images seen from themselves.
+    # Turning the whole surface keeps its area, so the axes' images are seen from themselves.
     seen = np.linalg.qr((matrix / reach).T)[1].T
     seen = seen * np.where(np.diag(seen) < 0.0, -1.0, 1.0)
     area = _unit_area(shape, tuple(float(value) for value in np.round(seen, 12).ravel()))
@@ -38,7 +38,7 @@ def surface_area(shape: str, sizes: tuple[float, float], matrix: Array) -> float
 
 
 def is_even(matrix: Array) -> bool:
-    """Whether the matrix stretches all directions alike, to 1e-4."""
+    """Whether the matrix scales all directions equally, to 1e-4."""
     if not np.isfinite(matrix).all():
         return True
     gram = matrix @ matrix.T
@@ -48,13 +48,13 @@ def is_even(matrix: Array) -> bool:
 
 @functools.lru_cache(maxsize=65536)
 def _unit_area(shape: str, rows: tuple[float, ...]) -> float:
-    """Of a surface of sizes 1; `rows` are the images of its axes."""
+    """Area of a surface of sizes 1; `rows` are the images of its axes."""
     images = np.array(rows).reshape(3, 3)
     if shape == "rectangle":
         return float(np.linalg.norm(np.cross(images[0], images[1])))
     if shape == "disk":
         spokes = np.outer(np.cos(_AROUND), images[0]) + np.outer(np.sin(_AROUND), images[1])
-        # Triangles from the center, each as much too small as its sine is less than its angle.
+        # Fan of triangles; each is too small by the ratio of the sine to its angle.
         fan = np.linalg.norm(np.cross(spokes, np.roll(spokes, -1, axis=0)), axis=1).sum() / 2
         step = float(_AROUND[1])
         return float(fan) * step / math.sin(step)
@@ -66,12 +66,12 @@ def _unit_area(shape: str, rows: tuple[float, ...]) -> float:
 
 
 def _spheroid(lengths: Array) -> float:
-    """An octant of the stretched sphere by height and angle, eight times; shortest axis first."""
+    """Area of an ellipsoid: eight times an octant, by height and angle; shortest axis first."""
     short, middle, long = lengths
     height = _PLACES[:, None]
     angle = _PLACES[None, :] * (math.pi / 2)
     ring = np.sqrt(1.0 - height**2)
-    # Along a meridian and along a parallel; ring · d(ring) = −height · d(height).
+    # Tangents along a meridian and a parallel; ring · d(ring) = −height · d(height).
     up = np.stack(
         np.broadcast_arrays(
             -height * np.cos(angle) * long, -height * np.sin(angle) * middle, ring * short

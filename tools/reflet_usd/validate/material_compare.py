@@ -34,7 +34,7 @@ _SAMPLES = 16
 _ENCODED = ("diffuseColor", "emissiveColor", "specularColor")
 _NEUTRAL = {"displacement": (0.0,), "normal": (0.0, 0.0, 1.0), "occlusion": (1.0,)}
 _WHOLE = ("useSpecularWorkflow", "opacityThreshold", "ior")
-"""One number each for a whole glTF material."""
+"""Inputs that are one number for a whole glTF material."""
 _SLOTS = (
     ("diffuseColor", "opacity"),
     ("metallic", "roughness"),
@@ -45,7 +45,7 @@ _SLOTS = (
     ("clearcoat",),
     ("clearcoatRoughness",),
 )
-"""Inputs by the texture of a glTF material that holds them."""
+"""Inputs grouped by the texture of a glTF material that holds them."""
 _VALUES = tuple(name for name in DEFAULTS if name not in ("opacityThreshold", "normal"))
 
 
@@ -62,7 +62,7 @@ def compare_materials(
     outputs: dict[str, list[int]] = {}
     for index, material in enumerate(file.materials):
         outputs.setdefault(file.prim_of(material) or "", []).append(index)
-    # Native instances share one material, which keeps the path it has in one of them.
+    # Native instances share one material, whose path is the one it has in one of them.
     by_name: dict[str, list[int]] = {}
     for kept, indices in outputs.items():
         by_name.setdefault(kept.rsplit("/", 1)[-1], []).extend(indices)
@@ -78,7 +78,7 @@ def compare_materials(
         shader = preview_shader(truth.stage.GetPrimAtPath(path))
         other = None
         if shader is None:
-            # Another kind of surface: what the file shows in its place has to be declared.
+            # A surface of another kind must be declared to show something in its place.
             text = "is not a UsdPreviewSurface"
             checks.add("materials", path, math.inf, text, excuses=OTHER_SURFACE)
             other = materialx_inputs(truth.stage.GetPrimAtPath(path), truth.roots)
@@ -104,7 +104,7 @@ def compare_materials(
 
 
 def _compare_plain(checks: Checks, path: str, found: OutputMaterial) -> None:
-    """An unknown surface is replaced by a dielectric in displayColor."""
+    """Compare an unknown surface with the dielectric in displayColor that replaces it."""
     checks.add("materials", path, 0.0)
     for text in non_default_values(found.material):
         checks.add("materials", path, math.inf, f"in displayColor: {text}")
@@ -116,7 +116,7 @@ def _preview_inputs(shader: object, roots: tuple[str, ...]) -> dict[str, Preview
 
 
 def _without_lost(checks: Checks, inputs: dict[str, PreviewInput]) -> dict[str, PreviewInput]:
-    """The inputs; the fallback of each texture whose file the converter names as lost."""
+    """The inputs; a texture whose file the converter names as lost is replaced by its fallback."""
     result = {}
     for name, source in inputs.items():
         told = LOST_FILE if source.reason else UNREAD_FILE
@@ -126,7 +126,7 @@ def _without_lost(checks: Checks, inputs: dict[str, PreviewInput]) -> dict[str, 
 
 
 class _Comparison:
-    """One material of the stage and the files' materials that stand for it."""
+    """One material of the stage and the file's materials that stand for it."""
 
     def __init__(self, checks: Checks, path: str, inputs: dict[str, PreviewInput]) -> None:
         self.checks = checks
@@ -145,7 +145,7 @@ class _Comparison:
             if specular and name in ("metallic", "ior"):
                 source = PreviewInput(np.array([0.0 if name == "metallic" else 1.5]), None)
             if name == "emissiveColor" and is_mesh_light(found.material):
-                continue  # compared by itself, for it depends on the geometry
+                continue  # compared elsewhere, since it depends on the geometry
             if name == "opacity" and (found.material.alphaMode or "OPAQUE") == "OPAQUE":
                 continue
             if name == "clearcoatRoughness" and _is_constant(self.inputs["clearcoat"], 0.0):
@@ -158,7 +158,7 @@ class _Comparison:
         self._empty_slots(found)
 
     def _drop_textures(self) -> None:
-        """Inputs that are one number in glTF have their default where the stage has a texture."""
+        """Set textured inputs that are one number in glTF to their default."""
         for name in _WHOLE:
             if self.inputs[name].texture is None or (name == "ior" and self._is_specular()):
                 continue
@@ -170,7 +170,7 @@ class _Comparison:
         return not _is_constant(self.inputs["useSpecularWorkflow"], 0.0)
 
     def uv_uses(self, found: OutputMaterial) -> list[UvUse]:
-        """UV set of each primvar; of the first texture where several share one."""
+        """UV set of each primvar; where several share one, that of the first texture."""
         uses = []
         for name in DEFAULTS:
             texture, number = self.inputs[name].texture, found.texcoord(name)
@@ -181,7 +181,7 @@ class _Comparison:
         return list(dict.fromkeys(uses))
 
     def _empty_slots(self, found: OutputMaterial) -> None:
-        """A slot without a textured input has no texture."""
+        """Check that a slot without a textured input has no texture."""
         for names in _SLOTS:
             sources = [self.inputs[name] for name in names]
             read = any(source.texture is not None or source.reason for source in sources)
@@ -192,7 +192,7 @@ class _Comparison:
             self.checks.add("materials", self.path, math.inf, text)
 
     def _losses(self) -> None:
-        """Constants that no glTF material holds, each named by its own warning."""
+        """Record constants that no glTF material holds, each with its own warning."""
         for name, warning in NO_PLACE.items():
             source = self.inputs[name]
             if source.constant is not None and not np.array_equal(source.constant, _NEUTRAL[name]):
@@ -221,7 +221,7 @@ class _Comparison:
         if found.wrap(name) not in [read.wrap for read in reads]:
             wrap = " and ".join(found.wrap(name))
             self.checks.add("materials", self.path, math.inf, f"{name}: goes on by {wrap}")
-        # Two ways to enlarge may round to neighboring values.
+        # Two ways to enlarge an image may round to neighboring values.
         rounded = texels is not None and texels.size != expected.texture.texels.size
         self._sampled(name, reads, found, not same, 1 / 255 if rounded else 1e-9)
 
@@ -233,10 +233,10 @@ class _Comparison:
         whole: bool = False,
         slack: float = 0.0,
     ) -> None:
-        """Texels by any of the reads: a few where the image is the stage's own, else all."""
+        """Compare texels by any of the reads: few where the image is the stage's own, else all."""
         worst = math.inf
         for read in reads:
-            # Of light above 1 the texels hold the share of the strongest possible.
+            # For emission above 1, texels hold shares of the strongest possible value.
             reach = read.strongest if name == "emissiveColor" else 1.0
             parts = (
                 _difference(name, read.at(st), found.channel(name, st), reach)
@@ -248,7 +248,7 @@ class _Comparison:
     def _reads(
         self, name: str, texture: TextureRead | None, found: OutputMaterial
     ) -> list[TextureRead]:
-        """The texture as the file must hold it: resized and placed as documented where named."""
+        """The texture as the file must hold it: resized and placed as a warning documents."""
         if texture is None:
             return []
         image = found.image(name)
@@ -271,7 +271,7 @@ class _Comparison:
             return
         cutoff = 0.0 if threshold is None else float(threshold[0])
         mode = found.material.alphaMode or "OPAQUE"
-        # Nothing of an opaque surface is below a threshold, so both modes show it.
+        # No texel of an opaque surface is below a threshold, so both modes show it.
         wanted = ["MASK"] if cutoff > 0.0 else ["BLEND"]
         if _is_opaque(opacity):
             wanted = ["OPAQUE", "MASK"] if 0.0 < cutoff <= 1.0 else ["OPAQUE"]
@@ -293,12 +293,12 @@ class _Comparison:
         if read.assumed_space:
             read = dataclasses.replace(read, linearize=False)
         if np.allclose(read.scale[:3], 1) and np.allclose(read.bias[:3], 0):
-            # Taken as if it had what makes directions of texels.
+            # Missing scale and bias are read as those that turn texels into directions.
             named = self.checks.excuse(self.path, NORMAL_SCALE)
             if named:
                 read = dataclasses.replace(read, scale=np.full(4, 2.0), bias=np.full(4, -1.0))
         size = found.image("normal")
-        # Other scales may have been rounded or clamped in 8-bit texels.
+        # With other scales, 8-bit texels may have been rounded or clamped.
         if np.allclose(read.scale[:3], 2) and np.allclose(read.bias[:3], -1) and size:
             value = max(
                 float(np.abs(read.at(st) - found.channel("normal", st)).max())

@@ -19,14 +19,14 @@ from .usd_stage import TruthStage
 def compare_mesh_lights(
     checks: Checks, truth: TruthStage, output: OutputReader, rest: Scene
 ) -> None:
-    """Every material of geometry that lights sends what the stage says, and no other one does."""
+    """Check that materials of geometry lights send the stage's light, and no other ones do."""
     seen: set[tuple[int, str]] = set()
     for node in output.poser.order:
         mesh, key = output.file.nodes[node].mesh, output.keys[node]
         if mesh is None or (mesh, key) in seen:
             continue
         seen.add((mesh, key))
-        # An instancer's key stands for all that it draws.
+        # The key of an instancer stands for all that it draws.
         drawn = {key, *rest.made_of.get(key, ())}
         lights = [rest.mesh_lights[path] for path in sorted(drawn & rest.mesh_lights.keys())]
         lights = [light for light in lights if light.nits.any()]
@@ -60,7 +60,7 @@ def _compare_primitive(
 
 
 def _own_emission(truth: TruthStage, path: str) -> PreviewInput | None:
-    """What the material says itself; None where it says nothing."""
+    """Emission of the material itself; None where it has none."""
     prim = truth.stage.GetPrimAtPath(path) if path else None
     if not prim:
         return None
@@ -72,7 +72,7 @@ def _own_emission(truth: TruthStage, path: str) -> PreviewInput | None:
 
 
 def _distance(light: MeshLight, own: PreviewInput | None, found: OutputMaterial) -> float:
-    """Largest difference as a part of the strongest emission."""
+    """Largest difference as a share of the strongest emission."""
     if own is not None and own.reason:
         own = own.without_file() if own.fallback is not None else None
     read = own.texture if own is not None and light.tinted else None

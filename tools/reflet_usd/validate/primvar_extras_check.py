@@ -1,4 +1,4 @@
-"""Owns the check of the primvars that are no vertex attributes: in extras, or named as lost."""
+"""Owns the check of primvars that are no vertex attributes: kept in extras, or named as lost."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _SKELETAL = "skel:"
 def compare_primvar_extras(
     checks: Checks, stage: Usd.Stage, output: OutputReader, rest: Usd.TimeCode
 ) -> None:
-    """What a node's extras say about primvars, and what has no node at all."""
+    """Compare the primvars in nodes' extras; warnings must name those of prims without a node."""
     nodes, meshes = output.file.tree.get("nodes", []), output.file.tree.get("meshes", [])
     seen: set[tuple[str, int | None, str]] = set()
     for index in output.poser.order:
@@ -41,7 +41,7 @@ def compare_primvar_extras(
 
 
 def _of_gprim(prim: Usd.Prim, rest: Usd.TimeCode) -> dict[str, Any]:
-    """All that reach it and are no attributes; None for what is not plain, or not one value."""
+    """Primvars that reach a gprim and are no attributes; None where not plain or not one value."""
     attributes = {entry.name for entry in carried(prim)}
     found = UsdGeom.PrimvarsAPI(prim).FindPrimvarsWithInheritance()
     return {
@@ -54,7 +54,7 @@ def _of_gprim(prim: Usd.Prim, rest: Usd.TimeCode) -> dict[str, Any]:
 
 
 def _own(prim: Usd.Prim, rest: Usd.TimeCode) -> dict[str, Any]:
-    """Those of a prim that draws nothing itself; what varies over an instancer is named there."""
+    """Primvars of a prim that draws nothing; varying ones of an instancer are warned about."""
     instancer = prim.IsA(UsdGeom.PointInstancer)
     return {
         name: _value(primvar, rest)
@@ -85,7 +85,7 @@ def _compare(checks: Checks, path: str, expected: dict[str, Any], kept: dict[str
 
 
 def _compare_names(checks: Checks, prim: Usd.Prim, mesh: dict[str, Any]) -> None:
-    """A mesh says which primvar an attribute is whose name is not simply the primvar's."""
+    """Check that a mesh names the primvar of each attribute that is not simply named after it."""
     there = {name for primitive in mesh["primitives"] for name in primitive["attributes"]}
     expected = {
         entry.attribute: entry.name
@@ -98,7 +98,7 @@ def _compare_names(checks: Checks, prim: Usd.Prim, mesh: dict[str, Any]) -> None
 
 
 def _compare_placeless(checks: Checks, stage: Usd.Stage, rest: Usd.TimeCode) -> None:
-    """Prims without a node keep nothing: all of theirs are named."""
+    """Check that warnings name all primvars of prims without a node, which keep none."""
     prims = iter(Usd.PrimRange(stage.GetPseudoRoot(), Usd.TraverseInstanceProxies()))
     for prim in prims:
         path = str(prim.GetPath())

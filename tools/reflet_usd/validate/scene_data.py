@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 Lost = list[tuple[str, str]]
-"""Inputs without a place in glTF: the warning that has to tell of each, and its value.
+"""Inputs without a place in glTF: the warning that must tell of each, and its value.
 
 A value in quotes is a name that the warning has to give."""
 
@@ -35,11 +35,11 @@ class Corners:
     triangles: int = 0
     optional_triangles: int = 0
     area_range: tuple[float, float] = (0.0, 0.0)
-    """Square meters; a range where bent faces can be triangulated in more than one way."""
+    """Area in square meters; a range where bent faces can be triangulated in more than one way."""
     vector_area: Array = dataclasses.field(default_factory=lambda: np.zeros(3))
-    """Sum of the faces' area vectors: does not depend on the triangulation, turns with winding."""
+    """Sum of the faces' area vectors: independent of triangulation, reversed with winding."""
     volume_range: tuple[float, float] = (0.0, 0.0)
-    """Signed volume of the cones from `center` to the faces, cubic meters; turns with winding."""
+    """Signed volume of cones from `center` to the faces, cubic meters; reversed with winding."""
     optional_measures: tuple[float, Array, float] = dataclasses.field(
         default_factory=lambda: (0.0, np.zeros(3), 0.0)
     )
@@ -55,14 +55,14 @@ class Corners:
     colors: Array | None = None
     """(n, 4) linear RGBA."""
     undefined_colors: tuple[str, ...] = ()
-    """Display primvars on parts of a gprim whose order USD does not define: they are left out."""
+    """Display primvars on parts of a gprim whose order USD does not define, which are left out."""
     materials: Indices | None = None
     """(n,) index into `material_paths` of each corner's material; -1 for none."""
     material_paths: list[str] = dataclasses.field(default_factory=list)
     points: Array = dataclasses.field(default_factory=lambda: np.zeros((0, 3)))
     """(k, 3) positions of point clouds and lines."""
     point_values: dict[str, Array] = dataclasses.field(default_factory=dict)
-    """What they have besides, each (k, n), by the attribute's name; v upward."""
+    """Their attributes' values, each (k, n), by the attribute's name; v upward."""
     double_sided: bool | None = None
 
 
@@ -73,16 +73,16 @@ class Surface:
     kind: str
     """sphere, cylinder, cone or capsule."""
     radius: tuple[float, float]
-    """Bottom and top, in the prim's own units."""
+    """Radius at bottom and top, in the prim's own units."""
     height: float
     axis: int
-    """0, 1, 2 for X, Y, Z."""
+    """Axis: 0, 1, 2 for X, Y, Z."""
     matrix: Array
-    """(4, 4) from the prim's space to the world in meters."""
+    """Matrix (4, 4) from the prim's space to the world in meters."""
     color: Array | None = None
-    """(4,) display color and opacity, a fallback in place of several; None for none."""
+    """Display color and opacity (4,), a fallback in place of several values; None for none."""
     undefined_colors: tuple[str, ...] = ()
-    """Display primvars of which several values are authored: they are left out."""
+    """Display primvars with several authored values, which are left out."""
     material: str = ""
     """Path of the bound material; empty for none."""
 
@@ -100,7 +100,7 @@ class Camera:
     near_m: float
     far_m: float
     lost: Lost = dataclasses.field(default_factory=list)
-    """What of its inputs no glTF camera holds."""
+    """Inputs that no glTF camera holds."""
 
 
 @dataclasses.dataclass
@@ -114,26 +114,26 @@ class Light:
     matrix: Array
     outer_cone: float | None = None
     inner_cone: float = 0.0
-    """Of a spot: how far from the axis it is at its brightest."""
+    """Inner angle of a spot: how far from the axis it is at its brightest."""
     exact: bool = True
-    """False where a punctual light can only stand in for the authored one."""
+    """Whether the light is exact; else a punctual light only approximates the authored one."""
     lost: Lost = dataclasses.field(default_factory=list)
-    """What of its inputs no punctual light holds."""
+    """Inputs that no punctual light holds."""
 
 
 @dataclasses.dataclass(frozen=True)
 class MeshLight:
-    """The light that a surface sends."""
+    """Light that a surface sends."""
 
     nits: Array
-    """(3,)"""
+    """Radiance (3,) in nits."""
     tinted: bool
-    """Whether the emission of its material, where it has some, is a factor."""
+    """Whether the emission of its material, where it has some, multiplies the light."""
 
 
 @dataclasses.dataclass
 class Scene:
-    """Everything compared at one time."""
+    """Facts compared at one time."""
 
     corners: dict[str, Corners] = dataclasses.field(default_factory=dict)
     surfaces: dict[str, list[Surface]] = dataclasses.field(default_factory=dict)
@@ -150,15 +150,15 @@ class Scene:
     turned: set[str] = dataclasses.field(default_factory=set)
     """Keys of `surfaces` whose documented tessellation is in `corners`."""
     closed: set[str] = dataclasses.field(default_factory=set)
-    """Those of them that hold nothing else: every edge has two triangles."""
+    """Keys of `turned` that hold nothing else: every edge has two triangles."""
     made_of: dict[str, set[str]] = dataclasses.field(default_factory=dict)
-    """By instancer the prims that it draws."""
+    """Prims that an instancer draws, by instancer."""
     lost: dict[str, Lost] = dataclasses.field(default_factory=dict)
     """Other inputs without a place in glTF, by prim."""
     inputs: dict[str, Lost] = dataclasses.field(default_factory=dict)
-    """The same of geometry that is a light, and of environments."""
+    """Lost inputs of geometry that is a light, and of environments, by prim."""
     misfits: dict[str, tuple[str, ...]] = dataclasses.field(default_factory=dict)
-    """Primvars of which some value has no place, by prim."""
+    """Primvars with values that have no place, by prim."""
     optional: set[str] = dataclasses.field(default_factory=set)
     """Prims that may draw something or nothing: all of their faces are degenerate."""
 

@@ -1,4 +1,4 @@
-"""Owns reading the converter's account beside an output, and whether it is one."""
+"""Owns reading the converter's sidecar beside an output, and checking its form."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _TEXTS = ("purpose", "roots")
 
 
 def read_sidecar(out: Path) -> tuple[dict[str, Any], str]:
-    """The JSON beside the output, empty for files by others; and what is wrong with it, if any."""
+    """JSON beside the output, empty for files by others; and its fault, if any."""
     place = Path(f"{out}.json")
     if not place.exists():
         return {}, ""
@@ -28,7 +28,7 @@ def read_sidecar(out: Path) -> tuple[dict[str, Any], str]:
 
 
 def _fault(content: Any) -> str:
-    """What of the account has another shape than the converter gives it; empty for nothing."""
+    """Part of the sidecar that does not have the converter's form; empty where all has it."""
     if not isinstance(content, dict):
         return "it is no JSON object"
     warnings = content.get("warnings", [])

@@ -28,7 +28,7 @@ def distances_to_surfaces(surfaces: list[Surface], points: Array) -> Array:
 
 
 def untouched_extent(surfaces: list[Surface], points: Array) -> float:
-    """How far the points on any surface stay inside its own box, meters; infinite without any."""
+    """How far points on a surface stay inside its box, meters; infinite without such points."""
     worst = 0.0
     if len(surfaces) * len(points) > _MAX_PAIRS:
         return worst
@@ -69,7 +69,7 @@ def axis_turn(axis: int) -> Array:
 
 
 def _extent(surface: Surface) -> Array:
-    """Half sizes along X, Y, Z with the axis on Z."""
+    """Half sizes along X, Y, Z, with the axis on Z."""
     radius = max(surface.radius)
     if surface.kind == "sphere":
         return np.full(3, radius)
@@ -80,7 +80,7 @@ def _extent(surface: Surface) -> Array:
 
 
 def _distance(surface: Surface, local: Array) -> Array:
-    """Distance of points to the surface, axis along Z, the surface centered."""
+    """Distance of points to the surface, centered with its axis along Z."""
     around = np.hypot(local[:, 0], local[:, 1])
     z, half = local[:, 2], surface.height / 2
     bottom, top = surface.radius
@@ -93,7 +93,7 @@ def _distance(surface: Surface, local: Array) -> Array:
 
 
 def _capsule_distance(around: Array, z: Array, half: float, bottom: float, top: float) -> Array:
-    """Half spheres of two radii joined by a straight side."""
+    """Distance to a capsule: half spheres of two radii joined by a straight side."""
     side = _polyline_distance(
         np.column_stack([around, z]), np.array([[bottom, -half], [top, half]])
     )

@@ -1,4 +1,4 @@
-"""Owns the check of what the file shows beyond the stage's own materials."""
+"""Owns the check of materials and extensions in the file beyond the stage's own."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _FIELDS: dict[str, tuple[str, ...]] = {
     "KHR_materials_ior": ("ior",),
     "KHR_materials_specular": ("specularColorFactor", "specularColorTexture"),
 }
-"""What a UsdPreviewSurface gives, all of which is compared."""
+"""Fields that a UsdPreviewSurface gives, all of which are compared."""
 _TEXTURES = (
     "baseColorTexture",
     "metallicRoughnessTexture",
@@ -34,12 +34,12 @@ _TEXTURES = (
     "occlusionTexture",
 )
 _PLAIN = {"metallicFactor": (0.0, 1.0), "roughnessFactor": (0.5, 1.0)}
-"""What surfaces in displayColor have, and what glTF means where nothing is stated."""
+"""Values of surfaces in displayColor, and glTF's meaning of missing ones."""
 _ATTRIBUTES = re.compile(r"POSITION|NORMAL|TEXCOORD_\d+|COLOR_0|JOINTS_\d+|WEIGHTS_\d+|_.*")
 
 
 def unexpected_extensions(material: Any) -> Iterator[str]:
-    """What no UsdPreviewSurface gives a material."""
+    """Extensions that no UsdPreviewSurface gives a material."""
     for name, fields in (material.extensions or {}).items():
         known = _FIELDS.get(name)
         if known is None:
@@ -51,7 +51,7 @@ def unexpected_extensions(material: Any) -> Iterator[str]:
 def compare_unauthored_materials(
     checks: Checks, output: OutputReader, colored: frozenset[str]
 ) -> None:
-    """Every primitive has a material, in displayColor or of a prim, and reads what it should.
+    """Check that every primitive has a material, in displayColor or of a prim, and its attributes.
 
     `colored` are the names of the materials that may read vertex colors.
     """
@@ -89,7 +89,7 @@ def _compare_primitive(
 
 
 def non_default_values(material: Any) -> Iterator[str]:
-    """By what a material is not plain dielectric."""
+    """Descriptions of all values by which a material is not a plain dielectric."""
     pbr = material.pbrMetallicRoughness
     for name, (value, neutral) in _PLAIN.items():
         stated = getattr(pbr, name) if pbr else None
@@ -98,7 +98,7 @@ def non_default_values(material: Any) -> Iterator[str]:
     for name in _TEXTURES:
         if getattr(material, name, None) is not None or (pbr and getattr(pbr, name, None)):
             yield f"has a {name}"
-    # What lights is compared by itself.
+    # Emission of mesh lights is compared elsewhere.
     shining = is_mesh_light(material)
     if any(material.emissiveFactor or ()) and not shining:
         yield "shines"
@@ -111,7 +111,7 @@ def non_default_values(material: Any) -> Iterator[str]:
 def _compare_alpha(
     checks: Checks, output: OutputReader, primitive: Any, material: Any, key: str
 ) -> None:
-    """It blends where some of it is translucent, and else does not."""
+    """Check that a material blends only where some of it is translucent."""
     pbr = material.pbrMetallicRoughness
     alpha = np.array((pbr and pbr.baseColorFactor) or (1.0,) * 4)[3]
     if primitive.attributes.COLOR_0 is not None:

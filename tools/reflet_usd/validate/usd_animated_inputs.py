@@ -1,4 +1,4 @@
-"""Owns which attributes of a material change over time, and with them what it looks like."""
+"""Owns the search for animated attributes of a material, which change its look over time."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _NODES = {
     "gltf_colorimage": ("file", "uaddressmode", "vaddressmode"),
     "tiledimage": ("file", "uaddressmode", "vaddressmode", "uvtiling", "uvoffset"),
 }
-"""The inputs that count, by how the identifier of a node begins, without MaterialX's `ND_`."""
+"""Inputs that count, by the start of a node's identifier, without MaterialX's `ND_`."""
 _DEEPEST = 16
 
 
@@ -38,7 +38,7 @@ def animated_inputs(material: Usd.Prim) -> set[tuple[str, str]]:
 def _behind(
     shader: UsdShade.Shader, names: Iterable[str], deepest: int, placed: bool
 ) -> Iterator[tuple[str, str]]:
-    """The same behind some inputs; of chained transforms (`placed`) the first one counts."""
+    """Animated attributes behind some inputs; of chained transforms (`placed`) the first counts."""
     for name in names:
         attribute = producer(shader.GetInput(name))
         if attribute is None or (placed and name in _PLACED):

@@ -10,7 +10,7 @@ from .scene_data import Camera, Lost
 from .usd_stage import TruthStage
 
 _FALLBACK_RANGE_M = (0.01, 10_000.0)
-"""Marker of clipping ranges that glTF cameras cannot express."""
+"""Schema fallback in meters; marks clipping ranges that glTF cameras cannot express."""
 _NOT_IN_GLTF = (
     "clippingPlanes",
     "exposure",
@@ -30,7 +30,7 @@ _NOT_IN_GLTF = (
 def read_camera(
     prim: Usd.Prim, time: Usd.TimeCode, truth: TruthStage, world: Gf.Matrix4d
 ) -> Camera | None:
-    """The camera at `time`, None where its lens is none; `world` is its local-to-world matrix."""
+    """Camera at `time`, None where its lens is invalid; `world` is its local-to-world matrix."""
     lens = UsdGeom.Camera(prim).GetCamera(time)
     sizes = lens.horizontalAperture, lens.verticalAperture, lens.focalLength
     if not all(0.0 < size < math.inf for size in sizes) or max(sizes) > 1e6 * min(sizes):
@@ -58,7 +58,7 @@ def read_camera(
 
 
 def _lost_inputs(prim: Usd.Prim, time: Usd.TimeCode) -> Lost:
-    """What differs from the schema's fallback and has no field in a glTF camera."""
+    """Inputs that differ from the schema's fallback and have no field in a glTF camera."""
     lost: Lost = []
     definition = Usd.SchemaRegistry().FindConcretePrimDefinition("Camera")
     for name in _NOT_IN_GLTF:

@@ -12,9 +12,9 @@ from .scene_data import Array, Indices, Lost
 from .usd_primvars import CornerMap, array_of, carried, customs, misfits, points_of, uv_sets
 
 _STEPS = 8
-"""Lines for each span of a cubic, as documented, and quads for each span of a patch."""
+"""Lines per span of a cubic, and quads per span of a patch, as documented."""
 _MOST_SAMPLES = 1024
-"""Of a patch in each direction."""
+"""Maximum number of samples of a patch in each direction."""
 _BASES = ("bezier", "bspline", "catmullRom")
 _UNFIT: Lost = [("curves-invalid", "counts that do not fit the points")]
 _COLORS = {"displayColor", "displayOpacity"}
@@ -22,17 +22,17 @@ _COLORS = {"displayColor", "displayOpacity"}
 
 @dataclasses.dataclass
 class Cloud:
-    """Where points and curves are drawn."""
+    """Drawn points and curves."""
 
     points: Array
-    """(n, 3)."""
+    """Positions (n, 3)."""
     lost: Lost
-    """What of them cannot be drawn."""
+    """Inputs that cannot be drawn."""
     corners: CornerMap | None = None
-    """Which values belong to the points; None where there are none."""
+    """Authored values of the points; None where there are none."""
 
     def values(self, prim: Usd.Prim, time: Usd.TimeCode) -> dict[str, Array]:
-        """Each (n, k), by attribute: coordinates in the order of meshes without a material."""
+        """Values (n, k) by attribute: coordinates in the order of meshes without a material."""
         if self.corners is None:
             return {}
         entries = carried(prim)
@@ -42,7 +42,7 @@ class Cloud:
         return result | customs(entries, time, self.corners)
 
     def misfits(self, prim: Usd.Prim, time: Usd.TimeCode) -> tuple[str, ...]:
-        """Primvars of which some value has no place."""
+        """Primvars with values that have no place."""
         if self.corners is None:
             return ()
         return misfits(prim, carried(prim), time, self.corners, _COLORS)
@@ -51,7 +51,7 @@ class Cloud:
 def _drawn(
     points: Array, lost: Lost, owner: Indices, index: Indices, uniform: int, n: int
 ) -> Cloud:
-    """Points with the number of their curve, of `uniform`, and of the authored point, of `n`.
+    """Points with the number of their curve (of `uniform`) and of their authored point (of `n`).
 
     Samples of cubics, for which `n` is 0, have no authored point: values of those have no place.
     """
@@ -62,7 +62,7 @@ def _drawn(
 
 
 def read_points(prim: Usd.Prim, time: Usd.TimeCode) -> Cloud | None:
-    """Points and curves, and what of them the file lacks; None for everything else."""
+    """Points and curves, and their lost inputs; None for other prims."""
     cloud = _read_cloud(prim, time)
     if cloud is not None and cloud.corners is not None:
         cloud.lost = [*cloud.lost, *_without_place(prim)]
@@ -70,7 +70,7 @@ def read_points(prim: Usd.Prim, time: Usd.TimeCode) -> Cloud | None:
 
 
 def _without_place(prim: Usd.Prim) -> Lost:
-    """What no glTF point or line has."""
+    """Inputs that no glTF point or line has."""
     names = {"widths": "width-dropped", "normals": "normals-dropped", "ids": "ids-dropped"}
     found: Lost = []
     for name, warning in names.items():
@@ -172,7 +172,7 @@ def patch_values(prim: Usd.Prim, time: Usd.TimeCode, values: Array) -> Array | N
 
 @dataclasses.dataclass
 class PatchCorners(CornerMap):
-    """Corners of the quads on a patch, where values of control points are means of them."""
+    """Corners of the quads on a patch; each value is a mean of control points' values."""
 
     prim: Usd.Prim = None
     time: Usd.TimeCode = dataclasses.field(default_factory=Usd.TimeCode.Default)
@@ -189,7 +189,7 @@ class PatchCorners(CornerMap):
 
 
 def patch_corners(prim: Usd.Prim, time: Usd.TimeCode, faces: Indices) -> PatchCorners:
-    """The corners of (n, 4) faces of grid points."""
+    """Corners of (n, 4) faces of grid points."""
     schema = UsdGeom.NurbsPatch(prim)
     control = int(schema.GetUVertexCountAttr().Get(time) or 0)
     control *= int(schema.GetVVertexCountAttr().Get(time) or 0)
@@ -199,7 +199,7 @@ def patch_corners(prim: Usd.Prim, time: Usd.TimeCode, faces: Indices) -> PatchCo
 
 
 def _along(control: Array, knots: Array, order: int, limits: object) -> Array | None:
-    """The spline of `control` along its first axis at every eighth of the visible spans."""
+    """Spline of `control` along its first axis, at every eighth of the visible spans."""
     count = len(control)
     if order < 2 or count < order or len(knots) != count + order:
         return None

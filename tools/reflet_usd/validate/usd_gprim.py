@@ -41,14 +41,14 @@ _PLANE_FACES = {False: ((0, 1, 2, 3),), True: ((0, 3, 2, 1),)}
 
 
 def read_surface(prim: Usd.Prim, time: Usd.TimeCode, matrix: Array) -> Surface | None:
-    """The curved gprims; None for everything else."""
+    """The curved gprims; None for other prims."""
 
     def number(name: str, fallback: float) -> float:
         value = prim.GetAttribute(name).Get(time) if prim.HasAttribute(name) else None
-        # A negative size is the same surface: the places on it do not depend on the sign.
+        # A negative size gives the same surface.
         return fallback if value is None else abs(float(value))
 
-    # The type, or what `fallbackPrimTypes` name for one that USD lacks.
+    # The prim's type, or the one that `fallbackPrimTypes` gives where USD lacks the prim's.
     kind = str(prim.GetPrimTypeInfo().GetSchemaTypeName())
     axis = _AXES.get(str(prim.GetAttribute("axis").Get() or "Z"), 2) if kind != "Sphere" else 2
     height = 0.0
@@ -72,7 +72,7 @@ def read_surface(prim: Usd.Prim, time: Usd.TimeCode, matrix: Array) -> Surface |
 
 
 def _color(prim: Usd.Prim, time: Usd.TimeCode) -> tuple[Array | None, tuple[str, ...]]:
-    """The one display color and opacity, and which of both have several values: no value counts."""
+    """Constant display color and opacity, and names of those with several values (ignored)."""
     api = UsdGeom.PrimvarsAPI(prim)
     names = ("displayColor", "displayOpacity")
     rgb, alpha = (
@@ -108,7 +108,7 @@ def read_polyhedron(prim: Usd.Prim, time: Usd.TimeCode) -> LocalMesh | None:
 
 
 def _boundary(prim: Usd.Prim, time: Usd.TimeCode) -> LocalMesh | None:
-    """The faces of a TetMesh that are its surface; None where one of them is no triangle."""
+    """Boundary faces of a TetMesh; None where one of them is no triangle."""
     schema = UsdGeom.TetMesh(prim)
     points = points_of(schema.GetPointsAttr(), time)
     raw = schema.GetSurfaceFaceVertexIndicesAttr().Get(time)
@@ -122,7 +122,7 @@ def _boundary(prim: Usd.Prim, time: Usd.TimeCode) -> LocalMesh | None:
 
 
 def read_grid(prim: Usd.Prim, time: Usd.TimeCode, grid: Array) -> LocalMesh:
-    """The quads between the (rows, columns, 3) points on a patch."""
+    """Quads between the (rows, columns, 3) points on a patch."""
     index = np.arange(grid.shape[0] * grid.shape[1]).reshape(grid.shape[:2])
     sides = index[:-1, :-1], index[:-1, 1:], index[1:, 1:], index[1:, :-1]
     faces = np.stack(sides, axis=-1).reshape(-1, 4)

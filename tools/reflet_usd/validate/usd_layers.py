@@ -1,4 +1,4 @@
-"""Owns the truth about layers that a stage names and that must not be read."""
+"""Owns the truth about layers that must not be read although a stage names them."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .usd_stage import TruthStage, is_within
 
 
 def compare_layers(checks: Checks, truth: TruthStage) -> None:
-    """Every prim that refers to a file outside the folders, or to a pipe, has to be named."""
+    """Check that a warning names every prim with a file outside the folders, or a pipe."""
     refused = {
         (layer.identifier, asset)
         for layer in truth.stage.GetUsedLayers()
@@ -39,7 +39,7 @@ def compare_layers(checks: Checks, truth: TruthStage) -> None:
 def _is_refused(layer: Sdf.Layer, asset: str, roots: tuple[str, ...]) -> bool:
     resolved = Ar.GetResolver().Resolve(layer.ComputeAbsolutePath(asset)).GetPathString()
     if not resolved:
-        return False  # it is not there, which composition says
+        return False  # it does not exist, which composition reports
     outer = Ar.SplitPackageRelativePathOuter(resolved)[0]
     if not is_within(outer, roots):
         return True

@@ -26,7 +26,7 @@ _AREAS = ("RectLight", "DiskLight", "CylinderLight")
 _OF_LIGHTS = r"(inputs:|light:|guideRadius$|poleAxis$|portals$)"
 _LEVELS = r"inputs:(color|colorTemperature|diffuse|enableColorTemperature|exposure|intensity)$"
 OF_GEOMETRY = _LEVELS + r"|light:filters$"
-"""What is compared, or has a check of its own, of geometry that is a light."""
+"""Inputs of geometry lights that are compared, or have a check of their own."""
 _COMPARED = OF_GEOMETRY + (
     r"|inputs:(angle|height|length|normalize|radius|specular|texture:.*|width)$"
     r"|inputs:(shadow:enable|shaping:(cone:.*|focus|ies:file))$"
@@ -36,16 +36,16 @@ _SURROUNDING = ("DomeLight", "DomeLight_1", "GeometryLight", "PortalLight", "Plu
 
 @dataclasses.dataclass
 class Source:
-    """What a light sends before it has a place."""
+    """Emission of a light before it has a place."""
 
     kind: str
     """directional, point or spot."""
     radiance: Array
-    """(3,) nits; of a directional light its lux."""
+    """Radiance (3,) in nits; illuminance in lux for a directional light."""
     shape: str
-    """Empty for lights whose power has nothing to do with their size."""
+    """Shape; empty for lights whose power does not depend on their size."""
     sizes: tuple[float, float]
-    """As `surface_area` wants them."""
+    """Sizes for `surface_area`."""
     normalized: bool
     """Whether the power is normalized, independent of the area."""
     cone: tuple[float, float] | None
@@ -54,7 +54,7 @@ class Source:
     exact: bool = True
 
     def placed(self, truth: TruthStage, world: Gf.Matrix4d) -> Light:
-        """The light where `world` puts it."""
+        """The light at the place that `world` gives it."""
         matrix = truth.node_world(world)
         lost = list(self.lost)
         power = math.pi * self.radiance
@@ -63,8 +63,8 @@ class Source:
         if not self.normalized:
             with np.errstate(invalid="ignore"):
                 power = power * surface_area(self.shape, self.sizes, matrix[:3, :3])
-        # Equal power in all directions, which is that of what a body shows on average: a quarter
-        # of its area. A spot of 90° falls off as cos² in glTF, which fills 2π/3 steradians.
+        # Equal power in all directions, by the mean projected area of a body: a quarter of its
+        # surface. A spot of 90° falls off as cos² in glTF, which fills 2π/3 steradians.
         spread = 2.0 * math.pi / 3.0 if self.shape in ("rectangle", "disk") else 4.0 * math.pi
         if self.shape != "sphere":
             lost.append((_APPROXIMATED, self.shape))
@@ -77,7 +77,7 @@ class Source:
 
 
 def read_source(prim: Usd.Prim, time: Usd.TimeCode, truth: TruthStage) -> Source | None:
-    """The light at `time`; None for kinds that no punctual light can stand in for."""
+    """The light at `time`; None for kinds that no punctual light can approximate."""
     kind = str(prim.GetPrimTypeInfo().GetSchemaTypeName())
     if kind in _SURROUNDING:
         return None
@@ -108,14 +108,14 @@ def read_source(prim: Usd.Prim, time: Usd.TimeCode, truth: TruthStage) -> Source
 
 
 def read_mesh_light(light: Usd.Prim, time: Usd.TimeCode, of_itself: bool) -> MeshLight:
-    """What a surface sends by the light that it is (`of_itself`), or that names it."""
+    """Light of a surface that is a light itself (`of_itself`), or that a light names."""
     nits = _stored(read_radiance(light, time))
     mode = light.GetAttribute("light:materialSyncMode").Get()
     return MeshLight(nits, of_itself and mode == "materialGlowTintsLight")
 
 
 def geometry_lights(stage: Usd.Stage) -> dict[str, Usd.Prim]:
-    """By path of what each GeometryLight names, the light; the first one counts."""
+    """Light by the path of the gprim that each GeometryLight names; the first one counts."""
     found: dict[str, Usd.Prim] = {}
     for prim in stage.Traverse(Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)):
         if prim.GetPrimTypeInfo().GetSchemaTypeName() != "GeometryLight":
@@ -131,12 +131,12 @@ def geometry_lights(stage: Usd.Stage) -> dict[str, Usd.Prim]:
 
 
 def lost_of_dome(prim: Usd.Prim, time: Usd.TimeCode) -> Lost:
-    """What an environment in a node's extras does not say; empty for other kinds."""
+    """Inputs of an environment that its node's extras do not hold; empty for other kinds."""
     return _lost_inputs(prim, time) if prim.GetTypeName().startswith("DomeLight") else []
 
 
 def _cone(prim: Usd.Prim, time: Usd.TimeCode) -> tuple[float, float] | None:
-    """Inner and outer angle of a shaped light, at most glTF's 90°; None where it has no edge."""
+    """Inner and outer angle of a shaped light, at most glTF's 90°; None where it has no cone."""
     if not prim.HasAPI(UsdLux.ShapingAPI):
         return None
     shaping = UsdLux.ShapingAPI(prim)
@@ -149,14 +149,14 @@ def _cone(prim: Usd.Prim, time: Usd.TimeCode) -> tuple[float, float] | None:
 
 
 def _stored(intensity: Array) -> Array:
-    """The intensity as a file holds it: 0 where single precision cannot."""
+    """Intensity as a file holds it: 0 where single precision cannot."""
     with np.errstate(invalid="ignore"):
         fits = bool((np.abs(intensity) <= _MAX_FLOAT32).all())
     return intensity if fits else np.zeros(3)
 
 
 def _lost_inputs(prim: Usd.Prim, time: Usd.TimeCode) -> Lost:
-    """What differs from UsdLux's neutral values and has no field in KHR_lights_punctual."""
+    """Inputs that differ from UsdLux's neutral values and have no field in KHR_lights_punctual."""
 
     def read(name: str, neutral: Any) -> Any:
         attribute = prim.GetAttribute(name)
@@ -188,7 +188,7 @@ def _lost_inputs(prim: Usd.Prim, time: Usd.TimeCode) -> Lost:
 
 
 def unusual_inputs(prim: Usd.Prim, time: Usd.TimeCode, compared: str) -> Lost:
-    """Inputs of UsdLux's schemas that differ from their fallbacks and are not `compared`."""
+    """Inputs of UsdLux's schemas that differ from their fallbacks and are not in `compared`."""
     lost: Lost = []
     definition = prim.GetPrimDefinition()
     for name in definition.GetPropertyNames():
@@ -206,7 +206,7 @@ def unusual_inputs(prim: Usd.Prim, time: Usd.TimeCode, compared: str) -> Lost:
 
 
 def read_radiance(prim: Usd.Prim, time: Usd.TimeCode) -> Array:
-    """(3,) nits: the light's color times its intensity, exposure and share of diffuse light."""
+    """Radiance (3,) in nits: color times intensity, exposure and share of diffuse light."""
     light = UsdLux.LightAPI(prim) if prim.HasAPI(UsdLux.LightAPI) else UsdLux.SphereLight(prim)
     with np.errstate(over="ignore"):
         gain = float(np.exp2(np.float64(light.GetExposureAttr().Get(time))))

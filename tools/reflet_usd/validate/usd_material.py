@@ -30,17 +30,17 @@ DEFAULTS: dict[str, tuple[float, ...]] = {
     "normal": (0.0, 0.0, 1.0),
 }
 _PREVIEW_SURFACES = ("UsdPreviewSurface", "ND_UsdPreviewSurface_surfaceshader")
-"""The second is MaterialX's name for the same."""
+"""Identifiers of preview surfaces; the second is MaterialX's."""
 TIME = Usd.TimeCode.EarliestTime()
 _IDENTITY = np.eye(3)
 _FEW = 16
 _BLOCK = 1 << 18
-"""Texels that are compared at a time."""
+"""Number of texels that are compared at a time."""
 
 
 @dataclasses.dataclass
 class TextureRead:
-    """One channel group read from a UsdUVTexture."""
+    """A read of several channels of a UsdUVTexture."""
 
     texels: Texels
     channels: list[int]
@@ -59,13 +59,13 @@ class TextureRead:
 
     @property
     def is_plain(self) -> bool:
-        """Whether glTF's factors hold its scale, so that texels stay as they are."""
+        """Whether glTF's factors hold the scale of the read, so that texels stay as they are."""
         scale, bias = self.scale[self.channels], self.bias[self.channels]
         return bool((bias == 0.0).all() and ((scale >= 0.0) & (scale <= 1.0)).all())
 
     @property
     def strongest(self) -> float:
-        """The highest value that any texel can give."""
+        """Highest value that a texel can give."""
         scale, bias = self.scale[self.channels], self.bias[self.channels]
         return float(np.maximum(bias, scale + bias).max())
 
@@ -94,7 +94,7 @@ class TextureRead:
         return (rgba * self.scale + self.bias)[:, self.channels]
 
     def centers(self, whole: bool) -> Iterator[Array]:
-        """Primvar coordinates that fall on texel centers, by parts: all of them, or a few."""
+        """Primvar coordinates of texel centers, in parts: all of them, or a few."""
         width, height = self.texels.size
         count = width * height
         few = np.random.default_rng(16).integers(0, count, _FEW)
@@ -114,19 +114,19 @@ class PreviewInput:
     constant: Array | None
     texture: TextureRead | None
     reason: str = ""
-    """Why it is not evaluated; empty when it is."""
+    """Reason why the input is not evaluated; empty where it is."""
     fallback: Array | None = None
-    """What a texture's shader states for the case that its file cannot be read."""
+    """Value that a texture's shader states for the case that its file cannot be read."""
     prim: str = ""
     """Path of the texture's shader, if any."""
 
     def without_file(self) -> PreviewInput:
-        """The same input where the texture's file is lost."""
+        """The input where the texture's file is lost: its fallback."""
         return PreviewInput(self.fallback, None)
 
 
 def bound_material(prim: Usd.Prim) -> str:
-    """Path of the material that final renders show, else of the one for previews; empty without."""
+    """Path of the material bound for final renders, else for previews; empty without."""
     api = UsdShade.MaterialBindingAPI(prim)
     for purpose in (UsdShade.Tokens.full, UsdShade.Tokens.preview):
         material = api.ComputeBoundMaterial(purpose)[0]
@@ -172,7 +172,7 @@ def read_input(
 
 
 def producer(source: UsdShade.Input | None) -> Usd.Attribute | None:
-    """Where the value of an input comes from; None where nothing is authored."""
+    """Attribute from which an input gets its value; None where nothing is authored."""
     if not source:
         return None
     found = UsdShade.Utils.GetValueProducingAttributes(source)
@@ -209,7 +209,7 @@ def _texture(
         reason = f"texture {asset.path} cannot be read"
         return PreviewInput(None, None, reason, fallback, prim)
     wraps = tuple(str(input_value(shader, name, "useMetadata")) for name in ("wrapS", "wrapT"))
-    # A file has no black outside of its images: as documented, their edge goes on.
+    # glTF has no black outside of images: as documented, their edge goes on.
     first, second = (w if w in ("repeat", "mirror", "clamp") else "clamp" for w in wraps)
     space = str(input_value(shader, "sourceColorSpace", "auto"))
     linearize = space == "sRGB" or (space == "auto" and texels.eight_bit and texels.channels >= 3)

@@ -23,7 +23,7 @@ from .usd_stage import is_within
 
 @dataclasses.dataclass(frozen=True)
 class _Slot:
-    """Where a channel's value stands, and what the node definition says where it does not."""
+    """Place of a channel's value, and the node definition's default for it."""
 
     name: str
     default: tuple[float, ...] = ()
@@ -71,7 +71,7 @@ _NEUTRAL = ("displacement", "useSpecularWorkflow")
 
 
 def surface_inputs(identifier: str) -> set[str]:
-    """The inputs of a surface that is approximated from which the file's values follow."""
+    """Inputs of a MaterialX surface, from which the file's approximated values follow."""
     slots = _SURFACES.get(identifier, {}).values()
     return {name for slot in slots for name in (slot.name, slot.weight) if name}
 
@@ -79,7 +79,7 @@ def surface_inputs(identifier: str) -> set[str]:
 def materialx_inputs(
     material: Usd.Prim, roots: tuple[str, ...] | None
 ) -> dict[str, PreviewInput] | None:
-    """The channels of a surface that the documentation says is approximated; None for others."""
+    """Channels of a surface that the documentation says is approximated; None for others."""
     shader = surface_shader(material)
     slots = _SURFACES.get(str(shader.GetIdAttr().Get())) if shader else None
     if slots is None:
@@ -109,7 +109,7 @@ def _channel(
         value = attribute.Get(TIME)
         numbers = default if value is None else np.atleast_1d(np.array(value, dtype=np.float64))
         numbers = numbers if np.isfinite(numbers).all() else default
-        # Of a colored opacity the red counts; a number where a color belongs is gray.
+        # A colored opacity counts by its red; a number in place of a color is gray.
         return PreviewInput(np.resize(numbers, len(default)) * weight, None)
     node = UsdShade.Shader(attribute.GetPrim())
     if not str(node.GetIdAttr().Get()).startswith(_IMAGES):
@@ -151,7 +151,7 @@ def _image(
 
 
 def _tiling(node: UsdShade.Shader) -> Array:
-    """(3, 3) of a tiled image: in · uvtiling − uvoffset, for row vectors; else the identity."""
+    """Matrix (3, 3) of a tiled image for row vectors: in · uvtiling − uvoffset; else identity."""
     result = np.eye(3)
     if "tiledimage" in str(node.GetIdAttr().Get()):
         np.fill_diagonal(result[:2, :2], np.array(input_value(node, "uvtiling", (1.0, 1.0))))

@@ -1,4 +1,4 @@
-"""Owns what one mesh prim draws: its face corners and their attributes, read through usd-core."""
+"""Owns the drawn content of one mesh prim: face corners and attributes, read through usd-core."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from .usd_primvars import (
 
 @dataclasses.dataclass
 class LocalMesh:
-    """One mesh in its own space. Corners of usable faces lie one after another."""
+    """One mesh in its own space; corners of usable faces lie one after another."""
 
     positions: Array
     """(n, 3) corner positions."""
@@ -91,7 +91,7 @@ def _usable_corners(
     mesh: UsdGeom.Mesh, time: Usd.TimeCode, counts: Indices, indices: Indices, points: Array
 ) -> CornerMap:
     stated, authored = len(counts), len(indices)
-    # Faces up to the first that does not fit the indices; no other can be told from the rest.
+    # Only faces before the first that does not fit the indices can be told apart.
     broken = np.flatnonzero((counts < 0) | (np.cumsum(np.maximum(counts, 0)) > authored))
     counts = counts[: broken[0]] if len(broken) else counts
     indices = indices[: counts.sum()]
@@ -133,7 +133,7 @@ def _usable_corners(
 
 
 def _is_degenerate(counts: Indices, indices: Indices, points: Array, drawn: np.ndarray) -> Any:
-    """Faces that repeat a point or have no area: a converter may drop them."""
+    """Mask of faces that repeat a point or have no area, which a converter may drop."""
     result = np.zeros(len(counts), bool)
     starts = np.concatenate([[0], np.cumsum(counts)[:-1]]).astype(np.int64)
     for size in np.unique(counts[drawn]):
@@ -150,7 +150,7 @@ def _is_degenerate(counts: Indices, indices: Indices, points: Array, drawn: np.n
 
 
 def _reversed_faces(keep: Indices, counts: Indices) -> Indices:
-    """The same corners with every face's order turned around."""
+    """The same corners, with the order of every face reversed."""
     if not len(keep):
         return keep
     starts = np.concatenate([[0], np.cumsum(counts)[:-1]])
@@ -171,5 +171,5 @@ def _normals(mesh: UsdGeom.Mesh, time: Usd.TimeCode, corners: CornerMap) -> Arra
         return None
     length = np.linalg.norm(expanded, axis=1, keepdims=True)
     unit = np.divide(expanded, length, out=np.zeros_like(expanded), where=length > 0.0)
-    unit[length[:, 0] == 0.0] = (0.0, 1.0, 0.0)  # as documented for those without a direction
+    unit[length[:, 0] == 0.0] = (0.0, 1.0, 0.0)  # documented value for normals without a direction
     return unit

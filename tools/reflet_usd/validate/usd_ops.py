@@ -1,4 +1,4 @@
-"""Owns what of the stage's transforms usd-core cannot evaluate: ops that are not there or broken.
+"""Owns the repair of xformOps that usd-core cannot evaluate: ops that are missing or broken.
 
 usd-core's cache of transforms throws at them, so they are taken out of the order, in memory.
 """
@@ -15,11 +15,11 @@ from .usd_skel import split_instances
 _RESET = "!resetXformStack!"
 _INVERSE = "!invert!"
 SKIPPED = ("xform-op-invalid",)
-"""The warning that tells of an op that is named and not there."""
+"""Warning about an op that the order names but the prim lacks."""
 
 
 def repair_ops(stage: Usd.Stage) -> dict[str, list[str]]:
-    """Take out what cannot be evaluated; by prim the ops that are named and not there."""
+    """Take out ops that cannot be evaluated; returns the missing ops by prim."""
     missing: dict[str, list[str]] = {}
     predicate = Usd.TraverseInstanceProxies(Usd.PrimIsActive & Usd.PrimIsLoaded)
     broken: dict[str, list[str]] = {}
@@ -45,7 +45,7 @@ def repair_ops(stage: Usd.Stage) -> dict[str, list[str]]:
 
 
 def compare_ops(checks: Checks, missing: dict[str, list[str]], placed: Collection[str]) -> None:
-    """Every op that is not there is named, at the prims that the file places."""
+    """Check that a warning names every missing op, at the prims that the file places."""
     for path in sorted(missing.keys() & set(placed)):
         for token in missing[path]:
             checks.add_lost(path, SKIPPED, f"the op '{token}'", token)

@@ -1,4 +1,4 @@
-"""Owns which prims of a stage are drawn, where, and how often: the truth's placements."""
+"""Owns the truth's placements: the prims that a stage draws, where, and how often."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ class Placement:
 
     prim: Usd.Prim
     key: str
-    """The path it is compared under: its own, or that of the outermost instancer."""
+    """Path under which the prim is compared: its own, or that of the outermost instancer."""
     matrix: Gf.Matrix4d
-    """Local to the stage's world."""
+    """Matrix from local space to the stage's world."""
 
 
 class PlacementWalk:
@@ -34,17 +34,17 @@ class PlacementWalk:
         self.instancers: list[str] = []
         """Paths of the outermost instancers, hidden or not."""
         self.outermost: dict[str, set[str]] = {}
-        """By path of each instancer within another's prototype, the outermost ones around it."""
+        """Outermost instancers around an instancer that is in another's prototype, by its path."""
         self._open: set[str] = set()
         self.not_finite: set[str] = set()
-        """Instancers with instances that nothing can draw."""
+        """Instancers with instances whose transforms are not finite."""
         self.cyclic: set[str] = set()
         """Instancers that are part of their own prototypes."""
         self.skipped: dict[str, str] = {}
-        """Drawable prims left out, by path: `invisible` or their purpose."""
+        """Left out drawable prims by path, with the reason: `invisible`, or their purpose."""
 
     def placements(self) -> Iterator[Placement]:
-        """Every drawn prim once per place: proxies of native instances, instances of instancers."""
+        """Every drawn prim at each place: proxies of native instances, instances of instancers."""
         prims = iter(
             Usd.PrimRange(
                 self.stage.GetPseudoRoot(),
@@ -55,7 +55,7 @@ class PlacementWalk:
             if prim.IsA(UsdGeom.PointInstancer):
                 prims.PruneChildren()
                 path = str(prim.GetPath())
-                # Also one that is hidden now, for it may be shown at another time.
+                # A prim that is hidden now also counts, for it may be shown at another time.
                 self.instancers.append(path)
                 self._note_nested(prim, path, {path})
                 if self._drawn(prim):
@@ -69,7 +69,7 @@ class PlacementWalk:
         return prim.IsA(UsdGeom.Gprim) or prim.IsA(UsdGeom.Camera) or is_light(prim)
 
     def _drawn(self, prim: Usd.Prim) -> bool:
-        """Whether visibility and purpose keep the prim; notes why where they do not."""
+        """Whether visibility and purpose keep the prim; notes the reason where they do not."""
         imageable = UsdGeom.Imageable(prim)
         reason = None
         if not imageable:
@@ -83,13 +83,13 @@ class PlacementWalk:
         return reason is None
 
     def _has_purpose(self, prim: Usd.Prim) -> bool:
-        """Whether its purpose keeps the prim; of lights and cameras any does, as in Hydra."""
+        """Whether the prim's purpose is kept; lights and cameras always are, as in Hydra."""
         if not (prim.IsA(UsdGeom.Gprim) or prim.IsA(UsdGeom.PointInstancer)):
             return True
         return UsdGeom.Imageable(prim).ComputePurpose() in self.purposes
 
     def _note_nested(self, instancer: Usd.Prim, key: str, seen: set[str]) -> None:
-        """Note the instancers within the prototypes of one, hidden or not."""
+        """Note the instancers within the prototypes of an instancer, hidden or not."""
         predicate = Usd.TraverseInstanceProxies(Usd.PrimIsActive & Usd.PrimIsLoaded)
         for target in UsdGeom.PointInstancer(instancer).GetPrototypesRel().GetForwardedTargets():
             root = self.stage.GetPrimAtPath(target)
@@ -103,7 +103,7 @@ class PlacementWalk:
     def _instances(self, instancer: Usd.Prim, key: str, world: Gf.Matrix4d) -> Iterator[Placement]:
         own = str(instancer.GetPath())
         if own in self._open:
-            self.cyclic.add(own)  # as documented, the inner one is left out
+            self.cyclic.add(own)  # the inner one is left out, as documented
             return
         self._open.add(own)
         yield from self._placed(instancer, key, world)
@@ -117,7 +117,7 @@ class PlacementWalk:
         transforms = schema.ComputeInstanceTransformsAtTime(
             time,
             time,
-            # Included, one index that names no prototype would leave nothing of all instances.
+            # One index without a prototype would leave nothing of all instances, so it is excluded.
             UsdGeom.PointInstancer.ExcludeProtoXform,
             UsdGeom.PointInstancer.IgnoreMask,
         )
@@ -142,7 +142,7 @@ class PlacementWalk:
                 self.not_finite.add(str(instancer.GetPath()))
                 continue
             for prim, relative, reset in parts.get(int(index), ()):
-                # A reset stack leaves what is above it in the prototype, not the instance (Hydra).
+                # A reset stack drops the prototype's transforms above, not the instance's (Hydra).
                 root = _IDENTITY if reset else own.get(int(index), _IDENTITY)
                 place = relative * root * transform * world
                 if prim.IsA(UsdGeom.PointInstancer):
@@ -151,7 +151,7 @@ class PlacementWalk:
                     yield Placement(prim, key, place)
 
     def _instancer_time(self, schema: UsdGeom.PointInstancer) -> Usd.TimeCode:
-        """A number where the earliest time is meant: velocities reach back to minus infinity."""
+        """A numeric time for the earliest: velocities would reach back to minus infinity."""
         if not self.time.IsEarliestTime():
             return self.time
         prim = schema.GetPrim()
@@ -160,10 +160,10 @@ class PlacementWalk:
         return Usd.TimeCode.Default() if first is None else Usd.TimeCode(first)
 
     def _prototype_parts(self, root: Usd.Prim) -> Iterator[tuple[Usd.Prim, Gf.Matrix4d, bool]]:
-        """Drawn prims below a prototype, their transform to its root, and whether it is reset."""
+        """Drawn prims below a prototype, their transforms to its root, whether that is reset."""
         if not root:
             return
-        # Prototypes are often kept as overs or classes, so being defined is not asked for.
+        # Prototypes are often overs or classes, so they need not be defined.
         predicate = Usd.TraverseInstanceProxies(Usd.PrimIsActive & Usd.PrimIsLoaded)
         prims = iter(Usd.PrimRange(root, predicate))
         for prim in prims:
@@ -183,7 +183,7 @@ class PlacementWalk:
 
 
 def is_light(prim: Usd.Prim) -> bool:
-    """Whether the prim is a light of UsdLux (any schema that carries LightAPI)."""
+    """Whether the prim is a light of UsdLux (any schema that includes LightAPI)."""
     return prim.HasAPI(UsdLux.LightAPI) or prim.IsA(UsdLux.BoundableLightBase)
 
 

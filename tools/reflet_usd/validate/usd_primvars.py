@@ -1,4 +1,4 @@
-"""Owns the truth about primvars: values at corners, and the vertex attributes they become."""
+"""Owns the truth about primvars: values at corners, and the vertex attributes that hold them."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ _FLOATS = re.compile(r"(?:float|double|half|color|vector|normal|point)([234]?)[f
 HANDLED = {"displayColor": 3, "displayOpacity": 1, "normals": 3}
 """Primvars with rules of their own, and how many numbers an element has."""
 _MOST = 4
-"""Numbers of one vertex attribute."""
+"""Maximum number of components of a vertex attribute."""
 
 
 @dataclasses.dataclass
 class CornerMap:
-    """Which authored corners are drawn, and where each one's primvar values lie."""
+    """Mapping from drawn corners to the authored elements that hold their primvar values."""
 
     index: Indices
     """(n,) authored corner (faceVarying element), in drawing order."""
@@ -36,14 +36,14 @@ class CornerMap:
     optional_index: Indices
     optional_triangles: int
     totals: dict[str, int]
-    """How many elements a primvar of each interpolation must have; of others one for all."""
+    """Number of elements that a primvar of each interpolation must have; other ones need one."""
     optional_counts: Indices = dataclasses.field(default_factory=lambda: np.zeros(0, np.int64))
     is_whole: bool = True
     """Whether all faces fit the indices, so that the totals mean what they say."""
 
     @classmethod
     def whole(cls, faces: Indices, points: int) -> CornerMap:
-        """All corners of (n, k) faces of point indices."""
+        """Map of all corners of (n, k) faces of point indices."""
         index = np.arange(faces.size)
         owner = np.repeat(np.arange(len(faces)), faces.shape[1])
         totals = {
@@ -67,21 +67,21 @@ class CornerMap:
 
 @dataclasses.dataclass(frozen=True)
 class Carried:
-    """A primvar that becomes vertex attributes, and how many numbers an element has."""
+    """A primvar that becomes vertex attributes, and the number of components of an element."""
 
     name: str
     primvar: UsdGeom.Primvar
     width: int
     is_uv: bool
     attribute: str
-    """Of the whole; for coordinates only where there is a third one."""
+    """Attribute of the whole primvar; coordinates have one only with a third component."""
 
 
 def carried(prim: Usd.Prim) -> list[Carried]:
     """The float primvars with an element per part that reach a prim, and all coordinates.
 
-    An attribute has its primvar's name in capitals, other characters as underscores. Where one of
-    those before it, by name, has that already, it is numbered.
+    An attribute has its primvar's name in capitals, other characters as underscores. Where a
+    primvar before it, by name, has that attribute already, it is numbered.
     """
     found = UsdGeom.PrimvarsAPI(prim).FindPrimvarsWithInheritance()
     result: list[Carried] = []
@@ -108,7 +108,7 @@ def carried(prim: Usd.Prim) -> list[Carried]:
 
 
 def uv_sets(entries: list[Carried], time: Usd.TimeCode, corners: CornerMap) -> dict[str, Array]:
-    """(n, 2) coordinates at the corners, by primvar."""
+    """Coordinates (n, 2) at the corners, by primvar."""
     result = {}
     for entry in entries:
         values = _at_corners(entry, time, corners) if entry.is_uv and entry.width < _MOST else None
@@ -118,7 +118,7 @@ def uv_sets(entries: list[Carried], time: Usd.TimeCode, corners: CornerMap) -> d
 
 
 def customs(entries: list[Carried], time: Usd.TimeCode, corners: CornerMap) -> dict[str, Array]:
-    """(n, k) values at the corners, by attribute; of coordinates where a third one counts."""
+    """Values (n, k) at the corners, by attribute; coordinates only where a third one is used."""
     result = {}
     for entry in entries:
         usable = entry.attribute and entry.width <= (_MOST - 1 if entry.is_uv else _MOST)
@@ -143,9 +143,9 @@ def misfits(
     corners: CornerMap,
     told: set[str],
 ) -> tuple[str, ...]:
-    """The primvars of which some value has no place: too many, too few, or too long elements.
+    """Primvars with values that have no place: too many, too few, or too long elements.
 
-    `entries` are those that are `carried`, `told` those of color and normals that are drawn.
+    `entries` are the primvars that are `carried`, `told` the drawn ones of color and normals.
     """
     found = {entry.name: entry for entry in entries}
     for name in sorted(told):
@@ -158,7 +158,7 @@ def misfits(
 
 def _fits(entry: Carried, time: Usd.TimeCode, corners: CornerMap) -> bool:
     if not entry.primvar.Get(time):
-        return True  # without values there is nothing to lose
+        return True  # without values nothing is lost
     interpolation = entry.primvar.GetInterpolation()
     values = flattened(entry.primvar, time, entry.width)
     count = len(values) if np.isfinite(values).all() else -1
@@ -167,7 +167,7 @@ def _fits(entry: Carried, time: Usd.TimeCode, corners: CornerMap) -> bool:
 
 
 def corner_colors(prim: Usd.Prim, time: Usd.TimeCode, corners: CornerMap) -> Array | None:
-    """(n, 4) display color and opacity at the corners; None where none fits."""
+    """Display color and opacity (n, 4) at the corners; None where none fits."""
     api = UsdGeom.PrimvarsAPI(prim)
     color = api.FindPrimvarWithInheritance("displayColor")
     opacity = api.FindPrimvarWithInheritance("displayOpacity")
@@ -200,7 +200,7 @@ def flattened(primvar: UsdGeom.Primvar, time: Usd.TimeCode, width: int) -> Array
 
 
 def points_of(attribute: Usd.Attribute, time: Usd.TimeCode) -> Array:
-    """(n, 3) points at `time`; where the stage begins without, the first that come."""
+    """Points (n, 3) at `time`; the first authored ones where the stage begins without."""
     value = attribute.Get(time)
     samples = (attribute.Get(code) for code in attribute.GetTimeSamples())
     if value is None:
@@ -209,7 +209,7 @@ def points_of(attribute: Usd.Attribute, time: Usd.TimeCode) -> Array:
 
 
 def array_of(value: Any, dtype: type, width: int = 1) -> Any:
-    """A value array of usd-core as numpy, (n,) or (n, width); empty where nothing fits."""
+    """A value array of usd-core as numpy, (n,) or (n, width); empty where it does not fit."""
     shape = (0,) if width == 1 else (0, width)
     if value is None:
         return np.zeros(shape, dtype)

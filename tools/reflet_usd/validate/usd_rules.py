@@ -1,7 +1,7 @@
 """Owns the documented rules by which a file follows a stage that glTF cannot repeat.
 
-Each is written into the session layer of the opened stage, in memory, so that usd-core evaluates
-the value that the file must hold, and nothing has to be excused.
+Each rule is written into the session layer of the opened stage, in memory, so that usd-core
+evaluates the value that the file must hold, and nothing has to be excused.
 """
 
 from __future__ import annotations
@@ -35,11 +35,11 @@ _VELOCITIES = ("velocities", "angularVelocities", "accelerations")
 _NORMALIZED = "instance-rotation-normalized"
 _SIZES = "world sizes"
 _FAR = 1e9
-"""A weight that no animation reaches."""
+"""Weight that no animation reaches."""
 
 
 def apply_rules(stage: Usd.Stage, warnings: Iterable[dict[str, Any]], rest: Usd.TimeCode) -> None:
-    """Let the stage say what the file must show where the sidecar's `warnings` name a rule."""
+    """Edit the stage to show what the file must show, by the rules that `warnings` name."""
     chosen = [w for w in warnings if w["name"] in NAMES]
     with Usd.EditContext(stage, stage.GetSessionLayer()):
         for warning in chosen:
@@ -58,7 +58,7 @@ def apply_rules(stage: Usd.Stage, warnings: Iterable[dict[str, Any]], rest: Usd.
 
 
 def frozen_sizes(warnings: Iterable[dict[str, Any]]) -> set[str]:
-    """Lights of which a warning says that they keep the power of their first world size."""
+    """Lights with a warning that they keep the power of their first world size."""
     return {
         warning["prim"]
         for warning in warnings
@@ -72,19 +72,19 @@ def _prim(stage: Usd.Stage, path: str) -> Usd.Prim | None:
 
 
 def _freeze(prim: Usd.Prim, message: str, rest: Usd.TimeCode) -> None:
-    """Give the attributes that the message names their value at rest for all times."""
+    """Freeze the attributes that the message names at their value at rest."""
     match = _STAYS.match(message)
     names = [name.strip() for name in match.group(1).split(",")] if match else []
     if any(name.startswith("points") for name in names):
         names = ["points", "normals", "primvars:normals"]
     if prim.IsA(UsdGeom.PointInstancer):
         parts = [part for name in names for part in _INSTANCER_PARTS.get(name, (name,))]
-        # Where how many there are changes, nothing of the instancer moves.
+        # An instancer with a varying number of instances does not move at all.
         names = list(_PLACING) if set(parts) & {"protoIndices", "ids"} else parts
     for name in names:
         attribute = prim.GetAttribute(name)
         value = attribute.Get(rest) if attribute else None
-        if value is None and name == "points":  # the stage begins without
+        if value is None and name == "points":  # the stage begins without a value
             samples = (attribute.Get(code) for code in attribute.GetTimeSamples())
             value = next((sample for sample in samples if sample is not None), None)
         if value is not None:
@@ -92,7 +92,7 @@ def _freeze(prim: Usd.Prim, message: str, rest: Usd.TimeCode) -> None:
 
 
 def _forget_velocities(prim: Usd.Prim) -> None:
-    """Points and instances are interpolated between their keys."""
+    """Remove velocities: the file interpolates points and instances between their keys."""
     for name in _VELOCITIES:
         if prim.HasAttribute(name):
             prim.GetAttribute(name).Block()
@@ -108,7 +108,7 @@ def _skin_linearly(prim: Usd.Prim) -> None:
 
 
 def _normalize_weights(prim: Usd.Prim) -> None:
-    """Weights of joints that are there sum to 1; a point without any follows the first joint."""
+    """Normalize weights of existing joints to 1; a point without any follows the first joint."""
     api = UsdSkel.BindingAPI(prim)
     weights, indices = (
         UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance(f"skel:joint{name}")
@@ -146,7 +146,7 @@ def _joint_count(prim: Usd.Prim) -> int:
 
 
 def _normalize_rotations(prim: Usd.Prim) -> None:
-    """Quaternions of the skeleton's animation have length 1."""
+    """Normalize the quaternions of the skeleton's animation."""
     source = UsdSkel.BindingAPI(prim).GetInheritedAnimationSource()
     attribute = UsdSkel.Animation(source).GetRotationsAttr() if source else None
     if not attribute:
@@ -160,14 +160,14 @@ def _normalize_rotations(prim: Usd.Prim) -> None:
 
 
 def _stay_at_rest(prim: Usd.Prim) -> None:
-    """Joints move no curves and no points."""
+    """Unbind curves and points from joints, which do not move them in the file."""
     indices = prim.GetAttribute("primvars:skel:jointIndices")
     if indices and not prim.IsA(UsdGeom.Mesh):
         indices.Block()
 
 
 def _finite_weights(prim: Usd.Prim) -> None:
-    """Weights of blend shapes that are no numbers are 0."""
+    """Set weights of blend shapes that are not finite to 0."""
     source = UsdSkel.BindingAPI(prim).GetInheritedAnimationSource()
     skeleton = UsdSkel.BindingAPI(prim).GetInheritedSkeleton()
     if not source and skeleton:
@@ -184,7 +184,7 @@ def _finite_weights(prim: Usd.Prim) -> None:
 
 
 def _forget_far_samples(prim: Usd.Prim) -> None:
-    """No time sample is further than anything that a clock reaches."""
+    """Remove time samples beyond the limit."""
     for attribute in prim.GetAuthoredAttributes():
         codes = attribute.GetTimeSamples()
         near = [(code, attribute.Get(code)) for code in codes if abs(code) <= MAX_CODE]
@@ -194,7 +194,7 @@ def _forget_far_samples(prim: Usd.Prim) -> None:
 
 
 def _normalize_instances(prim: Usd.Prim, message: str) -> None:
-    """Quaternions of the instances of the prototypes that the warning names have length 1."""
+    """Normalize the quaternions of instances of the prototypes that the warning names."""
     schema = UsdGeom.PointInstancer(prim)
     targets = [str(path) for path in schema.GetPrototypesRel().GetForwardedTargets()]
     named = [index for index, path in enumerate(targets) if f"'{path}'" in message]
@@ -217,7 +217,7 @@ def _normalize_instances(prim: Usd.Prim, message: str) -> None:
 
 
 def _without_perspective(prim: Usd.Prim) -> None:
-    """The prim's own matrices, w divided out, without a fourth column; else the identity."""
+    """The prim's own matrices without a fourth column, w divided out; else the identity."""
     xformable = UsdGeom.Xformable(prim)
     codes = xformable.GetTimeSamples()
     times = [Usd.TimeCode(code) for code in codes] or [Usd.TimeCode.Default()]

@@ -23,7 +23,7 @@ def skin_times(stage: Usd.Stage) -> list[float]:
 class JointTruth:
     """World matrices of joints by UsdSkel's own evaluation, at any time, keys or not.
 
-    Made before `bake`, which takes the bindings away.
+    Must be made before `bake`, which removes the bindings.
     """
 
     def __init__(self, truth: TruthStage) -> None:
@@ -44,10 +44,10 @@ class JointTruth:
                     self._scale_keys[str(prim.GetPath())] = _scale_keys(query)
 
     def matrices(self, time: Usd.TimeCode) -> dict[str, dict[str, Array]]:
-        """By skeleton and joint; skeletons that USD cannot pose are left out.
+        """World matrices by skeleton and joint; skeletons that USD cannot pose are left out.
 
-        So are those with moving scales between these scales' keys: they are half floats, and USD
-        rounds what it interpolates to half floats.
+        Skeletons with moving scales are left out between the keys of these scales: USD rounds
+        interpolated scales to half floats.
         """
         xforms = UsdGeom.XformCache(time)
         result: dict[str, dict[str, Array]] = {}
@@ -77,7 +77,7 @@ def _scale_keys(query: UsdSkel.SkeletonQuery) -> list[float]:
 
 
 def keyed_skeletons(stage: Usd.Stage) -> int:
-    """How many SkelAnimation prims have two time samples or more of any attribute."""
+    """Number of SkelAnimation prims with two time samples or more of any attribute."""
     return sum(
         any(attribute.GetNumTimeSamples() > 1 for attribute in prim.GetAttributes())
         for prim in _prims(stage)
@@ -115,7 +115,7 @@ def bake(stage: Usd.Stage) -> frozenset[str]:
 
 
 def split_instances(stage: Usd.Stage, path: object) -> None:
-    """Make the native instances around a prim ordinary prims, in the edit target."""
+    """Turn the native instances around a prim into ordinary prims, in the edit target."""
     prim = stage.GetPrimAtPath(path)
     while prim and prim.IsInstanceProxy():
         above = prim
@@ -133,7 +133,7 @@ def split_instances(stage: Usd.Stage, path: object) -> None:
 
 
 def key_ends(stage: Usd.Stage, frames: Iterable[float]) -> None:
-    """Give skeleton animations keys at the ends of a range, as the converter does, in memory."""
+    """Add keys to skeleton animations at the ends of a range, as the converter does, in memory."""
     with Usd.EditContext(stage, stage.GetSessionLayer()):
         for prim in [prim for prim in _prims(stage) if prim.IsA(UsdSkel.Animation)]:
             for attribute in () if prim.IsInstanceProxy() else prim.GetAttributes():
@@ -145,9 +145,9 @@ def key_ends(stage: Usd.Stage, frames: Iterable[float]) -> None:
 
 
 def split_skeletons(stage: Usd.Stage) -> None:
-    """Make native instances that hold skeletons ordinary prims, in the session layer.
+    """Turn native instances that hold skeletons into ordinary prims, in the session layer.
 
-    Baking cannot edit what is shared. The paths stay.
+    Baking cannot edit shared prototypes. The prim paths stay the same.
     """
     with Usd.EditContext(stage, stage.GetSessionLayer()):
         for path in [prim.GetPath() for prim in _prims(stage) if prim.IsA(UsdSkel.Root)]:
@@ -160,7 +160,7 @@ def baked_codes(
 ) -> dict[str, set[float]]:
     """The codes at which baked prims are exact: those of their points, else of their matrices.
 
-    Of these only the animations' own `keys` count: between them USD rounds scales to half floats.
+    Only the animations' own `keys` count: between them USD rounds scales to half floats.
     """
     authored = set(keys)
     found: dict[str, set[float]] = {}
@@ -173,7 +173,7 @@ def baked_codes(
 
 
 def _split_below(stage: Usd.Stage, path: object) -> None:
-    """Make the prim and all native instances below it ordinary prims, in the edit target."""
+    """Turn the prim and all native instances below it into ordinary prims, in the edit target."""
     while True:
         prims = Usd.PrimRange(stage.GetPrimAtPath(path), Usd.PrimDefaultPredicate)
         found = [prim for prim in prims if prim.IsInstance()]

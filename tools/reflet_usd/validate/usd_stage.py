@@ -1,4 +1,4 @@
-"""Owns how the truth's stage is opened: variants, units, up axis, time, all through usd-core."""
+"""Owns opening the truth's stage: variants, units, up axis, time, all through usd-core."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _Z_UP_TO_Y_UP = np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])
 
 @dataclasses.dataclass
 class TruthStage:
-    """An opened stage with what is needed to express it in glTF's world."""
+    """An opened stage, with the values that express it in glTF's world."""
 
     stage: Usd.Stage
     purposes: tuple[str, ...]
@@ -36,7 +36,7 @@ class TruthStage:
     time_origin: float
     """Time code of second 0 in glTF."""
     subdiv_level: int
-    """How many Catmull-Clark steps the output's subdivision meshes went through."""
+    """Number of Catmull-Clark steps of the output's subdivision meshes."""
     roots: tuple[str, ...]
     """The folders that layers and textures may come from."""
 
@@ -49,7 +49,7 @@ class TruthStage:
         return result
 
     def node_world(self, matrix: Gf.Matrix4d) -> Array:
-        """The same where lengths are already meters: only the translation is scaled."""
+        """World matrix where lengths are already meters: only the translation is scaled."""
         result = _without_w(matrix)
         result[3, :3] *= self.meters_per_unit
         if self.z_up:
@@ -86,7 +86,7 @@ def open_truth(path: Path, settings: dict[str, Any]) -> TruthStage:
     _confine(stage, roots)
     _turn_separators(stage)
     _confine(stage, roots)
-    # Else usd-core scales the times that baking writes into it.
+    # With other rates, usd-core would scale the times that baking writes.
     for name in ("timeCodesPerSecond", "framesPerSecond"):
         if stage.GetRootLayer().pseudoRoot.HasInfo(name):
             rate = stage.GetRootLayer().pseudoRoot.GetInfo(name)
@@ -94,7 +94,7 @@ def open_truth(path: Path, settings: dict[str, Any]) -> TruthStage:
     with Usd.EditContext(stage, stage.GetSessionLayer()):
         for prim_path, set_name, variant in settings.get("variants") or ():
             stage.GetPrimAtPath(prim_path).GetVariantSet(set_name).SetVariantSelection(variant)
-    _confine(stage, roots)  # again, for what the variants brought
+    _confine(stage, roots)  # again, for the layers of variants
     units = _root_metadata(stage, "metersPerUnit")
     rate = _root_metadata(stage, "timeCodesPerSecond")
     rate = rate if rate is not None else _root_metadata(stage, "framesPerSecond")
@@ -112,7 +112,7 @@ def open_truth(path: Path, settings: dict[str, Any]) -> TruthStage:
 
 
 def _text(error: Tf.ErrorException) -> str:
-    """USD's own words, which may quote a part of a character."""
+    """USD's message, which may hold cut characters."""
     try:
         return str(error)
     except UnicodeDecodeError as cut:
@@ -123,11 +123,11 @@ def _forget_old_layers() -> None:
     """Reload layers that this process has cached from earlier stages.
 
     USD frees a stage's layers on another thread some time after the stage is gone; until then it
-    gives out what it read before, or what was edited in memory.
+    hands out layers with their old content, or with edits in memory.
     """
     for layer in Sdf.Layer.GetLoadedLayers():
         if layer and not layer.anonymous and os.path.isfile(layer.realPath):
-            with contextlib.suppress(Tf.ErrorException):  # broken by now: who opens it will say
+            with contextlib.suppress(Tf.ErrorException):  # opening the broken layer reports it
                 layer.Reload(force=True)
 
 
@@ -138,14 +138,14 @@ def is_within(resolved: str, roots: tuple[str, ...]) -> bool:
 
 
 def _confine(stage: Usd.Stage, roots: tuple[str, ...]) -> None:
-    """Mute all layers from elsewhere: the converter was not allowed to read them."""
+    """Mute all layers outside the folders: the converter was not allowed to read them."""
     tried: set[str] = set()
     while True:
-        # A layer that was muted before the stage was opened stays in use, without its content.
+        # A layer that was muted before the stage was opened still counts as used, without content.
         layers = [
             layer for layer in stage.GetUsedLayers() if layer.realPath and not layer.IsMuted()
         ]
-        # Muting one layer frees those that it alone brought.
+        # Muting one layer releases those that only it brought.
         outside = {layer.identifier for layer in layers if not is_within(layer.realPath, roots)}
         if not outside:
             return
@@ -157,7 +157,7 @@ def _confine(stage: Usd.Stage, roots: tuple[str, ...]) -> None:
 
 
 def sample_codes(stage: Usd.Stage) -> list[float]:
-    """All time codes at which anything with a place in space has a sample or a spline's knot."""
+    """Time codes at which anything placed in space has a sample or a spline knot."""
     codes: set[float] = set()
     for attribute in _placed_attributes(stage):
         codes.update(attribute.GetTimeSamples())
@@ -167,7 +167,7 @@ def sample_codes(stage: Usd.Stage) -> list[float]:
 
 
 def stated_codes(stage: Usd.Stage) -> tuple[float | None, float | None]:
-    """The stage's own start and end time code; None for one that it does not state, or not near."""
+    """Start and end time code that the stage states; None where missing or out of range."""
     stated = (_root_metadata(stage, name) for name in ("startTimeCode", "endTimeCode"))
     start, end = (
         float(code) if isinstance(code, (int, float)) and abs(code) <= MAX_CODE else None
@@ -198,9 +198,9 @@ def may_move(stage: Usd.Stage) -> bool:
 
 
 def codes_in_splines(stage: Usd.Stage) -> list[float]:
-    """Codes within the segments of every spline, at uneven places: curves may meet a line halfway.
+    """Codes within the segments of every spline, unevenly placed: curves may meet a line halfway.
 
-    Where splines have more segments than can be looked at, evenly chosen ones.
+    Of splines with too many segments to look at all, evenly chosen ones count.
     """
     codes: set[float] = set()
     for attribute in _placed_attributes(stage):
@@ -214,7 +214,7 @@ def codes_in_splines(stage: Usd.Stage) -> list[float]:
 
 @dataclasses.dataclass
 class KeyedOnly:
-    """What has an exact value at its own keys only: their time codes by prim path."""
+    """Prims whose values are exact only at their own keys: time codes by prim path."""
 
     prims: dict[str, set[float]]
     """Instancers with moving orientations, which USD interpolates in half precision."""
@@ -224,7 +224,7 @@ class KeyedOnly:
     """Prims with half-precision xformOps; all that is below them moves along."""
 
     def between(self, code: float, keys: Iterable[str]) -> frozenset[str]:
-        """Which of the prims `keys` stand for are between keys at `code`."""
+        """Prims among those of `keys` that are between keys at `code`."""
         moving = [path for path, own in self.subtrees.items() if code not in own]
         found = {prim for prim, own in self.prims.items() if code not in own}
         for key in keys if moving else ():
@@ -234,7 +234,7 @@ class KeyedOnly:
 
 
 def keyed_only(stage: Usd.Stage) -> KeyedOnly:
-    """What must not be compared between its keys."""
+    """Prims that must not be compared between their keys."""
     result = KeyedOnly({}, {}, {})
     moving = {
         "orientations": result.prims,
@@ -261,7 +261,7 @@ def _is_placed(prim: Usd.Prim) -> bool:
 
 
 def _placed_attributes(stage: Usd.Stage) -> Iterator[Usd.Attribute]:
-    # Prototypes instead of their instances, of which nesting can make any number.
+    # Prototypes are walked instead of instances, since nesting can make any number of these.
     for root in (stage.GetPseudoRoot(), *stage.GetPrototypes()):
         for prim in Usd.PrimRange(root):
             if prim.IsA(UsdGeom.Imageable):
@@ -269,7 +269,7 @@ def _placed_attributes(stage: Usd.Stage) -> Iterator[Usd.Attribute]:
 
 
 def _turn_separators(stage: Usd.Stage) -> None:
-    """A backslash that is part of no file's name separates folders, as on Windows."""
+    """Replace backslashes in paths by slashes where no file has that name: Windows separators."""
     done: set[str] = set()
     while layers := [layer for layer in stage.GetUsedLayers() if layer.identifier not in done]:
         for layer in layers:
@@ -292,7 +292,7 @@ def _turn_separators(stage: Usd.Stage) -> None:
 
 
 def _repair_time_rate(layer: Sdf.Layer) -> None:
-    """Give a layer whose rates are no rates USD's default, in memory: usd-core hangs on 0."""
+    """Give a layer with invalid rates USD's default, in memory: usd-core hangs on 0."""
     for name in ("timeCodesPerSecond", "framesPerSecond"):
         root = layer.pseudoRoot
         if root.HasInfo(name) and not _is_rate(root.GetInfo(name)):
@@ -308,7 +308,7 @@ def _root_metadata(stage: Usd.Stage, name: str) -> Any:
 
 
 def _is_rate(value: Any) -> bool:
-    """A documented rate: 1e-6 to 1e9 codes per second."""
+    """Whether a rate is in the documented range: 1e-6 to 1e9 codes per second."""
     return _is_positive(value) and 1e-6 <= value <= 1e9
 
 

@@ -1,4 +1,4 @@
-"""Owns the truth about refined meshes: Catmull-Clark, one element at a time, for checking only.
+"""Owns the truth about refined meshes: Catmull-Clark one element at a time, for checks only.
 
 Written for being read beside the rules: Catmull and Clark 1978; boundaries as in UsdGeomMesh's
 `interpolateBoundary`; semi-sharp creases as in DeRose, Kass and Truong 1998, with the blend
@@ -18,7 +18,7 @@ from .usd_mesh import LocalMesh
 from .usd_primvars import array_of
 
 INFINITE = 10.0
-"""Sharpness from which a crease never becomes smooth, as in OpenSubdiv."""
+"""Sharpness from which a crease stays sharp at every level, as in OpenSubdiv."""
 Edge = tuple[int, int]
 
 
@@ -29,7 +29,7 @@ class Cage:
     points: Array
     faces: list[list[int]]
     parents: list[int]
-    """The authored face that each face comes from."""
+    """Authored face of each face."""
     edge_sharpness: dict[Edge, float]
     corner_sharpness: dict[int, float]
     pin_corners: bool
@@ -115,7 +115,7 @@ def refine(cage: Cage) -> Cage:
 
 
 def _read_sharpness(mesh: UsdGeom.Mesh, time: Usd.TimeCode, cage: Cage) -> None:
-    """Creases are chains of vertices with one value, or one for each edge of the chain."""
+    """Read creases: chains of vertices with one sharpness, or with one for each edge."""
     chains = array_of(mesh.GetCreaseIndicesAttr().Get(time), np.int64).tolist()
     lengths = array_of(mesh.GetCreaseLengthsAttr().Get(time), np.int64).tolist()
     values = array_of(mesh.GetCreaseSharpnessesAttr().Get(time), np.float64).tolist()
@@ -133,7 +133,7 @@ def _read_sharpness(mesh: UsdGeom.Mesh, time: Usd.TimeCode, cage: Cage) -> None:
 
 
 class _Neighbors:
-    """Which faces and edges meet where."""
+    """Adjacency of vertices, edges and faces."""
 
     def __init__(self, cage: Cage) -> None:
         self.faces_of_edge: dict[Edge, list[int]] = {}

@@ -41,7 +41,7 @@ def read_tessellated(prim: Usd.Prim, time: Usd.TimeCode, surface: Surface) -> Lo
     corners, normals = corners @ turn, normals @ turn
     gprim = UsdGeom.Gprim(prim)
     if gprim.GetOrientationAttr().Get(time) == UsdGeom.Tokens.leftHanded:
-        # The counts run backwards with the corners.
+        # The counts are reversed like the corners.
         corners, normals, counts = corners[::-1], -normals[::-1], counts[::-1]
     material = surface.material
     colors = None if surface.color is None else np.tile(surface.color, (len(corners), 1))
@@ -62,7 +62,7 @@ def read_tessellated(prim: Usd.Prim, time: Usd.TimeCode, surface: Surface) -> Lo
 
 
 def _faces(surface: Surface) -> tuple[Array, Array, Indices]:
-    """Corners, their normals, and how many each face has, the axis along Z."""
+    """Corners, their normals, and number of corners of each face, with the axis along Z."""
     bottom, top = surface.radius
     half = surface.height / 2
     if surface.kind == "sphere":
@@ -79,7 +79,7 @@ def _faces(surface: Surface) -> tuple[Array, Array, Indices]:
         np.array([bottom, top]), np.array([-half, half]), np.full(2, slope[0]), np.full(2, slope[1])
     )
     parts = [_turned(side)]
-    # Lids: a profile that goes out from the axis below, and back to it above.
+    # Lids: profiles that run out from the axis below, and back to it above.
     for radius, height, up in ((bottom, -half, -1.0), (top, half, 1.0)):
         if radius > 0.0:
             run = np.array([0.0, radius]) if up < 0.0 else np.array([radius, 0.0])
@@ -97,7 +97,7 @@ def _arc(radius: float, center: float, first: float, last: float, steps: int) ->
 
 
 def _turned(band: _Band) -> tuple[Array, Array, Indices]:
-    """The faces between neighboring rings; triangles where one of the two is a point."""
+    """Faces between neighboring rings; triangles where one ring is a point."""
     angles = np.arange(_AROUND) * (2.0 * math.pi / _AROUND)
     circle = np.column_stack([np.cos(angles), np.sin(angles)])
     points = np.stack([_ring(r, h, circle) for r, h in zip(band.radius, band.height, strict=True)])

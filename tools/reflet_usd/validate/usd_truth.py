@@ -1,4 +1,4 @@
-"""Owns the truth: a stage evaluated by usd-core and reduced to the facts that are compared."""
+"""Owns the truth: the facts of a stage that are compared, evaluated by usd-core."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from .usd_subdivide import read_refined
 from .usd_tessellation import read_tessellated
 
 _MAX_LATHES = 64
-"""Curved gprims of one instancer that are compared corner by corner."""
+"""Maximum number of curved gprims of one instancer that are compared corner by corner."""
 
 
 class TruthReader:
@@ -50,11 +50,11 @@ class TruthReader:
         self._named_lights = geometry_lights(truth.stage)
         self.instancers: list[str] = []
         self.outermost: dict[str, set[str]] = {}
-        """Of the scene read last, as `PlacementWalk` has them."""
+        """Outermost instancers of the scene that was read last, see `PlacementWalk`."""
         self.skipped: dict[str, str] = {}
 
     def scene(self, time: Usd.TimeCode) -> Scene:
-        """Everything the stage draws at `time`."""
+        """Facts about everything that the stage draws at `time`."""
         walk = PlacementWalk(self.truth.stage, time, self.truth.purposes)
         scene = Scene()
         pieces: dict[str, list[tuple[LocalMesh, Array]]] = {}
@@ -169,7 +169,7 @@ class TruthReader:
 def _read_shining(
     scene: Scene, prim: Usd.Prim, time: Usd.TimeCode, named: dict[str, Usd.Prim]
 ) -> None:
-    """The light that a gprim sends: its own, or that of a GeometryLight that names it."""
+    """Light that a gprim sends: its own, or that of a GeometryLight that names it."""
     path = str(prim.GetPath())
     light = prim if is_light(prim) else named.get(path)
     if light is None:
@@ -187,7 +187,7 @@ def _add_tessellated(
     pieces: dict[str, list[tuple[LocalMesh, Array]]],
     lathes: dict[str, list[tuple[LocalMesh, Array]]],
 ) -> None:
-    """Let curved gprims count as meshes where all of a key can, and are not too many."""
+    """Add curved gprims as meshes, where all of a key have a tessellation and are not too many."""
     for key, placed in lathes.items():
         if len(placed) == len(scene.surfaces[key]) <= _MAX_LATHES:
             scene.turned.add(key)
@@ -270,7 +270,7 @@ def _merge_attributes(result: Corners, meshes: list[LocalMesh]) -> None:
     labels: list[Indices] = []
     for mesh in meshes:
         places = [_place_of(path, result.material_paths) for path in mesh.material_paths]
-        # The last entry answers to index −1, no material.
+        # The last entry is for index −1, no material.
         face_label = np.array([*places, -1])[mesh.materials]
         labels.append(np.repeat(face_label, mesh.counts))
     result.materials = np.concatenate(labels)
@@ -280,7 +280,7 @@ def _merge_attributes(result: Corners, meshes: list[LocalMesh]) -> None:
 
 
 def _place_of(path: str, paths: list[str]) -> int:
-    """The index of `path` in `paths`, where it is added if it is new."""
+    """Index of `path` in `paths`, to which a new path is added."""
     if path not in paths:
         paths.append(path)
     return paths.index(path)
@@ -297,7 +297,7 @@ def _transform_normals(normals: Array, matrix: Array) -> Array:
 
 
 def _is_singular(matrix: Array) -> bool:
-    """Whether the matrix flattens what it places (or is no matrix at all)."""
+    """Whether the matrix flattens space, or is not finite."""
     linear = matrix[:3, :3]
     if not np.isfinite(linear).all():
         return True
@@ -317,7 +317,7 @@ def face_materials(prim: Usd.Prim, time: Usd.TimeCode) -> tuple[Indices, list[st
         return _place_of(path, paths) if path else -1
 
     result[:] = label(prim)
-    # Of subsets that share a face the first one has it.
+    # A face in several subsets belongs to the first one.
     for subset in reversed(UsdShade.MaterialBindingAPI(prim).GetMaterialBindSubsets()):
         faces = array_of(subset.GetIndicesAttr().Get(time), np.int64)
         index = label(subset.GetPrim())

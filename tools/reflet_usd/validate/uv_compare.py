@@ -1,4 +1,4 @@
-"""Owns the checks of texture coordinates and other float primvars, and of what reads them."""
+"""Owns the checks of texture coordinates and other float primvars, and of their use by textures."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class UvUse:
 def compare_uvs(
     checks: Checks, key: str, expected: Corners, found: Corners, tolerance: float
 ) -> None:
-    """Every set of the file is one of the stage's, and every set of the stage is in the file."""
+    """Check that the file's UV sets and the stage's are the same."""
     there: set[str] = set()
     for name, values in found.uvs.items():
         rows = _uv_rows(checks, key, found, values)
@@ -38,7 +38,7 @@ def compare_uvs(
         best = math.inf
         for candidate, wished in expected.uvs.items():
             wanted = (expected.positions, wished)
-            # Where a part is left out, what is drawn has to be wanted, not the other way.
+            # Where rows are left out, drawn values must be wanted ones, but not the other way.
             first, second = (wanted, drawn) if rows.all() else (drawn, wanted)
             whole = expected.optional_triangles == 0 and bool(rows.all())
             distance = attribute_distance(first, second, tolerance, step, whole)
@@ -61,7 +61,7 @@ def _missing(checks: Checks, key: str, name: str) -> None:
 def _compare_order(
     checks: Checks, key: str, expected: Corners, found: Corners, tolerance: float
 ) -> None:
-    """Where no material reads any, `st` comes first, then the others by name."""
+    """Check the order where no material reads any set: `st` first, then the others by name."""
     attributes = sorted(found.uvs, key=lambda name: int(name.rpartition("_")[2]))
     names = sorted(expected.uvs, key=lambda name: (name != "st", name))
     for name, attribute in zip(names, attributes, strict=True):
@@ -77,7 +77,7 @@ def _compare_order(
 
 
 def _uv_rows(checks: Checks, key: str, found: Corners, values: Array) -> np.ndarray:
-    """All corners but those where a material reads a set that the prim does not have."""
+    """Mask of all corners but those whose material reads a set that the prim does not have."""
     rows = np.ones(len(values), bool)
     if found.materials is None or not checks.excuse(key, UV_CONSTANT):
         return rows
@@ -91,7 +91,7 @@ def _uv_rows(checks: Checks, key: str, found: Corners, values: Array) -> np.ndar
 def compare_customs(
     checks: Checks, key: str, expected: Corners, found: Corners, tolerance: float
 ) -> None:
-    """Every other float primvar of the stage is in the file, under its own name."""
+    """Check that every other float primvar of the stage is in the file, under its own name."""
     both = expected.optional_triangles == 0
     for name, wanted in expected.customs.items():
         drawn = (found.positions, found.customs.get(name))
@@ -101,7 +101,7 @@ def compare_customs(
 def compare_point_values(
     checks: Checks, key: str, expected: Corners, found: Corners, tolerance: float
 ) -> None:
-    """The same of points and lines, with their coordinates."""
+    """Compare the primvars of points and lines, including their coordinates."""
     for name in sorted(expected.point_values.keys() | found.point_values.keys()):
         wanted, values = (side.point_values.get(name) for side in (expected, found))
         if wanted is None:
@@ -133,7 +133,7 @@ def _compare_values(
 def compare_uv_uses(
     checks: Checks, truth: Scene, output: Scene, uses: Iterable[UvUse], diagonal: float
 ) -> None:
-    """Compare the two on the corners that carry the material, wherever both sides have them."""
+    """Compare primvar and attribute on the corners that carry the material, where both exist."""
     for use in uses:
         for key, expected in truth.corners.items():
             found = output.corners.get(key)
@@ -164,7 +164,7 @@ def _compare_use(
 
 
 def _carrying(corners: Corners, material: str) -> np.ndarray:
-    """Which corners carry the material, by its name."""
+    """Mask of the corners that carry the material, by its name."""
     name = material.rsplit("/", 1)[-1]
     same = [i for i, path in enumerate(corners.material_paths) if path.rsplit("/", 1)[-1] == name]
     assert corners.materials is not None

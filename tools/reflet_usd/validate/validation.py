@@ -29,12 +29,12 @@ if TYPE_CHECKING:
 _GEOMETRY_TIMES = 5
 _MATRIX_TIMES = 33
 _JSON = 0x4E4F534A
-"""A .glb's chunk type of its tree."""
+"""Chunk type of a .glb's JSON."""
 
 
 @dataclasses.dataclass
 class Validation:
-    """Everything one run found out about one file."""
+    """Findings of one validation run about one file."""
 
     out: Path
     stage: Path | None
@@ -49,13 +49,13 @@ class Validation:
     about_stage: dict[str, Any] = dataclasses.field(default_factory=dict)
     """Counts of what the stage holds, as usd-core sees it."""
     roots: list[str] = dataclasses.field(default_factory=list)
-    """The folders that the stage was read from: those that the sidecar records."""
+    """Folders that the stage was read from, as the sidecar records them."""
     times: int = 0
-    """At how many times, besides rest, the animation was compared."""
+    """Number of times, besides rest, at which the animation was compared."""
 
     @property
     def passed(self) -> bool:
-        """Valid, readable, and nothing deviates silently."""
+        """Whether the file is valid, readable, and without undeclared deviations."""
         valid = self.khronos is None or self.khronos.errors == 0
         return valid and not self.unreadable and all(check.passed for check in self.checks)
 
@@ -86,7 +86,7 @@ def validate_file(out: Path, stage: Path | None, khronos: bool = True) -> Valida
     warnings = list(sidecar.get("warnings", []))
     validation = Validation(out, stage, report, [], warnings, unreadable=fault)
     if fault:
-        return validation  # without it nothing tells a loss from a fault
+        return validation  # without a sidecar a loss cannot be told from a fault
     try:
         file = GltfFile(out)
         checks = Checks(warnings)
@@ -103,7 +103,7 @@ def validate_file(out: Path, stage: Path | None, khronos: bool = True) -> Valida
 def _summarize_output(
     reader: OutputReader, scene: Scene | None, checks: Checks, validation: Validation
 ) -> None:
-    """Note what the file holds at rest, and whether a second reader sees the same."""
+    """Note the file's content at rest, and whether a second reader sees the same."""
     scene = scene or reader.scene(None)
     box = bounds_of(scene.corners)
     file = reader.file
@@ -121,13 +121,13 @@ def _summarize_output(
         "animated_rigs": reader.poser.animated_rigs(),
     }
     if "KHR_node_visibility" in (file.gltf.extensionsUsed or []):
-        box = bounds_of(reader.scene(None, hidden=True).corners)  # trimesh knows nothing of it
+        box = bounds_of(reader.scene(None, hidden=True).corners)  # trimesh ignores visibility
     if box is not None:
         _second_reader(file, box, checks)
 
 
 def warnings_of(sidecar: dict[str, Any], name: str) -> list[dict[str, str]]:
-    """The sidecar's warnings of one name."""
+    """Warnings of the sidecar of one name."""
     return [warning for warning in sidecar.get("warnings", []) if warning["name"] == name]
 
 
@@ -208,7 +208,7 @@ def _compare_moving(
     rest: Scene,
     frozen: set[str],
 ) -> int:
-    """Compare at keys and between them; returns at how many times."""
+    """Compare at keys and between them; returns the number of times."""
     from pxr import Usd
 
     from .usd_skel import baked_codes
@@ -253,7 +253,7 @@ def _compare_moving(
 
 
 def _without_key(keys: dict[str, set[float]], code: float) -> frozenset[str]:
-    """The prims that have no key at `code`."""
+    """Prims that have no key at `code`."""
     return frozenset(prim for prim, own in keys.items() if code not in own)
 
 
@@ -264,9 +264,10 @@ def _within(codes: list[float], frames: Any) -> list[float]:
 
 
 def _told_apart(codes: list[float], truth: TruthStage) -> list[float]:
-    """The codes without those whose seconds single precision cannot tell from the next one's.
+    """Codes without those whose seconds equal the next one's in single precision.
 
-    They are the side before a jump (value clips give one), where a file has a ramp of one rounding.
+    Such a code is the side before a jump (value clips give one), where a file has a ramp of one
+    rounding.
     """
     found = codes[-1:]
     for code in reversed(codes[:-1]):
@@ -286,7 +287,7 @@ def _spread(codes: list[float], count: int) -> list[float]:
 
 
 def _second_reader(file: GltfFile, box: tuple[Array, Array], checks: Checks) -> None:
-    """trimesh must see the same box, where it knows all that the file uses."""
+    """Check that trimesh sees the same box, where it knows all extensions that the file uses."""
 
     used = set(file.gltf.extensionsUsed or [])
     morphs = any(primitive.targets for mesh in file.meshes for primitive in mesh.primitives)
@@ -294,7 +295,7 @@ def _second_reader(file: GltfFile, box: tuple[Array, Array], checks: Checks) -> 
         return
     try:
         seen = _without_cameras(file).bounds
-    except Exception as error:  # whatever a foreign reader raises is its verdict
+    except Exception as error:  # any error of the foreign reader is its verdict
         checks.add("reader", "/", math.inf, f"trimesh: {type(error).__name__}: {error}")
         return
     if seen is None:

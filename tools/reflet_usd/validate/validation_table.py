@@ -1,4 +1,4 @@
-"""Owns how a validation is printed for people."""
+"""Owns the printed form of a validation."""
 
 from __future__ import annotations
 
