@@ -38,7 +38,7 @@ fn main() {
     fs::write(Path::new(&out).join("shaders.rs"), table).expect("OUT_DIR is writable");
 }
 
-/// Of the names and texts of all sources; the same on every machine.
+/// Hash of the names and texts of all sources; the same on every machine.
 fn hash_of(root: &str) -> String {
     let mut files = Vec::new();
     for part in [

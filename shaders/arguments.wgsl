@@ -1,5 +1,5 @@
-// Arguments: turns the lengths of the lists into workgroups in two dimensions, since a dispatch of more
-// than 65,535 in one dimension is silently dropped.
+// Arguments: turns the lengths of the lists into two-dimensional workgroup counts of indirect dispatches, since a
+// dispatch of more than 65,535 workgroups in one dimension is silently dropped.
 
 #import constants
 

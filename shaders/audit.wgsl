@@ -1,20 +1,20 @@
-// Audit: traces some of the screen hits too, to say how many of them lie on a wrong surface.
+// Audit: traces rays for some of the screen hits, to count how many of these hits lie on a wrong surface.
 
 #import gbuffer
 #import lists
 
-// The most rays are no parameter: llvmpipe 22.3 crashes on conditions that only numbers of a fourth uniform
-// block decide (Mesa's lvp_inline_uniforms.c writes past its table).
+// The maximum number of rays is not a parameter: llvmpipe 22.3 crashes on conditions that depend only on values of a
+// fourth uniform block (Mesa's lvp_inline_uniforms.c writes past its table).
 struct Params {
-    tolerance_m: f32, // how far the march may lie from the ray, or
-    tolerance: f32, // as a share of the distance
+    tolerance_m: f32, // maximum distance between screen hit and ray hit, m
+    tolerance: f32, // the same as a share of the ray's length; the larger of the two counts
     seed: u32,
 }
 
 @group(2) @binding(3) var hit: texture_2d<u32>;
 @group(2) @binding(4) var<uniform> params: Params;
 
-// Which hit a ray is asked for: each, where they are few; else drawn at random.
+// Index of the hit that audit ray number `ray` checks: every hit where there are few, else a random one.
 fn drawn(ray: u32, hits: u32) -> u32 {
     if (hits <= AUDIT_RAYS) { return ray; }
     // PCG hash (Jarzynski and Olano 2020).

@@ -1,5 +1,5 @@
-// Blur: one direction of the paper's Gaussian over the combined reflection, kept inside reflective
-// pixels of about the same orientation so that nothing bleeds over their edges.
+// Blur: one direction of the paper's Gaussian over the combined reflection, restricted to reflective
+// pixels of about the same normal so that nothing bleeds over edges.
 
 #import gbuffer
 #import cause

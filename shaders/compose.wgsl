@@ -1,5 +1,5 @@
-// Compose: diffuse and specular of the view, with the reflection in place of the mirror term; adds
-// the picture to the sub-frames before it.
+// Compose: diffuse and specular of the view, with the found reflection in place of the mirror term; adds
+// the picture to the sum of the sub-frames before it.
 
 #import behind
 #import gbuffer
@@ -23,10 +23,10 @@ struct Params {
 @group(2) @binding(6) var cause: texture_2d<u32>;
 @group(2) @binding(7) var hit: texture_2d<u32>;
 @group(2) @binding(8) var previous: texture_2d<f32>;
-@group(2) @binding(9) var color: texture_storage_2d<rgba32float, write>; // w: sub-frames with a display color
+@group(2) @binding(9) var color: texture_storage_2d<rgba32float, write>; // w: sum of display color shares
 @group(2) @binding(10) var<uniform> params: Params;
 
-// The paper's attenuation: a reflection loses itself in the environment towards the ray's length.
+// The paper's attenuation: a reflection fades into the environment towards the maximum ray length.
 fn faded(pixel: vec2u, direction: vec3f, found: vec3f) -> vec3f {
     if (frame.fade == 0u) { return found; }
     let at = textureLoad(hit, pixel, 0);
@@ -49,7 +49,8 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
             let ray = reflected_ray(id.xy, s);
             var weight = ray.weight;
             if (FILTER && is_spread(s)) {
-                // Of all facets, as the smoothed light is, not of one. Of two lobes the ray knows which it follows.
+                // Weight of the whole lobe, as the smoothed light is an average over facets. A ray of two lobes
+                // keeps its own.
                 let view = -view_direction(s.position);
                 let only = only_lobe(s, view);
                 if (only.share > 0.0) { weight = specular_albedo(only.layer, view) * only.share; }

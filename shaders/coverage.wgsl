@@ -1,4 +1,5 @@
-// Coverage: how much of each pixel shows something, not the background; adds it to the sub-frames before it.
+// Coverage: share of each pixel that shows a surface rather than the background; added to the sum of the sub-frames
+// before it.
 
 #import behind
 #import gbuffer

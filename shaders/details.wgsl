@@ -1,5 +1,5 @@
-// Details: specular color, sheen and grooves of the surfaces that pixels show, and the normals of their coats, for
-// which the G-buffer has no bits, behind a copy of their colors.
+// Details: specular color, sheen, anisotropy and clear coat normals of the surfaces that pixels show, for which the
+// G-buffer has no bits; layer 0 is a copy of the G-buffer's colors.
 
 #import details_layout
 #import pixel_surface

@@ -1,13 +1,13 @@
-// Filter: smooths what rough surfaces reflect in pictures of few sub-frames, over neighbors that see nearly
-// the same: along one surface, as far as the lobe spreads on its way to what it meets. Sharp reflections
-// stay as they are.
+// Filter: smooths the reflections of rough surfaces in pictures of few sub-frames, over neighboring pixels that see
+// nearly the same: along one surface, as far as the lobe spreads on its way to the hit. Sharp reflections stay
+// as they are.
 
 #import cause
 #import gbuffer
 #import radiance
 
 struct Params {
-    reach: f32, // of the taps, in widths of the lobe
+    reach: f32, // radius of the taps, in widths of the lobe
     taps: u32,
     pad0: u32,
     pad1: u32,
@@ -19,14 +19,14 @@ struct Params {
 @group(2) @binding(6) var blurred: RadianceTexture;
 @group(2) @binding(7) var<uniform> params: Params;
 
-const WIDEST: f32 = 0.03; // reach over the height of the picture
+const WIDEST: f32 = 0.03; // maximum radius, as a share of the picture's height
 const GOLDEN_ANGLE: f32 = 2.39996323;
 
 fn inside(at: vec2i) -> bool {
     return all(at >= vec2i(0)) && all(at < vec2i(frame.size));
 }
 
-// Distance of what the rays around a pixel meet, on average; none counts more than `farthest_m`.
+// Mean hit distance of the rays of the pixels around, m; each is clamped to `farthest_m`.
 fn mean_hit_m(pixel: vec2i, farthest_m: f32) -> f32 {
     var sum = 0.0;
     var count = 0.0;
@@ -40,7 +40,7 @@ fn mean_hit_m(pixel: vec2i, farthest_m: f32) -> f32 {
     return sum / max(count, 1.0);
 }
 
-// Interleaved gradient noise (Jimenez 2014): a turn for each pixel, other than that of its neighbors.
+// Interleaved gradient noise (Jimenez 2014): rotation of the taps, which differs between neighboring pixels.
 fn turn_of(pixel: vec2u) -> f32 {
     return 2.0 * PI * fract(52.9829189 * fract(dot(vec2f(pixel), vec2f(0.06711056, 0.00583715))));
 }
@@ -67,7 +67,7 @@ fn filtered(pixel: vec2u, own: vec4f) -> vec3f {
         if (!inside(at) || !reflects(textureLoad(cause, at, 0).x)) { continue; }
         let other = load_surface(vec2u(at));
         if (!is_spread(other)) { continue; }
-        // Mirrored directions turn twice as much as normals, and lobes are about twice as wide as alpha.
+        // Mirrored directions turn twice as far as normals, and lobes are about twice as wide as alpha.
         let tilt2 = 2.0 * (1.0 - dot(reflected_normal(s), reflected_normal(other)));
         let away_m = dot(other.position - s.position, s.geometric_normal);
         let rougher = (reflected_roughness(other) - roughness) / (0.2 * roughness);

@@ -1,5 +1,5 @@
-// Hits: shades what the march has met on the screen, at the very point that the ray meets and with the
-// ray's own footprint, as the tracer would.
+// Hits: shades the screen hits of the march, at the point where the ray meets the surface and with the ray's
+// footprint, as the trace pass would.
 
 #import cone
 #import gbuffer
@@ -10,8 +10,8 @@
 
 @group(2) @binding(3) var hit: texture_2d<u32>;
 @group(2) @binding(4) var reflection: RadianceTexture;
-@group(2) @binding(5) var visible_lights: texture_2d<u32>; // lent by the light pass
-@group(2) @binding(6) var counts: texture_storage_2d<rgba32uint, write>; // of `counted`
+@group(2) @binding(5) var visible_lights: texture_2d<u32>; // shadow ray results of the light pass, reused here
+@group(2) @binding(6) var counts: texture_storage_2d<rgba32uint, write>; // written by `counted` only
 
 fn shade_pixel(pixel: vec2u) {
     let first = load_surface(pixel);

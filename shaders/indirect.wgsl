@@ -1,4 +1,4 @@
-// Indirect: follows what the surfaces of pixels scatter of what other surfaces do.
+// Indirect: path traces the diffuse light that the surfaces of pixels receive from other surfaces.
 
 #import cone
 #import gbuffer
@@ -8,7 +8,7 @@
 
 @group(2) @binding(3) var indirect_light: RadianceTexture;
 
-const FIRST_VERTEX: u32 = 128u; // its samples are others than those of reflections
+const FIRST_VERTEX: u32 = 128u; // offset of sample numbers, so that they differ from those of reflections
 
 fn gathered(pixel: vec2u) -> vec3f {
     if (textureLoad(view_depth, pixel, 0).x >= FAR_M) { return vec3f(0.0); }

@@ -1,4 +1,4 @@
-// Light: view-independent radiance (emission, diffuse), apart from the specular of this view.
+// Light: view-independent radiance (emission, diffuse), stored apart from the specular of this view.
 
 #import gbuffer
 #import lists
@@ -7,9 +7,9 @@
 @group(2) @binding(3) var radiance: RadianceTexture; // w: 1 where it is a display color
 @group(2) @binding(4) var specular: RadianceTexture;
 @group(2) @binding(5) var visible_lights: texture_storage_2d<rg32uint, write>;
-@group(2) @binding(6) var counts: texture_storage_2d<rgba32uint, write>; // of `counted`
+@group(2) @binding(6) var counts: texture_storage_2d<rgba32uint, write>; // written by `counted` only
 
-// Some reflection may ask which lights reach what it meets.
+// Whether a later pass may reuse which lights reach the surface of a pixel.
 override LENDS_LIGHT: bool = true;
 
 // Whether the camera sees the environment.

@@ -1,5 +1,5 @@
-// Primary rays: finds what each pixel shows through the trees, with the culling, near plane and
-// cut-outs of the visibility pass that rasterizes.
+// Primary rays: finds the surface that each pixel shows by tracing through the BVHs, with the same culling, near
+// plane and cut-outs as the rasterizing visibility pass.
 
 #import bvh
 #import frame
@@ -7,11 +7,11 @@
 #import surface
 
 @group(2) @binding(0) var ids: texture_storage_2d<rg32uint, write>;
-@group(2) @binding(1) var counts: texture_storage_2d<rgba32uint, write>; // of `counted`
+@group(2) @binding(1) var counts: texture_storage_2d<rgba32uint, write>; // written by `counted` only
 
 fn find(pixel: vec2u) {
     if (any(pixel >= vec2u(frame.size))) { return; }
-    // Along this direction, t is linear view depth.
+    // The direction has a component of 1 along the view axis, so that t is linear view depth.
     let center = vec2f(pixel) + 0.5;
     let h = trace_nearest(pixel_origin(center), pixel_ray(center), frame.near_m, FAR_M);
     if (HAS_CULLED) {

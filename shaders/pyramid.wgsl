@@ -1,5 +1,5 @@
 // Pyramid: the nearest depth in cells of 2, 4, … 64 pixels, as clip-space z, which is linear along a ray
-// on the screen. One workgroup makes all levels of a tile of 64 × 64 pixels.
+// on the screen. One workgroup computes all levels of a tile of 64 × 64 pixels.
 
 #import lists
 
@@ -8,7 +8,7 @@
 var<workgroup> tile: array<f32, 1024>; // 32 × 32 cells of level 1
 
 fn depth_at(pixel: vec2u) -> f32 {
-    // What lies past the border is no obstacle.
+    // Pixels past the border count as infinitely far.
     let inside = all(pixel < vec2u(frame.size));
     let at = min(pixel, vec2u(frame.size) - 1u);
     var nearest = screen_z(textureLoad(view_depth, at, 0).x);
@@ -28,7 +28,7 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local
         tile[cell.y * 32u + cell.x] = nearest;
         lists[pyramid_slot(group.xy * 32u + cell, 1u)] = bitcast<u32>(nearest);
     }
-    var side = 16u; // cells of the level along the tile's edge
+    var side = 16u; // number of cells of the level along the tile's edge
     for (var level = 2u; level <= PYRAMID_LEVELS; level++) {
         workgroupBarrier();
         let is_active = all(local.xy < vec2u(side));

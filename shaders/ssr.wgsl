@@ -1,6 +1,6 @@
-// Screen-space reflections: walks the mirror rays of the listed pixels through the depth pyramid, cell
-// by cell, so that no pixel under a ray is passed over, and decides what they meet. Hits are listed to
-// be shaded; what the screen cannot answer is listed to be traced.
+// Screen-space reflections: marches the mirror rays of the listed pixels through the depth pyramid, cell
+// by cell, so that no pixel under a ray is skipped, and decides what they hit. Hits are listed for
+// shading; rays that the screen cannot answer are listed for tracing.
 
 #import cause
 #import gbuffer
@@ -9,14 +9,14 @@
 #import radiance
 #import shown
 
-override VERIFY: bool = true; // false: the paper's threshold T decides
-override TRACE: bool = true; // false: method ssr, what the screen cannot answer stays black
-override REFUSE: bool = true; // false: every crossing is taken, to judge what is refused
+override VERIFY: bool = true; // false: accept crossings by the paper's threshold T
+override TRACE: bool = true; // false: method ssr, rays without a screen hit stay black
+override REFUSE: bool = true; // false: accept every crossing, to measure what refusing gains
 
 struct Params {
     threshold_m: f32, // the paper's T
     steps: u32,
-    edge_px: f32, // how far a verified hit may lie from the pixel that shows it
+    edge_px: f32, // maximum distance of a verified hit from the pixel that shows it
     pad0: u32,
 }
 
@@ -25,39 +25,39 @@ struct Params {
 @group(2) @binding(5) var cause: texture_storage_2d<r32uint, write>;
 @group(2) @binding(6) var hit: texture_storage_2d<rgba32uint, write>;
 @group(2) @binding(7) var<uniform> params: Params;
-@group(2) @binding(8) var counts: texture_storage_2d<rgba32uint, write>; // of `counted`
+@group(2) @binding(8) var counts: texture_storage_2d<rgba32uint, write>; // written by `counted` only
 
-const START_PX: f32 = 0.7; // past the reflector's own pixel
-// How often a ray may pass in front of a surface that a pixel under it shows and be followed further.
+const START_PX: f32 = 0.7; // start of the march, past the reflector's own pixel
+// Maximum number of pixels at which a ray is tested against the surface shown, and goes on in front of it.
 const MAX_CANDIDATES: u32 = 8u;
-// Bilinear weight of the pixels around a hit that must show its surface.
+// Minimum bilinear weight of the pixels around a hit that must show its surface.
 const SUPPORT: f32 = 0.75;
-// How far from a plane the points of one surface may lie, pixel footprints.
+// Maximum distance of points of one surface from a common plane, pixel footprints.
 const SAME_PLANE_PX: f32 = 3.0;
 
-// Cells visited and triangles tested since the invocation started, with COUNT.
+// Number of cells visited and of triangles tested since the invocation started, with COUNT.
 var<private> march_steps: u32 = 0u;
 var<private> march_triangles: u32 = 0u;
 
-// Clip-space z of what the camera culls in front of what a pixel shows; 0: none.
+// Clip-space z of the nearest culled triangle in front of the surface that a pixel shows; 0: none.
 fn culled_at(pixel: vec2u) -> f32 {
     if (!HAS_CULLED) { return 0.0; }
     return bitcast<f32>(lists[culled_slot(pixel)]);
 }
 
-// Whether rays pass what a pixel shows.
+// Whether reflection rays ignore the instance that a pixel shows.
 fn is_unreflected(instance: u32) -> bool {
     return HAS_UNSHOWN && is_passed(instances[instance].trace_flags, UNREFLECTED);
 }
 
-// Clip-space z of the nearest thing that a cell holds.
+// Clip-space z of the nearest surface in a cell of the pyramid.
 fn nearest_in(cell: vec2u, level: u32) -> f32 {
     if (level == 0u) { return max(screen_z(textureLoad(view_depth, cell, 0).x), culled_at(cell)); }
     return bitcast<f32>(lists[pyramid_slot(cell, level)]);
 }
 
 struct Triangle {
-    corner: vec3f, // from the ray's origin
+    corner: vec3f, // relative to the ray's origin
     edge1: vec3f,
     edge2: vec3f,
     normal: vec3f, // not normalized
@@ -72,7 +72,8 @@ fn triangle_of(id: vec2u, origin: vec3f) -> Triangle {
     return Triangle(corner, edge1, edge2, cross(edge1, edge2));
 }
 
-// Where the ray meets the plane of a triangle: distance, and weights of its second and third vertex.
+// Intersection of the ray with the plane of a triangle: distance, and barycentric weights of its second and third
+// vertex.
 fn meet(t: Triangle, direction: vec3f) -> vec3f {
     let p = cross(direction, t.edge2);
     let determinant = dot(t.edge1, p);
@@ -81,7 +82,7 @@ fn meet(t: Triangle, direction: vec3f) -> vec3f {
     return vec3f(dot(t.edge2, q), dot(-t.corner, p), dot(direction, q)) / determinant;
 }
 
-// What rounding can make of a weight.
+// Whether a point lies in the triangle, with a tolerance for the rounding of its barycentric weights.
 fn is_inside(bary: vec2f) -> bool {
     return max(max(-bary.x, -bary.y), bary.x + bary.y - 1.0) <= 1e-5;
 }
@@ -93,16 +94,16 @@ fn clamped(bary: vec2f) -> vec2f {
 
 struct March {
     cause: u32,
-    distance_m: f32, // of the hit; else proven free
+    distance_m: f32, // distance of the hit; else length of the ray that is free of hits
     id: vec2u,
     bary: vec2f,
 }
 
-// A stretch of the ray over one pixel that is not in front of what that pixel shows.
+// Part of the ray over one pixel where the ray is not in front of the surface that this pixel shows.
 struct Candidate {
     pixel: vec2u,
-    low: f32, // s
-    high: f32,
+    low: f32, // ray parameter s of its start
+    high: f32, // and of its end
 }
 
 // Whether a crossing is accepted as a screen-space hit, by the paper's rule: at most T behind the stored
@@ -126,7 +127,7 @@ fn accept_by_threshold(r: ScreenRay, c: Candidate, origin: vec3f, direction: vec
 
 // Whether a crossing is accepted as a screen-space hit: only where the ray is shown to meet the triangle that the
 // pixel names, one that the pixels around the point name, or the plane that they have in common.
-// CAUSE_NOT_REFLECTIVE: the ray is still in front of the surface when it leaves the pixel.
+// CAUSE_NOT_REFLECTIVE: the ray is still in front of the surface when it leaves the pixel, and the march goes on.
 fn accept_verified(r: ScreenRay, c: Candidate, origin: vec3f, direction: vec3f) -> March {
     let slack = params.edge_px / max(max(abs(r.delta.x), abs(r.delta.y)), 1e-3);
     let low_m = distance_at(r, max(c.low - slack, 0.0));
@@ -136,7 +137,8 @@ fn accept_verified(r: ScreenRay, c: Candidate, origin: vec3f, direction: vec3f) 
     let t = triangle_of(id, origin);
     let at = meet(t, direction);
     var m = March(CAUSE_HIT, at.x, id, clamped(at.yz));
-    // The plane is not in front of the ray, or is met only behind this pixel: it stays visible.
+    // A ray that leaves along the plane's normal can only meet its back face; one that meets the plane past this
+    // pixel is still in front of the surface.
     if (dot(met.geometric_normal, direction) >= 0.0) {
         m.cause = select(CAUSE_HIDDEN, CAUSE_BACK_FACE, at.x >= low_m && at.x <= high_m);
         return m;
@@ -180,7 +182,8 @@ fn accept_verified(r: ScreenRay, c: Candidate, origin: vec3f, direction: vec3f) 
             support += sides.x * sides.y;
         }
     }
-    // Between small triangles: as far from the one that was seen as what pixels show may be.
+    // Gap between small triangles: the point may lie at most `edge_px` footprints from the triangle that the pixel
+    // names.
     let gap = t.edge1 * (at.y - m.bary.x) + t.edge2 * (at.z - m.bary.y);
     let footprint = pixel_width(dot(met.position - frame.eye, frame.forward));
     let is_near = length(gap) < params.edge_px * footprint;
@@ -188,22 +191,22 @@ fn accept_verified(r: ScreenRay, c: Candidate, origin: vec3f, direction: vec3f) 
     return m;
 }
 
-// Cut-outs are solid where the pixel was seen, and perhaps not where the ray meets them.
+// Cut-outs are opaque at the pixel's center, but perhaps not where the ray meets them.
 fn is_cut_away(m: March) -> bool {
     if (!HAS_CUTOUT || materials[instances[m.id.x].material].alpha_cutoff < 0.0) { return false; }
     return !alpha_passes(m.id.x, m.id.y, m.bary);
 }
 
-// Whether the ray crossed something that was not taken.
+// Whether the ray crossed a surface that was not accepted as its hit.
 fn is_refusal(cause: u32) -> bool {
     return cause == CAUSE_HIDDEN || cause == CAUSE_UNCONFIRMED || cause == CAUSE_BACK_FACE || cause == CAUSE_REFLECTOR;
 }
 
-// Which way a ray goes through the grid of pixels.
+// Direction of a ray through the grid of pixels.
 struct Heading {
     positive: vec2<bool>,
-    steep: vec2<bool>, // whether it ever reaches the next column, and row
-    inverse: vec2f, // s for each pixel
+    steep: vec2<bool>, // whether the ray ever reaches the next column, and row
+    inverse: vec2f, // change of s per pixel
 }
 
 fn heading_of(r: ScreenRay) -> Heading {
@@ -212,13 +215,14 @@ fn heading_of(r: ScreenRay) -> Heading {
     return Heading(r.delta.xy > vec2f(0.0), steep, inverse);
 }
 
-// s where the ray leaves the columns, and the rows, of a cell of pixels, which ends before `next`.
+// Ray parameter s where the ray leaves the columns, and the rows, of a cell of pixels that ends before `next`.
 fn exits_of(r: ScreenRay, h: Heading, first: vec2i, next: vec2i) -> vec2f {
     let edges = vec2f(select(first, next, h.positive));
     return select(vec2f(2.0), (edges - r.start.xy) * h.inverse, h.steep);
 }
 
-// The pixel after that cell. Only the one across the border is exact; along it, rounding must not skip any.
+// The pixel after that cell. It is exact across the border that the ray crosses; along the border, clamping keeps
+// rounding from skipping a pixel.
 fn pixel_past(r: ScreenRay, h: Heading, first: vec2i, next: vec2i, exits: vec2f, exit: f32) -> vec2i {
     let along = clamp(vec2i(floor(r.start.xy + r.delta.xy * exit)), first, next - 1);
     let beyond = select(first - 1, next, h.positive);
@@ -231,7 +235,7 @@ fn march(s0: Surface, direction: vec3f) -> March {
     let r = screen_ray(origin, direction);
     let length_px = max(max(abs(r.delta.x), abs(r.delta.y)), 1e-3);
     let heading = heading_of(r);
-    // Height of what a pixel shows over the reflector's tangent plane, by its depth: a point on or
+    // Height of a pixel's surface over the reflector's tangent plane, by its depth: a point on or
     // below that plane is never in front of the ray, for camera and ray are both above it, and so is
     // every point between them. This keeps grazing floors from reflecting themselves.
     let normal = s0.geometric_normal;
@@ -241,8 +245,8 @@ fn march(s0: Surface, direction: vec3f) -> March {
     let rise_0 = dot(pixel_offset(vec2f(0.5)), normal);
     let approach = dot(frame.forward, normal);
 
-    var s = min(START_PX / length_px, r.end); // up to here the ray is free
-    // But where it leads back to an orthographic camera, past what that culls.
+    var s = min(START_PX / length_px, r.end); // the ray is free of hits up to s
+    // Exception: a ray that leads back to an orthographic camera meets culled triangles on its way.
     if (s >= r.end && culled_at(vec2u(clamp(r.start.xy, vec2f(0.0), frame.size - 1.0))) > 0.0) { s = 0.0; }
     var pixel = clamp(vec2i(floor(r.start.xy + r.delta.xy * s)), vec2i(0), vec2i(frame.size) - 1);
     var level = 0u;
@@ -252,7 +256,7 @@ fn march(s0: Surface, direction: vec3f) -> March {
     for (var candidate = 0u; candidate < MAX_CANDIDATES; candidate++) {
         var c = Candidate(vec2u(0u), -1.0, 0.0);
         m.cause = CAUSE_STEPS;
-        // Nothing in it but the walk: rays that stop at different steps decide together.
+        // This loop does nothing but walk: rays that stop at different steps are then tested together.
         while (steps < params.steps) {
             if (s >= r.end || any(pixel < vec2i(0)) || any(pixel >= vec2i(frame.size))) {
                 m.cause = select(CAUSE_NONE, CAUSE_OFF_SCREEN, r.leaves);
@@ -285,7 +289,7 @@ fn march(s0: Surface, direction: vec3f) -> March {
                 continue;
             }
             if (z_in > stored) {
-                // It recedes, and is free up to where it gets as deep as the cell's nearest.
+                // The ray recedes, and is free up to where it is as deep as the cell's nearest surface.
                 s = clamp((stored - r.start.z) / r.delta.z, s, exit);
                 pixel = clamp(vec2i(floor(r.start.xy + r.delta.xy * s)), first, next - 1);
             }
@@ -294,14 +298,14 @@ fn march(s0: Surface, direction: vec3f) -> March {
         if (c.low < 0.0) { break; }
         last = c;
         if (culled_at(c.pixel) > 0.0 || is_unreflected(textureLoad(ids, c.pixel, 0).x)) {
-            m.cause = CAUSE_HIDDEN; // behind something that camera and rays do not show alike
+            m.cause = CAUSE_HIDDEN; // behind a surface that camera rays and reflection rays treat differently
         } else if (VERIFY) {
             m = accept_verified(r, c, origin, direction);
         } else {
             m = accept_by_threshold(r, c, origin, direction);
         }
         if (m.cause != CAUSE_NOT_REFLECTIVE) { break; }
-        // Past this pixel; the ray was in front of its surface all along.
+        // The ray was in front of the surface over all of this pixel: go on after it.
         let exits = exits_of(r, heading, pixel, pixel + 1);
         pixel = pixel_past(r, heading, pixel, pixel + 1, exits, c.high);
         s = c.high;
@@ -325,7 +329,7 @@ var<workgroup> group_rays: atomic<u32>;
 var<workgroup> first_hit: u32;
 var<workgroup> first_ray: u32;
 
-// Marches a pixel and writes what is known of its reflection.
+// Marches the ray of a pixel and writes what is known of its reflection.
 fn reflect_pixel(pixel: vec2u) -> u32 {
     let s = load_surface(pixel);
     let ray = reflected_ray(pixel, s);

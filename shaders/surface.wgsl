@@ -1,5 +1,5 @@
-// Surface: resolves the G-buffer from the ids of the visibility pass and lists the reflective pixels and those
-// that let light through, tile by tile so that neighbors stay together.
+// Surface: resolves the G-buffer from the ids of the visibility pass and lists the reflective and the transmissive
+// pixels, tile by tile so that neighbors stay together.
 
 #import cause
 #import gbuffer_layout
@@ -8,14 +8,14 @@
 #import pixel_surface
 #import shade
 
-override RASTERIZED: bool = true; // false: primary rays have found what is culled
+override RASTERIZED: bool = true; // false: primary rays found ids and the depth of culled triangles
 
 @group(2) @binding(0) var ids: texture_2d<u32>;
 @group(2) @binding(1) var view_depth: texture_storage_2d<r32float, write>;
 @group(2) @binding(2) var surface: texture_storage_2d<rgba32uint, write>;
 @group(2) @binding(3) var colors: texture_storage_2d<rgba32uint, write>;
 @group(2) @binding(4) var cause: texture_storage_2d<r32uint, write>;
-@group(2) @binding(5) var raster_depth: texture_depth_2d; // clip-space z, also of what was culled
+@group(2) @binding(5) var raster_depth: texture_depth_2d; // clip-space z, culled triangles included
 
 const CULLED_SLACK: f32 = 1e-4;
 
@@ -24,20 +24,20 @@ var<workgroup> tile_counts: array<atomic<u32>, 4>; // not reflective, rough, ref
 var<workgroup> tile_start: u32;
 var<workgroup> transmissive_start: u32;
 
-// Keeps the depth of what the camera culls in front of what it shows at `depth_m`.
+// Keeps the depth of the nearest culled triangle in front of the surface that the pixel shows at `depth_m`.
 fn keep_culled(pixel: vec2u, depth_m: f32) {
     let nearest = textureLoad(raster_depth, pixel, 0);
-    // What is shown is found by its plane, and differs a little from what was rasterized.
+    // The depth of the surface is computed from its plane, and differs a little from the rasterized depth.
     let is_culled = nearest > screen_z(depth_m * (1.0 - CULLED_SLACK));
     lists[culled_slot(pixel)] = bitcast<u32>(select(0.0, nearest, is_culled));
 }
 
 struct Resolved {
-    why: u32, // it is reflective or not: a cause
+    why: u32, // cause that says whether the pixel is reflective
     is_transmissive: bool,
 }
 
-// Resolves a pixel.
+// Resolves the surface of a pixel into the G-buffer.
 fn resolve(pixel: vec2u) -> Resolved {
     let hit = textureLoad(ids, pixel, 0).xy;
     if (hit.x == NONE) {
@@ -54,7 +54,7 @@ fn resolve(pixel: vec2u) -> Resolved {
     textureStore(view_depth, pixel, vec4f(depth_m, 0.0, 0.0, 0.0));
     textureStore(surface, pixel, pack_surface(s));
     textureStore(colors, pixel, pack_colors(s));
-    // As the packed surface will be read again.
+    // Rounded as in the packed surface that other passes read.
     var packed = s;
     let rounded = unpack2x16float(pack2x16float(vec2f(s.roughness, s.metallic)));
     packed.roughness = rounded.x;

@@ -15,7 +15,7 @@ struct Params {
 
 @group(2) @binding(3) var coverage_sum: texture_2d<f32>;
 
-// Whether the background is transparent.
+// Whether the background is transparent: the picture has an alpha channel.
 override HAS_ALPHA: bool = false;
 
 // Khronos PBR Neutral Tone Mapper, specification of 2024.
@@ -68,7 +68,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     var sum = max(textureLoad(color, id.xy, 0), vec4f(0.0));
     var alpha = 1.0;
     if (HAS_ALPHA) {
-        // Display colors are not multiplied by it.
+        // The display color is not premultiplied by alpha, so that the sum is divided by it.
         alpha = saturate(textureLoad(coverage_sum, id.xy, 0).x * params.sample_share);
         sum /= max(alpha, 1e-6);
     }

@@ -1,4 +1,4 @@
-// Trace: follows the mirror rays of the listed pixels through the trees, bounce by bounce.
+// Trace: follows the mirror rays of the listed pixels through the BVHs, bounce by bounce.
 
 #import cause
 #import cone
@@ -12,14 +12,14 @@
 @group(2) @binding(4) var reflection: RadianceTexture;
 @group(2) @binding(5) var hit: texture_storage_2d<rgba32uint, write>;
 
-@group(2) @binding(6) var visible_lights: texture_2d<u32>; // lent by the light pass
-@group(2) @binding(7) var counts: texture_storage_2d<rgba32uint, write>; // of `counted`
+@group(2) @binding(6) var visible_lights: texture_2d<u32>; // shadow ray results of the light pass, reused here
+@group(2) @binding(7) var counts: texture_storage_2d<rgba32uint, write>; // written by `counted` only
 
-// false: the same rays are followed and their hits written, but nothing is shaded; it tells what
-// traversal takes of the time.
+// Whether hits are shaded. false: the same rays are followed and their hits written, to measure how
+// much of the time traversal takes.
 override SHADE: bool = true;
 
-// Whether the list has this ray; what lies past its end fills the last workgroups.
+// Whether the list has this ray; invocations past its end fill the last workgroup.
 fn is_listed(ray: u32) -> bool {
     return ray < atomicLoad(&counters[RAY_COUNTER]);
 }
@@ -43,7 +43,7 @@ fn trace_pixel(pixel: vec2u) {
     var color = vec3f(0.0);
     var throughput = vec3f(1.0);
     var found = vec4u(0u, NONE, NONE, 0u);
-    var start_m = free_m(textureLoad(cause, pixel, 0).x); // the march has looked up to here
+    var start_m = free_m(textureLoad(cause, pixel, 0).x); // length that the march has found free
     for (var bounce = 0u; bounce < frame.bounces + crossings() + scatterings(); bounce++) {
         start_samples(pixel, bounce + 1u);
         let direction = ray.direction;
@@ -60,7 +60,7 @@ fn trace_pixel(pixel: vec2u) {
             break;
         }
         if (bounce == 0u) { found = vec4u(bitcast<u32>(h.t), h.instance, h.triangle, 0u); }
-        // Without shading a surface only matters where the path may go on from it.
+        // Without shading, a surface only matters where the path may continue from it.
         if (!SHADE && bounce + 1u == frame.bounces + crossings() + scatterings()) { break; }
         cone = continued(cone, h.t);
         var s = surface_at(h.instance, h.triangle, h.bary, direction, cone.width_m);
@@ -75,7 +75,7 @@ fn trace_pixel(pixel: vec2u) {
         ray = next_ray(ray, s);
         throughput *= ray.weight;
         if (max(throughput.x, max(throughput.y, throughput.z)) < frame.dimmest) { break; }
-        // What goes through keeps its cone.
+        // A transmitted ray keeps its cone; a mirrored one has its cone widened by the curvature.
         if (dot(ray.direction, s.geometric_normal) > 0.0) { cone = mirrored_cone(cone, s.curvature); }
         origin = onward_origin(s, ray.direction);
     }

@@ -1,4 +1,4 @@
-// Transmit: follows what passes through the surfaces that the listed pixels show, to what is behind them.
+// Transmit: follows rays through the transmissive surfaces that the listed pixels show, to what is behind them.
 
 #import cone
 #import gbuffer
@@ -9,15 +9,15 @@
 @group(2) @binding(3) var ids: texture_2d<u32>;
 @group(2) @binding(4) var transmitted_light: RadianceTexture;
 
-const FIRST_VERTEX: u32 = 64u; // its samples are others than those of reflections
+const FIRST_VERTEX: u32 = 64u; // offset of sample numbers, so that they differ from those of reflections
 
-// Whether the background is left out, where the camera sees it past surfaces that are only partly there.
+// Whether the background is transparent, where the camera sees it through surfaces of partial coverage.
 override HIDES_BACKGROUND: bool = false;
 
-// Whether the camera sees the environment; what bends or mirrors light does in any case.
+// Whether straight rays of the camera show the environment; refracted and mirrored rays always do.
 override SHOW_ENVIRONMENT: bool = true;
 
-// What the picture does not hold of the surface of a pixel.
+// Surface of a pixel, with the material's values that the G-buffer does not hold.
 fn completed(pixel: vec2u) -> Surface {
     var s = load_surface(pixel);
     let m = instances[textureLoad(ids, pixel, 0).x].material;
@@ -28,7 +28,7 @@ fn completed(pixel: vec2u) -> Surface {
     return s;
 }
 
-// w: share that is something, not the background.
+// Light from behind the surface of a pixel; w: share that is covered by surfaces rather than the background.
 fn behind(pixel: vec2u) -> vec4f {
     var s = completed(pixel);
     if (!is_transmissive(s)) { return vec4f(0.0, 0.0, 0.0, 1.0); }
@@ -40,7 +40,7 @@ fn behind(pixel: vec2u) -> vec4f {
     var color = vec3f(0.0);
     let seen = view_direction(s.position);
     var is_straight = s.transmission <= 0.0;
-    var uncovered = 1.0; // by what the path has met since
+    var uncovered = 1.0; // share that the surfaces behind the first leave uncovered
     for (var step = 0u; step < frame.bounces + crossings() + scatterings(); step++) {
         if (max(throughput.x, max(throughput.y, throughput.z)) < frame.dimmest) { break; }
         start_samples(pixel, FIRST_VERTEX + step + 1u);

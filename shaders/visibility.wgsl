@@ -1,11 +1,11 @@
-// Visibility: rasterizes depth and ids (instance, triangle), nothing else. Vertices are pulled where triangles have
-// cut-outs, or no number but that of their vertices.
+// Visibility: rasterizes depth and ids (instance, triangle), nothing else. Vertices are pulled for cut-outs, and
+// where the device has no primitive index, so that triangles are numbered by their vertices.
 
 #import triangles
 #import frame
 #import surface
 
-override CUTOUT: bool = false; // this pipeline draws cut-out materials
+override CUTOUT: bool = false; // whether this pipeline draws cut-out materials
 
 struct Varying {
     @builtin(position) @invariant clip: vec4f,

@@ -1,4 +1,5 @@
-//! Writes files so that they are either whole or not there; reads only what is a file and ends.
+//! Writes files atomically, so that each is either complete or absent, and reads only regular files up to a maximum
+//! size.
 
 use std::{
     collections::HashSet,
@@ -12,16 +13,17 @@ use std::{
 use sha2::{Digest as _, Sha256};
 use xxhash_rust::xxh3::{Xxh3Default, xxh3_64};
 
-/// Clocks of file systems tick this coarsely.
+/// Coarsest clock tick of common file systems.
 const CLOCK_TICK: Duration = Duration::from_millis(50);
-/// Longer than any clock of a file system takes for a tick: two seconds on FAT.
+/// Age below which a file may change again with the same time stamp: longer than the coarsest tick of any file
+/// system (2 s on FAT).
 const FRESH: Duration = Duration::from_secs(3);
 
-/// Writes `bytes` beside `path`, syncs them to the disk and moves them there in one step; what
-/// was at `path` stays whole until then.
+/// Writes `bytes` to a temporary file beside `path`, syncs it to the disk and renames it to `path`; the old content
+/// of `path` stays complete until then.
 ///
 /// # Errors
-/// When the folder cannot be written to or the disk is full; nothing is left behind.
+/// The folder cannot be written to or the disk is full; no temporary file is left behind.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
     if path.file_name().is_none() {
         let message = "the path has no file name";
@@ -33,8 +35,8 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
 /// Writes several files, none of which gets its name before all are complete and on the disk.
 ///
 /// # Errors
-/// The file that cannot be written, and what the system says; none of them is then new, unless the
-/// last step itself fails.
+/// The path of the file that cannot be written, with the system's error; no file is then new, unless renaming itself
+/// fails.
 pub fn write_together(files: &[(PathBuf, Vec<u8>)]) -> Result<(), (PathBuf, io::Error)> {
     let mut finished = Vec::new();
     for (path, bytes) in files {
@@ -48,11 +50,11 @@ pub fn write_together(files: &[(PathBuf, Vec<u8>)]) -> Result<(), (PathBuf, io::
     Ok(())
 }
 
-/// Opens a file to be read, and to be appended to where `appends`. A pipe would block and a device
-/// never end, so the kind is checked before opening.
+/// Opens a file for reading, and for appending where `appends`. A pipe would block and a device never end, so the
+/// file type is checked before opening.
 ///
 /// # Errors
-/// What the system says, and what is no regular file.
+/// The system's error, or a path that is not a regular file.
 pub fn open_regular(path: &Path, appends: bool) -> io::Result<File> {
     if !fs::metadata(path)?.is_file() {
         let message = "it is not a regular file";
@@ -64,7 +66,7 @@ pub fn open_regular(path: &Path, appends: bool) -> io::Result<File> {
 /// Reads all of a file.
 ///
 /// # Errors
-/// What the system says, and a file of more than `most` bytes.
+/// The system's error, or a file of more than `most` bytes.
 pub fn read_at_most(file: &File, most: u64) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     file.take(most + 1).read_to_end(&mut bytes)?;
@@ -78,10 +80,10 @@ pub fn read_at_most(file: &File, most: u64) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// The SHA-256 of a file's content.
+/// SHA-256 hash of a file's content.
 ///
 /// # Errors
-/// What the system says, and what is no regular file.
+/// The system's error, or a path that is not a regular file.
 pub fn content_hash(path: &Path) -> io::Result<[u8; 32]> {
     let mut file = open_regular(path, false)?;
     let mut hash = Sha256::new();
@@ -99,7 +101,7 @@ pub fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// Whether content or name of the file changed since then, as far as its times tell.
+/// Whether the file's content or name changed after `since`, as far as its modification and inode change times tell.
 pub fn written_since(path: &Path, since: SystemTime) -> bool {
     let Ok(metadata) = fs::metadata(path) else {
         return false;
@@ -118,18 +120,18 @@ pub fn written_since(path: &Path, since: SystemTime) -> bool {
     modified || moved
 }
 
-/// What the system says of a file without reading it.
+/// Metadata of a file, compared to notice that it changed without reading it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Stamp {
     length: u64,
     modified: Option<SystemTime>,
-    /// Of the inode: its number and when it was last changed.
+    /// Inode number, and seconds and nanoseconds of the inode's last change.
     #[cfg(unix)]
     inode: (u64, i64, i64),
 }
 
 impl Stamp {
-    /// Of a file that is there.
+    /// Stamp of an existing file; `None` where it is missing.
     pub fn of(path: &Path) -> Option<Self> {
         #[cfg(unix)]
         use std::os::unix::fs::MetadataExt as _;
@@ -142,8 +144,8 @@ impl Stamp {
         })
     }
 
-    /// Whether the file's content may be another than when it had this stamp, or none. Within a tick
-    /// of the clock it may change twice, so what was written just now may always.
+    /// Whether the file's content may differ from when it had the stamp `before` (`None`: it was missing). A file
+    /// can change twice within a tick of the clock, so a file written within the last seconds may always differ.
     pub fn may_differ(before: Option<&Self>, path: &Path) -> bool {
         let now = Self::of(path);
         let written = now.as_ref().and_then(|stamp| stamp.modified);
@@ -152,29 +154,29 @@ impl Stamp {
     }
 }
 
-/// Reads all of a text.
+/// Reads a whole text file of at most `most` bytes.
 ///
 /// # Errors
-/// As [`open_regular`] and [`read_at_most`], and what is not UTF-8.
+/// Same errors as [`open_regular`] and [`read_at_most`], and a file that is not UTF-8.
 pub fn read_text(path: &Path, most: u64) -> io::Result<String> {
     let bytes = read_at_most(&open_regular(path, false)?, most)?;
     String::from_utf8(bytes).map_err(|_| io::Error::other("it is not UTF-8 text"))
 }
 
-/// A file under a hidden name beside its goal; gone unless it is renamed.
+/// A temporary file under a hidden name beside its target path; deleted on drop unless it was renamed.
 #[derive(Debug)]
 pub struct Temporary {
     path: PathBuf,
-    /// Where to write.
+    /// Open file to write to.
     pub file: File,
     renamed: bool,
 }
 
 impl Temporary {
-    /// Creates it beside `goal`.
+    /// Creates the temporary file beside the target path `goal`.
     ///
     /// # Errors
-    /// What the system says.
+    /// The system's error, or a folder at `goal`.
     pub fn create(goal: &Path) -> std::io::Result<Self> {
         if goal.is_dir() {
             let message = "a folder is there";
@@ -196,20 +198,20 @@ impl Temporary {
         })
     }
 
-    /// Writes all of it, to the disk.
+    /// Writes all bytes and syncs them to the disk.
     ///
     /// # Errors
-    /// What the system says.
+    /// The system's error.
     pub fn fill(mut self, bytes: &[u8]) -> std::io::Result<Self> {
         self.file.write_all(bytes)?;
         self.file.sync_all()?;
         Ok(self)
     }
 
-    /// Gives it its name.
+    /// Renames the temporary file to its target path `goal`.
     ///
     /// # Errors
-    /// What the system says.
+    /// The system's error.
     pub fn rename_to(mut self, goal: &Path) -> std::io::Result<()> {
         fs::rename(&self.path, goal)?;
         self.renamed = true;
@@ -221,8 +223,8 @@ impl Temporary {
     }
 }
 
-/// Where process numbers mean the same: this boot of this machine, and this container. Where the
-/// system does not tell, it is this process alone.
+/// Hash of where process numbers are unique: this boot of this machine, and this container. Where the system does
+/// not tell, the hash is of the current time, so it matches this process alone.
 static PLACE: LazyLock<u64> = LazyLock::new(|| {
     let boot = fs::read("/proc/sys/kernel/random/boot_id").ok();
     let space = fs::read_link("/proc/self/ns/pid").ok();
@@ -240,23 +242,23 @@ static PLACE: LazyLock<u64> = LazyLock::new(|| {
     hash.digest()
 });
 
-/// What a hidden name beside `goal` begins with. It is short however long the goal's name is.
+/// Prefix of the hidden name of a temporary file for `goal`; its length does not depend on the name of `goal`.
 fn goal_name(goal: &Path) -> String {
     let name = goal.file_name().unwrap_or_default().as_encoded_bytes();
     format!(".reflet-{:016x}", xxh3_64(name))
 }
 
-/// What follows it, before the number of the process.
+/// Middle part of a hidden name, between the hash of the target name and the process number.
 fn place_name() -> String {
     format!("{:016x}", *PLACE)
 }
 
-/// Longer than any run goes without writing to its file: an older temporary file has no live owner.
+/// Age at which a temporary file counts as abandoned: no run goes that long without writing to its file.
 const ABANDONED: Duration = Duration::from_secs(24 * 3600);
 
-/// Removes temporary files of killed runs beside these files. Whether a run is alive can be checked on
-/// Linux, for this machine, container and boot only; elsewhere its files are removed a day after the
-/// last write.
+/// Removes temporary files of killed runs beside these target paths. Whether a run is alive can be checked on Linux
+/// only, for processes of this machine, container and boot; elsewhere a temporary file is removed a day after the
+/// last write to it.
 pub fn sweep(goals: &[PathBuf]) {
     let of_goals: HashSet<_> = goals.iter().map(|goal| goal_name(goal)).collect();
     let folders: HashSet<_> = goals.iter().map(|goal| folder_of(goal)).collect();
@@ -273,12 +275,12 @@ pub fn sweep(goals: &[PathBuf]) {
             is_abandoned(&entry)
         };
         if is_left && of_goals.contains(goal) {
-            let _ = fs::remove_file(entry.path()); // nobody waits for it
+            let _ = fs::remove_file(entry.path()); // a leftover is harmless, so errors are ignored
         }
     }
 }
 
-/// Goal, place and process of a hidden name.
+/// Target hash, place hash and process number of a hidden name.
 fn hidden_parts(name: &str) -> Option<(&str, &str, u32)> {
     let mut parts = name.strip_suffix(".tmp")?.rsplitn(3, '-');
     let id = parts.next()?.parse().ok()?;
@@ -286,7 +288,7 @@ fn hidden_parts(name: &str) -> Option<(&str, &str, u32)> {
     Some((parts.next()?, place, id))
 }
 
-/// Whether a file has not been written to for long; false for links.
+/// Whether a file was last written to more than [`ABANDONED`] ago; false for links.
 fn is_abandoned(entry: &fs::DirEntry) -> bool {
     let written = entry.metadata().and_then(|of| of.modified());
     let age = written.ok().and_then(|time| time.elapsed().ok());
@@ -296,7 +298,7 @@ fn is_abandoned(entry: &fs::DirEntry) -> bool {
 impl Drop for Temporary {
     fn drop(&mut self) {
         if !self.renamed {
-            // Nobody is left to tell, and the next run overwrites it.
+            // Errors cannot be returned from `drop`, and the next run overwrites the file.
             let _ = fs::remove_file(&self.path);
         }
     }
@@ -311,7 +313,7 @@ pub fn folder_of(path: &Path) -> &Path {
 }
 
 impl Temporary {
-    /// Where it is until it is renamed.
+    /// Path of the temporary file until it is renamed.
     pub fn path(&self) -> &Path {
         &self.path
     }

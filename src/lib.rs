@@ -15,62 +15,62 @@
 //!                scene/parse  script    scene/desc    world/    render/      render/    app/
 //! ```
 //!
-//! | place | owns |
+//! | module or folder | contents |
 //! |---|---|
-//! | [`app`] | the commands and what they print; exit codes; [`app::lint`] warns of what is hardly meant; [`app::watch`] and [`app::live`] follow files, [`app::preview`] shows them in a window |
+//! | [`app`] | the commands and what they print; exit codes; [`app::lint`] warns of likely mistakes; [`app::watch`] and [`app::live`] watch files, [`app::preview`] shows them in a window |
 //! | [`mod@bench`] | picture × picture → error ([`bench::metric`], pure); [`bench::run`] renders and measures; reports are drawn from the table of samples |
-//! | [`session`] | the library's front door: a scene is opened, changed, posed and rendered to pixels and AOVs, as the commands do it |
-//! | [`render`] | `render/frame.rs` is the order of the passes: read it first; [`render::plan`] what a scene needs, [`render::targets`] the one table of intermediate textures, [`render::types`] every struct shared with the shaders |
-//! | [`gpu`] | wgpu without opinions: device, shaders, bindings by name, timings, readback; knows no scene |
+//! | [`session`] | the library's main interface: a scene is opened, changed, posed and rendered to pixels and AOVs, as the commands do it |
+//! | [`render`] | `render/frame.rs` is the order of the passes: read it first; [`render::plan`] lists the features and passes that a scene needs, [`render::targets`] the one table of intermediate textures, [`render::types`] every struct shared with the shaders |
+//! | [`gpu`] | thin layer over wgpu: device, shaders, bindings by name, timings, readback; independent of scenes |
 //! | [`world`] | SceneDesc → CPU data: glTF, images, shapes, trees and the CPU oracle; no wgpu |
-//! | [`scene`] | what people can write, its defaults and its manual; [`scene::stages`] from text to a scene at a frame: [`scene::parse`] runs no program, [`scene::script`] is the sandbox, [`scene::motion`] what tracks move; no assets |
-//! | [`math`], [`files`], [`memory`] | bounds and color over glam; files that are whole or not there; what memory is left |
-//! | `docs/` | `extending.md`: what each kind of addition touches; `glossary.md`: terms that are ours |
+//! | [`scene`] | the scene format, its default values and its manual; [`scene::stages`] from text to a scene at a frame: [`scene::parse`] runs no program, [`scene::script`] is the sandbox, [`scene::motion`] evaluates animation tracks; loads no assets |
+//! | [`math`], [`files`], [`memory`] | bounds and color over glam; atomic file writes; the memory budget |
+//! | `docs/` | `extending.md`: what each kind of addition touches; `glossary.md`: Reflet's own terms |
 //! | `shaders/` | a file for each pass, named like `src/render/passes/*.rs`; only `shaders/lib` can be imported |
 //!
-//! [`app`] and `src/main.rs` are built with the feature `cli`, [`mod@bench`] and what follows files with
-//! `bench`, the window with `preview`; the rest is the library.
+//! [`app`] and `src/main.rs` are built with the feature `cli`, [`mod@bench`] and file watching with `bench`, the
+//! preview window with `preview`; the rest is the library.
 //!
-//! Where does a new line go? Users can write it: `scene/desc.rs`. It needs a file: `world/`. It
-//! needs a device: `gpu/` if it knows no scene, else `render/`. It judges a picture: `bench/`.
+//! Where does new code go? A key of the scene format: `scene/desc.rs`. Code that reads asset files: `world/`. Code
+//! that needs a device: `gpu/` if it is independent of scenes, else `render/`. Code that judges a picture: `bench/`.
 //!
 //! # A frame
 //!
 //! 0. **Pose**: meshes with skins or morph targets are deformed on the CPU ([`world::deform`]), their
 //!    trees refitted from the topology at rest, and the top level over instances built.
 //! 1. **Shadow**: depth cube maps for point lights, flat maps for spot and directional ones; lights
-//!    with `shadow = "ray"` need none. A map whose light and casters are where they were is not drawn
+//!    with `shadow = "ray"` need none. A map whose light and casters have not moved is not drawn
 //!    again.
 //! 2. **Visibility** rasterizes depth and ids (instance, triangle) and nothing else; with
 //!    `image.visibility = "rays"`, **primary** finds the same ids by a ray a pixel.
 //! 3. **Surface** resolves the G-buffer from the ids in compute and lists the reflective pixels. The
 //!    function that turns (instance, triangle, barycentrics, footprint) into a surface is `surface_at`
 //!    in `shaders/lib/surface.wgsl`; screen hits and traced hits use the same one.
-//! 4. **Light** shades what the camera sees: view-independent radiance apart from the specular of this
-//!    view.
-//!    **Transmit** follows what passes through the surfaces that pixels show, where some let light pass.
-//! 5. **Pyramid** keeps the nearest depth of ever larger cells.
+//! 4. **Light** shades the surfaces that the camera sees: view-independent radiance, apart from the specular of
+//!    this view. **Transmit** follows rays through the surfaces that pixels show, where some transmit light.
+//! 5. **Pyramid** keeps the nearest depth of ever larger cells of pixels.
 //! 6. **SSR** walks the listed pixels' mirror rays through the pyramid, cell by cell, and decides what
-//!    they meet ([`render::cause::Cause`]): `accept_verified` in `shaders/ssr.wgsl` accepts a triangle
-//!    or plane that the ray is shown to meet, `accept_by_threshold` what the paper accepts. Hits are
-//!    listed, and so is what must be traced, with the distance proven free where the ray left the
+//!    each ray hits ([`render::cause::Cause`]): `accept_verified` in `shaders/ssr.wgsl` accepts a triangle
+//!    or plane that the ray is shown to meet, `accept_by_threshold` a crossing by the paper's rule. Hits are
+//!    listed, and so are the rays to trace, with the distance proven free where the ray left the
 //!    picture. **Arguments** sizes the dispatches over lists.
-//! 7. **Hits** shades the accepted hits at the point that the ray meets, with its own footprint.
+//! 7. **Hits** shades the accepted hits at the point where the ray meets the surface, with the ray's footprint.
 //! 8. **Trace** follows the listed rays through the static tree and the top level over instances,
 //!    bounce by bounce.
 //! 9. **Filter** (rough reflections, below 16 sub-frames), **blur** (if asked for), **compose** (only the
-//!    mirror term is replaced, and what passes through is added), **tone**.
+//!    mirror term is replaced, and transmitted light is added), **tone**.
 //!
-//! What a scene leaves to `auto` (method, visibility, shadows, exposure) is decided before a renderer is built:
-//! [`render::decide`] follows rays of the view on the CPU, counts, and weighs the counts by the unit costs
+//! Settings that a scene leaves to `auto` (method, visibility, shadows, exposure) are decided before a renderer is
+//! built: [`render::decide`] follows rays of the view on the CPU, counts, and weighs the counts by the unit costs
 //! of the adapter's kind. Nothing is timed, so that every machine of a kind decides alike.
 //!
-//! What has an extent (a panorama, a light with a size, a rough reflection) is sampled:
-//! `shaders/lib/sampling.wgsl` gives every pixel and sub-frame its own numbers, and reflection rays and
-//! rays towards what shines are weighted against each other, so that sub-frames converge.
-//! Glass, blended alpha and clear coats are layers of a surface (`shaders/lib/layers_followed.wgsl`): of what a
-//! pixel shows both the reflection and what passes are followed, further on one layer by what it returns.
-//! [`render::shader_variant`] keeps all of that out of shaders whose scene has no such thing.
+//! Everything with an extent (a panorama, a light with a size, a rough reflection) is sampled:
+//! `shaders/lib/sampling.wgsl` gives every pixel and sub-frame its own random numbers, and reflection rays and
+//! light samples are combined by multiple importance sampling, so that sub-frames converge.
+//! Glass, blended alpha and clear coats are layers of a surface (`shaders/lib/layers_followed.wgsl`): at the surface
+//! of a pixel both the reflection and the transmission are followed; at later hits one layer is chosen with a
+//! probability in proportion to the light that it returns.
+//! [`render::shader_variant`] keeps that code out of shaders whose scene needs none of it.
 //!
 //! Method `rt` lists every reflective pixel as a ray and has no passes 5 to 7; `ssr` is `hybrid` with
 //! the paper's threshold and without the tracing. A frame depends on nothing but its scene, its
@@ -78,20 +78,20 @@
 //!
 //! # A reload
 //!
-//! A save reruns the arrows right of it, and no more.
+//! Saving a file reruns the stages that come after it in the diagram of the data flow, and no others.
 //!
-//! 1. [`app::watch`] says which kind of file has new content.
-//! 2. [`app::live::ReloadJob`] reads the text, runs the script and poses the frame that is shown, in the
-//!    preview on a thread of its own. A newer save ends it ([`scene::script::Halt`]).
-//! 3. [`world::load::AssetCache`] places and shades the scene over files that are in memory already.
+//! 1. [`app::watch`] tells which kind of file has new content.
+//! 2. [`app::live::ReloadJob`] reads the text, runs the script and poses the frame that is shown; the
+//!    preview does it on a thread of its own. A newer save cancels the job ([`scene::script::Halt`]).
+//! 3. [`world::load::AssetCache`] builds instances and materials anew from the files that are in memory already.
 //! 4. [`render::Renderer::change`] compares meshes and textures by identity, and trees, materials, poses and
-//!    bindings by value, and makes again what differs. Shaders are cached by their text, pipelines by
+//!    bindings by value, and rebuilds those that differ. Shaders are cached by their text, pipelines by
 //!    their shader.
 //!
-//! Every step builds beside what is shown and swaps at its end, so that an error changes nothing.
-//! Other parameters of the script are a reload too; those that fail where the scene without them does
-//! not are refused ([`app::live::Refusal`]). Another frame is [`scene::stages::Scene::pose`],
-//! [`world::World::apply`] and [`render::Renderer::update`] alone.
+//! Every step builds its results beside those in use and swaps them at its end, so that an error changes nothing.
+//! Other values of the script's parameters are a reload too; values that fail although the scene without them does
+//! not are refused ([`app::live::Refusal`]). Showing another frame takes only [`scene::stages::Scene::pose`],
+//! [`world::World::apply`] and [`render::Renderer::update`].
 //!
 //! # Rules
 //!
@@ -102,11 +102,11 @@
 //!   them before an upload, and every later call that the world is the uploaded one, posed anew.
 //! - Every ray has one budget of nodes that it may visit (`shaders/lib/bvh.wgsl`); one that needs more is a
 //!   miss, counted in the frame's statistics.
-//! - `unsafe` stands in five places, each with its reason: `src/main.rs` sets an environment variable
+//! - `unsafe` is used in five places, each with its reason: `src/main.rs` sets an environment variable
 //!   before any thread exists, `src/gpu/pipeline.rs` turns off run-time checks of a built-in shader,
-//!   `src/processor_time.rs` reads clocks that the standard library lacks, `src/world/usd/tool.rs` has the converter
-//!   end with its parent, and `src/app/denoise.rs` calls a C library that it loads at run time.
-//! - Nothing goes in circles: the modules of one parent can be read in some order (`tests/layers`).
+//!   `src/processor_time.rs` reads CPU clocks that the standard library lacks, `src/world/usd/tool.rs` has the
+//!   converter end with its parent, and `src/app/denoise.rs` calls a C library that it loads at run time.
+//! - No import cycles: the modules of one parent can be read in some order (`tests/layers`).
 //! - Numbers that Rust and the shaders share are written once, in Rust, and generated into
 //!   `lib/constants.wgsl`.
 //! - Groups 0 (frame) and 1 (scene) are shared; group 2 is the pass's own, reflected from its WGSL

@@ -1,19 +1,19 @@
-//! Entry point: arguments in, exit code out (0; 1 internal, 2 usage, 3 scene,
+//! Entry point: passes the arguments to [`app`] and returns its exit code (0; 1 internal, 2 usage, 3 scene,
 //! 4 no usable GPU, 5 some frames failed, 6 a comparison crossed a threshold, 130 or 143 interrupted).
 
 use std::{env, panic, process::ExitCode};
 
 use reflet::app;
 
-/// Mesa's device selection looks for a Wayland display, and prints an error to standard error where
-/// `XDG_RUNTIME_DIR` is not set.
+/// Sets `XDG_RUNTIME_DIR` where it is missing: Mesa's device selection looks for a Wayland display, and prints an
+/// error to standard error without that variable.
 #[expect(
     unsafe_code,
     reason = "the environment is changed before any other thread exists"
 )]
 fn name_runtime_folder() {
     if cfg!(target_os = "linux") && env::var_os("XDG_RUNTIME_DIR").is_none() {
-        // SAFETY: called first thing in `main`, while this is the only thread.
+        // SAFETY: this is the first call in `main`, while no other thread exists.
         unsafe { env::set_var("XDG_RUNTIME_DIR", env::temp_dir()) };
     }
 }

@@ -1,4 +1,4 @@
-//! Bounds and other small geometry over glam, used everywhere below.
+//! Axis-aligned bounds, sRGB conversion and other small geometry over glam.
 
 pub mod spline;
 
@@ -20,7 +20,7 @@ impl Default for Bounds {
 }
 
 impl Bounds {
-    /// Contains nothing.
+    /// Empty box, which contains no point.
     pub const EMPTY: Self = Self {
         min: Vec3::INFINITY,
         max: Vec3::NEG_INFINITY,
@@ -34,12 +34,12 @@ impl Bounds {
         })
     }
 
-    /// Whether it contains nothing.
+    /// Whether the box contains no point.
     pub fn is_empty(&self) -> bool {
         !self.min.cmple(self.max).all()
     }
 
-    /// The smallest box around both.
+    /// The smallest box around both boxes.
     pub fn union(self, other: Self) -> Self {
         Self {
             min: self.min.min(other.min),
@@ -56,7 +56,7 @@ impl Bounds {
         }
     }
 
-    /// Middle; the origin when empty.
+    /// Center of the box; the origin when empty.
     pub fn center(&self) -> Vec3 {
         if self.is_empty() {
             Vec3::ZERO
@@ -65,7 +65,7 @@ impl Bounds {
         }
     }
 
-    /// Its eight corners; none when empty.
+    /// Eight corners of the box; none when empty.
     pub fn corners(self) -> impl Iterator<Item = Vec3> {
         let count = if self.is_empty() { 0 } else { 8 };
         (0..count).map(move |i| {
@@ -89,7 +89,7 @@ impl Bounds {
     }
 }
 
-/// Linear light of an sRGB value, both 0 to 1 (IEC 61966-2-1).
+/// Linear light of an sRGB component, both 0 to 1 (IEC 61966-2-1).
 pub fn linear_from_srgb(v: f32) -> f32 {
     if v <= 0.04045 {
         v / 12.92
@@ -98,7 +98,7 @@ pub fn linear_from_srgb(v: f32) -> f32 {
     }
 }
 
-/// sRGB value of linear light, both 0 to 1 (IEC 61966-2-1).
+/// sRGB component of linear light, both 0 to 1 (IEC 61966-2-1).
 pub fn srgb_from_linear(v: f32) -> f32 {
     if v <= 0.003_130_8 {
         v * 12.92
@@ -107,7 +107,7 @@ pub fn srgb_from_linear(v: f32) -> f32 {
     }
 }
 
-/// The same transform in f64.
+/// The transform, converted to f64.
 pub fn in_f64(transform: &Affine3A) -> DAffine3 {
     DAffine3 {
         matrix3: DMat3::from_cols(
@@ -119,8 +119,8 @@ pub fn in_f64(transform: &Affine3A) -> DAffine3 {
     }
 }
 
-/// Whether rays can be brought into object space without losing all digits: the columns must span
-/// a volume that is not negligible against their lengths.
+/// Whether rays can be brought into object space without losing all digits: the volume that the columns span must
+/// not be negligible against the product of their lengths.
 pub fn invertible(transform: &Affine3A) -> bool {
     const LEAST_VOLUME: f64 = 1e-7; // f32 carries about seven digits
     let linear = Mat3::from(transform.matrix3).as_dmat3();

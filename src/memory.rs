@@ -1,4 +1,4 @@
-//! How much memory this process has, and may still take, where the system tells it (Linux).
+//! Memory that this process uses and may still allocate, where the system tells it (Linux).
 
 use std::{
     fs,
@@ -9,13 +9,13 @@ use std::{
     },
 };
 
-/// Peak resident memory of this process.
+/// Peak resident memory of this process, bytes.
 pub fn peak_resident_bytes() -> Option<u64> {
     kibibytes(&fs::read_to_string("/proc/self/status").ok()?, "VmHWM")
 }
 
-/// What this process can still take without being ended for it: of the machine's memory and swap, of its
-/// control groups and of its address space, the least.
+/// Bytes that this process can still allocate without being killed for it: the least of the machine's free memory
+/// and swap, the room in its control groups, and the room in its address space.
 pub fn available_bytes() -> Option<u64> {
     let read = |path: &str| fs::read_to_string(path).ok();
     let machine = read("/proc/meminfo").and_then(|text| machine_bytes(&text));
@@ -25,30 +25,30 @@ pub fn available_bytes() -> Option<u64> {
     [machine, group, space].into_iter().flatten().min()
 }
 
-/// What one load may still take of the memory; all of its parts, which are clones, take from the same.
+/// Bytes that the parts of one load may still allocate; clones share the same budget.
 #[derive(Clone, Debug)]
 pub struct Budget(Arc<AtomicU64>);
 
 impl Default for Budget {
-    /// Without a limit.
+    /// Budget without a limit.
     fn default() -> Self {
         Self::new(u64::MAX)
     }
 }
 
 impl Budget {
-    /// Of so many bytes.
+    /// Budget of this many bytes.
     pub fn new(bytes: u64) -> Self {
         Self(Arc::new(AtomicU64::new(bytes)))
     }
 
-    /// Of what this process can take now.
+    /// Budget for the memory that this process can allocate now.
     pub fn of_machine() -> Self {
         Self::of(available_bytes())
     }
 
-    /// Three quarters of what can be taken, if that is known: what is read is also copied, and others take
-    /// memory too.
+    /// Budget of three quarters of the available memory, or no limit where that is unknown: data that is read is
+    /// also copied, and other processes allocate memory too.
     fn of(available_bytes: Option<u64>) -> Self {
         Self::new(available_bytes.map_or(u64::MAX, |left| left - left / 4))
     }
@@ -58,7 +58,7 @@ impl Budget {
         self.0.load(Ordering::Relaxed)
     }
 
-    /// Takes bytes, or none where fewer are left; whether it took them.
+    /// Takes bytes from the budget, or none where fewer are left; returns whether it took them.
     #[must_use]
     pub fn take(&self, bytes: u64) -> bool {
         let taken = |left: u64| left.checked_sub(bytes);
@@ -70,7 +70,7 @@ impl Budget {
 
 const CONTROL_GROUPS: &str = "/sys/fs/cgroup";
 
-/// The number of a line `name: 12 kB`, in bytes.
+/// Number in the line `name: 12 kB` of a text, in bytes.
 fn kibibytes(text: &str, name: &str) -> Option<u64> {
     let mut lines = text.lines();
     let value = lines.find_map(|line| line.strip_prefix(name)?.strip_prefix(':'))?;
@@ -83,12 +83,12 @@ fn machine_bytes(meminfo: &str) -> Option<u64> {
     Some(kibibytes(meminfo, "MemAvailable")? + swap)
 }
 
-/// Names of the files of a control group, and where its kind is mounted.
+/// File names of one version of control groups, and the folder that this version is mounted at.
 struct GroupFiles {
     folder: &'static str,
     most: &'static str,
     now: &'static str,
-    /// Its line of `memory.stat`.
+    /// Prefix of the line of `memory.stat` with the bytes of cached files.
     cached: &'static str,
 }
 
@@ -105,10 +105,10 @@ const VERSION_2: GroupFiles = GroupFiles {
     cached: "inactive_file ",
 };
 
-/// Of the groups that the text of `/proc/self/cgroup` names, and of those around them.
+/// Least room, bytes, in the memory control groups that the text of `/proc/self/cgroup` names, and in their parents.
 fn group_bytes(cgroup: &str, mount: &str) -> Option<u64> {
     let left = |line: &str| {
-        // `7:cpu,memory:/path`, of version 2 `0::/path`.
+        // A line is `7:cpu,memory:/path`; in version 2 it is `0::/path`.
         let (controllers, path) = line.split_once(':')?.1.split_once(':')?;
         let files = match controllers {
             "" => &VERSION_2,
@@ -117,14 +117,14 @@ fn group_bytes(cgroup: &str, mount: &str) -> Option<u64> {
         };
         let mount = Path::new(mount).join(files.folder);
         let group = mount.join(path.trim_start_matches('/'));
-        // Inside a container, the path may be that outside; the mount is then the container's own group.
+        // Inside a container, the path may be the host's; the mount is then the container's own group.
         let groups = group.ancestors().take_while(|at| at.starts_with(&mount));
         groups.filter_map(|at| left_in_group(at, files)).min()
     };
     cgroup.lines().filter_map(left).min()
 }
 
-/// Without what is cached of files, which is given back where memory is short.
+/// Bytes left in one control group; cached file content does not count as used, since it is freed under pressure.
 fn left_in_group(folder: &Path, files: &GroupFiles) -> Option<u64> {
     let number = |file: &str| -> Option<u64> {
         let text = fs::read_to_string(folder.join(file)).ok()?;
@@ -141,7 +141,7 @@ fn left_in_group(folder: &Path, files: &GroupFiles) -> Option<u64> {
 fn space_bytes(limits: &str, status: &str) -> Option<u64> {
     let mut lines = limits.lines();
     let limit = lines.find_map(|line| line.strip_prefix("Max address space"))?;
-    // `unlimited` is no number.
+    // `unlimited` does not parse as a number and gives `None`.
     let limit: u64 = limit.split_whitespace().next()?.parse().ok()?;
     Some(limit.saturating_sub(kibibytes(status, "VmSize")?))
 }
@@ -181,7 +181,7 @@ mod tests {
         );
         write("outer/inner/memory.max", "max\n");
         write("outer/inner/memory.current", "600\n");
-        // Version 1, in a container whose own group is the mount; its unlimited is a huge number.
+        // Version 1, in a container whose own group is the mount; "unlimited" is a huge number there.
         fs::create_dir_all(mount.join("memory/job")).unwrap();
         write("memory/memory.limit_in_bytes", "2000\n");
         write("memory/memory.usage_in_bytes", "900\n");

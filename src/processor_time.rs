@@ -1,8 +1,8 @@
-//! Processor time, which other work on the machine does not lengthen as it does wall time.
+//! CPU time, which other work on the machine does not lengthen as it does wall time.
 
 use std::time::Duration;
 
-/// Processor time of this thread so far; `None` where the system does not tell.
+/// CPU time of this thread so far; `None` where the system does not tell.
 pub fn of_thread() -> Option<Duration> {
     #[cfg(unix)]
     return clock(libc::CLOCK_THREAD_CPUTIME_ID);
@@ -10,7 +10,7 @@ pub fn of_thread() -> Option<Duration> {
     None
 }
 
-/// Processor time of all threads of the process so far; `None` where the system does not tell.
+/// CPU time of all threads of the process so far; `None` where the system does not tell.
 pub fn of_process() -> Option<Duration> {
     #[cfg(unix)]
     return clock(libc::CLOCK_PROCESS_CPUTIME_ID);

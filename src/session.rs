@@ -1,5 +1,5 @@
-//! The renderer as a library: a session opens a scene, changes its values, poses its frames and
-//! renders them to pixels and AOVs. It prints nothing and writes no files.
+//! The renderer as a library: a session opens a scene, changes its values, poses its frames and renders them to
+//! pixels and AOVs. Sessions print nothing and write no files.
 //!
 //! `docs/examples/render_to_pixels.rs` is a whole program.
 
@@ -22,14 +22,14 @@ pub use error::SessionError;
 use scene_renderer::{RendererSettings, SceneRenderer};
 use scene_text::{LoadedScene, OpenedScene, SceneOptions, SceneText};
 
-/// How a session is opened.
+/// Options of a session.
 #[derive(Clone, Debug, Default)]
 pub struct SessionOptions {
     /// Changed values and asset folders.
     pub scene: SceneOptions,
-    /// Camera to look through; without one `main`, else the first.
+    /// Name of the camera to look through; by default that of the current cut, else `main`, else the first.
     pub camera: Option<String>,
-    /// Part of the name of the adapter to use; without one as [`GpuOptions`] has it.
+    /// Part of the name of the adapter to use; by default that of [`GpuOptions`].
     pub adapter: Option<String>,
     /// Folder of shaders that replace the built-in ones.
     pub shaders: Option<PathBuf>,
@@ -37,12 +37,12 @@ pub struct SessionOptions {
 
 /// An open scene with its device and renderer.
 pub struct Session {
-    /// File of the scene; none for the built-in one.
+    /// File of the scene; `None` for the built-in one.
     path: Option<PathBuf>,
     options: SessionOptions,
     library: ShaderLibrary,
     scene: SceneRenderer,
-    /// Files of the scene, which another text of it takes over.
+    /// Loaded files of the scene, reused when its text changes.
     assets: AssetCache,
     frame: u32,
 }
@@ -61,7 +61,7 @@ impl Session {
     /// Opens the built-in atrium.
     ///
     /// # Errors
-    /// As [`Session::open`].
+    /// Same errors as [`Session::open`].
     pub fn built_in(options: &SessionOptions) -> Result<Self, SessionError> {
         Self::new(None, options)
     }
@@ -90,13 +90,13 @@ impl Session {
         Ok(session)
     }
 
-    /// Changes values of the scene, each written as `--set` takes it: `material.chrome.roughness=0.2`,
-    /// `image.size=[640, 360]`, `reflection.diffuse_bounces=2`, `reflection.glint_limit=4`, `params.height=2`. The text
-    /// and the script are read again, models and images only where the changed scene needs others. The frame stays,
-    /// where the timeline still has it.
+    /// Changes values of the scene, each written as for `--set`: `material.chrome.roughness=0.2`,
+    /// `image.size=[640, 360]`, `reflection.diffuse_bounces=2`, `reflection.glint_limit=4`, `params.height=2`. The
+    /// text and the script are read again, models and images only where the changed scene needs others. The current
+    /// frame is kept if the changed timeline has it, else the session goes to the first frame.
     ///
     /// # Errors
-    /// As [`Session::open`]; the session is then as before.
+    /// Same errors as [`Session::open`]; the session is then unchanged.
     pub fn set<S: Into<String>>(
         &mut self,
         values: impl IntoIterator<Item = S>,
@@ -141,7 +141,7 @@ impl Session {
     ///
     /// # Errors
     /// [`SessionError::Frame`] outside of the timeline; [`SessionError::Scene`] where the script fails
-    /// at that frame. The session is then as before.
+    /// at that frame. The session is then unchanged.
     pub fn pose(&mut self, frame: u32) -> Result<Vec<String>, SessionError> {
         check_frame(&self.scene.loaded, frame)?;
         let log = self.scene.loaded.pose(frame)?;
@@ -163,7 +163,7 @@ impl Session {
         Ok(self.scene.picture(&aovs?)?)
     }
 
-    /// The scene as it is posed.
+    /// The scene at its current pose.
     pub fn scene(&self) -> &LoadedScene {
         &self.scene.loaded
     }
@@ -173,7 +173,7 @@ impl Session {
         &self.scene.loaded.warnings
     }
 
-    /// The device.
+    /// The GPU device that the session renders on.
     pub fn gpu(&self) -> &Gpu {
         &self.scene.gpu
     }

@@ -1,4 +1,4 @@
-//! The library's session: what it renders is what the command line renders, and bad input is an error.
+//! The library's session: its renders equal those of the command line, and bad input is an error.
 
 mod common;
 
@@ -93,7 +93,7 @@ fn depth_m(session: &mut Session) -> f32 {
     depths[(height / 2 * width + width / 2) as usize]
 }
 
-/// The message of what must be an error.
+/// Message of a result that must be an error.
 #[track_caller]
 fn refused<T>(result: Result<T, SessionError>) -> String {
     result.err().expect("an error").to_string()
@@ -129,7 +129,7 @@ fn frames_and_cameras_show_what_stands_there() {
     assert!(near(depth_m(&mut session), 2.0));
 }
 
-/// Also with a change that needs another mesh, and one that reuses all files.
+/// Changed sessions render like new ones, also when another mesh is needed or all files are reused.
 #[test]
 fn a_changed_session_renders_what_a_new_one_does() {
     if gpu_or_skip().is_none() {

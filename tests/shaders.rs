@@ -9,7 +9,7 @@ use reflet::gpu::{
 };
 use reflet::render::shader_variant::ShaderVariant;
 
-/// The library of every variant.
+/// Shader libraries of all variants.
 fn libraries() -> Vec<ShaderLibrary> {
     let embedded = ShaderLibrary::embedded();
     let library = |v: ShaderVariant| v.library(&embedded).unwrap_or_else(|e| panic!("{e}"));
@@ -56,7 +56,7 @@ fn every_library_is_imported_somewhere() {
     let library = &libraries[0];
     for name in library.lib_names() {
         let lib = library.lib_source(name).unwrap_or_else(|e| panic!("{e}"));
-        // The last line of a library stands in every shader that imports it.
+        // The last line of a library is part of every shader that imports it.
         let own = lib.text.lines().rev().find(|line| line.len() > 3);
         assert!(
             own.is_some_and(|line| all.contains(line)),
@@ -72,7 +72,7 @@ fn every_shader_stays_inside_the_default_limits() {
         let mut limits = wgpu::Limits::default();
         let is_texture = |ty: &wgpu::BindingType| matches!(ty, wgpu::BindingType::Texture { .. });
         if (info.bindings.iter()).any(|b| b.name == "nodes" && is_texture(&b.ty)) {
-            // Only devices that have more get trees as textures.
+            // Only devices with higher limits get BVHs as textures.
             limits.max_sampled_textures_per_shader_stage += 2;
         }
         let groups: Vec<_> = (0..limits.max_bind_groups)
@@ -186,7 +186,7 @@ fn every_pass_reads_only_what_was_written_before() {
     }
 }
 
-/// What a scene does not use is no part of its shaders: neither code nor bindings.
+/// Shaders contain neither code nor bindings for features that a scene does not use.
 #[test]
 fn closed_forms_need_no_samples() {
     let embedded = ShaderLibrary::embedded();

@@ -50,7 +50,7 @@ fn folder(name: &str) -> PathBuf {
     folder
 }
 
-/// Runs `bench stability` in the repository, into a folder; its exit code and what it says.
+/// Runs `bench stability` in the repository, with a folder for its output; returns exit code and standard error.
 fn stability(into: &Path, arguments: &[&str]) -> (i32, String) {
     let output = Command::new(env!("CARGO_BIN_EXE_reflet"))
         .current_dir(env!("CARGO_MANIFEST_DIR"))

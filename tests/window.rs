@@ -1,4 +1,4 @@
-//! The preview in a real window: on a virtual display with whatever adapter there is, it opens,
+//! Preview in a real window, on a virtual display with any adapter: it opens,
 //! loads, shows an edit of the scene on disk, keeps the picture after a mistake, writes screenshots
 //! and closes. Prints `SKIPPED` if Xvfb or xdotool is missing.
 
@@ -27,10 +27,10 @@ impl Drop for Running {
     }
 }
 
-/// Starting servers look for a free number, and one may take another's before it is bound.
+/// Lock while a server starts: servers look for a free number, which another may take before it is bound.
 static STARTING: Mutex<()> = Mutex::new(());
 
-/// A virtual display that answers, and its name, if one can be had.
+/// A virtual display that answers, and its name; `None` if none can be started.
 fn display() -> Option<(Running, String)> {
     for tool in ["xdotool", "Xvfb"] {
         let found = Command::new("which").arg(tool).output();
@@ -137,7 +137,7 @@ impl Session {
         self.xdotool(&["key", key]);
     }
 
-    /// Presses F12 and waits for the picture, which is whole when it is there.
+    /// Presses F12 and waits for the screenshot, which is written atomically.
     fn screenshot(&self) -> Vec<u8> {
         let screenshots = || {
             let entries = fs::read_dir(&self.folder).expect("folder");
@@ -163,7 +163,7 @@ impl Session {
         picture.into_raw()
     }
 
-    /// A picture that stays: the first may be changed once, by the method that the plan chooses.
+    /// A picture that no longer changes: the first may change once, when the plan chooses another method.
     fn steady(&self) -> Vec<u8> {
         until("a picture that stays", || {
             let one = self.screenshot();

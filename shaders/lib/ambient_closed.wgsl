@@ -1,4 +1,4 @@
-// Light of the environment in closed form: a gradient that nothing is in the way of.
+// Light of the environment in closed form: an unoccluded gradient.
 
 #import extent
 #import frame
@@ -19,8 +19,8 @@ fn ambient(normal: vec3f) -> vec3f {
         + (frame.ground - frame.horizon) * lobe_overlap(-normal.y);
 }
 
-// Mean of the absolute height of directions whose mean is `m`: that of one direction, where they are all
-// alike, up to that of a cosine lobe, whose mean has a length of 2/3.
+// Mean absolute height (y) of directions whose mean is `m`: that of a single direction where all are equal, up to
+// that of a cosine lobe, whose mean has a length of 2/3.
 fn mean_height(m: vec3f) -> f32 {
     let length_m = max(length(m), 1e-6);
     let c = clamp(m.y / length_m, -1.0, 1.0);
@@ -28,8 +28,8 @@ fn mean_height(m: vec3f) -> f32 {
     return mix(abs(c), lobe_overlap(c) + lobe_overlap(-c), spread);
 }
 
-// Mean radiance of what a lobe returns: a gradient weighs directions by their height, so that it only asks for the
-// means of the height and of its absolute.
+// Mean radiance that a lobe gathers: a gradient weighs directions by their height, so that only the means of the
+// height and of its absolute value are needed.
 fn environment_through(lobe: vec4f, s: Surface, view: vec3f) -> vec3f {
     let nv = dot(s.normal, view);
     let away = s.normal * nv - view;
@@ -44,7 +44,7 @@ fn environment_specular(s: Surface, view: vec3f) -> vec3f {
     return specular_albedo(s, view) * environment_through(lobe, s, view) * s.occlusion;
 }
 
-// No ray is sent towards the environment.
+// Density of rays towards the environment: 0, as none are sent.
 fn environment_rays_pdf(s: Surface, direction: vec3f) -> f32 {
     return 0.0;
 }
@@ -53,7 +53,7 @@ fn returned_of_environment(s: Surface, view: vec3f, to: Receiver, index: u32) ->
     return Returned();
 }
 
-// What the environment adds; the specular of reflectors is found by reflection rays.
+// Light of the environment on a surface; reflectors get its specular part by reflection rays.
 fn environment_light(s: Surface, view: vec3f, albedo: vec3f) -> Shade {
     var out: Shade;
     out.diffuse = albedo * ambient(s.normal) * s.occlusion;

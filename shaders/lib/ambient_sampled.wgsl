@@ -1,11 +1,11 @@
-// Light of the environment by samples: each sub-frame takes a few, and many sub-frames converge.
+// Light of the environment by samples: each sub-frame takes a few, and the mean over sub-frames converges.
 
 #import extent
 #import frame
 #import lobe
 #import sampling
 
-// Of the rays of a surface, those that follow the bright parts of the environment.
+// Share of a surface's rays that follow the bright parts of the environment.
 fn environment_ray_share() -> f32 {
     return 0.75 * environment_share();
 }
@@ -18,14 +18,14 @@ fn environment_rays_pdf(s: Surface, direction: vec3f) -> f32 {
     return f32(sampling.rays) * mix(lobe, environment_pdf(direction), share);
 }
 
-// No part of it is known in closed form.
+// Light of the environment in closed form: none, as all of it is sampled.
 fn environment_light(s: Surface, view: vec3f, albedo: vec3f) -> Shade {
     return Shade();
 }
 
-// The environment by rays that follow its bright parts and the lobes of the surface, weighted by the
-// power heuristic (see extent_sampled.wgsl). Reflectors see it by their reflection rays, alone where they
-// are sharp or no part of it is bright.
+// Light of one ray towards the environment, which follows its bright parts or the lobes of the surface, weighted by
+// the power heuristic (see extent_sampled.wgsl). Reflectors get the environment's specular light by their reflection
+// rays, and by these rays alone where they are sharp or the environment has no bright part.
 fn returned_of_environment(s: Surface, view: vec3f, to: Receiver, index: u32) -> Returned {
     let by_environment = environment_ray_share();
     let is_rough = to.is_rough && by_environment > 0.0;

@@ -1,11 +1,11 @@
-// Nothing passes through surfaces.
+// Variant without transmission: no light passes through surfaces.
 
-// Share of what is behind the surface of a pixel that is not the background.
+// Share of the light from behind the surface of a pixel that other surfaces cover, rather than the background.
 fn covered_behind(pixel: vec2u) -> f32 {
     return 1.0;
 }
 
-// What a pixel shows through its surface.
+// Light from behind the surface of a pixel.
 fn light_behind(pixel: vec2u) -> vec3f {
     return vec3f(0.0);
 }

@@ -1,65 +1,65 @@
-// Ray traversal: the nearest hit, or any hit, in the static tree and the top level.
+// Ray traversal: the nearest hit, or any hit, in the static tree and the top level BVH.
 //
-// The buffers are packed by src/world/bvh.rs, whose module comment is the layout. The including
-// shader declares:
-//   node_words(i: u32) -> vec4u        5 to a node
-//   triangle_words(i: u32) -> vec4u    3 to a TraceTriangle
+// The buffers are packed by src/world/bvh.rs, whose module comment documents the layout. The including shader
+// declares:
+//   node_words(i: u32) -> vec4u        5 words per node
+//   triangle_words(i: u32) -> vec4u    3 words per TraceTriangle
 //   instances: array<…>        with object_from_world: array<vec4f, 3>, tree_root, trace_flags: u32
 //   alpha_passes(instance: u32, triangle: u32, bary: vec2f) -> bool
 //
-// Nearest hits pass single-sided triangles from behind; shadow rays are blocked by either side.
-// Intervals are open: t_min < t < t_max. Directions may have any length but 0; t counts in them.
+// Nearest hits ignore single-sided triangles from behind; shadow rays are blocked by either side.
+// Intervals are open: t_min < t < t_max. Directions may have any length but 0; t is in units of that length.
 
 #import constants
 #import shown
 
-// Whether the scene has a static tree, a top level, and cut-outs; without them their code is dropped.
+// Whether the scene has a static tree, a top level, and cut-outs; without one of them its code is dropped.
 override HAS_STATIC: bool = true;
 override HAS_TOP_LEVEL: bool = true;
 override HAS_CUTOUT: bool = true;
-// Whether nearest hits are of rays that leave the camera. Then the nearest triangle is kept that they
-// passed, from behind or as what the camera is not to see, and that reflections meet.
+// Whether nearest hits are of camera rays. The traversal then also keeps the nearest triangle that these rays
+// ignore, as a back face or as hidden from the camera, and that reflection rays meet.
 override OF_CAMERA: bool = false;
-// Whether some instance is marked ALPHA_TESTED: cut-outs, and what lets light pass.
+// Whether some instance is marked ALPHA_TESTED: cut-outs and transmissive materials.
 override HAS_TESTED: bool = true;
-// Whether work is counted; without it the counting is no part of the pipeline.
+// Whether nodes and triangles are counted; without it the counting code is dropped.
 override COUNT: bool = false;
 
 const NO_INSTANCE = NONE;
-// Nodes that one ray may visit, over all trees and behind all cut-outs. Real rays visit some hundred; one
-// that needs more, through thousands of overlapping instances, is counted and ends as a miss, so that
-// no input keeps the GPU busy without end.
+// Maximum number of nodes that one ray may visit, over all BVHs and behind all cut-outs. Usual rays visit some
+// hundred; one that needs more, through thousands of overlapping instances, is counted and ends as a miss, so that
+// no input can make the GPU loop forever.
 override MAX_VISITS: u32 = 262144u;
-// The group of one node that is a root: the highest slot, no siblings.
+// Child mask of the group that holds only a root node: the highest slot, no siblings.
 const ROOT_GROUP = 0x80000000u;
 
 struct Hit {
-    // In lengths of the direction; t_max for a miss.
+    // Distance in lengths of the ray's direction; t_max for a miss.
     t: f32,
-    // NO_INSTANCE for a miss.
+    // Instance of the hit; NO_INSTANCE for a miss.
     instance: u32,
-    // Index in the mesh of the instance.
+    // Index of the triangle in the mesh of the instance.
     triangle: u32,
-    // Weights of vertex 1 and vertex 2, inside the triangle.
+    // Barycentric weights of vertex 1 and vertex 2, inside the triangle.
     bary: vec2f,
-    // ALPHA_TESTED, DOUBLE_SIDED, FLIPPED of what was hit.
+    // Flags ALPHA_TESTED, DOUBLE_SIDED, FLIPPED of the triangle that was hit.
     flags: u32,
 }
 
-// Counted since the invocation started, with COUNT: traversals from the root, of which a ray behind
-// cut-outs needs several, and what they looked at.
+// Counts since the invocation started, with COUNT: traversals from the root, of which a ray through cut-outs needs
+// several, nodes visited and triangles tested.
 var<private> traversals: u32 = 0u;
 var<private> visited_nodes: u32 = 0u;
 var<private> tested_triangles: u32 = 0u;
-// The nearest triangle that was passed since the invocation started, with OF_CAMERA.
+// Distance of the nearest ignored triangle since the invocation started, with OF_CAMERA.
 var<private> culled_t: f32 = 1e30;
-// Nodes that the ray may still visit, and rays that ended because there were none left.
+// Number of nodes that the ray may still visit, and number of rays that ran out of them.
 var<private> visits_left: u32 = 0u;
 var<private> exhausted_rays: u32 = 0u;
 
-// Cut-outs are asked for their alpha outside the traversal, which then starts again behind those
-// that are transparent here: inside the loop the look-up would cost every ray (on llvmpipe two
-// thirds of all tracing time in Sponza), outside only those that meet leaves.
+// The alpha of cut-outs is looked up outside the traversal, which then starts again behind transparent ones: inside
+// the loop the look-up would cost every ray (on llvmpipe two thirds of all tracing time in Sponza), outside it costs
+// only rays that meet cut-outs. This is the maximum number of such restarts.
 const MAX_LAYERS = 1024u;
 
 fn trace_nearest(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32) -> Hit {
@@ -98,13 +98,13 @@ struct TraversalRay {
     origin: vec3f,
     direction: vec3f,
     inverse: vec3f,
-    // 7 − the octant of the direction in each byte: XORed into a child's slot, it sorts by distance.
+    // 7 − the octant of the direction in each byte: XORed with a child's slot, it sorts children by distance.
     octant4: u32,
 }
 
 fn traversal_ray(origin: vec3f, direction: vec3f) -> TraversalRay {
     let size = abs(direction);
-    // A finite stand-in for 1 / 0; over any distance it bends the ray by less than rounding does.
+    // A finite substitute for 1 / 0; over any distance it bends the ray by less than rounding does.
     let smallest = max(max(size.x, max(size.y, size.z)) * 1e-12, 1e-30);
     let positive = direction >= vec3f(0.0);
     let safe = select(-max(size, vec3f(smallest)), max(size, vec3f(smallest)), positive);
@@ -113,13 +113,13 @@ fn traversal_ray(origin: vec3f, direction: vec3f) -> TraversalRay {
 }
 
 struct NodeVisit {
-    // First child, and its hit children in the high byte over its mask of inner children.
+    // Index of the first child; mask of hit children in the high byte, and mask of inner children in the low byte.
     children: vec2u,
-    // First primitive, and the hit ones in the low 24 bits.
+    // Index of the first primitive; mask of hit primitives in the low 24 bits.
     primitives: vec2u,
 }
 
-// Where the ray crosses the planes of a node's grid: near and far side per axis.
+// Ray parameters of the planes of a node's quantization grid: near and far side per axis.
 struct GridRay {
     step: vec3f,
     near: vec3f,
@@ -135,8 +135,8 @@ fn child_hit(grid: GridRay, near_planes: vec3u, far_planes: vec3u, shift: u32) -
         <= min(min(far.x, far.y), min(far.z, grid.t_max));
 }
 
-// The hit ones of four children, as bits: inner children from 24 up by order of visit, primitives
-// from 0 up (Ylitie et al. 2017, listing 1).
+// Mask of the children hit among four: inner children from bit 24 up in the order of visits, primitives from bit 0
+// up (Ylitie et al. 2017, listing 1).
 fn hit_children(grid: GridRay, near_planes: vec3u, far_planes: vec3u, slots: u32, octant4: u32) -> u32 {
     let inner4 = ((slots & (slots << 1u)) & 0x10101010u) >> 4u;
     let index4 = (slots ^ (octant4 & (inner4 * 0xffu))) & 0x1f1f1f1fu;
@@ -168,7 +168,7 @@ fn visit_node(index: u32, ray: TraversalRay, t_min: f32, t_max: f32) -> NodeVisi
     let exponents = (vec3u(head.w) >> vec3u(0u, 8u, 16u)) & vec3u(0xffu);
     let step = bitcast<vec3f>(exponents << vec3u(23u)) * ray.inverse;
     let first = (bitcast<vec3f>(head.xyz) - ray.origin) * ray.inverse;
-    // Rounding in `first` and in each plane is proportional to these; widening by it makes the
+    // Rounding errors of `first` and of each plane are proportional to these; widening the box by them makes the
     // test conservative, so that no ray slips between boxes that touch.
     let slack = (abs(first) + 255.0 * abs(step)) * 2.4e-7;
     let grid = GridRay(step, first - slack, first + slack, t_min, t_max);
@@ -186,7 +186,7 @@ fn visit_node(index: u32, ray: TraversalRay, t_min: f32, t_max: f32) -> NodeVisi
     );
 }
 
-// Flags of what a ray passes.
+// Flag of instances that this kind of ray ignores.
 fn passed_flags(shadow: bool) -> u32 {
     return select(select(UNREFLECTED, UNSEEN, OF_CAMERA), SHADOWLESS, shadow);
 }
@@ -213,7 +213,8 @@ fn test_triangle(index: u32, ray: TraversalRay, t_min: f32, inside: u32, inside_
     if flat || !(outside <= 0.01) || t <= t_min || t >= (*best).t {
         return;
     }
-    // What rounding can make of a weight: neighbors overlap by it, so that no ray passes between.
+    // Tolerance for the rounding error of the barycentric weights: neighbors overlap by it, so that no ray passes
+    // between.
     let longest = max(dot(edge1, edge1), dot(edge2, edge2));
     let size = length(s) * length(ray.direction) * sqrt(longest);
     if outside > 2.4e-7 * size * abs(inverse_det) {
@@ -240,20 +241,20 @@ fn test_triangle(index: u32, ray: TraversalRay, t_min: f32, inside: u32, inside_
 }
 
 // Groups to visit later: first those of the top level, then those of the tree being traversed.
-// Trees that need more than STACK_SIZE are refused when built; a push past the end is dropped all
-// the same, so that nothing is written outside.
+// Trees that need more than STACK_SIZE are refused when they are built; a push past the end is dropped
+// all the same, so that nothing is written out of bounds.
 var<private> stack: array<vec2u, STACK_SIZE>;
 
-// Traversal state of one tree. A group is the first child of a node and its hit children, marked in
-// bits 24 to 31 of y; it stands for those still to visit.
+// Traversal state of one tree. A group stands for the hit children of a node that are still to visit: the index of
+// its first child, and a mask of hit children in bits 24 to 31 of y.
 struct Cursor {
     group: vec2u,
     primitives: vec2u,
-    // Entries of the stack in use.
+    // Number of stack entries in use.
     depth: u32,
 }
 
-// Visits the next node of the group, keeping its siblings for later.
+// Visits the next node of the group, and pushes the rest of the group on the stack.
 fn descend(cursor: ptr<function, Cursor>, ray: TraversalRay, t_min: f32, t_max: f32) {
     var group = (*cursor).group;
     let bit = firstLeadingBit(group.y);
@@ -305,7 +306,7 @@ fn traverse_tree(root: u32, ray: TraversalRay, t_min: f32, inside: u32, inside_f
     }
 }
 
-// The next instance whose box is hit, or NO_INSTANCE when there are no more.
+// The next instance whose box is hit, or NO_INSTANCE if there are no more.
 fn next_instance(cursor: ptr<function, Cursor>, ray: TraversalRay, t_min: f32, t_max: f32) -> u32 {
     while visits_left > 0u {
         if (*cursor).primitives.y != 0u {
@@ -324,13 +325,13 @@ fn next_instance(cursor: ptr<function, Cursor>, ray: TraversalRay, t_min: f32, t
     return NO_INSTANCE;
 }
 
-// Whether a shadow ray need not look further: something opaque is in its way.
+// Whether a shadow ray can stop: an opaque triangle blocks it.
 fn is_blocked(best: Hit) -> bool {
     return best.instance != NO_INSTANCE && (!HAS_TESTED || (best.flags & ALPHA_TESTED) == 0u);
 }
 
-// The nearest hit, or for shadow rays any opaque one; cut-outs count as solid here.
-// The static tree first, as if it were an instance at the origin; then those of the top level.
+// The nearest hit, or for shadow rays any opaque one; cut-outs count as solid here. The static tree is
+// traversed first, as if it were an instance at the origin, then the instances of the top level.
 fn traverse(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, shadow: bool) -> Hit {
     if COUNT {
         traversals++;
@@ -362,7 +363,7 @@ fn traverse(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, shadow: boo
     return best;
 }
 
-// The ray in an instance's object space; t means the same there.
+// The ray in an instance's object space; t has the same meaning there.
 fn object_ray(instance: u32, origin: vec3f, direction: vec3f) -> TraversalRay {
     let x = instances[instance].object_from_world[0];
     let y = instances[instance].object_from_world[1];

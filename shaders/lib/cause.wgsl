@@ -1,5 +1,5 @@
-// Why a pixel's reflection is what it is: `Cause` in src/render/cause.rs as CAUSE_*. The `cause` target
-// holds it in its low byte; above, for what is traced, how far the march has proven the ray free.
+// Cause of a pixel's reflection: CAUSE_* are the values of `Cause` in src/render/cause.rs. The `cause` target holds
+// it in its low byte; for traced pixels the bits above hold the length of the ray that the march has proven free.
 
 #import constants
 
@@ -9,12 +9,12 @@ fn is_traced(cause: u32) -> bool {
     return ((TRACED_CAUSES >> cause) & 1u) != 0u;
 }
 
-// Whether the pixel shows its mirror direction, from wherever it is known.
+// Whether the pixel shows a reflection along its mirror direction, from whichever source.
 fn reflects(bits: u32) -> bool {
     return ((REFLECTING_CAUSES >> (bits & CAUSE_MASK)) & 1u) != 0u;
 }
 
-// `free_m` is cut off to its upper 24 bits, so that it never grows.
+// `free_m` is truncated to its upper 24 bits, so that the stored length is never longer.
 fn pack_cause(cause: u32, free_m: f32) -> u32 {
     return cause | (bitcast<u32>(free_m) & ~CAUSE_MASK);
 }

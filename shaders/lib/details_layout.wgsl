@@ -1,4 +1,5 @@
-// How the details pass writes what the G-buffer does not hold of a surface, and how it is read again.
+// Packing of the surface values that the G-buffer has no bits for: written by the details pass, unpacked by later
+// ones.
 
 #import scene
 

@@ -1,4 +1,4 @@
-// The G-buffer holds all that there is of surfaces.
+// Variant without details: the G-buffer holds all values of surfaces.
 
 #import scene
 

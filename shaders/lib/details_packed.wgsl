@@ -1,5 +1,5 @@
-// What the G-buffer does not hold of a surface, as the details pass found it, and its colors beside it: passes sample as
-// many textures as every adapter has.
+// Surface values that the G-buffer has no bits for, written by the details pass with a copy of the colors in one
+// array texture: thus passes need no more sampled textures than every adapter has.
 
 #import details_layout
 

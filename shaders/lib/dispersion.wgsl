@@ -1,30 +1,30 @@
-// Solids that bend colors differently (KHR_materials_dispersion): past the first of them a path has one color
-// channel, so that many sub-frames hold all three.
+// Dispersion of solids (KHR_materials_dispersion): past the first dispersive solid a path carries one color channel,
+// and many sub-frames together hold all three.
 
 #import frame
 #import sampling
 
 override HAS_DISPERSION: bool = true;
 
-// Fewer sub-frames would show specks of single colors: then all are bent alike.
+// Minimum number of sub-frames for dispersion: with fewer, single colors would show as specks.
 const LEAST_SAMPLES: u32 = 8u;
 const CHANNEL_PAIR: u32 = 0x10004u;
 
-var<private> path_channel: u32 = 0u; // 0: all of them; else one more than its number
+var<private> path_channel: u32 = 0u; // color channel of the path, 1 to 3; 0: all channels
 
 fn is_dispersive(s: Surface) -> bool {
     return HAS_DISPERSION && s.is_solid && s.dispersion > 0.0 && s.transmission > 0.0 && s.ior > 1.0
         && sampling.samples >= LEAST_SAMPLES;
 }
 
-// Sub-frames take the channels in turn, each pixel from another one on.
+// Channel of the path, 1 to 3: sub-frames take the channels in turn, and each pixel starts with another one.
 fn next_channel() -> u32 {
     if (path_channel > 0u) { return path_channel; }
     let first = u32(sample_square(0u, CHANNEL_PAIR).x * 3.0);
     return 1u + (first + sampling.sample) % 3u;
 }
 
-// All sub-frames over those that take the channel of this one.
+// Number of sub-frames, over the number of those with the channel of this sub-frame.
 fn channel_weight() -> f32 {
     return f32(sampling.samples) / f32((sampling.samples + 2u - sampling.sample % 3u) / 3u);
 }
@@ -34,7 +34,7 @@ fn normal_reflectance(index: f32) -> f32 {
     return root * root;
 }
 
-// The surface as the path's channel meets it.
+// The surface with the index of refraction of the path's channel.
 fn dispersed(s0: Surface) -> Surface {
     var s = s0;
     if (!is_dispersive(s)) { return s; }
@@ -44,7 +44,7 @@ fn dispersed(s0: Surface) -> Surface {
     return s;
 }
 
-// Has the path keep its channel past the surface: it stands for all three.
+// Restricts the path to one channel past the surface, weighted to stand for all three.
 fn in_one_channel(s: Surface, ray: Reflected) -> Reflected {
     var out = ray;
     if (is_dispersive(s) && path_channel == 0u) {

@@ -1,4 +1,4 @@
-// Surfaces that emit light no other surface but by reflection rays.
+// Variant without emitters: only reflection rays find the light of emissive surfaces.
 
 #import extent
 #import frame

@@ -1,5 +1,4 @@
-// Surfaces that light what is around, by samples of their triangles: chosen by area and luminance, then
-// uniform in area.
+// Light of emissive surfaces, by samples of their triangles: chosen by area and luminance, then uniform in area.
 
 #import bvh
 #import extent
@@ -10,8 +9,8 @@
 
 const HAS_EMITTERS: bool = true;
 
-// By triangle: instance, triangle, the share of its column that is its own, and whose the rest is
-// (Walker's alias method, as of Vose 1991).
+// Alias table of emissive triangles (Walker's method, as of Vose 1991), a texel each: instance, triangle, share of
+// the column that is its own, and index of the triangle that has the rest.
 @group(1) @binding(16) var emitters: texture_2d<u32>;
 
 // Density per area with which points of a material are chosen.
@@ -29,7 +28,7 @@ fn chosen_emitter(u: vec2f) -> vec2u {
     return emitter_texel(found.w).xy;
 }
 
-// A point of a triangle that emits; its color is without what stands between.
+// A point of an emissive triangle as a light sample, without visibility.
 fn emitter_sample(id: vec2u, position: vec3f, u: vec2f) -> LightSample {
     var r: LightSample;
     let instance = id.x;
@@ -60,7 +59,7 @@ fn emitter_sample(id: vec2u, position: vec3f, u: vec2f) -> LightSample {
     return r;
 }
 
-// One point of all of them.
+// Light of one point, chosen among all emitters.
 fn returned_of_emitters(s: Surface, view: vec3f, to: Receiver, index: u32) -> Returned {
     if (sampling.emitted_power <= 0.0) { return Returned(); }
     let id = chosen_emitter(sample_square(index, next_pair()));
@@ -68,7 +67,7 @@ fn returned_of_emitters(s: Surface, view: vec3f, to: Receiver, index: u32) -> Re
     return returned_of_lamp(s, view, to, l, !is_passed(instances[id.x].trace_flags, UNREFLECTED));
 }
 
-// Share of what a surface emits that a reflection ray has found; the rest comes by rays towards it.
+// Share of a surface's emission that a reflection ray takes; the rest comes by light samples.
 fn met_emission(ray: Reflected, instance: u32, distance_m: f32, s: Surface) -> f32 {
     if (ray.pdf == 0.0 || (instances[instance].flags & FLAG_EMITTER) == 0u) { return 1.0; }
     if (ray.pdf == TAKEN) { return 0.0; }

@@ -1,4 +1,5 @@
-// No light is lost between facets: what a lobe lacks in even light is given back in proportion.
+// Energy-conserving variant: the specular lobe is scaled up by the light that single scattering between facets
+// loses.
 
 #import lobe_albedo
 
@@ -10,7 +11,7 @@ fn compensation(s: Surface, view: vec3f) -> vec3f {
     return vec3f(1.0) + f0(s) * (1.0 / max(lobe.x, 1e-3) - 1.0);
 }
 
-// What the specular lobe leaves to diffuse light, towards this view.
+// Share of light that the specular lobe leaves to diffuse light, towards this view.
 fn unreflected(s: Surface, view: vec3f) -> f32 {
     let lobe = lobe_at(shown_roughness(s), dot(s.normal, view));
     let f = dielectric_reflectance(s);

@@ -9,7 +9,7 @@ fn environment(direction: vec3f) -> vec3f {
         + (frame.ground - frame.horizon) * max(-y, 0.0);
 }
 
-// No direction is worth more rays than the surface's own lobes send there.
+// Share of rays that follow bright parts of the environment: 0, a gradient has none.
 fn environment_share() -> f32 {
     return 0.0;
 }

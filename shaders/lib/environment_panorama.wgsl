@@ -1,10 +1,10 @@
-// The environment as a panorama, and directions that follow where it is bright.
+// The environment as a panorama, and sampling of directions by its brightness.
 
 #import frame
 #import sampling
 
 @group(0) @binding(6) var panorama: texture_2d<f32>;
-@group(0) @binding(7) var panorama_density: texture_2d<f32>; // by square of equal solid angle, all levels
+@group(0) @binding(7) var panorama_density: texture_2d<f32>; // mean brightness of equal-area squares, all levels
 @group(0) @binding(8) var panorama_sampler: sampler;
 
 fn into_panorama(direction: vec3f) -> vec3f {
@@ -17,7 +17,7 @@ fn out_of_panorama(direction: vec3f) -> vec3f {
     return vec3f(direction.x * t.x + direction.z * t.y, direction.y, direction.z * t.x - direction.x * t.y);
 }
 
-// "Environment Maps" of OpenEXR: longitude 0 is +Z and in the middle, growing to the left.
+// "Environment Maps" of OpenEXR: longitude 0 is +Z and in the center, growing to the left.
 fn environment(direction: vec3f) -> vec3f {
     let d = into_panorama(normalize(direction));
     let is_pole = abs(d.x) + abs(d.z) < 1e-12;
@@ -58,7 +58,7 @@ fn square_of_direction(d: vec3f) -> vec2f {
     return (with_sign(p, d.xy) + 1.0) * 0.5;
 }
 
-// Density per solid angle with which `environment_direction` gives a unit direction.
+// Density per solid angle with which `environment_direction` samples a unit direction.
 fn environment_pdf(direction: vec3f) -> f32 {
     let edge = 1u << (sampling.density_levels - 1u);
     let place = square_of_direction(into_panorama(direction));
@@ -67,7 +67,7 @@ fn environment_pdf(direction: vec3f) -> f32 {
     return textureLoad(panorama_density, at, 0).x / (max(mean, 1e-30) * 4.0 * PI);
 }
 
-// A unit direction: descends to the squares that hold more (Clarberg et al. 2005).
+// Samples a unit direction: descends the pyramid, choosing squares by their brightness (Clarberg et al. 2005).
 fn environment_direction(u_in: vec2f) -> vec3f {
     var u = u_in;
     var at = vec2u(0u);

@@ -1,11 +1,10 @@
-// Scenes in which nothing has an extent: reflections are sharp, lights are points or parallel.
+// Variant without extents: reflections are sharp, and lights are points or parallel.
 
 #import frame
 
 fn start_samples(pixel: vec2u, vertex: u32) {}
 
-// Where a reflection ray goes, and what of its light is reflected. Here the whole environment is seen by
-// it, and no light.
+// Direction of a reflection ray, and its weight. In this variant the ray sees the whole environment and no light.
 struct Reflected {
     direction: vec3f,
     weight: vec3f,
@@ -17,7 +16,7 @@ fn lobe_ray(direction: vec3f, s: Surface) -> Reflected {
     return Reflected(mirror_direction(direction, s), fresnel(s, dot(s.normal, -direction)) * base_share(s, -direction), 0.0, 1.0);
 }
 
-// What a path adds past its first hit.
+// Light that a path adds past its first hit, here without a limit.
 fn limited(light: vec3f) -> vec3f {
     return light;
 }
@@ -26,7 +25,7 @@ fn hard_lights() -> u32 {
     return frame.light_count;
 }
 
-// As in extent_sampled.wgsl, for nothing offers light here.
+// Same types as in extent_sampled.wgsl, unused because no light is sampled here.
 struct Returned {
     none: f32,
 }
@@ -39,7 +38,7 @@ fn sampled_light(s: Surface, view: vec3f, albedo: vec3f) -> Shade {
     return Shade();
 }
 
-// The light with a size that a ray meets first.
+// The nearest light with a size that a ray meets: none.
 struct SeenLight {
     is_seen: bool,
     radiance: vec3f,

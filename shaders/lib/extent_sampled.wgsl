@@ -1,67 +1,67 @@
-// What has an extent, by samples: lights with a size, and reflections of rough surfaces.
+// Sampling of everything with an extent: lights with a size, and reflections of rough surfaces.
 
 #import frame
 #import lobe
 #import sampling
 
 override HAS_ROUGH_REFLECTIONS: bool = true;
-override HAS_SHADOW_RAYS: bool = true; // some light casts its shadow by rays
-override HAS_ENVIRONMENT_RAYS: bool = true; // something can be in the way of the environment's light
+override HAS_SHADOW_RAYS: bool = true; // whether some light casts its shadow by rays
+override HAS_ENVIRONMENT_RAYS: bool = true; // whether the environment's light can be blocked
 override HAS_SIZED_LIGHTS: bool = true;
-override HAS_SIZED_SUNS: bool = true; // some are directional
-override HAS_SAMPLED_LIGHT: bool = true; // lights with a size, sampled environments or surfaces that emit
+override HAS_SIZED_SUNS: bool = true; // whether some light with a size is directional
+override HAS_SAMPLED_LIGHT: bool = true; // whether there are lights with a size, sampled environments or emitters
 
 const TAKEN: f32 = -1.0;
-const BEYOND: f32 = FAR_M; // where parallel light comes from
+const BEYOND: f32 = FAR_M; // distance of directional lights and of the environment
 
-// Where a reflection ray goes, and what of its light is reflected.
+// Direction of a reflection ray, its weight, and its share of light that is sampled in other ways too.
 struct Reflected {
     direction: vec3f,
     weight: vec3f,
-    pdf: f32, // lobe_density; 0: the only direction there is; TAKEN: rays towards lights find all that shines
-    sky_weight: f32, // of the environment's light; the rest comes by rays towards the environment
+    pdf: f32, // lobe_density; 0: the only possible direction; TAKEN: light samples find all lights
+    sky_weight: f32, // share of the environment's light; the rest comes by rays towards it
 }
 
-// Whether a surface's reflection is spread. Then its light comes by reflection rays and by rays towards
-// what shines, weighted by the power heuristic (Veach 1997, 9.2.2.2).
+// Whether a surface has a rough reflection. Its light is then found by reflection rays and by light samples,
+// combined by the power heuristic (Veach 1997, 9.2.2.2).
 fn is_rough_reflector(s: Surface) -> bool {
     return HAS_ROUGH_REFLECTIONS && is_reflector(s) && s.reflection != REFLECTION_MIRROR
         && s.roughness * s.roughness > SMOOTH_ALPHA;
 }
 
-// Share of `pdf`, where another way finds the same with density `other`.
+// Power heuristic: weight of a sample of density `pdf` where another technique has the density `other`.
 fn balance(pdf: f32, other: f32) -> f32 {
     let ratio = min(other / max(pdf, 1e-18), 1e18);
     return 1.0 / (1.0 + ratio * ratio);
 }
 
-// Times that matte surfaces have scattered the path.
+// Number of diffuse scatterings along the path.
 var<private> path_scatterings: u32 = 0u;
 
-// Density of a scattered ray, per solid angle.
+// Density per solid angle of a diffusely scattered ray.
 fn scattered_density(cosine: f32) -> f32 {
     return max(cosine, 1e-6) / PI;
 }
 
-// Share of the light that a matte surface gets along a ray towards it; the rest is found by the ray that the surface
-// scatters, if the path may be scattered once more. Near a lamp the former alone are bright and seldom.
+// Weight of a light sample on a diffuse surface; the rest is found by the ray that the surface scatters, if the path
+// may scatter once more. Near a lamp, light samples alone would be bright and rare.
 fn aimed_share(pdf: f32, cosine: f32) -> f32 {
     if (path_scatterings >= frame.diffuse_bounces) { return 1.0; }
     return balance(pdf, scattered_density(cosine));
 }
 
-// Whether the path has left a surface in one of several directions, by chance.
+// Whether the path has left a surface in a randomly chosen direction.
 var<private> path_is_chance: bool = false;
 
-// What a path adds past its first hit: after a chance at most the limit, for what is bright and seldom met shows as
-// specks long before it converges.
+// Light that a path adds past its first hit: after a random choice it is limited, as bright and rare contributions
+// show as specks long before they converge.
 fn limited(light: vec3f) -> vec3f {
     let brightest = max(light.x, max(light.y, light.z));
     if (UNBIASED || !path_is_chance || frame.glint_limit <= 0.0 || brightest <= frame.glint_limit) { return light; }
     return light * (frame.glint_limit / brightest);
 }
 
-// The normal of a facet that a ray in this direction may meet.
+// A sampled microfacet normal that is visible from the direction of this ray.
 fn visible_facet(s: Surface, direction: vec3f, pair: u32) -> vec3f {
     let axes = lobe_axes(s);
     var view = -direction * axes;
@@ -69,8 +69,8 @@ fn visible_facet(s: Surface, direction: vec3f, pair: u32) -> vec3f {
     return axes * visible_normal(normalize(view), ggx_alphas(s), sample_square(sampling.sample, pair));
 }
 
-// One facet of the surface a sub-frame; over many they are all that the view sees. `direction` is that of
-// the arriving ray.
+// Reflection ray of one sampled microfacet per sub-frame; over many sub-frames they cover all visible facets.
+// `direction` is that of the arriving ray.
 fn lobe_ray(direction: vec3f, s: Surface) -> Reflected {
     let mirror = mirror_direction(direction, s);
     if (!is_rough_reflector(s)) {
@@ -92,13 +92,13 @@ fn lobe_ray(direction: vec3f, s: Surface) -> Reflected {
     return Reflected(lifted(out, s), weight, pdf, sky_weight);
 }
 
-// Lights without a size, which come before the others.
+// Number of lights without a size, which come first in the array.
 fn hard_lights() -> u32 {
     if (HAS_SIZED_LIGHTS) { return frame.hard_lights; }
     return frame.light_count;
 }
 
-// A point of a light: what arrives from there, over the density of choosing it.
+// A sampled point of a light: its arriving radiance over the density of choosing it.
 struct LightSample {
     to_light: vec3f,
     distance_m: f32,
@@ -136,7 +136,7 @@ fn light_sample(i: u32, position: vec3f, u: vec2f) -> LightSample {
             r.pdf = d2 / max(facing * flat_area(i), 1e-12);
         }
         default: {
-            // The cap of the ball that is seen: Shirley & Wang 1994, uniform in solid angle.
+            // Samples the visible cap of a sphere light uniformly in solid angle (Shirley & Wang 1994).
             let offset = lights[i].position - position;
             let d2 = dot(offset, offset);
             let sine2 = extent * extent / d2;
@@ -155,7 +155,7 @@ fn light_sample(i: u32, position: vec3f, u: vec2f) -> LightSample {
     return r;
 }
 
-// What a surface returns of light from one point, if nothing is in the way.
+// Light that a surface reflects from one sampled point, if nothing blocks it.
 struct Returned {
     to_light: vec3f,
     distance_m: f32,
@@ -163,11 +163,11 @@ struct Returned {
     specular: vec3f,
 }
 
-// How a surface takes light from rays towards what shines.
+// Parts of a surface's reflection that light samples contribute to.
 struct Receiver {
     albedo: vec3f,
-    is_rough: bool, // its reflection rays find the same light
-    has_specular: bool, // sharp reflectors see what shines by their reflection rays alone
+    is_rough: bool, // whether its reflection rays find the same light
+    has_specular: bool, // false: a sharp reflector, whose reflection rays alone find lights
 }
 
 fn returned(s: Surface, view: vec3f, to: Receiver, l: LightSample, aimed: f32, specular_share: f32) -> Returned {
@@ -177,7 +177,8 @@ fn returned(s: Surface, view: vec3f, to: Receiver, l: LightSample, aimed: f32, s
     return r;
 }
 
-// Of a lamp or a surface that emits. `is_met`: rays that the surface scatters or mirrors find it too, and share.
+// Reflected light of a lamp or an emitter. `is_met`: rays that the surface scatters or mirrors find it too, and
+// share its light.
 fn returned_of_lamp(s: Surface, view: vec3f, to: Receiver, l: LightSample, is_met: bool) -> Returned {
     if (l.pdf <= 0.0 || !faces(s, l.to_light) || max(l.color.x, max(l.color.y, l.color.z)) <= 0.0) { return Returned(); }
     let pdf = l.pdf * f32(sampling.rays);
@@ -190,8 +191,8 @@ fn returned_of_lamp(s: Surface, view: vec3f, to: Receiver, l: LightSample, is_me
     return returned(s, view, to, l, aimed, share);
 }
 
-// Share of light that arrives at the surface from a point: aimed there from where the ray starts, for else what
-// shines at a grazing angle is in its own way.
+// Share of light that arrives at the surface from a point. The ray is aimed at the point from its offset origin;
+// otherwise a light at a grazing angle could block itself.
 fn arriving_from(s: Surface, to_light: vec3f, distance_m: f32) -> vec3f {
     let origin = ray_origin(smooth_position(s), s.geometric_normal);
     if (distance_m >= BEYOND) { return transmittance(origin, to_light, FAR_M); }
@@ -200,22 +201,22 @@ fn arriving_from(s: Surface, to_light: vec3f, distance_m: f32) -> vec3f {
     return transmittance(origin, way / way_m, way_m * 0.9999);
 }
 
-// One of several points, chosen by what the surface would return of each.
+// Reservoir of one among several sampled points, chosen by the light that the surface would reflect of each.
 struct Choice {
     one: Returned,
-    part: f32, // of `whole`, that of `one`
-    whole: f32,
-    u: f32, // even in [0, 1): what the next choice is made by
+    part: f32, // weight of `one`
+    whole: f32, // sum of the weights of all offered points
+    u: f32, // uniform random number in [0, 1) for the next choice
 }
 
 const BELOW_ONE: f32 = 0.99999994;
 
 fn offer(choice: ptr<function, Choice>, r: Returned) {
-    // Not by luminance: what is blue would be rare and bright.
+    // Weighted by the mean of the channels, not by luminance: blue lights would be rare and bright.
     let weight = dot(r.diffuse + r.specular, vec3f(1.0 / 3.0));
     if (weight <= 0.0) { return; }
     (*choice).whole += weight;
-    // The number that has chosen between two is even in what is left, and chooses again.
+    // The random number that made a choice is uniform within the chosen part, and is rescaled for the next one.
     let share = weight / (*choice).whole;
     if ((*choice).u < share) {
         (*choice).u /= share;
@@ -227,7 +228,7 @@ fn offer(choice: ptr<function, Choice>, r: Returned) {
     (*choice).u = min((*choice).u, BELOW_ONE);
 }
 
-// What the chosen one returns for all that were offered.
+// Light of the chosen point, scaled to stand for all offered points.
 fn standing_for_all(choice: Choice) -> Returned {
     var r = choice.one;
     let scale = choice.whole / max(choice.part, 1e-30);
@@ -236,16 +237,16 @@ fn standing_for_all(choice: Choice) -> Returned {
     return r;
 }
 
-// What sends light, by what is in its way: each gets a ray of its own, for a sun that a wall hides would else be
-// chosen nearly always, and the sky in the window hardly ever.
+// Groups of light sources, each with a shadow ray of its own: otherwise a sun behind a wall would be chosen nearly
+// always, and the sky in the window hardly ever.
 const SUNS: u32 = 0u;
 const LAMPS: u32 = 1u;
 const SKY: u32 = 2u;
 const EMITTERS: u32 = 3u;
 
-// The light of all that has an extent: lights with a size, the environment where rays go towards it, and surfaces
-// that emit. Of several lamps, and of several suns, each offers a point, and one of them is chosen (resampled
-// importance sampling; Talbot et al. 2005). What casts no shadow is added without a ray.
+// Light of all sources with an extent: lights with a size, the environment where rays go towards it, and emitters.
+// Each of several lamps, and each of several suns, offers a point, and one is chosen (resampled importance
+// sampling; Talbot et al. 2005). Lights without shadows are added without a ray.
 fn sampled_light(s: Surface, view: vec3f, albedo: vec3f) -> Shade {
     var out: Shade;
     if (!HAS_SAMPLED_LIGHT) { return out; }
@@ -284,7 +285,7 @@ fn sampled_light(s: Surface, view: vec3f, albedo: vec3f) -> Shade {
             out.specular += sky.specular;
         }
         let emitted = returned_of_emitters(s, view, to, index);
-        // One call in a loop: the code of rays is long.
+        // One call in a loop keeps the inlined code small: the traversal is long.
         for (var source = first_source; source < end_source; source++) {
             var r = emitted;
             if (HAS_SIZED_SUNS && source == SUNS) { r = standing_for_all(suns); }
@@ -300,10 +301,11 @@ fn sampled_light(s: Surface, view: vec3f, albedo: vec3f) -> Shade {
     return Shade(out.diffuse / rays, out.specular / rays, vec2u(0u));
 }
 
-// Way through panes since the surface whose rays towards lights share what a ray sees, meters.
+// Length of the path through transmissive surfaces since the last surface whose light samples share the lights that
+// a ray meets, m.
 var<private> passed_m: f32 = 0.0;
 
-// The light with a size that a reflection ray meets first.
+// The nearest light with a size that a reflection ray meets.
 struct SeenLight {
     is_seen: bool,
     radiance: vec3f,

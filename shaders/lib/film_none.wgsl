@@ -1,4 +1,4 @@
-// No surface has a thin film.
+// Variant without thin films.
 
 #import scene
 

@@ -1,18 +1,18 @@
-// A thin film over a surface, whose colors come from the interference of what its two sides reflect: Belcour &
-// Barla 2017, "A Practical Extension to Microfacet Theory for the Modeling of Varying Iridescence", with two
-// reflections between them, as KHR_materials_iridescence has it.
+// Thin film over a surface, colored by the interference of the reflections of its two sides: Belcour & Barla 2017,
+// "A Practical Extension to Microfacet Theory for the Modeling of Varying Iridescence", with two internal
+// reflections, as in KHR_materials_iridescence.
 
 #import scene
 
-// Fits of the sensitivities of the eye over the inverse of the wavelength: height, place and square of the width of
-// each peak; X has a second one.
+// Fits of the eye's spectral sensitivities over the inverse wavelength: height, position and squared width of each
+// peak; X has a second one, in w.
 const SENSITIVITY_HEIGHT = vec4f(5.4856e-13, 4.4201e-13, 5.2481e-13, 9.7470e-14);
 const SENSITIVITY_PLACE = vec4f(1.6810e6, 1.7953e6, 2.2084e6, 2.2399e6);
 const SENSITIVITY_WIDTH2 = vec4f(4.3278e9, 9.3046e9, 6.6121e9, 4.5282e9);
 const SENSITIVITY_SUM: f32 = 1.0685e-7;
 
-// Colors of what interferes at this difference of the ways, in nanometers, and of the phases: the Fourier
-// transform of the sensitivities, in linear Rec. 709.
+// Color of interference at this optical path difference, nm, and phase shift: the Fourier transform of the
+// sensitivities, in linear Rec. 709.
 fn interference(way_nm: f32, shift: vec3f) -> vec3f {
     let phase = 2.0 * PI * way_nm * 1e-9;
     let waves = cos(SENSITIVITY_PLACE * phase + vec4f(shift, shift.x)) * exp(-phase * phase * SENSITIVITY_WIDTH2);
@@ -44,7 +44,7 @@ fn film_fresnel(f0: vec3f, index: f32, thickness_nm: f32, cosine: f32) -> vec3f 
     let inner_root = (below - index) / (below + index);
     let inner_f0 = inner_root * inner_root;
     let inner = inner_f0 + (1.0 - inner_f0) * rise(cosine_inside);
-    // What is reflected by the denser side turns by half a wave.
+    // A reflection at a denser medium shifts the phase by half a wave.
     let shift = vec3f(PI) + select(vec3f(0.0), vec3f(PI), below < vec3f(index));
     let both = clamp(outer * inner, vec3f(1e-5), vec3f(0.9999));
     let between = passed * passed * inner / (1.0 - both);
@@ -58,14 +58,14 @@ fn film_fresnel(f0: vec3f, index: f32, thickness_nm: f32, cosine: f32) -> vec3f 
     return clamp(sum, vec3f(0.0), vec3f(1.0));
 }
 
-// The reflectance at normal incidence that gives another one at this angle (Schlick 1994, the other way round).
+// Reflectance at normal incidence that gives `reflectance` at this angle (Schlick 1994, inverted).
 fn schlick_f0(reflectance: vec3f, cosine: f32) -> vec3f {
     let grazing = rise(cosine);
     return clamp((reflectance - grazing) / (1.0 - grazing), vec3f(0.0), vec3f(1.0));
 }
 
-// The surface with the reflectances at normal incidence that stand for its film seen at this angle. The film is the
-// same from all facets.
+// The surface with reflectances at normal incidence that reproduce its film as seen at this angle. All facets use
+// the same values.
 fn with_film(s0: Surface, instance: u32, index: array<u32, 3>, bary: vec2f, area2: f32, footprint: f32, cosine: f32) -> Surface {
     var s = s0;
     let m = instances[instance].material;
@@ -75,7 +75,7 @@ fn with_film(s0: Surface, instance: u32, index: array<u32, 3>, bary: vec2f, area
     var thickness = 1.0;
     if (LAYER_POOLS != 0u) { thickness = layer_texel(IRIDESCENCE_THICKNESS_SLOT, instance, index, bary, area2, footprint).y; }
     let thickness_nm = mix(materials[m].iridescence_least_nm, materials[m].iridescence_thickness_nm, thickness);
-    // What is far thinner than waves is not seen.
+    // A film far thinner than a wavelength is invisible.
     strength *= smoothstep(0.0, LEAST_FILM_NM, thickness_nm);
     let ior = materials[m].iridescence_ior;
     let c = max(abs(cosine), 0.02);

@@ -1,4 +1,4 @@
-// Group 0: what one frame has in common: the camera, the lights, the shadow maps.
+// Group 0: data that all passes of a frame share: the camera, the lights, the shadow maps.
 
 #import constants
 
@@ -7,43 +7,43 @@ struct Frame {
     eye: vec3f,
     near_m: f32,
     forward: vec3f,
-    pixel_spread: f32, // radians that one pixel spans; ray cones start with it
-    right: vec3f, // half the width of the picture, at distance 1 or, if orthographic, at any
+    pixel_spread: f32, // angle of one pixel, radians; initial spread of ray cones
+    right: vec3f, // half the picture's width at distance 1; orthographic: at any distance
     ray_length_m: f32,
-    up: vec3f, // half its height
+    up: vec3f, // half the picture's height, likewise
     roughness_cutoff: f32,
     size: vec2f, // pixels
-    jitter: vec2f, // pixels, -0.5 to 0.5, and beyond by what a lens shifts the picture
+    jitter: vec2f, // sub-frame offset, pixels, -0.5 to 0.5, plus the lens shift
     zenith: vec3f,
     light_count: u32,
     horizon: vec3f,
     bounces: u32,
     ground: vec3f,
     fade: u32,
-    reuse_light: u32, // 1: hits take from the picture which lights reach them
-    dimmest: f32, // share of light that a bounce must carry to be seen
-    pixel_m: f32, // width of an orthographic pixel; 0: perspective
-    far_m: f32, // depth where an orthographic clip space ends: nothing lies beyond; 0: perspective
-    has_edge_on: u32, // 1: rays on the screen may pass surfaces that are seen edge-on
-    diffuse_bounces: u32, // times that matte surfaces scatter along a path
-    glint_limit: f32, // radiance that paths add past a chance; 0: no limit
-    hard_lights: u32, // lights without a size, the first ones
+    reuse_light: u32, // 1: hits reuse the light visibility of the pixels that show them
+    dimmest: f32, // minimum throughput of a path; below it ends
+    pixel_m: f32, // width of an orthographic pixel, m; 0: perspective
+    far_m: f32, // far plane of an orthographic camera, beyond all geometry; 0: perspective
+    has_edge_on: u32, // 1: the march may miss surfaces that are seen edge-on
+    diffuse_bounces: u32, // maximum number of diffuse scatterings along a path
+    glint_limit: f32, // maximum radiance that a path adds after a random choice; 0: no limit
+    hard_lights: u32, // number of lights without a size, which come first
 }
 
 struct Light {
     position: vec3f,
     kind: u32, // LIGHT_*
-    direction: vec3f, // in which it shines
+    direction: vec3f, // direction in which the light shines
     shadow: u32, // SHADOW_*
     color: vec3f, // candela or lux per channel
-    range_m: f32, // 0: endless
+    range_m: f32, // 0: unlimited
     spot_scale: f32,
     spot_offset: f32,
-    layer: u32, // of its shadow map
+    layer: u32, // layer of its shadow map
     texel: f32, // world size of a shadow texel: at distance 1, or anywhere for directional
     clip_from_world: mat4x4f,
-    half_u: vec3f, // from the middle of a flat light to its edges
-    extent: f32, // radius; of directional lights half their angle
+    half_u: vec3f, // half axes of a flat light, m
+    extent: f32, // radius, m; of directional lights half their angle, radians
     half_v: vec3f,
     pad0: u32,
 }
@@ -56,12 +56,12 @@ struct Light {
 
 const PI: f32 = 3.14159265358979;
 
-// Times that the rows of groups are shuffled: drivers without a GPU give each of their threads one stretch of rows,
-// and rows take unlike times.
+// Number of times that the rows of workgroups are shuffled: software drivers give each thread a block of adjacent
+// rows, and rows take unequal times.
 override ROW_SHUFFLES: u32 = 0u;
 const GROUP_PX: u32 = 8u;
 
-// The pixel of an invocation of a pass over all pixels.
+// Pixel of an invocation, in passes over all pixels.
 fn invoked_pixel(group: vec3u, groups: vec3u, local: vec3u) -> vec2u {
     var row = group.y;
     let half = (groups.y + 1u) / 2u;
@@ -73,7 +73,7 @@ fn is_orthographic() -> bool {
     return frame.far_m > 0.0;
 }
 
-// From the middle of the picture to a pixel: at distance 1 or, if orthographic, at any.
+// Offset from the center of the picture to a pixel, at distance 1; orthographic: at any distance.
 fn pixel_offset(pixel: vec2f) -> vec3f {
     let ndc = (pixel + frame.jitter) / frame.size * 2.0 - 1.0;
     return frame.right * ndc.x - frame.up * ndc.y;
@@ -84,7 +84,7 @@ fn pixel_origin(pixel: vec2f) -> vec3f {
     return frame.eye;
 }
 
-// Not normalized: its length along `forward` is 1, so that t along it is linear view depth.
+// Direction of a pixel's ray, not normalized: its component along `forward` is 1, so that t is linear view depth.
 fn pixel_ray(pixel: vec2f) -> vec3f {
     if (is_orthographic()) { return frame.forward; }
     return frame.forward + pixel_offset(pixel);
@@ -101,7 +101,8 @@ fn pixel_width(distance_m: f32) -> f32 {
     return frame.pixel_m + frame.pixel_spread * distance_m;
 }
 
-// Clip-space z of a view depth, and back. It is linear along a ray on the screen, and 1 at the near plane.
+// Clip-space z of a view depth, and the inverse below. It is linear along a ray on the screen, and 1 at the near
+// plane.
 fn screen_z(depth_m: f32) -> f32 {
     if (is_orthographic()) { return max((frame.far_m - depth_m) / (frame.far_m - frame.near_m), 0.0); }
     return frame.near_m / depth_m;
@@ -112,7 +113,7 @@ fn depth_of(z: f32) -> f32 {
     return frame.near_m / max(z, 1e-30);
 }
 
-// Of linear Rec. 709 colors: what choices between colors weigh by.
+// Luminance of linear Rec. 709 colors, the weight of random choices between colors.
 fn luminance(color: vec3f) -> f32 {
     return dot(color, vec3f(0.2126, 0.7152, 0.0722));
 }

@@ -1,4 +1,4 @@
-// The resolved surface of each pixel, as the surface pass wrote it.
+// G-buffer access: the resolved surface of each pixel, as the surface pass wrote it.
 
 #import details
 #import frame
@@ -19,7 +19,7 @@ fn load_surface(pixel: vec2u) -> Surface {
     return s;
 }
 
-// The ray by which the surface of a pixel reflects: the same in every pass, for its samples begin anew.
+// Reflection ray of a pixel's surface. It is the same in every pass, since its random numbers start anew.
 fn reflected_ray(pixel: vec2u, s: Surface) -> Reflected {
     start_samples(pixel, 0u);
     return reflected(view_direction(s.position), s);

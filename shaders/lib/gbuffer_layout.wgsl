@@ -1,9 +1,9 @@
-// How the surface pass writes a surface, and how it is read again.
+// Packing of a surface into the G-buffer, and its inverse.
 
 #import pack
 #import scene
 
-// What surfaces emit, over what 16 bits keep of it: a power of two.
+// Emission of surfaces, over its value in 16 bits: a power of two.
 override EMISSION_SCALE: f32 = 1.0;
 
 fn pack_surface(s: Surface) -> vec4u {
@@ -15,13 +15,13 @@ fn pack_surface(s: Surface) -> vec4u {
     );
 }
 
-// 14 bits beside the reflection mode. Index and absorption are those of the pixel's material.
+// Layer values in 14 bits beside the reflection mode. Index and absorption are read from the pixel's material.
 fn layer_bits(s: Surface) -> u32 {
     if (!HAS_LAYERS) { return u32(s.unlit) | (lift_bits(s.lift_m) << 1u); }
     return u32(s.transmission * 127.0 + 0.5) | (u32(s.clearcoat * 127.0 + 0.5) << 7u);
 }
 
-// 13 bits: 128 an octave from 2^-20 m up; 0: none.
+// Lift in 13 bits: 128 steps per octave from 2^-20 m up; 0: none.
 fn lift_bits(lift_m: f32) -> u32 {
     if (lift_m <= 0.0) { return 0u; }
     return u32(clamp(log2(lift_m) * 128.0 + 2561.5, 1.0, 8191.0));
@@ -31,21 +31,21 @@ fn lift_of(bits: u32) -> f32 {
     return select(exp2((f32(bits) - 2561.0) / 128.0), 0.0, bits == 0u);
 }
 
-// 16 bits beside the emission.
+// Values in 16 bits beside the emission.
 fn unlit_bits(s: Surface) -> u32 {
     if (!HAS_LAYERS) { return pack2x16float(vec2f(clamp(s.curvature, -65000.0, 65000.0), 0.0)) & 0xffffu; }
     return u32(s.unlit) | (u32(s.is_inside) << 1u) | (u32(s.clearcoat_roughness * 127.0 + 0.5) << 2u)
         | (u32(saturate(s.alpha) * 127.0 + 0.5) << 9u);
 }
 
-// With layers 8 bits of each must do for occlusion and curvature.
+// With layers, occlusion and curvature have only 8 bits each.
 fn pack_blue_and_occlusion(s: Surface) -> u32 {
     if (!HAS_LAYERS) { return pack2x16float(vec2f(s.base_color.z, s.occlusion)); }
     let occlusion = u32(saturate(s.occlusion) * 255.0 + 0.5);
     return (pack2x16float(vec2f(s.base_color.z, 0.0)) & 0xffffu) | (occlusion << 16u) | (curvature_bits(s.curvature) << 24u);
 }
 
-// A sign over a logarithm in quarters of an octave: 2^-16 to 2^15 per meter; 0: flat.
+// Curvature as a sign and a logarithm in quarters of an octave: 2^-16 to 2^15 per meter; 0: flat.
 fn curvature_bits(curvature: f32) -> u32 {
     let size = abs(curvature);
     if (size < 2e-5) { return 0u; }
@@ -72,7 +72,7 @@ fn pack_colors(s: Surface) -> vec4u {
     );
 }
 
-// All but the position, which follows from the depth.
+// All values but the position, which follows from the depth.
 fn unpack_surface(bits: vec4u, packed: vec4u) -> Surface {
     var s: Surface;
     let base = vec4f(unpack2x16float(packed.x), unpack2x16float(packed.y));

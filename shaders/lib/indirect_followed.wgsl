@@ -1,4 +1,4 @@
-// Diffuse interreflection: paths also go on in a direction that a matte surface scatters.
+// Diffuse interreflection: paths also continue in directions that diffuse surfaces scatter.
 
 #import cone
 #import extent
@@ -6,26 +6,26 @@
 #import lobe
 #import sampling
 
-// Pairs of dimensions that no other sample of a surface uses.
+// Pairs of sample dimensions that nothing else at a surface uses.
 const SCATTER_PAIR: u32 = 0x10004u;
 const CHOICE_PAIR: u32 = 0x10005u;
-const FIRST_ENDING: u32 = 4u; // vertices before a path may end by chance
-const MOST_LIKELY: f32 = 0.95;
+const FIRST_ENDING: u32 = 4u; // number of vertices before Russian roulette starts
+const MOST_LIKELY: f32 = 0.95; // maximum survival probability
 
 var<private> path_weight: vec3f = vec3f(1.0);
 var<private> path_vertices: u32 = 0u;
 
-// Times that the path was scattered, which are no bounces.
+// Number of diffuse scatterings of the path, which do not count as bounces.
 fn scatterings() -> u32 {
     return path_scatterings;
 }
 
-// How far the path's next ray is followed: only reflections end at the length of rays.
+// Maximum length of the path's next ray: only reflections are limited to the scene's ray length.
 fn reach_m() -> f32 {
     return select(frame.ray_length_m, FAR_M, path_scatterings > 0u);
 }
 
-// Share of light that a surface scatters towards the view.
+// Diffuse albedo of a surface towards the view, while the path may still scatter.
 fn scattered_albedo(s: Surface, view: vec3f) -> vec3f {
     if (path_scatterings >= frame.diffuse_bounces) { return vec3f(0.0); }
     return diffuse_albedo(s, view) * scattered_share(s, view);
@@ -35,7 +35,7 @@ fn continues(s: Surface) -> bool {
     return goes_on(s) || (path_scatterings < frame.diffuse_bounces && (has_sheen(s) || (s.metallic < 1.0 && any(s.base_color > vec3f(0.0)))));
 }
 
-// A direction of even light over the cosine. The environment is found by rays towards it alone.
+// A cosine-distributed scattered ray. The environment's light is left to light samples.
 fn scattered_ray(s: Surface, view: vec3f, albedo: vec3f) -> Reflected {
     path_scatterings++;
     path_is_chance = true;
@@ -46,7 +46,7 @@ fn scattered_ray(s: Surface, view: vec3f, albedo: vec3f) -> Reflected {
     return Reflected(out, weight, scattered_density(dot(s.normal, out)), 0.0);
 }
 
-// Scattered, or along what the surface mirrors and lets pass, by what they return.
+// Next ray of a path: scattered, or mirrored or transmitted, chosen by the light that each returns.
 fn next_ray(before: Reflected, s: Surface) -> Reflected {
     let view = -before.direction;
     let albedo = scattered_albedo(s, view);
@@ -70,7 +70,7 @@ fn next_ray(before: Reflected, s: Surface) -> Reflected {
     return ray;
 }
 
-// Russian roulette: what goes on stands for what ends.
+// Russian roulette: factor on a surviving path; 0 ends it.
 fn survival(weight: vec3f, u: f32) -> f32 {
     path_weight *= weight;
     path_vertices++;
@@ -81,8 +81,8 @@ fn survival(weight: vec3f, u: f32) -> f32 {
     return 1.0 / chance;
 }
 
-// What a path finds that leaves a surface by a ray. `vertex` numbers its samples, `hits` counts what rays of the path
-// have met before.
+// Light that a path gathers from a surface on, along the ray `start`. `vertex` is the number of its first samples,
+// `hits` the number of earlier hits of the path.
 fn followed(pixel: vec2u, vertex: u32, hits: u32, start: Reflected, from_s: Surface, first: Cone) -> vec3f {
     var color = vec3f(0.0);
     var ray = start;
@@ -116,7 +116,7 @@ fn followed(pixel: vec2u, vertex: u32, hits: u32, start: Reflected, from_s: Surf
     return color;
 }
 
-// What a surface scatters of what others do, after as many hits of the path.
+// Indirect diffuse light that a surface scatters towards the view, after `hits` hits of the path.
 fn scattered_on(pixel: vec2u, vertex: u32, hits: u32, before: Reflected, s: Surface, cone: Cone) -> vec3f {
     let view = -before.direction;
     let albedo = scattered_albedo(s, view);

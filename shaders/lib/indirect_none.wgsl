@@ -1,4 +1,4 @@
-// What surfaces scatter lights no other surface: paths go on where something is mirrored or passes.
+// Variant without diffuse interreflection: paths continue only by mirroring and transmission.
 
 #import cone
 #import layers

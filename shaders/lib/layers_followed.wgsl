@@ -1,9 +1,8 @@
-// Layers of a surface beside its own reflection: light that passes through it, refracted or not, parts that
-// are not there (blended alpha), and a clear coat over it. After KHR_materials_transmission, _volume, _ior
-// and _clearcoat.
+// Layers of a surface beside its own reflection: light that is transmitted, refracted or not, partial coverage
+// (blended alpha), and a clear coat on top. After KHR_materials_transmission, _volume, _ior and _clearcoat.
 //
-// A path that meets such a surface goes on along one of its layers, chosen by what each returns, so that
-// many sub-frames hold all of them; only what a pixel itself shows is followed both ways.
+// A path that meets such a surface continues along one of its layers, chosen by the light that each returns, so that
+// many sub-frames cover all of them; only at the surface of a pixel both reflection and transmission are followed.
 
 #import bvh
 #import dispersion
@@ -14,22 +13,22 @@
 override HAS_TRANSMISSION: bool = true;
 override HAS_COATS: bool = true;
 
-// Most passages through surfaces and reflections inside of solids along one path.
+// Maximum number of passages through surfaces and of reflections inside solids along one path.
 const MAX_CROSSINGS: u32 = 12u;
-// Most surfaces that light passes through on its way to a point.
+// Maximum number of transmissive surfaces between a light and a point.
 const MAX_PANES: u32 = 16u;
-const COAT_REFLECTIVITY: f32 = 0.04; // KHR_materials_clearcoat: an index of 1.5
-const DARKEST_PANE: f32 = 1.0 / 255.0;
+const COAT_REFLECTIVITY: f32 = 0.04; // KHR_materials_clearcoat: an index of refraction of 1.5
+const DARKEST_PANE: f32 = 1.0 / 255.0; // minimum share of light that a shadow ray follows further
 
-// Pairs of dimensions that no other sample of a surface uses.
+// Pairs of sample dimensions that nothing else at a surface uses.
 const COAT_PAIR: u32 = 0x10000u;
 const THROUGH_PAIR: u32 = 0x10001u;
 const ONWARD_PAIR: u32 = 0x10002u;
 const ALPHA_PAIR: u32 = 0x10003u;
 
-var<private> path_crossings: u32 = 0u;
-var<private> vertex: vec3f = vec3f(0.0); // that the path left last
-var<private> medium: vec3f = vec3f(0.0); // absorption of what the path is in, per meter
+var<private> path_crossings: u32 = 0u; // number of surfaces crossed
+var<private> vertex: vec3f = vec3f(0.0); // position of the surface that the path left last
+var<private> medium: vec3f = vec3f(0.0); // absorption coefficient of the medium that the path is in, per meter
 
 fn start_path(position: vec3f) {
     vertex = position;
@@ -42,7 +41,7 @@ fn crossings() -> u32 {
     return path_crossings;
 }
 
-// Beer and Lambert's law.
+// Share of light that is left after a distance in the current medium (Beer-Lambert law).
 fn medium_transmittance(distance_m: f32) -> vec3f {
     return exp(-medium * distance_m);
 }
@@ -51,29 +50,29 @@ fn is_transmissive(s: Surface) -> bool {
     return HAS_TRANSMISSION && (s.transmission > 0.0 || s.alpha < 1.0);
 }
 
-// Whether the coat shows what is around, not only lights and environment.
+// Whether the coat's reflection is traced, rather than lights and environment alone.
 fn has_traced_coat(s: Surface) -> bool {
     return HAS_COATS && s.clearcoat > 0.0
         && (s.reflection == REFLECTION_MIRROR || (s.reflection == REFLECTION_AUTO && s.clearcoat_roughness < frame.roughness_cutoff));
 }
 
-// Roughness of the layer that shows what is around.
+// Roughness of the layer whose reflection is traced.
 fn reflected_roughness(s: Surface) -> f32 {
     return select(s.roughness, s.clearcoat_roughness, has_traced_coat(s));
 }
 
-// Normal of that layer.
+// Normal of the layer whose reflection is traced.
 fn reflected_normal(s: Surface) -> vec3f {
     if (has_traced_coat(s)) { return coat_normal(s); }
     return s.normal;
 }
 
-// Of the light that the surface does not mirror, what is scattered and not passed on.
+// Share of the light entering the surface that it scatters rather than transmits.
 fn reflected_share(s: Surface) -> f32 {
     return 1.0 - s.transmission;
 }
 
-// Reflectance of a smooth surface between dielectrics, unpolarized, by the relative index beyond it.
+// Unpolarized Fresnel reflectance of a smooth dielectric interface; `index` is the relative index of refraction.
 fn dielectric_fresnel(cosine: f32, index: f32) -> f32 {
     let c = saturate(cosine);
     let sine2 = (1.0 - c * c) / (index * index);
@@ -90,8 +89,8 @@ fn schlick_weight(cosine: f32) -> f32 {
     return x2 * x2 * x;
 }
 
-// The same between a strength and a color's reflectances at normal and grazing incidence. Inside of a solid it is
-// what leaves nothing out.
+// Reflectance with the strength and the color of KHR_materials_specular, interpolated between normal and grazing
+// incidence. Inside a solid it stays untinted, so that reflection and transmission add up to 1.
 fn tinted(s: Surface, reflectance: f32) -> vec3f {
     if (!HAS_TINTS || s.is_inside) { return vec3f(reflectance); }
     let least = min(s.reflectivity, 0.999);
@@ -99,7 +98,7 @@ fn tinted(s: Surface, reflectance: f32) -> vec3f {
     return mix(dielectric_f0(s), vec3f(s.specular), rise);
 }
 
-// Exact, for the approximation knows no total reflection. The index follows from the reflectivity.
+// Exact Fresnel equations, as Schlick's approximation has no total reflection; index from the reflectivity.
 fn transmissive_fresnel(s: Surface, cosine: f32) -> vec3f {
     let root = sqrt(min(s.reflectivity, 0.999));
     let index = (1.0 + root) / (1.0 - root);
@@ -108,8 +107,8 @@ fn transmissive_fresnel(s: Surface, cosine: f32) -> vec3f {
     return mix(tinted(s, dielectric), metal, s.metallic);
 }
 
-// Of what a transmissive surface does not reflect: as much of all colors where the reflection is tinted, as the
-// `fresnel_mix` of KHR_materials_specular says.
+// Share of light that a transmissive surface lets pass. It is equal for all colors where the reflection is tinted,
+// like `fresnel_mix` of KHR_materials_specular.
 fn passing_share(s: Surface, cosine: f32) -> vec3f {
     let f = transmissive_fresnel(s, cosine);
     if (!HAS_TINTS) { return vec3f(1.0) - f; }
@@ -121,7 +120,7 @@ fn coat_normal(s: Surface) -> vec3f {
     return s.normal;
 }
 
-// The coat alone, as a surface.
+// The clear coat alone, as a surface.
 fn coat_of(s: Surface) -> Surface {
     var coat = s;
     coat.base_color = vec3f(0.0);
@@ -146,7 +145,7 @@ fn below_coat(s: Surface) -> Surface {
     return below;
 }
 
-// Of the light towards the view, what passes the coat.
+// Share of the light below the coat that passes it towards the view.
 fn coat_transmittance(s: Surface, cosine: f32) -> f32 {
     if (!HAS_COATS) { return 1.0; }
     return 1.0 - s.clearcoat * (COAT_REFLECTIVITY + (1.0 - COAT_REFLECTIVITY) * schlick_weight(cosine));
@@ -154,10 +153,10 @@ fn coat_transmittance(s: Surface, cosine: f32) -> f32 {
 
 fn shade(s: Surface, view: vec3f, lent: vec2u) -> Shade {
     var out: Shade;
-    // From within a solid, light is seen through its surface or mirrored by it, by the ray that goes on.
+    // From within a solid, light is seen only by the ray that continues, refracted or mirrored.
     if (HAS_TRANSMISSION && s.is_inside && s.transmission > 0.0) { return out; }
     let has_coat = HAS_COATS && s.clearcoat > 0.0;
-    // One call in a loop: the code of lights is long.
+    // One call in a loop keeps the inlined code small: light shading is long.
     for (var layer = 0u; layer <= u32(has_coat); layer++) {
         var part = below_coat(s);
         var share = 1.0;
@@ -179,7 +178,8 @@ fn shade(s: Surface, view: vec3f, lent: vec2u) -> Shade {
     return out;
 }
 
-// Share of what a point of a triangle emits that leaves it at this cosine: past its coat, where it is at all.
+// Share of the emission at a point of a triangle that leaves the surface at this cosine, past its coat and its
+// alpha.
 fn emitted_share(material: u32, instance: u32, index: array<u32, 3>, bary: vec2f, cosine: f32) -> f32 {
     var s = material_surface(material);
     s.clearcoat = materials[material].clearcoat * layer_texel(CLEARCOAT_SLOT, instance, index, bary, 1.0, 0.0).x;
@@ -188,8 +188,8 @@ fn emitted_share(material: u32, instance: u32, index: array<u32, 3>, bary: vec2f
     return s.alpha * coat_transmittance(s, cosine);
 }
 
-// One of two rays by what each returns. Of what a picture has too few sub-frames to hold, the other one
-// stands for both.
+// One of two rays, chosen by the light that each returns. A ray so unlikely that the sub-frames could not resolve it
+// is never chosen; the other one stands for both.
 fn chosen(a: Reflected, b: Reflected, pair: u32) -> Reflected {
     let weights = vec2f(luminance(a.weight), luminance(b.weight));
     let both = weights.x + weights.y;
@@ -206,7 +206,7 @@ fn chosen(a: Reflected, b: Reflected, pair: u32) -> Reflected {
     return ray;
 }
 
-// The ray that a reflector sends.
+// Reflection ray of a surface.
 fn reflected(direction: vec3f, s: Surface) -> Reflected {
     var ray: Reflected;
     if (HAS_COATS && s.clearcoat > 0.0) {
@@ -223,7 +223,7 @@ fn reflected(direction: vec3f, s: Surface) -> Reflected {
         ray = lobe_ray(direction, s);
     }
     if (HAS_TRANSMISSION) { ray.weight *= s.alpha; }
-    // From within a solid no rays are sent towards what shines.
+    // From within a solid no light samples are taken, so reflection rays have full weight.
     if (HAS_TRANSMISSION && s.is_inside && s.transmission > 0.0) { ray.pdf = 0.0; ray.sky_weight = 1.0; }
     return ray;
 }
@@ -236,8 +236,8 @@ fn only_lobe(s: Surface, view: vec3f) -> OnlyLobe {
     return OnlyLobe(base, select(passed * s.alpha, 0.0, has_traced_coat(s)));
 }
 
-// The ray that passes through a surface: straight through thin ones, refracted into and out of solids; by
-// one facet where it is rough (Walter et al. 2007, with visible normals).
+// The ray transmitted through a surface: straight through thin ones, refracted into and out of solids; by one
+// microfacet where the surface is rough (Walter et al. 2007, with visible normals).
 fn transmitted(direction: vec3f, s: Surface) -> Reflected {
     let straight = Reflected(direction, vec3f(1.0 - s.alpha), 0.0, 1.0);
     if (s.transmission <= 0.0) { return straight; }
@@ -249,7 +249,7 @@ fn transmitted(direction: vec3f, s: Surface) -> Reflected {
     if (s.is_solid) {
         out = refract(direction, facet, select(1.0 / s.ior, s.ior, s.is_inside));
     } else {
-        // The lobe of the reflection, on the other side.
+        // The lobe of the reflection, mirrored to the other side.
         out = reflect(direction, facet);
         out -= 2.0 * dot(out, s.normal) * s.normal;
     }
@@ -269,43 +269,44 @@ fn transmitted(direction: vec3f, s: Surface) -> Reflected {
     return chosen(through, straight, ALPHA_PAIR);
 }
 
-// The first ray of a path through what a pixel shows.
+// First ray of a path through the surface of a pixel.
 fn through(direction: vec3f, s: Surface) -> Reflected {
     cross_surface(s);
     return in_one_channel(s, transmitted(direction, dispersed(s)));
 }
 
-// Of what a surface scatters below its layers, the share that leaves them towards the view.
+// Share of the light scattered below the surface's layers that leaves them towards the view.
 fn scattered_share(s: Surface, view: vec3f) -> f32 {
     if (HAS_TRANSMISSION && s.is_inside && s.transmission > 0.0) { return 0.0; }
     return s.alpha * coat_transmittance(s, dot(coat_normal(s), view));
 }
 
-// About what a surface returns along the ways on which paths go on.
+// Approximate albedo of the directions in which paths continue: mirrored and transmitted light.
 fn onward_albedo(s: Surface, view: vec3f) -> f32 {
     let mirrored = luminance(fresnel(s, dot(s.normal, view))) + 0.1 * s.clearcoat;
     let passed = s.transmission * (1.0 - s.metallic) * luminance(s.base_color);
     return min(mirrored + passed, 1.0) * s.alpha + 1.0 - s.alpha;
 }
 
-// The path goes on in a direction of its own.
+// Starts the path anew in a scattered direction.
 fn leave_vertex(s: Surface) {
     vertex = s.position;
     passed_m = 0.0;
 }
 
-// Share of a pixel that its surface covers.
+// Share of a pixel that its surface covers, by its alpha.
 fn coverage(s: Surface) -> f32 {
     return s.alpha;
 }
 
-// Has the path go through the surface.
+// Records that the path crosses the surface.
 fn cross_surface(s: Surface) {
     path_crossings++;
     if (s.is_solid && s.transmission > 0.0) { medium = select(s.absorption, vec3f(0.0), s.is_inside); }
 }
 
-// Whether only rays that pass through a surface as light does find what is behind it, and straight ones do not.
+// Whether light behind the surface is found only by refracted or rough transmission rays, not by straight shadow
+// rays.
 fn bends(s: Surface) -> bool {
     return UNBIASED && s.transmission > 0.0 && (s.is_solid || s.roughness * s.roughness > SMOOTH_ALPHA);
 }
@@ -314,7 +315,7 @@ fn is_refracted(s: Surface, before: vec3f, after: vec3f) -> bool {
     return bends(s) && (s.alpha >= 1.0 || any(before != after));
 }
 
-// Where a path goes on from a surface that a ray of it has met.
+// Next ray of a path from a surface that it has hit.
 fn onward(before: Reflected, met: Surface) -> Reflected {
     let s = dispersed(met);
     let direction = before.direction;
@@ -322,8 +323,8 @@ fn onward(before: Reflected, met: Surface) -> Reflected {
     if (!is_transmissive(s)) { return back; }
     if (!is_reflector(s)) { back.weight = vec3f(0.0); }
     var through = transmitted(direction, s);
-    // Rays towards what shines go straight through panes, so what is seen there has its weight still: a rough
-    // surface would see a lamp behind glass twice, and once of that as rare, bright specks.
+    // Light samples go straight through panes, so a light seen through one keeps the weight of the ray before it:
+    // otherwise a rough surface would count a lamp behind glass twice, once as rare, bright specks.
     if (!is_refracted(s, direction, through.direction)) {
         through.pdf = before.pdf;
         through.sky_weight = before.sky_weight;
@@ -347,8 +348,8 @@ fn onward_origin(s: Surface, direction: vec3f) -> vec3f {
     return ray_origin(s.position, s.geometric_normal * select(1.0, -1.0, dot(direction, s.geometric_normal) < 0.0));
 }
 
-// What a surface is to light that passes straight through it: its material, without the textures of its color, its
-// normal and its roughness.
+// The surface as it filters light that passes straight through it: its material, without the textures of color,
+// normal and roughness.
 fn pane_at(h: Hit, direction: vec3f) -> Surface {
     let m = instances[h.instance].material;
     var s = material_surface(m);
@@ -369,8 +370,7 @@ fn pane_at(h: Hit, direction: vec3f) -> Surface {
     return s;
 }
 
-// Share of light that arrives along a ray, straight through whatever lets light pass: what lamps send is
-// not refracted.
+// Share of light that arrives along a ray, straight through transmissive surfaces: shadow rays are not refracted.
 fn transmittance(origin: vec3f, direction: vec3f, distance_m: f32) -> vec3f {
     if (!HAS_TRANSMISSION) { return vec3f(select(1.0, 0.0, trace_any(origin, direction, 0.0, distance_m))); }
     var share = vec3f(1.0);
@@ -378,7 +378,7 @@ fn transmittance(origin: vec3f, direction: vec3f, distance_m: f32) -> vec3f {
     var absorption = vec3f(0.0);
     visits_left = MAX_VISITS;
     for (var pane = 0u; pane < MAX_PANES; pane++) {
-        // The nearest of what is marked, or something opaque.
+        // The nearest hit marked ALPHA_TESTED, or any opaque hit.
         let h = traverse(origin, direction, start_m, distance_m, true);
         if (visits_left == 0u) { exhausted_rays++; }
         if (h.instance == NONE || visits_left == 0u) { return share; }
@@ -389,7 +389,7 @@ fn transmittance(origin: vec3f, direction: vec3f, distance_m: f32) -> vec3f {
         if (!is_transmissive(s)) { break; }
         absorption = select(vec3f(0.0), s.absorption, s.is_solid && !s.is_inside);
         let cosine = dot(s.normal, -direction);
-        // Both sides alike: it goes out as it came in.
+        // Both sides filter alike: the ray leaves at the angle at which it entered.
         s.is_inside = false;
         let through = passing_share(s, cosine) * s.base_color
             * (s.transmission * (1.0 - s.metallic) * coat_transmittance(s, cosine) * base_share(s, -direction));

@@ -1,4 +1,4 @@
-// Surfaces with one layer each: nothing passes through them, and nothing lies over them.
+// Variant without layers: nothing is transmitted, and surfaces have no clear coat.
 
 #import bvh
 #import frame
@@ -29,7 +29,7 @@ fn transmissive_fresnel(s: Surface, cosine: f32) -> vec3f {
     return vec3f(0.0);
 }
 
-// Share of what a point of a triangle emits that leaves it at this cosine.
+// Share of the emission at a point of a triangle that leaves the surface at this cosine.
 fn emitted_share(material: u32, instance: u32, index: array<u32, 3>, bary: vec2f, cosine: f32) -> f32 {
     return 1.0;
 }
@@ -46,7 +46,7 @@ fn only_lobe(s: Surface, view: vec3f) -> OnlyLobe {
     return OnlyLobe(s, 1.0);
 }
 
-// Where a path goes on from a surface that a ray of it has met.
+// Next ray of a path from a surface that it has hit.
 fn onward(before: Reflected, s: Surface) -> Reflected {
     return lobe_ray(before.direction, s);
 }
@@ -59,14 +59,14 @@ fn through(direction: vec3f, s: Surface) -> Reflected {
     return Reflected(direction, vec3f(0.0), 0.0, 1.0);
 }
 
-// Passages through surfaces, which are no bounces.
+// Number of passages through surfaces, which do not count as bounces.
 fn crossings() -> u32 {
     return 0u;
 }
 
 fn start_path(position: vec3f) {}
 
-// Share of light that is left after a way through what the path is in.
+// Share of light that is left after a distance in the current medium.
 fn medium_transmittance(distance_m: f32) -> f32 {
     return 1.0;
 }
@@ -76,12 +76,12 @@ fn transmittance(origin: vec3f, direction: vec3f, distance_m: f32) -> vec3f {
     return vec3f(select(1.0, 0.0, trace_any(origin, direction, 0.0, distance_m)));
 }
 
-// Of what a surface scatters below its layers, the share that leaves them towards the view.
+// Share of the light scattered below the surface's layers that leaves them towards the view.
 fn scattered_share(s: Surface, view: vec3f) -> f32 {
     return 1.0;
 }
 
-// About what a surface returns along the ways on which paths go on.
+// Approximate albedo of the directions in which paths continue.
 fn onward_albedo(s: Surface, view: vec3f) -> f32 {
     return luminance(fresnel(s, dot(s.normal, view)));
 }

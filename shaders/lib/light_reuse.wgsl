@@ -1,18 +1,18 @@
-// What the light pass found of each shadow ray, lent to what reflections meet at the same place; to
-// look into a shadow map again costs less.
-// Whether a light reaches a point depends on the point and its side alone, so pixels of other
-// instances may lend it too, if they lie on the same plane.
+// Reuse of the light pass's shadow ray results for reflection hits at the same place, where pixels show it. Shadow
+// maps are not reused, as looking them up again costs less.
+// Whether a light reaches a point depends only on the point and its side, so pixels of other instances may be used
+// too, if they lie on the same plane.
 //
-// Two bits a light: 0 is unknown or partly lit, and is found out anew; LENT_DARK and LENT_LIT are not.
-// Pixels that disagree leave no bit when they are combined, so an edge of a shadow is never smeared.
+// Two bits per light: 0 is unknown or partly lit, and is computed anew; LENT_DARK and LENT_LIT are reused. Pixels
+// that disagree leave no bit when they are combined, so shadow edges are never smeared.
 
 #import gbuffer
 #import screen_ray
 
-// Some light casts its shadow by rays.
+// Whether some light casts its shadow by rays.
 override LENDS_LIGHT: bool = true;
 
-// Of the four pixels around a point those that show its place: they must be half of it, by bilinear weight.
+// Light bits of the pixels around a point that lie on its plane; 0 unless their bilinear weight is at least half.
 fn lent_light(stored: texture_2d<u32>, s: Surface) -> vec2u {
     if (frame.reuse_light == 0u) { return vec2u(0u); }
     let distance_m = dot(s.position - frame.eye, frame.forward);

@@ -1,8 +1,8 @@
-// Directions that follow the lobes of a surface, and their densities.
+// Sampling of directions by the lobes of a surface, and their densities.
 
 #import frame
 
-// Columns: tangent, bitangent, normal (Duff et al. 2017).
+// Orthonormal basis around a normal; columns: tangent, bitangent, normal (Duff et al. 2017).
 fn basis(n: vec3f) -> mat3x3f {
     let sign = select(-1.0, 1.0, n.z >= 0.0);
     let a = -1.0 / (sign + n.z);
@@ -23,7 +23,7 @@ fn cosine_direction(normal: vec3f, u: vec2f) -> vec3f {
     return basis(normal) * vec3f(flat, sqrt(max(1.0 - u.x, 0.0)));
 }
 
-// A facet's normal among those that the view sees, z up: Dupuy & Benyoub 2023, "Sampling Visible GGX
+// Samples a facet normal among those visible from the view, z up: Dupuy & Benyoub 2023, "Sampling Visible GGX
 // Normals with Spherical Caps".
 fn visible_normal(view: vec3f, alpha: vec2f, u: vec2f) -> vec3f {
     let stretched = normalize(vec3f(view.xy * alpha, view.z));
@@ -33,14 +33,14 @@ fn visible_normal(view: vec3f, alpha: vec2f, u: vec2f) -> vec3f {
     return normalize(vec3f(h.xy * alpha, max(h.z, 1e-6)));
 }
 
-// Widths of the lobe along the tangent and across (KHR_materials_anisotropy).
+// GGX alpha of the lobe along the tangent and across it (KHR_materials_anisotropy).
 fn ggx_alphas(s: Surface) -> vec2f {
     let across = ggx_alpha(s);
     if (!HAS_ANISOTROPY) { return vec2f(across); }
     return vec2f(mix(across, 1.0, s.anisotropy * s.anisotropy), across);
 }
 
-// Directions of these widths, and the normal.
+// Axes of the lobe as columns: along, across, normal.
 fn lobe_axes(s: Surface) -> mat3x3f {
     if (HAS_ANISOTROPY && s.anisotropy > 0.0) {
         let along = s.tangent - s.normal * dot(s.normal, s.tangent);
@@ -53,7 +53,7 @@ fn lobe_axes(s: Surface) -> mat3x3f {
     return basis(s.normal);
 }
 
-// Density of the normals of facets (GGX; Burley 2012, B.2).
+// Density of facet normals (GGX; Burley 2012, B.2).
 fn facet_density(s: Surface, facet: vec3f) -> f32 {
     if (HAS_ANISOTROPY) {
         let alphas = ggx_alphas(s);
@@ -68,8 +68,8 @@ fn facet_density(s: Surface, facet: vec3f) -> f32 {
     return a2 / (PI * d * d);
 }
 
-// The cosine of a direction with the share of the facets that Smith's masking hides: 2 / (1 + this / cosine) is what
-// is seen (Heitz 2014).
+// The cosine of a direction times 1 + 2 Λ of Smith's masking: the visible share of facets is G1 = 2 / (1 + this /
+// cosine) (Heitz 2014).
 fn masked(s: Surface, direction: vec3f, cosine: f32) -> f32 {
     let alphas = ggx_alphas(s);
     if (HAS_ANISOTROPY) {
@@ -80,15 +80,15 @@ fn masked(s: Surface, direction: vec3f, cosine: f32) -> f32 {
     return sqrt(cosine * cosine * (1.0 - a2) + a2);
 }
 
-// Density per solid angle of mirroring `view` at a visible normal.
+// Density per solid angle of mirroring `view` at a sampled visible normal.
 fn facet_pdf(s: Surface, view: vec3f, direction: vec3f) -> f32 {
     let nv = max(dot(s.normal, view), 1e-3);
     return facet_density(s, normalize(view + direction)) / (2.0 * (nv + masked(s, view, nv)));
 }
 
-// What stands for the density of reflection rays where other ways find the same light: the geometric mean of
-// that of the direction and of the lobe's highest. The first alone makes grainy what fills a lobe, for GGX
-// has long tails; the second alone has rays in the tails meet lamps at full weight.
+// Density of reflection rays for the power heuristic: the geometric mean of the density of the direction and the
+// highest of the lobe. The first alone makes extended lights grainy, as GGX has long tails; with the second alone,
+// rays in the tails meet lamps at full weight.
 fn lobe_density(s: Surface, view: vec3f, direction: vec3f) -> f32 {
     let alphas = ggx_alphas(s);
     return sqrt(facet_pdf(s, view, direction) / (4.0 * PI * alphas.x * alphas.y));

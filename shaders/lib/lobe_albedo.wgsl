@@ -1,17 +1,17 @@
-// What rough lobes return of even light, and where it comes from on average: integrals by the angle of the
-// view and the roughness, tabulated in src/render/lobe_table.rs.
+// Albedo of rough lobes under uniform light, and the mean direction that it comes from: integrals by view angle and
+// roughness, tabulated in src/render/lobe_table.rs.
 
 #import frame
 
-// x: of a reflectance of 1; y: the part of it that (1 - V·H)^5 weighs; zw: the mean direction, along the
-// normal and away from the view.
+// x: albedo of a reflectance of 1; y: its part that is weighted by (1 - V·H)^5; zw: mean direction, along the normal
+// and away from the view.
 @group(0) @binding(9) var<uniform> lobe_table: array<vec4f, LOBE_NODES>;
 
-// A node, and how far from it towards the next.
+// Index of a table node, and the fractions towards the next ones.
 struct LobePlace {
     at: u32,
-    along: f32, // the cosines
-    across: f32, // the roughnesses
+    along: f32, // fraction along the cosines
+    across: f32, // fraction along the roughnesses
 }
 
 fn lobe_place(roughness: f32, cosine: f32) -> LobePlace {
@@ -29,25 +29,25 @@ fn lobe_at(roughness: f32, cosine: f32) -> vec4f {
     return mix(low, high, place.across);
 }
 
-// Roughness of the round lobe that loses about as much light between facets.
+// Roughness of the isotropic lobe that loses about as much light between facets.
 fn mean_roughness(s: Surface) -> f32 {
     if (!HAS_ANISOTROPY || s.anisotropy <= 0.0) { return s.roughness; }
     let alphas = ggx_alphas(s);
     return sqrt(sqrt(0.5 * dot(alphas, alphas)));
 }
 
-// Roughness of the lobe that a surface shows.
+// Roughness of the specular lobe; 0 for mirrors.
 fn shown_roughness(s: Surface) -> f32 {
     return select(mean_roughness(s), 0.0, s.reflection == REFLECTION_MIRROR);
 }
 
-// Share of even light that a lobe of a reflectance at normal incidence returns, by one facet: the split sum of
+// Albedo under uniform light of a lobe with reflectance `f` at normal incidence, single scattering: the split sum of
 // Karis 2013.
 fn split_sum(f: vec3f, grazing: f32, lobe: vec4f) -> vec3f {
     return f * (lobe.x - lobe.y) + vec3f(grazing * lobe.y);
 }
 
-// Share of even light that a surface's lobe returns.
+// Albedo of a surface's specular lobe under uniform light.
 fn specular_albedo(s: Surface, view: vec3f) -> vec3f {
     let cosine = saturate(dot(s.normal, view));
     let lobe = lobe_at(shown_roughness(s), cosine);

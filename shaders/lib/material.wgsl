@@ -1,12 +1,12 @@
-// A material's numbers, and the surface that has them. scene.wgsl imports this file and binds them.
+// Parameters of a material, and the surface that has them. scene.wgsl imports this file and binds the materials.
 
 struct TextureUse {
     row_u: vec3f, // u' = dot(row_u, (u, v, 1))
-    layer: u32, // in its pool; NONE: no texture
+    layer: u32, // layer in its texture pool; NONE: no texture
     row_v: vec3f,
     bits: u32, // TEXTURE_*
-    texels: vec2f, // size of the source image, for nearest
-    signs: vec2f, // of the material's uv_scale; of a clear coat's normals times their strength
+    texels: vec2f, // size of the source image, pixels, for nearest filtering
+    signs: vec2f, // signs of the material's uv_scale; for clear coat normals times their strength
 }
 
 struct Material {
@@ -22,24 +22,24 @@ struct Material {
     checker_b: vec3f,
     alpha_cutoff: f32, // below 0: opaque
     reflection: u32, // REFLECTION_*
-    unlit: u32, // 1: the base color is shown as it is
+    unlit: u32, // 1: the base color is shown without lighting
     transmission: f32,
     clearcoat: f32,
-    absorption: vec3f, // per meter
+    absorption: vec3f, // absorption coefficient, per meter
     ior: f32,
     clearcoat_roughness: f32,
-    is_solid: u32, // 1: what passes is refracted and absorbed up to the other side
-    is_blended: u32, // 1: its alpha is the share of light that it stops
-    pattern: u32, // PATTERN_*, of the checker's colors and size
+    is_solid: u32, // 1: transmitted light is refracted and absorbed up to the other side
+    is_blended: u32, // 1: alpha is the surface's coverage
+    pattern: u32, // PATTERN_*, with the checker's colors and size
     specular_color: vec3f,
     specular: f32,
     sheen_color: vec3f,
     sheen_roughness: f32,
     iridescence: f32,
     iridescence_ior: f32,
-    iridescence_least_nm: f32, // thickness where a texture is 0
-    iridescence_thickness_nm: f32, // where it is 1
-    anisotropy_turn: vec2f, // cosine and sine, from the tangent
+    iridescence_least_nm: f32, // film thickness where the texture is 0
+    iridescence_thickness_nm: f32, // film thickness where the texture is 1
+    anisotropy_turn: vec2f, // cosine and sine of the grain's angle from the tangent
     anisotropy: f32,
     dispersion: f32,
     textures: array<TextureUse, 5>, // base color, metallic-roughness, normal, occlusion, emission
@@ -49,7 +49,7 @@ struct Material {
 struct Surface {
     position: vec3f,
     geometric_normal: vec3f, // towards the viewer
-    normal: vec3f, // shading normal, on the same side
+    normal: vec3f, // shading normal, on the same side as geometric_normal
     base_color: vec3f,
     metallic: f32,
     emission: vec3f,
@@ -57,9 +57,9 @@ struct Surface {
     reflectivity: f32,
     occlusion: f32,
     reflection: u32, // 0 none, 1 auto, 2 mirror
-    curvature: f32, // mean, 1/m; positive: convex to the viewer. Only where something is filtered by it
-    unlit: bool, // its emission is a display color: no exposure, no tone map
-    lift_m: f32, // how far the smooth surface that the normals describe lies above the triangle; 0: flat or concave
+    curvature: f32, // mean curvature, 1/m; positive: convex to the viewer. Only set where ray cones need it
+    unlit: bool, // whether the emission is a display color: no exposure, no tone map
+    lift_m: f32, // height over the triangle of the smooth surface that its normals describe; 0: flat or concave
     // Set with HAS_LAYERS.
     transmission: f32,
     alpha: f32,
@@ -71,10 +71,10 @@ struct Surface {
     is_solid: bool,
     is_inside: bool, // seen from within a solid
     coat_normal: vec3f, // with HAS_COAT_NORMALS
-    // Set with HAS_TINTS: factors on the reflectivity and, the first, on what is reflected at grazing angles.
+    // Set with HAS_TINTS: factors on the reflectivity; `specular` also scales the reflectance at grazing angles.
     specular: f32,
     specular_color: vec3f,
-    // Set with HAS_ANISOTROPY: along the surface, and how much longer the lobe is there.
+    // Set with HAS_ANISOTROPY: direction of the grain, along which the lobe is longer, and its strength.
     tangent: vec3f,
     anisotropy: f32,
     // Set with HAS_SHEEN.
@@ -82,7 +82,7 @@ struct Surface {
     sheen_roughness: f32,
 }
 
-// Whether some surface lets light through or has a clear coat.
+// Whether some surface is transmissive or has a clear coat.
 override HAS_LAYERS: bool = true;
 
 // Whether some dielectric's specular lobe has a strength or a color of its own.
@@ -90,13 +90,13 @@ override HAS_TINTS: bool = true;
 
 override HAS_SHEEN: bool = true;
 
-// Whether some specular lobe is longer one way than the other.
+// Whether some specular lobe is anisotropic.
 override HAS_ANISOTROPY: bool = true;
 
-// Whether some clear coat has other normals than what is below.
+// Whether some clear coat has a normal map other than that of the base layer.
 override HAS_COAT_NORMALS: bool = true;
 
-// A surface with the numbers of a material, before textures.
+// A surface with the parameters of a material, before textures.
 fn material_surface(m: u32) -> Surface {
     var s: Surface;
     s.base_color = materials[m].base_color.xyz;

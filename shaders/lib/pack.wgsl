@@ -1,5 +1,5 @@
-// Unit vectors in 32 bits: octahedral map (Cigolle et al. 2014, "A Survey of Efficient
-// Representations for Independent Unit Vectors"), 16 bits an axis.
+// Packing of unit vectors in 32 bits: octahedral map (Cigolle et al. 2014, "A Survey of Efficient Representations
+// for Independent Unit Vectors"), 16 bits per axis.
 
 fn oct_wrap(p: vec2f) -> vec2f {
     return (1.0 - abs(p.yx)) * select(vec2f(-1.0), vec2f(1.0), p >= vec2f(0.0));

@@ -1,21 +1,21 @@
-// Patterns of two colors in object space, filtered: checkers, bricks, noise and marble.
+// Filtered patterns of two colors in object space: checkers, bricks, noise and marble.
 
 #import constants
 
-// Whether some material has another pattern than a checker; without one the code is dropped.
+// Whether some material has a pattern other than a checker; without one the code is dropped.
 override HAS_PATTERNS: bool = false;
 
 const BRICK_SIZE = vec3f(1.0, 1.0 / 3.0, 0.5); // length, height, depth
 const MORTAR: f32 = 0.06;
 const OCTAVES = 5u;
 
-// Integral from 0 of the square wave that is 1 in the first cell, -1 in the second, and so on.
+// Integral from 0 to x of the square wave that is 1 in the first cell, -1 in the second, and so on.
 fn square_wave_integral(x: f32) -> f32 {
     return 1.0 - 2.0 * abs(fract(x * 0.5) - 0.5);
 }
 
-// 3D checker, filtered by the box that holds the footprint; it lies in the surface, so it has no
-// depth along the normal. The small shift keeps faces that lie on a cell border stable.
+// 3D checker, filtered by the box around the footprint, which lies in the surface and so has no depth along the
+// normal. The small shift keeps faces that lie on a cell border stable.
 fn checker(p: vec3f, normal: vec3f, width: f32) -> f32 {
     let w = max(width * sqrt(max(vec3f(1.0) - normal * normal, vec3f(0.0))), vec3f(1e-4));
     let q = p + 1e-3;
@@ -27,19 +27,19 @@ fn checker(p: vec3f, normal: vec3f, width: f32) -> f32 {
     return 0.5 - 0.5 * clamp(product, -1.0, 1.0);
 }
 
-// Integral from 0 of pulses as wide as mortar, around multiples of `period`.
+// Integral from 0 to x of pulses as wide as the mortar, around multiples of `period`.
 fn mortar_integral(x: f32, period: f32) -> f32 {
     let shifted = x / period + 0.5;
     let inside = clamp((fract(shifted) - 0.5) * period + 0.5 * MORTAR, 0.0, MORTAR);
     return floor(shifted) * MORTAR + inside;
 }
 
-// Share of mortar between bricks in a running bond, filtered by a box as checkers are. A face shows no
-// joint that lies in it.
+// Share of mortar between bricks in a running bond, box-filtered like the checker. A face shows no joint that lies
+// in its own plane.
 fn mortar(p: vec3f, normal: vec3f, width: f32) -> f32 {
     let w = max(width * sqrt(max(vec3f(1.0) - normal * normal, vec3f(0.0))), vec3f(1e-3));
     let odd = fract(floor(p.y / BRICK_SIZE.y) * 0.5) * 2.0;
-    // Bricks overlap those below by a half, along the wall that they are in.
+    // Rows of bricks are shifted by half a brick along the wall.
     let q = p + 1e-3 + vec3f(0.5, 0.0, 0.25) * odd;
     var brick = 1.0;
     for (var axis = 0; axis < 3; axis++) {
@@ -51,7 +51,8 @@ fn mortar(p: vec3f, normal: vec3f, width: f32) -> f32 {
     return 1.0 - clamp(brick, 0.0, 1.0);
 }
 
-// Integer hash of three coordinates (Jarzynski and Olano 2020, "pcg3d"), as a direction.
+// Pseudo-random gradient of a lattice cell by an integer hash of its coordinates (Jarzynski and Olano 2020,
+// "pcg3d").
 fn lattice_gradient(cell: vec3i) -> vec3f {
     var v = bitcast<vec3u>(cell) * 1664525u + 1013904223u;
     v.x += v.y * v.z;
@@ -79,7 +80,7 @@ fn gradient_noise(p: vec3f) -> f32 {
     return sum;
 }
 
-// Octaves of noise; those that are finer than the footprint fade out before they could sparkle.
+// Octaves of noise; octaves finer than the footprint fade out, which prevents aliasing.
 fn octaves(p: vec3f, width: f32) -> f32 {
     var sum = 0.0;
     var scale = 1.0;
@@ -92,14 +93,14 @@ fn octaves(p: vec3f, width: f32) -> f32 {
     return sum;
 }
 
-// Share of the second color at a point in units of the pattern's size.
+// Share of the second color at a point, given in units of the pattern's size.
 fn pattern(kind: u32, p: vec3f, normal: vec3f, width: f32) -> f32 {
     if (HAS_PATTERNS) {
         switch kind {
             case PATTERN_BRICK: { return mortar(p, normal, width); }
             case PATTERN_NOISE: { return clamp(0.5 + 0.7 * octaves(p, width), 0.0, 1.0); }
             case PATTERN_MARBLE: {
-                // Veins across X, bent by noise; a sine's mean over the footprint fades with it.
+                // Veins across X, distorted by noise; the mean of a sine over the footprint fades with the width.
                 let bent = p.x + 1.2 * octaves(p, width);
                 let fade = exp(-2.0 * width * width);
                 return 0.5 + 0.5 * fade * sin(6.2831853 * 0.5 * bent);

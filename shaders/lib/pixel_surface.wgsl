@@ -1,9 +1,9 @@
-// The surface that a pixel shows, from the instance and the triangle that the visibility pass found.
+// Surface of a pixel, from the instance and the triangle that the visibility pass found.
 
 #import frame
 #import surface
 
-// Where the pixel's ray meets the plane of its triangle: exact, where the depth buffer is not.
+// Intersection of the pixel's ray with the plane of its triangle, which is more exact than the depth buffer.
 struct PlaneHit {
     t: f32,
     bary: vec2f,
@@ -30,13 +30,13 @@ fn pixel_surface(pixel: vec2u, hit: vec2u) -> PixelSurface {
     let center = vec2f(pixel) + 0.5;
     let ray = pixel_ray(center);
     let plane = plane_hit(pixel_origin(center), ray, hit.x, hit.y);
-    // A pixel center may lie just outside the triangle that covers it.
+    // A pixel center may lie just outside the triangle that covers the pixel.
     var bary = clamp(plane.bary, vec2f(0.0), vec2f(1.0));
     bary /= max(bary.x + bary.y, 1.0);
     var shown: PixelSurface;
     shown.surface = surface_at(hit.x, hit.y, bary, normalize(ray), pixel_width(plane.t * length(ray)));
-    // Depth along this pixel's own ray, so that the position found from it lies on the plane; only
-    // a triangle seen edge-on is too far off for that.
+    // Depth along the pixel's own ray, so that the position computed from it lies on the plane; a triangle seen
+    // edge-on is too inexact for that and uses the clamped point.
     let on_plane = distance(bary, plane.bary) < 0.1;
     shown.depth_m = select(dot(shown.surface.position - frame.eye, frame.forward), plane.t, on_plane);
     return shown;

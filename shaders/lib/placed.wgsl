@@ -1,8 +1,8 @@
-// A vertex of an instance, as vertex and instance buffers bring it.
+// A vertex of an instance, from vertex and instance buffers.
 
 struct Placed {
     @location(0) position: vec3f,
-    @location(1) row_x: vec4f, // of the transform to the world
+    @location(1) row_x: vec4f, // rows of the transform from object to world space
     @location(2) row_y: vec4f,
     @location(3) row_z: vec4f,
 }

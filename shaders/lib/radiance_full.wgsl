@@ -1,4 +1,4 @@
-// What keeps light between the passes: 32 bits.
+// Storage of light between the passes: 32 bits per channel.
 
 alias RadianceTexture = texture_storage_2d<rgba32float, write>;
 

@@ -1,4 +1,4 @@
-// What keeps light between the passes: 16 bits, which hold that of most scenes.
+// Storage of light between the passes: 16 bits per channel, enough for most scenes.
 
 alias RadianceTexture = texture_storage_2d<rgba16float, write>;
 

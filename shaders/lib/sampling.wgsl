@@ -1,28 +1,29 @@
-// Numbers that samples are made of: Sobol's first two dimensions, scrambled anew for each pixel and each
-// pair of dimensions (Burley 2020, "Practical Hash-based Owen Scrambling"). They depend on the pixel and
-// the sub-frame alone, and fill the square more evenly the more sub-frames there are.
+// Random numbers of samples: Sobol's first two dimensions, scrambled separately for each pixel and each pair of
+// dimensions (Burley 2020, "Practical Hash-based Owen Scrambling"). They depend on the pixel and the sub-frame
+// alone, and cover the square more evenly the more sub-frames there are.
 
 struct Sampling {
-    first: u32, // of this sub-frame's samples
-    rays: u32, // of a pixel and sub-frame
-    panorama_share: f32, // of the light that the density holds
+    first: u32, // index of the first sample of this sub-frame
+    rays: u32, // number of rays towards lights per pixel and sub-frame
+    panorama_share: f32, // share of the panorama's light that its density table holds
     density_levels: u32,
     turn: vec2f, // cosine and sine of the panorama's rotation
-    scale: f32, // radiance of a texel of 1
-    sample: u32, // the sub-frame
-    samples: u32, // sub-frames of a picture
-    emitters: u32, // triangles that light
-    emitted_power: f32, // of all of them: areas by the luminance that they emit
+    scale: f32, // radiance of a panorama texel of 1
+    sample: u32, // index of this sub-frame
+    samples: u32, // number of sub-frames of the picture
+    emitters: u32, // number of emissive triangles that are sampled
+    emitted_power: f32, // sum of area times emitted luminance over all of them
     pad0: u32,
 }
 
 @group(0) @binding(5) var<uniform> sampling: Sampling;
 
-// Whether paths end by chance alone, nothing of them is left out, and light that is refracted is found as such.
+// Whether rendering is unbiased: paths end only by Russian roulette, no light is clamped, and refracted light is
+// found by refracted rays.
 override UNBIASED: bool = false;
 
 var<private> sample_seed: u32;
-var<private> sample_pair: u32; // of dimensions, counted since the start
+var<private> sample_pair: u32; // number of dimension pairs used at this vertex
 
 // PCG (Jarzynski & Olano 2020, "Hash Functions for GPU Rendering").
 fn hash(x: u32) -> u32 {
@@ -31,13 +32,13 @@ fn hash(x: u32) -> u32 {
     return (word >> 22u) ^ word;
 }
 
-// `vertex` counts the surfaces along a path: 0 is what the pixel shows.
+// Starts the random numbers of a path vertex: `vertex` counts the surfaces along a path, 0 is that of the pixel.
 fn start_samples(pixel: vec2u, vertex: u32) {
     sample_seed = hash(pixel.x + hash(pixel.y + hash(vertex)));
     sample_pair = 0u;
 }
 
-// Owen scrambling of a number whose bits are reversed: each bit flips by those below it (Laine & Karras
+// Owen scrambling of a number with reversed bits: each bit is flipped depending on the bits below it (Laine & Karras
 // 2011, with the constants of Vegdahl 2021).
 fn scrambled(reversed: u32, seed: u32) -> u32 {
     var x = reversed ^ (reversed * 0x3d20adeau);
@@ -48,7 +49,7 @@ fn scrambled(reversed: u32, seed: u32) -> u32 {
     return x;
 }
 
-// Sobol's second generator matrix, Pascal's triangle modulo 2, by the sums over all supersets of bits.
+// Product with Sobol's second generator matrix, Pascal's triangle modulo 2, by sums over all supersets of bits.
 fn pascal(index: u32) -> u32 {
     var s = index;
     s ^= (s >> 1u) & 0x55555555u;
@@ -63,7 +64,7 @@ fn unit_float(bits: u32) -> f32 {
     return f32(bits >> 8u) * exp2(-24.0);
 }
 
-// A point in [0, 1)² of the sub-frame's sample `index`.
+// Random point in [0, 1)² of the sample `index`, for a pair of dimensions.
 fn sample_square(index: u32, pair: u32) -> vec2f {
     let seed = hash(sample_seed + hash(pair));
     let shuffled = reverseBits(scrambled(reverseBits(index), seed));
@@ -72,7 +73,7 @@ fn sample_square(index: u32, pair: u32) -> vec2f {
     return vec2f(unit_float(x), unit_float(y));
 }
 
-// The next pair of dimensions, which the caller asks for by `sample_square`; 0 is that of reflections.
+// The next unused pair of dimensions, for `sample_square`; pair 0 belongs to reflections.
 fn next_pair() -> u32 {
     sample_pair++;
     return sample_pair;

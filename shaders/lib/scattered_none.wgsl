@@ -1,6 +1,6 @@
-// Surfaces scatter only what shines on them.
+// Variant without diffuse interreflection: surfaces scatter direct light only.
 
-// What the surface of a pixel scatters of what others do.
+// Indirect diffuse light that the surface of a pixel scatters towards the view.
 fn light_scattered(pixel: vec2u) -> vec3f {
     return vec3f(0.0);
 }

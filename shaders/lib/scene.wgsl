@@ -1,4 +1,4 @@
-// Group 1: the scene's geometry, trees, materials and textures.
+// Group 1: the scene's geometry, BVHs, materials and textures.
 
 #import constants
 #import geometry
@@ -6,12 +6,12 @@
 
 struct Instance {
     world_from_object: mat3x4f, // three rows
-    object_from_world: array<vec4f, 3>, // rows of the inverse's linear part; w: the placement's translation
-    tree_root: u32, // of its mesh, for the top level; NONE: part of the static tree
+    object_from_world: array<vec4f, 3>, // rows of the inverse's linear part; w: translation of world_from_object
+    tree_root: u32, // root node of its mesh's BVH, for the top level; NONE: part of the static tree
     trace_flags: u32, // see bvh.wgsl
     vertex_base: u32,
-    index_base: u32, // into mesh_data, three a triangle
-    uv1_base: u32, // into mesh_data, two a vertex; NONE: no second coordinates
+    index_base: u32, // index into mesh_data, three words per triangle
+    uv1_base: u32, // index into mesh_data, two words per vertex; NONE: no second coordinates
     material: u32,
     flags: u32, // FLAG_COLORS, FLAG_MIRRORED
     pad: u32,
@@ -46,7 +46,7 @@ fn direction_to_world(i: u32, d: vec3f) -> vec3f {
     return vec4f(d, 0.0) * instances[i].world_from_object;
 }
 
-// Normals go with the inverse transpose.
+// Normals are transformed by the inverse transpose.
 fn normal_to_world(i: u32, n: vec3f) -> vec3f {
     let rows = instances[i].object_from_world;
     return rows[0].xyz * n.x + rows[1].xyz * n.y + rows[2].xyz * n.z;

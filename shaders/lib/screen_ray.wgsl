@@ -1,18 +1,18 @@
-// Rays on the screen, where the march walks.
+// Rays in screen space, for the march.
 
 #import frame
 
-// A ray on the screen: pixel position and clip-space z are linear in s from 0 to 1.
+// A ray in screen space: pixel position and clip-space z are linear in the parameter s from 0 to 1.
 struct ScreenRay {
     start: vec3f,
     delta: vec3f,
     length_m: f32,
-    end: f32, // s where it leaves the picture, at most 1
-    leaves: bool, // whether something is cut off after `end`
+    end: f32, // s where the ray leaves the picture, at most 1
+    leaves: bool, // whether the ray goes on after `end`
 }
 
-// Undoes `pixel_offset`. Not by the clip matrix: lavapipe 22.3 takes that for constants of the march and compiles it
-// anew for each sub-frame, which takes longer than the march.
+// Pixel and clip-space z of a point, the inverse of `pixel_offset`. The clip matrix is not used: lavapipe 22.3
+// treats it as constants of the march and recompiles for each sub-frame, which takes longer than the march.
 fn to_screen(p: vec3f) -> vec3f {
     let offset = p - frame.eye;
     let depth_m = dot(offset, frame.forward);
@@ -22,7 +22,7 @@ fn to_screen(p: vec3f) -> vec3f {
     return vec3f((ndc * 0.5 + 0.5) * frame.size - frame.jitter, screen_z(depth_m));
 }
 
-// s at which x + s * dx leaves [0, size].
+// Parameter s at which x + s * dx leaves [0, size].
 fn exit_at(x: f32, dx: f32, size: f32) -> f32 {
     if (dx > 1e-9) { return (size - x) / dx; }
     if (dx < -1e-9) { return -x / dx; }
@@ -34,13 +34,13 @@ fn screen_ray(origin: vec3f, direction: vec3f) -> ScreenRay {
     let approach = dot(direction, frame.forward);
     let depth = dot(origin - frame.eye, frame.forward);
     r.length_m = frame.ray_length_m;
-    // Behind the near plane there is no screen.
+    // The screen shows nothing behind the near plane.
     let to_near = (depth - frame.near_m * 1.01) / max(-approach, 1e-9);
     if (approach < 0.0 && to_near < r.length_m) {
         r.length_m = max(to_near, 0.0);
         r.leaves = true;
     }
-    // Beyond the far plane there is nothing.
+    // Nothing lies beyond the far plane.
     if (is_orthographic() && approach > 0.0) {
         r.length_m = min(r.length_m, max(0.999 * (frame.far_m - depth), 0.0) / approach);
     }
@@ -52,7 +52,7 @@ fn screen_ray(origin: vec3f, direction: vec3f) -> ScreenRay {
     return r;
 }
 
-// Distance along the ray of a place on the screen, and back: perspective-correct interpolation.
+// Distance along the ray of a parameter s, and the inverse below: perspective-correct interpolation.
 fn distance_at(r: ScreenRay, s: f32) -> f32 {
     if (is_orthographic()) { return r.length_m * s; }
     return r.length_m * s * (r.start.z + r.delta.z) / max(r.start.z + r.delta.z * s, 1e-30);

@@ -1,4 +1,4 @@
-// Light on a surface: one function for raster pixels, screen hits and traced hits.
+// Light on a surface: one function for rasterized pixels, screen hits and traced hits.
 
 #import ambient
 #import emitters
@@ -12,18 +12,18 @@
 #import shadow
 #import sheen
 
-// Two bits a light: 0 is unknown or partly lit.
+// Light bits, two per light: 0 is unknown or partly lit.
 const LENT_LIGHTS: u32 = 32u;
 const LENT_DARK: u32 = 1u;
 const LENT_LIT: u32 = 2u;
 
 struct Shade {
-    diffuse: vec3f, // view-independent: emission, lights and environment, what screen space may reuse
-    specular: vec3f, // of the lights and, where nothing is traced, of the environment
-    visible: vec2u, // which lights reach it, two bits each; see light_reuse.wgsl
+    diffuse: vec3f, // view-independent light: emission, lights and environment
+    specular: vec3f, // specular light of the lights and, where no reflection is traced, of the environment
+    visible: vec2u, // light bits of the lights that reach the surface; see light_reuse.wgsl
 }
 
-// KHR_materials_specular.
+// Reflectance at normal incidence of the dielectric part (KHR_materials_specular).
 fn dielectric_f0(s: Surface) -> vec3f {
     if (!HAS_TINTS) { return vec3f(s.reflectivity); }
     return min(s.reflectivity * s.specular_color, vec3f(1.0)) * s.specular;
@@ -33,26 +33,27 @@ fn f0(s: Surface) -> vec3f {
     return mix(dielectric_f0(s), s.base_color, s.metallic);
 }
 
-// Reflectance at grazing angles; below 2 % at normal incidence it is taken as occlusion of the
-// specular lobe (Lagarde & de Rousiers 2014, 3.2), so a reflectivity of 0 has no specular at all.
+// Reflectance at grazing angles; a reflectance below 2 % at normal incidence is treated as occlusion of the specular
+// lobe (Lagarde & de Rousiers 2014, 3.2), so a reflectivity of 0 has no specular at all.
 fn f90(f: vec3f) -> f32 {
     return saturate(50.0 * dot(f, vec3f(1.0 / 3.0)));
 }
 
-// Of a surface: a color does not change it, a strength does.
+// Reflectance of a surface at grazing angles: the specular color does not change it, the specular strength does.
 fn grazing_reflectance(s: Surface) -> f32 {
     if (!HAS_TINTS) { return f90(f0(s)); }
     return f90(mix(vec3f(s.reflectivity), s.base_color, s.metallic)) * mix(s.specular, 1.0, s.metallic);
 }
 
-// Its dielectric part, by its strongest channel, so that what is left is not tinted: normal and grazing.
+// Reflectance of the dielectric part at normal and grazing incidence, by its strongest channel, so that the light
+// left to the diffuse part is not tinted.
 fn dielectric_reflectance(s: Surface) -> vec2f {
     if (!HAS_TINTS) { return vec2f(s.reflectivity, f90(vec3f(s.reflectivity))); }
     let f = dielectric_f0(s);
     return vec2f(max(f.x, max(f.y, f.z)), f90(vec3f(s.reflectivity)) * s.specular);
 }
 
-// Schlick 1994.
+// Fresnel reflectance (Schlick 1994); exact for transmissive surfaces.
 fn fresnel(s: Surface, cosine: f32) -> vec3f {
     if (is_transmissive(s)) { return transmissive_fresnel(s, cosine); }
     let f = f0(s);
@@ -61,7 +62,7 @@ fn fresnel(s: Surface, cosine: f32) -> vec3f {
     return f + (vec3f(grazing_reflectance(s)) - f) * (x2 * x2 * x);
 }
 
-// Roughness below which a surface reflects: metals show nothing else.
+// Roughness below which a surface's reflection is traced; higher for metals, which show nothing else.
 fn reflects_below(s: Surface) -> f32 {
     let cutoff = frame.roughness_cutoff;
     return max(cutoff, min(cutoff * (1.0 + METAL_REACH * s.metallic), 1.0));
@@ -72,17 +73,17 @@ fn is_reflector(s: Surface) -> bool {
         || has_traced_coat(s);
 }
 
-// Whether a path that meets the surface goes on from there.
+// Whether a path that hits the surface continues by mirroring or transmission.
 fn goes_on(s: Surface) -> bool {
     return is_reflector(s) || is_transmissive(s);
 }
 
-// Share of light that the surface scatters below its specular lobe.
+// Share of light that the surface scatters diffusely, below its specular lobe.
 fn diffuse_albedo(s: Surface, view: vec3f) -> vec3f {
     return s.base_color * (1.0 - s.metallic) * unreflected(s, view) * reflected_share(s) * base_share(s, view);
 }
 
-// Below it highlights would be smaller than rounding can tell, and reflections are sharp.
+// GGX alpha below which highlights would be smaller than rounding errors: reflections are treated as sharp.
 const SMOOTH_ALPHA: f32 = 2e-3;
 
 fn ggx_alpha(s: Surface) -> f32 {
@@ -98,19 +99,20 @@ fn ggx(s: Surface, view: vec3f, to_light: vec3f) -> vec3f {
     return fresnel(s, dot(view, h)) * compensation(s, view) * (facet_density(s, h) * visibility * nl * base_share(s, view));
 }
 
-// The one layer of a surface that reflects rays, and the share of its light that arrives; none where there are two.
+// The only layer of a surface with a traced reflection, and the share of that layer's light that arrives; a share of
+// 0 where two layers are traced.
 struct OnlyLobe {
     layer: Surface,
     share: f32,
 }
 
-// Whether what a surface reflects is spread, over more than rounding.
+// Whether a surface's reflection is blurred, beyond rounding.
 fn is_spread(s: Surface) -> bool {
     let roughness = reflected_roughness(s);
     return is_reflector(s) && s.reflection != REFLECTION_MIRROR && roughness * roughness > SMOOTH_ALPHA;
 }
 
-// Irradiance per unit cosine and the direction a light comes from, without shadow.
+// Irradiance per unit cosine and direction of a light, without shadow.
 struct Incoming {
     to_light: vec3f,
     distance_m: f32,
@@ -134,7 +136,7 @@ fn incoming(i: u32, position: vec3f) -> Incoming {
     return r;
 }
 
-// Share of a light's intensity that its range and its cone let through.
+// Share of a light's intensity after its range falloff and its cone.
 fn reach(i: u32, to_light: vec3f, distance_m: f32) -> f32 {
     var share = 1.0;
     if (lights[i].range_m > 0.0) {
@@ -150,13 +152,13 @@ fn reach(i: u32, to_light: vec3f, distance_m: f32) -> f32 {
     return share;
 }
 
-// Two bits a light of 16 that are written in a word; 0 where there are none.
+// Two bits of light `i`; a word holds those of 16 lights. 0 past the last one.
 fn lent_bits(words: vec2u, i: u32) -> u32 {
     if (i >= LENT_LIGHTS) { return 0u; }
     return (words[i >> 4u] >> (2u * (i & 15u))) & 3u;
 }
 
-// One layer of a surface. `lent`: what is known already of the lights that reach the surface; 0: nothing.
+// Light on one layer of a surface. `lent`: known light bits of the surface; 0: unknown.
 fn shade_layer(s: Surface, view: vec3f, lent: vec2u) -> Shade {
     let albedo = diffuse_albedo(s, view);
     var out = environment_light(s, view, albedo);
@@ -188,37 +190,37 @@ fn shade_layer(s: Surface, view: vec3f, lent: vec2u) -> Shade {
     return out;
 }
 
-// Whether light from there can reach the surface: below the plane of a triangle only where the smooth
-// surface lies above it.
+// Whether light from this direction can reach the surface: from below the plane of a triangle only where the smooth
+// surface lies above the triangle.
 fn faces(s: Surface, direction: vec3f) -> bool {
     return dot(s.normal, direction) > 0.0 && (s.lift_m > 0.0 || dot(s.geometric_normal, direction) > 0.0);
 }
 
-// Where shadows are looked up: on the smooth surface, so that they end where its shading does, not at the edges of
-// triangles.
+// Position for shadow look-ups: on the smooth surface, so that shadows end where its shading does rather than at the
+// edges of triangles.
 fn smooth_position(s: Surface) -> vec3f {
     return s.position + s.geometric_normal * s.lift_m;
 }
 
-// What a path adds at one of its hits; only past the first it is limited.
+// Light that a path adds at one of its hits, limited from the second hit on.
 fn found_light(light: vec3f, hit: u32) -> vec3f {
     if (hit == 0u) { return light; }
     return limited(light);
 }
 
-// What a reflection ray sees that meets no surface.
+// Light that a reflection ray sees if it meets no surface: lights with a size and the environment.
 fn beyond(origin: vec3f, ray: Reflected) -> vec3f {
     let light = seen_light(origin, ray, 2.0 * FAR_M);
     if (light.is_seen) { return light.radiance; }
     return environment(ray.direction) * ray.sky_weight;
 }
 
-// Whether anything is seen along a ray: a facet may mirror the view into the surface.
+// Whether the ray has any weight: a facet may mirror the view into the surface, which gives none.
 fn carries_light(ray: Reflected) -> bool {
     return any(ray.weight > vec3f(0.0));
 }
 
-// Mirror direction that stays above the surface even where the shading normal leans.
+// Mirror direction, lifted above the surface where a tilted shading normal would send it below.
 fn mirror_direction(direction: vec3f, s: Surface) -> vec3f {
     return lifted(reflect(direction, s.normal), s);
 }
@@ -228,7 +230,7 @@ fn lifted(r: vec3f, s: Surface) -> vec3f {
     return normalize(r + s.geometric_normal * max(0.01 - height, 0.0));
 }
 
-// Off the surface by more than the error of a hit there.
+// Ray origin, offset from the surface by more than the rounding error of a hit there.
 fn ray_origin(position: vec3f, geometric_normal: vec3f) -> vec3f {
     let size = max(max(abs(position.x), abs(position.y)), max(abs(position.z), distance(position, frame.eye)));
     return position + geometric_normal * (size * 4e-5 + 1e-6);

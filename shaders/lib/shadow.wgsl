@@ -1,9 +1,9 @@
-// How much of a light arrives: depth maps with filtering, or shadow rays.
+// Share of a light that arrives: filtered shadow maps, or shadow rays.
 
 #import frame
 #import layers
 
-// Of lights without a size: whether some cast their shadow by rays, into cube maps or into flat ones.
+// Whether lights without a size cast shadows by rays, by cube maps or by flat maps.
 override HAS_HARD_SHADOW_RAYS: bool = true;
 override HAS_CUBE_MAPS: bool = true;
 override HAS_FLAT_MAPS: bool = true;
@@ -29,8 +29,8 @@ fn light_visibility(i: u32, position: vec3f, normal: vec3f, to_light: vec3f, dis
     }
 }
 
-// The point moved off the surface by about the width of a shadow texel there, more where the light
-// grazes ("normal offset", Holbert 2011): acne and gaps both stay below a texel.
+// The point offset from the surface by about the width of a shadow texel there, more at grazing light ("normal
+// offset", Holbert 2011): acne and gaps both stay below a texel.
 fn offset_point(position: vec3f, normal: vec3f, to_light: vec3f, texel_m: f32) -> vec3f {
     let slope = sqrt(max(1.0 - pow(saturate(dot(normal, to_light)), 2.0), 0.0));
     return position + normal * texel_m * (0.5 + 2.0 * slope) + to_light * texel_m * 0.5;
@@ -47,7 +47,7 @@ fn cube_visibility(i: u32, position: vec3f, normal: vec3f, to_light: vec3f) -> f
     var lit = 0.0;
     for (var k = 0u; k < 4u; k++) {
         let tap = d + u * (f32(k & 1u) - 0.5) + v * (f32(k >> 1u) - 0.5);
-        // Each tap by its own face's axis: at the edge of two faces their depths differ.
+        // Each tap uses the axis of its own face: at the edge of two faces their depths differ.
         let a = abs(tap);
         let reference = SHADOW_NEAR_M / max(max(a.x, max(a.y, a.z)), 1e-6);
         lit += textureSampleCompareLevel(shadow_cubes, shadow_sampler, tap, lights[i].layer, reference);

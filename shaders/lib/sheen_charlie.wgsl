@@ -1,12 +1,12 @@
-// Fibers over a surface, after KHR_materials_sheen: the distribution and the fitted masking of Estevez & Kulla 2017,
-// "Production Friendly Microfacet Sheen BRDF". Rays find their light as they find that of the diffuse part: the lobe
-// is as wide.
+// Sheen of fibers over a surface, after KHR_materials_sheen: the distribution and the fitted masking of Estevez &
+// Kulla 2017, "Production Friendly Microfacet Sheen BRDF". Light samples and scattered rays of the diffuse part
+// serve the sheen too, since its lobe is as wide.
 
 #import frame
 #import lobe_albedo
 
-// As lobe_table, of a sheen of color 1, tabulated in src/render/sheen_table.rs; y: factor on the formula, below 1 where
-// that returned more light than arrives.
+// Table like lobe_table, for a sheen of color 1, tabulated in src/render/sheen_table.rs; y: factor on the formula,
+// below 1 where it would reflect more light than arrives.
 @group(0) @binding(10) var<uniform> sheen_table: array<vec4f, LOBE_NODES>;
 
 fn has_sheen(s: Surface) -> bool {
@@ -20,8 +20,8 @@ fn sheen_lobe(s: Surface, cosine: f32) -> vec4f {
     return max(mix(low, high, place.across), vec4f(1e-6, vec3f(-1.0)));
 }
 
-// Share of light that a sheen leaves to what is below it. By the view alone, which the extension allows: then
-// the sum is exactly what arrives in even light.
+// Share of light that a sheen leaves to the layers below. It depends on the view alone, which the extension allows:
+// then sheen and base add up exactly under uniform light.
 fn base_share(s: Surface, view: vec3f) -> f32 {
     if (!has_sheen(s)) { return 1.0; }
     let strongest = max(s.sheen_color.x, max(s.sheen_color.y, s.sheen_color.z));
@@ -44,7 +44,7 @@ fn sheen_lambda(cosine: f32, alpha: f32) -> f32 {
     return exp(2.0 * sheen_fit(0.5, alpha) - sheen_fit(1.0 - cosine, alpha));
 }
 
-// What a sheen adds to the albedo, for this pair of directions: its BRDF times pi.
+// Contribution of a sheen to the albedo for this pair of directions: its BRDF times pi.
 fn sheen(s: Surface, view: vec3f, to_light: vec3f) -> vec3f {
     if (!has_sheen(s)) { return vec3f(0.0); }
     let alpha = max(s.sheen_roughness * s.sheen_roughness, LEAST_SHEEN_ALPHA);

@@ -1,4 +1,4 @@
-// No surface has a sheen.
+// Variant without sheen.
 
 #import frame
 
@@ -10,12 +10,12 @@ fn sheen_lobe(s: Surface, cosine: f32) -> vec4f {
     return vec4f(1.0);
 }
 
-// Share of light that a sheen leaves to what is below it.
+// Share of light that a sheen leaves to the layers below: all.
 fn base_share(s: Surface, view: vec3f) -> f32 {
     return 1.0;
 }
 
-// What a sheen adds to the albedo, for this pair of directions.
+// Contribution of a sheen to the albedo: none.
 fn sheen(s: Surface, view: vec3f, to_light: vec3f) -> vec3f {
     return vec3f(0.0);
 }

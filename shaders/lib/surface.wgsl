@@ -1,5 +1,5 @@
-// The one function that turns (instance, triangle, barycentrics, footprint) into a surface, for
-// raster pixels and traced hits alike: that is why no seam shows between them.
+// The one function that turns (instance, triangle, barycentrics, footprint) into a surface, for rasterized pixels
+// and traced hits alike, so that no seam shows between them.
 
 #import film
 #import pattern
@@ -12,14 +12,14 @@ override HAS_NORMAL_MAPS: bool = true;
 override HAS_TEXTURES: bool = true;
 override HAS_CHECKERS: bool = true;
 
-// Of `Material.textures`.
+// Indices into `Material.textures`.
 const BASE_COLOR_SLOT = 0u;
 const METALLIC_ROUGHNESS_SLOT = 1u;
 const NORMAL_SLOT = 2u;
 const OCCLUSION_SLOT = 3u;
 const EMISSION_SLOT = 4u;
 
-// Of `Material.layer_textures`.
+// Indices into `Material.layer_textures`, with the channel that is used.
 const SPECULAR_SLOT = 0u; // alpha
 const SPECULAR_COLOR_SLOT = 1u; // color
 const SHEEN_COLOR_SLOT = 2u; // color
@@ -60,7 +60,7 @@ fn uv_corner(instance: u32, index: u32, second: bool) -> vec2f {
     return vertex_uv(instances[instance].vertex_base + index);
 }
 
-// Texture coordinates of a slot at a point, and the width of a world-space `footprint` in them.
+// Texture coordinates of a slot at a point, and the width of a world-space `footprint` in texture coordinates.
 struct SlotUv {
     uv: vec2f,
     footprint: f32,
@@ -101,15 +101,16 @@ fn vertex_color(instance: u32, index: array<u32, 3>, bary: vec2f) -> vec4f {
         + unpack4x8unorm(vertex_shade(base + index[2])) * bary.y;
 }
 
-// Whether a cut-out surface is solid here. The finest level: coverage must not depend on who asks.
+// Whether a cut-out surface is solid at a point. It samples the finest mip level: coverage must not depend on the
+// kind of ray.
 fn alpha_passes(instance: u32, triangle: u32, bary: vec2f) -> bool {
     let material = instances[instance].material;
     let c = corners(instance, triangle);
     return material_alpha(material, instance, c.index, bary, 0.0, 1.0) >= materials[material].alpha_cutoff;
 }
 
-// From the vertices of a triangle of twice this area in the world: how much the normal turns along its
-// edges, a mean of the three.
+// Mean curvature of a triangle of twice this area in the world, from its vertex normals: the turn of the normal
+// along each edge, averaged over the three.
 fn mean_curvature(p: array<vec3f, 3>, normals: array<vec3f, 3>, area2_world: f32) -> f32 {
     let e = array<vec3f, 3>(p[1] - p[0], p[2] - p[1], p[0] - p[2]);
     let turns = array<vec3f, 3>(normals[1] - normals[0], normals[2] - normals[1], normals[0] - normals[2]);
@@ -118,11 +119,11 @@ fn mean_curvature(p: array<vec3f, 3>, normals: array<vec3f, 3>, area2_world: f32
     return sum / 3.0 * sqrt(length(cross(e[0], e[1])) / area2_world);
 }
 
-// Of what is smooth, so that it is known as such at its vertices too.
+// Minimum lift of smooth surfaces, m, so that they are known as smooth at their vertices too.
 const LEAST_LIFT_M: f32 = 1e-6;
 
-// How far above the triangle the surface lies whose tangent planes at the vertices are those of the normals
-// (Hanika 2021, "Hacking the Shadow Terminator"), along the normal; 0 where that is nowhere above.
+// Height over the triangle, along its normal, of the smooth surface whose tangent planes at the vertices are those
+// of the vertex normals (Hanika 2021, "Hacking the Shadow Terminator"); 0 where it is nowhere above.
 fn smooth_lift(p: array<vec3f, 3>, normals: array<vec3f, 3>, weights: vec3f, normal: vec3f, area2_world: f32) -> f32 {
     let point = p[0] * weights.x + p[1] * weights.y + p[2] * weights.z;
     var offset = vec3f(0.0);
@@ -131,7 +132,7 @@ fn smooth_lift(p: array<vec3f, 3>, normals: array<vec3f, 3>, weights: vec3f, nor
     return max(dot(offset, normal), 0.0) / max(length(normal), 1e-20) * sqrt(area2_world / max(area2, 1e-30));
 }
 
-// `direction` is the unit direction of the arriving ray, `cone_m` the width of its cone here.
+// Surface at a hit. `direction` is the unit direction of the arriving ray, `cone_m` the width of its cone here.
 fn surface_at(instance: u32, triangle: u32, bary: vec2f, direction: vec3f, cone_m: f32) -> Surface {
     let m = instances[instance].material;
     var s = material_surface(m);
@@ -158,7 +159,7 @@ fn surface_at(instance: u32, triangle: u32, bary: vec2f, direction: vec3f, cone_
     if ((HAS_TEXTURES || HAS_CHECKERS) && s.reflection != REFLECTION_NONE) {
         s.curvature = mean_curvature(c.p, normals, area2) * select(1.0, -1.0, behind);
     }
-    // With layers the pixels have no bits for it.
+    // With layers, the G-buffer has no bits for the lift.
     let bends = min(dot(normals[0], normals[1]), dot(normals[0], normals[2])) < 0.99999;
     if (!HAS_LAYERS && !behind && bends) {
         s.lift_m = max(smooth_lift(c.p, normals, weights, n_object, area2), LEAST_LIFT_M);
@@ -199,7 +200,7 @@ fn surface_at(instance: u32, triangle: u32, bary: vec2f, direction: vec3f, cone_
         s.emission *= texel_at(t[EMISSION_SLOT], pools_of(EMISSION_SLOT), instance, c.index, bary, area2, footprint).xyz;
     }
     if (s.unlit) {
-        // KHR_materials_unlit: no light changes the base color; the material has no specular.
+        // KHR_materials_unlit: light does not change the base color; the material has no specular.
         s.emission += s.base_color;
         s.base_color = vec3f(0.0);
     }
@@ -234,21 +235,21 @@ fn surface_at(instance: u32, triangle: u32, bary: vec2f, direction: vec3f, cone_
     return s;
 }
 
-// Interpolated or mapped normals may tip over the edge of a silhouette triangle.
+// Flips a normal to the side of the geometric normal: interpolated or mapped normals may tip over at silhouettes.
 fn facing(normal: vec3f, geometric_normal: vec3f) -> vec3f {
     let below = dot(normal, geometric_normal);
     if (below >= 0.0) { return normal; }
     return normalize(normal - 2.0 * below * geometric_normal);
 }
 
-// What a material's texture holds at a point; 1 where it has none. `pools` is a constant.
+// Texel of a material's texture at a point; 1 where it has none. `pools` must be a constant.
 fn texel_at(used: TextureUse, pools: u32, instance: u32, index: array<u32, 3>, bary: vec2f, area2: f32, footprint: f32) -> vec4f {
     if (pools == 0u || used.layer == NONE) { return vec4f(1.0); }
     let at = slot_uv(used, instance, index, bary, area2, footprint);
     return sample_slot(used, at.uv, at.footprint, pools);
 }
 
-// What textures leave of the tint, the strength and the sheen of a material.
+// Applies the textures of specular strength, specular color and sheen.
 fn with_textured_details(s0: Surface, instance: u32, index: array<u32, 3>, bary: vec2f, area2: f32, footprint: f32) -> Surface {
     var s = s0;
     if (HAS_TINTS && LAYER_POOLS != 0u) {
@@ -262,10 +263,10 @@ fn with_textured_details(s0: Surface, instance: u32, index: array<u32, 3>, bary:
     return s;
 }
 
-// Roughness whose square is SMOOTH_ALPHA, and a little more.
+// Minimum roughness of anisotropic surfaces: its square is a little above SMOOTH_ALPHA.
 const LEAST_SPREAD_ROUGHNESS: f32 = 0.045;
 
-// KHR_materials_anisotropy. None where the mesh has no texture coordinates to take a direction from. `n` is the
+// Grain of KHR_materials_anisotropy; none where the mesh has no texture coordinates to give a direction. `n` is the
 // shading normal.
 fn with_grooves(s0: Surface, instance: u32, index: array<u32, 3>, weights: vec3f, bary: vec2f, area2: f32, footprint: f32, n: vec3f) -> Surface {
     var s = s0;
@@ -289,15 +290,15 @@ fn with_grooves(s0: Surface, instance: u32, index: array<u32, 3>, weights: vec3f
     return s;
 }
 
-// The same of `Material.layer_textures`.
+// Texel of `Material.layer_textures` at a point; 1 where the material has none.
 fn layer_texel(slot: u32, instance: u32, index: array<u32, 3>, bary: vec2f, area2: f32, footprint: f32) -> vec4f {
     if (LAYER_POOLS == 0u) { return vec4f(1.0); }
     let used = materials[instances[instance].material].layer_textures[slot];
     return texel_at(used, LAYER_POOLS, instance, index, bary, area2, footprint);
 }
 
-// Tangent-space normal map with MikkTSpace tangents (glTF 2.0, 3.9.3). `scale` is negative where u or v
-// of the map runs against the tangents.
+// Tangent-space normal map with MikkTSpace tangents (glTF 2.0, 3.9.3). `scale` is negative where u or v of the map
+// runs against the tangents.
 fn perturbed(instance: u32, index: array<u32, 3>, weights: vec3f, n: vec3f, texel: vec3f, scale: vec2f) -> vec3f {
     let axes = tangents(instance, index, weights, n);
     let v = (texel * 2.0 - 1.0) * vec3f(scale, 1.0);
@@ -305,7 +306,7 @@ fn perturbed(instance: u32, index: array<u32, 3>, weights: vec3f, n: vec3f, texe
     return select(n, normalize(mapped), dot(mapped, mapped) > 1e-12 && any(axes[0] != vec3f(0.0)));
 }
 
-// Tangent and bitangent; 0 where there are none.
+// Tangent and bitangent; zeros where the mesh has none.
 fn tangents(instance: u32, index: array<u32, 3>, weights: vec3f, n: vec3f) -> mat2x3f {
     let base = instances[instance].vertex_base;
     var t_object = vec3f(0.0);

@@ -1,11 +1,12 @@
-// Texture look-ups by material slot: pools by size class, wrap modes, level of detail.
+// Texture look-ups by material slot: pools of layers of one size, wrap modes, level of detail.
 
 #import scene
 
-// Six bits for each slot of a material, in their order: bit 2k: it samples pool k linear, bit 2k + 1: as
-// sRGB. Some drivers sample every texture that a branch might, so that each that can be left out counts.
+// Pools that each slot of a material samples, six bits per slot in their order: bit 2k for pool k linear, bit 2k + 1
+// for pool k as sRGB. Some drivers sample every texture that a branch might, so each pool that is left out saves
+// time.
 override SLOT_POOLS: u32 = 0x3fffffffu;
-// Six bits for all layer textures together.
+// Pools that layer textures sample: six bits for all of them together.
 override LAYER_POOLS: u32 = 63u;
 override WRAPS: u32 = 15u; // bit per sampler: rr, rc, cr, cc
 
@@ -14,8 +15,8 @@ fn fold_mirror(x: f32) -> f32 {
     return select(m, 2.0 - m, m > 1.0);
 }
 
-// `texture_2d_array` with the sampler that wraps as asked. A mirrored axis is folded into [0, 1]
-// first; there clamping equals mirroring, texel for texel.
+// Samples a `texture_2d_array` with the sampler of the requested wrap modes. A mirrored axis was folded into [0, 1]
+// before; there clamping equals mirroring, texel for texel.
 fn sample_wrapped(t: texture_2d_array<f32>, uv: vec2f, layer: u32, lod: f32, clamps: u32) -> vec4f {
     if ((WRAPS & 1u) != 0u && clamps == 0u) {
         return textureSampleLevel(t, sampler_rr, uv, layer, lod);
@@ -36,13 +37,13 @@ fn pool_px(bits: u32) -> f32 {
     return f32(SMALLEST_POOL_PX << (bits & TEXTURE_POOL_MASK));
 }
 
-// The pools that a slot samples.
+// Pools that a slot samples, as a mask.
 fn pools_of(slot: u32) -> u32 {
     return (SLOT_POOLS >> (6u * slot)) & 63u;
 }
 
-// `uv` are already transformed; `footprint` is the width of the ray cone in uv units; `pools` are those
-// that this slot may be in.
+// Samples a slot. `uv` are already transformed; `footprint` is the width of the ray cone in uv units; `pools` is the
+// mask of pools that this slot may be in.
 fn sample_slot(slot: TextureUse, uv_in: vec2f, footprint: f32, pools: u32) -> vec4f {
     var uv = uv_in;
     let wrap_u = (slot.bits >> TEXTURE_WRAP_U_SHIFT) & 3u;

@@ -1,5 +1,5 @@
-// The nodes and triangles of the trees, in a texture each: software drivers read buffers word by word and lane by lane,
-// texels as vectors.
+// Nodes and triangles of the BVHs, in one texture each: software drivers read buffers word by word and lane by lane,
+// but texels as vectors.
 
 #import constants
 

@@ -1,4 +1,4 @@
-// The nodes and triangles of the trees, in a buffer each.
+// Nodes and triangles of the BVHs, in one buffer each.
 
 @group(1) @binding(0) var<storage, read> nodes: array<vec4u>;
 @group(1) @binding(1) var<storage, read> triangles: array<vec4u>;

@@ -1,4 +1,4 @@
-// Opaque triangles by their indices, so that corners which triangles share are transformed once.
+// Opaque triangles drawn by their indices, so that vertices shared by triangles are transformed once.
 
 enable primitive_index;
 

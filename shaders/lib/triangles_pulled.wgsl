@@ -1,1 +1,2 @@
-// The device does not number triangles, or the geometry is in several buffers: all vertices are pulled.
+// Variant without indexed drawing: the device has no primitive index, or the geometry is in several buffers; all
+// vertices are pulled.

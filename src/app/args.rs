@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 use super::frames::{Shard, parse_shard};
 use crate::{scene::desc::Method, session::scene_text::SceneOptions};
 
-/// Where the scene comes from and what is changed in it.
+/// Source of the scene, and overrides of its values.
 #[derive(Clone, Debug, Default, Args)]
 pub struct SceneArgs {
     /// Change a value of the scene, such as reflection.threshold_u=0.01; repeatable
@@ -27,7 +27,7 @@ pub struct SceneArgs {
 }
 
 impl SceneArgs {
-    /// As options of a scene.
+    /// Options for opening the scene.
     pub fn options(&self) -> SceneOptions {
         SceneOptions {
             set: self.set.clone(),
@@ -53,13 +53,13 @@ pub struct RenderArgs {
     /// Keep the files of frames that were made from the same scene, settings and version
     #[arg(long)]
     pub resume: bool,
-    /// How progress is shown; without it a bar on a terminal, a line for each frame elsewhere
+    /// Form of the progress report; without it a bar on a terminal, a line for each frame elsewhere
     #[arg(long, value_name = "FORM")]
     pub progress: Option<ProgressForm>,
     /// Render only the I-th of N parts of the frames, for several machines
     #[arg(long, value_name = "I/N", value_parser = parse_shard)]
     pub shard: Option<Shard>,
-    /// What is changed in it
+    /// Overrides of scene values
     #[command(flatten)]
     pub from: SceneArgs,
     /// Width and height in pixels, each 1 to 16384
@@ -68,37 +68,37 @@ pub struct RenderArgs {
     /// How reflections are found
     #[arg(long)]
     pub method: Option<MethodArg>,
-    /// Which camera of the scene, or all, or a list such as main,side, with {camera} in the name of
+    /// Camera of the scene, or all, or a list such as main,side, with {camera} in the name of
     /// the output; without it `main`, else the first
     #[arg(long, value_name = "NAME")]
     pub camera: Option<String>,
     /// Sub-frames averaged, 1 to 4096
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub samples: Option<u32>,
-    /// Intermediate pictures to write too, such as depth,normal,source,cause: layers of an EXR,
+    /// AOVs to write too, such as depth,normal,source,cause: layers of an EXR,
     /// or OUT.NAME.png beside a PNG, in which distances run from white (near) to black, and
     /// reflectance from 0 to 255, as `compare --mask` takes it
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     pub aov: Vec<String>,
-    /// Remove grain by Intel Open Image Denoise, where that library is installed (REFLET_OIDN names its folder),
-    /// guided by color and normal of what pixels show, and by the color of what sharp mirrors do
+    /// Remove noise with Intel Open Image Denoise, where that library is installed (REFLET_OIDN names its folder),
+    /// guided by albedo and normal of each pixel's surface, or by the reflected albedo in sharp mirrors
     #[arg(long)]
     pub denoise: bool,
     /// Read the shaders from a folder instead of the built-in ones
     #[arg(long, value_name = "DIR")]
     pub shaders: Option<PathBuf>,
-    /// Take the adapter whose name contains this; also REFLET_ADAPTER
+    /// Use the GPU adapter whose name contains this text; also REFLET_ADAPTER
     #[arg(long, value_name = "NAME")]
     pub adapter: Option<String>,
-    /// Decide what is left to auto by this adapter's unit costs, from a file of `calibrate`, not by those of
-    /// its kind, which all machines have in common
+    /// File of unit costs that `calibrate` measured on this adapter; settings left to auto are decided by them,
+    /// not by the built-in costs of GPUs and of software adapters
     #[arg(long, value_name = "FILE")]
     pub plan: Option<PathBuf>,
     /// Print pass times, shares by source and cause, rays and memory
     #[arg(long, value_name = "FORM")]
     pub stats: Option<StatsForm>,
-    /// With --stats, also count march steps, traversals, visited nodes and tested triangles, in one
-    /// more frame; they do not depend on the machine
+    /// With --stats, also count march steps, traversals, visited BVH nodes and tested triangles, in one
+    /// more frame; the counts do not depend on the machine
     #[arg(long, requires = "stats")]
     pub counters: bool,
 }
@@ -118,28 +118,28 @@ pub struct RenderArgs {
 pub struct PreviewArgs {
     /// Scene file or model; without one, the built-in atrium
     pub scene: Option<PathBuf>,
-    /// What is changed in it
+    /// Overrides of scene values
     #[command(flatten)]
     pub from: SceneArgs,
     /// Width and height of the window
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     pub size: Option<[u32; 2]>,
-    /// How reflections are found at first
+    /// Reflection method to show first
     #[arg(long)]
     pub method: Option<MethodArg>,
-    /// Which camera of the scene to look through at first; without it `main`, else the first
+    /// Camera of the scene to look through at first; without it `main`, else the first
     #[arg(long, value_name = "NAME")]
     pub camera: Option<String>,
-    /// Read the shaders from a folder and follow them too
+    /// Read the shaders from a folder instead of the built-in ones, and reload them when they change
     #[arg(long, value_name = "DIR")]
     pub shaders: Option<PathBuf>,
-    /// Decide what is left to auto by this adapter's unit costs, from a file of `calibrate`
+    /// File of unit costs that `calibrate` measured on this adapter, by which settings left to auto are decided
     #[arg(long, value_name = "FILE")]
     pub plan: Option<PathBuf>,
-    /// Folder for the pictures of F12; without it, the folder you are in
+    /// Folder for screenshots (F12); without it, the current folder
     #[arg(long, value_name = "DIR")]
     pub screenshots: Option<PathBuf>,
-    /// Take the adapter whose name contains this; also REFLET_ADAPTER
+    /// Use the GPU adapter whose name contains this text; also REFLET_ADAPTER
     #[arg(long, value_name = "NAME")]
     pub adapter: Option<String>,
 }
@@ -150,7 +150,7 @@ pub struct CheckArgs {
     /// Scene files; - reads scene text from standard input
     #[arg(required = true, value_name = "SCENE")]
     pub scenes: Vec<PathBuf>,
-    /// What is changed in them
+    /// Overrides of scene values
     #[command(flatten)]
     pub from: SceneArgs,
     /// Print all messages as a SARIF 2.1.0 log, for editors and continuous integration
@@ -163,11 +163,11 @@ pub struct CheckArgs {
 pub struct InfoArgs {
     /// Scene file; without one, the built-in atrium
     pub scene: Option<PathBuf>,
-    /// What is changed in it
+    /// Overrides of scene values
     #[command(flatten)]
     pub from: SceneArgs,
-    /// Decide what is left to auto by the unit costs in a file of `calibrate`, not by those that ship for
-    /// software adapters and for GPUs
+    /// File of unit costs that `calibrate` measured; settings left to auto are decided by them, not by the
+    /// built-in costs of GPUs and of software adapters
     #[arg(long, value_name = "FILE")]
     pub plan: Option<PathBuf>,
     /// Print JSON
@@ -178,18 +178,18 @@ pub struct InfoArgs {
 /// `calibrate`
 #[derive(Clone, Debug, Args)]
 pub struct CalibrateArgs {
-    /// File to write, for --plan
+    /// File of unit costs to write, for --plan
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
-    /// How often each frame is timed, 1 to 1000, after one untimed; the shortest time counts
+    /// Timed frames of each test scene and setting, 1 to 1000, after one untimed frame; the shortest time counts
     #[arg(long, value_name = "N", default_value_t = 7, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub frames: u32,
-    /// Take the adapter whose name contains this; also REFLET_ADAPTER
+    /// Use the GPU adapter whose name contains this text; also REFLET_ADAPTER
     #[arg(long, value_name = "NAME")]
     pub adapter: Option<String>,
 }
 
-/// How statistics are printed.
+/// Format of printed statistics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum StatsForm {
     /// One JSON object on standard output
@@ -198,10 +198,10 @@ pub enum StatsForm {
     Text,
 }
 
-/// How the progress of a film is shown.
+/// Form in which the progress of a film is shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum ProgressForm {
-    /// A bar with the time that is left, on standard error; nothing where that is no terminal
+    /// A bar with the remaining time, on standard error; nothing where that is no terminal
     Bar,
     /// A line for each frame, on standard error
     Lines,
@@ -220,7 +220,7 @@ pub enum MethodArg {
     Rt,
     /// Screen space first, ray traced where that fails
     Hybrid,
-    /// Everything by rays, however often light is reflected and scattered: the truth, and slow
+    /// Path tracing of all light, with any number of bounces: the reference, and slow
     Path,
     /// Hybrid or rt, whichever is expected to take less time
     Auto,
@@ -241,7 +241,7 @@ impl From<MethodArg> for Method {
 /// `1280x720` as width and height.
 ///
 /// # Errors
-/// A sentence with what is expected.
+/// Message that names the expected form.
 pub fn parse_size(text: &str) -> Result<[u32; 2], String> {
     let sides = text.split_once(['x', 'X']);
     let pair = sides.and_then(|(w, h)| Some([w.trim().parse().ok()?, h.trim().parse().ok()?]));

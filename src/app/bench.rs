@@ -1,4 +1,4 @@
-//! `bench`: scenes are measured into a folder, which then holds the samples and their report.
+//! `bench`: measures scenes into a folder, which then holds the samples and their report.
 
 use std::{fs, io, path::Path};
 
@@ -20,7 +20,9 @@ use crate::{
             page::{Gallery, page},
             sections,
         },
-        run::{Bench, BenchError, FrameSeries, Protocol, Stock, Subject, Turn, Watch as _},
+        run::{
+            AnimationCache, Bench, BenchError, FrameSeries, Observer as _, Protocol, Subject, Sweep,
+        },
         sample::Sample,
     },
     files::write_whole,
@@ -43,13 +45,13 @@ mod timeline;
 use args::{BenchArgs, Experiment, RunArgs};
 use progress::Progress;
 
-/// What became of a last line without a line break.
+/// Note on a last line of a table without a line break.
 const TORN: &str = "the last line of the table was cut off";
 
-/// Runs the command.
+/// Runs the command `bench`.
 ///
 /// # Errors
-/// Bad input before anything is measured; whatever stops the measuring, whose samples are kept.
+/// Bad input before anything is measured; any error that stops the measurement, whose samples are kept.
 pub fn bench(args: &BenchArgs) -> Result<(), AppError> {
     match &args.experiment {
         Some(Experiment::Paper(args)) => paper::paper(args),
@@ -79,20 +81,20 @@ pub fn bench(args: &BenchArgs) -> Result<(), AppError> {
 
 fn measure(args: &BenchArgs) -> Result<Vec<Sample>, AppError> {
     let mut protocol = protocol(args)?;
-    let mut reels = reels(args)?;
+    let mut all_series = all_series(args)?;
     let gpu = open_gpu(&args.run)?;
     protocol.count |= gpu.is_software();
-    run(&gpu, &args.run, &protocol, &mut reels)
+    run(&gpu, &args.run, &protocol, &mut all_series)
 }
 
-/// The adapter that the arguments name, after the folder that they name is known to be one.
+/// Opens the adapter that the arguments name, after it has created the output folder.
 fn open_gpu(args: &RunArgs) -> Result<Gpu, AppError> {
     let is_new = !args.output.exists();
     create_folder(&args.output)?;
     let adapter_filter = args.adapter.clone();
     Gpu::new(&GpuOptions { adapter_filter }).map_err(|error| {
         if is_new {
-            // Nothing was measured into it; nobody is helped by a second message.
+            // The folder holds no measurements; an error of its removal would not help the user.
             let _ = fs::remove_dir(&args.output);
         }
         error.into()
@@ -101,16 +103,16 @@ fn open_gpu(args: &RunArgs) -> Result<Gpu, AppError> {
 
 fn protocol(args: &BenchArgs) -> Result<Protocol, AppError> {
     let methods = methods(&args.methods);
-    let turn = match args.parameter {
-        None => Turn::Own,
+    let sweep = match args.parameter {
+        None => Sweep::Own,
         Some(parameter) if args.values.is_empty() => {
-            Turn::One(parameter, parameter.default_values().to_vec())
+            Sweep::One(parameter, parameter.default_values().to_vec())
         }
-        Some(parameter) => Turn::One(parameter, checked(parameter, &args.values)?),
+        Some(parameter) => Sweep::One(parameter, checked(parameter, &args.values)?),
     };
     Ok(Protocol {
         methods,
-        turn,
+        sweep,
         sizes: args.sizes.clone(),
         frames: args.run.frames,
         warm_up: args.run.warm_up,
@@ -119,7 +121,7 @@ fn protocol(args: &BenchArgs) -> Result<Protocol, AppError> {
     })
 }
 
-/// The methods of `--methods`, each once.
+/// Methods of `--methods`, without repetitions.
 fn methods(listed: &[Method]) -> Vec<Method> {
     let mut methods = Vec::new();
     for method in listed {
@@ -141,7 +143,7 @@ fn checked(parameter: Parameter, values: &[f64]) -> Result<Vec<f64>, AppError> {
     Ok(kept)
 }
 
-fn reels(args: &BenchArgs) -> Result<Vec<FrameSeries>, AppError> {
+fn all_series(args: &BenchArgs) -> Result<Vec<FrameSeries>, AppError> {
     let mut paths: Vec<Option<&Path>> = args.scenes.iter().map(|p| Some(p.as_path())).collect();
     if paths.is_empty() {
         paths.push(None);
@@ -159,7 +161,7 @@ fn reels(args: &BenchArgs) -> Result<Vec<FrameSeries>, AppError> {
             let still = against_path(loaded.clone(), &name, camera, samples)?;
             all.push(FrameSeries::still(still));
         }
-        all.push(timeline::reel(loaded, name, camera, list)?);
+        all.push(timeline::frame_series(loaded, name, camera, list)?);
     }
     Ok(all)
 }
@@ -189,10 +191,10 @@ fn against_path(
     })
 }
 
-/// A loaded scene as what is measured.
+/// Subject of a bench from a loaded scene.
 ///
 /// # Errors
-/// No such camera, a file that has gone.
+/// A camera that does not exist, a file that was removed.
 pub fn subject(
     loaded: LoadedScene,
     name: String,
@@ -228,17 +230,17 @@ pub fn subject(
     })
 }
 
-/// Measures scenes into the folder, and gives all samples that it then holds.
+/// Measures scenes into the folder, and returns all samples that it then holds.
 ///
 /// # Errors
-/// A folder that cannot be written to, what the renderer refuses.
+/// A folder that cannot be written to, errors of the renderer.
 pub fn run(
     gpu: &Gpu,
     args: &RunArgs,
     protocol: &Protocol,
-    reels: &mut [FrameSeries],
+    all_series: &mut [FrameSeries],
 ) -> Result<Vec<Sample>, AppError> {
-    let (samples, stopped) = sample(gpu, args, protocol, reels)?;
+    let (samples, stopped) = sample(gpu, args, protocol, all_series)?;
     match stopped {
         Some(error) => {
             if !samples.is_empty() {
@@ -251,12 +253,12 @@ pub fn run(
     }
 }
 
-/// The same without a report of what there is where the measuring was stopped, which the error says.
+/// Measures without a report; an interruption is returned as an error beside the samples.
 fn sample(
     gpu: &Gpu,
     args: &RunArgs,
     protocol: &Protocol,
-    reels: &mut [FrameSeries],
+    all_series: &mut [FrameSeries],
 ) -> Result<(Vec<Sample>, Option<AppError>), AppError> {
     let library = shaders::library(args.shaders.as_deref())?;
     let path = args.output.join("samples.csv");
@@ -279,13 +281,13 @@ fn sample(
         library: &library,
         host: &host,
         protocol,
-        stock: Stock::default(),
+        cache: AnimationCache::default(),
     };
     let mut progress = Progress::new();
     if log.was_torn() {
         progress.note(&format!("{TORN} and is measured again"));
     }
-    let outcome = bench.run(reels, &mut log, &mut progress);
+    let outcome = bench.run(all_series, &mut log, &mut progress);
     let outcome = outcome.map_err(|error| match error {
         BenchError::File(diagnostic) => AppError::Picture(vec![*diagnostic]),
         BenchError::Scene(diagnostics) => AppError::Scene(diagnostics),
@@ -298,7 +300,7 @@ fn sample(
         );
         progress.note(&text);
     }
-    let scenes: Vec<&str> = reels.iter().map(FrameSeries::name).collect();
+    let scenes: Vec<&str> = all_series.iter().map(FrameSeries::name).collect();
     let json = settings::json(protocol, &scenes, &host, &outcome, log.samples())?;
     write(&args.output.join("bench.json"), &json)?;
     let samples = log.samples().to_vec();
@@ -312,7 +314,7 @@ fn sample(
     Ok((samples, stopped))
 }
 
-/// Draws the report into the folder and says where it is.
+/// Draws the report into the folder and prints its path and findings.
 ///
 /// # Errors
 /// A folder that cannot be written to.

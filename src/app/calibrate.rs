@@ -23,8 +23,8 @@ use crate::{
     world::{World, bvh::Trees},
 };
 
-/// A mirror floor under dull balls, lit by the sun; `COUNT` and `SEGMENTS` say how many balls there are and
-/// how fine they are.
+/// Test scene: a mirror floor under diffuse balls, lit by the sun. `COUNT` and `SEGMENTS` are replaced by the
+/// number of balls along each axis and by the segments of each.
 const SCENE: &str = r#"
 version = 1
 [camera.main]
@@ -55,10 +55,10 @@ shadow = "auto"
 shadow_px = 1024
 "#;
 
-/// Balls along each axis, and the segments of each: rays that meet little, and rays that meet much.
+/// Number of balls along each axis, and segments of each: from scenes where rays visit few BVH nodes to many.
 const BALLS: [([u32; 3], u32); 3] = [([2, 1, 1], 8), ([10, 1, 4], 24), ([10, 3, 10], 64)];
 
-/// What is fitted, each from the frames of all scenes and sizes.
+/// Measurements that each unit cost is fitted to, from the frames of all scenes and sizes.
 #[derive(Default)]
 struct Series {
     raster: Vec<Measured>,
@@ -73,34 +73,34 @@ struct Series {
     pass_ns: f64,
 }
 
-/// How a frame is rendered.
+/// Settings of a timed frame.
 #[derive(Clone, Copy)]
-struct Way {
+struct FrameSetup {
     method: Method,
     visibility: Visibility,
     shadow: ShadowMode,
 }
 
-/// Between them every kind of work is done.
-const WAYS: [Way; 3] = [
-    Way {
+/// Settings of the timed frames; together they run every pass that has a unit cost.
+const SETUPS: [FrameSetup; 3] = [
+    FrameSetup {
         method: Method::Hybrid,
         visibility: Visibility::Raster,
         shadow: ShadowMode::Map,
     },
-    Way {
+    FrameSetup {
         method: Method::Rt,
         visibility: Visibility::Rays,
         shadow: ShadowMode::None,
     },
-    Way {
+    FrameSetup {
         method: Method::Ssr,
         visibility: Visibility::Raster,
         shadow: ShadowMode::Ray,
     },
 ];
 
-/// Runs the command.
+/// Runs `calibrate`.
 ///
 /// # Errors
 /// No usable adapter, or one that cannot time passes; a file that cannot be written.
@@ -109,7 +109,7 @@ pub fn calibrate(args: &CalibrateArgs) -> Result<(), AppError> {
     let gpu = Gpu::new(&GpuOptions {
         adapter_filter: args.adapter.clone(),
     })?;
-    // So large that a frame takes some milliseconds, and different in triangles and in pixels.
+    // Sizes at which a frame takes some milliseconds; scenes and sizes vary both triangle and pixel counts.
     let (scale, sizes) = if gpu.is_software() {
         (1, [[320, 180], [640, 360]])
     } else {
@@ -163,24 +163,24 @@ fn measure(
     let trees = Trees::build(&world, u64::MAX).map_err(|d| AppError::Scene(vec![*d]))?;
     let work = workload(&world, &trees, &options);
     let [maps, rays, ray_shadows] =
-        [0, 1, 2].map(|way| timed(gpu, &world, &options, WAYS[way], frames));
+        [0, 1, 2].map(|setup| timed(gpu, &world, &options, SETUPS[setup], frames));
     series.add(&work, &maps?, &rays?, &ray_shadows?)
 }
 
-/// The shortest times of the passes.
+/// Shortest time of each pass over all timed frames.
 fn timed(
     gpu: &Gpu,
     world: &World,
     options: &RenderOptions,
-    way: Way,
+    setup: FrameSetup,
     frames: u32,
 ) -> Result<FrameStats, AppError> {
     let (mut world, mut options) = (world.clone(), *options);
     for light in &mut world.lights {
-        light.desc.shadow = way.shadow;
+        light.desc.shadow = setup.shadow;
     }
-    options.reflection.method = way.method;
-    options.image.visibility = way.visibility;
+    options.reflection.method = setup.method;
+    options.image.visibility = setup.visibility;
     let refused = |error| AppError::from_render(error, false);
     let library = ShaderLibrary::embedded();
     let mut renderer = Renderer::new(gpu, &library, &world, &options).map_err(refused)?;
@@ -214,7 +214,8 @@ fn ns(stats: &FrameStats, pass: &str) -> f64 {
 }
 
 impl Series {
-    /// Of one scene and size: with shadow maps, without shadows but by rays, and with shadow rays.
+    /// Adds the measurements of one scene at one size: with shadow maps, with rays but no shadows, and with
+    /// shadow rays.
     fn add(
         &mut self,
         work: &Workload,
@@ -232,7 +233,7 @@ impl Series {
         let hits = maps.shares.sources.iter().find(|s| s.name == "screen");
         let hits = hits.map_or(0, |s| s.pixels);
         let unlit_ns = ns(rays, "light");
-        // The arguments pass does next to nothing, twice.
+        // The arguments pass runs twice and does almost nothing, so half its time is the cost of starting a pass.
         let starts = [maps, rays].map(|s| ns(s, "arguments") / 2.0);
         self.pass_ns = starts
             .into_iter()
@@ -309,7 +310,7 @@ impl Series {
     }
 }
 
-/// The costs beside those of the adapter's kind.
+/// Table of the fitted costs beside the built-in ones of the adapter's kind.
 fn table(found: &UnitCosts, kind: &UnitCosts) -> Result<String, AppError> {
     let values = |costs: &UnitCosts| {
         toml::Table::try_from(costs).map_err(|e| AppError::Internal(e.to_string()))
@@ -322,7 +323,7 @@ fn table(found: &UnitCosts, kind: &UnitCosts) -> Result<String, AppError> {
         // Writing to a string cannot fail.
         let here = match number(Some(value)) {
             cost if cost > LEAST_NS => format!("{cost:.4}"),
-            _ => "too small".to_owned(), // to be told from what is measured with it
+            _ => "too small".to_owned(), // the times do not show this cost
         };
         let _ = writeln!(out, "{name:<18}{here:>12}{:>12.4}", number(kind.get(name)));
     }

@@ -1,5 +1,5 @@
-//! Which cameras of a scene are rendered, and the file of each: `--camera a,b` or `all`, and
-//! `{camera}` in the name of the output.
+//! Cameras to render, and the output file of each: `--camera a,b` or `all`, and `{camera}` in the name
+//! of the output.
 
 use std::{
     collections::HashMap,
@@ -9,7 +9,7 @@ use std::{
 use super::{args::RenderArgs, error::AppError, scene::choose_camera};
 use crate::session::scene_text::LoadedScene;
 
-/// Where the name of the camera goes in the name of the output.
+/// Placeholder of the camera's name in the name of the output.
 pub const PLACEHOLDER: &str = "{camera}";
 
 /// One run for each chosen camera: its index into the world's cameras, and the arguments with the
@@ -24,7 +24,7 @@ pub fn runs(args: &RenderArgs, loaded: &LoadedScene) -> Result<Vec<(usize, Rende
     let shown = args.output.display();
     let has_place = is_in(&args.output);
     if let [index] = cameras.as_slice() {
-        // The camera may change from frame to frame.
+        // Cuts may change the camera from frame to frame.
         let follows_cuts = args.camera.is_none() && !loaded.scene.cuts.is_empty();
         let name = if follows_cuts { "cut" } else { name(*index) };
         let output = file_of(&args.output, name);
@@ -69,7 +69,7 @@ pub fn runs(args: &RenderArgs, loaded: &LoadedScene) -> Result<Vec<(usize, Rende
     Ok(runs)
 }
 
-/// Indices of the cameras of `--camera`; a camera whose own name is `all` or has commas comes first.
+/// Indices of the cameras of `--camera`; a camera whose own name is `all` or has commas takes precedence.
 fn choose(loaded: &LoadedScene, asked: Option<&str>) -> Result<Vec<usize>, AppError> {
     let cameras = &loaded.world.cameras;
     let is_one = |name: &str| cameras.iter().any(|camera| camera.name == name);
@@ -99,7 +99,7 @@ fn is_in(output: &Path) -> bool {
     name.is_some_and(|name| name.contains(PLACEHOLDER))
 }
 
-/// The output of a camera; what is hardly part of a file name becomes `_`.
+/// Output file of a camera; characters that are unsafe in file names become `_`.
 fn file_of(output: &Path, camera: &str) -> PathBuf {
     let Some(name) = output.file_name().and_then(|name| name.to_str()) else {
         return output.to_owned();

@@ -1,4 +1,4 @@
-//! `check`: reads a scene, loads what it refers to and poses its frames.
+//! `check`: reads a scene, loads the files that it names and poses its frames.
 
 use std::{
     io::{self, Read as _},
@@ -28,7 +28,7 @@ use crate::{
 const POSING: Duration = Duration::from_secs(2);
 /// Maximum number of displayed lines printed by a script in its frames.
 const MOST_LINES: usize = 100;
-/// What messages call the text of standard input.
+/// Name of standard input in messages.
 const STDIN: &str = "<stdin>";
 
 /// Reports every problem of the scenes.
@@ -62,13 +62,13 @@ pub fn check(args: &CheckArgs) -> Result<(), AppError> {
         print_json(&sarif::log(&all))?;
     }
     match failed {
-        true => Err(AppError::Scene(Vec::new())), // they are printed
+        true => Err(AppError::Scene(Vec::new())), // already printed
         false => Ok(()),
     }
 }
 
-/// The warnings about a scene and a line about it, or all messages. Without a chosen variant each of
-/// them is checked too.
+/// Returns the warnings about a scene and its summary line, or all messages. If no variant is chosen,
+/// each variant is checked too.
 fn check_one(path: &Path, from: &SceneArgs) -> Result<(Vec<Diagnostic>, String), Vec<Diagnostic>> {
     match path == Path::new("-") {
         true => check_source((Path::new(STDIN), Some(&read_stdin()?)), from),
@@ -76,7 +76,7 @@ fn check_one(path: &Path, from: &SceneArgs) -> Result<(Vec<Diagnostic>, String),
     }
 }
 
-/// Everything that is found in a scene of that name whose text may not be saved yet.
+/// All messages about the scene text of a path; the text may be unsaved.
 pub fn messages(path: &Path, text: &str, from: &SceneArgs) -> Vec<Diagnostic> {
     match check_source((path, Some(text)), from) {
         Ok((messages, _)) => messages,
@@ -84,7 +84,7 @@ pub fn messages(path: &Path, text: &str, from: &SceneArgs) -> Vec<Diagnostic> {
     }
 }
 
-/// A file, and its text where that does not come from the file.
+/// Path of a scene, and its text if that is not read from the file.
 type SourceText<'a> = (&'a Path, Option<&'a str>);
 
 fn check_source(
@@ -99,7 +99,7 @@ fn check_source(
             summary,
             variants,
         }) => (messages, summary, variants),
-        // A script that met a limit would do so in each of them.
+        // A script that exceeded a limit would do so in each variant.
         Err(messages) if messages.iter().any(|d| d.name == "script-limit") => return Err(messages),
         Err(messages) => {
             let names = text_of(source, from).map(|text| text.variants());
@@ -137,11 +137,11 @@ fn check_source(
     Ok((messages, summary))
 }
 
-/// What is found in a scene with the chosen variants.
+/// Messages and summary of a scene with the chosen variants.
 struct Checked {
     messages: Vec<Diagnostic>,
     summary: String,
-    /// Names of all its variants.
+    /// Names of all variants of the scene.
     variants: Vec<String>,
 }
 
@@ -160,7 +160,7 @@ fn check_variant(source: SourceText, from: &SceneArgs) -> Result<Checked, Vec<Di
     }
     let mut loaded = opened.load(name)?;
     let mut log = Log::default();
-    let found = look_at(&mut loaded, &mut log);
+    let found = pose_and_lint(&mut loaded, &mut log);
     log.print();
     let mut messages = loaded.warnings;
     let posed = match found {
@@ -196,32 +196,32 @@ fn check_variant(source: SourceText, from: &SceneArgs) -> Result<Checked, Vec<Di
     })
 }
 
-/// All warnings of [`Lint`] about a loaded scene; none where a frame is wrong, of which `check` tells.
+/// All warnings of [`Lint`] about a loaded scene; none if a frame cannot be posed, which `check` reports.
 pub fn lint(loaded: &mut LoadedScene) -> Vec<Diagnostic> {
-    let found = look_at(loaded, &mut Log::default());
+    let found = pose_and_lint(loaded, &mut Log::default());
     found.map_or_else(|_| Vec::new(), |(_, warnings)| warnings)
 }
 
-/// How many frames were posed, and what is hardly meant in them; else all errors.
-fn look_at(
+/// Poses frames; returns their number and the lint warnings, or all errors.
+fn pose_and_lint(
     loaded: &mut LoadedScene,
     log: &mut Log,
 ) -> Result<(u32, Vec<Diagnostic>), Vec<Diagnostic>> {
     let animator = Animator::new(&loaded.scene);
     let mut lint = Lint::new(&loaded.scene);
-    let mut look = |world: &World| lint.frame(world);
+    let mut visit = |world: &World| lint.frame(world);
     let frames = frames_of(&loaded.scene);
-    let posed = pose_all(&animator, &mut loaded.world, frames, log, &mut look)?;
+    let posed = pose_all(&animator, &mut loaded.world, frames, log, &mut visit)?;
     Ok((posed, lint.finish()))
 }
 
-/// Those of the timeline, else the one picture.
+/// Frames of the timeline; without one, the only frame.
 fn frames_of(scene: &Scene) -> RangeInclusive<u32> {
     let first = scene.first_frame();
     first..=scene.timeline.as_ref().map_or(first, |t| t.end)
 }
 
-/// The scene text of standard input; its file names start from the folder that one is in.
+/// Reads scene text from standard input; its relative paths start from the current folder.
 fn read_stdin() -> Result<String, Vec<Diagnostic>> {
     let refuse = |why: String| vec![Diagnostic::in_file("unreadable-file", STDIN.as_ref(), why)];
     let mut bytes = Vec::new();
@@ -266,13 +266,13 @@ impl Log {
 }
 
 /// Poses frames within the time budget, at least the first and the last unless a script exceeds a
-/// limit; returns their number. Script output is added to `log`, and `look` is shown each world.
+/// limit; returns their number. Script output is added to `log`; `visit` is called with each posed world.
 fn pose_all(
     animator: &Animator,
     world: &mut World,
     frames: RangeInclusive<u32>,
     log: &mut Log,
-    look: &mut dyn FnMut(&World),
+    visit: &mut dyn FnMut(&World),
 ) -> Result<u32, Vec<Diagnostic>> {
     let started = Instant::now();
     let (first, last) = (*frames.start(), *frames.end());
@@ -280,7 +280,7 @@ fn pose_all(
     let mut posed = 0;
     for frame in spread(first, last) {
         let is_end = frame == first || frame == last;
-        // A frame that exceeded a limit may have used all its time; the last one would too.
+        // A frame that exceeded a limit may have taken very long, and the last frame would too.
         let met_limit = wrong.iter().any(|(_, e)| e.name == "script-limit");
         if met_limit || (!is_end && started.elapsed() > POSING) {
             break;
@@ -288,7 +288,7 @@ fn pose_all(
         posed += 1;
         let done = animator.pose(frame).and_then(|state| {
             world.apply(&state)?;
-            look(world);
+            visit(world);
             log.add(frame, state.log);
             Ok(())
         });
@@ -310,7 +310,7 @@ fn pose_all(
     }
 }
 
-/// Both ends, then successively finer steps between them; each frame once.
+/// Frame numbers: both ends, then successively finer steps between them; each frame once.
 fn spread(first: u32, last: u32) -> impl Iterator<Item = u32> {
     let length = last - first;
     let most = u32::BITS - length.leading_zeros();

@@ -26,7 +26,7 @@ use crate::bench::compare::CompareArgs;
 #[derive(Clone, Debug, Parser)]
 #[command(name = "reflet", version, arg_required_else_help = true)]
 pub struct Cli {
-    /// What to do.
+    /// Command to run.
     #[command(subcommand)]
     pub command: Command,
 }
@@ -43,30 +43,30 @@ pub enum Command {
     )]
     Preview(PreviewArgs),
     /// Read scenes and everything they refer to, pose their frames, and report every problem, with
-    /// warnings about what is allowed but hardly meant; needs no GPU
+    /// warnings about likely mistakes; needs no GPU
     Check(CheckArgs),
-    /// Print what a scene holds: counts, sizes in meters, memory; needs no GPU
+    /// Print the contents of a scene: counts, sizes in meters, memory; needs no GPU
     Info(InfoArgs),
-    /// Measure what pieces of work take on this adapter, for --plan
+    /// Measure the unit costs of rendering work on this adapter, for --plan
     Calibrate(CalibrateArgs),
     /// Write what a render farm needs to render a film in parts; needs no GPU
     Job {
-        /// For which farm
+        /// Kind of render farm
         #[command(subcommand)]
         command: JobCommand,
     },
     /// Write a scene and everything that it reads into one ZIP file, to be rendered elsewhere; needs no GPU
     Pack(PackArgs),
-    /// Make the folder of a pack, checked file by file, and print how it is rendered; needs no GPU
+    /// Unpack a pack into a new folder, checking every file, and print the command that renders it; needs no GPU
     Unpack(UnpackArgs),
-    /// Judge a picture against a reference
+    /// Compare a picture with a reference
     #[cfg_attr(not(feature = "bench"), command(hide = true, disable_help_flag = true))]
     Compare(CompareArgs),
     /// Measure speed against accuracy, and draw a report
     #[cfg_attr(not(feature = "bench"), command(hide = true, disable_help_flag = true))]
     Bench(Box<BenchArgs>),
-    /// Serve an editor that starts it: messages as of check, completion, hover and definitions for scene text
-    /// and scripts (Language Server Protocol, on standard input and output); needs no GPU
+    /// Run a language server for editors, which start it: diagnostics as in check, completion, hover and definitions
+    /// for scene text and scripts (Language Server Protocol, on standard input and output); needs no GPU
     Lsp,
     /// Print the JSON Schema of scene text, for editors
     Schema,
@@ -81,22 +81,22 @@ pub enum Command {
     /// Print completions for a shell, such as for bash into
     /// ~/.local/share/bash-completion/completions/reflet
     Completions {
-        /// Which shell
+        /// Shell to write completions for
         shell: clap_complete::Shell,
     },
     /// Print the manual page of Reflet or of one of its commands: reflet man render | man -l -
     Man {
-        /// The command, such as render or bench paper; without one, all of Reflet
+        /// Command, such as render or bench paper; without one, all of Reflet
         command: Vec<String>,
     },
 }
 
-/// Arguments of a command that this build leaves out: anything, so that the message is about the
+/// Arguments of a command that this build leaves out: any are accepted, so that the error is about the
 /// build.
 #[cfg(not(feature = "preview"))]
 #[derive(Clone, Debug, clap::Args)]
 pub struct LeftOutArgs {
-    /// Not read.
+    /// Ignored arguments.
     #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
     pub rest: Vec<std::ffi::OsString>,
 }

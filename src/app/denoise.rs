@@ -16,7 +16,7 @@ use crate::{
     world::{Instance, World},
 };
 
-/// Its file, by its major version, which its interface has had since 2023.
+/// File name of the library with its major version; the interface of version 2 dates from 2023.
 #[cfg(target_os = "linux")]
 const FILE: &str = "libOpenImageDenoise.so.2";
 #[cfg(target_os = "macos")]
@@ -24,10 +24,10 @@ const FILE: &str = "libOpenImageDenoise.2.dylib";
 #[cfg(not(any(target_os = "linux", target_os = "macos")))]
 const FILE: &str = "OpenImageDenoise.dll";
 
-/// Folder of the library, if the system does not find it.
+/// Environment variable with the folder of the library, for systems that do not find it.
 const FOLDER: &str = "REFLET_OIDN";
 
-/// What tells it where surfaces end.
+/// AOVs from which the guide images (albedo and normal) are made.
 const GUIDES: [Aov; 6] = [
     Aov::BaseColor,
     Aov::Emission,
@@ -37,12 +37,13 @@ const GUIDES: [Aov; 6] = [
     Aov::HitIds,
 ];
 
-/// Roughness below which reflections are sharp.
+/// Roughness below which reflections count as sharp.
 const SHARP: f32 = 0.05;
-/// Reflectance from which on a sharp reflection is what a pixel shows: then its guide is of what is reflected.
+/// Reflectance above which a pixel with a sharp reflection mainly shows that: its albedo guide is then the
+/// albedo of the reflected surface.
 const MIRROR: f32 = 0.2;
 
-// Of `oidn.h`.
+// Constants of `oidn.h`.
 const DEVICE_CPU: c_int = 1;
 const FORMAT_FLOAT3: c_int = 3;
 
@@ -51,20 +52,20 @@ type Handle = *mut c_void;
 /// The loaded library.
 pub struct Denoiser {
     library: Library,
-    /// How many AOVs are written, before those that guide it.
+    /// Number of AOVs that are written; the guide AOVs follow them.
     written: usize,
-    /// What each instance looks like in a mirror, without its texture.
+    /// Albedo of each instance in a mirror: base color plus emission, at most 1, without textures.
     colors: Vec<[f32; 3]>,
 }
 
-/// A filter's input or output: its name, and three floats a pixel.
+/// An input or output image of a filter: its name in the library, and three floats per pixel.
 struct Image<'a>(&'a CStr, &'a mut [f32]);
 
 impl Denoiser {
-    /// Loads the library, for pictures of a world that are written with these AOVs.
+    /// Loads the library, for pictures of `world` that are written with `aovs`.
     ///
     /// # Errors
-    /// It is not installed, with what to do.
+    /// [`AppError::Usage`] if it is not installed, with instructions.
     pub fn new(aovs: &[Aov], world: &World) -> Result<Self, AppError> {
         let folder = env::var_os(FOLDER).filter(|folder| !folder.is_empty());
         let path = folder.map_or_else(|| FILE.into(), |folder| PathBuf::from(folder).join(FILE));
@@ -72,8 +73,8 @@ impl Denoiser {
             unsafe_code,
             reason = "the library is no build dependency: most machines lack it"
         )]
-        // SAFETY: the library of this name runs no code of its own when it is loaded but that of C++
-        // constructors, as when a program is linked to it.
+        // SAFETY: loading the library of this name runs no code of its own but C++ constructors, as when a
+        // program is linked to it.
         let library = unsafe { Library::new(&path) };
         let library = library.map_err(|error| {
             AppError::Usage(format!(
@@ -96,17 +97,17 @@ impl Denoiser {
         })
     }
 
-    /// The AOVs of a picture that is to be denoised: those that are asked for, then what guides it.
+    /// AOVs to render for denoising: the requested ones, then the missing guides.
     pub fn aovs(requested: &[Aov]) -> Vec<Aov> {
         let guides = GUIDES.into_iter().filter(|g| !requested.contains(g));
         requested.iter().copied().chain(guides).collect()
     }
 
-    /// Denoises linear and display color of a picture with the planes of [`Denoiser::aovs`], and drops those
-    /// that are not written.
+    /// Denoises the linear and the display color of a picture with the planes of [`Denoiser::aovs`], and drops
+    /// the planes that were added as guides.
     ///
     /// # Errors
-    /// What the library says.
+    /// [`AppError::Internal`] with the library's message.
     pub fn apply(&self, picture: &mut Picture) -> Result<(), AppError> {
         let guides = (
             self.albedo(&picture.planes),
@@ -118,7 +119,7 @@ impl Denoiser {
             let clean = self.filtered(picture.size, linear, &guides, c"hdr")?;
             let pixels = picture.color.chunks_exact_mut(4);
             for (pixel, clean) in pixels.zip(clean.chunks_exact(3)) {
-                // Where nothing is there is no light, also where the library has spread some.
+                // Empty pixels stay black, even where the filter has spread light.
                 let is_there = !picture.alpha || pixel[3] > 0.0;
                 pixel[..3].copy_from_slice(if is_there { clean } else { &[0.0; 3] });
             }
@@ -138,7 +139,7 @@ impl Denoiser {
         Ok(())
     }
 
-    /// The color of what pixels show, and in sharp mirrors of what these do.
+    /// Albedo guide: the albedo of each pixel's surface, in sharp mirrors that of the reflected surface.
     fn albedo(&self, planes: &[Plane]) -> Vec<f32> {
         let mut albedo = values(planes, Aov::BaseColor);
         for (albedo, emission) in albedo.iter_mut().zip(values(planes, Aov::Emission)) {
@@ -160,7 +161,7 @@ impl Denoiser {
         albedo
     }
 
-    /// A picture of three floats a pixel without its noise; `kind` is the flag of its filter that is set.
+    /// Denoised copy of an image with three floats per pixel; `kind` is the filter's flag, `hdr` or `srgb`.
     fn filtered(
         &self,
         size: [u32; 2],
@@ -189,7 +190,7 @@ impl Denoiser {
         }
         macro_rules! function {
             ($name:ident($($argument:ty),* $(,)?) $(-> $result:ty)?) => {
-                // SAFETY: the type is that of `oidn.h`, version 2.
+                // SAFETY: the function type is that of `oidn.h`, version 2.
                 unsafe {
                     let name = concat!(stringify!($name), "\0");
                     self.library
@@ -220,9 +221,8 @@ impl Denoiser {
         let commit_filter = function!(oidnCommitFilter(Handle));
         let run = function!(oidnExecuteFilter(Handle));
         let release_filter = function!(oidnReleaseFilter(Handle));
-        // SAFETY: handles are used between their making and their release; images have three floats for each
-        // of the pixels (checked above) and live until the filter is released; a device on the CPU reads them
-        // where they are.
+        // SAFETY: handles are used only between creation and release; images have three floats for each pixel
+        // (checked above) and live until the filter is released; a CPU device reads and writes them in place.
         unsafe {
             let device = new_device(DEVICE_CPU);
             commit_device(device);
@@ -258,7 +258,7 @@ impl Denoiser {
     }
 }
 
-/// The values of an AOV that a picture has.
+/// Values of a float AOV of the picture; empty if it is missing.
 fn values(planes: &[Plane], aov: Aov) -> Vec<f32> {
     let plane = planes.iter().find(|plane| plane.name == aov.name());
     match plane.map(|plane| &plane.data) {

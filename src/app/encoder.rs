@@ -50,9 +50,9 @@ pub struct Rendered {
     pub frame: u32,
     /// Picture being rendered.
     pub picture: PendingPicture,
-    /// Its fingerprint.
+    /// Fingerprint of the frame.
     pub mark: String,
-    /// Start of its rendering.
+    /// Time at which its rendering started.
     pub started: Instant,
 }
 
@@ -63,15 +63,15 @@ pub type Failures = Vec<(u32, String)>;
 pub struct Encoders<'a> {
     gpu: &'a Gpu,
     target: &'a Target,
-    /// Removes the grain of each frame, if that is asked for.
+    /// Denoiser of the frames, if requested.
     denoiser: Option<Arc<Denoiser>>,
     progress: Mutex<Progress>,
     failures: Mutex<Failures>,
-    /// Error of a full disk.
+    /// Message about a full disk, once it is full.
     full: Mutex<Option<String>>,
     /// Frames written by this run.
     written: Mutex<HashSet<u32>>,
-    /// Statistics of the last of them.
+    /// Statistics of the frame that was written last.
     last: Mutex<Option<FrameStats>>,
 }
 

@@ -65,9 +65,9 @@ pub fn of_run(args: &RenderArgs, session: &RenderSession) -> Result<u128, AppErr
             add(&read(&file)?);
         }
     }
-    // Decided, where the scene leaves a choice.
+    // Settings left to `auto` are hashed as they were decided.
     let options = RenderOptions {
-        audit: false, // it looks at the picture
+        audit: false, // an audit does not change the picture
         ..*session.scene.options()
     };
     add(format!("{options:?}").as_bytes());
@@ -100,7 +100,7 @@ fn check_unchanged(path: &Path, since: SystemTime) -> Result<(), AppError> {
     }
 }
 
-/// Time of the last change of content or name, so that a renamed older file counts.
+/// Time of the last change of content or name, so that a renamed older file counts as changed.
 #[cfg(unix)]
 fn changed_at(file: &fs::Metadata) -> io::Result<SystemTime> {
     use std::os::unix::fs::MetadataExt as _;
@@ -178,7 +178,7 @@ mod tests {
             Err(AppError::Internal(text)) => assert!(text.contains("was saved while"), "{text}"),
             other => panic!("{other:?}"),
         }
-        // Renamed over it, with an old modification time.
+        // A file with an old modification time is renamed over the read one.
         let old = fs::File::options().write(true).open(&path).expect("there");
         old.set_modified(now - 2 * hour).expect("settable");
         assert_eq!(check_unchanged(&path, now - hour).is_err(), cfg!(unix));

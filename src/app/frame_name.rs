@@ -1,4 +1,4 @@
-//! File names of frames: where the number of a frame goes, in the notations of other programs too.
+//! File names of frames, with placeholders of the frame number, also in the notations of other programs.
 
 use std::{
     ops::Range,
@@ -10,7 +10,7 @@ use super::{cameras::PLACEHOLDER, error::AppError, frames::clipped};
 /// Maximum number of digits in a placeholder; more than a frame number has.
 const MOST_DIGITS: usize = 20;
 
-/// Notations that are understood, for messages.
+/// Notations of placeholders that are understood, for messages.
 const KNOWN: &str = "write #### (or %04d, $F4, <frame>, {frame:04})";
 
 /// A file name with a frame number placeholder, `film.####.png`.
@@ -79,7 +79,7 @@ impl Template {
     }
 }
 
-/// The placeholder in the names of folders that do not exist. A lone `#` may belong to a name.
+/// Placeholder in the name of a folder that does not exist. A lone `#` may be part of a name.
 fn in_folder(folder: &Path) -> Option<String> {
     if folder.is_dir() {
         return None;
@@ -89,10 +89,10 @@ fn in_folder(folder: &Path) -> Option<String> {
     (&text[at.clone()] != "#").then(|| text[at].to_owned())
 }
 
-/// Length of a placeholder and its digits, or what is wrong with it.
+/// Length of a placeholder in bytes and its number of digits, or an error message.
 type Found = Result<(usize, usize), String>;
 
-/// Every placeholder of a name, and how many digits it has.
+/// Ranges of all placeholders in a name, with their numbers of digits.
 fn places(name: &str) -> Result<Vec<(Range<usize>, usize)>, String> {
     let mut found = Vec::new();
     let mut at = 0;
@@ -136,7 +136,7 @@ fn digits_of(text: &str) -> usize {
     text.bytes().take_while(u8::is_ascii_digit).count()
 }
 
-/// `text` as a count of digits; one too large for a number is too large for a name too.
+/// Number of digits that `text` asks for, at least 1; an overflow gives the maximum, which is refused later.
 fn count(text: &str) -> usize {
     text.parse()
         .unwrap_or(if text.is_empty() { 1 } else { usize::MAX })
@@ -187,7 +187,7 @@ fn houdini(text: &str) -> Option<Found> {
 /// Python. Another word in brackets is most likely a placeholder of another program.
 fn bracketed(text: &str, close: char) -> Option<Found> {
     if text.starts_with(PLACEHOLDER) {
-        return None; // of the camera
+        return None; // `{camera}`, not a frame number
     }
     let length = text.find(close)? + 1;
     let inner = text[1..length - 1].to_ascii_lowercase();

@@ -13,7 +13,7 @@ use crate::scene::desc::TimelineDesc;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FrameList(pub Vec<u32>);
 
-/// Maximum length of a quoted argument, characters.
+/// Maximum length of an argument quoted in a message, characters.
 const REPEATED: usize = 60;
 
 /// `--shard i/n`: every n-th frame, from the i-th.
@@ -60,7 +60,7 @@ impl FrameList {
         Ok(Self(frames))
     }
 
-    /// The part of a shard.
+    /// Frames of one shard.
     pub fn shard(self, shard: Option<Shard>) -> Self {
         let Some(Shard { index, count }) = shard else {
             return self;
@@ -130,7 +130,7 @@ fn range(part: &str) -> Result<[u32; 3], String> {
 /// Parses `--shard`.
 ///
 /// # Errors
-/// Description of the error.
+/// Message that names the expected form.
 pub fn parse_shard(text: &str) -> Result<Shard, String> {
     let parts = text.split_once('/');
     let pair = parts.and_then(|(i, n)| Some((i.trim().parse().ok()?, n.trim().parse().ok()?)));

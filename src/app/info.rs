@@ -32,7 +32,7 @@ use crate::{
 /// Output of `info --json`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Info {
-    /// The scene file, or the built-in atrium.
+    /// Path of the scene file, or the name of the built-in atrium.
     pub scene: String,
     /// Names of the cameras; the first is the default.
     pub cameras: Vec<String>,
@@ -42,9 +42,9 @@ pub struct Info {
     pub triangles_stored: usize,
     /// Triangles of all instances, as rendered.
     pub triangles_placed: usize,
-    /// Placements of meshes.
+    /// Instances of meshes.
     pub instances: usize,
-    /// Placements that may move.
+    /// Instances that may move.
     pub instances_dynamic: usize,
     /// Materials.
     pub materials: usize,
@@ -64,13 +64,13 @@ pub struct Info {
     pub variants: Vec<ListedVariants>,
     /// First frame, last frame and frames a second; `None` without a timeline.
     pub timeline: Option<Timeline>,
-    /// Which camera is shown from which frame on.
+    /// Cuts of the timeline, each with the camera shown from its frame on.
     pub cuts: Vec<Cut>,
     /// Animated values and their sources.
     pub moves: Vec<String>,
     /// Parameters of the script, as scene text.
     pub params: Vec<String>,
-    /// Those of placed scenes, with the values that they have there, by the names of their groups.
+    /// Parameters of the scripts of placed scenes, with their values there, by the names of the scenes' groups.
     pub placed_params: BTreeMap<String, Vec<String>>,
     /// Smallest and largest corner of the static bounds, meters; `None` for an empty scene.
     pub bounds_m: Option<[[f32; 3]; 2]>,
@@ -84,17 +84,17 @@ pub struct Info {
     pub geometry_bytes: u64,
     /// Images with their mip levels, bytes.
     pub texture_bytes: u64,
-    /// Trees that rays are traced through, bytes.
+    /// BVHs that rays are traced through, bytes.
     pub tree_bytes: u64,
     /// Maximum number of consecutive reflections in this scene.
     pub bounces: u32,
-    /// What is left to `auto`, and what is chosen on software adapters.
+    /// Settings left to `auto`, and their values on software adapters.
     pub decided_software: Vec<Decision>,
-    /// The same on all others.
+    /// Settings left to `auto`, and their values on GPUs.
     pub decided_gpu: Vec<Decision>,
-    /// What the file of `--plan` makes of it; `None` without one.
+    /// Decisions by the unit costs in the `--plan` file; `None` without one.
     pub decided_plan: Option<AdapterDecisions>,
-    /// Features that the plan drops, and why that changes nothing.
+    /// Features that the plan drops, and why the picture stays the same.
     pub left_out: Vec<Dropped>,
     /// Warnings, as `check` counts them for the chosen variant.
     pub warnings: usize,
@@ -116,9 +116,9 @@ pub struct Timeline {
 /// Decisions for one adapter.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct AdapterDecisions {
-    /// Its name.
+    /// Name of the adapter.
     pub adapter: String,
-    /// As those of kinds of adapters.
+    /// Settings left to `auto`, and their values.
     pub decisions: Vec<Decision>,
 }
 
@@ -127,7 +127,7 @@ pub struct AdapterDecisions {
 pub struct Cut {
     /// First frame of the camera.
     pub frame: u32,
-    /// Its name.
+    /// Name of the camera.
     pub camera: String,
 }
 
@@ -152,7 +152,7 @@ pub fn info(args: &InfoArgs) -> Result<(), AppError> {
     }
 }
 
-/// Counts and measures a loaded scene. `plan` decides beside what ships for kinds of adapters.
+/// Counts and measures a loaded scene. `plan_file` adds decisions by its unit costs to those of adapter kinds.
 ///
 /// # Errors
 /// [`AppError::Scene`] when its trees cannot be built.

@@ -1,4 +1,4 @@
-//! `job`: what a render farm needs to render a film in parts.
+//! `job`: files with which a render farm renders a film in parts.
 
 mod slurm;
 
@@ -27,7 +27,7 @@ use crate::{
     session::scene_text::{LoadedScene, asset_folders},
 };
 
-/// `job`
+/// Arguments of `job`.
 #[derive(Clone, Debug, Subcommand)]
 pub enum JobCommand {
     /// Write a job bundle for farms that read Open Job Description, such as AWS Deadline Cloud
@@ -36,7 +36,7 @@ pub enum JobCommand {
     Slurm(Box<SlurmArgs>),
 }
 
-/// What is rendered in parts
+/// Film to render in parts
 #[derive(Clone, Debug, Args)]
 pub struct TaskArgs {
     /// Scene file
@@ -44,19 +44,19 @@ pub struct TaskArgs {
     /// Files of the frames, such as out/film.####.exr
     #[arg(long, value_name = "FILE")]
     pub pictures: PathBuf,
-    /// Frames, as render takes them
+    /// Frames to render, in the syntax of render --frames
     #[arg(long, value_name = "LIST", default_value = "all")]
     pub frames: String,
-    /// Frames of one task, 1 to 10000
+    /// Number of frames of one task, 1 to 10000
     #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=10000))]
     pub chunk: u32,
-    /// What is changed in the scene
+    /// Overrides of scene values
     #[command(flatten)]
     pub from: SceneArgs,
     /// Width and height in pixels, each 1 to 16384
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     pub size: Option<[u32; 2]>,
-    /// Which camera of the scene; without it those of its cuts, else `main`, else the first
+    /// Camera of the scene; without it those of its cuts, else `main`, else the first
     #[arg(long, value_name = "NAME")]
     pub camera: Option<String>,
 }
@@ -87,7 +87,7 @@ impl TaskArgs {
         Ok(Film { loaded, frames })
     }
 
-    /// The options of `render` that say what is rendered, but for files and frames.
+    /// Options of `render` that determine the pictures, except files and frames.
     fn options(&self) -> Vec<String> {
         let mut options = Vec::new();
         let mut option = |name: &str, value: &str| {
@@ -112,10 +112,10 @@ impl TaskArgs {
     }
 }
 
-/// `job openjd`
+/// Arguments of `job openjd`.
 #[derive(Clone, Debug, Args)]
 pub struct OpenjdArgs {
-    /// What is rendered
+    /// Film to render in parts
     #[command(flatten)]
     pub tasks: TaskArgs,
     /// Folder to write template.json, parameter_values.json and asset_references.json to
@@ -123,7 +123,7 @@ pub struct OpenjdArgs {
     pub output: PathBuf,
 }
 
-/// Writes what a farm needs.
+/// Writes the files for a farm.
 ///
 /// # Errors
 /// Errors of the scene, [`AppError::Usage`] for names that a farm cannot use, and files that cannot
@@ -135,7 +135,7 @@ pub fn job(command: &JobCommand) -> Result<(), AppError> {
     }
 }
 
-/// Open Job Description 2023-09 with its extension for chunks of tasks (RFC 0001), in the layout of a
+/// Writes an Open Job Description 2023-09 with its extension for chunks of tasks (RFC 0001), in the layout of a
 /// Deadline Cloud job bundle. Paths are parameters, so that the farm's path mapping applies to them.
 fn openjd(args: &OpenjdArgs) -> Result<(), AppError> {
     let OpenjdArgs {
@@ -176,13 +176,13 @@ fn openjd(args: &OpenjdArgs) -> Result<(), AppError> {
     Ok(())
 }
 
-/// A path that does not depend on the folder that one is in; it need not exist.
+/// Absolute path, independent of the current folder; the file need not exist.
 fn absolute(path: &Path) -> Result<PathBuf, AppError> {
     std::path::absolute(path)
         .map_err(|error| AppError::Usage(format!("{}: {error}", path.display())))
 }
 
-/// What a bundle is made of.
+/// Content of a job bundle.
 struct Bundle<'a> {
     args: &'a TaskArgs,
     scene: PathBuf,
@@ -196,7 +196,7 @@ impl Bundle<'_> {
         self.pictures.parent().unwrap_or(Path::new("/"))
     }
 
-    /// Names and paths of the parameters that are folders or files.
+    /// Names and paths of the parameters that are folders or files, each with object type and data flow.
     fn paths(&self) -> Vec<(String, &Path, &'static str, &'static str)> {
         let mut paths = vec![
             ("Scene".to_owned(), self.scene.as_path(), "FILE", "IN"),
@@ -209,7 +209,7 @@ impl Bundle<'_> {
         paths
     }
 
-    /// `template.json`
+    /// Content of `template.json`.
     fn template(&self) -> Result<Value, AppError> {
         let mut parameters: Vec<Value> = (self.paths().into_iter())
             .map(|(name, _, object, flow)| {
@@ -243,14 +243,14 @@ impl Bundle<'_> {
                 "script": { "actions": { "onRun": {
                     "command": "reflet",
                     "args": self.command()?,
-                    // It finishes the frame that it is at, and --resume continues after it.
+                    // A canceled task finishes its current frame, and --resume continues after that frame.
                     "cancelation": { "mode": "NOTIFY_THEN_TERMINATE" },
                 } } },
             }],
         }))
     }
 
-    /// The arguments of a task.
+    /// Command-line arguments of a task.
     fn command(&self) -> Result<Vec<String>, AppError> {
         let args = self.args;
         let name = self.pictures.file_name().unwrap_or_default();
@@ -278,14 +278,14 @@ impl Bundle<'_> {
         Ok(command)
     }
 
-    /// `parameter_values.json`
+    /// Content of `parameter_values.json`.
     fn values(&self) -> Value {
         let value = |(name, path, ..): (String, &Path, _, _)| json!({ "name": name, "value": path.display().to_string() });
         let values: Vec<_> = self.paths().into_iter().map(value).collect();
         json!({ "parameterValues": values })
     }
 
-    /// `asset_references.json`: every file that the scene reads, and where the frames go.
+    /// Content of `asset_references.json`: every file that the scene reads, and the folder of the frames.
     fn references(&self, loaded: &LoadedScene) -> Value {
         let mut files: BTreeSet<String> = (loaded.world.files.iter())
             .map(|file| file.display().to_string())
@@ -298,11 +298,11 @@ impl Bundle<'_> {
     }
 }
 
-/// A text that stands for itself in a template.
+/// Checks that a text has no braces, which a template would expand.
 fn plain(text: &str) -> Result<String, AppError> {
     if text.contains("{{") || text.contains(cameras::PLACEHOLDER) {
         return Err(AppError::Usage(format!(
-            "\"{text}\" has braces, which mean something else to a farm; take another name"
+            "\"{text}\" has braces, which a farm would expand; choose another name"
         )));
     }
     Ok(text.to_owned())

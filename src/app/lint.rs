@@ -1,5 +1,5 @@
-//! Lint: what is allowed in a scene but hardly meant. `check` reports it as warnings, each with its
-//! place and what to do.
+//! Lint: likely mistakes in valid scenes. `check` reports them as warnings, each with its place and
+//! what to do.
 
 mod ignored;
 mod inside;
@@ -18,9 +18,9 @@ use crate::{
     world::{Light, World, bvh::Trees},
 };
 
-/// Most triangles of a scene whose rays are followed, so that a check stays a matter of seconds.
+/// Maximum number of triangles of a scene in which lint rays are traced, so that a check takes seconds.
 const MOST_TRIANGLES: usize = 4_000_000;
-/// Largest buffer of the trees, bytes; they stay on the CPU.
+/// Largest BVH buffer, bytes; the trees stay on the CPU.
 const TREE_LIMIT: u64 = 4 << 30;
 
 /// Collects warnings while frames are posed.
@@ -33,7 +33,7 @@ pub struct Lint<'a> {
 }
 
 impl<'a> Lint<'a> {
-    /// Looks at what is written.
+    /// Starts with the warnings about texts: unused parameters, and scripts.
     pub fn new(scene: &'a Scene) -> Self {
         let mut found = unused::params(scene);
         if let Some(script) = &scene.script {
@@ -47,7 +47,7 @@ impl<'a> Lint<'a> {
         }
     }
 
-    /// Looks at a posed frame; geometry is looked at in the first one only.
+    /// Checks a posed frame; geometry is checked in the first frame only.
     pub fn frame(&mut self, world: &World) {
         self.is_lit |= is_lit(world);
         if !std::mem::replace(&mut self.is_first, false) {
@@ -74,7 +74,7 @@ impl<'a> Lint<'a> {
     pub fn finish(mut self) -> Vec<Diagnostic> {
         if !self.is_lit {
             let is_dark = |d: &Diagnostic| matches!(d.name, "black-picture" | "black-reflector");
-            self.found.retain(|d| !is_dark(d)); // it follows from that
+            self.found.retain(|d| !is_dark(d)); // darkness follows from the missing light
             let message = "the scene has no light: no lamp, no environment, nothing that emits";
             let help = "write `[environment]` with `color = [0.5, 0.6, 0.8]`, or `[light.sun]` with \
                         `kind = \"directional\"`, `direction = [-1, -2, -1]`, `intensity_lux = 3`";
@@ -93,13 +93,13 @@ impl<'a> Lint<'a> {
         self.found.into_iter().map(Diagnostic::warning).collect()
     }
 
-    /// What `render` would refuse on this machine.
+    /// Error that `render` would report on this machine.
     pub fn refused_here(scene: &Scene, world: &World) -> Option<Diagnostic> {
         let is_traced = traces_rays(world, &RenderOptions::of(scene));
         size::refused_here(world, is_traced)
     }
 
-    /// The first line of the scene's text, as far as that is known from its tables.
+    /// Start of the scene's text, if one of its tables is known to come from a text.
     fn start(&self) -> Span {
         let desc = &self.scene.desc;
         let tables = (desc.models.iter().map(|e| &e.at))
@@ -113,7 +113,7 @@ impl<'a> Lint<'a> {
     }
 }
 
-/// Whether anything shines.
+/// Whether there is any light: an environment, a light or an emissive instance.
 fn is_lit(world: &World) -> bool {
     let shines =
         |light: &Light| light.desc.color.max_element() > 0.0 && light.desc.kind.intensity() > 0.0;

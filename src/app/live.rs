@@ -42,7 +42,7 @@ mod reload;
 mod reload_job;
 mod write_back;
 
-pub use open::Begins;
+pub use open::InitialBuild;
 pub use parameter_trial::Refusal;
 use parameter_trial::TrialState;
 pub use pose::Edit;
@@ -111,9 +111,9 @@ pub struct Reload {
     pub rebuilt: RebuildSummary,
     /// Total time until the next frame can be rendered.
     pub took: Duration,
-    /// Part of it for reading texts, running scripts and posing the frame.
+    /// Part of `took` for reading texts, running scripts and posing the frame.
     pub parse: Duration,
-    /// Part of it for pipeline compilation by the driver.
+    /// Part of `took` for pipeline compilation by the driver.
     pub driver: Duration,
 }
 
@@ -143,16 +143,16 @@ pub struct Live {
     world: World,
     asset_cache: AssetCache,
     renderer: Renderer,
-    /// What is shown first, while most of what the scene needs is not built.
+    /// World of the coarse first picture, until [`Live::complete`] has built the rest.
     coarse: Option<World>,
-    /// Decided for a scene with method `auto`, before the view chose another.
+    /// Method that was decided for a scene with method `auto`, before the view chose another.
     auto_method: Method,
     overrides: ViewOverrides,
     /// Models, images and other files, existing or not.
     dependencies: Dependencies,
     /// Scripts and included files, existing or not.
     texts: Dependencies,
-    /// The same for a scene being read.
+    /// Scripts and included files of a scene that is being read.
     pending_texts: Dependencies,
     read_since: SystemTime,
     declared: DeclaredParameters,
@@ -200,7 +200,7 @@ impl Live {
             };
             (path, kind)
         });
-        // The world lists these by their resolved paths.
+        // The world lists these files by their resolved paths.
         let resolved = self.scene.text_files();
         let read = self
             .world
@@ -219,7 +219,7 @@ impl Live {
         (list, self.read_since)
     }
 
-    /// What is overridden.
+    /// View settings in effect.
     pub fn overrides(&self) -> ViewOverrides {
         self.overrides
     }
@@ -245,16 +245,16 @@ impl Live {
     /// Renders into the targets.
     ///
     /// # Errors
-    /// As [`Renderer::render`].
+    /// Same errors as [`Renderer::render`].
     pub fn render(&mut self, camera: &CameraDesc) -> Result<FrameStats, RenderError> {
         self.render_by(&|_| camera.clone())
     }
 
-    /// Renders into the targets what a camera sees that may move with the world: each of several sub-frames
-    /// shows another moment while the shutter is open.
+    /// Renders into the targets with a camera that may move with the world: while the shutter is open, each
+    /// sub-frame shows another moment.
     ///
     /// # Errors
-    /// As [`Live::render`], and what a script does wrong at one of the moments.
+    /// Same errors as [`Live::render`], and errors of a script at one of the moments.
     pub fn render_by(
         &mut self,
         camera: &dyn Fn(&World) -> CameraDesc,
@@ -269,7 +269,7 @@ impl Live {
         let mut moments = OpenShutter::new(&self.scene, &mut self.world, self.posed, &edited);
         let rendered = (self.renderer).render_moments(&self.gpu, &mut moments, camera);
         if rendered.is_err() {
-            // What is picked and inspected is that of the frame; its pose was valid before.
+            // Picking and inspection need the pose of the frame, which was valid before.
             let _ = moments.pose(samples - 1, samples);
             let _ = self.renderer.update(&self.gpu, &self.world);
         }
@@ -297,7 +297,7 @@ impl Live {
         &self.renderer
     }
 
-    /// The method that the scene asks for; of `auto`, what was decided last.
+    /// Method of the scene; for `auto`, the one that was decided last.
     pub fn scene_method(&self) -> Method {
         match self.scene.reflection.method {
             Method::Auto => self.auto_method,

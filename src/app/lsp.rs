@@ -33,13 +33,16 @@ use crate::{
 /// Serves one client until it says `exit` or closes its pipe.
 ///
 /// # Errors
-/// [`AppError::Usage`] where the client writes what is no message.
+/// [`AppError::Usage`] if the client sends an invalid message.
 pub fn lsp() -> Result<(), AppError> {
     let (connection, threads) = Connection::stdio();
     let served = serve(&connection);
-    drop(connection); // else its thread waits for more to write
-    let refuse =
-        |error: String| AppError::Usage(format!("the client of `lsp` is at fault: {error}"));
+    drop(connection); // otherwise its writer thread waits for messages
+    let refuse = |error: String| {
+        AppError::Usage(format!(
+            "the client of `lsp` sent an invalid message: {error}"
+        ))
+    };
     threads.join().map_err(|error| refuse(error.to_string()))?;
     served.map_err(refuse)
 }
@@ -58,7 +61,7 @@ fn serve(connection: &Connection) -> Result<(), String> {
         connection,
         open: BTreeMap::new(),
         changed: BTreeMap::new(),
-        told: BTreeMap::new(),
+        published: BTreeMap::new(),
     };
     for message in &connection.receiver {
         match message {
@@ -69,24 +72,24 @@ fn serve(connection: &Connection) -> Result<(), String> {
                 {
                     return Ok(());
                 }
-                server.answer(request);
+                server.handle_request(request);
             }
-            Message::Notification(notification) => server.hear(&notification),
+            Message::Notification(notification) => server.handle_notification(&notification),
             Message::Response(_) => {}
         }
         if connection.receiver.is_empty() {
-            server.check_changed(); // once for all that was typed meanwhile
+            server.check_changed(); // one check for several changes
         }
     }
     Ok(())
 }
 
-/// How much of a text is checked.
+/// Extent of a check.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Extent {
-    /// The text and the script's `setup`: at each change.
+    /// The text and the script's `setup`, at each change.
     Text,
-    /// All that `check` looks at: at opening and saving.
+    /// Everything that `check` does, at opening and saving.
     Whole,
 }
 
@@ -95,16 +98,16 @@ struct Server<'a> {
     /// Open texts, by URI.
     open: BTreeMap<String, TextFile>,
     changed: BTreeMap<String, Extent>,
-    /// Files with messages, by the scene whose check found them.
-    told: BTreeMap<String, BTreeSet<String>>,
+    /// Files with published diagnostics, by the scene whose check found them.
+    published: BTreeMap<String, BTreeSet<String>>,
 }
 
 impl Server<'_> {
     fn send(&self, message: Message) {
-        let _ = self.connection.sender.send(message); // a client that has gone is noticed at reading
+        let _ = self.connection.sender.send(message); // a lost client is noticed when reading
     }
 
-    fn answer(&self, request: Request) {
+    fn handle_request(&self, request: Request) {
         let params = &request.params;
         let file = params["textDocument"]["uri"]
             .as_str()
@@ -139,7 +142,7 @@ impl Server<'_> {
         self.send(Message::Response(Response::new_ok(request.id, result)));
     }
 
-    fn hear(&mut self, notification: &Notification) {
+    fn handle_notification(&mut self, notification: &Notification) {
         let params = &notification.params;
         let document = &params["textDocument"];
         let Some(uri) = document["uri"].as_str().map(str::to_owned) else {
@@ -150,7 +153,7 @@ impl Server<'_> {
                 let text = document["text"].as_str().unwrap_or_default().to_owned();
                 if let Some(path) = path_of(&uri) {
                     self.open.insert(uri.clone(), TextFile { path, text });
-                    self.touch(&uri, Extent::Whole);
+                    self.mark_changed(&uri, Extent::Whole);
                 }
             }
             "textDocument/didChange" => {
@@ -158,24 +161,25 @@ impl Server<'_> {
                 let text = changes.and_then(|changes| changes.last()?["text"].as_str());
                 if let (Some(file), Some(text)) = (self.open.get_mut(&uri), text) {
                     text.clone_into(&mut file.text);
-                    self.touch(&uri, Extent::Text);
+                    self.mark_changed(&uri, Extent::Text);
                 }
             }
             "textDocument/didSave" => {
-                // Other scenes may read it.
+                // Other open scenes may read the saved file.
                 let all: Vec<_> = self.open.keys().cloned().collect();
-                all.iter().for_each(|uri| self.touch(uri, Extent::Whole));
+                all.iter()
+                    .for_each(|uri| self.mark_changed(uri, Extent::Whole));
             }
             "textDocument/didClose" => {
                 self.open.remove(&uri);
                 self.changed.remove(&uri);
-                self.tell(&uri, BTreeMap::new());
+                self.publish_diagnostics(&uri, BTreeMap::new());
             }
             _ => {}
         }
     }
 
-    fn touch(&mut self, uri: &str, extent: Extent) {
+    fn mark_changed(&mut self, uri: &str, extent: Extent) {
         let known = self.changed.entry(uri.to_owned()).or_insert(extent);
         *known = extent.max(*known);
     }
@@ -192,17 +196,20 @@ impl Server<'_> {
                     Some(source) if source.path != file.path => uri_of(&source.path),
                     _ => uri.clone(),
                 };
-                by_file.entry(at).or_default().push(protocol(&message));
+                by_file
+                    .entry(at)
+                    .or_default()
+                    .push(protocol_diagnostic(&message));
             }
-            self.tell(&uri, by_file);
+            self.publish_diagnostics(&uri, by_file);
         }
     }
 
-    /// Publishes what a scene's check found, and takes back what it found before.
-    fn tell(&mut self, scene: &str, by_file: BTreeMap<String, Vec<Value>>) {
+    /// Publishes the diagnostics of a scene's check, and clears those of files that have none any more.
+    fn publish_diagnostics(&mut self, scene: &str, by_file: BTreeMap<String, Vec<Value>>) {
         let files: BTreeSet<_> = by_file.keys().cloned().collect();
         let before = self
-            .told
+            .published
             .insert(scene.to_owned(), files)
             .unwrap_or_default();
         let gone = before.into_iter().filter(|uri| !by_file.contains_key(uri));
@@ -219,7 +226,7 @@ fn is_script(path: &Path) -> bool {
     path.extension().is_some_and(|end| end == "rhai")
 }
 
-/// Whether it is a scene by itself: an included file has no version.
+/// Whether the file is a scene of its own: an included file has no version.
 fn is_scene(file: &TextFile) -> bool {
     let is_version =
         |w: &outline::Word| w.part == Part::Key && w.table.is_empty() && w.text == "version";
@@ -240,8 +247,8 @@ fn check(file: &TextFile, extent: Extent) -> Vec<Diagnostic> {
     }
 }
 
-/// A message as the protocol writes it.
-fn protocol(message: &Diagnostic) -> Value {
+/// A diagnostic in the protocol's form.
+fn protocol_diagnostic(message: &Diagnostic) -> Value {
     let place = |span: &Span| match &span.source {
         Some(source) => range(&source.text, &span.range),
         None => range("", &(0..0)),

@@ -94,7 +94,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), AppError
     }
 }
 
-/// A command that this build leaves out.
+/// Error of a command that this build leaves out.
 #[cfg(not(feature = "preview"))]
 fn left_out(command: &str, feature: &str) -> AppError {
     AppError::Usage(format!(
@@ -137,7 +137,7 @@ pub fn print_out(text: &str) -> Result<(), AppError> {
 /// Writes a value to standard output as JSON.
 ///
 /// # Errors
-/// As [`print_out`].
+/// Same errors as [`print_out`].
 pub fn print_json(value: &impl serde::Serialize) -> Result<(), AppError> {
     let json = serde_json::to_string_pretty(value)
         .map_err(|error| AppError::Internal(format!("as JSON: {error}")))?;

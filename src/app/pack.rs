@@ -1,7 +1,7 @@
 //! `pack` and `unpack`: a scene and everything that it reads as one ZIP file, to be rendered elsewhere.
 //!
-//! Files keep their places relative to each other, so that every name in scene text, scripts and models
-//! still leads to its file; the list that the pack ends with says what is rendered, and how.
+//! Files keep their relative places, so that every path in scene text, scripts and models still leads to its
+//! file; the manifest at the end of the pack says what is rendered, and how.
 
 mod hashed_read;
 mod manifest;
@@ -28,7 +28,7 @@ use crate::{
     session::scene_text::{SceneText, asset_folders},
 };
 
-/// `pack`
+/// Arguments of `pack`.
 #[derive(Clone, Debug, Args)]
 pub struct PackArgs {
     /// Scene file or model
@@ -36,16 +36,16 @@ pub struct PackArgs {
     /// File to write, such as show.zip
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
-    /// What is changed in the scene; noted in the pack, whose files stay as they are
+    /// Overrides of scene values, recorded in the pack, whose files stay unchanged
     #[command(flatten)]
     pub from: SceneArgs,
 }
 
-/// Writes a scene with its files into one.
+/// Writes a scene and its files into one ZIP file.
 ///
 /// # Errors
 /// Errors of the scene, [`AppError::Usage`] for names that a pack cannot hold, and a file that cannot be
-/// read or written; there is then no pack.
+/// read or written; then no pack is left.
 pub fn pack(args: &PackArgs) -> Result<(), AppError> {
     let layout = Layout::of(args)?;
     let mut goal = Temporary::create(&args.output)
@@ -65,14 +65,14 @@ pub fn pack(args: &PackArgs) -> Result<(), AppError> {
     Ok(())
 }
 
-/// Where everything goes, by names in the pack.
+/// Files of a pack by their names in it, and its manifest.
 struct Layout {
     files: BTreeMap<String, PathBuf>,
     manifest: Manifest,
 }
 
 impl Layout {
-    /// Of a scene, which is loaded so that all of its files are known, and known to be right.
+    /// Layout for a scene, which is loaded to find all of its files and to check it.
     fn of(args: &PackArgs) -> Result<Self, AppError> {
         let texts = Dependencies::default();
         let text = SceneText::read(Some(&args.scene), &args.from.options());
@@ -117,15 +117,17 @@ impl Layout {
             .map(named)
             .collect::<Result<BTreeMap<_, _>, AppError>>()?;
         if files.contains_key(LIST) {
-            let text = format!("a file of the scene is named {LIST}, as the list of a pack is");
+            let text = format!(
+                "a file of the scene is named {LIST}, as the manifest of a pack is; rename it"
+            );
             return Err(AppError::Usage(text));
         }
         Ok(Self { files, manifest })
     }
 }
 
-/// Every file that was read, as it was named, since a link in the scene's folder is a file in the pack;
-/// what was never named, by its place. Not all that was looked for is there.
+/// Every file that was read, by the path that named it, since a link in the scene's folder is a file in the
+/// pack; files read by no such path, by their own. Paths that were only searched for may not exist.
 fn all_files(
     scene: &Path,
     named: impl Iterator<Item = PathBuf>,
@@ -143,13 +145,13 @@ fn all_files(
     Ok(paths)
 }
 
-/// The path without `.` and `..`, from the root.
+/// Absolute path without `.` and `..`.
 fn absolute(path: &Path) -> Result<PathBuf, AppError> {
     let whole = std::path::absolute(path)
         .map_err(|error| AppError::Usage(format!("{}: {error}", path.display())))?;
     let climbs = whole.components().any(|c| c == Component::ParentDir);
     match (whole.parent(), whole.file_name()) {
-        // Only the system knows what is above a link.
+        // Only the system can resolve `..` behind a symbolic link.
         (Some(folder), Some(name)) if climbs => fs::canonicalize(folder)
             .map(|folder| folder.join(name))
             .map_err(|error| AppError::Usage(format!("{}: {error}", path.display()))),
@@ -159,7 +161,7 @@ fn absolute(path: &Path) -> Result<PathBuf, AppError> {
     }
 }
 
-/// The deepest folder that all of these are in, or are.
+/// Deepest folder that contains all of these folders; it may be one of them.
 fn common_folder<'a>(mut folders: impl Iterator<Item = &'a Path>) -> PathBuf {
     let mut top = folders.next().unwrap_or(Path::new("")).to_owned();
     for folder in folders {
@@ -168,7 +170,7 @@ fn common_folder<'a>(mut folders: impl Iterator<Item = &'a Path>) -> PathBuf {
     top
 }
 
-/// The name of a file or folder in the pack: from `top`, with `/`; empty for `top` itself.
+/// Name of a file or folder in the pack: its path from `top`, with `/`; empty for `top` itself.
 fn name_in(top: &Path, path: &Path) -> Result<String, AppError> {
     let refuse = |why: &str| {
         Err(AppError::Usage(format!(
@@ -190,7 +192,7 @@ fn name_in(top: &Path, path: &Path) -> Result<String, AppError> {
     }
 }
 
-/// Writes the files in the order of their names and then the list; equal files give equal bytes.
+/// Writes the files in the order of their names, then the manifest; equal files give equal bytes.
 fn write_zip(goal: &mut fs::File, layout: Layout) -> Result<Manifest, AppError> {
     let mut manifest = layout.manifest;
     let mut zip = ZipWriter::new(io::BufWriter::new(goal));

@@ -42,7 +42,7 @@ impl ParameterOverrides {
         self.0.retain(fits);
     }
 
-    /// As arguments of `--set`.
+    /// Overrides as arguments of `--set`.
     pub fn settings(&self) -> Vec<String> {
         let text = |(name, value): &(String, ParamValue)| {
             format!("params.{}={}", key(name), value_text(value))
@@ -50,8 +50,8 @@ impl ParameterOverrides {
         self.0.iter().map(text).collect()
     }
 
-    /// The same errors; those in overrides are attributed to their sliders, since no text contains
-    /// them.
+    /// Attributes errors in overrides to their sliders, since no text contains the overrides; other errors
+    /// stay.
     pub fn name_sliders(&self, mut mistakes: Vec<Diagnostic>) -> Vec<Diagnostic> {
         let settings = self.settings();
         for mistake in &mut mistakes {
@@ -118,7 +118,7 @@ fn value_text(value: &ParamValue) -> String {
     }
 }
 
-/// With a point or exponent, so that it parses as a float.
+/// Number with a point or exponent, so that it parses as a float.
 fn number(x: f64) -> String {
     format!("{x:?}")
 }

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::error::AppError;
 use crate::{files::read_text, gpu::Gpu, render::unit_costs::UnitCosts};
 
-/// Most bytes of a plan file.
+/// Maximum size of a plan file, bytes.
 const MAX_BYTES: u64 = 1 << 16;
 
 /// A plan file.
@@ -16,15 +16,15 @@ const MAX_BYTES: u64 = 1 << 16;
 pub struct PlanFile {
     /// Name of the adapter that was measured.
     pub adapter: String,
-    /// Its unit costs.
+    /// Unit costs of the adapter.
     pub unit_ns: UnitCosts,
 }
 
 impl PlanFile {
-    /// As TOML with a comment.
+    /// TOML text of the plan file, with a comment.
     ///
     /// # Errors
-    /// What cannot be written as TOML.
+    /// Error of the TOML encoder.
     pub fn text(&self) -> Result<String, AppError> {
         let body = toml::to_string(self).map_err(|e| AppError::Internal(e.to_string()))?;
         Ok(format!(
@@ -32,19 +32,19 @@ impl PlanFile {
         ))
     }
 
-    /// Reads one, of any adapter.
+    /// Reads a plan file of any adapter.
     ///
     /// # Errors
-    /// [`AppError::Usage`] with the file: unreadable, broken.
+    /// [`AppError::Usage`] with the path of an unreadable or invalid file.
     pub fn read(path: &Path) -> Result<Self, AppError> {
         let text = read_text(path, MAX_BYTES).map_err(|e| refused(path, &e.to_string()))?;
         Self::parse(&text).map_err(|why| refused(path, &why))
     }
 
-    /// From TOML.
+    /// Parses the TOML text of a plan file.
     ///
     /// # Errors
-    /// A sentence with the place: what is missing, unknown, no number, or not above 0.
+    /// Message with the place of a key that is missing, unknown, not a number, or not above 0.
     fn parse(text: &str) -> Result<Self, String> {
         let plan: Self = toml::from_str(text).map_err(|e| e.to_string())?;
         let units = toml::Table::try_from(plan.unit_ns).map_err(|e| e.to_string())?;
@@ -60,13 +60,13 @@ impl PlanFile {
     }
 }
 
-/// A second: no piece of work takes so long.
+/// Maximum unit cost, nanoseconds: no piece of work takes a second.
 const MAX_NS: f64 = 1e9;
 
-/// The unit costs in a plan file, for the adapter that they were measured on.
+/// Unit costs of a plan file that was measured on this adapter.
 ///
 /// # Errors
-/// [`AppError::Usage`] with the file: unreadable, broken, of another adapter.
+/// [`AppError::Usage`] with the path of an unreadable or invalid file, or one of another adapter.
 pub fn costs(path: &Path, gpu: &Gpu) -> Result<UnitCosts, AppError> {
     let plan = PlanFile::read(path)?;
     let adapter = &gpu.adapter_info.name;

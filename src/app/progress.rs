@@ -23,7 +23,7 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// Progress over so many frames.
+    /// Progress over this many frames.
     pub fn new(total: usize, form: Option<ProgressForm>) -> Self {
         let on_terminal = stderr().is_terminal();
         let usual = if on_terminal {

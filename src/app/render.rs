@@ -17,7 +17,7 @@ use crate::{files::sweep, render::aov::Aov, scene::desc::Method};
 /// Renders one picture, or the frames of a film, for each camera.
 ///
 /// # Errors
-/// The first fatal error; no partial file is left. Frames that fail keep no other camera back.
+/// The first fatal error; no partial file is left. Failed frames of one camera do not stop other cameras.
 pub fn render(args: &RenderArgs) -> Result<(), AppError> {
     let (started, opened) = (Instant::now(), SystemTime::now());
     // Cheap checks first, before rendering.

@@ -1,4 +1,4 @@
-//! A scene to render with what its command asked for.
+//! A scene to render, with the settings of its command.
 
 use std::{sync::Arc, time::SystemTime};
 
@@ -12,15 +12,15 @@ use crate::{
     },
 };
 
-/// Everything that renders pictures of one command.
+/// State for rendering the pictures of one command.
 pub struct RenderSession {
     /// The scene with its device and renderer.
     pub scene: SceneRenderer,
     /// AOVs of every frame.
     pub aovs: Vec<Aov>,
-    /// Time before the first of its files was opened.
+    /// Time before the first file of the scene was opened.
     pub opened: SystemTime,
-    /// Removes their grain, if that is asked for.
+    /// Denoiser of the pictures, if requested.
     pub denoiser: Option<Arc<Denoiser>>,
     /// Whether the shaders come from the user.
     pub own_shaders: bool,
@@ -68,10 +68,10 @@ impl RenderSession {
         })
     }
 
-    /// Starts a picture of the posed scene, with or without linear color; timed where statistics are asked.
+    /// Starts a picture of the posed scene, with or without linear color; timed if statistics are requested.
     ///
     /// # Errors
-    /// As [`SceneRenderer::begin`].
+    /// Same errors as [`SceneRenderer::begin`].
     pub fn begin(&mut self, color: bool) -> Result<PendingPicture, RenderError> {
         let aovs = &self.read_aovs();
         self.scene.begin(PictureRequest {
@@ -81,7 +81,7 @@ impl RenderSession {
         })
     }
 
-    /// The AOVs that a picture is read with.
+    /// AOVs to read back for a picture.
     fn read_aovs(&self) -> Vec<Aov> {
         match self.denoiser {
             Some(_) => Denoiser::aovs(&self.aovs),

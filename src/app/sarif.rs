@@ -27,7 +27,7 @@ pub fn log(messages: &[Diagnostic]) -> Value {
     })
 }
 
-/// 3.27 of the standard.
+/// A result object (section 3.27 of the standard).
 fn result(message: &Diagnostic, rules: &[&str]) -> Value {
     let level = match message.severity {
         Severity::Error => "error",
@@ -59,7 +59,7 @@ fn result(message: &Diagnostic, rules: &[&str]) -> Value {
     result
 }
 
-/// 3.28 of the standard; columns count characters.
+/// A location object (section 3.28 of the standard); columns count characters.
 fn location(span: &Span) -> Option<Value> {
     let source = span.source.as_ref()?;
     let uri = uri(&source.path.display().to_string());
@@ -80,7 +80,7 @@ fn location(span: &Span) -> Option<Value> {
     }))
 }
 
-/// A path as a URI reference (RFC 3986): what is not unreserved is percent-encoded.
+/// A path as a URI reference (RFC 3986): all but unreserved characters are percent-encoded.
 fn uri(path: &str) -> String {
     let path = path.replace('\\', "/");
     let mut uri = String::new();

@@ -31,7 +31,7 @@ use crate::{
 /// Whether a command renders a sequence of frames instead of one picture.
 ///
 /// # Errors
-/// As [`Template::new`]; [`AppError::Usage`] for an unknown extension, and a film with a frame
+/// Same errors as [`Template::new`]; [`AppError::Usage`] for an unknown extension, and a film with a frame
 /// number.
 pub fn is_sequence(args: &RenderArgs) -> Result<bool, AppError> {
     let template = Template::new(&args.output)?;
@@ -123,7 +123,7 @@ fn create_last_folder(path: &Path) -> Result<(), AppError> {
     }
     match std::fs::create_dir(folder) {
         Ok(()) => eprintln!("created the folder {}", folder.display()),
-        // Another part of the same film was faster.
+        // Another process that renders a part of the same film has created it meanwhile.
         Err(_) if folder.is_dir() => {}
         Err(error) => {
             let (shown, folder) = (path.display(), folder.display());
@@ -191,7 +191,7 @@ pub fn render(
                         started,
                     };
                     if sender.send(rendered).is_err() {
-                        break; // the encoders have failed, and say so
+                        break; // the encoders have failed and report it
                     }
                 }
                 Err((why, fatal)) => {
@@ -222,7 +222,7 @@ pub fn render(
     })
 }
 
-/// The files that are to be written, with those of AOVs.
+/// Files to write, with those of AOVs.
 fn files_of(target: &Target, args: &RenderArgs, planes: &[&str]) -> Vec<PathBuf> {
     match target {
         Target::Film(_) => vec![args.output.clone()],

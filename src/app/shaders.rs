@@ -5,7 +5,7 @@ use std::path::Path;
 use super::error::AppError;
 use crate::gpu::ShaderLibrary;
 
-/// The shaders of a folder; without one, those of the program.
+/// Shader library of a folder; without one, the built-in shaders.
 ///
 /// # Errors
 /// [`AppError::Usage`] with the file that is missing or cannot be read.

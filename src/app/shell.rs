@@ -18,7 +18,7 @@ pub fn completions(shell: Shell) -> String {
 /// [`AppError::Usage`] for a command that does not exist.
 pub fn man_page(words: &[String]) -> Result<String, AppError> {
     let mut command = Cli::command();
-    // Names the usage lines of subcommands in full, and their pages `reflet-render`.
+    // Gives the usage lines of subcommands their full names, and their pages names such as `reflet-render`.
     command.build();
     for word in words {
         let shown = command.get_subcommands().filter(|c| !c.is_hide_set());

@@ -34,12 +34,12 @@ pub struct Report {
     pub passes_total_ms: f64,
     /// Whether that sum and `frame_ms` differ by more than 10 %.
     pub times_disagree: bool,
-    /// Pixels traced a second in the trace pass, where it was timed: further bounces, shadow rays and
+    /// Traced pixels per second of the trace pass, if it was timed: further bounces, shadow rays and
     /// shading are part of its time, not of the count.
     pub rays_per_s: Option<f64>,
-    /// Reading the scene and every file it names, milliseconds.
+    /// Time for reading the scene and every file it names, milliseconds.
     pub load_ms: f64,
-    /// From the program's start to the finished picture, milliseconds.
+    /// Time from the program's start to the finished picture, milliseconds.
     pub first_picture_ms: f64,
     /// Work counters of the passes, from one more frame; none without `--counters`.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -48,7 +48,7 @@ pub struct Report {
     pub peak_resident_bytes: Option<u64>,
 }
 
-/// Times outside of the frame.
+/// Times of work outside of the frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReportContext {
     /// See [`Report::load_ms`].
@@ -57,10 +57,10 @@ pub struct ReportContext {
     pub first_picture_ms: f64,
 }
 
-/// Prints the statistics of the frame that a session has rendered last, if that is asked for.
+/// Prints the statistics of the last frame of a session, if requested.
 ///
 /// # Errors
-/// The frame that `--counters` asks for cannot be rendered.
+/// Render error of the additional frame for `--counters`.
 pub fn print(
     args: &RenderArgs,
     session: &mut RenderSession,

@@ -4,7 +4,7 @@
 //! a watch on the file. An event only triggers a check; the content hash decides. Files are hashed
 //! before they are read again, so a save during the read is another change.
 //!
-//! Where the system refuses a watch, this is reported and the files are polled instead.
+//! If the system refuses to watch a folder, that is reported and the files are polled instead.
 
 mod folders;
 mod resolved_paths;
@@ -51,20 +51,20 @@ pub struct WatchList {
     pub shader_folders: Vec<PathBuf>,
 }
 
-/// Debounce: delay after the last event…
+/// Debounce: delay after the last event.
 const QUIET: Duration = Duration::from_millis(10);
-/// …and maximum delay after the first.
+/// Debounce: maximum delay after the first event.
 const MOST_WAIT: Duration = Duration::from_millis(30);
 /// Poll interval for missing folders, and for files without events.
 const POLL_INTERVAL: Duration = Duration::from_millis(250);
 
-/// Report of a watcher.
+/// Event of the file watcher.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum News {
-    /// Changes, with the time of the first event.
+pub enum WatchEvent {
+    /// Files with new content, and the time of the first system event.
     Changed(Changes, Instant),
-    /// Why and where files are polled, and what to do; `None` once events work again.
-    Trouble(Option<String>),
+    /// Watcher failure: why and where files are polled instead, and what to do; `None` once it is over.
+    Failure(Option<String>),
 }
 
 enum Message {
@@ -85,7 +85,7 @@ impl Watcher {
     ///
     /// # Errors
     /// The system cannot start a thread.
-    pub fn new(report: impl Fn(News) + Send + 'static) -> Result<Self, String> {
+    pub fn new(report: impl Fn(WatchEvent) + Send + 'static) -> Result<Self, String> {
         Self::on(
             |events| {
                 Box::new(move || {
@@ -101,17 +101,17 @@ impl Watcher {
         )
     }
 
-    /// With a custom backend, created from the event sender.
+    /// Starts with a custom backend, created from the event sender.
     fn on(
         start: impl FnOnce(Sender<Message>) -> Start,
-        report: impl Fn(News) + Send + 'static,
+        report: impl Fn(WatchEvent) + Send + 'static,
     ) -> Result<Self, String> {
         let (messages, inbox) = mpsc::channel();
         let watching = Watching {
             folders: Folders::new(start(messages.clone())),
             shader_folders: Vec::new(),
             files: HashMap::new(),
-            told: None,
+            reported: None,
         };
         let thread = thread::Builder::new()
             .name("watch".into())
@@ -148,38 +148,38 @@ struct Watched {
     hash: Result<Hash, io::ErrorKind>,
     /// Metadata at the last check.
     stamp: Option<Stamp>,
-    /// All paths that affect it: its own and the links to it.
+    /// All paths whose changes affect the file: its own and those of links to it.
     resolved_paths: Vec<PathBuf>,
 }
 
 /// State of the watching thread.
 struct Watching {
     folders: Folders,
-    /// By name, with resolved paths.
+    /// Paths of the shader folders as given, with their resolved paths.
     shader_folders: Vec<(PathBuf, PathBuf)>,
     files: HashMap<PathBuf, Watched>,
-    /// Last reported limitation.
-    told: Option<String>,
+    /// Failure that was reported last.
+    reported: Option<String>,
 }
 
 impl Watching {
-    fn run(mut self, inbox: &Receiver<Message>, report: &impl Fn(News)) {
-        let mut looked = Instant::now();
+    fn run(mut self, inbox: &Receiver<Message>, report: &impl Fn(WatchEvent)) {
+        let mut last_poll = Instant::now();
         loop {
-            let trouble = self.folders.trouble();
-            if trouble != self.told {
-                self.told.clone_from(&trouble);
-                report(News::Trouble(trouble));
+            let failure = self.folders.failure();
+            if failure != self.reported {
+                self.reported.clone_from(&failure);
+                report(WatchEvent::Failure(failure));
             }
             let first = if self.folders.is_incomplete() {
-                // Also during continuous events of other folders.
-                if looked.elapsed() >= POLL_INTERVAL {
+                // Polls also during continuous events of other folders.
+                if last_poll.elapsed() >= POLL_INTERVAL {
                     let started = Instant::now();
-                    send(report, self.look_around(), started);
-                    looked = Instant::now();
+                    send(report, self.poll_files(), started);
+                    last_poll = Instant::now();
                     continue;
                 }
-                inbox.recv_timeout(POLL_INTERVAL.saturating_sub(looked.elapsed()))
+                inbox.recv_timeout(POLL_INTERVAL.saturating_sub(last_poll.elapsed()))
             } else {
                 inbox.recv().map_err(|_| RecvTimeoutError::Disconnected)
             };
@@ -203,14 +203,14 @@ impl Watching {
                 let left = deadline.saturating_duration_since(Instant::now());
                 next = inbox.recv_timeout(QUIET.min(left)).ok();
             }
-            send(report, self.settle(&touched), started);
+            send(report, self.check_touched(&touched), started);
         }
     }
 
-    /// Polls files without events.
-    fn look_around(&mut self) -> Changes {
+    /// Polls the files in folders without events.
+    fn poll_files(&mut self) -> Changes {
         if self.watch_folders() {
-            return self.look_at(None);
+            return self.scan_for_changes(None);
         }
         let folders = &self.folders;
         let is_silent = |place: &PathBuf| {
@@ -224,22 +224,22 @@ impl Watching {
             .filter(|(name, file)| Stamp::may_differ(file.stamp.as_ref(), name))
             .flat_map(|(_, file)| file.resolved_paths.iter().cloned());
         let touched = touched.collect();
-        self.look_at(Some(&touched))
+        self.scan_for_changes(Some(&touched))
     }
 
-    /// Checks the files of the events.
-    fn settle(&mut self, touched: &Touched) -> Changes {
+    /// Checks the files that the events name.
+    fn check_touched(&mut self, touched: &Touched) -> Changes {
         let is_folder = |path: &PathBuf| self.folders.contains(path);
         if touched.everything || touched.paths.iter().any(is_folder) {
             self.folders.forget();
             self.watch_folders();
-            return self.look_at(None);
+            return self.scan_for_changes(None);
         }
-        self.look_at(Some(&touched.paths))
+        self.scan_for_changes(Some(&touched.paths))
     }
 
     /// Hashes the files affected by the paths, or all files; returns the kinds of changed ones.
-    fn look_at(&mut self, paths: Option<&BTreeSet<PathBuf>>) -> Changes {
+    fn scan_for_changes(&mut self, paths: Option<&BTreeSet<PathBuf>>) -> Changes {
         let mut changes = Changes::new();
         if !self.find_shaders().is_empty() {
             changes.insert(Change::Shader);
@@ -260,7 +260,7 @@ impl Watching {
         }
         if self.watch_folders() && paths.is_some() {
             // Files added to a folder before its watch have no events.
-            changes.extend(self.look_at(None));
+            changes.extend(self.scan_for_changes(None));
         }
         changes
     }
@@ -335,11 +335,11 @@ impl Watching {
     }
 }
 
-/// An event's paths.
+/// Paths of received events.
 #[derive(Default)]
 struct Touched {
     paths: BTreeSet<PathBuf>,
-    /// Events were lost.
+    /// Whether events were lost, so that all files must be checked.
     everything: bool,
 }
 
@@ -355,9 +355,9 @@ impl Touched {
     }
 }
 
-fn send(report: &impl Fn(News), changes: Changes, since: Instant) {
+fn send(report: &impl Fn(WatchEvent), changes: Changes, since: Instant) {
     if !changes.is_empty() {
-        report(News::Changed(changes, since));
+        report(WatchEvent::Changed(changes, since));
     }
 }
 

@@ -1,6 +1,6 @@
-//! What the preview changes of a scene, written into its texts: numbers of placements, lights and
-//! cameras, each where it stands. Everything else of a text stays, byte by byte, and a file that
-//! was changed meanwhile is not touched.
+//! Edits of the preview, written into the scene's texts: numbers of placements, lights and cameras, each
+//! in its place. All other bytes of a text stay, and a file that was changed meanwhile is not
+//! touched.
 
 mod places;
 mod put;
@@ -26,42 +26,42 @@ use crate::{
     },
 };
 
-/// Something of a scene that has a place: an index into the list of its kind.
+/// An item of a scene that has a placement: an index into the list of its kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Thing {
-    /// Of [`SceneDesc::instances`].
+pub enum SceneItem {
+    /// Index into [`SceneDesc::instances`].
     Instance(usize),
-    /// Of [`SceneDesc::groups`].
+    /// Index into [`SceneDesc::groups`].
     Group(usize),
-    /// Of [`SceneDesc::lights`].
+    /// Index into [`SceneDesc::lights`].
     Light(usize),
-    /// Of [`SceneDesc::cameras`].
+    /// Index into [`SceneDesc::cameras`].
     Camera(usize),
 }
 
-/// Numbers of a thing.
+/// Numbers of one key of an item.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Numbers {
-    /// Their key.
+    /// Key in the item's table.
     pub key: &'static str,
-    /// One, two or three.
+    /// One, two or three values.
     pub values: Vec<f64>,
 }
 
-/// A thing, and what of it can be changed.
+/// An item with its editable numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Inspected {
-    /// Which.
-    pub thing: Thing,
-    /// What it is, and its name.
+    /// The item.
+    pub item: SceneItem,
+    /// Kind and name of the item.
     pub label: String,
-    /// File and line where it is written.
+    /// File and line of its table.
     pub place: String,
-    /// What can be changed.
+    /// Editable numbers; empty if `refused`.
     pub numbers: Vec<Numbers>,
-    /// Why nothing can be changed.
+    /// Reason why nothing can be changed.
     pub refused: Option<String>,
-    /// World transform, at rest, of the space that it is placed in.
+    /// World transform, at rest, of the parent's space.
     pub world_from_parent: Affine3A,
 }
 
@@ -73,15 +73,15 @@ pub struct Change {
     after: String,
 }
 
-/// What was changed, for undo and redo.
+/// Written edits, for undo and redo.
 #[derive(Debug, Default)]
 pub struct History {
     done: Vec<Change>,
     undone: Vec<Change>,
 }
 
-impl Thing {
-    /// Its name, where it has one, and the place of its table.
+impl SceneItem {
+    /// Name of the item, if it has one, and the place of its table.
     pub fn named(self, desc: &SceneDesc) -> Option<(Option<&str>, &Span)> {
         fn entry<T>(list: &[Entry<T>], index: usize) -> Option<(Option<&str>, &Span)> {
             list.get(index).map(|e| (Some(e.name.as_str()), &e.at))
@@ -94,7 +94,7 @@ impl Thing {
         }
     }
 
-    /// The thing of the same name in another reading of the scene; without a name, of the same number.
+    /// The item of the same name in a reloaded scene; without a name, the one of the same index.
     pub fn again(self, desc: &SceneDesc, name: Option<&str>) -> Option<Self> {
         let Some(name) = name else {
             return self.named(desc).map(|_| self);
@@ -114,7 +114,7 @@ impl Thing {
         }
     }
 
-    /// The word for it, and its name.
+    /// Kind and name of the item.
     pub fn label(self, desc: &SceneDesc) -> String {
         let name = self.named(desc).and_then(|(name, _)| name);
         match self {
@@ -128,7 +128,7 @@ impl Thing {
         }
     }
 
-    /// The word for its table.
+    /// Key of the item's kind in scene text.
     fn kind(self) -> &'static str {
         match self {
             Self::Instance(_) => "instance",
@@ -139,15 +139,15 @@ impl Thing {
     }
 }
 
-/// What of a thing can be changed, with its numbers at rest.
-pub fn inspect(desc: &SceneDesc, thing: Thing) -> Option<Inspected> {
-    let (_, at) = thing.named(desc)?;
+/// Editable numbers of an item, at rest.
+pub fn inspect(desc: &SceneDesc, item: SceneItem) -> Option<Inspected> {
+    let (_, at) = item.named(desc)?;
     let source = at.source.as_ref();
     let place = source.map_or_else(String::new, |source| {
         let line = source.place(at.range.start).line;
         format!("{}:{line}", source.path.display())
     });
-    let (numbers, refused) = match numbers(desc, thing).and_then(|all| {
+    let (numbers, refused) = match numbers(desc, item).and_then(|all| {
         places::writable(source.map(Arc::as_ref))?;
         Ok(all)
     }) {
@@ -155,32 +155,32 @@ pub fn inspect(desc: &SceneDesc, thing: Thing) -> Option<Inspected> {
         Err(why) => (Vec::new(), Some(why)),
     };
     Some(Inspected {
-        thing,
-        label: thing.label(desc),
+        item,
+        label: item.label(desc),
         place,
         numbers,
         refused,
-        world_from_parent: world_from_parent(desc, thing),
+        world_from_parent: world_from_parent(desc, item),
     })
 }
 
-fn world_from_parent(desc: &SceneDesc, thing: Thing) -> Affine3A {
+fn world_from_parent(desc: &SceneDesc, item: SceneItem) -> Affine3A {
     let parents = &desc.parents;
-    let parent = match thing {
-        Thing::Instance(i) => parents.of_node(i),
-        Thing::Group(i) => parents.of_node(desc.instances.len() + i),
-        Thing::Light(i) => parents.of_light(i),
-        Thing::Camera(i) => parents.of_camera(i),
+    let parent = match item {
+        SceneItem::Instance(i) => parents.of_node(i),
+        SceneItem::Group(i) => parents.of_node(desc.instances.len() + i),
+        SceneItem::Light(i) => parents.of_light(i),
+        SceneItem::Camera(i) => parents.of_camera(i),
     };
     parent.map_or(Affine3A::IDENTITY, |parent| desc.rest()[parent])
 }
 
-fn numbers(desc: &SceneDesc, thing: Thing) -> Result<Vec<Numbers>, String> {
-    let placement = match thing {
-        Thing::Instance(i) => &desc.instances[i].placement,
-        Thing::Group(i) => &desc.groups[i].value.placement,
-        Thing::Light(i) => return Ok(fields(&desc.lights[i].value, &LIGHT)),
-        Thing::Camera(i) => return Ok(fields(&desc.cameras[i].value, &CAMERA)),
+fn numbers(desc: &SceneDesc, item: SceneItem) -> Result<Vec<Numbers>, String> {
+    let placement = match item {
+        SceneItem::Instance(i) => &desc.instances[i].placement,
+        SceneItem::Group(i) => &desc.groups[i].value.placement,
+        SceneItem::Light(i) => return Ok(fields(&desc.lights[i].value, &LIGHT)),
+        SceneItem::Camera(i) => return Ok(fields(&desc.cameras[i].value, &CAMERA)),
     };
     let PlacementDesc::Trs {
         translation,
@@ -192,7 +192,7 @@ fn numbers(desc: &SceneDesc, thing: Thing) -> Result<Vec<Numbers>, String> {
         return Err(format!("it is placed by `matrix`; {help}"));
     };
     let three = |v: Vec3| v.to_array().map(exact).to_vec();
-    let written = places(desc, &[], thing, "rotation_deg");
+    let written = places(desc, &[], item, "rotation_deg");
     let written = written.ok().and_then(|place| place.numbers("rotation_deg"));
     let agrees = |euler: &Vec<f64>| {
         let [x, y, z] = *euler.as_slice() else {
@@ -223,13 +223,13 @@ fn numbers(desc: &SceneDesc, thing: Thing) -> Result<Vec<Numbers>, String> {
     ])
 }
 
-/// The double that is written as the float is.
+/// The double with the same shortest decimal text as the float.
 fn exact(x: f32) -> f64 {
-    // No minus before a zero.
+    // Turns -0 into 0.
     x.to_string().parse().unwrap_or(f64::from(x)) + 0.0
 }
 
-/// What may change of a light or a camera.
+/// Editable fields of a light or a camera.
 fn fields<T>(of: &T, fields: &[Field<T>]) -> Vec<Numbers> {
     let one = |field: &Field<T>| {
         let value = (field.get)(of)?.to_array().map(exact);
@@ -244,7 +244,7 @@ fn fields<T>(of: &T, fields: &[Field<T>]) -> Vec<Numbers> {
         })
     };
     let mut all: Vec<_> = fields.iter().filter_map(one).collect();
-    // A light that faces a point has its direction from there.
+    // A light with a target takes its direction from there.
     let has = |key: &str| all.iter().any(|n| n.key == key);
     if has("target") && has("direction") {
         all.retain(|n| n.key != "target");
@@ -252,17 +252,17 @@ fn fields<T>(of: &T, fields: &[Field<T>]) -> Vec<Numbers> {
     all
 }
 
-/// The change of the text in which a key of a thing is written; `variants` are those that are chosen.
+/// Change of the text that contains a key of an item; `variants` are the chosen ones.
 ///
 /// # Errors
-/// Why it cannot be written, as a sentence.
+/// Sentence with the reason why it cannot be written.
 pub fn change(
     desc: &SceneDesc,
     variants: &[String],
-    thing: Thing,
+    item: SceneItem,
     numbers: &Numbers,
 ) -> Result<Change, String> {
-    let place = places(desc, variants, thing, numbers.key)?;
+    let place = places(desc, variants, item, numbers.key)?;
     let Place { source, .. } = &place;
     let mut values = numbers.values.clone();
     let mut key = numbers.key;
@@ -288,16 +288,16 @@ pub fn change(
 }
 
 impl Change {
-    /// The file.
+    /// Path of the changed file.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Writes one text in place of the other.
+    /// Replaces the text `from` on disk by the text `to`.
     fn write(&self, from: &str, to: &str) -> Result<(), String> {
         let shown = self.path.display();
         let failed = |error: std::io::Error| format!("{shown} cannot be written: {error}");
-        // Links stay, and lead to the same file.
+        // Symbolic links stay, and lead to the same file.
         let path = self.path.canonicalize().map_err(failed)?;
         let permissions = fs::metadata(&path).map_err(failed)?.permissions();
         if permissions.readonly() {
@@ -315,8 +315,8 @@ impl Change {
 }
 
 impl History {
-    /// Writes a change, which can be undone then; one that changes nothing is left out. What it is
-    /// made of may be older than what was written last.
+    /// Writes a change and records it for undo; a change without effect is skipped. One that was made from an
+    /// older text than the last written one is refused.
     ///
     /// # Errors
     /// A file that is read-only, or was changed meanwhile: nothing is written.
@@ -330,10 +330,10 @@ impl History {
         Ok(())
     }
 
-    /// Takes the last change back; returns its file, or nothing if there is none.
+    /// Undoes the last change; returns its file, or `None` if there is nothing to undo.
     ///
     /// # Errors
-    /// As [`History::write`]; the change can still be undone then.
+    /// Same errors as [`History::write`]; the change can still be undone then.
     pub fn undo(&mut self) -> Result<Option<PathBuf>, String> {
         let Some(change) = self.done.last() else {
             return Ok(None);
@@ -344,10 +344,10 @@ impl History {
         Ok(Some(path))
     }
 
-    /// Makes the change again that was taken back last; as [`History::undo`].
+    /// Redoes the change that was undone last; returns its file like [`History::undo`].
     ///
     /// # Errors
-    /// As [`History::undo`].
+    /// Same errors as [`History::undo`].
     pub fn redo(&mut self) -> Result<Option<PathBuf>, String> {
         let Some(change) = self.undone.last() else {
             return Ok(None);
@@ -359,7 +359,7 @@ impl History {
     }
 }
 
-/// A text that was read.
+/// Source of a text that was read from a file.
 fn source_of(path: &Path, text: &str) -> Arc<Source> {
     Arc::new(Source {
         path: path.to_owned(),

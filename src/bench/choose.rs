@@ -7,31 +7,31 @@ use super::{
     summary::{Group, Metric, Point, digits},
 };
 
-/// What a bound limits.
+/// Quantity that a bound limits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
-    /// SSIM, at least.
+    /// SSIM, a lower bound.
     Ssim,
-    /// Mean FLIP, at most.
+    /// Mean FLIP, an upper bound.
     Flip,
-    /// PSNR in dB, at least.
+    /// PSNR in dB, a lower bound.
     Psnr,
-    /// relMSE, at most.
+    /// relMSE, an upper bound.
     RelMse,
-    /// Milliseconds a frame, at most.
+    /// Milliseconds per frame, an upper bound.
     Ms,
 }
 
-/// Such as `ssim>=0.98`.
+/// A bound on error or time, such as `ssim>=0.98`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bound {
-    /// What is limited.
+    /// Limited quantity.
     pub quantity: Quantity,
-    /// The limit.
+    /// Limit, in the quantity's unit.
     pub limit: f64,
 }
 
-/// Name, what it bounds, on which side, and the largest limit that means something.
+/// Name of each quantity, the quantity, its comparison sign, and the largest limit that makes sense.
 const QUANTITIES: [(&str, Quantity, &str, f64); 5] = [
     ("ssim", Quantity::Ssim, ">=", 1.0),
     ("psnr", Quantity::Psnr, ">=", f64::MAX),
@@ -41,10 +41,10 @@ const QUANTITIES: [(&str, Quantity, &str, f64); 5] = [
 ];
 
 impl Bound {
-    /// Reads a bound.
+    /// Parses a bound.
     ///
     /// # Errors
-    /// A sentence with what may be written.
+    /// Message with the valid forms.
     pub fn parse(text: &str) -> Result<Self, String> {
         let forms = "ssim>=X, psnr>=X, flip<=X, relmse<=X or ms<=X";
         let written = [">=", "<="].into_iter().find_map(|sign| {
@@ -79,7 +79,7 @@ impl Bound {
         })
     }
 
-    /// The bounded value of a point, such that less is better, with the limit on the same scale.
+    /// Bounded value of a point and the limit, both with a sign such that less is better.
     fn value(&self, point: &Point, masked: bool) -> Option<[f64; 2]> {
         let s = &point.sample;
         let value = match (self.quantity, masked) {
@@ -99,12 +99,12 @@ impl Bound {
     }
 }
 
-/// The chosen point of a group, by its values inside the mask where they are scored in all settings,
-/// else by those of the frame. Under a bound of error the fastest, under one of time the one with
-/// the least FLIP. Either is on the front of what was bounded.
+/// Best point of a group under a bound: the fastest one under a bound on error, the one with the least
+/// FLIP under a bound on time. Values are those inside the mask where every setting has scores there, otherwise
+/// those of the frame. The point is on the Pareto front of the bounded quantity.
 ///
 /// # Errors
-/// A sentence with the closest point when none meets the bound, or why nothing can be bounded.
+/// Message with the closest point when none meets the bound, or the reason why nothing can be bounded.
 pub fn choose<'a>(group: &'a Group, bound: &Bound) -> Result<&'a Point, String> {
     if bound.quantity == Quantity::Psnr && group.points.iter().any(|p| p.is_mean) {
         return Err(
@@ -155,7 +155,7 @@ pub fn choose<'a>(group: &'a Group, bound: &Bound) -> Result<&'a Point, String> 
     })
 }
 
-/// Where errors are taken.
+/// Name of the region in which errors are taken.
 const fn region(masked: bool) -> &'static str {
     if masked {
         "in reflections"
@@ -164,7 +164,7 @@ const fn region(masked: bool) -> &'static str {
     }
 }
 
-/// The point's settings as scene text, with what they were measured to give.
+/// Settings of a point as scene text, with the measured values as comments.
 pub fn block(point: &Point, masked: bool) -> String {
     let s = &point.sample;
     let error = |metric| point.error(metric, masked).map_or("?".to_owned(), digits);

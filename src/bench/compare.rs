@@ -1,4 +1,4 @@
-//! The command `compare`: reads two pictures and a mask, scores them, writes what was asked for.
+//! The command `compare`: reads two pictures and a mask, scores them, writes the requested pictures.
 
 use std::{
     fs,
@@ -27,7 +27,7 @@ pub struct CompareArgs {
     /// The picture to judge: PNG (taken as sRGB) or OpenEXR (linear); alpha is put over black.
     #[arg(value_name = "A")]
     pub test: PathBuf,
-    /// What it should be, of the same size.
+    /// Reference picture, of the same size.
     #[arg(value_name = "B")]
     pub reference: PathBuf,
     /// A gray picture of the same size whose values are Fresnel-weighted reflectance (255 or 1.0 is
@@ -62,7 +62,7 @@ fn unit_interval(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Runs the command but for printing; `Comparison::crossed` tells whether a threshold was.
+/// Runs the command except for printing; `Comparison::crossed` lists the crossed thresholds.
 ///
 /// # Errors
 /// When a file cannot be read, holds no picture, differs in size from the others, or an output
@@ -98,7 +98,7 @@ pub fn compare(args: &CompareArgs) -> Result<Comparison, Box<Diagnostic>> {
     Ok(comparison)
 }
 
-/// The reflective pixels of a mask picture, eroded.
+/// Mask of the reflective pixels of a mask picture, eroded.
 fn mask_of(
     path: &Path,
     args: &CompareArgs,
@@ -147,8 +147,8 @@ fn score_mask(maps: &Maps, mask: &Mask) -> MaskReport {
     }
 }
 
-/// One sentence per threshold that was crossed, or that cannot be judged: a gate that sees
-/// nothing must not open.
+/// Messages on thresholds that were crossed, or that cannot be checked: a check without data must not
+/// pass.
 fn crossed(args: &CompareArgs, frame: &Scores, mask: Option<&MaskReport>) -> Vec<String> {
     let mut regions = vec![("of the frame", Some(frame))];
     if let Some(mask) = mask {
@@ -244,7 +244,7 @@ fn check_outputs(args: &CompareArgs) -> Result<(), Box<Diagnostic>> {
                 "choose another name",
             );
         }
-        // Creating a file is the only test of permissions that means anything.
+        // Creating a file is the only reliable test of permissions.
         Temporary::create(path)
             .map_err(|e| unwritable(path, &format!("cannot be written: {e}")))?;
     }
@@ -257,8 +257,8 @@ fn check_outputs(args: &CompareArgs) -> Result<(), Box<Diagnostic>> {
     }
 }
 
-/// The path by which files are told apart: links are followed, `.` and `..` taken away. Of a file
-/// that does not exist yet, its folder's.
+/// Canonical path by which files are compared: links are followed, `.` and `..` resolved. For a file
+/// that does not exist yet, its folder is resolved.
 fn real(path: &Path) -> PathBuf {
     let in_folder = || {
         let path = std::path::absolute(path).ok()?;

@@ -1,26 +1,25 @@
-//! Tables of comma-separated values, of which each row is one line. Cells stay text: the columns of a
-//! table of samples follow the passes, which the derived readers of serde cannot flatten from CSV.
+//! Tables of comma-separated values with one line per row. Cells stay text: the columns of a table of samples
+//! depend on the passes, which the derived readers of serde cannot flatten from CSV.
 
 use std::fmt;
 
-/// A table as read: cells are text.
+/// A parsed table, whose cells are text.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Table {
-    /// The header.
+    /// Names of the columns, from the header.
     pub columns: Vec<String>,
-    /// Rows as long as the header.
+    /// Rows, each as long as the header.
     pub rows: Vec<Vec<String>>,
-    /// Bytes up to the end of the last complete line; what follows was cut off while it was
-    /// written.
+    /// Bytes up to the end of the last complete line; the rest was cut off while it was written.
     pub whole_bytes: usize,
 }
 
-/// Why a text is no table.
+/// Reason why a text is no table.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CsvError {
     /// Line of the text, from 1.
     pub line: usize,
-    /// What is wrong.
+    /// Message about the mistake.
     pub message: String,
 }
 
@@ -30,8 +29,8 @@ impl fmt::Display for CsvError {
     }
 }
 
-/// Cells as one line with its line break. Line breaks inside cells become spaces, so that a row
-/// is always one line and a torn one is seen.
+/// Formats cells as one line with its line break. Line breaks inside cells become spaces, so that a row
+/// is always one line and a row that was cut off is detected.
 pub fn line<T: AsRef<str>>(cells: impl IntoIterator<Item = T>) -> String {
     let mut writer = csv::Writer::from_writer(Vec::new());
     let cells = cells.into_iter();
@@ -41,7 +40,7 @@ pub fn line<T: AsRef<str>>(cells: impl IntoIterator<Item = T>) -> String {
     String::from_utf8(bytes).expect("cells are text")
 }
 
-/// Reads a table. A last line without a line break is left out: its writer was stopped.
+/// Parses a table. A last line without a line break is left out: its writer was stopped.
 ///
 /// # Errors
 /// No header, a row that is shorter or longer than it, or a quote that does not close.

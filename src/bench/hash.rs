@@ -1,8 +1,8 @@
-//! A hash of several parts that is the same on every machine and in every version: XXH3, 64 bits.
+//! Hash of several parts that is the same on every machine and in every version: XXH3, 64 bits.
 
 use xxhash_rust::xxh3::Xxh3Default;
 
-/// Hashes parts one after another; where one ends matters.
+/// Hashes parts one after another, with their boundaries.
 #[derive(Clone, Default)]
 pub struct Hash(Xxh3Default);
 
@@ -15,7 +15,7 @@ impl Hash {
         self
     }
 
-    /// The hash so far.
+    /// Hash of the parts so far.
     pub fn value(&self) -> u64 {
         self.0.digest()
     }
@@ -31,7 +31,7 @@ mod tests {
         assert_eq!(of(&["ab", "c"]), of(&["ab", "c"]));
         assert_ne!(of(&["ab", "c"]), of(&["a", "bc"]));
         assert_ne!(of(&["ab", "c"]), of(&["c", "ab"]));
-        // Pinned: rows of an older table must stay known.
+        // Pinned value: a changed hash would orphan the rows of older tables.
         assert_eq!(of(&["reflet"]), 0x83e1_13ae_445b_944b);
     }
 }

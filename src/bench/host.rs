@@ -1,4 +1,4 @@
-//! What a measurement was taken on: adapter, driver, system, program.
+//! Machine and program of a measurement: adapter, driver, system, commit.
 
 use std::{env, fs, path::Path, process::Command, thread, time::UNIX_EPOCH};
 
@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use crate::gpu::{Gpu, Timer};
 
-/// The machine and the program, as every sample names them.
+/// Machine and program, as every sample names them.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Host {
     /// Name of the adapter.
@@ -15,24 +15,24 @@ pub struct Host {
     pub driver: String,
     /// Graphics API.
     pub backend: String,
-    /// Whether the adapter is the CPU.
+    /// Whether the adapter renders on the CPU.
     pub software: bool,
-    /// How passes are timed: `gpu_timestamps`, or `cpu_waits` where each pass is submitted and
-    /// waited for alone.
+    /// Timing method of passes: `gpu_timestamps`, or `cpu_waits` where each pass is submitted alone and the
+    /// CPU waits for it.
     pub timing: &'static str,
     /// Operating system and architecture.
     pub os: String,
-    /// Processor, with the number of threads that may run.
+    /// Processor, with the number of threads available to the process.
     pub cpu: String,
     /// Version of Reflet.
     pub version: &'static str,
-    /// Newest commit that is older than the program, `-dirty` where files differ from the last
-    /// one; `unknown` outside its repository.
+    /// Newest commit that is older than the program, with `-dirty` where files differ from the last
+    /// commit; `unknown` outside its repository.
     pub commit: String,
 }
 
 impl Host {
-    /// Asks the adapter, the system and Git.
+    /// Reads the values from the adapter, the system and Git.
     pub fn of(gpu: &Gpu) -> Self {
         let info = &gpu.adapter_info;
         let driver = [info.driver.as_str(), info.driver_info.as_str()].join(" ");
@@ -73,7 +73,7 @@ fn cpu() -> String {
     format!("{name}, {threads} threads")
 }
 
-/// The commit that was named at build time, else that of the repository around the program.
+/// Commit that was named at build time, otherwise that of the repository around the program.
 fn commit() -> String {
     if let Some(commit) = option_env!("REFLET_COMMIT") {
         return commit.to_owned();
@@ -85,8 +85,8 @@ fn commit() -> String {
         .unwrap_or_else(|| "unknown".to_owned())
 }
 
-/// The newest commit that is older than `program`, if the repository around it is Reflet's own:
-/// commits that were made after it was built say nothing about it.
+/// Newest commit that is older than `program`, if the repository around it is Reflet's own:
+/// commits that were made after the build say nothing about it.
 fn commit_before(program: &Path) -> Option<String> {
     let folder = program.parent()?;
     let built = fs::metadata(program).ok()?.modified().ok()?;

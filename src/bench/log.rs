@@ -1,4 +1,4 @@
-//! The table of samples on disk: appended to and flushed as samples come, read to resume.
+//! Table of samples on disk: each sample is appended and flushed at once; `--resume` reads it.
 
 use std::{
     collections::HashMap,
@@ -16,16 +16,16 @@ use crate::{
     scene::diagnostic::Diagnostic,
 };
 
-/// Longest table read, bytes: about a million samples.
+/// Largest size of a table that is read, bytes: about a million samples.
 pub const MAX_TABLE_BYTES: u64 = 1 << 30;
 
-/// An open table of samples, which no other run can open as long as this one lives.
+/// An open table of samples, locked against other runs while this lives.
 #[derive(Debug)]
 pub struct Log {
     path: PathBuf,
     file: File,
     samples: Vec<Sample>,
-    /// Repetitions by fingerprint.
+    /// Measured repetitions by fingerprint.
     known: HashMap<String, Vec<u32>>,
     /// Whether the last line was cut off when the table was opened.
     was_torn: bool,
@@ -64,8 +64,7 @@ impl Log {
         Ok(log)
     }
 
-    /// Opens a table to add to it; creates it where there is none. A last line that was cut off
-    /// is removed.
+    /// Opens a table to append to; creates it where there is none. Removes a last line that was cut off.
     ///
     /// # Errors
     /// When the file cannot be read or written, is no table of samples, has other columns, or
@@ -78,7 +77,7 @@ impl Log {
         lock(path, &file)?;
         let text = text_of(path, &file)?;
         if !text.contains('\n') && header().starts_with(&text) {
-            // Stopped before its header was written: nothing is lost.
+            // The last run stopped before its header was written: nothing is lost.
             file.set_len(0).map_err(|e| unwritable(path, &e))?;
             return Self::start(path, file);
         }
@@ -119,13 +118,13 @@ impl Log {
         self.was_torn
     }
 
-    /// Whether the table holds this frame.
+    /// Whether the table holds this repetition of a setting.
     pub fn has(&self, fingerprint: &str, repetition: u32) -> bool {
         let known = self.known.get(fingerprint);
         known.is_some_and(|repetitions| repetitions.contains(&repetition))
     }
 
-    /// All samples, those from before included.
+    /// All samples, including those of earlier runs.
     pub fn samples(&self) -> &[Sample] {
         &self.samples
     }
@@ -145,10 +144,10 @@ impl Log {
     }
 }
 
-/// Reads the samples of a file, and tells whether a last line that was cut off is left out.
+/// Reads the samples of a file, and returns whether a last line that was cut off is left out.
 ///
 /// # Errors
-/// When it cannot be read, is no table of samples, or holds none.
+/// A file that cannot be read, is no table of samples, or holds none.
 pub fn read(path: &Path) -> Result<(Vec<Sample>, bool), Box<Diagnostic>> {
     let file = open_regular(path, false).map_err(|e| unreadable(path, &e))?;
     let text = text_of(path, &file)?;
@@ -161,7 +160,7 @@ pub fn read(path: &Path) -> Result<(Vec<Sample>, bool), Box<Diagnostic>> {
     Ok((samples, whole_bytes < text.len()))
 }
 
-/// Two runs that append to one table would measure the same frames.
+/// Locks the file, because two runs that append to one table would measure the same frames.
 fn lock(path: &Path, file: &File) -> Result<(), Box<Diagnostic>> {
     match file.try_lock() {
         Ok(()) => Ok(()),
@@ -174,7 +173,7 @@ fn lock(path: &Path, file: &File) -> Result<(), Box<Diagnostic>> {
             ),
             "wait until it ends, or choose another folder with -o",
         )),
-        // Some network file systems know no locks; runs there look after themselves.
+        // Some network file systems have no locks; runs there are not protected from each other.
         Err(TryLockError::Error(e)) if e.kind() == io::ErrorKind::Unsupported => Ok(()),
         Err(TryLockError::Error(e)) => Err(unwritable(path, &e)),
     }

@@ -1,4 +1,4 @@
-//! Judging pictures and settings: metrics, the commands `compare` and `bench`, and reports.
+//! Comparison of pictures and settings: metrics, the commands `compare` and `bench`, and reports.
 //!
 //! `metric` and `pareto` are pure (numbers in, numbers out); `run` measures into a table of samples,
 //! and `report` draws from that table alone. Only `read`, `compare` and `log` touch files.
@@ -27,7 +27,7 @@ use std::path::Path;
 
 use crate::scene::diagnostic::Diagnostic;
 
-/// An error about the file `file`, with what to do about it.
+/// Error about the file `file`, with advice.
 fn file_error(
     name: &'static str,
     file: &Path,

@@ -1,49 +1,49 @@
-//! What a bench turns: the settings that trade time for accuracy, and the variants they make.
+//! Parameters of a bench: the settings that trade time for accuracy, and the variants made of their values.
 
 use crate::scene::{
     desc::{Accept, Method, ReflectionDesc},
     range::{BOUNCES, EDGE_PX, RAY_LENGTH_U, Range, STEPS, THRESHOLD_U, range},
 };
 
-/// Most steps that a scene may ask for.
+/// Largest number of march steps that a scene may ask for.
 pub const MAX_STEPS: u32 = STEPS.max as u32;
 
 /// A setting that trades time for accuracy.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Parameter {
-    /// `reflection.threshold_u`, with `accept = "threshold"`.
+    /// Depth threshold `reflection.threshold_u`, with `accept = "threshold"`.
     ThresholdU,
-    /// `reflection.edge_px`, with `accept = "verified"`.
+    /// Tolerance at pixel edges, `reflection.edge_px`, with `accept = "verified"`.
     EdgePx,
-    /// `reflection.reuse_light`, 0 or 1.
+    /// Reuse of the picture's light at hits, `reflection.reuse_light`, 0 or 1.
     ReuseLight,
-    /// `reflection.steps`.
+    /// Largest number of march steps, `reflection.steps`.
     Steps,
-    /// `reflection.ray_length_u`.
+    /// Length of reflection rays, `reflection.ray_length_u`.
     RayLengthU,
-    /// `reflection.bounces`.
+    /// Largest number of reflections in a row, `reflection.bounces`.
     Bounces,
-    /// Side of the rendered picture over that of the shown one; it is enlarged bilinearly.
+    /// Side of the rendered picture divided by that of the shown one, into which it is enlarged bilinearly.
     Scale,
 }
 
-/// One setting of one method.
+/// One method with one set of settings, which a bench measures.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Variant {
-    /// How reflections are found; the same as in `reflection`.
+    /// Method that finds reflections; the same as in `reflection`.
     pub method: Method,
-    /// What is turned; none where the scene's settings are measured as they are.
+    /// Parameter that is varied; none where the scene's own settings are measured.
     pub parameter: Option<Parameter>,
-    /// What it is turned to; none where the parameter does nothing for the method.
+    /// Value of the parameter; none where it has no effect on the method.
     pub value: Option<f64>,
-    /// All settings, the parameter's value among them.
+    /// All reflection settings, including the parameter's value.
     pub reflection: ReflectionDesc,
-    /// See [`Parameter::Scale`].
+    /// Render scale, see [`Parameter::Scale`].
     pub scale: f64,
 }
 
-/// What curves are made of: the methods, with `hybrid` apart where it accepts as the paper does, and
-/// apart what follows the shadows at hits anew.
+/// Names of the curves in charts: one per method, with curves of their own for `hybrid` that accepts by the
+/// paper's threshold, and for methods that trace shadow rays at hits anew.
 pub const SERIES: [&str; 6] = [
     "ssr",
     THRESHOLD_SERIES,
@@ -52,11 +52,11 @@ pub const SERIES: [&str; 6] = [
     HYBRID_ANEW_SERIES,
     RT_ANEW_SERIES,
 ];
-/// Of `hybrid` with `accept = "threshold"`.
+/// Name of the curve of `hybrid` with `accept = "threshold"`.
 pub const THRESHOLD_SERIES: &str = "hybrid (threshold)";
-/// Of `hybrid` with `reuse_light = false`.
+/// Name of the curve of `hybrid` with `reuse_light = false`.
 pub const HYBRID_ANEW_SERIES: &str = "hybrid (no light reuse)";
-/// Of `rt` with `reuse_light = false`.
+/// Name of the curve of `rt` with `reuse_light = false`.
 pub const RT_ANEW_SERIES: &str = "rt (no light reuse)";
 
 /// Name of a method in scenes and tables.
@@ -97,14 +97,14 @@ impl Parameter {
         }
     }
 
-    /// The parameter of this name.
+    /// Finds the parameter with this name.
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL
             .into_iter()
             .find(|parameter| parameter.name() == name)
     }
 
-    /// The parameters that a method is turned by when none is chosen: those that move it most.
+    /// Parameters that are varied for a method when none is chosen: those that change its results most.
     pub const fn own(method: Method) -> &'static [Self] {
         match method {
             Method::Ssr => &[Self::Steps],
@@ -113,7 +113,7 @@ impl Parameter {
         }
     }
 
-    /// Whether turning it can change the picture of this method.
+    /// Whether varying the parameter can change the picture of this method.
     pub const fn acts_on(self, method: Method) -> bool {
         match self {
             Self::ThresholdU | Self::Steps => method.marches(),
@@ -124,7 +124,7 @@ impl Parameter {
         }
     }
 
-    /// Values worth comparing.
+    /// Values that are compared when none are listed.
     pub const fn default_values(self) -> &'static [f64] {
         match self {
             Self::ThresholdU => &[0.001, 0.005, 0.025, 0.065, 0.2],
@@ -140,7 +140,7 @@ impl Parameter {
     /// Checks a value against the setting's range.
     ///
     /// # Errors
-    /// A sentence with the range.
+    /// Message with the allowed range.
     pub fn check(self, value: f64) -> Result<(), String> {
         let refused = |words: &str| format!("{} = {value:?}: must be {words}", self.name());
         let range = self.range();
@@ -157,7 +157,7 @@ impl Parameter {
         range.check(value).map_err(|words| refused(&words))
     }
 
-    /// What a scene may say of the setting.
+    /// Range that a scene allows for the setting.
     const fn range(self) -> Range {
         match self {
             Self::ThresholdU => THRESHOLD_U,
@@ -170,8 +170,8 @@ impl Parameter {
         }
     }
 
-    /// Writes the value into the settings; the scale is no part of them.
-    fn turn(self, value: f64, settings: &mut ReflectionDesc) {
+    /// Writes the value into the settings; `scale` is not part of them.
+    fn apply(self, value: f64, settings: &mut ReflectionDesc) {
         match self {
             Self::ThresholdU => {
                 settings.accept = Accept::Threshold;
@@ -191,7 +191,7 @@ impl Parameter {
 }
 
 impl Variant {
-    /// `settings` with another method.
+    /// Variant of the scene's own settings with another method.
     pub fn fixed(method: Method, settings: &ReflectionDesc) -> Self {
         Self {
             method,
@@ -205,8 +205,8 @@ impl Variant {
         }
     }
 
-    /// One variant per value; a single one where the parameter does nothing for the method.
-    pub fn turned(
+    /// Variants for a list of values: one per value, or a single one where the parameter has no effect on the method.
+    pub fn sweep(
         method: Method,
         settings: &ReflectionDesc,
         parameter: Parameter,
@@ -219,24 +219,24 @@ impl Variant {
         if !parameter.acts_on(method) {
             return vec![fixed];
         }
-        let turned = |&value: &f64| {
+        let with_value = |&value: &f64| {
             let mut variant = fixed;
             variant.value = Some(value);
-            parameter.turn(value, &mut variant.reflection);
+            parameter.apply(value, &mut variant.reflection);
             if parameter == Parameter::Scale {
                 variant.scale = value;
             }
             variant
         };
-        values.iter().map(turned).collect()
+        values.iter().map(with_value).collect()
     }
 
-    /// Pixels that are rendered for a picture of `size`.
+    /// Size in pixels at which a picture of `size` is rendered.
     pub fn rendered_size(&self, size: [u32; 2]) -> [u32; 2] {
         size.map(|side| ((f64::from(side) * self.scale).round() as u32).max(1))
     }
 
-    /// What people call it, such as `hybrid, threshold_u = 0.025`.
+    /// Name for people, such as `hybrid, threshold_u = 0.025`.
     pub fn label(&self) -> String {
         let method = method_name(self.method);
         match (self.parameter, self.value) {
@@ -256,33 +256,33 @@ mod tests {
             method: Method::Hybrid,
             ..ReflectionDesc::default()
         };
-        let turned = |parameter| Variant::turned(Method::Hybrid, &settings, parameter, &[8.0]);
+        let varied = |parameter| Variant::sweep(Method::Hybrid, &settings, parameter, &[8.0]);
         let expect = |change: fn(&mut ReflectionDesc)| {
             let mut changed = settings;
             change(&mut changed);
             changed
         };
         assert_eq!(
-            turned(Parameter::ThresholdU)[0].reflection,
+            varied(Parameter::ThresholdU)[0].reflection,
             expect(|r| (r.accept, r.threshold_u) = (Accept::Threshold, 8.0))
         );
         assert_eq!(
-            turned(Parameter::EdgePx)[0].reflection,
+            varied(Parameter::EdgePx)[0].reflection,
             expect(|r| r.edge_px = 8.0)
         );
         assert_eq!(
-            turned(Parameter::Steps)[0].reflection,
+            varied(Parameter::Steps)[0].reflection,
             expect(|r| r.steps = 8)
         );
         assert_eq!(
-            turned(Parameter::RayLengthU)[0].reflection,
+            varied(Parameter::RayLengthU)[0].reflection,
             expect(|r| r.ray_length_u = 8.0)
         );
         assert_eq!(
-            turned(Parameter::Bounces)[0].reflection,
+            varied(Parameter::Bounces)[0].reflection,
             expect(|r| r.bounces = 8)
         );
-        let scaled = Variant::turned(Method::Rt, &settings, Parameter::Scale, &[0.5])[0];
+        let scaled = Variant::sweep(Method::Rt, &settings, Parameter::Scale, &[0.5])[0];
         assert_eq!(scaled.rendered_size([641, 1]), [321, 1]);
         assert_eq!(scaled.label(), "rt, scale = 0.5");
     }
@@ -291,12 +291,12 @@ mod tests {
     fn a_parameter_without_effect_makes_one_variant() {
         let settings = ReflectionDesc::default();
         for parameter in [Parameter::ThresholdU, Parameter::Steps] {
-            let variants = Variant::turned(Method::Rt, &settings, parameter, &[8.0, 16.0]);
+            let variants = Variant::sweep(Method::Rt, &settings, parameter, &[8.0, 16.0]);
             assert_eq!(variants.len(), 1);
             assert_eq!(variants[0].value, None);
         }
         assert_eq!(
-            Variant::turned(Method::Ssr, &settings, Parameter::Bounces, &[1.0, 2.0]).len(),
+            Variant::sweep(Method::Ssr, &settings, Parameter::Bounces, &[1.0, 2.0]).len(),
             1
         );
     }

@@ -1,16 +1,16 @@
-//! Time against error: which settings nothing beats, and what that means in sentences' numbers.
+//! Pareto front of time against error, and break-even of marching and tracing.
 
 /// Milliseconds and error of one setting; less of both is better.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spot {
-    /// Milliseconds.
+    /// Time, milliseconds.
     pub ms: f64,
-    /// Error.
+    /// Error, in the metric's unit.
     pub error: f64,
 }
 
 impl Spot {
-    /// Whether `other` is nowhere worse and somewhere better.
+    /// Whether `other` is at least as good in both quantities and better in one.
     fn is_dominated_by(&self, other: &Self) -> bool {
         other.ms <= self.ms
             && other.error <= self.error
@@ -49,26 +49,26 @@ fn least(
         .map(|(i, _)| i)
 }
 
-/// What break-even is computed from, all of one size and one set of lengths and bounces.
+/// Inputs of break-even, measured with the same size, ray length and bounces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Costs {
-    /// What marching costs more than leaving all pixels to rays, milliseconds.
+    /// Time of marching beyond the time of a frame without it, milliseconds.
     pub march_ms: f64,
-    /// Tracing every marchable pixel, milliseconds.
+    /// Time to trace every marchable pixel, milliseconds.
     pub full_trace_ms: f64,
-    /// Tracing what `hybrid` leaves to rays, milliseconds.
+    /// Time to trace the rays that `hybrid` leaves after marching, milliseconds.
     pub partial_trace_ms: f64,
-    /// Rays of `hybrid`.
+    /// Number of rays of `hybrid`.
     pub partial_rays: f64,
-    /// Rays of `rt`.
+    /// Number of rays of `rt`.
     pub full_rays: f64,
 }
 
-/// The share of the rays at which `hybrid` costs as much as `rt`: below it marching first pays.
+/// Share of the rays at which `hybrid` costs as much as `rt`: below it marching first pays.
 /// Under 0 it never pays, over 1 always. None where `rt` traces nothing.
 ///
 /// `hybrid` costs march + share · rays · cost per ray, `rt` its full trace; a ray of `hybrid` may
-/// cost more than one of `rt`, since those that remain are scattered.
+/// cost more than one of `rt`, since its remaining rays are scattered.
 pub fn break_even_share(costs: &Costs) -> Option<f64> {
     if costs.full_rays <= 0.0 || costs.full_trace_ms <= 0.0 {
         return None;
@@ -118,7 +118,7 @@ mod tests {
             pareto_front(&SPOTS),
             [true, true, false, false, true, false]
         );
-        // Equals do not dominate each other.
+        // Equal spots do not dominate each other.
         assert_eq!(pareto_front(&[SPOTS[0], SPOTS[0]]), [true, true]);
         assert!(pareto_front(&[]).is_empty());
     }

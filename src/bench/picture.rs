@@ -1,4 +1,4 @@
-//! A picture held to be judged: finite, non-negative colors and how they are encoded.
+//! A picture to be compared: finite, non-negative colors and their encoding.
 
 use std::fmt;
 
@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use crate::math::{linear_from_srgb, srgb_from_linear};
 
-/// How the numbers of a [`Picture`] relate to light.
+/// Encoding of the numbers of a [`Picture`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Encoding {
     /// sRGB code values from 0 to 255; pictures with 16 bits keep their fractions.
@@ -15,7 +15,7 @@ pub enum Encoding {
     Linear,
 }
 
-/// An RGB picture whose every number is finite and not negative.
+/// An RGB picture whose numbers are all finite and not negative.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture {
     width: usize,
@@ -24,25 +24,25 @@ pub struct Picture {
     pixels: Vec<[f32; 3]>,
 }
 
-/// Why numbers are no picture, or two pictures no pair.
+/// Reason why numbers are no picture, or two pictures no pair.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PictureError {
-    /// No pixels, or not width × height of them.
+    /// The number of pixels is 0, or not width × height.
     Shape {
         /// Pixels across.
         width: usize,
         /// Pixels down.
         height: usize,
-        /// Pixels given.
+        /// Number of given pixels.
         pixels: usize,
     },
     /// Pixels that hold NaN, an infinity or a negative number.
     Value {
-        /// How many pixels.
+        /// Number of such pixels.
         count: usize,
-        /// The first of them: column, row.
+        /// Column and row of the first such pixel.
         first: [usize; 2],
-        /// What it holds.
+        /// Its value.
         value: f32,
     },
     /// Two pictures (or a picture and a mask) of different sizes.
@@ -147,7 +147,7 @@ impl Picture {
         self.height
     }
 
-    /// How the numbers relate to light.
+    /// Encoding of the numbers.
     pub fn encoding(&self) -> Encoding {
         self.encoding
     }
@@ -157,7 +157,7 @@ impl Picture {
         &self.pixels
     }
 
-    /// sRGB code values from 0 to 255, not rounded. Linear light is clamped at 1 and encoded with
+    /// Converts to sRGB code values from 0 to 255, not rounded. Linear light is clamped at 1 and encoded with
     /// the sRGB transfer function (IEC 61966-2-1); there is no other tone mapping.
     pub fn display(&self) -> Vec<[f32; 3]> {
         match self.encoding {
@@ -175,7 +175,7 @@ impl Picture {
         }
     }
 
-    /// Linear light. Code values are decoded with the sRGB transfer function.
+    /// Converts to linear light. Code values are decoded with the sRGB transfer function.
     pub fn linear(&self) -> Vec<[f32; 3]> {
         match self.encoding {
             Encoding::Linear => self.pixels.clone(),
@@ -206,7 +206,7 @@ impl Picture {
         self.pixels.iter().map(|p| largest(p) / scale).collect()
     }
 
-    /// Pixels with a channel over display white, which display metrics cannot see.
+    /// Number of pixels with a channel over display white, which display metrics cannot distinguish.
     pub fn over_white(&self) -> usize {
         match self.encoding {
             Encoding::Display => 0,
@@ -268,7 +268,7 @@ impl<'a> Pair<'a> {
         self.test
     }
 
-    /// What it should be.
+    /// The reference picture.
     pub fn reference(&self) -> &'a Picture {
         self.reference
     }

@@ -1,4 +1,4 @@
-//! Reads PNG and OpenEXR files as pictures to be judged.
+//! Reads PNG and OpenEXR files as pictures to be compared.
 
 use std::{io::Cursor, path::Path};
 
@@ -16,20 +16,20 @@ use crate::{
 
 /// Most numbers (pixels × channels of all layers) that are decoded from one file.
 pub const MAX_SAMPLES: usize = 1 << 27;
-/// The channel in which Reflet writes the weights of a mask.
+/// OpenEXR channel in which Reflet writes the weights of a mask.
 const REFLECTANCE: &str = "reflectance.Y";
-/// Longest file read, bytes.
+/// Largest size of a file that is read, bytes.
 pub const MAX_FILE_BYTES: u64 = 1 << 30;
 
 const PNG_MAGIC: &[u8] = b"\x89PNG\r\n\x1a\n";
 const EXR_MAGIC: &[u8] = &[0x76, 0x2f, 0x31, 0x01];
 
-/// A picture and what was decided to get it.
+/// A decoded picture with notes on how it was decoded.
 #[derive(Clone, Debug)]
 pub struct Reading {
-    /// The picture.
+    /// Decoded picture.
     pub picture: Picture,
-    /// Sentences for the report, such as what became of alpha.
+    /// Sentences for the report, such as how alpha was handled.
     pub notes: Vec<String>,
 }
 
@@ -44,11 +44,11 @@ pub fn read_picture(path: &Path) -> Result<Reading, Box<Diagnostic>> {
 }
 
 /// Reads weights for a mask: the channel `reflectance.Y` of an OpenEXR file that has it, as
-/// `reflet render --aov reflectance` writes; else a gray picture, whose values count as data (255 or
-/// 1.0 is all). A note says what was taken.
+/// `reflet render --aov reflectance` writes; otherwise a gray picture, whose values count as data (255
+/// or 1.0 is full weight). A note says which of the two was read.
 ///
 /// # Errors
-/// As [`read_picture`], and when the picture has colors: it is then no mask.
+/// Same errors as [`read_picture`], and a picture with colors, which is no mask.
 pub fn read_mask(path: &Path) -> Result<Reading, Box<Diagnostic>> {
     let reading = read(path, Role::Mask)?;
     let picture = &reading.picture;
@@ -69,7 +69,7 @@ pub fn read_mask(path: &Path) -> Result<Reading, Box<Diagnostic>> {
     Ok(reading)
 }
 
-/// What a file is read as.
+/// Purpose of a file: a picture or a mask.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Role {
     Picture,
@@ -96,7 +96,7 @@ fn read(path: &Path, role: Role) -> Result<Reading, Box<Diagnostic>> {
     }
 }
 
-/// An error about a file that holds no picture.
+/// Error about a file that holds no picture.
 fn unreadable(path: &Path, message: impl Into<String>, help: &str) -> Box<Diagnostic> {
     file_error("unreadable-picture", path, message, help)
 }
@@ -175,7 +175,7 @@ fn read_png(path: &Path, bytes: &[u8], role: Role) -> Result<Reading, Box<Diagno
     finish(path, size, Encoding::Display, pixels, notes)
 }
 
-/// Code values from 0 to 255; those of 16 bits keep their fractions.
+/// Code values from 0 to 255; 16-bit values keep their fractions.
 fn rgba_codes(decoded: DynamicImage, deep: bool) -> Vec<[f32; 4]> {
     if deep {
         let data = decoded.into_rgba16().into_raw();
@@ -287,13 +287,13 @@ fn split(name: &str) -> (&str, &str) {
     name.rsplit_once('.').unwrap_or(("", name))
 }
 
-/// Whether a channel of this name holds distances or numbers of things by OpenEXR's conventions.
+/// Whether OpenEXR's conventions use this channel name for distances or IDs.
 fn is_measure(channel: &str) -> bool {
     let name = channel.to_ascii_lowercase();
     ["z", "zback", "depth", "id"].contains(&name.as_str())
 }
 
-/// The channels of R, G and B: of the layer without a name, or of the only layer there is.
+/// Indices of the channels R, G and B: in the layer without a name, or in the only layer.
 fn choose_channels<T>(channels: &[(String, T)]) -> Result<[usize; 3], String> {
     let mut layers: Vec<&str> = channels.iter().map(|(name, _)| split(name).0).collect();
     layers.sort_unstable();

@@ -1,5 +1,5 @@
-//! The report of a table of samples: sentences, charts and tables, as one page and as SVG files.
-//! Everything is drawn from the table; nothing is measured here.
+//! Report of a table of samples: sentences, charts and tables, as one page and as SVG files. Draws
+//! only from the table and measures nothing.
 
 pub mod chart;
 pub mod findings;
@@ -18,32 +18,32 @@ use line_chart::LineChart;
 pub struct ChartFile {
     /// Name of the file.
     pub name: String,
-    /// Its SVG.
+    /// Contents as SVG.
     pub svg: String,
-    /// How to read it.
+    /// Caption that explains how to read the chart.
     pub caption: String,
 }
 
-/// One group with everything that is said and drawn about it.
+/// One group with its sentences and charts.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Section {
-    /// The points.
+    /// Group of comparable points.
     pub group: Group,
-    /// What they mean, a sentence each.
+    /// Findings on the points, a sentence each.
     pub sentences: Vec<String>,
-    /// Time against error.
+    /// Charts of the group: time against error, and line charts.
     pub charts: Vec<ChartFile>,
 }
 
 impl Section {
-    /// One of its samples, for what all have in common.
+    /// First sample of the group, for the values that all samples share.
     fn sample(&self) -> Option<&Sample> {
         let points = self.group.points.iter().map(|p| &p.sample);
         let failed = self.group.failed.iter().map(|(sample, _)| sample);
         points.chain(failed).next()
     }
 
-    /// Scene, camera, size and what was turned.
+    /// Heading with scene, camera, size and varied parameter.
     pub fn heading(&self) -> String {
         self.sample().map_or(String::new(), page::heading)
     }
@@ -52,7 +52,7 @@ impl Section {
 /// Sections of all samples.
 ///
 /// # Errors
-/// A sentence when a chart cannot be drawn.
+/// Message when a chart cannot be drawn.
 pub fn sections(samples: &[Sample]) -> Result<Vec<Section>, String> {
     let groups = groups(samples).into_iter().enumerate();
     groups
@@ -99,7 +99,7 @@ pub fn sections(samples: &[Sample]) -> Result<Vec<Section>, String> {
         .collect()
 }
 
-/// How a chart of error against time is read.
+/// Caption of a chart of error against time.
 fn caption(group: &Group, axes: Axes) -> String {
     let what = match axes.time {
         Time::Frame => "time of a frame",
@@ -124,7 +124,7 @@ fn caption(group: &Group, axes: Axes) -> String {
     };
     format!(
         "Across: {what}; up: {error}. Lower left is better. Every dot is a setting (point at it), \
-         every curve a method turned by its parameter; the gray stairs are what nothing beats.{bars} An \
+         every curve a method over its varied parameter; the gray stairs are the Pareto front.{bars} An \
          error of 0 stands on the bottom edge.{crosses}"
     )
 }

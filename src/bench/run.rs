@@ -1,4 +1,4 @@
-//! Scenes × frames × methods × settings × sizes × repetitions → samples, appended to the table as they come.
+//! Measures scenes × frames × methods × settings × sizes × repetitions; appends each sample to the table.
 
 use std::{cell::RefCell, time::Instant};
 
@@ -31,40 +31,40 @@ pub use work::{Steps, Task, Work};
 
 use flicker::Flicker;
 
-/// Bounces of the reference: the most that a scene may ask for.
+/// Bounces of the reference: the largest number that a scene may ask for.
 pub const REFERENCE_BOUNCES: u32 = BOUNCES.max as u32;
 
 /// A scene to be measured.
 #[derive(Clone, Debug)]
 pub struct Subject {
-    /// What tables call it.
+    /// Name of the scene in tables.
     pub name: String,
     /// Name of the camera.
     pub camera_name: String,
-    /// Its view.
+    /// Camera that the pictures show.
     pub camera: CameraDesc,
     /// The loaded scene.
     pub world: World,
-    /// Its reflection settings.
+    /// Reflection settings of the scene.
     pub reflection: ReflectionDesc,
-    /// Its picture settings; the size is the protocol's.
+    /// Picture settings of the scene; the protocol decides the size.
     pub image: ImageDesc,
     /// Hash of the scene text, its overrides, its script and every file it names.
     pub content: u64,
     /// Frame of an animation, 0 for a still scene.
     pub frame: u32,
-    /// Whether it is one frame of several, which share renderers: they take over moved instances.
+    /// Whether it is one of several frames of an animation, which share renderers that update moved instances.
     pub motion: bool,
-    /// What it should look like, rendered by `rt` in place of the reference; of a still scene.
+    /// Subject whose picture replaces the reference's; only for still scenes.
     pub truth: Option<Box<Subject>>,
 }
 
 impl Subject {
-    /// A renderer for every setting of a method, and for the reference's bounces: the plan leaves
-    /// out what a setting does not need.
+    /// Creates a renderer for all settings of one method, with the reference's bounces: its plan leaves
+    /// out features that no setting needs.
     ///
     /// # Errors
-    /// What the renderer refuses.
+    /// Errors of the renderer.
     pub fn renderer(
         &self,
         gpu: &Gpu,
@@ -72,7 +72,7 @@ impl Subject {
         reflection: &ReflectionDesc,
         size: [u32; 2],
     ) -> Result<Renderer, RenderError> {
-        // The same for all methods, so that they differ in reflections alone.
+        // All methods use the same visibility, so that they differ in reflections alone.
         let visibility = match self.image.visibility {
             Visibility::Auto => Visibility::Raster,
             visibility => visibility,
@@ -85,7 +85,7 @@ impl Subject {
             image: ImageDesc {
                 size,
                 visibility,
-                // One number for all variants and cameras; what is `auto` counts as 0.
+                // Fixed exposure for all variants and cameras; `auto` counts as 0.
                 exposure_ev: Exposure::Ev(self.image.exposure_ev.ev()),
                 ..self.image
             },
@@ -95,31 +95,31 @@ impl Subject {
     }
 }
 
-/// What is measured of each scene.
+/// Measurements that are made of each scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Protocol {
     /// Methods to compare.
     pub methods: Vec<Method>,
-    /// What is turned.
-    pub turn: Turn,
-    /// Sizes; none takes the scene's own.
+    /// Parameter that is varied.
+    pub sweep: Sweep,
+    /// Picture sizes; the scene's own if empty.
     pub sizes: Vec<[u32; 2]>,
-    /// Timed frames of each variant, 1 or more.
+    /// Number of timed frames of each variant, 1 or more.
     pub frames: u32,
-    /// Untimed frames before them, 1 or more.
+    /// Number of untimed frames before them, 1 or more.
     pub warm_up: u32,
-    /// Whether what passes do is counted, in one untimed frame of each variant.
+    /// Whether the work of passes is counted, in one untimed frame of each variant.
     pub count: bool,
-    /// Whether each timed frame is followed by one that times traversal apart from shading.
+    /// Whether each timed frame is followed by a frame that times traversal apart from shading.
     pub split_trace: bool,
 }
 
-/// What is turned, and to which values.
+/// Parameter sweep: the parameter that is varied, and its values.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Turn {
-    /// Nothing: the scene's own settings.
+pub enum Sweep {
+    /// No parameter: the scene's own settings.
     Nothing,
-    /// One parameter for all methods.
+    /// One parameter for all methods, with its values.
     One(Parameter, Vec<f64>),
     /// Each method's own parameter, see [`Parameter::own`].
     Own,
@@ -127,78 +127,78 @@ pub enum Turn {
     Rules,
 }
 
-/// Who watches the run, and may stop it.
-pub trait Watch {
-    /// What there is to do, before anything is begun.
+/// Observer of a run, which shows progress and may stop it.
+pub trait Observer {
+    /// Reports all steps of the run, before the first begins.
     fn plan(&mut self, work: Work);
-    /// `what` is next.
+    /// Reports that step `what` begins.
     fn begin(&mut self, what: &str);
-    /// What was begun last is done: one step, whose picture has this size.
+    /// Reports that the step that began last is finished; its picture has this size.
     fn did(&mut self, task: Task, size: [u32; 2]);
-    /// Something worth telling.
+    /// Reports a message for the user.
     fn note(&mut self, text: &str);
     /// Whether to stop after the current step.
     fn is_stopped(&self) -> bool;
 }
 
-/// What a run did.
+/// Result of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Outcome {
-    /// Frames that were measured now.
+    /// Number of frames that were measured in this run.
     pub measured: usize,
-    /// Frames that the table held already.
+    /// Number of frames that the table held already.
     pub skipped: usize,
-    /// Whether it was stopped before its end.
+    /// Whether the run was stopped before its end.
     pub interrupted: bool,
 }
 
-/// What every measurement of a run shares.
+/// State that all measurements of a run share.
 pub struct Bench<'a> {
-    /// The device.
+    /// GPU device that renders.
     pub gpu: &'a Gpu,
-    /// The shaders.
+    /// Shader library of the renderers.
     pub library: &'a ShaderLibrary,
-    /// What samples say about the machine.
+    /// Machine and program that samples name.
     pub host: &'a Host,
-    /// What is measured.
+    /// Measurements that are made of each scene.
     pub protocol: &'a Protocol,
-    /// What the next frame of an animation takes over.
-    pub stock: Stock,
+    /// Renderers and pictures that the next frame of an animation reuses.
+    pub cache: AnimationCache,
 }
 
-/// Renderers and pictures kept between the frames of an animation.
+/// Cache of renderers and previous pictures between the frames of an animation.
 #[derive(Debug, Default)]
-pub struct Stock {
-    renderers: RefCell<Vec<([u32; 2], Ready)>>,
+pub struct AnimationCache {
+    renderers: RefCell<Vec<([u32; 2], ReadyRenderer)>>,
     flicker: Flicker,
 }
 
-impl Stock {
-    /// Forgets an animation after its last frame.
+impl AnimationCache {
+    /// Empties the cache after the last frame of an animation.
     fn clear(&self) {
         self.renderers.borrow_mut().clear();
         self.flicker.clear();
     }
 }
 
-/// A renderer that shows its subject.
+/// A renderer that shows a subject at its present frame.
 #[derive(Debug)]
-struct Ready {
+struct ReadyRenderer {
     method: Method,
     verifies: bool,
     renderer: Renderer,
-    /// Taking over moved instances, milliseconds on the CPU; none for a still scene.
+    /// CPU time to update moved instances, milliseconds; none for a still scene.
     update_ms: Option<f64>,
 }
 
-impl Ready {
-    /// Whether it can be turned to these settings without being built again.
+impl ReadyRenderer {
+    /// Whether the renderer can change to these settings without being built again.
     fn fits(&self, reflection: &ReflectionDesc) -> bool {
         (self.method, self.verifies) == (reflection.method, reflection.verifies())
     }
 }
 
-impl Turn {
+impl Sweep {
     /// Name in tables, by which curves are told apart.
     pub const fn name(&self) -> &'static str {
         match self {
@@ -211,17 +211,17 @@ impl Turn {
 }
 
 impl Protocol {
-    /// All variants of a scene, methods in order.
+    /// All variants of a scene, ordered by method.
     pub fn variants(&self, settings: &ReflectionDesc) -> Vec<Variant> {
-        // What neighbors lend is no property of a method.
+        // The filter shares light between neighboring pixels, which is no property of a method.
         let settings = &ReflectionDesc {
             filter: false,
             ..*settings
         };
-        let of = |&method: &Method| match &self.turn {
-            Turn::Nothing => vec![Variant::fixed(method, settings)],
-            Turn::One(parameter, values) => Variant::turned(method, settings, *parameter, values),
-            Turn::Rules => {
+        let of = |&method: &Method| match &self.sweep {
+            Sweep::Nothing => vec![Variant::fixed(method, settings)],
+            Sweep::One(parameter, values) => Variant::sweep(method, settings, *parameter, values),
+            Sweep::Rules => {
                 let by = |accept| ReflectionDesc {
                     accept,
                     ..*settings
@@ -233,16 +233,17 @@ impl Protocol {
                     _ => vec![Variant::fixed(method, settings)],
                 }
             }
-            Turn::Own => {
+            Sweep::Own => {
                 let own = Parameter::own(method).iter();
-                let turned = own.map(|p| Variant::turned(method, settings, *p, p.default_values()));
-                turned.flatten().collect()
+                let variants =
+                    own.map(|p| Variant::sweep(method, settings, *p, p.default_values()));
+                variants.flatten().collect()
             }
         };
         self.methods.iter().flat_map(of).collect()
     }
 
-    /// The sizes for a scene.
+    /// Picture sizes for a scene.
     pub fn sizes_of(&self, image: &ImageDesc) -> Vec<[u32; 2]> {
         if self.sizes.is_empty() {
             vec![image.size]
@@ -251,7 +252,7 @@ impl Protocol {
         }
     }
 
-    /// The reference's settings: every pixel traced, as far and as often as any variant.
+    /// Settings of the reference: every pixel traced, with the longest rays and most bounces of all variants.
     pub fn reference(&self, settings: &ReflectionDesc) -> ReflectionDesc {
         let lengths = self.variants(settings).into_iter();
         let longest = lengths.map(|v| v.reflection.ray_length_u);
@@ -267,21 +268,21 @@ impl Protocol {
 }
 
 impl Bench<'_> {
-    /// Measures every frame of every reel into `log`. Frames that the log holds under the same
+    /// Measures every frame of every series into `log`. Frames that the log holds under the same
     /// fingerprint are not measured again.
     ///
     /// # Errors
-    /// What the renderer or the disk refuses; samples taken until then are in the log.
+    /// Errors of the renderer or the disk; samples measured until then are in the log.
     pub fn run(
         &self,
-        reels: &mut [FrameSeries],
+        all_series: &mut [FrameSeries],
         log: &mut Log,
-        watch: &mut dyn Watch,
+        watch: &mut dyn Observer,
     ) -> Result<Outcome, BenchError> {
         let (mut work, mut total, mut planned) = (Work::default(), 0, 0);
-        for reel in reels.iter_mut() {
-            for index in 0..reel.len() {
-                for block in interleave::blocks(self, reel.seen(index)) {
+        for series in all_series.iter_mut() {
+            for index in 0..series.len() {
+                for block in interleave::blocks(self, series.seen(index)) {
                     block.plan(self, log, &mut work);
                     total += block.missing(self, log);
                     planned += block.variants.len() * self.protocol.frames as usize;
@@ -293,9 +294,9 @@ impl Bench<'_> {
             ..Outcome::default()
         };
         watch.plan(work);
-        for reel in reels {
-            for index in 0..reel.len() {
-                let subject = reel.posed(index).map_err(BenchError::Scene)?;
+        for series in all_series {
+            for index in 0..series.len() {
+                let subject = series.posed(index).map_err(BenchError::Scene)?;
                 for block in interleave::blocks(self, subject) {
                     if !watch.is_stopped() {
                         block.measure(self, log, watch, &mut outcome)?;
@@ -306,22 +307,23 @@ impl Bench<'_> {
                     return Ok(outcome);
                 }
             }
-            self.stock.clear();
+            self.cache.clear();
         }
         Ok(outcome)
     }
 
-    /// A renderer of this frame that can be retuned to any of the protocol's settings.
+    /// Takes a renderer for this frame from the cache or builds one; it can change to all settings of its method.
     fn ready(
         &self,
         subject: &Subject,
         reflection: &ReflectionDesc,
         size: [u32; 2],
-    ) -> Result<Ready, BenchError> {
-        let mut stock = self.stock.renderers.borrow_mut();
-        let fits =
-            |(its_size, ready): &([u32; 2], Ready)| *its_size == size && ready.fits(reflection);
-        let kept = stock.iter().position(fits).map(|i| stock.swap_remove(i).1);
+    ) -> Result<ReadyRenderer, BenchError> {
+        let mut cache = self.cache.renderers.borrow_mut();
+        let fits = |(its_size, ready): &([u32; 2], ReadyRenderer)| {
+            *its_size == size && ready.fits(reflection)
+        };
+        let kept = cache.iter().position(fits).map(|i| cache.swap_remove(i).1);
         let mut renderer = match kept {
             Some(ready) => ready.renderer,
             None => subject.renderer(self.gpu, self.library, reflection, size)?,
@@ -332,7 +334,7 @@ impl Bench<'_> {
             renderer.update(self.gpu, &subject.world)?;
             update_ms = Some(started.elapsed().as_secs_f64() * 1e3);
         }
-        Ok(Ready {
+        Ok(ReadyRenderer {
             method: reflection.method,
             verifies: reflection.verifies(),
             renderer,
@@ -340,11 +342,11 @@ impl Bench<'_> {
         })
     }
 
-    /// Keeps renderers for the next frame, if there may be one.
-    fn put_back(&self, subject: &Subject, size: [u32; 2], ready: Vec<Ready>) {
+    /// Returns renderers to the cache for the next frame of an animation.
+    fn put_back(&self, subject: &Subject, size: [u32; 2], ready: Vec<ReadyRenderer>) {
         if subject.motion {
-            let mut stock = self.stock.renderers.borrow_mut();
-            stock.extend(ready.into_iter().map(|ready| (size, ready)));
+            let mut cache = self.cache.renderers.borrow_mut();
+            cache.extend(ready.into_iter().map(|ready| (size, ready)));
         }
     }
 }

@@ -14,12 +14,12 @@ use cell::Cell;
 
 macro_rules! sample {
     ($($(#[$doc:meta])* $name:ident: $kind:ty,)*) => {
-        /// One timed frame. Errors and shares are those of its picture, which every repetition
-        /// of a setting has in common; none means not measured or not measurable.
+        /// One timed frame. Errors and shares are those of its picture, which all repetitions
+        /// of a setting share; none means not measured or not measurable.
         #[derive(Clone, Debug, Default, PartialEq)]
         pub struct Sample {
             $($(#[$doc])* pub $name: $kind,)*
-            /// Values of [`detail_columns`], in their order; 0 where there are none.
+            /// Values of [`detail_columns`], in their order; 0 where a detail was not measured.
             pub detail: Vec<f64>,
         }
 
@@ -27,7 +27,7 @@ macro_rules! sample {
         const FIXED: &[&str] = &[$(stringify!($name)),*];
 
         impl Sample {
-            /// The column of that name, where it holds a number that may be missing.
+            /// Value of the column with that name, if it is a number that may be missing.
             pub fn number(&self, column: &str) -> Option<&Option<f64>> {
                 match column {
                     $(stringify!($name) => (&self.$name as &dyn Any).downcast_ref(),)*
@@ -35,7 +35,7 @@ macro_rules! sample {
                 }
             }
 
-            /// The same, to be set.
+            /// Mutable value of the column with that name, if it is a number that may be missing.
             pub fn number_mut(&mut self, column: &str) -> Option<&mut Option<f64>> {
                 match column {
                     $(stringify!($name) => (&mut self.$name as &mut dyn Any).downcast_mut(),)*
@@ -58,7 +58,7 @@ macro_rules! sample {
 }
 
 sample! {
-    /// Of everything that decides the picture and its cost, hexadecimal.
+    /// Hash of everything that decides the picture and its cost, hexadecimal.
     fingerprint: String,
     /// Scene file, or `the built-in atrium`.
     scene: String,
@@ -68,44 +68,44 @@ sample! {
     camera: String,
     /// Frame of an animation, 0 for a still scene.
     frame: u32,
-    /// Pixels across, as shown.
+    /// Width of the shown picture, pixels.
     width: u32,
-    /// Pixels down, as shown.
+    /// Height of the shown picture, pixels.
     height: u32,
-    /// `ssr`, `hybrid` or `rt`.
+    /// Method: `ssr`, `hybrid` or `rt`.
     method: String,
-    /// What the run turned: `nothing`, `own` for each method's own parameter, `rules` of acceptance, or one
+    /// Sweep of the run: `nothing`, `own` for each method's own parameter, `rules` of acceptance, or one
     /// parameter for all.
     turn: String,
-    /// What is turned; none for the scene's own settings.
+    /// Varied parameter; none for the scene's own settings.
     parameter: Option<String>,
-    /// What it is turned to; none where the parameter does nothing for the method.
+    /// Value of the parameter; none where it has no effect on the method.
     value: Option<f64>,
-    /// What `hybrid` accepts: `verified` or `threshold`.
+    /// Rule of acceptance of `hybrid`: `verified` or `threshold`.
     accept: String,
-    /// How far a verified hit may lie from the pixel that shows it.
+    /// Largest distance of a verified hit from the pixel that shows it, pixels.
     edge_px: Option<f64>,
-    /// Whether hits take from the picture which lights reach them; none where it was not known.
+    /// Whether hits read from the picture which lights reach them; none in tables that lack the column.
     reuse_light: Option<bool>,
-    /// T, in U.
+    /// Depth threshold T, in U.
     threshold_u: f32,
-    /// Most steps of the march.
+    /// Largest number of march steps.
     steps: u32,
     /// Ray length, in U.
     ray_length_u: f32,
-    /// Most reflections in a row.
+    /// Largest number of reflections in a row.
     bounces: u32,
-    /// Side of the rendered picture over that of the shown one.
+    /// Side of the rendered picture divided by that of the shown one.
     scale: f64,
     /// Roughness below which `auto` materials reflect.
     roughness_cutoff: f32,
-    /// U, meters.
+    /// Length of U, meters.
     unit_m: f32,
     /// Whether reflections fade along the ray.
     fade: bool,
-    /// Blur of the reflection, pixels.
+    /// Blur radius of the reflection, pixels.
     blur_px: f32,
-    /// Sub-frames.
+    /// Number of sub-frames.
     samples: u32,
     /// Exposure, stops.
     exposure_ev: f32,
@@ -115,54 +115,54 @@ sample! {
     reference_bounces: u32,
     /// Ray length of the reference, in U.
     reference_ray_length_u: f32,
-    /// Untimed frames before the first.
+    /// Number of untimed frames before the first timed one.
     warm_up: u32,
-    /// Which of the timed frames this is, from 0.
+    /// Index of the timed frame, from 0.
     repetition: u32,
-    /// `ok`, or what failed.
+    /// Status: `ok`, or the reason of the failure.
     status: String,
-    /// How passes were timed.
+    /// Timing method of passes, see `Host::timing`.
     timing: String,
-    /// Wall time from the first submission to the last pixel done, milliseconds.
+    /// Wall time from the first submission to the last finished pixel, milliseconds.
     frame_ms: Option<f64>,
-    /// Sum of the passes, milliseconds.
+    /// Sum of all passes, milliseconds.
     passes_ms: Option<f64>,
-    /// The same of march, hits, tracing and blur.
+    /// Sum of march, hits, tracing and blur, milliseconds.
     reflection_ms: Option<f64>,
     /// Processor time of the process in all passes, milliseconds; none on a GPU.
     passes_cpu_ms: Option<f64>,
-    /// The same in march, hits, tracing and blur.
+    /// Processor time in march, hits, tracing and blur, milliseconds; none on a GPU.
     reflection_cpu_ms: Option<f64>,
-    /// The rays of the trace pass followed once more without shading, milliseconds; measured in a
-    /// frame of its own right after this one, where it was asked for.
+    /// Time of the trace pass's rays without shading, milliseconds; measured in a frame of its own
+    /// right after this one, where `--split-trace` is given.
     traverse_ms: Option<f64>,
-    /// Taking over moved instances, milliseconds on the CPU; none for a still scene.
+    /// CPU time to update moved instances, milliseconds; none for a still scene.
     update_ms: Option<f64>,
-    /// Building all trees, milliseconds; no part of a frame.
+    /// CPU time to build all BVHs, milliseconds; not part of a frame.
     tree_ms: f64,
-    /// Rays traced from pixels.
+    /// Number of rays traced from pixels.
     rays: u64,
-    /// Looks at the depth buffer, of a counted frame; none where nothing was counted.
+    /// Number of depth reads of the march, in a counted frame; none where nothing was counted.
     march_steps: Option<u64>,
-    /// Walks through the trees from their root, of all passes.
+    /// Number of BVH traversals from the root, in all passes.
     traversals: Option<u64>,
-    /// Nodes that they visited.
+    /// Number of visited BVH nodes.
     visited_nodes: Option<u64>,
-    /// Triangles that they tested.
+    /// Number of tested triangles.
     tested_triangles: Option<u64>,
     /// Bytes of all buffers and textures.
     bytes: u64,
-    /// Pixels that reflect.
+    /// Number of pixels that reflect.
     reflective_px: u64,
-    /// Reflective pixels found on screen, percent.
+    /// Share of reflective pixels found on screen, percent.
     screen_percent: f64,
-    /// Traced ones.
+    /// Share of reflective pixels that were traced, percent.
     traced_percent: f64,
-    /// Those that `ssr` leaves without reflection, where others trace.
+    /// Share of reflective pixels that `ssr` leaves without reflection, where other methods trace, percent.
     failed_percent: f64,
-    /// Those with nothing in reach.
+    /// Share of reflective pixels with nothing in reach, percent.
     none_percent: f64,
-    /// Those too rough.
+    /// Share of reflective pixels that are too rough, percent.
     rough_percent: f64,
     /// SSIM of the frame.
     ssim: Option<f64>,
@@ -176,9 +176,9 @@ sample! {
     psnr_db: Option<f64>,
     /// relMSE of the frame.
     rel_mse: Option<f64>,
-    /// Largest difference of a channel, of 255.
+    /// Largest difference of a channel of the frame, out of 255.
     max_difference: Option<f64>,
-    /// Reflective pixels that are scored apart.
+    /// Number of reflective pixels inside the mask.
     mask_px: u64,
     /// SSIM inside the mask; none where it is too small.
     mask_ssim: Option<f64>,
@@ -188,17 +188,17 @@ sample! {
     mask_flip_p95: Option<f64>,
     /// 99th percentile of FLIP inside the mask.
     mask_flip_p99: Option<f64>,
-    /// PSNR inside the mask.
+    /// PSNR inside the mask, dB.
     mask_psnr_db: Option<f64>,
     /// relMSE inside the mask.
     mask_rel_mse: Option<f64>,
-    /// Largest difference inside the mask.
+    /// Largest difference of a channel inside the mask, out of 255.
     mask_max_difference: Option<f64>,
-    /// Answers that the march gave and a ray contradicts.
+    /// Number of answers of the march that a ray contradicts.
     false_accepts: Option<u64>,
-    /// Crossings that the march refused, or had no steps left to reach, and a ray confirms.
+    /// Number of crossings that the march refused, or had no steps left to reach, and a ray confirms.
     false_rejects: Option<u64>,
-    /// The measured frame of the animation before this one; none for the first, and for a still
+    /// Number of the previous measured frame of the animation; none for the first, and for a still
     /// scene.
     since_frame: Option<u32>,
     /// Mean |Δtest − Δreference| since that frame, in display code values.
@@ -207,39 +207,39 @@ sample! {
     temporal_change: Option<f64>,
     /// Mean |Δtest − Δreference| inside the masks of both frames.
     mask_temporal_difference: Option<f64>,
-    /// Mean |Δreference| there.
+    /// Mean |Δreference| inside the masks of both frames.
     mask_temporal_change: Option<f64>,
-    /// Mean FLIP inside the mask, within 3 px of an edge of what the reference's rays meet.
+    /// Mean FLIP inside the mask, within 3 px of an edge in the reference's reflections.
     edge_flip: Option<f64>,
-    /// Mean FLIP inside the mask, elsewhere.
+    /// Mean FLIP inside the mask, away from such edges.
     inner_flip: Option<f64>,
-    /// Share of the pixels of reflected things 1 px thin that show them, percent.
+    /// Share of the pixels of reflected objects 1 px thin that show the object, percent.
     recall_1px_percent: Option<f64>,
-    /// The same of things 2 px thin.
+    /// Share of the pixels of reflected objects 2 px thin that show the object, percent.
     recall_2px_percent: Option<f64>,
-    /// The same of things 3 or 4 px thin.
+    /// Share of the pixels of reflected objects 3 or 4 px thin that show the object, percent.
     recall_4px_percent: Option<f64>,
-    /// Mean step from marched to traced pixels beyond the reference's, display code values.
+    /// Mean luma step from marched to traced pixels minus the reference's step, display code values.
     seam_step: Option<f64>,
     /// Distance at which the autocorrelation of the signed error falls below 1 / e, pixels.
     error_length_px: Option<f64>,
     /// Largest autocorrelation of the signed error beyond its first zero.
     stripes: Option<f64>,
-    /// Pixels of the mask that change between march and ray as the camera moves by 1e-4 U.
+    /// Number of mask pixels that change between march and ray as the camera moves by 1e-4 U.
     source_changes_px: Option<u64>,
-    /// Pixels of the mask whose ray, of the reference, then meets another instance.
+    /// Number of mask pixels whose ray in the reference then hits another instance.
     met_changes_px: Option<u64>,
-    /// Adapter.
+    /// Name of the adapter.
     adapter: String,
     /// Driver and its version.
     driver: String,
     /// Graphics API.
     backend: String,
-    /// Whether the adapter is the CPU.
+    /// Whether the adapter renders on the CPU.
     software: bool,
-    /// Operating system.
+    /// Operating system and architecture.
     os: String,
-    /// Processor.
+    /// Processor, with its number of threads.
     cpu: String,
     /// Version of Reflet.
     version: String,
@@ -254,7 +254,7 @@ fn read_cell<T: Cell>(column: &str, text: &str) -> Result<T, String> {
     Ok(value)
 }
 
-/// Causes whose refusals can be judged: those for which there is a crossing.
+/// Causes whose refusals can be compared with a ray, because there is a crossing.
 pub const REFUSALS: [Cause; 5] = [
     Cause::Hidden,
     Cause::Unconfirmed,
@@ -263,7 +263,7 @@ pub const REFUSALS: [Cause; 5] = [
     Cause::Steps,
 ];
 
-/// The columns after the fixed ones: `pass_NAME_ms`, `cause_NAME_px`, `false_accept_NAME_px`,
+/// Columns after the fixed ones: `pass_NAME_ms`, `cause_NAME_px`, `false_accept_NAME_px`,
 /// `false_reject_NAME_px` and `PASS_COUNTED`, such as `trace_visited_nodes`.
 pub fn detail_columns() -> Vec<String> {
     let passes = passes::ALL
@@ -285,7 +285,7 @@ pub fn detail_columns() -> Vec<String> {
         .collect()
 }
 
-/// The header of a table of samples.
+/// Header of a table of samples.
 pub fn header() -> String {
     let fixed = FIXED.iter().map(|name| (*name).to_owned());
     csv::line(fixed.chain(detail_columns()))
@@ -298,7 +298,7 @@ impl Sample {
         csv::line(self.fixed_cells().into_iter().chain(detail))
     }
 
-    /// The values whose column starts with `prefix` and ends with `suffix`, with what is between.
+    /// Values whose column starts with `prefix` and ends with `suffix`, with the part of the name between them.
     pub fn details(&self, prefix: &str, suffix: &str) -> Vec<(String, f64)> {
         let columns = detail_columns().into_iter().zip(&self.detail);
         let of = |(column, value): (String, &f64)| {
@@ -321,17 +321,17 @@ impl Sample {
         index.map_or(0.0, |index| self.detail[index])
     }
 
-    /// Whether the frame was measured.
+    /// Whether the frame was measured and scored.
     pub fn is_ok(&self) -> bool {
         self.status == "ok"
     }
 }
 
-/// Reads a table of samples; the position of its columns is free, and others are ignored.
+/// Reads a table of samples, in any order of columns; unknown columns are ignored.
 ///
 /// # Errors
-/// A text that is no table, a missing column, a cell that cannot be, a frame that is there twice;
-/// line and column are named.
+/// A text that is no table, a missing column, a cell with an impossible value, a repeated frame;
+/// with line and column.
 pub fn read_samples(text: &str) -> Result<(Vec<Sample>, usize), CsvError> {
     let table = csv::parse(text)?;
     let details = detail_columns();

@@ -1,5 +1,5 @@
-//! A rendered picture against the reference: errors of the frame and inside the reflective
-//! pixels, and what the march found against what the rays found.
+//! Scores of a rendered picture against the reference: errors of the frame and inside the reflective
+//! pixels, and hits of the march against hits of the rays.
 
 use super::{
     metric::{
@@ -21,7 +21,7 @@ use crate::render::{
     stats::{TOLERANCE_RELATIVE, TOLERANCE_U},
 };
 
-/// The planes that scoring reads.
+/// Planes (per-pixel outputs of the renderer) that scoring reads.
 pub const PLANES: [Aov; 4] = [Aov::Cause, Aov::HitDistance, Aov::HitIds, Aov::Reflectance];
 
 /// A rendered picture as the metrics see it.
@@ -33,61 +33,61 @@ pub struct View {
     pub display: Picture,
 }
 
-/// Where mirror rays ended.
+/// Ends of the mirror rays, per pixel.
 #[derive(Clone, Debug)]
 pub struct Hits {
     /// Cause per pixel.
     pub cause: Vec<u32>,
-    /// Distance per pixel, meters; infinite where nothing was met.
+    /// Distance per pixel, meters; infinite where nothing was hit.
     pub distance_m: Vec<f32>,
-    /// Instance per pixel.
+    /// ID of the hit instance per pixel.
     pub instance: Vec<u32>,
 }
 
-/// The reference of one camera and size.
+/// Reference picture and rays of one camera and size.
 #[derive(Clone, Debug)]
 pub struct Reference {
-    /// Its picture.
+    /// Picture of the reference.
     pub view: View,
-    /// What its rays met first.
+    /// First hits of its rays.
     pub hits: Hits,
-    /// The reflective pixels, eroded.
+    /// Mask of the reflective pixels, eroded.
     pub mask: Mask,
-    /// The same of a camera that moved by [`CAMERA_MOVE_U`]; none where that was not asked for.
+    /// First hits with the camera moved by [`CAMERA_MOVE_U`]; none where that was not requested.
     pub moved: Option<Hits>,
 }
 
-/// How far a camera moves to the right to see which pixels change what they show, U.
+/// Distance by which the camera moves to the right to find pixels that change what they show, U.
 pub const CAMERA_MOVE_U: f32 = 1e-4;
-/// What a pixel shows whose ray met nothing.
+/// ID of a pixel whose ray hit nothing.
 const NOTHING: u32 = u32::MAX;
-/// What a pixel shows whose ray was not followed.
+/// ID of a pixel whose ray was not traced.
 const NOT_FOLLOWED: u32 = u32::MAX - 1;
 
 /// Errors of one picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Errors {
-    /// Of the whole frame.
+    /// Scores of the whole frame.
     pub frame: Scores,
-    /// Inside the mask; none where it is too small.
+    /// Scores inside the mask; none where it is too small.
     pub mask: Option<Scores>,
-    /// How they lie inside the mask; none where it is too small, and of a picture of another size.
+    /// Structure of the errors inside the mask; none where it is too small, and of a picture of another size.
     pub structure: Option<Structure>,
-    /// The mask's pixels.
+    /// Number of pixels of the mask.
     pub mask_px: usize,
 }
 
-/// Pixels of the mask that change as the camera moves by [`CAMERA_MOVE_U`].
+/// Numbers of pixels of the mask that change as the camera moves by [`CAMERA_MOVE_U`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Changes {
-    /// Between the march's answer and a ray's.
+    /// Number of pixels that change between the march's answer and a ray's.
     pub source: u64,
-    /// What the reference's ray meets.
+    /// Number of pixels whose ray in the reference hits another instance.
     pub met: u64,
 }
 
 impl View {
-    /// From a rendered picture, enlarged bilinearly to `size` where it is smaller.
+    /// View of a rendered picture, enlarged bilinearly to `size` where it is smaller.
     ///
     /// # Errors
     /// A pixel that is NaN, infinite or negative.
@@ -131,7 +131,7 @@ fn enlarge(pixels: Vec<[f32; 3]>, from: [u32; 2], to: [u32; 2]) -> Vec<[f32; 3]>
 }
 
 impl Hits {
-    /// From [`PLANES`]; `None` when one is missing.
+    /// Hits from [`PLANES`]; `None` when a plane is missing.
     pub fn of(planes: &[Plane]) -> Option<Self> {
         let PlaneData::U32(cause) = plane(planes, Aov::Cause)? else {
             return None;
@@ -155,7 +155,7 @@ impl Hits {
         self.cause.iter().map(of).collect()
     }
 
-    /// The instance that each reflection shows; `traces` says whether rays follow the march.
+    /// ID of the instance that each reflection shows; `traces` says whether rays follow the march.
     fn shown(&self, traces: bool) -> Vec<u32> {
         let is_marched = self.is_marched();
         let of = |i: usize| match self.distance_m[i] {
@@ -166,11 +166,11 @@ impl Hits {
         (0..self.cause.len()).map(of).collect()
     }
 
-    /// What the march found: its hit, or the crossing that it refused or, for `steps`, would have
-    /// met later, which is where the same march that refuses nothing (`crossings`) ends. Nothing at
+    /// Hits of the march: the accepted hit, or the crossing that it refused or, for `steps`, would have
+    /// reached later; the same march that refuses nothing (`crossings`) ends there. No hit at
     /// other pixels, whose `distance_m` is that of the traced ray.
     fn candidates(&self, crossings: &Self) -> (Vec<f32>, Vec<u32>) {
-        // A march that met a pixel beside its own may measure a little less than nothing.
+        // A march that ends at a pixel beside its own may give a slightly negative distance.
         let met = |hits: &Self, i: usize| {
             let distance_m = hits.distance_m[i];
             let at_least_0 = if distance_m < 0.0 { 0.0 } else { distance_m };
@@ -193,10 +193,10 @@ fn plane(planes: &[Plane], aov: Aov) -> Option<&PlaneData> {
 }
 
 impl Reference {
-    /// From a picture with [`PLANES`].
+    /// Reference from a picture with [`PLANES`].
     ///
     /// # Errors
-    /// A sentence: a pixel that is NaN, infinite or negative, a missing plane.
+    /// Message about a pixel that is NaN, infinite or negative, or a missing plane.
     pub fn new(picture: &render::Picture) -> Result<Self, String> {
         let view = View::new(picture, picture.size).map_err(|e| e.to_string())?;
         let hits = Hits::of(&picture.planes).ok_or("the reference lacks its hit planes")?;
@@ -214,8 +214,8 @@ impl Reference {
         })
     }
 
-    /// Errors of `view`, which has the reference's size; `hits` are its own, and `traces` says whether
-    /// rays follow its march.
+    /// Errors of `view`, which has the reference's size; `hits` belong to its picture, and `traces` says
+    /// whether rays follow its march.
     ///
     /// # Errors
     /// When the sizes differ.
@@ -253,7 +253,7 @@ impl Reference {
         })
     }
 
-    /// What changes from `hits` to those of the moved camera; none where the reference did not move.
+    /// Changes from `hits` to those of the moved camera; none where the reference has no moved hits.
     pub fn changes(&self, hits: &Hits, moved: &Hits) -> Option<Changes> {
         let inside = self.mask.inside();
         let met = [self.hits.shown(true), self.moved.as_ref()?.shown(true)];
@@ -268,7 +268,7 @@ impl Reference {
     /// march with all steps and no refusals. Surfaces are told apart by instance.
     ///
     /// # Errors
-    /// A sentence: planes of another size, an unknown cause.
+    /// Message about planes of another size, or an unknown cause.
     pub fn verdicts(
         &self,
         hits: &Hits,
@@ -298,7 +298,7 @@ impl Reference {
     }
 }
 
-/// Pixels inside that differ.
+/// Number of pixels inside that differ.
 fn differing<T: PartialEq>(inside: &[bool], [a, b]: &[Vec<T>; 2]) -> u64 {
     let pairs = inside.iter().zip(a.iter().zip(b));
     pairs.filter(|(inside, (a, b))| **inside && a != b).count() as u64
@@ -310,7 +310,7 @@ fn luma(pixels: &[[f32; 3]]) -> Vec<f32> {
     pixels.iter().map(of).collect()
 }
 
-/// What each cause means for the march.
+/// Cause codes with their outcomes.
 fn codes() -> Vec<CauseCode> {
     let code = |cause: Cause| CauseCode {
         code: cause as u32,

@@ -1,4 +1,4 @@
-//! Scores of failure modes: what a scene's samples say of each method, as one cell of a table of modes
+//! Scores of failure modes: summarizes a scene's samples by each method as one cell of a table of modes
 //! × methods.
 
 pub mod document;
@@ -46,12 +46,12 @@ const HEADER: [&str; 25] = [
     "status",
 ];
 
-/// What pictures are held against.
+/// Reference of the pictures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Against {
-    /// `rt` with the same samples.
+    /// Method `rt` with the same samples.
     Rt,
-    /// `rt` with many samples and shadows by rays, at the origin: shows what `rt` has wrong, too.
+    /// Method `rt` with many samples and shadows by rays, at the origin: shows the errors of `rt`, too.
     Truth,
 }
 
@@ -60,76 +60,76 @@ pub enum Against {
 pub struct Mode {
     /// Name of the scene file without its ending, such as `03-rails`.
     pub name: String,
-    /// First comment of the scene: what fails, and how it is seen.
+    /// First comment of the scene: the failure and how it looks.
     pub about: String,
-    /// What is measured for it.
+    /// Measurements of the mode.
     pub parts: Vec<Part>,
 }
 
-/// Measured frames that make a cell together.
+/// Measured frames that are pooled in a cell.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Part {
-    /// What pictures are held against.
+    /// Reference of the pictures.
     pub against: Against,
-    /// What samples call the scene.
+    /// Name of the scene in samples.
     pub scene: String,
-    /// What samples call its content.
+    /// Hash of the scene's content in samples.
     pub content: String,
     /// Size of the pictures.
     pub size: [u32; 2],
-    /// Frames of its timeline.
+    /// Numbers of the measured frames of its timeline.
     pub frames: Vec<u32>,
 }
 
 /// Scores of a method in a mode.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cell {
-    /// [`Mode::name`]
+    /// Name of the mode, [`Mode::name`].
     pub mode: String,
-    /// Method, of [`SERIES`](super::parameter::SERIES).
+    /// Method, one of [`SERIES`](super::parameter::SERIES).
     pub method: String,
-    /// What its pictures were held against.
+    /// Reference of its pictures.
     pub against: Against,
-    /// Scores, or why there are none.
+    /// Scores, or the reason why there are none.
     pub scores: Result<CellScores, String>,
 }
 
-/// Scores inside the reflective pixels, of all frames and sizes together.
+/// Scores inside the reflective pixels, pooled over all frames and sizes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CellScores {
-    /// Pictures that were scored.
+    /// Number of scored pictures.
     pub frames: usize,
-    /// Scored pixels of the picture that has the fewest.
+    /// Number of scored pixels of the picture that has the fewest.
     pub mask_px: u64,
     /// Mean FLIP, 0 to 1.
     pub flip: f64,
-    /// The largest 99th percentile of FLIP of a picture, 0 to 1.
+    /// Largest 99th percentile of FLIP of a picture, 0 to 1.
     pub flip_p99: f64,
-    /// That picture.
+    /// Picture with the largest 99th percentile of FLIP.
     pub worst: Place,
     /// Mean SSIM; none where a picture is too small for it.
     pub ssim: Option<f64>,
     /// Mean relMSE.
     pub rel_mse: f64,
-    /// Answers of the march that a ray contradicts, pixels; none where nothing marches.
+    /// Number of answers of the march that a ray contradicts, pixels; none where nothing marches.
     pub false_accepts_px: Option<u64>,
-    /// The same over the reflective pixels, ‰.
+    /// False accepts per reflective pixel, ‰.
     pub false_accepts_permille: Option<f64>,
-    /// Σ |Δtest − Δrt| over Σ |Δrt| inside the masks of a film's frames.
+    /// Flicker of an animation: Σ |Δtest − Δrt| over Σ |Δrt| inside the masks of its frames.
     pub flicker: Option<f64>,
     /// Reflective pixels that were traced, percent.
     pub traced_percent: f64,
-    /// How the errors lie in the pictures.
+    /// Structure of the errors in the pictures.
     pub structure: CellStructure,
 }
 
-/// How errors lie in the pictures: means over the pictures that say something, none where none does.
+/// Structure of errors: means over the pictures that have the score, none where no picture has it.
 /// See [`metric::structure`](super::metric::structure).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CellStructure {
     /// Mean FLIP within 3 px of edges in the reflections, and elsewhere.
     pub flip_by_edges: [Option<f64>; 2],
-    /// Share of the pixels of things 1, 2 and 4 px thin that show them, percent.
+    /// Share of the pixels of objects 1, 2 and 4 px thin that show the object, percent.
     pub recall_percent: [Option<f64>; 3],
     /// Signed step between marched and traced pixels, display code values.
     pub seam_step: Option<f64>,
@@ -137,13 +137,13 @@ pub struct CellStructure {
     pub error_length_px: Option<f64>,
     /// Largest autocorrelation beyond its first zero.
     pub stripes: Option<f64>,
-    /// Pixels that change between march and ray as the camera moves by 1e-4 U, and those whose ray then
-    /// meets another instance, percent; of stills.
+    /// Shares of pixels that change between march and ray as the camera moves by 1e-4 U, and of pixels whose
+    /// ray then hits another instance, percent; of stills only.
     pub changes_percent: [Option<f64>; 2],
 }
 
 impl CellStructure {
-    /// In the order of the table's columns.
+    /// Values in the order of the table's columns.
     fn values(&self) -> impl Iterator<Item = Option<f64>> {
         let single = [self.seam_step, self.error_length_px, self.stripes];
         let first = self.flip_by_edges.into_iter().chain(self.recall_percent);
@@ -168,7 +168,7 @@ impl fmt::Display for Place {
 }
 
 impl Mode {
-    /// Title and words, from a comment `title: words`, else from its name.
+    /// Title and description, from a comment `title: words`, otherwise from its name.
     pub fn heading(&self) -> (String, String) {
         match self.about.split_once(": ") {
             Some((title, about)) if title.len() < 60 => {
@@ -183,7 +183,7 @@ impl Mode {
 }
 
 impl Part {
-    /// What will be measured of a scene; `size` is that of all pictures, where it is given.
+    /// Measurements of a scene; `size` is that of all pictures, where it is given.
     pub fn of(series: &FrameSeries, size: Option<[u32; 2]>, against: Against) -> Self {
         Self {
             against,
@@ -194,7 +194,7 @@ impl Part {
         }
     }
 
-    /// The sample of a frame; of several, the newest.
+    /// Sample of a frame; the newest of several.
     fn sample<'a>(&self, samples: &'a [Sample], method: &str, frame: u32) -> Option<&'a Sample> {
         samples.iter().rev().find(|s| {
             (s.frame, [s.width, s.height]) == (frame, self.size)
@@ -206,7 +206,7 @@ impl Part {
     }
 }
 
-/// Cells of all modes, each with all methods, in their order; those against the truth come last.
+/// Cells of all modes, each with all methods, in their order; cells against the truth come last.
 pub fn cells(modes: &[Mode], methods: &[&str], samples: &[Sample]) -> Vec<Cell> {
     let mut cells = Vec::new();
     for against in [Against::Rt, Against::Truth] {
@@ -226,10 +226,10 @@ pub fn cells(modes: &[Mode], methods: &[&str], samples: &[Sample]) -> Vec<Cell> 
     cells
 }
 
-/// Scores of a method over all frames of the parts.
+/// Pooled scores of a method over all frames of the parts.
 ///
 /// # Errors
-/// The first frame that has no score, and why: a mean without it would flatter.
+/// The first frame without a score, and the reason: a mean without it would hide the failure.
 fn scores(parts: &[&Part], method: &str, samples: &[Sample]) -> Result<CellScores, String> {
     let mut found = Vec::new();
     for part in parts {
@@ -302,7 +302,7 @@ fn structure(samples: &[&Sample]) -> CellStructure {
     }
 }
 
-/// None of a still, and where a pair of frames shares too few reflective pixels.
+/// Flicker of an animation; none for a still, and where a pair of frames shares too few reflective pixels.
 fn flicker(samples: &[&Sample]) -> Option<f64> {
     let since: Vec<&&Sample> = samples.iter().filter(|s| s.since_frame.is_some()).collect();
     let sum = |of: fn(&Sample) -> Option<f64>| since.iter().map(|s| of(s)).sum::<Option<f64>>();
@@ -317,7 +317,7 @@ fn flicker(samples: &[&Sample]) -> Option<f64> {
     temporal::ratio(pairs, difference, change)
 }
 
-/// The cells as comma-separated values.
+/// Formats the cells as comma-separated values.
 pub fn table(cells: &[Cell]) -> String {
     let mut out = csv::line(HEADER);
     for cell in cells {

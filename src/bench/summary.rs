@@ -14,59 +14,58 @@ pub use group::groups;
 use paired::Timed;
 pub use pairs::{FlickerRatio, Split};
 
-/// Repetitions below which no percentiles are given.
+/// Smallest number of repetitions with percentiles.
 pub const MIN_SPREAD_N: usize = 20;
 
 /// Repeated measurements of one quantity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spread {
-    /// How many.
+    /// Number of measurements.
     pub n: usize,
-    /// Their median.
+    /// Median of the measurements.
     pub median: f64,
     /// 5th and 95th percentile; none below [`MIN_SPREAD_N`].
     pub p5_p95: Option<[f64; 2]>,
 }
 
-/// One setting of one method: what its frames have in common.
+/// One setting of one method, with the statistics of its frames.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Point {
-    /// The first of its frames, for settings, errors and shares.
+    /// First sample of the setting, for settings, errors and shares.
     pub sample: Sample,
-    /// Milliseconds of a frame. Where passes are timed: its own reflection passes, and for all
-    /// others, which every method shares, the median over the settings of its group; else wall
-    /// time.
+    /// Milliseconds per frame. Where passes are timed: its own reflection passes, plus the group's median
+    /// of all other passes, which every method shares; otherwise wall time.
     pub ms: Spread,
-    /// Wall time.
+    /// Wall time per frame, milliseconds.
     pub frame_ms: Spread,
     /// Milliseconds of the passes that find reflections, where they are timed.
     pub reflection_ms: Option<Spread>,
     /// Median milliseconds of each pass that ran.
     pub passes_ms: Vec<(String, f64)>,
-    /// Whether errors, shares, verdicts and counts are means over the frames of an animation.
+    /// Whether errors, shares, false accepts and rejects and counts are means over the frames of an animation.
     pub is_mean: bool,
-    /// How its picture changes from frame to frame otherwise than the reference's does.
+    /// Flicker ratio of the animation, against the reference.
     pub flicker: Option<FlickerRatio>,
-    /// The trace pass in its parts, where they were timed apart.
+    /// Trace pass split into traversal and shading, where they were timed apart.
     pub split: Option<Split>,
-    /// Each timed frame.
+    /// Time of each timed frame.
     pub timed: Vec<Timed>,
 }
 
 /// Points that may share a chart: one scene and content, camera, size, reference, adapter, commit
-/// and one choice of what is turned.
+/// and one choice of the varied parameter.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Group {
-    /// In the order of the table.
+    /// Points in the order of the table.
     pub points: Vec<Point>,
-    /// Settings that could not be judged or timed, with what failed.
+    /// Settings that could not be scored or timed, with the reason.
     pub failed: Vec<(Sample, String)>,
-    /// Whether errors are those inside the mask: it is large enough in all points.
+    /// Whether errors are those inside the mask, because the mask is large enough in all points.
     pub masked: bool,
-    /// Of an animation, every frame on its own: its number and its point. `points` then are means
-    /// over the frames that were measured. Empty for a still scene.
+    /// Frame number and point of every frame of an animation, whose `points` are means over the measured
+    /// frames. Empty for a still scene.
     pub over_frames: Vec<(u32, Point)>,
-    /// Frames of an animation that were left out, since some setting lacks them.
+    /// Frames of an animation that were left out because some setting lacks them.
     pub left_out: Vec<u32>,
 }
 
@@ -82,7 +81,7 @@ pub enum Metric {
 }
 
 impl Metric {
-    /// On axes and in sentences.
+    /// Name on axes and in sentences.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Flip => "FLIP",
@@ -93,7 +92,7 @@ impl Metric {
 }
 
 impl Spread {
-    /// Of some values; none of nothing.
+    /// Statistics of some values; none for an empty list.
     pub fn of(mut values: Vec<f64>) -> Option<Self> {
         if values.is_empty() || values.iter().any(|v| v.is_nan()) {
             return None;
@@ -106,7 +105,7 @@ impl Spread {
         })
     }
 
-    /// Such as `4.21 ms (4.10 to 4.63)`, or with n where that is too small for percentiles.
+    /// Text such as `4.21 ms (4.10 to 4.63)`, or with n where that is too small for percentiles.
     pub fn text(&self) -> String {
         let median = digits(self.median);
         match self.p5_p95 {
@@ -159,12 +158,12 @@ impl Point {
         })
     }
 
-    /// The point of an animation: errors and shares are means over its frames, those inside the
+    /// Point of an animation: errors and shares are means over its frames, errors inside the
     /// mask over the frames whose mask is large enough; shares are of all reflective pixels.
     /// Metrics without a mean are left out.
     fn averaged(mut self, samples: &[&Sample]) -> Self {
         self.is_mean = true;
-        // Frames that show different things have no spread that noise alone makes.
+        // Times of different frames spread by content, not by noise alone.
         let spreads = [Some(&mut self.ms), Some(&mut self.frame_ms)].into_iter();
         for spread in spreads.chain([self.reflection_ms.as_mut()]).flatten() {
             spread.p5_p95 = None;
@@ -208,7 +207,7 @@ impl Point {
         s.traversals = mean_count(|s| s.traversals);
         s.visited_nodes = mean_count(|s| s.visited_nodes);
         s.tested_triangles = mean_count(|s| s.tested_triangles);
-        // Times of passes have medians of their own; causes, verdicts and counts have means.
+        // Times of passes have medians of their own; causes, false accepts and rejects and counts have means.
         for (index, value) in s.detail.iter_mut().enumerate() {
             let sum: f64 = samples.iter().map(|s| s.detail[index]).sum();
             *value = sum / samples.len() as f64;
@@ -216,7 +215,7 @@ impl Point {
         self
     }
 
-    /// Its error, inside the mask or over the frame.
+    /// Error inside the mask or over the frame.
     pub fn error(&self, metric: Metric, masked: bool) -> Option<f64> {
         let s = &self.sample;
         let [flip, ssim, rel_mse] = if masked {
@@ -238,13 +237,13 @@ impl Point {
         found.map_or(0.0, |(_, ms)| *ms)
     }
 
-    /// Such as `hybrid, threshold_u = 0.025`.
+    /// Name for people, such as `hybrid, threshold_u = 0.025`.
     pub fn label(&self) -> String {
         label(&self.sample)
     }
 }
 
-/// Which curve a sample belongs to, of [`SERIES`](super::parameter::SERIES).
+/// Curve that a sample belongs to, one of [`SERIES`](super::parameter::SERIES).
 pub fn series(sample: &Sample) -> &str {
     match (sample.method.as_str(), sample.accept.as_str()) {
         ("hybrid", "threshold") => THRESHOLD_SERIES,
@@ -254,7 +253,7 @@ pub fn series(sample: &Sample) -> &str {
     }
 }
 
-/// What people call a sample's setting.
+/// Name of a sample's setting, for people.
 pub fn label(sample: &Sample) -> String {
     match (&sample.parameter, sample.value) {
         (Some(parameter), Some(value)) => format!("{}, {parameter} = {value}", sample.method),

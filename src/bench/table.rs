@@ -1,4 +1,4 @@
-//! The result of `compare` as a table for people and as JSON.
+//! Result of `compare`, as a table for people and as JSON.
 
 use std::fmt::{self, Write};
 
@@ -6,51 +6,51 @@ use serde::Serialize;
 
 use super::metric::{Scores, table::METRICS};
 
-/// What `compare` found. Serializes to the JSON that `--json` prints; infinite numbers (the PSNR
+/// Result of `compare`. Serializes to the JSON that `--json` prints; infinite numbers (the PSNR
 /// of equal pictures) become null.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Comparison {
-    /// The judged picture's file.
+    /// File of the tested picture.
     pub test: String,
-    /// The reference's file.
+    /// File of the reference.
     pub reference: String,
-    /// Pixels across.
+    /// Width, pixels.
     pub width: usize,
-    /// Pixels down.
+    /// Height, pixels.
     pub height: usize,
-    /// Whether no pixel differs at all.
+    /// Whether all pixels are equal.
     pub identical: bool,
     /// Scores of the whole frame.
     pub frame: Scores,
     /// Scores inside the mask; none without a mask.
     pub mask: Option<MaskReport>,
-    /// The factor of the difference picture; none when it was not asked for.
+    /// Contrast gain of the difference picture; none when it was not requested.
     pub difference_gain: Option<u32>,
-    /// How the files were read, in sentences.
+    /// Sentences on how the files were read.
     pub notes: Vec<String>,
-    /// A sentence per threshold that was crossed or could not be judged; empty is a pass.
+    /// Sentences on thresholds that were crossed or could not be checked; empty when all hold.
     pub crossed: Vec<String>,
 }
 
 /// The mask and the scores inside it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MaskReport {
-    /// Pixels left after erosion.
+    /// Number of pixels left after erosion.
     pub area_px: usize,
-    /// The same over the frame, 0 to 1.
+    /// Share of these pixels in the frame, 0 to 1.
     pub area_share: f64,
-    /// The scores, if there are.
+    /// Scores, if the mask is large enough.
     #[serde(flatten)]
     pub scores: MaskScores,
 }
 
-/// Scores, or why there are none.
+/// Scores inside a mask, or the reason why there are none.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum MaskScores {
-    /// Enough pixels: their scores.
+    /// Scores of a mask with enough pixels.
     Scored(Scores),
-    /// Under 100 pixels: a sentence.
+    /// Sentence on a mask with fewer than 100 pixels.
     TooSmall(String),
 }
 
@@ -60,7 +60,7 @@ impl Comparison {
         self.crossed.is_empty()
     }
 
-    /// One JSON object, indented, with a line break at its end.
+    /// Formats the result as one JSON object, indented, with a line break at its end.
     pub fn to_json(&self) -> String {
         let json = serde_json::to_string_pretty(self);
         json.expect("strings and numbers have a JSON form") + "\n"
@@ -75,7 +75,7 @@ impl Comparison {
     }
 }
 
-/// A row of the table.
+/// Label of a row and the function that formats its cells.
 type Row = (&'static str, fn(&Scores) -> String);
 
 const AREA_ROWS: [Row; 2] = [
@@ -85,7 +85,7 @@ const AREA_ROWS: [Row; 2] = [
     }),
 ];
 
-/// The cells of one row.
+/// Cells of one row.
 fn row(
     table: &mut String,
     name: &str,

@@ -1,14 +1,14 @@
-//! Encodes the pictures that a comparison makes.
+//! Encodes the pictures that `compare` writes.
 
 use std::{io::Cursor, path::Path};
 
 use super::file_error;
 use crate::scene::diagnostic::Diagnostic;
 
-/// An 8-bit sRGB PNG from tightly packed RGB bytes.
+/// Encodes an 8-bit sRGB PNG from tightly packed RGB bytes.
 ///
 /// # Errors
-/// A sentence, when `rgb` is not `3 * width * height` bytes.
+/// Message, when `rgb` is not `3 * width * height` bytes.
 pub fn encode_png(width: usize, height: usize, rgb: Vec<u8>) -> Result<Vec<u8>, String> {
     let mut encoded = Cursor::new(Vec::new());
     image::RgbImage::from_raw(width as u32, height as u32, rgb)
@@ -18,7 +18,7 @@ pub fn encode_png(width: usize, height: usize, rgb: Vec<u8>) -> Result<Vec<u8>, 
     Ok(encoded.into_inner())
 }
 
-/// An error about a picture that cannot be written.
+/// Error about a picture that cannot be written.
 pub fn unwritable(path: &Path, message: &str) -> Box<Diagnostic> {
     let help = "choose a folder that exists and can be written to";
     file_error("unwritable-picture", path, message, help)

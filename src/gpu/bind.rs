@@ -1,4 +1,4 @@
-//! Bind groups by name: layouts come from shaders, resources are found by the variable's name.
+//! Bind groups by name: layouts are reflected from shaders, and resources are found by the variable's name.
 
 use std::collections::BTreeMap;
 
@@ -60,7 +60,7 @@ impl GroupLayout {
     /// The layout of the bindings that one entry point uses of `@group(group)`.
     ///
     /// # Errors
-    /// As [`GroupLayout::new`].
+    /// Same errors as [`GroupLayout::new`].
     pub fn of_entry(
         gpu: &Gpu,
         module: &ShaderModuleInfo,
@@ -73,11 +73,11 @@ impl GroupLayout {
         Self::new(gpu, &module.name, &[&used], group)
     }
 
-    /// A bind group whose resources `lookup` finds by name.
+    /// A bind group whose resources `lookup` returns by variable name.
     ///
     /// # Errors
-    /// [`GpuError::Binding`] naming shader and variable where `lookup` finds nothing; wgpu's error
-    /// for resources that do not fit.
+    /// [`GpuError::Binding`] naming the shader and the variable where `lookup` returns nothing; wgpu's error for
+    /// resources that do not match the layout.
     pub fn bind_with<'a>(
         &self,
         gpu: &Gpu,
@@ -109,8 +109,7 @@ impl GroupLayout {
     /// A bind group of exactly these named resources.
     ///
     /// # Errors
-    /// As [`GroupLayout::bind_with`], and [`GpuError::Binding`] for a name that the shader does
-    /// not use.
+    /// Same errors as [`GroupLayout::bind_with`], and [`GpuError::Binding`] for a name that the shader does not use.
     pub fn bind(
         &self,
         gpu: &Gpu,
@@ -127,7 +126,7 @@ impl GroupLayout {
     /// Whether the group's names are exactly `names`, in any order.
     ///
     /// # Errors
-    /// [`GpuError::Binding`] naming the first one missing on either side.
+    /// [`GpuError::Binding`] naming the first name that is missing on either side.
     pub fn check_names(&self, names: &[&str]) -> Result<(), GpuError> {
         if let Some(extra) = names
             .iter()
@@ -157,7 +156,7 @@ impl GroupLayout {
 /// The bindings of one group over all modules that share it, by number; stages are joined.
 ///
 /// # Errors
-/// A message with both places if a number has two names or kinds, or a name two numbers.
+/// A message with both declarations if one number has two names or types, or one name two numbers.
 pub fn merged_bindings(modules: &[&ShaderModuleInfo], group: u32) -> Result<Vec<Binding>, String> {
     let mut merged: Vec<Binding> = Vec::new();
     let all = modules.iter().flat_map(|module| &module.bindings);
@@ -193,8 +192,8 @@ pub fn merged_bindings(modules: &[&ShaderModuleInfo], group: u32) -> Result<Vec<
     Ok(merged)
 }
 
-/// The kind compatible with both, if any: a texture that one shader samples and another only loads
-/// is filterable; a buffer has the larger size.
+/// Binding type compatible with both, if any: a texture that one shader samples and another only loads is
+/// filterable; a buffer has the larger minimum size.
 fn joined_type(a: wgpu::BindingType, b: wgpu::BindingType) -> Option<wgpu::BindingType> {
     use wgpu::{BindingType as B, TextureSampleType as T};
     match (a, b) {
@@ -236,7 +235,7 @@ fn joined_type(a: wgpu::BindingType, b: wgpu::BindingType) -> Option<wgpu::Bindi
     }
 }
 
-/// Violations of `limits` by a pipeline over these groups, one message each. Pure, so that tests
+/// Violations of `limits` by a pipeline with these groups, one message each. Pure, so that tests can
 /// enforce `Limits::default()` on any adapter.
 pub fn over_limits(groups: &[&[Binding]], limits: &wgpu::Limits) -> Vec<String> {
     let mut problems = Vec::new();

@@ -5,7 +5,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-/// Running counts; a reload is measured by their difference.
+/// Running counts; statistics of a reload are differences of two readings.
 #[derive(Debug, Default)]
 pub struct CompileStats {
     pub(super) shaders: AtomicU32,
@@ -24,12 +24,12 @@ impl CompileStats {
         self.pipelines.load(Ordering::Relaxed)
     }
 
-    /// Time spent in the driver for them.
+    /// Time spent in the driver to create pipelines.
     pub fn driver_time(&self) -> Duration {
         Duration::from_nanos(self.driver_ns.load(Ordering::Relaxed))
     }
 
-    /// Counts and times the pipeline creation by `make`.
+    /// Calls `make` to create a pipeline, and counts and times the call.
     pub(super) fn pipeline<P>(&self, make: impl FnOnce() -> P) -> P {
         let started = Instant::now();
         let created = make();

@@ -8,20 +8,21 @@ use std::{
 
 use super::{compile_stats::CompileStats, error::GpuError, shader_cache::ShaderCache};
 
-/// Environment variable with the adapter filter, as `--adapter`.
+/// Environment variable with the adapter filter, like `--adapter`.
 pub const ADAPTER_ENV: &str = "REFLET_ADAPTER";
 
-/// Maximum requested buffer size: drivers mishandle 2 GiB and more, and sizes are multiples of 4.
+/// Maximum requested buffer size, bytes: drivers mishandle 2 GiB and more, and sizes are multiples of 4.
 const MAX_BUFFER_BYTES: u64 = (2 << 30) - 4;
 
-/// Maximum requested number of storage buffers of a stage: only geometry that exceeds one takes more than
-/// the default of 8.
+/// Maximum requested number of storage buffers per shader stage: only scenes whose geometry exceeds one buffer use
+/// more than the default of 8.
 const MAX_STORAGE_BUFFERS: u32 = 32;
 
-/// Requested number of sampled textures of a stage: trees that are textures take two more than the default of 16.
+/// Requested number of sampled textures per shader stage: BVHs stored in textures use two more than the default of
+/// 16.
 const SAMPLED_TEXTURES: u32 = 18;
 
-/// Maximum requested texture size, pixels.
+/// Maximum requested texture width and height, pixels.
 const MAX_TEXTURE_SIDE: u32 = 16384;
 
 /// Maximum requested number of texture array layers.
@@ -49,29 +50,29 @@ pub struct Gpu {
     pub adapter_info: wgpu::AdapterInfo,
     /// The device.
     pub device: wgpu::Device,
-    /// Its only queue.
+    /// The device's only queue.
     pub queue: wgpu::Queue,
     /// Limits of the device: the defaults, with larger and more buffers and textures.
     pub limits: wgpu::Limits,
-    /// Enabled optional features, where present: timestamps, and numbers of triangles.
+    /// Enabled optional features, as far as the adapter has them: timestamps, and primitive indices.
     pub features: wgpu::Features,
-    /// Whether shaders read textures faster than buffers, and enough of them: llvmpipe reads buffers word by word, and
-    /// other software adapters are taken to be like it.
+    /// Whether shaders read textures faster than buffers, and may bind enough textures: llvmpipe reads buffers word
+    /// by word, and other software adapters are assumed to do the same.
     pub reads_texels_faster: bool,
     /// Compile statistics of the device.
     pub compile_stats: CompileStats,
-    /// Shaders that renderers share.
+    /// Compiled shaders, shared by all renderers of the device.
     pub(super) shaders: ShaderCache,
     /// The first error outside an error scope.
     fault: Arc<Mutex<Option<GpuError>>>,
 }
 
 impl Gpu {
-    /// Opens the adapter of the options, else the fastest type that opens: discrete, integrated,
-    /// virtual, software.
+    /// Opens the adapter that the options name, else the first that opens in this order of types: discrete,
+    /// integrated, virtual, software.
     ///
     /// # Errors
-    /// [`GpuError::NoAdapter`] if none exists, matches or opens.
+    /// [`GpuError::NoAdapter`] if no adapter exists, matches the filter or opens.
     pub fn new(options: &GpuOptions) -> Result<Self, GpuError> {
         let descriptor = wgpu::InstanceDescriptor {
             backends: wgpu::Backends::VULKAN | wgpu::Backends::METAL | wgpu::Backends::DX12,
@@ -164,7 +165,7 @@ impl Gpu {
         is_software(&self.adapter_info)
     }
 
-    /// Runs `create` in error scopes; errors name `what`.
+    /// Runs `create` in error scopes; error messages name `what`.
     ///
     /// # Errors
     /// Any wgpu error: validation, memory, internal.
@@ -200,13 +201,13 @@ impl Gpu {
         Ok(index)
     }
 
-    /// Most bytes to write at a time: a copy of them stays in memory until they are written.
+    /// Maximum number of bytes to write at a time: wgpu keeps a copy of them in memory until they are written.
     pub const PIECE_BYTES: usize = 4 << 20;
 
-    /// Waits until what was written so far is on the device, and its copies are gone.
+    /// Waits until all queued writes are on the device, and frees wgpu's copies of their data.
     ///
     /// # Errors
-    /// As [`Gpu::wait`].
+    /// Same errors as [`Gpu::wait`].
     pub fn finish_writes(&self) -> Result<(), GpuError> {
         self.queue.submit([]);
         self.wait()
@@ -215,7 +216,7 @@ impl Gpu {
     /// Waits until all submitted work is done.
     ///
     /// # Errors
-    /// A lost or silent device, or any error outside an error scope.
+    /// A lost or unresponsive device, or any error outside an error scope.
     pub fn wait(&self) -> Result<(), GpuError> {
         self.poll(None)
     }
@@ -223,7 +224,7 @@ impl Gpu {
     /// Waits until this submission and all before it are done.
     ///
     /// # Errors
-    /// As [`Gpu::wait`].
+    /// Same errors as [`Gpu::wait`].
     pub fn wait_for(&self, submission: &wgpu::SubmissionIndex) -> Result<(), GpuError> {
         self.poll(Some(submission.clone()))
     }
@@ -242,41 +243,41 @@ impl Gpu {
         })
     }
 
-    /// The first error outside an error scope, if any. It is permanent: the device is not usable.
+    /// Checks for errors outside an error scope. Such an error is permanent: the device is no longer usable.
     ///
     /// # Errors
-    /// That error.
+    /// The first such error.
     pub fn check(&self) -> Result<(), GpuError> {
         let fault = self.fault.lock().unwrap_or_else(PoisonError::into_inner);
         fault.clone().map_or(Ok(()), Err)
     }
 
-    /// Largest storage buffer that can be created and bound whole, bytes.
+    /// Size of the largest storage buffer that can be created and bound whole, bytes.
     pub fn largest_storage_buffer(&self) -> u64 {
         let binding = self.limits.max_storage_buffer_binding_size;
         self.limits.max_buffer_size.min(binding)
     }
 
-    /// Whether a storage buffer named `what` of `bytes` can be created and bound whole.
+    /// Checks that a storage buffer named `what` of `bytes` can be created and bound whole.
     ///
     /// # Errors
-    /// [`GpuError::Limit`] naming it.
+    /// [`GpuError::Limit`] naming the buffer.
     pub fn check_storage_size(&self, what: &str, bytes: u64) -> Result<(), GpuError> {
         within(what, bytes, self.largest_storage_buffer(), "bytes")
     }
 
-    /// Whether a buffer named `what` of `bytes`, which no shader binds, can be created.
+    /// Checks that a buffer named `what` of `bytes`, which no shader binds, can be created.
     ///
     /// # Errors
-    /// [`GpuError::Limit`] naming it.
+    /// [`GpuError::Limit`] naming the buffer.
     pub fn check_buffer_size(&self, what: &str, bytes: u64) -> Result<(), GpuError> {
         within(what, bytes, self.limits.max_buffer_size, "bytes")
     }
 
-    /// Whether a 2D texture named `what` of this many pixels can be created.
+    /// Checks that a 2D texture named `what` of this many pixels can be created.
     ///
     /// # Errors
-    /// [`GpuError::Limit`] naming it.
+    /// [`GpuError::Limit`] naming the texture.
     pub fn check_texture_size(&self, what: &str, width: u32, height: u32) -> Result<(), GpuError> {
         let limit = self.limits.max_texture_dimension_2d;
         within(

@@ -13,14 +13,14 @@ pub enum GpuError {
     Limit {
         /// Name of the resource, such as `triangle buffer`.
         what: String,
-        /// Its size.
+        /// Requested size.
         wanted: u64,
-        /// Its maximum size.
+        /// Maximum size.
         limit: u64,
-        /// Unit of both, such as `bytes`.
+        /// Unit of both sizes, such as `bytes`.
         unit: &'static str,
     },
-    /// A shader fails to assemble or validate.
+    /// A shader that fails to assemble or validate.
     Shader(ShaderError),
     /// A bound name that the shader does not declare, or the reverse.
     Binding(String),

@@ -1,4 +1,4 @@
-//! Errors of naga as errors of the author's files.
+//! Conversion of naga errors to errors at lines of shader source files.
 
 use std::error::Error;
 
@@ -6,14 +6,14 @@ use naga::{Span, WithSpan, front::wgsl, valid::ValidationError};
 
 use super::shader::{ShaderError, ShaderSource};
 
-/// Of a text that is no WGSL.
+/// Error for text that does not parse as WGSL.
 pub fn parse_error(source: &ShaderSource, error: &wgsl::ParseError) -> ShaderError {
     let mut placed = at_first_place(source, error.message(), error.labels());
     placed.notes.extend(error.notes().map(str::to_owned));
     placed
 }
 
-/// Of WGSL that is not valid.
+/// Error for WGSL that does not validate.
 pub fn validation_error(source: &ShaderSource, error: &WithSpan<ValidationError>) -> ShaderError {
     let mut message = error.as_inner().to_string();
     let mut cause = error.as_inner().source();
@@ -25,7 +25,7 @@ pub fn validation_error(source: &ShaderSource, error: &WithSpan<ValidationError>
     at_first_place(source, &message, labels)
 }
 
-/// naga's labels: the first one with a location is the place, the others are notes.
+/// Error with naga's labels: the first label with a location gives the error's location, the others become notes.
 fn at_first_place<'a>(
     source: &ShaderSource,
     message: &str,

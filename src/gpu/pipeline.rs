@@ -25,25 +25,25 @@ fn cache_key(what: &str, groups: &[&GroupLayout], constants: &[(&str, f64)]) -> 
 }
 
 impl Gpu {
-    /// Checks and creates assembled text, or finds what was made of the same text.
+    /// Validates the assembled text and creates its shader, or returns the cached shader of the same text.
     ///
     /// # Errors
-    /// As [`Shader::new`].
+    /// Same errors as [`Shader::new`].
     pub(crate) fn shader(&self, source: ShaderSource, checks: Checks) -> Result<Shader, GpuError> {
         (self.shaders).get_or_make(source, checks, |s| Shader::from_source(self, s, checks))
     }
 }
 
 impl Shader {
-    /// Loads, checks and creates the shader `name`.
+    /// Loads and validates the shader `name`.
     ///
     /// # Errors
-    /// [`GpuError::Shader`] at the line in the author's file, or a wgpu error.
+    /// [`GpuError::Shader`] at the line in its source file, or a wgpu error.
     pub fn new(gpu: &Gpu, library: &ShaderLibrary, name: &str) -> Result<Self, GpuError> {
         gpu.shader(library.source(name)?, Checks::All)
     }
 
-    /// Checks and creates assembled text.
+    /// Validates assembled text and reflects its declarations.
     fn from_source(gpu: &Gpu, source: &ShaderSource, checks: Checks) -> Result<Self, GpuError> {
         let capabilities: Capabilities = reflect::capabilities(gpu.features);
         let (info, module, validated) = reflect::checked(source, capabilities)?;
@@ -85,8 +85,8 @@ impl Shader {
                 reason = "bounds checks and loop bounds cost a quarter of the tracing speed; the text is \
                           ours, and the caller validated every index"
             )]
-            // SAFETY: `trusted` says that the text was compiled into this program, and that the caller answers
-            // for the buffers it reads.
+            // SAFETY: `trusted` says that the text was compiled into this program, and that the caller has validated
+            // all indices in the buffers that the shader reads.
             unsafe {
                 gpu.device
                     .create_shader_module_trusted(descriptor, unbounded)
@@ -94,7 +94,7 @@ impl Shader {
         })
     }
 
-    /// A pipeline layout over these groups; group numbers are positions.
+    /// Pipeline layout with these bind groups; a group's number is its position.
     ///
     /// # Errors
     /// [`GpuError::Shader`] when the shader or the groups exceed the limits of the device.
@@ -119,11 +119,10 @@ impl Shader {
         })
     }
 
-    /// A compute pipeline from `entry` with values for its overrides.
+    /// Compute pipeline of the entry point `entry`, with `constants` as values of its overrides.
     ///
     /// # Errors
-    /// [`GpuError::Shader`] for an unknown entry point or override or exceeded limits, or what
-    /// wgpu says.
+    /// [`GpuError::Shader`] for an unknown entry point or override or exceeded limits, or a wgpu error.
     pub fn compute_pipeline(
         &self,
         gpu: &Gpu,
@@ -155,11 +154,11 @@ impl Shader {
         })
     }
 
-    /// A cached render pipeline, created by `make` with the layout of these groups and a module of all entry points
-    /// without overrides; `state` is the rest of its cache key.
+    /// A cached render pipeline, created by `make` with the layout of these groups and a module that has all entry
+    /// points and no overrides left; `state` is the rest of its cache key.
     ///
     /// # Errors
-    /// [`GpuError::Shader`] for an unknown override or exceeded limits, or what wgpu says.
+    /// [`GpuError::Shader`] for an unknown override or exceeded limits, or a wgpu error.
     pub fn render_pipeline(
         &self,
         gpu: &Gpu,
@@ -181,7 +180,7 @@ impl Shader {
     /// Checks that every constant is an override of this shader and that all required ones are set.
     ///
     /// # Errors
-    /// [`GpuError::Shader`] naming the first that does not fit.
+    /// [`GpuError::Shader`] naming the first unknown or missing override.
     pub fn check_constants(&self, constants: &[(&str, f64)]) -> Result<(), GpuError> {
         let overrides = &self.info.overrides;
         let refuse = |message| Err(ShaderError::new(&self.info.file, message).into());

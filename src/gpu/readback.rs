@@ -9,13 +9,13 @@ use bytemuck::Pod;
 
 use super::{context::Gpu, error::GpuError};
 
-/// Maximum staging buffer size: a 16384 × 16384 float picture is read in bands of rows.
+/// Maximum staging buffer size, bytes: a 16384 × 16384 float picture is read in bands of rows.
 const MAX_BAND_BYTES: u64 = 64 << 20;
 
-/// Timeout of the map callback after the work is done.
+/// Timeout of the map callback after the GPU has finished.
 const ANSWER_TIMEOUT: Duration = Duration::from_secs(10);
 
-/// Mip 0, layer 0 of a 2D texture, rows from the top, no padding. Needs `COPY_SRC`.
+/// Reads mip 0, layer 0 of a 2D texture, rows from the top, no padding. Needs `COPY_SRC`.
 ///
 /// # Errors
 /// [`GpuError::Validation`] for a format without a fixed texel size, or a wgpu error.
@@ -23,10 +23,10 @@ pub fn read_texture(gpu: &Gpu, texture: &wgpu::Texture) -> Result<Vec<u8>, GpuEr
     read_texture_layer(gpu, texture, 0, 0)
 }
 
-/// One mip of one layer, rows from the top, no padding. Depth formats give their depth.
+/// Reads one mip of one layer, rows from the top, no padding; the depth aspect of depth formats.
 ///
 /// # Errors
-/// As [`read_texture`].
+/// Same errors as [`read_texture`].
 pub fn read_texture_layer(
     gpu: &Gpu,
     texture: &wgpu::Texture,
@@ -45,7 +45,7 @@ pub fn read_texture_layer(
     Ok(bytes)
 }
 
-/// A whole buffer as values of `T`; a rest shorter than one `T` is dropped. Needs `COPY_SRC`.
+/// Reads a whole buffer as values of `T`; a remainder shorter than one `T` is dropped. Needs `COPY_SRC`.
 ///
 /// # Errors
 /// A wgpu error of the copy.
@@ -60,7 +60,7 @@ pub fn read_buffer<T: Pod>(gpu: &Gpu, buffer: &wgpu::Buffer) -> Result<Vec<T>, G
     Ok(values(&bytes))
 }
 
-/// Bytes as values of `T`; a rest shorter than one `T` is dropped.
+/// Bytes as values of `T`; a remainder shorter than one `T` is dropped.
 pub fn values<T: Pod>(bytes: &[u8]) -> Vec<T> {
     let whole = bytes.len() - bytes.len() % size_of::<T>().max(1);
     bytemuck::pod_collect_to_vec(&bytes[..whole])
@@ -94,7 +94,7 @@ impl<'a> TexturePlane<'a> {
         })
     }
 
-    /// Bytes of a row in a staging buffer.
+    /// Bytes of a row in a staging buffer, with the padding that WebGPU requires.
     fn padded_bytes(&self) -> u64 {
         let alignment = wgpu::COPY_BYTES_PER_ROW_ALIGNMENT.into();
         self.row_bytes.next_multiple_of(alignment)
@@ -127,12 +127,12 @@ pub struct Downloads {
 /// Layout of one copy in its staging buffer.
 struct Copy {
     staging: wgpu::Buffer,
-    /// Bytes per row without and with padding.
+    /// Bytes per row, without and with padding.
     row_bytes: [u64; 2],
 }
 
 impl Downloads {
-    /// Empty.
+    /// Empty batch.
     pub fn new(gpu: &Gpu) -> Self {
         let label = Some("readback");
         Self {
@@ -141,16 +141,16 @@ impl Downloads {
         }
     }
 
-    /// Adds mip 0, layer 0 of a texture, with the result of [`read_texture`].
+    /// Adds a copy of mip 0, layer 0 of a texture, laid out as by [`read_texture`].
     ///
     /// # Errors
-    /// As [`read_texture`].
+    /// Same errors as [`read_texture`].
     pub fn texture(&mut self, gpu: &Gpu, texture: &wgpu::Texture) -> Result<(), GpuError> {
         let plane = TexturePlane::of(texture, 0, 0)?;
         self.rows(gpu, &plane, 0..plane.height)
     }
 
-    /// Adds a whole buffer, which is not empty.
+    /// Adds a copy of a whole buffer, which must not be empty.
     ///
     /// # Errors
     /// A wgpu error of the staging buffer.
@@ -230,7 +230,7 @@ impl Downloads {
     }
 }
 
-/// Submitted copies. Dropping them discards the result.
+/// Submitted copies. Dropping them discards the results.
 pub struct Pending {
     copies: Vec<Copy>,
     submission: wgpu::SubmissionIndex,
@@ -242,7 +242,7 @@ impl Pending {
     /// padding, in order.
     ///
     /// # Errors
-    /// A lost or silent device.
+    /// A lost or unresponsive device.
     pub fn take(self, gpu: &Gpu) -> Result<Vec<Vec<u8>>, GpuError> {
         let mut all = vec![Vec::new(); self.copies.len()];
         let mut outputs: Vec<_> = all.iter_mut().collect();
@@ -255,7 +255,7 @@ impl Pending {
         let lost = |why: String| GpuError::Lost(format!("results could not be read back: {why}"));
         gpu.wait_for(&self.submission)?;
         for _ in &self.copies {
-            // A wait on another thread may run the callback, shortly after this wait returns.
+            // Another thread's wait may run the callback shortly after this wait returns.
             let answer = self.answers.recv_timeout(ANSWER_TIMEOUT);
             answer
                 .map_err(|error| error.to_string())

@@ -18,17 +18,17 @@ use super::{
 /// Declarations of a validated shader.
 #[derive(Clone, Debug)]
 pub struct ShaderModuleInfo {
-    /// Its name, such as `ssr`.
+    /// Name of the shader, such as `ssr`.
     pub name: String,
-    /// Its file, for messages.
+    /// File of the shader, for messages.
     pub file: Arc<str>,
-    /// Its entry points, in the order of the text.
+    /// Entry points, in the order of the text.
     pub entry_points: Vec<EntryPoint>,
-    /// The bindings that some entry point uses, by group and then number.
+    /// Bindings that at least one entry point uses, by group and then number.
     pub bindings: Vec<Binding>,
     /// Pipeline-overridable constants.
     pub overrides: Vec<Override>,
-    /// Every struct, imported ones too.
+    /// All structs, imported ones too.
     pub structs: Vec<StructLayout>,
 }
 
@@ -37,61 +37,61 @@ pub struct ShaderModuleInfo {
 pub struct EntryPoint {
     /// Name of the function.
     pub name: String,
-    /// Its stage.
+    /// Pipeline stage.
     pub stage: wgpu::ShaderStages,
-    /// Threads of a workgroup; zeros outside compute.
+    /// Number of threads of a workgroup in x, y and z; zeros outside compute.
     pub workgroup_size: [u32; 3],
 }
 
 /// A resource binding of a shader.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Binding {
-    /// `@group`.
+    /// Number of the bind group: `@group`.
     pub group: u32,
-    /// `@binding`.
+    /// Number of the binding in its group: `@binding`.
     pub binding: u32,
     /// Name of the variable.
     pub name: String,
     /// Required resource type.
     pub ty: wgpu::BindingType,
-    /// The stages that use it.
+    /// Stages that use the binding.
     pub visibility: wgpu::ShaderStages,
-    /// The entry points that use it.
+    /// Names of the entry points that use the binding.
     pub entry_points: Vec<String>,
-    /// File and line of its declaration, for messages.
+    /// File and line of the declaration, for messages.
     pub declared_at: String,
 }
 
 /// A pipeline-overridable constant.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Override {
-    /// Key in a pipeline's constants: the `@id`, else the name.
+    /// Key of the override in a pipeline's constants: the `@id`, else the name.
     pub key: String,
     /// Name of the constant.
     pub name: String,
-    /// Whether it has a default.
+    /// Whether the override has a default value.
     pub optional: bool,
 }
 
 /// Memory layout of a struct.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct StructLayout {
-    /// Its name.
+    /// Name of the struct.
     pub name: String,
-    /// Bytes, padding included.
+    /// Size in bytes, padding included.
     pub size: u32,
-    /// Its members, in order.
+    /// Members of the struct, in order.
     pub fields: Vec<FieldLayout>,
 }
 
 /// Memory layout of a struct member.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FieldLayout {
-    /// Its name.
+    /// Name of the member.
     pub name: String,
-    /// Bytes from the start of the struct.
+    /// Offset in bytes from the start of the struct.
     pub offset: u32,
-    /// Bytes, without the padding that follows; one element for a runtime-sized array.
+    /// Size in bytes, without the padding that follows; one element for a runtime-sized array.
     pub size: u32,
 }
 
@@ -107,8 +107,8 @@ impl ShaderModuleInfo {
     }
 }
 
-/// The naga capabilities of a device with these optional features; `Features::empty()` is what
-/// every device has.
+/// The naga capabilities of a device with these optional features; `Features::empty()` gives those that every device
+/// has.
 pub fn capabilities(features: wgpu::Features) -> Capabilities {
     let mut capabilities = Capabilities::CUBE_ARRAY_TEXTURES
         | Capabilities::MULTISAMPLED_SHADING
@@ -123,7 +123,7 @@ pub fn capabilities(features: wgpu::Features) -> Capabilities {
 /// Parses and validates a shader and lists what it declares. Needs no GPU.
 ///
 /// # Errors
-/// The first naga error, at the line in the author's file.
+/// The first naga error, at the line in the shader's source file.
 pub fn check(
     source: &ShaderSource,
     capabilities: Capabilities,
@@ -131,10 +131,10 @@ pub fn check(
     checked(source, capabilities).map(|(declared, _, _)| declared)
 }
 
-/// What a shader declares, the shader, and what its validation found.
+/// Declarations of a shader, its parsed module, and the results of its validation.
 ///
 /// # Errors
-/// As [`check`].
+/// Same errors as [`check`].
 pub(super) fn checked(
     source: &ShaderSource,
     capabilities: Capabilities,
@@ -302,7 +302,8 @@ impl Reflection<'_> {
             ImageClass::Sampled { kind, multi } => match kind {
                 ScalarKind::Uint => Ok(sampled(wgpu::TextureSampleType::Uint, multi)),
                 ScalarKind::Sint => Ok(sampled(wgpu::TextureSampleType::Sint, multi)),
-                // Only loaded, never sampled: then r32float and the like fit too.
+                // Not filterable unless a sampler uses it: a texture that is only loaded may then have a format like
+                // r32float.
                 _ => Ok(sampled(
                     wgpu::TextureSampleType::Float {
                         filterable: self.pairs().any(|(image, _)| image == handle),
@@ -320,8 +321,7 @@ impl Reflection<'_> {
         }
     }
 
-    /// A sampler filters unless it reads a depth texture, which WebGPU never filters without
-    /// comparing.
+    /// A sampler filters unless it samples a depth texture without comparing, which WebGPU never filters.
     fn sampler_type(
         &self,
         handle: Handle<naga::GlobalVariable>,
@@ -349,7 +349,7 @@ impl Reflection<'_> {
         }
     }
 
-    /// Every pair of texture and sampler used together.
+    /// Every pair of texture and sampler that are used together.
     fn pairs(
         &self,
     ) -> impl Iterator<Item = (Handle<naga::GlobalVariable>, Handle<naga::GlobalVariable>)> {

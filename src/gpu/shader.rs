@@ -13,26 +13,26 @@ const EMBEDDED: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/shaders.rs
 /// A location in a source file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Location {
-    /// The file, such as `shaders/lib/bvh.wgsl`.
+    /// Path of the file, such as `shaders/lib/bvh.wgsl`.
     pub file: Arc<str>,
-    /// From 1.
+    /// Line number, from 1.
     pub line: u32,
-    /// From 1, in bytes; 0 where only the line is known.
+    /// Column, from 1, in bytes; 0 where only the line is known.
     pub column: u32,
-    /// The text of that line.
+    /// Text of the line.
     pub text: String,
-    /// Length of the range, bytes, at least 1.
+    /// Length of the marked range, bytes, at least 1.
     pub length: u32,
 }
 
 /// A shader error.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ShaderError {
-    /// The shader or folder, without a location.
+    /// File or folder of the shader, without a location.
     pub file: Arc<str>,
-    /// Message.
+    /// Error message.
     pub message: String,
-    /// Location in a file, if any.
+    /// Location in a source file, if any.
     pub location: Option<Location>,
     /// Further compiler notes.
     pub notes: Vec<String>,
@@ -86,15 +86,15 @@ impl std::error::Error for ShaderError {}
 /// An assembled shader with all its imports.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ShaderSource {
-    /// Its name, such as `ssr`.
+    /// Name of the shader, such as `ssr`.
     pub name: String,
-    /// Its own file, for messages.
+    /// The shader's own file, for messages.
     pub file: Arc<str>,
     /// The whole WGSL text.
     pub text: String,
-    /// Whether all of it was built into this program.
+    /// Whether the whole text was built into this program.
     pub(crate) embedded: bool,
-    /// For every line of `text`: the file and the line in it.
+    /// Source file and line number of every line of `text`.
     lines: Vec<(Arc<str>, u32)>,
 }
 
@@ -125,7 +125,7 @@ pub struct ShaderLibrary {
     root: String,
     /// Text by path below the root, such as `lib/bvh.wgsl`.
     files: BTreeMap<String, Cow<'static, str>>,
-    /// Generated texts by the same paths.
+    /// Generated texts by path, such as `lib/constants.wgsl`.
     generated: BTreeMap<String, String>,
     embedded: bool,
 }
@@ -144,10 +144,10 @@ impl ShaderLibrary {
         }
     }
 
-    /// The `.wgsl` files of a folder and of its `lib/`, read now.
+    /// Reads the `.wgsl` files of a folder and of its `lib/`.
     ///
     /// # Errors
-    /// The folder or a file in it cannot be read, or holds no shader.
+    /// A folder or file that cannot be read, or a folder without shaders.
     pub fn from_dir(path: &Path) -> Result<Self, ShaderError> {
         let root = path.display().to_string();
         let mut files = BTreeMap::new();
@@ -194,10 +194,10 @@ impl ShaderLibrary {
         }
     }
 
-    /// This library with a generated `lib/NAME.wgsl`.
+    /// Adds a generated `lib/NAME.wgsl` to a copy of this library.
     ///
     /// # Errors
-    /// The folder has a file of that name.
+    /// The folder has a file with that name.
     pub(crate) fn with_generated(&self, name: &str, text: String) -> Result<Self, ShaderError> {
         let path = format!("lib/{name}.wgsl");
         if self.files.contains_key(&path) {
@@ -210,7 +210,7 @@ impl ShaderLibrary {
         Ok(library)
     }
 
-    /// A file's name for messages and its text.
+    /// Name for messages, and text, of the file at a path below the root.
     fn find(&self, path: &str) -> Option<(Arc<str>, Cow<'static, str>)> {
         if let Some(text) = self.generated.get(path) {
             return Some((format!("generated {path}").into(), text.clone().into()));
@@ -219,7 +219,7 @@ impl ShaderLibrary {
         Some((format!("{}/{path}", self.root).into(), text.clone()))
     }
 
-    /// Path below the folder and text of every file, sorted; without generated ones.
+    /// Path below the root and text of every file, sorted; without generated files.
     pub fn texts(&self) -> impl Iterator<Item = (&str, &str)> {
         let files = self.files.iter();
         files.map(|(path, text)| (path.as_str(), text.as_ref()))
@@ -242,7 +242,7 @@ impl ShaderLibrary {
             .filter_map(|path| path.strip_prefix("lib/")?.strip_suffix(".wgsl"))
     }
 
-    /// `NAME.wgsl` with every import included once.
+    /// Assembles `NAME.wgsl` with every import included once.
     ///
     /// # Errors
     /// Unknown shader, unknown import, an import that is not a plain name, a cycle.
@@ -250,10 +250,10 @@ impl ShaderLibrary {
         self.assemble(name, &format!("{name}.wgsl"))
     }
 
-    /// `lib/NAME.wgsl` on its own with its imports, so that a test can check it alone.
+    /// Assembles `lib/NAME.wgsl` on its own with its imports, so that a test can check it alone.
     ///
     /// # Errors
-    /// As [`ShaderLibrary::source`].
+    /// Same errors as [`ShaderLibrary::source`].
     pub fn lib_source(&self, name: &str) -> Result<ShaderSource, ShaderError> {
         self.assemble(name, &format!("lib/{name}.wgsl"))
     }

@@ -1,18 +1,18 @@
-//! The shaders of a device: renderers that use the same text share them with their pipelines.
+//! Cache of a device's shaders: renderers that use the same text share a shader and its pipelines.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::{error::GpuError, reflect::ShaderModuleInfo, shader::ShaderSource};
 
-/// Maximum number of shaders kept; a frame has at most 19. Those used last stay, so that a text that is
-/// being edited pushes out its own old versions.
+/// Maximum number of shaders kept; a frame has at most 19. The least recently used is dropped, so that a text that
+/// is being edited pushes out its own old versions.
 const SHADERS: usize = 64;
 
-/// Maximum number of compute pipelines kept for each: software drivers hold several MB of code for one.
+/// Maximum number of compute pipelines kept per shader: software drivers hold several MB of code for each.
 const COMPUTES: usize = 6;
 
-/// Maximum number of render pipelines kept for each: a frame has up to 24, for cut-out, double-sided and
-/// mirrored things, shown, culled and unseen; their code is small.
+/// Maximum number of render pipelines kept per shader: a frame has up to 24, for cut-out, double-sided and mirrored
+/// instances, shown, culled and seen only in reflections; their code is small.
 const RENDERS: usize = 48;
 
 /// Run-time checks of a shader.
@@ -26,19 +26,19 @@ pub(crate) enum Checks {
     TrustedBuiltin,
 }
 
-/// A checked shader, and the pipelines that were made of it.
+/// A validated shader, and the cache of its pipelines.
 #[derive(Clone, Debug)]
 pub struct Shader {
     /// Reflection of the module.
     pub info: ShaderModuleInfo,
     pub(super) module: Arc<(naga::Module, naga::valid::ModuleInfo)>,
-    /// Whether its text was built into this program, and its caller validates what it reads.
+    /// Whether the text was built into this program, and the caller validates all indices that the shader reads.
     pub(super) trusted: bool,
     pub(super) computes: PipelineCache<wgpu::ComputePipeline, COMPUTES>,
     pub(super) renders: PipelineCache<wgpu::RenderPipeline, RENDERS>,
 }
 
-/// Things by key, the most recently used last.
+/// Cache of at most `MOST` values by key, the most recently used last.
 #[derive(Debug)]
 pub(super) struct Recent<K, V, const MOST: usize>(Vec<(K, V)>);
 
@@ -65,14 +65,14 @@ impl<K: PartialEq, V: Clone, const MOST: usize> Recent<K, V, MOST> {
     }
 }
 
-/// Pipelines by entry point and state, shared by clones of the shader.
+/// Cache of pipelines by entry point and state, shared by clones of the shader.
 pub(super) type PipelineCache<P, const MOST: usize> = Arc<Mutex<Recent<String, P, MOST>>>;
 
-/// What is kept for this key, or what `make` makes. Other threads are not kept waiting meanwhile; two that make
-/// the same keep both until one is pushed out.
+/// The cached value of this key, or a new one from `make`. The cache is not locked while `make` runs; two threads
+/// that make the same key insert it twice, until the cache drops one.
 ///
 /// # Errors
-/// As `make`.
+/// The error of `make`.
 pub(super) fn get_or_make<K: PartialEq, V: Clone, const MOST: usize>(
     cache: &Mutex<Recent<K, V, MOST>>,
     key: K,
@@ -91,22 +91,22 @@ fn locked<T>(cache: &Mutex<T>) -> MutexGuard<'_, T> {
     cache.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Shaders by text.
+/// Cache of shaders by text.
 #[derive(Debug, Default)]
 pub(super) struct ShaderCache(Mutex<Recent<Key, Shader, SHADERS>>);
 
 #[derive(Debug, PartialEq, Eq)]
 struct Key {
-    /// With its file and line numbers, which errors of pipelines name.
+    /// Text with its files and line numbers, which pipeline errors name.
     source: ShaderSource,
     checks: Checks,
 }
 
 impl ShaderCache {
-    /// The shader of this text, made by `make` where it is not known.
+    /// The shader of this text, made by `make` where it is not cached.
     ///
     /// # Errors
-    /// As `make`.
+    /// The error of `make`.
     pub fn get_or_make(
         &self,
         source: ShaderSource,

@@ -1,4 +1,4 @@
-//! Tests of how shader text is assembled.
+//! Tests of shader assembly.
 
 use super::*;
 

@@ -1,5 +1,5 @@
-//! Shaders for one pipeline: overrides get their values, and what these leave out goes before a driver sees it. Drivers
-//! drop it too, but only after they have read and inlined all of it.
+//! Specializes a shader for one pipeline: overrides get their values, and branches that these values rule out are
+//! removed before the driver sees them. Drivers remove them too, but only after they have read and inlined all code.
 
 use naga::{
     BinaryOperator, Block, Expression, Function, Handle, Literal, LocalVariable, Module,
@@ -12,7 +12,7 @@ use naga::{
 /// A module without overrides, for one compute entry point or for all entry points.
 ///
 /// # Errors
-/// A value that does not fit its override.
+/// A value that does not match its override.
 pub fn specialized(
     module: &Module,
     info: &ModuleInfo,
@@ -57,10 +57,10 @@ fn prune(module: &Module, function: &mut Function) {
     function.named_expressions.clear();
 }
 
-/// A temporary and its only value.
+/// A temporary variable and the only value that it ever holds.
 type Known = (Handle<LocalVariable>, bool);
 
-/// Temporaries of `&&` and `||`, which are variables to naga, that only ever get one value.
+/// Temporary variables, which naga makes for `&&` and `||`, that are only ever assigned one value.
 fn constant_temporaries(module: &Module, function: &Function, known: &[Known]) -> Vec<Known> {
     let values = Values::new(module, function, known);
     let mut stores = Vec::new();
@@ -71,7 +71,7 @@ fn constant_temporaries(module: &Module, function: &Function, known: &[Known]) -
         of.all(|(_, value)| values.of(*value) == Some(first))
             .then_some((variable, first))
     };
-    // The front end stores before it loads; what authors name may be read before.
+    // The front end stores to temporaries before it loads; a variable in the source text may be read before.
     let temporaries = (function.local_variables.iter()).filter(|(_, v)| v.name.is_none());
     temporaries.filter_map(|(handle, _)| only(handle)).collect()
 }
@@ -109,7 +109,7 @@ fn collect_stores(
     }
 }
 
-/// Which truth values are known.
+/// Evaluates boolean expressions whose value is known.
 struct Values<'a> {
     module: &'a Module,
     function: &'a Function,
@@ -164,7 +164,7 @@ impl<'a> Values<'a> {
     }
 }
 
-/// A block without the branches that are not taken, and without what follows its end.
+/// A block without branches that are never taken, and without unreachable statements after its end.
 fn taken(values: &Values<'_>, block: Block) -> Block {
     let mut kept = Block::with_capacity(block.len());
     for (statement, span) in block.span_into_iter() {
@@ -201,7 +201,7 @@ fn taken(values: &Values<'_>, block: Block) -> Block {
     kept
 }
 
-/// A statement without the branches that are not taken inside of it.
+/// A statement without the branches inside it that are never taken.
 fn inner_taken(values: &Values<'_>, statement: Statement) -> Statement {
     match statement {
         Statement::If {
@@ -234,7 +234,7 @@ fn inner_taken(values: &Values<'_>, statement: Statement) -> Statement {
             continuing,
             break_if,
         } => {
-            // What stands in the body itself, `continuing` may name, even if the body ends before.
+            // `continuing` may use expressions of the body itself, even past a point where the body ends early.
             let body = if continuing.is_empty() && break_if.is_none() {
                 taken(values, body)
             } else {
@@ -335,7 +335,7 @@ mod tests {
         assert_eq!(found, all);
     }
 
-    /// What a variable with a name holds before it is stored to counts.
+    /// Variables declared in the source text have an initial value: one stored value does not make them constant.
     #[test]
     fn variables_of_the_author_are_not_constants() {
         let module = wgsl::parse_str(TEXT).expect("parses");

@@ -1,4 +1,4 @@
-//! GPU time per named pass, from timestamp queries; without them it reports nothing.
+//! GPU time per named pass, from timestamp queries; reports nothing on devices without them.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -7,7 +7,7 @@ use super::{context::Gpu, error::GpuError, readback};
 /// Maximum number of timed passes per frame; later ones run untimed.
 const MAX_PASSES: u32 = 256;
 
-/// Times the passes of one frame at a time: hand out writes, resolve, submit, read.
+/// Times the passes of one frame at a time, in this order: request timestamp writes, resolve, submit, read.
 #[derive(Debug)]
 pub struct Timer {
     queries: Option<Queries>,
@@ -23,10 +23,10 @@ struct Queries {
 }
 
 impl Timer {
-    /// A timer; one that reports nothing where the device has no timestamps.
+    /// Creates a timer, which reports nothing where the device has no timestamps.
     ///
     /// # Errors
-    /// A wgpu error of its buffer.
+    /// A wgpu error of the timer's buffer.
     pub fn new(gpu: &Gpu) -> Result<Self, GpuError> {
         let has_timestamps = gpu.features.contains(wgpu::Features::TIMESTAMP_QUERY);
         let queries = if has_timestamps {
@@ -101,7 +101,7 @@ impl Timer {
         }
     }
 
-    /// `(name, milliseconds)` of the frame that was resolved and submitted, in the order of first
+    /// `(name, milliseconds)` of each pass of the frame that was resolved and submitted, in the order of first
     /// use; passes of the same name are added up. Waits for the GPU and starts a new frame.
     ///
     /// # Errors
@@ -114,13 +114,13 @@ impl Timer {
         };
         let ticks: Vec<[u64; 2]> = readback::read_buffer(gpu, &queries.resolved)?;
         Ok(sum_by_name(names.into_iter().zip(ticks.iter().map(
-            // A pass that a driver reorders can end "before" it began; that is no time.
+            // A driver may reorder a pass so that it ends "before" it began; that counts as 0.
             |[begin, end]| end.saturating_sub(*begin) as f64 * queries.ns_per_tick * 1e-6,
         ))))
     }
 }
 
-/// Adds up equal names, in the order of first use.
+/// Sums the times of equal names, in the order of first use.
 pub fn sum_by_name(times: impl IntoIterator<Item = (String, f64)>) -> Vec<(String, f64)> {
     let mut sums: Vec<(String, f64)> = Vec::new();
     for (name, ms) in times {

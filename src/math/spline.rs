@@ -1,4 +1,4 @@
-//! Curves through points, their length, and easing; everything that paths of cameras need.
+//! Curves through points, their length, and easing, for camera paths.
 
 use std::ops::{Add, Mul};
 
@@ -6,7 +6,7 @@ use glam::DVec3;
 
 /// Uniform Catmull-Rom (Catmull & Rom, "A class of local interpolating splines", 1974): from `p[1]`
 /// at `u` = 0 to `p[2]` at 1, with the tangent (next − previous) / 2 at each where the `times` from
-/// point to point are equal. Where they are not, each side has its share of them, so that the
+/// point to point are equal. Where they differ, the tangent is scaled for each side's time, so that the
 /// velocity is continuous (Kochanek & Bartels, "Interpolating splines with local tension, continuity,
 /// and bias control", 1984, "Adjustments for parametrization").
 pub fn catmull_rom(p: [DVec3; 4], times: [f64; 3], u: f64) -> DVec3 {
@@ -58,22 +58,22 @@ pub fn bezier(p: [DVec3; 4], u: f64) -> DVec3 {
     p[0] * (v * v * v) + p[1] * (3.0 * v * v * u) + p[2] * (3.0 * v * u * u) + p[3] * (u * u * u)
 }
 
-/// Starts slowly: u².
+/// Easing that starts slowly: u².
 pub fn ease_in(u: f64) -> f64 {
     u * u
 }
 
-/// Ends slowly.
+/// Easing that ends slowly: 2u − u².
 pub fn ease_out(u: f64) -> f64 {
     u * (2.0 - u)
 }
 
-/// Starts and ends slowly: the smooth step 3u² − 2u³.
+/// Easing that starts and ends slowly: the smooth step 3u² − 2u³.
 pub fn ease_in_out(u: f64) -> f64 {
     u * u * (3.0 - 2.0 * u)
 }
 
-/// Lengths along a curve, to move on it at constant speed.
+/// Table of lengths along a curve, to move on it at constant speed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ArcLength {
     /// Length from the start to each of the evenly spaced parameters.
@@ -95,13 +95,13 @@ impl ArcLength {
         Self { lengths }
     }
 
-    /// The whole length.
+    /// Length of the whole curve.
     pub fn total(&self) -> f64 {
         self.lengths.last().copied().unwrap_or(0.0)
     }
 
-    /// The parameter, 0 to 1, at which `share` (0 to 1) of the length is behind; `share` itself
-    /// where the curve has no length.
+    /// The curve's parameter, 0 to 1, at which `share` (0 to 1) of its length is passed; `share` itself where the
+    /// curve has no length.
     pub fn parameter(&self, share: f64) -> f64 {
         let (total, steps) = (self.total(), self.lengths.len() - 1);
         if total <= 0.0 {
@@ -143,7 +143,7 @@ mod tests {
         assert!(bezier(P, 0.5).distance(half) < 1e-12);
     }
 
-    /// The pyramid of Barry and Goldman, an independent way to the same curve.
+    /// The pyramid algorithm of Barry and Goldman, an independent way to evaluate the same curve.
     fn barry_goldman(p: [DVec3; 4], alpha: f64, u: f64) -> DVec3 {
         let mut t = [0.0; 4];
         for i in 1..4 {

@@ -1,4 +1,4 @@
-//! AOVs: quantities of the frame as planes, decoded from the intermediate textures.
+//! AOVs: quantities of the frame as image planes, decoded from the intermediate textures.
 
 use glam::{DVec2, Vec2, Vec3};
 
@@ -18,7 +18,7 @@ use super::{
 /// Pixels of one quantity, row by row from the top.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plane {
-    /// Of the AOV.
+    /// Name of the AOV.
     pub name: &'static str,
     /// Channel names, such as `R`, `G`, `B`.
     pub channels: &'static [&'static str],
@@ -31,14 +31,14 @@ pub struct Plane {
 pub enum PlaneData {
     /// Measured quantities.
     F32(Vec<f32>),
-    /// Numbers of things.
+    /// Ids and enum values.
     U32(Vec<u32>),
 }
 
 /// A quantity that can be written beside the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Aov {
-    /// Meters along the view direction; infinite where nothing is.
+    /// Meters along the view direction; infinite where the pixel shows no surface.
     Depth,
     /// World-space shading normal.
     Normal,
@@ -56,22 +56,22 @@ pub enum Aov {
     Reflection,
     /// Fresnel-weighted reflectance of reflective pixels, mean over the channels.
     Reflectance,
-    /// Where the reflection came from.
+    /// Source of the reflection: a [`Source`](super::cause::Source) as a number.
     Source,
-    /// Why.
+    /// Cause of that source: a [`Cause`] as a number.
     Cause,
-    /// Distance along the mirror ray to what it met, meters; infinite where nothing was.
+    /// Distance along the mirror ray to its hit, meters; infinite without a hit.
     HitDistance,
-    /// Instance and triangle that the mirror ray met.
+    /// Instance and triangle of the mirror ray's hit.
     HitIds,
-    /// Instance and triangle seen.
+    /// Instance and triangle that the pixel shows.
     Ids,
 }
 
 const RGB: &[&str] = &["R", "G", "B"];
 
 impl Aov {
-    /// All of them.
+    /// All AOVs.
     pub const ALL: [Self; 14] = [
         Self::Depth,
         Self::Normal,
@@ -114,7 +114,7 @@ impl Aov {
         Self::ALL.into_iter().find(|aov| aov.name() == name)
     }
 
-    /// The targets that it is decoded from.
+    /// The targets that the AOV is decoded from.
     pub const fn targets(self) -> &'static [Target] {
         match self {
             Self::Depth => &[Target::ViewDepth],
@@ -135,10 +135,10 @@ impl Aov {
         }
     }
 
-    /// Reads the plane of the last picture.
+    /// Reads the plane of the last picture back from the GPU.
     ///
     /// # Errors
-    /// What reading back says.
+    /// A readback error.
     pub fn plane(
         self,
         gpu: &Gpu,
@@ -149,7 +149,7 @@ impl Aov {
         Ok(self.decode(&values, camera))
     }
 
-    /// The plane of a frame whose [`Aov::targets`] are there, seen by `camera`.
+    /// Decodes the plane of a frame whose [`Aov::targets`] were downloaded, seen by `camera`.
     pub fn decode(self, values: &TargetValues, camera: &CameraDesc) -> Plane {
         let rgb = |target| {
             let first = |p: [f32; 4]| [p[0], p[1], p[2]];
@@ -285,7 +285,7 @@ fn reflectance(
     (0..causes.len()).map(at).collect()
 }
 
-/// What the mirror rays met; nothing where the frame has no reflections.
+/// Hits of the mirror rays; no hit where the frame has no reflections.
 fn hits(values: &TargetValues) -> Vec<[u32; 4]> {
     let mut hits: Vec<[u32; 4]> = values.texels(Target::Hit);
     for (hit, cause) in hits.iter_mut().zip(causes(values)) {
@@ -301,25 +301,25 @@ fn causes(values: &TargetValues) -> Vec<u32> {
     texels.map(Cause::number_in).collect()
 }
 
-/// Whether only pixels of this cause have a reflection; elsewhere its targets hold what earlier
-/// frames left.
+/// Whether pixels of this cause have a reflection; elsewhere the reflection targets hold leftovers of earlier
+/// frames.
 fn reflects(cause: u32) -> bool {
     Cause::from_number(cause).is_some_and(Cause::reflects)
 }
 
-/// Three of the 16-bit floats of `colors`, from this one on.
+/// Three 16-bit floats of each texel of `colors`, starting at index `first`.
 fn packed_colors(values: &TargetValues, first: usize) -> Vec<f32> {
     let texels = values.texels::<[u16; 8]>(Target::Colors).into_iter();
     let channels = texels.flat_map(|t| [t[first], t[first + 1], t[first + 2]]);
     channels.map(|h| half(u32::from(h))).collect()
 }
 
-/// The 16-bit float in the low half.
+/// Value of the 16-bit float in the low half.
 fn half(bits: u32) -> f32 {
     half::f16::from_bits(bits as u16).to_f32()
 }
 
-/// Undoes the octahedral map of `shaders/lib/pack.wgsl`.
+/// Inverse of the octahedral map of `shaders/lib/pack.wgsl`.
 fn unpack_unit(bits: u32) -> Vec3 {
     let snorm = |b: u32| (f32::from(b as u16 as i16) / 32767.0).max(-1.0);
     let (x, y) = (snorm(bits), snorm(bits >> 16));

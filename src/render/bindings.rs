@@ -1,4 +1,4 @@
-//! The passes of a frame and what they are bound to, beside the scene.
+//! The passes of a frame, and the textures and buffers that they are bound to.
 
 use crate::{
     gpu::{Gpu, GpuError},
@@ -23,7 +23,7 @@ use super::{
     targets::{Target, Targets},
 };
 
-/// What passes are made for; where it differs they are bound again.
+/// Values that the passes of a frame depend on; where they differ, passes are built and bound again.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BindingKey {
     size: [u32; 2],
@@ -39,7 +39,7 @@ pub struct BindingKey {
 }
 
 impl BindingKey {
-    /// Of a frame that records these passes.
+    /// Key of a frame that records these passes.
     pub fn new(
         plan: &Plan,
         options: &RenderOptions,
@@ -65,59 +65,58 @@ impl BindingKey {
         }
     }
 
-    /// Size, bits and layers of the textures.
+    /// Size, precision and layers of the textures.
     fn shape(&self) -> ([u32; 2], bool, u32) {
         (self.size, self.full, self.detail_layers)
     }
 
-    /// Whether these lights use the shadow maps that there are, and shadow rays and sizes only where passes are made
-    /// for them.
+    /// Whether the existing shadow maps fit these lights, and the passes were built for all their shadow rays and
+    /// sizes.
     pub fn fits_lights(&self, lights: &[Light], options: &RenderOptions) -> bool {
         self.shadows == ShadowSizes::of(lights, options)
             && self.light_needs.cover(LightNeeds::of(lights, options))
     }
 }
 
-/// What passes are built from.
+/// Inputs for building passes.
 #[derive(Clone, Copy)]
 pub struct BindingInputs<'a> {
-    /// What the frame contains.
+    /// Features and passes of the frame.
     pub plan: &'a Plan,
-    /// What it is rendered with.
+    /// Options that the frame is rendered with.
     pub options: &'a RenderOptions,
-    /// Of the passes that are needed.
+    /// Shaders of the needed passes.
     pub shaders: &'a Shaders,
-    /// Group 1.
+    /// Scene data, bound as group 1.
     pub scene: &'a GpuScene,
-    /// Of group 0.
+    /// Uniform buffers, bound as group 0.
     pub uniforms: &'a FrameUniforms,
 }
 
-/// The passes of a frame and what they are bound to.
+/// The passes of a frame, and the textures and buffers that they are bound to.
 #[derive(Debug)]
 pub struct Bindings {
-    /// What they are made for.
+    /// Values that the passes were built for.
     pub key: BindingKey,
-    /// Of group 0.
+    /// Shadow maps, bound as group 0.
     pub maps: ShadowMaps,
     /// Intermediate textures.
     pub targets: Targets,
-    /// The lists of the frame.
+    /// Lists of the frame, in one buffer.
     pub ray_list: RayList,
     /// Groups 0 and 1.
     pub shared: SharedGroups,
-    /// What a frame records.
+    /// Passes that the frame records.
     pub passes: Passes,
-    /// Passes that measure; built when they are first asked for.
+    /// Passes for measurements, built on first use.
     pub probes: Probes,
 }
 
 impl Bindings {
-    /// Builds and binds every pass that is needed; textures and buffers of `old` that fit are used
-    /// again.
+    /// Builds and binds every needed pass; textures and buffers of `old` are reused where they fit.
     ///
     /// # Errors
-    /// A picture or shadow maps past the adapter's limits, what a shader or wgpu refuses.
+    /// A picture or shadow maps past the adapter's limits, a shader error, or a wgpu error.
     pub fn new(
         gpu: &Gpu,
         key: BindingKey,

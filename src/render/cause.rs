@@ -1,56 +1,55 @@
-//! Why a pixel's reflection is what it is, and where it came from.
+//! Cause and source of a pixel's reflection.
 
 use serde::Serialize;
 
 use crate::scene::desc::Method;
 
-/// The outcome of the screen-space march at one pixel. The shaders know it as `CAUSE_` and its name
-/// in capitals.
+/// Outcome of the screen-space march at one pixel. In shaders it is the constant `CAUSE_` with its name in capitals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 #[repr(u32)]
 pub enum Cause {
-    /// Nothing there, or nothing that reflects.
+    /// The pixel shows no surface, or one that does not reflect.
     NotReflective = 0,
-    /// Met a surface that the picture shows, by the rule of `reflection.accept`.
+    /// The ray hit a surface that the picture shows, by the rule of `reflection.accept`.
     Hit = 1,
-    /// Went behind what the picture shows.
+    /// The ray went behind a surface that the picture shows.
     Hidden = 2,
-    /// Met a surface from behind.
+    /// The ray hit a surface from behind.
     BackFace = 3,
-    /// Met another reflector.
+    /// The ray hit another reflector.
     Reflector = 4,
-    /// Left the picture.
+    /// The ray left the picture.
     OffScreen = 5,
-    /// Ran out of steps.
+    /// The march ran out of steps.
     Steps = 6,
-    /// Reached its length without meeting anything.
+    /// The ray reached its maximum length without a hit.
     None = 7,
-    /// Rougher than the cut-off.
+    /// The surface is rougher than the cutoff.
     Rough = 8,
-    /// Method `rt`: was not marched.
+    /// The pixel was not marched: method `rt`.
     Unmarched = 9,
-    /// Crossed what a pixel shows, but neither a triangle nor a plane there confirms it.
+    /// The ray crossed a surface that a pixel shows, but no triangle or plane there confirms the hit.
     Unconfirmed = 10,
-    /// Was not marched: an orthographic camera sees surfaces edge-on, so no pixel shows what is in its way.
+    /// The pixel was not marched: an orthographic camera sees surfaces edge-on, and no pixel shows these obstacles.
     EdgeOn = 11,
 }
 
-/// Where a pixel's reflection came from.
+/// Source of a pixel's reflection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Source {
     /// Not a reflective pixel.
     NotReflective,
-    /// Found on screen.
+    /// Screen-space hit.
     Screen,
     /// Ray traced.
     Traced,
-    /// Method `ssr`: left black where a ray would have been traced.
+    /// Method `ssr`: the pixel is left black where a ray would have been traced.
     Failed,
-    /// The environment: nothing in reach.
+    /// The environment: the ray hits no surface within its length.
     None,
-    /// The environment: too rough.
+    /// The environment: the surface is too rough.
     Rough,
 }
 
@@ -71,8 +70,8 @@ impl Cause {
         Self::EdgeOn,
     ];
 
-    /// The cause of a texel of the `cause` target, whose upper bits hold what the march has proven
-    /// free.
+    /// Number of the cause in a texel of the `cause` target, whose upper bits hold the ray length that the march has
+    /// proven free.
     pub const fn number_in(texel: u32) -> u32 {
         texel & 0xFF
     }
@@ -100,18 +99,18 @@ impl Cause {
         }
     }
 
-    /// Whether such a pixel shows its mirror direction, from wherever it is known.
+    /// Whether a pixel of this cause shows a reflection along its mirror direction, from whichever source.
     pub fn reflects(self) -> bool {
         !matches!(self, Self::NotReflective | Self::Rough)
     }
 
-    /// A bit for the number of each cause that `is_in` says.
+    /// Bit mask of the numbers of all causes for which `is_in` is true.
     pub fn mask(is_in: impl Fn(Self) -> bool) -> u32 {
         let all = Self::ALL.into_iter().filter(|cause| is_in(*cause));
         all.fold(0, |mask, cause| mask | 1 << cause as u32)
     }
 
-    /// Where such a pixel's reflection comes from with this method.
+    /// Source of the reflection at a pixel of this cause, with this method.
     pub const fn source(self, method: Method) -> Source {
         match self {
             Self::NotReflective => Source::NotReflective,

@@ -1,4 +1,4 @@
-//! Arrays of the scene's geometry in buffers, of which shaders may see several bindings.
+//! Arrays of the scene's geometry in buffers, bound to shaders as one or several bindings.
 
 use bytemuck::{Pod, cast_slice};
 
@@ -6,17 +6,17 @@ use crate::gpu::{Gpu, GpuError};
 
 use super::chunks::chunk_bytes;
 
-/// An array of which shaders see one stretch, or several of the same size but for the last.
+/// An array that shaders see as one binding, or as several of the same size except the last.
 #[derive(Clone, Debug)]
 pub struct ChunkedArray {
-    /// Each holds as many whole stretches as fit; the last may hold fewer.
+    /// Buffers, each with as many whole bindings as fit; the last may hold fewer.
     buffers: Vec<wgpu::Buffer>,
     chunk_bytes: u64,
     buffer_bytes: u64,
 }
 
 impl ChunkedArray {
-    /// An array for so many elements, never of zero size.
+    /// An array of `count` elements, never of zero size.
     ///
     /// # Errors
     /// A wgpu error.
@@ -72,7 +72,7 @@ impl ChunkedArray {
         Ok(upload.finish())
     }
 
-    /// Writes elements from an index on.
+    /// Writes elements, starting at index `first`.
     pub fn write<T: Pod>(&self, gpu: &Gpu, first: usize, elements: &[T]) {
         let mut bytes: &[u8] = cast_slice(elements);
         let mut at = (first * size_of::<T>()) as u64;
@@ -88,7 +88,7 @@ impl ChunkedArray {
         }
     }
 
-    /// Bytes of all buffers.
+    /// Total size of all buffers, bytes.
     pub fn size(&self) -> u64 {
         self.buffers.iter().map(wgpu::Buffer::size).sum()
     }
@@ -106,7 +106,7 @@ impl ChunkedArray {
         self.size().div_ceil(self.chunk_bytes) as u32
     }
 
-    /// What shaders see of this number, if there is one.
+    /// Binding of the chunk with this number; `None` past the last one.
     pub fn binding(&self, chunk: usize) -> Option<wgpu::BindingResource<'_>> {
         let at = chunk as u64 * self.chunk_bytes;
         let buffer = self.buffers.get((at / self.buffer_bytes) as usize)?;
@@ -120,19 +120,19 @@ impl ChunkedArray {
     }
 }
 
-/// The elements of a new array on their way to the device, of which few are in memory at a time.
+/// Upload of a new array in pieces, so that few elements are in memory at a time.
 pub struct Upload<'a, T> {
     gpu: &'a Gpu,
     array: ChunkedArray,
-    /// Elements that are written.
+    /// Number of elements written so far.
     written: usize,
     piece: Vec<T>,
-    /// Elements of a piece.
+    /// Maximum number of elements of a piece.
     most: usize,
 }
 
 impl<'a, T: Pod> Upload<'a, T> {
-    /// An array for so many elements.
+    /// Starts the upload of an array of `count` elements.
     ///
     /// # Errors
     /// A wgpu error.
@@ -153,7 +153,7 @@ impl<'a, T: Pod> Upload<'a, T> {
         })
     }
 
-    /// The next elements.
+    /// Appends the next elements.
     ///
     /// # Errors
     /// A lost device.
@@ -176,7 +176,7 @@ impl<'a, T: Pod> Upload<'a, T> {
         self.piece.clear();
     }
 
-    /// The array, once all elements are there.
+    /// Writes the last piece and returns the array.
     pub fn finish(mut self) -> ChunkedArray {
         self.write();
         self.array

@@ -1,26 +1,27 @@
-//! How many bindings shaders see of each array of the scene's geometry, where a device binds less at a time than a scene needs.
+//! Number of shader bindings of each array of the scene's geometry, where a scene needs more than a device binds at
+//! once.
 
 use std::fmt::Write as _;
 
 use crate::gpu::{Gpu, GpuError};
 
-/// Buffers of a pass beside the geometry: instances, materials, lists, counters.
+/// Number of a pass's storage buffers beside the geometry: instances, materials, lists, counters.
 const OTHER_BUFFERS: u32 = 4;
 
-/// How many bindings each array has; shaders are made for that.
+/// Number of bindings of each array, which shaders are generated for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Chunks {
-    /// Of tree nodes.
+    /// Number of bindings of BVH nodes.
     pub nodes: u32,
-    /// Of triangles in leaf order.
+    /// Number of bindings of triangles in leaf order.
     pub triangles: u32,
-    /// Nodes and triangles are textures.
+    /// Whether nodes and triangles are textures.
     pub texels: bool,
-    /// Of vertices.
+    /// Number of bindings of vertices.
     pub vertices: u32,
-    /// Of indices and second texture coordinates.
+    /// Number of bindings of indices and second texture coordinates.
     pub mesh_data: u32,
-    /// Bytes of each of several bindings, a power of two.
+    /// Size of each of several bindings, bytes, a power of two.
     pub bytes: u64,
 }
 
@@ -41,10 +42,10 @@ impl Chunks {
         bytes: 0,
     };
 
-    /// These numbers, of arrays of so many bytes together, on this device.
+    /// These numbers of bindings on this device, for arrays of `bytes` in total.
     ///
     /// # Errors
-    /// More bindings than the device has at a time.
+    /// More bindings than the device allows per stage.
     pub fn on(self, gpu: &Gpu, bytes: u64) -> Result<Self, GpuError> {
         let chunks = Self {
             bytes: chunk_bytes(gpu),
@@ -70,7 +71,8 @@ impl Chunks {
         Ok(chunks)
     }
 
-    /// Shader text of the functions of `shaders/lib/trees_whole.wgsl` and `geometry_whole.wgsl` over these bindings.
+    /// Shader text with the functions of `shaders/lib/trees_whole.wgsl` and `geometry_whole.wgsl` for these
+    /// bindings.
     pub fn wgsl(&self) -> String {
         let trees = if self.texels { "texels" } else { "whole" };
         let are_trees_whole = self.texels || (self.nodes, self.triangles) == (1, 1);
@@ -124,7 +126,7 @@ impl Chunks {
     }
 }
 
-/// No shader file declares this binding of group 1, nor a later one.
+/// First binding number of group 1 that no shader file declares.
 const FIRST_FREE_BINDING: u32 = 17;
 
 fn write_function(
@@ -154,7 +156,7 @@ fn write_function(
     let _ = writeln!(text, "    }}\n}}");
 }
 
-/// `nodes`, `nodes_1`, …
+/// Variable name of a chunk in shaders: `nodes`, `nodes_1`, …
 fn chunk_name(array: &str, chunk: u32) -> String {
     match chunk {
         0 => array.to_owned(),
@@ -162,29 +164,29 @@ fn chunk_name(array: &str, chunk: u32) -> String {
     }
 }
 
-/// The array and the chunk of a name as shaders declare it.
+/// Array name and chunk number of a variable name in shaders.
 pub fn chunk_of(name: &str) -> (&str, usize) {
     let numbered = name.rsplit_once('_');
     let numbered = numbered.and_then(|(array, chunk)| Some((array, chunk.parse().ok()?)));
     numbered.unwrap_or((name, 0))
 }
 
-/// Bytes of one of several bindings.
+/// Size of one of several bindings, bytes.
 pub fn chunk_bytes(gpu: &Gpu) -> u64 {
     1 << gpu.largest_storage_buffer().ilog2()
 }
 
-/// Most bindings of all arrays together.
+/// Maximum number of bindings of all arrays together.
 fn most_chunks(gpu: &Gpu) -> u32 {
     let limit = gpu.limits.max_storage_buffers_per_shader_stage;
     limit.saturating_sub(OTHER_BUFFERS)
 }
 
-/// Bytes that an array of the trees may have beside vertices and indices of these sizes.
+/// Maximum size of an array of the BVHs, bytes, beside vertices and indices of these sizes.
 pub fn largest_tree_array(gpu: &Gpu, vertex_bytes: u64, index_bytes: u64) -> u64 {
     let chunk = chunk_bytes(gpu);
     let taken = [vertex_bytes, index_bytes].map(|bytes| bytes.div_ceil(chunk).max(1));
-    // The other array of the trees has at least one.
+    // The other array of the BVHs takes at least one binding.
     let left = u64::from(most_chunks(gpu)).saturating_sub(taken.iter().sum::<u64>() + 1);
     match left {
         0 | 1 => gpu.largest_storage_buffer(),
@@ -192,11 +194,11 @@ pub fn largest_tree_array(gpu: &Gpu, vertex_bytes: u64, index_bytes: u64) -> u64
     }
 }
 
-/// Whether a device can hold a scene's geometry, as far as that is known before trees are built: their
-/// nodes are not counted.
+/// Checks that a device can hold a scene's geometry, as far as that is known before BVHs are built: their nodes are
+/// not counted.
 ///
 /// # Errors
-/// [`GpuError::Limit`].
+/// [`GpuError::Limit`] for geometry past the device's bindings.
 pub fn check_size(gpu: &Gpu, sizes: Sizes) -> Result<(), GpuError> {
     let chunk = chunk_bytes(gpu);
     let largest = gpu.largest_storage_buffer();
@@ -218,14 +220,14 @@ pub fn check_size(gpu: &Gpu, sizes: Sizes) -> Result<(), GpuError> {
     })
 }
 
-/// Bytes of the arrays of a scene's geometry.
+/// Sizes of the arrays of a scene's geometry, bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Sizes {
-    /// Of vertices.
+    /// Size of the vertices, bytes.
     pub vertices: u64,
-    /// Of indices and second texture coordinates.
+    /// Size of the indices and second texture coordinates, bytes.
     pub mesh_data: u64,
-    /// Of the triangles that rays meet.
+    /// Size of the triangles in the BVHs, bytes.
     pub triangles: u64,
 }
 

@@ -1,5 +1,5 @@
-//! Numbers that Rust and the shaders share: written once in Rust, generated into
-//! `lib/constants.wgsl`, which every shader can import.
+//! Constants shared by Rust and the shaders: defined once in Rust, and generated into `lib/constants.wgsl`, which
+//! every shader can import.
 
 use std::fmt::Write as _;
 
@@ -33,7 +33,7 @@ use super::{
     },
 };
 
-/// A number as WGSL writes it.
+/// A value that can be written as a WGSL literal.
 trait Literal {
     const TYPE: &'static str;
     fn literal(&self) -> String;
@@ -74,7 +74,7 @@ fn type_of<T: Literal>(_: &T) -> &'static str {
     T::TYPE
 }
 
-/// Constants that have the same name in Rust and in the shaders.
+/// Defines constants with the same name in Rust and in the shaders.
 macro_rules! define_all {
     ($out:expr, $($name:ident),* $(,)?) => {
         $(define($out, stringify!($name), &$name);)*
@@ -161,7 +161,7 @@ pub fn wgsl() -> String {
     out
 }
 
-/// What each cause is, and which are traced and reflect.
+/// Number of each cause, and masks of the causes that are traced and of those that reflect.
 fn define_causes(out: &mut String) {
     for cause in Cause::ALL {
         let name = format!("CAUSE_{}", cause.name().to_uppercase());

@@ -1,5 +1,5 @@
-//! The cost model: what a frame is expected to take by each way of rendering it, from counts of a
-//! view and unit costs of a kind of adapter.
+//! The cost model: expected time of a frame by each way of rendering it, from counts of a view and the unit costs of
+//! a kind of adapter.
 
 use std::fmt;
 
@@ -7,31 +7,31 @@ use crate::scene::desc::LightKind;
 
 use super::{unit_costs::UnitCosts, view_sample::ViewSample};
 
-/// What is drawn and how large.
+/// Size of the frame and of the scene, and counts of the view.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Workload {
-    /// Pixels of the picture.
+    /// Number of pixels of the picture.
     pub pixels: f64,
-    /// Sub-frames.
+    /// Number of sub-frames.
     pub samples: f64,
-    /// Triangles that the camera draws.
+    /// Number of triangles that the camera draws.
     pub triangles_in_view: f64,
-    /// Triangles of the scene.
+    /// Number of triangles of the scene.
     pub triangles: f64,
-    /// Pixels of the maps of the `auto` lights of each kind, if they had maps.
+    /// Number of pixels of the shadow maps that the `auto` lights of each kind would have.
     pub map_pixels: [f64; LightKind::NAMES.len()],
-    /// Views of those maps that a triangle is expected in.
+    /// Expected number of views of those maps that a triangle is drawn in.
     pub map_views: [f64; LightKind::NAMES.len()],
     /// Counts of the view.
     pub view: ViewSample,
 }
 
-/// Two ways by name, with milliseconds.
+/// Two ways of rendering by name, with their expected milliseconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pair([(&'static str, f64); 2]);
 
 impl Pair {
-    /// The one that is expected to take less time; the second, if both take the same.
+    /// Name of the cheaper way; of the second, if both cost the same.
     pub fn cheaper(&self) -> &'static str {
         let [first, second] = self.0;
         if first.1 < second.1 {
@@ -53,21 +53,21 @@ impl fmt::Display for Pair {
     }
 }
 
-/// Of the mirror rays whose hit the picture shows, those that the march is expected to verify: 46 % to
-/// 100 % in the scenes measured.
+/// Expected share of the mirror rays with a visible hit that the march verifies: measured 46 % to 100 % over several
+/// scenes.
 const ACCEPTED: f64 = 0.7;
-/// What a ray costs more among the few that the march refuses, for they are less alike.
+/// Factor on the cost of the few rays that the march refuses, as they are less coherent.
 const APART: f64 = 1.3;
 
 const MS: f64 = 1e-6; // in a nanosecond
 
 impl Workload {
-    /// Pixels of the picture that one sample stands for, over all sub-frames.
+    /// Number of pixels of the picture, over all sub-frames, that one sampled ray stands for.
     pub fn weight(&self) -> f64 {
         self.pixels * self.samples / f64::from(self.view.rays.max(1))
     }
 
-    /// Visibility.
+    /// Expected costs of visibility by rays and by rasterization.
     pub fn visibility(&self, unit: &UnitCosts) -> Pair {
         let triangles = self.triangles_in_view * unit.raster_triangle;
         let raster = self.samples * (triangles + self.pixels * unit.raster_pixel);
@@ -77,7 +77,8 @@ impl Workload {
         Pair([("rays", MS * rays), ("raster", MS * raster)])
     }
 
-    /// Shadows of a kind of light, as if every picture drew all maps. Hits of mirror rays are lit too.
+    /// Expected costs of the shadows of a kind of light, as if every picture drew all maps. Hits of mirror rays are
+    /// lit too.
     pub fn shadow(&self, unit: &UnitCosts, kind: usize) -> Pair {
         let view = &self.view;
         let (rays, visits) = view.shadows[kind];
@@ -90,7 +91,7 @@ impl Workload {
         Pair([("ray", MS * rays), ("map", MS * (maps + filter))])
     }
 
-    /// Reflections.
+    /// Expected costs of reflections by the methods `hybrid` and `rt`.
     pub fn reflections(&self, unit: &UnitCosts) -> Pair {
         let view = &self.view;
         let of = |rays: u32, visits: u32| {

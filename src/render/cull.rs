@@ -1,4 +1,4 @@
-//! Frustum culling of draws.
+//! Frustum culling of draw calls.
 
 use glam::{Mat4, Vec3};
 

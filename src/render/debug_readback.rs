@@ -1,4 +1,4 @@
-//! Debug readback: shadow maps as distances, and the ray list.
+//! Debug readback: shadow maps as distances, and the list of traced rays.
 
 use glam::{Mat4, Vec3};
 
@@ -18,8 +18,8 @@ use super::{
     renderer::Renderer,
 };
 
-/// How many maps the shadow of a light takes: six faces for a point light, one for the others, none
-/// where it is found otherwise.
+/// Number of shadow map faces of a light: six for a point light, one for other lights, none where the shadow is not
+/// mapped.
 pub fn shadow_faces(light: &Light, options: &RenderOptions) -> usize {
     match options.shadow_of(&light.desc) {
         ShadowMode::Map if has_cube_map(&light.desc.kind) => CUBE_FACES.len(),
@@ -28,8 +28,8 @@ pub fn shadow_faces(light: &Light, options: &RenderOptions) -> usize {
     }
 }
 
-/// Meters along the map's axis of a stored depth: from the light where the map is a perspective view,
-/// else from the near side of the box that it spans. Infinite where nothing casts.
+/// Distance along the map's axis of a stored depth, m: from the light where the map is a perspective view, else from
+/// the near side of the box that the map covers. Infinite where no caster was drawn.
 fn distance_m(clip_from_world: &Mat4, depth: f32) -> f32 {
     if depth <= 0.0 {
         return f32::INFINITY;
@@ -43,12 +43,11 @@ fn distance_m(clip_from_world: &Mat4, depth: f32) -> f32 {
 }
 
 impl Renderer {
-    /// One face of a light's shadow map as the last picture drew it: pixels of its edge, and for
-    /// each texel the distance in meters along the map's axis, rows from the top. `None` where the
-    /// light has no such map.
+    /// One face of a light's shadow map as drawn for the last picture: its width in texels, and for each texel the
+    /// distance in meters along the map's axis, rows from the top. `None` where the light has no such map.
     ///
     /// # Errors
-    /// What reading back says.
+    /// A readback error.
     pub fn shadow_map(
         &self,
         gpu: &Gpu,
@@ -82,12 +81,11 @@ impl Renderer {
         )))
     }
 
-    /// The pixels that the last sub-frame traced, x and y from the top left, in the order in which
-    /// they stand in the list. `None` where the frame makes no list: nothing reflects, or the
-    /// method traces nothing.
+    /// Pixels that the last sub-frame traced, x and y from the top left, in the order of the list. `None` where the
+    /// frame has no list: nothing reflects, or the method traces no rays.
     ///
     /// # Errors
-    /// What reading back says.
+    /// A readback error.
     pub fn ray_list(&self, gpu: &Gpu) -> Result<Option<Vec<[u32; 2]>>, GpuError> {
         if self.bindings.passes.trace.is_none() {
             return Ok(None);
@@ -124,7 +122,7 @@ mod tests {
         }
     }
 
-    /// A point is drawn into the map and read back: the distance is the one that it has.
+    /// Draws a point into the map and reads its depth back: the distance is that of the point.
     #[test]
     fn stored_depths_are_the_distances_that_were_drawn() {
         let bounds = Bounds {
@@ -160,7 +158,7 @@ mod tests {
             let options = RenderOptions::default();
             let (_, views) = lights(&all, ShadowSizes::of(&all, &options), &bounds, &options);
             assert_eq!(views.len(), shadow_faces(&all[0], &options));
-            // Of a cube, the face that looks down.
+            // The fourth view, the cube face that looks down; the only view of other maps.
             let view = views.get(3).unwrap_or(&views[0]);
             let clip = view.clip_from_world * point.extend(1.0);
             let depth = clip.z / clip.w;

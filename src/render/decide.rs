@@ -1,4 +1,4 @@
-//! Decides what the options leave to `auto`, by the cost model.
+//! Decides the settings that options leave to `auto`, by the cost model.
 
 use serde::Serialize;
 
@@ -21,27 +21,27 @@ use super::{
     view_sample::ViewSample,
 };
 
-/// A choice that was left to `auto`.
+/// A value chosen for a setting that was left to `auto`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Decision {
-    /// The scene key, or which lights.
+    /// Scene key, or the lights that the choice is for.
     pub what: String,
-    /// Its value.
+    /// Chosen value.
     pub chosen: String,
-    /// Why, for people.
+    /// Reason for the choice, as text for users.
     pub why: String,
 }
 
-/// Options without `auto`, and why they are what they are.
+/// Options without `auto`, and the reasons of the choices.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Decided {
-    /// The same options, decided.
+    /// Options with a value for each setting that was `auto`.
     pub options: RenderOptions,
-    /// One for each choice.
+    /// One entry for each choice.
     pub decisions: Vec<Decision>,
 }
 
-/// Whether frames follow rays, or [`decide`] does.
+/// Whether frames trace rays, or [`decide`] needs them.
 pub fn needs_trees(world: &World, options: &RenderOptions) -> bool {
     let is_auto = |light: &Light| light.desc.shadow == ShadowMode::Auto;
     traces_rays(world, options)
@@ -49,8 +49,8 @@ pub fn needs_trees(world: &World, options: &RenderOptions) -> bool {
         || world.lights.iter().any(is_auto)
 }
 
-/// Decides for a posed world, as its camera [`RenderOptions::camera`] shows it. `trees` are those of
-/// [`needs_trees`]; `software` says of which kind the adapter is.
+/// Decides for a posed world, as its camera [`RenderOptions::camera`] shows it. `trees` are built where
+/// [`needs_trees`] says so; `software` says whether the adapter is a software one.
 pub fn decide(world: &World, trees: &Trees, options: &RenderOptions, software: bool) -> Decided {
     let mut decider = Decider {
         workload: None,
@@ -71,7 +71,7 @@ pub fn decide(world: &World, trees: &Trees, options: &RenderOptions, software: b
 }
 
 struct Decider<'a> {
-    /// Counted when it is first needed.
+    /// Counts of the view, made on first use.
     workload: Option<Workload>,
     world: &'a World,
     trees: &'a Trees,
@@ -106,7 +106,7 @@ impl Decider<'_> {
         if self.asked.reflection.verifies() && has_edge_on_surfaces(self.world, &view) {
             self.decided.options.reflection.method = Method::Rt;
             let why =
-                "the camera sees surfaces edge-on, which no pixel shows, so nothing is marched";
+                "the camera sees surfaces edge-on, which no pixel shows, so no ray is marched";
             return self.choose("reflection.method", Method::Rt.name(), why.to_owned());
         }
         let workload = self.workload();
@@ -156,7 +156,7 @@ impl Decider<'_> {
         }
     }
 
-    /// Pixels that a texel spans of the coarsest map that `auto` lights of a kind would have.
+    /// Largest number of pixels that a shadow map texel would span, over the `auto` lights of a kind.
     fn coarsest_px(&self, kind: usize) -> Option<f32> {
         let (world, trees) = (self.world, self.trees);
         let seen = SeenSurfaces::new(world, trees, &view_of(world, &self.asked));
@@ -198,7 +198,7 @@ impl Decider<'_> {
             .get(radiance.len() * 9 / 10)
             .copied()
             .unwrap_or(0.0);
-        // A tenth of a stop, so that what rounding changes cannot be seen.
+        // Rounded to a tenth of a stop, so that different rounding errors give the same exposure.
         let stops = ((LIGHT_GRAY / bright).log2() * 10.0).round() / 10.0;
         let ev = if bright > 0.0 {
             stops.clamp(-20.0, 20.0)
@@ -211,19 +211,19 @@ impl Decider<'_> {
     }
 }
 
-/// Exposed radiance of the tenth percentile from above.
+/// Radiance after exposure of the 90th percentile of the view.
 const LIGHT_GRAY: f32 = 0.6;
 
-/// The camera whose view decides.
+/// The camera whose view is used for decisions.
 fn seen_by(world: &World, options: &RenderOptions) -> CameraDesc {
     let camera = options.camera.unwrap_or_else(|| world.main_camera());
     let camera = world.cameras.get(camera);
     camera.map(|c| c.value.clone()).unwrap_or_default()
 }
 
-const NO_RAYS: &str = "nothing else follows rays, so there are no trees";
+const NO_RAYS: &str = "no other feature traces rays, so no BVH is built";
 
-/// Edge of a light's map, if it had one: maps of a form are as large as the largest.
+/// Width in texels of the shadow map that a light would have: all maps of a form are as large as the largest.
 fn map_px(world: &World, light: &Light) -> f64 {
     let is_cube = has_cube_map(&light.desc.kind);
     let has_map = |l: &&Light| {
@@ -243,7 +243,7 @@ fn view_of(world: &World, options: &RenderOptions) -> View {
     View::new(&seen_by(world, options), options.image.size)
 }
 
-/// What the options' camera shows of a world.
+/// Sizes and counts of a world as the options' camera sees it.
 pub fn workload(world: &World, trees: &Trees, options: &RenderOptions) -> Workload {
     let view = view_of(world, options);
     let clip_from_world = view.clip_from_world(glam::Vec2::ZERO);

@@ -1,4 +1,4 @@
-//! The targets of a finished frame on their way to the CPU.
+//! Download of a finished frame's targets to the CPU.
 
 use std::collections::HashMap;
 
@@ -14,31 +14,31 @@ use crate::{
 
 use super::{precision::Precision, renderer::Renderer, targets::Target};
 
-/// Copies of targets that the CPU has not got yet.
+/// Copies of targets that the CPU has not received yet.
 pub struct Download {
     pending: Pending,
-    /// Which targets, in the order of the copies; the counters come last.
+    /// Copied targets, in the order of the copies; the counters come last.
     targets: Vec<Target>,
     values: TargetValues,
 }
 
-/// What the targets of one frame held.
+/// Texels of the targets of one frame.
 pub struct TargetValues {
-    /// Pixels.
+    /// Size of the picture, pixels.
     pub size: [u32; 2],
-    /// How reflections were found.
+    /// Method that found the reflections.
     pub method: Method,
-    /// Whether the frame had any.
+    /// Whether the frame has reflections.
     pub reflections: bool,
-    /// Of the frame, where they were asked for.
+    /// Counters of the frame, where they were requested.
     pub counters: Option<Vec<u32>>,
-    /// What keeps its light.
+    /// Precision of the stored light.
     pub precision: Precision,
     bytes: HashMap<Target, Vec<u8>>,
 }
 
 impl TargetValues {
-    /// Of one target; zeros where the frame does not write it or nobody asked for it.
+    /// Texels of one target; zeros where the frame does not write it or it was not requested.
     pub fn texels<T: Pod>(&self, target: Target) -> Vec<T> {
         if let Some(bytes) = self.bytes.get(&target) {
             return readback::values(bytes);
@@ -53,7 +53,7 @@ impl Download {
     /// Waits for the copies, but not for frames that were submitted after them.
     ///
     /// # Errors
-    /// A lost or silent device.
+    /// A lost or unresponsive device.
     pub fn take(mut self, gpu: &Gpu) -> Result<TargetValues, GpuError> {
         let mut all = self.pending.take(gpu)?;
         if all.len() > self.targets.len() {
@@ -65,11 +65,10 @@ impl Download {
 }
 
 impl Renderer {
-    /// Starts copying targets as the frame submitted last will leave them, and with them the
-    /// counters of its reflections.
+    /// Starts copying targets, and if `count` the counters of reflections, as the last submitted frame leaves them.
     ///
     /// # Errors
-    /// Exhausted memory, or what wgpu says about the copies.
+    /// Exhausted memory, or a wgpu error of the copies.
     pub(super) fn download(
         &self,
         gpu: &Gpu,
@@ -102,10 +101,10 @@ impl Renderer {
         })
     }
 
-    /// The values of a target; zeros where this frame does not write it.
+    /// Texels of a target; zeros where this frame does not write it.
     ///
     /// # Errors
-    /// What reading back says.
+    /// A readback error.
     pub fn read<T: Pod>(&self, gpu: &Gpu, target: Target) -> Result<Vec<T>, GpuError> {
         Ok(self
             .download(gpu, &[target], false)?

@@ -1,4 +1,4 @@
-//! What is rasterized: one draw for each instance that has triangles.
+//! Draw calls of rasterization: one for each instance that has triangles.
 
 use std::ops::Range;
 
@@ -14,45 +14,45 @@ use crate::{
     world::{Instance, Material, World},
 };
 
-/// How a draw is rasterized.
+/// Properties of a draw call that need a render pipeline of their own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DrawClass {
-    /// Tests alpha.
+    /// Whether alpha is tested.
     pub cutout: bool,
-    /// Double-sided.
+    /// Whether triangles are double-sided.
     pub double_sided: bool,
-    /// Mirrored by its transform.
+    /// Whether the instance's transform mirrors it.
     pub mirrored: bool,
 }
 
-/// One instance's draw.
+/// Draw call of one instance.
 #[derive(Clone, Debug)]
 pub struct Draw {
     /// Index of the instance.
     pub instance: u32,
-    /// Its part of `mesh_data`.
+    /// Range of the mesh's indices in `mesh_data`.
     pub indices: Range<u32>,
-    /// First vertex.
+    /// First vertex of the mesh.
     pub vertex_base: i32,
     /// World bounds.
     pub bounds: Bounds,
-    /// How.
+    /// Properties that select the pipeline.
     pub class: DrawClass,
-    /// Whether its pose, and with it its handedness, may change.
+    /// Whether the pose, and with it the handedness, may change.
     pub dynamic: bool,
-    /// Whether the camera, which culls its triangles from behind, may look through them; see
-    /// `GpuScene::find_backs`.
+    /// Whether the camera culls back faces of the instance that rays may meet; see `GpuScene::find_backs`.
     pub hides_backs: bool,
     /// Hash of the vertices of a deformed mesh, else 0.
     pub shape: u64,
-    /// Whether it is drawn into shadow maps, which know no light that passes.
+    /// Whether the instance is drawn into shadow maps; mostly transmissive ones are not, as maps cannot attenuate
+    /// light.
     pub casts_shadow: bool,
-    /// Which rays see it.
+    /// Kinds of rays that see the instance.
     pub shown: ShownDesc,
 }
 
 impl Draw {
-    /// Takes over the pose of its instance.
+    /// Updates the draw call from the pose of its instance.
     pub fn pose(&mut self, world: &World) {
         let instance = &world.instances[self.instance as usize];
         self.class.mirrored = mirrors(&instance.world_from_object);
@@ -61,12 +61,12 @@ impl Draw {
     }
 }
 
-/// Whether a transform turns triangles around.
+/// Whether a transform reverses the winding of triangles.
 pub fn mirrors(transform: &Affine3A) -> bool {
     transform.matrix3.determinant() < 0.0
 }
 
-/// How an instance of a material is drawn.
+/// Properties of the draw call of an instance with this material.
 pub fn class_of(material: &Material, transform: &Affine3A) -> DrawClass {
     DrawClass {
         cutout: material.alpha_cutoff.is_some(),
@@ -75,19 +75,19 @@ pub fn class_of(material: &Material, transform: &Affine3A) -> DrawClass {
     }
 }
 
-/// The buffers of all meshes and instances, to draw by indices.
+/// Buffers of all meshes and instances, for indexed drawing.
 #[derive(Clone, Copy, Debug)]
 pub struct Indexed<'a> {
-    /// Of [`GpuVertex`].
+    /// Vertices: [`GpuVertex`].
     pub vertices: &'a wgpu::Buffer,
-    /// 32 bits each, and other numbers between those of the meshes.
+    /// Indices of 32 bits; between those of the meshes lie other words.
     pub indices: &'a wgpu::Buffer,
-    /// Of [`GpuInstance`].
+    /// Instances: [`GpuInstance`].
     pub instances: &'a wgpu::Buffer,
 }
 
 impl Indexed<'_> {
-    /// What vertex shaders get: the position at location 0, and the rows of the transform to the world from 1 on.
+    /// Inputs of vertex shaders: the position at location 0, and the rows of the transform to the world from 1 on.
     pub const LAYOUTS: [Option<wgpu::VertexBufferLayout<'static>>; 2] = [
         Some(wgpu::VertexBufferLayout {
             array_stride: size_of::<GpuVertex>() as u64,
@@ -101,7 +101,7 @@ impl Indexed<'_> {
         }),
     ];
 
-    /// Binds them.
+    /// Binds the vertex, instance and index buffers.
     pub fn bind(&self, pass: &mut wgpu::RenderPass<'_>) {
         pass.set_vertex_buffer(0, self.vertices.slice(..));
         pass.set_vertex_buffer(1, self.instances.slice(..));
@@ -110,7 +110,7 @@ impl Indexed<'_> {
 }
 
 impl Draw {
-    /// Draws it by its indices, which are bound, or has the shader pull its vertices.
+    /// Records the draw call: indexed with the bound buffers, or with vertices that the shader pulls.
     pub fn record(&self, pass: &mut wgpu::RenderPass<'_>, is_indexed: bool) {
         let instance = self.instance..self.instance + 1;
         match is_indexed {
@@ -120,7 +120,7 @@ impl Draw {
     }
 }
 
-/// One for each instance that has triangles.
+/// Draw calls of all instances that have triangles.
 pub fn draws(world: &World, mesh_ranges: &[MeshRange]) -> Vec<Draw> {
     let draw = |(i, instance): (usize, &Instance)| {
         let range = mesh_ranges[instance.mesh];

@@ -9,12 +9,12 @@ use super::view::{Projection, View};
 
 /// Cosine between normal and view direction up to which a triangle is seen edge-on.
 const EDGE_ON: f32 = 1e-3;
-/// Area of edge-on triangles that is too much to be passed over: a square of so many pixels each side. What is
-/// curved always has a few of them at its outline.
+/// Side of a square, pixels, whose area edge-on triangles must exceed to matter: curved surfaces always have a few
+/// at their outline.
 const SIDE_PX: f32 = 16.0;
 
-/// Whether rays on the screen of a view may pass a surface unseen, which the perspective never lets happen but
-/// to what its eye is exactly in the plane of.
+/// Whether screen-space rays of a view may miss a surface that is seen edge-on. In perspective this happens only for
+/// surfaces exactly in a plane with the eye, and is neglected.
 pub fn has_edge_on_surfaces(world: &World, view: &View) -> bool {
     if matches!(view.projection, Projection::Perspective { .. }) {
         return false;
@@ -25,7 +25,7 @@ pub fn has_edge_on_surfaces(world: &World, view: &View) -> bool {
     area_m2 > (SIDE_PX * view.pixel_m()).powi(2)
 }
 
-/// Area of the triangles of an instance that are edge-on.
+/// Area of an instance's triangles that are seen edge-on, m².
 fn edge_on_m2(world: &World, instance: &Instance, forward: Vec3) -> f32 {
     let posed = world.posed(instance.mesh);
     let place = instance.world_from_object.matrix3;

@@ -1,4 +1,4 @@
-//! The table by which samples choose triangles that light.
+//! The alias table for sampling emissive triangles.
 
 use crate::{
     gpu::{Gpu, GpuError},
@@ -7,27 +7,27 @@ use crate::{
 
 use super::texel_array::TexelArray;
 
-/// What the shaders know of the table beside its texels.
+/// Parameters of the alias table for shaders.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Emitters {
-    /// How many triangles light.
+    /// Number of emissive triangles.
     pub triangles: u32,
-    /// Sum of their powers; 0: none is chosen.
+    /// Sum of their powers; 0: no triangle is sampled.
     pub power: f32,
 }
 
-/// The table on the GPU.
+/// The alias table on the GPU.
 #[derive(Clone, Debug)]
 pub struct GpuEmitters {
     table: TexelArray,
-    /// What it holds now.
+    /// Parameters of the current table.
     pub emitters: Emitters,
-    /// Whether it may differ from frame to frame.
+    /// Whether the table may differ from frame to frame.
     pub is_moving: bool,
 }
 
 impl GpuEmitters {
-    /// Uploads the table of a world; `None` where nothing lights by its surface.
+    /// Uploads the table of a world; `None` where no surface is sampled as a light.
     ///
     /// # Errors
     /// A wgpu error.
@@ -48,7 +48,7 @@ impl GpuEmitters {
         Ok(Some(this))
     }
 
-    /// Uploads the table of a world whose parts moved.
+    /// Uploads the table again, if emitters may have moved.
     pub fn update(&mut self, gpu: &Gpu, world: &World) {
         if self.is_moving {
             self.upload(gpu, world);
@@ -65,7 +65,7 @@ impl GpuEmitters {
         };
     }
 
-    /// What the shaders bind.
+    /// Binding of the table for shaders.
     pub fn resource(&self) -> wgpu::BindingResource<'_> {
         self.table.resource()
     }
@@ -76,9 +76,9 @@ impl GpuEmitters {
     }
 }
 
-/// For each triangle its instance, itself, the bits of the share of its column that is its own, and whose
-/// the rest is; and the sum of all powers (Vose 1991, "A linear algorithm for generating random numbers
-/// with a given distribution").
+/// Texels of the alias table, and the sum of all powers. A texel is an instance, a triangle, the bits of the share
+/// of the column that is its own, and the index of the texel that has the rest (Vose 1991, "A linear algorithm for
+/// generating random numbers with a given distribution").
 fn alias_table(emitters: &[Emitter]) -> (Vec<[u32; 4]>, f32) {
     let sum: f64 = emitters.iter().map(|e| f64::from(e.power)).sum();
     let count = emitters.len();
@@ -96,7 +96,7 @@ fn alias_table(emitters: &[Emitter]) -> (Vec<[u32; 4]>, f32) {
             large.push(more);
         }
     }
-    // What rounding left over fills its column.
+    // Columns left over by rounding keep their whole share.
     for rest in small.into_iter().chain(large) {
         shares[rest] = 1.0;
     }

@@ -1,4 +1,4 @@
-//! The frame: which passes run, in which order. Read this first.
+//! The frame: the order of its passes. Read this first.
 
 use std::time::Instant;
 
@@ -25,11 +25,11 @@ use super::{
 };
 
 impl Renderer {
-    /// Renders one picture into the targets. The lights of `world` may have moved since the last
-    /// one; their number and shadow modes may not have changed.
+    /// Renders one picture into the targets. The lights of `world` may have moved since the last one; their number
+    /// and shadow modes must be the same.
     ///
     /// # Errors
-    /// A lost device, exhausted memory, or another world than was uploaded.
+    /// A lost device, exhausted memory, or a world other than the uploaded one.
     pub fn render(
         &mut self,
         gpu: &Gpu,
@@ -53,11 +53,10 @@ impl Renderer {
         Ok(stats)
     }
 
-    /// Submits one picture; at most two of its sub-frames are ever waiting for the GPU. Nothing is
-    /// timed or counted.
+    /// Submits one picture without timing or counting; at most two of its sub-frames wait for the GPU at a time.
     ///
     /// # Errors
-    /// As [`Renderer::render`].
+    /// Same errors as [`Renderer::render`].
     pub(super) fn submit(
         &mut self,
         gpu: &Gpu,
@@ -77,34 +76,34 @@ impl Renderer {
         Ok(self.stats(PassTimes::default(), 0.0))
     }
 
-    /// The view of a camera, in scene coordinates, in a world that was checked to be the uploaded one,
-    /// posed, in the renderer's.
+    /// The view of a camera, given in scene coordinates, in the renderer's coordinates. Checks that `world` is the
+    /// uploaded one, posed.
     ///
     /// # Errors
-    /// Another world than was uploaded.
+    /// A world other than the uploaded one.
     pub(super) fn view(&self, world: &World, camera: &CameraDesc) -> Result<View, RenderError> {
         self.check_posed(world)?;
         let camera = relative_camera(camera, self.origin);
         let mut view = View::new(&camera, self.options.image.size);
-        // `ssr` and the paper's rule take what the picture shows for all that there is.
+        // Method `ssr` and the paper's rule assume that the picture shows all surfaces, so they need no such check.
         let verifies = self.plan.reflections && self.options.reflection.verifies();
         view.has_edge_on = verifies && has_edge_on_surfaces(world, &view);
         Ok(view)
     }
 
-    /// Has the next picture draw all shadow maps, also those of lights and casters at rest.
+    /// Makes the next picture draw all shadow maps, also those whose lights and casters have not moved.
     pub fn redraw_shadows(&self) {
         if let Some(shadow) = &self.bindings.passes.shadow {
             shadow.forget();
         }
     }
 
-    /// What a submission gave; after an error nobody knows which maps were drawn.
+    /// Result of a submission; after an error all shadow maps count as outdated.
     pub(super) fn submitted<T>(&self, result: Result<T, GpuError>) -> Result<T, GpuError> {
         result.inspect_err(|_| self.redraw_shadows())
     }
 
-    /// One sub-frame, pass by pass; a probe measures what a picture does not need.
+    /// Records one sub-frame, pass by pass; a probe adds a measurement.
     pub(super) fn sub_frame<'a>(
         &'a self,
         gpu: &'a Gpu,
@@ -155,12 +154,12 @@ impl Renderer {
         passes.surface.record(frame);
         passes.details.record(frame);
         passes.light.record(frame);
-        passes.arguments.record(frame); // of what the surface pass lists
+        passes.arguments.record(frame); // for the lists of the surface pass
         passes.transmit.record(frame);
         passes.indirect.record(frame);
         passes.pyramid.record(frame);
         passes.ssr.record(frame);
-        passes.arguments.record(frame); // of hits and rays
+        passes.arguments.record(frame); // for the lists of hits and rays
         passes.hits.record(frame);
         passes.trace.record(frame);
         passes.audit.record(frame);
@@ -171,7 +170,7 @@ impl Renderer {
         passes.tone.record(frame);
     }
 
-    /// The lights' uniform block, and the views of the shadow maps in the order of the lights.
+    /// Uniform block of the lights, and the views of the shadow maps in the order of the lights.
     pub(super) fn lights(&self, world: &World) -> (LightBlock, Vec<ShadowView>) {
         lights(
             &world.lights,
@@ -181,13 +180,13 @@ impl Renderer {
         )
     }
 
-    /// What contains everything that is drawn.
+    /// Bounding box of everything that is drawn.
     fn drawn_bounds(&self) -> Bounds {
         let draws = self.scene.draws.iter();
         draws.fold(Bounds::EMPTY, |all, draw| all.union(draw.bounds))
     }
 
-    /// The stats of a frame whose counters nobody has read.
+    /// Statistics of a frame whose counters are not read back.
     pub(super) fn stats(&self, times: PassTimes, frame_ms: f64) -> FrameStats {
         let mut bytes: Vec<(String, u64)> = Vec::new();
         let named = |(name, size): (&str, u64)| (name.to_owned(), size);

@@ -6,13 +6,13 @@ use super::{pass_builder::PassBuilder, sub_frame::SubFrame};
 
 /// A pass of the frame.
 pub trait FramePass: Sized {
-    /// Creates its pipelines and bind groups.
+    /// Creates the pipelines and bind groups of the pass.
     ///
     /// # Errors
     /// A shader or wgpu error.
     fn new(builder: &PassBuilder<'_>) -> Result<Self, GpuError>;
 
-    /// Records it.
+    /// Records the pass.
     fn record(&self, frame: &mut SubFrame<'_>);
 }
 

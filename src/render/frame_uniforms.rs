@@ -1,4 +1,4 @@
-//! The uniform blocks of group 0: the frame and its lights.
+//! The uniform blocks of group 0: frame, lights, sampling and look-up tables.
 
 use std::sync::OnceLock;
 
@@ -31,7 +31,7 @@ pub struct FrameUniforms {
 }
 
 impl FrameUniforms {
-    /// Empty blocks.
+    /// Creates the blocks; only the lobe table has content.
     pub fn new(gpu: &Gpu) -> Self {
         let make = |label, size| uniform(gpu, label, size);
         let table: &[u8] = bytemuck::cast_slice(lobe_table());
@@ -68,7 +68,7 @@ impl FrameUniforms {
         }
     }
 
-    /// Made when the first scene asks for it.
+    /// The sheen table, made on first use.
     fn sheen_table(&self, gpu: &Gpu) -> &wgpu::Buffer {
         self.sheen_table.get_or_init(|| {
             let table: &[u8] = bytemuck::cast_slice(sheen_table());
@@ -89,7 +89,7 @@ fn uniform(gpu: &Gpu, label: &str, size: usize) -> wgpu::Buffer {
 }
 
 impl Frame {
-    /// The block of one sub-frame; `bounces` are the plan's.
+    /// The block of one sub-frame; `bounces` is that of the plan.
     pub fn new(
         world: &World,
         view: &View,
@@ -132,8 +132,8 @@ impl Frame {
     }
 }
 
-/// Share of light that a bounce must carry to be seen: one step of the display, of the brightest
-/// thing that a reflection can show. What is lit, not shining, is taken to be white at most.
+/// Minimum throughput of a path: one display step, relative to the brightest thing that a reflection can show. Lit
+/// surfaces count as white at most.
 fn dimmest(world: &World, exposure_ev: f32) -> f32 {
     let lights = world.lights.iter().map(|light| {
         let radiance = light.desc.kind.radiance();
@@ -144,7 +144,7 @@ fn dimmest(world: &World, exposure_ev: f32) -> f32 {
     DISPLAY_STEP / (brightest * exposure_ev.exp2()).max(1.0)
 }
 
-/// Of 8-bit pictures.
+/// Step between values of 8-bit pictures.
 const DISPLAY_STEP: f32 = 1.0 / 255.0;
 
 impl Sampling {

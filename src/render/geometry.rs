@@ -20,18 +20,18 @@ pub struct MeshRange {
     pub vertex_base: u32,
     /// First index in `mesh_data`.
     pub index_base: u32,
-    /// Three a triangle.
+    /// Number of indices, three per triangle.
     pub index_count: u32,
-    /// First second texture coordinate in `mesh_data`; [`NONE`] without.
+    /// Position of the first second texture coordinate in `mesh_data`; [`NONE`] without.
     pub uv1_base: u32,
-    /// Whether its vertices have colors.
+    /// Whether the vertices have colors.
     pub has_colors: bool,
 }
 
-/// An initialized buffer, never of zero size.
+/// Creates an initialized buffer, never of zero size.
 ///
 /// # Errors
-/// A size past the adapter's limit, by `name`, or a wgpu error.
+/// A size past the adapter's limit, named by `name`, or a wgpu error.
 pub fn buffer<T: Pod>(
     gpu: &Gpu,
     name: &str,
@@ -53,7 +53,7 @@ pub fn buffer<T: Pod>(
     Ok(buffer)
 }
 
-/// Writes a buffer from its start on, so that few bytes of it are in memory twice.
+/// Writes a buffer in pieces, so that wgpu's copy of the data stays small.
 fn write_in_pieces(gpu: &Gpu, buffer: &wgpu::Buffer, bytes: &[u8]) -> Result<(), GpuError> {
     for (i, piece) in bytes.chunks(Gpu::PIECE_BYTES).enumerate() {
         if i > 0 {
@@ -65,7 +65,7 @@ fn write_in_pieces(gpu: &Gpu, buffer: &wgpu::Buffer, bytes: &[u8]) -> Result<(),
     Ok(())
 }
 
-/// Bytes of all vertices, and of all indices and second texture coordinates.
+/// Size of all vertices, and of all indices and second texture coordinates, bytes.
 pub fn geometry_bytes(world: &World) -> (u64, u64) {
     let sum = |bytes: fn(&Mesh) -> usize| world.meshes.iter().map(bytes).sum::<usize>() as u64;
     (
@@ -74,7 +74,7 @@ pub fn geometry_bytes(world: &World) -> (u64, u64) {
     )
 }
 
-/// The vertices, the indices and the ranges of each mesh.
+/// Uploads vertices and indices, and returns their arrays and the ranges of each mesh.
 ///
 /// # Errors
 /// A wgpu error, or a lost device.
@@ -121,7 +121,7 @@ pub fn geometry(
     Ok((vertices.finish(), data.finish(), ranges))
 }
 
-/// The vertices of a mesh as it is posed.
+/// The vertices of a mesh in its current pose.
 pub fn mesh_vertices<'a>(
     mesh: &'a Mesh,
     posed: &'a Posed<'_>,
@@ -149,7 +149,7 @@ fn vertex(mesh: &Mesh, posed: &Posed<'_>, i: usize) -> GpuVertex {
     }
 }
 
-/// Octahedral map, two signed 16-bit numbers; `unpack_unit` in `shaders/lib/pack.wgsl` undoes it.
+/// Octahedral map to two signed 16-bit numbers; `unpack_unit` in `shaders/lib/pack.wgsl` is its inverse.
 fn pack_unit(n: Vec3) -> u32 {
     let p = n / (n.x.abs() + n.y.abs() + n.z.abs()).max(1e-20);
     let wrap = |a: f32, b: f32| (1.0 - b.abs()) * if a >= 0.0 { 1.0 } else { -1.0 };

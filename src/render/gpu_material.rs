@@ -1,4 +1,4 @@
-//! Materials as the shaders know them.
+//! Conversion of materials to their layout in shaders.
 
 use glam::{Vec2, Vec3};
 
@@ -12,7 +12,7 @@ use super::{
 };
 use crate::world::{CORE_SLOTS, LAYER_SLOTS, LayerTexture, Material, TextureRef, World, Wrap};
 
-/// A material of the world, whose images lie in `layers`.
+/// GPU layout of a material of the world, whose textures lie in `layers`.
 pub fn gpu_material(m: &Material, world: &World, layers: &Layers) -> GpuMaterial {
     let slot = |slot: Option<TextureRef>| {
         slot.map_or(NO_TEXTURE, |s| texture_use(&s, m.uv_scale, world, layers))
@@ -36,7 +36,7 @@ pub fn gpu_material(m: &Material, world: &World, layers: &Layers) -> GpuMaterial
         checker_b: color(1),
         pattern: checker.map_or(0, |c| c.kind as u32),
         alpha_cutoff: m.alpha_cutoff.unwrap_or(-1.0),
-        // Without specular there is no reflection, whatever the reflection mode.
+        // Without a specular lobe there is no reflection, whatever the reflection mode.
         reflection: if has_specular(m) {
             m.reflection as u32
         } else {

@@ -14,21 +14,21 @@ use super::{
     types::{GpuLight, LightBlock},
 };
 
-/// Near plane of shadow maps.
+/// Near plane of shadow maps, m.
 pub const SHADOW_NEAR_M: f32 = 0.01;
-/// [`GpuLight::shadow`].
+/// Value of [`GpuLight::shadow`] for lights without a shadow.
 pub const SHADOW_NONE: u32 = 0;
-/// [`GpuLight::shadow`].
+/// Value of [`GpuLight::shadow`] for shadow maps.
 pub const SHADOW_MAP: u32 = 1;
-/// [`GpuLight::shadow`].
+/// Value of [`GpuLight::shadow`] for shadow rays.
 pub const SHADOW_RAY: u32 = 2;
 
 /// One shadow map view.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShadowView {
-    /// Whether it is a face of a cube map, else a flat map.
+    /// Whether the view is a face of a cube map rather than a flat map.
     pub cube: bool,
-    /// Array layer; cubes have six each.
+    /// Array layer; a cube has six.
     pub layer: u32,
     /// World to clip, reversed depth.
     pub clip_from_world: Mat4,
@@ -37,18 +37,18 @@ pub struct ShadowView {
 /// Sizes and counts of shadow maps; constant for a set of lights.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ShadowSizes {
-    /// Edge of every cube face, pixels: the maximum over point lights.
+    /// Width of every cube face, pixels: the maximum over point lights.
     pub cube_px: u32,
-    /// Cube maps.
+    /// Number of cube maps.
     pub cubes: u32,
-    /// Edge of every flat map, pixels: the maximum over spot and directional lights.
+    /// Width of every flat map, pixels: the maximum over spot and directional lights.
     pub map_px: u32,
-    /// Flat maps.
+    /// Number of flat maps.
     pub maps: u32,
 }
 
 impl ShadowSizes {
-    /// Shadow maps of these lights.
+    /// Sizes of the shadow maps of these lights.
     pub fn of(lights: &[Light], options: &RenderOptions) -> Self {
         let mut sizes = Self::default();
         let has_map = |l: &&Light| options.shadow_of(&l.desc) == ShadowMode::Map;
@@ -65,29 +65,29 @@ impl ShadowSizes {
     }
 }
 
-/// Faces of a cube map in their order: the axes that they look along.
+/// Faces of a cube map in their order, by the axis that each looks along.
 pub const CUBE_FACES: [&str; 6] = ["+X", "-X", "+Y", "-Y", "+Z", "-Z"];
 
-/// Whether such a light's shadow map is a cube, else flat.
+/// Whether a light of this kind has a cube map rather than a flat one.
 pub fn has_cube_map(kind: &LightKind) -> bool {
     matches!(kind, LightKind::Point { .. })
 }
 
-/// What lights ask of the passes that shade.
+/// Features of lights that shading passes must support.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LightNeeds {
-    /// Some light has ray-traced shadows.
+    /// Whether some light has ray traced shadows.
     pub rays: bool,
-    /// Some light without a size has them.
+    /// Whether some light without a size has ray traced shadows.
     pub hard_rays: bool,
-    /// Some light has a size.
+    /// Whether some light has a size.
     pub sized: bool,
-    /// Some directional light has one.
+    /// Whether some directional light has a size.
     pub sized_suns: bool,
 }
 
 impl LightNeeds {
-    /// Of these lights.
+    /// Features that these lights need.
     pub fn of(lights: &[Light], options: &RenderOptions) -> Self {
         let is_sized = |light: &Light| light.desc.kind.has_size();
         let has_ray = |light: &Light| options.shadow_of(&light.desc) == ShadowMode::Ray;
@@ -101,7 +101,7 @@ impl LightNeeds {
         }
     }
 
-    /// Whether passes made for these needs serve `other` ones.
+    /// Whether passes built for these features support `other` ones.
     pub fn cover(self, other: Self) -> bool {
         (self.rays || !other.rays)
             && (self.hard_rays || !other.hard_rays)
@@ -110,20 +110,20 @@ impl LightNeeds {
     }
 }
 
-/// Whether some light has ray-traced shadows.
+/// Whether some light has ray traced shadows.
 pub fn has_shadow_rays(lights: &[Light], options: &RenderOptions) -> bool {
     LightNeeds::of(lights, options).rays
 }
 
-/// Lights as shaders have them: those without a size first. The second number says how many those are.
+/// Lights in the order of shaders: those without a size first, and the number of these.
 pub fn in_order(lights: &[Light]) -> (impl Iterator<Item = &Light>, usize) {
     let (sized, hard): (Vec<_>, Vec<_>) = lights.iter().partition(|l| l.desc.kind.has_size());
     let count = hard.len();
     (hard.into_iter().chain(sized), count)
 }
 
-/// The uniform block, lights without a size first, and the shadow views of one frame. `bounds` contain all shadow
-/// casters.
+/// Uniform block of the lights, those without a size first, and the shadow views of one frame. `bounds` must contain
+/// all shadow casters.
 pub fn lights(
     lights: &[Light],
     sizes: ShadowSizes,
@@ -247,13 +247,13 @@ fn set_edges(light: &mut GpuLight, u: Vec3, v: Vec3) {
     (light.half_u, light.half_v) = ((0.5 * u).to_array(), (0.5 * v).to_array());
 }
 
-/// Clip matrix with these axes: x to the right, y up, depth near / distance along `forward`.
+/// Clip matrix of a frustum with these axes: x to the right, y up, depth near / distance along `forward`.
 fn frustum(position: Vec3, forward: Vec3, right: Vec3, up: Vec3) -> Mat4 {
     let row = |axis: Vec3| axis.extend(-axis.dot(position));
     Mat4::from_cols(row(right), row(up), Vec4::W * SHADOW_NEAR_M, row(forward)).transpose()
 }
 
-/// The six faces in the order and orientation of cube maps (Vulkan 1.3, "Cube Map Face Selection").
+/// Clip matrices of the six faces in the order and orientation of cube maps (Vulkan 1.3, "Cube Map Face Selection").
 fn cube_faces(position: Vec3) -> [Mat4; 6] {
     const X: Vec3 = Vec3::X;
     const Y: Vec3 = Vec3::Y;
@@ -269,7 +269,7 @@ fn cube_faces(position: Vec3) -> [Mat4; 6] {
     .map(|(forward, right, up)| frustum(position, forward, right, up))
 }
 
-/// The view of a spot or directional light, and the world size of a texel (at distance 1 for spots).
+/// Clip matrix of a spot or directional light, and the world size of a texel (at distance 1 for spots), m.
 fn flat_view(kind: &LightKind, px: u32, bounds: &Bounds) -> (Mat4, f32) {
     match *kind {
         LightKind::Spot {
@@ -294,7 +294,7 @@ fn flat_view(kind: &LightKind, px: u32, bounds: &Bounds) -> (Mat4, f32) {
     }
 }
 
-/// World size of a texel of a light's shadow map, `px` wide, at a point; `bounds` contain all casters.
+/// World size of a texel of a light's shadow map, `px` wide, at a point, m; `bounds` contain all casters.
 pub fn map_texel_m(kind: &LightKind, px: u32, bounds: &Bounds, point: Vec3) -> f32 {
     match *kind {
         LightKind::Point { position, .. } => {
@@ -315,7 +315,7 @@ pub fn map_texel_m(kind: &LightKind, px: u32, bounds: &Bounds, point: Vec3) -> f
     }
 }
 
-/// An orthographic view along `forward` that holds all of `bounds`, a texel to spare on each side.
+/// Orthographic view along `forward` that holds all of `bounds`, with a margin of two texels on each side.
 fn parallel_view(forward: Vec3, px: u32, bounds: &Bounds) -> (Mat4, f32) {
     let right = forward.any_orthonormal_vector();
     let up = right.cross(forward);

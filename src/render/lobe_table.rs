@@ -1,22 +1,22 @@
-//! Integrals of the GGX lobe that shaders look up: what it returns of even light, and from where.
+//! Integrals of the GGX lobe for a look-up table in shaders: albedo under uniform light, and mean direction.
 
 use std::{f64::consts::PI, sync::LazyLock};
 
-/// Nodes along the square root of the view's cosine, 0 to 1.
+/// Number of nodes along the square root of the view's cosine, 0 to 1.
 pub const LOBE_COSINES: u32 = 24;
-/// Nodes along perceptual roughness, 0 to 1.
+/// Number of nodes along perceptual roughness, 0 to 1.
 pub const LOBE_ROUGHNESSES: u32 = 16;
-/// All of them.
+/// Number of all nodes.
 pub const LOBE_NODES: u32 = LOBE_COSINES * LOBE_ROUGHNESSES;
 
-/// Facets that each integral takes, in slope and around the normal.
+/// Number of facets that each integral sums, in slope and around the normal.
 const STEPS: [u32; 2] = [40, 16];
-/// Nothing is seen at exactly 90 degrees.
+/// Minimum cosine: at exactly 90 degrees the integrals are not defined.
 pub const LEAST_COSINE: f64 = 1e-4;
-/// As in the shaders; see `SMOOTH_ALPHA` there.
+/// Minimum GGX alpha, equal to `SMOOTH_ALPHA` in the shaders.
 const LEAST_ALPHA: f64 = 2e-3;
 
-/// Rows of roughness, each by cosine: see `shaders/lib/lobe_albedo.wgsl`.
+/// Table nodes in rows of roughness, each by cosine: see `shaders/lib/lobe_albedo.wgsl`.
 pub fn lobe_table() -> &'static [[f32; 4]] {
     static TABLE: LazyLock<Vec<[f32; 4]>> = LazyLock::new(|| {
         let nodes = (0..LOBE_ROUGHNESSES).flat_map(|row| (0..LOBE_COSINES).map(move |i| (row, i)));
@@ -30,10 +30,9 @@ pub fn lobe_table() -> &'static [[f32; 4]] {
     &TABLE
 }
 
-/// Integrals over the facets of a surface, whose slopes follow GGX, with the height-correlated Smith term
-/// (Heitz 2014, eq. 99), seen at this cosine: the light that they return, the part of it that Schlick's
-/// power weighs, and the mean of the direction that it comes from along the normal and away from the view,
-/// times the light.
+/// Integrals over the facets of a surface, whose slopes follow GGX, with the height-correlated Smith term (Heitz
+/// 2014, eq. 99), seen at this cosine: the albedo, the part of it weighted by Schlick's power, and the mean
+/// direction of the light along the normal and away from the view, times the albedo.
 fn lobe(cosine: f64, roughness: f64) -> [f32; 4] {
     let alpha = (roughness * roughness).max(LEAST_ALPHA);
     let a2 = alpha * alpha;
@@ -46,7 +45,7 @@ fn lobe(cosine: f64, roughness: f64) -> [f32; 4] {
         let up = 1.0 / (1.0 + a2 * u / (1.0 - u)).sqrt();
         let flat = (1.0 - up * up).sqrt();
         for k in 0..STEPS[1] {
-            // Half around: the other half is its mirror image.
+            // Half of the circle suffices: the other half is its mirror image.
             let phi = PI * (f64::from(k) + 0.5) / f64::from(STEPS[1]);
             let across = flat * phi.cos();
             let vh = sine * across + cosine * up;
@@ -81,8 +80,8 @@ mod tests {
         }
     }
 
-    /// At alpha = 1 the normals are spread evenly and both Smith roots are 1: seen from above, what is left is the
-    /// integral of x / (1 + x) over the cosine x.
+    /// At alpha = 1 the normals are spread evenly and both Smith roots are 1: seen from above, the integral of x /
+    /// (1 + x) over the cosine x is left.
     #[test]
     fn rough_lobes_lose_light_and_never_gain() {
         let all = lobe_table().iter().map(|node| node[0]);

@@ -1,5 +1,4 @@
-//! Measurement of a frame by rendering it again with probes, which are not part of pictures or
-//! timed frames.
+//! Measurement of a frame by rendering it again with probes, which pictures and timed frames do not contain.
 
 use crate::{
     gpu::{Gpu, GpuError},
@@ -19,11 +18,11 @@ use super::{
 };
 
 impl Renderer {
-    /// Renders the frame once more with work counters; passes that did not run are not listed. Sums
-    /// over all sub-frames.
+    /// Renders the frame once more with work counters, summed over all sub-frames; passes that did not run are not
+    /// listed.
     ///
     /// # Errors
-    /// As [`Renderer::render`], and custom shaders without the entry point `counted`.
+    /// Same errors as [`Renderer::render`], and custom shaders without the entry point `counted`.
     pub fn counts(
         &mut self,
         gpu: &Gpu,
@@ -49,12 +48,12 @@ impl Renderer {
         Ok(sums)
     }
 
-    /// Traversal time of the trace pass without shading, milliseconds: the same rays and hits;
-    /// surfaces are evaluated only where a path may continue. Measured right after the trace pass,
-    /// in a separate frame. None without traced rays or timestamps.
+    /// Time of the trace pass without shading, milliseconds: it traces the same rays, and evaluates surfaces only
+    /// where a path may continue. Measured right after the trace pass, in a separate frame. `None` without traced
+    /// rays or timestamps.
     ///
     /// # Errors
-    /// As [`Renderer::render`].
+    /// Same errors as [`Renderer::render`].
     pub fn traversal_ms(
         &mut self,
         gpu: &Gpu,
@@ -84,7 +83,7 @@ impl Renderer {
     /// surface.
     ///
     /// # Errors
-    /// As [`Renderer::render`].
+    /// Same errors as [`Renderer::render`].
     pub fn crossings(
         &mut self,
         gpu: &Gpu,
@@ -104,7 +103,7 @@ impl Renderer {
         Ok(planes.collect::<Result<_, _>>()?)
     }
 
-    /// Builds the passes of a probe on first use; they last until the passes are rebuilt.
+    /// Builds the passes of a probe on first use; they are kept until the passes are rebuilt.
     fn build_probe(&mut self, gpu: &Gpu, probe: Probe) -> Result<(), GpuError> {
         let is_ready = match probe {
             Probe::Count => !self.bindings.probes.counted.is_empty(),

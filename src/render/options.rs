@@ -1,4 +1,4 @@
-//! Render options.
+//! Options of a renderer.
 
 #[cfg(doc)]
 use crate::world::World;
@@ -8,22 +8,22 @@ use crate::scene::desc::{
     ImageDesc, LightDesc, LightKind, Method, ReflectionDesc, SceneDesc, ShadowMode,
 };
 
-/// Render options.
+/// Options of a renderer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RenderOptions {
     /// Reflection settings.
     pub reflection: ReflectionDesc,
-    /// Size, sub-frames, tone.
+    /// Picture size, number of sub-frames, exposure and tone mapping.
     pub image: ImageDesc,
-    /// Shadows of lights with `shadow = "auto"`, by kind of light.
+    /// Shadow mode of lights with `shadow = "auto"`, by kind of light.
     pub auto_shadow: [ShadowMode; LightKind::NAMES.len()],
-    /// Index of the camera whose view decides what is `auto`; none is [`World::main_camera`].
+    /// Index of the camera whose view decides `auto` settings; `None` for [`World::main_camera`].
     pub camera: Option<usize>,
-    /// Unit costs for what is left to `auto`; none takes those of the adapter's kind.
+    /// Unit costs for deciding `auto` settings; `None` for those of the adapter's kind.
     pub costs: Option<UnitCosts>,
-    /// Trace some of the screen hits too, for the `audit` of its statistics.
+    /// Whether to trace rays for some of the screen hits, for `audit` in the statistics.
     pub audit: bool,
-    /// Drop no features, to compare with the specialized frame.
+    /// Whether to drop no features, to compare with the planned frame.
     pub general: bool,
 }
 
@@ -42,7 +42,7 @@ impl Default for RenderOptions {
 }
 
 impl RenderOptions {
-    /// Options of a scene, with specialization.
+    /// Options of a scene, with unused features dropped.
     pub fn of(desc: &SceneDesc) -> Self {
         Self {
             reflection: desc.reflection,
@@ -51,7 +51,7 @@ impl RenderOptions {
         }
     }
 
-    /// The same with the settings that its method stands for.
+    /// The options with the settings that the method implies.
     pub fn settled(&self) -> Self {
         Self {
             reflection: self.reflection.settled(),
@@ -59,12 +59,12 @@ impl RenderOptions {
         }
     }
 
-    /// Whether all light is followed by rays, and nothing is left out.
+    /// Whether all light is path traced without bias.
     pub fn is_unbiased(&self) -> bool {
         self.reflection.method == Method::Path
     }
 
-    /// How the shadows of a light are found.
+    /// Shadow mode of a light, with `auto` decided.
     pub fn shadow_of(&self, light: &LightDesc) -> ShadowMode {
         match light.shadow {
             ShadowMode::Map | ShadowMode::Auto if self.is_unbiased() => ShadowMode::Ray,

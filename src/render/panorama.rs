@@ -1,4 +1,4 @@
-//! The panorama of the environment on the GPU: its texels, and the density that samples follow.
+//! The panorama of the environment on the GPU: its texels, and the density table for sampling.
 
 use crate::{
     gpu::{Gpu, GpuError},
@@ -11,12 +11,12 @@ pub struct GpuPanorama {
     texels: wgpu::TextureView,
     density: wgpu::TextureView,
     sampler: wgpu::Sampler,
-    /// Bytes of both textures.
+    /// Size of both textures, bytes.
     pub bytes: u64,
 }
 
 impl GpuPanorama {
-    /// Uploads it.
+    /// Uploads a panorama.
     ///
     /// # Errors
     /// A side past the adapter's limit, or a wgpu error.
@@ -49,7 +49,7 @@ impl GpuPanorama {
         })
     }
 
-    /// The resource with this name in group 0, if it is one of these.
+    /// The resource with this name in group 0; `None` if it does not belong to the panorama.
     pub fn resource(&self, name: &str) -> Option<wgpu::BindingResource<'_>> {
         match name {
             "panorama" => Some(wgpu::BindingResource::TextureView(&self.texels)),

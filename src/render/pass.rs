@@ -1,10 +1,10 @@
-//! A compute pass: bound by name, sized by its shader, timed under its own name.
+//! A compute pass: bound by name, dispatched by its shader's workgroup size, timed under its own name.
 
 use crate::gpu::{Checks, Gpu, GpuError, GroupLayout, Named, Shader};
 
-/// Where the shader of a pass starts.
+/// Entry point of a pass's shader.
 pub const MAIN: &str = "main";
-/// Where it starts to do the same and to write down how much that was.
+/// Entry point that does the same work and also counts it.
 pub const COUNTED: &str = "counted";
 
 use super::{
@@ -17,31 +17,31 @@ use super::{
     types::StructSpec,
 };
 
-/// The name of a pipeline override and its value.
+/// Name of a pipeline override, and its value.
 pub type Override = (&'static str, f64);
 
-/// What a pass is: its shader, what it reads and what it writes.
+/// Description of a pass: its shader, its inputs and its outputs.
 #[derive(Clone, Copy, Debug)]
 pub struct Pass {
-    /// Also the shader file, the timer label and the preview entry.
+    /// Name of the pass, its shader file, its timer label and its preview entry.
     pub name: &'static str,
-    /// In charts, sRGB; passes that follow each other differ in hue and brightness.
+    /// Color in charts, sRGB; passes that follow each other differ in hue and brightness.
     pub color: [u8; 3],
-    /// Targets that it samples.
+    /// Targets that the pass samples.
     pub reads: &'static [Target],
-    /// Targets that it writes.
+    /// Targets that the pass writes.
     pub writes: &'static [Target],
-    /// Layout of its `Params`, where it has them.
+    /// Layout of the shader's `Params`, where it has them.
     pub params: Option<StructSpec>,
-    /// Whether a frame with this plan and these options records it.
+    /// Whether a frame with this plan and these options records the pass.
     pub needed: fn(&Plan, &RenderOptions) -> bool,
     /// Whether one of the targets in `writes` is written with this plan and these options.
     pub is_written: fn(&Plan, &RenderOptions, Target) -> bool,
-    /// Values for overrides that only its shader declares.
+    /// Values for overrides that only this pass's shader declares.
     pub overrides: fn(&RenderOptions) -> Vec<Override>,
-    /// Run-time checks of its shader.
+    /// Run-time checks of the shader.
     pub(crate) checks: Checks,
-    /// Whether its shader has the entry point [`COUNTED`].
+    /// Whether the shader has the entry point [`COUNTED`].
     pub counted: bool,
 }
 
@@ -61,15 +61,15 @@ impl Pass {
     };
 }
 
-/// How many workgroups a pass runs.
+/// Number of workgroups of a pass.
 pub enum Dispatch<'a> {
-    /// One invocation a pixel.
+    /// One invocation per pixel.
     PerPixel,
-    /// As many as the GPU wrote for a list.
+    /// Number that the GPU wrote for a list.
     Listed(&'a RayList, List),
-    /// A workgroup for each square tile with an edge of so many pixels.
+    /// One workgroup for each square tile with this side, pixels.
     Tiles(u32),
-    /// So many workgroups.
+    /// This number of workgroups.
     Groups(u32),
 }
 
@@ -86,11 +86,10 @@ pub struct ComputePass {
 }
 
 impl ComputePass {
-    /// Builds the pipeline from one entry point; `overrides` may hold more than this shader
-    /// overrides.
+    /// Builds the pipeline of one entry point; overrides that its shader does not declare are ignored.
     ///
     /// # Errors
-    /// What the shader or wgpu refuses, by file and name.
+    /// A shader or wgpu error, by file and name.
     pub fn new(
         gpu: &Gpu,
         pass: &'static Pass,
@@ -130,7 +129,7 @@ impl ComputePass {
         self.pass.name
     }
 
-    /// Binds targets, `params` and `extra` by name. `aliases` give a target another name here.
+    /// Binds targets, `params` and `extra` by name. `aliases` give targets other names in this shader.
     ///
     /// # Errors
     /// A name that is missing on either side, with the shader's file.
@@ -157,7 +156,7 @@ impl ComputePass {
         Ok(())
     }
 
-    /// Sets the pass's `Params`.
+    /// Writes the pass's `Params`.
     pub fn set_params<T: bytemuck::Pod>(&self, gpu: &Gpu, params: &T) {
         if let Some(buffer) = &self.params {
             gpu.queue
@@ -165,7 +164,7 @@ impl ComputePass {
         }
     }
 
-    /// Records the pass; one that was never bound records nothing.
+    /// Records the pass; nothing if it was never bound.
     pub fn record(&self, recorder: &mut Recorder<'_>, dispatch: &Dispatch<'_>) {
         let Some(bound) = &self.bound else { return };
         let size = recorder.size;
@@ -198,7 +197,7 @@ impl ComputePass {
     }
 }
 
-/// Those of `overrides` that the shader declares.
+/// The overrides among `overrides` that the shader declares.
 pub fn declared_overrides(shader: &Shader, overrides: &[Override]) -> Vec<Override> {
     let declared = &shader.info.overrides;
     let is_declared = |(name, _): &&Override| declared.iter().any(|o| o.name == *name);

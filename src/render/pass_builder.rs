@@ -22,9 +22,9 @@ pub struct PassBuilder<'a> {
     pub options: &'a RenderOptions,
     /// Shaders of the needed passes.
     pub shaders: &'a Shaders,
-    /// Groups 0 and 1.
+    /// Bind groups 0 and 1.
     pub shared: &'a SharedGroups,
-    /// Bindable resources.
+    /// Resources to bind.
     pub resources: Resources<'a>,
 }
 
@@ -37,7 +37,7 @@ impl PassBuilder<'_> {
     /// The shader of a pass.
     ///
     /// # Errors
-    /// As [`Shaders::get`].
+    /// Same errors as [`Shaders::get`].
     pub fn shader(&self, pass: &Pass) -> Result<&Shader, GpuError> {
         self.shaders.get(pass)
     }
@@ -45,7 +45,7 @@ impl PassBuilder<'_> {
     /// Values for the overrides of a pass; its shader may declare fewer.
     pub fn overrides(&self, pass: &Pass) -> Vec<Override> {
         let own = (pass.overrides)(self.options);
-        // Puts rows that are 16 apart beside each other, which is enough for 16 threads.
+        // Four shuffles put rows that are 16 apart beside each other, which suits 16 threads.
         let shuffles = if self.gpu.is_software() { 4.0 } else { 0.0 };
         let mut all = self.plan.overrides();
         all.extend(own);
@@ -53,7 +53,7 @@ impl PassBuilder<'_> {
         all
     }
 
-    /// A compute pass; `aliases` give targets other names in its shader.
+    /// Builds a compute pass; `aliases` give targets other names in its shader.
     ///
     /// # Errors
     /// A shader or wgpu error, by file and name.
@@ -65,11 +65,11 @@ impl PassBuilder<'_> {
         self.bound(pass, pass, MAIN, &self.overrides(pass), aliases, &[])
     }
 
-    /// A compute pass named `pass` that starts at `entry` of the shader of `original`, with one
-    /// further override and further bindings.
+    /// Builds a compute pass named `pass` that starts at `entry` of the shader of `original`, with one further
+    /// override and further bindings.
     ///
     /// # Errors
-    /// As [`PassBuilder::compute`].
+    /// Same errors as [`PassBuilder::compute`].
     pub fn variant(
         &self,
         pass: &'static Pass,

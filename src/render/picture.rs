@@ -14,29 +14,29 @@ use super::{
 /// A finished picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture {
-    /// Pixels.
+    /// Width and height, pixels.
     pub size: [u32; 2],
-    /// Linear radiance, RGBA, exposure not applied, mean of the sub-frames; empty if not requested. Opaque
-    /// unless [`Self::alpha`].
+    /// Linear radiance, RGBA, without exposure, mean of the sub-frames; empty if not requested. Opaque unless
+    /// [`Self::alpha`].
     pub color: Vec<f32>,
     /// Display color, RGBA, sRGB.
     pub display: Vec<u8>,
-    /// Whether alpha counts: linear radiance is multiplied by it, display color is not.
+    /// Whether the alpha channel is used: linear radiance is premultiplied by it, display color is not.
     pub alpha: bool,
     /// Requested AOVs.
     pub planes: Vec<Plane>,
-    /// Statistics of its frame.
+    /// Statistics of the picture's frame.
     pub stats: FrameStats,
 }
 
-/// Requested contents besides display color.
+/// Contents to produce besides the display color.
 #[derive(Clone, Copy, Debug)]
 pub struct PictureRequest<'a> {
-    /// Linear radiance.
+    /// Whether linear radiance is requested.
     pub color: bool,
-    /// Further planes.
+    /// Requested AOVs.
     pub aovs: &'a [Aov],
-    /// Times of its passes, which wait for each of them.
+    /// Whether passes are timed, for which the renderer waits for each of them.
     pub timed: bool,
 }
 
@@ -44,7 +44,7 @@ pub struct PictureRequest<'a> {
 /// continues.
 pub struct PendingPicture {
     download: Download,
-    /// The target that holds the sum of the sub-frames, if it is requested.
+    /// Target with the sum of the sub-frames, if linear radiance is requested.
     color: Option<Target>,
     aovs: Vec<Aov>,
     camera: CameraDesc,
@@ -56,7 +56,7 @@ impl PendingPicture {
     /// Waits for the picture.
     ///
     /// # Errors
-    /// A lost or silent device.
+    /// A lost or unresponsive device.
     pub fn take(self, gpu: &Gpu) -> Result<Picture, RenderError> {
         let values = self.download.take(gpu)?;
         let mut stats = self.stats;
@@ -81,7 +81,7 @@ impl PendingPicture {
     }
 }
 
-/// The mean of the sub-frames whose sum a target holds.
+/// Mean of the sub-frames, whose sum a target holds.
 fn mean(values: &TargetValues, target: Target, (samples, alpha): (u32, bool)) -> Vec<f32> {
     let mut color: Vec<f32> = values.texels(target);
     let scale = 1.0 / samples as f32;
@@ -104,7 +104,7 @@ impl Renderer {
     /// Renders one picture, times its passes and reads everything back.
     ///
     /// # Errors
-    /// As [`Renderer::render`].
+    /// Same errors as [`Renderer::render`].
     pub fn picture(
         &mut self,
         gpu: &Gpu,
@@ -123,7 +123,7 @@ impl Renderer {
     /// Starts a picture; unless it is timed, the next one can be posed and started meanwhile.
     ///
     /// # Errors
-    /// As [`Renderer::render`].
+    /// Same errors as [`Renderer::render`].
     pub fn begin_picture(
         &mut self,
         gpu: &Gpu,

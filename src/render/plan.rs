@@ -1,4 +1,4 @@
-//! What a scene needs, and what is therefore left out: model no more than the scene uses.
+//! Plan of a frame: the features and passes that a scene needs; all others are left out.
 
 mod dropped;
 mod mutual_reflections;
@@ -26,90 +26,90 @@ use super::{
     types::METAL_REACH,
 };
 
-/// What the frame contains; each flag is a pipeline constant or a pass that is recorded or not.
+/// Features of the frame; each flag is a pipeline constant, or says whether a pass is recorded.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Plan {
-    /// Some material can reflect: march, trace and blur passes exist.
+    /// Whether some material can reflect: march, trace and blur passes exist.
     pub reflections: bool,
-    /// Some ray is followed: see [`traces_rays`].
+    /// Whether rays are traced: see [`traces_rays`].
     pub traced: bool,
-    /// Some geometry stands in the static tree.
+    /// Whether some geometry is in the static tree.
     pub static_tree: bool,
-    /// Some instance is traced through the top level.
+    /// Whether some instance is traced through the top level.
     pub top_level: bool,
-    /// The march is to be stopped by surfaces that the camera culls and rays meet.
+    /// Whether surfaces that the camera culls but reflection rays meet stop the march.
     pub culled_surfaces: bool,
-    /// What keeps its light.
+    /// Precision of stored light.
     pub precision: Precision,
-    /// Some instance is not shown to all rays.
+    /// Whether some instance is hidden from a kind of ray.
     pub unshown: bool,
-    /// Some material is cut out.
+    /// Whether some material is cut out.
     pub cutouts: bool,
-    /// Some material has a normal map.
+    /// Whether some material has a normal map.
     pub normal_maps: bool,
-    /// Some material has a texture.
+    /// Whether some material has a texture.
     pub textures: bool,
-    /// Some material has a checker.
+    /// Whether some material has a checker or another pattern.
     pub checkers: bool,
-    /// Some material has another pattern than a checker.
+    /// Whether some material has a pattern other than a checker.
     pub patterns: bool,
-    /// Some light casts its shadow by rays.
+    /// Whether some light casts its shadow by rays.
     pub shadow_rays: bool,
-    /// Some light without a size does.
+    /// Whether some light without a size casts its shadow by rays.
     pub hard_shadow_rays: bool,
-    /// Some light has a cube map.
+    /// Whether some light has a cube map.
     pub cube_maps: bool,
-    /// Some light has a flat shadow map.
+    /// Whether some light has a flat shadow map.
     pub flat_maps: bool,
-    /// Reflections may take from the picture which lights with shadow rays reach what they meet.
+    /// Whether reflections may reuse the light pass's results of shadow rays.
     pub lends_light: bool,
-    /// The environment's light comes from samples, not in closed form.
+    /// Whether the environment's light is sampled rather than computed in closed form.
     pub sampled_environment: bool,
-    /// Some light has a size.
+    /// Whether some light has a size.
     pub sized_lights: bool,
-    /// Some directional light has one.
+    /// Whether some directional light has a size.
     pub sized_suns: bool,
-    /// Some surface lights what is around.
+    /// Whether some emissive surface is sampled as a light.
     pub emitters: bool,
-    /// Matte surfaces pass on what others scatter.
+    /// Whether diffuse surfaces light each other: diffuse interreflection.
     pub indirect: bool,
-    /// All light is followed by rays, and nothing is left out.
+    /// Whether all light is path traced without bias.
     pub unbiased: bool,
-    /// What its surfaces have.
+    /// Features of the surfaces.
     #[serde(flatten)]
     pub surfaces: SurfaceUses,
-    /// Some reflection is spread by roughness.
+    /// Whether some reflection is rough.
     pub rough_reflections: bool,
-    /// Light that facets reflect more than once is given back.
+    /// Whether the specular lobe is compensated for multiple scattering between facets.
     pub multiple_scattering: bool,
-    /// The environment is a panorama.
+    /// Whether the environment is a panorama.
     pub panorama: bool,
-    /// Rays find what is in the way of the environment's light.
+    /// Whether shadow rays are traced for the environment's light.
     pub environment_rays: bool,
-    /// The camera sees the environment.
+    /// Whether the camera sees the environment.
     pub shows_environment: bool,
-    /// Most reflections in a row.
+    /// Maximum number of successive reflections.
     pub bounces: u32,
     /// Texture pools in use, six bits for each slot of a material: a bit for each linear and sRGB
     /// view.
     pub slot_pools: u32,
-    /// The same of all textures of layers together.
+    /// Texture pools that textures of layers use, six bits for all of them together.
     pub layer_pools: u32,
     /// Wrap mode pairs in use.
     pub wraps: u32,
-    /// What was left out.
+    /// Features that were left out.
     pub dropped: Vec<Dropped>,
 }
 
 /// Whether a material has a specular lobe that a reflection could replace.
 pub fn has_specular(material: &Material) -> bool {
-    // Glass mirrors inside whatever its strength.
+    // Glass reflects internally whatever its specular strength.
     let is_dimmed = material.specular == Some(0.0) && !material.passes_light();
     let dielectric = material.reflectivity > 0.0 && !is_dimmed;
     dielectric || material.metallic > 0.0 || material.clearcoat.is_some()
 }
 
-/// Roughness below which a material reflects: metals show nothing else, so that theirs is higher.
+/// Roughness below which a material reflects; higher for metals, which show nothing else.
 fn reflects_below(material: &Material, cutoff: f32) -> f32 {
     cutoff.max((cutoff * (1.0 + METAL_REACH * material.metallic)).min(1.0))
 }
@@ -140,11 +140,11 @@ pub fn may_reflect(world: &World, material: usize, cutoff: f32) -> bool {
     can_reflect(&world.materials[material], cutoff) || world.may_change(material)
 }
 
-/// Roughness up to which a reflection is sharp; its square is `SMOOTH_ALPHA` of the shaders.
+/// Roughness up to which a reflection is sharp; its square is `SMOOTH_ALPHA` in the shaders.
 const SHARP_ROUGHNESS: f32 = 0.044_72;
 
-/// Whether some material that reflects by its roughness, or lets light through, is in some frame too rough
-/// for one sharp ray.
+/// Whether some material that reflects depending on its roughness, or transmits light, is in some frame too rough
+/// for a single sharp ray.
 pub fn reflects_roughly(world: &World, cutoff: f32) -> bool {
     let is_rough = |index: usize| {
         let material = &world.materials[index];
@@ -170,13 +170,13 @@ pub fn reflects(world: &World, cutoff: f32) -> bool {
     (world.instances.iter()).any(|i| may_reflect(world, i.material, cutoff))
 }
 
-/// Whether pixels are found by rays, not by rasterization.
+/// Whether the surfaces of pixels are found by rays rather than by rasterization.
 pub fn has_primary_rays(options: &RenderOptions) -> bool {
     options.image.visibility == Visibility::Rays
 }
 
-/// Whether a frame follows rays, so that it needs trees: for reflections, primary visibility or
-/// shadows.
+/// Whether a frame traces rays, so that it needs BVHs: for reflections, primary visibility, shadows, indirect light
+/// or transmission.
 pub fn traces_rays(world: &World, options: &RenderOptions) -> bool {
     let cutoff = options.reflection.reflects_below();
     let reflections = options.reflection.method != Method::Ssr && reflects(world, cutoff);
@@ -189,18 +189,18 @@ pub fn traces_rays(world: &World, options: &RenderOptions) -> bool {
         || passes_light(world)
 }
 
-/// Whether matte surfaces pass on what others scatter.
+/// Whether diffuse surfaces light each other.
 fn scatters(options: &RenderOptions) -> bool {
     options.reflection.settled().diffuse_bounces > 0
 }
 
-/// Whether rays find what is in the way of the environment's light: where surfaces in its way light, it may
-/// not shine through them too.
+/// Whether shadow rays are traced for the environment's light. With diffuse interreflection they are, as surfaces
+/// that block the environment reflect light themselves, and it must not shine through them too.
 fn environment_casts_rays(world: &World, options: &RenderOptions) -> bool {
     world.environment.casts_rays() || (scatters(options) && !world.environment.is_black())
 }
 
-/// Whether there is a march, and it takes only what a ray is shown to meet: then it stops at what the camera culls.
+/// Whether the frame marches with verified hits only: the march then stops at surfaces that the camera culls.
 pub fn may_meet_culled(world: &World, options: &RenderOptions) -> bool {
     options.reflection.method.marches()
         && options.reflection.verifies()
@@ -208,8 +208,8 @@ pub fn may_meet_culled(world: &World, options: &RenderOptions) -> bool {
 }
 
 impl Plan {
-    /// Everything a scene may use: the plan that drops nothing, to compare against. What lights it
-    /// stays as it is, for samples have another value than closed forms until they converge.
+    /// The plan that drops no feature, to compare against. Lights and their sampling stay as in the scene, since
+    /// samples differ from closed forms until they converge.
     pub fn general(world: &World, options: &RenderOptions) -> Self {
         let settings = &options.reflection;
         Self {
@@ -251,7 +251,7 @@ impl Plan {
         }
     }
 
-    /// What this scene needs.
+    /// The plan of a scene: the features that it needs.
     pub fn of(world: &World, trees: &Trees, layers: &Layers, options: &RenderOptions) -> Self {
         let settings = &options.reflection;
         let mut used: Vec<usize> = world.instances.iter().map(|i| i.material).collect();
@@ -261,7 +261,7 @@ impl Plan {
         let (slot_pools, layer_pools, wraps) = samplers(world, &used, layers);
         let cutoff = settings.reflects_below();
         let reflections = reflects(world, cutoff);
-        // What lets light through also shows reflectors their backs.
+        // Transmissive surfaces also show the backs of reflectors.
         let single_bounce = reflections
             && !passes_light(world)
             && !scatters(options)
@@ -312,7 +312,7 @@ impl Plan {
         plan
     }
 
-    /// The shader files that it needs.
+    /// The shader files that the plan needs.
     pub fn variant(&self) -> ShaderVariant {
         ShaderVariant {
             extent: self.sampled_environment
@@ -335,7 +335,7 @@ impl Plan {
         }
     }
 
-    /// Whether some surface lets light through or has a clear coat.
+    /// Whether some surface is transmissive or has a clear coat.
     fn has_layers(&self) -> bool {
         self.surfaces.transmission || self.surfaces.coats
     }
@@ -345,13 +345,13 @@ impl Plan {
         self.reflections || self.surfaces.transmission
     }
 
-    /// Whether some surface has what the G-buffer has no bits for.
+    /// Whether some surface has values that the G-buffer has no bits for.
     pub fn has_details(&self) -> bool {
         let uses = &self.surfaces;
         uses.has_tints() || uses.sheen || uses.has_frames()
     }
 
-    /// What its lights may ask for.
+    /// Light features that the plan's passes support.
     pub fn light_needs(&self) -> LightNeeds {
         LightNeeds {
             rays: self.shadow_rays,
@@ -362,7 +362,8 @@ impl Plan {
     }
 }
 
-/// Which pools each slot, and which wrap pairs the used materials sample, as the shader's bit masks.
+/// Bit masks for shaders: pools that each slot samples, pools of layer textures, and wrap pairs of the used
+/// materials.
 fn samplers(world: &World, used: &[usize], layers: &Layers) -> (u32, u32, u32) {
     let (mut slot_pools, mut layer_pools, mut wraps) = (0, 0, 0);
     for &m in used {

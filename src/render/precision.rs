@@ -1,4 +1,4 @@
-//! How many bits hold the light of a picture.
+//! Precision of a picture's stored light.
 
 use serde::Serialize;
 
@@ -9,29 +9,29 @@ use crate::{
 
 use super::options::RenderOptions;
 
-/// Brightest thing that 16 bits hold with room for what it lights beside it; they end at 65,504.
+/// Maximum radiance for 16-bit storage, whose range ends at 65,504: surfaces that it lights need the room above.
 const BRIGHTEST: f32 = 16_384.0;
-/// Exposure from which on a step of the display is no longer many steps of 16 bits near 0, stops.
+/// Exposure, stops, above which 16-bit values near 0 are too coarse for the steps of the display.
 const DARKEST_EV: f32 = 5.0;
 
-/// What keeps the light of a frame between its passes.
+/// Precision of the light that a frame stores between its passes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Precision {
-    /// 32 bits a channel in place of 16.
+    /// Whether channels have 32 bits rather than 16.
     pub full: bool,
-    /// By how many stops what surfaces emit is darkened where 16 bits keep it.
+    /// Number of stops by which emission is darkened for storage in 16 bits.
     pub emission_stops: u32,
 }
 
 impl Precision {
-    /// What a scene needs, or its text asks for.
+    /// Precision that a scene needs, or that its text sets.
     pub fn of(world: &World, options: &RenderOptions) -> Self {
         let emitted = brightest_emission(world);
         let needs_full = || {
             let brightest = emitted.max(brightest_light(world));
             let darkest = match options.image.exposure_ev {
                 Exposure::Ev(ev) => ev,
-                // It will show the brightest as white, or brighter.
+                // Automatic exposure shows the brightest value as white, or brighter.
                 Exposure::Auto => -brightest.max(f32::MIN_POSITIVE).log2(),
             };
             brightest > BRIGHTEST || darkest > DARKEST_EV
@@ -48,13 +48,13 @@ impl Precision {
         }
     }
 
-    /// What surfaces emit, over what is kept of it: a power of two.
+    /// Emission of surfaces, over its stored value: a power of two.
     pub fn emission_scale(self) -> f32 {
         (self.emission_stops as f32).exp2()
     }
 }
 
-/// Radiance that surfaces emit, at most.
+/// Maximum radiance that surfaces emit.
 pub fn brightest_emission(world: &World) -> f32 {
     let materials = world.instances.iter().map(|i| &world.materials[i.material]);
     materials
@@ -62,8 +62,8 @@ pub fn brightest_emission(world: &World) -> f32 {
         .fold(0.0, f32::max)
 }
 
-/// Radiance of the environment, and of white that a light reaches, from 1 m where it stands somewhere;
-/// the brighter. A glint may be brighter, and is cut.
+/// Maximum radiance of the environment, and of white surfaces lit by a light, at 1 m if the light has a position. A
+/// glint may be brighter, and is clamped.
 fn brightest_light(world: &World) -> f32 {
     let lights = world.lights.iter().map(|light| {
         light.desc.kind.intensity() * light.desc.color.max_element() / std::f32::consts::PI

@@ -21,19 +21,19 @@ pub enum Probe {
 /// Work of a pass over all pixels. It depends on the scene and its settings, not on the machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Counts {
-    /// Cells of the depth pyramid that the march looks at.
+    /// Number of cells of the depth pyramid that the march reads.
     pub march_steps: u64,
-    /// Traversals from the root: one for each ray, including bounces and shadow rays, and one more
-    /// for each cut-out that a ray passes.
+    /// Number of traversals from the root: one for each ray, including bounces and shadow rays, and one more for
+    /// each cut-out that a ray passes.
     pub traversals: u64,
-    /// Nodes of all trees that were read.
+    /// Number of nodes read, of all BVHs.
     pub visited_nodes: u64,
-    /// Triangles that a ray was tested against.
+    /// Number of triangles that rays were tested against.
     pub tested_triangles: u64,
 }
 
 impl Counts {
-    /// Names and values in the order of the shaders.
+    /// Names and values, in the order of the channels that shaders write.
     pub fn named(&self) -> [(&'static str, u64); 4] {
         [
             ("march_steps", self.march_steps),
@@ -43,7 +43,7 @@ impl Counts {
         ]
     }
 
-    /// Sum of both.
+    /// Sums of the counts of both.
     pub fn plus(self, other: Self) -> Self {
         Self {
             march_steps: self.march_steps + other.march_steps,
@@ -73,7 +73,7 @@ impl Counts {
 pub struct PassCounts {
     /// Name of the pass.
     pub pass: &'static str,
-    /// Its work.
+    /// Work of the pass.
     #[serde(flatten)]
     pub counts: Counts,
 }
@@ -83,9 +83,9 @@ pub struct PassCounts {
 pub struct Probes {
     /// Counting passes.
     pub counted: Vec<Counted>,
-    /// Traces the rays without shading.
+    /// Pass that traces the rays without shading.
     pub traverse: Option<ComputePass>,
-    /// Marches and accepts every crossing.
+    /// Pass that marches and accepts every crossing.
     pub accept_all: Option<ComputePass>,
 }
 
@@ -98,7 +98,8 @@ pub struct Counted {
 }
 
 impl Counted {
-    /// `make` builds the pass over the view that is named `counts` in its shader.
+    /// Creates the texture of counts; `make` builds the pass with a view of it, which is named `counts` in the
+    /// shader.
     ///
     /// # Errors
     /// A wgpu error of the texture, and the errors of `make`.
@@ -133,13 +134,13 @@ impl Counted {
         })
     }
 
-    /// Zeros: the trace pass writes no pixel that is not in its list.
+    /// Clears the counts to zero: the trace pass writes only the pixels of its list.
     fn clear(&self, encoder: &mut wgpu::CommandEncoder) {
         let zero = wgpu::Color::TRANSPARENT;
         clear_texture(encoder, "clear counts", &self.view, zero);
     }
 
-    /// Sums over all pixels.
+    /// Reads the counts back and sums them over all pixels.
     ///
     /// # Errors
     /// A readback error.
@@ -170,7 +171,7 @@ impl Probes {
         other.unwrap_or(pass)
     }
 
-    /// The pass that traces the rays once more, if this probe needs it.
+    /// The pass that traces the rays once more, if this probe uses it.
     pub fn traverse(&self, probe: Option<Probe>) -> Option<&ComputePass> {
         self.traverse
             .as_ref()

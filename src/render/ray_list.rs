@@ -1,36 +1,36 @@
-//! The lists of a frame: reflective pixels, what is traced and what is shaded of them, pixels that let light
-//! through, the depth pyramid, and the counters.
+//! The lists of a frame: reflective pixels, traced rays, screen hits and transmissive pixels, with the depth pyramid
+//! and the counters.
 
 use crate::gpu::{Gpu, GpuError, Named};
 
 use super::cause::Cause;
 
-/// Counters of a frame: one for each cause, then those below.
+/// Number of counters of a frame: one for each cause at the start, and those below at the end.
 pub const COUNTERS: usize = 20;
-/// Index of the number of listed rays among the counters; those before all of these count causes.
+/// Index of the counter of listed rays.
 pub const RAY_COUNTER: usize = COUNTERS - 1;
-/// Index of the number of rays that visited as many nodes as a ray may.
+/// Index of the counter of rays that ran out of nodes to visit.
 pub const EXHAUSTED_COUNTER: usize = COUNTERS - 2;
-/// Index of the number of reflective pixels that are marched.
+/// Index of the counter of reflective pixels that are marched.
 pub const REFLECTOR_COUNTER: usize = COUNTERS - 3;
-/// Index of the number of screen hits.
+/// Index of the counter of screen hits.
 pub const HIT_COUNTER: usize = COUNTERS - 4;
-/// Index of the number of screen hits that were traced too.
+/// Index of the counter of screen hits that the audit checked.
 pub const AUDITED_COUNTER: usize = COUNTERS - 5;
-/// Index of the number of those that lie on a wrong surface.
+/// Index of the counter of audited screen hits that lie on a wrong surface.
 pub const WRONG_COUNTER: usize = COUNTERS - 6;
-/// Index of the number of pixels whose surface lets light through.
+/// Index of the counter of transmissive pixels.
 pub const TRANSMISSIVE_COUNTER: usize = COUNTERS - 7;
-/// Entries of a list that one workgroup of the passes over lists does.
+/// Number of list entries per workgroup of the passes over lists.
 pub const RAYS_PER_GROUP: u32 = 64;
-/// Screen hits of a sub-frame that the audit traces too, at most.
+/// Maximum number of screen hits of a sub-frame that the audit checks.
 pub const AUDIT_RAYS: u32 = 1024;
-/// Levels of the depth pyramid over the picture itself: cells of 2 to 64 pixels.
+/// Number of levels of the depth pyramid above the picture itself: cells of 2 to 64 pixels.
 pub const PYRAMID_LEVELS: u32 = 6;
 
 const _: () = assert!(Cause::ALL.len() <= TRANSMISSIVE_COUNTER);
 
-/// Which list a pass runs over; its place among the arguments.
+/// List that a pass runs over; the value is its index among the dispatch arguments.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum List {
     /// Reflective pixels.
@@ -39,35 +39,35 @@ pub enum List {
     Rays = 1,
     /// Screen hits that are shaded.
     Hits = 2,
-    /// Pixels whose surface lets light through.
+    /// Transmissive pixels.
     Transmissive = 3,
 }
 
 impl List {
-    /// Where its workgroups are among the arguments, bytes.
+    /// Offset of the list's workgroup count in the dispatch arguments, bytes.
     pub const fn arguments_offset(self) -> u64 {
         self as u64 * ARGUMENT_BYTES
     }
 }
 
 const LISTS: u64 = 4;
-/// Of what an indirect dispatch reads, padded.
+/// Size of the arguments of an indirect dispatch, padded, bytes.
 const ARGUMENT_BYTES: u64 = 16;
 
-/// What of the lists a frame uses.
+/// Parts of the list buffer that a frame uses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ListedParts {
-    /// Reflective pixels, rays, hits and the pyramid.
+    /// Whether there are reflective pixels, rays, hits and the pyramid.
     pub reflections: bool,
-    /// Pixels that let light through: in the place of other lists, or alone.
+    /// Whether there are transmissive pixels: in a list that is free at that time, or alone.
     pub transmission: bool,
-    /// A depth for each pixel of what the camera culls.
+    /// Whether there is a depth of culled surfaces for each pixel.
     pub culled_surfaces: bool,
 }
 
 impl ListedParts {
-    /// Two words a pixel, the pyramid of the picture padded to its largest cells, and one word a pixel
-    /// for what is culled.
+    /// Size of the buffer: two words per pixel, the pyramid of the picture padded to whole cells of the last level,
+    /// and one word per pixel for culled surfaces.
     fn bytes(self, size: [u32; 2]) -> u64 {
         let pixels = u64::from(size[0]) * u64::from(size[1]);
         if !self.reflections {
@@ -80,27 +80,28 @@ impl ListedParts {
     }
 }
 
-/// The lists and what counts them.
+/// The list buffer, with its counters and dispatch arguments.
 #[derive(Clone, Debug)]
 pub struct RayList {
-    /// Pixels (x | y << 16): reflective ones, then rays with hits from the other end, then the
-    /// depth pyramid, then the depth of what the camera culls; pixels that let light through in a list that is free.
+    /// Pixels (x
+    /// y << 16): reflective ones, then rays with hits from the other end, then the depth pyramid, then the depth of
+    /// culled surfaces; transmissive pixels use a list that is free.
     /// Layout: `shaders/lib/lists.wgsl`.
     pub lists: wgpu::Buffer,
-    /// See [`RAY_COUNTER`].
+    /// Counters of causes, rays and hits; see [`RAY_COUNTER`].
     pub counters: wgpu::Buffer,
-    /// Workgroups of the passes over lists, four numbers each.
+    /// Workgroup counts of the passes over lists, four numbers each.
     pub arguments: wgpu::Buffer,
 }
 
 impl RayList {
-    /// Room for every pixel in every list, or for none where nothing reflects or lets light through.
+    /// Creates lists with room for every pixel, or none where nothing reflects or transmits light.
     ///
     /// # Errors
     /// A picture whose lists are past the adapter's buffer limit.
     pub fn new(gpu: &Gpu, size: [u32; 2], parts: ListedParts) -> Result<Self, GpuError> {
         let bytes = parts.bytes(size);
-        gpu.check_storage_size("a list of all pixels of this size", bytes)?;
+        gpu.check_storage_size("the pixel lists of a picture of this size", bytes)?;
         let storage = wgpu::BufferUsages::STORAGE;
         let make = |label, size, usage| {
             gpu.device.create_buffer(&wgpu::BufferDescriptor {
@@ -125,7 +126,7 @@ impl RayList {
         })
     }
 
-    /// Its buffers by their names in the shaders.
+    /// The buffers by their names in the shaders.
     pub fn named(&self) -> [Named<'_>; 3] {
         [
             ("lists", self.lists.as_entire_binding()),

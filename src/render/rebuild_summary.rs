@@ -1,22 +1,22 @@
-//! What a change of the scene made anew.
+//! Summary of the parts that a change of the scene rebuilt.
 
-/// Which parts of a renderer were made again.
+/// Parts of a renderer that were rebuilt.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct RebuildSummary {
-    /// Geometry and images were uploaded.
+    /// Whether geometry and images were uploaded.
     pub upload: bool,
-    /// All trees were built.
+    /// Whether all BVHs were built.
     pub trees: bool,
-    /// The top level over moved instances was built.
+    /// Whether the top level over moved instances was built.
     pub poses: bool,
-    /// Materials and instances were uploaded.
+    /// Whether materials and instances were uploaded.
     pub materials: bool,
-    /// Passes were bound to something else; pipelines that existed were used again.
+    /// Whether passes were bound anew; existing pipelines were reused.
     pub passes: bool,
 }
 
 impl RebuildSummary {
-    /// Everything, for another scene.
+    /// Summary of a new scene: everything was built.
     pub const NEW: Self = Self {
         upload: true,
         trees: true,
@@ -25,7 +25,7 @@ impl RebuildSummary {
         passes: true,
     };
 
-    /// What was done by two changes together.
+    /// Summary of two changes together.
     pub fn merged(self, other: Self) -> Self {
         Self {
             upload: self.upload || other.upload,

@@ -1,5 +1,5 @@
-//! Recording and timing of passes: by GPU timestamps, or by waiting for each pass on software
-//! adapters, whose timestamps are unreliable. Without timing nothing waits.
+//! Recording and timing of passes: by GPU timestamps, or by waiting for each pass on software adapters, whose
+//! timestamps are unreliable. Without timing, no pass is waited for.
 
 use std::time::Instant;
 
@@ -13,9 +13,9 @@ use super::shared_groups::SharedGroups;
 /// Whether passes are timed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Timing {
-    /// Time each pass.
+    /// Each pass is timed.
     Passes,
-    /// Untimed.
+    /// No pass is timed.
     None,
 }
 
@@ -24,18 +24,18 @@ pub enum Timing {
 pub struct PassTimes {
     /// GPU time, or wall time of passes that were waited for.
     pub passes_ms: Vec<(String, f64)>,
-    /// Processor time of waited passes; empty where the system does not tell.
+    /// CPU time of passes that were waited for; empty where the system does not tell.
     pub processor_ms: Vec<(String, f64)>,
 }
 
 impl PassTimes {
-    /// Adds what other passes took.
+    /// Appends the times of other passes.
     pub fn extend(&mut self, more: Self) {
         self.passes_ms.extend(more.passes_ms);
         self.processor_ms.extend(more.processor_ms);
     }
 
-    /// Passes of one name added up.
+    /// Times with passes of the same name added up.
     pub fn summed(self) -> Self {
         Self {
             passes_ms: sum_by_name(self.passes_ms),
@@ -48,14 +48,14 @@ impl PassTimes {
 pub struct Recorder<'a> {
     /// The device.
     pub gpu: &'a Gpu,
-    /// Groups 0 and 1.
+    /// Bind groups 0 and 1.
     pub shared: &'a SharedGroups,
-    /// Pixels of the picture.
+    /// Width and height of the picture, pixels.
     pub size: [u32; 2],
-    /// `None` without timing, or if the recorder waits instead.
+    /// Timer of GPU timestamps; `None` without timing, or if the recorder waits instead.
     timer: Option<&'a Timer>,
     encoder: wgpu::CommandEncoder,
-    /// Times of waited passes; `None` without waiting.
+    /// Times of passes that were waited for; `None` if the recorder does not wait.
     waited: Option<PassTimes>,
     fault: Option<GpuError>,
 }
@@ -86,7 +86,7 @@ impl<'a> Recorder<'a> {
         &mut self.encoder
     }
 
-    /// Records a pass called `name`; passes of one name are added up.
+    /// Records a pass called `name`; times of passes with the same name are added up.
     pub fn pass(
         &mut self,
         name: &str,
@@ -129,7 +129,7 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    /// Submits the rest, waits, and returns the time of each pass in frame order.
+    /// Submits the remaining commands, waits, and returns the time of each pass in frame order.
     ///
     /// # Errors
     /// The first GPU error.
@@ -157,7 +157,7 @@ impl<'a> Recorder<'a> {
 /// Context for recording a pass.
 pub struct Recording<'a> {
     timer: Option<&'a Timer>,
-    /// Groups 0 and 1.
+    /// Bind groups 0 and 1.
     pub shared: &'a SharedGroups,
 }
 

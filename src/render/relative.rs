@@ -1,8 +1,8 @@
-//! Worlds far from their origin, moved to where floats are fine: next to the camera.
+//! Moves worlds far from their origin close to it, relative to the camera, where floats are precise.
 //!
-//! Offsets that keep rays off the surface they start from grow with the coordinates, for rounding
-//! does. A renderer therefore works in coordinates relative to where the camera was when it was made,
-//! and moves each world and camera that it is given there.
+//! Offsets that keep rays off the surface they start from grow with the coordinates, as rounding errors do. A
+//! renderer therefore works in coordinates relative to a point near the camera, chosen when the renderer was made,
+//! and converts each world and camera that it is given.
 
 use std::borrow::Cow;
 
@@ -12,11 +12,11 @@ use crate::{scene::desc::CameraDesc, world::World};
 
 use super::options::RenderOptions;
 
-/// Origins lie on a grid of this width, so that nothing is moved in scenes near their origin, and moving
-/// rounds as little as can be.
+/// Grid width of origins, m: scenes near their origin are not moved at all, and moving others rounds as little as
+/// possible.
 const GRID_M: f32 = 128.0;
 
-/// Where the origin is best: near the eye of the options' camera.
+/// Best origin for a renderer: a grid point near the eye of the options' camera.
 pub fn origin_of(world: &World, options: &RenderOptions) -> Vec3 {
     let camera = options.camera.unwrap_or_else(|| world.main_camera());
     let eye = world

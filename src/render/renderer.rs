@@ -1,4 +1,4 @@
-//! A scene made ready for frames: what is uploaded, built and bound, and what of it is rebuilt when
+//! A scene prepared for rendering: its uploads, BVHs, pipelines and bind groups, and which of them are rebuilt when
 //! the scene, its settings or the shaders change.
 
 use std::{borrow::Cow, time::Instant};
@@ -52,11 +52,11 @@ pub struct Renderer {
     pub(super) timer: Timer,
     shaders: Shaders,
     world_key: WorldKey,
-    /// Of its coordinates in those of the worlds that it is given.
+    /// Origin of the renderer's coordinates, in the coordinates of the worlds that it is given.
     pub(super) origin: Vec3,
 }
 
-/// Trees and how many milliseconds they took; stand-ins where no ray is followed.
+/// Builds the BVHs and times it, milliseconds; returns empty ones where no ray is traced.
 fn build_trees(
     gpu: &Gpu,
     world: &World,
@@ -73,7 +73,7 @@ fn build_trees(
 }
 
 impl Renderer {
-    /// Uploads the world and builds every pipeline that its plan needs and the device does not have yet.
+    /// Uploads the world, and builds every pipeline that the plan needs and the device has not cached.
     ///
     /// # Errors
     /// Geometry or pictures past the adapter's limits, a shader that does not build.
@@ -129,11 +129,11 @@ impl Renderer {
         })
     }
 
-    /// Makes ready for another world, other options or shaders: compares what it was made for with
-    /// what is needed, and makes again only what differs. On an error nothing has changed.
+    /// Prepares for another world, other options or other shaders, and rebuilds only the parts that differ. On an
+    /// error nothing has changed.
     ///
     /// # Errors
-    /// As [`Renderer::new`].
+    /// Same errors as [`Renderer::new`].
     pub fn change(
         &mut self,
         gpu: &Gpu,
@@ -151,8 +151,8 @@ impl Renderer {
             *self = Self::new(gpu, library, given, options)?;
             return Ok(RebuildSummary::NEW);
         }
-        // Trees that nothing follows any more are kept while they fit: a preview that compares two
-        // methods would build them for each picture.
+        // BVHs that are no longer traced are kept while they fit: a preview that compares two methods would
+        // otherwise rebuild them for each picture.
         let lacks_trees = !self.trees.is_built() && needs_trees(world, options);
         let has_new_trees = lacks_trees || !world_key.has_same_trees(&self.world_key);
         let mut rebuilt = RebuildSummary {
@@ -172,7 +172,8 @@ impl Renderer {
             .then(|| self.scene.with_materials(gpu, world, trees, rebuilt.trees))
             .transpose()?;
         if may_meet_culled(world, options) {
-            // Of the old scene too: it is true of its meshes whatever fails below.
+            // If the old scene stays, this is stored in it at once: it holds for its meshes even if a later step
+            // fails.
             new_scene
                 .as_mut()
                 .unwrap_or(&mut self.scene)
@@ -202,7 +203,7 @@ impl Renderer {
             };
             self.bindings = Bindings::new(gpu, key, inputs, Some(&self.bindings))?;
         }
-        // Nothing fails from here on.
+        // No step below this line can fail.
         if let Some((trees, tree_ms)) = new_trees {
             (self.trees, self.tree_ms) = (trees, tree_ms);
         }
@@ -228,7 +229,7 @@ impl Renderer {
         relative_world(world, self.origin)
     }
 
-    /// What passes are bound to.
+    /// Resources that passes are bound to.
     pub(super) fn resources(&self) -> Resources<'_> {
         Resources {
             scene: &self.scene,
@@ -239,7 +240,7 @@ impl Renderer {
         }
     }
 
-    /// Builds further passes for the same frame.
+    /// Builder of further passes for the same frame.
     pub(super) fn builder<'a>(&'a self, gpu: &'a Gpu) -> PassBuilder<'a> {
         PassBuilder {
             gpu,
@@ -251,17 +252,17 @@ impl Renderer {
         }
     }
 
-    /// What the scene needs and what was left out.
+    /// Features and passes that the scene needs, and those that were left out.
     pub fn plan(&self) -> &Plan {
         &self.plan
     }
 
-    /// What was left to `auto`, and what was chosen.
+    /// Settings that were left to `auto`, with the chosen values.
     pub fn decisions(&self) -> &[Decision] {
         &self.decisions
     }
 
-    /// What it renders with; nothing of it is `auto`.
+    /// Options that the renderer uses, without `auto`.
     pub fn options(&self) -> &RenderOptions {
         &self.options
     }
@@ -271,7 +272,7 @@ impl Renderer {
         self.unit_m
     }
 
-    /// How reflections are found.
+    /// Method that finds reflections.
     pub fn method(&self) -> Method {
         self.options.reflection.method
     }
@@ -281,13 +282,13 @@ impl Renderer {
         &self.bindings.targets
     }
 
-    /// The texture that holds the sum of the sub-frames.
+    /// The target with the sum of all sub-frames.
     pub fn color(&self) -> Target {
         Target::last_color(self.options.image.samples)
     }
 
-    /// Takes over the settings that need no rebuilding: threshold, edge, steps, ray length, bounces,
-    /// light reuse. The others stay as the renderer was made; so does what its plan left out.
+    /// Adopts the settings that need no rebuilding: threshold, edge, steps, ray length, bounces, light reuse. Other
+    /// settings, and features that the plan left out, stay as the renderer was made.
     pub fn set_reflection_parameters(&mut self, settings: &ReflectionDesc) {
         let settings = ReflectionDesc {
             method: self.method(),
@@ -309,12 +310,12 @@ impl Renderer {
         self.options.reflection.reuse_light = settings.reuse_light;
     }
 
-    /// Takes over a world whose instances and materials were posed anew: poses, the top level and
-    /// the numbers of materials, never the static tree or a picture.
+    /// Adopts a world with new poses and animated materials: uploads poses, the top level and material parameters,
+    /// but never the static tree or an image.
     ///
     /// # Errors
-    /// A world that differs in more than that, and poses whose top level is deeper than rays can
-    /// follow; then nothing has changed.
+    /// A world that differs in more than that, or poses whose top level is deeper than the traversal stack; then
+    /// nothing has changed.
     pub fn update(&mut self, gpu: &Gpu, world: &World) -> Result<(), RenderError> {
         let world = &*self.relative(world);
         self.check_posed(world)?;
@@ -348,14 +349,15 @@ impl Renderer {
         check_deformed(world)?;
         if !self.world_key.is_posed_from(world) {
             return refuse(
-                "it has other meshes, textures, instances or materials than were uploaded; call \
-                 Renderer::change first"
+                "the world has other meshes, textures, instances or materials than the uploaded \
+                 one; call Renderer::change first"
                     .to_owned(),
             );
         }
         if !self.bindings.key.fits_lights(&world.lights, &self.options) {
             return refuse(
-                "its lights need other shadow maps or rays than there are; call Renderer::change first"
+                "the lights need other shadow maps or rays than the renderer has; call \
+                Renderer::change first"
                     .to_owned(),
             );
         }
@@ -373,7 +375,7 @@ fn variant(gpu: &Gpu, plan: &Plan, scene: &GpuScene) -> ShaderVariant {
     }
 }
 
-/// What the frame contains.
+/// Plan of the frame: features and passes.
 fn plan_of(world: &World, trees: &Trees, scene: &GpuScene, options: &RenderOptions) -> Plan {
     match options.general {
         true => Plan::general(world, options),

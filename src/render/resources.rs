@@ -1,21 +1,21 @@
-//! Everything that passes are bound to.
+//! Resources that all passes are bound to.
 
 use super::{
     frame_uniforms::FrameUniforms, ray_list::RayList, scene::GpuScene, shadow_maps::ShadowMaps,
     targets::Targets,
 };
 
-/// What passes are bound to.
+/// Resources that passes are bound to.
 #[derive(Clone, Copy)]
 pub struct Resources<'a> {
-    /// Group 1.
+    /// Scene data, bound as group 1.
     pub scene: &'a GpuScene,
-    /// Of group 0.
+    /// Shadow maps, bound as part of group 0.
     pub maps: &'a ShadowMaps,
-    /// Of group 0.
+    /// Uniform buffers, bound as part of group 0.
     pub uniforms: &'a FrameUniforms,
     /// Intermediate textures.
     pub targets: &'a Targets,
-    /// The lists of the frame.
+    /// Lists of the frame, in one buffer.
     pub ray_list: &'a RayList,
 }

@@ -1,4 +1,4 @@
-//! Scene upload: buffers, texture pools and the list of draws; group 1 of every shader.
+//! Scene upload: buffers, texture pools and draw calls; group 1 of every shader.
 
 use bytemuck::cast_slice;
 use glam::Affine3A;
@@ -27,29 +27,29 @@ use super::{
 /// A scene on the GPU.
 #[derive(Debug)]
 pub struct GpuScene {
-    /// Tree nodes.
+    /// Nodes of the BVHs.
     pub nodes: TreeArray,
     /// Triangles in leaf order.
     pub triangles: TreeArray,
-    /// Parallel to [`World::instances`].
+    /// Instances, parallel to [`World::instances`].
     pub instances: wgpu::Buffer,
     /// Attributes of all meshes; also the vertex buffer.
     pub vertices: ChunkedArray,
     /// Indices and second texture coordinates; also the index buffer.
     pub mesh_data: ChunkedArray,
-    /// Parallel to [`World::materials`].
+    /// Materials, parallel to [`World::materials`].
     pub materials: wgpu::Buffer,
-    /// Images.
+    /// Texture pools with all images.
     pub pools: Pools,
-    /// Repeat/repeat, repeat/clamp, clamp/repeat, clamp/clamp along u and v.
+    /// Samplers with repeat/repeat, repeat/clamp, clamp/repeat, clamp/clamp along u and v.
     pub samplers: [wgpu::Sampler; 4],
-    /// Of the environment, if it is one.
+    /// Panorama of the environment, if it has one.
     pub panorama: Option<GpuPanorama>,
-    /// The table of triangles that light, if there are any.
+    /// Table of emissive triangles for sampling, if there are any.
     pub emitters: Option<GpuEmitters>,
-    /// One per instance that has triangles.
+    /// Draw calls, one for each instance that has triangles.
     pub draws: Vec<Draw>,
-    /// Buffers of the geometry.
+    /// Number of shader bindings of the geometry's arrays.
     pub chunks: Chunks,
     mesh_ranges: Vec<MeshRange>,
     records: Vec<GpuInstance>,
@@ -58,10 +58,10 @@ pub struct GpuScene {
 }
 
 impl GpuScene {
-    /// Uploads a world and its trees.
+    /// Uploads a world and its BVHs.
     ///
     /// # Errors
-    /// A buffer past the adapter's limit, by name, or a wgpu error.
+    /// A buffer past the adapter's limit, named in the message, or a wgpu error.
     pub fn new(gpu: &Gpu, world: &World, trees: &Trees) -> Result<Self, GpuError> {
         let (vertices, mesh_data, mesh_ranges) = geometry(gpu, world)?;
         let pools = Pools::new(gpu, world)?;
@@ -88,11 +88,11 @@ impl GpuScene {
         })
     }
 
-    /// The same meshes and images with the materials, instances and, where they are new, the trees
-    /// of another world.
+    /// A scene with the same meshes and images, and the materials, instances and, if `new_trees`, the BVHs of
+    /// another world.
     ///
     /// # Errors
-    /// As [`GpuScene::new`].
+    /// Same errors as [`GpuScene::new`].
     pub fn with_materials(
         &self,
         gpu: &Gpu,
@@ -101,7 +101,7 @@ impl GpuScene {
         new_trees: bool,
     ) -> Result<Self, GpuError> {
         let records = instance_records(world, trees, &self.mesh_ranges);
-        // Another sampler may need another resampling.
+        // A material's sampler settings may need an image resampled in another way.
         let pools = match self.pools.layers.cover(world) {
             true => self.pools.clone(),
             false => Pools::new(gpu, world)?,
@@ -130,14 +130,14 @@ impl GpuScene {
         })
     }
 
-    /// Has draws know whether they hide backs, which is found edge by edge, once for each mesh.
+    /// Sets for all draw calls whether they hide back faces, found once per mesh from its edges.
     pub fn find_backs(&mut self, world: &World) {
         for draw in &mut self.draws {
             draw.hides_backs = world.hides_backs(&world.instances[draw.instance as usize]);
         }
     }
 
-    /// Uploads the vertices of deformed meshes, and their trees.
+    /// Uploads the vertices of deformed meshes, and their BVHs.
     pub fn update_deformed(&self, gpu: &Gpu, world: &World, trees: &Trees) {
         for mesh in world.deformed.keys() {
             let posed = world.posed(*mesh);
@@ -177,14 +177,14 @@ impl GpuScene {
         self.update_deformed(gpu, world, trees);
     }
 
-    /// What lights by its surface.
+    /// Parameters of the table of emissive triangles.
     pub fn emitters(&self) -> Emitters {
         self.emitters
             .as_ref()
             .map_or_else(Emitters::default, |e| e.emitters)
     }
 
-    /// Uploads the table of what lights by its surface, where that moved or changed.
+    /// Uploads the table of emissive triangles, if they moved or changed.
     pub fn update_emitters(&mut self, gpu: &Gpu, world: &World) {
         if let Some(emitters) = &mut self.emitters {
             emitters.update(gpu, world);
@@ -196,7 +196,7 @@ impl GpuScene {
         &self.records[instance as usize].world_from_object
     }
 
-    /// Uploads the numbers of materials that may change.
+    /// Uploads the parameters of materials that may change.
     pub fn update_materials(&self, gpu: &Gpu, world: &World) {
         for moving in &world.moving.materials {
             let material = &world.materials[moving.material];
@@ -207,7 +207,7 @@ impl GpuScene {
         }
     }
 
-    /// What draws meshes by their indices; none where one buffer does not hold all of them.
+    /// Buffers for indexed drawing; `None` where the geometry needs more than one buffer.
     pub fn indexed(&self) -> Option<Indexed<'_>> {
         Some(Indexed {
             vertices: self.vertices.whole()?,
@@ -275,7 +275,7 @@ fn instance_buffer(gpu: &Gpu, records: &[GpuInstance]) -> Result<wgpu::Buffer, G
     buffer(gpu, "instances", records, usage)
 }
 
-/// How shaders see the trees and the meshes.
+/// Number of shader bindings of the BVHs and the meshes.
 fn chunks(
     gpu: &Gpu,
     (nodes, triangles): (&TreeArray, &TreeArray),
@@ -293,7 +293,7 @@ fn chunks(
     chunks.on(gpu, bytes)
 }
 
-/// Nodes and triangles of the trees.
+/// Uploads nodes and triangles of the BVHs.
 fn tree_arrays(gpu: &Gpu, trees: &Trees) -> Result<(TreeArray, TreeArray), GpuError> {
     let (nodes, triangles) = (trees.nodes.as_slice(), trees.triangles.as_slice());
     let bytes = [size_of_val(nodes), size_of_val(triangles)];

@@ -1,46 +1,47 @@
-//! Which shader files stand for what a scene may or may not need: `#import ambient`,
-//! `behind`, `details`, `emitters`, `energy`, `environment`, `extent`, `film`, `indirect`, `layers`, `radiance`, `scattered`,
-//! `sheen` and `triangles` mean others where a plan drops samples, so that unused code and bindings are no part of any shader.
+//! Shader variants: files that stand for the imports `ambient`, `behind`, `details`, `emitters`, `energy`,
+//! `environment`, `extent`, `film`, `indirect`, `layers`, `radiance`, `scattered`, `sheen` and `triangles`. A plan
+//! chooses a file for each import, so that unused code and bindings are not part of any shader.
 
 use crate::gpu::{ShaderError, ShaderLibrary};
 
 use super::{chunks::Chunks, constants::wgsl};
 
-/// The files that a plan needs.
+/// Shader files that a plan chooses.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ShaderVariant {
-    /// Some light has a size, some surface lights, light is scattered more than once, some reflection is rough, or some surface has layers; so it is where the environment is sampled.
+    /// Whether lights or reflections have an extent: some light has a size, some surface is an emitter, light is
+    /// scattered more than once, some reflection is rough, some surface has layers, or the environment is sampled.
     pub extent: bool,
-    /// Some surface lights what is around.
+    /// Whether some emissive surface is sampled as a light.
     pub emitters: bool,
-    /// Paths go on where surfaces scatter light.
+    /// Whether paths continue where diffuse surfaces scatter light.
     pub indirect: bool,
-    /// The environment's light is sampled, not in closed form.
+    /// Whether the environment's light is sampled rather than computed in closed form.
     pub ambient: bool,
-    /// The environment is a panorama; then its light is sampled.
+    /// Whether the environment is a panorama; its light is then sampled.
     pub panorama: bool,
-    /// Some surface lets light through or has a clear coat; then there are samples.
+    /// Whether some surface is transmissive or has a clear coat; `extent` is then set too.
     pub layers: bool,
-    /// Some surface has what the G-buffer has no bits for: a sheen, a clear coat with a normal map of its own, or a
-    /// specular lobe with a color or strength of its own.
+    /// Whether some surface has values that the G-buffer has no bits for: a sheen, a clear coat with a normal map of
+    /// its own, anisotropy, or a specular lobe with a color or strength of its own.
     pub details: bool,
-    /// Some surface has a sheen; then there are details.
+    /// Whether some surface has a sheen; `details` is then set too.
     pub sheen: bool,
-    /// Some surface has a thin film; then there are details.
+    /// Whether some surface has a thin film; `details` is then set too.
     pub film: bool,
-    /// 32 bits keep radiance, not 16.
+    /// Whether radiance is stored in 32 bits rather than 16.
     pub full: bool,
-    /// Light that facets reflect more than once is given back.
+    /// Whether the specular lobe is compensated for multiple scattering between facets.
     pub conserved: bool,
-    /// Opaque triangles are drawn by their indices; the device numbers them.
+    /// Whether opaque triangles are drawn with indices, for which the device must support primitive indices.
     pub indexed: bool,
-    /// Buffers of the geometry.
+    /// Number of shader bindings of the geometry's arrays.
     pub chunks: Chunks,
 }
 
 impl ShaderVariant {
-    /// All that there are, but for what is chosen apart from the others: of each of that one with little else and
-    /// one with much.
+    /// All combinations of the choices that depend on each other. Independent choices are combined only with the
+    /// smallest and the largest of these variants.
     pub fn all() -> Vec<Self> {
         let sampled = Self::SAMPLED.map(|[extent, ambient, panorama, layers]| Self {
             extent,
@@ -53,7 +54,7 @@ impl ShaderVariant {
             conserved: true,
             ..variant
         });
-        // Who lights by its surface is sampled, and what goes on from there.
+        // Emitters and diffuse interreflection need samples, so the first variant is left out.
         let lit = sampled[1..].iter().map(|variant| Self {
             emitters: true,
             ..*variant
@@ -86,7 +87,7 @@ impl ShaderVariant {
         all
     }
 
-    /// Which of extent, ambient, panorama and layers go together.
+    /// Valid combinations of extent, ambient, panorama and layers.
     const SAMPLED: [[bool; 4]; 7] = [
         [false, false, false, false],
         [true, false, false, false],
@@ -97,10 +98,10 @@ impl ShaderVariant {
         [true, true, true, true],
     ];
 
-    /// The library with the shared constants and the files of this variant.
+    /// The library with the generated constants and the files of this variant.
     ///
     /// # Errors
-    /// The library has a file of a generated name already.
+    /// The library already has a file with a generated name.
     pub fn library(self, library: &ShaderLibrary) -> Result<ShaderLibrary, ShaderError> {
         let choose = |name: &str, on: bool, words: [&str; 2]| {
             let word = words[usize::from(on)];

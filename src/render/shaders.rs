@@ -11,10 +11,10 @@ use super::{pass::Pass, shader_variant::ShaderVariant};
 pub struct Shaders(HashMap<&'static str, (ShaderSource, Shader)>);
 
 impl Shaders {
-    /// The needed shaders of `library`; the device gives those that it has with their pipelines.
+    /// The needed shaders of `library`, from the device's cache where it has them.
     ///
     /// # Errors
-    /// The first shader error, at the line in the author's file.
+    /// The first shader error, at the line in the shader's source file.
     pub fn new(
         gpu: &Gpu,
         library: &ShaderLibrary,
@@ -30,7 +30,7 @@ impl Shaders {
         shaders.collect::<Result<_, GpuError>>().map(Self)
     }
 
-    /// Whether these passes have the same shaders in both.
+    /// Whether these passes have the same shaders in both collections.
     pub fn are_same(&self, other: &Self, passes: &[&'static Pass]) -> bool {
         let text = |shaders: &Self, pass: &Pass| {
             let found = shaders.0.get(pass.name);
@@ -43,7 +43,7 @@ impl Shaders {
     /// Reflection of the shaders of these passes.
     ///
     /// # Errors
-    /// As [`Shaders::get`].
+    /// Same errors as [`Shaders::get`].
     pub fn infos(&self, passes: &[&'static Pass]) -> Result<Vec<&ShaderModuleInfo>, GpuError> {
         let infos = passes.iter().map(|pass| Ok(&self.get(pass)?.info));
         infos.collect()

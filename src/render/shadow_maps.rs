@@ -1,4 +1,4 @@
-//! The depth maps of lights with `shadow = "map"`.
+//! The shadow maps of lights with `shadow = "map"`.
 
 use crate::gpu::{Gpu, GpuError};
 
@@ -9,22 +9,22 @@ pub const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 /// Maximum size of all cube maps, and of all flat maps, bytes.
 const MAX_MAP_BYTES: u64 = 4 << 30;
 
-/// Shadow maps of a scene; one texel large without shadowed lights.
+/// Shadow maps of a scene; without mapped shadows one texel large, so that they can be bound.
 #[derive(Clone, Debug)]
 pub struct ShadowMaps {
-    /// Their sizes and counts.
+    /// Sizes and counts of the maps.
     pub sizes: ShadowSizes,
-    /// All cube maps, as the shaders sample them.
+    /// View of all cube maps, as the shaders sample them.
     pub cubes: wgpu::TextureView,
-    /// All flat maps.
+    /// View of all flat maps.
     pub maps: wgpu::TextureView,
-    /// Comparison sampler for reversed depth: lit where the receiver is not farther.
+    /// Comparison sampler for reversed depth: lit where the receiver is not farther than the map's depth.
     pub sampler: wgpu::Sampler,
-    /// Bytes of all maps.
+    /// Size of all maps, bytes.
     pub bytes: u64,
-    /// Each face of each cube map.
+    /// Views of each face of each cube map, to render into.
     pub cube_layers: Vec<wgpu::TextureView>,
-    /// Each flat map.
+    /// Views of each flat map, to render into.
     pub map_layers: Vec<wgpu::TextureView>,
 }
 

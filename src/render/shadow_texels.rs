@@ -1,4 +1,4 @@
-//! How coarse shadow maps are for what a camera sees.
+//! Size of shadow map texels on the surfaces that a camera sees.
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -14,19 +14,19 @@ use super::{
     view_rays::{ViewRays, places},
 };
 
-/// Pixels of the picture that a texel may span before shadows of small things are visibly lost.
+/// Number of pixels that a shadow map texel may span before shadows of small things are visibly lost.
 pub const COARSE_PX: f32 = 16.0;
 
-/// Surfaces that a camera sees, sampled, and what casts shadows on them.
+/// Sampled surfaces that a camera sees, and the bounds of the shadow casters.
 #[derive(Debug)]
 pub struct SeenSurfaces {
-    /// Points, and how wide a pixel is there, meters.
+    /// Points on surfaces, and the width of a pixel there, meters.
     seen: Vec<(Vec3, f32)>,
     casters: Bounds,
 }
 
 impl SeenSurfaces {
-    /// Follows rays of a view through a grid.
+    /// Traces rays of a view through a grid of pixels.
     pub fn new(world: &World, trees: &Trees, view: &View) -> Self {
         let rays = ViewRays { world, trees, view };
         let seen = places().filter_map(|place| {
@@ -42,8 +42,8 @@ impl SeenSurfaces {
         }
     }
 
-    /// Pixels that a texel of a light's shadow map spans, if it is `px` wide: the median over what is
-    /// seen; `None` where nothing is.
+    /// Number of pixels that a texel of a light's shadow map spans, if the map is `px` wide: the median over the
+    /// sampled surfaces; `None` where there are none.
     pub fn texel_px(&self, light: &Light, px: u32) -> Option<f32> {
         let kind = &light.desc.kind;
         let span =

@@ -1,22 +1,22 @@
-//! Groups 0 (frame) and 1 (scene), which all passes share.
+//! Bind groups 0 (frame) and 1 (scene), which all passes share.
 
 use crate::gpu::{Gpu, GpuError, GroupLayout, Shader, ShaderModuleInfo};
 
 use super::resources::Resources;
 
-/// The groups that all passes share.
+/// Bind groups that all passes share.
 #[derive(Debug)]
 pub struct SharedGroups {
     /// Layouts of groups 0 and 1.
     pub layouts: [GroupLayout; 2],
-    /// The groups themselves.
+    /// Bind groups 0 and 1.
     pub groups: [wgpu::BindGroup; 2],
-    /// Empty group for passes that use neither.
+    /// Empty group for passes that do not use group 0 or 1.
     pub empty: (GroupLayout, wgpu::BindGroup),
 }
 
 impl SharedGroups {
-    /// Groups 0 and 1 with everything that any of these shaders uses of them.
+    /// Creates groups 0 and 1 with every binding that any of these shaders uses.
     ///
     /// # Errors
     /// Conflicting declarations of a binding, or a name without a resource.
@@ -45,7 +45,7 @@ impl SharedGroups {
         })
     }
 
-    /// The layout of group 0 or 1 for a shader: the shared one if it uses it, else the empty one.
+    /// Layout of group 0 or 1 for a shader: the shared one if the shader uses the group, else the empty one.
     pub fn layout_for(&self, shader: &Shader, group: usize) -> &GroupLayout {
         if is_used(shader, group) {
             &self.layouts[group]
@@ -54,7 +54,7 @@ impl SharedGroups {
         }
     }
 
-    /// The group that goes with [`Self::layout_for`].
+    /// Group that matches [`Self::layout_for`].
     pub fn group_for(&self, used: bool, group: usize) -> &wgpu::BindGroup {
         if used {
             &self.groups[group]

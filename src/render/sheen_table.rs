@@ -1,17 +1,17 @@
-//! Integrals of the sheen lobe that shaders look up: what it returns of even light, and from where.
+//! Integrals of the sheen lobe for a look-up table in shaders: albedo under uniform light, and mean direction.
 
 use std::{f64::consts::PI, sync::LazyLock};
 
 use super::lobe_table::{LEAST_COSINE, LOBE_COSINES, LOBE_NODES, LOBE_ROUGHNESSES};
 
-/// Sharper lobes count as this one: the square of roughness 0.07.
+/// Minimum alpha of sheens, the square of roughness 0.07; sharper lobes are treated as this one.
 pub const LEAST_SHEEN_ALPHA: f32 = 0.0049;
 
-/// Directions that each integral takes, in height and around the normal.
+/// Number of directions that each integral sums, in height and around the normal.
 const STEPS: [u32; 2] = [64, 48];
 
-/// As [`lobe_table`](super::lobe_table::lobe_table), of a sheen of color 1; the second number is the factor on the
-/// formula that has it return no more than arrives.
+/// Table like [`lobe_table`](super::lobe_table::lobe_table), for a sheen of color 1; the second number is a factor
+/// on the formula that keeps it from reflecting more light than arrives.
 pub fn sheen_table() -> &'static [[f32; 4]] {
     static TABLE: LazyLock<Vec<[f32; 4]>> = LazyLock::new(|| {
         let node = |index: u32| {
@@ -24,13 +24,14 @@ pub fn sheen_table() -> &'static [[f32; 4]] {
     &TABLE
 }
 
-/// A lobe scaled to what arrives: at grazing angles the formula of sharp ones returns up to three times that.
+/// A lobe scaled down to reflect no more light than arrives: at grazing angles the formula of sharp lobes reflects
+/// up to three times as much.
 fn kept([all, _, up, away]: [f32; 4]) -> [f32; 4] {
     let scale = 1.0 / all.max(1.0);
     [all * scale, scale, up * scale, away * scale]
 }
 
-/// Smith's integral as fitted by Estevez & Kulla 2017, with the numbers of KHR_materials_sheen.
+/// Smith's integral Λ as fitted by Estevez & Kulla 2017, with the constants of KHR_materials_sheen.
 fn lambda(cosine: f64, alpha: f64) -> f64 {
     let t = (1.0 - alpha) * (1.0 - alpha);
     let [a, b, c, d, e] = [
@@ -55,13 +56,13 @@ fn density(nh: f64, alpha: f64) -> f64 {
     (2.0 + 1.0 / alpha) * sine2.powf(0.5 / alpha) / (2.0 * PI)
 }
 
-/// The lobe towards a direction over its color and that density, times the cosine there.
+/// The lobe towards a direction, divided by its color and that density, times the cosine there.
 fn masking(nv: f64, nl: f64, alpha: f64) -> f64 {
     1.0 / ((1.0 + lambda(nv, alpha) + lambda(nl, alpha)) * 4.0 * nv)
 }
 
-/// Integrals over the directions that light comes from, for a view at this cosine: the light that returns, and the
-/// mean of the direction that it comes from along the normal and away from the view, times the light.
+/// Integrals over the directions of incoming light, for a view at this cosine: the albedo, and the mean direction of
+/// the light along the normal and away from the view, times the albedo.
 fn lobe(cosine: f64, roughness: f64) -> [f32; 4] {
     let alpha = (roughness * roughness).max(LEAST_SHEEN_ALPHA.into());
     let sine = (1.0 - cosine * cosine).sqrt();
@@ -74,7 +75,7 @@ fn lobe(cosine: f64, roughness: f64) -> [f32; 4] {
         // The solid angle of a step: 2π du' where u' is the height.
         let step = masking(cosine, up, alpha) * 2.0 * PI * 2.0 * u;
         for k in 0..STEPS[1] {
-            // Half around: the other half is its mirror image.
+            // Half of the circle suffices: the other half is its mirror image.
             let phi = PI * (f64::from(k) + 0.5) / f64::from(STEPS[1]);
             let across = flat * phi.cos();
             let vl = cosine * up + sine * across;
@@ -93,7 +94,7 @@ fn lobe(cosine: f64, roughness: f64) -> [f32; 4] {
 mod tests {
     use super::*;
 
-    /// The same integral by directions spread evenly over the hemisphere, of the formulas of the extension.
+    /// The albedo by uniform sampling of the hemisphere, with the formulas of the extension.
     fn albedo_by_sampling(cosine: f64, roughness: f64) -> f64 {
         let alpha = roughness * roughness;
         let view = [(1.0 - cosine * cosine).sqrt(), 0.0, cosine];

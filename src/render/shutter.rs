@@ -1,4 +1,4 @@
-//! Pictures of what moves while the shutter is open: each sub-frame shows another moment.
+//! Motion blur: pictures of a moving scene while the shutter is open; each sub-frame shows another moment.
 
 use std::time::Instant;
 
@@ -19,18 +19,18 @@ use super::{
 
 /// Poses of the moments of one picture.
 pub trait Moments {
-    /// The world at the moment of sub-frame `sample` of `samples`; the last one is the frame's own.
+    /// The world at the moment of sub-frame `sample` of `samples`; the last sub-frame has the frame's own moment.
     ///
     /// # Errors
-    /// What a script does wrong at that moment.
+    /// A script error at that moment.
     fn pose(&mut self, sample: u32, samples: u32) -> Result<&World, RenderError>;
 }
 
 impl Renderer {
-    /// Renders one picture of several moments into the targets, each as the camera of its world sees it.
+    /// Renders one picture of several moments into the targets, each seen by the camera at its moment.
     ///
     /// # Errors
-    /// As [`Renderer::update`] and [`Renderer::render`], and of the poses.
+    /// Same errors as [`Renderer::update`] and [`Renderer::render`], and errors of the poses.
     pub fn render_moments(
         &mut self,
         gpu: &Gpu,
@@ -54,11 +54,11 @@ impl Renderer {
         Ok(stats)
     }
 
-    /// Renders one picture of several moments, as camera number `camera` sees them; times its passes and
-    /// reads everything back.
+    /// Renders one picture of several moments with camera number `camera`, times its passes and reads everything
+    /// back.
     ///
     /// # Errors
-    /// As [`Renderer::update`] and [`Renderer::picture`], and of the poses.
+    /// Same errors as [`Renderer::update`] and [`Renderer::picture`], and errors of the poses.
     pub fn picture_of_moments(
         &mut self,
         gpu: &Gpu,
@@ -77,7 +77,7 @@ impl Renderer {
     /// Starts a picture of several moments, timed or without waiting for it.
     ///
     /// # Errors
-    /// As [`Renderer::picture_of_moments`].
+    /// Same errors as [`Renderer::picture_of_moments`].
     pub fn begin_picture_of_moments(
         &mut self,
         gpu: &Gpu,
@@ -96,7 +96,7 @@ impl Renderer {
         self.pending(gpu, &world.cameras[camera].value, request, stats)
     }
 
-    /// Submits one picture of several moments, as [`Renderer::submit`] does one of a moment.
+    /// Submits one picture of several moments, like [`Renderer::submit`] for a single moment.
     fn submit_moments(
         &mut self,
         gpu: &Gpu,
@@ -117,7 +117,7 @@ impl Renderer {
         Ok(self.stats(PassTimes::default(), 0.0))
     }
 
-    /// Poses the renderer for each sub-frame, and has it recorded.
+    /// Poses the renderer for each sub-frame, and calls `record`.
     fn each_moment(
         &mut self,
         gpu: &Gpu,

@@ -1,4 +1,4 @@
-//! What a frame cost and where its reflections came from.
+//! Statistics of a frame: its cost, and the sources of its reflections.
 
 use serde::{Serialize, ser::SerializeStruct as _};
 
@@ -10,32 +10,32 @@ use super::{
     ray_list::{AUDITED_COUNTER, EXHAUSTED_COUNTER, RAY_COUNTER, WRONG_COUNTER},
 };
 
-/// Pixels by cause, and what follows from them.
+/// Counts of pixels by cause and by source.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Shares {
-    /// Pixels of the picture.
+    /// Number of pixels of the picture.
     pub pixels: u64,
-    /// Pixels that reflect.
+    /// Number of pixels that reflect.
     pub reflective: u64,
-    /// Pixels of each cause but `not_reflective`, with their percentage of the reflective ones.
+    /// Number of pixels of each cause but `not_reflective`, with the percentage of all reflective pixels.
     pub causes: Vec<Share>,
-    /// The same by source: screen + traced (failed with method `ssr`) + none + rough = 100 %.
+    /// Number of pixels by source: screen + traced (failed with method `ssr`) + none + rough = 100 %.
     pub sources: Vec<Share>,
 }
 
 /// One class of reflective pixels.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Share {
-    /// Of the cause or source.
+    /// Name of the cause or source.
     pub name: &'static str,
-    /// Count.
+    /// Number of pixels.
     pub pixels: u64,
-    /// Of the reflective pixels.
+    /// Percentage of all reflective pixels.
     pub percent: f64,
 }
 
 impl Shares {
-    /// From the counters of the frame.
+    /// Shares from the counters of a frame.
     pub fn new(counters: &[u32], size: [u32; 2], method: Method) -> Self {
         let pixels = u64::from(size[0]) * u64::from(size[1]);
         let count = |cause: Cause| u64::from(counters.get(cause as usize).copied().unwrap_or(0));
@@ -78,17 +78,17 @@ impl Shares {
     }
 }
 
-/// How far the march may lie from the ray to be right, in U: a fifth of the paper's T.
+/// Maximum distance of a right screen hit from the ray's hit, in U: a fifth of the paper's T.
 pub const TOLERANCE_U: f32 = 0.005;
-/// The same as a share of the distance; the larger of both counts.
+/// The same as a share of the ray's length; the larger of the two counts.
 pub const TOLERANCE_RELATIVE: f32 = 0.01;
 
-/// Screen hits that were traced too, drawn at random.
+/// Randomly chosen screen hits that were checked by tracing their rays.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Audit {
-    /// How many.
+    /// Number of checked hits.
     pub hits: u32,
-    /// Those where the ray meets nothing, another instance, or the same one elsewhere; see
+    /// Number of checked hits where the ray hits nothing, another instance, or the same one elsewhere; see
     /// [`TOLERANCE_U`].
     pub wrong: u32,
 }
@@ -103,8 +103,7 @@ impl std::iter::Sum for Audit {
 }
 
 impl Audit {
-    /// Share of wrong hits among all, 0 to 1: what was found, and the interval that holds the truth with
-    /// 95 % probability (Wilson 1927).
+    /// Share of wrong hits, 0 to 1: the measured value, and its 95 % confidence interval (Wilson 1927).
     pub fn wrong_share(&self) -> (f64, [f64; 2]) {
         const Z: f64 = 1.959_964;
         let n = f64::from(self.hits.max(1));
@@ -144,49 +143,48 @@ impl std::fmt::Display for Audit {
     }
 }
 
-/// One rendered picture in numbers.
+/// Statistics of one rendered picture.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FrameStats {
-    /// Pixels.
+    /// Width and height, pixels.
     pub size: [u32; 2],
-    /// Sub-frames.
+    /// Number of sub-frames.
     pub samples: u32,
-    /// How reflections were found.
+    /// Method that found the reflections.
     #[serde(serialize_with = "method_name")]
     pub method: Method,
-    /// What was left to `auto`, and what was chosen.
+    /// Settings that were left to `auto`, with the chosen values.
     pub decisions: Vec<Decision>,
     /// The length U, meters.
     pub unit_m: f32,
-    /// Building all trees on the CPU, milliseconds.
+    /// Time to build all BVHs on the CPU, milliseconds.
     pub tree_ms: f64,
     /// GPU time of each pass over all sub-frames, milliseconds; empty where nothing was timed.
     #[serde(serialize_with = "as_map")]
     pub passes_ms: Vec<(String, f64)>,
-    /// Processor time of the process during each pass, milliseconds, on a software adapter on Linux;
+    /// CPU time of the process during each pass, milliseconds, on a software adapter where the system tells it;
     /// empty elsewhere. Other programs do not lengthen it.
     #[serde(serialize_with = "as_map", skip_serializing_if = "Vec::is_empty")]
     pub processor_ms: Vec<(String, f64)>,
-    /// From the first submission to the last pixel done, milliseconds; 0 where nothing was timed.
+    /// Time from the first submission to the last finished pixel, milliseconds; 0 where nothing was timed.
     pub frame_ms: f64,
-    /// Of the last sub-frame.
+    /// Pixels by cause and source, in the last sub-frame.
     pub shares: Shares,
-    /// Rays traced from pixels in the last sub-frame, without further bounces.
+    /// Number of rays traced from pixels in the last sub-frame, without further bounces.
     pub rays: u32,
-    /// Rays of the last sub-frame, shadow rays among them, that visited as many nodes as a ray may and
-    /// count as misses: 0 but in scenes of thousands of overlapping instances.
+    /// Number of rays of the last sub-frame, shadow rays among them, that ran out of nodes to visit and count as
+    /// misses: 0 except in scenes of thousands of overlapping instances.
     pub exhausted_rays: u32,
-    /// What rays said of the screen hits of the last sub-frame, where the options asked and there were
-    /// some.
+    /// Result of the audit of the last sub-frame's screen hits, where the options ask for it and there were hits.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub audit: Option<Audit>,
-    /// Bytes of every buffer and texture class.
+    /// Size of every buffer and texture class, bytes.
     #[serde(serialize_with = "as_map")]
     pub bytes: Vec<(String, u64)>,
 }
 
 impl FrameStats {
-    /// Takes over the counters of the frame.
+    /// Sets the statistics that follow from the frame's counters.
     pub fn set_counters(&mut self, counters: &[u32]) {
         self.shares = Shares::new(counters, self.size, self.method);
         self.exhausted_rays = counters.get(EXHAUSTED_COUNTER).copied().unwrap_or(0);
@@ -198,12 +196,12 @@ impl FrameStats {
         }
     }
 
-    /// Sum of the passes, milliseconds.
+    /// Sum of the times of all passes, milliseconds.
     pub fn passes_total_ms(&self) -> f64 {
         self.passes_ms.iter().map(|(_, ms)| ms).sum()
     }
 
-    /// What the passes cost, milliseconds: processor time where it is known, else their time.
+    /// Cost of all passes, milliseconds: CPU time where it is known, else GPU or wall time.
     pub fn cost_ms(&self) -> f64 {
         let passes = match self.processor_ms.as_slice() {
             [] => &self.passes_ms,
@@ -212,14 +210,14 @@ impl FrameStats {
         passes.iter().map(|(_, ms)| ms).sum()
     }
 
-    /// Whether the passes' sum and the time from submission to done differ by more than 10 %; then
-    /// neither should be quoted alone.
+    /// Whether the passes' sum and the time of the whole frame differ by more than 10 %; then neither should be
+    /// quoted alone.
     pub fn times_disagree(&self) -> bool {
         !self.passes_ms.is_empty()
             && (self.passes_total_ms() - self.frame_ms).abs() > 0.1 * self.frame_ms
     }
 
-    /// Rays a second of the trace pass, if it was timed.
+    /// Rays per second of the trace pass, if it was timed.
     pub fn rays_per_s(&self) -> Option<f64> {
         let (_, ms) = self.passes_ms.iter().find(|(name, _)| name == "trace")?;
         (*ms > 0.0 && self.rays > 0)
@@ -231,7 +229,7 @@ fn method_name<S: serde::Serializer>(method: &Method, serializer: S) -> Result<S
     serializer.serialize_str(method.name())
 }
 
-/// Named values as an object, in their order.
+/// Serializes named values as an object, in their order.
 fn as_map<S: serde::Serializer, T: Serialize>(
     pairs: &[(String, T)],
     serializer: S,

@@ -12,7 +12,7 @@ use super::{
     resources::Resources,
 };
 
-/// Context of passes while they are recorded.
+/// Context for recording the passes of a sub-frame.
 pub struct SubFrame<'a> {
     /// Command recorder.
     pub recorder: Recorder<'a>,
@@ -20,15 +20,15 @@ pub struct SubFrame<'a> {
     pub options: &'a RenderOptions,
     /// The length U in meters.
     pub unit_m: f32,
-    /// From 0.
+    /// Index of the sub-frame, from 0.
     pub sample: u32,
     /// World to clip, with this sub-frame's jitter.
     pub clip_from_world: Mat4,
-    /// Of the shadow maps, in the order of the lights.
+    /// Views of the shadow maps, in the order of the lights.
     pub shadow_views: Vec<ShadowView>,
-    /// Bindable resources.
+    /// Resources to bind.
     pub resources: Resources<'a>,
-    /// Probe passes.
+    /// Passes of probes.
     pub probes: &'a Probes,
     /// Active probe, if any.
     pub probe: Option<Probe>,

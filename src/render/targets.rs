@@ -9,42 +9,42 @@ use crate::gpu::{Gpu, GpuError};
 pub enum Target {
     /// Hardware depth of the visibility pass.
     RasterDepth,
-    /// Instance and triangle.
+    /// Instance and triangle that each pixel shows.
     Ids,
     /// Meters along the view direction; [`FAR_M`] is sky.
     ViewDepth,
     /// Packed normals, roughness, metallic, reflectivity, reflection mode.
     Surface,
-    /// Linear base color, occlusion and emitted radiance, as 16-bit floats.
+    /// Linear base color, occlusion and emitted radiance as 16-bit floats, and packed flags.
     Colors,
-    /// Layers: the colors again, then specular color and strength, and sheen; then the normals of clear coats, where
-    /// those have their own.
+    /// Details, in layers: the colors again, then specular color and strength, and sheen; then clear coat normals
+    /// and tangents, where surfaces have them.
     Details,
     /// View-independent radiance.
     Radiance,
     /// View-dependent radiance of lights and environment.
     Specular,
-    /// Which lights reach the surface, two bits each.
+    /// Lights that reach the surface, two bits each.
     VisibleLights,
     /// Radiance along the mirror ray.
     Reflection,
     /// The reflection, blurred in one direction.
     Blurred,
-    /// Radiance that passes through the surface.
+    /// Radiance that is transmitted through the surface.
     TransmittedLight,
-    /// Radiance that the surface scatters of what others do.
+    /// Indirect diffuse radiance of the surface.
     IndirectLight,
-    /// Why, in the low byte; see [`super::cause::Cause`]. Above: the distance proven free.
+    /// Cause in the low byte; see [`super::cause::Cause`]. Bits above: length of the ray proven free.
     Cause,
-    /// Distance (bits of an f32), instance, triangle and barycentrics that the mirror ray met.
+    /// Hit of the mirror ray: distance (bits of an f32), instance, triangle and barycentrics.
     Hit,
-    /// Sum of the sub-frames, even ones.
+    /// Sum of the sub-frames, after even ones.
     ColorEven,
-    /// Sum of the sub-frames, odd ones.
+    /// Sum of the sub-frames, after odd ones.
     ColorOdd,
-    /// Sum over the sub-frames of the share of a pixel that shows something.
+    /// Sum over the sub-frames of the share of a pixel that surfaces cover.
     CoverageSum,
-    /// Tone-mapped.
+    /// Tone-mapped display color.
     Display,
 }
 
@@ -54,7 +54,7 @@ pub const FAR_M: f32 = 1e30;
 use wgpu::TextureFormat as F;
 
 impl Target {
-    /// All of them.
+    /// All targets.
     pub const ALL: [Self; 19] = [
         Self::RasterDepth,
         Self::Ids,
@@ -77,7 +77,7 @@ impl Target {
         Self::Display,
     ];
 
-    /// Name in the shaders.
+    /// Name of the target in the shaders.
     pub const fn name(self) -> &'static str {
         match self {
             Self::RasterDepth => "raster_depth",
@@ -102,7 +102,7 @@ impl Target {
         }
     }
 
-    /// Pixel format; `full` keeps 32 bits of radiance.
+    /// Pixel format; `full` stores radiance in 32 bits.
     pub const fn format(self, full: bool) -> F {
         match self {
             Self::RasterDepth => F::Depth32Float,
@@ -124,12 +124,12 @@ impl Target {
         }
     }
 
-    /// Bytes a pixel of a layer.
+    /// Bytes per pixel of a layer.
     pub fn pixel_bytes(self, full: bool) -> u64 {
         u64::from(self.format(full).block_copy_size(None).unwrap_or(4))
     }
 
-    /// Where sub-frames add up: even and odd ones take turns.
+    /// Target with the sum of all sub-frames: even and odd ones alternate.
     pub const fn last_color(samples: u32) -> Self {
         if samples % 2 == 1 {
             Self::ColorEven
@@ -142,7 +142,8 @@ impl Target {
         let read = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_SRC;
         match self {
             Self::RasterDepth => read | wgpu::TextureUsages::RENDER_ATTACHMENT,
-            // By rasterization or by rays; cleared, then written where pixels are listed.
+            // Ids are rasterized or written by primary rays; transmitted light is cleared, then written for listed
+            // pixels.
             Self::Ids | Self::TransmittedLight => {
                 read | wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::STORAGE_BINDING
             }
@@ -154,21 +155,21 @@ impl Target {
 /// The textures of one picture size.
 #[derive(Clone, Debug)]
 pub struct Targets {
-    /// Pixels.
+    /// Width and height, pixels.
     pub size: [u32; 2],
-    /// Whether 32 bits keep radiance.
+    /// Whether radiance is stored in 32 bits.
     pub full: bool,
     textures: HashMap<Target, (wgpu::Texture, wgpu::TextureView)>,
 }
 
-/// Most bytes that the intermediate textures of one picture may take.
+/// Maximum size of a picture's intermediate textures, bytes.
 pub const MAX_TARGET_BYTES: u64 = 6 << 30;
 
 impl Targets {
-    /// Makes all textures; those that are not `written` are one pixel, so that they can be bound.
+    /// Creates all textures; those that are not `written` are one pixel large, so that they can be bound.
     ///
     /// # Errors
-    /// A picture side past the adapter's limit, or more memory than [`MAX_TARGET_BYTES`].
+    /// A picture width or height past the adapter's limit, or more memory than [`MAX_TARGET_BYTES`].
     pub fn new(
         gpu: &Gpu,
         size: [u32; 2],
@@ -223,18 +224,18 @@ impl Targets {
         })
     }
 
-    /// The texture, if this frame writes it.
+    /// The texture of a target, if this frame writes it.
     pub fn texture(&self, target: Target) -> Option<&wgpu::Texture> {
         let (texture, _) = self.textures.get(&target)?;
         ([texture.width(), texture.height()] == self.size).then_some(texture)
     }
 
-    /// Its view.
+    /// The view of a target.
     pub fn view(&self, target: Target) -> Option<&wgpu::TextureView> {
         self.textures.get(&target).map(|(_, view)| view)
     }
 
-    /// Name and bytes of each.
+    /// Name and size in bytes of each target.
     pub fn report(&self) -> Vec<(&'static str, u64)> {
         let bytes = |target: Target| {
             let pixels = |t: &wgpu::Texture| {

@@ -1,15 +1,15 @@
-//! Arrays of words in the rows of a texture.
+//! Arrays of 32-bit words stored in the rows of a texture.
 
 use bytemuck::{Pod, cast_slice};
 
 use crate::gpu::{Gpu, GpuError};
 
-/// Texels of a row.
+/// Number of texels per row.
 pub const TEXEL_COLUMNS: u32 = 4096;
-/// Of four words.
+/// Size of a texel of four words, bytes.
 const TEXEL_BYTES: usize = 16;
 
-/// An array of elements that are whole texels.
+/// An array whose elements are whole texels.
 #[derive(Clone, Debug)]
 pub struct TexelArray {
     texture: wgpu::Texture,
@@ -17,10 +17,10 @@ pub struct TexelArray {
 }
 
 impl TexelArray {
-    /// An initialized array, never of zero size; as wide as its elements where they are less than a row.
+    /// Creates an initialized array, never of zero size; as wide as its data where that is less than a row.
     ///
     /// # Errors
-    /// More rows than a texture has, by `name`, or a wgpu error.
+    /// More rows than a texture can have, named by `name`, or a wgpu error.
     pub fn new<T: Pod>(gpu: &Gpu, name: &str, data: &[T]) -> Result<Self, GpuError> {
         let [width, height] = size(size_of_val(data));
         gpu.check_texture_size(name, width, height)?;
@@ -47,12 +47,12 @@ impl TexelArray {
         Ok(array)
     }
 
-    /// Whether a texture can have so many bytes.
+    /// Whether a texture can hold this number of bytes.
     pub fn fits(gpu: &Gpu, bytes: usize) -> bool {
         size(bytes)[1] <= gpu.limits.max_texture_dimension_2d
     }
 
-    /// Writes elements from an index on.
+    /// Writes elements, starting at index `first`.
     pub fn write<T: Pod>(&self, gpu: &Gpu, first: usize, elements: &[T]) {
         const { assert!(size_of::<T>().is_multiple_of(TEXEL_BYTES)) };
         let mut bytes: &[u8] = cast_slice(elements);
@@ -80,7 +80,7 @@ impl TexelArray {
         }
     }
 
-    /// What shaders bind.
+    /// Binding of the texture for shaders.
     pub const fn resource(&self) -> wgpu::BindingResource<'_> {
         wgpu::BindingResource::TextureView(&self.view)
     }
@@ -92,7 +92,7 @@ impl TexelArray {
     }
 }
 
-/// Columns and rows for so many bytes, at least one of each.
+/// Columns and rows for this number of bytes, at least one of each.
 fn size(bytes: usize) -> [u32; 2] {
     let texels = bytes.div_ceil(TEXEL_BYTES).max(1);
     let columns = texels.min(TEXEL_COLUMNS as usize);
@@ -106,7 +106,7 @@ struct Span {
     size: [u32; 2],
 }
 
-/// The rest of the first row, whole rows, and what is left.
+/// Rectangles that cover a range of texels: the rest of the first row, whole rows, and the remainder.
 fn spans(first: usize, count: usize) -> Vec<Span> {
     let columns = TEXEL_COLUMNS as usize;
     let (mut at, end) = (first, first + count);

@@ -1,5 +1,5 @@
-//! Texture pools: images of about one size share a 2D array, resampled to the array's size so that
-//! hardware wrapping and mips stay right.
+//! Texture pools: images of similar size share a 2D array, resampled to the array's size so that hardware wrapping
+//! and mips stay correct.
 
 use std::collections::HashMap;
 
@@ -12,25 +12,25 @@ use crate::{
 
 mod resample;
 
-/// Edge of the smallest pool's images, pixels; each further pool doubles it.
+/// Width and height of the smallest pool's images, pixels; each further pool doubles it.
 pub const SMALLEST_POOL_PX: u32 = 512;
-/// Edge of each pool's images, pixels.
+/// Width and height of each pool's images, pixels.
 pub const POOL_PX: [u32; 3] = [SMALLEST_POOL_PX, 2 * SMALLEST_POOL_PX, 4 * SMALLEST_POOL_PX];
 
 const _: () = assert!(POOL_PX[2] == LARGEST_KEPT_PX);
 
-/// What resampling to the pool's size depends on.
+/// Sampler settings that resampling to the pool's size depends on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 struct Sampling {
-    /// Nearest magnification: texels must stay sharp.
+    /// Whether magnification takes the nearest texel: texels must stay sharp.
     nearest: bool,
     wrap: [Wrap; 2],
 }
 
 impl Sampling {
-    /// Of a use of `texture` in a pool of `px`; equal where the resampled images are.
+    /// Settings for a use of `texture` in a pool of size `px`; uses with equal resampled images have equal settings.
     fn of(used: &TextureRef, texture: &Texture, px: u32) -> Self {
-        // Beyond a mirrored border the nearest texel is the last one, as beyond a clamped one.
+        // Beyond a mirrored border the nearest texel is the last one, like beyond a clamped border.
         let wrap = |wrap| match wrap {
             Wrap::Mirror => Wrap::Clamp,
             wrap => wrap,
@@ -54,7 +54,7 @@ impl Sampling {
 pub struct PoolSlot {
     /// Index into [`POOL_PX`].
     pub pool: u32,
-    /// Layer of its array.
+    /// Layer of the pool's array.
     pub layer: u32,
 }
 
@@ -63,9 +63,9 @@ pub struct PoolSlot {
 pub struct Pools {
     /// Per pool: its linear view and its sRGB view.
     pub views: Vec<[wgpu::TextureView; 2]>,
-    /// Where its images are.
+    /// Pool and layer of each image.
     pub layers: Layers,
-    /// Bytes of all pools with their mips.
+    /// Size of all pools with their mips, bytes.
     pub bytes: u64,
 }
 
@@ -73,7 +73,7 @@ impl Pools {
     /// Uploads every texture of the world.
     ///
     /// # Errors
-    /// More images of a size than array layers, or a wgpu error.
+    /// More images of one size than array layers, or a wgpu error.
     pub fn new(gpu: &Gpu, world: &World) -> Result<Self, GpuError> {
         let mut pools = Self {
             views: Vec::new(),
@@ -114,7 +114,7 @@ impl Pools {
                 unit: "images",
             });
         }
-        // A pool without images is one texel, so that its binding exists.
+        // A pool without images has one texel, so that it can be bound.
         let (edge, mips) = if layers == 0 {
             (1, 1)
         } else {
@@ -143,14 +143,14 @@ impl Pools {
     }
 }
 
-/// The smallest pool without downsampling, else the largest.
+/// Index of the smallest pool that needs no downsampling, else of the largest pool.
 fn pool_of(texture: &Texture) -> usize {
     let edge = texture.width.max(texture.height);
     let fits = POOL_PX.iter().position(|&px| edge <= px);
     fits.unwrap_or(POOL_PX.len() - 1)
 }
 
-/// Repeat/repeat, repeat/clamp, clamp/repeat, clamp/clamp along u and v.
+/// Samplers with repeat/repeat, repeat/clamp, clamp/repeat, clamp/clamp along u and v.
 pub fn samplers(gpu: &Gpu) -> [wgpu::Sampler; 4] {
     use wgpu::AddressMode::{ClampToEdge as C, Repeat as R};
     [[R, R], [R, C], [C, R], [C, C]].map(|[u, v]| {
@@ -166,16 +166,16 @@ pub fn samplers(gpu: &Gpu) -> [wgpu::Sampler; 4] {
     })
 }
 
-/// Layers of all images that materials sample: one for each way in which an image is resampled.
+/// Layers of all images that materials sample: one for each way of resampling an image.
 #[derive(Clone, Debug, Default)]
 pub struct Layers {
-    /// Pool of each of [`World::textures`].
+    /// Pool index of each of [`World::textures`].
     pools: Vec<usize>,
     slots: HashMap<(usize, Sampling), PoolSlot>,
 }
 
 impl Layers {
-    /// Layers of a world, in the order of its materials.
+    /// Assigns layers for a world, in the order of its materials.
     pub fn of(world: &World) -> Self {
         let mut layers = Self {
             pools: world.textures.iter().map(pool_of).collect(),
@@ -195,25 +195,25 @@ impl Layers {
         layers
     }
 
-    /// Key of a use, and its pool.
+    /// Key of a texture use, and its pool.
     fn key(&self, used: &TextureRef, textures: &[Texture]) -> ((usize, Sampling), usize) {
         let pool = self.pools[used.texture];
         let sampling = Sampling::of(used, &textures[used.texture], POOL_PX[pool]);
         ((used.texture, sampling), pool)
     }
 
-    /// Layer of a use; `None` if no material of the world used the image this way.
+    /// Pool and layer of a texture use; `None` if no material of the world used the image this way.
     pub fn slot(&self, used: &TextureRef, textures: &[Texture]) -> Option<PoolSlot> {
         self.slots.get(&self.key(used, textures).0).copied()
     }
 
-    /// Whether the uses in another world of the same images have their layers.
+    /// Whether all texture uses of another world, with the same images, have layers.
     pub fn cover(&self, world: &World) -> bool {
         let mut uses = world.materials.iter().flat_map(Material::slots).flatten();
         uses.all(|used| self.slot(&used, &world.textures).is_some())
     }
 
-    /// GPU memory of all layers with their mips, bytes.
+    /// Size of all layers with their mips, bytes.
     pub fn bytes(&self) -> u64 {
         let layer = |slot: &PoolSlot| {
             let px = u64::from(POOL_PX[slot.pool as usize]);
@@ -223,7 +223,7 @@ impl Layers {
         self.slots.values().map(layer).sum()
     }
 
-    /// Image, resampling and place of each layer, ordered by pool and layer.
+    /// Image index, resampling and slot of each layer, ordered by pool and layer.
     fn images(&self) -> Vec<(usize, Sampling, PoolSlot)> {
         let slots = self.slots.iter();
         let mut images: Vec<_> = slots.map(|((i, how), slot)| (*i, *how, *slot)).collect();

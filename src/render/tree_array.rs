@@ -1,4 +1,4 @@
-//! Nodes or triangles of the trees on the GPU: in buffers, or in a texture where drivers read those faster.
+//! Nodes or triangles of the BVHs on the GPU: in buffers, or in a texture where drivers read textures faster.
 
 use bytemuck::Pod;
 
@@ -6,17 +6,17 @@ use crate::gpu::{Gpu, GpuError};
 
 use super::{chunked_array::ChunkedArray, texel_array::TexelArray};
 
-/// An array of elements of whole texels.
+/// An array whose elements are whole texels.
 #[derive(Clone, Debug)]
 pub enum TreeArray {
-    /// In buffers.
+    /// Array in buffers.
     Buffers(ChunkedArray),
-    /// In one texture.
+    /// Array in one texture.
     Texels(TexelArray),
 }
 
 impl TreeArray {
-    /// An initialized array, never of zero size.
+    /// Creates an initialized array, never of zero size.
     ///
     /// # Errors
     /// A wgpu error.
@@ -35,14 +35,14 @@ impl TreeArray {
         }
     }
 
-    /// Whether textures are to hold arrays of these sizes: those that one buffer would hold.
+    /// Whether to store arrays of these sizes in textures: only those that a single buffer could hold.
     pub fn prefers_texels(gpu: &Gpu, bytes: [usize; 2]) -> bool {
         let fits =
             |bytes| bytes as u64 <= gpu.largest_storage_buffer() && TexelArray::fits(gpu, bytes);
         gpu.reads_texels_faster && bytes.into_iter().all(fits)
     }
 
-    /// Writes elements from an index on.
+    /// Writes elements, starting at index `first`.
     pub fn write<T: Pod>(&self, gpu: &Gpu, first: usize, elements: &[T]) {
         match self {
             Self::Buffers(array) => array.write(gpu, first, elements),
@@ -50,7 +50,7 @@ impl TreeArray {
         }
     }
 
-    /// Bytes.
+    /// Size in bytes.
     pub fn size(&self) -> u64 {
         match self {
             Self::Buffers(array) => array.size(),
@@ -58,12 +58,12 @@ impl TreeArray {
         }
     }
 
-    /// Whether a texture holds it.
+    /// Whether the array is stored in a texture.
     pub const fn is_texels(&self) -> bool {
         matches!(self, Self::Texels(_))
     }
 
-    /// How many shaders see; one of a texture.
+    /// Number of shader bindings; 1 for a texture.
     pub fn count(&self) -> u32 {
         match self {
             Self::Buffers(array) => array.count(),
@@ -71,7 +71,7 @@ impl TreeArray {
         }
     }
 
-    /// What shaders see of this number, if there is one.
+    /// Binding of the chunk with this number; `None` past the last one.
     pub fn binding(&self, chunk: usize) -> Option<wgpu::BindingResource<'_>> {
         match self {
             Self::Buffers(array) => array.binding(chunk),

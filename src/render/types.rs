@@ -1,5 +1,4 @@
-//! Structs shared with the shaders; a test compares each with naga's layout of the WGSL struct of
-//! the same name.
+//! Structs shared with the shaders; a test compares each with naga's layout of the WGSL struct of the same name.
 
 use bytemuck::{Pod, Zeroable};
 
@@ -10,13 +9,13 @@ use crate::world::{CORE_SLOTS, LAYER_SLOTS};
 pub struct StructSpec {
     /// Name of the WGSL struct.
     pub name: &'static str,
-    /// Bytes.
+    /// Size in bytes.
     pub size: usize,
-    /// Name, offset and bytes of each field, in order.
+    /// Name, offset and size in bytes of each field, in order.
     pub fields: &'static [(&'static str, usize, usize)],
 }
 
-/// Declares a struct shared with the shaders: `repr(C)`, plain bytes, and its layout for the test.
+/// Declares a struct shared with the shaders: `repr(C)`, plain data, and its layout for the test.
 macro_rules! gpu_struct {
     ($(#[$meta:meta])* $vis:vis struct $name:ident = $wgsl:literal {
         $($(#[$field_meta:meta])* $field:ident: $ty:ty,)*
@@ -29,7 +28,7 @@ macro_rules! gpu_struct {
         }
 
         impl $name {
-            /// The struct as the shaders must declare it.
+            /// Layout that the shaders' declaration must have.
             pub const LAYOUT: $crate::render::types::StructSpec = $crate::render::types::StructSpec {
                 name: $wgsl,
                 size: size_of::<$name>(),
@@ -51,73 +50,73 @@ gpu_struct! {
         near_m: f32,
         /// Unit view direction.
         forward: [f32; 3],
-        /// Radians that one pixel spans; 0: orthographic.
+        /// Angle of one pixel, radians; 0: orthographic.
         pixel_spread: f32,
-        /// Half the picture's width, at distance 1 or, if orthographic, at any.
+        /// Half the picture's width at distance 1; orthographic: at any distance.
         right: [f32; 3],
-        /// Longest reflection ray, meters.
+        /// Maximum length of reflection rays, meters.
         ray_length_m: f32,
-        /// Half its height.
+        /// Half the picture's height at distance 1; orthographic: at any distance.
         up: [f32; 3],
-        /// `auto` materials reflect below it.
+        /// Roughness below which `auto` materials reflect.
         roughness_cutoff: f32,
-        /// Pixels.
+        /// Size of the picture, pixels.
         size: [f32; 2],
-        /// Sub-pixel shift, -0.5 to 0.5.
+        /// Offset of this sub-frame in pixels, -0.5 to 0.5, plus the lens shift.
         jitter: [f32; 2],
         /// Radiance straight up.
         zenith: [f32; 3],
-        /// Lights in use.
+        /// Number of lights in use.
         light_count: u32,
         /// Radiance at the horizon.
         horizon: [f32; 3],
-        /// Most reflections in a row.
+        /// Maximum number of successive reflections.
         bounces: u32,
         /// Radiance straight down.
         ground: [f32; 3],
         /// 1: reflections fade along the ray.
         fade: u32,
-        /// 1: hits take from the picture which lights reach them.
+        /// 1: hits reuse the light visibility of the pixels that show them.
         reuse_light: u32,
-        /// Share of light that a bounce must carry to be seen.
+        /// Minimum throughput of a path; below it the path ends.
         dimmest: f32,
         /// Width of an orthographic pixel, meters; 0: perspective.
         pixel_m: f32,
-        /// Depth where an orthographic clip space ends, meters; 0: perspective.
+        /// Far plane of an orthographic camera, meters; 0: perspective.
         far_m: f32,
-        /// 1: rays on the screen may pass surfaces that are seen edge-on.
+        /// 1: the march may miss surfaces that are seen edge-on.
         has_edge_on: u32,
-        /// Times that matte surfaces scatter along a path.
+        /// Maximum number of diffuse scatterings along a path.
         diffuse_bounces: u32,
-        /// Radiance that paths add past a chance; 0: no limit.
+        /// Maximum radiance that a path adds after a random choice; 0: no limit.
         glint_limit: f32,
-        /// Lights without a size, the first ones.
+        /// Number of lights without a size, which come first.
         hard_lights: u32,
     }
 }
 
 gpu_struct! {
-    /// Samples of a sub-frame, and the panorama; see `shaders/lib/sampling.wgsl`.
+    /// Sampling parameters of a sub-frame, and the panorama; see `shaders/lib/sampling.wgsl`.
     pub struct Sampling = "Sampling" {
-        /// Of this sub-frame's samples.
+        /// Index of the first sample of this sub-frame.
         first: u32,
-        /// Of a pixel and sub-frame.
+        /// Number of rays towards lights per pixel and sub-frame.
         rays: u32,
-        /// Of the light that the panorama's density holds.
+        /// Share of the panorama's light that its density table holds.
         panorama_share: f32,
-        /// Levels of that density.
+        /// Number of levels of the density table.
         density_levels: u32,
         /// Cosine and sine of the panorama's rotation.
         turn: [f32; 2],
-        /// Radiance of a texel of 1.
+        /// Radiance of a panorama texel of 1.
         scale: f32,
-        /// The sub-frame, from 0.
+        /// Index of the sub-frame, from 0.
         sample: u32,
-        /// Sub-frames of a picture.
+        /// Number of sub-frames of the picture.
         samples: u32,
-        /// Triangles that light.
+        /// Number of emissive triangles that are sampled.
         emitters: u32,
-        /// Of all of them: areas by the luminance that they emit.
+        /// Sum of area times emitted luminance over all emissive triangles.
         emitted_power: f32,
         /// Unused.
         pad0: u32,
@@ -127,33 +126,33 @@ gpu_struct! {
 gpu_struct! {
     /// A light; see `shaders/lib/frame.wgsl`.
     pub struct GpuLight = "Light" {
-        /// Meters.
+        /// Position, meters.
         position: [f32; 3],
-        /// `LIGHT_*`.
+        /// Kind of light: `LIGHT_*`.
         kind: u32,
         /// Emission direction, unit length.
         direction: [f32; 3],
-        /// `SHADOW_*`.
+        /// Shadow mode: `SHADOW_*`.
         shadow: u32,
-        /// Candela or lux per channel.
+        /// Intensity per channel, candela or lux.
         color: [f32; 3],
-        /// Meters; 0 is endless.
+        /// Range, meters; 0: unlimited.
         range_m: f32,
-        /// Cone falloff: `saturate(cos * scale + offset)`.
+        /// Scale of the cone falloff `saturate(cos * scale + offset)`.
         spot_scale: f32,
-        /// See `spot_scale`.
+        /// Offset of the cone falloff; see `spot_scale`.
         spot_offset: f32,
-        /// Layer of its shadow map.
+        /// Layer of the light's shadow map.
         layer: u32,
-        /// World size of a shadow texel: at distance 1, or anywhere for directional lights.
+        /// World size of a shadow texel, meters: at distance 1, or anywhere for directional lights.
         texel: f32,
-        /// World to shadow map, for spot and directional lights.
+        /// Transform from the world to the shadow map's clip space, for spot and directional lights.
         clip_from_world: [[f32; 4]; 4],
-        /// From the middle of a flat light to its edge, across.
+        /// Vector from the center of a flat light to its edge, across, meters.
         half_u: [f32; 3],
-        /// Radius, meters; of directional lights half the angle that they span, radians.
+        /// Radius, meters; of directional lights half their angle, radians.
         extent: f32,
-        /// From the middle of a flat light to its edge, along `up`.
+        /// Vector from the center of a flat light to its edge, along `up`, meters.
         half_v: [f32; 3],
         /// Unused.
         pad0: u32,
@@ -161,175 +160,175 @@ gpu_struct! {
 }
 
 gpu_struct! {
-    /// A placed mesh; see `shaders/lib/scene.wgsl`.
+    /// An instance of a mesh; see `shaders/lib/scene.wgsl`.
     pub struct GpuInstance = "Instance" {
-        /// Three rows.
+        /// Rows of the transform from object to world space.
         world_from_object: [[f32; 4]; 3],
-        /// Rows of the inverse's linear part; w: the translation of the placement.
+        /// Rows of the inverse's linear part; w: translation of `world_from_object`.
         object_from_world: [[f32; 4]; 3],
-        /// Root of its mesh's tree; `NONE` where it is part of the static tree.
+        /// Root node of the mesh's BVH; `NONE` where the instance is part of the static tree.
         tree_root: u32,
         /// Traversal flags, from `world::bvh`.
         trace_flags: u32,
-        /// First vertex.
+        /// First vertex of the mesh.
         vertex_base: u32,
-        /// First index in `mesh_data`.
+        /// First index of the mesh in `mesh_data`.
         index_base: u32,
-        /// First second texture coordinate in `mesh_data`; `NONE` without.
+        /// Position of the first second texture coordinate in `mesh_data`; `NONE` without.
         uv1_base: u32,
         /// Index into the materials.
         material: u32,
-        /// `FLAG_*`.
+        /// Flags: `FLAG_*`.
         flags: u32,
         /// Unused.
         pad: u32,
     }
 }
 
-/// [`GpuInstance::flags`]: the mesh has vertex colors.
+/// Bit of [`GpuInstance::flags`]: the mesh has vertex colors.
 pub const FLAG_COLORS: u32 = 1;
-/// [`GpuInstance::flags`]: the transform mirrors.
+/// Bit of [`GpuInstance::flags`]: the transform mirrors the mesh.
 pub const FLAG_MIRRORED: u32 = 2;
-/// [`GpuInstance::flags`]: what it emits lights what is around.
+/// Bit of [`GpuInstance::flags`]: the surface is sampled as a light.
 pub const FLAG_EMITTER: u32 = 4;
 
 gpu_struct! {
     /// A vertex, 32 bytes.
     pub struct GpuVertex = "Vertex" {
-        /// Object space.
+        /// Position in object space.
         position: [f32; 3],
-        /// Octahedral, 2 × snorm16.
+        /// Normal, octahedral, 2 × snorm16.
         normal: u32,
         /// First texture coordinates.
         uv: [f32; 2],
-        /// Octahedral; lowest bit: handedness.
+        /// Tangent, octahedral; lowest bit: handedness.
         tangent: u32,
-        /// unorm8 × 4, linear.
+        /// Linear color, unorm8 × 4.
         color: u32,
     }
 }
 
 gpu_struct! {
-    /// How a material slot samples a texture.
+    /// Settings by which a material slot samples a texture.
     pub struct GpuTextureUse = "TextureUse" {
-        /// u' = dot(row_u, (u, v, 1)).
+        /// First row of the texture transform: u' = dot(row_u, (u, v, 1)).
         row_u: [f32; 3],
-        /// Layer in its pool; `NONE` without a texture.
+        /// Layer in its texture pool; `NONE` without a texture.
         layer: u32,
-        /// v' likewise.
+        /// Second row of the texture transform, for v'.
         row_v: [f32; 3],
-        /// `TEXTURE_*`.
+        /// Pool, color space, coordinates, wrap modes and filter: `TEXTURE_*`.
         bits: u32,
-        /// Size of the source image.
+        /// Width and height of the source image, pixels.
         texels: [f32; 2],
-        /// Signs of the material's `uv_scale`: which way its u and v run; of a clear coat's normals times their
-        /// strength.
+        /// Signs of the material's `uv_scale`, the directions in which u and v run; for clear coat normals times
+        /// their strength.
         signs: [f32; 2],
     }
 }
 
-/// [`GpuTextureUse::bits`]: the pool.
+/// Mask of [`GpuTextureUse::bits`]: index of the pool.
 pub const TEXTURE_POOL_MASK: u32 = 3;
-/// [`GpuTextureUse::bits`]: sampled as sRGB.
+/// Bit of [`GpuTextureUse::bits`]: the texture is sampled as sRGB.
 pub const TEXTURE_SRGB: u32 = 1 << 2;
-/// [`GpuTextureUse::bits`]: by the second texture coordinates.
+/// Bit of [`GpuTextureUse::bits`]: the second texture coordinates are used.
 pub const TEXTURE_UV1: u32 = 1 << 3;
-/// [`GpuTextureUse::bits`]: where the two bits of the wrap mode along u begin.
+/// Position in [`GpuTextureUse::bits`] of the two bits of the wrap mode along u.
 pub const TEXTURE_WRAP_U_SHIFT: u32 = 4;
-/// [`GpuTextureUse::bits`]: where those along v begin.
+/// Position in [`GpuTextureUse::bits`] of the two bits of the wrap mode along v.
 pub const TEXTURE_WRAP_V_SHIFT: u32 = 6;
-/// [`GpuTextureUse::bits`]: magnification takes the nearest texel.
+/// Bit of [`GpuTextureUse::bits`]: magnification takes the nearest texel.
 pub const TEXTURE_NEAREST: u32 = 1 << 8;
-/// Wrap mode in [`GpuTextureUse::bits`].
+/// Wrap mode in [`GpuTextureUse::bits`]: repeat.
 pub const WRAP_REPEAT: u32 = 0;
-/// Wrap mode in [`GpuTextureUse::bits`].
+/// Wrap mode in [`GpuTextureUse::bits`]: clamp to the edge.
 pub const WRAP_CLAMP: u32 = 1;
-/// Wrap mode in [`GpuTextureUse::bits`].
+/// Wrap mode in [`GpuTextureUse::bits`]: mirrored repeat.
 pub const WRAP_MIRROR: u32 = 2;
 
 gpu_struct! {
     /// A material; see `shaders/lib/scene.wgsl`.
     pub struct GpuMaterial = "Material" {
-        /// Linear, alpha in w.
+        /// Linear base color, alpha in w.
         base_color: [f32; 4],
-        /// Linear radiance.
+        /// Emitted linear radiance.
         emission: [f32; 3],
-        /// 0 to 1.
+        /// Metalness, 0 to 1.
         metallic: f32,
-        /// Perceptual.
+        /// Perceptual roughness, 0 to 1.
         roughness: f32,
-        /// At normal incidence.
+        /// Reflectance of the dielectric at normal incidence.
         reflectivity: f32,
-        /// Of the normal map.
+        /// Strength of the normal map.
         normal_scale: f32,
-        /// Of the occlusion map.
+        /// Strength of the occlusion map.
         occlusion_strength: f32,
         /// First checker color.
         checker_a: [f32; 3],
-        /// 0: no checker.
+        /// Size of a checker's cell, meters; 0: no checker.
         checker_size_m: f32,
         /// Second checker color.
         checker_b: [f32; 3],
-        /// Below 0: opaque.
+        /// Alpha below which a cut-out is transparent; below 0: opaque.
         alpha_cutoff: f32,
-        /// 0 none, 1 auto, 2 mirror.
+        /// Reflection mode: 0 none, 1 auto, 2 mirror.
         reflection: u32,
-        /// 1: the base color is shown as it is.
+        /// 1: the base color is shown without lighting.
         unlit: u32,
-        /// Share of what is not reflected.
+        /// Share of the light that enters the surface and is transmitted.
         transmission: f32,
         /// Strength of the clear coat.
         clearcoat: f32,
-        /// Per meter inside of a solid.
+        /// Absorption coefficient inside a solid, per meter.
         absorption: [f32; 3],
         /// Index of refraction.
         ior: f32,
-        /// Perceptual.
+        /// Perceptual roughness of the clear coat.
         clearcoat_roughness: f32,
-        /// 1: what passes is refracted and absorbed.
+        /// 1: transmitted light is refracted and absorbed.
         is_solid: u32,
-        /// 1: its alpha is the share of light that it stops.
+        /// 1: alpha is the surface's coverage.
         is_blended: u32,
-        /// [`PatternKind`](crate::scene::desc::PatternKind) of the checker's colors and size.
+        /// [`PatternKind`](crate::scene::desc::PatternKind) that uses the checker's colors and size.
         pattern: u32,
-        /// Factor on the reflectivity.
+        /// Color factor on the reflectivity.
         specular_color: [f32; 3],
-        /// Factor on the reflectivity and on what is reflected at grazing angles.
+        /// Factor on the reflectivity and on the reflectance at grazing angles.
         specular: f32,
-        /// Of the sheen; black: none.
+        /// Color of the sheen; black: none.
         sheen_color: [f32; 3],
-        /// Perceptual.
+        /// Perceptual roughness of the sheen.
         sheen_roughness: f32,
-        /// Of the thin film.
+        /// Strength of the thin film.
         iridescence: f32,
-        /// Its index of refraction.
+        /// Index of refraction of the thin film.
         iridescence_ior: f32,
-        /// Its thickness where a texture is 0, nanometers.
+        /// Thickness of the film where its texture is 0, nanometers.
         iridescence_least_nm: f32,
-        /// The same where it is 1.
+        /// Thickness of the film where its texture is 1, nanometers.
         iridescence_thickness_nm: f32,
-        /// Cosine and sine of the direction of the anisotropy, from the tangent.
+        /// Cosine and sine of the anisotropy's angle from the tangent.
         anisotropy_turn: [f32; 2],
-        /// Strength.
+        /// Strength of the anisotropy.
         anisotropy: f32,
-        /// 20 over the Abbe number.
+        /// Dispersion: 20 over the Abbe number.
         dispersion: f32,
-        /// Base color, metallic-roughness, normal, occlusion, emission.
+        /// Textures of base color, metallic-roughness, normal, occlusion, emission.
         textures: [GpuTextureUse; CORE_SLOTS],
-        /// In the order of [`LayerTexture`](crate::world::LayerTexture).
+        /// Textures of layers, in the order of [`LayerTexture`](crate::world::LayerTexture).
         layer_textures: [GpuTextureUse; LAYER_SLOTS],
     }
 }
 
-/// By how many times the roughness up to which metals reflect is higher than that of dielectrics, less one.
+/// Relative increase of the roughness cutoff for metals: theirs is 1 + this times that of dielectrics.
 pub const METAL_REACH: f32 = 4.0;
 
-/// `bit` if set.
+/// Returns `bit` if `on`, else 0.
 pub fn flag(on: bool, bit: u32) -> u32 {
     if on { bit } else { 0 }
 }
 
-/// Index value for none.
+/// Index value that stands for none.
 pub const NONE: u32 = u32::MAX;
 
 /// Structs of the shared groups, for the layout test; each pass adds its own `Params`.
@@ -345,10 +344,10 @@ pub const SHARED: &[StructSpec] = &[
 
 const _: () = assert!(size_of::<GpuVertex>() == 32 && size_of::<GpuInstance>() == 128);
 
-/// The lights' uniform block, always full size.
+/// Uniform block of the lights, always of full size.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 pub struct LightBlock {
-    /// Unused entries are zero.
+    /// Lights; unused entries are zero.
     pub lights: [GpuLight; crate::world::MAX_LIGHTS],
 }

@@ -1,53 +1,53 @@
 //! Unit costs of the cost model: nanoseconds of wall time.
 //!
-//! Those of a kind of adapter are constants, so that all machines of a kind decide alike. Those of
-//! software adapters are fitted to the passes of seven scenes on llvmpipe with two cores. Those of GPUs
-//! come from an experiment on one data-center GPU, whose rasterizer is weak beside its compute units; no
-//! scene has been measured on one yet.
+//! The costs of a kind of adapter are constants, so that all machines of a kind decide alike. Those of software
+//! adapters are fitted to the passes of seven scenes on llvmpipe with two cores. Those of GPUs come from an
+//! experiment on one data-center GPU, whose rasterizer is weak relative to its compute units; no scene has been
+//! measured on a GPU yet.
 
 use serde::{Deserialize, Serialize};
 
-/// Nanoseconds that each piece of work takes.
+/// Nanoseconds that each unit of work takes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct UnitCosts {
     /// Drawing a triangle.
     pub raster_triangle: f64,
-    /// Drawing a pixel that the picture has.
+    /// Drawing a pixel of the picture.
     pub raster_pixel: f64,
-    /// Drawing a triangle into one shadow map.
+    /// Drawing a triangle into a shadow map.
     pub map_triangle: f64,
-    /// A pixel of a shadow map.
+    /// Drawing a pixel of a shadow map.
     pub map_pixel: f64,
     /// Filtering a shadow map at a pixel.
     pub filter: f64,
-    /// A primary ray.
+    /// Tracing a primary ray, without its nodes.
     pub primary_ray: f64,
-    /// A node that a primary ray visits.
+    /// Visiting a node with a primary ray.
     pub primary_node: f64,
-    /// A shadow ray.
+    /// Tracing a shadow ray, without its nodes.
     pub shadow_ray: f64,
-    /// A node that a shadow ray visits.
+    /// Visiting a node with a shadow ray.
     pub shadow_node: f64,
-    /// A mirror ray with the shading of what it meets.
+    /// Tracing a mirror ray, without its nodes, and shading its hit.
     pub mirror_ray: f64,
-    /// A node that a mirror ray visits, which costs more than of primary rays: neighbors go apart.
+    /// Visiting a node with a mirror ray: more than for primary rays, as neighboring rays diverge.
     pub mirror_node: f64,
-    /// A ray of the march.
+    /// Marching a ray, without the part below.
     pub march_ray: f64,
-    /// A node that a ray of the march would visit if it were traced: the more there are, the further
-    /// apart is what the march reads.
+    /// Part of marching a ray that grows with the nodes that the ray would visit if it were traced: the more there
+    /// are, the farther apart the memory accesses of the march.
     pub march_node: f64,
-    /// Building the pyramid, a pixel of the picture.
+    /// Building the pyramid, per pixel of the picture.
     pub pyramid_pixel: f64,
-    /// Shading a hit of the march.
+    /// Shading a screen hit.
     pub hit: f64,
     /// Starting a pass.
     pub pass: f64,
 }
 
 impl UnitCosts {
-    /// Of software adapters.
+    /// Costs of software adapters.
     pub const PROCESSOR: Self = Self {
         raster_triangle: 90.0,
         raster_pixel: 24.0,
@@ -66,7 +66,7 @@ impl UnitCosts {
         hit: 220.0,
         pass: 150_000.0,
     };
-    /// Of all others.
+    /// Costs of all other adapters.
     pub const GPU: Self = Self {
         raster_triangle: 2.2,
         raster_pixel: 0.5,
@@ -86,7 +86,7 @@ impl UnitCosts {
         pass: 10_000.0,
     };
 
-    /// Of a kind of adapter.
+    /// Costs of a kind of adapter.
     pub fn of_kind(software: bool) -> Self {
         if software { Self::PROCESSOR } else { Self::GPU }
     }

@@ -1,4 +1,4 @@
-//! World validation before upload: shaders use its indices unchecked.
+//! World validation before upload: shaders use the world's indices unchecked.
 
 use std::path::Path;
 
@@ -68,7 +68,7 @@ pub fn check_world(world: &World) -> Result<(), RenderError> {
 /// Validates the vertices of deformed meshes.
 ///
 /// # Errors
-/// The first with others than its mesh has.
+/// The first mesh whose deformed vertices differ in number from its own.
 pub fn check_deformed(world: &World) -> Result<(), RenderError> {
     for (index, deformed) in &world.deformed {
         let Some(mesh) = world.meshes.get(*index) else {
@@ -89,7 +89,7 @@ pub fn check_deformed(world: &World) -> Result<(), RenderError> {
         {
             let name = &mesh.name;
             return refuse(format!(
-                "mesh \"{name}\": it is deformed to other vertices than it has"
+                "mesh \"{name}\": its deformed vertices differ in number from its own"
             ));
         }
     }
@@ -104,7 +104,7 @@ pub fn check_moving_materials(world: &World) -> Result<(), RenderError> {
     for moving in &world.moving.materials {
         match world.materials.get(moving.material) {
             Some(material) => check_material(world, material)?,
-            None => return refuse("a material that moves does not exist".to_owned()),
+            None => return refuse("an animated material does not exist".to_owned()),
         }
     }
     Ok(())

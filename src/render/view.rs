@@ -1,44 +1,44 @@
-//! Camera → the frame's uniform block: projection, pixel rays, jitter.
+//! Conversion of a camera to the frame's uniform block: projection, pixel rays, jitter.
 
 use glam::{DVec2, DVec3, Mat4, Vec2, Vec3, camera::rh};
 
 use crate::{math::Bounds, scene::desc::CameraDesc};
 
-/// How distances show in the picture.
+/// Kind of projection.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Projection {
-    /// What is farther away is smaller.
+    /// Things farther away appear smaller.
     Perspective {
         /// Vertical field of view, radians.
         fov: f32,
     },
     /// All rays are parallel.
     Orthographic {
-        /// View depth that nothing lies beyond, meters: depth is linear, so it must end somewhere.
+        /// View depth beyond all geometry, meters: clip-space depth is linear, so it must end somewhere.
         far_m: f32,
     },
 }
 
-/// A camera at a picture size.
+/// View of a camera at a picture size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
-    /// Meters.
+    /// Position of the camera, meters.
     pub eye: Vec3,
     /// Unit view direction.
     pub forward: Vec3,
-    /// Half the picture's width, at distance 1 or, if orthographic, at any.
+    /// Half the picture's width at distance 1; orthographic: at any distance.
     pub right: Vec3,
-    /// Half its height.
+    /// Half the picture's height, likewise.
     pub up: Vec3,
     /// Near plane, meters.
     pub near_m: f32,
     /// The kind of projection.
     pub projection: Projection,
-    /// Whether rays on the screen may pass surfaces unseen.
+    /// Whether the march may miss surfaces that are seen edge-on.
     pub has_edge_on: bool,
-    /// Pixels.
+    /// Width and height of the picture, pixels.
     pub size: [u32; 2],
-    /// Radius of the lens, meters; 0 is a pinhole.
+    /// Radius of the lens, meters; 0: a pinhole.
     pub lens_m: f32,
     /// Distance in focus, meters.
     pub focus_m: f32,
@@ -76,7 +76,7 @@ impl View {
         }
     }
 
-    /// The same view for a scene within `bounds`: an orthographic one ends behind them.
+    /// The view with its far plane behind `bounds`, if it is orthographic.
     pub fn reaching(self, bounds: &Bounds) -> Self {
         let Projection::Orthographic { .. } = self.projection else {
             return self;
@@ -91,8 +91,8 @@ impl View {
         }
     }
 
-    /// The ray through a place of the picture, -1 to 1 right and up: where it starts, and its direction,
-    /// 1 along `forward`.
+    /// Origin and direction of the ray through a point of the picture, -1 to 1 right and up; the direction has a
+    /// component of 1 along `forward`.
     pub fn ray(&self, ndc: DVec2) -> (DVec3, DVec3) {
         let (eye, forward) = (self.eye.as_dvec3(), self.forward.as_dvec3());
         let offset = self.right.as_dvec3() * ndc.x + self.up.as_dvec3() * ndc.y;
@@ -102,7 +102,8 @@ impl View {
         }
     }
 
-    /// World to clip: reversed depth, infinite if perspective; what lies at pixel + jitter lands on pixel.
+    /// Transform from the world to clip space: reversed depth, infinite in perspective. A point at pixel + jitter is
+    /// moved to the pixel.
     pub fn clip_from_world(&self, jitter: Vec2) -> Mat4 {
         let aspect = self.size[0] as f32 / self.size[1] as f32;
         let projection = match self.projection {
@@ -124,14 +125,14 @@ impl View {
         Mat4::from_translation(shift) * projection * view
     }
 
-    /// The view from the point of the lens that sub-frame `index` of `count` looks through, and the shift in
-    /// pixels that keeps what is in focus where it is. The last sub-frame looks through the middle.
+    /// The view from the point of the lens that sub-frame `index` of `count` uses, and the shift in pixels that
+    /// keeps focused things in place. The last sub-frame uses the center of the lens.
     pub fn through_lens(&self, index: u32, count: u32) -> (Self, Vec2) {
         let k = count - 1 - index.min(count - 1);
         if self.lens_m <= 0.0 || k == 0 {
             return (*self, Vec2::ZERO);
         }
-        // A sunflower (Vogel 1979), from the middle to the rim.
+        // Points of a sunflower spiral (Vogel 1979), from the center to the rim.
         let radius = (f64::from(k) / f64::from(count - 1)).sqrt();
         let (sine, cosine) = (f64::from(k) * GOLDEN_ANGLE).sin_cos();
         let at = Vec2::new((radius * cosine) as f32, (radius * sine) as f32) * self.lens_m;
@@ -142,7 +143,7 @@ impl View {
         (Self { eye, ..*self }, shift)
     }
 
-    /// Radians that one pixel spans in the middle of the picture; 0 if orthographic.
+    /// Angle of one pixel in the center of the picture, radians; 0 if orthographic.
     pub fn pixel_spread(&self) -> f32 {
         match self.projection {
             Projection::Perspective { .. } => 2.0 * self.up.length() / self.size[1] as f32,
@@ -158,7 +159,7 @@ impl View {
         }
     }
 
-    /// View depth where an orthographic clip space ends, meters; 0 if perspective.
+    /// Far plane of an orthographic view, meters; 0 if perspective.
     pub fn far_m(&self) -> f32 {
         match self.projection {
             Projection::Perspective { .. } => 0.0,
@@ -167,21 +168,21 @@ impl View {
     }
 }
 
-/// End of an orthographic view of a scene of unknown size, meters.
+/// Far plane of an orthographic view of a scene of unknown size, meters.
 const FAR_M: f32 = 1e12;
 
-/// Radians; turns by it never come close to one another.
+/// Golden angle, radians; multiples of it never come close to one another.
 const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
 
-/// Moment of sub-frame `index` of `count` while a shutter is open, -0.5 to 0.5 of that; the last one is in the
-/// middle.
+/// Moment of sub-frame `index` of `count` within the time that the shutter is open, -0.5 to 0.5; the last sub-frame
+/// is in the middle.
 pub fn shutter_moment(index: u32, count: u32) -> f64 {
     let k = f64::from(count - 1 - index.min(count - 1));
     (k * (2f64.sqrt() - 1.0) + 0.5).fract() - 0.5
 }
 
-/// Sub-pixel shift of sub-frame `index` of `count`; the last one is unshifted, so that AOVs, which
-/// come from it, are too. The R2 sequence (Roberts 2018) fills the pixel evenly for any count.
+/// Offset of sub-frame `index` of `count` in pixels; the last sub-frame has none, so that AOVs, which come from it,
+/// are not offset. The R2 sequence (Roberts 2018) fills the pixel evenly for any count.
 pub fn jitter(index: u32, count: u32) -> Vec2 {
     let k = f64::from(count - 1 - index.min(count - 1));
     let wrapped = |step: f64| ((k * step + 0.5).fract() - 0.5) as f32;

@@ -1,6 +1,6 @@
-//! What a view shows, estimated on the CPU from a coarse grid of rays: how bright it is, and what its
-//! reflectors meet. For warnings about a scene, not for pictures: highlights of lights are left out,
-//! a texture counts as its mean, and cut-outs count as solid but where lamps shine through them.
+//! Estimate of a view on the CPU from a coarse grid of rays: its brightness, and the hits of its reflectors. Used
+//! for warnings and automatic exposure, not for pictures: highlights of lights are left out, a texture counts as its
+//! mean, and cut-outs count as solid except for shadow rays, which pass them.
 
 use std::{collections::BTreeMap, f64::consts::PI};
 
@@ -22,45 +22,45 @@ use super::{
     view_rays::{SurfacePoint, ViewRays, is_in_reach, mirror_ray, off_surface, places},
 };
 
-/// Mirrors in a row that are followed.
+/// Number of successive mirror reflections that are traced.
 const BOUNCES: u32 = 2;
-/// Texels of which a texture's mean is taken, at most.
+/// Maximum number of texels for the mean of a texture.
 const MOST_TEXELS: usize = 1024;
 
-/// What a view shows.
+/// Estimated brightness and reflections of a view.
 #[derive(Clone, Debug, Default)]
 pub struct ViewEstimate {
     /// Largest channel of the linear radiance at each sample, before exposure.
     pub radiance: Vec<f32>,
-    /// Samples that show a surface.
+    /// Number of samples that show a surface.
     pub surfaces: usize,
-    /// What mirror rays meet, by index into [`World::materials`].
+    /// Hits of mirror rays, by index into [`World::materials`].
     pub reflectors: BTreeMap<usize, Reach>,
 }
 
-/// What the mirror rays of one material meet.
+/// Hits of the mirror rays of one material.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Reach {
-    /// Mirror rays.
+    /// Number of mirror rays.
     pub rays: usize,
-    /// Those that meet a surface within the ray length.
+    /// Number of mirror rays that hit a surface within the ray length.
     pub met: usize,
-    /// Distance of the nearest surface beyond it, meters.
+    /// Distance of the nearest hit beyond the ray length, meters.
     pub beyond_m: Option<f64>,
 }
 
-/// One sample.
+/// Result of one sampled pixel.
 #[derive(Clone, Copy, Debug, Default)]
 struct Sample {
     radiance: f32,
     surface: bool,
-    /// The reflecting material, and how far its mirror ray goes.
+    /// Index of the reflecting material, and the distance of its mirror ray's hit.
     mirror: Option<(usize, Option<f64>)>,
 }
 
 impl ViewEstimate {
-    /// Follows the rays of a view; materials with `auto` reflect below the roughness `cutoff`, and
-    /// reflection rays are `ray_length_m` long.
+    /// Traces the rays of a view; materials with `auto` reflect below the roughness `cutoff`, and reflection rays
+    /// are `ray_length_m` long.
     pub fn new(world: &World, trees: &Trees, view: &View, cutoff: f32, ray_length_m: f32) -> Self {
         let estimator = Estimator {
             rays: ViewRays { world, trees, view },
@@ -94,7 +94,7 @@ impl ViewEstimate {
     }
 }
 
-/// What light does on a material, textures averaged.
+/// Colors of a material, with textures averaged.
 struct Look {
     base_color: DVec3,
     emission: DVec3,
@@ -130,7 +130,7 @@ fn mean_of(world: &World, texture: Option<TextureRef>) -> DVec3 {
 
 struct Estimator<'a> {
     rays: ViewRays<'a>,
-    /// By material.
+    /// Colors by index of the material.
     looks: Vec<Look>,
     /// See [`Environment::coarse_gradient`](crate::world::Environment::coarse_gradient).
     sky: [DVec3; 3],
@@ -167,7 +167,7 @@ impl Estimator<'_> {
         }
     }
 
-    /// Linear radiance that a ray along the unit vector `direction` brings back.
+    /// Linear radiance that arrives along a ray of unit direction `direction`.
     fn radiance(&self, hit: Option<RayHit>, direction: DVec3, bounces: u32) -> DVec3 {
         let world = self.rays.world;
         let Some(hit) = hit else {
@@ -209,7 +209,7 @@ impl Estimator<'_> {
                     }
                     _ => 1.0,
                 };
-                // As in the shader: a surface closer than 1 cm is lit as from 1 cm.
+                // Same limit as in the shader: a surface closer than 1 cm is lit as from 1 cm.
                 (offset, 0.9999, facing / offset.length_squared().max(1e-4))
             }
             (None, Some(direction)) => (-direction.as_dvec3(), f64::INFINITY, 1.0),
@@ -232,12 +232,12 @@ impl Estimator<'_> {
     }
 }
 
-/// As `environment` in `shaders/lib/frame.wgsl`.
+/// Radiance of a gradient, like `environment` in `shaders/lib/environment_gradient.wgsl`.
 fn environment(sky: &[DVec3; 3], direction: DVec3) -> DVec3 {
     gradient(sky, direction.y.max(0.0), (-direction.y).max(0.0))
 }
 
-/// As `ambient` in `shaders/lib/frame.wgsl`: irradiance / π of the environment.
+/// Irradiance / π of a gradient, like `ambient` in `shaders/lib/ambient_closed.wgsl`.
 fn ambient(sky: &[DVec3; 3], normal: DVec3) -> DVec3 {
     let overlap = |c: f64| {
         let cosine = c.clamp(-1.0, 1.0);

@@ -1,4 +1,4 @@
-//! Rays of a view on the CPU: through the picture, off mirrors and towards lights.
+//! Rays of a view on the CPU: primary rays, mirror rays and rays towards lights.
 
 use glam::{DVec2, DVec3, UVec2, Vec3};
 use rayon::prelude::*;
@@ -13,10 +13,10 @@ use crate::{
 
 use super::view::View;
 
-/// Samples across and down the picture.
+/// Number of samples across and down the picture.
 const GRID: [u32; 2] = [40, 24];
 
-/// The places of a grid over the picture, 0 to 1 from its upper left corner.
+/// Points of a grid over the picture, 0 to 1 from its upper left corner.
 pub fn places() -> impl ParallelIterator<Item = DVec2> {
     (0..GRID[0] * GRID[1]).into_par_iter().map(|i| {
         let place = UVec2::new(i % GRID[0], i / GRID[0]).as_dvec2() + 0.5;
@@ -24,30 +24,30 @@ pub fn places() -> impl ParallelIterator<Item = DVec2> {
     })
 }
 
-/// What a view's rays are followed in.
+/// World and view whose rays are traced.
 #[derive(Clone, Copy)]
 pub struct ViewRays<'a> {
-    /// Posed.
+    /// World in its current pose.
     pub world: &'a World,
-    /// Its trees.
+    /// BVHs of the world.
     pub trees: &'a Trees,
-    /// Of the camera.
+    /// View of the camera.
     pub view: &'a View,
 }
 
-/// A point of a surface.
+/// A point on a surface.
 #[derive(Clone, Copy, Debug)]
 pub struct SurfacePoint {
-    /// World space, meters.
+    /// Position in world space, meters.
     pub position: DVec3,
-    /// Unit shading normal on the side that is looked at.
+    /// Unit shading normal on the visible side.
     pub normal: DVec3,
     /// Index into [`World::instances`].
     pub instance: usize,
 }
 
 impl ViewRays<'_> {
-    /// The ray through a place of the picture, 0 to 1 from its upper left corner; its `t` is the depth.
+    /// The ray through a point of the picture, 0 to 1 from its upper left corner; its `t` is the depth.
     pub fn primary(&self, place: DVec2) -> Ray {
         let ndc = place * 2.0 - 1.0;
         let (origin, direction) = self.view.ray(DVec2::new(ndc.x, -ndc.y));
@@ -60,7 +60,7 @@ impl ViewRays<'_> {
         }
     }
 
-    /// The surface that a ray along `direction` has met; its normal faces the ray.
+    /// The surface point of a hit along `direction`; its normal faces the ray.
     pub fn point(&self, hit: &RayHit, direction: DVec3) -> SurfacePoint {
         let instance = &self.world.instances[hit.instance as usize];
         let posed = self.world.posed(instance.mesh);
@@ -84,7 +84,7 @@ impl ViewRays<'_> {
     }
 }
 
-/// Whether a light's cone and range reach a point; `to_light` leads from there to the light.
+/// Whether a light's cone and range include a point; `to_light` is the vector from the point to the light.
 pub fn is_in_reach(light: &Light, to_light: DVec3) -> bool {
     let in_cone = match light.desc.kind {
         LightKind::Spot {
@@ -108,13 +108,13 @@ pub fn is_in_reach(light: &Light, to_light: DVec3) -> bool {
             .is_none_or(|range_m| to_light.length() < f64::from(range_m))
 }
 
-/// The mirrored ray at a point that was met along `direction`.
+/// The mirror ray at a surface point that was hit along `direction`.
 pub fn mirror_ray(point: &SurfacePoint, direction: DVec3) -> Ray {
     let mirrored = direction - point.normal * (2.0 * direction.dot(point.normal));
     off_surface(point, mirrored.normalize())
 }
 
-/// A ray of a reflection that starts a little above the surface.
+/// A reflection ray, offset a little from the surface.
 pub fn off_surface(point: &SurfacePoint, direction: DVec3) -> Ray {
     let size = point.position.abs().max_element().max(1e-3);
     Ray {

@@ -1,5 +1,5 @@
-//! Sampled rays of a view, followed on the CPU: the counts that the cost model needs. They depend on
-//! the scene alone, so that all machines count alike.
+//! Sampled rays of a view, traced on the CPU: the counts that the cost model needs. They depend on the scene alone,
+//! so that all machines count alike.
 
 use glam::{DVec2, DVec3, Vec3};
 use rayon::prelude::*;
@@ -18,36 +18,35 @@ use super::{
     view_rays::{SurfacePoint, ViewRays, is_in_reach, mirror_ray, off_surface, places},
 };
 
-/// Most reflections in a row that are followed.
+/// Maximum number of successive reflections that are traced.
 const MAX_BOUNCES: u32 = 4;
-/// How far a surface seen on the screen may lie from the hit of a mirror ray to count as that hit,
-/// of its distance.
+/// Maximum distance between a mirror ray's hit and the surface seen on the screen to count as the same place, as a
+/// share of the depth.
 const SAME_PLACE: f64 = 2e-3;
 
-/// Sums over the samples of a view.
+/// Counts summed over the samples of a view.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ViewSample {
-    /// Primary rays.
+    /// Number of primary rays.
     pub rays: u32,
-    /// Nodes that they visit.
+    /// Number of nodes that primary rays visit.
     pub visits: u32,
-    /// Those that meet a surface.
+    /// Number of primary rays that hit a surface.
     pub surfaces: u32,
-    /// Surfaces that reflect.
+    /// Number of primary hits on surfaces that reflect.
     pub reflective: u32,
-    /// Nodes that mirror rays visit, further bounces included.
+    /// Number of nodes that mirror rays visit, further bounces included.
     pub mirror_visits: u32,
-    /// Mirror rays whose hit the picture shows.
+    /// Number of mirror rays whose hit the picture shows.
     pub shown: u32,
-    /// Nodes that the others visit.
+    /// Number of nodes that the other mirror rays visit.
     pub refused_visits: u32,
-    /// Shadow rays to the `auto` lights of each kind, and the nodes that they visit.
+    /// Number of shadow rays to the `auto` lights of each kind, and number of nodes that they visit.
     pub shadows: [(u32, u32); LightKind::NAMES.len()],
 }
 
 impl ViewSample {
-    /// Follows the rays of a view; cut-outs count as solid, and further reflections are counted up to
-    /// `bounces`.
+    /// Traces the rays of a view; cut-outs count as solid, and further reflections are counted up to `bounces`.
     pub fn new(world: &World, trees: &Trees, view: &View, cutoff: f32, bounces: u32) -> Self {
         let sampler = Sampler {
             rays: ViewRays { world, trees, view },
@@ -83,7 +82,7 @@ struct Sampler<'a> {
 }
 
 impl Sampler<'_> {
-    /// A place of the picture, 0 to 1 from its upper left corner.
+    /// Counts of one sample, at a point of the picture from 0 to 1 from its upper left corner.
     fn sample(&self, place: DVec2) -> ViewSample {
         let mut sum = ViewSample {
             rays: 1,
@@ -130,7 +129,7 @@ impl Sampler<'_> {
         may_reflect(self.rays.world, material, self.cutoff)
     }
 
-    /// Whether the picture shows the hit of a mirror ray, and does not reflect there.
+    /// Whether the picture shows the hit of a mirror ray, and the surface there does not reflect.
     fn is_shown(&self, ray: &Ray, hit: &RayHit) -> bool {
         let point = self.rays.point(hit, ray.direction);
         let Some(place) = self.place_of(point.position) else {
@@ -146,7 +145,7 @@ impl Sampler<'_> {
         seen.is_some_and(|seen| (seen.t - depth).abs() < SAME_PLACE * depth)
     }
 
-    /// Where the picture shows a point, 0 to 1 inside; `None` behind the near plane.
+    /// Position of a point in the picture, 0 to 1 inside; `None` behind the near plane.
     fn place_of(&self, point: DVec3) -> Option<DVec2> {
         let offset = point - self.rays.view.eye.as_dvec3();
         let depth = offset.dot(self.rays.view.forward.as_dvec3());

@@ -14,7 +14,7 @@ use crate::{
 /// Key of the uploaded world.
 #[derive(Clone, Debug)]
 pub struct WorldKey {
-    /// Held, so that their addresses are not reused.
+    /// Uploaded data, held so that their addresses are not reused.
     upload: (Shared<Mesh>, Shared<Texture>, Option<Arc<Panorama>>),
     trees: Vec<TreeInstance>,
     materials: (Vec<Material>, Vec<usize>),
@@ -22,7 +22,7 @@ pub struct WorldKey {
     deformed: BTreeMap<usize, Arc<Deformed>>,
 }
 
-/// Parts of an instance that the trees depend on.
+/// Properties of an instance that the BVHs depend on.
 #[derive(Clone, Debug, PartialEq)]
 struct TreeInstance {
     mesh: usize,
@@ -63,7 +63,7 @@ impl WorldKey {
         }
     }
 
-    /// Whether both share meshes, textures and panorama, by identity.
+    /// Whether both keys share meshes, textures and panorama, by identity.
     pub fn has_same_uploads(&self, other: &Self) -> bool {
         let (meshes, textures, panorama) = &other.upload;
         self.shares(meshes, textures, panorama.as_ref())
@@ -81,13 +81,13 @@ impl WorldKey {
             && address(self.upload.2.as_ref()) == address(panorama)
     }
 
-    /// Whether the trees of one fit the other after a rebuild of the top level: equal static
-    /// instances and equal hit flags.
+    /// Whether the BVHs of one key fit the other after a rebuild of the top level: equal static instances and equal
+    /// hit flags.
     pub fn has_same_trees(&self, other: &Self) -> bool {
         self.trees == other.trees && self.deformed.keys().eq(other.deformed.keys())
     }
 
-    /// Whether materials are the same, and every instance has the same one.
+    /// Whether the materials are the same, and every instance has the same one.
     pub fn has_same_materials(&self, other: &Self) -> bool {
         self.materials == other.materials
     }
@@ -97,8 +97,8 @@ impl WorldKey {
         self.poses == other.poses && self.deformed == other.deformed
     }
 
-    /// Whether a world differs only in poses of movable instances and deformed meshes and in numbers of materials and
-    /// lights, so that its records fit the existing buffers.
+    /// Whether a world differs only in poses of movable instances and deformed meshes and in parameters of materials
+    /// and lights, so that its records fit the existing buffers.
     pub fn is_posed_from(&self, world: &World) -> bool {
         // Bitwise, so that a pose with NaN equals itself.
         let bits = |pose: Affine3A| pose.to_cols_array().map(f32::to_bits);
@@ -117,7 +117,7 @@ impl WorldKey {
             && known.zip(&world.instances).all(fits)
     }
 
-    /// Adopts poses and animated materials.
+    /// Adopts poses and animated materials of a world.
     pub fn update(&mut self, world: &World) {
         for (pose, instance) in self.poses.iter_mut().zip(&world.instances) {
             *pose = instance.world_from_object;

@@ -13,45 +13,45 @@ use super::{
 };
 use crate::files::{open_regular, read_at_most};
 
-/// What messages say about files of a kind.
+/// Words and limits for one kind of file, such as scene text or scripts.
 #[derive(Debug)]
 pub struct Kind {
-    /// One of them, with its article.
+    /// Name of the kind in messages, such as `scene text` or `a script`.
     pub one: &'static str,
-    /// Where their names start and how they end.
+    /// Advice on the folder that file names start from and on their extension.
     pub names: &'static str,
-    /// From where they are read.
+    /// Advice on the folders that such files may be in.
     pub inside: &'static str,
-    /// Largest size, MiB.
+    /// Largest file size, MiB.
     pub most_mib: u64,
 }
 
 /// A file that was read.
 #[derive(Debug)]
 pub struct Found {
-    /// The folder and the name that was asked for.
+    /// Path as asked for: the folder joined with the name.
     pub path: PathBuf,
-    /// The same without links.
+    /// Canonical path, with symbolic links resolved.
     pub real: PathBuf,
-    /// Its text.
+    /// Text of the file.
     pub text: String,
 }
 
-/// Why a file cannot be read.
+/// The reason why a file cannot be read.
 #[derive(Debug)]
 pub struct Problem {
-    /// What is wrong.
+    /// Message for the user.
     pub message: String,
-    /// What to do.
+    /// Advice on what to do; empty for none.
     pub help: &'static str,
-    /// Where in the file, if it is there.
+    /// Place of the mistake, if it is inside the file.
     pub inside: Option<Span>,
-    /// Whether there is no such file.
+    /// Whether the file does not exist.
     is_missing: bool,
 }
 
 impl Problem {
-    /// Of the file as a whole.
+    /// A problem of the file as a whole.
     pub fn new(message: String, help: &'static str) -> Self {
         Self {
             message,
@@ -63,7 +63,7 @@ impl Problem {
 }
 
 impl Problem {
-    /// At its place in the file, or at the place that names the file.
+    /// The problem as an error at its place in the file, else at `at`, where the file is named.
     pub fn at_name(self, name: &'static str, at: Span) -> Diagnostic {
         let error = match self.inside {
             Some(inside) => Diagnostic::at("not-utf8", inside, self.message)
@@ -81,8 +81,8 @@ impl Problem {
     }
 }
 
-/// Reads `file` from the first of some folders that has it, or a folder below that; it is added to
-/// `dependencies`, in each folder, once its name is allowed.
+/// Reads `file`, which may name a subfolder, from the first of `folders` that has it. Every path that is
+/// tried is added to `dependencies`, once the name is known to be allowed.
 ///
 /// # Errors
 /// A name or a link that leads out of the folder, a file that is missing, too large or not UTF-8.

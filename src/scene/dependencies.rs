@@ -1,12 +1,12 @@
-//! Which files were read or looked for, so that they can be watched.
+//! List of the files that were read or looked for, so that they can be watched for changes.
 
 use std::{
     path::PathBuf,
     sync::{Arc, Mutex, PoisonError},
 };
 
-/// Every file that was read or looked for, as it was named: links are not followed, and it need not
-/// exist. Clones share one list.
+/// Paths of all files that were read or looked for, as they were named: links are not resolved, and the
+/// files need not exist. Clones share one list.
 #[derive(Clone, Debug, Default)]
 pub struct Dependencies(Arc<Mutex<Vec<PathBuf>>>);
 
@@ -19,7 +19,7 @@ impl Dependencies {
         }
     }
 
-    /// What was looked at so far.
+    /// Paths of all files that were looked for so far.
     pub fn paths(&self) -> Vec<PathBuf> {
         let paths = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         paths.clone()

@@ -1,8 +1,9 @@
 //! The scene as people write it: plain data, its defaults, and its manual.
 //!
-//! Every field's comment says meaning, unit, range and what more of it does; `docs/scene` and
+//! Every field's comment says meaning, unit, range and the effect of larger values; `docs/scene` and
 //! `reflet schema` are generated from these comments, so this file *is* the manual. A key that has
-//! no field of its own has a line `- KEY: …`, the key in code marks, in the comment of what it sets.
+//! no field of its own has a line `- KEY: …`, the key in code marks, in the comment of the field or the
+//! type that it sets.
 
 mod animation;
 mod camera;
@@ -54,7 +55,7 @@ use super::diagnostic::Span;
 pub struct Entry<T> {
     /// The name after the dot.
     pub name: String,
-    /// Where the name is written.
+    /// Place where the name is written.
     pub at: Span,
     /// The table's content.
     pub value: T,
@@ -65,21 +66,21 @@ pub struct Entry<T> {
 pub struct At<T> {
     /// The value.
     pub value: T,
-    /// Where it is written.
+    /// Place where the value is written.
     pub at: Span,
 }
 
 /// Tables may be left out, and may stand in any order.
 ///
 /// - `version`: version of the scene text; this manual describes 1.
-/// - `base`: another scene, `base = "shot010.toml"`, that this one lies over, key by key; looked for
-///   beside the scene, then in each `--assets` folder. Instances with the same `name` are one; other
+/// - `base`: another scene, `base = "shot010.toml"`, that this one is laid over, key by key; looked for
+///   beside the scene, then in each `--assets` folder. Instances with the same `name` are merged; other
 ///   lists are replaced. File names in it start from this scene's folder.
-/// - `remove`: what of the base is left out, such as `remove = ["light.lamp", "instance.ball"]`; also
+/// - `remove`: entries of the base to leave out, such as `remove = ["light.lamp", "instance.ball"]`; also
 ///   in a variant.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct SceneDesc {
-    /// The scene's own text, without the files that it names.
+    /// Start of the scene's own text; the span's source is that text, without the files that it names.
     pub own: Span,
     /// Folder that relative file names start from (the scene file's own).
     pub folder: PathBuf,
@@ -91,11 +92,11 @@ pub struct SceneDesc {
     pub models: Vec<Entry<ModelDesc>>,
     /// `[[instance]]`: placements of models.
     pub instances: Vec<InstanceDesc>,
-    /// `[group.NAME]`: places for others to hang on by `parent`.
+    /// `[group.NAME]`: transforms without geometry, which other entries name as their `parent`.
     pub groups: Vec<Entry<GroupDesc>>,
     /// `[light.NAME]`: lights, at most 64 with those inside glTF files.
     pub lights: Vec<Entry<LightDesc>>,
-    /// `[environment]`: what rays that leave the scene see, and the light it sheds.
+    /// `[environment]`: the background that rays see where they leave the scene, and the light from it.
     pub environment: EnvironmentDesc,
     /// `[reflection]`: how reflections are found.
     pub reflection: ReflectionDesc,
@@ -105,52 +106,52 @@ pub struct SceneDesc {
     pub timeline: Option<TimelineDesc>,
     /// `cuts` of the timeline.
     pub cuts: Vec<CutDesc>,
-    /// `[motion]`: what moves.
+    /// `[motion]`: tracks that move cameras, instances, groups, lights and materials.
     pub motion: MotionDesc,
     /// `[params]`: parameters of the script, with names of your choice.
     pub params: Vec<Entry<ParamValue>>,
-    /// What hangs on what.
+    /// Parents of instances, groups, lights and cameras.
     pub parents: Parents,
     /// `[variant.NAME]`: any keys of the scene, laid over it like a scene over its base where
     /// `--variant NAME` chooses it.
     pub variants: Vec<At<String>>,
     /// `include = ["….toml"]`: files of scene text below the scene's folder or an `--assets` folder,
-    /// whose tables and instances stand behind the scene's own. With bases, in the order of reading.
+    /// whose tables and instances come after the scene's own. The list has bases too, in the order of reading.
     pub includes: Vec<Include>,
     /// `script = "….rhai"`: a script beside the scene that adds to it and moves it; see
     /// `docs/scripting.md`.
     pub script: Option<ScriptDesc>,
     /// Scripts of placed scenes, each file once.
     pub placed_scripts: Vec<ScriptDesc>,
-    /// Parameters of placed scenes, with the values that they have there, by the groups that stand for them.
+    /// Parameters of each placed scene with their values there, by the group that stands for the scene.
     pub placed_params: Vec<(String, Vec<Entry<ParamValue>>)>,
-    /// Names of the cameras that came along with placed scenes.
+    /// Names of the cameras that placed scenes define.
     pub placed_cameras: HashSet<String>,
 }
 
 /// `[model.NAME]`: exactly one of `file` and `shape`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ModelDesc {
-    /// Where the geometry comes from.
+    /// Source of the geometry.
     pub source: ModelSource,
     /// For shapes: the name of a `[material.NAME]`. For files: tables `[model.NAME.material.M]`,
     /// each overriding the file's material `M`, or all of them as `"*"`.
     pub material: Option<At<String>>,
     /// For files: `[model.NAME.material.M]` overrides of the file's materials by name.
     pub overrides: Vec<Entry<MaterialDesc>>,
-    /// For files: whether its own lights are used. Default true.
+    /// For files: whether the file's own lights are used. Default true.
     pub lights: bool,
-    /// For glTF files: which of its material variants is shown, by name (KHR_materials_variants).
+    /// For glTF files: name of the material variant that is shown (KHR_materials_variants).
     /// Default: the file's own materials.
     pub variant: Option<At<String>>,
-    /// For files: which of its animations is played, by name, `"*"` for all of them, or a table
-    /// with more. Default: none.
+    /// For files: name of the animation that is played, `"*"` for all of them, or a table with further
+    /// keys. Default: none.
     pub animation: Option<AnimationDesc>,
-    /// For USD stages: what of the stage is converted.
+    /// For USD stages: the variants, purposes and subdivision with which the stage is converted.
     pub usd: StageDesc,
 }
 
-/// Where a model's geometry comes from.
+/// Source of a model's geometry.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ModelSource {
     /// `file = "…"`: glTF 2.0 (`.gltf`, `.glb`) or a USD stage (`.usd`, `.usda`, `.usdc`, `.usdz`),
@@ -207,9 +208,9 @@ pub enum ShapeDesc {
     },
     /// `"torus"`: a ring around axis Y.
     Torus {
-        /// From the center to the middle of the tube, meters, above 0. Default 0.5.
+        /// Distance from the center to the middle of the tube, meters, above 0. Default 0.5.
         radius: f32,
-        /// Of the tube, meters, above 0 and at most `radius`. Default 0.15.
+        /// Radius of the tube, meters, above 0 and at most `radius`. Default 0.15.
         tube_radius: f32,
         /// Divisions around, 3 to 1024; half as many around the tube. Default 96.
         segments: u32,
@@ -218,7 +219,7 @@ pub enum ShapeDesc {
     Capsule {
         /// Radius, meters, above 0. Default 0.25.
         radius: f32,
-        /// From end to end, meters, above 0 and at least twice the radius. Default 1.
+        /// Length from end to end, meters, above 0 and at least twice the radius. Default 1.
         height: f32,
         /// Divisions around, 3 to 1024. Default 64.
         segments: u32,
@@ -232,7 +233,7 @@ pub enum ShapeDesc {
         /// Divisions around, 3 to 1024. Default 64.
         segments: u32,
     },
-    /// `"heightfield"`: a surface as high as an image is bright, black at y = 0, facing +Y.
+    /// `"heightfield"`: a surface whose height is the brightness of an image, black at y = 0, facing +Y.
     Heightfield {
         /// The image, of 2 to 2048 pixels on each side, 8 or 16 bits; its top row is towards -Z.
         /// Searched beside the scene, then in each `--assets` folder.
@@ -244,8 +245,8 @@ pub enum ShapeDesc {
 
 /// `[[instance]]`
 ///
-/// - `parent`: `name` of another instance, or a `[group.NAME]`, that this hangs on: its placement is
-///   then relative to where that is, wherever it moves. On an instance with copies, the first.
+/// - `parent`: `name` of another instance, or of a `[group.NAME]`: the placement is then relative to
+///   that parent, also while the parent moves. Of an instance with copies, the first copy.
 ///   Default: none.
 #[derive(Clone, Debug, PartialEq)]
 pub struct InstanceDesc {
@@ -253,30 +254,31 @@ pub struct InstanceDesc {
     pub name: Option<String>,
     /// Name of a `[model.NAME]`, or `{ scene = "….toml" }`.
     pub model: At<String>,
-    /// Where it stands.
+    /// Transform of the instance.
     pub placement: PlacementDesc,
-    /// Whether it may move: it then lives in the dynamic tree. Default false.
+    /// Whether it may move: it is then part of the BVH of moving instances, not of the static tree.
+    /// Default false.
     pub dynamic: bool,
-    /// What shows it.
+    /// Whether camera rays, shadows and reflections show it.
     pub shown: ShownDesc,
     /// Copies on a grid.
     pub repeat: Option<RepeatDesc>,
     /// In place of `repeat`: a table of points (`.csv`), a copy for each row, at most a million. The
     /// first line names the columns: `x`, `y`, `z`, meters; `rx_deg`, `ry_deg`, `rz_deg` or `qx`, `qy`,
-    /// `qz`, `qw`; `scale` or `sx`, `sy`, `sz`. Each moves the instance as its own keys place it.
+    /// `qz`, `qw`; `scale` or `sx`, `sy`, `sz`. Each row transforms the instance as its own keys place it.
     /// Looked for beside the scene, then in each `--assets` folder.
     pub instances_from: Option<At<String>>,
     /// `material = "name"` or `material = {…}`: replaces or overrides every material of this placement.
     pub material: Option<InstanceMaterialDesc>,
-    /// Which of its file's animations this placement plays; in place of its model's `animation`.
+    /// Animation of its file that this placement plays, by name; in place of its model's `animation`.
     pub animation: Option<AnimationDesc>,
-    /// Nodes of its file that scripts pose with `ctx.joint`: joints of a skin, or any other, by name. What hangs on
-    /// them moves too.
+    /// Nodes of its file that scripts pose with `ctx.joint`: joints of a skin, or any other, by name. Their
+    /// descendants move too.
     pub joints: Vec<At<String>>,
     /// Morph targets of its file whose weights scripts set with `ctx.morph`, by name; one without a name is
     /// called by its number, from "0".
     pub morphs: Vec<At<String>>,
-    /// Where the table starts.
+    /// Place where the table starts.
     pub at: Span,
 }
 
@@ -294,12 +296,12 @@ pub enum InstanceMaterialDesc {
 pub enum PlacementDesc {
     /// Scale first, then rotate, then translate.
     Trs {
-        /// Where the model's origin goes, meters.
+        /// Position of the model's origin, meters.
         translation: Vec3,
         /// - `rotation_deg`: degrees about X, then Y, then Z, all fixed axes.
         /// - `rotation_quat`: the same as a quaternion x, y, z, w; normalized when read.
         rotation: Quat,
-        /// Factor on the model's size, one number or three; not 0. Negative mirrors.
+        /// Scale factor of the model, one number for all axes or three; not 0. Negative mirrors.
         scale: Vec3,
     },
     /// `matrix`: 16 numbers, column by column; the last row must be 0 0 0 1.

@@ -1,4 +1,4 @@
-//! Messages for people: where in which file, what was expected, what to do.
+//! Messages to the user: the place in a file, what is wrong and what was expected, and what to do.
 
 mod json;
 mod render;
@@ -21,9 +21,9 @@ pub struct Source {
     pub path: PathBuf,
     /// Its whole text.
     pub text: String,
-    /// For text that has no file because a script returned it: where messages point instead.
+    /// For text that a script returned, which has no file: the places in the script to point to instead.
     pub returned: Option<Returned>,
-    /// Whether it is no text of the user's but made for a model; messages name the path alone.
+    /// Whether the program generated the text for a model file; messages then name the path alone.
     pub generated: bool,
 }
 
@@ -36,29 +36,29 @@ pub struct Span {
     pub range: Range<usize>,
 }
 
-/// How bad it is.
+/// Severity of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Severity {
-    /// Nothing is rendered.
+    /// A mistake because of which nothing is rendered.
     Error,
-    /// Rendered, but not all of it as written.
+    /// The scene is rendered, but not all of it as written.
     Warning,
 }
 
-/// One message.
+/// One message to the user.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Diagnostic {
-    /// How bad it is.
+    /// Severity: error or warning.
     pub severity: Severity,
     /// Stable kebab-case name of the kind of message, such as `unknown-key` or `alpha-blend-opaque`.
     pub name: &'static str,
-    /// What is wrong and what was expected, one sentence.
+    /// The mistake and what was expected, in one sentence.
     pub message: String,
-    /// Where.
+    /// Place of the mistake in a text.
     pub span: Span,
     /// A file (and place inside it, such as `mesh 3 "wall"`) when no text span exists.
     pub file: Option<PathBuf>,
-    /// What to do, such as `did you mean "eye"?`.
+    /// Advice on what to do, such as `did you mean "eye"?`.
     pub help: Option<String>,
     /// A second place with a note (the other end of a dangling or doubled name).
     pub related: Option<(Span, String)>,
@@ -67,9 +67,9 @@ pub struct Diagnostic {
 /// A place in a text for people: lines and columns count from 1, columns in characters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Place {
-    /// Line, from 1.
+    /// Line number, from 1.
     pub line: usize,
-    /// Character in the line, from 1.
+    /// Number of the character in the line, from 1.
     pub column: usize,
 }
 
@@ -87,7 +87,7 @@ impl Source {
 }
 
 impl Span {
-    /// The first byte of a file that is no UTF-8.
+    /// Span of the first byte of a file that is not UTF-8.
     pub fn not_utf8(path: &Path, wrong: &FromUtf8Error) -> Self {
         let start = wrong.utf8_error().valid_up_to();
         let source = Source {
@@ -104,12 +104,12 @@ impl Span {
         }
     }
 
-    /// Where messages point: into a script for what that returned.
+    /// The span that messages point to: for text that a script returned, the place in the script.
     pub fn shown(self) -> Self {
         self.in_script().map_or(self, |(span, _)| span)
     }
 
-    /// For a place in what a script returned: where in the script that is, and what it is called.
+    /// For a span of text that a script returned: the place in the script, and the entry's name.
     fn in_script(&self) -> Option<(Self, String)> {
         let source = self.source.as_ref()?;
         let returned = source.returned.as_ref()?;
@@ -118,7 +118,8 @@ impl Span {
 }
 
 impl Diagnostic {
-    /// An error at a place in a text; what a script returned is named, and its place is the script.
+    /// An error at a place in a text; for text that a script returned, the message names the entry and
+    /// points into the script.
     pub fn at(name: &'static str, span: Span, message: impl Into<String>) -> Self {
         let (span, message) = match span.in_script() {
             Some((span, entry)) => (span, format!("{entry}: {}", message.into())),
@@ -135,14 +136,15 @@ impl Diagnostic {
         }
     }
 
-    /// The same message with what to do.
+    /// The same message with advice on what to do; empty for none.
     pub fn help(mut self, help: impl Into<String>) -> Self {
         let help = help.into();
         self.help = (!help.is_empty()).then_some(help);
         self
     }
 
-    /// The same message with a second place and what is there, if a user wrote that.
+    /// The same message with a second place and a note on it; left out where the program generated the
+    /// text there.
     pub fn related(mut self, span: Span, note: impl Into<String>) -> Self {
         if span.source.as_ref().is_some_and(|source| source.generated) {
             return self;

@@ -14,7 +14,8 @@ pub const EXAMPLE: &str = include_str!("manual/example.toml");
 
 const INTRODUCTION: &str = include_str!("manual/introduction.md");
 
-/// Address of the section of a type of `desc.rs`, where keys that take such a table link to it.
+/// Function from the name of a type of `desc.rs` to the address of its section, for links from keys that
+/// take such a table; `None` for no link.
 type Link<'a> = &'a dyn Fn(&str) -> Option<String>;
 
 /// The whole manual as one Markdown text, for a terminal.
@@ -35,17 +36,17 @@ fn types(section: &SectionRecord) -> Vec<&'static str> {
     [&[section.type_name], section.also].concat()
 }
 
-/// What a table is for.
+/// Comment of a table's type, which says what the table is for.
 pub fn section_text(section: &SectionRecord) -> &'static str {
     comments::of_type(section.type_name).unwrap_or_default()
 }
 
-/// What a variant of a table is, `word` being its kind.
+/// Comment of the variant of a table whose `kind` is `word`.
 pub fn variant_text(section: &SectionRecord, word: &str) -> &'static str {
     comments::of_word(&types(section), word).unwrap_or_default()
 }
 
-/// What a key means, with its words where it takes one of some.
+/// Comment of a key, followed by the comments of its allowed words, if it takes one of a set.
 pub fn key_text(section: &SectionRecord, word: Option<&str>, key: &KeyRecord) -> String {
     let text = comments::of_key(&types(section), word, key.name).unwrap_or_default();
     let mut text = without_lead(text, key.name);
@@ -60,7 +61,7 @@ pub fn key_text(section: &SectionRecord, word: Option<&str>, key: &KeyRecord) ->
     text
 }
 
-/// A section with its heading of that level, 1 to 5, and its variants one level below.
+/// Writes a section with a heading of `level`, 1 to 5, and its variants one level below.
 fn describe_section(out: &mut String, section: &SectionRecord, level: usize, link: Link) {
     let heading = section.heading;
     let marks = "#".repeat(level);

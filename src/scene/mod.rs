@@ -1,4 +1,4 @@
-//! Scene text: what people write, read with all its errors at once.
+//! Scene text as users write it, read with all its errors at once.
 
 mod confined_read;
 pub mod dependencies;

@@ -1,5 +1,5 @@
-//! The scene at one frame, as tracks move it: a pure function of the description and the frame's
-//! number.
+//! The state of the scene at one frame, as tracks move it: a pure function of the description and the
+//! number of the frame.
 
 mod clock;
 mod hierarchy;
@@ -17,7 +17,7 @@ use std::{
 
 use glam::{Affine3A, DQuat, EulerRot, Quat, Vec3};
 
-use self::hierarchy::{hang_cameras, hang_lights};
+use self::hierarchy::{attach_cameras, attach_lights};
 pub use self::hierarchy::{placed_camera, placed_light};
 pub use self::joint::JointPose;
 pub use self::material::{
@@ -40,43 +40,43 @@ use super::{
 pub struct FrameState {
     /// Number of the frame.
     pub frame: u32,
-    /// Its time, seconds: frame / fps.
+    /// Time of the frame, or of the sub-frame while the shutter is open, seconds.
     pub time_s: f64,
-    /// Position of each camera.
+    /// State of each camera.
     pub cameras: Vec<CameraDesc>,
-    /// World from model space of each instance, or of the first of its copies, then of each group;
-    /// relative to parents until [`Animator`](super::stages::Animator) is done.
+    /// Transform from model to world space of each instance (of its first copy), then of each group;
+    /// relative to its parent until [`Animator`](super::stages::Animator) has posed the frame.
     pub instances: Vec<Affine3A>,
-    /// Whether each of the same is not there; all of those that hang on it are not, too. Those that are not
-    /// listed are there.
+    /// Whether each of these nodes is hidden; that hides its descendants too. Nodes past the end of the list
+    /// are shown.
     pub hidden: Vec<bool>,
-    /// Time inside its animations that the script has set for each instance, seconds.
+    /// Playback time of each instance's animations, where the script has set it, seconds.
     pub animation_s: Vec<Option<f64>>,
-    /// What the script has set of nodes, by instance and place in [`InstanceDesc::joints`].
+    /// Poses of nodes that the script has set, by instance and index in [`InstanceDesc::joints`].
     pub joints: BTreeMap<(usize, usize), JointPose>,
-    /// Weights that the script has set, by instance and place in [`InstanceDesc::morphs`].
+    /// Weights that the script has set, by instance and index in [`InstanceDesc::morphs`].
     pub morphs: BTreeMap<(usize, usize), f32>,
-    /// How each light shines.
+    /// State of each light.
     pub lights: Vec<LightDesc>,
-    /// What each `[material.NAME]` says.
+    /// Values of each `[material.NAME]`.
     pub materials: Vec<MaterialDesc>,
-    /// What changes of each of [`file_materials`].
+    /// Changed values of each material that [`file_materials`] lists.
     pub file_materials: Vec<MaterialChange>,
-    /// What changes of each instance's own `material = { … }`.
+    /// Changed values of each instance's own `material = { … }`.
     pub overrides: Vec<MaterialChange>,
-    /// What the script printed.
+    /// Lines that scripts printed.
     pub log: Vec<String>,
 }
 
 impl FrameState {
-    /// Whether an instance or group is not there.
+    /// Whether an instance or a group is hidden.
     pub fn is_hidden(&self, node: usize) -> bool {
         self.hidden.get(node).is_some_and(|hidden| *hidden)
     }
 }
 
 impl SceneDesc {
-    /// What an instance plays: its own choice, else its model's.
+    /// Animation that an instance plays: its own choice, else its model's.
     pub fn played_by<'a>(&'a self, instance: &'a InstanceDesc) -> Option<&'a AnimationDesc> {
         let model = || self.models.iter().find(|m| m.name == instance.model.value);
         let played = instance.animation.as_ref();
@@ -103,8 +103,8 @@ impl SceneDesc {
     }
 }
 
-/// Which instances, then which groups, may move: those that say so, those with motion, and those that
-/// hang on such.
+/// Whether each instance, then each group, may move: because it is `dynamic`, has motion, or has an
+/// ancestor that may move.
 pub fn moving(desc: &SceneDesc) -> Vec<bool> {
     let moved = desc.motion.instances.iter().filter(|e| e.value.moves());
     let moved = moved.chain(&desc.motion.groups);
@@ -118,7 +118,7 @@ pub fn moving(desc: &SceneDesc) -> Vec<bool> {
     moving
 }
 
-/// World from model space of a placement at rest.
+/// Transform of a placement at rest, from model space to the space of its parent.
 pub fn transform(placement: &PlacementDesc) -> Affine3A {
     match *placement {
         PlacementDesc::Trs {
@@ -130,15 +130,15 @@ pub fn transform(placement: &PlacementDesc) -> Affine3A {
     }
 }
 
-/// Turns about X, then Y, then Z, all fixed axes; degrees.
+/// Rotation by angles about X, then Y, then Z, all fixed axes; degrees.
 pub fn turned(euler_deg: Vec3) -> Quat {
-    // Whole turns are taken off while the number is still exact.
+    // Whole turns are subtracted before the conversion to radians, while the number is still exact.
     let reduced = euler_deg.as_dvec3() % 360.0;
     let [x, y, z] = reduced.to_array().map(f64::to_radians);
     DQuat::from_euler(EulerRot::ZYX, z, y, x).as_quat()
 }
 
-/// A scene's motion made ready: names resolved, paths measured.
+/// A scene's motion prepared for posing: names resolved, path lengths measured.
 #[derive(Debug)]
 pub(super) struct Motion<'a> {
     desc: &'a SceneDesc,
@@ -154,17 +154,17 @@ pub(super) struct Motion<'a> {
     overrides: Vec<Moved<'a>>,
 }
 
-/// Something that tracks move, by its index.
+/// A camera, light or material that tracks move, by its index.
 #[derive(Debug)]
 struct Moved<'a> {
     index: usize,
     at: &'a Span,
-    /// With the index of the [`Field`] that each changes.
+    /// Tracks, each with the index of the [`Field`] that it changes.
     tracks: Vec<(usize, Track<'a>)>,
 }
 
 impl Moved<'_> {
-    /// The nodes as they are in the space of a parent, where something follows one of them.
+    /// Transforms of all nodes: in the space of `parent` if a track follows a node, else as in `world`.
     fn seen_from<'w>(&self, parent: Option<usize>, world: &'w [Affine3A]) -> Cow<'w, [Affine3A]> {
         let follows = self.tracks.iter().any(|(_, track)| track.follows());
         let Some(parent) = parent.filter(|_| follows) else {
@@ -174,7 +174,7 @@ impl Moved<'_> {
         world.iter().map(|node| parent_from_world * *node).collect()
     }
 
-    /// Sets what moves of `to`, which is at rest.
+    /// Sets the moving values of `to`, which must have its values at rest.
     fn pose<T>(&self, to: &mut T, fields: &[Field<T>], time_s: f64, instances: &[Affine3A]) {
         for (field, track) in &self.tracks {
             let field = &fields[*field];
@@ -262,12 +262,12 @@ impl<'a> Motion<'a> {
         }
     }
 
-    /// What the script may name.
+    /// Names that the script may use.
     pub fn names(&self) -> &Arc<Names> {
         &self.names
     }
 
-    /// The scene around a frame as tracks move it, before its script.
+    /// State of the scene `late_frames` frames after a frame, as tracks move it, before scripts run.
     pub fn pose(&self, frame: u32, late_frames: f64) -> FrameState {
         let fps = self.desc.timeline.as_ref().map_or(24.0, |t| t.fps);
         let mut state = self.rest.clone();
@@ -325,7 +325,7 @@ impl<'a> Motion<'a> {
         )
     }
 
-    /// Moves those cameras and lights that are wanted; they may follow instances.
+    /// Applies the tracks of the cameras and lights that `wanted` selects; tracks may follow instances.
     pub fn follow(&self, state: &mut FrameState, wanted: impl Fn(Kind, usize) -> bool) {
         let (time_s, parents) = (state.time_s, &self.desc.parents);
         let world = parents.world(&state.instances);
@@ -348,13 +348,13 @@ impl<'a> Motion<'a> {
         }
     }
 
-    /// Moves everything from the spaces of its parents to the world.
-    pub fn hang(&self, state: &mut FrameState) {
+    /// Converts everything from its parent's space to world space; hidden parents hide their lights too.
+    pub fn attach(&self, state: &mut FrameState) {
         let parents = &self.desc.parents;
         if let Cow::Owned(world) = parents.world(&state.instances) {
             state.instances = world;
         }
-        hang_lights(parents, &mut state.lights, &state.instances);
+        attach_lights(parents, &mut state.lights, &state.instances);
         parents.inherit(&mut state.hidden);
         for (index, light) in state.lights.iter_mut().enumerate() {
             let parent = parents.of_light(index);
@@ -362,13 +362,13 @@ impl<'a> Motion<'a> {
                 light.color = Vec3::ZERO;
             }
         }
-        hang_cameras(parents, &mut state.cameras, &state.instances);
+        attach_cameras(parents, &mut state.cameras, &state.instances);
     }
 
     /// Refuses cameras and lights that motion has left without a direction.
     ///
     /// # Errors
-    /// A message for each.
+    /// A message for each such camera or light.
     pub fn check(&self, state: &FrameState) -> Result<(), Vec<Diagnostic>> {
         let frame = state.frame;
         let mut errors = Vec::new();

@@ -1,18 +1,18 @@
-//! Numbers that may change from frame to frame: what a table of them says of each. The tables stand
-//! beside the structs that have the numbers; `[motion]`, scripts and posing work from them.
+//! Descriptions of the numeric values that may change from frame to frame. Tables of them stand beside
+//! the structs that have the values; `[motion]`, scripts and posing work from these tables.
 
 use glam::Vec3;
 
 use super::range::Range;
 
-/// How many numbers a value has, and what they are.
+/// Number of components of a value, and their meaning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Form {
-    /// One, kept three times.
+    /// One number, stored in all three components.
     Number,
-    /// Two, the third is 0.
+    /// Two numbers; the third component is 0.
     Pair,
-    /// Three that are no place: nothing to follow or to orbit.
+    /// Three numbers that are not a position, so that tracks cannot `follow` or `orbit`.
     Color,
     /// A point or a direction.
     Vector,
@@ -23,9 +23,9 @@ pub enum Form {
 pub struct Field<T: 'static> {
     /// Its key in scene text, in `[motion]` and in scripts.
     pub key: &'static str,
-    /// What it consists of.
+    /// Number and meaning of its components.
     pub form: Form,
-    /// Of each of its numbers.
+    /// Range of each component.
     pub range: Range,
     /// The value; `None` where this `T` has none.
     pub get: fn(&T) -> Option<Vec3>,
@@ -34,7 +34,7 @@ pub struct Field<T: 'static> {
 }
 
 impl<T> Field<T> {
-    /// Sets the value, cut off at the ends of its range.
+    /// Sets the value, clamped to its range.
     pub fn put_clamped(&self, to: &mut T, value: Vec3) {
         let [x, y, z] = value.to_array().map(|x| self.range.clamp(x));
         (self.put)(to, Vec3::new(x, y, z));
@@ -48,9 +48,9 @@ pub fn find<T>(fields: &'static [Field<T>], key: &str) -> Option<&'static Field<
 
 /// A value that consists of one, two or three numbers.
 pub trait Lanes {
-    /// As tracks keep it.
+    /// The value as three components, as tracks store it.
     fn lanes(self) -> Vec3;
-    /// Back from what tracks keep.
+    /// The value from the three components that tracks store.
     fn of(lanes: Vec3) -> Self;
 }
 

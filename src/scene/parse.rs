@@ -41,22 +41,22 @@ use super::{
 /// Largest scene file, bytes. Geometry belongs in glTF files.
 pub const MOST_BYTES: u64 = 16 << 20;
 
-/// What messages call an override in place of a file.
+/// Name of an override in messages, in place of a file name.
 pub const OVERRIDE: &str = "--set";
 
-/// What messages call a chosen variant in place of a file.
+/// Name of a chosen variant in messages, in place of a file name.
 pub const VARIANT: &str = "--variant";
 
-/// What a scene's text is read with.
+/// Options for reading a scene's text.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct ReadOptions {
     /// `path=value` texts that are laid over the scene, as `--set` takes.
     pub overrides: Vec<String>,
-    /// Names of `[variant.NAME]` that are laid over it before, in this order.
+    /// Names of `[variant.NAME]` tables, laid over the scene before the overrides, in this order.
     pub variants: Vec<String>,
     /// Folders where bases, included files and scripts are looked for after the scene's own.
     pub assets: Vec<PathBuf>,
-    /// Whether the text was made for a model, which messages name in its place.
+    /// Whether the program generated the text for a model file, which messages name in its place.
     pub generated: bool,
 }
 
@@ -112,8 +112,8 @@ pub fn read(path: &Path) -> Result<String, Vec<Diagnostic>> {
     })
 }
 
-/// The parameters that a text declares, with what the options change; `None` where that cannot be
-/// determined.
+/// The parameters that a text declares, with the values that the options set; `None` where mistakes keep
+/// them from being determined.
 pub fn params(text: &str, path: &Path, options: &ReadOptions) -> Option<Vec<Entry<ParamValue>>> {
     let texts = Texts::collect(text, path, options, &Dependencies::default());
     Document::new(&texts, None).params()

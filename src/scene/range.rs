@@ -8,9 +8,9 @@ pub const LIMIT: f64 = 1e12;
 /// The numbers that a key takes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Range {
-    /// Smallest.
+    /// Smallest number.
     pub min: f64,
-    /// Largest.
+    /// Largest number.
     pub max: f64,
     /// Whether `min` itself is excluded.
     pub above_min: bool,
@@ -30,23 +30,23 @@ pub const ABOVE_0: Range = Range {
 /// 0 to 1.
 pub const UNIT: Range = range(0.0, 1.0);
 
-/// Indices of refraction.
+/// Range of indices of refraction.
 pub const INDEX: Range = range(1.0, 4.0);
-/// Of `material.NAME.dispersion`: at its end red light is not bent at all.
+/// Range of `material.NAME.dispersion`: at its upper end red light is not bent at all.
 pub const DISPERSION: Range = range(0.0, 40.0);
-/// Of `camera.NAME.aperture_f`.
+/// Range of `camera.NAME.aperture_f`.
 pub const APERTURE_F: Range = range(0.1, 1000.0);
-/// Of `reflection.ray_length_u`.
+/// Range of `reflection.ray_length_u`.
 pub const RAY_LENGTH_U: Range = ABOVE_0;
-/// Of `reflection.threshold_u`.
+/// Range of `reflection.threshold_u`.
 pub const THRESHOLD_U: Range = FROM_0;
-/// Of `reflection.edge_px`.
+/// Range of `reflection.edge_px`.
 pub const EDGE_PX: Range = range(0.0, 4.0);
-/// Of `reflection.bounces`.
+/// Range of `reflection.bounces`.
 pub const BOUNCES: Range = range(1.0, 16.0);
-/// Of `reflection.diffuse_bounces`.
+/// Range of `reflection.diffuse_bounces`.
 pub const DIFFUSE_BOUNCES: Range = range(0.0, 8.0);
-/// Of `reflection.steps`.
+/// Range of `reflection.steps`.
 pub const STEPS: Range = range(8.0, 4096.0);
 
 /// `min` to `max`, both included.
@@ -60,7 +60,7 @@ pub const fn range(min: f64, max: f64) -> Range {
 }
 
 impl Range {
-    /// The same without its upper end.
+    /// The same range with its upper end excluded.
     pub const fn below(self) -> Self {
         Self {
             below_max: true,
@@ -68,7 +68,7 @@ impl Range {
         }
     }
 
-    /// The same without its lower end.
+    /// The same range with its lower end excluded.
     pub const fn above(self) -> Self {
         Self {
             above_min: true,
@@ -76,7 +76,7 @@ impl Range {
         }
     }
 
-    /// Whether the number is one of them.
+    /// Whether the number is in the range.
     pub fn contains(&self, x: f64) -> bool {
         let low = if self.above_min {
             x > self.min
@@ -91,7 +91,7 @@ impl Range {
         low && high
     }
 
-    /// The nearest number that is one of them; 1e-5 away from an end that is not.
+    /// The nearest number in the range; 1e-5 away from an end that is excluded.
     pub fn clamp(&self, x: f32) -> f32 {
         let inside = |end: f64, open: bool, by: f64| if open { end + by } else { end };
         let min = inside(self.min, self.above_min, 1e-5);
@@ -99,15 +99,15 @@ impl Range {
         x.clamp(min as f32, max as f32)
     }
 
-    /// Checks a number that is kept in single precision: 1e-60 is not above 0 there.
+    /// Checks a number that is kept in single precision, where 1e-60 becomes 0.
     ///
     /// # Errors
-    /// What it must be, in words.
+    /// The allowed range, in words.
     pub fn check(&self, x: f64) -> Result<(), String> {
         if self.contains(x) && self.contains(f64::from(x as f32)) {
             return Ok(());
         }
-        // Words say nothing of an end that is that of any number.
+        // `words` leaves out an end at ±[`LIMIT`], which every range has.
         let is_past_any = (x > LIMIT && self.max == LIMIT) || (x < -LIMIT && self.min == -LIMIT);
         Err(match self.words() {
             words if words.is_empty() => "between -1e12 and 1e12".into(),
@@ -120,7 +120,7 @@ impl Range {
         })
     }
 
-    /// In words, such as `1 to 170` or `above 0`; empty for any number.
+    /// The range in words, such as `1 to 170` or `above 0`; empty for any number.
     pub fn words(&self) -> String {
         let low = self.min > -LIMIT;
         let high = self.max < LIMIT;
@@ -138,7 +138,7 @@ impl Range {
         }
     }
 
-    /// JSON Schema of such a number; `kind` is `number` or `integer`.
+    /// JSON Schema of a number in the range; `kind` is `number` or `integer`.
     pub fn schema(&self, kind: &str) -> Json {
         let low = if self.above_min {
             "exclusiveMinimum"

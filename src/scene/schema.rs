@@ -7,10 +7,10 @@ use super::{
     parse::{Form, KeyRecord, Rule, SectionRecord, VariantRecord, recorded_keys},
 };
 
-/// The key that every scene file has, with a base too.
+/// The key that every scene file must have, also one with a `base`.
 const VERSION: &str = "version";
 
-/// The schema, draft 2020-12. It cannot tell what depends on other values or files: names that refer to
+/// The schema, draft 2020-12. It cannot check what depends on other values or files: names that refer to
 /// nothing, directions that are zero, matrices that are singular, keys that are missing here and stand in a
 /// `base`.
 pub fn schema() -> Value {
@@ -46,7 +46,7 @@ fn table(section: &SectionRecord) -> Map<String, Value> {
     object
 }
 
-/// `properties` and what must or must not be there, for a table or for one of its variants.
+/// Properties, required keys and rules of a table or of one of its variants.
 fn keys(section: &SectionRecord, variant: Option<&VariantRecord>) -> Map<String, Value> {
     let own = variant.map_or(&[][..], |v| &v.keys);
     let own_rules = variant.map_or(&[][..], |v| &v.rules);
@@ -63,7 +63,7 @@ fn keys(section: &SectionRecord, variant: Option<&VariantRecord>) -> Map<String,
     let common = section.keys.iter().map(|key| (None, key));
     for (word, key) in common.chain(own.iter().map(|key| (variant.map(|v| v.word), key))) {
         properties.insert(key.name.into(), property(section, word, key));
-        // Anything else may stand in a `base`.
+        // Any other required key may come from a `base`.
         if key.required && key.name == VERSION {
             required.push(key.name.into());
         }

@@ -1,6 +1,6 @@
-//! Scripts in Rhai: what a scene adds by program and how it moves by program. A script is a pure
-//! function of the scene's parameters and the frame: it has no files, no clock and no memory
-//! between calls.
+//! Scripts in Rhai, which add to a scene (`setup`) and move it (`frame`). A script is a pure function of
+//! the scene's parameters and the frame: it has no access to files or a clock, and no memory between
+//! calls.
 
 pub mod api;
 mod bounded_functions;
@@ -51,7 +51,7 @@ pub use self::{
     limits::DEADLINE,
 };
 
-/// A scene as a script leaves it, and which cameras and lights the script has set.
+/// The scene as a script leaves it, and the cameras and lights that the script has set.
 pub type Posed = (FrameState, HashSet<(Kind, usize)>);
 
 /// A compiled script; clones share it.
@@ -61,7 +61,7 @@ pub struct Script(Arc<Compiled>);
 struct Compiled {
     engine: Engine,
     ast: AST,
-    /// What messages call its file.
+    /// Name of its file in messages.
     name: String,
     sources: Arc<Sources>,
     has_setup: bool,
@@ -75,8 +75,9 @@ impl fmt::Debug for Script {
 }
 
 impl Script {
-    /// Reads and compiles a script that a scene names, and everything that it imports; nothing
-    /// outside of `folders` is read, the scene's first. What is looked for is added to `dependencies`, also when it fails.
+    /// Reads and compiles a script that a scene names, and all files that it imports. Files are read from
+    /// `folders` alone, the scene's first; those that are looked for are added to `dependencies`, also when
+    /// this fails.
     ///
     /// # Errors
     /// A file that is missing or outside the folder, and mistakes of the script, with their places.
@@ -95,7 +96,7 @@ impl Script {
     /// Compiles a text that is called `name`; it can import nothing.
     ///
     /// # Errors
-    /// As [`Script::load`].
+    /// Same errors as [`Script::load`].
     pub fn from_text(name: &str, text: &str) -> Result<Self, Box<Diagnostic>> {
         let sources = Arc::new(Sources::without_files());
         let text = without_mark(text);
@@ -133,7 +134,7 @@ impl Script {
         Ok(script)
     }
 
-    /// Refuses what would never be called: `fn frame()`, `fn Frame(ctx)`.
+    /// Refuses functions that would never be called, such as `fn frame()` and `fn Frame(ctx)`.
     fn check_functions(&self) -> Result<(), Box<Diagnostic>> {
         let this = &*self.0;
         for (wanted, is_there) in [("setup", this.has_setup), ("frame", this.has_frame)] {
@@ -177,12 +178,12 @@ impl Script {
         Ok(())
     }
 
-    /// Whether it moves anything.
+    /// Whether the script has a `frame` function, which moves the scene.
     pub fn has_frame(&self) -> bool {
         self.0.has_frame
     }
 
-    /// What it is made of; `setup_log` are the lines that its `setup` printed.
+    /// Name, texts and files of the script; `setup_log` has the lines that its `setup` printed.
     pub fn describe(&self, setup_log: Vec<String>) -> ScriptDesc {
         ScriptDesc {
             name: self.0.name.clone(),
@@ -193,15 +194,15 @@ impl Script {
         }
     }
 
-    /// What messages call its file.
+    /// Name of its file in messages.
     pub fn name(&self) -> &str {
         &self.0.name
     }
 
-    /// Calls `setup`: what it adds to the scene, as scene text, and the lines that it printed.
+    /// Calls `setup`; returns its additions to the scene, as scene text, and the lines that it printed.
     ///
     /// # Errors
-    /// What the script does wrong, with its place.
+    /// A mistake of the script, with its place.
     pub fn setup(
         &self,
         params: &[Entry<ParamValue>],
@@ -226,17 +227,17 @@ impl Script {
         Ok((text, log))
     }
 
-    /// What mistakes of the text that [`Script::setup`] gave are explained by.
+    /// Places in the script that explain mistakes in the text that [`Script::setup`] returned.
     pub fn returned(&self) -> Returned {
         let Compiled { sources, name, .. } = &*self.0;
         Returned::new(sources.all(), sources.start_of_function(name, "setup"))
     }
 
-    /// Calls `frame` on a posed scene: the scene as it leaves it, and which cameras and lights it
-    /// has set.
+    /// Calls `frame` on a posed scene; returns the scene as the script leaves it, and the cameras and
+    /// lights that it has set.
     ///
     /// # Errors
-    /// What the script does wrong, with its place and the frame.
+    /// A mistake of the script, with its place and the frame.
     pub fn frame(
         &self,
         state: FrameState,
@@ -249,7 +250,7 @@ impl Script {
         }
         let frame = state.frame;
         let mut call = Call::new(params, timeline, frame);
-        // Not that of the frame while its shutter is open.
+        // While the shutter is open, this is the time of the sub-frame, not of the frame.
         call.time_s = state.time_s;
         let context = |state| Context::for_frame(call.clone(), state, Arc::clone(names));
         let (posed, afresh) = (context(state.clone()), context(state));
@@ -262,8 +263,9 @@ impl Script {
         Ok((state, touched))
     }
 
-    /// Calls a function, and takes what is needed of its result, which may be nested too deep for
-    /// any other thread. The second context is as the first, for finding the place of an error.
+    /// Calls a function and extracts the needed part of its result by `take`, on the script's own thread:
+    /// the result may be nested too deep for the stack of any other. The second context equals the first;
+    /// a repeated call uses it to find the place of an error.
     fn call<T: Send>(
         &self,
         function: &str,
@@ -291,7 +293,7 @@ impl Script {
         (result.map_err(ended), ran.log)
     }
 
-    /// With the place, for which `again` does the same once more, within bounds, where need be.
+    /// The error with its place; where a limit was met, `again` repeats the call within `bounds` to find it.
     fn ended<T>(
         &self,
         wrong: Box<EvalAltResult>,

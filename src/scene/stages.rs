@@ -1,5 +1,5 @@
 //! The stages from scene text to a scene at a frame: document → `setup` → merged document →
-//! description → pose. Each is a function of what it is given and the files it reads.
+//! description → pose. Each is a function of its arguments and the files that it reads.
 
 use std::{
     cell::{OnceCell, RefCell},
@@ -22,29 +22,29 @@ use super::{
 /// A description with its compiled script.
 #[derive(Clone, Debug)]
 pub struct Scene {
-    /// What is written, and what the script's `setup` added.
+    /// The description: the scene text and the additions of the script's `setup`.
     pub desc: SceneDesc,
     script: Option<Script>,
     placed: Vec<ScriptOfPlaced>,
 }
 
-/// The script of a placed scene, which has the names of that scene.
+/// The script of a placed scene, which uses names as that scene writes them.
 #[derive(Clone, Debug)]
 struct ScriptOfPlaced {
     script: Script,
     /// Name of the group that stands for the scene.
     group: String,
-    /// Where it is placed.
+    /// Place in the text that places the scene.
     at: Span,
-    /// What the scene itself declares.
+    /// Parameters of the placed scene, with their values in this placement.
     params: Vec<Entry<ParamValue>>,
 }
 
 impl ScriptOfPlaced {
-    /// Says which of the places of its scene an error is about.
+    /// Adds a note to each error that names the placement of the scene that it is about.
     fn explain(&self, mut errors: Vec<Diagnostic>) -> Vec<Diagnostic> {
         for error in &mut errors {
-            let note = || format!("of {}, which is placed here", suggest::text(&self.group));
+            let note = || format!("in {}, which is placed here", suggest::text(&self.group));
             (error.related).get_or_insert_with(|| (self.at.clone(), note()));
         }
         errors
@@ -89,13 +89,13 @@ impl Scene {
     /// takes.
     ///
     /// # Errors
-    /// As [`parse::read`], then as [`Scene::from_text`].
+    /// Same errors as [`parse::read`] and [`Scene::from_text`].
     pub fn from_file(path: &Path, overrides: &[String]) -> Read {
         Self::from_text(&parse::read(path)?, path, overrides)
     }
 
-    /// Reads scene text. `path` is what messages call it, and its folder is where relative file
-    /// names start; `overrides` are `path=value` texts that are laid over it.
+    /// Reads scene text. `path` names it in messages, and relative file names start from its folder;
+    /// `overrides` are `path=value` texts that are laid over it.
     ///
     /// # Errors
     /// All mistakes of the text and its script, in their order, at most 100.
@@ -103,11 +103,11 @@ impl Scene {
         Self::from_text_traced(text, path, &overrides.into(), &Dependencies::default())
     }
 
-    /// As [`Scene::from_text`] with all options; the bases, included files and scripts that are looked
-    /// for are added to `dependencies`, also when it fails.
+    /// [`Scene::from_text`] with all options; bases, included files and scripts that are looked for are
+    /// added to `dependencies`, also when reading fails.
     ///
     /// # Errors
-    /// As [`Scene::from_text`].
+    /// Same errors as [`Scene::from_text`].
     pub fn from_text_traced(
         text: &str,
         path: &Path,
@@ -115,7 +115,7 @@ impl Scene {
         dependencies: &Dependencies,
     ) -> Read {
         let texts = Texts::collect(text, path, options, dependencies);
-        let additions = OnceCell::new(); // before the document, which borrows them
+        let additions = OnceCell::new(); // declared before the document, which borrows it
         let placed = RefCell::new(Vec::new());
         let run = |input: &ScriptInput| run_placed(input, dependencies, &placed);
         let mut document = Document::new(&texts, Some(&run));
@@ -161,10 +161,10 @@ impl Scene {
         ))
     }
 
-    /// The scene at a frame; `None` if frames cannot differ.
+    /// State of the scene at a frame; `None` if no two frames can differ.
     ///
     /// # Errors
-    /// As [`Animator::pose`].
+    /// Same errors as [`Animator::pose`].
     pub fn pose(&self, frame: u32) -> Result<Option<FrameState>, Vec<Diagnostic>> {
         let animator = Animator::new(self);
         (!self.desc.is_still())
@@ -176,8 +176,8 @@ impl Scene {
 /// A compiled script, what its `setup` adds as scene text, and the lines that it printed.
 type Ran = (Script, String, Vec<String>);
 
-/// Loads the script that a document names and calls its `setup`. An error without a message is one
-/// that is reported when the document is read.
+/// Loads the script that a document names and calls its `setup`. An error of `None` is a mistake that is
+/// reported when the document is read.
 fn run_setup(
     document: &mut Document,
     dependencies: &Dependencies,
@@ -191,8 +191,8 @@ fn run_setup(
     Ok(Some((script, text, log)))
 }
 
-/// Loads the script of a placed scene, where it is not known yet, and calls its `setup`; keeps it with the
-/// lines that it printed.
+/// Loads the script of a placed scene, unless it was loaded before, and calls its `setup`; keeps the script
+/// in `all` with the lines that it printed.
 fn run_placed(
     input: &ScriptInput,
     dependencies: &Dependencies,
@@ -217,12 +217,12 @@ fn run_placed(
     Ok(ran)
 }
 
-/// Poses the frames of a scene: names resolved, paths measured.
+/// Poses the frames of a scene; its names are resolved and the lengths of its paths measured.
 #[derive(Debug)]
 pub struct Animator<'a> {
     scene: &'a Scene,
     motion: Motion<'a>,
-    /// What the script of each placed scene may name.
+    /// Names that the script of each placed scene may use.
     placed_names: Vec<Arc<Names>>,
 }
 
@@ -238,20 +238,20 @@ impl<'a> Animator<'a> {
         }
     }
 
-    /// The scene at a frame. Nothing but the arguments decides about it: not the frames before, not
-    /// the clock.
+    /// State of the scene at a frame. It depends on the argument alone, not on earlier frames or a
+    /// clock.
     ///
     /// # Errors
-    /// What the script does wrong, and cameras or lights that have no direction.
+    /// Mistakes of scripts, and cameras or lights that have no direction.
     pub fn pose(&self, frame: u32) -> Result<FrameState, Vec<Diagnostic>> {
         self.pose_within(frame, 0.0)
     }
 
-    /// The scene so many frames after a frame, while its shutter is open; the script knows the moment by
-    /// its time alone.
+    /// State of the scene `late_frames` frames after a frame, while its shutter is open; scripts see the
+    /// difference by the time alone.
     ///
     /// # Errors
-    /// As [`Animator::pose`].
+    /// Same errors as [`Animator::pose`].
     pub fn pose_within(&self, frame: u32, late_frames: f64) -> Result<FrameState, Vec<Diagnostic>> {
         let mut state = self.motion.pose(frame, late_frames);
         let mut touched: HashSet<_> = HashSet::new();
@@ -269,12 +269,12 @@ impl<'a> Animator<'a> {
             touched.extend(more);
         }
         if self.scene.has_frame_script() {
-            // What follows an instance follows where scripts have put it.
+            // Cameras and lights follow instances as scripts have moved these, unless a script set them.
             let is_free = |kind, index| !touched.contains(&(kind, index));
             self.motion.follow(&mut state, is_free);
         }
         self.motion.check(&state)?;
-        self.motion.hang(&mut state);
+        self.motion.attach(&mut state);
         Ok(state)
     }
 }

@@ -1,6 +1,6 @@
-//! "Did you mean": the nearest of the words that were allowed.
+//! "Did you mean" hints: the allowed word that is nearest to a wrong one.
 
-/// What other renderers and formats call our keys.
+/// Words of other renderers and formats, with the keys and words of scene text that they may mean.
 const SYNONYMS: &[(&str, &[&str])] = &[
     ("albedo", &["base_color"]),
     ("ball", &["sphere"]),
@@ -43,10 +43,10 @@ const SYNONYMS: &[(&str, &[&str])] = &[
     ("uri", &["file"]),
 ];
 
-/// Words that look alike and mean quite different things.
+/// Pairs of words that are spelled alike but mean different things, and are never suggested.
 const STRANGERS: &[[&str; 2]] = &[["material", "matrix"]];
 
-/// What there is none of, by a word that would be one of its kind, and what to do instead.
+/// Unsupported words, a word by which the list that lacks them is recognized, and what to write instead.
 const ABSENT: &[(&[&str], &str, &str)] = &[
     (
         &["area", "quad", "sphere", "tube", "mesh"],
@@ -84,18 +84,18 @@ const ABSENT: &[(&[&str], &str, &str)] = &[
     ),
 ];
 
-/// Keys that there are none of, keys by which one knows the tables where they are missed, and what to do instead.
+/// Unsupported keys, keys by which the table that lacks them is recognized, and what to write instead.
 const ABSENT_KEYS: &[(&[&str], &[&str], &str)] = &[
     (
         &["shown", "visible", "hidden"],
-        &["shadow_px", "intensity_lux"], // a light, and its motion
-        "hang the light on a group and say when that is there: `parent = \"GROUP\"` in `[light.NAME]`, and \
+        &["shadow_px", "intensity_lux"], // keys of a light, and of its motion
+        "give the light a group as its parent, and hide that group: `parent = \"GROUP\"` in `[light.NAME]`, and \
          `shown = { keys = [{ at_s = 0, value = false }, { at_s = 2, value = true }] }` in `[motion.group.GROUP]`",
     ),
     (
         &["shown", "hidden"],
         &["casts_shadow"],
-        "write `visible = false`; when it is there is said in `[motion.instance.NAME]`, by \
+        "write `visible = false`; to show it for some time only, write in `[motion.instance.NAME]` \
          `shown = { keys = [{ at_s = 0, value = false }, { at_s = 2, value = true }] }`",
     ),
     (
@@ -118,7 +118,7 @@ const ABSENT_KEYS: &[(&[&str], &[&str], &str)] = &[
     ),
 ];
 
-/// What to do in place of a key that a table with the keys `known` has not.
+/// Advice for an unsupported key in a table with the keys `known`.
 pub fn absent_key(typed: &str, known: &[&str]) -> Option<&'static str> {
     let lower = typed.to_lowercase();
     let (.., help) = ABSENT_KEYS.iter().find(|(absent, among, _)| {
@@ -127,7 +127,7 @@ pub fn absent_key(typed: &str, known: &[&str]) -> Option<&'static str> {
     Some(help)
 }
 
-/// What to do in place of a word that none of `words` can stand for.
+/// Advice for an unsupported word where one of `words` is allowed.
 pub fn absent(typed: &str, words: &[&str]) -> Option<&'static str> {
     let lower = typed.to_lowercase();
     let (.., help) = ABSENT
@@ -136,7 +136,7 @@ pub fn absent(typed: &str, words: &[&str]) -> Option<&'static str> {
     Some(help)
 }
 
-/// The nearest of `words` to `typed`, if any is near.
+/// The word of `words` that is nearest to `typed`, if any is near.
 pub fn nearest<'a>(typed: &str, words: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     if typed.len() > 64 {
         return None;
@@ -173,7 +173,7 @@ pub fn nearest<'a>(typed: &str, words: impl IntoIterator<Item = &'a str>) -> Opt
     let scored = words
         .map(|word| (word, score(word)))
         .filter(|(_, s)| *s > 0.0);
-    // The first of equals wins, so that the answer does not depend on how the maximum is folded.
+    // The first of equal scores wins, so that the answer does not depend on how the maximum is folded.
     scored
         .fold(None, |best: Option<(&str, f64)>, next| match best {
             Some(best) if best.1 >= next.1 => Some(best),

@@ -8,30 +8,30 @@ use crate::{
     scene::diagnostic::{Diagnostic, render_all},
 };
 
-/// Why a session cannot be opened, changed or rendered. Shown in full, with files, lines and columns.
+/// Why a session cannot be opened, changed or rendered. Displays the full text with files, lines and columns.
 #[derive(Clone, Debug)]
 pub enum SessionError {
     /// Mistakes in the scene, its script or its files, or a scene past the limits of the adapter.
     Scene(Vec<Diagnostic>),
     /// A name that does not exist.
     UnknownName {
-        /// What it should name: `AOV` or `camera`.
+        /// Kind of thing that the name stands for: `AOV` or `camera`.
         kind: &'static str,
-        /// As given.
+        /// Name as it was given.
         name: String,
         /// Names that exist.
         known: Vec<String>,
     },
     /// A frame outside of the timeline.
     Frame {
-        /// As asked for.
+        /// Requested frame number.
         frame: u32,
         /// First frame of the timeline; 0 without one.
         first: u32,
-        /// Its last frame; 0 without one.
+        /// Last frame of the timeline; 0 without one.
         last: u32,
     },
-    /// No usable adapter, a lost device, no more memory, or a shader that does not build.
+    /// No usable adapter, a lost device, exhausted memory, or a shader that does not build.
     Gpu(GpuError),
 }
 

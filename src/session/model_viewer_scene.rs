@@ -31,7 +31,7 @@ const SUN: &str = "[light.sun]\nkind = \"directional\"\ndirection = [-0.5, -1, -
 const SKY: &str = "[environment]\nzenith = [0.5, 0.55, 0.65]\nhorizon = [0.6, 0.6, 0.6]\n\
                    ground = [0.25, 0.23, 0.2]\n";
 
-/// Whether the argument is a model rather than a scene.
+/// Whether the path is a model rather than a scene, by its extension.
 pub fn is_model(path: &Path) -> bool {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("");
     is_stage(path)
@@ -43,9 +43,9 @@ pub fn is_model(path: &Path) -> bool {
 /// Prefix of overrides that choose parts of a USD stage.
 const USD_PREFIX: &str = "model.model.usd";
 
-/// Scene text that shows one model. All its animations play once if they move different properties,
-/// else the first one; the timeline has their length. A stage keeps its frame numbers and the total
-/// radiance of its dome lights. `options` cache a glTF file that is read here for the load.
+/// Scene text that shows one model. All its animations play once if no two move the same property of a node,
+/// else only the first one; the timeline has their length. A USD stage keeps its frame numbers and the total
+/// radiance of its dome lights. A glTF file that is read here is cached in `options` for the load.
 ///
 /// # Errors
 /// A stage that cannot be converted. Errors of a glTF file are reported by the load.
@@ -91,19 +91,18 @@ pub fn model_viewer_scene(
     Ok(text)
 }
 
-/// Whether a model has so many copies that trees, which hold each mesh once, take less than drawing all of them
-/// into a shadow map.
+/// Whether a model has so many copies that ray traced shadows cost less than drawing every copy into a shadow map:
+/// BVHs hold each mesh only once.
 fn is_dear_to_draw(playable: &Playable) -> bool {
-    /// Triangles from which on it can be noticed.
+    /// Number of placed triangles from which the difference is noticeable.
     const MANY: usize = 4_000_000;
-    /// The same of copies, however small.
+    /// Number of copies from which it is noticeable, however small they are.
     const MANY_COPIES: usize = 100_000;
     let (stored, placed) = (playable.stored_triangles, playable.placed_triangles);
     playable.copies >= MANY_COPIES || (placed >= MANY && placed / 4 >= stored)
 }
 
-/// `--set model.model.usd.…`: chosen parts of the stage. Errors are reported when the scene is
-/// read.
+/// Parts of the stage that `--set model.model.usd.…` chooses. Errors are reported when the scene is read.
 fn choice_of(text: &str, path: &Path, overrides: &[String]) -> usd::Choice {
     let asked = overrides
         .iter()
@@ -146,7 +145,7 @@ fn playable(
     Ok(options.preloaded_models.read(&glb, &sandbox, false))
 }
 
-/// The animation to play and its duration; broken ones are skipped.
+/// Name and duration, s, of the animation to play; broken animations are skipped.
 fn chosen(playable: &Playable) -> Option<(&str, f64)> {
     let clips = playable.clips.iter();
     let whole: Vec<_> = clips
@@ -167,7 +166,7 @@ fn chosen(playable: &Playable) -> Option<(&str, f64)> {
     Some((name, f64::from(first.duration_s)))
 }
 
-/// Frame rate and frames of an animation.
+/// Frame rate, and first and last frame of an animation.
 struct FrameRange {
     fps: f64,
     frames: [f64; 2],
@@ -182,7 +181,7 @@ fn frame_range(duration_s: f64, playable: &Playable, asked_fps: Option<f64>) -> 
         // Time codes of the stage are used as frame numbers if they are whole and not negative.
         let end = stage.origin + duration_s * stage.rate;
         let end = stage.end_time_code.map_or(end, |code| code.max(end));
-        // Tolerance for times rounded to 32 bits.
+        // Tolerance for times rounded to 32 bits, frames.
         let last = (end - 1e-3).ceil();
         let whole = stage.origin.fract() == 0.0 && stage.origin >= 0.0 && last <= LAST_FRAME;
         if whole {
@@ -200,7 +199,7 @@ fn frame_range(duration_s: f64, playable: &Playable, asked_fps: Option<f64>) -> 
     }
 }
 
-/// `--set timeline.fps=…`; the duration stays.
+/// Frame rate from `--set timeline.fps=…`; the duration stays.
 fn fps_of(overrides: &[String]) -> Option<f64> {
     let of = |text: &String| {
         let (key, value) = text.split_once('=')?;

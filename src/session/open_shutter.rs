@@ -1,4 +1,4 @@
-//! Poses of a scene while the shutter is open.
+//! Poses of a scene at the moments of an open shutter.
 
 use std::path::Path;
 
@@ -13,26 +13,26 @@ use crate::{
 
 use super::scene_text::LoadedScene;
 
-/// The moments of one frame of a scene that moves.
+/// The moments of one frame of a moving scene.
 pub struct OpenShutter<'a> {
     animator: Animator<'a>,
     world: &'a mut World,
     frame: u32,
-    /// Frames that the shutter is open.
+    /// Time that the shutter is open, frames.
     open: f64,
-    /// What is done to each pose.
+    /// Change of the world that is applied after each pose.
     after: &'a dyn Fn(&mut World),
 }
 
 impl<'a> OpenShutter<'a> {
-    /// None where all sub-frames show the same.
+    /// Moments of the loaded frame; `None` where all sub-frames show the same pose.
     pub fn of(loaded: &'a mut LoadedScene) -> Option<Self> {
         let LoadedScene { scene, world, .. } = loaded;
         let moves = moves(scene, scene.image.samples);
         moves.then(|| Self::new(scene, world, loaded.frame, &|_| ()))
     }
 
-    /// The moments of a frame; `after` is done to each pose.
+    /// The moments of a frame; `after` is called on the world after each pose.
     pub fn new(
         scene: &'a Scene,
         world: &'a mut World,
@@ -49,7 +49,7 @@ impl<'a> OpenShutter<'a> {
     }
 }
 
-/// Whether so many sub-frames show different moments.
+/// Whether this number of sub-frames shows different moments of the scene.
 pub fn moves(scene: &Scene, samples: u32) -> bool {
     scene.image.shutter > 0.0 && samples > 1 && !scene.is_still()
 }

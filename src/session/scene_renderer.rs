@@ -1,4 +1,4 @@
-//! A loaded scene with its device and renderer, for one picture or many.
+//! A loaded scene with its device and renderer, to render one picture or many.
 
 use std::sync::Arc;
 
@@ -11,9 +11,9 @@ use crate::{
     },
 };
 
-/// Everything that renders pictures of one scene.
+/// Everything needed to render pictures of one scene.
 pub struct SceneRenderer {
-    /// The device, which the encoders of a film share.
+    /// The device, shared with the video encoders.
     pub gpu: Arc<Gpu>,
     /// The scene, posed for the next picture.
     pub loaded: LoadedScene,
@@ -22,7 +22,7 @@ pub struct SceneRenderer {
     settings: RendererSettings,
 }
 
-/// What a renderer is to do beside the scene.
+/// Settings of a renderer that are not part of the scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RendererSettings {
     /// See [`RenderOptions::audit`].
@@ -31,7 +31,7 @@ pub struct RendererSettings {
     pub costs: Option<UnitCosts>,
 }
 
-/// Options of a scene, seen by one of its cameras.
+/// Options to render a scene from one of its cameras.
 fn options_of(loaded: &LoadedScene, camera: usize, settings: RendererSettings) -> RenderOptions {
     RenderOptions {
         camera: Some(camera),
@@ -45,7 +45,7 @@ impl SceneRenderer {
     /// Builds the renderer of a scene, with the shaders of `library`, for one of its cameras.
     ///
     /// # Errors
-    /// As [`Renderer::new`].
+    /// Same errors as [`Renderer::new`].
     pub fn new(
         gpu: Gpu,
         loaded: LoadedScene,
@@ -64,10 +64,10 @@ impl SceneRenderer {
         })
     }
 
-    /// Shows another scene, and builds anew only what differs.
+    /// Replaces the scene, and rebuilds only the parts that differ.
     ///
     /// # Errors
-    /// As [`Renderer::change`]; nothing has changed then.
+    /// Same errors as [`Renderer::change`]; nothing has changed then.
     pub fn change(
         &mut self,
         loaded: LoadedScene,
@@ -82,20 +82,20 @@ impl SceneRenderer {
         Ok(())
     }
 
-    /// Shows the next pictures by another camera; what is `auto` stays decided.
+    /// Renders the next pictures from another camera; values that were chosen for `auto` settings stay.
     pub fn set_camera(&mut self, camera: usize) {
         self.camera = camera;
     }
 
-    /// Settings without `auto`.
+    /// Render options, with `auto` replaced by the chosen values.
     pub fn options(&self) -> &RenderOptions {
         self.renderer.options()
     }
 
-    /// Renders the posed scene.
+    /// Renders the scene at its current pose.
     ///
     /// # Errors
-    /// As [`Renderer::render`].
+    /// Same errors as [`Renderer::render`].
     pub fn picture(&mut self, aovs: &[Aov]) -> Result<Picture, RenderError> {
         if let Some(mut moments) = OpenShutter::of(&mut self.loaded) {
             let (gpu, camera) = (&self.gpu, self.camera);
@@ -107,10 +107,10 @@ impl SceneRenderer {
         self.renderer.picture(&self.gpu, world, camera, aovs)
     }
 
-    /// Starts a picture of the posed scene.
+    /// Starts to render the scene at its current pose.
     ///
     /// # Errors
-    /// As [`Renderer::begin_picture`].
+    /// Same errors as [`Renderer::begin_picture`].
     pub fn begin(&mut self, request: PictureRequest) -> Result<PendingPicture, RenderError> {
         if let Some(mut moments) = OpenShutter::of(&mut self.loaded) {
             let (gpu, camera) = (&self.gpu, self.camera);
@@ -127,7 +127,7 @@ impl SceneRenderer {
     /// Renders a frame that counts the work of each pass.
     ///
     /// # Errors
-    /// As [`Renderer::counts`].
+    /// Same errors as [`Renderer::counts`].
     pub fn counts(&mut self) -> Result<Vec<PassCounts>, RenderError> {
         let world = &self.loaded.world;
         let camera = &world.cameras[self.camera].value;

@@ -1,4 +1,4 @@
-//! Scene opening: file, model or built-in atrium, overrides, asset folders.
+//! Opens scenes from a scene file, a model or the built-in atrium, with overrides and asset folders.
 
 use std::{
     borrow::Cow,
@@ -23,34 +23,34 @@ use crate::{
     },
 };
 
-/// Environment variable with asset folders, separated as in `PATH`.
+/// Environment variable with asset folders, separated like those in `PATH`.
 pub const ASSETS_ENV: &str = "REFLET_ASSETS";
 
-/// Built-in scene.
+/// Text of the built-in scene.
 pub const ATRIUM: &str = include_str!("../../scenes/atrium.toml");
 
-/// What is changed in a scene, and where its files are searched.
+/// Changes to a scene, and folders to search for its files.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct SceneOptions {
-    /// Values to change, as `--set` takes them, such as `image.size=[320, 180]`.
+    /// Values to change, written as for `--set`, such as `image.size=[320, 180]`.
     pub set: Vec<String>,
     /// Variants of the scene to apply, in this order, before `set`.
     pub variant: Vec<String>,
     /// Folders to search for models and textures after the scene's own, before those of
     /// [`ASSETS_ENV`].
     pub assets: Vec<PathBuf>,
-    /// Load glTF files without the materials, textures and lights of extensions that they require and
-    /// Reflet does not know.
+    /// Whether to load glTF files that require extensions unknown to Reflet, without the materials, textures and
+    /// lights of these extensions.
     pub lenient: bool,
 }
 
-/// Text of a scene to open.
+/// Text of a scene that is not opened yet.
 #[derive(Debug)]
 pub struct SceneText {
     text: String,
-    /// Name in messages.
+    /// File name for messages.
     file: PathBuf,
-    /// Name of the whole scene in messages.
+    /// Name of the whole scene for messages.
     name: String,
     read: ReadOptions,
     options: LoadOptions,
@@ -61,22 +61,22 @@ pub struct SceneText {
 pub struct OpenedScene {
     /// Scene text, for fingerprints.
     pub text: String,
-    /// Variants and overrides applied to it.
+    /// Variants and overrides applied to the text.
     pub overrides: Vec<String>,
     /// Description after overrides and the script's `setup`.
     pub scene: Scene,
-    /// Warnings about its text and its script.
+    /// Warnings about the scene's text and script.
     pub warnings: Vec<Diagnostic>,
-    /// Options for loading, with the dependencies so far.
+    /// Options for loading, with the dependencies recorded so far.
     pub options: LoadOptions,
-    /// The model that the text was made for.
+    /// The model that the scene text was generated for; `None` for other scenes.
     model: Option<PathBuf>,
 }
 
 /// A loaded scene with its description.
 #[derive(Clone, Debug)]
 pub struct LoadedScene {
-    /// Name in messages.
+    /// Name of the scene for messages.
     pub name: String,
     /// Description after overrides and the script's `setup`.
     pub scene: Scene,
@@ -84,25 +84,25 @@ pub struct LoadedScene {
     pub world: World,
     /// Scene text, for fingerprints.
     pub text: String,
-    /// Overrides applied to it.
+    /// Overrides applied to the text.
     pub overrides: Vec<String>,
-    /// Warnings about its text, script and files.
+    /// Warnings about the scene's text, script and files.
     pub warnings: Vec<Diagnostic>,
-    /// The frame that the world was posed at last.
+    /// The frame that the world was last posed at.
     pub frame: u32,
 }
 
 impl SceneText {
-    /// Names of the scene's variants, also where it has mistakes.
+    /// Names of the scene's variants, also if its text has mistakes.
     pub fn variants(&self) -> Vec<String> {
         parse::variants(&self.text, &self.file, &self.read)
     }
 
-    /// Reads the scene text: of the file, of a model viewer scene, or of the built-in atrium. A
-    /// model is read for that and cached for the load.
+    /// Reads the scene text from the file, from a model viewer scene generated for a model, or from the built-in
+    /// atrium. Generating reads the model, which is cached for the load.
     ///
     /// # Errors
-    /// As [`parse::read`], and a stage that cannot be converted.
+    /// Same errors as [`parse::read`], and a USD stage that cannot be converted.
     pub fn read(path: Option<&Path>, from: &SceneOptions) -> Result<Self, Vec<Diagnostic>> {
         let options = load_options(from, &Dependencies::default());
         let mut read = read_options(from);
@@ -131,7 +131,7 @@ impl SceneText {
         })
     }
 
-    /// From a text in memory; `file` is its name in messages.
+    /// Scene text from memory; `file` is its name in messages.
     pub fn new(text: &str, file: &Path, from: &SceneOptions) -> Self {
         Self {
             text: text.to_owned(),
@@ -153,8 +153,8 @@ impl SceneText {
         declared.map(|list| list.into_iter().map(|p| (p.name, p.value)).collect())
     }
 
-    /// Reads the scene and runs its script's `setup`; `more` are overrides after those of its options. Adds
-    /// scripts and included files to `texts`, also on errors.
+    /// Reads the scene and runs its script's `setup`; `more` are overrides applied after those of the options. Adds
+    /// the paths of scripts and included files to `texts`, also on errors.
     ///
     /// # Errors
     /// All errors in the scene's texts.
@@ -183,15 +183,15 @@ impl OpenedScene {
     /// Loads the assets of the scene; `name` is used in messages.
     ///
     /// # Errors
-    /// All errors, after the warnings about its text; a bare model with nothing to show.
+    /// All errors, after the warnings about the scene's text; a bare model without anything to show.
     pub fn load(self, name: String) -> Result<LoadedScene, Vec<Diagnostic>> {
         self.load_with_cache(name).map(|(loaded, _)| loaded)
     }
 
-    /// As [`OpenedScene::load`], with the assets for later texts of the scene.
+    /// Loads the assets like [`OpenedScene::load`], and returns them for reuse when the scene's text changes.
     ///
     /// # Errors
-    /// As [`OpenedScene::load`].
+    /// Same errors as [`OpenedScene::load`].
     pub fn load_with_cache(
         self,
         name: String,
@@ -205,7 +205,7 @@ impl OpenedScene {
         }
     }
 
-    /// A bare model without anything to show would be an empty picture.
+    /// Error for a bare model without anything to show, which would give an empty picture.
     fn nothing_to_show(&self, world: &World) -> Option<Diagnostic> {
         let path = self.model.as_ref().filter(|_| world.instances.is_empty())?;
         let text = "there is nothing to show: no node places a mesh with triangles";
@@ -213,14 +213,14 @@ impl OpenedScene {
         Some(Diagnostic::in_file("nothing-to-show", path, text).help(help))
     }
 
-    /// All warnings but the one that says the same as the error, and the error.
+    /// All warnings but the one with the same meaning as the error, then the error.
     fn told_with(self, world: World, error: Diagnostic) -> Vec<Diagnostic> {
         let warnings = self.warnings.into_iter().chain(world.warnings);
         let others = warnings.filter(|warning| warning.name != MODEL_EMPTY);
         others.chain([error]).collect()
     }
 
-    /// With its loaded world.
+    /// Combines the description with its loaded world.
     pub(super) fn with_world(mut self, name: String, world: World) -> LoadedScene {
         self.warnings.extend(world.warnings.iter().cloned());
         let frame = self.scene.first_frame();
@@ -237,8 +237,8 @@ impl OpenedScene {
 }
 
 impl LoadedScene {
-    /// The world at the first frame, which decides what is `auto` in renders; as loaded where that frame has
-    /// errors, which are reported when it is rendered.
+    /// The world at the first frame, which decides `auto` settings; the world as loaded where that frame has errors,
+    /// which are reported when the frame is rendered.
     pub fn first_frame(&self) -> Cow<'_, World> {
         if let Ok(Some(state)) = self.scene.pose(self.scene.first_frame()) {
             let mut world = self.world.clone();
@@ -252,7 +252,7 @@ impl LoadedScene {
     /// Poses the world at a frame, and returns the lines that the script printed there.
     ///
     /// # Errors
-    /// All errors of the frame; the world is as before.
+    /// All errors of the frame; the world is then unchanged.
     pub fn pose(&mut self, frame: u32) -> Result<Vec<String>, Vec<Diagnostic>> {
         let Some(state) = self.scene.pose(frame)? else {
             return Ok(Vec::new());
@@ -261,18 +261,18 @@ impl LoadedScene {
         Ok(state.log)
     }
 
-    /// Poses the world.
+    /// Poses the world by the state of a frame.
     ///
     /// # Errors
-    /// As [`World::apply`].
+    /// Same errors as [`World::apply`].
     pub fn apply(&mut self, state: &FrameState) -> Result<(), Vec<Diagnostic>> {
         self.world.apply(state)?;
         self.frame = state.frame;
         Ok(())
     }
 
-    /// Index of the camera that is shown at a frame where none is chosen: that of the last cut before,
-    /// else `main`, else the first.
+    /// Index of the camera of a frame where none is chosen: that of the last cut at or before the frame, else
+    /// `main`, else the first.
     pub fn camera_at(&self, frame: u32) -> usize {
         let cuts = self.scene.cuts.iter().rev();
         let cut = cuts.into_iter().find(|cut| cut.frame <= frame);
@@ -280,7 +280,7 @@ impl LoadedScene {
         named.unwrap_or_else(|| self.world.main_camera())
     }
 
-    /// Index of the named camera; without a name the one that is shown at the first frame.
+    /// Index of the named camera; without a name, of the camera of the first frame.
     pub fn camera(&self, name: Option<&str>) -> Option<usize> {
         let cameras = &self.world.cameras;
         match name {
@@ -289,14 +289,14 @@ impl LoadedScene {
         }
     }
 
-    /// Names of its cameras.
+    /// Names of the scene's cameras.
     pub fn camera_names(&self) -> Vec<&str> {
         let cameras = &self.world.cameras;
         cameras.iter().map(|camera| camera.name.as_str()).collect()
     }
 }
 
-/// What scene text is read with.
+/// Options for reading scene text.
 fn read_options(from: &SceneOptions) -> ReadOptions {
     ReadOptions {
         overrides: from.set.clone(),
@@ -306,7 +306,7 @@ fn read_options(from: &SceneOptions) -> ReadOptions {
     }
 }
 
-/// Load options; searched files are recorded in `dependencies`.
+/// Options for loading assets; searched files are recorded in `dependencies`.
 pub fn load_options(from: &SceneOptions, dependencies: &Dependencies) -> LoadOptions {
     LoadOptions {
         assets: asset_folders(&from.assets),
@@ -316,7 +316,7 @@ pub fn load_options(from: &SceneOptions, dependencies: &Dependencies) -> LoadOpt
     }
 }
 
-/// The given folders, then those of the environment.
+/// The given asset folders, then those of [`ASSETS_ENV`].
 pub fn asset_folders(given: &[PathBuf]) -> Vec<PathBuf> {
     let listed = env::var_os(ASSETS_ENV).unwrap_or_default();
     let listed = env::split_paths(&listed).filter(|folder| !folder.as_os_str().is_empty());

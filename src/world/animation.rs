@@ -11,13 +11,13 @@ use crate::math::spline::hermite;
 /// Animated property of a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Property {
-    /// Meters.
+    /// Translation, meters.
     Translation,
-    /// A quaternion x, y, z, w.
+    /// Rotation, a quaternion x, y, z, w.
     Rotation,
-    /// A factor along each axis.
+    /// Scale, a factor along each axis.
     Scale,
-    /// Visibility of the node and its children: not 0.
+    /// Visibility of the node and its children; they are visible where the value is not 0.
     Visible,
 }
 
@@ -33,7 +33,7 @@ pub enum Interpolation {
 }
 
 impl Interpolation {
-    /// Values of a key: in-tangent, value and out-tangent of a spline, else one.
+    /// Number of values per key: 3 for a spline (in-tangent, value, out-tangent), else 1.
     pub fn values_per_key(self) -> usize {
         match self {
             Self::Cubic => 3,
@@ -42,12 +42,12 @@ impl Interpolation {
     }
 }
 
-/// Keyframes; the first and last values extend outside.
+/// Keyframes of one value, which is constant before the first and after the last key.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sampler {
-    /// Seconds, increasing, at least one.
+    /// Times of the keys, seconds, increasing; at least one.
     pub times_s: Vec<f32>,
-    /// One for each key; for [`Interpolation::Cubic`] three: in-tangent, value, out-tangent.
+    /// Value of each key; for [`Interpolation::Cubic`] three per key: in-tangent, value, out-tangent.
     pub values: Vec<DVec4>,
     /// Interpolation between keys.
     pub interpolation: Interpolation,
@@ -62,7 +62,7 @@ impl Sampler {
         }
     }
 
-    /// The value at a time, seconds; that of a rotation is of unit length.
+    /// The value at a time, seconds; a rotation is normalized.
     pub fn at(&self, time_s: f64, property: Property) -> DVec4 {
         let last = self.times_s.len() - 1;
         let next = self.times_s.partition_point(|t| f64::from(*t) <= time_s);
@@ -123,16 +123,16 @@ pub struct Channel {
 pub struct Animation {
     /// Channels.
     pub channels: Vec<Channel>,
-    /// Weights of morph targets.
+    /// Animated weights of morph targets.
     pub weights: Vec<WeightTrack>,
-    /// Values of materials, lights and cameras.
+    /// Animated values of materials, lights and cameras (KHR_animation_pointer).
     pub pointers: Vec<PointerTrack>,
-    /// Time of its last key, seconds.
+    /// Time of the last key of all samplers, seconds.
     pub duration_s: f32,
 }
 
 impl Animation {
-    /// Animation of these channels, weights and values.
+    /// An animation of these channels, weights and values.
     pub fn new(
         channels: Vec<Channel>,
         weights: Vec<WeightTrack>,
@@ -157,26 +157,26 @@ impl Animation {
 pub struct Listed {
     /// Name of the `[model.NAME]`.
     pub model: String,
-    /// Name in scene text.
+    /// Name of the animation in scene text.
     pub name: String,
-    /// Time of its last key, seconds; 0 where it is broken.
+    /// Time of the animation's last key, seconds; 0 for a broken animation.
     pub duration_s: f32,
-    /// Number of animated properties; 0 where it is broken.
+    /// Number of animated properties; 0 for a broken animation.
     pub channels: usize,
-    /// Whether some instance plays it.
+    /// Whether some instance plays the animation.
     pub played: bool,
 }
 
-/// Parent from node of a node at rest.
+/// Transform of a node at rest, from the node's space to its parent's.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Local {
     /// Scale first, then rotate, then translate.
     Trs {
-        /// Meters.
+        /// Translation, meters.
         translation: Vec3,
-        /// Of unit length.
+        /// Rotation, a unit quaternion.
         rotation: Quat,
-        /// Factor along each axis.
+        /// Scale factor along each axis.
         scale: Vec3,
     },
     /// Any affine transform.
@@ -184,7 +184,7 @@ pub enum Local {
 }
 
 impl Local {
-    /// Parent from node.
+    /// The transform from the node's space to its parent's.
     pub fn transform(&self) -> Affine3A {
         match *self {
             Self::Trs {
@@ -223,8 +223,8 @@ impl Local {
     }
 }
 
-/// A scale of 0 along some axes is singular, so it is replaced by a tiny one. A scale of 0 along
-/// all axes hides.
+/// Replaces a scale of 0 along some axes, which is singular, by a tiny one. A scale of 0 along all axes hides the
+/// node and stays.
 fn not_flat(scale: Vec3) -> Vec3 {
     const THINNEST: f32 = 1e-5;
     let least = scale.abs().max_element() * THINNEST;

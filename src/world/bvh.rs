@@ -49,50 +49,50 @@ use tree::Tree;
 pub const STATIC_ROOT: u32 = 0;
 /// Node index of the top level's root.
 pub const TOP_ROOT: u32 = 1;
-/// Set in a node's `primitive_base_idx` where its primitives are instances, not triangles.
+/// Flag in `primitive_base_idx` of a node whose primitives are instances, not triangles.
 pub const TOP_LEVEL: u32 = 1 << 31;
-/// No instance, or no tree.
+/// Index that stands for no instance or no tree.
 pub const NONE: u32 = u32::MAX;
 
-/// Entries of the traversal stack in `shaders/lib/bvh.wgsl`; trees that need more are refused.
+/// Number of entries of the traversal stack in `shaders/lib/bvh.wgsl`; trees that need more are refused.
 pub const STACK_SIZE: u32 = 24;
 
 /// Maximum coordinate in trees, meters, so that areas and reciprocals are finite in f32.
 pub const MAX_REACH_M: f32 = 1e15;
-/// Words of a node.
+/// Number of 32-bit words of a node.
 const NODE_WORDS: usize = size_of::<CwBvhNode>() / 4;
 
 /// All trees of a world, as the GPU reads them.
 #[derive(Clone, Debug)]
 pub struct Trees {
-    /// See the module's table; never empty.
+    /// Node buffer, laid out as in the module's table; never empty.
     pub nodes: Vec<CwBvhNode>,
-    /// In leaf order; never empty (a world without triangles has one that no leaf names).
+    /// Triangle buffer, in leaf order; never empty (a world without triangles has one that no leaf names).
     pub triangles: Vec<TraceTriangle>,
-    /// Parallel to [`World::instances`].
+    /// Instance records, parallel to [`World::instances`].
     pub instances: Vec<TraceInstance>,
-    /// The nodes that [`Trees::update_top_level`] rewrites; empty where nothing was built.
+    /// Range of nodes that [`Trees::update_top_level`] rewrites; empty where nothing was built.
     pub top_range: Range<usize>,
-    /// Triangles in the static tree.
+    /// Number of triangles in the static tree.
     pub static_triangles: usize,
     /// Instances in the top level, as indices into [`World::instances`]; without trees, those that
     /// may move.
     pub top_instances: Vec<u32>,
-    /// Maximum stack depth of traversal below the top level, but for deformed meshes.
+    /// Maximum stack depth of traversal in the mesh trees below the top level, except those of deformed meshes.
     mesh_stack_need: u32,
-    /// Of the meshes that animations deform.
+    /// Trees of the meshes that animations deform.
     deforming: Vec<DeformingTree>,
 }
 
 /// A rebuilt top level, and the trees of deformed meshes below it, that are not applied yet.
 pub struct TopLevel {
-    /// Parallel to the trees of deformed meshes.
+    /// Posed trees, parallel to `Trees::deforming`.
     deformed: Vec<PosedTree>,
-    /// Records of [`Trees::top_instances`].
+    /// New instance records of [`Trees::top_instances`].
     records: Vec<TraceInstance>,
     /// Tree over the instances that rays can hit; none where no trees were built.
     tree: Option<Tree>,
-    /// Instances of the tree's boxes.
+    /// Instance index of each box of the tree.
     ids: Vec<u32>,
 }
 
@@ -162,8 +162,7 @@ impl Trees {
         Ok(trees)
     }
 
-    /// For a plan without rays: placeholder buffers, and the instance records, which shading reads
-    /// too.
+    /// Trees for a plan without rays: placeholder buffers, and the instance records, which shading reads too.
     pub fn unbuilt(world: &World) -> Self {
         let record = |i: &Instance| TraceInstance::new(i, world, NONE);
         let dynamic = world.instances.iter().enumerate();
@@ -180,24 +179,24 @@ impl Trees {
         }
     }
 
-    /// Whether they can be traversed.
+    /// Whether the trees were built, so that rays can traverse them.
     pub fn is_built(&self) -> bool {
         !self.top_range.is_empty()
     }
 
-    /// Rebuilds the top level after instances of it moved, and fits the trees of what is deformed:
-    /// rewrites their records in [`Trees::instances`], the nodes of [`Trees::top_range`] and what
-    /// [`Trees::deformed_ranges`] says.
+    /// Rebuilds the top level after its instances moved, and refits the trees of deformed meshes: rewrites their
+    /// records in [`Trees::instances`], the nodes of [`Trees::top_range`] and the ranges of
+    /// [`Trees::deformed_ranges`].
     ///
     /// # Errors
-    /// As [`Trees::top_level`]; then nothing has changed.
+    /// Same errors as [`Trees::top_level`]; the trees are unchanged then.
     pub fn update_top_level(&mut self, world: &World) -> Result<(), Box<Diagnostic>> {
         let top = self.top_level(world)?;
         self.set_top_level(top);
         Ok(())
     }
 
-    /// The top level over a posed world. Instances that are hidden, whose transform is not
+    /// Builds the top level of a posed world without applying it. Instances that are hidden, whose transform is not
     /// invertible, or that reach past [`MAX_REACH_M`], cannot be hit.
     ///
     /// # Errors
@@ -245,7 +244,7 @@ impl Trees {
         })
     }
 
-    /// Nodes and triangles of each deformed mesh.
+    /// Ranges in [`Trees::nodes`] and [`Trees::triangles`] of each deformed mesh.
     pub fn deformed_ranges(&self) -> impl Iterator<Item = (Range<usize>, Range<usize>)> {
         let trees = self.deforming.iter();
         trees.map(|tree| (tree.nodes.clone(), tree.triangles.clone()))
@@ -278,7 +277,7 @@ impl Trees {
     }
 }
 
-/// Nodes reserved for a top level over `instances`: every inner node has at least two children.
+/// Number of nodes reserved for a top level over so many instances: every inner node has at least two children.
 fn top_capacity(instances: usize) -> usize {
     instances.max(1)
 }
@@ -292,7 +291,7 @@ pub fn check_memory(world: &World) -> Result<(), Box<Diagnostic>> {
     placement.check_memory(world, left_bytes(world))
 }
 
-/// What trees may take: the rest of the load's memory, as far as it is there now.
+/// Memory that trees may take, bytes: the rest of the load's budget, at most what is free now.
 fn left_bytes(world: &World) -> u64 {
     let now = memory::available_bytes().unwrap_or(u64::MAX);
     world.memory.left().min(now)
@@ -302,7 +301,7 @@ fn left_bytes(world: &World) -> u64 {
 fn check_nodes(nodes: &[CwBvhNode], stack_need: u32, limit: u64) -> Result<(), Box<Diagnostic>> {
     let node_bytes = size_of_val(nodes) as u64;
     if node_bytes > limit {
-        return Err(too_large("the nodes of its trees", node_bytes, limit));
+        return Err(too_large("the BVH nodes", node_bytes, limit));
     }
     check_stack(stack_need)
 }
@@ -314,8 +313,8 @@ fn check_stack(need: u32) -> Result<(), Box<Diagnostic>> {
     }
     Err(error(
         "geometry-too-deep",
-        "the scene's triangles or instances differ so much in size that their tree is deeper than \
-         rays can follow",
+        "the scene's triangles or instances differ so much in size that their BVH is deeper than \
+         the traversal stack allows",
         "remove far outliers, and tiny triangles or instances on top of each other",
     ))
 }

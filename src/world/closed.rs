@@ -1,20 +1,19 @@
-//! Whether a surface can be seen from behind.
+//! Test whether a mesh is closed, so that its back faces are never visible from outside.
 
 use glam::{DVec3, Vec3};
 use xxhash_rust::xxh3::xxh3_64;
 
 use super::{Instance, Mesh, World};
 
-/// Holes whose rims are together at most this long, over the diagonal of the mesh's bounds, do not
-/// count: scans have some, and a view into one is a few pixels wide.
+/// Largest total rim length of holes that are ignored, as a fraction of the diagonal of the mesh's bounds: scans
+/// have small holes, and a view into one is a few pixels wide.
 const SMALL_HOLES: f32 = 0.05;
-/// Larger meshes are not searched for their rims, which takes 16 bytes an edge.
+/// Maximum number of triangles of a mesh that is searched for rims, which takes 16 bytes an edge.
 const MAX_SEARCHED: usize = 1 << 21;
 
 impl Mesh {
-    /// Whether the triangles bound a volume and face out of it, so that nobody outside ever sees one
-    /// from behind before another from the front, but for small holes. Vertices at the same position
-    /// count as one.
+    /// Whether the triangles bound a volume and face out of it, except for small holes: then every ray from outside
+    /// meets a front face first. Vertices at the same position count as one.
     pub fn is_closed_outward(&self) -> bool {
         *self.closed.get_or_init(|| {
             self.volume() > 0.0
@@ -50,7 +49,7 @@ impl Mesh {
         signed.fold(0, u64::wrapping_add) == 0
     }
 
-    /// Length of all edges that are used more often in one direction than in the other, together.
+    /// Total length of the edges that are used more often in one direction than in the other.
     fn rim_length(&self) -> f32 {
         let mut edges: Vec<(u64, i8, f32)> = (self.edges())
             .map(|[a, b]| {
@@ -68,8 +67,8 @@ impl Mesh {
 }
 
 impl World {
-    /// Whether an instance has triangles that the camera culls from behind with nothing of its own in
-    /// front of them.
+    /// Whether an instance may have back faces that the camera culls without a front face of the instance before
+    /// them.
     pub fn hides_backs(&self, instance: &Instance) -> bool {
         !self.materials[instance.material].double_sided
             && !self.meshes[instance.mesh].is_closed_outward()
@@ -81,9 +80,9 @@ impl World {
     }
 }
 
-/// A hash of the edge, and 1 or -1 by its direction; 0 of a point.
+/// Hash of an edge, and 1 or -1 by its direction; both 0 for an edge between equal positions.
 fn edge_hash(from: Vec3, to: Vec3) -> (u64, i8) {
-    // Both zeros are one position.
+    // 0.0 and -0.0 are the same position.
     let [from, to] = [from, to].map(|p| (p + Vec3::ZERO).to_array().map(f32::to_bits));
     let hash = |ends: [[u32; 3]; 2]| xxh3_64(bytemuck::bytes_of(&ends));
     match from.cmp(&to) {
@@ -127,7 +126,7 @@ mod tests {
     #[test]
     fn a_small_hole_does_not_count_and_a_large_one_does() {
         let with_cap = |angle: f32| {
-            // Rings of a ball; without its cap there is a hole.
+            // Rings of a sphere; leaving out the cap at its pole makes a hole.
             let rings = 64;
             let mut ball = Mesh::default();
             for ring in 0..=rings {

@@ -1,5 +1,5 @@
-//! Meshes whose vertices move: morph targets, then linear-blend skinning (glTF 2.0 §3.7.2.2 and
-//! §3.7.3.3), on the CPU. A frame depends on its pose alone.
+//! Meshes whose vertices move: morph targets, then linear-blend skinning (glTF 2.0 §3.7.2.2 and §3.7.3.3), on the
+//! CPU. The vertices depend on the current pose only, not on earlier frames.
 
 use std::{mem, sync::Arc};
 
@@ -12,69 +12,70 @@ use super::{
 };
 use crate::math::Bounds;
 
-/// What moves the vertices of a mesh; all lists are parallel to its positions, or empty.
+/// Morph targets and joint weights that move the vertices of a mesh; per-vertex lists are parallel to its
+/// positions, or empty.
 #[derive(Clone, Debug, Default)]
 pub struct Deformation {
-    /// Vertices before they are moved.
+    /// Vertices before the deformation.
     pub bind: Vertices,
-    /// Morph targets that may have a weight.
+    /// Morph targets whose weight may differ from 0.
     pub targets: Vec<MorphTarget>,
-    /// Four joints of each vertex with their weights, perhaps several times.
+    /// Sets of joints and weights (`JOINTS_n`, `WEIGHTS_n` in glTF), each with four joints of every vertex.
     pub influences: Vec<Vec<Influences>>,
-    /// Whether normals are those of the triangles, three vertices of its own each.
+    /// Whether normals are computed from the triangles, none of which share a vertex then.
     pub has_flat_normals: bool,
 }
 
 /// The attributes that a deformation moves.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Vertices {
-    /// Object space, meters.
+    /// Positions in object space, meters.
     pub positions: Vec<Vec3>,
-    /// Unit length.
+    /// Normals of unit length.
     pub normals: Vec<Vec3>,
-    /// As [`Mesh::tangents`].
+    /// Tangents in the layout of [`Mesh::tangents`].
     pub tangents: Vec<Vec4>,
 }
 
 /// Offsets of vertices, scaled by a weight.
 #[derive(Clone, Debug, Default)]
 pub struct MorphTarget {
-    /// Which of the weights.
+    /// Index of the target's weight.
     pub index: usize,
-    /// Of positions, meters; none where empty.
+    /// Offsets of positions, meters; empty for none.
     pub positions: Vec<Vec3>,
-    /// Of normals; none where empty.
+    /// Offsets of normals; empty for none.
     pub normals: Vec<Vec3>,
-    /// Of the direction of tangents; none where empty.
+    /// Offsets of the direction of tangents; empty for none.
     pub tangents: Vec<Vec3>,
 }
 
-/// Joints of a vertex, and how much of each; a weight of 0 is no joint.
+/// Four joints of a vertex and their weights; a weight of 0 marks an unused slot.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Influences {
     /// Indices into the joints of the skin.
     pub joints: [u16; 4],
-    /// Not negative; the sum over all joints of a vertex is scaled to 1.
+    /// Weights of the joints; their sum over all joints of a vertex is scaled to 1.
     pub weights: [f32; 4],
 }
 
 /// A joint of a skin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Joint {
-    /// Index of its node in the file.
+    /// Index of the joint's node in the file.
     pub node: usize,
-    /// Its inverse bind matrix: from the mesh to the node.
+    /// Inverse bind matrix: from the mesh's space to the node's.
     pub node_from_mesh: Affine3A,
 }
 
 /// The nodes of a file that deform a mesh.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct DeformingNodes {
-    /// Of its skin; none without one.
+    /// Joints of the mesh's skin; empty without a skin.
     pub joints: Vec<Joint>,
     /// The node whose weights of morph targets are animated.
     pub weights: Option<usize>,
-    /// The weights at rest.
+    /// Weights of the morph targets at rest.
     pub rest_weights: Vec<f32>,
 }
 
@@ -89,27 +90,27 @@ pub struct Deformer {
     nodes: DeformingNodes,
 }
 
-/// Where the transform of a joint comes from.
+/// Source of a joint's transform.
 #[derive(Clone, Copy, Debug)]
 enum JointSource {
-    /// A slot of the player.
+    /// An animated node, by its slot in the player.
     Slot(usize),
-    /// A node that does not move: model from node.
+    /// A static node: its transform to the model's space.
     Still(Affine3A),
 }
 
 /// The vertices of a deformed mesh in one pose.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Deformed {
-    /// Parallel to those of the mesh.
+    /// Posed vertices, parallel to those of the mesh.
     pub vertices: Vertices,
-    /// Around the positions.
+    /// Bounds of the positions.
     pub bounds: Bounds,
     /// Hash of the positions.
     pub hash: u64,
 }
 
-/// A sum of weighted transforms.
+/// Weighted sum of joint transforms, and the sum of the weights.
 #[derive(Clone, Copy)]
 struct Blend {
     linear: Mat3A,
@@ -118,7 +119,7 @@ struct Blend {
 }
 
 impl Vertices {
-    /// Those of a mesh, which is left without.
+    /// Takes the vertices of a mesh, which is left without any.
     pub fn take(mesh: &mut Mesh) -> Self {
         Self {
             positions: mem::take(&mut mesh.positions),
@@ -129,7 +130,7 @@ impl Vertices {
 }
 
 impl Deformed {
-    /// Its vertices.
+    /// The posed vertices and their bounds.
     pub fn posed(&self) -> Posed<'_> {
         Posed {
             positions: &self.vertices.positions,
@@ -141,7 +142,7 @@ impl Deformed {
 }
 
 impl Mesh {
-    /// Replaces its vertices.
+    /// Replaces the vertices of the mesh and updates its bounds.
     pub fn set_vertices(&mut self, vertices: Vertices) {
         self.bounds = Bounds::of(vertices.positions.iter().copied());
         self.positions = vertices.positions;
@@ -149,7 +150,7 @@ impl Mesh {
         self.tangents = vertices.tangents;
     }
 
-    /// Makes its vertices those that its deformation starts from.
+    /// Copies the vertices of the mesh to its deformation, as the undeformed ones.
     pub fn bind(&mut self) {
         if let Some(deformation) = &mut self.deformation {
             Arc::make_mut(deformation).bind = Vertices {
@@ -160,7 +161,7 @@ impl Mesh {
         }
     }
 
-    /// Exchanges its vertices and those that its deformation starts from.
+    /// Swaps the vertices of the mesh and the undeformed ones of its deformation.
     pub fn swap_bind(&mut self) {
         let Some(mut deformation) = self.deformation.take() else {
             return;
@@ -172,7 +173,7 @@ impl Mesh {
         self.deformation = Some(deformation);
     }
 
-    /// As [`Deformation::pose`].
+    /// The vertices in a pose, see [`Deformation::pose`]; none without a deformation.
     pub fn pose(&self, weights: &[f32], joints: &[Affine3A]) -> Vertices {
         let deformation = self.deformation.as_ref();
         deformation.map_or_else(Vertices::default, |deformation| {
@@ -182,13 +183,13 @@ impl Mesh {
 }
 
 impl Deformation {
-    /// Whether it moves nothing.
+    /// Whether there are neither morph targets nor joints.
     pub fn is_empty(&self) -> bool {
         self.targets.is_empty() && self.influences.is_empty()
     }
 
-    /// The vertices with these weights of morph targets and these transforms of joints, each from
-    /// the mesh to the model. Not finite where those are not.
+    /// The vertices with these weights of morph targets and these joint transforms, each from the mesh's space to
+    /// the model's. Not finite where weights or transforms are not.
     pub fn pose(&self, triangles: &[[u32; 3]], weights: &[f32], joints: &[Affine3A]) -> Vertices {
         let mut vertices = self.bind.clone();
         self.morph(weights, &mut vertices);
@@ -260,7 +261,7 @@ impl Deformation {
     fn skin(&self, joints: &[Affine3A], vertices: &mut Vertices) {
         for i in 0..vertices.positions.len() {
             let blend = self.blend(i, joints);
-            // Weights should sum to 1; vertices without any stay where they are.
+            // Weights should sum to 1; vertices without any weight stay where they are.
             if blend.weight <= 0.0 {
                 continue;
             }
@@ -284,7 +285,7 @@ impl Deformation {
         }
     }
 
-    /// Keeps vertex `order[i]` as vertex `i`.
+    /// Reorders all per-vertex lists: vertex `i` of the result is the former vertex `order[i]`.
     pub fn gather(&mut self, order: &[u32]) {
         fn pick<T: Copy>(values: &mut Vec<T>, order: &[u32]) {
             if !values.is_empty() {
@@ -306,7 +307,7 @@ impl Deformation {
 }
 
 impl DeformingNodes {
-    /// Whether what a player plays moves any of them.
+    /// Whether a player moves any of these joints or weights.
     pub fn are_moved_by(&self, player: &Player) -> bool {
         let moves_joint = |joint: &Joint| player.slot(joint.node).is_some();
         self.joints.iter().any(moves_joint)
@@ -315,7 +316,7 @@ impl DeformingNodes {
 }
 
 impl Deformer {
-    /// Of a mesh that the nodes of a file deform, by a player of that file.
+    /// Deformer of a mesh by `nodes` of its file, which a player of that file moves.
     pub fn new(
         mesh: usize,
         (index, player): (usize, &Player),

@@ -1,39 +1,39 @@
-//! Surfaces that light what is around: their triangles, and how much light each sends.
+//! Emitters: triangles whose emission lights the scene, each with its power.
 
 use glam::{Vec3, Vec3A};
 
 use super::{Instance, Mesh, World};
 
-/// Most triangles that light.
+/// Maximum number of emitter triangles.
 pub const MAX_EMITTERS: usize = 1 << 16;
 
-/// Of linear Rec. 709 colors; the shaders weigh alike.
+/// Luminance weights of linear Rec. 709 colors; the shaders use the same.
 const LUMINANCE: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
 
-/// A triangle that lights.
+/// A triangle whose emission lights the scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Emitter {
     /// Index into [`World::instances`].
     pub instance: u32,
     /// Index into [`Mesh::triangles`].
     pub triangle: u32,
-    /// Area, square meters, by the luminance that its material emits; textures do not count.
+    /// Area in square meters times the luminance of the material's emission; textures are ignored.
     pub power: f32,
 }
 
 impl World {
-    /// Whether something lights by its surface.
+    /// Whether some instance has a material that lights the scene.
     pub fn has_emitters(&self) -> bool {
         self.lighting_instances().next().is_some()
     }
 
-    /// The instances that light by their surface, with their indices.
+    /// The instances whose material lights the scene, with their indices.
     pub fn lighting_instances(&self) -> impl Iterator<Item = (usize, &Instance)> {
         let instances = self.instances.iter().enumerate();
         instances.filter(|(_, i)| self.materials[i.material].light)
     }
 
-    /// Whether what lights by its surface may change from frame to frame.
+    /// Whether emitters may change from frame to frame.
     pub fn has_moving_emitters(&self) -> bool {
         let changes = |material: usize| {
             let mut moving = self.moving.materials.iter();
@@ -43,12 +43,12 @@ impl World {
         lighting.any(|(_, i)| i.dynamic || changes(i.material))
     }
 
-    /// Every triangle that lights, as it is posed. Their number depends on no pose.
+    /// All emitters in the current pose; their number is the same in every pose.
     pub fn emitters(&self) -> Vec<Emitter> {
         self.emitters_of(&self.meshes)
     }
 
-    /// The same with the world's meshes given.
+    /// All emitters, with the world's meshes given.
     pub(super) fn emitters_of(&self, meshes: &[Mesh]) -> Vec<Emitter> {
         let mut emitters = Vec::new();
         for (index, instance) in self.lighting_instances() {

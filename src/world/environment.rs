@@ -1,5 +1,5 @@
-//! What rays that leave the scene see: a panorama with the density that samples of it follow, or a
-//! gradient.
+//! Environment: the radiance that rays find where they leave the scene, of a panorama (with the density for
+//! importance sampling) or of a gradient.
 
 mod density;
 mod read;
@@ -18,24 +18,24 @@ use crate::scene::desc::{EnvironmentDesc, EnvironmentShadow};
 /// The environment of a loaded scene.
 #[derive(Clone, Debug, Default)]
 pub struct Environment {
-    /// As it is written.
+    /// Description of the environment in the scene text.
     pub desc: EnvironmentDesc,
-    /// Its file, decoded; in place of the gradient.
+    /// Decoded panorama file, which replaces the gradient.
     pub panorama: Option<Arc<Panorama>>,
 }
 
 impl Environment {
-    /// Whether it lights surfaces by samples, not in closed form.
+    /// Whether surfaces are lit by samples of the environment, not in closed form.
     pub fn is_sampled(&self) -> bool {
         self.panorama.is_some() || self.casts_rays()
     }
 
-    /// Whether rays find what is in the way of its light.
+    /// Whether shadow rays find the geometry that blocks the environment's light.
     pub fn casts_rays(&self) -> bool {
         self.desc.shadow == EnvironmentShadow::Ray && !self.is_black()
     }
 
-    /// Radiance straight up, at the horizon and straight down; of a panorama its mean, three times.
+    /// Radiance straight up, at the horizon and straight down; for a panorama each is its mean radiance.
     pub fn coarse_gradient(&self) -> [DVec3; 3] {
         let desc = &self.desc;
         let scale = f64::from(desc.intensity);
@@ -45,7 +45,7 @@ impl Environment {
         }
     }
 
-    /// Radiance that nothing of it exceeds.
+    /// Upper bound of the environment's radiance in any direction and color channel.
     pub fn brightest(&self) -> f32 {
         let desc = &self.desc;
         let colors = [desc.zenith, desc.horizon, desc.ground];
@@ -57,7 +57,7 @@ impl Environment {
         desc.intensity * panorama.map_or(gradient, |p| p.scale * f16::MAX.to_f32())
     }
 
-    /// Whether no light comes from it.
+    /// Whether the environment emits no light.
     pub fn is_black(&self) -> bool {
         let desc = &self.desc;
         let colors = [desc.zenith, desc.horizon, desc.ground];
@@ -67,7 +67,7 @@ impl Environment {
 }
 
 impl Panorama {
-    /// Mean radiance of all directions: rows weigh as much as they span of the sphere.
+    /// Mean radiance of all directions; each row is weighted by its solid angle.
     pub fn mean(&self) -> DVec3 {
         let (mut sum, mut weights) = (DVec3::ZERO, 0.0);
         let rows = self.texels.chunks_exact(self.width as usize);
@@ -84,18 +84,18 @@ impl Panorama {
 /// A decoded panorama.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Panorama {
-    /// Its file, for messages.
+    /// File name, for messages.
     pub name: String,
     /// Pixels across, 1 to 4096.
     pub width: u32,
     /// Pixels down, 1 to 2048.
     pub height: u32,
-    /// Whether the file has more pixels.
+    /// Whether the picture in the file was larger and has been reduced.
     pub is_reduced: bool,
-    /// Linear radiance over `scale`, 16-bit floats, top row first; the fourth is 1.
+    /// Linear radiance divided by `scale`, as 16-bit floats, top row first; the fourth channel is 1.
     pub texels: Vec<[u16; 4]>,
-    /// A power of two, with which the brightest texel fits.
+    /// Factor on the texels, a power of two, with which the brightest texel fits in a 16-bit float.
     pub scale: f32,
-    /// What samples of it follow.
+    /// Density that importance sampling follows.
     pub density: Density,
 }

@@ -1,8 +1,8 @@
 //! Reads a glTF 2.0 file into a [`Model`]: meshes, materials, placements, lights and cameras. All
 //! content is untrusted until validated.
 //!
-//! The JSON is read into plain data of our own (`schema`): the crate `gltf` refused 39 of 248 valid files
-//! and panicked on 2. It judges this reader instead (`tests/gltf/judge.rs`).
+//! The JSON is read into plain structs of our own (`schema`), as the crate `gltf` refused 39 of 248 valid files and
+//! panicked on 2. That crate only serves as the reference of `tests/gltf/judge.rs`.
 
 use std::{
     collections::{BTreeMap, HashMap},
@@ -66,34 +66,35 @@ pub const MODEL_EMPTY: &str = "model-empty";
 /// Contents of one file; transforms are relative to the model.
 #[derive(Debug, Default)]
 pub struct Model {
-    /// One mesh per primitive that shows something.
+    /// Meshes, one for each visible primitive and skin.
     pub meshes: Vec<Mesh>,
-    /// The file's materials, the default one, and those of points and lines without light; their textures index [`Model::images`].
+    /// Materials of the file, the default material, and unlit copies for points and lines; their textures are
+    /// indices into [`Model::images`].
     pub materials: Vec<Material>,
-    /// For each material the file's sets of texture coordinates that its textures call 0 and 1.
+    /// For each material, the file's sets of texture coordinates that its textures refer to as 0 and 1.
     pub uv_sets: Vec<[u32; 2]>,
-    /// Images by color space, as materials use them.
+    /// Images that materials use, one entry per color space.
     pub images: Vec<ImageUse>,
-    /// What deforms those of the meshes that animations of the file deform.
+    /// Deforming nodes of each mesh that animations of the file deform, by index into [`Model::meshes`].
     pub deforming: HashMap<usize, Arc<DeformingNodes>>,
     /// Names of the material variants.
     pub variants: Vec<String>,
-    /// For each mesh its material in some variants: indices into [`Model::variants`] and
+    /// Materials of each mesh in some variants, as indices into [`Model::variants`] and
     /// [`Model::materials`].
     pub variant_materials: HashMap<usize, Vec<(usize, usize)>>,
     /// Mesh placements.
     pub placements: Vec<Attached<Placement>>,
-    /// KHR_lights_punctual, in the space of their nodes.
+    /// Lights (KHR_lights_punctual), in the space of their nodes.
     pub lights: Vec<Attached<Light>>,
     /// Cameras by name, in the space of their nodes.
     pub cameras: Vec<Attached<(String, CameraDesc)>>,
     /// Node hierarchy.
     pub rig: Arc<Rig>,
-    /// Names that scripts may pose something by, where they do.
+    /// Names of the nodes and morph targets that scripts may pose; empty where scripts pose none.
     pub posed_names: PosedNames,
     /// Animations.
     pub clips: Vec<Clip>,
-    /// The USD stage that it was converted from.
+    /// Metadata of the USD stage that the file was converted from.
     pub stage: Stage,
     /// Named, counted warnings.
     pub warnings: Vec<Diagnostic>,
@@ -102,7 +103,7 @@ pub struct Model {
 }
 
 impl Model {
-    /// Animations, and metadata of the stage.
+    /// Animations and sizes of the model, and metadata of its USD stage.
     pub fn playable(&self) -> Playable {
         let triangles = |mesh: usize| self.meshes[mesh].triangles.len();
         Playable {
@@ -120,17 +121,17 @@ impl Model {
 /// An item attached to a node.
 #[derive(Clone, Debug)]
 pub struct Attached<T> {
-    /// Index of its node.
+    /// Index of the item's node.
     pub node: Option<usize>,
-    /// Transform in the node's space.
+    /// Transform from the item's space to the node's.
     pub node_from_object: Affine3A,
-    /// Whether the node only shows and hides it: joints place a skinned mesh.
+    /// Whether the node only shows and hides the item and does not place it: joints place a skinned mesh.
     pub is_skinned: bool,
-    /// Rest transform. Finite, perhaps singular.
+    /// Rest transform from the item's space to the model's; finite, perhaps singular.
     pub model_from_object: Affine3A,
-    /// Whether it is hidden unless an animation shows it.
+    /// Whether the item is hidden unless an animation shows it.
     pub hidden: bool,
-    /// Index in the file of a light or a camera.
+    /// Index of a light or a camera in the file; `None` for meshes.
     pub index: Option<usize>,
     /// The attached item.
     pub value: T,
@@ -150,13 +151,13 @@ pub struct Placement {
 /// An image as color (sRGB) or as data (linear).
 #[derive(Clone, Debug)]
 pub struct ImageUse {
-    /// For messages: `image 3 "wall"`.
+    /// Name for messages, such as `image 3 "wall"`.
     pub name: String,
-    /// For messages: the texture that uses it first, its place in the JSON and its material.
+    /// First user of the image, for messages: the texture, its place in the JSON and its material.
     pub used_by: String,
-    /// Index in the file.
+    /// Index of the image in the file.
     pub index: usize,
-    /// Whether it is sampled as color.
+    /// Whether the image is sampled as color (sRGB).
     pub srgb: bool,
     /// Location of its encoded bytes; an error is reported only if the image is used.
     pub source: Result<ImageSource, Fault>,
@@ -165,16 +166,16 @@ pub struct ImageUse {
 /// Location of encoded bytes.
 #[derive(Clone, Debug)]
 pub enum ImageSource {
-    /// In a buffer or `data:` URI.
+    /// Bytes in a buffer or `data:` URI.
     Bytes(Bytes),
-    /// In a file, canonical path.
+    /// A file, by its canonical path.
     File(PathBuf),
-    /// Made of other images.
+    /// An image that is converted from specular-glossiness maps.
     SpecularGlossiness(Arc<SpecularGlossinessMaps>),
 }
 
 impl ImageSource {
-    /// The files that it is read from.
+    /// The files that the image is read from.
     pub fn files(&self) -> Vec<&PathBuf> {
         match self {
             Self::Bytes(_) => Vec::new(),
@@ -191,16 +192,16 @@ impl ImageSource {
 /// An error inside a file; the caller adds the file name.
 #[derive(Clone, Debug)]
 pub struct Fault {
-    /// Kebab-case kind.
+    /// Kebab-case name of the kind of error.
     pub name: &'static str,
-    /// Place and error message.
+    /// Error message, with the place inside the file.
     pub message: String,
     /// Help text.
     pub help: Option<String>,
 }
 
 impl Fault {
-    /// Without help text.
+    /// An error without help text.
     pub fn new(name: &'static str, message: impl Into<String>) -> Self {
         Self {
             name,
@@ -221,7 +222,7 @@ impl Fault {
         self
     }
 
-    /// The error with its file.
+    /// Converts the error to a diagnostic about a file.
     pub fn in_file(self, file: &Path) -> Diagnostic {
         let mut diagnostic = Diagnostic::in_file(self.name, file, self.message);
         diagnostic.help = self.help;
@@ -262,20 +263,20 @@ impl Notes {
     }
 }
 
-/// Maximum decoded geometry of one file, bytes, where the load has as much left.
+/// Maximum decoded geometry of one file, bytes; less where the load has less left.
 const GEOMETRY_BUDGET_BYTES: u64 = 2 << 30;
 
 /// Maximum number of listed errors per file.
 const MAX_ERRORS: usize = 20;
 
-/// How a file is read.
+/// Options of reading a file.
 #[derive(Clone, Debug, Default)]
 pub struct ReadOptions {
     /// Whether extensions that only change the look are ignored even if the file requires them.
     pub lenient: bool,
-    /// What scripts pose.
+    /// Nodes and morph targets that scripts pose.
     pub posed: Posed,
-    /// What geometry takes from.
+    /// Memory budget of the load, from which geometry is taken.
     pub memory: memory::Budget,
 }
 
@@ -350,7 +351,7 @@ fn read_faults(path: &Path, sandbox: &Sandbox, options: &ReadOptions) -> Result<
     Ok(model)
 }
 
-/// `mesh 3 "wall"`, for messages.
+/// Name of an object for messages, such as `mesh 3 "wall"`.
 fn label(kind: &str, index: usize, name: Option<&str>) -> String {
     match name {
         Some(name) => format!("{kind} {index} \"{}\"", uri::shorten(name)),
@@ -358,7 +359,7 @@ fn label(kind: &str, index: usize, name: Option<&str>) -> String {
     }
 }
 
-/// Whether all are finite.
+/// Whether all values are finite.
 fn finite(values: &[f32]) -> bool {
     values.iter().all(|v| v.is_finite())
 }

@@ -53,7 +53,7 @@ pub struct LoadOptions {
     pub image_budget_bytes: u64,
     /// Largest single file, bytes.
     pub max_file_bytes: u64,
-    /// What geometry, images and trees may take together, bytes; `None` is three quarters of what is left.
+    /// Memory limit of geometry, images and trees together, bytes; `None`: three quarters of the free memory.
     pub memory_bytes: Option<u64>,
     /// Whether extensions that only change the look are ignored in glTF files that require them.
     pub lenient: bool,
@@ -86,10 +86,10 @@ pub fn load(desc: &SceneDesc, options: &LoadOptions) -> Result<World, Vec<Diagno
     load_with_cache(desc, options).map(|(world, _)| world)
 }
 
-/// As [`load`], with an asset cache for later texts of the scene.
+/// Loads as [`load`] does, and returns an asset cache for later versions of the scene text.
 ///
 /// # Errors
-/// As [`load`].
+/// Same errors as [`load`].
 pub fn load_with_cache(
     desc: &SceneDesc,
     options: &LoadOptions,
@@ -115,18 +115,18 @@ struct Loader<'a> {
     world: World,
     errors: Vec<Diagnostic>,
     textures: material::TextureTable,
-    /// Files already read, by canonical path and what of a stage is read; `None` after an error.
+    /// Index into `loaded` of each file that was read, by path and USD parts; `None` after an error.
     files: HashMap<read_models::Part, Option<usize>>,
     loaded: Vec<Model>,
-    /// World mesh of each loaded model and mesh.
+    /// Index into the world's meshes of each mesh of a loaded file.
     meshes: HashMap<place::MeshKey, usize>,
-    /// World meshes that players deform.
+    /// Indices of the world's meshes that players deform.
     deformed: HashSet<usize>,
     materials: HashMap<place::MaterialKey, usize>,
     materials_by_name: HashMap<String, Vec<usize>>,
 }
 
-/// Result of a `[model.NAME]`.
+/// Loaded source of a `[model.NAME]`.
 #[derive(Clone, Copy, Debug)]
 enum Source {
     /// Index into [`Loader::loaded`].
@@ -142,7 +142,7 @@ fn error_at(name: &'static str, at: &Span, message: impl Into<String>) -> Diagno
     Diagnostic::at(name, at.clone(), message)
 }
 
-/// `did you mean "…"?` where a name is close.
+/// Help text `did you mean "…"?` if a known name is similar.
 fn did_you_mean<'n>(name: &str, known: impl Iterator<Item = &'n str>) -> Option<String> {
     const CLOSE: f64 = 0.7;
     let scored = known.map(|k| {
@@ -157,7 +157,7 @@ fn did_you_mean<'n>(name: &str, known: impl Iterator<Item = &'n str>) -> Option<
     best.map(|(_, k)| format!("did you mean \"{k}\"?"))
 }
 
-/// `its … are a, b, c`, of so many names as can be read.
+/// Help text `its … are a, b, c`, with at most 30 names.
 fn list<'n>(what: &str, names: impl Iterator<Item = &'n str>) -> String {
     const MOST: usize = 30;
     let mut names: Vec<_> = names.collect();
@@ -232,7 +232,7 @@ impl<'a> Loader<'a> {
         Err(Box::new(error))
     }
 
-    /// Text files come after the cached ones: another text may have others.
+    /// Adds the text files of the scene, after the files that are cached, as another text may have other files.
     fn add_texts(&mut self) {
         self.add_files(&self.desc.text_files());
     }
@@ -265,7 +265,7 @@ impl<'a> Loader<'a> {
         self.add_files(&image_files);
         self.world.textures = texture::decode_all(&requests, &limits)?.into();
         let image_bytes = self.world.textures.iter().map(|t| t.rgba.len() as u64);
-        // They are at most what was left.
+        // Cannot fail: decoding was limited to what was left.
         let _ = self.memory.take(image_bytes.sum());
         self.world.memory = self.memory.clone();
         self.warn_of_reduced(&requests);
@@ -295,7 +295,7 @@ impl<'a> Loader<'a> {
     }
 }
 
-/// Poses what animations deform at the first frame; `meshes` are the world's.
+/// Poses the meshes that animations deform at the first frame; `meshes` are the world's.
 fn deform_at_start(
     world: &mut World,
     meshes: &[Mesh],

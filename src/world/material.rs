@@ -1,4 +1,4 @@
-//! Materials: what shading and tracing know of a surface.
+//! Materials: the properties of a surface for shading and ray tracing.
 
 use glam::{Vec3, Vec4};
 use serde::Serialize;
@@ -11,42 +11,42 @@ use crate::scene::desc::{CheckerDesc, MaterialDesc, ReflectionMode};
 pub struct Material {
     /// Name from scene text or file.
     pub name: String,
-    /// Linear, alpha in w.
+    /// Base color, linear; alpha in w.
     pub base_color: Vec4,
-    /// 0 to 1.
+    /// Metallic share, 0 to 1.
     pub metallic: f32,
-    /// Perceptual, 0 to 1.
+    /// Perceptual roughness, 0 to 1.
     pub roughness: f32,
     /// Specular reflectance at normal incidence of the dielectric part, 0 to 1.
     pub reflectivity: f32,
-    /// Linear radiance, strength already multiplied in.
+    /// Emitted linear radiance, strength already multiplied in.
     pub emission: Vec3,
-    /// Whether its emission lights what is around; else only reflections show it.
+    /// Whether the emission lights the scene; else it is only seen, directly and in reflections.
     pub light: bool,
-    /// Whether its file says so, and not the scene text.
+    /// Whether `light` comes from the file (a mesh light), and not from the scene text.
     pub is_mesh_light: bool,
     /// Strength of the normal map.
     pub normal_scale: f32,
     /// Texture repetitions along u and v, on top of each texture's own transform.
     pub uv_scale: [f32; 2],
-    /// Strength of the occlusion map, 0 to 1; darkens the environment's light, not that of lamps.
+    /// Strength of the occlusion map, 0 to 1; it darkens the environment's light only, not that of other lights.
     pub occlusion_strength: f32,
-    /// Cut-out threshold; `None` is opaque.
+    /// Alpha threshold of a cut-out; `None`: no cut-out.
     pub alpha_cutoff: Option<f32>,
-    /// Whether it is double-sided.
+    /// Whether the surface is double-sided.
     pub double_sided: bool,
-    /// Whether the base color is shown as it is: without light, exposure and tone map
+    /// Whether the base color is shown unchanged, without lighting, exposure and tone mapping
     /// (KHR_materials_unlit). Such a material has no specular.
     pub unlit: bool,
-    /// Share of what is not reflected that passes through; `None`: it never lets light through.
+    /// Share of the unreflected light that is transmitted, 0 to 1; `None`: it never is.
     pub transmission: Option<f32>,
-    /// Whether what passes is refracted and absorbed up to the other side of the mesh.
+    /// Whether transmitted light is refracted, and absorbed up to the other side of the mesh.
     pub solid: bool,
     /// Index of refraction inside of a solid, 1 or more.
     pub ior: f32,
-    /// What white light becomes after the attenuation distance inside.
+    /// Color of white light after the attenuation distance inside.
     pub attenuation_color: Vec3,
-    /// Meters; `None`: nothing is absorbed.
+    /// Attenuation distance, meters; `None`: nothing is absorbed.
     pub attenuation_distance_m: Option<f32>,
     /// Strength of the clear coat, 0 to 1; `None`: it never has one.
     pub clearcoat: Option<f32>,
@@ -54,9 +54,9 @@ pub struct Material {
     pub clearcoat_roughness: f32,
     /// Strength of the clear coat's own normal map.
     pub clearcoat_normal_scale: f32,
-    /// Factor on the reflectivity and on what the dielectric part reflects at grazing angles, 0 to 1; `None`: always 1.
+    /// Factor on the reflectivity and on the grazing reflectance of the dielectric part, 0 to 1; `None`: always 1.
     pub specular: Option<f32>,
-    /// Factor on the reflectivity, 0 or more; `None`: always white.
+    /// Color factor on the reflectivity, 0 or more; `None`: always white.
     pub specular_color: Option<Vec3>,
     /// Color of the sheen, 0 to 1; `None`: it never has one.
     pub sheen_color: Option<Vec3>,
@@ -68,65 +68,65 @@ pub struct Material {
     pub iridescence_ior: f32,
     /// Thickness of the film, nanometers; where a texture varies it, at its largest values.
     pub iridescence_thickness_nm: f32,
-    /// The same at the texture's least values.
+    /// Thickness of the film at the texture's least values, nanometers.
     pub iridescence_least_nm: f32,
-    /// How much longer the lobe is along its direction, 0 to 1; `None`: it is always round.
+    /// Strength of the anisotropy, which stretches the lobe along its direction, 0 to 1; `None`: always isotropic.
     pub anisotropy: Option<f32>,
-    /// That direction, from the tangent towards the bitangent.
+    /// Angle of the anisotropy's direction from the tangent towards the bitangent, degrees.
     pub anisotropy_rotation_deg: f32,
-    /// 20 over the Abbe number of what bends light; `None`: all colors are bent alike.
+    /// Dispersion: 20 divided by the Abbe number; `None`: all colors are refracted alike.
     pub dispersion: Option<f32>,
-    /// Whether its alpha is the share of light that it stops (glTF's `BLEND`).
+    /// Whether alpha is the share of light that the surface stops (glTF's `BLEND`).
     pub blended: bool,
     /// Reflection mode.
     pub reflection: ReflectionMode,
     /// Procedural checker multiplied into the base color.
     pub checker: Option<CheckerDesc>,
-    /// sRGB.
+    /// Base color texture, sRGB.
     pub base_color_texture: Option<TextureRef>,
-    /// Linear: green = roughness, blue = metallic.
+    /// Metallic-roughness texture, linear: green = roughness, blue = metallic.
     pub metallic_roughness_texture: Option<TextureRef>,
-    /// Linear, tangent space.
+    /// Normal map, linear, in tangent space.
     pub normal_texture: Option<TextureRef>,
-    /// Linear: red = occlusion.
+    /// Occlusion texture, linear: red.
     pub occlusion_texture: Option<TextureRef>,
-    /// sRGB.
+    /// Emission texture, sRGB.
     pub emission_texture: Option<TextureRef>,
-    /// By [`LayerTexture`].
+    /// Textures of the layers, indexed by [`LayerTexture`].
     pub layer_textures: [Option<TextureRef>; LAYER_SLOTS],
 }
 
-/// Textures that every material may have.
+/// Number of core textures, which every material may have.
 pub const CORE_SLOTS: usize = 5;
-/// Those of [`LayerTexture`].
+/// Number of textures of layers, see [`LayerTexture`].
 pub const LAYER_SLOTS: usize = 11;
-/// All of them.
+/// Number of all textures of a material.
 pub const TEXTURE_SLOTS: usize = CORE_SLOTS + LAYER_SLOTS;
 
-/// Textures of what extensions of glTF add to a material; most are multiplied by their numbers.
+/// Textures of the layers that glTF's extensions add to a material; most are multiplied by a factor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LayerTexture {
-    /// Linear: alpha.
+    /// Factor on the reflectivity; linear, alpha channel.
     Specular,
-    /// sRGB.
+    /// Color factor on the reflectivity; sRGB.
     SpecularColor,
-    /// sRGB.
+    /// Color of the sheen; sRGB.
     SheenColor,
-    /// Linear: alpha.
+    /// Roughness of the sheen; linear, alpha channel.
     SheenRoughness,
-    /// Linear: red.
+    /// Transmission; linear, red channel.
     Transmission,
-    /// Linear: red.
+    /// Strength of the clear coat; linear, red channel.
     Clearcoat,
-    /// Linear: green.
+    /// Roughness of the clear coat; linear, green channel.
     ClearcoatRoughness,
-    /// Linear, tangent space.
+    /// Normal map of the clear coat; linear, tangent space.
     ClearcoatNormal,
-    /// Linear: red.
+    /// Strength of the thin film; linear, red channel.
     Iridescence,
-    /// Linear: green, from the least thickness to the largest.
+    /// Thickness of the thin film; linear, green channel, from the least thickness to the largest.
     IridescenceThickness,
-    /// Linear: direction in red and green, strength in blue.
+    /// Anisotropy; linear, direction in red and green, strength in blue.
     Anisotropy,
 }
 
@@ -135,9 +135,9 @@ pub enum LayerTexture {
 pub struct ListedVariants {
     /// Name of the `[model.NAME]`.
     pub model: String,
-    /// Names in scene text.
+    /// Names of the variants in scene text.
     pub names: Vec<String>,
-    /// The one that is shown; `None`: the file's own materials.
+    /// Name of the shown variant; `None`: the file's own materials are shown.
     pub shown: Option<String>,
 }
 
@@ -203,7 +203,7 @@ impl Material {
         })
     }
 
-    /// The same without light: only base color, its alpha and emission remain.
+    /// The unlit version of the material: only base color, its alpha and emission remain.
     pub fn without_light(&self) -> Self {
         Self {
             name: self.name.clone(),
@@ -225,12 +225,12 @@ impl Material {
         }
     }
 
-    /// Whether it may let light through.
+    /// Whether the material may let light through.
     pub fn passes_light(&self) -> bool {
         self.transmission.is_some() || self.blended
     }
 
-    /// Absorption inside of it along each meter, by Beer and Lambert's law.
+    /// Absorption coefficient inside the material, per meter, by the Beer-Lambert law.
     pub fn absorption(&self) -> Vec3 {
         const LEAST: f32 = 1e-6; // black after the distance, without infinities
         let distance_m = self.attenuation_distance_m.unwrap_or(f32::INFINITY);
@@ -238,7 +238,7 @@ impl Material {
         (color.map(|c| -c.ln()) / distance_m).min(Vec3::splat(1e12))
     }
 
-    /// Its textures as they are, in the order of [`Self::slots`].
+    /// The textures without `uv_scale` in their transforms, in the order of [`Self::slots`].
     pub fn textures(&self) -> [Option<TextureRef>; TEXTURE_SLOTS] {
         let core = [
             self.base_color_texture,
@@ -256,7 +256,7 @@ impl Material {
         slots
     }
 
-    /// Where they are kept, in the same order.
+    /// The texture fields for writing, in the order of [`Self::slots`].
     pub fn texture_slots(&mut self) -> [&mut Option<TextureRef>; TEXTURE_SLOTS] {
         let [a, b, c, d, e, f, g, h, i, j, k] = &mut self.layer_textures;
         [
@@ -279,8 +279,8 @@ impl Material {
         ]
     }
 
-    /// Whether its clear coat has other normals than what is below: it follows its own map alone, and none of
-    /// the material's (KHR_materials_clearcoat).
+    /// Whether the clear coat has other normals than the base: it follows its own normal map alone, not the
+    /// material's (KHR_materials_clearcoat).
     pub fn has_coat_normals(&self) -> bool {
         let own = self.layer_texture(LayerTexture::ClearcoatNormal);
         let is_same = own == self.normal_texture
@@ -293,7 +293,7 @@ impl Material {
         self.layer_textures[which as usize]
     }
 
-    /// The numbers that motion may change; the strength is in the emission already.
+    /// The values that motion may change; the emission strength is already part of the emission.
     pub fn numbers(&self) -> Box<MaterialDesc> {
         Box::new(MaterialDesc {
             base_color: Some(self.base_color.truncate()),
@@ -327,7 +327,7 @@ impl Material {
         })
     }
 
-    /// Sets the numbers that motion may change, where `desc` says them.
+    /// Sets the values that motion may change, where `desc` has them.
     pub fn set_numbers(&mut self, desc: &MaterialDesc) {
         fn set<T>(slot: &mut T, value: Option<T>) {
             if let Some(value) = value {

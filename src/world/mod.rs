@@ -46,7 +46,7 @@ use deform::{Deformation, Deformed};
 /// A loaded scene: geometry in object space, placed by instances.
 #[derive(Clone, Debug, Default)]
 pub struct World {
-    /// Unique geometry; one material each.
+    /// Unique geometry, which instances place.
     pub meshes: Shared<Mesh>,
     /// Materials; instances refer to them by index.
     pub materials: Vec<Material>,
@@ -54,13 +54,13 @@ pub struct World {
     pub textures: Shared<Texture>,
     /// Placements of meshes.
     pub instances: Vec<Instance>,
-    /// For each of them the index of its `[[instance]]` in the scene text, if it has one.
+    /// Index of the `[[instance]]` in the scene text of each instance, if it has one.
     pub written: Vec<Option<usize>>,
     /// The scene's and the files' lights, at most [`MAX_LIGHTS`].
     pub lights: Vec<Light>,
     /// The scene's and the files' cameras; never empty.
     pub cameras: Vec<Entry<CameraDesc>>,
-    /// What rays that leave the scene see, and the light it sheds.
+    /// Environment: radiance of rays that leave the scene, and light from all directions.
     pub environment: Environment,
     /// The animations of all files.
     pub animations: Vec<animation::Listed>,
@@ -72,28 +72,28 @@ pub struct World {
     pub files: Vec<PathBuf>,
     /// Animated parts.
     pub moving: pose::Moving,
-    /// The meshes that animations deform, by index, in the pose of the world.
+    /// Current pose of the meshes that animations deform, by index into `meshes`.
     pub deformed: BTreeMap<usize, Arc<Deformed>>,
-    /// U at load, meters: without static geometry, poses would change it. `None` computes it from
-    /// the current bounds.
+    /// The unit U at load, meters, kept because poses would change it in scenes without static geometry. `None`
+    /// computes it from the current bounds.
     pub rest_unit_m: Option<f32>,
-    /// What its load left of the memory for trees.
+    /// Memory budget that loading left for trees.
     pub memory: Budget,
 }
 
-/// Most lights in a scene; their uniform block stays far below 64 KiB.
+/// Maximum number of lights in a scene; their uniform block stays far below 64 KiB.
 pub const MAX_LIGHTS: usize = 64;
 
 /// Triangles with per-vertex attributes; all attribute arrays are as long as `positions`.
 #[derive(Clone, Debug, Default)]
 pub struct Mesh {
-    /// For messages: model, node and primitive.
+    /// Name for messages: model, node and primitive.
     pub name: String,
-    /// Object space, meters, finite.
+    /// Positions in object space, meters, finite.
     pub positions: Vec<Vec3>,
-    /// Unit length.
+    /// Normals of unit length.
     pub normals: Vec<Vec3>,
-    /// xyz unit length, w = ±1 handedness; empty where no normal map needs them.
+    /// Tangents: xyz of unit length, w = ±1 handedness; empty where no normal map needs them.
     pub tangents: Vec<Vec4>,
     /// First texture coordinates, glTF convention (v down); zeros where the file has none.
     pub uv0: Vec<Vec2>,
@@ -105,23 +105,22 @@ pub struct Mesh {
     pub triangles: Vec<[u32; 3]>,
     /// Object-space bounds of `positions`.
     pub bounds: Bounds,
-    /// What an animation moves its vertices by; they are at rest here, and posed in
-    /// [`World::deformed`].
+    /// Deformation by animations; the vertices here are at rest, and their pose is in [`World::deformed`].
     pub deformation: Option<Arc<Deformation>>,
-    /// [`Mesh::is_closed_outward`], once it was asked.
+    /// Cached result of [`Mesh::is_closed_outward`].
     pub closed: OnceLock<bool>,
 }
 
 /// The attributes of a mesh that depend on its pose.
 #[derive(Clone, Copy, Debug)]
 pub struct Posed<'a> {
-    /// As [`Mesh::positions`].
+    /// Posed [`Mesh::positions`].
     pub positions: &'a [Vec3],
-    /// As [`Mesh::normals`].
+    /// Posed [`Mesh::normals`].
     pub normals: &'a [Vec3],
-    /// As [`Mesh::tangents`].
+    /// Posed [`Mesh::tangents`].
     pub tangents: &'a [Vec4],
-    /// Around the positions.
+    /// Bounds of the positions.
     pub bounds: Bounds,
 }
 
@@ -133,7 +132,7 @@ impl Posed<'_> {
 }
 
 impl Mesh {
-    /// Memory of its vertices and triangles.
+    /// Memory of the vertices and triangles, bytes.
     pub fn bytes(&self) -> u64 {
         let streams = [
             size_of_val(self.positions.as_slice()),
@@ -147,7 +146,7 @@ impl Mesh {
         streams.into_iter().sum::<usize>() as u64
     }
 
-    /// Its own vertices, at rest.
+    /// The vertices at rest.
     pub fn at_rest(&self) -> Posed<'_> {
         Posed {
             positions: &self.positions,
@@ -161,7 +160,7 @@ impl Mesh {
 /// A mesh placed in the world.
 #[derive(Clone, Debug)]
 pub struct Instance {
-    /// `name` of its scene text or file node, for messages and scripts.
+    /// Name in the scene text, or of the file's node, for messages and scripts.
     pub name: String,
     /// Index into [`World::meshes`].
     pub mesh: usize,
@@ -170,9 +169,9 @@ pub struct Instance {
     /// Object to world, finite; may mirror. Singular ones are dropped at load with a warning, but
     /// for [`Instance::HIDDEN`].
     pub world_from_object: Affine3A,
-    /// Whether it may move or is deformed; then it is traced through the top level.
+    /// Whether the instance may move or is deformed; then it is traced through the top level.
     pub dynamic: bool,
-    /// Which rays see it.
+    /// Visibility to rays of the camera, shadows and reflections.
     pub shown: ShownDesc,
 }
 
@@ -180,18 +179,18 @@ impl Instance {
     /// Transform of a hidden instance: no ray hits it and no draw shows it.
     pub const HIDDEN: Affine3A = Affine3A::ZERO;
 
-    /// Whether it is hidden now.
+    /// Whether the instance is hidden in the current pose.
     pub fn is_hidden(&self) -> bool {
         self.world_from_object.matrix3 == Self::HIDDEN.matrix3
     }
 }
 
-/// How a material samples a texture.
+/// A material's reference to a texture, and how it is sampled.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TextureRef {
     /// Index into [`World::textures`].
     pub texture: usize,
-    /// 0 or 1: which texture coordinates.
+    /// Index of the set of texture coordinates, 0 or 1.
     pub uv_set: u32,
     /// KHR_texture_transform as rows of a 2×3 matrix: u' = r0·(u, v, 1), v' = r1·(u, v, 1).
     pub transform: [Vec3; 2],
@@ -202,7 +201,7 @@ pub struct TextureRef {
 }
 
 impl TextureRef {
-    /// KHR_texture_transform. The extension's printed rotation matrix turns the other way than its
+    /// Matrix rows of KHR_texture_transform. The extension's printed rotation matrix turns the other way than its
     /// reference pictures and every viewer; see KhronosGroup/glTF#1563.
     pub fn rows(offset: Vec2, rotation: f32, scale: Vec2) -> [Vec3; 2] {
         let (s, c) = rotation.sin_cos();
@@ -216,19 +215,19 @@ impl TextureRef {
 /// glTF's wrap modes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub enum Wrap {
-    /// REPEAT
+    /// glTF's `REPEAT`.
     #[default]
     Repeat,
-    /// CLAMP_TO_EDGE
+    /// glTF's `CLAMP_TO_EDGE`.
     Clamp,
-    /// MIRRORED_REPEAT
+    /// glTF's `MIRRORED_REPEAT`.
     Mirror,
 }
 
 /// A decoded image: RGBA, 8 bits a channel, top row first.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Texture {
-    /// File or data URI it came from, for messages.
+    /// Name of the image's file or data URI, for messages.
     pub name: String,
     /// Pixels across, 1 to 16384.
     pub width: u32,
@@ -245,7 +244,7 @@ pub struct Texture {
 pub struct Light {
     /// Name from scene text or file.
     pub name: String,
-    /// All other values, as in scene text.
+    /// Description of the light, as in scene text.
     pub desc: LightDesc,
     /// Distance at which a file's light ends (KHR_lights_punctual `range`), meters; `None` is endless.
     pub range_m: Option<f32>,
@@ -260,7 +259,7 @@ impl World {
             .unwrap_or(0)
     }
 
-    /// The vertices of a mesh as they are now.
+    /// The vertices of a mesh in its current pose.
     pub fn posed(&self, mesh: usize) -> Posed<'_> {
         match self.deformed.get(&mesh) {
             Some(deformed) => deformed.posed(),

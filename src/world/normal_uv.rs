@@ -1,4 +1,4 @@
-//! Which tangents a normal map wants.
+//! Texture coordinates of normal maps, on which tangents depend.
 
 use glam::{Mat2, Vec2};
 
@@ -7,21 +7,21 @@ use super::TextureRef;
 /// Coordinates that a normal map is sampled with, as far as tangents depend on them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NormalUv {
-    /// The set of texture coordinates.
+    /// Index of the set of texture coordinates, 0 or 1.
     pub uv_set: u32,
-    /// Linear part of KHR_texture_transform. Without a rotation only the signs of the scales:
-    /// their size changes no direction.
+    /// Linear part of KHR_texture_transform. Without a rotation only the signs of the scales, as their size changes
+    /// no direction.
     pub turn: Mat2,
 }
 
 impl NormalUv {
-    /// The first set, as it is.
+    /// The first set of texture coordinates, untransformed.
     pub const PLAIN: Self = Self {
         uv_set: 0,
         turn: Mat2::IDENTITY,
     };
 
-    /// Of a material's normal map.
+    /// Coordinates of a material's normal map.
     pub fn of(map: &TextureRef) -> Self {
         let [u, v] = map.transform.map(|row| row.truncate());
         let turn = if u.y == 0.0 && v.x == 0.0 {

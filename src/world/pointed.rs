@@ -1,4 +1,4 @@
-//! What animations of a file change of its materials, lights and cameras.
+//! Applies the animated values of a file's materials, lights and cameras (KHR_animation_pointer).
 
 use glam::Vec3;
 
@@ -30,11 +30,11 @@ impl RigPose {
         }
     }
 
-    /// The numbers of a material of the file, which are `own` at rest.
+    /// The values of a material of the file in this pose; `own` are those at rest.
     pub fn material(&self, index: usize, own: &MaterialDesc) -> MaterialDesc {
         let mut changed = own.clone();
         self.put(Pointed::Material(index), &MATERIAL, &mut changed);
-        // A material is made with or without these.
+        // Layers that the material lacks at rest are not added by animations.
         for field in MATERIAL.iter().filter(|field| field.lacks(own).is_some()) {
             match field.key {
                 "alpha_cutoff" => changed.alpha_cutoff = None,
@@ -53,13 +53,13 @@ impl RigPose {
         changed
     }
 
-    /// Moves the textures of a material of the file.
+    /// Applies the animated texture transforms of a material of the file.
     pub fn move_textures(&self, index: usize, material: &mut Material) {
         for (value, offset) in self.of(Pointed::Material(index)) {
             let PointedValue::TextureOffset(slot) = value else {
                 continue;
             };
-            // All three come together.
+            // Offset, rotation and scale always come together, as constants are added for the missing ones.
             let part = |part| {
                 let found = self.values.get(&(Pointed::Material(index), part));
                 found.copied().unwrap_or_default()

@@ -45,23 +45,23 @@ pub struct Moving {
 pub struct Anchor {
     /// Index into `SceneDesc::instances`; `None` for a model that no instance names.
     pub desc: Option<usize>,
-    /// From where the instance stands to where its copy does, in the space of `parent`.
+    /// Transform from the instance to its copy, in the space of `parent`.
     pub copy: Affine3A,
-    /// Index into `FrameState::instances` of what the copies of the instance hang on, if they do.
+    /// Index into `FrameState::instances` of the parent of the instance's copies, if any.
     pub parent: Option<usize>,
     /// Index into [`Moving::players`] and slot of its animated node, if any.
     pub node: Option<(usize, usize)>,
-    /// Whether that node only shows and hides it, and does not place it.
+    /// Whether that node only shows and hides the item, and does not place it.
     pub is_skinned: bool,
-    /// Transform from its space to that node's, or to the model's without one that places it.
+    /// Transform from the item's space to that node's, or to the model's if no node places it.
     pub local: Affine3A,
 }
 
-/// What every player moves, at one time.
+/// Poses of all players at one time.
 type Poses = [RigPose];
 
 impl Anchor {
-    /// Transform from its space to the world, and whether it is there.
+    /// Transform from the item's space to the world, and whether the item is visible.
     fn place(&self, state: &FrameState, poses: &Poses) -> (Affine3A, bool) {
         let instance = self.desc.map_or(Affine3A::IDENTITY, |i| state.instances[i]);
         let node = self.node.map(|(player, slot)| &poses[player].nodes[slot]);
@@ -74,7 +74,7 @@ impl Anchor {
         (world, is_shown && node.is_none_or(|node| node.visible))
     }
 
-    /// Transform from its space to the model.
+    /// Transform from the item's space to the model's.
     fn model(&self, poses: &Poses) -> Affine3A {
         let placing = self.node.filter(|_| !self.is_skinned);
         placing.map_or(self.local, |(player, slot)| {
@@ -88,24 +88,24 @@ impl Anchor {
 pub struct MovingInstance {
     /// Index into [`World::instances`].
     pub instance: usize,
-    /// Its parent.
+    /// Parent of the item.
     pub anchor: Anchor,
-    /// Of its copy at rest.
+    /// Transform of its copy from the model's space to the world, at rest.
     pub world_from_model: Affine3A,
-    /// Whether its transform mirrored at load.
+    /// Whether the instance's transform mirrored at load.
     pub mirrored: bool,
 }
 
 /// A light or a camera of a file.
 #[derive(Clone, Debug)]
 pub struct Moved<T> {
-    /// Which of the world's.
+    /// Index into the world's lights or cameras.
     pub index: usize,
-    /// Its parent.
+    /// Parent of the item.
     pub anchor: Anchor,
-    /// As the file has it, in its own space.
+    /// Description in the file, in its own space.
     pub rest: T,
-    /// Player that changes it, as an index into [`Moving::players`], and what it is there.
+    /// Player that animates its values, as an index into [`Moving::players`], and the object in the file.
     pub pointed: Option<(usize, Pointed)>,
 }
 
@@ -124,7 +124,7 @@ pub enum MaterialSource {
         own: Box<MaterialDesc>,
         /// Static overrides of the scene.
         overrides: Box<MaterialDesc>,
-        /// Player that changes it, as an index into [`Moving::players`], and its index in the file.
+        /// Player that animates its values, as an index into [`Moving::players`], and its index in the file.
         player: Option<(usize, usize)>,
     },
 }
@@ -210,7 +210,7 @@ impl World {
                 }
             }
         }
-        // Those of files come after the scene's own.
+        // Lights and cameras of files come after the scene's own.
         for (light, desc) in self.lights.iter_mut().zip(&state.lights) {
             light.desc = *desc;
         }
@@ -239,11 +239,11 @@ impl World {
         Ok(())
     }
 
-    /// Poses what players deform at a time of the scene, seconds, before any frame is posed; `meshes`
+    /// Poses the meshes that players deform at a time of the scene, seconds, before any frame is posed; `meshes`
     /// are the world's.
     ///
     /// # Errors
-    /// As [`World::apply`].
+    /// Same errors as [`World::apply`].
     pub fn deform_at(
         &mut self,
         meshes: &[Mesh],
@@ -272,8 +272,8 @@ impl World {
             let deformed = deformer.pose(mesh, &poses[deformer.player]);
             let deformed = deformed.ok_or_else(|| {
                 let message = format!(
-                    "in frame {frame}, joints or morph targets move vertices of \"{}\" to what is \
-                     not finite",
+                    "in frame {frame}, joints or morph targets move vertices of \"{}\" to positions \
+                     that are not finite",
                     mesh.name
                 );
                 let player = &self.moving.players[deformer.player];
@@ -297,7 +297,7 @@ impl World {
             let (pose, seen) = moving.anchor.place(state, poses);
             let usable = invertible(&pose);
             let wrong = if moving.anchor.node.is_some() {
-                // Files use a scale of 0 to hide, and cross it to mirror.
+                // Animations of files hide by a scale of 0, and may pass through 0 to mirror.
                 placed.push(if usable && seen {
                     pose
                 } else {
@@ -343,8 +343,8 @@ impl World {
         animated
     }
 
-    /// A box for each instance that animations of files move, around all of its places at times
-    /// spread over the whole of them; the scene's own motion is at rest.
+    /// Bounds of each instance that animations of files move, around its placements at times spread over the whole
+    /// animation; the scene's own motion is at rest.
     pub fn animated_bounds(&self) -> Vec<Bounds> {
         /// Number of sampled times.
         const TIMES: u32 = 32;
@@ -368,8 +368,8 @@ impl World {
         bounds
     }
 
-    /// A box for each instance that a player deforms, around it at times spread over the whole
-    /// animation, where it stands first; the scene's own motion is at rest. `meshes` are the world's.
+    /// Bounds of each instance that a player deforms, around its poses at times spread over the whole animation, in
+    /// its first placement; the scene's own motion is at rest. `meshes` are the world's.
     pub fn deformed_bounds(&self, meshes: &[Mesh]) -> Vec<Bounds> {
         /// Number of sampled times; each moves all vertices.
         const TIMES: u32 = 8;

@@ -10,35 +10,35 @@ use crate::scene::{desc::AnimationDesc, motion::FrameState};
 /// The nodes of a file's scene, at rest.
 #[derive(Clone, Debug, Default)]
 pub struct Rig {
-    /// By their index in the file; `None` for those that are not part of the scene.
+    /// Nodes by their index in the file; `None` for those that are not part of the scene.
     pub nodes: Vec<Option<RigNode>>,
-    /// Indices of those that are, parents before their children.
+    /// Indices of the nodes of the scene, parents before their children.
     pub order: Vec<usize>,
 }
 
 /// A node at rest.
 #[derive(Clone, Debug)]
 pub struct RigNode {
-    /// Index of its parent.
+    /// Index of the parent node.
     pub parent: Option<usize>,
-    /// Parent from node.
+    /// Transform from the node's space to its parent's.
     pub local: Local,
     /// Visibility of the node and its children.
     pub visible: bool,
-    /// Whether it and all its ancestors are visible.
+    /// Whether the node and all its ancestors are visible.
     pub seen: bool,
-    /// The product of all `local` down to here.
+    /// Transform from the node's space to the model's: the product of all `local` from the root down.
     pub model_from_node: Affine3A,
 }
 
-/// What scripts pose of a placed file.
+/// Nodes and morph targets of a placed file that scripts pose.
 #[derive(Clone, Debug, Default)]
 pub struct Scripted {
     /// Nodes of each of the instance's `joints`, by their index in the file.
     pub joints: Vec<Vec<usize>>,
-    /// Morph targets of each of its `morphs`, as node and index.
+    /// Morph targets of each of the instance's `morphs`, as indices of node and target.
     pub morphs: Vec<Vec<(usize, usize)>>,
-    /// Weights at rest of the nodes that have those.
+    /// Weights at rest of the nodes with these morph targets.
     pub rest_weights: BTreeMap<usize, Vec<f32>>,
 }
 
@@ -47,7 +47,7 @@ pub struct Scripted {
 pub struct Player {
     /// Index into `SceneDesc::instances`; `None` for a model that no instance names.
     pub desc: Option<usize>,
-    /// When it is played.
+    /// Start, speed and repetition of the animations.
     pub timing: AnimationDesc,
     /// Played animations; the later wins for the same property.
     animations: Vec<Arc<Animation>>,
@@ -71,32 +71,32 @@ struct MovedNode {
 enum Parent {
     /// Another animated node.
     Slot(usize),
-    /// A static node, with its visibility.
+    /// A static node: its transform to the model's space, and its visibility.
     Still(Affine3A, bool),
 }
 
-/// What a player moves, at one time.
+/// Pose of all that a player moves, at one time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RigPose {
-    /// By slot, see [`Player::slot`].
+    /// Animated nodes by slot, see [`Player::slot`].
     pub nodes: Vec<PosedNode>,
     /// Weights of morph targets, by the index of their node in the file.
     pub weights: BTreeMap<usize, Vec<f32>>,
-    /// Values of materials, lights and cameras.
+    /// Animated values of materials, lights and cameras.
     pub values: BTreeMap<(Pointed, PointedValue), Vec3>,
 }
 
 /// An animated node at one time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PosedNode {
-    /// Perhaps singular.
+    /// Transform from the node's space to the model's, perhaps singular.
     pub model_from_node: Affine3A,
-    /// Visibility.
+    /// Whether the node and all its ancestors are visible.
     pub visible: bool,
 }
 
 impl Player {
-    /// Player of some animations of a file, and of what scripts pose of it.
+    /// Player of some animations of a file, and of the nodes and morph targets that scripts pose.
     pub fn new(
         rig: &Rig,
         animations: Vec<Arc<Animation>>,
@@ -146,7 +146,7 @@ impl Player {
         self.slots.get(node).copied().flatten()
     }
 
-    /// Whether it moves the weights of a node's morph targets.
+    /// Whether the player moves the weights of a node's morph targets.
     pub fn moves_weights(&self, node: usize) -> bool {
         if self.scripted.rest_weights.contains_key(&node) {
             return true;
@@ -155,7 +155,7 @@ impl Player {
         tracks.any(|track| track.node == node)
     }
 
-    /// Whether it changes a material, a light or a camera of the file.
+    /// Whether the player changes a material, a light or a camera of the file.
     pub fn changes(&self, object: Pointed) -> bool {
         let mut tracks = self.animations.iter().flat_map(|a| &a.pointers);
         tracks.any(|track| track.object == object)
@@ -167,8 +167,8 @@ impl Player {
         ends.fold(0.0, f64::max)
     }
 
-    /// What it moves in a frame: at the time that its script has set, else at the scene's, and as its script
-    /// has posed it.
+    /// Pose in a frame: the animations at the time that the instance's script has set, else at the scene's, then
+    /// the poses that the script has set.
     pub fn pose(&self, state: &FrameState) -> RigPose {
         let set = self.desc.and_then(|i| *state.animation_s.get(i)?);
         let scene_s = |animation: &Animation| {
@@ -178,7 +178,7 @@ impl Player {
         self.pose_each(|animation| set.unwrap_or_else(|| scene_s(animation)), state)
     }
 
-    /// What it moves at a time inside all of its animations, seconds; scripts have set nothing.
+    /// Pose at a time of all animations, seconds, without anything that scripts set.
     pub fn pose_at(&self, local_s: f64) -> RigPose {
         self.pose_each(|_| local_s, &FrameState::default())
     }
@@ -225,7 +225,7 @@ impl Player {
         }
     }
 
-    /// Sets what the script has set of the instance.
+    /// Applies the joint poses and morph weights that the instance's script has set.
     fn follow_script(
         &self,
         state: &FrameState,

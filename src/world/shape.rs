@@ -10,7 +10,7 @@ use glam::{Vec2, Vec3};
 use super::Mesh;
 use crate::{math::Bounds, scene::desc::ShapeDesc};
 
-/// Tessellates `shape` (sizes in meters, as its description says); of a height field nothing, see
+/// Tessellates `shape` (sizes in meters, as its description says); a height field gives an empty mesh, see
 /// [`heightfield::mesh`].
 ///
 /// Triangles are counter-clockwise seen from outside; curved sides have smooth normals; texture
@@ -67,7 +67,7 @@ pub fn mesh(shape: &ShapeDesc) -> Mesh {
             builder.torus(radius, tube_radius, segments.max(3));
             "torus"
         }
-        // Its image is read by the loader.
+        // The loader makes this mesh, as it reads the image.
         ShapeDesc::Heightfield { .. } => "heightfield",
         ShapeDesc::Lathe {
             ref points,
@@ -101,11 +101,11 @@ fn radial(column: f32, segments: u32) -> Vec3 {
 
 /// A row of vertices of a body with round ends.
 struct Row {
-    /// From pole to pole, 0 to 1 of half a turn.
+    /// Polar angle as a fraction of half a turn: 0 at the upper pole, 1 at the lower one.
     turn: f32,
-    /// Height of the middle of the sphere that it is on.
+    /// Height of the center of the row's sphere, meters.
     center: f32,
-    /// Texture coordinate.
+    /// Texture coordinate v of the row.
     v: f32,
 }
 
@@ -116,7 +116,7 @@ impl Row {
     }
 }
 
-/// Rows of two half spheres, with texture coordinates in proportion to the way along the surface.
+/// Rows of two half spheres, with texture coordinates in proportion to the distance along the surface.
 fn capsule_rows(radius: f32, height: f32, segments: u32) -> Vec<Row> {
     let quarter = (segments / 4).max(1);
     let (arc, side) = (TAU * 0.25 * radius, (height - 2.0 * radius).max(0.0));
@@ -131,7 +131,7 @@ fn capsule_rows(radius: f32, height: f32, segments: u32) -> Vec<Row> {
         }
     };
     let steps = |half| (0..=quarter).map(move |step| row(half, step));
-    // A sphere has one row at its widest place.
+    // Without a straight side both half spheres share the row at the equator.
     let skipped = usize::from(side == 0.0);
     steps(0).chain(steps(1).skip(skipped)).collect()
 }

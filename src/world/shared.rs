@@ -49,7 +49,7 @@ impl<T> Deref for Shared<T> {
     }
 }
 
-/// Makes the list one of its own first.
+/// Copies the list first if others share it.
 impl<T: Clone> DerefMut for Shared<T> {
     fn deref_mut(&mut self) -> &mut Vec<T> {
         Arc::make_mut(&mut self.0)

@@ -24,7 +24,7 @@ mod header;
 mod ktx2;
 mod specular_glossiness;
 
-/// Longest edge that a picture is rendered with, pixels; larger images are reduced to it.
+/// Longest edge of a texture on the GPU, pixels; larger images are reduced to it.
 pub const LARGEST_KEPT_PX: u32 = 2048;
 
 /// Limits of decoding.
@@ -41,15 +41,15 @@ pub struct TextureLimits {
 /// An image to decode.
 #[derive(Clone, Debug)]
 pub struct TextureRequest {
-    /// Which image of `file`, for messages.
+    /// Name of the image in `file`, for messages.
     pub name: String,
-    /// What uses it, for messages; may be empty.
+    /// User of the image, for messages; may be empty.
     pub used_by: String,
     /// File for error messages.
     pub file: PathBuf,
     /// Encoded bytes.
     pub source: ImageSource,
-    /// Becomes [`Texture::srgb`].
+    /// Whether the bytes are sRGB-encoded, see [`Texture::srgb`].
     pub srgb: bool,
 }
 
@@ -69,7 +69,7 @@ fn fault(name: &'static str, text: impl Into<String>) -> Fault {
 /// Decodes all requests, in their order.
 ///
 /// # Errors
-/// One for every image that is broken, of another format, or too large; `image-budget` when all
+/// One error for every image that is broken, of another format, or too large; `image-budget` when all
 /// together are more than the budget (found from the headers, before anything is decoded).
 pub fn decode_all(
     requests: &[TextureRequest],
@@ -120,7 +120,7 @@ pub fn decode_all(
     }
 }
 
-/// Two images that are made of the same maps have the same error.
+/// Adds an error unless it is listed: two images that are made of the same maps have the same error.
 fn report_once(errors: &mut Vec<Diagnostic>, error: Diagnostic) {
     if !errors.contains(&error) {
         errors.push(error);
@@ -137,7 +137,7 @@ fn guarded<T>(work: impl FnOnce() -> Result<T, Fault>) -> Result<T, Fault> {
     })
 }
 
-/// Pixels that are decoded for an image, from its headers.
+/// Number of pixels that are decoded for an image, from its headers.
 fn num_pixels(source: &ImageSource, limits: &TextureLimits) -> Result<u64, Fault> {
     match source {
         ImageSource::SpecularGlossiness(maps) => {

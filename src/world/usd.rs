@@ -49,7 +49,7 @@ pub struct Converted {
 pub struct Choice(Vec<String>);
 
 impl Choice {
-    /// Choice of the scene text.
+    /// Choice that the scene text makes.
     pub fn of(desc: &StageDesc) -> Self {
         let mut arguments = Vec::new();
         for variant in &desc.variants {
@@ -70,7 +70,7 @@ impl Choice {
     }
 }
 
-/// Maximum conversions of a stage whose files change meanwhile.
+/// Maximum number of conversions of a stage whose files change meanwhile.
 const MOST_TRIES: usize = 3;
 
 /// Converts the chosen parts of a stage, the file of `model`, or finds a cached conversion
@@ -88,7 +88,7 @@ pub fn convert(
     let cache = cache_folder().join("usd");
     fs::create_dir_all(&cache).map_err(|e| cannot_keep(&cache, &e))?;
     let tool = Tool::find()?;
-    // Other choices, other folders or another converter make another file of the same stage.
+    // Each choice, list of folders and converter makes a different file of the same stage.
     let paths = [stage, &tool.path].into_iter();
     let paths = paths.chain(roots.iter().map(|r| &**r));
     let version = env!("CARGO_PKG_VERSION").as_bytes();
@@ -116,8 +116,8 @@ pub fn convert(
     let mut result = converted((stage, model), glb, &record);
     if !is_steady {
         let message = format!(
-            "its files changed each of the {MOST_TRIES} times that it was converted, so this may \
-             be a mixture; the conversion is not kept"
+            "its files changed during each of {MOST_TRIES} conversions, so the result may mix old and \
+             new content; the conversion is not cached"
         );
         result.warnings.push(warning(stage, message, None));
     } else if let Ok(text) = serde_json::to_vec(&record) {
@@ -126,8 +126,8 @@ pub fn convert(
     Ok(result)
 }
 
-/// Converts a stage to `glb`, again if its files change meanwhile; returns whether they were stable
-/// at last. `known` are files that it probably reads.
+/// Converts a stage to `glb`, again if its files change meanwhile; returns whether they were stable in the last
+/// conversion. `known` are files that it probably reads.
 fn run_conversion(
     tool: &Tool,
     (stage, model): (&Path, &str),
@@ -165,7 +165,7 @@ fn run_conversion(
     }
 }
 
-/// The converter's output until it is moved to its place; another process may convert the same.
+/// Temporary output of the converter, moved to its place at the end; another process may convert the same stage.
 struct Fresh(PathBuf);
 
 impl Fresh {
@@ -197,19 +197,19 @@ fn converted((stage, model): (&Path, &str), glb: PathBuf, record: &Record) -> Co
     Converted {
         glb,
         files,
-        warnings: told((stage, model), &record.warnings),
+        warnings: summarize((stage, model), &record.warnings),
     }
 }
 
-/// The converter's warning about a stage without meshes: the reader of its output tells that, unless
-/// the stage has lights or cameras, which scenes take.
+/// Name of the converter's warning about a stage without meshes. It is dropped: the reader of the output warns too,
+/// unless the stage has lights or cameras, which scenes use.
 const STAGE_EMPTY: &str = "stage-empty";
 
-/// Maximum number of listed warnings of one name; above it the first is shown with a count.
+/// Maximum number of listed warnings of one name; if there are more, only the first is shown, with a count.
 const MOST_OF_A_NAME: usize = 3;
 
 /// Summary of the converter's warnings.
-fn told(of: (&Path, &str), warnings: &[SidecarWarning]) -> Vec<Diagnostic> {
+fn summarize(of: (&Path, &str), warnings: &[SidecarWarning]) -> Vec<Diagnostic> {
     let mut names: Vec<&str> = Vec::new();
     for warning in warnings {
         if warning.name != STAGE_EMPTY && !names.contains(&warning.name.as_str()) {
@@ -224,11 +224,11 @@ fn told(of: (&Path, &str), warnings: &[SidecarWarning]) -> Vec<Diagnostic> {
     };
     let groups = names.into_iter().map(of_name);
     groups
-        .flat_map(|group| told_of_a_name(of, &group))
+        .flat_map(|group| summarize_name(of, &group))
         .collect()
 }
 
-fn told_of_a_name((stage, model): (&Path, &str), group: &[&SidecarWarning]) -> Vec<Diagnostic> {
+fn summarize_name((stage, model): (&Path, &str), group: &[&SidecarWarning]) -> Vec<Diagnostic> {
     let is_long = group.len() > MOST_OF_A_NAME;
     let shown = if is_long { &group[..1] } else { group };
     let one = |w: &&SidecarWarning| {
@@ -312,7 +312,7 @@ mod tests {
         };
         let mut warnings = vec![of("a", "/A"), of("b", "/B"), of("a", "/C"), of("a", "/D")];
         let messages = |warnings: &[SidecarWarning]| -> Vec<String> {
-            let told = told((Path::new("s.usda"), "model"), warnings);
+            let told = summarize((Path::new("s.usda"), "model"), warnings);
             told.into_iter().map(|warning| warning.message).collect()
         };
         let one_by_one = ["/A", "/C", "/D"].map(|prim| format!("{prim}: is left out [a]"));

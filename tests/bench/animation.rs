@@ -101,7 +101,7 @@ fn the_temporal_error_is_that_of_pairs_which_all_settings_have() {
         moving("rt", 19, Some((0, 0.0, 4.0))),
         moving("ssr", 38, Some((19, 2.0, 8.0))),
         moving("rt", 38, Some((19, 0.6, 8.0))),
-        // Resumed in the middle: rt was not measured after the same frame.
+        // Resumed in the middle: the previous measured frame of rt differs.
         moving("ssr", 57, Some((38, 9.0, 1.0))),
         moving("rt", 57, None),
     ];

@@ -36,7 +36,7 @@ fn folder(name: &str) -> PathBuf {
     folder
 }
 
-/// Runs `reflet bench`, checks the exit code, and gives standard output and standard error.
+/// Runs `reflet bench`, checks the exit code, and returns standard output and standard error.
 #[track_caller]
 fn exits(folder: &Path, arguments: &[&str], code: i32) -> [String; 2] {
     let output = Command::new(env!("CARGO_BIN_EXE_reflet"))
@@ -112,9 +112,9 @@ fn a_run_writes_samples_settings_and_a_report_and_resumes() {
     exits(&folder, &run, 0);
     let out = folder.join("out");
     let first = samples(&out);
-    // Two values of two methods and one rt, which T does not touch; two frames each.
+    // Two values of two methods and one rt, on which T has no effect; two frames each.
     assert_eq!(first.len(), 10);
-    // A B C D E, then E D C B A.
+    // Alternating order: A B C D E, then E D C B A.
     let order: Vec<&str> = first.iter().map(|s| s.fingerprint.as_str()).collect();
     let mirrored: Vec<&str> = order[5..].iter().rev().copied().collect();
     assert_eq!(order[..5], mirrored[..]);

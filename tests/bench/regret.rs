@@ -1,4 +1,4 @@
-//! `bench regret`: the choice of `auto` beside the fastest way.
+//! `bench regret`: the choice of `auto` beside the fastest alternative.
 
 use std::fs;
 

@@ -17,7 +17,7 @@ fn sentences_compare_at_equal_time_and_error_and_name_the_break_even() {
         "at FLIP 0.0100 or less, hybrid, steps = 128 takes 9.00 ms and rt, steps = 3 takes \
          10.0 ms; hybrid takes 10.0 % less (faster in 6 of 6 pairs of \
          frames). ssr never errs so little.",
-        // (3.0 − 1.0) / (1.0 / 250 · 1000)
+        // Break-even: (3.0 − 1.0) / (1.0 / 250 · 1000).
         "marching first pays while it leaves less than 50.0 % of the rays",
         "traces 25.0 % of rt's rays",
         "n is too small for percentiles",
@@ -26,7 +26,7 @@ fn sentences_compare_at_equal_time_and_error_and_name_the_break_even() {
     }
 }
 
-/// Two settings in turns: the second takes longer by 0.1 ms in `slower` of 20 turns, else less.
+/// Two settings timed in alternation: the second takes 0.1 ms longer in `slower` of 20 repetitions, else less.
 fn in_turns(slower: u32) -> Vec<Sample> {
     let turn = |i: u32| {
         let machine = 10.0 + f64::from(i % 7); // it varies by more than they differ
@@ -58,7 +58,7 @@ fn times_are_told_apart_by_turns_and_not_by_medians() {
     assert!(!text.contains(outright) && text.contains(untold), "{text}");
     let part = "(faster in 7 of 20 pairs of frames, so the two cannot be told apart)";
     assert!(text.contains(part), "{text}");
-    // Five of five are too few.
+    // A sign test of five frames cannot be significant.
     let few: Vec<Sample> = in_turns(20).into_iter().take(10).collect();
     let text = findings::sentences(&only_group(&few)).join("\n");
     assert!(
@@ -94,7 +94,7 @@ fn counts_and_the_parts_of_the_trace_pass_are_said_in_words() {
         rows[row].tested_triangles = Some(50);
     }
     rows[5].traverse_ms = Some(2.25);
-    // Pairs of one frame, whatever the medians of each: 3.0 − 2.25.
+    // Differences within pairs of one frame, whatever the medians: 3.0 − 2.25.
     let text = findings::sentences(&only_group(&rows)).join("\n");
     for part in [
         "hybrid, steps = 128 takes 300 march steps and visits 1000 tree nodes; rt, steps = 3 \

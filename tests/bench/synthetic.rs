@@ -5,7 +5,7 @@ use reflet::bench::{
     summary::{Group, groups},
 };
 
-/// A synthetic sample: method, its value, milliseconds, FLIP; SSIM is 1 − FLIP.
+/// A synthetic sample: method, parameter value, milliseconds, FLIP; SSIM is 1 − FLIP.
 pub fn sample(method: &str, value: f64, ms: f64, flip: f64) -> Sample {
     Sample {
         fingerprint: format!("{method}-{value}"),
@@ -65,7 +65,7 @@ pub fn synthetic_samples() -> Vec<Sample> {
     rows
 }
 
-/// The same samples, repeated.
+/// Repetitions of the same samples.
 pub fn repeated(rows: &[Sample], times: u32) -> Vec<Sample> {
     let again = |repetition| {
         rows.iter().map(move |row| Sample {
@@ -76,7 +76,7 @@ pub fn repeated(rows: &[Sample], times: u32) -> Vec<Sample> {
     (0..times).flat_map(again).collect()
 }
 
-/// The group of samples that may share a chart.
+/// The only group of the samples.
 pub fn only_group(samples: &[Sample]) -> Group {
     let mut groups = groups(samples);
     assert_eq!(groups.len(), 1);

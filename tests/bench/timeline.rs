@@ -6,7 +6,7 @@ use reflet::bench::sample::Sample;
 
 use crate::{common::gpu_or_skip, exits, folder, samples};
 
-/// Camera, ball and lamp stand at these x; at those of frame 4 all keys are met exactly.
+/// X positions of camera, ball and lamp; those of frame 4 coincide with keys.
 const AT_FRAME_4: [&str; 3] = ["1", "0.5", "-1"];
 
 const SCRIPT: &str = r#"import "path" as path;
@@ -29,7 +29,7 @@ eye = { keys = [{ at_s = 0, value = [0, 1.5, 4] }, { at_s = 1, value = [1, 1.5, 
 position = { keys = [{ at_s = 0, value = [2, 3, 1] }, { at_s = 1, value = [-1, 3, 1] }] }
 "#;
 
-/// A ball over a mirror: its camera, ball and lamp at some x, and the floor's roughness.
+/// A ball over a mirror: x positions of its camera, ball and lamp, and the floor's roughness.
 fn scene(moves: &str, [eye, ball, lamp]: [&str; 3], roughness: &str) -> String {
     format!(
         r#"version = 1
@@ -74,7 +74,7 @@ fn write_scenes(folder: &Path) {
     write("stands.toml", &scene("", AT_FRAME_4, "0.125"));
 }
 
-/// `ssr` and `rt` of a scene, each timed once.
+/// Arguments for `ssr` and `rt` of a scene, each timed once.
 fn run<'a>(scene: &'a str, out: &'a str, more: &[&'a str]) -> Vec<&'a str> {
     let run = [
         scene,
@@ -97,7 +97,7 @@ fn run<'a>(scene: &'a str, out: &'a str, more: &[&'a str]) -> Vec<&'a str> {
     [&run[..], more].concat()
 }
 
-/// Error metrics and work counters of a frame, without times.
+/// Error metrics and work counters of a sample, without times.
 fn seen(sample: &Sample) -> impl PartialEq + std::fmt::Debug + use<> {
     (
         (sample.method.clone(), sample.unit_m, sample.ssim),

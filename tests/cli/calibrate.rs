@@ -23,7 +23,7 @@ fn what_calibrate_measures_decides_and_only_on_its_adapter() {
     };
     render("plan.toml", 0);
     let plan = fs::read_to_string(folder.join("plan.toml")).expect("a plan");
-    // Costs decide: nearly nothing for one of two ways, much for the other.
+    // Unit costs decide: almost zero for one of two alternatives, high for the other.
     for (cheap, dear, chosen) in [
         ("raster", "primary", "raster"),
         ("primary", "raster", "rays"),

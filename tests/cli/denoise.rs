@@ -32,7 +32,7 @@ fn without_its_library_denoising_says_what_to_install() {
     assert_eq!(names(&folder), ["scene.toml"]);
 }
 
-/// Folder of the library: `REFLET_OIDN` of the tests, else where `tools/setup.sh` installs it.
+/// Folder of the library: `REFLET_OIDN` of the tests, otherwise the one of `tools/setup.sh`.
 fn library() -> Option<PathBuf> {
     if let Some(folder) = std::env::var_os("REFLET_OIDN") {
         return Some(folder.into());

@@ -1,4 +1,4 @@
-//! What `info` counts.
+//! Counts and names in the output of `info`.
 
 use std::fs;
 

@@ -9,7 +9,7 @@ use std::{
 
 use serde_json::{Value, json};
 
-/// A client of one server.
+/// A client connected to one language server.
 struct Client {
     server: Child,
     input: ChildStdin,
@@ -72,7 +72,7 @@ impl Client {
         serde_json::from_slice(&text).expect("JSON")
     }
 
-    /// The result of a request.
+    /// Sends a request and returns its result.
     fn ask(&mut self, method: &str, params: Value) -> Value {
         self.requests += 1;
         let id = self.requests;
@@ -90,7 +90,7 @@ impl Client {
         format!("file://{}", self.folder.join(name).display())
     }
 
-    /// Writes and opens a file; what is found in it.
+    /// Writes and opens a file; returns its diagnostics.
     fn open(&mut self, name: &str, text: &str) -> Vec<Value> {
         fs::write(self.folder.join(name), text).expect("a file");
         let uri = self.uri(name);
@@ -105,7 +105,7 @@ impl Client {
         }
     }
 
-    /// The next messages about a file.
+    /// Waits for the next diagnostics of a file.
     fn found(&mut self, uri: &str) -> Vec<Value> {
         loop {
             let message = self.receive();
@@ -118,7 +118,7 @@ impl Client {
         }
     }
 
-    /// Asks at the mark `|` of a text that is open under that name without it.
+    /// Sends a request at the position `|` of a text, which is opened under that name without the mark.
     fn at(&mut self, method: &str, name: &str, text: &str) -> Value {
         let before = text.split('|').next().expect("a mark");
         let line = before.matches('\n').count();
@@ -135,7 +135,7 @@ impl Client {
         self.ask(&format!("textDocument/{method}"), params)
     }
 
-    /// Changes the scene to a text with a mark, and gives the labels proposed there.
+    /// Changes the scene to a text with a mark, and returns the completion labels proposed there.
     fn proposed(&mut self, name: &str, text: &str) -> Vec<String> {
         let uri = self.uri(name);
         let plain = text.replace('|', "");
@@ -206,7 +206,7 @@ fn messages_follow_the_text() {
     );
     client.tell("textDocument/didChange", change(SCENE));
     assert_eq!(client.found(&uri).len(), 0);
-    // A mistake in an included file is told there, and taken back.
+    // A mistake in an included file is reported there, and later withdrawn.
     let parts = client.uri("parts.toml");
     let save = json!({ "textDocument": { "uri": parts } });
     fs::write(

@@ -2,8 +2,8 @@
 
 use std::{fs, path::Path};
 
-/// Writes `arm.gltf` and its buffer. Node `hand` hangs on `arm`; `swing` turns the arm about Y by a
-/// quarter in 1 s, `lift` raises it by 1 m and shrinks the hand to nothing in 2 s. The floor's top
+/// Writes `arm.gltf` and its buffer. Node `hand` is a child of `arm`; `swing` rotates the arm about Y by a
+/// quarter turn in 1 s, `lift` raises it by 1 m and scales the hand to 0 in 2 s. The floor's top
 /// is at y = 0, the hand's center at (1, 0.5, 0).
 pub fn write_arm(folder: &Path) {
     let mut bytes: Vec<u8> = Vec::new();
@@ -68,7 +68,7 @@ pub fn write_arm(folder: &Path) {
     fs::write(folder.join("arm.gltf"), text).expect("written");
 }
 
-/// The file's JSON over a buffer of so many bytes.
+/// JSON of the file, with a buffer of this many bytes.
 fn document(bytes: usize, views: &str, accessors: &str) -> String {
     format!(
         r#"{{"asset": {{"version": "2.0"}}, "scene": 0, "scenes": [{{"nodes": [0, 1]}}],

@@ -20,7 +20,7 @@ pub fn gpu_or_skip() -> Option<Gpu> {
     required_or_skip(Gpu::new(&GpuOptions::default()))
 }
 
-/// A value that needs an adapter, or `None` as [`gpu_or_skip`].
+/// A value that needs an adapter, or `None` with the same exceptions as [`gpu_or_skip`].
 pub fn required_or_skip<T>(made: Result<T, GpuError>) -> Option<T> {
     let required = std::env::var("REFLET_REQUIRE_GPU").is_ok_and(|value| value == "1");
     match made {
@@ -33,7 +33,7 @@ pub fn required_or_skip<T>(made: Result<T, GpuError>) -> Option<T> {
     }
 }
 
-/// A folder of files that are not part of the project: named by an environment variable, else
+/// Folder of files that are not part of the project: named by an environment variable, otherwise
 /// beside the checkout. `None` after printing `SKIPPED` if it does not exist.
 pub fn shared_folder(variable: &str, name: &str) -> Option<PathBuf> {
     let beside = || {

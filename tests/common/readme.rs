@@ -2,7 +2,7 @@
 
 use std::{fs, path::Path};
 
-/// The blocks of code that belong to one scene.
+/// Blocks of code of the README that belong to one scene.
 pub struct Story {
     scene: String,
     motion: String,
@@ -14,12 +14,12 @@ pub struct Story {
     pub script_line: String,
     /// File name of the script.
     pub script_name: String,
-    /// Its text.
+    /// Text of the script.
     pub script: String,
 }
 
 impl Story {
-    /// From the README beside the manifest.
+    /// Reads the blocks from the README beside the manifest.
     pub fn read() -> Self {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("README.md");
         let readme = fs::read_to_string(path).expect("README.md");
@@ -46,7 +46,7 @@ impl Story {
         }
     }
 
-    /// The scene alone, then in motion, then with its script.
+    /// Scene texts of the steps: the scene alone, in motion, and with its script.
     pub fn scenes(&self) -> [String; 3] {
         let moving = format!("{}\n{}", self.scene, self.motion);
         let scripted = format!("{}{moving}", self.script_line);

@@ -1,4 +1,4 @@
-//! Bad files and options: a clear error that names the file, never a number, never a panic.
+//! Bad files and options of `compare`: an error that names the file, never a score, never a panic.
 
 use std::{fs, path::Path};
 
@@ -95,7 +95,7 @@ fn a_cropped_data_window_is_refused() {
     assert!(fails(&path, &path, &[]).2.contains("data window"));
 }
 
-/// Errors (or pictures) for every prefix and for many changed bytes.
+/// Counts errors and decoded pictures for every prefix and for many changed bytes.
 fn damage(path: &Path, folder: &Folder, changes: usize) -> [usize; 2] {
     let whole = fs::read(path).expect("the file");
     let damaged = folder.path("damaged");
@@ -185,7 +185,7 @@ fn small_masks_and_frames_are_not_scored() {
     for (name, weight) in [("empty.png", 0), ("full.png", 255)] {
         let mask = folder.png(name, RgbImage::from_pixel(20, 16, Rgb([weight; 3])));
         let mask = mask.to_str().expect("Unicode");
-        // Erosion leaves 10 × 6 of the full one.
+        // Erosion leaves 10 × 6 pixels of the full mask.
         let area = if weight == 0 { 0 } else { 60 };
         let found = run(&a, &a, &["--mask", mask]).expect("compares");
         assert!(found.passed());

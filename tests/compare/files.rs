@@ -93,12 +93,12 @@ pub fn run(a: &Path, b: &Path, more: &[&str]) -> std::result::Result<Comparison,
     compare(&Line::try_parse_from(words).expect("good options").args)
 }
 
-/// Whether the option parser takes these options.
+/// Whether the option parser accepts these options.
 pub fn parses(more: &[&str]) -> bool {
     Line::try_parse_from(["compare", "a.png", "b.png"].iter().chain(more)).is_ok()
 }
 
-/// Runs `compare` where it must fail: the error's name, file and message.
+/// Runs `compare` that must fail; returns the error's name, file and message.
 pub fn fails(a: &Path, b: &Path, more: &[&str]) -> (&'static str, PathBuf, String) {
     let error = run(a, b, more).expect_err("must fail");
     assert!(error.help.is_some(), "no help: {error:?}");

@@ -13,7 +13,7 @@ use reflet::{
 
 use crate::files::{Folder, fails, run};
 
-/// A picture, and the same with a square that is 3 levels brighter.
+/// A picture, and a copy with a square that is 3 levels brighter.
 fn pair(folder: &Folder) -> [PathBuf; 2] {
     let base = |x: u32, y: u32| [(x * 3) as u8, (y * 4) as u8, 90];
     let a = folder.png("a.png", RgbImage::from_fn(48, 40, |x, y| Rgb(base(x, y))));
@@ -134,7 +134,7 @@ fn invalid_outputs_leave_no_file() {
         assert_eq!(name, "bad-output");
         assert!(message.contains(expected), "{message}");
     }
-    // Neither is written if one is not writable.
+    // If one output is not writable, none is written.
     let ok = folder.path("ok.png");
     for [good, bad] in [
         ["--difference", "--flip-map"],
@@ -143,7 +143,7 @@ fn invalid_outputs_leave_no_file() {
         let both = [good, text(&ok), bad, text(&missing)];
         assert_eq!(fails(&a, &b, &both).0, "unwritable-picture");
     }
-    // A folder stands where the file should go.
+    // A folder with the name of the output file.
     fs::create_dir(folder.path("taken.png")).expect("a folder");
     let taken = folder.path("taken.png");
     assert_eq!(
@@ -195,7 +195,7 @@ fn thresholds_hold_for_frame_and_mask() {
         with.to_string()
             .contains("FAILED: mean FLIP inside the mask")
     );
-    // Equal to the limit is not over it.
+    // A value equal to the limit does not exceed it.
     let exact = score.frame.flip_mean.to_string();
     assert!(
         run(&b, &a, &["--max-flip", &exact])

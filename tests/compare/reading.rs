@@ -129,7 +129,7 @@ fn open_exr_is_linear() {
     let found = read(&path);
     assert_eq!(found.encoding(), Encoding::Linear);
     assert_eq!(found.pixels()[50], [0.5, 1.0, 0.0]);
-    // IEC 61966-2-1: 0.5 encodes to 0.735357; over 1 is clamped.
+    // sRGB (IEC 61966-2-1): 0.5 encodes to 0.735357; values over 1 are clamped.
     let shown = found.display();
     assert!((shown[50][0] - 255.0 * 0.735_357).abs() < 1e-2 && shown[50][1] == 255.0);
     assert_eq!(shown[140][0], 255.0);

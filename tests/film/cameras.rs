@@ -4,7 +4,7 @@ use std::fs;
 
 use crate::{SCENE, common::gpu_or_skip, folder, pictures, pixels, render};
 
-/// A camera beside the moving one: each is rendered as it would be alone.
+/// Several cameras in one run: each picture equals the one of a run with that camera alone.
 #[test]
 fn several_cameras_are_written_to_files_with_their_names() {
     let folder = folder("cameras");

@@ -4,7 +4,7 @@ use std::{fs, path::Path, process::Command};
 
 use crate::{SCRIPT, folder};
 
-/// Exit code, standard output and standard error.
+/// Runs a command; returns exit code, standard output and standard error.
 fn reflet(folder: &Path, command: &str, scene: &str) -> (Option<i32>, String, String) {
     let output = Command::new(env!("CARGO_BIN_EXE_reflet"))
         .current_dir(folder)
@@ -92,7 +92,7 @@ fn check_stops_after_a_script_met_a_limit() {
         assert_eq!((code, out.as_str()), (Some(3), ""), "{err}");
         err
     };
-    // Posed are 0, 5, 4, 2, 1 and 3, in this order.
+    // Frames are posed in the order 0, 5, 4, 2, 1 and 3.
     let at_first = said("0 => fill(), _ => { throw \"posed\"; }");
     assert_eq!(at_first.matches("error[").count(), 1, "{at_first}");
     assert!(at_first.contains("(in frame 0)"), "{at_first}");

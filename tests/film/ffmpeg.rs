@@ -1,5 +1,5 @@
-//! Films through ffmpeg: output of the real one (`SKIPPED` without it), and failures with fake
-//! ones.
+//! Films through ffmpeg: output of the real program (`SKIPPED` without it), and failures with fake
+//! programs.
 
 use std::{
     env, fs,
@@ -86,7 +86,7 @@ fn films_have_every_frame_at_its_time() {
     assert!(!folder.join("odd.mp4").exists());
 }
 
-/// ffmpeg could read text before a colon as a protocol.
+/// Output path with a colon: ffmpeg could read text before a colon as a protocol.
 #[test]
 fn a_folder_may_have_a_colon_in_its_name() {
     if gpu_or_skip().is_none() || !is_there("ffmpeg") {
@@ -116,7 +116,7 @@ fn rates_that_a_format_cannot_have_are_refused_before_rendering() {
     assert_eq!(names(&folder), before);
 }
 
-/// On a terminal, which `script` gives.
+/// Output on a terminal, which `script` provides.
 #[test]
 fn script_output_has_its_own_lines() {
     let has_script = Command::new("script").arg("--version").output().is_ok();
@@ -152,7 +152,7 @@ fn script_output_has_its_own_lines() {
     assert_eq!(told, 6, "{text}");
 }
 
-/// As a terminal does: to the whole process group.
+/// Ctrl-C as a terminal sends it: to the whole process group.
 #[test]
 fn ctrl_c_in_a_terminal_ends_a_film_and_leaves_nothing() {
     if gpu_or_skip().is_none() || !is_there("ffmpeg") {
@@ -194,7 +194,7 @@ fn an_ffmpeg_that_fails_is_quoted_and_leaves_nothing() {
     );
     let before = names(&folder);
     let film = ["-o", "f.mp4"];
-    // Large enough that its pipe cannot hold all of them.
+    // A frame size whose pixels the pipe cannot hold at once.
     let large = ["-o", "f.mp4", "--size", "160x120"];
     let last = "for last; do :; done";
     for (arguments, script, says) in [
@@ -211,13 +211,13 @@ fn an_ffmpeg_that_fails_is_quoted_and_leaves_nothing() {
             "ffmpeg ended with signal: 9",
         ),
         (&film, "cat > /dev/null", "the encoder has written nothing"),
-        // It writes more to standard error than a pipe holds before it reads pixels.
+        // Fake program that writes more to standard error than a pipe holds, before it reads pixels.
         (
             &film,
             "yes noise | head -c 300000 >&2; echo the end >&2; cat > /dev/null",
             "noise; the end; there is no film",
         ),
-        // The real one exits with 0 if the disk is full at the end.
+        // Fake program that exits with 0 though the disk is full at the end, as the real ffmpeg does.
         (
             &film,
             "cat > \"$last\"; echo Error writing trailer >&2",

@@ -41,7 +41,7 @@ fn signal(child: &Child, name: &str) {
     assert!(sent.is_ok(), "there is a kill command");
 }
 
-/// Waits for the end; returns exit code (negative: the signal) and standard error.
+/// Waits for the end of a process; returns exit code (negative: the signal) and standard error.
 fn end(child: Child) -> (i32, String) {
     let output = child.wait_with_output().expect("it ends");
     let text = String::from_utf8_lossy(&output.stderr).into_owned();
@@ -72,7 +72,7 @@ impl Chance {
 /// Maximum number of extra rounds on a busy machine.
 const PATIENCE: u32 = 60;
 
-/// Ends a sequence at `rounds` random times, with SIGKILL and SIGTERM in turn, and some more if
+/// Ends a sequence at `rounds` random times, alternating SIGKILL and SIGTERM, and at some more times if
 /// none of them left it incomplete.
 fn end_at_random_moments(name: &str, rounds: u32) {
     if gpu_or_skip().is_none() {
@@ -198,7 +198,7 @@ fn a_hundred_kills_leave_no_film_in_part() {
     end_a_film_at_random_moments("film-kills-100", 50);
 }
 
-/// After the first frame is reported, so that the signal handler is installed.
+/// Sends a signal after the first frame is reported, when the signal handler is installed.
 #[test]
 fn a_signal_ends_a_film_between_frames() {
     use std::io::{BufRead as _, BufReader, Read as _};
@@ -253,13 +253,13 @@ fn what_a_killed_run_has_left_is_removed_by_the_next() {
     assert_eq!(end(child).0, -9);
     let left = hidden(&folder);
     assert_eq!(left.len(), 1, "{left:?}");
-    // .reflet-GOAL-PLACE-PROCESS.tmp
+    // Name of a temporary file: .reflet-GOAL-PLACE-PROCESS.tmp
     let parts: Vec<_> = left[0].split('-').collect();
     let name = |place: &str, id: u32| format!("{}-{}-{place}-{id}.tmp", parts[0], parts[1]);
     let elsewhere = name("0123456789abcdef", u32::MAX);
     let alive = name(parts[2], std::process::id());
     let dead = name(parts[2], u32::MAX);
-    // Of another machine, unmodified for a day, and for a little less.
+    // Temporary files of another machine, unmodified for a day, and for a little less.
     let abandoned = name("0123456789abcdef", 7);
     let written = name("0123456789abcdef", 8);
     for name in [&elsewhere, &alive, &dead, &abandoned, &written] {

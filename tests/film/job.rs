@@ -22,7 +22,7 @@ fn read(path: &Path) -> Value {
     serde_json::from_str(&text).expect("it is JSON")
 }
 
-/// One task of a template with these frames, its parameters replaced by their values.
+/// Command of one task of a template with these frames, its parameters replaced by their values.
 pub fn task(bundle: &Path, frames: &str) -> Command {
     let template = read(&bundle.join("template.json"));
     let values = read(&bundle.join("parameter_values.json"));
@@ -48,7 +48,7 @@ pub fn task(bundle: &Path, frames: &str) -> Command {
     command
 }
 
-/// Runs one task to its end; what it printed.
+/// Runs one task to its end; returns its output.
 pub fn run_task(bundle: &Path, frames: &str) -> String {
     let output = task(bundle, frames).output().expect("the program starts");
     let errors = String::from_utf8_lossy(&output.stderr);
@@ -98,7 +98,7 @@ fn a_bundle_in_chunks_gives_the_frames_of_one_run() {
     assert!(progress.contains("openjd_progress: 25.0\n"), "{progress}");
     assert!(progress.ends_with("f.03.png\n") && progress.contains("openjd_progress: 100.0"));
     run_task(&bundle, "4-5");
-    // A task that is run again keeps what is there.
+    // A task that runs again keeps existing frames.
     assert_eq!(
         run_task(&bundle, "0-3")
             .matches("openjd_status: kept")
@@ -206,6 +206,6 @@ fn an_array_of_slurm_gives_the_frames_of_one_run() {
     }
     render(&folder, &["-o", "f.##.png", "--set", set], 0);
     assert_eq!(pictures(&folder.join("parts")), pictures(&folder));
-    // No such task.
+    // A task index that does not exist.
     assert!(!run_array_task(&folder.join("film.sh"), 2).0);
 }

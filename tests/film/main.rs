@@ -90,7 +90,7 @@ fn folder(name: &str) -> PathBuf {
     folder
 }
 
-/// Runs `reflet render scene.toml`, checks the exit code, gives standard error.
+/// Runs `reflet render scene.toml`, checks the exit code, returns standard error.
 #[track_caller]
 fn render(folder: &Path, arguments: &[&str], code: i32) -> String {
     String::from_utf8_lossy(&run(folder, arguments, code).stderr).into_owned()
@@ -152,7 +152,7 @@ fn order_and_shards_do_not_change_a_byte() {
     let stats: serde_json::Value = serde_json::from_slice(&third).expect("JSON alone");
     assert!(stats["counts"].is_array(), "{stats}");
     assert!(stats["frame_ms"].as_f64() > Some(0.0), "{stats}");
-    // One at a time, as a farm does; the name is in the notation of another program.
+    // One frame per run, as a farm does; the file name has another program's frame notation.
     for frame in ["4", "5"] {
         render(&alone, &["-o", "f.%03d.png", "--frames", frame], 0);
     }
@@ -239,7 +239,7 @@ fn pixels(file: &Path) -> Vec<u8> {
     pixels
 }
 
-/// The plan covers all frames, not only the values at load.
+/// Plan of a film: covers all frames, not only the values at load.
 #[test]
 fn a_material_that_becomes_a_mirror_shows_what_a_mirror_shows() {
     if gpu_or_skip().is_none() {

@@ -1,5 +1,5 @@
-//! Packs: a scene with its files in one renders the same elsewhere, and what was tampered with leaves
-//! nothing behind.
+//! Packs: a scene packed with its files renders the same elsewhere, and a pack that was tampered with leaves
+//! no files behind.
 
 use std::{
     fs,
@@ -27,7 +27,7 @@ fn reflet(folder: &Path, arguments: &[&str], code: i32) -> [String; 2] {
     [out, errors]
 }
 
-/// The entries of a pack, by name.
+/// Entries of a pack: name and content.
 fn entries(path: &Path) -> Vec<(String, Vec<u8>)> {
     let bytes = fs::read(path).expect("the pack");
     let mut zip = ZipArchive::new(Cursor::new(bytes)).expect("a ZIP file");
@@ -52,7 +52,7 @@ fn write(path: &Path, entries: &[(String, Vec<u8>)]) {
     zip.finish().expect("a ZIP file");
 }
 
-/// A scene beside a library that has its lights: its folder is `shots`, that of the library `library`.
+/// A scene in `shots` that takes its lights from a scene in `library`.
 fn show(name: &str) -> std::path::PathBuf {
     let top = folder(name);
     for (folder, files) in [

@@ -1,4 +1,4 @@
-//! A script for Slurm on a cluster of one machine, this one. Prints `SKIPPED` where Slurm is not installed, or the
+//! Slurm scripts on a cluster of one machine, the local one. Prints `SKIPPED` where Slurm is not installed, or the
 //! user is not root.
 
 use std::{
@@ -12,7 +12,7 @@ use std::{
 
 use crate::{common::gpu_or_skip, folder, pictures, render};
 
-/// Where Debian keeps daemons, which users need not have in their path.
+/// Folders of daemons in Debian, which are missing from the path of users.
 const PATHS: &str = "/usr/sbin:/usr/local/sbin";
 
 struct Cluster {
@@ -47,7 +47,7 @@ fn is_installed(tool: &str) -> bool {
 }
 
 impl Cluster {
-    /// `None` after printing `SKIPPED`.
+    /// Starts the cluster; `None` after printing `SKIPPED`.
     fn start() -> Option<Self> {
         let tools = [
             "munged",
@@ -67,7 +67,7 @@ impl Cluster {
             eprintln!("SKIPPED: the daemons of Slurm run as root");
             return None;
         }
-        // Not in the target folder: a socket's path has at most 108 bytes.
+        // A folder outside of the target folder: a socket's path has at most 108 bytes.
         let folder = env::temp_dir().join(format!("reflet-slurm-{}", std::process::id()));
         let mut cluster = Self {
             folder,
@@ -104,7 +104,7 @@ impl Cluster {
         }
         let key = self.folder.join("munge.key");
         fs::write(&key, [b'k'; 128]).expect("temporary key");
-        // It must not be readable for others.
+        // The key must not be readable by others.
         output(Command::new("chmod").arg("600").arg(&key));
         let host = fs::read_to_string("/proc/sys/kernel/hostname").expect("Linux has a name");
         let host = host.trim().split('.').next().expect("a name");
@@ -153,7 +153,7 @@ impl Cluster {
             .push(command.spawn().expect("the daemon starts"));
     }
 
-    /// Waits for as long as anything can take; only where something is broken does it end.
+    /// Waits until the condition holds; the timeout is so long that only a failure reaches it.
     fn wait_until(&self, what: &str, is_so: impl Fn(&Self) -> bool) {
         for _ in 0..3000 {
             if is_so(self) {
@@ -173,7 +173,7 @@ impl Cluster {
     }
 }
 
-/// What the tasks of all jobs said.
+/// Output of the tasks of all jobs.
 fn said(folder: &Path) -> String {
     let files = fs::read_dir(folder).expect("it is there").flatten();
     let outputs = files.filter(|f| f.file_name().to_string_lossy().ends_with(".out"));

@@ -1,4 +1,4 @@
-//! Animations of glTF files: poses, timing, and errors of broken ones.
+//! Animations of glTF files: poses, timing, and errors of invalid ones.
 
 use glam::{Affine3A, EulerRot, Quat, Vec3};
 use reflet::{
@@ -34,7 +34,7 @@ pub fn channel(doc: &mut Doc, node: usize, path: &str, keys: &[(f32, &[f32])]) -
     )
 }
 
-/// A cart that moves, with a wheel that turns on it, a still wall, a lamp and an eye on the cart.
+/// A cart that moves, with a wheel that rotates on it, a still wall, a lamp and a camera on the cart.
 pub fn cart() -> Doc {
     let mut doc = Doc::triangle(); // node 0 "wall", mesh 0
     doc.json["animations"] = json!([]);
@@ -83,7 +83,7 @@ pub fn playing(names: &[&str]) -> AnimationDesc {
     AnimationDesc::of(names.iter().map(|name| at(name)).collect())
 }
 
-/// The cart as a scene of 24 frames a second in which the model plays these.
+/// Scene of the cart at 24 frames per second, whose model plays these animations.
 pub fn cart_scene(names: &[&str]) -> (Folder, SceneDesc) {
     let folder = Folder::new();
     folder.write("m.glb", cart().glb());
@@ -97,12 +97,12 @@ pub fn cart_scene(names: &[&str]) -> (Folder, SceneDesc) {
     (folder, desc)
 }
 
-/// The world at a frame, of a scene without a script.
+/// World at a frame, for a scene without a script.
 pub fn posed(desc: &SceneDesc, frame: u32) -> World {
     posed_scene(&desc.clone().into(), frame)
 }
 
-/// The world at a frame.
+/// World at a frame.
 pub fn posed_scene(scene: &Scene, frame: u32) -> World {
     let mut world = load_scene(scene).unwrap_or_else(|e| panic!("{e:#?}"));
     let state = Animator::new(scene).pose(frame).expect("it can be posed");
@@ -135,18 +135,18 @@ fn only_what_an_animation_moves_is_dynamic() {
     assert_near(find(&world, "m/cart/wheel").0, cart * up);
     assert!(find(&world, "m/cart/wheel").1);
     assert!(warnings(&world).is_empty());
-    // Of the wheel alone.
+    // The animation of the wheel alone.
     desc.models[0].value.animation = Some(playing(&["spin"]));
     let world = posed(&desc, 12);
     assert_eq!(find(&world, "m/cart/box"), (Affine3A::IDENTITY, false));
     let turn = Affine3A::from_rotation_z(std::f32::consts::FRAC_PI_4);
     assert_near(find(&world, "m/cart/wheel").0, up * turn);
-    // All at once: a turning wheel on a turning cart.
+    // All animations at once: a rotating wheel on a rotating cart.
     desc.models[0].value.animation = Some(playing(&["*"]));
     let world = posed(&desc, 12);
     let cart = Affine3A::from_translation(Vec3::X) * Affine3A::from_rotation_y(turn_y(0.5));
     assert_near(find(&world, "m/cart/wheel").0, cart * up * turn);
-    // And nothing.
+    // No animation at all.
     for none in [None, Some(playing(&[]))] {
         desc.models[0].value.animation = none;
         assert!(desc.is_still());
@@ -258,7 +258,7 @@ fn instances_of_one_file_play_different_animations() {
     let x = |name: &str| find(&world, name).0.translation.x;
     assert!((x("a[0,0,0]/cart/box") - 1.0).abs() < 1e-5);
     assert!((x("b/cart/box") - 4.0).abs() < 1e-5);
-    // A time set by a script wins.
+    // A time set by a script overrides the animation's own.
     let mut world = load_scene(&desc).expect("it loads");
     let mut state = Animator::new(&desc.clone().into())
         .pose(0)

@@ -19,14 +19,14 @@ use crate::{
     kit::{at, load_scene, scene},
 };
 
-/// A file's JSON and its buffers.
+/// JSON and buffers of a file.
 struct File {
     json: Value,
     buffers: Vec<Vec<u8>>,
 }
 
 impl File {
-    /// `None` where its bytes lie in `data:` URIs, which this reader leaves out.
+    /// Opens a file; `None` if its bytes lie in `data:` URIs, which this reader does not decode.
     fn open(path: &Path) -> Option<Self> {
         let bytes = fs::read(path).ok()?;
         let number = |at: usize| {
@@ -54,7 +54,7 @@ impl File {
         self.json[key].as_array().map_or(&[], Vec::as_slice)
     }
 
-    /// Floats or normalized integers, element by element.
+    /// Values of an accessor, floats or normalized integers, element by element.
     fn values(&self, accessor: &Value) -> Vec<DVec4> {
         let accessor = &self.list("accessors")[index(accessor)];
         let view = &self.list("bufferViews")[index(&accessor["bufferView"])];
@@ -147,7 +147,7 @@ fn index(value: &Value) -> usize {
     value.as_u64().unwrap_or(0) as usize
 }
 
-/// Parent from node, with what an animation sets.
+/// Transform from the node to its parent, with the values of an animation.
 fn local(node: &Value, set: impl Fn(&str) -> Option<DVec4>) -> DAffine3 {
     if let Some(matrix) = node["matrix"].as_array() {
         let numbers: Vec<f32> = matrix
@@ -228,7 +228,7 @@ fn curve(times: &[f64], values: &[DVec4], kind: &str, is_rotation: bool, time_s:
     }
 }
 
-/// Every valid file of the corpus.
+/// All valid files of the corpus.
 fn valid_files() -> Option<(PathBuf, Vec<String>)> {
     let folder = shared_folder("REFLET_CORPUS", "corpus")?.join("gltf");
     let index = fs::read_to_string(folder.join("INDEX.tsv")).expect("readable INDEX.tsv");

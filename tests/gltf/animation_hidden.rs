@@ -59,7 +59,7 @@ fn what_is_scaled_to_nothing_is_hidden() {
     assert_eq!(shown(36), None, "through nothing");
     let thin = shown(72).expect("flat things are thin, not gone");
     assert!(thin > 0.0 && thin < 1e-4, "{thin}");
-    // Nothing selected: dropped by name, as before.
+    // Without a selected animation the hidden instance is dropped by name.
     desc.models[0].value.animation = None;
     assert_eq!(
         warnings(&load_scene(&desc).expect("it loads")),

@@ -1,4 +1,4 @@
-//! Animations of glTF files: names, errors of broken ones, and ignored parts.
+//! Animations of glTF files: names, errors of invalid ones, and ignored parts.
 
 use glam::{Affine3A, Quat, Vec3};
 use reflet::{
@@ -51,7 +51,7 @@ fn every_animation_has_a_name_of_its_own() {
     assert_eq!(names, ["go", "go#2", "animation 2"]);
 }
 
-/// Breaks the first animation.
+/// Function that breaks the first animation.
 type Harm = fn(&mut Doc);
 
 #[test]
@@ -144,7 +144,7 @@ fn broken_animations_cannot_be_played_and_do_no_other_harm() {
                 let c = d.json["animations"][0]["channels"][0].clone();
                 d.json["animations"][0]["channels"] = json!([c, c]);
             },
-            "channel 1: a channel before it moves the translation",
+            "channel 1: an earlier channel moves the translation",
         ),
         (
             "integers",
@@ -218,7 +218,7 @@ fn what_is_not_played_is_named_when_it_is_asked_for() {
         ]
     );
     let (pose, _) = find(&world, "m/cart/box");
-    // The matrix keeps its scale; its place is the animation's.
+    // The matrix keeps its scale; its translation is the animation's.
     assert_near(
         pose,
         Affine3A::from_scale_rotation_translation(

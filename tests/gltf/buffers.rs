@@ -1,12 +1,12 @@
-//! Buffers that are not there: an error only where something is read from them.
+//! Missing buffers: an error only where data is read from them.
 
 use std::process::Command;
 
 use crate::kit::{Doc, Folder, load_scene, one_error, scene, warnings};
 use serde_json::json;
 
-/// A triangle in a `.gltf` file whose only data is in the second buffer; the first says nowhere
-/// where it is.
+/// A triangle in a `.gltf` file whose only data is in the second buffer; the first has neither a URI nor
+/// data.
 fn absent_first_buffer() -> Doc {
     let mut doc = Doc::triangle();
     let bytes = std::mem::take(&mut doc.bin);
@@ -33,7 +33,7 @@ fn an_absent_buffer_is_an_error_only_where_it_is_read() {
         let json = serde_json::to_vec(&doc.json).expect("JSON");
         match name {
             "m.gltf" => folder.write(name, json),
-            // Without a binary chunk.
+            // A file without a binary chunk.
             _ => {
                 let mut glb = b"glTF\x02\0\0\0".to_vec();
                 let padded = json.len().next_multiple_of(4);
@@ -58,7 +58,7 @@ fn an_absent_buffer_is_an_error_only_where_it_is_read() {
     }
 }
 
-/// The scene text that is made for it is not the user's.
+/// Messages about a bare model must not name the generated scene text.
 #[test]
 fn messages_about_a_bare_model_name_its_file_alone() {
     let folder = Folder::new();
@@ -73,7 +73,7 @@ fn messages_about_a_bare_model_name_its_file_alone() {
         let all = [output.stdout, output.stderr].concat();
         String::from_utf8_lossy(&all).into_owned()
     };
-    // Its own fault, and one of the text: that light has a direction and no position.
+    // An error of the file and an error of the scene text: the light has a direction and no position.
     doc.json["extensionsRequired"] = json!(["EXT_unheard_of"]);
     doc.json["extensionsUsed"] = json!(["EXT_unheard_of"]);
     folder.write("m.glb", doc.glb());
@@ -115,7 +115,7 @@ fn a_model_that_shows_nothing_is_no_picture() {
         assert!(warnings(&doc.world()).contains(&"model-empty"));
         let folder = Folder::new();
         folder.write("m.glb", doc.glb());
-        // All commands refuse it, with one message about that.
+        // All commands refuse the file, with one message about that.
         for arguments in [
             &["render", "m.glb", "-o", "picture.png"][..],
             &["check", "m.glb"],

@@ -1,4 +1,4 @@
-//! The camera of scenes without one: what it frames, and from where.
+//! Default camera of scenes without one: framing and view direction.
 
 use crate::kit::Doc;
 use glam::Vec3;
@@ -9,7 +9,7 @@ fn camera(world: &World) -> &CameraDesc {
     &world.cameras[0].value
 }
 
-/// Smallest and largest place of all vertices in a 16:9 picture, -1 to 1 on each axis.
+/// Least and greatest coordinates of all vertices in a 16:9 picture, -1 to 1 on each axis.
 fn seen(world: &World) -> [[f32; 2]; 2] {
     let camera = camera(world);
     let forward = (camera.target - camera.eye).normalize();
@@ -37,7 +37,7 @@ fn seen(world: &World) -> [[f32; 2]; 2] {
 fn the_scene_fills_four_fifths_of_the_picture_and_is_centered() {
     let mut doc = Doc::triangle();
     doc.json["nodes"][0]["translation"] = json!([100, 0, 0]);
-    // A second one behind, so that nothing is flat.
+    // A second triangle behind, so that the scene is not flat.
     doc.root_node(json!({"mesh": 0, "translation": [100, 0.5, -2]}));
     let seen = seen(&doc.world());
     let filled = seen.map(|[least, most]| (most - least) / 2.0);
@@ -76,7 +76,7 @@ fn flat_things_are_seen_from_the_side_that_they_face() {
     }
 }
 
-/// Tubes around lines are closed, so that which side they face is a matter of rounding.
+/// Tubes around lines are closed, so that rounding decides which side they face.
 #[test]
 fn lines_are_seen_from_the_usual_side() {
     for turn in 0..12_u8 {
@@ -95,7 +95,7 @@ fn lines_are_seen_from_the_usual_side() {
     }
 }
 
-/// A small thing near the eye beside a wide one far away: none is cut off at a border.
+/// A small object near the camera beside a wide one far away: none is cut off at a border.
 #[test]
 fn what_is_near_the_eye_stays_in_the_default_view() {
     let mut doc = Doc::empty();
@@ -128,7 +128,7 @@ fn what_is_near_the_eye_stays_in_the_default_view() {
     }
 }
 
-/// Points and lines have no side that a lamp could light.
+/// Points and lines have no surface normal that a lamp could light.
 #[test]
 fn points_and_lines_without_normals_have_no_light() {
     for (mode, has_normals, unlit) in [
@@ -177,7 +177,7 @@ fn cameras_of_files_that_see_nothing_give_way() {
         "it sees the triangle"
     );
     let last = doc.json["nodes"].as_array().expect("nodes").len() - 1;
-    // Turned away from it.
+    // A camera node rotated away from the scene.
     doc.json["nodes"][last]["rotation"] = json!([0, 1, 0, 0]);
     let mut world = doc.world();
     let names: Vec<_> = world.cameras.iter().map(|c| c.name.as_str()).collect();

@@ -11,7 +11,7 @@ use reflet::{
 };
 use serde_json::json;
 
-/// A triangle with two targets: the third corner up by 2, and all corners towards the viewer.
+/// A triangle with two morph targets: the third corner up by 2, and all corners towards the viewer.
 fn morphed() -> Doc {
     let mut doc = Doc::triangle();
     let up = doc.floats("VEC3", &[0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 2.0, 0.0]);
@@ -44,7 +44,7 @@ fn morph_targets_have_their_weights_at_rest() {
     let normal = Vec3::new(0.5, 0.0, 1.0).normalize();
     assert!(world.meshes[0].normals[0].distance(normal) < 1e-6);
     assert!(warnings(&world).is_empty());
-    // A node's weights win; another node shows the mesh with its own.
+    // A node's weights override the mesh's; another node shows the mesh with the mesh's own.
     doc.json["nodes"][0]["weights"] = json!([0, 2]);
     doc.root_node(json!({"mesh": 0}));
     let world = doc.world();
@@ -75,7 +75,7 @@ fn broken_targets_are_named() {
     assert_eq!(doc.error().0, "gltf-index");
 }
 
-/// The scene of a file in which `clip` is played, from this frame on at 10 frames a second.
+/// Scene of a file in which `clip` plays, from this frame on at 10 frames per second.
 fn played(folder: &Folder, doc: &Doc, start: u32) -> SceneDesc {
     folder.write("m.glb", doc.glb());
     let mut desc = scene(&folder.0, "m.glb");
@@ -110,9 +110,9 @@ fn animated_weights_begin_with_the_first_frame() {
         assert!(warnings(&world).is_empty());
         assert_eq!(world.animations[0].duration_s, 2.0);
     }
-    // Not played: at rest.
+    // Without a played animation the mesh is at rest.
     assert_eq!(corners(&doc.world(), 0)[2], Vec3::Y);
-    // The same by KHR_animation_pointer.
+    // Animation of the same weights by KHR_animation_pointer.
     let target = doc.json["animations"][0]["channels"][0]["target"].take();
     doc.json["animations"][0]["channels"][0]["target"] = json!({
         "path": "pointer",
@@ -129,7 +129,7 @@ fn animated_weights_begin_with_the_first_frame() {
     );
 }
 
-/// A triangle that hangs on one joint, which a clip moves from y = 2 to y = 4 in two seconds.
+/// A triangle skinned to one joint, which a clip moves from y = 2 to y = 4 in two seconds.
 fn skinned() -> Doc {
     let mut doc = Doc::triangle();
     let joints = doc.accessor("VEC4", 5121, 3, &[0; 12]);
@@ -177,7 +177,7 @@ fn skins_begin_with_the_first_frame() {
     assert_eq!([0, 1].map(|i| corners(&world, i)[0].y), [1.0, 2.0]);
 }
 
-/// The world of a played file at a frame.
+/// World of a scene with animations at a frame.
 fn at_frame(desc: &SceneDesc, frame: u32) -> World {
     let mut world = load_scene(desc).expect("loads");
     let scene = Scene::from(desc.clone());
@@ -193,7 +193,7 @@ fn skins_and_weights_move_with_the_timeline() {
     let still = desc.models[0].value.animation.clone();
     desc.models[0].value.animation = None;
     desc.instances = vec![instance("m"), instance("m"), instance("m")];
-    // One at rest, and two at different times.
+    // One instance at rest, and two at different times.
     desc.instances[1].animation = still.clone();
     desc.instances[2].animation = still.map(|animation| AnimationDesc {
         start_s: 1.0,
@@ -211,15 +211,15 @@ fn skins_and_weights_move_with_the_timeline() {
         }
         assert_eq!(world.moving.deformers.len(), 2);
     }
-    // The camera that is added sees all of the motion.
+    // The default camera frames all of the motion.
     desc.instances.truncate(2);
     let world = load_scene(&desc).expect("loads");
     let eye = &world.cameras[0].value;
     assert!((eye.target.y - 3.0).abs() < 0.5, "between 1 and 5: {eye:?}");
 }
 
-/// 200 vertices on random joints with random weights, and two targets, in f64 as the specification
-/// says it.
+/// 200 vertices on random joints with random weights, and two morph targets, computed in f64 by the
+/// specification's formula.
 #[test]
 fn posed_vertices_are_those_of_the_specification() {
     const COUNT: usize = 201;

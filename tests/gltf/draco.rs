@@ -1,4 +1,4 @@
-//! KHR_draco_mesh_compression: a stream of Google's encoder, and broken ones.
+//! KHR_draco_mesh_compression: a stream of Google's encoder, and invalid ones.
 
 use std::time::{Duration, Instant};
 
@@ -10,7 +10,7 @@ use glam::{Vec2, Vec3};
 use reflet::world::Mesh;
 use serde_json::json;
 
-/// 12 by 12 vertices (x, y, (7 i mod 5) / 4) with normals (0, 0.6, 0.8) and coordinates (x, y) / 11 in
+/// Stream of 12 by 12 vertices (x, y, (7 i mod 5) / 4) with normals (0, 0.6, 0.8) and coordinates (x, y) / 11 in
 /// 14 bits; attributes are 0 coordinates, 1 normals, 2 positions.
 const GRID: &[u8] = include_bytes!("grid.drc");
 const SIDE: usize = 12;
@@ -42,7 +42,7 @@ fn document(stream: &[u8]) -> Doc {
     doc
 }
 
-/// The numbers of the corners of each triangle, which starts with the smallest.
+/// Vertex indices of each triangle, rotated so that the smallest is first.
 fn triangles(mesh: &Mesh) -> Vec<[usize; 3]> {
     let number = |i: u32| {
         let [x, y, z] = mesh.positions[i as usize].to_array();

@@ -104,7 +104,7 @@ fn broken_triangles_are_dropped_and_counted() {
         0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, nan, 0.0, 0.0, 2.0, 0.0, 0.0,
     ];
     let positions = doc.floats("VEC3", &corners);
-    // Good; with a NaN corner; a repeated corner; on one line.
+    // A valid triangle; then one with a NaN corner, a repeated corner, and all corners on one line.
     let indices = doc.accessor("SCALAR", 5121, 12, &[0, 1, 2, 0, 1, 3, 0, 0, 2, 0, 1, 4]);
     let mesh = doc.mesh(json!({"attributes": {"POSITION": positions}, "indices": indices}));
     doc.root_node(json!({"mesh": mesh}));
@@ -286,7 +286,7 @@ fn tangents_are_made_where_a_normal_map_needs_them() {
     let world = mapped_square().world();
     let mesh = &world.meshes[0];
     assert_eq!(mesh.positions.len(), 4, "nothing to split");
-    // Along +u; the bitangent cross(n, t) · w points up the image, as glTF's green does.
+    // Tangents along +u; the bitangent cross(n, t) · w points up the image, as glTF's green channel does.
     assert_eq!(mesh.tangents, [Vec4::new(1.0, 0.0, 0.0, 1.0); 4]);
     assert_eq!(world.materials[0].normal_scale, 0.5);
 
@@ -341,7 +341,7 @@ fn any_two_sets_of_texture_coordinates_are_read() {
     }
     let texture = doc.texture(&png(1, 1, [255; 4]));
     doc.primitive("material", 0.into());
-    // Sets of base color, occlusion and emission; those of the mesh, and where the textures find them.
+    // Texture coordinate sets of base color, occlusion and emission; the mesh's sets, and the slots of the textures.
     for (used, sets, slots) in [
         ([0, 1, 0], [0.0, 1.0], [0, 1, 0]),
         ([3, 3, 3], [0.0, 3.0], [1, 1, 1]),

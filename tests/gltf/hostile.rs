@@ -281,7 +281,7 @@ fn accessors_without_data_are_bounded() {
     );
 }
 
-/// The budget is enough for few of many uses: the others are counted, not read, and told once.
+/// The memory budget covers few of many meshes: the others are counted, not read, and reported once.
 #[test]
 #[cfg(target_os = "linux")]
 fn what_is_too_large_together_is_refused_before_it_is_read() {
@@ -305,7 +305,7 @@ fn what_is_too_large_together_is_refused_before_it_is_read() {
     assert!(taken < 512 << 20, "{taken} bytes"); // other tests run meanwhile
 }
 
-/// Faults of one kind are one message; of many kinds, the number of the others is told.
+/// Faults of one kind are one message; for many kinds, the number of further ones is reported.
 #[test]
 fn faults_of_many_primitives_are_counted() {
     let mut doc = Doc::triangle();

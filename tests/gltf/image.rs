@@ -48,7 +48,7 @@ fn every_depth_becomes_rgba8() {
     let rgb16 = ImageBuffer::from_pixel(1, 1, Rgb([0u16, 0x4040, 0xFFFF]));
     assert_eq!(decoded(rgb16, ImageFormat::Png).rgba, [0, 64, 255, 255]);
     let rgb = ImageBuffer::from_pixel(16, 16, Rgb([200u8, 100, 50]));
-    // The MIME type is PNG, but the content decides.
+    // The MIME type says PNG; the content decides.
     let jpeg = decoded(rgb, ImageFormat::Jpeg).rgba;
     let near = |p: &[u8]| {
         p.iter()
@@ -154,7 +154,7 @@ fn image_bombs_are_stopped_at_the_header() {
         );
     }
     assert_eq!(image_error(&sized(8, 8)), "image-broken", "wrong checksum");
-    // One pixel over the JPEG limit of this loader, in an otherwise endless header.
+    // One pixel over the JPEG limit of this loader, in a header without image data.
     let jpeg = [
         &[0xFF, 0xD8, 0xFF, 0xC0, 0, 17, 8, 0x40, 0x01, 0x40, 0x01, 3][..],
         &[0; 9],
@@ -199,7 +199,7 @@ fn all_images_together_have_a_budget() {
         };
         assert_eq!(load(&desc, &options).err().map(|e| e[0].name), expected);
     }
-    // Geometry and images share the memory of the load; what they leave is for trees.
+    // Geometry and images share the memory budget of a load; the rest is for BVHs.
     let outcome = |memory_bytes: u64| {
         let options = LoadOptions {
             memory_bytes: Some(memory_bytes),
@@ -228,7 +228,7 @@ fn all_images_together_have_a_budget() {
     assert_eq!(one_error(load(&desc, &options)).0, "file-too-large");
 }
 
-/// What is made, not read, takes from the memory of a load too.
+/// Generated shapes and tangents count against the memory budget of a load too.
 #[test]
 fn shapes_and_tangents_share_the_memory_of_a_load() {
     let left = |desc: &SceneDesc, memory_bytes: u64| {

@@ -1,5 +1,5 @@
-//! The crate `gltf` as judge: every valid file of the corpus that it opens says the same when our
-//! reader opens it. Skins, morph targets, points, lines, copies, and buffers that only an extension
+//! The crate `gltf` as an independent reader: every valid file of the corpus that it opens has the same contents in
+//! our reader. Skins, morph targets, points, lines, copies, and buffers that only an extension
 //! decodes are left out, since the crate does not resolve them.
 
 use std::{fs, panic, path::Path};
@@ -14,7 +14,7 @@ use reflet::world::{
 
 use crate::common::shared_folder;
 
-/// Extensions that change what the core of a file says.
+/// Extensions that change the meaning of a file's core properties.
 const BEYOND: [&str; 8] = [
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
@@ -26,7 +26,7 @@ const BEYOND: [&str; 8] = [
     "KHR_node_visibility",
 ];
 
-/// Files of the corpus that both open; fewer would mean that little is compared.
+/// Least number of files that both readers must open, so that enough is compared.
 const MIN_COMPARED: usize = 150;
 
 /// A file as the crate reads it.
@@ -36,7 +36,7 @@ struct Judge {
 }
 
 impl Judge {
-    /// `None` for what the crate refuses, or panics on.
+    /// Opens a file; `None` if the crate refuses it or panics.
     fn open(path: &Path) -> Option<Self> {
         let read = || {
             let Gltf { document, blob } = Gltf::open(path).ok()?;
@@ -129,14 +129,14 @@ fn nodes(judge: &Judge, model: &Model) -> Vec<String> {
     wrong
 }
 
-/// Which primitive a mesh of the model is, from its name: `mesh 3 "wall" primitive 1`.
+/// Indices of mesh and primitive, from a mesh's name: `mesh 3 "wall" primitive 1`.
 fn primitive_of(mesh: &Mesh) -> (usize, usize) {
     let number = |word: Option<&str>| word.and_then(|word| word.parse().ok()).expect("a number");
     let first = mesh.name.split(' ').nth(1);
     (number(first), number(mesh.name.rsplit(' ').next()))
 }
 
-/// What is shown stands at its own node with its own material.
+/// Instances with the transforms and materials of their nodes.
 fn placements(judge: &Judge, model: &Model) -> Vec<String> {
     let mut wrong = Vec::new();
     for placed in &model.placements {
@@ -149,7 +149,7 @@ fn placements(judge: &Judge, model: &Model) -> Vec<String> {
         let theirs = theirs.and_then(|mesh| mesh.primitives().nth(primitive));
         let material = theirs.map(|primitive| primitive.material().index());
         let default = judge.document.materials().count();
-        // Points and lines have materials of their own, of the same names.
+        // Points and lines have their own copies of materials, under the same names.
         let of_name = || {
             let name = &model.materials[placed.value.material].name;
             model.materials.iter().position(|m| m.name == *name)
@@ -271,7 +271,7 @@ fn geometry(judge: &Judge, model: &Model) -> Vec<String> {
     wrong
 }
 
-/// A channel as the crate reads it, but for weights.
+/// Animation channel as the crate reads it; none for weights.
 fn channel_of(judge: &Judge, channel: &::gltf::animation::Channel) -> Option<Channel> {
     use ::gltf::animation::Interpolation as Theirs;
     let reader = channel.reader(|buffer| judge.bytes(buffer));

@@ -60,7 +60,7 @@ pub struct Doc {
 }
 
 impl Doc {
-    /// No content yet.
+    /// An empty document.
     pub fn empty() -> Self {
         let json = json!({
             "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": []}], "nodes": [],
@@ -83,7 +83,7 @@ impl Doc {
         doc
     }
 
-    /// Appends to a top-level array and gives the index.
+    /// Appends to a top-level array and returns the index.
     pub fn add(&mut self, array: &str, value: Value) -> usize {
         let list = self.json[array].as_array_mut().expect("top-level array");
         list.push(value);
@@ -133,7 +133,7 @@ impl Doc {
         index
     }
 
-    /// An image in the binary chunk and a texture for it.
+    /// Adds an image in the binary chunk and a texture for it.
     pub fn texture(&mut self, png: &[u8]) -> usize {
         let view = self.view(png);
         let image = self.add(
@@ -168,19 +168,19 @@ impl Doc {
         out
     }
 
-    /// Writes it as GLB and loads it as the model `m`.
+    /// Writes the document as GLB and loads it as the model `m`.
     pub fn load(&self) -> Result<World, Vec<Diagnostic>> {
         let folder = Folder::new();
         folder.write("m.glb", self.glb());
         load_scene(&scene(&folder.0, "m.glb"))
     }
 
-    /// Must load.
+    /// Loads the document, which must succeed.
     pub fn world(&self) -> World {
         self.load().unwrap_or_else(|e| panic!("{e:#?}"))
     }
 
-    /// Must be refused with one error; returns its name and message.
+    /// Loads the document, which must be refused with one error; returns its name and message.
     pub fn error(&self) -> (&'static str, String) {
         one_error(self.load())
     }
@@ -193,7 +193,7 @@ pub fn one_error(result: Result<World, Vec<Diagnostic>>) -> (&'static str, Strin
     (errors[0].name, errors[0].message.clone())
 }
 
-/// A scene in `folder` with `file` as model `m`, standing once at the origin.
+/// Scene in `folder` with `file` as model `m`, with one instance at the origin.
 pub fn scene(folder: &Path, file: &str) -> SceneDesc {
     let source = ModelSource::File(at(file));
     let model = ModelDesc {
@@ -332,7 +332,7 @@ pub fn stone() -> Doc {
     doc
 }
 
-/// Invariants of loaded worlds.
+/// Checks invariants of loaded worlds.
 pub fn check_promises(world: &World, name: &str) {
     for mesh in &world.meshes {
         let n = mesh.positions.len();

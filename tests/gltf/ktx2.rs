@@ -1,4 +1,4 @@
-//! KHR_texture_basisu: KTX2 files of the Basis Universal encoder, and broken ones.
+//! KHR_texture_basisu: KTX2 files of the Basis Universal encoder, and invalid ones.
 
 use std::{
     io::Cursor,
@@ -13,7 +13,7 @@ use image::ImageFormat;
 use reflet::scene::desc::MaterialDesc;
 use serde_json::json;
 
-/// 16 by 16 pixels in four quadrants of one color each.
+/// KTX2 files of 16 by 16 pixels with four quadrants of one color each.
 const FILES: [(&str, &[u8]); 3] = [
     ("ETC1S", include_bytes!("quadrants_etc1s.ktx2")),
     ("UASTC", include_bytes!("quadrants_uastc.ktx2")),
@@ -29,7 +29,7 @@ const QUADRANTS: [[u8; 4]; 4] = [
     [220, 210, 200, 128],
 ];
 
-/// A file whose base color is a PNG of one pixel, or instead of that this image.
+/// A file whose base color texture is a PNG of one pixel, or this image.
 fn document(image: &[u8]) -> Doc {
     let mut doc = rich();
     let texture = doc.texture(&png(1, 1, [1, 2, 3, 255]));
@@ -63,7 +63,7 @@ fn basis_universal_becomes_rgba() {
     }
 }
 
-/// Images of scene text are known by their content, too; their names say the format only.
+/// Image formats in scene text are detected by content, too; file extensions do not matter.
 #[test]
 fn scene_text_names_any_image_that_is_read() {
     let pixel = image::RgbaImage::from_pixel(3, 2, image::Rgba([10, 20, 30, 40]));

@@ -1,4 +1,4 @@
-//! What extensions add to materials of glTF files: what passes through, and what lies over them.
+//! Material layers of glTF extensions: transmission, coats and the like.
 
 use crate::kit::{stone, warnings};
 use glam::Vec3;
@@ -104,7 +104,7 @@ fn specular_sheen_and_the_textures_of_layers_are_read() {
     assert_eq!(film_nm, (50.0, 650.0));
     assert_eq!((m.anisotropy, m.dispersion), (Some(0.25), Some(2.0)));
     assert!((m.anisotropy_rotation_deg - 0.5_f32.to_degrees()).abs() < 1e-4);
-    // Textures of what is not there are not loaded.
+    // Textures of layers with a factor of 0 are not loaded.
     doc.json["materials"][0]["extensions"] = json!({
         "KHR_materials_specular": {"specularFactor": 0, "specularTexture": map},
         "KHR_materials_sheen": {"sheenColorTexture": map},

@@ -67,7 +67,7 @@ fn uris_cannot_leave_the_allowed_folders() {
             "image {uri:?}: {errors:#?}"
         );
 
-        // Names in scene text are not percent-decoded: there such a code is just an odd name.
+        // Names in scene text are not percent-decoded: such a code is part of the name there.
         let errors = load_scene(&scene(&root.0, uri)).expect_err(uri);
         let expected = if uri.contains('%') {
             "file-not-found"
@@ -99,7 +99,7 @@ fn uris_cannot_leave_the_allowed_folders() {
     assert!(load_scene(&scene(&root.0, "deep/m.gltf")).is_ok());
 }
 
-/// Every number in the JSON, for mutations that the parser lets through.
+/// All numbers in the JSON, for mutations that the parser accepts.
 fn numbers(value: &mut Value) -> Vec<&mut Value> {
     match value {
         Value::Number(_) => vec![value],

@@ -39,7 +39,7 @@ fn materials_arrive_whole() {
         ([Wrap::Clamp, Wrap::Mirror], true, 0)
     );
     assert_eq!(color.transform, [Vec3::X, Vec3::Y]);
-    // The same image as color and as data is stored twice.
+    // An image used as color and as data is stored twice.
     let data = m.metallic_roughness_texture.expect("texture");
     assert_ne!(color.texture, data.texture);
     assert!(world.textures[color.texture].srgb && !world.textures[data.texture].srgb);
@@ -60,7 +60,7 @@ fn texture_transform_turns_like_the_viewers() {
         .base_color_texture
         .expect("texture")
         .transform;
-    // u' = c·sx·u + s·sy·v + ox, v' = −s·sx·u + c·sy·v + oy
+    // Texture transform: u' = c·sx·u + s·sy·v + ox, v' = −s·sx·u + c·sy·v + oy
     assert!(
         (rows[0] - Vec3::new(0.0, 3.0, 0.5)).length() < 1e-5,
         "{rows:?}"
@@ -112,7 +112,7 @@ fn blended_materials_are_opaque_where_nothing_is_clear() {
         material["alphaMode"] = "BLEND".into();
         material["pbrMetallicRoughness"] = json!({"baseColorFactor": [1, 1, 1, alpha]});
         if has_texture {
-            // Of alpha 40 / 255.
+            // A texture with alpha 40 / 255.
             material["pbrMetallicRoughness"]["baseColorTexture"] = json!({"index": 0});
         }
         let world = doc.world();
@@ -175,7 +175,7 @@ fn overrides_apply_star_first_then_name_then_instance() {
         reflection: Some(ReflectionMode::Mirror),
         ..MaterialDesc::default()
     };
-    // The name stands first in the text, "*" still applies first.
+    // The entry with a name is first in the text, "*" still applies first.
     desc.models[0].value.overrides = vec![entry("stone", named), entry("*", star)];
     let over = MaterialDesc {
         base_color: Some(Vec3::ONE),

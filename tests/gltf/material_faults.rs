@@ -1,4 +1,4 @@
-//! What is said about materials that are wrong: where the fault is, and what is done instead.
+//! Warnings about invalid materials: the location of the fault, and the substitute that is used.
 
 use crate::kit::{Doc, Folder, stone, warnings};
 use reflet::{
@@ -34,7 +34,7 @@ fn a_broken_image_names_the_texture_that_uses_it() {
         let place = format!("{key} (/materials/0/extensions/{name}/{key}) of material 0 \"stone\"");
         let (_, found) = doc.error();
         assert!(found.contains(&place), "{found}");
-        // The same of a file that is not there.
+        // An image whose file is missing.
         doc.json["images"][1] = json!({"uri": "lost.png"});
         let (error, found) = doc.error();
         assert_eq!(error, "file-not-found");
@@ -99,7 +99,7 @@ fn put_triangles(doc: &mut Doc, number: usize) {
     doc.primitive("indices", indices.into());
 }
 
-/// Those that the scene itself lets light go on to light.
+/// Lights of the scene itself take precedence over mesh lights of a file.
 #[test]
 fn mesh_lights_of_a_file_make_room_for_lights_of_the_scene() {
     let mut doc = stone();
@@ -139,7 +139,7 @@ fn mesh_lights_of_a_file_light_up_to_their_number() {
     assert_eq!(lights(&doc), (true, vec![]));
     put_triangles(&mut doc, MAX_EMITTERS + 1);
     assert_eq!(lights(&doc), (false, vec!["emitters-too-many"]));
-    // Neither does what says otherwise, nor what emits nothing.
+    // Other values of `mesh_light` make no light, nor does a material that emits nothing.
     let mut doc = stone();
     for not in [json!(false), json!(null), json!(1)] {
         doc.json["materials"][0]["extras"] = json!({ "mesh_light": not });

@@ -1,4 +1,4 @@
-//! EXT_meshopt_compression: streams of every mode and filter, and broken ones.
+//! EXT_meshopt_compression: streams of every mode and filter, and invalid ones.
 
 use std::time::{Duration, Instant};
 
@@ -11,7 +11,7 @@ use meshopt::{EncodeExpMode, encode_filter_exp, encode_filter_oct};
 use reflet::world::World;
 use serde_json::{Value, json};
 
-/// Points of a grid of `side` by `side` vertices, and its triangles.
+/// Vertices and triangles of a grid of `side` by `side` vertices.
 fn grid(side: u32) -> (Vec<[f32; 3]>, Vec<u32>) {
     let point = |i: u32| {
         [
@@ -25,7 +25,7 @@ fn grid(side: u32) -> (Vec<[f32; 3]>, Vec<u32>) {
     ((0..side * side).map(point).collect(), corners.collect())
 }
 
-/// A compressed buffer view in buffer 0 over a fallback buffer that is not there.
+/// Adds a compressed buffer view in buffer 0 over a fallback buffer without data.
 fn compressed(doc: &mut Doc, name: &str, encoded: &[u8], stream: Value) -> usize {
     let view = doc.view(encoded);
     let buffer_view = doc.json["bufferViews"][view].clone();
@@ -54,7 +54,7 @@ fn document(name: &str, version: i32, mode: &str, wide: bool) -> Doc {
     doc.json["extensionsRequired"] = json!([name, "KHR_mesh_quantization"]);
     doc.json["extensionsUsed"] = json!([name, "KHR_mesh_quantization"]);
     let count = points.len();
-    // Exponential: all 15 bits of these positions survive 15-bit mantissas.
+    // The exponential filter: all 15 bits of these positions survive 15-bit mantissas.
     let filtered: Vec<[u32; 3]> = encode_filter_exp(&points, 15, EncodeExpMode::Separate);
     let encoded =
         meshopt::encode_vertex_buffer_level(&filtered, 2, Some(version)).expect("encoded");
@@ -104,7 +104,7 @@ fn document(name: &str, version: i32, mode: &str, wide: bool) -> Doc {
     doc
 }
 
-/// Every triangle by its corners, whichever is first.
+/// Corners of every triangle, rotated to a canonical first corner.
 fn triangles(world: &World) -> Vec<[[i64; 3]; 3]> {
     let mesh = &world.meshes[0];
     let place = |i: u32| {
@@ -187,7 +187,7 @@ fn wrong_numbers_are_named() {
         );
         assert!(found.contains(message), "{view} {key} {value}: {found}");
     }
-    // 4 GiB out of 40 bytes.
+    // A view of 40 bytes that claims to decode to 4 GiB.
     let mut doc = good;
     doc.json["buffers"][1]["byteLength"] = json!(1u64 << 33);
     doc.json["bufferViews"][0]["byteLength"] = json!(12u64 << 28);

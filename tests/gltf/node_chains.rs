@@ -1,11 +1,11 @@
-//! Nodes that nest deeper than any recursion could follow.
+//! Node chains that are deeper than recursion could follow.
 
 use std::time::{Duration, Instant};
 
 use crate::kit::Doc;
 use serde_json::json;
 
-/// A triangle below a chain of so many nodes, each 1/1024 to the right of the one before.
+/// A triangle below a chain of this many nodes, each 1/1024 to the right of its parent.
 fn chain(length: usize) -> Doc {
     let mut doc = Doc::triangle();
     let step = json!([0.000_976_562_5, 0, 0]);
@@ -53,7 +53,7 @@ fn chains_of_nodes_may_be_of_any_length() {
     doc.json["nodes"][LENGTH - 1] = json!({"children": [1]});
     let (name, message) = doc.error();
     assert_eq!(name, "gltf-node", "{message}");
-    // Without a second parent: the scene starts beside the cycle.
+    // A cycle without a second parent: the scene starts beside the cycle.
     let mut doc = chain(LENGTH);
     doc.json["nodes"][LENGTH - 1] = json!({"children": [0]});
     doc.json["scenes"] = json!([{"nodes": []}]);

@@ -66,7 +66,7 @@ fn read(folder: &Folder, text: &str) -> Result<Scene, String> {
         .map_err(|errors| errors.iter().map(|e| e.to_string()).collect())
 }
 
-/// The material of the first mesh of each instance of the scene, in their order.
+/// Material of the first mesh of each instance of the scene, in their order.
 fn materials(world: &World) -> Vec<&Material> {
     let instances = world.instances.iter();
     instances.map(|i| &world.materials[i.material]).collect()
@@ -89,7 +89,7 @@ fn they_change_by_tracks() {
         assert_eq!(found[2].base_color.x, bare, "frame {frame}");
         assert_eq!(of(3), stone, "frame {frame}");
         assert_eq!(of(4), (0.5, 0.25), "the file's, in frame {frame}");
-        // Numbers that change move nothing.
+        // Animated material values do not mark instances as moving.
         assert!(world.moving.instances.is_empty());
     }
 }

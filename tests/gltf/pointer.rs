@@ -1,4 +1,4 @@
-//! KHR_animation_pointer: materials, textures, lights and cameras that change.
+//! KHR_animation_pointer: animated materials, textures, lights and cameras.
 
 use glam::{Vec2, Vec3};
 use reflet::{
@@ -12,7 +12,7 @@ use serde_json::json;
 
 use crate::kit::{Doc, Folder, at, scene, warnings};
 
-/// A file whose animation of 2 s changes what each pointer names from its first to its last value.
+/// A file with an animation of 2 s that changes the target of each pointer from its first to its last value.
 fn doc(pointers: &[(&str, &str, &[f32], &[f32])]) -> Doc {
     let mut doc = Doc::triangle();
     doc.json["materials"] = json!([
@@ -46,7 +46,7 @@ fn doc(pointers: &[(&str, &str, &[f32], &[f32])]) -> Doc {
     doc
 }
 
-/// The world of a file whose clip plays, halfway through it.
+/// World of a file whose clip plays, halfway through it.
 fn halfway(folder: &Folder, doc: &Doc) -> World {
     folder.write("m.glb", doc.glb());
     let mut desc = scene(&folder.0, "m.glb");

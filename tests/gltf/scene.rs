@@ -1,4 +1,4 @@
-//! Lights, cameras, placements and files: glTF as the scene text uses it.
+//! Lights, cameras, placements and files of glTF in a scene.
 
 use crate::kit::{
     Doc, Folder, at, entry, instance, load_scene, one_error, png, scene, stone, trs, warnings,

@@ -1,4 +1,4 @@
-//! Nodes and morph targets that scripts pose.
+//! Scripted poses of nodes and morph targets.
 
 use glam::{Quat, Vec3};
 use reflet::{
@@ -12,7 +12,7 @@ use serde_json::json;
 
 use crate::kit::{Doc, Folder};
 
-/// A triangle with two targets on a joint, below another; the second target has no name.
+/// A triangle with two morph targets on a joint, below another joint; the second target has no name.
 fn doc() -> Doc {
     let mut doc = Doc::triangle();
     let up = doc.floats("VEC3", &[0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 2.0, 0.0]);
@@ -66,7 +66,7 @@ fn loaded(folder: &Folder, text: &str) -> Result<(Scene, World), String> {
     Ok((scene, world))
 }
 
-/// The third vertex of an instance's triangle.
+/// Third vertex of an instance's triangle.
 fn third(world: &World, instance: usize) -> Vec3 {
     let instance = &world.instances[instance];
     let position = world.posed(instance.mesh).positions[2];
@@ -79,7 +79,7 @@ fn joints_and_weights_are_those_of_the_script() {
     let (scene, mut world) = loaded(&folder, SCENE).expect("loads");
     let rest = Animator::new(&scene).pose(0).expect("poses");
     world.apply(&rest).expect("applies");
-    // At rest (0, 1 + 0.5 · 2, 0) is turned to −X and moved by 5; the ring hangs there, unmorphed.
+    // The rest position (0, 1 + 0.5 · 2, 0) is rotated to −X and moved by 5; the ring is a child there, unmorphed.
     let close = |found: Vec3, x, y, z| {
         assert!(
             found.distance(Vec3::new(x, y, z)) < 1e-5,
@@ -113,7 +113,7 @@ fn joints_and_weights_are_those_of_the_script() {
     world.apply(&state).expect("applies");
     close(third(&world, 0), 0.0, 3.0, 6.0);
     close(third(&world, 1), 0.0, 5.0, 0.0);
-    // The other instance stays, and so does this one in a frame of which the script says nothing.
+    // The other instance is unchanged, and so is this one in a frame without a pose of the script.
     close(third(&world, 2), 3.0, 0.0, 9.0);
     let turned = FrameState {
         joints: [(

@@ -1,4 +1,4 @@
-//! Skins that no animation moves, and broken ones.
+//! Skins without animation, and invalid ones.
 
 use crate::kit::{Doc, warnings};
 use glam::Vec3;
@@ -19,8 +19,8 @@ fn skins_morphs_and_broken_animations_are_named() {
 #[test]
 fn skins_follow_their_joints() {
     let mut doc = Doc::triangle();
-    // The first vertex hangs on joint 0, the second half on each, the third on joint 1 twice as
-    // heavy as the sum should be.
+    // The first vertex is skinned to joint 0, the second half to each, the third to joint 1 with twice the weight
+    // that the sum should have.
     let joints = doc.accessor("VEC4", 5121, 3, &[0, 1, 0, 0].repeat(3));
     let weights = [1.0, 0.0, 0.0, 0.0, 0.5, 0.5, 0.0, 0.0, 0.0, 2.0, 0.0, 0.0];
     let weights = doc.floats("VEC4", &weights);

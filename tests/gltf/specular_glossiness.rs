@@ -1,4 +1,4 @@
-//! KHR_materials_pbrSpecularGlossiness as metallic-roughness.
+//! KHR_materials_pbrSpecularGlossiness converted to metallic-roughness.
 
 use crate::kit::{Doc, png, warnings};
 use reflet::world::{Material, World};
@@ -16,7 +16,7 @@ fn material(extension: Value, images: &[Vec<u8>]) -> World {
     doc.world()
 }
 
-/// The first texel of its base color and of its metallic-roughness map.
+/// First texel of the base color and of the metallic-roughness map.
 fn texels(world: &World, material: &Material) -> [[u8; 4]; 2] {
     [
         material.base_color_texture,

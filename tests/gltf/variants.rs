@@ -1,9 +1,9 @@
-//! KHR_materials_variants: chosen by name.
+//! KHR_materials_variants: materials chosen by the variant's name.
 
 use crate::kit::{Doc, Folder, at, load_scene, one_error, scene};
 use serde_json::json;
 
-/// A triangle with a plain material, and two others in three variants.
+/// A triangle with a plain material, and two other materials in three variants.
 fn shoe() -> Doc {
     let mut doc = Doc::triangle();
     for name in ["plain", "red", "blue"] {

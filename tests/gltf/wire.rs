@@ -29,14 +29,14 @@ fn points_and_lines_are_thin_geometry_around_them() {
             let at = at.unwrap_or_else(|| panic!("mode {mode}: {position}"));
             assert_eq!(mesh.colors[i][at], 1.0, "mode {mode}: its own color");
         }
-        // Fronts are outside.
+        // Triangles of the tube face outward.
         for t in &mesh.triangles {
             let [a, b, c] = t.map(|i| mesh.positions[i as usize]);
             let outside: Vec3 = t.iter().map(|i| mesh.normals[*i as usize]).sum();
             assert!((b - a).cross(c - a).dot(outside) > 0.0, "mode {mode}");
         }
     }
-    // A line without length shows nothing.
+    // A line of length 0 has no geometry.
     let mut doc = Doc::triangle();
     doc.primitive("mode", 1.into());
     let corners = doc.accessor("SCALAR", 5121, 2, &[1, 1]);

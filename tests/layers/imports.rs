@@ -16,7 +16,7 @@ pub struct Crate {
 }
 
 impl Crate {
-    /// From files below `root`, with their texts; tests are left out.
+    /// Modules of the files below `root`, with their texts; test modules are left out.
     pub fn new(root: &Path, files: Vec<(PathBuf, String)>) -> Self {
         let mut texts = BTreeMap::new();
         for (path, text) in files {
@@ -41,7 +41,7 @@ impl Crate {
         all
     }
 
-    /// All pairs of modules of which the first names the second.
+    /// All pairs of modules of which the first imports the second.
     pub fn edges(&self) -> BTreeSet<(Module, Module)> {
         let mut edges = BTreeSet::new();
         for (module, text) in &self.texts {
@@ -59,7 +59,7 @@ impl Crate {
         edges
     }
 
-    /// The path from the crate's root; none for other crates.
+    /// Full path from the crate's root; none for other crates.
     fn absolute(&self, module: &Module, path: &[String]) -> Option<Module> {
         let (first, rest) = path.split_first()?;
         let mut base = match first.as_str() {
@@ -81,7 +81,7 @@ impl Crate {
         Some(base)
     }
 
-    /// The module that defines what a full path names, through `use` items on the way.
+    /// Module that defines the item of a full path, found through `use` items on the way.
     fn resolve(&self, path: &Module, depth: usize) -> Module {
         let known = (0..=path.len())
             .rev()
@@ -92,7 +92,7 @@ impl Crate {
             .first()
             .and_then(|name| self.aliases.get(&module)?.get(name));
         match alias {
-            // A `use` of itself does not end.
+            // A `use` of itself would never end.
             Some(alias) if depth < 8 && alias != path => {
                 let path: Module = alias.iter().chain(&rest[1..]).cloned().collect();
                 self.resolve(&path, depth + 1)
@@ -102,7 +102,7 @@ impl Crate {
     }
 }
 
-/// `a/b.rs` and `a/b/mod.rs` are both `["a", "b"]`.
+/// Module path of a file: `a/b.rs` and `a/b/mod.rs` are both `["a", "b"]`.
 fn module_of(file: &Path) -> Module {
     let names = file.with_extension("");
     let mut module: Module = names
@@ -118,7 +118,7 @@ fn module_of(file: &Path) -> Module {
     module
 }
 
-/// The text without comments, strings and the tests at its end.
+/// Text without comments, strings and the tests at its end.
 fn code_of(text: &str) -> String {
     let text = text.split(")]\nmod tests {").next().unwrap_or("");
     let mut code = String::new();
@@ -141,7 +141,7 @@ fn code_of(text: &str) -> String {
     code
 }
 
-/// Every name that a `use` item brings in, with its path.
+/// All names that `use` items bring in, with their paths.
 fn use_items(code: &str) -> Vec<(String, Vec<String>)> {
     let mut items = Vec::new();
     let is_start = |before: &str| before.is_empty() || before.ends_with([' ', '\n', ')', ';', '{']);
@@ -198,7 +198,7 @@ fn expand(tree: &str, before: &[String], items: &mut Vec<(String, Vec<String>)>)
     }
 }
 
-/// The parts between commas that are in no inner list.
+/// Parts of a list between commas that are not inside an inner list.
 fn split_list(list: &str) -> Vec<&str> {
     let (mut depth, mut start, mut parts) = (0, 0, Vec::new());
     for (at, c) in list.char_indices() {
@@ -219,7 +219,7 @@ fn split_list(list: &str) -> Vec<&str> {
         .collect()
 }
 
-/// Paths in the code that begin at the crate, here, above or at a lower-case name.
+/// Paths in the code that begin with `crate`, `self`, `super` or another lower-case name.
 fn inline_paths(code: &str) -> Vec<Vec<String>> {
     let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == ':';
     let words = code.split(|c: char| !is_part(c));

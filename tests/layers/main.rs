@@ -1,6 +1,7 @@
-//! Source structure: layered imports without cycles, short files, and module headers.
+//! Source structure: layered imports without cycles, short files, module headers, and plain comments.
 
 mod circles;
+mod comments;
 mod imports;
 
 use std::{
@@ -8,7 +9,9 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// Lower comes first. A file may name modules of its own layer and of those it lists.
+use comments::Syntax;
+
+/// Layers from the lowest up. A file may import modules of its own layer and of the listed ones.
 const LAYERS: [(&str, &[&str]); 11] = [
     ("math", &[]),
     ("files", &[]),
@@ -37,10 +40,10 @@ const LAYERS: [(&str, &[&str]); 11] = [
     ),
 ];
 
-/// Longest a source file may be.
+/// Largest number of lines of a source file.
 const MAX_LINES: usize = 400;
 
-/// Files that may be longer, and how long.
+/// Files that may be longer, and their largest number of lines.
 const LONGER: [(&str, usize); 1] = [
     // Its doc comments are the scene manual.
     ("src/scene/desc.rs", 500),
@@ -69,7 +72,7 @@ fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// The modules of `src`.
+/// Modules of `src`.
 fn sources() -> imports::Crate {
     let src = root().join("src");
     let read = |path: PathBuf| {
@@ -80,7 +83,7 @@ fn sources() -> imports::Crate {
     imports::Crate::new(&src, files.into_iter().map(read).collect())
 }
 
-/// A crate of these files, its circles.
+/// Import cycles of a crate of these files.
 fn circles_of(files: &[(&str, &str)]) -> Vec<String> {
     let files = files
         .iter()
@@ -214,4 +217,64 @@ fn files_are_short_and_state_what_they_own() {
     }
     check(&root().join("src/main.rs"), "//! ", 99);
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn planted_comment_fragments_are_found() {
+    // The escape keeps this file's own check from finding the example of a comment behind code.
+    let slashes = "/// Of a pixel.\nlet x = 1;\n//! As above.\n/// Which one\n/// Of these.\n///\
+                   \n/// Those begin a paragraph.\nlet y = 2; \u{2f}/ What it is.\n// As it goes on.\
+                   \nlet url = \"http://What\";\n// Whatever, Often and Asset are other words.\n";
+    let python = "# What it does.\n# As it goes on.\ndef f():\n    \"\"\"Of a film.\"\"\"\n\
+                  def g():\n    \"\"\"\n    Those that are left.\n    \"\"\"\nx = 1  # Which one.\n\
+                  y = \"# Of\"\n";
+    for (text, syntax, expected) in [
+        (slashes, Syntax::Slashes, &[1, 3, 4, 7, 8][..]),
+        (python, Syntax::Python, &[1, 4, 7, 9][..]),
+    ] {
+        let found = comments::fragments(text, syntax).into_iter();
+        let lines: Vec<usize> = found.map(|(line, _)| line).collect();
+        assert_eq!(lines, expected, "{text}");
+    }
+}
+
+#[test]
+fn comments_name_their_thing() {
+    let mut wrong = Vec::new();
+    for (folder, extension, syntax) in [
+        ("src", "rs", Syntax::Slashes),
+        ("tests", "rs", Syntax::Slashes),
+        ("docs/examples", "rs", Syntax::Slashes),
+        ("shaders", "wgsl", Syntax::Slashes),
+        ("tools", "py", Syntax::Python),
+        ("tests/tools", "py", Syntax::Python),
+    ] {
+        let mut files = files_below(&root().join(folder), &[extension]);
+        if folder == "src" {
+            files.push(root().join("build.rs"));
+        }
+        for file in files {
+            let name = file.strip_prefix(root()).expect("below the root");
+            // Installed packages are not the project's.
+            let is_installed = |part: &str| part == "node_modules" || part.starts_with('.');
+            if name
+                .iter()
+                .any(|part| is_installed(&part.to_string_lossy()))
+            {
+                continue;
+            }
+            let text = fs::read_to_string(&file).expect("readable");
+            for (line, comment) in comments::fragments(&text, syntax) {
+                wrong.push(format!("{}:{line}: {comment}", name.display()));
+            }
+        }
+    }
+    assert!(
+        wrong.is_empty(),
+        "{} comments begin with Of, As, Those, Which or What; name the thing with a noun: \
+         \"Offset of the sub-frame in pixels\", not \"Of a sub-frame\"; \"Material of the nearest \
+         hit\", not \"What it hit\"; \"Same errors as\", not \"As\":\n{}",
+        wrong.len(),
+        wrong.join("\n")
+    );
 }

@@ -1,4 +1,4 @@
-//! Normals of clear coats: their own map or none, beside a dielectric of the same normals.
+//! Normals of clear coats: with their own map or none, compared with a dielectric of the same normals.
 
 use std::{path::Path, sync::Once};
 
@@ -11,7 +11,7 @@ use reflet::{
 
 use crate::kit::{color, gpu, renderer, scene_of};
 
-/// A wall between a lamp, a glowing box and a mirror on the floor, which shows it again.
+/// A wall between a lamp, a glowing box and a mirror on the floor, which reflects the wall.
 const WALL: &str = r#"
 version = 1
 [camera.main]
@@ -65,7 +65,7 @@ const MAP: &str = "normal_texture = \"coat-normal.png\"\n";
 const STEEP_MAP: &str = "normal_texture = \"coat-steep-normal.png\"\n";
 const STEEP: [u8; 3] = [240, 128, 140];
 
-/// The wall with these keys of its material.
+/// Scene and world of the wall with these keys of its material.
 fn wall(keys: &str, set: &[&str]) -> (SceneDesc, World) {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
     static MAPS: Once = Once::new();
@@ -83,7 +83,7 @@ fn wall(keys: &str, set: &[&str]) -> (SceneDesc, World) {
     scene_of(&folder.join("test.toml"), &text, set)
 }
 
-/// The map that the scene's text gives to the wall, given to its coat.
+/// Moves the wall's normal map to its coat.
 fn to_coat((desc, mut world): (SceneDesc, World)) -> (SceneDesc, World) {
     let material = world.materials.iter_mut().find(|m| m.name == "wall");
     let material = material.expect("it is used");
@@ -101,7 +101,7 @@ fn picture((desc, world): &(SceneDesc, World)) -> Option<(Picture, bool)> {
     Some((picture.unwrap_or_else(|e| panic!("{e}")), has_own))
 }
 
-/// The share of pixels that differ by more than what packing may.
+/// Share of pixels that differ by more than rounding of packed values allows.
 fn differing(a: &Picture, b: &Picture) -> f64 {
     let [width, height] = a.size;
     let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
@@ -117,7 +117,7 @@ fn differing(a: &Picture, b: &Picture) -> f64 {
 
 #[test]
 fn a_coat_reflects_by_its_own_normals() {
-    // Over what reflects nothing a coat is a dielectric of its index.
+    // Over a base that reflects nothing, a coat acts like a dielectric of its index.
     for (roughness, samples, method) in [
         ("0", "1", "rt"),
         ("0", "1", "hybrid"),
@@ -151,7 +151,7 @@ fn a_coat_reflects_by_its_own_normals() {
     }
 }
 
-/// What a coat takes from below follows its own normals too.
+/// Energy that a coat takes from its base depends on the coat's own normals too.
 #[test]
 fn a_coat_that_is_tipped_takes_more_from_below() {
     let keys = "emission = [1, 1, 1]\nreflectivity = 0\nclearcoat = 1\n";

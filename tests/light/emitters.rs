@@ -1,4 +1,4 @@
-//! Surfaces that light what is around, against form factors and lights of the same shape.
+//! Emissive surfaces as lights, against form factors and lights of the same shape.
 
 use std::f32::consts::PI;
 
@@ -13,7 +13,7 @@ use crate::{
     kit::{assert_close, assert_color, gpu, mean, render, renderer, scene},
 };
 
-/// A shape that lights, with these keys of its instance.
+/// Scene text of a shape that emits light, with these keys of its instance.
 fn lamp(shape: &str, emission: &str, place: &str) -> String {
     format!(
         "[material.lamp]\nbase_color = [0, 0, 0]\nreflectivity = 0\nemission = {emission}\nlight = true\n\
@@ -22,8 +22,8 @@ fn lamp(shape: &str, emission: &str, place: &str) -> String {
     )
 }
 
-/// Howell, configuration B-4, four times: a point below the middle of a rectangle, both sides over the
-/// distance.
+/// Form factor of Howell's configuration B-4, four times: a point below the middle of a rectangle with sides a
+/// and b, in units of the distance.
 fn rectangle(a: f32, b: f32) -> f32 {
     let term = |a: f32, b: f32| a / (1.0 + a * a).sqrt() * (b / (1.0 + a * a).sqrt()).atan();
     4.0 / (2.0 * PI) * (term(a / 2.0, b / 2.0) + term(b / 2.0, a / 2.0))
@@ -40,7 +40,7 @@ fn a_glowing_rectangle_and_ball_light_a_floor_by_their_form_factors() {
     assert_close(found[1], expected, 5e-3);
     assert!(found[2] == 0.0);
 
-    // Howell, B-39: (r / d)² cos θ; 12,000 triangles.
+    // Form factor of Howell's B-39: (r / d)² cos θ; 12,000 triangles.
     let ball = "{ kind = \"sphere\", radius = 1, segments = 110 }";
     for (place, r2_over_d2, cosine) in [
         ("translation = [0, 2, 0]", 0.25_f32, 1.0),
@@ -60,7 +60,7 @@ fn a_glowing_rectangle_and_ball_light_a_floor_by_their_form_factors() {
 fn what_lights_on_one_side_only_leaves_the_other_dark() {
     let Some(gpu) = gpu() else { return };
     let flat = "{ kind = \"plane\", size = [3, 1] }";
-    // Planes face up.
+    // The front of a plane faces up.
     for (turn, expected) in [(180, rectangle(1.5, 0.5)), (0, 0.0)] {
         let place = format!("translation = [0, 2, 0]\nrotation_deg = [{turn}, 0, 0]");
         let text = [FLOOR, &lamp(flat, "[1, 1, 1]", &place)].concat();
@@ -70,7 +70,7 @@ fn what_lights_on_one_side_only_leaves_the_other_dark() {
     }
 }
 
-/// The lamp of 3 m × 1 m above a floor with another material and a block, as a light and as a surface.
+/// A lamp of 3 m × 1 m above a floor with another material and a block, as a light and as a surface.
 fn pair(floor: &str) -> [String; 2] {
     let floor = FLOOR
         .replace(
@@ -107,7 +107,7 @@ fn squares(picture: &Picture) -> Vec<f32> {
     means
 }
 
-/// Root mean square of the difference of squares over the mean of what is expected.
+/// Root mean square of the difference of squares, divided by the mean of the expected ones.
 fn difference(found: &Picture, expected: &Picture) -> f32 {
     let [found, wanted] = [found, expected].map(squares);
     let pairs = found.iter().zip(&wanted);
@@ -118,10 +118,10 @@ fn difference(found: &Picture, expected: &Picture) -> f32 {
 #[test]
 fn a_glowing_rectangle_is_a_rectangular_light() {
     let Some(gpu) = gpu() else { return };
-    // What noise may leave of 16 samples of 16 pixels, for each.
+    // Limits for the noise of 16 samples of 16 pixels, for each floor.
     for (floor, noise) in [
         ("base_color = [0.8, 0.8, 0.8]\nreflectivity = 0", 0.02),
-        // By rays of its lobe and rays towards the lamp, each with its share.
+        // Multiple importance sampling: rays of the lobe and rays towards the lamp, each with its weight.
         (
             "base_color = [0.8, 0.8, 0.8]\nmetallic = 1\nroughness = 0.3",
             0.15,
@@ -134,12 +134,12 @@ fn a_glowing_rectangle_is_a_rectangular_light() {
             "base_color = [0.8, 0.8, 0.8]\nroughness = 0.4\nclearcoat = 1",
             0.04,
         ),
-        // A mirror, which shows the lit block too.
+        // A mirror, which reflects the lit block too.
         (
             "base_color = [0.8, 0.8, 0.8]\nmetallic = 1\nroughness = 0",
             0.01,
         ),
-        // Past the cut-off.
+        // A roughness above the cut-off.
         (
             "base_color = [0.8, 0.8, 0.8]\nmetallic = 1\nroughness = 0.5\nreflection = \"none\"",
             0.08,
@@ -186,7 +186,7 @@ fn mirrors_show_what_a_surface_lights() {
             &method,
         ];
         let picture = render(gpu, &text, &set, &[]);
-        // From (2, 1, 0) the ray goes on as steeply down: to x = -0.22.
+        // The ray from (2, 1, 0) is reflected down with the same slope, to x = -0.22.
         let x = 2.0_f32 - 2.0 / 0.9;
         let d2 = x * x + 4.0;
         let expected = 2.0 * 0.25 / d2 * (2.0 / d2.sqrt());

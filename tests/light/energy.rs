@@ -1,4 +1,4 @@
-//! Light that facets reflect more than once, and both sides of `roughness_cutoff`.
+//! Multiple scattering between microfacets, and both sides of `roughness_cutoff`.
 
 use crate::kit::{assert_close, gpu, mean, render};
 
@@ -110,7 +110,7 @@ fn metals_show_what_is_around_past_the_cutoff_of_dielectrics() {
         assert!(found[0] > 0.2 && found[1] == 0.0, "{found:?}");
         assert_close(found[0], whole[0], 1e-5);
     }
-    // The cut-off turns them off too.
+    // A roughness above the cut-off disables them too.
     let none = of(&[
         "material.floor.roughness=0.5",
         "reflection.roughness_cutoff=0",

@@ -6,14 +6,14 @@ use reflet::render::Picture;
 
 use crate::kit::{assert_close, assert_color, color, gpu, mean, render, renderer, scene_of};
 
-/// A folder for the files of one test.
+/// Folder for the files of one test.
 pub fn folder(name: &str) -> PathBuf {
     let folder = std::env::temp_dir().join(format!("reflet-{name}-{}", std::process::id()));
     fs::create_dir_all(&folder).unwrap_or_else(|e| panic!("{e}"));
     folder
 }
 
-/// Renders text that names the panorama `sky.exr`, made of `texel`.
+/// Renders scene text with the panorama `sky.exr`, filled by `texel`.
 fn render_under(
     name: &str,
     size: [usize; 2],
@@ -52,14 +52,14 @@ shape = { kind = "plane", size = [20, 20] }
 material = "gray"
 "#;
 
-/// Names a panorama.
+/// Scene text that refers to the panorama.
 pub const SKY: &str = "[environment]\nfile = \"sky.exr\"\n";
 
 #[test]
 fn a_constant_environment_on_a_matte_floor_is_albedo_times_radiance() {
     let Some(gpu) = gpu() else { return };
     let text = format!("{FLOOR}[environment]\ncolor = [0.3, 0.6, 0.9]\nshadow = \"ray\"\n");
-    // Exact even with one ray: it follows the cosine.
+    // The result is exact even with one ray, which follows the cosine distribution.
     for set in [&[][..], &["image.light_rays=1"][..]] {
         let picture = render(gpu, &text, set, &[]);
         for (x, y) in [(0, 0), (8, 4), (15, 7)] {
@@ -90,7 +90,7 @@ fn a_panorama_of_one_texel_is_a_constant() {
     assert_color(&sky, 8, 4, [0.0; 3], 0.0);
 }
 
-/// Red in the middle, green left of it, blue at both ends, white to its right.
+/// Panorama: red in the middle, green left of it, blue at both ends, white to its right.
 fn quarters(x: usize, y: usize) -> [f32; 3] {
     match (x + 4) % 32 / 8 {
         _ if y < 4 => [0.1, 0.2, 0.3],
@@ -139,7 +139,7 @@ material = "mirror"
         };
         assert_color(&picture, 4, 4, expected, 1e-3);
     }
-    // Seen from +Z, a mirror at the origin that faces +Z shows what is at +Z.
+    // A mirror at the origin that faces +Z, seen from +Z, shows the panorama at +Z.
     let set = [
         "camera.main.eye=[0, 0, 2]",
         "camera.main.target=[0, 0, 0]",
@@ -207,7 +207,7 @@ fn irradiance_over_pi(size: [usize; 2]) -> [f32; 3] {
 fn samples_of_a_panorama_converge_to_its_irradiance() {
     let text = format!("{FLOOR}{SKY}");
     let expected = irradiance_over_pi([128, 64]).map(|e| 0.5 * e);
-    // Of all pixels together few samples are near; a pixel alone needs many.
+    // Limits for the mean over all pixels, which few samples suffice for, and for single pixels, which need many.
     for (samples, together, alone) in [("4", 0.15, 10.0), ("64", 0.03, 0.5), ("512", 0.01, 0.1)] {
         let set = [
             format!("image.samples={samples}"),
@@ -248,20 +248,20 @@ shadow = "ray"
     // The point under the camera is 1 m from a wall that reaches 998 m up.
     let set = ["image.samples=64", "camera.main.fov_deg=1"];
     let picture = render(gpu, &text, &set, &[]);
-    // A floor at distance d from a wall sees (1 + cos 90°) / 2 of it.
+    // A floor at distance d from a wall sees (1 + cos 90°) / 2 of the sky.
     assert_close(mean(&picture)[0], 0.25, 0.02);
     let open = [set[0], set[1], "environment.shadow=none"];
     assert_color(&render(gpu, &text, &open, &[]), 8, 4, [0.5; 3], 1e-3);
 }
 
-/// Share of light from everywhere that GGX with reflectance 1 sends to a view at `cosine`, by
-/// integration over facets that are seen.
+/// Directional albedo of GGX with reflectance 1 for a view at `cosine`, by
+/// integration over visible facets.
 pub fn directional_albedo(cosine: f64, roughness: f64) -> f64 {
     let a2 = roughness.powi(4);
     let view = [(1.0 - cosine * cosine).sqrt(), 0.0, cosine];
     let (steps, mut sum) = (600, 0.0);
     for i in 0..steps {
-        // Uniform in u, where tan² of the facet's slope is a² u / (1 − u).
+        // Samples uniform in u, where tan² of the facet's slope is a² u / (1 − u).
         let u = (f64::from(i) + 0.5) / f64::from(steps);
         let c = 1.0 / (1.0 + a2 * u / (1.0 - u)).sqrt();
         let s = (1.0 - c * c).sqrt();

@@ -32,7 +32,7 @@ material = "white"
 model = "floor"
 "#;
 
-/// Irradiance over π of a light in the scene text, on the floor.
+/// Irradiance divided by π that a light in the scene text gives the floor.
 fn irradiance_over_pi(light: &str) -> Option<f32> {
     let text = format!("{FLOOR}[light.lamp]\n{light}");
     Some(mean(&render(gpu()?, &text, &[], &[]))[0])
@@ -40,7 +40,7 @@ fn irradiance_over_pi(light: &str) -> Option<f32> {
 
 #[test]
 fn a_ball_lights_a_floor_by_its_form_factor() {
-    // Howell, configuration B-39: (r / d)² cos θ for a ball that is wholly above the floor.
+    // Form factor of Howell's B-39: (r / d)² cos θ for a ball that is wholly above the floor.
     for (position, radius_m) in [([0.0_f32, 2.0, 0.0], 0.5_f32), ([1.5, 1.5, 0.0], 1.0)] {
         let text = format!(
             "kind = \"point\"\nposition = {position:?}\nintensity_cd = 10\nradius_m = {radius_m}\n"
@@ -81,7 +81,7 @@ fn a_rectangle_and_a_disk_light_a_floor_by_their_form_factors() {
     let Some(found) = irradiance_over_pi(&rect) else {
         return;
     };
-    // Howell, configuration B-4, four times: the point is below the middle.
+    // Form factor of Howell's B-4, four times: the point is below the middle.
     let (a, b) = (1.5_f32 / 2.0, 0.5_f32 / 2.0);
     let term = |a: f32, b: f32| a / (1.0 + a * a).sqrt() * (b / (1.0 + a * a).sqrt()).atan();
     let form_factor = 4.0 / (2.0 * PI) * (term(a, b) + term(b, a));
@@ -130,8 +130,8 @@ fn half_a_light_behind_an_edge_gives_half_of_its_light() {
     assert_close(through, open, 1e-4);
 }
 
-/// A ball of radiance 1 at (x, 2, 0) lights the origin, past a shade at height 1 that begins at `edge`: the integral of
-/// the cosine over the directions in which the ball is seen.
+/// Irradiance of the origin from a ball of radiance 1 at (x, 2, 0), past an occluder at height 1 that begins at
+/// `edge`: the integral of the cosine over the directions in which the ball is visible.
 fn light_past_an_edge(x: f64, radius_m: f64, edge: f64) -> f64 {
     let steps = 1000;
     let distance = (x * x + 4.0).sqrt();
@@ -151,7 +151,7 @@ fn light_past_an_edge(x: f64, radius_m: f64, edge: f64) -> f64 {
     (0..steps * steps).map(seen).sum::<f64>() / (steps * steps) as f64 * solid_angle
 }
 
-/// A spot with a size is a ball whose light is dimmed as a whole, by where its middle is seen in the cone.
+/// A spot with a size is a ball whose light is dimmed as a whole, by the position of its middle in the cone.
 #[test]
 fn a_spot_with_a_size_lights_past_an_edge_as_a_ball_in_a_cone() {
     let radius_m = 0.4;
@@ -190,7 +190,7 @@ fn mirrors_show_lights_with_a_size() {
         "base_color = [1, 1, 1]\nreflectivity = 0\nreflection = \"none\"",
         "base_color = [0, 0, 0]\nreflectivity = 1\nreflection = \"mirror\"",
     );
-    // What the camera at (0, 1, 6) sees in the floor at the origin is at (0, 1, -6).
+    // The camera at (0, 1, 6) sees the mirrored point (0, 1, -6) in the floor at the origin.
     let flat = "position = [0, 1, -6]\ntarget = [0, 0, 0]\nintensity_cd = 10\n";
     for (light, radiance) in [
         (format!("kind = \"rect\"\n{flat}size = [2, 1]\n"), 5.0),
@@ -216,7 +216,7 @@ fn mirrors_show_lights_with_a_size() {
     }
 }
 
-/// A metal with reflectance 1 that reflects by its roughness, under an even sky.
+/// A metal with reflectance 1 and a rough specular lobe, under an even sky.
 const METAL: &str = r#"
 version = 1
 [camera.main]
@@ -300,7 +300,7 @@ fn a_mirror_stays_sharp_whatever_its_roughness() {
     assert!(share_differing(&smooth, &rough, 8) > 0.01);
 }
 
-/// A rough mirror that lies under a checkered wall, so that every ray meets something else.
+/// A rough mirror below a checkered wall, so that neighboring rays hit different colors.
 fn rough_floor() -> String {
     let wall = "[material.wall]\nchecker = { colors = [[1, 1, 1], [0, 0, 0]], size_m = 0.3 }\n\
                 reflectivity = 0\n[model.wall]\nshape = { kind = \"plane\", size = [8, 8] }\n\

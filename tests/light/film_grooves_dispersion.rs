@@ -1,5 +1,5 @@
 //! Thin films, anisotropic lobes and dispersion (KHR_materials_iridescence, _anisotropy and _dispersion), against
-//! integrals of what they stand for.
+//! integrals of the physical models.
 
 use std::f64::consts::PI;
 
@@ -39,7 +39,7 @@ fn seen(view: DVec3, material: &str, set: &[&str]) -> Option<[f32; 3]> {
     Some(mean(&render(gpu()?, &text, &set, &[])))
 }
 
-/// The color matching functions at a wavelength in nanometers (Wyman, Sloan & Shirley 2013).
+/// Color matching functions at a wavelength in nanometers (Wyman, Sloan & Shirley 2013).
 fn color_matching(nm: f64) -> [f64; 3] {
     let peak = |height: f64, mean: f64, below: f64, above: f64| {
         let width = if nm < mean { below } else { above };
@@ -53,8 +53,8 @@ fn color_matching(nm: f64) -> [f64; 3] {
     ]
 }
 
-/// Linear Rec. 709 of what a film reflects at normal incidence: Airy's sum of all reflections between its sides,
-/// over the spectrum.
+/// Linear Rec. 709 reflectance of a film at normal incidence: Airy's sum of all reflections between its sides,
+/// integrated over the spectrum.
 fn film_color(film: f64, below: f64, thickness_nm: f64) -> [f64; 3] {
     let outer = (1.0 - film) / (1.0 + film);
     let inner = (film - below) / (film + below);
@@ -63,7 +63,7 @@ fn film_color(film: f64, below: f64, thickness_nm: f64) -> [f64; 3] {
         let wave = product * (4.0 * PI * film * thickness_nm / nm).cos();
         (squares + wave) / (1.0 + (outer * inner).powi(2) + wave)
     };
-    // What does not depend on the wavelength is white.
+    // White point, for values that do not depend on the wavelength.
     let white = (0..1000)
         .map(|i| {
             let wave = product * (2.0 * PI * f64::from(i) / 1000.0).cos();
@@ -108,7 +108,7 @@ fn a_film_has_the_colors_of_its_interference() {
                 let errors = found.iter().zip(expected);
                 let error = errors.map(|(f, e)| (f64::from(*f) - e).abs());
                 assert!(
-                    error.fold(0.0, f64::max) < 0.015, // of the model
+                    error.fold(0.0, f64::max) < 0.015, // error of the model
                     "{found:?}, expected {expected:?} of {material}"
                 );
             }
@@ -159,7 +159,7 @@ fn alphas(roughness: f64, anisotropy: f64) -> [f64; 2] {
     [across + (1.0 - across) * anisotropy * anisotropy, across]
 }
 
-/// Share of even light that it returns.
+/// Albedo of the lobe: the share of even light that it reflects.
 fn albedo(view: DVec3, alphas: [f64; 2]) -> f64 {
     let steps = 800;
     let sum: f64 = (0..steps * steps)
@@ -177,7 +177,7 @@ fn albedo(view: DVec3, alphas: [f64; 2]) -> f64 {
     sum * 2.0 * PI / f64::from(steps * steps)
 }
 
-/// From the axes of [`lobe`] to those of the world; u of a plane grows along x.
+/// Rotates a direction from the axes of [`lobe`] to those of the world; u of a plane grows along x.
 fn on_floor(d: DVec3) -> DVec3 {
     DVec3::new(d.x, d.z, -d.y)
 }
@@ -198,11 +198,11 @@ fn grooves_reflect_their_directional_albedo() {
             return;
         };
         assert_close(found[0], expected, 0.015);
-        // Past the cut-off a round lobe stands for it.
+        // Above the cut-off an isotropic lobe replaces the anisotropic one.
         let far = [own.as_str(), "reflection.roughness_cutoff=0"];
         let found = seen(on_floor(view), &metal, &far).unwrap_or_default();
         assert_close(found[0], expected, 0.12);
-        // What it loses between facets is given back about in full.
+        // Multiple scattering restores about all energy that is lost between facets.
         let whole = [own.as_str(), "reflection.multiple_scattering=true"];
         let found = seen(on_floor(view), &metal, &whole).unwrap_or_default();
         assert_close(found[0], 1.0, 0.1);
@@ -221,7 +221,7 @@ fn a_lamp_on_grooves_shows_the_formula_in_their_direction() {
              anisotropy_rotation_deg = {rotation_deg}\n{lamp}{:?}\n[material.floor]",
             to.to_array()
         );
-        // Counter-clockwise on the texture, whose upper side is at the y of the lobe.
+        // Counter-clockwise rotation on the texture, whose upper side is at the y of the lobe.
         let turn = |d: DVec3| {
             let (sine, cosine) = rotation_deg.to_radians().sin_cos();
             DVec3::new(d.x * cosine + d.y * sine, d.y * cosine - d.x * sine, d.z)
@@ -285,7 +285,7 @@ fn a_solid_bends_each_color_by_its_own_index() {
     let Some(gpu) = gpu() else { return };
     let of = |ior: &str, dispersion: &str| render(gpu, BALL, &[ior, dispersion], &[]);
     let spread = of("material.glass.ior=1.5", "material.glass.dispersion=12");
-    // 0.5 x 0.025 x 12 apart.
+    // Offsets of the channels' indices of refraction: 0.5 x 0.025 x 12.
     for (channel, ior) in ["1.35", "1.5", "1.65"].into_iter().enumerate() {
         let apart = |ior: &str| {
             let ior = format!("material.glass.ior={ior}");
@@ -298,7 +298,7 @@ fn a_solid_bends_each_color_by_its_own_index() {
         let (own, other) = (apart(ior), apart(if channel == 1 { "1.35" } else { "1.5" }));
         assert!(own < 0.03 && other > 2.0 * own, "{channel}: {own}, {other}");
     }
-    // Together they are as bright as without.
+    // The sum over the channels is as bright as without dispersion.
     let plain = of("material.glass.ior=1.5", "material.glass.dispersion=0");
     let sum = |c: [f32; 3]| Vec3::from(c).element_sum() / 3.0;
     assert_close(sum(mean(&spread)), sum(mean(&plain)), 0.05);

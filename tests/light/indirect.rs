@@ -1,8 +1,8 @@
-//! Light that surfaces pass on to each other, and the method that follows all of it, against closed forms.
+//! Indirect light between surfaces, and the method `path` that follows all of it, against closed forms.
 
 use crate::kit::{assert_close, gpu, mean, render, renderer, scene};
 
-/// The camera stands in a box whose walls all shine and scatter alike.
+/// The camera in a closed box whose walls all emit and scatter alike.
 const OVEN: &str = r#"
 version = 1
 [camera.main]
@@ -35,7 +35,7 @@ fn an_oven_shines_by_the_sum_of_its_bounces() {
         ("reflection.diffuse_bounces=4", 4, 1e-3),
         ("reflection.method=path", 40, 5e-2),
     ] {
-        // Every ray meets the same light, so that nothing but where paths end by chance is grainy.
+        // Every ray meets the same light, so that the only noise is from random ends of paths.
         let found = mean(&render(
             gpu,
             OVEN,
@@ -45,7 +45,7 @@ fn an_oven_shines_by_the_sum_of_its_bounces() {
         let expected: f32 = (0..=orders).map(|k| 0.25 * 0.5_f32.powi(k)).sum();
         assert_close(found, expected, tolerance);
     }
-    // Surfaces that light are found by rays towards them, one order earlier.
+    // Emissive surfaces are found by rays towards them, one order of bounces earlier.
     for (bounces, orders) in [(0, 1), (2, 3)] {
         let bounces = format!("reflection.diffuse_bounces={bounces}");
         let set = [
@@ -60,7 +60,7 @@ fn an_oven_shines_by_the_sum_of_its_bounces() {
     }
 }
 
-/// A floor that the camera sees below a shining ceiling, both much wider than they are apart.
+/// A floor below an emissive ceiling, both much wider than their distance.
 const PLATES: &str = r#"
 version = 1
 [camera.main]
@@ -100,7 +100,7 @@ fn two_plates_light_each_other() {
     }
 }
 
-/// White things that hide each other, in even light.
+/// White objects that occlude each other, in even light.
 const WHITE: &str = r#"
 version = 1
 [camera.main]
@@ -150,7 +150,7 @@ fn white_things_in_white_light_cannot_be_seen_by_all_paths() {
     assert_close(found, 1.0, 0.01);
     let direct = mean(&render(gpu, WHITE, &["environment.shadow=ray"], &[]))[0];
     assert!(direct < 0.98, "{direct}");
-    // Most of it is there after a few.
+    // A few bounces give most of the light.
     let few = ["reflection.diffuse_bounces=4", "reflection.bounces=8"];
     let few = mean(&render(gpu, WHITE, &few, &[]))[0];
     assert_close(few, 1.0, 0.01);
@@ -159,7 +159,7 @@ fn white_things_in_white_light_cannot_be_seen_by_all_paths() {
 #[test]
 fn mirrors_show_scattered_light_whatever_finds_it() {
     let Some(gpu) = gpu() else { return };
-    // A floor that a shining wall colors, in a mirror.
+    // A mirror shows a floor that an emissive wall tints.
     let mirror = "[material.mirror]\nbase_color = [1, 1, 1]\nmetallic = 1\nroughness = 0\n[model.mirror]\n\
                   shape = { kind = \"plane\", size = [2, 2] }\nmaterial = \"mirror\"\n[[instance]]\n\
                   model = \"mirror\"\ntranslation = [0.6, 0.4, 0]\nrotation_deg = [0, 0, 90]\n";
@@ -216,7 +216,7 @@ fn the_truth_depends_on_no_setting_of_the_others() {
 #[test]
 fn light_behind_solid_glass_is_found_by_what_is_refracted() {
     let Some(gpu) = gpu() else { return };
-    // A slab that bends nothing: only how light is found differs.
+    // A slab that bends no light: only the search for light differs.
     let slab = "[material.slab]\ntransmission = 1\nthickness_m = 1\nior = 1\nreflectivity = 0\nroughness = 0\n\
                 [model.slab]\nshape = { kind = \"box\", size = [9, 0.2, 9] }\nmaterial = \"slab\"\n[[instance]]\n\
                 model = \"slab\"\ntranslation = [0, 1, 0]\n";
@@ -244,7 +244,7 @@ fn light_behind_solid_glass_is_found_by_what_is_refracted() {
 #[test]
 fn a_limit_takes_away_what_paths_find_seldom() {
     let Some(gpu) = gpu() else { return };
-    // Through matte surfaces all light of the oven is seen after a chance; directly none is.
+    // Paths through matte surfaces find all light of the box after a random bounce; direct sampling finds none.
     let set = [
         "reflection.diffuse_bounces=2",
         "material.wall.emission_strength=4",
@@ -268,7 +268,7 @@ fn a_limit_takes_away_what_paths_find_seldom() {
     );
 }
 
-/// A mirror that shows a matte wall, lit by a ceiling alone that is farther away than reflections reach.
+/// A mirror that shows a matte wall, lit only by a ceiling that is farther away than the ray length of reflections.
 const MIRRORED: &str = r#"
 version = 1
 [camera.main]

@@ -1,4 +1,4 @@
-//! What `tests/pictures` renders with, and comparisons of numbers.
+//! Helpers of `tests/pictures` for rendering, and comparisons of numbers.
 
 #[expect(dead_code, reason = "a part of it is used here")]
 #[path = "../pictures/kit.rs"]
@@ -6,7 +6,7 @@ mod pictures;
 
 pub use pictures::*;
 
-/// Whether a number is `expected` within `tolerance` of that.
+/// Asserts that a number is `expected` within `tolerance`.
 pub fn assert_close(found: f32, expected: f32, tolerance: f32) {
     let error = (found - expected).abs();
     assert!(

@@ -26,12 +26,12 @@ material = "white"
 model = "floor"
 "#;
 
-/// How far a pixel of the middle row is from the middle of the floor, meters.
+/// Distance of a pixel of the middle row from the middle of the floor, meters.
 fn offset_m(x: u32) -> f32 {
     ((x as f32 + 0.5) / 33.0 * 2.0 - 1.0) * 4.0 * 20f32.to_radians().tan()
 }
 
-/// KHR_lights_punctual: the square of a ramp in the cosine, from the outer to the inner angle.
+/// Cone of KHR_lights_punctual: the square of a ramp in the cosine, from the outer to the inner angle.
 #[test]
 fn the_edge_of_a_cone_is_the_squared_ramp_of_its_cosine() {
     let Some(gpu) = gpu() else { return };
@@ -53,7 +53,7 @@ fn the_edge_of_a_cone_is_the_squared_ramp_of_its_cosine() {
     assert!(partly > 8, "{partly}");
 }
 
-/// KHR_lights_punctual: 1 less the fourth power of the distance over the range.
+/// Range of KHR_lights_punctual: 1 minus the fourth power of the distance over the range.
 #[test]
 fn a_range_ends_light_by_the_fourth_power() {
     let Some(gpu) = gpu() else { return };
@@ -103,8 +103,8 @@ fn an_empty_floor_casts_no_shadow_on_itself() {
     }
 }
 
-/// A ball of few triangles: where its smooth normal has turned away the flat triangle may still face
-/// the lamp, and light there would be negative.
+/// A ball of few triangles: where the smooth normal faces away from the lamp, the flat triangle may still face
+/// it, and light there would be negative.
 #[test]
 fn no_light_falls_from_behind_the_smooth_normal() {
     let Some(gpu) = gpu() else { return };
@@ -137,7 +137,7 @@ rotation_deg = [7, 11, 0]
     let normals = floats(&picture, Aov::Normal).chunks_exact(3);
     let (mut lit, mut turned_away) = (0, 0);
     for (pixel, normal) in picture.color.chunks_exact(4).zip(normals) {
-        // Away from a lamp at +X.
+        // A normal that faces away from a lamp at +X.
         if normal[0] <= -1e-3 {
             assert_eq!(pixel[0], 0.0, "normal {normal:?}");
             turned_away += 1;

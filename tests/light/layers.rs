@@ -1,11 +1,11 @@
-//! Light that passes through surfaces, blended alpha and clear coats, against closed forms.
+//! Transmission, blended alpha and clear coats, against closed forms.
 
 use crate::{
     environment::directional_albedo,
     kit::{assert_close, assert_color, color, gpu, mean, render, renderer, scene},
 };
 
-/// The camera looks along -Z, through whatever a test adds at the origin, at a wall that shines.
+/// The camera looks along -Z at an emissive wall, through an object that a test adds at the origin.
 const WALL: &str = r#"
 version = 1
 [camera.main]
@@ -30,7 +30,7 @@ translation = [0, 0, -5]
 rotation_deg = [90, 0, 0]
 "#;
 
-/// A thing at the origin with these keys of its material.
+/// Scene text of an object at the origin with these keys of its material.
 fn thing(shape: &str, material: &str) -> String {
     format!(
         "[material.thing]\nroughness = 0\n{material}\n[model.thing]\nshape = {shape}\n\
@@ -80,7 +80,7 @@ fn a_slab_absorbs_along_the_way_and_reflects_inside() {
     let f = fresnel_at_normal(2.0);
     let found = mean(&picture);
     for (channel, (a, wall)) in [(0.5_f32, 1.0), (0.8, 0.5), (1.0, 0.25)].iter().enumerate() {
-        // The sum over all pairs of reflections inside; the slab is as thick as the distance.
+        // Sum over all pairs of internal reflections; the thickness of the slab equals the attenuation distance.
         let expected = (1.0 - f).powi(2) * a / (1.0 - (f * a).powi(2)) * wall;
         assert_close(found[channel], expected, 0.01);
     }
@@ -116,7 +116,7 @@ fn glass_in_a_white_world_cannot_be_seen() {
     }
 }
 
-/// Light that is mirrored inside a solid is looked for by no other ray.
+/// Lamps mirrored inside a solid are found by no shadow ray, only by rays of the lobe.
 #[test]
 fn rough_glass_shows_lamps_as_bright_by_any_number_of_rays() {
     let Some(gpu) = gpu() else { return };
@@ -219,7 +219,7 @@ fn lamps_shine_through_panes() {
         lamp("point", "shadow = \"ray\""),
         lamp("point", "shadow = \"ray\"\nradius_m = 0.05"),
     ] {
-        // From behind the pane, so that only the light passes through it.
+        // A light behind the pane, so that it reaches the camera only through the pane.
         let set = [
             "camera.main.eye=[0, 0, -1]",
             "camera.main.target=[0, 0, -5]",
@@ -300,13 +300,13 @@ fn rough_metals_see_a_lamp_behind_a_pane_once() {
     let lamp =
         "[light.lamp]\nkind = \"point\"\nposition = [0, 0, 2]\nintensity_cd = 10\nradius_m = 0.3\n";
     let pane = thing(PANE, "transmission = 1\nior = 1.5");
-    // From behind the pane, so that only the light passes through it.
+    // A light behind the pane, so that it reaches the camera only through the pane.
     let set = [
         "camera.main.eye=[0, 0, -1]",
         "camera.main.target=[0, 0, -5]",
         "reflection.roughness_cutoff=1",
         "reflection.method=rt",
-        // The metal is not to see itself in the pane.
+        // A single bounce, so that the metal does not see itself in the pane.
         "reflection.bounces=1",
         "image.size=[32, 32]",
         "image.samples=16",
@@ -325,7 +325,7 @@ fn alpha_of_scene_text_blends_as_that_of_a_file() {
     for (found, expected) in found.iter().zip([0.75, 0.375, 0.25 * 0.75 + 0.25]) {
         assert_close(*found, expected, 0.01); // 7 bits of alpha
     }
-    // Opaque, it costs nothing; compared with a cut-off it is there or not.
+    // With alpha 1 the material is opaque and costs nothing; with a cut-off it is fully visible or invisible.
     let (desc, world) = scene(&text, &["material.thing.alpha=1"]);
     assert!(
         !renderer(gpu, &desc, &world, false)
@@ -345,7 +345,7 @@ fn glass_of_no_strength_mirrors_inside() {
         let keys = format!("transmission = 1\nthickness_m = 2\nspecular = {strength}");
         wall_and(&thing("{ kind = \"box\", size = [2, 2, 2] }", &keys))
     };
-    // Seen from above the far side is past the angle of total reflection.
+    // Seen from above, the far side is beyond the angle of total internal reflection.
     let set = [
         "camera.main.eye=[1, 3, 4]",
         "camera.main.fov_deg=30",

@@ -1,4 +1,4 @@
-//! What a lens blurs, and what it leaves sharp.
+//! Depth of field: blurred and sharp distances of a lens.
 
 use std::f32::consts::PI;
 
@@ -30,7 +30,7 @@ model = "disk"
 rotation_deg = [90, 0, 0]
 "#;
 
-/// Light of the disk, and the root of the mean square of how far it falls from the middle, pixels.
+/// Light of the disk, and root mean square of its distance from the middle, pixels.
 fn light_and_spread(set: &[&str]) -> Option<(f32, f32)> {
     let picture = render(gpu()?, DISK, set, &[]);
     let (mut sum, mut square) = (0.0, 0.0);
@@ -58,7 +58,7 @@ fn a_lens_spreads_what_is_out_of_focus_over_its_circle_of_confusion() {
         let Some((light, spread)) = light_and_spread(&[&focus]) else {
             return;
         };
-        // The cone of the lens, cut 4 m away; a disk spreads by its radius over √2.
+        // Cone of the lens, cut 4 m away; a disk spreads by its radius over √2.
         let circle_px = lens_m * (4.0 - focus_m) / focus_m / pixel_m;
         assert_close(light, sharp, 0.05);
         let expected = (circle_px * circle_px / 2.0 + at_focus * at_focus).sqrt();

@@ -1,4 +1,4 @@
-//! Files of panoramas, good and broken.
+//! Panorama files, valid and invalid.
 
 use std::fs;
 
@@ -12,7 +12,7 @@ use crate::{
     kit::{assert_color, gpu, renderer, scene_of},
 };
 
-/// Name and text of the error that a file gives as the panorama `sky.exr`.
+/// Name and text of the error for these bytes as the panorama `sky.exr`.
 fn error_of(name: &str, bytes: &[u8]) -> (&'static str, String) {
     let error = whole_error_of(name, bytes);
     (error.name, error.message)

@@ -1,4 +1,4 @@
-//! Random materials, whose numbers are often at the ends of their ranges: every pixel stays a number.
+//! Random materials, often with values at the ends of their ranges: no pixel may be NaN or infinite.
 
 use std::fmt::Write as _;
 
@@ -12,7 +12,7 @@ use crate::{
 const WORLDS: u32 = 5;
 const BALLS: u32 = 100;
 
-/// PCG (O'Neill 2014), from 0 to 1.
+/// Pseudo-random numbers from 0 to 1 (PCG, O'Neill 2014).
 struct Random(u64);
 
 impl Random {
@@ -26,7 +26,7 @@ impl Random {
         (bits >> 8) as f32 / 16_777_216.0
     }
 
-    /// One of the ends for half of the time.
+    /// A number between two limits; half of the time it is one of them.
     fn between(&mut self, low: f32, high: f32) -> f32 {
         match (self.unit() * 4.0) as u32 {
             0 => low,
@@ -103,10 +103,10 @@ fn material(random: &mut Random) -> String {
     [text, more].concat()
 }
 
-/// Balls in rows, of a material each, on one another's heels.
+/// Scene text of balls in rows that nearly touch, each with its own material.
 fn world(seed: u32) -> String {
     let mut random = Random(u64::from(seed) * 7919 + 1);
-    // Nothing that takes other shaders, which are long to build.
+    // No features that need other shaders, which take long to compile.
     let cutoff = ["0.2", "1"][seed as usize % 2];
     let mut text = format!(
         "version = 1\n[image]\nsize = [40, 40]\nsamples = 8\n[camera.main]\neye = [0, 4, 9]\n\

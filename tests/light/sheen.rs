@@ -39,7 +39,7 @@ fn seen(angle_deg: f64, material: &str, set: &[&str]) -> Option<[f32; 3]> {
     Some(mean(&render(gpu()?, &text, &set, &[])))
 }
 
-/// KHR_materials_sheen, "Sheen distribution" and "Sheen visibility": the lobe for a color of 1.
+/// Lobe of KHR_materials_sheen for a color of 1, "Sheen distribution" and "Sheen visibility".
 fn sheen(view: [f64; 3], light: [f64; 3], roughness: f64) -> f64 {
     let alpha = roughness * roughness;
     let half = [0, 1, 2].map(|k| view[k] + light[k]);
@@ -58,7 +58,7 @@ fn sheen(view: [f64; 3], light: [f64; 3], roughness: f64) -> f64 {
     distribution / ((1.0 + lambda(view[2]) + lambda(light[2])) * 4.0 * view[2] * light[2])
 }
 
-/// Share of even light that it returns, by directions spread evenly.
+/// Albedo of the lobe: the share of even light that it reflects, integrated over uniform directions.
 fn sheen_albedo(cosine: f64, roughness: f64) -> f64 {
     let view = [(1.0 - cosine * cosine).sqrt(), 0.0, cosine];
     let steps = 400;
@@ -181,17 +181,17 @@ fn what_a_tinted_lobe_leaves_is_not_tinted() {
         let Some(found) = seen(40.0, own, &set) else {
             return;
         };
-        // All of red is returned; of the others what the strongest channel leaves, and less by the lobe.
+        // All red light is reflected; the others have their lobe, and what the strongest channel transmits.
         assert_close(found[0], 1.0, 0.01);
         assert!(found[1] < 0.9 && found[2] < found[1], "{found:?}");
     }
 }
 
-/// What passes through glass is what the strongest color of its reflection leaves, and not tinted.
+/// Transmission through glass is what the strongest channel of its reflection leaves, without a tint.
 #[test]
 fn tinted_glass_passes_no_tint() {
     let own = "transmission = 1\nior = 1.5\nroughness = 0\nspecular_color = [20, 5, 0]";
-    // Nothing but a black floor below, so that what passes is missing.
+    // A black floor below, so that transmitted light is lost.
     let text = [
         &FLOOR.replace("[material.floor]", &format!("[material.floor]\n{own}")),
         "[material.black]\nbase_color = [0, 0, 0]\nreflectivity = 0\n[model.black]\n\
@@ -222,7 +222,7 @@ fn reflections_show_sheen_and_tints_too() {
                   shape = { kind = \"plane\", size = [1, 1] }\nmaterial = \"mirror\"\n[[instance]]\n\
                   model = \"mirror\"\ntranslation = [-3, 1, 0]\nrotation_deg = [0, 0, -90]\n";
     let text = [text.as_str(), mirror].concat();
-    // The mirror image of the camera sees the same place of the floor.
+    // The mirrored camera sees the same point of the floor.
     let straight = [
         "camera.main.eye=[-9, 3, 0]",
         "instance.1.visible=false",
@@ -299,7 +299,7 @@ fn textures_of_layers_multiply_their_numbers() {
         wrap: [Wrap::Repeat; 2],
         nearest: false,
     }); LAYER_SLOTS];
-    // Its texels are no factors.
+    // Texels of the normal map are no factors.
     world.materials[material].layer_textures[LayerTexture::ClearcoatNormal as usize] = None;
     let camera = &world.cameras[0].value;
     let picture = renderer(gpu, &desc, &world, false).picture(gpu, &world, camera, &[]);

@@ -62,7 +62,7 @@ impl Watched {
         Self::start(gpu, folder, live, false)
     }
 
-    /// Some scene in the preview's thread, drawn once.
+    /// Starts a scene in the preview's thread, drawn once.
     pub fn start(gpu: Arc<Gpu>, folder: Folder, live: Live, is_waiting: bool) -> Self {
         let turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
         let side = Side {
@@ -198,7 +198,7 @@ fn a_save_with_an_endless_setup_leaves_everything_usable_until_the_next_save() {
         preview.shown(|shown| shown.frame == frame);
         assert!(preview.runs, "the script has ended first");
     }
-    // So does a newer endless script, and one in a file that only the new script imports.
+    // A newer endless script, and one in a file that only the new script imports, also end the script.
     let slow = preview.folder.write("parts/new.rhai", SLOW);
     preview.save_script(
         &format!("import \"parts/new\" as other;\n{SCRIPT}"),
@@ -227,7 +227,7 @@ fn an_endless_frame_keeps_the_one_before_and_is_left_for_another() {
     preview.move_camera(1.0);
     preview.show(|view| view.frame = 3);
     preview.shown(|shown| shown.frame == 3);
-    // Back to it, and then to the shown frame: no work.
+    // Return to that frame, and then to the shown one: no work.
     preview.show(|view| view.frame = 9);
     preview.is_running();
     preview.show(|view| view.frame = 3);
@@ -249,7 +249,7 @@ fn what_is_asked_of_a_frame_is_done_with_that_frame_whatever_is_shown() {
     let Some(mut session) = Session::new() else {
         return;
     };
-    // Pictures do not wait for frame 9.
+    // Pictures do not wait for the script at frame 9.
     let late = "fn frame(ctx) { if ctx.frame == 9 { let text = \"abcdefgh\"; \
                 for i in 0..16 { text += text; } for i in 0..3000 { text.contains(\"no\"); } }";
     assert!(
@@ -295,7 +295,7 @@ fn what_is_asked_of_a_frame_is_done_with_that_frame_whatever_is_shown() {
         }
         _ => None,
     });
-    // And the view goes on where it was.
+    // The view continues at its last frame.
     preview.shown(|shown| shown.frame == 0);
 }
 

@@ -1,9 +1,9 @@
-//! The first picture of the preview, which is coarse, and what follows it.
+//! Coarse first picture of the preview, and its refinement.
 
 use std::sync::Arc;
 
 use reflet::{
-    app::live::{Begins, Edit, Live, SceneSource, ViewOverrides},
+    app::live::{Edit, InitialBuild, Live, SceneSource, ViewOverrides},
     render::targets::Target,
 };
 
@@ -12,7 +12,7 @@ use crate::{
     kit::{Folder, SCENE, open},
 };
 
-/// With a lamp whose shadows are found by rays, and a material that may reflect in another frame.
+/// Scene with a lamp whose shadows are found by rays, and a material that may reflect in another frame.
 fn scene() -> String {
     let more = "[timeline]\nend = 9\n[light.second]\nkind = \"point\"\nposition = [-2, 3, 1]\n\
                 intensity_cd = 9\nshadow = \"ray\"\n[motion.material.red]\n\
@@ -45,7 +45,7 @@ fn a_coarse_beginning_ends_as_what_is_built_at_once() {
             gpu.clone(),
             source.clone(),
             ViewOverrides::default(),
-            Begins::Coarse,
+            InitialBuild::Coarse,
         );
         let Ok(live) = opened else {
             panic!("the scene does not open");
@@ -75,7 +75,7 @@ fn a_coarse_beginning_ends_as_what_is_built_at_once() {
     assert_eq!(pixels(&mut live, &gpu), want);
     assert_eq!(live.scene_method(), whole.scene_method());
 
-    // Whatever comes first completes it.
+    // The picture completes whichever event comes first.
     let (mut edited, _) = begin();
     edited.edit(Edit::new(0)).expect("it can be edited");
     assert!(!edited.is_coarse());

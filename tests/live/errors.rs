@@ -5,7 +5,7 @@ use std::{fs, sync::Arc};
 use reflet::app::{
     args::SceneArgs,
     error::AppError,
-    live::{Begins, Live, SceneSource, ViewOverrides},
+    live::{InitialBuild, Live, SceneSource, ViewOverrides},
     watch::Change,
 };
 
@@ -61,7 +61,7 @@ fn a_save_that_fails_in_the_wanted_frame_is_shown_from_the_next_good_frame_on() 
     assert!(session.live.pose_now(5) && session.live.problems.is_empty());
     let new = session.picture();
     assert!(new != good && new == session.afresh(5, &[]));
-    // Now this scene is shown.
+    // Now the new scene is shown.
     assert!(!session.live.pose_now(12) && session.picture() == new);
     // A pending scene is dropped by the next save, also an invalid one.
     assert!(session.save_script(SCRIPT).ok && session.live.pose_now(12));
@@ -124,7 +124,7 @@ fn a_scene_that_is_broken_at_first_is_shown_when_it_is_mended() {
         gpu.clone(),
         source.clone(),
         ViewOverrides::default(),
-        Begins::Whole,
+        InitialBuild::Whole,
     ) {
         Err(AppError::Scene(mistakes)) => mistakes,
         other => panic!("{other:?}"),

@@ -37,7 +37,7 @@ fn an_included_file_is_watched_and_taken_over() {
     let second = picture(&gpu, &mut live);
     assert!(first != second, "the box has another color");
 
-    // An error in it and a missing file keep the last good picture, and the file stays watched.
+    // After an error in the included file, or its removal, the last good picture stays, and it is still watched.
     folder.write("parts/red.toml", RED.replace("base_color", "base_colour"));
     assert!(!live.reload(&[Change::Scene].into()).ok);
     let problem = live.problems.scene[0].to_string();

@@ -14,9 +14,9 @@ use std::{
 use reflet::{
     app::{
         args::SceneArgs,
-        live::{Begins, Live, Reload, Reuse, SceneSource, ViewOverrides},
+        live::{InitialBuild, Live, Reload, Reuse, SceneSource, ViewOverrides},
         params::ParameterOverrides,
-        watch::{Change, Changes, News, WatchList, Watcher},
+        watch::{Change, Changes, WatchEvent, WatchList, Watcher},
     },
     gpu::Gpu,
 };
@@ -53,7 +53,7 @@ impl Drop for Folder {
     }
 }
 
-/// A mirror floor and a box; `{…}` are replaced.
+/// A mirror floor and a box; placeholders `{…}` are replaced.
 pub const SCENE: &str = r#"version = 1
 [image]
 size = [48, 32]
@@ -107,7 +107,7 @@ pub fn open(gpu: &Arc<Gpu>, scene: &Path, shaders: Option<&Path>) -> Live {
     open_with(gpu, scene, shaders, &[])
 }
 
-/// With `--set`.
+/// Opens a scene with `--set` overrides.
 pub fn open_with(gpu: &Arc<Gpu>, scene: &Path, shaders: Option<&Path>, set: &[&str]) -> Live {
     let source = SceneSource {
         path: Some(scene.to_owned()),
@@ -117,7 +117,12 @@ pub fn open_with(gpu: &Arc<Gpu>, scene: &Path, shaders: Option<&Path>, set: &[&s
         },
         shaders: shaders.map(Path::to_owned),
     };
-    match Live::open(gpu.clone(), source, ViewOverrides::default(), Begins::Whole) {
+    match Live::open(
+        gpu.clone(),
+        source,
+        ViewOverrides::default(),
+        InitialBuild::Whole,
+    ) {
         Ok(live) => live,
         Err(error) => {
             error.print();
@@ -126,7 +131,7 @@ pub fn open_with(gpu: &Arc<Gpu>, scene: &Path, shaders: Option<&Path>, set: &[&s
     }
 }
 
-/// Background jobs of the preview, run synchronously.
+/// Runs background jobs of the preview synchronously.
 pub trait RunNow {
     /// Whether the frame is shown.
     fn pose_now(&mut self, frame: u32) -> bool;
@@ -182,8 +187,8 @@ const MOST: Duration = Duration::from_secs(90);
 impl Watch {
     pub fn new() -> Self {
         let (sender, changes) = mpsc::channel();
-        let watcher = Watcher::new(move |news| {
-            if let News::Changed(changes, _) = news {
+        let watcher = Watcher::new(move |event| {
+            if let WatchEvent::Changed(changes, _) = event {
                 let _ = sender.send(changes);
             }
         });
@@ -210,7 +215,7 @@ impl Watch {
         watch
     }
 
-    /// The next changes.
+    /// Waits for the next changes.
     pub fn next(&self) -> Changes {
         let next = self.changes.recv_timeout(MOST);
         next.expect("a change is seen")

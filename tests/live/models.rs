@@ -135,7 +135,7 @@ fn an_image_that_is_saved_while_the_scene_loads_is_shown_in_the_end() {
         let picture = image::RgbImage::from_pixel(4, 4, image::Rgb([step, 9 * round, 250]));
         let temporary = folder.path("next.png");
         picture.save(&temporary).expect("written");
-        // Atomically: a partial image is an error.
+        // An atomic rename: a partial image is an error.
         fs::rename(temporary, folder.path("left.png")).expect("renamed");
     };
     let mut load_time = Duration::from_millis(50);

@@ -28,7 +28,7 @@ fn parameters_are_laid_over_as_set_does_and_stay_as_long_as_they_exist() {
     assert!(session.live.set_parameters_now(overrides.clone()).ok);
     let three = session.picture();
     assert!(three != first && three == session.afresh(10, &["params.count=3"]));
-    // A save keeps it.
+    // A save of the script keeps the override.
     let reload = session.save_script(&format!("{SCRIPT}// saved\n"));
     assert!(reload.ok && reload.rebuilt == RebuildSummary::default());
     assert!(session.picture() == three);
@@ -69,10 +69,10 @@ fn values_that_do_not_work_are_refused_and_leave_everything_as_it_was() {
     let value = ("count".to_owned(), ParamValue::Integer(60_000));
     assert_eq!(refusal.values, [value]);
     assert!(!refusal.why.scene.is_empty());
-    // Nor does the next save try them again.
+    // The next save does not try the refused values again.
     assert!(session.save_script(&format!("{SCRIPT}// saved\n")).ok);
     assert!(session.live.refusal().is_none() && session.picture() == three);
-    // A save together with values that fail in the wanted frame alone, or before it.
+    // A save together with values that fail only in the requested frame, or before it.
     for place in ["fn frame(ctx) {", "fn setup(ctx) {"] {
         let text = SCRIPT.replace(
             place,
@@ -84,7 +84,7 @@ fn values_that_do_not_work_are_refused_and_leave_everything_as_it_was() {
         let why = refused(&mut session).why;
         assert_eq!(why.pose.is_empty(), place.contains("setup"));
     }
-    // With invalid scene text they stay pending.
+    // With invalid scene text the values stay pending.
     let text = fs::read_to_string(&session.scene).expect("readable");
     fs::write(&session.scene, format!("{text}\n[")).expect("written");
     assert!(!session.live.reload(&[Change::Scene].into()).ok);

@@ -88,7 +88,7 @@ fn save(preview: &Watched, text: &str) {
     fs::rename(temporary, preview.folder.path("scene.toml")).expect("renamed");
 }
 
-/// The selection of the next picture that fulfills this.
+/// Waits for a picture whose selection fulfills the condition.
 fn selected(preview: &mut Watched, is_right: impl Fn(&Option<Picked>) -> bool) -> Option<Picked> {
     preview.until("the selection", |report| match report {
         Report::Frame(shown) => is_right(&shown.picked).then(|| shown.picked.clone()),
@@ -96,7 +96,7 @@ fn selected(preview: &mut Watched, is_right: impl Fn(&Option<Picked>) -> bool) -
     })
 }
 
-/// The left side with this channel.
+/// Left side of the picture with this channel.
 fn drawn(preview: &mut Watched, channel: ViewChannel) -> Visualization {
     preview.show(|view| view.a.channel = channel);
     preview.until("a picture", |report| match report {
@@ -121,7 +121,7 @@ fn a_click_selects_an_instance_that_is_followed_through_saves_by_its_name() {
         picked.bounds.max.x == 1.5
     };
     selected(&mut preview, is_moved);
-    // Behind the camera it is still selected.
+    // An instance behind the camera stays selected.
     let away = SCENE.replace("translation = [0, 0.5, 0]", "translation = [0, 0.5, 90]");
     save(&preview, &away);
     let is_away = |picked: &Option<Picked>| {
@@ -129,7 +129,7 @@ fn a_click_selects_an_instance_that_is_followed_through_saves_by_its_name() {
         picked.outline.is_none()
     };
     selected(&mut preview, is_away);
-    // Of two with one name, the first is selected.
+    // The first of two instances with one name is selected.
     let two = format!("{SCENE}[[instance]]\nmodel = \"box\"\n");
     save(&preview, &two);
     let is_one = |picked: &Option<Picked>| {

@@ -243,7 +243,7 @@ fn trees_are_built_when_rays_are_first_followed_and_kept_from_then_on() {
         let of = |wanted: &str| stats.bytes.iter().find(|(name, _)| name == wanted);
         (of("tree_nodes").map(|b| b.1), of("lists").map(|b| b.1))
     };
-    // Two words a pixel, and a pyramid of 64 × 64 pixels.
+    // Two words per pixel, and a pyramid of 64 × 64 pixels.
     let lists = Some(4 * (2 * 48 * 32 + 1024 + 256 + 64 + 16 + 4 + 1));
     assert_eq!(
         held(&mut session),
@@ -251,7 +251,7 @@ fn trees_are_built_when_rays_are_first_followed_and_kept_from_then_on() {
         "a stand-in for trees"
     );
 
-    // Shading of movable instances uses records that exist without trees too.
+    // Shading of movable instances uses records that exist without BVHs too.
     let moved = session.shown(
         "translation = [0, 0.5, 0]",
         "rotation_deg = [0, 40, 20]\ntranslation = [0.5, 0.7, 0]",

@@ -15,7 +15,7 @@ use crate::kit::{Folder, Watch};
 
 /// Repetitions of each way of saving.
 pub const ROUNDS: usize = 50;
-/// Repetitions of a thousand saves at once, of which some hundred are read.
+/// Repetitions of the test of a thousand saves at once, of which some hundred are read.
 pub const BURSTS: usize = 12;
 
 fn watch(path: &Path) -> Watch {

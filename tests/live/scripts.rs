@@ -73,7 +73,7 @@ impl Session {
         picture(&self.gpu, &mut self.live)
     }
 
-    /// The picture of a frame in a new session.
+    /// Picture of a frame in a new session.
     pub fn afresh(&self, frame: u32, set: &[&str]) -> Vec<u8> {
         let mut live = open_with(&self.gpu, &self.scene, None, set);
         assert!(live.pose_now(frame));
@@ -96,7 +96,7 @@ impl Session {
     }
 }
 
-/// Poses only.
+/// Rebuild summary of a change that only poses the scene.
 const POSES: RebuildSummary = RebuildSummary {
     upload: false,
     trees: false,
@@ -162,7 +162,7 @@ fn edit_of_frame_only_poses_again() {
     assert!(reload.ok && reload.rebuilt == POSES);
     let after = session.picture();
     assert!(after != before && after == session.afresh(20, &[]));
-    // So does a text edit at a frame: the lamp shines as the script says.
+    // An edit of the scene text at a frame keeps the script's values: the lamp has the script's intensity.
     let text = fs::read_to_string(&session.scene).expect("readable");
     let text = text.replace("[2, 4, 3]", "[-2, 4, 3]");
     fs::write(&session.scene, text).expect("written");
@@ -290,7 +290,7 @@ fn an_edited_material_wins_over_motion_until_the_next_save() {
     let shiny = |session: &Session| {
         let now = &session.live.world().materials[red(session)];
         let dielectric = (now.reflectivity, now.roughness, now.metallic);
-        // Twice the same edit is not four times the strength.
+        // Applying the same edit twice does not multiply the strength twice.
         dielectric == (0.9, 0.0, 1.0) && now.emission == Vec3::new(0.0, 1.0, 4.0)
     };
     assert!(shiny(&session));
@@ -332,7 +332,7 @@ fn where_nothing_stands_still_lengths_do_not_depend_on_the_frame() {
     assert!(session.picture() == session.afresh(40, &[]));
 }
 
-/// A material of each box's own, all of one name.
+/// Materials with the same name, one in each box.
 #[test]
 fn edits_of_materials_of_one_name_stay_with_their_own() {
     let Some(mut session) = Session::new() else {

@@ -1,4 +1,4 @@
-//! Motion blur of a live scene: a view at rest shows what `render` does.
+//! Motion blur of a live scene: a still view equals the picture of `render`.
 
 use std::sync::Arc;
 
@@ -36,7 +36,7 @@ fn moving() -> String {
     .concat()
 }
 
-/// What the first camera sees, which may move.
+/// Picture of the first camera, which may move.
 fn seen(gpu: &Gpu, live: &mut Live) -> Vec<u8> {
     let first = |world: &World| world.cameras[0].value.clone();
     live.render_by(&first).expect("renders");
@@ -64,7 +64,7 @@ fn a_view_at_rest_is_blurred_as_a_render_is() {
     }
 }
 
-/// Edits that are not on disk stay in every moment.
+/// Unsaved edits apply at every moment of the shutter.
 #[test]
 fn moments_keep_edited_materials() {
     let Some(gpu) = gpu_or_skip() else { return };
@@ -87,7 +87,7 @@ fn moments_keep_edited_materials() {
     assert_eq!(live.world().materials[red].base_color.z, 0.9);
 }
 
-/// A script that fails while the shutter is open leaves what was shown.
+/// A script that fails while the shutter is open does not change the shown frame.
 #[test]
 fn a_moment_that_fails_leaves_the_frame() {
     let Some(gpu) = gpu_or_skip() else { return };

@@ -1,4 +1,4 @@
-//! What the preview writes into the scene text: one line, where it stands, and never over what was
+//! Edits that the preview writes into the scene text: one line, at its place, and never over text that was
 //! saved meanwhile.
 
 use std::{fs, sync::Arc};
@@ -7,7 +7,7 @@ use reflet::app::{
     live::Live,
     preview::protocol::{FrameAction, FrameRequest, Report, Task},
     watch::Change,
-    write_back::{Inspected, Numbers, Thing},
+    write_back::{Inspected, Numbers, SceneItem},
 };
 
 use crate::{
@@ -33,22 +33,22 @@ fn inspected(preview: &mut Watched) -> Option<Inspected> {
     })
 }
 
-/// What a thing holds, if there is one; reports of what was selected before may still come, as its file
+/// Values of an element, if it exists; reports of the previous selection may still arrive, since its file
 /// is read again after each change.
-fn selected(preview: &mut Watched, thing: Thing) -> Option<Inspected> {
-    preview.worker.mailbox.post(Task::Select(thing));
+fn selected(preview: &mut Watched, item: SceneItem) -> Option<Inspected> {
+    preview.worker.mailbox.post(Task::Select(item));
     preview.until("the numbers", |report| match report {
         Report::Inspected(None) => Some(None),
-        Report::Inspected(Some(found)) if found.thing == thing => Some(Some((**found).clone())),
+        Report::Inspected(Some(found)) if found.item == item => Some(Some((**found).clone())),
         _ => None,
     })
 }
 
-fn select(preview: &mut Watched, thing: Thing) -> Inspected {
-    selected(preview, thing).expect("it is there")
+fn select(preview: &mut Watched, item: SceneItem) -> Inspected {
+    selected(preview, item).expect("it is there")
 }
 
-/// Waits until a key of what is selected is shown with these values.
+/// Waits until a key of the selected element is shown with these values.
 fn until_shown(preview: &mut Watched, key: &str, wanted: &[f64]) {
     preview.until("the new numbers", |report| match report {
         Report::Inspected(Some(found)) => {
@@ -59,12 +59,12 @@ fn until_shown(preview: &mut Watched, key: &str, wanted: &[f64]) {
     });
 }
 
-fn write(preview: &mut Watched, thing: Thing, key: &'static str, values: &[f64]) {
+fn write(preview: &mut Watched, item: SceneItem, key: &'static str, values: &[f64]) {
     let values = values.to_vec();
     preview
         .worker
         .mailbox
-        .post(Task::Write(thing, Numbers { key, values }));
+        .post(Task::Write(item, Numbers { key, values }));
 }
 
 fn message(preview: &mut Watched) -> String {
@@ -82,7 +82,7 @@ fn values(inspected: &Inspected, key: &str) -> Vec<f64> {
         .clone()
 }
 
-/// The lines that differ between two texts of as many lines.
+/// Lines that differ between two texts of as many lines.
 fn changed_lines(before: &str, after: &str) -> Vec<(String, String)> {
     assert_eq!(before.lines().count(), after.lines().count());
     let pairs = before.lines().zip(after.lines());
@@ -102,7 +102,7 @@ fn a_drag_is_shown_before_it_is_written() {
             key: "translation",
             values: vec![x, 0.5, 0.0],
         };
-        let reload = live.drag(Thing::Instance(1), &numbers);
+        let reload = live.drag(SceneItem::Instance(1), &numbers);
         assert!(reload.ok && !reload.files, "{reload:?}");
         numbers
     };
@@ -113,14 +113,14 @@ fn a_drag_is_shown_before_it_is_written() {
         assert_eq!(place(&live), x as f32);
     }
     assert_eq!(fs::read_to_string(&path).expect("it is there"), SCENE);
-    // What is on disk comes back where nothing is written.
+    // Dropping a drag restores the values on disk.
     assert!(live.drop_drag() && !live.drop_drag());
     assert_eq!(place(&live), 0.0);
     drag(&mut live, 0.5);
     assert!(live.reload(&[Change::Scene].into()).ok);
     assert_eq!(place(&live), 0.0);
     let last = drag(&mut live, 0.75);
-    live.write(Thing::Instance(1), &last)
+    live.write(SceneItem::Instance(1), &last)
         .expect("it is written");
     assert!(live.reload(&[Change::Scene].into()).ok);
     assert_eq!(place(&live), 0.75);
@@ -146,13 +146,13 @@ fn moving_what_was_clicked_changes_one_line_and_can_be_undone() {
     preview.worker.mailbox.post(Task::Frame(pick));
     let picked = inspected(&mut preview).expect("the box");
     assert_eq!(
-        (picked.thing, picked.refused.clone()),
-        (Thing::Instance(1), None)
+        (picked.item, picked.refused.clone()),
+        (SceneItem::Instance(1), None)
     );
     assert!(picked.place.ends_with("scene.toml:22"), "{}", picked.place);
     assert_eq!(values(&picked, "translation"), [0.0, 0.5, 0.0]);
 
-    write(&mut preview, picked.thing, "translation", &[0.3, 0.5, 0.0]);
+    write(&mut preview, picked.item, "translation", &[0.3, 0.5, 0.0]);
     until_shown(&mut preview, "translation", &[0.3, 0.5, 0.0]);
     let want = (
         "translation = [0, 0.50, 0] # on the floor",
@@ -163,8 +163,8 @@ fn moving_what_was_clicked_changes_one_line_and_can_be_undone() {
         [(want.0.to_owned(), want.1.to_owned())]
     );
 
-    // A key that is not there yet is one more line.
-    write(&mut preview, picked.thing, "scale", &[2.0, 2.0, 2.0]);
+    // A missing key is added as one line.
+    write(&mut preview, picked.item, "scale", &[2.0, 2.0, 2.0]);
     until_shown(&mut preview, "scale", &[2.0, 2.0, 2.0]);
     let grown = format!("{}\nscale = [2, 2, 2]\n", want.1);
     assert!(read().contains(&grown), "{}", read());
@@ -191,14 +191,14 @@ fn what_must_not_be_written_is_named_and_stays() {
         return;
     };
     let path = preview.folder.path("scene.toml");
-    let lamp = select(&mut preview, Thing::Light(0));
+    let lamp = select(&mut preview, SceneItem::Light(0));
     assert_eq!(lamp.label, "light lamp");
     assert_eq!(values(&lamp, "intensity_cd"), [30.0]);
     let permissions = fs::metadata(&path).expect("it is there").permissions();
     let mut locked = permissions.clone();
     locked.set_readonly(true);
     fs::set_permissions(&path, locked).expect("they can be set");
-    write(&mut preview, lamp.thing, "intensity_cd", &[40.0]);
+    write(&mut preview, lamp.item, "intensity_cd", &[40.0]);
     let said = message(&mut preview);
     assert!(
         said.starts_with("not written: ") && said.ends_with("is read-only; it stays as it is"),
@@ -207,7 +207,7 @@ fn what_must_not_be_written_is_named_and_stays() {
     fs::set_permissions(&path, permissions).expect("they can be set");
     assert_eq!(fs::read_to_string(&path).expect("it is there"), SCENE);
 
-    // Saved by an editor with a mistake, which is not shown.
+    // An editor saved a mistake, so that the file is not shown.
     let broken = SCENE.replace("base_color = [0.4, 0.4, 0.4]", "base_color = [0.4, 0.4,");
     let gpu = Arc::new(gpu_or_skip().expect("a device"));
     let mut live = open(&gpu, &path, None);
@@ -217,7 +217,7 @@ fn what_must_not_be_written_is_named_and_stays() {
         values: vec![40.0],
     };
     let refused = live
-        .write(Thing::Light(0), &numbers)
+        .write(SceneItem::Light(0), &numbers)
         .expect_err("it has changed");
     assert!(
         refused.contains("was changed on disk and is not shown yet"),
@@ -253,25 +253,29 @@ fn changes_go_where_a_thing_is_written() {
         fs::read_to_string(preview.folder.path(name)).expect("it is there")
     };
     let find = |preview: &mut Watched, label: &str| {
-        let kinds: [fn(usize) -> Thing; 4] =
-            [Thing::Instance, Thing::Group, Thing::Light, Thing::Camera];
+        let kinds: [fn(usize) -> SceneItem; 4] = [
+            SceneItem::Instance,
+            SceneItem::Group,
+            SceneItem::Light,
+            SceneItem::Camera,
+        ];
         let all = kinds
             .iter()
             .flat_map(|kind| (0..4).map(kind))
             .collect::<Vec<_>>();
-        for thing in all {
-            if let Some(found) = selected(preview, thing).filter(|found| found.label == label) {
+        for item in all {
+            if let Some(found) = selected(preview, item).filter(|found| found.label == label) {
                 return found;
             }
         }
         panic!("no {label}");
     };
-    // Of the base, but its intensity is the shot's.
+    // A light of the base scene, whose intensity is overridden by the shot.
     let lamp = find(&mut preview, "light lamp");
-    write(&mut preview, lamp.thing, "intensity_cd", &[7.5]);
+    write(&mut preview, lamp.item, "intensity_cd", &[7.5]);
     until_shown(&mut preview, "intensity_cd", &[7.5]);
     assert!(read(&preview, "scene.toml").contains("intensity_cd = 7.5 # dim"));
-    write(&mut preview, lamp.thing, "position", &[2.0, 4.5, 3.0]);
+    write(&mut preview, lamp.item, "position", &[2.0, 4.5, 3.0]);
     until_shown(&mut preview, "position", &[2.0, 4.5, 3.0]);
     assert_eq!(
         changed_lines(SCENE, &read(&preview, "base.toml")),
@@ -282,7 +286,7 @@ fn changes_go_where_a_thing_is_written() {
     );
     // A placed scene moves by the instance that places it, its parts in its own file.
     let group = find(&mut preview, "group rig");
-    write(&mut preview, group.thing, "translation", &[0.0, 1.0, 0.0]);
+    write(&mut preview, group.item, "translation", &[0.0, 1.0, 0.0]);
     until_shown(&mut preview, "translation", &[0.0, 1.0, 0.0]);
     let text = read(&preview, "scene.toml");
     assert!(
@@ -290,7 +294,7 @@ fn changes_go_where_a_thing_is_written() {
         "{text}"
     );
     let ball = find(&mut preview, "instance rig.ball");
-    write(&mut preview, ball.thing, "rotation_deg", &[0.0, 180.0, 0.0]);
+    write(&mut preview, ball.item, "rotation_deg", &[0.0, 180.0, 0.0]);
     let rig = preview.folder.path("rig.toml");
     preview.until("the turned ball", |_| {
         let text = fs::read_to_string(&rig).expect("it is there");

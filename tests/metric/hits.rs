@@ -32,7 +32,7 @@ const TOLERANCE: Tolerance = Tolerance {
     relative: 0.02,
 };
 
-/// Cause, screen distance and surface, ray distance and surface.
+/// Test pixel: cause, screen distance and surface, ray distance and surface.
 type Pixel = (u32, f32, u32, f32, u32);
 
 fn check(pixels: &[Pixel]) -> Result<Vec<CauseTally>, HitError> {
@@ -55,7 +55,7 @@ fn check(pixels: &[Pixel]) -> Result<Vec<CauseTally>, HitError> {
     tally(&planes, &CODES, TOLERANCE)
 }
 
-/// Pixels, false accepts, false rejects, ray missed, other surface, other distance, overlooked.
+/// Counts of a tally: pixels, false accepts, false rejects, ray missed, other surface, other distance, overlooked.
 fn counts(t: &CauseTally) -> [usize; 7] {
     let accepts = [
         t.ray_missed,

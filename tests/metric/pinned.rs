@@ -4,10 +4,10 @@ use reflet::bench::{metric::mask::Mask, picture::Picture};
 
 use crate::generate::{generated, picture, scores};
 
-/// Case, SSIM of the frame, SSIM inside the mask, FLIP mean, p95 and p99.
+/// Case with SSIM of the frame, SSIM inside the mask, FLIP mean, p95 and p99.
 type Expected = (&'static str, f64, Option<f64>, [f64; 3]);
 
-/// Printed by `python tests/tools/test_metric_reference.py` with scikit-image 0.26.0 and
+/// Expected values, printed by `python tests/tools/test_metric_reference.py` with scikit-image 0.26.0 and
 /// flip-evaluator 1.7; the pytest of that file recomputes them.
 #[rustfmt::skip]
 const EXPECTED: [Expected; 7] = [
@@ -45,7 +45,7 @@ fn case(name: &str) -> (Picture, Picture) {
     )
 }
 
-/// Every row rotated right by one pixel.
+/// Rotates every row right by one pixel.
 fn shifted(mut rgb: Vec<u8>, width: usize) -> Vec<u8> {
     rgb.chunks_mut(3 * width)
         .for_each(|row| row.rotate_right(3));

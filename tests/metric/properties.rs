@@ -47,7 +47,7 @@ fn flat_pictures_have_closed_forms() {
     let test = flat(16, 16, Encoding::Display, [60.0, 60.0, 60.0]);
     let reference = flat(16, 16, Encoding::Display, [80.0, 80.0, 80.0]);
     let found = scores(&test, &reference, None);
-    // No variance: only the luminance term is left, (2ab + C1) / (a² + b² + C1).
+    // Without variance only the luminance term is left, (2ab + C1) / (a² + b² + C1).
     let expected = (2.0 * 60.0 * 80.0 + 6.5025) / (60.0 * 60.0 + 80.0 * 80.0 + 6.5025);
     assert!((found.ssim.expect("large enough") - expected).abs() < 1e-9);
     assert!((found.psnr_db - 20.0 * (255.0_f64 / 20.0).log10()).abs() < 1e-9);
@@ -70,7 +70,7 @@ fn rel_mse_is_taken_in_linear_light() {
     let reference = flat(16, 16, Encoding::Linear, [2.0, 2.0, 2.0]);
     let found = scores(&test, &reference, None);
     assert!((found.rel_mse - (3.0_f64 / 2.01).powi(2)).abs() < 1e-9);
-    // Both are over white: what a display shows is equal.
+    // Both colors are over white, so that a display shows them equal.
     assert_eq!((found.ssim, found.max_difference), (Some(1.0), 0.0));
     let black = flat(16, 16, Encoding::Linear, [0.0; 3]);
     let found = scores(&flat(16, 16, Encoding::Linear, [0.02; 3]), &black, None);

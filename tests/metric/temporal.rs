@@ -10,7 +10,7 @@ use reflet::bench::{
 
 use crate::generate::flat;
 
-/// The ratio of two sequences of gray levels.
+/// Flicker ratio of two sequences of gray levels.
 fn ratio(test: &[f32], reference: &[f32]) -> Option<f64> {
     let mut sequence = Temporal::new();
     let mut changes = Vec::new();

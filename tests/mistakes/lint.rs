@@ -1,4 +1,4 @@
-//! What is allowed but hardly meant, and how `check` reports it.
+//! Lint warnings of `check`: allowed text that is hardly intended.
 
 use std::{
     fs,
@@ -9,7 +9,7 @@ use std::{
 
 use super::{Mistake, check_table, folder, place, results, script, text};
 
-/// A lit floor; what comes before it moves its lines down.
+/// A scene with a lit floor; text inserted before it moves its lines down.
 macro_rules! scene {
     ($rest:literal) => {
         concat!(
@@ -41,7 +41,7 @@ pub const LINTS: &[Mistake] = &[
         [
             "near-name",
             "6:22",
-            "camera \"mian\" is new, and there is \"main\" below",
+            "camera \"mian\" is new; the scene below this layer has \"main\"",
             "did you mean \"main\"?",
         ],
     ),
@@ -270,7 +270,7 @@ fn what_is_hardly_meant_is_a_warning() {
     check_table(LINTS, "lint", "warning");
 }
 
-/// A camera with a name like that of a placed scene's is the scene's own; the placed one's is not.
+/// Scene cameras that share a name with a placed scene's camera are told apart from it.
 #[test]
 fn cameras_of_placed_scenes_are_told_from_those_of_the_scene() {
     let folder = folder("placed");

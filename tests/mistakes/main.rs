@@ -1,5 +1,5 @@
-//! Typical mistakes of people who write scenes: each gives one message, at its place, with what to
-//! do.
+//! Typical mistakes of people who write scenes: each gives one message, at its location, with
+//! advice.
 
 mod lint;
 mod meant;
@@ -15,8 +15,8 @@ use std::{
 
 use serde_json::Value;
 
-/// A mistake: what it is, the scene after `version = 1` on the first line, its script, and of the
-/// one message its name, line and column and what its text has, the cure last.
+/// A mistake: its description, the scene after `version = 1` on the first line, its script, and of the
+/// only message the name, line and column and parts of its text, the advice last.
 struct Mistake {
     what: &'static str,
     scene: &'static str,
@@ -44,7 +44,7 @@ const fn text(
     }
 }
 
-/// A mistake of a script, beside a scene with model "ball", parameter "count" and 4 frames.
+/// Mistake of a script, beside a scene with model "ball", parameter "count" and 4 frames.
 const fn script(
     what: &'static str,
     script: &'static str,
@@ -73,7 +73,7 @@ fn folder(name: &str) -> PathBuf {
     folder
 }
 
-/// The results of `check --json` on these files.
+/// Results of `check --json` on these files.
 fn results(folder: &Path, files: &[String], code: i32) -> Vec<Value> {
     let output = Command::new(env!("CARGO_BIN_EXE_reflet"))
         .current_dir(folder)
@@ -102,7 +102,7 @@ fn place(result: &Value) -> (String, String) {
     (place, uri.unwrap_or_default().to_owned())
 }
 
-/// Checks a table; `level` is that of its messages, others of the same scenes do not count.
+/// Checks a table of mistakes; messages with another level than `level` are ignored.
 #[track_caller]
 fn check_table(table: &[Mistake], group: &str, level: &str) {
     let folder = folder(group);
@@ -153,7 +153,7 @@ fn check_table(table: &[Mistake], group: &str, level: &str) {
     assert!(wrong.is_empty(), "{wrong}");
 }
 
-/// So that none is taken out unseen.
+/// At least this many mistakes, so that none is removed unnoticed.
 #[test]
 fn at_least_sixty_mistakes_have_a_cure() {
     let all = text::SYNTAX.len() + values::VALUES.len() + script::SCRIPTS.len() + lint::LINTS.len();

@@ -1,4 +1,4 @@
-//! What looks like the mistakes of `lint` and is meant.
+//! Intended text that looks like the mistakes of `lint`.
 
 use std::fs;
 
@@ -18,7 +18,7 @@ fn rooms_and_lanterns_are_left_alone() {
     assert_eq!(found, [0; 0].map(serde_json::Value::from));
 }
 
-/// Its surface is far outside of what its middle is in.
+/// The surface of the light is far outside of the object that contains its middle.
 #[test]
 fn a_light_that_is_larger_than_what_it_stands_in_is_not_inside() {
     let folder = folder("large-light");
@@ -45,7 +45,7 @@ fn a_light_that_is_larger_than_what_it_stands_in_is_not_inside() {
     }
 }
 
-/// A base of other materials needs none of what those add.
+/// Keys of a base material have an effect if a material that extends it gives them one.
 #[test]
 fn keys_that_have_an_effect_are_left_alone() {
     let folder = folder("effect");

@@ -199,7 +199,7 @@ pub const SYNTAX: &[Mistake] = &[
         [
             "toml-syntax",
             "2:10",
-            "not a right header",
+            "not a valid table header",
             "write `[material.red]`",
         ],
     ),
@@ -209,7 +209,7 @@ pub const SYNTAX: &[Mistake] = &[
         [
             "toml-syntax",
             "2:12",
-            "not a right header",
+            "not a valid table header",
             "write `[[instance]]`",
         ],
     ),

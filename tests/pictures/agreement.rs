@@ -209,7 +209,7 @@ fn primary_rays_find_what_rasterization_shows() {
                     continue;
                 }
                 differing += 1;
-                // Only by rounding, where a neighbor shows it.
+                // Differences by rounding only: a neighboring pixel shows the same.
                 let mut around = (-1..2).flat_map(|v| (-1..2).map(move |u| (x + u, y + v)));
                 assert!(
                     around.any(|(x, y)| at(&raster, x, y)[0] == found[0]),
@@ -292,7 +292,7 @@ fn shadow_maps_at_rest_are_drawn_once() {
     shows(&world, "it has another color", false);
 }
 
-/// A lamp between posts and balls in the corner of a room: its shadows cross all faces of the cube.
+/// A lamp between posts and balls in the corner of a room: its shadows cross all faces of the cube map.
 const ROOM: &str = r#"
 version = 1
 [camera.main]
@@ -348,14 +348,14 @@ fn cube_maps_agree_with_shadow_rays() {
     let Some(gpu) = gpu() else { return };
     let of = |shadow| render(gpu, &ROOM.replace("SHADOW", shadow), &[], &[]);
     let (map, ray) = (of("map"), of("ray"));
-    // Edges of shadows are filtered in one and hard in the other; everything else is the same.
+    // Edges of shadows are filtered in one picture and hard in the other; everything else is the same.
     let differing = share_differing(&map, &ray, 12);
     assert!(
         differing < 0.02,
         "{:.2} % of the pixels differ",
         100.0 * differing
     );
-    // No speck: a pixel is never much darker than all of its eight neighbors.
+    // No specks: a pixel is never much darker than all of its eight neighbors.
     for picture in [&map, &ray] {
         let [width, height] = picture.size;
         let light = |x: u32, y: u32| picture.display[4 * (y * width + x) as usize];

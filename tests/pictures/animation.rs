@@ -55,7 +55,7 @@ fn read(folder: &Path, text: &str) -> (Scene, World) {
     (scene, world)
 }
 
-/// Each of these frames, all with one renderer.
+/// Pictures of these frames, all with one renderer.
 fn film(folder: &Path, text: &str, frames: &[u32]) -> Option<Vec<Picture>> {
     let gpu = gpu()?;
     let (scene, mut world) = read(folder, text);
@@ -72,7 +72,7 @@ fn film(folder: &Path, text: &str, frames: &[u32]) -> Option<Vec<Picture>> {
     Some(pictures.collect())
 }
 
-/// The pixel that shows a point.
+/// Pixel that shows a point.
 fn pixel(camera: &CameraDesc, size: [u32; 2], world: Vec3) -> [u32; 2] {
     let view = rh::view::look_at_mat4(camera.eye, camera.target, camera.up);
     let aspect = size[0] as f32 / size[1] as f32;
@@ -168,7 +168,7 @@ fn materials_of_files_change_over_time() {
     }
 }
 
-/// Runs `reflet render`, gives standard error.
+/// Runs `reflet render`, returns standard error.
 #[track_caller]
 fn render(folder: &Path, arguments: &[&str], code: i32) -> String {
     let output = Command::new(env!("CARGO_BIN_EXE_reflet"))
@@ -191,7 +191,7 @@ fn bare_model_renders_as_a_film() {
     let frames = [
         "arm.gltf", "--size", "32x24", "-o", "f.##.png", "--resume", "--frames",
     ];
-    // Its animations move different things: both are played, the longer takes 2 s.
+    // The animations move different objects: both are played, the longer takes 2 s.
     let text = render(&folder, &[&frames[..], &["0,24,48"]].concat(), 0);
     assert_eq!(text.matches("wrote").count(), 3, "{text}");
     let picture = |name: &str| fs::read(folder.join(name)).expect("it is there");
@@ -205,7 +205,7 @@ fn bare_model_renders_as_a_film() {
     let slow = ["--set", "timeline.fps=6"];
     let text = render(&folder, &[&frames[..], &["all"], &slow[..]].concat(), 0);
     assert_eq!(text.matches("wrote").count(), 13, "{text}");
-    // One animation alone is another film, and a longer one is not the first one's length.
+    // A single animation gives another film, with its own length.
     let one = ["--set", "model.model.animation.name=swing"];
     let text = render(&folder, &[&frames[..], &["0,24"], &one[..]].concat(), 0);
     assert_eq!(text.matches("wrote").count(), 2, "{text}");

@@ -1,4 +1,4 @@
-//! The audit of screen hits: what it counts is what two whole pictures say.
+//! Audit of screen hits: its counts equal the comparison of two whole pictures.
 
 use reflet::{
     render::{
@@ -17,7 +17,7 @@ use crate::{
 
 const ATRIUM: &str = include_str!("../../scenes/atrium.toml");
 
-/// A picture with an audit, and what comparing all of its screen hits with `rt` gives.
+/// A picture with an audit, and the audit computed by comparing all of its screen hits with `rt`.
 fn audited(size: &str, method: Method) -> Option<(Picture, Audit)> {
     let gpu = gpu()?;
     // The paper's rule errs often.

@@ -1,4 +1,4 @@
-//! How far reflections of reflections are followed, in closed form.
+//! Number of reflections in a row, in closed form.
 
 use crate::{
     closed_form::MIRROR,
@@ -36,8 +36,8 @@ fn a_bounce_that_cannot_be_seen_is_not_followed() {
     assert_color(&picture, 4, 4, [series; 3], 1e-3 * series);
 }
 
-/// A mirror shows a dark pane, tilted by 45 degrees, that reflects 1/300 of a lamp of 1000: the bounce carries
-/// less than a step of the display, and adds more than white.
+/// A mirror shows a dark pane, tilted by 45 degrees, that reflects 1/300 of a lamp of 1000: the throughput of the
+/// bounce is less than a step of the display, but its light exceeds white.
 #[test]
 fn a_dim_reflection_of_something_bright_is_followed() {
     let Some(gpu) = gpu() else { return };
@@ -55,7 +55,7 @@ fn a_dim_reflection_of_something_bright_is_followed() {
             "translation = [0, 30, 0]",
         );
     let picture = render(gpu, &(text + pane), &["reflection.method=rt"], &[]);
-    // Schlick with F0 = 0.003, F90 = 0.15.
+    // Schlick's Fresnel term with F0 = 0.003, F90 = 0.15.
     let fresnel = 0.003 + 0.147 * (1.0 - 0.5f32.sqrt()).powi(5);
     let shown = 1000.0 * fresnel;
     assert_color(&picture, 16, 8, [shown; 3], 0.1 * shown);

@@ -1,4 +1,4 @@
-//! A renderer that changes to another world shows it as a new renderer does.
+//! A renderer that switches to another world renders it like a new renderer.
 
 use glam::Vec3;
 use reflet::{
@@ -58,7 +58,7 @@ fn a_copy_of_a_world_is_not_uploaded_again() {
     assert!(rebuilt.is_none_or(|rebuilt| rebuilt == RebuildSummary::default()));
 }
 
-/// A floor that mirrors, and a wall that only reflections show: the camera sees it from behind.
+/// A floor that mirrors, and a wall that only reflections show: the camera culls its back.
 const BACK: &str = r#"
 version = 1
 [camera.main]

@@ -1,4 +1,4 @@
-//! Geometry that a device binds only in parts, and how it is drawn then.
+//! Geometry larger than a device's binding limit, and its draw calls.
 
 use std::fmt::Write as _;
 
@@ -17,7 +17,7 @@ use crate::{
     kit::{gpu, integers, scene},
 };
 
-/// Balls of their own mesh each over a mirror.
+/// Scene text of balls over a mirror, each with its own mesh.
 fn balls() -> String {
     let mut text = r#"
 version = 1
@@ -111,7 +111,7 @@ fn pictures_do_not_depend_on_how_the_device_reads() {
     let (Some(gpu), Some(mut plain)) = (gpu(), gpu_or_skip()) else {
         return;
     };
-    // Vertices that are pulled, and trees in buffers.
+    // A device without primitive indices: vertices are pulled, and BVHs are in buffers.
     plain.features.remove(wgpu::Features::PRIMITIVE_INDEX);
     plain.reads_texels_faster = false;
     for visibility in [Visibility::Raster, Visibility::Rays] {
@@ -139,7 +139,7 @@ fn more_than_all_buffers_hold_is_refused_by_name() {
     options.reflection.method = Method::Hybrid;
     let error = Renderer::new(&small, &shaders(), &world, &options).expect_err("too much");
     let message = error.to_string();
-    // As `check` and `info` say it, without trees.
+    // Memory sizes as `check` and `info` report them, without BVHs.
     let sizes = |triangles| Sizes {
         triangles,
         ..Sizes::default()

@@ -10,7 +10,7 @@ use reflet::render::{
 
 use crate::kit::{assert_color, gpu, integers, render};
 
-/// A mirror in the plane z = 0 that faces the camera, and something with radiance (0.2, 0.5, 0.8)
+/// A mirror in the plane z = 0 that faces the camera, and a surface with radiance (0.2, 0.5, 0.8)
 /// behind the camera.
 pub const MIRROR: &str = r#"
 version = 1
@@ -62,7 +62,7 @@ fn a_mirror_that_screen_space_cannot_serve_stays_black_with_ssr() {
     assert_color(&picture, 16, 8, [0.0; 3], 0.0);
 }
 
-/// A card before the mirror, red towards the camera and green towards the mirror: the screen has
+/// A card before the mirror, red towards the camera and green towards the mirror: the screen shows
 /// the wrong side, wherever the crossing is.
 #[test]
 fn a_side_that_is_turned_away_is_not_taken_from_the_screen() {
@@ -122,7 +122,7 @@ fn a_mirror_under_the_open_sky_shows_the_sky() {
     for method in ["ssr", "rt", "hybrid"] {
         let set = [sky[0], sky[1], &format!("reflection.method={method}")];
         let picture = render(gpu, MIRROR, &set, &[]);
-        // Towards the camera's own side there is nothing to march: only the tracers know the sky.
+        // Rays towards the camera's own side cannot be marched: only tracers find the sky.
         if method != "ssr" {
             assert_color(&picture, 2, 2, [0.3, 0.6, 0.9], 1e-3);
         }
@@ -272,7 +272,7 @@ fn fading_ends_in_the_environment() {
     assert_color(&picture, 16, 8, expected, 2e-3);
 }
 
-/// Khronos PBR Neutral, Narkowicz's ACES and the sRGB curve.
+/// Tone curves: Khronos PBR Neutral, Narkowicz's ACES and the sRGB curve.
 #[test]
 fn tone_curves_are_those_of_their_papers() {
     let Some(gpu) = gpu() else { return };
@@ -332,7 +332,7 @@ fn tone_curves_are_those_of_their_papers() {
     }
 }
 
-/// A mirror floor before a shining wall: where the march finds the wall, it shows its light.
+/// A mirror floor before an emissive wall: where the march finds the wall, it shows the wall's light.
 #[test]
 fn what_the_march_finds_has_the_color_that_it_has_on_screen() {
     let Some(gpu) = gpu() else { return };

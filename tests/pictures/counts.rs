@@ -1,4 +1,4 @@
-//! What passes count: closed forms, and what must hold in any scene.
+//! Counters of passes: closed forms, and invariants of any scene.
 
 use reflet::{
     render::{
@@ -14,7 +14,7 @@ use crate::kit::{FACING, floats, gpu, integers, render, renderer, scene};
 
 const ATRIUM: &str = include_str!("../../scenes/atrium.toml");
 
-/// A renderer of the scene and what it counts.
+/// A renderer of the scene and its counts.
 fn counted(text: &str, set: &[&str]) -> Option<(Renderer, World, Vec<PassCounts>)> {
     let gpu = gpu()?;
     let (desc, world) = scene(text, set);
@@ -72,7 +72,7 @@ fn a_march_to_the_border_takes_the_steps_that_its_length_says() {
     }
 }
 
-/// All four triangles of the facing mirrors fit one node, so that every bounce of every ray visits
+/// All four triangles of the facing mirrors fit one BVH node, so that every bounce of every ray visits
 /// that one. It tests the two triangles ahead, and at most the two that it leaves: boxes are rounded
 /// outward.
 #[test]
@@ -97,7 +97,7 @@ fn facing_mirrors_visit_one_node_a_bounce() {
 }
 
 /// With a reflectance of 0.075 the throughput is 1.4 / 255 after two reflections and 0.1 / 255 after
-/// three: two are followed by another, three are not.
+/// three: the bounce after two is traced, the one after three is not.
 #[test]
 fn bounces_end_where_the_throughput_falls_below_a_level_of_255() {
     let set = [
@@ -111,8 +111,8 @@ fn bounces_end_where_the_throughput_falls_below_a_level_of_255() {
     assert_eq!(of(&counts, "trace").traversals, 3 * 81);
 }
 
-/// A strength of 0 leaves nothing to reflect, so that no ray is sent, and the picture is the same; but glass
-/// mirrors inside of it.
+/// With a strength of 0 nothing is reflected, so that no ray is sent, and the picture is the same; but glass
+/// reflects inside.
 #[test]
 fn surfaces_without_a_specular_lobe_send_no_rays() {
     let mirror = "material.mirror.specular=0";
@@ -127,7 +127,7 @@ fn surfaces_without_a_specular_lobe_send_no_rays() {
             !renderer.plan().reflections && sent(&counts) == 0,
             "{counts:?}"
         );
-        // Of two that face each other one is seen, and nothing goes on from it.
+        // The camera sees only one of the two facing mirrors, the one that does not reflect.
         let (_, _, counts) = counted(FACING, &[mirror, other, &method]).expect("there is a GPU");
         assert_eq!(sent(&counts), 0, "{method}: {counts:?}");
         let gpu = gpu().expect("as before");
@@ -225,7 +225,7 @@ fn probes_leave_pictures_alone() {
         .traversal_ms(gpu, &world, camera)
         .unwrap_or_else(|e| panic!("{e}"));
     assert!(ms.is_none_or(|ms| ms > 0.0));
-    // The rays were followed without shading, and met the same.
+    // The rays without shading have the same hits.
     for (aov, plane) in hits.iter().zip(&before.planes) {
         let traversed = aov.plane(gpu, &renderer, camera);
         assert_eq!(traversed.unwrap_or_else(|e| panic!("{e}")), *plane);

@@ -1,4 +1,4 @@
-//! Surfaces that the camera culls and rays meet.
+//! Surfaces that the camera culls but rays hit.
 
 use reflet::render::aov::Aov;
 

@@ -1,4 +1,4 @@
-//! What is left to `auto`: counts of the CPU are those of the GPU, and choices follow the counts.
+//! Decisions of `auto`: counts of the CPU equal those of the GPU, and choices follow the counts.
 
 use glam::DVec3;
 use reflet::{
@@ -155,7 +155,7 @@ fn rays_win_where_triangles_are_many_and_pixels_few() {
     assert_eq!(shadows(&large)[0], ShadowMode::Map, "{:?}", large.decisions);
 }
 
-/// The map of the sun covers 60 m of floor; a pixel of the larger picture is some millimeters wide there.
+/// Shadow map of a sun over 60 m of floor; a pixel of the larger picture is a few millimeters wide there.
 #[test]
 fn rays_find_shadows_where_a_map_would_be_too_coarse() {
     let few = BALLS.replace("count = [20, 1, 20]", "count = [2, 1, 2]");
@@ -199,7 +199,7 @@ fn only_auto_lights_and_what_they_reach_are_weighed() {
         assert_eq!(why(&format!("{BALLS}{other}{shadow}\n")), alone, "{shadow}");
     }
     assert_ne!(why(&format!("{BALLS}{other}\"auto\"\n")), alone);
-    // A narrow cone costs fewer rays than a wide one.
+    // A light with a narrow cone costs fewer rays than one with a wide cone.
     let spot = |outer: &str| {
         let kind = format!("kind = \"spot\"\ntarget = [0, 0, 0]\nouter_deg = {outer}");
         let text = BALLS.replace("kind = \"point\"", &kind);
@@ -232,7 +232,7 @@ fn without_reflections_or_rays_nothing_needs_trees() {
         [ShadowMode::Map; LightKind::NAMES.len()]
     );
     assert!(found.decisions.iter().all(|d| d.why.contains("no")));
-    // A light that asks for rays brings the trees.
+    // A light with shadows by rays needs the BVHs.
     let rays = dull.replacen("shadow = \"auto\"", "shadow = \"ray\"", 1);
     let found = decided(&rays, &["image.size=[160, 90]"], true);
     assert_eq!(found.options.image.visibility, Visibility::Rays);

@@ -1,5 +1,5 @@
-//! A skinned, morphing figure looks like the same figure frozen in each pose, whatever was rendered
-//! before, to rasterization, the march, rays and shadow maps.
+//! A skinned, morphing figure renders like the same figure frozen in each pose, independent of earlier frames,
+//! by rasterization, the march, rays and shadow maps.
 
 use std::{path::Path, sync::Arc};
 
@@ -59,7 +59,7 @@ fn scene() -> (SceneDesc, World) {
     scene_of(&folder.join("test.toml"), SCENE, &[])
 }
 
-/// With the vertices of this pose in the meshes themselves, so that nothing deforms any more.
+/// World with the vertices of this pose in the meshes themselves, so that nothing deforms.
 fn frozen(world: &World) -> World {
     let mut frozen = world.clone();
     for (mesh, deformed) in std::mem::take(&mut frozen.deformed) {

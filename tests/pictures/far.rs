@@ -34,7 +34,7 @@ intensity_cd = 3
 shadow = "ray"
 "#;
 
-/// What the mirror shows of the box, down to its foot, and how many pixels are dark by its shadow.
+/// Number of pixels of the box in the mirror, down to its foot, and number of pixels in its shadow.
 fn shown(kilometers: &str, method: &str) -> Option<(usize, usize)> {
     let text = CONTACT.replace('X', kilometers);
     let set = format!("reflection.method={method}");
@@ -58,7 +58,7 @@ fn contacts_stay_closed_far_from_the_origin() {
             return;
         };
         assert!(reflected > 200, "{reflected} pixels reflect the box");
-        // Steps of floats: 0.06, 1 and 8 mm.
+        // Spacing of floats at these distances: 0.06, 1 and 8 mm.
         for (kilometers, share) in [("100", 0.01), ("1000", 0.02), ("10000", 0.1)] {
             let (far, far_dark) = shown(kilometers, method).expect("a GPU");
             let close = |a: usize, b: usize| a.abs_diff(b) as f64 <= share * b as f64 + 4.0;

@@ -91,7 +91,7 @@ fn worlds_with_foreign_indices_or_too_many_lights_are_refused() {
     assert!(before.display == after.display, "an error changes nothing");
 }
 
-/// Worlds that are not the uploaded one in another pose.
+/// Worlds that differ from the uploaded one by more than a pose.
 const NOT_POSED: [(Damage, &str); 8] = [
     (
         |w| drop(w.instances.pop()),

@@ -1,4 +1,4 @@
-//! Scene text to picture in one call, on one device for the whole test process.
+//! Renders scene text to a picture in one call, on one device for the whole test process.
 
 use std::{path::Path, sync::OnceLock};
 
@@ -14,18 +14,18 @@ use reflet::{
 
 use crate::common::{gpu_or_skip, shaders};
 
-/// The process's device; `None` where tests are skipped.
+/// GPU device of the process; `None` where tests are skipped.
 pub fn gpu() -> Option<&'static Gpu> {
     static GPU: OnceLock<Option<Gpu>> = OnceLock::new();
     GPU.get_or_init(gpu_or_skip).as_ref()
 }
 
-/// A scene read from text, with `--set` settings laid over it.
+/// Scene and world from text with `--set` overrides.
 pub fn scene(text: &str, set: &[&str]) -> (SceneDesc, World) {
     scene_of(Path::new("test.toml"), text, set)
 }
 
-/// The same as if it stood in `file`, beside the images that it names.
+/// Scene and world from text as the contents of `file`, beside the images that it names.
 pub fn scene_of(file: &Path, text: &str, set: &[&str]) -> (SceneDesc, World) {
     let set: Vec<String> = set.iter().map(|&s| s.to_owned()).collect();
     let (desc, _) = Scene::from_text(text, file, &set).unwrap_or_else(|errors| {
@@ -43,7 +43,7 @@ pub fn scene_of(file: &Path, text: &str, set: &[&str]) -> (SceneDesc, World) {
     (desc.desc, world)
 }
 
-/// Renders with the plan that drops what the scene does not use.
+/// Renders with the plan that drops unused features.
 pub fn render(gpu: &Gpu, text: &str, set: &[&str], aovs: &[Aov]) -> Picture {
     let (desc, world) = scene(text, set);
     let mut renderer = renderer(gpu, &desc, &world, false);
@@ -59,7 +59,7 @@ pub fn renderer(gpu: &Gpu, desc: &SceneDesc, world: &World, general: bool) -> Re
         general,
         ..RenderOptions::of(desc)
     };
-    // A test that leaves a choice means these.
+    // Choices that tests rely on where the scene leaves them to `auto`.
     if options.reflection.method == Method::Auto {
         options.reflection.method = Method::Hybrid;
     }
@@ -79,7 +79,7 @@ pub fn color(picture: &Picture, x: u32, y: u32) -> [f32; 3] {
     ]
 }
 
-/// Whether a pixel's linear color is `expected` within `tolerance` of each channel.
+/// Asserts that a pixel's linear color is `expected` within `tolerance` of each channel.
 pub fn assert_color(picture: &Picture, x: u32, y: u32, expected: [f32; 3], tolerance: f32) {
     let found = color(picture, x, y);
     let close = found

@@ -1,4 +1,4 @@
-//! What hits take from the picture: which lights reach them.
+//! Reuse of the picture's light visibility at hits.
 
 use reflet::{render::aov::Aov, world::World};
 
@@ -55,7 +55,7 @@ translation = [0.6, 0.75, -0.4]
 
 const ANEW: &str = "reflection.reuse_light=false";
 
-/// Walks through the trees of one counted frame, by pass.
+/// Number of BVH traversals of one counted frame, by pass.
 fn traversals(text: &str, set: &[&str], pass: &str) -> u64 {
     let Some(gpu) = gpu() else { return 0 };
     let (desc, world): (_, World) = scene(text, set);
@@ -74,7 +74,7 @@ fn shadows_in_reflections_are_the_same_for_less_work() {
         let method = format!("reflection.method={method}");
         let lent = render(gpu, &text, &[&method], &[Aov::Cause]);
         let anew = render(gpu, &text, &[&method, ANEW], &[Aov::Cause]);
-        // What is smaller than a pixel is all that may be lost.
+        // Only details smaller than a pixel may be lost.
         let differing = share_differing(&lent, &anew, 2);
         assert!(differing < 1e-3, "{method}: {differing}");
     }
@@ -98,8 +98,8 @@ fn lights_past_the_32nd_are_followed_anew() {
     assert!(share_differing(&lent, &anew, 2) < 1e-3);
 }
 
-/// The camera sees the lit side of a thin sheet, the mirror behind it the dark one: both lie at the
-/// same place.
+/// The camera sees the lit side of a thin sheet, the mirror behind it the dark one: both are at the
+/// same position.
 #[test]
 fn the_other_side_of_a_sheet_lends_nothing() {
     let Some(gpu) = gpu() else { return };

@@ -1,5 +1,5 @@
-//! Materials against formulas written a second time: textures, normal maps, checkers, highlights,
-//! the light of the environment, blur.
+//! Materials against independent formulas: textures, normal maps, checkers, highlights,
+//! environment light, blur.
 
 use std::f32::consts::PI;
 
@@ -33,7 +33,7 @@ model = "wall"
 rotation_deg = [90, 0, 0]
 "#;
 
-/// Where the ray of a pixel meets the wall.
+/// Point where the ray of a pixel meets the wall.
 fn on_wall(size: [u32; 2], x: u32, y: u32) -> Vec3 {
     let half = 3.0 * 15f32.to_radians().tan();
     let [width, height] = size.map(|side| side as f32);
@@ -42,7 +42,7 @@ fn on_wall(size: [u32; 2], x: u32, y: u32) -> Vec3 {
     Vec3::new(across * half * width / height, -down * half, 0.0)
 }
 
-/// dP/du and dP/dv of the wall in world space, and the point where both are 0.
+/// Derivatives dP/du and dP/dv of the wall in world space, and the point where u and v are 0.
 fn wall_axes(world: &World) -> [Vec3; 3] {
     let mesh = &world.meshes[world.instances[0].mesh];
     let corner = |u: f32, v: f32| {
@@ -61,7 +61,7 @@ fn picture(desc: &SceneDesc, world: &World, aovs: &[Aov]) -> Option<Picture> {
     Some(picture.unwrap_or_else(|e| panic!("{e}")))
 }
 
-/// The wall with a texture of its emission.
+/// Renders the wall with an emission texture.
 fn textured(
     width: u32,
     height: u32,
@@ -103,7 +103,7 @@ fn every_wrap_mode_shows_the_texel_that_it_means() {
     let modes = [Wrap::Repeat, Wrap::Clamp, Wrap::Mirror];
     for (u, v) in modes.iter().flat_map(|u| modes.map(|v| (*u, v))) {
         let slot = TextureRef {
-            // Turned, enlarged and moved, so that both axes leave 0 to 1 on both sides.
+            // Rotated, enlarged and moved, so that both axes leave 0 to 1 on both sides.
             transform: [Vec3::new(0.3, 2.6, -0.9), Vec3::new(-2.2, 0.4, 1.7)],
             wrap: [u, v],
             ..SLOT
@@ -153,7 +153,7 @@ fn a_texture_finer_than_pixels_shows_its_mean() {
     }
 }
 
-/// A normal map of one color tips the normal towards u and against v (green is up), also where the
+/// A normal map of one color tilts the normal towards u and against v (green is up), also where the
 /// instance is mirrored.
 #[test]
 fn a_normal_map_tips_the_normal_along_its_texture() {
@@ -202,7 +202,7 @@ fn a_checker_alternates_along_every_axis_of_the_object() {
     let mut sides = [0, 0];
     for i in 0..48 * 40 {
         let (x, y) = (i % 48, i / 48);
-        // The plane lies in y = 0 of its own space, turned up.
+        // The plane lies in y = 0 of its object space, rotated upright.
         let p = on_wall(picture.size, x, y) * Vec3::new(4.0, -4.0, 0.0);
         let near_border = [p.x, p.y].iter().any(|at| (at - at.round()).abs() < 0.2);
         if near_border {
@@ -223,7 +223,7 @@ fn a_checker_alternates_along_every_axis_of_the_object() {
     );
 }
 
-/// GGX with the height-correlated Smith term and Schlick's Fresnel, straight from the papers.
+/// GGX with the height-correlated Smith term and Schlick's Fresnel, as written in the papers.
 #[test]
 fn a_highlight_is_that_of_ggx() {
     let Some(gpu) = gpu() else { return };
@@ -288,7 +288,7 @@ fn a_gradient_sky_lights_floors_and_walls_by_its_integral() {
     }
 }
 
-/// The blur of a mirror picture is the separable Gaussian of what the mirror showed before.
+/// The blur of a mirror picture is the separable Gaussian of the unblurred reflection.
 #[test]
 fn a_blurred_mirror_shows_the_gaussian_of_its_picture() {
     let Some(gpu) = gpu() else { return };

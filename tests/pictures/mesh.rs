@@ -1,4 +1,4 @@
-//! What vertices carry: smooth normals, colors, and alpha that cuts out.
+//! Vertex attributes: smooth normals, colors, and alpha cut-outs.
 
 use glam::{Vec3, Vec4};
 use reflet::{
@@ -58,7 +58,7 @@ fn the_normals_of_a_ball_point_away_from_its_center() {
             let at = |pixel: usize| (pixel as f32 + 0.5) / 33.0 * 2.0 - 1.0;
             let ray = Vec3::new(at(i % 33) * half, -at(i / 33) * half, -1.0);
             let away = (Vec3::Z * 4.0 + ray * depths[i]).normalize();
-            // At the outline the flat triangles show.
+            // Near the outline the flat triangles are visible.
             if away.dot(-ray.normalize()) > 0.3 {
                 let normal = Vec3::from_slice(&normals[3 * i..3 * i + 3]);
                 assert!(
@@ -164,7 +164,7 @@ translation = [-0.6, 1, 0]
             let Some(picture) = picture(&desc, &world, &[]) else {
                 return;
             };
-            // The leaf at x = -0.6 stands for pixels left of the middle; its shadow falls on 0.6.
+            // The leaf at x = -0.6 covers pixels left of the middle; its shadow falls on 0.6.
             let pixel_of = |x: f32, height: f32| {
                 let across = x / ((4.0 - height) * 15f32.to_radians().tan());
                 ((across * 0.5 + 0.5) * 33.0) as u32
@@ -179,7 +179,7 @@ translation = [-0.6, 1, 0]
 
 #[test]
 fn light_too_bright_for_half_floats_stays_finite() {
-    // Red is too bright by itself, green only together with what the wall reflects.
+    // Red is too bright by itself, green only together with the light that the wall reflects.
     let set = [
         "environment.color=[0, 50000, 0]",
         "material.wall.emission=[1e6, 60000, 2]",

@@ -76,7 +76,7 @@ fn read(folder: &Path, text: &str, set: &[String]) -> (Scene, World) {
     (scene, world.unwrap_or_else(|errors| panic!("{errors:?}")))
 }
 
-/// A frame, after another one with the same renderer.
+/// Pictures of two frames, one after the other with the same renderer.
 fn frames(folder: &Path, text: &str, set: &[String], wanted: [u32; 2]) -> Option<[Picture; 2]> {
     let gpu = gpu()?;
     let (scene, mut world) = read(folder, text, set);
@@ -102,7 +102,7 @@ fn difference(a: &Picture, b: &Picture) -> f32 {
     all.map(of).fold(0.0, f32::max)
 }
 
-/// Kind, name, key in motion, what is set in a still scene, the value in each.
+/// Kind, name, animated key, override for the still scene, and its value in each.
 const MOVES: [[&str; 5]; 19] = [
     [
         "material",
@@ -208,7 +208,7 @@ fn leaves_that_are_cut_away_over_time_are_there_again_in_the_first_frame() {
         alone.color, again.color,
         "a frame depends on those before it"
     );
-    // Behind what is cut away stands the environment.
+    // The environment is visible behind the cut-out.
     let behind = [0.2, 0.3, 0.4];
     assert_color(&gone, 29, 12, behind, 1e-3);
     let before = color(&alone, 29, 12);

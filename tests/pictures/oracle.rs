@@ -40,7 +40,7 @@ fn primary(view: &View, pixel: usize) -> Ray {
     }
 }
 
-/// The mirror ray at what a primary ray meets, by the renderer's rules: it leaves the surface by at
+/// Mirror ray at the hit of a primary ray, by the renderer's rules: it leaves the surface by at
 /// least 1 % of its length, and starts a little above it.
 fn mirrored(
     oracle: &Oracle,
@@ -66,8 +66,8 @@ fn mirrored(
     })
 }
 
-/// Whether the ray passes the triangle named by the frame within `tolerance_m`, so that another
-/// answer is a matter of rounding.
+/// Whether the ray passes the triangle named by the frame within `tolerance_m`, so that rounding
+/// decides between both hits.
 fn is_near(oracle: &Oracle, ray: &Ray, [instance, triangle]: [u32; 2], tolerance_m: f64) -> bool {
     let Some((_, bary, cosine)) = oracle.plane_hit(ray, instance, triangle) else {
         return true;
@@ -81,7 +81,7 @@ fn is_near(oracle: &Oracle, ray: &Ray, [instance, triangle]: [u32; 2], tolerance
 /// Compares the hit of the frame with brute force; returns the deviation of the distance.
 fn check_pixel(oracle: &Oracle, ray: &Ray, said: Option<([u32; 2], f64)>) -> Result<f64, String> {
     let want = oracle.nearest(ray, |_, _, _| true);
-    // Positions of the frame have 32 bits, and a ray's way magnifies what they are off.
+    // Positions of the frame have 32 bits; the length of a ray magnifies their error.
     let tolerance = |t: f64| 2e-4 * (1.0 + t);
     match (said, want) {
         (None, None) => Ok(0.0),
@@ -171,7 +171,7 @@ fn every_pixel_of_a_traced_frame_meets_what_brute_force_meets() {
     check(&desc, &world);
 }
 
-/// Half of it goes through the top level over moving instances.
+/// Half of the rays go through the top level over moving instances.
 #[test]
 fn moving_instances_are_met_where_brute_force_meets_them() {
     let (mut desc, _) = scene(ATRIUM, SETTINGS);

@@ -106,7 +106,7 @@ fn it_is_the_view_from_far_away() {
         let set = format!("reflection.method={method}");
         let near = render(gpu, STAGE, &[&set], &[]);
         let far = render(gpu, &far, &[&set], &[]);
-        // What is a meter nearer is half a pixel larger.
+        // An object one meter nearer is half a pixel larger.
         let differing = share_differing(&near, &far, 24);
         assert!(differing < 0.06, "{method}: {differing}");
     }
@@ -115,7 +115,7 @@ fn it_is_the_view_from_far_away() {
 #[test]
 fn march_and_rays_see_the_same() {
     let Some(gpu) = gpu() else { return };
-    // From the side the floor is a line that no pixel shows.
+    // Seen edge-on the floor is a line that no pixel shows.
     for (eye, is_edge_on) in [
         ("[3, 2, 5]", false),
         ("[0, 0.5, 5]", true),
@@ -147,7 +147,7 @@ fn march_and_rays_see_the_same() {
                     .find(|s| s.name == cause.name())
             };
             let pixels = |cause: Cause| of(cause).map_or(0, |share| share.pixels);
-            // From the side and from above, the box's sides are lines too: all is traced, and says why.
+            // Views from the side and from above see the box's sides edge-on too: these are traced, by that cause.
             let (marched, edge_on) = (pixels(Cause::Hit), pixels(Cause::EdgeOn));
             assert_eq!(edge_on > 0, is_edge_on, "{eye}");
             assert_eq!(
@@ -165,7 +165,7 @@ fn march_and_rays_see_the_same() {
     }
 }
 
-/// The mirror's rays lead straight back to the camera, past a plane whose back it culls.
+/// Rays of the mirror lead straight back to the camera, past a plane whose back the camera culls.
 #[test]
 fn what_is_culled_before_a_facing_mirror_is_reflected() {
     let Some(gpu) = gpu() else { return };

@@ -1,4 +1,4 @@
-//! Patterns of two colors: both are seen from near, and from afar one sample shows what many do.
+//! Patterns of two colors: both are visible from near, and from afar one sample equals the mean of many.
 
 use crate::kit::{color, gpu, mean, render};
 
@@ -55,7 +55,7 @@ fn both_colors_are_seen_from_near() {
     }
 }
 
-/// One sample a pixel against 16: what is finer than a pixel shows its mean, so nothing sparkles.
+/// One sample per pixel against 16: detail finer than a pixel shows its mean, so nothing sparkles.
 #[test]
 fn patterns_are_filtered() {
     let Some(gpu) = gpu() else { return };

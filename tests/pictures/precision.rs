@@ -1,4 +1,4 @@
-//! Light that 16 bits do not hold is kept, or cut where the scene asks for 16 bits.
+//! Radiance beyond the range of 16-bit floats is kept, or clamped where the scene asks for 16 bits.
 
 use std::collections::BTreeSet;
 
@@ -9,7 +9,7 @@ use crate::{
     kit::{assert_color, color, floats, gpu, render},
 };
 
-/// The sky from the horizon up, 64 rows of it.
+/// The upper half of the sky, in 64 rows.
 const SKY: &str = r#"
 version = 1
 [camera.main]

@@ -16,7 +16,7 @@ use crate::{
     kit::{gpu, scene},
 };
 
-/// The workgroups that `arguments.wgsl` gives for so many entries of a list.
+/// Workgroups that `arguments.wgsl` computes for this many entries of a list.
 fn arguments(gpu: &Gpu, list: List, counter: usize, entries: u32) -> [u32; 3] {
     let shader = Shader::new(gpu, &shaders(), "arguments").unwrap_or_else(|e| panic!("{e}"));
     let empty = GroupLayout::new(gpu, "empty", &[], 0).unwrap_or_else(|e| panic!("{e}"));
@@ -92,7 +92,7 @@ fn every_ray_gets_an_invocation_and_no_dimension_is_too_large() {
             invocations >= u64::from(rays),
             "{rays} rays: {invocations} invocations"
         );
-        // Not more than one row of idle groups.
+        // At most one row of idle workgroups.
         assert!(
             invocations < u64::from(rays) + 64 * 32768,
             "{rays} rays: {invocations} invocations"
@@ -150,7 +150,7 @@ fn what_lets_light_through_and_reflects_nothing_has_a_list_of_its_own() {
     let lists = of_rt.stats.bytes.iter().find(|(name, _)| name == "lists");
     assert_eq!(lists.map(|(_, bytes)| *bytes), Some(4 * 48 * 32));
     assert!(of_rt.display == of_hybrid.display);
-    // Seen through the pane, the wall is not black.
+    // The wall seen through the pane is not black.
     let middle = &of_rt.display[4 * (16 * 48 + 24)..][..4];
     assert!(middle[2] > 20, "{middle:?}");
 }

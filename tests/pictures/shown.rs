@@ -1,5 +1,5 @@
-//! What only some rays see: by rasterization and by primary rays, by the march and by traced rays, in
-//! shadow maps and by shadow rays alike.
+//! Visibility of objects per kind of ray: equal for rasterization and primary rays, for the march and traced
+//! rays, and for shadow maps and shadow rays.
 
 use reflet::render::aov::Aov;
 
@@ -44,7 +44,7 @@ model = "box"
 translation = [0, 1, 0]
 "#;
 
-/// Pixels that show the box, and pixels that reflect it.
+/// Number of pixels that show the box, and number that reflect it.
 fn counts(text: &str, set: &[&str]) -> Option<[usize; 2]> {
     let picture = render(gpu()?, text, set, &[Aov::Ids, Aov::HitIds]);
     let count = |aov| {
@@ -95,7 +95,7 @@ fn camera_and_reflections_show_what_they_are_to() {
     }
 }
 
-/// The floor under the box.
+/// Without a shadow, the box does not block light to the floor below it.
 #[test]
 fn what_casts_no_shadow_is_not_in_the_way_of_light() {
     let Some(gpu) = gpu() else { return };
@@ -114,14 +114,14 @@ fn what_casts_no_shadow_is_not_in_the_way_of_light() {
         };
         let (dark, light) = (lit(BOX), lit(&with("casts_shadow = false")));
         assert!(light > dark * 1.02, "{shadow}: {dark} {light}");
-        // Unseen, but its shadow stays.
+        // An invisible box still casts its shadow.
         let unseen = lit(&with("visible = false"));
         let none = lit(&with("visible = false\ncasts_shadow = false"));
         assert!(none > unseen * 1.02, "{shadow}: {unseen} {none}");
     }
 }
 
-/// What is behind an unseen box shows as if there were none.
+/// Pictures show the background of an invisible box as if the box did not exist.
 #[test]
 fn pictures_show_what_is_behind() {
     let Some(gpu) = gpu() else { return };

@@ -1,4 +1,4 @@
-//! A frame that drops what its scene does not use shows what the general frame shows, in every shipped
+//! Specialized frames, which drop features that a scene does not use, equal the general frame in every shipped
 //! scene and film.
 
 use std::{
@@ -18,7 +18,7 @@ use crate::{
     kit::{gpu, integers, renderer, share_differing},
 };
 
-/// Folders of whole scenes; `scripts/parts` holds parts.
+/// Folders of complete scenes; `scripts/parts` holds parts.
 const FOLDERS: [&str; 3] = ["scenes", "scenes/paper", "scripts"];
 const SMALL: &str = "image.size=[96, 54]";
 
@@ -34,7 +34,7 @@ fn shipped() -> Vec<PathBuf> {
     found
 }
 
-/// Ids and causes are the same, colors within 1 of 255, at the first frame and in the middle. Scenes whose plan
+/// IDs and causes are equal, colors within 1 of 255, at the first frame and in the middle. Scenes whose plan
 /// was compared before are left out.
 fn compare(path: &Path, assets: Option<&Path>, set: &[&str], compared: &mut HashSet<String>) {
     let Some(gpu) = gpu() else { return };
@@ -93,7 +93,7 @@ fn compare(path: &Path, assets: Option<&Path>, set: &[&str], compared: &mut Hash
     }
 }
 
-/// Software drivers take minutes to compile the general frame of these.
+/// Scenes whose general frame takes software drivers minutes to compile.
 fn is_slow(path: &Path) -> bool {
     let slow = ["interior.toml", "street.toml", "studio.toml"];
     slow.iter().any(|name| path.ends_with(name))
@@ -139,8 +139,8 @@ fn so_it_does_with_rays_for_visibility_and_other_methods() {
     }
 }
 
-/// Prints what dropping saves at 640 × 360: pipelines that are compiled, and milliseconds of all passes (processor time
-/// on a software adapter), medians of five frames in turns.
+/// Prints the savings of dropping features at 640 × 360: compiled pipelines, and milliseconds of all passes
+/// (processor time on a software adapter), medians of five alternating frames.
 #[test]
 #[ignore = "measures and prints a table; nothing can fail"]
 fn print_what_dropping_saves() {

@@ -1,4 +1,4 @@
-//! Where light ends on a smooth ball of few triangles: at the smooth surface's horizon, not at edges of
+//! Terminator on a smooth ball of few triangles: light ends at the smooth surface's horizon, not at edges of
 //! triangles.
 
 use glam::Vec3;
@@ -34,7 +34,7 @@ intensity_lux = 3.14159265
 fn light_ends_where_the_smooth_surface_turns_away() {
     let Some(gpu) = gpu() else { return };
     let to_light = Vec3::new(1.0, 0.3, 0.2).normalize();
-    // Shadow maps blur over texels; of 16-bit light and normals 1 % is left.
+    // Shadow maps blur over texels; 16-bit light and normals leave an error of 1 %.
     for (shadow, tolerance, most) in [("none", 0.01, 0), ("ray", 0.01, 0), ("map", 0.05, 20)] {
         let set = format!("light.lamp.shadow={shadow}");
         let picture = render(gpu, BALL, &[&set], &[Aov::Normal]);

@@ -1,4 +1,4 @@
-//! Textures and unlit materials: samplers of one image, display colors.
+//! Textures and unlit materials: several samplers of one image, display colors.
 
 use glam::Vec3;
 use reflet::{
@@ -51,13 +51,13 @@ fn one_image_keeps_the_samplers_of_all_its_uses() {
     let used = |wrap: Wrap, nearest: bool| TextureRef {
         texture: 0,
         uv_set: 0,
-        // The whole wall shows the left border of the image.
+        // Coordinates near the left border of the image for the whole wall.
         transform: [Vec3::new(0.0, 0.0, 0.001), Vec3::Y],
         wrap: [wrap; 2],
         nearest,
     };
     let shown = world.instances[0].material;
-    // Between black and the white beyond the border; only black.
+    // A wrapped sampler mixes black with the white beyond the border; a clamped one stays black.
     for (wrap, expected) in [(Wrap::Repeat, 0.5), (Wrap::Clamp, 0.0)] {
         for (other, nearest) in [(Wrap::Repeat, false), (Wrap::Clamp, false), (wrap, true)] {
             let mut world = world.clone();
@@ -73,7 +73,7 @@ fn one_image_keeps_the_samplers_of_all_its_uses() {
     }
 }
 
-/// An unlit material is shown as it is: no light, no exposure, no tone map; vertex colors count.
+/// Unlit materials are shown without light, exposure or tone map; vertex colors count.
 #[test]
 fn unlit_materials_are_display_colors() {
     let lit = "material.wall.base_color=[0.9, 0.5, 0.2]";
@@ -90,7 +90,7 @@ fn unlit_materials_are_display_colors() {
             return;
         };
         let at = 4 * (16 * 32 + 16);
-        // sRGB of 0.9, 0.25 and 0.2.
+        // sRGB codes of 0.9, 0.25 and 0.2.
         for (found, expected) in picture.display[at..at + 3].iter().zip([243u8, 137, 124]) {
             let off = found.abs_diff(expected);
             assert!(off <= 1, "{samples}: {:?}", &picture.display[at..at + 3]);

@@ -1,4 +1,4 @@
-//! What hangs on what, at rest, moved by tracks and by scripts; and what cannot.
+//! Parents of instances, lights and cameras, at rest, moved by tracks and by scripts; and invalid ones.
 
 use std::{fs, path::Path};
 
@@ -137,7 +137,7 @@ fn what_hangs_on_something_hidden_is_hidden() {
         let lit = world.lights[0].desc.color != Vec3::ZERO;
         (hidden.collect::<Vec<_>>(), lit)
     };
-    // Half a second a frame; the loop begins with the first key.
+    // Half a second per frame; the loop begins with the first key.
     let (there, gone) = (
         (vec![true; 4], true),
         (vec![false, false, false, true], false),

@@ -106,8 +106,8 @@ fn invalid_scene_files_state_the_reason() {
     std::fs::remove_dir_all(&folder).expect("it was made here");
 }
 
-/// The place is in the script, also in one that is imported; the scene or the import that names it
-/// is told as well.
+/// Errors of scripts that are not UTF-8 are located in the script, also in an imported one; the reference to it,
+/// in the scene or an import, is reported as well.
 #[test]
 fn scripts_that_are_not_utf8_are_placed_in_their_file() {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("scene-latin1");
@@ -165,7 +165,7 @@ fn the_first_message_that_is_left_out_is_counted() {
     assert!(last.message.starts_with("1 more"), "{}", last.message);
 }
 
-/// Most of the letters differ, but a long beginning says what was meant.
+/// Most letters of the key differ, but a long prefix suggests the intended one.
 #[test]
 fn overlong_key_is_suggested_by_its_prefix() {
     let text = "version = 1\n[[instance]]\nmodel = \"a\"\ntranslation_in_meters = [0, 0, 0]\n";
@@ -174,7 +174,7 @@ fn overlong_key_is_suggested_by_its_prefix() {
     assert!(text.contains("did you mean `translation`?"), "{text}");
 }
 
-/// A script must not run on half of what it was written for.
+/// Scripts do not run on incomplete parameters.
 #[test]
 fn a_script_waits_until_its_parameters_can_be_read() {
     let folder = std::env::temp_dir().join(format!("reflet-script-waits-{}", std::process::id()));

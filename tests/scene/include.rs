@@ -11,7 +11,7 @@ use reflet::scene::{
 
 use crate::common::Random;
 
-/// A folder with files, gone after the test.
+/// A folder with files, removed after the test.
 struct Folder(PathBuf);
 
 impl Folder {
@@ -140,7 +140,7 @@ fn a_scene_in_parts_equals_the_scene_in_one_piece() {
         let mut scene = scene.desc;
         scene.folder = PathBuf::new();
         scene.includes.clear();
-        // Places differ, and nothing else.
+        // File positions differ, and nothing else.
         let text = format!("{scene:?}");
         let mut rest = text.as_str();
         let mut out = String::new();
@@ -226,7 +226,7 @@ fn files_that_cannot_be_read_are_told_where_they_are_named() {
         ("\"\"", "must not be empty"),
     ];
     for (named, expected) in cases {
-        // A material that may stand in the missing file is not told as another mistake.
+        // A material that may be in the missing file is not reported as another mistake.
         let scene = SCENE.replace("[\"library/materials.toml\", \"lights.toml\"]", named);
         let folder = folder("unreadable", &library(&scene));
         fs::write(folder.0.join("latin.toml"), b"[material.x]\n# caf\xe9\n").expect("written");

@@ -11,7 +11,7 @@ use reflet::scene::{
     stages::Scene,
 };
 
-/// A folder with files, gone after the test.
+/// A folder with files, removed after the test.
 pub struct Folder(PathBuf);
 
 impl Folder {
@@ -60,7 +60,7 @@ impl Folder {
         &self.0
     }
 
-    /// The first frame fails with this.
+    /// Asserts that the first frame fails with this message.
     #[track_caller]
     pub fn assert_frame(&self, says: &str) {
         let scene = self.expect();
@@ -68,7 +68,7 @@ impl Folder {
         assert!(errors[0].message.contains(says), "{}", errors[0].message);
     }
 
-    /// The errors have each of these.
+    /// Asserts that the errors contain each of these texts.
     #[track_caller]
     pub fn assert_says(&self, variants: &[&str], says: &[&str]) {
         let errors = self.read(variants, &[]).expect_err("it is wrong");
@@ -145,7 +145,7 @@ fn keys_above_win_and_all_others_stay() {
         .filter_map(|i| i.name.as_deref())
         .collect();
     assert_eq!(names, ["a", "b", "c"]);
-    // What excludes what is written above does not count: `translation`, the radius, `target`.
+    // A key of the upper layer removes keys of the base that exclude it: `translation`, the radius, `target`.
     assert!(matches!(
         scene.instances[0].placement,
         PlacementDesc::Matrix(_)
@@ -181,7 +181,7 @@ fn keys_above_win_and_all_others_stay() {
     );
 }
 
-/// Names that are keys elsewhere exclude nothing.
+/// Names of elements that equal keys exclude nothing.
 #[test]
 fn names_may_be_like_keys() {
     let base =
@@ -210,7 +210,7 @@ fn mistakes_are_placed_in_the_file_that_has_them() {
         &[
             "--> shot/scene.toml:4:11",
             "--> shot/scene.toml:6:15",
-            // With another kind nothing of the base's light is left.
+            // A light of another kind keeps nothing of the base's light.
             "`position` is missing in `[light.sun]`\n --> shot/scene.toml:7:1",
         ],
     );
@@ -228,7 +228,7 @@ fn what_is_removed_is_gone() {
     assert_eq!(scene.lights.len(), 1);
     assert_eq!(scene.instances.len(), 1);
     assert_eq!(scene.materials[0].value.base_color, None);
-    // What no instance shows any more does not stand at the origin either.
+    // A model without an instance is not placed at the origin either.
     let all = "remove = [\"instance.a\", \"instance.b\"]\n";
     assert!(over_base("unplaced", all).expect().models.is_empty());
     for (shot, says) in [
@@ -240,10 +240,10 @@ fn what_is_removed_is_gone() {
                 "did you mean \"lamp\"?",
             ][..],
         ),
-        ("remove = \"instance.9\"\n", &["there are \"a\", \"b\""]),
+        ("remove = \"instance.9\"\n", &["the names are \"a\", \"b\""]),
         ("remove = \"a..b\"\n", &["is not a path of names"]),
         ("remove = [3]\n", &["`remove` must be text in quotes"]),
-        // What refers to it says so, in its own file.
+        // References to a removed element are errors in the file of the reference.
         (
             "remove = \"material.red\"\n",
             &["base.toml:9:12", "no material is named \"red\""],
@@ -303,7 +303,13 @@ fn circles_missing_bases_and_too_many_are_named() {
         .collect();
     files.push(("shot/scene.toml", "version = 1\nbase = \"0.toml\"\n"));
     let many = Folder::new("many", &files);
-    many.assert_says(&[], &["at most 100 bases", "library/99.toml:2:8"]);
+    many.assert_says(
+        &[],
+        &[
+            "a chain of bases may have at most 100 files",
+            "library/99.toml:2:8",
+        ],
+    );
 }
 
 #[test]

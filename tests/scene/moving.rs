@@ -1,4 +1,4 @@
-//! Every animatable number, by track and by script, from their table.
+//! All animatable numbers, by track and by script, from their table.
 
 use std::{fs, path::Path};
 
@@ -67,7 +67,7 @@ fn pose(text: &str, frame: u32) -> Result<FrameState, String> {
     posed.map_err(|errors| errors.iter().map(|e| e.to_string()).collect())
 }
 
-/// The same scene with a script beside it.
+/// State of a frame of the same scene with a script.
 fn scripted(name: &str, frame: &str) -> Result<FrameState, String> {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("moving-{name}"));
     fs::create_dir_all(&folder).expect("temporary folder");
@@ -80,7 +80,7 @@ fn scripted(name: &str, frame: &str) -> Result<FrameState, String> {
     posed.map_err(|errors| errors.iter().map(|e| e.to_string()).collect())
 }
 
-/// Two values of a field in its range, and one beyond where there is one.
+/// Two values of a field in its range, and one beyond it where the range has an end.
 fn samples<T>(field: &Field<T>) -> ([Vec3; 2], Option<Vec3>) {
     let (min, max) = (field.range.min.max(-8.0), field.range.max.min(64.0));
     let at = |share: f64| Vec3::splat((min + share * (max - min)) as f32);
@@ -93,7 +93,7 @@ fn samples<T>(field: &Field<T>) -> ([Vec3; 2], Option<Vec3>) {
     (values, beyond)
 }
 
-/// A value as scene text and scripts have it.
+/// Formats a value as scene text and scripts write it.
 fn written(form: Form, v: Vec3) -> String {
     match form {
         Form::Number => format!("{:?}", v.x),
@@ -102,7 +102,7 @@ fn written(form: Form, v: Vec3) -> String {
     }
 }
 
-/// What `get` finds is the value; directions are kept without their length.
+/// Asserts that `get` returns the value; directions are compared without their length.
 fn assert_is<T>(field: &Field<T>, thing: &T, value: Vec3) {
     let found = (field.get)(thing).unwrap_or_else(|| panic!("no {}", field.key));
     let wanted = match field.key {
@@ -113,7 +113,7 @@ fn assert_is<T>(field: &Field<T>, thing: &T, value: Vec3) {
     assert!(near, "{}: {found} is not {wanted}", field.key);
 }
 
-/// Moves a field by keys and by a script, past its range and where it should not be.
+/// Animates a field by keys and by a script, past its range and where it may not be animated.
 fn walk<T>(kind: &str, name: &str, field: &Field<T>, of: impl Fn(&FrameState) -> &T) {
     let key = field.key;
     let ([a, b], beyond) = samples(field);
@@ -151,7 +151,7 @@ fn walk<T>(kind: &str, name: &str, field: &Field<T>, of: impl Fn(&FrameState) ->
             error.contains(&in_key) && error.contains("scene.toml:"),
             "{error}"
         );
-        // What a rate reaches is cut off instead.
+        // Values that a rate reaches are clamped instead of refused.
         let rate = written(field.form, Vec3::splat(-1e9));
         let state = pose(&moved(format!("{{ rate = {rate} }}")), 8);
         let state = state.unwrap_or_else(|e| panic!("{e}"));
@@ -218,17 +218,17 @@ fn a_spot_keeps_its_target_wherever_it_goes() {
             .expect("is there");
         (direction.get)(&state.lights[light]).expect("a spot has one")
     };
-    // Its own table's target, while it moves.
+    // Target of the light's own table, while the light moves.
     let text = format!("{SCENE}[motion.light.beam]\nposition = {{ rate = [-4, 0, 0] }}\n");
     let state = pose(&text, 4).expect("is right");
     let expected = Vec3::new(8.0, -4.0, 0.0).normalize();
     assert!(aim(&state, 3).distance(expected) < 1e-6);
-    // A target that is an instance, as the script has placed it.
+    // Target that is an instance, as the script has placed it.
     let text =
         format!("{SCENE}[motion.light.spot]\ntarget = {{ follow = {{ instance = \"ball\" }} }}\n");
     let state = pose(&text, 0).expect("is right");
     assert!(aim(&state, 1).distance(Vec3::new(1.0, -1.0, 3.0).normalize()) < 1e-6);
-    // A direction takes its place, and a target where it stands is none.
+    // A direction replaces the target, and a target at the light's own position is invalid.
     let state = scripted("aim", "ctx.light(\"beam\", #{ direction: [0, 0, 5] });");
     assert_eq!(aim(&state.expect("is right"), 3), Vec3::Z);
     let error = scripted("aim", "ctx.light(\"beam\", #{ target: [4, 4, 0] });");
@@ -301,7 +301,7 @@ fn absent_material_parts_cannot_move() {
             "{error}"
         );
         assert!(error.contains(lacking), "{error}");
-        // Of a file: its own table says so, or that of all of them.
+        // Material of a file: its rest values are in its own table, or in the table `*` of all materials.
         let model = "[model.tree]\nfile = \"tree.glb\"\n";
         let motion = format!("[motion.model.tree.material.leaf]\n{key} = {{ rate = {value} }}\n");
         let error = pose(&format!("{SCENE}{model}{motion}"), 0).expect_err("there is none");

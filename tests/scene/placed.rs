@@ -1,4 +1,4 @@
-//! Scenes that stand in scenes.
+//! Scenes placed in other scenes.
 
 use reflet::{
     scene::{desc::ModelSource, stages::Animator},
@@ -193,7 +193,7 @@ fn models_of_removed_instances_stand_nowhere_in_placed_scenes_either() {
     ];
     let scene = Folder::new("unplaced-inside", &files).expect();
     assert!(scene.instances.is_empty(), "none of the car");
-    // That of the scene itself stands, whatever the car removes.
+    // The scene's own model stays, whatever the placed scene removes.
     assert_eq!(scene.models.len(), 1);
     assert_eq!(scene.models[0].name, "floor");
 }
@@ -270,7 +270,7 @@ fn wrong_placed_scenes_are_named() {
         (
             "cars/car.toml\" }\ntranslation",
             "scene.toml\" }\ntranslation",
-            "stands in itself",
+            "places itself",
         ),
         (
             "parent = \"left\"",
@@ -305,7 +305,7 @@ fn wrong_placed_scenes_are_named() {
     }
 }
 
-/// Each places the next ten times: a million cars, if nothing stopped it.
+/// Each scene places the next ten times: a million instances, if nothing limited it.
 #[test]
 fn scenes_that_multiply_are_refused() {
     let ten = |next: &str| {
@@ -327,7 +327,7 @@ fn scenes_that_multiply_are_refused() {
         .map(|(name, text)| (name.as_str(), text.as_str()))
         .collect();
     Folder::new("placed-many", &files)
-        .assert_says(&[], &["at most 1000 scenes can stand in a scene"]);
+        .assert_says(&[], &["at most 1000 scenes can be placed in a scene"]);
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! Scripts of scenes that stand in scenes.
+//! Scripts of placed scenes.
 
 use glam::Vec3;
 use reflet::scene::{
@@ -123,7 +123,7 @@ fn each_placed_scene_is_moved_by_its_own_script() {
     let LightKind::Point { position, .. } = state.lights[beam.expect("it comes along")].kind else {
         panic!("it is a point");
     };
-    // The script sees the world, and the light hangs on its car.
+    // The script sees world positions, and the light is a child of its car.
     assert_eq!(position, Vec3::new(-10.0, 0.0, 0.0));
     let files = scene.text_files();
     for name in ["drive.rhai", "road.rhai", "car.toml"] {
@@ -221,7 +221,7 @@ fn what_is_wrong_in_a_placed_scene_is_named_as_it_is_written_there_once() {
         for says in [
             format!("named \"{wrong}\""),
             "did you mean \"bo".to_owned(),
-            "of \"left\", which is placed here".to_owned(),
+            "in \"left\", which is placed here".to_owned(),
             place.to_owned(),
         ] {
             assert!(errors.contains(&says), "no {says:?} in\n{errors}");
@@ -273,7 +273,7 @@ fn mistakes_of_placed_scripts_are_named() {
     let errors = frame.expect().pose(0).expect_err("it is wrong");
     let (at, note) = errors[0].related.as_ref().expect("the place of the scene");
     assert_eq!(&SHOT[at.range.clone()], "\"left\"");
-    assert_eq!(note, "of \"left\", which is placed here");
+    assert_eq!(note, "in \"left\", which is placed here");
     for (name, from, to, says) in [
         (
             "missing",

@@ -1,4 +1,4 @@
-//! What layers remove that others change, or that is not theirs.
+//! Layers that remove elements which other layers change, or which are not theirs.
 
 use crate::layers::over_base;
 

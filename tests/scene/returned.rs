@@ -17,7 +17,7 @@ fn messages(name: &str, script: &str) -> Vec<String> {
     errors.iter().map(|e| e.to_string()).collect()
 }
 
-/// The only message has each of these.
+/// Asserts that the only message contains each of these texts.
 fn assert_says(name: &str, script: &str, says: &[&str]) {
     let messages = messages(name, script);
     let text = messages.join("\n");
@@ -72,7 +72,7 @@ fn what_is_built_by_a_loop_is_counted() {
         script,
         &["setup() returned instances[2].scale = 0: ", "walk.rhai:5:"],
     );
-    // Names that lead nowhere, here of a model that every one of them has.
+    // References to unknown names, here of a model that every instance has.
     let script = script.replace("scale = 0", "model = \"bal\"");
     assert_says(
         "name",
@@ -121,7 +121,7 @@ fn many_mistakes_of_a_long_script_take_no_long_time() {
          fn setup(ctx) {{ let all = []; for i in 0..80 {{ all += part(250 * i); }} #{{ instances: all }} }}\n"
     );
     let messages = messages("many", &script);
-    // The others are counted.
+    // Further messages are counted.
     assert_eq!(messages.len(), 2, "{}", messages.join("\n"));
     assert!(
         messages[0].contains("(and 99 more like it)"),
@@ -207,7 +207,7 @@ fn printed_lines_say_where_they_come_from() {
     assert_eq!(lines, expected);
 }
 
-/// What `setup` would have added is not known after a mistake: that it is missing is none.
+/// Elements that a broken `setup` would have added are unknown: references to them are not reported.
 #[test]
 fn names_that_a_broken_script_would_add_are_not_reported() {
     const GOOD: &str = "fn setup(ctx) {\n    \
@@ -250,7 +250,7 @@ fn names_that_a_broken_script_would_add_are_not_reported() {
             "a false mistake in {text}"
         );
     }
-    // What no script is needed for is still known.
+    // References that need no script are still checked.
     let wrong = SCENE.replace("\"hop1\"", "\"hop2\"");
     fs::write(folder.join("hop.rhai"), GOOD).expect("the script can be written");
     let errors = Scene::from_text(&wrong, &folder.join("scene.toml"), &[]).expect_err("no hop2");

@@ -1,5 +1,5 @@
-//! The JSON Schema names the keys that the manual and the reader have. Whether it takes and refuses what the
-//! reader does is judged by a validator of others, in `tests/tools/test_schema.py`.
+//! The JSON Schema names the keys that the manual and the reader have. An independent validator tests in
+//! `tests/tools/test_schema.py` that it accepts and refuses what the reader does.
 
 use reflet::scene::{
     parse::{self, SectionRecord},

@@ -114,7 +114,7 @@ fn parameters_keep_their_kind() {
     ] {
         read_with(&text, &[&format!("params.{set}")]);
     }
-    // A float stays one however it is set, and whatever was set before.
+    // A float stays a float, whatever the override looks like, and whatever was set before.
     for sets in [&["speed=2"][..], &["speed=2", "speed=2.5"], &["speed=0x10"]] {
         let sets: Vec<_> = sets.iter().map(|set| format!("params.{set}")).collect();
         let sets: Vec<_> = sets.iter().map(String::as_str).collect();

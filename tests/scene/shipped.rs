@@ -1,4 +1,4 @@
-//! Every scene that ships, and the one in the README, reads and loads.
+//! All shipped scenes, and the one in the README, can be read and loaded.
 
 use std::{
     fs,
@@ -61,7 +61,7 @@ fn every_shipped_scene_loads() {
     }
 }
 
-/// The story of the README after its scene, its motion and its script: the files of a folder.
+/// Scene of the README with the changes of each step: scene, motion, script.
 #[test]
 fn each_step_of_the_readme_scene_is_valid() {
     let readme = crate::common::readme::Story::read();

@@ -1,4 +1,4 @@
-//! Scene text: every feature arrives in the description.
+//! Scene text: every feature is read into the description.
 
 use std::path::Path;
 
@@ -224,7 +224,7 @@ fn rotations_turn_about_x_then_y_then_z() {
     // By hand: (0,1,0) turns to (0,0,1) about X, to (1,0,0) about Y, to (0,1,0) about Z.
     let turned = world_from_model("rotation_deg = [90, 90, 90]").transform_vector3(Vec3::Y);
     assert!(turned.abs_diff_eq(Vec3::Y, 1e-6), "{turned}");
-    // X first, then Z: (0,1,0) -> (0,0,1), which Z leaves alone. Z first would give (-1,0,0).
+    // Rotation about X first, then Z: (0,1,0) -> (0,0,1), which Z leaves alone. Z first would give (-1,0,0).
     let turned = world_from_model("rotation_deg = [90, 0, 90]").transform_vector3(Vec3::Y);
     assert!(turned.abs_diff_eq(Vec3::Z, 1e-6), "{turned}");
     let many = world_from_model("rotation_deg = [0, 360090, 0]");

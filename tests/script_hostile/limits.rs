@@ -37,7 +37,7 @@ fn each(list) {
 }
 ";
 
-/// The place of a message, `file:line:column`.
+/// Location of a message, `file:line:column`.
 fn first_place(error: &str) -> &str {
     let place = error.lines().find(|line| line.contains("-->"));
     place.unwrap_or_default()
@@ -94,7 +94,7 @@ fn limits_are_reported_where_they_are_met() {
     }
 }
 
-/// As many elements as an array may have, all with names, one by one or from parts.
+/// Largest allowed array of elements, all with names, built one by one or from parts.
 #[test]
 fn setup_may_name_fifty_thousand_elements() {
     let folder = folder("many");
@@ -109,7 +109,7 @@ fn setup_may_name_fifty_thousand_elements() {
         all
     }";
     for (setup, count) in [
-        // Measured at each push, these would take longer than a call may.
+        // With a size check at each push, these would exceed the time limit of a call.
         ("#{ instances: part(0, 50000) }", 50_000),
         (
             "let all = []; for i in 0..200 { all += part(250 * i, 250 * i + 250); } \

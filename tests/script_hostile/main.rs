@@ -28,9 +28,9 @@ name = \"wall\"
 model = \"ball\"
 ";
 
-/// Body of `frame`, and what the message must say.
+/// Body of `frame`, and text that the message must contain.
 const FRAMES: &[(&str, &str)] = &[
-    // Without an end.
+    // Endless loops.
     ("loop {}", "was stopped"),
     ("while true { let x = 1; }", "was stopped"),
     ("let i = 0; do { i += 1; } while i >= 0;", "was stopped"),
@@ -48,7 +48,7 @@ const FRAMES: &[(&str, &str)] = &[
         "was stopped",
     ),
     ("let f = || { loop {} }; f.call();", "was stopped"),
-    // Too deep.
+    // Nesting that is too deep.
     ("down(ctx)", "more than 32 deep"),
     ("ping(ctx)", "more than 32 deep"),
     (
@@ -56,7 +56,7 @@ const FRAMES: &[(&str, &str)] = &[
         "more than 32 deep",
     ),
     ("fib(ctx, 60)", "more than 32 deep"),
-    // Too large.
+    // Values that are too large.
     ("let s = \"x\"; loop { s += s; }", "too large"),
     ("let a = [1]; loop { a += a; }", "too large"),
     ("let a = []; loop { a.push(a); }", "too large"),
@@ -90,7 +90,7 @@ const FRAMES: &[(&str, &str)] = &[
         "too large",
     ),
     ("loop { print(\"a lot of text\"); }", "was stopped"),
-    // Much work or memory in one function of Rhai's.
+    // Much work or memory in one built-in function of Rhai.
     (
         "let s = \"x\"; s.pad(1000000, \"x\"); let t = s; s.replace(\"x\", t);",
         "too large",
@@ -117,7 +117,7 @@ const FRAMES: &[(&str, &str)] = &[
         "let a = []; a.pad(49000, 1); let b = a; loop { if a != b { break; } }",
         "more than 1,000,000 operations",
     ),
-    // Through closures, in which Rhai restarts its counters.
+    // Calls through closures, in which Rhai restarts its counters.
     (
         "let a = []; a.pad(40000, 1); a.map(|x| { let b = []; b.pad(3000, 1); b.map(|y| y + 1).len() })",
         "was stopped",
@@ -214,8 +214,8 @@ fn peak_mib() -> u64 {
     kib.parse::<u64>().expect("a number") / 1024
 }
 
-/// Runs a body; gives what is wrong with how it ended. What only the time or the count of a call ends has less of
-/// both: all the same it would not end by itself.
+/// Runs a body; returns the deviation from the expected end. Bodies that only the limit of time or operations ends
+/// get less of both, since they would not end by themselves.
 fn run((body, says): &(&str, &str)) -> Option<String> {
     let text = format!("{HELPERS}\nfn frame(ctx) {{\n{body}\n}}");
     let end = || match Script::from_text("hostile.rhai", &text) {
@@ -231,7 +231,7 @@ fn run((body, says): &(&str, &str)) -> Option<String> {
     let bounds = match *says {
         "was stopped" => (Bounds::CALL.at_most(100_000)).within(Duration::from_millis(100)),
         says if says.contains("1,000,000 operations") => Bounds::CALL.at_most(1_000_000),
-        // What fills memory or exceeds another limit must come so far.
+        // A body that fills memory or exceeds another limit gets the full bounds, to reach that limit.
         _ => Bounds::CALL,
     };
     let message = bounds.over(end);

@@ -9,7 +9,7 @@ use reflet::scene::{
 
 use crate::{folder, load, run};
 
-/// Texts that the parser reads in a time that grows with the square of their length.
+/// Texts whose parsing time is quadratic in their length.
 fn slow() -> Vec<(&'static str, String)> {
     let list = |n: usize, one: &dyn Fn(usize) -> String| (0..n).map(one).collect::<String>();
     vec![
@@ -46,7 +46,7 @@ fn reading_a_script_is_ended_by_the_limits_of_a_call() {
         for bounds in bounds {
             let read = bounds.over(|| Script::from_text("slow.rhai", &script));
             let error = read.expect_err(what).to_string();
-            // Rhai refuses that itself.
+            // Rhai refuses this text itself.
             let says = match what {
                 "terms" => "exceeds maximum complexity",
                 _ => "parsing of the script was stopped",
@@ -55,7 +55,7 @@ fn reading_a_script_is_ended_by_the_limits_of_a_call() {
             assert!(is_told && error.contains("slow.rhai:"), "{what}: {error}");
         }
     }
-    // Where one is imported, and where nobody waits for it.
+    // An imported slow text: halted by the caller, and stopped by the time limit.
     let (_, entries) = slow().swap_remove(0);
     fs::write(folder.join("parts/slow.rhai"), &entries).expect("temporary file");
     let script = "import \"parts/slow\" as s;\nfn frame(ctx) { }";
@@ -96,7 +96,7 @@ fn literals_marks_and_directions() {
     assert!(!error.contains(['\u{202e}', '\0']), "{error}");
 }
 
-/// Bodies of `frame`, and what the message must say.
+/// Bodies of `frame`, and text that the message must contain.
 const BODIES: &[(&str, &str)] = &[
     ("[1, 1].dedup(|x, y| nosuch(x));", "no function `nosuch`"),
     ("[1, 1].dedup(|x, y| 5);", "true or false, not an integer"),
@@ -194,7 +194,7 @@ fn each_file_is_one_module() {
     assert_eq!(desc.script.as_ref().map(|s| s.files.len()), Some(2));
     let error = load(&folder, "import \"./s\" as s;\nfn frame(ctx) { }").expect_err("itself");
     assert!(error.contains("imports itself"), "{error}");
-    // A module that is refused is no longer open.
+    // A module that is refused is no longer being loaded.
     let deep = "let a = []; for i in 0..1500 { a = [a]; }\nexport a;";
     fs::write(folder.join("parts/deep.rhai"), deep).expect("temporary file");
     let twice = "try { import \"parts/deep\" as d; } catch { }\nimport \"parts/deep\" as e;\n\

@@ -7,7 +7,7 @@ use reflet::scene::stages::Animator;
 
 use crate::{folder, load, run};
 
-/// What makes `a` thousands of arrays or maps deep, in steps that copy and in steps that move.
+/// Statements that make `a` thousands of arrays or maps deep, in steps that copy and in steps that move.
 const DEEP: [&str; 4] = [
     "let a = []; for i in 0..1500 { a = [a]; }",
     "let a = #{}; for i in 0..1500 { a = #{ a: a }; }",
@@ -15,7 +15,7 @@ const DEEP: [&str; 4] = [
     "let a = #{ a: 1 }; for i in 0..1500 { a = #{ a: [#{ a: a.remove(\"a\") }] }; }",
 ];
 
-/// What is done with it, and what that says; nothing where it is right.
+/// Operations on `a`, and their messages; an empty message where the operation succeeds.
 const DONE: [(&str, &str); 16] = [
     ("", ""),
     ("a = 1;", ""),
@@ -35,7 +35,7 @@ const DONE: [(&str, &str); 16] = [
     ("throw a", "nested more than 64 deep"),
 ];
 
-/// Bodies of `frame`, and what the message must say.
+/// Bodies of `frame`, and text that the message must contain.
 const BODIES: &[(&str, &str)] = &[
     ("ctx.params = #{ a: [[1]] };", "is read-only"),
     (
@@ -46,7 +46,7 @@ const BODIES: &[(&str, &str)] = &[
         "let a = []; for i in 0..1500 { a = [a]; } ctx.camera(\"main\", #{ eye: a })",
         "not an array of 1 value",
     ),
-    // Functions that hold what is around them, or functions that hold functions.
+    // Closures that capture variables, or functions that hold functions.
     (
         "let f = || 1; loop { let g = f; f = || g; }",
         "no variable `g`",
@@ -59,7 +59,7 @@ const BODIES: &[(&str, &str)] = &[
     ("let f = |f| f.call(f); f.call(f);", "more than 32 deep"),
     ("Fn(\"frame\").call(ctx)", "more than 32 deep"),
     ("Fn(\"nothing\").call()", "no function `nothing`"),
-    // Texts.
+    // Growing strings.
     ("let s = \"x\"; loop { s = s + s + s; }", "too large"),
     ("let s = \"x\"; loop { s = `${s}${s}`; }", "too large"),
     (
@@ -77,7 +77,7 @@ const BODIES: &[(&str, &str)] = &[
     ("parse_int(\"z\", 99)", "radix"),
     ("parse_int(\"99999999999999999999\")", "too large"),
     ("\"abc\"[-9223372036854775807]", "out of bounds"),
-    // Numbers beyond their type.
+    // Numbers beyond the range of their type.
     ("-(-9223372036854775807 - 1)", "overflow"),
     ("abs(-9223372036854775807 - 1)", "overflow"),
     ("(-9223372036854775807 - 1) / -1", "overflow"),
@@ -130,7 +130,7 @@ fn values_beyond_their_limits_are_ended_with_a_message() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n---\n"));
 }
 
-/// It would be freed with the script, on another thread.
+/// Deep values would be freed with the script, on another thread.
 #[test]
 fn deep_values_are_not_exported() {
     let folder = folder("export");
@@ -142,7 +142,7 @@ fn deep_values_are_not_exported() {
     assert!(error.contains("s.rhai:1:"), "{error}");
 }
 
-/// Comparisons that contradict themselves sort somehow; numbers that are none come last.
+/// Inconsistent comparisons sort in any order; NaN comes last.
 #[test]
 fn sorting_takes_any_comparison() {
     let folder = folder("sort");
@@ -169,7 +169,7 @@ fn sorting_takes_any_comparison() {
         "if [3, 1.5, 2].order() != [1.5, 2, 3] { throw 1; }",
         "if [\"b\", \"a\"].order() != [\"a\", \"b\"] || ['b', 'a'].order_desc() != ['b', 'a'] { throw 2; }",
         "if [true, false].order() != [false, true] || [].order() != [] { throw 3; }",
-        // Equal ones stay as they were.
+        // Equal elements keep their order.
         "if [#{ k: 1, n: 0 }, #{ k: 0, n: 1 }, #{ k: 1, n: 2 }].order_by(|a, b| a.k - b.k)\
          .map(|x| x.n) != [1, 0, 2] { throw 4; }",
         "let a = [3, 1, 2]; try { a.sort(|x, y| x.size); } catch { } if a != [3, 1, 2] { throw 5; }",

@@ -8,7 +8,7 @@ use wgpu::util::DeviceExt as _;
 
 use crate::common::{required_or_skip, shaders};
 
-/// The declarations that `bvh.wgsl` expects, and a kernel that traces one ray an invocation.
+/// Declarations that `bvh.wgsl` expects, and a kernel that traces one ray per invocation.
 const KERNEL: &str = r"
 struct Instance {
     object_from_world: array<vec4f, 3>,
@@ -57,7 +57,7 @@ struct Query {
     t_max: f32,
 }
 
-/// What the kernel writes for a ray.
+/// Output of the kernel for a ray.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct Answer {
@@ -69,19 +69,19 @@ pub struct Answer {
     flags: u32,
     padding2: u32,
     pub blocked: u32,
-    /// Of the two rays.
+    /// Number of the two rays (nearest hit and any hit) that ran out of visits.
     pub exhausted_rays: u32,
     pub visited_nodes: u32,
     pub tested_triangles: u32,
 }
 
-/// Which parts of the shader are switched on.
+/// Features of the shader that are switched on.
 #[derive(Clone, Copy, Debug)]
 pub struct Parts {
     pub has_static: bool,
     pub has_top_level: bool,
     pub has_cutout: bool,
-    /// Nodes that a ray may visit; none for the shader's own number.
+    /// Largest number of nodes that a ray may visit; none for the shader's own limit.
     pub max_visits: Option<u32>,
 }
 
@@ -98,7 +98,7 @@ pub struct Gpu {
 }
 
 impl Gpu {
-    /// With default limits; `None` where tests are skipped.
+    /// Device with default limits; `None` where tests are skipped.
     pub fn new() -> Option<Self> {
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
         let adapter =

@@ -14,17 +14,17 @@ use reflet::world::{
 use scene::{ALPHA_EDGE, alpha_passes};
 
 const DEFAULT_BINDING_BYTES: u64 = 128 << 20;
-/// Of the distance.
+/// Largest relative error of the distance.
 const T_TOLERANCE: f64 = 1e-5;
 
-/// Comparison with the oracle.
+/// Counts of the comparison with the oracle.
 #[derive(Debug, Default)]
 struct Score {
     rays: usize,
     hits: usize,
-    /// Another triangle at the same distance, or a ray through an edge.
+    /// Number of hits on another triangle at the same distance, or of rays through an edge.
     ties: usize,
-    /// The same triangle at such a flat angle, or so near, that no f32 geometry places the hit
+    /// Number of hits on the same triangle at such a flat angle, or so near, that no f32 geometry places the hit
     /// within the tolerance.
     rounded: usize,
     blocked: usize,
@@ -40,8 +40,8 @@ struct Checker<'a> {
 }
 
 impl Checker<'_> {
-    /// How far, in meters along the ray, f32 geometry may place a hit from where it is: positions
-    /// are stored rounded, and a plane moved by that meets the ray this much off.
+    /// Error in meters along the ray that f32 geometry may have: positions are stored rounded, and a
+    /// plane moved by the rounding meets the ray this much off.
     fn rounding_m(&self, ray: &Ray, t: f64, cosine: f64) -> f64 {
         let at = ray.origin + ray.direction * t;
         let position = at.abs().max_element().max(length_m(ray, t));
@@ -58,7 +58,7 @@ impl Checker<'_> {
         let [a, b, c] = [DVec2::ZERO, DVec2::X, DVec2::Y]
             .map(|corner| self.oracle.point(instance, triangle, corner));
         let twice_area = (b - a).cross(c - a).length();
-        // A weight is the distance from the opposite edge over the height on that edge.
+        // A barycentric weight is the distance from the opposite edge over the height on that edge.
         let within = |weight: f64, edge: DVec3| weight.abs() * twice_area < close_m * edge.length();
         within(bary.x, c - a)
             || within(bary.x - ALPHA_EDGE, c - a)
@@ -110,7 +110,7 @@ impl Checker<'_> {
             );
             self.score.rounded += 1;
         }
-        // The weights place the hit where the ray is.
+        // The barycentric weights place the hit on the ray.
         let placed = self.oracle.point(got.instance, got.triangle, got.bary);
         let off_m = placed.distance(ray.origin + ray.direction * expected.t);
         let allowed_m = rounding_m + T_TOLERANCE * length_m(ray, expected.t);
@@ -129,7 +129,7 @@ impl Checker<'_> {
         }
     }
 
-    /// At most one in a thousand may be left to rounding.
+    /// Asserts that rounding decides at most one in a thousand.
     fn finish(self, what: &str) {
         println!("{what}: {:?}", self.score);
         let allowed = self.score.rays / 1000 + 1;
@@ -143,7 +143,7 @@ impl Checker<'_> {
     }
 }
 
-/// Length of a ray up to `t`.
+/// Length of a ray up to `t`, meters.
 fn length_m(ray: &Ray, t: f64) -> f64 {
     ray.direction.length() * t
 }
@@ -293,8 +293,8 @@ fn parts_left_out_change_nothing_where_the_scene_has_none() {
     }
 }
 
-/// A ray that has visited as many nodes as it may ends as a miss, and is counted; one that is done
-/// with its last visit but one is as any other.
+/// A ray that reaches the limit of visited nodes ends as a miss, and is counted; rays that need fewer visits
+/// keep their hits.
 #[test]
 fn a_ray_without_visits_left_is_a_counted_miss() {
     let Some(gpu) = Gpu::new() else { return };

@@ -56,7 +56,7 @@ fn soup(random: &mut Random, count: usize) -> Mesh {
     mesh
 }
 
-/// Which points of cut-out triangles are there; the kernel's `alpha_passes` is the same rule.
+/// Alpha test of cut-out triangles; the kernel's `alpha_passes` is the same rule.
 pub fn alpha_passes(instance: u32, triangle: u32, bary: DVec2) -> bool {
     !(instance + triangle).is_multiple_of(3) && bary.x < ALPHA_EDGE
 }

@@ -13,7 +13,7 @@ fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// The converter that `tools/setup.sh` installs; `None` after printing `SKIPPED`.
+/// Converter that `tools/setup.sh` installs; `None` after printing `SKIPPED`.
 fn tool() -> Option<PathBuf> {
     let tool = root().join(".venv/bin/reflet-usd");
     if !tool.is_file() {
@@ -115,7 +115,7 @@ fn a_stage_is_converted_once_and_again_when_it_changes() {
     );
 }
 
-/// Files that come later and folders that are allowed later make another conversion.
+/// A file that appears later, or a folder that is allowed later, makes another conversion.
 #[test]
 fn what_a_conversion_could_not_read_is_read_when_it_can_be() {
     let Some(tool) = tool() else { return };
@@ -135,12 +135,12 @@ fn what_a_conversion_could_not_read_is_read_when_it_can_be() {
         place.0.canonicalize().expect("there").display()
     );
     let is_plain = |text: &str| {
-        // The option of this program, once, and no other help.
+        // The message names this program's option, once, and no other help.
         text.contains(&allow) && !text.contains("--root") && !text.contains("help:")
     };
     assert!(is_plain(&outside), "{outside}");
     assert!(!outside.contains("error: "), "{outside}");
-    // Where something is left to draw, it is a warning.
+    // If the stage has other geometry, the message is a warning.
     let more = format!("{}def Cube \"C\" {{}}\n", above("../part.usda"));
     place.write("sub/more.usda", &more);
     let part = said(&place.check(&tool, "sub/more.usda"));
@@ -171,7 +171,7 @@ fn a_scene_places_a_stage_like_any_model() {
     assert!(text.contains("triangles   6 placed"), "{text}");
 }
 
-/// A house in one of two sizes, with a stand-in.
+/// A house in one of two sizes, with a proxy.
 const HOUSE: &str = r#"#usda 1.0
 (
     defaultPrim = "House"
@@ -206,7 +206,7 @@ def Xform "House" (
 }
 "#;
 
-/// Cubes have 12 triangles, the roof has 2, and 8 after one step.
+/// A cube has 12 triangles, the roof has 2, and 8 after one subdivision step.
 #[test]
 fn a_scene_chooses_what_of_a_stage_it_shows() {
     let Some(tool) = tool() else { return };
@@ -249,7 +249,7 @@ fn a_scene_chooses_what_of_a_stage_it_shows() {
     );
 }
 
-/// It is named once, at the stage; a scene may place it.
+/// The empty stage is named once; a scene may place it.
 #[test]
 fn an_empty_stage_is_refused_where_it_stands_alone() {
     let Some(tool) = tool() else { return };

@@ -33,7 +33,7 @@ fn triangle() -> Vec<u8> {
 }
 
 impl Workplace {
-    /// A converter that reads the stage and `part.usda`, and does `also` before it writes.
+    /// A converter that reads the stage and `part.usda`, and runs `also` before it writes.
     fn tool(&self, also: &str) -> PathBuf {
         let script = format!(
             "#!/bin/sh\nhere={}\n[ \"$1\" = --version ] && exec cat \"$here/version\"\n\
@@ -52,7 +52,7 @@ impl Workplace {
         tool
     }
 
-    /// How often the converter ran so far.
+    /// Number of conversions so far.
     fn runs(&self) -> usize {
         let runs = fs::read_to_string(self.0.join("runs"));
         runs.map_or(0, |runs| runs.lines().count())
@@ -97,7 +97,7 @@ fn a_save_during_the_conversion_converts_again() {
 fn constantly_changing_stage_is_used_but_not_cached() {
     let place = Workplace::new("restless");
     let tool = place.tool("echo new >> \"$here/part.usda\"");
-    // A bare stage is asked for twice, first for its length; each time it is tried three times.
+    // A bare stage is read twice, first for its length; each read tries three times.
     for runs in [6, 12] {
         let text = said(&place.check(&tool, "quad.usda"));
         assert!(
@@ -139,7 +139,7 @@ fn a_damaged_file_and_another_converter_convert_again() {
 #[test]
 fn progress_is_passed_on_while_the_conversion_runs() {
     let place = Workplace::new("progress");
-    // The tool waits until the line was seen, a minute at most.
+    // The tool waits until the line was seen, at most a minute.
     let tool = place.tool(
         "echo 'converting: 7 prims so far' >&2\nfor i in $(seq 600); do \
          [ -e \"$here/seen\" ] && break; sleep 0.1; done\n[ -e \"$here/seen\" ] || exit 1",
@@ -181,7 +181,7 @@ fn the_converter_ends_when_reflet_is_killed() {
         assert!(status.expect("kill runs").success());
         reflet.wait().expect("it ends");
         let stat = format!("/proc/{}/stat", pid().expect("a number").trim());
-        // Where nobody collects orphans, an ended one stays as a zombie.
+        // An ended orphan stays as a zombie where no process reaps it.
         let ended = || fs::read_to_string(&stat).map_or(true, |stat| stat.contains(") Z "));
         eventually("the converter ends too", &ended);
     }

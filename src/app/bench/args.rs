@@ -1,4 +1,4 @@
-//! The words of `bench` on the command line.
+//! Command-line arguments of `bench`.
 
 use std::path::PathBuf;
 
@@ -13,7 +13,7 @@ use crate::{
     scene::desc::Method,
 };
 
-/// What says how to measure, which a table that is drawn again leaves nothing to say about.
+/// Arguments that say how to measure, which conflict with drawing a table again (`--samples`).
 const MEASURING: [&str; 19] = [
     "scenes",
     "set",
@@ -36,10 +36,10 @@ const MEASURING: [&str; 19] = [
     "adapter",
 ];
 
-/// What can be compared: `auto` is one of them, and `path` judges them with --against-path.
+/// Methods that can be compared; `auto` chooses among them, and `path` is a reference with --against-path.
 const COMPARED: [Method; 3] = [Method::Ssr, Method::Hybrid, Method::Rt];
 
-/// Reads the name of a method that can be compared.
+/// Parser of a method that can be compared.
 fn compared() -> impl TypedValueParser<Value = Method> {
     let method = |name: String| COMPARED.into_iter().find(|method| method.name() == name);
     PossibleValuesParser::new(COMPARED.map(Method::name))
@@ -50,12 +50,12 @@ fn compared() -> impl TypedValueParser<Value = Method> {
 #[derive(Clone, Debug, Args)]
 #[command(args_conflicts_with_subcommands = true)]
 pub struct BenchArgs {
-    /// What else can be measured
+    /// Experiment to run in place of a comparison
     #[command(subcommand)]
     pub experiment: Option<Experiment>,
     /// Scene files; without one, the built-in atrium
     pub scenes: Vec<PathBuf>,
-    /// What is changed in them
+    /// Changes to the scenes
     #[command(flatten)]
     pub from: SceneArgs,
     /// Methods to compare
@@ -67,12 +67,12 @@ pub struct BenchArgs {
         default_value = "ssr,hybrid,rt"
     )]
     pub methods: Vec<Method>,
-    /// What to turn: threshold_u, edge_px, reuse_light, steps, ray_length_u, bounces or scale; without
-    /// it each method's own (ssr: steps, hybrid: threshold_u and edge_px, rt: bounces, both also
+    /// Parameter to vary: threshold_u, edge_px, reuse_light, steps, ray_length_u, bounces or scale;
+    /// without it each method's own (ssr: steps, hybrid: threshold_u and edge_px, rt: bounces, both also
     /// reuse_light)
     #[arg(long, value_name = "PARAMETER", value_parser = parse_parameter)]
     pub parameter: Option<Parameter>,
-    /// What to turn it to, such as 0.005,0.025,0.065
+    /// Values of the parameter, such as 0.005,0.025,0.065
     #[arg(
         long,
         value_name = "LIST",
@@ -84,12 +84,12 @@ pub struct BenchArgs {
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = parse_size)]
     pub sizes: Vec<[u32; 2]>,
     /// Frames of the scenes' timeline to pose and measure, each with every setting and size: all, or
-    /// a list such as 0-95:8 or 1,3,5-9; without it, the first. How often each is timed, --frames
-    /// says
+    /// a list such as 0-95:8 or 1,3,5-9; without it, the first. --frames says how often each is
+    /// timed
     #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
     pub timeline: Option<String>,
-    /// Also judge every setting by a picture of method `path` with so many samples, 1 to 4096, as a scene
-    /// "NAME against path": the error of the model beside that of the method. Scenes that stand still only
+    /// Also score every setting against a picture of method `path` with this many samples, 1 to 4096, as a
+    /// scene "NAME against path": the error of the model beside that of the method. Still scenes only
     #[arg(
         long,
         value_name = "SAMPLES",
@@ -97,10 +97,10 @@ pub struct BenchArgs {
         conflicts_with = "timeline"
     )]
     pub against_path: Option<u32>,
-    /// Which camera of the scenes; without it `main`, else the first
+    /// Camera of the scenes; without it `main`, else the first
     #[arg(long, value_name = "NAME")]
     pub camera: Option<String>,
-    /// How it is measured and where it is written
+    /// Measurement and output options
     #[command(flatten)]
     pub run: RunArgs,
     /// Draw the report of this table of samples and measure nothing
@@ -114,14 +114,14 @@ pub struct BenchArgs {
     pub choose: Option<Bound>,
 }
 
-/// How frames are measured and where samples go.
+/// Options of the measurement, and the output folder.
 #[derive(Clone, Debug, Args)]
 pub struct RunArgs {
-    /// How often each setting is timed, 1 to 100000; from 20 on, percentiles are reported. Of which
-    /// frames of an animation, --timeline says
+    /// Timed frames of each setting, 1 to 100000; from 20 on, percentiles are reported. --timeline
+    /// says which frames of an animation are timed
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub frames: u32,
-    /// Untimed frames of each setting before them, 1 to 1000
+    /// Untimed frames of each setting before the timed ones, 1 to 1000
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub warm_up: u32,
     /// Count march steps, traversals, visited nodes and tested triangles in one more frame of each
@@ -132,7 +132,7 @@ pub struct RunArgs {
     /// own; `paper scenario1` always does
     #[arg(long)]
     pub split_trace: bool,
-    /// Folder for samples.csv, bench.json, report.html and the charts; made if it is missing
+    /// Folder for samples.csv, bench.json, report.html and the charts; created if it is missing
     #[arg(short, long, value_name = "DIR", default_value = "bench")]
     pub output: PathBuf,
     /// Add to the samples that the folder holds, measuring only what they lack
@@ -141,30 +141,30 @@ pub struct RunArgs {
     /// Read the shaders from a folder instead of the built-in ones
     #[arg(long, value_name = "DIR")]
     pub shaders: Option<PathBuf>,
-    /// Take the adapter whose name contains this; also REFLET_ADAPTER
+    /// Use the adapter whose name contains this; also REFLET_ADAPTER
     #[arg(long, value_name = "NAME")]
     pub adapter: Option<String>,
 }
 
-/// What else can be measured.
+/// Experiments other than a comparison of settings.
 #[derive(Clone, Debug, Subcommand)]
 pub enum Experiment {
     /// Repeat an experiment of the paper; without its assets, on the built-in atrium
     Paper(PaperArgs),
-    /// How long a save takes until the preview has its picture
+    /// Measure the time from a save to the new picture in the preview
     Reload(ReloadArgs),
-    /// What `auto` chooses, against the fastest of what it chooses from
+    /// Compare the choice of `auto` with the fastest alternative
     Regret(RegretArgs),
-    /// Where methods fail: scores of a suite of failure modes, or of your own scenes
+    /// Find failures of methods: scores of a suite of failure modes, or of your own scenes
     Stability(StabilityArgs),
 }
 
-/// `bench reload`
+/// Arguments of `bench reload`.
 #[derive(Clone, Debug, Args)]
 pub struct ReloadArgs {
-    /// Scene file or model, which is copied and edited there; without one, the built-in atrium
+    /// Scene file or model, which is copied and edited in the copy; without one, the built-in atrium
     pub scene: Option<PathBuf>,
-    /// What is changed in it
+    /// Changes to the scene
     #[command(flatten)]
     pub from: SceneArgs,
     /// Saves of each kind, 1 to 10000; from 20 on, percentiles are reported
@@ -173,29 +173,29 @@ pub struct ReloadArgs {
     /// Folder of shaders to copy in place of the built-in ones
     #[arg(long, value_name = "DIR")]
     pub shaders: Option<PathBuf>,
-    /// Width and height of the picture that is waited for
+    /// Width and height of the preview's picture
     #[arg(long, value_name = "WxH", default_value = "320x180", value_parser = parse_size)]
     pub size: [u32; 2],
-    /// Folder for reload.json; made if it is missing
+    /// Folder for reload.json; created if it is missing
     #[arg(short, long, value_name = "DIR", default_value = "bench")]
     pub output: PathBuf,
-    /// Take the adapter whose name contains this; also REFLET_ADAPTER
+    /// Use the adapter whose name contains this; also REFLET_ADAPTER
     #[arg(long, value_name = "NAME")]
     pub adapter: Option<String>,
 }
 
-/// `bench regret`
+/// Arguments of `bench regret`.
 #[derive(Clone, Debug, Args)]
 pub struct RegretArgs {
-    /// Scene files; without one, the built-in atrium. Their own method and visibility are not taken
+    /// Scene files; without one, the built-in atrium. Their own method and visibility are ignored
     pub scenes: Vec<PathBuf>,
-    /// What is changed in them
+    /// Changes to the scenes
     #[command(flatten)]
     pub from: SceneArgs,
     /// Sizes; without any, 640x360,1280x720,1920x1080
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = parse_size)]
     pub sizes: Vec<[u32; 2]>,
-    /// How often each way is timed, 1 to 10000, after one untimed frame
+    /// Timed frames of each alternative, 1 to 10000, after one untimed frame
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub frames: u32,
     /// Let `auto` choose by this adapter's unit costs, from a file of `calibrate`
@@ -204,18 +204,18 @@ pub struct RegretArgs {
     /// Print the table as JSON
     #[arg(long)]
     pub json: bool,
-    /// Take the adapter whose name contains this; also REFLET_ADAPTER
+    /// Use the adapter whose name contains this; also REFLET_ADAPTER
     #[arg(long, value_name = "NAME")]
     pub adapter: Option<String>,
 }
 
-/// `bench stability`
+/// Arguments of `bench stability`.
 #[derive(Clone, Debug, Args)]
 pub struct StabilityArgs {
     /// Modes of the suite, by number (3) or name (03-rails), or scene files; without any, the whole
-    /// suite, or what the file of --ratchet holds
+    /// suite, or the modes in the file of --ratchet
     pub modes: Vec<String>,
-    /// What is changed in them
+    /// Changes to the scenes
     #[command(flatten)]
     pub from: SceneArgs,
     /// Folder of the suite's scenes, NN-name.toml
@@ -239,17 +239,17 @@ pub struct StabilityArgs {
     /// Compare stills with the worst scores that this file allows (exit code 6 where one is worse)
     #[arg(long, value_name = "FILE")]
     pub ratchet: Option<PathBuf>,
-    /// Write scores that are better than the ratchet's, and those that it lacks, into it; never worse ones
+    /// Write scores that are better than the ratchet's, and missing ones, into it; never worse ones
     #[arg(long, requires = "ratchet")]
     pub tighten: bool,
-    /// Write stability.html too: of each mode its worst picture by each method, where hybrid's reflections
-    /// come from, and how it errs
+    /// Write stability.html too: for each mode its worst picture by each method, the sources of hybrid's
+    /// reflections, and its errors
     #[arg(long)]
     pub pictures: bool,
-    /// Where the tables go as Markdown; without it, stability.md in the folder
+    /// Markdown file for the tables; without it, stability.md in the folder
     #[arg(long, value_name = "FILE")]
     pub document: Option<PathBuf>,
-    /// Folder for samples.csv, stability.csv and stability.md; made if it is missing
+    /// Folder for samples.csv, stability.csv and stability.md; created if it is missing
     #[arg(short, long, value_name = "DIR", default_value = "bench")]
     pub output: PathBuf,
     /// Add to the samples that the folder holds, measuring only what they lack
@@ -258,15 +258,15 @@ pub struct StabilityArgs {
     /// Read the shaders from a folder instead of the built-in ones
     #[arg(long, value_name = "DIR")]
     pub shaders: Option<PathBuf>,
-    /// Take the adapter whose name contains this; also REFLET_ADAPTER
+    /// Use the adapter whose name contains this; also REFLET_ADAPTER
     #[arg(long, value_name = "NAME")]
     pub adapter: Option<String>,
 }
 
-/// `bench paper`
+/// Arguments of `bench paper`.
 #[derive(Clone, Debug, Args)]
 pub struct PaperArgs {
-    /// Which experiment
+    /// Experiment of the paper
     pub figure: PaperExperiment,
     /// Folder to search for the models; repeatable. The folders of REFLET_ASSETS come last
     #[arg(long, value_name = "DIR")]
@@ -278,7 +278,7 @@ pub struct PaperArgs {
     /// Sizes such as 640x480,1280x720; without any, 640x360
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = parse_size)]
     pub sizes: Vec<[u32; 2]>,
-    /// How it is measured and where it is written
+    /// Measurement and output options
     #[command(flatten)]
     pub run: RunArgs,
 }
@@ -286,9 +286,9 @@ pub struct PaperArgs {
 /// The paper's experiments.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum PaperExperiment {
-    /// Fig. 1: what T does, 27 values
+    /// Fig. 1: effect of the threshold T, 27 values
     Fig1,
-    /// Table 1 and Fig. 3: where the time goes
+    /// Table 1 and Fig. 3: times of the passes
     Scenario1,
     /// Figs. 4 to 7: a walk of 950 frames among moving figures
     Scenario2,

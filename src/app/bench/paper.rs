@@ -13,19 +13,19 @@ use crate::{
     app::{error::AppError, frames::FrameList, scene::load, shaders},
     bench::{
         parameter::Parameter,
-        run::{FrameSeries, Protocol, Subject, Turn},
+        run::{FrameSeries, Protocol, Subject, Sweep},
     },
     scene::desc::{Accept, Method, ReflectionDesc},
     session::scene_text::{ATRIUM, SceneOptions, SceneText, asset_folders},
 };
 
-/// Size without `--sizes`: what a CPU draws in a second.
+/// Picture size without `--sizes`: a CPU renders it in a second.
 const SIZE: [u32; 2] = [640, 360];
 
-/// Without `--timeline`: ten frames of the walk.
+/// Frames without `--timeline`: ten frames of the walk.
 const FRAMES: &str = "0-949:95";
 
-/// Where the paper's experiments happen.
+/// Name of the scene of the paper's experiments.
 const SPONZA: &str = "Sponza";
 
 /// The paper's three thresholds, in U.
@@ -34,14 +34,14 @@ const THRESHOLDS: [f64; 3] = [0.005, 0.025, 0.065];
 /// Ray lengths of Scenario 3, in U.
 const RAY_LENGTHS: [u32; 2] = [4, 16];
 
-/// An experiment as scene text.
+/// Scene of an experiment, as text.
 struct Stage {
-    /// Where it happens, for tables.
+    /// Name of the scene in tables.
     place: &'static str,
-    /// File name for messages.
+    /// File name in messages.
     file: &'static str,
     text: &'static str,
-    /// One scene each: what it shows, and what is changed for it.
+    /// Cases of the experiment: the name of each, and the changes to the scene.
     cases: Vec<(String, Vec<String>)>,
 }
 
@@ -50,7 +50,7 @@ type Surface = (&'static str, &'static [&'static str]);
 
 const ON_FLOOR: &str = "instance.0.translation=[-4.4, 0.0, 0.0]";
 
-/// The paper's surfaces, and what the atrium has in their stead.
+/// Reflective surfaces of the paper, and those of the atrium that replace them.
 const SURFACES: [(Surface, Option<Surface>); 5] = [
     (
         ("ground", &[]),
@@ -105,7 +105,7 @@ const ATRIUM_REFLECTORS: [&str; 4] = ["floor", "chrome", "brass", "glass_mirror"
 /// Runs an experiment and draws its report.
 ///
 /// # Errors
-/// As `bench`.
+/// Same errors as [`super::bench`].
 pub fn paper(args: &PaperArgs) -> Result<(), AppError> {
     if args.timeline.is_some() && args.figure != PaperExperiment::Scenario2 {
         return Err(AppError::Usage(
@@ -120,9 +120,9 @@ pub fn paper(args: &PaperArgs) -> Result<(), AppError> {
     };
     let mut protocol = Protocol {
         methods: vec![Method::Ssr, Method::Hybrid, Method::Rt],
-        turn: match args.figure {
-            PaperExperiment::Fig1 => Turn::One(Parameter::ThresholdU, thresholds()),
-            _ => Turn::Nothing,
+        sweep: match args.figure {
+            PaperExperiment::Fig1 => Sweep::One(Parameter::ThresholdU, thresholds()),
+            _ => Sweep::Nothing,
         },
         sizes,
         frames: args.run.frames,
@@ -133,19 +133,19 @@ pub fn paper(args: &PaperArgs) -> Result<(), AppError> {
     let is_walk = args.figure == PaperExperiment::Scenario2;
     let list = args.timeline.as_deref().unwrap_or(FRAMES);
     let frames = FrameList::parse("--timeline", list, &scenario2::TIMELINE)?;
-    let reel = |subject| match is_walk {
-        true => scenario2::reel(subject, stage.place == SPONZA, &frames.0),
+    let series_of = |subject| match is_walk {
+        true => scenario2::frame_series(subject, stage.place == SPONZA, &frames.0),
         false => Ok(FrameSeries::still(subject)),
     };
     let subjects = stage.subjects(&args.assets)?.into_iter();
-    let mut reels = subjects.map(reel).collect::<Result<Vec<_>, _>>()?;
+    let mut all_series = subjects.map(series_of).collect::<Result<Vec<_>, _>>()?;
     let gpu = open_gpu(&args.run)?;
     protocol.count |= gpu.is_software();
-    let samples = run(&gpu, &args.run, &protocol, &mut reels)?;
+    let samples = run(&gpu, &args.run, &protocol, &mut all_series)?;
     let library = shaders::library(args.run.shaders.as_deref())?;
     let mut galleries = Vec::new();
-    for reel in &mut reels {
-        let subject = reel
+    for series in &mut all_series {
+        let subject = series
             .at(scenario2::TIMELINE.end / 4)
             .map_err(AppError::Scene)?;
         let shots = shots(args.figure, &subject.reflection);
@@ -161,10 +161,10 @@ pub fn paper(args: &PaperArgs) -> Result<(), AppError> {
     Ok(())
 }
 
-/// 24 values from 0.0005 to 0.5, equal steps in their logarithm, and the paper's three.
+/// Thresholds in U: 24 values from 0.0005 to 0.5, equal steps in their logarithm, and the paper's three.
 fn thresholds() -> Vec<f64> {
     let step = |i: i32| 0.0005 * 1000f64.powf(f64::from(i) / 23.0);
-    // Three digits are what a reader wants to type again.
+    // Three digits, so that a reader can type the value again.
     let rounded = |value: f64| {
         let unit = 10f64.powf(value.log10().floor() - 2.0);
         let text = format!("{:.7}", (value / unit).round() * unit);
@@ -175,7 +175,7 @@ fn thresholds() -> Vec<f64> {
     values
 }
 
-/// The scene with the paper's models where all are found, else the atrium, which it says.
+/// Scene with the paper's models where all are found, otherwise the atrium, with a note to the user.
 fn stage(experiment: PaperExperiment, folders: &[PathBuf]) -> Stage {
     let (file, text, models) = match experiment {
         PaperExperiment::Fig1 => (
@@ -241,7 +241,7 @@ fn stage(experiment: PaperExperiment, folders: &[PathBuf]) -> Stage {
     }
 }
 
-/// In the atrium, whose things stand still as written, the ball and the cone move.
+/// Overrides that make the ball and the cone of the atrium move; its objects are static in the file.
 fn moving(has_models: bool) -> Vec<String> {
     let things = if has_models { &[][..] } else { &["12", "13"] };
     let dynamic = |index: &&str| format!("instance.{index}.dynamic=true");
@@ -295,7 +295,7 @@ impl Stage {
     }
 }
 
-/// What is shown of every scene.
+/// Pictures that are shown of every scene.
 fn shots(experiment: PaperExperiment, settings: &ReflectionDesc) -> Vec<Shot> {
     let with = |method| ReflectionDesc {
         method,

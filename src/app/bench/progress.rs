@@ -10,25 +10,25 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::{
     app::shutdown,
-    bench::run::{Steps, Task, Watch, Work},
+    bench::run::{Observer, Steps, Task, Work},
 };
 
-/// Between plain lines.
+/// Time between plain lines.
 const PLAIN_EVERY: Duration = Duration::from_secs(10);
 
-/// Progress since it was made.
+/// Progress of one command, from its start.
 #[derive(Debug)]
 pub struct Progress {
-    /// The line on a terminal; hidden elsewhere.
+    /// Line on a terminal; hidden elsewhere.
     line: ProgressBar,
     estimate: Estimate,
-    /// When the present step began.
+    /// Start time of the present step.
     begun: Instant,
     told: Option<Instant>,
 }
 
 impl Progress {
-    /// Starts to count, and takes over Ctrl-C.
+    /// Starts the progress, and takes over Ctrl-C.
     pub fn new() -> Self {
         shutdown::listen();
         let style = ProgressStyle::with_template("{wide_msg}").expect("the template is right");
@@ -58,7 +58,7 @@ impl Progress {
             text = format!("{text}: {what}");
         }
         if self.line.is_hidden() {
-            // A closed standard error must not stop the measuring.
+            // A closed standard error must not stop the measurement.
             let _ = writeln!(stderr().lock(), "{text}");
         } else {
             self.line.set_message(text);
@@ -76,7 +76,7 @@ impl Default for Progress {
     }
 }
 
-impl Watch for Progress {
+impl Observer for Progress {
     fn plan(&mut self, work: Work) {
         self.estimate.planned = work;
     }
@@ -105,13 +105,13 @@ impl Watch for Progress {
     }
 }
 
-/// How long the rest will take: pixels of each kind of step at the speed of those that are done.
-/// Kinds of which none is done are taken to be as fast as the fastest.
+/// Estimate of the remaining time: pixels of each kind of step at the speed of the finished ones.
+/// A kind without finished steps is assumed to be as fast as the fastest.
 #[derive(Debug, Default)]
 struct Estimate {
     planned: Work,
     done: Work,
-    /// Of each kind.
+    /// Seconds that each kind of step has taken.
     seconds: [f64; 4],
 }
 
@@ -121,7 +121,7 @@ impl Estimate {
         self.seconds[task as usize] += seconds;
     }
 
-    /// None before the first step.
+    /// Remaining time in seconds; none before the first finished step.
     fn left_s(&self) -> Option<f64> {
         let done = self.done.kinds();
         let per_pixel =
@@ -153,7 +153,7 @@ mod tests {
         estimate.did(Task::Reference, small, 4.0);
         estimate.did(Task::Judge, small, 9.0);
         estimate.did(Task::Frame, small, 1.0);
-        // Two more are judged; larger frames take four times as long.
+        // Two more pictures are scored; larger frames take four times as long.
         let expected = 2.0 * 9.0 + 99.0 + 400.0;
         assert_eq!(estimate.left_s(), Some(expected));
         estimate.planned.add(Task::Count, 2, small);

@@ -1,4 +1,4 @@
-//! `bench regret`: what `auto` chooses, against the fastest of what it chooses from.
+//! `bench regret`: time of the choice of `auto` against the fastest alternative.
 
 use std::{fmt::Write as _, path::Path};
 
@@ -10,7 +10,7 @@ use crate::{
         print_json, print_out,
         scene::{choose_camera, load_scene},
     },
-    bench::{run::Watch as _, summary::digits},
+    bench::{run::Observer as _, summary::digits},
     gpu::{Gpu, GpuOptions, ShaderLibrary},
     render::{RenderOptions, Renderer, unit_costs::UnitCosts},
     scene::desc::{LightKind, Method, ShadowMode, Visibility},
@@ -20,20 +20,20 @@ use crate::{
 
 use serde::Serialize;
 
-/// Without any other.
+/// Sizes without `--sizes`.
 const SIZES: [[u32; 2]; 3] = [[640, 360], [1280, 720], [1920, 1080]];
 
-/// One way to render a frame.
+/// One alternative of `auto`: a way to render a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Way {
+struct Alternative {
     method: Method,
     visibility: Visibility,
-    /// Of lights with `shadow = "auto"`, by their kind.
+    /// Shadow mode of lights with `shadow = "auto"`, by their kind.
     shadows: [ShadowMode; LightKind::NAMES.len()],
 }
 
-impl Way {
-    /// What was decided.
+impl Alternative {
+    /// Alternative that was chosen for these options.
     fn of(options: &RenderOptions) -> Self {
         Self {
             method: options.reflection.method,
@@ -42,7 +42,7 @@ impl Way {
         }
     }
 
-    /// All that a choice was made from: kinds of lights without `auto` have one way.
+    /// All alternatives of a world: kinds of lights without `auto` have one shadow mode.
     fn all(world: &World) -> Vec<Self> {
         let kinds = 0..LightKind::NAMES.len();
         let is_auto = kinds.clone().map(|kind| {
@@ -75,7 +75,7 @@ impl Way {
         all
     }
 
-    /// The world and the options that say so themselves.
+    /// Returns the world and the options with this alternative set explicitly.
     fn applied(self, world: &World, options: &RenderOptions) -> (World, RenderOptions) {
         let (mut world, mut options) = (world.clone(), *options);
         for light in &mut world.lights {
@@ -103,7 +103,7 @@ impl Way {
     }
 }
 
-/// A scene at a size.
+/// Result of a scene at a size.
 #[derive(Debug, Serialize)]
 struct Row {
     scene: String,
@@ -112,14 +112,14 @@ struct Row {
     chosen_ms: f64,
     best: String,
     best_ms: f64,
-    /// Chosen over best.
+    /// Time of the choice divided by that of the fastest alternative.
     regret: f64,
 }
 
-/// Runs the command.
+/// Runs the command `bench regret`.
 ///
 /// # Errors
-/// A scene that does not load, no usable GPU, what the renderer refuses.
+/// A scene that does not load, no usable GPU, errors of the renderer.
 pub fn regret(args: &RegretArgs) -> Result<(), AppError> {
     let gpu = Gpu::new(&GpuOptions {
         adapter_filter: args.adapter.clone(),
@@ -183,12 +183,12 @@ fn measure(
     let decided = *build(&world, &options)?.options();
     let mut timed = Vec::new();
     progress.note(&format!("{}, {} x {}", loaded.name, size[0], size[1]));
-    for way in Way::all(&world) {
+    for way in Alternative::all(&world) {
         let (world, options) = way.applied(&world, &decided);
         let renderer = build(&world, &options)?;
         timed.push((way, world, renderer, Vec::new()));
     }
-    // The first round is not counted; then in turns, there and back.
+    // The first round is untimed; then alternatives alternate, forwards and backwards.
     for round in 0..=frames {
         let order: Vec<usize> = if round % 2 == 0 {
             (0..timed.len()).collect()
@@ -205,11 +205,13 @@ fn measure(
             }
         }
     }
-    let medians: Vec<(Way, f64)> = (timed.into_iter())
+    let medians: Vec<(Alternative, f64)> = (timed.into_iter())
         .map(|(way, _, _, mut times)| (way, median(&mut times)))
         .collect();
     let best = medians.iter().min_by(|a, b| a.1.total_cmp(&b.1));
-    let chosen = medians.iter().find(|(way, _)| *way == Way::of(&decided));
+    let chosen = medians
+        .iter()
+        .find(|(way, _)| *way == Alternative::of(&decided));
     Ok(best.zip(chosen).map(|(best, chosen)| Row {
         scene: loaded.name.clone(),
         size,
@@ -260,7 +262,7 @@ mod tests {
     #[test]
     fn only_what_is_auto_is_a_choice() {
         let mut world = World::default();
-        assert_eq!(Way::all(&world).len(), 4);
+        assert_eq!(Alternative::all(&world).len(), 4);
         let mut lamp = crate::world::Light {
             name: "lamp".to_owned(),
             desc: crate::scene::desc::LightDesc {
@@ -276,10 +278,10 @@ mod tests {
             range_m: None,
         };
         world.lights.push(lamp.clone());
-        assert_eq!(Way::all(&world).len(), 4);
+        assert_eq!(Alternative::all(&world).len(), 4);
         lamp.desc.shadow = ShadowMode::Auto;
         world.lights.push(lamp);
-        let all = Way::all(&world);
+        let all = Alternative::all(&world);
         assert_eq!(all.len(), 8);
         let (applied, _) = all[7].applied(&world, &RenderOptions::default());
         assert_eq!(applied.lights[0].desc.shadow, ShadowMode::Map);

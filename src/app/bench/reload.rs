@@ -1,4 +1,4 @@
-//! `bench reload`: how long it takes from a save to the new picture, and where the time goes.
+//! `bench reload`: time from a save to the new picture, split by its parts.
 
 use std::{fmt::Write as _, sync::Arc};
 
@@ -8,12 +8,12 @@ use super::{args::ReloadArgs, create_folder, progress::Progress, write};
 use crate::{
     app::{
         error::AppError,
-        live::{Begins, Live, ViewOverrides},
+        live::{InitialBuild, Live, ViewOverrides},
         print_out,
     },
     bench::{
         host::Host,
-        run::Watch as _,
+        run::Observer as _,
         summary::{Spread, digits},
     },
     gpu::{Gpu, GpuOptions},
@@ -25,33 +25,33 @@ pub mod measure;
 use copy::{Edit, SceneCopy};
 use measure::{PARTS, Sample};
 
-/// All saves of one kind of edit.
+/// Saves of one kind of edit.
 #[derive(Debug, Serialize)]
 pub struct Series {
-    /// What was edited.
+    /// Kind of the edit.
     pub edit: &'static str,
-    /// In which file, below the copy's folder.
+    /// Path of the edited file, below the copy's folder.
     pub file: String,
-    /// What `ready` should be at most in 95 of 100 saves, milliseconds.
+    /// Target of `ready` in 95 of 100 saves, milliseconds.
     pub target_ms: f64,
     /// Name, median and 95th percentile of each part, milliseconds; no percentile below 20 saves.
     pub parts: Vec<Part>,
-    /// Every save.
+    /// Times of every save.
     pub samples: Vec<Sample>,
 }
 
-/// One part of all saves.
+/// Statistics of one part over all saves.
 #[derive(Debug, Serialize)]
 pub struct Part {
-    /// Such as `notice_ms`.
+    /// Name, such as `notice_ms`.
     pub name: &'static str,
-    /// Median.
+    /// Median, milliseconds.
     pub p50: f64,
-    /// 95th percentile.
+    /// 95th percentile, milliseconds.
     pub p95: Option<f64>,
 }
 
-/// `reload.json`
+/// Contents of `reload.json`.
 #[derive(Serialize)]
 struct Report<'a> {
     host: &'a Host,
@@ -60,7 +60,7 @@ struct Report<'a> {
     series: &'a [Series],
 }
 
-/// Runs the command.
+/// Runs the command `bench reload`.
 ///
 /// # Errors
 /// A scene or shaders that do not open, no usable GPU, a folder that cannot be written to.
@@ -96,10 +96,10 @@ pub fn reload(args: &ReloadArgs) -> Result<(), AppError> {
     ))
 }
 
-/// Saves every kind of edit in a copy of the scene again and again.
+/// Measures repeated saves of every kind of edit in a copy of the scene.
 ///
 /// # Errors
-/// As [`reload`].
+/// Same errors as [`reload`].
 pub fn measure_all(
     gpu: &Arc<Gpu>,
     args: &ReloadArgs,
@@ -116,14 +116,14 @@ pub fn measure_all(
         Edit::Shader("tone.wgsl"),
         Edit::Shader("ssr.wgsl"),
         Edit::Shader("trace.wgsl"),
-        // Last, for it may have to add a script to the scene.
+        // The script is last, for it may have to be added to the scene.
         Edit::Script,
     ];
     for edit in edits {
         let Some(edited) = copy.edited(edit)? else {
             continue;
         };
-        let mut live = Live::open(gpu.clone(), copy.origin(), overrides, Begins::Whole)?;
+        let mut live = Live::open(gpu.clone(), copy.origin(), overrides, InitialBuild::Whole)?;
         progress.note(&format!(
             "{} {} edits of {}",
             args.saves,
@@ -150,7 +150,7 @@ pub fn measure_all(
     Ok(all)
 }
 
-/// For people: a row for each percentile of each kind of edit.
+/// Table for people: a row for each percentile of each kind of edit.
 fn table(series: &[Series]) -> String {
     let mut text = format!("{:<22}{:>5}", "milliseconds", "");
     // Writing to a string cannot fail.

@@ -1,4 +1,4 @@
-//! Pictures for reports: what a setting shows, where its reflections come from, how it errs.
+//! Pictures for reports: the frame of a setting, the sources of its reflections, its errors.
 
 use crate::{
     app::{aov, error::AppError, output::png::encode},
@@ -18,11 +18,11 @@ use crate::{
 /// A picture of a setting.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shot {
-    /// As shown.
+    /// Frame as shown.
     Picture(ReflectionDesc),
-    /// Screen blue, traced pink, nothing in reach green, too rough gray, failed red.
+    /// Colors of sources: screen blue, traced pink, nothing in reach green, too rough gray, failed red.
     Source(ReflectionDesc),
-    /// What it shows less what the reference shows, enlarged.
+    /// Difference of the frame from the reference's, with enlarged contrast.
     Difference(ReflectionDesc),
 }
 
@@ -36,22 +36,22 @@ impl Shot {
     }
 }
 
-/// What a shot shows.
+/// Rendered picture of a shot.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shown {
-    /// Setting and kind.
+    /// Caption: setting and kind.
     pub caption: String,
-    /// Width and height.
+    /// Width and height, pixels.
     pub size: [u32; 2],
-    /// Display code values, row by row.
+    /// RGBA display code values, row by row.
     pub rgba: Vec<u8>,
 }
 
 impl Shown {
-    /// As a PNG file.
+    /// Encodes the picture as a PNG file.
     ///
     /// # Errors
-    /// What the encoder says.
+    /// Error of the encoder.
     pub fn figure(self) -> Result<Figure, AppError> {
         let png = encode(self.size, &self.rgba, None).map_err(AppError::Internal)?;
         let caption = self.caption;
@@ -59,10 +59,10 @@ impl Shown {
     }
 }
 
-/// A gallery of shots of a scene.
+/// Gallery of shots of a scene.
 ///
 /// # Errors
-/// What the renderer refuses.
+/// Errors of the renderer.
 pub fn gallery(
     gpu: &Gpu,
     library: &ShaderLibrary,
@@ -80,14 +80,14 @@ pub fn gallery(
     })
 }
 
-/// What the colors of sources mean.
+/// Legend of the source colors.
 pub const SOURCES: &str = "Sources: blue was found on screen, pink was traced, green has nothing in reach, gray is \
                            too rough; red is what ssr alone leaves without reflection.";
 
-/// Renders the shots of a scene; those that share a method and a rule of acceptance share a renderer.
+/// Renders the shots of a scene; shots with the same method and rule of acceptance share a renderer.
 ///
 /// # Errors
-/// What the renderer refuses.
+/// Errors of the renderer.
 pub fn shown(
     gpu: &Gpu,
     library: &ShaderLibrary,
@@ -131,7 +131,7 @@ pub fn shown(
     Ok(figures.into_iter().flatten().collect())
 }
 
-/// A renderer of one method with what it looks at.
+/// A renderer of one method with the scene that it renders.
 struct RenderSession<'a> {
     gpu: &'a Gpu,
     subject: &'a Subject,

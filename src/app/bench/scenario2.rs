@@ -30,33 +30,37 @@ const PATH: [[f32; 3]; 8] = [
     [-10.0, 2.4, 0.4],
 ];
 
-/// How far the figures move to either side, in U.
+/// Distance by which the figures move to either side, in U.
 const SWAY_U: f32 = 0.2;
 
-/// How often they do during the walk.
+/// Number of sways of the figures during the walk.
 const SWAYS: f32 = 5.0;
 
-/// Rounds of the light during the walk.
+/// Number of circles of the light during the walk.
 const ROUNDS: f32 = 3.0;
 
-/// How a scene's camera, dynamic instances and first light move.
+/// Motion of a scene's camera, dynamic instances and first light.
 struct Walk {
     at_rest: Vec<Affine3A>,
     /// Position of the first light, or its direction, at rest.
     light: Vec3,
     /// Corners of the camera's path.
     path: Vec<Vec3>,
-    /// Where the camera looks from wherever it is; along the path where there is none.
+    /// View vector of a camera that does not look along its path; none where it does.
     aim: Option<Vec3>,
     unit_m: f32,
 }
 
-/// Some frames of the walk through a loaded scene. In Sponza the camera follows a path
-/// through the hall, elsewhere it circles around where it stands.
+/// Frames of the walk through a loaded scene. In Sponza the camera follows a path
+/// through the hall, elsewhere it circles around its position.
 ///
 /// # Errors
-/// As [`FrameSeries::moving`].
-pub fn reel(subject: Subject, in_sponza: bool, frames: &[u32]) -> Result<FrameSeries, AppError> {
+/// Same errors as [`FrameSeries::moving`].
+pub fn frame_series(
+    subject: Subject,
+    in_sponza: bool,
+    frames: &[u32],
+) -> Result<FrameSeries, AppError> {
     let walk = Walk::new(&subject, in_sponza);
     let mover = move |subject: &mut Subject, frame| {
         walk.put(subject, frame);
@@ -72,7 +76,7 @@ impl Walk {
         let path = if in_sponza {
             PATH.map(Vec3::from_array).to_vec()
         } else {
-            // Small steps around where the camera stands, so that no wall is in the way.
+            // Small steps around the camera's position, so that no wall is in the way.
             let corner = |(x, y): (f32, f32)| eye + unit_m * Vec3::new(x, y, 0.0);
             [(-0.6, 0.0), (0.0, 0.3), (0.6, 0.0), (0.0, -0.3)]
                 .map(corner)
@@ -123,7 +127,7 @@ impl Walk {
     }
 }
 
-/// A point of the closed uniform Catmull-Rom spline through `points`; `t` from 0 to 1.
+/// Point of the closed uniform Catmull-Rom spline through `points`; `t` from 0 to 1.
 fn catmull_rom(points: &[Vec3], t: f32) -> Vec3 {
     let count = points.len();
     let at = t * count as f32;

@@ -1,4 +1,4 @@
-//! `bench.json`: the run's settings and counts.
+//! Contents of `bench.json`: settings and counts of the run.
 
 use std::collections::HashSet;
 
@@ -20,14 +20,14 @@ use crate::{
     scene::desc::ReflectionDesc,
 };
 
-/// `bench.json`
+/// Contents of `bench.json`.
 #[derive(Serialize)]
 struct Settings<'a> {
     host: &'a Host,
     scenes: &'a [&'a str],
     methods: Vec<&'static str>,
-    /// Of each method, what was turned to which values.
-    turned: Vec<Turned>,
+    /// Parameters of each method that were varied, with their values.
+    turned: Vec<Varied>,
     sizes: &'a [[u32; 2]],
     frames: u32,
     warm_up: u32,
@@ -42,25 +42,25 @@ struct Settings<'a> {
     counted: Vec<Counted<'a>>,
 }
 
-/// What was turned of a method.
+/// Varied parameter of a method, with its values.
 #[derive(Serialize)]
-struct Turned {
+struct Varied {
     method: &'static str,
-    /// None where the scene's settings were measured as they are.
+    /// Name of the parameter; none where the scene's settings were measured.
     parameter: Option<&'static str>,
-    /// Empty where the parameter does nothing for the method.
+    /// Values of the parameter; empty where it has no effect on the method.
     values: Vec<f64>,
 }
 
-/// The parameter and the values of each method.
-fn turned(protocol: &Protocol) -> Vec<Turned> {
-    let mut methods: Vec<Turned> = Vec::new();
+/// Varied parameters of each method, with their values.
+fn varied(protocol: &Protocol) -> Vec<Varied> {
+    let mut methods: Vec<Varied> = Vec::new();
     for variant in protocol.variants(&ReflectionDesc::default()) {
         let method = method_name(variant.method);
         let parameter = variant.parameter.map(Parameter::name);
-        let is_other = |last: &Turned| (last.method, last.parameter) != (method, parameter);
+        let is_other = |last: &Varied| (last.method, last.parameter) != (method, parameter);
         if methods.last().is_none_or(is_other) {
-            methods.push(Turned {
+            methods.push(Varied {
                 method,
                 parameter,
                 values: Vec::new(),
@@ -72,7 +72,7 @@ fn turned(protocol: &Protocol) -> Vec<Turned> {
     methods
 }
 
-/// What the passes of one setting did, all together.
+/// Counted work of one setting, summed over its passes.
 #[derive(Serialize)]
 struct Counted<'a> {
     scene: &'a str,
@@ -83,7 +83,7 @@ struct Counted<'a> {
     counts: Counts,
 }
 
-/// The counts of every setting, in the order of the table.
+/// Counts of every setting, in the order of the table.
 fn counted(samples: &[Sample]) -> Vec<Counted<'_>> {
     let mut known = HashSet::new();
     let first = samples.iter().filter(|s| known.insert(&s.fingerprint));
@@ -107,7 +107,7 @@ fn counted(samples: &[Sample]) -> Vec<Counted<'_>> {
     counted.collect()
 }
 
-/// The run as JSON: what was measured how, on what, and what each setting's passes did.
+/// Formats the run as JSON: its settings, machine, and the counted work of each setting.
 ///
 /// # Errors
 /// [`AppError::Internal`] where a number has no JSON.
@@ -122,7 +122,7 @@ pub fn json(
         host,
         scenes,
         methods: protocol.methods.iter().map(|m| method_name(*m)).collect(),
-        turned: turned(protocol),
+        turned: varied(protocol),
         sizes: &protocol.sizes,
         frames: protocol.frames,
         warm_up: protocol.warm_up,
@@ -143,22 +143,22 @@ pub fn json(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{bench::run::Turn, scene::desc::Method};
+    use crate::{bench::run::Sweep, scene::desc::Method};
 
     #[test]
     fn values_are_listed_by_method() {
-        let protocol = |turn| Protocol {
+        let protocol = |sweep| Protocol {
             methods: vec![Method::Ssr, Method::Rt],
-            turn,
+            sweep,
             sizes: Vec::new(),
             frames: 1,
             warm_up: 1,
             count: false,
             split_trace: false,
         };
-        let list = |turn| serde_json::to_value(turned(&protocol(turn))).expect("JSON");
+        let list = |sweep| serde_json::to_value(varied(&protocol(sweep))).expect("JSON");
         assert_eq!(
-            list(Turn::Own),
+            list(Sweep::Own),
             serde_json::json!([
                 { "method": "ssr", "parameter": "steps", "values": Parameter::Steps.default_values() },
                 { "method": "rt", "parameter": "bounces", "values": Parameter::Bounces.default_values() },
@@ -166,7 +166,7 @@ mod tests {
             ])
         );
         assert_eq!(
-            list(Turn::One(Parameter::Steps, vec![8.0])),
+            list(Sweep::One(Parameter::Steps, vec![8.0])),
             serde_json::json!([
                 { "method": "ssr", "parameter": "steps", "values": [8.0] },
                 { "method": "rt", "parameter": "steps", "values": [] },

@@ -1,11 +1,11 @@
-//! `bench stability`: scores of failure modes, their document and their ratchet.
+//! `bench stability`: scores of failure modes, their document and their ratchet file.
 
 use std::path::Path;
 
 use super::{
     args::{RunArgs, StabilityArgs},
     methods, of_file, open_gpu, sample, subject,
-    timeline::reel,
+    timeline::frame_series,
     write,
 };
 use crate::{
@@ -14,7 +14,7 @@ use crate::{
         hash::Hash,
         parameter::{THRESHOLD_SERIES, method_name},
         report::page::page,
-        run::{FrameSeries, Protocol, Subject, Turn},
+        run::{FrameSeries, Protocol, Subject, Sweep},
         sample::Sample,
         stability::{
             Against, Cell, Mode, Part, cells, document::document, heat_map::heat_map,
@@ -31,16 +31,16 @@ mod suite;
 
 use suite::Choice;
 
-/// Sub-frames of the truth.
+/// Number of sub-frames of the truth.
 const TRUTH_SAMPLES: u32 = 64;
-/// Size of a new ratchet's stills.
+/// Picture size of a new ratchet, pixels.
 const RATCHET_SIZE: [u32; 2] = [160, 90];
-/// The mode of sizes, and those that it is scored at beside its own.
+/// Number of the mode about picture sizes, and the sizes at which it is scored beside its own.
 const SIZES: (u32, [[u32; 2]; 2]) = (12, [[80, 45], [161, 91]]);
-/// The mode that is far from the origin, and what brings its truth there.
+/// Number of the mode that is far from the origin, and the override that moves its truth to the origin.
 const FAR_AWAY: (u32, &str) = (26, "params.distance_m=0.0");
 
-/// What is measured of every scene.
+/// Measurements of every scene.
 struct Plan<'a> {
     args: &'a StabilityArgs,
     size: Option<[u32; 2]>,
@@ -48,10 +48,10 @@ struct Plan<'a> {
     truth: bool,
 }
 
-/// Runs the command.
+/// Runs the command `bench stability`.
 ///
 /// # Errors
-/// Modes and files that do not exist, scenes that do not load, what the renderer refuses, and
+/// Modes and files that do not exist, scenes that do not load, errors of the renderer, and
 /// [`AppError::Threshold`] where a score is worse than the ratchet allows.
 pub fn stability(args: &StabilityArgs) -> Result<(), AppError> {
     let methods = methods(&args.methods);
@@ -85,7 +85,7 @@ pub fn stability(args: &StabilityArgs) -> Result<(), AppError> {
         warm_up: run.warm_up,
         count: false,
         split_trace: false,
-        turn: Turn::Rules,
+        sweep: Sweep::Rules,
         methods,
     };
     let gpu = open_gpu(&run)?;
@@ -120,7 +120,7 @@ pub fn stability(args: &StabilityArgs) -> Result<(), AppError> {
     }
 }
 
-/// The columns of the tables: `hybrid` has one for each rule of acceptance.
+/// Columns of the tables: `hybrid` has one for each rule of acceptance.
 fn columns(methods: &[Method]) -> Vec<&'static str> {
     let of = |method: &Method| match method {
         Method::Hybrid => vec![THRESHOLD_SERIES, method_name(*method)],
@@ -129,7 +129,7 @@ fn columns(methods: &[Method]) -> Vec<&'static str> {
     methods.iter().flat_map(of).collect()
 }
 
-/// The file of `--ratchet`; a new one where it may be written.
+/// Ratchet in the file of `--ratchet`; a new one where the file is missing and may be written.
 fn open_ratchet(args: &StabilityArgs) -> Result<Option<Ratchet>, AppError> {
     let Some(path) = &args.ratchet else {
         return Ok(None);
@@ -154,7 +154,7 @@ fn open_ratchet(args: &StabilityArgs) -> Result<Option<Ratchet>, AppError> {
 }
 
 impl Plan<'_> {
-    /// The mode of a scene, and what is measured for it.
+    /// Loads a scene as a mode, with the frame series to measure for it.
     fn load(&self, choice: &Choice) -> Result<(Mode, Vec<FrameSeries>), AppError> {
         let loaded = self.scene(choice, &[])?;
         let mut mode = Mode {
@@ -176,7 +176,10 @@ impl Plan<'_> {
                 false => "all".to_owned(),
             });
         if frames.is_some() {
-            add(reel(loaded, name, None, frames.as_deref())?, Against::Rt);
+            add(
+                frame_series(loaded, name, None, frames.as_deref())?,
+                Against::Rt,
+            );
             return Ok((mode, all));
         }
         let still = subject(loaded, name.clone(), None)?;
@@ -205,7 +208,7 @@ impl Plan<'_> {
         load_scene(Some(&choice.path), &self.args.from, more)
     }
 
-    /// The same subject, with its truth as its reference.
+    /// The same still subject with its truth as the reference.
     fn against_truth(&self, choice: &Choice, still: &Subject) -> Result<Subject, AppError> {
         let mut truth = still.clone();
         if choice.number == Some(FAR_AWAY.0) {
@@ -230,7 +233,7 @@ impl Plan<'_> {
     }
 }
 
-/// The comment that a scene begins with, in one line.
+/// Comment at the beginning of a scene, in one line.
 fn first_comment(text: &str) -> String {
     let lines = text.lines().map_while(|line| line.strip_prefix('#'));
     lines.map(str::trim).collect::<Vec<_>>().join(" ")
@@ -268,7 +271,7 @@ fn write_to(option: &str, path: &Path, bytes: &[u8]) -> Result<(), AppError> {
     })
 }
 
-/// Compares the scores with the ratchet, and tightens it where that is asked for.
+/// Compares the scores with the ratchet, and tightens it where that is requested.
 fn hold(
     path: &Path,
     mut ratchet: Ratchet,

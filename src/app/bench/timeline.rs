@@ -1,4 +1,4 @@
-//! Which frames of a scene `bench` measures, and how they are posed.
+//! Frames of a scene that `bench` measures, and the function that poses them.
 
 use crate::{
     app::{error::AppError, frames::FrameList, scene::choose_camera},
@@ -9,11 +9,11 @@ use crate::{
 
 use super::subject;
 
-/// A loaded scene with the frames that `--timeline` lists; without it, with its first.
+/// Frame series of a loaded scene with the frames that `--timeline` lists; without it, with its first.
 ///
 /// # Errors
-/// A list that the scene's timeline does not have, a frame that cannot be posed, no such camera.
-pub fn reel(
+/// A list with frames outside the scene's timeline, a frame that cannot be posed, a camera that does not exist.
+pub fn frame_series(
     loaded: LoadedScene,
     name: String,
     camera: Option<&str>,
@@ -35,7 +35,7 @@ pub fn reel(
     FrameSeries::moving(subject, &frames, Box::new(mover)).map_err(AppError::Scene)
 }
 
-/// None for a scene whose frames are all alike, and of which no list is asked for.
+/// Frames to measure; none for a still scene without a list.
 fn frames(loaded: &LoadedScene, list: Option<&str>) -> Result<Option<Vec<u32>>, AppError> {
     let name = &loaded.name;
     match (list, &loaded.scene.timeline) {

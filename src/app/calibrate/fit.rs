@@ -1,14 +1,14 @@
-//! Least squares of two costs that explain measured times.
+//! Least-squares fit of two unit costs to measured times.
 
 /// A pass with the counts that its time is fitted to: time = first × cost + second × cost.
 pub struct Measured {
-    /// What it did, of two kinds.
+    /// Two work counts of the pass, such as triangles and pixels.
     pub counts: [f64; 2],
-    /// What it took, nanoseconds.
+    /// Measured time, nanoseconds.
     pub ns: f64,
 }
 
-/// Instead of a cost that the times do not show: plans hold no zeros.
+/// Unit cost in place of one that the times do not show, nanoseconds: plan files must not contain zeros.
 pub const LEAST_NS: f64 = 1e-4;
 
 /// Costs, not below 0, that explain the times with the least sum of squared relative errors.
@@ -28,7 +28,7 @@ pub fn fit(measured: &[Measured]) -> [f64; 2] {
     let costs = if determinant > 1e-9 * xx * yy && both.iter().all(|cost| *cost >= 0.0) {
         both
     } else {
-        // One of them explains nothing that the other does not: the better one alone.
+        // The counts are proportional, or a cost would be negative: only the one that explains more time is used.
         let [first, second] = [alone(x, xx), alone(y, yy)];
         if first * x >= second * y {
             [first, 0.0]
@@ -65,7 +65,7 @@ mod tests {
             (a - 90.0).abs() < 1e-6 && (b - 24.0).abs() < 1e-6,
             "{a} {b}"
         );
-        // One count alone, both proportional, nothing measured.
+        // One count is zero; both counts are proportional; nothing was measured.
         let [a, b] = fit(&measured([5.0, 0.0], &[[10.0, 0.0]]));
         assert!((a - 5.0).abs() < 1e-9 && b == LEAST_NS, "{a} {b}");
         let [a, b] = fit(&measured([1.0, 1.0], &[[1.0, 2.0], [2.0, 4.0]]));

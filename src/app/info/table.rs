@@ -1,11 +1,11 @@
-//! What `info` prints without `--json`.
+//! Text output of `info`, without `--json`.
 
 use std::fmt::Write as _;
 
 use super::{Info, Timeline};
 use crate::{app::stats::mebibytes, render::decide::Decision, scene::desc::LightKind};
 
-/// A line for each fact.
+/// Table with a line for each fact.
 pub fn table(info: &Info) -> String {
     let mut out = String::new();
     let mut line = |label: &str, value: String| {
@@ -88,7 +88,7 @@ pub fn table(info: &Info) -> String {
     out
 }
 
-/// Animations and material variants of the files, of which scene text chooses.
+/// Lines about animations and material variants of the files, from which scene text chooses.
 fn choices(info: &Info) -> Vec<(&'static str, String)> {
     let mut lines = Vec::new();
     for animation in &info.animations {
@@ -114,7 +114,7 @@ fn choices(info: &Info) -> Vec<(&'static str, String)> {
     lines
 }
 
-/// What is left to `auto` becomes what, on which adapters.
+/// Lines about the values decided for settings left to `auto`, with the adapters that they apply to.
 fn decisions(info: &Info) -> Vec<String> {
     let of = |kind: &str, list: &[Decision]| {
         let text = |d: &Decision| format!("{} = {} on {kind}: {}", d.what, d.chosen, d.why);

@@ -13,10 +13,10 @@ use crate::{
 /// Tasks that Slurm allows in an array, where `MaxArraySize` is not set.
 const MOST_TASKS: usize = 1000;
 
-/// `job slurm`
+/// Arguments of `job slurm`.
 #[derive(Clone, Debug, Args)]
 pub struct SlurmArgs {
-    /// What is rendered
+    /// Film to render in parts
     #[command(flatten)]
     pub tasks: TaskArgs,
     /// Script to write, such as film.sh; `sbatch film.sh` starts it
@@ -27,7 +27,7 @@ pub struct SlurmArgs {
 /// Writes the script.
 ///
 /// # Errors
-/// Errors of the scene, [`AppError::Usage`] for names that are no text and too many tasks, and a script
+/// Errors of the scene, [`AppError::Usage`] for names that are not UTF-8 and for too many tasks, and a script
 /// that cannot be written.
 pub fn slurm(args: &SlurmArgs) -> Result<(), AppError> {
     let film = args.tasks.film()?;
@@ -52,7 +52,7 @@ fn script(args: &TaskArgs, film: &Film) -> Result<String, AppError> {
     let mut script = format!(
         "#!/bin/bash\n\
          # Written by `reflet job slurm`. Each task renders one chunk of the frames; a task that is run again\n\
-         # keeps those that are there.\n\
+         # keeps the finished ones.\n\
          #SBATCH --job-name={}\n\
          #SBATCH --array=0-{}\n\
          #SBATCH --requeue\n\
@@ -64,7 +64,7 @@ fn script(args: &TaskArgs, film: &Film) -> Result<String, AppError> {
     for chunk in &chunks {
         let _ = write!(script, " {chunk}");
     }
-    script.push_str(" )\n# It ends after its frame where Slurm asks it to, so it takes the place of this script.\nexec reflet render");
+    script.push_str(" )\n# exec: signals of Slurm reach reflet, which ends after its current frame.\nexec reflet render");
     for argument in command(args)? {
         let _ = write!(script, " {}", quoted(&argument));
     }
@@ -72,12 +72,17 @@ fn script(args: &TaskArgs, film: &Film) -> Result<String, AppError> {
     Ok(script)
 }
 
-/// The arguments of all tasks.
+/// Arguments of `render` that all tasks share.
 fn command(args: &TaskArgs) -> Result<Vec<String>, AppError> {
     let path = |path: &std::path::Path| {
         let path = absolute(path)?;
         let text = path.to_str().map(str::to_owned);
-        text.ok_or_else(|| AppError::Usage(format!("{}: a script cannot name it", path.display())))
+        text.ok_or_else(|| {
+            AppError::Usage(format!(
+                "{}: the path is not UTF-8, so a script cannot contain it",
+                path.display()
+            ))
+        })
     };
     let mut command = vec![path(&args.scene)?, "--output".into(), path(&args.pictures)?];
     command.push("--resume".into());
@@ -90,13 +95,13 @@ fn command(args: &TaskArgs) -> Result<Vec<String>, AppError> {
         .find(|text| text.contains(cameras::PLACEHOLDER))
     {
         return Err(AppError::Usage(format!(
-            "\"{braces}\": tasks render one camera; name it by --camera, and take another name"
+            "\"{braces}\": tasks render one camera; choose it by --camera, and remove the braces"
         )));
     }
     Ok(command)
 }
 
-/// What is hardly part of a name becomes `_`.
+/// Job name; unsafe characters become `_`.
 fn plain_name(name: &str) -> String {
     let safe = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
     let name: String = name
@@ -109,7 +114,7 @@ fn plain_name(name: &str) -> String {
     }
 }
 
-/// An argument as shells read it.
+/// Argument quoted for a POSIX shell.
 fn quoted(text: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=#:,".contains(c);
     match !text.is_empty() && !text.starts_with('#') && text.chars().all(plain) {

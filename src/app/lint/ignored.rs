@@ -1,4 +1,4 @@
-//! Keys that change nothing: what others say makes them do so.
+//! Keys that have no effect because of other keys, or because another key is missing.
 
 use toml::de::DeTable;
 
@@ -8,7 +8,7 @@ use crate::scene::{
     stages::Scene,
 };
 
-/// What [`ReflectionDesc::settled`](crate::scene::desc::ReflectionDesc::settled) replaces.
+/// Keys whose values [`ReflectionDesc::settled`](crate::scene::desc::ReflectionDesc::settled) replaces.
 const REPLACED: [&str; 9] = [
     "bounces",
     "diffuse_bounces",
@@ -21,10 +21,10 @@ const REPLACED: [&str; 9] = [
     "blur_px",
 ];
 
-/// A key of materials, and whether a material's table says it.
+/// Name of a material key, and whether a material's table sets it.
 type Key = (&'static str, fn(&MaterialDesc) -> bool);
 
-/// A [`Key`] by its name.
+/// [`Key`] of this name.
 macro_rules! key {
     ($key:ident) => {
         (
@@ -34,7 +34,7 @@ macro_rules! key {
     };
 }
 
-/// Keys of materials, and others that do nothing without them. Where something moves the first, the table must have it.
+/// Material keys, each with keys that have no effect without it. Motion of a key requires it in the table as well.
 const NEEDED: &[(Key, &[Key])] = &[
     (
         key!(transmission),
@@ -54,7 +54,7 @@ const NEEDED: &[(Key, &[Key])] = &[
     (key!(anisotropy), &[key!(anisotropy_rotation_deg)]),
 ];
 
-/// Warnings of keys that the scene's text says and that change nothing; `start` is in that text.
+/// Warnings about keys in the scene's text that have no effect; `start` is a span in that text.
 pub fn lint(scene: &Scene, start: &Span) -> Vec<Diagnostic> {
     let mut found: Vec<_> = by_path(scene, start).into_iter().collect();
     found.extend(shutter(scene, start));
@@ -62,7 +62,7 @@ pub fn lint(scene: &Scene, start: &Span) -> Vec<Diagnostic> {
     found
 }
 
-/// Keys that method `path` leaves out: it follows all light, whatever they say.
+/// Keys that method `path` ignores, because it follows all light.
 fn by_path(scene: &Scene, start: &Span) -> Option<Diagnostic> {
     if scene.reflection.method != Method::Path {
         return None;
@@ -78,7 +78,7 @@ fn by_path(scene: &Scene, start: &Span) -> Option<Diagnostic> {
     Some(Diagnostic::at("ignored-key", at, message).help(help))
 }
 
-/// A shutter that is open while nothing moves.
+/// An open shutter in a scene without motion.
 fn shutter(scene: &Scene, start: &Span) -> Option<Diagnostic> {
     if scene.image.shutter <= 0.0 || !scene.is_still() {
         return None;
@@ -90,7 +90,8 @@ fn shutter(scene: &Scene, start: &Span) -> Option<Diagnostic> {
     Some(Diagnostic::at("ignored-key", at, message).help(help))
 }
 
-/// Materials that lack what others of their keys need. Those of files may have it there.
+/// Materials that lack a key without which others have no effect. Only materials named by shapes and instances
+/// are checked: others may override a file's material, which has the key.
 fn materials(scene: &Scene) -> Vec<Diagnostic> {
     let of_shapes = scene
         .models
@@ -125,7 +126,7 @@ fn materials(scene: &Scene) -> Vec<Diagnostic> {
     found
 }
 
-/// Where a table of the scene's text says some of these keys, in its order.
+/// Places and names of these keys in a table of the scene's text, in the order of the text.
 fn written(start: &Span, table: &str, keys: &[&str]) -> Vec<(Span, String)> {
     let find = || {
         let source = start.source.as_ref()?;
@@ -146,7 +147,7 @@ fn written(start: &Span, table: &str, keys: &[&str]) -> Vec<(Span, String)> {
     found
 }
 
-/// That these keys change nothing.
+/// Text saying that these keys change nothing.
 fn nothing(keys: &[&str]) -> String {
     let names: Vec<_> = keys.iter().map(|key| format!("`{key}`")).collect();
     let change = if keys.len() == 1 { "changes" } else { "change" };

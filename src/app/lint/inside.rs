@@ -14,11 +14,11 @@ use crate::{
     world::{Instance, Mesh, Posed, World},
 };
 
-/// Largest mesh that is looked at, triangles.
+/// Largest mesh that is tested for being closed, triangles.
 const MOST_TRIANGLES: usize = 500_000;
 
-/// Lights of the scene text whose light cannot leave the shape that they are in, while no camera is
-/// in there.
+/// Warnings about lights of the scene text inside of a closed shape that their light cannot leave, while no
+/// camera is inside of it too.
 pub fn lights(scene: &Scene, world: &World) -> Vec<Diagnostic> {
     let mut closed = Closed::new(world);
     let mut found = Vec::new();
@@ -53,13 +53,13 @@ pub fn lights(scene: &Scene, world: &World) -> Vec<Diagnostic> {
     found
 }
 
-/// Cameras of the scene text that are inside of a shape with nothing else in it, so that it is not a
-/// room.
+/// Warnings about cameras of the scene text inside of a closed shape with nothing else in it, so that it is
+/// not a room.
 pub fn cameras(scene: &Scene, world: &World) -> Vec<Diagnostic> {
     let mut closed = Closed::new(world);
     let mut found = Vec::new();
     let cameras = scene.cameras.iter().zip(&world.cameras);
-    // Those of placed scenes came along with them.
+    // Cameras of placed scenes are skipped: they come with those scenes.
     for (entry, camera) in cameras.filter(|(e, _)| !scene.placed_cameras.contains(&e.name)) {
         for shape in closed.around(camera.value.eye) {
             let inner = |(i, other): (usize, &Instance)| {
@@ -90,7 +90,7 @@ pub fn cameras(scene: &Scene, world: &World) -> Vec<Diagnostic> {
     found
 }
 
-/// Points at the edge of a light with a size, on both sides of its middle along each axis.
+/// Points at the edge of a light with a size, on both sides of its center along each axis.
 fn surface(kind: &LightKind, position: Vec3) -> Vec<Vec3> {
     let steps = match *kind {
         LightKind::Point { radius_m, .. } | LightKind::Spot { radius_m, .. } => {
@@ -110,7 +110,7 @@ fn surface(kind: &LightKind, position: Vec3) -> Vec<Vec3> {
             size: [width, height],
             ..
         } => {
-            // As it is drawn: where `up` lies along its direction, Z is up.
+            // Axes as in rendering: if `up` is parallel to the direction, Z is up.
             let across = |up: Vec3| direction.cross(up).try_normalize();
             let right = across(up).or_else(|| across(Vec3::Z)).unwrap_or(Vec3::X);
             vec![right * 0.5 * width, right.cross(direction) * 0.5 * height]
@@ -123,9 +123,9 @@ fn surface(kind: &LightKind, position: Vec3) -> Vec<Vec3> {
     both.collect()
 }
 
-/// Adds the place of an instance, where its name leads to one.
+/// Adds the place of an instance to a warning, if its name belongs to an instance or model of the text.
 fn related(warning: Diagnostic, scene: &Scene, instance: &str) -> Diagnostic {
-    // Copies and parts of files have the name with more behind it.
+    // Names of copies and of parts of files begin with the instance's name.
     let is_own = |name: &str| {
         let rest = instance.strip_prefix(name);
         rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['[', '/', '#']))
@@ -142,7 +142,7 @@ fn related(warning: Diagnostic, scene: &Scene, instance: &str) -> Diagnostic {
     }
 }
 
-/// Which instances are closed, found once for each mesh.
+/// Tests whether points are inside of closed instances; remembers which meshes are closed.
 struct Closed<'a> {
     world: &'a World,
     meshes: HashMap<usize, bool>,
@@ -154,7 +154,7 @@ impl<'a> Closed<'a> {
         Self { world, meshes }
     }
 
-    /// The closed, opaque instances that a point is inside of.
+    /// Indices of the closed, opaque instances that contain a point.
     fn around(&mut self, point: Vec3) -> Vec<usize> {
         let world = self.world;
         let mut found = Vec::new();
@@ -174,7 +174,7 @@ impl<'a> Closed<'a> {
         found
     }
 
-    /// Whether a closed instance has the point inside.
+    /// Whether a closed instance contains a point.
     fn contains(&self, index: usize, point: Vec3) -> bool {
         let instance = &self.world.instances[index];
         if !invertible(&instance.world_from_object) {
@@ -188,14 +188,14 @@ impl<'a> Closed<'a> {
     }
 }
 
-/// Whether every directed edge has a partner in the other direction. Vertices are told apart by
-/// where they are, since a seam of the texture doubles them.
+/// Whether every directed edge has a partner in the other direction. Vertices are identified by position,
+/// since texture seams duplicate them.
 fn is_closed_mesh(mesh: &Mesh) -> bool {
     if mesh.triangles.len() > MOST_TRIANGLES {
         return false;
     }
     let mut edges: HashMap<([u32; 3], [u32; 3]), i32> = HashMap::new();
-    // +0.0 and -0.0 are the same place.
+    // +0.0 and -0.0 are the same position.
     let key = |i: u32| {
         (mesh.positions[i as usize] + Vec3::ZERO)
             .to_array()
@@ -210,9 +210,9 @@ fn is_closed_mesh(mesh: &Mesh) -> bool {
     !edges.is_empty() && edges.values().all(|n| *n == 0)
 }
 
-/// How often a mesh surrounds a point: the sum of the solid angles of its triangles over 4π (Jacobson,
+/// Winding number of a mesh around a point: the sum of the solid angles of its triangles over 4π (Jacobson,
 /// Kavan, Sorkine-Hornung, "Robust Inside-Outside Segmentation using Generalized Winding Numbers",
-/// SIGGRAPH 2013; a triangle's after van Oosterom and Strackee 1983).
+/// SIGGRAPH 2013; solid angle of a triangle by van Oosterom and Strackee 1983).
 fn winding_number(triangles: &[[u32; 3]], posed: &Posed<'_>, point: DVec3) -> f64 {
     let half_angles = triangles.iter().map(|triangle| {
         let [a, b, c] = posed.corners(*triangle).map(|p| p.as_dvec3() - point);

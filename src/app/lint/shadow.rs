@@ -11,7 +11,7 @@ use crate::{
     world::{World, bvh::Trees},
 };
 
-/// Warns of lights whose shadow maps have texels as large as many pixels, where half of what is seen lies.
+/// Warns of shadow maps whose texels span many pixels (the median over the visible surfaces).
 pub fn lint(scene: &Scene, world: &World, trees: &Trees) -> Vec<Diagnostic> {
     let has_map = |shadow| shadow == ShadowMode::Map;
     let Some(camera) = world.cameras.get(world.main_camera()) else {

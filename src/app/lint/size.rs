@@ -13,10 +13,10 @@ use crate::{
     },
 };
 
-/// What every device allows in one buffer: the default of WebGPU's `maxStorageBufferBindingSize`.
+/// Buffer size that every device allows, bytes: the default of WebGPU's `maxStorageBufferBindingSize`.
 const EVERYWHERE_BYTES: u64 = 128 << 20;
 
-/// A warning about the largest buffer, if some devices refuse it. `is_traced`: rays are followed.
+/// Warning about the largest buffer, if some devices refuse it. `is_traced`: whether rays are traced.
 pub fn lint(world: &World, is_traced: bool, start: Span) -> Option<Diagnostic> {
     let (what, bytes) = largest(&sizes(world, is_traced));
     if bytes <= EVERYWHERE_BYTES {
@@ -34,8 +34,8 @@ pub fn lint(world: &World, is_traced: bool, start: Span) -> Option<Diagnostic> {
     Some(Diagnostic::at("geometry-large", start, message).help(help))
 }
 
-/// Why `render` would refuse the geometry on this machine and its device; nothing where it would not, or where
-/// there is no device to ask.
+/// Error that `render` would report about the geometry on this machine's device; `None` if it would render it, or
+/// if there is no device.
 pub fn refused_here(world: &World, is_traced: bool) -> Option<Diagnostic> {
     let short = is_traced.then(|| check_memory(world).err()).flatten();
     if let Some(short) = short {
@@ -51,7 +51,7 @@ pub fn refused_here(world: &World, is_traced: bool) -> Option<Diagnostic> {
     Some(found.help("simplify the models, or leave some out"))
 }
 
-/// Of the meshes that are placed; copies of a mesh that are stored again are not counted.
+/// Buffer sizes of the meshes in use, bytes; further copies that the renderer stores are not counted.
 fn sizes(world: &World, is_traced: bool) -> Sizes {
     let mut used = vec![false; world.meshes.len()];
     for instance in &world.instances {
@@ -70,7 +70,7 @@ fn sizes(world: &World, is_traced: bool) -> Sizes {
     }
 }
 
-/// The largest array, and its bytes.
+/// Name of the largest array, and its bytes.
 fn largest(sizes: &Sizes) -> (&'static str, u64) {
     let arrays = [
         ("the vertices", sizes.vertices),
@@ -108,7 +108,7 @@ mod tests {
             }],
             ..World::default()
         };
-        // 48 bytes a triangle, 2²⁷ in all.
+        // 48 bytes per triangle, 2²⁷ bytes in all.
         let most = (EVERYWHERE_BYTES / 48) as usize;
         let warned = |world: &World, traced| lint(world, traced, Span::default()).is_some();
         assert!(!warned(&world(most), true));

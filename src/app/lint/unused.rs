@@ -1,4 +1,4 @@
-//! What is written and never used.
+//! Script parameters that are never used.
 
 use crate::scene::{
     diagnostic::Diagnostic,
@@ -6,7 +6,7 @@ use crate::scene::{
     stages::Scene,
 };
 
-/// Parameters that the script does not read.
+/// Warnings about parameters that the script does not read.
 pub fn params(scene: &Scene) -> Vec<Diagnostic> {
     let texts = scene.script.iter().flat_map(|s| &s.texts);
     let Params::Named(used) = used_params(texts.map(|(_, text)| text.as_str())) else {

@@ -1,4 +1,4 @@
-//! What the main camera shows: nothing, a black or a blown picture, reflectors without a reflection.
+//! The main camera's picture: empty, black or overexposed, or with reflectors that reflect nothing.
 
 use crate::{
     render::{
@@ -13,13 +13,13 @@ use crate::{
     world::{World, bvh::Trees},
 };
 
-/// Exposed radiance below this shows as black: a display value of 6 of 255.
+/// Exposed radiance below which a pixel shows as black: a display value of 6 of 255.
 const BLACK: f32 = 2e-3;
-/// Exposed radiance above this shows as white, whatever its color.
+/// Exposed radiance above which a pixel shows as white, whatever its color.
 const BLOWN: f32 = 4.0;
-/// Share of the picture that must be blown to be worth a warning.
+/// Share of white pixels that is worth a warning.
 const MOSTLY: f32 = 0.9;
-/// Fewest samples that tell something about a reflector.
+/// Minimum number of mirror rays for a statement about a reflector.
 const FEWEST: usize = 8;
 
 /// Warnings about the main camera's picture.
@@ -44,7 +44,7 @@ pub fn lint(scene: &Scene, world: &World, trees: &Trees) -> Vec<Diagnostic> {
         found.push(Diagnostic::at("empty-view", at(), message).help(help));
         return found;
     }
-    // What is chosen by the picture itself is right.
+    // Automatic exposure adapts to the picture.
     if let Exposure::Ev(ev) = scene.image.exposure_ev {
         found.extend(brightness(&estimate.radiance, ev, camera));
     }
@@ -54,7 +54,7 @@ pub fn lint(scene: &Scene, world: &World, trees: &Trees) -> Vec<Diagnostic> {
     found
 }
 
-/// A picture that is black or white nearly all over, at an exposure of `ev` stops.
+/// Warning about a picture that is black or white nearly all over, at an exposure of `ev` stops.
 fn brightness(radiance: &[f32], ev: f32, camera: &Entry<CameraDesc>) -> Option<Diagnostic> {
     let (name, at) = (&camera.name, camera.at.clone());
     let exposed = || radiance.iter().map(|r| r * ev.exp2());
@@ -82,7 +82,7 @@ fn brightness(radiance: &[f32], ev: f32, camera: &Entry<CameraDesc>) -> Option<D
     })
 }
 
-/// A material whose mirror rays meet nothing.
+/// Warning about a material whose mirror rays hit nothing.
 fn reflector(
     scene: &Scene,
     world: &World,
@@ -119,7 +119,7 @@ fn reflector(
     })
 }
 
-/// A number with three digits after the point, without zeros at its end.
+/// Number rounded to three decimals.
 fn shortened(x: f32) -> f64 {
     (f64::from(x) * 1e3).round() / 1e3
 }

@@ -1,5 +1,5 @@
-//! A first picture that is soon there: surfaces and shadow maps, without what takes seconds to compile and
-//! to build, which are reflections, glass, all that is followed by rays, and samples of lights.
+//! Coarse first picture, which appears soon: surfaces and shadow maps. Reflections, glass, ray tracing and light
+//! sampling are left out, since their shaders and BVHs take seconds to compile and build.
 
 use super::{Live, reload::options_of};
 use crate::{
@@ -8,10 +8,10 @@ use crate::{
     world::{World, pose::Moving},
 };
 
-/// The scene without what the first picture does not show.
+/// World without the features that the coarse picture leaves out.
 pub(super) fn world(of: &World) -> World {
     let mut world = of.clone();
-    // What moves may reflect in another frame.
+    // Animated materials may turn these features on again in another frame.
     world.moving = Moving::default();
     for material in &mut world.materials {
         material.reflection = ReflectionMode::None;
@@ -29,7 +29,7 @@ pub(super) fn world(of: &World) -> World {
     world
 }
 
-/// Options for the first picture.
+/// Options for the coarse picture.
 pub(super) fn options(mut options: RenderOptions) -> RenderOptions {
     options.reflection.method = Method::Ssr;
     options.reflection.diffuse_bounces = 0;
@@ -37,22 +37,22 @@ pub(super) fn options(mut options: RenderOptions) -> RenderOptions {
     options.image.samples = 1;
     options.image.visibility = Visibility::Raster;
     if options.image.exposure_ev == Exposure::Auto {
-        options.image.exposure_ev = Exposure::Ev(0.0); // it is found by rays
+        options.image.exposure_ev = Exposure::Ev(0.0); // automatic exposure needs rays
     }
     options.audit = false;
     options
 }
 
 impl Live {
-    /// Whether most of what the scene needs is still to be built.
+    /// Whether the scene is still shown coarsely.
     pub fn is_coarse(&self) -> bool {
         self.coarse.is_some()
     }
 
-    /// Builds what the first picture did without.
+    /// Builds the features that the coarse picture leaves out.
     ///
     /// # Errors
-    /// As [`crate::render::Renderer::change`]; then the coarse picture stays.
+    /// Same errors as [`crate::render::Renderer::change`]; then the coarse picture stays.
     pub fn complete(&mut self) -> Result<(), RenderError> {
         if self.coarse.is_none() {
             return Ok(());

@@ -20,12 +20,12 @@ use crate::{
 /// Scene text shown while no valid scene exists.
 const EMPTY_SCENE: &str = "version = 1\n[camera.main]\neye = [0, 1, 4]\ntarget = [0, 0, 0]\n";
 
-/// What is built before the first picture.
+/// Features that are built before the first picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Begins {
-    /// All that the scene needs.
+pub enum InitialBuild {
+    /// All features that the scene needs.
     Whole,
-    /// What shows surfaces and shadow maps, without reflections and glass; [`Live::complete`] builds the rest.
+    /// Surfaces and shadow maps, without reflections and glass; [`Live::complete`] builds the rest.
     Coarse,
 }
 
@@ -33,24 +33,24 @@ impl Live {
     /// Reads and builds everything for the first time, at the first frame.
     ///
     /// # Errors
-    /// As the command `render`: there is no last good scene yet.
+    /// Same errors as the command `render`: there is no last good scene yet.
     pub fn open(
         gpu: Arc<Gpu>,
         source: SceneSource,
         overrides: ViewOverrides,
-        begins: Begins,
+        initial: InitialBuild,
     ) -> Result<Self, AppError> {
         let read_since = SystemTime::now();
         let texts = Dependencies::default();
         let read = reload_job::read(&source, &ParameterOverrides::default(), &texts, 0);
         let read = read.map_err(AppError::Scene)?;
-        Self::build(gpu, source, (overrides, begins), texts, read, read_since)
+        Self::build(gpu, source, (overrides, initial), texts, read, read_since)
     }
 
     /// Shows an empty scene in place of one with errors, until a reload succeeds.
     ///
     /// # Errors
-    /// As [`Live::open`], without scene errors.
+    /// Same errors as [`Live::open`], except scene errors.
     pub fn open_empty(
         gpu: Arc<Gpu>,
         source: SceneSource,
@@ -59,7 +59,7 @@ impl Live {
     ) -> Result<Self, AppError> {
         let empty = empty_scene(&source).map_err(AppError::Scene)?;
         let (texts, now) = (Dependencies::default(), SystemTime::now());
-        let overrides = (overrides, Begins::Whole);
+        let overrides = (overrides, InitialBuild::Whole);
         let mut live = Self::build(gpu, source, overrides, texts, empty, now)?;
         (live.warnings, live.problems.scene) = (Vec::new(), mistakes);
         Ok(live)
@@ -69,7 +69,7 @@ impl Live {
     fn build(
         gpu: Arc<Gpu>,
         source: SceneSource,
-        (overrides, begins): (ViewOverrides, Begins),
+        (overrides, initial): (ViewOverrides, InitialBuild),
         texts: Dependencies,
         read: Read,
         read_since: SystemTime,
@@ -84,7 +84,7 @@ impl Live {
         let mut warnings = read.warnings;
         warnings.extend(world.warnings.iter().cloned());
         let options = options_of(&read.scene, overrides);
-        let coarse = (begins == Begins::Coarse).then(|| coarse::world(&world));
+        let coarse = (initial == InitialBuild::Coarse).then(|| coarse::world(&world));
         let renderer = match &coarse {
             Some(coarse) => Renderer::new(&gpu, &library, coarse, &coarse::options(options)),
             None => Renderer::new(&gpu, &library, &world, &options),

@@ -21,7 +21,7 @@ pub struct Refusal {
 /// State of requested values.
 #[derive(Clone, Debug)]
 enum Trial {
-    /// To be used by the next read.
+    /// Overrides for the next read.
     Requested(ParameterOverrides),
     /// A read with them failed; a read without them tells whether they are the cause.
     Suspected(ParameterOverrides, Box<Problems>),
@@ -92,7 +92,7 @@ impl Live {
                 if is_current {
                     Some(Trial::Suspected(asked.clone(), why.into()))
                 } else {
-                    now // newer ones
+                    now // values requested since
                 }
             }
             Some(Trial::Suspected(parameters, why)) if is_readable => {

@@ -68,7 +68,7 @@ impl Live {
         Ok(())
     }
 
-    /// From which frame on which camera is shown; none without cuts.
+    /// Cuts: first frame and camera index of each; empty without cuts.
     pub fn cuts(&self) -> Vec<(u32, usize)> {
         let cuts = &self.scene.cuts;
         if cuts.is_empty() {
@@ -92,10 +92,10 @@ impl Live {
     /// Edits a material until the scene is saved.
     ///
     /// # Errors
-    /// As [`crate::render::Renderer::change`]; then nothing changes.
+    /// Same errors as [`crate::render::Renderer::change`]; then nothing changes.
     pub fn edit(&mut self, edit: Edit) -> Result<RebuildSummary, RenderError> {
         if edit.material >= self.world.materials.len() {
-            return Ok(RebuildSummary::default()); // of a replaced scene
+            return Ok(RebuildSummary::default()); // the edit belongs to a replaced scene
         }
         self.complete()?;
         let materials = self.world.materials.clone();

@@ -40,7 +40,7 @@ impl PendingScene {
     }
 }
 
-/// Why a scene is not adopted.
+/// Reason why a scene is not adopted.
 enum Refused {
     /// Scene errors; empty for an error that is recorded elsewhere.
     Scene(Vec<Diagnostic>),
@@ -70,7 +70,7 @@ impl Live {
         }
     }
 
-    /// Measures `work`: its duration, shaders and pipelines.
+    /// Runs `work` and measures its duration, shader modules and pipelines.
     pub(super) fn measured(&mut self, work: impl FnOnce(&mut Self, &mut Reload)) -> Reload {
         let started = Instant::now();
         let made = (
@@ -144,7 +144,7 @@ impl Live {
         }
     }
 
-    /// Shows a scene that differs from the shown one by numbers, or records its errors.
+    /// Shows a scene that has other numbers than the shown one, or records its errors.
     pub(super) fn show_changed(&mut self, read: Read, reload: &mut Reload) {
         self.pending = None;
         let pose = pose_of(&read.scene, read.frame);

@@ -42,7 +42,7 @@ pub(super) struct Read {
 }
 
 impl Read {
-    /// Of an opened scene; `frame` is clamped to its timeline.
+    /// Wraps an opened scene; `frame` is clamped to its timeline.
     pub(super) fn new(
         opened: OpenedScene,
         declared: DeclaredParameters,
@@ -70,7 +70,7 @@ pub struct Reuse {
 }
 
 impl Reuse {
-    /// For two changes at once.
+    /// State that can be reused after both changes.
     pub fn and(self, other: Self) -> Self {
         Self {
             files: self.files && other.files,
@@ -206,7 +206,7 @@ fn read_uncaught(
     ))
 }
 
-/// The frame, clamped to the timeline.
+/// Frame number clamped to the timeline.
 pub(super) fn within(desc: &SceneDesc, frame: u32) -> u32 {
     (desc.timeline.as_ref()).map_or(0, |t| frame.clamp(t.start, t.end))
 }

@@ -1,25 +1,25 @@
-//! Changes that are written into the scene's texts; the files' own saves then bring them into the
+//! Edits that are written into the scene's texts; the reload after the save shows them in the
 //! picture.
 
 use std::sync::Arc;
 
 use super::{Live, Reload, reload_job::Read};
 use crate::{
-    app::write_back::{Inspected, Numbers, Thing, change, inspect, put},
+    app::write_back::{Inspected, Numbers, SceneItem, change, inspect, put},
     scene::stages::Scene,
     session::{model_viewer_scene::is_model, scene_text::load_options},
 };
 
 impl Live {
-    /// What places an instance of the world, if the scene text does.
-    pub fn thing_of(&self, instance: usize) -> Option<Thing> {
+    /// Item of the scene text that places an instance of the world, if there is one.
+    pub fn item_of(&self, instance: usize) -> Option<SceneItem> {
         let written = self.world.written.get(instance).copied().flatten();
-        written.map(Thing::Instance)
+        written.map(SceneItem::Instance)
     }
 
-    /// What of a thing can be changed.
-    pub fn inspect(&self, thing: Thing) -> Option<Inspected> {
-        let mut inspected = inspect(&self.scene, thing)?;
+    /// Editable numbers of an item.
+    pub fn inspect(&self, item: SceneItem) -> Option<Inspected> {
+        let mut inspected = inspect(&self.scene, item)?;
         if let Err(why) = self.check_text() {
             inspected.numbers.clear();
             inspected.refused = Some(why);
@@ -27,39 +27,39 @@ impl Live {
         Some(inspected)
     }
 
-    /// Writes numbers of a thing into the text in which they stand.
+    /// Writes numbers of an item into the text that contains them.
     ///
     /// # Errors
-    /// Why that is not possible, as a sentence; no file has changed then.
-    pub fn write(&mut self, thing: Thing, numbers: &Numbers) -> Result<(), String> {
+    /// Sentence with the reason; then no file has changed.
+    pub fn write(&mut self, item: SceneItem, numbers: &Numbers) -> Result<(), String> {
         self.check_text()?;
         let variants = &self.source.args.variant;
         self.history
-            .write(change(&self.scene, variants, thing, numbers)?)
+            .write(change(&self.scene, variants, item, numbers)?)
     }
 
-    /// Shows a thing with other numbers while they are dragged: no text changes, and the next reload shows what
-    /// is written again. Nothing happens while the scene on disk has errors.
-    pub fn drag(&mut self, thing: Thing, numbers: &Numbers) -> Reload {
+    /// Shows an item with other numbers during a drag: no text changes, and the next reload shows the written
+    /// numbers again. Nothing happens while the scene on disk has errors.
+    pub fn drag(&mut self, item: SceneItem, numbers: &Numbers) -> Reload {
         if self.check_text().is_err() || !self.problems.scene.is_empty() {
             return Reload::default();
         }
         let written = self.undragged.take();
         let written = written.unwrap_or_else(|| Arc::clone(&self.scene));
         let mut scene = Scene::clone(&self.scene);
-        put(&mut scene.desc, thing, numbers);
+        put(&mut scene.desc, item, numbers);
         let reload = self.show_numbers(Arc::new(scene));
         self.undragged = Some(written);
         reload
     }
 
-    /// Shows again what is written; returns whether a drag had changed it.
+    /// Shows the scene on disk again after a drag; returns whether the drag had changed the picture.
     pub fn drop_drag(&mut self) -> bool {
         let written = self.undragged.take();
         written.is_some_and(|scene| self.show_numbers(scene).ok)
     }
 
-    /// Shows a scene that differs from the shown one by numbers.
+    /// Shows a scene that has other numbers than the shown one.
     fn show_numbers(&mut self, scene: Arc<Scene>) -> Reload {
         let read = Read {
             scene,
@@ -75,14 +75,14 @@ impl Live {
         reload
     }
 
-    /// Takes the last written change back, or makes it again; returns what was done.
+    /// Undoes the last written edit, or redoes the last undone one; returns a message about it.
     ///
     /// # Errors
-    /// As [`Live::write`].
+    /// Same errors as [`Live::write`].
     pub fn undo(&mut self, again: bool) -> Result<String, String> {
         let (path, done, nothing) = match again {
-            false => (self.history.undo()?, "took a change back", "undo"),
-            true => (self.history.redo()?, "made a change again", "redo"),
+            false => (self.history.undo()?, "undid a change", "undo"),
+            true => (self.history.redo()?, "redid a change", "redo"),
         };
         Ok(match path {
             Some(path) => format!("{done} in {}", path.display()),
@@ -90,7 +90,7 @@ impl Live {
         })
     }
 
-    /// Refuses what is shown without scene text of its own.
+    /// Refuses the built-in scene and lone models, which have no scene text.
     fn check_text(&self) -> Result<(), String> {
         match &self.source.path {
             None => Err("the built-in scene has no file".to_owned()),

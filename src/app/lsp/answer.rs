@@ -1,4 +1,4 @@
-//! Answers about a place in scene text: what can be written there, what it means, and where it is given.
+//! Answers about a position in scene text: completion, hover and definitions.
 
 use std::{
     collections::BTreeSet,
@@ -22,18 +22,18 @@ use crate::{
     session::scene_text::asset_folders,
 };
 
-/// Most files that are proposed, and folders below a folder that are looked into.
+/// Limits of file completion: number of files, and depth of the folders searched.
 const MOST_FILES: usize = 500;
 const DEPTH: usize = 3;
 
-/// Kinds of proposals in the protocol.
+/// Kinds of completion items in the protocol.
 const MODULE: u32 = 9;
 const PROPERTY: u32 = 10;
 const VALUE: u32 = 12;
 const FILE: u32 = 17;
 const REFERENCE: u32 = 18;
 
-/// What can be written at a place.
+/// Completions at a byte offset.
 pub fn complete(file: &TextFile, offset: usize) -> Vec<Value> {
     let before = &file.text[..file.text.floor_char_boundary(offset)];
     let (mut words, end) = outline(before);
@@ -75,7 +75,7 @@ fn keys(section: &'static SectionRecord) -> Vec<Value> {
     all
 }
 
-/// Tables, and names that are given already where the user chooses names.
+/// Completions of a table header: tables, or names in use where users choose names.
 fn headers(file: &TextFile, word: &Word) -> Vec<Value> {
     match below(&word.table) {
         Some(Below::Table(section)) => {
@@ -140,7 +140,7 @@ fn values(file: &TextFile, word: &Word, name: &str, quoted: bool) -> Vec<Value> 
     all
 }
 
-/// The folder of a file, then those of assets.
+/// Folder of a file, then the asset folders.
 fn folders(path: &Path) -> Vec<PathBuf> {
     let own = path.parent().unwrap_or(Path::new("")).to_owned();
     std::iter::once(own).chain(asset_folders(&[])).collect()
@@ -173,13 +173,13 @@ fn files_below(
     }
 }
 
-/// The word at a place.
+/// Word at a byte offset.
 fn word_at(text: &str, offset: usize) -> Option<Word> {
     let is_at = |word: &Word| (word.range.start..=word.range.end).contains(&offset);
     outline(text).0.into_iter().find(is_at)
 }
 
-/// What the manual says about a place.
+/// Manual text about the word at a byte offset.
 pub fn hover(file: &TextFile, offset: usize) -> Option<Value> {
     let word = word_at(&file.text, offset)?;
     let of_key = |table: &[String], name: &str| {
@@ -215,7 +215,7 @@ pub fn hover(file: &TextFile, offset: usize) -> Option<Value> {
     }))
 }
 
-/// Where what a place names is given: a table, an instance, or a file.
+/// Locations of the definition of the name at a byte offset: a table, an instance, or a file.
 pub fn definition(file: &TextFile, offset: usize) -> Vec<Value> {
     let Some(word) = word_at(&file.text, offset) else {
         return Vec::new();
@@ -247,7 +247,7 @@ pub fn definition(file: &TextFile, offset: usize) -> Vec<Value> {
     })
 }
 
-/// Where a name of such a kind is given in these files.
+/// Locations in these files that define the name, of a kind that `is_kind` accepts.
 pub fn places(files: &[TextFile], name: &str, is_kind: impl Fn(&str) -> bool) -> Vec<Value> {
     let mut all = Vec::new();
     for file in files {

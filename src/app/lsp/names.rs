@@ -1,4 +1,4 @@
-//! Names that scenes give, and where: in a text, its bases, and the files that it includes.
+//! Names that scenes define, with their places: in a text, its bases, and the files that it includes.
 
 use std::{
     ops::Range,
@@ -19,27 +19,27 @@ const NAMED: [&str; 7] = [
     "camera", "group", "light", "material", "model", "params", "variant",
 ];
 
-/// A name and where it is given.
+/// A defined name with its place.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Name {
-    /// What has it: a table such as `material`, or `instance`.
+    /// Kind of the named item: a table such as `material`, or `instance`.
     pub kind: String,
     /// The name.
     pub name: String,
-    /// Its bytes in the text.
+    /// Byte range of the name in the text.
     pub range: Range<usize>,
 }
 
-/// A text with its file.
+/// A text file in the editor or on disk.
 #[derive(Clone, Debug)]
 pub struct TextFile {
-    /// The file.
+    /// Path of the file.
     pub path: PathBuf,
-    /// Its text, as edited.
+    /// Text of the file, as edited.
     pub text: String,
 }
 
-/// The names that a text gives.
+/// Names that a text defines.
 pub fn names(text: &str) -> Vec<Name> {
     let words = outline(text).0.into_iter();
     let name = |word: super::outline::Word| {
@@ -55,14 +55,14 @@ pub fn names(text: &str) -> Vec<Name> {
     words.filter_map(name).collect()
 }
 
-/// A text, its bases and all files of scene text that these include, the text itself first.
+/// The text, its bases and all scene text files that these include; the text itself comes first.
 pub fn with_parts(path: &Path, text: &str) -> Vec<TextFile> {
     let found = Dependencies::default();
     let options = ReadOptions {
         assets: asset_folders(&[]),
         ..ReadOptions::default()
     };
-    let _ = Texts::collect(text, path, &options, &found); // errors are told elsewhere
+    let _ = Texts::collect(text, path, &options, &found); // the check reports errors
     let mut all = vec![TextFile {
         path: path.to_owned(),
         text: text.to_owned(),
@@ -76,7 +76,7 @@ pub fn with_parts(path: &Path, text: &str) -> Vec<TextFile> {
     all
 }
 
-/// What the value of a key names: kinds of [`Name`]; empty if it names nothing of the scene.
+/// Kinds of [`Name`] that the value of a key refers to; empty if it refers to none.
 pub fn kinds_of_value(key: &str) -> &'static [&'static str] {
     match key {
         "model" => &["model"],
@@ -87,7 +87,7 @@ pub fn kinds_of_value(key: &str) -> &'static [&'static str] {
     }
 }
 
-/// Ends of the names of files that the value of a key in a table names; empty if it names none.
+/// Extensions of the files that the value of a key in a table names; empty if it names none.
 pub fn files_of_value(table: &[String], key: &str) -> &'static [&'static str] {
     match (table.first().map(String::as_str), key) {
         (None, "base" | "include") => &["toml"],

@@ -1,11 +1,11 @@
-//! Keys, values and headers of scene text with their places. The text may be broken, as it is while people
-//! type: only its tokens are looked at.
+//! Keys, values and headers of scene text with their places. Uses only the tokens, since the text may be
+//! invalid while users type.
 
 use std::ops::Range;
 
 use toml_parser::{Source, lexer::TokenKind};
 
-/// What a word in scene text is.
+/// Syntactic role of a word in scene text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Part {
     /// A key in `[…]`.
@@ -14,21 +14,21 @@ pub enum Part {
     Key,
     /// A value, or one of an array, of this key.
     Value(String),
-    /// In a comment, or behind a header.
+    /// A word in a comment, or behind a header.
     Nothing,
 }
 
 /// A word in scene text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Word {
-    /// Keys of the table that it is in, from the top of the file: `["camera", "main"]`; of a header, those
+    /// Keys of the table that contains it, from the top of the file: `["camera", "main"]`; for a header, the keys
     /// before it.
     pub table: Vec<String>,
-    /// What it is.
+    /// Syntactic role of the word.
     pub part: Part,
     /// The word, without quotes.
     pub text: String,
-    /// Its bytes in the text, with quotes.
+    /// Byte range in the text, with quotes.
     pub range: Range<usize>,
 }
 
@@ -44,14 +44,14 @@ struct Walk {
     words: Vec<Word>,
     header: Vec<String>,
     inline: Vec<Inline>,
-    /// Parts of the key, or of the header that is open; the last is empty behind a dot.
+    /// Parts of the current key or open header; the last is empty behind a dot.
     key: Vec<String>,
     in_header: bool,
     in_value: bool,
     is_over: bool,
 }
 
-/// All words of a text, and what one at its end would be, without text.
+/// All words of a text, and an empty word at its end with the role that text typed there would have.
 pub fn outline(text: &str) -> (Vec<Word>, Word) {
     let mut walk = Walk::default();
     for token in Source::new(text).lex() {
@@ -106,7 +106,7 @@ impl Walk {
         }
     }
 
-    /// What follows is another key.
+    /// Begins the next key.
     fn statement(&mut self) {
         self.key.clear();
         self.in_value = false;
@@ -158,7 +158,7 @@ impl Walk {
 mod tests {
     use super::*;
 
-    /// The word at `|`.
+    /// Table, role and text of the word at `|`.
     fn at(text: &str) -> (String, Part, String) {
         let (before, _) = text.split_once('|').expect("a mark");
         let (mut words, end) = outline(before);

@@ -1,4 +1,4 @@
-//! Places and files as the protocol writes them: lines from 0, columns in UTF-16 units, files as URIs.
+//! Positions and files in the protocol's form: lines from 0, columns in UTF-16 units, files as URIs.
 
 use std::{
     ops::Range,
@@ -8,7 +8,7 @@ use std::{
 use percent_encoding::{AsciiSet, CONTROLS, percent_decode_str, utf8_percent_encode};
 use serde_json::{Value, json};
 
-/// What a path keeps in a URI.
+/// Characters of a path that are percent-encoded in a URI.
 const ESCAPED: &AsciiSet = &CONTROLS
     .add(b' ')
     .add(b'"')
@@ -26,7 +26,7 @@ const ESCAPED: &AsciiSet = &CONTROLS
     .add(b'|')
     .add(b'}');
 
-/// The byte of a position, at most at the end of its line.
+/// Byte offset of a position, at most at the end of its line.
 pub fn offset(text: &str, position: &Value) -> usize {
     let number = |key: &str| position[key].as_u64().unwrap_or(0) as usize;
     let mut start = 0;
@@ -47,7 +47,7 @@ pub fn offset(text: &str, position: &Value) -> usize {
     start + line.len()
 }
 
-/// A range of bytes as the protocol writes it.
+/// A byte range in the protocol's form.
 pub fn range(text: &str, range: &Range<usize>) -> Value {
     let position = |offset: usize| {
         let before = &text[..text.floor_char_boundary(offset)];

@@ -1,4 +1,4 @@
-//! Answers about a place in a script: names of the API and of the scenes that use it.
+//! Answers about a position in a script: names of the API, and of the scenes that use the script.
 
 use std::{collections::BTreeSet, fs, path::Path};
 
@@ -10,15 +10,15 @@ use super::{
 };
 use crate::scene::{parse, script::api};
 
-/// Kinds of proposals in the protocol.
+/// Kinds of completion items in the protocol.
 const FUNCTION: u32 = 3;
 const PROPERTY: u32 = 10;
 const REFERENCE: u32 = 18;
 
-/// Largest folder in which scenes of a script are looked for, entries.
+/// Maximum number of entries of a folder that are searched for scenes of a script.
 const MOST_ENTRIES: usize = 1000;
 
-/// The scenes that name a script, and what they include: open ones as they are edited, others of its
+/// Scenes that use a script, with the files that they include: open ones as edited, others from the script's
 /// folder.
 pub fn scenes_of(script: &Path, open: &[&TextFile]) -> Vec<TextFile> {
     let name = script
@@ -41,7 +41,7 @@ pub fn scenes_of(script: &Path, open: &[&TextFile]) -> Vec<TextFile> {
     scenes.flat_map(|s| with_parts(&s.path, &s.text)).collect()
 }
 
-/// What can be written at a place.
+/// Completions at a byte offset.
 pub fn complete(text: &str, offset: usize, scenes: &[TextFile]) -> Vec<Value> {
     let before = &text[..text.floor_char_boundary(offset)];
     let all = scenes.iter().flat_map(|s| names(&s.text));
@@ -87,7 +87,7 @@ fn item(name: &str, kind: u32) -> Value {
     })
 }
 
-/// The API's signatures and text of a name.
+/// Signatures and manual text of an API name, as Markdown.
 fn meaning(name: &str) -> Option<String> {
     let texts = api::entries(name).into_iter().map(|entry| {
         let forms: Vec<_> = entry.signature.split("; ").collect();
@@ -97,13 +97,13 @@ fn meaning(name: &str) -> Option<String> {
     (!texts.is_empty()).then(|| texts.join("\n\n"))
 }
 
-/// What the manual says about the name at a place.
+/// Manual text about the API name at a byte offset.
 pub fn hover(text: &str, offset: usize) -> Option<Value> {
     let text = meaning(word_at(text, offset))?;
     Some(json!({ "contents": { "kind": "markdown", "value": text } }))
 }
 
-/// Where the name at a place, in quotes or of a parameter, is given in the scenes.
+/// Locations in the scenes that define the name at a byte offset: a quoted name, or a parameter.
 pub fn definition(text: &str, offset: usize, scenes: &[TextFile]) -> Vec<Value> {
     let before = &text[..text.floor_char_boundary(offset)];
     if in_quotes(before) {
@@ -130,7 +130,7 @@ fn word_at(text: &str, offset: usize) -> &str {
     &text[start..end]
 }
 
-/// Whether a text ends inside of quotes; those of a text over several lines, in backticks, do not count.
+/// Whether a text ends inside of double quotes; multi-line strings in backticks are not recognized.
 fn in_quotes(before: &str) -> bool {
     let line = before.rsplit('\n').next().unwrap_or_default();
     let (mut open, mut escaped) = (false, false);

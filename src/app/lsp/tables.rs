@@ -1,4 +1,4 @@
-//! Which table of the manual a place in scene text is in.
+//! Table of the manual that applies at a position in scene text.
 
 use std::sync::LazyLock;
 
@@ -6,19 +6,19 @@ use crate::scene::parse::{Form, KeyRecord, SectionRecord, recorded_keys};
 
 static SECTIONS: LazyLock<Vec<SectionRecord>> = LazyLock::new(|| recorded_keys().sections);
 
-/// What stands below some keys.
+/// Content below a path of keys.
 #[derive(Clone, Copy, Debug)]
 pub enum Below {
-    /// The keys of a table.
+    /// Keys of a table.
     Table(&'static SectionRecord),
-    /// Names of the user's choice, each of such a table.
+    /// Names chosen by the user, each with a table of these keys.
     Names(&'static SectionRecord),
 }
 
-/// What stands below these keys, from the top of the file; `None` where nothing is known.
+/// Content below a path of keys from the top of the file; `None` if the manual has none.
 pub fn below(keys: &[String]) -> Option<Below> {
     let keys = match keys {
-        // Anything of the scene again.
+        // A variant contains the tables of a scene again.
         [first, _, rest @ ..] if first == "variant" => rest,
         keys => keys,
     };
@@ -39,7 +39,7 @@ pub fn below(keys: &[String]) -> Option<Below> {
     Some(place)
 }
 
-/// The table below these keys.
+/// Table at a path of keys.
 pub fn table(keys: &[String]) -> Option<&'static SectionRecord> {
     match below(keys)? {
         Below::Table(section) => Some(section),
@@ -47,7 +47,7 @@ pub fn table(keys: &[String]) -> Option<&'static SectionRecord> {
     }
 }
 
-/// A key of the table below these keys, with the variant that has it.
+/// Key in the table at a path of keys, with the variant that has it.
 pub fn key(
     keys: &[String],
     name: &str,

@@ -71,7 +71,7 @@ impl Format {
         }
     }
 
-    /// The same for a file name, with an error for unknown extensions.
+    /// Format of a file name, with an error for unknown extensions.
     ///
     /// # Errors
     /// [`AppError::Usage`] with the known extensions.
@@ -104,7 +104,7 @@ impl FilmFormat {
     /// Refuses a frame rate that the format cannot store.
     ///
     /// # Errors
-    /// The allowed rates, and what to do.
+    /// Message with the allowed rates and what to do.
     pub fn check_rate(&self, fps: f32) -> Result<(), String> {
         if self.fps.contains(&fps) {
             return Ok(());

@@ -37,7 +37,7 @@ impl PictureFile {
         })
     }
 
-    /// Whether it holds linear color.
+    /// Whether the file holds linear color.
     pub fn has_color(&self) -> bool {
         self.format == PictureFormat::Exr
     }
@@ -45,7 +45,7 @@ impl PictureFile {
     /// Checks the files beside a PNG too, one for each of these AOVs.
     ///
     /// # Errors
-    /// As [`PictureFile::new`].
+    /// Same errors as [`PictureFile::new`].
     pub fn check_beside(&self, aovs: &[Aov]) -> Result<(), AppError> {
         match self.format {
             PictureFormat::Png => aovs
@@ -64,10 +64,10 @@ impl PictureFile {
         self.write_marked(picture, None)
     }
 
-    /// The same with a fingerprint in every file.
+    /// Writes the picture and its planes with a fingerprint in every file.
     ///
     /// # Errors
-    /// As [`PictureFile::write`].
+    /// Same errors as [`PictureFile::write`].
     pub fn write_marked(
         &self,
         picture: &Picture,
@@ -102,7 +102,7 @@ impl PictureFile {
         Ok(encoded.into_iter().map(|(path, _)| path).collect())
     }
 
-    /// The same kind of file with another name, unchecked.
+    /// File of the same kind with another name, unchecked.
     pub fn renamed(&self, path: PathBuf) -> Self {
         Self {
             path,
@@ -120,7 +120,7 @@ impl PictureFile {
         std::iter::once(self.path.clone()).chain(beside).collect()
     }
 
-    /// Whether all of them exist, complete and with this fingerprint.
+    /// Whether all files of the picture exist, complete and with this fingerprint.
     pub fn is_done(&self, planes: &[&str], mark: &str) -> bool {
         let found = match self.format {
             PictureFormat::Png => png::fingerprint,

@@ -12,7 +12,7 @@ pub fn encode(size: [u32; 2], rgba: &[u8], mark: Option<&str>) -> Result<Vec<u8>
     encode_texels(size, (&rgb(rgba), ::png::ColorType::Rgb), mark)
 }
 
-/// The same with its alpha, which colors are not multiplied by.
+/// Encodes RGBA with straight alpha (not premultiplied) as a PNG with `mark` as text.
 ///
 /// # Errors
 /// Encoder error.

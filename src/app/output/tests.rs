@@ -182,7 +182,7 @@ fn refuses_invalid_paths_before_rendering() {
 fn failed_output_leaves_no_file() {
     let folder = folder("none-left");
     let output = PictureFile::new(&folder.join("out.png")).expect("writable");
-    // A folder under the second file's temporary name: the first file is done when that fails.
+    // A folder blocks the second file's temporary name: that fails after the first file is complete.
     let hidden = Temporary::create(&folder.join("out.cause.png"));
     let obstacle = hidden.expect("creatable").path().to_owned();
     fs::create_dir(&obstacle).expect("folder");

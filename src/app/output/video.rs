@@ -31,7 +31,7 @@ enum Encoder {
 struct Pipe {
     child: Child,
     pixels: Option<ChildStdin>,
-    /// Drains its standard error, since a full pipe would block it.
+    /// Thread that drains ffmpeg's standard error, since a full pipe would block ffmpeg.
     stderr: Option<JoinHandle<String>>,
 }
 
@@ -86,59 +86,61 @@ impl Film {
     /// Completes the file and renames it to its final path.
     ///
     /// # Errors
-    /// As [`Film::add`].
+    /// Same errors as [`Film::add`].
     pub fn finish(self) -> Result<PathBuf, AppError> {
         let path = self.path;
         let ended = match self.encoder {
             Encoder::Apng(writer) => writer.finish().map_err(apng_failed),
             Encoder::Ffmpeg(pipe) => pipe.finish(),
         };
-        // The encoder has written through its own handle.
+        // The encoder writes through a file handle of its own.
         let synced = ended.and_then(|()| {
-            let file = File::open(self.temporary.path()).map_err(Why::from)?;
-            if file.metadata().map_err(Why::from)?.len() == 0 {
-                return Err(Why::Encoder("the encoder has written nothing".to_owned()));
+            let file = File::open(self.temporary.path()).map_err(FilmError::from)?;
+            if file.metadata().map_err(FilmError::from)?.len() == 0 {
+                return Err(FilmError::Encoder(
+                    "the encoder has written nothing".to_owned(),
+                ));
             }
-            file.sync_all().map_err(Why::from)
+            file.sync_all().map_err(FilmError::from)
         });
         synced
-            .and_then(|()| self.temporary.rename_to(&path).map_err(Why::from))
+            .and_then(|()| self.temporary.rename_to(&path).map_err(FilmError::from))
             .map_err(|why| failed(&path, &why))?;
         Ok(path)
     }
 }
 
-/// Why a film cannot be written.
-enum Why {
+/// Reason why a film cannot be written.
+enum FilmError {
     /// File error.
     File(String),
     /// Encoder error.
     Encoder(String),
 }
 
-impl From<io::Error> for Why {
+impl From<io::Error> for FilmError {
     fn from(error: io::Error) -> Self {
         Self::File(error.to_string())
     }
 }
 
-fn apng_failed(error: png::EncodingError) -> Why {
+fn apng_failed(error: png::EncodingError) -> FilmError {
     match error {
         png::EncodingError::IoError(error) => error.into(),
-        other => Why::Encoder(other.to_string()),
+        other => FilmError::Encoder(other.to_string()),
     }
 }
 
 /// Error with its cause and what to do.
-fn failed(path: &Path, why: &Why) -> AppError {
+fn failed(path: &Path, why: &FilmError) -> AppError {
     let frames = path.with_extension("####.png");
     let (path, frames) = (path.display(), frames.display());
     AppError::Disk(match why {
-        Why::File(why) => format!(
+        FilmError::File(why) => format!(
             "cannot write {path}: {why}; there is no film: free disk space, or write frames ({frames}), \
              with which --resume goes on"
         ),
-        Why::Encoder(why) => format!(
+        FilmError::Encoder(why) => format!(
             "cannot write {path}: {why}; there is no film: fix that, or write .apng or frames \
              ({frames})"
         ),
@@ -146,33 +148,35 @@ fn failed(path: &Path, why: &Why) -> AppError {
 }
 
 impl Pipe {
-    fn add(&mut self, pixels: &[u8]) -> Result<(), Why> {
+    fn add(&mut self, pixels: &[u8]) -> Result<(), FilmError> {
         let written = self.pixels.as_mut().map(|pipe| pipe.write_all(pixels));
         match written {
             Some(Err(error)) => match self.end() {
-                Ok(()) => Err(Why::Encoder(format!("ffmpeg accepts no input: {error}"))),
+                Ok(()) => Err(FilmError::Encoder(format!(
+                    "ffmpeg accepts no input: {error}"
+                ))),
                 Err(why) => Err(why),
             },
             _ => Ok(()),
         }
     }
 
-    fn finish(mut self) -> Result<(), Why> {
+    fn finish(mut self) -> Result<(), FilmError> {
         self.end()
     }
 
-    /// Waits for its end. Some failed writes leave exit code 0, so its output is checked too.
-    fn end(&mut self) -> Result<(), Why> {
-        self.pixels = None; // the end of its input
+    /// Waits for ffmpeg's end. Some failed writes leave exit code 0, so its output is checked too.
+    fn end(&mut self) -> Result<(), FilmError> {
+        self.pixels = None; // closes its input
         let stderr = self.stderr.take().and_then(|stderr| stderr.join().ok());
         let stderr = stderr.unwrap_or_default();
         let status = self.child.wait()?;
         if stderr.is_empty() && status.success() {
             Ok(())
         } else if stderr.is_empty() {
-            Err(Why::Encoder(format!("ffmpeg ended with {status}")))
+            Err(FilmError::Encoder(format!("ffmpeg ended with {status}")))
         } else {
-            Err(Why::Encoder(format!("ffmpeg says: {stderr}")))
+            Err(FilmError::Encoder(format!("ffmpeg says: {stderr}")))
         }
     }
 }

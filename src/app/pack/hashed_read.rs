@@ -1,4 +1,4 @@
-//! Counts and hashes what is read through it.
+//! Reader that counts and hashes the bytes read through it.
 
 use std::io::{self, Read};
 
@@ -7,7 +7,7 @@ use sha2::{Digest as _, Sha256};
 use super::manifest::PackedFile;
 use crate::files::hex;
 
-/// A reader.
+/// A reader with a byte count and a SHA-256 hash.
 pub struct HashedRead<R> {
     from: R,
     bytes: u64,
@@ -15,7 +15,7 @@ pub struct HashedRead<R> {
 }
 
 impl<R: Read> HashedRead<R> {
-    /// Nothing was read yet.
+    /// Wraps a reader of which nothing was read yet.
     pub fn new(from: R) -> Self {
         Self {
             from,
@@ -24,7 +24,7 @@ impl<R: Read> HashedRead<R> {
         }
     }
 
-    /// What was read, as a file of that name in a pack.
+    /// Manifest entry of the bytes that were read, as a file of this name in a pack.
     pub fn named(self, path: String) -> PackedFile {
         PackedFile {
             path,

@@ -1,41 +1,41 @@
-//! The list that a pack ends with: its files with their hashes, and how they are rendered.
+//! Manifest at the end of a pack: its files with their hashes, and how they are rendered.
 
 use std::collections::BTreeSet;
 
 use serde::{Deserialize, Serialize};
 
-/// Name of the list in the pack.
+/// Name of the manifest in the pack.
 pub const LIST: &str = "pack.json";
 
 /// Hash of the program's source and shaders, from `build.rs`.
 pub const BUILT_FROM: &str = env!("REFLET_BUILT_FROM");
 
-/// Longest list that is read, bytes: about a hundred thousand files.
+/// Largest manifest that is read, bytes: about a hundred thousand files.
 pub const MOST_BYTES: u64 = 32 << 20;
 
-/// The list.
+/// Manifest of a pack.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Manifest {
-    /// Version of this layout: 1.
+    /// Version of this format: 1.
     pub pack: u32,
-    /// Version of the Reflet that wrote it.
+    /// Version of the Reflet that wrote the pack.
     pub reflet: String,
-    /// Hash of that one's source: another build may render other bytes.
+    /// Hash of that program's source: another build may render other pictures.
     pub built_from: String,
-    /// The scene, a name in the pack.
+    /// Name of the scene in the pack.
     pub scene: String,
-    /// Folders of `--assets`, names in the pack; empty is its top.
+    /// Names of the `--assets` folders in the pack; the empty name is its top.
     pub assets: Vec<String>,
-    /// `--set`, in order.
+    /// Values of `--set`, in order.
     pub set: Vec<String>,
-    /// `--variant`, in order.
+    /// Values of `--variant`, in order.
     pub variant: Vec<String>,
-    /// `--lenient`
+    /// Whether `--lenient` was given.
     pub lenient: bool,
     /// First and last frame; none for one picture.
     pub frames: Option<[u32; 2]>,
-    /// Every file but the list, by name.
+    /// Every file but the manifest, by name.
     pub files: Vec<PackedFile>,
 }
 
@@ -43,17 +43,17 @@ pub struct Manifest {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PackedFile {
-    /// Name in the pack, parts divided by `/`.
+    /// Name in the pack, with `/` between its parts.
     pub path: String,
-    /// Length.
+    /// Length of the file, bytes.
     pub bytes: u64,
     /// SHA-256 of the content, hexadecimal.
     pub sha256: String,
 }
 
 impl Manifest {
-    /// What is wrong with it, if anything is: names that would leave the folder, names twice, a scene that
-    /// is not there.
+    /// Error in the manifest, if there is one: a name that leaves the folder, a duplicate name, or a missing
+    /// scene.
     pub fn fault(&self) -> Option<String> {
         if self.pack != 1 {
             let version = self.pack;
@@ -88,7 +88,7 @@ impl Manifest {
     }
 }
 
-/// Why a name cannot stand in a pack: it must lead to the same place below a folder on every system.
+/// Reason why a name is refused in a pack: it must lead to the same place below a folder on every system.
 pub fn fault_of_name(name: &str) -> Option<&'static str> {
     if name.contains(['\\', ':']) || name.chars().any(char::is_control) {
         return Some("a backslash, a colon or a control character means something else elsewhere");

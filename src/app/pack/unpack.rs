@@ -1,4 +1,4 @@
-//! `unpack`: a pack from anywhere becomes a folder, or nothing does.
+//! `unpack`: extracts an untrusted pack into a new folder; after an error, no folder is left.
 
 use std::{
     fs::{self, File, OpenOptions},
@@ -19,21 +19,21 @@ use crate::{
     scene::diagnostic::Diagnostic,
 };
 
-/// `unpack`
+/// Arguments of `unpack`.
 #[derive(Clone, Debug, Args)]
 pub struct UnpackArgs {
     /// File that `pack` wrote
     pub pack: PathBuf,
-    /// Folder to make, which must not exist yet
+    /// Folder to create, which must not exist yet
     #[arg(short, long, value_name = "DIR")]
     pub output: PathBuf,
 }
 
-/// Checks every name, length and hash of a pack, makes its folder, and prints how it is rendered.
+/// Checks every name, length and hash of a pack, extracts it, and prints the command that renders it.
 ///
 /// # Errors
-/// [`AppError::Usage`] where the folder exists, [`AppError::Scene`] for what is no pack or a damaged one, and
-/// a folder that cannot be written; there is then no folder.
+/// [`AppError::Usage`] if the folder exists, [`AppError::Scene`] for a file that is no pack or is damaged, and
+/// a folder that cannot be written; then no folder is left.
 pub fn unpack(args: &UnpackArgs) -> Result<(), AppError> {
     let refuse = |fault: Fault| match fault {
         Fault::Pack(message) => {
@@ -63,16 +63,16 @@ pub fn unpack(args: &UnpackArgs) -> Result<(), AppError> {
     eprintln!("wrote {folder}: {count} {files}, as packed");
     if manifest.built_from != BUILT_FROM {
         eprintln!(
-            "note: another build of Reflet ({}) made it; the pictures of this one may differ",
+            "note: another build of Reflet ({}) made this pack; pictures of this build may differ",
             manifest.reflet.escape_debug()
         );
     }
     print_out(&command(&manifest, &args.output))
 }
 
-/// Why there is no folder.
+/// Reason why no folder is made.
 enum Fault {
-    /// The pack is damaged or none.
+    /// The pack is damaged, or the file is not a pack.
     Pack(String),
     /// A file cannot be written.
     Disk(PathBuf, io::Error),
@@ -80,7 +80,7 @@ enum Fault {
 
 impl From<ZipError> for Fault {
     fn from(error: ZipError) -> Self {
-        Self::Pack(format!("it is no whole ZIP file: {error}"))
+        Self::Pack(format!("it is not a complete ZIP file: {error}"))
     }
 }
 
@@ -117,7 +117,7 @@ fn read_list(zip: &mut Zip) -> Result<Manifest, Fault> {
     }
 }
 
-/// Writes one file; its name was checked.
+/// Extracts one file, whose name was checked before.
 fn write_file(zip: &mut Zip, file: &PackedFile, folder: &Path) -> Result<(), Fault> {
     let name = &file.path;
     let entry = (zip.by_name(name))
@@ -134,13 +134,13 @@ fn write_file(zip: &mut Zip, file: &PackedFile, folder: &Path) -> Result<(), Fau
     copy(&mut from, &mut goal, name, &path)?;
     if from.named(name.clone()) != *file {
         return Err(Fault::Pack(format!(
-            "\"{name}\" is not what was packed: it was changed"
+            "\"{name}\" is not what was packed: its length or hash differs"
         )));
     }
     goal.sync_all().map_err(disk)
 }
 
-/// As [`io::copy`], telling faults of the pack from those of the disk.
+/// Copies like [`io::copy`], distinguishing errors of the pack from those of the disk.
 fn copy(from: &mut impl io::Read, goal: &mut File, name: &str, path: &Path) -> Result<(), Fault> {
     let mut block = vec![0; 1 << 16];
     loop {
@@ -155,7 +155,7 @@ fn copy(from: &mut impl io::Read, goal: &mut File, name: &str, path: &Path) -> R
     }
 }
 
-/// A folder under a hidden name; gone unless it is renamed.
+/// A folder under a hidden name; removed on drop unless it was renamed.
 struct Unfinished {
     folder: PathBuf,
 }
@@ -174,11 +174,11 @@ impl Unfinished {
 
 impl Drop for Unfinished {
     fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.folder); // not there any more after the renaming
+        let _ = fs::remove_dir_all(&self.folder); // fails after a renaming, harmlessly
     }
 }
 
-/// The command that renders it.
+/// Command line that renders the pack.
 fn command(manifest: &Manifest, folder: &Path) -> String {
     let inside = |name: &str| folder.join(name).display().to_string();
     let mut words = vec![
@@ -215,7 +215,7 @@ fn command(manifest: &Manifest, folder: &Path) -> String {
     words.join(" ")
 }
 
-/// A word as a POSIX shell reads it.
+/// Word quoted for a POSIX shell.
 fn quoted(word: &str) -> String {
     let is_plain = |c: char| c.is_alphanumeric() || "-_./=,:+@%".contains(c);
     let shown: String = word.chars().filter(|c| !c.is_control()).collect();

@@ -1,4 +1,4 @@
-//! What can be wrong with the window, its display and its surface.
+//! Errors of the window, its display and its surface.
 
 use std::{env, error::Error, ffi::OsString};
 
@@ -6,13 +6,13 @@ use wgpu::wgc::present::ConfigureSurfaceError;
 
 use crate::app::error::AppError;
 
-/// Where a window can be on systems that have many displays.
+/// Environment variables that name a display, on systems that may have several.
 const DISPLAYS: [&str; 3] = ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"];
 
-/// Whether there is a display at all, before anything is loaded for it.
+/// Checks that there is a display, before anything is loaded for the window.
 ///
 /// # Errors
-/// That there is none, and what to do.
+/// [`AppError::Internal`] if there is none, with what to do.
 pub fn check() -> Result<(), AppError> {
     let is_named = cfg!(all(unix, not(target_vendor = "apple")));
     let is_set = |value: OsString| !value.is_empty();
@@ -28,7 +28,7 @@ pub fn check() -> Result<(), AppError> {
     Ok(())
 }
 
-/// What to do where no window can be opened.
+/// Error of a window that cannot be opened, with what to do.
 pub fn refused(error: &eframe::Error) -> AppError {
     let text = error.to_string();
     let text = without_source(&text);
@@ -38,7 +38,7 @@ pub fn refused(error: &eframe::Error) -> AppError {
     ))
 }
 
-/// Without `os error at FILE:LINE: ` and what is before it: that is a place in winit's own text.
+/// Error text after `os error at FILE:LINE: `, which names a place in winit's source.
 fn without_source(text: &str) -> &str {
     let after = text.split_once("os error at ");
     after
@@ -46,7 +46,7 @@ fn without_source(text: &str) -> &str {
         .map_or(text, |(_, text)| text)
 }
 
-/// Whether a surface was configured while pictures were being drawn: it is tried again.
+/// Whether the error is a surface that was configured while the GPU was busy; the window retries that.
 pub fn is_busy(error: &(dyn Error + 'static)) -> bool {
     let mut cause = Some(error);
     while let Some(error) = cause {
@@ -65,7 +65,7 @@ mod tests {
     #[test]
     fn ignores_only_busy_surface_errors() {
         let error = |cause: ConfigureSurfaceError| wgpu::Error::Validation {
-            // As wgpu wraps it.
+            // wgpu wraps the error like this.
             source: Box::new(wgpu::wgc::error::ContextError {
                 fn_ident: "Surface::configure",
                 source: Box::new(cause),

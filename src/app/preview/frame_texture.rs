@@ -42,7 +42,7 @@ impl FrameTexture {
         })
     }
 
-    /// `old` where it has this size, else a new one.
+    /// Reuses `old` if it has this size, else creates a texture.
     ///
     /// # Errors
     /// Exhausted memory.

@@ -31,7 +31,7 @@ impl Mailbox {
         self.change(|inbox| inbox.view = Some(view));
     }
 
-    /// Posts a task; a new edit of the same material, or of parameters, and another step of a drag replace a
+    /// Posts a task. A new edit of the same material, new parameters and the next step of a drag each replace a
     /// pending one.
     pub fn post(&self, task: Task) {
         self.change(|inbox| {
@@ -130,7 +130,7 @@ mod tests {
         assert!(left[0].starts_with("Reload") && left[3].starts_with("Unpick"));
         assert!(left[1].contains("0.3") && left[2].contains("0.7"));
         assert!(left[4].contains("Integer(7)"), "{left:?}");
-        // Woken, or when it is time: with nothing to do.
+        // A wake-up or the deadline returns without a view or task.
         mailbox.wake();
         for until in [None, Some(Instant::now())] {
             let (view, tasks) = mailbox.take(until).expect("not the end");

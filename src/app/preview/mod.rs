@@ -37,7 +37,7 @@ fn on_surface_status(status: &wgpu::CurrentSurfaceTexture) -> SurfaceErrorAction
 /// Opens the window and returns when it is closed.
 ///
 /// # Errors
-/// A scene that is not there, a camera that it does not have, no usable GPU, no display.
+/// A missing scene, a camera that the scene does not have, no usable GPU, or no display.
 pub fn preview(args: &PreviewArgs) -> Result<(), AppError> {
     let screenshot_folder = match &args.screenshots {
         Some(folder) if folder.is_dir() => folder.clone(),
@@ -74,7 +74,7 @@ pub fn preview(args: &PreviewArgs) -> Result<(), AppError> {
         },
         ..eframe::NativeOptions::default()
     };
-    // Renderer commands are checked where they are made; what arrives here is about the window,
+    // Errors of renderer commands are handled where they occur; errors that arrive here concern the window,
     // which repairs its surface by itself, and must not end the rendering.
     (gpu.device).on_uncaptured_error(Arc::new(|error| {
         if !display_errors::is_busy(&error) {

@@ -1,53 +1,50 @@
-//! The things of a scene by what hangs on what, for the window.
+//! Outline of a scene for the window: its items as a tree of parents and children.
 
 use std::collections::BTreeMap;
 
-use crate::{app::write_back::Thing, scene::desc::SceneDesc};
+use crate::{app::write_back::SceneItem, scene::desc::SceneDesc};
 
-/// Most rows; what is beyond is found by clicks.
+/// Maximum number of rows; further items can still be selected by clicks.
 const MOST: usize = 2000;
 /// Deepest indentation.
 const DEEPEST: u8 = 12;
 
-/// One thing.
+/// One row of the outline.
 #[derive(Clone, Debug, PartialEq)]
-pub struct ThingRow {
-    /// Which.
-    pub thing: Thing,
-    /// What it is, and its name.
+pub struct OutlineRow {
+    /// Item of the row.
+    pub item: SceneItem,
+    /// Kind and name of the item.
     pub label: String,
-    /// What it hangs on hangs on so many others.
+    /// Number of its ancestors, at most `DEEPEST`.
     pub depth: u8,
 }
 
-/// The rows of a scene: each thing, then what hangs on it.
-pub fn outline(desc: &SceneDesc) -> Vec<ThingRow> {
+/// Rows of a scene's outline: each item, followed by its children.
+pub fn outline(desc: &SceneDesc) -> Vec<OutlineRow> {
     let node = |index: usize| match index.checked_sub(desc.instances.len()) {
-        None => Thing::Instance(index),
-        Some(group) => Thing::Group(group),
+        None => SceneItem::Instance(index),
+        Some(group) => SceneItem::Group(group),
     };
     let count = desc.instances.len() + desc.groups.len();
     let parents = &desc.parents;
     let nodes = (0..count).map(|index| (parents.of_node(index), node(index), Some(index)));
-    let lights = (0..desc.lights.len()).map(|i| (parents.of_light(i), Thing::Light(i), None));
-    let cameras = (0..desc.cameras.len()).map(|i| (parents.of_camera(i), Thing::Camera(i), None));
-    let mut below: BTreeMap<Option<usize>, Vec<(Thing, Option<usize>)>> = BTreeMap::new();
-    for (parent, thing, node) in nodes.chain(lights).chain(cameras) {
-        below.entry(parent).or_default().push((thing, node));
+    let lights = (0..desc.lights.len()).map(|i| (parents.of_light(i), SceneItem::Light(i), None));
+    let cameras =
+        (0..desc.cameras.len()).map(|i| (parents.of_camera(i), SceneItem::Camera(i), None));
+    let mut below: BTreeMap<Option<usize>, Vec<(SceneItem, Option<usize>)>> = BTreeMap::new();
+    for (parent, item, node) in nodes.chain(lights).chain(cameras) {
+        below.entry(parent).or_default().push((item, node));
     }
     let mut rows = Vec::new();
     let of = |parent: Option<usize>, depth: u8| {
         let all = below.get(&parent).into_iter().flatten().rev();
-        all.map(move |(thing, node)| (*thing, *node, depth))
+        all.map(move |(item, node)| (*item, *node, depth))
     };
     let mut waiting: Vec<_> = of(None, 0).collect();
-    while let Some((thing, node, depth)) = waiting.pop().filter(|_| rows.len() < MOST) {
-        let label = thing.label(desc);
-        rows.push(ThingRow {
-            thing,
-            label,
-            depth,
-        });
+    while let Some((item, node, depth)) = waiting.pop().filter(|_| rows.len() < MOST) {
+        let label = item.label(desc);
+        rows.push(OutlineRow { item, label, depth });
         if let Some(node) = node {
             waiting.extend(of(Some(node), (depth + 1).min(DEEPEST)));
         }
@@ -63,7 +60,7 @@ mod tests {
     use crate::scene::stages::Scene;
 
     #[test]
-    fn what_hangs_on_a_thing_stands_below_it() {
+    fn children_stand_below_their_parents() {
         let text = "version = 1
 [camera.main]
 [group.arm]

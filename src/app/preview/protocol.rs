@@ -8,7 +8,7 @@ use crate::{
         live::{Edit, Refusal, Reload},
         params::ParameterOverrides,
         watch::Changes,
-        write_back::{Inspected, Numbers, Thing},
+        write_back::{Inspected, Numbers, SceneItem},
     },
     bench::metric::Scores,
     math::Bounds,
@@ -86,13 +86,13 @@ pub enum Task {
     Frame(FrameRequest),
     /// Clear the selection.
     Unpick,
-    /// Select something of the scene.
-    Select(Thing),
-    /// Show it with other numbers while they are dragged.
-    Drag(Thing, Numbers),
-    /// Write numbers of it into the scene text.
-    Write(Thing, Numbers),
-    /// Take the last written change back, or make it again.
+    /// Select an item of the scene.
+    Select(SceneItem),
+    /// Show an item with other numbers during a drag.
+    Drag(SceneItem, Numbers),
+    /// Write numbers of an item into the scene text.
+    Write(SceneItem, Numbers),
+    /// Undo the last written edit (`false`), or redo the last undone one (`true`).
     Undo(bool),
 }
 
@@ -149,7 +149,7 @@ pub struct FinishedFrame {
 /// The selected instance in the displayed frame.
 #[derive(Clone, Debug)]
 pub struct Picked {
-    /// Its name, with a number where several share it.
+    /// Name of the instance, with a number where several share it.
     pub label: String,
     /// Index into the world's materials.
     pub material: usize,
@@ -187,12 +187,12 @@ pub struct Comparison {
     pub error_map: FrameTexture,
 }
 
-/// What a plane of the picture holds at a pixel.
+/// Value of the picture at a pixel.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PixelValue {
-    /// The plane, as `--aov` calls it.
+    /// Name of the value: an AOV as in `--aov`, `pixel` or `shown`.
     pub name: &'static str,
-    /// Its value, with its unit.
+    /// Text of the value, with its unit.
     pub text: String,
 }
 
@@ -215,11 +215,11 @@ pub enum Report {
     Compared(Box<Comparison>),
     /// Result of a pick.
     Picked(Option<Picked>),
-    /// What the pixel holds that was clicked.
+    /// Values of the clicked pixel.
     Pixel(Vec<PixelValue>),
     /// The selection was cleared.
     Unpicked,
-    /// What is selected, as the scene text has it; `None` for what it does not place.
+    /// The selected item, as in the scene text; `None` for an instance that the text does not place.
     Inspected(Option<Box<Inspected>>),
     /// File watching is limited, why, and what to do; `None` once it works again.
     Unwatched(Option<String>),

@@ -1,6 +1,6 @@
 //! Scene summary for the window: plain values, while the rendering thread owns the world.
 
-pub use super::outline::ThingRow;
+pub use super::outline::OutlineRow;
 use super::{outline::outline, view_channel::ShadowLight};
 use crate::{
     app::{
@@ -21,7 +21,7 @@ use crate::{
 pub struct MaterialRow {
     /// Name in the scene or file, numbered where it is not unique.
     pub name: String,
-    /// Its values in the displayed frame.
+    /// Values of the material in the displayed frame.
     pub numbers: MaterialDesc,
     /// Values changed in the panel.
     pub edit: Edit,
@@ -36,20 +36,20 @@ pub struct MaterialRow {
 pub struct SceneSummary {
     /// Timeline, if the scene has one.
     pub timeline: Option<TimelineDesc>,
-    /// From which frame on which of the cameras is shown; the first from frame 0 on.
+    /// Cuts: first frame and camera index of each; the first begins at frame 0.
     pub cuts: Vec<(u32, usize)>,
     /// The script's parameters.
     pub declared: DeclaredParameters,
-    /// What the script printed.
+    /// Output of the script.
     pub log: Vec<String>,
     /// Name and value of each camera, in the displayed frame.
     pub cameras: Vec<(String, CameraDesc)>,
-    /// Indexed like the world's materials.
+    /// Materials, indexed like the world's.
     pub materials: Vec<MaterialRow>,
     /// Lights with shadow maps.
     pub shadow_lights: Vec<ShadowLight>,
-    /// What the scene text consists of.
-    pub things: Vec<ThingRow>,
+    /// Rows of the scene's outline.
+    pub items: Vec<OutlineRow>,
     /// Bounds of the scene.
     pub bounds: Bounds,
     /// Method set in the scene.
@@ -70,7 +70,7 @@ impl SceneSummary {
         self.materials.iter().all(|row| row.uses == 0)
     }
 
-    /// The camera of the cuts at a frame.
+    /// Camera index of the cut at a frame.
     pub fn cut_at(&self, frame: u32) -> Option<usize> {
         let before = self.cuts.iter().rev().find(|(from, _)| *from <= frame);
         before.map(|(_, camera)| *camera)
@@ -115,7 +115,7 @@ impl SceneSummary {
                 })
                 .filter(|shadow_light| shadow_light.faces > 0)
                 .collect(),
-            things: outline(live.desc()),
+            items: outline(live.desc()),
             bounds,
             method: live.scene_method(),
             unit_m: live.renderer().unit_m(),

@@ -40,7 +40,7 @@ impl ViewChannel {
         }
     }
 
-    /// Whether its pixels are the camera's, so that a click can pick an instance.
+    /// Whether its pixels correspond to those of the camera, so that a click can pick an instance.
     pub fn is_of_camera(self) -> bool {
         !matches!(self, Self::Shadow(_))
     }
@@ -56,7 +56,7 @@ impl ViewChannel {
         of.any(|shadow_light| shadow_light.faces > 1)
     }
 
-    /// The same channel in a reloaded scene, by the light's name; the picture if it has no map now.
+    /// Equivalent channel in a reloaded scene, by the light's name; the picture if it has no map now.
     pub fn after_reload(self, old: &[ShadowLight], new: &[ShadowLight]) -> Self {
         let Self::Shadow(shadow_map) = self else {
             return self;
@@ -72,14 +72,14 @@ impl ViewChannel {
 pub struct ShadowLight {
     /// Index into the world's lights.
     pub light: usize,
-    /// Its name.
+    /// Name of the light.
     pub name: String,
     /// Number of maps: six for a point light.
     pub faces: usize,
 }
 
 impl ShadowLight {
-    /// Its map of this face, where it has that face; else the whole map.
+    /// Shadow map of this face, if the light has it; else its whole map.
     pub fn map(&self, face: Option<usize>) -> ShadowMapChoice {
         ShadowMapChoice {
             light: self.light,

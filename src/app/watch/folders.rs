@@ -15,9 +15,9 @@ pub type System = Box<dyn notify::Watcher + Send>;
 /// Creates a backend.
 pub type Start = Box<dyn FnMut() -> notify::Result<System> + Send>;
 
-/// First delay before a refused watch is retried…
+/// First delay before a refused watch is retried.
 const FIRST_PAUSE: Duration = Duration::from_millis(250);
-/// …doubled each time, up to this.
+/// Maximum delay; it doubles with each retry.
 const MOST_PAUSE: Duration = Duration::from_secs(8);
 
 /// A refused watch.
@@ -51,7 +51,7 @@ enum Folder {
     Refused(Refusal),
 }
 
-/// Folders by path.
+/// Watched folders by path.
 pub struct Folders {
     start: Start,
     system: Result<System, Refusal>,
@@ -59,7 +59,7 @@ pub struct Folders {
 }
 
 impl Folders {
-    /// Empty.
+    /// Creates the backend; no folder is watched yet.
     pub fn new(mut start: Start) -> Self {
         let system = start().map_err(|error| Refusal::new(no_system(&error), None));
         Self {
@@ -135,8 +135,8 @@ impl Folders {
         self.system.is_err() || matches!(self.folders.get(folder), Some(Folder::Refused(_)))
     }
 
-    /// Description of the refused watches, and what to do.
-    pub fn trouble(&self) -> Option<String> {
+    /// Description of the refused watches, and what to do; `None` if there are none.
+    pub fn failure(&self) -> Option<String> {
         const MEANWHILE: &str = "meanwhile they are polled four times a second";
         if let Err(refusal) = &self.system {
             return Some(format!("{}; {MEANWHILE}", refusal.why));
@@ -155,10 +155,10 @@ impl Folders {
     }
 }
 
-/// Why no backend is available.
+/// Message about a missing backend, and what to do.
 fn no_system(error: &notify::Error) -> String {
     let (why, what) = match &error.kind {
-        // EMFILE: of the user's watchers, or of the process's open files.
+        // EMFILE: the user has too many watchers, or the process too many open files.
         ErrorKind::Io(error) if cfg!(target_os = "linux") && error.raw_os_error() == Some(24) => (
             "too many programs watch files already".to_owned(),
             "close some, or raise the limit: `sudo sysctl fs.inotify.max_user_instances=1024`",
@@ -168,7 +168,7 @@ fn no_system(error: &notify::Error) -> String {
     format!("the system does not report saved files: {why}; {what}")
 }
 
-/// Why a folder is not watched.
+/// Message about a folder that cannot be watched, and what to do.
 fn not_watched(error: &notify::Error, folder: &Path) -> String {
     let folder = folder.display();
     let (why, what) = match &error.kind {
@@ -188,7 +188,7 @@ fn not_watched(error: &notify::Error, folder: &Path) -> String {
     format!("the system does not report files saved in {folder}: {why}; {what}")
 }
 
-/// The error without its paths.
+/// Text of the error without its paths.
 fn cause(error: &notify::Error) -> String {
     match &error.kind {
         ErrorKind::Io(error) => error.to_string(),

@@ -9,16 +9,16 @@ use notify::{Config, ErrorKind, RecursiveMode, WatcherKind};
 
 use super::*;
 
-/// Refusal of a folder, if any.
+/// Error with which folders are refused, if they are.
 type Refuses = Arc<Mutex<Option<fn() -> ErrorKind>>>;
 
 /// A backend that can refuse folders.
-struct Moody {
+struct RefusingWatcher {
     system: notify::RecommendedWatcher,
     refuses: Refuses,
 }
 
-impl notify::Watcher for Moody {
+impl notify::Watcher for RefusingWatcher {
     fn new<F: notify::EventHandler>(_: F, _: Config) -> notify::Result<Self> {
         unreachable!("it is made by hand")
     }
@@ -43,7 +43,7 @@ impl notify::Watcher for Moody {
 struct Case {
     path: PathBuf,
     refuses: Refuses,
-    news: Receiver<News>,
+    events: Receiver<WatchEvent>,
     watcher: Option<Watcher>,
 }
 
@@ -58,7 +58,7 @@ impl Case {
         fs::write(&path, "first").expect("written");
         let refuses: Refuses = Arc::new(Mutex::new(refuses));
         let (shared, mut left) = (refuses.clone(), refuses_start);
-        let (sender, news) = mpsc::channel();
+        let (sender, received) = mpsc::channel();
         let watcher = Watcher::on(
             move |events| {
                 Box::new(move || {
@@ -68,7 +68,7 @@ impl Case {
                         return Err(notify::Error::io(full));
                     }
                     let events = events.clone();
-                    Ok(Box::new(Moody {
+                    Ok(Box::new(RefusingWatcher {
                         system: notify::recommended_watcher(move |event| {
                             let _ = events.send(Message::Event(event));
                         })?,
@@ -89,20 +89,20 @@ impl Case {
         Self {
             path,
             refuses,
-            news,
+            events: received,
             watcher: Some(watcher),
         }
     }
 
-    fn next(&self) -> News {
-        let news = self.news.recv_timeout(Duration::from_secs(30));
-        news.expect("something is told")
+    fn next(&self) -> WatchEvent {
+        let event = self.events.recv_timeout(Duration::from_secs(30));
+        event.expect("an event arrives")
     }
 
-    /// The next reported limitation; skips other reports.
-    fn trouble(&self) -> Option<String> {
+    /// The next reported failure; skips other events.
+    fn failure(&self) -> Option<String> {
         loop {
-            if let News::Trouble(why) = self.next() {
+            if let WatchEvent::Failure(why) = self.next() {
                 return why;
             }
         }
@@ -117,8 +117,10 @@ impl Case {
 
     fn save_is_seen(&self, text: &str) {
         self.save(text);
-        let is_change =
-            |news: &News| matches!(news, News::Changed(of, _) if of.contains(&Change::Scene));
+        let is_change = |event: &WatchEvent| match event {
+            WatchEvent::Changed(changes, _) => changes.contains(&Change::Scene),
+            WatchEvent::Failure(_) => false,
+        };
         while !is_change(&self.next()) {}
     }
 }
@@ -133,7 +135,7 @@ impl Drop for Case {
 #[test]
 fn reached_watch_limit_is_reported_and_folders_are_polled_meanwhile() {
     let case = Case::new(Some(|| ErrorKind::MaxFilesWatch), 0);
-    let why = case.trouble().expect("trouble");
+    let why = case.failure().expect("a failure");
     assert!(
         why.contains("sudo sysctl fs.inotify.max_user_watches="),
         "{why}"
@@ -145,11 +147,13 @@ fn reached_watch_limit_is_reported_and_folders_are_polled_meanwhile() {
     // The content hash still decides.
     case.save("round 4");
     thread::sleep(3 * POLL_INTERVAL);
-    let told: Vec<News> = case.news.try_iter().collect();
-    let mut changes = told.iter().filter(|n| matches!(n, News::Changed(..)));
+    let events: Vec<WatchEvent> = case.events.try_iter().collect();
+    let mut changes = events
+        .iter()
+        .filter(|n| matches!(n, WatchEvent::Changed(..)));
     assert_eq!(changes.next(), None);
     *case.refuses.lock().expect("unharmed") = None;
-    assert_eq!(case.trouble(), None);
+    assert_eq!(case.failure(), None);
     case.save_is_seen("last");
 }
 
@@ -157,7 +161,7 @@ fn reached_watch_limit_is_reported_and_folders_are_polled_meanwhile() {
 fn unlistable_folder_is_reported_with_help() {
     let denied = || ErrorKind::Io(io::ErrorKind::PermissionDenied.into());
     let case = Case::new(Some(denied), 0);
-    let why = case.trouble().expect("trouble");
+    let why = case.failure().expect("a failure");
     let folder = case.path.parent().expect("a folder").display().to_string();
     assert!(why.contains(&format!("`chmod u+r {folder}`")), "{why}");
     case.save_is_seen("second");
@@ -167,7 +171,7 @@ fn unlistable_folder_is_reported_with_help() {
 #[test]
 fn retries_when_no_watcher_is_available() {
     let case = Case::new(None, 2);
-    let why = case.trouble().expect("trouble");
+    let why = case.failure().expect("a failure");
     assert!(why.contains("fs.inotify.max_user_instances="), "{why}");
     let (mut is_seen, mut is_over) = (false, false);
     for round in 0.. {
@@ -176,8 +180,8 @@ fn retries_when_no_watcher_is_available() {
         }
         case.save(&format!("round {round}"));
         match case.next() {
-            News::Changed(..) => is_seen = true,
-            News::Trouble(why) => is_over = why.is_none(),
+            WatchEvent::Changed(..) => is_seen = true,
+            WatchEvent::Failure(why) => is_over = why.is_none(),
         }
     }
     case.save_is_seen("last");

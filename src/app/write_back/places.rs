@@ -1,12 +1,12 @@
-//! Where a key of a thing is written: in the topmost layer that says it, else where the thing is.
+//! Place at which a key of an item is written: the topmost layer that sets it, else the item's own table.
 
 use std::sync::Arc;
 
 use toml::de::{DeTable, DeValue};
 
 use super::{
-    Thing, source_of,
-    splice::{self, Locator, Which},
+    SceneItem, source_of,
+    splice::{self, Locator, Selector},
 };
 use crate::scene::{
     desc::SceneDesc,
@@ -14,9 +14,9 @@ use crate::scene::{
     parse::{OVERRIDE, VARIANT},
 };
 
-/// A table in a text.
+/// A table in a scene text.
 pub struct Place {
-    /// The text.
+    /// Text that contains the table.
     pub source: Arc<Source>,
     locator: Locator,
 }
@@ -29,7 +29,7 @@ impl Place {
         splice::numbers(node.get_ref().as_table()?.get(key)?)
     }
 
-    /// The text with other numbers there.
+    /// The text with other numbers for a key of the table.
     pub fn put(&self, key: &str, values: &[f64]) -> Result<String, String> {
         let root = splice::parse(&self.source.text)?;
         let node = splice::find(&root, &self.locator).ok_or("its table is not there any more")?;
@@ -37,7 +37,7 @@ impl Place {
     }
 }
 
-/// Refuses texts that have no file.
+/// Refuses items that are not written in a file.
 pub fn writable(source: Option<&Source>) -> Result<(), String> {
     let Some(source) = source else {
         return Err("it is not written in a file".to_owned());
@@ -57,7 +57,7 @@ pub fn writable(source: Option<&Source>) -> Result<(), String> {
     Ok(())
 }
 
-/// Keys that stand for each other.
+/// Keys that set the same value as this key, itself included.
 fn alike(key: &str) -> &'static [&'static str] {
     match key {
         "translation" => &["translation"],
@@ -68,45 +68,45 @@ fn alike(key: &str) -> &'static [&'static str] {
     }
 }
 
-/// Where a key of a thing is to be written; `variants` are those that are chosen, the later wins.
+/// Table in which a key of an item is to be written; of the chosen `variants` the last one wins.
 ///
 /// # Errors
-/// Why it cannot be written, as a sentence.
+/// Sentence with the reason why it cannot be written.
 pub fn places(
     desc: &SceneDesc,
     variants: &[String],
-    thing: Thing,
+    item: SceneItem,
     key: &str,
 ) -> Result<Place, String> {
-    let (name, at) = thing.named(desc).ok_or("it is not there any more")?;
+    let (name, at) = item.named(desc).ok_or("it is not there any more")?;
     let source = at.source.as_ref();
     writable(source.map(Arc::as_ref))?;
     let source = source.ok_or("it is not written in a file")?;
-    if let Some(place) = name.and_then(|name| above(desc, variants, (thing, name), key)) {
+    if let Some(place) = name.and_then(|name| above(desc, variants, (item, name), key)) {
         return Ok(place);
     }
     let root = splice::parse(&source.text)?;
-    let locator = own(&root, thing, at).ok_or("its table cannot be found in the text")?;
+    let locator = own(&root, item, at).ok_or("its table cannot be found in the text")?;
     Ok(Place {
         source: Arc::clone(source),
         locator,
     })
 }
 
-/// The topmost table of the name that has the key.
+/// Topmost table of the item's name that has the key.
 fn above(
     desc: &SceneDesc,
     variants: &[String],
-    (thing, name): (Thing, &str),
+    (item, name): (SceneItem, &str),
     key: &str,
 ) -> Option<Place> {
     let own = desc.own.source.iter().cloned();
     let parts = desc.includes.iter();
     let texts = own.chain(parts.map(|part| source_of(&part.path, &part.text)));
-    // A group may be a placed scene, which an instance names.
-    let kinds: &[&'static str] = match thing {
-        Thing::Group(_) => &["group", "instance"],
-        thing => &[thing.kind()][..],
+    // A group may be a placed scene, which an instance table defines.
+    let kinds: &[&'static str] = match item {
+        SceneItem::Group(_) => &["group", "instance"],
+        item => &[item.kind()][..],
     };
     for source in texts {
         let Ok(root) = splice::parse(&source.text) else {
@@ -119,7 +119,7 @@ fn above(
                 let locator = Locator {
                     above: above.clone(),
                     kind,
-                    which: Which::Name(name.to_owned()),
+                    selector: Selector::Name(name.to_owned()),
                 };
                 let node = splice::find(&root, &locator);
                 let table = node.and_then(|node| node.get_ref().as_table());
@@ -133,35 +133,35 @@ fn above(
     None
 }
 
-/// The table that begins, or has its name, at a place.
-fn own(root: &DeTable, thing: Thing, at: &Span) -> Option<Locator> {
+/// Locator of the table that begins, or has its name, at a span.
+fn own(root: &DeTable, item: SceneItem, at: &Span) -> Option<Locator> {
     for (above, table) in splice::roots(root) {
-        let locator = |kind: &'static str, which| Locator {
+        let locator = |kind: &'static str, selector| Locator {
             above: above.clone(),
             kind,
-            which,
+            selector,
         };
-        let kind = thing.kind();
+        let kind = item.kind();
         if let Some(DeValue::Table(all)) = table.get(kind).map(toml::Spanned::get_ref) {
             let found = all.keys().find(|key| key.span().start == at.range.start);
             if let Some(name) = found {
-                return Some(locator(kind, Which::Name(name.get_ref().to_string())));
+                return Some(locator(kind, Selector::Name(name.get_ref().to_string())));
             }
         }
         let Some(DeValue::Array(list)) = table.get("instance").map(toml::Spanned::get_ref) else {
             continue;
         };
-        // A placed scene is where its name is, or that of its file.
-        let begins = |item: &toml::Spanned<DeValue>| {
-            let table = item.get_ref().as_table();
+        // The span of a placed scene is at its name, or at that of its file.
+        let begins = |entry: &toml::Spanned<DeValue>| {
+            let table = entry.get_ref().as_table();
             let key = |key: &str| table?.get(key);
             let file = || key("model")?.get_ref().as_table()?.get("scene");
-            let starts = [Some(item), key("name"), file()];
+            let starts = [Some(entry), key("name"), file()];
             let mut starts = starts.into_iter().flatten();
             starts.any(|node| node.span().start == at.range.start)
         };
         if let Some(index) = list.iter().position(begins) {
-            return Some(locator("instance", Which::Index(index)));
+            return Some(locator("instance", Selector::Index(index)));
         }
     }
     None

@@ -1,16 +1,16 @@
-//! Numbers of a thing put into a description, not into a text: what a drag shows.
+//! Numbers of an item put into a scene description, not into a text: shown during a drag.
 
 use glam::{DVec3, Vec3};
 
-use super::{Numbers, Thing};
+use super::{Numbers, SceneItem};
 use crate::scene::{
     desc::{CAMERA, LIGHT, PlacementDesc, SceneDesc},
     motion::turned,
     number::{Field, find},
 };
 
-/// Gives a thing of a description other numbers.
-pub fn put(desc: &mut SceneDesc, thing: Thing, numbers: &Numbers) {
+/// Gives an item of a description other numbers.
+pub fn put(desc: &mut SceneDesc, item: SceneItem, numbers: &Numbers) {
     let value = match *numbers.values.as_slice() {
         [x] => DVec3::splat(x),
         [x, y] => DVec3::new(x, y, 0.0),
@@ -18,14 +18,14 @@ pub fn put(desc: &mut SceneDesc, thing: Thing, numbers: &Numbers) {
         _ => return,
     };
     let value = value.as_vec3();
-    let placement = match thing {
-        Thing::Instance(i) => desc.instances.get_mut(i).map(|i| &mut i.placement),
-        Thing::Group(i) => desc.groups.get_mut(i).map(|g| &mut g.value.placement),
-        Thing::Light(i) => {
+    let placement = match item {
+        SceneItem::Instance(i) => desc.instances.get_mut(i).map(|i| &mut i.placement),
+        SceneItem::Group(i) => desc.groups.get_mut(i).map(|g| &mut g.value.placement),
+        SceneItem::Light(i) => {
             let light = desc.lights.get_mut(i).map(|e| &mut e.value);
             return put_field(light, &LIGHT, numbers.key, value);
         }
-        Thing::Camera(i) => {
+        SceneItem::Camera(i) => {
             let camera = desc.cameras.get_mut(i).map(|e| &mut e.value);
             return put_field(camera, &CAMERA, numbers.key, value);
         }

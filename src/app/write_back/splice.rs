@@ -7,38 +7,38 @@ use toml::{
     de::{DeTable, DeValue},
 };
 
-/// Which table of a text.
+/// Locator of a table in a scene text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Locator {
-    /// Tables around it, such as `variant` and its name; empty at the top.
+    /// Keys of the tables around it, such as `variant` and its name; empty at the top.
     pub above: Vec<String>,
-    /// `instance`, `light`, …
+    /// Key of the table's kind: `instance`, `light`, …
     pub kind: &'static str,
-    /// Which of them.
-    pub which: Which,
+    /// Selector of one of the tables of the kind.
+    pub selector: Selector,
 }
 
-/// Which of several tables.
+/// Selector of one of several tables.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Which {
+pub enum Selector {
     /// `[kind.NAME]`, or `[[kind]]` with this `name`.
     Name(String),
-    /// `[[kind]]`, from 0.
+    /// Index of a `[[kind]]` table, from 0.
     Index(usize),
 }
 
 type Node<'t> = Spanned<DeValue<'t>>;
 
-/// Digits behind the point of what is written.
+/// Number of decimals that are written.
 const DECIMALS: i32 = 6;
 
-/// The tree of a text.
+/// Parses a scene text as TOML.
 pub fn parse(text: &str) -> Result<DeTable<'_>, String> {
     let root = DeTable::parse(text).map_err(|error| error.message().to_owned())?;
     Ok(root.into_inner())
 }
 
-/// The tables below which things stand: the whole file, then its variants.
+/// Tables that contain items: the whole file, then its variants.
 pub fn roots<'n, 't>(root: &'n DeTable<'t>) -> Vec<(Vec<String>, &'n DeTable<'t>)> {
     let variants = root.get("variant").and_then(|v| v.get_ref().as_table());
     let variants = variants.into_iter().flat_map(|all| all.iter());
@@ -49,28 +49,28 @@ pub fn roots<'n, 't>(root: &'n DeTable<'t>) -> Vec<(Vec<String>, &'n DeTable<'t>
     std::iter::once((Vec::new(), root)).chain(tables).collect()
 }
 
-/// The table of a locator.
+/// Table that a locator points to.
 pub fn find<'n, 't>(root: &'n DeTable<'t>, locator: &Locator) -> Option<&'n Node<'t>> {
     let mut table = root;
     for name in &locator.above {
         table = table.get(name.as_str())?.get_ref().as_table()?;
     }
-    match (table.get(locator.kind)?.get_ref(), &locator.which) {
-        (DeValue::Table(all), Which::Name(name)) => all.get(name.as_str()),
-        (DeValue::Array(all), Which::Index(index)) => all.get(*index),
-        (DeValue::Array(all), Which::Name(name)) => {
+    match (table.get(locator.kind)?.get_ref(), &locator.selector) {
+        (DeValue::Table(all), Selector::Name(name)) => all.get(name.as_str()),
+        (DeValue::Array(all), Selector::Index(index)) => all.get(*index),
+        (DeValue::Array(all), Selector::Name(name)) => {
             all.iter().find(|item| name_of(item) == Some(name))
         }
         _ => None,
     }
 }
 
-/// `name` of an instance.
+/// Value of `name` in an instance's table.
 pub fn name_of<'n>(node: &'n Node<'_>) -> Option<&'n str> {
     node.get_ref().as_table()?.get("name")?.get_ref().as_str()
 }
 
-/// The numbers that a node consists of, if it is one or a list of some.
+/// Numbers of a node that is a number or an array of numbers.
 pub fn numbers(node: &Node) -> Option<Vec<f64>> {
     match node.get_ref() {
         DeValue::Array(items) => items.iter().map(number).collect(),
@@ -88,11 +88,11 @@ fn number(node: &Node) -> Option<f64> {
     }
 }
 
-/// A number as it is written: whole ones without a point.
+/// A number as written: whole numbers have no decimal point.
 pub fn shown(value: f64) -> String {
     let scale = 10_f64.powi(DECIMALS);
     let rounded = (value * scale).round() / scale;
-    // No minus before a zero.
+    // Turns -0 into 0.
     format!("{}", rounded + 0.0)
 }
 
@@ -106,11 +106,11 @@ fn list(values: &[f64]) -> String {
     }
 }
 
-/// The text with other numbers under a key of a table; one is written where all that the table had is
-/// one, and all of them are alike.
+/// The text with other numbers for a key of a table. A single number stays single if all new values are
+/// equal.
 ///
 /// # Errors
-/// What is there is no table, or no numbers.
+/// The node is not a table, or the key's value is not made of numbers.
 pub fn put(text: &str, node: &Node, key: &str, values: &[f64]) -> Result<String, String> {
     let DeValue::Table(table) = node.get_ref() else {
         return Err("it is not written as a table".to_owned());
@@ -149,7 +149,7 @@ fn insert(text: &str, node: &Node, table: &DeTable, key: &str, values: &[f64]) -
     let line = format!("{key} = {}", list(values));
     let at = node.span();
     let is_inline = text[at.start..].starts_with('{');
-    // Tables with headers of their own stand behind.
+    // Subtables with headers of their own come after the table's keys.
     let is_own = |value: &Node| !text[value.span().start..].starts_with('[') || !is_table(value);
     let own = table.values().filter(|value| is_own(value));
     let last = own.map(|value| value.span().end).max();
@@ -187,12 +187,12 @@ mod tests {
 
     const TEXT: &str = "version = 1 # one\r\n[[instance]]\r\n  name = \"a\" # its name\r\n  translation = [ 1.50, 2, # two\r\n    -3 ]\r\n[instance.material]\r\nroughness = 1\r\n# of b\r\n[[instance]]\r\nname = \"b\"\r\n[light.\"old lamp\"]\r\nscale = 2 # twice\r\n[variant.night.light.x]\r\n";
 
-    fn changed(kind: &'static str, which: Which, key: &str, values: &[f64]) -> String {
+    fn changed(kind: &'static str, selector: Selector, key: &str, values: &[f64]) -> String {
         let root = parse(TEXT).expect("it is right");
         let locator = Locator {
             above: Vec::new(),
             kind,
-            which,
+            selector,
         };
         let node = find(&root, &locator).expect("it is there");
         put(TEXT, node, key, values).expect("it can be put")
@@ -200,8 +200,8 @@ mod tests {
 
     #[test]
     fn only_what_changes_is_written() {
-        let named = |name: &str| Which::Name(name.to_owned());
-        for (kind, which, key, values, from, to) in [
+        let named = |name: &str| Selector::Name(name.to_owned());
+        for (kind, selector, key, values, from, to) in [
             (
                 "instance",
                 named("a"),
@@ -220,7 +220,7 @@ mod tests {
             ),
             (
                 "instance",
-                Which::Index(0),
+                Selector::Index(0),
                 "translation",
                 &[-0.000_000_1, 2.0, 4.0],
                 "[ 1.50, 2, # two\r\n    -3 ]",
@@ -259,7 +259,7 @@ mod tests {
                 "scale = [3, 1, 3] #",
             ),
         ] {
-            let found = changed(kind, which, key, values);
+            let found = changed(kind, selector, key, values);
             assert_eq!(found, TEXT.replacen(from, to, 1), "{kind} {key}");
             assert!(parse(&found).is_ok());
         }
@@ -270,11 +270,11 @@ mod tests {
         let text = "light = { a = { kind = \"point\" }, b = {} }\n[light2]\n[light2.c] # c\n";
         let root = parse(text).expect("it is right");
         let of = |kind, name: &str| {
-            let which = Which::Name(name.to_owned());
+            let selector = Selector::Name(name.to_owned());
             let locator = Locator {
                 above: Vec::new(),
                 kind,
-                which,
+                selector,
             };
             let node = find(&root, &locator).expect("it is there");
             put(text, node, "position", &[0.0, 1.0]).expect("it can be put")

@@ -3,9 +3,9 @@
 use super::{mask::Mask, select};
 use crate::bench::picture::Pair;
 
-/// Added to the reference under relMSE, so that black does not divide by zero; as in pbrt.
+/// Constant added to the reference in relMSE's denominator, against division by zero at black; as in pbrt.
 pub const REL_MSE_EPSILON: f64 = 0.01;
-/// The share of pixels that the trimmed relMSE leaves out, rounded down.
+/// Share of pixels that the trimmed relMSE leaves out, rounded down.
 pub const TRIM_SHARE: f64 = 0.001;
 
 /// Per-pixel errors.
@@ -33,7 +33,7 @@ pub struct PooledError {
 }
 
 impl ErrorMap {
-    /// Errors of a pair, whose display values are `test` and `reference`.
+    /// Error maps of a pair of pictures with the display values `test` and `reference`.
     pub fn of(pair: &Pair, test: &[[f32; 3]], reference: &[[f32; 3]]) -> Self {
         let display = test.iter().zip(reference);
         let squared = display.clone().map(|(a, r)| mean_of(a, r, |d, _| d * d));
@@ -52,7 +52,7 @@ impl ErrorMap {
         }
     }
 
-    /// Pools the whole frame, or what lies inside a mask that is not empty.
+    /// Pools the whole frame, or the inside of a mask that is not empty.
     pub fn pool(&self, mask: Option<&Mask>) -> PooledError {
         let squared = mean(&select(&self.squared, mask));
         let largest = select(&self.largest, mask).into_iter().fold(0.0, f32::max);

@@ -1,94 +1,94 @@
-//! Correctness without a picture: what the screen march found against what a ray finds.
+//! Correctness without a picture: compares the hits of the screen march with the hits of traced rays.
 
 use std::fmt;
 
 use serde::Serialize;
 
-/// What a cause code means for the pixel's answer.
+/// Outcome of the march at a pixel, as a cause code tells it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
-    /// The march's hit was used.
+    /// The hit of the march was used.
     Accepted,
-    /// The march used "nothing there".
+    /// The march reported "nothing in reach", and that was used.
     Empty,
-    /// The march refused its candidate, or had none; a ray was asked.
+    /// The march refused its candidate, or had none; a ray was traced instead.
     Rejected,
-    /// Not a question for the march, such as a surface too rough; its distances are not read.
+    /// The pixel was not marched, such as a surface that is too rough; its distances are not read.
     NotAsked,
 }
 
-/// One code of the cause plane.
+/// One code of the cause plane (a picture with a cause per pixel).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CauseCode {
-    /// The number in the plane.
+    /// Number in the plane.
     pub code: u32,
-    /// Its name in reports, such as `hit` or `back_face`.
+    /// Name in reports, such as `hit` or `back_face`.
     pub name: &'static str,
-    /// What it means.
+    /// Outcome that the code stands for.
     pub verdict: Verdict,
 }
 
-/// Where rays ended, one entry per pixel.
+/// Hits of rays, one entry per pixel.
 #[derive(Clone, Copy, Debug)]
 pub struct HitPlane<'a> {
-    /// Distance along the reflected ray, meters; infinite where nothing was met.
+    /// Distance along the reflected ray, meters; infinite where nothing was hit.
     pub distance_m: &'a [f32],
-    /// What was met; the same numbering in both planes (instance, or instance and triangle).
+    /// ID of the surface that was hit, numbered alike in both planes (instance, or instance and triangle).
     pub surface: &'a [u32],
 }
 
-/// The planes to be judged, all of one length.
+/// Planes to be compared, all with the same number of pixels.
 #[derive(Clone, Copy, Debug)]
 pub struct HitPlanes<'a> {
-    /// A [`CauseCode::code`] per pixel.
+    /// Cause per pixel, a [`CauseCode::code`].
     pub cause: &'a [u32],
-    /// What the march met: the hit it used, or the candidate it refused.
+    /// Hits of the march: the accepted hit, or the candidate that it refused.
     pub screen: HitPlane<'a>,
-    /// What the ray met, the truth; cut at the same ray length as the march.
+    /// Hits of the traced rays, taken as the truth; cut at the same ray length as the march.
     pub ray: HitPlane<'a>,
 }
 
-/// How far apart two distances may lie and count as one: the larger of both.
+/// Largest difference of two distances that count as equal; the larger of both limits applies.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tolerance {
-    /// Absolute, meters.
+    /// Absolute limit, meters.
     pub absolute_m: f32,
-    /// As a share of the ray's distance.
+    /// Relative limit, as a share of the ray's distance.
     pub relative: f32,
 }
 
-/// The pixels of one cause.
+/// Counts over the pixels of one cause.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct CauseTally {
-    /// The cause.
+    /// Name of the cause.
     pub name: &'static str,
-    /// What it means.
+    /// Outcome that the cause stands for.
     pub verdict: Verdict,
-    /// Pixels with it.
+    /// Number of pixels with the cause.
     pub pixels: usize,
-    /// Answers used without a ray that the ray contradicts; 0 for rejected causes.
+    /// Number of answers used without a ray that the ray contradicts; 0 for rejected causes.
     pub false_accepts: usize,
-    /// Candidates refused that the ray confirms; 0 for other causes.
+    /// Number of refused candidates that the ray confirms; 0 for other causes.
     pub false_rejects: usize,
-    /// False accepts where the ray met nothing.
+    /// Number of false accepts where the ray hit nothing.
     pub ray_missed: usize,
-    /// False accepts on another surface.
+    /// Number of false accepts on another surface.
     pub other_surface: usize,
-    /// False accepts on the same surface at another distance.
+    /// Number of false accepts on the same surface at another distance.
     pub other_distance: usize,
-    /// False accepts of "nothing" where the ray met something.
+    /// Number of false accepts of "nothing in reach" where the ray hit something.
     pub overlooked: usize,
 }
 
-/// Why planes cannot be judged.
+/// Reason why planes cannot be compared.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum HitError {
     /// The planes' lengths differ: cause, screen distance and surface, ray distance and surface.
     Length([usize; 5]),
-    /// A code that the table does not hold.
+    /// A code that is not in the table of codes.
     Code {
-        /// The code.
+        /// Unknown code.
         code: u32,
         /// Index of the first pixel with it.
         pixel: usize,
@@ -164,7 +164,7 @@ fn check_lengths(planes: &HitPlanes) -> Result<(), HitError> {
     }
 }
 
-/// A distance in meters and a surface; none where nothing was met.
+/// Distance in meters and surface of a hit; none where nothing was hit.
 type Hit = Option<(f32, u32)>;
 
 impl HitPlane<'_> {

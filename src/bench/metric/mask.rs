@@ -1,13 +1,13 @@
-//! The mask of reflective pixels: where a reflection can be seen and judged.
+//! Mask of reflective pixels: the pixels whose reflection can be seen and scored.
 
 use crate::bench::picture::{PictureError, check_values};
 
-/// A pixel counts as reflective when its Fresnel-weighted reflectance exceeds this: less can not
-/// change an 8-bit display value by a level.
+/// Fresnel-weighted reflectance above which a pixel counts as reflective: less cannot change an 8-bit
+/// display value by a level.
 pub const MIN_WEIGHT: f32 = 1.0 / 255.0;
-/// The mask shrinks by this many pixels, so that windows and filters see little of what is around.
+/// Number of pixels by which the mask shrinks, so that windows and filters see little of its surroundings.
 pub const ERODE_PX: usize = 5;
-/// Fewer pixels than this are not scored.
+/// Smallest mask that is scored, pixels.
 pub const MIN_AREA_PX: usize = 100;
 
 /// A set of pixels of a frame.
@@ -19,7 +19,7 @@ pub struct Mask {
 }
 
 impl Mask {
-    /// The pixels whose weight exceeds [`MIN_WEIGHT`], eroded by [`ERODE_PX`]: what is scored.
+    /// Mask that is scored: the pixels whose weight exceeds [`MIN_WEIGHT`], eroded by [`ERODE_PX`].
     ///
     /// # Errors
     /// When `weights` is empty, not `width * height` long, or holds NaN or an infinity.
@@ -27,7 +27,7 @@ impl Mask {
         Self::from_weights(width, height, weights).map(|mask| mask.eroded(ERODE_PX))
     }
 
-    /// The pixels whose weight exceeds [`MIN_WEIGHT`].
+    /// Mask of the pixels whose weight exceeds [`MIN_WEIGHT`].
     ///
     /// # Errors
     /// When `weights` is empty, not `width * height` long, or holds NaN or an infinity.
@@ -48,8 +48,8 @@ impl Mask {
         Ok(Self::of(width, inside))
     }
 
-    /// The pixels whose square neighborhood of `2 * radius + 1` pixels lies wholly inside; what
-    /// is beyond the frame counts as outside.
+    /// Erodes the mask: keeps the pixels whose square neighborhood of `2 * radius + 1` pixels lies wholly
+    /// inside; pixels beyond the frame count as outside.
     pub fn eroded(&self, radius: usize) -> Self {
         let (width, height) = (self.width, self.inside.len() / self.width);
         let mut rows = vec![false; self.inside.len()];
@@ -73,17 +73,17 @@ impl Mask {
         }
     }
 
-    /// Pixels inside.
+    /// Number of pixels inside.
     pub fn area(&self) -> usize {
         self.area
     }
 
-    /// Whether there are enough pixels to score: [`MIN_AREA_PX`].
+    /// Whether the mask has enough pixels to be scored, [`MIN_AREA_PX`].
     pub fn is_scorable(&self) -> bool {
         self.area >= MIN_AREA_PX
     }
 
-    /// Pixels across and down.
+    /// Width and height, pixels.
     pub fn size(&self) -> [usize; 2] {
         [self.width, self.inside.len() / self.width]
     }

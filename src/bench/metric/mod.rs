@@ -1,4 +1,4 @@
-//! Image × image → error, pure: every metric over the whole frame and inside a mask.
+//! Metrics of a pair of pictures, over the whole frame and inside a mask; pure functions.
 
 pub mod error;
 pub mod flip;
@@ -17,13 +17,13 @@ use mask::Mask;
 /// Every metric of one pair over one region.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Scores {
-    /// Pixels of the region.
+    /// Number of pixels of the region.
     pub area_px: usize,
-    /// Region over frame, 0 to 1.
+    /// Area of the region divided by that of the frame, 0 to 1.
     pub area_share: f64,
-    /// Mean structural similarity, 1 is equal; none where the frame is under 11 × 11 pixels.
+    /// Mean structural similarity, 1 for equal pictures; none where the frame is under 11 × 11 pixels.
     pub ssim: Option<f64>,
-    /// Mean FLIP, 0 is equal, at most 1.
+    /// Mean FLIP, 0 (equal) to 1.
     pub flip_mean: f64,
     /// FLIP that 95 % of the pixels do not exceed.
     pub flip_p95: f64,
@@ -33,7 +33,7 @@ pub struct Scores {
     pub psnr_db: f64,
     /// Mean of (a − r)² / (r + 0.01)² in linear light.
     pub rel_mse: f64,
-    /// The same without the 0.1 % of pixels that err most.
+    /// Mean of (a − r)² / (r + 0.01)² without the 0.1 % of pixels with the largest errors.
     pub rel_mse_trimmed: f64,
     /// Largest difference of a channel, display code values from 0 to 255.
     pub max_difference: f64,
@@ -66,7 +66,7 @@ impl Maps {
         Self { ssim, flip, error }
     }
 
-    /// Scores the whole frame, or what lies inside `mask` (of the same size).
+    /// Scores the whole frame, or the inside of `mask` (of the same size).
     ///
     /// SSIM inside a mask is the mean over windows centered in it; a mask eroded by
     /// [`mask::ERODE_PX`] therefore holds only windows that lie wholly in the original one.
@@ -98,7 +98,7 @@ impl Maps {
     }
 }
 
-/// The values inside the mask, or all.
+/// Values inside the mask, or all without one.
 fn select<T: Copy>(values: &[T], mask: Option<&Mask>) -> Vec<T> {
     match mask {
         None => values.to_vec(),
@@ -110,7 +110,7 @@ fn select<T: Copy>(values: &[T], mask: Option<&Mask>) -> Vec<T> {
     }
 }
 
-/// Arithmetic mean; NaN of nothing.
+/// Arithmetic mean; NaN for an empty slice.
 fn mean(values: &[f32]) -> f64 {
     values.iter().copied().map(f64::from).sum::<f64>() / values.len() as f64
 }

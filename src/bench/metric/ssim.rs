@@ -1,7 +1,7 @@
 //! Structural similarity as Wang, Bovik, Sheikh and Simoncelli define it ("Image quality
 //! assessment: from error visibility to structural similarity", IEEE TIP 13(4), 2004).
 //!
-//! On luma with 0.299, 0.587, 0.114 (Rec. 601, as in the authors' script), from display code
+//! Computed on luma with 0.299, 0.587, 0.114 (Rec. 601, as in the authors' script), from display code
 //! values, not rounded to whole levels; range 255; 11 × 11 Gaussian window of σ 1.5 that sums to
 //! 1; population (co)variances; K₁ = 0.01, K₂ = 0.03; only windows that lie wholly in the frame;
 //! full resolution, no downsampling.
@@ -66,7 +66,7 @@ impl SsimMap {
         Some(Self { width, windows })
     }
 
-    /// Mean over all windows, or over those centered in the mask; none when there is none.
+    /// Mean over all windows, or over those centered in the mask; none when there are no windows.
     pub fn mean(&self, mask: Option<&Mask>) -> Option<f64> {
         let across = self.width - 2 * RADIUS;
         let (mut sum, mut count) = (0.0, 0_usize);

@@ -1,56 +1,56 @@
-//! How errors lie in a picture: at edges, on thin things, along the seam between marched and traced
+//! Structure of errors in a picture: at edges, on thin objects, along the seam between marched and traced
 //! pixels, in stripes.
 
 use super::mask::Mask;
 
-/// Pixels this close to an edge count as beside it.
+/// Distance to an edge up to which a pixel counts as beside it, pixels.
 pub const EDGE_PX: usize = 3;
-/// Largest thickness of each class of thin things, pixels.
+/// Largest thickness of each class of thin objects, pixels.
 pub const THIN_PX: [usize; 3] = [1, 2, 4];
-/// Fewer pixels, or pairs of them, than this say nothing.
+/// Smallest number of pixels, or of pairs of pixels, that gives a score.
 const LEAST: usize = 16;
-/// Largest distance at which errors are compared with each other, pixels.
+/// Largest distance of the errors' autocorrelation, pixels.
 const FARTHEST_PX: usize = 64;
 
-/// What the scores are of; all slices have one entry per pixel.
+/// Per-pixel inputs of the scores; all slices have one entry per pixel.
 #[derive(Clone, Copy, Debug)]
 pub struct Maps<'a> {
-    /// Pixels that count.
+    /// Pixels that are scored.
     pub mask: &'a Mask,
-    /// FLIP.
+    /// FLIP error, 0 to 1.
     pub flip: &'a [f32],
     /// Luma of the picture, display code values.
     pub test: &'a [f32],
-    /// Luma of the reference.
+    /// Luma of the reference, display code values.
     pub reference: &'a [f32],
-    /// Whether the march answered, in place of a ray.
+    /// Whether the march found the reflection, not a traced ray.
     pub is_marched: &'a [bool],
-    /// What the picture's reflections show.
+    /// ID of the instance that the picture's reflection shows.
     pub shown: &'a [u32],
-    /// What the reference's rays met.
+    /// ID of the instance that the reference's ray hit.
     pub met: &'a [u32],
 }
 
-/// The scores; none where too few pixels say something.
+/// Structure scores; none where too few pixels contribute.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Structure {
-    /// Mean FLIP within [`EDGE_PX`] of where the reference's rays meet another instance than the ray
-    /// beside.
+    /// Mean FLIP within [`EDGE_PX`] of edges: pixels whose ray in the reference hits another instance than the
+    /// ray of the neighboring pixel.
     pub edge_flip: Option<f64>,
-    /// Mean FLIP elsewhere.
+    /// Mean FLIP away from edges.
     pub inner_flip: Option<f64>,
-    /// Share of the pixels of things as thin as [`THIN_PX`] that show them, 0 to 1. A thing is as
-    /// thin as the shorter of its runs through the pixel, along the row and along the column.
+    /// Share of the pixels of objects as thin as [`THIN_PX`] that show the object, 0 to 1. The thickness at
+    /// a pixel is the shorter of the runs through it along the row and along the column.
     pub recall: [Option<f64>; THIN_PX.len()],
-    /// Mean step from a marched to a traced pixel beside it beyond the reference's step there, display
-    /// code values; of pairs that both show rightly the same instance.
+    /// Mean luma step from a marched pixel to a traced neighbor, minus the reference's step there, display
+    /// code values; over pairs that both correctly show the same instance.
     pub seam_step: Option<f64>,
-    /// Distance along rows or columns, the longer, at which the autocorrelation of the signed error
-    /// falls below 1 / e, pixels: long where reflections are drawn out.
+    /// Distance at which the autocorrelation of the signed error falls below 1 / e, pixels, the longer of that
+    /// along rows and that along columns: long where reflections are stretched.
     pub error_length_px: Option<f64>,
-    /// Largest autocorrelation at a distance beyond the first at which it is 0 or less, of rows and
-    /// columns: large where errors come in stripes. By Wiener and Khinchin it is large exactly where
-    /// the spectrum of the error has a peak apart from 0.
+    /// Largest autocorrelation of the signed error beyond its first zero crossing, over rows and columns: large
+    /// where errors come in stripes. By Wiener and Khinchin it is large exactly where the spectrum of
+    /// the error has a peak away from 0.
     pub stripes: Option<f64>,
 }
 
@@ -86,7 +86,7 @@ impl Maps<'_> {
         self.mask.size()[0]
     }
 
-    /// Neighbors along `stride` pixels that both are inside the mask.
+    /// Pairs of pixels `stride` apart that are both inside the mask.
     fn pairs(&self, stride: usize) -> impl Iterator<Item = (usize, usize)> {
         let (width, inside) = (self.width(), self.mask.inside());
         let is_in_line = move |i: usize| stride.is_multiple_of(width) || i % width + stride < width;
@@ -159,8 +159,8 @@ impl Maps<'_> {
         self.test[i] - self.reference[i]
     }
 
-    /// Of the signed error, at distances of 0, 1, … times `stride` pixels; empty where there is no
-    /// error, or too few pairs of pixels.
+    /// Autocorrelation of the signed error at distances of 0, 1, … times `stride` pixels; empty where there
+    /// is no error, or too few pairs of pixels.
     fn autocorrelation(&self, stride: usize) -> Vec<f64> {
         let mut curve = Vec::new();
         for distance in 0..=FARTHEST_PX {
@@ -181,7 +181,7 @@ impl Maps<'_> {
     }
 }
 
-/// How many pixels in a row, along `stride`, meet what each pixel meets.
+/// Number of pixels in a row, along `stride`, that hit the same instance as each pixel.
 fn runs(met: &[u32], width: usize, stride: usize) -> Vec<usize> {
     let mut lengths = vec![0; met.len()];
     let height = met.len() / width;
@@ -202,7 +202,7 @@ fn runs(met: &[u32], width: usize, stride: usize) -> Vec<usize> {
     lengths
 }
 
-/// Where a curve that starts at 1 falls below 1 / e, interpolated; its end where it never does.
+/// Position where a curve that starts at 1 falls below 1 / e, interpolated; its end where it never does.
 fn correlation_length(curve: &[f64]) -> Option<f64> {
     let least = (-1.0_f64).exp();
     let last = curve.len().checked_sub(1)?;
@@ -213,7 +213,7 @@ fn correlation_length(curve: &[f64]) -> Option<f64> {
     Some((below - 1) as f64 + (above - least) / (above - below_value))
 }
 
-/// The largest value after the first that is not above 0; none where all are.
+/// Largest value after the first zero crossing of a curve; none where all values are above 0.
 fn second_peak(curve: &[f64]) -> Option<f64> {
     let zero = curve.iter().position(|value| *value <= 0.0)?;
     curve[zero..].iter().copied().max_by(f64::total_cmp)
@@ -225,7 +225,7 @@ mod tests {
 
     const SIZE: [usize; 2] = [96, 64];
 
-    /// A picture by functions of column and row.
+    /// Test picture, given by functions of column and row.
     struct Scene {
         mask: Mask,
         flip: Vec<f32>,

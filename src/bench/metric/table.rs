@@ -1,23 +1,23 @@
-//! The table of image metrics: name, range, mean and format of each.
+//! Table of image metrics: name, range, mean and format of each.
 
 use super::Scores;
 
-/// Shares and SSIM may be rounded past their ends.
+/// Tolerance past the ends of ranges, for rounded shares and SSIM.
 pub const ROUNDING: f64 = 1e-6;
 
 /// One metric of a pair of pictures over a region.
 pub struct ImageMetric {
     /// Label in the table of `compare`.
     pub label: &'static str,
-    /// Column of samples, for the mask after `mask_`; none where samples leave it out.
+    /// Column of the samples, prefixed `mask_` for the mask's score; none where samples leave the metric out.
     pub column: Option<&'static str>,
-    /// The least and most that a cell can hold, and how that is said.
+    /// Least and most value that a cell can hold, and the name of the range in messages.
     pub range: (f64, f64, &'static str),
-    /// Whether the mean over the frames of an animation means something.
+    /// Whether the mean over the frames of an animation makes sense.
     pub has_mean: bool,
-    /// The metric's score.
+    /// Function that takes the metric's score.
     pub score: fn(&Scores) -> Option<f64>,
-    /// A score as text.
+    /// Function that formats a score.
     pub text: fn(f64) -> String,
 }
 
@@ -92,7 +92,7 @@ pub const METRICS: [ImageMetric; 8] = [
     },
 ];
 
-/// The metrics that are columns of samples, with their columns.
+/// Metrics that are columns of samples, with the names of the columns.
 pub fn columns() -> impl Iterator<Item = (&'static str, &'static ImageMetric)> {
     METRICS.iter().filter_map(|m| Some((m.column?, m)))
 }

@@ -1,15 +1,15 @@
-//! Flicker: how much a sequence changes from frame to frame otherwise than its reference.
+//! Flicker: how much the frame-to-frame changes of a sequence differ from those of its reference.
 
 use super::mask::{MIN_AREA_PX, Mask};
 use crate::bench::picture::{Pair, PictureError};
 
-/// The changes of a sequence, two frames in memory at a time.
+/// Flicker meter of a sequence; keeps only the previous frame in memory.
 #[derive(Clone, Debug, Default)]
 pub struct Temporal {
     previous: Option<Frame>,
 }
 
-/// How one frame changed since the one before it, in display code values (0 to 255).
+/// Change of one frame since the frame before, in display code values (0 to 255).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Change {
     /// Mean |Δtest − Δref|.
@@ -23,18 +23,18 @@ struct Frame {
     size: [usize; 2],
     test: Vec<[f32; 3]>,
     reference: Vec<[f32; 3]>,
-    /// Of a mask, whether each pixel is inside.
+    /// Whether each pixel is inside the mask; none without a mask.
     inside: Option<Vec<bool>>,
 }
 
 impl Temporal {
-    /// No frames yet.
+    /// Meter without frames.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Adds the next frame of both sequences; gives its change since the frame before, none for
-    /// the first. With masks, of the same size, that of the pixels inside the masks of both frames;
+    /// Adds the next frame of both sequences; returns its change since the frame before, none for
+    /// the first. With masks, of the same size, the change of the pixels inside the masks of both frames;
     /// none where these are fewer than [`MIN_AREA_PX`].
     ///
     /// # Errors
@@ -65,9 +65,9 @@ impl Temporal {
     }
 }
 
-/// Mean |Δtest − Δref| over mean |Δref| of `pairs` pairs of frames, from the sums of their changes;
-/// none without a pair. 0 when the test changes exactly as the reference does, so also when both
-/// stand still; infinite when only the test changes.
+/// Flicker ratio: mean |Δtest − Δref| over mean |Δref| of `pairs` pairs of frames, from the sums of their
+/// changes; none without a pair. 0 when the test changes exactly as the reference does, so also when
+/// neither changes; infinite when only the test changes.
 pub fn ratio(pairs: usize, difference: f64, reference: f64) -> Option<f64> {
     match (pairs, difference) {
         (0, _) => None,
@@ -76,7 +76,7 @@ pub fn ratio(pairs: usize, difference: f64, reference: f64) -> Option<f64> {
     }
 }
 
-/// Means over all channels of |Δtest − Δref| and |Δref|, of the pixels that count in both frames.
+/// Means of |Δtest − Δref| and |Δref| over all channels of the pixels inside the masks of both frames.
 fn change(before: &Frame, after: &Frame) -> Option<Change> {
     let counts = |frame: &Frame, pixel: usize| frame.inside.as_ref().is_none_or(|i| i[pixel]);
     let (mut pixels, mut difference, mut reference) = (0_usize, 0.0, 0.0);

@@ -1,4 +1,4 @@
-//! Milliseconds against error as SVG: a curve per method, the Pareto front, every point.
+//! Chart of milliseconds against error as SVG: a curve per method, the Pareto front, every point.
 
 use crate::bench::{
     parameter::{HYBRID_ANEW_SERIES, RT_ANEW_SERIES, SERIES, THRESHOLD_SERIES},
@@ -22,34 +22,34 @@ use marks::{End, Labels, cross, legend, mark};
 
 mod marks;
 
-/// What the horizontal axis shows.
+/// Quantity on the horizontal axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Time {
-    /// The whole frame.
+    /// Time of the whole frame.
     Frame,
-    /// The passes that find reflections.
+    /// Time of the passes that find reflections.
     Reflection,
 }
 
-/// What is drawn against what.
+/// Quantities on the axes of a chart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Axes {
-    /// Across.
+    /// Time on the horizontal axis.
     pub time: Time,
-    /// Up.
+    /// Error on the vertical axis.
     pub metric: Metric,
 }
 
-/// Most dots whose values are written beside them; of more, only those on the front.
+/// Largest number of dots with their values written beside them; above it, only dots on the front have them.
 const MAX_NAMED: usize = 24;
 
-/// How many times the slowest median a bar of percentiles may reach, and below the fastest.
+/// Limit of percentile bars: this factor above the slowest median, and below the fastest.
 pub const BAR_REACH: f64 = 1.5;
 
-/// Pixels of a chart.
+/// Size of a chart, pixels.
 const SIZE: (u32, u32) = (860, 500);
 
-/// Colors that stay apart for color-blind readers (Okabe and Ito 2008).
+/// Color of a method's curve, from colors that stay apart for color-blind readers (Okabe and Ito 2008).
 pub fn color(method: &str) -> RGBColor {
     match method {
         "ssr" => RGBColor(0, 114, 178),
@@ -61,7 +61,7 @@ pub fn color(method: &str) -> RGBColor {
     }
 }
 
-/// One point ready to be drawn.
+/// One point of a group, ready to be drawn.
 struct Dot<'a> {
     point: &'a Point,
     spot: Spot,
@@ -80,7 +80,7 @@ struct Failure {
 /// Draws a group; none where fewer than two points have both quantities.
 ///
 /// # Errors
-/// What the drawing library says.
+/// Message of the drawing library.
 pub fn draw(group: &Group, axes: Axes) -> Result<Option<String>, String> {
     let dots = dots(group, axes);
     if dots.len() < 2 {
@@ -88,7 +88,7 @@ pub fn draw(group: &Group, axes: Axes) -> Result<Option<String>, String> {
     }
     let medians = dots.iter().map(|dot| [dot.spot.ms; 2]);
     let [first, last] = medians.fold([f64::INFINITY, 0.0], widened);
-    // A single frame that was held up must not squeeze the dots together: bars are cut off.
+    // One frame with a long delay must not squeeze the dots together: bars are cut off.
     let limits = [first / BAR_REACH, last * BAR_REACH];
     let bars = dots.iter().filter_map(|dot| dot.spread);
     let bars = bars.map(|ends| ends.map(|ms| ms.clamp(limits[0], limits[1])));
@@ -99,7 +99,7 @@ pub fn draw(group: &Group, axes: Axes) -> Result<Option<String>, String> {
     let [fastest, slowest] = bars.chain(crosses).fold([first, last], widened);
     let [bottom, top] = error_range(&dots);
     let errors = (bottom..top).log_scale();
-    // A log axis needs a decade to be readable.
+    // A logarithmic axis needs a decade to be readable.
     if slowest > 8.0 * fastest && fastest > 0.0 {
         let times = (fastest / 1.3..slowest * 1.5).log_scale();
         plot(
@@ -127,7 +127,7 @@ pub fn draw(group: &Group, axes: Axes) -> Result<Option<String>, String> {
     .map(Some)
 }
 
-/// Whether a bar of percentiles is drawn.
+/// Whether the chart has percentile bars.
 pub fn has_bars(group: &Group, time: Time) -> bool {
     let spread = |p: &Point| match time {
         Time::Frame => p.ms.p5_p95,
@@ -136,7 +136,7 @@ pub fn has_bars(group: &Group, time: Time) -> bool {
     group.points.iter().any(|p| spread(p).is_some())
 }
 
-/// Settings that took time and could not be judged: they have a place across, and none up.
+/// Settings that were timed but could not be scored: they have an x coordinate, but no y.
 fn failures(group: &Group, time: Time) -> Vec<Failure> {
     let shared = |p: &Point| Some((p.sample.scale, p.ms.median - p.reflection_ms?.median));
     let of = |(sample, why): &(Sample, String)| {
@@ -179,7 +179,7 @@ fn dots(group: &Group, axes: Axes) -> Vec<Dot<'_>> {
     .collect()
 }
 
-/// Whole decades around the errors that are not 0; those stand at the bottom.
+/// Whole decades around the errors that are not 0; errors of 0 are drawn at the bottom.
 fn error_range(dots: &[Dot]) -> [f64; 2] {
     let errors = dots.iter().map(|dot| dot.spot.error);
     let positive = errors.filter(|e| *e > 0.0 && e.is_finite());
@@ -193,12 +193,12 @@ fn error_range(dots: &[Dot]) -> [f64; 2] {
     [bottom, 10f64.powf((high * 1.1).log10().ceil())]
 }
 
-/// A range with what lies in another.
+/// Smallest range that contains both.
 fn widened([low, high]: [f64; 2], [first, last]: [f64; 2]) -> [f64; 2] {
     [low.min(first), high.max(last)]
 }
 
-/// What plotters says, as text.
+/// Message of plotters as text.
 fn said(error: impl std::fmt::Display) -> String {
     format!("the chart cannot be drawn: {error}")
 }
@@ -304,7 +304,7 @@ fn y_title(group: &Group, metric: Metric) -> String {
     format!("{}, {region}", metric.name())
 }
 
-/// The front as stairs: what is reached at every time.
+/// Pareto front as a staircase: the least error that is reached within every time.
 fn stairs(dots: &[Dot], bottom: f64) -> Vec<(f64, f64)> {
     let mut on_front: Vec<Spot> = dots
         .iter()
@@ -323,7 +323,7 @@ fn stairs(dots: &[Dot], bottom: f64) -> Vec<(f64, f64)> {
     stairs
 }
 
-/// Text for XML.
+/// Escapes text for XML.
 pub fn escape(text: &str) -> String {
     text.replace('&', "&amp;")
         .replace('<', "&lt;")

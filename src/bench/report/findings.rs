@@ -1,5 +1,5 @@
-//! What the points of a group mean, in sentences: who wins, at equal time, at equal error, and
-//! from which share of rays on marching first stops paying.
+//! Findings on the points of a group, in sentences: the fastest method, comparisons at equal time and at
+//! equal error, and the share of rays from which marching first no longer pays.
 
 use crate::bench::summary::series;
 use std::collections::BTreeSet;
@@ -16,10 +16,10 @@ use verdict::{equal_error, equal_time, verdict};
 
 mod verdict;
 
-/// Passes that a march adds or that a full trace needs no more of.
+/// Passes that marching adds, which a frame without it does not need.
 const MARCH: [&str; 2] = ["pyramid", "ssr"];
 
-/// The spots of a group, with the points they belong to.
+/// Points of a group that have both time and error, as coordinates and as points.
 pub fn spots(group: &Group, metric: Metric) -> (Vec<Spot>, Vec<&Point>) {
     let judged = |point| -> Option<(Spot, &Point)> {
         let error = Point::error(point, metric, group.masked)?;
@@ -29,7 +29,7 @@ pub fn spots(group: &Group, metric: Metric) -> (Vec<Spot>, Vec<&Point>) {
     group.points.iter().filter_map(judged).unzip()
 }
 
-/// Everything worth saying, by FLIP.
+/// All findings of a group, with FLIP as the error.
 pub fn sentences(group: &Group) -> Vec<String> {
     let (spots, points) = spots(group, Metric::Flip);
     if points.is_empty() {
@@ -88,7 +88,7 @@ fn pick(spots: &[Spot], indices: &[usize]) -> Vec<Spot> {
     indices.iter().map(|&i| spots[i]).collect()
 }
 
-/// The costs of a `hybrid` point beside an `rt` point with the same rays.
+/// Costs of a `hybrid` point beside an `rt` point with the same rays.
 pub fn costs(hybrid: &Point, rt: &Point) -> Costs {
     let march = |point: &Point| MARCH.iter().map(|name| point.pass_ms(name)).sum::<f64>();
     Costs {
@@ -100,7 +100,7 @@ pub fn costs(hybrid: &Point, rt: &Point) -> Costs {
     }
 }
 
-/// The `rt` point that traces the same rays as `hybrid` would without marching.
+/// Finds the `rt` point that traces the rays that `hybrid` would trace without marching.
 pub fn counterpart<'a>(hybrid: &Point, points: &[&'a Point]) -> Option<&'a Point> {
     let same = |p: &&&Point| {
         let (a, b) = (&p.sample, &hybrid.sample);
@@ -112,7 +112,7 @@ pub fn counterpart<'a>(hybrid: &Point, points: &[&'a Point]) -> Option<&'a Point
     points.iter().find(same).copied()
 }
 
-/// The `hybrid` setting that errs least, with the `rt` setting of the same rays.
+/// The `hybrid` setting with the least error, and the `rt` setting with the same rays.
 fn best_pair<'a>(points: &[&'a Point], masked: bool) -> Option<(&'a Point, &'a Point)> {
     let pairs = points
         .iter()
@@ -124,7 +124,7 @@ fn best_pair<'a>(points: &[&'a Point], masked: bool) -> Option<(&'a Point, &'a P
     pairs.min_by(least)
 }
 
-/// What `hybrid` does and what it spares `rt`, in numbers that hold on any machine.
+/// Work of `hybrid` and the work that it saves `rt`, in counts that hold on any machine.
 fn work(points: &[&Point], masked: bool) -> Option<String> {
     let (hybrid, rt) = best_pair(points, masked)?;
     let [steps, nodes] = [hybrid.sample.march_steps?, hybrid.sample.visited_nodes?];
@@ -145,7 +145,7 @@ fn work(points: &[&Point], masked: bool) -> Option<String> {
     ))
 }
 
-/// Traversal and shading of rt's trace pass.
+/// Times of traversal and of shading in the trace pass of `rt`.
 fn split_trace(points: &[&Point]) -> Option<String> {
     let of = |p: &&&Point| p.sample.method == "rt" && p.split.is_some();
     let rt = points.iter().find(of)?;
@@ -170,7 +170,7 @@ fn split_trace(points: &[&Point]) -> Option<String> {
     ))
 }
 
-/// The break-even share at the `hybrid` setting that errs least.
+/// Break-even share of rays at the `hybrid` setting with the least error.
 fn break_even(points: &[&Point], masked: bool) -> Option<String> {
     let (hybrid, rt) = best_pair(points, masked)?;
     let costs = costs(hybrid, rt);
@@ -201,7 +201,7 @@ fn break_even(points: &[&Point], masked: bool) -> Option<String> {
     })
 }
 
-/// The break-even shares of single pairs of frames.
+/// Break-even shares of single pairs of frames.
 fn shares(hybrid: &Point, rt: &Point) -> String {
     let of_pair = |(h, r): (&Timed, &Timed)| {
         break_even_share(&Costs {
@@ -217,7 +217,7 @@ fn shares(hybrid: &Point, rt: &Point) -> String {
         .collect();
     shares.sort_by(f64::total_cmp);
     let (Some(low), Some(high)) = (shares.first(), shares.last()) else {
-        return "no two frames of both were timed in the same turn".to_owned();
+        return "no frame was timed with both settings in the same repetition".to_owned();
     };
     let spread = Spread::of(shares.clone()).and_then(|s| s.p5_p95);
     let ([low, high], ends) = match spread {
@@ -256,7 +256,7 @@ fn flicker(points: &[&Point]) -> Option<String> {
     ))
 }
 
-/// Frames of an animation that not all settings have.
+/// Note on the frames of an animation that are left out because some setting lacks them.
 fn left_out(group: &Group) -> Option<String> {
     let frames: Vec<String> = group.left_out.iter().take(8).map(u32::to_string).collect();
     let more = if group.left_out.len() > frames.len() {
@@ -288,7 +288,7 @@ fn region(group: &Group) -> String {
     }
 }
 
-/// The region in an animation, whose mask may be large enough in some frames only.
+/// Sentence on the region of an animation, whose mask may be large enough in some frames only.
 fn region_of_frames(group: &Group) -> String {
     let frames: BTreeSet<u32> = group.over_frames.iter().map(|(frame, _)| *frame).collect();
     let judged = |(frame, point): &(u32, Point)| point.sample.mask_flip.map(|_| *frame);

@@ -1,5 +1,5 @@
-//! Quantities over a number as SVG: time and SSIM over the frames of an animation, a line per
-//! setting; errors over a parameter, a line per method.
+//! Line charts as SVG: time and SSIM over the frames of an animation, a line per setting; errors over a
+//! parameter, a line per method.
 
 use crate::bench::{parameter::SERIES, summary::series};
 use std::fmt::Write as _;
@@ -9,21 +9,21 @@ use plotters::{coord::CoordTranslate, prelude::*};
 use super::chart::{color, escape};
 use crate::bench::summary::{Group, Metric, Point, digits};
 
-/// What is drawn over what.
+/// Quantities on the axes of a line chart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LineChart {
     /// Wall time over the frames of an animation.
     Milliseconds,
     /// SSIM of the frame over the frames of an animation.
     Ssim,
-    /// How otherwise than the reference it changes, over the frames of an animation.
+    /// Flicker (difference of the frame's change from the reference's) over the frames of an animation.
     Flicker,
     /// FLIP over the one parameter that all points share.
     ErrorByParameter,
 }
 
 impl LineChart {
-    /// How it is read.
+    /// Caption that explains how to read the chart.
     pub const fn caption(self) -> &'static str {
         match self {
             Self::Milliseconds => "Wall time of each frame that was measured, a line per setting.",
@@ -41,32 +41,32 @@ impl LineChart {
     }
 }
 
-/// Dots in the color of their method.
+/// A line of dots in the color of its method.
 struct Line {
     method: &'static str,
-    /// What a dot says when pointed at.
+    /// Hover text of its dots.
     name: String,
     dots: Vec<(f64, f64)>,
 }
 
-/// Lines and how they are labeled.
+/// Lines and axis labels of a chart.
 struct Plot {
     lines: Vec<Line>,
     x_title: String,
     y_title: &'static str,
-    /// Whether x is the logarithm (base 10) of what its labels say.
+    /// Whether x values are logarithms (base 10) of the labeled values.
     log_x: bool,
     bottom: f64,
     top: f64,
 }
 
-/// Pixels across a chart.
+/// Width of a chart, pixels.
 const WIDTH: i32 = 860;
 
-/// Draws a line chart; none where a group has nothing of the kind.
+/// Draws a line chart; none where a group has no such data.
 ///
 /// # Errors
-/// What the drawing library says.
+/// Message of the drawing library.
 pub fn draw(group: &Group, chart: LineChart) -> Result<Option<String>, String> {
     let plot = match chart {
         LineChart::ErrorByParameter => over_parameter(group),
@@ -131,7 +131,7 @@ fn over_frames(group: &Group, chart: LineChart) -> Option<Plot> {
     })
 }
 
-/// A method that the parameter does nothing for is a level line.
+/// Plot of errors over the parameter; a method on which it has no effect is a level line.
 fn over_parameter(group: &Group) -> Option<Plot> {
     let parameter = group.points.first()?.sample.parameter.clone()?;
     let values = group.points.iter().filter_map(|p| p.sample.value);
@@ -173,7 +173,7 @@ fn over_parameter(group: &Group) -> Option<Plot> {
     })
 }
 
-/// The smallest and largest value; none of fewer than two dots.
+/// Smallest and largest value; none for fewer than two dots.
 fn range(lines: &[Line]) -> Option<[f64; 2]> {
     let values = || lines.iter().flat_map(|line| &line.dots).map(|(_, y)| *y);
     let low = values().fold(f64::INFINITY, f64::min);
@@ -241,7 +241,7 @@ fn svg(plot: &Plot) -> Result<String, String> {
     Ok(svg)
 }
 
-/// A dot that nobody sees and that says what it is when pointed at.
+/// Adds an invisible dot with a hover text.
 fn hover(out: &mut String, (x, y): (i32, i32), text: &str) {
     // Writing to a string cannot fail.
     let _ = writeln!(
@@ -251,7 +251,7 @@ fn hover(out: &mut String, (x, y): (i32, i32), text: &str) {
     );
 }
 
-/// The methods that are drawn, above the chart.
+/// Legend of the drawn methods, above the chart.
 fn legend(plot: &Plot) -> String {
     let drawn = plot.lines.iter().filter(|line| !line.dots.is_empty());
     let mut methods: Vec<&str> = drawn.map(|line| line.method).collect();

@@ -1,4 +1,4 @@
-//! The page `report.html`: complete in one file, readable offline, nothing fetched.
+//! The page `report.html`: a single file that is readable offline and fetches nothing.
 
 use std::fmt::Write as _;
 
@@ -10,27 +10,27 @@ use super::{
 };
 use crate::bench::{sample::Sample, summary::digits};
 
-/// A picture for the page.
+/// A picture on the page.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Figure {
-    /// Under it.
+    /// Caption under the picture.
     pub caption: String,
-    /// A PNG file.
+    /// Contents of a PNG file.
     pub png: Vec<u8>,
 }
 
 /// Figures under one heading.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Gallery {
-    /// The heading.
+    /// Heading text.
     pub title: String,
-    /// What `#ANCHOR` leads here; may be empty.
+    /// HTML ID of the heading, for links to `#ANCHOR`; may be empty.
     pub anchor: String,
-    /// What to look for.
+    /// Paragraph that says what to look for.
     pub text: String,
-    /// Charts, before the figures.
+    /// Charts, shown before the figures.
     pub charts: Vec<ChartFile>,
-    /// Side by side.
+    /// Figures, shown side by side.
     pub figures: Vec<Figure>,
 }
 
@@ -66,7 +66,7 @@ dt{font-weight:600}dd{margin:0}
 .key b{display:inline-block;width:.8em;height:.8em;margin-right:.35em;border-radius:2px}
 ";
 
-/// What the page's words mean.
+/// Terms of the page with their meanings.
 const TERMS: [(&str, &str); 12] = [
     (
         "ssr, hybrid, rt",
@@ -126,7 +126,7 @@ fn terms() -> String {
     out + "</dl></details>\n"
 }
 
-/// The page with all sections and galleries; `head` is HTML that it begins with.
+/// HTML of the page with all sections and galleries; `head` is HTML that it begins with.
 pub fn page(title: &str, head: &str, sections: &[Section], galleries: &[Gallery]) -> String {
     let mut out = format!(
         "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n<title>{}</title>\n\
@@ -151,7 +151,7 @@ pub fn page(title: &str, head: &str, sections: &[Section], galleries: &[Gallery]
     out
 }
 
-/// The machines that the samples name.
+/// Paragraph on the machines that the samples name.
 fn host(sections: &[Section]) -> String {
     let mut lines: Vec<String> = Vec::new();
     let points = sections.iter().flat_map(|s| &s.group.points);
@@ -175,14 +175,14 @@ fn host(sections: &[Section]) -> String {
     lines.iter().map(paragraph).collect()
 }
 
-/// Scene, camera, size and what was turned.
+/// Scene, camera, size and varied parameter of a sample as a heading.
 pub fn heading(s: &Sample) -> String {
-    let turned = match s.turn.as_str() {
+    let varied = match s.turn.as_str() {
         "" | "nothing" | "own" => String::new(),
-        parameter => format!(", turned by {parameter}"),
+        parameter => format!(", varied by {parameter}"),
     };
     format!(
-        "{}, camera {}, {} × {}{turned}",
+        "{}, camera {}, {} × {}{varied}",
         s.scene, s.camera, s.width, s.height
     )
 }
@@ -254,7 +254,7 @@ fn gallery(gallery: &Gallery) -> String {
     out + "</div>\n"
 }
 
-/// RFC 4648, with padding.
+/// Encodes bytes as base64 (RFC 4648, with padding).
 fn base64(bytes: &[u8]) -> String {
     const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);

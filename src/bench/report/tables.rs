@@ -1,4 +1,4 @@
-//! The tables of the page: all settings, their errors, shares and times, pass by pass.
+//! Tables of the page: all settings, their errors, shares and times, pass by pass.
 
 use crate::bench::summary::series;
 use std::fmt::Write as _;
@@ -36,10 +36,10 @@ const PASS_COLORS: [(&str, &str); 15] = [
     ("compose", "#79706e"),
     ("tone", "#bab0ac"),
 ];
-/// Of a pass that has none.
+/// Color of a pass without a color of its own.
 const OTHER_COLOR: &str = "#edc948";
 
-/// All sections in one table, with the time of `hybrid` over that of `rt`.
+/// Table of all sections, with the time of `hybrid` divided by that of `rt`.
 pub fn overview(sections: &[Section]) -> String {
     let mut out = "<h2>Overview</h2>\n<div class=\"scroll\"><table><tr><th>setting</th>".to_owned();
     let heads = [
@@ -138,7 +138,7 @@ fn row(class: &str, cells: &[String]) -> String {
     format!("<tr{class}>{}</tr>\n", cells.collect::<String>())
 }
 
-/// Every setting with its times and errors, then with where its reflections come from.
+/// Tables of every setting: first times and errors, then the sources of reflections.
 pub fn points(section: &Section) -> String {
     let group = &section.group;
     let title = "All settings: times and errors (● on the Pareto front by FLIP)";
@@ -211,11 +211,11 @@ fn shares(point: &Point) -> Vec<String> {
     cells
 }
 
-/// The trace pass of which traversal alone seemed to take longer than all of it.
+/// Label of a trace pass that cannot be split, because its traversal alone seemed to take longer than all of it.
 const NOT_APART: &str = "trace: traversal and shading, which cannot be told apart";
 
-/// The passes of a point in the order of the frame, the trace pass in its two parts where they were
-/// timed apart, and before them what the CPU does for moved instances.
+/// Times of a point's passes in the order of the frame, the trace pass in two parts where they were
+/// timed apart, preceded by the CPU's update of moved instances.
 fn parts(point: &Point) -> Vec<(String, f64)> {
     let update = point.sample.update_ms.map(|ms| ("update".to_owned(), ms));
     let mut parts: Vec<(String, f64)> = update.into_iter().collect();
@@ -233,7 +233,7 @@ fn parts(point: &Point) -> Vec<(String, f64)> {
     parts
 }
 
-/// Where the time of each setting goes, to one scale, and the memory it holds.
+/// Bars of the pass times of each setting, all to one scale, and the memory that it holds.
 pub fn breakdown(points: &[Point]) -> String {
     let rows: Vec<Vec<(String, f64)>> = points.iter().map(parts).collect();
     let mut names: Vec<&str> = Vec::new();
@@ -245,7 +245,7 @@ pub fn breakdown(points: &[Point]) -> String {
     if names.is_empty() {
         return String::new();
     }
-    // A method that lacks a pass must not move it to the end.
+    // A method that lacks a pass must not move the pass to the end.
     names.sort_by_key(|part| {
         let of_part = |pass: &&Pass| part.split(':').next() == Some(pass.name);
         passes::ALL.iter().position(of_part)

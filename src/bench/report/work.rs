@@ -1,4 +1,4 @@
-//! Tables of what no clock decides: what the passes did, and what the march got wrong, by cause.
+//! Tables of counts that do not depend on the machine: work of the passes, and errors of the march by cause.
 
 use std::fmt::Write as _;
 
@@ -11,7 +11,7 @@ use crate::{
     render::cause::Cause,
 };
 
-/// A table with its heading and a paragraph; nothing without rows.
+/// HTML table with its heading and a paragraph; empty without rows.
 fn table(title: &str, text: &str, heads: &[&str], rows: &[Vec<String>]) -> String {
     if rows.is_empty() {
         return String::new();
@@ -27,7 +27,7 @@ fn table(title: &str, text: &str, heads: &[&str], rows: &[Vec<String>]) -> Strin
     out + "</table></div>\n"
 }
 
-/// What each setting's passes did, in all and in the trace pass; nothing where nothing was counted.
+/// Counted work of each setting's passes, in total and in the trace pass; empty where nothing was counted.
 pub fn work(points: &[Point]) -> String {
     let row = |point: &Point| -> Option<Vec<String>> {
         let s = &point.sample;
@@ -75,7 +75,7 @@ pub fn work(points: &[Point]) -> String {
     )
 }
 
-/// False accepts and false rejects by cause; nothing where nothing was marched or judged.
+/// False accepts and false rejects by cause; empty where nothing was marched or compared.
 pub fn verdicts(points: &[Point]) -> String {
     let accepts = [Cause::Hit, Cause::None];
     let of = |s: &Sample, kind: &str, cause: Cause| {

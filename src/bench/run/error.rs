@@ -1,17 +1,17 @@
-//! Why a bench cannot go on.
+//! Errors that end a bench.
 
 use std::fmt;
 
 use crate::{render::RenderError, scene::diagnostic::Diagnostic};
 
-/// Why nothing more could be measured.
+/// Reason why a bench cannot go on.
 #[derive(Clone, Debug)]
 pub enum BenchError {
-    /// The renderer or the GPU refused.
+    /// Error of the renderer or the GPU.
     Render(RenderError),
-    /// A file cannot be read or written, or holds something else.
+    /// A file that cannot be read or written, or has the wrong contents.
     File(Box<Diagnostic>),
-    /// A frame cannot be posed.
+    /// A frame that cannot be posed.
     Scene(Vec<Diagnostic>),
 }
 

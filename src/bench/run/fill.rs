@@ -16,7 +16,7 @@ use super::judge::Judged;
 /// Passes that find reflections.
 const REFLECTION_PASSES: [&str; 6] = ["pyramid", "arguments", "ssr", "hits", "trace", "blur"];
 
-/// Errors, shares and verdicts of a picture.
+/// Fills in errors, structure, changes, false accepts and false rejects of a picture.
 pub(super) fn fill_errors(sample: &mut Sample, judged: &Judged) {
     if let Some(errors) = &judged.errors {
         sample.mask_px = errors.mask_px as u64;
@@ -76,7 +76,7 @@ fn fill_structure(sample: &mut Sample, structure: &Structure) {
     sample.stripes = structure.stripes;
 }
 
-/// What the passes of a counted frame did.
+/// Fills in the counted work of the passes of a frame.
 pub(super) fn fill_counts(sample: &mut Sample, passes: &[PassCounts]) {
     for pass in passes {
         for (what, count) in pass.counts.named() {
@@ -91,7 +91,7 @@ pub(super) fn fill_counts(sample: &mut Sample, passes: &[PassCounts]) {
     sample.tested_triangles = Some(sum.tested_triangles);
 }
 
-/// The sample with the times and shares of one frame.
+/// Fills in the times and shares of one frame.
 pub(super) fn timed(mut sample: Sample, stats: &FrameStats, repetition: u32) -> Sample {
     sample.repetition = repetition;
     sample.frame_ms = Some(stats.frame_ms);

@@ -1,4 +1,4 @@
-//! Pictures of the measured frame before, by which the temporal error of an animation is judged.
+//! Pictures of the previous measured frame, for the temporal error of an animation.
 
 use std::{cell::RefCell, collections::HashMap};
 
@@ -10,27 +10,27 @@ use crate::bench::{
 
 use super::{Subject, Variant};
 
-/// The picture and the reference's of the last measured frame, of each size and setting: of the
-/// frame, and of its mask.
+/// Frame number and pictures (test and reference) of the last measured frame for each size and setting,
+/// for the whole frame and inside the mask.
 #[derive(Debug, Default)]
 pub struct Flicker(RefCell<HashMap<Key, (u32, [Temporal; 2])>>);
 
-/// Size and setting.
+/// Picture size and setting.
 type Key = ([u32; 2], String);
 
-/// A change, and the frame since which.
+/// Change since the previous measured frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Since {
-    /// The measured frame before.
+    /// Number of the previous measured frame.
     pub frame: u32,
-    /// The change since then.
+    /// Change of the whole frame.
     pub change: Change,
-    /// The change inside the masks of both frames; none where these share too few pixels.
+    /// Change inside the masks of both frames; none where these share too few pixels.
     pub mask: Option<Change>,
 }
 
 impl Flicker {
-    /// Adds a frame; none for the first of an animation, and for a still scene.
+    /// Adds a frame and returns its change; none for the first frame of an animation, and for a still scene.
     ///
     /// # Errors
     /// When the sizes differ.
@@ -59,8 +59,8 @@ impl Flicker {
         }))
     }
 
-    /// Forgets settings at a size: their frame is passed over, and what follows it has no frame
-    /// before.
+    /// Removes settings at a size, because their frame is skipped: the frame after it has no previous
+    /// frame.
     pub(super) fn forget(&self, size: [u32; 2], variants: &[Variant]) {
         let mut known = self.0.borrow_mut();
         for variant in variants {
@@ -68,7 +68,7 @@ impl Flicker {
         }
     }
 
-    /// Forgets all.
+    /// Removes all pictures.
     pub(super) fn clear(&self) {
         self.0.borrow_mut().clear();
     }

@@ -1,4 +1,4 @@
-//! A scene and those of its frames that are measured.
+//! Frame series: a scene and the numbers of its frames that are measured.
 
 use std::fmt;
 
@@ -6,10 +6,10 @@ use crate::scene::{desc::CameraDesc, diagnostic::Diagnostic};
 
 use super::Subject;
 
-/// Poses a subject's world and camera at a frame, whatever frame it showed before.
+/// Function that poses a subject's world and camera at a frame, independent of the frame posed before.
 pub type Mover = Box<dyn Fn(&mut Subject, u32) -> Result<(), Vec<Diagnostic>>>;
 
-/// A scene and those of its frames that are measured, one after another.
+/// A scene and its measured frames, in order.
 pub struct FrameSeries {
     subject: Subject,
     /// Number and camera of each frame.
@@ -18,7 +18,7 @@ pub struct FrameSeries {
 }
 
 impl FrameSeries {
-    /// One frame of a scene that stands still.
+    /// Series of one frame of a still scene.
     pub fn still(subject: Subject) -> Self {
         Self {
             shots: vec![(subject.frame, subject.camera.clone())],
@@ -27,11 +27,11 @@ impl FrameSeries {
         }
     }
 
-    /// Some frames of a scene. Each is posed, so that what cannot be shows before anything is
+    /// Series of some frames of a scene. Every frame is posed once, so that errors show before anything is
     /// measured.
     ///
     /// # Errors
-    /// What the mover refuses.
+    /// Errors of the mover.
     pub fn moving(
         mut subject: Subject,
         frames: &[u32],
@@ -50,7 +50,7 @@ impl FrameSeries {
         })
     }
 
-    /// What tables call the scene.
+    /// Name of the scene in tables.
     pub fn name(&self) -> &str {
         &self.subject.name
     }
@@ -60,7 +60,7 @@ impl FrameSeries {
         self.subject.content
     }
 
-    /// Size of its pictures where the protocol has none.
+    /// Size of its pictures where the protocol has no sizes.
     pub fn size(&self) -> [u32; 2] {
         self.subject.image.size
     }
@@ -70,12 +70,12 @@ impl FrameSeries {
         self.shots.iter().map(|(frame, _)| *frame)
     }
 
-    /// How many frames are measured.
+    /// Number of measured frames.
     pub(super) fn len(&self) -> usize {
         self.shots.len()
     }
 
-    /// The subject at one of the measured frames as far as fingerprints ask: its world is not posed.
+    /// Subject with the number and camera of a measured frame, as fingerprints need it: its world is not posed.
     pub(super) fn seen(&mut self, index: usize) -> &Subject {
         let (frame, camera) = &self.shots[index];
         self.subject.frame = *frame;
@@ -83,18 +83,18 @@ impl FrameSeries {
         &self.subject
     }
 
-    /// The subject posed at one of the measured frames.
+    /// Subject posed at one of the measured frames.
     ///
     /// # Errors
-    /// As [`FrameSeries::moving`].
+    /// Same errors as [`FrameSeries::moving`].
     pub(super) fn posed(&mut self, index: usize) -> Result<&Subject, Vec<Diagnostic>> {
         self.at(self.shots[index].0)
     }
 
-    /// The subject posed at any frame; one that stands still, as it is.
+    /// Subject posed at any frame; a still scene is not changed.
     ///
     /// # Errors
-    /// What the mover refuses.
+    /// Errors of the mover.
     pub fn at(&mut self, frame: u32) -> Result<&Subject, Vec<Diagnostic>> {
         if let Some(mover) = &self.mover {
             mover(&mut self.subject, frame)?;
@@ -106,7 +106,7 @@ impl FrameSeries {
 
 impl fmt::Debug for FrameSeries {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Reel")
+        f.debug_struct("FrameSeries")
             .field("subject", &self.subject)
             .field("shots", &self.shots)
             .finish_non_exhaustive()

@@ -1,4 +1,4 @@
-//! The variants of one scene at one size that are measured in turns: A B C, C B A, A B C, ….
+//! Variants of one scene and size, measured in alternating order: A B C, C B A, A B C, ….
 
 use crate::{
     bench::{
@@ -12,19 +12,19 @@ use crate::{
 };
 
 use super::{
-    Bench, BenchError, Outcome, REFERENCE_BOUNCES, Ready, Subject, Task, Watch, Work,
+    Bench, BenchError, Observer, Outcome, REFERENCE_BOUNCES, ReadyRenderer, Subject, Task, Work,
     fill::{fill_counts, fill_errors, timed},
     judge::Judged,
 };
 
-/// Variants of one rendered size: as many renderers as methods serve them all.
+/// Variants with one rendered size, which share one renderer per method and rule of acceptance.
 pub(super) struct Block<'a> {
     subject: &'a Subject,
     size: [u32; 2],
     pub(super) variants: Vec<Variant>,
 }
 
-/// The protocol's variants of a subject at every size, those of one scale together.
+/// The protocol's variants of a subject at every size, grouped by render scale.
 pub(super) fn blocks<'a>(bench: &Bench, subject: &'a Subject) -> Vec<Block<'a>> {
     let mut blocks: Vec<Block<'a>> = Vec::new();
     for size in bench.protocol.sizes_of(&subject.image) {
@@ -45,7 +45,7 @@ pub(super) fn blocks<'a>(bench: &Bench, subject: &'a Subject) -> Vec<Block<'a>> 
 }
 
 impl Block<'_> {
-    /// Frames that the log lacks.
+    /// Number of frames that the log lacks.
     pub(super) fn missing(&self, bench: &Bench, log: &Log) -> usize {
         let of = |variant: &Variant| {
             let fingerprint = self.fingerprint(bench, variant);
@@ -55,7 +55,7 @@ impl Block<'_> {
         self.variants.iter().map(of).sum()
     }
 
-    /// Adds what [`Block::measure`] will do.
+    /// Adds the steps of [`Block::measure`].
     pub(super) fn plan(&self, bench: &Bench, log: &Log, work: &mut Work) {
         let missing = self.missing(bench, log);
         if missing == 0 {
@@ -73,16 +73,16 @@ impl Block<'_> {
         work.add(Task::Frame, warm_up + missing, rendered);
     }
 
-    /// Measures what the log lacks.
+    /// Measures the frames that the log lacks.
     pub(super) fn measure(
         &self,
         bench: &Bench,
         log: &mut Log,
-        watch: &mut dyn Watch,
+        watch: &mut dyn Observer,
         outcome: &mut Outcome,
     ) -> Result<(), BenchError> {
         if self.missing(bench, log) == 0 {
-            bench.stock.flicker.forget(self.size, &self.variants);
+            bench.cache.flicker.forget(self.size, &self.variants);
             return Ok(());
         }
         watch.begin(&self.label("scene to the GPU"));
@@ -105,7 +105,7 @@ impl Block<'_> {
             prototypes.push(self.warm_up(bench, variant, ready, &reference, watch)?);
         }
         for repetition in 0..bench.protocol.frames {
-            // A B C, then C B A: a drift of the machine's speed meets all alike.
+            // Alternating order (A B C, then C B A): a drift of the machine's speed affects all variants alike.
             let mut order: Vec<_> = self.variants.iter().zip(&prototypes).collect();
             if repetition % 2 == 1 {
                 order.reverse();
@@ -139,14 +139,14 @@ impl Block<'_> {
         Ok(())
     }
 
-    /// Judges and counts a variant and renders what is not timed; its sample without times.
+    /// Scores and counts a variant and renders its untimed frames; returns its sample without times.
     fn warm_up(
         &self,
         bench: &Bench,
         variant: &Variant,
-        ready: &mut Ready,
+        ready: &mut ReadyRenderer,
         reference: &Reference,
-        watch: &mut dyn Watch,
+        watch: &mut dyn Observer,
     ) -> Result<Sample, BenchError> {
         let Subject { world, camera, .. } = self.subject;
         let (renderer, update_ms) = (&mut ready.renderer, ready.update_ms);
@@ -177,13 +177,17 @@ impl Block<'_> {
         Ok(sample)
     }
 
-    /// The size that its variants are rendered at.
+    /// Size at which its variants are rendered.
     fn rendered(&self) -> [u32; 2] {
         self.variants[0].rendered_size(self.size)
     }
 
-    /// One renderer for each method and rule of acceptance; that of the reference serves where it has the right size.
-    fn renderers(&self, bench: &Bench, rt: Ready) -> Result<Vec<Ready>, BenchError> {
+    /// One renderer for each method and rule of acceptance; the reference's is reused where it has the right size.
+    fn renderers(
+        &self,
+        bench: &Bench,
+        rt: ReadyRenderer,
+    ) -> Result<Vec<ReadyRenderer>, BenchError> {
         let size = self.rendered();
         let mut renderers = Vec::new();
         if size == self.size {
@@ -213,7 +217,7 @@ impl Block<'_> {
         format!("{name}{frame}, {width} x {height}: {what}")
     }
 
-    /// Hash of what decides a sample: content, settings, machine, program.
+    /// Hash of everything that decides a sample: content, settings, machine, program.
     fn fingerprint(&self, bench: &Bench, variant: &Variant) -> String {
         let reference = bench.protocol.reference(&self.subject.reflection);
         let hash = Hash::default()
@@ -221,14 +225,14 @@ impl Block<'_> {
             .with(format!("{:?} {}", self.subject.camera, self.subject.frame))
             .with(format!("{:?} {:?}", self.size, self.subject.image))
             .with(format!("{variant:?} {reference:?}"))
-            .with(bench.protocol.turn.name())
+            .with(bench.protocol.sweep.name())
             .with(bench.protocol.warm_up.to_le_bytes())
             .with([bench.protocol.count, bench.protocol.split_trace].map(u8::from))
             .with(format!("{:?}", bench.host));
         format!("{:016x}", hash.value())
     }
 
-    /// A sample of this variant with everything but its times.
+    /// Sample of this variant with everything but its times.
     fn prototype(&self, bench: &Bench, variant: &Variant, judged: &Judged, unit_m: f32) -> Sample {
         let (subject, host) = (self.subject, bench.host);
         let settings = &variant.reflection;
@@ -248,7 +252,7 @@ impl Block<'_> {
             width: self.size[0],
             height: self.size[1],
             method: method_name(variant.method).to_owned(),
-            turn: bench.protocol.turn.name().to_owned(),
+            turn: bench.protocol.sweep.name().to_owned(),
             parameter: variant
                 .parameter
                 .map(|parameter| parameter.name().to_owned()),
@@ -266,7 +270,7 @@ impl Block<'_> {
             fade: settings.fade,
             blur_px: settings.blur_px,
             samples: subject.image.samples,
-            exposure_ev: subject.image.exposure_ev.ev(), // of `auto`, 0
+            exposure_ev: subject.image.exposure_ev.ev(), // 0 for `auto`
             tone_map: tone_map.to_owned(),
             reference_bounces: REFERENCE_BOUNCES,
             reference_ray_length_u: reference.ray_length_u,
@@ -289,7 +293,10 @@ impl Block<'_> {
     }
 }
 
-fn renderer_for<'a>(renderers: &'a mut [Ready], variant: &Variant) -> &'a mut Ready {
+fn renderer_for<'a>(
+    renderers: &'a mut [ReadyRenderer],
+    variant: &Variant,
+) -> &'a mut ReadyRenderer {
     let found = renderers
         .iter_mut()
         .find(|ready| ready.fits(&variant.reflection));

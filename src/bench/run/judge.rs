@@ -1,4 +1,4 @@
-//! A variant's picture against the reference.
+//! Scores of a variant's picture against the reference.
 
 use std::path::Path;
 
@@ -15,9 +15,9 @@ use crate::{
     },
 };
 
-use super::{Bench, BenchError, Subject, Turn, flicker::Since};
+use super::{Bench, BenchError, Subject, Sweep, flicker::Since};
 
-/// What a variant's picture is worth.
+/// Scores of a variant's picture, or the reason why there are none.
 pub(super) struct Judged {
     pub(super) errors: Option<Errors>,
     pub(super) since: Option<Since>,
@@ -27,7 +27,7 @@ pub(super) struct Judged {
 }
 
 impl Bench<'_> {
-    /// The reference's picture: of the subject's truth, else with the renderer of method `rt`.
+    /// Renders the reference picture: of the subject's truth, otherwise with the renderer of method `rt`.
     pub(super) fn reference(
         &self,
         subject: &Subject,
@@ -37,7 +37,7 @@ impl Bench<'_> {
         let reflection = self.protocol.reference(&subject.reflection);
         let mut of_truth = match &subject.truth {
             Some(truth) => {
-                // The truth of the model follows its own method, that of the method `rt`.
+                // A truth with method `path` keeps its own settings, any other uses the reference's.
                 let own = match truth.reflection.method {
                     Method::Path => truth.reflection,
                     _ => reflection,
@@ -61,12 +61,12 @@ impl Bench<'_> {
         Ok(reference)
     }
 
-    /// Whether pictures of a moved camera are asked for: of failure modes that stand still.
+    /// Whether pictures of a moved camera are needed: only for failure modes that are still scenes.
     fn moves(&self, subject: &Subject) -> bool {
-        self.protocol.turn == Turn::Rules && !subject.motion && subject.truth.is_none()
+        self.protocol.sweep == Sweep::Rules && !subject.motion && subject.truth.is_none()
     }
 
-    /// Where rays end as the camera moves by [`CAMERA_MOVE_U`].
+    /// Ends of the mirror rays with the camera moved by [`CAMERA_MOVE_U`].
     fn moved(
         &self,
         subject: &Subject,
@@ -84,7 +84,7 @@ impl Bench<'_> {
         Ok(Hits::of(&picture.planes))
     }
 
-    /// Errors and verdicts of one variant's picture.
+    /// Errors, false accepts and false rejects of one variant's picture.
     pub(super) fn judge(
         &self,
         subject: &Subject,
@@ -98,7 +98,7 @@ impl Bench<'_> {
         let picture = renderer.picture(self.gpu, &subject.world, &subject.camera, planes)?;
         let judged: Result<(Errors, Option<Since>), String> = View::new(&picture, size)
             .and_then(|view| {
-                let flicker = &self.stock.flicker;
+                let flicker = &self.cache.flicker;
                 let since = flicker.push(subject, variant, &view, reference)?;
                 let (hits, traces) = (Hits::of(&picture.planes), variant.method != Method::Ssr);
                 Ok((reference.errors(&view, hits.as_ref(), traces)?, since))
@@ -110,7 +110,7 @@ impl Bench<'_> {
             changes = moved.and_then(|moved| reference.changes(&hits, &moved));
         }
         let mut verdicts = None;
-        // The rays of a truth are not those of this picture.
+        // The rays of a truth differ from those of this picture.
         let is_asked = variant.method != Method::Rt && subject.truth.is_none();
         if let (Some(hits), true) = (Hits::of(&picture.planes), is_asked) {
             renderer.set_reflection_parameters(&ReflectionDesc {

@@ -1,25 +1,25 @@
-//! What a run has to do, by kind: judging a picture takes longer than rendering one, so that an
-//! estimate of the time that is left must not mix them.
+//! Steps of a run by kind: scoring a picture takes longer than rendering one, so that an
+//! estimate of the remaining time must not mix the kinds.
 
 /// A kind of step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Task {
-    /// The picture that others are judged by.
+    /// Rendering the reference.
     Reference,
-    /// A picture and its errors.
+    /// Rendering a picture and computing its errors.
     Judge,
-    /// A frame that is counted.
+    /// Rendering a frame with counters.
     Count,
-    /// A frame, timed or to warm up.
+    /// Rendering a frame, timed or to warm up.
     Frame,
 }
 
 /// Steps of one kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Steps {
-    /// How many.
+    /// Number of steps.
     pub count: usize,
-    /// Their pixels together.
+    /// Number of pixels of all these steps.
     pub pixels: f64,
 }
 
@@ -35,7 +35,7 @@ impl Work {
         steps.pixels += count as f64 * f64::from(size[0]) * f64::from(size[1]);
     }
 
-    /// Steps of every kind, in one order.
+    /// Steps of every kind, in the order of [`Task`].
     pub fn kinds(&self) -> [Steps; 4] {
         self.0
     }

@@ -1,6 +1,6 @@
-//! Values of cells of a table of samples: to text and back.
+//! Conversion of a sample's cells to text and back.
 
-/// A value that a cell holds.
+/// Type of a cell's value.
 pub(super) trait Cell: Sized {
     fn text(&self) -> String;
     fn of(text: &str) -> Option<Self>;
@@ -21,7 +21,7 @@ macro_rules! plain_cells {
 
 plain_cells!(String, u32, u64, f32, f64, bool);
 
-/// An empty cell is nothing.
+/// An empty cell is `None`.
 impl<T: Cell> Cell for Option<T> {
     fn text(&self) -> String {
         self.as_ref().map_or(String::new(), Cell::text)

@@ -1,4 +1,4 @@
-//! What cells of a table of samples can hold: a table that was edited or damaged must not become a
+//! Ranges of the cells of a table of samples: a table that was edited or damaged must not become a
 //! chart.
 
 use std::collections::HashMap;
@@ -14,10 +14,10 @@ use crate::bench::{
 };
 use crate::scene::desc::Method;
 
-/// Checks the text of a cell; an empty one was left out.
+/// Checks the text of a cell; an empty one is a missing value.
 ///
 /// # Errors
-/// What was expected.
+/// Message with the expected value.
 pub fn cell(column: &str, text: &str) -> Result<(), String> {
     if text.is_empty() {
         return Ok(());
@@ -45,7 +45,7 @@ fn named(text: &str, names: &[&str]) -> Result<(), String> {
     }
 }
 
-/// The least and most that a column can hold, and how that is said. NaN is in no range.
+/// Least and most value of a column, and the name of the range in messages. NaN is in no range.
 fn range(column: &str) -> Option<(f64, f64, &'static str)> {
     const MOST: (f64, f64, &str) = (0.0, f64::MAX, "a finite number, 0 or more");
     let in_mask = column.strip_prefix("mask_").unwrap_or(column);
@@ -73,7 +73,7 @@ fn range(column: &str) -> Option<(f64, f64, &'static str)> {
     })
 }
 
-/// Columns that older tables lack; they are then empty.
+/// Columns that older tables lack; their cells are then empty.
 pub const NEWER: [&str; 22] = [
     "edge_flip",
     "inner_flip",
@@ -99,10 +99,10 @@ pub const NEWER: [&str; 22] = [
     "mask_temporal_change",
 ];
 
-/// Checks what cells say together.
+/// Checks that cells of a sample agree with each other.
 ///
 /// # Errors
-/// A sentence with the column.
+/// Message with the column.
 pub fn whole(s: &Sample) -> Result<(), String> {
     let mut columns = table::columns().map(|(name, _)| format!("mask_{name}"));
     let scored = columns.find(|column| s.number(column).is_some_and(Option::is_some));
@@ -116,10 +116,10 @@ pub fn whole(s: &Sample) -> Result<(), String> {
     }
 }
 
-/// Checks that no frame is there twice; the first sample stands on line 2.
+/// Checks that no frame is listed twice; the first sample is on line 2 of the file.
 ///
 /// # Errors
-/// The line of the second.
+/// Line of the repeated sample.
 pub fn repeated(samples: &[Sample]) -> Result<(), CsvError> {
     let mut known = HashMap::new();
     for (line, s) in samples.iter().enumerate().map(|(index, s)| (index + 2, s)) {

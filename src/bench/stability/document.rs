@@ -1,4 +1,4 @@
-//! The tables of failure modes as Markdown.
+//! Tables of failure modes as Markdown.
 
 use std::fmt::Write as _;
 
@@ -16,12 +16,12 @@ use crate::{
 pub struct Band {
     up_to: f64,
     mark: &'static str,
-    /// Of the same, in HTML; black text is read on it.
+    /// CSS color of the band, light enough for black text.
     pub color: &'static str,
     means: &'static str,
 }
 
-/// From not seen to wrong.
+/// Bands, from invisible to wrong.
 const BANDS: [Band; 4] = [
     Band {
         up_to: 0.05,
@@ -49,18 +49,18 @@ const BANDS: [Band; 4] = [
     },
 ];
 
-/// What a score is, for one table.
+/// Score that one table of the document shows.
 struct Score {
     title: &'static str,
     text: String,
     against: Against,
     cell: fn(&CellScores) -> Option<String>,
-    /// Whether cells without a score are named in this table.
+    /// Whether this table names cells without a score.
     names_missing: bool,
 }
 
-/// The document: tables of all modes × methods, then each mode in words. `machine` says on what
-/// it was measured; the modes are in order.
+/// Document with tables of all modes × methods, then each mode in words. `machine` names the adapter
+/// of the measurement; the modes are in order.
 pub fn document(modes: &[Mode], methods: &[&str], cells: &[Cell], machine: &str) -> String {
     let mut out = format!(
         "<!-- Written by `reflet bench stability --document`. -->\n# Where methods fail\n\n\
@@ -174,7 +174,7 @@ fn scores() -> Vec<Score> {
     all
 }
 
-/// How errors lie in the pictures.
+/// Scores of the structure of errors.
 fn structure() -> [Score; 5] {
     let score = |title, text: String, cell| Score {
         title,
@@ -231,7 +231,7 @@ fn structure() -> [Score; 5] {
     ]
 }
 
-/// Percentages, a dash where there is none; none where there is none at all.
+/// Percentages with a dash for each missing one; none where all are missing.
 fn joined(values: &[Option<f64>], digits: usize) -> Option<String> {
     values.iter().any(Option::is_some).then(|| {
         let text = |v: &Option<f64>| v.map_or("–".to_owned(), |v| format!("{v:.digits$}"));
@@ -239,7 +239,7 @@ fn joined(values: &[Option<f64>], digits: usize) -> Option<String> {
     })
 }
 
-/// The score of a mode's cell, or why it has none; none where the score is not of this cell's kind.
+/// Score of a mode's cell as text, or the reason why it has none; none where the cell has no such score.
 fn text(cells: &[Cell], mode: &Mode, method: &str, score: &Score) -> Option<String> {
     match &find(cells, mode, method, score.against)?.scores {
         Ok(scores) => (score.cell)(scores),
@@ -259,13 +259,13 @@ pub fn find<'a>(
     cells.iter().find(is_wanted)
 }
 
-/// Where a score lies.
+/// Band of a score.
 pub fn band(p99: f64) -> Band {
     let found = BANDS.into_iter().find(|band| p99 <= band.up_to);
     found.unwrap_or(BANDS[BANDS.len() - 1])
 }
 
-/// One sentence for each method: how wrong it is, and where most.
+/// One sentence for each method: its error, and the frame with the largest.
 pub fn verdicts(mode: &Mode, methods: &[&str], cells: &[Cell]) -> Vec<String> {
     let mut sentences = Vec::new();
     for method in methods {

@@ -1,4 +1,4 @@
-//! All modes × methods on one page, a color for each cell.
+//! Heat map: all modes × methods on one page, a color for each cell.
 
 use std::fmt::Write as _;
 
@@ -8,7 +8,7 @@ use super::{
 };
 use crate::bench::report::chart::escape;
 
-/// The 99th percentile of FLIP against `rt` as an HTML table; rows whose mode is one of `anchors` lead there.
+/// HTML table of the 99th percentile of FLIP against `rt`; rows whose mode is one of `anchors` link to it.
 pub fn heat_map(modes: &[Mode], methods: &[&str], cells: &[Cell], anchors: &[&str]) -> String {
     let mut out =
         "<h2>99th percentile of FLIP against rt</h2>\n<table class=\"heat\"><tr><th>mode</th>"

@@ -1,4 +1,4 @@
-//! The worst score that each cell may have, in a file that is only ever tightened.
+//! Ratchet file: the worst score that each cell may have, which is only ever tightened.
 
 use std::{fmt::Write as _, io, path::Path};
 
@@ -11,16 +11,16 @@ use crate::{
     scene::diagnostic::Diagnostic,
 };
 
-/// How much worse than allowed a score may be, for other drivers: this share,
+/// Tolerance of a score for other drivers, as a share of the allowed score; the largest tolerance applies.
 const SLACK: f64 = 0.05;
-/// or this many pixels,
+/// Tolerance of a score, as a number of pixels.
 const SLACK_PX: f64 = 3.0;
-/// or, of the 99th percentile, which no number of pixels bounds, this much; whichever is more.
+/// Tolerance of the 99th percentile of FLIP, absolute, since no number of pixels bounds it.
 const SLACK_P99: f64 = 0.02;
-/// Longest file that is read, bytes.
+/// Largest size of a file that is read, bytes.
 const MAX_BYTES: u64 = 1 << 20;
 
-/// Lines over every ratchet file.
+/// Comment at the top of every ratchet file.
 const HEAD: &str = "\
 # The worst scores that stills of the failure modes may have. `reflet bench stability --ratchet FILE`
 # fails where one is worse by more than 5 % or 3 pixels (of flip_p99: 0.02); with --tighten it writes
@@ -38,19 +38,19 @@ pub struct Ratchet {
     pub cells: Vec<Allowed>,
 }
 
-/// The worst scores of a cell, of stills against `rt`.
+/// Worst allowed scores of a cell, for stills against `rt`.
 #[derive(Clone, Debug, Deserialize, PartialEq)]
 #[serde(deny_unknown_fields)]
 pub struct Allowed {
     /// Mode, such as `03-rails`.
     pub mode: String,
-    /// Method, of [`SERIES`](crate::bench::parameter::SERIES).
+    /// Method, one of [`SERIES`](crate::bench::parameter::SERIES).
     pub method: String,
     /// Mean FLIP inside the reflections.
     pub flip: f64,
-    /// 99th percentile of FLIP there.
+    /// 99th percentile of FLIP inside the reflections.
     pub flip_p99: f64,
-    /// Answers of the march that a ray contradicts, pixels.
+    /// Number of answers of the march that a ray contradicts, pixels.
     pub false_accepts_px: Option<u64>,
 }
 
@@ -58,7 +58,7 @@ impl Ratchet {
     /// Reads a file; none where there is no such file.
     ///
     /// # Errors
-    /// A file that cannot be read or is no ratchet; the line is named.
+    /// A file that cannot be read or is no ratchet, with the line.
     pub fn read(path: &Path) -> Result<Option<Self>, Box<Diagnostic>> {
         let read = open_regular(path, false).and_then(|file| read_at_most(&file, MAX_BYTES));
         let bytes = match read {
@@ -80,7 +80,7 @@ impl Ratchet {
         Ok(Some(ratchet))
     }
 
-    /// The file's text.
+    /// Text of the file.
     pub fn text(&self) -> String {
         let [width, height] = self.size;
         let mut out = format!("{HEAD}size = [{width}, {height}]\n");
@@ -98,7 +98,7 @@ impl Ratchet {
         out
     }
 
-    /// Modes of its cells, each once.
+    /// Names of the modes of its cells, each once.
     pub fn modes(&self) -> Vec<String> {
         let mut modes: Vec<String> = self.cells.iter().map(|c| c.mode.clone()).collect();
         modes.sort();
@@ -106,8 +106,8 @@ impl Ratchet {
         modes
     }
 
-    /// What is worse than allowed, one sentence each: scores of the measured modes and methods, and
-    /// cells of these that were not measured, as when a method has another name now.
+    /// Sentences on everything worse than allowed: scores of the measured modes and methods, and cells of these
+    /// that were not measured, as when a method was renamed.
     pub fn regressions(&self, modes: &[&str], methods: &[&str], cells: &[Cell]) -> Vec<String> {
         let mut worse = Vec::new();
         let is_asked = |cell: &&Allowed| {
@@ -129,8 +129,8 @@ impl Ratchet {
         worse
     }
 
-    /// Takes over scores that are better than allowed, and cells that it lacks; tells how many
-    /// numbers and cells changed.
+    /// Replaces scores by better ones and adds missing cells; returns the number of changed
+    /// numbers and cells.
     pub fn tighten(&mut self, cells: &[Cell]) -> usize {
         let mut changed = 0;
         for cell in cells.iter().filter(|cell| cell.against == Against::Rt) {
@@ -157,7 +157,7 @@ impl Ratchet {
 }
 
 impl Allowed {
-    /// Which scores are worse than allowed; one that is NaN or missing is.
+    /// Names of the scores that are worse than allowed; a score that is NaN or missing counts as worse.
     fn over(&self, scores: &CellScores) -> Vec<String> {
         let slack_share = SLACK_PX / scores.mask_px.max(1) as f64;
         let count = |pixels: Option<u64>| pixels.map(|px| px as f64);
@@ -218,7 +218,7 @@ fn find<'a>(cells: &'a [Cell], allowed: &Allowed) -> Option<&'a Cell> {
     cells.iter().find(is_wanted)
 }
 
-/// To five decimals, so that files stay short.
+/// Rounds up to five decimals, so that files stay short.
 fn rounded_up(value: f64) -> f64 {
     (value * 1e5).ceil() / 1e5
 }

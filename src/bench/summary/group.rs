@@ -1,4 +1,4 @@
-//! Which samples may be compared, and the points that they make.
+//! Groups of comparable samples, and the points made of them.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -20,8 +20,8 @@ pub fn groups(samples: &[Sample]) -> Vec<Group> {
         .collect()
 }
 
-/// What must be equal for points to be compared: the content of the scene, the machine, the
-/// reference with all settings that no parameter turns, and what was turned.
+/// Key that is equal for points that may be compared: the content of the scene, the machine, the
+/// reference with all settings that no parameter varies, and the choice of the varied parameter.
 fn group_key(s: &Sample) -> String {
     format!(
         "{:?}",
@@ -90,8 +90,8 @@ fn group(samples: &[&Sample]) -> Group {
     }
 }
 
-/// Frames that some setting lacks, such as that in which a run was stopped: over different frames
-/// settings cannot be compared.
+/// Frames that some setting lacks, such as the frame at which a run was stopped: settings cannot be
+/// compared over different frames.
 fn uncommon_frames(samples: &[&Sample]) -> Vec<u32> {
     let settings: BTreeSet<String> = samples.iter().map(|s| label(s)).collect();
     let mut of_frame: BTreeMap<u32, BTreeSet<String>> = BTreeMap::new();
@@ -119,8 +119,8 @@ fn by_frame(samples: &[&Sample]) -> Vec<(u32, Point)> {
     frames.into_iter().filter_map(point).collect()
 }
 
-/// Shadow, G-buffer, light and tone are the same work whatever the method. Their noise must not
-/// decide between methods, so all points of one rendered size are charged the same for them.
+/// Charges all points of one rendered size the same time for shadow, G-buffer, light and tone, which do the
+/// same work whatever the method: their noise must not decide between methods.
 fn share_common_passes(points: &mut [Point], samples: &[&Sample]) {
     for point in points {
         let scale = point.sample.scale;

@@ -1,5 +1,5 @@
-//! Settings that were timed in turns, frame by frame: which of two is faster, and whether that can
-//! be told at all. A median has no such doubt in it.
+//! Paired comparison of two settings that were timed in alternation, frame by frame: the faster one, if
+//! the frames decide at all. A median alone cannot tell that.
 
 use std::collections::BTreeMap;
 
@@ -11,22 +11,22 @@ pub const MIN_PAIRS: usize = 6;
 /// One timed frame of a setting.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Timed {
-    /// Frame of the animation, and which of its repetitions.
-    pub turn: (u32, u32),
-    /// Milliseconds, as [`super::Point::ms`] counts them.
+    /// Frame of the animation, and number of the repetition.
+    pub frame_repetition: (u32, u32),
+    /// Milliseconds of the frame, as [`super::Point::ms`] counts them.
     pub ms: f64,
-    /// Of them marching and listing rays.
+    /// Milliseconds of marching and listing rays.
     pub march_ms: f64,
-    /// Of them tracing.
+    /// Milliseconds of tracing.
     pub trace_ms: f64,
-    /// Rays traced.
+    /// Number of traced rays.
     pub rays: f64,
 }
 
 impl Timed {
     pub(super) fn of(sample: &Sample, ms: f64) -> Self {
         Self {
-            turn: (sample.frame, sample.repetition),
+            frame_repetition: (sample.frame, sample.repetition),
             ms,
             march_ms: sample.detail("pass_ssr_ms") + sample.detail("pass_pyramid_ms"),
             trace_ms: sample.detail("pass_trace_ms"),
@@ -35,35 +35,40 @@ impl Timed {
     }
 }
 
-/// How two settings stand in time.
+/// Order of two settings by time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Order {
-    /// The first is faster.
+    /// The first setting is faster.
     Faster,
-    /// The first is slower.
+    /// The first setting is slower.
     Slower,
-    /// Chance would explain the difference.
-    Untold,
+    /// The difference can be chance.
+    Undecided,
 }
 
-/// The frames that two settings have in common, by which of the two was faster.
+/// Numbers of paired frames of two settings, by the setting that was faster.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Pairs {
-    /// In which the first was faster.
+    /// Number of pairs in which the first was faster.
     pub faster: usize,
-    /// In which it was slower.
+    /// Number of pairs in which the first was slower.
     pub slower: usize,
 }
 
-/// Frames of two settings that were timed in the same turn.
+/// Pairs of frames of two settings with the same frame number and repetition.
 pub fn pairs<'a>(a: &'a [Timed], b: &'a [Timed]) -> impl Iterator<Item = (&'a Timed, &'a Timed)> {
-    let b: BTreeMap<(u32, u32), &Timed> = b.iter().map(|timed| (timed.turn, timed)).collect();
-    let both = a.iter().map(move |a| Some((a, *b.get(&a.turn)?)));
+    let b: BTreeMap<(u32, u32), &Timed> = b
+        .iter()
+        .map(|timed| (timed.frame_repetition, timed))
+        .collect();
+    let both = a
+        .iter()
+        .map(move |a| Some((a, *b.get(&a.frame_repetition)?)));
     both.flatten()
 }
 
 impl Pairs {
-    /// Counts.
+    /// Counts the pairs of two settings.
     pub fn of(a: &[Timed], b: &[Timed]) -> Self {
         let [mut faster, mut slower] = [0; 2];
         for (a, b) in pairs(a, b) {
@@ -73,11 +78,11 @@ impl Pairs {
         Self { faster, slower }
     }
 
-    /// The sign test (Dixon and Mood 1946), two-sided at 5 %: whether one is faster more often
-    /// than a coin would fall.
+    /// Sign test (Dixon and Mood 1946), two-sided at 5 %: whether one setting is faster more often
+    /// than chance explains.
     pub fn order(self) -> Order {
         if sign_test(self.faster, self.slower) >= 0.05 {
-            Order::Untold
+            Order::Undecided
         } else if self.faster > self.slower {
             Order::Faster
         } else {
@@ -85,17 +90,17 @@ impl Pairs {
         }
     }
 
-    /// Pairs that say something.
+    /// Number of pairs without a tie.
     pub fn n(self) -> usize {
         self.faster + self.slower
     }
 }
 
-/// The chance of a result at least as uneven if both were equally likely.
+/// Probability of a result at least as uneven if both settings were equally likely to be faster.
 fn sign_test(a: usize, b: usize) -> f64 {
     let (n, k) = (a + b, a.min(b));
     if n > 1000 {
-        // The binomial is normal by now; 1.96 standard deviations are what 5 % leaves.
+        // The normal approximation of the binomial; 1.96 standard deviations leave 5 % outside.
         let z = (a.abs_diff(b) as f64 - 1.0) / (n as f64).sqrt();
         return if z > 1.96 { 0.0 } else { 1.0 };
     }
@@ -114,7 +119,7 @@ mod tests {
 
     fn timed(ms: &[f64]) -> Vec<Timed> {
         let of = |(i, &ms): (usize, &f64)| Timed {
-            turn: (0, i as u32),
+            frame_repetition: (0, i as u32),
             ms,
             march_ms: 0.0,
             trace_ms: 0.0,
@@ -142,7 +147,7 @@ mod tests {
         assert_eq!((pairs.faster, pairs.slower, pairs.n()), (6, 0, 6));
         assert_eq!(pairs.order(), Order::Faster);
         assert_eq!(Pairs::of(&b, &a).order(), Order::Slower);
-        assert_eq!(Pairs::of(&a[..5], &b).order(), Order::Untold);
+        assert_eq!(Pairs::of(&a[..5], &b).order(), Order::Undecided);
         assert_eq!(Pairs::of(&a, &a).n(), 0);
     }
 }

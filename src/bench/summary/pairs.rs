@@ -1,4 +1,4 @@
-//! Quantities that belong to pairs: a frame and the one before it, a pass and the same without
+//! Quantities of pairs: a frame and the frame before it, a trace pass and the same rays without
 //! shading.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -10,16 +10,16 @@ use crate::bench::{metric::temporal, sample::Sample};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FlickerRatio {
     /// Σ |Δtest − Δreference| over Σ |Δreference|: 0 when the picture changes exactly as the
-    /// reference does, 1 when it is wrong by as much as that changes.
+    /// reference does, 1 when its wrong change is as large as the reference's change.
     pub ratio: f64,
-    /// Pairs of frames, the same for every setting.
+    /// Number of pairs of frames, the same for every setting.
     pub pairs: usize,
-    /// Least and most frames between the two of a pair.
+    /// Least and most distance of the two frames of a pair, frames.
     pub stride: [u32; 2],
 }
 
 impl FlickerRatio {
-    /// Over the pairs that are in `pairs`: a frame and the measured one before it.
+    /// Ratio over the given pairs of a frame and the measured frame before it.
     pub(super) fn of(samples: &[&Sample], pairs: &BTreeSet<(u32, u32)>) -> Option<Self> {
         let mut changes: BTreeMap<(u32, u32), [f64; 2]> = BTreeMap::new();
         for s in samples {
@@ -42,7 +42,7 @@ impl FlickerRatio {
     }
 }
 
-/// Pairs of a frame and the measured one before it that all settings have.
+/// Pairs of a frame and the measured frame before it that all settings have.
 pub(super) fn common_pairs(samples: &[&Sample]) -> BTreeSet<(u32, u32)> {
     let settings: BTreeSet<String> = samples.iter().map(|s| label(s)).collect();
     let mut has: BTreeMap<(u32, u32), BTreeSet<String>> = BTreeMap::new();
@@ -55,18 +55,18 @@ pub(super) fn common_pairs(samples: &[&Sample]) -> BTreeSet<(u32, u32)> {
     has.into_keys().collect()
 }
 
-/// Traversal and everything else of the trace pass, above all shading, from frames in which both
+/// Trace pass split into traversal and everything else, above all shading, from frames in which both
 /// the pass and its rays without shading were timed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Split {
     /// Median milliseconds of the rays without shading.
     pub traverse_ms: f64,
-    /// Median over the frames of what the pass took beyond them; none where that is not above 0,
-    /// so that the two cannot be told apart.
+    /// Median milliseconds that the pass took beyond traversal; none where that is not above 0, so that
+    /// the two cannot be told apart.
     pub rest_ms: Option<f64>,
-    /// Frames.
+    /// Number of frames.
     pub n: usize,
-    /// Frames in which the rays alone took longer than the whole pass.
+    /// Number of frames in which the rays alone took longer than the whole pass.
     pub reversed: usize,
 }
 

@@ -1,4 +1,4 @@
-//! Arguments: sizes the dispatches over lists.
+//! Arguments: computes the workgroup counts of dispatches over lists.
 
 use crate::{
     gpu::GpuError,
@@ -18,7 +18,7 @@ pub const PASS: Pass = Pass {
     ..Pass::DEFAULT
 };
 
-/// The pass.
+/// The arguments pass on the device.
 #[derive(Debug)]
 pub struct Arguments(ComputePass);
 

@@ -1,4 +1,4 @@
-//! Audit: traces some of the screen hits too, where the options ask how many are wrong.
+//! Audit: traces rays for some of the screen hits, where the options ask for the share of wrong ones.
 
 use std::sync::atomic::{AtomicU32, Ordering};
 
@@ -38,22 +38,22 @@ pub const PASS: Pass = Pass {
 };
 
 gpu_struct! {
-    /// Of the audit.
+    /// Uniforms of the audit shader.
     pub struct Params = "Params" {
-        /// How far the march may lie from the ray, meters, or
+        /// Maximum distance between screen hit and ray hit, meters.
         tolerance_m: f32,
-        /// as a share of the distance.
+        /// The same as a share of the ray's length; the larger of the two counts.
         tolerance: f32,
-        /// Another one draws other hits.
+        /// Random seed: other values select other hits.
         seed: u32,
     }
 }
 
-/// The pass.
+/// The audit pass on the device.
 #[derive(Debug)]
 pub struct Audit {
     pass: ComputePass,
-    /// Sub-frames so far: pictures of a view at rest ask other hits.
+    /// Number of sub-frames recorded so far, the seed: pictures of an unchanged view check different hits.
     recorded: AtomicU32,
 }
 

@@ -12,7 +12,7 @@ use crate::{
     },
 };
 
-/// See `shaders/blur.wgsl`; `source` and `blurred` are reflection and blurred, then the reverse.
+/// See `shaders/blur.wgsl`; `source` and `blurred` alternate between the targets reflection and blurred.
 pub const PASS: Pass = Pass {
     name: "blur",
     color: [245, 165, 140],
@@ -28,16 +28,16 @@ pub const PASS: Pass = Pass {
     ..Pass::DEFAULT
 };
 
-/// What `source` and `blurred` mean across, then down.
+/// Targets of `source` and `blurred` in the horizontal, then in the vertical step.
 const ALIASES: [[(&str, Target); 2]; 2] = [
     [("source", Target::Reflection), ("blurred", Target::Blurred)],
     [("source", Target::Blurred), ("blurred", Target::Reflection)],
 ];
 
 gpu_struct! {
-    /// Of one direction.
+    /// Uniforms of the blur in one direction.
     pub struct Params = "Params" {
-        /// (1, 0) or (0, 1).
+        /// Direction of the blur: (1, 0) or (0, 1).
         direction: [i32; 2],
         /// Standard deviation, pixels.
         sigma_px: f32,
@@ -46,7 +46,7 @@ gpu_struct! {
     }
 }
 
-/// The pass.
+/// The blur pass on the device, horizontal and vertical.
 #[derive(Debug)]
 pub struct Blur([ComputePass; 2]);
 

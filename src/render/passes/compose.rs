@@ -1,4 +1,4 @@
-//! Compose: puts the reflection in place of the mirror term and adds up the sub-frames.
+//! Compose: puts the reflection in place of the mirror term and sums the sub-frames.
 
 use crate::{
     gpu::GpuError,
@@ -14,7 +14,7 @@ use crate::{
 
 use super::filter;
 
-/// See `shaders/compose.wgsl`; `color` and `previous` take turns.
+/// See `shaders/compose.wgsl`; `color` and `previous` swap targets after each sub-frame.
 pub const PASS: Pass = Pass {
     name: "compose",
     color: [150, 110, 190],
@@ -38,16 +38,16 @@ pub const PASS: Pass = Pass {
     ..Pass::DEFAULT
 };
 
-/// What `color` and `previous` mean in even and odd sub-frames.
+/// Targets of `color` and `previous` in even and odd sub-frames.
 const ALIASES: [[(&str, Target); 2]; 2] = [
     [("color", Target::ColorEven), ("previous", Target::ColorOdd)],
     [("color", Target::ColorOdd), ("previous", Target::ColorEven)],
 ];
 
 gpu_struct! {
-    /// Of one sub-frame.
+    /// Uniforms of the compose shader for one sub-frame.
     pub struct Params = "Params" {
-        /// 0 for the first sub-frame.
+        /// Index of the sub-frame.
         sample: u32,
         /// Unused.
         pad0: u32,
@@ -58,7 +58,7 @@ gpu_struct! {
     }
 }
 
-/// The pass.
+/// The compose pass on the device, for even and odd sub-frames.
 #[derive(Debug)]
 pub struct Compose([ComputePass; 2]);
 

@@ -1,4 +1,4 @@
-//! Coverage: how much of each pixel shows something, for pictures with a transparent background.
+//! Coverage: share of each pixel that surfaces cover, for pictures with a transparent background.
 
 use crate::{
     gpu::GpuError,
@@ -30,9 +30,9 @@ pub const PASS: Pass = Pass {
 };
 
 gpu_struct! {
-    /// Of one sub-frame.
+    /// Uniforms of the coverage shader for one sub-frame.
     pub struct Params = "Params" {
-        /// 0 for the first sub-frame.
+        /// Index of the sub-frame.
         sample: u32,
         /// Unused.
         pad0: u32,
@@ -43,7 +43,7 @@ gpu_struct! {
     }
 }
 
-/// The pass.
+/// The coverage pass on the device.
 #[derive(Debug)]
 pub struct Coverage(ComputePass);
 

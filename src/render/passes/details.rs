@@ -1,4 +1,4 @@
-//! Details: what the G-buffer does not hold of the surfaces that pixels show.
+//! Details: values of the visible surfaces that the G-buffer has no bits for.
 
 use crate::{
     gpu::GpuError,
@@ -21,7 +21,7 @@ pub const PASS: Pass = Pass {
     ..Pass::DEFAULT
 };
 
-/// The pass.
+/// The details pass on the device.
 #[derive(Debug)]
 pub struct Details(ComputePass);
 

@@ -13,7 +13,7 @@ use crate::{
     },
 };
 
-/// See `shaders/filter.wgsl`; `source` and `blurred` are reflection and blurred, then the reverse.
+/// See `shaders/filter.wgsl`; `source` and `blurred` alternate between the targets reflection and blurred.
 pub const PASS: Pass = Pass {
     name: "filter",
     color: [205, 130, 170],
@@ -32,29 +32,30 @@ pub const PASS: Pass = Pass {
     ..Pass::DEFAULT
 };
 
-/// From so many sub-frames on, samples alone are smooth.
+/// Number of sub-frames from which samples alone are smooth.
 pub const ENOUGH_SAMPLES: u32 = 16;
 
-/// Whether rough reflections are to be smoothed.
+/// Whether the options ask for smoothing of rough reflections.
 pub fn is_enabled(options: &RenderOptions) -> bool {
     options.reflection.filter && options.image.samples < ENOUGH_SAMPLES
 }
 
-/// What `source` and `blurred` mean in the wide and the narrow step.
+/// Targets of `source` and `blurred` in the wide and the narrow step.
 const ALIASES: [[(&str, Target); 2]; 2] = [
     [("source", Target::Reflection), ("blurred", Target::Blurred)],
     [("source", Target::Blurred), ("blurred", Target::Reflection)],
 ];
 
-/// Reach and taps of both steps; the narrow one fills what the wide one left between its taps.
+/// Radius in lobe widths and number of taps of both steps; the narrow one fills the gaps between the taps of the
+/// wide one.
 const STEPS: [(f32, u32); 2] = [(1.5, 20), (0.4, 8)];
 
 gpu_struct! {
-    /// Of one step.
+    /// Uniforms of the filter for one step.
     pub struct Params = "Params" {
-        /// Of the taps, in widths of the lobe.
+        /// Radius of the taps, in widths of the lobe.
         reach: f32,
-        /// How many.
+        /// Number of taps.
         taps: u32,
         /// Unused.
         pad0: u32,
@@ -63,7 +64,7 @@ gpu_struct! {
     }
 }
 
-/// The pass.
+/// The filter pass on the device, wide and narrow step.
 #[derive(Debug)]
 pub struct Filter([ComputePass; 2]);
 

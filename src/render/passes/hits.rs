@@ -1,4 +1,4 @@
-//! Hits: shades what the march has met on the screen, where the ray meets it.
+//! Hits: shades the screen hits of the march, at the points where the rays meet the surfaces.
 
 use crate::{
     gpu::{Checks, GpuError},
@@ -28,14 +28,14 @@ pub const PASS: Pass = Pass {
     ],
     writes: &[Target::Reflection],
     needed: ssr::PASS.needed,
-    // Its ids are those of the visibility pass, which `check_world` validated, and shadow rays follow
-    // what `Trees::build` validated.
+    // The shader's ids come from the visibility pass, which `check_world` validated, and shadow rays follow indices
+    // that `Trees::build` validated.
     checks: Checks::TrustedBuiltin,
     counted: true,
     ..Pass::DEFAULT
 };
 
-/// The pass.
+/// The hits pass on the device.
 #[derive(Debug)]
 pub struct Hits(ComputePass);
 

@@ -1,4 +1,4 @@
-//! Indirect: what the surfaces of pixels scatter of what other surfaces do.
+//! Indirect: path traced diffuse light between surfaces, at the surfaces of pixels.
 
 use crate::{
     gpu::{Checks, GpuError},
@@ -28,7 +28,7 @@ pub const PASS: Pass = Pass {
     ..Pass::DEFAULT
 };
 
-/// The pass.
+/// The indirect pass on the device.
 #[derive(Debug)]
 pub struct Indirect(ComputePass);
 

@@ -1,4 +1,4 @@
-//! Light: view-independent radiance, apart from the specular of this view.
+//! Light: view-independent radiance, stored apart from the specular of this view.
 
 use crate::{
     gpu::{Checks, GpuError},
@@ -23,13 +23,13 @@ pub const PASS: Pass = Pass {
     ],
     writes: &[Target::Radiance, Target::Specular, Target::VisibleLights],
     is_written: |plan, _, target| target != Target::VisibleLights || plan.lends_light,
-    // Rays towards lights follow what `check_world` and `Trees::build` validated.
+    // Rays towards lights follow indices that `check_world` and `Trees::build` validated.
     checks: Checks::TrustedBuiltin,
     counted: true,
     ..Pass::DEFAULT
 };
 
-/// The pass.
+/// The light pass on the device.
 #[derive(Debug)]
 pub struct Light(ComputePass);
 

@@ -1,4 +1,4 @@
-//! The passes, one file each, named like their shaders.
+//! The passes of a frame, one file each, named like their shaders.
 
 pub mod arguments;
 pub mod audit;
@@ -27,13 +27,13 @@ use super::{
     plan::Plan, targets::Target,
 };
 
-/// Lists the passes once: modules and their types.
+/// Lists all passes once, by their modules and types.
 macro_rules! passes {
     ($($module:ident: $type:ident,)*) => {
-        /// All passes in the order of the frame, `arguments` where it runs first.
+        /// All passes in the order of the frame; `arguments` runs twice and is listed where it runs first.
         pub const ALL: [&Pass; [$(stringify!($module)),*].len()] = [$(&$module::PASS),*];
 
-        /// What a frame records; passes that its plan leaves out are `None`.
+        /// Passes that a frame records; those that its plan leaves out are `None`.
         #[derive(Debug)]
         pub struct Passes {
             $(pub(super) $module: Option<$module::$type>,)*
@@ -43,7 +43,7 @@ macro_rules! passes {
             /// Builds every pass that the plan needs.
             ///
             /// # Errors
-            /// What a shader or wgpu refuses.
+            /// A shader or wgpu error.
             pub fn new(builder: &PassBuilder<'_>) -> Result<Self, GpuError> {
                 Ok(Self {
                     $($module: needed(builder, &$module::PASS)?,)*
@@ -98,7 +98,7 @@ pub fn written_targets(
     Target::ALL.into_iter().filter(is_written).collect()
 }
 
-/// The passes that march or trace, and can count what they do.
+/// The passes that march or trace rays, and can count that work.
 pub fn counted_passes() -> impl Iterator<Item = &'static Pass> {
     ALL.into_iter().filter(|pass| pass.counted)
 }

@@ -1,4 +1,4 @@
-//! Primary rays: finds the ids of each pixel through the trees, where the options ask for it.
+//! Primary rays: finds the ids of each pixel by rays through the BVHs, where the options ask for it.
 
 use crate::{
     gpu::{Checks, GpuError},
@@ -25,7 +25,7 @@ pub const PASS: Pass = Pass {
     ..Pass::DEFAULT
 };
 
-/// The pass.
+/// The primary pass on the device.
 #[derive(Debug)]
 pub struct Primary(ComputePass);
 

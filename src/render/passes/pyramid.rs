@@ -23,7 +23,7 @@ pub const PASS: Pass = Pass {
     ..Pass::DEFAULT
 };
 
-/// The pass.
+/// The pyramid pass on the device.
 #[derive(Debug)]
 pub struct Pyramid(ComputePass);
 

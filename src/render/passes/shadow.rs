@@ -1,5 +1,5 @@
-//! Shadow: depth cube maps for point lights, flat maps for spot and directional ones. A map whose light
-//! and casters are where they were is not drawn again.
+//! Shadow: depth cube maps for point lights, flat maps for spot and directional ones. A map whose light and casters
+//! have not moved is not drawn again.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -31,29 +31,29 @@ pub const PASS: Pass = Pass {
 };
 
 gpu_struct! {
-    /// Of one map.
+    /// Uniforms of the shadow shader for one map.
     pub struct Params = "Params" {
-        /// World to the map's clip space.
+        /// Transform from the world to the map's clip space.
         clip_from_world: [[f32; 4]; 4],
     }
 }
 
-/// Uniform offsets are multiples of this everywhere.
+/// Distance between the uniforms of two maps, bytes: a multiple of every device's offset alignment.
 const SLOT_BYTES: u64 = 256;
 
-/// The pass.
+/// The shadow pass on the device.
 #[derive(Debug)]
 pub struct Shadow {
     opaque: wgpu::RenderPipeline,
     cutout: Option<wgpu::RenderPipeline>,
     slots: wgpu::Buffer,
     groups: Vec<wgpu::BindGroup>,
-    /// Hash of what each map shows; none where that is not known.
+    /// Hash of the content of each map; `None` where the map must be drawn.
     drawn: Mutex<Vec<Option<u64>>>,
 }
 
 impl FramePass for Shadow {
-    /// Two pipelines and a uniform slot for each map.
+    /// Creates two pipelines, and a uniform slot for each map.
     fn new(builder: &PassBuilder<'_>) -> Result<Self, GpuError> {
         let (gpu, maps) = (builder.gpu, builder.resources.maps);
         let layout = GroupLayout::new(gpu, PASS.name, &[&builder.shader(&PASS)?.info], 2)?;
@@ -83,7 +83,7 @@ impl FramePass for Shadow {
         })
     }
 
-    /// One render pass for each map that is not up to date, in the first sub-frame.
+    /// Records one render pass for each outdated map, in the first sub-frame.
     fn record(&self, frame: &mut SubFrame<'_>) {
         if frame.sample > 0 {
             return;
@@ -130,7 +130,7 @@ impl FramePass for Shadow {
 }
 
 impl Shadow {
-    /// Has the next frame draw all maps.
+    /// Makes the next frame draw all maps.
     pub fn forget(&self) {
         self.drawn().fill(None);
     }
@@ -157,13 +157,13 @@ impl Shadow {
     }
 }
 
-/// What a map may show.
+/// Draw calls that may appear in a map.
 fn casters<'a>(scene: &'a GpuScene, view: &'a ShadowView) -> impl Iterator<Item = &'a Draw> {
     let draws = scene.draws.iter();
     draws.filter(|d| d.casts_shadow && !is_outside(&view.clip_from_world, &d.bounds))
 }
 
-/// Hash of all that a map shows; none where cut-outs may change from frame to frame.
+/// Hash of everything that a map shows; `None` where cut-outs may change from frame to frame.
 fn content(scene: &GpuScene, view: &ShadowView) -> Option<u64> {
     let mut hash = Xxh3Default::new();
     hash.update(bytemuck::bytes_of(&view.clip_from_world.to_cols_array()));
@@ -203,7 +203,7 @@ fn pipeline(
                     compilation_options: wgpu::PipelineCompilationOptions::default(),
                     buffers: if is_pulled { &[] } else { &Indexed::LAYOUTS },
                 },
-                // Both sides cast, as both block shadow rays.
+                // Front and back faces cast shadows, as both block shadow rays.
                 primitive: wgpu::PrimitiveState::default(),
                 depth_stencil: Some(reversed_depth(FORMAT)),
                 multisample: wgpu::MultisampleState::default(),

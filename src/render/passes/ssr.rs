@@ -1,5 +1,5 @@
-//! Screen-space reflections: marches the listed pixels through the depth pyramid; lists what it met
-//! for `hits.rs`, and what it cannot answer for `trace.rs`.
+//! Screen-space reflections: marches the listed pixels' rays through the depth pyramid; lists screen hits for
+//! `hits.rs`, and rays that the screen cannot answer for `trace.rs`.
 
 use crate::{
     gpu::{Checks, GpuError},
@@ -39,7 +39,7 @@ pub const PASS: Pass = Pass {
             ("TRACE", flag(trace::is_enabled(options))),
         ]
     },
-    // Its ids are those of the visibility pass, which `check_world` validated.
+    // The shader's ids come from the visibility pass, which `check_world` validated.
     checks: Checks::TrustedBuiltin,
     counted: true,
     ..Pass::DEFAULT
@@ -51,13 +51,13 @@ pub fn is_enabled(options: &RenderOptions) -> bool {
 }
 
 gpu_struct! {
-    /// Of the march.
+    /// Uniforms of the march.
     pub struct Params = "Params" {
-        /// The paper's T, meters.
+        /// The paper's depth threshold T, meters.
         threshold_m: f32,
-        /// Most steps.
+        /// Maximum number of steps.
         steps: u32,
-        /// How far a verified hit may lie from the pixel that shows it.
+        /// Maximum distance of a verified hit from the pixel that shows it, pixels.
         edge_px: f32,
         /// Unused.
         pad0: u32,
@@ -65,7 +65,7 @@ gpu_struct! {
 }
 
 impl Params {
-    /// Of the scene's settings with its unit.
+    /// Uniforms for the scene's settings and its unit length.
     fn new(settings: &ReflectionDesc, unit_m: f32) -> Self {
         Self {
             threshold_m: settings.threshold_u * unit_m,
@@ -76,7 +76,7 @@ impl Params {
     }
 }
 
-/// The pass.
+/// The SSR pass on the device.
 #[derive(Debug)]
 pub struct Ssr(ComputePass);
 

@@ -1,5 +1,5 @@
-//! Surface: resolves the G-buffer in compute from the ids of the visibility pass, and lists the
-//! reflective pixels and those that let light through.
+//! Surface: resolves the G-buffer in compute from the ids of the visibility pass, and lists the reflective and the
+//! transmissive pixels.
 
 use crate::{
     gpu::{Checks, GpuError},
@@ -34,12 +34,13 @@ pub const PASS: Pass = Pass {
             ("RASTERIZED", flag(!has_primary_rays(options))),
         ]
     },
-    // Its ids are those of the visibility pass or of primary rays, which `check_world` and `Trees::build` validated.
+    // The shader's ids come from the visibility pass or from primary rays, which `check_world` and `Trees::build`
+    // validated.
     checks: Checks::TrustedBuiltin,
     ..Pass::DEFAULT
 };
 
-/// The pass.
+/// The surface pass on the device.
 #[derive(Debug)]
 pub struct Surface(ComputePass);
 

@@ -13,7 +13,7 @@ use crate::{
     scene::desc::ImageDesc,
 };
 
-/// See `shaders/tone.wgsl`; `color` is the sum of the last sub-frame.
+/// See `shaders/tone.wgsl`; `color` is the sum of all sub-frames.
 pub const PASS: Pass = Pass {
     name: "tone",
     color: [205, 180, 230],
@@ -25,11 +25,11 @@ pub const PASS: Pass = Pass {
 };
 
 gpu_struct! {
-    /// Of the curve.
+    /// Uniforms of the tone curve.
     pub struct Params = "Params" {
         /// Exposure over the number of sub-frames.
         scale: f32,
-        /// `TONE_*`; 0 is none.
+        /// Tone curve: `TONE_*`; 0 for none.
         curve: u32,
         /// One over the number of sub-frames.
         sample_share: f32,
@@ -39,7 +39,7 @@ gpu_struct! {
 }
 
 impl Params {
-    /// Of the scene's settings.
+    /// Uniforms for the image settings.
     fn new(image: &ImageDesc) -> Self {
         Self {
             scale: image.exposure_ev.ev().exp2() / image.samples as f32,
@@ -50,7 +50,7 @@ impl Params {
     }
 }
 
-/// The pass.
+/// The tone pass on the device.
 #[derive(Debug)]
 pub struct Tone(ComputePass);
 

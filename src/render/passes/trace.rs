@@ -1,4 +1,4 @@
-//! Trace: follows the mirror rays of the listed pixels through the trees, bounce by bounce.
+//! Trace: follows the mirror rays of the listed pixels through the BVHs, bounce by bounce.
 
 use crate::{
     gpu::{Checks, GpuError},
@@ -34,18 +34,18 @@ pub const PASS: Pass = Pass {
     ..Pass::DEFAULT
 };
 
-/// Whether the method traces what the march cannot answer.
+/// Whether the method traces the rays that the march cannot answer.
 pub fn is_enabled(options: &RenderOptions) -> bool {
     options.reflection.method != Method::Ssr
 }
 
-/// The same rays without shading, timed apart from the frame.
+/// Variant that traces the same rays without shading, timed apart from the frame.
 pub const TRAVERSE: Pass = Pass {
     name: "traverse",
     ..PASS
 };
 
-/// The pass.
+/// The trace pass on the device.
 #[derive(Debug)]
 pub struct Trace(ComputePass);
 

@@ -1,4 +1,4 @@
-//! Transmit: what passes through the surfaces that the listed pixels show.
+//! Transmit: light that passes through the surfaces of the listed pixels.
 
 use crate::{
     gpu::{Checks, GpuError},
@@ -40,10 +40,10 @@ pub const PASS: Pass = Pass {
     ..Pass::DEFAULT
 };
 
-/// Of pixels that are not listed: no light, and no background.
+/// Clear color for pixels that are not listed: no light, and no coverage behind them.
 const NOTHING_BEHIND: wgpu::Color = wgpu::Color::BLACK;
 
-/// The pass.
+/// The transmit pass on the device.
 #[derive(Debug)]
 pub struct Transmit(ComputePass);
 

@@ -23,20 +23,20 @@ pub const PASS: Pass = Pass {
     ..Pass::DEFAULT
 };
 
-/// The pass: a pipeline for each class of draws in use.
+/// The visibility pass on the device: a pipeline for each class of draw calls in use.
 #[derive(Debug)]
 pub struct Visibility {
-    /// Whether opaque triangles are drawn by their indices.
+    /// Whether opaque triangles are drawn with indices.
     is_indexed: bool,
     pipelines: Vec<(DrawClass, wgpu::RenderPipeline)>,
-    /// Of what the camera culls, where the march is to know its depth.
+    /// Pipelines for culled back faces, where the march needs their depth.
     culled: Vec<(DrawClass, wgpu::RenderPipeline)>,
-    /// Of what only reflections show, likewise.
+    /// Pipelines for instances that only reflections show, where the march needs their depth.
     unseen: Vec<(DrawClass, wgpu::RenderPipeline)>,
 }
 
 impl FramePass for Visibility {
-    /// The pipelines that the draws need.
+    /// Creates the pipelines that the draw calls need.
     fn new(builder: &PassBuilder<'_>) -> Result<Self, GpuError> {
         let draws = &builder.resources.scene.draws;
         let has_culled = builder.plan.culled_surfaces;
@@ -85,43 +85,43 @@ impl FramePass for Visibility {
                 }
             };
             draw_all(&self.pipelines, |draw| draw.shown.visible);
-            // Last: most of it lies behind what is shown, and only its depth is kept.
+            // Drawn last: most culled surfaces lie behind visible ones, and only their depth is kept.
             draw_all(&self.culled, is_culled);
             draw_all(&self.unseen, is_unseen);
         });
     }
 }
 
-/// Whether the device numbers triangles that are drawn by their indices.
+/// Whether the device supports primitive indices, so that triangles can be drawn with indices.
 fn is_indexed(shader: &Shader) -> bool {
     shader.info.entry_point(VERTEX_INDEXED).is_some()
 }
 
-/// Entry point of `shaders/lib/triangles_indexed.wgsl`.
+/// Entry point in `shaders/lib/triangles_indexed.wgsl`.
 const VERTEX_INDEXED: &str = "vertex_indexed";
 
-/// Whether the camera culls some of it.
+/// Whether the camera culls back faces of the instance that reflections may show.
 fn is_culled(draw: &Draw) -> bool {
     draw.shown.visible && draw.hides_backs
 }
 
-/// Whether only reflections show it.
+/// Whether only reflections show the instance.
 fn is_unseen(draw: &Draw) -> bool {
     !draw.shown.visible && draw.shown.in_reflections
 }
 
-/// Which faces of single-sided triangles a pipeline draws.
+/// Faces of single-sided triangles that a pipeline draws, and targets that it writes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Faces {
-    /// Those that the camera sees.
+    /// Front faces, with ids and depth.
     Shown,
-    /// Those that it does not, into the depth alone.
+    /// Back faces, into the depth only.
     Culled,
-    /// All, into the depth alone.
+    /// All faces, into the depth only.
     Unseen,
 }
 
-/// A pipeline for each class of these draws.
+/// A pipeline for each class of these draw calls.
 fn pipelines<'a>(
     builder: &PassBuilder<'_>,
     draws: impl IntoIterator<Item = &'a Draw>,
@@ -146,7 +146,7 @@ fn pipelines<'a>(
     Ok(pipelines)
 }
 
-/// The ids, cleared to "sky".
+/// Color attachment of the ids, cleared to "sky".
 fn cleared_ids(view: &wgpu::TextureView) -> wgpu::RenderPassColorAttachment<'_> {
     wgpu::RenderPassColorAttachment {
         view,
@@ -171,7 +171,7 @@ pub fn cleared_depth(view: &wgpu::TextureView) -> wgpu::RenderPassDepthStencilAt
     }
 }
 
-/// Nearer (larger) depth wins.
+/// Depth test with reversed depth: the nearer (larger) value wins.
 pub fn reversed_depth(format: wgpu::TextureFormat) -> wgpu::DepthStencilState {
     wgpu::DepthStencilState {
         format,
@@ -182,7 +182,7 @@ pub fn reversed_depth(format: wgpu::TextureFormat) -> wgpu::DepthStencilState {
     }
 }
 
-/// "Sky": all bits set in both ids.
+/// Clear value for "sky": all bits set in both ids.
 const NO_IDS: wgpu::Color = wgpu::Color {
     r: u32::MAX as f64,
     g: u32::MAX as f64,

@@ -1,4 +1,4 @@
-//! What a scene does not use, and why.
+//! Features that a scene does not use, and why.
 
 use serde::Serialize;
 
@@ -6,20 +6,20 @@ use crate::scene::desc::ReflectionDesc;
 
 use super::Plan;
 
-/// One thing that was left out, and why that changes nothing.
+/// A feature that was left out, and the reason why that changes nothing.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Dropped {
-    /// What.
+    /// Name of the feature.
     pub what: &'static str,
-    /// Why.
+    /// Reason that it is unused.
     pub why: &'static str,
 }
 
-/// Whether something is unused, what it is, and why.
+/// Whether a feature is unused, its name, and the reason.
 type Candidate = (bool, &'static str, &'static str);
 
 impl Plan {
-    /// Names everything that the plan leaves out.
+    /// Lists all features that the plan leaves out.
     pub(super) fn list_dropped(&mut self, settings: &ReflectionDesc) {
         let candidates = self
             .passes_and_trees()
@@ -44,7 +44,7 @@ impl Plan {
             (
                 self.traced && !self.static_tree,
                 "static tree",
-                "nothing stands still",
+                "no geometry is static",
             ),
             (
                 self.traced && !self.top_level,
@@ -54,12 +54,12 @@ impl Plan {
             (
                 self.reflections && !self.culled_surfaces,
                 "depth of culled surfaces",
-                "nothing that is marched has a back that the camera culls",
+                "no surface that reflection rays may hit is culled by the camera",
             ),
             (
                 !self.precision.full,
                 "32 bits of radiance",
-                "16 hold what shines and is lit",
+                "16 bits hold the brightest light of the scene",
             ),
         ]
     }
@@ -74,7 +74,11 @@ impl Plan {
                 "no material has one",
             ),
             (!self.checkers, "checkers", "no material has one"),
-            (!self.shadow_rays, "shadow rays", "no light asks for them"),
+            (
+                !self.shadow_rays,
+                "shadow rays",
+                "no light casts its shadow by rays",
+            ),
             (
                 self.reflections && !self.lends_light,
                 "light reuse",
@@ -83,7 +87,7 @@ impl Plan {
             (
                 !self.sampled_environment,
                 "samples of the environment",
-                "it is a gradient that nothing shades",
+                "the environment is a gradient and casts no shadows",
             ),
             (
                 !self.sized_lights,
@@ -98,7 +102,7 @@ impl Plan {
             (
                 self.reflections && !self.rough_reflections,
                 "rough reflections",
-                "whatever reflects is smooth",
+                "all reflective materials are smooth",
             ),
             (!self.indirect, "indirect light", "`diffuse_bounces` is 0"),
             (
@@ -110,12 +114,12 @@ impl Plan {
             (
                 self.surfaces.coats && !self.surfaces.coat_normals,
                 "normals of clear coats",
-                "all have those of what they cover",
+                "all have the normals of the layer below",
             ),
             (
                 !self.surfaces.tints,
                 "strength and color of specular lobes",
-                "no material says one",
+                "no material sets them",
             ),
             (!self.surfaces.sheen, "sheen", "no material has one"),
             (
@@ -126,12 +130,12 @@ impl Plan {
             (
                 !self.surfaces.anisotropy,
                 "anisotropy",
-                "no material has a direction",
+                "no material is anisotropic",
             ),
             (
                 self.surfaces.transmission && !self.surfaces.dispersion,
                 "dispersion",
-                "no solid bends colors differently",
+                "no solid has dispersion",
             ),
             (
                 settings.multiple_scattering && !self.multiple_scattering,

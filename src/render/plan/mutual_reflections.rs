@@ -1,16 +1,15 @@
-//! Whether reflectors show each other, so that rays bounce more than once.
+//! Test whether reflectors may see each other, so that rays bounce more than once.
 
 use glam::Vec3;
 
 use super::may_reflect;
 use crate::world::World;
 
-/// Most (plane, vertex) pairs that are looked at before the answer is "perhaps".
+/// Maximum number of (plane, vertex) pairs to test before the answer is "perhaps".
 const MAX_PAIRS: usize = 1 << 22;
 
-/// Whether a ray from one reflector may meet another (or the same one): conservative, true unless
-/// every reflector vertex lies on or behind the plane of every reflector triangle, from the sides
-/// that can be seen.
+/// Whether a ray from one reflector may hit another (or the same one): conservative, true unless every reflector
+/// vertex lies on or behind the plane of every reflector triangle, from its visible sides.
 pub(super) fn reflectors_see_each_other(world: &World, cutoff: f32) -> bool {
     let mut planes: Vec<(Vec3, f32, bool)> = Vec::new();
     let mut points: Vec<Vec3> = Vec::new();

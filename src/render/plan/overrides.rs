@@ -1,4 +1,4 @@
-//! The constants of shaders that a plan sets.
+//! Pipeline constants of shaders that a plan sets.
 
 use super::Plan;
 

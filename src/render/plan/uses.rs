@@ -1,4 +1,4 @@
-//! What the materials of a scene ask for.
+//! Features that the materials of a scene use.
 
 use serde::Serialize;
 
@@ -6,22 +6,22 @@ use crate::world::{Material, World};
 
 use super::has_specular;
 
-/// Whether some material that is used has this.
+/// Whether some used material has a feature.
 fn uses(world: &World, has: fn(&Material) -> bool) -> bool {
     (world.instances.iter()).any(|i| has(&world.materials[i.material]))
 }
 
-/// Whether some material may let light through.
+/// Whether some material may transmit light.
 pub fn passes_light(world: &World) -> bool {
     uses(world, Material::passes_light)
 }
 
-/// Whether some lobe has facets that may be in each other's way.
+/// Whether some material has a specular lobe, whose facets may scatter light more than once.
 pub fn scatters_twice(world: &World) -> bool {
     uses(world, has_specular)
 }
 
-/// Whether some clear coat has, or may get, other normals than what is below.
+/// Whether some clear coat has, or may get, normals other than those of the layer below.
 fn has_coat_normals(world: &World) -> bool {
     let differ = |index: usize| {
         let material = &world.materials[index];
@@ -31,29 +31,29 @@ fn has_coat_normals(world: &World) -> bool {
     world.instances.iter().any(|i| differ(i.material))
 }
 
-/// What surfaces have beyond a base color, metalness and roughness.
+/// Features of surfaces beyond base color, metalness and roughness.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct SurfaceUses {
-    /// Some surface lets light through.
+    /// Whether some surface transmits light.
     pub transmission: bool,
-    /// Some of them bends colors differently.
+    /// Whether some transmissive solid has dispersion.
     pub dispersion: bool,
-    /// Some surface has a clear coat.
+    /// Whether some surface has a clear coat.
     pub coats: bool,
-    /// Some clear coat has other normals than what is below.
+    /// Whether some clear coat has normals other than those of the layer below.
     pub coat_normals: bool,
-    /// Some dielectric's specular lobe has a strength or a color of its own.
+    /// Whether some dielectric's specular lobe has a strength or a color of its own.
     pub tints: bool,
-    /// Some surface has a sheen.
+    /// Whether some surface has a sheen.
     pub sheen: bool,
-    /// Some surface has a thin film.
+    /// Whether some surface has a thin film.
     pub iridescence: bool,
-    /// Some specular lobe is longer one way than the other.
+    /// Whether some specular lobe is anisotropic.
     pub anisotropy: bool,
 }
 
 impl SurfaceUses {
-    /// Of the materials that are used.
+    /// Features of the used materials.
     pub fn of(world: &World) -> Self {
         Self {
             transmission: passes_light(world),
@@ -70,12 +70,12 @@ impl SurfaceUses {
             anisotropy: uses(world, |m| m.anisotropy.is_some()),
         }
     }
-    /// Whether specular lobes have strengths or colors, if only those that a film gives them.
+    /// Whether specular lobes have strengths or colors, their own or those of a thin film.
     pub const fn has_tints(&self) -> bool {
         self.tints || self.iridescence
     }
 
-    /// Whether surfaces have directions beside their normals.
+    /// Whether surfaces have directions beside their normals: clear coat normals or tangents.
     pub const fn has_frames(&self) -> bool {
         self.coat_normals || self.anisotropy
     }

@@ -3,7 +3,7 @@
 use super::Sampling;
 use crate::world::{Texture, Wrap};
 
-/// The image at `px` × `px` and every halving of it.
+/// The image at `px` × `px`, and each halving of it.
 pub fn mip_chain(texture: &Texture, px: u32, sampling: Sampling) -> Vec<Vec<u8>> {
     let base = if (texture.width, texture.height) == (px, px) {
         texture.rgba.clone()
@@ -20,8 +20,8 @@ pub fn mip_chain(texture: &Texture, px: u32, sampling: Sampling) -> Vec<Vec<u8>>
     chain
 }
 
-/// The image at `px` × `px`: nearest texels, or as the hardware would magnify it, wrapping
-/// included; larger ones are halved first.
+/// The image at `px` × `px`: nearest texels, or magnified as by hardware, wrapping included; larger images are
+/// halved first.
 fn resampled(texture: &Texture, px: u32, sampling: Sampling) -> Vec<u8> {
     let mut size = [texture.width, texture.height];
     let mut source = std::borrow::Cow::Borrowed(&texture.rgba);
@@ -59,7 +59,7 @@ fn image_from(px: u32, pixel: impl Fn(u32, u32) -> [u8; 4]) -> Vec<u8> {
         .collect()
 }
 
-/// Bilinear, between texel centers; across the border by the wrap mode; colors in linear light.
+/// Bilinear resize between texel centers, across the border by the wrap mode; colors in linear light.
 fn bilinear_resized(
     rgba: &[u8],
     size: [u32; 2],
@@ -71,7 +71,7 @@ fn bilinear_resized(
         let edge = i64::from(size[axis]);
         let place = |i: i64| match sampling.wrap[axis] {
             Wrap::Repeat => i.rem_euclid(edge) as u32,
-            // Mirrored at the border, the next texel is the last one again.
+            // Across a mirrored border the next texel is the last one again.
             Wrap::Clamp | Wrap::Mirror => i.clamp(0, edge - 1) as u32,
         };
         let tap = |x: u32| {
@@ -124,7 +124,7 @@ fn bilinear_resized(
     out
 }
 
-/// 2×2 box filter; colors are averaged in linear light.
+/// Halves an image by a 2×2 box filter; colors are averaged in linear light.
 fn box_downsampled(rgba: &[u8], edge: u32, srgb: bool) -> Vec<u8> {
     let edge = edge as usize;
     let half = edge / 2;
@@ -146,7 +146,7 @@ fn box_downsampled(rgba: &[u8], edge: u32, srgb: bool) -> Vec<u8> {
     out
 }
 
-/// sRGB to 16-bit linear light and back.
+/// Tables from sRGB to 16-bit linear light, and back from 12 bits.
 struct SrgbTables {
     light: [u16; 256],
     code: Vec<u8>,

@@ -1,45 +1,45 @@
-//! What of a file's animations is played, as people write it.
+//! Playback of a model file's animations, in scene text.
 
 use super::At;
 
-/// `animation = { name = "walk", … }`: what of a file's animations is played, and when. It moves the
-/// nodes that the file says and what hangs on them, meshes, lights and cameras, deforms skins by their
-/// joints and meshes by the weights of their morph targets; the rest stays in the static tree. A scale
-/// of 0 along all axes hides. A file rendered without a scene plays all of its animations once where
-/// they move different things, else the first.
+/// `animation = { name = "walk", … }`: playback of animations of the model's file. They move nodes of the
+/// file with their children (meshes, lights and cameras), and deform meshes by skin joints and morph
+/// targets; everything else stays in the static BVH. A scale of 0 along all axes hides a node. A file
+/// rendered without a scene plays all of its animations once if they move different things, else the first.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AnimationDesc {
-    /// Name of one of the file's animations as `reflet info` lists them, or an array of several;
-    /// `"*"` is all of them, an empty array none. Where two move the same, the later wins.
+    /// Name of an animation of the file, as `reflet info` lists them, or an array of several; `"*"` is all
+    /// of them, an empty array none. Where two move the same thing, the later one wins.
     pub name: Vec<At<String>>,
-    /// Factor on its speed. Less than 0 plays it backwards, from its end. Default 1.
+    /// Factor on the speed of playback: 2 is twice as fast, less than 0 plays backwards from the end.
+    /// Default 1.
     pub speed: f32,
-    /// Time of the scene at which it begins, seconds; until then it waits in its first pose. Less
-    /// than 0 is a start before the scene's. Default 0.
+    /// Time of the scene at which playback begins, seconds; until then the animation holds its first pose.
+    /// Less than 0 is a start before the scene's. Default 0.
     pub start_s: f32,
-    /// What follows its end. Default `"loop"`.
+    /// How playback goes on after the end of the animation. Default `"loop"`.
     pub repeat: Playback,
 }
 
-/// What follows the end of an animation.
+/// How playback goes on after the end of an animation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Playback {
-    /// `"once"`: keeps its last pose.
+    /// `"once"`: holds the last pose.
     Once,
     /// `"loop"`: starts over, each animation after its own length.
     #[default]
     Loop,
-    /// `"ping_pong"`: runs back, and forth again.
+    /// `"ping_pong"`: plays backwards, then forwards again, and so on.
     PingPong,
 }
 
 impl AnimationDesc {
-    /// Whether an animation of that name is played.
+    /// Whether the animation called `name` is played.
     pub fn plays(&self, name: &str) -> bool {
         self.name.iter().any(|n| n.value == "*" || n.value == name)
     }
 
-    /// All of these, from time 0 on and for ever.
+    /// Endless playback of the named animations from time 0, at their own speed.
     pub fn of(name: Vec<At<String>>) -> Self {
         Self {
             name,

@@ -1,4 +1,4 @@
-//! Cameras as people write them, and what of them may change.
+//! Cameras of scene text, and the table of their values that may change over time.
 
 use glam::Vec3;
 
@@ -8,48 +8,50 @@ use crate::scene::{
     range::{ABOVE_0, ANY, APERTURE_F, range},
 };
 
-/// `[camera.NAME]`
+/// `[camera.NAME]`: a viewpoint with its lens.
 ///
-/// - `parent`: `name` of an instance, or a `[group.NAME]`, that this hangs on: its positions and
-///   directions are then relative to where that is, wherever it moves. Default: none.
+/// - `parent`: `name` of an instance, or of a `[group.NAME]`, to which the camera is attached: its
+///   positions and directions are then relative to the parent and move with it. Default: none.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CameraDesc {
-    /// Position, meters.
+    /// Position of the camera, meters.
     pub eye: Vec3,
-    /// The point looked at, meters; must differ from `eye`.
+    /// Point that the camera looks at, meters; must differ from `eye`.
     pub target: Vec3,
-    /// Direction that is up in the picture.
+    /// Direction that points up in the picture; must not be along the view.
     pub up: Vec3,
-    /// Vertical field of view, degrees, 1 to 170. More shows more and shrinks everything.
+    /// Vertical field of view, degrees, 1 to 170. More shows more of the scene, and everything smaller.
     pub fov_deg: f32,
-    /// Height of what the picture shows, meters, above 0: makes the camera orthographic. Its rays are parallel, so
-    /// that nothing shrinks with distance; `fov_deg` has no meaning then. Default: perspective. Where such a camera
-    /// sees surfaces edge-on, as walls from straight above, no pixel shows them: where they have the area of more
-    /// than 16 × 16 pixels, `hybrid` traces every reflection.
+    /// Height of the part of the scene that the picture shows, meters, above 0: makes the camera
+    /// orthographic. Its rays are parallel, so nothing shrinks with distance, and `fov_deg` has no effect.
+    /// Surfaces that such a camera sees edge-on, as walls from straight above, are on no pixel: if they
+    /// have the area of more than 16 × 16 pixels, `hybrid` traces every reflection. Default: perspective.
     pub orthographic_height_m: Option<f32>,
-    /// Nearest visible distance, meters, above 0. There is no far plane.
+    /// Near plane: surfaces closer to the camera than this are not seen, meters, above 0. There is no far
+    /// plane.
     pub near_m: f32,
     /// Aperture as an f-number, 0.1 to 1000: less blurs more of what is out of focus. The lens is that of a
-    /// camera with a sensor of 24 mm height and this field of view, so an orthographic one has none. Each sub-frame looks through one point of it, so it
-    /// takes many `image.samples`. Default: a pinhole, everything is sharp.
+    /// camera with this field of view and a sensor of 24 mm height; an orthographic camera has none. Each
+    /// sub-frame looks through one point of the lens, so it takes many `image.samples`. Default: a pinhole,
+    /// everything is sharp.
     pub aperture_f: Option<f32>,
-    /// Distance along the view that is in focus, meters, above 0. Default: that of `target`, so that what a
-    /// camera looks at or follows is sharp.
+    /// Distance along the view that is in focus, meters, above 0. Default: the distance of `target`, so
+    /// that what a camera looks at or follows is sharp.
     pub focus_m: Option<f32>,
 }
 
-/// Height of the sensor that `aperture_f` speaks of, meters.
+/// Height of the sensor that `aperture_f` assumes, meters.
 const SENSOR_M: f32 = 0.024;
 
 impl CameraDesc {
-    /// Half the height of what the picture shows at a distance along the view, meters.
+    /// Half the height of the view at a distance along the view direction, meters.
     pub fn half_height_m(&self, distance_m: f32) -> f32 {
         let slope = (0.5 * self.fov_deg.to_radians()).tan();
         self.orthographic_height_m
             .map_or(slope * distance_m, |height_m| 0.5 * height_m)
     }
 
-    /// Radius of its lens, meters; 0 is a pinhole.
+    /// Radius of the lens, meters; 0 is a pinhole.
     pub fn lens_m(&self) -> f32 {
         if self.orthographic_height_m.is_some() {
             return 0.0;
@@ -58,7 +60,7 @@ impl CameraDesc {
         self.aperture_f.map_or(0.0, |f| 0.5 * focal_m / f)
     }
 
-    /// Distance that is in focus, meters.
+    /// Distance along the view that is in focus, meters.
     pub fn focused_m(&self) -> f32 {
         self.focus_m
             .unwrap_or_else(|| self.target.distance(self.eye))
@@ -80,7 +82,7 @@ impl Default for CameraDesc {
     }
 }
 
-/// What changes of a camera.
+/// Values of a camera that tracks and scripts may change.
 pub static CAMERA: [Field<CameraDesc>; 8] = [
     plain!(eye, Vector, ANY),
     plain!(target, Vector, ANY),
@@ -110,16 +112,16 @@ pub static CAMERA: [Field<CameraDesc>; 8] = [
     },
 ];
 
-/// `[motion.camera.NAME]`
+/// `[motion.camera.NAME]`: tracks that move a camera and change its lens.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CameraMotionDesc {
     /// - `eye`: track of the position, meters.
-    /// - `target`: track of the point looked at, meters; `{ follow = { instance = "car" } }` looks
-    ///   at an instance.
-    /// - `up`: track of the direction that is up in the picture.
+    /// - `target`: track of the point that the camera looks at, meters; `{ follow = { instance = "car" } }`
+    ///   looks at an instance.
+    /// - `up`: track of the direction that points up in the picture.
     /// - `fov_deg`: track of the vertical field of view, degrees, 1 to 170.
-    /// - `orthographic_height_m`: track of the height of what an orthographic camera shows, meters, above 0.
-    /// - `near_m`: track of the nearest visible distance, meters, above 0.
+    /// - `orthographic_height_m`: track of the height of an orthographic camera's view, meters, above 0.
+    /// - `near_m`: track of the distance of the near plane, meters, above 0.
     /// - `aperture_f`: track of the f-number, 0.1 to 1000.
     /// - `focus_m`: track of the distance in focus, meters, above 0.
     pub tracks: Tracks,

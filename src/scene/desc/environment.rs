@@ -1,4 +1,4 @@
-//! The environment as people write it.
+//! The `[environment]` table of scene text.
 
 use std::path::Path;
 
@@ -6,20 +6,21 @@ use glam::Vec3;
 
 use super::At;
 
-/// Whether what stands around takes the environment's light away from a surface.
+/// Whether objects block the environment's light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum EnvironmentShadow {
-    /// `"ray"`: rays towards the environment find what is in the way; soft shadows, and dark corners.
+    /// `"ray"`: objects block the environment's light, found by shadow rays: soft shadows and dark corners.
     Ray,
-    /// `"none"`: it shines through everything.
+    /// `"none"`: the environment's light reaches every surface, as if nothing stood in its way.
     #[default]
     None,
 }
 
-/// `[environment]`: a panorama `file`, `color` for all directions, or the gradient `zenith`, `horizon`,
-/// `ground`. It is the background, is seen in reflections, and lights every surface.
+/// `[environment]`: background and light around the scene: a panorama image (`file`), one `color` for all
+/// directions, or a gradient of `zenith`, `horizon` and `ground`. It is seen behind the scene and in
+/// reflections, and lights every surface.
 ///
-/// - `color`: linear radiance in all directions, three numbers 0 or more.
+/// - `color`: linear radiance, the same in all directions, three numbers 0 or more.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EnvironmentDesc {
     /// Linear radiance straight up, 0 or more. Default black.
@@ -28,18 +29,20 @@ pub struct EnvironmentDesc {
     pub horizon: Vec3,
     /// Linear radiance straight down, 0 or more. Default black.
     pub ground: Vec3,
-    /// A panorama with linear radiance, Radiance HDR (`.hdr`) or OpenEXR (`.exr`), searched beside the
-    /// scene, then in each `--assets` folder: longitude across, latitude down, twice as wide as high. Its
-    /// middle shows +Z, a quarter left of that +X (the latitude-longitude map of OpenEXR's "Environment
-    /// Maps"). More than 4096 × 2048 pixels are reduced to that.
+    /// Panorama image with linear radiance, Radiance HDR (`.hdr`) or OpenEXR (`.exr`), searched beside the
+    /// scene, then in each `--assets` folder. It is a latitude-longitude map, twice as wide as high, as in
+    /// OpenEXR's "Environment Maps": longitude across, latitude down, +Z in the middle, +X a quarter of the
+    /// width left of that. Images of more than 4096 × 2048 pixels are reduced to that size.
     pub file: Option<At<String>>,
-    /// Turns the panorama about +Y, degrees, counterclockwise seen from above. Default 0.
+    /// Rotation of the panorama about +Y, degrees, counterclockwise seen from above. Default 0.
     pub rotation_deg: f32,
-    /// Factor on the radiance, 0 or more. Default 1.
+    /// Factor on the environment's radiance, 0 or more. More is brighter. Default 1.
     pub intensity: f32,
-    /// Whether the camera sees it, else black; it lights and is reflected all the same. Default true.
+    /// Whether the camera sees the environment as its background; `false` shows black there. Its light and
+    /// its reflections stay. Default true.
     pub visible: bool,
-    /// Whether what stands around takes its light away. Default `"ray"` with a `file`, else `"none"`.
+    /// Whether objects block the environment's light: with `"ray"` they cast soft shadows and darken
+    /// corners. Default `"ray"` with a `file`, else `"none"`.
     pub shadow: EnvironmentShadow,
 }
 
@@ -59,7 +62,7 @@ impl Default for EnvironmentDesc {
 }
 
 impl EnvironmentDesc {
-    /// Name of its file, as it is written.
+    /// Name of the panorama file, as the scene writes it.
     pub fn file_name(&self) -> Option<&Path> {
         self.file.as_ref().map(|file| Path::new(&file.value))
     }

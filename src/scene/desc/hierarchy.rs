@@ -1,41 +1,44 @@
-//! What hangs on what, and what shows an instance.
+//! Parents of instances, groups, lights and cameras, and the visibility of instances.
 
 use super::PlacementDesc;
 
-/// `[group.NAME]`: a place without a model, on which others hang by `parent = "NAME"`.
+/// `[group.NAME]`: a place without a model, to which other things are attached by `parent = "NAME"`, so
+/// that they move, turn and scale together.
 ///
-/// - `parent`: `name` of an instance, or a `[group.NAME]`, that this hangs on: its placement is then
-///   relative to where that is, wherever it moves. On an instance with copies, the first. Default: none.
+/// - `parent`: `name` of an instance, or of a `[group.NAME]`, to which this group is attached: its
+///   placement is then relative to the parent and moves with it. If the parent instance has copies, its
+///   first copy counts. Default: none.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GroupDesc {
-    /// Where it stands.
+    /// Placement of the group, relative to its parent if it has one.
     pub placement: PlacementDesc,
-    /// Whether a script may move it, and with it what hangs on it. Default false.
+    /// Whether a script may move the group, and with it everything attached to it. Default false.
     pub dynamic: bool,
 }
 
-/// `model = { scene = "car.toml" }`: another scene stands here, as a group with the name of the instance,
-/// or else of the file. Its cameras, lights, materials, models, instances, groups and motion come
-/// along, with that name and a dot before their own: `car.wheel`; what this scene says of the same names,
-/// such as `[material."car.paint"]`, lies over it. Its script comes along too: `frame` runs before that of
-/// this scene, with the names and the `[params]` of its own scene and the timeline of this one. Its picture,
-/// environment, reflection settings, timeline and variants do not count. Beside `model`, such an instance has `name`, a placement, `parent`, `dynamic`, and `visible`, `casts_shadow`
-/// and `in_reflections` for all of its instances.
+/// `model = { scene = "car.toml" }`: places another scene here, as a group with the name of the instance,
+/// or else of the file. Its cameras, lights, materials, models, instances, groups and motion are added to
+/// this scene, with that name and a dot before their own names: `car.wheel`. Tables of this scene with such
+/// a name, as `[material."car.paint"]`, override its keys. Its script is added too: its `frame` runs before
+/// that of this scene, with the names and the `[params]` of its own scene and the timeline of this one. Its
+/// image settings, environment, reflection settings, timeline and variants are ignored. Beside `model`,
+/// such an instance may have `name`, a placement, `parent`, `dynamic`, and `visible`, `casts_shadow` and
+/// `in_reflections` for all of its instances.
 ///
-/// - `scene`: name of the file, looked for beside the scene, then in each `--assets` folder. Names of
-///   files in it start from its own folder, then from those of this scene.
-/// - `params`: values for what the scene declares in its `[params]`, such as `{ speed = 3 }`, which its
-///   script reads; of the same kinds. Default: as it declares them.
+/// - `scene`: name of the placed scene's file, searched beside this scene, then in each `--assets` folder.
+///   File names in it start from its own folder, then from the folders of this scene.
+/// - `params`: values of parameters that the placed scene declares in its `[params]`, such as `{ speed = 3
+///   }`, each of the declared type. Its script reads them. Default: the declared values.
 pub struct PlacedSceneDesc;
 
-/// What shows an instance; of what hangs on it, its own keys say that.
+/// Visibility of an instance to the camera, to light and to reflections; its children have their own keys.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct ShownDesc {
-    /// Whether the camera sees it directly. Default true.
+    /// Whether the camera sees the instance directly; its shadow and its reflections stay. Default true.
     pub visible: bool,
-    /// Whether it is in the way of light. Default true.
+    /// Whether the instance blocks light and casts shadows. Default true.
     pub casts_shadow: bool,
-    /// Whether reflections, and what is seen through glass, show it. Default true.
+    /// Whether the instance is seen in reflections and through glass. Default true.
     pub in_reflections: bool,
 }
 
@@ -49,16 +52,16 @@ impl Default for ShownDesc {
     }
 }
 
-/// The parent of each thing of a scene, without circles. A node is an instance, or, behind all of
-/// those, a group.
+/// Parents of the nodes, lights and cameras of a scene, without cycles. Nodes are all instances, followed
+/// by all groups.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Parents {
-    /// Of each node; empty where nothing has a parent.
+    /// Parent of each node; empty if no node has one.
     pub(in crate::scene) nodes: Vec<Option<usize>>,
-    /// Nodes with a parent, each behind its parent.
+    /// Nodes with a parent, each after its own parent.
     pub(in crate::scene) order: Vec<usize>,
-    /// Node of each light; empty where none has a parent.
+    /// Parent node of each light; empty if no light has one.
     pub(in crate::scene) lights: Vec<Option<usize>>,
-    /// Node of each camera; empty where none has a parent.
+    /// Parent node of each camera; empty if no camera has one.
     pub(in crate::scene) cameras: Vec<Option<usize>>,
 }

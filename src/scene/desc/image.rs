@@ -1,9 +1,9 @@
-//! `[image]`: size, sampling, exposure.
+//! The `[image]` table of scene text: size, sampling, exposure.
 
 /// How linear radiance becomes display color.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum ToneMap {
-    /// `"none"`: clipped at 1.
+    /// `"none"`: no curve; values above 1 are clipped.
     None,
     /// `"neutral"`: Khronos PBR Neutral, which keeps base colors.
     #[default]
@@ -14,17 +14,17 @@ pub enum ToneMap {
     Agx,
 }
 
-/// How bright the picture is shown.
+/// Exposure of the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Exposure {
-    /// Stops: +1 doubles the brightness.
+    /// Exposure in stops: +1 doubles the brightness.
     Ev(f32),
-    /// Chosen at load, for what the camera sees in the first frame.
+    /// Chosen when the scene is loaded, for what the camera sees in the first frame.
     Auto,
 }
 
 impl Exposure {
-    /// Stops; 0 where they are not chosen yet.
+    /// Exposure in stops; 0 while an automatic one is not chosen yet.
     pub fn ev(self) -> f32 {
         match self {
             Self::Ev(ev) => ev,
@@ -33,68 +33,72 @@ impl Exposure {
     }
 }
 
-/// How the surface that each pixel shows is found.
+/// How the nearest surface of each pixel is found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Visibility {
-    /// `"raster"`: all triangles are drawn.
+    /// `"raster"`: all triangles are rasterized.
     Raster,
-    /// `"rays"`: a ray a pixel through the trees; cheaper in small pictures of many triangles.
+    /// `"rays"`: one ray per pixel is traced through the BVH; cheaper for small pictures of many triangles.
     Rays,
-    /// `"auto"`: the one that a cost model expects to take less time; `raster` where nothing else
-    /// follows rays.
+    /// `"auto"`: the one that a cost model expects to take less time; `raster` where nothing else traces
+    /// rays.
     #[default]
     Auto,
 }
 
-/// How many bits keep the light of a frame until it is shown.
+/// Number of bits per channel for the light of a frame, before tone mapping.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Radiance {
-    /// `"half"`: 16 a channel, which end at 65,504 and are coarse below 0.0001.
+    /// `"half"`: 16 bits per channel, which end at 65,504 and are coarse below 0.0001.
     Half,
-    /// `"full"`: 32 a channel; takes more memory, and time to write it.
+    /// `"full"`: 32 bits per channel; takes more memory and more time.
     Full,
-    /// `"auto"`: 32 where something shines or is lit brighter than 16,384, or where the exposure shows
-    /// the dark of less than 1/32.
+    /// `"auto"`: `full` where a surface, a light or the environment is brighter than 16,384, or where the
+    /// exposure is more than 5 stops; else `half`.
     #[default]
     Auto,
 }
 
-/// `[image]`
+/// `[image]`: size, sampling, exposure and tone mapping of the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ImageDesc {
     /// Width and height in pixels, each 1 to 16384. Default [1280, 720].
     pub size: [u32; 2],
-    /// Sub-frames averaged per picture, 1 to 4096. More smooths edges. Default 1.
+    /// Number of sub-frames, each with its own pixel offset, that are averaged to a picture, 1 to 4096.
+    /// More gives smoother edges and less grain, and takes longer. Default 1.
     pub samples: u32,
-    /// Rays that every pixel of a sub-frame sends towards lamps with a size, each to one of them by how much it may
-    /// light, towards suns with a size likewise, towards an environment with `shadow = "ray"` or a `file`, and
-    /// towards all surfaces with `light = true` together, 1 to 256. More is less grainy, and takes longer; `samples`
-    /// multiplies it. Default 4 with 1 sample, 2 with 2 or 3, else 1.
+    /// Number of rays per pixel and sub-frame towards each kind of light that is sampled, 1 to 256. The
+    /// kinds are lamps with a size (each ray picks one, by how much it may light the pixel), suns with a
+    /// size (likewise), an environment with `shadow = "ray"` or a `file`, and all surfaces with `light =
+    /// true` together. More is less grainy and takes longer; `samples` multiplies it. Default 4 with 1
+    /// sample, 2 with 2 or 3, else 1.
     pub light_rays: Option<u32>,
-    /// Exposure in stops, -20 to 20; +1 doubles the brightness. `"auto"` shows the brightest tenth of
-    /// the first frame as light gray or brighter, and keeps that for all frames; `reflet info` says the
-    /// number. Default 0.
+    /// Exposure in stops, -20 to 20: +1 doubles the brightness. `"auto"` chooses it so that the brightest
+    /// tenth of the first frame shows as light gray or brighter, and keeps it for all frames; `reflet info`
+    /// prints the number. Default 0.
     pub exposure_ev: Exposure,
-    /// How radiance becomes display color; EXR output is never tone-mapped. Default `"neutral"`.
+    /// Curve from radiance to display color; EXR output is never tone-mapped. Default `"neutral"`.
     pub tone_map: ToneMap,
-    /// How the surface that each pixel shows is found. Pictures differ only by
-    /// rounding: at edges of triangles, and where surfaces lie in each other. Default `"auto"`.
+    /// How the nearest surface of each pixel is found: by rasterizing or by rays. The two pictures differ
+    /// only by rounding, at edges of triangles and where surfaces intersect or coincide. Default `"auto"`.
     pub visibility: Visibility,
-    /// How many bits keep the light of a frame until it is shown, or written as EXR. Brighter light than
-    /// they hold is cut. Default `"auto"`.
+    /// Number of bits per channel that hold the light of a frame until it is shown, or written as EXR.
+    /// Brighter light than they can hold is cut. Default `"auto"`.
     pub radiance: Radiance,
-    /// Whether the background is transparent: PNG and EXR files get alpha, the share of each pixel that shows
-    /// something (EXR: linear radiance is multiplied by it; PNG: colors are not). The environment still lights the
-    /// scene and shows in reflections, but is not seen itself. Glass counts as something, blended alpha by its share. Films stay opaque. Default false.
+    /// Whether the background is transparent: PNG and EXR files get alpha, the share of each pixel that
+    /// objects cover. Radiance in EXR files is multiplied by it, colors in PNG files are not. The
+    /// environment still lights the scene and shows in reflections, but is not seen itself. Glass counts as
+    /// an object, blended surfaces by their `alpha`. Films stay opaque. Default false.
     pub alpha: bool,
-    /// How long the shutter is open around the moment of a frame, in frames, 0 to 1: 0.5 is the 180 degrees of
-    /// film. Tracks, animations of files, and scripts that use `ctx.t` move while it is open, one moment a
-    /// sub-frame, so it takes many `samples`; the preview shows it where the view rests. Default 0.
+    /// Time that the shutter is open around the frame's time, in frames, 0 to 1: more gives longer motion
+    /// blur, 0.5 is the 180° shutter of film cameras. Tracks, animations of files, and scripts that use
+    /// `ctx.t` move while it is open. Each sub-frame shows one moment, so it takes many `samples`; the
+    /// preview shows motion blur where the view rests. Default 0.
     pub shutter: f32,
 }
 
 impl ImageDesc {
-    /// Rays of a pixel and sub-frame towards each kind of what is sampled.
+    /// Number of rays per pixel and sub-frame towards each kind of light that is sampled.
     pub fn light_rays(&self) -> u32 {
         let default = 4_u32.div_ceil(self.samples.max(1));
         self.light_rays.unwrap_or(default)

@@ -1,11 +1,11 @@
-//! The texts that a scene is written in besides its own file.
+//! Text files of a scene besides its own: scripts and included scene text.
 
 use std::path::PathBuf;
 
 use super::SceneDesc;
 
 impl SceneDesc {
-    /// The scripts, what they import and included scene text, without links.
+    /// Paths of the scripts, their imports and the included scene text, with symbolic links resolved.
     pub fn text_files(&self) -> Vec<PathBuf> {
         let of_script = self.scripts().flat_map(|s| &s.files).cloned();
         let included = self.includes.iter().map(|file| file.path.clone());
@@ -13,13 +13,13 @@ impl SceneDesc {
     }
 }
 
-/// A file of scene text that another includes.
+/// A file of scene text that another file includes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Include {
-    /// From the scene's folder, as it is named.
+    /// Name of the file relative to the scene's folder, as `include` writes it.
     pub name: String,
-    /// The file, without links.
+    /// Path of the file, with symbolic links resolved.
     pub path: PathBuf,
-    /// Its text.
+    /// Content of the file.
     pub text: String,
 }

@@ -1,4 +1,4 @@
-//! Lights as people write them, and what of them may change.
+//! Lights of scene text, and the table of their values that may change over time.
 
 use std::f32::consts::PI;
 
@@ -13,92 +13,97 @@ use crate::scene::{
 /// How a light's shadows are found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum ShadowMode {
-    /// `"map"`: depth maps (cube maps for point lights), filtered; not of lights with a size.
+    /// `"map"`: depth maps (cube maps for point lights), filtered; not for lights with a size.
     #[default]
     Map,
-    /// `"ray"`: shadow rays through the same trees as reflections; exact, hard edged for lights without
-    /// a size, soft for those with one.
+    /// `"ray"`: shadow rays through the BVH that reflections use; exact, hard-edged for lights without a
+    /// size, soft for those with one.
     Ray,
-    /// `"none"`: shines through everything.
+    /// `"none"`: no shadows; the light shines through everything.
     None,
-    /// `"auto"`: `map` or `ray`, alike for all lights of a kind: the one that a cost model expects
-    /// to take less time if every picture drew all maps; `ray` where a texel would span more than 16
-    /// pixels of what the camera sees; `map` where nothing else follows rays. Of lights with a size, `ray`.
+    /// `"auto"`: `map` or `ray`, the same for all lights of a kind: the one that a cost model expects to
+    /// take less time if every picture drew all shadow maps; `ray` where a texel of the map would cover
+    /// more than 16 pixels of the view; `map` where nothing else traces rays. Lights with a size take
+    /// `ray`.
     Auto,
 }
 
 /// Smallest radius of a point or spot light with a size, meters.
 const LEAST_RADIUS_M: f32 = 1e-10;
 
-/// `kind` of a light with what only that kind has.
+/// `kind` of a light, with the keys that only this kind has.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LightKind {
-    /// `"point"`: shines everywhere from `position`.
+    /// `"point"`: shines in all directions from `position`.
     Point {
-        /// Where it stands, meters.
+        /// Position of the light, meters.
         position: Vec3,
-        /// Luminous intensity, candela, 0 or more.
+        /// Luminous intensity, candela, 0 or more. More is brighter.
         intensity_cd: f32,
-        /// Radius of a glowing ball of that intensity, meters, 0 or more; 0, and what is below 1e-10, has no size.
-        /// More has softer shadows and larger highlights. Default 0.
+        /// Radius of the glowing ball that the light is, meters, 0 or more; its intensity stays
+        /// `intensity_cd`. More gives softer shadows and larger highlights; 0, or less than 1e-10, is a
+        /// point without a size. Default 0.
         radius_m: f32,
     },
     /// `"spot"`: a cone from `position`, along `direction` or towards `target`.
     Spot {
-        /// Where it stands, meters.
+        /// Position of the light, meters.
         position: Vec3,
         /// Direction of the beam, of any length but 0.
         direction: Vec3,
-        /// A point that the beam's middle meets, meters, wherever the light moves; in place of
-        /// `direction`.
+        /// Point at the middle of the beam, meters, in place of `direction`; the beam keeps pointing there
+        /// when the light moves.
         target: Option<Vec3>,
         /// Luminous intensity in the middle of the beam, candela, 0 or more.
         intensity_cd: f32,
-        /// Half angle that is fully lit, degrees, 0 to `outer_deg`. Default 0.
+        /// Angle from the middle of the beam up to which it has full brightness, degrees, 0 to `outer_deg`.
+        /// Default 0.
         inner_deg: f32,
-        /// Half angle where it ends, degrees, above 0 and below 90. Default 45.
+        /// Angle from the middle of the beam at which it ends, degrees, above 0 and below 90. Default 45.
         outer_deg: f32,
-        /// Radius of a glowing ball that shines inside the cone, meters, 0 or more; 0, and what is below 1e-10, has no
-        /// size. Default 0.
+        /// Radius of a glowing ball that shines inside the cone, meters, 0 or more: more gives softer
+        /// shadows; 0, or less than 1e-10, is a point without a size. Default 0.
         radius_m: f32,
     },
     /// `"directional"`: parallel light, like the sun.
     Directional {
         /// Direction in which the light travels, of any length but 0.
         direction: Vec3,
-        /// Illuminance on a surface that faces it, lux, 0 or more.
+        /// Illuminance on a surface that faces the light, lux, 0 or more.
         intensity_lux: f32,
-        /// Angle that it spans in the sky, degrees, 0 to 90; the sun spans 0.53. More has softer
+        /// Angle that the light spans in the sky, degrees, 0 to 90; the sun spans 0.53. More has softer
         /// shadows. Default 0.
         angle_deg: f32,
     },
     /// `"rect"`: a flat rectangle around `position` that shines to one side, along `direction` or towards
-    /// `target`; it looks alike bright from everywhere on that side. Reflections show it, the camera itself
-    /// does not: put a shape with `emission` where it shall be seen.
+    /// `target`, with the same radiance in all directions of that side. Reflections show it, the camera
+    /// itself does not: where it shall be seen, add a shape with `emission`.
     Rect {
-        /// Its middle, meters.
+        /// Position of the center of the light, meters.
         position: Vec3,
         /// Direction in which it shines, of any length but 0.
         direction: Vec3,
-        /// A point that it faces, meters, wherever the light moves; in place of `direction`.
+        /// Point that the rectangle faces, meters, in place of `direction`; it keeps facing it when the
+        /// light moves.
         target: Option<Vec3>,
-        /// Direction of its second edge; turned as far as it must to be level with the rectangle. Along
-        /// `direction` it is replaced by +Z. Default [0, 1, 0].
+        /// Direction of the second edge, turned as far as needed to lie in the rectangle's plane. If it is
+        /// along `direction`, +Z takes its place. Default [0, 1, 0].
         up: Vec3,
-        /// Edge lengths, meters, above 0; the second along `up`.
+        /// Edge lengths of the rectangle, meters, above 0; the second edge is along `up`.
         size: [f32; 2],
         /// Luminous intensity straight ahead, candela, 0 or more.
         intensity_cd: f32,
     },
-    /// `"disk"`: a flat disk around `position` that shines as a `"rect"` does.
+    /// `"disk"`: a flat disk around `position` that shines to one side as a `"rect"` does.
     Disk {
-        /// Its middle, meters.
+        /// Position of the center of the light, meters.
         position: Vec3,
         /// Direction in which it shines, of any length but 0.
         direction: Vec3,
-        /// A point that it faces, meters, wherever the light moves; in place of `direction`.
+        /// Point that the disk faces, meters, in place of `direction`; it keeps facing it when the light
+        /// moves.
         target: Option<Vec3>,
-        /// Radius, meters, above 0.
+        /// Radius of the disk, meters, above 0.
         radius_m: f32,
         /// Luminous intensity straight ahead, candela, 0 or more.
         intensity_cd: f32,
@@ -106,10 +111,10 @@ pub enum LightKind {
 }
 
 impl LightKind {
-    /// Every kind as scene text and messages write it; in the shaders `LIGHT_` and this.
+    /// Names of all kinds in scene text and messages; the shaders' constants are `LIGHT_` and this name.
     pub const NAMES: [&'static str; 5] = ["point", "spot", "directional", "rect", "disk"];
 
-    /// Its place in [`Self::NAMES`].
+    /// Index of the kind in [`Self::NAMES`].
     pub fn index(&self) -> usize {
         match self {
             Self::Point { .. } => 0,
@@ -120,13 +125,13 @@ impl LightKind {
         }
     }
 
-    /// As scene text writes it.
+    /// Name of the kind in scene text.
     pub fn name(&self) -> &'static str {
         Self::NAMES[self.index()]
     }
 
-    /// Whether it has a size, so that its light is sampled. What is smaller than an atom counts as a point: the
-    /// square of its radius, divided by that of a distance, may be 0 in 32-bit floats.
+    /// Whether the light has a size, so that its light is sampled. A radius below an atom's counts as a
+    /// point: its square over the square of a distance may be 0 in 32-bit floats.
     pub fn has_size(&self) -> bool {
         match self {
             Self::Point { radius_m, .. } | Self::Spot { radius_m, .. } => {
@@ -137,12 +142,12 @@ impl LightKind {
         }
     }
 
-    /// Where it stands, if somewhere.
+    /// Position of the light; `None` if directional.
     pub fn position(mut self) -> Option<Vec3> {
         self.position_mut().copied()
     }
 
-    /// Luminous intensity in candela, or illuminance in lux of what is directional.
+    /// Luminous intensity in candela, or of a directional light the illuminance in lux.
     pub fn intensity(&self) -> f32 {
         match *self {
             Self::Point { intensity_cd, .. }
@@ -153,7 +158,7 @@ impl LightKind {
         }
     }
 
-    /// Radiance per unit of color of its surface, at its brightest; 0 of what has no size.
+    /// Radiance of the light's surface at its brightest, per unit of color; 0 for a light without a size.
     pub fn radiance(&self) -> f32 {
         if !self.has_size() {
             return 0.0;
@@ -174,12 +179,12 @@ impl LightKind {
         }
     }
 
-    /// In which direction it shines, if in one.
+    /// Direction in which the light shines; `None` for a point light.
     pub fn direction(mut self) -> Option<Vec3> {
         self.direction_mut().copied()
     }
 
-    /// See [`Self::position`].
+    /// Mutable [`Self::position`].
     pub fn position_mut(&mut self) -> Option<&mut Vec3> {
         match self {
             Self::Point { position, .. }
@@ -190,7 +195,7 @@ impl LightKind {
         }
     }
 
-    /// See [`Self::direction`].
+    /// Mutable [`Self::direction`].
     pub fn direction_mut(&mut self) -> Option<&mut Vec3> {
         match self {
             Self::Spot { direction, .. }
@@ -201,7 +206,7 @@ impl LightKind {
         }
     }
 
-    /// The point that it faces, if it can face one.
+    /// Point that the light faces; the outer `None` for kinds that cannot face one.
     pub fn target_mut(&mut self) -> Option<&mut Option<Vec3>> {
         match self {
             Self::Spot { target, .. } | Self::Rect { target, .. } | Self::Disk { target, .. } => {
@@ -211,7 +216,7 @@ impl LightKind {
         }
     }
 
-    /// The direction of its second edge, if it has edges.
+    /// Direction of the second edge of a rectangle; `None` for other kinds.
     pub fn up_mut(&mut self) -> Option<&mut Vec3> {
         match self {
             Self::Rect { up, .. } => Some(up),
@@ -220,27 +225,32 @@ impl LightKind {
     }
 }
 
-/// `[light.NAME]`. A white surface lit with π lux shows as 1 (white) at exposure 0.
+/// `[light.NAME]`: a light of one of five kinds. A white surface lit with π lux shows as 1 (white) at exposure 0.
 ///
-/// - `parent`: `name` of an instance, or a `[group.NAME]`, that this hangs on: its position and its
-///   directions are then relative to where that is, wherever it moves; sizes and intensities stay.
-///   Default: none.
+/// - `parent`: `name` of an instance, or of a `[group.NAME]`, to which the light is attached: its position
+///   and directions are then relative to the parent and move with it; its size and intensity stay. Default:
+///   none.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightDesc {
-    /// `kind = "point" | "spot" | "directional" | "rect" | "disk"` and its keys. Lights with a size are
-    /// seen in reflections, not by the camera itself.
+    /// `kind = "point" | "spot" | "directional" | "rect" | "disk"`, with the keys of that kind. Lights with
+    /// a size are seen in reflections, not by the camera itself.
     pub kind: LightKind,
     /// Linear color, three numbers 0 or more, or sRGB text `"#rrggbb"`. Default white.
     pub color: Vec3,
-    /// How its shadows are found. Default `"map"`; `"ray"` of lights with a size.
+    /// How the light's shadows are found: by a depth map or by rays. Default `"map"`; `"ray"` for lights
+    /// with a size.
     pub shadow: ShadowMode,
-    /// Edge of the shadow map in pixels, 16 to 4096; of one face for point lights. More is sharper; a directional light's map spans the whole scene, so large scenes need more, or `shadow = "ray"`. The most that a point light asks for holds for all of them, and so for the others. Default 1024.
+    /// Edge length of the shadow map in pixels, 16 to 4096; for point lights, of each of six faces. More is
+    /// sharper. The map of a directional light spans the whole scene, so large scenes need more, or `shadow
+    /// = "ray"`. The largest value of a point light holds for all point lights, and that of another kind
+    /// for all others. Default 1024.
     pub shadow_px: u32,
 }
 
 impl LightDesc {
-    /// Makes a light whose numbers were set consistent: its direction, 0 where there is none, points
-    /// at its target, and the lit part of its cone is no wider than the cone.
+    /// Makes the numbers of a light consistent after some were set: its direction points at its target and
+    /// has length 1, or 0 where there is none, and the fully lit part of its cone is no wider than the
+    /// cone.
     pub fn settle(&mut self) {
         let target = self.kind.target_mut().and_then(|target| *target);
         let position = self.kind.position().unwrap_or_default();
@@ -262,23 +272,24 @@ impl LightDesc {
     }
 }
 
-/// `[motion.light.NAME]`: only what the light's `kind` has.
+/// `[motion.light.NAME]`: tracks that change a light; only for keys that the light's `kind` has.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LightMotionDesc {
-    /// - `position`: track of where it stands, meters.
-    /// - `direction`: track of the direction in which it shines, of any length but 0.
+    /// - `position`: track of the position, meters.
+    /// - `direction`: track of the direction in which the light shines, of any length but 0.
     /// - `target`: track of the point that a spot, rectangle or disk faces, meters; in place of
     ///   `direction`.
     /// - `intensity_cd`: track of the luminous intensity, candela, 0 or more.
     /// - `intensity_lux`: track of the illuminance of a directional light, lux, 0 or more.
     /// - `color`: track of the linear color, 0 or more.
-    /// - `inner_deg`: track of the half angle of a spot that is fully lit, degrees, 0 to
-    ///   `outer_deg`.
-    /// - `outer_deg`: track of the half angle where a spot ends, degrees, above 0 and below 90.
+    /// - `inner_deg`: track of the angle from the middle of a spot's beam up to which it has full
+    ///   brightness, degrees, 0 to `outer_deg`.
+    /// - `outer_deg`: track of the angle from the middle at which a spot's beam ends, degrees, above 0 and
+    ///   below 90.
     pub tracks: Tracks,
 }
 
-/// A field that some kinds of lights have.
+/// Row of [`LIGHT`] for a field that only some kinds of lights have.
 macro_rules! of_lights {
     ($key:ident, $form:ident, $range:expr, $($kind:ident)|+) => {
         Field {
@@ -297,7 +308,7 @@ macro_rules! of_lights {
     };
 }
 
-/// What changes of a light. After any of it, [`LightDesc::settle`].
+/// Values of a light that tracks and scripts may change; afterwards call [`LightDesc::settle`].
 pub static LIGHT: [Field<LightDesc>; 8] = [
     of_lights!(position, Vector, ANY, Point | Spot | Rect | Disk),
     Field {

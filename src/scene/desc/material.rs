@@ -1,4 +1,4 @@
-//! Materials as people write them, and what of them may change.
+//! Materials of scene text, and the table of their values that may change over time.
 
 use glam::Vec3;
 
@@ -11,42 +11,45 @@ use crate::scene::{
 /// How a material takes part in reflections.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum ReflectionMode {
-    /// `"none"`: shows the highlights of lights and environment only; never marched or traced.
+    /// `"none"`: shows only the highlights of lights and environment; its reflections are never marched or traced.
     None,
-    /// `"auto"`: reflects where its roughness is below `reflection.roughness_cutoff`, metals below five times that,
-    /// spread by the roughness: one ray a sub-frame, so that more `image.samples` are smoother. Sharp up to 0.04.
+    /// `"auto"`: reflects if its roughness is below `reflection.roughness_cutoff`, for metals below five times
+    /// that. Roughness blurs the reflection: each sub-frame traces one ray in a random direction of the lobe, so
+    /// more `image.samples` are smoother. Sharp up to roughness 0.04.
     #[default]
     Auto,
     /// `"mirror"`: reflects sharply, like polished glass, whatever its roughness.
     Mirror,
 }
 
-/// `[material.NAME]`, `[model.M.material.NAME]` (override of a glTF material; `"*"` means all of
-/// them and is applied first) and `material = {…}` of an instance. Keys left out keep the glTF
-/// value, or the default of a plain white, rough, non-metallic surface.
+/// `[material.NAME]`, `[model.M.material.NAME]` (override of a glTF material; `"*"` means all of them and is
+/// applied first) and `material = {…}` of an instance. Keys left out keep the glTF value, or the default of a
+/// plain white, rough, non-metallic surface.
 ///
-/// - `pattern`: another procedural pattern, in place of `checker` and of a base color texture.
-/// - `extends`: name of a `[material.NAME]` whose keys count where this table does not say them.
+/// - `pattern`: a procedural pattern of two colors, in place of `checker` and of a base color texture.
+/// - `extends`: name of a `[material.NAME]` that gives the values of keys left out here.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct MaterialDesc {
-    /// Linear base color, three numbers 0 to 1, or sRGB text such as `"#ff8800"`, as for all colors
-    /// outside of tracks. Default white.
+    /// Linear base color, three numbers 0 to 1, or sRGB text such as `"#ff8800"`, as for all colors outside of
+    /// tracks. Default white.
     pub base_color: Option<Vec3>,
-    /// Image file (PNG, JPEG, WebP or KTX2) multiplied into the base color (sRGB; its alpha is used by `alpha_cutoff`).
+    /// Image file (PNG, JPEG, WebP or KTX2) multiplied into the base color. Its colors are sRGB; its alpha is used
+    /// by `alpha` and `alpha_cutoff`.
     pub base_color_texture: Option<At<String>>,
     /// Procedural checker in place of a base color texture.
     pub checker: Option<CheckerDesc>,
-    /// Metalness, 0 to 1: 0 is a dielectric, 1 a metal. Default 0.
+    /// Metalness, 0 to 1: 0 is a dielectric such as plastic or stone, 1 a metal. Default 0.
     pub metallic: Option<f32>,
     /// Perceptual roughness, 0 to 1: 0 is polished, 1 matte. Default 1.
     pub roughness: Option<f32>,
-    /// Image file: green = roughness, blue = metallic, both multiplied with the numbers above.
+    /// Image file with roughness in green and metalness in blue, multiplied with `roughness` and `metallic`.
     pub metallic_roughness_texture: Option<At<String>>,
-    /// Tangent-space normal map (glTF convention, green is up).
+    /// Image file with a tangent-space normal map (glTF convention, green is up).
     pub normal_texture: Option<At<String>>,
-    /// Strength of the normal map, 0 to 4: 0 is flat, 1 as made. Default 1.
+    /// Strength of the normal map, 0 to 4: 0 is flat, 1 as made, more is rougher relief. Default 1.
     pub normal_scale: Option<f32>,
-    /// Strength of the file's occlusion map, 0 to 1: how much it darkens the environment's light. Default 1, or the glTF value.
+    /// Strength of the occlusion map of a glTF material, 0 to 1: how much it darkens the environment's light.
+    /// Default 1, or the glTF value.
     pub occlusion_strength: Option<f32>,
     /// Linear emitted color, three numbers 0 or more, multiplied by `emission_strength`. Default black.
     pub emission: Option<Vec3>,
@@ -54,79 +57,80 @@ pub struct MaterialDesc {
     pub emission_strength: Option<f32>,
     /// Image file multiplied into the emission (sRGB).
     pub emission_texture: Option<At<String>>,
-    /// Whether its emission lights what is around, by samples of its triangles, with shadows; else only
-    /// reflections show it. A glowing wall or a neon tube lights so; a scene has at most 65,536 such triangles,
-    /// and small or few ones need fewer `samples`. Default false.
+    /// Whether the surface's emission lights other surfaces, with shadows; else only reflections show it. For
+    /// glowing walls or neon tubes. A scene has at most 65,536 such triangles, which are sampled; small or few
+    /// ones need fewer `samples`. Default false.
     pub light: Option<bool>,
-    /// Whether it shows its base color and emission as they are, without light, as screens and signs do: where the camera
-    /// sees it also without exposure and tone map (`KHR_materials_unlit`). It reflects nothing. Default false, or the
-    /// glTF value.
+    /// Whether the surface shows its base color and emission without lighting, as screens and signs do
+    /// (`KHR_materials_unlit`). The camera also sees it without exposure and tone map. It reflects nothing.
+    /// Default false, or the glTF value.
     pub unlit: Option<bool>,
-    /// Texture repetitions per unit of the texture coordinates, two numbers. Default [1, 1].
+    /// Texture repetitions per unit of the texture coordinates, two numbers: more is smaller. Default [1, 1].
     pub uv_scale: Option<[f32; 2]>,
-    /// Alpha below this is cut out, 0 to 1. Default: not cut out, or the glTF value.
+    /// Alpha below which the surface is cut out, 0 to 1. Default: not cut out, or the glTF value.
     pub alpha_cutoff: Option<f32>,
     /// Share of light that the surface stops, 0 to 1, multiplied by the alpha of its base color texture; what is
-    /// behind shows through the rest (glTF's `BLEND`), also in reflections. Followed by rays. With an `alpha_cutoff`
-    /// it is what that is compared with. Default 1, opaque, or the glTF value.
+    /// behind shows through by the rest (glTF's `BLEND`), also in reflections. Followed by rays. With an
+    /// `alpha_cutoff`, the product is compared with that instead. Default 1, opaque, or the glTF value.
     pub alpha: Option<f32>,
     /// Whether the back of a triangle is seen. Default true for shapes; glTF's own for models.
     pub double_sided: Option<bool>,
-    /// How it takes part in reflections. Default `"auto"`.
+    /// How the surface takes part in reflections. Default `"auto"`.
     pub reflection: Option<ReflectionMode>,
-    /// Specular reflectance at normal incidence of the non-metallic part, 0 to 1. 0 has no specular
-    /// at all, 0.04 is glass or stone, 1 a perfect mirror. Default 0.04.
+    /// Specular reflectance at normal incidence of the non-metallic part, 0 to 1: 0 has no specular reflection at
+    /// all, 0.04 is glass or stone, 1 a perfect mirror. Default 0.04.
     pub reflectivity: Option<f32>,
-    /// Share of the light that is not reflected and passes through, tinted by the base color, 0 to 1: 1 is
-    /// glass. Followed by rays, with any `reflection`. Default 0, or the glTF value.
+    /// Share of the light that is not reflected and passes through, tinted by the base color, 0 to 1: 1 is glass.
+    /// It is followed by rays, with any `reflection`. Default 0, or the glTF value.
     pub transmission: Option<f32>,
-    /// Index of refraction, 1 to 4: 1.33 is water, 1.5 glass, 2.42 diamond. Bends what passes where
-    /// `thickness_m` is above 0, and sets `reflectivity` where that is not said. Default 1.5, or the glTF value.
+    /// Index of refraction, 1 to 4: 1.33 is water, 1.5 glass, 2.42 diamond. More bends light more if `thickness_m`
+    /// is above 0, and gives more `reflectivity` if that is left out. Default 1.5, or the glTF value.
     pub ior: Option<f32>,
-    /// 0: a thin sheet, behind which light goes straight on. Above 0: a solid that its closed mesh
-    /// bounds, which refracts and absorbs; the way through it is that of the mesh. Meters, 0 or more.
-    /// Default 0, or the glTF value.
+    /// Thickness of a surface that light passes, meters, 0 or more: 0 is a thin sheet, through which light goes
+    /// straight on; any other value makes the closed mesh a solid that refracts and absorbs along the way through
+    /// it. Default 0, or the glTF value.
     pub thickness_m: Option<f32>,
-    /// What white light becomes after `attenuation_distance_m` inside of a solid, three numbers 0 to 1.
-    /// Default white.
+    /// Color that white light has after `attenuation_distance_m` inside a solid, three numbers 0 to 1. Default
+    /// white.
     pub attenuation_color: Option<Vec3>,
-    /// Way through a solid after which light has the `attenuation_color`, meters, above 0. Default:
-    /// nothing is absorbed.
+    /// Distance inside a solid after which white light has the `attenuation_color`, meters, above 0. Less absorbs
+    /// more. Default: nothing is absorbed.
     pub attenuation_distance_m: Option<f32>,
-    /// Strength of a clear coat over the material, 0 to 1, with an index of refraction of 1.5. Default 0, or
-    /// the glTF value.
+    /// Strength of a clear coat (varnish) over the material, 0 to 1, of index of refraction 1.5. Default 0, or the
+    /// glTF value.
     pub clearcoat: Option<f32>,
     /// Perceptual roughness of the clear coat, 0 to 1. Default 0.
     pub clearcoat_roughness: Option<f32>,
-    /// Strength of the specular lobe of the non-metallic part, 0 to 1: a factor on `reflectivity` and on what is
-    /// reflected at grazing angles (`KHR_materials_specular`). Default 1, or the glTF value.
+    /// Strength of the specular reflection of the non-metallic part, 0 to 1: a factor on `reflectivity` and on the
+    /// reflectance at grazing angles (`KHR_materials_specular`). Default 1, or the glTF value.
     pub specular: Option<f32>,
-    /// Color of that lobe at normal incidence, three numbers 0 or more: a factor on `reflectivity`, whose product is at
-    /// most 1. Default white, or the glTF value.
+    /// Color of the specular reflection of the non-metallic part at normal incidence, three numbers 0 or more: a
+    /// factor on `reflectivity`; the product is at most 1. Default white, or the glTF value.
     pub specular_color: Option<Vec3>,
-    /// Color of a sheen over the material, as fibers of cloth have it towards grazing angles, three numbers 0 to 1
+    /// Color of a sheen over the material, the glow of cloth fibers towards grazing angles, three numbers 0 to 1
     /// (`KHR_materials_sheen`). Default black, no sheen, or the glTF value.
     pub sheen_color: Option<Vec3>,
-    /// Perceptual roughness of the sheen, 0 to 1: 0.1 is a thin rim of satin, 1 the even bloom of felt; below 0.07 it
-    /// counts as that. Default 0, or the glTF value.
+    /// Perceptual roughness of the sheen, 0 to 1: 0.1 is a thin rim as of satin, 1 an even glow as of felt; less
+    /// than 0.07 counts as 0.07. Default 0, or the glTF value.
     pub sheen_roughness: Option<f32>,
-    /// Strength of a film over the material whose colors change with the angle, as those of soap and oil, 0 to 1
-    /// (`KHR_materials_iridescence`). Default 0, none, or the glTF value.
+    /// Strength of a thin film over the material, whose colors change with the angle as those of soap bubbles and
+    /// oil, 0 to 1 (`KHR_materials_iridescence`). Default 0, none, or the glTF value.
     pub iridescence: Option<f32>,
-    /// Index of refraction of the film, 1 to 4: 1.33 is water. Default 1.3, or the glTF value.
+    /// Index of refraction of the thin film, 1 to 4: 1.33 is water. Default 1.3, or the glTF value.
     pub iridescence_ior: Option<f32>,
-    /// Thickness of the film, nanometers, 0 or more: colors are strongest from 200 to 600. Default 400, or the
-    /// largest of the glTF values.
+    /// Thickness of the thin film, nanometers, 0 or more: colors are strongest from 200 to 600. Default 400, or
+    /// the largest of the glTF values.
     pub iridescence_thickness_nm: Option<f32>,
-    /// How much longer highlights and reflections are along the grooves of brushed metal than across, 0 to 1: across
-    /// they have the `roughness`, along at 1 all of it (`KHR_materials_anisotropy`). Default 0, or the glTF value.
+    /// Strength of the stretching of highlights and reflections along the grooves of brushed metal, 0 to 1: across
+    /// the grooves they have the `roughness`, along them more, at 1 a roughness of 1 (`KHR_materials_anisotropy`).
+    /// Default 0, or the glTF value.
     pub anisotropy: Option<f32>,
-    /// Direction along which they are longer, degrees counter-clockwise from the right of an upright texture, along
-    /// which u grows. Default 0, or the glTF value.
+    /// Direction in which highlights are stretched, degrees counterclockwise from the right of an upright texture,
+    /// along which u grows. Default 0, or the glTF value.
     pub anisotropy_rotation_deg: Option<f32>,
-    /// How much more a solid bends blue light than red, as 20 over the Abbe number of its glass, 0 to 40: 0.3 is
-    /// crown glass, 0.36 diamond, 0.66 flint (`KHR_materials_dispersion`). Seen with 8 `samples` and more. Default
-    /// 0, or the glTF value.
+    /// Dispersion of a solid, which bends blue light more than red, as 20 over the Abbe number, 0 to 40: 0.3 is
+    /// crown glass, 0.36 diamond, 0.66 flint glass (`KHR_materials_dispersion`). Seen with 8 `samples` and more.
+    /// Default 0, or the glTF value.
     pub dispersion: Option<f32>,
 }
 
@@ -135,25 +139,26 @@ pub fn reflectivity_of(ior: f32) -> f32 {
     ((ior - 1.0) / (ior + 1.0)).powi(2)
 }
 
-/// `checker = { colors = [[…], […]], size_m = 0.5 }`: a checkerboard, aligned with the object's axes.
+/// `checker = { colors = [[…], […]], size_m = 0.5 }`: a checkerboard of two colors, aligned with the object's
+/// axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CheckerDesc {
-    /// The two linear colors, each three numbers 0 to 1.
+    /// Linear colors of the two kinds of cells, each three numbers 0 to 1.
     pub colors: [Vec3; 2],
-    /// Edge of one cell, meters in object space, above 0.
+    /// Edge length of one cell, meters in object space, above 0.
     pub size_m: f32,
-    /// What pattern it is.
+    /// Kind of the pattern.
     pub kind: PatternKind,
 }
 
-/// Patterns of two colors.
+/// Procedural patterns of two colors.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PatternKind {
     /// `"checker"`: cubes of both colors in turn.
     #[default]
     Checker,
-    /// `"brick"`: a running bond of bricks, of the first color, with mortar, of the second; a brick is
-    /// `size_m` long along X, a third of it high along Y, and half of it deep along Z.
+    /// `"brick"`: bricks in a running bond, of the first color, with mortar of the second; a brick is `size_m`
+    /// long along X, a third of that high along Y, and half of it deep along Z.
     Brick,
     /// `"noise"`: clouds, about `size_m` wide.
     Noise,
@@ -162,7 +167,7 @@ pub enum PatternKind {
 }
 
 impl PatternKind {
-    /// Its word in scene text.
+    /// Name of the pattern in scene text.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Checker => "checker",
@@ -173,16 +178,16 @@ impl PatternKind {
     }
 }
 
-/// `pattern = { kind = "brick", colors = [[…], […]], size_m = 0.25 }`: two colors, aligned with the
-/// object's axes. What is finer than a pixel shows its mean.
+/// `pattern = { kind = "brick", colors = [[…], […]], size_m = 0.25 }`: a procedural pattern of two colors, aligned
+/// with the object's axes. Detail finer than a pixel shows its mean color.
 ///
-/// - `kind`: what pattern it is. Default `"checker"`.
-/// - `colors`: the two linear colors, each three numbers 0 to 1.
-/// - `size_m`: its size, meters in object space, above 0.
+/// - `kind`: kind of the pattern. Default `"checker"`.
+/// - `colors`: linear colors of the two parts of the pattern, each three numbers 0 to 1.
+/// - `size_m`: size of one cell, brick or cloud, meters in object space, above 0.
 pub struct PatternDesc;
 
 impl MaterialDesc {
-    /// What `over` says, else what this says.
+    /// Values of `over`, and of `self` where `over` has none.
     pub fn overlaid(&self, over: &Self) -> Self {
         let (b, o) = (self, over);
         let text = |over: &Option<_>, base: &Option<_>| over.clone().or_else(|| base.clone());
@@ -212,8 +217,8 @@ impl MaterialDesc {
     }
 }
 
-/// `[motion.material.NAME]`: numbers of a `[material.NAME]`, wherever it is used. What a track
-/// reaches beyond a number's range is cut off there.
+/// `[motion.material.NAME]`: tracks that change numbers of a `[material.NAME]`, wherever it is used. Values of a
+/// track outside of a number's range are clamped to it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MaterialMotionDesc {
     /// - `base_color`: track of the linear base color, 0 to 1.
@@ -224,42 +229,42 @@ pub struct MaterialMotionDesc {
     /// - `emission`: track of the linear emitted color, 0 or more.
     /// - `emission_strength`: track of the factor on `emission`, 0 or more.
     /// - `uv_scale`: track of the texture repetitions, two numbers.
-    /// - `alpha_cutoff`: track of the alpha below which it is cut out, 0 to 1; the material's own
-    ///   table must have an `alpha_cutoff`, which may be 0.
+    /// - `alpha_cutoff`: track of the alpha below which the surface is cut out, 0 to 1; the material's own table
+    ///   must have an `alpha_cutoff`, which may be 0.
     /// - `alpha`: track of the share of light that the surface stops, 0 to 1; the material's own table must have
     ///   an `alpha`, which may be 1.
     /// - `reflectivity`: track of the specular reflectance at normal incidence, 0 to 1.
-    /// - `transmission`: track of the share of light that passes through, 0 to 1; the material's own table
-    ///   must have a `transmission`, which may be 0.
-    /// - `attenuation_color`: track of what white light becomes inside of a solid, 0 to 1.
-    /// - `attenuation_distance_m`: track of the way after which it does, meters, above 0; the material's own
-    ///   table must have one.
+    /// - `transmission`: track of the share of light that passes through, 0 to 1; the material's own table must
+    ///   have a `transmission`, which may be 0.
+    /// - `attenuation_color`: track of the color that white light gets inside a solid, 0 to 1.
+    /// - `attenuation_distance_m`: track of the distance after which white light has that color, meters, above 0;
+    ///   the material's own table must have an `attenuation_distance_m`.
     /// - `clearcoat`: track of the strength of the clear coat, 0 to 1; the material's own table must have a
     ///   `clearcoat`, which may be 0.
     /// - `clearcoat_roughness`: track of the perceptual roughness of the clear coat, 0 to 1.
-    /// - `specular`: track of the strength of the non-metallic specular lobe, 0 to 1; the material's own table must
-    ///   have a `specular`, which may be 1.
-    /// - `specular_color`: track of its color, 0 or more; the material's own table must have a `specular_color`, which
-    ///   may be white.
-    /// - `sheen_color`: track of the color of the sheen, 0 to 1; the material's own table must have a `sheen_color`,
-    ///   which may be black.
+    /// - `specular`: track of the strength of the non-metallic specular reflection, 0 to 1; the material's own
+    ///   table must have a `specular`, which may be 1.
+    /// - `specular_color`: track of the color of the non-metallic specular reflection, 0 or more; the material's
+    ///   own table must have a `specular_color`, which may be white.
+    /// - `sheen_color`: track of the color of the sheen, 0 to 1; the material's own table must have a
+    ///   `sheen_color`, which may be black.
     /// - `sheen_roughness`: track of the perceptual roughness of the sheen, 0 to 1.
-    /// - `iridescence`: track of the strength of the film, 0 to 1; the material's own table must have an `iridescence`,
-    ///   which may be 0.
-    /// - `iridescence_ior`: track of the film's index of refraction, 1 to 4.
-    /// - `iridescence_thickness_nm`: track of the film's thickness, nanometers, 0 or more.
-    /// - `anisotropy`: track of how much longer highlights are along the grooves, 0 to 1; the material's own table must
-    ///   have an `anisotropy`, which may be 0.
+    /// - `iridescence`: track of the strength of the thin film, 0 to 1; the material's own table must have an
+    ///   `iridescence`, which may be 0.
+    /// - `iridescence_ior`: track of the thin film's index of refraction, 1 to 4.
+    /// - `iridescence_thickness_nm`: track of the thin film's thickness, nanometers, 0 or more.
+    /// - `anisotropy`: track of the stretching of highlights along the grooves, 0 to 1; the material's own table
+    ///   must have an `anisotropy`, which may be 0.
     /// - `anisotropy_rotation_deg`: track of the direction of the grooves, degrees.
-    /// - `dispersion`: track of 20 over the Abbe number, 0 to 40; the material's own table must have a `dispersion`,
-    ///   which may be 0.
+    /// - `dispersion`: track of the dispersion, 0 to 40; the material's own table must have a `dispersion`, which
+    ///   may be 0.
     /// - `checker_a`: track of the first color of its `checker` or `pattern`, 0 to 1.
-    /// - `checker_b`: track of the second color of its `checker`, 0 to 1.
-    /// - `checker_size_m`: track of the edge of a cell of its `checker`, meters, above 0.
+    /// - `checker_b`: track of the second color of its `checker` or `pattern`, 0 to 1.
+    /// - `checker_size_m`: track of the cell size of its `checker` or `pattern`, meters, above 0.
     pub tracks: Tracks,
 }
 
-/// A field that is an `Option` of its struct.
+/// Row of [`MATERIAL`] for a field that is an `Option`.
 macro_rules! optional {
     ($key:ident, $form:ident, $range:expr) => {
         Field {
@@ -272,7 +277,7 @@ macro_rules! optional {
     };
 }
 
-/// A field of a material's checker.
+/// Row of [`MATERIAL`] for a value of the material's checker or pattern.
 macro_rules! of_checkers {
     ($key:literal, $form:ident, $range:expr, |$checker:ident| $value:expr) => {
         Field {
@@ -289,10 +294,10 @@ macro_rules! of_checkers {
     };
 }
 
-/// How many values of a material may change.
+/// Number of values of a material that may change.
 pub const MATERIAL_FIELDS: usize = 29;
 
-/// What changes of a material.
+/// Values of a material that tracks and scripts may change.
 pub static MATERIAL: [Field<MaterialDesc>; MATERIAL_FIELDS] = [
     optional!(base_color, Color, UNIT),
     optional!(metallic, Number, UNIT),
@@ -325,7 +330,7 @@ pub static MATERIAL: [Field<MaterialDesc>; MATERIAL_FIELDS] = [
     of_checkers!("checker_size_m", Number, ABOVE_0, |checker| checker.size_m),
 ];
 
-/// What a material's table leaves open.
+/// Default values of keys that a material leaves out.
 pub const PLAIN: MaterialDesc = MaterialDesc {
     base_color: Some(Vec3::ONE),
     base_color_texture: None,
@@ -367,9 +372,9 @@ pub const PLAIN: MaterialDesc = MaterialDesc {
 };
 
 impl Field<MaterialDesc> {
-    /// What must stand in a material's own table before this may change, as scene text; `None`
-    /// where its default does. A material is drawn and traced as it was made, and one that is
-    /// never cut out, say, is not asked for its alpha.
+    /// Key that a material's own table must have before this field may change, as scene text; `None` if it needs
+    /// none. Pipelines are chosen for the material at rest: one that is never cut out, say, does not test its
+    /// alpha.
     pub fn lacks(&self, material: &MaterialDesc) -> Option<&'static str> {
         if (self.get)(material).is_some() || (self.get)(&PLAIN).is_some() {
             return None;

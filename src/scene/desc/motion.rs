@@ -1,42 +1,42 @@
-//! What changes with time, as people write it: the frames of a film, what moves in it, and the
-//! parameters of its script.
+//! Changes over time in scene text: the frames of a film, motion, and the parameters of the script.
 
 use super::{At, CameraMotionDesc, Entry, LightMotionDesc, MaterialMotionDesc, TrackDesc};
 
 /// `[timeline]`: the frames of a film.
 ///
-/// - `cuts`: which camera is shown from which frame on, where none is chosen by `--camera`. Before the
-///   first cut it is the one without cuts: `main`, else the first.
+/// - `cuts`: camera that is shown from a frame on, unless `--camera` chooses one. Before the first cut it is
+///   the camera of a scene without cuts: `main`, else the first.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TimelineDesc {
-    /// Frames a second, above 0 and at most 1000. Frame F shows the time F / fps. Default 24.
+    /// Frames per second, above 0 and at most 1000. Frame F shows the time F / fps. Default 24.
     pub fps: f32,
-    /// First frame, 0 to 1000000. Default 0.
+    /// Number of the first frame, 0 to 1000000. Default 0.
     pub start: u32,
-    /// Last frame, itself shown, 0 to 1000000; not before `start`.
+    /// Number of the last frame, which is shown too, 0 to 1000000; not before `start`.
     pub end: u32,
 }
 
 /// `cuts = [{ frame = 48, camera = "close" }, …]`, in the order of frames.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CutDesc {
-    /// From which frame on, 0 to 1000000.
+    /// First frame of the cut, 0 to 1000000.
     pub frame: u32,
-    /// Name of the camera that is shown from there on.
+    /// Name of the camera that is shown from that frame on.
     pub camera: At<String>,
 }
 
-/// `[motion]`: what moves, by name; what has no motion keeps the value of its own table.
+/// `[motion]`: tracks that change the scene over time, by the names of things; a thing without motion keeps the
+/// values of its own table.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MotionDesc {
-    /// `camera.NAME`: paths of a camera.
+    /// `camera.NAME`: path and lens of a camera.
     pub cameras: Vec<Entry<CameraMotionDesc>>,
-    /// `instance.NAME`: motion of an instance, by its `name`, which is dynamic then, and changing
-    /// numbers of its own `material`.
+    /// `instance.NAME`: motion of an instance, by its `name`; it is dynamic then. Also changes numbers of its
+    /// own `material`.
     pub instances: Vec<Entry<InstanceMotionDesc>>,
-    /// `group.NAME`: motion of a group, and with it of what hangs on it.
+    /// `group.NAME`: motion of a group, and with it of everything attached to it.
     pub groups: Vec<Entry<InstanceMotionDesc>>,
-    /// `light.NAME`: motion of a light.
+    /// `light.NAME`: motion and changing brightness of a light.
     pub lights: Vec<Entry<LightMotionDesc>>,
     /// `material.NAME`: changing numbers of a `[material.NAME]`.
     pub materials: Vec<Entry<MaterialMotionDesc>>,
@@ -56,62 +56,65 @@ impl MotionDesc {
     }
 }
 
-/// `[motion.instance.NAME]`: `translation`, `rotation_deg` and `scale` are of an instance that is
-/// placed by these or `rotation_quat`, not by `matrix`.
+/// `[motion.instance.NAME]`: `translation`, `rotation_deg` and `scale` need an instance that is placed by these
+/// or `rotation_quat`, not by `matrix`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct InstanceMotionDesc {
-    /// Track of where the model's origin goes, meters.
+    /// Track of the position of the model's origin, meters.
     pub translation: Option<TrackDesc>,
-    /// Track of the turn, degrees about X, then Y, then Z, all fixed axes. Without `keys` it is
-    /// applied before the instance's own rotation, so about the model's own axes.
+    /// Track of the rotation, degrees about X, then Y, then Z, all fixed axes. Without `keys` it is applied
+    /// before the instance's own rotation, so about the model's own axes.
     pub rotation_deg: Option<TrackDesc>,
-    /// Track of the factor on the model's size, or of three; must not pass 0, but by a `"step"`.
+    /// Track of the factor on the model's size, one number or three; must not pass through 0, except by a
+    /// `"step"`.
     pub scale: Option<TrackDesc>,
-    /// When it is there. Hidden, it is not, for the camera, for light and for reflections. Default: always.
+    /// Track that shows or hides the instance and everything attached to it. While hidden it is not seen, not
+    /// reflected and blocks no light; lights attached to it are dark. Default: always shown.
     pub shown: Option<TrackDesc>,
-    /// Changing numbers of its own `material = { … }`, which it must have and which may be empty;
-    /// what that leaves open begins at what is below it.
+    /// Tracks of numbers of the instance's own `material = { … }`, which it must have and which may be empty;
+    /// numbers left out there start from the material below it.
     pub material: Option<MaterialMotionDesc>,
 }
 
 impl InstanceMotionDesc {
-    /// Whether it is more than its material that changes.
+    /// Whether more than its material changes.
     pub fn moves(&self) -> bool {
         self.material.is_none() || self.shown.is_some() || self.is_placed_by_tracks()
     }
 
-    /// Whether its place changes.
+    /// Whether its translation, rotation or scale changes.
     pub fn is_placed_by_tracks(&self) -> bool {
         let tracks = [&self.translation, &self.rotation_deg, &self.scale];
         tracks.iter().any(|track| track.is_some())
     }
 }
 
-/// `[motion.group.NAME]`: `translation`, `rotation_deg` and `scale` are of a group that is placed by
-/// these or `rotation_quat`, not by `matrix`.
+/// `[motion.group.NAME]`: `translation`, `rotation_deg` and `scale` need a group that is placed by these or
+/// `rotation_quat`, not by `matrix`.
 ///
-/// - `translation`: track of where the group's origin goes, meters.
-/// - `rotation_deg`: track of the turn, degrees about X, then Y, then Z, all fixed axes. Without `keys`
-///   it is applied before the group's own rotation, so about its own axes.
-/// - `scale`: track of the factor on what hangs on it, or of three; must not pass 0, but by a `"step"`.
-/// - `shown`: when what hangs on it is there. Hidden, it is not, for the camera, for light and for
-///   reflections, and lights that hang on it are dark. Default: always.
+/// - `translation`: track of the position of the group's origin, meters.
+/// - `rotation_deg`: track of the rotation, degrees about X, then Y, then Z, all fixed axes. Without `keys` it
+///   is applied before the group's own rotation, so about its own axes.
+/// - `scale`: track of the factor on the size of everything attached to the group, one number or three; must
+///   not pass through 0, except by a `"step"`.
+/// - `shown`: track that shows or hides everything attached to the group. While hidden it is not seen, not
+///   reflected and blocks no light; lights attached to it are dark. Default: always shown.
 pub struct GroupMotionDesc;
 
-/// `[motion.model.NAME]`: of a model with a `file`.
+/// `[motion.model.NAME]`: changing materials of a model with a `file`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ModelMotionDesc {
-    /// `material.NAME`: changing numbers of the file's material of that name, or of all of them as
-    /// `"*"`, over what `[model.M.material.NAME]` says; an instance's own `material` wins.
+    /// `material.NAME`: tracks of numbers of the file's material of that name, or of all of them as `"*"`, over
+    /// the values of `[model.M.material.NAME]`; an instance's own `material` wins.
     pub materials: Vec<Entry<MaterialMotionDesc>>,
 }
 
 /// A parameter of the scene's script.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ParamValue {
-    /// A number written without a point.
+    /// A number written without a decimal point.
     Integer(i64),
-    /// A number written with one.
+    /// A number written with a decimal point.
     Number(f64),
     /// `true` or `false`.
     Switch(bool),

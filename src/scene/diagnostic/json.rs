@@ -1,13 +1,13 @@
-//! Diagnostics for machines: one flat JSON object each, with places resolved to lines and columns.
+//! Diagnostics for machines: one flat JSON object each, with spans resolved to lines and columns.
 
 use serde_json::{Map, Value, json};
 
 use super::{Diagnostic, Severity, Span};
 
 impl Diagnostic {
-    /// The message as a JSON object: `severity`, `name`, `message`, and where known `help`, `path`,
-    /// `line`, `column`, `end_line`, `end_column` (from 1, in characters, the end exclusive) and
-    /// `related` (the same place keys and a `message`).
+    /// The message as a JSON object: `severity`, `name`, `message`, and if known `help`, `path`, `line`,
+    /// `column`, `end_line`, `end_column` (from 1, in characters, the end exclusive) and `related` (the same
+    /// keys for a place, and a `message`).
     pub fn to_json(&self) -> Value {
         let mut object = place(&self.span);
         if let Some(file) = &self.file {

@@ -1,5 +1,5 @@
-//! Diagnostics for people: the message, the source line with carets under the place, and the help,
-//! laid out as rustc does, by its renderer.
+//! Diagnostics for people: the message, the source line with carets under the span, and the help, laid out
+//! by the renderer of rustc.
 
 use std::fmt::{self, Display};
 
@@ -9,8 +9,8 @@ use annotate_snippets::{
 
 use super::{Diagnostic, Severity, Span};
 
-/// Of a longer line, bytes, only the neighborhood of the place goes to the renderer, which looks at
-/// every character.
+/// Length of a line, bytes, above which only the neighborhood of the span goes to the renderer, because it
+/// looks at every character.
 const LONG_LINE: usize = 64 << 10;
 
 impl Display for Diagnostic {
@@ -50,13 +50,14 @@ impl Diagnostic {
     }
 }
 
-/// All messages, one empty line between two.
+/// All messages, with an empty line between two.
 pub fn render_all<'a>(all: impl IntoIterator<Item = &'a Diagnostic>, color: bool) -> String {
     let texts: Vec<_> = all.into_iter().map(|d| d.render(color) + "\n").collect();
     texts.join("\n")
 }
 
-/// The group with `--> file:line:column`, the line where the span begins, and carets to its end in it.
+/// The group with `--> file:line:column`, the first line of the span, and carets under the part of the span in
+/// that line.
 fn excerpt<'a>(group: Group<'a>, span: &Span) -> Group<'a> {
     let Some(source) = &span.source else {
         return group;
@@ -83,7 +84,7 @@ fn excerpt<'a>(group: Group<'a>, span: &Span) -> Group<'a> {
         ),
         false => (line_start, line_end),
     };
-    // Characters may change their length, so each part is made printable on its own.
+    // A replacement may have another length in bytes, so each part is made printable on its own.
     let mut line = printable_line(&text[from..start]);
     let first = line.len();
     line += &printable_line(&text[start..end.min(to)]);
@@ -103,9 +104,9 @@ fn excerpt<'a>(group: Group<'a>, span: &Span) -> Group<'a> {
     }
 }
 
-/// What could move the terminal's cursor or turn the direction of text is shown as a replacement
-/// character. The renderer knows most of them, but neither the control characters behind ASCII nor
-/// all marks of direction.
+/// Replaces characters that could move the cursor of the terminal or change the direction of text by the
+/// replacement character. The renderer replaces most of them, but neither the control characters beyond ASCII
+/// nor all direction marks.
 fn printable_char(c: char) -> char {
     let is_direction = matches!(
         c,
@@ -118,14 +119,14 @@ fn printable_char(c: char) -> char {
     }
 }
 
-/// Text from elsewhere as it can be shown; lines stay.
+/// Text from outside with unprintable characters replaced; newlines stay.
 pub fn printable(text: &str) -> String {
     text.chars()
         .map(|c| if c == '\n' { c } else { printable_char(c) })
         .collect()
 }
 
-/// The same for a part of a line, whose tabs stay.
+/// Part of a line with unprintable characters replaced; tabs stay.
 fn printable_line(text: &str) -> String {
     text.chars()
         .map(|c| if c == '\t' { c } else { printable_char(c) })
@@ -162,7 +163,7 @@ mod tests {
         assert_eq!(at(text, x..x + 1).render(false), want);
     }
 
-    /// The text was made for a model: the user never saw it.
+    /// Generated scene text for a model file, which the user never saw.
     #[test]
     fn a_generated_text_is_not_shown() {
         let source = Source {

@@ -1,5 +1,5 @@
-//! Where in a script a mistake of what its `setup` returned is: by the names on the way to it, as the
-//! values themselves do not know where they were written.
+//! Place in a script of a mistake in the result of its `setup`. Values do not know where they were written,
+//! so the place is found by the names on the path to the value.
 
 use std::{
     ops::Range,
@@ -17,7 +17,7 @@ use toml::{
 use super::{Source, Span};
 use crate::scene::suggest;
 
-/// Keys of what `setup` returns, and whether they are lists.
+/// Keys of the result of `setup`, the scene tables that they stand for, and whether they are lists.
 pub const TABLES: [(&str, &str, bool); 6] = [
     ("cameras", "camera", false),
     ("materials", "material", false),
@@ -27,24 +27,24 @@ pub const TABLES: [(&str, &str, bool); 6] = [
     ("instances", "instance", true),
 ];
 
-/// Entries before a place among which those around it are looked for.
+/// Number of entries before a place that are searched for one that contains it.
 const NEAR: usize = 1000;
-/// Mistakes that are looked up; a scene does not show as many, and a script may be long.
+/// Number of mistakes whose places are looked up: a scene does not show more, and a script may be long.
 const MOST: usize = 200;
 
-/// What `setup` returned, as scene text that has no file of its own.
+/// Result of `setup`, as scene text that has no file of its own.
 #[derive(Debug)]
 pub struct Returned {
-    /// The script's files, itself first.
+    /// The script's files, the script itself first.
     scripts: Vec<Arc<Source>>,
-    /// Its `setup`.
+    /// Place of its function `setup`.
     setup: Span,
-    /// What the text consists of, by where it begins; made for the first mistake.
+    /// Keys and values of the text, sorted by where they begin; made for the first mistake.
     entries: OnceLock<Vec<Entry>>,
     explained: AtomicUsize,
 }
 
-/// What was looked up so far does not matter.
+/// Lookup results are not copied: they can be made again.
 impl Clone for Returned {
     fn clone(&self) -> Self {
         Self {
@@ -68,14 +68,14 @@ impl Eq for Returned {}
 #[derive(Debug, PartialEq, Eq)]
 struct Entry {
     at: Range<usize>,
-    /// Names and places in lists that lead there.
+    /// Names and list indices on the path to it.
     path: Vec<String>,
-    /// Of the value, where that is no table.
+    /// Range of the value; `None` for a table.
     value: Option<Range<usize>>,
 }
 
 impl Returned {
-    /// Of the `setup` that stands at `setup` in the first of these files.
+    /// Result of the `setup` at the span `setup` in the first of `scripts`.
     pub fn new(scripts: Vec<Arc<Source>>, setup: Span) -> Self {
         Self {
             scripts,
@@ -85,13 +85,13 @@ impl Returned {
         }
     }
 
-    /// Whether this is written in the script.
+    /// Whether a span lies in one of the script's files.
     pub fn has(&self, at: &Span) -> bool {
         let source = at.source.as_ref();
         source.is_some_and(|s| self.scripts.iter().any(|own| Arc::ptr_eq(own, s)))
     }
 
-    /// The place in a script of what is at `at` in the returned `text`, and what messages call it.
+    /// Place in the script of the range `at` of the returned `text`, and its description for messages.
     pub fn explain(&self, text: &str, at: &Range<usize>) -> (Span, String) {
         let entries = self.entries.get_or_init(|| entries(text));
         let before = &entries[..entries.partition_point(|e| e.at.start <= at.start)];
@@ -117,8 +117,8 @@ impl Returned {
         (written.unwrap_or_else(place), message)
     }
 
-    /// Where the key stands with this very value: the only such place, or, where as many are
-    /// written as were returned, the one in the same order.
+    /// Place of the key with exactly this value in the script: the only one, or, if it is written as often as
+    /// it was returned, the one in the same order.
     fn written(&self, text: &str, entries: &[Entry], found: &Entry) -> Option<Span> {
         let key = found.path.last().filter(|name| !name.starts_with('['))?;
         let value = text.get(found.value.clone()?)?;
@@ -144,13 +144,13 @@ impl Returned {
         })
     }
 
-    /// The place of what names lead to, or of `setup`.
+    /// Place of the value at a path of names, or else of `setup`.
     pub fn place(&self, path: &[String]) -> Span {
         self.locate(path).unwrap_or_else(|| self.setup.clone())
     }
 
-    /// Where the last name of a path is written as a key: the only such place, or the first after
-    /// the only one of the name before it.
+    /// Place of the last name of a path, written as a key: the only one, or the first after the only place of
+    /// the name before it.
     fn locate(&self, path: &[String]) -> Option<Span> {
         let mut names = path.iter().rev().filter(|name| !name.starts_with('['));
         let (last, above) = (names.next()?, names.next());
@@ -170,7 +170,7 @@ impl Returned {
         })
     }
 
-    /// Where a name is written as a key, `name:` or `.name =`, by the index of the script.
+    /// Places where a name is written as a key, `name:` or `.name =`, with the index of the script.
     fn keys(&self, name: &str) -> Vec<(usize, Range<usize>)> {
         let is_word = |c: char| c.is_alphanumeric() || c == '_';
         let mut found = Vec::new();
@@ -193,7 +193,7 @@ impl Returned {
     }
 }
 
-/// Whether this value follows a key in a script.
+/// Whether the text after a key is this value.
 fn has_value(after: &str, value: &str) -> bool {
     let after = after.trim_start_matches(['"', '`']).trim_start();
     let written = after.trim_start_matches([':', '=']).trim_start();
@@ -207,13 +207,13 @@ fn has_value(after: &str, value: &str) -> bool {
     rest.any(|rest| !rest.starts_with(|c: char| c.is_alphanumeric() || "_.".contains(c)))
 }
 
-/// Everything that a text consists of, in its order.
+/// Keys and values of a text, in order.
 fn entries(text: &str) -> Vec<Entry> {
     let mut found = Vec::new();
     if let Ok(table) = DeTable::parse(text) {
         walk_table(table.get_ref(), &[], &mut found);
     }
-    // Of those that begin together the innermost comes last.
+    // Entries that begin at the same place: the innermost comes last.
     found.sort_by_key(|entry: &Entry| (entry.at.start, std::cmp::Reverse(entry.at.end)));
     found
 }
@@ -262,7 +262,7 @@ fn plain(node: &Spanned<DeValue>) -> Option<Range<usize>> {
     is_plain.then(|| node.span())
 }
 
-/// What `setup` calls a table of the scene.
+/// Key in the result of `setup` for a table of the scene.
 fn plural(table: &str) -> String {
     let known = TABLES.iter().find(|(_, own, _)| *own == table);
     known.map_or(table, |(key, ..)| key).to_owned()

@@ -1,4 +1,4 @@
-//! The doc comments of `desc.rs` and its parts, which are the text of the manual, taken from its source.
+//! Doc comments of `desc.rs` and its submodules, taken from their source: the texts of the manual.
 
 use std::sync::LazyLock;
 
@@ -17,7 +17,7 @@ static SOURCE: &str = concat!(
     include_str!("../desc/track.rs")
 );
 
-/// The comment of one type, variant or field.
+/// Doc comment of one type, variant or field.
 #[derive(Debug)]
 struct Comment {
     item: String,
@@ -28,7 +28,7 @@ struct Comment {
 
 static COMMENTS: LazyLock<Vec<Comment>> = LazyLock::new(|| extract(SOURCE));
 
-/// Reads formatted source, in which depth is indentation: types at 0, fields and variants at 4,
+/// Reads rustfmt-formatted source, where indentation tells the depth: types at 0, fields and variants at 4,
 /// fields of variants at 8.
 fn extract(source: &str) -> Vec<Comment> {
     let (mut all, mut text) = (Vec::new(), Vec::new());
@@ -82,7 +82,7 @@ fn extract(source: &str) -> Vec<Comment> {
     all
 }
 
-/// Takes the lines ``- `key`: text`` out of a comment; what follows such a line belongs to it.
+/// Takes the lines ``- `key`: text`` out of a comment; lines that follow one belong to it.
 fn split_keys(lines: &mut Vec<String>) -> Vec<(String, String)> {
     let first = lines
         .iter()
@@ -102,7 +102,7 @@ fn split_keys(lines: &mut Vec<String>) -> Vec<(String, String)> {
     keys
 }
 
-/// The text with its first letter large.
+/// The text with its first letter in upper case.
 pub fn sentence(text: &str) -> String {
     let mut letters = text.chars();
     letters.next().map_or(String::new(), |first| {
@@ -110,13 +110,13 @@ pub fn sentence(text: &str) -> String {
     })
 }
 
-/// The comment of a type.
+/// Doc comment of a type.
 pub fn of_type(name: &str) -> Option<&'static str> {
     let is_it = |c: &&Comment| c.item == name && c.variant.is_none() && c.field.is_none();
     COMMENTS.iter().find(is_it).map(|c| c.text.as_str())
 }
 
-/// The comment of the variant that is written as `word`: it begins with it, in quotes.
+/// Doc comment of the variant that scene text writes as `word`: the comment that begins with it, in quotes.
 pub fn of_word(types: &[&str], word: &str) -> Option<&'static str> {
     variant(types, word).map(|c| c.text.as_str())
 }
@@ -130,10 +130,10 @@ fn variant(types: &[&str], word: &str) -> Option<&'static Comment> {
         .find(|c| c.field.is_none() && c.text.starts_with(&lead))
 }
 
-/// The comment on a key of a table that is described by `types`; with `word`, of its variant.
+/// Doc comment of a key of a table that is described by `types`; with `word`, of a key of that variant.
 ///
-/// It is that of the field with the key's name, or its line in the list of another comment, else
-/// the one that begins with the key in code marks.
+/// Candidates, in this order: the field with the key's name, the key's line in the list of another comment, the
+/// comment that begins with the key in code marks.
 pub fn of_key(types: &[&str], word: Option<&str>, key: &str) -> Option<&'static str> {
     let variant = word
         .and_then(|word| variant(types, word))

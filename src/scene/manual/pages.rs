@@ -1,12 +1,12 @@
-//! The manual cut into pages: an index and a page for each table of the file, with links from the
-//! keys that take tables to where those are described.
+//! The manual cut into pages: an index and a page for each top-level table, with links from keys that take
+//! a table to its description.
 
 use std::{collections::HashMap, fmt::Write as _};
 
 use super::{describe_section, introduction, section_text, without_lead};
 use crate::scene::parse::{SectionRecord, recorded_keys};
 
-/// The file of the index, which also describes the top of a scene.
+/// File of the index page, which also describes the top level of a scene.
 pub const INDEX: &str = "README.md";
 
 const GENERATED: &str = "<!-- Generated from src/scene/desc.rs; `UPDATE_DOCS=1 cargo test --test scene` writes it anew. -->\n";
@@ -14,13 +14,13 @@ const GENERATED: &str = "<!-- Generated from src/scene/desc.rs; `UPDATE_DOCS=1 c
 /// One page of the manual.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Page {
-    /// Name of its file in `docs/scene`: [`INDEX`], or that of the table with `.md`.
+    /// File name in `docs/scene`: [`INDEX`], or the name of the table with `.md`.
     pub file: String,
-    /// Its text as Markdown.
+    /// Content of the page as Markdown.
     pub text: String,
 }
 
-/// Where a table is described.
+/// Page and anchor of the description of a table.
 struct Place {
     type_name: &'static str,
     file: String,
@@ -57,8 +57,8 @@ pub fn pages() -> Vec<Page> {
     pages
 }
 
-/// The page of each section: that of the table of the file that its heading names, or else that of
-/// the section before, to whose keys it belongs.
+/// Page of each section: that of the top-level table in its heading, or else that of the section before, to
+/// whose keys it belongs.
 fn places(sections: &[SectionRecord]) -> Vec<Place> {
     let mut file = INDEX.to_owned();
     let mut uses: HashMap<(String, String), usize> = HashMap::new();
@@ -85,7 +85,7 @@ fn places(sections: &[SectionRecord]) -> Vec<Place> {
     sections.iter().map(place).collect()
 }
 
-/// The anchor that GitHub gives a heading.
+/// Anchor that GitHub gives to a heading.
 fn anchor(heading: &str) -> String {
     let kept = |c: char| match c {
         ' ' => Some('-'),
@@ -95,7 +95,7 @@ fn anchor(heading: &str) -> String {
     heading.chars().filter_map(kept).collect()
 }
 
-/// The list of all tables, those inside others below them.
+/// List of all tables, with nested tables indented.
 fn index(sections: &[SectionRecord], places: &[Place]) -> String {
     let mut out = "\n## Tables\n\n".to_owned();
     let mut page = "";
@@ -131,7 +131,7 @@ fn index(sections: &[SectionRecord], places: &[Place]) -> String {
 mod tests {
     use super::*;
 
-    /// What GitHub makes of a heading, its code marks away and equal ones counted.
+    /// Anchors that GitHub gives to the headings of a text: without code marks, equal ones numbered.
     fn anchors(text: &str) -> Vec<String> {
         let headings = text.lines().filter_map(|line| {
             let (marks, heading) = line.split_once(' ')?;

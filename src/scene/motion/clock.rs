@@ -1,9 +1,9 @@
-//! From the scene's time to the time inside an animation.
+//! Conversion from the scene's time to the time inside an animation.
 
 use crate::scene::desc::{AnimationDesc, Playback};
 
 impl AnimationDesc {
-    /// Time inside an animation of `duration_s` at a time of the scene, both seconds.
+    /// Time inside an animation of length `duration_s` at the scene time `time_s`, both seconds.
     pub fn local_s(&self, time_s: f64, duration_s: f64) -> f64 {
         let elapsed = (time_s - f64::from(self.start_s)).max(0.0);
         let speed = f64::from(self.speed);
@@ -12,7 +12,7 @@ impl AnimationDesc {
         match self.repeat {
             _ if duration_s <= 0.0 => 0.0,
             Playback::Once => run.clamp(0.0, duration_s),
-            // Its end and its start are one moment; at rest it is the one that it begins with.
+            // The end and the start of a loop are one moment; at first show the one that it begins with.
             Playback::Loop if elapsed == 0.0 => start,
             Playback::Loop => run.rem_euclid(duration_s),
             Playback::PingPong => {
@@ -30,7 +30,7 @@ mod tests {
     #[test]
     fn clock_applies_speed_offset_and_repeat() {
         let (once, looped, back) = (Playback::Once, Playback::Loop, Playback::PingPong);
-        // Speed, start, repeat; then time and what is expected, for an animation of 2 s.
+        // Speed, start, repeat; then scene times and expected animation times, for an animation of 2 s.
         for (speed, start_s, repeat, times) in [
             (
                 1.0,

@@ -1,4 +1,4 @@
-//! What hangs on what: from transforms relative to parents to the world.
+//! Parents and children: from transforms relative to parents to world transforms.
 
 use std::borrow::Cow;
 
@@ -8,7 +8,7 @@ use super::transform;
 use crate::scene::desc::{CameraDesc, LightDesc, Parents, PlacementDesc, SceneDesc};
 
 impl Parents {
-    /// Of each node, light and camera, as indices of nodes; nodes must not form circles.
+    /// Hierarchy from the parent node of each node, light and camera; nodes must not form cycles.
     pub(in crate::scene) fn new(
         nodes: Vec<Option<usize>>,
         lights: Vec<Option<usize>>,
@@ -39,22 +39,22 @@ impl Parents {
         }
     }
 
-    /// The node that a node hangs on.
+    /// Parent of a node.
     pub fn of_node(&self, node: usize) -> Option<usize> {
         self.nodes.get(node).copied().flatten()
     }
 
-    /// The node that a light hangs on.
+    /// Parent node of a light.
     pub fn of_light(&self, light: usize) -> Option<usize> {
         self.lights.get(light).copied().flatten()
     }
 
-    /// The node that a camera hangs on.
+    /// Parent node of a camera.
     pub fn of_camera(&self, camera: usize) -> Option<usize> {
         self.cameras.get(camera).copied().flatten()
     }
 
-    /// World transforms of nodes, from those relative to parents.
+    /// World transforms of all nodes, from transforms relative to their parents.
     pub fn world<'a>(&self, own: &'a [Affine3A]) -> Cow<'a, [Affine3A]> {
         if self.order.is_empty() {
             return own.into();
@@ -68,7 +68,7 @@ impl Parents {
         world.into()
     }
 
-    /// World transform of one node, from those relative to parents.
+    /// World transform of one node, from the transforms of all nodes relative to their parents.
     pub fn world_of(&self, own: &[Affine3A], node: usize) -> Affine3A {
         let mut world = own[node];
         let mut next = self.of_node(node);
@@ -79,7 +79,7 @@ impl Parents {
         world
     }
 
-    /// Marks the nodes that hang on marked ones.
+    /// Marks every descendant of a marked node.
     pub(super) fn inherit(&self, marks: &mut [bool]) {
         for &node in &self.order {
             marks[node] |= self.nodes[node].is_some_and(|parent| marks[parent]);
@@ -88,42 +88,42 @@ impl Parents {
 }
 
 impl SceneDesc {
-    /// Placement of each node: of the instances, then of the groups.
+    /// Placement of each node: the instances, then the groups.
     pub fn placements(&self) -> impl Iterator<Item = &PlacementDesc> {
         let groups = self.groups.iter().map(|group| &group.value.placement);
         self.instances.iter().map(|i| &i.placement).chain(groups)
     }
 
-    /// Name of each node; instances need none.
+    /// Name of each node; instances may have none.
     pub fn node_names(&self) -> impl Iterator<Item = Option<&str>> {
         let groups = self.groups.iter().map(|group| Some(group.name.as_str()));
         let instances = self.instances.iter().map(|i| i.name.as_deref());
         instances.chain(groups)
     }
 
-    /// World transform of each node at rest.
+    /// World transform of each node at rest, without motion.
     pub fn rest(&self) -> Vec<Affine3A> {
         let own: Vec<_> = self.placements().map(transform).collect();
         self.parents.world(&own).into_owned()
     }
 
-    /// The lights at rest, in the world; `rest` are the nodes.
+    /// World-space lights without motion; `rest` are the world transforms of the nodes.
     pub fn lights_at_rest(&self, rest: &[Affine3A]) -> Vec<LightDesc> {
         let mut lights: Vec<_> = self.lights.iter().map(|e| e.value).collect();
-        hang_lights(&self.parents, &mut lights, rest);
+        attach_lights(&self.parents, &mut lights, rest);
         lights
     }
 
-    /// The cameras at rest, in the world; `rest` are the nodes.
+    /// World-space cameras without motion; `rest` are the world transforms of the nodes.
     pub fn cameras_at_rest(&self, rest: &[Affine3A]) -> Vec<CameraDesc> {
         let mut cameras: Vec<_> = self.cameras.iter().map(|e| e.value.clone()).collect();
-        hang_cameras(&self.parents, &mut cameras, rest);
+        attach_cameras(&self.parents, &mut cameras, rest);
         cameras
     }
 }
 
-/// Moves lights from the spaces of their parents to the world.
-pub(super) fn hang_lights(parents: &Parents, lights: &mut [LightDesc], world: &[Affine3A]) {
+/// Transforms lights from the spaces of their parents to the world.
+pub(super) fn attach_lights(parents: &Parents, lights: &mut [LightDesc], world: &[Affine3A]) {
     for (index, light) in lights.iter_mut().enumerate() {
         if let Some(parent) = parents.of_light(index) {
             *light = placed_light(light, &world[parent]);
@@ -131,8 +131,8 @@ pub(super) fn hang_lights(parents: &Parents, lights: &mut [LightDesc], world: &[
     }
 }
 
-/// Moves cameras from the spaces of their parents to the world.
-pub(super) fn hang_cameras(parents: &Parents, cameras: &mut [CameraDesc], world: &[Affine3A]) {
+/// Transforms cameras from the spaces of their parents to the world.
+pub(super) fn attach_cameras(parents: &Parents, cameras: &mut [CameraDesc], world: &[Affine3A]) {
     for (index, camera) in cameras.iter_mut().enumerate() {
         if let Some(parent) = parents.of_camera(index) {
             *camera = placed_camera(camera, &world[parent]);
@@ -140,7 +140,7 @@ pub(super) fn hang_cameras(parents: &Parents, cameras: &mut [CameraDesc], world:
     }
 }
 
-/// A light moved from its own space to the world. Its size and its intensity stay.
+/// Light transformed from its parent's space to the world. Its size and its intensity stay.
 pub fn placed_light(light: &LightDesc, world: &Affine3A) -> LightDesc {
     let mut light = *light;
     let place = |p: &mut Vec3| *p = world.transform_point3(*p);
@@ -154,7 +154,7 @@ pub fn placed_light(light: &LightDesc, world: &Affine3A) -> LightDesc {
     light
 }
 
-/// A camera moved from its own space to the world. Its target stays as far away.
+/// Camera transformed from its parent's space to the world. The distance from eye to target stays.
 pub fn placed_camera(camera: &CameraDesc, world: &Affine3A) -> CameraDesc {
     let eye = world.transform_point3(camera.eye);
     let turn = |d: Vec3| world.transform_vector3(d).try_normalize().unwrap_or(d);

@@ -1,22 +1,23 @@
-//! What scripts pose inside the files of instances.
+//! Poses that scripts give to nodes inside the files of instances.
 
 use glam::{Affine3A, Quat, Vec3};
 
-/// What a script sets of a node, relative to its parent; the rest is as the file or its animation has it.
+/// Changes that a script makes to a node, relative to its parent; `None` keeps the value of the file or its
+/// animation.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct JointPose {
-    /// Meters.
+    /// Translation in place of the node's own, meters.
     pub translation: Option<Vec3>,
-    /// In place of its own.
+    /// Rotation in place of the node's own.
     pub rotation: Option<Quat>,
-    /// Factor along each axis.
+    /// Scale along each axis, in place of the node's own.
     pub scale: Option<Vec3>,
-    /// A further rotation, about the node's own axes.
+    /// Additional rotation, about the node's own axes.
     pub turn: Option<Quat>,
 }
 
 impl JointPose {
-    /// Parent from node, of a node that is otherwise at `own`.
+    /// Transform from node to parent space of a node whose own transform is `own`.
     pub fn over(&self, own: &Affine3A) -> Affine3A {
         let (scale, rotation, translation) = own.to_scale_rotation_translation();
         let rotation = self.rotation.unwrap_or(rotation);

@@ -1,5 +1,5 @@
-//! Numbers of materials over time: of those that the scene names, whose values at rest are known
-//! here, and of those inside files, whose are not.
+//! Material numbers over time: of the scene's materials, whose values at rest are known here, and of
+//! materials inside files, whose values are not.
 
 use std::collections::HashSet;
 
@@ -19,8 +19,8 @@ pub struct FileMaterial<'a> {
     pub material: &'a str,
 }
 
-/// Every material inside a file that may change: those with motion, and, for a script, those with
-/// a table `[model.NAME.material.M]`.
+/// Materials inside files that may change: those with motion, and, for a script, those with a table
+/// `[model.NAME.material.M]`.
 pub fn file_materials(desc: &SceneDesc) -> Vec<FileMaterial<'_>> {
     let mut found = Vec::new();
     let mut add = |model, material| {
@@ -40,8 +40,8 @@ pub fn file_materials(desc: &SceneDesc) -> Vec<FileMaterial<'_>> {
     found
 }
 
-/// For each instance whether its own `material = { … }` may change: for those with tracks for it,
-/// and, for a script, for those with a name.
+/// Whether the own `material = { … }` of each instance may change: if it has tracks, or, with a script, if the
+/// instance has a name.
 pub fn changing_overrides(desc: &SceneDesc) -> Vec<bool> {
     let by_script = desc.has_frame_script();
     let tracks = desc.motion.instances.iter();
@@ -56,7 +56,7 @@ pub fn changing_overrides(desc: &SceneDesc) -> Vec<bool> {
     desc.instances.iter().map(changes).collect()
 }
 
-/// What an instance's own `material = { … }` says.
+/// The own `material = { … }` of an instance, if it is a table.
 pub fn override_of(instance: &InstanceDesc) -> Option<&MaterialDesc> {
     match instance.material.as_ref()? {
         InstanceMaterialDesc::Override(own) => Some(own),
@@ -64,8 +64,8 @@ pub fn override_of(instance: &InstanceDesc) -> Option<&MaterialDesc> {
     }
 }
 
-/// What the scene's tables say at rest of a material inside a file: of `"*"`, what they say of
-/// any.
+/// Values that the tables of the scene give to a material inside a file at rest; for `"*"`, all values that
+/// they give to any material.
 pub fn written(desc: &SceneDesc, of: &FileMaterial) -> MaterialDesc {
     let model = desc.models.iter().find(|m| m.name == of.model);
     let tables = model.into_iter().flat_map(|m| &m.value.overrides);
@@ -73,24 +73,24 @@ pub fn written(desc: &SceneDesc, of: &FileMaterial) -> MaterialDesc {
     meant.fold(MaterialDesc::default(), |all, e| all.overlaid(&e.value))
 }
 
-/// Values of [`MATERIAL`], where there are any.
+/// Value of each field of [`MATERIAL`], where it is set.
 pub type Values = [Option<Vec3>; MATERIAL_FIELDS];
 
-/// What changes of a material whose values at rest only its file says.
+/// Change of a material whose values at rest only its file has.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MaterialChange {
-    /// Values in place of its own.
+    /// Values in place of the material's own.
     pub set: Values,
-    /// What is then added to them.
+    /// Values that are added afterwards.
     pub add: Values,
 }
 
-/// Poses a `[material.NAME]`.
+/// Sets a `[material.NAME]` to its tracks at a time, seconds.
 pub fn pose(material: &mut MaterialDesc, tracks: &[(usize, Track)], time_s: f64) {
     *material = change(tracks, time_s).over(material, &PLAIN);
 }
 
-/// What the tracks make of a material at a time, seconds.
+/// Change that tracks make to a material at a time, seconds.
 pub fn change(tracks: &[(usize, Track)], time_s: f64) -> MaterialChange {
     let mut change = MaterialChange::default();
     for (field, track) in tracks {
@@ -105,8 +105,8 @@ pub fn change(tracks: &[(usize, Track)], time_s: f64) -> MaterialChange {
 }
 
 impl MaterialChange {
-    /// `desc` after the change; `rest` says what `desc` leaves open. What goes beyond a number's
-    /// range is cut off there.
+    /// Material `desc` after the change; `rest` has the values that `desc` leaves out. Values outside of their
+    /// range are clamped.
     pub fn over(&self, desc: &MaterialDesc, rest: &MaterialDesc) -> MaterialDesc {
         let mut changed = desc.clone();
         for (field, (set, add)) in MATERIAL.iter().zip(self.set.iter().zip(&self.add)) {
@@ -121,7 +121,7 @@ impl MaterialChange {
         changed
     }
 
-    /// Sets values from now on, whatever was added to them before.
+    /// Sets values, and drops what was to be added to them.
     pub fn put(&mut self, values: &Values) {
         for (i, value) in values.iter().enumerate().filter(|(_, v)| v.is_some()) {
             (self.set[i], self.add[i]) = (*value, None);

@@ -1,49 +1,49 @@
-//! What tracks and scripts may name.
+//! Names that tracks and scripts may use.
 
 use std::{collections::HashMap, sync::Arc};
 
 use super::{changing_overrides, file_materials, moving, override_of, written};
 use crate::scene::desc::{At, Entry, MaterialDesc, Parents, SceneDesc};
 
-/// Indices by name.
+/// Indices of things by name.
 #[derive(Clone, Debug, Default)]
 pub struct Names {
-    /// Of [`SceneDesc::cameras`].
+    /// Indices in [`SceneDesc::cameras`].
     pub cameras: HashMap<String, usize>,
-    /// Of [`SceneDesc::instances`], then of [`SceneDesc::groups`]; those without a name cannot be
-    /// named.
+    /// Indices of nodes: [`SceneDesc::instances`], then [`SceneDesc::groups`]; instances without a name are
+    /// left out.
     pub instances: HashMap<String, usize>,
-    /// Of [`SceneDesc::lights`].
+    /// Indices in [`SceneDesc::lights`].
     pub lights: HashMap<String, usize>,
-    /// Of [`SceneDesc::materials`].
+    /// Indices in [`SceneDesc::materials`].
     pub materials: HashMap<String, usize>,
-    /// Of [`file_materials`], by model and material.
+    /// Indices in [`file_materials`], by the names of model and material.
     pub file_materials: HashMap<(String, String), usize>,
-    /// What is known by index, shared with the names of placed scenes.
+    /// Properties of the things, by index, shared with the names of placed scenes.
     pub known: Arc<Known>,
 }
 
-/// What scripts may do with what has a name, by its index.
+/// Properties of named things that decide what scripts may do with them, by index.
 #[derive(Debug, Default)]
 pub struct Known {
-    /// What the scene's tables say of each of [`file_materials`].
+    /// Values that the scene's tables give to each of [`file_materials`].
     pub written: Vec<MaterialDesc>,
-    /// What the own `material = { … }` of an instance says, where it may change.
+    /// Own `material = { … }` of each instance where that may change, by the index of the instance.
     pub overrides: HashMap<usize, MaterialDesc>,
-    /// Which instances may move.
+    /// Whether each node may move.
     pub dynamic: Vec<bool>,
-    /// Which instances play animations.
+    /// Whether each node plays an animation.
     pub playing: Vec<bool>,
     /// [`InstanceDesc::joints`](crate::scene::desc::InstanceDesc::joints) of each instance.
     pub joints: Vec<Vec<String>>,
     /// [`InstanceDesc::morphs`](crate::scene::desc::InstanceDesc::morphs) of each instance.
     pub morphs: Vec<Vec<String>>,
-    /// What hangs on what.
+    /// Parents of the nodes, lights and cameras.
     pub parents: Parents,
 }
 
 impl Names {
-    /// Those of placed scenes, as they call them themselves; a group stands for each.
+    /// Names of placed scenes, without prefix as their scripts use them, for the group of each in `groups`.
     pub fn of_placed(&self, groups: &[&str]) -> Vec<Arc<Self>> {
         let empty = || Self {
             known: Arc::clone(&self.known),
@@ -51,7 +51,7 @@ impl Names {
         };
         let mut all: Vec<_> = groups.iter().map(|_| empty()).collect();
         let numbers: HashMap<_, _> = groups.iter().enumerate().map(|(i, g)| (*g, i)).collect();
-        // Where a name goes on after a group: in "a.b.c" after "a" and after "a.b".
+        // Rest of a name after each group that it begins with: of "a.b.c" after "a" and after "a.b".
         let inside = |name: &str| -> Vec<(usize, String)> {
             let dots = name.match_indices('.');
             let found = dots.filter_map(|(dot, _)| {
@@ -82,7 +82,7 @@ impl Names {
         all.into_iter().map(Arc::new).collect()
     }
 
-    /// What has one name each.
+    /// Maps from a single name to an index.
     fn kinds(&mut self) -> [&mut HashMap<String, usize>; 4] {
         [
             &mut self.cameras,
@@ -92,7 +92,7 @@ impl Names {
         ]
     }
 
-    /// Of a scene.
+    /// Names of all things of a scene.
     pub fn of(desc: &SceneDesc) -> Self {
         fn entries<T>(list: &[Entry<T>]) -> HashMap<String, usize> {
             let names = list.iter().enumerate();

@@ -1,10 +1,10 @@
-//! What makes cameras and lights useless.
+//! Checks of posed cameras and lights.
 
 use glam::Vec3;
 
 use crate::scene::desc::{CameraDesc, LIGHT, LightDesc};
 
-/// What a script has set, so that tracks leave it alone.
+/// Kind of a thing that a script has set, so that tracks leave it alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Kind {
     /// A camera.
@@ -13,7 +13,7 @@ pub enum Kind {
     Light,
 }
 
-/// Why nothing could be seen through a camera.
+/// Reason why a camera can show nothing, as the end of a sentence; `None` if it can.
 pub fn wrong_with_camera(camera: &CameraDesc) -> Option<&'static str> {
     let (forward, up) = (camera.target - camera.eye, camera.up);
     if !(camera.eye.is_finite() && camera.target.is_finite() && up.is_finite()) {
@@ -28,7 +28,7 @@ pub fn wrong_with_camera(camera: &CameraDesc) -> Option<&'static str> {
     (forward.cross(up).length() < 1e-6).then_some("has its view direction along `up`")
 }
 
-/// Why a light could not shine.
+/// Reason why a light cannot shine, as the end of a sentence; `None` if it can.
 pub fn wrong_with_light(light: &LightDesc) -> Option<&'static str> {
     let usable = |v: Option<Vec3>| v.is_none_or(Vec3::is_finite);
     let stands = LIGHT.iter().all(|field| usable((field.get)(light)));

@@ -1,4 +1,4 @@
-//! One track at one time: keys, curves, easing and the helpers, as pure functions.
+//! Value of one track at one time: keys, curves, easing, orbit, rate and oscillation, as pure functions.
 
 use glam::{Affine3A, DQuat, DVec3, Vec3};
 
@@ -7,21 +7,21 @@ use crate::{
     scene::desc::{CurveKind, Ease, KeyDesc, OrbitDesc, TrackDesc},
 };
 
-/// Chords that measure one piece between two keys.
+/// Number of chords that approximate the length of one piece between two keys.
 const CHORDS: usize = 256;
 
-/// A track made ready: lengths measured, names resolved.
+/// A track prepared for evaluation: lengths measured, names resolved.
 #[derive(Clone, Debug)]
 pub struct Track<'a> {
     desc: &'a TrackDesc,
-    /// Lengths along the keys, for constant speed.
+    /// Arc lengths along the keys, for constant speed.
     arc: Option<ArcLength>,
-    /// Index of the instance that it follows.
+    /// Index of the node that it follows.
     follow: Option<usize>,
 }
 
 impl<'a> Track<'a> {
-    /// `find` gives the index of the instance of a name.
+    /// Prepares a track; `find` gives the index of the node of a name.
     pub fn new(desc: &'a TrackDesc, find: impl Fn(&str) -> Option<usize>) -> Self {
         let keys = Keys(desc);
         let arc = (desc.constant_speed && desc.keys.len() > 1).then(|| {
@@ -33,18 +33,18 @@ impl<'a> Track<'a> {
         Self { desc, arc, follow }
     }
 
-    /// Whether the value replaces the thing's own, instead of being added to it.
+    /// Whether the track's value replaces the thing's own, instead of being added to it.
     pub fn is_absolute(&self) -> bool {
         !self.desc.keys.is_empty()
     }
 
-    /// Whether it takes the place of an instance.
+    /// Whether the track takes the position of an instance or group.
     pub fn follows(&self) -> bool {
         self.follow.is_some()
     }
 
-    /// The value at a time, seconds; `base` is what the thing's own table says, `instances` are the
-    /// poses of this time.
+    /// Value at a time, seconds; `base` is the value in the thing's own table, `instances` are the poses of the
+    /// nodes at that time.
     pub fn at(&self, time_s: f64, base: Vec3, instances: &[Affine3A]) -> Vec3 {
         let desc = self.desc;
         let mut value = base.as_dvec3();
@@ -88,7 +88,7 @@ fn eased(ease: Ease, u: f64) -> f64 {
 struct Keys<'a>(&'a TrackDesc);
 
 impl Keys<'_> {
-    /// Pieces between keys, with the one that closes a loop.
+    /// Number of pieces between keys, including the one that closes a loop.
     fn pieces(&self) -> usize {
         let count = self.0.keys.len();
         if self.0.loop_s.is_some() && count > 1 {
@@ -98,7 +98,7 @@ impl Keys<'_> {
         }
     }
 
-    /// The key of that index: around the loop, or the first and last where the path ends.
+    /// Key at an index, which wraps around a loop, or is clamped to the first and last key of an open path.
     fn key(&self, index: isize) -> &KeyDesc {
         let count = self.0.keys.len() as isize;
         let index = if self.0.loop_s.is_some() {
@@ -113,7 +113,7 @@ impl Keys<'_> {
         self.key(index).value.as_dvec3()
     }
 
-    /// Time of a key, beyond the last one that of the loop's end.
+    /// Time of a key, seconds; beyond the last key the end of the loop.
     fn time(&self, index: usize) -> f64 {
         let keys = &self.0.keys;
         match (keys.get(index), self.0.loop_s) {
@@ -144,7 +144,7 @@ impl Keys<'_> {
         self.on_piece(after - 1, eased(self.0.keys[after - 1].ease, u))
     }
 
-    /// The point at a parameter that counts the pieces.
+    /// Point at a parameter whose whole part is the piece and whose fraction is the place in it.
     fn on_curve(&self, parameter: f64) -> DVec3 {
         let last = self.pieces() - 1;
         let piece = (parameter.max(0.0) as usize).min(last);
@@ -169,8 +169,8 @@ impl Keys<'_> {
         }
     }
 
-    /// How long the pieces before, at and after this one take: as long where the path ends, and all
-    /// the same where the speed is constant whatever the keys' times.
+    /// Durations of the pieces before, at and after a piece: its own again beyond the ends of an open path, and
+    /// all equal if the speed is constant whatever the times of keys.
     fn times(&self, i: isize) -> [f64; 3] {
         let count = self.pieces() as isize;
         let is_loop = self.0.loop_s.is_some();
@@ -188,7 +188,7 @@ impl Keys<'_> {
         })
     }
 
-    /// The four points around a piece. Where the path ends, the missing one continues it straight.
+    /// The four points around a piece; beyond the ends of an open path the missing one continues it straight.
     fn neighbors(&self, i: isize) -> [DVec3; 4] {
         let (a, b) = (self.point(i), self.point(i + 1));
         let (mut before, mut after) = (self.point(i - 1), self.point(i + 2));
@@ -362,7 +362,7 @@ mod tests {
             ..TrackDesc::default()
         };
         let at = Track::new(&track, |_| None).at(1.0, Vec3::new(3.0, 5.0, 0.0), &[]);
-        // A quarter turn, counter-clockwise seen from above: +X goes to −Z.
+        // A quarter turn, counterclockwise seen from above: +X goes to −Z.
         assert!(at.distance(Vec3::new(1.0, 5.0, -2.0)) < 1e-5, "{at}");
         let track = TrackDesc {
             rate: Some(Vec3::X),

@@ -1,5 +1,5 @@
-//! What a script's `setup` returned, laid into the tree: scene text beside the scene's own, so that
-//! the same readers check both.
+//! Merges the scene text that a script's `setup` returned into the tree of the scene, so that the same
+//! readers check both.
 
 use toml::{
     Spanned,
@@ -9,10 +9,10 @@ use toml::{
 use super::{report::Report, set::shift, value::Node};
 use crate::scene::suggest;
 
-/// Lays scene text into the tree; `base` is its position in the report.
+/// Merges scene text into the tree; `base` is its position in the report.
 pub fn merge<'i>(root: &mut Node<'i>, text: &'i str, base: usize, report: &mut Report) {
     let Ok(added) = DeTable::parse(text) else {
-        return; // it was written by this program
+        return; // cannot happen: this program wrote the text
     };
     let at = added.span();
     let added = Node::new(at, DeValue::Table(added.into_inner()));
@@ -42,7 +42,7 @@ pub fn merge<'i>(root: &mut Node<'i>, text: &'i str, base: usize, report: &mut R
                     add_named(table, key.get_ref(), name, node, report);
                 }
             }
-            // The scene's own value has the wrong type, which its reader says.
+            // The scene's own value has the wrong type, which its reader reports.
             _ => {}
         }
     }

@@ -83,7 +83,7 @@ fn of_text(text: &str) -> Option<[u8; 3]> {
     }
 }
 
-/// What to write in place of a text that is no color.
+/// Advice for a text that is not a color.
 fn advice(text: &str) -> String {
     const NAMES: [(&str, &str); 10] = [
         ("black", "#000000"),
@@ -113,7 +113,7 @@ fn linear(bytes: [u8; 3]) -> Vec3 {
     Vec3::from_array(bytes.map(|b| linear_from_srgb(f32::from(b) / 255.0)))
 }
 
-/// Three whole numbers up to 255 where none may be above 1: bytes of sRGB were meant.
+/// The bytes of three whole numbers up to 255 where 1 is the limit: sRGB bytes were meant.
 fn as_bytes(items: &[Node], range: &Range) -> Option<[u8; 3]> {
     let byte = |item: &Node| match item.get_ref() {
         DeValue::Integer(i) => i.as_str().parse::<u8>().ok(),

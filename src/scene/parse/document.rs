@@ -1,5 +1,5 @@
-//! The document of a scene: the tree of its text, of its bases and what they include, of variants,
-//! of `--set` and of what a script adds, and the description that is read from it. No program is run here.
+//! The document of a scene: one tree, merged from its text, bases, included files, variants, `--set` and the
+//! additions of a script, and the description that is read from it. The caller runs the scripts.
 
 use std::{
     collections::HashSet,
@@ -27,12 +27,12 @@ use crate::scene::{
     diagnostic::{Diagnostic, Returned, Span},
 };
 
-/// The texts that a document is made of; it borrows them.
+/// The texts that a document is made of; the document borrows them.
 pub struct Texts<'t> {
     text: &'t str,
-    /// Where files are looked for, the scene's own first.
+    /// Folders where files are looked for, the scene's own first.
     folders: Vec<PathBuf>,
-    /// Each with where it begins in the report.
+    /// Overrides, each with the position where it begins in the report; so are the variants.
     overrides: Vec<(&'t str, usize)>,
     variants: Vec<(&'t str, usize)>,
     included: Included,
@@ -42,8 +42,8 @@ pub struct Texts<'t> {
 }
 
 impl<'t> Texts<'t> {
-    /// A scene's text, the files that it includes, and its bases. `path` is what messages call it,
-    /// and its folder is where relative file names start. Files that are looked for are added to
+    /// Collects a scene's text, its bases, included files and placed scenes. `path` names the text in
+    /// messages, and relative file names start from its folder. Files that are looked for are added to
     /// `dependencies`.
     pub fn collect(
         text: &'t str,
@@ -92,8 +92,7 @@ impl<'t> Texts<'t> {
 }
 
 impl Texts<'_> {
-    /// Whether this is written in a file that is included, by the scene or by a base, or in a placed
-    /// scene.
+    /// Whether a place is in a file that the scene or a base of it includes, or in a placed scene.
     fn is_included(&self, at: &Span) -> bool {
         self.included.has(at)
             || self.bases.iter().any(|base| base.includes(at))
@@ -104,16 +103,16 @@ impl Texts<'_> {
 /// The timeline of a tree; mistakes in it are reported when the scene is read.
 fn film_of(root: &Node, report: &Report) -> Option<Film> {
     let timeline = root.get_ref().as_table()?.get("timeline")?;
-    let mut unheard = report.unheard();
+    let mut silent = report.silent();
     let film = Table::read::<Film>(
-        &mut unheard,
+        &mut silent,
         timeline.get_ref().as_table()?,
         Place::default(),
     );
-    film.filter(|_| unheard.errors() == 0)
+    film.filter(|_| silent.errors() == 0)
 }
 
-/// What has a name in a tree, of a kind such as `camera`.
+/// Names of the entries of a kind, such as `camera`, in a tree.
 fn names_of<T: FromIterator<String>>(kind: &str, root: &Node) -> T {
     let named = root.get_ref().as_table().and_then(|t| t.get(kind));
     let named = named.and_then(|node| node.get_ref().as_table());
@@ -121,7 +120,7 @@ fn names_of<T: FromIterator<String>>(kind: &str, root: &Node) -> T {
     names.map(|name| name.get_ref().to_string()).collect()
 }
 
-/// For those who want no more of a document than what is written.
+/// Warning in place of the result of a script, for callers that read a document without running scripts.
 fn not_run(input: &ScriptInput) -> Diagnostic {
     let message = "the script of a placed scene is not run here";
     Diagnostic::at("script-error", input.file.at.clone(), message).warning()
@@ -131,7 +130,7 @@ fn not_run(input: &ScriptInput) -> Diagnostic {
 pub struct Document<'t> {
     texts: &'t Texts<'t>,
     root: Node<'t>,
-    /// What broken lines make doubtful.
+    /// Parts of the texts that syntax errors make doubtful.
     shadows: Vec<Shadow>,
     report: Report,
     placed_groups: Vec<PlacedGroup>,
@@ -139,8 +138,8 @@ pub struct Document<'t> {
 }
 
 impl<'t> Document<'t> {
-    /// The tree of the texts; `run` runs the scripts of placed scenes, without which it lacks what their
-    /// `setup` would add.
+    /// Builds the tree of the texts. `run` runs the scripts of placed scenes; without it the tree lacks the
+    /// additions of their `setup`.
     pub fn new(texts: &'t Texts<'t>, run: Option<Run>) -> Self {
         let mut report = texts.report.clone();
         let (root, mut shadows) = syntax::parse(texts.text, 0, &mut report);
@@ -169,17 +168,17 @@ impl<'t> Document<'t> {
         }
     }
 
-    /// What is known of placed scenes, inner ones first.
+    /// Groups that stand for placed scenes, inner ones first.
     pub fn placed_groups(&self) -> &[PlacedGroup] {
         &self.placed_groups
     }
 
-    /// Where files are looked for, the scene's own folder first.
+    /// Folders where files are looked for, the scene's own first.
     pub fn folders(&self) -> &'t [PathBuf] {
         &self.texts.folders
     }
 
-    /// The name of the script's file; `None` also where broken lines make it doubtful.
+    /// Name of the script's file; `None` also where syntax errors make it doubtful.
     pub fn script(&mut self) -> Option<At<String>> {
         let root = self.root.get_ref().as_table();
         let root = root.filter(|_| self.shadows.is_empty());
@@ -194,28 +193,28 @@ impl<'t> Document<'t> {
         })
     }
 
-    /// What `setup` may know of the scene: its parameters and its timeline; `None` if these have
-    /// mistakes, which are reported when the scene is read.
+    /// Input of `setup`: the scene's parameters and its timeline; `None` if these have mistakes, which are
+    /// reported when the scene is read.
     pub fn setup_input(&self) -> Option<(Vec<Entry<ParamValue>>, Option<TimelineDesc>)> {
-        let mut unheard = self.report.unheard();
+        let mut silent = self.report.silent();
         let root = self.root.get_ref().as_table()?;
         let table = |key| root.get(key).and_then(|node| node.get_ref().as_table());
         let timeline = table("timeline")
-            .and_then(|t| Table::read::<Film>(&mut unheard, t, Place::default()))
+            .and_then(|t| Table::read::<Film>(&mut silent, t, Place::default()))
             .map(|film| film.timeline);
-        let values = table("params").map_or_else(Vec::new, |t| params::read(t, &mut unheard));
-        (unheard.errors() == 0).then_some((values, timeline))
+        let values = table("params").map_or_else(Vec::new, |t| params::read(t, &mut silent));
+        (silent.errors() == 0).then_some((values, timeline))
     }
 
-    /// The declared parameters, with overrides; `None` where that cannot be determined.
+    /// The declared parameters, with overrides; `None` where mistakes keep them from being determined.
     pub fn params(&self) -> Option<Vec<Entry<ParamValue>>> {
-        let mut unheard = self.report.unheard();
+        let mut silent = self.report.silent();
         let table = self.root.get_ref().as_table()?.get("params");
         let params = match table {
-            Some(table) => params::read(table.get_ref().as_table()?, &mut unheard),
+            Some(table) => params::read(table.get_ref().as_table()?, &mut silent),
             None => Vec::new(),
         };
-        (self.report.errors() + unheard.errors() == 0).then_some(params)
+        (self.report.errors() + silent.errors() == 0).then_some(params)
     }
 
     /// Names of all variants.
@@ -223,15 +222,15 @@ impl<'t> Document<'t> {
         names_of("variant", &self.root)
     }
 
-    /// Notes that the script adds nothing because of a mistake: an own one of it, or one that is
-    /// reported when the scene is read.
+    /// Notes that the script adds nothing because of a mistake: `mistake`, or if that is `None`, one that
+    /// is reported when the scene is read.
     pub fn lacks_script(&mut self, mistake: Option<Diagnostic>) {
         mistake.into_iter().for_each(|m| self.report.push(m));
         self.report.note_lacking_names();
     }
 
-    /// Lays scene text that `setup` returned beside the scene's own; `script` is what messages call
-    /// it.
+    /// Merges scene text that `setup` returned into the tree; `script` is the name of the script in
+    /// messages.
     pub fn add(&mut self, text: &'t str, script: &str, returned: Returned) {
         let base = self.report.add_returned(script, returned, text);
         additions::merge(&mut self.root, text, base, &mut self.report);
@@ -270,8 +269,8 @@ impl<'t> Document<'t> {
                 scene.parents = hierarchy::parents(&scene, table);
             }
         }
-        // Those of included files are definitions only, and are not placed by themselves; neither are those
-        // whose instance a layer has removed.
+        // A model that no instance uses is placed at the origin, but not if it comes from an included file,
+        // which only defines it, or if a layer has removed its instance.
         let instances = &scene.instances;
         let is_used = |name: &str| instances.iter().any(|i| i.model.value == name);
         let stands = |m: &Entry<_>| !texts.is_included(&m.at) && !report.is_unplaced(&m.name);

@@ -1,4 +1,4 @@
-//! Values that are one of some words.
+//! Values that are one of a fixed set of words.
 
 use serde_json::{Value as Json, json};
 
@@ -12,7 +12,7 @@ use crate::scene::desc::{
 };
 use crate::scene::{range::Range, suggest};
 
-/// Implements [`Value`] for an enum that is written as one of some words.
+/// Implements [`Value`] for an enum that is written as one of a fixed set of words.
 macro_rules! words {
     ($type:ident { $($word:literal => $variant:expr),+ $(,)? }) => {
         impl Value for $type {
@@ -64,7 +64,7 @@ words!(Visibility { "raster" => Self::Raster, "rays" => Self::Rays, "auto" => Se
 words!(Radiance { "half" => Self::Half, "full" => Self::Full, "auto" => Self::Auto });
 words!(ToneMap { "none" => Self::None, "neutral" => Self::Neutral, "aces" => Self::Aces, "agx" => Self::Agx });
 
-/// `"a", "b" or "c"`.
+/// The words as a list in prose: `"a", "b" or "c"`.
 pub fn one_of(words: &[&str]) -> String {
     let quoted: Vec<_> = words.iter().map(|w| suggest::text(w)).collect();
     match quoted.split_last() {
@@ -73,7 +73,7 @@ pub fn one_of(words: &[&str]) -> String {
     }
 }
 
-/// One of `words`, or a message with the nearest.
+/// The word that is written, if it is one of `words`; else a message that suggests the nearest one.
 pub fn word(
     node: &Node,
     key: &str,

@@ -1,4 +1,4 @@
-//! `extends = "paint"`: a material that has the keys of another where it does not say them itself.
+//! `extends = "paint"`: a material that inherits those keys of another that it does not have itself.
 
 use std::collections::{HashMap, HashSet};
 
@@ -7,10 +7,10 @@ use toml::de::{DeTable, DeValue};
 use super::{overlay::exclude_each_other, report::Report, value::Node};
 use crate::scene::suggest;
 
-/// Materials that extend each other in a row.
+/// Largest number of materials that extend each other in a chain.
 const MOST: usize = 100;
 
-/// The name that a table of a material extends.
+/// Name of the material that a material's table extends.
 pub fn extended<'n>(table: &'n DeTable<'_>) -> Option<&'n str> {
     table.get("extends")?.get_ref().as_str()
 }
@@ -90,7 +90,7 @@ fn report_missing(table: &DeTable, materials: &DeTable, report: &mut Report) {
     });
 }
 
-/// Materials that extend themselves, and rows that are too long.
+/// Reports materials that extend themselves, and chains that are too long.
 fn report_circles(materials: &DeTable, report: &mut Report) {
     let table = |name: &str| {
         materials
@@ -114,20 +114,20 @@ fn report_circles(materials: &DeTable, report: &mut Report) {
                 break;
             }
             if step == MOST {
-                let message = format!("more than {MOST} materials extend each other in a row");
+                let message = format!("more than {MOST} materials extend each other in a chain");
                 report.error("too-deep", &at, message).help =
-                    Some("extend one that is nearer to the first".into());
+                    Some("extend a material that is nearer to the end of the chain".into());
                 break;
             }
             if !passed.insert(parent) {
-                break; // a circle of others, which say so
+                break; // a circle of other materials, reported at these
             }
             next = table(parent).and_then(extended);
         }
     }
 }
 
-/// All tables of materials.
+/// All tables of materials: those of the scene, of models and of instances.
 pub fn tables<'n, 'i>(root: &'n DeTable<'i>) -> impl Iterator<Item = &'n DeTable<'i>> {
     let table = |node: &'n Node<'i>| node.get_ref().as_table();
     let named = move |root: &'n DeTable<'i>, key: &str| root.get(key).and_then(table);
@@ -144,7 +144,7 @@ pub fn tables<'n, 'i>(root: &'n DeTable<'i>) -> impl Iterator<Item = &'n DeTable
     own.chain(overrides).chain(instances).filter_map(table)
 }
 
-/// As [`tables`], to change them.
+/// Calls `change` for each of the tables that [`tables`] lists.
 fn each_table_mut<'i>(root: &mut DeTable<'i>, change: &mut impl FnMut(&mut DeTable<'i>)) {
     fn each<'i>(node: Option<&mut Node<'i>>, change: &mut impl FnMut(&mut DeTable<'i>)) {
         let Some(DeValue::Table(entries)) = node.map(Node::get_mut) else {

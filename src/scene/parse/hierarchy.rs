@@ -1,4 +1,4 @@
-//! `parent = "NAME"`: what hangs on what. Read from the tree, so that a parent with a mistake is still
+//! `parent = "NAME"`: the scene hierarchy. It is read from the tree, so that a parent with a mistake is still
 //! known by its name.
 
 use std::{
@@ -15,16 +15,17 @@ use crate::scene::{
     suggest,
 };
 
-/// Parents that a message about a circle lists, and names that are compared with a wrong one.
+/// Largest number of parents that a message about a circle lists.
 const MOST_SHOWN: usize = 8;
+/// Largest number of names that are compared with a wrong one.
 const MOST_SUGGESTED: usize = 1000;
 
-/// Asks for the key, so that tables with a parent have it; it is resolved after all are read.
-pub fn ask(t: &mut Table) {
+/// Declares the key `parent` of a table; its name is resolved after all tables are read.
+pub fn declare_parent(t: &mut Table) {
     t.find::<At<String>>("parent", ANY);
 }
 
-/// The parent that a table names, and where.
+/// Name of a table's parent, and its place.
 fn named<'n>(table: &'n DeTable<'_>) -> Option<(&'n str, Range<usize>)> {
     let node = table.get("parent")?;
     Some((node.get_ref().as_str()?, node.span()))
@@ -94,14 +95,14 @@ fn refuse_dangling<T>(
     let removed = removed.into_iter().flatten().next();
     let message = format!("no instance or group is named {}", suggest::text(parent));
     let help = if removed.is_some() {
-        "take the `parent` away, or give it another".to_owned()
+        "remove `parent`, or name another parent".to_owned()
     } else if nodes.is_empty() {
         "write `[group.NAME]`, or give an `[[instance]]` a `name`".to_owned()
     } else {
         let mut known: Vec<&str> = nodes.keys().copied().collect();
         known.sort_unstable();
         known.truncate(MOST_SUGGESTED);
-        suggest::hint(parent, &known, suggest::text, "there are")
+        suggest::hint(parent, &known, suggest::text, "the names are")
     };
     let error = report.error("dangling-name", at, message);
     error.help = Some(help);

@@ -1,5 +1,5 @@
-//! `include = [...]`: files of scene text that are laid beside the scene's own, so that several
-//! scenes share materials, models or lights.
+//! `include = [...]`: files of scene text that are merged with the scene's own, so that several scenes
+//! share materials, models or lights.
 
 use std::{
     collections::HashSet,
@@ -29,10 +29,10 @@ use crate::scene::{
     suggest,
 };
 
-/// Files of a scene, those that included files name among them.
+/// Largest number of included files of a scene, nested ones too.
 const MOST: usize = 100;
 
-/// Included scene text, in messages about its files.
+/// Words for included scene text in messages.
 const SCENES: Kind = Kind {
     one: "scene text",
     names: "names of included files start from the scene's folder or an asset folder (--assets DIR)",
@@ -41,7 +41,7 @@ const SCENES: Kind = Kind {
     most_mib: MOST_BYTES >> 20,
 };
 
-/// Included files, and where their texts begin in the report.
+/// Included files, with the positions where their texts begin in the report.
 #[derive(Default)]
 pub struct Included {
     files: Vec<(usize, Include)>,
@@ -49,13 +49,13 @@ pub struct Included {
 }
 
 impl Included {
-    /// Whether this is written in one of the files.
+    /// Whether a place is in one of the files.
     pub fn has(&self, at: &Span) -> bool {
         let source = at.source.as_ref();
         source.is_some_and(|s| self.sources.iter().any(|own| Arc::ptr_eq(own, s)))
     }
 
-    /// Their texts, with where they begin in the report.
+    /// Texts of the files, with the positions where they begin in the report.
     pub fn texts(&self) -> impl Iterator<Item = (&str, usize)> {
         self.files
             .iter()
@@ -69,8 +69,8 @@ impl Included {
 }
 
 /// Reads the files that a text includes and those that they include, each once, in the order in
-/// which they are named. The text begins at `start` in the report, and `path` is its file; what is
-/// looked for in the folders is added to `dependencies`.
+/// which they are named. The text begins at `start` in the report, and `path` is its file; every file
+/// that is looked for in the folders is added to `dependencies`.
 pub fn collect(
     (text, start): (&str, usize),
     path: &Path,
@@ -80,7 +80,7 @@ pub fn collect(
 ) -> Included {
     let mut included = Included::default();
     let mut known: HashSet<PathBuf> = path.canonicalize().into_iter().collect();
-    // The last is read next.
+    // Used as a stack: the last one is read next.
     let mut waiting = named(text, start, start == 0, report);
     waiting.reverse();
     while let Some(name) = waiting.pop() {
@@ -114,7 +114,7 @@ pub fn collect(
 
 /// The files that a text includes. Mistakes of the scene's own text are reported when it is read.
 fn named(text: &str, base: usize, is_scene: bool, report: &mut Report) -> Vec<At<String>> {
-    // Texts are parsed once more for this, which most are spared.
+    // This parses the text a second time, so texts without the word are skipped.
     if !text.contains("include") {
         return Vec::new();
     }
@@ -127,14 +127,14 @@ fn named(text: &str, base: usize, is_scene: bool, report: &mut Report) -> Vec<At
         range: &ANY,
     };
     let node = shift(node, base);
-    if is_scene && Names::read(&node, &named, &mut report.unheard()).is_none() {
+    if is_scene && Names::read(&node, &named, &mut report.silent()).is_none() {
         return Vec::new();
     }
     Names::read(&node, &named, report).map_or_else(Vec::new, |names| names.0)
 }
 
-/// Lays included files into the tree, those that are named first before the others, all of them
-/// behind what the scene says itself. What their broken lines make doubtful is added to `shadows`.
+/// Merges included files into the tree, in the order in which they are named and after the scene's own
+/// entries. Parts that syntax errors in them make doubtful are added to `shadows`.
 pub fn merge<'i>(
     root: &mut Node<'i>,
     included: &'i Included,
@@ -188,8 +188,8 @@ fn add<'i>(
     }
 }
 
-/// Adds a value to the table at `path`; where both have a table, its entries, down to `depth` tables.
-/// What both have then is an error.
+/// Adds a value to the table at `path`; where both have a table, merges the two, down to `depth` levels.
+/// A key that both have below that is an error.
 fn add_parts<'i>(
     table: &mut DeTable<'i>,
     path: &str,

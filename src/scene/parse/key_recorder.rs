@@ -1,14 +1,14 @@
-//! What the readers ask for, written down: the source of the manual's tables and the JSON Schema.
+//! Record of the keys that the readers ask for: the source of the manual's tables and the JSON Schema.
 
 use serde_json::Value as Json;
 
 use super::value::Value;
 use crate::scene::range::Range;
 
-/// What may stand under a key.
+/// One allowed form of the value of a key.
 #[derive(Clone, Debug)]
 pub enum Form {
-    /// A plain value: in words, and as a JSON Schema.
+    /// A plain value: its description in words, and its JSON Schema.
     Value(String, Json),
     /// A table, described by the section of that type.
     Table(&'static str),
@@ -21,17 +21,17 @@ pub enum Form {
 /// One key of a table.
 #[derive(Clone, Debug)]
 pub struct KeyRecord {
-    /// The key.
+    /// Name of the key.
     pub name: &'static str,
-    /// What may stand under it, any of these.
+    /// Allowed forms of its value.
     pub forms: Vec<Form>,
     /// Range of its numbers in words; empty without one.
     pub range: String,
-    /// The enum of `desc.rs` that it is one of, and that one's words.
+    /// For a value that is one of a set of words: name of the enum in `desc.rs`, and the words.
     pub words: Option<(&'static str, &'static [&'static str])>,
-    /// Whether it must be there.
+    /// Whether the key is required.
     pub required: bool,
-    /// Its default as in scene text.
+    /// Default value, as in scene text.
     pub default: Option<Json>,
 }
 
@@ -59,55 +59,55 @@ impl KeyRecord {
         note
     }
 
-    /// The same with another form.
+    /// The same key with a further form.
     pub fn or(mut self, form: Form) -> Self {
         self.forms.push(form);
         self
     }
 
-    /// The same, required.
+    /// The same key, required.
     pub fn required(mut self) -> Self {
         self.required = true;
         self
     }
 
-    /// The same with a default.
+    /// The same key with a default.
     pub fn default(mut self, value: Json) -> Self {
         self.default = Some(value);
         self
     }
 }
 
-/// Keys of different groups exclude each other.
+/// A rule that keys of different groups exclude each other.
 #[derive(Clone, Debug)]
 pub struct Rule {
-    /// Whether one of the groups must be there.
+    /// Whether a key of one of the groups is required.
     pub required: bool,
-    /// The groups.
+    /// The groups of keys.
     pub groups: Vec<Vec<&'static str>>,
 }
 
-/// One value of `kind`, and what only it takes.
+/// One variant of a table: a value of `kind`, and the keys that only this variant takes.
 #[derive(Clone, Debug, Default)]
 pub struct VariantRecord {
-    /// The key that chooses, `kind`.
+    /// The key that chooses the variant, such as `kind`.
     pub key: &'static str,
-    /// Its value.
+    /// Value of that key.
     pub word: &'static str,
-    /// Further keys.
+    /// Keys of the variant.
     pub keys: Vec<KeyRecord>,
     /// Rules among them.
     pub rules: Vec<Rule>,
 }
 
-/// One table.
+/// One table of the scene text.
 #[derive(Clone, Debug, Default)]
 pub struct SectionRecord {
     /// Its type in `desc.rs`.
     pub type_name: &'static str,
     /// Further types whose fields are its keys.
     pub also: &'static [&'static str],
-    /// How it is written.
+    /// The table as it is written, such as `[camera.NAME]`.
     pub heading: &'static str,
     /// Its keys.
     pub keys: Vec<KeyRecord>,
@@ -122,7 +122,7 @@ pub struct SectionRecord {
 pub struct RecordedKeys {
     /// The tables.
     pub sections: Vec<SectionRecord>,
-    /// The tables being described, outermost first, and whether one of its variants is.
+    /// Indices of the open tables, outermost first, each with whether one of its variants is open.
     open: Vec<(usize, bool)>,
 }
 
@@ -186,7 +186,7 @@ impl RecordedKeys {
         }
     }
 
-    /// What follows belongs to one variant of the open table.
+    /// Starts a variant of the open table; keys and rules that follow belong to it.
     pub fn open_variant(&mut self, key: &'static str, word: &'static str) {
         self.set_in_variant(true);
         if let Some((section, _)) = self.section() {
@@ -198,7 +198,7 @@ impl RecordedKeys {
         }
     }
 
-    /// What follows belongs to the table itself again.
+    /// Ends the variants; keys and rules that follow belong to the table itself again.
     pub fn close_variants(&mut self) {
         self.set_in_variant(false);
     }

@@ -1,4 +1,4 @@
-//! `base = "….toml"`, `remove` and `[variant.NAME]`: a scene that is another one with changes.
+//! `base = "….toml"`, `remove` and `[variant.NAME]`: a scene as changes to another one.
 
 use std::{
     collections::HashSet,
@@ -25,10 +25,10 @@ use crate::scene::{
     suggest,
 };
 
-/// Bases below each other.
+/// Largest number of bases in a chain.
 const MOST: usize = 100;
 
-/// Scene text that is a base, in messages about its files.
+/// Words for bases in messages about their files.
 const BASES: Kind = Kind {
     one: "scene text",
     names: "names of bases start from the scene's folder or an asset folder (--assets DIR)",
@@ -36,38 +36,38 @@ const BASES: Kind = Kind {
     most_mib: super::MOST_BYTES >> 20,
 };
 
-/// A base, with what it includes.
+/// A base, with the files that it includes.
 pub struct Base {
-    /// Where its text begins in the report.
+    /// Position where its text begins in the report.
     start: usize,
     file: Include,
     included: Included,
 }
 
 impl Base {
-    /// Its file and those that it includes.
+    /// The base's file and the files that it includes.
     pub fn files(&self) -> impl Iterator<Item = &Include> {
         std::iter::once(&self.file).chain(self.included.files())
     }
 
-    /// Their texts, with where they begin in the report.
+    /// Texts of these files, with the positions where they begin in the report.
     pub fn texts(&self) -> impl Iterator<Item = (&str, usize)> {
         std::iter::once((self.file.text.as_str(), self.start)).chain(self.included.texts())
     }
 
-    /// Where its text begins in the report.
+    /// Position where its text begins in the report.
     pub fn start(&self) -> usize {
         self.start
     }
 
-    /// Whether this is written in a file that it includes.
+    /// Whether a place is in a file that the base includes.
     pub fn includes(&self, at: &crate::scene::diagnostic::Span) -> bool {
         self.included.has(at)
     }
 }
 
-/// Reads the base of a scene, whose text begins at `start` in the report, that one's base, and so on. `folders` are those where they are looked
-/// for, the scene's first, and `path` is the scene's own file.
+/// Reads the base of a scene, the base of that base, and so on. The scene's text begins at `start` in the
+/// report, and `path` is its file; bases are looked for in `folders`, the scene's own first.
 pub fn collect(
     (text, start): (&str, usize),
     path: &Path,
@@ -80,7 +80,7 @@ pub fn collect(
     let mut next = named(text, start, start == 0, report);
     while let Some(name) = next.take() {
         if bases.len() == MOST {
-            let message = format!("at most {MOST} bases can lie below each other");
+            let message = format!("a chain of bases may have at most {MOST} files");
             report.push(Diagnostic::at("too-many-files", name.at, message));
             report.note_lacking_names();
             break;
@@ -125,7 +125,7 @@ pub fn collect(
 
 /// The base that a text names. A mistake of the scene's own text is reported when it is read.
 fn named(text: &str, start: usize, is_scene: bool, report: &mut Report) -> Option<At<String>> {
-    // Texts are parsed once more for this, which most are spared.
+    // This parses the text a second time, so texts without the word are skipped.
     if !text.contains("base") {
         return None;
     }
@@ -136,13 +136,13 @@ fn named(text: &str, start: usize, is_scene: bool, report: &mut Report) -> Optio
         range: &ANY,
     };
     if is_scene {
-        At::read(&node, &named, &mut report.unheard())?;
+        At::read(&node, &named, &mut report.silent())?;
     }
     At::read(&node, &named, report)
 }
 
-/// The tree of the bases, the lowest first, each laid over those before it; and the scene's own tree
-/// over all.
+/// Merges the trees of a scene and its bases: each base is laid over its own base, starting with the
+/// lowest, and the scene's own tree over all.
 pub fn merge<'i>(
     own: Node<'i>,
     bases: &'i [Base],
@@ -175,7 +175,7 @@ pub fn merge<'i>(
         Some(below) => {
             let keep = own.clone();
             let mut root = over(below, own, report);
-            // What the reader asks for is what the scene itself says.
+            // The reader gets these keys as the scene itself has them.
             if let (DeValue::Table(root), DeValue::Table(own)) = (root.get_mut(), keep.into_inner())
             {
                 let layers = ["base", "include", "remove"];
@@ -207,7 +207,7 @@ fn refuse_remove(node: &Node, report: &mut Report) {
     error.help = Some("name one by `base = \"….toml\"`, or write `remove` in a variant".into());
 }
 
-/// One tree over another, after what it removes of that.
+/// Lays one tree over another, from which the entries in its `remove` are taken out first.
 fn over<'i>(mut below: Node<'i>, above: Node<'i>, report: &mut Report) -> Node<'i> {
     let at = above.span();
     let DeValue::Table(mut above) = above.into_inner() else {
@@ -256,7 +256,7 @@ fn remove_all(below: &mut Node, removed: &Node, has_script: bool, report: &mut R
 }
 
 /// Lays the chosen `[variant.NAME]` over the scene, in the order in which they are chosen; each is
-/// given by its name and where that begins in the report.
+/// given by its name and the position where that begins in the report.
 pub fn choose<'i>(mut root: Node<'i>, chosen: &[(&str, usize)], report: &mut Report) -> Node<'i> {
     for (name, start) in chosen {
         let variants = root.get_ref().as_table().and_then(|t| t.get("variant"));

@@ -16,21 +16,21 @@ use crate::scene::{
 
 mod motion;
 
-/// Names that are compared with one that refers to nothing.
+/// Largest number of names that are compared with one that refers to nothing.
 const MOST_SUGGESTED: usize = 1000;
 
 /// Tables that can be referred to, by name, with the place of the name.
 struct Names<'a> {
-    /// What they are, `model`.
+    /// Kind of the tables, such as `model`.
     kind: &'static str,
     places: HashMap<&'a str, Range<usize>>,
-    /// The first of them in the order of the file, for suggestions.
+    /// The first names in the order of the file, for suggestions.
     first: Vec<&'a str>,
     used: HashSet<&'a str>,
 }
 
 impl<'a> Names<'a> {
-    /// From the tree and not from what was read: a table with a mistake still has its name.
+    /// Names from the tree, not from the description: a table with a mistake still has its name.
     fn of(kind: &'static str, root: &'a DeTable) -> Self {
         let table = root.get(kind).and_then(|node| node.get_ref().as_table());
         let keys = table.into_iter().flat_map(|t| t.keys());
@@ -50,7 +50,7 @@ impl<'a> Names<'a> {
         }
     }
 
-    /// Reports a reference to nothing, with the nearest thing that it could mean.
+    /// Reports a reference to a name that does not exist, and suggests the nearest name.
     fn refer(&mut self, to: &At<String>, report: &mut Report) {
         if let Some((name, _)) = self.places.get_key_value(to.value.as_str()) {
             self.used.insert(name);
@@ -80,8 +80,8 @@ impl<'a> Names<'a> {
     }
 }
 
-/// Checks all references of the scene; `root` is the tree it was read from, and what is included
-/// from elsewhere need not be used.
+/// Checks all references of the scene; `root` is the tree that it was read from. Materials at places
+/// where `is_included` is true need not be used.
 pub fn check(
     scene: &SceneDesc,
     root: &DeTable,
@@ -112,7 +112,7 @@ pub fn check(
     check_instance_names(root, report);
     hierarchy::check(root, report);
     let mut cameras = Names::of("camera", root);
-    // Those of files are known when these are read.
+    // Cameras of model files, with a `/` in their names, are known only when the files are loaded.
     let own = (scene.cuts.iter()).filter(|cut| !cut.camera.value.contains('/'));
     own.for_each(|cut| cameras.refer(&cut.camera, report));
     motion::check(scene, root, report);
@@ -124,7 +124,7 @@ pub fn check(
     }
 }
 
-/// Reports each name that an instance before has too; from the tree, so that the name is marked.
+/// Reports each name that an earlier instance has too; from the tree, which has the place of the name.
 fn check_instance_names(root: &DeTable, report: &mut Report) {
     let list = root
         .get("instance")
@@ -159,7 +159,7 @@ fn shape_of<'a>(scene: &'a SceneDesc, instance: &InstanceDesc) -> Option<&'a Ent
     matches!(model.value.source, ModelSource::Shape(_)).then_some(model)
 }
 
-/// What is allowed but hardly meant.
+/// Warns of unused materials and of a scene without models.
 fn warn(
     scene: &SceneDesc,
     materials: &Names,

@@ -1,4 +1,4 @@
-//! Names of a layer that are new, and that are most likely meant to be others: `[camera.mian]` over a base with
+//! Warnings of new names in a layer that are probably misspelled: `[camera.mian]` over a base with
 //! `[camera.main]` makes a second camera.
 
 use std::{collections::HashSet, ops::Range};
@@ -8,13 +8,13 @@ use toml::de::{DeTable, DeValue};
 use super::{report::Report, value::Node};
 use crate::scene::{diagnostic::Diagnostic, suggest};
 
-/// What has names that people choose.
+/// Kinds of entries whose names users choose.
 const KINDS: [&str; 6] = ["camera", "group", "instance", "light", "material", "model"];
 
-/// Names that are compared with each other; more are hardly written by hand.
+/// Largest number of names of a kind that are compared; more are hardly written by hand.
 const MOST: usize = 1000;
 
-/// Warns of names above that are a slip of the hand away from one below.
+/// Warns of new names in `above` that are a typing error away from a name in `below`.
 pub fn warn(below: &Node, above: &DeTable, report: &mut Report) {
     let Some(below) = below.get_ref().as_table() else {
         return;
@@ -27,14 +27,14 @@ pub fn warn(below: &Node, above: &DeTable, report: &mut Report) {
         let [in_known, in_written] =
             [&known, &written].map(|list| list.iter().map(|(n, _)| *n).collect::<HashSet<_>>());
         for (name, at) in written.iter().filter(|(name, _)| !in_known.contains(name)) {
-            // Who writes both knows both.
+            // Names that the layer has too are not candidates: its author knows both.
             let mut others = known.iter().filter(|(n, _)| !in_written.contains(n));
             let Some((other, first)) = others.find(|(other, _)| is_slip(name, other)) else {
                 continue;
             };
             let [name, other] = [name, other].map(|name| suggest::text(name));
-            let message = format!("{kind} {name} is new, and there is {other} below");
-            let help = format!("did you mean {other}? else give it a name that is less alike");
+            let message = format!("{kind} {name} is new; the scene below this layer has {other}");
+            let help = format!("did you mean {other}? if not, choose a name that differs more");
             let warning = Diagnostic::at("near-name", report.span(at), message).help(help);
             let first = report.span(first);
             report.push(warning.related(first, format!("{other} is here")).warning());
@@ -64,8 +64,8 @@ fn names<'n>(table: &'n DeTable, kind: &str) -> Vec<(&'n str, Range<usize>)> {
     found
 }
 
-/// Whether two neighbouring letters are swapped, one letter is missing, or letters are large instead of small; what
-/// else is alike is a name of its own, as `ball2`, `balls`, `wall_b` and `lamp_ii` are.
+/// Whether two names differ only by two swapped neighboring letters, one missing letter, or upper and lower
+/// case; other similar names are meant to differ, as `ball2`, `balls`, `wall_b` and `lamp_ii` are.
 fn is_slip(a: &str, b: &str) -> bool {
     if a.len().abs_diff(b.len()) > 4 || a == b {
         return false;
@@ -74,7 +74,7 @@ fn is_slip(a: &str, b: &str) -> bool {
     if a == b {
         return true;
     }
-    // A last part of few letters numbers things of a kind.
+    // A short last part, as in `wall_a` and `wall_b`, numbers entries of a kind.
     let numbers = |name: &str| name.rfind(['_', '-']).filter(|at| name.len() - at <= 4);
     if let (Some(x), Some(y)) = (numbers(&a), numbers(&b))
         && a[..x] == b[..y]
@@ -90,7 +90,7 @@ fn is_slip(a: &str, b: &str) -> bool {
             a.is_alphabetic() && b.is_alphabetic()
         }
         (rest, [extra, other @ ..]) if rest == other => {
-            // Words that begin or end otherwise are others, and a last letter may number things of a kind.
+            // An extra letter at the start makes another word; one at the end may number entries of a kind.
             let doubles = same > 0 && long[same - 1] == *extra;
             let is_inside = other.first().is_some_and(|next| next.is_alphabetic());
             short.len() >= 3 && same > 0 && extra.is_alphabetic() && (doubles || is_inside)

@@ -1,5 +1,5 @@
-//! Tables over tables: a scene over its base, a variant over a scene. What is above wins, key by key,
-//! and every value keeps the place where it is written.
+//! Lays tables over tables: a scene over its base, a variant over a scene. The upper value wins, key by
+//! key, and every value keeps the place where it is written.
 
 use toml::{
     Spanned,
@@ -9,8 +9,8 @@ use toml::{
 use super::{report::Report, set, value::Node};
 use crate::scene::suggest;
 
-/// Keys that exclude each other: where one of a group is written above, those of the other groups
-/// below do not count.
+/// Groups of keys that exclude each other: a key of one group in the upper table removes the keys of the
+/// other groups from the lower table.
 const EXCLUSIVE: [&[&[&str]]; 7] = [
     &[&["repeat"], &["instances_from"]],
     &[&["file"], &["shape"]],
@@ -24,21 +24,21 @@ const EXCLUSIVE: [&[&[&str]]; 7] = [
     &[&["color"], &["zenith", "horizon", "ground"]],
 ];
 
-/// What the keys of a table are.
+/// Level of a table: the meaning of its keys.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Level {
-    /// Those of a scene, or of `motion`.
+    /// Keys of a scene, or of `motion`.
     Scene,
     /// Names of variants.
     Variants,
-    /// Other names that people choose.
+    /// Other names that users choose, such as those of cameras.
     Names,
-    /// Keys of one thing.
+    /// Keys of one entry, such as a camera or an instance.
     Keys,
 }
 
 impl Level {
-    /// Of the table under a key.
+    /// Level of the table under a key.
     fn below(self, key: &str) -> Self {
         match (self, key) {
             (
@@ -57,7 +57,7 @@ pub fn overlay<'i>(below: &mut DeTable<'i>, above: DeTable<'i>) {
     overlay_at(Level::Scene, below, above);
 }
 
-/// Lays the keys of a thing over those of another one.
+/// Lays the keys of one entry over those of another.
 pub fn overlay_keys<'i>(below: &mut DeTable<'i>, above: DeTable<'i>) {
     overlay_at(Level::Keys, below, above);
 }
@@ -72,7 +72,7 @@ fn overlay_at<'i>(level: Level, below: &mut DeTable<'i>, above: DeTable<'i>) {
     }
 }
 
-/// Whether both cannot be keys of one table.
+/// Whether two keys cannot be in the same table.
 pub fn exclude_each_other(a: &str, b: &str) -> bool {
     EXCLUSIVE.iter().any(|groups| {
         let of = |key: &str| groups.iter().position(|group| group.contains(&key));
@@ -105,14 +105,14 @@ fn put<'i>(level: Level, below: &mut DeTable<'i>, key: Spanned<DeString<'i>>, no
             overlay_instances(old, new.into_iter());
         }
         (_, new) => {
-            // Removed first, so that the key's place is the one above.
+            // Removed first, so that the key has the place of the upper one.
             below.remove(name);
             below.insert(key, Node::new(at, new));
         }
     }
 }
 
-/// Whether two tables have the same `kind`, where they say one: the keys of another mean nothing.
+/// Whether two tables may have the same `kind`; keys of another kind do not apply.
 fn same_kind(old: &DeTable, new: &DeTable) -> bool {
     let kind = |table: &DeTable| {
         let kind = table.get("kind")?.get_ref().as_str()?;
@@ -146,15 +146,15 @@ pub fn name_of<'n>(node: &'n Node<'_>) -> Option<&'n str> {
     node.get_ref().as_table()?.get("name")?.get_ref().as_str()
 }
 
-/// Whether something is at a path such as `light.lamp`.
+/// Whether a value exists at a path such as `light.lamp`.
 pub fn has(root: &mut Node, path: &str) -> bool {
     let names = set::names_of(path).unwrap_or_default();
     let found = names.iter().try_fold(root, |node, name| child(node, name));
     found.is_ok() && !names.is_empty()
 }
 
-/// Takes away what a path such as `light.lamp` names; `at` is where the path is written, and `has_script` says
-/// that a script may add to the scene.
+/// Removes the value at a path such as `light.lamp`; `at` is the place of the path, and `has_script` says
+/// whether a script may add to the scene.
 pub fn remove(
     root: &mut Node,
     path: &str,
@@ -215,7 +215,7 @@ fn nothing(
     let message = format!("there is nothing at {} to remove", suggest::text(path));
     if let Some(first) = report.removed(path) {
         let error = report.error("dangling-name", at, message);
-        error.help = Some("let one of the layers or variants remove it".into());
+        error.help = Some("take it out of one of the two `remove` lists".into());
         error.related = Some((first, "it is removed here already".into()));
         return;
     }
@@ -227,7 +227,7 @@ fn nothing(
                 .to_owned()
         }
         None if known.is_empty() => "only what the base has can be removed".to_owned(),
-        _ => suggest::hint(name, &known, suggest::text, "there are"),
+        _ => suggest::hint(name, &known, suggest::text, "the names are"),
     };
     report.error("dangling-name", at, message).help = Some(written);
 }
@@ -243,7 +243,7 @@ fn names_in(items: &[Node]) -> Vec<String> {
     names.map(str::to_owned).collect()
 }
 
-/// The child of that name, or the names that there are.
+/// The child of that name; as an error, the names of all children.
 fn child<'n, 'i>(node: &'n mut Node<'i>, name: &str) -> Result<&'n mut Node<'i>, Vec<String>> {
     match node.get_mut() {
         DeValue::Table(table) => {

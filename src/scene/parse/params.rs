@@ -1,4 +1,4 @@
-//! `[params]`: values with names of the user's choice, which the script reads.
+//! `[params]`: values with names that the user chooses, for the script.
 
 use serde_json::{Value as Json, json};
 use toml::{
@@ -68,7 +68,7 @@ fn value(node: &Node, key: &str, report: &mut Report) -> Option<ParamValue> {
     }
 }
 
-/// A number that 32 bits hold, kept with all its digits.
+/// A number within the range of 32-bit floats, kept in double precision.
 fn number(node: &Node, key: &str, report: &mut Report) -> Option<f64> {
     let named = Named {
         key: &suggest::clip(key),
@@ -115,7 +115,7 @@ pub fn set<'i>(
         report.error("wrong-type", &value.span(), message).help = help;
         return;
     }
-    // Declared as a float it stays one, also where it is set to 3.
+    // A parameter that is declared as a float stays one, also where it is set to 3.
     if matches!(old.get_ref(), DeValue::Float(_)) || report.is_float(old.span().start) {
         report.keep_float(value.span().start);
     }
@@ -124,11 +124,12 @@ pub fn set<'i>(
     declared.insert(key, value);
 }
 
-/// Whether a parameter keeps its kind; a list also its length, as each place may have its meaning.
+/// Whether a value keeps the kind of a parameter; a list also its length, as each element may have its
+/// own meaning.
 fn fits(declared: &Node, value: &Node, report: &Report) -> bool {
     match (declared.get_ref(), value.get_ref()) {
         (DeValue::Float(_), DeValue::Integer(_)) => true,
-        // Set to 3 before, it is a float all the same.
+        // A float that an earlier override has set to 3 is still a float.
         (DeValue::Integer(_), DeValue::Float(_)) => report.is_float(declared.span().start),
         (DeValue::Array(a), DeValue::Array(b)) => a.len() == b.len(),
         (a, b) => std::mem::discriminant(a) == std::mem::discriminant(b),

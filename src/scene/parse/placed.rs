@@ -1,5 +1,5 @@
-//! `model = { scene = "car.toml" }`: scenes that stand in a scene. Each becomes a group with the name
-//! of its instance; what it consists of hangs on that, with the name and a dot before its own names.
+//! `model = { scene = "car.toml" }`: scenes that are placed in a scene. Each becomes a group with the name
+//! of its instance. Its entries get that group as parent, and its name and a dot before their own names.
 
 mod collect;
 mod group;
@@ -30,10 +30,10 @@ use super::{
 };
 use crate::scene::{desc::TimelineDesc, suggest};
 
-/// Scenes that stand in a scene, those inside them too.
+/// Largest number of scenes that are placed in a scene, nested ones too.
 const MOST_PLACED: usize = 1000;
 
-/// Keys of an instance that what a placed scene consists of takes over where it does not say them.
+/// Keys of the placing instance that instances of the placed scene inherit where they lack them.
 const INHERITED: [&str; 3] = ["visible", "casts_shadow", "in_reflections"];
 
 /// Keys of an instance that a placed scene cannot have.
@@ -53,8 +53,8 @@ fn placed_by<'n, 'i>(instance: &'n Node<'i>) -> Option<(&'n str, &'n Node<'i>)> 
     Some((node.get_ref().as_str()?, node))
 }
 
-/// Puts placed scenes in the place of the instances that name them; returns what is known of them, inner ones
-/// first. `timeline` is what their scripts are told of.
+/// Replaces instances that place scenes by the entries of these scenes; returns the groups that stand for
+/// the scenes, inner ones first. `timeline` is passed to their scripts.
 pub fn expand<'i>(
     root: &mut Node<'i>,
     placed: &'i Placed,
@@ -88,7 +88,7 @@ struct Expansion<'p, 'i> {
 }
 
 impl<'i> Expansion<'_, 'i> {
-    /// Expands what a tree places; `folder` is where names of files in it start.
+    /// Expands the scenes that a tree places; names of files in it start from `folder`.
     fn expand(&mut self, root: &mut DeTable<'i>, folder: &str) {
         let Some(DeValue::Array(list)) = root.get_mut("instance").map(Node::get_mut) else {
             return;
@@ -120,7 +120,7 @@ impl<'i> Expansion<'_, 'i> {
             return;
         };
         if self.left == 0 {
-            let message = format!("at most {MOST_PLACED} scenes can stand in a scene");
+            let message = format!("at most {MOST_PLACED} scenes can be placed in a scene");
             self.report.error("too-many-files", &at, message);
             self.report.note_lacking_names();
             return;
@@ -216,7 +216,7 @@ impl<'i> Expansion<'_, 'i> {
         let groups =
             groups.or_insert_with(|| Spanned::new(at.clone(), DeValue::Table(DeTable::new())));
         let DeValue::Table(groups) = groups.get_mut() else {
-            return; // its reader says so
+            return; // its reader reports this
         };
         if groups.contains_key(name) {
             let message = format!(
@@ -232,7 +232,7 @@ impl<'i> Expansion<'_, 'i> {
     }
 }
 
-/// Adds what a placed scene consists of; what the scene itself says of the same names lies over it.
+/// Adds the entries of a placed scene; entries of the scene itself with the same names lie over them.
 fn merge<'i>(root: &mut DeTable<'i>, tree: DeTable<'i>) {
     for (kind, node) in tree {
         let Some(own) = root.get_mut(kind.get_ref().as_ref()).map(Node::get_mut) else {
@@ -262,12 +262,12 @@ fn merge<'i>(root: &mut DeTable<'i>, tree: DeTable<'i>) {
                     }
                 }
             }
-            _ => {} // its reader says so
+            _ => {} // its reader reports this
         }
     }
 }
 
-/// One thing under another of the same name.
+/// Lays an entry, if there is one, over another of the same name.
 fn over<'i>(below: Node<'i>, above: Option<Node<'i>>) -> Node<'i> {
     let Some(above) = above else {
         return below;

@@ -1,5 +1,5 @@
-//! The readers: one per table of the scene text, one line per key. What a key takes is written here
-//! and nowhere else; the manual and the JSON Schema come from running the same readers.
+//! The readers: one per table of the scene text, one line per key. The type, range and default of a
+//! key are written here and nowhere else; the manual and the JSON Schema come from running the same readers.
 
 mod animation;
 mod environment;
@@ -26,7 +26,7 @@ use crate::scene::range::{
 };
 use crate::scene::{desc::*, diagnostic::Diagnostic};
 
-/// Most lights of a scene.
+/// Largest number of lights of a scene.
 const MOST_LIGHTS: usize = 64;
 
 impl Section for SceneDesc {
@@ -53,7 +53,7 @@ impl Section for SceneDesc {
         if let Some(film) = t.table::<timeline::Film>("timeline") {
             (scene.timeline, scene.cuts) = (Some(film.timeline), film.cuts);
         }
-        // Read before, because they add to the tables above; asked for here, so that they are keys.
+        // These were read before, as they add to the tables above; asking for them makes them known keys.
         t.find::<At<String>>("base", ANY);
         t.find::<Names>("remove", ANY);
         t.find::<Names>("include", ANY);
@@ -74,7 +74,7 @@ impl Section for CameraDesc {
 
     fn read(t: &mut Table) -> Option<Self> {
         let default = Self::default();
-        hierarchy::ask(t);
+        hierarchy::declare_parent(t);
         let camera = Self {
             eye: t.get("eye", ANY, default.eye),
             target: t.get("target", ANY, default.target),
@@ -136,7 +136,7 @@ impl Section for MaterialDesc {
         );
         let checker = t.table("checker");
         let pattern = t.table("pattern").map(|Pattern(pattern)| pattern);
-        // Resolved before, in the tree; asked for here, so that it is a key.
+        // Already resolved in the tree; asking for it makes it a known key.
         t.find::<At<String>>("extends", ANY);
         let ior = t.find("ior", INDEX);
         Some(Self {
@@ -196,7 +196,7 @@ impl Section for CheckerDesc {
     }
 }
 
-/// A checker of another kind.
+/// A pattern: a checker with a `kind`.
 struct Pattern(CheckerDesc);
 
 impl Section for Pattern {

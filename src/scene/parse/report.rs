@@ -1,4 +1,4 @@
-//! Where messages are collected while a scene is read, and what turns byte ranges into places.
+//! Collects messages while a scene is read, and maps byte ranges to places in files.
 
 use std::{
     collections::{HashMap, HashSet},
@@ -9,7 +9,7 @@ use std::{
 
 use crate::scene::diagnostic::{Diagnostic, Returned, Severity, Source, Span};
 
-/// Errors kept per run; a file with more than these is not a scene with mistakes but something else.
+/// Largest number of errors kept per run; a file with more of them is most likely not a scene.
 const MOST: usize = 100;
 
 /// Messages so far, and the texts they point into.
@@ -20,29 +20,29 @@ const MOST: usize = 100;
 pub struct Report {
     sources: Vec<(usize, Arc<Source>)>,
     list: Vec<Diagnostic>,
-    /// The last error beyond [`MOST`], only to be handed out.
+    /// The last error beyond [`MOST`], kept only so that [`Report::error`] can return a reference.
     surplus: Option<Diagnostic>,
     left_out: usize,
     errors: usize,
-    /// Where values begin that are floats, though they are written as integers.
+    /// Positions of values that are floats, though they are written as integers.
     floats: HashSet<usize>,
     lacks_names: bool,
     /// Models of instances that a layer has removed.
     unplaced: HashSet<String>,
-    /// What a layer has removed.
+    /// Removals by layers, by the path that is removed.
     removed: HashMap<String, Removal>,
     /// The variant that is laid over the scene.
     variant: Option<String>,
 }
 
-/// What a layer has removed.
+/// Removal of a path by a layer.
 #[derive(Clone)]
 struct Removal {
-    /// Where it says so.
+    /// Place of the path in the layer's `remove`.
     at: Range<usize>,
-    /// The variant that removes it.
+    /// Name of the variant that removes the path; `None` for a base, or if the variant defines it anew.
     by: Option<String>,
-    /// A later variant, which says something of it.
+    /// Name of a later variant that has keys at the path.
     changed_by: Option<String>,
 }
 
@@ -52,7 +52,7 @@ impl Report {
         self.add_scene(path, text, false)
     }
 
-    /// As [`Report::add_source`]; `generated` is [`Source::generated`].
+    /// Same as [`Report::add_source`], with [`Source::generated`].
     pub fn add_scene(&mut self, path: &Path, text: &str, generated: bool) -> usize {
         self.add(Source {
             path: path.to_owned(),
@@ -62,8 +62,8 @@ impl Report {
         })
     }
 
-    /// Adds what a script returned, which messages call by the script's name, and returns the
-    /// position where it begins.
+    /// Adds a text that a script returned, which messages call by the script's name; returns the position
+    /// where it begins.
     pub fn add_returned(&mut self, script: &str, returned: Returned, text: &str) -> usize {
         self.add(Source {
             path: script.into(),
@@ -79,17 +79,17 @@ impl Report {
         base
     }
 
-    /// Notes that the value that begins here is a float, though it is written as an integer.
+    /// Notes that the value at a position is a float, though it is written as an integer.
     pub fn keep_float(&mut self, start: usize) {
         self.floats.insert(start);
     }
 
-    /// Whether the value that begins here is a float in any case.
+    /// Whether the value at a position is a float, though it is written as an integer.
     pub fn is_float(&self, start: usize) -> bool {
         self.floats.contains(&start)
     }
 
-    /// Notes that a layer has removed what is at a path, such as `light.lamp`; `at` is where it says so.
+    /// Notes that a layer has removed a path such as `light.lamp`; `at` is the place of its `remove`.
     pub fn note_removed(&mut self, path: &str, at: &Range<usize>) {
         let removal = Removal {
             at: at.clone(),
@@ -104,11 +104,11 @@ impl Report {
         self.variant = Some(name.to_owned());
     }
 
-    /// Notes that the variant is laid over the scene, and which of the removed paths are there again.
+    /// Notes that the variant is laid over the scene; `is_there` says which removed paths exist again.
     pub fn end_variant(&mut self, mut is_there: impl FnMut(&str) -> bool) {
         let variant = self.variant.take();
         for (path, removal) in &mut self.removed {
-            // What a variant makes anew has its own mistakes.
+            // A path that the same variant removes and defines anew is an entry of its own.
             if removal.by == variant && is_there(path) {
                 removal.by = None;
             }
@@ -119,7 +119,7 @@ impl Report {
         }
     }
 
-    /// The variants that remove what is at a path and that say something of it all the same.
+    /// The variant that removes a path, and a later one that still has keys at it.
     pub fn disputed(&self, path: &str) -> Option<(&str, &str)> {
         let removal = self.removed.get(path)?;
         Some((removal.by.as_deref()?, removal.changed_by.as_deref()?))
@@ -130,7 +130,7 @@ impl Report {
         self.unplaced.insert(model.to_owned());
     }
 
-    /// Takes the models of another scene's removed instances in place of what it knows, which it returns.
+    /// Replaces the models of removed instances by those of another scene; returns the previous ones.
     pub fn swap_unplaced(&mut self, other: HashSet<String>) -> HashSet<String> {
         std::mem::replace(&mut self.unplaced, other)
     }
@@ -140,7 +140,7 @@ impl Report {
         self.unplaced.contains(model)
     }
 
-    /// Where a layer says that it removes what is at a path.
+    /// Place where a layer removes a path.
     pub fn removed(&self, path: &str) -> Option<Span> {
         self.removed.get(path).map(|removal| self.span(&removal.at))
     }
@@ -150,20 +150,20 @@ impl Report {
         self.lacks_names = true;
     }
 
-    /// Whether a name that nothing has may be one that would have been added.
+    /// Whether an unknown name may be one that a failed script or file would have added.
     pub fn lacks_names(&self) -> bool {
         self.lacks_names
     }
 
-    /// For reading the same values without telling what is wrong.
-    pub fn unheard(&self) -> Self {
+    /// A separate report, for reading the same values without reporting their mistakes.
+    pub fn silent(&self) -> Self {
         Self {
             floats: self.floats.clone(),
             ..Self::default()
         }
     }
 
-    /// The first position after all texts; one is left between two, so that ends are unambiguous.
+    /// The first position after all texts; one is left free between texts, so that ends are unambiguous.
     fn end(&self) -> usize {
         let last = self.sources.last();
         last.map_or(0, |(base, source)| base + source.text.len() + 1)
@@ -212,7 +212,7 @@ impl Report {
     ) -> &mut Diagnostic {
         self.errors += 1;
         if self.is_full() {
-            // Nobody reads it, and finding its place may cost much.
+            // This error is never shown, and finding its place may take long.
             self.left_out += 1;
             let diagnostic = Diagnostic::at(name, Span::default(), message);
             return self.surplus.insert(diagnostic);
@@ -223,22 +223,22 @@ impl Report {
         &mut self.list[last]
     }
 
-    /// Whether a message of that name is there.
+    /// Whether a message with that diagnostic name was kept.
     pub fn has(&self, name: &str) -> bool {
         self.list.iter().any(|d| d.name == name)
     }
 
-    /// Drops messages, for what only follows from an earlier mistake.
+    /// Drops messages that `keep` rejects, such as those that only follow from an earlier mistake.
     pub fn retain(&mut self, keep: impl FnMut(&Diagnostic) -> bool) {
         self.list.retain(keep);
     }
 
-    /// As [`Report::retain`], and may change those that stay.
+    /// Same as [`Report::retain`], for a `keep` that may change the messages.
     pub fn retain_mut(&mut self, keep: impl FnMut(&mut Diagnostic) -> bool) {
         self.list.retain_mut(keep);
     }
 
-    /// An error that a loop of a script repeats is reported once.
+    /// Merges errors that a loop of a script repeats into one.
     fn merge_repeated(&mut self) {
         let mut times: Vec<usize> = Vec::new();
         let mut kept: Vec<Diagnostic> = Vec::new();
@@ -270,7 +270,7 @@ impl Report {
             (index, d.span.range.start, d.span.range.end)
         };
         self.list.sort_by_cached_key(order);
-        self.list.dedup(); // a value that several tables have by `extends`
+        self.list.dedup(); // a mistake in a value that several tables share by `extends`
         self.merge_repeated();
         let failed = self.errors > 0;
         if self.left_out > 0 {

@@ -11,10 +11,10 @@ use toml::{
 use super::{params, report::Report, syntax, value::Node};
 use crate::scene::suggest;
 
-/// Tables whose next name must exist already: a new one would most likely be a typing error.
+/// Tables whose entries must exist already: a new name would most likely be a typing error.
 const NAMED: &[&str] = &["camera", "material", "model", "light"];
 
-/// Keys that say what a scene is made of, which is settled before values are set.
+/// Keys that choose the files and variants of a scene; these are merged before values are set.
 const LAYERS: [&str; 4] = ["base", "include", "remove", "variant"];
 
 /// One name of a path, at its position.
@@ -23,7 +23,7 @@ struct Segment {
     at: Range<usize>,
 }
 
-/// Lays `text` over the tree; `base` is its position in the report.
+/// Applies the override `text` to the tree; `base` is its position in the report.
 pub fn apply<'i>(root: &mut Node<'i>, text: &'i str, base: usize, report: &mut Report) {
     let Some(equals) = equals_sign(text) else {
         let error = report.error("bad-set", &(base..base + text.len()), "`=` is missing");
@@ -91,7 +91,7 @@ fn segments(path: &str, base: usize) -> Option<Vec<Segment>> {
     }
 }
 
-/// The value as TOML, or a bare word as text, since shells eat quotes.
+/// The value as TOML, or a bare word as text, since shells remove quotes.
 fn value<'i>(text: &'i str, base: usize, report: &mut Report) -> Option<Node<'i>> {
     let trimmed = text.trim();
     let start = base + (text.len() - text.trim_start().len());
@@ -113,7 +113,7 @@ fn value<'i>(text: &'i str, base: usize, report: &mut Report) -> Option<Node<'i>
     }
 }
 
-/// The node with all its positions moved. The parser bounds the depth.
+/// The node with all its positions moved. The parser limits the depth of this recursion.
 pub fn shift(node: Node, by: usize) -> Node {
     let move_by = |at: Range<usize>| at.start + by..at.end + by;
     let at = move_by(node.span());
@@ -156,7 +156,7 @@ fn put<'i>(root: &mut Node<'i>, path: &[Segment], value: Node<'i>, report: &mut 
         if is_param {
             params::set(table, key, value, report);
         } else {
-            // Removed first, so that the key's position is the option's.
+            // Removed first, so that the key has the position of the option.
             table.remove(last.name.as_str());
             table.insert(key, value);
         }
@@ -165,9 +165,11 @@ fn put<'i>(root: &mut Node<'i>, path: &[Segment], value: Node<'i>, report: &mut 
     }
 }
 
-/// What to do where a path names what does not exist.
+/// Handling of a name in a path that does not exist yet.
 enum New<'a> {
+    /// Add an empty table.
     Table,
+    /// Report that no entry of this kind has the name.
     Refused(&'a str),
 }
 

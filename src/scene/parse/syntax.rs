@@ -1,4 +1,4 @@
-//! TOML itself: its mistakes as messages, and what they make doubtful in the rest of the file.
+//! Parsing of TOML: its syntax errors as messages, and the parts of the file that they make doubtful.
 
 mod nesting;
 mod plain_words;
@@ -15,19 +15,19 @@ use super::report::Report;
 use crate::scene::diagnostic::{Diagnostic, Source, Span};
 use crate::scene::suggest;
 
-/// The part of a file that a syntax error makes doubtful: what is reported there may only follow
-/// from it.
+/// The part of a file that a syntax error makes doubtful: other messages about it may only follow from
+/// that error.
 pub struct Shadow {
     /// The file.
     source: Option<Arc<Source>>,
-    /// From the header of the table that the error is in, to the next header.
+    /// Byte range from the header of the table that the error is in, to the next header.
     table: Range<usize>,
-    /// The line of the error.
+    /// Byte offset of the line with the error.
     line: usize,
 }
 
 impl Shadow {
-    /// Whether the message may only be a consequence.
+    /// Whether a message may only follow from the syntax error.
     pub fn hides(&self, message: &Diagnostic) -> bool {
         let at = message.span.range.start;
         let in_file = match (&message.span.source, &self.source) {
@@ -36,7 +36,7 @@ impl Shadow {
         };
         let syntax = matches!(message.name, "toml-syntax" | "duplicate-key" | "too-deep");
         let doubtful = match message.name {
-            // What is missing may stand on the broken line.
+            // A missing key may be the one on the broken line.
             "missing-key" => self.table.contains(&at),
             _ => (self.line..self.table.end).contains(&at),
         };
@@ -62,7 +62,7 @@ pub fn parse<'i>(
         let at = place(error);
         if unclosed.as_ref().is_some_and(|open| at.start >= open.at) || doubled.contains(&at.start)
         {
-            continue; // it follows from that
+            continue; // it follows from the unclosed bracket or the doubled header
         }
         // A broken line gives one message, the first; a duplicate key is not a syntax error.
         let same_line = line_end.is_some_and(|end| at.start <= end);
@@ -115,7 +115,7 @@ fn explain_unclosed(text: &str, base: usize, open: &Unclosed, report: &mut Repor
         Some(format!("add `{}`, {place} of line {line}", open.closer));
 }
 
-/// For a name in a header, what stands below that header.
+/// Byte range of the lines below a header, for the position of a name in it; else empty.
 fn body_of_header(text: &str, at: usize) -> Range<usize> {
     let line = text[..at].rfind('\n').map_or(0, |i| i + 1);
     if !text[line..at].trim_start().starts_with('[') {
@@ -181,7 +181,7 @@ fn first_place(text: &str, at: &Range<usize>) -> Option<Range<usize>> {
     None
 }
 
-/// From the last header at or before the line to the next one after it.
+/// Byte range from the last header at or before the line to the next one after it.
 fn table_around(text: &str, line: usize) -> Range<usize> {
     let is_header = |at: &usize| text[*at..].trim_start_matches([' ', '\t']).starts_with('[');
     let starts = |part: &str, base: usize| -> Vec<usize> {

@@ -1,5 +1,5 @@
-//! The cursor that readers pull keys from. It remembers every key that was asked for, so that what
-//! was not asked for is an error, and, when run for the manual, describes each key instead.
+//! The cursor from which readers take keys. It remembers every key that was asked for, so that any other
+//! key is an error; when run for the manual, it records each key instead.
 
 mod nested;
 mod variants;
@@ -26,9 +26,9 @@ pub trait Section: Sized {
     const ALSO: &'static [&'static str] = &[];
     /// How the table is written, such as `[camera.NAME]`.
     const HEADING: &'static str;
-    /// Pulls every key; what is wrong goes to the report.
+    /// Reads every key; mistakes go to the report.
     fn read(table: &mut Table) -> Option<Self>;
-    /// What to write where `key` has another value than a table.
+    /// Advice for a `key` whose value is not a table.
     fn instead(_key: &str, _value: &Node) -> Option<String> {
         None
     }
@@ -41,12 +41,12 @@ pub struct Place {
     pub path: String,
     /// Whether it is one of an array of tables.
     pub in_list: bool,
-    /// Its header, or its braces.
+    /// Byte range of its header or its braces.
     pub at: Bytes<usize>,
 }
 
 impl Place {
-    /// How messages call the table, such as `[camera.main]`.
+    /// Name of the table in messages, such as `[camera.main]`.
     fn title(&self) -> String {
         match (self.path.as_str(), self.in_list) {
             ("", _) => "the scene".into(),
@@ -67,13 +67,13 @@ impl Place {
 
 /// One table of the tree, being read.
 pub struct Table<'r, 'i> {
-    /// Where messages go.
+    /// Report that messages go to.
     pub report: &'r mut Report,
     values: &'r DeTable<'i>,
     place: Place,
     asked: Vec<&'static str>,
-    /// Keys that should be there, and what to write; reported at the end, unless a wrong key
-    /// turns out to be meant.
+    /// Missing required keys, each with advice; reported at the end, unless an unknown key is probably
+    /// a misspelling of one.
     missing: Vec<(&'static str, String)>,
     errors_before: usize,
     notes: Option<&'r mut RecordedKeys>,
@@ -93,7 +93,7 @@ impl<'r, 'i> Table<'r, 'i> {
         value
     }
 
-    /// Runs `T`'s reader on nothing, to record the keys that it reads.
+    /// Runs `T`'s reader on an empty table, to record the keys that it reads.
     pub fn describe<T: Section>(notes: &mut RecordedKeys) {
         if notes.open(T::TYPE, T::ALSO, T::HEADING) {
             let (mut report, nothing) = (Report::default(), DeTable::new());
@@ -145,7 +145,7 @@ impl<'r, 'i> Table<'r, 'i> {
         self.notes.is_none() && unbroken && self.missing.is_empty()
     }
 
-    /// Where the table starts.
+    /// Place where the table starts.
     pub fn start(&self) -> Span {
         self.report.span(&self.place.at)
     }
@@ -242,7 +242,12 @@ impl<'r, 'i> Table<'r, 'i> {
             None => self.place.path.clone(),
         };
         let removed = self.report.removed(&path);
-        let removed = removed.map(|at| (at, "what lies below is removed here".to_owned()));
+        let removed = removed.map(|at| {
+            (
+                at,
+                "the table that this one changes is removed here".to_owned(),
+            )
+        });
         let title = self.place.title();
         if let Some((first, second)) = self.report.disputed(&path) {
             let [first, second] = [first, second].map(suggest::text);
@@ -265,7 +270,7 @@ impl<'r, 'i> Table<'r, 'i> {
         }
     }
 
-    /// Keys of different groups exclude each other; with `required`, one group must be there.
+    /// Refuses keys of different groups beside each other; with `required`, also a table with none of them.
     pub fn one_of(&mut self, required: bool, groups: &[&[&'static str]]) {
         if let Some(notes) = &mut self.notes {
             let groups = groups.iter().map(|g| g.to_vec()).collect();
@@ -300,7 +305,7 @@ impl<'r, 'i> Table<'r, 'i> {
         }
     }
 
-    /// Reports something about the value of a key.
+    /// Reports a mistake in the value of a key.
     pub fn refuse(&mut self, name: &'static str, key: &str, message: &str, help: &str) {
         let at = self.value_at(key);
         let error = self.report.error(name, &at, message);

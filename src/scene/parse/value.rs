@@ -1,4 +1,4 @@
-//! Reads one value: its type, its range, and what it should have been if it is wrong. The same
+//! Reads one value: checks its type and range, and reports what it should have been. The same
 //! implementations describe the value in the JSON Schema and in the manual.
 
 use glam::Vec3;
@@ -16,29 +16,29 @@ use crate::scene::{
 /// A value in the tree with its positions.
 pub type Node<'i> = Spanned<DeValue<'i>>;
 
-/// What a message calls the value, such as `fov_deg` or `eye[1]`.
+/// Name of a value in messages, such as `fov_deg` or `eye[1]`, and its range.
 pub struct Named<'a> {
-    /// The key.
+    /// Name of the key.
     pub key: &'a str,
     /// Range of its numbers.
     pub range: &'a Range,
 }
 
-/// A type that stands right of `=`.
+/// A type that a value right of `=` can have.
 pub trait Value: Sized {
     /// Whether it consists of numbers, to which a range applies.
     const RANGED: bool = false;
-    /// For one of some words: the enum's name in `desc.rs`, and the words.
+    /// For a type with a fixed set of words: name of the enum in `desc.rs`, and the words.
     const WORDS: Option<(&'static str, &'static [&'static str])> = None;
-    /// What is expected, such as `three numbers`.
+    /// The expected value in words, such as `three numbers`.
     fn expected() -> String;
-    /// What is expected of an array of them, such as `two numbers`.
+    /// The expected array of such values in words, such as `two numbers`.
     fn several(count: &str) -> String {
         let one = Self::expected();
         let kind = one.strip_prefix("a ").unwrap_or(&one);
         format!("{count} {kind}s")
     }
-    /// The only value there is, if so.
+    /// The only allowed value, if there is just one.
     fn example() -> Option<String> {
         None
     }
@@ -46,11 +46,11 @@ pub trait Value: Sized {
     fn schema(range: &Range) -> Json;
     /// The value as in scene text, for defaults.
     fn to_json(&self) -> Json;
-    /// Reads it, or reports why not.
+    /// Reads the value, or reports what is wrong with it.
     fn read(node: &Node, named: &Named, report: &mut Report) -> Option<Self>;
 }
 
-/// What a node is, with an article, for `not …`.
+/// Description of a node with an article, for messages that end in `not …`.
 pub fn found(node: &Node) -> String {
     match node.get_ref() {
         DeValue::String(s) => format!("the text {}", suggest::text(s)),
@@ -82,13 +82,13 @@ pub fn wrong_type<'r>(
     report.error("wrong-type", &node.span(), message)
 }
 
-/// What to write for a value that is right but for quotes around it.
+/// Advice for a value that is right except for the quotes around it.
 fn unquoted(node: &Node, is_right: impl Fn(&str) -> bool) -> Option<String> {
     let value = node.get_ref().as_str()?.trim();
     is_right(value).then(|| format!("write {value}, without quotes"))
 }
 
-/// Integers and floats alike, whole or not; `None` and a message for anything else.
+/// Number from an integer or a float; `None` and a message for anything else.
 fn number(node: &Node, named: &Named, expected: &str, report: &mut Report) -> Option<f64> {
     let x = match node.get_ref() {
         DeValue::Integer(i) => match i128::from_str_radix(i.as_str(), i.radix()) {

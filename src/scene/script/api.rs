@@ -1,5 +1,5 @@
-//! Everything that a script can call beside Rhai itself: one table that registers the functions,
-//! documents them, and holds an example of each that a test runs.
+//! Functions, operators and properties that scripts have in addition to those of Rhai: one table that
+//! registers them, documents them, and holds an example of each that a test runs.
 
 mod definitions;
 mod math;
@@ -20,19 +20,19 @@ use crate::scene::{
 
 /// One function, operator or property.
 pub struct Entry {
-    /// How it is written, such as `vec3(x, y, z)`; several forms with `; ` between.
+    /// Signature such as `vec3(x, y, z)`; several forms with `; ` between.
     pub signature: &'static str,
-    /// The type that each form gives, with `; ` between; `?` depends on the arguments.
+    /// Result type of each form, with `; ` between; `?` depends on the arguments.
     pub gives: &'static str,
-    /// What it does; see [`Entry::meaning`].
+    /// Description of it; see [`Entry::meaning`].
     text: &'static str,
-    /// An expression that is true.
+    /// An expression that evaluates to true.
     pub example: &'static str,
     register: fn(&mut Engine),
 }
 
 impl Entry {
-    /// What it does, with the keys of `{camera}`, `{light}` and `{material}`.
+    /// Description for the manual, with `{camera}`, `{light}` and `{material}` replaced by their keys.
     pub fn meaning(&self) -> String {
         let text = self.text.replace("{camera}", &keys(&CAMERA));
         let text = text.replace("{light}", &keys(&LIGHT));
@@ -50,13 +50,13 @@ fn keys<T>(fields: &[Field<T>]) -> String {
 
 /// A chapter of the reference.
 pub struct Group {
-    /// Its heading.
+    /// Heading of the chapter.
     pub title: &'static str,
-    /// What is in it.
+    /// Entries of the chapter.
     pub entries: &'static [Entry],
 }
 
-/// The whole API.
+/// All chapters of the reference.
 pub static API: &[Group] = &[
     Group {
         title: "The call",
@@ -86,7 +86,7 @@ pub static API: &[Group] = &[
 
 const INTRODUCTION: &str = include_str!("api/introduction.md");
 
-/// Adds everything to an engine.
+/// Registers all types and functions with an engine.
 pub fn register(engine: &mut Engine) {
     types::register(engine);
     for entry in API.iter().flat_map(|group| group.entries) {
@@ -94,13 +94,13 @@ pub fn register(engine: &mut Engine) {
     }
 }
 
-/// The name in a signature: `place` of `ctx.place(name, position)`.
+/// Name in a signature: `place` in `ctx.place(name, position)`.
 fn name_of(signature: &str) -> &str {
     let call = signature.split('(').next().unwrap_or(signature);
     call.rsplit('.').next().unwrap_or(call).trim()
 }
 
-/// Every name, for suggestions.
+/// All names, for suggestions.
 pub fn names() -> Vec<&'static str> {
     let entries = API.iter().flat_map(|group| group.entries);
     let names = entries.flat_map(|e| e.signature.split("; ")).map(name_of);
@@ -109,14 +109,14 @@ pub fn names() -> Vec<&'static str> {
         .collect()
 }
 
-/// What is called by a name.
+/// Entries with a form of that name.
 pub fn entries(name: &str) -> Vec<&'static Entry> {
     let entries = API.iter().flat_map(|group| group.entries);
     let has_name = |e: &&Entry| e.signature.split("; ").any(|form| name_of(form) == name);
     entries.filter(has_name).collect()
 }
 
-/// The signatures of a name.
+/// Signatures of the forms with that name, in code marks.
 pub fn signatures(name: &str) -> Vec<String> {
     let entries = API.iter().flat_map(|group| group.entries);
     let forms = entries.flat_map(|e| e.signature.split("; "));
@@ -126,7 +126,7 @@ pub fn signatures(name: &str) -> Vec<String> {
         .collect()
 }
 
-/// Properties and functions whose signatures begin with an owner such as `ctx.`.
+/// Properties and functions whose signatures begin with an owner such as `ctx.`, without the owner.
 pub fn members(owner: &str) -> (Vec<&'static str>, Vec<&'static str>) {
     let entries = API.iter().flat_map(|group| group.entries);
     let forms = entries.flat_map(|e| e.signature.split("; "));
@@ -141,7 +141,7 @@ pub fn members(owner: &str) -> (Vec<&'static str>, Vec<&'static str>) {
     members
 }
 
-/// The manual of scripts as Markdown, `docs/scripting.md`.
+/// Manual of scripts as Markdown, `docs/scripting.md`.
 pub fn manual() -> String {
     let mut out = INTRODUCTION.to_owned();
     out.push_str("\n## Limits\n\n| what | at most |\n|---|---|\n");

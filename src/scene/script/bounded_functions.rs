@@ -1,5 +1,5 @@
-//! Functions of Rhai whose work or whose result is a product of what they are given, within the
-//! limits: Rhai's own measure a result only once it is there.
+//! Functions of Rhai whose work or result can be as large as the product of their arguments, with limits:
+//! Rhai measures a result only after it was made.
 
 use rhai::{Array, Dynamic, Engine, EvalAltResult, ImmutableString, NativeCallContext, Position};
 
@@ -7,7 +7,7 @@ use super::{limits::TEXT, nested_values::equal, value::fail};
 
 type Result<T> = std::result::Result<T, Box<EvalAltResult>>;
 
-/// Puts them in place of Rhai's.
+/// Replaces these functions in an engine.
 pub fn register(engine: &mut Engine) {
     type Text = ImmutableString;
     engine.register_fn("replace", |s: &mut Text, find: &str, with: &str| {
@@ -63,7 +63,7 @@ fn replace(text: &mut ImmutableString, find: &str, with: &str) -> Result<()> {
     Ok(())
 }
 
-/// Rhai's never ends where the padding is empty.
+/// Pads a text. Rhai's own never ends if the padding is empty.
 fn pad(text: &mut ImmutableString, length: i64, padding: &str) -> Result<()> {
     let length = usize::try_from(length).unwrap_or(0);
     if length > TEXT {

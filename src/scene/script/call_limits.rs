@@ -1,5 +1,5 @@
-//! A call within its limits: its own thread, what it has used of them, who may halt it, and what it
-//! printed.
+//! Calls of scripts within limits: each on its own thread, with counters of what it has used, a way to halt
+//! it, and its printed lines.
 
 use std::{
     cell::{Cell, RefCell},
@@ -17,27 +17,28 @@ use rhai::{EvalAltResult, Position};
 use super::limits::{DEADLINE, LINES, MEMORY, OPERATIONS, PRINTED, STACK, TIME_IS, grouped};
 use crate::processor_time;
 
-/// Operations between two checks of the clock; a closure that is bound to itself doubles in about
+/// Number of operations between two checks of the clock; a closure that is bound to itself can double in about
 /// as many.
 const CLOCK_EVERY: u64 = 4;
 /// Time between two checks of the memory, in which a call cannot fill much of it.
 const MEMORY_EVERY: Duration = Duration::from_millis(5);
-/// Time to find the place of a limit: the second run notes each step, and is slower.
+/// Time to find the place of a limit in a second run, which notes each step and is slower.
 const FINDING: Duration = Duration::from_secs(2);
-/// The same where the first run has met its time: wherever the second is then is as good.
+/// Time of the second run if the first has met its time limit: any place that the second reaches then is as
+/// good.
 const FINDING_ANY: Duration = Duration::from_secs(1);
 
-/// Ends calls of scripts from another thread; clones share it.
+/// Handle that ends calls of scripts from another thread; clones share their state.
 #[derive(Clone, Debug, Default)]
 pub struct Halt(Arc<AtomicBool>);
 
 impl Halt {
-    /// Ends what runs under it within a few operations, and what would begin.
+    /// Ends calls under this handle within a few operations, and later calls at their start.
     pub fn halt(&self) {
         self.0.store(true, Ordering::Relaxed);
     }
 
-    /// Does work, on this thread, whose calls of scripts it can end; they fail then.
+    /// Does work on this thread; calls of scripts in it fail once the handle is halted.
     pub fn over<T>(&self, work: impl FnOnce() -> T) -> T {
         let before = HALT.replace(Some(self.clone()));
         let result = work();
@@ -45,20 +46,20 @@ impl Halt {
         result
     }
 
-    /// Whether it was used.
+    /// Whether the handle was halted.
     pub fn is_halted(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }
 }
 
 thread_local! {
-    /// What can end the calls that this thread begins.
+    /// Handle that can end the calls that this thread begins.
     static HALT: RefCell<Option<Halt>> = const { RefCell::new(None) };
-    /// The most that each of them may use.
+    /// Limits of each of these calls.
     static BOUNDS: Cell<Bounds> = const { Cell::new(Bounds::CALL) };
 }
 
-/// How much a call may use.
+/// Limits of a call in time and operations.
 #[derive(Clone, Copy, Debug)]
 pub struct Bounds {
     time: Duration,
@@ -66,18 +67,18 @@ pub struct Bounds {
 }
 
 impl Bounds {
-    /// Of any call.
+    /// Limits of any call.
     pub const CALL: Self = Self {
         time: DEADLINE,
         operations: OPERATIONS,
     };
 
-    /// No longer than this.
+    /// These limits with at most this time.
     pub fn within(self, time: Duration) -> Self {
         self.min(Self { time, ..Self::CALL })
     }
 
-    /// No more operations than these.
+    /// These limits with at most this number of operations.
     pub fn at_most(self, operations: u64) -> Self {
         self.min(Self {
             operations,
@@ -85,7 +86,7 @@ impl Bounds {
         })
     }
 
-    /// Does work, on this thread, whose calls of scripts have these bounds, for a host that allows less than the
+    /// Does work on this thread; calls of scripts in it have these limits, for a host that allows less than the
     /// manual says.
     pub fn over<T>(self, work: impl FnOnce() -> T) -> T {
         let before = BOUNDS.replace(self.min(BOUNDS.get()));
@@ -101,27 +102,27 @@ impl Bounds {
         }
     }
 
-    /// Whether a call may do anything at all.
+    /// Whether no operation is allowed.
     pub fn is_nothing(self) -> bool {
         self.operations == 0
     }
 }
 
-/// A call that is over.
+/// A finished call.
 pub struct Run<T> {
-    /// What it gave.
+    /// Result of the call.
     pub result: T,
-    /// What it printed.
+    /// Lines that the call printed.
     pub log: Vec<String>,
-    /// What a second run may use to come to the same place.
+    /// Limits for a second run that comes to the same place.
     pub again: Bounds,
-    /// The limit that it met.
+    /// Limit that the call has met, as a message.
     met: Option<String>,
 }
 
 impl<T> Run<Result<T, Box<EvalAltResult>>> {
-    /// With an error where a limit was met though the call came to its end, because a function of
-    /// Rhai's passed over the error. No place is looked for: a second run would do so as well.
+    /// Turns the result into an error if a limit was met though the call came to its end, because a function of
+    /// Rhai ignored the error. No place is looked for: a second run would come to its end as well.
     pub fn or_limit(mut self) -> Self {
         if let (Ok(_), Some(why)) = (&self.result, &self.met) {
             let ended = EvalAltResult::ErrorTerminated(why.clone().into(), Position::NONE);
@@ -132,22 +133,22 @@ impl<T> Run<Result<T, Box<EvalAltResult>>> {
     }
 }
 
-/// What the call on this thread has used.
+/// Use of the limits by the call on this thread.
 struct Used {
     bounds: Cell<Bounds>,
     operations: Cell<u64>,
-    /// Processor time of the thread when it began, where the system tells.
+    /// Processor time of the thread when the call began, where the system tells it.
     processor_at_start: Cell<Option<Duration>>,
-    /// No earlier can its time be over, for the thread works at most all the time.
+    /// Earliest moment at which the time can be over, since the thread works at most all the time.
     end: Cell<Option<Instant>>,
     next_memory: Cell<Option<Instant>>,
     memory_at_start: Cell<Option<u64>>,
-    /// Set once a limit was met, so that nothing goes on that passes over the error.
+    /// Limit that was met, kept so that code that ignores the error cannot go on.
     why: RefCell<Option<String>>,
     by_time: Cell<bool>,
     halt: RefCell<Option<Halt>>,
     log: RefCell<Vec<String>>,
-    /// Bytes in it; more than it may have once it is full.
+    /// Bytes in the log; above the limit once the log is full.
     printed: Cell<usize>,
 }
 
@@ -180,7 +181,7 @@ impl Used {
         self.memory_at_start.set(resident_bytes());
     }
 
-    /// What ends the call now.
+    /// Message about the limit that ends the call now, if any; operations were `before` and are now `count`.
     fn look(&self, before: u64, count: u64) -> Option<String> {
         if count > self.bounds.get().operations {
             let most = grouped(self.bounds.get().operations);
@@ -207,7 +208,7 @@ impl Used {
         (grown > MEMORY).then(|| format!("it takes more than {most} MiB of memory"))
     }
 
-    /// Whether the work of the thread fills its time; what else the machine does is not its fault.
+    /// Whether the processor time of the thread is used up; other work on the machine does not count.
     fn is_out_of_time(&self, now: Instant) -> bool {
         if self.end.get().is_none_or(|end| now <= end) {
             return false;
@@ -222,7 +223,7 @@ impl Used {
         left.is_none()
     }
 
-    /// Whether it was used.
+    /// Whether the handle of this call was halted.
     pub fn is_halted(&self) -> bool {
         self.halt.borrow().as_ref().is_some_and(Halt::is_halted)
     }
@@ -230,7 +231,7 @@ impl Used {
     fn again(&self) -> Bounds {
         let is_ended = self.why.borrow().is_some();
         if self.is_halted() {
-            // Nobody waits for its place.
+            // No second run: nobody waits for the place.
             return Bounds {
                 time: Duration::ZERO,
                 operations: 0,
@@ -247,7 +248,7 @@ impl Used {
     }
 }
 
-/// Counts operations of the call on this thread; gives why it must end, if it must.
+/// Counts operations of the call on this thread; gives the reason why it must end, if any.
 pub fn progress(operations: u64) -> Option<String> {
     USED.with(|used| {
         if let Some(why) = &*used.why.borrow() {
@@ -262,12 +263,12 @@ pub fn progress(operations: u64) -> Option<String> {
     })
 }
 
-/// The limit that the call on this thread has met.
+/// Limit that the call on this thread has met, as a message.
 pub fn met() -> Option<String> {
     USED.with(|used| used.why.borrow().clone())
 }
 
-/// Keeps a line that the call on this thread prints, as far as it may print.
+/// Keeps a line that the call on this thread prints, as far as its limits allow.
 pub fn print(mut line: String) {
     USED.with(|used| {
         let mut log = used.log.borrow_mut();
@@ -291,13 +292,13 @@ pub fn print(mut line: String) {
     });
 }
 
-/// Memory of this process that is in use; `None` where the system does not tell.
+/// Resident memory of this process, bytes; `None` where the system does not tell it.
 #[cfg(target_os = "linux")]
 fn resident_bytes() -> Option<u64> {
     use std::{fs::File, os::unix::fs::FileExt, sync::OnceLock};
 
     static STATUS: OnceLock<Option<File>> = OnceLock::new();
-    // It counts in KiB where the faster `statm` has pages, whose size differs between machines.
+    // `status` counts in KiB; the faster `statm` counts pages, whose size differs between machines.
     let file = STATUS.get_or_init(|| File::open("/proc/self/status").ok());
     let mut buffer = [0; 4096];
     let length = file.as_ref()?.read_at(&mut buffer, 0).ok()?;
@@ -307,13 +308,13 @@ fn resident_bytes() -> Option<u64> {
     Some(kib << 10)
 }
 
-/// Memory of this process that is in use; `None` where the system does not tell.
+/// Resident memory of this process, bytes; `None` where the system does not tell it.
 #[cfg(not(target_os = "linux"))]
 fn resident_bytes() -> Option<u64> {
     None
 }
 
-/// Runs a call on its own thread, whose stack holds the deepest calls, and within bounds.
+/// Runs a call within limits on a thread of its own, whose stack is large enough for the deepest calls.
 pub fn run_limited<T: Send>(bounds: Bounds, work: impl FnOnce() -> T + Send) -> Run<T> {
     let halt = HALT.with_borrow(Clone::clone);
     let bounds = bounds.min(BOUNDS.get());

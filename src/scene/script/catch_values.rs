@@ -1,6 +1,6 @@
-//! What `catch (e)` gives of an error that was not thrown: what was wrong and where, in the words of
-//! messages. Rhai gives a map of its own account of it, with the names of its inner parts; the first
-//! look at the variable makes a plain one of it.
+//! Value of `e` in `catch (e)` for an error that was not thrown by the script: a map with message, line and
+//! column. Rhai gives a map with its own account of the error, and names of its internals; it is replaced
+//! when the variable is first read.
 
 use std::{
     collections::BTreeSet,
@@ -21,14 +21,14 @@ pub struct Caught(Arc<Known>);
 #[derive(Default)]
 struct Known {
     names: RwLock<BTreeSet<String>>,
-    /// Whether there are any: the variables of most scripts are not looked at.
+    /// Whether there is a name: variables of scripts without `catch` need no check.
     any: AtomicBool,
-    /// How much of `catch (` was just read.
+    /// Number of tokens of `catch (` that were just read.
     read: Mutex<u8>,
 }
 
 impl Caught {
-    /// Takes note of a token.
+    /// Takes note of a token of the script.
     pub fn note(&self, token: &Token) {
         let mut read = self.0.read.lock().unwrap_or_else(PoisonError::into_inner);
         *read = match (token, *read) {
@@ -50,7 +50,7 @@ impl Caught {
     }
 }
 
-/// Has an engine give plain words.
+/// Has an engine replace the error maps of Rhai by plain ones.
 pub fn register(engine: &mut Engine, caught: &Caught) {
     let caught = caught.clone();
     #[expect(
@@ -68,7 +68,7 @@ pub fn register(engine: &mut Engine, caught: &Caught) {
     });
 }
 
-/// What Rhai calls its errors (`EvalAltResult`) in such a map.
+/// Names of Rhai's errors (variants of `EvalAltResult`) under the key `error` of such a map.
 const KINDS: [&str; 31] = [
     "ErrorSystem",
     "ErrorParsing",
@@ -103,7 +103,7 @@ const KINDS: [&str; 31] = [
     "ErrorRuntime",
 ];
 
-/// All keys that such a map may have.
+/// All keys that an error map of Rhai may have.
 const KEYS: [&str; 16] = [
     "error",
     "message",
@@ -123,16 +123,15 @@ const KEYS: [&str; 16] = [
     "tokens",
 ];
 
-/// A map of Rhai's about an error, as `#{ message, line, column }`; the place is where it happened, as
-/// far as that is known.
+/// Error map of Rhai as `#{ message, line, column }`; line and column are those of the error, if known.
 fn plain(map: &Map) -> Option<Map> {
     let text = |key: &str| map.get(key)?.clone().into_string().ok();
     let error = text("error")?;
-    // What a script throws itself stays as it is.
+    // Maps that a script throws itself stay as they are.
     let is_rhais =
         KINDS.contains(&error.as_str()) && map.keys().all(|key| KEYS.contains(&key.as_str()));
     let whole = text("message").filter(|_| is_rhais)?;
-    // The calls that led there follow on lines of their own.
+    // The call stack follows on lines of its own.
     let first = whole.lines().next().unwrap_or_default();
     let (said, place) = match first.rsplit_once(" (line ") {
         Some((said, place)) => (said, place_of(place)),
@@ -150,7 +149,7 @@ fn plain(map: &Map) -> Option<Map> {
     Some(plain)
 }
 
-/// Line and column of `3, position 5)`.
+/// Line and column in a text such as `3, position 5)`.
 fn place_of(text: &str) -> Option<(i64, i64)> {
     let (line, column) = text.trim_end_matches(')').split_once(", position ")?;
     Some((line.parse().ok()?, column.parse().ok()?))

@@ -1,4 +1,4 @@
-//! `ctx`: what a call sees of the scene, and what it may set.
+//! `ctx`: the view that a call has of the scene, and the values that it sets.
 
 mod rig;
 
@@ -26,20 +26,20 @@ type Result<T> = std::result::Result<T, Box<EvalAltResult>>;
 /// Time and parameters of a call.
 #[derive(Clone, Debug)]
 pub struct Call {
-    /// Seconds.
+    /// Time of the frame, seconds.
     pub time_s: f64,
     /// Number of the frame.
     pub frame: i64,
-    /// Frames a second.
+    /// Frames per second.
     pub fps: f64,
     /// First and last frame of the timeline.
     pub range: [i64; 2],
-    /// `[params]`.
+    /// Parameters of the scene, `[params]`.
     pub params: Map,
 }
 
 impl Call {
-    /// Of a frame.
+    /// Time and parameters of the call for a frame.
     pub fn new(params: &[Entry<ParamValue>], timeline: Option<&TimelineDesc>, frame: u32) -> Self {
         let value = |value: &ParamValue| match value {
             ParamValue::Integer(i) => Dynamic::from(*i),
@@ -52,7 +52,7 @@ impl Call {
                 .collect::<Vec<_>>()
                 .into(),
         };
-        // As the scene text's time: its fps has 32 bits.
+        // From the 32-bit fps of the timeline, so that times are those of tracks.
         let fps = f64::from(timeline.map_or(24.0, |t| t.fps));
         Self {
             time_s: f64::from(frame) / fps,
@@ -67,24 +67,24 @@ impl Call {
     }
 }
 
-/// The scene as it is being posed.
+/// State of the scene while it is being posed, with the cameras and lights that were set.
 #[derive(Debug, Default)]
 struct Scene {
     state: FrameState,
     touched: HashSet<(Kind, usize)>,
 }
 
-/// `ctx`, as scripts hold it; all copies are the same scene.
+/// The value `ctx` in scripts; all clones share one scene.
 #[derive(Clone, Debug)]
 pub struct Context {
-    /// Time and parameters.
+    /// Time and parameters of the call.
     pub call: Arc<Call>,
     names: Option<Arc<Names>>,
     scene: Arc<Mutex<Scene>>,
 }
 
 impl Context {
-    /// For `setup`, when there is no scene to pose yet.
+    /// Context for `setup`, which has no scene to pose yet.
     pub fn for_setup(call: Call) -> Self {
         Self {
             call: Arc::new(call),
@@ -93,7 +93,7 @@ impl Context {
         }
     }
 
-    /// For `frame`.
+    /// Context for `frame`.
     pub fn for_frame(call: Call, state: FrameState, names: Arc<Names>) -> Self {
         let touched = HashSet::new();
         Self {
@@ -103,7 +103,7 @@ impl Context {
         }
     }
 
-    /// The scene as the script has left it.
+    /// State of the scene after the script, and the cameras and lights that it has set.
     pub fn into_result(self) -> (FrameState, HashSet<(Kind, usize)>) {
         let scene = std::mem::take(&mut *self.scene());
         (scene.state, scene.touched)
@@ -142,7 +142,7 @@ impl Context {
         ))
     }
 
-    /// Index of an instance that may move.
+    /// Index of an instance or group that may move; an error if it may not.
     fn movable(&self, name: &str) -> Result<usize> {
         let index = self.find("instance", name, |n| &n.instances)?;
         if self.names()?.known.dynamic[index] {
@@ -179,14 +179,14 @@ impl Context {
         Ok(())
     }
 
-    /// Shows or hides an instance, or what hangs on a group.
+    /// Shows or hides an instance or a group.
     pub fn show(&self, name: &str, shown: bool) -> Result<()> {
         let index = self.movable(name)?;
         self.scene().state.hidden[index] = !shown;
         Ok(())
     }
 
-    /// Moves an instance; it keeps its rotation and scale.
+    /// Sets the position of a node, which keeps its rotation and scale, or its whole matrix.
     pub fn place(&self, name: &str, position: Dynamic) -> Result<()> {
         if let Some(matrix) = position.clone().try_cast::<DMat4>() {
             return self.put(name, |_| Ok(Affine3A::from_mat4(matrix.as_mat4())));
@@ -200,7 +200,7 @@ impl Context {
         })
     }
 
-    /// Replaces the transform of an instance.
+    /// Sets position, rotation and scale of a node.
     pub fn place_all(&self, name: &str, at: [Dynamic; 3]) -> Result<()> {
         let [position, turn, size] = at;
         let position = vector(&position, "the position")?.as_vec3();
@@ -212,7 +212,7 @@ impl Context {
         })
     }
 
-    /// Replaces the translation and rotation of an instance.
+    /// Sets position and rotation of a node, which keeps its scale.
     pub fn turn(&self, name: &str, position: Dynamic, turn: Dynamic) -> Result<()> {
         let position = vector(&position, "the position")?.as_vec3();
         let turn = rotation(&turn)?.as_quat();
@@ -224,7 +224,7 @@ impl Context {
         })
     }
 
-    /// Where an instance or a group is now, in the world.
+    /// Transform of a node, as posed so far, from its model space to the world.
     pub fn matrix(&self, name: &str) -> Result<DMat4> {
         let index = self.find("instance", name, |n| &n.instances)?;
         let parents = &self.names()?.known.parents;
@@ -232,7 +232,7 @@ impl Context {
         Ok(glam::Mat4::from(world).as_dmat4())
     }
 
-    /// Sets the time inside the animations that an instance plays.
+    /// Sets the time inside the animations that an instance plays, seconds.
     pub fn animate(&self, name: &str, time_s: &Dynamic) -> Result<()> {
         let index = self.find("instance", name, |n| &n.instances)?;
         if !self.names()?.known.playing[index] {
@@ -251,7 +251,7 @@ impl Context {
         Ok(())
     }
 
-    /// Sets keys of a camera.
+    /// Sets values of a camera.
     pub fn camera(&self, name: &str, keys: &Map) -> Result<()> {
         let index = self.find("camera", name, |n| &n.cameras)?;
         let mut scene = self.scene();
@@ -267,7 +267,7 @@ impl Context {
         Ok(())
     }
 
-    /// Sets keys of a light.
+    /// Sets values of a light.
     pub fn light(&self, name: &str, keys: &Map) -> Result<()> {
         let index = self.find("light", name, |n| &n.lights)?;
         let mut scene = self.scene();
@@ -314,7 +314,7 @@ impl Context {
         Ok(())
     }
 
-    /// Sets numbers of what an instance lays over its materials.
+    /// Sets numbers of an instance's own `material = { … }`.
     pub fn instance_material(&self, name: &str, keys: &Map) -> Result<()> {
         let index = self.find("instance", name, |n| &n.instances)?;
         let Some(own) = self.names()?.known.overrides.get(&index) else {
@@ -361,12 +361,12 @@ impl Context {
     }
 }
 
-/// Whether scene text could have such a number.
+/// Whether scene text accepts a number of this size.
 fn within(x: f64) -> bool {
     ANY.contains(x)
 }
 
-/// Where a matrix puts the origin.
+/// World position of the origin that a matrix transforms.
 pub fn position(matrix: &DMat4) -> DVec3 {
     matrix.w_axis.truncate()
 }

@@ -1,4 +1,4 @@
-//! `dedup` in place of Rhai's, which passes over the errors of its closure.
+//! `dedup` in place of Rhai's, which ignores errors of its closure.
 
 use rhai::{Array, Dynamic, Engine, EvalAltResult, FnPtr, NativeCallContext};
 
@@ -6,7 +6,7 @@ use super::{format_value::named, nested_values::equal, value::fail};
 
 type Result<T> = std::result::Result<T, Box<EvalAltResult>>;
 
-/// Puts it in place of Rhai's.
+/// Replaces Rhai's `dedup` in an engine.
 pub fn register(engine: &mut Engine) {
     engine.register_fn("dedup", |call: NativeCallContext, list: &mut Array| {
         dedup(list, |a, b| equal(&call, a, b, 0))
@@ -27,7 +27,8 @@ pub fn register(engine: &mut Engine) {
     );
 }
 
-/// Keeps the first of neighbors that are the same; ends with the first error, the list as it was.
+/// Removes elements that are the same as their predecessor; at the first error it ends and leaves the list as
+/// it was.
 fn dedup(
     list: &mut Array,
     mut is_same: impl FnMut(&Dynamic, &Dynamic) -> Result<bool>,

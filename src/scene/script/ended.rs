@@ -1,34 +1,34 @@
-//! How a script was ended, and where.
+//! Error that ended a script, and its place.
 
 use rhai::{EvalAltResult, Position};
 
 /// A place in one of a script's files.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Place {
-    /// What messages call the file.
+    /// Name of the file in messages.
     pub file: String,
-    /// Where in it.
+    /// Position in the file.
     pub at: Position,
 }
 
-/// Where a script was when it was ended.
+/// Place of a script when it was ended.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Met {
-    /// The expression or statement.
+    /// Place of the expression or statement.
     pub place: Place,
-    /// Functions that were called, outermost first, and from where.
+    /// Functions on the call stack, outermost first, and the places of their calls.
     pub calls: Vec<(String, Place)>,
 }
 
-/// How a script was ended.
+/// Error that ended a script.
 pub struct Ended {
-    /// What Rhai says.
+    /// Error of Rhai.
     pub wrong: Box<EvalAltResult>,
-    /// Where, if it was by a limit.
+    /// Place of the error, if it was a limit and the place was found.
     pub met: Option<Met>,
 }
 
-/// Whether an error is one whose place Rhai overwrites.
+/// Whether an error is that of a limit, whose place Rhai overwrites.
 pub fn is_limit(wrong: &EvalAltResult) -> bool {
     matches!(
         wrong.unwrap_inner(),

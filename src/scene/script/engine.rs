@@ -1,4 +1,4 @@
-//! The sandbox: which parts of Rhai a script has, and what ends it.
+//! The sandbox: the parts of Rhai that a script may use, and the limits that end it.
 
 use std::sync::Arc;
 
@@ -22,7 +22,7 @@ use super::{
     source_files::{Resolver, Sources},
 };
 
-/// An engine for one script.
+/// Makes an engine for one script.
 pub fn engine(sources: &Arc<Sources>) -> Engine {
     let mut engine = Engine::new_raw();
     // Everything but the core of the language package, which has `sleep`, and the clock.
@@ -36,13 +36,13 @@ pub fn engine(sources: &Arc<Sources>) -> Engine {
     engine.register_global_module(BasicIteratorPackage::new().as_shared_module());
     engine.register_global_module(BasicFnPackage::new().as_shared_module());
     engine.disable_symbol("eval");
-    // Functions inside functions inside functions have no limit of Rhai's.
+    // Rhai has no limit for functions bound to functions bound to functions.
     engine.disable_symbol("curry");
     engine.set_strict_variables(true);
     engine.set_fail_on_invalid_map_property(true);
     engine.set_max_expr_depths(DEPTH[0], DEPTH[1]);
     engine.set_max_call_levels(CALLS);
-    // The progress callback ends it with more to say; this only backs it.
+    // The progress callback ends a call first, with a better message; this is a second barrier.
     engine.set_max_operations(OPERATIONS * 2);
     engine.set_max_string_size(TEXT);
     engine.set_max_array_size(ARRAY);
@@ -50,7 +50,7 @@ pub fn engine(sources: &Arc<Sources>) -> Engine {
     engine.set_max_modules(MODULES);
     engine.set_max_functions(FUNCTIONS);
     engine.set_max_variables(VARIABLES);
-    // Rhai's own count begins anew inside closures.
+    // Count operations here: Rhai's own count starts anew inside closures.
     engine.on_progress(|_| progress(1).map(Into::into));
     engine.on_print(|text| print(text.to_owned()));
     engine.on_debug(|text, source, at| print(placed(source, at, text)));
@@ -75,13 +75,13 @@ pub fn engine(sources: &Arc<Sources>) -> Engine {
     engine
 }
 
-/// A line with the place that it comes from.
+/// A line with the file and the line of the script that prints it.
 fn placed(file: Option<&str>, at: Position, text: &str) -> String {
     let (file, line) = (file.unwrap_or_default(), at.line().unwrap_or(0));
     format!("{file}:{line}: {text}")
 }
 
-/// `print` of a type, in place of Rhai's own, which does not say where it was called.
+/// Registers `print` of a type, in place of Rhai's own, which does not tell where it was called.
 fn register_print<T: Variant + Clone>(engine: &mut Engine) {
     engine.register_fn(
         "print",

@@ -1,5 +1,5 @@
-//! What Rhai reports, as messages for people: file, line, column, the calls that led there, the
-//! frame, and what was probably meant.
+//! Errors of Rhai as messages for people: file, line, column, call stack, frame, and what was probably
+//! meant.
 
 mod foreign;
 mod missing;
@@ -31,22 +31,22 @@ fn lower_first(text: &str) -> String {
     })
 }
 
-/// Names for suggestions.
+/// Known names, for suggestions.
 pub struct Known<'a> {
-    /// The script's functions.
+    /// Names of the script's functions.
     pub functions: Vec<&'a str>,
-    /// The scene's parameters.
+    /// Names of the scene's parameters.
     pub params: Vec<&'a str>,
 }
 
-/// A call on the way to the mistake.
+/// A call on the stack of the error.
 struct Site {
     what: String,
     file: String,
     at: Position,
 }
 
-/// A function in words.
+/// Name of a function for messages.
 fn called(function: &str) -> String {
     if function.starts_with("anon$") {
         "a closure".to_owned()
@@ -55,7 +55,7 @@ fn called(function: &str) -> String {
     }
 }
 
-/// The innermost error, its file, where in it if that is known, and the calls that led there.
+/// Innermost error, its file, its position if known, and the calls that led there.
 fn unwrapped<'a>(ended: &'a Ended, name: &str) -> (&'a Wrong, String, Position, Vec<Site>) {
     if let Some(Met { place, calls }) = &ended.met {
         let site = |(function, from): &(String, Place)| Site {
@@ -92,7 +92,7 @@ fn unwrapped<'a>(ended: &'a Ended, name: &str) -> (&'a Wrong, String, Position, 
     }
 }
 
-/// A script that failed while running, `when` being such as `in frame 12`.
+/// Message about a script that failed while running; `when` is such as `in frame 12`.
 pub fn runtime(
     ended: &Ended,
     sources: &Sources,
@@ -111,7 +111,7 @@ pub fn runtime(
     };
     let own = sources.span(&file, at);
     let last_call = || calls.iter().rev().find_map(|c| sources.span(&c.file, c.at));
-    // Rhai does not say where everything happened; the function is known.
+    // Rhai does not tell the place of every error; the function is known.
     let function = if when == Some("in setup") {
         "setup"
     } else {
@@ -130,7 +130,7 @@ pub fn runtime(
     with_calls(error, &calls, sources)
 }
 
-/// An error that any thread can write and free: what was thrown may be nested too deep for that.
+/// Error that any thread can format and free: a thrown value that is nested too deep for that is replaced.
 pub fn portable(mut wrong: Box<Wrong>) -> Box<Wrong> {
     let mut inner = &mut *wrong;
     loop {
@@ -148,7 +148,7 @@ pub fn portable(mut wrong: Box<Wrong>) -> Box<Wrong> {
     }
 }
 
-/// Adds the way to the mistake: the last call as a second place, all of them in words.
+/// Adds the call stack to a message: the last call as a second place, all of them as text.
 fn with_calls(mut error: Diagnostic, calls: &[Site], sources: &Sources) -> Diagnostic {
     let sites: Vec<_> = calls
         .iter()
@@ -180,7 +180,7 @@ fn with_calls(mut error: Diagnostic, calls: &[Site], sources: &Sources) -> Diagn
     error
 }
 
-/// Kind of the message, the message, and what to do.
+/// Name of the diagnostic, message, and advice.
 fn explain(wrong: &Wrong, known: &Known) -> (&'static str, String, Option<String>) {
     let limit = |message: String| ("script-limit", message, None);
     match wrong {
@@ -224,7 +224,7 @@ fn explain(wrong: &Wrong, known: &Known) -> (&'static str, String, Option<String
     }
 }
 
-/// What was wrong, without place and advice.
+/// Message of an error, without place and advice.
 pub fn words(wrong: &Wrong) -> String {
     let nothing = Known {
         functions: Vec::new(),
@@ -233,7 +233,7 @@ pub fn words(wrong: &Wrong) -> String {
     explain(wrong, &nothing).1
 }
 
-/// Rhai counts what is inside too, and says only of which kind it was.
+/// Message about a value that is too large. Rhai counts nested values too, and tells only their kind.
 fn too_large(what: &str) -> String {
     let (what, most, unit) = match what {
         "Length of string" => (

@@ -1,4 +1,4 @@
-//! Values of scripts in words: in messages, and where they are printed.
+//! Values of scripts as text: in messages and when they are printed.
 
 use std::ops::{Range, RangeInclusive};
 
@@ -7,10 +7,10 @@ use rhai::{Array, Dynamic, FnPtr, Map};
 
 use crate::scene::suggest;
 
-/// Longest text of a thrown value in a message, characters.
+/// Maximum length of a thrown value in a message, characters.
 const MOST: usize = 500;
 
-/// What a value is, with its article.
+/// Description of a value for messages, with its article.
 pub fn named(value: &Dynamic) -> String {
     match value.type_name() {
         "string" => format!(
@@ -25,7 +25,7 @@ pub fn named(value: &Dynamic) -> String {
     }
 }
 
-/// A type as Rhai or Rust calls it, with its article.
+/// Plain name of a type of Rhai or Rust, with its article.
 pub fn type_named(name: &str) -> String {
     match name {
         "i64" => "an integer",
@@ -48,7 +48,7 @@ pub fn type_named(name: &str) -> String {
     .to_owned()
 }
 
-/// A value that was thrown, cut to what fits a message.
+/// A thrown value as text, cut to the length of a message.
 pub fn thrown(value: &Dynamic) -> String {
     let mut out = String::new();
     write(&mut out, value, false);
@@ -58,7 +58,7 @@ pub fn thrown(value: &Dynamic) -> String {
     out.chars().take(MOST - 1).chain(['…']).collect()
 }
 
-/// Its beginning is enough.
+/// Appends the beginning of a value, at least as much as a message shows.
 fn write(out: &mut String, value: &Dynamic, is_inside: bool) {
     if out.len() > 4 * MOST {
         return;

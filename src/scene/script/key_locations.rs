@@ -1,10 +1,10 @@
-//! Where the key of a map is written in a script's text.
+//! Place of a map's key in the text of a script.
 
 use std::sync::Arc;
 
 use crate::scene::diagnostic::Span;
 
-/// Where a key is written in a map that is a call's own argument, `call` being where that begins.
+/// Place of a key in a map that is an argument of a call; `call` is the span of the name that is called.
 pub fn key_of_call(call: &Span, key: &str) -> Option<Span> {
     let source = call.source.as_ref()?;
     let mut open = Vec::new();
@@ -58,7 +58,7 @@ pub fn key_of_call(call: &Span, key: &str) -> Option<Span> {
     None
 }
 
-/// Where the quotes of a text close.
+/// Index of the quote that closes a text.
 fn end_of_text(text: &str, quote: char) -> Option<usize> {
     let mut is_escaped = false;
     let mut chars = text.char_indices();

@@ -1,5 +1,5 @@
-//! Where a limit was met. Rhai overwrites that place at the end of each function that the error
-//! leaves, so the call, which is deterministic, is run again with a debugger that notes it.
+//! Search for the place where a limit was met. Rhai overwrites that place at the end of each function that
+//! the error leaves, so the call, which is deterministic, is run again with a debugger that notes it.
 
 use std::{cell::RefCell, mem::discriminant, sync::Arc};
 
@@ -14,12 +14,12 @@ use super::{
     source_files::Sources,
 };
 
-/// What the debugger has seen so far.
+/// Notes of the debugger so far.
 #[derive(Default)]
 struct Seen {
-    /// The newest place in each of the functions that are running, outermost first.
+    /// Newest place in each of the running functions, outermost first.
     places: Vec<Place>,
-    /// What it was when the first function was left by an error.
+    /// Place and calls when the error of a limit left its first function.
     met: Option<Met>,
 }
 
@@ -27,8 +27,8 @@ thread_local! {
     static SEEN: RefCell<Seen> = RefCell::default();
 }
 
-/// Does what has met a limit again, on an engine that notes where it is; `None` where it ends
-/// otherwise this time. For [`super::call_limits::run_limited`], as its notes are the thread's.
+/// Runs a call that has met a limit again, on an engine that notes its places; `None` if it ends differently
+/// this time. To be called inside [`super::call_limits::run_limited`], because the notes are thread-local.
 pub fn again<T>(
     sources: &Arc<Sources>,
     first: &EvalAltResult,
@@ -41,7 +41,7 @@ pub fn again<T>(
     if !result.is_err_and(|wrong| kind(&wrong) == kind(first)) {
         return None;
     }
-    // Outside functions nothing is left.
+    // Outside of functions no function is left, so `met` was not set.
     seen.met.or_else(|| {
         let place = seen.places.pop()?;
         Some(Met {
@@ -51,7 +51,7 @@ pub fn again<T>(
     })
 }
 
-/// An engine that stops at every expression to note it.
+/// An engine with a debugger that notes the place of every expression.
 #[expect(
     deprecated,
     reason = "Rhai marks its debugger so to say that it may change"

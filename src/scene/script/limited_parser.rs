@@ -1,14 +1,14 @@
-//! Reading a script within the limits of a call. Rhai's parser knows none, and some lists take it a
-//! time that grows with their square; each token is a chance to end it.
+//! Parsing of a script within the limits of a call. Rhai's parser has no limits, and its time for some
+//! lists grows with the square of their length; each token is a chance to end it.
 
 use rhai::{Engine, LexError, OptimizationLevel, Token};
 
 use super::{call_limits::progress, catch_values::Caught};
 
-/// Puts the limits into an engine, which tells `caught` each token.
+/// Has an engine check the limits at each token, and pass each token to `caught`.
 pub fn register(engine: &mut Engine, caught: &Caught) {
     let caught = caught.clone();
-    // The optimizer runs after the last token, where nothing ends it.
+    // The optimizer runs after the last token, so no check could end it.
     engine.set_optimization_level(OptimizationLevel::None);
     #[expect(
         deprecated,
@@ -28,7 +28,7 @@ fn wrong_with(token: &Token) -> Option<LexError> {
         return Some(LexError::Runtime(why));
     }
     match token {
-        // Rhai makes a float of an integer that is too large.
+        // Rhai turns an integer that is too large into a float.
         Token::FloatConstant(number) => {
             let is_integer = !number.1.contains(['.', 'e', 'E']);
             is_integer.then(|| LexError::MalformedNumber(number.1.to_string()))

@@ -1,5 +1,5 @@
-//! What is allowed in a script but hardly meant: whole numbers that are divided, names that hide
-//! others. Read from the words of the text, so that branches that are not taken count too.
+//! Warnings about script code that is allowed but hardly meant: division of whole numbers, names that hide
+//! others. They are found in the tokens of the text, so that branches that are not taken count too.
 
 use std::{
     collections::{HashMap, HashSet},
@@ -20,13 +20,13 @@ use crate::scene::{
 /// Parameters that scripts read.
 #[derive(Debug, PartialEq, Eq)]
 pub enum Params<'t> {
-    /// Those of these names.
+    /// Only parameters with these names.
     Named(HashSet<&'t str>),
-    /// Perhaps all of them: the whole map is used.
+    /// Perhaps all parameters: the whole map is used.
     Unknown,
 }
 
-/// The parameters that texts read as `params.name`, `params["name"]` or `"name" in ctx.params`.
+/// Parameters that texts read as `params.name`, `params["name"]` or `"name" in ctx.params`.
 pub fn used_params<'t>(texts: impl Iterator<Item = &'t str>) -> Params<'t> {
     let mut used = HashSet::new();
     for text in texts {
@@ -45,7 +45,7 @@ pub fn used_params<'t>(texts: impl Iterator<Item = &'t str>) -> Params<'t> {
     Params::Named(used)
 }
 
-/// Warnings about the texts of a script, by the names of its files.
+/// Warnings about the texts of a script, given as pairs of file name and text.
 pub fn lint_scripts(texts: &[(String, String)], params: &[Entry<ParamValue>]) -> Vec<Diagnostic> {
     let whole = |p: &&Entry<ParamValue>| matches!(p.value, ParamValue::Integer(_));
     let params: HashSet<_> = params
@@ -74,19 +74,19 @@ pub fn lint_scripts(texts: &[(String, String)], params: &[Entry<ParamValue>]) ->
     found
 }
 
-/// The variables between two braces.
+/// Variables of a block between braces.
 #[derive(Default)]
 struct Scope<'t> {
-    /// Whether it is a function's, which sees nothing outside.
+    /// Whether it is the block of a function, which does not see variables outside.
     is_function: bool,
-    /// Where they are defined, and whether they are whole numbers.
+    /// Range of the definition of each variable, and whether its value is a whole number.
     variables: HashMap<&'t str, (Range<usize>, bool)>,
 }
 
 struct ScriptLint<'t, 'p> {
     source: Arc<Source>,
     tokens: Vec<Token<'t>>,
-    /// Parameters that are whole numbers.
+    /// Names of parameters that are whole numbers.
     params: &'p HashSet<&'p str>,
     scopes: Vec<Scope<'t>>,
     found: Vec<Diagnostic>,
@@ -113,7 +113,7 @@ impl<'t> ScriptLint<'t, '_> {
     }
 
     fn run(&mut self) {
-        // Of a function or a loop, for the scope that its brace opens.
+        // Variables of a function or a loop, for the scope that its brace opens.
         let mut next = Scope::default();
         for i in 0..self.tokens.len() {
             match self.word(i) {
@@ -130,7 +130,7 @@ impl<'t> ScriptLint<'t, '_> {
                     let (name, at) = (self.word(i + 1), self.tokens[i + 1].at.clone());
                     let whole = self.word(i + 2) == "=" && self.word(i + 4) == ";";
                     let whole = whole && is_whole(self.word(i + 3));
-                    // Defined anew in the same scope it is one variable to the reader.
+                    // A second definition in the same scope hides nothing from the reader.
                     let scope = self.scopes.last();
                     if !scope.is_some_and(|s| s.variables.contains_key(name)) {
                         self.warn_if_hidden(name, &at);
@@ -146,7 +146,7 @@ impl<'t> ScriptLint<'t, '_> {
         }
     }
 
-    /// The scope of a function, with its parameters; warns if it hides one of the API.
+    /// Scope of a function, with its parameters; warns if the function hides one of the API.
     fn function(&mut self, i: usize) -> Scope<'t> {
         let mut scope = Scope {
             is_function: true,
@@ -183,18 +183,19 @@ impl<'t> ScriptLint<'t, '_> {
         scope
     }
 
-    /// Warns of `"lamp${i}"`, which is taken as it is written.
+    /// Warns about `"lamp${i}"`: a text in `"` is not interpolated.
     fn plain_text(&mut self, i: usize) {
         let Token { text, at, .. } = self.tokens[i].clone();
         if !text.contains("${") {
             return;
         }
-        let message = "text in `\"` is taken as it is written, with its `${`".to_owned();
+        let message =
+            "text in `\"` is not interpolated: its `${` is taken as it is written".to_owned();
         let help = "write it between backticks: `` `lamp${i}` ``".to_owned();
         self.warn("uninterpolated-text", at, message, help);
     }
 
-    /// Name, place and whether it is a whole number: `for i in 0..3`.
+    /// Name and range of the variable of `for i in 0..3`, and whether it is a whole number.
     fn loop_variable(&self, i: usize) -> Option<(&'t str, Range<usize>, bool)> {
         let token = self.tokens.get(i + 1).filter(|t| t.is_word())?;
         let whole = self.word(i + 2) == "in"
@@ -215,7 +216,7 @@ impl<'t> ScriptLint<'t, '_> {
         None
     }
 
-    /// Warns of a variable of the same name that is seen here.
+    /// Warns about a definition that hides a visible variable of the same name.
     fn warn_if_hidden(&mut self, name: &'t str, at: &Range<usize>) {
         if name.starts_with('_') {
             return;
@@ -237,7 +238,7 @@ impl<'t> ScriptLint<'t, '_> {
         ));
     }
 
-    /// Warns of a quotient of whole numbers, which drops the rest.
+    /// Warns about a division of whole numbers, which drops the remainder.
     fn division(&mut self, i: usize) {
         let (Some(left), Some(right)) = (self.whole_before(i), self.whole_after(i)) else {
             return;
@@ -268,7 +269,7 @@ impl<'t> ScriptLint<'t, '_> {
         self.warn("integer-division", left.start..right.end, message, help);
     }
 
-    /// The operand before a sign, if it and all that it is multiplied with are whole numbers.
+    /// Range of the product before a sign, if all of its factors are whole numbers.
     fn whole_before(&self, sign: usize) -> Option<Range<usize>> {
         let mut end = sign;
         let mut range: Option<Range<usize>> = None;
@@ -284,7 +285,7 @@ impl<'t> ScriptLint<'t, '_> {
         }
     }
 
-    /// First token of the whole number that ends before `end`.
+    /// Index of the first token of the whole number that ends before `end`.
     fn operand_before(&self, end: usize) -> Option<usize> {
         let last = end.checked_sub(1)?;
         if self.word(last) == ")" {
@@ -299,7 +300,7 @@ impl<'t> ScriptLint<'t, '_> {
         self.is_whole_chain(first, last).then_some(first)
     }
 
-    /// First token of `a.b.c` that ends at `last`.
+    /// Index of the first token of `a.b.c` that ends at `last`.
     fn chain_start(&self, last: usize) -> usize {
         let mut first = last;
         while first >= 2 && self.word(first - 1) == "." && self.tokens[first - 2].is_word() {
@@ -308,7 +309,7 @@ impl<'t> ScriptLint<'t, '_> {
         first
     }
 
-    /// The operand after a sign, if it is a whole number.
+    /// Range of the operand after a sign, if it is a whole number.
     fn whole_after(&self, sign: usize) -> Option<Range<usize>> {
         let first = sign + 1;
         let mut last = first;
@@ -336,7 +337,7 @@ impl<'t> ScriptLint<'t, '_> {
     }
 }
 
-/// Whether a token is a whole number.
+/// Whether a token is a literal of a whole number.
 fn is_whole(token: &str) -> bool {
     !token.is_empty() && token.bytes().all(|b| b.is_ascii_digit() || b == b'_')
 }

@@ -1,5 +1,6 @@
-//! Arrays and maps inside each other: compared and written without Rhai's own recursion, which
-//! knows no limit, and refused where they leave the call's thread, whose stack alone holds them.
+//! Comparison and formatting of nested arrays and maps, in place of Rhai's, whose recursion has no limit.
+//! Values that are nested too deep must not leave the thread of the call, because only its stack is large
+//! enough for them.
 
 use std::fmt::Write as _;
 
@@ -15,7 +16,7 @@ use super::{
 
 type Result<T> = std::result::Result<T, Box<EvalAltResult>>;
 
-/// Puts comparing and writing in place of Rhai's.
+/// Replaces comparison and formatting of arrays and maps in an engine.
 pub fn register(engine: &mut Engine) {
     type Call<'a> = NativeCallContext<'a>;
     engine.register_fn("==", |c: Call, a: &mut Array, b: Array| {
@@ -54,7 +55,7 @@ fn too_deep<T>() -> Result<T> {
     ))
 }
 
-/// Whether arrays and maps are inside each other more often than that.
+/// Whether arrays and maps are nested more than `most` deep.
 pub fn is_deeper(value: &Dynamic, most: usize) -> bool {
     let inside = |value: &Dynamic| most == 0 || is_deeper(value, most - 1);
     if let Some(list) = value.read_lock::<Array>() {
@@ -66,7 +67,7 @@ pub fn is_deeper(value: &Dynamic, most: usize) -> bool {
     }
 }
 
-/// Counts one operation.
+/// Counts one operation; an error if a limit is met.
 fn step() -> Result<()> {
     match progress(1) {
         Some(why) => Err(EvalAltResult::ErrorTerminated(why.into(), Position::NONE).into()),
@@ -74,7 +75,7 @@ fn step() -> Result<()> {
     }
 }
 
-/// Whether two values are equal, as `==` has it; values of different types are not.
+/// Whether two values are equal by `==`; values of different types are not.
 pub fn equal(call: &NativeCallContext, a: &Dynamic, b: &Dynamic, depth: usize) -> Result<bool> {
     step()?;
     if let (Some(a), Some(b)) = (a.read_lock::<Array>(), b.read_lock::<Array>()) {
@@ -114,7 +115,7 @@ fn arrays_equal(call: &NativeCallContext, a: &Array, b: &Array, depth: usize) ->
     Ok(true)
 }
 
-/// The same of maps.
+/// Whether two maps have the same keys and equal values.
 pub fn maps_equal(call: &NativeCallContext, a: &Map, b: &Map, depth: usize) -> Result<bool> {
     if depth == NESTED {
         return too_deep();

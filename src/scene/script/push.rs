@@ -1,9 +1,9 @@
-//! `push` in place of Rhai's own, which measures the whole list after each call: adding n elements
-//! takes n² steps.
+//! `push` in place of Rhai's own, which measures the whole list after each call: adding n elements takes n²
+//! steps.
 //!
-//! Rhai measures what a function of the program may have changed, but not the `this` of a function
-//! that is itself a script. So `push` is one; what it does is custom syntax, which measures
-//! the list only when so much was added that it is worth it.
+//! Rhai measures what a native function may have changed, but not the `this` of a script function. So
+//! `push` is a script function; its body is custom syntax, which measures the list only after enough was
+//! added.
 
 use std::{cell::Cell, sync::OnceLock};
 
@@ -16,17 +16,19 @@ use super::limits::{ARRAY, MAP, TEXT};
 
 type Result<T> = std::result::Result<T, Box<Wrong>>;
 
-/// What adds to `this`, and the function around it; its file, which is none of the script's.
+/// Custom syntax that appends to `this`, the script function around it, and the name of its file, which is not
+/// one of the script's.
 const WORD: &str = "push_to_this";
 const FUNCTION: &str = "fn push(item) { push_to_this item; }";
 const FILE: &str = "<push>";
 
-/// So much may always be added before a list is measured: elements, entries and blocks of text.
+/// Amount that may be added before a list is measured in any case: elements, entries and blocks of text.
 const LITTLE: usize = 1024;
-/// Bytes of a text that count as one of those.
+/// Size of a block of text that counts as one of these, bytes.
 const BLOCK: usize = 64;
 
-/// What was added on this thread, which is that of one call, since a list was last measured.
+/// Amount that was added on this thread, so by one call, since a list was last measured, and the amount at
+/// which the next list is measured.
 #[derive(Clone, Copy)]
 struct Added {
     now: usize,
@@ -37,7 +39,7 @@ thread_local! {
     static ADDED: Cell<Added> = const { Cell::new(Added { now: 0, most: LITTLE }) };
 }
 
-/// Puts it in place of Rhai's.
+/// Replaces Rhai's `push` in an engine.
 pub fn register(engine: &mut Engine) {
     register_word(engine);
     engine.register_global_module(Shared::clone(function()));
@@ -48,7 +50,7 @@ fn register_word(engine: &mut Engine) {
     syntax.expect("a word and an expression");
 }
 
-/// The function, read once: it is the same for all engines, and its words count for no call.
+/// Module with the function, compiled once for all engines, so that its tokens count for no call.
 fn function() -> &'static Shared<Module> {
     static MODULE: OnceLock<Shared<Module>> = OnceLock::new();
     MODULE.get_or_init(|| {
@@ -95,7 +97,7 @@ fn push(context: &mut EvalContext, inputs: &[Expression]) -> Result<Dynamic> {
     Ok(Dynamic::UNIT)
 }
 
-/// What a value consists of, as Rhai counts it.
+/// Number of nested elements and entries, and bytes of text, of a value, as Rhai counts them.
 #[derive(Default)]
 struct Size {
     elements: usize,

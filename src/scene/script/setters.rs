@@ -1,4 +1,5 @@
-//! What a script sets of cameras, lights and materials: keys that are there, values in their ranges.
+//! Checks of the values that a script sets on cameras, lights and materials: keys must exist, numbers must
+//! be in their ranges.
 
 use glam::{DVec3, Vec3};
 use rhai::{Dynamic, EvalAltResult, Map};
@@ -14,7 +15,8 @@ use crate::scene::{
 
 type Result<T> = std::result::Result<T, Box<EvalAltResult>>;
 
-/// What `keys` set of `fields`; `of` is what has them, `has` whether this one has a field.
+/// Fields and values that the map `keys` sets; `of` names the thing in messages, `has` tells whether it has a
+/// field.
 pub fn values<T>(
     fields: &'static [Field<T>],
     keys: &Map,
@@ -43,7 +45,7 @@ pub fn values<T>(
     Ok(found)
 }
 
-/// Values of a material by the place of their fields.
+/// Values that the map `keys` sets on a material, by the index of their fields.
 pub fn material_values(keys: &Map) -> Result<Values> {
     let set = values(&MATERIAL, keys, "a material", |_| true)?;
     let value = |field: &Field<MaterialDesc>| {
@@ -53,7 +55,8 @@ pub fn material_values(keys: &Map) -> Result<Values> {
     Ok(MATERIAL.each_ref().map(value))
 }
 
-/// Refuses what a material's table, here called `path`, must have before it can be set.
+/// Refuses values that need a key in the material's own table, `rest`, which has none; `path` is the name of
+/// that table.
 pub fn refuse_lacking(
     values: &Values,
     rest: &MaterialDesc,
@@ -72,7 +75,7 @@ pub fn refuse_lacking(
     Ok(())
 }
 
-/// The numbers of a value, each in its range.
+/// Numbers of a value, each checked for its range.
 fn lanes(value: &Dynamic, key: &str, form: Form, range: &Range) -> Result<Vec3> {
     let (numbers, lanes) = match form {
         Form::Number => {

@@ -1,4 +1,4 @@
-//! What `setup` returns, as scene text: the readers of scene text then check it like any other.
+//! Result of `setup` as scene text, so that the readers of scene text check it like any other.
 
 use std::fmt::Write as _;
 
@@ -8,17 +8,17 @@ use rhai::{Array, Dynamic, Map};
 use super::{format_value::named, limits::NESTED};
 use crate::scene::{diagnostic::TABLES, suggest, toml_text::toml_text};
 
-/// The table of which a scene has one.
+/// Key of the only table that a scene has once.
 const ENVIRONMENT: &str = "environment";
 
-/// What is not as `setup` must return it.
+/// Mistake in the result of `setup`.
 #[derive(Debug, Default)]
 pub struct Wrong {
-    /// What it is, and what was expected.
+    /// Message: what was found, and what was expected.
     pub message: String,
-    /// What to do.
+    /// Advice on what to do.
     pub help: Option<String>,
-    /// Names that lead to it, outermost first.
+    /// Names on the path to the mistake, outermost first.
     pub path: Vec<String>,
 }
 
@@ -36,10 +36,10 @@ impl Wrong {
     }
 }
 
-/// The returned map as scene text; nothing for `()`.
+/// The returned map as scene text; empty for `()`.
 ///
 /// # Errors
-/// What is not as `setup` must return it.
+/// A value that `setup` must not return.
 pub fn text(returned: &Dynamic) -> Result<String, Wrong> {
     if returned.is_unit() {
         return Ok(String::new());
@@ -118,7 +118,7 @@ fn keys(out: &mut String, map: &Map) -> Result<(), Wrong> {
     Ok(())
 }
 
-/// A key or text; plain keys stay as they are.
+/// A key as TOML: quoted if it is not a bare key.
 fn quoted(text: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
     if !text.is_empty() && text.chars().all(plain) {
@@ -133,7 +133,7 @@ fn numbers(out: &mut String, list: &[f64]) {
     let _ = write!(out, "[{}]", texts.join(", "));
 }
 
-/// With a point, so that it is a float; `nan` and `inf` are TOML too, and refused by the readers.
+/// A float with a decimal point; `nan` and `inf` are TOML too, and refused by the readers.
 fn number(x: f64) -> String {
     match x {
         x if x.is_nan() => "nan".into(),

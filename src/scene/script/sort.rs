@@ -1,5 +1,5 @@
-//! Sorting in place of Rhai's, which passes over the errors of a comparison, and panics where it
-//! contradicts itself, as numbers do that are not numbers.
+//! `sort` and `order` in place of Rhai's, which ignore errors of the comparison, and panic if it
+//! contradicts itself, as comparisons of NaN do.
 
 use std::cmp::Ordering;
 
@@ -9,7 +9,7 @@ use super::{format_value::named, value::fail};
 
 type Result<T> = std::result::Result<T, Box<EvalAltResult>>;
 
-/// Puts it in place of Rhai's.
+/// Replaces Rhai's sorting functions in an engine.
 pub fn register(engine: &mut Engine) {
     for name in ["sort", "sort_by"] {
         engine.register_fn(
@@ -40,7 +40,7 @@ fn sort_by(call: &NativeCallContext, list: &mut Array, with: &FnPtr) -> Result<(
         match (given.as_int(), given.as_bool()) {
             (Ok(order), _) => Ok(order > 0),
             (_, Ok(true)) => Ok(false),
-            // It comes later, or they are equal.
+            // `a` comes later, or both are equal.
             (_, Ok(false)) => Ok(ask(b, a)?.as_bool().unwrap_or(false)),
             _ => {
                 let found = named(&given);
@@ -65,7 +65,7 @@ fn sort(list: &mut Array, descending: bool) -> Result<()> {
     })
 }
 
-/// Numbers, also integers among floats, with those that are none last; texts, characters, booleans.
+/// Order of two numbers (integers and floats mix, NaN comes last), texts, characters or booleans.
 fn compared(a: &Dynamic, b: &Dynamic) -> Result<Ordering> {
     let float = |x: &Dynamic| x.as_float().or_else(|_| x.as_int().map(|i| i as f64));
     if let (Ok(a), Ok(b)) = (a.as_int(), b.as_int()) {
@@ -90,7 +90,7 @@ fn compared(a: &Dynamic, b: &Dynamic) -> Result<Ordering> {
     }
 }
 
-/// Equal elements keep their order; ends with the first error, the list as it was.
+/// Stable sort; at the first error it ends and leaves the list as it was.
 fn merge_sort(
     list: &mut Array,
     is_after: &mut impl FnMut(&Dynamic, &Dynamic) -> Result<bool>,

@@ -1,4 +1,4 @@
-//! The files of a script: read only below the scene's folder and asset folders, kept for messages.
+//! Files of a script: read only below the scene's folder and asset folders, and kept for messages.
 
 use std::{
     ops::Range,
@@ -21,10 +21,10 @@ use crate::scene::{
     suggest,
 };
 
-/// Places that look like the definition of a function of which the right one is looked for.
+/// Maximum number of places that look like the definition of a function and are checked for it.
 const MOST_DEFINITIONS: usize = 1000;
 
-/// The ending of a file in another language that people write scripts in.
+/// Extension of a file, if it is that of another language that people write scripts in.
 fn foreign_ending(file: &str) -> Option<&str> {
     const ENDINGS: [&str; 10] = [
         "js", "lua", "mel", "osl", "py", "rb", "rs", "ts", "vex", "wgsl",
@@ -33,12 +33,12 @@ fn foreign_ending(file: &str) -> Option<&str> {
     ENDINGS.contains(&ending).then_some(ending)
 }
 
-/// The texts of a script and of what it imports.
+/// Texts of a script and its imports.
 #[derive(Debug, Default)]
 pub struct Sources {
-    /// Where files are looked for, the scene's folder first; none forbids them.
+    /// Folders in which files are searched, the scene's first; without one no file can be read.
     folders: Vec<PathBuf>,
-    /// Where it is noted what was looked for.
+    /// Record of all files that were searched.
     dependencies: Dependencies,
     state: Mutex<State>,
 }
@@ -47,19 +47,19 @@ pub struct Sources {
 struct State {
     texts: Vec<(String, Arc<Source>)>,
     files: Vec<PathBuf>,
-    /// Files of the modules that are being read, outermost first, without links.
+    /// Files of the modules that are being loaded, outermost first, with symbolic links resolved.
     open: Vec<PathBuf>,
-    /// Modules that were read, by the paths of their files without links.
+    /// Loaded modules, with the paths of their files, symbolic links resolved.
     modules: Vec<(PathBuf, Shared<rhai::Module>)>,
-    /// Names of imports that were found, and their files.
+    /// Names of imports that were found, and the paths of their files.
     found: Vec<(String, PathBuf)>,
-    /// Whether everything was read: frames read no files.
+    /// Whether all imports were read: frames read no files.
     sealed: bool,
-    /// The first import that was refused, of the call that runs: text, file and place.
+    /// First import that the running call was refused: message, file and position.
     refused: Option<(String, String, Position)>,
 }
 
-/// Scripts, in messages about their files.
+/// Words for messages about script files.
 const SCRIPTS: Kind = Kind {
     one: "a script",
     names: "file names of scripts start from the scene's folder or an asset folder and end in .rhai",
@@ -68,7 +68,7 @@ const SCRIPTS: Kind = Kind {
 };
 
 impl Problem {
-    /// For the import at `at`.
+    /// Error of the import at the position `at`.
     fn in_import(self, sources: &Sources, at: Position) -> Box<EvalAltResult> {
         let Some(Span { source, range }) = self.inside else {
             let text = format!("{}; {}", self.message, self.help);
@@ -86,7 +86,7 @@ impl Problem {
 }
 
 impl Sources {
-    /// Of a script beside a scene, or in an asset folder; what is looked for is added to
+    /// Sources of a script that may read files below `folders`; every file that is searched is added to
     /// `dependencies`.
     pub fn new(folders: &[PathBuf], dependencies: &Dependencies) -> Self {
         Self {
@@ -96,7 +96,7 @@ impl Sources {
         }
     }
 
-    /// Of a text that is no file.
+    /// Sources of a script text that is no file; it can import nothing.
     pub fn without_files() -> Self {
         Self::default()
     }
@@ -105,7 +105,7 @@ impl Sources {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Keeps a text.
+    /// Keeps a text under a name.
     pub fn add(&self, name: &str, text: &str) {
         let source = Source {
             path: name.into(),
@@ -116,7 +116,7 @@ impl Sources {
         self.state().texts.push((name.to_owned(), Arc::new(source)));
     }
 
-    /// Reads the script itself; gives what messages call it, and its text.
+    /// Reads the script itself; gives its name in messages, and its text.
     pub fn read(&self, file: &str) -> Result<(String, String), Problem> {
         if let Some(ending) = foreign_ending(file) {
             let message = format!("scripts are written in Rhai, and this is a .{ending} file");
@@ -128,7 +128,7 @@ impl Sources {
         Ok(self.keep(found))
     }
 
-    /// Reads a file below the folder.
+    /// Reads a file below one of the folders.
     fn find(&self, file: &str) -> Result<Found, Problem> {
         if self.folders.is_empty() {
             let message = format!("{} cannot be read here", suggest::text(file));
@@ -137,7 +137,7 @@ impl Sources {
         confined_read::read(&self.folders, file, &SCRIPTS, &self.dependencies)
     }
 
-    /// Keeps a file; gives what messages call it, and its text.
+    /// Keeps a file that was read; gives its name in messages, and its text.
     fn keep(&self, found: Found) -> (String, String) {
         let Found { path, real, text } = found;
         let name = path.display().to_string();
@@ -147,8 +147,7 @@ impl Sources {
         (name, text)
     }
 
-    /// What a call gave; where an import in it was refused, that error, also if the script has passed
-    /// over it.
+    /// Result of a call; the error of a refused import takes its place even if the script has caught it.
     pub fn or_refused<T>(
         &self,
         result: Result<T, Box<EvalAltResult>>,
@@ -163,12 +162,12 @@ impl Sources {
         }
     }
 
-    /// From now on nothing more is read.
+    /// Forbids to read any more files.
     pub fn seal(&self) {
         self.state().sealed = true;
     }
 
-    /// Names and texts.
+    /// Name and text of each file, the script itself first.
     pub fn texts(&self) -> Vec<(String, String)> {
         let state = self.state();
         let texts = state.texts.iter();
@@ -177,13 +176,13 @@ impl Sources {
             .collect()
     }
 
-    /// All texts, the script's own first.
+    /// All files as sources, the script itself first.
     pub fn all(&self) -> Vec<Arc<Source>> {
         let state = self.state();
         state.texts.iter().map(|(_, s)| Arc::clone(s)).collect()
     }
 
-    /// Paths of the files.
+    /// Paths of the files, with symbolic links resolved.
     pub fn files(&self) -> Vec<PathBuf> {
         self.state().files.clone()
     }
@@ -194,7 +193,7 @@ impl Sources {
         found.map(|(_, source)| Arc::clone(source))
     }
 
-    /// The place of a position in a text: the word that begins there, or one character.
+    /// Span of a position in a text: the word that begins there, or one character.
     pub fn span(&self, name: &str, at: Position) -> Option<Span> {
         let source = self.source(name)?;
         let line = at.line()?;
@@ -220,7 +219,7 @@ impl Sources {
         })
     }
 
-    /// The beginning of a text.
+    /// Empty span at the beginning of a text.
     pub fn start_of(&self, name: &str) -> Span {
         Span {
             source: self.source(name),
@@ -228,7 +227,7 @@ impl Sources {
         }
     }
 
-    /// Where a function is defined.
+    /// Span of `fn NAME` where a function is defined; the beginning of the text if it is not found.
     pub fn start_of_function(&self, name: &str, function: &str) -> Span {
         let mut span = self.start_of(name);
         let definition = format!("fn {function}");
@@ -239,7 +238,7 @@ impl Sources {
             !line.contains("//") && !after.starts_with(is_name)
         };
         let found = span.source.as_ref().and_then(|source| {
-            // Each of many on one line is compared with all before it.
+            // Limit their number: each of many on one line looks through all of the line before it.
             let mut all = source
                 .text
                 .match_indices(&definition)
@@ -252,8 +251,7 @@ impl Sources {
         span
     }
 
-    /// The last line of a function, where what it returns is; its start where braces are not
-    /// balanced.
+    /// Span of the last line of a function, which gives its result; its definition if braces are not balanced.
     pub fn end_of_function(&self, name: &str, function: &str) -> Span {
         let start = self.start_of_function(name, function);
         let Some(source) = &start.source else {
@@ -270,7 +268,7 @@ impl Sources {
                 _ if depth == 0 => continue,
                 _ => {}
             }
-            // The first word of the last statement's last line.
+            // Tokens of the newest line so far.
             let at = start.range.end + token.at.start..start.range.end + token.at.end;
             let is_same_line = |old: &Range<usize>| !source.text[old.end..at.start].contains('\n');
             match &mut last {
@@ -283,7 +281,7 @@ impl Sources {
         Span { range, ..start }
     }
 
-    /// The module of an import that was found before.
+    /// Module of an import that was found before.
     fn known_module(&self, file: &str) -> Option<Shared<rhai::Module>> {
         let state = self.state();
         let (_, real) = state.found.iter().find(|(known, _)| known == file)?;
@@ -298,12 +296,13 @@ impl State {
     }
 }
 
-/// A text without the mark that some editors begin UTF-8 with.
+/// The text without the byte order mark that some editors begin UTF-8 with.
 pub fn without_mark(text: &str) -> &str {
     text.strip_prefix('\u{feff}').unwrap_or(text)
 }
 
-/// Resolves `import "name"` to `name.rhai` below the scene's folder or an asset folder, each once.
+/// Resolves `import "name"` to `name.rhai` below the scene's folder or an asset folder; each file is loaded
+/// once.
 pub struct Resolver(pub Arc<Sources>);
 
 impl rhai::ModuleResolver for Resolver {
@@ -368,7 +367,7 @@ impl Resolver {
         sources.state().open.pop();
         let module =
             module.map_err(|wrong| Box::new(EvalAltResult::ErrorInModule(name, wrong, at)))?;
-        // It outlives this thread.
+        // The module outlives this thread, whose stack alone is large enough for deep values.
         let is_deep = |(_, value): (&str, &Dynamic)| is_deeper(value, NESTED);
         if module.iter_var().any(is_deep) {
             return fail(format!(

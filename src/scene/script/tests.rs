@@ -1,4 +1,4 @@
-//! Every example of the reference is run; purity and speed of calls.
+//! Tests of scripts: every example of the reference, purity and speed of calls, errors.
 
 mod caught;
 mod rig;
@@ -210,7 +210,7 @@ fn wrong_keys_are_placed_where_they_are_written() {
             "2:25",
             "did you mean `eye`?",
         ),
-        // Written elsewhere, or as a text.
+        // Keys of maps that are made elsewhere, or written as a text.
         (
             "let m = #{ rougness: 1 }; ctx.material(\"brass\", m);",
             "2:33",
@@ -235,7 +235,7 @@ fn wrong_keys_are_placed_where_they_are_written() {
     assert!(error.contains("caught: a material has no `a`"), "{error}");
 }
 
-/// Lists that are built one by one; printed, not judged.
+/// Time to build lists element by element; printed, not judged.
 #[test]
 #[ignore = "a measurement: cargo test --lib pushes -- --ignored --nocapture"]
 fn many_pushes() {
@@ -253,7 +253,7 @@ fn many_pushes() {
     }
 }
 
-/// What Rhai does by recursion with a value, on the stack of a call.
+/// Rhai's recursive functions of a value (clone, hash, size, format, drop) on the stack of a call.
 #[test]
 fn the_stack_of_a_call_holds_the_deepest_values() {
     let ran = run_limited(Bounds::CALL, || {
@@ -296,7 +296,7 @@ fn errors_list_nested_calls() {
     );
 }
 
-/// A thousand poses a frame; printed, not judged, since machines differ.
+/// Time to pose a thousand instances in a frame; printed, not judged, since machines differ.
 #[test]
 #[ignore = "a measurement: cargo test --lib thousand -- --ignored --nocapture"]
 fn a_thousand_instances() {
@@ -333,7 +333,7 @@ fn a_thousand_instances() {
 
 #[test]
 fn a_halted_call_ends_before_any_limit_and_so_does_what_begins_under_it() {
-    // Each step reads a long text: the limit of operations is far away.
+    // Each operation reads a long text, so the limit of operations is not met.
     let slow = "let text = \"abcdefgh\";
         for i in 0..12 { text += text; }
         loop { text.contains(\"no\"); }";
@@ -366,6 +366,6 @@ fn a_halted_call_ends_before_any_limit_and_so_does_what_begins_under_it() {
             assert!(message.contains("it was halted"), "{message}");
         }
     }
-    // Only what is under it.
+    // Other calls are not halted.
     assert!(frame("fn frame(ctx) { }").is_ok());
 }

@@ -1,30 +1,30 @@
-//! The words and signs of a script's text, for messages and warnings; comments are left out.
+//! Tokens of a script's text, for messages and warnings; comments are left out.
 
 use std::ops::Range;
 
 /// A word, a number, a text in quotes, or a sign.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Token<'t> {
-    /// As it is written.
+    /// Text of the token as it is written.
     pub text: &'t str,
-    /// Where it stands.
+    /// Range of the token in the text, bytes.
     pub at: Range<usize>,
 }
 
 impl Token<'_> {
-    /// Whether it is a name or a keyword.
+    /// Whether the token is a name or a keyword.
     pub fn is_word(&self) -> bool {
         self.text
             .starts_with(|c: char| c.is_alphabetic() || c == '_')
     }
 }
 
-/// Signs of two characters that warnings tell from their parts.
+/// Signs of two characters that must be told from their parts.
 const PAIRS: [&str; 12] = [
     "#{", "..", "::", "==", "!=", "<=", ">=", "/=", "+=", "-=", "*=", "=>",
 ];
 
-/// All tokens of a text, in their order.
+/// Tokens of a text, in order.
 pub fn tokens(text: &str) -> Vec<Token<'_>> {
     let mut found = Vec::new();
     let mut at = 0;
@@ -72,7 +72,8 @@ fn length_of_text(rest: &str, quote: char) -> usize {
     rest.len()
 }
 
-/// Of `1`, `1_000`, `0xff`, `1.5`, `1e-3`; the points of `0..3` and `1.abs()` do not belong to it.
+/// Length of a number such as `1`, `1_000`, `0xff`, `1.5` or `1e-3`, bytes; the points of `0..3` and `1.abs()`
+/// do not belong to it.
 fn length_of_number(rest: &str) -> usize {
     let digits = |text: &str| {
         let ends = |c: char| !(c.is_ascii_alphanumeric() || c == '_');

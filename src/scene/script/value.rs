@@ -1,4 +1,4 @@
-//! Types that scripts have beside Rhai's own, and what converts to a number, a vector or a rotation.
+//! Conversion of script values to numbers, vectors, rotations and scales.
 
 use glam::{DQuat, DVec3};
 use rhai::{Array, Dynamic, EvalAltResult, Position};
@@ -8,19 +8,19 @@ use crate::scene::motion::turned;
 
 type Result<T> = std::result::Result<T, Box<EvalAltResult>>;
 
-/// What is wrong with a key of a map, which may be written where the call is.
+/// Error about a key of a map argument, which may be written at the call itself.
 #[derive(Clone, Debug)]
 pub struct WrongKey {
-    /// The key.
+    /// Name of the key.
     pub key: String,
-    /// What is wrong.
+    /// Message about the value.
     pub message: String,
-    /// What to do.
+    /// Advice on what to do.
     pub help: Option<String>,
 }
 
 impl WrongKey {
-    /// Says of an error's message which key it is about.
+    /// Adds the key to an error that is a plain message.
     pub fn of(key: &str) -> impl FnOnce(Box<EvalAltResult>) -> Box<EvalAltResult> {
         move |wrong| match *wrong {
             EvalAltResult::ErrorRuntime(message, _) => Self {
@@ -40,12 +40,12 @@ impl From<WrongKey> for Box<EvalAltResult> {
     }
 }
 
-/// An error at the place of the call.
+/// An error with a message, at the place of the call.
 pub fn fail<T>(message: String) -> Result<T> {
     Err(message.into())
 }
 
-/// An integer or a float; finite.
+/// Number from an integer or a float; it must be finite. `what` names the value in messages.
 pub fn number(value: &Dynamic, what: &str) -> Result<f64> {
     let x = match (value.as_int(), value.as_float()) {
         (Ok(i), _) => i as f64,
@@ -59,7 +59,7 @@ pub fn number(value: &Dynamic, what: &str) -> Result<f64> {
     }
 }
 
-/// A vec3 or an array of three numbers; finite.
+/// Vector from a vec3 or an array of three numbers; they must be finite. `what` names the value in messages.
 pub fn vector(value: &Dynamic, what: &str) -> Result<DVec3> {
     let v = if let Some(v) = value.read_lock::<DVec3>() {
         *v
@@ -72,7 +72,7 @@ pub fn vector(value: &Dynamic, what: &str) -> Result<DVec3> {
             "{what} must be a vec3 or three numbers, not {found}"
         ));
     };
-    // What the scene keeps has 32 bits.
+    // The scene keeps 32-bit floats.
     if v.as_vec3().is_finite() {
         Ok(v)
     } else {
@@ -80,7 +80,7 @@ pub fn vector(value: &Dynamic, what: &str) -> Result<DVec3> {
     }
 }
 
-/// An array of two numbers; finite.
+/// Two numbers from an array; they must be finite. `what` names the value in messages.
 pub fn pair(value: &Dynamic, what: &str) -> Result<[f64; 2]> {
     match value.read_lock::<Array>().filter(|list| list.len() == 2) {
         Some(list) => Ok([number(&list[0], what)?, number(&list[1], what)?]),
@@ -91,7 +91,7 @@ pub fn pair(value: &Dynamic, what: &str) -> Result<[f64; 2]> {
     }
 }
 
-/// A quaternion, or degrees about X, then Y, then Z.
+/// Rotation from a quaternion, or from degrees about X, then Y, then Z.
 pub fn rotation(value: &Dynamic) -> Result<DQuat> {
     if let Some(q) = value.read_lock::<DQuat>() {
         let unit = q.is_finite() && q.length_squared() > 0.0;
@@ -105,7 +105,7 @@ pub fn rotation(value: &Dynamic) -> Result<DQuat> {
     Ok(turned(degrees.as_vec3()).as_dquat())
 }
 
-/// One factor or three; not 0.
+/// Scale from one factor or three; none may be 0.
 pub fn scale(value: &Dynamic) -> Result<DVec3> {
     let is_number = value.is_int() || value.is_float();
     let v = if is_number {

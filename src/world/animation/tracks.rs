@@ -1,4 +1,4 @@
-//! What animations change beside places and visibility of nodes: weights of morph targets, and values of
+//! Animated values other than transforms and visibility of nodes: weights of morph targets, and values of
 //! materials, lights and cameras.
 
 use glam::Vec3;
@@ -10,7 +10,7 @@ use super::{Property, Sampler};
 pub struct WeightTrack {
     /// Index of the node in its file.
     pub node: usize,
-    /// One for each target; its value is in x.
+    /// Sampler of each morph target; the weight is in x.
     pub samplers: Vec<Sampler>,
 }
 
@@ -22,7 +22,7 @@ impl WeightTrack {
     }
 }
 
-/// A thing of a file that is no node, by its index there.
+/// An animated object of a file other than a node, by its index in the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Pointed {
     /// A material.
@@ -33,27 +33,27 @@ pub enum Pointed {
     Camera(usize),
 }
 
-/// What of such a thing changes.
+/// Animated property of a [`Pointed`] object.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum PointedValue {
-    /// By its key in scene text.
+    /// A property by its key in scene text.
     Field(&'static str),
     /// The offset of the KHR_texture_transform of one of [`Material::slots`](crate::world::Material::slots).
     TextureOffset(usize),
-    /// Its rotation, radians.
+    /// Rotation of that texture transform, radians.
     TextureRotation(usize),
-    /// Its scale.
+    /// Scale of that texture transform.
     TextureScale(usize),
 }
 
-/// Keys of what KHR_animation_pointer points at.
+/// Keyframes of a value that KHR_animation_pointer animates.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PointerTrack {
-    /// What has the value.
+    /// Object whose property is animated.
     pub object: Pointed,
-    /// The value.
+    /// Animated property.
     pub value: PointedValue,
-    /// In the units of scene text.
+    /// Keyframes in the units of scene text.
     pub sampler: Sampler,
 }
 

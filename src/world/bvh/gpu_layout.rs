@@ -8,17 +8,17 @@ use crate::{
     world::{Instance, World},
 };
 
-/// Flag: hits ask `alpha_passes` first.
+/// Flag: hits are tested again after the traversal: those of cut-outs (`alpha_passes`) and transmissive materials.
 pub const ALPHA_TESTED: u32 = 1;
 /// Flag: double-sided.
 pub const DOUBLE_SIDED: u32 = 2;
 /// Flag: clockwise is the front, because a mirroring transform was baked in.
 pub const FLIPPED: u32 = 4;
-/// Flag: rays of the camera pass.
+/// Flag: camera rays pass through.
 pub const UNSEEN: u32 = 8;
-/// Flag: shadow rays pass.
+/// Flag: shadow rays pass through.
 pub const SHADOWLESS: u32 = 16;
-/// Flag: rays of reflections, and those through glass, pass.
+/// Flag: reflected rays, and rays that come through glass, pass through.
 pub const UNREFLECTED: u32 = 32;
 
 /// A triangle as traversal reads it, 48 bytes (3 × `vec4u`).
@@ -27,29 +27,29 @@ pub const UNREFLECTED: u32 = 32;
 pub struct TraceTriangle {
     /// Vertex 0; world space in the static tree, object space in mesh trees.
     pub base: [f32; 3],
-    /// Index of its instance; [`NONE`](super::NONE) in mesh trees.
+    /// Index of the triangle's instance; [`NONE`](super::NONE) in mesh trees.
     pub instance: u32,
     /// Vertex 1 − vertex 0.
     pub edge1: [f32; 3],
-    /// Index in its mesh.
+    /// Index of the triangle in its mesh.
     pub triangle: u32,
     /// Vertex 2 − vertex 0.
     pub edge2: [f32; 3],
-    /// [`ALPHA_TESTED`], [`DOUBLE_SIDED`], [`FLIPPED`], [`UNSEEN`], [`SHADOWLESS`], [`UNREFLECTED`]; 0 in
-    /// mesh trees, where the instance decides.
+    /// Flags [`ALPHA_TESTED`], [`DOUBLE_SIDED`], [`FLIPPED`], [`UNSEEN`], [`SHADOWLESS`], [`UNREFLECTED`]; 0 in
+    /// mesh trees, where the instance has them.
     pub flags: u32,
 }
 
-/// What traversal reads of an instance, 64 bytes (4 × `vec4`).
+/// Instance record that traversal reads, 64 bytes (4 × `vec4`).
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct TraceInstance {
     /// xyz: rows of the inverse's linear part L; w: the world translation T of the placement, by
     /// component. `object = L (world − T)`, which keeps its precision far from the origin.
     pub object_from_world: [[f32; 4]; 3],
-    /// Root of its mesh tree; [`NONE`](super::NONE) where it is part of the static tree.
+    /// Node index of the root of its mesh tree; [`NONE`](super::NONE) where it is part of the static tree.
     pub tree_root: u32,
-    /// As those of a triangle. Object space keeps its winding, so [`FLIPPED`] is never set.
+    /// Flags as in [`TraceTriangle::flags`]. Object space keeps the winding, so [`FLIPPED`] is never set.
     pub trace_flags: u32,
     /// Unused.
     pub padding: [u32; 2],
@@ -59,7 +59,7 @@ impl TraceInstance {
     /// Record of an instance of a world.
     pub(super) fn new(instance: &Instance, world: &World, tree_root: u32) -> Self {
         let world_from_object = &instance.world_from_object;
-        // Inverted in f64, so that only its storage rounds.
+        // Inverted in f64, so that only the stored result is rounded.
         let inverse = in_f64(world_from_object).matrix3.inverse().as_mat3();
         let row = |k: usize| {
             inverse
@@ -76,11 +76,11 @@ impl TraceInstance {
     }
 }
 
-/// What rays need to know of an instance, but for its winding.
+/// Traversal flags of an instance, except [`FLIPPED`].
 pub(super) fn instance_flags(instance: &Instance, world: &World) -> u32 {
     let (material, shown) = (&world.materials[instance.material], instance.shown);
     let flag = |set: bool, bit: u32| if set { bit } else { 0 };
-    // Light that passes is asked for like cut-outs, behind the traversal.
+    // Transmissive surfaces are tested after the traversal, like cut-outs.
     let tested = material.alpha_cutoff.is_some() || material.passes_light();
     flag(tested, ALPHA_TESTED)
         | flag(material.double_sided, DOUBLE_SIDED)

@@ -1,5 +1,4 @@
-//! Triangles as the leaves of trees: in world space in the static tree, in object space in those of
-//! meshes.
+//! Triangles as the leaves of trees: in world space in the static tree, in object space in mesh trees.
 
 use glam::Vec3;
 use obvhs::aabb::Aabb;
@@ -17,7 +16,7 @@ use crate::{
     world::{Mesh, World},
 };
 
-/// Corners of a mesh's triangle, as it is posed.
+/// Corners of a triangle in the current pose of its mesh, object space.
 pub(super) fn corners(world: &World, mesh: usize, triangle: u32) -> [Vec3; 3] {
     let corners = world.meshes[mesh].triangles[triangle as usize];
     world.posed(mesh).corners(corners)
@@ -36,7 +35,7 @@ pub(super) fn bounding_box(corners: [Vec3; 3]) -> Aabb {
     Aabb::from_points(&corners.map(Into::into))
 }
 
-/// Whether a ray can hit it at all.
+/// Whether a triangle has an area, so that a ray can hit it.
 pub(super) fn has_area([a, b, c]: [Vec3; 3]) -> bool {
     (b - a).cross(c - a) != Vec3::ZERO
 }

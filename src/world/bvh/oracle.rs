@@ -1,8 +1,8 @@
 //! Reference ray tracer on the CPU in f64, for tests of GPU traversal.
 //!
-//! The rule, on both sides: nearest hits pass single-sided triangles from behind; shadow rays
-//! ([`Oracle::any`]) are blocked by either side; triangles with cut-outs count where the alpha
-//! callback agrees. An interval is open: `t_min < t < t_max`.
+//! Rules that this tracer and the GPU share: nearest hits ignore single-sided triangles from behind; shadow rays
+//! ([`Oracle::any`]) are blocked by either side; triangles with cut-outs count where the alpha callback accepts
+//! them. An interval is open: `t_min < t < t_max`.
 
 use glam::{DMat3, DVec2, DVec3, Vec3};
 
@@ -15,29 +15,29 @@ use crate::{math::in_f64, world::World};
 /// A ray; hits are at `origin + t * direction`.
 #[derive(Clone, Copy, Debug)]
 pub struct Ray {
-    /// World space, meters.
+    /// Origin in world space, meters.
     pub origin: DVec3,
-    /// Not zero; any length.
+    /// Direction of any length but 0.
     pub direction: DVec3,
-    /// Hits at or before this are ignored.
+    /// Start of the interval: hits at or before this t are ignored.
     pub t_min: f64,
-    /// Hits at or after this are ignored.
+    /// End of the interval: hits at or after this t are ignored.
     pub t_max: f64,
-    /// Flags of what it passes: [`UNSEEN`](super::UNSEEN), [`SHADOWLESS`](super::SHADOWLESS) or
-    /// [`UNREFLECTED`](super::UNREFLECTED); 0 meets everything.
+    /// Flags of the surfaces that the ray passes through: [`UNSEEN`](super::UNSEEN),
+    /// [`SHADOWLESS`](super::SHADOWLESS) or [`UNREFLECTED`](super::UNREFLECTED); 0: none.
     pub passes: u32,
 }
 
 /// A hit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RayHit {
-    /// In lengths of the ray's direction.
+    /// Distance, in lengths of the ray's direction.
     pub t: f64,
     /// Index into [`World::instances`].
     pub instance: u32,
     /// Index into the mesh's triangles.
     pub triangle: u32,
-    /// Weights of vertex 1 and vertex 2.
+    /// Barycentric weights of vertex 1 and vertex 2.
     pub bary: DVec2,
 }
 
@@ -50,7 +50,7 @@ struct Corner {
 
 impl Corner {
     /// Möller and Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection" (1997): where the ray
-    /// meets the plane, as (t, weights, whether from the front); the weights may be outside.
+    /// meets the plane, as (t, weights, whether from the front); the weights may be outside [0, 1].
     fn plane_hit(&self, ray: &Ray) -> Option<(f64, DVec2, bool)> {
         let p = ray.direction.cross(self.edge2);
         let det = self.edge1.dot(p);
@@ -76,7 +76,7 @@ impl Corner {
 /// Brute force over all triangles of a world, placed in f64.
 pub struct Oracle {
     triangles: Vec<(Corner, u32, u32)>,
-    /// First triangle of each instance.
+    /// Index of the first triangle of each instance.
     first: Vec<usize>,
 }
 
@@ -153,9 +153,8 @@ impl Oracle {
         &self.triangles[self.first[instance as usize] + triangle as usize].0
     }
 
-    /// Where the ray meets one triangle's plane: t, the weights (outside [0, 1] where it passes the
-    /// triangle), and the cosine between ray and normal, negative from the front. `None` where they
-    /// are parallel.
+    /// Hit of the ray with the plane of one triangle: t, the weights (outside [0, 1] where it passes the triangle),
+    /// and the cosine between ray and normal, negative from the front. `None` where they are parallel.
     pub fn plane_hit(&self, ray: &Ray, instance: u32, triangle: u32) -> Option<(f64, DVec2, f64)> {
         let corner = self.corner(instance, triangle);
         let (t, bary, front) = corner.plane_hit(ray)?;
@@ -176,12 +175,12 @@ impl Trees {
         self.traverse(ray, true, &alpha_passes).0
     }
 
-    /// The nearest hit with cut-outs as solid, and how many nodes the ray visits.
+    /// The nearest hit with cut-outs as solid, and the number of nodes that the ray visits.
     pub fn nearest_counted(&self, ray: &Ray) -> (Option<RayHit>, u32) {
         self.traverse(ray, true, &|_, _, _| true)
     }
 
-    /// What blocks the ray with cut-outs as solid, and how many nodes it visits.
+    /// A hit that blocks the ray, with cut-outs as solid, and the number of nodes that the ray visits.
     pub fn any_counted(&self, ray: &Ray) -> (Option<RayHit>, u32) {
         self.traverse(ray, false, &|_, _, _| true)
     }
@@ -211,8 +210,8 @@ impl Trees {
             let mut ray = self.in_space_of(inside, world_ray);
             ray.t_max = best.map_or(ray.t_max, |hit| hit.t);
             let node = &self.nodes[index as usize];
-            // Slots are by octant: in this order the nearest child is pushed last, as the shader
-            // visits them.
+            // Child slots are by octant: in this order the nearest child is pushed last, so that it is visited
+            // first, as in the shader.
             let flip = |axis: usize, bit: usize| usize::from(ray.direction[axis] >= 0.0) * bit;
             let flip = flip(0, 4) | flip(1, 2) | flip(2, 1);
             let children = (0..8).map(|child| child ^ flip);

@@ -1,5 +1,5 @@
-//! Trees of meshes that animations deform: refitted to each pose from the topology at rest, rebuilt
-//! where that pose makes them too poor. No earlier frame counts.
+//! Trees of meshes that animations deform: refitted to each pose from the topology at rest, rebuilt where a pose
+//! makes the refitted tree too slow to traverse. Earlier frames have no influence.
 
 use std::ops::Range;
 
@@ -14,37 +14,37 @@ use super::{
 };
 use crate::world::Mesh;
 
-/// Cost of a refitted tree over that of the tree at rest, each for its own size, beyond which it is
-/// rebuilt.
+/// Ratio of the refitted tree's SAH cost to that of the tree at rest, each relative to its root's area, above which
+/// the tree is rebuilt.
 const POOREST: f32 = 1.5;
-/// Largest stack of a rebuilt tree; the rest is the top level's.
+/// Largest stack depth of a rebuilt tree; the rest is left to the top level.
 const LARGEST_STACK: u32 = STACK_SIZE / 2;
 
-/// The tree of a mesh at rest, and where its poses stand among all trees.
+/// Tree of a mesh at rest, and the ranges of its poses in the buffers of all trees.
 #[derive(Clone, Debug)]
 pub(super) struct DeformingTree {
     /// Index into [`World::meshes`](crate::world::World::meshes).
     pub mesh: usize,
-    /// Reserved in [`Trees::nodes`](super::Trees::nodes), with some to spare for a rebuilt tree.
+    /// Range reserved in [`Trees::nodes`](super::Trees::nodes), with some nodes to spare for a rebuilt tree.
     pub nodes: Range<usize>,
-    /// In [`Trees::triangles`](super::Trees::triangles).
+    /// Range in [`Trees::triangles`](super::Trees::triangles).
     pub triangles: Range<usize>,
     rest: Tree,
     rest_cost: f32,
 }
 
-/// The tree of a mesh in one pose, with the indices of all trees.
+/// Tree of a mesh in one pose, with indices into the buffers of all trees.
 pub(super) struct PosedTree {
-    /// At most as many as were reserved.
+    /// Nodes, at most as many as were reserved.
     pub nodes: Vec<CwBvhNode>,
-    /// In leaf order.
+    /// Triangles in leaf order.
     pub triangles: Vec<TraceTriangle>,
-    /// As [`Tree::stack_need`].
+    /// Maximum stack depth of traversal.
     pub stack_need: u32,
 }
 
 impl DeformingTree {
-    /// The tree of a mesh at rest, whose poses stand from these indices on.
+    /// Builds the tree of a mesh at rest, whose poses are stored from these buffer indices on.
     pub fn new(mesh: usize, of: &Mesh, first_node: usize, first_triangle: usize) -> Self {
         let boxes = boxes(of, &of.positions);
         let mut rest = Tree::build(&boxes);
@@ -59,12 +59,12 @@ impl DeformingTree {
         }
     }
 
-    /// The tree with the vertices at these positions.
+    /// The tree of the mesh with its vertices at these positions.
     pub fn pose(&self, mesh: &Mesh, positions: &[Vec3]) -> PosedTree {
         let boxes = boxes(mesh, positions);
         let mut posed = self.rest.clone();
         let cost = refit(&mut posed.nodes, &posed.order, &boxes);
-        // False for a cost that is not a number, of what has no size.
+        // False for a NaN cost, which a mesh without extent has.
         if cost > self.rest_cost * POOREST {
             let rebuilt = Tree::build(&boxes);
             let need = rebuilt.stack_need;
@@ -89,7 +89,7 @@ impl DeformingTree {
     }
 }
 
-/// Of every triangle: those without area may have some in another pose.
+/// Bounding boxes of all triangles, even of those without area, which may have some in another pose.
 fn boxes(mesh: &Mesh, positions: &[Vec3]) -> Vec<Aabb> {
     let triangles = mesh.triangles.iter();
     triangles
@@ -102,7 +102,7 @@ fn boxes(mesh: &Mesh, positions: &[Vec3]) -> Vec<Aabb> {
 fn refit(nodes: &mut [CwBvhNode], order: &[u32], boxes: &[Aabb]) -> f32 {
     let mut fitted = vec![Aabb::empty(); nodes.len()];
     let mut cost = 0.0;
-    // Children stand behind their parents.
+    // Children come after their parents.
     for at in (0..nodes.len()).rev() {
         let node = &mut nodes[at];
         let mut children: [Option<Aabb>; 8] = [None; 8];
@@ -228,7 +228,7 @@ mod tests {
         assert_eq!(seen, mesh.triangles.len());
     }
 
-    /// A pose that tears neighbors apart is rebuilt, whatever came before.
+    /// A pose that tears neighbors apart is rebuilt, whatever pose came before.
     #[test]
     fn torn_poses_are_rebuilt() {
         let sphere = sphere();
@@ -241,7 +241,7 @@ mod tests {
                 .collect(),
             ..Mesh::default()
         };
-        // Every triangle stands where another one was.
+        // Every triangle moves to the place of another one.
         let torn: Vec<Vec3> = (0..count).flat_map(|t| corners(t * 31 % count)).collect();
         assert_ne!(count % 31, 0);
         let tree = DeformingTree::new(0, &mesh, 0, 0);

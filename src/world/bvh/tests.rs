@@ -160,16 +160,16 @@ fn scene_past_the_limit_is_an_error() {
 #[test]
 fn memory_is_refused_before_it_is_taken() {
     let mesh = triangle_mesh(&[unit_triangle(); 1000]);
-    // Copies of one moved mesh have one tree.
+    // Instances of one moving mesh share one tree.
     let placements = [(0, Affine3A::IDENTITY, true); 50];
     let world = world(vec![mesh], &placements);
     let placement = Placement::within(&world, LIMIT).unwrap();
     assert!(placement.check_memory(&world, 240_000).is_ok());
     let refused = placement.check_memory(&world, 239_999).unwrap_err();
     assert_eq!(refused.name, "memory-short");
-    let said = "the trees of 1000 triangles";
+    let said = "the BVHs of 1000 triangles";
     assert!(refused.message.starts_with(said), "{}", refused.message);
-    // Where the load left less than the machine has.
+    // The budget that loading left counts, not the memory of the machine.
     for (left, fits) in [(240_000, true), (239_999, false)] {
         let world = World {
             memory: Budget::new(left),
@@ -272,7 +272,7 @@ fn a_pose_whose_top_level_is_too_deep_is_refused_and_changes_nothing() {
     let meshes = vec![triangle_mesh(&[unit_triangle()])];
     let mut world = world(meshes, &[(0, Affine3A::IDENTITY, true); 20]);
     let mut trees = Trees::build(&world, LIMIT).unwrap();
-    // As if the mesh trees used the whole stack.
+    // Simulates mesh trees that use the whole stack.
     trees.mesh_stack_need = STACK_SIZE + 1;
     let before = (trees.nodes.clone(), trees.instances.clone());
     for (i, instance) in world.instances.iter_mut().enumerate() {

@@ -12,7 +12,7 @@ use obvhs::{
 /// Nodes with indices that start at 0; see [`rebase`].
 #[derive(Clone, Debug)]
 pub(super) struct Tree {
-    /// The root is first, children stand behind their parents; never empty.
+    /// Nodes, the root first and children after their parents; never empty.
     pub nodes: Vec<CwBvhNode>,
     /// Box index at each position of the leaf order.
     pub order: Vec<u32>,
@@ -79,7 +79,8 @@ pub(super) fn rebase(nodes: &mut [CwBvhNode], node_shift: u32, primitive_shift: 
     }
 }
 
-/// Traversal descends into one child of a group and keeps the others in one stack entry.
+/// Maximum stack depth of traversal, which descends into one child of a node and keeps the others in one stack
+/// entry.
 fn stack_need(nodes: &[CwBvhNode]) -> u32 {
     let mut need = vec![0u32; nodes.len()];
     for (i, node) in nodes.iter().enumerate().rev() {

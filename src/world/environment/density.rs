@@ -1,31 +1,31 @@
-//! The density that samples of a panorama follow: over squares of equal solid angle, with all coarser
-//! levels, so that a sample descends from the whole to a square (McCool & Harwood 1997; Clarberg et al.
-//! 2005).
+//! Density for importance sampling of a panorama: over squares of equal solid angle, with all coarser levels, so
+//! that a sample descends from the whole sphere to a square (McCool & Harwood 1997; Clarberg et al. 2005).
 
 use std::f32::consts::{FRAC_PI_4, PI};
 
 use glam::{UVec2, Vec2, Vec3};
 use rayon::prelude::*;
 
-/// Most squares along an edge.
+/// Maximum number of squares along an edge of the finest level.
 const MOST_SQUARES: u32 = 512;
 
-/// Places across a square, from edge to edge, at which the picture is looked up: closer than texels, so
-/// that nothing bright reaches into a square unseen.
+/// Number of points along each axis of a square, from edge to edge, at which the picture is sampled: closer than
+/// texels, so that no bright texel inside a square is missed.
 const TAPS: u32 = 4;
 
 /// Density over the sphere, in the equal-area octahedral square of Clarberg 2008.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Density {
-    /// From the finest, square, down to one number; each is the mean of four below it.
+    /// Levels from the finest, a square grid, down to a single number; each number is the mean of four on the finer
+    /// level.
     pub levels: Vec<Vec<f32>>,
-    /// Share of the light that it holds, 0 to 1; the rest is alike in all directions.
+    /// Share of the panorama's light that the density covers, 0 to 1; the rest is about the same in all directions.
     pub share: f32,
 }
 
 impl Density {
-    /// Of an equirectangular picture by its luminance. What all directions have alike is left out, for
-    /// samples of the surface find that (Karlík et al. 2019, "MIS Compensation").
+    /// Density of an equirectangular picture, from its luminance. The mean is subtracted, as samples of the surface
+    /// cover light that comes from all directions alike (Karlík et al. 2019, "MIS Compensation").
     pub fn new(luminance: &[f32], width: u32, height: u32) -> Self {
         let edge = 1_u32 << height.clamp(1, MOST_SQUARES).ilog2();
         let picture = Bilinear {
@@ -48,13 +48,13 @@ impl Density {
         Self::of_squares(&rows.concat(), edge as usize)
     }
 
-    /// Of the light of each square.
+    /// Density from the light of each square.
     fn of_squares(squares: &[f64], edge: usize) -> Self {
         let total: f64 = squares.iter().sum();
         let mean = total / squares.len() as f64;
         let over = squares.iter().map(|light| (light - mean).max(0.0));
         let share = (over.clone().sum::<f64>() / total.max(f64::MIN_POSITIVE)) as f32;
-        // Over the mean, so that no panorama is too bright or too dark for 32 bits.
+        // Divided by the mean, so that no panorama is too bright or too dark for 32 bits.
         let mean = mean.max(f64::MIN_POSITIVE);
         let mut levels = vec![over.map(|light| (light / mean) as f32).collect::<Vec<_>>()];
         let mut edge = edge;
@@ -68,18 +68,18 @@ impl Density {
             });
             levels.push(coarser.collect());
         }
-        // Rounding alone is not worth following.
+        // A smaller share is mere rounding.
         let share = if share > 1e-3 { share } else { 0.0 };
         Self { levels, share }
     }
 
-    /// Squares along an edge of the finest level.
+    /// Number of squares along an edge of the finest level.
     pub fn edge(&self) -> u32 {
         1 << (self.levels.len() - 1)
     }
 }
 
-/// A picture of all directions, interpolated.
+/// An equirectangular picture with bilinear interpolation.
 #[derive(Clone, Copy)]
 struct Bilinear<'a> {
     luminance: &'a [f32],
@@ -87,8 +87,8 @@ struct Bilinear<'a> {
 }
 
 impl Bilinear<'_> {
-    /// Longitude 0 is +Z and in the middle, π/2 is +X; latitude π/2 is +Y ("Environment Maps" of
-    /// OpenEXR).
+    /// Luminance in a direction. Longitude 0 is +Z and in the middle, π/2 is +X; latitude π/2 is +Y ("Environment
+    /// Maps" of OpenEXR).
     fn at(&self, direction: Vec3) -> f32 {
         let [width, height] = self.size.map(|edge| edge as i64);
         let longitude = direction.x.atan2(direction.z);
@@ -106,7 +106,7 @@ impl Bilinear<'_> {
     }
 }
 
-/// Clarberg 2008: the unit direction at a place of the square, 0 to 1.
+/// Unit direction of a point of the octahedral square, coordinates 0 to 1 (Clarberg 2008).
 fn direction_of_square(place: Vec2) -> Vec3 {
     let p = place * 2.0 - 1.0;
     let size = p.abs();

@@ -1,4 +1,4 @@
-//! Reads panoramas: Radiance HDR and OpenEXR, sizes first, every texel checked.
+//! Reads panoramas in Radiance HDR and OpenEXR: sizes are checked before decoding, and every texel after it.
 
 use std::{
     io::Cursor,
@@ -13,14 +13,14 @@ use image::{ImageDecoder as _, codecs::hdr::HdrDecoder};
 use super::{Density, Panorama};
 use crate::world::gltf::Fault;
 
-/// Most pixels across and down that are kept; larger panoramas are reduced.
+/// Largest width and height of a panorama that is kept, pixels; larger ones are reduced.
 pub const LARGEST_KEPT: [u32; 2] = [4096, 2048];
-/// Largest number that texels hold.
+/// Largest value of a texel, a 16-bit float.
 const LARGEST_TEXEL: f32 = 65504.0;
-/// Most pixels across or down of the copy whose luminance makes the density.
+/// Largest width or height, pixels, of the reduced copy from which the density is computed.
 const DENSITY_PX: u32 = 1024;
 
-/// What to do about a file that is not whole.
+/// Help text for a file that is truncated or damaged.
 const BROKEN_HELP: &str = "copy or export the panorama again; the file is cut off or damaged";
 
 /// Limits of decoding.
@@ -28,21 +28,21 @@ const BROKEN_HELP: &str = "copy or export the panorama again; the file is cut of
 pub struct PanoramaLimits {
     /// Largest width and height, pixels.
     pub max_px: u32,
-    /// Most bytes of the decoded picture, 12 a pixel.
+    /// Maximum size of the decoded picture, bytes (12 per pixel).
     pub budget_bytes: u64,
 }
 
-/// Linear radiance, top row first.
+/// A decoded picture: linear radiance, top row first.
 struct Pixels {
     width: u32,
     height: u32,
     rgb: Vec<[f32; 3]>,
 }
 
-/// Decodes the bytes of a `.hdr` or `.exr` file; which it is, its first bytes say.
+/// Decodes the bytes of a `.hdr` or `.exr` file; the first bytes tell the format.
 ///
 /// # Errors
-/// Broken or other files, sizes past the limits, and texels that are negative or not finite.
+/// Damaged files, other formats, sizes past the limits, and texels that are negative or not finite.
 pub fn read(path: &Path, bytes: &[u8], limits: &PanoramaLimits) -> Result<Panorama, Fault> {
     let decoded = catch_unwind(AssertUnwindSafe(|| decode(bytes, limits)));
     let pixels = decoded.unwrap_or_else(|_| {
@@ -74,7 +74,7 @@ pub fn read(path: &Path, bytes: &[u8], limits: &PanoramaLimits) -> Result<Panora
     })
 }
 
-/// ITU-R BT.709.
+/// Luminance by ITU-R BT.709.
 fn luminance([r, g, b]: &[f32; 3]) -> f32 {
     0.2126 * r + 0.7152 * g + 0.0722 * b
 }
@@ -151,7 +151,7 @@ fn decode_exr(bytes: &[u8], limits: &PanoramaLimits) -> Result<Pixels, Fault> {
     Ok(image.layer_data.channel_data.pixels)
 }
 
-/// Refuses texels that are no radiance.
+/// Refuses texels that are negative or not finite.
 fn check(pixels: &Pixels) -> Result<(), Fault> {
     let is_bad = |rgb: &&[f32; 3]| rgb.iter().any(|v| !v.is_finite() || *v < 0.0);
     let count = pixels.rgb.iter().filter(is_bad).count();
@@ -167,7 +167,8 @@ fn check(pixels: &Pixels) -> Result<(), Fault> {
     Err(Fault::new("image-values", text).help(help))
 }
 
-/// Means of squares of `factor` pixels; those at the right and lower edge may have fewer.
+/// The picture reduced to means of blocks of `factor` × `factor` pixels; blocks at the right and lower edge may be
+/// smaller.
 fn reduced(pixels: Pixels, factor: u32) -> Pixels {
     if factor <= 1 {
         return pixels;

@@ -74,13 +74,13 @@ pub(super) fn fault(text: String) -> Fault {
 pub struct Shape {
     /// Number of components.
     pub lanes: usize,
-    /// Bytes from one to the next when tightly packed; matrix columns start at multiples of 4.
+    /// Bytes from one element to the next when tightly packed; matrix columns start at multiples of 4.
     pub pitch: usize,
-    /// Bytes up to its last component; less than `pitch` for some matrices.
+    /// Bytes up to the end of the last component; less than `pitch` for some matrices.
     pub bytes: usize,
 }
 
-/// The layout of a `type` of components of `size` bytes.
+/// The layout of an element of a `type` whose components have `size` bytes.
 pub(super) fn shape(kind: &str, size: usize) -> Option<Shape> {
     let vector = |lanes: usize| Shape {
         lanes,
@@ -108,8 +108,8 @@ pub(super) fn shape(kind: &str, size: usize) -> Option<Shape> {
 }
 
 impl<'a> Data<'a> {
-    /// Checks all buffer views and accessors against the buffers. What is decoded through the result is
-    /// taken from `budget`.
+    /// Checks all buffer views and accessors against the buffers. Bytes that the result decodes are taken from
+    /// `budget`.
     ///
     /// # Errors
     /// The first accessor or view that is out of range, misaligned or of unknown type.
@@ -318,7 +318,7 @@ impl<'a> Data<'a> {
         self.layout(index).map(|l| l.count)
     }
 
-    /// Components of one element; 0 where the accessor does not exist.
+    /// Number of components of one element; 0 where the accessor does not exist.
     pub fn lanes(&self, index: usize) -> usize {
         self.layout(index).map_or(0, |l| l.lanes)
     }
@@ -362,32 +362,32 @@ impl Run {
     }
 }
 
-/// Core glTF: positions, and tangent frames.
+/// Accepts floats: positions, normals and tangents of core glTF.
 pub fn float_only(component: Component, _normalized: bool) -> bool {
     component == Component::F32
 }
 
-/// Texture coordinates and colors: floats or normalized unsigned integers.
+/// Accepts floats and normalized unsigned integers: texture coordinates and colors.
 pub fn float_or_unsigned(component: Component, normalized: bool) -> bool {
     component == Component::F32 || normalized && matches!(component, Component::U8 | Component::U16)
 }
 
-/// KHR_mesh_quantization for normals and tangents, EXT_mesh_gpu_instancing for rotations.
+/// Accepts floats and normalized signed integers: directions of KHR_mesh_quantization, rotations of instancing.
 pub fn float_or_signed(component: Component, normalized: bool) -> bool {
     component == Component::F32 || normalized && matches!(component, Component::I8 | Component::I16)
 }
 
-/// Rotations of animations: floats or normalized integers of 8 or 16 bits (glTF 2.0 §3.11).
+/// Accepts floats and normalized integers of 8 or 16 bits: rotations of animations (glTF 2.0 §3.11).
 pub fn float_or_normalized(component: Component, normalized: bool) -> bool {
     component == Component::F32 || normalized && component != Component::U32
 }
 
-/// Switches of KHR_animation_pointer.
+/// Accepts unsigned bytes: booleans of KHR_animation_pointer.
 pub fn unsigned_byte(component: Component, normalized: bool) -> bool {
     component == Component::U8 && !normalized
 }
 
-/// KHR_mesh_quantization for positions and texture coordinates.
+/// Accepts all but 32-bit integers: positions and texture coordinates of KHR_mesh_quantization.
 pub fn any_but_u32(component: Component, _normalized: bool) -> bool {
     component != Component::U32
 }

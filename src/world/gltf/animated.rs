@@ -1,23 +1,23 @@
-//! Which nodes the animations of a file move.
+//! Sets of nodes that the animations of a file move.
 
 use std::collections::HashSet;
 
 use super::Clip;
 use crate::world::animation::Property;
 
-/// What the animations of a file move, played or not.
+/// Nodes that the animations of a file move, whether or not these are played.
 #[derive(Default)]
 pub struct Animated {
     /// Nodes with animated visibility.
     pub visibility: HashSet<usize>,
-    /// Nodes with an animated place.
+    /// Nodes with an animated transform.
     pub places: HashSet<usize>,
     /// Nodes whose weights of morph targets are animated.
     pub weights: HashSet<usize>,
 }
 
 impl Animated {
-    /// What these animations move.
+    /// Nodes that these animations move.
     pub fn by(clips: &[Clip]) -> Self {
         let mut animated = Self::default();
         for animation in clips.iter().filter_map(|c| c.animation.as_ref().ok()) {

@@ -25,9 +25,9 @@ use crate::world::animation::{Animation, Channel, Interpolation, Property, Sampl
 /// A named animation; a broken one is an error only where it is played.
 #[derive(Clone, Debug)]
 pub struct Clip {
-    /// Unique name; `animation 0` without one.
+    /// Unique name; `animation 0` for an animation without one.
     pub name: String,
-    /// Its channels, or its error.
+    /// The decoded animation, or its error.
     pub animation: Result<Arc<Animation>, Fault>,
     /// Warnings about ignored parts.
     pub notes: Notes,
@@ -37,18 +37,18 @@ fn fault(text: impl Into<String>) -> Fault {
     Fault::new("gltf-animation", text)
 }
 
-/// Animations of a file.
+/// Animations of a file, with its sizes and the metadata of its USD stage.
 #[derive(Clone, Debug, Default)]
 pub struct Playable {
     /// The animations.
     pub clips: Vec<Clip>,
-    /// The USD stage that it was converted from.
+    /// Metadata of the USD stage that the file was converted from.
     pub stage: Stage,
-    /// Meshes that its nodes show.
+    /// Number of placements of meshes by the file's nodes.
     pub copies: usize,
-    /// Triangles of its meshes.
+    /// Number of triangles of all meshes, each mesh counted once.
     pub stored_triangles: usize,
-    /// The same, as often as nodes show them.
+    /// Number of triangles of all meshes, each mesh counted as often as nodes place it.
     pub placed_triangles: usize,
 }
 
@@ -62,7 +62,7 @@ pub struct Stage {
 }
 
 impl Stage {
-    /// From the extras of a file's scene.
+    /// Stage metadata from the extras of a file's scene.
     pub fn of(root: &Root) -> Self {
         let scene = root.scenes.get(root.scene.unwrap_or(0));
         let usd = scene.and_then(|scene| scene.extras.get("usd"));
@@ -79,7 +79,7 @@ impl Stage {
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub struct StageTime {
-    /// Time codes a second.
+    /// Time codes per second.
     #[serde(rename = "timeCodesPerSecond")]
     pub rate: f64,
     /// The time code at 0 s.
@@ -91,7 +91,7 @@ pub struct StageTime {
     pub end_time_code: Option<f64>,
 }
 
-/// All animations of a file.
+/// Reads all animations of a file; a broken one keeps its error.
 pub fn read(root: &Root, data: &Data<'_>) -> Vec<Clip> {
     let mut names = HashSet::new();
     let mut reader = Reader {
@@ -134,7 +134,7 @@ fn parse(value: &serde_json::Value) -> Result<schema::Animation, Fault> {
 struct Reader<'a> {
     root: &'a Root,
     data: &'a Data<'a>,
-    /// Keys are shared by many channels.
+    /// Decoded key times by accessor, as many channels share them.
     times: HashMap<usize, Rc<Vec<f32>>>,
 }
 
@@ -165,7 +165,7 @@ impl Reader<'_> {
                 continue;
             };
             if !targets.insert((node, property)) {
-                let text = format!("a channel before it moves the {property:?} of node {node} too");
+                let text = format!("an earlier channel moves the {property:?} of node {node} too");
                 return Err(at(fault(text.to_lowercase())));
             }
             if self.root.nodes[node].matrix.is_some() && property != Property::Visible {
@@ -193,7 +193,7 @@ impl Reader<'_> {
         Ok(Animation::new(channels, weights, pointers))
     }
 
-    /// The weights that a channel moves; `None` for other channels, and for nodes without targets.
+    /// The morph weights that a channel moves; `None` for other channels, and for nodes without morph targets.
     fn weights(
         &mut self,
         animation: &schema::Animation,
@@ -243,7 +243,7 @@ impl Reader<'_> {
         }))
     }
 
-    /// Target node and property; `None` where it is not supported.
+    /// Target node and property; `None`, with a warning, where the target is not supported.
     fn target(
         &self,
         target: &schema::ChannelTarget,
@@ -256,7 +256,7 @@ impl Reader<'_> {
         };
         let found = if let Some(pointer) = &target.extensions.pointer {
             let Some(found) = pointed_at(&pointer.pointer) else {
-                let what = "channels of KHR_animation_pointer change what Reflet keeps as it is, and are \
+                let what = "channels of KHR_animation_pointer target values that Reflet cannot animate and are \
                             left out";
                 return left_out("animation-pointer", what);
             };

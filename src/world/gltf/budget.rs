@@ -1,30 +1,30 @@
-//! What the geometry of a file may take of the memory.
+//! Memory budget for the geometry of a file.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::Fault;
 use crate::memory::Budget;
 
-/// What is left.
+/// Memory that geometry may still take.
 #[derive(Debug)]
 pub struct GeometryBudget {
-    /// To this file alone.
+    /// Budget of this file alone.
     file: Budget,
-    /// To all that is loaded with it.
+    /// Budget of all that is loaded with the file.
     load: Budget,
-    /// Whether more was wanted than was left: the file is refused, and reading on is of no use.
+    /// Whether more was requested than was left: the file is refused then, and reading on is of no use.
     exceeded: AtomicBool,
 }
 
 fn over_budget() -> Fault {
     let text = "the file's geometry exceeds the memory budget";
-    let help = "it is 2 GiB, or what the rest of the scene leaves of three quarters of the memory that is free, \
-                if that is less";
+    let help = "simplify the file; the budget is 2 GiB, or what the rest of the scene leaves of three quarters \
+                of the free memory, if that is less";
     Fault::new("geometry-too-large", text).help(help)
 }
 
 impl GeometryBudget {
-    /// What is left of both.
+    /// A budget that is limited by both `file` and `load`.
     pub fn new(file: Budget, load: Budget) -> Self {
         Self {
             file,
@@ -33,11 +33,11 @@ impl GeometryBudget {
         }
     }
 
-    /// Refuses all once something was refused.
+    /// Fails once the budget was exceeded, so that no more of the file is read.
     ///
     /// # Errors
-    /// Something was refused.
-    pub fn still_counts(&self) -> Result<(), Fault> {
+    /// The budget was exceeded before.
+    pub fn check_not_exceeded(&self) -> Result<(), Fault> {
         self.judge(!self.exceeded.load(Ordering::Relaxed))
     }
 
@@ -49,15 +49,15 @@ impl GeometryBudget {
         Err(over_budget())
     }
 
-    /// Bytes that may still be taken.
+    /// Number of bytes that may still be taken.
     pub fn left(&self) -> u64 {
         self.file.left().min(self.load.left())
     }
 
-    /// Refuses what is not left, before any of it is read.
+    /// Checks that so many bytes are left, without taking them.
     ///
     /// # Errors
-    /// Fewer are left.
+    /// Fewer bytes are left.
     pub fn check(&self, bytes: u64) -> Result<(), Fault> {
         self.judge(bytes <= self.left())
     }
@@ -65,7 +65,7 @@ impl GeometryBudget {
     /// Takes bytes.
     ///
     /// # Errors
-    /// Fewer are left.
+    /// Fewer bytes are left.
     pub fn take(&self, bytes: u64) -> Result<(), Fault> {
         self.judge(self.file.take(bytes) && self.load.take(bytes))
     }

@@ -9,7 +9,7 @@ use super::{
     uri::{self, Sandbox},
 };
 
-/// The data of every buffer that says where it is; read files are added to `files`.
+/// The data of every buffer, `None` without a URI or GLB chunk; files that were read are added to `files`.
 pub fn read(
     root: &Root,
     mut binary: Option<Bytes>,

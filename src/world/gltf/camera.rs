@@ -5,10 +5,10 @@ use glam::Vec3;
 use super::{FORWARD, Fault, Notes, schema};
 use crate::scene::desc::CameraDesc;
 
-/// Near plane of orthographic cameras that begin at their eye, meters.
+/// Near plane, meters, of orthographic cameras whose file says 0.
 const NEAREST_M: f32 = 1e-5;
 
-/// An orthographic camera in the space of its node. The picture's shape decides about the width.
+/// An orthographic camera in the space of its node; its width follows from the aspect ratio of the picture.
 pub fn orthographic(lens: &schema::Orthographic) -> Result<CameraDesc, Fault> {
     let (height_m, near_m) = (2.0 * lens.ymag.abs(), lens.znear);
     if !(height_m > 0.0 && height_m.is_finite() && near_m >= 0.0 && near_m.is_finite()) {

@@ -15,7 +15,7 @@ pub struct Bytes {
 }
 
 impl Bytes {
-    /// All of `bytes`.
+    /// A block of all `bytes`.
     pub fn new(bytes: Vec<u8>) -> Self {
         Self::shared(Arc::new(bytes))
     }
@@ -49,8 +49,8 @@ const CHUNK_HEADER: usize = 8;
 const CHUNK_JSON: u32 = 0x4E4F_534A;
 const CHUNK_BIN: u32 = 0x004E_4942;
 
-/// Parses a file's bytes; the second value is GLB's binary chunk. With `lenient`, unsupported looks
-/// may be required.
+/// Parses a file's bytes; the second value is GLB's binary chunk. With `lenient`, the file may require unsupported
+/// extensions that only change the look.
 pub fn open(bytes: Vec<u8>, lenient: bool) -> Result<(Root, Option<Bytes>), Fault> {
     let bytes = Bytes::new(bytes);
     let (json, binary) = if bytes.starts_with(b"glTF") {

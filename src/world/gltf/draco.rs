@@ -1,5 +1,5 @@
-//! KHR_draco_mesh_compression: primitives are decoded into buffers, views and accessors of their own,
-//! and read as any other after that.
+//! KHR_draco_mesh_compression: primitives are decoded into new buffers, views and accessors, and are read like any
+//! other primitive after that.
 
 use draco_core::{DecodeLimits, DecoderBuffer, Mesh, MeshDecoder};
 use rayon::prelude::*;
@@ -13,30 +13,30 @@ use super::{
     schema::{Accessor, Buffer, BufferView, Primitive, Root},
 };
 
-/// Most triangles of a stream: its connectivity takes some 100 bytes for each while it is decoded.
+/// Maximum number of triangles of a stream, as decoding its connectivity takes some 100 bytes for each.
 const MOST_FACES: u64 = 1 << 23;
 
 fn fault(text: impl Into<String>) -> Fault {
     Fault::new("gltf-draco", text)
 }
 
-/// A decoded accessor: its bytes, and how many elements.
+/// A decoded accessor: its bytes and number of elements.
 struct Decoded {
     bytes: Vec<u8>,
     count: u64,
 }
 
-/// What a primitive becomes.
+/// Decoded geometry of a primitive.
 #[derive(Default)]
 struct Geometry {
     indices: Vec<u8>,
     num_indices: u64,
-    /// By the name of the attribute.
+    /// Names and decoded accessors of the attributes.
     attributes: Vec<(String, Decoded)>,
 }
 
-/// Decodes every compressed primitive whose accessors have no uncompressed data. What streams say that they
-/// decode to is taken from `budget`.
+/// Decodes every compressed primitive whose accessors have no uncompressed data. The decoded size that the
+/// accessors state is taken from `budget`.
 ///
 /// # Errors
 /// The first stream that is broken, too large, or lacks an attribute that it should have.
@@ -58,7 +58,7 @@ pub fn decompress(
         let place = label("mesh", m, mesh.name.as_deref());
         fault.at(&format!("{place} primitive {p}"))
     };
-    // What streams claim is known before they are decoded.
+    // Accessors state the decoded size, so the budget is checked before anything is decoded.
     let most = budget.left();
     for &(m, p) in &compressed {
         let bytes = claimed_bytes(shared, &shared.meshes[m].primitives[p]);
@@ -75,7 +75,7 @@ pub fn decompress(
     Ok(())
 }
 
-/// Whether its accessors have no data of their own.
+/// Whether some accessor of the primitive has no uncompressed data.
 fn is_compressed(root: &Root, primitive: &Primitive) -> bool {
     let Some(draco) = &primitive.extensions.draco else {
         return false;
@@ -89,7 +89,7 @@ fn is_compressed(root: &Root, primitive: &Primitive) -> bool {
     })
 }
 
-/// Bytes that its accessors say it has.
+/// Decoded size of a primitive by the counts of its accessors, bytes.
 fn claimed_bytes(root: &Root, primitive: &Primitive) -> u64 {
     let accessors = primitive.attributes.values().chain(&primitive.indices);
     let accessors = accessors.filter_map(|index| root.accessors.get(*index));
@@ -141,7 +141,7 @@ fn decode(
     Ok(geometry)
 }
 
-/// The compressed bytes.
+/// The compressed bytes of a stream.
 fn stream(root: &Root, buffers: &[Option<Bytes>], view: usize) -> Result<Bytes, Fault> {
     let missing = || fault(format!("bufferView {view} does not exist or has no data"));
     let found = root.buffer_views.get(view).ok_or_else(missing)?;
@@ -169,7 +169,7 @@ fn encode(
         )));
     }
     let values = values.read_f32s(num_points, lanes).into_iter();
-    // Integers are exact, and saturate.
+    // Casts to integers saturate; values of 8 and 16 bits are exact.
     Ok(match component {
         Component::F32 => values.flat_map(f32::to_le_bytes).collect(),
         Component::I8 => values.flat_map(|v| (v as i8).to_le_bytes()).collect(),
@@ -180,14 +180,14 @@ fn encode(
     })
 }
 
-/// Makes the primitive one that is not compressed.
+/// Replaces the accessors of the primitive by uncompressed ones.
 fn insert(
     root: &mut Root,
     buffers: &mut Vec<Option<Bytes>>,
     (m, p): (usize, usize),
     geometry: Geometry,
 ) {
-    /// `UNSIGNED_INT`
+    /// glTF's component type `UNSIGNED_INT`.
     const U32: u32 = 5125;
     let mut add = |root: &mut Root, bytes: Vec<u8>, accessor: Accessor| {
         let byte_length = bytes.len() as u64;

@@ -5,7 +5,7 @@ use std::{collections::BTreeSet, path::Path};
 use super::{Fault, schema::Root, uri::shorten};
 use crate::scene::diagnostic::{Diagnostic, Severity};
 
-/// Extensions that may stand in `extensionsRequired`.
+/// Supported extensions, which files may list in `extensionsRequired`.
 pub const SUPPORTED: [&str; 23] = [
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
@@ -32,7 +32,7 @@ pub const SUPPORTED: [&str; 23] = [
     "KHR_texture_transform",
 ];
 
-/// Ignored: the picture is the same, or the file has a fallback.
+/// Extensions that need no warning: the picture is the same without them, or the file has a fallback.
 const HARMLESS: [&str; 2] = ["KHR_animation_pointer", "KHR_xmp_json_ld"];
 
 /// Whether an extension can only change how things look, as far as its name tells: materials,

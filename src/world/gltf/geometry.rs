@@ -27,7 +27,7 @@ use crate::world::{
 /// A skin at rest.
 struct Skin {
     joints: Vec<Joint>,
-    /// For each joint: from the mesh to the model.
+    /// Transform of each joint, from the mesh's space to the model's.
     pose: Vec<Affine3A>,
     /// Whether animations move some joint.
     is_animated: bool,
@@ -48,10 +48,10 @@ impl Skin {
     }
 }
 
-/// A primitive of a placed mesh, with its number in that.
+/// A use of a mesh, with the index and the content of one of its primitives.
 type Job<'a> = (MeshUse, usize, &'a Primitive);
 
-/// What primitives are read with.
+/// Context that all primitives of a file share.
 struct Reader<'a> {
     root: &'a Root,
     data: &'a Data<'a>,
@@ -84,13 +84,13 @@ impl Reader<'_> {
         }
     }
 
-    /// For messages.
+    /// Name of a primitive for messages.
     fn place(&self, mesh_use: &MeshUse, p: usize) -> String {
         let name = self.root.meshes[mesh_use.mesh].name.as_deref();
         format!("{} primitive {p}", label("mesh", mesh_use.mesh, name))
     }
 
-    /// Refuses what cannot fit, before any of it is read.
+    /// Refuses geometry that cannot fit in the budget, before any of it is read.
     fn check_budget<'a>(&'a self, jobs: impl Iterator<Item = Job<'a>>) -> Result<(), Vec<Fault>> {
         let mut faults = Faults::default();
         let mut least = 0_u64;
@@ -111,7 +111,7 @@ impl Reader<'_> {
     }
 
     fn build<'a>(&'a self, job: &Job<'a>) -> Result<(Option<Mesh>, Notes), Fault> {
-        self.data.budget.still_counts()?;
+        self.data.budget.check_not_exceeded()?;
         let mut notes = Notes::default();
         let place = self.place(&job.0, job.1);
         let mesh = primitive::build(self.context(job), place, &mut notes)?;
@@ -122,7 +122,7 @@ impl Reader<'_> {
 /// Reads every placed mesh, once for each skin.
 ///
 /// # Errors
-/// One for every primitive and skin that is broken.
+/// The first broken skin, else every broken primitive; equal errors are merged.
 pub fn read(
     root: &Root,
     data: &Data<'_>,
@@ -200,12 +200,12 @@ pub fn read(
     }
 }
 
-/// Faults, each told once with its first place.
+/// Errors of all primitives; equal ones are merged, with the place of the first.
 #[derive(Default)]
 struct Faults {
-    /// With how many more places have it.
+    /// Each error with the number of further places that have it.
     list: Vec<(Fault, usize)>,
-    /// Places in the list by name and message.
+    /// Index into `list` by name and message of the error.
     known: HashMap<(&'static str, String), usize>,
 }
 
@@ -225,7 +225,7 @@ impl Faults {
         }
     }
 
-    /// Counts one more place of the last fault.
+    /// Counts one more place of the last error.
     fn repeat_last(&mut self) {
         if let Some((_, more)) = self.list.last_mut() {
             *more += 1;
@@ -245,7 +245,7 @@ impl Faults {
     }
 }
 
-/// The materials of points and lines without normals, by those of the file that they have.
+/// Unlit copies of materials, for points and lines without normals, by the index of the original material.
 #[derive(Default)]
 struct UnlitMaterials(HashMap<usize, usize>);
 

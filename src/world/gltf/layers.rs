@@ -1,4 +1,4 @@
-//! What extensions add to a material: KHR_materials_ior, _specular, _sheen, _transmission, _volume, _dispersion,
+//! Material layers of the extensions KHR_materials_ior, _specular, _sheen, _transmission, _volume, _dispersion,
 //! _clearcoat, _iridescence and _anisotropy.
 
 use glam::Vec3;
@@ -13,12 +13,13 @@ use crate::{
     world::{LAYER_SLOTS, LayerTexture, Material, TextureRef, normal_uv::NormalUv},
 };
 
-/// Finds a texture: its use in the file, whether it is a color, and its keys inside the material, for messages.
+/// Function that resolves a texture by its use in the file, whether it is a color, and its JSON keys (for
+/// messages).
 pub type FindTexture<'a> =
     dyn FnMut(&Option<TextureInfo>, bool, &str) -> Result<Option<TextureRef>, Fault> + 'a;
 
-/// Reads the factors and textures into `out`. `moves` says of a key of scene text whether an animation of the file
-/// moves it: then the layer is there, even where it is nothing at rest.
+/// Reads the factors and textures into `out`. `moves` tells whether an animation of the file moves the value of a
+/// key of scene text: such a layer is kept even if it has no effect at rest.
 pub fn read(
     extensions: &MaterialExtensions,
     out: &mut Material,
@@ -93,15 +94,15 @@ pub fn textures(extensions: &MaterialExtensions) -> [&Option<TextureInfo>; LAYER
     ]
 }
 
-/// Warns of a clear coat whose normal map is turned otherwise than that of its material, for vertices have one
-/// tangent each.
+/// Warns of a clear coat whose normal map has other texture coordinates than the material's, as vertices have only
+/// one tangent each.
 pub fn note_shared_tangents(material: &Material, place: &str, notes: &mut Notes) {
     let own = material.normal_texture.as_ref().map(NormalUv::of);
     let coat = material.layer_texture(LayerTexture::ClearcoatNormal);
     let coat = coat.as_ref().map(NormalUv::of);
     let differs = own.zip(coat).is_some_and(|(own, coat)| own != coat);
-    let what = "materials have a clear coat whose normal map has other coordinates than their own; the tangents \
-                fit the latter";
+    let what = "materials have a clear coat whose normal map has other texture coordinates than their own; tangents \
+                follow the latter";
     notes.add("tangents-shared", u64::from(differs), what, place);
 }
 
@@ -112,7 +113,7 @@ fn specular(
     ranges: &mut Ranges,
 ) -> Result<(), Fault> {
     let ior = extensions.ior.as_ref().and_then(|e| e.ior).unwrap_or(1.5);
-    // 0 stands for an infinite index.
+    // 0 stands for an infinite index of refraction.
     if !(ior == 0.0 || ior >= 1.0 && ior.is_finite()) {
         return Err(Fault::new(
             "gltf-material",
@@ -133,7 +134,7 @@ fn specular(
     check(&[factor], "specular factors must be finite")?;
     let factor = ranges.unit("specularFactor", factor);
     let is_kept = moves("specular");
-    // Glass bends light by its index, also where it mirrors none.
+    // Transmissive materials keep their index of refraction, even where they reflect nothing.
     if factor <= 0.0 && !is_kept && extensions.transmission.is_none() {
         out.reflectivity = 0.0;
         return Ok(());
@@ -178,7 +179,7 @@ fn transmission(
     check(&[share], "transmissionFactor must be finite")?;
     let share = ranges.unit("transmissionFactor", share);
     out.transmission = (share > 0.0 || moves("transmission")).then_some(share);
-    // 0 stands for an infinite index, which lets nothing through.
+    // 0 stands for an infinite index of refraction, which lets nothing through.
     let ior = extensions.ior.as_ref().and_then(|e| e.ior).unwrap_or(1.5);
     out.ior = if ior == 0.0 { 1.5 } else { ior };
     let Some(volume) = &extensions.volume else {

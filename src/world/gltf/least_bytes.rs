@@ -1,5 +1,5 @@
-//! What a primitive takes of the memory budget at least, by the sizes that the JSON says: a file that
-//! is too large is refused before any of it is decoded.
+//! Lower bound of a primitive's memory, by the sizes in the JSON: a file that is too large is refused before any of
+//! it is decoded.
 
 use super::{
     accessor::{Data, Layout},
@@ -9,8 +9,8 @@ use super::{
     wire,
 };
 
-/// Bytes that reading the primitive takes at least. Broken ones count as nothing: their fault is told
-/// when they are read.
+/// Least number of bytes that reading the primitive takes. A broken primitive counts 0: its error is reported when
+/// it is read.
 pub fn least_bytes(context: &Context<'_>) -> u64 {
     let (data, primitive) = (context.data, context.primitive);
     let count = |index: usize| data.count(index).unwrap_or(0);
@@ -69,7 +69,7 @@ impl Attributes<'_> {
     fn bytes(&self, index: usize) -> u64 {
         let is_sparse = |i| self.data.accessor(i).is_ok_and(|a| a.sparse.is_some());
         if self.are_few_used && !is_sparse(index) {
-            return 0; // how many are used is known when the indices are read
+            return 0; // the number of used vertices is known when the indices are read
         }
         let bytes = |layout: Layout| layout.count as u64 * layout.lanes as u64 * 4;
         self.data.layout(index).map_or(0, bytes)

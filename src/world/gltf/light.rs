@@ -1,4 +1,4 @@
-//! KHR_lights_punctual to [`Light`].
+//! Reads a light of KHR_lights_punctual as a [`Light`].
 
 use glam::Vec3;
 
@@ -8,7 +8,7 @@ use crate::{
     world::Light,
 };
 
-/// As scene text's default.
+/// Width and height of a shadow map, pixels; scene text has the same default.
 const DEFAULT_SHADOW_PX: u32 = 1024;
 
 fn fault(text: &str) -> Fault {
@@ -67,13 +67,13 @@ pub fn read(light: &schema::Light, name: &str) -> Result<Light, Fault> {
     })
 }
 
-/// Inner and outer half angle of a spot light.
+/// Inner and outer half angle of a spot light, degrees.
 fn cone_deg(light: &schema::Light) -> Result<[f32; 2], Fault> {
     let spot = light.spot.as_ref();
     let inner = spot.and_then(|s| s.inner_cone_angle).unwrap_or(0.0);
     let outer = spot.and_then(|s| s.outer_cone_angle);
     let outer = outer.unwrap_or(std::f32::consts::FRAC_PI_4);
-    // A little more than π/2, as files round it.
+    // The limit is a little more than π/2, as files round it.
     if !(0.0 <= inner && inner < outer && outer <= 1.571) {
         return Err(fault("cone angles must be 0 ≤ inner < outer ≤ π/2"));
     }

@@ -53,8 +53,8 @@ pub fn read(
     Ok(())
 }
 
-/// The two sets of texture coordinates that meshes with this material have, which its textures refer to
-/// from then on by 0 and 1.
+/// Chooses the two sets of texture coordinates that meshes with this material keep; its textures refer to them as 0
+/// and 1 from then on.
 fn choose_uv_sets(material: &mut Material, place: &str, notes: &mut Notes) -> [u32; 2] {
     let mut textures = material.texture_slots();
     let mut used: Vec<u32> = textures
@@ -78,7 +78,7 @@ fn choose_uv_sets(material: &mut Material, place: &str, notes: &mut Notes) -> [u
     sets
 }
 
-/// Key of a material's extras, an object by which its emission lights what is around.
+/// Key in a material's extras with an object that marks a mesh light, whose emission lights the scene.
 const MESH_LIGHT: &str = "mesh_light";
 
 fn convert(
@@ -129,7 +129,7 @@ fn convert(
     Ok(out)
 }
 
-/// The numbers of core glTF and KHR_materials_emissive_strength.
+/// The factors of core glTF and KHR_materials_emissive_strength.
 fn factors(material: &schema::Material, ranges: &mut Ranges) -> Result<Material, Fault> {
     let fault = |text: &str| Err(Fault::new("gltf-material", text));
     let pbr = &material.pbr_metallic_roughness;
@@ -149,7 +149,7 @@ fn factors(material: &schema::Material, ranges: &mut Ranges) -> Result<Material,
         let number = info.as_ref().and_then(get);
         number.filter(|v| v.is_finite()).unwrap_or(1.0)
     };
-    // Above 1 it is as bright as written.
+    // Factors above 1 are kept, though glTF allows at most 1.
     let emission = Vec3::from_array(ranges.clamped("emissiveFactor", emission, f32::INFINITY));
     let occlusion = number(&material.occlusion_texture, |t| t.strength);
     Ok(Material {
@@ -184,7 +184,7 @@ fn alpha(material: &schema::Material, ranges: &mut Ranges) -> Result<Option<f32>
     }
 }
 
-/// KHR_materials_unlit: of the material only the base color and its alpha remain.
+/// Applies KHR_materials_unlit: only the base color and its alpha remain.
 fn unlit(material: &Material) -> Material {
     Material {
         emission: Vec3::ZERO,

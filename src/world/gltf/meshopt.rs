@@ -6,22 +6,22 @@ use super::{
     uri::shorten,
 };
 
-/// Most decoded bytes of an encoded one, in all modes: in vertex streams one byte of control bits
-/// may stand for four channels of 256 vertices.
+/// Largest ratio of decoded to encoded bytes, in all modes: in vertex streams one byte of control bits may stand
+/// for four channels of 256 vertices.
 const MOST_EXPANSION: u64 = 1024;
 
 fn fault(text: impl Into<String>) -> Fault {
     Fault::new("gltf-meshopt", text)
 }
 
-/// What a stream becomes, checked against its buffer view.
+/// Decoding parameters of a stream, checked against its buffer view.
 #[derive(Clone, Copy, Debug)]
 pub struct Decoding {
     mode: Mode,
     filter: Filter,
     count: usize,
     stride: usize,
-    /// Decoded bytes.
+    /// Size of the decoded stream, bytes.
     pub bytes: u64,
 }
 
@@ -41,7 +41,7 @@ enum Filter {
     Color,
 }
 
-/// Checks the numbers of a stream.
+/// Checks the parameters of a stream.
 ///
 /// # Errors
 /// Unknown modes and filters, strides that they do not allow, sizes that do not fit each other.
@@ -101,7 +101,7 @@ pub fn check(view: &BufferView, stream: &MeshoptCompression) -> Result<Decoding,
     })
 }
 
-/// The bytes of the buffer view.
+/// Decodes a stream to the bytes of its buffer view.
 ///
 /// # Errors
 /// A stream that is cut off or not of its mode. Garbage may decode to any bytes.
@@ -123,7 +123,7 @@ fn to_bytes<T: bytemuck::NoUninit>(values: Vec<T>) -> Vec<u8> {
     bytemuck::cast_slice(&values).to_vec()
 }
 
-/// A vertex of `N` words; arrays have a default only up to 32.
+/// A vertex of `N` words; the wrapper is needed as arrays implement `Default` only up to length 32.
 #[derive(Clone, Copy)]
 struct Vertex<const N: usize>([u32; N]);
 
@@ -133,7 +133,7 @@ impl<const N: usize> Default for Vertex<N> {
     }
 }
 
-/// Vertices of 1 to 64 words.
+/// Decodes vertices of 1 to 64 words of 32 bits.
 fn attributes(encoded: &[u8], count: usize, words: usize) -> meshopt::Result<Vec<u8>> {
     fn decode<const N: usize>(encoded: &[u8], count: usize) -> meshopt::Result<Vec<u8>> {
         let vertices: Vec<Vertex<N>> = meshopt::decode_vertex_buffer(encoded, count)?;

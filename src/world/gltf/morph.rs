@@ -5,10 +5,10 @@ use glam::Vec3;
 use super::{Fault, accessor, primitive_context::Context};
 use crate::world::deform::MorphTarget;
 
-/// The attributes that are read of targets.
+/// Attributes of morph targets that are read.
 pub const READ: [&str; 3] = ["POSITION", "NORMAL", "TANGENT"];
 
-/// The targets whose weight is not 0, or all where weights are animated.
+/// Reads the morph targets whose weight is not 0, or all where weights are animated.
 ///
 /// # Errors
 /// Offsets of wrong type or count.

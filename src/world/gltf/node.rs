@@ -23,21 +23,21 @@ use crate::{
     },
 };
 
-/// Names of ancestors that the name of what a node places consists of, at most. A chain of nodes may
-/// be of any length, and all its names at each of its nodes would not fit in memory.
+/// Maximum number of ancestors in the name of a placed object. A chain of nodes may be of any length, and the full
+/// names of all its nodes would not fit in memory.
 const MAX_NAMES: usize = 64;
 
 /// Maximum number of placements of one file.
 const MAX_PLACEMENTS: usize = 1 << 20;
 
-/// A mesh of the file, and what deforms it.
+/// A mesh of the file, with its skin and the source of its morph weights.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct MeshUse {
-    /// Index in the file.
+    /// Index of the mesh in the file.
     pub mesh: usize,
-    /// The skin that poses it.
+    /// Index of the skin that poses the mesh.
     pub skin: Option<usize>,
-    /// The node that says the weights of its morph targets; `None`: the mesh does.
+    /// Node with the weights of the morph targets; `None`: the mesh has them.
     pub weights: Option<usize>,
 }
 
@@ -52,7 +52,7 @@ pub struct Visit {
     cameras: Vec<Attached<(String, CameraDesc)>>,
     rig: Rig,
     animated: Animated,
-    /// For each node of the file whether an animation moves it or what it hangs on.
+    /// Whether an animation moves each node of the file or one of its ancestors.
     moving: Vec<bool>,
 }
 
@@ -82,7 +82,7 @@ impl Visit {
         used.weights.filter(is_animated)
     }
 
-    /// Whether an animation moves a node or what it hangs on.
+    /// Whether an animation moves a node or one of its ancestors.
     pub fn moves(&self, node: usize) -> bool {
         self.moving.get(node).is_some_and(|moving| *moving)
     }
@@ -92,8 +92,8 @@ fn fault(text: impl Into<String>) -> Fault {
     Fault::new("gltf-node", text)
 }
 
-/// Traverses the default scene; the first scene without a default; all roots without a scene.
-/// Hidden nodes are skipped, unless one of `clips` may show them. Scripts pose what `posed` says.
+/// Traverses the default scene; the first scene without a default; all roots without a scene. Hidden nodes are
+/// skipped, unless one of `clips` may show them. `posed` lists what scripts pose.
 pub fn traverse(
     root: &Root,
     data: &Data<'_>,
@@ -179,8 +179,8 @@ struct Step {
     hidden: bool,
 }
 
-/// Names of the nodes from the root down, joined with `/`; the last ones where they are many. Empty
-/// for a node that places nothing.
+/// Names of the nodes from the root down, joined with `/`; of a long chain only the last [`MAX_NAMES`]. Empty for a
+/// node that places nothing.
 fn path(root: &Root, parents: &[Option<usize>], node: usize) -> String {
     let found = &root.nodes[node];
     if found.mesh.is_none() && found.camera.is_none() && found.extensions.light.is_none() {

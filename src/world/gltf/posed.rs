@@ -1,25 +1,25 @@
-//! Nodes and morph targets that scripts pose, although no animation of the file need move them.
+//! Nodes and morph targets that scripts pose, even if no animation of the file moves them.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::{animated::Animated, schema::Root};
 
-/// What scripts pose of a file.
+/// Nodes and morph targets of a file that scripts pose.
 #[derive(Clone, Debug, Default)]
 pub struct Posed {
-    /// Names of nodes.
+    /// Names of the posed nodes.
     pub nodes: BTreeSet<String>,
-    /// Whether weights of morph targets.
+    /// Whether scripts set weights of morph targets.
     pub morphs: bool,
 }
 
 impl Posed {
-    /// Whether it is nothing.
+    /// Whether scripts pose nothing.
     pub fn is_empty(&self) -> bool {
         self.nodes.is_empty() && !self.morphs
     }
 
-    /// Counts it among what animations move.
+    /// Marks the posed nodes, and the nodes with morph targets, as animated.
     pub(super) fn add_to(&self, animated: &mut Animated, root: &Root) {
         for (i, node) in root.nodes.iter().enumerate() {
             let is_named = |name: &String| self.nodes.contains(name);
@@ -33,19 +33,19 @@ impl Posed {
     }
 }
 
-/// The names that scripts may pose something by.
+/// Names of the nodes and morph targets that scripts may pose.
 #[derive(Clone, Debug, Default)]
 pub struct PosedNames {
-    /// The nodes of each name.
+    /// Indices of the nodes with each name.
     pub nodes: BTreeMap<String, Vec<usize>>,
-    /// The morph targets of each name, as node and index.
+    /// Morph targets with each name, as indices of node and target.
     pub morphs: BTreeMap<String, Vec<(usize, usize)>>,
     /// Weights at rest of the nodes that have morph targets.
     pub rest_weights: BTreeMap<usize, Vec<f32>>,
 }
 
 impl PosedNames {
-    /// Those of the nodes that are part of the scene, if anything of the file is posed.
+    /// Names in the nodes for which `is_part` tells that they are part of the scene; empty if nothing is posed.
     pub(super) fn of(root: &Root, posed: &Posed, is_part: impl Fn(usize) -> bool) -> Self {
         let mut names = Self::default();
         if posed.is_empty() {
@@ -78,7 +78,7 @@ impl PosedNames {
     }
 }
 
-/// How many morph targets a mesh has.
+/// Number of morph targets of a mesh.
 fn count(root: &Root, mesh: Option<usize>) -> usize {
     let mesh = mesh.and_then(|mesh| root.meshes.get(mesh));
     let primitives = mesh.map_or(&[][..], |mesh| &mesh.primitives);

@@ -95,9 +95,9 @@ fn pose_at_rest(context: &Context<'_>, mut deformation: Deformation, mesh: &mut 
     }
 }
 
-/// Repairs a mesh in its rest pose; what animations deform keeps what it is deformed by.
+/// Poses a mesh at rest and repairs it; a mesh that animations deform keeps its deformation.
 fn deform(context: &Context<'_>, mesh: &mut Mesh, notes: &mut Notes) -> Result<(), Fault> {
-    /// Of a vertex: what is bound beside what is posed, and four joints.
+    /// Bytes per vertex of the undeformed attributes and of four joints with their weights.
     const DEFORMED_BYTES: u64 = 64;
     let deformation = deformation(context)?;
     let morphs = context.has_animated_weights && !context.primitive.targets.is_empty();
@@ -111,7 +111,7 @@ fn deform(context: &Context<'_>, mesh: &mut Mesh, notes: &mut Notes) -> Result<(
     repair::run(mesh, notes);
     let posed = mesh.pose(context.weights, context.pose.unwrap_or_default());
     if !posed.positions.iter().all(|p| p.is_finite()) {
-        // Triangles that the rest pose breaks are dropped, and the others do not move.
+        // The rest pose is not finite: its broken triangles are dropped, and the mesh is no longer deformed.
         mesh.deformation = None;
         mesh.set_vertices(posed);
         repair::run(mesh, notes);
@@ -121,12 +121,12 @@ fn deform(context: &Context<'_>, mesh: &mut Mesh, notes: &mut Notes) -> Result<(
     Ok(())
 }
 
-/// Whether only the vertices are read that so many corners use.
+/// Whether the corners are so few that only the vertices that they use are read.
 pub fn uses_few(num_corners: usize, num_vertices: usize) -> bool {
     num_corners <= num_vertices / 2
 }
 
-/// The vertices that `corners` use, if they are at most half of all; `corners` become indices
+/// The vertices that `corners` use, if there are at most half as many corners as vertices; `corners` become indices
 /// into them. Many primitives may share the vertices of a whole file.
 fn used_rows(corners: &mut [u32], num_vertices: usize) -> Option<Vec<u32>> {
     if !uses_few(corners.len(), num_vertices) {
@@ -142,13 +142,13 @@ fn used_rows(corners: &mut [u32], num_vertices: usize) -> Option<Vec<u32>> {
     Some(rows)
 }
 
-/// What the mesh will hold beyond the attributes that are decoded.
+/// Bytes that the mesh takes beyond its decoded attributes.
 pub fn own_bytes(context: &Context<'_>, num_vertices: usize, num_corners: usize) -> u64 {
-    /// Texture coordinates, which are zeros without an attribute.
+    /// Bytes per vertex of texture coordinates, which are zeros without an attribute.
     const UV_BYTES: u64 = 8;
-    /// Positions, normals and coordinates where flat shading gives each corner a vertex.
+    /// Bytes per corner of positions, normals and coordinates, where flat shading gives each corner a vertex.
     const FLAT_BYTES: u64 = 32;
-    /// Of a corner of a triangle.
+    /// Bytes of a corner's index.
     const INDEX_BYTES: u64 = 4;
     let vertices = num_vertices.min(num_corners) as u64;
     let flat = !context.primitive.attributes.contains_key("NORMAL");
@@ -156,16 +156,16 @@ pub fn own_bytes(context: &Context<'_>, num_vertices: usize, num_corners: usize)
     vertices * UV_BYTES + num_corners as u64 * corner_bytes
 }
 
-/// The mode of triangles; those below are points and lines.
+/// glTF's mode of triangle lists; lower modes are points and lines.
 pub const TRIANGLES: u32 = 4;
 
-/// Points and lines without normals show their colors, without light (glTF 2.0 §3.9.7).
+/// Whether a primitive is unlit, as points and lines without normals are (glTF 2.0 §3.9.7).
 pub fn is_without_light(primitive: &Primitive) -> bool {
     let has_normals = primitive.attributes.contains_key("NORMAL");
     primitive.mode.is_some_and(|mode| mode < TRIANGLES) && !has_normals
 }
 
-/// The accessor of the positions and the mode, if the primitive has some; notes why not.
+/// Accessor of the positions, and mode of the primitive; `None`, with a warning, without positions.
 fn shown(
     primitive: &Primitive,
     name: &str,

@@ -10,23 +10,23 @@ use super::{
 
 /// A primitive with its context.
 pub struct Context<'a> {
-    /// Its document's accessors.
+    /// Accessors of the document.
     pub data: &'a Data<'a>,
     /// The primitive.
     pub primitive: &'a Primitive,
-    /// Number of elements of each of its attributes.
+    /// Number of vertices, which each attribute of the primitive has.
     pub num_vertices: usize,
-    /// Vertices that are read, where its indices use few of many; all without.
+    /// Indices of the vertices to read, where the primitive uses few of many; `None`: all.
     pub rows: Option<Vec<u32>>,
-    /// The sets of texture coordinates that its material uses.
+    /// The sets of texture coordinates that the material uses.
     pub uv_sets: [u32; 2],
     /// Whether KHR_mesh_quantization is in use.
     pub quantized: bool,
     /// Weights of the morph targets, finite.
     pub weights: &'a [f32],
-    /// Whether an animation moves them.
+    /// Whether an animation moves the weights.
     pub has_animated_weights: bool,
-    /// For skinned meshes: model from bind pose, for each joint, at rest.
+    /// Transform of each joint at rest, from the mesh's space to the model's; `None` without a skin.
     pub pose: Option<&'a [Affine3A]>,
     /// Whether an animation moves some joint.
     pub has_animated_joints: bool,

@@ -1,19 +1,19 @@
-//! Ranges of material factors: what is outside is clamped and named.
+//! Ranges of material factors: values outside are clamped and reported.
 
 use super::Notes;
 
-/// Clamps the factors of a material, and remembers those that were outside.
+/// Clamps the factors of a material, and lists those that were outside their range.
 #[derive(Default)]
 pub struct Ranges(Vec<String>);
 
 impl Ranges {
-    /// A number from 0 to 1.
+    /// The value, clamped to 0 to 1.
     pub fn unit(&mut self, key: &str, value: f32) -> f32 {
         let [clamped] = self.clamped(key, [value], 1.0);
         clamped
     }
 
-    /// Finite numbers, each from 0 to `most`.
+    /// The finite values, each clamped to 0 to `most`.
     pub fn clamped<const N: usize>(&mut self, key: &str, value: [f32; N], most: f32) -> [f32; N] {
         let clamped = value.map(|v| v.clamp(0.0, most));
         if clamped != value {

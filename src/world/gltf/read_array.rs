@@ -22,7 +22,7 @@ impl Data<'_> {
         self.floats_at(index, accept, None)
     }
 
-    /// As [`Data::floats`], of these elements only; each is below the accessor's count.
+    /// Same as [`Data::floats`] for the elements `rows`, each below the accessor's count; `None` reads all.
     pub fn floats_at<const N: usize>(
         &self,
         index: usize,
@@ -43,7 +43,7 @@ impl Data<'_> {
                 layout.component
             )));
         }
-        // Sparse elements are laid over all, of which the rows are taken then.
+        // With sparse elements all elements are read first, then the rows are picked.
         let gathered = rows.filter(|_| accessor.sparse.is_none());
         let count = gathered.map_or(layout.count, <[u32]>::len);
         self.spend(count as u64 * (N as u64 * 4))?;
@@ -110,8 +110,8 @@ impl Data<'_> {
             .map_err(|f| f.at(&format!("accessor {index}")))
     }
 
-    /// Base elements (zeros without a view), then the sparse ones over them. `rows` are for
-    /// accessors without sparse elements.
+    /// Base elements (zeros without a view), overwritten by the sparse ones. `rows` may be given only for accessors
+    /// without sparse elements.
     fn assemble<T: Copy>(
         &self,
         accessor: &Accessor,
@@ -160,8 +160,8 @@ impl Data<'_> {
     }
 }
 
-/// `SIZE`-byte components of `N`-vectors, of all or of some; the layout was checked against the
-/// view's length.
+/// Reads `N`-vectors of `SIZE`-byte components, all or those of `rows`; the layout was checked against the view's
+/// length.
 fn gather<const SIZE: usize, const N: usize>(
     bytes: &[u8],
     layout: &Layout,

@@ -8,8 +8,7 @@ use glam::{DVec3, Vec2, Vec3, Vec4};
 use super::Notes;
 use crate::{math::Bounds, world::Mesh};
 
-/// Repairs in place. What is deformed keeps triangles without area, which may have some in another
-/// pose.
+/// Repairs a mesh in place. A deformed mesh keeps triangles without area, which may have some in another pose.
 pub fn run(mesh: &mut Mesh, notes: &mut Notes) {
     drop_broken_triangles(mesh, notes);
     if mesh.normals.is_empty() {
@@ -83,7 +82,7 @@ pub fn gather_vertices(mesh: &mut Mesh, order: &[u32]) {
     }
 }
 
-/// Flat normals, as the specification demands where the file has none: corners are split.
+/// Computes flat normals, as the specification demands where the file has none: each corner gets its own vertex.
 fn make_flat(mesh: &mut Mesh) {
     let order: Vec<u32> = mesh.triangles.iter().flatten().copied().collect();
     gather_vertices(mesh, &order);
@@ -100,7 +99,7 @@ fn make_flat(mesh: &mut Mesh) {
     }
 }
 
-/// Normalizes; where a stored normal has no direction, the average of the faces around takes its place.
+/// Normalizes normals; one without a direction is replaced by the average of the faces around it.
 fn fix_normals(mesh: &mut Mesh, notes: &mut Notes) {
     let usable = |n: &Vec3| n.is_finite() && n.length_squared() > 1e-12;
     let mut used = vec![false; mesh.normals.len()];
@@ -134,7 +133,7 @@ fn fix_normals(mesh: &mut Mesh, notes: &mut Notes) {
     }
 }
 
-/// Normalizes; if any has no direction, all are dropped and generated where needed.
+/// Normalizes tangents; if any has no direction, all are dropped and generated where needed.
 fn fix_tangents(mesh: &mut Mesh) {
     for tangent in &mut mesh.tangents {
         let sign = if tangent.w < 0.0 { -1.0 } else { 1.0 };

@@ -32,7 +32,7 @@ pub struct Root {
     pub samplers: Vec<Sampler>,
     pub cameras: Vec<Camera>,
     pub skins: Vec<Skin>,
-    /// Each an [`Animation`], parsed separately: a broken one is an error only where it is played.
+    /// Animations, each parsed separately as an [`Animation`]: a broken one is an error only where it is played.
     pub animations: Vec<serde_json::Value>,
     pub extensions: RootExtensions,
 }
@@ -107,7 +107,7 @@ pub struct Node {
     pub scale: Option<[f32; 3]>,
     pub mesh: Option<usize>,
     pub skin: Option<usize>,
-    /// Of the morph targets, instead of the mesh's.
+    /// Weights of the morph targets, in place of the mesh's.
     pub weights: Option<Vec<f32>>,
     pub camera: Option<usize>,
     pub extensions: NodeExtensions,
@@ -150,7 +150,7 @@ pub struct Mesh {
     pub name: Option<String>,
     #[serde(default)]
     pub primitives: Vec<Primitive>,
-    /// Of the morph targets.
+    /// Weights of the morph targets.
     #[serde(default)]
     pub weights: Vec<f32>,
     #[serde(default)]
@@ -183,9 +183,9 @@ pub struct PrimitiveExtensions {
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub struct Draco {
-    /// The stream.
+    /// Buffer view of the stream.
     pub buffer_view: usize,
-    /// Unique number of each attribute in the stream.
+    /// Unique id of each attribute in the stream, by the attribute's name.
     #[serde(default)]
     pub attributes: BTreeMap<String, u32>,
 }
@@ -264,13 +264,13 @@ pub struct BufferViewExtensions {
 }
 
 impl BufferViewExtensions {
-    /// Either extension; they differ in what encoders may write.
+    /// Parameters of either extension; the two differ only in what encoders may write.
     pub fn meshopt(&self) -> Option<&MeshoptCompression> {
         self.khr_meshopt.as_ref().or(self.ext_meshopt.as_ref())
     }
 }
 
-/// Where the compressed bytes of a buffer view are, and what they become.
+/// Position of the compressed bytes of a buffer view, and how they are decoded.
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub struct MeshoptCompression {

@@ -1,4 +1,4 @@
-//! Skins: joints, and how much of each moves a vertex.
+//! Skins: joints, and their weights at each vertex.
 
 use glam::{Affine3A, Mat4};
 
@@ -47,7 +47,7 @@ pub fn joints(
     skin.joints.iter().zip(&bind).map(joint).collect()
 }
 
-/// The joints of each vertex, four at a time.
+/// Sets of four joints and weights of each vertex.
 ///
 /// # Errors
 /// Attributes of wrong type or count, joints that the skin lacks.
@@ -64,7 +64,7 @@ pub fn influences(context: &Context<'_>, num_joints: usize) -> Result<Vec<Vec<In
         let weights =
             (context.floats::<4>(w, accessor::float_or_unsigned)).map_err(|f| f.at(&weights))?;
         let of_vertex = |(joints, weights): ([f32; 4], [f32; 4])| {
-            // Unused slots may have any joint.
+            // Slots with weight 0 are unused and may name any joint.
             let is_missing =
                 |(joint, weight): &(&f32, &f32)| **weight != 0.0 && **joint as usize >= num_joints;
             if let Some((joint, _)) = joints.iter().zip(&weights).find(is_missing) {

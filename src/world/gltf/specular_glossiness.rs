@@ -15,13 +15,13 @@ use crate::world::{Material, TextureRef};
 /// Maps that are converted together, and their factors.
 #[derive(Clone, Debug)]
 pub struct SpecularGlossinessMaps {
-    /// Diffuse color (sRGB) and opacity; white without.
+    /// Map of diffuse color (sRGB) and opacity; `None` is white.
     pub diffuse: Option<ImageSource>,
-    /// Specular color (sRGB), and glossiness in alpha; white without.
+    /// Map of specular color (sRGB), with glossiness in alpha; `None` is white.
     pub specular: Option<ImageSource>,
     /// Factors of the maps.
     pub factors: Factors,
-    /// Which map of metallic-roughness this makes.
+    /// Metallic-roughness map that the conversion makes.
     pub part: Part,
 }
 
@@ -34,25 +34,25 @@ pub enum Part {
     MetallicRoughness,
 }
 
-/// The numbers of the material.
+/// Factors of the material.
 #[derive(Clone, Copy, Debug)]
 pub struct Factors {
-    /// Linear, 0 to 1.
+    /// Diffuse color, linear, 0 to 1.
     pub diffuse: Vec3,
-    /// Linear, 0 to 1.
+    /// Specular color, linear, 0 to 1.
     pub specular: Vec3,
-    /// 0 to 1.
+    /// Glossiness, 0 to 1.
     pub glossiness: f32,
 }
 
-/// A texel, or a material without maps.
+/// Converted values of a texel, or of a material without maps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MetallicRoughness {
-    /// Linear.
+    /// Base color, linear.
     pub base_color: Vec3,
-    /// 0 to 1.
+    /// Metallic share, 0 to 1.
     pub metallic: f32,
-    /// Perceptual, 0 to 1.
+    /// Perceptual roughness, 0 to 1.
     pub roughness: f32,
 }
 
@@ -89,7 +89,7 @@ impl Factors {
     }
 }
 
-/// Its keys inside a material.
+/// JSON keys of the extension inside a material.
 const EXTENSION: &str = "extensions/KHR_materials_pbrSpecularGlossiness";
 
 /// Replaces the core values of `material`: exactly for gray specular factors without a map,
@@ -161,7 +161,8 @@ pub fn convert(
     Ok(())
 }
 
-/// With one map or two that are sampled alike; others keep the diffuse map without a metal.
+/// Converts the maps: one, or two that are sampled alike; else the diffuse map is kept and the material is no
+/// metal.
 fn convert_maps(
     maps: [Option<TextureRef>; 2],
     factors: Factors,
@@ -198,7 +199,7 @@ fn convert_maps(
         material.base_color = Vec3::ONE.extend(material.base_color.w);
         material.metallic = 1.0;
     } else {
-        let what = "specular-glossiness maps are sampled unlike their diffuse maps; only their \
+        let what = "specular-glossiness maps are sampled in other ways than their diffuse maps; only their \
                     glossiness is used";
         notes.add("specular-glossiness-layout", 1, what, place);
     }
@@ -230,7 +231,7 @@ mod tests {
         let metal = converted(0.0, 0.9, 1.0);
         assert!((metal.metallic - 1.0).abs() < 1e-5 && metal.roughness == 0.0);
         assert!((metal.base_color.x - 0.9).abs() < 1e-5);
-        // Between them: what reflects at normal incidence keeps its brightness.
+        // Between them: the reflectance at normal incidence is kept.
         for (diffuse, specular) in [(0.2, 0.3), (0.7, 0.1), (0.1, 0.6)] {
             let m = converted(diffuse, specular, 0.5);
             let f0 = 0.04 * (1.0 - m.metallic) + m.base_color.x * m.metallic;

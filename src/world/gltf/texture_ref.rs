@@ -25,7 +25,7 @@ pub struct Textures<'a> {
 }
 
 impl<'a> Textures<'a> {
-    /// None used yet.
+    /// A collection without images.
     pub fn new(root: &'a Root, data: &'a Data<'a>, folder: &'a Path, sandbox: &'a Sandbox) -> Self {
         Self {
             root,
@@ -40,7 +40,7 @@ impl<'a> Textures<'a> {
 
 /// A use of a texture, for messages.
 pub struct Slot<'a> {
-    /// `material 3 "silk"`.
+    /// Name of the material, such as `material 3 "silk"`.
     pub material: &'a str,
     /// The material's index in the file.
     pub index: usize,
@@ -49,7 +49,7 @@ pub struct Slot<'a> {
 }
 
 impl fmt::Display for Slot<'_> {
-    /// Its key, and where in the JSON it is.
+    /// Key of the texture, and its path in the JSON.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let key = self.path.rsplit('/').next().unwrap_or_default();
         write!(f, "{key} (/materials/{}/{})", self.index, self.path)
@@ -57,7 +57,7 @@ impl fmt::Display for Slot<'_> {
 }
 
 impl Textures<'_> {
-    /// `None` if the texture has only images of unsupported formats.
+    /// Resolves a use of a texture; `None` if the texture has only images of unsupported formats.
     pub fn reference(
         &mut self,
         info: &TextureInfo,
@@ -101,7 +101,7 @@ impl Textures<'_> {
         }))
     }
 
-    /// Index of the image in this color space.
+    /// Index into [`Textures::images`] of an image in a color space; a new one is added.
     fn image_use(&mut self, index: usize, srgb: bool, user: &Slot<'_>) -> Result<usize, Fault> {
         let Some(image) = self.root.images.get(index) else {
             return Err(missing("image", index));
@@ -125,7 +125,7 @@ impl Textures<'_> {
         Ok(slot)
     }
 
-    /// Adds an image that is made of others, which `convert` gets; `name` and `used_by` are for messages.
+    /// Adds an image that `convert` makes of others; `name` and `used_by` are for messages.
     pub fn converted<const N: usize>(
         &mut self,
         from: [Option<TextureRef>; N],
@@ -143,7 +143,7 @@ impl Textures<'_> {
         self.images.push(ImageUse {
             name,
             used_by,
-            // Behind those of the file, and unique.
+            // Unique, and above the indices of the file's images.
             index: self.root.images.len() + self.images.len(),
             srgb,
             source,
@@ -188,7 +188,7 @@ fn wrap(code: Option<u32>) -> Result<Wrap, Fault> {
     })
 }
 
-/// KHR_texture_transform.
+/// Matrix rows of KHR_texture_transform, as in [`TextureRef::transform`].
 fn rows(transform: Option<&schema::TextureTransform>) -> Result<[Vec3; 2], Fault> {
     let Some(t) = transform else {
         return Ok([Vec3::X, Vec3::Y]);

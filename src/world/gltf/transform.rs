@@ -14,7 +14,7 @@ fn fault(text: impl Into<String>) -> Fault {
     Fault::new("gltf-node", text)
 }
 
-/// Parent from node.
+/// Transform of a node, from its space to its parent's.
 pub fn of_node(node: &Node) -> Result<Local, Fault> {
     if let Some(matrix) = &node.matrix {
         let m = Mat4::from_cols_array(matrix);
@@ -68,7 +68,7 @@ pub fn of_copies(
         scales.as_ref().map(Vec::len),
     ];
     let mut counts = counts.into_iter().flatten();
-    // Only custom attributes: their number still says how many copies there are.
+    // With custom attributes only, their element count is the number of copies.
     let any = || {
         instancing
             .attributes

@@ -19,7 +19,7 @@ pub struct Sandbox {
 }
 
 impl Sandbox {
-    /// The same folders; searched files are recorded in `dependencies`.
+    /// The same sandbox, which records searched files in `dependencies`.
     pub fn with_dependencies(self, dependencies: &Dependencies) -> Self {
         let dependencies = dependencies.clone();
         Self {

@@ -8,15 +8,15 @@ use crate::{math::Bounds, world::Mesh};
 
 /// Radius of a point, as a fraction of the diagonal of its primitive.
 const POINT_RADIUS: f32 = 1.0 / 300.0;
-/// Radius of a line, likewise.
+/// Radius of a line, as a fraction of the diagonal of its primitive.
 const LINE_RADIUS: f32 = 1.0 / 600.0;
 /// Radius where a primitive has no size, meters.
 const RADIUS_M: f32 = 0.01;
 /// Bytes of a vertex and of its share of the triangles, all attributes included.
 const VERTEX_BYTES: u64 = 128;
 
-/// Replaces the vertices of a primitive of points (mode 0), or of lines (1 to 3: segments, a loop, a
-/// strip), by geometry around them, which has their colors and coordinates.
+/// Replaces the vertices of a primitive of points (mode 0), or of lines (1 to 3: segments, a loop, a strip), by
+/// thin geometry around them, which keeps their colors and texture coordinates.
 ///
 /// # Errors
 /// More geometry than the file's budget.
@@ -47,7 +47,7 @@ pub fn build(mesh: &mut Mesh, mode: u32, corners: &[u32], data: &Data<'_>) -> Re
     Ok(())
 }
 
-/// Vertices of the geometry around so many corners.
+/// Number of vertices of the geometry around so many corners.
 pub fn num_vertices(mode: u32, num_corners: usize) -> usize {
     let num_segments = match mode {
         0 => return num_corners * 6,
@@ -58,7 +58,7 @@ pub fn num_vertices(mode: u32, num_corners: usize) -> usize {
     num_segments * 8
 }
 
-/// Bytes of so many vertices.
+/// Memory of so many vertices and their triangles, bytes.
 pub fn bytes(num_vertices: usize) -> u64 {
     num_vertices as u64 * VERTEX_BYTES
 }
@@ -74,12 +74,12 @@ fn segments(mode: u32, corners: &[u32]) -> Vec<[u32; 2]> {
     }
 }
 
-/// Geometry that grows.
+/// Geometry that is being built.
 struct Wire<'a> {
     from: &'a mut Mesh,
     positions: Vec<Vec3>,
     normals: Vec<Vec3>,
-    /// The vertex that each is around.
+    /// Original vertex of each vertex.
     source: Vec<u32>,
     triangles: Vec<[u32; 3]>,
 }
@@ -130,7 +130,7 @@ impl Wire<'_> {
         }
     }
 
-    /// Puts it in the place of what it is around.
+    /// Replaces the original vertices and triangles of the mesh.
     fn finish(self) {
         fn pick<T: Copy>(values: &mut Vec<T>, source: &[u32]) {
             if !values.is_empty() {

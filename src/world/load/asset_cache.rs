@@ -29,13 +29,13 @@ pub struct AssetCache {
     pub(super) loaded: Vec<Model>,
     pub(super) meshes: HashMap<MeshKey, usize>,
     pub(super) needs: Vec<Needs>,
-    /// The world's textures.
+    /// Keys of the world's textures, each with whether it is sRGB.
     pub(super) images: Vec<(ImageKey, bool)>,
-    /// Warnings about meshes, whose streams are not generated again.
+    /// Warnings about vertex streams, which are not generated again.
     pub(super) mesh_warnings: Vec<Diagnostic>,
-    /// Files without those of the script.
+    /// Files that were read, without the text files of the scene.
     pub(super) files: Vec<PathBuf>,
-    /// The panorama's name in the text, and what was read.
+    /// The panorama's file name in the scene text, and the decoded panorama.
     pub(super) panorama: (Option<String>, Option<Arc<Panorama>>),
 }
 
@@ -44,7 +44,7 @@ pub(super) fn sources(desc: &SceneDesc) -> Vec<NamedSource> {
     let named = desc.models.iter().map(|entry| {
         let source = match &entry.value.source {
             ModelSource::File(file) => Ok((file.value.clone(), usd::Choice::of(&entry.value.usd))),
-            // Where it is written does not matter.
+            // The position of the name in the text does not matter.
             ModelSource::Shape(ShapeDesc::Heightfield { file, size }) => {
                 let choice = usd::Choice::of(&StageDesc::default());
                 Ok((format!("{} {size}", file.value), choice))
@@ -53,7 +53,7 @@ pub(super) fn sources(desc: &SceneDesc) -> Vec<NamedSource> {
         };
         (entry.name.clone(), source)
     });
-    // Its points are read again where another file has them.
+    // Another file of points must be read, so its name is part of the key.
     let points = desc
         .instances
         .iter()
@@ -62,7 +62,7 @@ pub(super) fn sources(desc: &SceneDesc) -> Vec<NamedSource> {
         let source = Ok((file.value.clone(), usd::Choice::of(&StageDesc::default())));
         (String::new(), source)
     });
-    // Files are read with what scripts pose.
+    // The names that scripts pose affect how files are read.
     let posed = desc.instances.iter().flat_map(|i| [&i.joints, &i.morphs]);
     let posed = posed.enumerate().flat_map(|(i, names)| {
         names.iter().map(move |name| {
@@ -93,7 +93,7 @@ impl AssetCache {
         let mut loader = Loader::new(desc, options);
         loader.loaded = mem::take(&mut self.loaded);
         loader.meshes = self.meshes.clone();
-        // Placing uses only names and bounds.
+        // Placing needs only names, bounds and deformations of meshes.
         let stub = |mesh: &Mesh| Mesh {
             name: mesh.name.clone(),
             bounds: mesh.bounds,
@@ -120,7 +120,7 @@ impl AssetCache {
         }
     }
 
-    /// Whether the cached assets suffice.
+    /// Places all instances; returns whether the cached assets suffice.
     fn place(&self, loader: &mut Loader<'_>) -> Result<bool, Vec<Diagnostic>> {
         loader.check_names(&self.models);
         loader.fail_on_errors()?;

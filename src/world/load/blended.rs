@@ -1,15 +1,15 @@
-//! Which blended materials have something to blend: many files mark opaque ones too.
+//! Drops alpha blending from materials that are opaque everywhere: many files mark opaque materials as blended.
 
 use crate::world::{Instance, Mesh, Texture, World, pose::MaterialSource};
 
-/// Makes materials opaque that are blended although their alpha is 1 everywhere, so that they cost
-/// nothing. The meshes and textures are those that the world will have.
+/// Makes materials opaque that are blended although their alpha is 1 everywhere, so that they need no blending.
+/// `meshes` and `textures` are the world's.
 pub fn drop_opaque(world: &mut World, meshes: &[Mesh], textures: &[Texture]) {
     let has_clear_corners =
         |instance: &Instance| meshes[instance.mesh].colors.iter().any(|c| c.w < 1.0);
     for index in 0..world.materials.len() {
         let material = &world.materials[index];
-        // What the scene text says an `alpha` of may have another in other frames.
+        // A material that the scene text animates may have another alpha in other frames.
         let is_moving = (world.moving.materials.iter())
             .any(|m| m.material == index && !matches!(m.from, MaterialSource::File { .. }));
         if !material.blended || material.base_color.w < 1.0 || is_moving {

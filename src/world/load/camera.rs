@@ -13,15 +13,15 @@ use crate::{
 
 /// Fraction of the picture's width or height that the scene fills.
 const FILLED: f32 = 0.8;
-/// Most vertices that are looked at; beyond them, the boxes of instances.
+/// Maximum number of vertices that are framed; above it, the boxes of instances are.
 const MOST_VERTICES: usize = 1 << 23;
 /// Thickness of a flat scene, as a fraction of its second smallest extent.
 const FLAT: f32 = 0.1;
-/// Least part of the area of a flat scene that faces its back more than its front, for it to be seen from there.
+/// Least net area that faces the back of a flat scene, as a fraction of its area, for the camera to stand there.
 const LEAST_FACING: f32 = 1e-3;
 
-/// Adds a camera `main` that frames the whole scene if there is none or if all come from
-/// files and, where nothing moves, see nothing. `meshes` are those of the world, with their vertices.
+/// Adds a camera `main` that frames the whole scene if there is no camera, or if nothing moves and all cameras come
+/// from files and see nothing. `meshes` are those of the world, with their vertices.
 pub fn add_default(world: &mut World, meshes: &[Mesh], desc: &SceneDesc) {
     let size = desc.image.size;
     let is_moving = !desc.is_still() || !world.moving.players.is_empty();
@@ -60,14 +60,15 @@ pub fn add_default(world: &mut World, meshes: &[Mesh], desc: &SceneDesc) {
         value,
     };
     if !world.cameras.is_empty() {
-        let message = "no camera of the files sees anything; `main` shows the whole";
+        let message = "no camera of the files sees anything; a camera `main` that shows the whole scene is added";
         let note = Diagnostic::at("cameras-see-nothing", Span::default(), message).warning();
         world.warnings.push(note);
     }
     world.cameras.push(main);
 }
 
-/// Whether a box is not wholly on the outer side of an edge of the picture; one that touches it is not.
+/// Whether a camera may see a box: it is not wholly outside one plane of the view frustum; touching counts as
+/// inside.
 fn may_see(camera: &CameraDesc, bounds: &Bounds, aspect: f32) -> bool {
     let forward = (camera.target - camera.eye).normalize_or_zero();
     let right = forward.cross(camera.up).normalize_or_zero();
@@ -95,7 +96,7 @@ fn may_see(camera: &CameraDesc, bounds: &Bounds, aspect: f32) -> bool {
     (0..5).all(|edge| corners.iter().any(|inside| inside[edge] >= nearly))
 }
 
-/// A mesh that is framed.
+/// A placed mesh that is framed.
 struct Shown<'a> {
     posed: Posed<'a>,
     triangles: &'a [[u32; 3]],
@@ -103,15 +104,15 @@ struct Shown<'a> {
     double_sided: bool,
 }
 
-/// What the camera frames.
+/// Geometry that the camera frames.
 struct Framed<'a> {
     meshes: Vec<Shown<'a>>,
-    /// Of animated instances over time, and of all where there are too many vertices.
+    /// World boxes of animated instances over time; boxes of all where there are too many vertices.
     boxes: Vec<Bounds>,
 }
 
 impl<'a> Framed<'a> {
-    /// What stands still, and where animations take the rest; everything if nothing stands still.
+    /// Static instances, and boxes around animated ones over time; all instances if none is static.
     fn of(world: &'a World, meshes: &'a [Mesh]) -> Self {
         let mut boxes = world.animated_bounds();
         boxes.extend(world.deformed_bounds(meshes));
@@ -154,7 +155,7 @@ impl<'a> Framed<'a> {
         Self { meshes, boxes }
     }
 
-    /// All points, in world space.
+    /// All vertices and corners of boxes, in world space.
     fn points(&self) -> impl Iterator<Item = Vec3> {
         let corner = |bounds: &Bounds, index: u32| {
             let pick = |bit: u32| index >> bit & 1 == 1;
@@ -177,8 +178,8 @@ impl<'a> Framed<'a> {
         Bounds::of(self.points())
     }
 
-    /// Unit direction from the scene to the eye: slightly from the right and above; more onto a
-    /// flat scene, and from the side that its triangles face.
+    /// Unit direction from the scene to the eye: slightly from the right and above; steeper onto a flat scene, from
+    /// the side that its triangles face.
     fn to_eye(&self, bounds: &Bounds) -> Vec3 {
         let usual = Vec3::new(0.5, 0.4, 1.0).normalize();
         if bounds.is_empty() {
@@ -194,14 +195,14 @@ impl<'a> Framed<'a> {
         let mut to_eye = usual;
         to_eye[thin] = 1.0;
         let (facing, area) = self.facing();
-        // What is closed, such as the tubes of lines, faces all sides, but for rounding.
+        // Closed meshes, such as the tubes of lines, face all sides equally, except for rounding.
         if facing[thin] < -area * LEAST_FACING {
             to_eye[thin] = -1.0;
         }
         to_eye.normalize()
     }
 
-    /// Sum of the area vectors of all triangles that have only one side, and of their lengths.
+    /// Sum of the area vectors of all single-sided triangles, and sum of their lengths.
     fn facing(&self) -> (Vec3, f32) {
         let single = self.meshes.iter().filter(|shown| !shown.double_sided);
         let area = |shown: &Shown<'_>| {
@@ -216,7 +217,7 @@ impl<'a> Framed<'a> {
             };
             let areas = shown.triangles.iter().map(triangle);
             let (vectors, lengths) = areas.fold((glam::Vec3A::ZERO, 0.0), sum);
-            // The order of corners turns with a mirror, their front does not.
+            // A mirroring transform reverses the winding, but not which side is the front.
             (Vec3::from(vectors) * place.determinant().signum(), lengths)
         };
         let add = |(a, b): (Vec3, f32), (c, d): (Vec3, f32)| (a + c, b + d);
@@ -248,7 +249,8 @@ impl<'a> Framed<'a> {
         let middle = |axis: usize| (most[2 * axis] - most[2 * axis + 1]) * 0.5;
         let distance = needed(0).max(needed(1));
         let mut target = fit.origin + right * middle(0) + up * middle(1);
-        // The axis with room to spare is centered where the eye is, not where it would be for it.
+        // The axis with room to spare was centered for its own, shorter distance; it is centered again for the
+        // actual one.
         let (spare, side) = if needed(0) < needed(1) {
             (0, right)
         } else {
@@ -261,7 +263,7 @@ impl<'a> Framed<'a> {
                 let slope = p.dot(side) / (distance - p.dot(fit.to_eye));
                 range = [range[0].min(slope), range[1].max(slope)];
             }
-            // What is near moves by more of the picture than what is far, and stays inside.
+            // Near points shift by more of the picture than far ones; the clamp keeps them inside.
             let room = slopes[spare] * (distance - needed(spare));
             let shift = (range[0] + range[1]) * 0.5 * distance;
             target += side * shift.clamp(-room, room);
@@ -270,10 +272,10 @@ impl<'a> Framed<'a> {
     }
 }
 
-/// View that is fitted.
+/// Parameters of the view that is fitted.
 struct Fit {
     to_eye: Vec3,
-    /// Of the vertical field of view, radians.
+    /// Half of the vertical field of view, radians.
     half_angle: f32,
     /// Width over height.
     aspect: f32,

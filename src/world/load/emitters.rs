@@ -1,4 +1,4 @@
-//! Checks of surfaces that are to light what is around.
+//! Checks of emitters: materials with `light = true`, and mesh lights of files.
 
 use std::collections::BTreeSet;
 
@@ -13,8 +13,8 @@ use crate::{
     world::{Mesh, World, emitters::MAX_EMITTERS},
 };
 
-/// Refuses what cannot light, by name; materials of files that emit nothing just do not. `meshes` are the
-/// world's.
+/// Refuses materials with `light = true` that emit nothing, by name; mesh lights of files that emit nothing are
+/// turned off. `meshes` are the world's.
 ///
 /// # Errors
 /// A material that emits nothing, too many triangles.
@@ -51,7 +51,8 @@ pub fn check(world: &mut World, meshes: &[Mesh], desc: &SceneDesc) -> Result<(),
     }
 }
 
-/// Where more triangles would light than may, those that files alone let light do not, with a warning.
+/// Turns off the mesh lights of files, with a warning, where there are more than [`MAX_EMITTERS`] emitter
+/// triangles.
 fn keep_mesh_lights_few(world: &mut World, meshes: &[Mesh], desc: &SceneDesc) {
     let (mut of_files, mut of_scene) = (0, 0);
     let mut dropped = BTreeSet::new();
@@ -75,8 +76,8 @@ fn keep_mesh_lights_few(world: &mut World, meshes: &[Mesh], desc: &SceneDesc) {
         count => format!(" with the {count} of the scene's own lights"),
     };
     let text = format!(
-        "{of_files} triangles of mesh lights are{others} more than {MAX_EMITTERS}; {} materials shine, but do \
-         not light what is around; first: \"{}\"",
+        "{of_files} triangles of mesh lights{others} exceed the limit of {MAX_EMITTERS}; {} materials shine, but do \
+         not light the scene; first: \"{}\"",
         dropped.len(),
         world.materials[*first].name
     );
@@ -100,14 +101,14 @@ fn check_triangles(world: &World, meshes: &[Mesh], desc: &SceneDesc, errors: &mu
             );
             let error = error_at("emitters-too-many", &place_of(world, desc, index), text);
             let help =
-                "let fewer or simpler meshes light: reflections show the others all the same";
+                "set `light = true` for fewer or simpler meshes; reflections still show the others";
             errors.push(error.help(help));
             return;
         }
     }
 }
 
-/// Where an instance is written; else where its material or the scene is.
+/// Position of an instance in the scene text; else that of its material or of the scene.
 fn place_of(world: &World, desc: &SceneDesc, index: usize) -> Span {
     let written = world.written.get(index).copied().flatten();
     let material = &world.materials[world.instances[index].material].name;

@@ -25,7 +25,7 @@ impl Loader<'_> {
             let bytes = self.sandbox.read(&path);
             match bytes.and_then(|bytes| read(&path, &bytes, &limits)) {
                 Ok(panorama) => {
-                    // It is less than what was left.
+                    // Cannot fail: decoding was limited to what was left.
                     let _ = self.memory.take(size_of_val(&panorama.texels[..]) as u64);
                     self.warn_of_shape(&path, &panorama);
                     self.add_files(&[path]);
@@ -41,7 +41,7 @@ impl Loader<'_> {
         self.set_environment(panorama);
     }
 
-    /// The environment with this panorama, which was read before.
+    /// Sets the environment, with a panorama that was read before.
     pub fn set_environment(&mut self, panorama: Option<Arc<Panorama>>) {
         let desc = self.desc.environment.clone();
         self.world.environment = Environment { desc, panorama };
@@ -64,7 +64,9 @@ impl Loader<'_> {
         }
         if panorama.is_reduced {
             let [across, down] = LARGEST_KEPT;
-            let text = format!("is rendered as {width} × {height}, for at most {across} × {down}");
+            let text = format!(
+                "is reduced to {width} × {height} pixels; at most {across} × {down} are kept"
+            );
             warn("texture-reduced", text);
         }
     }

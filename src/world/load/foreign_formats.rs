@@ -1,14 +1,14 @@
-//! Formats that are not read, and what to do with such a file.
+//! File formats that Reflet does not read, with advice how to convert them.
 
 use std::path::Path;
 
-/// Models of other programs.
+/// File name extensions of models in other formats.
 const MODELS: [&str; 16] = [
     "3ds", "3mf", "abc", "blend", "c4d", "dae", "fbx", "hip", "ma", "max", "mb", "obj", "ply",
     "skp", "step", "stl",
 ];
 
-/// Images of other programs.
+/// File name extensions of images in other formats.
 const IMAGES: [&str; 14] = [
     "avif", "bmp", "dds", "exr", "gif", "hdr", "heic", "jxl", "psd", "svg", "tga", "tif", "tiff",
     "tx",
@@ -20,7 +20,7 @@ fn ending<'p>(path: &'p Path, of: &[&str]) -> Option<&'p str> {
     is_one.then_some(ending)
 }
 
-/// What is wrong with a model of another format, and what to do; `None` for all others.
+/// Error message and help for a model in another format; `None` for all other files.
 pub fn model(path: &Path) -> Option<(String, &'static str)> {
     let ending = ending(path, &MODELS)?;
     let message = format!("models are glTF or USD files, and this is a .{ending} file");
@@ -30,7 +30,7 @@ pub fn model(path: &Path) -> Option<(String, &'static str)> {
     ))
 }
 
-/// What is wrong with an image of another format, and what to do; `None` for all others.
+/// Error message and help for an image in another format; `None` for all other files.
 pub fn image(path: &Path) -> Option<(String, &'static str)> {
     let ending = ending(path, &IMAGES)?;
     let message =

@@ -24,7 +24,7 @@ use crate::{
 /// Lights and cameras found so far.
 pub struct Extras {
     lights: Vec<Light>,
-    /// Number of lights; those past the limit are counted only.
+    /// Number of lights, including those past the limit, which are not stored.
     light_count: usize,
     cameras: Vec<Entry<CameraDesc>>,
     camera_names: HashSet<String>,
@@ -33,7 +33,7 @@ pub struct Extras {
 }
 
 impl Extras {
-    /// Those of the scene text; `rest` are its instances and groups.
+    /// Lights and cameras of the scene text; `rest` are the transforms of its instances and groups at rest.
     pub fn new(desc: &SceneDesc, rest: &[Affine3A]) -> Self {
         let light = |(entry, desc): (&Entry<_>, _)| Light {
             name: entry.name.clone(),
@@ -57,26 +57,27 @@ impl Extras {
         }
     }
 
-    /// Those of a file's placement called `name`; cameras only with the first copy of a grid.
+    /// Adds lights and cameras of a placed file called `name`; `with_cameras` is set for the first copy of a grid
+    /// only.
     pub fn add(
         &mut self,
         model: &Entry<ModelDesc>,
         file: &Model,
         name: &str,
         world: &World,
-        stand: &ModelInstance<'_>,
+        instance: &ModelInstance<'_>,
         with_cameras: bool,
     ) {
         if model.value.lights {
             for part in &file.lights {
-                let place = stand.of(world, part);
+                let place = instance.of(world, part);
                 if part.hidden && !place.is_animated() {
                     continue;
                 }
                 self.light_count += 1;
-                let pointed = stand.pointed(world, part.index.map(Pointed::Light));
+                let pointed = instance.pointed(world, part.index.map(Pointed::Light));
                 let anchor = place.anchor.clone();
-                let anchor = anchor.or_else(|| pointed.map(|_| stand.still(part)));
+                let anchor = anchor.or_else(|| pointed.map(|_| instance.still(part)));
                 if self.lights.len() < MAX_LIGHTS {
                     self.add_light(&part.value, name, &place, (anchor, pointed));
                 }
@@ -90,11 +91,11 @@ impl Extras {
                 number += 1;
                 unique = format!("{name}/{own}#{number}");
             }
-            let place = stand.of(world, part);
+            let place = instance.of(world, part);
             let value = placed_camera(camera, &place.world);
-            let pointed = stand.pointed(world, part.index.map(Pointed::Camera));
+            let pointed = instance.pointed(world, part.index.map(Pointed::Camera));
             let anchor = place.anchor;
-            if let Some(anchor) = anchor.or_else(|| pointed.map(|_| stand.still(part))) {
+            if let Some(anchor) = anchor.or_else(|| pointed.map(|_| instance.still(part))) {
                 self.moving_cameras.push(Moved {
                     pointed,
                     index: self.cameras.len(),
@@ -142,7 +143,9 @@ impl Loader<'_> {
             let at = first_extra
                 .map(|entry| entry.at.clone())
                 .unwrap_or_default();
-            let text = format!("{count} lights with those inside files, at most {MAX_LIGHTS}");
+            let text = format!(
+                "{count} lights including those of files, at most {MAX_LIGHTS} are allowed"
+            );
             let mut error = error_at("lights-too-many", &at, text);
             let help = "leave a file's lights out with `lights = false` in its [model.NAME]";
             error.help = Some(help.into());

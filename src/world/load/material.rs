@@ -200,7 +200,7 @@ impl Loader<'_> {
         material
     }
 
-    /// Many instances may have the same error.
+    /// Reports an error unless it was reported before, as many instances may have the same one.
     pub fn report_once(&mut self, error: Diagnostic) {
         if !self.errors.contains(&error) {
             self.errors.push(error);

@@ -163,7 +163,7 @@ impl Loader<'_> {
         index
     }
 
-    /// Equal materials are stored once.
+    /// Binds a static material; equal ones are stored once.
     fn add_material(&mut self, key: MaterialKey, material: Material) -> usize {
         let same = self
             .materials_by_name

@@ -16,9 +16,9 @@ pub struct ModelInstance<'a> {
     pub dynamic: bool,
     /// Index into `Moving::players`, if it plays an animation.
     pub player: Option<usize>,
-    /// What shows it.
+    /// Visibility to rays of the camera, shadows and reflections.
     pub shown: ShownDesc,
-    /// Copy in the grid.
+    /// Copy that is placed.
     pub copy: &'a Copy,
 }
 
@@ -31,7 +31,7 @@ pub struct Place {
 }
 
 impl Place {
-    /// Whether an animation moves it.
+    /// Whether an animation of the file moves the part.
     pub fn is_animated(&self) -> bool {
         self.anchor.as_ref().is_some_and(|a| a.node.is_some())
     }
@@ -44,14 +44,14 @@ impl ModelInstance<'_> {
         self.place_on(world, part.node, part.is_skinned, transforms)
     }
 
-    /// The player that changes an item of the file, and what it is there.
+    /// Player that animates values of a light or camera of the file, and the object in the file.
     pub fn pointed(&self, world: &World, object: Option<Pointed>) -> Option<(usize, Pointed)> {
         let (player, object) = self.player.zip(object)?;
         let changes = world.moving.players[player].changes(object);
         changes.then_some((player, object))
     }
 
-    /// Where an item is that nothing but the instance moves.
+    /// Anchor of an item that only its instance moves.
     pub fn still<T>(&self, part: &Attached<T>) -> Anchor {
         Anchor {
             desc: self.desc,
@@ -68,8 +68,8 @@ impl ModelInstance<'_> {
         self.place_on(world, None, false, [Affine3A::IDENTITY; 2])
     }
 
-    /// Transform of an item on `node`; the transforms are from its space to that of the node and of the
-    /// model.
+    /// Transform of an item on `node`; the given transforms are from the item's space to the node's and to the
+    /// model's.
     fn place_on(
         &self,
         world: &World,

@@ -8,7 +8,7 @@ use super::{
     Loader, Source, error_at,
     lights_and_cameras::Extras,
     model_instance::{ModelInstance, Place},
-    repeat::{Stand, copies},
+    repeat::{InstancePlacement, copies},
 };
 use crate::{
     math::invertible,
@@ -23,25 +23,25 @@ use crate::{
     },
 };
 
-/// A mesh of a loaded file, and the player that deforms it.
+/// Indices of a loaded file, of one of its meshes, and of the player that deforms it.
 pub type MeshKey = (usize, usize, Option<usize>);
 
-/// Model of the scene, material of its file, and the instance if that changes the material.
+/// Indices of a model of the scene, of a material of its file, and of the instance if that changes the material.
 pub type MaterialKey = (usize, usize, Option<usize>);
 
 /// Maximum number of instances of a scene.
 const MAX_INSTANCES: usize = 1 << 20;
 
-/// One model placed once or on a grid.
+/// One model that is placed once, on a grid or at the points of a file.
 pub struct Job<'a> {
     pub model: usize,
     /// Index of the `[[instance]]`; `None` for a model that no instance names.
     pub index: Option<usize>,
     pub instance: Option<&'a InstanceDesc>,
     at: &'a Span,
-    /// Whether it may move.
+    /// Whether the instance may move.
     dynamic: bool,
-    /// The same index, if its own material may change.
+    /// Index of the `[[instance]]` if its material overrides may change.
     pub over_change: Option<usize>,
 }
 
@@ -81,7 +81,7 @@ fn jobs(desc: &SceneDesc) -> Vec<Job<'_>> {
     jobs
 }
 
-/// For each `[[instance]]` the table of its transform.
+/// Position of the table with the transform of each `[[instance]]`.
 fn placed_at(desc: &SceneDesc) -> Vec<Span> {
     let moved = desc.motion.instances.iter();
     let moved: HashMap<_, _> = moved.map(|e| (e.name.as_str(), &e.at)).collect();
@@ -101,8 +101,13 @@ impl Loader<'_> {
         for job in &jobs(self.desc) {
             let before = self.world.instances.len();
             let mut dropped = Vec::new();
-            let stand = self.stand(job, &rest);
-            self.place((job, stand), &sources[job.model], &mut extras, &mut dropped);
+            let placement = self.instance_placement(job, &rest);
+            self.place(
+                (job, placement),
+                &sources[job.model],
+                &mut extras,
+                &mut dropped,
+            );
             let placed = self.world.instances.len();
             self.world.written.resize(placed, job.index);
             if placed > MAX_INSTANCES {
@@ -117,12 +122,12 @@ impl Loader<'_> {
         self.list_animations(sources);
     }
 
-    /// Where an instance stands; `rest` are all instances and groups.
-    fn stand(&mut self, job: &Job<'_>, rest: &[Affine3A]) -> Stand {
+    /// Placement of an instance at rest; `rest` are the transforms of all instances and groups.
+    fn instance_placement(&mut self, job: &Job<'_>, rest: &[Affine3A]) -> InstancePlacement {
         let from = job.instance.and_then(|i| i.instances_from.as_ref());
         let points = from.map(|file| self.points(file).into());
         let parent = job.index.and_then(|i| self.desc.parents.of_node(i));
-        Stand {
+        InstancePlacement {
             world: job.index.map_or(Affine3A::IDENTITY, |i| rest[i]),
             parent: parent.map(|parent| (parent, rest[parent])),
             points,
@@ -188,7 +193,7 @@ impl Loader<'_> {
 
     fn place(
         &mut self,
-        (job, at): (&Job<'_>, Stand),
+        (job, at): (&Job<'_>, InstancePlacement),
         source: &Source,
         extras: &mut Extras,
         dropped: &mut Vec<String>,
@@ -198,7 +203,7 @@ impl Loader<'_> {
         let player = self.add_player(job, source);
         for (number, copy) in copies(job.instance, at).enumerate() {
             let name = format!("{base_name}{}", copy.suffix);
-            let stand = ModelInstance {
+            let instance = ModelInstance {
                 desc: job.index,
                 dynamic: job.dynamic,
                 player,
@@ -209,13 +214,13 @@ impl Loader<'_> {
                 Source::Broken => return,
                 Source::Shape(mesh) => {
                     let binding = (*mesh, self.shape_material(job, &model.value));
-                    let place = stand.whole(&self.world);
+                    let place = instance.whole(&self.world);
                     self.push(name, binding, place, dropped);
                 }
                 Source::File(loaded) => {
-                    self.place_file(job, *loaded, &name, &stand, dropped);
+                    self.place_file(job, *loaded, &name, &instance, dropped);
                     let file = &self.loaded[*loaded];
-                    extras.add(model, file, &name, &self.world, &stand, number == 0);
+                    extras.add(model, file, &name, &self.world, &instance, number == 0);
                 }
             }
             if self.world.instances.len() > MAX_INSTANCES {
@@ -266,22 +271,22 @@ impl Loader<'_> {
         job: &Job<'_>,
         loaded: usize,
         name: &str,
-        stand: &ModelInstance<'_>,
+        instance: &ModelInstance<'_>,
         dropped: &mut Vec<String>,
     ) {
         for i in 0..self.loaded[loaded].placements.len() {
             let placement = self.loaded[loaded].placements[i].clone();
-            let place = stand.of(&self.world, &placement);
+            let place = instance.of(&self.world, &placement);
             if placement.hidden && !place.is_animated() {
                 continue;
             }
-            let player = stand.player.filter(|p| {
+            let player = instance.player.filter(|p| {
                 let nodes = self.loaded[loaded].deforming.get(&placement.value.mesh);
                 nodes.is_some_and(|nodes| nodes.are_moved_by(&self.world.moving.players[*p]))
             });
             let mesh = self.file_mesh((loaded, placement.value.mesh, player));
             let material = self.variant_material(job, loaded, &placement.value);
-            let material = self.instance_material(job, loaded, material, stand.player);
+            let material = self.instance_material(job, loaded, material, instance.player);
             let name = format!("{name}/{}", placement.value.name);
             self.push(name, (mesh, material), place, dropped);
             if self.world.instances.len() > MAX_INSTANCES {

@@ -1,4 +1,4 @@
-//! `instances_from = "points.csv"`: placements of an instance, a row each, by the names of columns.
+//! `instances_from = "points.csv"`: copies of an instance from a CSV file with one copy a row and named columns.
 
 use std::{path::Path, sync::Arc};
 
@@ -15,12 +15,12 @@ use crate::{
     world::gltf::{Fault, uri::shorten},
 };
 
-/// Most rows of a file.
+/// Maximum number of rows of a file.
 pub const MOST_ROWS: usize = 1_000_000;
 /// Largest file, bytes.
 const MOST_BYTES: u64 = 256 << 20;
 
-/// What a column holds.
+/// Names of the known columns.
 const COLUMNS: [&str; 14] = [
     "x", "y", "z", "rx_deg", "ry_deg", "rz_deg", "qx", "qy", "qz", "qw", "scale", "sx", "sy", "sz",
 ];
@@ -29,13 +29,13 @@ const QUATERNION: usize = 6;
 const SCALE: usize = 10;
 const SCALES: usize = 11;
 
-/// Where the columns are that a file has.
+/// Position in the file of each known column; `None` where the file lacks it.
 type Places = [Option<usize>; COLUMNS.len()];
 
-/// The transforms of all rows, and the columns that mean nothing here.
+/// Transforms of all rows, and names of the unknown columns.
 type Points = (Vec<Affine3A>, Vec<String>);
 
-/// A mistake at a byte of the text, with help.
+/// An error: its byte offset in the text, its message and its help.
 struct Mistake(usize, String, &'static str);
 
 impl Loader<'_> {
@@ -71,7 +71,7 @@ impl Loader<'_> {
         })?;
         let (points, unused) = read(&text).map_err(|mistake| at(&path, &text, mistake, name))?;
         if let Some(first) = unused.first() {
-            let message = format!("column {} means nothing here", quoted(first));
+            let message = format!("column {} is unknown and ignored", quoted(first));
             let warning = Diagnostic {
                 severity: Severity::Warning,
                 ..at(&path, &text, Mistake(0, message, HELP), name)
@@ -91,7 +91,7 @@ fn quoted(text: &str) -> String {
     format!("\"{}\"", shorten(text))
 }
 
-/// A message at a place of the file; of the text it keeps the lines up to there.
+/// Diagnostic at a place of the file; its copy of the text ends with the line of the error.
 fn at(path: &Path, text: &str, mistake: Mistake, name: &At<String>) -> Box<Diagnostic> {
     let Mistake(start, message, help) = mistake;
     let start = text.floor_char_boundary(start);
@@ -114,7 +114,7 @@ fn at(path: &Path, text: &str, mistake: Mistake, name: &At<String>) -> Box<Diagn
     Box::new(error.related(name.at.clone(), "named here"))
 }
 
-/// The byte at which a cell of a record begins; that of the record where quotes hide it.
+/// Byte offset of a cell of a record; that of the record if its line has quotes.
 fn cell_at(text: &str, record: usize, index: usize) -> usize {
     let line = text[record..].lines().next().unwrap_or("");
     if line.contains('"') {
@@ -132,14 +132,18 @@ fn read(text: &str) -> Result<Points, Mistake> {
     let mark = text.len() - text.trim_start_matches('\u{feff}').len();
     let wrong = |error: csv::Error| {
         let byte = error.position().map_or(0, csv::Position::byte) as usize;
-        Mistake(byte + mark, format!("this is no table: {error}"), HELP)
+        Mistake(
+            byte + mark,
+            format!("this is not a CSV table: {error}"),
+            HELP,
+        )
     };
     let headers = reader.headers().map_err(wrong)?.clone();
     let (places, unused) = columns(&headers, text)?;
     let (mut points, mut record) = (Vec::new(), csv::StringRecord::new());
     while reader.read_record(&mut record).map_err(wrong)? {
         let start = record.position().map_or(0, csv::Position::byte) as usize + mark;
-        // The position is behind the line before, whose end may be two bytes.
+        // The reported position may precede line breaks, which are skipped.
         let blank = text[start..].len() - text[start..].trim_start_matches(['\r', '\n']).len();
         let start = start + blank;
         if points.len() == MOST_ROWS {
@@ -157,7 +161,7 @@ fn read(text: &str) -> Result<Points, Mistake> {
     Ok((points, unused))
 }
 
-/// Where the known columns are, and the names of the others.
+/// Positions of the known columns, and names of the others.
 fn columns(headers: &csv::StringRecord, text: &str) -> Result<(Places, Vec<String>), Mistake> {
     let mut places: Places = [None; COLUMNS.len()];
     let mut unused = Vec::new();

@@ -36,7 +36,7 @@ impl PreloadedModels {
         playable
     }
 
-    /// Takes a cached model, with what it left of its budget.
+    /// Takes a cached model, with the rest of the budget that it was read with.
     pub(super) fn take(&self, path: &Path) -> Option<(Model, Budget)> {
         let mut models = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let found = models.iter().position(|(known, ..)| known == path)?;

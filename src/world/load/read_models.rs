@@ -22,7 +22,7 @@ use crate::{
     },
 };
 
-/// What is read once: a file, and what of a stage.
+/// Key of a file that is read once: its path, and the chosen parts of a USD stage.
 pub type Part = (PathBuf, usd::Choice);
 
 impl Loader<'_> {
@@ -44,7 +44,7 @@ impl Loader<'_> {
                     }
                 };
                 if !self.memory.take(mesh.bytes()) {
-                    let text = "there is not enough memory for this shape with all before it";
+                    let text = "there is not enough memory for this shape and the models before it";
                     let help =
                         "give shapes fewer `segments`, or use one model in several instances";
                     self.report_once(error_at("memory-short", &entry.at, text).help(help));
@@ -131,7 +131,7 @@ impl Loader<'_> {
         }
     }
 
-    /// The model of a file that was read before; it was read without what scripts pose.
+    /// The preloaded model of a file; `None` if scripts pose nodes or morph targets, which preloading leaves out.
     fn preloaded(&mut self, path: &Path) -> Option<Model> {
         let (ready, memory) = self.options.preloaded_models.take(path)?;
         if !posed(self.desc).is_empty() {
@@ -143,7 +143,7 @@ impl Loader<'_> {
         Some(ready)
     }
 
-    /// A stage is read from its converted glTF file; its own files are the dependencies.
+    /// Reads a USD stage from its converted glTF file; the dependencies are the files of the stage.
     fn read_stage(
         &mut self,
         path: &Path,
@@ -164,7 +164,7 @@ impl Loader<'_> {
             posed: posed(self.desc),
             memory: self.memory.clone(),
         };
-        // Nobody knows the converted file by its name.
+        // Messages name the stage, as users do not know the converted file.
         let at_stage = |all: &mut Vec<Diagnostic>| {
             for message in all.iter_mut() {
                 if message.file.as_ref() == Some(&converted.glb) {

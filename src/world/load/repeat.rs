@@ -1,4 +1,4 @@
-//! Copies of an instance in its grid: names and transforms.
+//! Copies of an instance in its grid or from its file of points: names and transforms.
 
 use std::sync::Arc;
 
@@ -8,29 +8,32 @@ use crate::scene::desc::InstanceDesc;
 
 /// One copy of a placed model.
 pub struct Copy {
-    /// Suffix of its name.
+    /// Suffix of the copy's name.
     pub suffix: String,
-    /// From where the instance stands to where the copy does, in the space of the parent.
+    /// Transform from the instance to the copy, in the space of the parent.
     pub from_instance: Affine3A,
-    /// The node on which the copies hang, if they do.
+    /// Index of the instance or group that is the parent of the copies, if any.
     pub parent: Option<usize>,
-    /// Transform of this copy.
+    /// Transform of the copy from the model's space to the world.
     pub world_from_model: Affine3A,
 }
 
-/// Where an instance stands: itself, and what it hangs on.
+/// Placement of an instance at rest: its transform, its parent and its copies.
 #[derive(Clone)]
-pub struct Stand {
-    /// World from model space, at rest.
+pub struct InstancePlacement {
+    /// Transform from the model's space to the world at rest.
     pub world: Affine3A,
-    /// What it hangs on, and its transform at rest.
+    /// Index and rest transform of the parent, if any.
     pub parent: Option<(usize, Affine3A)>,
-    /// Where its copies stand, from itself, if a file says so.
+    /// Transforms of the copies relative to the instance, if a file gives them.
     pub points: Option<Arc<[Affine3A]>>,
 }
 
 /// The copies of an instance.
-pub fn copies(instance: Option<&InstanceDesc>, stand: Stand) -> impl Iterator<Item = Copy> + use<> {
+pub fn copies(
+    instance: Option<&InstanceDesc>,
+    placement: InstancePlacement,
+) -> impl Iterator<Item = Copy> + use<> {
     let repeat = instance.and_then(|i| i.repeat);
     let [nx, ny, nz] = repeat.map_or([1; 3], |r| r.count);
     let step = repeat.map_or(Vec3::ZERO, |r| r.step);
@@ -44,20 +47,20 @@ pub fn copies(instance: Option<&InstanceDesc>, stand: Stand) -> impl Iterator<It
         };
         (suffix, Affine3A::from_translation(offset))
     });
-    let points = stand.points.clone();
+    let points = placement.points.clone();
     let rows = points
         .into_iter()
         .flat_map(|points| (0..points.len()).map(move |row| (format!("[{row}]"), points[row])));
-    let has_points = stand.points.is_some();
+    let has_points = placement.points.is_some();
     let cells = cells.take(if has_points { 0 } else { usize::MAX });
-    let parent = stand.parent.filter(|_| repeat.is_some() || has_points);
+    let parent = placement.parent.filter(|_| repeat.is_some() || has_points);
     cells.chain(rows).map(move |(suffix, from_instance)| Copy {
         suffix,
         from_instance,
         parent: parent.map(|(node, _)| node),
         world_from_model: match parent {
-            Some((_, parent)) => parent * from_instance * parent.inverse() * stand.world,
-            None => from_instance * stand.world,
+            Some((_, parent)) => parent * from_instance * parent.inverse() * placement.world,
+            None => from_instance * placement.world,
         },
     })
 }

@@ -1,4 +1,4 @@
-//! What scripts pose inside the files of instances: the names that the scene lists, in the files.
+//! Nodes and morph targets that scripts pose: resolves the names that the scene lists in the files of instances.
 
 use super::{Loader, Source, did_you_mean, error_at, list};
 use crate::{
@@ -9,7 +9,7 @@ use crate::{
     world::{gltf::Posed, rig::Scripted},
 };
 
-/// What scripts pose of any file: the names of all instances.
+/// Nodes and morph targets that scripts pose in any file: the names of all instances.
 pub fn posed(desc: &SceneDesc) -> Posed {
     let joints = desc.instances.iter().flat_map(|i| &i.joints);
     Posed {
@@ -70,7 +70,7 @@ impl Loader<'_> {
         Some(error)
     }
 
-    /// What scripts pose of an instance of a loaded file, if anything.
+    /// Nodes and morph targets of a loaded file that scripts pose for an instance, if any.
     pub fn scripted(&self, instance: &InstanceDesc, loaded: usize) -> Option<Scripted> {
         if instance.joints.is_empty() && instance.morphs.is_empty() {
             return None;

@@ -9,7 +9,7 @@ struct Corners<'a> {
     mesh: &'a Mesh,
     uv: &'a [Vec2],
     turn: Mat2,
-    /// One for each corner of each triangle.
+    /// Tangent of each corner of each triangle.
     tangents: Vec<Vec4>,
 }
 
@@ -109,7 +109,7 @@ fn split(mesh: &mut Mesh, corners: Vec<Vec4>) {
         .collect();
 }
 
-/// Degenerate texture coordinates: any direction in the surface.
+/// The normalized tangent; with degenerate texture coordinates any direction in the surface.
 fn usable(tangent: Option<Vec4>, normal: glam::Vec3) -> Vec4 {
     let tangent = tangent.unwrap_or(Vec4::ZERO);
     let direction = tangent.truncate().try_normalize().filter(|d| d.is_finite());

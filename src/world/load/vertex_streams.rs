@@ -18,7 +18,7 @@ use crate::{
 /// Streams that a mesh needs for its materials.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Needs {
-    /// Coordinates of the normal map.
+    /// Texture coordinates of the normal map that tangents follow; `None`: no tangents are needed.
     tangents_from: Option<NormalUv>,
     /// Whether two materials want tangents of different coordinates.
     tangents_differ: bool,
@@ -98,7 +98,7 @@ fn finish(mesh: &mut Mesh, need: &Needs) -> Vec<Diagnostic> {
         }
         Some(uv) if mesh.tangents.is_empty() => {
             if need.tangents_differ {
-                let text = "its materials turn their normal maps differently; the tangents fit \
+                let text = "its materials use normal maps with different coordinates; the tangents fit \
                             the first one";
                 messages.push(message(Severity::Warning, "tangents-shared", mesh, text));
             }
@@ -121,7 +121,8 @@ fn finish(mesh: &mut Mesh, need: &Needs) -> Vec<Diagnostic> {
 }
 
 fn short(mesh: &Mesh) -> Diagnostic {
-    let text = "there is not enough memory for what its materials need of it, such as tangents";
+    let text =
+        "there is not enough memory for the vertex data that its materials need, such as tangents";
     let help = "simplify the model, or render where there is more memory";
     message(Severity::Error, "memory-short", mesh, text).help(help)
 }

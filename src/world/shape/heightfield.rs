@@ -1,10 +1,10 @@
-//! Height fields: a vertex for each pixel of an image, as high as that is bright.
+//! Height fields: meshes with a vertex for each pixel of an image, whose brightness is the height.
 
 use glam::{Vec2, Vec3};
 
 use crate::{math::Bounds, world::Mesh};
 
-/// Most pixels on a side.
+/// Maximum width and height of the image, pixels.
 pub const MOST_PX: u32 = 2048;
 
 /// Brightness of each pixel, 0 to 1, top row first.
@@ -13,7 +13,7 @@ pub struct Heights {
     pub width: u32,
     /// Pixels down, 2 or more.
     pub height: u32,
-    /// `width * height` of them.
+    /// Brightness values, `width * height` of them.
     pub values: Vec<f32>,
 }
 
@@ -21,7 +21,7 @@ impl Heights {
     /// Decodes an image, of 8 or 16 bits a channel, linear.
     ///
     /// # Errors
-    /// What is wrong with it, as a sentence.
+    /// A sentence that says what is wrong with the image.
     pub fn decode(bytes: &[u8]) -> Result<Self, String> {
         let reader = image::ImageReader::new(std::io::Cursor::new(bytes))
             .with_guessed_format()
@@ -50,7 +50,7 @@ impl Heights {
     }
 }
 
-/// The surface: around the origin in X and Z, the top row of the image towards -Z; black is at 0.
+/// The mesh, centered at the origin in X and Z, with the top row of the image towards -Z; black is at height 0.
 pub fn mesh(heights: &Heights, size: Vec3) -> Mesh {
     let (width, height) = (heights.width, heights.height);
     let step = Vec2::new(size.x / (width - 1) as f32, size.z / (height - 1) as f32);

@@ -5,18 +5,18 @@ use glam::{Vec2, Vec3};
 use super::radial;
 use crate::world::Mesh;
 
-/// Cosine of the bend, 40°, from which on it is an edge.
+/// Cosine of the bend between two pieces, 40°, from which on their normals are not smoothed.
 const EDGE: f32 = 0.766;
 
-/// Adds the body of an outline, a row of quads for each of its pieces. Points on the axis make
-/// triangles.
+/// Adds the surface of revolution of an outline, with a row of quads for each of its pieces. Points on the axis
+/// make triangles.
 pub(super) fn add(mesh: &mut Mesh, points: &[[f32; 2]], segments: u32) {
     let points: Vec<Vec2> = points
         .iter()
         .map(|point| Vec2::from_array(*point))
         .collect();
     let pieces: Vec<Vec2> = points.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    // The right side of the way.
+    // Normals point to the right of the outline's direction.
     let normals: Vec<Vec2> = (pieces.iter())
         .map(|way| Vec2::new(way.y, -way.x).normalize())
         .collect();
@@ -42,11 +42,11 @@ pub(super) fn add(mesh: &mut Mesh, points: &[[f32; 2]], segments: u32) {
     }
 }
 
-/// One piece: its lower and its upper point, each with its normal and its share of the way.
+/// Adds one piece: its lower and its upper point, each with its normal and its fraction of the outline's length.
 fn add_piece(mesh: &mut Mesh, ends: [(Vec2, Vec2, f32); 2], segments: u32) {
     let first = mesh.positions.len() as u32;
     for column in 0..=segments {
-        // The corner of a triangle at the axis is in the middle of its foot.
+        // A corner on the axis is in the middle of its triangle's base.
         for (point, normal, share) in ends {
             let middle = if point.x == 0.0 { 0.5 } else { 0.0 };
             let column = (column as f32 + middle).min(segments as f32);

@@ -18,7 +18,7 @@ fn area_and_volume(mesh: &Mesh) -> (f64, f64) {
     })
 }
 
-/// How many directed edges have no partner in the other direction.
+/// Number of directed edges without a partner in the other direction.
 fn open_edges(mesh: &Mesh) -> usize {
     let mut edges: HashMap<_, i32> = HashMap::new();
     for [a, b, c] in corners(mesh) {

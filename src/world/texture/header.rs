@@ -5,7 +5,7 @@ use std::io::{BufRead, Read as _, Seek};
 use super::{TextureLimits, fault, ktx2};
 use crate::world::gltf::Fault;
 
-/// Encoded bytes.
+/// Source of encoded bytes.
 pub trait Input: BufRead + Seek {}
 impl<T: BufRead + Seek> Input for T {}
 

@@ -8,17 +8,17 @@ use image::RgbaImage;
 use super::fault;
 use crate::world::gltf::Fault;
 
-/// First bytes of every file.
+/// First bytes of every KTX 2 file.
 pub const IDENTIFIER: [u8; 12] = *b"\xABKTX 20\xBB\r\n\x1A\n";
 
-/// Bytes up to the end of the first level's entry (KTX 2.0 §3, "Header" and "Level Index").
+/// Number of bytes up to the end of the first level's entry (KTX 2.0 §3, "Header" and "Level Index").
 const HEADER_BYTES: usize = 104;
 
 fn broken(text: &str) -> Fault {
     fault("image-broken", text)
 }
 
-/// Width and height, after a check of what a decoder would allocate by.
+/// Width and height, after a check of the lengths by which a decoder would allocate.
 ///
 /// # Errors
 /// Other formats than those of Basis Universal, lengths that do not fit the picture.
@@ -39,7 +39,7 @@ pub fn size(input: &mut (impl Read + ?Sized)) -> Result<[u32; 2], Fault> {
     Ok([width, height])
 }
 
-/// The first level of the first picture.
+/// Decodes the first mip level of the first picture.
 ///
 /// # Errors
 /// Broken data, high dynamic range.

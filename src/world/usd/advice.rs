@@ -1,9 +1,9 @@
-//! The converter's options in its messages, as what Reflet takes instead.
+//! Rewrites the converter's options in its messages to those of Reflet.
 
 use crate::scene::toml_text::toml_text;
 
-/// A message of the converter in which its options are written as those of Reflet, for the model
-/// `name`: `--subdiv 2` becomes `--set model.NAME.usd.subdiv=2`.
+/// A message of the converter with its options replaced by those of Reflet, for the model `name`: `--subdiv 2`
+/// becomes `--set model.NAME.usd.subdiv=2`.
 pub(super) fn in_reflet(message: &str, name: &str) -> String {
     let message = message.replace("--root ", "--assets ");
     let message = with_value(&message, "--subdiv ", |level| {

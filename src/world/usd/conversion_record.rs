@@ -38,8 +38,9 @@ pub(super) struct Record {
     pub(super) converter: String,
     /// Length and hash of the converted file.
     pub(super) glb: (u64, String),
+    /// Hashes of the files that the conversion read or searched.
     pub(super) inputs: Inputs,
-    /// Hashes of the inputs.
+    /// Files that the conversion read.
     pub(super) files: Vec<PathBuf>,
     pub(super) warnings: Vec<SidecarWarning>,
 }
@@ -69,20 +70,20 @@ pub(super) fn output(glb: &Path) -> Option<(u64, String)> {
 pub(super) struct Inputs(BTreeMap<PathBuf, Option<String>>);
 
 impl Inputs {
-    /// Their current state.
+    /// Hashes the current content of these files.
     pub(super) fn of<'a>(paths: impl IntoIterator<Item = &'a PathBuf>) -> Self {
         let hashed = paths.into_iter().map(|path| (path.clone(), hash_of(path)));
         Self(hashed.collect())
     }
 
-    /// Their paths.
+    /// Paths of the files.
     pub(super) fn paths(&self) -> impl Iterator<Item = &PathBuf> {
         self.0.keys()
     }
 
-    /// Whether none of these changed in a conversion that began `since`, with `before` known of
-    /// some of them. The read files are only known afterwards, so the others are checked by
-    /// modification time.
+    /// Whether none of these files changed in a conversion that began at `since`; `before` has the hashes of some
+    /// of them from before. The read files are only known afterwards, so the others are checked by modification
+    /// time.
     pub(super) fn are_steady(&self, before: &Self, since: SystemTime) -> bool {
         self.0.iter().all(|(path, hash)| match before.0.get(path) {
             Some(earlier) => earlier == hash,

@@ -24,7 +24,7 @@ pub(super) struct Tool {
 }
 
 impl Tool {
-    /// From [`TOOL_ENV`], else from the checkout of this binary, else from `PATH`. Its version is
+    /// Finds the converter: by [`TOOL_ENV`], else in the checkout of this binary, else in `PATH`. Its version is
     /// queried once per process.
     pub(super) fn find() -> Result<Self, Fault> {
         static VERSIONS: Mutex<BTreeMap<PathBuf, String>> = Mutex::new(BTreeMap::new());
@@ -73,7 +73,7 @@ impl Tool {
             return Ok(());
         }
         let errors = errors.unwrap_or_default();
-        // The message is printed with its severity and the stage.
+        // The severity and the stage are dropped here, as the diagnostic adds them again.
         let start = format!("{}: ", stage.display());
         let plain = |line: &str| {
             let line = line.strip_prefix("error: ").unwrap_or(line);
@@ -81,7 +81,7 @@ impl Tool {
         };
         let errors: Vec<_> = errors.iter().map(|line| plain(line)).collect();
         let mut fault = Fault::new("usd-not-converted", errors.join("; "));
-        // Anything else would fail there in the same way.
+        // Only these errors may differ when the command is run by hand.
         let is_limit = errors.iter().any(|line| line.contains("-limit SECONDS`"));
         if is_limit || errors.is_empty() {
             if errors.is_empty() {

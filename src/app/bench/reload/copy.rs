@@ -1,4 +1,4 @@
-//! A scene, what it includes, its script and the shaders in a folder of their own, where they can be edited.
+//! Copy of a scene, its included files, its script and the shaders in a folder where they can be edited.
 
 use std::{
     env, fs, io,
@@ -14,19 +14,19 @@ use crate::{
     session::scene_text::{SceneText, asset_folders},
 };
 
-/// What is edited.
+/// Kind of edit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Edit {
-    /// A number of the scene text.
+    /// Change of a number in the scene text.
     Text,
-    /// The script.
+    /// Change of the script.
     Script,
-    /// A shader of this name.
+    /// Change of the shader with this name.
     Shader(&'static str),
 }
 
 impl Edit {
-    /// In tables.
+    /// Name in tables.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Text => "text",
@@ -35,7 +35,7 @@ impl Edit {
         }
     }
 
-    /// What getting ready should take at most in 95 of 100 saves, milliseconds.
+    /// Target of the time until rendering starts, in 95 of 100 saves, milliseconds.
     pub const fn target_ms(self) -> f64 {
         match self {
             Self::Text | Self::Script => 100.0,
@@ -44,13 +44,13 @@ impl Edit {
     }
 }
 
-/// The folder; it goes with this.
+/// Temporary folder that is removed when this is dropped.
 #[derive(Debug)]
 struct Folder(PathBuf);
 
 impl Drop for Folder {
     fn drop(&mut self) {
-        // What cannot be removed is left to the system's own tidying of temporary files.
+        // A folder that cannot be removed is left to the system's cleanup of temporary files.
         let _ = fs::remove_dir_all(&self.0);
     }
 }
@@ -77,28 +77,28 @@ fn failed(path: &Path, error: &io::Error) -> AppError {
     AppError::Internal(format!("cannot write {}: {error}", path.display()))
 }
 
-/// The copy.
+/// Copy of a scene in a temporary folder.
 #[derive(Debug)]
 pub struct SceneCopy {
     folder: Folder,
     from: SceneArgs,
     text: String,
     desc: SceneDesc,
-    /// The scene's script below the folder, if it has one.
+    /// Path of the scene's script below the folder, if it has one.
     script: Option<String>,
     library: ShaderLibrary,
 }
 
 const SCENE: &str = "scene.toml";
 const SHADERS: &str = "shaders";
-/// The script of scenes that have none.
+/// File name of the script that is added to scenes without one.
 const OWN_SCRIPT: &str = "reload.rhai";
 
 impl SceneCopy {
-    /// Copies a scene, or the built-in one, what it includes and its script; models and images stay where they are.
+    /// Copies a scene, or the built-in one, with its included files and script; models and images are not copied.
     ///
     /// # Errors
-    /// What is wrong with the scene or the shaders; a temporary folder that cannot be written to.
+    /// Errors of the scene or the shaders; a temporary folder that cannot be written to.
     pub fn new(
         path: Option<&Path>,
         from: &SceneArgs,
@@ -129,7 +129,7 @@ impl SceneCopy {
             folder.write(&format!("{SHADERS}/{name}"), shader)?;
         }
         let mut from = from.clone();
-        // Relative names in the scene start from its own folder.
+        // Relative paths in the scene start at its own folder.
         let own = std::path::absolute(&desc.folder).unwrap_or_else(|_| desc.folder.clone());
         from.assets = [vec![own], asset_folders(&from.assets)].concat();
         Ok(Self {
@@ -142,7 +142,7 @@ impl SceneCopy {
         })
     }
 
-    /// What to open.
+    /// Source from which the copied scene is opened.
     pub fn origin(&self) -> SceneSource {
         SceneSource {
             path: Some(self.folder.0.join(SCENE)),
@@ -151,7 +151,7 @@ impl SceneCopy {
         }
     }
 
-    /// The file of an edit, made ready to be edited; `None` where there is nothing of the kind. A
+    /// File of an edit, prepared for editing; `None` where the scene has no such file or number. A
     /// scene without a script gets one that sets a camera.
     ///
     /// # Errors
@@ -196,24 +196,24 @@ impl SceneCopy {
     }
 }
 
-/// A file that is edited again and again.
+/// A file that is edited repeatedly.
 #[derive(Debug)]
 pub struct Edited<'a> {
     folder: &'a Folder,
     name: String,
     text: String,
-    /// Where a number stands that can be varied.
+    /// Byte range of a number that is varied.
     number: Option<(usize, usize)>,
     comment: char,
 }
 
 impl Edited<'_> {
-    /// Below the copy's folder.
+    /// Path below the copy's folder.
     pub fn name(&self) -> String {
         self.name.clone()
     }
 
-    /// Saves it with another number, if it has one, and another comment at its end.
+    /// Saves the file with another number, if it has one, and another comment at its end.
     ///
     /// # Errors
     /// A folder that cannot be written to.
@@ -231,7 +231,7 @@ impl Edited<'_> {
     }
 }
 
-/// Where the first roughness, else the first intensity of a light stands in scene text.
+/// Byte range of the first roughness in scene text, otherwise of the first intensity of a light.
 fn number(text: &str) -> Option<(usize, usize)> {
     let found = ["\nroughness = ", "\nintensity_cd = ", "\nintensity_lux = "]
         .into_iter()

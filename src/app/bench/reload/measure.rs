@@ -1,4 +1,4 @@
-//! One save after another, timed until its picture is there.
+//! Measures save after save, each until its picture is rendered.
 
 use std::{
     sync::mpsc,
@@ -13,49 +13,49 @@ use crate::{
         bench::progress::Progress,
         error::AppError,
         live::Live,
-        watch::{News, Watcher},
+        watch::{WatchEvent, Watcher},
     },
-    bench::run::Watch as _,
+    bench::run::Observer as _,
 };
 
-/// A save that was not noticed for this long never will be.
+/// Longest wait for a save to be noticed; after it the save counts as missed.
 const MOST_WAIT: Duration = Duration::from_secs(10);
-/// Longer than the watcher waits for further saves: what it says later is about the next one.
+/// Pause between saves, longer than the watcher waits for further saves: later news belong to the next save.
 const REST: Duration = Duration::from_millis(60);
 
-/// Where the time of one save went, milliseconds.
+/// Parts of the time of one save, milliseconds.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Sample {
-    /// From the end of the save to the watcher's word, which waits for further saves.
+    /// Time from the end of the save to the watcher's message, which waits for further saves.
     pub notice_ms: f64,
-    /// Reading texts, running the script, posing.
+    /// Time of reading texts, running the script and posing.
     pub parse_ms: f64,
-    /// Everything else on the CPU.
+    /// Time of everything else on the CPU.
     pub build_ms: f64,
-    /// The driver compiling pipelines.
+    /// Time of the driver for compiling pipelines.
     pub driver_ms: f64,
-    /// Rendering.
+    /// Time of rendering.
     pub frame_ms: f64,
-    /// How many pipelines were made.
+    /// Number of pipelines that were created.
     pub pipelines: u32,
 }
 
 impl Sample {
-    /// The CPU's side: all but the driver and the frame.
+    /// Time on the CPU: all parts but the driver and the frame.
     pub fn ready_ms(&self) -> f64 {
         self.notice_ms + self.parse_ms + self.build_ms
     }
 
-    /// From the save to the picture.
+    /// Time from the save to the picture.
     pub fn total_ms(&self) -> f64 {
         self.ready_ms() + self.driver_ms + self.frame_ms
     }
 }
 
-/// A part's name and its time in a sample.
+/// Name of a part and the function that takes its time from a sample.
 pub type NamedPart = (&'static str, fn(&Sample) -> f64);
 
-/// The columns of the table.
+/// Columns of the table.
 pub const PARTS: [NamedPart; 7] = [
     ("notice_ms", |s| s.notice_ms),
     ("parse_ms", |s| s.parse_ms),
@@ -80,12 +80,12 @@ pub fn saves(
     let (sender, changes) = mpsc::channel();
     let watcher = Watcher::new(move |news| {
         let news = match news {
-            News::Changed(changes, _) => Ok(changes),
-            // Saves that are seen late would be measured.
-            News::Trouble(Some(why)) => Err(AppError::Internal(why)),
-            News::Trouble(None) => return,
+            WatchEvent::Changed(changes, _) => Ok(changes),
+            // A watcher in trouble sees saves late, which would be measured.
+            WatchEvent::Failure(Some(why)) => Err(AppError::Internal(why)),
+            WatchEvent::Failure(None) => return,
         };
-        // Nobody listens any more at the end.
+        // The receiver may already be gone at the end.
         let _ = sender.send(news);
     });
     let watcher = watcher.map_err(AppError::Internal)?;
@@ -131,7 +131,7 @@ pub fn saves(
     Ok(samples)
 }
 
-/// Why a save did not show.
+/// Error about a save without a picture.
 fn problem(live: &Live, edit: Edit) -> AppError {
     let problems = &live.problems;
     let errors = [problems.scene.as_slice(), &problems.pose].concat();

@@ -1,4 +1,4 @@
-//! The worst picture of each mode, by all methods.
+//! Worst picture of each mode, by all methods.
 
 use crate::{
     app::{
@@ -15,11 +15,11 @@ use crate::{
     scene::desc::{Accept, Method, ReflectionDesc},
 };
 
-/// Pictures of every mode that has a score: the one that `hybrid` has most wrong, of a run without it
-/// the first method.
+/// Galleries of every mode with a score: the picture with the largest error of `hybrid`, or of the first method
+/// in a run without `hybrid`.
 ///
 /// # Errors
-/// What the renderer refuses.
+/// Errors of the renderer.
 pub fn galleries(
     gpu: &Gpu,
     library: &ShaderLibrary,
@@ -71,7 +71,7 @@ pub fn galleries(
     Ok(galleries)
 }
 
-/// Where a picture differs most from another.
+/// Window where a picture differs most from another.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Window {
     corner: [u32; 2],
@@ -97,7 +97,7 @@ impl Window {
     }
 }
 
-/// The window whose sum of differences is the largest; none where the pictures are equal, or hardly larger.
+/// Window with the largest sum of differences; none where the pictures are equal, or hardly larger than it.
 fn worst_window(picture: &Shown, reference: &Shown) -> Option<Window> {
     let full = picture.size;
     let size = [0, 1].map(|axis| CROP_PX[axis].min(full[axis]));
@@ -114,7 +114,7 @@ fn worst_window(picture: &Shown, reference: &Shown) -> Option<Window> {
             .map(|(a, b)| u64::from(a.abs_diff(*b)))
             .sum::<u64>()
     };
-    // Sums of all that is above and to the left.
+    // Summed-area table of the differences above and to the left.
     let [width, height] = full.map(|side| side as usize);
     let mut sums = vec![0; (width + 1) * (height + 1)];
     for (index, pixel) in pixels.enumerate() {
@@ -146,7 +146,7 @@ fn worst(mode: &Mode, cells: &[Cell]) -> Option<Place> {
     scores.ok().map(|scores| scores.worst)
 }
 
-/// Places in [`shots`].
+/// Index of the picture of `hybrid` in [`shots`].
 const HYBRID: usize = 2;
 const RT: usize = 3;
 

@@ -1,4 +1,4 @@
-//! Which scenes are scored: modes of the suite, and files.
+//! Choice of the scored scenes: modes of the suite, and scene files.
 
 use std::{
     fs,
@@ -15,16 +15,16 @@ use crate::{
 pub struct Choice {
     /// Its number in the suite.
     pub number: Option<u32>,
-    /// The file's name without its ending.
+    /// File name without its ending.
     pub name: String,
     /// The scene file.
     pub path: PathBuf,
 }
 
-/// The scenes that the arguments name; without any, those of the ratchet, else the whole suite.
+/// Scenes that the arguments name; without any, those of the ratchet, otherwise the whole suite.
 ///
 /// # Errors
-/// What is not there, two of one name, and a suite with a gap.
+/// A scene that does not exist, two scenes of one name, and a suite with a gap.
 pub fn choices(args: &StabilityArgs, ratchet: Option<&Ratchet>) -> Result<Vec<Choice>, AppError> {
     let held = ratchet
         .map(Ratchet::modes)

@@ -6,7 +6,7 @@
 pub struct FrameCost {
     fixed_ms: f64,
     pixel_ms: f64,
-    /// Pixels and milliseconds of the last picture, and of the last of another size.
+    /// Pixels and milliseconds of the last picture; `other`: of the last picture of another size.
     last: Option<(f64, f64)>,
     other: Option<(f64, f64)>,
 }
@@ -24,7 +24,7 @@ impl Default for FrameCost {
 }
 
 impl FrameCost {
-    /// Updates the model with a picture of so many pixels, summed over sub-frames.
+    /// Updates the model with a picture; `pixels` is the sum over its sub-frames.
     pub fn record(&mut self, pixels: f64, ms: f64) {
         if let Some(last) = self.last
             && (last.0 > 1.5 * pixels || pixels > 1.5 * last.0)
@@ -40,7 +40,7 @@ impl FrameCost {
         self.fixed_ms = (ms - self.pixel_ms * pixels).max(0.0);
     }
 
-    /// Predicted time of a picture of so many pixels, milliseconds.
+    /// Predicted time of a picture of this many pixels, milliseconds.
     pub fn predict_ms(&self, pixels: f64) -> f64 {
         self.fixed_ms + self.pixel_ms * pixels
     }
@@ -82,7 +82,7 @@ mod tests {
             cost.record(pixels, 10.0 + 4e-3 * pixels);
         }
         assert!((cost.predict_ms(5e4) - 210.0).abs() < 1e-6);
-        // Noise may not give pixels that cost less than nothing.
+        // Noise must not lead to a negative cost per pixel.
         cost.record(2.5e4, 500.0);
         assert!(cost.predict_ms(1e6) >= cost.predict_ms(1e4));
     }

@@ -40,19 +40,19 @@ impl Worker {
                     Task::Unwatched(why) => self.send(Report::Unwatched(why)),
                     Task::Frame(request) => self.frame_requests.push_back(request),
                     Task::Unpick => self.unpick(),
-                    Task::Select(thing) => {
+                    Task::Select(item) => {
                         redraw = true;
-                        self.select(thing);
+                        self.select(item);
                     }
-                    Task::Drag(thing, numbers) => redraw |= self.drag(thing, &numbers),
-                    Task::Write(thing, numbers) => redraw |= self.write(thing, &numbers),
+                    Task::Drag(item, numbers) => redraw |= self.drag(item, &numbers),
+                    Task::Write(item, numbers) => redraw |= self.write(item, &numbers),
                     Task::Undo(again) => self.undo(again),
                 }
             }
             redraw |= self.run_jobs(mailbox, watcher);
             if self.reloads.iter().any(|(reload, _)| reload.ok) {
                 redraw = true;
-                self.show_thing_again();
+                self.show_item_again();
             }
             if redraw && !self.renders_other_frame() {
                 self.draw();
@@ -83,7 +83,7 @@ impl Worker {
         }
     }
 
-    /// Shows the scene coarsely first, while most of what it needs is not built, and builds that.
+    /// Shows the scene coarsely first, if most of its features are not built yet, and then builds them.
     fn complete(&mut self, view: &mut View) -> Result<(), RenderError> {
         if !self.live.is_coarse() {
             return Ok(());

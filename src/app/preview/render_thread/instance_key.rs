@@ -2,7 +2,7 @@
 
 use crate::world::World;
 
-/// Name and number that find an instance again in a reloaded scene.
+/// Name and number that identify an instance in a reloaded scene.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct InstanceKey {
     name: String,

@@ -30,7 +30,7 @@ use crate::{
             mailbox::Mailbox,
             protocol::{Report, Task},
         },
-        watch::{Change, News, Watcher},
+        watch::{Change, WatchEvent, Watcher},
     },
     gpu::Gpu,
 };
@@ -38,9 +38,9 @@ use worker::Worker;
 
 /// Handle of the thread, which ends when it is dropped.
 pub struct RenderThread {
-    /// Its queue.
+    /// Queue of views and tasks.
     pub mailbox: Mailbox,
-    /// Its reports.
+    /// Reports of the thread.
     pub reports: Receiver<Report>,
     thread: Option<thread::JoinHandle<()>>,
 }
@@ -59,10 +59,10 @@ impl RenderThread {
         let inbox = mailbox.clone();
         let body = move || {
             let mailbox = inbox.clone();
-            let watcher = Watcher::new(move |news| {
-                mailbox.post(match news {
-                    News::Changed(changes, since) => Task::Reload(changes, since),
-                    News::Trouble(why) => Task::Unwatched(why),
+            let watcher = Watcher::new(move |event| {
+                mailbox.post(match event {
+                    WatchEvent::Changed(changes, since) => Task::Reload(changes, since),
+                    WatchEvent::Failure(why) => Task::Unwatched(why),
                 });
             });
             let mut state = Worker::new(gpu, live, sender, Box::new(on_report));
@@ -71,7 +71,7 @@ impl RenderThread {
                 state.send(Report::Unwatched(Some(why.clone())));
             }
             if is_waiting {
-                // The scene's imports are not watched yet.
+                // The files that the scene imports are not watched yet.
                 inbox.post(Task::Reload(
                     [Change::Scene, Change::Asset].into(),
                     Instant::now(),

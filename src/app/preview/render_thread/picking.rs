@@ -32,7 +32,7 @@ impl Worker {
         self.send(Report::Pixel(self.pixel(view, [x, y])?));
         let instance = ids[index as usize][0] as usize;
         self.selected = InstanceKey::of(self.live.world(), instance);
-        self.show_thing(self.live.thing_of(instance));
+        self.show_item(self.live.item_of(instance));
         let picked = self.picked_among(&ids)?;
         self.send(Report::Picked(picked));
         Ok(())
@@ -41,7 +41,7 @@ impl Worker {
     /// Clears the selection.
     pub(super) fn unpick(&mut self) {
         self.selected = None;
-        self.thing = None;
+        self.item = None;
         self.send(Report::Unpicked);
     }
 
@@ -131,8 +131,8 @@ fn outline(inside: &[bool], [width, height]: [u32; 2], radius: f32) -> Option<Ve
 mod tests {
     use super::*;
 
-    /// Around a square: the square stays free, the line follows it at its distance, and far away
-    /// there is nothing.
+    /// Outline of a square: its inside stays free, the line follows it at a distance, and pixels far away
+    /// stay empty.
     #[test]
     fn outline_surrounds_the_instance_without_covering_it() {
         let size = [24_u32, 20];
@@ -153,7 +153,7 @@ mod tests {
             assert!(texel[0] <= texel[3], "premultiplied");
         }
         assert_eq!(outline(&[false; 480], size, RADIUS_PX), None);
-        // The picture's edge is no edge of it.
+        // The border of the picture is no edge of the mask.
         let whole = outline(&[true; 480], size, RADIUS_PX).expect("is seen");
         assert!(whole.iter().all(|byte| *byte == 0));
     }

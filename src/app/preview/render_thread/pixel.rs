@@ -1,4 +1,4 @@
-//! The pixel inspector: what the planes of the last picture hold at one pixel.
+//! The pixel inspector: values of the last picture's AOVs at one pixel.
 
 use super::worker::Worker;
 use crate::{
@@ -12,7 +12,7 @@ use crate::{
     },
 };
 
-/// Planes that are shown, most telling first.
+/// AOVs that are shown, most informative first.
 const SHOWN: [Aov; 12] = [
     Aov::Ids,
     Aov::Depth,
@@ -29,7 +29,7 @@ const SHOWN: [Aov; 12] = [
 ];
 
 impl Worker {
-    /// What a pixel of the last picture, a view's, holds.
+    /// Values at a pixel of the last picture, which was rendered for `view`.
     pub(super) fn pixel(
         &self,
         view: &View,
@@ -59,7 +59,7 @@ impl Worker {
         Ok(values)
     }
 
-    /// Names of what numbers stand for.
+    /// Text of an integer AOV's values: names of causes, sources and instances.
     fn numbers(&self, aov: Aov, numbers: &[u32]) -> String {
         match (aov, numbers) {
             (Aov::Cause, [cause]) => {

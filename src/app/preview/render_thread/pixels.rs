@@ -86,7 +86,7 @@ mod tests {
         let mut left = plain([2, 2], 10);
         left.rgba[..4].copy_from_slice(&[77; 4]);
         let whole = compose_wipe(&left, &plain([8, 4], 90), 0.999, [8, 4]);
-        // Four pixels wide in the middle, twice as large.
+        // The left side is scaled up twice and centered: four pixels wide, between margins.
         assert_eq!(reds(&whole, 0)[..7], [16, 16, 77, 77, 10, 10, 16]);
         assert_eq!(reds(&whole, 3)[..7], [16, 16, 10, 10, 10, 10, 16]);
     }

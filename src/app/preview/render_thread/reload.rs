@@ -47,7 +47,7 @@ impl Worker {
         });
     }
 
-    /// When the loop must run again without a new view or task.
+    /// Time at which the loop must run again without a new view or task.
     pub(super) fn next_wakeup(&self) -> Option<Instant> {
         let is_behind = self.reload_jobs.posing.is_none()
             && self
@@ -75,7 +75,7 @@ impl Worker {
         ];
         let since = since.into_iter().flatten().min();
         if reading.is_some() {
-            // Its imports are found one by one, and may be edited while it runs.
+            // The imports of a running script become known one by one, and may be edited meanwhile.
             self.reload_jobs.check_at(Instant::now() + GRACE_PERIOD);
             if self.live.watch_list().0 != self.watched {
                 self.watch(watcher);
@@ -120,7 +120,7 @@ impl Worker {
         let (running, wanted) = self.reload_jobs.reading.as_ref()?;
         let (done, wanted) = (running.answer()?, *wanted);
         self.reload_jobs.reading = None;
-        self.reload_jobs.posing = None; // of the scene before
+        self.reload_jobs.posing = None; // the job poses the previous scene
         let reload = wanted.before.and(self.live.finish_job(done));
         if self.live.must_read_again() {
             self.reload_jobs.queue(wanted);
@@ -140,8 +140,8 @@ impl Worker {
         Some(reload.ok)
     }
 
-    /// The requested frame, and whether the timeline is playing: of the first frame request, else
-    /// of the view.
+    /// Requested frame, and whether the timeline is playing: from the first frame request, else from
+    /// the view.
     fn wanted_frame(&self) -> Option<(u32, bool)> {
         let on_demand = self.frame_requests.front().map(|of| (of.view.frame, false));
         on_demand.or_else(|| self.view.as_ref().map(|view| (view.frame, view.plays)))

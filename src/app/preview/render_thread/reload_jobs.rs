@@ -18,9 +18,9 @@ use crate::{
     scene::script::Halt,
 };
 
-/// How long a picture waits for a script: most end in time, which saves rendering twice.
+/// Time that a picture waits for a script: most scripts end within it, which saves rendering twice.
 const SCRIPT_WAIT: Duration = Duration::from_millis(30);
-/// How long an outdated job may continue after a newer request, so that pictures appear while a
+/// Time that an outdated job may continue after a newer request, so that pictures appear while a
 /// slider moves.
 pub(super) const GRACE_PERIOD: Duration = Duration::from_millis(300);
 
@@ -73,12 +73,12 @@ impl RunningJob {
         }
     }
 
-    /// Whether it poses a frame other than this.
+    /// Whether the job poses a frame other than this.
     pub(super) fn poses_other_frame(&self, frame: u32) -> bool {
         self.frame != frame && self.poses.load(Ordering::Relaxed)
     }
 
-    /// Its result, if it ends within `SCRIPT_WAIT` of its start.
+    /// Result of the job, if it ends within `SCRIPT_WAIT` of its start.
     pub(super) fn answer(&self) -> Option<FinishedJob> {
         let patience = SCRIPT_WAIT.saturating_sub(self.started.elapsed());
         // A job catches its own panics, so that a result always comes.

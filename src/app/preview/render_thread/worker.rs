@@ -19,7 +19,7 @@ use crate::{
             scene_summary::SceneSummary,
         },
         watch::{WatchList, Watcher},
-        write_back::Thing,
+        write_back::SceneItem,
     },
     gpu::Gpu,
     render::{RenderError, stats::FrameStats},
@@ -39,8 +39,8 @@ pub(super) struct Worker {
     /// The selected instance.
     pub(super) selected: Option<InstanceKey>,
     pub(super) outline: Option<FrameTexture>,
-    /// What the window shows the numbers of, with its name.
-    pub(super) thing: Option<(Thing, Option<String>)>,
+    /// The inspected item, with its name.
+    pub(super) item: Option<(SceneItem, Option<String>)>,
     /// Running and pending scripts.
     pub(super) reload_jobs: ReloadJobs,
     /// The view in the targets, if they hold one of the posed frame.
@@ -87,7 +87,7 @@ impl Worker {
             error_map: None,
             selected: None,
             outline: None,
-            thing: None,
+            item: None,
             reload_jobs: ReloadJobs::default(),
             rendered_view: None,
             frame_requests: VecDeque::new(),
@@ -132,7 +132,7 @@ impl Worker {
         camera_in(self.live.world(), eye)
     }
 
-    /// Renders a first picture, for which little is built.
+    /// Renders the coarse first picture.
     pub(super) fn render_coarse(&mut self, view: &View) -> Result<FrameStats, RenderError> {
         let most = self.gpu.limits.max_texture_dimension_2d;
         self.live.set_overrides(ViewOverrides {

@@ -15,7 +15,7 @@ use super::{
 };
 use crate::app::{
     preview::protocol::{FrameAction, Screenshot, Task, View, ViewCamera},
-    write_back::{Numbers, Thing},
+    write_back::{Numbers, SceneItem},
 };
 
 /// Rest time of the camera before the full-resolution picture is rendered, seconds.
@@ -130,18 +130,18 @@ impl Window {
                     self.send(Task::Edit(Box::new(*edit)));
                 }
                 ViewRequest::SetParameters(overrides) => self.send(Task::SetParameters(overrides)),
-                ViewRequest::Select(thing) => self.send(Task::Select(thing)),
-                ViewRequest::Drag(thing, numbers) => self.drag(ui, thing, numbers),
-                ViewRequest::Write(thing, numbers) => self.send(Task::Write(thing, numbers)),
+                ViewRequest::Select(item) => self.send(Task::Select(item)),
+                ViewRequest::Drag(item, numbers) => self.drag(ui, item, numbers),
+                ViewRequest::Write(item, numbers) => self.send(Task::Write(item, numbers)),
                 ViewRequest::Undo(again) => self.send(Task::Undo(again)),
             }
         }
     }
 
-    /// Shows what is dragged, at the resolution of what moves.
-    pub(super) fn drag(&mut self, ui: &Ui, thing: Thing, numbers: Numbers) {
+    /// Requests the picture of a drag, at the reduced resolution of moving views.
+    pub(super) fn drag(&mut self, ui: &Ui, item: SceneItem, numbers: Numbers) {
         self.moved_at = ui.input(|i| i.time);
-        self.send(Task::Drag(thing, numbers));
+        self.send(Task::Drag(item, numbers));
     }
 
     /// Requests the view, if it changed.
@@ -190,7 +190,7 @@ impl Window {
         }
     }
 
-    /// What shows the scene's camera that was shown last.
+    /// Request for the scene's camera that was shown last.
     fn scene_camera_again(&self) -> ViewRequest {
         match self.settings.follows_cuts && !self.summary.cuts.is_empty() {
             true => ViewRequest::FollowCuts,

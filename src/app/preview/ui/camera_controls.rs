@@ -16,7 +16,7 @@ const NOTCH: f32 = 0.12;
 /// A camera moved by the user.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CameraControls {
-    /// Where it is.
+    /// Current pose and lens of the camera.
     pub camera: CameraDesc,
     /// Flying speed, meters per second.
     pub speed_m: f32,
@@ -191,7 +191,7 @@ fn vector(v: Vec3, decimals: usize) -> String {
     format!("[{x}, {y}, {z}]")
 }
 
-/// With so many decimals, without trailing zeros.
+/// Number with this many decimals, without trailing zeros.
 fn number(v: f32, decimals: usize) -> String {
     let text = format!("{v:.decimals$}");
     let text = if decimals > 0 {
@@ -338,7 +338,7 @@ mod tests {
             assert!((read.fov_deg - camera.fov_deg).abs() < 1e-4);
             assert_eq!(read.near_m, camera.near_m);
         }
-        // A view of something a micrometer away.
+        // A view of a point a micrometer away.
         camera.target = Vec3::new(0.001, 0.002, 0.003);
         camera.eye = camera.target + Vec3::new(1e-6, 0.0, 2e-6);
         let text = format!("version = 1\n{}", as_text("near", &camera));

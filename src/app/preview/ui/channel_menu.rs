@@ -12,7 +12,7 @@ use crate::{
     scene::desc::Method,
 };
 
-/// In the order of the keys 1, 2, 3, 4.
+/// Methods in the order of the keys 1, 2, 3, 4.
 pub const METHODS: [Method; 4] = [Method::Hybrid, Method::Ssr, Method::Rt, Method::Path];
 
 /// Width of a menu, points; longer names are truncated.
@@ -54,7 +54,7 @@ fn channels(ui: &mut Ui, channel: &mut ViewChannel, shadow_lights: &[ShadowLight
     });
 }
 
-/// Which light, and which face of its cube.
+/// Menus of the light whose shadow map is shown, and of the face of its cube.
 fn shadow_menu(
     ui: &mut Ui,
     id: &str,

@@ -14,7 +14,7 @@ use crate::{
 /// Size of the charts' texts, points.
 const SMALL: f32 = 10.0;
 
-/// Columns of a chart over time.
+/// Number of columns of a chart over time.
 pub const HISTORY: usize = 120;
 
 /// Color of bars without a meaning of their own.
@@ -48,7 +48,7 @@ fn rgb([r, g, b]: [u8; 3]) -> Color32 {
     Color32::from_rgb(r, g, b)
 }
 
-/// A horizontal bar that fills `part` (0 to 1) of what is left of the row.
+/// A horizontal bar that fills `part` (0 to 1) of the rest of the row.
 pub fn bar(ui: &mut Ui, part: f32, color: Color32) {
     let width = ui.available_width().clamp(24.0, 120.0);
     let (rect, _) = ui.allocate_exact_size(vec2(width, 10.0), Sense::hover());
@@ -57,7 +57,7 @@ pub fn bar(ui: &mut Ui, part: f32, color: Color32) {
     ui.painter().rect_filled(filled, 2.0, color);
 }
 
-/// Stacked values over time, the newest column at the right; `top` is what fills the height.
+/// Stacked values over time, the newest column at the right; `top` is the value that fills the height.
 pub fn stack(ui: &mut Ui, columns: &[Vec<(Color32, f32)>], top: f32, label: &str) {
     let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), 40.0), Sense::hover());
     let painter = ui.painter().with_clip_rect(rect);
@@ -106,7 +106,7 @@ pub fn shares(ui: &mut Ui, shares: &[Share]) {
     });
 }
 
-/// The scale of a FLIP map: its colors from 0 to 1, and what the ends mean.
+/// Scale of a FLIP map: its colors from 0 to 1, with labels at both ends.
 pub fn flip_scale(ui: &mut Ui) {
     const STEPS: usize = 128;
     let width = ui.available_width();

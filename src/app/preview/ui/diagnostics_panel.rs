@@ -19,9 +19,9 @@ const MARGIN: f32 = 8.0;
 /// One entry of the panel.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DiagnosticEntry {
-    /// What is wrong and what was expected.
+    /// Error, and what was expected.
     pub message: String,
-    /// Where: `file:line:column`, a file, or what else can be said.
+    /// Place of the error: `file:line:column`, a file, or a description.
     pub place: Option<String>,
     /// Help and notes, each with its kind.
     pub more: Vec<(&'static str, String)>,
@@ -281,7 +281,7 @@ mod tests {
         harness.get_by_label(&last).scroll_to_me();
         harness.run();
         assert!(is_seen(&harness), "it scrolls");
-        // As wide as the picture.
+        // The panel is as wide as the picture.
         let fold = harness.get_by_label("fold").rect();
         assert!(fold.right() < picture.right() && fold.left() > 0.7 * picture.width());
     }

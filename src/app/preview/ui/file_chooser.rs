@@ -9,24 +9,24 @@ use eframe::egui::{self, Align2, RichText, ScrollArea, Ui};
 
 use crate::session::model_viewer_scene::is_model;
 
-/// A folder and what is in it.
+/// A folder and its entries.
 #[derive(Debug)]
 pub struct FileChooser {
     folder: PathBuf,
     folders: Vec<String>,
     files: Vec<String>,
-    /// Why the folder cannot be read.
+    /// Error, if the folder cannot be read.
     problem: Option<String>,
 }
 
-/// What was done in a frame.
+/// Choice of the user in a frame.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Choice {
-    /// Nothing yet.
+    /// No choice yet.
     Open,
-    /// A file.
+    /// A file was chosen.
     File(PathBuf),
-    /// Closed without one.
+    /// The chooser was closed without a choice.
     Closed,
 }
 
@@ -48,7 +48,7 @@ impl FileChooser {
         for entry in fs::read_dir(&self.folder)? {
             let path = entry?.path();
             let Some(name) = path.file_name().and_then(|name| name.to_str()) else {
-                continue; // such a name could not be shown
+                continue; // a name that is not UTF-8 cannot be shown
             };
             if name.starts_with('.') {
                 continue;
@@ -64,7 +64,7 @@ impl FileChooser {
         Ok(())
     }
 
-    /// The window; `is_closing` where a key closes it.
+    /// Shows the chooser; `is_closing` if a key closes it.
     pub fn show(&mut self, ui: &Ui, is_closing: bool) -> Choice {
         let mut is_open = !is_closing;
         let mut choice = Choice::Open;

@@ -56,7 +56,7 @@ pub fn times(ui: &mut Ui, stats: &FrameStats, history: &VecDeque<FrameStats>) {
         });
 }
 
-/// Pictures whose audits count together.
+/// Number of recent pictures over which audits are summed.
 const AUDITED_FRAMES: usize = 10;
 
 /// Reflection sources and causes.

@@ -1,6 +1,6 @@
-//! Handles over the picture that move, turn and scale what is selected, along the axes of what it hangs
-//! on. They are where the scene text places it; the picture follows a drag, the text is changed where it
-//! ends.
+//! Handles over the picture that move, turn and scale the selected item, along the axes of its parent.
+//! The handles stand at its place in the scene text; the picture follows a drag, and the text is changed when
+//! the drag ends.
 
 use eframe::egui::{self, Color32, Pos2, Rect, Sense, Stroke, Ui, Vec2, vec2};
 use glam::Vec3;
@@ -14,18 +14,18 @@ use crate::{app::write_back::Numbers, scene::desc::CameraDesc};
 /// Length of a handle, and size of its end, points.
 const LENGTH: f32 = 64.0;
 const END: f32 = 12.0;
-/// Degrees for each point of a drag.
+/// Rotation for each point of a drag, degrees.
 const TURN: f64 = 0.5;
-/// Smallest factor on a size.
+/// Smallest scale factor that a drag can give.
 const SMALLEST: f64 = 1e-3;
-/// Of the axes X, Y and Z.
+/// Colors of the axes X, Y and Z.
 const COLORS: [Color32; 3] = [
     Color32::from_rgb(235, 80, 70),
     Color32::from_rgb(110, 200, 70),
     Color32::from_rgb(80, 140, 250),
 ];
 
-/// Where a camera shows a point in a picture, and how far it is; `None` behind the camera.
+/// Position of a point in a camera's picture, and its depth; `None` if it is not beyond the near plane.
 fn project(camera: &CameraDesc, place: Rect, point: Vec3) -> Option<(Pos2, f32)> {
     let forward = (camera.target - camera.eye).try_normalize()?;
     let right = forward.cross(camera.up).try_normalize()?;
@@ -40,7 +40,7 @@ fn project(camera: &CameraDesc, place: Rect, point: Vec3) -> Option<(Pos2, f32)>
     Some((place.center() + shift, depth))
 }
 
-/// The handles of three axes: where they begin, where they end, and what of the axis that is.
+/// Handles of the three axes: their common start, the end of each, and its length in units of the parent.
 fn axes(
     selection: &Selection,
     camera: &CameraDesc,
@@ -59,17 +59,17 @@ fn axes(
     Some((start, [end(Vec3::X)?, end(Vec3::Y)?, end(Vec3::Z)?]))
 }
 
-/// What a drag of so many points along a handle makes of the numbers.
+/// Numbers after a drag of `along` points on a handle that is `share` units of the parent long.
 fn dragged(handle: Handle, before: &Numbers, axis: usize, along: f32, share: f32) -> Numbers {
     let mut after = before.clone();
     let along = f64::from(along);
     match handle {
         Handle::Move => after.values[axis] += along / f64::from(LENGTH) * f64::from(share),
         Handle::Turn => after.values[axis] += along * TURN,
-        // Never through 0.
+        // A scale factor never passes through 0.
         Handle::Scale => after.values[axis] *= (along / f64::from(LENGTH)).exp(),
     }
-    // A step of the mouse is no finer than that.
+    // Rounded: a step of the mouse is no finer than that.
     let value = (after.values[axis] * 1e4).round() / 1e4;
     let flat = handle == Handle::Scale && value.abs() < SMALLEST;
     after.values[axis] = if flat {
@@ -80,7 +80,7 @@ fn dragged(handle: Handle, before: &Numbers, axis: usize, along: f32, share: f32
     after
 }
 
-/// Shows the handles; gives what is to be shown while a drag goes on, and written where it ends.
+/// Shows the handles; returns a request to show numbers during a drag, or to write them when it ends.
 pub fn handles(
     ui: &Ui,
     place: Rect,
@@ -117,18 +117,16 @@ pub fn handles(
         if response.dragged()
             && let Some(before) = selection.drag_from().cloned()
         {
-            // As it was when the drag began; the handle itself moves along.
+            // `before` holds the numbers at the start of the drag; the handle itself follows the drag.
             let way = (end - start).normalized();
             let after = dragged(selection.handle, &before, axis, total.dot(way), share);
             if selection.put(&after) {
-                request = selection
-                    .thing()
-                    .map(|thing| ViewRequest::Drag(thing, after));
+                request = selection.item().map(|item| ViewRequest::Drag(item, after));
             }
         }
         if response.drag_stopped() {
             let written = selection.end_drag();
-            request = written.map(|(thing, numbers)| ViewRequest::Write(thing, numbers));
+            request = written.map(|(item, numbers)| ViewRequest::Write(item, numbers));
         }
     }
     request
@@ -154,7 +152,7 @@ mod tests {
         assert_eq!(at(Vec3::new(0.0, 0.0, 6.0)), None);
     }
 
-    /// The end of the handle of X is dragged: shown at once, and written where the drag ends.
+    /// A drag of the X handle's end is shown at once, and written when it ends.
     #[cfg(feature = "ui-tests")]
     #[test]
     fn a_drag_of_a_handle_is_written_where_it_ends() {
@@ -162,11 +160,11 @@ mod tests {
         use egui_kittest::Harness;
         use glam::Affine3A;
 
-        use crate::app::write_back::{Inspected, Thing};
+        use crate::app::write_back::{Inspected, SceneItem};
 
         let mut selection = Selection::default();
         selection.show(Some(Inspected {
-            thing: Thing::Light(1),
+            item: SceneItem::Light(1),
             label: "light lamp".to_owned(),
             place: "scene.toml:3".to_owned(),
             numbers: vec![Numbers {
@@ -215,12 +213,12 @@ mod tests {
         };
         harness.event(button(goal, false));
         harness.run();
-        let Some(ViewRequest::Write(thing, numbers)) = harness.state().1.last() else {
+        let Some(ViewRequest::Write(item, numbers)) = harness.state().1.last() else {
             panic!("{:?}", harness.state().1);
         };
-        assert_eq!((*thing, numbers.key), (Thing::Light(1), "position"));
+        assert_eq!((*item, numbers.key), (SceneItem::Light(1), "position"));
         assert_eq!(numbers.values, dragged.values);
-        // 80 points are 2 m at this distance, and 1 where the light is.
+        // 80 points are 2 m at this distance, and 1 unit in the light's parent, which is scaled by 2.
         let x = numbers.values[0];
         assert!((x - 1.0).abs() < 0.02, "{x}");
         assert_eq!(numbers.values[1..], [0.0, 0.0]);

@@ -114,7 +114,7 @@ impl Window {
         };
         let camera = self.settings.scene_camera.and_then(camera_again);
         let last_camera = camera_again(self.settings.last_camera);
-        // Before the first valid scene there are no materials.
+        // The empty scene before the first valid one has no materials.
         let is_first = self.summary.materials.is_empty() && !summary.cameras.is_empty();
         self.settings.last_camera = last_camera.unwrap_or(0);
         let camera = camera.or(is_first.then_some(self.settings.last_camera));

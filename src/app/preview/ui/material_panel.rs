@@ -1,4 +1,4 @@
-//! The panel of materials: which there are, and the numbers of the selected one.
+//! The panel of materials: their list, and the numbers of the selected one.
 
 use std::fmt::Write as _;
 
@@ -60,7 +60,7 @@ pub fn panel(
         let is_open = shown.fully_open();
         let body = shown.body_response.map_or(Rect::NOTHING, |body| body.rect);
         ui.scroll_to_rect(shown.header_response.rect.union(body), None);
-        // It unfolds over several frames.
+        // The header unfolds over several frames.
         settings.scrolls_to_material = !is_open;
     }
 }
@@ -85,7 +85,7 @@ fn list(ui: &mut Ui, settings: &mut ViewSettings, summary: &SceneSummary) {
     });
 }
 
-/// The clicked instance: its name, as scripts and scene text have it, and how large it is.
+/// The clicked instance: its name, as in scripts and scene text, and its size.
 fn instance(ui: &mut Ui, picked: &Picked) {
     ui.horizontal_wrapped(|ui| {
         ui.weak("instance");
@@ -112,7 +112,7 @@ fn numbers(ui: &mut Ui, row: &MaterialRow) -> Edit {
             continue;
         }
         edit.values[index] = Some(value);
-        // A material keeps only the product of these two.
+        // A material stores only the product of these two.
         let pair = ["emission", "emission_strength"];
         if pair.contains(&field.key) {
             for (other, field) in MATERIAL.iter().enumerate() {

@@ -1,5 +1,5 @@
-//! The panel of materials without a window: every number has its control, and what is moved is requested
-//! for.
+//! Tests of the material panel without a window: every number has a control, and moving it requests an
+//! edit.
 
 use eframe::egui::accesskit::Role;
 use egui_kittest::{
@@ -21,7 +21,7 @@ struct State {
     requests: Vec<ViewRequest>,
 }
 
-/// Two materials: one that leaves all open, and one with all that there can be.
+/// Two materials: one with default values only, and one that sets every optional value.
 fn harness<'a>() -> Harness<'a, State> {
     let mut summary = summary();
     summary.materials[0].numbers = PLAIN;
@@ -73,7 +73,7 @@ fn select(harness: &mut Harness<'_, State>, label: &str) {
     harness.run();
 }
 
-/// Of the edit that was requested for last, the values that it sets.
+/// Values that the last requested edit sets.
 fn requested(harness: &Harness<'_, State>) -> Vec<(&'static str, Vec3)> {
     let Some(ViewRequest::Edit(edit)) = harness.state().requests.last() else {
         panic!("no edit: {:?}", harness.state().requests);
@@ -171,7 +171,7 @@ fn a_color_has_a_picker() {
     let picker = harness.get_all_by_role(Role::ColorWell).next();
     picker.expect("of the base color").click();
     harness.run();
-    // The picker's own numbers go to 255, those of the panel to 1.
+    // The picker's own numbers range to 255, those of the panel to 1.
     harness
         .get_all_by_role(Role::SpinButton)
         .find(|n| n.accesskit_node().numeric_value() > Some(1.5))

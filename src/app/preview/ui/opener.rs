@@ -17,7 +17,7 @@ use crate::{
     app::{
         args::PreviewArgs,
         error::{AppError, print_diagnostics},
-        live::{Begins, Live, SceneSource, ViewOverrides},
+        live::{InitialBuild, Live, SceneSource, ViewOverrides},
         plan_file::costs,
         preview::{render_thread::RenderThread, scene_summary::SceneSummary},
     },
@@ -28,7 +28,7 @@ use crate::{
 /// A scene is shown after this time even if its scripts have not ended.
 const SCRIPT_WAIT: Duration = Duration::from_secs(1);
 
-/// What scenes are opened with.
+/// Device, arguments and settings with which scenes are opened.
 #[derive(Clone)]
 pub struct Opener {
     gpu: Arc<Gpu>,
@@ -38,10 +38,10 @@ pub struct Opener {
     screenshots: PathBuf,
 }
 
-/// A scene that is read and built, and how its window begins.
+/// A loaded scene with its renderer, and the initial state of its window.
 pub struct Opened {
     live: Live,
-    /// Whether it must be reloaded at once.
+    /// Whether the scene must be reloaded at once.
     is_waiting: bool,
     summary: SceneSummary,
     method: Method,
@@ -51,7 +51,7 @@ pub struct Opened {
 }
 
 impl Opener {
-    /// Of a command line. Screenshots go into the folder.
+    /// Opener for the arguments of a command line; screenshots go into the folder `screenshots`.
     ///
     /// # Errors
     /// A plan file that cannot be used.
@@ -79,18 +79,18 @@ impl Opener {
         })
     }
 
-    /// The scene of the command line, shown by the camera of this name.
+    /// Opens the scene of the command line, shown by the camera of this name.
     ///
     /// # Errors
-    /// As [`open`]; a camera that it does not have.
+    /// Same errors as [`open`], and a camera that the scene does not have.
     pub fn first(&self, camera: Option<&str>) -> Result<Opened, AppError> {
         self.open(self.source.clone(), camera)
     }
 
-    /// Another scene or model. What `--set` and `--variant` change in the first one does not concern it.
+    /// Opens another scene or model, without the `--set` and `--variant` of the first one.
     ///
     /// # Errors
-    /// As [`open`].
+    /// Same errors as [`open`].
     pub fn another(&self, path: &Path) -> Result<Opened, AppError> {
         let mut source = self.source.clone();
         source.path = Some(path.to_owned());
@@ -116,7 +116,7 @@ impl Opener {
         })
     }
 
-    /// What the window is called.
+    /// Title of the window.
     pub fn title(&self, opened: &Opened) -> String {
         format!("{} – Reflet on {}", opened.stem, self.gpu.adapter_info.name)
     }
@@ -136,13 +136,13 @@ impl Opener {
 
 /// A scene that is being opened beside the one that is shown.
 pub struct Opening {
-    /// Its file.
+    /// Path of the scene.
     pub path: PathBuf,
     outcome: Receiver<Result<Opened, String>>,
 }
 
 impl Opening {
-    /// Begins; the window of the context is repainted at the end.
+    /// Starts opening a scene on another thread; the window of the context is repainted at the end.
     pub fn begin(opener: &Opener, path: PathBuf, context: &egui::Context) -> Self {
         let (sender, outcome) = mpsc::channel();
         let (opener, context, file) = (opener.clone(), context.clone(), path.clone());
@@ -155,7 +155,7 @@ impl Opening {
         Self { path, outcome }
     }
 
-    /// The scene, or why there is none; `None` as long as it is not known.
+    /// The opened scene, or an error message; `None` while it is being opened.
     pub fn outcome(&self) -> Option<Result<Opened, String>> {
         match self.outcome.try_recv() {
             Ok(outcome) => Some(outcome),
@@ -169,7 +169,7 @@ impl Opening {
 /// window, which waits for a fix if `waits`. The same holds for a slow script.
 ///
 /// # Errors
-/// As [`Live::open`], without `waits`.
+/// Same errors as [`Live::open`], unless `waits`.
 pub fn open(
     gpu: &Arc<Gpu>,
     source: SceneSource,
@@ -185,7 +185,7 @@ pub fn open(
             halt.halt();
         });
     }
-    match halt.over(|| Live::open(gpu.clone(), source.clone(), overrides, Begins::Coarse)) {
+    match halt.over(|| Live::open(gpu.clone(), source.clone(), overrides, InitialBuild::Coarse)) {
         Err(AppError::Scene(errors)) if waits => {
             let mistakes = if halt.is_halted() { Vec::new() } else { errors };
             print_diagnostics(&mistakes);

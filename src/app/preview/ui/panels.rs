@@ -1,5 +1,5 @@
 //! Toolbar and panels: channels, cameras, keys, error scores.
-//! They draw what they are given and return requests.
+//! The panels draw the state that they are given and return requests.
 
 use eframe::egui::{self, Response, Ui, Widget, WidgetText};
 
@@ -12,7 +12,7 @@ use crate::{
         live::Edit,
         params::ParameterOverrides,
         preview::{protocol::Side, scene_summary::SceneSummary, view_channel::ViewChannel},
-        write_back::{Numbers, Thing},
+        write_back::{Numbers, SceneItem},
     },
     bench::{metric::Scores, parameter::method_name},
     scene::desc::Method,
@@ -23,7 +23,7 @@ use crate::{
 pub enum ViewRequest {
     /// View through the scene's camera of this index.
     SceneCamera(usize),
-    /// Show the camera of the cuts at each frame.
+    /// Follow the cuts of the timeline.
     FollowCuts,
     /// Frame the selection or the scene.
     Frame,
@@ -37,13 +37,13 @@ pub enum ViewRequest {
     Edit(Box<Edit>),
     /// Change the script's parameters.
     SetParameters(ParameterOverrides),
-    /// Select something of the scene.
-    Select(Thing),
-    /// Show it with other numbers while they are dragged.
-    Drag(Thing, Numbers),
-    /// Write numbers of it into the scene text.
-    Write(Thing, Numbers),
-    /// Take the last written change back, or make it again.
+    /// Select an item of the scene.
+    Select(SceneItem),
+    /// Show an item with other numbers during a drag.
+    Drag(SceneItem, Numbers),
+    /// Write numbers of an item into the scene text.
+    Write(SceneItem, Numbers),
+    /// Undo the last written edit (`false`), or redo the last undone one (`true`).
     Undo(bool),
 }
 
@@ -230,8 +230,8 @@ fn cameras(
     menu.response.labelled_by(label.id);
 }
 
-/// The last comparison of a method with `rt`. It has the same height with and without one: what is below stays
-/// where it is when the numbers come.
+/// Scores of the last comparison of a method with `rt`. The panel has the same height with and without them, so
+/// that what is below stays in place.
 pub fn comparison(
     ui: &mut Ui,
     comparison: Option<(Method, &Scores)>,

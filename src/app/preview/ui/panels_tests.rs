@@ -1,4 +1,4 @@
-//! The panels without a window: clicks and what they ask for, mistakes and where they point.
+//! Tests of the panels without a window: clicks and the requests they make, errors and their places.
 
 use std::{collections::VecDeque, path::Path};
 
@@ -49,7 +49,7 @@ pub fn summary() -> SceneSummary {
         ],
         materials: vec![row(0, "floor"), row(1, "chrome")],
         shadow_lights: Vec::new(),
-        things: Vec::new(),
+        items: Vec::new(),
         bounds: Bounds::EMPTY,
         method: Method::Hybrid,
         unit_m: 1.0,
@@ -292,7 +292,7 @@ fn keys_move_time() {
         harness.run();
         assert_eq!(harness.state().timeline.frame(), frame, "{key:?}");
     }
-    // A slow window gets several at once.
+    // A slow window gets several key presses in one frame.
     for key in [
         Key::ArrowRight,
         Key::ArrowRight,
@@ -361,7 +361,7 @@ fn long_status_message_is_clipped_and_complete_in_its_tooltip() {
     let message = harness.get_by_label(&text);
     assert!(message.rect().right() <= 508.0, "{:?}", message.rect());
     message.hover();
-    harness.run_steps(60); // tooltips wait
+    harness.run_steps(60); // tooltips appear after a delay
     assert_eq!(harness.query_all_by_label(&text).count(), 2);
 }
 

@@ -13,7 +13,7 @@ use crate::{
     scene::{desc::ParamValue, range::LIMIT},
 };
 
-/// What the controls show.
+/// Values that the controls show.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Parameters {
     /// Overrides of the scene's own values.
@@ -119,7 +119,7 @@ pub fn params(ui: &mut Ui, declared: &DeclaredParameters, parameters: &mut Param
             // Below the controls: none moves when a value is rejected.
             for index in 0..parameters.refused.len() {
                 if refused(ui, index, declared, parameters) {
-                    break; // it is over
+                    break; // the user resolved it, which removes it
                 }
             }
         });

@@ -1,5 +1,5 @@
-//! The parameters without a window: each kind has its control, and values that do not work are told
-//! from those that are shown.
+//! Tests of the parameter panel without a window: each kind has its control, and refused values are
+//! distinguished from those in effect.
 
 use eframe::egui::accesskit::Role;
 use egui_kittest::{
@@ -77,7 +77,7 @@ fn each_kind_of_parameter_has_its_control_and_reset_takes_all_back() {
     assert!(harness.state().parameters.overrides.is_empty());
 }
 
-/// Two parameters; the values `count = 60` and `speed = 2` were requested for, and before these `stays`.
+/// Two parameters, the requested values `count = 60` and `speed = 2`, and the overrides before, `stays`.
 fn two<'a>() -> (Harness<'a, State>, DeclaredParameters, ParameterOverrides) {
     let declared: DeclaredParameters = vec![
         ("count".to_owned(), ParamValue::Integer(31)),
@@ -115,7 +115,7 @@ fn a_refused_value_stays_in_its_slider_and_nowhere_else() {
     let (mut harness, declared, stays) = two();
     let state = harness.state_mut();
     state.parameters.refuse(refusal(60, &stays), &declared);
-    // What else was chosen goes on.
+    // The other requested value, `speed`, stays in effect.
     assert_eq!(
         state.parameters.overrides.settings(),
         ["params.speed=2.0", "params.count=40"]
@@ -141,7 +141,7 @@ fn a_refused_value_stays_in_its_slider_and_nowhere_else() {
         harness.state().requested.is_empty(),
         "marking asks for nothing"
     );
-    // A save of the scene is no new chance for it, nor another parameter.
+    // Neither a save of the scene nor another parameter's change requests the refused value again.
     harness.state_mut().parameters.keep_what_fits(&declared);
     let speed = harness.get_all_by_role(Role::Slider).last();
     speed.expect("a slider").set_value_accesskit(1.0);

@@ -1,4 +1,4 @@
-//! The panel of what is selected: its numbers, written into the scene text where a drag or an input
+//! The panel of the selected item: its numbers, written into the scene text when a drag or an input
 //! ends; and the outline of the scene.
 
 use eframe::egui::{self, Key, Modifiers, Ui};
@@ -6,40 +6,40 @@ use glam::{Affine3A, Vec3};
 
 use super::panels::ViewRequest;
 use crate::app::{
-    preview::{protocol::PixelValue, scene_summary::ThingRow},
-    write_back::{Inspected, Numbers, Thing},
+    preview::{protocol::PixelValue, scene_summary::OutlineRow},
+    write_back::{Inspected, Numbers, SceneItem},
 };
 
-/// Change of a number for each point that the mouse moves.
+/// Change of a number for each point of a mouse drag.
 const SPEED: f64 = 0.01;
-/// The same of angles, degrees.
+/// Change of an angle for each point of a mouse drag, degrees.
 const TURN_SPEED: f64 = 0.5;
-/// What a key moves the selection by, meters; ten times as much with Shift.
+/// Step by which a key moves the selection, meters; ten times as much with Shift.
 const STEP_M: f64 = 0.1;
-/// What the handles may change.
+/// Kinds of handles, with their labels.
 const HANDLES: [(Handle, &str); 3] = [
     (Handle::Move, "move"),
     (Handle::Turn, "turn"),
     (Handle::Scale, "scale"),
 ];
-/// Height of a row of the outline, and most of the outline, points.
+/// Height of a row of the outline, and maximum height of the outline, points.
 const ROW: f32 = 18.0;
 const OUTLINE: f32 = 180.0;
 
-/// What the handles over the picture change.
+/// Kind of the handles over the picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Handle {
-    /// The place.
+    /// Handles that change the position.
     #[default]
     Move,
-    /// The turn.
+    /// Handles that change the rotation.
     Turn,
-    /// The size.
+    /// Handles that change the scale.
     Scale,
 }
 
 impl Handle {
-    /// Keys of which a thing has one at most.
+    /// Keys that these handles change; an item has at most one of them.
     fn keys(self) -> &'static [&'static str] {
         match self {
             Self::Move => &["translation", "position", "eye"],
@@ -49,19 +49,19 @@ impl Handle {
     }
 }
 
-/// What is selected, and its numbers while they are dragged.
+/// The selected item, and its numbers during a drag.
 #[derive(Clone, Debug, Default)]
 pub struct Selection {
     shown: Option<Inspected>,
     numbers: Vec<Numbers>,
-    /// What the handles change.
+    /// Kind of the displayed handles.
     pub handle: Handle,
-    /// The numbers when a drag of a handle began.
+    /// Numbers at the start of a handle's drag.
     dragged: Option<Numbers>,
 }
 
 impl Selection {
-    /// Shows another thing, or its numbers as the scene has them now.
+    /// Shows another item, or its current numbers in the scene.
     pub fn show(&mut self, inspected: Option<Inspected>) {
         self.numbers = inspected
             .as_ref()
@@ -69,13 +69,13 @@ impl Selection {
         self.shown = inspected;
     }
 
-    /// The numbers that handles change.
+    /// Numbers that handles of this kind change.
     fn held(&self, handle: Handle) -> Option<&Numbers> {
         let is_held = |n: &&Numbers| handle.keys().contains(&n.key);
         self.numbers.iter().find(is_held)
     }
 
-    /// The space that it is placed in, and its place there.
+    /// World transform of the parent's space, and the item's position in that space.
     pub fn origin(&self) -> Option<(Affine3A, Vec3)> {
         self.held(self.handle)?;
         let place = self.held(Handle::Move)?;
@@ -86,12 +86,12 @@ impl Selection {
         Some((self.shown.as_ref()?.world_from_parent, place))
     }
 
-    /// A drag of a handle begins.
+    /// Starts a drag of a handle.
     pub fn start_drag(&mut self) {
         self.dragged = self.held(self.handle).cloned();
     }
 
-    /// The numbers when the drag began.
+    /// Numbers at the start of the drag.
     pub fn drag_from(&self) -> Option<&Numbers> {
         self.dragged.as_ref()
     }
@@ -106,17 +106,17 @@ impl Selection {
         true
     }
 
-    /// The drag ends; what is to be written then.
-    pub fn end_drag(&mut self) -> Option<(Thing, Numbers)> {
+    /// Ends the drag; returns the item and its numbers to write, if they changed.
+    pub fn end_drag(&mut self) -> Option<(SceneItem, Numbers)> {
         let before = self.dragged.take()?;
         let now = self.numbers.iter().find(|n| n.key == before.key)?;
-        let thing = self.thing()?;
-        (*now != before).then(|| (thing, now.clone()))
+        let item = self.item()?;
+        (*now != before).then(|| (item, now.clone()))
     }
 
-    /// What is selected.
-    pub fn thing(&self) -> Option<Thing> {
-        self.shown.as_ref().map(|inspected| inspected.thing)
+    /// The selected item.
+    pub fn item(&self) -> Option<SceneItem> {
+        self.shown.as_ref().map(|inspected| inspected.item)
     }
 
     /// The request that moves the selection by a step, if it has a position.
@@ -126,11 +126,11 @@ impl Selection {
         for (value, by) in moved.values.iter_mut().zip(by) {
             *value += by;
         }
-        Some(ViewRequest::Write(shown.thing, moved))
+        Some(ViewRequest::Write(shown.item, moved))
     }
 }
 
-/// Moves the selection by the keys Alt and an arrow, or Page Up and Page Down; undoes and redoes.
+/// Handles keys: Alt with an arrow, Page Up or Page Down moves the selection; others undo and redo.
 pub fn keys(ui: &Ui, selection: &Selection) -> Vec<ViewRequest> {
     let mut requests = Vec::new();
     let pressed = |modifiers: Modifiers, key: Key| {
@@ -160,7 +160,7 @@ pub fn keys(ui: &Ui, selection: &Selection) -> Vec<ViewRequest> {
     requests
 }
 
-/// The numbers of what is selected.
+/// Panel with the numbers of the selected item.
 pub fn panel(ui: &mut Ui, selection: &mut Selection, requests: &mut Vec<ViewRequest>) {
     let Some(shown) = &selection.shown else {
         return;
@@ -175,9 +175,9 @@ pub fn panel(ui: &mut Ui, selection: &mut Selection, requests: &mut Vec<ViewRequ
         for (now, before) in selection.numbers.iter_mut().zip(&shown.numbers) {
             match row(ui, now) {
                 Input::Ended if now != before => {
-                    requests.push(ViewRequest::Write(shown.thing, now.clone()));
+                    requests.push(ViewRequest::Write(shown.item, now.clone()));
                 }
-                Input::Changed => requests.push(ViewRequest::Drag(shown.thing, now.clone())),
+                Input::Changed => requests.push(ViewRequest::Drag(shown.item, now.clone())),
                 _ => {}
             }
         }
@@ -197,7 +197,7 @@ pub fn panel(ui: &mut Ui, selection: &mut Selection, requests: &mut Vec<ViewRequ
     });
 }
 
-/// What a user does to numbers.
+/// Input of the user into a number.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Input {
     None,
@@ -205,7 +205,7 @@ enum Input {
     Ended,
 }
 
-/// One key with its numbers.
+/// Row of one key with its numbers.
 fn row(ui: &mut Ui, numbers: &mut Numbers) -> Input {
     let speed = match numbers.key {
         key if key.ends_with("_deg") => TURN_SPEED,
@@ -222,14 +222,14 @@ fn row(ui: &mut Ui, numbers: &mut Numbers) -> Input {
         }
     };
     ui.horizontal(|ui| {
-        // All of them, whichever has ended.
+        // All values are drawn; the strongest input counts.
         let inputs = numbers.values.iter_mut().map(|value| drag(ui, value));
         inputs.fold(Input::None, Input::max)
     })
     .inner
 }
 
-/// What the clicked pixel held when it was clicked.
+/// Panel with the values of the clicked pixel at the time of the click.
 pub fn pixel(ui: &mut Ui, values: &[PixelValue]) {
     if values.is_empty() {
         return;
@@ -245,11 +245,11 @@ pub fn pixel(ui: &mut Ui, values: &[PixelValue]) {
     });
 }
 
-/// What the scene consists of, by what hangs on what; a click selects.
+/// Panel with the scene's outline; a click selects an item.
 pub fn outline(
     ui: &mut Ui,
-    rows: &[ThingRow],
-    selected: Option<Thing>,
+    rows: &[OutlineRow],
+    selected: Option<SceneItem>,
     requests: &mut Vec<ViewRequest>,
 ) {
     if rows.is_empty() {
@@ -263,9 +263,9 @@ pub fn outline(
             for row in &rows[range] {
                 ui.horizontal(|ui| {
                     ui.add_space(12.0 * f32::from(row.depth));
-                    let is_selected = selected == Some(row.thing);
+                    let is_selected = selected == Some(row.item);
                     if ui.selectable_label(is_selected, &row.label).clicked() {
-                        requests.push(ViewRequest::Select(row.thing));
+                        requests.push(ViewRequest::Select(row.item));
                     }
                 });
             }
@@ -291,15 +291,15 @@ mod tests {
         };
         let mut selection = Selection::default();
         selection.show(Some(Inspected {
-            thing: Thing::Instance(4),
+            item: SceneItem::Instance(4),
             label: "instance ball".to_owned(),
             place: "scene.toml:7".to_owned(),
             numbers: refused.map_or_else(|| vec![numbers], |_| Vec::new()),
             refused: refused.map(str::to_owned),
             world_from_parent: Affine3A::IDENTITY,
         }));
-        let rows = [ThingRow {
-            thing: Thing::Light(2),
+        let rows = [OutlineRow {
+            item: SceneItem::Light(2),
             label: "light lamp".to_owned(),
             depth: 1,
         }];
@@ -310,7 +310,7 @@ mod tests {
             } = state;
             requests.extend(keys(ui, selection));
             panel(ui, selection, requests);
-            outline(ui, &rows, selection.thing(), requests);
+            outline(ui, &rows, selection.item(), requests);
         };
         Harness::builder()
             .with_size(egui::vec2(320.0, 700.0))
@@ -335,7 +335,7 @@ mod tests {
         let moved = |values: [f64; 3]| {
             let values = values.to_vec();
             ViewRequest::Write(
-                Thing::Instance(4),
+                SceneItem::Instance(4),
                 Numbers {
                     key: "translation",
                     values,
@@ -371,7 +371,7 @@ mod tests {
         harness.run();
         harness.get_by_label("light lamp").click();
         harness.run();
-        let select = ViewRequest::Select(Thing::Light(2));
+        let select = ViewRequest::Select(SceneItem::Light(2));
         assert_eq!(harness.state_mut().requests.pop(), Some(select));
     }
 

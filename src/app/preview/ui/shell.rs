@@ -16,12 +16,12 @@ use super::{
     window::Window,
 };
 
-/// A window, and what another one is opened by.
+/// The window, and the opener of further scenes.
 pub struct Shell {
     window: Window,
     opener: Opener,
     chooser: Option<FileChooser>,
-    /// Where the chooser begins.
+    /// Folder in which the file chooser starts.
     folder: PathBuf,
     opening: Option<Opening>,
 }
@@ -104,7 +104,7 @@ impl Shell {
                 let title = self.opener.title(&opened);
                 ui.ctx().send_viewport_cmd(ViewportCommand::Title(title));
                 let mut window = self.opener.start(opened, ui.ctx());
-                // They are freed where the next picture is registered.
+                // The textures are freed when the next picture is registered.
                 window.textures = std::mem::take(&mut self.window.textures);
                 self.window = window;
             }

@@ -35,8 +35,8 @@ impl Window {
             }
             place_panel::panel(ui, &mut self.selection, requests);
             place_panel::pixel(ui, &self.pixel);
-            let thing = self.selection.thing();
-            place_panel::outline(ui, &self.summary.things, thing, requests);
+            let item = self.selection.item();
+            place_panel::outline(ui, &self.summary.items, item, requests);
             let before = self.settings.material;
             let picked = self.picked.as_ref();
             material_panel::panel(ui, &mut self.settings, &self.summary, picked, requests);

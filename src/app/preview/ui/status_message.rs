@@ -10,9 +10,9 @@ const DURATION_S: f64 = 12.0;
 #[derive(Clone, Debug, Default)]
 pub struct StatusMessage {
     text: String,
-    /// When it was first shown, seconds; `None` before.
+    /// Time of its first display, seconds; `None` before.
     since: Option<f64>,
-    /// Shown where there is no other message.
+    /// Text shown where there is no other message.
     permanent: String,
 }
 

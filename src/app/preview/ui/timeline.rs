@@ -21,7 +21,7 @@ pub struct Timeline {
     since: Option<(f64, u32)>,
     /// Whether playback loops.
     pub repeats: bool,
-    /// When frames of this playback were shown, seconds.
+    /// Times at which frames of this playback were shown, seconds.
     shown: VecDeque<f64>,
 }
 
@@ -100,7 +100,7 @@ impl Timeline {
         self.desc.end
     }
 
-    /// The frame so many after another, and whether the end was passed without loop.
+    /// The frame `by` frames after another, and whether the end was passed without loop.
     fn after(&self, frame: u32, by: i64) -> (u32, bool) {
         let [start, end] = [self.desc.start, self.desc.end].map(i64::from);
         let frame = i64::from(frame) + by;
@@ -176,7 +176,7 @@ pub fn follow(
     }
 }
 
-/// Narrower than this, points, the slider has a row of its own.
+/// Width below which the slider has a row of its own, points.
 const ONE_ROW: f32 = 620.0;
 
 /// Handles keys; `presses` counts those of a key since the last frame of the window.
@@ -289,7 +289,7 @@ mod tests {
         assert!(time.frame() == 10 && (wait - 1.0 / 24.0).abs() < 1e-9);
         time.tick(100.0 + 4.5 / 24.0);
         assert_eq!(time.frame(), 14);
-        // Around the end, and many rounds later.
+        // The time of one wrap around the end, and of many rounds later.
         time.tick(100.0 + 10.5 / 24.0);
         assert_eq!(time.frame(), 10);
         time.tick(100.0 + 1e6 / 24.0 + 1e-6);
@@ -355,7 +355,7 @@ mod tests {
         follow(&mut shown, &mut hidden_timeline, None, 0.5);
         follow(&mut shown, &mut hidden_timeline, None, 5.0);
         assert!(shown.is_none());
-        // The seconds between do not count.
+        // The seconds without a timeline do not count.
         follow(&mut shown, &mut hidden_timeline, Some(&desc(100)), 90.0);
         let time = shown.as_mut().expect("is back");
         time.tick(90.0);

@@ -1,5 +1,5 @@
-//! The part of the window that shows the picture: what a click selects, what is framed, and the
-//! camera's moves.
+//! The part of the window that shows the picture: selection by clicks, framing, and camera
+//! movement.
 
 use eframe::egui::{Key, PointerButton, Pos2, Rect, Response, Sense, Ui};
 use glam::{Vec2, Vec3};
@@ -49,8 +49,8 @@ impl Window {
         let place = fit(rect, layer.shape);
         let camera = shown.camera.clone();
         match gizmo::handles(ui, place, &camera, &mut self.selection) {
-            Some(ViewRequest::Drag(thing, numbers)) => self.drag(ui, thing, numbers),
-            Some(ViewRequest::Write(thing, numbers)) => self.send(Task::Write(thing, numbers)),
+            Some(ViewRequest::Drag(item, numbers)) => self.drag(ui, item, numbers),
+            Some(ViewRequest::Write(item, numbers)) => self.send(Task::Write(item, numbers)),
             _ => {}
         }
     }

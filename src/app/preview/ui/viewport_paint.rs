@@ -1,5 +1,5 @@
-//! Painting the picture area: the sides in their own shapes, the outline of the selection, the line
-//! of the wipe, and what is written over the picture.
+//! Painting of the picture area: the sides at their aspect ratios, the outline of the selection, the
+//! wipe line, and text over the picture.
 
 use eframe::egui::{
     self, Align2, Color32, FontId, Painter, Pos2, Rect, Sense, Ui, UiBuilder, pos2, vec2,
@@ -25,9 +25,9 @@ const BELOW_NAMES: f32 = 44.0;
 /// A texture in a part of the picture area.
 pub(super) struct Layer {
     texture: FrameTexture,
-    /// Aspect ratio as width and height, pixels; of a draft, those of the full picture.
+    /// Aspect ratio as width and height, pixels; for a draft, those of the full picture.
     pub(super) shape: [u32; 2],
-    /// Whether its pixels are the camera's.
+    /// Whether its pixels correspond to those of the camera.
     pub(super) is_of_camera: bool,
     /// Whether it is an unfolded cube map.
     is_cross: bool,
@@ -251,7 +251,7 @@ fn error_map(ui: &mut Ui, method: Method, scores: &Scores) {
     charts::flip_scale(ui);
 }
 
-/// Why the picture is empty.
+/// Message about the reason why the picture is empty.
 pub(super) fn empty_scene(ui: &Ui, rect: Rect, warnings: &[Diagnostic]) {
     egui::Area::new(egui::Id::unique("reflet nothing"))
         .pivot(Align2::CENTER_CENTER)

@@ -1,4 +1,4 @@
-//! What is written over the picture, without a window, and where pictures go.
+//! Tests of the text over the picture, without a window, and of the places of pictures.
 
 use std::path::Path;
 

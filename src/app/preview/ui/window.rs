@@ -42,9 +42,9 @@ pub struct Window {
     pub(super) comparison: Option<Comparison>,
     /// The selected instance.
     pub(super) picked: Option<Picked>,
-    /// What of the scene text is selected.
+    /// The selected item of the scene text.
     pub(super) selection: Selection,
-    /// What the clicked pixel holds.
+    /// Values of the clicked pixel.
     pub(super) pixel: Vec<PixelValue>,
     /// Revision of the scene; comparisons of earlier revisions are stale.
     pub(super) edits: u64,

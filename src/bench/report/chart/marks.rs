@@ -1,4 +1,4 @@
-//! What stands on a chart beside its curves: dots with hover text, labels, the legend.
+//! Marks on a chart beside its curves: dots with hover text, labels, the legend.
 
 use crate::bench::{
     parameter::{Parameter, SERIES},
@@ -14,13 +14,13 @@ use crate::bench::summary::{Group, Metric, digits};
 /// One end of a bar of percentiles.
 #[derive(Clone, Copy, Debug)]
 pub struct End {
-    /// Pixels from the left.
+    /// Distance from the left, pixels.
     pub x: i32,
-    /// Whether the bar goes on past the chart.
+    /// Whether the bar continues beyond the chart.
     pub is_cut: bool,
 }
 
-/// A dot with its hover text; hollow when dominated, ringed on the front.
+/// Draws a dot with its hover text; hollow when dominated, ringed on the front.
 pub fn mark(
     out: &mut String,
     dot: &Dot,
@@ -75,7 +75,7 @@ pub fn mark(
     );
 }
 
-/// A setting that could not be judged: a cross on the upper edge, where nothing errs more.
+/// Draws a setting that could not be scored: a cross on the upper edge, where the error is largest.
 pub fn cross(out: &mut String, failure: &Failure, x: i32) {
     let RGBColor(r, g, b) = color(&failure.method);
     // Writing to a string cannot fail.
@@ -88,14 +88,14 @@ pub fn cross(out: &mut String, failure: &Failure, x: i32) {
     );
 }
 
-/// Where labels may stand beside the dots of a chart.
+/// Layout of the labels beside the dots of a chart.
 pub struct Labels {
-    /// Left, top, right and bottom of everything that no label may cover.
+    /// Left, top, right and bottom of each rectangle that labels may not cover.
     taken: Vec<[i32; 4]>,
 }
 
 impl Labels {
-    /// Room around these dots.
+    /// Layout with these dots as the only rectangles.
     pub fn around(dots: &[(i32, i32)]) -> Self {
         let circle = |&(x, y): &(i32, i32)| [x - 7, y - 7, x + 7, y + 7];
         Self {
@@ -103,8 +103,8 @@ impl Labels {
         }
     }
 
-    /// Writes a parameter's value beside its dot where it covers nothing; where there is no such place
-    /// the hover text says it.
+    /// Writes a parameter's value beside its dot where it covers nothing; without such a place it is left to
+    /// the hover text.
     pub fn write(&mut self, out: &mut String, value: f64, (x, y): (i32, i32)) {
         let text = value.to_string();
         let wide = 7 * text.len() as i32;
@@ -136,10 +136,10 @@ impl Labels {
     }
 }
 
-/// Width of a letter at most, on average, in the legend's type.
+/// Upper bound on the average width of a letter in the legend's font, pixels.
 const LETTER_PX: i32 = 7;
 
-/// Methods with their parameter, and what the marks mean, in the upper right corner.
+/// Draws methods with their parameters, and the meaning of the marks, in the upper right corner.
 pub fn legend(out: &mut String, dots: &[Dot], has_failures: bool) {
     let mut lines: Vec<(String, String, &str)> = Vec::new();
     for method in SERIES {
@@ -148,11 +148,11 @@ pub fn legend(out: &mut String, dots: &[Dot], has_failures: bool) {
             .clone()
             .filter_map(|d| d.point.sample.parameter.as_deref())
             .collect();
-        let turned = of.clone().any(|d| d.point.sample.value.is_some());
+        let is_varied = of.clone().any(|d| d.point.sample.value.is_some());
         let RGBColor(r, g, b) = color(method);
         if of.count() > 0 {
-            // The name of a series that is one setting says which.
-            let is_named = |p: &&&str| turned && **p != Parameter::ReuseLight.name();
+            // The name of a series with one setting already names the setting.
+            let is_named = |p: &&&str| is_varied && **p != Parameter::ReuseLight.name();
             let parameter = parameters.first().filter(is_named);
             let text = parameter.map_or(method.to_owned(), |parameter| {
                 format!("{method}, by {parameter}")
@@ -220,7 +220,7 @@ mod tests {
                 );
             }
         }
-        // Where there is no room nothing is written.
+        // A label without room is not written.
         let crowd = vec![(50, 50); 20];
         let mut labels = Labels::around(&crowd);
         (0..20).for_each(|i| labels.write(&mut out, f64::from(i), (50, 50)));

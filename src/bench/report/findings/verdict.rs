@@ -1,4 +1,4 @@
-//! Who wins, and at equal time and equal error. What the times cannot tell is not told.
+//! Verdict on the methods: the fastest one, and at equal time and equal error. Undecided times are not ranked.
 
 use super::{fewest_frames, of_method, pick};
 use crate::bench::{
@@ -9,10 +9,10 @@ use crate::bench::{
     },
 };
 
-/// Most settings that a sentence names.
+/// Largest number of settings that a sentence names.
 const MOST_NAMED: usize = 4;
 
-/// Which methods are on the front, whether `rt` wins outright, and what cannot be told.
+/// Sentences on the methods on the front, on whether `rt` wins outright, and on undecided comparisons.
 pub fn verdict(spots: &[Spot], points: &[&Point]) -> Vec<String> {
     let on_front = pareto_front(spots);
     let is_on = |method: &str| of_method(points, method).iter().any(|&i| on_front[i]);
@@ -26,11 +26,11 @@ pub fn verdict(spots: &[Spot], points: &[&Point]) -> Vec<String> {
             methods.join(" and ")
         )];
     }
-    let untold = untold(spots, points, &on_front);
-    let is_untold = |method: &str| untold.iter().any(|&i| points[i].sample.method == method);
+    let undecided = undecided(spots, points, &on_front);
+    let is_undecided = |method: &str| undecided.iter().any(|&i| points[i].sample.method == method);
     let others = points.iter().any(|p| p.sample.method != "rt");
-    let all_told = !is_untold("ssr") && !is_untold("hybrid");
-    let mut text = if methods == ["rt"] && others && all_told {
+    let all_decided = !is_undecided("ssr") && !is_undecided("hybrid");
+    let mut text = if methods == ["rt"] && others && all_decided {
         format!(
             "rt wins outright on this adapter ({adapter}): every setting of another method is \
              slower than one of rt that errs no more."
@@ -43,34 +43,37 @@ pub fn verdict(spots: &[Spot], points: &[&Point]) -> Vec<String> {
     };
     let measured = |method: &str| points.iter().any(|p| p.sample.method == method);
     let both = measured("hybrid") && measured("rt");
-    if both && methods != ["rt"] && !is_on("hybrid") && !is_untold("hybrid") {
+    if both && methods != ["rt"] && !is_on("hybrid") && !is_undecided("hybrid") {
         text += " hybrid is nowhere on it: whatever it reaches, another setting reaches sooner.";
     }
     let mut sentences = vec![text];
-    sentences.extend(doubts(&untold, points));
+    sentences.extend(doubts(&undecided, points));
     sentences
 }
 
-/// Settings that the front beats by medians, though no setting that errs no more is faster beyond
-/// doubt.
-fn untold(spots: &[Spot], points: &[&Point], on_front: &[bool]) -> Vec<usize> {
+/// Settings that the front beats by medians, though no setting with at most their error is faster with
+/// statistical significance.
+fn undecided(spots: &[Spot], points: &[&Point], on_front: &[bool]) -> Vec<usize> {
     let beats = |a: usize, b: usize| {
         spots[a].error <= spots[b].error
             && Pairs::of(&points[a].timed, &points[b].timed).order() == Order::Faster
     };
     let all = 0..points.len();
-    let is_untold = |&b: &usize| !on_front[b] && !all.clone().any(|a| beats(a, b));
-    all.clone().filter(is_untold).collect()
+    let is_undecided = |&b: &usize| !on_front[b] && !all.clone().any(|a| beats(a, b));
+    all.clone().filter(is_undecided).collect()
 }
 
-fn doubts(untold: &[usize], points: &[&Point]) -> Option<String> {
-    if untold.is_empty() {
+fn doubts(undecided: &[usize], points: &[&Point]) -> Option<String> {
+    if undecided.is_empty() {
         return None;
     }
-    let names = untold.iter().take(MOST_NAMED).map(|&i| points[i].label());
+    let names = undecided
+        .iter()
+        .take(MOST_NAMED)
+        .map(|&i| points[i].label());
     let mut names: Vec<String> = names.collect();
-    if untold.len() > names.len() {
-        names.push(format!("{} more", untold.len() - names.len()));
+    if undecided.len() > names.len() {
+        names.push(format!("{} more", undecided.len() - names.len()));
     }
     Some(format!(
         "Cannot be told from the front by these times, though their medians are behind it (no \
@@ -79,11 +82,11 @@ fn doubts(untold: &[usize], points: &[&Point]) -> Option<String> {
     ))
 }
 
-/// How often one of two settings was faster, and whether that tells them apart.
-fn told(a: &Point, b: &Point) -> String {
+/// Sentence on two settings: how often one was faster, and whether that decides between them.
+fn pair_counts(a: &Point, b: &Point) -> String {
     let pairs = Pairs::of(&a.timed, &b.timed);
     let doubt = match pairs.order() {
-        Order::Untold => ", so the two cannot be told apart",
+        Order::Undecided => ", so the two cannot be told apart",
         Order::Faster | Order::Slower => "",
     };
     format!(
@@ -93,8 +96,8 @@ fn told(a: &Point, b: &Point) -> String {
     )
 }
 
-/// What each method reaches in the time that rt's fastest setting takes; where no other is as
-/// fast, in the time of hybrid's fastest.
+/// Least error of each method within the time of rt's fastest setting; where no other method is as
+/// fast, within the time of hybrid's fastest.
 pub fn equal_time(spots: &[Spot], points: &[&Point]) -> Option<String> {
     let fastest = |method: &'static str| {
         let indices = of_method(points, method);
@@ -126,7 +129,7 @@ pub fn equal_time(spots: &[Spot], points: &[&Point]) -> Option<String> {
     ))
 }
 
-/// What `hybrid` and `rt` take to err no more than the other's best.
+/// Times that `hybrid` and `rt` take to reach at most the other's least error.
 pub fn equal_error(spots: &[Spot], points: &[&Point]) -> Option<String> {
     let [hybrid, rt] = ["hybrid", "rt"].map(|method| of_method(points, method));
     let [hybrid_spots, rt_spots] = [&hybrid, &rt].map(|indices| pick(spots, indices));
@@ -156,7 +159,7 @@ pub fn equal_error(spots: &[Spot], points: &[&Point]) -> Option<String> {
         digits(hybrid_ms),
         rt.label(),
         digits(rt_ms),
-        told(hybrid, rt)
+        pair_counts(hybrid, rt)
     );
     let ssr = of_method(points, "ssr");
     if !ssr.is_empty() {

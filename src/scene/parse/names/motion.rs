@@ -1,4 +1,4 @@
-//! Names in `[motion]`: what moves must exist and must have what is moved.
+//! Checks `[motion]`: the entries that it moves must exist and must have the values that it moves.
 
 mod zero_scale;
 
@@ -66,7 +66,7 @@ pub fn check(scene: &SceneDesc, root: &DeTable, report: &mut Report) {
     }
 }
 
-/// What moves in a scene without a timeline is hardly meant to stand still.
+/// Warns of motion in a scene without a timeline, where it stands still.
 fn warn_of_standing_still(scene: &SceneDesc, root: &DeTable, report: &mut Report) {
     let script = scene.script.as_ref().filter(|script| script.has_frame);
     let script = script.and_then(|_| root.get("script"));
@@ -83,7 +83,7 @@ fn warn_of_standing_still(scene: &SceneDesc, root: &DeTable, report: &mut Report
     report.push(warning.help("write `[timeline]` with `end = 47`").warning());
 }
 
-/// What moves must be placed by what moves.
+/// Refuses motion of an entry that is placed by `matrix`, and scale tracks that pass through 0.
 fn check_placed(
     scene: &SceneDesc,
     (placement, at): (&PlacementDesc, &Span),
@@ -92,7 +92,7 @@ fn check_placed(
 ) {
     let is_moved = entry.value.is_placed_by_tracks() || entry.value.shown.is_none();
     if is_moved && entry.value.moves() && matches!(placement, PlacementDesc::Matrix(_)) {
-        let message = "what is placed by `matrix` cannot have motion";
+        let message = "an instance or a group that is placed by `matrix` cannot have motion";
         let error = Diagnostic::at("wrong-motion", entry.at.clone(), message)
             .help("place it by `translation`, `rotation_deg` and `scale`")
             .related(at.clone(), "it is placed here");
@@ -101,14 +101,14 @@ fn check_placed(
     zero_scale::check(scene.timeline.as_ref(), placement, entry, report);
 }
 
-/// A loop of instances that follow each other would have no order.
+/// Refuses instances and groups that follow others: in a loop of these no order would be right.
 fn check_own(entry: &Entry<InstanceMotionDesc>, report: &mut Report) {
     for track in [&entry.value.translation, &entry.value.rotation_deg] {
         if let Some(follow) = track.as_ref().and_then(|t| t.follow.as_ref()) {
             let message = "an instance or a group cannot follow another one";
             let error = Diagnostic::at("wrong-motion", follow.instance.at.clone(), message);
             report.push(
-                error.help("only cameras and lights follow; hang it on the other by `parent`"),
+                error.help("only cameras and lights follow; name the other one as its `parent`"),
             );
         }
     }
@@ -149,7 +149,7 @@ fn check_model(
     }
 }
 
-/// What changes of an instance's own material, which must be there.
+/// Checks motion of an instance's own material, which the instance must have.
 fn check_override(
     scene: &SceneDesc,
     root: &DeTable,
@@ -219,7 +219,7 @@ fn is_group(root: &DeTable, name: &str) -> bool {
     groups.is_some_and(|groups| groups.contains_key(name))
 }
 
-/// Looks in the tree: an instance with a mistake still has its name.
+/// Checks the name of an instance in the tree, where an instance with a mistake still has its name.
 fn refer_instance(root: &DeTable, name: &str, at: &Span, report: &mut Report) {
     let list = root.get("instance").and_then(|n| n.get_ref().as_array());
     let known: Vec<&str> = list
@@ -245,7 +245,7 @@ fn refer_instance(root: &DeTable, name: &str, at: &Span, report: &mut Report) {
     report.push(Diagnostic::at("dangling-name", at.clone(), message).help(help));
 }
 
-/// Checks what tracks follow.
+/// Checks the instances that tracks follow.
 fn check_tracks<T>(
     root: &DeTable,
     tracks: &Tracks,
@@ -280,7 +280,7 @@ fn check_light(scene: &SceneDesc, entry: &Entry<LightMotionDesc>, report: &mut R
     }
 }
 
-/// What moves only where a material's table, called `path`, has it at rest.
+/// Refuses tracks of values that need another key in the material's table, which messages call `path`.
 fn check_material(
     rest: &MaterialDesc,
     entry: &Entry<MaterialMotionDesc>,

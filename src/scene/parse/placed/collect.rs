@@ -23,10 +23,10 @@ use crate::scene::{
     suggest,
 };
 
-/// Files of placed scenes.
+/// Largest number of files of placed scenes.
 const MOST: usize = 100;
 
-/// Scene text that is placed, in messages about its files.
+/// Words for placed scenes in messages about their files.
 const SCENES: Kind = Kind {
     one: "scene text",
     names: "names of placed scenes start from the scene's folder or an asset folder (--assets DIR)",
@@ -34,31 +34,31 @@ const SCENES: Kind = Kind {
     most_mib: MOST_BYTES >> 20,
 };
 
-/// A scene that is placed, with its bases and what it includes.
+/// A scene that is placed, with its bases and included files.
 pub struct PlacedFile {
-    /// Where its text begins in the report.
+    /// Position where its text begins in the report.
     pub start: usize,
     /// The file.
     pub file: Include,
-    /// Where names of files in it start, from the folders of the outermost scene; empty or with a `/`
-    /// at its end.
+    /// Folder that names of files in it start from, relative to the folders of the outermost scene; empty,
+    /// or with a `/` at its end.
     pub folder: String,
-    /// What it includes.
+    /// Files that it includes.
     pub included: Included,
     /// Its bases.
     pub bases: Vec<Base>,
-    /// What its script gave.
+    /// Results of its script.
     pub runs: Runs,
 }
 
 impl PlacedFile {
-    /// Name of the file without its end.
+    /// Name of the file without its extension.
     pub fn stem(&self) -> &str {
         let name = Path::new(&self.file.name).file_stem();
         name.and_then(|stem| stem.to_str()).unwrap_or("scene")
     }
 
-    /// Whether this is written in a file that it, or a base of it, includes.
+    /// Whether a place is in a file that this one or a base of it includes.
     pub fn includes(&self, at: &Span) -> bool {
         self.included.has(at) || self.bases.iter().any(|base| base.includes(at))
     }
@@ -68,7 +68,7 @@ impl PlacedFile {
 #[derive(Default)]
 pub struct Placed {
     files: Vec<PlacedFile>,
-    /// `None` for those that cannot be read, which was reported.
+    /// Index in `files`; `None` for a file that cannot be read, which was reported.
     by_name: HashMap<(String, String), Option<usize>>,
     /// Folders of the outermost scene.
     folders: Vec<PathBuf>,
@@ -95,7 +95,7 @@ impl Placed {
         })
     }
 
-    /// Whether this is written in a placed scene.
+    /// Whether a place is in a placed scene.
     pub fn has(&self, at: &Span, report: &Report) -> bool {
         let is_in = |start: usize| {
             let source = report.span(&(start..start)).source;
@@ -108,7 +108,7 @@ impl Placed {
         })
     }
 
-    /// Where a placed scene looks for files.
+    /// Folders where a placed scene looks for files.
     pub fn folders_of(&self, file: &PlacedFile) -> Vec<PathBuf> {
         let folders = self.folders.iter();
         let inner = folders.map(|folder| folder.join(&file.folder));
@@ -123,7 +123,7 @@ impl Placed {
         all
     }
 
-    /// How the outermost scene names a file that a placed scene in `folder` names.
+    /// Name, from the folders of the outermost scene, of a file that a scene in `folder` calls `name`.
     pub fn file_name(&self, folder: &str, name: &str) -> String {
         let inside = format!("{folder}{name}");
         match self.folders.iter().any(|f| f.join(&inside).exists()) {
@@ -133,16 +133,16 @@ impl Placed {
     }
 }
 
-/// A scene that is to be read.
+/// A placed scene whose file is still to be read.
 struct Wanted {
     name: At<String>,
     folder: String,
-    /// Files in which it stands, outermost first.
+    /// Files of the scenes around it, outermost first.
     above: Vec<PathBuf>,
 }
 
-/// Reads the scenes that some texts place, and those that these place. The texts begin at their places
-/// in the report, the outermost scene's first, whose file is `path`.
+/// Reads the scenes that some texts place, and the scenes that these place in turn. Each text comes with
+/// its position in the report, the outermost scene's first; `path` is that scene's file.
 pub fn collect(
     texts: &[(&str, usize)],
     path: &Path,
@@ -217,13 +217,13 @@ fn read(
     };
     if next.above.contains(&found.real) {
         let shown = suggest::text(&next.name.value);
-        let message = format!("{shown} stands in itself, directly or through others");
+        let message = format!("{shown} places itself, directly or through other scenes");
         let error = Diagnostic::at("circle", at, message);
         report.push(error.help("take its `[[instance]]` out of one file of the circle"));
         return None;
     }
     let folder = name.rfind('/').map_or("", |end| &name[..=end]).to_owned();
-    // Beside it first, then as for the outermost scene.
+    // Its files are looked for beside it first, then as for the outermost scene.
     let beside = found.path.parent().map(Path::to_owned);
     let mut own: Vec<PathBuf> = beside.into_iter().collect();
     own.extend(
@@ -254,7 +254,7 @@ fn read(
 
 /// The scenes that a text places, also in its variants.
 fn named((text, start): (&str, usize), report: &Report) -> Vec<At<String>> {
-    // Texts are parsed once more for this, which most are spared.
+    // This parses the text a second time, so texts without the word are skipped.
     if !text.contains("scene") {
         return Vec::new();
     }

@@ -1,4 +1,4 @@
-//! What is known of a placed scene after its names have those of its group before them.
+//! Groups that stand for placed scenes, and names of placed scenes in messages.
 
 use super::{Placed, run::PlacedScript};
 use crate::scene::{
@@ -8,21 +8,21 @@ use crate::scene::{
     suggest,
 };
 
-/// A scene that stands in a scene.
+/// A scene that is placed in a scene, as a group.
 #[derive(Clone, Debug)]
 pub struct PlacedGroup {
     /// Name of the group that stands for it.
     pub name: String,
-    /// Where it is placed.
+    /// Place of the text that places it.
     pub at: Span,
-    /// Its parameters, with the values that they have here.
+    /// Parameters of the scene, with their values in this placement.
     pub params: Vec<Entry<ParamValue>>,
     /// Its script, if that could be run.
     pub script: Option<PlacedScript>,
 }
 
-/// Lets messages about what is written in placed scenes have names as these write them, and say which place
-/// is meant; what is wrong in the same way in several places is said of the first.
+/// Gives messages about placed scenes the names that are written in these, and a note on the placement; a
+/// mistake that several placements share is reported for the first.
 pub fn name_as_written(groups: &[PlacedGroup], placed: &Placed, report: &mut Report) {
     if groups.is_empty() || report.errors() == 0 {
         return;
@@ -47,7 +47,7 @@ pub fn name_as_written(groups: &[PlacedGroup], placed: &Placed, report: &mut Rep
         if let Some(help) = &mut message.help {
             *help = help.replace(&start, "\"");
         }
-        let place = format!("of {}, which is placed here", suggest::text(&group.name));
+        let place = format!("in {}, which is placed here", suggest::text(&group.name));
         let alike =
             |other: &Diagnostic| other.span == message.span && other.message == message.message;
         let is_first = !told.iter().any(alike);

@@ -1,4 +1,4 @@
-//! Names of a placed scene: its own, what refers to them, and names of files.
+//! Renaming of a placed scene's entries, of references to them, and of names of files.
 
 use std::{collections::HashSet, ops::Range};
 
@@ -17,34 +17,34 @@ use crate::scene::range::ANY;
 /// Tables whose entries have names.
 const NAMED: [&str; 5] = ["camera", "group", "light", "material", "model"];
 
-/// What of a scene is placed; the rest is of its picture or its film.
+/// Tables that are placed with a scene; the others are about its image or its timeline.
 const PLACED: [&str; 7] = [
     "camera", "group", "instance", "light", "material", "model", "motion",
 ];
 
-/// A text with a place.
+/// A key with its place.
 pub fn text(value: String, at: Range<usize>) -> Spanned<DeString<'static>> {
     Spanned::new(at, value.into())
 }
 
-/// What names of a placed scene become.
+/// Renaming of one placed scene.
 pub struct Prefix<'a, 'i> {
     /// Name of the group that stands for the scene.
     pub group: &'a str,
-    /// Its file.
+    /// File of the placed scene.
     pub file: &'a PlacedFile,
-    /// All files.
+    /// All files of placed scenes.
     pub placed: &'a Placed,
-    /// Where it is placed.
+    /// Place of the text that places it.
     pub at: Range<usize>,
-    /// Models whose instances a layer of it has removed.
+    /// Models whose instances a layer of the scene has removed.
     pub unplaced: &'a HashSet<String>,
-    /// Keys of all its instances that do not say them.
+    /// Keys of the placing instance, for instances of the scene that lack them.
     pub inherited: &'a [(Spanned<DeString<'i>>, Node<'i>)],
 }
 
 impl<'i> Prefix<'_, 'i> {
-    /// Renames everything of a scene's tree, and hangs what stands free on the group.
+    /// Renames everything in a scene's tree, and makes the group the parent of entries without one.
     pub fn apply(&self, tree: &mut DeTable<'i>, report: &mut Report) {
         if let Some(version) = tree.get("version") {
             let named = Named {
@@ -84,7 +84,7 @@ impl<'i> Prefix<'_, 'i> {
         }
     }
 
-    /// Models that no instance names stand at the origin of the scene.
+    /// Adds an instance at the origin for each model that no instance names.
     fn place_free_models(&self, tree: &mut DeTable<'i>, report: &Report) {
         let model = |instance: &Node| {
             let name = instance.get_ref().as_table()?.get("model")?;
@@ -118,7 +118,7 @@ impl<'i> Prefix<'_, 'i> {
         }
     }
 
-    /// The name of something of the scene.
+    /// Name of an entry of the scene, with the group's name before it.
     fn named(&self, name: &str) -> String {
         format!("{}.{name}", self.group)
     }
@@ -140,10 +140,10 @@ impl<'i> Prefix<'_, 'i> {
         }
     }
 
-    /// References, names of files and parents in one table.
+    /// Renames references, names of files and the parent in one table.
     fn entry(&self, kind: &str, node: &mut Node<'i>) {
         let DeValue::Table(table) = node.get_mut() else {
-            return; // its reader says so
+            return; // its reader reports this
         };
         match kind {
             "material" => self.material(table),
@@ -174,13 +174,13 @@ impl<'i> Prefix<'_, 'i> {
                         table.insert(key.clone(), node.clone());
                     }
                 }
-                self.hang(table);
+                self.attach(table);
             }
-            _ => self.hang(table),
+            _ => self.attach(table),
         }
     }
 
-    fn hang(&self, table: &mut DeTable<'i>) {
+    fn attach(&self, table: &mut DeTable<'i>) {
         if table.contains_key("parent") {
             return Self::change(table, "parent", |name| self.named(name));
         }
@@ -204,7 +204,7 @@ impl<'i> Prefix<'_, 'i> {
         self.placed.file_name(&self.file.folder, name)
     }
 
-    /// What tracks follow.
+    /// Renames the instances that tracks follow.
     fn followed(&self, node: &mut Node<'i>) {
         let DeValue::Table(tracks) = node.get_mut() else {
             return;

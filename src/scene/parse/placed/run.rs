@@ -1,4 +1,4 @@
-//! What the script of a placed scene is given, and what it gives.
+//! Input and results of the scripts of placed scenes.
 
 use std::{cell::OnceCell, path::PathBuf};
 
@@ -7,15 +7,15 @@ use crate::scene::{
     diagnostic::{Diagnostic, Returned},
 };
 
-/// What the script of a placed scene is given.
+/// Input of the script of a placed scene.
 pub struct ScriptInput<'a> {
-    /// Where files are looked for, those of the placed scene first.
+    /// Folders where files are looked for, those of the placed scene first.
     pub folders: &'a [PathBuf],
-    /// Its name.
+    /// Name of the script's file, with its place.
     pub file: &'a At<String>,
-    /// The parameters of the placed scene, as they are where it stands.
+    /// Parameters of the placed scene, with their values in this placement.
     pub params: &'a [Entry<ParamValue>],
-    /// [`RanScript::number`] of the same script, where it was run with other parameters.
+    /// [`RanScript::number`] of the same script, if it was run before with other parameters.
     pub known: Option<usize>,
     /// The timeline of the outermost scene.
     pub timeline: Option<&'a TimelineDesc>,
@@ -23,30 +23,30 @@ pub struct ScriptInput<'a> {
 
 /// A script whose `setup` was run.
 pub struct RanScript {
-    /// Its number among all scripts of placed scenes.
+    /// Index of the script among all scripts of placed scenes.
     pub number: usize,
-    /// What messages call its file.
+    /// Name of its file in messages.
     pub name: String,
-    /// What `setup` returned, as scene text.
+    /// Scene text that `setup` returned.
     pub text: String,
-    /// What mistakes of the text are explained by.
+    /// Places in the script that explain mistakes in that text.
     pub returned: Returned,
 }
 
-/// What the script of a placed file gave, once for all places with the same parameters.
+/// Results of a placed file's script, one for all placements with the same parameters.
 #[derive(Default)]
 pub struct Runs(OnceCell<Box<OneRun>>);
 
 struct OneRun {
     params: Vec<Entry<ParamValue>>,
-    /// `None` where it failed, which was reported.
+    /// Result; `None` where the script failed, which was reported.
     ran: Option<RanScript>,
     others: Runs,
 }
 
 impl Runs {
-    /// What the script gives with these parameters; `run` runs it where it was not run with them, and is
-    /// told its number.
+    /// Result of the script with these parameters. `run` is called if there is none yet, with the script's
+    /// number, if it has one.
     pub fn with(
         &self,
         params: &[Entry<ParamValue>],

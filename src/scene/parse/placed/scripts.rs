@@ -1,4 +1,5 @@
-//! Scripts of placed scenes: what their `setup` returns is laid into their trees before these are placed.
+//! Scripts of placed scenes: the text that their `setup` returns is merged into their trees before these
+//! are placed.
 
 use toml::de::{DeTable, DeValue};
 
@@ -13,7 +14,7 @@ use crate::scene::{
 };
 
 impl<'i> Expansion<'_, 'i> {
-    /// The parameters of a placed scene, as they are where it stands.
+    /// Parameters of a placed scene, with their values in this placement.
     pub(super) fn read_params(
         &mut self,
         tree: &mut Node<'i>,
@@ -48,7 +49,7 @@ impl<'i> Expansion<'_, 'i> {
         };
         if !self.shadows.is_empty() {
             self.report.note_lacking_names();
-            return None; // a broken line makes it doubtful
+            return None; // a syntax error makes it doubtful
         }
         let name = At {
             value: name.to_string(),
@@ -77,7 +78,7 @@ impl<'i> Expansion<'_, 'i> {
         })
     }
 
-    /// Gives parameters of a placed scene the values of the place where it stands.
+    /// Sets parameters of a placed scene to the values that its placement gives.
     fn set_params(&mut self, tree: &mut DeTable<'i>, given: Node<'i>) {
         let at = given.span();
         let DeValue::Table(given) = given.into_inner() else {

@@ -1,4 +1,4 @@
-//! Reader of what a model or an instance plays.
+//! Reader of the animation that a model or an instance plays.
 
 use crate::scene::range::ANY;
 use crate::scene::{

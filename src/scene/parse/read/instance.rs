@@ -16,7 +16,7 @@ use crate::scene::{
     },
 };
 
-/// Most copies of one instance.
+/// Largest number of copies of one instance.
 const MOST_COPIES: u64 = 100_000;
 
 impl Section for InstanceDesc {
@@ -30,7 +30,7 @@ impl Section for InstanceDesc {
             Some(Either::Name(name)) => Some(name),
             _ => None,
         };
-        hierarchy::ask(t);
+        hierarchy::declare_parent(t);
         let placement = placement(t);
         let dynamic = t.get("dynamic", ANY, false);
         let shown = ShownDesc {
@@ -67,7 +67,7 @@ impl Section for InstanceDesc {
     }
 }
 
-/// A scene that is placed; its file was read before.
+/// A placed scene; its file was read before.
 struct PlacedScene;
 
 impl Section for PlacedScene {
@@ -87,7 +87,7 @@ impl Section for GroupDesc {
     const HEADING: &'static str = "[group.NAME]";
 
     fn read(t: &mut Table) -> Option<Self> {
-        hierarchy::ask(t);
+        hierarchy::declare_parent(t);
         Some(Self {
             placement: placement(t),
             dynamic: t.get("dynamic", ANY, false),

@@ -18,7 +18,7 @@ impl Section for LightDesc {
     const HEADING: &'static str = "[light.NAME]";
 
     fn read(t: &mut Table) -> Option<Self> {
-        hierarchy::ask(t);
+        hierarchy::declare_parent(t);
         let Color(color) = t.get("color", FROM_0, Color(Vec3::ONE));
         let shadow = t.find("shadow", ANY);
         let shadow_px = t.get("shadow_px", range(16.0, 4096.0), 1024);
@@ -127,7 +127,7 @@ fn disk_light(t: &mut Table) -> Option<LightKind> {
     })
 }
 
-/// Position, unit direction and target of a light that shines from somewhere in one direction.
+/// Position, unit direction and target of a light that has both a position and a direction.
 fn aim(t: &mut Table) -> (Option<Vec3>, Option<Vec3>, Option<Vec3>) {
     let position: Option<Vec3> = t.need("position", ANY);
     t.one_of(true, &[&["direction"], &["target"]]);

@@ -13,7 +13,7 @@ use crate::scene::{
     suggest,
 };
 
-/// Divisions around a curved shape.
+/// Range of the divisions around a curved shape.
 const SEGMENTS: Range = range(3.0, 1024.0);
 impl Section for ShapeDesc {
     const TYPE: &'static str = "ShapeDesc";
@@ -103,7 +103,7 @@ fn capsule(t: &mut Table) -> Option<ShapeDesc> {
     })
 }
 
-/// Most points of an outline.
+/// Largest number of points of an outline.
 const MOST_POINTS: usize = 1000;
 
 fn lathe(t: &mut Table) -> Option<ShapeDesc> {

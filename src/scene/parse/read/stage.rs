@@ -1,4 +1,4 @@
-//! Reader of what of a USD stage becomes a model.
+//! Reader of `usd`: the parts of a USD stage that become a model.
 
 use std::path::Path;
 
@@ -13,7 +13,7 @@ use crate::scene::{
     suggest,
 };
 
-/// Each step has four times as many faces.
+/// Range of subdivision steps; each step has four times as many faces.
 const SUBDIV: Range = range(0.0, 6.0);
 const PURPOSES: [&str; 4] = ["default", "render", "proxy", "guide"];
 
@@ -48,7 +48,7 @@ impl Section for StageDesc {
     }
 }
 
-/// `usd` of a model; only stages have it.
+/// Reads `usd` of a model, which only USD stages may have.
 pub fn stage(t: &mut Table, file: Option<&At<String>>) -> StageDesc {
     let desc = t.table("usd");
     if t.has("usd") && !file.is_some_and(|file| is_stage(Path::new(&file.value))) {
@@ -64,7 +64,7 @@ fn refuse(t: &mut Table, name: &'static str, at: &At<String>, text: String, help
     t.report.push(error);
 }
 
-/// Whether it has the form of `/Prim{set=variant}`.
+/// Whether a text has the form `/Prim{set=variant}`.
 fn is_choice(text: &str) -> bool {
     let inner = text.strip_suffix('}').and_then(|rest| rest.split_once('{'));
     inner.is_some_and(|(prim, choice)| {

@@ -7,7 +7,7 @@ use crate::scene::{
     range::{ANY, Range, range},
 };
 
-/// Frame numbers.
+/// Range of frame numbers.
 const FRAMES: Range = range(0.0, 1e6);
 
 /// `[timeline]`, with its cuts.
@@ -56,7 +56,12 @@ impl Section for Film {
         let end: Option<u32> = t.need("end", FRAMES);
         if t.clean() && end.is_some_and(|end| end < start) {
             let message = format!("`end` must not be before `start`, which is {start}");
-            t.refuse("empty-timeline", "end", &message, "both frames are shown");
+            t.refuse(
+                "empty-timeline",
+                "end",
+                &message,
+                "the frames from `start` to `end` are shown, both included",
+            );
         }
         let cuts = cuts(t);
         let timeline = TimelineDesc {

@@ -14,7 +14,7 @@ use crate::scene::{
     },
 };
 
-/// The tracks of what may change.
+/// Reads the tracks of all `fields`.
 pub fn tracks<T>(t: &mut Table, fields: &[Field<T>]) -> Tracks {
     let read = |field: &Field<T>| match field.form {
         Form::Number => track::<f32>(t, field.key, field.range),
@@ -28,7 +28,7 @@ pub fn tracks<T>(t: &mut Table, fields: &[Field<T>]) -> Tracks {
         .collect()
 }
 
-/// What a track moves: one number, two or three.
+/// Type of the values of a track: one number, two or three.
 pub trait Lane: Value + Lanes {
     const TRACK: &'static str;
     const TRACK_HEADING: &'static str;
@@ -36,7 +36,7 @@ pub trait Lane: Value + Lanes {
     const KEY_HEADING: &'static str;
     const SWING: &'static str;
     const SWING_HEADING: &'static str;
-    /// Whether it may be a position.
+    /// Whether the value may be a position.
     const IS_VECTOR: bool;
 }
 
@@ -89,13 +89,13 @@ impl Lanes for Scale {
     }
 }
 
-/// A track whose lanes are `L`s.
+/// A track whose values are of type `L`.
 struct TrackOf<L>(TrackDesc, std::marker::PhantomData<L>);
 
-/// A key whose value is an `L`.
+/// A key whose value is of type `L`.
 struct KeyOf<L>(KeyDesc, std::marker::PhantomData<L>);
 
-/// A swing whose amplitude is an `L`.
+/// An `oscillate` whose amplitude is of type `L`.
 struct SwingOf<L>(OscillateDesc, std::marker::PhantomData<L>);
 
 /// The track under `key`; the values of its keys must lie in `range`.
@@ -113,7 +113,7 @@ pub fn track<L: Lane>(t: &mut Table, key: &'static str, range: Range) -> Option<
     Some(track)
 }
 
-/// When something is there: 1 where it is, 0 where it is not.
+/// A track of `shown`: 1 while the object is shown, 0 while it is hidden.
 struct ShownTrack(TrackDesc);
 
 struct ShownKey(KeyDesc);
@@ -144,7 +144,9 @@ impl Section for ShownTrack {
     fn instead(key: &str, value: &Node) -> Option<String> {
         let keys = match value.get_ref() {
             DeValue::Boolean(true) => {
-                return Some(format!("leave `{key}` out: without it, it is always there"));
+                return Some(format!(
+                    "leave `{key}` out: without it the object is always shown"
+                ));
             }
             DeValue::Boolean(false) => "[{ at_s = 0, value = false }]",
             _ => "[{ at_s = 0, value = false }, { at_s = 2, value = true }]",
@@ -210,7 +212,7 @@ impl<L: Lane> Section for TrackOf<L> {
     fn instead(key: &str, _: &Node) -> Option<String> {
         let keys = "keys = [{ at_s = 0, value = … }, { at_s = 2, value = … }]";
         Some(format!(
-            "write `{key} = {{ {keys} }}`; what does not change stands in the table of the thing itself"
+            "write `{key} = {{ {keys} }}`; a value that does not change stands outside of `[motion]`"
         ))
     }
 }

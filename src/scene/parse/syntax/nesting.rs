@@ -1,8 +1,8 @@
-//! Where a text nests too deeply: brackets inside each other, or a key of very many parts.
+//! Finds where a text nests too deeply: brackets inside each other, or a key of very many parts.
 
 use std::ops::Range;
 
-/// Deeper is too deep; the parser gives up a little later.
+/// Largest depth that is allowed; the parser itself gives up a little deeper.
 const MOST: usize = 64;
 
 /// The first bracket or key that is too deep.

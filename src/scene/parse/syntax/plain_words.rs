@@ -1,28 +1,28 @@
-//! Mistakes of TOML in plain words: what is wrong, and what to write instead.
+//! Syntax errors of TOML in plain words: the mistake, and the text to write instead.
 
 use std::ops::Range;
 
 use crate::scene::suggest;
 
-/// A message and what to do.
+/// A message and advice on what to do.
 type Words = (String, Option<String>);
 
-/// A mistake with what stands around it.
+/// A syntax error with the text around it.
 struct Mistake<'t> {
-    /// What the parser points at.
+    /// Text that the parser points at.
     found: &'t str,
-    /// From there to the end of the line.
+    /// Text from there to the end of the line.
     rest: &'t str,
-    /// The line, without spaces around it.
+    /// Text of the line, without spaces around it.
     line: &'t str,
-    /// Left and right of the first `=`, without comment.
+    /// Text left of the first `=`; `value` is the text right of it, without a comment.
     key: &'t str,
     value: &'t str,
     /// The parser's message.
     message: &'t str,
 }
 
-/// The parser's message about `at`, said for people where that helps: what is wrong, and what to do.
+/// Message and advice for a syntax error at `at`; the parser's own `message` where no explanation fits.
 pub fn in_plain_words(text: &str, at: &Range<usize>, message: &str) -> Words {
     let start = text.floor_char_boundary(at.start);
     let line_start = text[..start].rfind('\n').map_or(0, |i| i + 1);
@@ -41,7 +41,7 @@ pub fn in_plain_words(text: &str, at: &Range<usize>, message: &str) -> Words {
     explained.unwrap_or_else(|| (format!("not TOML: {message}"), None))
 }
 
-/// The first that knows the mistake explains it.
+/// Explanations in order; the first one that fits the mistake is used.
 const EXPLANATIONS: [fn(&Mistake) -> Option<Words>; 12] = [
     hash_color,
     typographic_quotes,
@@ -78,7 +78,7 @@ fn is_number(text: &str) -> bool {
     !text.is_empty() && text.parse::<f64>().is_ok() && !text.contains(char::is_alphabetic)
 }
 
-/// `base_color = #ff8800`
+/// Explains a color without quotes: `base_color = #ff8800`.
 fn hash_color(m: &Mistake) -> Option<Words> {
     let (_, raw) = m.line.split_once('=')?;
     let color = raw.trim().strip_prefix('#')?;
@@ -91,7 +91,7 @@ fn hash_color(m: &Mistake) -> Option<Words> {
     )
 }
 
-/// `model = “box”`
+/// Explains typographic quotes: `model = “box”`.
 fn typographic_quotes(m: &Mistake) -> Option<Words> {
     let is_quote = |c: char| "“”„‘’«»".contains(c);
     let inner = m.value.strip_prefix(is_quote)?.trim_end_matches(is_quote);
@@ -102,7 +102,7 @@ fn typographic_quotes(m: &Mistake) -> Option<Words> {
     )
 }
 
-/// `roughness = 0.5 // glossy`
+/// Explains a comment in the form of another language: `roughness = 0.5 // glossy`.
 fn comment(m: &Mistake) -> Option<Words> {
     let here = if m.rest.starts_with('/') {
         m.rest
@@ -122,7 +122,7 @@ fn comment(m: &Mistake) -> Option<Words> {
     )
 }
 
-/// `[material red]`, `[[instance]`
+/// Explains a malformed table header: `[material red]`, `[[instance]`.
 fn header(m: &Mistake) -> Option<Words> {
     let inner = m.line.strip_prefix('[')?;
     let has_name =
@@ -145,10 +145,10 @@ fn header(m: &Mistake) -> Option<Words> {
                 .to_owned()
         }
     };
-    words("this is not a right header of a table", help)
+    words("this is not a valid table header", help)
 }
 
-/// `file = "C:\assets"`
+/// Explains a backslash in double quotes: `file = "C:\assets"`.
 fn backslash(m: &Mistake) -> Option<Words> {
     (m.message.contains("escape") || m.message.contains("unicode")).then_some(())?;
     let text = m.value.trim_matches('"');
@@ -161,7 +161,7 @@ fn backslash(m: &Mistake) -> Option<Words> {
     words(message, help)
 }
 
-/// `metallic: 1`
+/// Explains a colon in place of `=`: `metallic: 1`.
 fn colon(m: &Mistake) -> Option<Words> {
     let (key, value) = m.line.split_once(':')?;
     let key = key.trim().trim_matches('"');
@@ -179,7 +179,7 @@ fn colon(m: &Mistake) -> Option<Words> {
     words("between a key and its value stands `=`, not `:`", help)
 }
 
-/// `roughness = 0.5;` and `base_color = 1, 0, 0`
+/// Explains a `;` or `,` after a value, or a list without brackets: `roughness = 0.5;`, `base_color = 1, 0, 0`.
 fn line_end(m: &Mistake) -> Option<Words> {
     let value = m.value;
     if let Some(own) = value.strip_suffix([';', ',']).filter(|_| !m.key.is_empty()) {
@@ -206,7 +206,7 @@ fn line_end(m: &Mistake) -> Option<Words> {
     }
 }
 
-/// `eye = (0, 1.6, 5)` and `eye = vec3(0, 1.6, 5)`
+/// Explains a list in parentheses: `eye = (0, 1.6, 5)`, `eye = vec3(0, 1.6, 5)`.
 fn parentheses(m: &Mistake) -> Option<Words> {
     let (before, inner) = m.value.split_once('(')?;
     let is_call = before
@@ -220,14 +220,14 @@ fn parentheses(m: &Mistake) -> Option<Words> {
     words("a list stands in square brackets, not in parentheses", help)
 }
 
-/// `dynamic = True`, `material = red`
+/// Explains a word that is no TOML value: `dynamic = True`, `material = red`.
 fn word(m: &Mistake) -> Option<Words> {
     let unquoted = m.message.starts_with("string values must be quoted");
     if unquoted && m.found.is_empty() {
         let help = "write a value, or remove the key for its default";
         return words("a value is missing after `=`", help);
     }
-    // Of words that begin like `true` or `nan` the parser expects these.
+    // For a word that begins like `true` or `nan`, the parser says that it expects that one.
     let is_bare = !m.value.is_empty() && m.value.chars().all(char::is_alphanumeric);
     let like_word = is_bare && m.value.starts_with(char::is_alphabetic);
     let found = match () {
@@ -262,7 +262,7 @@ fn word(m: &Mistake) -> Option<Words> {
     })
 }
 
-/// `1.6*2`, `60deg`, `.5`
+/// Explains a number that TOML cannot read: `1.6*2`, `60deg`, `.5`.
 fn number(m: &Mistake) -> Option<Words> {
     // The element of a list that the parser points at, else the whole value.
     let offset = m.line.len() - m.rest.len().min(m.line.len());
@@ -289,12 +289,12 @@ fn number(m: &Mistake) -> Option<Words> {
         .ok()
         .filter(|x: &f64| x.to_string() != element)?;
     words(
-        "TOML wants digits on both sides of the point and no zeros before",
+        "TOML needs digits on both sides of the decimal point, and no leading zeros",
         format!("write {value}"),
     )
 }
 
-/// Advice for two numbers with an operator between them, or more of that.
+/// Advice for an arithmetic expression; with its result, if it is two numbers and an operator.
 fn computed(element: &str) -> Option<String> {
     let allowed = |c: char| c.is_ascii_digit() || ".+-*/^() ".contains(c);
     let operator = element[1..]
@@ -320,7 +320,7 @@ fn computed(element: &str) -> Option<String> {
         .then(|| format!("write {result}; scripts can compute"))
 }
 
-/// `model = "box`
+/// Explains a missing closing quote: `model = "box`.
 fn quotes(m: &Mistake) -> Option<Words> {
     let open = m.message.starts_with("invalid basic string, expected `\"`");
     open.then(|| {
@@ -331,7 +331,7 @@ fn quotes(m: &Mistake) -> Option<Words> {
     })
 }
 
-/// `roughness 0.5`
+/// Explains a missing `=`: `roughness 0.5`.
 fn equals(m: &Mistake) -> Option<Words> {
     (m.key.is_empty() && !m.line.contains('=')).then_some(())?;
     let (key, value) = m.line.split_once(char::is_whitespace)?;

@@ -1,23 +1,23 @@
-//! The bracket that is never closed: most messages about the lines below it only follow from that.
+//! Finds a bracket that is never closed: most messages about the lines below only follow from that.
 
 /// A bracket without its partner.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Unclosed {
-    /// Where it stands.
+    /// Byte offset of the bracket.
     pub at: usize,
-    /// What would close it.
+    /// The bracket that would close it.
     pub closer: char,
-    /// End of what can be inside.
+    /// Byte offset of the end of the text that can be inside the brackets.
     pub end: usize,
-    /// The closing bracket of another kind that stands there.
+    /// Closing bracket of another kind that comes next, if it is what shows that this one is not closed.
     pub before: Option<char>,
 }
 
-/// The innermost bracket that is open where a line cannot be inside of it any more, or where one around
-/// it is closed.
+/// The innermost bracket that is still open at a line that cannot be inside it, or where an outer bracket
+/// is closed.
 pub fn first(text: &str) -> Option<Unclosed> {
     let mut open: Vec<(char, usize)> = Vec::new();
-    // The last character that is neither space nor comment, and where it ends.
+    // The last character that is neither space nor comment, and the byte offset of its end.
     let mut last = ('\n', 0);
     let mut at = 0;
     let mut line_start = true;
@@ -31,7 +31,7 @@ pub fn first(text: &str) -> Option<Unclosed> {
                 return Some(unclosed(*bracket, *start, last.1, None));
             }
             if open.is_empty() && line.trim_start().starts_with('[') {
-                at += line.len(); // a header
+                at += line.len(); // table header
                 line_start = false;
                 continue;
             }
@@ -96,8 +96,8 @@ fn length_of_text(rest: &str, quote: char) -> usize {
     rest.len()
 }
 
-/// Whether a line shows that the bracket must have been closed before; `last` is what stands before
-/// the line.
+/// Whether a line shows that the bracket must have been closed before; `last` is the last character
+/// before the line that is neither space nor comment.
 fn cannot_be_inside(line: &str, bracket: char, last: char) -> bool {
     let is_name = |c: char| c.is_alphanumeric() || "_-.\"'* ".contains(c);
     let bare = line.split('#').next().unwrap_or("").trim_end();

@@ -19,7 +19,7 @@ use crate::scene::{
 pub enum Either<T> {
     /// The name.
     Name(At<String>),
-    /// What the table says.
+    /// The value that the table describes.
     Nested(T),
 }
 
@@ -50,8 +50,8 @@ impl Table<'_, '_> {
         }
     }
 
-    /// As [`Table::name_or_table`], of a key that must be there; what the table means is resolved
-    /// before.
+    /// Same as [`Table::name_or_table`], for a required key; a table here was resolved before, in the
+    /// tree.
     pub fn need_name_or_table<T: Section>(&mut self, key: &'static str) -> Option<Either<T>> {
         if !self.has(key) {
             let help = format!("write `{key} = …`, {}", <At<String>>::expected());
@@ -122,7 +122,8 @@ impl Table<'_, '_> {
         items.iter().filter_map(read).collect()
     }
 
-    /// Tables of changes with names of the user's choice, which are read where they are chosen.
+    /// Tables of changes to the scene, such as variants, with names that the user chooses; they are read
+    /// only where they are chosen.
     pub fn changes(&mut self, key: &'static str) -> Vec<At<String>> {
         self.note(key, || {
             let what = "tables `[variant.NAME]`, each with any keys of the scene";
@@ -151,7 +152,7 @@ impl Table<'_, '_> {
         all.into_iter().map(|(_, name)| name).collect()
     }
 
-    /// Values with names of the user's choice: numbers, texts, switches, arrays of numbers.
+    /// Parameters with names that the user chooses: numbers, texts, booleans, arrays of numbers.
     pub fn params(&mut self, key: &'static str) -> Vec<Entry<ParamValue>> {
         self.note(key, || {
             let what = "numbers, texts, true or false, or arrays of numbers, with names";
@@ -198,7 +199,7 @@ impl Table<'_, '_> {
         let mut nameless = false;
         for (name, node) in all {
             let DeValue::Table(values) = node.get_ref() else {
-                // The next keys of a table without its name are the same mistake.
+                // In a table without a name in its header, every key would be the same mistake.
                 if !std::mem::replace(&mut nameless, true) {
                     let (key, title) = (suggest::key(name.get_ref()), place.title());
                     let message = format!("{key} must be a table, because {title} holds names");

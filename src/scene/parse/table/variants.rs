@@ -14,8 +14,8 @@ use crate::scene::suggest;
 pub type Variant<T> = (&'static str, fn(&mut Table) -> Option<T>);
 
 impl Table<'_, '_> {
-    /// The variant that `key` names, read by its own reader. Ask for the common keys first: what is
-    /// unknown after this is looked for in the other variants.
+    /// The variant that `key` names, read by its own reader. Ask for the common keys first: keys that are
+    /// unknown after this are looked for in the other variants.
     pub fn choose<T>(&mut self, key: &'static str, variants: &[Variant<T>]) -> Option<T> {
         self.asked.push(key);
         if let Some(notes) = &mut self.notes {

@@ -1,4 +1,4 @@
-//! The reference as a Rhai definition file, from which editors complete and explain names.
+//! The reference of scripts as a Rhai definition file, from which editors complete and explain names.
 
 use std::fmt::Write as _;
 
@@ -6,13 +6,13 @@ use super::{API, Entry};
 
 const HEADER: &str = "\
 // Generated from src/scene/script/api; `UPDATE_DOCS=1 cargo test --test scene` writes it anew.
-// What scripts of Reflet can call beside Rhai itself, for language servers that read Rhai definition
-// files. A script has `fn setup(ctx)`, `fn frame(ctx)` or both; docs/scripting.md explains them.
+// Functions that scripts of Reflet have in addition to those of Rhai, for language servers that read Rhai
+// definition files. A script has `fn setup(ctx)`, `fn frame(ctx)` or both; docs/scripting.md explains them.
 module static;
 ";
 
-/// The definition file, `docs/reflet.d.rhai`. Operators are not in it: editors have nothing to
-/// complete there.
+/// Content of the definition file, `docs/reflet.d.rhai`. It has no operators: editors have nothing to complete
+/// there.
 pub fn definitions() -> String {
     let mut out = HEADER.to_owned();
     for group in API {
@@ -38,7 +38,8 @@ fn define(out: &mut String, entry: &Entry) {
     }
 }
 
-/// `ctx.position(name)` and `vec3` make `fn position(ctx: ctx, name: String) -> vec3;`.
+/// Definition of a form: `ctx.position(name)`, which gives `vec3`, becomes `fn position(ctx: ctx, name: String)
+/// -> vec3;`.
 fn definition(form: &str, gives: &str) -> Option<String> {
     let (path, arguments) = match form.split_once('(') {
         Some((path, rest)) => (path, Some(rest.strip_suffix(')')?)),
@@ -64,8 +65,8 @@ fn definition(form: &str, gives: &str) -> Option<String> {
     Some(format!("fn {get}{name}({parameters}) -> {gives};"))
 }
 
-/// The type that goes by a parameter's name all through the reference; `?` where several do, as
-/// integers and floats do nearly everywhere.
+/// Type of a parameter, which has the same name throughout the reference; `?` where several types are accepted,
+/// as integers and floats are nearly everywhere.
 fn type_of(parameter: &str) -> &'static str {
     match parameter {
         "ctx" => "ctx",

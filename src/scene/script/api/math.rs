@@ -1,4 +1,4 @@
-//! Vectors, rotations, matrices and the numbers that Rhai leaves out; integers and floats mix.
+//! Vectors, rotations, matrices, and numeric functions that Rhai lacks; integers and floats mix.
 
 use glam::{DMat4, DQuat, DVec3};
 use rhai::{Dynamic, Engine, EvalAltResult};
@@ -10,7 +10,7 @@ use super::{
 
 type Result<T> = std::result::Result<T, Box<EvalAltResult>>;
 
-/// Registers a function of one number, for integers too.
+/// Registers functions of one number for integers too.
 macro_rules! of_one {
     ($engine:expr, $($name:literal => $function:expr),+ $(,)?) => {
         $($engine.register_fn($name, |x: i64| { let f: fn(f64) -> f64 = $function; f(x as f64) });)+
@@ -21,7 +21,7 @@ pub static VECTORS: &[Entry] = &[
     Entry {
         signature: "vec3(x, y, z); vec3(s)",
         gives: "vec3; vec3",
-        text: "A vector. An array of three numbers is accepted where the scene expects one.",
+        text: "A vector of three floats; `vec3(s)` has `s` in all three. An array of three numbers is accepted wherever `ctx` or the result of `setup` takes a vector.",
         example: "vec3(1, 2.5, 3).y == 2.5 && vec3(2) == vec3(2, 2, 2)",
         register: |e| {
             e.register_fn(
@@ -40,7 +40,7 @@ pub static VECTORS: &[Entry] = &[
     Entry {
         signature: "v.x; v.y; v.z",
         gives: "float; float; float",
-        text: "The components of a vector, which can be set.",
+        text: "The components of a vector. They can be set: `v.x = 5.0`.",
         example: "let v = vec3(1, 2, 3); v.x = 5.0; v.x + v.z == 8.0",
         register: |e| {
             e.register_get_set("x", |v: &mut DVec3| v.x, |v: &mut DVec3, x: f64| v.x = x);
@@ -54,7 +54,7 @@ pub static VECTORS: &[Entry] = &[
     Entry {
         signature: "a + b; a - b; a * b; a / b; -a; a == b",
         gives: "vec3; vec3; vec3; vec3; vec3; bool",
-        text: "Component-wise; one side of `*` and the right side of `/` may be a number.",
+        text: "Arithmetic of vectors, component by component; one side of `*` and the right side of `/` may be a number.",
         example: "2 * vec3(1, 2, 3) - vec3(1, 1, 1) / 2.0 == vec3(1.5, 3.5, 5.5)",
         register: vector_operators,
     },
@@ -71,7 +71,7 @@ pub static VECTORS: &[Entry] = &[
     Entry {
         signature: "length(v); distance(a, b); normalize(v)",
         gives: "float; float; vec3",
-        text: "Length, distance of two points, and the direction of a vector that is not 0.",
+        text: "Length of a vector; distance between two points; a vector scaled to length 1, which must not be 0.",
         example: "length(vec3(3, 0, 4)) == 5.0 && normalize(vec3(0, 2, 0)) == vec3(0, 1, 0)",
         register: |e| {
             e.register_fn("length", |v: DVec3| v.length());
@@ -104,7 +104,7 @@ pub static ROTATIONS: &[Entry] = &[
     Entry {
         signature: "rotation_deg(x, y, z)",
         gives: "quat",
-        text: "A `quat` from degrees about X, then Y, then Z, all fixed axes, as `rotation_deg` in scene text.",
+        text: "A rotation (`quat`) by degrees about X, then Y, then Z, all fixed axes, as `rotation_deg` in scene text.",
         example: "distance(rotation_deg(0, 0, 90) * vec3(1, 0, 0), vec3(0, 1, 0)) < 1e-6",
         register: |e| {
             e.register_fn(
@@ -119,7 +119,7 @@ pub static ROTATIONS: &[Entry] = &[
     Entry {
         signature: "axis_deg(axis, degrees)",
         gives: "quat",
-        text: "A `quat` about an axis, counter-clockwise seen against it.",
+        text: "A rotation (`quat`) about an axis by degrees, counterclockwise when the axis points at the viewer.",
         example: "distance(axis_deg(vec3(0, 1, 0), 90) * vec3(1, 0, 0), vec3(0, 0, -1)) < 1e-6",
         register: |e| {
             e.register_fn(
@@ -139,7 +139,7 @@ pub static ROTATIONS: &[Entry] = &[
     Entry {
         signature: "facing(direction, up)",
         gives: "quat",
-        text: "A `quat` that rotates -Z to `direction`, with Y as close to `up` as possible.",
+        text: "A rotation (`quat`) that turns -Z to `direction`, with Y as close to `up` as possible.",
         example: "distance(facing(vec3(1, 0, 0), vec3(0, 1, 0)) * vec3(0, 0, -1), vec3(1, 0, 0)) < 1e-6",
         register: |e| {
             e.register_fn(
@@ -159,7 +159,7 @@ pub static ROTATIONS: &[Entry] = &[
     Entry {
         signature: "a * b; q * v; inverse(q); slerp(a, b, t)",
         gives: "quat; vec3; quat; quat",
-        text: "Composition of rotations, first `b`, then `a`; rotation of a vector; inverse; spherical interpolation.",
+        text: "Composition of rotations, first `b`, then `a`; rotation of a vector; inverse; spherical interpolation from `a` at t = 0 to `b` at 1.",
         example: "let q = rotation_deg(0, 90, 0); distance(inverse(q) * (q * vec3(1, 2, 3)), vec3(1, 2, 3)) < 1e-6",
         register: |e| {
             e.register_fn("*", |a: DQuat, b: DQuat| a * b);
@@ -224,7 +224,7 @@ pub static NUMBERS: &[Entry] = &[
     Entry {
         signature: "clamp(x, low, high)",
         gives: "float",
-        text: "`x` clamped to the range.",
+        text: "`x` limited to the range from `low` to `high`.",
         example: "clamp(5, 0, 1.5) == 1.5",
         register: |e| {
             e.register_fn(
@@ -239,7 +239,7 @@ pub static NUMBERS: &[Entry] = &[
     Entry {
         signature: "smoothstep(low, high, x)",
         gives: "float",
-        text: "0 below `low`, 1 above `high`, and a smooth transition between.",
+        text: "0 below `low`, 1 above `high`, and a smooth transition between; `low` must be below `high`.",
         example: "smoothstep(0, 2, 1) == 0.5 && smoothstep(0, 2, 9) == 1.0",
         register: |e| {
             e.register_fn(
@@ -258,7 +258,7 @@ pub static NUMBERS: &[Entry] = &[
     Entry {
         signature: "fract(x)",
         gives: "float",
-        text: "The fractional part, `x - floor(x)`: 0 up to 1, also for negative numbers.",
+        text: "The fractional part, `x - floor(x)`: from 0 up to but not 1, also for negative numbers.",
         example: "fract(2.25) == 0.25 && fract(-0.25) == 0.75",
         register: |e| {
             e.register_fn("fract", |x: Dynamic| number(&x, "x").map(|x| x - x.floor()));
@@ -267,7 +267,7 @@ pub static NUMBERS: &[Entry] = &[
     Entry {
         signature: "radians(degrees); degrees(radians)",
         gives: "float; float",
-        text: "Conversion of angles.",
+        text: "Conversion of angles: degrees to radians, and radians to degrees.",
         example: "degrees(radians(90)) == 90.0",
         register: |e| {
             e.register_fn("radians", |x: Dynamic| {
@@ -281,7 +281,7 @@ pub static NUMBERS: &[Entry] = &[
     Entry {
         signature: "sin(x); cos(x); tan(x); asin(x); acos(x); atan(x); sqrt(x); exp(x); ln(x)",
         gives: "float; float; float; float; float; float; float; float; float",
-        text: "As Rhai's own, also for integers; angles are in radians. Rhai's `abs`, `min`, `max`, `floor`, `ceiling`, `round`, `sign`, `atan(y, x)` and `PI()` are available as well.",
+        text: "The functions of Rhai, here also for integers; angles are in radians. Rhai's `abs`, `min`, `max`, `floor`, `ceiling`, `round`, `sign`, `atan(y, x)` and `PI()` are available as well.",
         example: "sin(0) == 0.0 && sqrt(9) == 3.0 && max(1, 2.5) == 2.5",
         register: |e| {
             of_one!(e,

@@ -12,7 +12,7 @@ pub static RANDOM: &[Entry] = &[
     Entry {
         signature: "hash01(seed); hash01(seed, id); hash01(seed, id, frame)",
         gives: "float; float; float",
-        text: "A pseudo-random number from 0 up to 1, a hash of these integers.",
+        text: "A pseudo-random number from 0 up to but not 1: a hash of the integers, so the same arguments always give the same number.",
         example: "hash01(1, 2, 3) == hash01(1, 2, 3) && hash01(1, 2, 3) != hash01(1, 2, 4) && hash01(7) < 1",
         register: |e| {
             e.register_fn("hash01", |seed: i64| hash01([seed, 0, 0]));
@@ -25,7 +25,7 @@ pub static RANDOM: &[Entry] = &[
     Entry {
         signature: "noise(seed, x); noise(seed, vector)",
         gives: "float; float",
-        text: "Smooth value noise, 0 to 1: random at integers and smoothly interpolated between them.",
+        text: "Smooth value noise, 0 to 1, of a number or a vector: random at whole numbers and smoothly interpolated between them.",
         example: "noise(1, 2.5) == noise(1, 2.5) && noise(1, vec3(0, 0.5, 0)) <= 1",
         register: |e| {
             e.register_fn(
@@ -43,8 +43,8 @@ pub static RANDOM: &[Entry] = &[
     },
 ];
 
-/// SplitMix64's finalizer (Steele, Lea, Flood, "Fast splittable pseudorandom number generators",
-/// 2014), fed with one number after the other.
+/// Hash of four integers by the finalizer of SplitMix64 (Steele, Lea, Flood, "Fast splittable pseudorandom
+/// number generators", 2014), fed with one number after the other.
 fn hash(numbers: [i64; 4]) -> u64 {
     numbers.iter().fold(0, |state: u64, n| {
         let mut z = (state ^ *n as u64).wrapping_add(0x9E37_79B9_7F4A_7C15);
@@ -54,7 +54,7 @@ fn hash(numbers: [i64; 4]) -> u64 {
     })
 }
 
-/// The upper 53 bits, which a float holds exactly.
+/// Number in [0, 1) from the upper 53 bits, which a float holds exactly.
 fn unit(hash: u64) -> f64 {
     (hash >> 11) as f64 / (1u64 << 53) as f64
 }
@@ -63,8 +63,8 @@ fn hash01([seed, id, frame]: [i64; 3]) -> f64 {
     unit(hash([seed, id, frame, 0]))
 }
 
-/// Values at the corners of the unit cell, blended with 6u⁵ − 15u⁴ + 10u³ (Perlin, "Improving
-/// noise", 2002), so that slope and curvature have no jumps.
+/// Value noise: random values at the corners of the unit cell, blended with 6u⁵ − 15u⁴ + 10u³ (Perlin,
+/// "Improving noise", 2002), so that slope and curvature have no jumps.
 fn noise(seed: i64, at: DVec3) -> f64 {
     let cell = at.floor();
     let f = at - cell;

@@ -1,4 +1,4 @@
-//! `ctx`: the call's time and parameters, and posing the scene by name.
+//! `ctx`: the call's time and parameters, and functions that pose the scene by name.
 
 use glam::DMat4;
 use rhai::{Dynamic, Map, NativeCallContext as Call};
@@ -34,7 +34,7 @@ pub static CALL: &[Entry] = &[
     Entry {
         signature: "ctx.fps",
         gives: "float",
-        text: "Frames a second.",
+        text: "Frames per second of the timeline.",
         example: "ctx.fps == 24.0",
         register: |e| {
             e.register_get("fps", |c: &mut Context| c.call.fps);
@@ -53,11 +53,11 @@ pub static CALL: &[Entry] = &[
     Entry {
         signature: "ctx.params",
         gives: "Map",
-        text: "The scene's `[params]`, changed by `--set params.NAME=VALUE` and by the preview's sliders.",
+        text: "The scene's `[params]` as a map; `--set params.NAME=VALUE` and the sliders of the preview change them.",
         example: "ctx.params.count == 31",
         register: |e| {
             e.register_get("params", |c: &mut Context| c.call.params.clone());
-            // Rhai writes back what a method was called on, changed or not.
+            // Rhai writes the value of a property back after a method call on it, changed or not.
             e.register_set("params", |call: Call, c: &mut Context, new: Map| {
                 let why = "`ctx.params` is read-only";
                 match maps_equal(&call, &new, &c.call.params, 0)? {
@@ -73,7 +73,7 @@ pub static POSE: &[Entry] = &[
     Entry {
         signature: "ctx.place(name, position); ctx.place(name, position, rotation); ctx.place(name, position, rotation, scale); ctx.place(name, matrix)",
         gives: "(); (); (); ()",
-        text: "Places an instance or a group, relative to its `parent` if it has one. A position is a `vec3` or three numbers; a rotation is a `quat` or degrees about X, Y, Z; a scale is one number or three. Omitted arguments stay unchanged.",
+        text: "Places an instance or a group, relative to its `parent` if it has one. A position is a `vec3` or three numbers; a rotation is a `quat` or degrees about X, Y, Z; a scale is one number or three; a matrix is a `mat4`. Without a rotation or a scale, it keeps its own.",
         example: "ctx.place(\"ball\", [0, 1, 2], [0, 90, 0], 0.5); ctx.position(\"ball\").y == 1.0",
         register: |e| {
             e.register_fn("place", |c: &mut Context, name: &str, at: Dynamic| {
@@ -94,7 +94,7 @@ pub static POSE: &[Entry] = &[
     Entry {
         signature: "ctx.position(name)",
         gives: "vec3",
-        text: "Where an instance or a group is in this frame, in the world: as the scene's motion or this call has put it.",
+        text: "World position of an instance or a group in this frame, meters: as the scene's motion or this call has placed it.",
         example: "ctx.position(\"ball\") == vec3(0, 1, 0)",
         register: |e| {
             e.register_fn("position", |c: &mut Context, name: &str| {
@@ -105,7 +105,7 @@ pub static POSE: &[Entry] = &[
     Entry {
         signature: "ctx.matrix(name)",
         gives: "mat4",
-        text: "World from model space of an instance or a group in this frame, a `mat4`.",
+        text: "Transform of an instance or a group in this frame, a `mat4` from its model space to the world.",
         example: "ctx.matrix(\"ball\") * vec3(0, 0, 0) == ctx.position(\"ball\")",
         register: |e| {
             e.register_fn(
@@ -117,7 +117,7 @@ pub static POSE: &[Entry] = &[
     Entry {
         signature: "ctx.show(name, shown)",
         gives: "()",
-        text: "Whether an instance, or what hangs on a group, is there in this frame: hidden, it is not, for the camera, for light and for reflections. What nothing shows or hides is there.",
+        text: "Shows (`true`) or hides (`false`) an instance or a group in this frame, with everything attached to it. While hidden it is not seen, not reflected and blocks no light; lights attached to it are dark. By default everything is shown.",
         example: "ctx.show(\"ball\", ctx.t < 2.0); true",
         register: |e| {
             e.register_fn("show", |c: &mut Context, name: &str, shown: bool| {
@@ -128,7 +128,7 @@ pub static POSE: &[Entry] = &[
     Entry {
         signature: "ctx.animate(name, time_s)",
         gives: "()",
-        text: "Shows an instance at a time inside the animations that its `animation` selects, in place of the scene's time. Before 0 and after their end they hold.",
+        text: "Sets the time, in seconds, inside the animations that the instance's `animation` selects, in place of the scene's time. Before 0 an animation holds its first pose, after its end its last.",
         example: "ctx.animate(\"walker\", 0.5 * ctx.t); true",
         register: |e| {
             e.register_fn("animate", |c: &mut Context, name: &str, time_s: Dynamic| {
@@ -139,7 +139,7 @@ pub static POSE: &[Entry] = &[
     Entry {
         signature: "ctx.joint(name, joint, #{ … })",
         gives: "()",
-        text: "Poses a node that the `joints` of an instance name, relative to its parent: sets any of `translation`, `rotation` and `scale` in place of what the file or its animation says; `turn` rotates it further, about its own axes. Rotations are a `quat` or degrees about X, Y, Z.",
+        text: "Poses a node of an instance's file, which its `joints` must name, relative to the node's parent: any of `translation`, `rotation` and `scale` replaces the value of the file or its animation; `turn` adds a rotation about the node's own axes. Rotations are a `quat` or degrees about X, Y, Z.",
         example: "ctx.joint(\"walker\", \"knee\", #{ turn: [30, 0, 0] }); true",
         register: |e| {
             e.register_fn(
@@ -151,7 +151,7 @@ pub static POSE: &[Entry] = &[
     Entry {
         signature: "ctx.morph(name, target, weight)",
         gives: "()",
-        text: "Sets the weight of a morph target that the `morphs` of an instance name: 0 is none of it, 1 all.",
+        text: "Sets the weight of a morph target of an instance's file, which its `morphs` must name: 0 has no effect, 1 is the full deformation.",
         example: "ctx.morph(\"walker\", \"smile\", 0.5); true",
         register: |e| {
             e.register_fn(
@@ -165,7 +165,7 @@ pub static POSE: &[Entry] = &[
     Entry {
         signature: "ctx.camera(name, #{ … })",
         gives: "()",
-        text: "Sets any of {camera} of a camera; with a `parent`, relative to that.",
+        text: "Sets any of {camera} of a camera; if it has a `parent`, relative to that.",
         example: "ctx.camera(\"main\", #{ eye: vec3(0, 2, 6), target: ctx.position(\"ball\") }); true",
         register: |e| {
             e.register_fn("camera", |c: &mut Context, name: &str, keys: Map| {
@@ -176,7 +176,7 @@ pub static POSE: &[Entry] = &[
     Entry {
         signature: "ctx.light(name, #{ … })",
         gives: "()",
-        text: "Sets any of {light} that the light's kind has; with a `parent`, relative to that.",
+        text: "Sets any of {light} of a light, if its kind has them; if it has a `parent`, relative to that.",
         example: "ctx.light(\"lamp\", #{ position: [0, 3, 0], intensity_cd: 40 + 10 * ctx.frame % 2 }); true",
         register: |e| {
             e.register_fn("light", |c: &mut Context, name: &str, keys: Map| {
@@ -187,7 +187,7 @@ pub static POSE: &[Entry] = &[
     Entry {
         signature: "ctx.material(name, #{ … })",
         gives: "()",
-        text: "Sets any of {material} of a `[material.NAME]`; `checker_a` and `checker_b` are its checker's colors. Of `alpha_cutoff`, `alpha`, `transmission`, `attenuation_distance_m`, `clearcoat`, `specular`, `specular_color`, `sheen_color` and the checker's, its table must have one at rest.",
+        text: "Sets any of {material} of a `[material.NAME]`; `checker_a`, `checker_b` and `checker_size_m` are the colors and the cell size of its `checker` or `pattern`. The material's table must have a `checker` or `pattern` for these, and its own value of `alpha_cutoff`, `alpha`, `transmission`, `attenuation_distance_m`, `clearcoat`, `specular`, `specular_color`, `sheen_color`, `iridescence`, `anisotropy` or `dispersion` if one of these is set.",
         example: "ctx.material(\"brass\", #{ roughness: 0.1, base_color: vec3(1, 0.8, 0.3) }); true",
         register: |e| {
             e.register_fn("material", |c: &mut Context, name: &str, keys: Map| {
@@ -198,7 +198,7 @@ pub static POSE: &[Entry] = &[
     Entry {
         signature: "ctx.material(model, name, #{ … })",
         gives: "()",
-        text: "The same for a material inside the file of a `[model.NAME]`; the scene must have its table, `[model.NAME.material.M]`, which may be empty. `\"*\"` is all of them.",
+        text: "Sets the same keys for a material inside the file of a `[model.NAME]`; the scene must have its table, `[model.NAME.material.M]`, which may be empty. The name `\"*\"` is all of its materials.",
         example: "ctx.material(\"walker\", \"skin\", #{ roughness: 0.3 }); true",
         register: |e| {
             e.register_fn(
@@ -212,7 +212,7 @@ pub static POSE: &[Entry] = &[
     Entry {
         signature: "ctx.instance_material(name, #{ … })",
         gives: "()",
-        text: "The same for an instance's own `material = { … }`, which it must have and which may be empty; it lays these numbers over all of its materials.",
+        text: "Sets the same keys in an instance's own `material = { … }`, which it must have and which may be empty; they override all materials of the instance.",
         example: "ctx.instance_material(\"ball\", #{ roughness: 0.3 }); true",
         register: |e| {
             e.register_fn(
@@ -224,7 +224,7 @@ pub static POSE: &[Entry] = &[
     Entry {
         signature: "print(value); debug(value)",
         gives: "(); ()",
-        text: "Writes a line to standard error, with the file and the line that it is written in; `debug` puts texts in quotes.",
+        text: "Writes a line to standard error, with the file and the line of the call; `debug` puts texts in quotes.",
         example: "print(`frame ${ctx.frame}`); true",
         register: |_| {},
     },

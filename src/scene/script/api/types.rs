@@ -1,4 +1,4 @@
-//! Names of the types that scripts have beside Rhai's own, and how they are printed.
+//! Names of Reflet's own types in scripts, and how they are printed.
 
 use std::ops::{Range, RangeInclusive};
 
@@ -11,7 +11,7 @@ use crate::scene::script::{
     value::WrongKey,
 };
 
-/// Names of the types, and how they are printed.
+/// Registers the names of the types, and `to_string` and `to_debug` of them.
 pub fn register(engine: &mut Engine) {
     engine.register_type_with_name::<DVec3>("vec3");
     engine.register_type_with_name::<DQuat>("quat");

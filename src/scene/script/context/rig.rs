@@ -1,4 +1,4 @@
-//! What a call sets inside the files of instances: nodes and morph targets.
+//! Functions of `ctx` that pose the inside of instances' files: nodes and morph targets.
 
 use rhai::{Dynamic, Map};
 
@@ -11,7 +11,7 @@ use crate::scene::{
     suggest,
 };
 
-/// Keys of `ctx.joint`.
+/// Keys of the map argument of `ctx.joint`.
 const KEYS: [&str; 4] = ["translation", "rotation", "scale", "turn"];
 
 impl Context {
@@ -40,7 +40,7 @@ impl Context {
         Ok(())
     }
 
-    /// Index of an instance, and the place of a name in its list called `kind` in the plural.
+    /// Index of an instance, and index of a name in its list that scene text calls `kind` and "s".
     fn listed(
         &self,
         instance: &str,

@@ -1,8 +1,8 @@
-//! What other languages write, and what Rhai has in its place.
+//! Syntax of other languages, and its counterpart in Rhai.
 
 use crate::scene::{diagnostic::Span, suggest};
 
-/// Words that Rhai does not have, or has for something else.
+/// Words of other languages that Rhai does not have, or has for something else, and what to write.
 const WORDS: &[(&[&str], &str)] = &[
     (
         &["function", "def", "func", "proc", "sub"],
@@ -41,14 +41,14 @@ const WORDS: &[(&[&str], &str)] = &[
     ),
 ];
 
-/// The message and what to do, where the word is one of another language.
+/// Message and advice about a word of another language.
 pub fn word(word: &str) -> Option<(String, Option<String>)> {
     let (_, help) = WORDS.iter().find(|(words, _)| words.contains(&word))?;
     let message = format!("there is no {} in Rhai", suggest::key(word));
     Some((message, Some((*help).to_owned())))
 }
 
-/// The same for signs, by what stands around the place of a syntax error.
+/// Message and advice about a sign of another language, by the text around the place of a syntax error.
 pub fn sign(at: &Span) -> Option<(String, Option<String>)> {
     let text = &at.source.as_ref()?.text;
     let start = at.range.start;

@@ -1,4 +1,4 @@
-//! Names that are not there: functions, properties, keys; and what there is.
+//! Messages about names that do not exist (functions, properties, keys), with suggestions.
 
 use super::{
     super::{api, format_value::type_named},
@@ -6,7 +6,7 @@ use super::{
 };
 use crate::scene::suggest;
 
-/// Kind of the message, the message, and what to do.
+/// Name of the diagnostic, message, and advice.
 type Explained = (&'static str, String, Option<String>);
 
 pub fn missing_function(signature: &str, functions: &[&str]) -> Explained {
@@ -35,7 +35,7 @@ pub fn missing_function(signature: &str, functions: &[&str]) -> Explained {
     ("script-error", message, Some(help))
 }
 
-/// Rhai's words for types, as people call them.
+/// Names of Rhai's types in plain words.
 fn plain_types(arguments: &str) -> String {
     let one = |argument: &str| match argument.trim() {
         "&str | ImmutableString | String" => "text".to_owned(),
@@ -46,7 +46,7 @@ fn plain_types(arguments: &str) -> String {
     arguments.split(',').map(one).collect::<Vec<_>>().join(", ")
 }
 
-/// A key that a map lacks; most often that of `ctx.params`.
+/// Message about a key that a map lacks; mostly a key of `ctx.params`.
 pub fn missing_key(name: &str, known: &Known) -> Explained {
     let help = suggest::nearest(name, known.params.iter().copied()).map_or_else(
         || "write `\"name\" in map` to ask whether it is there".to_owned(),
@@ -70,7 +70,7 @@ pub fn missing_property(text: &str) -> Explained {
     };
     let shown = suggest::key(name);
     if text.contains("setter") && api::names().contains(&name) {
-        let help = "only what functions such as `ctx.place` set is shown".to_owned();
+        let help = "set the scene with functions such as `ctx.place`".to_owned();
         return ("script-error", format!("{shown} is read-only"), Some(help));
     }
     let owner = match of {

@@ -1,4 +1,4 @@
-//! A script that does not compile.
+//! Messages about scripts that do not compile.
 
 use rhai::{LexError, ParseErrorType, Position};
 
@@ -9,7 +9,7 @@ use crate::scene::{
     suggest,
 };
 
-/// A mistake that keeps the script that is called `name` from being compiled.
+/// Message about a mistake in the script file called `name` that keeps it from being compiled.
 pub fn syntax(wrong: &ParseErrorType, at: Position, sources: &Sources, name: &str) -> Diagnostic {
     let span = sources
         .span(name, at)
@@ -37,7 +37,7 @@ pub fn syntax(wrong: &ParseErrorType, at: Position, sources: &Sources, name: &st
     error
 }
 
-/// What other languages write, at the place of a syntax error.
+/// Message about syntax of another language at the place of a syntax error.
 fn foreign_syntax(word: Option<&str>, at: &Span) -> Option<(String, Option<String>)> {
     word.and_then(foreign::word).or_else(|| foreign::sign(at))
 }
@@ -99,7 +99,7 @@ fn explain_syntax(
     }
 }
 
-/// Every name that a text defines.
+/// Names that a text defines: variables, constants, imports and parameters.
 fn variables(text: &str) -> Vec<&str> {
     let is_name = |c: char| c.is_alphanumeric() || c == '_';
     let words: Vec<&str> = text

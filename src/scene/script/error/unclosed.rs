@@ -1,4 +1,5 @@
-//! The brace that is never closed: Rhai points at the end of the script, or at the next function.
+//! Search for the brace that is never closed, since Rhai points at the end of the script, or at the next
+//! function.
 
 use rhai::ParseErrorType;
 
@@ -7,13 +8,13 @@ use crate::scene::script::tokens::{Token, tokens};
 /// A `{` without its `}`.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Unclosed {
-    /// Where it stands.
+    /// Offset of the `{`, bytes.
     pub at: usize,
-    /// Where the last word or sign begins that can be inside.
+    /// Offset of the last token that can be inside of the braces, bytes.
     pub last: usize,
 }
 
-/// The brace that a mistake follows from, if it can follow from one.
+/// Unclosed brace that a syntax error may follow from, if there is one.
 pub fn explains(wrong: &ParseErrorType, text: &str) -> Option<Unclosed> {
     let may = matches!(
         wrong,
@@ -24,15 +25,15 @@ pub fn explains(wrong: &ParseErrorType, text: &str) -> Option<Unclosed> {
     may.then(|| first(text)).flatten()
 }
 
-/// The innermost brace that is open where the indentation says that it was closed, where a function
-/// begins, or else at the end.
+/// Innermost brace that is still open where the indentation, or the start of a function, shows that it should
+/// be closed; else the innermost one that is open at the end.
 fn first(text: &str) -> Option<Unclosed> {
     let tokens = tokens(text);
     let count = |sign: fn(&&Token) -> bool| tokens.iter().filter(sign).count();
     if count(|t| opens(t)) <= count(|t| t.text == "}") {
         return None;
     }
-    // With what stands before the first word of their lines.
+    // Open braces, each with the indentation of its line.
     let mut open: Vec<(&Token, &str)> = Vec::new();
     let mut before: Option<&Token> = None;
     let mut here = "";
@@ -64,7 +65,7 @@ fn first(text: &str) -> Option<Unclosed> {
 
 fn unclosed(open: &Token, last: Option<&Token>) -> Unclosed {
     Unclosed {
-        at: open.at.end - 1, // of `#{` too
+        at: open.at.end - 1, // the brace of `#{` too
         last: last.map_or(0, |token| token.at.start),
     }
 }

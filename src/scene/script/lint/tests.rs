@@ -1,4 +1,4 @@
-//! Warnings about scripts, and what they leave alone.
+//! Tests of the warnings about scripts, and of code that gives none.
 
 use super::*;
 

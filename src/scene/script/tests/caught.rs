@@ -1,8 +1,8 @@
-//! What `catch (e)` gives.
+//! Tests of the value that `catch (e)` gives.
 
 use super::frame;
 
-/// However deep it went wrong; and what is thrown stays as it is.
+/// Errors at any depth of calls; values that a script throws stay as they are.
 #[test]
 fn caught_errors_have_message_and_place() {
     let bounds = "array index 5 out of bounds: only 2 elements in array";

@@ -1,4 +1,4 @@
-//! What scripts pose inside files.
+//! Tests of poses of nodes and morph targets inside files.
 
 use glam::Vec3;
 

@@ -1,4 +1,4 @@
-//! KHR_animation_pointer: what a pointer names.
+//! KHR_animation_pointer: resolves the JSON pointers of channels to the values that they animate.
 
 use std::{collections::HashSet, f64::consts::PI};
 
@@ -11,7 +11,7 @@ use crate::world::{
     gltf::{accessor, layers, schema, schema::Root},
 };
 
-/// Values of materials: pointer, key of scene text, how many numbers.
+/// Animatable values of materials: JSON pointer, key of scene text, number of components.
 const MATERIAL: [(&str, &str, usize); 23] = [
     ("pbrMetallicRoughness/baseColorFactor", "base_color", 4),
     ("pbrMetallicRoughness/metallicFactor", "metallic", 1),
@@ -101,12 +101,12 @@ const MATERIAL: [(&str, &str, usize); 23] = [
         1,
     ),
 ];
-/// In degrees, of the radians of files.
+/// Key of the anisotropy's rotation, in degrees; files have radians.
 const ANISOTROPY_ROTATION: &str = "anisotropy_rotation_deg";
 const EMISSION: &str = "emission";
 const EMISSION_STRENGTH: &str = "emission_strength";
 
-/// Textures in the order of [`crate::world::Material::slots`].
+/// JSON pointers of textures in the order of [`crate::world::Material::slots`].
 const TEXTURES: [&str; TEXTURE_SLOTS] = [
     "pbrMetallicRoughness/baseColorTexture",
     "pbrMetallicRoughness/metallicRoughnessTexture",
@@ -126,7 +126,8 @@ const TEXTURES: [&str; TEXTURE_SLOTS] = [
     "extensions/KHR_materials_anisotropy/anisotropyTexture",
 ];
 
-/// Values of cameras: pointer, key, factor on the way to scene text.
+/// Animatable values of cameras: JSON pointer, key of scene text, factor from the file's unit to that of scene
+/// text.
 const CAMERA: [(&str, &str, f64); 4] = [
     ("perspective/yfov", "fov_deg", 180.0 / PI),
     ("perspective/znear", "near_m", 1.0),
@@ -153,13 +154,13 @@ pub fn pointed_at(pointer: &str) -> Option<(usize, Property)> {
     Some((node.parse().ok()?, property))
 }
 
-/// What a pointer names that is no node.
+/// Target of a pointer to a material, a light or a camera.
 struct Target {
     object: Pointed,
     value: PointedValue,
-    /// How many numbers.
+    /// Number of components.
     lanes: usize,
-    /// From the file's unit to that of scene text.
+    /// Factor from the file's unit to that of scene text.
     factor: f64,
 }
 
@@ -207,9 +208,9 @@ fn target(root: &Root, pointer: &str) -> Option<Target> {
     })
 }
 
-/// Materials of the file, and their keys of scene text, that some animation moves.
+/// Every material value that some animation moves: index of the material in the file, and key of scene text.
 pub fn moved_material_keys(root: &Root) -> HashSet<(usize, &'static str)> {
-    // Animations are read when they are played.
+    // The JSON is searched, as materials are read before animations.
     let channels = root
         .animations
         .iter()
@@ -243,7 +244,7 @@ fn material_value(rest: &str) -> Option<(PointedValue, usize)> {
     }
 }
 
-/// How many there are of an object's kind, its index, and what it is called.
+/// Number of the file's objects of the same kind, index of the object, and name of the kind.
 fn known(root: &Root, object: Pointed) -> (usize, usize, &'static str) {
     match object {
         Pointed::Material(i) => (root.materials.len(), i, "material"),
@@ -256,7 +257,7 @@ fn known(root: &Root, object: Pointed) -> (usize, usize, &'static str) {
 }
 
 impl Reader<'_> {
-    /// What a channel changes of materials, lights and cameras; `None` for other channels.
+    /// Track of a channel that animates a material, a light or a camera; `None` for other channels.
     pub(super) fn pointed(
         &mut self,
         animation: &schema::Animation,
@@ -315,8 +316,8 @@ impl Reader<'_> {
         Ok(values.into_iter().map(value).collect())
     }
 
-    /// Adds, as constants, what tracks are combined with: a color of light with its strength, the parts of a
-    /// texture transform.
+    /// Adds constant tracks for values that an animated one is combined with: the emission and its strength, the
+    /// parts of a texture transform.
     pub(super) fn add_companions(&self, tracks: &mut Vec<PointerTrack>) {
         let has = |tracks: &[PointerTrack], object, value| {
             let mut tracks = tracks.iter();

@@ -195,7 +195,7 @@ pub struct TextureExtensions {
 }
 
 impl TextureExtensions {
-    /// The images that stand before [`Texture::source`], the first is preferred.
+    /// The images that take precedence over [`Texture::source`], the preferred one first.
     pub fn sources(&self) -> impl Iterator<Item = usize> {
         let extensions = [&self.basisu, &self.webp];
         extensions.into_iter().flatten().filter_map(|e| e.source)

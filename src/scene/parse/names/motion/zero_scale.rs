@@ -8,11 +8,12 @@ use crate::scene::{
     parse::report::Report,
 };
 
-/// Times at which the way of a frame is looked at, and most of a film.
+/// Number of times per frame at which a track is sampled.
 const STEPS: u32 = 8;
+/// Largest number of such times in a timeline.
 const MOST_STEPS: u32 = 1 << 16;
 
-/// Refuses a track of `scale` that is 0 or passes it, of what has this placement.
+/// Refuses a track of `scale` that is 0 or passes through 0; `placement` is that of the moved entry.
 pub fn check(
     timeline: Option<&TimelineDesc>,
     placement: &PlacementDesc,
@@ -34,7 +35,7 @@ pub fn check(
         return;
     }
     if track.curve == CurveKind::Step && !track.keys.is_empty() {
-        return; // it jumps over
+        return; // a step curve jumps over 0
     }
     let help = "write sizes of one sign; to mirror a model, write `curve = \"step\"`";
     if let Some([before, key]) = between_keys(track) {
@@ -47,8 +48,8 @@ pub fn check(
     }
 }
 
-/// Two keys in a row whose numbers differ in sign; the way from the last back to the first, of a
-/// loop, ends at the first.
+/// Two successive keys whose values differ in sign; in a loop, the first key also comes after the
+/// last.
 fn between_keys(track: &TrackDesc) -> Option<[&KeyDesc; 2]> {
     (0..3).find_map(|axis| {
         let keys = &track.keys;
@@ -59,7 +60,7 @@ fn between_keys(track: &TrackDesc) -> Option<[&KeyDesc; 2]> {
     })
 }
 
-/// When curves, rates and swings pass it, in the timeline, seconds.
+/// Time in the timeline at which the track passes through 0 by its curve, rate or oscillation, seconds.
 fn on_the_way(
     timeline: Option<&TimelineDesc>,
     placement: &PlacementDesc,
