@@ -11,18 +11,16 @@ use xxhash_rust::xxh3::Xxh3Default;
 use super::format::FINGERPRINT_KEY;
 use crate::render::{Picture, Plane, PlaneData};
 
-/// EXR attribute with the hash of the samples.
-const SAMPLES: &str = "reflet-samples";
-
 /// Fingerprint of an EXR whose samples match their hash.
 pub fn fingerprint(path: &Path) -> Option<String> {
     let layer = read_first_flat_layer_from_file(path).ok()?.layer_data;
-    let text = |key| match layer.attributes.other.get(&Text::from(key))? {
-        AttributeValue::Text(text) => Some(text.to_string()),
-        _ => None,
+    let found = layer.attributes.other.get(&Text::from(FINGERPRINT_KEY))?;
+    let AttributeValue::Text(text) = found else {
+        return None;
     };
-    let is_whole = text(SAMPLES)? == hash_of(&layer.channel_data);
-    text(FINGERPRINT_KEY).filter(|_| is_whole)
+    let text = text.to_string();
+    let (mark, samples) = text.split_once(' ')?;
+    (samples == hash_of(&layer.channel_data)).then(|| mark.to_owned())
 }
 
 /// Hash of all samples, in hexadecimal digits: EXR itself has no checksum.
@@ -59,10 +57,11 @@ pub fn encode(picture: &Picture, mark: Option<&str>) -> Result<Vec<u8>, String> 
     let channels = AnyChannels::sort(channels);
     let mut attributes = LayerAttributes::default();
     if let Some(mark) = mark {
-        let text = AttributeValue::Text(Text::from(mark));
+        // One attribute for both: the encoder writes attributes of our own in the order of a hash map, which is
+        // another in every run.
+        let text = format!("{mark} {}", hash_of(&channels));
+        let text = AttributeValue::Text(Text::from(text.as_str()));
         attributes.other.insert(Text::from(FINGERPRINT_KEY), text);
-        let samples = AttributeValue::Text(Text::from(hash_of(&channels).as_str()));
-        attributes.other.insert(Text::from(SAMPLES), samples);
     }
     // ZIP: lossless and understood everywhere.
     let layer = Layer::new(size, attributes, Encoding::SMALL_LOSSLESS, channels);

@@ -214,3 +214,38 @@ fn a_transparent_background_is_in_the_file() {
     assert_eq!(read.into_raw(), transparent.display);
     fs::remove_dir_all(&folder).expect("clean up");
 }
+
+/// Neither a hash map nor threads may decide the order of an EXR's attributes and compressed blocks.
+#[test]
+fn the_bytes_of_a_picture_are_the_same_every_time() {
+    let [width, height] = [96, 54];
+    let count = (width * height) as usize;
+    let planes = vec![Plane {
+        name: "depth",
+        channels: &["Z"],
+        data: PlaneData::F32((0..count).map(|i| (i as f32).sqrt()).collect()),
+    }];
+    let picture = Picture {
+        size: [width, height],
+        color: (0..4 * count).map(|i| (i as f32).sin()).collect(),
+        display: (0..4 * count).map(|i| i as u8).collect(),
+        planes,
+        ..picture()
+    };
+    let folder = folder("same");
+    for ending in ["png", "exr"] {
+        let path = folder.join(format!("out.{ending}"));
+        let output = PictureFile::new(&path).expect("writable");
+        let mut first = None;
+        for run in 0..30 {
+            output
+                .write_marked(&picture, Some("0123456789abcdef"))
+                .expect("written");
+            let bytes = fs::read(&path).expect("there");
+            assert!(output.is_done(&[], "0123456789abcdef"), "{ending}");
+            let first = first.get_or_insert_with(|| bytes.clone());
+            assert!(*first == bytes, "{ending}: run {run} is another");
+        }
+    }
+    fs::remove_dir_all(&folder).expect("clean up");
+}

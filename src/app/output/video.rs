@@ -18,6 +18,9 @@ const MAX_MESSAGE_BYTES: usize = 600;
 /// A video file being written.
 pub struct Film {
     path: PathBuf,
+/// Threads of ffmpeg's encoder, whose number changes the bytes of a film.
+const ENCODER_THREADS: &str = "4";
+
     temporary: Temporary,
     encoder: Encoder,
 }
@@ -279,6 +282,9 @@ fn ffmpeg(
         .args(["-f", container])
         .stdin(Stdio::piped())
         .stdout(Stdio::null())
+        // The same bytes in every run: no random numbers in Matroska, no versions, and not as many threads as cores.
+        .args(["-fflags", "+bitexact", "-flags:v", "+bitexact"])
+        .args(["-threads", ENCODER_THREADS])
         .stderr(Stdio::piped());
     if matches!(container, "mp4" | "mov") {
         // Index first, for playback while downloading.

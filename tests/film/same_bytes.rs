@@ -1,0 +1,129 @@
+//! Two runs of one command write the same bytes, whatever the number of threads and the load of the machine.
+
+use std::{
+    collections::BTreeMap,
+    fs,
+    path::Path,
+    process::{Command, Stdio},
+    sync::atomic::{AtomicBool, Ordering},
+    thread,
+};
+
+use crate::{common::gpu_or_skip, folder};
+
+/// Runs a command with so many threads, and so many busy ones beside it; returns the files that it wrote.
+fn files_of(
+    folder: &Path,
+    arguments: &[&str],
+    threads: u32,
+    busy: u32,
+) -> BTreeMap<String, Vec<u8>> {
+    let before = names(folder);
+    let done = AtomicBool::new(false);
+    thread::scope(|scope| {
+        for _ in 0..busy {
+            scope.spawn(|| {
+                while !done.load(Ordering::Relaxed) {
+                    std::hint::spin_loop()
+                }
+            });
+        }
+        let output = Command::new(env!("CARGO_BIN_EXE_reflet"))
+            .current_dir(folder)
+            .args(arguments)
+            .env("NODEVICE_SELECT", "1")
+            .env("RAYON_NUM_THREADS", threads.to_string())
+            .env("LP_NUM_THREADS", threads.to_string())
+            .stdin(Stdio::null())
+            .output();
+        done.store(true, Ordering::Relaxed);
+        let output = output.expect("the program starts");
+        let text = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{arguments:?}: {text}");
+    });
+    let new = names(folder)
+        .into_iter()
+        .filter(|name| !before.contains(name));
+    let taken = new.map(|name| {
+        let path = folder.join(&name);
+        let bytes = fs::read(&path).expect("readable");
+        fs::remove_file(&path).expect("removable");
+        (name, bytes)
+    });
+    taken.collect()
+}
+
+fn names(folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder).expect("readable").flatten();
+    let files = entries.filter(|entry| entry.path().is_file());
+    files
+        .map(|entry| entry.file_name().to_string_lossy().into_owned())
+        .collect()
+}
+
+fn check(folder: &Path, arguments: &[&str], count: usize) {
+    let first = files_of(folder, arguments, 1, 0);
+    assert_eq!(first.len(), count, "{arguments:?}: {:?}", first.keys());
+    let second = files_of(folder, arguments, 2, 2);
+    let other = |name: &&String| second.get(*name) != first.get(*name);
+    let others: Vec<_> = first.keys().filter(other).collect();
+    assert!(
+        others.is_empty() && second.len() == count,
+        "{arguments:?}: others are {others:?}"
+    );
+}
+
+#[test]
+fn packs_and_jobs_are_the_same_bytes() {
+    let folder = folder("same-packs");
+    check(&folder, &["pack", "scene.toml", "-o", "show.zip"], 1);
+    let job = [
+        "job",
+        "openjd",
+        "scene.toml",
+        "-o",
+        ".",
+        "--pictures",
+        "f.#.exr",
+    ];
+    check(&folder, &job, 3);
+    let job = [
+        "job",
+        "slurm",
+        "scene.toml",
+        "-o",
+        "film.sh",
+        "--pictures",
+        "f.#.exr",
+    ];
+    check(&folder, &job, 1);
+}
+
+#[test]
+fn frames_and_films_are_the_same_bytes() {
+    if gpu_or_skip().is_none() {
+        return;
+    }
+    let folder = folder("same-films");
+    let film = [
+        "render",
+        "scene.toml",
+        "--set",
+        "timeline.end=29",
+        "--size",
+        "96x54",
+        "-o",
+    ];
+    let aov = ["--aov", "depth,normal,cause"];
+    let exr = [&film[..], &["f.##.exr"], &aov].concat();
+    check(&folder, &exr, 30);
+    let png = [&film[..], &["f.##.png"], &aov].concat();
+    check(&folder, &png, 4 * 30);
+    check(&folder, &[&film[..], &["f.apng"]].concat(), 1);
+    #[cfg(unix)]
+    if crate::ffmpeg::is_there("ffmpeg") {
+        for name in ["f.mp4", "f.mov", "f.mkv", "f.webm"] {
+            check(&folder, &[&film[..], &[name]].concat(), 1);
+        }
+    }
+}
