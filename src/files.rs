@@ -1,6 +1,8 @@
 //! Writes files atomically, so that each is either complete or absent, and reads only regular files up to a maximum
 //! size.
 
+mod goal;
+
 use std::{
     collections::HashSet,
     fs::{self, File, OpenOptions},
@@ -13,6 +15,9 @@ use std::{
 use sha2::{Digest as _, Sha256};
 use xxhash_rust::xxh3::{Xxh3Default, xxh3_64};
 
+use goal::resolved;
+pub use goal::{Inputs, check_goal};
+
 /// Coarsest clock tick of common file systems.
 const CLOCK_TICK: Duration = Duration::from_millis(50);
 /// Age below which a file may change again with the same time stamp: longer than the coarsest tick of any file
@@ -23,13 +28,13 @@ const FRESH: Duration = Duration::from_secs(3);
 /// of `path` stays complete until then.
 ///
 /// # Errors
-/// The folder cannot be written to or the disk is full; no temporary file is left behind.
+/// Same errors as [`check_goal`], a folder that cannot be written to, or a full disk; no temporary file is left behind.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
     if path.file_name().is_none() {
         let message = "the path has no file name";
         return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
     }
-    Temporary::create(path)?.fill(bytes)?.rename_to(path)
+    Temporary::create(path)?.fill(bytes)?.persist()
 }
 
 /// Writes several files, none of which gets its name before all are complete and on the disk.
@@ -44,7 +49,7 @@ pub fn write_together(files: &[(PathBuf, Vec<u8>)]) -> Result<(), (PathBuf, io::
         finished.push((path, temporary.map_err(|error| (path.clone(), error))?));
     }
     for (path, temporary) in finished {
-        let renamed = temporary.rename_to(path);
+        let renamed = temporary.persist();
         renamed.map_err(|error| (path.clone(), error))?;
     }
     Ok(())
@@ -166,6 +171,8 @@ pub fn read_text(path: &Path, most: u64) -> io::Result<String> {
 /// A temporary file under a hidden name beside its target path; deleted on drop unless it was renamed.
 #[derive(Debug)]
 pub struct Temporary {
+    /// Target path, with a link at its end followed.
+    goal: PathBuf,
     path: PathBuf,
     /// Open file to write to.
     pub file: File,
@@ -173,25 +180,36 @@ pub struct Temporary {
 }
 
 impl Temporary {
-    /// Creates the temporary file beside the target path `goal`.
+    /// Creates the temporary file beside the target path `goal`, or beside the file that a link there leads to.
     ///
     /// # Errors
-    /// The system's error, or a folder at `goal`.
-    pub fn create(goal: &Path) -> std::io::Result<Self> {
-        if goal.is_dir() {
-            let message = "a folder is there";
-            return Err(io::Error::new(io::ErrorKind::IsADirectory, message));
-        }
-        let [start, place] = [goal_name(goal), place_name()];
-        let name = format!("{start}-{place}-{}.tmp", std::process::id());
-        let path = folder_of(goal).join(name);
+    /// Same errors as [`check_goal`], or the system's error.
+    pub fn create(goal: &Path) -> io::Result<Self> {
+        Self::open(goal, OpenOptions::new())
+    }
+
+    /// Creates the temporary file so that only its owner can read it.
+    ///
+    /// # Errors
+    /// Same errors as [`Temporary::create`].
+    pub fn create_private(goal: &Path) -> io::Result<Self> {
+        let mut options = OpenOptions::new();
+        #[cfg(unix)]
+        std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o600);
+        #[cfg(not(unix))]
+        let _ = &mut options; // files of a user's folder are private there
+        Self::open(goal, options)
+    }
+
+    fn open(goal: &Path, mut options: OpenOptions) -> io::Result<Self> {
+        check_goal(goal)?;
+        let goal = resolved(goal);
+        let path = hidden_path(&goal);
         // A leftover of a killed run may have this name; `create_new` never follows a link.
         let _ = fs::remove_file(&path);
-        let file = OpenOptions::new()
-            .write(true)
-            .create_new(true)
-            .open(&path)?;
+        let file = options.write(true).create_new(true).open(&path)?;
         Ok(Self {
+            goal,
             path,
             file,
             renamed: false,
@@ -202,25 +220,39 @@ impl Temporary {
     ///
     /// # Errors
     /// The system's error.
-    pub fn fill(mut self, bytes: &[u8]) -> std::io::Result<Self> {
+    pub fn fill(mut self, bytes: &[u8]) -> io::Result<Self> {
         self.file.write_all(bytes)?;
         self.file.sync_all()?;
         Ok(self)
     }
 
-    /// Renames the temporary file to its target path `goal`.
+    /// Renames the temporary file to its target path.
     ///
     /// # Errors
     /// The system's error.
-    pub fn rename_to(mut self, goal: &Path) -> std::io::Result<()> {
-        fs::rename(&self.path, goal)?;
+    pub fn persist(mut self) -> io::Result<()> {
+        fs::rename(&self.path, &self.goal)?;
         self.renamed = true;
-        // The new name itself must survive a crash too; only Unix can sync a folder.
-        if cfg!(unix) {
-            File::open(folder_of(goal))?.sync_all()?;
-        }
-        Ok(())
+        sync_name(&self.goal)
     }
+}
+
+/// Brings the new name of a file or folder to the disk, so that it survives a crash; only Unix can sync a folder.
+///
+/// # Errors
+/// The system's error.
+pub fn sync_name(path: &Path) -> io::Result<()> {
+    if cfg!(unix) {
+        File::open(folder_of(path))?.sync_all()?;
+    }
+    Ok(())
+}
+
+/// Path beside `goal` of what this process has not finished yet; [`sweep`] removes it if the process was killed.
+pub fn hidden_path(goal: &Path) -> PathBuf {
+    let [start, place] = [goal_name(goal), place_name()];
+    let name = format!("{start}-{place}-{}.tmp", std::process::id());
+    folder_of(goal).join(name)
 }
 
 /// Hash of where process numbers are unique: this boot of this machine, and this container. Where the system does
@@ -256,10 +288,11 @@ fn place_name() -> String {
 /// Age at which a temporary file counts as abandoned: no run goes that long without writing to its file.
 const ABANDONED: Duration = Duration::from_secs(24 * 3600);
 
-/// Removes temporary files of killed runs beside these target paths. Whether a run is alive can be checked on Linux
+/// Removes temporary files and folders of killed runs beside these target paths. Whether a run is alive can be checked on Linux
 /// only, for processes of this machine, container and boot; elsewhere a temporary file is removed a day after the
 /// last write to it.
 pub fn sweep(goals: &[PathBuf]) {
+    let goals: Vec<_> = goals.iter().map(|goal| resolved(goal)).collect();
     let of_goals: HashSet<_> = goals.iter().map(|goal| goal_name(goal)).collect();
     let folders: HashSet<_> = goals.iter().map(|goal| folder_of(goal)).collect();
     let here = place_name();
@@ -275,7 +308,11 @@ pub fn sweep(goals: &[PathBuf]) {
             is_abandoned(&entry)
         };
         if is_left && of_goals.contains(goal) {
-            let _ = fs::remove_file(entry.path()); // a leftover is harmless, so errors are ignored
+            // A leftover is harmless, so errors are ignored.
+            let _ = match entry.file_type() {
+                Ok(kind) if kind.is_dir() => fs::remove_dir_all(entry.path()),
+                _ => fs::remove_file(entry.path()),
+            };
         }
     }
 }

@@ -4,8 +4,9 @@ use std::{fs, io, path::Path};
 
 use super::{
     error::AppError,
+    output::writable::check_replaceable,
     print_out,
-    scene::{choose_camera, load_scene},
+    scene::{choose_camera, inputs, load_scene},
     shaders,
 };
 use crate::{
@@ -151,6 +152,10 @@ fn all_series(args: &BenchArgs) -> Result<Vec<FrameSeries>, AppError> {
     let mut all = Vec::new();
     for path in paths {
         let loaded = load_scene(path, &args.from, &[])?;
+        let inputs = inputs(path, &loaded);
+        for report in ["bench.json", "report.html"] {
+            check_replaceable(&args.run.output.join(report), &inputs)?;
+        }
         let mut name = loaded.name.clone();
         if !args.from.set.is_empty() {
             // Changed scenes must not share a chart with unchanged ones.

@@ -11,7 +11,7 @@ use super::{
     print_out,
 };
 use crate::{
-    files::write_whole,
+    files::{Inputs, write_whole},
     gpu::{Gpu, GpuOptions, ShaderLibrary},
     render::{
         RenderOptions, Renderer, cost::Workload, decide::workload, stats::FrameStats,
@@ -105,7 +105,7 @@ const SETUPS: [FrameSetup; 3] = [
 /// # Errors
 /// No usable adapter, or one that cannot time passes; a file that cannot be written.
 pub fn calibrate(args: &CalibrateArgs) -> Result<(), AppError> {
-    check_writable(&args.output)?;
+    check_writable(&args.output, &Inputs::default())?;
     let gpu = Gpu::new(&GpuOptions {
         adapter_filter: args.adapter.clone(),
     })?;

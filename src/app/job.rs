@@ -19,8 +19,8 @@ use super::{
     error::AppError,
     frame_name::Template,
     frames::FrameList,
-    output::format::Format,
-    scene::{choose_camera, load_scene},
+    output::{format::Format, writable::check_replaceable},
+    scene::{choose_camera, inputs, load_scene},
 };
 use crate::{
     files::write_together,
@@ -160,6 +160,10 @@ fn openjd(args: &OpenjdArgs) -> Result<(), AppError> {
         ("asset_references.json", bundle.references(&loaded)),
     ];
     let folder = output;
+    let inputs = inputs([args.scene.as_path()], &loaded);
+    for (name, _) in &files {
+        check_replaceable(&folder.join(name), &inputs)?;
+    }
     fs::create_dir_all(folder).map_err(|error| {
         AppError::Usage(format!(
             "--output {}: cannot be created: {error}",

@@ -21,9 +21,9 @@ use self::{
     hashed_read::HashedRead,
     manifest::{BUILT_FROM, LIST, Manifest, fault_of_name},
 };
-use super::{args::SceneArgs, error::AppError, scene::load};
+use super::{args::SceneArgs, error::AppError, output::writable::check_writable, scene::load};
 use crate::{
-    files::{Temporary, folder_of, open_regular},
+    files::{Inputs, Temporary, folder_of, open_regular, sweep},
     scene::dependencies::Dependencies,
     session::scene_text::{SceneText, asset_folders},
 };
@@ -44,16 +44,18 @@ pub struct PackArgs {
 /// Writes a scene and its files into one ZIP file.
 ///
 /// # Errors
-/// Errors of the scene, [`AppError::Usage`] for names that a pack cannot hold, and a file that cannot be
-/// read or written; then no pack is left.
+/// Errors of the scene, [`AppError::Usage`] for names that a pack cannot hold and for an output that must not be
+/// replaced, and a file that cannot be read or written; then no pack is left.
 pub fn pack(args: &PackArgs) -> Result<(), AppError> {
     let layout = Layout::of(args)?;
+    check_writable(&args.output, &Inputs::of(layout.files.values()))?;
+    sweep(std::slice::from_ref(&args.output));
     let mut goal = Temporary::create(&args.output)
         .map_err(|error| AppError::unwritten(&args.output, &error))?;
     let count = layout.files.len();
     let manifest = write_zip(&mut goal.file, layout)?;
     let written = goal.file.sync_all();
-    let written = written.and_then(|()| goal.rename_to(&args.output));
+    let written = written.and_then(|()| goal.persist());
     written.map_err(|error| AppError::unwritten(&args.output, &error))?;
     let bytes: u64 = manifest.files.iter().map(|file| file.bytes).sum();
     eprintln!(

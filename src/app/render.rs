@@ -8,7 +8,7 @@ use super::{
     error::AppError,
     output::picture_file::PictureFile,
     render_session::RenderSession,
-    scene::load_scene,
+    scene::{inputs, load_scene},
     sequence, shaders,
     stats::{self, ReportContext},
 };
@@ -34,17 +34,24 @@ pub fn render(args: &RenderArgs) -> Result<(), AppError> {
     let load_started = Instant::now();
     let loaded = load_scene(args.scene.as_deref(), &args.from, &overrides(args))?;
     let load_ms = load_started.elapsed().as_secs_f64() * 1e3;
+    let inputs = inputs(
+        args.scene
+            .as_deref()
+            .into_iter()
+            .chain(args.plan.as_deref()),
+        &loaded,
+    );
     let mut failed = None;
     for (camera, args) in cameras::runs(args, &loaded)? {
         let (loaded, aovs) = (loaded.clone(), aovs.clone());
         let rendered = if many {
             let frames = sequence::choose(&args, loaded.scene.timeline.as_ref())?;
-            sequence::check_output(&args, &frames)?;
+            sequence::check_output(&args, &frames, &aovs, &inputs)?;
             let session = RenderSession::new(&args, loaded, camera, aovs, &library, opened)?;
             sequence::render(&args, session, &frames, (load_ms, started))
         } else {
             let output = PictureFile::new(&args.output)?;
-            output.check_beside(&aovs)?;
+            output.check_files(&aovs, &inputs)?;
             let session = RenderSession::new(&args, loaded, camera, aovs, &library, opened)?;
             picture(&args, session, &output, (load_ms, started))
         };

@@ -1,12 +1,13 @@
 //! Scene opening from command-line arguments, with the messages on the way.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::{
     args::SceneArgs,
     error::{AppError, print_diagnostics},
 };
 use crate::{
+    files::Inputs,
     scene::dependencies::Dependencies,
     session::scene_text::{LoadedScene, OpenedScene, SceneText},
 };
@@ -25,6 +26,13 @@ pub fn load_scene(
     let name = text.name();
     let opened = text.open(more, &Dependencies::default());
     load(opened.map_err(AppError::Scene)?, name)
+}
+
+/// Files that a command on this scene reads, which none of its outputs may replace; `named` are those of its
+/// arguments.
+pub fn inputs<'a>(named: impl IntoIterator<Item = &'a Path>, loaded: &'a LoadedScene) -> Inputs {
+    let read = loaded.world.files.iter().map(PathBuf::as_path);
+    Inputs::of(read.chain(named))
 }
 
 /// Loads the assets of a scene, and prints the output of `setup` and all warnings to standard error;

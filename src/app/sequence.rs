@@ -22,9 +22,9 @@ use super::{
     stats::{self, ReportContext},
 };
 use crate::{
-    files::{folder_of, sweep},
+    files::{Inputs, folder_of, sweep},
     gpu::GpuError,
-    render::{PendingPicture, RenderError},
+    render::{PendingPicture, RenderError, aov::Aov},
     scene::{desc::TimelineDesc, stages::Animator},
 };
 
@@ -96,10 +96,16 @@ pub fn choose(args: &RenderArgs, timeline: Option<&TimelineDesc>) -> Result<Fram
 /// Checks the output paths before rendering. The last folder of a path is created if missing.
 ///
 /// # Errors
-/// [`AppError::Usage`] for a path that cannot be written, and for an empty list of frames.
-pub fn check_output(args: &RenderArgs, frames: &FrameList) -> Result<(), AppError> {
+/// [`AppError::Usage`] for a path that cannot be written, one that leads to one of the `inputs`, and for an empty list
+/// of frames.
+pub fn check_output(
+    args: &RenderArgs,
+    frames: &FrameList,
+    aovs: &[Aov],
+    inputs: &Inputs,
+) -> Result<(), AppError> {
     if Format::is_film(&args.output) {
-        return check_writable(&args.output);
+        return check_writable(&args.output, inputs);
     }
     let Some(first) = frames.0.first() else {
         return Err(AppError::Usage(
@@ -112,7 +118,13 @@ pub fn check_output(args: &RenderArgs, frames: &FrameList) -> Result<(), AppErro
     }
     // The largest frame number has the longest name.
     let last = frames.0.iter().max().unwrap_or(first);
-    PictureFile::new(&template.map_or_else(|| args.output.clone(), |t| t.path(*last))).map(drop)
+    let name = |frame: u32| {
+        let own = template.as_ref().map(|t| t.path(frame));
+        own.unwrap_or_else(|| args.output.clone())
+    };
+    let output = PictureFile::new(&name(*last))?;
+    let mut frames = frames.0.iter();
+    frames.try_for_each(|frame| output.renamed(name(*frame)).check_files(aovs, inputs))
 }
 
 /// Creates the folder of a file if only that folder is missing.

@@ -17,7 +17,7 @@ use super::{
     write::{encode_png, unwritable},
 };
 use crate::{
-    files::{Temporary, write_together},
+    files::{Inputs, Temporary, write_together},
     scene::diagnostic::Diagnostic,
 };
 
@@ -226,6 +226,7 @@ fn notes(test: &Reading, reference: &Reading) -> Vec<String> {
 fn check_outputs(args: &CompareArgs) -> Result<(), Box<Diagnostic>> {
     let outputs = [&args.difference, &args.flip_map];
     let inputs = [Some(&args.test), Some(&args.reference), args.mask.as_ref()];
+    let inputs = Inputs::of(inputs.into_iter().flatten());
     for path in outputs.into_iter().flatten() {
         let refuse = |message: &str, help: &str| Err(file_error("bad-output", path, message, help));
         if !path
@@ -234,11 +235,7 @@ fn check_outputs(args: &CompareArgs) -> Result<(), Box<Diagnostic>> {
         {
             return refuse("pictures are written as PNG", "end the name with .png");
         }
-        if inputs
-            .iter()
-            .flatten()
-            .any(|input| real(input) == real(path))
-        {
+        if inputs.hold(path) {
             return refuse(
                 "this would replace a picture that is compared",
                 "choose another name",

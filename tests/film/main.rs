@@ -11,6 +11,7 @@ mod full_disk;
 #[cfg(unix)]
 mod interruption;
 mod job;
+mod outputs;
 mod pack;
 mod paths;
 mod readme;

@@ -21,7 +21,7 @@ use crate::{
             ratchet::Ratchet, table,
         },
     },
-    files::write_whole,
+    files::{Inputs, write_whole},
     scene::desc::{Method, ShadowMode},
     session::scene_text::LoadedScene,
 };
@@ -56,6 +56,7 @@ struct Plan<'a> {
 pub fn stability(args: &StabilityArgs) -> Result<(), AppError> {
     let methods = methods(&args.methods);
     let ratchet = open_ratchet(args)?;
+    check_document(args)?;
     let plan = Plan {
         args,
         size: args.size.or(ratchet.as_ref().map(|r| r.size)),
@@ -237,6 +238,16 @@ impl Plan<'_> {
 fn first_comment(text: &str) -> String {
     let lines = text.lines().map_while(|line| line.strip_prefix('#'));
     lines.map(str::trim).collect::<Vec<_>>().join(" ")
+}
+
+/// Checks the path of `--document` before anything is measured.
+fn check_document(args: &StabilityArgs) -> Result<(), AppError> {
+    let inputs = Inputs::of(&args.ratchet);
+    let checked = args.document.iter().try_for_each(|path| {
+        let checked = inputs.check(path);
+        checked.map_err(|error| format!("--document {}: {error}", path.display()))
+    });
+    checked.map_err(AppError::Usage)
 }
 
 /// Writes the table and the document, and names the cells that have no score.

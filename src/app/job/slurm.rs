@@ -6,7 +6,10 @@ use clap::Args;
 
 use super::{Film, TaskArgs, absolute};
 use crate::{
-    app::{cameras, error::AppError, frame_spans::spans},
+    app::{
+        cameras, error::AppError, frame_spans::spans, output::writable::check_writable,
+        scene::inputs,
+    },
     files::write_whole,
 };
 
@@ -33,6 +36,8 @@ pub fn slurm(args: &SlurmArgs) -> Result<(), AppError> {
     let film = args.tasks.film()?;
     let script = script(&args.tasks, &film)?;
     let output = &args.output;
+    let inputs = inputs([args.tasks.scene.as_path()], &film.loaded);
+    check_writable(output, &inputs)?;
     write_whole(output, script.as_bytes()).map_err(|error| AppError::unwritten(output, &error))?;
     eprintln!("wrote {}", output.display());
     Ok(())

@@ -6,11 +6,11 @@ use super::{
     exr,
     format::{Format, PictureFormat, unknown},
     png,
-    writable::check_writable,
+    writable::{check_replaceable, check_writable},
 };
 use crate::{
     app::{aov, error::AppError},
-    files::write_together,
+    files::{Inputs, write_together},
     render::{Picture, aov::Aov},
 };
 
@@ -30,7 +30,7 @@ impl PictureFile {
         let Format::Picture(format) = Format::expect(path)? else {
             return Err(unknown(path));
         };
-        check_writable(path)?;
+        check_writable(path, &Inputs::default())?;
         Ok(Self {
             path: path.to_owned(),
             format,
@@ -42,17 +42,16 @@ impl PictureFile {
         self.format == PictureFormat::Exr
     }
 
-    /// Checks the files beside a PNG too, one for each of these AOVs.
+    /// Checks all files of a picture with these AOVs, and that none replaces one of the `inputs`.
     ///
     /// # Errors
-    /// Same errors as [`PictureFile::new`].
-    pub fn check_beside(&self, aovs: &[Aov]) -> Result<(), AppError> {
-        match self.format {
-            PictureFormat::Png => aovs
-                .iter()
-                .try_for_each(|aov| check_writable(&self.beside(aov.name()))),
-            PictureFormat::Exr => Ok(()),
-        }
+    /// Same errors as [`check_replaceable`].
+    pub fn check_files(&self, aovs: &[Aov], inputs: &Inputs) -> Result<(), AppError> {
+        let planes: Vec<_> = aovs.iter().map(|aov| aov.name()).collect();
+        let files = self.files(&planes);
+        files
+            .iter()
+            .try_for_each(|file| check_replaceable(file, inputs))
     }
 
     /// Writes the picture and its planes; files are renamed once all are complete and synced.

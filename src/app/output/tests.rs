@@ -10,7 +10,7 @@ use ::exr::prelude::{FlatSamples, read_first_flat_layer_from_file};
 use super::picture_file::PictureFile;
 use crate::{
     app::error::AppError,
-    files::Temporary,
+    files::{Inputs, Temporary},
     render::{
         Picture, Plane, PlaneData,
         aov::Aov,
@@ -97,10 +97,14 @@ fn a_folder_where_a_plane_would_go_is_refused_before_rendering() {
     let folder = folder("beside");
     fs::create_dir_all(folder.join("out.source.png")).expect("a folder in the way");
     let output = PictureFile::new(&folder.join("out.png")).expect("writable");
-    assert!(output.check_beside(&[Aov::Normal]).is_ok());
-    match output.check_beside(&[Aov::Normal, Aov::Source]) {
+    assert!(
+        output
+            .check_files(&[Aov::Normal], &Inputs::default())
+            .is_ok()
+    );
+    match output.check_files(&[Aov::Normal, Aov::Source], &Inputs::default()) {
         Err(AppError::Usage(text)) => {
-            assert!(text.contains("out.source.png: is a folder"), "{text}")
+            assert!(text.contains("out.source.png: it is a folder"), "{text}")
         }
         other => panic!("{other:?}"),
     }

@@ -10,17 +10,20 @@ use std::{
 };
 
 use super::{format::FilmFormat, png::rgb, writable::check_writable};
-use crate::{app::error::AppError, files::Temporary};
+use crate::{
+    app::error::AppError,
+    files::{Inputs, Temporary},
+};
 
 /// Maximum length of ffmpeg's output in a message, bytes; its end is quoted.
 const MAX_MESSAGE_BYTES: usize = 600;
 
-/// A video file being written.
-pub struct Film {
-    path: PathBuf,
 /// Threads of ffmpeg's encoder, whose number changes the bytes of a film.
 const ENCODER_THREADS: &str = "4";
 
+/// A video file being written.
+pub struct Film {
+    path: PathBuf,
     temporary: Temporary,
     encoder: Encoder,
 }
@@ -51,7 +54,7 @@ impl Film {
         fps: f32,
         frames: usize,
     ) -> Result<Self, AppError> {
-        check_writable(path)?;
+        check_writable(path, &Inputs::default())?;
         let shown = path.display();
         let usage = |why: String| AppError::Usage(format!("--output {shown}: {why}"));
         format.check_rate(fps).map_err(usage)?;
@@ -107,7 +110,7 @@ impl Film {
             file.sync_all().map_err(FilmError::from)
         });
         synced
-            .and_then(|()| self.temporary.rename_to(&path).map_err(FilmError::from))
+            .and_then(|()| self.temporary.persist().map_err(FilmError::from))
             .map_err(|why| failed(&path, &why))?;
         Ok(path)
     }
@@ -279,12 +282,12 @@ fn ffmpeg(
         ])
         .args(["-colorspace", "bt709", "-color_primaries", "bt709"])
         .args(["-color_trc", "bt709"])
-        .args(["-f", container])
-        .stdin(Stdio::piped())
-        .stdout(Stdio::null())
         // The same bytes in every run: no random numbers in Matroska, no versions, and not as many threads as cores.
         .args(["-fflags", "+bitexact", "-flags:v", "+bitexact"])
         .args(["-threads", ENCODER_THREADS])
+        .args(["-f", container])
+        .stdin(Stdio::piped())
+        .stdout(Stdio::null())
         .stderr(Stdio::piped());
     if matches!(container, "mp4" | "mov") {
         // Index first, for playback while downloading.

@@ -1,42 +1,45 @@
 //! Checks that an output file can be created.
 
-use std::{fs, io, path::Path};
+use std::{io, path::Path};
 
 use crate::{
     app::error::AppError,
-    files::{Temporary, folder_of},
+    files::{Inputs, Temporary, folder_of},
 };
 
-/// Checks that a file can be created, before rendering.
+/// Checks that a file can be created, before rendering: it replaces a regular file or nothing, and none of the
+/// `inputs`.
 ///
 /// # Errors
 /// [`AppError::Usage`] with the invalid part of the path.
-pub fn check_writable(path: &Path) -> Result<(), AppError> {
-    let shown = path.display();
-    let usage = |text: String| Err(AppError::Usage(text));
-    if path.is_dir() {
-        return usage(format!("--output {shown}: is a folder"));
-    }
+pub fn check_writable(path: &Path, inputs: &Inputs) -> Result<(), AppError> {
     let folder = folder_of(path);
     if !folder.is_dir() {
-        return usage(format!(
-            "--output {shown}: there is no folder {}; create it first",
+        return Err(AppError::Usage(format!(
+            "--output {}: there is no folder {}; create it first",
+            path.display(),
             folder.display()
-        ));
+        )));
     }
-    // The temporary name may be shorter than this one.
-    match fs::symlink_metadata(path) {
-        Err(error) if error.kind() != io::ErrorKind::NotFound => {
-            return usage(format!("--output {shown}: {error}"));
-        }
-        _ => {}
-    }
+    check_replaceable(path, inputs)?;
     // Only creating a file tests permissions reliably.
-    if let Err(error) = Temporary::create(path) {
-        return usage(format!(
-            "--output {shown}: cannot write to {}: {error}",
+    Temporary::create(path).map(drop).map_err(|error| {
+        AppError::Usage(format!(
+            "--output {}: cannot write to {}: {error}",
+            path.display(),
             folder.display()
-        ));
-    }
-    Ok(())
+        ))
+    })
+}
+
+/// Checks what is at the path of an output, but not whether its folder can be written to.
+///
+/// # Errors
+/// [`AppError::Usage`] for anything but a regular file or nothing, and for an input.
+pub fn check_replaceable(path: &Path, inputs: &Inputs) -> Result<(), AppError> {
+    let refuse = |error: io::Error| {
+        let path = path.display();
+        AppError::Usage(format!("--output {path}: {error}; name another file"))
+    };
+    inputs.check(path).map_err(refuse)
 }

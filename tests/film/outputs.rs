@@ -1,0 +1,136 @@
+//! Outputs never replace an input of their command, nor anything but a regular file.
+
+use std::{fs, path::Path, process::Command};
+
+use crate::folder;
+
+/// Runs a command that is refused; returns its message.
+#[track_caller]
+fn refused(folder: &Path, arguments: &[&str]) -> String {
+    let output = Command::new(env!("CARGO_BIN_EXE_reflet"))
+        .current_dir(folder)
+        .args(arguments)
+        .env("REFLET_ADAPTER", "no such adapter")
+        .output()
+        .expect("the program starts");
+    let text = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {text}");
+    text
+}
+
+/// Names, kinds and contents of all files.
+fn state(folder: &Path) -> Vec<(String, bool, Option<Vec<u8>>)> {
+    let entries = fs::read_dir(folder).expect("readable").flatten();
+    let mut all: Vec<_> = entries
+        .map(|entry| {
+            let path = entry.path();
+            let content = path.is_file().then(|| fs::read(&path).expect("readable"));
+            let name = entry.file_name().to_string_lossy().into_owned();
+            (name, path.is_symlink(), content)
+        })
+        .collect();
+    all.sort();
+    all
+}
+
+/// A scene with a texture and an included file, and other names of these.
+fn scene(name: &str) -> std::path::PathBuf {
+    let folder = folder(name);
+    let text = crate::SCENE.replace(
+        "base_color = [0.8, 0.1, 0.1]",
+        "base_color_texture = \"f.03.png\"",
+    );
+    assert!(text.contains("f.03.png"));
+    fs::write(folder.join("scene.toml"), text).expect("written");
+    let texture = image::RgbImage::from_pixel(4, 4, image::Rgb([200, 30, 30]));
+    texture.save(folder.join("f.03.png")).expect("written");
+    folder
+}
+
+#[test]
+fn no_command_replaces_its_input() {
+    let folder = scene("inputs");
+    fs::create_dir(folder.join("inside")).expect("a folder");
+    fs::hard_link(folder.join("scene.toml"), folder.join("hard.zip")).expect("a hard link");
+    #[cfg(unix)]
+    for (to, name) in [("f.03.png", "soft.png"), ("light.toml", "soft.zip")] {
+        std::os::unix::fs::symlink(to, folder.join(name)).expect("a link");
+    }
+    let before = state(&folder);
+    let job = ["job", "slurm", "scene.toml", "--pictures", "p.#.png", "-o"];
+    let mut cases: Vec<Vec<&str>> = vec![
+        vec!["pack", "scene.toml", "-o", "scene.toml"],
+        vec!["pack", "scene.toml", "-o", "inside/../light.toml"],
+        vec!["pack", "scene.toml", "-o", "hard.zip"],
+        [&job[..], &["scene.toml"]].concat(),
+        [&job[..], &["s.rhai"]].concat(),
+        vec!["render", "scene.toml", "-o", "f.03.png"],
+        vec!["render", "scene.toml", "-o", "inside/../f.03.png"],
+        // The third of its frames is the texture.
+        vec!["render", "scene.toml", "-o", "f.##.png"],
+    ];
+    if cfg!(unix) {
+        cases.push(vec!["render", "scene.toml", "-o", "soft.png"]);
+        cases.push(vec!["pack", "scene.toml", "-o", "soft.zip"]);
+    }
+    for arguments in &cases {
+        let text = refused(&folder, arguments);
+        assert!(
+            text.contains("an input of this command"),
+            "{arguments:?}: {text}"
+        );
+        assert_eq!(state(&folder), before, "{arguments:?}");
+    }
+    // The files of a bundle have names of their own.
+    fs::rename(folder.join("scene.toml"), folder.join("template.json")).expect("renamed");
+    let before = state(&folder);
+    let job = [
+        "job",
+        "openjd",
+        "template.json",
+        "--pictures",
+        "p.#.png",
+        "-o",
+        ".",
+    ];
+    let text = refused(&folder, &job);
+    assert!(text.contains("an input of this command"), "{text}");
+    assert_eq!(state(&folder), before);
+}
+
+#[cfg(unix)]
+#[test]
+fn outputs_are_regular_files() {
+    let folder = scene("regular");
+    let path = |name: &str| folder.join(name);
+    let made = Command::new("mkfifo").arg(path("pipe.png")).status();
+    assert!(made.is_ok_and(|status| status.success()));
+    fs::create_dir(path("folder.png")).expect("a folder");
+    std::os::unix::fs::symlink("/dev/null", path("null.png")).expect("a link");
+    fs::write(path("locked.png"), "old").expect("written");
+    let mut locked = fs::metadata(path("locked.png"))
+        .expect("there")
+        .permissions();
+    locked.set_readonly(true);
+    fs::set_permissions(path("locked.png"), locked).expect("settable");
+    let before = state(&folder);
+    let job = ["job", "slurm", "scene.toml", "--pictures", "p.#.png", "-o"];
+    let commands: [&[&str]; 4] = [
+        &["render", "scene.toml", "-o"],
+        &["pack", "scene.toml", "-o"],
+        &["calibrate", "-o"],
+        &job,
+    ];
+    for command in commands {
+        for (name, says) in [
+            ("pipe.png", "it is a pipe"),
+            ("folder.png", "it is a folder"),
+            ("null.png", "it is a device"),
+            ("locked.png", "it is read-only"),
+        ] {
+            let text = refused(&folder, &[command, &[name]].concat());
+            assert!(text.contains(says), "{command:?} {name}: {text}");
+        }
+        assert_eq!(state(&folder), before, "{command:?}");
+    }
+}
