@@ -2,6 +2,7 @@
 //! size.
 
 mod goal;
+mod replace;
 
 use std::{
     collections::HashSet,
@@ -17,6 +18,7 @@ use xxhash_rust::xxh3::{Xxh3Default, xxh3_64};
 
 use goal::resolved;
 pub use goal::{Inputs, check_goal};
+pub use replace::replace_content;
 
 /// Coarsest clock tick of common file systems.
 const CLOCK_TICK: Duration = Duration::from_millis(50);

@@ -7,7 +7,6 @@ mod put;
 mod splice;
 
 use std::{
-    fs,
     path::{Path, PathBuf},
     sync::Arc,
 };
@@ -17,7 +16,7 @@ use glam::{Affine3A, EulerRot, Vec3};
 use self::places::{Place, places};
 pub use self::put::put;
 use crate::{
-    files::write_whole,
+    files::replace_content,
     scene::{
         desc::{CAMERA, Entry, LIGHT, PlacementDesc, SceneDesc},
         diagnostic::{Source, Span},
@@ -299,18 +298,12 @@ impl Change {
         let failed = |error: std::io::Error| format!("{shown} cannot be written: {error}");
         // Symbolic links stay, and lead to the same file.
         let path = self.path.canonicalize().map_err(failed)?;
-        let permissions = fs::metadata(&path).map_err(failed)?.permissions();
-        if permissions.readonly() {
-            return Err(format!("{shown} is read-only; it stays as it is"));
-        }
-        let on_disk = fs::read(&path).map_err(failed)?;
-        if on_disk != from.as_bytes() {
-            return Err(format!(
+        match replace_content(&path, from.as_bytes(), to.as_bytes(), || {}).map_err(failed)? {
+            true => Ok(()),
+            false => Err(format!(
                 "{shown} was changed on disk and is not shown yet; nothing is written"
-            ));
+            )),
         }
-        write_whole(&path, to.as_bytes()).map_err(failed)?;
-        fs::set_permissions(&path, permissions).map_err(failed)
     }
 }
 

@@ -171,10 +171,10 @@ fn moving_what_was_clicked_changes_one_line_and_can_be_undone() {
 
     let (small, here, there) = ([1.0; 3], [0.0, 0.5, 0.0], [0.3, 0.5, 0.0]);
     for (again, said, key, wanted) in [
-        (false, "took", "scale", small),
-        (false, "took", "translation", here),
-        (true, "made", "translation", there),
-        (false, "took", "translation", here),
+        (false, "undid", "scale", small),
+        (false, "undid", "translation", here),
+        (true, "redid", "translation", there),
+        (false, "undid", "translation", here),
     ] {
         preview.worker.mailbox.post(Task::Undo(again));
         assert!(message(&mut preview).starts_with(said));
@@ -201,7 +201,7 @@ fn what_must_not_be_written_is_named_and_stays() {
     write(&mut preview, lamp.item, "intensity_cd", &[40.0]);
     let said = message(&mut preview);
     assert!(
-        said.starts_with("not written: ") && said.ends_with("is read-only; it stays as it is"),
+        said.starts_with("not written: ") && said.ends_with("it is read-only"),
         "{said}"
     );
     fs::set_permissions(&path, permissions).expect("they can be set");
