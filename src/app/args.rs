@@ -238,6 +238,15 @@ impl From<MethodArg> for Method {
     }
 }
 
+/// Words of an option on a command line. A value that begins with a hyphen is joined to its option, since it would be
+/// read as another option.
+pub fn option_words(name: &str, value: &str) -> Vec<String> {
+    match value.starts_with('-') {
+        true => vec![format!("{name}={value}")],
+        false => vec![name.to_owned(), value.to_owned()],
+    }
+}
+
 /// `1280x720` as width and height.
 ///
 /// # Errors

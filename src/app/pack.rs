@@ -5,6 +5,7 @@
 
 mod hashed_read;
 mod manifest;
+mod unfinished;
 pub mod unpack;
 
 use std::{
@@ -53,11 +54,17 @@ pub fn pack(args: &PackArgs) -> Result<(), AppError> {
     let mut goal = Temporary::create(&args.output)
         .map_err(|error| AppError::unwritten(&args.output, &error))?;
     let count = layout.files.len();
+    let unwritten = |error: io::Error| AppError::unwritten(&args.output, &error);
     let manifest = write_zip(&mut goal.file, layout)?;
+    let pack_bytes = goal.file.metadata().map_err(unwritten)?.len();
+    if let Some(fault) = manifest.fault_of_size(pack_bytes) {
+        let output = args.output.display();
+        let text = format!("--output {output}: {fault}, so `unpack` would refuse it");
+        return Err(AppError::Usage(text));
+    }
     let written = goal.file.sync_all();
-    let written = written.and_then(|()| goal.persist());
-    written.map_err(|error| AppError::unwritten(&args.output, &error))?;
-    let bytes: u64 = manifest.files.iter().map(|file| file.bytes).sum();
+    written.and_then(|()| goal.persist()).map_err(unwritten)?;
+    let bytes = manifest.total_bytes();
     eprintln!(
         "wrote {}: {count} {} of {:.1} MiB",
         args.output.display(),

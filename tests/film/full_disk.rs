@@ -129,3 +129,33 @@ fn a_full_disk_leaves_no_film() {
         assert!(!text.contains("left:"), "{text}");
     }
 }
+
+#[test]
+fn a_pack_for_which_the_disk_has_no_room_is_refused_before_a_file_is_written() {
+    let folder = folder("full-pack");
+    let noise = image::RgbImage::from_fn(256, 256, |x, y| {
+        let bits = (x * 0x9E37_79B9) ^ (y * 0x85EB_CA6B);
+        image::Rgb(
+            (bits.wrapping_mul(bits | 1)).to_le_bytes()[1..]
+                .try_into()
+                .expect("three"),
+        )
+    });
+    noise.save(folder.join("noise.png")).expect("written");
+    let text = crate::SCENE.replace(
+        "base_color = [0.8, 0.1, 0.1]",
+        "base_color_texture = \"noise.png\"",
+    );
+    fs::write(folder.join("scene.toml"), text).expect("written");
+    let reflet = env!("CARGO_BIN_EXE_reflet");
+    let line = format!(
+        "{reflet} pack scene.toml -o show.zip && {reflet} unpack show.zip -o disk/made; \
+         code=$?; ls -A disk | sed s/^/left:/ >&2; exit $code"
+    );
+    let Some((code, text)) = with_disk(&folder, 64, &line) else {
+        return;
+    };
+    assert_eq!(code, 1, "{text}");
+    assert!(text.contains("cannot write disk/made: it needs "), "{text}");
+    assert!(!text.contains("left:"), "{text}");
+}

@@ -153,6 +153,8 @@ fn a_pack_that_was_tampered_with_leaves_no_folder() {
         all[3].1 = list.replace(from, to).into_bytes();
         all
     };
+    let length = |bytes: u64| format!("\"bytes\": {bytes},");
+    let huge = with_list(&length(right[0].1.len() as u64), &length(u64::MAX));
     let renamed = |name: &str| {
         let mut all = with_list("library/light.toml", name);
         all[0].0 = name.to_owned();
@@ -182,6 +184,7 @@ fn a_pack_that_was_tampered_with_leaves_no_folder() {
             "is missing",
         ),
         (with_list("{", "["), "pack.json is damaged"),
+        (huge, "more than 200 times"),
     ];
     for (all, says) in &cases {
         write(&top.join("bad.zip"), all);
@@ -210,4 +213,102 @@ fn a_pack_that_was_tampered_with_leaves_no_folder() {
     assert!(errors.contains("it exists"), "{errors}");
     let [_, errors] = reflet(&top, &["unpack", "absent.zip", "-o", "new"], 3);
     assert!(errors.contains("absent.zip"), "{errors}");
+}
+
+/// A pack with a file so long that a signal can come while it is extracted.
+#[cfg(unix)]
+fn long_pack(path: &Path) {
+    use sha2::{Digest as _, Sha256};
+    let scene = b"version = 1\n".to_vec();
+    let mut state = 0x5EED_u64;
+    let noise = (0..12 << 20).flat_map(|_| {
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        state.to_le_bytes()
+    });
+    let files = [("noise", noise.collect()), ("scene.toml", scene)];
+    let listed = files.iter().map(|(name, bytes): &(_, Vec<u8>)| {
+        let hash = Sha256::digest(bytes);
+        let hash: String = hash.iter().map(|byte| format!("{byte:02x}")).collect();
+        serde_json::json!({ "path": name, "bytes": bytes.len(), "sha256": hash })
+    });
+    let list = serde_json::json!({
+        "pack": 1, "reflet": "0", "built_from": "0", "scene": "scene.toml", "assets": [], "set": [],
+        "variant": ["-dark"], "lenient": false, "frames": null, "files": listed.collect::<Vec<_>>(),
+    });
+    let mut zip = ZipWriter::new(fs::File::create(path).expect("a file"));
+    let options = SimpleFileOptions::default().compression_method(zip::CompressionMethod::Stored);
+    let list = ("pack.json", list.to_string().into_bytes());
+    for (name, bytes) in files.into_iter().chain([list]) {
+        zip.start_file(name, options).expect("an entry");
+        zip.write_all(&bytes).expect("written");
+    }
+    zip.finish().expect("a ZIP file");
+}
+
+#[cfg(unix)]
+#[test]
+fn unpacking_leaves_nothing_after_a_signal() {
+    use std::os::unix::process::ExitStatusExt as _;
+    let top = folder("pack-signals");
+    long_pack(&top.join("long.zip"));
+    let hidden = || {
+        let entries = fs::read_dir(&top).expect("readable").flatten();
+        let names = entries.map(|entry| entry.file_name());
+        names
+            .filter(|name| name.to_string_lossy().starts_with('.'))
+            .count()
+    };
+    let command = |output: &str| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_reflet"));
+        command
+            .current_dir(&top)
+            .args(["unpack", "long.zip", "-o", output]);
+        command
+            .stderr(std::process::Stdio::piped())
+            .stdout(std::process::Stdio::null());
+        command
+    };
+    for (signal, code) in [("-TERM", Some(143)), ("-INT", Some(130)), ("-KILL", None)] {
+        // It may end before the signal comes.
+        let stopped = (0..20).any(|_| {
+            let mut child = command("made").spawn().expect("the program starts");
+            while hidden() == 0 && child.try_wait().expect("a child").is_none() {
+                std::thread::yield_now();
+            }
+            let sent = Command::new("kill")
+                .args([signal, &child.id().to_string()])
+                .status();
+            assert!(sent.is_ok(), "there is a kill command");
+            let output = child.wait_with_output().expect("it ends");
+            if output.status.success() {
+                fs::remove_dir_all(top.join("made")).expect("it is made");
+                return false;
+            }
+            let text = String::from_utf8_lossy(&output.stderr);
+            assert_eq!(output.status.code(), code, "{text}");
+            assert!(!top.join("made").exists());
+            match code {
+                Some(_) => assert!(text.contains("no folder was made"), "{text}"),
+                None => assert_eq!(output.status.signal(), Some(9)),
+            }
+            assert_eq!(hidden(), usize::from(code.is_none()), "{signal}");
+            true
+        });
+        assert!(stopped, "{signal} always came too late");
+    }
+    // The leftover of the killed run goes with the next one.
+    if cfg!(target_os = "linux") {
+        let output = command("made").output().expect("it ends");
+        assert!(output.status.success() && top.join("made/noise").is_file());
+        assert_eq!(hidden(), 0);
+    }
+    let [printed, _] = reflet(&top, &["unpack", "long.zip", "-o", "-made"], 2);
+    assert_eq!(printed, "", "a value that looks like an option");
+    let [printed, _] = reflet(&top, &["unpack", "long.zip", "--output=-made"], 0);
+    assert_eq!(
+        printed,
+        "reflet render ./-made/scene.toml --variant=-dark -o picture.png\n"
+    );
 }

@@ -39,6 +39,15 @@ pub struct Manifest {
     pub files: Vec<PackedFile>,
 }
 
+/// Factor by which the files of a pack may be longer than the pack: no files of a scene compress better.
+const MOST_RATIO: u64 = 200;
+
+/// Total length up to which files may compress to anything, bytes.
+const FREE_RATIO_BYTES: u64 = 1 << 30;
+
+/// Space on the disk that a file may take beyond its length, bytes.
+const BLOCK_BYTES: u64 = 4 << 10;
+
 /// A file of a pack.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -88,6 +97,32 @@ impl Manifest {
     }
 }
 
+impl Manifest {
+    /// Reason why files of these lengths are refused in a pack of `pack_bytes`, if there is one: it is most likely
+    /// made to fill disks.
+    pub fn fault_of_size(&self, pack_bytes: u64) -> Option<String> {
+        let total = self.total_bytes();
+        let most = pack_bytes.saturating_mul(MOST_RATIO).max(FREE_RATIO_BYTES);
+        (total > most).then(|| {
+            format!(
+                "its files are {total} bytes long, more than {MOST_RATIO} times its own {pack_bytes}"
+            )
+        })
+    }
+
+    /// Total length of the files, bytes.
+    pub fn total_bytes(&self) -> u64 {
+        let lengths = self.files.iter().map(|file| file.bytes);
+        lengths.fold(0, u64::saturating_add)
+    }
+
+    /// Space on the disk that the files need, bytes.
+    pub fn disk_bytes(&self) -> u64 {
+        let blocks = BLOCK_BYTES.saturating_mul(self.files.len() as u64);
+        self.total_bytes().saturating_add(blocks)
+    }
+}
+
 /// Reason why a name is refused in a pack: it must lead to the same place below a folder on every system.
 pub fn fault_of_name(name: &str) -> Option<&'static str> {
     if name.contains(['\\', ':']) || name.chars().any(char::is_control) {
@@ -103,6 +138,33 @@ pub fn fault_of_name(name: &str) -> Option<&'static str> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn files_far_longer_than_their_pack_are_a_fault() {
+        let pack_of = |lengths: &[u64]| Manifest {
+            pack: 1,
+            reflet: String::new(),
+            built_from: String::new(),
+            scene: String::new(),
+            assets: Vec::new(),
+            set: Vec::new(),
+            variant: Vec::new(),
+            lenient: false,
+            frames: None,
+            files: (lengths.iter().enumerate())
+                .map(|(index, bytes)| PackedFile {
+                    path: index.to_string(),
+                    bytes: *bytes,
+                    sha256: String::new(),
+                })
+                .collect(),
+        };
+        let gib = 1 << 30;
+        assert_eq!(pack_of(&[gib]).fault_of_size(1000), None);
+        assert!(pack_of(&[gib, 1]).fault_of_size(1000).is_some());
+        assert_eq!(pack_of(&[gib, gib]).fault_of_size(gib / 50), None);
+        assert!(pack_of(&[u64::MAX; 2]).fault_of_size(gib).is_some());
+    }
 
     #[test]
     fn names_that_leave_the_folder_are_faults() {

@@ -10,12 +10,13 @@ use clap::Args;
 use zip::{ZipArchive, result::ZipError};
 
 use super::{
-    super::{error::AppError, print_out},
+    super::{args::option_words, error::AppError, print_out, shutdown},
     hashed_read::HashedRead,
     manifest::{BUILT_FROM, LIST, MOST_BYTES, Manifest, PackedFile},
+    unfinished::{Unfinished, free_bytes},
 };
 use crate::{
-    files::{folder_of, open_regular},
+    files::{folder_of, open_regular, sweep},
     scene::diagnostic::Diagnostic,
 };
 
@@ -32,8 +33,9 @@ pub struct UnpackArgs {
 /// Checks every name, length and hash of a pack, extracts it, and prints the command that renders it.
 ///
 /// # Errors
-/// [`AppError::Usage`] if the folder exists, [`AppError::Scene`] for a file that is no pack or is damaged, and
-/// a folder that cannot be written; then no folder is left.
+/// [`AppError::Usage`] if the folder exists, [`AppError::Scene`] for a file that is no pack or is damaged,
+/// [`AppError::Disk`] for more bytes than the disk has, [`AppError::Interrupted`], and a folder that cannot be
+/// written; then no folder is left.
 pub fn unpack(args: &UnpackArgs) -> Result<(), AppError> {
     let refuse = |fault: Fault| match fault {
         Fault::Pack(message) => {
@@ -41,7 +43,10 @@ pub fn unpack(args: &UnpackArgs) -> Result<(), AppError> {
             AppError::Scene(vec![error.help("write it again with `reflet pack`")])
         }
         Fault::Disk(path, error) => AppError::unwritten(&path, &error),
+        Fault::Interrupted => AppError::Interrupted("stopped; no folder was made".to_owned()),
     };
+    shutdown::listen();
+    sweep(std::slice::from_ref(&args.output));
     if fs::symlink_metadata(&args.output).is_ok() {
         let folder = args.output.display();
         return Err(AppError::Usage(format!(
@@ -50,13 +55,7 @@ pub fn unpack(args: &UnpackArgs) -> Result<(), AppError> {
     }
     let file = open_regular(&args.pack, false)
         .map_err(|error| refuse(Fault::Pack(format!("cannot be read: {error}"))))?;
-    let mut zip = ZipArchive::new(BufReader::new(file)).map_err(|e| refuse(e.into()))?;
-    let manifest = read_list(&mut zip).map_err(refuse)?;
-    let made = Unfinished::beside(&args.output).map_err(refuse)?;
-    for file in &manifest.files {
-        write_file(&mut zip, file, &made.folder).map_err(refuse)?;
-    }
-    made.rename_to(&args.output).map_err(refuse)?;
+    let manifest = extract(file, &args.output).map_err(refuse)?;
     let count = manifest.files.len();
     let files = if count == 1 { "file" } else { "files" };
     let folder = args.output.display();
@@ -70,12 +69,50 @@ pub fn unpack(args: &UnpackArgs) -> Result<(), AppError> {
     print_out(&command(&manifest, &args.output))
 }
 
+/// Extracts a pack into a new folder.
+fn extract(file: File, output: &Path) -> Result<Manifest, Fault> {
+    let disk = |error| Fault::Disk(output.to_owned(), error);
+    let pack_bytes = file.metadata().map_err(disk)?.len();
+    let mut zip = ZipArchive::new(BufReader::new(file))?;
+    let manifest = read_list(&mut zip)?;
+    check_size(&manifest, pack_bytes, output)?;
+    let made = Unfinished::create(output).map_err(disk)?;
+    for file in &manifest.files {
+        write_file(&mut zip, file, made.path())?;
+    }
+    made.persist().map_err(disk)?;
+    Ok(manifest)
+}
+
+/// Refuses files that would expand beyond reason, or that the disk has no room for, before one is written.
+fn check_size(manifest: &Manifest, pack_bytes: u64, output: &Path) -> Result<(), Fault> {
+    if let Some(fault) = manifest.fault_of_size(pack_bytes) {
+        return Err(Fault::Pack(fault));
+    }
+    let needed = manifest.disk_bytes();
+    match free_bytes(folder_of(output)) {
+        Some(free) if free < needed => {
+            let mebibytes = |bytes: u64| bytes as f64 / f64::from(1 << 20);
+            let message = format!(
+                "it needs {:.1} MiB, and the disk has {:.1} MiB left",
+                mebibytes(needed),
+                mebibytes(free)
+            );
+            let error = io::Error::new(io::ErrorKind::StorageFull, message);
+            Err(Fault::Disk(output.to_owned(), error))
+        }
+        _ => Ok(()),
+    }
+}
+
 /// Reason why no folder is made.
 enum Fault {
     /// The pack is damaged, or the file is not a pack.
     Pack(String),
     /// A file cannot be written.
     Disk(PathBuf, io::Error),
+    /// A signal asked for the end.
+    Interrupted,
 }
 
 impl From<ZipError> for Fault {
@@ -137,13 +174,16 @@ fn write_file(zip: &mut Zip, file: &PackedFile, folder: &Path) -> Result<(), Fau
             "\"{name}\" is not what was packed: its length or hash differs"
         )));
     }
-    goal.sync_all().map_err(disk)
+    Ok(())
 }
 
-/// Copies like [`io::copy`], distinguishing errors of the pack from those of the disk.
+/// Copies like [`io::copy`], distinguishing errors of the pack from those of the disk, until a signal comes.
 fn copy(from: &mut impl io::Read, goal: &mut File, name: &str, path: &Path) -> Result<(), Fault> {
     let mut block = vec![0; 1 << 16];
     loop {
+        if shutdown::is_requested() {
+            return Err(Fault::Interrupted);
+        }
         let length = from
             .read(&mut block)
             .map_err(|error| Fault::Pack(format!("\"{name}\" is damaged: {error}")))?;
@@ -155,38 +195,21 @@ fn copy(from: &mut impl io::Read, goal: &mut File, name: &str, path: &Path) -> R
     }
 }
 
-/// A folder under a hidden name; removed on drop unless it was renamed.
-struct Unfinished {
-    folder: PathBuf,
-}
-
-impl Unfinished {
-    fn beside(goal: &Path) -> Result<Self, Fault> {
-        let folder = folder_of(goal).join(format!(".reflet-unpack-{}", std::process::id()));
-        fs::create_dir(&folder).map_err(|error| Fault::Disk(folder.clone(), error))?;
-        Ok(Self { folder })
-    }
-
-    fn rename_to(&self, goal: &Path) -> Result<(), Fault> {
-        fs::rename(&self.folder, goal).map_err(|error| Fault::Disk(goal.to_owned(), error))
-    }
-}
-
-impl Drop for Unfinished {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.folder); // fails after a renaming, harmlessly
-    }
-}
-
 /// Command line that renders the pack.
 fn command(manifest: &Manifest, folder: &Path) -> String {
-    let inside = |name: &str| folder.join(name).display().to_string();
+    let inside = |name: &str| {
+        let path = folder.join(name).display().to_string();
+        match path.starts_with('-') {
+            true => format!("./{path}"),
+            false => path,
+        }
+    };
     let mut words = vec![
         "reflet".to_owned(),
         "render".to_owned(),
         inside(&manifest.scene),
     ];
-    let mut option = |name: &str, value: String| words.extend([name.to_owned(), value]);
+    let mut option = |name: &str, value: String| words.extend(option_words(name, &value));
     manifest
         .assets
         .iter()
