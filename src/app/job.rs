@@ -14,7 +14,7 @@ use serde_json::{Value, json};
 pub use self::slurm::SlurmArgs;
 use self::slurm::slurm;
 use super::{
-    args::{SceneArgs, parse_size},
+    args::{SceneArgs, option_words, parse_size},
     cameras,
     error::AppError,
     frame_name::Template,
@@ -91,7 +91,7 @@ impl TaskArgs {
     fn options(&self) -> Vec<String> {
         let mut options = Vec::new();
         let mut option = |name: &str, value: &str| {
-            options.extend([name.to_owned(), value.to_owned()]);
+            options.extend(option_words(name, value));
         };
         for setting in &self.from.set {
             option("--set", setting);
@@ -231,7 +231,7 @@ impl Bundle<'_> {
         Ok(json!({
             "specificationVersion": "jobtemplate-2023-09",
             "extensions": ["TASK_CHUNKING"],
-            "name": plain(&name.to_string_lossy())?,
+            "name": job_name(&name.to_string_lossy())?,
             "parameterDefinitions": parameters,
             "steps": [{
                 "name": "Render",
@@ -302,8 +302,31 @@ impl Bundle<'_> {
     }
 }
 
-/// Checks that a text has no braces, which a template would expand.
+/// Longest name of a job in Open Job Description, characters.
+const MOST_NAME: usize = 128;
+
+/// Name of the job: control characters, which it must not have, become `_`, and its end is cut off.
+fn job_name(text: &str) -> Result<String, AppError> {
+    let kept = text.chars().take(MOST_NAME);
+    let name: String = kept.map(|c| if c.is_control() { '_' } else { c }).collect();
+    match name.is_empty() {
+        true => Ok("reflet".to_owned()),
+        false => plain(&name),
+    }
+}
+
+/// Checks that a text has no braces, which a template would expand, and no control characters but those that
+/// arguments may have.
 fn plain(text: &str) -> Result<String, AppError> {
+    if text
+        .chars()
+        .any(|c| c.is_control() && !"\n\r\t".contains(c))
+    {
+        return Err(AppError::Usage(format!(
+            "\"{}\" has a control character, which a job must not have; choose another name",
+            text.escape_debug()
+        )));
+    }
     if text.contains("{{") || text.contains(cameras::PLACEHOLDER) {
         return Err(AppError::Usage(format!(
             "\"{text}\" has braces, which a farm would expand; choose another name"

@@ -209,3 +209,35 @@ fn an_array_of_slurm_gives_the_frames_of_one_run() {
     // A task index that does not exist.
     assert!(!run_array_task(&folder.join("film.sh"), 2).0);
 }
+
+#[test]
+fn names_in_a_bundle_are_those_that_a_farm_can_use() {
+    let folder = folder("job-names");
+    let long = format!("bell\u{7}{}.toml", "x".repeat(200));
+    let scene = crate::SCENE.replace("camera.main", "camera.-x");
+    fs::write(folder.join(&long), scene).expect("written");
+    let cameras = ["--camera=-x", "--pictures", "f.#.png", "-o"];
+    let (code, text) = job(
+        &folder,
+        &[&[long.as_str()][..], &cameras, &["bundle"]].concat(),
+    );
+    assert_eq!(code, Some(0), "{text}");
+    let template = read(&folder.join("bundle/template.json"));
+    let name = template["name"].as_str().expect("text");
+    assert_eq!(name, format!("bell_{}", "x".repeat(123)));
+    let arguments = &template["steps"][0]["script"]["actions"]["onRun"]["args"];
+    let arguments = arguments.as_array().expect("a list");
+    assert!(
+        arguments.iter().any(|a| a == "--camera=-x"),
+        "{arguments:?}"
+    );
+    let bell = ["scene.toml", "-o", "other", "--pictures", "f\u{7}.#.png"];
+    let (code, text) = job(&folder, &bell);
+    assert_eq!(code, Some(2), "{text}");
+    assert!(text.contains("has a control character"), "{text}");
+    assert!(!text.contains('\u{7}') && !folder.join("other").exists());
+    if gpu_or_skip().is_some() {
+        run_task(&folder.join("bundle"), "2");
+        assert!(folder.join("f.2.png").is_file());
+    }
+}
