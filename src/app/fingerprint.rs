@@ -1,13 +1,10 @@
 //! Fingerprints: hashes of all inputs of a frame; `--resume` keeps a file only if its fingerprint
 //! matches.
 
-#[cfg(unix)]
-use std::time::Duration;
 use std::{
     collections::HashMap,
-    fs, io,
+    fs,
     path::{Path, PathBuf},
-    time::SystemTime,
 };
 
 use xxhash_rust::xxh3::Xxh3Default;
@@ -31,12 +28,8 @@ pub fn of_run(args: &RenderArgs, session: &RenderSession) -> Result<u128, AppErr
         hash.update(bytes);
     };
     let read = |path: &Path| {
-        let bytes = fs::read(path).map_err(|error| {
-            AppError::Internal(format!("cannot read {}: {error}", path.display()))
-        })?;
-        // Checked after reading, to detect a save in between.
-        check_unchanged(path, session.opened)?;
-        Ok::<_, AppError>(bytes)
+        fs::read(path)
+            .map_err(|error| AppError::Internal(format!("cannot read {}: {error}", path.display())))
     };
     add(BUILT_FROM.as_bytes());
     add(loaded.text.as_bytes());
@@ -60,11 +53,14 @@ pub fn of_run(args: &RenderArgs, session: &RenderSession) -> Result<u128, AppErr
     for aov in &args.aov {
         add(aov.as_bytes());
     }
-    if let Some(folder) = &args.shaders {
-        for file in shader_files(folder) {
-            add(&read(&file)?);
-        }
+    // Checked after reading, to detect a save in between.
+    if let Some(path) = loaded.dependencies.changed() {
+        return Err(AppError::Internal(format!(
+            "{} was saved while the scene was loaded; render again",
+            path.display()
+        )));
     }
+    add(&session.own_shaders.unwrap_or_default().to_le_bytes());
     // Settings left to `auto` are hashed as they were decided.
     let options = RenderOptions {
         audit: false, // an audit does not change the picture
@@ -88,51 +84,12 @@ fn known_texts(scene: &SceneDesc) -> HashMap<&Path, &str> {
     included.chain(scripts).collect()
 }
 
-/// Refuses a file modified since then: the loaded content may be outdated.
-fn check_unchanged(path: &Path, since: SystemTime) -> Result<(), AppError> {
-    let changed = fs::metadata(path).and_then(|file| changed_at(&file));
-    match changed {
-        Ok(at) if at < since => Ok(()),
-        _ => Err(AppError::Internal(format!(
-            "{} was saved while the scene was loaded; render again",
-            path.display()
-        ))),
-    }
-}
-
-/// Time of the last change of content or name, so that a renamed older file counts as changed.
-#[cfg(unix)]
-fn changed_at(file: &fs::Metadata) -> io::Result<SystemTime> {
-    use std::os::unix::fs::MetadataExt as _;
-    let seconds = Duration::from_secs(file.ctime().max(0) as u64);
-    Ok(SystemTime::UNIX_EPOCH + seconds + Duration::from_nanos(file.ctime_nsec() as u64))
-}
-
-#[cfg(not(unix))]
-fn changed_at(file: &fs::Metadata) -> io::Result<SystemTime> {
-    file.modified()
-}
-
 /// Fingerprint of one frame, hexadecimal.
 pub fn of_frame(run: u128, frame: u32) -> String {
     let mut hash = Xxh3Default::new();
     hash.update(&run.to_le_bytes());
     hash.update(&frame.to_le_bytes());
     format!("{:032x}", hash.digest128())
-}
-
-fn shader_files(folder: &Path) -> Vec<std::path::PathBuf> {
-    let mut files = Vec::new();
-    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
-        let path = entry.path();
-        if path.is_dir() {
-            files.extend(shader_files(&path));
-        } else if path.extension().is_some_and(|e| e == "wgsl") {
-            files.push(path);
-        }
-    }
-    files.sort();
-    files
 }
 
 #[cfg(test)]
@@ -164,24 +121,5 @@ mod tests {
             assert_eq!(known.get(folder.join(file).as_path()), Some(&text));
         }
         fs::remove_dir_all(&folder).expect("clean up");
-    }
-
-    #[test]
-    fn refuses_a_file_saved_after_loading() {
-        let name = format!("reflet-saved-{}", std::process::id());
-        let path = std::env::temp_dir().join(name);
-        fs::write(&path, "old").expect("writable");
-        let hour = std::time::Duration::from_secs(3600);
-        let now = SystemTime::now();
-        assert!(check_unchanged(&path, now + hour).is_ok());
-        match check_unchanged(&path, now - hour) {
-            Err(AppError::Internal(text)) => assert!(text.contains("was saved while"), "{text}"),
-            other => panic!("{other:?}"),
-        }
-        // A file with an old modification time is renamed over the read one.
-        let old = fs::File::options().write(true).open(&path).expect("there");
-        old.set_modified(now - 2 * hour).expect("settable");
-        assert_eq!(check_unchanged(&path, now - hour).is_err(), cfg!(unix));
-        fs::remove_file(&path).expect("clean up");
     }
 }

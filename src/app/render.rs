@@ -1,6 +1,6 @@
 //! `render`: renders a scene to pictures or a film.
 
-use std::time::{Instant, SystemTime};
+use std::time::Instant;
 
 use super::{
     args::RenderArgs,
@@ -19,7 +19,7 @@ use crate::{files::sweep, render::aov::Aov, scene::desc::Method};
 /// # Errors
 /// The first fatal error; no partial file is left. Failed frames of one camera do not stop other cameras.
 pub fn render(args: &RenderArgs) -> Result<(), AppError> {
-    let (started, opened) = (Instant::now(), SystemTime::now());
+    let started = Instant::now();
     // Cheap checks first, before rendering.
     let many = sequence::is_sequence(args)?;
     if !many {
@@ -47,12 +47,12 @@ pub fn render(args: &RenderArgs) -> Result<(), AppError> {
         let rendered = if many {
             let frames = sequence::choose(&args, loaded.scene.timeline.as_ref())?;
             sequence::check_output(&args, &frames, &aovs, &inputs)?;
-            let session = RenderSession::new(&args, loaded, camera, aovs, &library, opened)?;
+            let session = RenderSession::new(&args, loaded, camera, aovs, &library)?;
             sequence::render(&args, session, &frames, (load_ms, started))
         } else {
             let output = PictureFile::new(&args.output)?;
             output.check_files(&aovs, &inputs)?;
-            let session = RenderSession::new(&args, loaded, camera, aovs, &library, opened)?;
+            let session = RenderSession::new(&args, loaded, camera, aovs, &library)?;
             picture(&args, session, &output, (load_ms, started))
         };
         match rendered {
@@ -91,7 +91,7 @@ fn picture(
     let pending = session.begin(output.has_color());
     let mut picture = pending
         .and_then(|pending| pending.take(&session.scene.gpu))
-        .map_err(|error| AppError::from_render(error, session.own_shaders))?;
+        .map_err(|error| AppError::from_render(error, session.own_shaders.is_some()))?;
     if let Some(denoiser) = &session.denoiser {
         denoiser.apply(&mut picture)?;
     }

@@ -1,6 +1,8 @@
 //! A scene to render, with the settings of its command.
 
-use std::{sync::Arc, time::SystemTime};
+use std::sync::Arc;
+
+use xxhash_rust::xxh3::Xxh3Default;
 
 use super::{args::RenderArgs, denoise::Denoiser, error::AppError, plan_file::costs};
 use crate::{
@@ -18,12 +20,10 @@ pub struct RenderSession {
     pub scene: SceneRenderer,
     /// AOVs of every frame.
     pub aovs: Vec<Aov>,
-    /// Time before the first file of the scene was opened.
-    pub opened: SystemTime,
     /// Denoiser of the pictures, if requested.
     pub denoiser: Option<Arc<Denoiser>>,
-    /// Whether the shaders come from the user.
-    pub own_shaders: bool,
+    /// Hash of the shaders, if they come from the user.
+    pub own_shaders: Option<u128>,
     /// Whether passes are timed, for statistics.
     timed: bool,
 }
@@ -39,7 +39,6 @@ impl RenderSession {
         camera: usize,
         aovs: Vec<Aov>,
         library: &ShaderLibrary,
-        opened: SystemTime,
     ) -> Result<Self, AppError> {
         let denoiser = (args.denoise)
             .then(|| Denoiser::new(&aovs, &loaded.world).map(Arc::new))
@@ -47,7 +46,7 @@ impl RenderSession {
         let gpu = Gpu::new(&GpuOptions {
             adapter_filter: args.adapter.clone(),
         })?;
-        let own_shaders = args.shaders.is_some();
+        let own_shaders = args.shaders.is_some().then(|| hash_of(library));
         let settings = RendererSettings {
             audit: args.stats.is_some(),
             costs: args
@@ -57,11 +56,10 @@ impl RenderSession {
                 .transpose()?,
         };
         let scene = SceneRenderer::new(gpu, loaded, camera, settings, library)
-            .map_err(|error| AppError::from_render(error, own_shaders))?;
+            .map_err(|error| AppError::from_render(error, own_shaders.is_some()))?;
         Ok(Self {
             scene,
             aovs,
-            opened,
             denoiser,
             own_shaders,
             timed: args.stats.is_some(),
@@ -88,4 +86,14 @@ impl RenderSession {
             None => self.aovs.clone(),
         }
     }
+}
+
+/// Hash of the names and texts of all shaders.
+fn hash_of(library: &ShaderLibrary) -> u128 {
+    let mut hash = Xxh3Default::new();
+    for part in library.texts().flat_map(|(name, text)| [name, text]) {
+        hash.update(&(part.len() as u64).to_le_bytes());
+        hash.update(part.as_bytes());
+    }
+    hash.digest128()
 }

@@ -353,7 +353,7 @@ fn begin_frame(
             RenderError::Gpu(GpuError::Lost(_) | GpuError::OutOfMemory(_))
         );
         (
-            AppError::from_render(error, session.own_shaders).to_string(),
+            AppError::from_render(error, session.own_shaders.is_some()).to_string(),
             fatal,
         )
     })

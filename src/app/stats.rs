@@ -73,7 +73,7 @@ pub fn print(
     let mut report = Report::new(&session.scene.gpu, frame, context);
     if args.counters {
         let counts = session.scene.counts();
-        let explain = |error| AppError::from_render(error, session.own_shaders);
+        let explain = |error| AppError::from_render(error, session.own_shaders.is_some());
         report.counts = Some(counts.map_err(explain)?);
     }
     match form {

@@ -2,26 +2,94 @@
 
 use std::{
     path::PathBuf,
-    sync::{Arc, Mutex, PoisonError},
+    sync::{Arc, Mutex, MutexGuard, PoisonError},
 };
+
+use crate::files::Stamp;
 
 /// Paths of all files that were read or looked for, as they were named: links are not resolved, and the
 /// files need not exist. Clones share one list.
 #[derive(Clone, Debug, Default)]
-pub struct Dependencies(Arc<Mutex<Vec<PathBuf>>>);
+pub struct Dependencies(Arc<Mutex<Vec<Dependency>>>);
+
+#[derive(Debug)]
+struct Dependency {
+    path: PathBuf,
+    /// Stamp before the file was read; `None` if it was missing.
+    stamp: Option<Stamp>,
+}
 
 impl Dependencies {
-    /// Adds a file, once.
+    /// Adds a file, once; it must not have been read before.
     pub fn add(&self, path: PathBuf) {
-        let mut paths = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        if !paths.contains(&path) {
-            paths.push(path);
+        let mut list = self.list();
+        if list.iter().all(|known| known.path != path) {
+            let stamp = Stamp::of(&path);
+            list.push(Dependency { path, stamp });
         }
     }
 
     /// Paths of all files that were looked for so far.
     pub fn paths(&self) -> Vec<PathBuf> {
-        let paths = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        paths.clone()
+        self.list().iter().map(|known| known.path.clone()).collect()
+    }
+
+    /// First file that was saved, replaced, created or deleted since it was added. Only what the file system tells of
+    /// the file is compared, never the clock, which may have been set in between.
+    pub fn changed(&self) -> Option<PathBuf> {
+        let list = self.list();
+        let changed = list
+            .iter()
+            .find(|known| Stamp::of(&known.path) != known.stamp);
+        changed.map(|known| known.path.clone())
+    }
+
+    fn list(&self) -> MutexGuard<'_, Vec<Dependency>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::{
+        fs,
+        time::{Duration, SystemTime},
+    };
+
+    use super::*;
+
+    #[test]
+    fn changes_are_found_whatever_the_clock_says() {
+        let name = format!("reflet-dependencies-{}", std::process::id());
+        let folder = std::env::temp_dir().join(name);
+        fs::create_dir_all(&folder).expect("writable");
+        let [file, missing] = ["a.toml", "b.toml"].map(|name| folder.join(name));
+        let hour = Duration::from_secs(3600);
+        for written in [SystemTime::now() + hour, SystemTime::now() - hour] {
+            fs::write(&file, "old").expect("writable");
+            let set = |time| {
+                let opened = fs::File::options().write(true).open(&file);
+                opened.expect("there").set_modified(time).expect("settable");
+            };
+            // In the future, as after a clock was set back, and long ago.
+            set(written);
+            let known = Dependencies::default();
+            known.add(file.clone());
+            known.add(missing.clone());
+            assert_eq!(known.changed(), None);
+            // A save with any time counts, also when the file is renamed over the old one.
+            fs::write(folder.join("new"), "new").expect("writable");
+            fs::rename(folder.join("new"), &file).expect("renamed");
+            set(written);
+            assert_eq!(known.changed(), cfg!(unix).then(|| file.clone()));
+            fs::write(&file, "longer").expect("writable");
+            assert_eq!(known.changed(), Some(file.clone()));
+            let known = Dependencies::default();
+            known.add(missing.clone());
+            fs::write(&missing, "").expect("writable");
+            assert_eq!(known.changed(), Some(missing.clone()));
+            fs::remove_file(&missing).expect("there");
+        }
+        fs::remove_dir_all(&folder).expect("clean up");
     }
 }

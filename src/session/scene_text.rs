@@ -90,6 +90,8 @@ pub struct LoadedScene {
     pub warnings: Vec<Diagnostic>,
     /// The frame that the world was last posed at.
     pub frame: u32,
+    /// Files that were looked for while the scene was loaded, except its texts.
+    pub dependencies: Dependencies,
 }
 
 impl SceneText {
@@ -235,6 +237,7 @@ impl OpenedScene {
         }
     }
 }
+            dependencies: self.options.dependencies,
 
 impl LoadedScene {
     /// The world at the first frame, which decides `auto` settings; the world as loaded where that frame has errors,
