@@ -16,7 +16,7 @@ use super::{
 use crate::{
     scene::{
         dependencies::Dependencies,
-        diagnostic::{Diagnostic, printable},
+        diagnostic::Diagnostic,
         parse::MOST_BYTES,
         stages::{Animator, Scene},
     },
@@ -257,7 +257,7 @@ impl Log {
 
     fn print(&self) {
         for (frame, line) in &self.lines {
-            eprintln!("frame {frame}: {}", printable(line));
+            eprintln!("frame {frame}: {line}");
         }
         if self.num_more > 0 {
             eprintln!("and {} more lines of the script", self.num_more);

@@ -10,8 +10,15 @@ use super::frame_spans::spans;
 use crate::{
     gpu::{GpuError, ShaderError},
     render::RenderError,
-    scene::diagnostic::{Diagnostic, render_all},
+    scene::diagnostic::{Diagnostic, printable_lines, render_all},
 };
+
+/// Writes a line to standard error; what could control a terminal is replaced, as messages quote names of files.
+macro_rules! say {
+    ($($part:tt)*) => {
+        eprintln!("{}", printable_lines(&format!($($part)*)))
+    };
+}
 
 /// Error of a command.
 #[derive(Clone, Debug)]
@@ -74,7 +81,7 @@ impl AppError {
     pub fn print(&self) {
         match self {
             Self::Usage(text) | Self::Disk(text) | Self::Internal(text) => {
-                eprintln!("error: {text}");
+                say!("error: {text}");
             }
             Self::Unwritten { why, missing } => {
                 let (is, frames) = match missing.len() {
@@ -82,13 +89,11 @@ impl AppError {
                     n => ("are", format!("{n} frames")),
                 };
                 let list = spans(missing);
-                eprintln!("error: {why}");
-                eprintln!(
-                    "{frames} {is} missing: {list}; free disk space and add --resume to continue"
-                );
+                say!("error: {why}");
+                say!("{frames} {is} missing: {list}; free disk space and add --resume to continue");
             }
-            Self::Interrupted(text) => eprintln!("{text}"),
-            Self::Gpu(error) => eprintln!("error: {error}"),
+            Self::Interrupted(text) => say!("{text}"),
+            Self::Gpu(error) => say!("error: {error}"),
             Self::Scene(diagnostics) | Self::Picture(diagnostics) => {
                 print_diagnostics(diagnostics);
             }
@@ -104,7 +109,7 @@ impl AppError {
                     1 => format!("; 1 frame was not tried: {}", spans(untried)),
                     n => format!("; {n} frames were not tried: {}", spans(untried)),
                 };
-                eprintln!("there is no film {}{rest}", path.display());
+                say!("there is no film {}{rest}", path.display());
             }
             Self::Threshold => {}
         }
@@ -139,9 +144,9 @@ impl AppError {
 
 fn print_failures(failed: &[(u32, String)]) {
     let plural = if failed.len() == 1 { "" } else { "s" };
-    eprintln!("error: {} frame{plural} failed:", failed.len());
+    say!("error: {} frame{plural} failed:", failed.len());
     for (frame, why) in failed {
-        eprintln!("  {frame}: {why}");
+        say!("  {frame}: {why}");
     }
 }
 

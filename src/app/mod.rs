@@ -9,7 +9,7 @@ use clap::Parser as _;
 
 #[cfg(feature = "bench")]
 use crate::bench::compare::{CompareArgs, compare};
-use crate::scene::{manual::manual, schema::schema, script};
+use crate::scene::{diagnostic::printable_lines, manual::manual, schema::schema, script};
 
 pub mod aov;
 pub mod args;
@@ -118,13 +118,15 @@ fn run_compare(args: &CompareArgs) -> Result<(), AppError> {
     }
 }
 
-/// Writes to standard output. A closed pipe (`reflet manual | head`) is no error.
+/// Writes to standard output; what could control a terminal is replaced. A closed pipe (`reflet manual | head`) is no
+/// error.
 ///
 /// # Errors
 /// [`AppError::Internal`] for anything else that stops the writing.
 pub fn print_out(text: &str) -> Result<(), AppError> {
     let mut out = io::stdout().lock();
     let end = if text.ends_with('\n') { "" } else { "\n" };
+    let text = printable_lines(text);
     let written = write!(out, "{text}{end}").and_then(|()| out.flush());
     match written {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(AppError::Internal(
@@ -141,5 +143,10 @@ pub fn print_out(text: &str) -> Result<(), AppError> {
 pub fn print_json(value: &impl serde::Serialize) -> Result<(), AppError> {
     let json = serde_json::to_string_pretty(value)
         .map_err(|error| AppError::Internal(format!("as JSON: {error}")))?;
-    print_out(&json)
+    // JSON may hold control characters behind ASCII as they are; as escapes they mean the same.
+    let escape = |c: char| match c.is_control() && c != '\n' {
+        true => format!("\\u{:04x}", c as u32),
+        false => c.to_string(),
+    };
+    print_out(&json.chars().map(escape).collect::<String>())
 }

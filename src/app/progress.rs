@@ -10,6 +10,7 @@ use indicatif::{HumanDuration, ProgressBar, ProgressState, ProgressStyle};
 use serde_json::json;
 
 use super::args::ProgressForm;
+use crate::scene::diagnostic::printable_lines;
 
 /// Progress of one command.
 #[derive(Debug)]
@@ -107,6 +108,7 @@ impl Progress {
 
     /// Reports a failed frame as JSON or to a worker; the other forms list failures at the end.
     pub fn failed(&self, frame: u32, why: &str) {
+        let why = printable_lines(why);
         match self.form {
             ProgressForm::Json => print_line(json!({ "frame": frame, "failed": why })),
             ProgressForm::Openjd => {

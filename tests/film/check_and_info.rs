@@ -107,3 +107,44 @@ fn check_stops_after_a_script_met_a_limit() {
         assert!(no_limit.contains(says), "{says}: {no_limit}");
     }
 }
+
+#[test]
+fn text_of_files_does_not_control_the_terminal() {
+    let folder = folder("terminal-text");
+    let camera =
+        "[camera.\"a\\u001b]0;pwn\\u0007\\u009b2J\"]\neye = [0, 1, 4]\ntarget = [0, 0, 0]\n";
+    let text = format!("{}{camera}", crate::SCENE);
+    fs::write(folder.join("scene.toml"), text).expect("written");
+    let script = "fn setup(ctx) { print(\"\\x1b]0;pwn\\x07\\x1b[2J\\tend\"); #{} }\n\
+                  fn frame(ctx) { print(\"\\x1b[1m\"); }\n";
+    fs::write(folder.join("s.rhai"), script).expect("written");
+    let is_plain = |c: char| !c.is_control() || c == '\n' || c == '\t';
+    for arguments in [
+        &["check"][..],
+        &["info"],
+        &["info", "--json"],
+        &["render", "-o", "f.#.png", "--camera", "none"],
+        &["render", "-o", "f.#.png", "--camera", "all"],
+    ] {
+        let output = Command::new(env!("CARGO_BIN_EXE_reflet"))
+            .current_dir(&folder)
+            .args([&[arguments[0], "scene.toml"], &arguments[1..]].concat())
+            .env("REFLET_ADAPTER", "no such adapter")
+            .output()
+            .expect("the program starts");
+        let said = [&output.stdout[..], &output.stderr].concat();
+        let said = String::from_utf8(said).expect("text");
+        assert!(said.contains("pwn"), "{arguments:?}: {said:?}");
+        let raw: Vec<char> = said.chars().filter(|c| !is_plain(*c)).collect();
+        assert!(raw.is_empty(), "{arguments:?}: {said:?}");
+        if arguments == ["info", "--json"] {
+            let info: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+            let names = info["cameras"].as_array().expect("names");
+            assert!(
+                names
+                    .iter()
+                    .any(|name| name == "a\u{1b}]0;pwn\u{7}\u{9b}2J")
+            );
+        }
+    }
+}

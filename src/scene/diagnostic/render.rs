@@ -126,6 +126,12 @@ pub fn printable(text: &str) -> String {
         .collect()
 }
 
+/// Text of several lines for a terminal with unprintable characters replaced; newlines and tabs stay.
+pub fn printable_lines(text: &str) -> String {
+    let lines: Vec<_> = text.split('\n').map(printable_line).collect();
+    lines.join("\n")
+}
+
 /// Part of a line with unprintable characters replaced; tabs stay.
 fn printable_line(text: &str) -> String {
     text.chars()

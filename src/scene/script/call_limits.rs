@@ -15,7 +15,7 @@ use std::{
 use rhai::{EvalAltResult, Position};
 
 use super::limits::{DEADLINE, LINES, MEMORY, OPERATIONS, PRINTED, STACK, TIME_IS, grouped};
-use crate::processor_time;
+use crate::{processor_time, scene::diagnostic::printable_lines};
 
 /// Number of operations between two checks of the clock; a closure that is bound to itself can double in about
 /// as many.
@@ -268,8 +268,9 @@ pub fn met() -> Option<String> {
     USED.with(|used| used.why.borrow().clone())
 }
 
-/// Keeps a line that the call on this thread prints, as far as its limits allow.
-pub fn print(mut line: String) {
+/// Keeps a line that the call on this thread prints, as far as its limits allow; what could control a terminal is
+/// replaced.
+pub fn print(text: &str) {
     USED.with(|used| {
         let mut log = used.log.borrow_mut();
         let Some(left) = PRINTED.checked_sub(used.printed.get()) else {
@@ -280,11 +281,10 @@ pub fn print(mut line: String) {
             used.printed.set(PRINTED + 1);
             return;
         }
-        used.printed.set(used.printed.get() + line.len() + 1);
-        let is_cut = line.len() > left;
-        line.truncate(line.floor_char_boundary(left));
-        line.shrink_to_fit();
-        log.push(line);
+        used.printed.set(used.printed.get() + text.len() + 1);
+        let is_cut = text.len() > left;
+        let text = &text[..text.floor_char_boundary(left)];
+        log.push(printable_lines(text));
         if is_cut {
             let most = grouped(PRINTED as u64);
             log.push(format!("… only the first {most} bytes are shown"));

@@ -52,8 +52,8 @@ pub fn engine(sources: &Arc<Sources>) -> Engine {
     engine.set_max_variables(VARIABLES);
     // Count operations here: Rhai's own count starts anew inside closures.
     engine.on_progress(|_| progress(1).map(Into::into));
-    engine.on_print(|text| print(text.to_owned()));
-    engine.on_debug(|text, source, at| print(placed(source, at, text)));
+    engine.on_print(print);
+    engine.on_debug(|text, source, at| print(&placed(source, at, text)));
     register_print::<ImmutableString>(&mut engine);
     register_print::<char>(&mut engine);
     register_print::<bool>(&mut engine);

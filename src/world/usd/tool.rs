@@ -10,7 +10,7 @@ use std::{
 };
 
 use super::{TOOL_ENV, advice::in_reflet};
-use crate::world::gltf::Fault;
+use crate::{scene::diagnostic::printable_lines, world::gltf::Fault};
 
 /// Prefix of the converter's progress lines.
 const PROGRESS: &str = "converting: ";
@@ -127,7 +127,7 @@ fn pass_on(stage: &Path, said: impl Read) -> Vec<String> {
     let mut errors = Vec::new();
     let mut shown = false;
     for line in BufReader::new(said).split(b'\n').map_while(Result::ok) {
-        let line = String::from_utf8_lossy(&line).trim_end().to_owned();
+        let line = printable_lines(String::from_utf8_lossy(&line).trim_end());
         match line.strip_prefix(PROGRESS) {
             Some(far) => {
                 let line = format!("usd: converting {}: {far}", stage.display());
