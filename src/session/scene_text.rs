@@ -54,6 +54,8 @@ pub struct SceneText {
     name: String,
     read: ReadOptions,
     options: LoadOptions,
+    /// Warnings about the options.
+    warnings: Vec<Diagnostic>,
 }
 
 /// A scene read from disk, without its assets.
@@ -88,10 +90,10 @@ pub struct LoadedScene {
     pub overrides: Vec<String>,
     /// Warnings about the scene's text, script and files.
     pub warnings: Vec<Diagnostic>,
-    /// The frame that the world was last posed at.
-    pub frame: u32,
     /// Files that were looked for while the scene was loaded, except its texts.
     pub dependencies: Dependencies,
+    /// The frame that the world was last posed at.
+    pub frame: u32,
 }
 
 impl SceneText {
@@ -130,6 +132,7 @@ impl SceneText {
             name: name.unwrap_or_else(|| "the built-in atrium".to_owned()),
             read,
             options,
+            warnings: missing_folders(&from.assets),
         })
     }
 
@@ -141,6 +144,7 @@ impl SceneText {
             name: file.display().to_string(),
             read: read_options(from),
             options: load_options(from, &Dependencies::default()),
+            warnings: missing_folders(&from.assets),
         }
     }
 
@@ -174,7 +178,7 @@ impl SceneText {
             text: self.text,
             overrides: variants.chain(options.overrides).collect(),
             scene,
-            warnings,
+            warnings: self.warnings.into_iter().chain(warnings).collect(),
             options: self.options,
             model: options.generated.then_some(self.file),
         })
@@ -233,11 +237,11 @@ impl OpenedScene {
             text: self.text,
             overrides: self.overrides,
             warnings: self.warnings,
+            dependencies: self.options.dependencies,
             frame,
         }
     }
 }
-            dependencies: self.options.dependencies,
 
 impl LoadedScene {
     /// The world at the first frame, which decides `auto` settings; the world as loaded where that frame has errors,
@@ -317,6 +321,17 @@ pub fn load_options(from: &SceneOptions, dependencies: &Dependencies) -> LoadOpt
         dependencies: dependencies.clone(),
         ..LoadOptions::default()
     }
+}
+
+/// Warnings about given asset folders that do not exist; those of [`ASSETS_ENV`] may be of other scenes.
+fn missing_folders(given: &[PathBuf]) -> Vec<Diagnostic> {
+    let missing = given.iter().filter(|folder| !folder.is_dir());
+    let warning = |folder: &PathBuf| {
+        let message = "there is no such folder, so nothing is found in it";
+        let help = "check the path of `--assets`";
+        Diagnostic::in_file("no-folder", folder, message).help(help)
+    };
+    missing.map(warning).map(Diagnostic::warning).collect()
 }
 
 /// The given asset folders, then those of [`ASSETS_ENV`].

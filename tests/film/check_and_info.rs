@@ -109,6 +109,28 @@ fn check_stops_after_a_script_met_a_limit() {
 }
 
 #[test]
+fn what_has_no_effect_is_warned_of() {
+    let folder = folder("no-effect");
+    let cuts = "timeline = { fps = 10, end = 5, cuts = [{ frame = 40, camera = \"main\" }] }";
+    let text = crate::SCENE.replace("timeline = { fps = 10, end = 5 }", cuts);
+    fs::write(folder.join("scene.toml"), text).expect("written");
+    let (code, _, err) = reflet(&folder, "check", "scene.toml");
+    assert_eq!(code, Some(0), "{err}");
+    assert!(
+        err.contains("warning[late-cut]") && err.contains("scene.toml:5:64"),
+        "{err}"
+    );
+    let output = Command::new(env!("CARGO_BIN_EXE_reflet"))
+        .current_dir(&folder)
+        .args(["info", "scene.toml", "--assets", "nope", "--assets", "."])
+        .output()
+        .expect("the program starts");
+    let err = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{err}");
+    assert_eq!(err.matches("warning[no-folder]").count(), 1, "{err}");
+}
+
+#[test]
 fn text_of_files_does_not_control_the_terminal() {
     let folder = folder("terminal-text");
     let camera =

@@ -46,6 +46,19 @@ fn cuts(t: &mut Table) -> Vec<CutDesc> {
     cuts
 }
 
+/// Warns of cuts after the last frame, which no frame shows.
+fn warn_of_late_cuts(t: &mut Table, cuts: &[CutDesc], end: u32) {
+    for cut in cuts.iter().filter(|cut| cut.frame > end) {
+        let message = format!(
+            "the cut at frame {} is never shown: the last frame is {end}",
+            cut.frame
+        );
+        let warning = Diagnostic::at("late-cut", cut.camera.at.clone(), message);
+        let help = "remove the cut, or move `end`";
+        t.report.push(warning.help(help).warning());
+    }
+}
+
 impl Section for Film {
     const TYPE: &'static str = "TimelineDesc";
     const HEADING: &'static str = "[timeline]";
@@ -64,6 +77,9 @@ impl Section for Film {
             );
         }
         let cuts = cuts(t);
+        if let Some(end) = end {
+            warn_of_late_cuts(t, &cuts, end);
+        }
         let timeline = TimelineDesc {
             fps,
             start,
