@@ -1,8 +1,8 @@
-//! Example files of the README, section by section.
+//! Example files of the README and of the guide that goes on from it.
 
 use std::{fs, path::Path};
 
-/// Blocks of code of the README that belong to one scene.
+/// The README's scene and the code blocks of the guide that change it.
 pub struct Story {
     scene: String,
     motion: String,
@@ -19,30 +19,32 @@ pub struct Story {
 }
 
 impl Story {
-    /// Reads the blocks from the README beside the manifest.
+    /// Reads the blocks from the README and the guide.
     pub fn read() -> Self {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("README.md");
-        let readme = fs::read_to_string(path).expect("README.md");
-        let blocks = |fence: &str| -> Vec<String> {
-            let after = readme.split(fence).skip(1);
+        let [readme, guide] = ["README.md", "docs/guide.md"].map(|name| {
+            let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(name);
+            fs::read_to_string(path).expect(name)
+        });
+        let blocks = |page: &str, fence: &str| -> Vec<String> {
+            let after = page.split(fence).skip(1);
             let block = |text: &str| text.split_once("```").expect("its end").0.to_owned();
             after.map(block).collect()
         };
-        let mut toml = blocks("```toml\n").into_iter();
-        let mut next = || toml.next().expect("a block");
-        let (scene, motion, script_line) = (next(), next(), next());
+        let guided = blocks(&guide, "```toml\n");
+        let with = |part: &str| {
+            let block = guided.iter().find(|block| block.contains(part));
+            block.expect(part).clone()
+        };
+        let script_line = with("script = \"");
         let script_name = script_line.split('"').nth(1).expect("a name").to_owned();
-        let shot = toml.find(|block| block.contains("base = \"my.toml\""));
-        let rig = toml.find(|block| block.contains("scene = \"lamp.toml\""));
-        let script = blocks("```rust\n").swap_remove(0);
         Self {
-            scene,
-            motion,
-            shot: shot.expect("a scene with a base"),
-            rig: rig.expect("a scene with a rig"),
+            scene: blocks(&readme, "```toml\n").swap_remove(0),
+            motion: with("[motion.camera.main]"),
+            shot: with("base = \"my.toml\""),
+            rig: with("scene = \"lamp.toml\""),
             script_line,
             script_name,
-            script,
+            script: blocks(&guide, "```rust\n").swap_remove(0),
         }
     }
 

@@ -1,4 +1,4 @@
-//! The README's example files render as a film.
+//! The example files of the README and the guide render as a film.
 
 use std::{
     fs,

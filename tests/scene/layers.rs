@@ -380,7 +380,7 @@ fn variants_are_laid_over_the_scene() {
 }
 
 #[test]
-fn the_variation_of_the_readme_can_be_read() {
+fn the_variation_of_the_guide_can_be_read() {
     let story = crate::common::readme::Story::read();
     let [scene, ..] = story.scenes();
     let files = [
@@ -391,6 +391,6 @@ fn the_variation_of_the_readme_can_be_read() {
     let scene = folder
         .read(&["night"], &[])
         .unwrap_or_else(|errors| panic!("{errors}"));
-    assert_eq!((scene.instances.len(), scene.lights.len()), (2, 0));
+    assert_eq!((scene.instances.len(), scene.lights.len()), (4, 0));
     assert!(scene.environment.zenith.max_element() < 0.1);
 }

@@ -61,7 +61,7 @@ fn every_shipped_scene_loads() {
     }
 }
 
-/// Scene of the README with the changes of each step: scene, motion, script.
+/// Scene of the README with the changes of each step of the guide: scene, motion, script.
 #[test]
 fn each_step_of_the_readme_scene_is_valid() {
     let readme = crate::common::readme::Story::read();
@@ -87,20 +87,20 @@ fn each_step_of_the_readme_scene_is_valid() {
     let [first, later] = read(&scene);
     assert_eq!(first.instances, later.instances, "nothing moves yet");
     let [first, later] = read(&moving);
-    assert_eq!(first.instances.len(), 2);
-    assert_ne!(first.instances[1], later.instances[1]);
+    assert_eq!(first.instances.len(), 4);
+    assert_ne!(first.instances[3], later.instances[3]);
     assert_ne!(first.cameras, later.cameras);
     let [first, later] = read(&scripted);
-    assert_eq!(first.instances.len(), 5);
-    assert_ne!(first.instances[4], later.instances[4]);
+    assert_eq!(first.instances.len(), 7);
+    assert_ne!(first.instances[6], later.instances[6]);
     assert_ne!(first.materials, later.materials);
 }
 
-/// The README's scene with a rig, beside the lamp of the show.
+/// The guide's scene with a rig, beside the lamp of the show.
 #[test]
-fn the_rig_of_the_readme_is_valid() {
+fn the_rig_of_the_guide_is_valid() {
     let readme = crate::common::readme::Story::read();
-    let path = root().join("scenes/show/readme.toml");
+    let path = root().join("scenes/show/guide.toml");
     let (desc, warnings) =
         Scene::from_text(&readme.rig, &path, &[]).unwrap_or_else(|e| panic!("{}", said(&e)));
     assert!(warnings.is_empty(), "{}", said(&warnings));
