@@ -3,7 +3,7 @@
 //! Computer 34(3), 2018): reflections are marched in screen space first; every pixel that the march
 //! cannot answer goes into a mask; only the mask is ray traced on the GPU.
 //!
-//! A program opens a scene by [`session::Session`]; `docs/examples/render_to_pixels.rs` is one in a few
+//! A program opens a scene by [`runtime::Session`]; `docs/examples/render_to_pixels.rs` is one in a few
 //! lines.
 //!
 //! # The map
@@ -19,7 +19,7 @@
 //! |---|---|
 //! | [`app`] | the commands and what they print; exit codes; [`app::lint`] warns of likely mistakes; [`app::watch`] and [`app::live`] watch files, [`app::preview`] shows them in a window |
 //! | [`mod@bench`] | picture × picture → error ([`bench::metric`], pure); [`bench::run`] renders and measures; reports are drawn from the table of samples |
-//! | [`session`] | the library's main interface: a scene is opened, changed, posed and rendered to pixels and AOVs, as the commands do it |
+//! | [`runtime`] | one scene from its text to its pictures, opened, changed and posed in keyed stages; the library's main interface, and the only place that builds a renderer: `render`, the preview and `bench` are thin users of it |
 //! | [`render`] | `render/frame.rs` is the order of the passes: read it first; [`render::plan`] lists the features and passes that a scene needs, [`render::targets`] the one table of intermediate textures, [`render::types`] every struct shared with the shaders |
 //! | [`gpu`] | thin layer over wgpu: device, shaders, bindings by name, timings, readback; independent of scenes |
 //! | [`world`] | SceneDesc → CPU data: glTF, images, shapes, trees and the CPU oracle; no wgpu |
@@ -81,9 +81,10 @@
 //! Saving a file reruns the stages that come after it in the diagram of the data flow, and no others.
 //!
 //! 1. [`app::watch`] tells which kind of file has new content.
-//! 2. [`app::live::ReloadJob`] reads the text, runs the script and poses the frame that is shown; the
-//!    preview does it on a thread of its own. A newer save cancels the job ([`scene::script::Halt`]).
-//! 3. [`world::load::AssetCache`] builds instances and materials anew from the files that are in memory already.
+//! 2. [`app::live::ReloadJob`] reads the text, runs the script and poses the first frame and the one that is shown;
+//!    the preview does it on a thread of its own. A newer save cancels the job ([`scene::script::Halt`]).
+//! 3. [`runtime::Session::show`] does the rest, as for [`runtime::Session::set`]: [`world::load::AssetCache`] builds
+//!    instances and materials anew from the files that are in memory already.
 //! 4. [`render::Renderer::change`] compares meshes and textures by identity, and trees, materials, poses and
 //!    bindings by value, and rebuilds those that differ. Shaders are cached by their text, pipelines by
 //!    their shader.
@@ -127,6 +128,6 @@ pub mod math;
 pub mod memory;
 mod processor_time;
 pub mod render;
+pub mod runtime;
 pub mod scene;
-pub mod session;
 pub mod world;

@@ -5,7 +5,7 @@ use std::{env, error::Error};
 
 use reflet::{
     render::{PlaneData, cause::Source},
-    session::{Session, SessionOptions},
+    runtime::{Session, SessionOptions},
 };
 
 fn main() -> Result<(), Box<dyn Error>> {

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 
 use super::frames::{Shard, parse_shard};
-use crate::{scene::desc::Method, session::scene_text::SceneOptions};
+use crate::{runtime::scene_text::SceneOptions, scene::desc::Method};
 
 /// Source of the scene, and overrides of its values.
 #[derive(Clone, Debug, Default, Args)]

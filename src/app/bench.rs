@@ -28,8 +28,8 @@ use crate::{
     },
     files::write_whole,
     gpu::{Gpu, GpuOptions},
+    runtime::scene_text::LoadedScene,
     scene::{desc::Method, diagnostic::Diagnostic},
-    session::scene_text::LoadedScene,
 };
 
 pub mod args;
@@ -205,7 +205,8 @@ pub fn subject(
     name: String,
     camera: Option<&str>,
 ) -> Result<Subject, AppError> {
-    let chosen = &loaded.world.cameras[choose_camera(&loaded, camera)?];
+    let camera_index = choose_camera(&loaded, camera)?;
+    let chosen = &loaded.world.cameras[camera_index];
     let (camera_name, camera) = (chosen.name.clone(), chosen.value.clone());
     let mut content = Hash::default().with(&loaded.text);
     for setting in &loaded.overrides {
@@ -225,6 +226,8 @@ pub fn subject(
         name,
         camera_name,
         camera,
+        camera_index,
+        first: (!loaded.scene.is_still()).then(|| loaded.first_frame().into_owned()),
         reflection: loaded.scene.reflection,
         image: loaded.scene.image,
         world: loaded.world,

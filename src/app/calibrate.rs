@@ -14,12 +14,14 @@ use crate::{
     files::{Inputs, write_whole},
     gpu::{Gpu, GpuOptions, ShaderLibrary},
     render::{
-        RenderOptions, Renderer, cost::Workload, decide::workload, stats::FrameStats,
-        unit_costs::UnitCosts,
+        RenderOptions, cost::Workload, decide::workload, stats::FrameStats, unit_costs::UnitCosts,
+    },
+    runtime::{
+        renderer_stage::RendererStage,
+        scene_text::{LoadedScene, SceneOptions, SceneText},
     },
     scene::dependencies::Dependencies,
     scene::desc::{LightKind, Method, ShadowMode, Visibility},
-    session::scene_text::{LoadedScene, SceneOptions, SceneText},
     world::{World, bvh::Trees},
 };
 
@@ -183,7 +185,7 @@ fn timed(
     options.image.visibility = setup.visibility;
     let refused = |error| AppError::from_render(error, false);
     let library = ShaderLibrary::embedded();
-    let mut renderer = Renderer::new(gpu, &library, &world, &options).map_err(refused)?;
+    let mut renderer = RendererStage::new(gpu, &library, &world, &options).map_err(refused)?;
     let camera = world.cameras[world.main_camera()].value.clone();
     renderer.render(gpu, &world, &camera).map_err(refused)?;
     let mut best: Option<FrameStats> = None;

@@ -7,18 +7,21 @@ use std::{
 };
 
 use super::{args::RenderArgs, error::AppError, scene::choose_camera};
-use crate::session::scene_text::LoadedScene;
+use crate::runtime::scene_text::LoadedScene;
 
 /// Placeholder of the camera's name in the name of the output.
 pub const PLACEHOLDER: &str = "{camera}";
 
-/// One run for each chosen camera: its index into the world's cameras, and the arguments with the
-/// name of its file.
+/// One run for each chosen camera: its index into the world's cameras, `None` where the cuts choose, and the
+/// arguments with the name of its file.
 ///
 /// # Errors
 /// [`AppError::Usage`] for cameras that the scene does not have or that are named twice, for several
 /// of them without `{camera}` in the name of the output, and for names that give one file.
-pub fn runs(args: &RenderArgs, loaded: &LoadedScene) -> Result<Vec<(usize, RenderArgs)>, AppError> {
+pub fn runs(
+    args: &RenderArgs,
+    loaded: &LoadedScene,
+) -> Result<Vec<(Option<usize>, RenderArgs)>, AppError> {
     let cameras = choose(loaded, args.camera.as_deref())?;
     let name = |index: usize| loaded.world.cameras[index].name.as_str();
     let shown = args.output.display();
@@ -32,7 +35,8 @@ pub fn runs(args: &RenderArgs, loaded: &LoadedScene) -> Result<Vec<(usize, Rende
             output,
             ..args.clone()
         };
-        return Ok(vec![(*index, args)]);
+        let chosen = args.camera.is_some().then_some(*index);
+        return Ok(vec![(chosen, args)]);
     }
     if !has_place {
         let stem = args.output.with_extension("").display().to_string();
@@ -64,7 +68,7 @@ pub fn runs(args: &RenderArgs, loaded: &LoadedScene) -> Result<Vec<(usize, Rende
             camera: Some(name(index).to_owned()),
             ..args.clone()
         };
-        runs.push((index, args));
+        runs.push((Some(index), args));
     }
     Ok(runs)
 }

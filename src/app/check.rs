@@ -14,13 +14,13 @@ use super::{
     print_json, print_out, sarif,
 };
 use crate::{
+    runtime::scene_text::{LoadedScene, SceneText},
     scene::{
         dependencies::Dependencies,
         diagnostic::Diagnostic,
         parse::MOST_BYTES,
         stages::{Animator, Scene},
     },
-    session::scene_text::{LoadedScene, SceneText},
     world::World,
 };
 

@@ -10,6 +10,7 @@ use super::frame_spans::spans;
 use crate::{
     gpu::{GpuError, ShaderError},
     render::RenderError,
+    runtime::SessionError,
     scene::diagnostic::{Diagnostic, printable_lines, render_all},
 };
 
@@ -127,12 +128,18 @@ impl AppError {
 
     /// Render error; `own_shaders` if the shaders come from the user.
     pub fn from_render(error: RenderError, own_shaders: bool) -> Self {
+        Self::from_session(error.into(), own_shaders)
+    }
+
+    /// Error of a session; `own_shaders` if the shaders come from the user.
+    pub fn from_session(error: SessionError, own_shaders: bool) -> Self {
         match error {
-            RenderError::Gpu(GpuError::Shader(error)) if own_shaders => {
+            SessionError::Gpu(GpuError::Shader(error)) if own_shaders => {
                 Self::from_user_shader(&error)
             }
-            RenderError::Gpu(error) => Self::Gpu(error),
-            RenderError::Scene(diagnostic) => Self::Scene(vec![*diagnostic]),
+            SessionError::Gpu(error) => Self::Gpu(error),
+            SessionError::Scene(errors) => Self::Scene(errors),
+            error => Self::Usage(error.to_string()),
         }
     }
 

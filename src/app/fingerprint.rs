@@ -21,7 +21,7 @@ const BUILT_FROM: &str = env!("REFLET_BUILT_FROM");
 /// # Errors
 /// A file that cannot be read any more, or that was modified since the scene was opened.
 pub fn of_run(args: &RenderArgs, session: &RenderSession) -> Result<u128, AppError> {
-    let loaded = &session.scene.loaded;
+    let loaded = session.scene.scene();
     let mut hash = Xxh3Default::new();
     let mut add = |bytes: &[u8]| {
         hash.update(&(bytes.len() as u64).to_le_bytes());
@@ -64,10 +64,10 @@ pub fn of_run(args: &RenderArgs, session: &RenderSession) -> Result<u128, AppErr
     // Settings left to `auto` are hashed as they were decided.
     let options = RenderOptions {
         audit: false, // an audit does not change the picture
-        ..*session.scene.options()
+        ..*session.scene.renderer().options()
     };
     add(format!("{options:?}").as_bytes());
-    let gpu = &session.scene.gpu;
+    let gpu = session.scene.gpu();
     add(gpu.adapter_info.name.as_bytes());
     add(gpu.adapter_info.driver_info.as_bytes());
     Ok(hash.digest128())

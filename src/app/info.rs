@@ -11,7 +11,6 @@ use super::{
     check,
     error::{AppError, print_diagnostics},
     lint::Lint,
-    params::setting,
     plan_file::PlanFile,
     print_json, print_out,
     scene::load_scene,
@@ -24,8 +23,8 @@ use crate::{
         textures::Layers,
         types::GpuVertex,
     },
+    runtime::{ViewOverrides, parameters::setting, scene_text::LoadedScene},
     scene::desc::{Entry, LightKind, ParamValue, SceneDesc},
-    session::scene_text::LoadedScene,
     world::{ListedVariants, Mesh, World, animation::Listed, bvh::Trees},
 };
 
@@ -168,7 +167,7 @@ pub fn gather(loaded: &LoadedScene, plan_file: Option<&PlanFile>) -> Result<Info
     };
     let bounds = world.static_bounds();
     let num_triangles = |mesh: usize| world.meshes[mesh].triangles.len();
-    let options = RenderOptions::of(&loaded.scene);
+    let options = ViewOverrides::default().options(loaded);
     let trees = if needs_trees(world, &options) {
         Trees::build(world, u64::MAX).map_err(|diagnostic| AppError::Scene(vec![*diagnostic]))?
     } else {

@@ -24,7 +24,7 @@ use super::{
 };
 use crate::{
     files::write_together,
-    session::scene_text::{LoadedScene, asset_folders},
+    runtime::scene_text::{LoadedScene, asset_folders},
 };
 
 /// Arguments of `job`.

@@ -1,4 +1,4 @@
-//! Hot reload of a scene: changed files are read and built beside the current scene and replace it
+//! A scene that follows its files: changed files are read and built beside what is shown and replace it
 //! in one step; after an error the last good scene stays.
 
 use std::{
@@ -9,69 +9,38 @@ use std::{
 };
 
 use super::{
-    args::SceneArgs,
-    params::{DeclaredParameters, ParameterOverrides},
     watch::{Change, WatchList},
     write_back::History,
 };
 use crate::{
-    gpu::{Gpu, ShaderError, ShaderLibrary},
-    render::{
-        RebuildSummary, RenderError, Renderer, shutter::Moments, stats::FrameStats,
-        unit_costs::UnitCosts,
+    gpu::ShaderError,
+    render::{RebuildSummary, RenderError, Renderer, stats::FrameStats},
+    runtime::{
+        Session,
+        model_viewer_scene::is_model,
+        parameters::{DeclaredParameters, ParameterOverrides},
     },
     scene::{
         dependencies::Dependencies,
-        desc::{CameraDesc, Method, SceneDesc, TimelineDesc},
+        desc::{CameraDesc, SceneDesc, TimelineDesc},
         diagnostic::Diagnostic,
         stages::Scene,
     },
-    session::{
-        model_viewer_scene::is_model,
-        open_shutter::{self, OpenShutter},
-    },
-    world::{World, load::AssetCache},
+    world::World,
 };
 
-mod catch_panic;
-mod coarse;
 mod open;
-mod parameter_trial;
+mod pending;
 mod pose;
 mod reload;
 mod reload_job;
 mod write_back;
 
-pub use open::InitialBuild;
-pub use parameter_trial::Refusal;
-use parameter_trial::TrialState;
+pub use crate::runtime::{InitialBuild, SceneSource, ViewOverrides};
+use pending::Pending;
+pub use pending::{ReadRequest, Refusal, Reuse};
 pub use pose::Edit;
-use reload::{PendingScene, options_of};
-pub use reload_job::{FinishedJob, ReloadJob, Reuse};
-
-/// Files and arguments of a live scene.
-#[derive(Clone, Debug)]
-pub struct SceneSource {
-    /// Scene file or model; `None` is the built-in atrium.
-    pub path: Option<PathBuf>,
-    /// Overrides and asset folders.
-    pub args: SceneArgs,
-    /// Shader folder; `None` for the built-in shaders.
-    pub shaders: Option<PathBuf>,
-}
-
-/// View settings that replace those of the scene.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct ViewOverrides {
-    /// Picture size, pixels.
-    pub size: Option<[u32; 2]>,
-    /// Reflection method.
-    pub method: Option<Method>,
-    /// Sub-frames per picture.
-    pub samples: Option<u32>,
-    /// See [`crate::render::RenderOptions::costs`].
-    pub costs: Option<UnitCosts>,
-}
+pub use reload_job::{FinishedJob, ReloadJob};
 
 /// Errors that keep changes from being shown; the last good scene stays meanwhile.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -118,6 +87,18 @@ pub struct Reload {
 }
 
 impl Reload {
+    /// No work, and nothing that is not shown.
+    pub const NONE: Self = Self {
+        ok: true,
+        files: false,
+        shaders: 0,
+        pipelines: 0,
+        rebuilt: RebuildSummary::NONE,
+        took: Duration::ZERO,
+        parse: Duration::ZERO,
+        driver: Duration::ZERO,
+    };
+
     /// Sum of two consecutive reloads.
     pub fn and(self, next: Self) -> Self {
         Self {
@@ -133,44 +114,25 @@ impl Reload {
     }
 }
 
-/// A scene with its renderer and the current errors in its files.
+/// A session that follows its files, with edits that are not in them and the errors that they have.
 #[derive(Debug)]
 pub struct Live {
-    gpu: Arc<Gpu>,
-    source: SceneSource,
-    library: ShaderLibrary,
-    scene: Arc<Scene>,
-    world: World,
-    asset_cache: AssetCache,
-    renderer: Renderer,
-    /// World of the coarse first picture, until [`Live::complete`] has built the rest.
-    coarse: Option<World>,
-    /// Method that was decided for a scene with method `auto`, before the view chose another.
-    auto_method: Method,
-    overrides: ViewOverrides,
-    /// Models, images and other files, existing or not.
-    dependencies: Dependencies,
+    session: Session,
+    /// Changes that are asked for and not shown yet.
+    pending: Pending,
     /// Scripts and included files, existing or not.
     texts: Dependencies,
     /// Scripts and included files of a scene that is being read.
     pending_texts: Dependencies,
     read_since: SystemTime,
-    declared: DeclaredParameters,
-    parameters: ParameterOverrides,
-    /// Requested values that are not accepted yet.
-    trial: TrialState,
     edits: Vec<Edit>,
     history: History,
     /// The scene on disk while another one is shown by a drag.
     undragged: Option<Arc<Scene>>,
-    /// Requested frame, and shown frame.
+    /// Requested frame.
     frame: u32,
-    posed: u32,
-    log: Vec<String>,
-    /// A saved scene whose requested frame cannot be posed.
-    pending: Option<PendingScene>,
-    /// Warnings about the shown scene.
-    pub warnings: Vec<Diagnostic>,
+    /// Whether what is shown stands in for a scene that could not be opened.
+    is_stand_in: bool,
     /// Errors that keep the newest content from being shown.
     pub problems: Problems,
 }
@@ -186,7 +148,8 @@ impl Live {
                 Change::Scene
             }
         };
-        let scene = self.source.path.iter();
+        let source = self.session.source();
+        let scene = source.path.iter();
         let scene = scene.map(|path| (path.clone(), kind(path)));
         let texts = [&self.texts, &self.pending_texts]
             .into_iter()
@@ -201,123 +164,123 @@ impl Live {
             (path, kind)
         });
         // The world lists these files by their resolved paths.
-        let resolved = self.scene.text_files();
+        let resolved = self.desc().text_files();
         let read = self
-            .world
+            .world()
             .files
             .iter()
             .cloned()
-            .chain(self.dependencies.paths());
+            .chain(self.session.dependencies().paths());
         let assets = read
             .filter(|path| !resolved.contains(path))
             .map(|path| (path, Change::Asset));
         let files: BTreeSet<(PathBuf, Change)> = scene.chain(texts).chain(assets).collect();
         let list = WatchList {
             files: files.into_iter().collect(),
-            shader_folders: self.source.shaders.iter().cloned().collect(),
+            shader_folders: source.shaders.iter().cloned().collect(),
         };
         (list, self.read_since)
     }
 
-    /// View settings in effect.
-    pub fn overrides(&self) -> ViewOverrides {
-        self.overrides
+    /// Settings that replace those of the scene.
+    pub fn view(&self) -> &ViewOverrides {
+        self.session.view()
     }
 
-    /// Changes the overrides.
+    /// Replaces view settings; passes are always audited.
     ///
     /// # Errors
-    /// A picture past the adapter's limits, a shader or wgpu error; then the old overrides stay.
-    pub fn set_overrides(&mut self, overrides: ViewOverrides) -> Result<(), RenderError> {
-        if overrides == self.overrides {
-            return Ok(());
-        }
-        let options = options_of(&self.scene, overrides);
-        let (world, options) = match &self.coarse {
-            Some(coarse) => (coarse, coarse::options(options)),
-            None => (&self.world, options),
-        };
-        (self.renderer).change(&self.gpu, &self.library, world, &options)?;
-        self.overrides = overrides;
-        Ok(())
-    }
-
-    /// Renders into the targets.
-    ///
-    /// # Errors
-    /// Same errors as [`Renderer::render`].
-    pub fn render(&mut self, camera: &CameraDesc) -> Result<FrameStats, RenderError> {
-        self.render_by(&|_| camera.clone())
+    /// Same errors as [`Session::set_view`]; then the old settings stay.
+    pub fn set_view(&mut self, view: ViewOverrides) -> Result<(), RenderError> {
+        self.session.set_view(audited(view))
     }
 
     /// Renders into the targets with a camera that may move with the world: while the shutter is open, each
     /// sub-frame shows another moment.
     ///
     /// # Errors
-    /// Same errors as [`Live::render`], and errors of a script at one of the moments.
-    pub fn render_by(
+    /// Same errors as [`Session::draw`].
+    pub fn render(
         &mut self,
         camera: &dyn Fn(&World) -> CameraDesc,
     ) -> Result<FrameStats, RenderError> {
-        let samples = self.renderer.options().image.samples;
-        if self.coarse.is_some() || !open_shutter::moves(&self.scene, samples) {
-            let world = self.coarse.as_ref().unwrap_or(&self.world);
-            return self.renderer.render(&self.gpu, world, &camera(world));
-        }
         let edits = &self.edits;
-        let edited = |world: &mut World| edits.iter().for_each(|edit| edit.put(world));
-        let mut moments = OpenShutter::new(&self.scene, &mut self.world, self.posed, &edited);
-        let rendered = (self.renderer).render_moments(&self.gpu, &mut moments, camera);
-        if rendered.is_err() {
-            // Picking and inspection need the pose of the frame, which was valid before.
-            let _ = moments.pose(samples - 1, samples);
-            let _ = self.renderer.update(&self.gpu, &self.world);
-        }
-        rendered
+        self.session
+            .draw(camera, &|world| pose::put_all(edits, world))
+    }
+
+    /// Whether the scene is still shown coarsely.
+    pub fn is_coarse(&self) -> bool {
+        self.session.is_coarse()
+    }
+
+    /// Builds the features that the coarse picture leaves out.
+    ///
+    /// # Errors
+    /// Same errors as [`Session::complete`].
+    pub fn complete(&mut self) -> Result<(), RenderError> {
+        self.session.complete()
     }
 
     /// Scene description.
     pub fn desc(&self) -> &SceneDesc {
-        &self.scene
+        &self.session.scene().scene
     }
 
     /// Timeline of the scene on disk, also of a pending one.
     pub fn timeline(&self) -> Option<&TimelineDesc> {
-        let pending = self.pending.as_ref().map(PendingScene::scene);
-        pending.unwrap_or(&self.scene).timeline.as_ref()
+        let pending = self.pending.scene().map(|scene| &scene.desc);
+        pending.unwrap_or(self.desc()).timeline.as_ref()
     }
 
     /// Loaded scene, posed at the shown frame.
     pub fn world(&self) -> &World {
-        &self.world
+        &self.session.scene().world
     }
 
     /// Renderer of the scene.
     pub fn renderer(&self) -> &Renderer {
-        &self.renderer
+        self.session.renderer()
     }
 
-    /// Method of the scene; for `auto`, the one that was decided last.
-    pub fn scene_method(&self) -> Method {
-        match self.scene.reflection.method {
-            Method::Auto => self.auto_method,
-            method => method,
-        }
-    }
-
-    /// Files and arguments of the scene.
+    /// Files and changed values of the scene.
     pub fn source(&self) -> &SceneSource {
-        &self.source
+        self.session.source()
     }
 
     /// Shown frame.
     pub fn posed_frame(&self) -> u32 {
-        self.posed
+        self.session.scene().frame
     }
 
     /// Output of the script in `setup`, then in the shown frame.
     pub fn log(&self) -> impl Iterator<Item = &String> {
-        let of_setup = self.scene.scripts().flat_map(|s| &s.setup_log);
-        of_setup.chain(&self.log)
+        self.session.log()
+    }
+
+    /// Script parameters declared by the scene, with `--set` applied.
+    pub fn declared(&self) -> &DeclaredParameters {
+        self.session.declared()
+    }
+
+    /// Overrides of the declared parameters.
+    pub fn parameters(&self) -> &ParameterOverrides {
+        self.session.parameters()
+    }
+
+    /// Warnings about the shown scene.
+    pub fn warnings(&self) -> &[Diagnostic] {
+        match self.is_stand_in {
+            true => &[],
+            false => self.session.warnings(),
+        }
+    }
+}
+
+/// The preview counts what the audit says.
+fn audited(view: ViewOverrides) -> ViewOverrides {
+    ViewOverrides {
+        audit: true,
+        ..view
     }
 }

@@ -23,11 +23,11 @@ use self::{
 };
 use super::{args::SceneArgs, check::messages, error::AppError};
 use crate::{
+    runtime::scene_text::SceneText,
     scene::{
         dependencies::Dependencies,
         diagnostic::{Diagnostic, Severity, Span},
     },
-    session::scene_text::SceneText,
 };
 
 /// Serves one client until it says `exit` or closes its pipe.

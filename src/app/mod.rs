@@ -34,7 +34,6 @@ pub mod live;
 pub mod lsp;
 pub mod output;
 pub mod pack;
-pub mod params;
 pub mod plan_file;
 #[cfg(feature = "preview")]
 pub mod preview;

@@ -25,8 +25,8 @@ use self::{
 use super::{args::SceneArgs, error::AppError, output::writable::check_writable, scene::load};
 use crate::{
     files::{Inputs, Temporary, folder_of, open_regular, sweep},
+    runtime::scene_text::{SceneText, asset_folders},
     scene::dependencies::Dependencies,
-    session::scene_text::{SceneText, asset_folders},
 };
 
 /// Arguments of `pack`.

@@ -83,14 +83,16 @@ fn picture(
                 .collect::<Vec<_>>(),
         ),
     );
-    let loaded = &mut session.scene.loaded;
-    let log = loaded.pose(loaded.scene.first_frame());
-    for line in &log.map_err(AppError::Scene)? {
+    let frame = session.scene.scene().scene.first_frame();
+    let log = session.scene.pose(frame);
+    for line in
+        &log.map_err(|error| AppError::from_session(error, session.own_shaders.is_some()))?
+    {
         eprintln!("{line}");
     }
     let pending = session.begin(output.has_color());
     let mut picture = pending
-        .and_then(|pending| pending.take(&session.scene.gpu))
+        .and_then(|pending| pending.take(session.scene.gpu()))
         .map_err(|error| AppError::from_render(error, session.own_shaders.is_some()))?;
     if let Some(denoiser) = &session.denoiser {
         denoiser.apply(&mut picture)?;

@@ -8,16 +8,13 @@ use super::{args::RenderArgs, denoise::Denoiser, error::AppError, plan_file::cos
 use crate::{
     gpu::{Gpu, GpuOptions, ShaderLibrary},
     render::{PendingPicture, PictureRequest, RenderError, aov::Aov},
-    session::{
-        scene_renderer::{RendererSettings, SceneRenderer},
-        scene_text::LoadedScene,
-    },
+    runtime::{SceneSource, Session, ViewOverrides, scene_text::LoadedScene},
 };
 
 /// State for rendering the pictures of one command.
 pub struct RenderSession {
     /// The scene with its device and renderer.
-    pub scene: SceneRenderer,
+    pub scene: Session,
     /// AOVs of every frame.
     pub aovs: Vec<Aov>,
     /// Denoiser of the pictures, if requested.
@@ -29,14 +26,14 @@ pub struct RenderSession {
 }
 
 impl RenderSession {
-    /// Opens the device and builds the renderer.
+    /// Opens the device and builds the renderer. `camera` is the index of a chosen camera.
     ///
     /// # Errors
     /// No usable adapter, a scene past its limits, a shader error.
     pub fn new(
         args: &RenderArgs,
         loaded: LoadedScene,
-        camera: usize,
+        camera: Option<usize>,
         aovs: Vec<Aov>,
         library: &ShaderLibrary,
     ) -> Result<Self, AppError> {
@@ -47,15 +44,19 @@ impl RenderSession {
             adapter_filter: args.adapter.clone(),
         })?;
         let own_shaders = args.shaders.is_some().then(|| hash_of(library));
-        let settings = RendererSettings {
+        let plan = args.plan.as_deref();
+        let view = ViewOverrides {
             audit: args.stats.is_some(),
-            costs: args
-                .plan
-                .as_deref()
-                .map(|path| costs(path, &gpu))
-                .transpose()?,
+            costs: plan.map(|path| costs(path, &gpu)).transpose()?,
+            camera: camera.map(|index| loaded.world.cameras[index].name.clone()),
+            ..ViewOverrides::default()
         };
-        let scene = SceneRenderer::new(gpu, loaded, camera, settings, library)
+        let source = SceneSource {
+            path: args.scene.clone(),
+            options: args.from.options(),
+            shaders: args.shaders.clone(),
+        };
+        let scene = Session::of_loaded(Arc::new(gpu), source, view, library.clone(), loaded)
             .map_err(|error| AppError::from_render(error, own_shaders.is_some()))?;
         Ok(Self {
             scene,
@@ -69,7 +70,7 @@ impl RenderSession {
     /// Starts a picture of the posed scene, with or without linear color; timed if statistics are requested.
     ///
     /// # Errors
-    /// Same errors as [`SceneRenderer::begin`].
+    /// As [`Session::begin`].
     pub fn begin(&mut self, color: bool) -> Result<PendingPicture, RenderError> {
         let aovs = &self.read_aovs();
         self.scene.begin(PictureRequest {

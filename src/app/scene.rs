@@ -8,8 +8,8 @@ use super::{
 };
 use crate::{
     files::Inputs,
+    runtime::scene_text::{LoadedScene, OpenedScene, SceneText},
     scene::dependencies::Dependencies,
-    session::scene_text::{LoadedScene, OpenedScene, SceneText},
 };
 
 /// Reads and loads a scene, and prints its warnings to standard error; `more` are overrides after

@@ -3,7 +3,7 @@
 
 use std::{
     path::{Path, PathBuf},
-    sync::{Mutex, PoisonError},
+    sync::{Arc, Mutex, PoisonError},
     thread,
     time::Instant,
 };
@@ -175,9 +175,9 @@ pub fn render(
         }
     }
     shutdown::listen();
-    let gpu = session.scene.gpu.clone();
+    let gpu = Arc::clone(session.scene.gpu());
     let encoders = Encoders::new(&gpu, &target, progress, session.denoiser.clone());
-    let scene = session.scene.loaded.scene.clone();
+    let scene = Arc::clone(&session.scene.scene().scene);
     let animator = Animator::new(&scene);
     let has_color = matches!(&target, Target::Files { output, .. } if output.has_color());
     let asked: Vec<u32> = wanted.iter().map(|(_, frame, _)| *frame).collect();
@@ -189,10 +189,6 @@ pub fn render(
                 break;
             }
             let started = Instant::now();
-            if args.camera.is_none() {
-                let camera = session.scene.loaded.camera_at(frame);
-                session.scene.set_camera(camera);
-            }
             match begin_frame(&mut session, &animator, frame, has_color, &encoders) {
                 Ok(picture) => {
                     let rendered = Rendered {
@@ -310,7 +306,7 @@ fn target(
     session: &RenderSession,
     frames: &FrameList,
 ) -> Result<Target, AppError> {
-    let desc = &session.scene.loaded.scene;
+    let desc = &session.scene.scene().scene;
     if let Format::Film(format) = Format::expect(&args.output)? {
         let fps = desc.timeline.as_ref().map_or(24.0, |t| t.fps);
         let film = Film::new(&args.output, format, desc.image.size, fps, frames.0.len())?;
@@ -346,7 +342,8 @@ fn begin_frame(
     for line in &state.log {
         encoders.print_above(|| eprintln!("frame {frame}: {line}"));
     }
-    session.scene.loaded.apply(&state).map_err(scene_error)?;
+    let posed = session.scene.apply(frame, Some(state), &|_| ());
+    posed.map_err(scene_error)?;
     session.begin(has_color).map_err(|error| {
         let fatal = matches!(
             error,

@@ -70,7 +70,7 @@ pub fn print(
     let Some(form) = args.stats else {
         return Ok(());
     };
-    let mut report = Report::new(&session.scene.gpu, frame, context);
+    let mut report = Report::new(session.scene.gpu(), frame, context);
     if args.counters {
         let counts = session.scene.counts();
         let explain = |error| AppError::from_render(error, session.own_shaders.is_some());

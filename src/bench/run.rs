@@ -9,7 +9,8 @@ use super::{
 };
 use crate::{
     gpu::{Gpu, ShaderLibrary},
-    render::{RenderError, RenderOptions, Renderer},
+    render::{Poses, RenderError, RenderOptions},
+    runtime::renderer_stage::RendererStage,
     scene::{
         desc::{Accept, CameraDesc, Exposure, ImageDesc, Method, ReflectionDesc, Visibility},
         range::BOUNCES,
@@ -43,8 +44,12 @@ pub struct Subject {
     pub camera_name: String,
     /// Camera that the pictures show.
     pub camera: CameraDesc,
+    /// Index of the camera, whose view decides what is `auto`.
+    pub camera_index: usize,
     /// The loaded scene.
     pub world: World,
+    /// The world at the first frame, which decides what is `auto`; `None` where all frames are equal.
+    pub first: Option<World>,
     /// Reflection settings of the scene.
     pub reflection: ReflectionDesc,
     /// Picture settings of the scene; the protocol decides the size.
@@ -71,7 +76,7 @@ impl Subject {
         library: &ShaderLibrary,
         reflection: &ReflectionDesc,
         size: [u32; 2],
-    ) -> Result<Renderer, RenderError> {
+    ) -> Result<RendererStage, RenderError> {
         // All methods use the same visibility, so that they differ in reflections alone.
         let visibility = match self.image.visibility {
             Visibility::Auto => Visibility::Raster,
@@ -89,9 +94,14 @@ impl Subject {
                 exposure_ev: Exposure::Ev(self.image.exposure_ev.ev()),
                 ..self.image
             },
+            camera: Some(self.camera_index),
             ..RenderOptions::default()
         };
-        Renderer::new(gpu, library, &self.world, &options)
+        let poses = Poses {
+            first: self.first.as_ref().unwrap_or(&self.world),
+            shown: &self.world,
+        };
+        RendererStage::new(gpu, library, poses, &options)
     }
 }
 
@@ -186,7 +196,7 @@ impl AnimationCache {
 struct ReadyRenderer {
     method: Method,
     verifies: bool,
-    renderer: Renderer,
+    renderer: RendererStage,
     /// CPU time to update moved instances, milliseconds; none for a still scene.
     update_ms: Option<f64>,
 }

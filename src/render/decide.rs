@@ -49,8 +49,9 @@ pub fn needs_trees(world: &World, options: &RenderOptions) -> bool {
         || world.lights.iter().any(is_auto)
 }
 
-/// Decides for a posed world, as its camera [`RenderOptions::camera`] shows it. `trees` are built where
-/// [`needs_trees`] says so; `software` says whether the adapter is a software one.
+/// Decides the options left to `auto` for a posed world, as its camera [`RenderOptions::camera`] shows it. `trees`
+/// are those of [`needs_trees`]; `software` tells the kind of the adapter. A draft gets the options of the whole
+/// picture.
 pub fn decide(world: &World, trees: &Trees, options: &RenderOptions, software: bool) -> Decided {
     let mut decider = Decider {
         workload: None,
@@ -67,7 +68,14 @@ pub fn decide(world: &World, trees: &Trees, options: &RenderOptions, software: b
     decider.shadows();
     decider.visibility();
     decider.exposure();
-    decider.decided
+    let Decided {
+        mut options,
+        decisions,
+    } = decider.decided;
+    if let Some(draft) = options.draft.take() {
+        (options.image.size, options.image.samples) = (draft.size, draft.samples);
+    }
+    Decided { options, decisions }
 }
 
 struct Decider<'a> {

@@ -3,6 +3,7 @@
 pub mod aov;
 pub(crate) mod bindings;
 pub mod cause;
+pub mod change;
 pub mod chunked_array;
 pub mod chunks;
 pub mod constants;
@@ -62,8 +63,9 @@ pub mod view_sample;
 pub(crate) mod world_key;
 
 pub use aov::{Plane, PlaneData};
+pub use change::Poses;
 pub use error::RenderError;
-pub use options::RenderOptions;
+pub use options::{Draft, RenderOptions};
 pub use picture::{PendingPicture, Picture, PictureRequest};
 pub use rebuild_summary::RebuildSummary;
 pub use renderer::Renderer;

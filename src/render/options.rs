@@ -21,10 +21,21 @@ pub struct RenderOptions {
     pub camera: Option<usize>,
     /// Unit costs for deciding `auto` settings; `None` for those of the adapter's kind.
     pub costs: Option<UnitCosts>,
+    /// Smaller picture to render with the decisions of the whole one; `None` renders the whole.
+    pub draft: Option<Draft>,
     /// Whether to trace rays for some of the screen hits, for `audit` in the statistics.
     pub audit: bool,
     /// Whether to drop no features, to compare with the planned frame.
     pub general: bool,
+}
+
+/// A smaller picture of fewer sub-frames with what was decided for the whole one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Draft {
+    /// Size, pixels.
+    pub size: [u32; 2],
+    /// Sub-frames, 1 or more.
+    pub samples: u32,
 }
 
 impl Default for RenderOptions {
@@ -35,6 +46,7 @@ impl Default for RenderOptions {
             auto_shadow: [ShadowMode::Map; LightKind::NAMES.len()],
             camera: None,
             costs: None,
+            draft: None,
             audit: false,
             general: false,
         }

@@ -16,6 +16,15 @@ pub struct RebuildSummary {
 }
 
 impl RebuildSummary {
+    /// Nothing.
+    pub const NONE: Self = Self {
+        upload: false,
+        trees: false,
+        poses: false,
+        materials: false,
+        passes: false,
+    };
+
     /// Summary of a new scene: everything was built.
     pub const NEW: Self = Self {
         upload: true,

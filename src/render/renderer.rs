@@ -26,7 +26,6 @@ use super::{
     pass_builder::PassBuilder,
     passes::needed_passes,
     plan::{Plan, may_meet_culled},
-    rebuild_summary::RebuildSummary,
     relative::{origin_of, relative_world},
     resources::Resources,
     scene::GpuScene,
@@ -34,7 +33,7 @@ use super::{
     shaders::Shaders,
     targets::{Target, Targets},
     validate::{check_deformed, check_lights, check_moving_materials, check_world, refuse},
-    world_key::WorldKey,
+    world_key::{PoseKey, WorldKey},
 };
 
 /// A scene ready to be rendered at one size with one set of options.
@@ -50,14 +49,16 @@ pub struct Renderer {
     pub(super) uniforms: FrameUniforms,
     pub(super) bindings: Bindings,
     pub(super) timer: Timer,
-    shaders: Shaders,
-    world_key: WorldKey,
+    pub(super) shaders: Shaders,
+    pub(super) world_key: WorldKey,
+    /// Pose of the top level in `trees`; that of a refused change until the next one.
+    pub(super) tree_pose: PoseKey,
     /// Origin of the renderer's coordinates, in the coordinates of the worlds that it is given.
     pub(super) origin: Vec3,
 }
 
 /// Builds the BVHs and times it, milliseconds; returns empty ones where no ray is traced.
-fn build_trees(
+pub(super) fn build_trees(
     gpu: &Gpu,
     world: &World,
     options: &RenderOptions,
@@ -124,104 +125,10 @@ impl Renderer {
             uniforms,
             bindings,
             shaders,
+            tree_pose: PoseKey::of(world),
             world_key: WorldKey::of(world),
             origin,
         })
-    }
-
-    /// Prepares for another world, other options or other shaders, and rebuilds only the parts that differ. On an
-    /// error nothing has changed.
-    ///
-    /// # Errors
-    /// Same errors as [`Renderer::new`].
-    pub fn change(
-        &mut self,
-        gpu: &Gpu,
-        library: &ShaderLibrary,
-        world: &World,
-        options: &RenderOptions,
-    ) -> Result<RebuildSummary, RenderError> {
-        check_world(world)?;
-        let options = &options.settled();
-        let given = world;
-        let world = &*self.relative(given);
-        let world_key = WorldKey::of(world);
-        let is_far = origin_of(given, options) != self.origin;
-        if is_far || !world_key.has_same_uploads(&self.world_key) {
-            *self = Self::new(gpu, library, given, options)?;
-            return Ok(RebuildSummary::NEW);
-        }
-        // BVHs that are no longer traced are kept while they fit: a preview that compares two methods would
-        // otherwise rebuild them for each picture.
-        let lacks_trees = !self.trees.is_built() && needs_trees(world, options);
-        let has_new_trees = lacks_trees || !world_key.has_same_trees(&self.world_key);
-        let mut rebuilt = RebuildSummary {
-            upload: false,
-            trees: has_new_trees,
-            poses: !has_new_trees && !world_key.has_same_poses(&self.world_key),
-            materials: has_new_trees || !world_key.has_same_materials(&self.world_key),
-            passes: false,
-        };
-        let new_trees = (rebuilt.trees)
-            .then(|| build_trees(gpu, world, options))
-            .transpose()?;
-        let trees = new_trees.as_ref().map_or(&self.trees, |(trees, _)| trees);
-        let decided = decide(world, trees, options, gpu.is_software());
-        let options = &decided.options;
-        let mut new_scene = (rebuilt.materials)
-            .then(|| self.scene.with_materials(gpu, world, trees, rebuilt.trees))
-            .transpose()?;
-        if may_meet_culled(world, options) {
-            // If the old scene stays, this is stored in it at once: it holds for its meshes even if a later step
-            // fails.
-            new_scene
-                .as_mut()
-                .unwrap_or(&mut self.scene)
-                .find_backs(world);
-        }
-        let scene = new_scene.as_ref().unwrap_or(&self.scene);
-        let plan = plan_of(world, trees, scene, options);
-        let needed = needed_passes(&plan, options);
-        let shaders = Shaders::new(gpu, library, variant(gpu, &plan, scene), &needed)?;
-        let key = BindingKey::new(
-            &plan,
-            options,
-            ShadowSizes::of(&world.lights, options),
-            &needed,
-        );
-        rebuilt.passes = rebuilt.materials
-            || key != self.bindings.key
-            || !shaders.are_same(&self.shaders, &needed);
-        let posed = (rebuilt.poses).then(|| self.top_level(world)).transpose()?;
-        if rebuilt.passes {
-            let inputs = BindingInputs {
-                plan: &plan,
-                options,
-                shaders: &shaders,
-                scene,
-                uniforms: &self.uniforms,
-            };
-            self.bindings = Bindings::new(gpu, key, inputs, Some(&self.bindings))?;
-        }
-        // No step below this line can fail.
-        if let Some((trees, tree_ms)) = new_trees {
-            (self.trees, self.tree_ms) = (trees, tree_ms);
-        }
-        if let Some(scene) = new_scene {
-            self.scene = scene;
-        }
-        self.unit_m = unit_of(world, options);
-        self.options = *options;
-        self.decisions = decided.decisions;
-        self.plan = plan;
-        self.shaders = shaders;
-        self.world_key = world_key;
-        if let Some(top) = posed {
-            self.set_poses(gpu, world, top);
-        } else if rebuilt.trees {
-            self.scene.update_deformed(gpu, world, &self.trees);
-        }
-        Ok(rebuilt)
     }
 
     /// A world in the renderer's coordinates.
@@ -319,19 +226,15 @@ impl Renderer {
     pub fn update(&mut self, gpu: &Gpu, world: &World) -> Result<(), RenderError> {
         let world = &*self.relative(world);
         self.check_posed(world)?;
-        let top = self.top_level(world)?;
+        let top = top_level(&self.trees, world)?;
         self.set_poses(gpu, world, top);
         Ok(())
     }
 
-    fn top_level(&self, world: &World) -> Result<Option<TopLevel>, RenderError> {
-        let top = (!self.trees.top_instances.is_empty()).then(|| self.trees.top_level(world));
-        Ok(top.transpose()?)
-    }
-
-    fn set_poses(&mut self, gpu: &Gpu, world: &World, top: Option<TopLevel>) {
+    pub(super) fn set_poses(&mut self, gpu: &Gpu, world: &World, top: Option<TopLevel>) {
         if let Some(top) = top {
             self.trees.set_top_level(top);
+            self.tree_pose = PoseKey::of(world);
         }
         self.scene.update(gpu, world, &self.trees);
         self.scene.update_materials(gpu, world);
@@ -344,29 +247,47 @@ impl Renderer {
     /// # Errors
     /// Other meshes, textures, instances or materials, other shadow maps, too many lights.
     pub(super) fn check_posed(&self, world: &World) -> Result<(), RenderError> {
-        check_lights(world)?;
-        check_moving_materials(world)?;
-        check_deformed(world)?;
-        if !self.world_key.is_posed_from(world) {
-            return refuse(
-                "the world has other meshes, textures, instances or materials than the uploaded \
-                 one; call Renderer::change first"
-                    .to_owned(),
-            );
-        }
-        if !self.bindings.key.fits_lights(&world.lights, &self.options) {
-            return refuse(
-                "the lights need other shadow maps or rays than the renderer has; call \
-                Renderer::change first"
-                    .to_owned(),
-            );
-        }
-        Ok(())
+        check_posed(world, &self.world_key, &self.bindings.key, &self.options)
     }
 }
 
+/// Checks that a world is the one of this key in another pose, and that what its passes are bound to fits.
+///
+/// # Errors
+/// As [`Renderer::check_posed`].
+pub(super) fn check_posed(
+    world: &World,
+    key: &WorldKey,
+    bound: &BindingKey,
+    options: &RenderOptions,
+) -> Result<(), RenderError> {
+    check_lights(world)?;
+    check_moving_materials(world)?;
+    check_deformed(world)?;
+    if !key.is_posed_from(world) {
+        return refuse(
+            "it has other meshes, textures, instances or materials than were uploaded; call \
+             Renderer::change first"
+                .to_owned(),
+        );
+    }
+    if !bound.fits_lights(&world.lights, options) {
+        return refuse(
+            "its lights need other shadow maps or rays than there are; call Renderer::change first"
+                .to_owned(),
+        );
+    }
+    Ok(())
+}
+
+/// The top level over the instances of a posed world; none where nothing can move.
+pub(super) fn top_level(trees: &Trees, world: &World) -> Result<Option<TopLevel>, RenderError> {
+    let top = (!trees.top_instances.is_empty()).then(|| trees.top_level(world));
+    Ok(top.transpose()?)
+}
+
 /// The shader files of a plan over a scene.
-fn variant(gpu: &Gpu, plan: &Plan, scene: &GpuScene) -> ShaderVariant {
+pub(super) fn variant(gpu: &Gpu, plan: &Plan, scene: &GpuScene) -> ShaderVariant {
     let numbers_triangles = gpu.features.contains(wgpu::Features::PRIMITIVE_INDEX);
     ShaderVariant {
         indexed: numbers_triangles && scene.indexed().is_some(),
@@ -376,13 +297,18 @@ fn variant(gpu: &Gpu, plan: &Plan, scene: &GpuScene) -> ShaderVariant {
 }
 
 /// Plan of the frame: features and passes.
-fn plan_of(world: &World, trees: &Trees, scene: &GpuScene, options: &RenderOptions) -> Plan {
+pub(super) fn plan_of(
+    world: &World,
+    trees: &Trees,
+    scene: &GpuScene,
+    options: &RenderOptions,
+) -> Plan {
     match options.general {
         true => Plan::general(world, options),
         false => Plan::of(world, trees, &scene.pools.layers, options),
     }
 }
 
-fn unit_of(world: &World, options: &RenderOptions) -> f32 {
+pub(super) fn unit_of(world: &World, options: &RenderOptions) -> f32 {
     (options.reflection.unit_m).unwrap_or_else(|| world.unit_m())
 }

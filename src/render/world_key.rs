@@ -18,8 +18,25 @@ pub struct WorldKey {
     upload: (Shared<Mesh>, Shared<Texture>, Option<Arc<Panorama>>),
     trees: Vec<TreeInstance>,
     materials: (Vec<Material>, Vec<usize>),
-    poses: Vec<Affine3A>,
+    pose: PoseKey,
+}
+
+/// The pose of a world: every transform, and every deformed mesh.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PoseKey {
+    instances: Vec<Affine3A>,
     deformed: BTreeMap<usize, Arc<Deformed>>,
+}
+
+impl PoseKey {
+    /// Pose of a world.
+    pub fn of(world: &World) -> Self {
+        let instances = world.instances.iter();
+        Self {
+            instances: instances.map(|i| i.world_from_object).collect(),
+            deformed: world.deformed.clone(),
+        }
+    }
 }
 
 /// Properties of an instance that the BVHs depend on.
@@ -58,8 +75,7 @@ impl WorldKey {
                 world.materials.clone(),
                 instances.iter().map(|i| i.material).collect(),
             ),
-            poses: instances.iter().map(|i| i.world_from_object).collect(),
-            deformed: world.deformed.clone(),
+            pose: PoseKey::of(world),
         }
     }
 
@@ -84,7 +100,7 @@ impl WorldKey {
     /// Whether the BVHs of one key fit the other after a rebuild of the top level: equal static instances and equal
     /// hit flags.
     pub fn has_same_trees(&self, other: &Self) -> bool {
-        self.trees == other.trees && self.deformed.keys().eq(other.deformed.keys())
+        self.trees == other.trees && self.pose.deformed.keys().eq(other.pose.deformed.keys())
     }
 
     /// Whether the materials are the same, and every instance has the same one.
@@ -92,9 +108,9 @@ impl WorldKey {
         self.materials == other.materials
     }
 
-    /// Whether all transforms and all deformed meshes are equal.
-    pub fn has_same_poses(&self, other: &Self) -> bool {
-        self.poses == other.poses && self.deformed == other.deformed
+    /// Its pose.
+    pub fn pose(&self) -> &PoseKey {
+        &self.pose
     }
 
     /// Whether a world differs only in poses of movable instances and deformed meshes and in parameters of materials
@@ -113,16 +129,13 @@ impl WorldKey {
         self.shares(&world.meshes, &world.textures, panorama)
             && self.materials.0.len() == world.materials.len()
             && self.trees.len() == world.instances.len()
-            && self.deformed.keys().eq(world.deformed.keys())
+            && self.pose.deformed.keys().eq(world.deformed.keys())
             && known.zip(&world.instances).all(fits)
     }
 
     /// Adopts poses and animated materials of a world.
     pub fn update(&mut self, world: &World) {
-        for (pose, instance) in self.poses.iter_mut().zip(&world.instances) {
-            *pose = instance.world_from_object;
-        }
-        self.deformed.clone_from(&world.deformed);
+        self.pose = PoseKey::of(world);
         for moving in &world.moving.materials {
             let index = moving.material;
             self.materials.0[index].clone_from(&world.materials[index]);

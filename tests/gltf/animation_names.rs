@@ -2,8 +2,8 @@
 
 use glam::{Affine3A, Quat, Vec3};
 use reflet::{
+    runtime::scene_text::{SceneOptions, SceneText},
     scene::desc::InstanceDesc,
-    session::scene_text::{SceneOptions, SceneText},
     world::{
         gltf,
         load::{self},
@@ -273,7 +273,7 @@ fn a_model_that_was_read_for_its_timeline_is_not_read_again() {
     let text = SceneText::read(Some(&path), &SceneOptions::default()).expect("it can be read");
     let opened = text.open(&[], &<_>::default()).expect("it is a scene");
     assert!(opened.scene.timeline.is_some());
-    let (desc, options) = (opened.scene.desc, opened.options);
+    let (desc, options) = (opened.scene.desc.clone(), opened.options);
     folder.write("m.glb", "something else by now");
     let world = load::load(&desc, &options).expect("it was read before");
     assert!(!world.meshes.is_empty() && !world.moving.players.is_empty());

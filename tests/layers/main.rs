@@ -25,17 +25,19 @@ const LAYERS: [(&str, &[&str]); 11] = [
         &["gpu", "world", "scene", "math", "processor_time"],
     ),
     (
-        "session",
+        "runtime",
         &["render", "gpu", "world", "scene", "math", "files"],
     ),
     (
         "bench",
-        &["render", "gpu", "world", "scene", "math", "files"],
+        &[
+            "runtime", "render", "gpu", "world", "scene", "math", "files",
+        ],
     ),
     (
         "app",
         &[
-            "session", "bench", "render", "gpu", "world", "scene", "math", "files", "memory",
+            "runtime", "bench", "render", "gpu", "world", "scene", "math", "files", "memory",
         ],
     ),
 ];

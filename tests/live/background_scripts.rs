@@ -55,7 +55,7 @@ pub struct Watched {
 
 impl Watched {
     /// The session's scene in the preview's thread, drawn once.
-    fn new(session: Session) -> Self {
+    pub fn new(session: Session) -> Self {
         let Session {
             gpu, folder, live, ..
         } = session;
@@ -75,6 +75,7 @@ impl Watched {
             folder,
             view: View {
                 camera: ViewCamera::Scene("main".to_owned()),
+                chosen: None,
                 frame: 0,
                 plays: false,
                 size: [24, 16],
@@ -95,7 +96,7 @@ impl Watched {
     }
 
     /// Saves the script with a line that `setup` prints.
-    fn save_script(&self, text: &str, line: &str) {
+    pub fn save_script(&self, text: &str, line: &str) {
         let text = text.replace(
             "fn setup(ctx) {",
             &format!("fn setup(ctx) {{ print(\"{line}\");"),
@@ -103,6 +104,26 @@ impl Watched {
         // Atomically: a partial script is an error.
         let temporary = self.folder.write("next.rhai", text);
         fs::rename(temporary, self.folder.path("sub/move.rhai")).expect("renamed");
+    }
+
+    /// The file of a screenshot of the view.
+    pub fn screenshot(&mut self) -> Vec<u8> {
+        let folder = Folder::new();
+        let screenshot = FrameAction::Screenshot(Screenshot {
+            folder: folder.0.clone(),
+            stem: "view".to_owned(),
+            wipe_at: 0.5,
+            error_map: false,
+        });
+        self.worker.mailbox.post(Task::Frame(FrameRequest {
+            view: self.view.clone(),
+            action: screenshot,
+        }));
+        let note = self.until("a note", |report| match report {
+            Report::Message(note) => Some(note.clone()),
+            _ => None,
+        });
+        fs::read(folder.path("view-001.png")).expect(&note)
     }
 
     /// Waits for a report that `found` accepts; no earlier report may have errors.
@@ -128,7 +149,7 @@ impl Watched {
         }
     }
 
-    fn shown(&mut self, is_right: impl Fn(&FinishedFrame) -> bool) {
+    pub fn shown(&mut self, is_right: impl Fn(&FinishedFrame) -> bool) {
         self.until("a picture", |report| match report {
             Report::Frame(shown) => is_right(shown).then_some(()),
             _ => None,
@@ -143,12 +164,12 @@ impl Watched {
     }
 
     /// Waits until the script that prints this line is shown.
-    fn wait_until_adopted(&mut self, line: &str) {
+    pub fn wait_until_adopted(&mut self, line: &str) {
         let line = format!(": {line}"); // after its place
         self.summary(|facts| facts.log.iter().any(|known| known.ends_with(&line)));
     }
 
-    fn wait_for_start(&mut self) {
+    pub fn wait_for_start(&mut self) {
         self.until("a long script", |report| {
             matches!(report, Report::ScriptRunning(Some(_))).then_some(())
         });
@@ -325,7 +346,7 @@ fn other_parameters_take_the_place_of_those_whose_setup_is_endless() {
     preview.save_script(&SCRIPT.replace("let all = [];", &slow), "slow");
     preview.wait_until_adopted("slow");
     let set_count = |preview: &Watched, to| {
-        let mut overrides = reflet::app::params::ParameterOverrides::default();
+        let mut overrides = reflet::runtime::parameters::ParameterOverrides::default();
         overrides.set("count", ParamValue::Integer(to), &count);
         preview.worker.mailbox.post(Task::SetParameters(overrides));
     };

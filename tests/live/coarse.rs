@@ -9,7 +9,7 @@ use reflet::{
 
 use crate::{
     common::gpu_or_skip,
-    kit::{Folder, SCENE, open},
+    kit::{Folder, SCENE, first_camera, open},
 };
 
 /// Scene with a lamp whose shadows are found by rays, and a material that may reflect in another frame.
@@ -21,8 +21,7 @@ fn scene() -> String {
 }
 
 fn pixels(live: &mut Live, gpu: &reflet::gpu::Gpu) -> Vec<u8> {
-    let camera = live.world().cameras[0].value.clone();
-    live.render(&camera).expect("it can be rendered");
+    live.render(&first_camera).expect("it can be rendered");
     live.renderer()
         .read(gpu, Target::Display)
         .expect("readable")
@@ -36,7 +35,7 @@ fn a_coarse_beginning_ends_as_what_is_built_at_once() {
     let path = folder.path("scene.toml");
     let source = SceneSource {
         path: Some(path.clone()),
-        args: <_>::default(),
+        options: <_>::default(),
         shaders: None,
     };
     let begin = || {
@@ -58,7 +57,7 @@ fn a_coarse_beginning_ends_as_what_is_built_at_once() {
         size: Some([32, 16]),
         ..ViewOverrides::default()
     };
-    live.set_overrides(overrides).expect("it can be resized");
+    live.set_view(overrides.clone()).expect("it can be resized");
     let coarse = pixels(&mut live, &gpu);
     assert!(live.is_coarse() && coarse.len() == 32 * 16 * 4);
     let before = gpu.compile_stats.pipelines();
@@ -69,11 +68,11 @@ fn a_coarse_beginning_ends_as_what_is_built_at_once() {
         "{few} pipelines, then {more}"
     );
     let mut whole = open(&gpu, &path, None);
-    whole.set_overrides(overrides).expect("it can be resized");
+    whole.set_view(overrides).expect("it can be resized");
     let want = pixels(&mut whole, &gpu);
     assert_ne!(coarse, want);
     assert_eq!(pixels(&mut live, &gpu), want);
-    assert_eq!(live.scene_method(), whole.scene_method());
+    assert_eq!(live.renderer().method(), whole.renderer().method());
 
     // The picture completes whichever event comes first.
     let (mut edited, _) = begin();

@@ -3,7 +3,6 @@
 use std::{fs, sync::Arc};
 
 use reflet::app::{
-    args::SceneArgs,
     error::AppError,
     live::{InitialBuild, Live, SceneSource, ViewOverrides},
     watch::Change,
@@ -117,7 +116,7 @@ fn a_scene_that_is_broken_at_first_is_shown_when_it_is_mended() {
     );
     let source = SceneSource {
         path: Some(path),
-        args: SceneArgs::default(),
+        options: <_>::default(),
         shaders: None,
     };
     let mistakes = match Live::open(
@@ -145,7 +144,7 @@ fn a_scene_that_is_broken_at_first_is_shown_when_it_is_mended() {
     );
     let path = folder.write("scene.toml", SCENE);
     assert!(live.reload(&[Change::Scene].into()).ok);
-    assert!(live.problems.is_empty() && live.warnings.is_empty());
+    assert!(live.problems.is_empty() && live.warnings().is_empty());
     let mended = picture(&gpu, &mut live);
     assert!(mended == picture(&gpu, &mut open(&gpu, &path, None)));
 }

@@ -13,12 +13,13 @@ use std::{
 
 use reflet::{
     app::{
-        args::SceneArgs,
-        live::{InitialBuild, Live, Reload, Reuse, SceneSource, ViewOverrides},
-        params::ParameterOverrides,
+        live::{InitialBuild, Live, Reload, SceneSource, ViewOverrides},
         watch::{Change, Changes, WatchEvent, WatchList, Watcher},
     },
     gpu::Gpu,
+    runtime::{parameters::ParameterOverrides, scene_text::SceneOptions},
+    scene::desc::CameraDesc,
+    world::World,
 };
 
 /// A folder that is removed after the test.
@@ -111,9 +112,9 @@ pub fn open(gpu: &Arc<Gpu>, scene: &Path, shaders: Option<&Path>) -> Live {
 pub fn open_with(gpu: &Arc<Gpu>, scene: &Path, shaders: Option<&Path>, set: &[&str]) -> Live {
     let source = SceneSource {
         path: Some(scene.to_owned()),
-        args: SceneArgs {
+        options: SceneOptions {
             set: set.iter().map(|text| (*text).to_owned()).collect(),
-            ..SceneArgs::default()
+            ..SceneOptions::default()
         },
         shaders: shaders.map(Path::to_owned),
     };
@@ -148,24 +149,18 @@ impl RunNow for Live {
 
     fn set_parameters_now(&mut self, parameters: ParameterOverrides) -> Reload {
         self.set_parameters(parameters);
-        let reuse = Reuse {
-            files: true,
-            edits: true,
-        };
-        loop {
-            let reload_job = self.read_job(reuse, self.posed_frame());
-            let reload = self.finish_job(reload_job.run());
-            if !self.must_read_again() {
-                return reload;
-            }
-        }
+        self.read_now()
     }
+}
+
+/// The first camera of a world, which may move.
+pub fn first_camera(world: &World) -> CameraDesc {
+    world.cameras[0].value.clone()
 }
 
 /// The display pixels of the first camera's view.
 pub fn picture(gpu: &Gpu, live: &mut Live) -> Vec<u8> {
-    let camera = live.world().cameras[0].value.clone();
-    live.render(&camera).expect("renders");
+    live.render(&first_camera).expect("renders");
     let display = reflet::render::targets::Target::Display;
     live.renderer().read(gpu, display).expect("is read back")
 }

@@ -15,6 +15,7 @@ mod models;
 mod params;
 mod picking;
 mod rebuilds;
+mod same_as_render;
 mod saves;
 mod scripts;
 mod shutter;

@@ -4,8 +4,7 @@
 use std::fs;
 
 use reflet::{
-    app::{params::ParameterOverrides, watch::Change},
-    render::RebuildSummary,
+    app::watch::Change, render::RebuildSummary, runtime::parameters::ParameterOverrides,
     scene::desc::ParamValue,
 };
 

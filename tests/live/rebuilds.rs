@@ -14,7 +14,7 @@ use reflet::{
 
 use crate::{
     common::gpu_or_skip,
-    kit::{Folder, SCENE, Watch, copy_shaders, open, picture},
+    kit::{Folder, SCENE, Watch, copy_shaders, first_camera, open, picture},
 };
 
 /// The scene on disk, opened and rendered once.
@@ -212,7 +212,7 @@ fn methods_share_what_they_have_in_common() {
             ..ViewOverrides::default()
         };
         let made = session.gpu.compile_stats.pipelines();
-        session.live.set_overrides(overrides).expect("builds");
+        session.live.set_view(overrides).expect("builds");
         session.gpu.compile_stats.pipelines() - made
     };
     assert!(
@@ -238,8 +238,7 @@ fn trees_are_built_when_rays_are_first_followed_and_kept_from_then_on() {
         return;
     };
     let held = |session: &mut Session| {
-        let camera = session.live.world().cameras[0].value.clone();
-        let stats = session.live.render(&camera).expect("renders");
+        let stats = session.live.render(&first_camera).expect("renders");
         let of = |wanted: &str| stats.bytes.iter().find(|(name, _)| name == wanted);
         (of("tree_nodes").map(|b| b.1), of("lists").map(|b| b.1))
     };

@@ -7,12 +7,12 @@ use glam::Vec3;
 use reflet::{
     app::{
         live::{Edit, Live, Reload},
-        params::ParameterOverrides,
         preview::scene_summary::SceneSummary,
         watch::Change,
     },
     gpu::Gpu,
     render::RebuildSummary,
+    runtime::parameters::ParameterOverrides,
     scene::desc::{MATERIAL, ParamValue},
 };
 

@@ -7,8 +7,8 @@ use reflet::{
     app::live::Live,
     gpu::Gpu,
     render::targets::Target,
+    runtime::{Session, SessionOptions},
     scene::desc::MATERIAL,
-    session::{Session, SessionOptions},
     world::World,
 };
 
@@ -39,7 +39,7 @@ fn moving() -> String {
 /// Picture of the first camera, which may move.
 fn seen(gpu: &Gpu, live: &mut Live) -> Vec<u8> {
     let first = |world: &World| world.cameras[0].value.clone();
-    live.render_by(&first).expect("renders");
+    live.render(&first).expect("renders");
     live.renderer().read(gpu, Target::Display).expect("is read")
 }
 
@@ -110,7 +110,7 @@ fn a_moment_that_fails_leaves_the_frame() {
     let first = |world: &World| world.cameras[0].value.clone();
     assert!(live.pose_now(1));
     let before = live.world().instances[1].world_from_object;
-    let error = live.render_by(&first).expect_err("a moment fails");
+    let error = live.render(&first).expect_err("a moment fails");
     assert!(error.to_string().contains("while it is open"), "{error}");
     assert_eq!(live.world().instances[1].world_from_object, before);
     assert!(live.pose_now(2));

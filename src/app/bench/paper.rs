@@ -15,8 +15,8 @@ use crate::{
         parameter::Parameter,
         run::{FrameSeries, Protocol, Subject, Sweep},
     },
+    runtime::scene_text::{ATRIUM, SceneOptions, SceneText, asset_folders},
     scene::desc::{Accept, Method, ReflectionDesc},
-    session::scene_text::{ATRIUM, SceneOptions, SceneText, asset_folders},
 };
 
 /// Picture size without `--sizes`: a CPU renders it in a second.

@@ -12,9 +12,9 @@ use crate::{
     },
     bench::{run::Observer as _, summary::digits},
     gpu::{Gpu, GpuOptions, ShaderLibrary},
-    render::{RenderOptions, Renderer, unit_costs::UnitCosts},
+    render::{RenderOptions, unit_costs::UnitCosts},
+    runtime::{ViewOverrides, renderer_stage::RendererStage, scene_text::LoadedScene},
     scene::desc::{LightKind, Method, ShadowMode, Visibility},
-    session::scene_text::LoadedScene,
     world::World,
 };
 
@@ -167,18 +167,18 @@ fn measure(
 ) -> Result<Option<Row>, AppError> {
     let world = loaded.first_frame();
     let camera = choose_camera(loaded, None)?;
-    let mut options = RenderOptions {
-        camera: Some(camera),
+    let view = ViewOverrides {
+        size: Some(size),
+        method: Some(Method::Auto),
         costs,
-        ..RenderOptions::of(&loaded.scene)
+        ..ViewOverrides::default()
     };
-    options.image.size = size;
-    options.reflection.method = Method::Auto;
+    let mut options = view.options(loaded);
     options.image.visibility = Visibility::Auto;
     let library = ShaderLibrary::embedded();
     let refused = |error| AppError::from_render(error, false);
     let build = |world: &World, options: &RenderOptions| {
-        Renderer::new(gpu, &library, world, options).map_err(refused)
+        RendererStage::new(gpu, &library, world, options).map_err(refused)
     };
     let decided = *build(&world, &options)?.options();
     let mut timed = Vec::new();

@@ -105,7 +105,7 @@ pub fn measure_all(
     args: &ReloadArgs,
     progress: &mut Progress,
 ) -> Result<Vec<Series>, AppError> {
-    let overrides = ViewOverrides {
+    let view = ViewOverrides {
         size: Some(args.size),
         ..ViewOverrides::default()
     };
@@ -123,7 +123,12 @@ pub fn measure_all(
         let Some(edited) = copy.edited(edit)? else {
             continue;
         };
-        let mut live = Live::open(gpu.clone(), copy.origin(), overrides, InitialBuild::Whole)?;
+        let mut live = Live::open(
+            gpu.clone(),
+            copy.origin(),
+            view.clone(),
+            InitialBuild::Whole,
+        )?;
         progress.note(&format!(
             "{} {} edits of {}",
             args.saves,

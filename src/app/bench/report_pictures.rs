@@ -11,7 +11,8 @@ use crate::{
         score::View,
     },
     gpu::{Gpu, ShaderLibrary},
-    render::{Picture, Renderer, aov::Aov},
+    render::{Picture, aov::Aov},
+    runtime::renderer_stage::RendererStage,
     scene::desc::{Accept, Method, ReflectionDesc},
 };
 
@@ -135,7 +136,7 @@ pub fn shown(
 struct RenderSession<'a> {
     gpu: &'a Gpu,
     subject: &'a Subject,
-    renderer: Renderer,
+    renderer: RendererStage,
 }
 
 impl<'a> RenderSession<'a> {

@@ -22,8 +22,8 @@ use crate::{
         },
     },
     files::{Inputs, write_whole},
+    runtime::scene_text::LoadedScene,
     scene::desc::{Method, ShadowMode},
-    session::scene_text::LoadedScene,
 };
 
 mod pictures;
@@ -216,9 +216,11 @@ impl Plan<'_> {
             let loaded = self.scene(choice, &[FAR_AWAY.1.to_owned()])?;
             truth = subject(loaded, still.name.clone(), None)?;
         }
-        for light in &mut truth.world.lights {
-            if light.desc.shadow != ShadowMode::None {
-                light.desc.shadow = ShadowMode::Ray;
+        for world in [Some(&mut truth.world), truth.first.as_mut()] {
+            for light in world.into_iter().flat_map(|world| &mut world.lights) {
+                if light.desc.shadow != ShadowMode::None {
+                    light.desc.shadow = ShadowMode::Ray;
+                }
             }
         }
         truth.image.samples = truth.image.samples.max(TRUTH_SAMPLES);

@@ -3,8 +3,8 @@
 use crate::{
     app::{error::AppError, frames::FrameList, scene::choose_camera},
     bench::run::{FrameSeries, Subject},
+    runtime::scene_text::LoadedScene,
     scene::stages::Animator,
-    session::scene_text::LoadedScene,
 };
 
 use super::subject;

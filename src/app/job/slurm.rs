@@ -91,7 +91,7 @@ fn command(args: &TaskArgs) -> Result<Vec<String>, AppError> {
     };
     let mut command = vec![path(&args.scene)?, "--output".into(), path(&args.pictures)?];
     command.push("--resume".into());
-    for folder in crate::session::scene_text::asset_folders(&args.from.assets) {
+    for folder in crate::runtime::scene_text::asset_folders(&args.from.assets) {
         command.extend(["--assets".into(), path(&folder)?]);
     }
     command.extend(args.options());

@@ -41,7 +41,7 @@ impl Edit {
         desc
     }
 
-    pub(super) fn put(&self, world: &mut World) {
+    fn put(&self, world: &mut World) {
         let material = &mut world.materials[self.material];
         let desc = MaterialDesc {
             checker: material.checker, // has editable numbers
@@ -51,34 +51,33 @@ impl Edit {
     }
 }
 
+/// Applies edits to a posed world.
+pub(super) fn put_all(edits: &[Edit], world: &mut World) {
+    edits.iter().for_each(|edit| edit.put(world));
+}
+
 impl Live {
     /// Shows a posed frame: uploads poses, the top-level tree and material numbers only.
-    pub(super) fn apply(&mut self, state: Option<FrameState>) -> Result<(), Vec<Diagnostic>> {
-        if let Some(state) = state {
-            self.complete().map_err(RenderError::into_diagnostics)?;
-            self.world.apply(&state)?;
-            for edit in &self.edits {
-                edit.put(&mut self.world);
-            }
-            (self.renderer.update(&self.gpu, &self.world))
-                .map_err(RenderError::into_diagnostics)?;
-            self.log = state.log;
-        }
-        self.posed = self.frame;
-        Ok(())
+    pub(super) fn apply(
+        &mut self,
+        frame: u32,
+        pose: Option<FrameState>,
+    ) -> Result<(), Vec<Diagnostic>> {
+        let edits = &self.edits;
+        (self.session).apply(frame, pose, &|world| put_all(edits, world))
     }
 
     /// Cuts: first frame and camera index of each; empty without cuts.
     pub fn cuts(&self) -> Vec<(u32, usize)> {
-        let cuts = &self.scene.cuts;
+        let cuts = &self.desc().cuts;
         if cuts.is_empty() {
             return Vec::new();
         }
-        let cameras = &self.world.cameras;
+        let cameras = &self.world().cameras;
         let index = |name: &str| cameras.iter().position(|camera| camera.name == name);
         let named = cuts.iter();
         let named = named.filter_map(|cut| Some((cut.frame, index(&cut.camera.value)?)));
-        std::iter::once((0, self.world.main_camera()))
+        std::iter::once((0, self.world().main_camera()))
             .chain(named)
             .collect()
     }
@@ -94,21 +93,12 @@ impl Live {
     /// # Errors
     /// Same errors as [`crate::render::Renderer::change`]; then nothing changes.
     pub fn edit(&mut self, edit: Edit) -> Result<RebuildSummary, RenderError> {
-        if edit.material >= self.world.materials.len() {
+        if edit.material >= self.world().materials.len() {
             return Ok(RebuildSummary::default()); // the edit belongs to a replaced scene
         }
-        self.complete()?;
-        let materials = self.world.materials.clone();
-        edit.put(&mut self.world);
-        let options = *self.renderer.options();
-        let (library, world) = (&self.library, &self.world);
-        let done = (self.renderer).change(&self.gpu, library, world, &options);
-        if done.is_err() {
-            self.world.materials = materials;
-        } else {
-            self.edits.retain(|known| known.material != edit.material);
-            self.edits.push(edit);
-        }
-        done
+        let rebuilt = self.session.edit(&|world| edit.put(world))?;
+        self.edits.retain(|known| known.material != edit.material);
+        self.edits.push(edit);
+        Ok(rebuilt)
     }
 }

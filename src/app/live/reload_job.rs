@@ -2,7 +2,6 @@
 //! can run on any thread while pictures are rendered.
 
 use std::{
-    path::Path,
     sync::{
         Arc,
         atomic::{AtomicBool, Ordering},
@@ -10,80 +9,21 @@ use std::{
     time::{Duration, Instant, SystemTime},
 };
 
-use super::{Live, Reload, SceneSource, catch_panic::catch_panic};
+use super::{Live, ReadRequest, Reload, Reuse, SceneSource};
 use crate::{
-    app::{
-        params::{DeclaredParameters, ParameterOverrides},
-        watch::{Change, Changes},
+    app::watch::{Change, Changes},
+    runtime::{
+        parameters::ParameterOverrides,
+        read::{Pose, Read, pose_of, read, within},
     },
-    scene::{
-        dependencies::Dependencies, desc::SceneDesc, diagnostic::Diagnostic, motion::FrameState,
-        stages::Scene,
-    },
-    session::scene_text::{OpenedScene, SceneText},
-    world::load::LoadOptions,
+    scene::{dependencies::Dependencies, diagnostic::Diagnostic, stages::Scene},
 };
 
-/// Pose of a frame; `None` where all frames are equal.
-pub(super) type Pose = Result<Option<FrameState>, Vec<Diagnostic>>;
-
-/// A scene read from disk, without its assets, and the requested frame.
-#[derive(Debug)]
-pub(super) struct Read {
-    pub(super) scene: Arc<Scene>,
-    pub(super) warnings: Vec<Diagnostic>,
-    pub(super) declared: DeclaredParameters,
-    /// Overrides that still fit the declared parameters.
-    pub(super) parameters: ParameterOverrides,
-    /// Requested frame, clamped to the timeline.
-    pub(super) frame: u32,
-    /// Options for loading, with the dependencies so far.
-    pub(super) options: LoadOptions,
-}
-
-impl Read {
-    /// Wraps an opened scene; `frame` is clamped to its timeline.
-    pub(super) fn new(
-        opened: OpenedScene,
-        declared: DeclaredParameters,
-        parameters: ParameterOverrides,
-        frame: u32,
-    ) -> Self {
-        Self {
-            frame: within(&opened.scene, frame),
-            scene: Arc::new(opened.scene),
-            warnings: opened.warnings,
-            declared,
-            parameters,
-            options: opened.options,
-        }
-    }
-}
-
-/// State of the shown scene that its successor reuses.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Reuse {
-    /// Models, images and other files.
-    pub files: bool,
-    /// Edits of materials.
-    pub edits: bool,
-}
-
-impl Reuse {
-    /// State that can be reused after both changes.
-    pub fn and(self, other: Self) -> Self {
-        Self {
-            files: self.files && other.files,
-            edits: self.edits && other.edits,
-        }
-    }
-}
-
-/// Reads the scene and poses the requested frame, or poses a frame of a scene that was read.
+/// Reads the scene and poses its first and the requested frame, or poses a frame of a scene that was read.
 #[derive(Debug)]
 pub struct ReloadJob {
     work: Work,
-    /// Whether the job has reached posing.
+    /// Whether the job has reached posing of the requested frame.
     pub poses: Arc<AtomicBool>,
 }
 
@@ -94,7 +34,6 @@ enum Work {
         parameters: ParameterOverrides,
         texts: Dependencies,
         frame: u32,
-        reuse: Reuse,
     },
     Pose {
         scene: Arc<Scene>,
@@ -105,24 +44,23 @@ enum Work {
 /// Result of a job for [`Live::finish_job`].
 #[derive(Debug)]
 pub struct FinishedJob {
-    pub(super) outcome: Outcome,
+    outcome: Outcome,
     since: SystemTime,
     took: Duration,
 }
 
 #[derive(Debug)]
-pub(super) enum Outcome {
+enum Outcome {
     /// The scene and its requested frame.
     Read {
-        read: Result<(Read, Pose), Vec<Diagnostic>>,
+        read: Result<Box<(Read, Pose)>, Vec<Diagnostic>>,
         parameters: ParameterOverrides,
-        reuse: Reuse,
     },
     /// A frame of a scene that was read.
     Posed {
         scene: Arc<Scene>,
         frame: u32,
-        pose: Pose,
+        pose: Box<Pose>,
     },
 }
 
@@ -149,18 +87,16 @@ impl ReloadJob {
                 parameters,
                 texts,
                 frame,
-                reuse,
             } => Outcome::Read {
                 read: read(&source, &parameters, &texts, frame).map(|read| {
                     self.poses.store(true, Ordering::Relaxed);
-                    let pose = pose_of(&read.scene, read.frame);
-                    (read, pose)
+                    let pose = read.pose();
+                    Box::new((read, pose))
                 }),
                 parameters,
-                reuse,
             },
             Work::Pose { scene, frame } => Outcome::Posed {
-                pose: pose_of(&scene, frame),
+                pose: Box::new(pose_of(&scene, frame)),
                 scene,
                 frame,
             },
@@ -171,51 +107,6 @@ impl ReloadJob {
             took: started.elapsed(),
         }
     }
-}
-
-/// Reads the scene and runs its script's `setup`; adds scripts and included files to `texts`.
-pub(super) fn read(
-    source: &SceneSource,
-    parameters: &ParameterOverrides,
-    texts: &Dependencies,
-    frame: u32,
-) -> Result<Read, Vec<Diagnostic>> {
-    let file = source.path.as_deref().unwrap_or(Path::new("atrium"));
-    catch_panic(file, || read_uncaught(source, parameters, texts, frame))
-}
-
-fn read_uncaught(
-    source: &SceneSource,
-    parameters: &ParameterOverrides,
-    texts: &Dependencies,
-    frame: u32,
-) -> Result<Read, Vec<Diagnostic>> {
-    let text = SceneText::read(source.path.as_deref(), &source.args.options())?;
-    let declared = text.declared();
-    let mut parameters = parameters.clone();
-    if let Some(declared) = &declared {
-        parameters.keep_what_fits(declared);
-    }
-    let opened = text.open(&parameters.settings(), texts);
-    let opened = opened.map_err(|mistakes| parameters.name_sliders(mistakes))?;
-    Ok(Read::new(
-        opened,
-        declared.unwrap_or_default(),
-        parameters,
-        frame,
-    ))
-}
-
-/// Frame number clamped to the timeline.
-pub(super) fn within(desc: &SceneDesc, frame: u32) -> u32 {
-    (desc.timeline.as_ref()).map_or(0, |t| frame.clamp(t.start, t.end))
-}
-
-/// Poses a frame of a scene.
-pub(super) fn pose_of(scene: &Scene, frame: u32) -> Pose {
-    let script = scene.script.as_ref();
-    let file = script.map_or_else(|| scene.folder.clone(), |s| s.name.clone().into());
-    catch_panic(&file, || scene.pose(frame))
 }
 
 impl Live {
@@ -230,30 +121,29 @@ impl Live {
         })
     }
 
-    /// A job that reads the scene on disk and poses a frame. [`Live::watch_list`] lists its scripts
-    /// as soon as they are known.
-    pub fn read_job(&mut self, reuse: Reuse, frame: u32) -> ReloadJob {
+    /// A job that reads the scene on disk and poses a frame, in place of one that runs; `None` where no read is
+    /// requested. [`Live::watch_list`] lists its scripts as soon as they are known.
+    pub fn begin_read(&mut self, frame: u32) -> Option<ReloadJob> {
+        self.take_request()?;
         self.read_since = SystemTime::now();
         self.pending_texts = Dependencies::default();
-        ReloadJob::new(Work::Read {
-            source: self.source.clone(),
+        Some(ReloadJob::new(Work::Read {
+            source: self.source().clone(),
             parameters: self.requested_parameters().clone(),
             texts: self.pending_texts.clone(),
             frame,
-            reuse,
-        })
+        }))
     }
 
     /// A job that poses a frame, clamped to the timeline; `None` if its result is shown already.
     pub fn pose_job(&self, frame: u32) -> Option<ReloadJob> {
-        let (scene, is_known) = if let Some(pending) = &self.pending {
-            let frame = within(pending.scene(), frame);
-            (pending.scene(), frame == pending.frame())
+        let (scene, is_known) = if let Some((read, _)) = &self.pending.unposed {
+            (read.scene(), within(read.scene(), frame) == read.frame())
         } else {
             // A pending scene that was replaced may have changed the requested frame.
-            let was_left = self.posed != self.frame && self.problems.pose.is_empty();
-            let is_known = within(&self.scene, frame) == self.frame && !was_left;
-            (&self.scene, is_known)
+            let was_left = self.posed_frame() != self.frame && self.problems.pose.is_empty();
+            let is_known = within(self.desc(), frame) == self.frame && !was_left;
+            (&self.session.scene().scene, is_known)
         };
         (!is_known).then(|| {
             ReloadJob::new(Work::Pose {
@@ -264,28 +154,41 @@ impl Live {
     }
 
     /// Shows the result of a job; after an error the last good scene stays and [`Live::problems`]
-    /// lists the errors. [`Live::watch_list`] may change.
-    pub fn finish_job(&mut self, done: FinishedJob) -> Reload {
+    /// lists the errors. [`Live::watch_list`] may change. `None` for a read that failed with tried values: it is
+    /// requested again.
+    pub fn finish_job(&mut self, done: FinishedJob) -> Option<Reload> {
         let FinishedJob {
             outcome,
             since,
             took,
         } = done;
+        let request = match &outcome {
+            Outcome::Read { .. } => self.pending.end_read(),
+            Outcome::Posed { .. } => None,
+        };
+        let request = request.unwrap_or(ReadRequest::VALUES);
+        let mut is_final = true;
         let mut reload = self.measured(|live, reload| match outcome {
-            Outcome::Read {
-                read,
-                parameters,
-                reuse,
-            } => {
+            Outcome::Read { read, parameters } => {
                 live.read_since = since;
-                let (is_trial, before) = (parameters != live.parameters, live.problems.clone());
-                live.adopt_scene(read, reuse, reload);
-                live.finish_trial(&parameters, is_trial, before, reload);
+                let is_trial = parameters != *live.parameters();
+                let before = live.problems.clone();
+                live.adopt_scene(read.map(|read| *read), request.reuse, reload);
+                is_final = live.finish_trial((&parameters, is_trial), request, before, reload);
             }
-            Outcome::Posed { scene, frame, pose } => live.adopt_pose(&scene, frame, pose, reload),
+            Outcome::Posed { scene, frame, pose } => live.adopt_pose(&scene, frame, *pose, reload),
         });
         reload.took += took;
         reload.parse += took;
+        is_final.then(|| request.before.and(reload))
+    }
+
+    /// Answers all requested reads on this thread.
+    pub fn read_now(&mut self) -> Reload {
+        let mut reload = Reload::NONE;
+        while let Some(job) = self.begin_read(self.frame) {
+            reload = self.finish_job(job.run()).unwrap_or(reload);
+        }
         reload
     }
 }

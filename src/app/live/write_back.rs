@@ -3,23 +3,23 @@
 
 use std::sync::Arc;
 
-use super::{Live, Reload, reload_job::Read};
+use super::{Live, Reload};
 use crate::{
     app::write_back::{Inspected, Numbers, SceneItem, change, inspect, put},
+    runtime::model_viewer_scene::is_model,
     scene::stages::Scene,
-    session::{model_viewer_scene::is_model, scene_text::load_options},
 };
 
 impl Live {
     /// Item of the scene text that places an instance of the world, if there is one.
     pub fn item_of(&self, instance: usize) -> Option<SceneItem> {
-        let written = self.world.written.get(instance).copied().flatten();
+        let written = self.world().written.get(instance).copied().flatten();
         written.map(SceneItem::Instance)
     }
 
     /// Editable numbers of an item.
     pub fn inspect(&self, item: SceneItem) -> Option<Inspected> {
-        let mut inspected = inspect(&self.scene, item)?;
+        let mut inspected = inspect(self.desc(), item)?;
         if let Err(why) = self.check_text() {
             inspected.numbers.clear();
             inspected.refused = Some(why);
@@ -33,9 +33,9 @@ impl Live {
     /// Sentence with the reason; then no file has changed.
     pub fn write(&mut self, item: SceneItem, numbers: &Numbers) -> Result<(), String> {
         self.check_text()?;
-        let variants = &self.source.args.variant;
-        self.history
-            .write(change(&self.scene, variants, item, numbers)?)
+        let variants = &self.source().options.variant;
+        let changed = change(self.desc(), variants, item, numbers)?;
+        self.history.write(changed)
     }
 
     /// Shows an item with other numbers during a drag: no text changes, and the next reload shows the written
@@ -45,8 +45,8 @@ impl Live {
             return Reload::default();
         }
         let written = self.undragged.take();
-        let written = written.unwrap_or_else(|| Arc::clone(&self.scene));
-        let mut scene = Scene::clone(&self.scene);
+        let written = written.unwrap_or_else(|| Arc::clone(&self.session.scene().scene));
+        let mut scene = Scene::clone(&self.session.scene().scene);
         put(&mut scene.desc, item, numbers);
         let reload = self.show_numbers(Arc::new(scene));
         self.undragged = Some(written);
@@ -61,18 +61,8 @@ impl Live {
 
     /// Shows a scene that has other numbers than the shown one.
     fn show_numbers(&mut self, scene: Arc<Scene>) -> Reload {
-        let read = Read {
-            scene,
-            warnings: Vec::new(),
-            declared: self.declared.clone(),
-            parameters: self.parameters.clone(),
-            frame: self.frame,
-            options: load_options(&self.source.args.options(), &self.dependencies),
-        };
-        let warnings = std::mem::take(&mut self.warnings);
-        let reload = self.measured(|live, reload| live.show_changed(read, reload));
-        self.warnings = warnings;
-        reload
+        let read = self.session.with_numbers(scene);
+        self.measured(|live, reload| live.show_changed(read, reload))
     }
 
     /// Undoes the last written edit, or redoes the last undone one; returns a message about it.
@@ -92,7 +82,7 @@ impl Live {
 
     /// Refuses the built-in scene and lone models, which have no scene text.
     fn check_text(&self) -> Result<(), String> {
-        match &self.source.path {
+        match &self.source().path {
             None => Err("the built-in scene has no file".to_owned()),
             Some(path) if is_model(path) => {
                 Err("a model alone has no scene text to change".to_owned())

@@ -15,11 +15,11 @@ use super::{
     tables::{Below, below, key, keys_of, table},
 };
 use crate::{
+    runtime::scene_text::asset_folders,
     scene::{
         manual::{key_text, section_text, variant_text},
         parse::{Form, KeyRecord, SectionRecord},
     },
-    session::scene_text::asset_folders,
 };
 
 /// Limits of file completion: number of files, and depth of the folders searched.

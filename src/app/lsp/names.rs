@@ -7,11 +7,11 @@ use std::{
 
 use super::outline::{Part, outline};
 use crate::{
+    runtime::scene_text::asset_folders,
     scene::{
         dependencies::Dependencies,
         parse::{self, ReadOptions, Texts},
     },
-    session::scene_text::asset_folders,
 };
 
 /// Tables whose entries have names that other tables use.

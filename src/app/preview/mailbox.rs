@@ -100,7 +100,8 @@ mod tests {
 
     use super::*;
     use crate::{
-        app::{live::Edit, params::ParameterOverrides, watch::Change},
+        app::{live::Edit, watch::Change},
+        runtime::parameters::ParameterOverrides,
         scene::desc::ParamValue,
     };
 

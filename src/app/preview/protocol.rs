@@ -6,20 +6,20 @@ use super::{frame_texture::FrameTexture, scene_summary::SceneSummary, view_chann
 use crate::{
     app::{
         live::{Edit, Refusal, Reload},
-        params::ParameterOverrides,
         watch::Changes,
         write_back::{Inspected, Numbers, SceneItem},
     },
     bench::metric::Scores,
     math::Bounds,
     render::stats::FrameStats,
+    runtime::parameters::ParameterOverrides,
     scene::desc::{CameraDesc, Method},
 };
 
 /// Contents of one side of the wipe.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Side {
-    /// Reflection method.
+    /// Reflection method; `auto` is decided as in `render`.
     pub method: Method,
     /// Displayed channel.
     pub channel: ViewChannel,
@@ -39,6 +39,9 @@ pub enum ViewCamera {
 pub struct View {
     /// Camera.
     pub camera: ViewCamera,
+    /// Name of the scene's camera that was chosen, whose view decides what is `auto`, also in free flight; `None`
+    /// while the cuts choose.
+    pub chosen: Option<String>,
     /// Frame of the timeline.
     pub frame: u32,
     /// Whether the timeline is playing.

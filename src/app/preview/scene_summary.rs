@@ -5,11 +5,11 @@ use super::{outline::outline, view_channel::ShadowLight};
 use crate::{
     app::{
         live::{Edit, Live, Problems},
-        params::DeclaredParameters,
         unique_names::unique_names,
     },
     math::Bounds,
     render::debug_readback::shadow_faces,
+    runtime::parameters::DeclaredParameters,
     scene::{
         desc::{CameraDesc, MaterialDesc, Method, TimelineDesc},
         diagnostic::Diagnostic,
@@ -52,7 +52,7 @@ pub struct SceneSummary {
     pub items: Vec<OutlineRow>,
     /// Bounds of the scene.
     pub bounds: Bounds,
-    /// Method set in the scene.
+    /// Method set in the scene, which may be `auto`.
     pub method: Method,
     /// The length U, meters.
     pub unit_m: f32,
@@ -117,11 +117,11 @@ impl SceneSummary {
                 .collect(),
             items: outline(live.desc()),
             bounds,
-            method: live.scene_method(),
+            method: live.desc().reflection.method,
             unit_m: live.renderer().unit_m(),
             dropped: dropped.map(|d| format!("{}: {}", d.what, d.why)).collect(),
             problems: live.problems.clone(),
-            warnings: live.warnings.clone(),
+            warnings: live.warnings().to_vec(),
         }
     }
 }

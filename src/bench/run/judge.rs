@@ -47,7 +47,7 @@ impl Bench<'_> {
             None => None,
         };
         let shown = subject.truth.as_deref().unwrap_or(subject);
-        let rt = of_truth.as_mut().unwrap_or(rt);
+        let rt = of_truth.as_deref_mut().unwrap_or(rt);
         rt.set_reflection_parameters(&reflection);
         let picture = rt.picture(self.gpu, &shown.world, &shown.camera, &PLANES)?;
         let mut reference = Reference::new(&picture).map_err(|why| {

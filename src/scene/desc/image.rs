@@ -74,8 +74,8 @@ pub struct ImageDesc {
     /// sample, 2 with 2 or 3, else 1.
     pub light_rays: Option<u32>,
     /// Exposure in stops, -20 to 20: +1 doubles the brightness. `"auto"` chooses it so that the brightest
-    /// tenth of the first frame shows as light gray or brighter, and keeps it for all frames; `reflet info`
-    /// prints the number. Default 0.
+    /// tenth of the first frame of the timeline shows as light gray or brighter, and keeps it for all frames;
+    /// `reflet info` prints the number. Default 0.
     pub exposure_ev: Exposure,
     /// Curve from radiance to display color; EXR output is never tone-mapped. Default `"neutral"`.
     pub tone_map: ToneMap,

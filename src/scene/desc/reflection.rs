@@ -59,6 +59,9 @@ pub enum Accept {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReflectionDesc {
     /// Method that finds reflections. Default `"auto"`.
+    /// Every `"auto"` that depends on the view (`method`, `visibility`, `exposure_ev`, `shadow` of lights) is decided
+    /// once: for the first frame of the timeline, at the size of the picture, as the camera shows it that is chosen
+    /// with `--camera` or in the preview, else the camera of the first frame. It then holds for all frames.
     pub method: Method,
     /// Length of a reflection ray in U, above 0. More reflects things that are farther away. Default 16.
     pub ray_length_u: f32,

@@ -8,10 +8,13 @@ use std::{
 };
 
 use crate::{
-    app::{args::SceneArgs, error::AppError, live::SceneSource},
+    app::{args::SceneArgs, error::AppError},
     gpu::ShaderLibrary,
+    runtime::{
+        SceneSource,
+        scene_text::{SceneText, asset_folders},
+    },
     scene::{dependencies::Dependencies, desc::SceneDesc},
-    session::scene_text::{SceneText, asset_folders},
 };
 
 /// Kind of edit.
@@ -108,7 +111,7 @@ impl SceneCopy {
         let opened = SceneText::read(path, &from.options())
             .and_then(|text| text.open(&[], &Dependencies::default()))
             .map_err(AppError::Scene)?;
-        let (text, desc) = (opened.text, opened.scene.desc);
+        let (text, desc) = (opened.text, opened.scene.desc.clone());
         let folder = Folder::new()?;
         let below = desc.folder.display().to_string();
         let local = |name: &str| {
@@ -146,7 +149,7 @@ impl SceneCopy {
     pub fn origin(&self) -> SceneSource {
         SceneSource {
             path: Some(self.folder.0.join(SCENE)),
-            args: self.from.clone(),
+            options: self.from.options(),
             shaders: Some(self.folder.0.join(SHADERS)),
         }
     }

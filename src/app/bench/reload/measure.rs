@@ -16,6 +16,7 @@ use crate::{
         watch::{WatchEvent, Watcher},
     },
     bench::run::Observer as _,
+    world::World,
 };
 
 /// Longest wait for a save to be noticed; after it the save counts as missed.
@@ -105,7 +106,7 @@ pub fn saves(
             return Err(problem(live, edit));
         }
         let started = Instant::now();
-        let camera = live.world().cameras[0].value.clone();
+        let camera = |world: &World| world.cameras[0].value.clone();
         let own_shaders = live.source().shaders.is_some();
         (live.render(&camera)).map_err(|error| AppError::from_render(error, own_shaders))?;
         let frame = started.elapsed();

@@ -36,7 +36,7 @@ impl Worker {
                         redraw = true;
                         self.edit(*edit);
                     }
-                    Task::SetParameters(overrides) => self.set_parameters(overrides),
+                    Task::SetParameters(overrides) => self.live.set_parameters(overrides),
                     Task::Unwatched(why) => self.send(Report::Unwatched(why)),
                     Task::Frame(request) => self.frame_requests.push_back(request),
                     Task::Unpick => self.unpick(),
@@ -83,24 +83,14 @@ impl Worker {
         }
     }
 
-    /// Shows the scene coarsely first, if most of its features are not built yet, and then builds them.
-    fn complete(&mut self, view: &mut View) -> Result<(), RenderError> {
-        if !self.live.is_coarse() {
-            return Ok(());
-        }
+    /// Shows the scene coarsely first, while most of what it needs is not built.
+    fn draw_coarse(&mut self, view: &View) -> Result<(), RenderError> {
         if view.a.channel == ViewChannel::Picture && view.b.is_none() {
             let stats = self.render_coarse(view)?;
             let side = self.visualize(view.a, view, stats, None)?;
             self.textures = vec![side.texture.clone()];
             self.finish(view, vec![side], None);
         }
-        let before = self.live.scene_method();
-        self.live.complete()?;
-        let decided = self.live.scene_method();
-        if decided != before && view.a.method == before {
-            view.a.method = decided;
-        }
-        self.send_summary();
         Ok(())
     }
 
@@ -118,10 +108,11 @@ impl Worker {
     }
 
     fn draw(&mut self) {
-        let Some(mut view) = self.view.clone() else {
+        let Some(view) = self.view.clone() else {
             return;
         };
-        if let Err(error) = self.complete(&mut view) {
+        let was_coarse = self.live.is_coarse();
+        if was_coarse && let Err(error) = self.draw_coarse(&view) {
             return self.report_error(&error);
         }
         match self
@@ -136,7 +127,7 @@ impl Worker {
                 let is_new = self.summary_frame != self.live.posed_frame();
                 let is_time =
                     view.draft_ms.is_none() || self.summary_sent_at.elapsed() >= SUMMARY_INTERVAL;
-                if had_problem || (is_new && is_time) {
+                if had_problem || was_coarse || (is_new && is_time) {
                     self.send_summary();
                 }
             }

@@ -4,12 +4,11 @@
 use std::time::Instant;
 
 use super::{
-    reload_jobs::{GRACE_PERIOD, PendingRead, ReloadJobs, RunningJob},
+    reload_jobs::{GRACE_PERIOD, ReloadJobs, RunningJob},
     worker::Worker,
 };
 use crate::app::{
-    live::{Live, Reload, ReloadJob, Reuse},
-    params::ParameterOverrides,
+    live::{Live, ReadRequest, ReloadJob},
     preview::{mailbox::Mailbox, protocol::Report},
     watch::{Changes, Watcher},
 };
@@ -19,7 +18,7 @@ impl Worker {
     pub(super) fn reload(&mut self, changes: &Changes, since: Instant) {
         let before = self.live.reload_shaders(changes);
         match Live::reuse_after(changes) {
-            Some(reuse) => self.reload_jobs.queue(PendingRead {
+            Some(reuse) => self.live.request_read(ReadRequest {
                 reuse,
                 saved_at: Some(since),
                 before,
@@ -29,22 +28,6 @@ impl Worker {
                 self.send_summary();
             }
         }
-    }
-
-    /// Queues a read of the scene with other parameters.
-    pub(super) fn set_parameters(&mut self, overrides: ParameterOverrides) {
-        self.live.set_parameters(overrides);
-        self.reload_jobs.queue(PendingRead {
-            reuse: Reuse {
-                files: true,
-                edits: true,
-            },
-            saved_at: None,
-            before: Reload {
-                ok: true,
-                ..Reload::default()
-            },
-        });
     }
 
     /// Time at which the loop must run again without a new view or task.
@@ -70,7 +53,7 @@ impl Worker {
         is_new |= self.pose(mailbox, watcher);
         let (reading, posing) = (&self.reload_jobs.reading, &self.reload_jobs.posing);
         let since = [
-            reading.as_ref().map(|(running, _)| running.started),
+            reading.as_ref().map(|running| running.started),
             posing.as_ref().map(|running| running.started),
         ];
         let since = since.into_iter().flatten().min();
@@ -91,44 +74,29 @@ impl Worker {
     /// Reads the scene; returns whether a new one is shown, `None` while none is ready.
     fn read_scene(&mut self, mailbox: &Mailbox, watcher: Option<&Watcher>) -> Option<bool> {
         let (frame, plays) = self.wanted_frame().unwrap_or((0, false));
-        if let Some((running, of)) = self.reload_jobs.reading.take() {
-            let is_left = !plays && running.poses_other_frame(frame);
-            if is_left && !self.reload_jobs.in_grace_period(&running) {
-                let wanted = self.reload_jobs.wanted.take();
-                self.reload_jobs.wanted = Some(wanted.map_or(of, |wanted| of.then(wanted)));
-            } else {
-                self.reload_jobs.reading = Some((running, of));
+        let jobs = &mut self.reload_jobs;
+        let is_left = |running: &RunningJob| !plays && running.poses_other_frame(frame);
+        if jobs.reading.as_ref().is_some_and(is_left) && !jobs.reads_in_grace_period() {
+            jobs.reading = None;
+            self.live.leave_read();
+        }
+        if let Some(wanted) = self.live.requested_read() {
+            // A save ends the read that runs; other values wait, so that pictures appear while a slider moves.
+            let waits = wanted.saved_at.is_none() && self.reload_jobs.reads_in_grace_period();
+            if !waits && let Some(reload_job) = self.live.begin_read(frame) {
+                self.reload_jobs.reading = Some(RunningJob::start(reload_job, mailbox));
             }
         }
-        if let Some(wanted) = self.reload_jobs.wanted.take() {
-            let old = self.reload_jobs.reading.take();
-            match old {
-                Some((running, of))
-                    if wanted.saved_at.is_none() && self.reload_jobs.in_grace_period(&running) =>
-                {
-                    self.reload_jobs.reading = Some((running, of));
-                    self.reload_jobs.wanted = Some(wanted);
-                }
-                old => {
-                    let wanted = old.map_or(wanted, |(_, of)| of.then(wanted));
-                    let reload_job = self.live.read_job(wanted.reuse, frame);
-                    self.reload_jobs.reading =
-                        Some((RunningJob::start(reload_job, mailbox), wanted));
-                }
-            }
-        }
-        let (running, wanted) = self.reload_jobs.reading.as_ref()?;
-        let (done, wanted) = (running.answer()?, *wanted);
+        let done = self.reload_jobs.reading.as_ref()?.answer()?;
         self.reload_jobs.reading = None;
         self.reload_jobs.posing = None; // the job poses the previous scene
-        let reload = wanted.before.and(self.live.finish_job(done));
-        if self.live.must_read_again() {
-            self.reload_jobs.queue(wanted);
+        let saved_at = (self.live.running_read()).and_then(|request| request.saved_at);
+        let Some(reload) = self.live.finish_job(done) else {
             return Some(false);
-        }
+        };
         self.watch(watcher);
         let refusal = self.live.refusal();
-        match (&refusal, wanted.saved_at) {
+        match (&refusal, saved_at) {
             (_, Some(since)) => self.reloads.push((reload, since)),
             (None, None) => self.send(Report::ParametersApplied(reload)),
             (Some(_), None) => {}
@@ -160,7 +128,7 @@ impl Worker {
         let goes_on = |old: &RunningJob, reload_jobs: &mut ReloadJobs| {
             plays
                 || wanted == Some(old.frame)
-                || (wanted.is_some() && reload_jobs.in_grace_period(old))
+                || (wanted.is_some() && reload_jobs.in_grace_period(old.started))
         };
         let old = old.filter(|old| goes_on(old, &mut self.reload_jobs));
         let new = |reload_job| RunningJob::start(reload_job, mailbox);
@@ -175,7 +143,7 @@ impl Worker {
         };
         self.reload_jobs.posing = None;
         let before = self.live.problems.clone();
-        let is_shown = self.live.finish_job(done).ok;
+        let is_shown = self.live.finish_job(done).is_some_and(|reload| reload.ok);
         if self.live.problems != before {
             // The job may have adopted a saved scene.
             self.watch(watcher);

@@ -12,7 +12,7 @@ use std::{
 
 use crate::{
     app::{
-        live::{FinishedJob, Reload, ReloadJob, Reuse},
+        live::{FinishedJob, ReloadJob},
         preview::mailbox::Mailbox,
     },
     scene::script::Halt,
@@ -23,16 +23,6 @@ const SCRIPT_WAIT: Duration = Duration::from_millis(30);
 /// Time that an outdated job may continue after a newer request, so that pictures appear while a
 /// slider moves.
 pub(super) const GRACE_PERIOD: Duration = Duration::from_millis(300);
-
-/// A pending read of the scene.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct PendingRead {
-    pub(super) reuse: Reuse,
-    /// Time of the file event; `None` for parameters.
-    pub(super) saved_at: Option<Instant>,
-    /// Result of the shader reload for the same changes.
-    pub(super) before: Reload,
-}
 
 /// A reload job on its thread; dropping it halts its scripts.
 pub(super) struct RunningJob {
@@ -92,11 +82,10 @@ impl Drop for RunningJob {
     }
 }
 
-/// Running and pending jobs.
+/// Running jobs.
 #[derive(Default)]
 pub(super) struct ReloadJobs {
-    pub(super) wanted: Option<PendingRead>,
-    pub(super) reading: Option<(RunningJob, PendingRead)>,
+    pub(super) reading: Option<RunningJob>,
     pub(super) posing: Option<RunningJob>,
     /// Start of the oldest running job, as reported last.
     pub(super) reported_start: Option<Instant>,
@@ -105,16 +94,9 @@ pub(super) struct ReloadJobs {
 }
 
 impl ReloadJobs {
-    pub(super) fn queue(&mut self, new: PendingRead) {
-        self.wanted = Some(match self.wanted.take() {
-            Some(old) => old.then(new),
-            None => new,
-        });
-    }
-
     /// Whether an outdated job is in its grace period; schedules the check at its end.
-    pub(super) fn in_grace_period(&mut self, running: &RunningJob) -> bool {
-        let end = running.started + GRACE_PERIOD;
+    pub(super) fn in_grace_period(&mut self, started: Instant) -> bool {
+        let end = started + GRACE_PERIOD;
         let in_grace_period = Instant::now() < end;
         if in_grace_period {
             self.check_at(end);
@@ -122,17 +104,13 @@ impl ReloadJobs {
         in_grace_period
     }
 
+    /// Whether a read runs that is in its grace period.
+    pub(super) fn reads_in_grace_period(&mut self) -> bool {
+        let started = self.reading.as_ref().map(|running| running.started);
+        started.is_some_and(|started| self.in_grace_period(started))
+    }
+
     pub(super) fn check_at(&mut self, time: Instant) {
         self.next_check = Some(self.next_check.map_or(time, |next| next.min(time)));
-    }
-}
-
-impl PendingRead {
-    pub(super) fn then(self, new: Self) -> Self {
-        Self {
-            reuse: self.reuse.and(new.reuse),
-            saved_at: new.saved_at.or(self.saved_at),
-            before: self.before.and(new.before),
-        }
     }
 }

@@ -22,7 +22,7 @@ use crate::{
         write_back::SceneItem,
     },
     gpu::Gpu,
-    render::{RenderError, stats::FrameStats},
+    render::{Draft, RenderError, stats::FrameStats},
     scene::desc::{CameraDesc, Method},
     world::World,
 };
@@ -135,14 +135,15 @@ impl Worker {
     /// Renders the coarse first picture.
     pub(super) fn render_coarse(&mut self, view: &View) -> Result<FrameStats, RenderError> {
         let most = self.gpu.limits.max_texture_dimension_2d;
-        self.live.set_overrides(ViewOverrides {
+        self.live.set_view(ViewOverrides {
             size: Some(view.size.map(|side| side.clamp(1, most))),
-            ..self.live.overrides()
+            ..self.live.view().clone()
         })?;
-        self.live.render(&self.camera(&view.camera))
+        self.live.render(&|world| camera_in(world, &view.camera))
     }
 
-    /// Renders into the targets, with resolution and sub-frames reduced to the time budget.
+    /// Renders into the targets, with resolution and sub-frames reduced to the time budget; what is `auto` is
+    /// decided for the whole picture.
     pub(super) fn render(
         &mut self,
         view: &View,
@@ -151,8 +152,9 @@ impl Worker {
         self.rendered_view = None;
         let most = self.gpu.limits.max_texture_dimension_2d;
         let pixels = |size: [u32; 2]| f64::from(size[0]) * f64::from(size[1]);
-        let mut size = view.size.map(|side| side.clamp(1, most));
-        let mut samples = self.live.desc().image.samples;
+        let whole = view.size.map(|side| side.clamp(1, most));
+        let (mut size, all_samples) = (whole, self.live.desc().image.samples);
+        let mut samples = all_samples;
         if let Some(draft_ms) = view.draft_ms {
             samples = 1;
             for _ in 0..3 {
@@ -169,14 +171,16 @@ impl Worker {
         {
             samples /= 2;
         }
-        self.live.set_overrides(ViewOverrides {
-            size: Some(size),
+        let is_whole = (size, samples) == (whole, all_samples);
+        self.live.set_view(ViewOverrides {
+            size: Some(whole),
             method: Some(method),
-            samples: Some(samples),
-            ..self.live.overrides()
+            draft: (!is_whole).then_some(Draft { size, samples }),
+            camera: view.chosen.clone(),
+            ..self.live.view().clone()
         })?;
-        let seen_by = |world: &World| camera_in(world, &view.camera);
-        let stats = self.live.render_by(&seen_by)?;
+        self.live.complete()?;
+        let stats = self.live.render(&|world| camera_in(world, &view.camera))?;
         self.frame_cost
             .record(pixels(size) * f64::from(samples), stats.frame_ms);
         Ok(stats)

@@ -168,6 +168,7 @@ impl Window {
                 Some((name, _)) => ViewCamera::Scene(name.clone()),
                 None => ViewCamera::Free(self.camera_controls.camera.clone()),
             },
+            chosen: self.chosen_camera(),
             frame,
             plays: self.timeline.as_ref().is_some_and(Timeline::is_playing),
             size: self.viewport,
@@ -196,6 +197,14 @@ impl Window {
             true => ViewRequest::FollowCuts,
             false => ViewRequest::SceneCamera(self.settings.last_camera),
         }
+    }
+
+    /// Name of the scene's camera that was chosen last; `None` while the cuts choose.
+    fn chosen_camera(&self) -> Option<String> {
+        let cameras = &self.summary.cameras;
+        let chosen = cameras.get(self.settings.last_camera);
+        let chosen = chosen.filter(|_| !self.settings.follows_cuts);
+        chosen.map(|(name, _)| name.clone())
     }
 
     /// Shows the camera of the cuts, unless another one was chosen or moved.

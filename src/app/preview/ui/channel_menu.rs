@@ -16,10 +16,12 @@ use crate::{
 pub const METHODS: [Method; 4] = [Method::Hybrid, Method::Ssr, Method::Rt, Method::Path];
 
 /// Width of a menu, points; longer names are truncated.
-pub const MENU: f32 = 96.0;
+pub const MENU: f32 = 88.0;
 
 /// Method and channel of one side.
 pub fn side_menu(ui: &mut Ui, id: &str, side: &mut Side, shadow_lights: &[ShadowLight]) {
+    let auto = ui.selectable_value(&mut side.method, Method::Auto, method_name(Method::Auto));
+    auto.on_hover_text("hybrid or rt, as render decides for this size and the chosen camera");
     for method in METHODS {
         ui.selectable_value(&mut side.method, method, method_name(method));
     }

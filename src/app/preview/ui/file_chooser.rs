@@ -7,7 +7,7 @@ use std::{
 
 use eframe::egui::{self, Align2, RichText, ScrollArea, Ui};
 
-use crate::session::model_viewer_scene::is_model;
+use crate::runtime::model_viewer_scene::is_model;
 
 /// A folder and its entries.
 #[derive(Debug)]

@@ -57,17 +57,16 @@ impl Opener {
     /// A plan file that cannot be used.
     pub fn new(gpu: Arc<Gpu>, args: &PreviewArgs, screenshots: PathBuf) -> Result<Self, AppError> {
         let method = args.method.map(Method::from);
-        let method = method.filter(|method| *method != Method::Auto);
         let plan = args.plan.as_deref();
         let overrides = ViewOverrides {
             size: Some([64, 64]),
             method,
-            samples: Some(1),
             costs: plan.map(|path| costs(path, &gpu)).transpose()?,
+            ..ViewOverrides::default()
         };
         let source = SceneSource {
             path: args.scene.clone(),
-            args: args.from.clone(),
+            options: args.from.options(),
             shaders: args.shaders.clone(),
         };
         Ok(Self {
@@ -94,16 +93,16 @@ impl Opener {
     pub fn another(&self, path: &Path) -> Result<Opened, AppError> {
         let mut source = self.source.clone();
         source.path = Some(path.to_owned());
-        (source.args.set, source.args.variant) = (Vec::new(), Vec::new());
+        (source.options.set, source.options.variant) = (Vec::new(), Vec::new());
         self.open(source, None)
     }
 
     fn open(&self, source: SceneSource, camera: Option<&str>) -> Result<Opened, AppError> {
         let stem = source.path.as_deref().and_then(Path::file_stem);
         let stem = stem.map_or("atrium".into(), |stem| stem.to_string_lossy().into_owned());
-        let opened = open(&self.gpu, source, self.overrides, camera.is_none());
+        let opened = open(&self.gpu, source, self.overrides.clone(), camera.is_none());
         let (live, is_waiting) = opened?;
-        print_diagnostics(&live.warnings);
+        print_diagnostics(live.warnings());
         let summary = SceneSummary::of(&live);
         Ok(Opened {
             live,
@@ -185,7 +184,14 @@ pub fn open(
             halt.halt();
         });
     }
-    match halt.over(|| Live::open(gpu.clone(), source.clone(), overrides, InitialBuild::Coarse)) {
+    match halt.over(|| {
+        Live::open(
+            gpu.clone(),
+            source.clone(),
+            overrides.clone(),
+            InitialBuild::Coarse,
+        )
+    }) {
         Err(AppError::Scene(errors)) if waits => {
             let mistakes = if halt.is_halted() { Vec::new() } else { errors };
             print_diagnostics(&mistakes);

@@ -10,11 +10,11 @@ use super::{
 use crate::{
     app::{
         live::Edit,
-        params::ParameterOverrides,
         preview::{protocol::Side, scene_summary::SceneSummary, view_channel::ViewChannel},
         write_back::{Numbers, SceneItem},
     },
     bench::{metric::Scores, parameter::method_name},
+    runtime::parameters::ParameterOverrides,
     scene::desc::Method,
 };
 

@@ -6,10 +6,8 @@ use eframe::egui::{self, DragValue, RichText, Slider, SliderClamping, Ui};
 
 use super::{diagnostics_panel::DiagnosticEntry, panels::named};
 use crate::{
-    app::{
-        live::Refusal,
-        params::{DeclaredParameters, ParameterOverrides, same_kind, setting},
-    },
+    app::live::Refusal,
+    runtime::parameters::{DeclaredParameters, ParameterOverrides, same_kind, setting},
     scene::{desc::ParamValue, range::LIMIT},
 };
 

@@ -4,6 +4,7 @@ use std::{
     borrow::Cow,
     env,
     path::{Path, PathBuf},
+    sync::Arc,
 };
 
 use super::model_viewer_scene::{is_model, model_viewer_scene};
@@ -66,7 +67,7 @@ pub struct OpenedScene {
     /// Variants and overrides applied to the text.
     pub overrides: Vec<String>,
     /// Description after overrides and the script's `setup`.
-    pub scene: Scene,
+    pub scene: Arc<Scene>,
     /// Warnings about the scene's text and script.
     pub warnings: Vec<Diagnostic>,
     /// Options for loading, with the dependencies recorded so far.
@@ -81,7 +82,7 @@ pub struct LoadedScene {
     /// Name of the scene for messages.
     pub name: String,
     /// Description after overrides and the script's `setup`.
-    pub scene: Scene,
+    pub scene: Arc<Scene>,
     /// Loaded scene.
     pub world: World,
     /// Scene text, for fingerprints.
@@ -177,7 +178,7 @@ impl SceneText {
         Ok(OpenedScene {
             text: self.text,
             overrides: variants.chain(options.overrides).collect(),
-            scene,
+            scene: Arc::new(scene),
             warnings: self.warnings.into_iter().chain(warnings).collect(),
             options: self.options,
             model: options.generated.then_some(self.file),
@@ -186,28 +187,41 @@ impl SceneText {
 }
 
 impl OpenedScene {
+    /// A loaded scene with another description of the same scene, such as one with changed numbers.
+    pub(super) fn of_loaded(loaded: &LoadedScene, scene: Arc<Scene>, options: LoadOptions) -> Self {
+        // Loading adds those of the world again.
+        let mut warnings = loaded.warnings.clone();
+        warnings.retain(|warning| !loaded.world.warnings.contains(warning));
+        Self {
+            text: loaded.text.clone(),
+            overrides: loaded.overrides.clone(),
+            scene,
+            warnings,
+            options,
+            model: None,
+        }
+    }
+
     /// Loads the assets of the scene; `name` is used in messages.
     ///
     /// # Errors
     /// All errors, after the warnings about the scene's text; a bare model without anything to show.
-    pub fn load(self, name: String) -> Result<LoadedScene, Vec<Diagnostic>> {
-        self.load_with_cache(name).map(|(loaded, _)| loaded)
+    pub fn load(&self, name: String) -> Result<LoadedScene, Vec<Diagnostic>> {
+        let (world, _) = self.world()?;
+        Ok(self.with_world(name, world))
     }
 
-    /// Loads the assets like [`OpenedScene::load`], and returns them for reuse when the scene's text changes.
+    /// The world of the scene as it is loaded, with the assets for later texts of it.
     ///
     /// # Errors
     /// Same errors as [`OpenedScene::load`].
-    pub fn load_with_cache(
-        self,
-        name: String,
-    ) -> Result<(LoadedScene, AssetCache), Vec<Diagnostic>> {
+    pub(super) fn world(&self) -> Result<(World, AssetCache), Vec<Diagnostic>> {
         match load::load_with_cache(&self.scene, &self.options) {
             Ok((world, assets)) => match self.nothing_to_show(&world) {
                 Some(error) => Err(self.told_with(world, error)),
-                None => Ok((self.with_world(name, world), assets)),
+                None => Ok((world, assets)),
             },
-            Err(errors) => Err(self.warnings.into_iter().chain(errors).collect()),
+            Err(errors) => Err(self.warnings.iter().cloned().chain(errors).collect()),
         }
     }
 
@@ -220,25 +234,25 @@ impl OpenedScene {
     }
 
     /// All warnings but the one with the same meaning as the error, then the error.
-    fn told_with(self, world: World, error: Diagnostic) -> Vec<Diagnostic> {
-        let warnings = self.warnings.into_iter().chain(world.warnings);
+    fn told_with(&self, world: World, error: Diagnostic) -> Vec<Diagnostic> {
+        let warnings = self.warnings.iter().cloned().chain(world.warnings);
         let others = warnings.filter(|warning| warning.name != MODEL_EMPTY);
         others.chain([error]).collect()
     }
 
     /// Combines the description with its loaded world.
-    pub(super) fn with_world(mut self, name: String, world: World) -> LoadedScene {
-        self.warnings.extend(world.warnings.iter().cloned());
-        let frame = self.scene.first_frame();
+    pub(super) fn with_world(&self, name: String, world: World) -> LoadedScene {
+        let mut warnings = self.warnings.clone();
+        warnings.extend(world.warnings.iter().cloned());
         LoadedScene {
             name,
-            scene: self.scene,
+            scene: Arc::clone(&self.scene),
+            text: self.text.clone(),
+            overrides: self.overrides.clone(),
+            warnings,
+            frame: self.scene.first_frame(),
             world,
-            text: self.text,
-            overrides: self.overrides,
-            warnings: self.warnings,
-            dependencies: self.options.dependencies,
-            frame,
+            dependencies: self.options.dependencies.clone(),
         }
     }
 }

@@ -12,7 +12,7 @@ use common::gpu_or_skip;
 use reflet::{
     gpu::GpuError,
     render::PlaneData,
-    session::{Session, SessionError, SessionOptions, scene_text::SceneOptions},
+    runtime::{Session, SessionError, SessionOptions, scene_text::SceneOptions},
 };
 
 /// A wall that fills the picture, 3 m away; the script moves it away, 1 m a frame, and says so.
@@ -219,7 +219,7 @@ fn a_missing_adapter_is_an_error() {
         adapter: Some("no adapter has this name".to_owned()),
         ..SessionOptions::default()
     };
-    let error = open(&folder, &options).err().expect("an error");
+    let error = open(&folder, &options).expect_err("an error");
     assert!(
         matches!(error, SessionError::Gpu(GpuError::NoAdapter(_))),
         "{error}"

@@ -1,12 +1,21 @@
 //! Coarse first picture, which appears soon: surfaces and shadow maps. Reflections, glass, ray tracing and light
 //! sampling are left out, since their shaders and BVHs take seconds to compile and build.
 
-use super::{Live, reload::options_of};
+use super::Session;
 use crate::{
     render::{RenderError, RenderOptions},
     scene::desc::{EnvironmentShadow, Exposure, Method, ReflectionMode, ShadowMode, Visibility},
     world::{World, pose::Moving},
 };
+
+/// Features that are built before the first picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum InitialBuild {
+    /// All features that the scene needs.
+    Whole,
+    /// Surfaces and shadow maps, without reflections and glass; [`Session::complete`] builds the rest.
+    Coarse,
+}
 
 /// World without the features that the coarse picture leaves out.
 pub(super) fn world(of: &World) -> World {
@@ -43,7 +52,7 @@ pub(super) fn options(mut options: RenderOptions) -> RenderOptions {
     options
 }
 
-impl Live {
+impl Session {
     /// Whether the scene is still shown coarsely.
     pub fn is_coarse(&self) -> bool {
         self.coarse.is_some()
@@ -54,15 +63,9 @@ impl Live {
     /// # Errors
     /// Same errors as [`crate::render::Renderer::change`]; then the coarse picture stays.
     pub fn complete(&mut self) -> Result<(), RenderError> {
-        if self.coarse.is_none() {
-            return Ok(());
+        match self.coarse {
+            Some(_) => self.refresh().map(drop),
+            None => Ok(()),
         }
-        let options = options_of(&self.scene, self.overrides);
-        (self.renderer).change(&self.gpu, &self.library, &self.world, &options)?;
-        self.coarse = None;
-        if self.overrides.method.is_none() {
-            self.auto_method = self.renderer.method();
-        }
-        Ok(())
     }
 }

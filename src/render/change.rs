@@ -1,0 +1,159 @@
+//! Changes of a renderer: another world, other options or shaders; only what differs is made again.
+
+use crate::{
+    gpu::{Gpu, ShaderLibrary},
+    world::World,
+};
+
+use super::{
+    bindings::{BindingInputs, BindingKey, Bindings},
+    decide::{decide, needs_trees},
+    error::RenderError,
+    lights::ShadowSizes,
+    options::RenderOptions,
+    passes::needed_passes,
+    plan::may_meet_culled,
+    rebuild_summary::RebuildSummary,
+    relative::origin_of,
+    renderer::{Renderer, build_trees, check_posed, plan_of, top_level, unit_of, variant},
+    shaders::Shaders,
+    validate::check_world,
+    world_key::WorldKey,
+};
+
+/// One world in two poses.
+#[derive(Clone, Copy, Debug)]
+pub struct Poses<'a> {
+    /// Decides what is `auto`: the first frame of the timeline.
+    pub first: &'a World,
+    /// Is rendered next.
+    pub shown: &'a World,
+}
+
+impl<'a> From<&'a World> for Poses<'a> {
+    /// A world whose first frame is rendered.
+    fn from(world: &'a World) -> Self {
+        Self {
+            first: world,
+            shown: world,
+        }
+    }
+}
+
+impl Renderer {
+    /// Prepares for another world, other options or other shaders, and rebuilds only the parts that differ. On an
+    /// error nothing has changed.
+    ///
+    /// # Errors
+    /// Same errors as [`Renderer::new`] and [`Renderer::update`].
+    pub fn change<'a>(
+        &mut self,
+        gpu: &Gpu,
+        library: &ShaderLibrary,
+        poses: impl Into<Poses<'a>>,
+        options: &RenderOptions,
+    ) -> Result<RebuildSummary, RenderError> {
+        let Poses { first, shown } = poses.into();
+        check_world(first)?;
+        let options = &options.settled();
+        let is_far = origin_of(first, options) != self.origin;
+        let world = &*self.relative(first);
+        let world_key = WorldKey::of(world);
+        if is_far || !world_key.has_same_uploads(&self.world_key) {
+            let mut new = Self::new(gpu, library, first, options)?;
+            new.update(gpu, shown)?;
+            *self = new;
+            return Ok(RebuildSummary::NEW);
+        }
+        let shown = &*self.relative(shown);
+        // BVHs that are no longer traced are kept while they fit: a preview that compares two methods would
+        // otherwise rebuild them for each picture.
+        let lacks_trees = !self.trees.is_built() && needs_trees(world, options);
+        let has_new_trees = lacks_trees || !world_key.has_same_trees(&self.world_key);
+        let mut rebuilt = self.differences(&WorldKey::of(shown), has_new_trees);
+        let new_trees = (rebuilt.trees)
+            .then(|| build_trees(gpu, world, options))
+            .transpose()?;
+        if new_trees.is_none() {
+            self.pose_trees(world, &world_key)?;
+        }
+        let trees = new_trees.as_ref().map_or(&self.trees, |(trees, _)| trees);
+        let decided = decide(world, trees, options, gpu.is_software());
+        let options = &decided.options;
+        let mut new_scene = (rebuilt.materials)
+            .then(|| self.scene.with_materials(gpu, world, trees, rebuilt.trees))
+            .transpose()?;
+        if may_meet_culled(world, options) {
+            // If the old scene stays, this is stored in it at once: it holds for its meshes even if a later step
+            // fails.
+            new_scene
+                .as_mut()
+                .unwrap_or(&mut self.scene)
+                .find_backs(world);
+        }
+        let scene = new_scene.as_ref().unwrap_or(&self.scene);
+        let plan = plan_of(world, trees, scene, options);
+        let needed = needed_passes(&plan, options);
+        let shaders = Shaders::new(gpu, library, variant(gpu, &plan, scene), &needed)?;
+        let maps = ShadowSizes::of(&world.lights, options);
+        let key = BindingKey::new(&plan, options, maps, &needed);
+        check_posed(shown, &world_key, &key, options)?;
+        rebuilt.passes = rebuilt.materials
+            || key != self.bindings.key
+            || !shaders.are_same(&self.shaders, &needed);
+        let is_posed = rebuilt.trees || rebuilt.materials || rebuilt.poses;
+        let top = is_posed.then(|| top_level(trees, shown)).transpose()?;
+        if rebuilt.passes {
+            let inputs = BindingInputs {
+                plan: &plan,
+                options,
+                shaders: &shaders,
+                scene,
+                uniforms: &self.uniforms,
+            };
+            self.bindings = Bindings::new(gpu, key, inputs, Some(&self.bindings))?;
+        }
+        // No step below this line can fail.
+        if let Some((trees, tree_ms)) = new_trees {
+            (self.trees, self.tree_ms) = (trees, tree_ms);
+            self.tree_pose = world_key.pose().clone();
+        }
+        if let Some(scene) = new_scene {
+            self.scene = scene;
+        }
+        self.unit_m = unit_of(world, options);
+        self.options = *options;
+        self.decisions = decided.decisions;
+        self.plan = plan;
+        self.shaders = shaders;
+        self.world_key = world_key;
+        if is_posed {
+            self.set_poses(gpu, shown, top.flatten());
+        } else {
+            self.world_key.update(shown);
+        }
+        Ok(rebuilt)
+    }
+
+    /// Parts to rebuild for a posed world, but for its passes.
+    fn differences(&self, shown: &WorldKey, has_new_trees: bool) -> RebuildSummary {
+        RebuildSummary {
+            upload: false,
+            trees: has_new_trees,
+            poses: !has_new_trees && shown.pose() != self.world_key.pose(),
+            materials: has_new_trees || !shown.has_same_materials(&self.world_key),
+            passes: false,
+        }
+    }
+
+    /// Poses the trees of the CPU, which decide what is `auto`; the device keeps those of the shown pose.
+    fn pose_trees(&mut self, world: &World, key: &WorldKey) -> Result<(), RenderError> {
+        if *key.pose() != self.tree_pose
+            && let Some(top) = top_level(&self.trees, world)?
+        {
+            self.trees.set_top_level(top);
+            self.tree_pose = key.pose().clone();
+        }
+        Ok(())
+    }
+}
