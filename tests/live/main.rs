@@ -19,4 +19,5 @@ mod same_as_render;
 mod saves;
 mod scripts;
 mod shutter;
+mod stages;
 mod write_back;

@@ -1,0 +1,261 @@
+//! Each stage in turn breaks and is mended: the last good picture stays, also where it is posed or resized meanwhile.
+//! Reloads on the preview's threads end with what was asked for last.
+
+use std::{fs, path::Path, thread, time::Duration};
+
+use reflet::{
+    app::{
+        live::{Problems, ViewOverrides},
+        output,
+        preview::protocol::Report,
+        watch::Change,
+    },
+    runtime::{Session, SessionError, SessionOptions, scene_text::SceneOptions},
+};
+
+use crate::{
+    background_scripts::Watched,
+    common::gpu_or_skip,
+    kit::{Folder, RunNow, SCENE, copy_shaders, open, picture},
+    scripts::{SCRIPT, Session as Scripted},
+};
+
+/// A moving box, posed by a script.
+fn scene() -> String {
+    let text = SCENE.replace(
+        "model = \"box\"",
+        "model = \"box\"\nname = \"box\"\ndynamic = true",
+    );
+    format!("script = \"s.rhai\"\n{text}[timeline]\nend = 9\n")
+}
+
+const MOVES: &str = "fn setup(ctx) { #{} }
+fn frame(ctx) { ctx.place(\"box\", [0.1 * ctx.frame, 0.5, 0]); }
+";
+
+/// Whether some problem is of a stage.
+type IsOf = fn(&Problems) -> bool;
+
+/// A file to break, and how: stage, file, kind of change, good text, broken text, and where the error is told.
+type Break = (
+    &'static str,
+    &'static str,
+    Change,
+    &'static str,
+    &'static str,
+    IsOf,
+);
+
+const BREAKS: [Break; 7] = [
+    (
+        "text",
+        "scene.toml",
+        Change::Scene,
+        "reflectivity = ",
+        "reflectivit = ",
+        |problems| !problems.scene.is_empty(),
+    ),
+    (
+        "setup of the script",
+        "s.rhai",
+        Change::Script,
+        "fn setup(ctx) {",
+        "fn setup(ctx) { throw 1;",
+        |problems| !problems.scene.is_empty(),
+    ),
+    (
+        "frame of the script",
+        "s.rhai",
+        Change::Script,
+        "fn frame(ctx) {",
+        "fn frame(ctx) { if ctx.frame > 2 { throw 1; }",
+        |problems| !problems.pose.is_empty(),
+    ),
+    (
+        "names of the world",
+        "scene.toml",
+        Change::Scene,
+        "material = \"red\"",
+        "material = \"rde\"",
+        |problems| !problems.scene.is_empty(),
+    ),
+    (
+        "files of the world",
+        "scene.toml",
+        Change::Scene,
+        "shape = { kind = \"box\" }",
+        "file = \"none.glb\"",
+        |problems| !problems.scene.is_empty(),
+    ),
+    (
+        "limits of the renderer",
+        "scene.toml",
+        Change::Scene,
+        "shape = { kind = \"plane\", size = [8, 8] }",
+        "shape = { kind = \"plane\", size = [1e16, 8] }",
+        |problems| !problems.scene.is_empty() || problems.refused.is_some(),
+    ),
+    (
+        "shaders",
+        "shaders/tone.wgsl",
+        Change::Shader,
+        "fn main",
+        "fn main(",
+        |problems| problems.shader.is_some(),
+    ),
+];
+
+#[test]
+fn a_broken_stage_keeps_the_last_good_picture_and_a_mended_one_shows() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let gpu = std::sync::Arc::new(gpu);
+    let folder = Folder::new();
+    let path = folder.write("scene.toml", scene());
+    folder.write("s.rhai", MOVES);
+    let shaders = copy_shaders(&folder);
+    let mut live = open(&gpu, &path, Some(&shaders));
+    assert!(live.pose_now(5));
+    let sized = |size| ViewOverrides {
+        size: Some(size),
+        ..ViewOverrides::default()
+    };
+    for (stage, name, change, good, bad, is_of) in BREAKS {
+        let before = picture(&gpu, &mut live);
+        let text = fs::read_to_string(folder.path(name)).expect("readable");
+        assert!(text.contains(good), "{stage}");
+        folder.write(name, text.replacen(good, bad, 1));
+        let reload = live.reload(&[change].into());
+        assert!(
+            !reload.ok && is_of(&live.problems),
+            "{stage}: {:?}",
+            live.problems
+        );
+        assert!(picture(&gpu, &mut live) == before, "{stage}");
+        // The shown scene stays whole: it can be resized, and posed where no other scene waits for a frame.
+        live.set_view(sized([24, 16])).expect(stage);
+        assert_eq!(picture(&gpu, &mut live).len(), 4 * 24 * 16, "{stage}");
+        live.set_view(sized([48, 32])).expect(stage);
+        if live.problems.pose.is_empty() {
+            assert!(
+                live.pose_now(3) && picture(&gpu, &mut live) != before,
+                "{stage}"
+            );
+            assert!(live.pose_now(5));
+        }
+        assert!(picture(&gpu, &mut live) == before, "{stage}");
+        folder.write(name, text);
+        let reload = live.reload(&[change].into());
+        assert!(
+            reload.ok && live.problems.is_empty(),
+            "{stage}: {:?}",
+            live.problems
+        );
+        assert!(
+            live.posed_frame() == 5 && picture(&gpu, &mut live) == before,
+            "{stage}"
+        );
+    }
+    let text = scene().replace("intensity_cd = 30", "intensity_cd = 60");
+    folder.write("scene.toml", text);
+    assert!(live.reload(&[Change::Scene].into()).ok);
+    let mut afresh = open(&gpu, &path, Some(&shaders));
+    assert!(afresh.pose_now(5));
+    assert!(picture(&gpu, &mut live) == picture(&gpu, &mut afresh));
+}
+
+#[test]
+fn overrides_that_fail_leave_the_earlier_ones() {
+    if gpu_or_skip().is_none() {
+        return;
+    }
+    let folder = Folder::new();
+    let path = folder.write("scene.toml", scene());
+    folder.write("s.rhai", MOVES);
+    let mut session = Session::open(&path, &SessionOptions::default()).expect("it opens");
+    session.pose(5).expect("it poses");
+    session.set(["light.lamp.intensity_cd=60"]).expect("set");
+    let display = |session: &mut Session| session.render(&[]).expect("renders").display;
+    let before = display(&mut session);
+    for bad in [
+        "material.red.roughnes=1",
+        "script=\"none.rhai\"",
+        "material.red.base_color_texture=\"none.png\"",
+        "model.floor.shape={ kind = \"plane\", size = [1e16, 8] }",
+    ] {
+        let refused = session.set([bad]);
+        assert!(matches!(refused, Err(SessionError::Scene(_))), "{bad}");
+        assert!(display(&mut session) == before, "{bad}");
+    }
+    session.set(["image.exposure_ev=1"]).expect("set");
+    let both = ["light.lamp.intensity_cd=60", "image.exposure_ev=1"];
+    assert!(display(&mut session) == rendered(&path, 5, &both));
+}
+
+/// Display color of a frame in a new session.
+fn rendered(path: &Path, frame: u32, set: &[&str]) -> Vec<u8> {
+    let options = SessionOptions {
+        scene: SceneOptions {
+            set: set.iter().map(|text| (*text).to_owned()).collect(),
+            ..SceneOptions::default()
+        },
+        ..SessionOptions::default()
+    };
+    let mut session = Session::open(path, &options).unwrap_or_else(|error| panic!("{error}"));
+    session.pose(frame).expect("it poses");
+    session.render(&[]).expect("renders").display
+}
+
+/// The file of a frame that a new session renders at this size.
+fn png(path: &Path, size: [u32; 2]) -> Vec<u8> {
+    let pixels = rendered(path, 0, &[&format!("image.size={size:?}")]);
+    output::png::encode(size, &pixels, None).expect("encodes")
+}
+
+#[test]
+fn a_resize_during_a_reload_is_shown_at_once_and_keeps_its_end() {
+    let Some(session) = Scripted::new() else {
+        return;
+    };
+    let path = session.scene.clone();
+    let mut preview = Watched::new(session);
+    let slow = "let text = \"abcdefgh\"; for i in 0..16 { text += text; } \
+                for i in 0..3000 { text.contains(\"no\"); } let all = [];";
+    let script = SCRIPT
+        .replace("let all = [];", slow)
+        .replace("30 + 10", "60 + 10");
+    preview.save_script(&script, "slow");
+    preview.wait_for_start();
+    for size in [[40, 20], [36, 30]] {
+        preview.show(|view| view.size = size);
+        preview.shown(|shown| shown.size == size);
+    }
+    preview.wait_until_adopted("slow");
+    assert!(preview.screenshot() == png(&path, [36, 30]));
+}
+
+#[test]
+fn ten_saves_in_a_second_end_in_the_picture_of_the_last() {
+    let Some(session) = Scripted::new() else {
+        return;
+    };
+    let path = session.scene.clone();
+    let text = fs::read_to_string(&path).expect("readable");
+    let mut preview = Watched::new(session);
+    let reflectivity = |save: u32| 0.05 * save as f32;
+    for save in 1..=10 {
+        let now = format!("reflectivity = {}", reflectivity(save));
+        let next = preview
+            .folder
+            .write("next.toml", text.replace("reflectivity = 0.5", &now));
+        fs::rename(next, &path).expect("renamed");
+        thread::sleep(Duration::from_millis(80));
+    }
+    preview.until("the last save", |report| match report {
+        Report::SceneSummary(summary) => {
+            let floor = summary.materials.iter().find(|row| row.name == "floor");
+            (floor?.numbers.reflectivity == Some(reflectivity(10))).then_some(())
+        }
+        _ => None,
+    });
+    assert!(preview.screenshot() == png(&path, preview.view.size));
+}
