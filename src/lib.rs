@@ -11,8 +11,8 @@
 //! Data flows one way, and imports only point down this list (`tests/layers` holds it):
 //!
 //! ```text
-//! scene text ──> Document ──> setup ──> SceneDesc ──> World ──> GpuScene ──> passes ──> picture
-//!                scene/parse  script    scene/desc    world/    render/      render/    app/
+//! scene text ──> SyntaxTree ──> Document ──> setup ──> SceneDesc ──> World ──> GpuScene ──> passes ──> picture
+//!                scene/syntax   scene/parse  script    scene/desc    world/    render/      render/    app/
 //! ```
 //!
 //! | module or folder | contents |
@@ -23,7 +23,7 @@
 //! | [`render`] | `render/frame.rs` is the order of the passes: read it first; [`render::plan`] lists the features and passes that a scene needs, [`render::targets`] the one table of intermediate textures, [`render::types`] every struct shared with the shaders |
 //! | [`gpu`] | thin layer over wgpu: device, shaders, bindings by name, timings, readback; independent of scenes |
 //! | [`world`] | SceneDesc → CPU data: glTF, images, shapes, trees and the CPU oracle; no wgpu |
-//! | [`scene`] | the scene format, its default values and its manual; [`scene::stages`] from text to a scene at a frame: [`scene::parse`] runs no program, [`scene::script`] is the sandbox, [`scene::motion`] evaluates animation tracks; loads no assets |
+//! | [`scene`] | the scene format, its default values and its manual; [`scene::stages`] from text to a scene at a frame: [`scene::syntax`] is the tree of a text, parsed once for all who ask, [`scene::parse`] merges and reads trees and runs no program, [`scene::script`] is the sandbox, [`scene::motion`] evaluates animation tracks; loads no assets |
 //! | [`math`], [`files`], [`memory`] | bounds and color over glam; atomic file writes; the memory budget |
 //! | `docs/` | `extending.md`: what each kind of addition touches; `glossary.md`: Reflet's own terms |
 //! | `shaders/` | a file for each pass, named like `src/render/passes/*.rs`; only `shaders/lib` can be imported |

@@ -4,6 +4,7 @@ use std::{
     io::{self, Read as _},
     ops::RangeInclusive,
     path::Path,
+    sync::Arc,
     time::{Duration, Instant},
 };
 
@@ -17,7 +18,7 @@ use crate::{
     runtime::scene_text::{LoadedScene, SceneText},
     scene::{
         dependencies::Dependencies,
-        diagnostic::Diagnostic,
+        diagnostic::{Diagnostic, Source},
         parse::MOST_BYTES,
         stages::{Animator, Scene},
     },
@@ -70,28 +71,27 @@ pub fn check(args: &CheckArgs) -> Result<(), AppError> {
 /// Returns the warnings about a scene and its summary line, or all messages. If no variant is chosen,
 /// each variant is checked too.
 fn check_one(path: &Path, from: &SceneArgs) -> Result<(Vec<Diagnostic>, String), Vec<Diagnostic>> {
-    match path == Path::new("-") {
-        true => check_source((Path::new(STDIN), Some(&read_stdin()?)), from),
-        false => check_source((path, None), from),
-    }
+    let text = match path == Path::new("-") {
+        true => SceneText::new(&read_stdin()?, Path::new(STDIN), &from.options()),
+        false => SceneText::read(Some(path), &from.options())?,
+    };
+    check_text(&text, from)
 }
 
-/// All messages about the scene text of a path; the text may be unsaved.
-pub fn messages(path: &Path, text: &str, from: &SceneArgs) -> Vec<Diagnostic> {
-    match check_source((path, Some(text)), from) {
+/// All messages about a scene; its text may be unsaved.
+pub fn messages(text: &Arc<Source>, from: &SceneArgs) -> Vec<Diagnostic> {
+    let text = SceneText::of(Arc::clone(text), &from.options());
+    match check_text(&text, from) {
         Ok((messages, _)) => messages,
         Err(messages) => messages,
     }
 }
 
-/// Path of a scene, and its text if that is not read from the file.
-type SourceText<'a> = (&'a Path, Option<&'a str>);
-
-fn check_source(
-    source: SourceText,
+fn check_text(
+    text: &SceneText,
     from: &SceneArgs,
 ) -> Result<(Vec<Diagnostic>, String), Vec<Diagnostic>> {
-    let whole = check_variant(source, from);
+    let whole = check_variant(text.clone());
     let mut failed = whole.is_err();
     let (mut messages, mut summary, variants) = match whole {
         Ok(Checked {
@@ -101,17 +101,10 @@ fn check_source(
         }) => (messages, summary, variants),
         // A script that exceeded a limit would do so in each variant.
         Err(messages) if messages.iter().any(|d| d.name == "script-limit") => return Err(messages),
-        Err(messages) => {
-            let names = text_of(source, from).map(|text| text.variants());
-            (messages, String::new(), names.unwrap_or_default())
-        }
+        Err(messages) => (messages, String::new(), text.variants()),
     };
     for variant in variants.iter().filter(|_| from.variant.is_empty()) {
-        let from = SceneArgs {
-            variant: vec![variant.clone()],
-            ..from.clone()
-        };
-        let checked = check_variant(source, &from);
+        let checked = check_variant(text.with_variant(variant));
         failed |= checked.is_err();
         let found = checked.map_or_else(|errors| errors, |checked| checked.messages);
         let new: Vec<_> = found
@@ -145,16 +138,9 @@ struct Checked {
     variants: Vec<String>,
 }
 
-fn text_of((path, text): SourceText, from: &SceneArgs) -> Result<SceneText, Vec<Diagnostic>> {
-    match text {
-        Some(text) => Ok(SceneText::new(text, path, &from.options())),
-        None => SceneText::read(Some(path), &from.options()),
-    }
-}
-
-fn check_variant(source: SourceText, from: &SceneArgs) -> Result<Checked, Vec<Diagnostic>> {
-    let name = source.0.display().to_string();
-    let opened = text_of(source, from)?.open(&[], &Dependencies::default())?;
+fn check_variant(text: SceneText) -> Result<Checked, Vec<Diagnostic>> {
+    let name = text.name();
+    let opened = text.open(&[], &Dependencies::default())?;
     for line in opened.scene.scripts().flat_map(|s| &s.setup_log) {
         eprintln!("{line}");
     }

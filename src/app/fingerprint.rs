@@ -76,7 +76,7 @@ pub fn of_run(args: &RenderArgs, session: &RenderSession) -> Result<u128, AppErr
 /// Contents of files as they were read, so that a later save of them does not matter.
 fn known_texts(scene: &SceneDesc) -> HashMap<&Path, &str> {
     let included = scene.includes.iter();
-    let included = included.map(|file| (file.path.as_path(), file.text.as_str()));
+    let included = included.map(|file| (file.path.as_path(), file.source.text.as_str()));
     let scripts = scene.scripts().flat_map(|script| {
         let texts = script.texts.iter().map(|(_, text)| text.as_str());
         script.files.iter().map(PathBuf::as_path).zip(texts)

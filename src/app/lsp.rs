@@ -11,14 +11,14 @@ mod tables;
 use std::{
     collections::{BTreeMap, BTreeSet},
     path::Path,
+    sync::Arc,
 };
 
 use lsp_server::{Connection, ErrorCode, Message, Notification, Request, Response};
 use serde_json::{Value, json};
 
 use self::{
-    names::TextFile,
-    outline::{Part, outline},
+    outline::{Part, words},
     position::{offset, path_of, range, uri_of},
 };
 use super::{args::SceneArgs, check::messages, error::AppError};
@@ -26,7 +26,7 @@ use crate::{
     runtime::scene_text::SceneText,
     scene::{
         dependencies::Dependencies,
-        diagnostic::{Diagnostic, Severity, Span},
+        diagnostic::{Diagnostic, Severity, Source, Span},
     },
 };
 
@@ -96,7 +96,7 @@ enum Extent {
 struct Server<'a> {
     connection: &'a Connection,
     /// Open texts, by URI.
-    open: BTreeMap<String, TextFile>,
+    open: BTreeMap<String, Arc<Source>>,
     changed: BTreeMap<String, Extent>,
     /// Files with published diagnostics, by the scene whose check found them.
     published: BTreeMap<String, BTreeSet<String>>,
@@ -152,7 +152,8 @@ impl Server<'_> {
             "textDocument/didOpen" => {
                 let text = document["text"].as_str().unwrap_or_default().to_owned();
                 if let Some(path) = path_of(&uri) {
-                    self.open.insert(uri.clone(), TextFile { path, text });
+                    let source = Arc::new(Source::new(path, text));
+                    self.open.insert(uri.clone(), source);
                     self.mark_changed(&uri, Extent::Whole);
                 }
             }
@@ -160,7 +161,7 @@ impl Server<'_> {
                 let changes = params["contentChanges"].as_array();
                 let text = changes.and_then(|changes| changes.last()?["text"].as_str());
                 if let (Some(file), Some(text)) = (self.open.get_mut(&uri), text) {
-                    text.clone_into(&mut file.text);
+                    *file = Arc::new(Source::new(&file.path, text));
                     self.mark_changed(&uri, Extent::Text);
                 }
             }
@@ -227,18 +228,18 @@ fn is_script(path: &Path) -> bool {
 }
 
 /// Whether the file is a scene of its own: an included file has no version.
-fn is_scene(file: &TextFile) -> bool {
+fn is_scene(file: &Source) -> bool {
     let is_version =
         |w: &outline::Word| w.part == Part::Key && w.table.is_empty() && w.text == "version";
-    !is_script(&file.path) && outline(&file.text).0.iter().any(is_version)
+    !is_script(&file.path) && words(file).iter().any(is_version)
 }
 
-fn check(file: &TextFile, extent: Extent) -> Vec<Diagnostic> {
+fn check(file: &Arc<Source>, extent: Extent) -> Vec<Diagnostic> {
     let from = SceneArgs::default();
     match extent {
-        Extent::Whole => messages(&file.path, &file.text, &from),
+        Extent::Whole => messages(file, &from),
         Extent::Text => {
-            let text = SceneText::new(&file.text, &file.path, &from.options());
+            let text = SceneText::of(Arc::clone(file), &from.options());
             match text.open(&[], &Dependencies::default()) {
                 Ok(opened) => opened.warnings,
                 Err(errors) => errors,

@@ -107,12 +107,7 @@ mod tests {
 
     #[test]
     fn results_have_rules_places_and_what_to_do() {
-        let source = Arc::new(Source {
-            path: "my scenes/é.toml".into(),
-            text: "a = 1\nb = \"ü\" # c\n".to_owned(),
-            returned: None,
-            generated: false,
-        });
+        let source = Arc::new(Source::new("my scenes/é.toml", "a = 1\nb = \"ü\" # c\n"));
         let span = |range| Span {
             source: Some(Arc::clone(&source)),
             range,

@@ -19,7 +19,7 @@ use crate::{
     files::replace_content,
     scene::{
         desc::{CAMERA, Entry, LIGHT, PlacementDesc, SceneDesc},
-        diagnostic::{Source, Span},
+        diagnostic::Span,
         motion::turned,
         number::{Field, Form},
     },
@@ -350,14 +350,4 @@ impl History {
         self.done.extend(self.undone.pop());
         Ok(Some(path))
     }
-}
-
-/// Source of a text that was read from a file.
-fn source_of(path: &Path, text: &str) -> Arc<Source> {
-    Arc::new(Source {
-        path: path.to_owned(),
-        text: text.to_owned(),
-        returned: None,
-        generated: false,
-    })
 }

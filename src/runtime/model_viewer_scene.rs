@@ -1,18 +1,17 @@
-//! Model viewer scene: generated scene text for a bare model, with daylight and its animations.
+//! Model viewer scene: a scene made for a bare model, with daylight and its animations.
 
 use std::{
     collections::HashSet,
-    fmt::Write as _,
     path::{Path, PathBuf},
+    sync::Arc,
 };
 
 use crate::{
     scene::{
-        dependencies::Dependencies,
         desc::is_stage,
-        diagnostic::Diagnostic,
+        diagnostic::{Diagnostic, Source},
         parse::{Document, Texts},
-        toml_text::toml_text,
+        syntax::{Content, made},
     },
     world::{
         gltf::{Fault, Playable, Sandbox},
@@ -26,11 +25,6 @@ const FPS: f64 = 24.0;
 /// Maximum frame number of a timeline.
 const LAST_FRAME: f64 = 1e6;
 
-const SUN: &str = "[light.sun]\nkind = \"directional\"\ndirection = [-0.5, -1, -0.7]\n\
-                   intensity_lux = 2.5\nshadow_px = 2048\n";
-const SKY: &str = "[environment]\nzenith = [0.5, 0.55, 0.65]\nhorizon = [0.6, 0.6, 0.6]\n\
-                   ground = [0.25, 0.23, 0.2]\n";
-
 /// Whether the path is a model rather than a scene, by its extension.
 pub fn is_model(path: &Path) -> bool {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("");
@@ -43,9 +37,9 @@ pub fn is_model(path: &Path) -> bool {
 /// Prefix of overrides that choose parts of a USD stage.
 const USD_PREFIX: &str = "model.model.usd";
 
-/// Scene text that shows one model. All its animations play once if no two move the same property of a node,
-/// else only the first one; the timeline has their length. A USD stage keeps its frame numbers and the total
-/// radiance of its dome lights. A glTF file that is read here is cached in `options` for the load.
+/// Scene that shows one model. All its animations play once if no two move the same property of a node, else only
+/// the first one; the timeline has their length. A USD stage keeps its frame numbers and the total radiance of its
+/// dome lights. A glTF file that is read here is cached in `options` for the load.
 ///
 /// # Errors
 /// A stage that cannot be converted. Errors of a glTF file are reported by the load.
@@ -53,42 +47,65 @@ pub fn model_viewer_scene(
     path: &Path,
     options: &LoadOptions,
     overrides: &[String],
-) -> Result<String, Box<Diagnostic>> {
+) -> Result<Source, Box<Diagnostic>> {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let mut text = format!("version = 1\n[model.model]\nfile = {}\n", toml_text(&name));
     let playable =
-        playable(path, &name, options, &choice_of(&text, path, overrides)).or_else(|fault| {
+        playable(path, &name, options, &choice_of(path, &name, overrides)).or_else(|fault| {
             match is_stage(path) {
                 true => Err(Box::new(fault.in_file(path))),
                 false => Ok(Playable::default()),
             }
         })?;
+    let mut model = made([("file", Content::from(&*name))]);
+    let mut root = made([
+        ("version", Content::from(1)),
+        (
+            "light",
+            made([("sun", sun(is_dear_to_draw(&playable)))]).into(),
+        ),
+        ("environment", sky(playable.stage.dome_radiance)),
+    ]);
     if let Some((name, duration_s)) = chosen(&playable) {
         let range = frame_range(duration_s, &playable, fps_of(overrides));
-        let (name, start_s) = (toml_text(name), range.frames[0] / range.fps);
-        // Writing to a string cannot fail.
-        let _ = write!(
-            text,
-            "animation = {{ name = {name}, repeat = \"once\", start_s = {start_s} }}\n\
-             [timeline]\nfps = {}\nstart = {}\nend = {}\n",
-            range.fps, range.frames[0], range.frames[1]
-        );
+        let animation = made([
+            ("name", Content::from(name)),
+            ("repeat", "once".into()),
+            ("start_s", (range.frames[0] / range.fps).into()),
+        ]);
+        model.extend(made([("animation", animation.into())]));
+        let timeline = made([
+            ("fps", range.fps.into()),
+            ("start", range.frames[0].into()),
+            ("end", range.frames[1].into()),
+        ]);
+        root.extend(made([("timeline", timeline.into())]));
     }
-    text.push_str(SUN);
-    if is_dear_to_draw(&playable) {
-        text.push_str("shadow = \"ray\"\n");
+    root.extend(made([("model", made([("model", model.into())]).into())]));
+    Ok(Source::generated(path, root))
+}
+
+/// Sun from above, with ray traced shadows where drawing a shadow map takes longer.
+fn sun(is_dear_to_draw: bool) -> Content {
+    let mut sun = made([
+        ("kind", Content::from("directional")),
+        ("direction", [-0.5, -1.0, -0.7].into()),
+        ("intensity_lux", 2.5.into()),
+        ("shadow_px", 2048.into()),
+    ]);
+    if is_dear_to_draw {
+        sun.extend(made([("shadow", "ray".into())]));
     }
-    match playable.stage.dome_radiance {
-        // Dome lights of the stage replace the default sky.
-        Some(sky) => {
-            let _ = write!(
-                text,
-                "[environment]\nzenith = {sky:?}\nhorizon = {sky:?}\nground = {sky:?}\n"
-            );
-        }
-        None => text.push_str(SKY),
-    }
-    Ok(text)
+    sun.into()
+}
+
+/// Daylight, or the light of the dome lights of a stage.
+fn sky(dome_radiance: Option<[f32; 3]>) -> Content {
+    let colors: [Content; 3] = match dome_radiance {
+        Some(radiance) => [(); 3].map(|()| radiance.into()),
+        None => [[0.5, 0.55, 0.65], [0.6, 0.6, 0.6], [0.25, 0.23, 0.2]].map(Content::from),
+    };
+    let [zenith, horizon, ground] = colors;
+    made([("zenith", zenith), ("horizon", horizon), ("ground", ground)]).into()
 }
 
 /// Whether a model has so many copies that ray traced shadows cost less than drawing every copy into a shadow map:
@@ -103,14 +120,18 @@ fn is_dear_to_draw(playable: &Playable) -> bool {
 }
 
 /// Parts of the stage that `--set model.model.usd.…` chooses. Errors are reported when the scene is read.
-fn choice_of(text: &str, path: &Path, overrides: &[String]) -> usd::Choice {
+fn choice_of(path: &Path, name: &str, overrides: &[String]) -> usd::Choice {
     let asked = overrides
         .iter()
         .filter(|o| o.trim_start().starts_with(USD_PREFIX));
     let asked: Vec<_> = asked.cloned().collect();
-    let options = asked.as_slice().into();
-    let texts = Texts::collect(text, path, &options, &Dependencies::default());
-    let scene = Document::new(&texts, None).read(None);
+    let model = made([("file", Content::from(name))]);
+    let root = made([
+        ("version", Content::from(1)),
+        ("model", made([("model", model.into())]).into()),
+    ]);
+    let texts = Texts::collect(Arc::new(Source::generated(path, root)), &[]);
+    let scene = Document::new(&texts, &asked.as_slice().into()).read(None);
     let models = scene.map_or(Vec::new(), |(desc, _)| desc.models);
     let model = models.first();
     model.map_or_else(usd::Choice::default, |model| {

@@ -126,14 +126,18 @@ fn number(x: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::parse;
+    use crate::runtime::scene_text::{SceneOptions, SceneText};
 
     const TEXT: &str = "version = 1\n[params]\ncount = 3\nspeed = 1.5\non = true\nword = 'a'\n\
                         at = [1.0, 2.0]\n\"a b\" = 1\n";
 
     fn declared(text: &str, set: &[String]) -> DeclaredParameters {
-        let params = parse::params(text, "scene.toml".as_ref(), &set.into()).expect("is right");
-        params.into_iter().map(|p| (p.name, p.value)).collect()
+        let options = SceneOptions {
+            set: set.to_vec(),
+            ..SceneOptions::default()
+        };
+        let text = SceneText::new(text, "scene.toml".as_ref(), &options);
+        text.declared().expect("is right")
     }
 
     #[test]

@@ -12,9 +12,9 @@ use crate::{
     scene::{
         dependencies::Dependencies,
         desc::ParamValue,
-        diagnostic::Diagnostic,
+        diagnostic::{Diagnostic, Source},
         motion::FrameState,
-        parse::{self, ReadOptions, VARIANT},
+        parse::{self, Document, ReadOptions, Texts, VARIANT},
         stages::Scene,
     },
     world::{
@@ -46,11 +46,10 @@ pub struct SceneOptions {
 }
 
 /// Text of a scene that is not opened yet.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct SceneText {
-    text: String,
-    /// File name for messages.
-    file: PathBuf,
+    /// The scene's text and those that it names, each with its syntax tree.
+    texts: Arc<Texts>,
     /// Name of the whole scene for messages.
     name: String,
     read: ReadOptions,
@@ -62,7 +61,7 @@ pub struct SceneText {
 /// A scene read from disk, without its assets.
 #[derive(Debug)]
 pub struct OpenedScene {
-    /// Scene text, for fingerprints.
+    /// Scene text, for fingerprints; that of a model viewer scene has no file.
     pub text: String,
     /// Variants and overrides applied to the text.
     pub overrides: Vec<String>,
@@ -72,7 +71,7 @@ pub struct OpenedScene {
     pub warnings: Vec<Diagnostic>,
     /// Options for loading, with the dependencies recorded so far.
     pub options: LoadOptions,
-    /// The model that the scene text was generated for; `None` for other scenes.
+    /// The model that the scene was generated for; `None` for other scenes.
     model: Option<PathBuf>,
 }
 
@@ -100,53 +99,60 @@ pub struct LoadedScene {
 impl SceneText {
     /// Names of the scene's variants, also if its text has mistakes.
     pub fn variants(&self) -> Vec<String> {
-        parse::variants(&self.text, &self.file, &self.read)
+        Document::new(&self.texts, &self.read).variants()
     }
 
-    /// Reads the scene text from the file, from a model viewer scene generated for a model, or from the built-in
-    /// atrium. Generating reads the model, which is cached for the load.
+    /// Reads the scene text from the file or from the built-in atrium, and the texts that it names; for a model,
+    /// makes a model viewer scene. Making it reads the model, which is cached for the load.
     ///
     /// # Errors
     /// Same errors as [`parse::read`], and a USD stage that cannot be converted.
     pub fn read(path: Option<&Path>, from: &SceneOptions) -> Result<Self, Vec<Diagnostic>> {
         let options = load_options(from, &Dependencies::default());
-        let mut read = read_options(from);
-        read.generated = path.is_some_and(is_model);
-        let (text, file) = match path {
+        let own = match path {
             Some(path) if is_model(path) => {
-                let text = model_viewer_scene(path, &options, &from.set);
-                (text.map_err(|error| vec![*error])?, path)
+                model_viewer_scene(path, &options, &from.set).map_err(|error| vec![*error])?
             }
             Some(path) => match foreign_formats::model(path) {
                 Some((message, help)) => {
                     let error = Diagnostic::in_file("file-format", path, message);
                     return Err(vec![error.help(help)]);
                 }
-                None => (parse::read(path)?, path),
+                None => Source::new(path, parse::read(path)?),
             },
-            None => (ATRIUM.to_owned(), Path::new("atrium.toml")),
+            None => Source::new("atrium.toml", ATRIUM),
         };
         let name = path.map(|path| path.display().to_string());
         Ok(Self {
-            text,
-            file: file.to_owned(),
             name: name.unwrap_or_else(|| "the built-in atrium".to_owned()),
-            read,
             options,
-            warnings: missing_folders(&from.assets),
+            ..Self::of(Arc::new(own), from)
         })
     }
 
     /// Scene text from memory; `file` is its name in messages.
     pub fn new(text: &str, file: &Path, from: &SceneOptions) -> Self {
+        Self::of(Arc::new(Source::new(file, text)), from)
+    }
+
+    /// Scene of a text that may have its syntax tree already.
+    pub fn of(own: Arc<Source>, from: &SceneOptions) -> Self {
+        let read = read_options(from);
         Self {
-            text: text.to_owned(),
-            file: file.to_owned(),
-            name: file.display().to_string(),
-            read: read_options(from),
+            name: own.path.display().to_string(),
+            texts: Texts::collect(own, &read.assets).into(),
+            read,
             options: load_options(from, &Dependencies::default()),
             warnings: missing_folders(&from.assets),
         }
+    }
+
+    /// The same texts with one variant.
+    pub fn with_variant(&self, variant: &str) -> Self {
+        let mut other = self.clone();
+        other.read.variants = vec![variant.to_owned()];
+        other.options.dependencies = Dependencies::default();
+        other
     }
 
     /// Name of the scene in messages.
@@ -156,7 +162,7 @@ impl SceneText {
 
     /// Declared parameters in the scene's order; `None` if the text cannot be parsed.
     pub fn declared(&self) -> Option<Vec<(String, ParamValue)>> {
-        let declared = parse::params(&self.text, &self.file, &self.read);
+        let declared = Document::new(&self.texts, &self.read).params();
         declared.map(|list| list.into_iter().map(|p| (p.name, p.value)).collect())
     }
 
@@ -172,16 +178,16 @@ impl SceneText {
     ) -> Result<OpenedScene, Vec<Diagnostic>> {
         let mut options = self.read;
         options.overrides.extend_from_slice(more);
-        let read = Scene::from_text_traced(&self.text, &self.file, &options, texts);
-        let (scene, warnings) = read?;
+        let (scene, warnings) = Scene::from_texts(&self.texts, &options, texts)?;
+        let own = self.texts.own();
         let variants = (options.variants.iter()).map(|name| format!("{VARIANT} {name}"));
         Ok(OpenedScene {
-            text: self.text,
+            text: own.text.clone(),
             overrides: variants.chain(options.overrides).collect(),
             scene: Arc::new(scene),
             warnings: self.warnings.into_iter().chain(warnings).collect(),
             options: self.options,
-            model: options.generated.then_some(self.file),
+            model: own.generated.then(|| own.path.clone()),
         })
     }
 }
@@ -323,7 +329,6 @@ fn read_options(from: &SceneOptions) -> ReadOptions {
         overrides: from.set.clone(),
         variants: from.variant.clone(),
         assets: asset_folders(&from.assets),
-        generated: false,
     }
 }
 
@@ -354,3 +359,7 @@ pub fn asset_folders(given: &[PathBuf]) -> Vec<PathBuf> {
     let listed = env::split_paths(&listed).filter(|folder| !folder.as_os_str().is_empty());
     given.iter().cloned().chain(listed).collect()
 }
+
+#[cfg(test)]
+#[path = "scene_text_tests.rs"]
+mod tests;

@@ -11,11 +11,13 @@ use std::{
     ops::Range,
     path::{Path, PathBuf},
     string::FromUtf8Error,
-    sync::Arc,
+    sync::{Arc, OnceLock},
 };
 
-/// A text file that messages point into.
-#[derive(Debug, PartialEq, Eq)]
+use super::syntax::{Entries, SyntaxTree, Token, to_text, tokens};
+
+/// A text that messages point into, with its syntax tree if it is scene text.
+#[derive(Debug)]
 pub struct Source {
     /// The file as the user named it.
     pub path: PathBuf,
@@ -25,6 +27,9 @@ pub struct Source {
     pub returned: Option<Returned>,
     /// Whether the program generated the text for a model file; messages then name the path alone.
     pub generated: bool,
+    /// Tree of the text, made when it is first asked for; so are the tokens.
+    syntax: OnceLock<SyntaxTree>,
+    tokens: OnceLock<Vec<Token>>,
 }
 
 /// A range of bytes in a [`Source`]; the default span points nowhere.
@@ -74,6 +79,47 @@ pub struct Place {
 }
 
 impl Source {
+    /// Text of a file; `path` is its name in messages.
+    pub fn new(path: impl AsRef<Path>, text: impl Into<String>) -> Self {
+        Self {
+            path: path.as_ref().to_owned(),
+            text: text.into(),
+            returned: None,
+            generated: false,
+            syntax: OnceLock::new(),
+            tokens: OnceLock::new(),
+        }
+    }
+
+    /// Scene that the program generates for a model file at `path`: a tree whose ranges are all empty. Its text is
+    /// for those who copy or compare scenes.
+    pub fn generated(path: impl AsRef<Path>, root: Entries) -> Self {
+        let text = to_text(&root);
+        Self {
+            generated: true,
+            syntax: OnceLock::from(SyntaxTree::new(root)),
+            ..Self::new(path, text)
+        }
+    }
+
+    /// Text that a script returned; `script` is the name of the script in messages.
+    pub fn returned(script: &str, returned: Returned, text: String) -> Self {
+        Self {
+            returned: Some(returned),
+            ..Self::new(script, text)
+        }
+    }
+
+    /// Syntax tree of the text as scene text, which is parsed by the first call.
+    pub fn syntax(&self) -> &SyntaxTree {
+        self.syntax.get_or_init(|| SyntaxTree::parse(&self.text))
+    }
+
+    /// Tokens of the text as scene text, in its order and without gaps.
+    pub fn tokens(&self) -> &[Token] {
+        self.tokens.get_or_init(|| tokens(&self.text))
+    }
+
     /// Line and column of a byte offset; an offset past the end means the end.
     pub fn place(&self, offset: usize) -> Place {
         let offset = self.text.floor_char_boundary(offset);
@@ -86,18 +132,23 @@ impl Source {
     }
 }
 
+/// Tree and tokens follow from the text.
+impl PartialEq for Source {
+    fn eq(&self, other: &Self) -> bool {
+        (&self.path, &self.text, &self.returned, self.generated)
+            == (&other.path, &other.text, &other.returned, other.generated)
+    }
+}
+
+impl Eq for Source {}
+
 impl Span {
     /// Span of the first byte of a file that is not UTF-8.
     pub fn not_utf8(path: &Path, wrong: &FromUtf8Error) -> Self {
         let start = wrong.utf8_error().valid_up_to();
-        let source = Source {
-            path: path.to_owned(),
-            // The valid part keeps its length; the first wrong bytes show as one replacement
-            // character.
-            text: String::from_utf8_lossy(wrong.as_bytes()).into_owned(),
-            returned: None,
-            generated: false,
-        };
+        // The valid part keeps its length; the first wrong bytes show as one replacement
+        // character.
+        let source = Source::new(path, String::from_utf8_lossy(wrong.as_bytes()).into_owned());
         Self {
             source: Some(source.into()),
             range: start..start + '\u{FFFD}'.len_utf8(),
@@ -113,7 +164,7 @@ impl Span {
     fn in_script(&self) -> Option<(Self, String)> {
         let source = self.source.as_ref()?;
         let returned = source.returned.as_ref()?;
-        Some(returned.explain(&source.text, &self.range))
+        Some(returned.explain(source, &self.range))
     }
 }
 

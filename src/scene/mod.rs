@@ -13,4 +13,5 @@ pub mod schema;
 pub mod script;
 pub mod stages;
 mod suggest;
+pub mod syntax;
 pub mod toml_text;

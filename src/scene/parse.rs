@@ -1,5 +1,5 @@
-//! Scene text to [`SceneDesc`]: TOML 1.1, walked with the position of every value, so that all
-//! mistakes of a file are reported at once.
+//! Syntax trees of scene text to [`SceneDesc`], walked with the position of every value, so that all mistakes of
+//! a file are reported at once.
 
 mod additions;
 mod color;
@@ -20,7 +20,7 @@ mod points;
 mod read;
 mod report;
 mod set;
-mod syntax;
+mod syntax_errors;
 mod table;
 mod value;
 
@@ -33,8 +33,7 @@ use self::table::Table;
 use crate::files::{open_regular, read_at_most};
 
 use super::{
-    dependencies::Dependencies,
-    desc::{Entry, ParamValue, SceneDesc},
+    desc::SceneDesc,
     diagnostic::{Diagnostic, Span},
 };
 
@@ -56,8 +55,6 @@ pub struct ReadOptions {
     pub variants: Vec<String>,
     /// Folders where bases, included files and scripts are looked for after the scene's own.
     pub assets: Vec<PathBuf>,
-    /// Whether the program generated the text for a model file, which messages name in its place.
-    pub generated: bool,
 }
 
 impl From<&[String]> for ReadOptions {
@@ -110,19 +107,6 @@ pub fn read(path: &Path) -> Result<String, Vec<Diagnostic>> {
         let error = Diagnostic::at("not-utf8", Span::not_utf8(path, &wrong), message);
         vec![error.help("save the file as UTF-8 in your editor")]
     })
-}
-
-/// The parameters that a text declares, with the values that the options set; `None` where mistakes keep
-/// them from being determined.
-pub fn params(text: &str, path: &Path, options: &ReadOptions) -> Option<Vec<Entry<ParamValue>>> {
-    let texts = Texts::collect(text, path, options, &Dependencies::default());
-    Document::new(&texts, None).params()
-}
-
-/// The names of a text's variants, also where it has mistakes.
-pub fn variants(text: &str, path: &Path, options: &ReadOptions) -> Vec<String> {
-    let texts = Texts::collect(text, path, options, &Dependencies::default());
-    Document::new(&texts, None).variants()
 }
 
 /// Every table and key that the readers ask for, the whole file first.

@@ -1,18 +1,12 @@
 //! The stages from scene text to a scene at a frame: document → `setup` → merged document →
 //! description → pose. Each is a function of its arguments and the files that it reads.
 
-use std::{
-    cell::{OnceCell, RefCell},
-    collections::HashSet,
-    ops::Deref,
-    path::Path,
-    sync::Arc,
-};
+use std::{collections::HashSet, ops::Deref, path::Path, sync::Arc};
 
 use super::{
     dependencies::Dependencies,
     desc::{Entry, ParamValue, SceneDesc},
-    diagnostic::{Diagnostic, Span},
+    diagnostic::{Diagnostic, Source, Span},
     motion::{FrameState, Motion, Names},
     parse::{self, Document, PlacedGroup, RanScript, ReadOptions, ScriptInput, Texts},
     script::Script,
@@ -114,31 +108,42 @@ impl Scene {
         options: &ReadOptions,
         dependencies: &Dependencies,
     ) -> Read {
-        let texts = Texts::collect(text, path, options, dependencies);
-        let additions = OnceCell::new(); // declared before the document, which borrows it
-        let placed = RefCell::new(Vec::new());
-        let run = |input: &ScriptInput| run_placed(input, dependencies, &placed);
-        let mut document = Document::new(&texts, Some(&run));
-        let ran = match run_setup(&mut document, dependencies) {
-            Ok(ran) => ran,
+        let source = Arc::new(Source::new(path, text));
+        Self::from_texts(
+            &Texts::collect(source, &options.assets),
+            options,
+            dependencies,
+        )
+    }
+
+    /// Reads a scene from its texts; the files that were looked for, and scripts, are added to `dependencies`,
+    /// also when reading fails.
+    ///
+    /// # Errors
+    /// Same errors as [`Scene::from_text`].
+    pub fn from_texts(texts: &Texts, options: &ReadOptions, dependencies: &Dependencies) -> Read {
+        texts
+            .searched()
+            .into_iter()
+            .for_each(|path| dependencies.add(path));
+        let mut document = Document::new(texts, options);
+        let mut ran = Vec::new();
+        document.place_scenes(&mut |input| run_placed(input, dependencies, &mut ran));
+        let own = match run_setup(&mut document, dependencies) {
+            Ok(own) => own,
             Err(mistake) => {
                 document.lacks_script(mistake.map(|m| *m));
                 None
             }
         };
-        let ran = ran.map(|(script, text, log)| {
-            document.add(
-                additions.get_or_init(|| text),
-                script.name(),
-                script.returned(),
-            );
+        let own = own.map(|(script, text, log)| {
+            document.add(&returned(&script, text));
             let desc = script.describe(log);
             (script, desc)
         });
-        let (script, script_desc) = ran.unzip();
+        let (script, script_desc) = own.unzip();
         let of_placed = document.placed_groups().to_vec();
         let (mut desc, warnings) = document.read(script_desc)?;
-        let ran = placed.into_inner();
         desc.placed_scripts = (ran.iter())
             .map(|(script, log)| script.describe(log.clone()))
             .collect();
@@ -191,24 +196,26 @@ fn run_setup(
     Ok(Some((script, text, log)))
 }
 
+/// Scene text that a script's `setup` returned.
+fn returned(script: &Script, text: String) -> Arc<Source> {
+    Arc::new(Source::returned(script.name(), script.returned(), text))
+}
+
 /// Loads the script of a placed scene, unless it was loaded before, and calls its `setup`; keeps the script
 /// in `all` with the lines that it printed.
 fn run_placed(
     input: &ScriptInput,
     dependencies: &Dependencies,
-    all: &RefCell<Vec<(Script, Vec<String>)>>,
+    all: &mut Vec<(Script, Vec<String>)>,
 ) -> Result<RanScript, Box<Diagnostic>> {
     let script = match input.known {
-        Some(number) => all.borrow()[number].0.clone(),
+        Some(number) => all[number].0.clone(),
         None => Script::load(input.folders, input.file, dependencies)?,
     };
     let (text, log) = script.setup(input.params, input.timeline)?;
-    let mut all = all.borrow_mut();
     let ran = RanScript {
         number: input.known.unwrap_or(all.len()),
-        name: script.name().to_owned(),
-        text,
-        returned: script.returned(),
+        text: returned(&script, text),
     };
     match input.known {
         Some(number) => all[number].1.extend(log),

@@ -2,11 +2,13 @@
 
 use std::{fs, path::PathBuf};
 
-use reflet::scene::{
-    dependencies::Dependencies,
-    diagnostic::{Diagnostic, render_all},
-    parse,
-    stages::Scene,
+use reflet::{
+    scene::{
+        dependencies::Dependencies,
+        diagnostic::{Diagnostic, render_all},
+        stages::Scene,
+    },
+    runtime::scene_text::{SceneOptions, SceneText},
 };
 
 use crate::common::Random;
@@ -296,10 +298,13 @@ fn parameters_of_included_files_are_parameters() {
         ],
     );
     let path = folder.0.join("scene.toml");
-    let text = fs::read_to_string(&path).expect("it is there");
-    let options = ["params.b=3".to_owned()].as_slice().into();
-    let params = parse::params(&text, &path, &options).expect("they are right");
-    let named: Vec<_> = params.iter().map(|p| p.name.as_str()).collect();
+    let options = SceneOptions {
+        set: vec!["params.b=3".to_owned()],
+        ..SceneOptions::default()
+    };
+    let text = SceneText::read(Some(&path), &options).expect("it can be read");
+    let params = text.declared().expect("they are right");
+    let named: Vec<_> = params.iter().map(|(name, _)| name.as_str()).collect();
     assert_eq!(named, ["a", "b"]);
 }
 

@@ -1,7 +1,5 @@
 //! Keys that have no effect because of other keys, or because another key is missing.
 
-use toml::de::DeTable;
-
 use crate::scene::{
     desc::{InstanceMaterialDesc, MaterialDesc, Method},
     diagnostic::{Diagnostic, Span},
@@ -130,11 +128,11 @@ fn materials(scene: &Scene) -> Vec<Diagnostic> {
 fn written(start: &Span, table: &str, keys: &[&str]) -> Vec<(Span, String)> {
     let find = || {
         let source = start.source.as_ref()?;
-        let root = DeTable::parse(&source.text).ok()?.into_inner();
+        let root = source.syntax().root();
         let table = root.get(table)?.get_ref().as_table()?;
         let said = table
             .keys()
-            .filter(|key| keys.contains(&key.get_ref().as_ref()));
+            .filter(|key| keys.contains(&key.get_ref().as_str()));
         let place = |range| Span {
             source: Some(source.clone()),
             range,

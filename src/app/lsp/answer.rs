@@ -4,19 +4,21 @@ use std::{
     collections::BTreeSet,
     fs,
     path::{Path, PathBuf},
+    sync::Arc,
 };
 
 use serde_json::{Value, json};
 
 use super::{
-    names::{TextFile, files_of_value, kinds_of_value, names, with_parts},
-    outline::{Part, Word, outline},
+    names::{files_of_value, kinds_of_value, names, with_parts},
+    outline::{Part, Word, words, words_before},
     position::{range, uri_of},
     tables::{Below, below, key, keys_of, table},
 };
 use crate::{
     runtime::scene_text::asset_folders,
     scene::{
+        diagnostic::Source,
         manual::{key_text, section_text, variant_text},
         parse::{Form, KeyRecord, SectionRecord},
     },
@@ -34,9 +36,9 @@ const FILE: u32 = 17;
 const REFERENCE: u32 = 18;
 
 /// Completions at a byte offset.
-pub fn complete(file: &TextFile, offset: usize) -> Vec<Value> {
+pub fn complete(file: &Arc<Source>, offset: usize) -> Vec<Value> {
     let before = &file.text[..file.text.floor_char_boundary(offset)];
-    let (mut words, end) = outline(before);
+    let (mut words, end) = words_before(file, offset);
     let word = match words.pop() {
         Some(word) if word.range.end == before.len() => word,
         _ => end,
@@ -76,7 +78,7 @@ fn keys(section: &'static SectionRecord) -> Vec<Value> {
 }
 
 /// Completions of a table header: tables, or names in use where users choose names.
-fn headers(file: &TextFile, word: &Word) -> Vec<Value> {
+fn headers(file: &Arc<Source>, word: &Word) -> Vec<Value> {
     match below(&word.table) {
         Some(Below::Table(section)) => {
             let is_table = |key: &KeyRecord| {
@@ -100,13 +102,13 @@ fn headers(file: &TextFile, word: &Word) -> Vec<Value> {
     }
 }
 
-fn names_of_kind(file: &TextFile, kind: &str) -> BTreeSet<String> {
-    let parts = with_parts(&file.path, &file.text);
-    let all = parts.iter().flat_map(|part| names(&part.text));
+fn names_of_kind(file: &Arc<Source>, kind: &str) -> BTreeSet<String> {
+    let parts = with_parts(file);
+    let all = parts.iter().flat_map(|part| names(part));
     all.filter(|n| n.kind == kind).map(|n| n.name).collect()
 }
 
-fn values(file: &TextFile, word: &Word, name: &str, quoted: bool) -> Vec<Value> {
+fn values(file: &Arc<Source>, word: &Word, name: &str, quoted: bool) -> Vec<Value> {
     let text = |text: &str| match quoted {
         true => text.to_owned(),
         false => format!("\"{text}\""),
@@ -174,14 +176,14 @@ fn files_below(
 }
 
 /// Word at a byte offset.
-fn word_at(text: &str, offset: usize) -> Option<Word> {
+fn word_at(source: &Source, offset: usize) -> Option<Word> {
     let is_at = |word: &Word| (word.range.start..=word.range.end).contains(&offset);
-    outline(text).0.into_iter().find(is_at)
+    words(source).into_iter().find(is_at)
 }
 
 /// Manual text about the word at a byte offset.
-pub fn hover(file: &TextFile, offset: usize) -> Option<Value> {
-    let word = word_at(&file.text, offset)?;
+pub fn hover(file: &Arc<Source>, offset: usize) -> Option<Value> {
+    let word = word_at(file, offset)?;
     let of_key = |table: &[String], name: &str| {
         let (section, variant, key) = key(table, name)?;
         Some(key_text(section, variant, key))
@@ -216,8 +218,8 @@ pub fn hover(file: &TextFile, offset: usize) -> Option<Value> {
 }
 
 /// Locations of the definition of the name at a byte offset: a table, an instance, or a file.
-pub fn definition(file: &TextFile, offset: usize) -> Vec<Value> {
-    let Some(word) = word_at(&file.text, offset) else {
+pub fn definition(file: &Arc<Source>, offset: usize) -> Vec<Value> {
+    let Some(word) = word_at(file, offset) else {
         return Vec::new();
     };
     let kinds: Vec<String> = match (&word.part, word.table.as_slice()) {
@@ -242,16 +244,16 @@ pub fn definition(file: &TextFile, offset: usize) -> Vec<Value> {
         (Part::Header, [motion, kind]) if motion == "motion" => vec![kind.clone()],
         _ => Vec::new(),
     };
-    places(&with_parts(&file.path, &file.text), &word.text, |k| {
+    places(&with_parts(file), &word.text, |k| {
         kinds.iter().any(|kind| kind == k)
     })
 }
 
 /// Locations in these files that define the name, of a kind that `is_kind` accepts.
-pub fn places(files: &[TextFile], name: &str, is_kind: impl Fn(&str) -> bool) -> Vec<Value> {
+pub fn places(files: &[Arc<Source>], name: &str, is_kind: impl Fn(&str) -> bool) -> Vec<Value> {
     let mut all = Vec::new();
     for file in files {
-        let given = names(&file.text).into_iter();
+        let given = names(file).into_iter();
         let given = given.filter(|n| n.name == name && is_kind(&n.kind));
         all.extend(
             given.map(

@@ -1,17 +1,11 @@
 //! Names that scenes define, with their places: in a text, its bases, and the files that it includes.
 
-use std::{
-    ops::Range,
-    path::{Path, PathBuf},
-};
+use std::{ops::Range, sync::Arc};
 
-use super::outline::{Part, outline};
+use super::outline::{Part, Word, words};
 use crate::{
     runtime::scene_text::asset_folders,
-    scene::{
-        dependencies::Dependencies,
-        parse::{self, ReadOptions, Texts},
-    },
+    scene::{diagnostic::Source, parse::Texts},
 };
 
 /// Tables whose entries have names that other tables use.
@@ -30,19 +24,10 @@ pub struct Name {
     pub range: Range<usize>,
 }
 
-/// A text file in the editor or on disk.
-#[derive(Clone, Debug)]
-pub struct TextFile {
-    /// Path of the file.
-    pub path: PathBuf,
-    /// Text of the file, as edited.
-    pub text: String,
-}
-
 /// Names that a text defines.
-pub fn names(text: &str) -> Vec<Name> {
-    let words = outline(text).0.into_iter();
-    let name = |word: super::outline::Word| {
+pub fn names(source: &Source) -> Vec<Name> {
+    let words = words(source).into_iter();
+    let name = |word: Word| {
         let kind = match (&word.part, word.table.as_slice()) {
             (Part::Header, [kind]) if NAMED.contains(&kind.as_str()) => kind.clone(),
             (Part::Key, [kind]) if kind == "params" => kind.clone(),
@@ -55,25 +40,11 @@ pub fn names(text: &str) -> Vec<Name> {
     words.filter_map(name).collect()
 }
 
-/// The text, its bases and all scene text files that these include; the text itself comes first.
-pub fn with_parts(path: &Path, text: &str) -> Vec<TextFile> {
-    let found = Dependencies::default();
-    let options = ReadOptions {
-        assets: asset_folders(&[]),
-        ..ReadOptions::default()
-    };
-    let _ = Texts::collect(text, path, &options, &found); // the check reports errors
-    let mut all = vec![TextFile {
-        path: path.to_owned(),
-        text: text.to_owned(),
-    }];
-    let is_scene = |p: &PathBuf| p.extension().is_some_and(|e| e == "toml") && p.is_file();
-    for path in found.paths().into_iter().filter(is_scene) {
-        if let Ok(text) = parse::read(&path) {
-            all.push(TextFile { path, text });
-        }
-    }
-    all
+/// The text, its bases, and all scene text files that these include or place; the text itself comes first.
+pub fn with_parts(own: &Arc<Source>) -> Vec<Arc<Source>> {
+    let texts = Texts::collect(Arc::clone(own), &asset_folders(&[])); // the check reports errors
+    let files = texts.files().map(|file| &file.source);
+    std::iter::once(own).chain(files).cloned().collect()
 }
 
 /// Kinds of [`Name`] that the value of a key refers to; empty if it refers to none.
@@ -111,7 +82,7 @@ mod tests {
     #[test]
     fn names_of_tables_and_instances_are_found() {
         let text = "[material.\"old brass\"]\n[[instance]]\nname = 'ball'\n[params]\nlift = 1\n[material.x.y]\n";
-        let found = names(text);
+        let found = names(&Source::new("a.toml", text));
         let found: Vec<_> = found
             .iter()
             .map(|n| (n.kind.as_str(), n.name.as_str()))

@@ -1,9 +1,9 @@
-//! Keys, values and headers of scene text with their places. Uses only the tokens, since the text may be
-//! invalid while users type.
+//! Keys, values and headers of scene text with their places. Uses only the tokens of the syntax tree, since the
+//! text before the cursor breaks off in the middle.
 
 use std::ops::Range;
 
-use toml_parser::{Source, lexer::TokenKind};
+use crate::scene::{diagnostic::Source, syntax::TokenKind};
 
 /// Syntactic role of a word in scene text.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -51,12 +51,22 @@ struct Walk {
     is_over: bool,
 }
 
-/// All words of a text, and an empty word at its end with the role that text typed there would have.
-pub fn outline(text: &str) -> (Vec<Word>, Word) {
+/// All words of a text.
+pub fn words(source: &Source) -> Vec<Word> {
+    words_before(source, source.text.len()).0
+}
+
+/// Words of a text before a byte offset, the last one up to there, and an empty word with the role that text typed
+/// there would have.
+pub fn words_before(source: &Source, offset: usize) -> (Vec<Word>, Word) {
+    let text = &source.text[..source.text.floor_char_boundary(offset)];
     let mut walk = Walk::default();
-    for token in Source::new(text).lex() {
-        let range = token.span().start()..token.span().end();
-        walk.token(token.kind(), &text[range.clone()], range);
+    for token in source.tokens() {
+        if token.at.start >= text.len() {
+            break;
+        }
+        let range = token.at.start..token.at.end.min(text.len());
+        walk.token(token.kind, &text[range.clone()], range);
     }
     let end = walk.word(String::new(), text.len()..text.len());
     (walk.words, end)
@@ -160,8 +170,9 @@ mod tests {
 
     /// Table, role and text of the word at `|`.
     fn at(text: &str) -> (String, Part, String) {
-        let (before, _) = text.split_once('|').expect("a mark");
-        let (mut words, end) = outline(before);
+        let (before, after) = text.split_once('|').expect("a mark");
+        let source = Source::new("a.toml", format!("{before}{after}"));
+        let (mut words, end) = words_before(&source, before.len());
         let word = match words.pop() {
             Some(word) if word.range.end == before.len() => word,
             _ => end,
@@ -235,7 +246,23 @@ mod tests {
             "[a.\n=b",
             "\u{feff}[x]",
         ] {
-            outline(text);
+            words(&Source::new("a.toml", text));
+        }
+    }
+
+    /// The text behind the cursor does not change what is completed there.
+    #[test]
+    fn a_cursor_sees_the_text_before_it_alone() {
+        let text = include_str!("../../../scenes/atrium.toml");
+        let whole = Source::new("a.toml", text);
+        for (offset, _) in text.char_indices().step_by(7) {
+            let alone = Source::new("a.toml", &text[..offset]);
+            let (found, end) = words_before(&whole, offset);
+            let (mut want, want_end) = words_before(&alone, offset);
+            let near = found.len().saturating_sub(3);
+            assert_eq!(found.len(), want.len(), "{offset}");
+            assert_eq!(found[near..], want.split_off(near), "{offset}");
+            assert_eq!(end, want_end, "{offset}");
         }
     }
 }

@@ -1,14 +1,14 @@
 //! Answers about a position in a script: names of the API, and of the scenes that use the script.
 
-use std::{collections::BTreeSet, fs, path::Path};
+use std::{collections::BTreeSet, fs, path::Path, sync::Arc};
 
 use serde_json::{Value, json};
 
 use super::{
     answer::places,
-    names::{TextFile, names, with_parts},
+    names::{names, with_parts},
 };
-use crate::scene::{parse, script::api};
+use crate::scene::{diagnostic::Source, parse, script::api};
 
 /// Kinds of completion items in the protocol.
 const FUNCTION: u32 = 3;
@@ -20,31 +20,31 @@ const MOST_ENTRIES: usize = 1000;
 
 /// Scenes that use a script, with the files that they include: open ones as edited, others from the script's
 /// folder.
-pub fn scenes_of(script: &Path, open: &[&TextFile]) -> Vec<TextFile> {
+pub fn scenes_of(script: &Path, open: &[&Arc<Source>]) -> Vec<Arc<Source>> {
     let name = script
         .file_name()
         .and_then(|name| name.to_str())
         .unwrap_or_default();
-    let mut scenes: Vec<_> = open.iter().map(|file| (*file).clone()).collect();
+    let mut scenes: Vec<_> = open.iter().map(|file| Arc::clone(file)).collect();
     let folder = fs::read_dir(script.parent().unwrap_or(Path::new("")));
     for entry in folder.into_iter().flatten().flatten().take(MOST_ENTRIES) {
         let path = entry.path();
         let is_scene = path.extension().is_some_and(|e| e == "toml");
         if is_scene && scenes.iter().all(|s| s.path != path) {
             let text = parse::read(&path).unwrap_or_default();
-            scenes.push(TextFile { path, text });
+            scenes.push(Arc::new(Source::new(path, text)));
         }
     }
     let uses =
-        |s: &TextFile| s.path.extension().is_some_and(|e| e == "toml") && s.text.contains(name);
+        |s: &Source| s.path.extension().is_some_and(|e| e == "toml") && s.text.contains(name);
     let scenes = scenes.iter().filter(|s| uses(s));
-    scenes.flat_map(|s| with_parts(&s.path, &s.text)).collect()
+    scenes.flat_map(with_parts).collect()
 }
 
 /// Completions at a byte offset.
-pub fn complete(text: &str, offset: usize, scenes: &[TextFile]) -> Vec<Value> {
+pub fn complete(text: &str, offset: usize, scenes: &[Arc<Source>]) -> Vec<Value> {
     let before = &text[..text.floor_char_boundary(offset)];
-    let all = scenes.iter().flat_map(|s| names(&s.text));
+    let all = scenes.iter().flat_map(|s| names(s));
     if in_quotes(before) {
         let named: BTreeSet<_> = all
             .filter(|n| n.kind != "params")
@@ -104,7 +104,7 @@ pub fn hover(text: &str, offset: usize) -> Option<Value> {
 }
 
 /// Locations in the scenes that define the name at a byte offset: a quoted name, or a parameter.
-pub fn definition(text: &str, offset: usize, scenes: &[TextFile]) -> Vec<Value> {
+pub fn definition(text: &str, offset: usize, scenes: &[Arc<Source>]) -> Vec<Value> {
     let before = &text[..text.floor_char_boundary(offset)];
     if in_quotes(before) {
         let start = before.rfind('"').map_or(0, |i| i + 1);

@@ -2,12 +2,11 @@
 
 use std::sync::Arc;
 
-use toml::de::{DeTable, DeValue};
-
 use super::{
-    SceneItem, source_of,
+    SceneItem,
     splice::{self, Locator, Selector},
 };
+use crate::scene::syntax::{Content, Entries, Node};
 use crate::scene::{
     desc::SceneDesc,
     diagnostic::{Source, Span},
@@ -24,17 +23,23 @@ pub struct Place {
 impl Place {
     /// The numbers under a key of the table.
     pub fn numbers(&self, key: &str) -> Option<Vec<f64>> {
-        let root = splice::parse(&self.source.text).ok()?;
-        let node = splice::find(&root, &self.locator)?;
+        let root = self.source.syntax().correct().ok()?;
+        let node = splice::find(root, &self.locator)?;
         splice::numbers(node.get_ref().as_table()?.get(key)?)
     }
 
     /// The text with other numbers for a key of the table.
     pub fn put(&self, key: &str, values: &[f64]) -> Result<String, String> {
-        let root = splice::parse(&self.source.text)?;
-        let node = splice::find(&root, &self.locator).ok_or("its table is not there any more")?;
+        let root = correct(&self.source)?;
+        let node = splice::find(root, &self.locator).ok_or("its table is not there any more")?;
         splice::put(&self.source.text, node, key, values)
     }
+}
+
+/// Entries of a text without syntax errors.
+fn correct(source: &Source) -> Result<&Entries, String> {
+    let root = source.syntax().correct();
+    root.map_err(|error| error.message.clone())
 }
 
 /// Refuses items that are not written in a file.
@@ -85,8 +90,7 @@ pub fn places(
     if let Some(place) = name.and_then(|name| above(desc, variants, (item, name), key)) {
         return Ok(place);
     }
-    let root = splice::parse(&source.text)?;
-    let locator = own(&root, item, at).ok_or("its table cannot be found in the text")?;
+    let locator = own(correct(source)?, item, at).ok_or("its table cannot be found in the text")?;
     Ok(Place {
         source: Arc::clone(source),
         locator,
@@ -100,16 +104,15 @@ fn above(
     (item, name): (SceneItem, &str),
     key: &str,
 ) -> Option<Place> {
-    let own = desc.own.source.iter().cloned();
-    let parts = desc.includes.iter();
-    let texts = own.chain(parts.map(|part| source_of(&part.path, &part.text)));
+    let parts = desc.includes.iter().map(|part| &part.source);
+    let texts = desc.own.source.iter().chain(parts);
     // A group may be a placed scene, which an instance table defines.
     let kinds: &[&'static str] = match item {
         SceneItem::Group(_) => &["group", "instance"],
         item => &[item.kind()][..],
     };
     for source in texts {
-        let Ok(root) = splice::parse(&source.text) else {
+        let Ok(root) = source.syntax().correct() else {
             continue;
         };
         let chosen = variants.iter().rev();
@@ -121,11 +124,14 @@ fn above(
                     kind,
                     selector: Selector::Name(name.to_owned()),
                 };
-                let node = splice::find(&root, &locator);
+                let node = splice::find(root, &locator);
                 let table = node.and_then(|node| node.get_ref().as_table());
                 let keys = alike(key).iter().chain([&key]);
                 if table.is_some_and(|table| keys.into_iter().any(|key| table.contains_key(*key))) {
-                    return Some(Place { source, locator });
+                    return Some(Place {
+                        source: Arc::clone(source),
+                        locator,
+                    });
                 }
             }
         }
@@ -134,7 +140,7 @@ fn above(
 }
 
 /// Locator of the table that begins, or has its name, at a span.
-fn own(root: &DeTable, item: SceneItem, at: &Span) -> Option<Locator> {
+fn own(root: &Entries, item: SceneItem, at: &Span) -> Option<Locator> {
     for (above, table) in splice::roots(root) {
         let locator = |kind: &'static str, selector| Locator {
             above: above.clone(),
@@ -142,17 +148,17 @@ fn own(root: &DeTable, item: SceneItem, at: &Span) -> Option<Locator> {
             selector,
         };
         let kind = item.kind();
-        if let Some(DeValue::Table(all)) = table.get(kind).map(toml::Spanned::get_ref) {
+        if let Some(Content::Table(all)) = table.get(kind).map(Node::get_ref) {
             let found = all.keys().find(|key| key.span().start == at.range.start);
             if let Some(name) = found {
                 return Some(locator(kind, Selector::Name(name.get_ref().to_string())));
             }
         }
-        let Some(DeValue::Array(list)) = table.get("instance").map(toml::Spanned::get_ref) else {
+        let Some(Content::Array(list)) = table.get("instance").map(Node::get_ref) else {
             continue;
         };
         // The span of a placed scene is at its name, or at that of its file.
-        let begins = |entry: &toml::Spanned<DeValue>| {
+        let begins = |entry: &Node| {
             let table = entry.get_ref().as_table();
             let key = |key: &str| table?.get(key);
             let file = || key("model")?.get_ref().as_table()?.get("scene");

@@ -2,10 +2,7 @@
 
 use std::ops::Range;
 
-use toml::{
-    Spanned,
-    de::{DeTable, DeValue},
-};
+use crate::scene::syntax::{Content, Entries, Node};
 
 /// Locator of a table in a scene text.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -27,19 +24,11 @@ pub enum Selector {
     Index(usize),
 }
 
-type Node<'t> = Spanned<DeValue<'t>>;
-
 /// Number of decimals that are written.
 const DECIMALS: i32 = 6;
 
-/// Parses a scene text as TOML.
-pub fn parse(text: &str) -> Result<DeTable<'_>, String> {
-    let root = DeTable::parse(text).map_err(|error| error.message().to_owned())?;
-    Ok(root.into_inner())
-}
-
 /// Tables that contain items: the whole file, then its variants.
-pub fn roots<'n, 't>(root: &'n DeTable<'t>) -> Vec<(Vec<String>, &'n DeTable<'t>)> {
+pub fn roots(root: &Entries) -> Vec<(Vec<String>, &Entries)> {
     let variants = root.get("variant").and_then(|v| v.get_ref().as_table());
     let variants = variants.into_iter().flat_map(|all| all.iter());
     let tables = variants.filter_map(|(name, node)| {
@@ -50,15 +39,15 @@ pub fn roots<'n, 't>(root: &'n DeTable<'t>) -> Vec<(Vec<String>, &'n DeTable<'t>
 }
 
 /// Table that a locator points to.
-pub fn find<'n, 't>(root: &'n DeTable<'t>, locator: &Locator) -> Option<&'n Node<'t>> {
+pub fn find<'n>(root: &'n Entries, locator: &Locator) -> Option<&'n Node> {
     let mut table = root;
     for name in &locator.above {
         table = table.get(name.as_str())?.get_ref().as_table()?;
     }
     match (table.get(locator.kind)?.get_ref(), &locator.selector) {
-        (DeValue::Table(all), Selector::Name(name)) => all.get(name.as_str()),
-        (DeValue::Array(all), Selector::Index(index)) => all.get(*index),
-        (DeValue::Array(all), Selector::Name(name)) => {
+        (Content::Table(all), Selector::Name(name)) => all.get(name.as_str()),
+        (Content::Array(all), Selector::Index(index)) => all.get(*index),
+        (Content::Array(all), Selector::Name(name)) => {
             all.iter().find(|item| name_of(item) == Some(name))
         }
         _ => None,
@@ -66,24 +55,22 @@ pub fn find<'n, 't>(root: &'n DeTable<'t>, locator: &Locator) -> Option<&'n Node
 }
 
 /// Value of `name` in an instance's table.
-pub fn name_of<'n>(node: &'n Node<'_>) -> Option<&'n str> {
+pub fn name_of(node: &Node) -> Option<&str> {
     node.get_ref().as_table()?.get("name")?.get_ref().as_str()
 }
 
 /// Numbers of a node that is a number or an array of numbers.
 pub fn numbers(node: &Node) -> Option<Vec<f64>> {
     match node.get_ref() {
-        DeValue::Array(items) => items.iter().map(number).collect(),
+        Content::Array(items) => items.iter().map(number).collect(),
         _ => Some(vec![number(node)?]),
     }
 }
 
 fn number(node: &Node) -> Option<f64> {
     match node.get_ref() {
-        DeValue::Integer(i) => i64::from_str_radix(i.as_str(), i.radix())
-            .ok()
-            .map(|i| i as f64),
-        DeValue::Float(x) => x.as_str().parse().ok(),
+        Content::Integer(i) => i.value().map(|i| i as f64),
+        Content::Float(x) => x.value(),
         _ => None,
     }
 }
@@ -112,7 +99,7 @@ fn list(values: &[f64]) -> String {
 /// # Errors
 /// The node is not a table, or the key's value is not made of numbers.
 pub fn put(text: &str, node: &Node, key: &str, values: &[f64]) -> Result<String, String> {
-    let DeValue::Table(table) = node.get_ref() else {
+    let Content::Table(table) = node.get_ref() else {
         return Err("it is not written as a table".to_owned());
     };
     let Some(old) = table.get(key) else {
@@ -120,7 +107,7 @@ pub fn put(text: &str, node: &Node, key: &str, values: &[f64]) -> Result<String,
     };
     let mut parts: Vec<(Range<usize>, String)> = Vec::new();
     match old.get_ref() {
-        DeValue::Array(items) if items.len() == values.len() => {
+        Content::Array(items) if items.len() == values.len() => {
             for (item, value) in items.iter().zip(values) {
                 let before = number(item).ok_or("it is not written as numbers")?;
                 if shown(before) != shown(*value) {
@@ -128,7 +115,7 @@ pub fn put(text: &str, node: &Node, key: &str, values: &[f64]) -> Result<String,
                 }
             }
         }
-        DeValue::Integer(_) | DeValue::Float(_) => {
+        Content::Integer(_) | Content::Float(_) => {
             let alike = values
                 .windows(2)
                 .all(|pair| shown(pair[0]) == shown(pair[1]));
@@ -145,7 +132,7 @@ pub fn put(text: &str, node: &Node, key: &str, values: &[f64]) -> Result<String,
 }
 
 /// The text with one more key in a table.
-fn insert(text: &str, node: &Node, table: &DeTable, key: &str, values: &[f64]) -> String {
+fn insert(text: &str, node: &Node, table: &Entries, key: &str, values: &[f64]) -> String {
     let line = format!("{key} = {}", list(values));
     let at = node.span();
     let is_inline = text[at.start..].starts_with('{');
@@ -175,8 +162,8 @@ fn insert(text: &str, node: &Node, table: &DeTable, key: &str, values: &[f64]) -
 
 fn is_table(node: &Node) -> bool {
     match node.get_ref() {
-        DeValue::Table(_) => true,
-        DeValue::Array(items) => items.iter().any(|item| item.get_ref().is_table()),
+        Content::Table(_) => true,
+        Content::Array(items) => items.iter().any(|item| item.get_ref().as_table().is_some()),
         _ => false,
     }
 }
@@ -184,17 +171,19 @@ fn is_table(node: &Node) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::syntax::SyntaxTree;
 
     const TEXT: &str = "version = 1 # one\r\n[[instance]]\r\n  name = \"a\" # its name\r\n  translation = [ 1.50, 2, # two\r\n    -3 ]\r\n[instance.material]\r\nroughness = 1\r\n# of b\r\n[[instance]]\r\nname = \"b\"\r\n[light.\"old lamp\"]\r\nscale = 2 # twice\r\n[variant.night.light.x]\r\n";
 
     fn changed(kind: &'static str, selector: Selector, key: &str, values: &[f64]) -> String {
-        let root = parse(TEXT).expect("it is right");
+        let tree = SyntaxTree::parse(TEXT);
+        let root = tree.correct().expect("it is right");
         let locator = Locator {
             above: Vec::new(),
             kind,
             selector,
         };
-        let node = find(&root, &locator).expect("it is there");
+        let node = find(root, &locator).expect("it is there");
         put(TEXT, node, key, values).expect("it can be put")
     }
 
@@ -261,14 +250,15 @@ mod tests {
         ] {
             let found = changed(kind, selector, key, values);
             assert_eq!(found, TEXT.replacen(from, to, 1), "{kind} {key}");
-            assert!(parse(&found).is_ok());
+            assert!(SyntaxTree::parse(&found).correct().is_ok());
         }
     }
 
     #[test]
     fn inline_and_empty_tables_take_new_keys() {
         let text = "light = { a = { kind = \"point\" }, b = {} }\n[light2]\n[light2.c] # c\n";
-        let root = parse(text).expect("it is right");
+        let tree = SyntaxTree::parse(text);
+        let root = tree.correct().expect("it is right");
         let of = |kind, name: &str| {
             let selector = Selector::Name(name.to_owned());
             let locator = Locator {
@@ -276,7 +266,7 @@ mod tests {
                 kind,
                 selector,
             };
-            let node = find(&root, &locator).expect("it is there");
+            let node = find(root, &locator).expect("it is there");
             put(text, node, "position", &[0.0, 1.0]).expect("it can be put")
         };
         let a = of("light", "a");

@@ -1,8 +1,9 @@
 //! Text files of a scene besides its own: scripts and included scene text.
 
-use std::path::PathBuf;
+use std::{path::PathBuf, sync::Arc};
 
 use super::SceneDesc;
+use crate::scene::diagnostic::Source;
 
 impl SceneDesc {
     /// Paths of the scripts, their imports and the included scene text, with symbolic links resolved.
@@ -20,6 +21,6 @@ pub struct Include {
     pub name: String,
     /// Path of the file, with symbolic links resolved.
     pub path: PathBuf,
-    /// Content of the file.
-    pub text: String,
+    /// Text of the file, with its syntax tree.
+    pub source: Arc<Source>,
 }

@@ -64,12 +64,7 @@ mod tests {
     #[test]
     fn places_are_lines_and_characters() {
         let text = "é = 1\n\tkey = [1,\n2]\n".to_owned();
-        let source = Arc::new(Source {
-            path: "a.toml".into(),
-            text,
-            returned: None,
-            generated: false,
-        });
+        let source = Arc::new(Source::new("a.toml", text));
         let span = |range| Span {
             source: Some(Arc::clone(&source)),
             range,

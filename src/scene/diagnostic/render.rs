@@ -144,15 +144,10 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::scene::diagnostic::Source;
+    use crate::scene::{diagnostic::Source, syntax::Entries};
 
     fn at(text: &str, range: std::ops::Range<usize>) -> Diagnostic {
-        let source = Source {
-            path: "a.toml".into(),
-            text: text.to_owned(),
-            returned: None,
-            generated: false,
-        };
+        let source = Source::new("a.toml", text);
         let span = Span {
             source: Some(Arc::new(source)),
             range,
@@ -169,18 +164,13 @@ mod tests {
         assert_eq!(at(text, x..x + 1).render(false), want);
     }
 
-    /// Generated scene text for a model file, which the user never saw.
+    /// Scene that the program generates for a model file: the user never saw a text of it.
     #[test]
-    fn a_generated_text_is_not_shown() {
-        let source = Source {
-            path: "a.glb".into(),
-            text: "file = \"a.glb\"".to_owned(),
-            returned: None,
-            generated: true,
-        };
+    fn a_generated_scene_is_not_shown() {
+        let source = Source::generated("a.glb", Entries::new());
         let span = Span {
             source: Some(Arc::new(source)),
-            range: 7..14,
+            range: 0..0,
         };
         let message = Diagnostic::at("kind-of", span.clone(), "it is wrong");
         let want = "error[kind-of]: it is wrong\n--> a.glb";

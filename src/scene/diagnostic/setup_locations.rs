@@ -9,13 +9,11 @@ use std::{
     },
 };
 
-use toml::{
-    Spanned,
-    de::{DeTable, DeValue},
-};
-
 use super::{Source, Span};
-use crate::scene::suggest;
+use crate::scene::{
+    suggest,
+    syntax::{Content, Entries, Node},
+};
 
 /// Keys of the result of `setup`, the scene tables that they stand for, and whether they are lists.
 pub const TABLES: [(&str, &str, bool); 6] = [
@@ -91,9 +89,10 @@ impl Returned {
         source.is_some_and(|s| self.scripts.iter().any(|own| Arc::ptr_eq(own, s)))
     }
 
-    /// Place in the script of the range `at` of the returned `text`, and its description for messages.
-    pub fn explain(&self, text: &str, at: &Range<usize>) -> (Span, String) {
-        let entries = self.entries.get_or_init(|| entries(text));
+    /// Place in the script of the range `at` of the text that it returned, and its description for messages.
+    pub fn explain(&self, returned: &Source, at: &Range<usize>) -> (Span, String) {
+        let text = returned.text.as_str();
+        let entries = (self.entries).get_or_init(|| entries(returned.syntax().root()));
         let before = &entries[..entries.partition_point(|e| e.at.start <= at.start)];
         let is_shown = self.explained.fetch_add(1, Ordering::Relaxed) < MOST;
         let mut near = (before.iter().rev()).take(if is_shown { NEAR } else { 0 });
@@ -208,17 +207,15 @@ fn has_value(after: &str, value: &str) -> bool {
 }
 
 /// Keys and values of a text, in order.
-fn entries(text: &str) -> Vec<Entry> {
+fn entries(root: &Entries) -> Vec<Entry> {
     let mut found = Vec::new();
-    if let Ok(table) = DeTable::parse(text) {
-        walk_table(table.get_ref(), &[], &mut found);
-    }
+    walk_table(root, &[], &mut found);
     // Entries that begin at the same place: the innermost comes last.
     found.sort_by_key(|entry: &Entry| (entry.at.start, std::cmp::Reverse(entry.at.end)));
     found
 }
 
-fn walk_table(table: &DeTable, path: &[String], found: &mut Vec<Entry>) {
+fn walk_table(table: &Entries, path: &[String], found: &mut Vec<Entry>) {
     for (key, node) in table {
         let name = key.get_ref().to_string();
         let name = if path.is_empty() { plural(&name) } else { name };
@@ -233,10 +230,10 @@ fn walk_table(table: &DeTable, path: &[String], found: &mut Vec<Entry>) {
     }
 }
 
-fn walk(node: &Spanned<DeValue>, path: Vec<String>, found: &mut Vec<Entry>) {
+fn walk(node: &Node, path: Vec<String>, found: &mut Vec<Entry>) {
     match node.get_ref() {
-        DeValue::Table(table) => walk_table(table, &path, found),
-        DeValue::Array(items) => {
+        Content::Table(table) => walk_table(table, &path, found),
+        Content::Array(items) => {
             for (i, item) in items.iter().enumerate() {
                 let path = [path.as_slice(), &[format!("[{i}]")]].concat();
                 walk(item, path, found);
@@ -251,12 +248,12 @@ fn walk(node: &Spanned<DeValue>, path: Vec<String>, found: &mut Vec<Entry>) {
     });
 }
 
-fn plain(node: &Spanned<DeValue>) -> Option<Range<usize>> {
+fn plain(node: &Node) -> Option<Range<usize>> {
     let is_plain = match node.get_ref() {
-        DeValue::Table(_) => false,
-        DeValue::Array(items) => !items
+        Content::Table(_) => false,
+        Content::Array(items) => !items
             .iter()
-            .any(|i| matches!(i.get_ref(), DeValue::Table(_))),
+            .any(|i| matches!(i.get_ref(), Content::Table(_))),
         _ => true,
     };
     is_plain.then(|| node.span())

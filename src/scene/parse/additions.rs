@@ -1,43 +1,38 @@
 //! Merges the scene text that a script's `setup` returned into the tree of the scene, so that the same
 //! readers check both.
 
-use toml::{
-    Spanned,
-    de::{DeTable, DeValue},
+use std::sync::Arc;
+
+use super::report::Report;
+use crate::scene::{
+    diagnostic::Source,
+    suggest,
+    syntax::{Content, Entries, Key, Node},
 };
 
-use super::{report::Report, set::shift, value::Node};
-use crate::scene::suggest;
-
-/// Merges scene text into the tree; `base` is its position in the report.
-pub fn merge<'i>(root: &mut Node<'i>, text: &'i str, base: usize, report: &mut Report) {
-    let Ok(added) = DeTable::parse(text) else {
-        return; // cannot happen: this program wrote the text
-    };
-    let at = added.span();
-    let added = Node::new(at, DeValue::Table(added.into_inner()));
-    let (DeValue::Table(added), DeValue::Table(root)) =
-        (shift(added, base).into_inner(), root.get_mut())
-    else {
+/// Merges the scene text of a script into the tree. The text is without errors, since this program wrote it.
+pub fn merge(root: &mut Node, text: &Arc<Source>, report: &mut Report) {
+    let Content::Table(root) = root.get_mut() else {
         return;
     };
-    for (key, node) in added {
-        let Some(existing) = root.get_mut(key.get_ref().as_ref()) else {
+    let start = report.add(text);
+    for (key, node) in text.syntax().moved(start) {
+        let Some(existing) = root.get_mut(key.get_ref().as_str()) else {
             root.insert(key, node);
             continue;
         };
         match (existing.get_mut(), node.into_inner()) {
-            (DeValue::Array(list), DeValue::Array(more)) => {
+            (Content::Array(list), Content::Array(more)) => {
                 for item in more {
                     list.push(item);
                 }
             }
-            (DeValue::Table(_), DeValue::Table(_)) if key.get_ref() == "environment" => {
+            (Content::Table(_), Content::Table(_)) if key.get_ref() == "environment" => {
                 let message = "the scene has an `[environment]` of its own";
                 let error = report.error("duplicate-name", &key.span(), message);
                 error.help = Some("setup can add to the scene, but not replace what it has".into());
             }
-            (DeValue::Table(table), DeValue::Table(more)) => {
+            (Content::Table(table), Content::Table(more)) => {
                 for (name, node) in more {
                     add_named(table, key.get_ref(), name, node, report);
                 }
@@ -48,14 +43,8 @@ pub fn merge<'i>(root: &mut Node<'i>, text: &'i str, base: usize, report: &mut R
     }
 }
 
-fn add_named<'i>(
-    table: &mut DeTable<'i>,
-    kind: &str,
-    name: Spanned<toml::de::DeString<'i>>,
-    node: Node<'i>,
-    report: &mut Report,
-) {
-    if let Some((first, _)) = table.get_key_value(name.get_ref().as_ref()) {
+fn add_named(table: &mut Entries, kind: &str, name: Key, node: Node, report: &mut Report) {
+    if let Some((first, _)) = table.get_key_value(name.get_ref().as_str()) {
         let message = format!("two {kind}s are named {}", suggest::text(name.get_ref()));
         let first = report.span(&first.span());
         let error = report.error("duplicate-name", &name.span(), message);

@@ -2,12 +2,12 @@
 
 use glam::Vec3;
 use serde_json::{Value as Json, json};
-use toml::de::DeValue;
 
 use super::{
     report::Report,
-    value::{Named, Node, Value, wrong_type},
+    value::{Named, Value, wrong_type},
 };
+use crate::scene::syntax::{Content, Node};
 use crate::{
     math::linear_from_srgb,
     scene::{range::Range, suggest},
@@ -35,7 +35,7 @@ impl Value for Color {
     }
     fn read(node: &Node, named: &Named, report: &mut Report) -> Option<Self> {
         match node.get_ref() {
-            DeValue::String(text) => match of_text(text) {
+            Content::String(text) => match of_text(text) {
                 Some(bytes) => Some(Self(linear(bytes))),
                 None => {
                     let key = named.key;
@@ -45,7 +45,7 @@ impl Value for Color {
                     None
                 }
             },
-            DeValue::Array(items) => {
+            Content::Array(items) => {
                 if let Some(bytes) = as_bytes(items, named.range) {
                     let [r, g, b] = bytes;
                     let message = format!(
@@ -116,7 +116,7 @@ fn linear(bytes: [u8; 3]) -> Vec3 {
 /// The bytes of three whole numbers up to 255 where 1 is the limit: sRGB bytes were meant.
 fn as_bytes(items: &[Node], range: &Range) -> Option<[u8; 3]> {
     let byte = |item: &Node| match item.get_ref() {
-        DeValue::Integer(i) => i.as_str().parse::<u8>().ok(),
+        Content::Integer(i) => u8::try_from(i.value()?).ok(),
         _ => None,
     };
     let bytes = items.iter().map(byte).collect::<Option<Vec<_>>>()?;

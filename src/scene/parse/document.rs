@@ -4,99 +4,91 @@
 use std::{
     collections::HashSet,
     path::{Path, PathBuf},
+    sync::Arc,
 };
-
-use toml::de::{DeTable, DeValue};
 
 use super::{
     OVERRIDE, Parsed, ReadOptions, VARIANT, additions, extends, hierarchy,
     include::{self, Included},
     layers::{self, Base},
     names, params,
-    placed::{self, Placed, PlacedGroup, Run, ScriptInput},
+    placed::{self, Placed, PlacedGroup, Run},
     read::timeline::Film,
     report::Report,
     set,
-    syntax::{self, Shadow},
+    syntax_errors::{self, Shadow},
     table::{Place, Table},
-    value::Node,
 };
 use crate::scene::{
     dependencies::Dependencies,
-    desc::{At, Entry, ParamValue, SceneDesc, ScriptDesc, TimelineDesc},
-    diagnostic::{Diagnostic, Returned, Span},
+    desc::{At, Entry, Include, ParamValue, SceneDesc, ScriptDesc, TimelineDesc},
+    diagnostic::{Diagnostic, Source, Span},
+    syntax::{Content, Entries, Node},
 };
 
-/// The texts that a document is made of; the document borrows them.
-pub struct Texts<'t> {
-    text: &'t str,
+/// The texts that a document is made of: a scene's own, its bases, included files and placed scenes.
+#[derive(Debug)]
+pub struct Texts {
+    own: Arc<Source>,
     /// Folders where files are looked for, the scene's own first.
     folders: Vec<PathBuf>,
-    /// Overrides, each with the position where it begins in the report; so are the variants.
-    overrides: Vec<(&'t str, usize)>,
-    variants: Vec<(&'t str, usize)>,
     included: Included,
     bases: Vec<Base>,
     placed: Placed,
     report: Report,
+    /// Files that were looked for.
+    searched: Dependencies,
 }
 
-impl<'t> Texts<'t> {
-    /// Collects a scene's text, its bases, included files and placed scenes. `path` names the text in
-    /// messages, and relative file names start from its folder. Files that are looked for are added to
-    /// `dependencies`.
-    pub fn collect(
-        text: &'t str,
-        path: &Path,
-        options: &'t ReadOptions,
-        dependencies: &Dependencies,
-    ) -> Self {
-        let mut report = Report::default();
-        report.add_scene(path, text, options.generated);
-        let mut add = |name: &str, text: &'t String| {
-            let start = report.add_source(Path::new(name), text);
-            (text.as_str(), start)
-        };
-        let overrides = options
-            .overrides
-            .iter()
-            .map(|text| add(OVERRIDE, text))
-            .collect();
-        let variants = options
-            .variants
-            .iter()
-            .map(|name| add(VARIANT, name))
-            .collect();
-        let own = path.parent().unwrap_or(Path::new("")).to_owned();
-        let folders: Vec<_> = [own]
-            .into_iter()
-            .chain(options.assets.iter().cloned())
-            .collect();
-        let included = include::collect((text, 0), path, &folders, dependencies, &mut report);
-        let bases = layers::collect((text, 0), path, &folders, dependencies, &mut report);
-        let parts = bases.iter().flat_map(Base::texts);
-        let parts: Vec<_> = included.texts().chain(parts).collect();
-        let parts = [&[(text, 0)], parts.as_slice()].concat();
-        let placed = placed::collect(&parts, path, &folders, dependencies, &mut report);
+impl Texts {
+    /// Reads the files that a scene's text names: bases, included files and placed scenes. Relative names start
+    /// from the folder of the text's path, then from those of `assets`.
+    pub fn collect(own: Arc<Source>, assets: &[PathBuf]) -> Self {
+        let (mut report, searched) = (Report::default(), Dependencies::default());
+        report.add(&own);
+        let folder = own.path.parent().unwrap_or(Path::new("")).to_owned();
+        let folders: Vec<_> = [folder].into_iter().chain(assets.iter().cloned()).collect();
+        let included = include::collect(&own, true, &folders, &searched, &mut report);
+        let bases = layers::collect(&own, true, &folders, &searched, &mut report);
+        let parts = included.files().chain(bases.iter().flat_map(Base::files));
+        let parts = parts.map(|file| Arc::clone(&file.source));
+        let parts: Vec<_> = [Arc::clone(&own)].into_iter().chain(parts).collect();
+        let placed = placed::collect(&parts, &folders, &searched, &mut report);
         Self {
-            text,
+            own,
             folders,
-            overrides,
-            variants,
             included,
             bases,
             placed,
             report,
+            searched,
         }
     }
-}
 
-impl Texts<'_> {
+    /// The scene's own text.
+    pub fn own(&self) -> &Arc<Source> {
+        &self.own
+    }
+
+    /// The files that the text names, directly or through others, in the order of reading.
+    pub fn files(&self) -> impl Iterator<Item = &Include> {
+        let bases = self.bases.iter().flat_map(Base::files);
+        self.included
+            .files()
+            .chain(bases)
+            .chain(self.placed.files())
+    }
+
+    /// Paths of all files that were looked for.
+    pub fn searched(&self) -> Vec<PathBuf> {
+        self.searched.paths()
+    }
+
     /// Whether a place is in a file that the scene or a base of it includes, or in a placed scene.
     fn is_included(&self, at: &Span) -> bool {
         self.included.has(at)
             || self.bases.iter().any(|base| base.includes(at))
-            || self.placed.has(at, &self.report)
+            || self.placed.has(at)
     }
 }
 
@@ -120,16 +112,10 @@ fn names_of<T: FromIterator<String>>(kind: &str, root: &Node) -> T {
     names.map(|name| name.get_ref().to_string()).collect()
 }
 
-/// Warning in place of the result of a script, for callers that read a document without running scripts.
-fn not_run(input: &ScriptInput) -> Diagnostic {
-    let message = "the script of a placed scene is not run here";
-    Diagnostic::at("script-error", input.file.at.clone(), message).warning()
-}
-
 /// A tree that is not yet read, and the messages about it so far.
 pub struct Document<'t> {
-    texts: &'t Texts<'t>,
-    root: Node<'t>,
+    texts: &'t Texts,
+    root: Node,
     /// Parts of the texts that syntax errors make doubtful.
     shadows: Vec<Shadow>,
     report: Report,
@@ -138,34 +124,48 @@ pub struct Document<'t> {
 }
 
 impl<'t> Document<'t> {
-    /// Builds the tree of the texts. `run` runs the scripts of placed scenes; without it the tree lacks the
-    /// additions of their `setup`.
-    pub fn new(texts: &'t Texts<'t>, run: Option<Run>) -> Self {
-        let mut report = texts.report.clone();
-        let (root, mut shadows) = syntax::parse(texts.text, 0, &mut report);
-        let mut root = Node::new(root.span(), DeValue::Table(root.into_inner()));
+    /// Merges the trees of the texts, with the variants and overrides of the options. Instances that place scenes
+    /// stay as they are until [`Document::place_scenes`].
+    pub fn new(texts: &'t Texts, options: &ReadOptions) -> Self {
+        let named = |name: &'static str| move |text: &String| Arc::new(Source::new(name, text));
+        let overrides: Vec<_> = options.overrides.iter().map(named(OVERRIDE)).collect();
+        let variants: Vec<_> = options.variants.iter().map(named(VARIANT)).collect();
+        let own = std::iter::once(&texts.own)
+            .chain(&overrides)
+            .chain(&variants);
+        let files = texts.files().map(|file| &file.source);
+        let mut report = (texts.report.clone()).with_sources(own.chain(files).cloned());
+        let (tree, mut shadows) = syntax_errors::tree(&texts.own, &mut report);
+        let mut root = Node::new(0..0, Content::Table(tree));
         include::merge(&mut root, &texts.included, &mut shadows, &mut report);
         let root = layers::merge(root, &texts.bases, &mut shadows, &mut report);
-        let mut root = layers::choose(root, &texts.variants, &mut report);
-        for (text, start) in &texts.overrides {
-            set::apply(&mut root, text, *start, &mut report);
+        let mut root = layers::choose(root, &variants, &mut report);
+        for text in &overrides {
+            set::apply(&mut root, text, &mut report);
         }
-        let timeline = film_of(&root, &report).map(|film| film.timeline);
-        let nothing = |input: &ScriptInput| Err(Box::new(not_run(input)));
-        let run = (run.unwrap_or(&nothing), timeline.as_ref());
-        let own_cameras: HashSet<_> = names_of("camera", &root);
-        let placed_groups =
-            placed::expand(&mut root, &texts.placed, run, &mut shadows, &mut report);
-        let mut placed_cameras: HashSet<_> = names_of("camera", &root);
-        placed_cameras.retain(|name| !own_cameras.contains(name));
         Self {
             texts,
             root,
             shadows,
             report,
-            placed_groups,
-            placed_cameras,
+            placed_groups: Vec::new(),
+            placed_cameras: HashSet::new(),
         }
+    }
+
+    /// Replaces the instances that place scenes by the entries of these scenes. `run` runs their scripts.
+    pub fn place_scenes(&mut self, run: Run) {
+        let timeline = film_of(&self.root, &self.report).map(|film| film.timeline);
+        let own_cameras: HashSet<_> = names_of("camera", &self.root);
+        self.placed_groups = placed::expand(
+            &mut self.root,
+            &self.texts.placed,
+            (run, timeline.as_ref()),
+            &mut self.shadows,
+            &mut self.report,
+        );
+        self.placed_cameras = names_of("camera", &self.root);
+        (self.placed_cameras).retain(|name| !own_cameras.contains(name));
     }
 
     /// Groups that stand for placed scenes, inner ones first.
@@ -229,11 +229,9 @@ impl<'t> Document<'t> {
         self.report.note_lacking_names();
     }
 
-    /// Merges scene text that `setup` returned into the tree; `script` is the name of the script in
-    /// messages.
-    pub fn add(&mut self, text: &'t str, script: &str, returned: Returned) {
-        let base = self.report.add_returned(script, returned, text);
-        additions::merge(&mut self.root, text, base, &mut self.report);
+    /// Merges scene text that `setup` returned into the tree.
+    pub fn add(&mut self, text: &Arc<Source>) {
+        additions::merge(&mut self.root, text, &mut self.report);
     }
 
     /// Reads the description of a scene with this script.
@@ -250,11 +248,14 @@ impl<'t> Document<'t> {
             placed_cameras,
         } = self;
         extends::resolve(&mut root, &mut report);
-        let nothing = DeTable::new();
+        let nothing = Entries::new();
         let table = root.get_ref().as_table().unwrap_or(&nothing);
         let mut scene =
             Table::read::<SceneDesc>(&mut report, table, Place::default()).unwrap_or_default();
-        scene.own = texts.report.span(&(0..0));
+        scene.own = Span {
+            source: Some(Arc::clone(&texts.own)),
+            range: 0..0,
+        };
         scene.folder.clone_from(&texts.folders[0]);
         scene.script = script;
         scene.placed_cameras = placed_cameras;
@@ -283,9 +284,7 @@ impl<'t> Document<'t> {
         }
         match report.finish() {
             (messages, false) => {
-                let bases = texts.bases.iter().flat_map(Base::files);
-                let parts = texts.included.files().chain(bases);
-                scene.includes = parts.chain(texts.placed.files()).cloned().collect();
+                scene.includes = texts.files().cloned().collect();
                 Ok((scene, messages))
             }
             (messages, true) => Err(messages),

@@ -4,12 +4,13 @@ use serde_json::{Value as Json, json};
 
 use super::{
     report::Report,
-    value::{Named, Node, Value, wrong_type},
+    value::{Named, Value, wrong_type},
 };
 use crate::scene::desc::{
     Accept, CurveKind, Ease, EnvironmentShadow, Method, PatternKind, Playback, Radiance,
     ReflectionMode, ShadowMode, ToneMap, Visibility,
 };
+use crate::scene::syntax::Node;
 use crate::scene::{range::Range, suggest};
 
 /// Implements [`Value`] for an enum that is written as one of a fixed set of words.

@@ -1,12 +1,12 @@
 //! Exposure: stops, or `"auto"`.
 
 use serde_json::{Value as Json, json};
-use toml::de::DeValue;
 
 use super::{
     report::Report,
-    value::{Named, Node, Value, wrong_type},
+    value::{Named, Value, wrong_type},
 };
+use crate::scene::syntax::{Content, Node};
 use crate::scene::{desc::Exposure, range::Range, suggest};
 
 const AUTO: &str = "auto";
@@ -28,15 +28,15 @@ impl Value for Exposure {
     }
     fn read(node: &Node, named: &Named, report: &mut Report) -> Option<Self> {
         match node.get_ref() {
-            DeValue::String(text) if text.as_ref() == AUTO => Some(Self::Auto),
-            DeValue::String(text) => {
+            Content::String(text) if text == AUTO => Some(Self::Auto),
+            Content::String(text) => {
                 let (key, shown) = (named.key, suggest::text(text));
                 let message = format!("`{key}` must be {}, not {shown}", Self::expected());
                 let error = report.error("wrong-value", &node.span(), message);
                 error.help = Some(format!("write stops, such as 1.5, or \"{AUTO}\""));
                 None
             }
-            DeValue::Integer(_) | DeValue::Float(_) => f32::read(node, named, report).map(Self::Ev),
+            Content::Integer(_) | Content::Float(_) => f32::read(node, named, report).map(Self::Ev),
             _ => {
                 wrong_type(node, named.key, &Self::expected(), report);
                 None

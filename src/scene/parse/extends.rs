@@ -2,23 +2,22 @@
 
 use std::collections::{HashMap, HashSet};
 
-use toml::de::{DeTable, DeValue};
-
-use super::{overlay::exclude_each_other, report::Report, value::Node};
+use super::{overlay::exclude_each_other, report::Report};
 use crate::scene::suggest;
+use crate::scene::syntax::{Content, Entries, Node};
 
 /// Largest number of materials that extend each other in a chain.
 const MOST: usize = 100;
 
 /// Name of the material that a material's table extends.
-pub fn extended<'n>(table: &'n DeTable<'_>) -> Option<&'n str> {
+pub fn extended(table: &Entries) -> Option<&str> {
     table.get("extends")?.get_ref().as_str()
 }
 
 /// Gives every material the keys of those that it extends; also materials of instances, and those
 /// that override a file's.
 pub fn resolve(root: &mut Node, report: &mut Report) {
-    let DeValue::Table(root) = root.get_mut() else {
+    let Content::Table(root) = root.get_mut() else {
         return;
     };
     if !tables(root).any(|table| extended(table).is_some()) {
@@ -29,7 +28,7 @@ pub fn resolve(root: &mut Node, report: &mut Report) {
         .and_then(|node| node.get_ref().as_table());
     let Some(materials) = own.cloned() else {
         for table in tables(root) {
-            report_missing(table, &DeTable::new(), report);
+            report_missing(table, &Entries::new(), report);
         }
         return;
     };
@@ -64,9 +63,9 @@ pub fn resolve(root: &mut Node, report: &mut Report) {
 }
 
 /// Adds the keys that the table does not have.
-fn add_missing<'i>(table: &mut DeTable<'i>, parent: &DeTable<'i>) {
+fn add_missing(table: &mut Entries, parent: &Entries) {
     for (key, node) in parent {
-        let name = key.get_ref().as_ref();
+        let name = key.get_ref().as_str();
         let excluded = |own: &str| exclude_each_other(name, own);
         let has = table.contains_key(name) || table.keys().any(|k| excluded(k.get_ref()));
         if !has && name != "extends" {
@@ -75,14 +74,14 @@ fn add_missing<'i>(table: &mut DeTable<'i>, parent: &DeTable<'i>) {
     }
 }
 
-fn report_missing(table: &DeTable, materials: &DeTable, report: &mut Report) {
+fn report_missing(table: &Entries, materials: &Entries, report: &mut Report) {
     let (Some(name), Some(node)) = (extended(table), table.get("extends")) else {
         return;
     };
     if materials.contains_key(name) || report.lacks_names() {
         return;
     }
-    let names: Vec<_> = materials.keys().map(|k| k.get_ref().as_ref()).collect();
+    let names: Vec<_> = materials.keys().map(|k| k.get_ref().as_str()).collect();
     let message = format!("no material is named {}", suggest::text(name));
     report.error("dangling-name", &node.span(), message).help = Some(match names.is_empty() {
         true => "write a table `[material.NAME]` and refer to its name".to_owned(),
@@ -91,14 +90,14 @@ fn report_missing(table: &DeTable, materials: &DeTable, report: &mut Report) {
 }
 
 /// Reports materials that extend themselves, and chains that are too long.
-fn report_circles(materials: &DeTable, report: &mut Report) {
+fn report_circles(materials: &Entries, report: &mut Report) {
     let table = |name: &str| {
         materials
             .get(name)
             .and_then(|node| node.get_ref().as_table())
     };
     for (key, node) in materials {
-        let name = key.get_ref().as_ref();
+        let name = key.get_ref().as_str();
         let Some(own) = node.get_ref().as_table() else {
             continue;
         };
@@ -128,9 +127,9 @@ fn report_circles(materials: &DeTable, report: &mut Report) {
 }
 
 /// All tables of materials: those of the scene, of models and of instances.
-pub fn tables<'n, 'i>(root: &'n DeTable<'i>) -> impl Iterator<Item = &'n DeTable<'i>> {
-    let table = |node: &'n Node<'i>| node.get_ref().as_table();
-    let named = move |root: &'n DeTable<'i>, key: &str| root.get(key).and_then(table);
+pub fn tables<'n>(root: &'n Entries) -> impl Iterator<Item = &'n Entries> {
+    let table = |node: &'n Node| node.get_ref().as_table();
+    let named = move |root: &'n Entries, key: &str| root.get(key).and_then(table);
     let own = named(root, "material").into_iter().flat_map(|t| t.values());
     let models = named(root, "model").into_iter().flat_map(|t| t.values());
     let models = models.filter_map(table);
@@ -145,29 +144,29 @@ pub fn tables<'n, 'i>(root: &'n DeTable<'i>) -> impl Iterator<Item = &'n DeTable
 }
 
 /// Calls `change` for each of the tables that [`tables`] lists.
-fn each_table_mut<'i>(root: &mut DeTable<'i>, change: &mut impl FnMut(&mut DeTable<'i>)) {
-    fn each<'i>(node: Option<&mut Node<'i>>, change: &mut impl FnMut(&mut DeTable<'i>)) {
-        let Some(DeValue::Table(entries)) = node.map(Node::get_mut) else {
+fn each_table_mut(root: &mut Entries, change: &mut impl FnMut(&mut Entries)) {
+    fn each(node: Option<&mut Node>, change: &mut impl FnMut(&mut Entries)) {
+        let Some(Content::Table(entries)) = node.map(Node::get_mut) else {
             return;
         };
         for (_, entry) in entries.iter_mut() {
-            if let DeValue::Table(table) = entry.get_mut() {
+            if let Content::Table(table) = entry.get_mut() {
                 change(table);
             }
         }
     }
     each(root.get_mut("material"), change);
-    if let Some(DeValue::Table(models)) = root.get_mut("model").map(Node::get_mut) {
+    if let Some(Content::Table(models)) = root.get_mut("model").map(Node::get_mut) {
         for (_, model) in models.iter_mut() {
-            if let DeValue::Table(model) = model.get_mut() {
+            if let Content::Table(model) = model.get_mut() {
                 each(model.get_mut("material"), change);
             }
         }
     }
-    if let Some(DeValue::Array(list)) = root.get_mut("instance").map(Node::get_mut) {
+    if let Some(Content::Array(list)) = root.get_mut("instance").map(Node::get_mut) {
         for instance in list.iter_mut() {
-            if let DeValue::Table(instance) = instance.get_mut()
-                && let Some(DeValue::Table(table)) = instance.get_mut("material").map(Node::get_mut)
+            if let Content::Table(instance) = instance.get_mut()
+                && let Some(Content::Table(table)) = instance.get_mut("material").map(Node::get_mut)
             {
                 change(table);
             }

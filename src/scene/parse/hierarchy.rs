@@ -6,9 +6,8 @@ use std::{
     ops::Range,
 };
 
-use toml::de::DeTable;
-
-use super::{report::Report, table::Table, value::Node};
+use super::{report::Report, table::Table};
+use crate::scene::syntax::{Entries, Node};
 use crate::scene::{
     desc::{At, Entry, Parents, SceneDesc},
     range::ANY,
@@ -26,37 +25,37 @@ pub fn declare_parent(t: &mut Table) {
 }
 
 /// Name of a table's parent, and its place.
-fn named<'n>(table: &'n DeTable<'_>) -> Option<(&'n str, Range<usize>)> {
+fn named(table: &Entries) -> Option<(&str, Range<usize>)> {
     let node = table.get("parent")?;
     Some((node.get_ref().as_str()?, node.span()))
 }
 
-fn tables<'n, 'i>(
-    root: &'n DeTable<'i>,
+fn tables<'n>(
+    root: &'n Entries,
     kind: &str,
-) -> impl Iterator<Item = (&'n str, Range<usize>, &'n DeTable<'i>)> {
+) -> impl Iterator<Item = (&'n str, Range<usize>, &'n Entries)> {
     let all = root.get(kind).and_then(|node| node.get_ref().as_table());
     let all = all.into_iter().flat_map(|all| all.iter());
     all.filter_map(|(name, node)| {
         let table = node.get_ref().as_table()?;
-        Some((name.get_ref().as_ref(), name.span(), table))
+        Some((name.get_ref().as_str(), name.span(), table))
     })
 }
 
-fn instances<'n, 'i>(root: &'n DeTable<'i>) -> impl Iterator<Item = &'n DeTable<'i>> {
+fn instances(root: &Entries) -> impl Iterator<Item = &Entries> {
     let list = root.get("instance");
     let list = list.and_then(|node| node.get_ref().as_array());
     let items = list.into_iter().flat_map(|list| list.iter());
     items.filter_map(|item: &Node| item.get_ref().as_table())
 }
 
-fn name_of<'n>(instance: &'n DeTable<'_>) -> Option<(&'n str, Range<usize>)> {
+fn name_of(instance: &Entries) -> Option<(&str, Range<usize>)> {
     let node = instance.get("name")?;
     Some((node.get_ref().as_str()?, node.span()))
 }
 
 /// Checks that parents exist and form no circles, and that no group has the name of an instance.
-pub fn check(root: &DeTable, report: &mut Report) {
+pub fn check(root: &Entries, report: &mut Report) {
     let mut nodes: HashMap<&str, Option<(&str, Range<usize>)>> = HashMap::new();
     for instance in instances(root) {
         if let Some((name, _)) = name_of(instance) {
@@ -150,17 +149,17 @@ fn refuse_circles(nodes: &HashMap<&str, Option<(&str, Range<usize>)>>, report: &
 }
 
 /// The parents of a scene that was read from this tree without errors.
-pub fn parents(scene: &SceneDesc, root: &DeTable) -> Parents {
+pub fn parents(scene: &SceneDesc, root: &Entries) -> Parents {
     let names = scene.node_names().enumerate();
     let index: HashMap<&str, usize> = names.filter_map(|(i, name)| Some((name?, i))).collect();
-    let parent = |table: &DeTable| named(table).and_then(|(name, _)| index.get(name).copied());
+    let parent = |table: &Entries| named(table).and_then(|(name, _)| index.get(name).copied());
     let mut nodes: Vec<_> = instances(root).map(parent).collect();
     nodes.resize(scene.instances.len(), None);
     fn of<T>(
-        root: &DeTable,
+        root: &Entries,
         kind: &str,
         entries: &[Entry<T>],
-        parent: impl Fn(&DeTable) -> Option<usize>,
+        parent: impl Fn(&Entries) -> Option<usize>,
     ) -> Vec<Option<usize>> {
         let all = root.get(kind).and_then(|node| node.get_ref().as_table());
         let one = |entry: &Entry<T>| {

@@ -1,24 +1,13 @@
 //! `include = [...]`: files of scene text that are merged with the scene's own, so that several scenes
 //! share materials, models or lights.
 
-use std::{
-    collections::HashSet,
-    path::{Path, PathBuf},
-    sync::Arc,
-};
-
-use toml::{
-    Spanned,
-    de::{DeString, DeTable, DeValue},
-};
+use std::{collections::HashSet, mem::discriminant, path::PathBuf, sync::Arc};
 
 use super::{
     MOST_BYTES,
     report::Report,
-    set::shift,
-    syntax,
-    syntax::Shadow,
-    value::{Named, Names, Node, Value as _, Version},
+    syntax_errors::{self, Shadow},
+    value::{Named, Names, Value as _, Version},
 };
 use crate::scene::{
     confined_read::{self, Kind},
@@ -27,6 +16,7 @@ use crate::scene::{
     diagnostic::{Diagnostic, Source, Span},
     range::ANY,
     suggest,
+    syntax::{Content, Entries, Key, Node, moved},
 };
 
 /// Largest number of included files of a scene, nested ones too.
@@ -41,50 +31,40 @@ const SCENES: Kind = Kind {
     most_mib: MOST_BYTES >> 20,
 };
 
-/// Included files, with the positions where their texts begin in the report.
-#[derive(Default)]
-pub struct Included {
-    files: Vec<(usize, Include)>,
-    sources: Vec<Arc<Source>>,
-}
+/// Included files.
+#[derive(Debug, Default)]
+pub struct Included(Vec<Include>);
 
 impl Included {
     /// Whether a place is in one of the files.
     pub fn has(&self, at: &Span) -> bool {
         let source = at.source.as_ref();
-        source.is_some_and(|s| self.sources.iter().any(|own| Arc::ptr_eq(own, s)))
-    }
-
-    /// Texts of the files, with the positions where they begin in the report.
-    pub fn texts(&self) -> impl Iterator<Item = (&str, usize)> {
-        self.files
-            .iter()
-            .map(|(start, file)| (file.text.as_str(), *start))
+        source.is_some_and(|s| self.0.iter().any(|own| Arc::ptr_eq(&own.source, s)))
     }
 
     /// The files.
     pub fn files(&self) -> impl Iterator<Item = &Include> {
-        self.files.iter().map(|(_, file)| file)
+        self.0.iter()
     }
 }
 
 /// Reads the files that a text includes and those that they include, each once, in the order in
-/// which they are named. The text begins at `start` in the report, and `path` is its file; every file
-/// that is looked for in the folders is added to `dependencies`.
+/// which they are named. `is_scene` says whether the text is the outermost scene's own; every file that is
+/// looked for in the folders is added to `dependencies`.
 pub fn collect(
-    (text, start): (&str, usize),
-    path: &Path,
+    source: &Arc<Source>,
+    is_scene: bool,
     folders: &[PathBuf],
     dependencies: &Dependencies,
     report: &mut Report,
 ) -> Included {
     let mut included = Included::default();
-    let mut known: HashSet<PathBuf> = path.canonicalize().into_iter().collect();
+    let mut known: HashSet<PathBuf> = source.path.canonicalize().into_iter().collect();
     // Used as a stack: the last one is read next.
-    let mut waiting = named(text, start, start == 0, report);
+    let mut waiting = named(source, is_scene, report);
     waiting.reverse();
     while let Some(name) = waiting.pop() {
-        if included.files.len() == MOST {
+        if included.0.len() == MOST {
             let message = format!("a scene may include at most {MOST} files");
             report.push(Diagnostic::at("too-many-files", name.at, message));
             report.note_lacking_names();
@@ -92,15 +72,14 @@ pub fn collect(
         }
         match confined_read::read(folders, &name.value, &SCENES, dependencies) {
             Ok(found) if known.insert(found.real.clone()) => {
-                let base = report.add_source(&found.path, &found.text);
-                waiting.extend(named(&found.text, base, false, report).into_iter().rev());
-                let file = Include {
+                let source = Arc::new(Source::new(found.path, found.text));
+                report.add(&source);
+                waiting.extend(named(&source, false, report).into_iter().rev());
+                included.0.push(Include {
                     name: name.value,
                     path: found.real,
-                    text: found.text,
-                };
-                included.files.push((base, file));
-                included.sources.extend(report.span(&(base..base)).source);
+                    source,
+                });
             }
             Ok(_) => {}
             Err(problem) => {
@@ -113,20 +92,15 @@ pub fn collect(
 }
 
 /// The files that a text includes. Mistakes of the scene's own text are reported when it is read.
-fn named(text: &str, base: usize, is_scene: bool, report: &mut Report) -> Vec<At<String>> {
-    // This parses the text a second time, so texts without the word are skipped.
-    if !text.contains("include") {
-        return Vec::new();
-    }
-    let (root, _) = DeTable::parse_recoverable(text);
-    let Some(node) = root.into_inner().remove("include") else {
+fn named(source: &Arc<Source>, is_scene: bool, report: &mut Report) -> Vec<At<String>> {
+    let Some(node) = source.syntax().root().get("include") else {
         return Vec::new();
     };
     let named = Named {
         key: "include",
         range: &ANY,
     };
-    let node = shift(node, base);
+    let node = moved(node, report.start_of(source));
     if is_scene && Names::read(&node, &named, &mut report.silent()).is_none() {
         return Vec::new();
     }
@@ -135,22 +109,13 @@ fn named(text: &str, base: usize, is_scene: bool, report: &mut Report) -> Vec<At
 
 /// Merges included files into the tree, in the order in which they are named and after the scene's own
 /// entries. Parts that syntax errors in them make doubtful are added to `shadows`.
-pub fn merge<'i>(
-    root: &mut Node<'i>,
-    included: &'i Included,
-    shadows: &mut Vec<Shadow>,
-    report: &mut Report,
-) {
-    for (base, file) in &included.files {
-        let (added, more) = syntax::parse(&file.text, *base, report);
+pub fn merge(root: &mut Node, included: &Included, shadows: &mut Vec<Shadow>, report: &mut Report) {
+    let Content::Table(root) = root.get_mut() else {
+        return;
+    };
+    for file in &included.0 {
+        let (added, more) = syntax_errors::tree(&file.source, report);
         shadows.extend(more);
-        let DeValue::Table(root) = root.get_mut() else {
-            return;
-        };
-        let added = Node::new(added.span(), DeValue::Table(added.into_inner()));
-        let DeValue::Table(added) = shift(added, *base).into_inner() else {
-            return;
-        };
         for (key, node) in added {
             add(root, key, node, report);
         }
@@ -158,13 +123,8 @@ pub fn merge<'i>(
 }
 
 /// Adds one key of an included file to the scene's.
-fn add<'i>(
-    root: &mut DeTable<'i>,
-    key: Spanned<DeString<'i>>,
-    node: Node<'i>,
-    report: &mut Report,
-) {
-    match key.get_ref().as_ref() {
+fn add(root: &mut Entries, key: Key, node: Node, report: &mut Report) {
+    match key.get_ref().as_str() {
         "version" => {
             let named = Named {
                 key: "version",
@@ -190,15 +150,15 @@ fn add<'i>(
 
 /// Adds a value to the table at `path`; where both have a table, merges the two, down to `depth` levels.
 /// A key that both have below that is an error.
-fn add_parts<'i>(
-    table: &mut DeTable<'i>,
+fn add_parts(
+    table: &mut Entries,
     path: &str,
-    key: Spanned<DeString<'i>>,
-    node: Node<'i>,
+    key: Key,
+    node: Node,
     depth: u32,
     report: &mut Report,
 ) {
-    let name = key.get_ref().as_ref();
+    let name = key.get_ref().as_str();
     let Some((first, _)) = table.get_key_value(name) else {
         table.insert(key, node);
         return;
@@ -208,19 +168,19 @@ fn add_parts<'i>(
         return;
     };
     match (existing.get_mut(), node.into_inner()) {
-        (DeValue::Array(list), DeValue::Array(more)) if name == "instance" => {
+        (Content::Array(list), Content::Array(more)) if name == "instance" => {
             for item in more {
                 list.push(item);
             }
         }
-        (DeValue::Table(table), DeValue::Table(more)) if depth > 0 => {
+        (Content::Table(table), Content::Table(more)) if depth > 0 => {
             let path = format!("{path}{name}.");
             for (key, node) in more {
                 add_parts(table, &path, key, node, depth - 1, report);
             }
         }
         (old, new) => {
-            let same = old.type_str() == new.type_str();
+            let same = discriminant(old) == discriminant(&new);
             let shown = suggest::key(&format!("{path}{name}"));
             let first = report.span(&first);
             let (message, help) = if same {

@@ -1,28 +1,22 @@
 //! `base = "….toml"`, `remove` and `[variant.NAME]`: a scene as changes to another one.
 
-use std::{
-    collections::HashSet,
-    ops::Range,
-    path::{Path, PathBuf},
-};
-
-use toml::de::{DeTable, DeValue};
+use std::{collections::HashSet, ops::Range, path::PathBuf, sync::Arc};
 
 use super::{
     include::{self, Included},
     near_names, overlay,
     report::Report,
-    set::shift,
-    syntax::{self, Shadow},
-    value::{Named, Names, Node, Value as _},
+    syntax_errors::{self, Shadow},
+    value::{Named, Names, Value as _},
 };
 use crate::scene::{
     confined_read::{self, Kind},
     dependencies::Dependencies,
     desc::{At, Include},
-    diagnostic::Diagnostic,
+    diagnostic::{Diagnostic, Source, Span},
     range::ANY,
     suggest,
+    syntax::{Content, Node, moved},
 };
 
 /// Largest number of bases in a chain.
@@ -37,9 +31,8 @@ const BASES: Kind = Kind {
 };
 
 /// A base, with the files that it includes.
+#[derive(Debug)]
 pub struct Base {
-    /// Position where its text begins in the report.
-    start: usize,
     file: Include,
     included: Included,
 }
@@ -50,34 +43,24 @@ impl Base {
         std::iter::once(&self.file).chain(self.included.files())
     }
 
-    /// Texts of these files, with the positions where they begin in the report.
-    pub fn texts(&self) -> impl Iterator<Item = (&str, usize)> {
-        std::iter::once((self.file.text.as_str(), self.start)).chain(self.included.texts())
-    }
-
-    /// Position where its text begins in the report.
-    pub fn start(&self) -> usize {
-        self.start
-    }
-
     /// Whether a place is in a file that the base includes.
-    pub fn includes(&self, at: &crate::scene::diagnostic::Span) -> bool {
+    pub fn includes(&self, at: &Span) -> bool {
         self.included.has(at)
     }
 }
 
-/// Reads the base of a scene, the base of that base, and so on. The scene's text begins at `start` in the
-/// report, and `path` is its file; bases are looked for in `folders`, the scene's own first.
+/// Reads the base of a text, the base of that base, and so on. `is_scene` says whether the text is the
+/// outermost scene's own; bases are looked for in `folders`, the scene's own first.
 pub fn collect(
-    (text, start): (&str, usize),
-    path: &Path,
+    source: &Arc<Source>,
+    is_scene: bool,
     folders: &[PathBuf],
     dependencies: &Dependencies,
     report: &mut Report,
 ) -> Vec<Base> {
     let mut bases: Vec<Base> = Vec::new();
-    let mut known: HashSet<PathBuf> = path.canonicalize().into_iter().collect();
-    let mut next = named(text, start, start == 0, report);
+    let mut known: HashSet<PathBuf> = source.path.canonicalize().into_iter().collect();
+    let mut next = named(source, is_scene, report);
     while let Some(name) = next.take() {
         if bases.len() == MOST {
             let message = format!("a chain of bases may have at most {MOST} files");
@@ -101,21 +84,15 @@ pub fn collect(
             report.note_lacking_names();
             break;
         }
-        let start = report.add_source(&found.path, &found.text);
-        next = named(&found.text, start, false, report);
-        let included = include::collect(
-            (&found.text, start),
-            &found.path,
-            folders,
-            dependencies,
-            report,
-        );
+        let source = Arc::new(Source::new(found.path, found.text));
+        report.add(&source);
+        next = named(&source, false, report);
+        let included = include::collect(&source, false, folders, dependencies, report);
         bases.push(Base {
-            start,
             file: Include {
                 name: name.value,
                 path: found.real,
-                text: found.text,
+                source,
             },
             included,
         });
@@ -124,13 +101,9 @@ pub fn collect(
 }
 
 /// The base that a text names. A mistake of the scene's own text is reported when it is read.
-fn named(text: &str, start: usize, is_scene: bool, report: &mut Report) -> Option<At<String>> {
-    // This parses the text a second time, so texts without the word are skipped.
-    if !text.contains("base") {
-        return None;
-    }
-    let (root, _) = DeTable::parse_recoverable(text);
-    let node = shift(root.into_inner().remove("base")?, start);
+fn named(source: &Arc<Source>, is_scene: bool, report: &mut Report) -> Option<At<String>> {
+    let node = source.syntax().root().get("base")?;
+    let node = moved(node, report.start_of(source));
     let named = Named {
         key: "base",
         range: &ANY,
@@ -143,23 +116,18 @@ fn named(text: &str, start: usize, is_scene: bool, report: &mut Report) -> Optio
 
 /// Merges the trees of a scene and its bases: each base is laid over its own base, starting with the
 /// lowest, and the scene's own tree over all.
-pub fn merge<'i>(
-    own: Node<'i>,
-    bases: &'i [Base],
-    shadows: &mut Vec<Shadow>,
-    report: &mut Report,
-) -> Node<'i> {
-    let mut below: Option<Node<'i>> = None;
+pub fn merge(own: Node, bases: &[Base], shadows: &mut Vec<Shadow>, report: &mut Report) -> Node {
+    let mut below: Option<Node> = None;
     for base in bases.iter().rev() {
-        let (tree, more) = syntax::parse(&base.file.text, base.start, report);
+        let (tree, more) = syntax_errors::tree(&base.file.source, report);
         shadows.extend(more);
-        let tree = Node::new(tree.span(), DeValue::Table(tree.into_inner()));
-        let mut tree = shift(tree, base.start);
+        let start = report.start_of(&base.file.source);
+        let mut tree = Node::new(start..start, Content::Table(tree));
         include::merge(&mut tree, &base.included, shadows, report);
         below = Some(match below {
             Some(below) => over(below, tree, report),
             None => {
-                if let DeValue::Table(table) = tree.get_mut() {
+                if let Content::Table(table) = tree.get_mut() {
                     table
                         .remove("remove")
                         .iter()
@@ -176,12 +144,12 @@ pub fn merge<'i>(
             let keep = own.clone();
             let mut root = over(below, own, report);
             // The reader gets these keys as the scene itself has them.
-            if let (DeValue::Table(root), DeValue::Table(own)) = (root.get_mut(), keep.into_inner())
+            if let (Content::Table(root), Content::Table(own)) = (root.get_mut(), keep.into_inner())
             {
                 let layers = ["base", "include", "remove"];
                 let own = own
                     .into_iter()
-                    .filter(|(k, _)| layers.contains(&k.get_ref().as_ref()));
+                    .filter(|(k, _)| layers.contains(&k.get_ref().as_str()));
                 root.extend(own);
             }
             root
@@ -208,9 +176,9 @@ fn refuse_remove(node: &Node, report: &mut Report) {
 }
 
 /// Lays one tree over another, from which the entries in its `remove` are taken out first.
-fn over<'i>(mut below: Node<'i>, above: Node<'i>, report: &mut Report) -> Node<'i> {
+fn over(mut below: Node, above: Node, report: &mut Report) -> Node {
     let at = above.span();
-    let DeValue::Table(mut above) = above.into_inner() else {
+    let Content::Table(mut above) = above.into_inner() else {
         return below;
     };
     ["base", "include"]
@@ -226,9 +194,9 @@ fn over<'i>(mut below: Node<'i>, above: Node<'i>, report: &mut Report) -> Node<'
     }
     near_names::warn(&below, &above, report);
     match below.into_inner() {
-        DeValue::Table(mut below) => {
+        Content::Table(mut below) => {
             overlay::overlay(&mut below, above);
-            Node::new(at, DeValue::Table(below))
+            Node::new(at, Content::Table(below))
         }
         other => Node::new(at, other),
     }
@@ -236,13 +204,13 @@ fn over<'i>(mut below: Node<'i>, above: Node<'i>, report: &mut Report) -> Node<'
 
 fn remove_all(below: &mut Node, removed: &Node, has_script: bool, report: &mut Report) {
     let each: Vec<(&str, Range<usize>)> = match removed.get_ref() {
-        DeValue::Array(items) => {
+        Content::Array(items) => {
             let texts = items
                 .iter()
                 .filter_map(|i| Some((i.get_ref().as_str()?, i.span())));
             texts.collect()
         }
-        DeValue::String(text) => vec![(text.as_ref(), removed.span())],
+        Content::String(text) => vec![(text.as_ref(), removed.span())],
         _ => Vec::new(),
     };
     let named = Named {
@@ -255,13 +223,14 @@ fn remove_all(below: &mut Node, removed: &Node, has_script: bool, report: &mut R
     }
 }
 
-/// Lays the chosen `[variant.NAME]` over the scene, in the order in which they are chosen; each is
-/// given by its name and the position where that begins in the report.
-pub fn choose<'i>(mut root: Node<'i>, chosen: &[(&str, usize)], report: &mut Report) -> Node<'i> {
-    for (name, start) in chosen {
+/// Lays the chosen `[variant.NAME]` over the scene, in the order in which they are chosen; each is given by
+/// its name.
+pub fn choose(mut root: Node, chosen: &[Arc<Source>], report: &mut Report) -> Node {
+    for source in chosen {
+        let name = source.text.as_str();
         let variants = root.get_ref().as_table().and_then(|t| t.get("variant"));
         let variants = variants.and_then(|node| node.get_ref().as_table());
-        match variants.and_then(|all| all.get(*name)).cloned() {
+        match variants.and_then(|all| all.get(name)).cloned() {
             Some(variant) => {
                 report.begin_variant(name);
                 root = over(root, variant, report);
@@ -270,13 +239,14 @@ pub fn choose<'i>(mut root: Node<'i>, chosen: &[(&str, usize)], report: &mut Rep
             None if report.lacks_names() => {}
             None => {
                 let names = variants.into_iter().flat_map(|all| all.keys());
-                let names: Vec<_> = names.map(|k| k.get_ref().as_ref()).collect();
+                let names: Vec<_> = names.map(|k| k.get_ref().as_str()).collect();
                 let help = match names.is_empty() {
                     true => "the scene has no `[variant.NAME]`".to_owned(),
                     false => suggest::hint(name, &names, suggest::text, "the variants are"),
                 };
                 let message = format!("no variant is named {}", suggest::text(name));
-                let at = *start..*start + name.len();
+                let start = report.start_of(source);
+                let at = start..start + name.len();
                 report.error("dangling-name", &at, message).help = Some(help);
             }
         }

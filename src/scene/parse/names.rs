@@ -5,10 +5,9 @@ use std::{
     ops::Range,
 };
 
-use toml::de::DeTable;
-
 use super::{extends, hierarchy, report::Report};
 use crate::scene::suggest;
+use crate::scene::syntax::Entries;
 use crate::scene::{
     desc::{At, Entry, InstanceDesc, InstanceMaterialDesc, ModelDesc, ModelSource, SceneDesc},
     diagnostic::{Diagnostic, Span},
@@ -31,10 +30,10 @@ struct Names<'a> {
 
 impl<'a> Names<'a> {
     /// Names from the tree, not from the description: a table with a mistake still has its name.
-    fn of(kind: &'static str, root: &'a DeTable) -> Self {
+    fn of(kind: &'static str, root: &'a Entries) -> Self {
         let table = root.get(kind).and_then(|node| node.get_ref().as_table());
         let keys = table.into_iter().flat_map(|t| t.keys());
-        let mut keys: Vec<_> = keys.map(|k| (k.get_ref().as_ref(), k.span())).collect();
+        let mut keys: Vec<_> = keys.map(|k| (k.get_ref().as_str(), k.span())).collect();
         keys.sort_by_key(|(_, at)| at.start);
         let first = keys
             .iter()
@@ -84,7 +83,7 @@ impl<'a> Names<'a> {
 /// where `is_included` is true need not be used.
 pub fn check(
     scene: &SceneDesc,
-    root: &DeTable,
+    root: &Entries,
     is_included: &dyn Fn(&Span) -> bool,
     report: &mut Report,
 ) {
@@ -125,7 +124,7 @@ pub fn check(
 }
 
 /// Reports each name that an earlier instance has too; from the tree, which has the place of the name.
-fn check_instance_names(root: &DeTable, report: &mut Report) {
+fn check_instance_names(root: &Entries, report: &mut Report) {
     let list = root
         .get("instance")
         .and_then(|node| node.get_ref().as_array());

@@ -3,9 +3,8 @@
 
 use std::{collections::HashSet, ops::Range};
 
-use toml::de::{DeTable, DeValue};
-
-use super::{report::Report, value::Node};
+use super::report::Report;
+use crate::scene::syntax::{Content, Entries, Node};
 use crate::scene::{diagnostic::Diagnostic, suggest};
 
 /// Kinds of entries whose names users choose.
@@ -15,7 +14,7 @@ const KINDS: [&str; 6] = ["camera", "group", "instance", "light", "material", "m
 const MOST: usize = 1000;
 
 /// Warns of new names in `above` that are a typing error away from a name in `below`.
-pub fn warn(below: &Node, above: &DeTable, report: &mut Report) {
+pub fn warn(below: &Node, above: &Entries, report: &mut Report) {
     let Some(below) = below.get_ref().as_table() else {
         return;
     };
@@ -43,13 +42,13 @@ pub fn warn(below: &Node, above: &DeTable, report: &mut Report) {
 }
 
 /// The names of a kind, each once, in the order of the text.
-fn names<'n>(table: &'n DeTable, kind: &str) -> Vec<(&'n str, Range<usize>)> {
+fn names<'n>(table: &'n Entries, kind: &str) -> Vec<(&'n str, Range<usize>)> {
     let mut found: Vec<_> = match table.get(kind).map(Node::get_ref) {
-        Some(DeValue::Table(entries)) => entries
+        Some(Content::Table(entries)) => entries
             .keys()
-            .map(|key| (key.get_ref().as_ref(), key.span()))
+            .map(|key| (key.get_ref().as_str(), key.span()))
             .collect(),
-        Some(DeValue::Array(items)) => {
+        Some(Content::Array(items)) => {
             let named = items.iter().filter_map(|item| {
                 let name = item.get_ref().as_table()?.get("name")?;
                 Some((name.get_ref().as_str()?, name.span()))

@@ -1,13 +1,9 @@
 //! Lays tables over tables: a scene over its base, a variant over a scene. The upper value wins, key by
 //! key, and every value keeps the place where it is written.
 
-use toml::{
-    Spanned,
-    de::{DeString, DeTable, DeValue},
-};
-
-use super::{report::Report, set, value::Node};
+use super::{report::Report, set};
 use crate::scene::suggest;
+use crate::scene::syntax::{Content, Entries, Key, Node};
 
 /// Groups of keys that exclude each other: a key of one group in the upper table removes the keys of the
 /// other groups from the lower table.
@@ -53,16 +49,16 @@ impl Level {
 }
 
 /// Lays a scene over another one: tables key by key, instances by their names, all else replaced.
-pub fn overlay<'i>(below: &mut DeTable<'i>, above: DeTable<'i>) {
+pub fn overlay(below: &mut Entries, above: Entries) {
     overlay_at(Level::Scene, below, above);
 }
 
 /// Lays the keys of one entry over those of another.
-pub fn overlay_keys<'i>(below: &mut DeTable<'i>, above: DeTable<'i>) {
+pub fn overlay_keys(below: &mut Entries, above: Entries) {
     overlay_at(Level::Keys, below, above);
 }
 
-fn overlay_at<'i>(level: Level, below: &mut DeTable<'i>, above: DeTable<'i>) {
+fn overlay_at(level: Level, below: &mut Entries, above: Entries) {
     for (key, node) in above {
         // A model may be called "file", and another one "shape".
         if level == Level::Keys {
@@ -80,7 +76,7 @@ pub fn exclude_each_other(a: &str, b: &str) -> bool {
     })
 }
 
-fn drop_excluded(below: &mut DeTable, key: &str) {
+fn drop_excluded(below: &mut Entries, key: &str) {
     let excluded: Vec<String> = (below.keys().map(|k| k.get_ref()))
         .filter(|other| exclude_each_other(key, other))
         .map(ToString::to_string)
@@ -90,18 +86,18 @@ fn drop_excluded(below: &mut DeTable, key: &str) {
     }
 }
 
-fn put<'i>(level: Level, below: &mut DeTable<'i>, key: Spanned<DeString<'i>>, node: Node<'i>) {
-    let name = key.get_ref().as_ref();
+fn put(level: Level, below: &mut Entries, key: Key, node: Node) {
+    let name = key.get_ref().as_str();
     let Some(existing) = below.get_mut(name) else {
         below.insert(key, node);
         return;
     };
     let at = node.span();
     match (existing.get_mut(), node.into_inner()) {
-        (DeValue::Table(old), DeValue::Table(new)) if same_kind(old, &new) => {
+        (Content::Table(old), Content::Table(new)) if same_kind(old, &new) => {
             overlay_at(level.below(name), old, new);
         }
-        (DeValue::Array(old), DeValue::Array(new)) if name == "instance" => {
+        (Content::Array(old), Content::Array(new)) if name == "instance" => {
             overlay_instances(old, new.into_iter());
         }
         (_, new) => {
@@ -113,8 +109,8 @@ fn put<'i>(level: Level, below: &mut DeTable<'i>, key: Spanned<DeString<'i>>, no
 }
 
 /// Whether two tables may have the same `kind`; keys of another kind do not apply.
-fn same_kind(old: &DeTable, new: &DeTable) -> bool {
-    let kind = |table: &DeTable| {
+fn same_kind(old: &Entries, new: &Entries) -> bool {
+    let kind = |table: &Entries| {
         let kind = table.get("kind")?.get_ref().as_str()?;
         Some(kind.to_owned())
     };
@@ -125,14 +121,14 @@ fn same_kind(old: &DeTable, new: &DeTable) -> bool {
 }
 
 /// Instances of the same name are laid over each other, the others are added.
-fn overlay_instances<'i>(below: &mut toml::de::DeArray<'i>, above: impl Iterator<Item = Node<'i>>) {
+fn overlay_instances(below: &mut Vec<Node>, above: impl Iterator<Item = Node>) {
     for node in above {
         let name = name_of(&node).map(str::to_owned);
-        let same = |other: &&mut Node<'i>| name.is_some() && name_of(other) == name.as_deref();
+        let same = |other: &&mut Node| name.is_some() && name_of(other) == name.as_deref();
         let existing = below.iter_mut().find(same);
-        match (existing.map(Spanned::get_mut), node.get_ref()) {
-            (Some(DeValue::Table(old)), DeValue::Table(_)) => {
-                if let DeValue::Table(new) = node.into_inner() {
+        match (existing.map(Node::get_mut), node.get_ref()) {
+            (Some(Content::Table(old)), Content::Table(_)) => {
+                if let Content::Table(new) = node.into_inner() {
                     overlay_at(Level::Keys, old, new);
                 }
             }
@@ -142,7 +138,7 @@ fn overlay_instances<'i>(below: &mut toml::de::DeArray<'i>, above: impl Iterator
 }
 
 /// `name` of an instance.
-pub fn name_of<'n>(node: &'n Node<'_>) -> Option<&'n str> {
+pub fn name_of(node: &Node) -> Option<&str> {
     node.get_ref().as_table()?.get("name")?.get_ref().as_str()
 }
 
@@ -178,13 +174,13 @@ pub fn remove(
     }
     let last = last[0].as_str();
     let known = match node.get_mut() {
-        DeValue::Table(table) if table.contains_key(last) => {
+        Content::Table(table) if table.contains_key(last) => {
             table.remove(last);
             report.note_removed(path, at);
             return;
         }
-        DeValue::Table(table) => table.keys().map(|k| k.get_ref().to_string()).collect(),
-        DeValue::Array(items) => match index_of(items, last) {
+        Content::Table(table) => table.keys().map(|k| k.get_ref().to_string()).collect(),
+        Content::Array(items) => match index_of(items, last) {
             Some(index) => {
                 let table = items.get(index).and_then(|item| item.get_ref().as_table());
                 if let Some(model) = table.and_then(|t| t.get("model")?.get_ref().as_str()) {
@@ -244,15 +240,15 @@ fn names_in(items: &[Node]) -> Vec<String> {
 }
 
 /// The child of that name; as an error, the names of all children.
-fn child<'n, 'i>(node: &'n mut Node<'i>, name: &str) -> Result<&'n mut Node<'i>, Vec<String>> {
+fn child<'n>(node: &'n mut Node, name: &str) -> Result<&'n mut Node, Vec<String>> {
     match node.get_mut() {
-        DeValue::Table(table) => {
+        Content::Table(table) => {
             if !table.contains_key(name) {
                 return Err(table.keys().map(|k| k.get_ref().to_string()).collect());
             }
             table.get_mut(name).ok_or_else(Vec::new)
         }
-        DeValue::Array(items) => match index_of(items, name) {
+        Content::Array(items) => match index_of(items, name) {
             Some(index) => items.get_mut(index).ok_or_else(Vec::new),
             None => Err(names_in(items)),
         },

@@ -1,16 +1,13 @@
 //! `[params]`: values with names that the user chooses, for the script.
 
 use serde_json::{Value as Json, json};
-use toml::{
-    Spanned,
-    de::{DeString, DeTable, DeValue},
-};
 
 use super::{
     report::Report,
-    value::{Named, Node, Value as _, wrong_type},
+    value::{Named, Value as _, wrong_type},
 };
 use crate::scene::desc::{Entry, ParamValue};
+use crate::scene::syntax::{Content, Entries, Key, Node};
 use crate::scene::{range::ANY, suggest};
 
 const EXPECTED: &str = "a number, text in quotes, true or false, or an array of numbers";
@@ -24,7 +21,7 @@ pub fn schema() -> Json {
 }
 
 /// All parameters in the order of the file.
-pub fn read(values: &DeTable, report: &mut Report) -> Vec<Entry<ParamValue>> {
+pub fn read(values: &Entries, report: &mut Report) -> Vec<Entry<ParamValue>> {
     let mut all: Vec<_> = values.iter().collect();
     all.sort_by_key(|(name, _)| name.span().start);
     let mut params = Vec::new();
@@ -42,9 +39,9 @@ pub fn read(values: &DeTable, report: &mut Report) -> Vec<Entry<ParamValue>> {
 
 fn value(node: &Node, key: &str, report: &mut Report) -> Option<ParamValue> {
     match node.get_ref() {
-        DeValue::Integer(_) | DeValue::Float(_) => {
+        Content::Integer(_) | Content::Float(_) => {
             let x = number(node, key, report)?;
-            let whole = matches!(node.get_ref(), DeValue::Integer(_))
+            let whole = matches!(node.get_ref(), Content::Integer(_))
                 && !report.is_float(node.span().start);
             Some(if whole {
                 ParamValue::Integer(x as i64)
@@ -52,9 +49,9 @@ fn value(node: &Node, key: &str, report: &mut Report) -> Option<ParamValue> {
                 ParamValue::Number(x)
             })
         }
-        DeValue::Boolean(b) => Some(ParamValue::Switch(*b)),
-        DeValue::String(text) => Some(ParamValue::Text(text.to_string())),
-        DeValue::Array(items) => {
+        Content::Boolean(b) => Some(ParamValue::Switch(*b)),
+        Content::String(text) => Some(ParamValue::Text(text.to_string())),
+        Content::Array(items) => {
             let numbers: Vec<_> = items.iter().map(|i| number(i, key, report)).collect();
             numbers
                 .into_iter()
@@ -76,24 +73,17 @@ fn number(node: &Node, key: &str, report: &mut Report) -> Option<f64> {
     };
     f32::read(node, &named, report)?;
     match node.get_ref() {
-        DeValue::Integer(i) => i128::from_str_radix(i.as_str(), i.radix())
-            .ok()
-            .map(|x| x as f64),
-        DeValue::Float(f) => f.as_str().parse().ok(),
+        Content::Integer(i) => i.value().map(|x| x as f64),
+        Content::Float(x) => x.value(),
         _ => None,
     }
 }
 
 /// Gives a declared parameter another value of its kind.
-pub fn set<'i>(
-    declared: &mut DeTable<'i>,
-    key: Spanned<DeString<'i>>,
-    value: Node<'i>,
-    report: &mut Report,
-) {
+pub fn set(declared: &mut Entries, key: Key, value: Node, report: &mut Report) {
     let name = key.get_ref();
-    let Some(old) = declared.get(name.as_ref()) else {
-        let names: Vec<_> = declared.keys().map(|k| k.get_ref().as_ref()).collect();
+    let Some(old) = declared.get(name.as_str()) else {
+        let names: Vec<_> = declared.keys().map(|k| k.get_ref().as_str()).collect();
         let message = format!("no parameter is named {}", suggest::text(name));
         let help = match names.is_empty() {
             true => "the scene has no `[params]`".to_owned(),
@@ -105,7 +95,7 @@ pub fn set<'i>(
     if !fits(old, &value, report) {
         let (own, key) = (kind(old.get_ref()), suggest::key(name));
         let (other, help) = match (old.get_ref(), value.get_ref()) {
-            (DeValue::Integer(i), DeValue::Float(x)) => {
+            (Content::Integer(i), Content::Float(x)) => {
                 let help = format!("declared as {i}.0 in `[params]` it takes any number");
                 (x.to_string(), Some(help))
             }
@@ -116,11 +106,11 @@ pub fn set<'i>(
         return;
     }
     // A parameter that is declared as a float stays one, also where it is set to 3.
-    if matches!(old.get_ref(), DeValue::Float(_)) || report.is_float(old.span().start) {
+    if matches!(old.get_ref(), Content::Float(_)) || report.is_float(old.span().start) {
         report.keep_float(value.span().start);
     }
     // Removed first, so that the key's position is that of the new value.
-    declared.remove(key.get_ref().as_ref());
+    declared.remove(key.get_ref().as_str());
     declared.insert(key, value);
 }
 
@@ -128,23 +118,23 @@ pub fn set<'i>(
 /// own meaning.
 fn fits(declared: &Node, value: &Node, report: &Report) -> bool {
     match (declared.get_ref(), value.get_ref()) {
-        (DeValue::Float(_), DeValue::Integer(_)) => true,
+        (Content::Float(_), Content::Integer(_)) => true,
         // A float that an earlier override has set to 3 is still a float.
-        (DeValue::Integer(_), DeValue::Float(_)) => report.is_float(declared.span().start),
-        (DeValue::Array(a), DeValue::Array(b)) => a.len() == b.len(),
+        (Content::Integer(_), Content::Float(_)) => report.is_float(declared.span().start),
+        (Content::Array(a), Content::Array(b)) => a.len() == b.len(),
         (a, b) => std::mem::discriminant(a) == std::mem::discriminant(b),
     }
 }
 
 /// The kind of a parameter, in words.
-fn kind(value: &DeValue) -> String {
+fn kind(value: &Content) -> String {
     match value {
-        DeValue::String(_) => "a text".into(),
-        DeValue::Integer(_) => "a whole number".into(),
-        DeValue::Float(_) => "a number".into(),
-        DeValue::Boolean(_) => "true or false".into(),
-        DeValue::Datetime(_) => "a date".into(),
-        DeValue::Array(items) => format!("a list of {}", items.len()),
-        DeValue::Table(_) => "a table".into(),
+        Content::String(_) => "a text".into(),
+        Content::Integer(_) => "a whole number".into(),
+        Content::Float(_) => "a number".into(),
+        Content::Boolean(_) => "true or false".into(),
+        Content::Datetime => "a date".into(),
+        Content::Array(items) => format!("a list of {}", items.len()),
+        Content::Table(_) => "a table".into(),
     }
 }

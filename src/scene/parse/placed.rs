@@ -9,26 +9,24 @@ mod scripts;
 
 use std::collections::{HashMap, HashSet};
 
-use toml::{
-    Spanned,
-    de::{DeTable, DeValue},
-};
-
 pub use self::collect::{Placed, collect};
 pub use self::group::{PlacedGroup, name_as_written};
 pub use self::run::{RanScript, Run, ScriptInput};
 use self::{
     collect::PlacedFile,
     prefix::{Prefix, text},
+    run::Runs,
 };
 use super::{
     include, layers, overlay,
     report::Report,
-    set::shift,
-    syntax::{self, Shadow},
-    value::Node,
+    syntax_errors::{self, Shadow},
 };
-use crate::scene::{desc::TimelineDesc, suggest};
+use crate::scene::{
+    desc::TimelineDesc,
+    suggest,
+    syntax::{Content, Entries, Node},
+};
 
 /// Largest number of scenes that are placed in a scene, nested ones too.
 const MOST_PLACED: usize = 1000;
@@ -47,17 +45,17 @@ const OF_MODELS: [&str; 6] = [
 ];
 
 /// The name of the scene that an instance places, with its node.
-fn placed_by<'n, 'i>(instance: &'n Node<'i>) -> Option<(&'n str, &'n Node<'i>)> {
+fn placed_by(instance: &Node) -> Option<(&str, &Node)> {
     let model = instance.get_ref().as_table()?.get("model")?;
     let node = model.get_ref().as_table()?.get("scene")?;
     Some((node.get_ref().as_str()?, node))
 }
 
 /// Replaces instances that place scenes by the entries of these scenes; returns the groups that stand for
-/// the scenes, inner ones first. `timeline` is passed to their scripts.
-pub fn expand<'i>(
-    root: &mut Node<'i>,
-    placed: &'i Placed,
+/// the scenes, inner ones first. `run` runs their scripts, which get `timeline`.
+pub fn expand(
+    root: &mut Node,
+    placed: &Placed,
     (run, timeline): (Run, Option<&TimelineDesc>),
     shadows: &mut Vec<Shadow>,
     report: &mut Report,
@@ -65,21 +63,23 @@ pub fn expand<'i>(
     let mut expansion = Expansion {
         placed,
         run,
+        runs: Runs::default(),
         timeline,
         shadows,
         report,
         groups: Vec::new(),
         left: MOST_PLACED,
     };
-    if let DeValue::Table(root) = root.get_mut() {
+    if let Content::Table(root) = root.get_mut() {
         expansion.expand(root, "");
     }
     expansion.groups
 }
 
-struct Expansion<'p, 'i> {
-    placed: &'i Placed,
+struct Expansion<'p> {
+    placed: &'p Placed,
     run: Run<'p>,
+    runs: Runs,
     timeline: Option<&'p TimelineDesc>,
     shadows: &'p mut Vec<Shadow>,
     report: &'p mut Report,
@@ -87,10 +87,10 @@ struct Expansion<'p, 'i> {
     left: usize,
 }
 
-impl<'i> Expansion<'_, 'i> {
+impl Expansion<'_> {
     /// Expands the scenes that a tree places; names of files in it start from `folder`.
-    fn expand(&mut self, root: &mut DeTable<'i>, folder: &str) {
-        let Some(DeValue::Array(list)) = root.get_mut("instance").map(Node::get_mut) else {
+    fn expand(&mut self, root: &mut Entries, folder: &str) {
+        let Some(Content::Array(list)) = root.get_mut("instance").map(Node::get_mut) else {
             return;
         };
         if !list.iter().any(|instance| placed_by(instance).is_some()) {
@@ -104,7 +104,7 @@ impl<'i> Expansion<'_, 'i> {
         }
     }
 
-    fn place(&mut self, root: &mut DeTable<'i>, instance: Node<'i>, folder: &str) {
+    fn place(&mut self, root: &mut Entries, instance: Node, folder: &str) {
         let Some((name, node)) = placed_by(&instance) else {
             return;
         };
@@ -127,7 +127,7 @@ impl<'i> Expansion<'_, 'i> {
         }
         self.left -= 1;
         let stem = file.stem().to_owned();
-        let DeValue::Table(mut group) = instance.into_inner() else {
+        let Content::Table(mut group) = instance.into_inner() else {
             return;
         };
         let given = self.params_of(group.remove("model"));
@@ -155,7 +155,7 @@ impl<'i> Expansion<'_, 'i> {
             script: None,
         };
         own.script = self.run_script(&mut tree, file, &own.params);
-        if let DeValue::Table(tree) = tree.get_mut() {
+        if let Content::Table(tree) = tree.get_mut() {
             let inner = self.groups.len();
             self.expand(tree, &file.folder);
             for group in &mut self.groups[inner..] {
@@ -173,14 +173,14 @@ impl<'i> Expansion<'_, 'i> {
             prefix.apply(tree, self.report);
         }
         self.add_group(root, &name, at, group);
-        if let DeValue::Table(tree) = tree.into_inner() {
+        if let Content::Table(tree) = tree.into_inner() {
             merge(root, tree);
         }
     }
 
     /// The `params` of `model = { scene = "car.toml", params = { … } }`.
-    fn params_of(&mut self, model: Option<Node<'i>>) -> Option<Node<'i>> {
-        let DeValue::Table(mut model) = model?.into_inner() else {
+    fn params_of(&mut self, model: Option<Node>) -> Option<Node> {
+        let Content::Table(mut model) = model?.into_inner() else {
             return None;
         };
         let params = model.remove("params");
@@ -195,27 +195,27 @@ impl<'i> Expansion<'_, 'i> {
     }
 
     /// The tree of a placed file, with its bases and what it includes.
-    fn tree(&mut self, file: &'i PlacedFile) -> Node<'i> {
-        let (tree, more) = syntax::parse(&file.file.text, file.start, self.report);
+    fn tree(&mut self, file: &PlacedFile) -> Node {
+        let (tree, more) = syntax_errors::tree(&file.file.source, self.report);
         self.shadows.extend(more);
-        let tree = Node::new(tree.span(), DeValue::Table(tree.into_inner()));
-        let mut tree = shift(tree, file.start);
+        let start = self.report.start_of(&file.file.source);
+        let mut tree = Node::new(start..start, Content::Table(tree));
         include::merge(&mut tree, &file.included, self.shadows, self.report);
         layers::merge(tree, &file.bases, self.shadows, self.report)
     }
 
     fn add_group(
         &mut self,
-        root: &mut DeTable<'i>,
+        root: &mut Entries,
         name: &str,
         at: std::ops::Range<usize>,
-        group: DeTable<'i>,
+        group: Entries,
     ) {
         let key = text("group".to_owned(), at.clone());
         let groups = root.entry(key);
         let groups =
-            groups.or_insert_with(|| Spanned::new(at.clone(), DeValue::Table(DeTable::new())));
-        let DeValue::Table(groups) = groups.get_mut() else {
+            groups.or_insert_with(|| Node::new(at.clone(), Content::Table(Entries::new())));
+        let Content::Table(groups) = groups.get_mut() else {
             return; // its reader reports this
         };
         if groups.contains_key(name) {
@@ -227,29 +227,29 @@ impl<'i> Expansion<'_, 'i> {
             error.help = Some("give each `[[instance]]` that places a scene its own `name`".into());
             return;
         }
-        let node = Spanned::new(at.clone(), DeValue::Table(group));
+        let node = Node::new(at.clone(), Content::Table(group));
         groups.insert(text(name.to_owned(), at), node);
     }
 }
 
 /// Adds the entries of a placed scene; entries of the scene itself with the same names lie over them.
-fn merge<'i>(root: &mut DeTable<'i>, tree: DeTable<'i>) {
+fn merge(root: &mut Entries, tree: Entries) {
     for (kind, node) in tree {
-        let Some(own) = root.get_mut(kind.get_ref().as_ref()).map(Node::get_mut) else {
+        let Some(own) = root.get_mut(kind.get_ref().as_str()).map(Node::get_mut) else {
             root.insert(kind, node);
             continue;
         };
         match (own, node.into_inner()) {
-            (DeValue::Table(kinds), DeValue::Table(more)) if kind.get_ref() == "motion" => {
+            (Content::Table(kinds), Content::Table(more)) if kind.get_ref() == "motion" => {
                 merge(kinds, more);
             }
-            (DeValue::Table(own), DeValue::Table(more)) => {
+            (Content::Table(own), Content::Table(more)) => {
                 for (name, thing) in more {
-                    let above = own.remove(name.get_ref().as_ref());
+                    let above = own.remove(name.get_ref().as_str());
                     own.insert(name, over(thing, above));
                 }
             }
-            (DeValue::Array(own), DeValue::Array(more)) => {
+            (Content::Array(own), Content::Array(more)) => {
                 let named = own.iter().enumerate();
                 let named: HashMap<String, usize> = named
                     .filter_map(|(i, instance)| Some((overlay::name_of(instance)?.to_owned(), i)))
@@ -268,16 +268,16 @@ fn merge<'i>(root: &mut DeTable<'i>, tree: DeTable<'i>) {
 }
 
 /// Lays an entry, if there is one, over another of the same name.
-fn over<'i>(below: Node<'i>, above: Option<Node<'i>>) -> Node<'i> {
+fn over(below: Node, above: Option<Node>) -> Node {
     let Some(above) = above else {
         return below;
     };
     let at = below.span();
     match (below.into_inner(), above.into_inner()) {
-        (DeValue::Table(mut below), DeValue::Table(above)) => {
+        (Content::Table(mut below), Content::Table(above)) => {
             overlay::overlay_keys(&mut below, above);
-            Spanned::new(at, DeValue::Table(below))
+            Node::new(at, Content::Table(below))
         }
-        (_, above) => Spanned::new(at, above),
+        (_, above) => Node::new(at, above),
     }
 }

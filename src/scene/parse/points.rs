@@ -4,9 +4,10 @@ use serde_json::{Value as Json, json};
 
 use super::{
     report::Report,
-    value::{Named, Node, Value, wrong_type},
+    value::{Named, Value, wrong_type},
 };
 use crate::scene::range::Range;
+use crate::scene::syntax::Node;
 
 /// Points of two numbers each, as many as there are.
 pub struct Points(pub Vec<[f32; 2]>);

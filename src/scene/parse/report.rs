@@ -3,11 +3,10 @@
 use std::{
     collections::{HashMap, HashSet},
     ops::Range,
-    path::Path,
     sync::Arc,
 };
 
-use crate::scene::diagnostic::{Diagnostic, Returned, Severity, Source, Span};
+use crate::scene::diagnostic::{Diagnostic, Severity, Source, Span};
 
 /// Largest number of errors kept per run; a file with more of them is most likely not a scene.
 const MOST: usize = 100;
@@ -16,7 +15,7 @@ const MOST: usize = 100;
 ///
 /// All texts share one range of positions: the file begins at 0, every `--set` text after the one
 /// before it. A tree node's range therefore says by itself where it was written.
-#[derive(Clone, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Report {
     sources: Vec<(usize, Arc<Source>)>,
     list: Vec<Diagnostic>,
@@ -36,7 +35,7 @@ pub struct Report {
 }
 
 /// Removal of a path by a layer.
-#[derive(Clone)]
+#[derive(Clone, Debug)]
 struct Removal {
     /// Place of the path in the layer's `remove`.
     at: Range<usize>,
@@ -47,36 +46,27 @@ struct Removal {
 }
 
 impl Report {
+    /// Same messages over other texts, in this order.
+    pub fn with_sources(mut self, sources: impl Iterator<Item = Arc<Source>>) -> Self {
+        self.sources.clear();
+        for source in sources {
+            self.add(&source);
+        }
+        self
+    }
+
     /// Adds a text and returns the position where it begins.
-    pub fn add_source(&mut self, path: &Path, text: &str) -> usize {
-        self.add_scene(path, text, false)
+    pub fn add(&mut self, source: &Arc<Source>) -> usize {
+        let start = self.end();
+        self.sources.push((start, Arc::clone(source)));
+        start
     }
 
-    /// Same as [`Report::add_source`], with [`Source::generated`].
-    pub fn add_scene(&mut self, path: &Path, text: &str, generated: bool) -> usize {
-        self.add(Source {
-            path: path.to_owned(),
-            text: text.to_owned(),
-            returned: None,
-            generated,
-        })
-    }
-
-    /// Adds a text that a script returned, which messages call by the script's name; returns the position
-    /// where it begins.
-    pub fn add_returned(&mut self, script: &str, returned: Returned, text: &str) -> usize {
-        self.add(Source {
-            path: script.into(),
-            text: text.to_owned(),
-            returned: Some(returned),
-            generated: false,
-        })
-    }
-
-    fn add(&mut self, source: Source) -> usize {
-        let base = self.end();
-        self.sources.push((base, Arc::new(source)));
-        base
+    /// Position where an added text begins.
+    pub fn start_of(&self, source: &Arc<Source>) -> usize {
+        let mut all = self.sources.iter();
+        let found = all.find(|(_, own)| Arc::ptr_eq(own, source));
+        found.map_or_else(|| self.end(), |(start, _)| *start)
     }
 
     /// Notes that the value at a position is a float, though it is written as an integer.

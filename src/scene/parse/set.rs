@@ -1,15 +1,14 @@
 //! `--set path=value`: one value of the tree replaced before it is read, so that its mistakes get
 //! the same messages, with the place in the text of the option.
 
-use std::ops::Range;
+use std::{ops::Range, sync::Arc};
 
-use toml::{
-    Spanned,
-    de::{DeTable, DeValue},
+use super::{params, report::Report, syntax_errors::in_plain_words};
+use crate::scene::{
+    diagnostic::Source,
+    suggest,
+    syntax::{Content, Entries, Key, Node, SyntaxTree, moved, parse_value},
 };
-
-use super::{params, report::Report, syntax, value::Node};
-use crate::scene::suggest;
 
 /// Tables whose entries must exist already: a new name would most likely be a typing error.
 const NAMED: &[&str] = &["camera", "material", "model", "light"];
@@ -23,8 +22,9 @@ struct Segment {
     at: Range<usize>,
 }
 
-/// Applies the override `text` to the tree; `base` is its position in the report.
-pub fn apply<'i>(root: &mut Node<'i>, text: &'i str, base: usize, report: &mut Report) {
+/// Applies an override to the tree.
+pub fn apply(root: &mut Node, source: &Arc<Source>, report: &mut Report) {
+    let (text, base) = (source.text.as_str(), report.start_of(source));
     let Some(equals) = equals_sign(text) else {
         let error = report.error("bad-set", &(base..base + text.len()), "`=` is missing");
         error.help = Some("write path=value, such as `--set reflection.bounces=2`".into());
@@ -70,9 +70,9 @@ pub fn names_of(path: &str) -> Option<Vec<String>> {
 /// The names of a path; TOML's own reader splits them, so quotes work as they do in a scene.
 fn segments(path: &str, base: usize) -> Option<Vec<Segment>> {
     let line = format!("{path} = 0");
-    let table = DeTable::parse(&line).ok()?;
+    let tree = SyntaxTree::parse(&line);
     let mut segments = Vec::new();
-    let mut level = table.get_ref();
+    let mut level = tree.correct().ok()?;
     loop {
         if level.len() != 1 {
             return None;
@@ -85,26 +85,26 @@ fn segments(path: &str, base: usize) -> Option<Vec<Segment>> {
             at: base + at.start..base + at.end,
         });
         match node.get_ref() {
-            DeValue::Table(next) => level = next,
+            Content::Table(next) => level = next,
             _ => return Some(segments),
         }
     }
 }
 
 /// The value as TOML, or a bare word as text, since shells remove quotes.
-fn value<'i>(text: &'i str, base: usize, report: &mut Report) -> Option<Node<'i>> {
+fn value(text: &str, base: usize, report: &mut Report) -> Option<Node> {
     let trimmed = text.trim();
     let start = base + (text.len() - text.trim_start().len());
     let bare = |c: char| c.is_alphanumeric() || "_-./\\:* ".contains(c);
-    match DeValue::parse(trimmed) {
-        Ok(node) => Some(shift(node, start)),
+    match parse_value(trimmed) {
+        Ok(node) => Some(moved(&node, start)),
         Err(_) if !trimmed.is_empty() && trimmed.trim_start_matches('#').chars().all(bare) => {
             let at = start..start + trimmed.len();
-            Some(Node::new(at, DeValue::String(trimmed.into())))
+            Some(Node::new(at, Content::String(trimmed.into())))
         }
         Err(error) => {
-            let at = error.span().unwrap_or(0..trimmed.len());
-            let (message, help) = syntax::in_plain_words(trimmed, &at, error.message());
+            let at = error.at;
+            let (message, help) = in_plain_words(trimmed, &at, &error.message);
             report
                 .error("bad-set", &(start + at.start..start + at.end), message)
                 .help = help;
@@ -113,27 +113,7 @@ fn value<'i>(text: &'i str, base: usize, report: &mut Report) -> Option<Node<'i>
     }
 }
 
-/// The node with all its positions moved. The parser limits the depth of this recursion.
-pub fn shift(node: Node, by: usize) -> Node {
-    let move_by = |at: Range<usize>| at.start + by..at.end + by;
-    let at = move_by(node.span());
-    let value = match node.into_inner() {
-        DeValue::Array(items) => {
-            DeValue::Array(items.into_iter().map(|item| shift(item, by)).collect())
-        }
-        DeValue::Table(table) => {
-            let keys = table.into_iter().map(|(key, node)| {
-                let at = move_by(key.span());
-                (Spanned::new(at, key.into_inner()), shift(node, by))
-            });
-            DeValue::Table(keys.collect())
-        }
-        plain => plain,
-    };
-    Node::new(at, value)
-}
-
-fn put<'i>(root: &mut Node<'i>, path: &[Segment], value: Node<'i>, report: &mut Report) {
+fn put(root: &mut Node, path: &[Segment], value: Node, report: &mut Report) {
     let Some((last, above)) = path.split_last() else {
         return;
     };
@@ -151,8 +131,8 @@ fn put<'i>(root: &mut Node<'i>, path: &[Segment], value: Node<'i>, report: &mut 
         }
     }
     let is_param = matches!(above, [params] if params.name == "params");
-    if let DeValue::Table(table) = node.get_mut() {
-        let key = Spanned::new(last.at.clone(), last.name.clone().into());
+    if let Content::Table(table) = node.get_mut() {
+        let key = Key::new(last.at.clone(), last.name.clone());
         if is_param {
             params::set(table, key, value, report);
         } else {
@@ -174,17 +154,17 @@ enum New<'a> {
 }
 
 /// The child that a segment names.
-fn step<'t, 'i>(
-    node: &'t mut Node<'i>,
+fn step<'t>(
+    node: &'t mut Node,
     segment: &Segment,
     new: New,
     report: &mut Report,
-) -> Option<&'t mut Node<'i>> {
+) -> Option<&'t mut Node> {
     let name = segment.name.as_str();
     match node.get_mut() {
-        DeValue::Table(table) => {
+        Content::Table(table) => {
             if let (false, New::Refused(kind)) = (table.contains_key(name), new) {
-                let names: Vec<_> = table.keys().map(|k| k.get_ref().as_ref()).collect();
+                let names: Vec<_> = table.keys().map(|k| k.get_ref().as_str()).collect();
                 let message = format!("no {kind} is named {}", suggest::text(name));
                 let help = match names.is_empty() {
                     true => format!("the scene has no `[{kind}.NAME]`"),
@@ -193,12 +173,12 @@ fn step<'t, 'i>(
                 report.error("dangling-name", &segment.at, message).help = Some(help);
                 return None;
             }
-            let key = Spanned::new(segment.at.clone(), name.to_owned().into());
-            let empty = || Node::new(segment.at.clone(), DeValue::Table(DeTable::new()));
+            let key = Key::new(segment.at.clone(), name.to_owned());
+            let empty = || Node::new(segment.at.clone(), Content::Table(Entries::new()));
             Some(table.entry(key).or_insert_with(empty))
         }
-        DeValue::Array(items) => {
-            let name_of = |item: &Node<'_>| {
+        Content::Array(items) => {
+            let name_of = |item: &Node| {
                 let name = item.get_ref().as_table()?.get("name")?;
                 Some(name.get_ref().as_str()?.to_owned())
             };

@@ -6,14 +6,13 @@ mod variants;
 
 use std::ops::Range as Bytes;
 
-use toml::de::DeTable;
-
 use super::{
     key_recorder::{KeyRecord, RecordedKeys, Rule},
     report::Report,
-    value::{Named, Node, Value},
+    value::{Named, Value},
 };
 use crate::scene::diagnostic::Span;
+use crate::scene::syntax::{Entries, Key, Node};
 use crate::scene::{range::Range, suggest};
 
 pub use self::nested::Either;
@@ -66,10 +65,10 @@ impl Place {
 }
 
 /// One table of the tree, being read.
-pub struct Table<'r, 'i> {
+pub struct Table<'r> {
     /// Report that messages go to.
     pub report: &'r mut Report,
-    values: &'r DeTable<'i>,
+    values: &'r Entries,
     place: Place,
     asked: Vec<&'static str>,
     /// Missing required keys, each with advice; reported at the end, unless an unknown key is probably
@@ -79,11 +78,11 @@ pub struct Table<'r, 'i> {
     notes: Option<&'r mut RecordedKeys>,
 }
 
-impl<'r, 'i> Table<'r, 'i> {
+impl<'r> Table<'r> {
     /// Reads `values` as a `T`; every key that `T` did not ask for is an error.
     pub fn read<T: Section>(
         report: &'r mut Report,
-        values: &'r DeTable<'i>,
+        values: &'r Entries,
         place: Place,
     ) -> Option<T> {
         let mut table = Table::new(report, values, place, None);
@@ -96,7 +95,7 @@ impl<'r, 'i> Table<'r, 'i> {
     /// Runs `T`'s reader on an empty table, to record the keys that it reads.
     pub fn describe<T: Section>(notes: &mut RecordedKeys) {
         if notes.open(T::TYPE, T::ALSO, T::HEADING) {
-            let (mut report, nothing) = (Report::default(), DeTable::new());
+            let (mut report, nothing) = (Report::default(), Entries::new());
             T::read(&mut Table::new(
                 &mut report,
                 &nothing,
@@ -109,7 +108,7 @@ impl<'r, 'i> Table<'r, 'i> {
 
     fn new(
         report: &'r mut Report,
-        values: &'r DeTable<'i>,
+        values: &'r Entries,
         place: Place,
         notes: Option<&'r mut RecordedKeys>,
     ) -> Self {
@@ -201,7 +200,7 @@ impl<'r, 'i> Table<'r, 'i> {
         V::read(node, &Named { key, range: &range }, self.report)
     }
 
-    fn unknown(&self) -> Vec<(&'r toml::Spanned<toml::de::DeString<'i>>, &'r Node<'i>)> {
+    fn unknown(&self) -> Vec<(&'r Key, &'r Node)> {
         let asked = |key: &str| self.asked.contains(&key);
         self.values
             .iter()
@@ -211,7 +210,7 @@ impl<'r, 'i> Table<'r, 'i> {
 
     fn refuse_unknown(&mut self) {
         for (key, _) in self.unknown() {
-            let name = key.get_ref().as_ref();
+            let name = key.get_ref().as_str();
             if self.report.is_full() {
                 self.report.error("unknown-key", &key.span(), "");
                 continue; // only counted

@@ -3,18 +3,15 @@
 
 use glam::Vec3;
 use serde_json::{Value as Json, json};
-use toml::{Spanned, de::DeValue};
 
 use super::report::Report;
 use crate::scene::desc::At;
+use crate::scene::syntax::{Content, Node};
 use crate::scene::{
     diagnostic::Diagnostic,
     range::{ANY, Range},
     suggest,
 };
-
-/// A value in the tree with its positions.
-pub type Node<'i> = Spanned<DeValue<'i>>;
 
 /// Name of a value in messages, such as `fov_deg` or `eye[1]`, and its range.
 pub struct Named<'a> {
@@ -53,16 +50,16 @@ pub trait Value: Sized {
 /// Description of a node with an article, for messages that end in `not …`.
 pub fn found(node: &Node) -> String {
     match node.get_ref() {
-        DeValue::String(s) => format!("the text {}", suggest::text(s)),
-        DeValue::Integer(i) => format!("the number {i}"),
-        DeValue::Float(f) => format!("the number {f}"),
-        DeValue::Boolean(b) => format!("{b}"),
-        DeValue::Datetime(_) => "a date".into(),
-        DeValue::Array(items) => match items.len() {
+        Content::String(s) => format!("the text {}", suggest::text(s)),
+        Content::Integer(i) => format!("the number {i}"),
+        Content::Float(f) => format!("the number {f}"),
+        Content::Boolean(b) => format!("{b}"),
+        Content::Datetime => "a date".into(),
+        Content::Array(items) => match items.len() {
             1 => "an array of 1 value".into(),
             n => format!("an array of {n} values"),
         },
-        DeValue::Table(_) => "a table".into(),
+        Content::Table(_) => "a table".into(),
     }
 }
 
@@ -91,11 +88,9 @@ fn unquoted(node: &Node, is_right: impl Fn(&str) -> bool) -> Option<String> {
 /// Number from an integer or a float; `None` and a message for anything else.
 fn number(node: &Node, named: &Named, expected: &str, report: &mut Report) -> Option<f64> {
     let x = match node.get_ref() {
-        DeValue::Integer(i) => match i128::from_str_radix(i.as_str(), i.radix()) {
-            Ok(x) => x as f64,
-            Err(_) => f64::MAX, // more digits than any range allows
-        },
-        DeValue::Float(f) => f.as_str().parse().unwrap_or(f64::MAX),
+        // An integer past 128 bits is larger than any range allows.
+        Content::Integer(i) => i.value().map_or(f64::MAX, |x| x as f64),
+        Content::Float(x) => x.value().unwrap_or(f64::MAX),
         _ => {
             let quoted = unquoted(node, |text| {
                 // Rust reads `.5` and `5.`, TOML does not.
@@ -248,13 +243,13 @@ impl Value for Names {
     }
     fn read(node: &Node, named: &Named, report: &mut Report) -> Option<Self> {
         match node.get_ref() {
-            DeValue::Array(items) => {
+            Content::Array(items) => {
                 // Every element is read, so that every wrong one is reported.
                 let names = items.iter().map(|item| At::read(item, named, report));
                 let names: Vec<Option<_>> = names.collect();
                 names.into_iter().collect::<Option<_>>().map(Self)
             }
-            DeValue::String(_) => At::read(node, named, report).map(|name| Self(vec![name])),
+            Content::String(_) => At::read(node, named, report).map(|name| Self(vec![name])),
             _ => {
                 wrong_type(node, named.key, &Self::expected(), report);
                 None
@@ -387,8 +382,8 @@ impl Value for Scale {
     }
     fn read(node: &Node, named: &Named, report: &mut Report) -> Option<Self> {
         match node.get_ref() {
-            DeValue::Array(items) if items.len() == 3 => Vec3::read(node, named, report).map(Self),
-            DeValue::Array(_) => {
+            Content::Array(items) if items.len() == 3 => Vec3::read(node, named, report).map(Self),
+            Content::Array(_) => {
                 wrong_type(node, named.key, &Self::expected(), report);
                 None
             }

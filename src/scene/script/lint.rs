@@ -55,12 +55,7 @@ pub fn lint_scripts(texts: &[(String, String)], params: &[Entry<ParamValue>]) ->
         .collect();
     let mut found = Vec::new();
     for (name, text) in texts {
-        let source = Source {
-            path: name.into(),
-            text: text.clone(),
-            returned: None,
-            generated: false,
-        };
+        let source = Source::new(name, text);
         let mut lint = ScriptLint {
             source: Arc::new(source),
             tokens: tokens(text),

@@ -107,12 +107,7 @@ impl Sources {
 
     /// Keeps a text under a name.
     pub fn add(&self, name: &str, text: &str) {
-        let source = Source {
-            path: name.into(),
-            text: text.to_owned(),
-            returned: None,
-            generated: false,
-        };
+        let source = Source::new(name, text);
         self.state().texts.push((name.to_owned(), Arc::new(source)));
     }
 

@@ -102,12 +102,7 @@ fn at(path: &Path, text: &str, mistake: Mistake, name: &At<String>) -> Box<Diagn
         .find([',', '\r'])
         .map_or(line, |end| start + end);
     let span = Span {
-        source: Some(Arc::new(Source {
-            path: path.to_owned(),
-            text: text[..line].to_owned(),
-            returned: None,
-            generated: false,
-        })),
+        source: Some(Arc::new(Source::new(path, &text[..line]))),
         range: start..cell,
     };
     let error = Diagnostic::at("wrong-points", span, message).help(help);

@@ -125,7 +125,7 @@ impl SceneCopy {
             folder.write(&local(name), script)?;
         }
         for file in &desc.includes {
-            folder.write(&file.name, &file.text)?;
+            folder.write(&file.name, &file.source.text)?;
         }
         folder.write(SCENE, &text)?;
         for (name, shader) in library.texts() {

@@ -2,9 +2,8 @@
 
 mod zero_scale;
 
-use toml::de::DeTable;
-
 use super::Names;
+use crate::scene::syntax::Entries;
 use crate::scene::{
     desc::{
         At, CAMERA, Entry, InstanceDesc, InstanceMaterialDesc, InstanceMotionDesc, LIGHT,
@@ -19,7 +18,7 @@ use crate::scene::{
 };
 
 /// Checks all names of `[motion]`, and that there is a timeline to move on.
-pub fn check(scene: &SceneDesc, root: &DeTable, report: &mut Report) {
+pub fn check(scene: &SceneDesc, root: &Entries, report: &mut Report) {
     let motion = &scene.motion;
     let mut cameras = Names::of("camera", root);
     let mut lights = Names::of("light", root);
@@ -67,7 +66,7 @@ pub fn check(scene: &SceneDesc, root: &DeTable, report: &mut Report) {
 }
 
 /// Warns of motion in a scene without a timeline, where it stands still.
-fn warn_of_standing_still(scene: &SceneDesc, root: &DeTable, report: &mut Report) {
+fn warn_of_standing_still(scene: &SceneDesc, root: &Entries, report: &mut Report) {
     let script = scene.script.as_ref().filter(|script| script.has_frame);
     let script = script.and_then(|_| root.get("script"));
     let (at, what) = match (first_motion(scene), script) {
@@ -116,7 +115,7 @@ fn check_own(entry: &Entry<InstanceMotionDesc>, report: &mut Report) {
 
 fn check_model(
     scene: &SceneDesc,
-    root: &DeTable,
+    root: &Entries,
     entry: &Entry<ModelMotionDesc>,
     report: &mut Report,
 ) {
@@ -152,7 +151,7 @@ fn check_model(
 /// Checks motion of an instance's own material, which the instance must have.
 fn check_override(
     scene: &SceneDesc,
-    root: &DeTable,
+    root: &Entries,
     entry: &Entry<InstanceMotionDesc>,
     report: &mut Report,
 ) {
@@ -214,13 +213,13 @@ fn refer_all<T>(names: &mut Names, entries: &[Entry<T>], report: &mut Report) {
     }
 }
 
-fn is_group(root: &DeTable, name: &str) -> bool {
+fn is_group(root: &Entries, name: &str) -> bool {
     let groups = root.get("group").and_then(|n| n.get_ref().as_table());
     groups.is_some_and(|groups| groups.contains_key(name))
 }
 
 /// Checks the name of an instance in the tree, where an instance with a mistake still has its name.
-fn refer_instance(root: &DeTable, name: &str, at: &Span, report: &mut Report) {
+fn refer_instance(root: &Entries, name: &str, at: &Span, report: &mut Report) {
     let list = root.get("instance").and_then(|n| n.get_ref().as_array());
     let known: Vec<&str> = list
         .into_iter()
@@ -247,7 +246,7 @@ fn refer_instance(root: &DeTable, name: &str, at: &Span, report: &mut Report) {
 
 /// Checks the instances that tracks follow.
 fn check_tracks<T>(
-    root: &DeTable,
+    root: &Entries,
     tracks: &Tracks,
     fields: &[Field<T>],
     at: &Span,

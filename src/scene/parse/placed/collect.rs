@@ -3,24 +3,23 @@
 use std::{
     collections::{HashMap, HashSet},
     path::{Path, PathBuf},
+    sync::Arc,
 };
 
-use toml::de::{DeTable, DeValue};
-
-use super::{placed_by, run::Runs};
+use super::placed_by;
 use crate::scene::{
     confined_read::{self, Kind},
     dependencies::Dependencies,
     desc::{At, Include},
-    diagnostic::{Diagnostic, Span},
+    diagnostic::{Diagnostic, Source, Span},
     parse::{
         MOST_BYTES,
         include::{self, Included},
         layers::{self, Base},
         report::Report,
-        set::shift,
     },
     suggest,
+    syntax::{Content, Node},
 };
 
 /// Largest number of files of placed scenes.
@@ -35,9 +34,8 @@ const SCENES: Kind = Kind {
 };
 
 /// A scene that is placed, with its bases and included files.
+#[derive(Debug)]
 pub struct PlacedFile {
-    /// Position where its text begins in the report.
-    pub start: usize,
     /// The file.
     pub file: Include,
     /// Folder that names of files in it start from, relative to the folders of the outermost scene; empty,
@@ -47,8 +45,6 @@ pub struct PlacedFile {
     pub included: Included,
     /// Its bases.
     pub bases: Vec<Base>,
-    /// Results of its script.
-    pub runs: Runs,
 }
 
 impl PlacedFile {
@@ -58,6 +54,13 @@ impl PlacedFile {
         name.and_then(|stem| stem.to_str()).unwrap_or("scene")
     }
 
+    /// The file, those that it includes, and its bases.
+    fn files(&self) -> impl Iterator<Item = &Include> {
+        let bases = self.bases.iter().flat_map(Base::files);
+        let own = std::iter::once(&self.file);
+        own.chain(self.included.files()).chain(bases)
+    }
+
     /// Whether a place is in a file that this one or a base of it includes.
     pub fn includes(&self, at: &Span) -> bool {
         self.included.has(at) || self.bases.iter().any(|base| base.includes(at))
@@ -65,7 +68,7 @@ impl PlacedFile {
 }
 
 /// All files of placed scenes, by the folder and the name by which they are placed.
-#[derive(Default)]
+#[derive(Debug, Default)]
 pub struct Placed {
     files: Vec<PlacedFile>,
     /// Index in `files`; `None` for a file that cannot be read, which was reported.
@@ -88,24 +91,13 @@ impl Placed {
 
     /// All files, those that placed scenes include and their bases too.
     pub fn files(&self) -> impl Iterator<Item = &Include> {
-        self.files.iter().flat_map(|placed| {
-            let bases = placed.bases.iter().flat_map(Base::files);
-            let own = std::iter::once(&placed.file);
-            own.chain(placed.included.files()).chain(bases)
-        })
+        self.files.iter().flat_map(PlacedFile::files)
     }
 
     /// Whether a place is in a placed scene.
-    pub fn has(&self, at: &Span, report: &Report) -> bool {
-        let is_in = |start: usize| {
-            let source = report.span(&(start..start)).source;
-            matches!((&source, &at.source), (Some(a), Some(b)) if std::sync::Arc::ptr_eq(a, b))
-        };
-        let mut files = self.files.iter();
-        files.any(|placed| {
-            let bases = placed.bases.iter().any(|base| is_in(base.start()));
-            placed.includes(at) || is_in(placed.start) || bases
-        })
+    pub fn has(&self, at: &Span) -> bool {
+        let source = at.source.as_ref();
+        source.is_some_and(|source| self.files().any(|file| Arc::ptr_eq(&file.source, source)))
     }
 
     /// Folders where a placed scene looks for files.
@@ -141,11 +133,10 @@ struct Wanted {
     above: Vec<PathBuf>,
 }
 
-/// Reads the scenes that some texts place, and the scenes that these place in turn. Each text comes with
-/// its position in the report, the outermost scene's first; `path` is that scene's file.
+/// Reads the scenes that some texts place, the outermost scene's own text first, and the scenes that these
+/// place in turn.
 pub fn collect(
-    texts: &[(&str, usize)],
-    path: &Path,
+    texts: &[Arc<Source>],
     folders: &[PathBuf],
     dependencies: &Dependencies,
     report: &mut Report,
@@ -154,10 +145,11 @@ pub fn collect(
         folders: folders.to_vec(),
         ..Placed::default()
     };
-    let above: Vec<_> = path.canonicalize().into_iter().collect();
+    let own = texts.first().and_then(|own| own.path.canonicalize().ok());
+    let above: Vec<_> = own.into_iter().collect();
     let mut waiting = Vec::new();
-    let wanted = |texts: &[(&str, usize)], folder: &str, above: &[PathBuf], report: &Report| {
-        let names = texts.iter().flat_map(|text| named(*text, report));
+    let wanted = |texts: &[Arc<Source>], folder: &str, above: &[PathBuf]| {
+        let names = texts.iter().flat_map(named);
         let wanted = |name| Wanted {
             name,
             folder: folder.to_owned(),
@@ -165,7 +157,7 @@ pub fn collect(
         };
         names.map(wanted).collect::<Vec<_>>()
     };
-    waiting.extend(wanted(texts, "", &above, report));
+    waiting.extend(wanted(texts, "", &above));
     waiting.reverse();
     while let Some(next) = waiting.pop() {
         let key = (next.folder.clone(), next.name.value.clone());
@@ -174,15 +166,9 @@ pub fn collect(
         }
         let file = read(&next, &placed, folders, dependencies, report);
         let index = file.map(|(file, real)| {
-            let mut texts = vec![(file.file.text.as_str(), file.start)];
-            texts.extend(file.included.texts());
-            texts.extend(file.bases.iter().flat_map(Base::texts));
+            let texts: Vec<_> = file.files().map(|file| Arc::clone(&file.source)).collect();
             let above = [next.above.as_slice(), &[real]].concat();
-            waiting.extend(
-                wanted(&texts, &file.folder, &above, report)
-                    .into_iter()
-                    .rev(),
-            );
+            waiting.extend(wanted(&texts, &file.folder, &above).into_iter().rev());
             placed.files.push(file);
             placed.files.len() - 1
         });
@@ -233,49 +219,44 @@ fn read(
             .cloned()
             .collect::<Vec<_>>(),
     );
-    let start = report.add_source(&found.path, &found.text);
-    let text = (found.text.as_str(), start);
-    let included = include::collect(text, &found.path, &own, dependencies, report);
-    let bases = layers::collect(text, &found.path, &own, dependencies, report);
+    let source = Arc::new(Source::new(found.path, found.text));
+    report.add(&source);
+    let included = include::collect(&source, false, &own, dependencies, report);
+    let bases = layers::collect(&source, false, &own, dependencies, report);
     let file = PlacedFile {
-        start,
         folder,
         included,
         bases,
-        runs: Runs::default(),
         file: Include {
             name,
             path: found.real.clone(),
-            text: found.text,
+            source,
         },
     };
     Some((file, found.real))
 }
 
 /// The scenes that a text places, also in its variants.
-fn named((text, start): (&str, usize), report: &Report) -> Vec<At<String>> {
-    // This parses the text a second time, so texts without the word are skipped.
-    if !text.contains("scene") {
-        return Vec::new();
-    }
-    let (root, _) = DeTable::parse_recoverable(text);
-    let root = root.into_inner();
+fn named(source: &Arc<Source>) -> Vec<At<String>> {
+    let root = source.syntax().root();
     let variants = root.get("variant").and_then(|n| n.get_ref().as_table());
     let variants = variants.into_iter().flat_map(|all| all.values());
     let tables = variants.filter_map(|node| node.get_ref().as_table());
     let mut seen = HashSet::new();
     let mut found = Vec::new();
-    for table in std::iter::once(&root).chain(tables) {
-        let list = table.get("instance").map(toml::Spanned::get_ref);
-        let Some(DeValue::Array(list)) = list else {
+    for table in std::iter::once(root).chain(tables) {
+        let list = table.get("instance").map(Node::get_ref);
+        let Some(Content::Array(list)) = list else {
             continue;
         };
         for instance in list {
             if let Some((name, node)) = placed_by(instance)
                 && seen.insert(name.to_owned())
             {
-                let node = shift(node.clone(), start);
-                let at = report.span(&node.span());
+                let at = Span {
+                    source: Some(Arc::clone(source)),
+                    range: node.span(),
+                };
                 found.push(At {
                     value: name.to_owned(),
                     at,

@@ -1,6 +1,6 @@
 //! Groups that stand for placed scenes, and names of placed scenes in messages.
 
-use super::{Placed, run::PlacedScript};
+use super::{Placed, run::RanScript};
 use crate::scene::{
     desc::{Entry, ParamValue},
     diagnostic::{Diagnostic, Span},
@@ -18,7 +18,7 @@ pub struct PlacedGroup {
     /// Parameters of the scene, with their values in this placement.
     pub params: Vec<Entry<ParamValue>>,
     /// Its script, if that could be run.
-    pub script: Option<PlacedScript>,
+    pub script: Option<RanScript>,
 }
 
 /// Gives messages about placed scenes the names that are written in these, and a note on the placement; a
@@ -27,14 +27,13 @@ pub fn name_as_written(groups: &[PlacedGroup], placed: &Placed, report: &mut Rep
     if groups.is_empty() || report.errors() == 0 {
         return;
     }
-    let texts = report.clone();
     let is_returned = |at: &Span| {
         let mut scripts = groups.iter().filter_map(|group| group.script.as_ref());
-        scripts.any(|script| script.returned.has(at))
+        scripts.any(|script| script.has(at))
     };
     let mut told: Vec<Diagnostic> = Vec::new();
     report.retain_mut(|message| {
-        if !placed.has(&message.span, &texts) && !is_returned(&message.span) {
+        if !placed.has(&message.span) && !is_returned(&message.span) {
             return true;
         }
         let start = |group: &PlacedGroup| format!("\"{}.", group.name.escape_debug());

@@ -2,17 +2,13 @@
 
 use std::{collections::HashSet, ops::Range};
 
-use toml::{
-    Spanned,
-    de::{DeString, DeTable, DeValue},
-};
-
 use super::{Placed, PlacedFile};
 use crate::scene::parse::{
     report::Report,
-    value::{Named, Node, Value as _, Version},
+    value::{Named, Value as _, Version},
 };
 use crate::scene::range::ANY;
+use crate::scene::syntax::{Content, Entries, Key, Node};
 
 /// Tables whose entries have names.
 const NAMED: [&str; 5] = ["camera", "group", "light", "material", "model"];
@@ -23,12 +19,12 @@ const PLACED: [&str; 7] = [
 ];
 
 /// A key with its place.
-pub fn text(value: String, at: Range<usize>) -> Spanned<DeString<'static>> {
-    Spanned::new(at, value.into())
+pub fn text(value: String, at: Range<usize>) -> Key {
+    Key::new(at, value)
 }
 
 /// Renaming of one placed scene.
-pub struct Prefix<'a, 'i> {
+pub struct Prefix<'a> {
     /// Name of the group that stands for the scene.
     pub group: &'a str,
     /// File of the placed scene.
@@ -40,12 +36,12 @@ pub struct Prefix<'a, 'i> {
     /// Models whose instances a layer of the scene has removed.
     pub unplaced: &'a HashSet<String>,
     /// Keys of the placing instance, for instances of the scene that lack them.
-    pub inherited: &'a [(Spanned<DeString<'i>>, Node<'i>)],
+    pub inherited: &'a [(Key, Node)],
 }
 
-impl<'i> Prefix<'_, 'i> {
+impl Prefix<'_> {
     /// Renames everything in a scene's tree, and makes the group the parent of entries without one.
-    pub fn apply(&self, tree: &mut DeTable<'i>, report: &mut Report) {
+    pub fn apply(&self, tree: &mut Entries, report: &mut Report) {
         if let Some(version) = tree.get("version") {
             let named = Named {
                 key: "version",
@@ -62,21 +58,21 @@ impl<'i> Prefix<'_, 'i> {
         }
         self.place_free_models(tree, report);
         for kind in NAMED {
-            if let Some(DeValue::Table(entries)) = tree.get_mut(kind).map(Node::get_mut) {
+            if let Some(Content::Table(entries)) = tree.get_mut(kind).map(Node::get_mut) {
                 for (_, node) in entries.iter_mut() {
                     self.entry(kind, node);
                 }
                 self.rename(entries);
             }
         }
-        if let Some(DeValue::Array(list)) = tree.get_mut("instance").map(Node::get_mut) {
+        if let Some(Content::Array(list)) = tree.get_mut("instance").map(Node::get_mut) {
             for node in list.iter_mut() {
                 self.entry("instance", node);
             }
         }
-        if let Some(DeValue::Table(kinds)) = tree.get_mut("motion").map(Node::get_mut) {
+        if let Some(Content::Table(kinds)) = tree.get_mut("motion").map(Node::get_mut) {
             for (_, node) in kinds.iter_mut() {
-                if let DeValue::Table(entries) = node.get_mut() {
+                if let Content::Table(entries) = node.get_mut() {
                     entries.iter_mut().for_each(|(_, node)| self.followed(node));
                     self.rename(entries);
                 }
@@ -85,7 +81,7 @@ impl<'i> Prefix<'_, 'i> {
     }
 
     /// Adds an instance at the origin for each model that no instance names.
-    fn place_free_models(&self, tree: &mut DeTable<'i>, report: &Report) {
+    fn place_free_models(&self, tree: &mut Entries, report: &Report) {
         let model = |instance: &Node| {
             let name = instance.get_ref().as_table()?.get("model")?;
             name.get_ref().as_str().map(str::to_owned)
@@ -94,9 +90,9 @@ impl<'i> Prefix<'_, 'i> {
         let used: HashSet<_> = list.into_iter().flatten().filter_map(model).collect();
         let models = tree.get("model").and_then(|n| n.get_ref().as_table());
         let models = models.into_iter().flat_map(|all| all.keys());
-        let is_free = |key: &&Spanned<DeString>| {
+        let is_free = |key: &&Key| {
             let is_included = self.file.includes(&report.span(&key.span()));
-            let name = key.get_ref().as_ref();
+            let name = key.get_ref().as_str();
             !used.contains(name) && !self.unplaced.contains(name) && !is_included
         };
         let free: Vec<_> = (models.filter(is_free))
@@ -107,13 +103,13 @@ impl<'i> Prefix<'_, 'i> {
         }
         let list = tree
             .entry(text("instance".to_owned(), self.at.clone()))
-            .or_insert_with(|| Spanned::new(self.at.clone(), DeValue::Array(<_>::default())));
-        if let DeValue::Array(list) = list.get_mut() {
+            .or_insert_with(|| Node::new(self.at.clone(), Content::Array(<_>::default())));
+        if let Content::Array(list) = list.get_mut() {
             for (name, at) in free {
-                let mut instance = DeTable::new();
-                let model = Node::new(at.clone(), DeValue::String(name.into()));
+                let mut instance = Entries::new();
+                let model = Node::new(at.clone(), Content::String(name));
                 instance.insert(text("model".to_owned(), at.clone()), model);
-                list.push(Node::new(at, DeValue::Table(instance)));
+                list.push(Node::new(at, Content::Table(instance)));
             }
         }
     }
@@ -123,7 +119,7 @@ impl<'i> Prefix<'_, 'i> {
         format!("{}.{name}", self.group)
     }
 
-    fn rename(&self, entries: &mut DeTable<'i>) {
+    fn rename(&self, entries: &mut Entries) {
         let all = std::mem::take(entries);
         for (key, node) in all {
             let name = self.named(key.get_ref());
@@ -132,17 +128,17 @@ impl<'i> Prefix<'_, 'i> {
     }
 
     /// Changes the text of a key, if it has one.
-    fn change(table: &mut DeTable<'i>, key: &str, new: impl FnOnce(&str) -> String) {
+    fn change(table: &mut Entries, key: &str, new: impl FnOnce(&str) -> String) {
         if let Some(node) = table.get_mut(key)
-            && let DeValue::String(old) = node.get_mut()
+            && let Content::String(old) = node.get_mut()
         {
-            *old = new(old).into();
+            *old = new(old);
         }
     }
 
     /// Renames references, names of files and the parent in one table.
-    fn entry(&self, kind: &str, node: &mut Node<'i>) {
-        let DeValue::Table(table) = node.get_mut() else {
+    fn entry(&self, kind: &str, node: &mut Node) {
+        let Content::Table(table) = node.get_mut() else {
             return; // its reader reports this
         };
         match kind {
@@ -150,12 +146,12 @@ impl<'i> Prefix<'_, 'i> {
             "model" => {
                 Self::change(table, "material", |name| self.named(name));
                 Self::change(table, "file", |name| self.file_name(name));
-                if let Some(DeValue::Table(shape)) = table.get_mut("shape").map(Node::get_mut) {
+                if let Some(Content::Table(shape)) = table.get_mut("shape").map(Node::get_mut) {
                     Self::change(shape, "file", |name| self.file_name(name));
                 }
-                if let Some(DeValue::Table(all)) = table.get_mut("material").map(Node::get_mut) {
+                if let Some(Content::Table(all)) = table.get_mut("material").map(Node::get_mut) {
                     for (_, node) in all.iter_mut() {
-                        if let DeValue::Table(material) = node.get_mut() {
+                        if let Content::Table(material) = node.get_mut() {
                             self.material(material);
                         }
                     }
@@ -166,11 +162,11 @@ impl<'i> Prefix<'_, 'i> {
                     Self::change(table, key, |name| self.named(name));
                 }
                 Self::change(table, "instances_from", |name| self.file_name(name));
-                if let Some(DeValue::Table(own)) = table.get_mut("material").map(Node::get_mut) {
+                if let Some(Content::Table(own)) = table.get_mut("material").map(Node::get_mut) {
                     self.material(own);
                 }
                 for (key, node) in self.inherited {
-                    if !table.contains_key(key.get_ref().as_ref()) {
+                    if !table.contains_key(key.get_ref().as_str()) {
                         table.insert(key.clone(), node.clone());
                     }
                 }
@@ -180,16 +176,16 @@ impl<'i> Prefix<'_, 'i> {
         }
     }
 
-    fn attach(&self, table: &mut DeTable<'i>) {
+    fn attach(&self, table: &mut Entries) {
         if table.contains_key("parent") {
             return Self::change(table, "parent", |name| self.named(name));
         }
-        let group = DeValue::String(self.group.to_owned().into());
+        let group = Content::String(self.group.to_owned());
         let key = text("parent".to_owned(), self.at.clone());
         table.insert(key, Node::new(self.at.clone(), group));
     }
 
-    fn material(&self, table: &mut DeTable<'i>) {
+    fn material(&self, table: &mut Entries) {
         Self::change(table, "extends", |name| self.named(name));
         let textures: Vec<_> = (table.keys())
             .map(|key| key.get_ref().to_string())
@@ -205,15 +201,15 @@ impl<'i> Prefix<'_, 'i> {
     }
 
     /// Renames the instances that tracks follow.
-    fn followed(&self, node: &mut Node<'i>) {
-        let DeValue::Table(tracks) = node.get_mut() else {
+    fn followed(&self, node: &mut Node) {
+        let Content::Table(tracks) = node.get_mut() else {
             return;
         };
         for (_, track) in tracks.iter_mut() {
-            let DeValue::Table(track) = track.get_mut() else {
+            let Content::Table(track) = track.get_mut() else {
                 continue;
             };
-            if let Some(DeValue::Table(follow)) = track.get_mut("follow").map(Node::get_mut) {
+            if let Some(Content::Table(follow)) = track.get_mut("follow").map(Node::get_mut) {
                 Self::change(follow, "instance", |name| self.named(name));
             }
         }

@@ -1,10 +1,10 @@
 //! Input and results of the scripts of placed scenes.
 
-use std::{cell::OnceCell, path::PathBuf};
+use std::{collections::BTreeMap, path::PathBuf, sync::Arc};
 
 use crate::scene::{
     desc::{At, Entry, ParamValue, TimelineDesc},
-    diagnostic::{Diagnostic, Returned},
+    diagnostic::{Diagnostic, Source, Span},
 };
 
 /// Input of the script of a placed scene.
@@ -22,68 +22,58 @@ pub struct ScriptInput<'a> {
 }
 
 /// A script whose `setup` was run.
+#[derive(Clone, Debug)]
 pub struct RanScript {
     /// Index of the script among all scripts of placed scenes.
     pub number: usize,
-    /// Name of its file in messages.
-    pub name: String,
     /// Scene text that `setup` returned.
-    pub text: String,
-    /// Places in the script that explain mistakes in that text.
-    pub returned: Returned,
+    pub text: Arc<Source>,
 }
 
-/// Results of a placed file's script, one for all placements with the same parameters.
-#[derive(Default)]
-pub struct Runs(OnceCell<Box<OneRun>>);
-
-struct OneRun {
-    params: Vec<Entry<ParamValue>>,
-    /// Result; `None` where the script failed, which was reported.
-    ran: Option<RanScript>,
-    others: Runs,
-}
-
-impl Runs {
-    /// Result of the script with these parameters. `run` is called if there is none yet, with the script's
-    /// number, if it has one.
-    pub fn with(
-        &self,
-        params: &[Entry<ParamValue>],
-        run: impl FnOnce(Option<usize>) -> Option<RanScript>,
-    ) -> Option<&RanScript> {
-        let is_same = |run: &OneRun| {
-            let values = |params: &[Entry<ParamValue>]| {
-                let values = params.iter().map(|p| (p.name.clone(), p.value.clone()));
-                values.collect::<std::collections::BTreeMap<_, _>>()
-            };
-            values(&run.params) == values(params)
-        };
-        let (mut runs, mut known) = (self, None);
-        while let Some(done) = runs.0.get() {
-            if is_same(done) {
-                return done.ran.as_ref();
-            }
-            known = known.or(done.ran.as_ref().map(|ran| ran.number));
-            runs = &done.others;
-        }
-        let one = OneRun {
-            params: params.to_vec(),
-            ran: run(known),
-            others: Self::default(),
-        };
-        runs.0.get_or_init(|| Box::new(one)).ran.as_ref()
+impl RanScript {
+    /// Whether a place is in one of the script's files.
+    pub fn has(&self, at: &Span) -> bool {
+        self.text.returned.as_ref().is_some_and(|r| r.has(at))
     }
 }
 
-/// Loads a script and runs its `setup`.
-pub type Run<'r> = &'r dyn Fn(&ScriptInput) -> Result<RanScript, Box<Diagnostic>>;
+/// Function that loads a script and runs its `setup`.
+pub type Run<'r> = &'r mut dyn FnMut(&ScriptInput) -> Result<RanScript, Box<Diagnostic>>;
 
-/// The script of one placed scene.
-#[derive(Clone, Debug)]
-pub struct PlacedScript {
-    /// See [`RanScript::number`].
-    pub number: usize,
-    /// See [`RanScript::returned`].
-    pub returned: Returned,
+/// Results of the scripts of placed files, one for all placements of a file with the same parameters.
+#[derive(Default)]
+pub struct Runs(Vec<OneRun>);
+
+struct OneRun {
+    /// Text of the placed file.
+    file: Arc<Source>,
+    params: BTreeMap<String, ParamValue>,
+    /// Result; `None` where the script failed, which was reported.
+    ran: Option<RanScript>,
+}
+
+impl Runs {
+    /// Result of a placed file's script with these parameters. `run` is called if there is none yet, with the
+    /// script's number, if it has one.
+    pub fn with(
+        &mut self,
+        file: &Arc<Source>,
+        params: &[Entry<ParamValue>],
+        run: impl FnOnce(Option<usize>) -> Option<RanScript>,
+    ) -> Option<RanScript> {
+        let values = params.iter().map(|p| (p.name.clone(), p.value.clone()));
+        let params: BTreeMap<_, _> = values.collect();
+        let of_file = || self.0.iter().filter(|run| Arc::ptr_eq(&run.file, file));
+        if let Some(done) = of_file().find(|run| run.params == params) {
+            return done.ran.clone();
+        }
+        let known = of_file().find_map(|run| Some(run.ran.as_ref()?.number));
+        let ran = run(known);
+        self.0.push(OneRun {
+            file: Arc::clone(file),
+            params,
+            ran: ran.clone(),
+        });
+        ran
+    }
 }

@@ -1,26 +1,25 @@
 //! Scripts of placed scenes: the text that their `setup` returns is merged into their trees before these
 //! are placed.
 
-use toml::de::{DeTable, DeValue};
-
 use super::{
     Expansion,
     collect::PlacedFile,
-    run::{PlacedScript, ScriptInput},
+    run::{RanScript, ScriptInput},
 };
 use crate::scene::{
     desc::{At, Entry, ParamValue},
-    parse::{additions, params, value::Node},
+    parse::{additions, params},
+    syntax::{Content, Entries, Node},
 };
 
-impl<'i> Expansion<'_, 'i> {
+impl Expansion<'_> {
     /// Parameters of a placed scene, with their values in this placement.
     pub(super) fn read_params(
         &mut self,
-        tree: &mut Node<'i>,
-        given: Option<Node<'i>>,
+        tree: &mut Node,
+        given: Option<Node>,
     ) -> Vec<Entry<ParamValue>> {
-        let DeValue::Table(table) = tree.get_mut() else {
+        let Content::Table(table) = tree.get_mut() else {
             return Vec::new();
         };
         if let Some(given) = given {
@@ -34,15 +33,15 @@ impl<'i> Expansion<'_, 'i> {
     /// Takes the script out of the tree of a placed file, and adds what its `setup` returns.
     pub(super) fn run_script(
         &mut self,
-        tree: &mut Node<'i>,
-        file: &'i PlacedFile,
+        tree: &mut Node,
+        file: &PlacedFile,
         params: &[Entry<ParamValue>],
-    ) -> Option<PlacedScript> {
-        let DeValue::Table(table) = tree.get_mut() else {
+    ) -> Option<RanScript> {
+        let Content::Table(table) = tree.get_mut() else {
             return None;
         };
         let node = table.remove("script")?;
-        let DeValue::String(name) = node.get_ref() else {
+        let Content::String(name) = node.get_ref() else {
             let message = "`script` must be text in quotes";
             self.report.error("wrong-type", &node.span(), message);
             return None;
@@ -55,43 +54,46 @@ impl<'i> Expansion<'_, 'i> {
             value: name.to_string(),
             at: self.report.span(&node.span()),
         };
-        let ran = file.runs.with(params, |known| {
+        let Self {
+            placed,
+            run,
+            runs,
+            timeline,
+            report,
+            ..
+        } = self;
+        let ran = runs.with(&file.file.source, params, |known| {
             let input = ScriptInput {
-                folders: &self.placed.folders_of(file),
+                folders: &placed.folders_of(file),
                 file: &name,
                 params,
-                timeline: self.timeline,
+                timeline: *timeline,
                 known,
             };
-            let ran = (self.run)(&input);
-            ran.map_err(|mistake| self.report.push(*mistake)).ok()
+            run(&input).map_err(|mistake| report.push(*mistake)).ok()
         });
         let Some(ran) = ran else {
             self.report.note_lacking_names();
             return None;
         };
-        let base = (self.report).add_returned(&ran.name, ran.returned.clone(), &ran.text);
-        additions::merge(tree, &ran.text, base, self.report);
-        Some(PlacedScript {
-            number: ran.number,
-            returned: ran.returned.clone(),
-        })
+        additions::merge(tree, &ran.text, self.report);
+        Some(ran)
     }
 
     /// Sets parameters of a placed scene to the values that its placement gives.
-    fn set_params(&mut self, tree: &mut DeTable<'i>, given: Node<'i>) {
+    fn set_params(&mut self, tree: &mut Entries, given: Node) {
         let at = given.span();
-        let DeValue::Table(given) = given.into_inner() else {
+        let Content::Table(given) = given.into_inner() else {
             let error = self
                 .report
                 .error("wrong-type", &at, "`params` must be a table");
             error.help = Some("write `params = { speed = 3 }`".into());
             return;
         };
-        let mut none = DeTable::new();
+        let mut none = Entries::new();
         let declared = tree.get_mut("params").map(Node::get_mut);
         let declared = match declared {
-            Some(DeValue::Table(declared)) => declared,
+            Some(Content::Table(declared)) => declared,
             _ => &mut none,
         };
         for (key, value) in given {

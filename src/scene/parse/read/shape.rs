@@ -2,12 +2,12 @@
 
 use glam::Vec3;
 
+use crate::scene::syntax::Node;
 use crate::scene::{
     desc::ShapeDesc,
     parse::{
         points::Points,
         table::{Section, Table},
-        value::Node,
     },
     range::{ABOVE_0, ANY, Range, range},
     suggest,

@@ -1,16 +1,16 @@
 //! Readers of tracks, their keys and helpers.
 
 use glam::Vec3;
-use toml::de::DeValue;
 
 use crate::scene::range::{ABOVE_0, ANY, Range};
+use crate::scene::syntax::{Content, Node};
 use crate::scene::{
     desc::*,
     diagnostic::{Diagnostic, Span},
     number::{Field, Form, Lanes},
     parse::{
         table::{Section, Table},
-        value::{Node, Scale, Value},
+        value::{Scale, Value},
     },
 };
 
@@ -143,12 +143,12 @@ impl Section for ShownTrack {
 
     fn instead(key: &str, value: &Node) -> Option<String> {
         let keys = match value.get_ref() {
-            DeValue::Boolean(true) => {
+            Content::Boolean(true) => {
                 return Some(format!(
                     "leave `{key}` out: without it the object is always shown"
                 ));
             }
-            DeValue::Boolean(false) => "[{ at_s = 0, value = false }]",
+            Content::Boolean(false) => "[{ at_s = 0, value = false }]",
             _ => "[{ at_s = 0, value = false }, { at_s = 2, value = true }]",
         };
         Some(format!("write `{key} = {{ keys = {keys} }}`"))

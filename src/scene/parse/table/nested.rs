@@ -1,15 +1,15 @@
 //! Tables inside tables: single, by name, in lists, or in place of a name.
 
 use serde_json::json;
-use toml::de::DeValue;
 
 use super::{Place, Section, Table};
+use crate::scene::syntax::{Content, Node};
 use crate::scene::{
     desc::{At, Entry, ParamValue},
     parse::{
         key_recorder::{Form, KeyRecord},
         params,
-        value::{Node, Value as _, found, wrong_type},
+        value::{Value as _, found, wrong_type},
     },
     range::ANY,
     suggest,
@@ -23,7 +23,7 @@ pub enum Either<T> {
     Nested(T),
 }
 
-impl Table<'_, '_> {
+impl Table<'_> {
     /// A table right of `key =`, or `[….key]`.
     pub fn table<T: Section>(&mut self, key: &'static str) -> Option<T> {
         self.note(key, || KeyRecord::new(key, Form::Table(T::TYPE)));
@@ -45,7 +45,7 @@ impl Table<'_, '_> {
         self.describe_nested::<T>();
         let node = self.values.get(key)?;
         match node.get_ref() {
-            DeValue::Table(_) => self.nested(key, node).map(Either::Nested),
+            Content::Table(_) => self.nested(key, node).map(Either::Nested),
             _ => self.name(key, node).map(Either::Name),
         }
     }
@@ -71,13 +71,13 @@ impl Table<'_, '_> {
         self.describe_nested::<T>();
         let node = self.values.get(key)?;
         match node.get_ref() {
-            DeValue::Table(_) => Some(Either::Nested(self.nested_entries(key, node))),
+            Content::Table(_) => Some(Either::Nested(self.nested_entries(key, node))),
             _ => self.name(key, node).map(Either::Name),
         }
     }
 
     fn name(&mut self, key: &'static str, node: &Node) -> Option<At<String>> {
-        if !node.get_ref().is_str() {
+        if node.get_ref().as_str().is_none() {
             wrong_type(node, key, "a name in quotes or a table", self.report);
             return None;
         }
@@ -106,7 +106,7 @@ impl Table<'_, '_> {
             return Vec::new();
         };
         let read = |item: &Node| match item.get_ref() {
-            DeValue::Table(values) => {
+            Content::Table(values) => {
                 let place = Place {
                     in_list: true,
                     ..self.place.nested(key, item.span())
@@ -136,13 +136,13 @@ impl Table<'_, '_> {
         let Some(node) = self.values.get(key) else {
             return Vec::new();
         };
-        let DeValue::Table(values) = node.get_ref() else {
+        let Content::Table(values) = node.get_ref() else {
             wrong_type(node, key, "tables with names", self.report);
             return Vec::new();
         };
         let mut all = Vec::new();
         for (name, node) in values {
-            if !node.get_ref().is_table() {
+            if node.get_ref().as_table().is_none() {
                 wrong_type(node, name.get_ref(), "a table", self.report);
             }
             let (value, at) = (name.get_ref().to_string(), self.report.span(&name.span()));
@@ -161,7 +161,7 @@ impl Table<'_, '_> {
         let Some(node) = self.values.get(key) else {
             return Vec::new();
         };
-        let DeValue::Table(values) = node.get_ref() else {
+        let Content::Table(values) = node.get_ref() else {
             wrong_type(node, key, "a table", self.report);
             return Vec::new();
         };
@@ -175,7 +175,7 @@ impl Table<'_, '_> {
     }
 
     fn nested<T: Section>(&mut self, key: &str, node: &Node) -> Option<T> {
-        let DeValue::Table(values) = node.get_ref() else {
+        let Content::Table(values) = node.get_ref() else {
             let message = format!("`{key}` must be a table, not {}", found(node));
             let error = self.report.error("wrong-type", &node.span(), message);
             error.help = T::instead(key, node);
@@ -187,7 +187,7 @@ impl Table<'_, '_> {
     fn nested_entries<T: Section>(&mut self, key: &str, node: &Node) -> Vec<Entry<T>> {
         let place = self.place.nested(key, node.span());
         let example = format!("write `[{}.NAME]`, with a name of your choice", place.path);
-        let DeValue::Table(entries) = node.get_ref() else {
+        let Content::Table(entries) = node.get_ref() else {
             let message = format!("`{key}` must be tables with names, not {}", found(node));
             let error = self.report.error("wrong-type", &self.key_at(key), message);
             error.help = Some(example);
@@ -198,7 +198,7 @@ impl Table<'_, '_> {
         let mut read = Vec::new();
         let mut nameless = false;
         for (name, node) in all {
-            let DeValue::Table(values) = node.get_ref() else {
+            let Content::Table(values) = node.get_ref() else {
                 // In a table without a name in its header, every key would be the same mistake.
                 if !std::mem::replace(&mut nameless, true) {
                     let (key, title) = (suggest::key(name.get_ref()), place.title());

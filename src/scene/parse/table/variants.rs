@@ -1,7 +1,5 @@
 //! Tables with a `kind` that decides about their other keys.
 
-use toml::de::DeTable;
-
 use super::{Place, Table};
 use crate::scene::parse::{
     enum_values::{one_of, word},
@@ -9,11 +7,12 @@ use crate::scene::parse::{
     report::Report,
 };
 use crate::scene::suggest;
+use crate::scene::syntax::Entries;
 
 /// Reader of one variant of a table with a `kind`.
 pub type Variant<T> = (&'static str, fn(&mut Table) -> Option<T>);
 
-impl Table<'_, '_> {
+impl Table<'_> {
     /// The variant that `key` names, read by its own reader. Ask for the common keys first: keys that are
     /// unknown after this are looked for in the other variants.
     pub fn choose<T>(&mut self, key: &'static str, variants: &[Variant<T>]) -> Option<T> {
@@ -21,7 +20,7 @@ impl Table<'_, '_> {
         if let Some(notes) = &mut self.notes {
             for (word, read) in variants {
                 notes.open_variant(key, word);
-                let (mut report, nothing) = (Report::default(), DeTable::new());
+                let (mut report, nothing) = (Report::default(), Entries::new());
                 read(&mut Table::new(
                     &mut report,
                     &nothing,
@@ -55,7 +54,7 @@ impl Table<'_, '_> {
 
     fn refuse_keys_of_other_kinds<T>(&mut self, kind: &str, chosen: &str, all: &[Variant<T>]) {
         for (key, _) in self.unknown() {
-            let name = key.get_ref().as_ref();
+            let name = key.get_ref().as_str();
             let others = all.iter().filter(|v| keys_of(v.1).contains(&name));
             let others: Vec<_> = others.map(|v| v.0).collect();
             let mine = all
@@ -82,7 +81,7 @@ impl Table<'_, '_> {
 
 /// The keys that a variant's reader reads.
 fn keys_of<T>(read: fn(&mut Table) -> Option<T>) -> Vec<&'static str> {
-    let (mut report, nothing) = (Report::default(), DeTable::new());
+    let (mut report, nothing) = (Report::default(), Entries::new());
     let mut notes = RecordedKeys::default();
     let mut table = Table::new(&mut report, &nothing, Place::default(), None);
     table.notes = Some(&mut notes);

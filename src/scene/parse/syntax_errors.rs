@@ -1,4 +1,4 @@
-//! Parsing of TOML: its syntax errors as messages, and the parts of the file that they make doubtful.
+//! Syntax errors of a text as messages, and the parts of the text that they make doubtful.
 
 mod nesting;
 mod plain_words;
@@ -8,12 +8,13 @@ pub use plain_words::in_plain_words;
 
 use std::{ops::Range, sync::Arc};
 
-use toml::{Spanned, de::DeTable};
-
 use self::unclosed::Unclosed;
 use super::report::Report;
-use crate::scene::diagnostic::{Diagnostic, Source, Span};
-use crate::scene::suggest;
+use crate::scene::{
+    diagnostic::{Diagnostic, Source, Span},
+    suggest,
+    syntax::Entries,
+};
 
 /// The part of a file that a syntax error makes doubtful: other messages about it may only follow from
 /// that error.
@@ -44,63 +45,57 @@ impl Shadow {
     }
 }
 
-/// Parses as much as can be understood; mistakes go to the report, where the text begins at `base`.
-pub fn parse<'i>(
-    text: &'i str,
-    base: usize,
-    report: &mut Report,
-) -> (Spanned<DeTable<'i>>, Vec<Shadow>) {
-    let source = report.span(&(base..base)).source;
-    let (root, mut errors) = DeTable::parse_recoverable(text);
-    let place = |error: &toml::de::Error| error.span().unwrap_or(0..0);
-    errors.sort_by_key(|error| place(error).start);
+/// Entries of a text as far as they can be understood, at their positions in the report, which gets the
+/// errors.
+pub fn tree(source: &Arc<Source>, report: &mut Report) -> (Entries, Vec<Shadow>) {
+    let base = report.start_of(source);
+    let shadows = errors(source, base, report);
+    (source.syntax().moved(base), shadows)
+}
+
+/// Reports the errors of a text that begins at `base` in the report.
+fn errors(source: &Arc<Source>, base: usize, report: &mut Report) -> Vec<Shadow> {
+    let (text, errors) = (source.text.as_str(), source.syntax().errors());
+    let shadow = |table, line| Shadow {
+        source: Some(Arc::clone(source)),
+        table,
+        line,
+    };
     let mut shadows: Vec<Shadow> = Vec::new();
     let mut line_end = None;
     let unclosed = unclosed::first(text).filter(|_| !errors.is_empty());
     let mut doubled = 0..0;
-    for error in &errors {
-        let at = place(error);
+    for error in errors {
+        let at = error.at.clone();
         if unclosed.as_ref().is_some_and(|open| at.start >= open.at) || doubled.contains(&at.start)
         {
             continue; // it follows from the unclosed bracket or the doubled header
         }
         // A broken line gives one message, the first; a duplicate key is not a syntax error.
         let same_line = line_end.is_some_and(|end| at.start <= end);
-        if same_line && error.message() != "duplicate key" {
+        if same_line && error.message != "duplicate key" {
             continue;
         }
         if report.is_full() {
-            shadows.push(Shadow {
-                source: source.clone(),
-                table: 0..text.len() + 1,
-                line: 0,
-            });
+            shadows.push(shadow(0..text.len() + 1, 0));
             break;
         }
-        explain(text, base, at.clone(), error.message(), report);
+        explain(text, base, at.clone(), &error.message, report);
         let start = text.floor_char_boundary(at.start);
-        if error.message() == "duplicate key" {
+        if error.message == "duplicate key" {
             doubled = body_of_header(text, start);
         }
         let line = text[..start].rfind('\n').map_or(0, |i| i + 1);
         line_end = Some(text[start..].find('\n').map_or(text.len(), |i| start + i));
-        shadows.push(Shadow {
-            source: source.clone(),
-            table: table_around(text, line),
-            line,
-        });
+        shadows.push(shadow(table_around(text, line), line));
     }
     if let Some(open) = unclosed.filter(|_| !report.is_full()) {
         explain_unclosed(text, base, &open, report);
         let line = text[..open.at].rfind('\n').map_or(0, |i| i + 1);
         let table = table_around(text, line).start..text.len() + 1;
-        shadows.push(Shadow {
-            source,
-            table,
-            line,
-        });
+        shadows.push(shadow(table, line));
     }
-    (root, shadows)
+    shadows
 }
 
 fn explain_unclosed(text: &str, base: usize, open: &Unclosed, report: &mut Report) {
