@@ -19,4 +19,5 @@ mod schema;
 mod set;
 mod settings;
 mod shipped;
+mod syntax;
 mod text;
