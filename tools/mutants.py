@@ -46,6 +46,8 @@ MODULES = [
     "agreement",
     "orthographic",
 ]
+# Arguments of `cargo test` for the tests of the metrics.
+METRIC = ["--test", "commands", "metric::"]
 GROUPS = {
     "shader": (48, ["shaders/*.wgsl", "shaders/lib/*.wgsl"]),
     "rust": (32, ["src/bench/metric/*.rs", "src/scene/parse/**/*.rs", "src/scene/parse.rs"]),
@@ -226,7 +228,7 @@ class Shaders:
     def __init__(self) -> None:
         self.folder = SCRATCH / "shaders"
         tests = ["cargo", "build", "--locked", "--message-format=json"]
-        tests += ["--test", "pictures", "--test", "trace_oracle"]
+        tests += ["--test", "pictures"]
         built = subprocess.run(tests, cwd=ROOT, stdout=subprocess.PIPE, check=True, text=True)
         messages = [json.loads(line) for line in built.stdout.splitlines() if line[:1] == "{"]
         # Test programs are copied: another build must not change them meanwhile.
@@ -250,7 +252,7 @@ class Shaders:
     def stages(self, file: str) -> Iterator[list[Any]]:
         """Test commands that can notice a change of this file, the quickest first."""
         if file.endswith("bvh.wgsl"):
-            yield [self.programs["trace_oracle"]]
+            yield [self.programs["pictures"], "trace_oracle::"]
         for module in MODULES:
             yield [self.programs["pictures"], f"{module}::"]
 
@@ -289,7 +291,7 @@ class Rust:
             "CARGO_PROFILE_DEV_OPT_LEVEL": "0",
             "CARGO_PROFILE_DEV_DEBUG": "0",
         }
-        for stage in [["--test", "metric"], ["--test", "scene"], ["--lib"]]:
+        for stage in [METRIC, ["--test", "scene"], ["--lib"]]:
             code, output = self.cargo(stage, 3600)
             if code != 0:
                 sys.exit(f"without a mutant, {killer(code, output)} fails:\n{output[-3000:]}")
@@ -302,9 +304,9 @@ class Rust:
         write_mutant(self.tree, mutant)
         try:
             if "src/bench/" in mutant.file:
-                stages = [["--test", "metric"], ["--lib", "bench::"]]
+                stages = [METRIC, ["--lib", "bench::"]]
             else:
-                stages = [["--test", "scene"], ["--lib", "scene::"], ["--test", "script_hostile"]]
+                stages = [["--test", "scene"], ["--lib", "scene::"]]
             for stage in stages:
                 code, output = self.cargo(stage, LIMIT_S)
                 if code is not None and "error: could not compile" in output:

@@ -167,7 +167,7 @@ missing_to_test() {
         missing+=("${window[@]}")
         echo "missing: ${window[*]}"
     else
-        echo "missing: ${window[*]}; without root they are left out, and tests/window.rs is skipped"
+        echo "missing: ${window[*]}; without root they are left out, and tests/window is skipped"
     fi
 }
 

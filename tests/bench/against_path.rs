@@ -2,7 +2,8 @@
 
 use std::fs;
 
-use crate::{common::gpu_or_skip, exits, folder, samples};
+use super::{exits, folder, samples};
+use crate::common::gpu_or_skip;
 
 /// A mirror below a white wall that only other walls light: `rt` leaves it dark, all paths do not.
 const SCENE: &str = r#"

@@ -5,7 +5,7 @@ use reflet::bench::{
     sample::Sample,
 };
 
-use crate::synthetic::{only_group, sample};
+use super::synthetic::{only_group, sample};
 
 #[test]
 fn frames_that_a_setting_lacks_are_left_out_and_charts_run_forward() {

@@ -4,7 +4,7 @@ use std::fs;
 
 use reflet::bench::log::Log;
 
-use crate::{
+use super::{
     exits, folder,
     synthetic::{sample, synthetic_samples},
     write,

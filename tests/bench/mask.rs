@@ -2,7 +2,8 @@
 
 use std::process::Command;
 
-use crate::{common::gpu_or_skip, exits, folder, samples};
+use super::{exits, folder, samples};
+use crate::common::gpu_or_skip;
 
 #[test]
 fn a_rendered_mask_holds_the_pixels_that_bench_scores() {

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::{exits, folder, gpu_or_skip};
+use super::{exits, folder, gpu_or_skip};
 
 const ROOM: &str = include_str!("../../scenes/cornell.toml");
 

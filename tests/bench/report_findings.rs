@@ -5,7 +5,7 @@ use reflet::bench::{
     sample::Sample,
 };
 
-use crate::synthetic::{only_group, repeated, sample, synthetic_samples};
+use super::synthetic::{only_group, repeated, sample, synthetic_samples};
 
 #[test]
 fn sentences_compare_at_equal_time_and_error_and_name_the_break_even() {

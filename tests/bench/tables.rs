@@ -2,7 +2,7 @@
 
 use reflet::bench::sample::{Sample, detail_columns, header, read_samples};
 
-use crate::synthetic::{sample, synthetic_samples};
+use super::synthetic::{sample, synthetic_samples};
 
 /// Error of a table with a changed second row.
 #[track_caller]

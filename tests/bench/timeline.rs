@@ -4,7 +4,8 @@ use std::{fs, path::Path};
 
 use reflet::bench::sample::Sample;
 
-use crate::{common::gpu_or_skip, exits, folder, samples};
+use super::{exits, folder, samples};
+use crate::common::gpu_or_skip;
 
 /// X positions of camera, ball and lamp; those of frame 4 coincide with keys.
 const AT_FRAME_4: [&str; 3] = ["1", "0.5", "-1"];

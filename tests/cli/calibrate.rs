@@ -2,7 +2,8 @@
 
 use std::fs;
 
-use crate::{common::gpu_or_skip, exits, folder, names};
+use super::{exits, folder, names};
+use crate::common::gpu_or_skip;
 
 #[test]
 fn what_calibrate_measures_decides_and_only_on_its_adapter() {

@@ -5,7 +5,8 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use crate::{common::gpu_or_skip, exits, folder, names, reflet};
+use super::{exits, folder, names, reflet};
+use crate::common::gpu_or_skip;
 
 const RENDER: [&str; 8] = [
     "render",

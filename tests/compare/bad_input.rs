@@ -5,7 +5,7 @@ use std::{fs, path::Path};
 use image::{Rgb, RgbImage};
 use reflet::bench::read::read_picture;
 
-use crate::files::{Folder, fails, parses, run};
+use super::files::{Folder, fails, parses, run};
 
 fn good(folder: &Folder, name: &str) -> std::path::PathBuf {
     folder.png(

@@ -11,7 +11,7 @@ use reflet::{
     files::write_whole,
 };
 
-use crate::files::{Folder, fails, run};
+use super::files::{Folder, fails, run};
 
 /// A picture, and a copy with a square that is 3 levels brighter.
 fn pair(folder: &Folder) -> [PathBuf; 2] {

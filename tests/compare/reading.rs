@@ -8,7 +8,7 @@ use reflet::bench::{
     read::read_picture,
 };
 
-use crate::files::{Folder, fails, run};
+use super::files::{Folder, fails, run};
 
 const SIZE: (u32, u32) = (24, 18);
 

@@ -2,7 +2,8 @@
 
 use std::fs;
 
-use crate::{SCENE, common::gpu_or_skip, folder, pictures, pixels, render};
+use super::{SCENE, folder, pictures, pixels, render};
+use crate::common::gpu_or_skip;
 
 /// Several cameras in one run: each picture equals the one of a run with that camera alone.
 #[test]

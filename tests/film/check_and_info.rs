@@ -2,7 +2,7 @@
 
 use std::{fs, path::Path, process::Command};
 
-use crate::{SCRIPT, folder};
+use super::{SCRIPT, folder};
 
 /// Runs a command; returns exit code, standard output and standard error.
 fn reflet(folder: &Path, command: &str, scene: &str) -> (Option<i32>, String, String) {
@@ -112,7 +112,7 @@ fn check_stops_after_a_script_met_a_limit() {
 fn what_has_no_effect_is_warned_of() {
     let folder = folder("no-effect");
     let cuts = "timeline = { fps = 10, end = 5, cuts = [{ frame = 40, camera = \"main\" }] }";
-    let text = crate::SCENE.replace("timeline = { fps = 10, end = 5 }", cuts);
+    let text = super::SCENE.replace("timeline = { fps = 10, end = 5 }", cuts);
     fs::write(folder.join("scene.toml"), text).expect("written");
     let (code, _, err) = reflet(&folder, "check", "scene.toml");
     assert_eq!(code, Some(0), "{err}");
@@ -135,7 +135,7 @@ fn text_of_files_does_not_control_the_terminal() {
     let folder = folder("terminal-text");
     let camera =
         "[camera.\"a\\u001b]0;pwn\\u0007\\u009b2J\"]\neye = [0, 1, 4]\ntarget = [0, 0, 0]\n";
-    let text = format!("{}{camera}", crate::SCENE);
+    let text = format!("{}{camera}", super::SCENE);
     fs::write(folder.join("scene.toml"), text).expect("written");
     let script = "fn setup(ctx) { print(\"\\x1b]0;pwn\\x07\\x1b[2J\\tend\"); #{} }\n\
                   fn frame(ctx) { print(\"\\x1b[1m\"); }\n";

@@ -9,7 +9,8 @@ use std::{
     process::{Command, Stdio},
 };
 
-use crate::{common::gpu_or_skip, folder};
+use super::folder;
+use crate::common::gpu_or_skip;
 
 pub fn is_there(tool: &str) -> bool {
     let found = Command::new(tool).arg("-version").output().is_ok();
@@ -54,7 +55,7 @@ fn films_have_every_frame_at_its_time() {
     }
     let folder = folder("ffmpeg");
     for name in ["f.mp4", "f.webm", "f.mov", "f.mkv"] {
-        crate::render(&folder, &["-o", name], 0);
+        super::render(&folder, &["-o", name], 0);
         let shown = "stream=nb_read_frames,width,height,r_frame_rate,pix_fmt,color_space";
         let probe = Command::new("ffprobe")
             .current_dir(&folder)
@@ -78,7 +79,7 @@ fn films_have_every_frame_at_its_time() {
     let bytes = fs::read(folder.join("f.mp4")).expect("it is there");
     let place = |tag: &[u8]| bytes.windows(4).position(|part| part == tag);
     assert!(place(b"moov").is_some() && place(b"moov") < place(b"mdat"));
-    let text = crate::render(&folder, &["-o", "odd.mp4", "--size", "25x15"], 2);
+    let text = super::render(&folder, &["-o", "odd.mp4", "--size", "25x15"], 2);
     assert!(
         text.contains("choose --size 26x16, or write .apng"),
         "{text}"
@@ -95,7 +96,7 @@ fn a_folder_may_have_a_colon_in_its_name() {
     let folder = folder("ffmpeg-colon");
     fs::create_dir(folder.join("take:2")).expect("new");
     for name in ["take:2/f.mp4", "take:2/f.webm"] {
-        crate::render(&folder, &["-o", name], 0);
+        super::render(&folder, &["-o", name], 0);
         assert!(folder.join(name).is_file(), "{name}");
     }
 }
@@ -109,7 +110,7 @@ fn rates_that_a_format_cannot_have_are_refused_before_rendering() {
     let before = names(&folder);
     for (name, fps) in [("f.mp4", "1e-9"), ("f.webm", "0.5"), ("f.apng", "1e-9")] {
         let rate = format!("timeline.fps={fps}");
-        let text = crate::render(&folder, &["-o", name, "--set", &rate], 2);
+        let text = super::render(&folder, &["-o", name, "--set", &rate], 2);
         assert!(text.contains("timeline.fps is "), "{name}: {text}");
         assert!(!text.contains("frame 0"), "{name}: {text}");
     }

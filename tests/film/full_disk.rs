@@ -3,7 +3,8 @@
 
 use std::{fs, process::Command};
 
-use crate::{common::gpu_or_skip, folder, pictures};
+use super::{folder, pictures};
+use crate::common::gpu_or_skip;
 
 /// Runs a shell command with an empty disk of so many KiB at `disk`; `None` if it cannot be
 /// mounted.
@@ -65,7 +66,7 @@ fn a_full_disk_ends_a_film_and_says_what_is_missing() {
         "--frames",
         list,
     ];
-    crate::render(&folder, &rest, 0);
+    super::render(&folder, &rest, 0);
     assert_eq!(pictures(&folder).len(), 40);
 }
 
@@ -142,7 +143,7 @@ fn a_pack_for_which_the_disk_has_no_room_is_refused_before_a_file_is_written() {
         )
     });
     noise.save(folder.join("noise.png")).expect("written");
-    let text = crate::SCENE.replace(
+    let text = super::SCENE.replace(
         "base_color = [0.8, 0.1, 0.1]",
         "base_color_texture = \"noise.png\"",
     );

@@ -10,7 +10,8 @@ use std::{
     time::{Duration, Instant, SystemTime},
 };
 
-use crate::{common::gpu_or_skip, folder, pictures};
+use super::{folder, pictures};
+use crate::common::gpu_or_skip;
 
 /// Many small frames, so that kills occur between, during and after them.
 const FRAMES: &[&str] = &[
@@ -142,7 +143,7 @@ fn a_hundred_kills_lose_nothing() {
 
 /// Ends a video file at random times: its path holds the complete old or the complete new film.
 fn end_a_film_at_random_moments(name: &str, rounds: u32) {
-    if gpu_or_skip().is_none() || !crate::ffmpeg::is_there("ffmpeg") {
+    if gpu_or_skip().is_none() || !super::ffmpeg::is_there("ffmpeg") {
         return;
     }
     for film in ["f.apng", "f.mp4"] {
@@ -271,13 +272,13 @@ fn what_a_killed_run_has_left_is_removed_by_the_next() {
         file.expect("there").set_modified(time).expect("settable");
     }
     assert_eq!(
-        crate::render(&folder, &["-o", "g.#.png"], 0)
+        super::render(&folder, &["-o", "g.#.png"], 0)
             .lines()
             .count(),
         6
     );
     assert_eq!(hidden(&folder).len(), 6, "those of another goal stay");
-    crate::render(&folder, &["-o", "f.apng"], 0);
+    super::render(&folder, &["-o", "f.apng"], 0);
     let mut stays = hidden(&folder);
     stays.sort();
     let mut wanted = [elsewhere, alive, written];

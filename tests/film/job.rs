@@ -4,7 +4,8 @@ use std::{fs, path::Path, process::Command};
 
 use serde_json::Value;
 
-use crate::{common::gpu_or_skip, folder, pictures, render};
+use super::{folder, pictures, render};
+use crate::common::gpu_or_skip;
 
 fn job(folder: &Path, arguments: &[&str]) -> (Option<i32>, String) {
     let output = Command::new(env!("CARGO_BIN_EXE_reflet"))
@@ -214,7 +215,7 @@ fn an_array_of_slurm_gives_the_frames_of_one_run() {
 fn names_in_a_bundle_are_those_that_a_farm_can_use() {
     let folder = folder("job-names");
     let long = format!("bell\u{7}{}.toml", "x".repeat(200));
-    let scene = crate::SCENE.replace("camera.main", "camera.-x");
+    let scene = super::SCENE.replace("camera.main", "camera.-x");
     fs::write(folder.join(&long), scene).expect("written");
     let cameras = ["--camera=-x", "--pictures", "f.#.png", "-o"];
     let (code, text) = job(

@@ -2,7 +2,7 @@
 
 use std::{fs, path::Path, process::Command};
 
-use crate::folder;
+use super::folder;
 
 /// Runs a command that is refused; returns its message.
 #[track_caller]
@@ -36,7 +36,7 @@ fn state(folder: &Path) -> Vec<(String, bool, Option<Vec<u8>>)> {
 /// A scene with a texture and an included file, and other names of these.
 fn scene(name: &str) -> std::path::PathBuf {
     let folder = folder(name);
-    let text = crate::SCENE.replace(
+    let text = super::SCENE.replace(
         "base_color = [0.8, 0.1, 0.1]",
         "base_color_texture = \"f.03.png\"",
     );

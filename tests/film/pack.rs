@@ -11,7 +11,8 @@ use std::{
 use serde_json::Value;
 use zip::{ZipArchive, ZipWriter, write::SimpleFileOptions};
 
-use crate::{common::gpu_or_skip, folder, pictures, render};
+use super::{folder, pictures, render};
+use crate::common::gpu_or_skip;
 
 fn reflet(folder: &Path, arguments: &[&str], code: i32) -> [String; 2] {
     let output = Command::new(env!("CARGO_BIN_EXE_reflet"))

@@ -5,7 +5,8 @@ use reflet::{
     world::load::{self, LoadOptions},
 };
 
-use crate::{SCENE, common::gpu_or_skip, folder, render};
+use super::{SCENE, folder, render};
+use crate::common::gpu_or_skip;
 
 #[test]
 fn the_folder_of_frames_is_created() {

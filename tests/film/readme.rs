@@ -6,10 +6,8 @@ use std::{
     process::{Command, Output},
 };
 
-use crate::{
-    common::{gpu_or_skip, readme::Story},
-    pictures,
-};
+use super::pictures;
+use crate::common::{gpu_or_skip, readme::Story};
 
 fn reflet(folder: &Path, arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_reflet"))

@@ -9,7 +9,8 @@ use std::{
     thread,
 };
 
-use crate::{common::gpu_or_skip, folder};
+use super::folder;
+use crate::common::gpu_or_skip;
 
 /// Runs a command with so many threads, and so many busy ones beside it; returns the files that it wrote.
 fn files_of(
@@ -121,7 +122,7 @@ fn frames_and_films_are_the_same_bytes() {
     check(&folder, &png, 4 * 30);
     check(&folder, &[&film[..], &["f.apng"]].concat(), 1);
     #[cfg(unix)]
-    if crate::ffmpeg::is_there("ffmpeg") {
+    if super::ffmpeg::is_there("ffmpeg") {
         for name in ["f.mp4", "f.mov", "f.mkv", "f.webm"] {
             check(&folder, &[&film[..], &[name]].concat(), 1);
         }

@@ -8,7 +8,8 @@ use std::{
     time::{Duration, Instant},
 };
 
-use crate::{common::gpu_or_skip, folder, job, pictures};
+use super::{folder, job, pictures};
+use crate::common::gpu_or_skip;
 
 fn show() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/show")

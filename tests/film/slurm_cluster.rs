@@ -10,7 +10,8 @@ use std::{
     time::Duration,
 };
 
-use crate::{common::gpu_or_skip, folder, pictures, render};
+use super::{folder, pictures, render};
+use crate::common::gpu_or_skip;
 
 /// Folders of daemons in Debian, which are missing from the path of users.
 const PATHS: &str = "/usr/sbin:/usr/local/sbin";

@@ -2,6 +2,8 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+#[path = "../usd/mod.rs"]
+mod usd;
 
 mod animation;
 mod animation_corpus;

@@ -2,7 +2,7 @@
 
 use std::f32::consts::PI;
 
-use crate::kit::{assert_close, gpu, render, renderer, scene};
+use super::kit::{assert_close, gpu, render, renderer, scene};
 
 /// A white matte ball in the middle of a bright world.
 const BALL: &str = r#"

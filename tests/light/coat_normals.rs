@@ -9,7 +9,7 @@ use reflet::{
     world::{LayerTexture, World},
 };
 
-use crate::kit::{color, gpu, renderer, scene_of};
+use super::kit::{color, gpu, renderer, scene_of};
 
 /// A wall between a lamp, a glowing box and a mirror on the floor, which reflects the wall.
 const WALL: &str = r#"

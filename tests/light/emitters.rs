@@ -8,7 +8,7 @@ use reflet::{
     world::load,
 };
 
-use crate::{
+use super::{
     extent::FLOOR,
     kit::{assert_close, assert_color, gpu, mean, render, renderer, scene},
 };

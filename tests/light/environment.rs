@@ -4,7 +4,7 @@ use std::{f32::consts::PI, fs, path::PathBuf};
 
 use reflet::render::Picture;
 
-use crate::kit::{assert_close, assert_color, color, gpu, mean, render, renderer, scene_of};
+use super::kit::{assert_close, assert_color, color, gpu, mean, render, renderer, scene_of};
 
 /// Folder for the files of one test.
 pub fn folder(name: &str) -> PathBuf {

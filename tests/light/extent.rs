@@ -4,7 +4,7 @@ use std::f32::consts::PI;
 
 use reflet::render::Picture;
 
-use crate::{
+use super::{
     environment::directional_albedo,
     kit::{assert_close, assert_color, gpu, mean, render, share_differing},
 };

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 
 use glam::{DVec3, Vec3};
 
-use crate::kit::{assert_close, color, gpu, mean, render};
+use super::kit::{assert_close, color, gpu, mean, render};
 
 /// A floor of metal seen from 3 m at an angle that a test sets, in even light.
 const FLOOR: &str = r#"

@@ -1,6 +1,6 @@
 //! Indirect light between surfaces, and the method `path` that follows all of it, against closed forms.
 
-use crate::kit::{assert_close, gpu, mean, render, renderer, scene};
+use super::kit::{assert_close, gpu, mean, render, renderer, scene};
 
 /// The camera in a closed box whose walls all emit and scatter alike.
 const OVEN: &str = r#"
@@ -207,7 +207,7 @@ fn the_truth_depends_on_no_setting_of_the_others() {
     assert!(renderer.plan().precision.full && renderer.plan().unbiased);
     let (desc, world) = scene(WHITE, &[]);
     assert!(
-        !crate::kit::renderer(gpu, &desc, &world, false)
+        !super::kit::renderer(gpu, &desc, &world, false)
             .plan()
             .indirect
     );

@@ -1,10 +1,6 @@
 //! Helpers of `tests/pictures` for rendering, and comparisons of numbers.
 
-#[expect(dead_code, reason = "a part of it is used here")]
-#[path = "../pictures/kit.rs"]
-mod pictures;
-
-pub use pictures::*;
+pub use crate::kit::*;
 
 /// Asserts that a number is `expected` within `tolerance`.
 pub fn assert_close(found: f32, expected: f32, tolerance: f32) {

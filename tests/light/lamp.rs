@@ -4,7 +4,7 @@ use std::f32::consts::PI;
 
 use reflet::render::aov::Aov;
 
-use crate::kit::{assert_color, color, floats, gpu, render, renderer, scene};
+use super::kit::{assert_color, color, floats, gpu, render, renderer, scene};
 
 /// A white floor seen from 4 m above.
 const FLOOR: &str = r#"

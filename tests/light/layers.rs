@@ -1,6 +1,6 @@
 //! Transmission, blended alpha and clear coats, against closed forms.
 
-use crate::{
+use super::{
     environment::directional_albedo,
     kit::{assert_close, assert_color, color, gpu, mean, render, renderer, scene},
 };

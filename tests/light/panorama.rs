@@ -7,7 +7,7 @@ use reflet::{
     world::load,
 };
 
-use crate::{
+use super::{
     environment::{FLOOR, SKY, folder},
     kit::{assert_color, gpu, renderer, scene_of},
 };

@@ -4,10 +4,8 @@ use std::fmt::Write as _;
 
 use reflet::render::RenderOptions;
 
-use crate::{
-    common::shaders,
-    kit::{gpu, renderer, scene},
-};
+use super::kit::{gpu, renderer, scene};
+use crate::common::shaders;
 
 const WORLDS: u32 = 5;
 const BALLS: u32 = 100;

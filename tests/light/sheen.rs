@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use glam::Vec3;
 use reflet::world::{LAYER_SLOTS, LayerTexture, Texture, TextureRef, Wrap};
 
-use crate::kit::{assert_close, color, gpu, mean, render, renderer, scene};
+use super::kit::{assert_close, color, gpu, mean, render, renderer, scene};
 
 /// A floor seen from 3 m at an angle that a test sets, in even light.
 const FLOOR: &str = r#"

@@ -3,6 +3,8 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+#[path = "../runtime/mod.rs"]
+mod runtime;
 
 mod animation;
 mod background_scripts;

@@ -2,7 +2,7 @@
 
 use reflet::bench::{metric::mask::Mask, picture::Picture};
 
-use crate::generate::{generated, picture, scores};
+use super::generate::{generated, picture, scores};
 
 /// Case with SSIM of the frame, SSIM inside the mask, FLIP mean, p95 and p99.
 type Expected = (&'static str, f64, Option<f64>, [f64; 3]);

@@ -5,7 +5,7 @@ use reflet::bench::{
     picture::{Encoding, Pair, Picture, PictureError},
 };
 
-use crate::generate::{Random, flat, generated, picture, scores};
+use super::generate::{Random, flat, generated, picture, scores};
 
 #[test]
 fn equal_pictures_have_no_error() {

@@ -5,7 +5,7 @@ use reflet::bench::{
     picture::{Encoding, PictureError},
 };
 
-use crate::generate::{Random, flat, generated, picture, scores};
+use super::generate::{Random, flat, generated, picture, scores};
 
 #[test]
 fn background_hides_a_wrong_reflection() {

@@ -8,7 +8,7 @@ use reflet::bench::{
     picture::{Encoding, Pair, Picture},
 };
 
-use crate::generate::flat;
+use super::generate::flat;
 
 /// Flicker ratio of two sequences of gray levels.
 fn ratio(test: &[f32], reference: &[f32]) -> Option<f64> {

@@ -2,6 +2,14 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+#[path = "../gpu/mod.rs"]
+mod gpu;
+#[path = "../light/mod.rs"]
+mod light;
+#[path = "../shaders/mod.rs"]
+mod shaders;
+#[path = "../trace_oracle/mod.rs"]
+mod trace_oracle;
 
 mod agreement;
 mod animation;

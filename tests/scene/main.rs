@@ -2,6 +2,10 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+#[path = "../mistakes/mod.rs"]
+mod mistakes;
+#[path = "../script_hostile/mod.rs"]
+mod script_hostile;
 
 mod bad;
 mod docs;

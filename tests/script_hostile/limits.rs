@@ -4,7 +4,7 @@ use std::fs;
 
 use reflet::scene::stages::Animator;
 
-use crate::{folder, load};
+use super::{folder, load};
 
 const FAR: &str = "fn spin() {
     let n = 0;

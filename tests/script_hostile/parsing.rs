@@ -7,7 +7,7 @@ use reflet::scene::{
     stages::Animator,
 };
 
-use crate::{folder, load, run};
+use super::{folder, load, run};
 
 /// Texts whose parsing time is quadratic in their length.
 fn slow() -> Vec<(&'static str, String)> {

@@ -5,7 +5,7 @@ use std::fs;
 
 use reflet::scene::stages::Animator;
 
-use crate::{folder, load, run};
+use super::{folder, load, run};
 
 /// Statements that make `a` thousands of arrays or maps deep, in steps that copy and in steps that move.
 const DEEP: [&str; 4] = [

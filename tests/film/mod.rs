@@ -3,8 +3,6 @@
 
 mod cameras;
 mod check_and_info;
-#[path = "../common/mod.rs"]
-mod common;
 #[cfg(unix)]
 mod ffmpeg;
 mod full_disk;
@@ -27,7 +25,7 @@ use std::{
     process::{Command, Output, Stdio},
 };
 
-use common::gpu_or_skip;
+use crate::common::gpu_or_skip;
 use reflet::{
     scene::stages::{Animator, Scene},
     world::load::{self, LoadOptions},

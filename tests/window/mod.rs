@@ -2,8 +2,6 @@
 //! loads, shows an edit of the scene on disk, keeps the picture after a mistake, writes screenshots
 //! and closes. Prints `SKIPPED` if Xvfb or xdotool is missing.
 
-mod common;
-
 use std::{
     fs,
     io::{BufRead as _, BufReader},
@@ -79,7 +77,7 @@ struct Session {
 impl Session {
     /// Opens `scene.toml` of a new folder that holds these files; `None` where no window can be had.
     fn open(name: &str, files: &[(&str, &str)]) -> Option<Self> {
-        common::gpu_or_skip()?;
+        crate::common::gpu_or_skip()?;
         let (server, display) = display()?;
         let folder = std::env::temp_dir().join(format!("reflet-{name}-{}", std::process::id()));
         let _ = fs::remove_dir_all(&folder);

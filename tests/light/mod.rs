@@ -1,8 +1,5 @@
 //! Pictures of lights, environments and materials with known answers: closed forms and integrals.
 
-#[path = "../common/mod.rs"]
-mod common;
-
 mod alpha;
 mod coat_normals;
 mod emitters;

@@ -1,14 +1,12 @@
 //! `bench stability`: the ratchet over the failure modes, scenes of one's own, and bad input.
 
-mod common;
-
 use std::{
     fs,
     path::{Path, PathBuf},
     process::{Command, Stdio},
 };
 
-use common::gpu_or_skip;
+use crate::common::gpu_or_skip;
 use reflet::gpu::ShaderLibrary;
 
 /// A floor that reflects a ball which moves for three frames.

@@ -1,10 +1,8 @@
 //! GPU layer on a device: binding by name, readback, error scopes.
 
-mod common;
-
 use std::path::Path;
 
-use common::{gpu_or_skip, shaders};
+use crate::common::{gpu_or_skip, shaders};
 use reflet::{
     gpu::{Gpu, GpuError, GroupLayout, Shader, ShaderLibrary, Timer, readback},
     render::{RenderOptions, Renderer},
@@ -194,7 +192,7 @@ fn refused_call_is_an_error_and_the_device_stays_usable() {
 #[test]
 fn after_its_device_is_gone_a_renderer_gives_errors() {
     let Some(gpu) = gpu_or_skip() else { return };
-    let text = include_str!("../scenes/cornell.toml");
+    let text = include_str!("../../scenes/cornell.toml");
     let set = ["image.size=[32, 18]".to_owned()];
     let (desc, _) = Scene::from_text(text, Path::new("cornell.toml"), &set).expect("a scene");
     let world = load::load(&desc, &load::LoadOptions::default()).expect("a world");

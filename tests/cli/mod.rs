@@ -1,8 +1,6 @@
 //! Command line: exit codes, messages, and atomic output files.
 
 mod calibrate;
-#[path = "../common/mod.rs"]
-mod common;
 mod denoise;
 mod info;
 mod lsp;
@@ -13,7 +11,7 @@ use std::{
     process::{Command, Output, Stdio},
 };
 
-use common::gpu_or_skip;
+use crate::common::gpu_or_skip;
 
 /// A scene with a mirror, small enough for any machine.
 const SCENE: &str = "

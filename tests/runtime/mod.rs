@@ -1,14 +1,12 @@
 //! The library's session: its renders equal those of the command line, and bad input is an error.
 
-mod common;
-
 use std::{
     fs,
     path::{Path, PathBuf},
     process::Command,
 };
 
-use common::gpu_or_skip;
+use crate::common::gpu_or_skip;
 use reflet::{
     gpu::GpuError,
     render::PlaneData,

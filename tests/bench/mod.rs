@@ -3,8 +3,6 @@
 mod against_path;
 mod animation;
 mod bad_input;
-#[path = "../common/mod.rs"]
-mod common;
 mod mask;
 mod regret;
 mod report_findings;
@@ -21,7 +19,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use common::gpu_or_skip;
+use crate::common::gpu_or_skip;
 use reflet::bench::{
     report::findings,
     sample::{Sample, header, read_samples},

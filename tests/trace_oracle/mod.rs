@@ -1,7 +1,5 @@
 //! Ray traversal, on the GPU and over the packed trees on the CPU, against brute force in f64.
 
-#[path = "../common/mod.rs"]
-mod common;
 mod gpu;
 mod scene;
 

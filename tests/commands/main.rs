@@ -1,0 +1,18 @@
+//! The program's commands, each a group: `cargo test --all-features --test commands film::`.
+
+#[path = "../bench/mod.rs"]
+mod bench;
+#[path = "../cli/mod.rs"]
+mod cli;
+#[path = "../common/mod.rs"]
+mod common;
+#[path = "../compare/mod.rs"]
+mod compare;
+#[path = "../film/mod.rs"]
+mod film;
+#[path = "../metric/mod.rs"]
+mod metric;
+#[path = "../stability/mod.rs"]
+mod stability;
+#[path = "../window/mod.rs"]
+mod window;
