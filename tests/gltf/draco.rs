@@ -1,10 +1,9 @@
 //! KHR_draco_mesh_compression: a stream of Google's encoder, and invalid ones.
 
-use std::time::{Duration, Instant};
-
 use crate::{
     common::Random,
     kit::{Doc, check_promises},
+    work::Most,
 };
 use glam::{Vec2, Vec3};
 use reflet::world::Mesh;
@@ -141,9 +140,9 @@ fn wrong_streams_are_named() {
 }
 
 #[test]
-fn broken_streams_are_refused_or_decoded_in_time() {
+fn broken_streams_are_refused_or_decoded_with_little_work() {
     let mut random = Random(11);
-    let mut refused = 0;
+    let (mut refused, mut most) = (0, Most::default());
     for round in 0..300 {
         let mut stream = GRID.to_vec();
         for _ in 0..1 + random.below(4) {
@@ -153,15 +152,15 @@ fn broken_streams_are_refused_or_decoded_in_time() {
         if round % 5 == 0 {
             stream.truncate(random.below(stream.len()));
         }
-        let started = Instant::now();
-        match document(&stream).load() {
+        let doc = document(&stream);
+        match most.of(|| doc.load()) {
             Ok(world) => check_promises(&world, "draco"),
             Err(errors) => {
                 assert!(errors.iter().all(|e| e.name != "internal"), "{errors:?}");
                 refused += 1;
             }
         }
-        assert!(started.elapsed() < Duration::from_secs(5), "{round}");
     }
+    most.assert_below(1, 1000);
     assert!(refused > 100, "{refused}");
 }

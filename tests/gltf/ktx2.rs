@@ -1,13 +1,11 @@
 //! KHR_texture_basisu: KTX2 files of the Basis Universal encoder, and invalid ones.
 
-use std::{
-    io::Cursor,
-    time::{Duration, Instant},
-};
+use std::io::Cursor;
 
 use crate::{
     common::Random,
     kit::{Doc, Folder, at, check_promises, entry, load_scene, png, rich, scene, stone},
+    work::Most,
 };
 use image::ImageFormat;
 use reflet::scene::desc::MaterialDesc;
@@ -110,9 +108,9 @@ fn other_and_lying_files_are_named() {
 }
 
 #[test]
-fn broken_files_are_refused_or_decoded_in_time() {
+fn broken_files_are_refused_or_decoded_with_little_work() {
     let mut random = Random(5);
-    let mut refused = 0;
+    let (mut refused, mut most) = (0, Most::default());
     for round in 0..300 {
         let mut file = FILES[round % 3].1.to_vec();
         for _ in 0..1 + random.below(3) {
@@ -122,8 +120,8 @@ fn broken_files_are_refused_or_decoded_in_time() {
         if round % 7 == 0 {
             file.truncate(random.below(file.len()));
         }
-        let started = Instant::now();
-        match document(&file).load() {
+        let doc = document(&file);
+        match most.of(|| doc.load()) {
             Ok(world) => check_promises(&world, "ktx2"),
             Err(errors) => {
                 let what = format!("round {round}: {errors:?}");
@@ -131,7 +129,7 @@ fn broken_files_are_refused_or_decoded_in_time() {
                 refused += 1;
             }
         }
-        assert!(started.elapsed() < Duration::from_secs(5), "{round}");
     }
+    most.assert_below(2, 1000);
     assert!(refused > 100, "{refused}");
 }

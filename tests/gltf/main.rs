@@ -36,3 +36,4 @@ mod skin;
 mod specular_glossiness;
 mod variants;
 mod wire;
+mod work;

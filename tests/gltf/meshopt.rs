@@ -1,10 +1,9 @@
 //! EXT_meshopt_compression: streams of every mode and filter, and invalid ones.
 
-use std::time::{Duration, Instant};
-
 use crate::{
     common::Random,
     kit::{Doc, check_promises},
+    work::Most,
 };
 use glam::Vec3;
 use meshopt::{EncodeExpMode, encode_filter_exp, encode_filter_oct};
@@ -198,7 +197,7 @@ fn wrong_numbers_are_named() {
 }
 
 #[test]
-fn broken_streams_are_refused_or_read_in_time() {
+fn broken_streams_are_refused_or_read_with_little_work() {
     let mut random = Random(16);
     let docs: Vec<Doc> = [
         ("EXT_meshopt_compression", 0),
@@ -209,15 +208,14 @@ fn broken_streams_are_refused_or_read_in_time() {
         ["TRIANGLES", "INDICES"].map(|mode| document(name, *version, mode, true))
     })
     .collect();
-    let (mut loaded, mut refused) = (0, 0);
+    let (mut loaded, mut refused, mut most) = (0, 0, Most::default());
     for i in 0..400 {
         let mut doc = docs[i % docs.len()].clone();
         for _ in 0..=random.below(8) {
             let at = random.below(doc.bin.len());
             doc.bin[at] = random.below(256) as u8;
         }
-        let started = Instant::now();
-        match doc.load() {
+        match most.of(|| doc.load()) {
             Ok(world) => {
                 check_promises(&world, &format!("mutation {i}"));
                 loaded += 1;
@@ -230,8 +228,8 @@ fn broken_streams_are_refused_or_read_in_time() {
                 refused += 1;
             }
         }
-        assert!(started.elapsed() < Duration::from_secs(5), "mutation {i}");
     }
+    most.assert_below(1, 1000);
     assert!(
         loaded > 20 && refused > 20,
         "{loaded} loaded, {refused} refused"

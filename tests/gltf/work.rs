@@ -1,0 +1,41 @@
+//! Work of reading a file, counted as its allocations: unlike time, the same on every machine.
+
+use allocation_counter::{AllocationInfo, measure};
+use rayon::ThreadPoolBuilder;
+
+/// Result of `read` and the allocations that it made. Its parallel parts run on the same thread, so that they are
+/// counted too.
+pub fn counted<T: Send>(read: impl FnOnce() -> T + Send) -> (T, AllocationInfo) {
+    let pool = ThreadPoolBuilder::new().num_threads(1).build();
+    pool.expect("a thread").install(|| {
+        let mut result = None;
+        let work = measure(|| result = Some(read()));
+        (result.expect("`measure` calls it"), work)
+    })
+}
+
+/// Largest work of several reads.
+#[derive(Debug, Default)]
+pub struct Most {
+    bytes: u64,
+    allocations: u64,
+}
+
+impl Most {
+    /// Calls `read`, and keeps its work where it is the largest.
+    pub fn of<T: Send>(&mut self, read: impl FnOnce() -> T + Send) -> T {
+        let (result, work) = counted(read);
+        self.bytes = self.bytes.max(work.bytes_total);
+        self.allocations = self.allocations.max(work.count_total);
+        result
+    }
+
+    /// Asserts that no read allocated more than this many MiB, in this many allocations.
+    #[track_caller]
+    pub fn assert_below(&self, mib: u64, allocations: u64) {
+        assert!(
+            self.bytes < mib << 20 && self.allocations < allocations,
+            "{self:?}, expected below {mib} MiB in {allocations}"
+        );
+    }
+}
