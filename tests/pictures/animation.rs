@@ -197,9 +197,9 @@ fn bare_model_renders_as_a_film() {
     let picture = |name: &str| fs::read(folder.join(name)).expect("it is there");
     let film = ["f.00.png", "f.24.png", "f.48.png"].map(picture);
     assert!(film[0] != film[1] && film[1] != film[2]);
-    let text = render(&folder, &[&frames[..], &["all"]].concat(), 0);
+    let text = render(&folder, &[&frames[..], &["0,1,24,48"]].concat(), 0);
     assert_eq!(text.matches("kept").count(), 3, "{text}");
-    assert_eq!(text.matches("wrote").count(), 46, "{text}");
+    assert_eq!(text.matches("wrote").count(), 1, "{text}");
     let text = render(&folder, &[&frames[..], &["49"]].concat(), 2);
     assert!(text.contains("which has 0 to 48"), "{text}");
     let slow = ["--set", "timeline.fps=6"];

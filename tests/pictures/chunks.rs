@@ -17,15 +17,15 @@ use crate::{
     kit::{gpu, integers, scene},
 };
 
-/// Scene text of balls over a mirror, each with its own mesh.
-fn balls() -> String {
+/// Scene text of balls over a mirror, each with its own mesh of this many segments around.
+fn balls(segments: u32) -> String {
     let mut text = r#"
 version = 1
 [camera.main]
 eye = [0, 3, 6]
 target = [0, 0.5, 0]
 [image]
-size = [96, 64]
+size = [48, 32]
 [light.sun]
 kind = "directional"
 direction = [-0.3, -1, -0.5]
@@ -55,7 +55,8 @@ model = "floor"
         let radius = 0.3 + 0.003 * f32::from(i);
         let _ = write!(
             text,
-            "[model.ball{i}]\nshape = {{ kind = \"sphere\", radius = {radius} }}\n\
+            "[model.ball{i}]\n\
+             shape = {{ kind = \"sphere\", radius = {radius}, segments = {segments} }}\n\
              [[instance]]\nmodel = \"ball{i}\"\ntranslation = [{x}, 0.5, {z}]\ndynamic = {}\n",
             i % 3 == 0
         );
@@ -63,8 +64,11 @@ model = "floor"
     text
 }
 
-fn shown(gpu: &Gpu, visibility: Visibility) -> Picture {
-    let (desc, world) = scene(&balls(), &[]);
+/// Segments with which each array of all meshes takes more than 512 KiB.
+const LARGE: u32 = 64;
+
+fn shown(gpu: &Gpu, segments: u32, visibility: Visibility) -> Picture {
+    let (desc, world) = scene(&balls(segments), &[]);
     let mut options = RenderOptions::of(&desc);
     options.reflection.method = Method::Hybrid;
     options.image.visibility = visibility;
@@ -80,20 +84,20 @@ fn pictures_do_not_depend_on_how_much_a_buffer_holds() {
     let (Some(gpu), Some(mut small)) = (gpu(), gpu_or_skip()) else {
         return;
     };
-    small.limits.max_storage_buffer_binding_size = 1 << 21;
+    small.limits.max_storage_buffer_binding_size = 1 << 19;
     for (visibility, buffer_bytes) in [
         (Visibility::Raster, gpu.limits.max_buffer_size),
-        (Visibility::Raster, 1 << 22),
-        (Visibility::Rays, 1 << 22),
+        (Visibility::Raster, 1 << 20),
+        (Visibility::Rays, 1 << 20),
     ] {
         small.limits.max_buffer_size = buffer_bytes;
-        let whole = shown(gpu, visibility);
-        let chunked = shown(&small, visibility);
+        let whole = shown(gpu, LARGE, visibility);
+        let chunked = shown(&small, LARGE, visibility);
         let bytes = &chunked.stats.bytes;
         for array in ["tree_nodes", "tree_triangles", "vertices", "mesh_data"] {
             let of_array = bytes.iter().find(|(name, _)| name == array);
             let size = of_array.map_or(0, |(_, size)| *size);
-            assert!(size > 1 << 21, "{array}: {size} bytes are one buffer");
+            assert!(size > 1 << 19, "{array}: {size} bytes are one buffer");
         }
         for aov in [Aov::Ids, Aov::HitIds] {
             assert!(
@@ -115,7 +119,7 @@ fn pictures_do_not_depend_on_how_the_device_reads() {
     plain.features.remove(wgpu::Features::PRIMITIVE_INDEX);
     plain.reads_texels_faster = false;
     for visibility in [Visibility::Raster, Visibility::Rays] {
-        let [own, other] = [gpu, &plain].map(|gpu| shown(gpu, visibility));
+        let [own, other] = [gpu, &plain].map(|gpu| shown(gpu, 8, visibility));
         for aov in [Aov::Ids, Aov::HitIds] {
             assert!(
                 integers(&own, aov) == integers(&other, aov),
@@ -132,9 +136,9 @@ fn more_than_all_buffers_hold_is_refused_by_name() {
     let Some(mut small) = gpu_or_skip() else {
         return;
     };
-    small.limits.max_storage_buffer_binding_size = 1 << 21;
+    small.limits.max_storage_buffer_binding_size = 1 << 19;
     small.limits.max_storage_buffers_per_shader_stage = 12;
-    let (desc, world) = scene(&balls(), &[]);
+    let (desc, world) = scene(&balls(LARGE), &[]);
     let mut options = RenderOptions::of(&desc);
     options.reflection.method = Method::Hybrid;
     let error = Renderer::new(&small, &shaders(), &world, &options).expect_err("too much");
@@ -144,8 +148,8 @@ fn more_than_all_buffers_hold_is_refused_by_name() {
         triangles,
         ..Sizes::default()
     };
-    assert!(check_size(&small, sizes(10 << 21)).is_err());
-    assert_eq!(check_size(&small, sizes(4 << 21)), Ok(()));
+    assert!(check_size(&small, sizes(10 << 19)).is_err());
+    assert_eq!(check_size(&small, sizes(4 << 19)), Ok(()));
     assert!(
         message.contains("geometry") || message.contains("triangles"),
         "{message}"
