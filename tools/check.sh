@@ -25,20 +25,45 @@ readonly full
 
 root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
 readonly root
+
+# Announces a section, and says how many seconds the one before took.
+section=""
+heading() {
+    if [ -n "$section" ]; then
+        printf -- '-- %s: %d s\n' "$section" "$((SECONDS - began))"
+    fi
+    section="$1" began="$SECONDS"
+    printf '\n== %s ==\n' "$section"
+}
+
+heading "Setup"
 "$root/tools/setup.sh"
 export PATH="$HOME/.cargo/bin:$PATH"
+cd "$root"
 # setup.sh has installed a software adapter: without one, tests fail here instead of skipping.
 export REFLET_REQUIRE_GPU=1
-cd "$root"
-
-heading() { printf '\n== %s ==\n' "$1"; }
+# The software adapter keeps compiled shaders here, whatever the user's settings and home are.
+export MESA_SHADER_CACHE_DIR="$root/target/shader-cache" MESA_SHADER_CACHE_MAX_SIZE=1G
+export MESA_SHADER_CACHE_DISABLE=false
+mkdir -p "$MESA_SHADER_CACHE_DIR"
+if [ "$full" = no ]; then
+    # It compiles without optimization, to the same pixels; --full tests the optimized code.
+    export GALLIVM_PERF=nopt
+fi
+# Unoptimized, the package builds in a third of the time; its tests mostly wait for the driver.
+export CARGO_PROFILE_DEV_OPT_LEVEL=0
 
 heading "Format"
 cargo fmt --all -- --check
 
-heading "Lints"
-# Clippy uses the dev profile, like the tests and the demo, so dependencies are built once.
-cargo clippy --locked --all-targets --all-features -- -D warnings
+heading "Lints and build"
+# Clippy is the compiler of this package, with the arguments of `cargo clippy -- -D warnings`: one build is linted
+# and tested.
+clippy_driver="$(rustc --print sysroot)/bin/clippy-driver"
+linted() {
+    RUSTC_WORKSPACE_WRAPPER="$clippy_driver" CLIPPY_ARGS="-D__CLIPPY_HACKERY__warnings" cargo "$@"
+}
+linted test --locked --all-features --no-run
 
 heading "Lints without the window, the measuring and the command line"
 feature_sets=(bench "")
@@ -54,41 +79,39 @@ if grep -E '(egui|winit|clap|plotters) v' <<<"$library"; then
     exit 1
 fi
 
-heading "Tests of modules"
-# Unoptimized, the module tests build in a third of the time; they compute little.
-CARGO_PROFILE_TEST_OPT_LEVEL=0 cargo test --locked --all-features --lib
-
 heading "Tests"
-cargo test --locked --all-features --test '*' --no-run
-# Two processes: a software adapter compiles shaders on one thread of each. `pictures` takes half of the time.
-others="$(mktemp)"
-cargo test --locked --all-features --test '[!p]*' >"$others" 2>&1 &
-beside=$!
-trap 'pkill -P "$beside" || true; kill "$beside" || true; rm -f "$others"' EXIT
-failed=no
-cargo test --locked --all-features --test 'p*' || failed=yes
-wait "$beside" || failed=yes
-cat "$others"
-rm "$others"
-trap - EXIT
-[ "$failed" = no ]
+# Three processes: a software adapter compiles shaders on one thread of each. What one says is shown when it ends.
+run_tests() {
+    local said status=0
+    said="$(linted test --locked --all-features --no-fail-fast "$@" 2>&1)" || status="$?"
+    printf '%s\n' "$said"
+    return "$status"
+}
+export -f linted run_tests
+export clippy_driver
+xargs -L 1 -P 3 bash -c 'run_tests "$@"' _ <<'END'
+--test p*
+--test c*
+--lib --test [!cp]*
+END
 
 heading "Example of the library"
-cargo run --locked --all-features --example render_to_pixels
+linted run --locked --all-features --example render_to_pixels
 
 if [ "$full" = yes ]; then
     heading "Long tests"
-    cargo test --locked --all-features -- --ignored
+    linted test --locked --all-features -- --ignored
 
     heading "Broken files"
     tools/fuzz.sh
 
     heading "Licenses and vulnerabilities of dependencies"
-    if cargo deny --version >/dev/null 2>&1; then
-        cargo deny check --config tools/deny.toml
-    else
-        echo "missing: cargo-deny; cargo install --locked cargo-deny"
+    if ! cargo deny --version; then
+        echo "missing: cargo-deny; building it in target/tools"
+        cargo install --locked --quiet --root target/tools cargo-deny
+        export PATH="$root/target/tools/bin:$PATH"
     fi
+    cargo deny check --config tools/deny.toml
 fi
 
 if [ -f tools/pyproject.toml ]; then
@@ -106,4 +129,4 @@ if [ -f tools/pyproject.toml ]; then
     "${pytest[@]}" tests/tools
 fi
 
-heading "All good"
+heading "All good in $SECONDS s"
