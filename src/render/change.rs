@@ -12,10 +12,10 @@ use super::{
     lights::ShadowSizes,
     options::RenderOptions,
     passes::needed_passes,
-    plan::may_meet_culled,
+    plan::{Plan, may_meet_culled},
     rebuild_summary::RebuildSummary,
     relative::origin_of,
-    renderer::{Renderer, build_trees, check_posed, plan_of, top_level, unit_of, variant},
+    renderer::{Renderer, build_trees, check_posed, top_level, unit_of, variant},
     shaders::Shaders,
     validate::check_world,
     world_key::WorldKey,
@@ -92,7 +92,7 @@ impl Renderer {
                 .find_backs(world);
         }
         let scene = new_scene.as_ref().unwrap_or(&self.scene);
-        let plan = plan_of(world, trees, scene, options);
+        let plan = Plan::of(world, trees, &scene.pools.layers, options);
         let needed = needed_passes(&plan, options);
         let shaders = Shaders::new(gpu, library, variant(gpu, &plan, scene), &needed)?;
         let maps = ShadowSizes::of(&world.lights, options);

@@ -84,7 +84,7 @@ impl Renderer {
                 targets.push(*target);
             }
         }
-        if count && self.plan.reflections {
+        if count && self.plan.features.reflections {
             downloads.buffer(gpu, &self.bindings.ray_list.counters)?;
         }
         Ok(Download {
@@ -93,7 +93,7 @@ impl Renderer {
             values: TargetValues {
                 size: self.bindings.targets.size,
                 method: self.method(),
-                reflections: self.plan.reflections,
+                reflections: self.plan.features.reflections,
                 counters: None,
                 precision: self.plan.precision,
                 bytes: HashMap::new(),

@@ -86,7 +86,7 @@ impl Renderer {
         let camera = relative_camera(camera, self.origin);
         let mut view = View::new(&camera, self.options.image.size);
         // Method `ssr` and the paper's rule assume that the picture shows all surfaces, so they need no such check.
-        let verifies = self.plan.reflections && self.options.reflection.verifies();
+        let verifies = self.plan.features.reflections && self.options.reflection.verifies();
         view.has_edge_on = verifies && has_edge_on_surfaces(world, &view);
         Ok(view)
     }
@@ -199,7 +199,7 @@ impl Renderer {
                 .into_iter()
                 .map(|(n, b)| (format!("target_{n}"), b)),
         );
-        if self.plan.has_lists() {
+        if self.plan.features.lists {
             bytes.push(("lists".to_owned(), self.bindings.ray_list.lists.size()));
         }
         let (size, method) = (self.options.image.size, self.method());

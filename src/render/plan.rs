@@ -1,93 +1,40 @@
 //! Plan of a frame: the features and passes that a scene needs; all others are left out.
 
-mod dropped;
+mod feature_table;
+mod features;
 mod mutual_reflections;
-mod overrides;
 mod uses;
 
-use serde::Serialize;
+use std::collections::BTreeSet;
 
 use crate::{
-    scene::desc::{Method, PatternKind, ReflectionMode, ShownDesc, Visibility},
+    scene::desc::{Method, ReflectionMode, Visibility},
     world::{CORE_SLOTS, LayerTexture, Material, World, Wrap, bvh::Trees},
 };
 
-pub use self::{dropped::Dropped, uses::passes_light};
-use self::{
-    mutual_reflections::reflectors_see_each_other,
-    uses::{SurfaceUses, scatters_twice},
+use self::features::PlannedScene;
+pub use self::{
+    feature_table::{Dropped, FeatureRow, FileChoice},
+    features::Features,
+    uses::passes_light,
 };
 use super::{
-    lights::{LightNeeds, ShadowSizes, has_shadow_rays},
+    lights::{LightNeeds, has_shadow_rays},
     options::RenderOptions,
     precision::Precision,
-    shader_variant::ShaderVariant,
     textures::Layers,
     types::METAL_REACH,
 };
 
-/// Features of the frame; each flag is a pipeline constant, or says whether a pass is recorded.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+/// Features of a frame, and the numbers that shaders are specialized with.
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Plan {
-    /// Whether some material can reflect: march, trace and blur passes exist.
-    pub reflections: bool,
-    /// Whether rays are traced: see [`traces_rays`].
-    pub traced: bool,
-    /// Whether some geometry is in the static tree.
-    pub static_tree: bool,
-    /// Whether some instance is traced through the top level.
-    pub top_level: bool,
-    /// Whether surfaces that the camera culls but reflection rays meet stop the march.
-    pub culled_surfaces: bool,
+    /// Features that the scene needs.
+    pub features: Features,
+    /// Features that were left out.
+    pub dropped: Vec<Dropped>,
     /// Precision of stored light.
     pub precision: Precision,
-    /// Whether some instance is hidden from a kind of ray.
-    pub unshown: bool,
-    /// Whether some material is cut out.
-    pub cutouts: bool,
-    /// Whether some material has a normal map.
-    pub normal_maps: bool,
-    /// Whether some material has a texture.
-    pub textures: bool,
-    /// Whether some material has a checker or another pattern.
-    pub checkers: bool,
-    /// Whether some material has a pattern other than a checker.
-    pub patterns: bool,
-    /// Whether some light casts its shadow by rays.
-    pub shadow_rays: bool,
-    /// Whether some light without a size casts its shadow by rays.
-    pub hard_shadow_rays: bool,
-    /// Whether some light has a cube map.
-    pub cube_maps: bool,
-    /// Whether some light has a flat shadow map.
-    pub flat_maps: bool,
-    /// Whether reflections may reuse the light pass's results of shadow rays.
-    pub lends_light: bool,
-    /// Whether the environment's light is sampled rather than computed in closed form.
-    pub sampled_environment: bool,
-    /// Whether some light has a size.
-    pub sized_lights: bool,
-    /// Whether some directional light has a size.
-    pub sized_suns: bool,
-    /// Whether some emissive surface is sampled as a light.
-    pub emitters: bool,
-    /// Whether diffuse surfaces light each other: diffuse interreflection.
-    pub indirect: bool,
-    /// Whether all light is path traced without bias.
-    pub unbiased: bool,
-    /// Features of the surfaces.
-    #[serde(flatten)]
-    pub surfaces: SurfaceUses,
-    /// Whether some reflection is rough.
-    pub rough_reflections: bool,
-    /// Whether the specular lobe is compensated for multiple scattering between facets.
-    pub multiple_scattering: bool,
-    /// Whether the environment is a panorama.
-    pub panorama: bool,
-    /// Whether shadow rays are traced for the environment's light.
-    pub environment_rays: bool,
-    /// Whether the camera sees the environment.
-    pub shows_environment: bool,
     /// Maximum number of successive reflections.
     pub bounces: u32,
     /// Texture pools in use, six bits for each slot of a material: a bit for each linear and sRGB
@@ -97,8 +44,6 @@ pub struct Plan {
     pub layer_pools: u32,
     /// Wrap mode pairs in use.
     pub wraps: u32,
-    /// Features that were left out.
-    pub dropped: Vec<Dropped>,
 }
 
 /// Whether a material has a specular lobe that a reflection could replace.
@@ -208,163 +153,60 @@ pub fn may_meet_culled(world: &World, options: &RenderOptions) -> bool {
 }
 
 impl Plan {
-    /// The plan that drops no feature, to compare against. Lights and their sampling stay as in the scene, since
-    /// samples differ from closed forms until they converge.
-    pub fn general(world: &World, options: &RenderOptions) -> Self {
-        let settings = &options.reflection;
-        Self {
-            sampled_environment: world.environment.is_sampled()
-                || environment_casts_rays(world, options),
-            indirect: scatters(options),
-            unbiased: options.is_unbiased(),
-            sized_lights: world.lights.iter().any(|l| l.desc.kind.has_size()),
-            sized_suns: true,
-            emitters: world.has_emitters(),
-            rough_reflections: reflects_roughly(world, settings.reflects_below()),
-            surfaces: SurfaceUses::of(world),
-            multiple_scattering: settings.multiple_scattering && scatters_twice(world),
-            panorama: world.environment.panorama.is_some(),
-            environment_rays: environment_casts_rays(world, options),
-            shows_environment: world.environment.desc.visible && !options.image.alpha,
-            reflections: true,
-            traced: true,
-            static_tree: true,
-            top_level: true,
-            culled_surfaces: may_meet_culled(world, options),
-            precision: Precision::of(world, options),
-            unshown: true,
-            cutouts: true,
-            normal_maps: true,
-            textures: true,
-            checkers: true,
-            patterns: true,
-            shadow_rays: true,
-            hard_shadow_rays: true,
-            cube_maps: true,
-            flat_maps: true,
-            lends_light: true,
-            bounces: settings.bounces,
-            slot_pools: (1 << 30) - 1,
-            layer_pools: (1 << 6) - 1,
-            wraps: 15,
-            dropped: Vec::new(),
-        }
-    }
-
-    /// The plan of a scene: the features that it needs.
+    /// The plan of a scene; with [`RenderOptions::general`], the one that drops no feature.
     pub fn of(world: &World, trees: &Trees, layers: &Layers, options: &RenderOptions) -> Self {
-        let settings = &options.reflection;
-        let mut used: Vec<usize> = world.instances.iter().map(|i| i.material).collect();
-        used.sort_unstable();
-        used.dedup();
-        let materials = || used.iter().map(|&m| &world.materials[m]);
-        let (slot_pools, layer_pools, wraps) = samplers(world, &used, layers);
-        let cutoff = settings.reflects_below();
-        let reflections = reflects(world, cutoff);
-        // Transmissive surfaces also show the backs of reflectors.
-        let single_bounce = reflections
-            && !passes_light(world)
-            && !scatters(options)
-            && !reflectors_see_each_other(world, cutoff);
-        let traced = traces_rays(world, options);
-        let lights = LightNeeds::of(&world.lights, options);
-        let shadows = ShadowSizes::of(&world.lights, options);
-        let mut plan = Self {
-            reflections,
-            traced,
-            static_tree: trees.static_triangles > 0,
-            top_level: trees.is_built() && !trees.top_instances.is_empty(),
-            culled_surfaces: may_meet_culled(world, options)
-                && world.instances.iter().any(|i| world.hides_from_camera(i)),
-            precision: Precision::of(world, options),
-            unshown: (world.instances.iter()).any(|i| i.shown != ShownDesc::default()),
-            cutouts: materials().any(|m| m.alpha_cutoff.is_some()),
-            normal_maps: materials().any(|m| m.normal_texture.is_some()),
-            textures: materials().any(|m| m.slots().iter().any(Option::is_some)),
-            checkers: materials().any(|m| m.checker.is_some()),
-            patterns: materials()
-                .any(|m| m.checker.is_some_and(|c| c.kind != PatternKind::Checker)),
-            shadow_rays: lights.rays,
-            hard_shadow_rays: lights.hard_rays,
-            cube_maps: shadows.cubes > 0,
-            flat_maps: shadows.maps > 0,
-            lends_light: reflections && lights.hard_rays,
-            sampled_environment: world.environment.is_sampled()
-                || environment_casts_rays(world, options),
-            indirect: scatters(options),
-            unbiased: options.is_unbiased(),
-            sized_lights: lights.sized,
-            sized_suns: lights.sized_suns,
-            emitters: world.has_emitters(),
-            rough_reflections: reflects_roughly(world, cutoff),
-            surfaces: SurfaceUses::of(world),
-            multiple_scattering: settings.multiple_scattering && scatters_twice(world),
-            panorama: world.environment.panorama.is_some(),
-            environment_rays: environment_casts_rays(world, options),
-            shows_environment: world.environment.desc.visible && !options.image.alpha,
-            bounces: if single_bounce { 1 } else { settings.bounces },
+        let precision = Precision::of(world, options);
+        let used: BTreeSet<usize> = world.instances.iter().map(|i| i.material).collect();
+        let (features, dropped) = Features::of(&PlannedScene {
+            world,
+            materials: used.iter().map(|&m| &world.materials[m]).collect(),
+            trees,
+            options,
+            precision,
+        });
+        let (slot_pools, layer_pools, wraps) = match options.general {
+            true => ((1 << (6 * CORE_SLOTS)) - 1, (1 << 6) - 1, (1 << 4) - 1),
+            false => samplers(world, &used, layers),
+        };
+        Self {
+            features,
+            dropped,
+            precision,
+            bounces: match features.further_bounces {
+                true => options.reflection.bounces,
+                false => 1,
+            },
             slot_pools,
             layer_pools,
             wraps,
-            dropped: Vec::new(),
-        };
-        plan.list_dropped(settings);
-        plan
-    }
-
-    /// The shader files that the plan needs.
-    pub fn variant(&self) -> ShaderVariant {
-        ShaderVariant {
-            extent: self.sampled_environment
-                || self.sized_lights
-                || self.emitters
-                || self.indirect
-                || self.rough_reflections
-                || self.has_layers(),
-            emitters: self.emitters,
-            indirect: self.indirect,
-            ambient: self.sampled_environment,
-            panorama: self.panorama,
-            layers: self.has_layers(),
-            details: self.has_details(),
-            sheen: self.surfaces.sheen,
-            film: self.surfaces.iridescence,
-            full: self.precision.full,
-            conserved: self.multiple_scattering,
-            ..ShaderVariant::default()
         }
     }
 
-    /// Whether some surface is transmissive or has a clear coat.
-    fn has_layers(&self) -> bool {
-        self.surfaces.transmission || self.surfaces.coats
-    }
-
-    /// Whether passes run over lists of pixels.
-    pub fn has_lists(&self) -> bool {
-        self.reflections || self.surfaces.transmission
-    }
-
-    /// Whether some surface has values that the G-buffer has no bits for.
-    pub fn has_details(&self) -> bool {
-        let uses = &self.surfaces;
-        uses.has_tints() || uses.sheen || uses.has_frames()
+    /// Values for the shaders' overrides, by name.
+    pub fn overrides(&self) -> Vec<(&'static str, f64)> {
+        let numbers = [
+            ("EMISSION_SCALE", self.precision.emission_scale().into()),
+            ("SLOT_POOLS", self.slot_pools.into()),
+            ("LAYER_POOLS", self.layer_pools.into()),
+            ("WRAPS", self.wraps.into()),
+        ];
+        self.features.constants().chain(numbers).collect()
     }
 
     /// Light features that the plan's passes support.
     pub fn light_needs(&self) -> LightNeeds {
         LightNeeds {
-            rays: self.shadow_rays,
-            hard_rays: self.hard_shadow_rays,
-            sized: self.sized_lights,
-            sized_suns: self.sized_suns,
+            rays: self.features.shadow_rays,
+            hard_rays: self.features.hard_shadow_rays,
+            sized: self.features.sized_lights,
+            sized_suns: self.features.sized_suns,
         }
     }
 }
 
 /// Bit masks for shaders: pools that each slot samples, pools of layer textures, and wrap pairs of the used
 /// materials.
-fn samplers(world: &World, used: &[usize], layers: &Layers) -> (u32, u32, u32) {
+fn samplers(world: &World, used: &BTreeSet<usize>, layers: &Layers) -> (u32, u32, u32) {
     let (mut slot_pools, mut layer_pools, mut wraps) = (0, 0, 0);
     for &m in used {
         let slots_of = world.materials[m].slots().into_iter().enumerate();

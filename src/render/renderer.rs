@@ -95,7 +95,7 @@ impl Renderer {
         if may_meet_culled(world, options) {
             scene.find_backs(world);
         }
-        let plan = plan_of(world, &trees, &scene, options);
+        let plan = Plan::of(world, &trees, &scene.pools.layers, options);
         let needed = needed_passes(&plan, options);
         let shaders = Shaders::new(gpu, library, variant(gpu, &plan, &scene), &needed)?;
         let uniforms = FrameUniforms::new(gpu);
@@ -292,20 +292,7 @@ pub(super) fn variant(gpu: &Gpu, plan: &Plan, scene: &GpuScene) -> ShaderVariant
     ShaderVariant {
         indexed: numbers_triangles && scene.indexed().is_some(),
         chunks: scene.chunks,
-        ..plan.variant()
-    }
-}
-
-/// Plan of the frame: features and passes.
-pub(super) fn plan_of(
-    world: &World,
-    trees: &Trees,
-    scene: &GpuScene,
-    options: &RenderOptions,
-) -> Plan {
-    match options.general {
-        true => Plan::general(world, options),
-        false => Plan::of(world, trees, &scene.pools.layers, options),
+        features: plan.features,
     }
 }
 

@@ -97,7 +97,7 @@ fn picture((desc, world): &(SceneDesc, World)) -> Option<(Picture, bool)> {
     let gpu = gpu()?;
     let mut renderer = renderer(gpu, desc, world, false);
     let picture = renderer.picture(gpu, world, &world.cameras[0].value, &[]);
-    let has_own = renderer.plan().surfaces.coat_normals;
+    let has_own = renderer.plan().features.coat_normals;
     Some((picture.unwrap_or_else(|e| panic!("{e}")), has_own))
 }
 

@@ -204,11 +204,12 @@ fn the_truth_depends_on_no_setting_of_the_others() {
     assert_eq!(path(&[]), others);
     let (desc, world) = scene(WHITE, &["reflection.method=path"]);
     let renderer = renderer(gpu, &desc, &world, false);
-    assert!(renderer.plan().precision.full && renderer.plan().unbiased);
+    assert!(renderer.plan().precision.full && renderer.plan().features.unbiased);
     let (desc, world) = scene(WHITE, &[]);
     assert!(
         !super::kit::renderer(gpu, &desc, &world, false)
             .plan()
+            .features
             .indirect
     );
 }

@@ -330,7 +330,7 @@ fn alpha_of_scene_text_blends_as_that_of_a_file() {
     assert!(
         !renderer(gpu, &desc, &world, false)
             .plan()
-            .surfaces
+            .features
             .transmission
     );
     let cut = ["material.thing.alpha_cutoff=0.5"];

@@ -314,11 +314,11 @@ fn what_no_material_has_is_no_part_of_the_frame() {
     let Some(gpu) = gpu() else { return };
     let (desc, world) = scene(FLOOR, &[]);
     let with = renderer(gpu, &desc, &world, false);
-    assert!(!with.plan().has_details() && with.plan().layer_pools == 0);
+    assert!(!with.plan().features.details && with.plan().layer_pools == 0);
     let (desc, world) = scene(FLOOR, &["material.floor.sheen_color=[0, 0, 0.5]"]);
     let plan = renderer(gpu, &desc, &world, false).plan().clone();
-    assert!(plan.surfaces.sheen && plan.variant().sheen && !plan.surfaces.tints);
+    assert!(plan.features.sheen && !plan.features.tints);
     let (desc, world) = scene(FLOOR, &["material.floor.specular_color=[0, 0, 0.5]"]);
     let plan = renderer(gpu, &desc, &world, false).plan().clone();
-    assert!(plan.surfaces.tints && plan.variant().details && !plan.variant().sheen);
+    assert!(plan.features.tints && plan.features.details && !plan.features.sheen);
 }

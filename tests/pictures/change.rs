@@ -99,6 +99,7 @@ fn a_march_that_comes_later_knows_what_the_camera_culls() {
     assert!(
         renderer(gpu, &hybrid.0, &hybrid.1, false)
             .plan()
+            .features
             .culled_surfaces
     );
     shown(&rt, &hybrid);

@@ -124,7 +124,7 @@ fn surfaces_without_a_specular_lobe_send_no_rays() {
         };
         let sent = |counts: &[PassCounts]| counts.iter().map(|c| c.counts.traversals).sum::<u64>();
         assert!(
-            !renderer.plan().reflections && sent(&counts) == 0,
+            !renderer.plan().features.reflections && sent(&counts) == 0,
             "{counts:?}"
         );
         // The camera sees only one of the two facing mirrors, the one that does not reflect.

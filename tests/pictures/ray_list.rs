@@ -143,7 +143,7 @@ fn what_lets_light_through_and_reflects_nothing_has_a_list_of_its_own() {
         options.reflection.method = method;
         let mut renderer =
             Renderer::new(gpu, &shaders(), &world, &options).unwrap_or_else(|e| panic!("{e}"));
-        assert!(!renderer.plan().reflections, "nothing reflects");
+        assert!(!renderer.plan().features.reflections, "nothing reflects");
         let picture = renderer.picture(gpu, &world, &world.cameras[0].value, &[]);
         picture.unwrap_or_else(|e| panic!("{e}"))
     });

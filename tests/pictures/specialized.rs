@@ -8,7 +8,7 @@ use std::{
 };
 
 use reflet::{
-    render::{Renderer, aov::Aov, plan::Plan},
+    render::{Renderer, aov::Aov},
     scene::stages::{Animator, Scene},
     world::load::{self, LoadOptions},
 };
@@ -69,11 +69,9 @@ fn compare(path: &Path, assets: Option<&Path>, set: &[&str], compared: &mut Hash
         }
         let both = renderers
             .get_or_insert_with(|| [false, true].map(|g| renderer(gpu, &scene, &world, g)));
-        let plan = Plan {
-            bounces: 0,
-            dropped: Vec::new(),
-            ..both[0].plan().clone()
-        };
+        let mut plan = both[0].plan().clone();
+        (plan.bounces, plan.features.further_bounces) = (0, false);
+        plan.dropped = Vec::new();
         let options = (both[0].method(), both[0].options().image.visibility);
         if frame == start && !compared.insert(format!("{plan:?} {options:?}")) {
             return;

@@ -9,13 +9,21 @@ use reflet::gpu::{
     check,
     reflect::capabilities,
 };
-use reflet::render::shader_variant::ShaderVariant;
+use reflet::render::{plan::Features, shader_variant::ShaderVariant};
 
 /// Shader libraries of all variants.
 fn libraries() -> Vec<ShaderLibrary> {
     let embedded = ShaderLibrary::embedded();
     let library = |v: ShaderVariant| v.library(&embedded).unwrap_or_else(|e| panic!("{e}"));
     ShaderVariant::all().into_iter().map(library).collect()
+}
+
+/// Variant with these features and those that follow from them.
+fn variant(features: Features) -> ShaderVariant {
+    ShaderVariant {
+        features: features.with_followers(),
+        ..ShaderVariant::default()
+    }
 }
 
 /// Every shader of every variant; those that variants share appear once.
@@ -199,13 +207,14 @@ fn every_pass_reads_only_what_was_written_before() {
 fn closed_forms_need_no_samples() {
     let embedded = ShaderLibrary::embedded();
     let library = |is_sampled: bool, panorama: bool| {
-        let variant = ShaderVariant {
-            extent: is_sampled,
-            ambient: is_sampled,
+        let features = Features {
+            environment_rays: is_sampled,
             panorama,
-            ..ShaderVariant::default()
+            ..Features::default()
         };
-        variant.library(&embedded).unwrap_or_else(|e| panic!("{e}"))
+        variant(features)
+            .library(&embedded)
+            .unwrap_or_else(|e| panic!("{e}"))
     };
     let bindings = |library: &ShaderLibrary| {
         let source = library.source("light").unwrap_or_else(|e| panic!("{e}"));
@@ -224,12 +233,16 @@ fn closed_forms_need_no_samples() {
     assert_eq!(has(&sampled, "panorama_density"), [false; 2]);
     assert_eq!(has(&panorama, "panorama_density"), [true; 2]);
     let details = |sheen: bool| {
-        let variant = ShaderVariant {
-            details: true,
+        let features = Features {
+            tints: true,
             sheen,
-            ..ShaderVariant::default()
+            ..Features::default()
         };
-        bindings(&variant.library(&embedded).unwrap_or_else(|e| panic!("{e}")))
+        bindings(
+            &variant(features)
+                .library(&embedded)
+                .unwrap_or_else(|e| panic!("{e}")),
+        )
     };
     let [tinted, sheen] = [false, true].map(details);
     for name in ["sheen_table", "sheen_lambda"] {
@@ -237,4 +250,65 @@ fn closed_forms_need_no_samples() {
         assert!(has(&sheen, name)[0], "{name}");
     }
     assert!(has(&sheen, "sheen_table")[1]);
+}
+
+/// Overrides that neither the table of features nor a pass gives: numbers of the plan and of the adapter, and choices
+/// between pipelines of one shader.
+const OTHER_OVERRIDES: [&str; 10] = [
+    "COUNT",
+    "CUTOUT",
+    "EMISSION_SCALE",
+    "LAYER_POOLS",
+    "MAX_VISITS",
+    "REFUSE",
+    "ROW_SHUFFLES",
+    "SHADE",
+    "SLOT_POOLS",
+    "WRAPS",
+];
+
+/// A pipeline constant that no shader declares is ignored, and one that nothing sets keeps its default value, so that a
+/// misspelled name would change no picture that a test looks at.
+#[test]
+fn overrides_are_those_of_features_and_passes() {
+    use reflet::render::{RenderOptions, passes};
+    use std::collections::BTreeSet;
+
+    let options = RenderOptions::default();
+    let features = Features::ROWS.iter().filter_map(|row| row.constant);
+    let own = passes::ALL
+        .iter()
+        .flat_map(|pass| (pass.overrides)(&options));
+    let given: BTreeSet<String> = features
+        .chain(own.map(|(name, _)| name))
+        .chain(OTHER_OVERRIDES)
+        .map(str::to_owned)
+        .collect();
+    let declared: BTreeSet<String> = SHIPPED
+        .iter()
+        .flat_map(|shader| shader.overrides.iter().map(|o| o.name.clone()))
+        .collect();
+    assert_eq!(given, declared);
+}
+
+/// Pairs of features are validated apart and together.
+#[test]
+fn variants_let_files_of_two_features_meet() {
+    let sets = Features::variants();
+    type Get = fn(&Features) -> bool;
+    let pairs: [[Get; 2]; 6] = [
+        [|f| f.panorama, |f| f.indirect],
+        [|f| f.sheen, |f| f.iridescence],
+        [|f| f.layers, |f| f.indirect],
+        [|f| f.emitters, |f| f.sampled_environment],
+        [|f| f.details, |f| f.layers],
+        [|f| f.multiple_scattering, |f| f.full_radiance],
+    ];
+    for (index, [a, b]) in pairs.into_iter().enumerate() {
+        let found = |on: [bool; 2]| sets.iter().any(|set| [a(set), b(set)] == on);
+        let all = [[false, false], [false, true], [true, false], [true, true]];
+        assert!(all.into_iter().all(found), "pair {index}");
+    }
+    let follow = sets.iter().all(|set| *set == set.with_followers());
+    assert!(follow, "{sets:?}");
 }

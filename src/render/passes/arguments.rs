@@ -14,7 +14,7 @@ use crate::{
 pub const PASS: Pass = Pass {
     name: "arguments",
     color: [225, 235, 205],
-    needed: |plan, _| plan.has_lists(),
+    needed: |plan, _| plan.features.lists,
     ..Pass::DEFAULT
 };
 

@@ -30,7 +30,7 @@ pub const PASS: Pass = Pass {
     ],
     params: Some(Params::LAYOUT),
     needed: |plan, options| {
-        plan.reflections && options.audit && options.reflection.method == Method::Hybrid
+        plan.features.reflections && options.audit && options.reflection.method == Method::Hybrid
     },
     // `check_world` and `Trees::build` validated every index that tracing follows.
     checks: Checks::TrustedBuiltin,

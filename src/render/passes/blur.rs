@@ -24,7 +24,7 @@ pub const PASS: Pass = Pass {
     ],
     writes: &[Target::Blurred],
     params: Some(Params::LAYOUT),
-    needed: |plan, options| plan.reflections && options.reflection.blur_px > 0.0,
+    needed: |plan, options| plan.features.reflections && options.reflection.blur_px > 0.0,
     ..Pass::DEFAULT
 };
 

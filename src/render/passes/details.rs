@@ -17,7 +17,7 @@ pub const PASS: Pass = Pass {
     color: [205, 175, 205],
     reads: &[Target::Ids, Target::Colors],
     writes: &[Target::Details],
-    needed: |plan, _| plan.has_details(),
+    needed: |plan, _| plan.features.details,
     ..Pass::DEFAULT
 };
 

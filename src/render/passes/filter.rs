@@ -28,7 +28,9 @@ pub const PASS: Pass = Pass {
     ],
     writes: &[Target::Blurred],
     params: Some(Params::LAYOUT),
-    needed: |plan, options| plan.reflections && plan.rough_reflections && is_enabled(options),
+    needed: |plan, options| {
+        plan.features.reflections && plan.features.rough_reflections && is_enabled(options)
+    },
     ..Pass::DEFAULT
 };
 

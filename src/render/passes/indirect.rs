@@ -22,7 +22,7 @@ pub const PASS: Pass = Pass {
         Target::Details,
     ],
     writes: &[Target::IndirectLight],
-    needed: |plan, _| plan.indirect,
+    needed: |plan, _| plan.features.indirect,
     // `check_world` and `Trees::build` validated every index that rays follow.
     checks: Checks::TrustedBuiltin,
     ..Pass::DEFAULT

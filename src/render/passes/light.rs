@@ -22,7 +22,7 @@ pub const PASS: Pass = Pass {
         Target::Details,
     ],
     writes: &[Target::Radiance, Target::Specular, Target::VisibleLights],
-    is_written: |plan, _, target| target != Target::VisibleLights || plan.lends_light,
+    is_written: |plan, _, target| target != Target::VisibleLights || plan.features.lends_light,
     // Rays towards lights follow indices that `check_world` and `Trees::build` validated.
     checks: Checks::TrustedBuiltin,
     counted: true,

@@ -76,7 +76,12 @@ impl FramePass for Shadow {
         let make = |cutout| pipeline(builder, &layout, cutout);
         Ok(Self {
             opaque: make(false)?,
-            cutout: builder.plan.cutouts.then(|| make(true)).transpose()?,
+            cutout: builder
+                .plan
+                .features
+                .cutouts
+                .then(|| make(true))
+                .transpose()?,
             drawn: Mutex::new(vec![None; groups.len()]),
             groups,
             slots,

@@ -31,7 +31,7 @@ pub const PASS: Pass = Pass {
     ],
     writes: &[Target::Reflection, Target::Cause, Target::Hit],
     params: Some(Params::LAYOUT),
-    needed: |plan, options| plan.reflections && is_enabled(options),
+    needed: |plan, options| plan.features.reflections && is_enabled(options),
     overrides: |options| {
         let flag = |on| f64::from(u8::from(on));
         vec![

@@ -26,7 +26,7 @@ pub const PASS: Pass = Pass {
         Target::Colors,
         Target::Cause,
     ],
-    is_written: |plan, _, target| plan.reflections || target != Target::Cause,
+    is_written: |plan, _, target| plan.features.reflections || target != Target::Cause,
     overrides: |options| {
         let flag = |on| f64::from(u8::from(on));
         vec![

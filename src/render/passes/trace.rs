@@ -27,7 +27,7 @@ pub const PASS: Pass = Pass {
         Target::VisibleLights,
     ],
     writes: &[Target::Reflection, Target::Hit],
-    needed: |plan, options| plan.reflections && is_enabled(options),
+    needed: |plan, options| plan.features.reflections && is_enabled(options),
     // `check_world` and `Trees::build` validated every index that tracing follows.
     checks: Checks::TrustedBuiltin,
     counted: true,

@@ -27,7 +27,7 @@ pub const PASS: Pass = Pass {
         Target::Details,
     ],
     writes: &[Target::TransmittedLight],
-    needed: |plan, _| plan.surfaces.transmission,
+    needed: |plan, _| plan.features.transmission,
     overrides: |options| {
         let flag = |on| f64::from(u8::from(on));
         vec![

@@ -39,7 +39,7 @@ impl FramePass for Visibility {
     /// Creates the pipelines that the draw calls need.
     fn new(builder: &PassBuilder<'_>) -> Result<Self, GpuError> {
         let draws = &builder.resources.scene.draws;
-        let has_culled = builder.plan.culled_surfaces;
+        let has_culled = builder.plan.features.culled_surfaces;
         let culled = draws.iter().filter(|d| has_culled && is_culled(d));
         let unseen = draws.iter().filter(|d| has_culled && is_unseen(d));
         Ok(Self {

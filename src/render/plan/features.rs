@@ -1,0 +1,373 @@
+//! The table of features: what of a frame is left out where a scene does not need it. A new feature is a row here and
+//! the code in the shaders that its constant or its files switch.
+
+use crate::{
+    scene::desc::{PatternKind, ShownDesc},
+    world::{Material, World, bvh::Trees},
+};
+
+use super::{
+    environment_casts_rays,
+    feature_table::{Dropped, FeatureRow, FileChoice, features},
+    may_meet_culled,
+    mutual_reflections::reflectors_see_each_other,
+    reflects, reflects_roughly, scatters, traces_rays,
+    uses::{has_coat_normals, passes_light, scatters_twice},
+};
+use crate::render::{
+    lights::{LightNeeds, ShadowSizes},
+    options::RenderOptions,
+    precision::Precision,
+};
+
+/// A scene for which features are chosen.
+pub struct PlannedScene<'a> {
+    /// World with its files loaded.
+    pub world: &'a World,
+    /// Materials of its instances.
+    pub materials: Vec<&'a Material>,
+    /// BVHs of the world.
+    pub trees: &'a Trees,
+    /// Render options, settled.
+    pub options: &'a RenderOptions,
+    /// Precision of stored light.
+    pub precision: Precision,
+}
+
+impl PlannedScene<'_> {
+    /// Whether the frame keeps all features whose absence changes no picture: the general frame, which the planned
+    /// one is compared with. Lights and their sampling stay as in the scene, since samples differ from closed forms
+    /// until they converge.
+    fn is_general(&self) -> bool {
+        self.options.general
+    }
+
+    /// Whether some material has a feature.
+    fn has(&self, feature: fn(&Material) -> bool) -> bool {
+        self.materials.iter().copied().any(feature)
+    }
+
+    /// Roughness below which materials reflect.
+    fn cutoff(&self) -> f32 {
+        self.options.reflection.reflects_below()
+    }
+
+    fn lights(&self) -> LightNeeds {
+        LightNeeds::of(&self.world.lights, self.options)
+    }
+
+    fn shadows(&self) -> ShadowSizes {
+        ShadowSizes::of(&self.world.lights, self.options)
+    }
+}
+
+features! {
+    /// Features of a frame.
+    pub struct Features of scene: &PlannedScene<'_>;
+
+    /// Whether some material can reflect: march, trace and blur passes exist.
+    reflections {
+        used: scene.is_general() || reflects(scene.world, scene.cutoff()),
+        constant: HAS_REFLECTIONS,
+        dropped: "reflection passes" => "no material can reflect";
+    }
+    /// Whether rays are traced: see [`traces_rays`].
+    traced {
+        used: scene.is_general() || traces_rays(scene.world, scene.options),
+        dropped: "all trees" => "no ray is followed: for reflections, primary visibility or shadows";
+    }
+    /// Whether some geometry is in the static tree.
+    static_tree {
+        used: scene.is_general() || scene.trees.static_triangles > 0,
+        constant: HAS_STATIC,
+        dropped: "static tree" => "no geometry is static", if traced;
+    }
+    /// Whether some instance is traced through the top level.
+    top_level {
+        used: scene.is_general() || scene.trees.is_built() && !scene.trees.top_instances.is_empty(),
+        constant: HAS_TOP_LEVEL,
+        dropped: "top level" => "nothing is dynamic, and copies of static meshes are few enough to bake", if traced;
+    }
+    /// Whether surfaces that the camera culls but reflection rays meet stop the march.
+    culled_surfaces {
+        used: may_meet_culled(scene.world, scene.options)
+            && (scene.is_general() || scene.world.instances.iter().any(|i| scene.world.hides_from_camera(i))),
+        constant: HAS_CULLED,
+        dropped: "depth of culled surfaces" => "no surface that reflection rays may hit is culled by the camera",
+            if reflections;
+    }
+    /// Whether radiance is stored in 32 bits rather than 16.
+    full_radiance {
+        used: scene.precision.full,
+        files: radiance [half, full];
+        dropped: "32 bits of radiance" => "16 bits hold the brightest light of the scene";
+    }
+    /// Whether some instance is hidden from a kind of ray.
+    unshown {
+        used: scene.is_general() || scene.world.instances.iter().any(|i| i.shown != ShownDesc::default()),
+        constant: HAS_UNSHOWN,
+    }
+    /// Whether some material is cut out.
+    cutouts {
+        used: scene.is_general() || scene.has(|m| m.alpha_cutoff.is_some()),
+        constant: HAS_CUTOUT,
+        dropped: "alpha tests" => "no material is cut out";
+    }
+    /// Whether some material has a texture.
+    textures {
+        used: scene.is_general() || scene.has(|m| m.slots().iter().any(Option::is_some)),
+        constant: HAS_TEXTURES,
+        dropped: "textures" => "no material has one";
+    }
+    /// Whether some material has a normal map.
+    normal_maps {
+        used: scene.is_general() || scene.has(|m| m.normal_texture.is_some()),
+        constant: HAS_NORMAL_MAPS,
+        dropped: "normal maps" => "no material has one", if textures;
+    }
+    /// Whether some material has a checker or another pattern.
+    checkers {
+        used: scene.is_general() || scene.has(|m| m.checker.is_some()),
+        constant: HAS_CHECKERS,
+        dropped: "checkers" => "no material has one";
+    }
+    /// Whether some material has a pattern other than a checker.
+    patterns {
+        used: scene.is_general() || scene.has(|m| m.checker.is_some_and(|c| c.kind != PatternKind::Checker)),
+        constant: HAS_PATTERNS,
+    }
+    /// Whether some light casts its shadow by rays.
+    shadow_rays {
+        used: scene.is_general() || scene.lights().rays,
+        constant: HAS_SHADOW_RAYS,
+        dropped: "shadow rays" => "no light casts its shadow by rays";
+    }
+    /// Whether some light without a size casts its shadow by rays.
+    hard_shadow_rays {
+        used: scene.is_general() || scene.lights().hard_rays,
+        constant: HAS_HARD_SHADOW_RAYS,
+    }
+    /// Whether some light has a cube map.
+    cube_maps {
+        used: scene.is_general() || scene.shadows().cubes > 0,
+        constant: HAS_CUBE_MAPS,
+    }
+    /// Whether some light has a flat shadow map.
+    flat_maps {
+        used: scene.is_general() || scene.shadows().maps > 0,
+        constant: HAS_FLAT_MAPS,
+    }
+    /// Whether reflections may reuse the light pass's results of shadow rays.
+    lends_light {
+        follows: reflections && hard_shadow_rays,
+        constant: LENDS_LIGHT,
+        dropped: "light reuse" => "no light without a size casts its shadow by rays", if reflections;
+    }
+    /// Whether the environment is a panorama.
+    panorama {
+        used: scene.world.environment.panorama.is_some(),
+        files: environment [gradient, panorama];
+    }
+    /// Whether shadow rays are traced for the environment's light.
+    environment_rays {
+        used: environment_casts_rays(scene.world, scene.options),
+        constant: HAS_ENVIRONMENT_RAYS,
+    }
+    /// Whether the environment's light is sampled rather than computed in closed form.
+    sampled_environment {
+        follows: panorama || environment_rays,
+        files: ambient [closed, sampled];
+        dropped: "samples of the environment" => "the environment is a gradient and casts no shadows";
+    }
+    /// Whether some light has a size.
+    sized_lights {
+        used: scene.lights().sized,
+        constant: HAS_SIZED_LIGHTS,
+        dropped: "samples of lights" => "no light has a size";
+    }
+    /// Whether some directional light has a size.
+    sized_suns {
+        used: scene.is_general() || scene.lights().sized_suns,
+        constant: HAS_SIZED_SUNS,
+    }
+    /// Whether some emissive surface is sampled as a light.
+    emitters {
+        used: scene.world.has_emitters(),
+        files: emitters [none, sampled];
+        dropped: "samples of emitting surfaces" => "no material has `light = true`";
+    }
+    /// Whether some light with an extent is sampled.
+    sampled_light {
+        follows: sized_lights || sampled_environment || emitters,
+        constant: HAS_SAMPLED_LIGHT,
+    }
+    /// Whether some reflection is rough.
+    rough_reflections {
+        used: reflects_roughly(scene.world, scene.cutoff()),
+        constant: HAS_ROUGH_REFLECTIONS,
+        dropped: "rough reflections" => "all reflective materials are smooth", if reflections;
+    }
+    /// Whether diffuse surfaces light each other: diffuse interreflection.
+    indirect {
+        used: scatters(scene.options),
+        files: indirect [none, followed], scattered [none, indirect];
+        dropped: "indirect light" => "`diffuse_bounces` is 0";
+    }
+    /// Whether some surface transmits light.
+    transmission {
+        used: passes_light(scene.world),
+        constant: HAS_TRANSMISSION,
+        dropped: "transmission" => "no material lets light through";
+    }
+    /// Whether some surface has a clear coat.
+    coats {
+        used: scene.has(|m| m.clearcoat.is_some()),
+        constant: HAS_COATS,
+        dropped: "clear coats" => "no material has one";
+    }
+    /// Whether some clear coat has normals other than those of the layer below.
+    coat_normals {
+        used: has_coat_normals(scene.world),
+        constant: HAS_COAT_NORMALS,
+        dropped: "normals of clear coats" => "all have the normals of the layer below", if coats;
+    }
+    /// Whether some dielectric's specular lobe has a strength or a color of its own.
+    tints {
+        used: scene.has(|m| m.specular.is_some() || m.specular_color.is_some()),
+        dropped: "strength and color of specular lobes" => "no material sets them";
+    }
+    /// Whether some surface has a sheen.
+    sheen {
+        used: scene.has(|m| m.sheen_color.is_some()),
+        constant: HAS_SHEEN,
+        files: sheen [none, charlie];
+        dropped: "sheen" => "no material has one";
+    }
+    /// Whether some surface has a thin film.
+    iridescence {
+        used: scene.has(|m| m.iridescence.is_some()),
+        files: film [none, thin];
+        dropped: "iridescence" => "no material has a thin film";
+    }
+    /// Whether some specular lobe is anisotropic.
+    anisotropy {
+        used: scene.has(|m| m.anisotropy.is_some()),
+        constant: HAS_ANISOTROPY,
+        dropped: "anisotropy" => "no material is anisotropic";
+    }
+    /// Whether some transmissive solid has dispersion.
+    dispersion {
+        used: scene.has(|m| m.dispersion.is_some() && m.solid && m.passes_light()),
+        constant: HAS_DISPERSION,
+        dropped: "dispersion" => "no solid has dispersion", if transmission;
+    }
+    /// Whether the specular lobe is compensated for multiple scattering between facets.
+    multiple_scattering {
+        used: scene.options.reflection.multiple_scattering && scatters_twice(scene.world),
+        files: energy [single, conserved];
+        dropped: "multiple scattering" => "no material has a specular lobe",
+            if scene.options.reflection.multiple_scattering;
+    }
+    /// Whether reflections show reflections; transmissive surfaces also show the backs of reflectors.
+    further_bounces {
+        used: scene.is_general()
+            || !reflections
+            || passes_light(scene.world)
+            || scatters(scene.options)
+            || reflectors_see_each_other(scene.world, scene.cutoff()),
+        dropped: "bounces after the first" => "no reflector can see another",
+            if scene.options.reflection.bounces > 1;
+    }
+    /// Whether all light is path traced without bias.
+    unbiased {
+        used: scene.options.is_unbiased(),
+        constant: UNBIASED,
+    }
+    /// Whether the camera sees the environment.
+    shows_environment {
+        used: scene.world.environment.desc.visible && !scene.options.image.alpha,
+        constant: SHOW_ENVIRONMENT,
+    }
+    /// Whether rays test the alpha of what they meet.
+    tested {
+        follows: cutouts || transmission,
+        constant: HAS_TESTED,
+    }
+    /// Whether passes run over lists of pixels.
+    lists {
+        follows: reflections || transmission,
+    }
+    /// Whether some surface is transmissive or has a clear coat.
+    layers {
+        follows: transmission || coats,
+        constant: HAS_LAYERS,
+        files: behind [none, transmitted], layers [none, followed];
+    }
+    /// Whether specular lobes have strengths or colors, their own or those of a thin film.
+    tinted_lobes {
+        follows: tints || iridescence,
+        constant: HAS_TINTS,
+    }
+    /// Whether surfaces have directions beside their normals: clear coat normals or tangents.
+    frames {
+        follows: coat_normals || anisotropy,
+    }
+    /// Whether some surface has values that the G-buffer has no bits for.
+    details {
+        follows: tinted_lobes || sheen || frames,
+        files: details [none, packed];
+    }
+    /// Whether lights or reflections have an extent, so that they are sampled.
+    extent {
+        follows: sampled_light || indirect || rough_reflections || layers,
+        files: extent [none, sampled];
+    }
+}
+
+impl Features {
+    /// Values of the pipeline constants, by name.
+    pub fn constants(&self) -> impl Iterator<Item = (&'static str, f64)> {
+        let value =
+            |row: &FeatureRow<Self>| Some((row.constant?, f64::from(u8::from((row.get)(self)))));
+        Self::ROWS.iter().filter_map(value)
+    }
+
+    /// Imports of shaders, each with the ending of the file that stands for it.
+    pub fn imports(&self) -> impl Iterator<Item = (&'static str, &'static str)> {
+        Self::ROWS.iter().flat_map(|row| {
+            let is_on = usize::from((row.get)(self));
+            row.files
+                .iter()
+                .map(move |files| (files.import, files.endings[is_on]))
+        })
+    }
+
+    /// Sets in which every two of the files that features choose meet, so that a name which one file lacks or declares
+    /// twice beside another is found: no features, all features, and for each feature that chooses files the least set
+    /// with it and the largest set without it. No two of the sets choose the same files.
+    pub fn variants() -> Vec<Self> {
+        let with = |rows: &[&FeatureRow<Self>]| {
+            let mut set = Self::default();
+            for own in rows.iter().filter_map(|row| row.own) {
+                *own(&mut set) = true;
+            }
+            set.with_followers()
+        };
+        let own: Vec<_> = Self::ROWS.iter().filter(|row| row.own.is_some()).collect();
+        let mut sets = vec![Self::default(), with(&own)];
+        for chosen in Self::ROWS.iter().filter(|row| !row.files.is_empty()) {
+            let brings = |row: &&&FeatureRow<Self>| (chosen.get)(&with(&[**row]));
+            let least: Vec<_> = own.iter().filter(brings).take(1).copied().collect();
+            let others: Vec<_> = own.iter().filter(|row| !brings(row)).copied().collect();
+            sets.extend([with(&least), with(&others)]);
+        }
+        let mut seen: Vec<Vec<_>> = Vec::new();
+        sets.retain(|set| {
+            let imports = set.imports().collect();
+            let is_new = !seen.contains(&imports);
+            seen.push(imports);
+            is_new
+        });
+        sets
+    }
+}
