@@ -4,7 +4,7 @@
 #import constants
 
 @group(2) @binding(0) var<storage, read> counters: array<u32, COUNTERS>;
-@group(2) @binding(1) var<storage, read_write> arguments: array<vec4u, 4>; // of reflectors, rays, hits, transmissive pixels
+@group(2) @binding(1) var<storage, read_write> arguments: array<vec4u, LISTS>;
 
 const GROUPS_PER_ROW: u32 = 32768u;
 
@@ -15,8 +15,8 @@ fn groups_for(count: u32) -> vec4u {
 
 @compute @workgroup_size(1)
 fn main() {
-    arguments[0] = groups_for(counters[REFLECTOR_COUNTER]);
-    arguments[1] = groups_for(counters[RAY_COUNTER]);
-    arguments[2] = groups_for(counters[HIT_COUNTER]);
-    arguments[3] = groups_for(counters[TRANSMISSIVE_COUNTER]);
+    arguments[REFLECTORS_LIST] = groups_for(counters[REFLECTOR_COUNTER]);
+    arguments[RAYS_LIST] = groups_for(counters[RAY_COUNTER]);
+    arguments[HITS_LIST] = groups_for(counters[HIT_COUNTER]);
+    arguments[TRANSMISSIVE_LIST] = groups_for(counters[TRANSMISSIVE_COUNTER]);
 }

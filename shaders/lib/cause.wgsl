@@ -3,8 +3,6 @@
 
 #import constants
 
-const CAUSE_MASK = 0xffu;
-
 fn is_traced(cause: u32) -> bool {
     return ((TRACED_CAUSES >> cause) & 1u) != 0u;
 }

@@ -83,9 +83,6 @@ fn diffuse_albedo(s: Surface, view: vec3f) -> vec3f {
     return s.base_color * (1.0 - s.metallic) * unreflected(s, view) * reflected_share(s) * base_share(s, view);
 }
 
-// GGX alpha below which highlights would be smaller than rounding errors: reflections are treated as sharp.
-const SMOOTH_ALPHA: f32 = 2e-3;
-
 fn ggx_alpha(s: Surface) -> f32 {
     return max(s.roughness * s.roughness, SMOOTH_ALPHA);
 }

@@ -12,26 +12,6 @@ override HAS_NORMAL_MAPS: bool = true;
 override HAS_TEXTURES: bool = true;
 override HAS_CHECKERS: bool = true;
 
-// Indices into `Material.textures`.
-const BASE_COLOR_SLOT = 0u;
-const METALLIC_ROUGHNESS_SLOT = 1u;
-const NORMAL_SLOT = 2u;
-const OCCLUSION_SLOT = 3u;
-const EMISSION_SLOT = 4u;
-
-// Indices into `Material.layer_textures`, with the channel that is used.
-const SPECULAR_SLOT = 0u; // alpha
-const SPECULAR_COLOR_SLOT = 1u; // color
-const SHEEN_COLOR_SLOT = 2u; // color
-const SHEEN_ROUGHNESS_SLOT = 3u; // alpha
-const TRANSMISSION_SLOT = 4u; // red
-const CLEARCOAT_SLOT = 5u; // red
-const CLEARCOAT_ROUGHNESS_SLOT = 6u; // green
-const CLEARCOAT_NORMAL_SLOT = 7u;
-const IRIDESCENCE_SLOT = 8u; // red
-const IRIDESCENCE_THICKNESS_SLOT = 9u; // green
-const ANISOTROPY_SLOT = 10u;
-
 struct Corner {
     p: array<vec3f, 3>,
     index: array<u32, 3>,

@@ -2,11 +2,11 @@
 
 #import scene
 
-// Pools that each slot of a material samples, six bits per slot in their order: bit 2k for pool k linear, bit 2k + 1
-// for pool k as sRGB. Some drivers sample every texture that a branch might, so each pool that is left out saves
+// Pools that each slot of a material samples, POOL_BITS per slot in their order: bit 2k for pool k linear,
+// bit 2k + 1 for pool k as sRGB. Some drivers sample every texture that a branch might, so each pool that is left out saves
 // time.
 override SLOT_POOLS: u32 = 0x3fffffffu;
-// Pools that layer textures sample: six bits for all of them together.
+// Pools that layer textures sample: POOL_BITS for all of them together.
 override LAYER_POOLS: u32 = 63u;
 override WRAPS: u32 = 15u; // bit per sampler: rr, rc, cr, cc
 
@@ -39,7 +39,7 @@ fn pool_px(bits: u32) -> f32 {
 
 // Pools that a slot samples, as a mask.
 fn pools_of(slot: u32) -> u32 {
-    return (SLOT_POOLS >> (6u * slot)) & 63u;
+    return (SLOT_POOLS >> (POOL_BITS * slot)) & ((1u << POOL_BITS) - 1u);
 }
 
 // Samples a slot. `uv` are already transformed; `footprint` is the width of the ray cone in uv units; `pools` is the
@@ -58,10 +58,10 @@ fn sample_slot(slot: TextureUse, uv_in: vec2f, footprint: f32, pools: u32) -> ve
     }
     let pool = slot.bits & (TEXTURE_POOL_MASK | TEXTURE_SRGB);
     if ((pools & 1u) != 0u && pool == 0u) { return sample_wrapped(pool_0, uv, slot.layer, lod, clamps); }
-    if ((pools & 2u) != 0u && pool == 4u) { return sample_wrapped(pool_0_srgb, uv, slot.layer, lod, clamps); }
+    if ((pools & 2u) != 0u && pool == TEXTURE_SRGB) { return sample_wrapped(pool_0_srgb, uv, slot.layer, lod, clamps); }
     if ((pools & 4u) != 0u && pool == 1u) { return sample_wrapped(pool_1, uv, slot.layer, lod, clamps); }
-    if ((pools & 8u) != 0u && pool == 5u) { return sample_wrapped(pool_1_srgb, uv, slot.layer, lod, clamps); }
+    if ((pools & 8u) != 0u && pool == (TEXTURE_SRGB | 1u)) { return sample_wrapped(pool_1_srgb, uv, slot.layer, lod, clamps); }
     if ((pools & 16u) != 0u && pool == 2u) { return sample_wrapped(pool_2, uv, slot.layer, lod, clamps); }
-    if ((pools & 32u) != 0u && pool == 6u) { return sample_wrapped(pool_2_srgb, uv, slot.layer, lod, clamps); }
+    if ((pools & 32u) != 0u && pool == (TEXTURE_SRGB | 2u)) { return sample_wrapped(pool_2_srgb, uv, slot.layer, lod, clamps); }
     return vec4f(1.0);
 }

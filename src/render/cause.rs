@@ -4,6 +4,10 @@ use serde::Serialize;
 
 use crate::scene::desc::Method;
 
+/// Bits of a texel of the target `cause` that hold the cause; those above hold the length of the ray that the march has
+/// proven free.
+pub const CAUSE_MASK: u32 = 0xFF;
+
 /// Outcome of the screen-space march at one pixel. In shaders it is the constant `CAUSE_` with its name in capitals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -73,7 +77,7 @@ impl Cause {
     /// Number of the cause in a texel of the `cause` target, whose upper bits hold the ray length that the march has
     /// proven free.
     pub const fn number_in(texel: u32) -> u32 {
-        texel & 0xFF
+        texel & CAUSE_MASK
     }
 
     /// The cause with this number.

@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use crate::{
     scene::desc::{LightKind, Method, PatternKind, ReflectionMode, ToneMap},
     world::{
-        MAX_LIGHTS,
+        CoreTexture, LayerTexture, MAX_LIGHTS,
         bvh::{
             ALPHA_TESTED, DOUBLE_SIDED, FLIPPED, SHADOWLESS, STACK_SIZE, STATIC_ROOT, TOP_LEVEL,
             TOP_ROOT, UNREFLECTED, UNSEEN,
@@ -15,17 +15,18 @@ use crate::{
 };
 
 use super::{
-    cause::{Cause, Source},
+    cause::{CAUSE_MASK, Cause, Source},
     lights::{SHADOW_MAP, SHADOW_NEAR_M, SHADOW_NONE, SHADOW_RAY},
-    lobe_table::{LOBE_COSINES, LOBE_NODES, LOBE_ROUGHNESSES},
+    lobe_table::{LOBE_COSINES, LOBE_NODES, LOBE_ROUGHNESSES, SMOOTH_ALPHA},
     ray_list::{
-        AUDIT_RAYS, AUDITED_COUNTER, COUNTERS, EXHAUSTED_COUNTER, HIT_COUNTER, PYRAMID_LEVELS,
-        RAY_COUNTER, RAYS_PER_GROUP, REFLECTOR_COUNTER, TRANSMISSIVE_COUNTER, WRONG_COUNTER,
+        AUDIT_RAYS, AUDITED_COUNTER, COUNTERS, EXHAUSTED_COUNTER, HIT_COUNTER, LISTS, List,
+        PYRAMID_LEVELS, RAY_COUNTER, RAYS_PER_GROUP, REFLECTOR_COUNTER, TRANSMISSIVE_COUNTER,
+        WRONG_COUNTER,
     },
     sheen_table::LEAST_SHEEN_ALPHA,
     targets::FAR_M,
     texel_array::TEXEL_COLUMNS,
-    textures::SMALLEST_POOL_PX,
+    textures::{POOL_BITS, SMALLEST_POOL_PX},
     types::{
         FLAG_COLORS, FLAG_EMITTER, FLAG_MIRRORED, METAL_REACH, NONE, TEXTURE_NEAREST,
         TEXTURE_POOL_MASK, TEXTURE_SRGB, TEXTURE_UV1, TEXTURE_WRAP_U_SHIFT, TEXTURE_WRAP_V_SHIFT,
@@ -50,6 +51,13 @@ impl Literal for usize {
     const TYPE: &'static str = "u32";
     fn literal(&self) -> String {
         format!("{self}u")
+    }
+}
+
+impl Literal for f64 {
+    const TYPE: &'static str = "f32";
+    fn literal(&self) -> String {
+        (*self as f32).literal()
     }
 }
 
@@ -94,6 +102,7 @@ pub fn wgsl() -> String {
         LOBE_ROUGHNESSES,
         LOBE_NODES,
         LEAST_SHEEN_ALPHA,
+        SMOOTH_ALPHA,
         SHADOW_NONE,
         SHADOW_MAP,
         SHADOW_RAY,
@@ -102,6 +111,7 @@ pub fn wgsl() -> String {
         FLAG_MIRRORED,
         FLAG_EMITTER,
         SMALLEST_POOL_PX,
+        POOL_BITS,
         TEXTURE_POOL_MASK,
         TEXTURE_SRGB,
         TEXTURE_UV1,
@@ -110,6 +120,7 @@ pub fn wgsl() -> String {
         TEXTURE_NEAREST,
         WRAP_REPEAT,
         WRAP_MIRROR,
+        LISTS,
         COUNTERS,
         EXHAUSTED_COUNTER,
         RAY_COUNTER,
@@ -133,32 +144,58 @@ pub fn wgsl() -> String {
         UNREFLECTED,
         STACK_SIZE,
     );
+    define_variants(&mut out);
+    define_causes(&mut out);
+    out
+}
+
+/// Numbers of the variants of enums.
+fn define_variants(out: &mut String) {
     for (index, name) in LightKind::NAMES.iter().enumerate() {
-        define(&mut out, &format!("LIGHT_{}", name.to_uppercase()), &index);
+        define(out, &format!("LIGHT_{}", name.to_uppercase()), &index);
+    }
+    for texture in CoreTexture::ALL {
+        define_numbered(out, texture, "_SLOT", texture as u32);
+    }
+    for texture in LayerTexture::ALL {
+        define_numbered(out, texture, "_SLOT", texture as u32);
+    }
+    for list in List::ALL {
+        define_numbered(out, list, "_LIST", list as u32);
     }
     for (name, mode) in [
         ("REFLECTION_NONE", ReflectionMode::None),
         ("REFLECTION_AUTO", ReflectionMode::Auto),
         ("REFLECTION_MIRROR", ReflectionMode::Mirror),
     ] {
-        define(&mut out, name, &(mode as u32));
+        define(out, name, &(mode as u32));
     }
     for (name, curve) in [
         ("TONE_NEUTRAL", ToneMap::Neutral),
         ("TONE_ACES", ToneMap::Aces),
         ("TONE_AGX", ToneMap::Agx),
     ] {
-        define(&mut out, name, &(curve as u32));
+        define(out, name, &(curve as u32));
     }
     for (name, kind) in [
         ("PATTERN_BRICK", PatternKind::Brick),
         ("PATTERN_NOISE", PatternKind::Noise),
         ("PATTERN_MARBLE", PatternKind::Marble),
     ] {
-        define(&mut out, name, &(kind as u32));
+        define(out, name, &(kind as u32));
     }
-    define_causes(&mut out);
-    out
+}
+
+/// Defines the number of a variant, by its name in capitals: `SpecularColor` with `_SLOT` is `SPECULAR_COLOR_SLOT`.
+fn define_numbered(out: &mut String, variant: impl std::fmt::Debug, ending: &str, number: u32) {
+    let mut name = String::new();
+    for letter in format!("{variant:?}").chars() {
+        if letter.is_uppercase() && !name.is_empty() {
+            name.push('_');
+        }
+        name.extend(letter.to_uppercase());
+    }
+    define(out, &(name + ending), &number);
 }
 
 /// Number of each cause, and masks of the causes that are traced and of those that reflect.
@@ -167,6 +204,7 @@ fn define_causes(out: &mut String) {
         let name = format!("CAUSE_{}", cause.name().to_uppercase());
         define(out, &name, &(cause as u32));
     }
+    define(out, "CAUSE_MASK", &CAUSE_MASK);
     define(out, "CAUSES", &Cause::ALL.len());
     let traced = |cause: Cause| cause.source(Method::Hybrid) == Source::Traced;
     define(out, "TRACED_CAUSES", &Cause::mask(traced));

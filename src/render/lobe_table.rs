@@ -13,8 +13,9 @@ pub const LOBE_NODES: u32 = LOBE_COSINES * LOBE_ROUGHNESSES;
 const STEPS: [u32; 2] = [40, 16];
 /// Minimum cosine: at exactly 90 degrees the integrals are not defined.
 pub const LEAST_COSINE: f64 = 1e-4;
-/// Minimum GGX alpha, equal to `SMOOTH_ALPHA` in the shaders.
-const LEAST_ALPHA: f64 = 2e-3;
+/// GGX alpha, the square of roughness, below which highlights would be smaller than rounding errors: reflections are
+/// treated as sharp.
+pub const SMOOTH_ALPHA: f64 = 2e-3;
 
 /// Table nodes in rows of roughness, each by cosine: see `shaders/lib/lobe_albedo.wgsl`.
 pub fn lobe_table() -> &'static [[f32; 4]] {
@@ -34,7 +35,7 @@ pub fn lobe_table() -> &'static [[f32; 4]] {
 /// 2014, eq. 99), seen at this cosine: the albedo, the part of it weighted by Schlick's power, and the mean
 /// direction of the light along the normal and away from the view, times the albedo.
 fn lobe(cosine: f64, roughness: f64) -> [f32; 4] {
-    let alpha = (roughness * roughness).max(LEAST_ALPHA);
+    let alpha = (roughness * roughness).max(SMOOTH_ALPHA);
     let a2 = alpha * alpha;
     let sine = (1.0 - cosine * cosine).sqrt();
     let root = |n: f64| (a2 + (1.0 - a2) * n * n).sqrt();

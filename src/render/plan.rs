@@ -20,9 +20,10 @@ pub use self::{
 };
 use super::{
     lights::{LightNeeds, has_shadow_rays},
+    lobe_table::SMOOTH_ALPHA,
     options::RenderOptions,
     precision::Precision,
-    textures::Layers,
+    textures::{Layers, POOL_BITS},
     types::METAL_REACH,
 };
 
@@ -37,10 +38,9 @@ pub struct Plan {
     pub precision: Precision,
     /// Maximum number of successive reflections.
     pub bounces: u32,
-    /// Texture pools in use, six bits for each slot of a material: a bit for each linear and sRGB
-    /// view.
+    /// Texture pools in use, [`POOL_BITS`] for each slot of a material.
     pub slot_pools: u32,
-    /// Texture pools that textures of layers use, six bits for all of them together.
+    /// Texture pools that textures of layers use, [`POOL_BITS`] for all of them together.
     pub layer_pools: u32,
     /// Wrap mode pairs in use.
     pub wraps: u32,
@@ -85,8 +85,10 @@ pub fn may_reflect(world: &World, material: usize, cutoff: f32) -> bool {
     can_reflect(&world.materials[material], cutoff) || world.may_change(material)
 }
 
-/// Roughness up to which a reflection is sharp; its square is `SMOOTH_ALPHA` in the shaders.
-const SHARP_ROUGHNESS: f32 = 0.044_72;
+/// Whether a reflection of this roughness takes more than a single sharp ray.
+fn is_spread(roughness: f32) -> bool {
+    roughness * roughness > SMOOTH_ALPHA as f32
+}
 
 /// Whether some material that reflects depending on its roughness, or transmits light, is in some frame too rough
 /// for a single sharp ray.
@@ -95,16 +97,17 @@ pub fn reflects_roughly(world: &World, cutoff: f32) -> bool {
         let material = &world.materials[index];
         let spread = material.metallic_roughness_texture.is_some()
             || material.anisotropy.is_some()
-            || (SHARP_ROUGHNESS..reflects_below(material, cutoff)).contains(&material.roughness)
-            || (material.clearcoat.is_some() && material.clearcoat_roughness >= SHARP_ROUGHNESS);
+            || (is_spread(material.roughness)
+                && material.roughness < reflects_below(material, cutoff))
+            || (material.clearcoat.is_some() && is_spread(material.clearcoat_roughness));
         let scatters = material.transmission.is_some()
             && (material.metallic_roughness_texture.is_some()
                 || material.anisotropy.is_some()
-                || material.roughness >= SHARP_ROUGHNESS);
+                || is_spread(material.roughness));
         material.reflection == ReflectionMode::Auto
             && may_reflect(world, index, cutoff)
             && (spread || world.may_change(index))
-            && cutoff > SHARP_ROUGHNESS
+            && is_spread(cutoff)
             || scatters
     };
     world.instances.iter().any(|i| is_rough(i.material))
@@ -165,7 +168,11 @@ impl Plan {
             precision,
         });
         let (slot_pools, layer_pools, wraps) = match options.general {
-            true => ((1 << (6 * CORE_SLOTS)) - 1, (1 << 6) - 1, (1 << 4) - 1),
+            true => (
+                mask(POOL_BITS * CORE_SLOTS as u32),
+                mask(POOL_BITS),
+                mask(4),
+            ),
             false => samplers(world, &used, layers),
         };
         Self {
@@ -204,6 +211,11 @@ impl Plan {
     }
 }
 
+/// The lowest bits of a word.
+const fn mask(bits: u32) -> u32 {
+    (1 << bits) - 1
+}
+
 /// Bit masks for shaders: pools that each slot samples, pools of layer textures, and wrap pairs of the used
 /// materials.
 fn samplers(world: &World, used: &BTreeSet<usize>, layers: &Layers) -> (u32, u32, u32) {
@@ -215,7 +227,7 @@ fn samplers(world: &World, used: &BTreeSet<usize>, layers: &Layers) -> (u32, u32
             let pool = layers.slot(&slot, &world.textures).map_or(0, |s| s.pool);
             let bit = 2 * pool + srgb;
             match index < CORE_SLOTS {
-                true => slot_pools |= 1 << (6 * index as u32 + bit),
+                true => slot_pools |= 1 << (POOL_BITS * index as u32 + bit),
                 false => layer_pools |= 1 << bit,
             }
             let clamps = slot.wrap.map(|w| w != Wrap::Repeat);

@@ -44,13 +44,17 @@ pub enum List {
 }
 
 impl List {
+    /// All lists, in the order of their arguments.
+    pub const ALL: [Self; LISTS] = [Self::Reflectors, Self::Rays, Self::Hits, Self::Transmissive];
+
     /// Offset of the list's workgroup count in the dispatch arguments, bytes.
     pub const fn arguments_offset(self) -> u64 {
         self as u64 * ARGUMENT_BYTES
     }
 }
 
-const LISTS: u64 = 4;
+/// Number of lists.
+pub const LISTS: usize = 4;
 /// Size of the arguments of an indirect dispatch, padded, bytes.
 const ARGUMENT_BYTES: u64 = 16;
 
@@ -120,7 +124,7 @@ impl RayList {
             ),
             arguments: make(
                 "arguments",
-                LISTS * ARGUMENT_BYTES,
+                LISTS as u64 * ARGUMENT_BYTES,
                 storage | wgpu::BufferUsages::INDIRECT,
             ),
         })

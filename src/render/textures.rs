@@ -17,6 +17,9 @@ pub const SMALLEST_POOL_PX: u32 = 512;
 /// Width and height of each pool's images, pixels.
 pub const POOL_PX: [u32; 3] = [SMALLEST_POOL_PX, 2 * SMALLEST_POOL_PX, 4 * SMALLEST_POOL_PX];
 
+/// Number of bits of a mask of pools: bit 2k for pool k linear, bit 2k + 1 for pool k as sRGB.
+pub const POOL_BITS: u32 = 2 * POOL_PX.len() as u32;
+
 const _: () = assert!(POOL_PX[2] == LARGEST_KEPT_PX);
 
 /// Sampler settings that resampling to the pool's size depends on.

@@ -3,7 +3,10 @@
 use glam::{Vec3, Vec4};
 use serde::Serialize;
 
-use super::TextureRef;
+use super::{
+    TextureRef,
+    material_textures::{CoreTexture, LAYER_SLOTS, LayerTexture, TEXTURE_SLOTS},
+};
 use crate::scene::desc::{CheckerDesc, MaterialDesc, ReflectionMode};
 
 /// A surface description after all overrides; textures are indices into [`World::textures`](super::World::textures).
@@ -94,40 +97,6 @@ pub struct Material {
     pub emission_texture: Option<TextureRef>,
     /// Textures of the layers, indexed by [`LayerTexture`].
     pub layer_textures: [Option<TextureRef>; LAYER_SLOTS],
-}
-
-/// Number of core textures, which every material may have.
-pub const CORE_SLOTS: usize = 5;
-/// Number of textures of layers, see [`LayerTexture`].
-pub const LAYER_SLOTS: usize = 11;
-/// Number of all textures of a material.
-pub const TEXTURE_SLOTS: usize = CORE_SLOTS + LAYER_SLOTS;
-
-/// Textures of the layers that glTF's extensions add to a material; most are multiplied by a factor.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum LayerTexture {
-    /// Factor on the reflectivity; linear, alpha channel.
-    Specular,
-    /// Color factor on the reflectivity; sRGB.
-    SpecularColor,
-    /// Color of the sheen; sRGB.
-    SheenColor,
-    /// Roughness of the sheen; linear, alpha channel.
-    SheenRoughness,
-    /// Transmission; linear, red channel.
-    Transmission,
-    /// Strength of the clear coat; linear, red channel.
-    Clearcoat,
-    /// Roughness of the clear coat; linear, green channel.
-    ClearcoatRoughness,
-    /// Normal map of the clear coat; linear, tangent space.
-    ClearcoatNormal,
-    /// Strength of the thin film; linear, red channel.
-    Iridescence,
-    /// Thickness of the thin film; linear, green channel, from the least thickness to the largest.
-    IridescenceThickness,
-    /// Anisotropy; linear, direction in red and green, strength in blue.
-    Anisotropy,
 }
 
 /// The material variants of a file.
@@ -240,13 +209,13 @@ impl Material {
 
     /// The textures without `uv_scale` in their transforms, in the order of [`Self::slots`].
     pub fn textures(&self) -> [Option<TextureRef>; TEXTURE_SLOTS] {
-        let core = [
-            self.base_color_texture,
-            self.metallic_roughness_texture,
-            self.normal_texture,
-            self.occlusion_texture,
-            self.emission_texture,
-        ];
+        let core = CoreTexture::ALL.map(|texture| match texture {
+            CoreTexture::BaseColor => self.base_color_texture,
+            CoreTexture::MetallicRoughness => self.metallic_roughness_texture,
+            CoreTexture::Normal => self.normal_texture,
+            CoreTexture::Occlusion => self.occlusion_texture,
+            CoreTexture::Emission => self.emission_texture,
+        });
         let all = core.into_iter().chain(self.layer_textures);
         let mut slots = [None; TEXTURE_SLOTS];
         slots

@@ -26,6 +26,7 @@ pub mod environment;
 pub mod gltf;
 pub mod load;
 mod material;
+mod material_textures;
 mod normal_uv;
 mod pointed;
 pub mod pose;
@@ -36,9 +37,8 @@ pub mod texture;
 pub mod usd;
 
 pub use environment::Environment;
-pub use material::{
-    CORE_SLOTS, LAYER_SLOTS, LayerTexture, ListedVariants, Material, TEXTURE_SLOTS,
-};
+pub use material::{ListedVariants, Material};
+pub use material_textures::{CORE_SLOTS, CoreTexture, LAYER_SLOTS, LayerTexture, TEXTURE_SLOTS};
 pub use shared::Shared;
 
 use deform::{Deformation, Deformed};
