@@ -20,7 +20,7 @@
 //! | [`app`] | the commands and what they print; exit codes; [`app::lint`] warns of likely mistakes; [`app::watch`] and [`app::live`] watch files, [`app::preview`] shows them in a window |
 //! | [`mod@bench`] | picture × picture → error ([`bench::metric`], pure); [`bench::run`] renders and measures; reports are drawn from the table of samples |
 //! | [`runtime`] | one scene from its text to its pictures, opened, changed and posed in keyed stages; the library's main interface, and the only place that builds a renderer: `render`, the preview and `bench` are thin users of it |
-//! | [`render`] | `render/frame.rs` is the order of the passes: read it first; [`render::plan`] lists the features and passes that a scene needs, [`render::targets`] the one table of intermediate textures, [`render::types`] every struct shared with the shaders |
+//! | [`render`] | `render/passes/mod.rs` lists the passes in their order: read it first; `reflet info --frame` prints those of a scene; [`render::plan`] lists the features and passes that a scene needs, [`render::targets`] the one table of intermediate textures, [`render::types`] every struct shared with the shaders |
 //! | [`gpu`] | thin layer over wgpu: device, shaders, bindings by name, timings, readback; independent of scenes |
 //! | [`world`] | SceneDesc → CPU data: glTF, images, shapes, trees and the CPU oracle; no wgpu |
 //! | [`scene`] | the scene format, its default values and its manual; [`scene::stages`] from text to a scene at a frame: [`scene::syntax`] is the tree of a text, parsed once for all who ask, [`scene::parse`] merges and reads trees and runs no program, [`scene::script`] is the sandbox, [`scene::motion`] evaluates animation tracks; loads no assets |

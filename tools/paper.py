@@ -159,9 +159,11 @@ def scenario1_times(rows: Rows) -> str:
 
 
 def scenario1_passes(rows: Rows) -> str:
-    early = ["shadow", "visibility", "surface", "light"]
-    early += ["pyramid", "arguments", "ssr", "hits"]
-    late = ["compose", "tone"]
+    columns = [c for c in rows[0] if re.fullmatch(r"pass_\w+_ms", c)]
+    recorded = [c for c in columns if any(number(r, c) for r in rows)]
+    names = [c.removeprefix("pass_").removesuffix("_ms") for c in recorded]
+    split = names.index("trace")
+    early, late = names[:split], names[split + 1 :]
 
     def line(method: str, rs: Rows) -> list[str]:
         both = [(t, float(r["pass_trace_ms"])) for r in rs if (t := number(r, "traverse_ms"))]

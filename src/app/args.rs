@@ -170,6 +170,9 @@ pub struct InfoArgs {
     /// built-in costs of GPUs and of software adapters
     #[arg(long, value_name = "FILE")]
     pub plan: Option<PathBuf>,
+    /// Print the passes of the frame instead, in their order, with what each reads and writes
+    #[arg(long)]
+    pub frame: bool,
     /// Print JSON
     #[arg(long)]
     pub json: bool,

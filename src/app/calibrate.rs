@@ -14,7 +14,13 @@ use crate::{
     files::{Inputs, write_whole},
     gpu::{Gpu, GpuOptions, ShaderLibrary},
     render::{
-        RenderOptions, cost::Workload, decide::workload, stats::FrameStats, unit_costs::UnitCosts,
+        RenderOptions,
+        cost::Workload,
+        decide::workload,
+        pass::Pass,
+        passes::{arguments, hits, light, primary, pyramid, shadow, ssr, trace, visibility},
+        stats::FrameStats,
+        unit_costs::UnitCosts,
     },
     runtime::{
         renderer_stage::RendererStage,
@@ -210,8 +216,8 @@ fn timed(
 }
 
 /// Time of a pass, nanoseconds.
-fn ns(stats: &FrameStats, pass: &str) -> f64 {
-    let named = stats.passes_ms.iter().find(|(name, _)| name == pass);
+fn ns(stats: &FrameStats, pass: &Pass) -> f64 {
+    let named = stats.passes_ms.iter().find(|(name, _)| name == pass.name);
     named.map_or(0.0, |(_, ms)| ms * 1e6)
 }
 
@@ -234,9 +240,9 @@ impl Series {
         let (lit, visits) = view.shadows[sun];
         let hits = maps.shares.sources.iter().find(|s| s.name == "screen");
         let hits = hits.map_or(0, |s| s.pixels);
-        let unlit_ns = ns(rays, "light");
+        let unlit_ns = ns(rays, &light::PASS);
         // The arguments pass runs twice and does almost nothing, so half its time is the cost of starting a pass.
-        let starts = [maps, rays].map(|s| ns(s, "arguments") / 2.0);
+        let starts = [maps, rays].map(|s| ns(s, &arguments::PASS) / 2.0);
         self.pass_ns = starts
             .into_iter()
             .filter(|ns| *ns > 0.0)
@@ -249,34 +255,38 @@ impl Series {
         push(
             |s| &mut s.raster,
             [work.triangles_in_view, work.pixels],
-            ns(maps, "visibility"),
+            ns(maps, &visibility::PASS),
         );
         let drawn = work.triangles * work.map_views[sun];
         push(
             |s| &mut s.map,
             [drawn, work.map_pixels[sun]],
-            ns(maps, "shadow"),
+            ns(maps, &shadow::PASS),
         );
         push(
             |s| &mut s.filter,
             [scaled(lit), 0.0],
-            ns(maps, "light") - unlit_ns,
+            ns(maps, &light::PASS) - unlit_ns,
         );
         push(
             |s| &mut s.primary,
             [scaled(view.rays), scaled(view.visits)],
-            ns(rays, "primary"),
+            ns(rays, &primary::PASS),
         );
         push(
             |s| &mut s.shadow,
             [scaled(lit), scaled(visits)],
-            ns(ray_shadows, "light") - unlit_ns,
+            ns(ray_shadows, &light::PASS) - unlit_ns,
         );
         let mirrors = [scaled(view.reflective), scaled(view.mirror_visits)];
-        push(|s| &mut s.mirror, mirrors, ns(rays, "trace"));
-        push(|s| &mut s.march, mirrors, ns(maps, "ssr"));
-        push(|s| &mut s.pyramid, [work.pixels, 0.0], ns(maps, "pyramid"));
-        push(|s| &mut s.hit, [hits as f64, 0.0], ns(maps, "hits"));
+        push(|s| &mut s.mirror, mirrors, ns(rays, &trace::PASS));
+        push(|s| &mut s.march, mirrors, ns(maps, &ssr::PASS));
+        push(
+            |s| &mut s.pyramid,
+            [work.pixels, 0.0],
+            ns(maps, &pyramid::PASS),
+        );
+        push(|s| &mut s.hit, [hits as f64, 0.0], ns(maps, &hits::PASS));
         Ok(())
     }
 

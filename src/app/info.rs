@@ -1,5 +1,6 @@
 //! `info`: contents of a scene as counts, meters and bytes.
 
+mod frame;
 mod table;
 
 use std::collections::BTreeMap;
@@ -130,7 +131,7 @@ pub struct Cut {
     pub camera: String,
 }
 
-/// Prints the contents of a scene.
+/// Prints the contents of a scene, or the passes of its frame.
 ///
 /// # Errors
 /// [`AppError::Scene`] when it cannot be loaded, or when this machine's device cannot hold it.
@@ -139,6 +140,13 @@ pub fn info(args: &InfoArgs) -> Result<(), AppError> {
     let mut loaded = load_scene(args.scene.as_deref(), &args.from, &[])?;
     if let Some(refused) = Lint::refused_here(&loaded.scene, &loaded.world) {
         return Err(AppError::Scene(vec![refused]));
+    }
+    if args.frame {
+        let frames = frame::planned_frames(&loaded, plan.as_ref())?;
+        return match args.json {
+            true => print_json(&frames),
+            false => print_out(&frame::table(&frames)),
+        };
     }
     let mut info = gather(&loaded, plan.as_ref())?;
     let found = check::lint(&mut loaded);
@@ -168,11 +176,7 @@ pub fn gather(loaded: &LoadedScene, plan_file: Option<&PlanFile>) -> Result<Info
     let bounds = world.static_bounds();
     let num_triangles = |mesh: usize| world.meshes[mesh].triangles.len();
     let options = ViewOverrides::default().options(loaded);
-    let trees = if needs_trees(world, &options) {
-        Trees::build(world, u64::MAX).map_err(|diagnostic| AppError::Scene(vec![*diagnostic]))?
-    } else {
-        Trees::unbuilt(world)
-    };
+    let trees = trees_of(world, &options)?;
     let [software, gpu] = [true, false].map(|software| decide(world, &trees, &options, software));
     let layers = Layers::of(world);
     let plan = Plan::of(world, &trees, &layers, &gpu.options);
@@ -236,6 +240,14 @@ pub fn gather(loaded: &LoadedScene, plan_file: Option<&PlanFile>) -> Result<Info
             .map(|f| f.display().to_string())
             .collect(),
     })
+}
+
+/// BVHs of a world, empty where no adapter traces rays.
+fn trees_of(world: &World, options: &RenderOptions) -> Result<Trees, AppError> {
+    match needs_trees(world, options) {
+        true => Trees::build(world, u64::MAX).map_err(|d| AppError::Scene(vec![*d])),
+        false => Ok(Trees::unbuilt(world)),
+    }
 }
 
 fn settings(params: &[Entry<ParamValue>]) -> Vec<String> {

@@ -15,6 +15,7 @@ use crate::{
     memory::peak_resident_bytes,
     render::{
         decide::Decision,
+        passes::audit,
         probe::PassCounts,
         stats::{FrameStats, Share},
     },
@@ -146,7 +147,11 @@ impl Report {
         line("rays", self.rays());
         match &frame.audit {
             Some(audit) => line("audit", audit.to_string()),
-            None if frame.passes_ms.iter().any(|(pass, _)| pass == "audit") => {
+            None if frame
+                .passes_ms
+                .iter()
+                .any(|(pass, _)| pass == audit::PASS.name) =>
+            {
                 line("audit", "no hit on the screen".to_owned());
             }
             None => {}

@@ -3,7 +3,12 @@
 use std::any::Any;
 
 use super::csv::{self, CsvError, Table};
-use crate::render::{cause::Cause, passes, passes::counted_passes, probe::Counts};
+use crate::render::{
+    cause::Cause,
+    pass::{Pass, PassGroup},
+    passes::{self, counted_passes},
+    probe::Counts,
+};
 
 mod cell;
 mod check;
@@ -263,12 +268,15 @@ pub const REFUSALS: [Cause; 5] = [
     Cause::Steps,
 ];
 
+/// Column of the time of a pass.
+pub fn pass_column(pass: &str) -> String {
+    format!("pass_{pass}_ms")
+}
+
 /// Columns after the fixed ones: `pass_NAME_ms`, `cause_NAME_px`, `false_accept_NAME_px`,
 /// `false_reject_NAME_px` and `PASS_COUNTED`, such as `trace_visited_nodes`.
 pub fn detail_columns() -> Vec<String> {
-    let passes = passes::ALL
-        .iter()
-        .map(|pass| format!("pass_{}_ms", pass.name));
+    let passes = passes::ALL.iter().map(|pass| pass_column(pass.name));
     let causes = || {
         Cause::ALL
             .into_iter()
@@ -319,6 +327,16 @@ impl Sample {
     pub fn detail(&self, column: &str) -> f64 {
         let index = detail_columns().iter().position(|name| name == column);
         index.map_or(0.0, |index| self.detail[index])
+    }
+
+    /// Milliseconds of a pass.
+    pub fn pass_ms(&self, pass: &Pass) -> f64 {
+        self.detail(&pass_column(pass.name))
+    }
+
+    /// Milliseconds of the passes of a group.
+    pub fn group_ms(&self, group: PassGroup) -> f64 {
+        passes::of_group(group).map(|pass| self.pass_ms(pass)).sum()
     }
 
     /// Whether the frame was measured and scored.

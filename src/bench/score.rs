@@ -18,7 +18,7 @@ use crate::render::{
     self, Plane, PlaneData,
     aov::Aov,
     cause::Cause,
-    stats::{TOLERANCE_RELATIVE, TOLERANCE_U},
+    passes::audit::{TOLERANCE_RELATIVE, TOLERANCE_U},
 };
 
 /// Planes (per-pixel outputs of the renderer) that scoring reads.

@@ -1,5 +1,7 @@
 //! Samples → points: medians and spreads of repeated frames, grouped by what may share a chart.
 
+use crate::render::pass::Pass;
+
 use super::{
     metric::{percentile, table},
     parameter::{HYBRID_ANEW_SERIES, RT_ANEW_SERIES, THRESHOLD_SERIES},
@@ -232,8 +234,8 @@ impl Point {
     }
 
     /// Milliseconds of a pass; 0 where it did not run.
-    pub fn pass_ms(&self, name: &str) -> f64 {
-        let found = self.passes_ms.iter().find(|(pass, _)| pass == name);
+    pub fn pass_ms(&self, pass: &Pass) -> f64 {
+        let found = self.passes_ms.iter().find(|(name, _)| name == pass.name);
         found.map_or(0.0, |(_, ms)| *ms)
     }
 

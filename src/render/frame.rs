@@ -1,4 +1,4 @@
-//! The frame: the order of its passes. Read this first.
+//! The frame: its sub-frames, recorded and submitted. `passes/mod.rs` lists the passes in their order.
 
 use std::time::Instant;
 
@@ -12,7 +12,6 @@ use crate::{
 use super::{
     edge_on::has_edge_on_surfaces,
     error::RenderError,
-    frame_pass::FramePass as _,
     lights::{ShadowView, lights},
     probe::Probe,
     recorder::{PassTimes, Recorder, Timing},
@@ -140,34 +139,8 @@ impl Renderer {
             probes: &self.bindings.probes,
             probe,
         };
-        self.record(&mut frame);
+        self.bindings.passes.record(&mut frame);
         frame.recorder
-    }
-
-    /// The order of the passes.
-    fn record(&self, frame: &mut SubFrame<'_>) {
-        let passes = &self.bindings.passes;
-        frame.clear();
-        passes.shadow.record(frame);
-        passes.visibility.record(frame);
-        passes.primary.record(frame);
-        passes.surface.record(frame);
-        passes.details.record(frame);
-        passes.light.record(frame);
-        passes.arguments.record(frame); // for the lists of the surface pass
-        passes.transmit.record(frame);
-        passes.indirect.record(frame);
-        passes.pyramid.record(frame);
-        passes.ssr.record(frame);
-        passes.arguments.record(frame); // for the lists of hits and rays
-        passes.hits.record(frame);
-        passes.trace.record(frame);
-        passes.audit.record(frame);
-        passes.filter.record(frame);
-        passes.blur.record(frame);
-        passes.compose.record(frame);
-        passes.coverage.record(frame);
-        passes.tone.record(frame);
     }
 
     /// Uniform block of the lights, and the views of the shadow maps in the order of the lights.

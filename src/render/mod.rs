@@ -44,6 +44,7 @@ pub mod shader_variant;
 pub(crate) mod shaders;
 pub(crate) mod shadow_maps;
 pub(crate) mod shadow_texels;
+pub mod shared_data;
 pub(crate) mod shared_groups;
 mod sheen_table;
 pub mod shutter;

@@ -1,5 +1,7 @@
 //! A compute pass: bound by name, dispatched by its shader's workgroup size, timed under its own name.
 
+use serde::Serialize;
+
 use crate::gpu::{Checks, Gpu, GpuError, GroupLayout, Named, Shader};
 
 /// Entry point of a pass's shader.
@@ -12,6 +14,7 @@ use super::{
     plan::Plan,
     ray_list::{List, RayList},
     recorder::Recorder,
+    shared_data::SharedData,
     shared_groups::{SharedGroups, is_used},
     targets::{Target, Targets},
     types::StructSpec,
@@ -20,17 +23,63 @@ use super::{
 /// Name of a pipeline override, and its value.
 pub type Override = (&'static str, f64);
 
+/// Part of a frame that passes belong to, for sums of their times.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum PassGroup {
+    /// Surfaces that the pixels show.
+    Surfaces,
+    /// Light at these surfaces, with shadows and what they transmit.
+    Light,
+    /// The march through the picture.
+    March,
+    /// Reflections apart from the march: traced rays, shading of hits, smoothing.
+    Reflection,
+    /// The picture from all parts.
+    Picture,
+    /// Statistics of the frame.
+    Measurement,
+}
+
+impl PassGroup {
+    /// Name in the output of `info --frame`.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Surfaces => "surfaces",
+            Self::Light => "light",
+            Self::March => "march",
+            Self::Reflection => "reflection",
+            Self::Picture => "picture",
+            Self::Measurement => "measurement",
+        }
+    }
+
+    /// Whether the passes find reflections, so that their time counts as `reflection_ms`.
+    pub const fn finds_reflections(self) -> bool {
+        matches!(self, Self::March | Self::Reflection)
+    }
+}
+
 /// Description of a pass: its shader, its inputs and its outputs.
 #[derive(Clone, Copy, Debug)]
 pub struct Pass {
     /// Name of the pass, its shader file, its timer label and its preview entry.
     pub name: &'static str,
-    /// Color in charts, sRGB; passes that follow each other differ in hue and brightness.
+    /// Part of the frame.
+    pub group: PassGroup,
+    /// Color in charts, sRGB; a test asks for a distance between any two.
     pub color: [u8; 3],
     /// Targets that the pass samples.
     pub reads: &'static [Target],
     /// Targets that the pass writes.
     pub writes: &'static [Target],
+    /// Other names that the shader has for targets in `reads` and `writes`: for each pipeline of a pass that swaps
+    /// targets.
+    pub aliases: &'static [&'static [(&'static str, Target)]],
+    /// Data beside the targets that the pass reads.
+    pub reads_shared: &'static [SharedData],
+    /// Data beside the targets that the pass writes.
+    pub writes_shared: &'static [SharedData],
     /// Layout of the shader's `Params`, where it has them.
     pub params: Option<StructSpec>,
     /// Whether a frame with this plan and these options records the pass.
@@ -49,9 +98,13 @@ impl Pass {
     /// A pass that is always recorded and touches no target.
     pub const DEFAULT: Self = Self {
         name: "",
+        group: PassGroup::Picture,
         color: [0; 3],
         reads: &[],
         writes: &[],
+        aliases: &[],
+        reads_shared: &[],
+        writes_shared: &[],
         params: None,
         needed: |_, _| true,
         is_written: |_, _, _| true,
@@ -148,8 +201,8 @@ impl ComputePass {
                 return Some(resource.clone());
             }
             let alias = aliases.iter().find(|(n, _)| *n == name).map(|(_, t)| *t);
-            let declared = self.pass.reads.iter().chain(self.pass.writes);
-            let target = alias.or_else(|| declared.copied().find(|t| t.name() == name))?;
+            let mut declared = self.pass.reads.iter().chain(self.pass.writes).copied();
+            let target = declared.find(|t| alias.map_or(t.name() == name, |alias| *t == alias))?;
             targets.view(target).map(wgpu::BindingResource::TextureView)
         };
         self.bound = Some(self.layout.bind_with(gpu, lookup)?);

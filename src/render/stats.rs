@@ -7,6 +7,7 @@ use crate::scene::desc::Method;
 use super::{
     cause::{Cause, Source},
     decide::Decision,
+    passes::trace,
     ray_list::{AUDITED_COUNTER, EXHAUSTED_COUNTER, RAY_COUNTER, WRONG_COUNTER},
 };
 
@@ -78,18 +79,13 @@ impl Shares {
     }
 }
 
-/// Maximum distance of a right screen hit from the ray's hit, in U: a fifth of the paper's T.
-pub const TOLERANCE_U: f32 = 0.005;
-/// The same as a share of the ray's length; the larger of the two counts.
-pub const TOLERANCE_RELATIVE: f32 = 0.01;
-
 /// Randomly chosen screen hits that were checked by tracing their rays.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Audit {
     /// Number of checked hits.
     pub hits: u32,
     /// Number of checked hits where the ray hits nothing, another instance, or the same one elsewhere; see
-    /// [`TOLERANCE_U`].
+    /// [`TOLERANCE_U`](super::passes::audit::TOLERANCE_U).
     pub wrong: u32,
 }
 
@@ -219,7 +215,10 @@ impl FrameStats {
 
     /// Rays per second of the trace pass, if it was timed.
     pub fn rays_per_s(&self) -> Option<f64> {
-        let (_, ms) = self.passes_ms.iter().find(|(name, _)| name == "trace")?;
+        let (_, ms) = self
+            .passes_ms
+            .iter()
+            .find(|(name, _)| name == trace::PASS.name)?;
         (*ms > 0.0 && self.rays > 0)
             .then(|| f64::from(self.rays) * f64::from(self.samples) / (ms * 1e-3))
     }

@@ -24,3 +24,75 @@ fn info_counts_warnings_as_check_does_and_lights_of_materials() {
         (&1.into(), &12.into())
     );
 }
+
+/// A frame of rasterized diffuse surfaces has no lists; a mirror adds the march and what it reads and writes.
+#[test]
+fn info_prints_the_passes_of_a_frame() {
+    let folder = folder("info-frame");
+    let scene = "version = 1\n[camera.main]\neye = [0, 1, 9]\ntarget = [0, 0, 0]\n\
+                 [material.thing]\nroughness = 1\n[model.thing]\nshape = { kind = \"box\" }\n\
+                 material = \"thing\"\n[[instance]]\nmodel = \"thing\"\n\
+                 [image]\nvisibility = \"raster\"\n[reflection]\nmethod = \"hybrid\"\n";
+    fs::write(folder.join("box.toml"), scene).expect("temporary scene");
+    let passes = |set: &[&str]| {
+        let args = [&["info", "box.toml", "--frame", "--json"], set].concat();
+        let [json, _] = exits(&folder, &args, 0);
+        let frames: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+        assert_eq!(frames[0]["adapters"], "all adapters");
+        frames[0]["passes"].as_array().expect("passes").clone()
+    };
+    let names = |passes: &[serde_json::Value]| -> Vec<String> {
+        let name = |pass: &serde_json::Value| pass["pass"].as_str().map(str::to_owned);
+        passes.iter().filter_map(name).collect()
+    };
+    let plain = passes(&[]);
+    assert_eq!(
+        names(&plain),
+        [
+            "shadow",
+            "visibility",
+            "surface",
+            "light",
+            "compose",
+            "tone"
+        ]
+    );
+    assert_eq!(
+        plain[1]["writes"],
+        serde_json::json!(["raster_depth", "ids"])
+    );
+    assert_eq!(plain[5]["reads"], serde_json::json!(["color_even"]));
+    let mirror = passes(&[
+        "--set",
+        "material.thing.roughness=0",
+        "--set",
+        "image.samples=2",
+    ]);
+    assert_eq!(
+        names(&mirror),
+        [
+            "shadow",
+            "visibility",
+            "surface",
+            "light",
+            "arguments",
+            "pyramid",
+            "ssr",
+            "arguments",
+            "hits",
+            "trace",
+            "compose",
+            "tone"
+        ]
+    );
+    let ssr = &mirror[6];
+    assert_eq!(ssr["group"], "march");
+    let written = ["reflection", "cause", "hit", "pixel_lists", "counters"];
+    assert_eq!(ssr["writes"], serde_json::json!(written));
+    let [text, _] = exits(&folder, &["info", "box.toml", "--frame"], 0);
+    assert_eq!(text.lines().count(), 2 + plain.len(), "{text}");
+    assert!(
+        text.starts_with("frame on all adapters, method hybrid\n"),
+        "{text}"
+    );
+}

@@ -5,7 +5,8 @@ use reflet::{
         Picture, RenderOptions, Renderer,
         aov::Aov,
         cause::Cause,
-        stats::{Audit, TOLERANCE_RELATIVE, TOLERANCE_U},
+        passes::audit::{TOLERANCE_RELATIVE, TOLERANCE_U},
+        stats::Audit,
     },
     scene::desc::Method,
 };

@@ -1,7 +1,10 @@
 //! Every shader assembles and validates without a GPU, and stays inside the limits that every
 //! adapter has.
 
-use std::{collections::HashSet, sync::LazyLock};
+use std::{
+    collections::{BTreeSet, HashSet},
+    sync::LazyLock,
+};
 
 use reflet::gpu::{
     ShaderError, ShaderLibrary, ShaderModuleInfo,
@@ -9,7 +12,10 @@ use reflet::gpu::{
     check,
     reflect::capabilities,
 };
-use reflet::render::{plan::Features, shader_variant::ShaderVariant};
+use reflet::render::{
+    RenderOptions, pass::Pass, passes, plan::Features, shader_variant::ShaderVariant,
+    shared_data::SharedData, targets::Target, types,
+};
 
 /// Shader libraries of all variants.
 fn libraries() -> Vec<ShaderLibrary> {
@@ -144,8 +150,6 @@ fn embedded_shaders_equal_the_folder() {
 
 #[test]
 fn shared_structs_have_the_layout_that_the_shaders_declare() {
-    use reflet::render::{passes, types};
-
     let compare = |spec: &types::StructSpec, shader: &ShaderModuleInfo| {
         let Some(layout) = shader.layout_of(spec.name) else {
             return false;
@@ -186,20 +190,97 @@ fn shared_structs_have_the_layout_that_the_shaders_declare() {
 
 #[test]
 fn every_pass_reads_only_what_was_written_before() {
-    use reflet::render::{passes, targets::Target};
-
-    let mut written: Vec<Target> = Vec::new();
-    for pass in passes::ALL {
+    let mut written: (Vec<Target>, Vec<SharedData>) = Default::default();
+    for pass in passes::ORDER {
+        let name = pass.name;
         for target in pass.reads {
+            // A pass that swaps targets reads what it wrote.
+            let known = written.0.contains(target) || pass.writes.contains(target);
+            assert!(known, "{name} reads {} too early", target.name());
+        }
+        for data in pass.reads_shared {
             assert!(
-                written.contains(target),
-                "{} reads {} too early",
-                pass.name,
-                target.name()
+                written.1.contains(data),
+                "{name} reads {} too early",
+                data.name()
             );
         }
-        written.extend(pass.writes);
+        written.0.extend(pass.writes);
+        written.1.extend(pass.writes_shared);
     }
+}
+
+/// Names of the data that the compute shader of a pass binds: targets that it reads, targets that it writes, others.
+fn bound(pass: &Pass) -> [BTreeSet<&'static str>; 3] {
+    let named = |name: &str| -> Vec<&'static str> {
+        let aliases = pass.aliases.iter().flat_map(|aliases| aliases.iter());
+        let aliased = aliases.filter(|(alias, _)| *alias == name);
+        let aliased: Vec<_> = aliased.map(|(_, target)| target.name()).collect();
+        match aliased.is_empty() {
+            true => (Target::ALL.iter().map(|t| t.name()))
+                .filter(|t| *t == name)
+                .collect(),
+            false => aliased,
+        }
+    };
+    let (mut reads, mut writes, mut others) = (BTreeSet::new(), BTreeSet::new(), BTreeSet::new());
+    let compiled = SHIPPED.iter().filter(|shader| shader.name == pass.name);
+    for binding in compiled.flat_map(|shader| &shader.bindings) {
+        let targets = named(&binding.name);
+        match binding.ty {
+            wgpu::BindingType::Texture { .. } if targets.is_empty() => {
+                others.insert(binding.name.as_str());
+            }
+            wgpu::BindingType::Texture { .. } => reads.extend(targets),
+            wgpu::BindingType::StorageTexture { .. } => writes.extend(targets),
+            _ => {
+                others.insert(binding.name.as_str());
+            }
+        }
+    }
+    [reads, writes, others]
+}
+
+/// Binding that holds shared data; `None` for data that the dispatch itself reads.
+fn binding_of(data: SharedData, pass: &Pass) -> Option<&'static str> {
+    match data {
+        SharedData::ShadowMaps => Some("shadow_maps"),
+        SharedData::CulledDepth | SharedData::PixelLists | SharedData::DepthPyramid => {
+            Some("lists")
+        }
+        SharedData::Counters => Some("counters"),
+        SharedData::DispatchSizes => pass.writes_shared.contains(&data).then_some("arguments"),
+    }
+}
+
+/// `reflet info --frame` prints what passes declare; their shaders bind the same.
+#[test]
+fn compute_passes_declare_what_their_shaders_bind() {
+    let draws = ["shadow", "visibility"]; // into attachments
+    let mut wrong = Vec::new();
+    for pass in passes::ALL
+        .iter()
+        .filter(|pass| !draws.contains(&pass.name))
+    {
+        let [reads, writes, others] = bound(pass);
+        let names = |of: &[Target]| of.iter().map(|t| t.name()).collect::<BTreeSet<_>>();
+        let shared = pass.reads_shared.iter().chain(pass.writes_shared);
+        let shared = shared.filter_map(|data| binding_of(*data, pass)).collect();
+        let known = BTreeSet::from(["shadow_maps", "lists", "counters", "arguments"]);
+        for (what, declared, bound) in [
+            ("reads", names(pass.reads), reads),
+            ("writes", names(pass.writes), writes),
+            ("shares", shared, &others & &known),
+        ] {
+            if declared != bound {
+                wrong.push(format!(
+                    "{} {what} {bound:?}, declares {declared:?}",
+                    pass.name
+                ));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
 /// Shaders contain neither code nor bindings for features that a scene does not use.
@@ -271,9 +352,6 @@ const OTHER_OVERRIDES: [&str; 10] = [
 /// misspelled name would change no picture that a test looks at.
 #[test]
 fn overrides_are_those_of_features_and_passes() {
-    use reflet::render::{RenderOptions, passes};
-    use std::collections::BTreeSet;
-
     let options = RenderOptions::default();
     let features = Features::ROWS.iter().filter_map(|row| row.constant);
     let own = passes::ALL

@@ -14,8 +14,8 @@ use crate::{
         summary::label,
     },
     render::{
+        passes::audit::{TOLERANCE_RELATIVE, TOLERANCE_U},
         probe::Counts,
-        stats::{TOLERANCE_RELATIVE, TOLERANCE_U},
     },
     scene::desc::ReflectionDesc,
 };

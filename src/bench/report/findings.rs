@@ -12,12 +12,13 @@ use crate::bench::{
         paired::{MIN_PAIRS, Timed, pairs},
     },
 };
+use crate::render::{
+    pass::PassGroup,
+    passes::{self, trace},
+};
 use verdict::{equal_error, equal_time, verdict};
 
 mod verdict;
-
-/// Passes that marching adds, which a frame without it does not need.
-const MARCH: [&str; 2] = ["pyramid", "ssr"];
 
 /// Points of a group that have both time and error, as coordinates and as points.
 pub fn spots(group: &Group, metric: Metric) -> (Vec<Spot>, Vec<&Point>) {
@@ -90,11 +91,14 @@ fn pick(spots: &[Spot], indices: &[usize]) -> Vec<Spot> {
 
 /// Costs of a `hybrid` point beside an `rt` point with the same rays.
 pub fn costs(hybrid: &Point, rt: &Point) -> Costs {
-    let march = |point: &Point| MARCH.iter().map(|name| point.pass_ms(name)).sum::<f64>();
+    let march = |point: &Point| -> f64 {
+        let passes = passes::of_group(PassGroup::March);
+        passes.map(|pass| point.pass_ms(pass)).sum()
+    };
     Costs {
         march_ms: march(hybrid) - march(rt),
-        full_trace_ms: rt.pass_ms("trace"),
-        partial_trace_ms: hybrid.pass_ms("trace"),
+        full_trace_ms: rt.pass_ms(&trace::PASS),
+        partial_trace_ms: hybrid.pass_ms(&trace::PASS),
         partial_rays: hybrid.sample.rays as f64,
         full_rays: rt.sample.rays as f64,
     }

@@ -15,29 +15,37 @@ use crate::{
         pareto::pareto_front,
         summary::{Metric, Point, digits, label},
     },
-    render::{pass::Pass, passes},
+    render::{
+        pass::Pass,
+        passes::{self, trace},
+    },
 };
 
-/// Colors of passes in bars, the same in every report.
-const PASS_COLORS: [(&str, &str); 15] = [
-    ("update", "#9d7660"),
-    ("shadow", "#4e79a7"),
-    ("visibility", "#a0cbe8"),
-    ("surface", "#59a14f"),
-    ("light", "#8cd17d"),
-    ("ssr", "#e15759"),
-    ("pyramid", "#ff9da7"),
-    ("hits", "#b07aa1"),
-    ("arguments", "#d4a6c8"),
-    ("trace", "#f28e2b"),
-    ("trace: traversal", "#f28e2b"),
-    ("trace: shading", "#ffbe7d"),
-    (NOT_APART, "#f28e2b"),
-    ("compose", "#79706e"),
-    ("tone", "#bab0ac"),
-];
-/// Color of a pass without a color of its own.
-const OTHER_COLOR: &str = "#edc948";
+/// Name of the CPU's update of moved instances, which precedes the passes.
+const UPDATE: &str = "update";
+/// Color of the update in bars.
+const UPDATE_COLOR: [u8; 3] = [60, 60, 60];
+/// Name of the rays of the trace pass.
+const TRAVERSAL: &str = "trace: traversal";
+/// Name of the rest of the trace pass.
+const SHADING: &str = "trace: shading";
+/// Label of a trace pass that cannot be split, because its traversal alone seemed to take longer than all of it.
+const NOT_APART: &str = "trace: traversal and shading, which cannot be told apart";
+
+/// The pass that a part of a bar belongs to; `None` for the update.
+fn pass_of(part: &str) -> Option<&'static Pass> {
+    part.split(':').next().and_then(passes::named)
+}
+
+/// Color of a part of a bar: that of its pass; shading is lighter than traversal.
+fn part_color(part: &str) -> String {
+    let [r, g, b] = pass_of(part).map_or(UPDATE_COLOR, |pass| pass.color);
+    let lighter = |value: u8| (value / 3).saturating_add(170);
+    match part {
+        SHADING => format!("rgb({},{},{})", lighter(r), lighter(g), lighter(b)),
+        _ => format!("rgb({r},{g},{b})"),
+    }
+}
 
 /// Table of all sections, with the time of `hybrid` divided by that of `rt`.
 pub fn overview(sections: &[Section]) -> String {
@@ -211,20 +219,17 @@ fn shares(point: &Point) -> Vec<String> {
     cells
 }
 
-/// Label of a trace pass that cannot be split, because its traversal alone seemed to take longer than all of it.
-const NOT_APART: &str = "trace: traversal and shading, which cannot be told apart";
-
 /// Times of a point's passes in the order of the frame, the trace pass in two parts where they were
 /// timed apart, preceded by the CPU's update of moved instances.
 fn parts(point: &Point) -> Vec<(String, f64)> {
-    let update = point.sample.update_ms.map(|ms| ("update".to_owned(), ms));
+    let update = point.sample.update_ms.map(|ms| (UPDATE.to_owned(), ms));
     let mut parts: Vec<(String, f64)> = update.into_iter().collect();
     for (name, ms) in &point.passes_ms {
-        let split = point.split.filter(|_| name == "trace");
+        let split = point.split.filter(|_| name == trace::PASS.name);
         match split.and_then(|split| Some((split.traverse_ms, split.rest_ms?))) {
             Some((traversal, shading)) => {
-                parts.push(("trace: traversal".to_owned(), traversal));
-                parts.push(("trace: shading".to_owned(), shading));
+                parts.push((TRAVERSAL.to_owned(), traversal));
+                parts.push((SHADING.to_owned(), shading));
             }
             None if split.is_some() => parts.push((NOT_APART.to_owned(), *ms)),
             None => parts.push((name.clone(), *ms)),
@@ -247,13 +252,9 @@ pub fn breakdown(points: &[Point]) -> String {
     }
     // A method that lacks a pass must not move the pass to the end.
     names.sort_by_key(|part| {
-        let of_part = |pass: &&Pass| part.split(':').next() == Some(pass.name);
-        passes::ALL.iter().position(of_part)
+        let name = pass_of(part)?.name;
+        passes::ALL.iter().position(|pass| pass.name == name)
     });
-    let color = |name: &str| {
-        let known = PASS_COLORS.iter().find(|(pass, _)| *pass == name);
-        known.map_or(OTHER_COLOR, |(_, color)| color)
-    };
     let mut out = "<h3>Where the time goes (median ms of each pass) and memory held</h3>\n\
                    <p class=\"key\">"
         .to_owned();
@@ -261,7 +262,7 @@ pub fn breakdown(points: &[Point]) -> String {
         let _ = write!(
             out,
             "<span><b style=\"background:{}\"></b>{name}</span>",
-            color(name)
+            part_color(name)
         );
     }
     out += "</p><div class=\"scroll\"><table class=\"passes\"><tr><th>setting</th><th>MiB</th>\
@@ -270,7 +271,7 @@ pub fn breakdown(points: &[Point]) -> String {
     out += "</tr>\n";
     let longest = points.iter().map(|p| p.ms.median).fold(1e-9, f64::max);
     for (point, parts) in points.iter().zip(&rows) {
-        let RGBColor(r, g, b) = self::color(series(&point.sample));
+        let RGBColor(r, g, b) = color(series(&point.sample));
         let mebibytes = point.sample.bytes as f64 / f64::from(1 << 20);
         let _ = write!(
             out,
@@ -283,7 +284,7 @@ pub fn breakdown(points: &[Point]) -> String {
                 out,
                 "<i style=\"width:{:.2}%;background:{}\" title=\"{name}: {} ms\"></i>",
                 100.0 * ms / longest,
-                color(name),
+                part_color(name),
                 digits(*ms)
             );
         }

@@ -3,18 +3,16 @@
 use crate::{
     bench::{
         metric::{hits::CauseTally, structure::Structure, table},
-        sample::Sample,
+        sample::{Sample, pass_column},
     },
     render::{
+        passes,
         probe::{Counts, PassCounts},
         stats::FrameStats,
     },
 };
 
 use super::judge::Judged;
-
-/// Passes that find reflections.
-const REFLECTION_PASSES: [&str; 6] = ["pyramid", "arguments", "ssr", "hits", "trace", "blur"];
 
 /// Fills in errors, structure, changes, false accepts and false rejects of a picture.
 pub(super) fn fill_errors(sample: &mut Sample, judged: &Judged) {
@@ -95,7 +93,9 @@ pub(super) fn fill_counts(sample: &mut Sample, passes: &[PassCounts]) {
 pub(super) fn timed(mut sample: Sample, stats: &FrameStats, repetition: u32) -> Sample {
     sample.repetition = repetition;
     sample.frame_ms = Some(stats.frame_ms);
-    let is_reflection = |(name, _): &&(String, f64)| REFLECTION_PASSES.contains(&name.as_str());
+    let is_reflection = |(name, _): &&(String, f64)| {
+        passes::named(name).is_some_and(|pass| pass.group.finds_reflections())
+    };
     if !stats.passes_ms.is_empty() {
         let reflection = stats.passes_ms.iter().filter(is_reflection);
         sample.passes_ms = Some(stats.passes_total_ms());
@@ -120,10 +120,49 @@ pub(super) fn timed(mut sample: Sample, stats: &FrameStats, repetition: u32) -> 
     sample.none_percent = percent("none");
     sample.rough_percent = percent("rough");
     for (name, ms) in &stats.passes_ms {
-        sample.set_detail(&format!("pass_{name}_ms"), *ms);
+        sample.set_detail(&pass_column(name), *ms);
     }
     for share in &stats.shares.causes {
         sample.set_detail(&format!("cause_{}_px", share.name), share.pixels as f64);
     }
     sample
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{bench::sample::detail_columns, render::stats::Shares, scene::desc::Method};
+
+    #[test]
+    fn smoothing_of_reflections_counts_as_reflection_time() {
+        let passes_ms = [
+            ("light", 1.0),
+            ("ssr", 2.0),
+            ("filter", 4.0),
+            ("audit", 8.0),
+        ];
+        let stats = FrameStats {
+            size: [1, 1],
+            samples: 1,
+            method: Method::Hybrid,
+            unit_m: 1.0,
+            tree_ms: 0.0,
+            shares: Shares::new(&[], [1, 1], Method::Hybrid),
+            rays: 0,
+            exhausted_rays: 0,
+            audit: None,
+            decisions: Vec::new(),
+            passes_ms: passes_ms.map(|(name, ms)| (name.to_owned(), ms)).to_vec(),
+            processor_ms: Vec::new(),
+            frame_ms: 15.0,
+            bytes: Vec::new(),
+        };
+        let empty = Sample {
+            detail: vec![0.0; detail_columns().len()],
+            ..Sample::default()
+        };
+        let sample = timed(empty, &stats, 0);
+        assert_eq!(sample.passes_ms, Some(15.0));
+        assert_eq!(sample.reflection_ms, Some(6.0));
+    }
 }

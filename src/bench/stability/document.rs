@@ -8,7 +8,7 @@ use crate::{
         mask::{ERODE_PX, MIN_AREA_PX},
         structure::EDGE_PX,
     },
-    render::stats::{TOLERANCE_RELATIVE, TOLERANCE_U},
+    render::passes::audit::{TOLERANCE_RELATIVE, TOLERANCE_U},
 };
 
 /// A band of the 99th percentile of FLIP.

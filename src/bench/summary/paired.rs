@@ -3,7 +3,10 @@
 
 use std::collections::BTreeMap;
 
-use crate::bench::sample::Sample;
+use crate::{
+    bench::sample::Sample,
+    render::{pass::PassGroup, passes::trace},
+};
 
 /// Pairs of frames below which no two settings can be told apart by [`Pairs::order`].
 pub const MIN_PAIRS: usize = 6;
@@ -28,8 +31,8 @@ impl Timed {
         Self {
             frame_repetition: (sample.frame, sample.repetition),
             ms,
-            march_ms: sample.detail("pass_ssr_ms") + sample.detail("pass_pyramid_ms"),
-            trace_ms: sample.detail("pass_trace_ms"),
+            march_ms: sample.group_ms(PassGroup::March),
+            trace_ms: sample.pass_ms(&trace::PASS),
             rays: sample.rays as f64,
         }
     }

@@ -4,7 +4,10 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::{Spread, label};
-use crate::bench::{metric::temporal, sample::Sample};
+use crate::{
+    bench::{metric::temporal, sample::Sample},
+    render::passes::trace,
+};
 
 /// Temporal error over the measured frames of an animation.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -72,7 +75,7 @@ pub struct Split {
 
 impl Split {
     pub(super) fn of(samples: &[&Sample]) -> Option<Self> {
-        let pair = |s: &&Sample| Some((s.traverse_ms?, s.detail("pass_trace_ms")));
+        let pair = |s: &&Sample| Some((s.traverse_ms?, s.pass_ms(&trace::PASS)));
         let pairs: Vec<(f64, f64)> = samples.iter().filter_map(pair).collect();
         let rest: Vec<f64> = pairs.iter().map(|(rays, all)| all - rays).collect();
         let reversed = rest.iter().filter(|ms| **ms < 0.0).count();

@@ -4,8 +4,9 @@ use crate::{
     gpu::GpuError,
     render::{
         frame_pass::FramePass,
-        pass::{ComputePass, Dispatch, Pass},
+        pass::{ComputePass, Dispatch, Pass, PassGroup},
         pass_builder::PassBuilder,
+        shared_data::SharedData,
         sub_frame::SubFrame,
     },
 };
@@ -13,8 +14,11 @@ use crate::{
 /// See `shaders/arguments.wgsl`.
 pub const PASS: Pass = Pass {
     name: "arguments",
-    color: [225, 235, 205],
+    group: PassGroup::Reflection,
+    color: [178, 57, 122],
     needed: |plan, _| plan.features.lists,
+    reads_shared: &[SharedData::Counters],
+    writes_shared: &[SharedData::DispatchSizes],
     ..Pass::DEFAULT
 };
 

@@ -6,10 +6,10 @@ use crate::{
     gpu::{Checks, GpuError},
     render::{
         frame_pass::FramePass,
-        pass::{ComputePass, Dispatch, Pass},
+        pass::{ComputePass, Dispatch, Pass, PassGroup},
         pass_builder::PassBuilder,
         ray_list::{AUDIT_RAYS, RAYS_PER_GROUP},
-        stats::{TOLERANCE_RELATIVE, TOLERANCE_U},
+        shared_data::SharedData,
         sub_frame::SubFrame,
         targets::Target,
         types::gpu_struct,
@@ -20,7 +20,8 @@ use crate::{
 /// See `shaders/audit.wgsl`.
 pub const PASS: Pass = Pass {
     name: "audit",
-    color: [190, 190, 190],
+    group: PassGroup::Measurement,
+    color: [122, 122, 122],
     reads: &[
         Target::ViewDepth,
         Target::Surface,
@@ -28,6 +29,8 @@ pub const PASS: Pass = Pass {
         Target::Details,
         Target::Hit,
     ],
+    reads_shared: &[SharedData::PixelLists, SharedData::Counters],
+    writes_shared: &[SharedData::Counters],
     params: Some(Params::LAYOUT),
     needed: |plan, options| {
         plan.features.reflections && options.audit && options.reflection.method == Method::Hybrid
@@ -36,6 +39,11 @@ pub const PASS: Pass = Pass {
     checks: Checks::TrustedBuiltin,
     ..Pass::DEFAULT
 };
+
+/// Maximum distance of a right screen hit from the ray's hit, in U: a fifth of the paper's T.
+pub const TOLERANCE_U: f32 = 0.005;
+/// The same as a share of the ray's length; the larger of the two counts.
+pub const TOLERANCE_RELATIVE: f32 = 0.01;
 
 gpu_struct! {
     /// Uniforms of the audit shader.

@@ -4,7 +4,7 @@ use crate::{
     gpu::GpuError,
     render::{
         frame_pass::FramePass,
-        pass::{ComputePass, Dispatch, Pass},
+        pass::{ComputePass, Dispatch, Pass, PassGroup},
         pass_builder::PassBuilder,
         sub_frame::SubFrame,
         targets::Target,
@@ -15,23 +15,25 @@ use crate::{
 /// See `shaders/blur.wgsl`; `source` and `blurred` alternate between the targets reflection and blurred.
 pub const PASS: Pass = Pass {
     name: "blur",
-    color: [245, 165, 140],
+    group: PassGroup::Reflection,
+    color: [163, 10, 16],
     reads: &[
-        Target::ViewDepth,
         Target::Surface,
         Target::Cause,
         Target::Reflection,
+        Target::Blurred,
     ],
-    writes: &[Target::Blurred],
+    writes: &[Target::Blurred, Target::Reflection],
+    aliases: &ALIASES,
     params: Some(Params::LAYOUT),
     needed: |plan, options| plan.features.reflections && options.reflection.blur_px > 0.0,
     ..Pass::DEFAULT
 };
 
 /// Targets of `source` and `blurred` in the horizontal, then in the vertical step.
-const ALIASES: [[(&str, Target); 2]; 2] = [
-    [("source", Target::Reflection), ("blurred", Target::Blurred)],
-    [("source", Target::Blurred), ("blurred", Target::Reflection)],
+const ALIASES: [&[(&str, Target)]; 2] = [
+    &[("source", Target::Reflection), ("blurred", Target::Blurred)],
+    &[("source", Target::Blurred), ("blurred", Target::Reflection)],
 ];
 
 gpu_struct! {
@@ -52,7 +54,7 @@ pub struct Blur([ComputePass; 2]);
 
 impl FramePass for Blur {
     fn new(builder: &PassBuilder<'_>) -> Result<Self, GpuError> {
-        let direction = |i: usize| builder.compute(&PASS, &ALIASES[i]);
+        let direction = |i: usize| builder.compute(&PASS, ALIASES[i]);
         Ok(Self([direction(0)?, direction(1)?]))
     }
 

@@ -4,7 +4,7 @@ use crate::{
     gpu::GpuError,
     render::{
         frame_pass::FramePass,
-        pass::{ComputePass, Dispatch, Pass},
+        pass::{ComputePass, Dispatch, Pass, PassGroup},
         pass_builder::PassBuilder,
         sub_frame::SubFrame,
         targets::Target,
@@ -17,7 +17,8 @@ use super::filter;
 /// See `shaders/compose.wgsl`; `color` and `previous` swap targets after each sub-frame.
 pub const PASS: Pass = Pass {
     name: "compose",
-    color: [150, 110, 190],
+    group: PassGroup::Picture,
+    color: [204, 105, 205],
     reads: &[
         Target::ViewDepth,
         Target::Surface,
@@ -30,8 +31,11 @@ pub const PASS: Pass = Pass {
         Target::IndirectLight,
         Target::Cause,
         Target::Hit,
+        Target::ColorEven,
+        Target::ColorOdd,
     ],
     writes: &[Target::ColorEven, Target::ColorOdd],
+    aliases: &ALIASES,
     params: Some(Params::LAYOUT),
     overrides: |options| vec![("FILTER", f64::from(u8::from(filter::is_enabled(options))))],
     is_written: |_, options, target| target != Target::ColorOdd || options.image.samples > 1,
@@ -39,9 +43,9 @@ pub const PASS: Pass = Pass {
 };
 
 /// Targets of `color` and `previous` in even and odd sub-frames.
-const ALIASES: [[(&str, Target); 2]; 2] = [
-    [("color", Target::ColorEven), ("previous", Target::ColorOdd)],
-    [("color", Target::ColorOdd), ("previous", Target::ColorEven)],
+const ALIASES: [&[(&str, Target)]; 2] = [
+    &[("color", Target::ColorEven), ("previous", Target::ColorOdd)],
+    &[("color", Target::ColorOdd), ("previous", Target::ColorEven)],
 ];
 
 gpu_struct! {
@@ -64,7 +68,7 @@ pub struct Compose([ComputePass; 2]);
 
 impl FramePass for Compose {
     fn new(builder: &PassBuilder<'_>) -> Result<Self, GpuError> {
-        let parity = |i: usize| builder.compute(&PASS, &ALIASES[i]);
+        let parity = |i: usize| builder.compute(&PASS, ALIASES[i]);
         Ok(Self([parity(0)?, parity(1)?]))
     }
 

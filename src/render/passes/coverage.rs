@@ -4,7 +4,7 @@ use crate::{
     gpu::GpuError,
     render::{
         frame_pass::FramePass,
-        pass::{ComputePass, Dispatch, Pass},
+        pass::{ComputePass, Dispatch, Pass, PassGroup},
         pass_builder::PassBuilder,
         sub_frame::SubFrame,
         targets::Target,
@@ -15,7 +15,8 @@ use crate::{
 /// See `shaders/coverage.wgsl`.
 pub const PASS: Pass = Pass {
     name: "coverage",
-    color: [170, 170, 120],
+    group: PassGroup::Picture,
+    color: [122, 33, 139],
     reads: &[
         Target::ViewDepth,
         Target::Surface,

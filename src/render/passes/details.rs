@@ -4,7 +4,7 @@ use crate::{
     gpu::GpuError,
     render::{
         frame_pass::FramePass,
-        pass::{ComputePass, Dispatch, Pass},
+        pass::{ComputePass, Dispatch, Pass, PassGroup},
         pass_builder::PassBuilder,
         sub_frame::SubFrame,
         targets::Target,
@@ -14,7 +14,8 @@ use crate::{
 /// See `shaders/details.wgsl`.
 pub const PASS: Pass = Pass {
     name: "details",
-    color: [205, 175, 205],
+    group: PassGroup::Surfaces,
+    color: [70, 78, 207],
     reads: &[Target::Ids, Target::Colors],
     writes: &[Target::Details],
     needed: |plan, _| plan.features.details,

@@ -5,7 +5,7 @@ use crate::{
     render::{
         frame_pass::FramePass,
         options::RenderOptions,
-        pass::{ComputePass, Dispatch, Pass},
+        pass::{ComputePass, Dispatch, Pass, PassGroup},
         pass_builder::PassBuilder,
         sub_frame::SubFrame,
         targets::Target,
@@ -16,7 +16,8 @@ use crate::{
 /// See `shaders/filter.wgsl`; `source` and `blurred` alternate between the targets reflection and blurred.
 pub const PASS: Pass = Pass {
     name: "filter",
-    color: [205, 130, 170],
+    group: PassGroup::Reflection,
+    color: [237, 151, 148],
     reads: &[
         Target::ViewDepth,
         Target::Surface,
@@ -25,8 +26,10 @@ pub const PASS: Pass = Pass {
         Target::Cause,
         Target::Hit,
         Target::Reflection,
+        Target::Blurred,
     ],
-    writes: &[Target::Blurred],
+    writes: &[Target::Blurred, Target::Reflection],
+    aliases: &ALIASES,
     params: Some(Params::LAYOUT),
     needed: |plan, options| {
         plan.features.reflections && plan.features.rough_reflections && is_enabled(options)
@@ -43,9 +46,9 @@ pub fn is_enabled(options: &RenderOptions) -> bool {
 }
 
 /// Targets of `source` and `blurred` in the wide and the narrow step.
-const ALIASES: [[(&str, Target); 2]; 2] = [
-    [("source", Target::Reflection), ("blurred", Target::Blurred)],
-    [("source", Target::Blurred), ("blurred", Target::Reflection)],
+const ALIASES: [&[(&str, Target)]; 2] = [
+    &[("source", Target::Reflection), ("blurred", Target::Blurred)],
+    &[("source", Target::Blurred), ("blurred", Target::Reflection)],
 ];
 
 /// Radius in lobe widths and number of taps of both steps; the narrow one fills the gaps between the taps of the
@@ -72,7 +75,7 @@ pub struct Filter([ComputePass; 2]);
 
 impl FramePass for Filter {
     fn new(builder: &PassBuilder<'_>) -> Result<Self, GpuError> {
-        let step = |i: usize| builder.compute(&PASS, &ALIASES[i]);
+        let step = |i: usize| builder.compute(&PASS, ALIASES[i]);
         Ok(Self([step(0)?, step(1)?]))
     }
 

@@ -4,9 +4,10 @@ use crate::{
     gpu::{Checks, GpuError},
     render::{
         frame_pass::FramePass,
-        pass::{ComputePass, Dispatch, Pass},
+        pass::{ComputePass, Dispatch, Pass, PassGroup},
         pass_builder::PassBuilder,
         ray_list::List,
+        shared_data::SharedData,
         sub_frame::SubFrame,
         targets::Target,
     },
@@ -17,7 +18,8 @@ use super::ssr;
 /// See `shaders/hits.wgsl`.
 pub const PASS: Pass = Pass {
     name: "hits",
-    color: [150, 215, 130],
+    group: PassGroup::Reflection,
+    color: [114, 65, 79],
     reads: &[
         Target::ViewDepth,
         Target::Surface,
@@ -27,6 +29,13 @@ pub const PASS: Pass = Pass {
         Target::VisibleLights,
     ],
     writes: &[Target::Reflection],
+    reads_shared: &[
+        SharedData::Counters,
+        SharedData::ShadowMaps,
+        SharedData::PixelLists,
+        SharedData::DispatchSizes,
+    ],
+    writes_shared: &[SharedData::Counters],
     needed: ssr::PASS.needed,
     // The shader's ids come from the visibility pass, which `check_world` validated, and shadow rays follow indices
     // that `Trees::build` validated.

@@ -4,8 +4,9 @@ use crate::{
     gpu::{Checks, GpuError},
     render::{
         frame_pass::FramePass,
-        pass::{ComputePass, Dispatch, Pass},
+        pass::{ComputePass, Dispatch, Pass, PassGroup},
         pass_builder::PassBuilder,
+        shared_data::SharedData,
         sub_frame::SubFrame,
         targets::Target,
     },
@@ -14,7 +15,8 @@ use crate::{
 /// See `shaders/indirect.wgsl`.
 pub const PASS: Pass = Pass {
     name: "indirect",
-    color: [150, 190, 110],
+    group: PassGroup::Light,
+    color: [190, 120, 55],
     reads: &[
         Target::ViewDepth,
         Target::Surface,
@@ -22,6 +24,8 @@ pub const PASS: Pass = Pass {
         Target::Details,
     ],
     writes: &[Target::IndirectLight],
+    reads_shared: &[SharedData::ShadowMaps],
+    writes_shared: &[SharedData::Counters],
     needed: |plan, _| plan.features.indirect,
     // `check_world` and `Trees::build` validated every index that rays follow.
     checks: Checks::TrustedBuiltin,

@@ -4,8 +4,9 @@ use crate::{
     gpu::{Checks, GpuError},
     render::{
         frame_pass::FramePass,
-        pass::{ComputePass, Dispatch, Pass},
+        pass::{ComputePass, Dispatch, Pass, PassGroup},
         pass_builder::PassBuilder,
+        shared_data::SharedData,
         sub_frame::SubFrame,
         targets::Target,
     },
@@ -14,7 +15,8 @@ use crate::{
 /// See `shaders/light.wgsl`.
 pub const PASS: Pass = Pass {
     name: "light",
-    color: [235, 200, 90],
+    group: PassGroup::Light,
+    color: [182, 167, 38],
     reads: &[
         Target::ViewDepth,
         Target::Surface,
@@ -22,6 +24,8 @@ pub const PASS: Pass = Pass {
         Target::Details,
     ],
     writes: &[Target::Radiance, Target::Specular, Target::VisibleLights],
+    reads_shared: &[SharedData::ShadowMaps],
+    writes_shared: &[SharedData::Counters],
     is_written: |plan, _, target| target != Target::VisibleLights || plan.features.lends_light,
     // Rays towards lights follow indices that `check_world` and `Trees::build` validated.
     checks: Checks::TrustedBuiltin,

@@ -20,23 +20,38 @@ pub mod trace;
 pub mod transmit;
 pub mod visibility;
 
+#[cfg(test)]
+mod tests;
+
+use serde::Serialize;
+
 use crate::gpu::GpuError;
 
 use super::{
-    frame_pass::FramePass, options::RenderOptions, pass::Pass, pass_builder::PassBuilder,
-    plan::Plan, targets::Target,
+    frame_pass::FramePass,
+    options::RenderOptions,
+    pass::{Pass, PassGroup},
+    pass_builder::PassBuilder,
+    plan::Plan,
+    shared_data::SharedData,
+    sub_frame::SubFrame,
+    targets::Target,
 };
 
-/// Lists all passes once, by their modules and types.
+/// Lists the passes in the order of the frame, by their modules, and by their types where they run first.
 macro_rules! passes {
-    ($($module:ident: $type:ident,)*) => {
-        /// All passes in the order of the frame; `arguments` runs twice and is listed where it runs first.
-        pub const ALL: [&Pass; [$(stringify!($module)),*].len()] = [$(&$module::PASS),*];
+    (@of $module:ident $type:ident) => { &$module::PASS };
+    ($($module:ident $(: $type:ident)?,)*) => {
+        /// All passes in the order of the frame.
+        pub const ORDER: &[&Pass] = &[$(&$module::PASS),*];
+
+        /// All passes, each where it runs first.
+        pub const ALL: &[&Pass] = &[$($(passes!(@of $module $type),)?)*];
 
         /// Passes that a frame records; those that its plan leaves out are `None`.
         #[derive(Debug)]
         pub struct Passes {
-            $(pub(super) $module: Option<$module::$type>,)*
+            $($(pub(super) $module: Option<$module::$type>,)?)*
         }
 
         impl Passes {
@@ -46,8 +61,14 @@ macro_rules! passes {
             /// A shader or wgpu error.
             pub fn new(builder: &PassBuilder<'_>) -> Result<Self, GpuError> {
                 Ok(Self {
-                    $($module: needed(builder, &$module::PASS)?,)*
+                    $($($module: needed::<$module::$type>(builder, &$module::PASS)?,)?)*
                 })
+            }
+
+            /// Records one sub-frame.
+            pub(super) fn record(&self, frame: &mut SubFrame<'_>) {
+                frame.clear();
+                $(self.$module.record(frame);)*
             }
         }
     };
@@ -60,11 +81,12 @@ passes! {
     surface: Surface,
     details: Details,
     light: Light,
-    arguments: Arguments,
+    arguments: Arguments, // for the lists of the surface pass
     transmit: Transmit,
     indirect: Indirect,
     pyramid: Pyramid,
     ssr: Ssr,
+    arguments, // for the lists of hits and rays
     hits: Hits,
     trace: Trace,
     audit: Audit,
@@ -82,7 +104,7 @@ fn needed<P: FramePass>(builder: &PassBuilder<'_>, pass: &Pass) -> Result<Option
 /// The passes that a frame with this plan and these options records.
 pub fn needed_passes(plan: &Plan, options: &RenderOptions) -> Vec<&'static Pass> {
     let is_needed = |pass: &&Pass| (pass.needed)(plan, options);
-    ALL.into_iter().filter(is_needed).collect()
+    ALL.iter().copied().filter(is_needed).collect()
 }
 
 /// The targets that these passes write.
@@ -100,5 +122,52 @@ pub fn written_targets(
 
 /// The passes that march or trace rays, and can count that work.
 pub fn counted_passes() -> impl Iterator<Item = &'static Pass> {
-    ALL.into_iter().filter(|pass| pass.counted)
+    ALL.iter().copied().filter(|pass| pass.counted)
+}
+
+/// The pass with a name.
+pub fn named(name: &str) -> Option<&'static Pass> {
+    ALL.iter().copied().find(|pass| pass.name == name)
+}
+
+/// The passes of a group.
+pub fn of_group(group: PassGroup) -> impl Iterator<Item = &'static Pass> {
+    ALL.iter().copied().filter(move |pass| pass.group == group)
+}
+
+/// A pass of a frame, with the data that passes of this frame leave for each other.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct RecordedPass {
+    /// Name of the pass.
+    pub pass: &'static str,
+    /// Part of the frame.
+    pub group: PassGroup,
+    /// Names of the data that it reads and a pass of this frame writes.
+    pub reads: Vec<&'static str>,
+    /// Names of the data that it writes.
+    pub writes: Vec<&'static str>,
+}
+
+/// The passes that a frame records, in their order.
+pub fn recorded_passes(plan: &Plan, options: &RenderOptions) -> Vec<RecordedPass> {
+    let needed = needed_passes(plan, options);
+    let targets = written_targets(&needed, plan, options);
+    let is_shared = |data: &SharedData| {
+        data.is_used(plan) && needed.iter().any(|pass| pass.writes_shared.contains(data))
+    };
+    let names = |of: &[Target], shared: &[SharedData], is_target: &dyn Fn(&Target) -> bool| {
+        let of = of.iter().filter(|t| is_target(t)).map(|t| t.name());
+        let shared = shared.iter().filter(|data| is_shared(data));
+        of.chain(shared.map(|data| data.name())).collect()
+    };
+    let recorded = ORDER.iter().filter(|pass| (pass.needed)(plan, options));
+    let recorded = recorded.map(|pass| RecordedPass {
+        pass: pass.name,
+        group: pass.group,
+        reads: names(pass.reads, pass.reads_shared, &|t| targets.contains(t)),
+        writes: names(pass.writes, pass.writes_shared, &|t| {
+            (pass.is_written)(plan, options, *t)
+        }),
+    });
+    recorded.collect()
 }

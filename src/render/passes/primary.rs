@@ -4,9 +4,10 @@ use crate::{
     gpu::{Checks, GpuError},
     render::{
         frame_pass::FramePass,
-        pass::{ComputePass, Dispatch, Pass},
+        pass::{ComputePass, Dispatch, Pass, PassGroup},
         pass_builder::PassBuilder,
         plan::has_primary_rays,
+        shared_data::SharedData,
         sub_frame::SubFrame,
         targets::Target,
     },
@@ -15,8 +16,10 @@ use crate::{
 /// See `shaders/primary.wgsl`.
 pub const PASS: Pass = Pass {
     name: "primary",
-    color: [95, 160, 205],
+    group: PassGroup::Surfaces,
+    color: [14, 89, 107],
     writes: &[Target::Ids],
+    writes_shared: &[SharedData::CulledDepth, SharedData::Counters],
     needed: |_, options| has_primary_rays(options),
     overrides: |_| vec![("OF_CAMERA", 1.0)],
     // `check_world` and `Trees::build` validated every index that tracing follows.

@@ -4,9 +4,10 @@ use crate::{
     gpu::GpuError,
     render::{
         frame_pass::FramePass,
-        pass::{ComputePass, Dispatch, Pass},
+        pass::{ComputePass, Dispatch, Pass, PassGroup},
         pass_builder::PassBuilder,
         ray_list::PYRAMID_LEVELS,
+        shared_data::SharedData,
         sub_frame::SubFrame,
         targets::Target,
     },
@@ -17,8 +18,11 @@ use super::ssr;
 /// See `shaders/pyramid.wgsl`.
 pub const PASS: Pass = Pass {
     name: "pyramid",
-    color: [200, 230, 170],
+    group: PassGroup::March,
+    color: [42, 128, 52],
     reads: &[Target::ViewDepth],
+    reads_shared: &[SharedData::CulledDepth],
+    writes_shared: &[SharedData::DepthPyramid],
     needed: ssr::PASS.needed,
     ..Pass::DEFAULT
 };

@@ -12,11 +12,12 @@ use crate::{
         draw::{Draw, Indexed},
         frame_pass::FramePass,
         lights::ShadowView,
-        pass::{Pass, declared_overrides},
+        pass::{Pass, PassGroup, declared_overrides},
         pass_builder::PassBuilder,
         passes::visibility::{cleared_depth, reversed_depth},
         scene::GpuScene,
         shadow_maps::FORMAT,
+        shared_data::SharedData,
         sub_frame::SubFrame,
         types::gpu_struct,
     },
@@ -25,8 +26,10 @@ use crate::{
 /// See `shaders/shadow.wgsl`.
 pub const PASS: Pass = Pass {
     name: "shadow",
-    color: [120, 120, 140],
+    group: PassGroup::Light,
+    color: [111, 93, 21],
     params: Some(Params::LAYOUT),
+    writes_shared: &[SharedData::ShadowMaps],
     ..Pass::DEFAULT
 };
 

@@ -6,9 +6,10 @@ use crate::{
     render::{
         frame_pass::FramePass,
         options::RenderOptions,
-        pass::{ComputePass, Dispatch, Pass},
+        pass::{ComputePass, Dispatch, Pass, PassGroup},
         pass_builder::PassBuilder,
         ray_list::List,
+        shared_data::SharedData,
         sub_frame::SubFrame,
         targets::Target,
         types::gpu_struct,
@@ -21,7 +22,8 @@ use super::trace;
 /// See `shaders/ssr.wgsl`.
 pub const PASS: Pass = Pass {
     name: "ssr",
-    color: [70, 160, 90],
+    group: PassGroup::March,
+    color: [100, 229, 167],
     reads: &[
         Target::Ids,
         Target::ViewDepth,
@@ -30,6 +32,14 @@ pub const PASS: Pass = Pass {
         Target::Details,
     ],
     writes: &[Target::Reflection, Target::Cause, Target::Hit],
+    reads_shared: &[
+        SharedData::Counters,
+        SharedData::PixelLists,
+        SharedData::DispatchSizes,
+        SharedData::CulledDepth,
+        SharedData::DepthPyramid,
+    ],
+    writes_shared: &[SharedData::PixelLists, SharedData::Counters],
     params: Some(Params::LAYOUT),
     needed: |plan, options| plan.features.reflections && is_enabled(options),
     overrides: |options| {

@@ -5,9 +5,10 @@ use crate::{
     gpu::{Checks, GpuError},
     render::{
         frame_pass::FramePass,
-        pass::{ComputePass, Dispatch, Pass},
+        pass::{ComputePass, Dispatch, Pass, PassGroup},
         pass_builder::PassBuilder,
         plan::has_primary_rays,
+        shared_data::SharedData,
         sub_frame::SubFrame,
         targets::Target,
     },
@@ -18,13 +19,19 @@ use super::ssr;
 /// See `shaders/surface.wgsl`.
 pub const PASS: Pass = Pass {
     name: "surface",
-    color: [150, 205, 225],
+    group: PassGroup::Surfaces,
+    color: [147, 202, 253],
     reads: &[Target::Ids, Target::RasterDepth],
     writes: &[
         Target::ViewDepth,
         Target::Surface,
         Target::Colors,
         Target::Cause,
+    ],
+    writes_shared: &[
+        SharedData::CulledDepth,
+        SharedData::PixelLists,
+        SharedData::Counters,
     ],
     is_written: |plan, _, target| plan.features.reflections || target != Target::Cause,
     overrides: |options| {

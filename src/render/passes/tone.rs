@@ -4,7 +4,7 @@ use crate::{
     gpu::GpuError,
     render::{
         frame_pass::FramePass,
-        pass::{ComputePass, Dispatch, Pass},
+        pass::{ComputePass, Dispatch, Pass, PassGroup},
         pass_builder::PassBuilder,
         sub_frame::SubFrame,
         targets::Target,
@@ -16,13 +16,21 @@ use crate::{
 /// See `shaders/tone.wgsl`; `color` is the sum of all sub-frames.
 pub const PASS: Pass = Pass {
     name: "tone",
-    color: [205, 180, 230],
+    group: PassGroup::Picture,
+    color: [251, 171, 238],
     reads: &[Target::ColorEven, Target::ColorOdd, Target::CoverageSum],
     writes: &[Target::Display],
+    aliases: &ALIASES,
     params: Some(Params::LAYOUT),
     overrides: |options| vec![("HAS_ALPHA", f64::from(u8::from(options.image.alpha)))],
     ..Pass::DEFAULT
 };
+
+/// Targets of `color` after an even and an odd last sub-frame.
+const ALIASES: [&[(&str, Target)]; 2] = [
+    &[("color", Target::ColorEven)],
+    &[("color", Target::ColorOdd)],
+];
 
 gpu_struct! {
     /// Uniforms of the tone curve.
@@ -56,8 +64,8 @@ pub struct Tone(ComputePass);
 
 impl FramePass for Tone {
     fn new(builder: &PassBuilder<'_>) -> Result<Self, GpuError> {
-        let sum = Target::last_color(builder.options.image.samples);
-        Ok(Self(builder.compute(&PASS, &[("color", sum)])?))
+        let last = builder.options.image.samples - 1;
+        Ok(Self(builder.compute(&PASS, ALIASES[last as usize % 2])?))
     }
 
     fn record(&self, frame: &mut SubFrame<'_>) {

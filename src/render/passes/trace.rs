@@ -5,9 +5,10 @@ use crate::{
     render::{
         frame_pass::FramePass,
         options::RenderOptions,
-        pass::{ComputePass, Dispatch, Pass},
+        pass::{ComputePass, Dispatch, Pass, PassGroup},
         pass_builder::PassBuilder,
         ray_list::List,
+        shared_data::SharedData,
         sub_frame::SubFrame,
         targets::Target,
     },
@@ -17,7 +18,8 @@ use crate::{
 /// See `shaders/trace.wgsl`.
 pub const PASS: Pass = Pass {
     name: "trace",
-    color: [215, 95, 80],
+    group: PassGroup::Reflection,
+    color: [231, 76, 116],
     reads: &[
         Target::ViewDepth,
         Target::Surface,
@@ -27,6 +29,13 @@ pub const PASS: Pass = Pass {
         Target::VisibleLights,
     ],
     writes: &[Target::Reflection, Target::Hit],
+    reads_shared: &[
+        SharedData::Counters,
+        SharedData::ShadowMaps,
+        SharedData::PixelLists,
+        SharedData::DispatchSizes,
+    ],
+    writes_shared: &[SharedData::Counters],
     needed: |plan, options| plan.features.reflections && is_enabled(options),
     // `check_world` and `Trees::build` validated every index that tracing follows.
     checks: Checks::TrustedBuiltin,

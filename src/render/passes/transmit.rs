@@ -4,10 +4,11 @@ use crate::{
     gpu::{Checks, GpuError},
     render::{
         frame_pass::FramePass,
-        pass::{ComputePass, Dispatch, Pass},
+        pass::{ComputePass, Dispatch, Pass, PassGroup},
         pass_builder::PassBuilder,
         ray_list::List,
         recorder::clear_texture,
+        shared_data::SharedData,
         sub_frame::SubFrame,
         targets::Target,
     },
@@ -18,7 +19,8 @@ use super::ssr;
 /// See `shaders/transmit.wgsl`.
 pub const PASS: Pass = Pass {
     name: "transmit",
-    color: [120, 190, 205],
+    group: PassGroup::Light,
+    color: [253, 208, 126],
     reads: &[
         Target::Ids,
         Target::ViewDepth,
@@ -27,6 +29,13 @@ pub const PASS: Pass = Pass {
         Target::Details,
     ],
     writes: &[Target::TransmittedLight],
+    reads_shared: &[
+        SharedData::Counters,
+        SharedData::ShadowMaps,
+        SharedData::PixelLists,
+        SharedData::DispatchSizes,
+    ],
+    writes_shared: &[SharedData::Counters],
     needed: |plan, _| plan.features.transmission,
     overrides: |options| {
         let flag = |on| f64::from(u8::from(on));

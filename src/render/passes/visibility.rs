@@ -6,7 +6,7 @@ use crate::{
         cull::is_outside,
         draw::{Draw, DrawClass, Indexed},
         frame_pass::FramePass,
-        pass::{Pass, declared_overrides},
+        pass::{Pass, PassGroup, declared_overrides},
         pass_builder::PassBuilder,
         plan::has_primary_rays,
         sub_frame::SubFrame,
@@ -17,7 +17,8 @@ use crate::{
 /// See `shaders/visibility.wgsl`.
 pub const PASS: Pass = Pass {
     name: "visibility",
-    color: [66, 133, 180],
+    group: PassGroup::Surfaces,
+    color: [61, 155, 204],
     writes: &[Target::RasterDepth, Target::Ids],
     needed: |_, options| !has_primary_rays(options),
     ..Pass::DEFAULT

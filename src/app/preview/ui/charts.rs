@@ -28,8 +28,7 @@ pub fn cause_color(name: &str) -> Color32 {
 
 /// A pass's color in charts.
 pub fn pass_color(name: &str) -> Color32 {
-    let pass = passes::ALL.into_iter().find(|pass| pass.name == name);
-    pass.map_or(ACCENT, |pass| rgb(pass.color))
+    passes::named(name).map_or(ACCENT, |pass| rgb(pass.color))
 }
 
 /// A source's color, as in its AOV.

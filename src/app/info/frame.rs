@@ -1,0 +1,106 @@
+//! `info --frame`: the passes that render a scene, with the data that they leave for each other.
+
+use std::fmt::Write as _;
+
+use serde::Serialize;
+
+use super::trees_of;
+use crate::{
+    app::{error::AppError, plan_file::PlanFile},
+    render::{
+        decide::decide,
+        passes::{RecordedPass, recorded_passes},
+        plan::{Dropped, Plan},
+        textures::Layers,
+    },
+    runtime::{ViewOverrides, scene_text::LoadedScene},
+};
+
+/// A frame as one kind of adapter renders it, with the settings that are decided for this kind.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PlannedFrame {
+    /// Adapters that render this frame.
+    pub adapters: String,
+    /// Name of the method that finds reflections.
+    pub method: &'static str,
+    /// Passes in their order.
+    pub passes: Vec<RecordedPass>,
+    /// Features that the frame leaves out, and why the picture stays the same.
+    pub left_out: Vec<Dropped>,
+}
+
+/// Frames of a scene: one for each kind of adapter, or a single one where all render the same. With the unit costs of
+/// `plan_file`, the frame of its adapter.
+///
+/// # Errors
+/// [`AppError::Scene`] when its trees cannot be built.
+pub fn planned_frames(
+    loaded: &LoadedScene,
+    plan_file: Option<&PlanFile>,
+) -> Result<Vec<PlannedFrame>, AppError> {
+    let world = &loaded.first_frame();
+    let mut options = ViewOverrides::default().options(loaded);
+    options.costs = plan_file.map(|file| file.unit_ns);
+    let trees = trees_of(world, &options)?;
+    let layers = Layers::of(world);
+    let frame = |adapters: &str, is_software: bool| {
+        let options = decide(world, &trees, &options, is_software)
+            .options
+            .settled();
+        let plan = Plan::of(world, &trees, &layers, &options);
+        PlannedFrame {
+            adapters: adapters.to_owned(),
+            method: options.reflection.method.name(),
+            passes: recorded_passes(&plan, &options),
+            left_out: plan.dropped,
+        }
+    };
+    if let Some(file) = plan_file {
+        return Ok(vec![frame(&file.adapter, false)]);
+    }
+    let frames = [frame("GPUs", false), frame("software adapters", true)];
+    let [gpu, software] = &frames;
+    Ok(
+        match gpu.passes == software.passes && gpu.method == software.method {
+            true => vec![PlannedFrame {
+                adapters: "all adapters".to_owned(),
+                ..gpu.clone()
+            }],
+            false => frames.to_vec(),
+        },
+    )
+}
+
+/// Tables of the frames, a line for each pass.
+pub fn table(frames: &[PlannedFrame]) -> String {
+    let mut out = String::new();
+    for frame in frames {
+        // Writing to a string cannot fail.
+        let _ = writeln!(out, "frame on {}, method {}", frame.adapters, frame.method);
+        let rows: Vec<[String; 4]> = (frame.passes.iter())
+            .map(|pass| {
+                let names = |names: &[&str]| match names.is_empty() {
+                    true => "-".to_owned(),
+                    false => names.join(" "),
+                };
+                let [reads, writes] = [&pass.reads, &pass.writes].map(|n| names(n));
+                [
+                    pass.pass.to_owned(),
+                    pass.group.name().to_owned(),
+                    writes,
+                    reads,
+                ]
+            })
+            .collect();
+        let heads = ["pass", "group", "writes", "reads"].map(str::to_owned);
+        let widths = [0, 1, 2].map(|column| {
+            let cells = rows.iter().chain([&heads]).map(|row| row[column].len());
+            cells.max().unwrap_or(0)
+        });
+        for [pass, group, writes, reads] in [&heads].into_iter().chain(&rows) {
+            let [a, b, c] = widths;
+            let _ = writeln!(out, "  {pass:<a$}  {group:<b$}  {writes:<c$}  {reads}");
+        }
+    }
+    out
+}
