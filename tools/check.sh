@@ -102,6 +102,9 @@ if [ "$full" = yes ]; then
     heading "Long tests"
     linted test --locked --all-features -- --ignored
 
+    heading "Trial additions of docs/extending.md"
+    tools/extending.sh --build
+
     heading "Broken files"
     tools/fuzz.sh
 

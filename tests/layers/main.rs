@@ -2,6 +2,7 @@
 
 mod circles;
 mod comments;
+mod extending;
 mod imports;
 
 use std::{
