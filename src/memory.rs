@@ -1,4 +1,5 @@
-//! Memory that this process uses and may still allocate, where the system tells it (Linux).
+//! Memory that this process uses and may still allocate, and the budget that its loads share. Only Linux tells what
+//! is left; elsewhere the budget is one of Reflet's own.
 
 use std::{
     fs,
@@ -25,6 +26,9 @@ pub fn available_bytes() -> Option<u64> {
     [machine, group, space].into_iter().flatten().min()
 }
 
+/// Bytes that are assumed to be available where the system does not tell it (macOS, Windows).
+pub const ASSUMED_BYTES: u64 = 8 << 30;
+
 /// Bytes that the parts of one load may still allocate; clones share the same budget.
 #[derive(Clone, Debug)]
 pub struct Budget(Arc<AtomicU64>);
@@ -47,10 +51,11 @@ impl Budget {
         Self::of(available_bytes())
     }
 
-    /// Budget of three quarters of the available memory, or no limit where that is unknown: data that is read is
-    /// also copied, and other processes allocate memory too.
+    /// Budget of three quarters of the available memory, or of [`ASSUMED_BYTES`] where that is unknown: data that is
+    /// read is also copied, and other processes allocate memory too.
     fn of(available_bytes: Option<u64>) -> Self {
-        Self::new(available_bytes.map_or(u64::MAX, |left| left - left / 4))
+        let left = available_bytes.unwrap_or(ASSUMED_BYTES);
+        Self::new(left - left / 4)
     }
 
     /// Bytes that may still be taken.
@@ -66,6 +71,38 @@ impl Budget {
             .fetch_update(Ordering::Relaxed, Ordering::Relaxed, taken)
             .is_ok()
     }
+
+    /// Takes bytes until the result is dropped: memory that is freed again, such as a decoder's. `None` where fewer
+    /// are left.
+    #[must_use]
+    pub fn hold(&self, bytes: u64) -> Option<Hold> {
+        let budget = self.clone();
+        self.take(bytes).then(|| Hold { budget, bytes })
+    }
+}
+
+/// Bytes taken from a [`Budget`], which are given back when this is dropped.
+#[derive(Debug)]
+pub struct Hold {
+    budget: Budget,
+    bytes: u64,
+}
+
+impl Drop for Hold {
+    fn drop(&mut self) {
+        // No overflow: these bytes were taken before.
+        (self.budget.0).fetch_add(self.bytes, Ordering::Relaxed);
+    }
+}
+
+/// Number of jobs, at least 1, that fit in `left` bytes at once, of jobs that each take so many bytes for a while.
+pub fn wave_length(job_bytes: impl Iterator<Item = u64>, left: u64) -> usize {
+    let mut bytes = 0u64;
+    let fits = |own: &u64| {
+        bytes = bytes.saturating_add(*own);
+        bytes <= left
+    };
+    job_bytes.take_while(fits).count().max(1)
 }
 
 const CONTROL_GROUPS: &str = "/sys/fs/cgroup";
@@ -225,6 +262,26 @@ mod tests {
         assert_eq!(part.left(), 750);
         assert!(part.take(700) && !budget.take(51) && budget.take(50) && !part.take(1));
         assert_eq!((budget.left(), part.left()), (0, 0));
-        assert_eq!(Budget::of(None).left(), u64::MAX);
+    }
+
+    #[test]
+    fn what_is_held_is_given_back() {
+        let budget = Budget::new(100);
+        let held = budget.hold(60).unwrap();
+        assert_eq!(budget.left(), 40);
+        assert!(budget.clone().hold(41).is_none());
+        drop(held);
+        assert_eq!(budget.left(), 100);
+    }
+
+    #[test]
+    fn as_many_jobs_run_at_once_as_fit() {
+        let length = |left: u64| wave_length([40, 30, 50].into_iter(), left);
+        assert_eq!([119, 120, 70, 69, 0].map(length), [2, 3, 2, 1, 1]);
+    }
+
+    #[test]
+    fn systems_that_tell_nothing_have_a_budget_too() {
+        assert_eq!(Budget::of(None).left(), ASSUMED_BYTES / 4 * 3);
     }
 }
