@@ -53,7 +53,8 @@ pub struct LoadOptions {
     pub image_budget_bytes: u64,
     /// Largest single file, bytes.
     pub max_file_bytes: u64,
-    /// Memory limit of geometry, images and trees together, bytes; `None`: three quarters of the free memory.
+    /// Memory limit of geometry, images and trees together, bytes; `None`: three quarters of the free memory,
+    /// or 6 GiB where the system does not tell it.
     pub memory_bytes: Option<u64>,
     /// Whether extensions that only change the look are ignored in glTF files that require them.
     pub lenient: bool,
@@ -253,8 +254,9 @@ impl<'a> Loader<'a> {
         let mesh_warnings = self.world.warnings[num_warnings..].to_vec();
         let limits = TextureLimits {
             max_px: self.options.max_texture_px,
-            budget_bytes: self.options.image_budget_bytes.min(self.memory.left()),
+            budget_bytes: self.options.image_budget_bytes,
             max_file_bytes: self.options.max_file_bytes,
+            memory: self.memory.clone(),
         };
         let (images, requests): (Vec<_>, Vec<_>) = (self.textures.take_used(&mut self.world))
             .into_iter()
@@ -264,9 +266,6 @@ impl<'a> Loader<'a> {
         let image_files: Vec<_> = image_files.cloned().collect();
         self.add_files(&image_files);
         self.world.textures = texture::decode_all(&requests, &limits)?.into();
-        let image_bytes = self.world.textures.iter().map(|t| t.rgba.len() as u64);
-        // Cannot fail: decoding was limited to what was left.
-        let _ = self.memory.take(image_bytes.sum());
         self.world.memory = self.memory.clone();
         self.warn_of_reduced(&requests);
         let (meshes, textures) = (self.world.meshes.clone(), self.world.textures.clone());

@@ -1,34 +1,41 @@
-//! Decodes PNG, JPEG, WebP and KTX2 into [`Texture`]s: headers first, within stated limits, on all cores.
+//! Decodes PNG, JPEG, WebP and KTX2 into [`Texture`]s: headers first, within stated limits, on all cores. What the
+//! decoders take while they work is held in the memory budget, so that as many images are decoded at once as fit.
 
 use std::{
-    fs::File,
-    io::{BufReader, Cursor},
     panic::{AssertUnwindSafe, catch_unwind},
     path::PathBuf,
 };
 
-use image::{
-    DynamicImage, ImageDecoder, Limits, RgbaImage,
-    codecs::{jpeg::JpegDecoder, png::PngDecoder, webp::WebPDecoder},
-};
+use image::RgbaImage;
 use rayon::prelude::*;
 
-use self::header::{Format, Input, header};
+use self::{
+    decoder::{Need, Opened},
+    encoded::Encoded,
+};
 use super::{
     Texture,
     gltf::{Fault, ImageSource},
 };
-use crate::scene::diagnostic::Diagnostic;
+use crate::{
+    memory::{Budget, wave_length},
+    scene::diagnostic::Diagnostic,
+};
 
-mod header;
+mod decoder;
+mod encoded;
+mod jpeg;
 mod ktx2;
 mod specular_glossiness;
+mod webp;
+
+pub(super) use self::webp::{Watched, largest_frame_bytes};
 
 /// Longest edge of a texture on the GPU, pixels; larger images are reduced to it.
 pub const LARGEST_KEPT_PX: u32 = 2048;
 
 /// Limits of decoding.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct TextureLimits {
     /// Largest width and height, pixels.
     pub max_px: u32,
@@ -36,6 +43,8 @@ pub struct TextureLimits {
     pub budget_bytes: u64,
     /// Largest encoded image file, bytes.
     pub max_file_bytes: u64,
+    /// Memory of the load, which decoded images are taken from.
+    pub memory: Budget,
 }
 
 /// An image to decode.
@@ -66,58 +75,92 @@ fn fault(name: &'static str, text: impl Into<String>) -> Fault {
     Fault::new(name, text)
 }
 
-/// Decodes all requests, in their order.
+/// Decodes all requests, in their order, and takes their memory from the budget of `limits`.
 ///
 /// # Errors
 /// One error for every image that is broken, of another format, or too large; `image-budget` when all
-/// together are more than the budget (found from the headers, before anything is decoded).
+/// together are more than the budget, or decoding one takes more memory than they leave (found from the headers,
+/// before anything is decoded).
 pub fn decode_all(
     requests: &[TextureRequest],
     limits: &TextureLimits,
 ) -> Result<Vec<Texture>, Vec<Diagnostic>> {
     let blame = |request: &TextureRequest, f: Fault| f.at(&request.place()).in_file(&request.file);
     let mut errors = Vec::new();
-    let mut total = 0u64;
-    let mut over = None;
+    let mut needs = Vec::with_capacity(requests.len());
     for request in requests {
-        match guarded(|| num_pixels(&request.source, limits)) {
-            Ok(pixels) => {
-                total = total.saturating_add(pixels.saturating_mul(4));
-                if total > limits.budget_bytes {
-                    over.get_or_insert(request);
-                }
-            }
+        match guarded(|| need(&request.source, limits)) {
+            Ok(need) => needs.push(need),
             Err(f) => report_once(&mut errors, blame(request, f)),
         }
-    }
-    if let Some(request) = over {
-        let text = format!(
-            "the scene's images decode to {total} bytes, more than the budget of {} bytes",
-            limits.budget_bytes
-        );
-        errors.push(blame(
-            request,
-            fault("image-budget", text).help("use smaller images"),
-        ));
     }
     if !errors.is_empty() {
         return Err(errors);
     }
-    let decoded: Vec<_> = (requests.par_iter())
-        .map(|request| guarded(|| decode(request, limits)))
-        .collect();
-    let mut textures = Vec::with_capacity(decoded.len());
-    for (request, result) in requests.iter().zip(decoded) {
-        match result {
-            Ok(texture) => textures.push(texture),
-            Err(f) => report_once(&mut errors, blame(request, f)),
+    take_kept(requests, &needs, limits).map_err(|(at, f)| vec![blame(&requests[at], f)])?;
+    let mut textures = Vec::with_capacity(requests.len());
+    let mut start = 0;
+    while start < requests.len() {
+        let working = needs[start..].iter().map(|need| need.working);
+        let wave = start..start + wave_length(working, limits.memory.left());
+        let working = needs[wave.clone()].iter().map(|need| need.working).sum();
+        let held = (limits.memory.hold(working))
+            .ok_or_else(|| vec![blame(&requests[start], short(working, limits))])?;
+        let jobs = (requests[wave.clone()].par_iter()).zip(&needs[wave.clone()]);
+        let decoded: Vec<_> = jobs
+            .map(|(request, need)| guarded(|| decode(request, *need, limits)))
+            .collect();
+        drop(held);
+        for (request, result) in requests[wave.clone()].iter().zip(decoded) {
+            match result {
+                Ok(texture) => textures.push(texture),
+                Err(f) => report_once(&mut errors, blame(request, f)),
+            }
         }
+        start = wave.end;
     }
     if errors.is_empty() {
         Ok(textures)
     } else {
         Err(errors)
     }
+}
+
+/// Takes the memory of all decoded images from the budget; errors come with the index of the image past it.
+fn take_kept(
+    requests: &[TextureRequest],
+    needs: &[Need],
+    limits: &TextureLimits,
+) -> Result<(), (usize, Fault)> {
+    let budget = limits.budget_bytes.min(limits.memory.left());
+    let mut total = 0u64;
+    let mut over = None;
+    for (at, need) in needs.iter().enumerate() {
+        total = total.saturating_add(need.kept);
+        if total > budget {
+            over.get_or_insert(at);
+        }
+    }
+    if let Some(at) = over {
+        let text = format!(
+            "the scene's images decode to {total} bytes, more than the budget of {budget} bytes"
+        );
+        return Err((at, fault("image-budget", text).help("use smaller images")));
+    }
+    // Cannot fail: it was compared with what is left.
+    let _ = limits.memory.take(total);
+    let left = limits.memory.left();
+    match (0..requests.len()).find(|at| needs[*at].working > left) {
+        Some(at) => Err((at, short(needs[at].working, limits))),
+        None => Ok(()),
+    }
+}
+
+fn short(working: u64, limits: &TextureLimits) -> Fault {
+    let left = limits.memory.left();
+    let text =
+        format!("decoding it takes up to {working} bytes beside its pixels, {left} are left");
+    fault("image-budget", text).help("use smaller images")
 }
 
 /// Adds an error unless it is listed: two images that are made of the same maps have the same error.
@@ -137,74 +180,41 @@ fn guarded<T>(work: impl FnOnce() -> Result<T, Fault>) -> Result<T, Fault> {
     })
 }
 
-/// Number of pixels that are decoded for an image, from its headers.
-fn num_pixels(source: &ImageSource, limits: &TextureLimits) -> Result<u64, Fault> {
+/// Memory that decoding an image takes, from the headers of its files.
+fn need(source: &ImageSource, limits: &TextureLimits) -> Result<Need, Fault> {
+    let file_bytes = |encoded: &Encoded| match source {
+        ImageSource::File(_) => encoded.bytes.len() as u64,
+        _ => 0,
+    };
     match source {
         ImageSource::SpecularGlossiness(maps) => {
             let maps = [&maps.diffuse, &maps.specular].into_iter().flatten();
-            let pixels: Result<Vec<_>, _> = maps.map(|map| num_pixels(map, limits)).collect();
+            let (mut working, mut size) = (0u64, [1u64; 2]);
+            for map in maps {
+                let encoded = Encoded::read(map, limits)?;
+                let opened = Opened::new(&encoded, limits)?;
+                let file_bytes = encoded.bytes.len() as u64;
+                let own = opened.need.kept + opened.need.working + file_bytes;
+                working = working.saturating_add(own);
+                size = [0, 1].map(|axis| size[axis].max(opened.size[axis].into()));
+            }
             // The result is as large as the larger of both on each axis.
-            Ok(pixels?.iter().sum::<u64>().saturating_mul(2))
+            let kept = size[0] * size[1] * 4;
+            Ok(Need { kept, working })
         }
         source => {
-            let (_, [width, height]) = header(&mut *open(source, limits)?, limits)?;
-            Ok(u64::from(width) * u64::from(height))
+            let encoded = Encoded::read(source, limits)?;
+            let opened = Opened::new(&encoded, limits)?;
+            Ok(Need {
+                working: opened.need.working.saturating_add(file_bytes(&encoded)),
+                ..opened.need
+            })
         }
     }
 }
 
-fn open<'a>(source: &'a ImageSource, limits: &TextureLimits) -> Result<Box<dyn Input + 'a>, Fault> {
-    let path = match source {
-        ImageSource::Bytes(bytes) => return Ok(Box::new(Cursor::new(&**bytes))),
-        ImageSource::File(path) => path,
-        ImageSource::SpecularGlossiness(_) => {
-            return Err(fault("internal", "a converted image has no bytes"));
-        }
-    };
-    let unreadable = |e: std::io::Error| fault("file-unreadable", format!("cannot be read: {e}"));
-    let file = File::open(path).map_err(unreadable)?;
-    let size = file.metadata().map_err(unreadable)?.len();
-    if size > limits.max_file_bytes {
-        let cap = limits.max_file_bytes;
-        return Err(fault(
-            "file-too-large",
-            format!("{size} bytes, at most {cap}"),
-        ));
-    }
-    Ok(Box::new(BufReader::new(file)))
-}
-
-fn broken(e: image::ImageError) -> Fault {
-    match e {
-        image::ImageError::Limits(_) => fault("image-too-large", format!("too large: {e}")),
-        _ => fault("image-broken", format!("cannot be decoded: {e}")),
-    }
-}
-
-/// Decodes an image after its header was checked.
-fn decode_input(
-    mut input: Box<dyn Input + '_>,
-    limits: &TextureLimits,
-) -> Result<RgbaImage, Fault> {
-    let (format, [width, height]) = header(&mut *input, limits)?;
-    // Room for 16-bit RGBA and the decoder's own needs (compressed text chunks count too).
-    let mut own = Limits::no_limits();
-    own.max_alloc = Some(u64::from(width) * u64::from(height) * 16 + (64 << 20));
-    (own.max_image_width, own.max_image_height) = (Some(limits.max_px), Some(limits.max_px));
-    let mut decoder: Box<dyn ImageDecoder> = match format {
-        Format::Png => Box::new(PngDecoder::with_limits(input, own.clone()).map_err(broken)?),
-        Format::Jpeg => Box::new(JpegDecoder::new(input).map_err(broken)?),
-        Format::WebP => Box::new(WebPDecoder::new(input).map_err(broken)?),
-        Format::Ktx2 => return ktx2::decode(&mut *input, [width, height]),
-    };
-    decoder.set_limits(own).map_err(broken)?;
-    // Gray is expanded and 16 bits are reduced to 8; JPEG's CMYK arrives as RGB.
-    let pixels = DynamicImage::from_decoder(decoder).map_err(broken)?;
-    Ok(pixels.into_rgba8())
-}
-
-fn decode(request: &TextureRequest, limits: &TextureLimits) -> Result<Texture, Fault> {
-    let pixels = pixels(&request.source, limits)?;
+fn decode(request: &TextureRequest, need: Need, limits: &TextureLimits) -> Result<Texture, Fault> {
+    let pixels = pixels(&request.source, need, limits)?;
     let (width, height) = pixels.dimensions();
     Ok(Texture {
         name: format!("{}: {}", request.file.display(), request.name),
@@ -215,14 +225,25 @@ fn decode(request: &TextureRequest, limits: &TextureLimits) -> Result<Texture, F
     })
 }
 
-fn pixels(source: &ImageSource, limits: &TextureLimits) -> Result<RgbaImage, Fault> {
+/// The pixels of an image, for which `need` was held.
+fn pixels(source: &ImageSource, need: Need, limits: &TextureLimits) -> Result<RgbaImage, Fault> {
     if let ImageSource::SpecularGlossiness(maps) = source {
         let decoded = |map: &Option<ImageSource>| {
-            let pixels = map.as_ref().map(|map| pixels(map, limits));
+            let pixels = map.as_ref().map(|map| pixels(map, need, limits));
             pixels.transpose()
         };
         let (diffuse, specular) = (decoded(&maps.diffuse)?, decoded(&maps.specular)?);
         return Ok(specular_glossiness::convert(maps, diffuse, specular));
     }
-    decode_input(open(source, limits)?, limits)
+    // The memory of the file was held with the rest.
+    let unlimited = TextureLimits {
+        memory: Budget::default(),
+        ..limits.clone()
+    };
+    let encoded = Encoded::read(source, &unlimited)?;
+    let opened = Opened::new(&encoded, limits)?;
+    if opened.need.kept > need.kept || opened.need.working > need.working {
+        return Err(fault("image-broken", "it changed while it was read"));
+    }
+    opened.decode()
 }

@@ -87,6 +87,13 @@ impl Loader<'_> {
             .read(&path)
             .map_err(|f| fault(f.name, f.message))?;
         self.add_files(std::slice::from_ref(&path));
+        let working = heightfield::working_bytes(&bytes);
+        let held = self.memory.hold(working);
+        let _held = held.ok_or_else(|| {
+            let left = self.memory.left();
+            let text = format!("decoding it takes up to {working} bytes, {left} are left");
+            fault("image-budget", text)
+        })?;
         let heights = Heights::decode(&bytes).map_err(|text| fault("wrong-heights", text))?;
         Ok(heightfield::mesh(&heights, *size))
     }

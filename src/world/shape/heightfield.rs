@@ -1,11 +1,29 @@
 //! Height fields: meshes with a vertex for each pixel of an image, whose brightness is the height.
 
-use glam::{Vec2, Vec3};
+use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use crate::{math::Bounds, world::Mesh};
+use glam::{Vec2, Vec3};
+use image::ImageReader;
+
+use crate::{
+    math::Bounds,
+    world::{
+        Mesh,
+        texture::{Watched, largest_frame_bytes},
+    },
+};
 
 /// Maximum width and height of the image, pixels.
 pub const MOST_PX: u32 = 2048;
+/// Most bytes that are taken for a pixel while it is decoded and becomes a height: coefficients of JPEG in four
+/// components, or 16 bits of four channels and their conversions.
+const WORKING_BYTES_PER_PIXEL: u64 = 40;
+
+/// Upper bound of the memory for decoding an image, bytes.
+pub fn working_bytes(bytes: &[u8]) -> u64 {
+    let pixels = u64::from(MOST_PX).pow(2);
+    pixels * WORKING_BYTES_PER_PIXEL + largest_frame_bytes(bytes)
+}
 
 /// Brightness of each pixel, 0 to 1, top row first.
 pub struct Heights {
@@ -23,10 +41,16 @@ impl Heights {
     /// # Errors
     /// A sentence that says what is wrong with the image.
     pub fn decode(bytes: &[u8]) -> Result<Self, String> {
-        let reader = image::ImageReader::new(std::io::Cursor::new(bytes))
-            .with_guessed_format()
-            .map_err(|error| error.to_string())?;
-        let size = reader
+        let decoded = catch_unwind(AssertUnwindSafe(|| Self::decode_unguarded(bytes)));
+        decoded.unwrap_or_else(|_| Err("the image decoder panicked; please report this".to_owned()))
+    }
+
+    fn decode_unguarded(bytes: &[u8]) -> Result<Self, String> {
+        let reader = || {
+            let reader = ImageReader::new(Watched::new(bytes)).with_guessed_format();
+            reader.map_err(|error| error.to_string())
+        };
+        let size = reader()?
             .into_dimensions()
             .map_err(|error| error.to_string())?;
         let (width, height) = size;
@@ -35,7 +59,7 @@ impl Heights {
                 "a height field must have 2 to {MOST_PX} pixels on each side, not {width} x {height}"
             ));
         }
-        let image = image::load_from_memory(bytes).map_err(|error| error.to_string())?;
+        let image = reader()?.decode().map_err(|error| error.to_string())?;
         let gray = image.to_luma16();
         let values = gray.into_raw().into_iter();
         Ok(Self {

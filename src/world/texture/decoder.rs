@@ -1,0 +1,134 @@
+//! One image from its header to RGBA. Sizes are those of the header that the decoder itself reads, and every decoder
+//! comes with an upper bound of the memory that it takes while it decodes.
+
+use std::io::Cursor;
+
+use image::{
+    DynamicImage, ImageDecoder, Limits, RgbaImage,
+    codecs::{png::PngDecoder, webp::WebPDecoder},
+};
+
+use super::{
+    TextureLimits,
+    encoded::{Encoded, Format},
+    fault,
+    jpeg::Jpeg,
+    ktx2::Ktx2,
+    webp::{self, Watched},
+};
+use crate::world::gltf::Fault;
+
+/// Most memory of the text and color profiles in a PNG file, bytes.
+const PNG_METADATA_BYTES: u64 = 16 << 20;
+/// Memory of any decoder beside what its image takes, bytes.
+const SMALL_BYTES: u64 = 1 << 20;
+
+/// Memory of a decoded image, bytes.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Need {
+    /// Bytes of the decoded image, 4 per pixel, which are kept.
+    pub kept: u64,
+    /// Upper bound of the further bytes that are taken while the image is decoded.
+    pub working: u64,
+}
+
+/// An image whose header was read.
+pub struct Opened<'a> {
+    decoder: Decoder<'a>,
+    /// Width and height, pixels.
+    pub size: [u32; 2],
+    /// Memory that decoding takes.
+    pub need: Need,
+}
+
+enum Decoder<'a> {
+    Jpeg(Box<Jpeg<'a>>),
+    Ktx2(Box<Ktx2<'a>>),
+    Other(Box<dyn ImageDecoder + 'a>),
+}
+
+impl<'a> Opened<'a> {
+    /// Reads the header of an image, within the limits.
+    ///
+    /// # Errors
+    /// Broken headers, sizes past the limits.
+    pub fn new(encoded: &'a Encoded, limits: &TextureLimits) -> Result<Self, Fault> {
+        let bytes: &[u8] = &encoded.bytes;
+        let (decoder, size, working) = match encoded.format {
+            Format::Jpeg => {
+                let jpeg = Jpeg::open(bytes)?;
+                let working = jpeg.working_bytes();
+                let size = jpeg.size;
+                (Decoder::Jpeg(Box::new(jpeg)), size, working)
+            }
+            Format::Ktx2 => {
+                let ktx2 = Ktx2::open(bytes)?;
+                let working = ktx2.working_bytes()?;
+                let size = ktx2.size;
+                (Decoder::Ktx2(Box::new(ktx2)), size, working)
+            }
+            Format::Png => {
+                let png = PngDecoder::with_limits(Cursor::new(bytes), png_limits(limits));
+                let png = png.map_err(broken)?;
+                let size = png.dimensions().into();
+                let working = png.total_bytes().saturating_add(2 * PNG_METADATA_BYTES);
+                (Decoder::Other(Box::new(png)), size, working)
+            }
+            Format::WebP => {
+                let watched = Watched::new(bytes);
+                let decoder = WebPDecoder::new(watched).map_err(broken)?;
+                let size = decoder.dimensions().into();
+                let working = webp::working_bytes(bytes, size);
+                (Decoder::Other(Box::new(decoder)), size, working)
+            }
+        };
+        check_size(size, limits)?;
+        let need = Need {
+            kept: u64::from(size[0]) * u64::from(size[1]) * 4,
+            working: working.saturating_add(SMALL_BYTES),
+        };
+        Ok(Self {
+            decoder,
+            size,
+            need,
+        })
+    }
+
+    /// Decodes the image; gray is expanded, and 16 bits are reduced to 8.
+    ///
+    /// # Errors
+    /// Broken data.
+    pub fn decode(self) -> Result<RgbaImage, Fault> {
+        match self.decoder {
+            Decoder::Jpeg(jpeg) => jpeg.decode(),
+            Decoder::Ktx2(ktx2) => ktx2.decode(),
+            Decoder::Other(decoder) => {
+                let pixels = DynamicImage::from_decoder(decoder).map_err(broken)?;
+                Ok(pixels.into_rgba8())
+            }
+        }
+    }
+}
+
+fn png_limits(limits: &TextureLimits) -> Limits {
+    let mut own = Limits::no_limits();
+    own.max_alloc = Some(PNG_METADATA_BYTES);
+    (own.max_image_width, own.max_image_height) = (Some(limits.max_px), Some(limits.max_px));
+    own
+}
+
+fn check_size([width, height]: [u32; 2], limits: &TextureLimits) -> Result<(), Fault> {
+    let most = limits.max_px;
+    if [width, height].iter().all(|side| (1..=most).contains(side)) {
+        return Ok(());
+    }
+    let text = format!("is {width} × {height} pixels, expected 1 to {most} each");
+    Err(fault("image-too-large", text).help("scale the image down"))
+}
+
+fn broken(e: image::ImageError) -> Fault {
+    match e {
+        image::ImageError::Limits(_) => fault("image-too-large", format!("too large: {e}")),
+        _ => fault("image-broken", format!("cannot be decoded: {e}")),
+    }
+}

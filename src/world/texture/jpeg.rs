@@ -1,0 +1,105 @@
+//! JPEG, baseline and progressive, by zune-jpeg: it reads its header once, so that the size that is checked is the
+//! size that it decodes.
+
+use image::RgbaImage;
+use zune_jpeg::{
+    JpegDecoder,
+    zune_core::{bytestream::ZCursor, colorspace::ColorSpace, options::DecoderOptions},
+};
+
+use super::fault;
+use crate::world::gltf::Fault;
+
+/// Largest number of pixels for each byte of a file: a block of 64 takes at least a bit in the first scan of its
+/// component, and the largest sampling of either axis is 4. Files that are cut off before
+/// that show nothing.
+const MOST_PIXELS_PER_BYTE: u64 = 64 * 8 * 4;
+/// Pixels along the side of the largest unit that is coded at once: 8 × 8 blocks, sampled at most 4 to 1.
+const LARGEST_UNIT_PX: u64 = 32;
+/// Memory for a pixel of a row of units, in all components, bytes: 16-bit samples before and after upsampling, with
+/// the rows above and below.
+const ROW_BYTES_PER_PIXEL: u64 = 64;
+
+/// A JPEG file whose header was read.
+pub struct Jpeg<'a> {
+    decoder: JpegDecoder<ZCursor<&'a [u8]>>,
+    /// Width and height, pixels.
+    pub size: [u32; 2],
+    num_components: u64,
+}
+
+fn broken(e: impl std::fmt::Display) -> Fault {
+    fault("image-broken", format!("cannot be decoded: {e}"))
+}
+
+impl<'a> Jpeg<'a> {
+    /// Reads the header.
+    ///
+    /// # Errors
+    /// Broken headers, coding that is not supported, files that are too short for their size.
+    pub fn open(bytes: &'a [u8]) -> Result<Self, Fault> {
+        // The caller checks the size. What is cut off near its end is shown as far as it goes, as elsewhere.
+        let options = DecoderOptions::default()
+            .set_strict_mode(false)
+            .set_max_width(usize::MAX)
+            .set_max_height(usize::MAX)
+            .jpeg_set_out_colorspace(ColorSpace::RGBA);
+        let mut decoder = JpegDecoder::new_with_options(ZCursor::new(bytes), options);
+        decoder.decode_headers().map_err(broken)?;
+        let info = (decoder.info()).ok_or_else(|| broken("it has no frame header"))?;
+        let size = [info.width, info.height].map(u32::from);
+        let pixels = u64::from(size[0]) * u64::from(size[1]);
+        if pixels / MOST_PIXELS_PER_BYTE > bytes.len() as u64 {
+            let text = format!(
+                "is {} × {} pixels in {} bytes; it is cut off",
+                size[0],
+                size[1],
+                bytes.len()
+            );
+            return Err(fault("image-broken", text).help("copy or export the image again"));
+        }
+        Ok(Self {
+            decoder,
+            size,
+            num_components: info.components.into(),
+        })
+    }
+
+    /// Upper bound of the memory for decoding, bytes, without the pixels: progressive files, and others with a scan
+    /// for each component, keep 16-bit coefficients of every component.
+    pub fn working_bytes(&self) -> u64 {
+        let [width, height] = self
+            .size
+            .map(|side| u64::from(side).next_multiple_of(LARGEST_UNIT_PX));
+        let coefficients = width * height * 2;
+        let rows = width * LARGEST_UNIT_PX * ROW_BYTES_PER_PIXEL;
+        self.num_components * (coefficients + rows)
+    }
+
+    /// Decodes the pixels.
+    ///
+    /// # Errors
+    /// Broken data.
+    pub fn decode(mut self) -> Result<RgbaImage, Fault> {
+        let mut pixels = blank(self.size)?;
+        self.decoder.decode_into(&mut pixels).map_err(broken)?;
+        let [width, height] = self.size;
+        RgbaImage::from_raw(width, height, pixels)
+            .ok_or_else(|| broken("its size is not that of its header"))
+    }
+}
+
+/// Zeros for the pixels of an image in RGBA.
+///
+/// # Errors
+/// The system has less memory.
+fn blank([width, height]: [u32; 2]) -> Result<Vec<u8>, Fault> {
+    let bytes = width as usize * height as usize * 4;
+    let mut pixels = Vec::new();
+    if pixels.try_reserve_exact(bytes).is_err() {
+        let text = format!("decodes to {bytes} bytes, more than is left");
+        return Err(fault("image-budget", text).help("use smaller images"));
+    }
+    pixels.resize(bytes, 0);
+    Ok(pixels)
+}
