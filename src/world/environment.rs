@@ -2,7 +2,11 @@
 //! importance sampling) or of a gradient.
 
 mod density;
+mod exr;
+mod pixels;
 mod read;
+#[cfg(test)]
+mod tests;
 
 use std::{f64::consts::PI, sync::Arc};
 
@@ -11,7 +15,8 @@ use half::f16;
 
 pub use self::{
     density::Density,
-    read::{LARGEST_KEPT, PanoramaLimits, read},
+    pixels::{LARGEST_KEPT, PanoramaLimits},
+    read::read,
 };
 use crate::scene::desc::{EnvironmentDesc, EnvironmentShadow};
 

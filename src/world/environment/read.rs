@@ -6,46 +6,27 @@ use std::{
     path::Path,
 };
 
-use exr::prelude::{MetaData, ReadChannels as _, ReadLayers as _};
 use half::f16;
 use image::{ImageDecoder as _, codecs::hdr::HdrDecoder};
 
-use super::{Density, Panorama};
-use crate::world::gltf::Fault;
+use super::{
+    Density, Panorama, exr,
+    pixels::{
+        BROKEN_HELP, DENSITY_PX, LARGEST_KEPT, PanoramaLimits, Pixels, check_size, decoded_bytes,
+        hold, zeros,
+    },
+};
+use crate::{memory::Hold, world::gltf::Fault};
 
-/// Largest width and height of a panorama that is kept, pixels; larger ones are reduced.
-pub const LARGEST_KEPT: [u32; 2] = [4096, 2048];
 /// Largest value of a texel, a 16-bit float.
 const LARGEST_TEXEL: f32 = 65504.0;
-/// Largest width or height, pixels, of the reduced copy from which the density is computed.
-const DENSITY_PX: u32 = 1024;
-
-/// Help text for a file that is truncated or damaged.
-const BROKEN_HELP: &str = "copy or export the panorama again; the file is cut off or damaged";
-
-/// Limits of decoding.
-#[derive(Clone, Copy, Debug)]
-pub struct PanoramaLimits {
-    /// Largest width and height, pixels.
-    pub max_px: u32,
-    /// Maximum size of the decoded picture, bytes (12 per pixel).
-    pub budget_bytes: u64,
-}
-
-/// A decoded picture: linear radiance, top row first.
-struct Pixels {
-    width: u32,
-    height: u32,
-    rgb: Vec<[f32; 3]>,
-}
-
 /// Decodes the bytes of a `.hdr` or `.exr` file; the first bytes tell the format.
 ///
 /// # Errors
 /// Damaged files, other formats, sizes past the limits, and texels that are negative or not finite.
 pub fn read(path: &Path, bytes: &[u8], limits: &PanoramaLimits) -> Result<Panorama, Fault> {
     let decoded = catch_unwind(AssertUnwindSafe(|| decode(bytes, limits)));
-    let pixels = decoded.unwrap_or_else(|_| {
+    let (pixels, _held) = decoded.unwrap_or_else(|_| {
         let text = "the image decoder panicked; please report this";
         Err(Fault::new("internal", text))
     })?;
@@ -79,10 +60,10 @@ fn luminance([r, g, b]: &[f32; 3]) -> f32 {
     0.2126 * r + 0.7152 * g + 0.0722 * b
 }
 
-fn decode(bytes: &[u8], limits: &PanoramaLimits) -> Result<Pixels, Fault> {
+fn decode(bytes: &[u8], limits: &PanoramaLimits) -> Result<(Pixels, Hold), Fault> {
     match bytes {
         [b'#', b'?', ..] => decode_hdr(bytes, limits),
-        [0x76, 0x2f, 0x31, 0x01, ..] => decode_exr(bytes, limits),
+        [0x76, 0x2f, 0x31, 0x01, ..] => exr::decode(bytes, limits),
         [] => Err(Fault::new("image-broken", "is empty").help(BROKEN_HELP)),
         _ => Err(
             Fault::new("image-unsupported", "is neither Radiance HDR nor OpenEXR").help(
@@ -92,63 +73,17 @@ fn decode(bytes: &[u8], limits: &PanoramaLimits) -> Result<Pixels, Fault> {
     }
 }
 
-fn check_size(width: u64, height: u64, limits: &PanoramaLimits) -> Result<(), Fault> {
-    if width == 0 || height == 0 {
-        let text = format!("is {width} × {height} pixels, so it shows nothing");
-        return Err(Fault::new("image-broken", text).help(BROKEN_HELP));
-    }
-    let most = u64::from(limits.max_px);
-    if width.max(height) > most {
-        let text = format!("is {width} × {height} pixels, expected 1 to {most} each");
-        return Err(Fault::new("image-too-large", text).help("scale the panorama down"));
-    }
-    let bytes = 12 * width * height;
-    if bytes > limits.budget_bytes {
-        let budget = limits.budget_bytes;
-        let text = format!("decodes to {bytes} bytes, more than the budget of {budget} bytes");
-        return Err(Fault::new("image-budget", text).help("scale the panorama down"));
-    }
-    Ok(())
-}
-
-fn decode_hdr(bytes: &[u8], limits: &PanoramaLimits) -> Result<Pixels, Fault> {
+fn decode_hdr(bytes: &[u8], limits: &PanoramaLimits) -> Result<(Pixels, Hold), Fault> {
     let broken =
         |e| Fault::new("image-broken", format!("cannot be decoded: {e}")).help(BROKEN_HELP);
     let decoder = HdrDecoder::new(Cursor::new(bytes)).map_err(broken)?;
     let (width, height) = decoder.dimensions();
-    check_size(width.into(), height.into(), limits)?;
-    let mut rgb = vec![[0.0_f32; 3]; width as usize * height as usize];
+    let size = [width.into(), height.into()];
+    check_size(size[0], size[1], limits)?;
+    let held = hold(decoded_bytes(size), limits)?;
+    let mut rgb = zeros(size)?;
     (decoder.read_image(bytemuck::cast_slice_mut(&mut rgb))).map_err(broken)?;
-    Ok(Pixels { width, height, rgb })
-}
-
-fn decode_exr(bytes: &[u8], limits: &PanoramaLimits) -> Result<Pixels, Fault> {
-    let broken = |e: exr::error::Error| {
-        Fault::new("image-broken", format!("cannot be decoded: {e}")).help(BROKEN_HELP)
-    };
-    let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(broken)?;
-    for header in &meta.headers {
-        let size = header.layer_size;
-        check_size(size.0 as u64, size.1 as u64, limits)?;
-    }
-    let image = exr::prelude::read()
-        .no_deep_data()
-        .largest_resolution_level()
-        .rgb_channels(
-            |size, _| Pixels {
-                width: size.0 as u32,
-                height: size.1 as u32,
-                rgb: vec![[0.0; 3]; size.area()],
-            },
-            |pixels, at, (r, g, b): (f32, f32, f32)| {
-                pixels.rgb[at.1 * pixels.width as usize + at.0] = [r, g, b];
-            },
-        )
-        .first_valid_layer()
-        .all_attributes()
-        .from_buffered(Cursor::new(bytes))
-        .map_err(|e| broken(e).help("write a file with the channels R, G and B"))?;
-    Ok(image.layer_data.channel_data.pixels)
+    Ok((Pixels { width, height, rgb }, held))
 }
 
 /// Refuses texels that are negative or not finite.

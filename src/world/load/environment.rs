@@ -20,7 +20,8 @@ impl Loader<'_> {
             let path = path.ok()?;
             let limits = PanoramaLimits {
                 max_px: self.options.max_texture_px,
-                budget_bytes: self.options.image_budget_bytes.min(self.memory.left()),
+                budget_bytes: self.options.image_budget_bytes,
+                memory: self.memory.clone(),
             };
             let bytes = self.sandbox.read(&path);
             match bytes.and_then(|bytes| read(&path, &bytes, &limits)) {
