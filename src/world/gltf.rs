@@ -32,6 +32,7 @@ mod container;
 mod draco;
 mod extension;
 mod geometry;
+mod json_memory;
 mod layers;
 mod least_bytes;
 mod light;
@@ -303,7 +304,13 @@ pub fn read(
 fn read_faults(path: &Path, sandbox: &Sandbox, options: &ReadOptions) -> Result<Model, Vec<Fault>> {
     let one = |fault: Fault| vec![fault];
     let bytes = sandbox.read(path).map_err(one)?;
-    let (mut root, binary) = container::open(bytes, options.lenient).map_err(one)?;
+    let budget = budget::GeometryBudget::new(
+        memory::Budget::new(GEOMETRY_BUDGET_BYTES),
+        options.memory.clone(),
+    );
+    budget.take_file(bytes.len()).map_err(one)?;
+    let container = container::open(bytes, options.lenient, &options.memory).map_err(one)?;
+    let (mut root, binary, _held) = (container.root, container.binary, container.held);
     let folder = path.parent().unwrap_or(Path::new("."));
     let mut model = Model {
         files: vec![path.to_owned()],
@@ -311,11 +318,7 @@ fn read_faults(path: &Path, sandbox: &Sandbox, options: &ReadOptions) -> Result<
     };
     let mut notes = Notes::default();
     let mut buffers =
-        buffer::read(&root, binary, folder, sandbox, &mut model.files).map_err(one)?;
-    let budget = budget::GeometryBudget::new(
-        memory::Budget::new(GEOMETRY_BUDGET_BYTES),
-        options.memory.clone(),
-    );
+        buffer::read(&root, binary, (folder, sandbox), &mut model.files, &budget).map_err(one)?;
     draco::decompress(&mut root, &mut buffers, &budget).map_err(one)?;
     let data = accessor::Data::new(&root, buffers, budget).map_err(one)?;
     check_indices::check(&root).map_err(one)?;

@@ -3,6 +3,7 @@
 use crate::{
     common::Random,
     kit::{Doc, check_promises},
+    memory::within,
     work::Most,
 };
 use glam::{Vec2, Vec3};
@@ -163,4 +164,40 @@ fn broken_streams_are_refused_or_decoded_with_little_work() {
     }
     most.assert_below(1, 1000);
     assert!(refused > 100, "{refused}");
+}
+
+/// Stream of 200 million vertices with equal positions of 8 bits, and a triangle.
+const MANY_POINTS: &[u8] = &[
+    b'D', b'R', b'A', b'C', b'O', 2, 2, 1, 0, 0, 0, 0, 0x80, 0x84, 0xAF, 0x5F, 1, 0, 0, 0, 0, 1, 0,
+    0, 0, 2, 0, 0, 0, 1, 1, 0, 2, 3, 0, 0, 0, 1, 0xFE, 1, 1, 1, 1, 1, 0x40, 1,
+];
+
+#[test]
+#[cfg(target_os = "linux")]
+fn streams_hold_no_more_than_their_accessors_say() {
+    let before = reflet::memory::peak_resident_bytes().expect("Linux says it");
+    let mut doc = document(MANY_POINTS);
+    doc.json["meshes"][0]["primitives"][0]["extensions"][NAME]["attributes"] =
+        json!({"POSITION": 0});
+    let (name, message) = doc.error();
+    assert_eq!(name, "gltf-draco", "{message}");
+    let taken = reflet::memory::peak_resident_bytes().expect("Linux says it") - before;
+    assert!(taken < 256 << 20, "{taken} bytes"); // other tests run meanwhile
+    // One triangle less than the stream holds, and one vertex.
+    let corners = 6 * (SIDE - 1) * (SIDE - 1);
+    let mut doc = document(GRID);
+    doc.json["accessors"][3]["count"] = (corners - 3).into();
+    assert_eq!(doc.error().0, "gltf-draco");
+}
+
+/// A thousand primitives share a stream: it is decoded once, and each has the mesh.
+#[test]
+fn a_shared_stream_is_decoded_once() {
+    let mut doc = document(GRID);
+    let primitive = doc.json["meshes"][0]["primitives"][0].clone();
+    doc.json["meshes"][0]["primitives"] = serde_json::Value::Array(vec![primitive; 1000]);
+    // Decoded for each, the accessors alone would take 26 MiB.
+    let world = within(&doc, 24).unwrap_or_else(|e| panic!("{e:?}"));
+    assert_eq!(world.meshes.len(), 1000);
+    assert_eq!(triangles(&world.meshes[0]), triangles(&world.meshes[999]));
 }

@@ -26,6 +26,7 @@ mod layers;
 mod limits;
 mod material;
 mod material_faults;
+mod memory;
 mod meshopt;
 mod node_chains;
 mod overrides;

@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::Fault;
-use crate::memory::Budget;
+use crate::memory::{Budget, Hold};
 
 /// Memory that geometry may still take.
 #[derive(Debug)]
@@ -68,5 +68,30 @@ impl GeometryBudget {
     /// Fewer bytes are left.
     pub fn take(&self, bytes: u64) -> Result<(), Fault> {
         self.judge(self.file.take(bytes) && self.load.take(bytes))
+    }
+
+    /// Takes the bytes of a file that was read, which its images may be parts of: they stay in memory.
+    ///
+    /// # Errors
+    /// Fewer bytes are left.
+    pub fn take_file(&self, bytes: usize) -> Result<(), Fault> {
+        match self.load.take(bytes as u64) {
+            true => Ok(()),
+            false => {
+                let left = self.load.left();
+                let text = format!("a file of {bytes} bytes is read, {left} are left");
+                Err(Fault::new("file-too-large", text).help("leave out models, or simplify them"))
+            }
+        }
+    }
+
+    /// Takes bytes of the load until the result is dropped.
+    ///
+    /// # Errors
+    /// Fewer bytes are left.
+    pub fn hold(&self, bytes: u64) -> Result<Hold, Fault> {
+        let held = self.load.hold(bytes);
+        self.judge(held.is_some())?;
+        held.ok_or_else(over_budget)
     }
 }

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::{
     Fault,
+    budget::GeometryBudget,
     container::Bytes,
     schema::{Buffer, Root},
     uri::{self, Sandbox},
@@ -13,14 +14,20 @@ use super::{
 pub fn read(
     root: &Root,
     mut binary: Option<Bytes>,
-    folder: &Path,
-    sandbox: &Sandbox,
+    from: (&Path, &Sandbox),
     files: &mut Vec<PathBuf>,
+    budget: &GeometryBudget,
 ) -> Result<Vec<Option<Bytes>>, Fault> {
     let mut buffers = Vec::with_capacity(root.buffers.len());
     for (i, buffer) in root.buffers.iter().enumerate() {
         let chunk = if i == 0 { binary.take() } else { None };
-        let bytes = read_one(buffer, chunk, folder, sandbox, files);
+        let bytes = read_one(buffer, chunk, from, files);
+        let bytes = bytes.and_then(|bytes| {
+            // A chunk of the file was taken with it.
+            let own = bytes.as_ref().filter(|_| buffer.uri.is_some());
+            budget.take_file(own.map_or(0, |bytes| bytes.len()))?;
+            Ok(bytes)
+        });
         buffers.push(bytes.map_err(|f| f.at(&format!("buffer {i}")))?);
     }
     Ok(buffers)
@@ -29,8 +36,7 @@ pub fn read(
 fn read_one(
     buffer: &Buffer,
     chunk: Option<Bytes>,
-    folder: &Path,
-    sandbox: &Sandbox,
+    (folder, sandbox): (&Path, &Sandbox),
     files: &mut Vec<PathBuf>,
 ) -> Result<Option<Bytes>, Fault> {
     let bytes = match buffer.uri.as_deref().map(uri::parse).transpose()? {

@@ -5,7 +5,12 @@ use std::{ops::Range, sync::Arc};
 
 use serde_json::Value;
 
-use super::{Fault, extension, schema::Root};
+use super::{
+    Fault, extension,
+    json_memory::{Head, value_bytes},
+    schema::Root,
+};
+use crate::memory::{Budget, Hold};
 
 /// Part of a shared block of bytes; keeps the block alive.
 #[derive(Clone, Debug)]
@@ -49,17 +54,25 @@ const CHUNK_HEADER: usize = 8;
 const CHUNK_JSON: u32 = 0x4E4F_534A;
 const CHUNK_BIN: u32 = 0x004E_4942;
 
-/// Parses a file's bytes; the second value is GLB's binary chunk. With `lenient`, the file may require unsupported
-/// extensions that only change the look.
-pub fn open(bytes: Vec<u8>, lenient: bool) -> Result<(Root, Option<Bytes>), Fault> {
+/// A parsed file.
+pub struct Container {
+    pub root: Root,
+    /// GLB's binary chunk.
+    pub binary: Option<Bytes>,
+    /// Memory of the parsed JSON.
+    pub held: Hold,
+}
+
+/// Parses a file's bytes. With `lenient`, the file may require unsupported extensions that only change the look.
+pub fn open(bytes: Vec<u8>, lenient: bool, memory: &Budget) -> Result<Container, Fault> {
     let bytes = Bytes::new(bytes);
     let (json, binary) = if bytes.starts_with(b"glTF") {
         split_glb(&bytes)?
     } else {
         (bytes.clone(), None)
     };
-    let root = parse(&json, lenient)?;
-    Ok((root, binary))
+    let (root, held) = parse(&json, lenient, memory)?;
+    Ok(Container { root, binary, held })
 }
 
 fn word(bytes: &[u8], at: usize) -> Option<u32> {
@@ -118,27 +131,32 @@ fn split_glb(bytes: &Bytes) -> Result<(Bytes, Option<Bytes>), Fault> {
     Ok((json, binary))
 }
 
-fn parse(json: &[u8], lenient: bool) -> Result<Root, Fault> {
-    // Checked first, so that glTF 1.0 gets its own error message.
-    #[derive(serde::Deserialize)]
-    struct Head {
-        #[serde(default)]
-        asset: super::schema::Asset,
-        #[serde(default, rename = "extensionsRequired")]
-        required: Vec<String>,
-    }
+fn parse(json: &[u8], lenient: bool, memory: &Budget) -> Result<(Root, Hold), Fault> {
     let unreadable = |e: serde_json::Error| Fault::new("gltf-json", format!("not glTF JSON: {e}"));
     // A byte-order mark is against the specification, but harmless.
     let json = json.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(json);
+    // Checked first, so that glTF 1.0 gets its own error message.
     let head: Head = serde_json::from_slice(json).map_err(unreadable)?;
     check_version(&head.asset)?;
-    extension::check_required(&head.required, lenient)?;
-    serde_json::from_slice(json).or_else(|first| {
+    extension::check_required(&head.extensions_required, lenient)?;
+    let hold = |bytes: u64| {
+        memory.hold(bytes).ok_or_else(|| {
+            let text = format!(
+                "its JSON takes up to {bytes} bytes of memory, {} are left",
+                memory.left()
+            );
+            Fault::new("geometry-too-large", text).help("simplify the file, or leave out models")
+        })
+    };
+    let held = hold(head.bytes(json))?;
+    let root = serde_json::from_slice(json).or_else(|first| {
         // The specification allows integers written as 1.0; rare, so a second try.
+        let _held = hold(value_bytes(json))?;
         let mut value = serde_json::from_slice(json).map_err(unreadable)?;
         integers_from_floats(&mut value);
         serde_json::from_value(value).map_err(|_| unreadable(first))
-    })
+    });
+    Ok((root?, held))
 }
 
 /// Rewrites every number without a fraction as an integer. Recursion is bounded by the JSON

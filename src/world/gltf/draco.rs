@@ -1,9 +1,12 @@
 //! KHR_draco_mesh_compression: primitives are decoded into new buffers, views and accessors, and are read like any
 //! other primitive after that.
 
-use draco_core::{DecodeLimits, DecoderBuffer, Mesh, MeshDecoder};
+use std::collections::BTreeMap;
+
+use draco_core::{DecoderBuffer, ErrorKind, Mesh, MeshDecoder};
 use rayon::prelude::*;
 
+use self::claim::Claim;
 use super::{
     Fault,
     accessor::{Component, shape},
@@ -12,31 +15,42 @@ use super::{
     label,
     schema::{Accessor, Buffer, BufferView, Primitive, Root},
 };
+use crate::memory::wave_length;
 
-/// Maximum number of triangles of a stream, as decoding its connectivity takes some 100 bytes for each.
-const MOST_FACES: u64 = 1 << 23;
+mod claim;
 
 fn fault(text: impl Into<String>) -> Fault {
     Fault::new("gltf-draco", text)
 }
 
-/// A decoded accessor: its bytes and number of elements.
-struct Decoded {
-    bytes: Vec<u8>,
-    count: u64,
+/// Index of a mesh and of its primitive.
+type Place = (usize, usize);
+/// Number of an attribute in its stream, and index of the accessor that it becomes.
+type Attribute = (u32, usize);
+
+/// A stream, which is decoded once, and the primitives that share it.
+struct Stream {
+    bytes: Bytes,
+    claim: Claim,
+    users: Vec<Place>,
+    attributes: Vec<Attribute>,
+    /// Most bytes of the decoded accessors.
+    kept: u64,
+    /// Most further bytes that are taken while it is decoded.
+    working: u64,
 }
 
-/// Decoded geometry of a primitive.
-#[derive(Default)]
+/// Decoded geometry of a stream.
 struct Geometry {
     indices: Vec<u8>,
     num_indices: u64,
-    /// Names and decoded accessors of the attributes.
-    attributes: Vec<(String, Decoded)>,
+    num_points: u64,
+    /// Bytes of each attribute.
+    attributes: Vec<(Attribute, Vec<u8>)>,
 }
 
 /// Decodes every compressed primitive whose accessors have no uncompressed data. The decoded size that the
-/// accessors state is taken from `budget`.
+/// accessors state is taken from `budget`, and streams that hold more are refused.
 ///
 /// # Errors
 /// The first stream that is broken, too large, or lacks an attribute that it should have.
@@ -45,34 +59,87 @@ pub fn decompress(
     buffers: &mut Vec<Option<Bytes>>,
     budget: &GeometryBudget,
 ) -> Result<(), Fault> {
-    let compressed: Vec<(usize, usize)> = (root.meshes.iter().enumerate())
-        .flat_map(|(m, mesh)| (0..mesh.primitives.len()).map(move |p| (m, p)))
-        .filter(|&(m, p)| is_compressed(root, &root.meshes[m].primitives[p]))
-        .collect();
-    if compressed.is_empty() {
-        return Ok(());
+    let streams = streams(root, buffers)?;
+    // Accessors state the decoded size, so the budget is checked before anything is decoded.
+    for stream in &streams {
+        let fits = budget.take(stream.kept);
+        let fits = fits.and_then(|()| budget.hold(stream.working).map(drop));
+        fits.map_err(|fault| at(root, stream.users[0], fault))?;
     }
     let shared: &Root = root;
-    let at = |(m, p): (usize, usize), fault: Fault| {
-        let mesh = &shared.meshes[m];
-        let place = label("mesh", m, mesh.name.as_deref());
-        fault.at(&format!("{place} primitive {p}"))
+    let decode = |stream: &Stream| {
+        decode(shared, stream).map_err(|fault| at(shared, stream.users[0], fault))
     };
-    // Accessors state the decoded size, so the budget is checked before anything is decoded.
-    let most = budget.left();
-    for &(m, p) in &compressed {
-        let bytes = claimed_bytes(shared, &shared.meshes[m].primitives[p]);
-        budget.take(bytes).map_err(|fault| at((m, p), fault))?;
+    let mut decoded = Vec::with_capacity(streams.len());
+    while decoded.len() < streams.len() {
+        let rest = &streams[decoded.len()..];
+        let working = rest.iter().map(|stream| stream.working);
+        let wave = &rest[..wave_length(working.clone(), budget.left())];
+        let _held = budget.hold(working.take(wave.len()).sum())?;
+        let geometries: Result<Vec<Geometry>, Fault> = wave.par_iter().map(decode).collect();
+        decoded.extend(geometries?);
     }
-    let decode = |&(m, p): &(usize, usize)| {
-        let primitive = &shared.meshes[m].primitives[p];
-        decode(shared, buffers, primitive, most).map_err(|fault| at((m, p), fault))
-    };
-    let decoded: Result<Vec<Geometry>, Fault> = compressed.par_iter().map(decode).collect();
-    for ((m, p), geometry) in compressed.into_iter().zip(decoded?) {
-        insert(root, buffers, (m, p), geometry);
+    for (stream, geometry) in streams.iter().zip(decoded) {
+        insert(root, buffers, stream, geometry);
     }
     Ok(())
+}
+
+fn at(root: &Root, (m, p): Place, fault: Fault) -> Fault {
+    let place = label("mesh", m, root.meshes[m].name.as_deref());
+    fault.at(&format!("{place} primitive {p}"))
+}
+
+/// All streams that must be decoded.
+fn streams(root: &Root, buffers: &[Option<Bytes>]) -> Result<Vec<Stream>, Fault> {
+    let mut streams: BTreeMap<usize, Stream> = BTreeMap::new();
+    for (m, mesh) in root.meshes.iter().enumerate() {
+        for (p, primitive) in mesh.primitives.iter().enumerate() {
+            let Some(draco) = &primitive.extensions.draco else {
+                continue;
+            };
+            if !is_compressed(root, primitive) {
+                continue;
+            }
+            let blame = |fault| at(root, (m, p), fault);
+            let claim = Claim::of(root, primitive).map_err(blame)?;
+            let bytes = stream_bytes(root, buffers, draco.buffer_view).map_err(blame)?;
+            let stream = streams.entry(draco.buffer_view).or_insert(Stream {
+                bytes,
+                claim,
+                users: Vec::new(),
+                attributes: Vec::new(),
+                kept: 0,
+                working: 0,
+            });
+            stream.claim = stream.claim.or(claim);
+            stream.users.push((m, p));
+            let used = draco.attributes.iter();
+            let used = used.filter_map(|(name, id)| Some((*id, *primitive.attributes.get(name)?)));
+            stream.attributes.extend(used);
+        }
+    }
+    let mut streams: Vec<Stream> = streams.into_values().collect();
+    for stream in &mut streams {
+        stream.attributes.sort_unstable();
+        stream.attributes.dedup();
+        let bytes = |(_, accessor): &Attribute| element_bytes(root, *accessor);
+        let per_point: u64 = stream.attributes.iter().map(bytes).sum();
+        let points = stream.claim.points.saturating_mul(per_point);
+        let indices = stream.claim.faces.saturating_mul(3 * 4);
+        stream.kept = points.saturating_add(indices);
+        stream.working = stream.claim.working_bytes(&stream.bytes);
+    }
+    Ok(streams)
+}
+
+/// Bytes of an element of an accessor.
+fn element_bytes(root: &Root, accessor: usize) -> u64 {
+    let found = root.accessors.get(accessor).and_then(|accessor| {
+        let size = Component::new(accessor.component_type)?.size();
+        shape(&accessor.kind, size).map(|shape| shape.pitch as u64)
+    });
+    found.unwrap_or(0)
 }
 
 /// Whether some accessor of the primitive has no uncompressed data.
@@ -89,60 +156,59 @@ fn is_compressed(root: &Root, primitive: &Primitive) -> bool {
     })
 }
 
-/// Decoded size of a primitive by the counts of its accessors, bytes.
-fn claimed_bytes(root: &Root, primitive: &Primitive) -> u64 {
-    let accessors = primitive.attributes.values().chain(&primitive.indices);
-    let accessors = accessors.filter_map(|index| root.accessors.get(*index));
-    accessors.map(|a| a.count.saturating_mul(4)).sum()
-}
-
-fn decode(
-    root: &Root,
-    buffers: &[Option<Bytes>],
-    primitive: &Primitive,
-    budget_bytes: u64,
-) -> Result<Geometry, Fault> {
-    let Some(draco) = &primitive.extensions.draco else {
-        return Ok(Geometry::default());
-    };
-    if !matches!(primitive.mode.unwrap_or(4), 4 | 5) {
-        return Err(fault("only triangles can be compressed"));
-    }
-    let bytes = stream(root, buffers, draco.buffer_view)?;
-    let limits = DecodeLimits::default()
-        .with_max_points(3 * MOST_FACES)
-        .with_max_faces(MOST_FACES)
-        .with_max_decoded_bytes(budget_bytes);
-    let mut buffer = DecoderBuffer::new(&bytes).with_limits(limits);
+fn decode(root: &Root, stream: &Stream) -> Result<Geometry, Fault> {
+    let mut buffer = DecoderBuffer::new(&stream.bytes).with_limits(stream.claim.limits());
     let mut mesh = Mesh::new();
-    (MeshDecoder::new().decode(&mut buffer, &mut mesh))
-        .map_err(|error| fault(format!("its stream cannot be decoded: {error}")))?;
+    let decoded = MeshDecoder::new().decode(&mut buffer, &mut mesh);
+    decoded.map_err(|error| match error.kind() {
+        ErrorKind::LimitExceeded => {
+            let most = (stream.claim.points, stream.claim.faces);
+            fault(format!(
+                "its stream holds more than the {} vertices and {} triangles of its accessors",
+                most.0, most.1
+            ))
+        }
+        _ => fault(format!("its stream cannot be decoded: {error}")),
+    })?;
     let num_points = mesh.num_points();
+    for (m, p) in &stream.users {
+        let claim = Claim::of(root, &root.meshes[*m].primitives[*p])?;
+        claim.check(num_points, mesh.num_faces())?;
+    }
     let corners = mesh.faces().iter().flatten().map(|point| point.0);
     let mut geometry = Geometry {
         indices: corners.flat_map(u32::to_le_bytes).collect(),
         num_indices: 3 * mesh.num_faces() as u64,
-        ..Geometry::default()
+        num_points: num_points as u64,
+        attributes: Vec::new(),
     };
-    for (name, id) in &draco.attributes {
-        let Some(accessor) = primitive.attributes.get(name) else {
-            continue;
-        };
-        let accessor = (root.accessors.get(*accessor))
-            .ok_or_else(|| fault(format!("{name}: accessor {accessor} does not exist")))?;
-        let values = mesh.attribute_by_unique_id(*id);
-        let values = values.ok_or_else(|| fault(format!("{name}: no attribute {id} in it")))?;
-        let decoded = Decoded {
-            bytes: encode(accessor, values, num_points).map_err(|f| f.at(name))?,
-            count: num_points as u64,
-        };
-        geometry.attributes.push((name.clone(), decoded));
+    for &(id, index) in &stream.attributes {
+        let name = || attribute_name(root, stream, (id, index));
+        let accessor = (root.accessors.get(index))
+            .ok_or_else(|| fault(format!("accessor {index} does not exist")).at(name()))?;
+        let values = mesh.attribute_by_unique_id(id);
+        let values = values.ok_or_else(|| fault(format!("no attribute {id} in it")).at(name()))?;
+        let bytes = encode(accessor, values, num_points).map_err(|f| f.at(name()))?;
+        geometry.attributes.push(((id, index), bytes));
     }
     Ok(geometry)
 }
 
+/// Name of an attribute in the first primitive that uses it.
+fn attribute_name<'a>(root: &'a Root, stream: &Stream, (id, accessor): Attribute) -> &'a str {
+    let of_user = |(m, p): &Place| {
+        let primitive = &root.meshes[*m].primitives[*p];
+        let draco = primitive.extensions.draco.as_ref()?;
+        let mut used = draco.attributes.iter();
+        let found = used
+            .find(|(name, own)| **own == id && primitive.attributes.get(*name) == Some(&accessor));
+        found.map(|(name, _)| name.as_str())
+    };
+    stream.users.iter().find_map(of_user).unwrap_or_default()
+}
+
 /// The compressed bytes of a stream.
-fn stream(root: &Root, buffers: &[Option<Bytes>], view: usize) -> Result<Bytes, Fault> {
+fn stream_bytes(root: &Root, buffers: &[Option<Bytes>], view: usize) -> Result<Bytes, Fault> {
     let missing = || fault(format!("bufferView {view} does not exist or has no data"));
     let found = root.buffer_views.get(view).ok_or_else(missing)?;
     let buffer = buffers.get(found.buffer).and_then(Option::as_ref);
@@ -180,13 +246,8 @@ fn encode(
     })
 }
 
-/// Replaces the accessors of the primitive by uncompressed ones.
-fn insert(
-    root: &mut Root,
-    buffers: &mut Vec<Option<Bytes>>,
-    (m, p): (usize, usize),
-    geometry: Geometry,
-) {
+/// Replaces the accessors of the primitives of a stream by uncompressed ones.
+fn insert(root: &mut Root, buffers: &mut Vec<Option<Bytes>>, stream: &Stream, geometry: Geometry) {
     /// glTF's component type `UNSIGNED_INT`.
     const U32: u32 = 5125;
     let mut add = |root: &mut Root, bytes: Vec<u8>, accessor: Accessor| {
@@ -209,16 +270,13 @@ fn insert(
         });
         root.accessors.len() - 1
     };
-    for (name, decoded) in geometry.attributes {
-        let Some(old) = root.meshes[m].primitives[p].attributes.get(&name).copied() else {
-            continue;
-        };
+    let mut decoded = BTreeMap::new();
+    for (attribute, bytes) in geometry.attributes {
         let accessor = Accessor {
-            count: decoded.count,
-            ..root.accessors[old].clone()
+            count: geometry.num_points,
+            ..root.accessors[attribute.1].clone()
         };
-        let new = add(root, decoded.bytes, accessor);
-        root.meshes[m].primitives[p].attributes.insert(name, new);
+        decoded.insert(attribute, add(root, bytes, accessor));
     }
     let accessor = Accessor {
         component_type: U32,
@@ -227,6 +285,17 @@ fn insert(
         ..Accessor::default()
     };
     let indices = add(root, geometry.indices, accessor);
-    let primitive = &mut root.meshes[m].primitives[p];
-    (primitive.indices, primitive.mode) = (Some(indices), Some(4));
+    for &(m, p) in &stream.users {
+        let primitive = &mut root.meshes[m].primitives[p];
+        (primitive.indices, primitive.mode) = (Some(indices), Some(4));
+        let Some(draco) = &primitive.extensions.draco else {
+            continue;
+        };
+        for (name, accessor) in &mut primitive.attributes {
+            let id = draco.attributes.get(name);
+            if let Some(new) = id.and_then(|id| decoded.get(&(*id, *accessor))) {
+                *accessor = *new;
+            }
+        }
+    }
 }

@@ -1,0 +1,125 @@
+//! Upper bounds of a compressed stream by the accessors of its primitive: more is not decoded.
+
+use draco_core::DecodeLimits;
+
+use super::{super::accessor::shape, fault};
+use crate::world::gltf::{
+    Fault,
+    schema::{Primitive, Root},
+};
+
+/// Bytes per face and vertex of the connectivity while it is decoded: corners with their opposites and vertices.
+const BYTES_PER_FACE: u64 = 128;
+/// Bytes per face of the seams of each set of attributes, which has corners of its own.
+const SEAM_BYTES_PER_FACE: u64 = 64;
+/// Bytes per vertex of attributes in the stream that the primitive does not use.
+const UNUSED_BYTES_PER_POINT: u64 = 32;
+/// Copies of an attribute while it is decoded: as integers, as numbers, and as the accessor has them.
+const COPIES: u64 = 3;
+/// Flag of a stream with metadata, which stands before the counts.
+const METADATA_FLAG: u16 = 0x8000;
+
+/// Upper bounds of what a stream may hold.
+#[derive(Clone, Copy, Debug)]
+pub struct Claim {
+    /// Number of vertices. Seams of attributes split vertices, at most into one for each corner.
+    pub points: u64,
+    /// Number of triangles.
+    pub faces: u64,
+    /// Bytes of a vertex in all attributes of the primitive.
+    point_bytes: u64,
+}
+
+impl Claim {
+    /// The claim of a primitive's accessors.
+    ///
+    /// # Errors
+    /// Primitives that are not triangles.
+    pub fn of(root: &Root, primitive: &Primitive) -> Result<Self, Fault> {
+        let accessor = |index: &usize| root.accessors.get(*index);
+        let count = |index: &usize| accessor(index).map_or(0, |a| a.count);
+        let vertices = primitive.attributes.values().map(count).max().unwrap_or(0);
+        let corners = primitive.indices.as_ref().map_or(vertices, count);
+        let faces = match primitive.mode.unwrap_or(4) {
+            4 => corners / 3,
+            5 => corners,
+            _ => return Err(fault("only triangles can be compressed")),
+        };
+        let lanes = |index: &usize| {
+            let shape = accessor(index).and_then(|a| shape(&a.kind, 1));
+            shape.map_or(0, |shape| shape.lanes as u64)
+        };
+        Ok(Self {
+            points: vertices.max(corners),
+            faces,
+            point_bytes: 4 * primitive.attributes.values().map(lanes).sum::<u64>(),
+        })
+    }
+
+    /// The larger bounds of two primitives with the same stream.
+    pub fn or(self, other: Self) -> Self {
+        Self {
+            points: self.points.max(other.points),
+            faces: self.faces.max(other.faces),
+            point_bytes: self.point_bytes.max(other.point_bytes),
+        }
+    }
+
+    /// Limits of the decoder.
+    pub fn limits(&self) -> DecodeLimits {
+        let bytes = (self.points).saturating_mul(self.point_bytes + UNUSED_BYTES_PER_POINT);
+        DecodeLimits::default()
+            .with_max_points(self.points)
+            .with_max_faces(self.faces)
+            .with_max_decoded_bytes(bytes)
+    }
+
+    /// Most bytes that decoding the stream takes beside what is kept.
+    pub fn working_bytes(&self, stream: &[u8]) -> u64 {
+        let per_point = COPIES * (self.point_bytes + UNUSED_BYTES_PER_POINT);
+        let per_face = BYTES_PER_FACE + SEAM_BYTES_PER_FACE * num_attribute_sets(stream);
+        let points = self.points.saturating_mul(per_point);
+        points.saturating_add(self.faces.saturating_mul(per_face))
+    }
+
+    /// Refuses a decoded stream that holds more.
+    ///
+    /// # Errors
+    /// More vertices or triangles.
+    pub fn check(&self, points: usize, faces: usize) -> Result<(), Fault> {
+        for (what, found, most) in [
+            ("vertices", points as u64, self.points),
+            ("triangles", faces as u64, self.faces),
+        ] {
+            if found > most {
+                let text = format!("its stream has {found} {what}, its accessors say {most}");
+                return Err(fault(text));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Largest number of sets of attributes with seams of their own. It stands behind the counts of a stream by
+/// Edgebreaker (Draco bitstream 2.2, "Parse Connectivity Data"); where it cannot be found it is the largest of all.
+fn num_attribute_sets(stream: &[u8]) -> u64 {
+    const LARGEST: u64 = u8::MAX as u64;
+    let find = || {
+        let [major, minor, _kind, method] = *stream.get(5..9)?.as_array()?;
+        let flags = u16::from_le_bytes(*stream.get(9..11)?.as_array()?);
+        if method == 0 {
+            return Some(0);
+        }
+        if (major, minor) != (2, 2) || flags & METADATA_FLAG != 0 {
+            return None;
+        }
+        // A byte for the kind of traversal, then the numbers of vertices and faces, of variable length.
+        let mut rest = stream.get(12..)?;
+        for _ in 0..2 {
+            let length = 1 + rest.iter().position(|byte| byte & 0x80 == 0)?;
+            rest = &rest[length..];
+        }
+        rest.first().map(|sets| u64::from(*sets))
+    };
+    find().unwrap_or(LARGEST)
+}
