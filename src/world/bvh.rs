@@ -23,7 +23,7 @@ use obvhs::aabb::Aabb;
 pub use obvhs::cwbvh::node::CwBvhNode;
 use rayon::prelude::*;
 
-use super::{Instance, World};
+use super::{Instance, World, reach::is_within_reach};
 use crate::{memory, scene::diagnostic::Diagnostic};
 
 mod gpu_layout;
@@ -39,7 +39,7 @@ pub use gpu_layout::{
     ALPHA_TESTED, DOUBLE_SIDED, FLIPPED, SHADOWLESS, TraceInstance, TraceTriangle, UNREFLECTED,
     UNSEEN,
 };
-use leaves::{mesh_tree, static_tree, too_far, within_reach};
+use leaves::{mesh_tree, static_tree, too_far};
 pub use oracle::{Oracle, Ray, RayHit};
 use placement::{Placement, error, too_large};
 use refit::{DeformingTree, PosedTree};
@@ -57,8 +57,6 @@ pub const NONE: u32 = u32::MAX;
 /// Number of entries of the traversal stack in `shaders/lib/bvh.wgsl`; trees that need more are refused.
 pub const STACK_SIZE: u32 = 24;
 
-/// Maximum coordinate in trees, meters, so that areas and reciprocals are finite in f32.
-pub const MAX_REACH_M: f32 = 1e15;
 /// Number of 32-bit words of a node.
 const NODE_WORDS: usize = size_of::<CwBvhNode>() / 4;
 
@@ -100,7 +98,7 @@ impl Trees {
     /// Builds all trees; neither buffer exceeds `device_limit_bytes`.
     ///
     /// # Errors
-    /// Geometry past that limit, past [`MAX_REACH_M`], or past the memory that is left.
+    /// Geometry past that limit, past [`MAX_REACH_M`](super::reach::MAX_REACH_M), or past the memory that is left.
     pub fn build(world: &World, device_limit_bytes: u64) -> Result<Self, Box<Diagnostic>> {
         let placement = Placement::within(world, device_limit_bytes)?;
         placement.check_memory(world, left_bytes(world))?;
@@ -129,6 +127,9 @@ impl Trees {
         let mut deforming = Vec::with_capacity(deformed.len());
         for mesh in deformed {
             let of = &world.meshes[mesh];
+            if !is_within_reach(&of.bounds) {
+                return Err(too_far(&format!("mesh \"{}\"", of.name)));
+            }
             let tree = DeformingTree::new(mesh, of, nodes.len(), triangles.len());
             roots[mesh] = nodes.len() as u32;
             nodes.resize(tree.nodes.end, CwBvhNode::default());
@@ -197,11 +198,11 @@ impl Trees {
     }
 
     /// Builds the top level of a posed world without applying it. Instances that are hidden, whose transform is not
-    /// invertible, or that reach past [`MAX_REACH_M`], cannot be hit.
+    /// invertible, or that reach past [`MAX_REACH_M`](super::reach::MAX_REACH_M), cannot be hit.
     ///
     /// # Errors
     /// Poses whose tree is deeper than the traversal's stack, deformed meshes that reach past
-    /// [`MAX_REACH_M`].
+    /// [`MAX_REACH_M`](super::reach::MAX_REACH_M).
     pub fn top_level(&self, world: &World) -> Result<TopLevel, Box<Diagnostic>> {
         let (mut records, mut ids, mut boxes) = (Vec::new(), Vec::new(), Vec::new());
         for id in &self.top_instances {
@@ -212,7 +213,7 @@ impl Trees {
             let bounds = world.bounds_of(instance);
             let rows = record.object_from_world;
             let rows_finite = rows.as_flattened().iter().all(|x| x.is_finite());
-            if rows_finite && within_reach(bounds.min, bounds.max) {
+            if rows_finite && is_within_reach(&bounds) {
                 // Corners were rounded when transformed: keep the box conservative.
                 let slack = bounds.min.abs().max(bounds.max.abs()) * (4.0 * f32::EPSILON);
                 ids.push(*id);
@@ -227,7 +228,7 @@ impl Trees {
         let need = tree.as_ref().map_or(0, |tree| tree.stack_need);
         let pose = |tree: &DeformingTree| {
             let (mesh, posed) = (&world.meshes[tree.mesh], world.posed(tree.mesh));
-            if !within_reach(posed.bounds.min, posed.bounds.max) {
+            if !is_within_reach(&posed.bounds) {
                 return Err(too_far(&format!("mesh \"{}\"", mesh.name)));
             }
             Ok(tree.pose(mesh, posed.positions))

@@ -8,6 +8,7 @@ use xxhash_rust::xxh3::xxh3_64;
 
 use super::{
     Mesh, Posed,
+    reach::is_within_reach,
     rig::{Player, Rig, RigPose},
 };
 use crate::math::Bounds;
@@ -339,7 +340,7 @@ impl Deformer {
     }
 
     /// The mesh in a pose of its player; `None` for a mesh without a deformation, and for vertices
-    /// that are not finite.
+    /// that are not finite or too far away.
     pub fn pose(&self, mesh: &Mesh, pose: &RigPose) -> Option<Deformed> {
         let deformation = mesh.deformation.as_ref()?;
         let joint = |(source, joint): (&JointSource, &Joint)| {
@@ -355,8 +356,9 @@ impl Deformer {
         let weights = animated.unwrap_or(&self.nodes.rest_weights);
         let vertices = deformation.pose(&mesh.triangles, weights, &joints);
         let finite = vertices.positions.iter().all(|p| p.is_finite());
-        finite.then(|| Deformed {
-            bounds: Bounds::of(vertices.positions.iter().copied()),
+        let bounds = Bounds::of(vertices.positions.iter().copied());
+        (finite && is_within_reach(&bounds)).then(|| Deformed {
+            bounds,
             hash: xxh3_64(bytemuck::cast_slice(&vertices.positions)),
             vertices,
         })

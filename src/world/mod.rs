@@ -30,6 +30,7 @@ mod material_textures;
 mod normal_uv;
 mod pointed;
 pub mod pose;
+pub mod reach;
 pub mod rig;
 pub mod shape;
 mod shared;

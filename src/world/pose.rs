@@ -273,7 +273,7 @@ impl World {
             let deformed = deformed.ok_or_else(|| {
                 let message = format!(
                     "in frame {frame}, joints or morph targets move vertices of \"{}\" to positions \
-                     that are not finite",
+                     that are not finite or too far away",
                     mesh.name
                 );
                 let player = &self.moving.players[deformer.player];
@@ -296,6 +296,7 @@ impl World {
         for moving in &self.moving.instances {
             let (pose, seen) = moving.anchor.place(state, poses);
             let usable = invertible(&pose);
+            let is_far = self.is_too_far(moving.instance, &pose);
             let wrong = if moving.anchor.node.is_some() {
                 // Animations of files hide by a scale of 0, and may pass through 0 to mirror.
                 placed.push(if usable && seen {
@@ -303,7 +304,8 @@ impl World {
                 } else {
                     Instance::HIDDEN
                 });
-                (!pose.is_finite()).then_some("is not finite")
+                let broken = (!pose.is_finite()).then_some("is not finite");
+                broken.or((usable && seen && is_far).then_some("puts it too far away"))
             } else if !seen {
                 placed.push(Instance::HIDDEN);
                 None
@@ -311,6 +313,8 @@ impl World {
                 Some("is singular or not finite")
             } else if (pose.matrix3.determinant() < 0.0) != moving.mirrored {
                 Some("mirrors it, unlike the first pose; a scale must not change its sign")
+            } else if is_far {
+                Some("puts it too far away")
             } else {
                 placed.push(pose);
                 None

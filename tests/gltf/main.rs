@@ -31,6 +31,7 @@ mod meshopt;
 mod node_chains;
 mod overrides;
 mod pointer;
+mod reach;
 mod scene;
 mod scripted;
 mod skin;

@@ -5,15 +5,15 @@ use obvhs::aabb::Aabb;
 use rayon::prelude::*;
 
 use super::{
-    FLIPPED, MAX_REACH_M, NONE, TraceTriangle,
+    FLIPPED, NONE, TraceTriangle,
     gpu_layout::{instance_flags, trace_triangle},
     placement::error,
     tree::Tree,
 };
 use crate::{
-    math::in_f64,
+    math::{Bounds, in_f64},
     scene::diagnostic::Diagnostic,
-    world::{Mesh, World},
+    world::{Mesh, World, reach},
 };
 
 /// Corners of a triangle in the current pose of its mesh, object space.
@@ -40,17 +40,13 @@ pub(super) fn has_area([a, b, c]: [Vec3; 3]) -> bool {
     (b - a).cross(c - a) != Vec3::ZERO
 }
 
-pub(super) fn within_reach(min: Vec3, max: Vec3) -> bool {
-    // False for NaN.
-    min.cmpge(Vec3::splat(-MAX_REACH_M)).all() && max.cmple(Vec3::splat(MAX_REACH_M)).all()
+pub(super) fn too_far(what: &str) -> Box<Diagnostic> {
+    error(reach::TOO_FAR, &reach::too_far(what), reach::TOO_FAR_HELP)
 }
 
-pub(super) fn too_far(what: &str) -> Box<Diagnostic> {
-    error(
-        "too-far",
-        &format!("{what} reaches further than {MAX_REACH_M:e} m from the origin"),
-        "make its translation and scale smaller",
-    )
+fn is_far(tree_box: &Aabb) -> bool {
+    let (min, max) = (tree_box.min.into(), tree_box.max.into());
+    !reach::is_within_reach(&Bounds { min, max })
 }
 
 pub(super) fn mesh_tree(mesh: &Mesh) -> Result<(Tree, Vec<TraceTriangle>), Box<Diagnostic>> {
@@ -59,10 +55,7 @@ pub(super) fn mesh_tree(mesh: &Mesh) -> Result<(Tree, Vec<TraceTriangle>), Box<D
         .filter(|t| has_area(corners(*t)))
         .collect();
     let boxes: Vec<_> = ids.iter().map(|t| bounding_box(corners(*t))).collect();
-    if !boxes
-        .iter()
-        .all(|b| within_reach(b.min.into(), b.max.into()))
-    {
+    if boxes.iter().any(is_far) {
         return Err(too_far(&format!("mesh \"{}\"", mesh.name)));
     }
     let tree = Tree::build(&boxes);
@@ -90,8 +83,7 @@ pub(super) fn static_tree(
         .filter(|(_, corners)| has_area(*corners))
         .map(|(id, corners)| (id, bounding_box(corners)))
         .unzip();
-    let far = |b: &Aabb| !within_reach(b.min.into(), b.max.into());
-    if let Some(bad) = boxes.par_iter().position_first(far) {
+    if let Some(bad) = boxes.par_iter().position_first(is_far) {
         let name = &world.instances[ids[bad].0 as usize].name;
         return Err(too_far(&format!("instance \"{name}\"")));
     }

@@ -17,6 +17,7 @@ use super::{
 use crate::world::{
     Mesh,
     deform::{Deformation, Vertices},
+    reach::{MAX_REACH_M, TOO_FAR, too_far},
 };
 
 /// Reads a primitive; `None` where it shows nothing. Points and lines become thin geometry.
@@ -56,6 +57,7 @@ pub fn build(
         )?,
         ..Mesh::default()
     };
+    check_reach(&mesh.positions)?;
     read_attributes(&context, &mut mesh)?;
     if mode < TRIANGLES {
         pose_at_rest(&context, deformation(&context)?, &mut mesh);
@@ -66,12 +68,23 @@ pub fn build(
         drop(corners);
         deform(&context, &mut mesh, notes)?;
     }
+    check_reach(&mesh.positions)?;
     if mesh.triangles.is_empty() {
         let what = "primitives have no point, line or triangle to show";
         notes.add("mesh-empty", 1, what, &mesh.name);
         return Ok(None);
     }
     Ok(Some(mesh))
+}
+
+/// Refuses vertices that are too far away for trees, but for those that are not finite, which no triangle keeps.
+fn check_reach(positions: &[Vec3]) -> Result<(), Fault> {
+    let is_far = |p: &Vec3| p.is_finite() && p.abs().max_element() > MAX_REACH_M;
+    let Some(at) = positions.iter().position(is_far) else {
+        return Ok(());
+    };
+    let text = too_far(&format!("vertex {at} at {:?}", positions[at].to_array()));
+    Err(Fault::new(TOO_FAR, text).help("scale the model down"))
 }
 
 /// Joints and morph targets of the primitive.

@@ -18,8 +18,13 @@ use crate::{
         motion::{changing_overrides, moving},
     },
     world::{
-        Instance, ListedVariants, animation::Listed, deform::Deformer, gltf::Placement,
-        pose::MovingInstance, rig::Player,
+        Instance, ListedVariants,
+        animation::Listed,
+        deform::Deformer,
+        gltf::Placement,
+        pose::MovingInstance,
+        reach::{TOO_FAR, TOO_FAR_HELP, is_within_reach, too_far},
+        rig::Player,
     },
 };
 
@@ -116,10 +121,20 @@ impl Loader<'_> {
                     .push(error_at("instances-too-many", job.at, text));
                 return;
             }
+            self.check_reach(job, before);
             self.warn_of_dropped(job, &dropped, placed - before);
         }
         self.finish_extras(extras);
         self.list_animations(sources);
+    }
+
+    /// Refuses the instances of a job, those from the index `first` on, that are too far away.
+    fn check_reach(&mut self, job: &Job<'_>, first: usize) {
+        let is_far = |instance: &&Instance| !is_within_reach(&self.world.bounds_of(instance));
+        if let Some(far) = self.world.instances[first..].iter().find(is_far) {
+            let error = error_at(TOO_FAR, job.at, too_far(&far.name));
+            self.errors.push(error.help(TOO_FAR_HELP));
+        }
     }
 
     /// Placement of an instance at rest; `rest` are the transforms of all instances and groups.
