@@ -1,22 +1,22 @@
 #!/usr/bin/env bash
-# Feeds broken files to the readers of glTF and scene text, each 10 minutes unless --seconds says otherwise.
+# Feeds broken files to the readers of glTF, panoramas and scene text, each 10 minutes unless --seconds says otherwise.
 # A panic, more than 5 s or more than 1.5 GB end the run; the input is kept in fuzz/artifacts.
 set -euo pipefail
 
 seconds=600
-targets=(gltf scene)
+targets=(gltf panorama scene)
 while [ $# -gt 0 ]; do
     case "$1" in
         --seconds)
             seconds="${2:?--seconds N}"
             shift 2
             ;;
-        gltf | scene)
+        gltf | panorama | scene)
             targets=("$1")
             shift
             ;;
         *)
-            echo "usage: tools/fuzz.sh [--seconds N] [gltf|scene]" >&2
+            echo "usage: tools/fuzz.sh [--seconds N] [gltf|panorama|scene]" >&2
             exit 2
             ;;
     esac
@@ -36,6 +36,9 @@ for target in "${targets[@]}"; do
             folders=(scripts tests/gltf)
             [ -d "${REFLET_CORPUS:-../shared/corpus}" ] && folders+=("${REFLET_CORPUS:-../shared/corpus}")
             python3 tools/fuzz_seeds.py "$seeds" "${folders[@]}"
+            ;;
+        panorama)
+            python3 tools/fuzz_seeds.py "$seeds" --panoramas
             ;;
         scene)
             find scenes scripts tests/bad_scenes -name '*.toml' | while read -r file; do

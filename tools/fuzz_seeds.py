@@ -1,24 +1,28 @@
 """Gathers the glTF files that tools/fuzz.sh begins with, and says how many hold each codec.
 
 python3 tools/fuzz_seeds.py OUT FOLDER...
+python3 tools/fuzz_seeds.py OUT --panoramas
 
 Takes every `.glb` and `.gltf` in the folders of at most 64 KiB together with the files it names.
 Models with external files are packed into a `.glb`, since the fuzzer reads one file; WebP and KTX2
 images are put on a triangle. Models with meshopt are written once under each extension name.
+Added are small files whose decoders would take much memory; with `--panoramas` only those of
+panoramas, which are not part of glTF.
 """
 
 from __future__ import annotations
 
 import base64
 import hashlib
-import json
 import os
-import struct
+import random
 import sys
 import urllib.parse
 from pathlib import Path
 from typing import Any
 
+import gltf_mutant_decoders
+from gltf_mutant_decoders import glb, on_triangle
 from gltf_mutations import Model, read_model
 
 MOST_BYTES = 64 * 1024
@@ -34,15 +38,6 @@ IMAGES = {
     ".webp": ("EXT_texture_webp", "image/webp"),
     ".ktx2": ("KHR_texture_basisu", "image/ktx2"),
 }
-
-
-def glb(root: dict[str, Any], binary: bytes) -> bytes:
-    """A `.glb` of a JSON chunk and a binary chunk."""
-    chunks = b""
-    for kind, data, pad in ((b"JSON", json.dumps(root).encode(), b" "), (b"BIN\0", binary, b"\0")):
-        data += pad * (-len(data) % 4)
-        chunks += struct.pack("<I4s", len(data), kind) + data
-    return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks
 
 
 def bytes_of(uri: str, model: Model) -> bytes | None:
@@ -99,38 +94,6 @@ def pack(model: Model) -> bytes | None:
     return glb(root | {"buffers": kept, "bufferViews": views}, bytes(binary))
 
 
-def on_triangle(image: bytes, extension: str, mime: str) -> bytes:
-    """A `.glb` of a triangle with the image as its base color."""
-    corners = struct.pack("<9f", 0, 0, 0, 1, 0, 0, 0, 1, 0)
-    uv = struct.pack("<6f", 0, 0, 1, 0, 0, 1)
-    binary, views = b"", []
-    for part in (corners, uv, image):
-        views.append({"buffer": 0, "byteOffset": len(binary), "byteLength": len(part)})
-        binary += part + b"\0" * (-len(part) % 4)
-    accessor = {"componentType": 5126, "count": 3}
-    root = {
-        "asset": {"version": "2.0"},
-        "extensionsUsed": [extension],
-        "extensionsRequired": [extension],
-        "scenes": [{"nodes": [0]}],
-        "nodes": [{"mesh": 0}],
-        "meshes": [
-            {"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 1}, "material": 0}]}
-        ],
-        "materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}],
-        "textures": [{"extensions": {extension: {"source": 0}}}],
-        "images": [{"bufferView": 2, "mimeType": mime}],
-        "accessors": [
-            accessor
-            | {"bufferView": 0, "type": "VEC3", "min": [0.0, 0.0, 0.0], "max": [1.0, 1.0, 0.0]},
-            accessor | {"bufferView": 1, "type": "VEC2"},
-        ],
-        "bufferViews": views,
-        "buffers": [{"byteLength": len(binary)}],
-    }
-    return glb(root, binary)
-
-
 def seeds_of(file: Path) -> list[bytes]:
     if file.stat().st_size > MOST_BYTES:
         return []
@@ -146,20 +109,28 @@ def seeds_of(file: Path) -> list[bytes]:
     return seeds + [seed.replace(*names) for seed in seeds if names[0] in seed]
 
 
+def write(out: Path, seeds: set[bytes]) -> None:
+    for seed in seeds:
+        (out / hashlib.sha256(seed).hexdigest()[:16]).write_bytes(seed)
+    print(f"{len(seeds)} seeds")
+
+
 def main() -> None:
     if len(sys.argv) < 3:
         sys.exit(__doc__)
     out, folders = Path(sys.argv[1]), sys.argv[2:]
     out.mkdir(parents=True, exist_ok=True)
-    seeds: set[bytes] = set()
+    if folders == ["--panoramas"]:
+        write(out, {gltf_mutant_decoders.exr(random.Random(number)) for number in range(100)})
+        return
+    seeds = {gltf_mutant_decoders.model(random.Random(number)) for number in range(100)}
+    seeds = {seed for seed in seeds if len(seed) <= MOST_BYTES}
     for folder in folders:
         walked = (Path(at, name) for at, _, names in os.walk(folder) for name in names)
         for file in walked:
             if file.suffix in (".glb", ".gltf", *IMAGES):
                 seeds |= {seed for seed in seeds_of(file) if len(seed) <= MOST_BYTES}
-    for seed in seeds:
-        (out / hashlib.sha256(seed).hexdigest()[:16]).write_bytes(seed)
-    print(f"{len(seeds)} seeds")
+    write(out, seeds)
     for codec in CODECS:
         count = sum(codec.encode() in seed for seed in seeds)
         print(f"  {count} with {codec}" + ("" if count else ": its decoder is not reached"))

@@ -12,6 +12,8 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+import gltf_mutant_decoders
+
 KINDS = {
     "bytes": "some bytes of the file",
     "length": "its length, or that of a chunk",
@@ -22,7 +24,10 @@ KINDS = {
     "graph": "circles of nodes, joints and targets of animations",
     "floats": "NaN, infinite and huge numbers in buffers",
     "targets": "100,000 morph targets",
+    "decoder": "small files that would become large while they are decoded",
 }
+DECODER_EVERY = 20
+"""Share of the broken files that are made anew for a decoder."""
 Pointer = tuple[Any, Any]
 """A container of the JSON, and a key or index in it."""
 _SPECIAL = (0, 1, -1, 2, 3, 7, 255, 256, 5120, 5121, 5123, 5125, 5126, 65535, 65536, 1 << 24)
@@ -108,6 +113,8 @@ def mutate(
     model = models[number % len(models)]
     if number % 3 == 0 and packed:
         model = chance.choice(packed)
+    if number % DECODER_EVERY == DECODER_EVERY - 1:
+        return "decoder", model, {model.name: gltf_mutant_decoders.model(chance)}
     kinds = ["bytes", "length"]
     if model.root is not None:
         kinds += ["number", "value", "claim", "graph", "floats", "targets"]

@@ -1,0 +1,281 @@
+"""Makes small files whose decoders would take much memory, one of each known kind.
+
+`tools/gltf_mutants.py` reads them as broken files, and the fuzzers of `tools/fuzz.sh` begin with
+them, so that each kind stays closed.
+"""
+
+from __future__ import annotations
+
+import json
+import random
+import struct
+import zlib
+from collections.abc import Callable
+from typing import Any
+
+LARGE_PX = (2048, 8192, 16384, 65535)
+
+
+def glb(root: dict[str, Any], binary: bytes) -> bytes:
+    """A `.glb` of a JSON chunk and a binary chunk."""
+    chunks = b""
+    for kind, data, pad in ((b"JSON", json.dumps(root).encode(), b" "), (b"BIN\0", binary, b"\0")):
+        data += pad * (-len(data) % 4)
+        chunks += struct.pack("<I4s", len(data), kind) + data
+    return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks
+
+
+def on_triangle(image: bytes, extension: str | None, mime: str, copies: int = 1) -> bytes:
+    """A `.glb` of a triangle with the image as its base color, perhaps as several images."""
+    corners = struct.pack("<9f", 0, 0, 0, 1, 0, 0, 0, 1, 0)
+    uv = struct.pack("<6f", 0, 0, 1, 0, 0, 1)
+    binary, views = b"", []
+    for part in (corners, uv, image):
+        views.append({"buffer": 0, "byteOffset": len(binary), "byteLength": len(part)})
+        binary += part + b"\0" * (-len(part) % 4)
+    accessor = {"componentType": 5126, "count": 3}
+    attributes = {"POSITION": 0, "TEXCOORD_0": 1}
+
+    def texture(source: int) -> dict[str, Any]:
+        return {"extensions": {extension: {"source": source}}} if extension else {"source": source}
+
+    root: dict[str, Any] = {
+        "asset": {"version": "2.0"},
+        "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0}],
+        "meshes": [
+            {"primitives": [{"attributes": attributes, "material": i} for i in range(copies)]}
+        ],
+        "materials": [
+            {"pbrMetallicRoughness": {"baseColorTexture": {"index": i}}} for i in range(copies)
+        ],
+        "textures": [texture(i) for i in range(copies)],
+        "images": [{"bufferView": 2, "mimeType": mime} for _ in range(copies)],
+        "accessors": [
+            accessor
+            | {"bufferView": 0, "type": "VEC3", "min": [0.0, 0.0, 0.0], "max": [1.0, 1.0, 0.0]},
+            accessor | {"bufferView": 1, "type": "VEC2"},
+        ],
+        "bufferViews": views,
+        "buffers": [{"byteLength": len(binary)}],
+    }
+    if extension:
+        root |= {"extensionsUsed": [extension], "extensionsRequired": [extension]}
+    return glb(root, binary)
+
+
+def _segment(marker: int, body: bytes) -> bytes:
+    return struct.pack(">BBH", 0xFF, marker, len(body) + 2) + body
+
+
+def _frame(marker: int, side: int, factors: int = 0x11) -> bytes:
+    parts = b"".join(bytes((i, factors if i == 1 else 0x11, 0)) for i in (1, 2, 3))
+    return _segment(marker, struct.pack(">BHHB", 8, side, side, 3) + parts)
+
+
+def jpeg(chance: random.Random) -> bytes:
+    """A JPEG whose frame header is large: baseline or progressive, perhaps after decoys."""
+    side, marker = chance.choice(LARGE_PX), chance.choice((0xC0, 0xC1, 0xC2))
+    decoys = chance.sample((0xC3, 0xC5, 0xC8, 0xC9, 0xCB, 0xCD, 0xCF), chance.randrange(3))
+    codes = b"\1" + bytes(15) + b"\0"
+    scan = b"\1\1\0" if chance.random() < 0.5 else b"\3\1\0\2\0\3\0"
+    end = 0 if marker == 0xC2 else 63
+    data = bytes(chance.choice((0, 100, 1 << 12, 1 << 15, 1 << 18)))
+    return (
+        b"\xff\xd8"
+        + b"".join(_frame(decoy, 8) for decoy in decoys)
+        + _segment(0xDB, b"\0" + b"\1" * 64)
+        + _frame(marker, side, chance.choice((0x11, 0x22, 0x44, 0x41, 0x14)))
+        + _segment(0xC4, b"\x00" + codes)
+        + _segment(0xC4, b"\x10" + codes)
+        + _segment(0xDA, scan + bytes((0, end, 0)))
+        + data
+        + b"\xff\xd9"
+    )
+
+
+def png(chance: random.Random) -> bytes:
+    """A PNG of up to 16 bits a channel, whole or cut off, perhaps with a large color profile."""
+    width, height = chance.choice(LARGE_PX), chance.choice((1, 1024, *LARGE_PX))
+    color, channels = chance.choice(((0, 1), (2, 3), (6, 4)))
+    depth = chance.choice((8, 16))
+    row = 1 + width * channels * depth // 8
+    rows = min(height, (16 << 20) // row) if chance.random() < 0.5 else 1
+
+    def chunk(kind: bytes, body: bytes) -> bytes:
+        return (
+            struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
+        )
+
+    head = struct.pack(">IIBBBBB", width, height, depth, color, 0, 0, chance.randrange(2))
+    profile = b""
+    if chance.random() < 0.3:
+        profile = chunk(b"iCCP", b"p\0\0" + zlib.compress(bytes(32 << 20), 9))
+    return (
+        b"\x89PNG\r\n\x1a\n"
+        + chunk(b"IHDR", head)
+        + profile
+        + chunk(b"IDAT", zlib.compress(bytes(row * rows), 9))
+        + chunk(b"IEND", b"")
+    )
+
+
+def webp(chance: random.Random) -> bytes:
+    """A WebP whose frame is larger than its canvas, or a lossless one without data."""
+    side = chance.choice((16, 2048, 16383))
+    frame = b"\x10\2\0\x9d\1\x2a" + struct.pack("<HH", side, side) + bytes(64)
+
+    def chunk(kind: bytes, body: bytes) -> bytes:
+        return kind + struct.pack("<I", len(body)) + body + b"\0" * (len(body) % 2)
+
+    if chance.random() < 0.5:
+        canvas = chunk(b"VP8X", bytes(4) + bytes(6)) + chunk(b"VP8 ", frame)
+    else:
+        bits = (side - 1) | (side - 1) << 14
+        data = chance.choice((bytes(64), chance.randbytes(4096)))
+        canvas = chunk(b"VP8L", b"\x2f" + struct.pack("<I", bits) + data)
+    return chunk(b"RIFF", b"WEBP" + canvas)
+
+
+def draco(chance: random.Random) -> bytes:
+    """A model whose Draco stream says that it holds more vertices than its accessors."""
+    points = bytearray()
+    left = chance.choice((4, 1000, 200_000_000, 2**32 - 1))
+    while left >= 0x80:
+        points.append(left & 0x7F | 0x80)
+        left >>= 7
+    points.append(left)
+    kind = chance.choice((2, 9))  # 8-bit integers, or floats
+    stream = b"DRACO\2\2\1\0\0\0\0" + bytes(points)
+    stream += b"\1\0\0\0\0\1\0\0\0\2\0\0\0\1\1\0" + bytes((kind,)) + b"\3\0\0\0\1"
+    stream += b"\xfe\1\1\1\1\1\x40\1"
+    name = "KHR_draco_mesh_compression"
+    compressed = {"bufferView": 0, "attributes": {"POSITION": 0}}
+    primitive = {"attributes": {"POSITION": 0}, "indices": 1, "extensions": {name: compressed}}
+    root = {
+        "asset": {"version": "2.0"},
+        "extensionsUsed": [name],
+        "extensionsRequired": [name],
+        "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [primitive] * chance.choice((1, 1, 100))}],
+        "accessors": [
+            {"componentType": 5126, "count": 3, "type": "VEC3"},
+            {"componentType": 5125, "count": 3, "type": "SCALAR"},
+        ],
+        "bufferViews": [{"buffer": 0, "byteLength": len(stream)}],
+        "buffers": [{"byteLength": len(stream)}],
+    }
+    return glb(root, stream)
+
+
+def far(chance: random.Random) -> bytes:
+    """Triangles with huge coordinates, at rest, in a morph target, or by their node."""
+    count = chance.choice((3, 6, 300))
+    values = [chance.uniform(-1, 1) for _ in range(3 * count)]
+    where = chance.randrange(4)
+    huge = chance.choice((1e16, 3e38, -3e38))
+    offsets = [0.0] * len(values)
+    if where == 0:
+        values[chance.randrange(len(values))] = huge
+    elif where == 1:
+        offsets[chance.randrange(len(values))] = huge
+    binary = struct.pack(f"<{len(values)}f", *values)
+    binary += struct.pack(f"<{len(offsets)}f", *offsets) + struct.pack("<4f", 0, 1, 0, 1)
+    part = 4 * len(values)
+    node: dict[str, Any] = {"mesh": 0}
+    if where == 2:
+        node["translation"] = [0, huge, 0]
+    elif where == 3:
+        node["scale"] = [huge, huge, huge]
+    accessor: dict[str, Any] = {"componentType": 5126, "count": count, "type": "VEC3"}
+    times = {"bufferView": 2, "componentType": 5126, "count": 2, "type": "SCALAR"}
+    root = {
+        "asset": {"version": "2.0"},
+        "scenes": [{"nodes": [0]}],
+        "nodes": [node],
+        "meshes": [
+            {
+                "weights": [0],
+                "primitives": [{"attributes": {"POSITION": 0}, "targets": [{"POSITION": 1}]}],
+            }
+        ],
+        "animations": [
+            {
+                "channels": [{"sampler": 0, "target": {"node": 0, "path": "weights"}}],
+                "samplers": [{"input": 2, "output": 3}],
+            }
+        ],
+        "accessors": [
+            accessor | {"bufferView": 0},
+            accessor | {"bufferView": 1},
+            times,
+            times | {"byteOffset": 8},
+        ],
+        "bufferViews": [
+            {"buffer": 0, "byteLength": part},
+            {"buffer": 0, "byteOffset": part, "byteLength": part},
+            {"buffer": 0, "byteOffset": 2 * part, "byteLength": 16},
+        ],
+        "buffers": [{"byteLength": len(binary)}],
+    }
+    return glb(root, binary)
+
+
+def objects(chance: random.Random) -> bytes:
+    """Lists of empty objects, which take a hundred times as much memory as text."""
+    root: dict[str, Any] = {"asset": {"version": "2.0"}}
+    count = chance.choice((1000, 100_000, 3_000_000))
+    root[chance.choice(("nodes", "materials", "accessors", "animations"))] = [{}] * count
+    return json.dumps(root, separators=(",", ":")).encode()
+
+
+def exr(chance: random.Random) -> bytes:
+    """An OpenEXR panorama of many channels, or whose blocks say that they are large."""
+    width, height = 64, 32
+    packing = chance.choice((0, 2, 3, 4, 8, 9))  # none, ZIPS, ZIP, PIZ, DWAA, DWAB
+    lines = {0: 1, 2: 1, 3: 16, 4: 32, 8: 32, 9: 256}[packing]
+    extra = chance.choice((0, 3, 2000, 20_000))
+    names = sorted([b"R", b"G", b"B"] + [b"x%d" % i for i in range(extra)])
+    channels = b"".join(name + b"\0" + struct.pack("<iIii", 2, 0, 1, 1) for name in names) + b"\0"
+    if chance.random() < 0.3:
+        width = chance.choice(LARGE_PX)
+    box = struct.pack("<4i", 0, 0, width - 1, height - 1)
+
+    def attribute(name: bytes, kind: bytes, value: bytes) -> bytes:
+        return name + b"\0" + kind + b"\0" + struct.pack("<i", len(value)) + value
+
+    head = b"\x76\x2f\x31\x01" + struct.pack("<I", 2)
+    head += attribute(b"channels", b"chlist", channels)
+    head += attribute(b"compression", b"compression", bytes((packing,)))
+    head += attribute(b"dataWindow", b"box2i", box) + attribute(b"displayWindow", b"box2i", box)
+    head += attribute(b"lineOrder", b"lineOrder", b"\0")
+    head += attribute(b"pixelAspectRatio", b"float", struct.pack("<f", 1))
+    head += attribute(b"screenWindowCenter", b"v2f", struct.pack("<2f", 0, 0))
+    head += attribute(b"screenWindowWidth", b"float", struct.pack("<f", 1)) + b"\0"
+    if packing in (8, 9):
+        sizes = [chance.choice((0, 64, 1 << 24, 1 << 40, 2**63 - 1)) for _ in range(11)]
+        data = struct.pack("<11Q", 1, *sizes[1:]) + bytes(64)
+    else:
+        data = zlib.compress(bytes(min(16 << 20, 4 * width * lines * len(names))), 9)
+    blocks = -(-height // lines)
+    start = len(head) + 8 * blocks
+    table = b"".join(struct.pack("<Q", start + i * (8 + len(data))) for i in range(blocks))
+    body = b"".join(struct.pack("<ii", i * lines, len(data)) + data for i in range(blocks))
+    return head + table + body
+
+
+MODELS: dict[str, Callable[[random.Random], bytes]] = {
+    "jpeg": lambda chance: on_triangle(jpeg(chance), None, "image/jpeg", chance.choice((1, 2, 8))),
+    "png": lambda chance: on_triangle(png(chance), None, "image/png", chance.choice((1, 2, 8))),
+    "webp": lambda chance: on_triangle(webp(chance), "EXT_texture_webp", "image/webp"),
+    "draco": draco,
+    "far": far,
+    "objects": objects,
+}
+"""Makers of glTF files, by kind."""
+
+
+def model(chance: random.Random) -> bytes:
+    """A glTF file of a random kind."""
+    return MODELS[chance.choice(sorted(MODELS))](chance)
