@@ -135,7 +135,7 @@ fn a_full_disk_leaves_no_film() {
 fn a_pack_for_which_the_disk_has_no_room_is_refused_before_a_file_is_written() {
     let folder = folder("full-pack");
     let noise = image::RgbImage::from_fn(256, 256, |x, y| {
-        let bits = (x * 0x9E37_79B9) ^ (y * 0x85EB_CA6B);
+        let bits = x.wrapping_mul(0x9E37_79B9) ^ y.wrapping_mul(0x85EB_CA6B);
         image::Rgb(
             (bits.wrapping_mul(bits | 1)).to_le_bytes()[1..]
                 .try_into()

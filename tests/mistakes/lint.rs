@@ -41,7 +41,7 @@ pub const LINTS: &[Mistake] = &[
         [
             "near-name",
             "6:22",
-            "camera \"mian\" is new; the scene below this layer has \"main\"",
+            "camera \"mian\" is new, and the scene below this layer has \"main\"",
             "did you mean \"main\"?",
         ],
     ),

@@ -101,7 +101,7 @@ pub const SYNTAX: &[Mistake] = &[
     text(
         "a leading zero",
         "[image]\nsamples = 04\n",
-        ["toml-syntax", "3:11", "no zeros before", "write 4"],
+        ["toml-syntax", "3:11", "no leading zeros", "write 4"],
     ),
     text(
         "a decimal comma",

@@ -3,12 +3,12 @@
 use std::{fs, path::PathBuf};
 
 use reflet::{
+    runtime::scene_text::{SceneOptions, SceneText},
     scene::{
         dependencies::Dependencies,
         diagnostic::{Diagnostic, render_all},
         stages::Scene,
     },
-    runtime::scene_text::{SceneOptions, SceneText},
 };
 
 use crate::common::Random;

@@ -101,7 +101,7 @@ fn constantly_changing_stage_is_used_but_not_cached() {
     for runs in [6, 12] {
         let text = said(&place.check(&tool, "quad.usda"));
         assert!(
-            text.contains("triangles   1 placed") && text.contains("is not kept"),
+            text.contains("triangles   1 placed") && text.contains("is not cached"),
             "{text}"
         );
         assert_eq!(place.runs(), runs, "{text}");

@@ -32,7 +32,8 @@ pub fn warn(below: &Node, above: &Entries, report: &mut Report) {
                 continue;
             };
             let [name, other] = [name, other].map(|name| suggest::text(name));
-            let message = format!("{kind} {name} is new; the scene below this layer has {other}");
+            let message =
+                format!("{kind} {name} is new, and the scene below this layer has {other}");
             let help = format!("did you mean {other}? if not, choose a name that differs more");
             let warning = Diagnostic::at("near-name", report.span(at), message).help(help);
             let first = report.span(first);

@@ -1,7 +1,7 @@
 //! Event loop of the rendering thread: takes the newest view and every task, draws, reports, and
 //! sleeps when nothing changed.
 
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use super::worker::Worker;
 use crate::{
@@ -57,6 +57,9 @@ impl Worker {
             if redraw && !self.renders_other_frame() {
                 self.draw();
             }
+            if self.summary_due().is_some_and(|due| due <= Instant::now()) {
+                self.send_summary();
+            }
             for (reload, since) in std::mem::take(&mut self.reloads) {
                 let ms = since.elapsed().as_secs_f64() * 1e3;
                 self.send(Report::Reloaded(reload, ms));
@@ -74,6 +77,13 @@ impl Worker {
         let is_posed = |frame: u32| frame == posed;
         (self.frame_requests.front()).is_some_and(|of| is_posed(of.view.frame))
             && !(self.view.as_ref()).is_some_and(|view| is_posed(view.frame))
+    }
+
+    /// Time at which the summary of the shown frame is to be sent; `None` if that was sent.
+    pub(super) fn summary_due(&self) -> Option<Instant> {
+        let is_shown = self.rendered_view.is_some() && !self.renders_other_frame();
+        let is_stale = is_shown && self.summary_frame != self.live.posed_frame();
+        is_stale.then(|| self.summary_sent_at + SUMMARY_INTERVAL)
     }
 
     fn edit(&mut self, edit: Edit) {

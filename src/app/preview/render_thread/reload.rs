@@ -39,7 +39,8 @@ impl Worker {
         if is_behind {
             Some(Instant::now())
         } else {
-            self.reload_jobs.next_check
+            let times = self.reload_jobs.next_check.into_iter();
+            times.chain(self.summary_due()).min()
         }
     }
 
