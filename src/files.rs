@@ -156,8 +156,9 @@ impl Stamp {
     pub fn may_differ(before: Option<&Self>, path: &Path) -> bool {
         let now = Self::of(path);
         let written = now.as_ref().and_then(|stamp| stamp.modified);
-        let age = written.and_then(|time| time.elapsed().ok());
-        before != now.as_ref() || age.is_some_and(|age| age < FRESH)
+        // A time that is still to come says nothing: the clock was set back.
+        let is_fresh = |time: SystemTime| time.elapsed().map_or(true, |age| age < FRESH);
+        before != now.as_ref() || written.is_some_and(is_fresh)
     }
 }
 

@@ -25,14 +25,27 @@ fn textured(image: &[u8]) -> Doc {
     doc
 }
 
-fn decoded(picture: impl Into<DynamicImage>, format: ImageFormat) -> Texture {
+fn encoded(picture: impl Into<DynamicImage>, format: ImageFormat) -> Vec<u8> {
     let mut bytes = Cursor::new(Vec::new());
     picture
         .into()
         .write_to(&mut bytes, format)
         .expect("encoded");
-    let mut world = textured(&bytes.into_inner()).world();
-    world.textures.remove(0)
+    bytes.into_inner()
+}
+
+fn decoded(picture: impl Into<DynamicImage>, format: ImageFormat) -> Texture {
+    decoded_bytes(&encoded(picture, format))
+}
+
+fn decoded_bytes(image: &[u8]) -> Texture {
+    textured(image).world().textures.remove(0)
+}
+
+/// A JPEG file whose Adobe segment says that its components are red, green and blue.
+fn as_rgb_components(jpeg: &[u8]) -> Vec<u8> {
+    let adobe = b"\xFF\xEE\x00\x0EAdobe\x00\x64\x00\x00\x00\x00\x00";
+    [&jpeg[..2], adobe, &jpeg[2..]].concat()
 }
 
 #[test]
@@ -53,6 +66,14 @@ fn every_depth_becomes_rgba8() {
             .all(|(a, b)| a.abs_diff(b) <= 3)
     };
     assert!(jpeg.chunks(4).all(near), "{:?}", &jpeg[..4]);
+    let rgb = ImageBuffer::from_pixel(16, 16, Rgb([200u8, 100, 50]));
+    let as_rgb = |p: &[u8]| {
+        p.iter()
+            .zip([124, 86, 182, 255])
+            .all(|(a, b)| a.abs_diff(b) <= 3)
+    };
+    let adobe = decoded_bytes(&as_rgb_components(&encoded(rgb, ImageFormat::Jpeg))).rgba;
+    assert!(adobe.chunks(4).all(as_rgb), "{:?}", &adobe[..4]);
     let gray = ImageBuffer::from_pixel(16, 16, Luma([77u8]));
     assert!(
         decoded(gray, ImageFormat::Jpeg).rgba[..3]

@@ -18,8 +18,8 @@ use super::{
 };
 use crate::world::gltf::Fault;
 
-/// Most memory of the text and color profiles in a PNG file, bytes.
-const PNG_METADATA_BYTES: u64 = 16 << 20;
+/// Smallest and largest limit of the memory for the text and color profiles of a PNG file, bytes.
+const PNG_METADATA_BYTES: [u64; 2] = [16 << 20, 64 << 20];
 /// Memory of any decoder beside what its image takes, bytes.
 const SMALL_BYTES: u64 = 1 << 20;
 
@@ -68,10 +68,12 @@ impl<'a> Opened<'a> {
                 (Decoder::Ktx2(Box::new(ktx2)), size, working)
             }
             Format::Png => {
-                let png = PngDecoder::with_limits(Cursor::new(bytes), png_limits(limits));
+                let png = PngDecoder::with_limits(Cursor::new(bytes), png_limits(bytes, limits));
                 let png = png.map_err(broken)?;
                 let size = png.dimensions().into();
-                let working = png.total_bytes().saturating_add(2 * PNG_METADATA_BYTES);
+                let working = png
+                    .total_bytes()
+                    .saturating_add(2 * png_metadata_bytes(bytes));
                 (Decoder::Other(Box::new(png)), size, working)
             }
             Format::WebP => {
@@ -110,9 +112,16 @@ impl<'a> Opened<'a> {
     }
 }
 
-fn png_limits(limits: &TextureLimits) -> Limits {
+/// Limit of the memory for text and color profiles, bytes. The decoder counts a text as it stands in the file and as
+/// it is read.
+fn png_metadata_bytes(bytes: &[u8]) -> u64 {
+    let [least, most] = PNG_METADATA_BYTES;
+    (bytes.len() as u64).saturating_mul(4).clamp(least, most)
+}
+
+fn png_limits(bytes: &[u8], limits: &TextureLimits) -> Limits {
     let mut own = Limits::no_limits();
-    own.max_alloc = Some(PNG_METADATA_BYTES);
+    own.max_alloc = Some(png_metadata_bytes(bytes));
     (own.max_image_width, own.max_image_height) = (Some(limits.max_px), Some(limits.max_px));
     own
 }

@@ -43,11 +43,18 @@ impl<'a> Jpeg<'a> {
             .set_strict_mode(false)
             .set_max_width(usize::MAX)
             .set_max_height(usize::MAX)
-            .jpeg_set_out_colorspace(ColorSpace::RGBA);
+            // Four channels are wrong for RGB, CMYK and YCCK (zune-jpeg 0.5).
+            .jpeg_set_out_colorspace(ColorSpace::RGB);
         let mut decoder = JpegDecoder::new_with_options(ZCursor::new(bytes), options);
         decoder.decode_headers().map_err(broken)?;
         let info = (decoder.info()).ok_or_else(|| broken("it has no frame header"))?;
         let size = [info.width, info.height].map(u32::from);
+        if ![1, 3, 4].contains(&info.components) {
+            return Err(broken(format!(
+                "it has {} components, expected 1 (gray), 3 (color) or 4 (CMYK)",
+                info.components
+            )));
+        }
         let pixels = u64::from(size[0]) * u64::from(size[1]);
         if pixels / MOST_PIXELS_PER_BYTE > bytes.len() as u64 {
             let text = format!(
@@ -65,15 +72,15 @@ impl<'a> Jpeg<'a> {
         })
     }
 
-    /// Upper bound of the memory for decoding, bytes, without the pixels: progressive files, and others with a scan
-    /// for each component, keep 16-bit coefficients of every component.
+    /// Upper bound of the memory for decoding, bytes, without the RGBA pixels that are kept: progressive files, and
+    /// others with a scan for each component, keep 16-bit coefficients of every component. The pixels are decoded to RGB.
     pub fn working_bytes(&self) -> u64 {
         let [width, height] = self
             .size
             .map(|side| u64::from(side).next_multiple_of(LARGEST_UNIT_PX));
         let coefficients = width * height * 2;
         let rows = width * LARGEST_UNIT_PX * ROW_BYTES_PER_PIXEL;
-        self.num_components * (coefficients + rows)
+        self.num_components * (coefficients + rows) + width * height * 3
     }
 
     /// Decodes the pixels.
@@ -81,20 +88,24 @@ impl<'a> Jpeg<'a> {
     /// # Errors
     /// Broken data.
     pub fn decode(mut self) -> Result<RgbaImage, Fault> {
-        let mut pixels = blank(self.size)?;
-        self.decoder.decode_into(&mut pixels).map_err(broken)?;
+        let mut rgb = blank(self.size, 3)?;
+        self.decoder.decode_into(&mut rgb).map_err(broken)?;
+        let mut pixels = blank(self.size, 4)?;
+        for (rgba, rgb) in pixels.chunks_exact_mut(4).zip(rgb.chunks_exact(3)) {
+            rgba.copy_from_slice(&[rgb[0], rgb[1], rgb[2], 255]);
+        }
         let [width, height] = self.size;
         RgbaImage::from_raw(width, height, pixels)
             .ok_or_else(|| broken("its size is not that of its header"))
     }
 }
 
-/// Zeros for the pixels of an image in RGBA.
+/// Zeros for the pixels of an image with so many channels of a byte.
 ///
 /// # Errors
 /// The system has less memory.
-fn blank([width, height]: [u32; 2]) -> Result<Vec<u8>, Fault> {
-    let bytes = width as usize * height as usize * 4;
+fn blank([width, height]: [u32; 2], channels: usize) -> Result<Vec<u8>, Fault> {
+    let bytes = width as usize * height as usize * channels;
     let mut pixels = Vec::new();
     if pixels.try_reserve_exact(bytes).is_err() {
         let text = format!("decodes to {bytes} bytes, more than is left");

@@ -13,7 +13,7 @@ const BYTES_PER_FACE: u64 = 128;
 /// Bytes per face of the seams of each set of attributes, which has corners of its own.
 const SEAM_BYTES_PER_FACE: u64 = 64;
 /// Bytes per vertex of attributes in the stream that the primitive does not use.
-const UNUSED_BYTES_PER_POINT: u64 = 32;
+const UNUSED_BYTES_PER_POINT: u64 = 64;
 /// Copies of an attribute while it is decoded: as integers, as numbers, and as the accessor has them.
 const COPIES: u64 = 3;
 /// Flag of a stream with metadata, which stands before the counts.
