@@ -49,7 +49,7 @@ pub fn load(opened: OpenedScene, name: String) -> Result<LoadedScene, AppError> 
     Ok(loaded)
 }
 
-/// Index of the named camera; without a name `main`, else the first.
+/// Index of the named camera; without a name the one that is shown at the first frame.
 ///
 /// # Errors
 /// [`AppError::Usage`] with the existing names.

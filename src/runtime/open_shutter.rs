@@ -25,10 +25,10 @@ pub struct OpenShutter<'a> {
 }
 
 impl<'a> OpenShutter<'a> {
-    /// Moments of the loaded frame; `None` where all sub-frames show the same pose.
-    pub fn of(loaded: &'a mut LoadedScene) -> Option<Self> {
+    /// Moments of the loaded frame in a picture of so many sub-frames; `None` where all show the same pose.
+    pub fn of(loaded: &'a mut LoadedScene, samples: u32) -> Option<Self> {
         let LoadedScene { scene, world, .. } = loaded;
-        let moves = moves(scene, scene.image.samples);
+        let moves = moves(scene, samples);
         moves.then(|| Self::new(scene, world, loaded.frame, &|_| ()))
     }
 

@@ -84,7 +84,8 @@ impl Session {
     pub fn picture(&mut self, aovs: &[Aov]) -> Result<Picture, RenderError> {
         let camera = self.camera();
         self.complete()?;
-        if let Some(mut moments) = OpenShutter::of(&mut self.loaded) {
+        let samples = self.renderer.options().image.samples;
+        if let Some(mut moments) = OpenShutter::of(&mut self.loaded, samples) {
             let renderer = &mut self.renderer;
             return renderer.picture_of_moments(&self.gpu, &mut moments, camera, aovs);
         }
@@ -100,7 +101,8 @@ impl Session {
     pub fn begin(&mut self, request: PictureRequest) -> Result<PendingPicture, RenderError> {
         let camera = self.camera();
         self.complete()?;
-        if let Some(mut moments) = OpenShutter::of(&mut self.loaded) {
+        let samples = self.renderer.options().image.samples;
+        if let Some(mut moments) = OpenShutter::of(&mut self.loaded, samples) {
             let renderer = &mut self.renderer;
             return renderer.begin_picture_of_moments(&self.gpu, &mut moments, camera, request);
         }
@@ -115,6 +117,7 @@ impl Session {
     /// # Errors
     /// Same errors as [`crate::render::Renderer::counts`].
     pub fn counts(&mut self) -> Result<Vec<PassCounts>, RenderError> {
+        self.complete()?;
         let world = &self.loaded.world;
         let camera = &world.cameras[self.camera()].value;
         self.renderer.counts(&self.gpu, world, camera)

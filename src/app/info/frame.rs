@@ -61,7 +61,9 @@ pub fn planned_frames(
     let frames = [frame("GPUs", false), frame("software adapters", true)];
     let [gpu, software] = &frames;
     Ok(
-        match gpu.passes == software.passes && gpu.method == software.method {
+        match (&gpu.passes, gpu.method, &gpu.left_out)
+            == (&software.passes, software.method, &software.left_out)
+        {
             true => vec![PlannedFrame {
                 adapters: "all adapters".to_owned(),
                 ..gpu.clone()

@@ -37,6 +37,12 @@ impl Reuse {
     }
 }
 
+impl Default for Reuse {
+    fn default() -> Self {
+        Self::ALL
+    }
+}
+
 /// A requested read of the scene.
 #[derive(Clone, Copy, Debug)]
 pub struct ReadRequest {
@@ -95,6 +101,8 @@ pub(super) struct Pending {
     reading: Option<ReadRequest>,
     /// A scene whose requested frame cannot be posed; it is shown with the first frame that can.
     pub unposed: Option<(Read, Reuse)>,
+    /// State that the next scene may reuse: less than everything after changes whose scene failed to be shown.
+    pub reusable: Reuse,
     trial: Option<Trial>,
     refusal: Option<Refusal>,
 }

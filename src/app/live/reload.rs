@@ -90,6 +90,8 @@ impl Live {
         if self.pending.unposed.take().is_some() {
             self.problems.pose.clear();
         }
+        let reuse = self.pending.reusable.and(reuse);
+        self.pending.reusable = reuse;
         match read {
             Ok((read, pose)) => self.show(read, pose, reuse, reload),
             Err(errors) => {
@@ -99,11 +101,17 @@ impl Live {
         }
     }
 
-    /// Shows a scene that has other numbers than the shown one, or records its errors.
+    /// Shows a scene that has other numbers than the shown one, or records its errors. A saved scene that waits for
+    /// a frame that can be posed goes on waiting, with its errors.
     pub(super) fn show_changed(&mut self, read: Read, reload: &mut Reload) {
-        self.pending.unposed = None;
+        let (waiting, errors) = (self.pending.unposed.take(), self.problems.pose.clone());
+        let reusable = self.pending.reusable;
         let pose = read.pose();
         self.show(read, pose, Reuse::ALL, reload);
+        self.pending.reusable = reusable;
+        if waiting.is_some() {
+            (self.pending.unposed, self.problems.pose) = (waiting, errors);
+        }
     }
 
     /// Shows a posed frame of the shown or pending scene, or records its errors; the last good
@@ -143,6 +151,7 @@ impl Live {
                 reload.files |= shown.files;
                 reload.rebuilt = reload.rebuilt.merged(shown.rebuilt);
                 (self.frame, self.is_stand_in, self.undragged) = (frame, false, None);
+                self.pending.reusable = Reuse::ALL;
                 self.problems.refused = None;
                 self.edits.clear();
                 if reuse.edits {

@@ -39,9 +39,10 @@ impl Live {
     }
 
     /// Shows an item with other numbers during a drag: no text changes, and the next reload shows the written
-    /// numbers again. Nothing happens while the scene on disk has errors.
+    /// numbers again. Nothing happens while the scene on disk has errors or waits for a frame that can be posed.
     pub fn drag(&mut self, item: SceneItem, numbers: &Numbers) -> Reload {
-        if self.check_text().is_err() || !self.problems.scene.is_empty() {
+        let is_shown = self.problems.scene.is_empty() && self.pending.scene().is_none();
+        if self.check_text().is_err() || !is_shown {
             return Reload::default();
         }
         let written = self.undragged.take();
