@@ -125,6 +125,30 @@ fn text_edits_over_a_model_read_only_what_is_new() {
 }
 
 #[test]
+fn an_image_that_is_saved_while_the_text_is_broken_is_read_with_the_next_text() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let gpu = Arc::new(gpu);
+    let folder = Folder::new();
+    write_model(&folder);
+    let scene = folder.write("scene.toml", SCENE);
+    let mut live = open(&gpu, &scene, None);
+    let before = picture(&gpu, &mut live);
+    fs::write(&scene, "version = ").expect("written");
+    assert!(!live.reload(&[Change::Scene].into()).ok);
+    let blue = image::RgbImage::from_pixel(4, 4, image::Rgb([40, 40, 250]));
+    blue.save(folder.path("left.png")).expect("written");
+    assert!(!live.reload(&[Change::Asset].into()).ok);
+    fs::write(&scene, SCENE).expect("written");
+    let reload = live.reload(&[Change::Scene].into());
+    assert!(reload.ok && reload.files, "{reload:?}");
+    let now = picture(&gpu, &mut live);
+    assert!(now != before);
+    assert!(now == picture(&gpu, &mut open(&gpu, &scene, None)));
+    // What was read stays in use.
+    assert!(!live.reload(&[Change::Scene].into()).files);
+}
+
+#[test]
 fn an_image_that_is_saved_while_the_scene_loads_is_shown_in_the_end() {
     let Some(gpu) = gpu_or_skip() else { return };
     let gpu = Arc::new(gpu);
