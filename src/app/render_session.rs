@@ -70,7 +70,7 @@ impl RenderSession {
     /// Starts a picture of the posed scene, with or without linear color; timed if statistics are requested.
     ///
     /// # Errors
-    /// As [`Session::begin`].
+    /// Same errors as [`Session::begin`].
     pub fn begin(&mut self, color: bool) -> Result<PendingPicture, RenderError> {
         let aovs = &self.read_aovs();
         self.scene.begin(PictureRequest {

@@ -10,7 +10,7 @@ use std::{
 /// followed: its file is what an output replaces.
 ///
 /// # Errors
-/// What is there, as a clause such as "it is a device", or the system's error.
+/// Kind of the object at a path, as a clause such as "it is a device", or the error of the system.
 pub fn check_goal(goal: &Path) -> io::Result<()> {
     let found = match fs::metadata(goal) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => {

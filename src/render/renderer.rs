@@ -254,7 +254,7 @@ impl Renderer {
 /// Checks that a world is the one of this key in another pose, and that what its passes are bound to fits.
 ///
 /// # Errors
-/// As [`Renderer::check_posed`].
+/// Same errors as [`Renderer::check_posed`].
 pub(super) fn check_posed(
     world: &World,
     key: &WorldKey,

@@ -38,7 +38,7 @@ impl Syntax {
 }
 
 /// Line number (from 1) and text of each comment that begins with a fragment. A line that continues the
-/// comment directly above is none; a paragraph after an empty comment line begins anew.
+/// comment directly above is none; a paragraph after an empty comment line or a heading begins anew.
 pub fn fragments(text: &str, syntax: Syntax) -> Vec<(usize, String)> {
     let mut found = Vec::new();
     // Marker of the comment on the line above, and whether that line only opens a docstring.
@@ -56,7 +56,9 @@ pub fn fragments(text: &str, syntax: Syntax) -> Vec<(usize, String)> {
         is_opened = own.is_some_and(|(marker, comment)| marker.len() >= 3 && comment.is_empty())
             && syntax == Syntax::Python;
         above = match own {
-            Some((marker, comment)) => Some(marker).filter(|_| !comment.is_empty()),
+            Some((marker, comment)) => {
+                Some(marker).filter(|_| !comment.is_empty() && !comment.starts_with("# "))
+            }
             None => line
                 .contains(syntax.trailing())
                 .then(|| syntax.trailing().trim()),

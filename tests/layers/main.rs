@@ -227,12 +227,13 @@ fn planted_comment_fragments_are_found() {
     // The escape keeps this file's own check from finding the example of a comment behind code.
     let slashes = "/// Of a pixel.\nlet x = 1;\n//! As above.\n/// Which one\n/// Of these.\n///\
                    \n/// Those begin a paragraph.\nlet y = 2; \u{2f}/ What it is.\n// As it goes on.\
-                   \nlet url = \"http://What\";\n// Whatever, Often and Asset are other words.\n";
+                   \nlet url = \"http://What\";\n// Whatever, Often and Asset are other words.\
+                   \n/// # Errors\n/// As above.\n";
     let python = "# What it does.\n# As it goes on.\ndef f():\n    \"\"\"Of a film.\"\"\"\n\
                   def g():\n    \"\"\"\n    Those that are left.\n    \"\"\"\nx = 1  # Which one.\n\
                   y = \"# Of\"\n";
     for (text, syntax, expected) in [
-        (slashes, Syntax::Slashes, &[1, 3, 4, 7, 8][..]),
+        (slashes, Syntax::Slashes, &[1, 3, 4, 7, 8, 13][..]),
         (python, Syntax::Python, &[1, 4, 7, 9][..]),
     ] {
         let found = comments::fragments(text, syntax).into_iter();

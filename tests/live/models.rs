@@ -144,7 +144,7 @@ fn an_image_that_is_saved_while_the_text_is_broken_is_read_with_the_next_text() 
     let now = picture(&gpu, &mut live);
     assert!(now != before);
     assert!(now == picture(&gpu, &mut open(&gpu, &scene, None)));
-    // What was read stays in use.
+    // Files that were read stay in use.
     assert!(!live.reload(&[Change::Scene].into()).files);
 }
 
