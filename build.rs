@@ -1,41 +1,13 @@
-//! Embeds `shaders/**/*.wgsl` into the binary, so that adding a shader is adding a file, and a hash of
-//! all that the program is built from, so that it knows its own frames from those of another build.
+//! Embeds a hash of all that the program is built from, so that it knows its own frames from those of another build.
 
 use std::{
-    env,
-    fmt::Write as _,
-    fs,
+    env, fs,
     path::{Path, PathBuf},
 };
 
 fn main() {
-    println!("cargo:rerun-if-changed=shaders");
-    println!("cargo:rerun-if-changed=shaders/lib");
     let root = env::var("CARGO_MANIFEST_DIR").expect("cargo sets CARGO_MANIFEST_DIR");
-    let out = env::var("OUT_DIR").expect("cargo sets OUT_DIR");
-    let mut table = String::from("&[\n");
-    for folder in ["", "lib/"] {
-        let dir = Path::new(&root).join("shaders").join(folder);
-        let mut names: Vec<String> = fs::read_dir(&dir)
-            .into_iter()
-            .flatten()
-            .filter_map(|entry| entry.ok()?.file_name().into_string().ok())
-            .filter(|name| name.ends_with(".wgsl"))
-            .collect();
-        names.sort();
-        for name in names {
-            let path = dir.join(&name);
-            writeln!(
-                table,
-                "    ({:?}, include_str!({path:?})),",
-                format!("{folder}{name}")
-            )
-            .expect("writing to a string");
-        }
-    }
-    table.push_str("]\n");
     println!("cargo:rustc-env=REFLET_BUILT_FROM={}", hash_of(&root));
-    fs::write(Path::new(&out).join("shaders.rs"), table).expect("OUT_DIR is writable");
 }
 
 /// Hash of the names and texts of all sources; the same on every machine.

@@ -5,7 +5,7 @@
 compiler="$1"
 shift
 case " $* " in
-    *" --crate-name reflet "*)
+    *" --crate-name reflet_scene "* | *" --crate-name reflet_world "*)
         set -- "$@" -Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-level=4 \
             -Cllvm-args=-sanitizer-coverage-inline-8bit-counters -Cllvm-args=-sanitizer-coverage-pc-table
         ;;

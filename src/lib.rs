@@ -8,28 +8,30 @@
 //!
 //! # The map
 //!
-//! Data flows one way, and imports only point down this list (`tests/layers` holds it):
+//! Reflet is a workspace. Its crates are folders of `src/`, each with its `Cargo.toml` and a first page that says what
+//! it owns; this package is the program. Data flows one way, and a crate depends only on those below it in the table:
 //!
 //! ```text
 //! scene text ──> SyntaxTree ──> Document ──> setup ──> SceneDesc ──> World ──> GpuScene ──> passes ──> picture
 //!                scene/syntax   scene/parse  script    scene/desc    world/    render/      render/    app/
 //! ```
 //!
-//! | module or folder | contents |
-//! |---|---|
-//! | [`app`] | the commands and what they print; exit codes; [`app::lint`] warns of likely mistakes; [`app::watch`] and [`app::live`] watch files, [`app::preview`] shows them in a window |
-//! | [`mod@bench`] | picture × picture → error ([`bench::metric`], pure); [`bench::run`] renders and measures; reports are drawn from the table of samples |
-//! | [`runtime`] | one scene from its text to its pictures, opened, changed and posed in keyed stages; the library's main interface, and the only place that builds a renderer: `render`, the preview and `bench` are thin users of it |
-//! | [`render`] | `render/passes/mod.rs` lists the passes in their order: read it first; `reflet info --frame` prints those of a scene; [`render::plan`] lists the features and passes that a scene needs, [`render::targets`] the one table of intermediate textures, [`render::types`] every struct shared with the shaders |
-//! | [`gpu`] | thin layer over wgpu: device, shaders, bindings by name, timings, readback; independent of scenes |
-//! | [`world`] | SceneDesc → CPU data: glTF, images, shapes, trees and the CPU oracle; no wgpu |
-//! | [`scene`] | the scene format, its default values and its manual; [`scene::stages`] from text to a scene at a frame: [`scene::syntax`] is the tree of a text, parsed once for all who ask, [`scene::parse`] merges and reads trees and runs no program, [`scene::script`] is the sandbox, [`scene::motion`] evaluates animation tracks; loads no assets |
-//! | [`math`], [`files`], [`memory`] | bounds and color over glam; atomic file writes; the memory budget |
-//! | `docs/` | `extending.md`: what each kind of addition touches; `glossary.md`: Reflet's own terms |
-//! | `shaders/` | a file for each pass, named like `src/render/passes/*.rs`; only `shaders/lib` can be imported |
+//! | folder | crate | contents |
+//! |---|---|---|
+//! | `src/app` | `reflet` | [`app`]: the commands and what they print; exit codes; [`app::lint`] warns of likely mistakes |
+//! | `src/preview` | [`reflet_preview`] | a scene that follows its files ([`reflet_preview::watch`], [`reflet_preview::live`]), and the window |
+//! | `src/bench` | [`reflet_bench`] | picture × picture → error ([`bench::metric`], pure); [`bench::run`] renders and measures; reports are drawn from the table of samples |
+//! | `src/render` | [`reflet_render`] | the library. [`runtime`]: one scene from its text to its pictures, opened, changed and posed in keyed stages, and the only place that builds a renderer: `render`, the preview and `bench` are thin users of it. `render/passes/mod.rs` lists the passes in their order: read it first; `reflet info --frame` prints those of a scene; [`render::plan`] lists the features and passes that a scene needs, [`render::targets`] the one table of intermediate textures, [`render::types`] every struct shared with the shaders |
+//! | `src/gpu` | [`reflet_gpu`] | thin layer over wgpu: device, shaders, bindings by name, timings, readback; independent of scenes |
+//! | `src/world` | [`reflet_world`] | SceneDesc → CPU data: glTF, images, shapes, trees and the CPU oracle; no wgpu |
+//! | `src/scene` | [`reflet_scene`] | the scene format, its default values and its manual; [`scene::stages`] from text to a scene at a frame: [`scene::syntax`] is the tree of a text, parsed once for all who ask, [`scene::parse`] merges and reads trees and runs no program, [`scene::script`] is the sandbox, [`scene::motion`] evaluates animation tracks; loads no assets |
+//! | `src/base` | [`reflet_base`] | bounds and color over glam, atomic file writes, the memory budget, clocks |
 //!
-//! [`app`] and `src/main.rs` are built with the feature `cli`, [`mod@bench`] and file watching with `bench`, the
-//! preview window with `preview`; the rest is the library.
+//! `docs/extending.md` says what each kind of addition touches, `docs/glossary.md` explains Reflet's own terms.
+//! `shaders/` has a file for each pass, named like `src/render/passes/*.rs`; only `shaders/lib` can be imported.
+//!
+//! The feature `window` (default) of this package and of `reflet-preview` is the preview's window; machines that only
+//! render do without its packages.
 //!
 //! Where does new code go? A key of the scene format: `scene/desc.rs`. Code that reads asset files: `world/`. Code
 //! that needs a device: `gpu/` if it is independent of scenes, else `render/`. Code that judges a picture: `bench/`.
@@ -80,8 +82,8 @@
 //!
 //! Saving a file reruns the stages that come after it in the diagram of the data flow, and no others.
 //!
-//! 1. [`app::watch`] tells which kind of file has new content.
-//! 2. [`app::live::ReloadJob`] reads the text, runs the script and poses the first frame and the one that is shown;
+//! 1. [`reflet_preview::watch`] tells which kind of file has new content.
+//! 2. [`reflet_preview::live::ReloadJob`] reads the text, runs the script and poses the first frame and the one that is shown;
 //!    the preview does it on a thread of its own. A newer save cancels the job ([`scene::script::Halt`]).
 //! 3. [`runtime::Session::show`] does the rest, as for [`runtime::Session::set`]: [`world::load::AssetCache`] builds
 //!    instances and materials anew from the files that are in memory already.
@@ -91,7 +93,7 @@
 //!
 //! Every step builds its results beside those in use and swaps them at its end, so that an error changes nothing.
 //! Other values of the script's parameters are a reload too; values that fail although the scene without them does
-//! not are refused ([`app::live::Refusal`]). Showing another frame takes only [`scene::stages::Scene::pose`],
+//! not are refused ([`reflet_preview::live::Refusal`]). Showing another frame takes only [`scene::stages::Scene::pose`],
 //! [`world::World::apply`] and [`render::Renderer::update`].
 //!
 //! # Rules
@@ -105,9 +107,11 @@
 //!   miss, counted in the frame's statistics.
 //! - `unsafe` is used in five places, each with its reason: `src/main.rs` sets an environment variable
 //!   before any thread exists, `src/gpu/pipeline.rs` turns off run-time checks of a built-in shader,
-//!   `src/processor_time.rs` reads CPU clocks that the standard library lacks, `src/world/usd/tool.rs` has the
+//!   `src/base/processor_time.rs` reads CPU clocks that the standard library lacks, `src/world/usd/tool.rs` has the
 //!   converter end with its parent, and `src/app/denoise.rs` calls a C library that it loads at run time.
 //! - No import cycles: the modules of one parent can be read in some order (`tests/layers`).
+//! - A dependency on another package stands in the manifest of the crates that use it; its version and its reason
+//!   stand once, in the workspace's `Cargo.toml`.
 //! - Numbers that Rust and the shaders share are written once, in Rust, and generated into
 //!   `lib/constants.wgsl`.
 //! - Groups 0 (frame) and 1 (scene) are shared; group 2 is the pass's own, reflected from its WGSL
@@ -118,16 +122,11 @@
 //!   length U is the diagonal of the static bounding box / 16, so that the paper's settings carry
 //!   over between scenes.
 
-#[cfg(feature = "cli")]
 pub mod app;
-#[cfg(feature = "bench")]
-pub mod bench;
-pub mod files;
-pub mod gpu;
-pub mod math;
-pub mod memory;
-mod processor_time;
-pub mod render;
-pub mod runtime;
-pub mod scene;
-pub mod world;
+
+pub use reflet_base::{files, math, memory};
+pub use reflet_bench as bench;
+pub use reflet_gpu as gpu;
+pub use reflet_render::{self as render, runtime};
+pub use reflet_scene as scene;
+pub use reflet_world as world;

@@ -63,19 +63,12 @@ clippy_driver="$(rustc --print sysroot)/bin/clippy-driver"
 linted() {
     RUSTC_WORKSPACE_WRAPPER="$clippy_driver" CLIPPY_ARGS="-D__CLIPPY_HACKERY__warnings" cargo "$@"
 }
-linted test --locked --all-features --no-run
+linted test --locked --workspace --no-run
 
-heading "Lints without the window, the measuring and the command line"
-feature_sets=("")
-if [ "$full" = yes ]; then
-    feature_sets+=(cli bench) # sets between none and all
-fi
-for features in "${feature_sets[@]}"; do
-    cargo clippy --locked --no-default-features --features "$features" -- -D warnings
-done
-library="$(cargo tree --locked --no-default-features)"
+heading "Dependencies of the library"
+library="$(cargo tree --locked --package reflet-render --edges normal)"
 if grep -E '(egui|winit|clap|plotters) v' <<<"$library"; then
-    echo "these must not be dependencies of the library alone" >&2
+    echo "these must not be dependencies of reflet-render" >&2
     exit 1
 fi
 
@@ -83,7 +76,7 @@ heading "Tests"
 # Three processes: a software adapter compiles shaders on one thread of each. What one says is shown when it ends.
 run_tests() {
     local said status=0
-    said="$(linted test --locked --all-features --no-fail-fast "$@" 2>&1)" || status="$?"
+    said="$(linted test --locked --workspace --no-fail-fast "$@" 2>&1)" || status="$?"
     printf '%s\n' "$said"
     return "$status"
 }
@@ -97,11 +90,14 @@ xargs -L 1 -P 3 bash -c 'run_tests "$@"' _ <<'END'
 END
 
 heading "Example of the library"
-linted run --locked --all-features --example render_to_pixels
+linted run --locked --package reflet-render --example render_to_pixels
 
 if [ "$full" = yes ]; then
     heading "Long tests"
-    linted test --locked --all-features -- --ignored
+    linted test --locked --workspace -- --ignored
+
+    heading "Program without its window"
+    cargo clippy --locked --no-default-features -- -D warnings
 
     heading "Trial additions of docs/extending.md"
     tools/extending.sh --build

@@ -10,8 +10,8 @@ export PATH="$HOME/.cargo/bin:$PATH"
 cd "$root"
 
 printf '\n== Building ==\n'
-# Features that rendering needs: 170 packages instead of the 274 of a build with the window.
-cargo build --locked --no-default-features --features cli
+# Without the window, which half of the packages are for.
+cargo build --locked --no-default-features
 
 printf '\n== Rendering the built-in scene ==\n'
 binary="${CARGO_TARGET_DIR:-$root/target}/debug/reflet"

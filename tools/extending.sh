@@ -57,7 +57,7 @@ for patch in "${patches[@]}"; do
         echo "== $name"
         git -C "$copy" apply "$patch"
         # The same folder of builds for all, so that dependencies are built once.
-        (cd "$copy" && CARGO_TARGET_DIR="$root/target" cargo test --locked --all-features --test pictures -- shaders::) || failed=yes
+        (cd "$copy" && CARGO_TARGET_DIR="$root/target" cargo test --locked --test pictures -- shaders::) || failed=yes
     elif patch --quiet --directory "$copy" --strip 1 --fuzz 3 --no-backup-if-mismatch <"$patch" >/dev/null; then
         (cd "$copy" && cargo fmt --all)
         git -C "$copy" add --all
@@ -69,6 +69,6 @@ for patch in "${patches[@]}"; do
     restore
 done
 if [ "$mode" = --refresh ]; then
-    UPDATE_DOCS=1 cargo test --locked --all-features --test layers -- trial_additions || failed=yes
+    UPDATE_DOCS=1 cargo test --locked --test layers -- trial_additions || failed=yes
 fi
 [ "$failed" = no ]

@@ -291,7 +291,7 @@ class Rust:
             "CARGO_PROFILE_DEV_OPT_LEVEL": "0",
             "CARGO_PROFILE_DEV_DEBUG": "0",
         }
-        for stage in [METRIC, ["--test", "scene"], ["--lib"]]:
+        for stage in [METRIC, ["--test", "scene"], ["--workspace", "--lib"]]:
             code, output = self.cargo(stage, 3600)
             if code != 0:
                 sys.exit(f"without a mutant, {killer(code, output)} fails:\n{output[-3000:]}")
@@ -304,9 +304,9 @@ class Rust:
         write_mutant(self.tree, mutant)
         try:
             if "src/bench/" in mutant.file:
-                stages = [METRIC, ["--lib", "bench::"]]
+                stages = [METRIC, ["-p", "reflet-bench", "--lib"]]
             else:
-                stages = [["--test", "scene"], ["--lib", "scene::"]]
+                stages = [["--test", "scene"], ["-p", "reflet-scene", "--lib"]]
             for stage in stages:
                 code, output = self.cargo(stage, LIMIT_S)
                 if code is not None and "error: could not compile" in output:

@@ -1,10 +1,11 @@
 //! Renders a scene of this folder to pixels and reads two of its AOVs:
-//! `cargo run --no-default-features --example render_to_pixels [SCENE [OUT.png]]`.
+//! `cargo run -p reflet-render --example render_to_pixels [SCENE [OUT.png]]`.
 
 use std::{env, error::Error};
 
-use reflet::{
-    render::{PlaneData, cause::Source},
+use reflet_render::{
+    PlaneData,
+    cause::Source,
     runtime::{Session, SessionOptions},
 };
 

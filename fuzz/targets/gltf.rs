@@ -4,10 +4,8 @@
 use std::{fs, path::PathBuf, sync::LazyLock};
 
 use libfuzzer_sys::fuzz_target;
-use reflet::{
-    scene::stages::{Animator, Scene},
-    world::load::{LoadOptions, load},
-};
+use reflet_scene::stages::{Animator, Scene};
+use reflet_world::load::{LoadOptions, load};
 
 const SCENE: &str = r#"
 version = 1

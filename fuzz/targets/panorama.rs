@@ -4,10 +4,8 @@
 use std::path::Path;
 
 use libfuzzer_sys::fuzz_target;
-use reflet::{
-    memory::Budget,
-    world::environment::{PanoramaLimits, read},
-};
+use reflet_base::memory::Budget;
+use reflet_world::environment::{PanoramaLimits, read};
 
 fuzz_target!(|bytes: &[u8]| {
     // The reader gets 512 MiB of the fuzzer's 1.5 GB limit.

@@ -4,10 +4,8 @@
 use std::path::Path;
 
 use libfuzzer_sys::fuzz_target;
-use reflet::{
-    scene::stages::{Animator, Scene},
-    world::load::{LoadOptions, load},
-};
+use reflet_scene::stages::{Animator, Scene};
+use reflet_world::load::{LoadOptions, load};
 
 fuzz_target!(|text: &str| {
     let file = Path::new("/nonexistent/scene.toml");

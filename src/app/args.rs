@@ -104,7 +104,6 @@ pub struct RenderArgs {
 }
 
 /// `preview`
-#[cfg(feature = "preview")]
 #[derive(Clone, Debug, Args)]
 #[command(
     after_help = "Left drag orbits, right drag looks around and flies with W A S D Q E, the \

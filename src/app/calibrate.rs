@@ -26,8 +26,10 @@ use crate::{
         renderer_stage::RendererStage,
         scene_text::{LoadedScene, SceneOptions, SceneText},
     },
-    scene::dependencies::Dependencies,
-    scene::desc::{LightKind, Method, ShadowMode, Visibility},
+    scene::{
+        dependencies::Dependencies,
+        desc::{LightKind, Method, ShadowMode, Visibility},
+    },
     world::{World, bvh::Trees},
 };
 

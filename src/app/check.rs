@@ -10,7 +10,7 @@ use std::{
 
 use super::{
     args::{CheckArgs, SceneArgs},
-    error::{AppError, print_diagnostics},
+    error::AppError,
     lint::Lint,
     print_json, print_out, sarif,
 };
@@ -18,7 +18,7 @@ use crate::{
     runtime::scene_text::{LoadedScene, SceneText},
     scene::{
         dependencies::Dependencies,
-        diagnostic::{Diagnostic, Source},
+        diagnostic::{Diagnostic, Source, print_diagnostics},
         parse::MOST_BYTES,
         stages::{Animator, Scene},
     },

@@ -2,23 +2,12 @@
 
 use clap::{Parser, Subcommand};
 
-#[cfg(not(feature = "preview"))]
-use LeftOutArgs as PreviewArgs;
-#[cfg(not(feature = "bench"))]
-use LeftOutArgs as BenchArgs;
-#[cfg(not(feature = "bench"))]
-use LeftOutArgs as CompareArgs;
-
-#[cfg(feature = "preview")]
-use super::args::PreviewArgs;
-#[cfg(feature = "bench")]
-use super::bench::args::BenchArgs;
 use super::{
-    args::{CalibrateArgs, CheckArgs, InfoArgs, RenderArgs},
+    args::{CalibrateArgs, CheckArgs, InfoArgs, PreviewArgs, RenderArgs},
+    bench::args::BenchArgs,
     job::JobCommand,
     pack::{PackArgs, unpack::UnpackArgs},
 };
-#[cfg(feature = "bench")]
 use crate::bench::compare::CompareArgs;
 
 /// Renders scenes written as text with hybrid reflections: marched in screen space first, ray
@@ -37,10 +26,7 @@ pub enum Command {
     /// Render a scene to pictures or a film
     Render(RenderArgs),
     /// Show a scene in a window; every save of its files shows at once
-    #[cfg_attr(
-        not(feature = "preview"),
-        command(hide = true, disable_help_flag = true)
-    )]
+    #[cfg_attr(not(feature = "window"), command(hide = true))]
     Preview(PreviewArgs),
     /// Read scenes and everything they refer to, pose their frames, and report every problem, with
     /// warnings about likely mistakes; needs no GPU
@@ -60,10 +46,8 @@ pub enum Command {
     /// Unpack a pack into a new folder, checking every file, and print the command that renders it; needs no GPU
     Unpack(UnpackArgs),
     /// Compare a picture with a reference
-    #[cfg_attr(not(feature = "bench"), command(hide = true, disable_help_flag = true))]
     Compare(CompareArgs),
     /// Measure speed against accuracy, and draw a report
-    #[cfg_attr(not(feature = "bench"), command(hide = true, disable_help_flag = true))]
     Bench(Box<BenchArgs>),
     /// Run a language server for editors, which start it: diagnostics as in check, completion, hover and definitions
     /// for scene text and scripts (Language Server Protocol, on standard input and output); needs no GPU
@@ -89,16 +73,6 @@ pub enum Command {
         /// Command, such as render or bench paper; without one, all of Reflet
         command: Vec<String>,
     },
-}
-
-/// Arguments of a command that this build leaves out: any are accepted, so that the error is about the
-/// build.
-#[cfg(not(feature = "preview"))]
-#[derive(Clone, Debug, clap::Args)]
-pub struct LeftOutArgs {
-    /// Ignored arguments.
-    #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
-    pub rest: Vec<std::ffi::OsString>,
 }
 
 #[cfg(test)]

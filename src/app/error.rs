@@ -1,8 +1,7 @@
 //! Errors of commands: messages and exit codes.
 
 use std::{
-    fmt,
-    io::{self, IsTerminal as _},
+    fmt, io,
     path::{Path, PathBuf},
 };
 
@@ -11,7 +10,7 @@ use crate::{
     gpu::{GpuError, ShaderError},
     render::RenderError,
     runtime::SessionError,
-    scene::diagnostic::{Diagnostic, printable_lines, render_all},
+    scene::diagnostic::{Diagnostic, print_diagnostics, printable_lines},
 };
 
 /// Writes a line to standard error; what could control a terminal is replaced, as messages quote names of files.
@@ -180,14 +179,5 @@ impl fmt::Display for AppError {
 impl From<GpuError> for AppError {
     fn from(error: GpuError) -> Self {
         Self::Gpu(error)
-    }
-}
-
-/// Writes diagnostics to standard error, in color on a terminal.
-pub fn print_diagnostics(diagnostics: &[Diagnostic]) {
-    let wants_color = std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty());
-    let color = wants_color && std::io::stderr().is_terminal();
-    if !diagnostics.is_empty() {
-        eprint!("{}", render_all(diagnostics, color));
     }
 }

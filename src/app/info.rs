@@ -8,12 +8,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::{
-    args::InfoArgs,
-    check,
-    error::{AppError, print_diagnostics},
-    lint::Lint,
-    plan_file::PlanFile,
-    print_json, print_out,
+    args::InfoArgs, check, error::AppError, lint::Lint, plan_file::PlanFile, print_json, print_out,
     scene::load_scene,
 };
 use crate::{
@@ -25,7 +20,10 @@ use crate::{
         types::GpuVertex,
     },
     runtime::{ViewOverrides, parameters::setting, scene_text::LoadedScene},
-    scene::desc::{Entry, LightKind, ParamValue, SceneDesc},
+    scene::{
+        desc::{Entry, LightKind, ParamValue, SceneDesc},
+        diagnostic::print_diagnostics,
+    },
     world::{ListedVariants, Mesh, World, animation::Listed, bvh::Trees},
 };
 

@@ -7,13 +7,10 @@ use std::{
 
 use clap::Parser as _;
 
-#[cfg(feature = "bench")]
 use crate::bench::compare::{CompareArgs, compare};
 use crate::scene::{diagnostic::printable_lines, manual::manual, schema::schema, script};
 
-pub mod aov;
 pub mod args;
-#[cfg(feature = "bench")]
 pub mod bench;
 pub mod calibrate;
 pub mod cameras;
@@ -29,13 +26,11 @@ pub mod frames;
 pub mod info;
 pub mod job;
 pub mod lint;
-#[cfg(feature = "bench")]
-pub mod live;
 pub mod lsp;
 pub mod output;
 pub mod pack;
 pub mod plan_file;
-#[cfg(feature = "preview")]
+#[cfg(feature = "window")]
 pub mod preview;
 pub mod progress;
 pub mod render;
@@ -47,15 +42,14 @@ pub mod shaders;
 pub mod shell;
 pub mod shutdown;
 pub mod stats;
-#[cfg(feature = "bench")]
-pub mod unique_names;
-#[cfg(feature = "bench")]
-pub mod watch;
-#[cfg(feature = "bench")]
-pub mod write_back;
 
 use cli::{Cli, Command};
 pub use error::AppError;
+
+/// Message of `preview` in a build without the feature `window`.
+#[cfg(not(feature = "window"))]
+const NO_WINDOW: &str =
+    "this build of Reflet has no window; build it without `--no-default-features`";
 
 /// Runs one command line; help and usage errors of the parser print and exit by themselves.
 ///
@@ -65,10 +59,10 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), AppError
     let cli = Cli::try_parse_from(arguments).unwrap_or_else(|error| error.exit());
     match cli.command {
         Command::Render(args) => render::render(&args),
-        #[cfg(feature = "preview")]
+        #[cfg(feature = "window")]
         Command::Preview(args) => preview::preview(&args),
-        #[cfg(not(feature = "preview"))]
-        Command::Preview(_) => Err(left_out("preview", "preview")),
+        #[cfg(not(feature = "window"))]
+        Command::Preview(_) => Err(AppError::Usage(NO_WINDOW.to_owned())),
         Command::Check(args) => check::check(&args),
         Command::Info(args) => info::info(&args),
         Command::Calibrate(args) => calibrate::calibrate(&args),
@@ -76,14 +70,8 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), AppError
         Command::Job { command } => job::job(&command),
         Command::Pack(args) => pack::pack(&args),
         Command::Unpack(args) => pack::unpack::unpack(&args),
-        #[cfg(feature = "bench")]
         Command::Compare(args) => run_compare(&args),
-        #[cfg(feature = "bench")]
         Command::Bench(args) => bench::bench(&args),
-        #[cfg(not(feature = "bench"))]
-        Command::Compare(_) => Err(left_out("compare", "bench")),
-        #[cfg(not(feature = "bench"))]
-        Command::Bench(_) => Err(left_out("bench", "bench")),
         Command::Schema => print_json(&schema()),
         Command::Manual => print_out(&manual()),
         Command::Scripting { definitions: true } => print_out(&script::api::definitions()),
@@ -93,16 +81,6 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), AppError
     }
 }
 
-/// Error of a command that this build leaves out.
-#[cfg(not(feature = "preview"))]
-fn left_out(command: &str, feature: &str) -> AppError {
-    AppError::Usage(format!(
-        "this build of Reflet has no `{command}`; build it with `--features {feature}`, or with \
-         those that `cargo build` takes by itself"
-    ))
-}
-
-#[cfg(feature = "bench")]
 fn run_compare(args: &CompareArgs) -> Result<(), AppError> {
     let comparison = compare(args).map_err(|diagnostic| AppError::Picture(vec![*diagnostic]))?;
     print_out(&if args.json {

@@ -3,7 +3,6 @@
 pub mod exr;
 pub mod format;
 pub mod picture_file;
-pub mod png;
 pub mod video;
 pub mod writable;
 

@@ -2,14 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{
-    args::SceneArgs,
-    error::{AppError, print_diagnostics},
-};
+use super::{args::SceneArgs, error::AppError};
 use crate::{
     files::Inputs,
     runtime::scene_text::{LoadedScene, OpenedScene, SceneText},
-    scene::dependencies::Dependencies,
+    scene::{dependencies::Dependencies, diagnostic::print_diagnostics},
 };
 
 /// Reads and loads a scene, and prints its warnings to standard error; `more` are overrides after

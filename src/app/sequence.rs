@@ -11,7 +11,7 @@ use std::{
 use super::{
     args::RenderArgs,
     encoder::{Encoders, Failures, Outcome, Rendered, Target},
-    error::{AppError, print_diagnostics},
+    error::AppError,
     fingerprint,
     frame_name::Template,
     frames::FrameList,
@@ -25,7 +25,7 @@ use crate::{
     files::{Inputs, folder_of, sweep},
     gpu::GpuError,
     render::{PendingPicture, RenderError, aov::Aov},
-    scene::{desc::TimelineDesc, stages::Animator},
+    scene::{desc::TimelineDesc, diagnostic::print_diagnostics, stages::Animator},
 };
 
 /// Whether a command renders a sequence of frames instead of one picture.

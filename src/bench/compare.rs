@@ -16,10 +16,8 @@ use super::{
     table::{Comparison, MaskReport, MaskScores},
     write::{encode_png, unwritable},
 };
-use crate::{
-    files::{Inputs, Temporary, write_together},
-    scene::diagnostic::Diagnostic,
-};
+use reflet_base::files::{Inputs, Temporary, write_together};
+use reflet_scene::diagnostic::Diagnostic;
 
 /// Judges a picture against a reference.
 #[derive(Clone, Debug, clap::Args)]

@@ -4,7 +4,7 @@ use std::{env, fs, path::Path, process::Command, thread, time::UNIX_EPOCH};
 
 use serde::Serialize;
 
-use crate::gpu::{Gpu, Timer};
+use reflet_gpu::{Gpu, Timer};
 
 /// Machine and program, as every sample names them.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]

@@ -11,10 +11,8 @@ use super::{
     file_error,
     sample::{Sample, header, read_samples},
 };
-use crate::{
-    files::{folder_of, open_regular, read_at_most},
-    scene::diagnostic::Diagnostic,
-};
+use reflet_base::files::{folder_of, open_regular, read_at_most};
+use reflet_scene::diagnostic::Diagnostic;
 
 /// Largest size of a table that is read, bytes: about a million samples.
 pub const MAX_TABLE_BYTES: u64 = 1 << 30;

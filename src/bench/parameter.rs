@@ -1,6 +1,6 @@
 //! Parameters of a bench: the settings that trade time for accuracy, and the variants made of their values.
 
-use crate::scene::{
+use reflet_scene::{
     desc::{Accept, Method, ReflectionDesc},
     range::{BOUNCES, EDGE_PX, RAY_LENGTH_U, Range, STEPS, THRESHOLD_U, range},
 };

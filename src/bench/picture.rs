@@ -4,7 +4,7 @@ use std::fmt;
 
 use rayon::prelude::*;
 
-use crate::math::{linear_from_srgb, srgb_from_linear};
+use reflet_base::math::{linear_from_srgb, srgb_from_linear};
 
 /// Encoding of the numbers of a [`Picture`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -9,10 +9,8 @@ use super::{
     file_error,
     picture::{Encoding, Picture},
 };
-use crate::{
-    files::{open_regular, read_at_most},
-    scene::diagnostic::Diagnostic,
-};
+use reflet_base::files::{open_regular, read_at_most};
+use reflet_scene::diagnostic::Diagnostic;
 
 /// Most numbers (pixels × channels of all layers) that are decoded from one file.
 pub const MAX_SAMPLES: usize = 1 << 27;

@@ -7,16 +7,13 @@ use super::{
     log::Log,
     parameter::{Parameter, Variant},
 };
-use crate::{
-    gpu::{Gpu, ShaderLibrary},
-    render::{Poses, RenderError, RenderOptions},
-    runtime::renderer_stage::RendererStage,
-    scene::{
-        desc::{Accept, CameraDesc, Exposure, ImageDesc, Method, ReflectionDesc, Visibility},
-        range::BOUNCES,
-    },
-    world::World,
+use reflet_gpu::{Gpu, ShaderLibrary};
+use reflet_render::{Poses, RenderError, RenderOptions, runtime::renderer_stage::RendererStage};
+use reflet_scene::{
+    desc::{Accept, CameraDesc, Exposure, ImageDesc, Method, ReflectionDesc, Visibility},
+    range::BOUNCES,
 };
+use reflet_world::World;
 
 mod error;
 mod fill;

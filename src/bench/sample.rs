@@ -3,7 +3,7 @@
 use std::any::Any;
 
 use super::csv::{self, CsvError, Table};
-use crate::render::{
+use reflet_render::{
     cause::Cause,
     pass::{Pass, PassGroup},
     passes::{self, counted_passes},

@@ -14,8 +14,9 @@ use super::{
     picture::{Encoding, Pair, Picture, PictureError},
     sample::REFUSALS,
 };
-use crate::render::{
-    self, Plane, PlaneData,
+use reflet_render as render;
+use reflet_render::{
+    Plane, PlaneData,
     aov::Aov,
     cause::Cause,
     passes::audit::{TOLERANCE_RELATIVE, TOLERANCE_U},

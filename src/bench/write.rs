@@ -3,7 +3,7 @@
 use std::{io::Cursor, path::Path};
 
 use super::file_error;
-use crate::scene::diagnostic::Diagnostic;
+use reflet_scene::diagnostic::Diagnostic;
 
 /// Encodes an 8-bit sRGB PNG from tightly packed RGB bytes.
 ///

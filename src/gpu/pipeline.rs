@@ -29,7 +29,7 @@ impl Gpu {
     ///
     /// # Errors
     /// Same errors as [`Shader::new`].
-    pub(crate) fn shader(&self, source: ShaderSource, checks: Checks) -> Result<Shader, GpuError> {
+    pub fn shader(&self, source: ShaderSource, checks: Checks) -> Result<Shader, GpuError> {
         (self.shaders).get_or_make(source, checks, |s| Shader::from_source(self, s, checks))
     }
 }

@@ -1,7 +1,7 @@
 //! Tests of `reflect.rs`, without a GPU.
 
 use super::*;
-use crate::gpu::{
+use crate::{
     bind::{merged_bindings, over_limits},
     shader::ShaderLibrary,
 };

@@ -2,7 +2,7 @@
 
 use std::{borrow::Cow, collections::BTreeMap, fmt, fs, path::Path, sync::Arc};
 
-use crate::files::read_text;
+use reflet_base::files::read_text;
 
 /// Largest shader, bytes.
 const MAX_SHADER_BYTES: u64 = 1 << 20;
@@ -93,7 +93,7 @@ pub struct ShaderSource {
     /// The whole WGSL text.
     pub text: String,
     /// Whether the whole text was built into this program.
-    pub(crate) embedded: bool,
+    pub embedded: bool,
     /// Source file and line number of every line of `text`.
     lines: Vec<(Arc<str>, u32)>,
 }
@@ -198,7 +198,7 @@ impl ShaderLibrary {
     ///
     /// # Errors
     /// The folder has a file with that name.
-    pub(crate) fn with_generated(&self, name: &str, text: String) -> Result<Self, ShaderError> {
+    pub fn with_generated(&self, name: &str, text: String) -> Result<Self, ShaderError> {
         let path = format!("lib/{name}.wgsl");
         if self.files.contains_key(&path) {
             let file = format!("{}/{path}", self.root).into();

@@ -17,7 +17,7 @@ const RENDERS: usize = 48;
 
 /// Run-time checks of a shader.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Checks {
+pub enum Checks {
     /// Bounds checks and loop bounding.
     All,
     /// No bounds checks and no loop bounding, but only for text that was built into this

@@ -2,10 +2,8 @@
 
 use glam::{DVec2, Vec2, Vec3};
 
-use crate::{
-    gpu::{Gpu, GpuError},
-    scene::desc::CameraDesc,
-};
+use reflet_gpu::{Gpu, GpuError};
+use reflet_scene::desc::CameraDesc;
 
 use super::{
     cause::Cause,

@@ -1,9 +1,7 @@
 //! The passes of a frame, and the textures and buffers that they are bound to.
 
-use crate::{
-    gpu::{Gpu, GpuError},
-    world::Light,
-};
+use reflet_gpu::{Gpu, GpuError};
+use reflet_world::Light;
 
 use super::{
     frame_uniforms::FrameUniforms,

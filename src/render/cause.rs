@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::scene::desc::Method;
+use reflet_scene::desc::Method;
 
 /// Bits of a texel of the target `cause` that hold the cause; those above hold the length of the ray that the march has
 /// proven free.

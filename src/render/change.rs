@@ -1,9 +1,7 @@
 //! Changes of a renderer: another world, other options or shaders; only what differs is made again.
 
-use crate::{
-    gpu::{Gpu, ShaderLibrary},
-    world::World,
-};
+use reflet_gpu::{Gpu, ShaderLibrary};
+use reflet_world::World;
 
 use super::{
     bindings::{BindingInputs, BindingKey, Bindings},

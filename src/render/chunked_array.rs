@@ -2,7 +2,7 @@
 
 use bytemuck::{Pod, cast_slice};
 
-use crate::gpu::{Gpu, GpuError};
+use reflet_gpu::{Gpu, GpuError};
 
 use super::chunks::chunk_bytes;
 

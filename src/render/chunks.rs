@@ -3,7 +3,7 @@
 
 use std::fmt::Write as _;
 
-use crate::gpu::{Gpu, GpuError};
+use reflet_gpu::{Gpu, GpuError};
 
 /// Number of a pass's storage buffers beside the geometry: instances, materials, lists, counters.
 const OTHER_BUFFERS: u32 = 4;
@@ -263,7 +263,7 @@ mod tests {
 
     #[test]
     fn no_shader_file_declares_the_bindings_of_further_buffers() {
-        let library = crate::gpu::ShaderLibrary::embedded();
+        let library = reflet_gpu::ShaderLibrary::embedded();
         let mut most = 0;
         for (_, text) in library.texts() {
             for declared in text.split("@group(1) @binding(").skip(1) {

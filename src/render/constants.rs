@@ -3,14 +3,12 @@
 
 use std::fmt::Write as _;
 
-use crate::{
-    scene::desc::{LightKind, Method, PatternKind, ReflectionMode, ToneMap},
-    world::{
-        CoreTexture, LayerTexture, MAX_LIGHTS,
-        bvh::{
-            ALPHA_TESTED, DOUBLE_SIDED, FLIPPED, SHADOWLESS, STACK_SIZE, STATIC_ROOT, TOP_LEVEL,
-            TOP_ROOT, UNREFLECTED, UNSEEN,
-        },
+use reflet_scene::desc::{LightKind, Method, PatternKind, ReflectionMode, ToneMap};
+use reflet_world::{
+    CoreTexture, LayerTexture, MAX_LIGHTS,
+    bvh::{
+        ALPHA_TESTED, DOUBLE_SIDED, FLIPPED, SHADOWLESS, STACK_SIZE, STATIC_ROOT, TOP_LEVEL,
+        TOP_ROOT, UNREFLECTED, UNSEEN,
     },
 };
 

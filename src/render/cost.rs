@@ -3,7 +3,7 @@
 
 use std::fmt;
 
-use crate::scene::desc::LightKind;
+use reflet_scene::desc::LightKind;
 
 use super::{unit_costs::UnitCosts, view_sample::ViewSample};
 

@@ -2,7 +2,7 @@
 
 use glam::{Mat4, Vec3};
 
-use crate::math::Bounds;
+use reflet_base::math::Bounds;
 
 /// Whether a box lies outside one of the clip planes (left, right, top, bottom, near). There is no
 /// far plane: depth is reversed and may be infinite.

@@ -2,14 +2,12 @@
 
 use glam::{Mat4, Vec3};
 
-use crate::{
-    gpu::{
-        Gpu, GpuError,
-        readback::{read_buffer, read_texture_layer, values},
-    },
-    scene::desc::ShadowMode,
-    world::{Light, World},
+use reflet_gpu::{
+    Gpu, GpuError,
+    readback::{read_buffer, read_texture_layer, values},
 };
+use reflet_scene::desc::ShadowMode;
+use reflet_world::{Light, World};
 
 use super::{
     lights::{CUBE_FACES, SHADOW_NEAR_M, has_cube_map, in_order},
@@ -103,11 +101,9 @@ impl Renderer {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{
-        math::Bounds,
-        render::lights::{ShadowSizes, lights},
-        scene::desc::{LightDesc, LightKind},
-    };
+    use crate::lights::{ShadowSizes, lights};
+    use reflet_base::math::Bounds;
+    use reflet_scene::desc::{LightDesc, LightKind};
 
     fn light(kind: LightKind) -> Light {
         Light {

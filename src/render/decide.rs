@@ -2,10 +2,8 @@
 
 use serde::Serialize;
 
-use crate::{
-    scene::desc::{CameraDesc, Exposure, LightKind, Method, ShadowMode, Visibility},
-    world::{Light, World, bvh::Trees},
-};
+use reflet_scene::desc::{CameraDesc, Exposure, LightKind, Method, ShadowMode, Visibility};
+use reflet_world::{Light, World, bvh::Trees};
 
 use super::{
     cost::Workload,

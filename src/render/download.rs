@@ -4,13 +4,11 @@ use std::collections::HashMap;
 
 use bytemuck::Pod;
 
-use crate::{
-    gpu::{
-        Gpu, GpuError,
-        readback::{self, Downloads, Pending},
-    },
-    scene::desc::Method,
+use reflet_gpu::{
+    Gpu, GpuError,
+    readback::{self, Downloads, Pending},
 };
+use reflet_scene::desc::Method;
 
 use super::{precision::Precision, renderer::Renderer, targets::Target};
 

@@ -8,11 +8,9 @@ use super::{
     geometry::MeshRange,
     types::{GpuInstance, GpuVertex},
 };
-use crate::{
-    math::Bounds,
-    scene::desc::ShownDesc,
-    world::{Instance, Material, World},
-};
+use reflet_base::math::Bounds;
+use reflet_scene::desc::ShownDesc;
+use reflet_world::{Instance, Material, World};
 
 /// Properties of a draw call that need a render pipeline of their own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -3,7 +3,7 @@
 use glam::Vec3;
 use rayon::prelude::*;
 
-use crate::world::{Instance, World};
+use reflet_world::{Instance, World};
 
 use super::view::{Projection, View};
 

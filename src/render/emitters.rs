@@ -1,9 +1,7 @@
 //! The alias table for sampling emissive triangles.
 
-use crate::{
-    gpu::{Gpu, GpuError},
-    world::{World, emitters::Emitter},
-};
+use reflet_gpu::{Gpu, GpuError};
+use reflet_world::{World, emitters::Emitter};
 
 use super::texel_array::TexelArray;
 

@@ -2,7 +2,8 @@
 
 use std::{fmt, path::Path};
 
-use crate::{gpu::GpuError, scene::diagnostic::Diagnostic};
+use reflet_gpu::GpuError;
+use reflet_scene::diagnostic::Diagnostic;
 
 /// Render errors.
 #[derive(Clone, Debug, PartialEq)]

@@ -2,12 +2,10 @@
 
 use std::time::Instant;
 
-use crate::{
-    gpu::{Gpu, GpuError, readback},
-    math::Bounds,
-    scene::desc::CameraDesc,
-    world::World,
-};
+use reflet_base::math::Bounds;
+use reflet_gpu::{Gpu, GpuError, readback};
+use reflet_scene::desc::CameraDesc;
+use reflet_world::World;
 
 use super::{
     edge_on::has_edge_on_surfaces,

@@ -1,6 +1,6 @@
 //! Interface of frame passes: building and recording.
 
-use crate::gpu::GpuError;
+use reflet_gpu::GpuError;
 
 use super::{pass_builder::PassBuilder, sub_frame::SubFrame};
 

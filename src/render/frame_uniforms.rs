@@ -4,11 +4,9 @@ use std::sync::OnceLock;
 
 use glam::Vec2;
 
-use crate::{
-    gpu::Gpu,
-    scene::desc::{ImageDesc, Method, ReflectionDesc},
-    world::World,
-};
+use reflet_gpu::Gpu;
+use reflet_scene::desc::{ImageDesc, Method, ReflectionDesc};
+use reflet_world::World;
 
 use super::{
     emitters::Emitters,

@@ -3,10 +3,8 @@
 use bytemuck::{Pod, cast_slice};
 use glam::{Vec3, Vec4};
 
-use crate::{
-    gpu::{Gpu, GpuError},
-    world::{Mesh, Posed, World},
-};
+use reflet_gpu::{Gpu, GpuError};
+use reflet_world::{Mesh, Posed, World};
 
 use super::{
     chunked_array::{ChunkedArray, Upload},

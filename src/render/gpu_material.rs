@@ -10,7 +10,7 @@ use super::{
         TEXTURE_WRAP_U_SHIFT, TEXTURE_WRAP_V_SHIFT, WRAP_CLAMP, WRAP_MIRROR, WRAP_REPEAT, flag,
     },
 };
-use crate::world::{CORE_SLOTS, LAYER_SLOTS, LayerTexture, Material, TextureRef, World, Wrap};
+use reflet_world::{CORE_SLOTS, LAYER_SLOTS, LayerTexture, Material, TextureRef, World, Wrap};
 
 /// GPU layout of a material of the world, whose textures lie in `layers`.
 pub fn gpu_material(m: &Material, world: &World, layers: &Layers) -> GpuMaterial {

@@ -3,11 +3,9 @@
 use bytemuck::Zeroable;
 use glam::{Mat4, Vec3, Vec4, camera::rh};
 
-use crate::{
-    math::Bounds,
-    scene::desc::{LightKind, ShadowMode},
-    world::Light,
-};
+use reflet_base::math::Bounds;
+use reflet_scene::desc::{LightKind, ShadowMode};
+use reflet_world::Light;
 
 use super::{
     options::RenderOptions,

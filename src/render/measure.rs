@@ -1,10 +1,8 @@
 //! Measurement of a frame by rendering it again with probes, which pictures and timed frames do not contain.
 
-use crate::{
-    gpu::{Gpu, GpuError},
-    scene::desc::CameraDesc,
-    world::World,
-};
+use reflet_gpu::{Gpu, GpuError};
+use reflet_scene::desc::CameraDesc;
+use reflet_world::World;
 
 use super::{
     aov::{Aov, Plane},

@@ -1,10 +1,10 @@
 //! Options of a renderer.
 
 #[cfg(doc)]
-use crate::world::World;
+use reflet_world::World;
 
 use super::unit_costs::UnitCosts;
-use crate::scene::desc::{
+use reflet_scene::desc::{
     ImageDesc, LightDesc, LightKind, Method, ReflectionDesc, SceneDesc, ShadowMode,
 };
 

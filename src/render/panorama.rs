@@ -1,9 +1,7 @@
 //! The panorama of the environment on the GPU: its texels, and the density table for sampling.
 
-use crate::{
-    gpu::{Gpu, GpuError},
-    world::environment::Panorama,
-};
+use reflet_gpu::{Gpu, GpuError};
+use reflet_world::environment::Panorama;
 
 /// A panorama on the GPU.
 #[derive(Clone, Debug)]

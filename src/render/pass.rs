@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::gpu::{Checks, Gpu, GpuError, GroupLayout, Named, Shader};
+use reflet_gpu::{Checks, Gpu, GpuError, GroupLayout, Named, Shader};
 
 /// Entry point of a pass's shader.
 pub const MAIN: &str = "main";

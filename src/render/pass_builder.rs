@@ -1,6 +1,6 @@
 //! Creates pipelines and bind groups of passes.
 
-use crate::gpu::{Gpu, GpuError, Named, Shader};
+use reflet_gpu::{Gpu, GpuError, Named, Shader};
 
 use super::{
     options::RenderOptions,

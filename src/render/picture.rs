@@ -1,6 +1,8 @@
 //! A finished picture on the CPU: linear color, display color and AOV planes.
 
-use crate::{gpu::Gpu, scene::desc::CameraDesc, world::World};
+use reflet_gpu::Gpu;
+use reflet_scene::desc::CameraDesc;
+use reflet_world::World;
 
 use super::{
     aov::{Aov, Plane},

@@ -7,10 +7,8 @@ mod uses;
 
 use std::collections::BTreeSet;
 
-use crate::{
-    scene::desc::{Method, ReflectionMode, Visibility},
-    world::{CORE_SLOTS, LayerTexture, Material, World, Wrap, bvh::Trees},
-};
+use reflet_scene::desc::{Method, ReflectionMode, Visibility};
+use reflet_world::{CORE_SLOTS, LayerTexture, Material, World, Wrap, bvh::Trees};
 
 use self::features::PlannedScene;
 pub use self::{

@@ -2,10 +2,8 @@
 
 use serde::Serialize;
 
-use crate::{
-    scene::desc::{Exposure, Radiance},
-    world::World,
-};
+use reflet_scene::desc::{Exposure, Radiance};
+use reflet_world::World;
 
 use super::options::RenderOptions;
 

@@ -3,7 +3,7 @@
 
 use serde::Serialize;
 
-use crate::gpu::{Gpu, GpuError, readback};
+use reflet_gpu::{Gpu, GpuError, readback};
 
 use super::{pass::ComputePass, recorder::clear_texture};
 

@@ -1,7 +1,7 @@
 //! The lists of a frame: reflective pixels, traced rays, screen hits and transmissive pixels, with the depth pyramid
 //! and the counters.
 
-use crate::gpu::{Gpu, GpuError, Named};
+use reflet_gpu::{Gpu, GpuError, Named};
 
 use super::cause::Cause;
 

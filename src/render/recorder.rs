@@ -3,10 +3,8 @@
 
 use std::time::Instant;
 
-use crate::{
-    gpu::{Gpu, GpuError, Timer, timer::sum_by_name},
-    processor_time,
-};
+use reflet_base::processor_time;
+use reflet_gpu::{Gpu, GpuError, Timer, timer::sum_by_name};
 
 use super::shared_groups::SharedGroups;
 

@@ -8,7 +8,8 @@ use std::borrow::Cow;
 
 use glam::Vec3;
 
-use crate::{scene::desc::CameraDesc, world::World};
+use reflet_scene::desc::CameraDesc;
+use reflet_world::World;
 
 use super::options::RenderOptions;
 

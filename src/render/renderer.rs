@@ -5,13 +5,11 @@ use std::{borrow::Cow, time::Instant};
 
 use glam::Vec3;
 
-use crate::{
-    gpu::{Gpu, ShaderLibrary, Timer},
-    scene::desc::{Method, ReflectionDesc},
-    world::{
-        World,
-        bvh::{TopLevel, Trees},
-    },
+use reflet_gpu::{Gpu, ShaderLibrary, Timer};
+use reflet_scene::desc::{Method, ReflectionDesc};
+use reflet_world::{
+    World,
+    bvh::{TopLevel, Trees},
 };
 
 use super::{

@@ -3,12 +3,10 @@
 use bytemuck::cast_slice;
 use glam::Affine3A;
 
-use crate::{
-    gpu::{Gpu, GpuError},
-    world::{
-        Instance, World,
-        bvh::{CwBvhNode, TraceTriangle, Trees},
-    },
+use reflet_gpu::{Gpu, GpuError};
+use reflet_world::{
+    Instance, World,
+    bvh::{CwBvhNode, TraceTriangle, Trees},
 };
 
 use super::{
@@ -316,7 +314,7 @@ fn has_moving_cutouts(world: &World) -> bool {
 }
 
 fn instance_records(world: &World, trees: &Trees, mesh_ranges: &[MeshRange]) -> Vec<GpuInstance> {
-    let record = |(instance, traced): (&Instance, &crate::world::bvh::TraceInstance)| {
+    let record = |(instance, traced): (&Instance, &reflet_world::bvh::TraceInstance)| {
         let range = mesh_ranges[instance.mesh];
         let class = class_of(
             &world.materials[instance.material],

@@ -1,7 +1,7 @@
 //! Shader variants: a library in which files stand for the imports that the table of features lists, and for
 //! `triangles`, so that unused code and bindings are not part of any shader.
 
-use crate::gpu::{ShaderError, ShaderLibrary};
+use reflet_gpu::{ShaderError, ShaderLibrary};
 
 use super::{chunks::Chunks, constants::wgsl, plan::Features};
 

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use crate::gpu::{Gpu, GpuError, Shader, ShaderLibrary, ShaderModuleInfo, shader::ShaderSource};
+use reflet_gpu::{Gpu, GpuError, Shader, ShaderLibrary, ShaderModuleInfo, shader::ShaderSource};
 
 use super::{pass::Pass, shader_variant::ShaderVariant};
 

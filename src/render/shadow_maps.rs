@@ -1,6 +1,6 @@
 //! The shadow maps of lights with `shadow = "map"`.
 
-use crate::gpu::{Gpu, GpuError};
+use reflet_gpu::{Gpu, GpuError};
 
 use super::lights::ShadowSizes;
 

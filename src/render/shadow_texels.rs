@@ -3,10 +3,8 @@
 use glam::Vec3;
 use rayon::prelude::*;
 
-use crate::{
-    math::Bounds,
-    world::{Light, World, bvh::Trees},
-};
+use reflet_base::math::Bounds;
+use reflet_world::{Light, World, bvh::Trees};
 
 use super::{
     lights::map_texel_m,

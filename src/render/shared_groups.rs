@@ -1,6 +1,6 @@
 //! Bind groups 0 (frame) and 1 (scene), which all passes share.
 
-use crate::gpu::{Gpu, GpuError, GroupLayout, Shader, ShaderModuleInfo};
+use reflet_gpu::{Gpu, GpuError, GroupLayout, Shader, ShaderModuleInfo};
 
 use super::resources::Resources;
 

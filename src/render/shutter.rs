@@ -2,11 +2,9 @@
 
 use std::time::Instant;
 
-use crate::{
-    gpu::{Gpu, readback},
-    scene::desc::CameraDesc,
-    world::World,
-};
+use reflet_gpu::{Gpu, readback};
+use reflet_scene::desc::CameraDesc;
+use reflet_world::World;
 
 use super::{
     aov::Aov,

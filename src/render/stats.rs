@@ -2,7 +2,7 @@
 
 use serde::{Serialize, ser::SerializeStruct as _};
 
-use crate::scene::desc::Method;
+use reflet_scene::desc::Method;
 
 use super::{
     cause::{Cause, Source},

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use crate::gpu::{Gpu, GpuError};
+use reflet_gpu::{Gpu, GpuError};
 
 /// An intermediate texture; its snake_case name is its name in the shaders and on the command line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

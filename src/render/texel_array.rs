@@ -2,7 +2,7 @@
 
 use bytemuck::{Pod, cast_slice};
 
-use crate::gpu::{Gpu, GpuError};
+use reflet_gpu::{Gpu, GpuError};
 
 /// Number of texels per row.
 pub const TEXEL_COLUMNS: u32 = 4096;

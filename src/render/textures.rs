@@ -5,10 +5,8 @@ use std::collections::HashMap;
 
 use rayon::prelude::*;
 
-use crate::{
-    gpu::{Gpu, GpuError},
-    world::{Material, Texture, TextureRef, World, Wrap, texture::LARGEST_KEPT_PX},
-};
+use reflet_gpu::{Gpu, GpuError};
+use reflet_world::{Material, Texture, TextureRef, World, Wrap, texture::LARGEST_KEPT_PX};
 
 mod resample;
 

@@ -2,7 +2,7 @@
 
 use bytemuck::Pod;
 
-use crate::gpu::{Gpu, GpuError};
+use reflet_gpu::{Gpu, GpuError};
 
 use super::{chunked_array::ChunkedArray, texel_array::TexelArray};
 

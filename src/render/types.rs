@@ -2,7 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 
-use crate::world::{CORE_SLOTS, LAYER_SLOTS};
+use reflet_world::{CORE_SLOTS, LAYER_SLOTS};
 
 /// Layout of a shared struct in Rust.
 #[derive(Clone, Copy, Debug)]
@@ -29,7 +29,7 @@ macro_rules! gpu_struct {
 
         impl $name {
             /// Layout that the shaders' declaration must have.
-            pub const LAYOUT: $crate::render::types::StructSpec = $crate::render::types::StructSpec {
+            pub const LAYOUT: $crate::types::StructSpec = $crate::types::StructSpec {
                 name: $wgsl,
                 size: size_of::<$name>(),
                 fields: &[$((stringify!($field), std::mem::offset_of!($name, $field), size_of::<$ty>()),)*],
@@ -289,7 +289,7 @@ gpu_struct! {
         is_solid: u32,
         /// 1: alpha is the surface's coverage.
         is_blended: u32,
-        /// [`PatternKind`](crate::scene::desc::PatternKind) that uses the checker's colors and size.
+        /// [`PatternKind`](reflet_scene::desc::PatternKind) that uses the checker's colors and size.
         pattern: u32,
         /// Color factor on the reflectivity.
         specular_color: [f32; 3],
@@ -315,7 +315,7 @@ gpu_struct! {
         dispersion: f32,
         /// Textures of base color, metallic-roughness, normal, occlusion, emission.
         textures: [GpuTextureUse; CORE_SLOTS],
-        /// Textures of layers, in the order of [`LayerTexture`](crate::world::LayerTexture).
+        /// Textures of layers, in the order of [`LayerTexture`](reflet_world::LayerTexture).
         layer_textures: [GpuTextureUse; LAYER_SLOTS],
     }
 }
@@ -349,5 +349,5 @@ const _: () = assert!(size_of::<GpuVertex>() == 32 && size_of::<GpuInstance>() =
 #[derive(Clone, Copy, Pod, Zeroable)]
 pub struct LightBlock {
     /// Lights; unused entries are zero.
-    pub lights: [GpuLight; crate::world::MAX_LIGHTS],
+    pub lights: [GpuLight; reflet_world::MAX_LIGHTS],
 }

@@ -2,10 +2,8 @@
 
 use std::path::Path;
 
-use crate::{
-    scene::diagnostic::Diagnostic,
-    world::{MAX_LIGHTS, Material, World},
-};
+use reflet_scene::diagnostic::Diagnostic;
+use reflet_world::{MAX_LIGHTS, Material, World};
 
 use super::error::RenderError;
 

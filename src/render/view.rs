@@ -2,7 +2,8 @@
 
 use glam::{DVec2, DVec3, Mat4, Vec2, Vec3, camera::rh};
 
-use crate::{math::Bounds, scene::desc::CameraDesc};
+use reflet_base::math::Bounds;
+use reflet_scene::desc::CameraDesc;
 
 /// Kind of projection.
 #[derive(Clone, Copy, Debug, PartialEq)]

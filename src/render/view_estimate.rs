@@ -7,13 +7,11 @@ use std::{collections::BTreeMap, f64::consts::PI};
 use glam::{DVec2, DVec3, Vec3};
 use rayon::prelude::*;
 
-use crate::{
-    math::linear_from_srgb,
-    scene::desc::{LightKind, ShadowMode},
-    world::{
-        Light, Material, TextureRef, World,
-        bvh::{Ray, RayHit, SHADOWLESS, Trees},
-    },
+use reflet_base::math::linear_from_srgb;
+use reflet_scene::desc::{LightKind, ShadowMode};
+use reflet_world::{
+    Light, Material, TextureRef, World,
+    bvh::{Ray, RayHit, SHADOWLESS, Trees},
 };
 
 use super::{
@@ -132,7 +130,7 @@ struct Estimator<'a> {
     rays: ViewRays<'a>,
     /// Colors by index of the material.
     looks: Vec<Look>,
-    /// See [`Environment::coarse_gradient`](crate::world::Environment::coarse_gradient).
+    /// See [`Environment::coarse_gradient`](reflet_world::Environment::coarse_gradient).
     sky: [DVec3; 3],
     cutoff: f32,
     ray_length_m: f64,

@@ -3,12 +3,10 @@
 use glam::{DVec2, DVec3, UVec2, Vec3};
 use rayon::prelude::*;
 
-use crate::{
-    scene::desc::LightKind,
-    world::{
-        Light, World,
-        bvh::{Ray, RayHit, Trees, UNREFLECTED, UNSEEN},
-    },
+use reflet_scene::desc::LightKind;
+use reflet_world::{
+    Light, World,
+    bvh::{Ray, RayHit, Trees, UNREFLECTED, UNSEEN},
 };
 
 use super::view::View;

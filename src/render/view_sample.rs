@@ -4,12 +4,10 @@
 use glam::{DVec2, DVec3, Vec3};
 use rayon::prelude::*;
 
-use crate::{
-    scene::desc::{LightKind, ShadowMode},
-    world::{
-        World,
-        bvh::{Ray, RayHit, SHADOWLESS, Trees},
-    },
+use reflet_scene::desc::{LightKind, ShadowMode};
+use reflet_world::{
+    World,
+    bvh::{Ray, RayHit, SHADOWLESS, Trees},
 };
 
 use super::{

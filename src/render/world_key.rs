@@ -4,11 +4,9 @@ use std::{collections::BTreeMap, sync::Arc};
 
 use glam::Affine3A;
 
-use crate::{
-    scene::desc::ShownDesc,
-    world::{
-        Instance, Material, Mesh, Shared, Texture, World, deform::Deformed, environment::Panorama,
-    },
+use reflet_scene::desc::ShownDesc;
+use reflet_world::{
+    Instance, Material, Mesh, Shared, Texture, World, deform::Deformed, environment::Panorama,
 };
 
 /// Key of the uploaded world.

@@ -11,7 +11,7 @@ use super::{
     diagnostic::{Diagnostic, Span},
     suggest,
 };
-use crate::files::{open_regular, read_at_most};
+use reflet_base::files::{open_regular, read_at_most};
 
 /// Words and limits for one kind of file, such as scene text or scripts.
 #[derive(Debug)]

@@ -5,7 +5,7 @@ use std::{
     sync::{Arc, Mutex, MutexGuard, PoisonError},
 };
 
-use crate::files::Stamp;
+use reflet_base::files::Stamp;
 
 /// Paths of all files that were read or looked for, as they were named: links are not resolved, and the
 /// files need not exist. Clones share one list.

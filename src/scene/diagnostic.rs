@@ -4,7 +4,7 @@ mod json;
 mod render;
 mod setup_locations;
 
-pub use render::{printable, printable_lines, render_all};
+pub use render::{print_diagnostics, printable, printable_lines, render_all};
 pub use setup_locations::{Returned, TABLES};
 
 use std::{

@@ -139,7 +139,7 @@ fn value_text(key: &KeyRecord, link: Link) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::parse;
+    use crate::parse;
 
     #[test]
     fn every_table_variant_and_key_has_its_comment() {
@@ -205,7 +205,7 @@ mod tests {
     #[test]
     fn manual_example_parses_without_errors() {
         let (scene, warnings) =
-            crate::scene::stages::Scene::from_text(EXAMPLE, "example.toml".as_ref(), &[]).unwrap();
+            crate::stages::Scene::from_text(EXAMPLE, "example.toml".as_ref(), &[]).unwrap();
         assert_eq!(warnings, []);
         assert_eq!(scene.instances.len(), 4);
     }

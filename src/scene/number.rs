@@ -84,12 +84,12 @@ impl Lanes for Vec3 {
 /// A field that is a plain value of its struct.
 macro_rules! plain {
     ($key:ident, $form:ident, $range:expr) => {
-        $crate::scene::number::Field {
+        $crate::number::Field {
             key: stringify!($key),
-            form: $crate::scene::number::Form::$form,
+            form: $crate::number::Form::$form,
             range: $range,
-            get: |it| Some($crate::scene::number::Lanes::lanes(it.$key)),
-            put: |it, value| it.$key = $crate::scene::number::Lanes::of(value),
+            get: |it| Some($crate::number::Lanes::lanes(it.$key)),
+            put: |it, value| it.$key = $crate::number::Lanes::of(value),
         }
     };
 }

@@ -30,7 +30,7 @@ pub use self::document::{Document, Texts};
 pub use self::key_recorder::{Form, KeyRecord, RecordedKeys, Rule, SectionRecord, VariantRecord};
 pub use self::placed::{PlacedGroup, RanScript, Run, ScriptInput};
 use self::table::Table;
-use crate::files::{open_regular, read_at_most};
+use reflet_base::files::{open_regular, read_at_most};
 
 use super::{
     desc::SceneDesc,

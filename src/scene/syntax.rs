@@ -77,7 +77,7 @@ pub struct SyntaxTree {
 impl SyntaxTree {
     /// Parses a text.
     pub fn parse(text: &str) -> Self {
-        #[cfg(test)]
+        #[cfg(debug_assertions)]
         parsed::add(text);
         let (root, errors) = DeTable::parse_recoverable(text);
         let mut errors: Vec<_> = errors.iter().map(SyntaxError::from).collect();
@@ -254,22 +254,27 @@ impl fmt::Display for Float {
     }
 }
 
-/// Texts that a test has parsed.
-#[cfg(test)]
+/// Record of the texts that are parsed on a thread, for tests of other crates; builds without debug assertions lack it.
+#[cfg(debug_assertions)]
 pub mod parsed {
     use std::cell::RefCell;
 
     thread_local! {
-        static TEXTS: RefCell<Vec<String>> = const { RefCell::new(Vec::new()) };
+        static TEXTS: RefCell<Option<Vec<String>>> = const { RefCell::new(None) };
     }
 
-    /// Notes a text that is parsed on this thread.
-    pub fn add(text: &str) {
-        TEXTS.with_borrow_mut(|texts| texts.push(text.to_owned()));
+    /// Adds a text that is parsed to the record of this thread, if it has one.
+    pub(super) fn add(text: &str) {
+        TEXTS.with_borrow_mut(|texts| texts.iter_mut().for_each(|list| list.push(text.to_owned())));
     }
 
-    /// Texts that were parsed on this thread since the last call.
-    pub fn take() -> Vec<String> {
-        TEXTS.take()
+    /// Starts an empty record on this thread.
+    pub fn record() {
+        TEXTS.set(Some(Vec::new()));
+    }
+
+    /// Ends the record of this thread, and returns its texts.
+    pub fn end() -> Vec<String> {
+        TEXTS.take().unwrap_or_default()
     }
 }

@@ -6,7 +6,7 @@ use glam::{Affine3A, DQuat, DVec4, Quat, Vec3};
 use serde::Serialize;
 
 pub use self::tracks::{Pointed, PointedValue, PointerTrack, WeightTrack};
-use crate::math::spline::hermite;
+use reflet_base::math::spline::hermite;
 
 /// Animated property of a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

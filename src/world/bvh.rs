@@ -24,7 +24,8 @@ pub use obvhs::cwbvh::node::CwBvhNode;
 use rayon::prelude::*;
 
 use super::{Instance, World, reach::is_within_reach};
-use crate::{memory, scene::diagnostic::Diagnostic};
+use reflet_base::memory;
+use reflet_scene::diagnostic::Diagnostic;
 
 mod gpu_layout;
 mod leaves;

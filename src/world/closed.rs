@@ -95,7 +95,7 @@ fn edge_hash(from: Vec3, to: Vec3) -> (u64, i8) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::Bounds;
+    use reflet_base::math::Bounds;
 
     fn mesh(triangles: &[[u32; 3]]) -> Mesh {
         let positions = vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];

@@ -11,7 +11,7 @@ use super::{
     reach::is_within_reach,
     rig::{Player, Rig, RigPose},
 };
-use crate::math::Bounds;
+use reflet_base::math::Bounds;
 
 /// Morph targets and joint weights that move the vertices of a mesh; per-vertex lists are parallel to its
 /// positions, or empty.

@@ -18,7 +18,7 @@ pub use self::{
     pixels::{LARGEST_KEPT, PanoramaLimits},
     read::read,
 };
-use crate::scene::desc::{EnvironmentDesc, EnvironmentShadow};
+use reflet_scene::desc::{EnvironmentDesc, EnvironmentShadow};
 
 /// The environment of a loaded scene.
 #[derive(Clone, Debug, Default)]

@@ -13,12 +13,10 @@ use std::{
 use glam::{Affine3A, Vec3};
 
 use super::{Light, Material, Mesh, deform::DeformingNodes, rig::Rig};
-use crate::{
-    memory,
-    scene::{
-        desc::CameraDesc,
-        diagnostic::{Diagnostic, Severity},
-    },
+use reflet_base::memory;
+use reflet_scene::{
+    desc::CameraDesc,
+    diagnostic::{Diagnostic, Severity},
 };
 
 mod accessor;

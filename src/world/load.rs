@@ -10,13 +10,11 @@ use super::{
     gltf::{self, Fault, Model, Sandbox},
     texture::{self, TextureLimits},
 };
-use crate::{
-    memory::Budget,
-    scene::{
-        dependencies::Dependencies,
-        desc::{At, SceneDesc},
-        diagnostic::{Diagnostic, Severity, Span},
-    },
+use reflet_base::memory::Budget;
+use reflet_scene::{
+    dependencies::Dependencies,
+    desc::{At, SceneDesc},
+    diagnostic::{Diagnostic, Severity, Span},
 };
 
 mod asset_cache;

@@ -7,7 +7,7 @@ use super::{
     TextureRef,
     material_textures::{CoreTexture, LAYER_SLOTS, LayerTexture, TEXTURE_SLOTS},
 };
-use crate::scene::desc::{CheckerDesc, MaterialDesc, ReflectionMode};
+use reflet_scene::desc::{CheckerDesc, MaterialDesc, ReflectionMode};
 
 /// A surface description after all overrides; textures are indices into [`World::textures`](super::World::textures).
 #[derive(Clone, Debug, PartialEq)]

@@ -23,7 +23,7 @@ pub enum CoreTexture {
 }
 
 impl CoreTexture {
-    /// All core textures, in the order of [`Material::slots`](crate::world::Material::slots).
+    /// All core textures, in the order of [`Material::slots`](crate::Material::slots).
     pub const ALL: [Self; CORE_SLOTS] = [
         Self::BaseColor,
         Self::MetallicRoughness,
@@ -61,7 +61,7 @@ pub enum LayerTexture {
 }
 
 impl LayerTexture {
-    /// All textures of layers, in the order of [`Material::layer_textures`](crate::world::Material::layer_textures).
+    /// All textures of layers, in the order of [`Material::layer_textures`](crate::Material::layer_textures).
     pub const ALL: [Self; LAYER_SLOTS] = [
         Self::Specular,
         Self::SpecularColor,

@@ -7,7 +7,7 @@ use super::{
     animation::{Pointed, PointedValue},
     rig::RigPose,
 };
-use crate::scene::{
+use reflet_scene::{
     desc::{CAMERA, CameraDesc, LIGHT, LightDesc, MATERIAL, MaterialDesc},
     number::{Field, find},
 };

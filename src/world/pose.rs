@@ -11,13 +11,11 @@ use super::{
     deform::{Deformed, Deformer},
     rig::{Player, RigPose},
 };
-use crate::{
-    math::{Bounds, invertible},
-    scene::{
-        desc::{CameraDesc, LightDesc, MaterialDesc, PLAIN, ReflectionMode},
-        diagnostic::{Diagnostic, Span},
-        motion::{FrameState, MaterialChange, placed_camera, placed_light},
-    },
+use reflet_base::math::{Bounds, invertible};
+use reflet_scene::{
+    desc::{CameraDesc, LightDesc, MaterialDesc, PLAIN, ReflectionMode},
+    diagnostic::{Diagnostic, Span},
+    motion::{FrameState, MaterialChange, placed_camera, placed_light},
 };
 
 /// Animated parts of a world, with their names in the scene.

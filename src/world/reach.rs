@@ -3,7 +3,7 @@
 use glam::{Affine3A, Vec3};
 
 use super::World;
-use crate::math::Bounds;
+use reflet_base::math::Bounds;
 
 /// Largest coordinate of a vertex, in the space of its mesh and in the world, meters, so that areas and reciprocals
 /// are finite in f32.

@@ -5,7 +5,7 @@ use std::{collections::BTreeMap, sync::Arc};
 use glam::{Affine3A, Vec3};
 
 use super::animation::{Animation, Local, Pointed, PointedValue, Property};
-use crate::scene::{desc::AnimationDesc, motion::FrameState};
+use reflet_scene::{desc::AnimationDesc, motion::FrameState};
 
 /// The nodes of a file's scene, at rest.
 #[derive(Clone, Debug, Default)]

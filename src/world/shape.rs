@@ -8,7 +8,8 @@ use std::f32::consts::TAU;
 use glam::{Vec2, Vec3};
 
 use super::Mesh;
-use crate::{math::Bounds, scene::desc::ShapeDesc};
+use reflet_base::math::Bounds;
+use reflet_scene::desc::ShapeDesc;
 
 /// Tessellates `shape` (sizes in meters, as its description says); a height field gives an empty mesh, see
 /// [`heightfield::mesh`].

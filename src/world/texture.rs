@@ -17,10 +17,8 @@ use super::{
     Texture,
     gltf::{Fault, ImageSource},
 };
-use crate::{
-    memory::{Budget, wave_length},
-    scene::diagnostic::Diagnostic,
-};
+use reflet_base::memory::{Budget, wave_length};
+use reflet_scene::diagnostic::Diagnostic;
 
 mod decoder;
 mod encoded;

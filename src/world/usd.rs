@@ -16,12 +16,10 @@ use self::{
     tool::Tool,
 };
 use super::gltf::Fault;
-use crate::{
-    files::{hex, write_whole},
-    scene::{
-        desc::StageDesc,
-        diagnostic::{Diagnostic, Severity, Span},
-    },
+use reflet_base::files::{hex, write_whole};
+use reflet_scene::{
+    desc::StageDesc,
+    diagnostic::{Diagnostic, Severity, Span},
 };
 
 mod advice;

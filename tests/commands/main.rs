@@ -1,4 +1,4 @@
-//! The program's commands, each a group: `cargo test --all-features --test commands film::`.
+//! The program's commands, each a group: `cargo test --test commands film::`.
 
 #[path = "../bench/mod.rs"]
 mod bench;

@@ -10,9 +10,10 @@ use crate::imports::Module;
 /// Dependencies between children, each with an example pair of files.
 type Steps = BTreeMap<(String, String), (Module, Module)>;
 
-/// Every cycle between children of one parent: the parent, the children, and an example pair of
-/// files per dependency.
-pub fn circles(edges: &BTreeSet<(Module, Module)>) -> Vec<String> {
+/// Every cycle between children of one parent in the crate of this folder: the parent, the children, and an example
+/// pair of files per dependency.
+pub fn circles(folder: &str, edges: &BTreeSet<(Module, Module)>) -> Vec<String> {
+    let place = |module: &Module| format!("{folder}/{}", module.join("/"));
     let mut neighbors: BTreeMap<Module, Steps> = BTreeMap::new();
     for (from, to) in edges {
         let shared = from.iter().zip(to).take_while(|(a, b)| a == b).count();
@@ -35,10 +36,6 @@ pub fn circles(edges: &BTreeSet<(Module, Module)>) -> Vec<String> {
         }
     }
     found
-}
-
-fn place(module: &Module) -> String {
-    format!("src/{}", module.join("/"))
 }
 
 fn list(names: &BTreeSet<String>) -> String {

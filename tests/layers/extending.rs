@@ -69,7 +69,7 @@ fn trial_additions_apply_and_touch_what_the_guide_says() {
         fs::write(&path, &guide).expect("the guide can be written");
         return;
     }
-    let stale = "is stale: UPDATE_DOCS=1 cargo test --all-features --test layers";
+    let stale = "is stale: UPDATE_DOCS=1 cargo test --test layers";
     assert!(guide == written, "{GUIDE} {stale}");
 }
 

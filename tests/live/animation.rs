@@ -3,7 +3,7 @@
 
 use std::{fs, sync::Arc};
 
-use reflet::app::watch::Change;
+use reflet_preview::watch::Change;
 
 use crate::{
     common::{animated::write_arm, gpu_or_skip},

@@ -10,22 +10,22 @@ use std::{
 
 use glam::Vec3;
 use reflet::{
-    app::{
-        live::{Live, ViewOverrides},
-        output,
-        preview::{
-            self,
-            protocol::{
-                FinishedFrame, FrameAction, FrameRequest, Report, Screenshot, Side, Task, View,
-                ViewCamera,
-            },
-            render_thread::RenderThread,
-            scene_summary::SceneSummary,
-            view_channel::ViewChannel,
-        },
-    },
     gpu::Gpu,
+    render::png_file,
     scene::desc::{CameraDesc, Method, ParamValue},
+};
+use reflet_preview::{
+    live::{Live, ViewOverrides},
+    window::{
+        open,
+        protocol::{
+            FinishedFrame, FrameAction, FrameRequest, Report, Screenshot, Side, Task, View,
+            ViewCamera,
+        },
+        render_thread::RenderThread,
+        scene_summary::SceneSummary,
+        view_channel::ViewChannel,
+    },
 };
 
 use crate::{
@@ -279,7 +279,7 @@ fn what_is_asked_of_a_frame_is_done_with_that_frame_whatever_is_shown() {
             .ok
     );
     let size = session.live.renderer().targets().size;
-    let wanted = output::png::encode(size, &session.afresh(9, &[]), None).expect("encodes");
+    let wanted = png_file::encode(size, &session.afresh(9, &[]), None).expect("encodes");
     let screenshots = Folder::new();
     let mut preview = Watched::new(session);
     preview.show(|view| view.size = size);
@@ -370,8 +370,7 @@ fn a_scene_whose_script_is_slow_from_the_start_opens_empty_and_is_shown_once_men
     let endless = SCRIPT.replace("fn setup(ctx) {", &format!("fn setup(ctx) {{ {SLOW}"));
     folder.write("sub/move.rhai", endless);
     let (live, is_waiting) =
-        preview::open(&gpu, live.source().clone(), ViewOverrides::default(), true)
-            .expect("it opens empty");
+        open(&gpu, live.source().clone(), ViewOverrides::default(), true).expect("it opens empty");
     assert!(is_waiting && live.problems.is_empty(), "it only waits");
     assert!(live.world().instances.is_empty());
     let mut preview = Watched::start(gpu, folder, live, is_waiting);

@@ -2,10 +2,8 @@
 
 use std::sync::Arc;
 
-use reflet::{
-    app::live::{Edit, InitialBuild, Live, SceneSource, ViewOverrides},
-    render::targets::Target,
-};
+use reflet::render::targets::Target;
+use reflet_preview::live::{Edit, InitialBuild, Live, SceneSource, ViewOverrides};
 
 use crate::{
     common::gpu_or_skip,

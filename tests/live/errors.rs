@@ -2,8 +2,8 @@
 
 use std::{fs, sync::Arc};
 
-use reflet::app::{
-    error::AppError,
+use reflet::runtime::SessionError;
+use reflet_preview::{
     live::{InitialBuild, Live, SceneSource, ViewOverrides},
     watch::Change,
 };
@@ -125,7 +125,7 @@ fn a_scene_that_is_broken_at_first_is_shown_when_it_is_mended() {
         ViewOverrides::default(),
         InitialBuild::Whole,
     ) {
-        Err(AppError::Scene(mistakes)) => mistakes,
+        Err(SessionError::Scene(mistakes)) => mistakes,
         other => panic!("{other:?}"),
     };
     let mut live = Live::open_empty(gpu.clone(), source, ViewOverrides::default(), mistakes)

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use reflet::app::watch::Change;
+use reflet_preview::watch::Change;
 
 use crate::{
     common::gpu_or_skip,

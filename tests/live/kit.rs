@@ -12,14 +12,14 @@ use std::{
 };
 
 use reflet::{
-    app::{
-        live::{InitialBuild, Live, Reload, SceneSource, ViewOverrides},
-        watch::{Change, Changes, WatchEvent, WatchList, Watcher},
-    },
     gpu::Gpu,
     runtime::{parameters::ParameterOverrides, scene_text::SceneOptions},
     scene::desc::CameraDesc,
     world::World,
+};
+use reflet_preview::{
+    live::{InitialBuild, Live, Reload, SceneSource, ViewOverrides},
+    watch::{Change, Changes, WatchEvent, WatchList, Watcher},
 };
 
 /// A folder that is removed after the test.
@@ -118,18 +118,13 @@ pub fn open_with(gpu: &Arc<Gpu>, scene: &Path, shaders: Option<&Path>, set: &[&s
         },
         shaders: shaders.map(Path::to_owned),
     };
-    match Live::open(
+    Live::open(
         gpu.clone(),
         source,
         ViewOverrides::default(),
         InitialBuild::Whole,
-    ) {
-        Ok(live) => live,
-        Err(error) => {
-            error.print();
-            panic!("the scene does not open");
-        }
-    }
+    )
+    .unwrap_or_else(|error| panic!("the scene does not open: {error}"))
 }
 
 /// Runs background jobs of the preview synchronously.

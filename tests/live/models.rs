@@ -9,7 +9,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use reflet::app::watch::Change;
+use reflet_preview::watch::Change;
 
 use crate::{
     common::gpu_or_skip,

@@ -4,9 +4,9 @@
 use std::fs;
 
 use reflet::{
-    app::watch::Change, render::RebuildSummary, runtime::parameters::ParameterOverrides,
-    scene::desc::ParamValue,
+    render::RebuildSummary, runtime::parameters::ParameterOverrides, scene::desc::ParamValue,
 };
+use reflet_preview::watch::Change;
 
 use crate::{
     kit::RunNow,

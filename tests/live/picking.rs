@@ -3,7 +3,7 @@
 use std::{fs, sync::Arc};
 
 use glam::Vec3;
-use reflet::app::preview::{
+use reflet_preview::window::{
     protocol::{FrameAction, FrameRequest, Picked, Report, Task, Visualization},
     view_channel::{ShadowMapChoice, ViewChannel},
 };

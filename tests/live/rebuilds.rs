@@ -2,14 +2,10 @@
 
 use std::{fs, path::PathBuf, sync::Arc};
 
-use reflet::{
-    app::{
-        live::{Live, Reload, ViewOverrides},
-        watch::Change,
-    },
-    gpu::Gpu,
-    render::RebuildSummary,
-    scene::desc::Method,
+use reflet::{gpu::Gpu, render::RebuildSummary, scene::desc::Method};
+use reflet_preview::{
+    live::{Live, Reload, ViewOverrides},
+    watch::Change,
 };
 
 use crate::{

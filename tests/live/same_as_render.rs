@@ -4,16 +4,16 @@
 use std::{fs, path::Path, sync::Arc};
 
 use reflet::{
-    app::{
-        live::{Live, ViewOverrides},
-        output,
-        watch::Change,
-    },
     gpu::Gpu,
+    render::png_file,
     render::{Draft, RenderOptions, targets::Target, unit_costs::UnitCosts},
     runtime::{Session, SessionOptions, scene_text::SceneOptions},
     scene::desc::Method,
     world::World,
+};
+use reflet_preview::{
+    live::{Live, ViewOverrides},
+    watch::Change,
 };
 
 use crate::{
@@ -257,7 +257,7 @@ fn a_screenshot_is_what_render_writes() {
         return;
     };
     let (wanted, _) = rendered(&folder.path("scene.toml"), LATE, None, &[]);
-    let wanted = output::png::encode(SIZE, &wanted, None).expect("encodes");
+    let wanted = png_file::encode(SIZE, &wanted, None).expect("encodes");
     let mut preview = Watched::start(gpu, folder, live, false);
     preview.show(|view| {
         (view.size, view.frame) = (SIZE, LATE);

@@ -9,7 +9,7 @@ use std::{
     time::Duration,
 };
 
-use reflet::app::watch::{Change, WatchList};
+use reflet_preview::watch::{Change, WatchList};
 
 use crate::kit::{Folder, Watch};
 

@@ -5,15 +5,15 @@ use std::{cell::RefCell, fs, path::PathBuf, sync::Arc};
 
 use glam::Vec3;
 use reflet::{
-    app::{
-        live::{Edit, Live, Reload},
-        preview::scene_summary::SceneSummary,
-        watch::Change,
-    },
     gpu::Gpu,
     render::RebuildSummary,
     runtime::parameters::ParameterOverrides,
     scene::desc::{MATERIAL, ParamValue},
+};
+use reflet_preview::{
+    live::{Edit, Live, Reload},
+    watch::Change,
+    window::scene_summary::SceneSummary,
 };
 
 use crate::{

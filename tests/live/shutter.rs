@@ -4,13 +4,13 @@ use std::sync::Arc;
 
 use glam::Vec3;
 use reflet::{
-    app::live::Live,
     gpu::Gpu,
     render::targets::Target,
     runtime::{Session, SessionOptions},
     scene::desc::MATERIAL,
     world::World,
 };
+use reflet_preview::live::Live;
 
 use crate::{
     common::gpu_or_skip,

@@ -4,13 +4,13 @@
 use std::{fs, path::Path, thread, time::Duration};
 
 use reflet::{
-    app::{
-        live::{Problems, ViewOverrides},
-        output,
-        preview::protocol::Report,
-        watch::Change,
-    },
+    render::png_file,
     runtime::{Session, SessionError, SessionOptions, scene_text::SceneOptions},
+};
+use reflet_preview::{
+    live::{Problems, ViewOverrides},
+    watch::Change,
+    window::protocol::Report,
 };
 
 use crate::{
@@ -208,7 +208,7 @@ fn rendered(path: &Path, frame: u32, set: &[&str]) -> Vec<u8> {
 /// The file of a frame that a new session renders at this size.
 fn png(path: &Path, size: [u32; 2]) -> Vec<u8> {
     let pixels = rendered(path, 0, &[&format!("image.size={size:?}")]);
-    output::png::encode(size, &pixels, None).expect("encodes")
+    png_file::encode(size, &pixels, None).expect("encodes")
 }
 
 #[test]

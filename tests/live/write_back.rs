@@ -3,10 +3,10 @@
 
 use std::{fs, sync::Arc};
 
-use reflet::app::{
+use reflet_preview::{
     live::Live,
-    preview::protocol::{FrameAction, FrameRequest, Report, Task},
     watch::Change,
+    window::protocol::{FrameAction, FrameRequest, Report, Task},
     write_back::{Inspected, Numbers, SceneItem},
 };
 

@@ -6,11 +6,7 @@ use serde::Serialize;
 
 use super::{args::ReloadArgs, create_folder, progress::Progress, write};
 use crate::{
-    app::{
-        error::AppError,
-        live::{InitialBuild, Live, ViewOverrides},
-        print_out,
-    },
+    app::{error::AppError, print_out},
     bench::{
         host::Host,
         run::Observer as _,
@@ -18,6 +14,7 @@ use crate::{
     },
     gpu::{Gpu, GpuOptions},
 };
+use reflet_preview::live::{InitialBuild, Live, ViewOverrides};
 
 pub mod copy;
 pub mod measure;
@@ -128,7 +125,8 @@ pub fn measure_all(
             copy.origin(),
             view.clone(),
             InitialBuild::Whole,
-        )?;
+        )
+        .map_err(|error| AppError::from_session(error, false))?;
         progress.note(&format!(
             "{} {} edits of {}",
             args.saves,

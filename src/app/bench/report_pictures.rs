@@ -1,7 +1,7 @@
 //! Pictures for reports: the frame of a setting, the sources of its reflections, its errors.
 
 use crate::{
-    app::{aov, error::AppError, output::png::encode},
+    app::error::AppError,
     bench::{
         compare::difference_picture,
         parameter::method_name,
@@ -15,6 +15,7 @@ use crate::{
     runtime::renderer_stage::RendererStage,
     scene::desc::{Accept, Method, ReflectionDesc},
 };
+use reflet_render::{aov_view, png_file::encode};
 
 /// A picture of a setting.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -184,7 +185,7 @@ impl<'a> RenderSession<'a> {
             }
             Shot::Source(_) => {
                 let picture = self.render(&settings, &[Aov::Source])?;
-                let plane = picture.planes.first().map(aov::view);
+                let plane = picture.planes.first().map(aov_view::view);
                 let shares = &picture.stats.shares.sources;
                 let shares = shares
                     .iter()

@@ -8,7 +8,7 @@ use ::exr::prelude::{
 };
 use xxhash_rust::xxh3::Xxh3Default;
 
-use super::format::FINGERPRINT_KEY;
+use crate::render::png_file::FINGERPRINT_KEY;
 use crate::render::{Picture, Plane, PlaneData};
 
 /// Fingerprint of an EXR whose samples match their hash.

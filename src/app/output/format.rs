@@ -4,10 +4,6 @@ use std::{ops::RangeInclusive, path::Path};
 
 use crate::app::error::AppError;
 
-/// Name of the text in PNG files and of the attribute in EXR files that holds a frame's fingerprint.
-/// In EXR files a space and a hash of the samples follow.
-pub const FINGERPRINT_KEY: &str = "reflet-fingerprint";
-
 /// Contents of an output file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Format {

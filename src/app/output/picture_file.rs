@@ -5,13 +5,12 @@ use std::path::{Path, PathBuf};
 use super::{
     exr,
     format::{Format, PictureFormat, unknown},
-    png,
     writable::{check_replaceable, check_writable},
 };
 use crate::{
-    app::{aov, error::AppError},
+    app::error::AppError,
     files::{Inputs, write_together},
-    render::{Picture, aov::Aov},
+    render::{Picture, aov::Aov, aov_view, png_file},
 };
 
 /// An output path that was writable at the start of the command.
@@ -77,14 +76,14 @@ impl PictureFile {
             PictureFormat::Exr => files.push((self.path.clone(), exr::encode(picture, mark))),
             PictureFormat::Png => {
                 let encode = if picture.alpha {
-                    png::encode_with_alpha
+                    png_file::encode_with_alpha
                 } else {
-                    png::encode
+                    png_file::encode
                 };
                 let bytes = encode(picture.size, &picture.display, mark);
                 files.push((self.path.clone(), bytes));
                 for plane in &picture.planes {
-                    let png = png::encode(picture.size, &aov::view(plane), mark);
+                    let png = png_file::encode(picture.size, &aov_view::view(plane), mark);
                     files.push((self.beside(plane.name), png));
                 }
             }
@@ -122,7 +121,7 @@ impl PictureFile {
     /// Whether all files of the picture exist, complete and with this fingerprint.
     pub fn is_done(&self, planes: &[&str], mark: &str) -> bool {
         let found = match self.format {
-            PictureFormat::Png => png::fingerprint,
+            PictureFormat::Png => png_file::fingerprint,
             PictureFormat::Exr => exr::fingerprint,
         };
         let files = self.files(planes);

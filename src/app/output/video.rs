@@ -9,10 +9,11 @@ use std::{
     thread::{self, JoinHandle},
 };
 
-use super::{format::FilmFormat, png::rgb, writable::check_writable};
+use super::{format::FilmFormat, writable::check_writable};
 use crate::{
     app::error::AppError,
     files::{Inputs, Temporary},
+    render::png_file::rgb,
 };
 
 /// Maximum length of ffmpeg's output in a message, bytes; its end is quoted.

@@ -1,7 +1,7 @@
 //! Errors of single pixels: PSNR and maximum difference of display values, relMSE of light.
 
 use super::{mask::Mask, select};
-use crate::bench::picture::Pair;
+use crate::picture::Pair;
 
 /// Constant added to the reference in relMSE's denominator, against division by zero at black; as in pbrt.
 pub const REL_MSE_EPSILON: f64 = 0.01;

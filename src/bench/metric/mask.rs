@@ -1,6 +1,6 @@
 //! Mask of reflective pixels: the pixels whose reflection can be seen and scored.
 
-use crate::bench::picture::{PictureError, check_values};
+use crate::picture::{PictureError, check_values};
 
 /// Fresnel-weighted reflectance above which a pixel counts as reflective: less cannot change an 8-bit
 /// display value by a level.

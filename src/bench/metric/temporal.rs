@@ -1,7 +1,7 @@
 //! Flicker: how much the frame-to-frame changes of a sequence differ from those of its reference.
 
 use super::mask::{MIN_AREA_PX, Mask};
-use crate::bench::picture::{Pair, PictureError};
+use crate::picture::{Pair, PictureError};
 
 /// Flicker meter of a sequence; keeps only the previous frame in memory.
 #[derive(Clone, Debug, Default)]

@@ -1,6 +1,6 @@
 //! Chart of milliseconds against error as SVG: a curve per method, the Pareto front, every point.
 
-use crate::bench::{
+use crate::{
     parameter::{HYBRID_ANEW_SERIES, RT_ANEW_SERIES, SERIES, THRESHOLD_SERIES},
     summary::series,
 };
@@ -13,7 +13,7 @@ use plotters::{
 };
 
 use super::findings::spots;
-use crate::bench::{
+use crate::{
     pareto::{Spot, pareto_front},
     sample::Sample,
     summary::{Group, Metric, Point, digits, label},

@@ -1,10 +1,10 @@
 //! Findings on the points of a group, in sentences: the fastest method, comparisons at equal time and at
 //! equal error, and the share of rays from which marching first no longer pays.
 
-use crate::bench::summary::series;
+use crate::summary::series;
 use std::collections::BTreeSet;
 
-use crate::bench::{
+use crate::{
     metric::mask::MIN_AREA_PX,
     pareto::{Costs, Spot, break_even_share},
     summary::{
@@ -12,7 +12,7 @@ use crate::bench::{
         paired::{MIN_PAIRS, Timed, pairs},
     },
 };
-use crate::render::{
+use reflet_render::{
     pass::PassGroup,
     passes::{self, trace},
 };

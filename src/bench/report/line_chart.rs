@@ -1,13 +1,13 @@
 //! Line charts as SVG: time and SSIM over the frames of an animation, a line per setting; errors over a
 //! parameter, a line per method.
 
-use crate::bench::{parameter::SERIES, summary::series};
+use crate::{parameter::SERIES, summary::series};
 use std::fmt::Write as _;
 
 use plotters::{coord::CoordTranslate, prelude::*};
 
 use super::chart::{color, escape};
-use crate::bench::summary::{Group, Metric, Point, digits};
+use crate::summary::{Group, Metric, Point, digits};
 
 /// Quantities on the axes of a line chart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

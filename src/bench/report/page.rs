@@ -8,7 +8,7 @@ use super::{
     tables::{breakdown, overview, points},
     work::{verdicts, work},
 };
-use crate::bench::{sample::Sample, summary::digits};
+use crate::{sample::Sample, summary::digits};
 
 /// A picture on the page.
 #[derive(Clone, Debug, PartialEq, Eq)]

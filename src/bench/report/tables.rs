@@ -1,6 +1,6 @@
 //! Tables of the page: all settings, their errors, shares and times, pass by pass.
 
-use crate::bench::summary::series;
+use crate::summary::series;
 use std::fmt::Write as _;
 
 use plotters::style::RGBColor;
@@ -11,14 +11,12 @@ use super::{
     findings::spots,
 };
 use crate::{
-    bench::{
-        pareto::pareto_front,
-        summary::{Metric, Point, digits, label},
-    },
-    render::{
-        pass::Pass,
-        passes::{self, trace},
-    },
+    pareto::pareto_front,
+    summary::{Metric, Point, digits, label},
+};
+use reflet_render::{
+    pass::Pass,
+    passes::{self, trace},
 };
 
 /// Name of the CPU's update of moved instances, which precedes the passes.

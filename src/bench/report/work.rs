@@ -4,12 +4,10 @@ use std::fmt::Write as _;
 
 use super::chart::escape;
 use crate::{
-    bench::{
-        sample::{REFUSALS, Sample},
-        summary::{Point, digits},
-    },
-    render::cause::Cause,
+    sample::{REFUSALS, Sample},
+    summary::{Point, digits},
 };
+use reflet_render::cause::Cause;
 
 /// HTML table with its heading and a paragraph; empty without rows.
 fn table(title: &str, text: &str, heads: &[&str], rows: &[Vec<String>]) -> String {

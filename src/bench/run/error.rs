@@ -2,7 +2,8 @@
 
 use std::fmt;
 
-use crate::{render::RenderError, scene::diagnostic::Diagnostic};
+use reflet_render::RenderError;
+use reflet_scene::diagnostic::Diagnostic;
 
 /// Reason why a bench cannot go on.
 #[derive(Clone, Debug)]

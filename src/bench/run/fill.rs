@@ -1,15 +1,13 @@
 //! Fills the columns of a sample.
 
 use crate::{
-    bench::{
-        metric::{hits::CauseTally, structure::Structure, table},
-        sample::{Sample, pass_column},
-    },
-    render::{
-        passes,
-        probe::{Counts, PassCounts},
-        stats::FrameStats,
-    },
+    metric::{hits::CauseTally, structure::Structure, table},
+    sample::{Sample, pass_column},
+};
+use reflet_render::{
+    passes,
+    probe::{Counts, PassCounts},
+    stats::FrameStats,
 };
 
 use super::judge::Judged;
@@ -131,7 +129,9 @@ pub(super) fn timed(mut sample: Sample, stats: &FrameStats, repetition: u32) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{bench::sample::detail_columns, render::stats::Shares, scene::desc::Method};
+    use crate::sample::detail_columns;
+    use reflet_render::stats::Shares;
+    use reflet_scene::desc::Method;
 
     #[test]
     fn smoothing_of_reflections_counts_as_reflection_time() {

@@ -2,7 +2,7 @@
 
 use std::{cell::RefCell, collections::HashMap};
 
-use crate::bench::{
+use crate::{
     metric::temporal::{Change, Temporal},
     picture::{Pair, PictureError},
     score::{Reference, View},

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::scene::{desc::CameraDesc, diagnostic::Diagnostic};
+use reflet_scene::{desc::CameraDesc, diagnostic::Diagnostic};
 
 use super::Subject;
 

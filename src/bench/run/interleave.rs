@@ -1,15 +1,13 @@
 //! Variants of one scene and size, measured in alternating order: A B C, C B A, A B C, ….
 
 use crate::{
-    bench::{
-        hash::Hash,
-        log::Log,
-        parameter::{Variant, accept_name, method_name},
-        sample::{Sample, detail_columns},
-        score::Reference,
-    },
-    scene::desc::ToneMap,
+    hash::Hash,
+    log::Log,
+    parameter::{Variant, accept_name, method_name},
+    sample::{Sample, detail_columns},
+    score::Reference,
 };
+use reflet_scene::desc::ToneMap;
 
 use super::{
     Bench, BenchError, Observer, Outcome, REFERENCE_BOUNCES, ReadyRenderer, Subject, Task, Work,

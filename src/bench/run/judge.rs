@@ -3,16 +3,14 @@
 use std::path::Path;
 
 use crate::{
-    bench::{
-        metric::hits::CauseTally,
-        parameter::{MAX_STEPS, Variant},
-        score::{CAMERA_MOVE_U, Changes, Errors, Hits, PLANES, Reference, View},
-    },
-    render::Renderer,
-    scene::{
-        desc::{CameraDesc, Method, ReflectionDesc},
-        diagnostic::Diagnostic,
-    },
+    metric::hits::CauseTally,
+    parameter::{MAX_STEPS, Variant},
+    score::{CAMERA_MOVE_U, Changes, Errors, Hits, PLANES, Reference, View},
+};
+use reflet_render::Renderer;
+use reflet_scene::{
+    desc::{CameraDesc, Method, ReflectionDesc},
+    diagnostic::Diagnostic,
 };
 
 use super::{Bench, BenchError, Subject, Sweep, flicker::Since};

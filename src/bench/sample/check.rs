@@ -4,7 +4,7 @@
 use std::collections::HashMap;
 
 use super::Sample;
-use crate::bench::{
+use crate::{
     csv::CsvError,
     metric::{
         mask::MIN_AREA_PX,
@@ -12,7 +12,7 @@ use crate::bench::{
     },
     parameter::{Parameter, method_name},
 };
-use crate::scene::desc::Method;
+use reflet_scene::desc::Method;
 
 /// Checks the text of a cell; an empty one is a missing value.
 ///

@@ -3,13 +3,11 @@
 use std::fmt::Write as _;
 
 use super::{Against, Cell, CellScores, Mode};
-use crate::{
-    bench::metric::{
-        mask::{ERODE_PX, MIN_AREA_PX},
-        structure::EDGE_PX,
-    },
-    render::passes::audit::{TOLERANCE_RELATIVE, TOLERANCE_U},
+use crate::metric::{
+    mask::{ERODE_PX, MIN_AREA_PX},
+    structure::EDGE_PX,
 };
+use reflet_render::passes::audit::{TOLERANCE_RELATIVE, TOLERANCE_U};
 
 /// A band of the 99th percentile of FLIP.
 #[derive(Clone, Copy, Debug)]

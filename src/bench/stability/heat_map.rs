@@ -6,7 +6,7 @@ use super::{
     Against, Cell, Mode,
     document::{band, find},
 };
-use crate::bench::report::chart::escape;
+use crate::report::chart::escape;
 
 /// HTML table of the 99th percentile of FLIP against `rt`; rows whose mode is one of `anchors` link to it.
 pub fn heat_map(modes: &[Mode], methods: &[&str], cells: &[Cell], anchors: &[&str]) -> String {

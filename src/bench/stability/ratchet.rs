@@ -5,11 +5,9 @@ use std::{fmt::Write as _, io, path::Path};
 use serde::Deserialize;
 
 use super::{Against, Cell, CellScores};
-use crate::{
-    bench::{file_error, parameter::SERIES},
-    files::{open_regular, read_at_most},
-    scene::diagnostic::Diagnostic,
-};
+use crate::{file_error, parameter::SERIES};
+use reflet_base::files::{open_regular, read_at_most};
+use reflet_scene::diagnostic::Diagnostic;
 
 /// Tolerance of a score for other drivers, as a share of the allowed score; the largest tolerance applies.
 const SLACK: f64 = 0.05;
@@ -44,7 +42,7 @@ pub struct Ratchet {
 pub struct Allowed {
     /// Mode, such as `03-rails`.
     pub mode: String,
-    /// Method, one of [`SERIES`](crate::bench::parameter::SERIES).
+    /// Method, one of [`SERIES`](crate::parameter::SERIES).
     pub method: String,
     /// Mean FLIP inside the reflections.
     pub flip: f64,

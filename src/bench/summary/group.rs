@@ -6,7 +6,7 @@ use super::{
     Group, Point, Spread, label,
     pairs::{FlickerRatio, common_pairs},
 };
-use crate::bench::sample::Sample;
+use crate::sample::Sample;
 
 /// Sorts samples into groups and points, both in the order of their first sample.
 pub fn groups(samples: &[Sample]) -> Vec<Group> {

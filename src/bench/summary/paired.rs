@@ -3,10 +3,8 @@
 
 use std::collections::BTreeMap;
 
-use crate::{
-    bench::sample::Sample,
-    render::{pass::PassGroup, passes::trace},
-};
+use crate::sample::Sample;
+use reflet_render::{pass::PassGroup, passes::trace};
 
 /// Pairs of frames below which no two settings can be told apart by [`Pairs::order`].
 pub const MIN_PAIRS: usize = 6;

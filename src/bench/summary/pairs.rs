@@ -4,10 +4,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::{Spread, label};
-use crate::{
-    bench::{metric::temporal, sample::Sample},
-    render::passes::trace,
-};
+use crate::{metric::temporal, sample::Sample};
+use reflet_render::passes::trace;
 
 /// Temporal error over the measured frames of an animation.
 #[derive(Clone, Copy, Debug, PartialEq)]

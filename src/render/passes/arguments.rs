@@ -1,15 +1,13 @@
 //! Arguments: computes the workgroup counts of dispatches over lists.
 
 use crate::{
-    gpu::GpuError,
-    render::{
-        frame_pass::FramePass,
-        pass::{ComputePass, Dispatch, Pass, PassGroup},
-        pass_builder::PassBuilder,
-        shared_data::SharedData,
-        sub_frame::SubFrame,
-    },
+    frame_pass::FramePass,
+    pass::{ComputePass, Dispatch, Pass, PassGroup},
+    pass_builder::PassBuilder,
+    shared_data::SharedData,
+    sub_frame::SubFrame,
 };
+use reflet_gpu::GpuError;
 
 /// See `shaders/arguments.wgsl`.
 pub const PASS: Pass = Pass {

@@ -3,19 +3,17 @@
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use crate::{
-    gpu::{Checks, GpuError},
-    render::{
-        frame_pass::FramePass,
-        pass::{ComputePass, Dispatch, Pass, PassGroup},
-        pass_builder::PassBuilder,
-        ray_list::{AUDIT_RAYS, RAYS_PER_GROUP},
-        shared_data::SharedData,
-        sub_frame::SubFrame,
-        targets::Target,
-        types::gpu_struct,
-    },
-    scene::desc::Method,
+    frame_pass::FramePass,
+    pass::{ComputePass, Dispatch, Pass, PassGroup},
+    pass_builder::PassBuilder,
+    ray_list::{AUDIT_RAYS, RAYS_PER_GROUP},
+    shared_data::SharedData,
+    sub_frame::SubFrame,
+    targets::Target,
+    types::gpu_struct,
 };
+use reflet_gpu::{Checks, GpuError};
+use reflet_scene::desc::Method;
 
 /// See `shaders/audit.wgsl`.
 pub const PASS: Pass = Pass {

@@ -1,16 +1,14 @@
 //! Compose: puts the reflection in place of the mirror term and sums the sub-frames.
 
 use crate::{
-    gpu::GpuError,
-    render::{
-        frame_pass::FramePass,
-        pass::{ComputePass, Dispatch, Pass, PassGroup},
-        pass_builder::PassBuilder,
-        sub_frame::SubFrame,
-        targets::Target,
-        types::gpu_struct,
-    },
+    frame_pass::FramePass,
+    pass::{ComputePass, Dispatch, Pass, PassGroup},
+    pass_builder::PassBuilder,
+    sub_frame::SubFrame,
+    targets::Target,
+    types::gpu_struct,
 };
+use reflet_gpu::GpuError;
 
 use super::filter;
 

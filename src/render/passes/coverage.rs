@@ -1,16 +1,14 @@
 //! Coverage: share of each pixel that surfaces cover, for pictures with a transparent background.
 
 use crate::{
-    gpu::GpuError,
-    render::{
-        frame_pass::FramePass,
-        pass::{ComputePass, Dispatch, Pass, PassGroup},
-        pass_builder::PassBuilder,
-        sub_frame::SubFrame,
-        targets::Target,
-        types::gpu_struct,
-    },
+    frame_pass::FramePass,
+    pass::{ComputePass, Dispatch, Pass, PassGroup},
+    pass_builder::PassBuilder,
+    sub_frame::SubFrame,
+    targets::Target,
+    types::gpu_struct,
 };
+use reflet_gpu::GpuError;
 
 /// See `shaders/coverage.wgsl`.
 pub const PASS: Pass = Pass {

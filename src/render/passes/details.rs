@@ -1,15 +1,13 @@
 //! Details: values of the visible surfaces that the G-buffer has no bits for.
 
 use crate::{
-    gpu::GpuError,
-    render::{
-        frame_pass::FramePass,
-        pass::{ComputePass, Dispatch, Pass, PassGroup},
-        pass_builder::PassBuilder,
-        sub_frame::SubFrame,
-        targets::Target,
-    },
+    frame_pass::FramePass,
+    pass::{ComputePass, Dispatch, Pass, PassGroup},
+    pass_builder::PassBuilder,
+    sub_frame::SubFrame,
+    targets::Target,
 };
+use reflet_gpu::GpuError;
 
 /// See `shaders/details.wgsl`.
 pub const PASS: Pass = Pass {

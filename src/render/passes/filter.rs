@@ -1,17 +1,15 @@
 //! Filter: smooths rough reflections of pictures with few sub-frames.
 
 use crate::{
-    gpu::GpuError,
-    render::{
-        frame_pass::FramePass,
-        options::RenderOptions,
-        pass::{ComputePass, Dispatch, Pass, PassGroup},
-        pass_builder::PassBuilder,
-        sub_frame::SubFrame,
-        targets::Target,
-        types::gpu_struct,
-    },
+    frame_pass::FramePass,
+    options::RenderOptions,
+    pass::{ComputePass, Dispatch, Pass, PassGroup},
+    pass_builder::PassBuilder,
+    sub_frame::SubFrame,
+    targets::Target,
+    types::gpu_struct,
 };
+use reflet_gpu::GpuError;
 
 /// See `shaders/filter.wgsl`; `source` and `blurred` alternate between the targets reflection and blurred.
 pub const PASS: Pass = Pass {

@@ -1,16 +1,14 @@
 //! Indirect: path traced diffuse light between surfaces, at the surfaces of pixels.
 
 use crate::{
-    gpu::{Checks, GpuError},
-    render::{
-        frame_pass::FramePass,
-        pass::{ComputePass, Dispatch, Pass, PassGroup},
-        pass_builder::PassBuilder,
-        shared_data::SharedData,
-        sub_frame::SubFrame,
-        targets::Target,
-    },
+    frame_pass::FramePass,
+    pass::{ComputePass, Dispatch, Pass, PassGroup},
+    pass_builder::PassBuilder,
+    shared_data::SharedData,
+    sub_frame::SubFrame,
+    targets::Target,
 };
+use reflet_gpu::{Checks, GpuError};
 
 /// See `shaders/indirect.wgsl`.
 pub const PASS: Pass = Pass {

@@ -1,16 +1,14 @@
 //! Light: view-independent radiance, stored apart from the specular of this view.
 
 use crate::{
-    gpu::{Checks, GpuError},
-    render::{
-        frame_pass::FramePass,
-        pass::{ComputePass, Dispatch, Pass, PassGroup},
-        pass_builder::PassBuilder,
-        shared_data::SharedData,
-        sub_frame::SubFrame,
-        targets::Target,
-    },
+    frame_pass::FramePass,
+    pass::{ComputePass, Dispatch, Pass, PassGroup},
+    pass_builder::PassBuilder,
+    shared_data::SharedData,
+    sub_frame::SubFrame,
+    targets::Target,
 };
+use reflet_gpu::{Checks, GpuError};
 
 /// See `shaders/light.wgsl`.
 pub const PASS: Pass = Pass {

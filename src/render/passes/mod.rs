@@ -25,7 +25,7 @@ mod tests;
 
 use serde::Serialize;
 
-use crate::gpu::GpuError;
+use reflet_gpu::GpuError;
 
 use super::{
     frame_pass::FramePass,

@@ -1,17 +1,15 @@
 //! Primary rays: finds the ids of each pixel by rays through the BVHs, where the options ask for it.
 
 use crate::{
-    gpu::{Checks, GpuError},
-    render::{
-        frame_pass::FramePass,
-        pass::{ComputePass, Dispatch, Pass, PassGroup},
-        pass_builder::PassBuilder,
-        plan::has_primary_rays,
-        shared_data::SharedData,
-        sub_frame::SubFrame,
-        targets::Target,
-    },
+    frame_pass::FramePass,
+    pass::{ComputePass, Dispatch, Pass, PassGroup},
+    pass_builder::PassBuilder,
+    plan::has_primary_rays,
+    shared_data::SharedData,
+    sub_frame::SubFrame,
+    targets::Target,
 };
+use reflet_gpu::{Checks, GpuError};
 
 /// See `shaders/primary.wgsl`.
 pub const PASS: Pass = Pass {

@@ -1,17 +1,15 @@
 //! Pyramid: the nearest depth in ever larger cells, for the march.
 
 use crate::{
-    gpu::GpuError,
-    render::{
-        frame_pass::FramePass,
-        pass::{ComputePass, Dispatch, Pass, PassGroup},
-        pass_builder::PassBuilder,
-        ray_list::PYRAMID_LEVELS,
-        shared_data::SharedData,
-        sub_frame::SubFrame,
-        targets::Target,
-    },
+    frame_pass::FramePass,
+    pass::{ComputePass, Dispatch, Pass, PassGroup},
+    pass_builder::PassBuilder,
+    ray_list::PYRAMID_LEVELS,
+    shared_data::SharedData,
+    sub_frame::SubFrame,
+    targets::Target,
 };
+use reflet_gpu::GpuError;
 
 use super::ssr;
 

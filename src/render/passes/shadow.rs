@@ -6,22 +6,20 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use xxhash_rust::xxh3::Xxh3Default;
 
 use crate::{
-    gpu::{GpuError, GroupLayout},
-    render::{
-        cull::is_outside,
-        draw::{Draw, Indexed},
-        frame_pass::FramePass,
-        lights::ShadowView,
-        pass::{Pass, PassGroup, declared_overrides},
-        pass_builder::PassBuilder,
-        passes::visibility::{cleared_depth, reversed_depth},
-        scene::GpuScene,
-        shadow_maps::FORMAT,
-        shared_data::SharedData,
-        sub_frame::SubFrame,
-        types::gpu_struct,
-    },
+    cull::is_outside,
+    draw::{Draw, Indexed},
+    frame_pass::FramePass,
+    lights::ShadowView,
+    pass::{Pass, PassGroup, declared_overrides},
+    pass_builder::PassBuilder,
+    passes::visibility::{cleared_depth, reversed_depth},
+    scene::GpuScene,
+    shadow_maps::FORMAT,
+    shared_data::SharedData,
+    sub_frame::SubFrame,
+    types::gpu_struct,
 };
+use reflet_gpu::{GpuError, GroupLayout};
 
 /// See `shaders/shadow.wgsl`.
 pub const PASS: Pass = Pass {

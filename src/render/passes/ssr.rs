@@ -2,20 +2,18 @@
 //! `hits.rs`, and rays that the screen cannot answer for `trace.rs`.
 
 use crate::{
-    gpu::{Checks, GpuError},
-    render::{
-        frame_pass::FramePass,
-        options::RenderOptions,
-        pass::{ComputePass, Dispatch, Pass, PassGroup},
-        pass_builder::PassBuilder,
-        ray_list::List,
-        shared_data::SharedData,
-        sub_frame::SubFrame,
-        targets::Target,
-        types::gpu_struct,
-    },
-    scene::desc::ReflectionDesc,
+    frame_pass::FramePass,
+    options::RenderOptions,
+    pass::{ComputePass, Dispatch, Pass, PassGroup},
+    pass_builder::PassBuilder,
+    ray_list::List,
+    shared_data::SharedData,
+    sub_frame::SubFrame,
+    targets::Target,
+    types::gpu_struct,
 };
+use reflet_gpu::{Checks, GpuError};
+use reflet_scene::desc::ReflectionDesc;
 
 use super::trace;
 

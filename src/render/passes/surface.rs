@@ -2,17 +2,15 @@
 //! transmissive pixels.
 
 use crate::{
-    gpu::{Checks, GpuError},
-    render::{
-        frame_pass::FramePass,
-        pass::{ComputePass, Dispatch, Pass, PassGroup},
-        pass_builder::PassBuilder,
-        plan::has_primary_rays,
-        shared_data::SharedData,
-        sub_frame::SubFrame,
-        targets::Target,
-    },
+    frame_pass::FramePass,
+    pass::{ComputePass, Dispatch, Pass, PassGroup},
+    pass_builder::PassBuilder,
+    plan::has_primary_rays,
+    shared_data::SharedData,
+    sub_frame::SubFrame,
+    targets::Target,
 };
+use reflet_gpu::{Checks, GpuError};
 
 use super::ssr;
 

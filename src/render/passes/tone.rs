@@ -1,17 +1,15 @@
 //! Tone: linear radiance to display color.
 
 use crate::{
-    gpu::GpuError,
-    render::{
-        frame_pass::FramePass,
-        pass::{ComputePass, Dispatch, Pass, PassGroup},
-        pass_builder::PassBuilder,
-        sub_frame::SubFrame,
-        targets::Target,
-        types::gpu_struct,
-    },
-    scene::desc::ImageDesc,
+    frame_pass::FramePass,
+    pass::{ComputePass, Dispatch, Pass, PassGroup},
+    pass_builder::PassBuilder,
+    sub_frame::SubFrame,
+    targets::Target,
+    types::gpu_struct,
 };
+use reflet_gpu::GpuError;
+use reflet_scene::desc::ImageDesc;
 
 /// See `shaders/tone.wgsl`; `color` is the sum of all sub-frames.
 pub const PASS: Pass = Pass {

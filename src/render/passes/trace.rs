@@ -1,19 +1,17 @@
 //! Trace: follows the mirror rays of the listed pixels through the BVHs, bounce by bounce.
 
 use crate::{
-    gpu::{Checks, GpuError},
-    render::{
-        frame_pass::FramePass,
-        options::RenderOptions,
-        pass::{ComputePass, Dispatch, Pass, PassGroup},
-        pass_builder::PassBuilder,
-        ray_list::List,
-        shared_data::SharedData,
-        sub_frame::SubFrame,
-        targets::Target,
-    },
-    scene::desc::Method,
+    frame_pass::FramePass,
+    options::RenderOptions,
+    pass::{ComputePass, Dispatch, Pass, PassGroup},
+    pass_builder::PassBuilder,
+    ray_list::List,
+    shared_data::SharedData,
+    sub_frame::SubFrame,
+    targets::Target,
 };
+use reflet_gpu::{Checks, GpuError};
+use reflet_scene::desc::Method;
 
 /// See `shaders/trace.wgsl`.
 pub const PASS: Pass = Pass {

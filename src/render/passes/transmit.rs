@@ -1,18 +1,16 @@
 //! Transmit: light that passes through the surfaces of the listed pixels.
 
 use crate::{
-    gpu::{Checks, GpuError},
-    render::{
-        frame_pass::FramePass,
-        pass::{ComputePass, Dispatch, Pass, PassGroup},
-        pass_builder::PassBuilder,
-        ray_list::List,
-        recorder::clear_texture,
-        shared_data::SharedData,
-        sub_frame::SubFrame,
-        targets::Target,
-    },
+    frame_pass::FramePass,
+    pass::{ComputePass, Dispatch, Pass, PassGroup},
+    pass_builder::PassBuilder,
+    ray_list::List,
+    recorder::clear_texture,
+    shared_data::SharedData,
+    sub_frame::SubFrame,
+    targets::Target,
 };
+use reflet_gpu::{Checks, GpuError};
 
 use super::ssr;
 

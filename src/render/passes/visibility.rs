@@ -1,18 +1,16 @@
 //! Visibility: rasterizes depth and ids, nothing else.
 
 use crate::{
-    gpu::{GpuError, Shader},
-    render::{
-        cull::is_outside,
-        draw::{Draw, DrawClass, Indexed},
-        frame_pass::FramePass,
-        pass::{Pass, PassGroup, declared_overrides},
-        pass_builder::PassBuilder,
-        plan::has_primary_rays,
-        sub_frame::SubFrame,
-        targets::Target,
-    },
+    cull::is_outside,
+    draw::{Draw, DrawClass, Indexed},
+    frame_pass::FramePass,
+    pass::{Pass, PassGroup, declared_overrides},
+    pass_builder::PassBuilder,
+    plan::has_primary_rays,
+    sub_frame::SubFrame,
+    targets::Target,
 };
+use reflet_gpu::{GpuError, Shader};
 
 /// See `shaders/visibility.wgsl`.
 pub const PASS: Pass = Pass {

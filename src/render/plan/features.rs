@@ -1,10 +1,8 @@
 //! The table of features: what of a frame is left out where a scene does not need it. A new feature is a row here and
 //! the code in the shaders that its constant or its files switch.
 
-use crate::{
-    scene::desc::{PatternKind, ShownDesc},
-    world::{Material, World, bvh::Trees},
-};
+use reflet_scene::desc::{PatternKind, ShownDesc};
+use reflet_world::{Material, World, bvh::Trees};
 
 use super::{
     environment_casts_rays,
@@ -14,7 +12,7 @@ use super::{
     reflects, reflects_roughly, scatters, traces_rays,
     uses::{has_coat_normals, passes_light, scatters_twice},
 };
-use crate::render::{
+use crate::{
     lights::{LightNeeds, ShadowSizes},
     options::RenderOptions,
     precision::Precision,

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::may_reflect;
-use crate::world::World;
+use reflet_world::World;
 
 /// Maximum number of (plane, vertex) pairs to test before the answer is "perhaps".
 const MAX_PAIRS: usize = 1 << 22;

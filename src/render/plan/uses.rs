@@ -1,6 +1,6 @@
 //! Features that the materials of a scene use.
 
-use crate::world::{Material, World};
+use reflet_world::{Material, World};
 
 use super::has_specular;
 

@@ -1,7 +1,7 @@
 //! Resampling of images to the size of their pool, and their mips.
 
 use super::Sampling;
-use crate::world::{Texture, Wrap};
+use reflet_world::{Texture, Wrap};
 
 /// The image at `px` × `px`, and each halving of it.
 pub fn mip_chain(texture: &Texture, px: u32, sampling: Sampling) -> Vec<Vec<u8>> {
@@ -157,10 +157,12 @@ impl SrgbTables {
         static TABLES: std::sync::OnceLock<SrgbTables> = std::sync::OnceLock::new();
         TABLES.get_or_init(|| {
             let light = std::array::from_fn(|i| {
-                (crate::math::linear_from_srgb(i as f32 / 255.0) * 65535.0).round() as u16
+                (reflet_base::math::linear_from_srgb(i as f32 / 255.0) * 65535.0).round() as u16
             });
             let code = (0..=4095u32)
-                .map(|i| (crate::math::srgb_from_linear(i as f32 / 4095.0) * 255.0).round() as u8)
+                .map(|i| {
+                    (reflet_base::math::srgb_from_linear(i as f32 / 4095.0) * 255.0).round() as u8
+                })
                 .collect();
             Self { light, code }
         })

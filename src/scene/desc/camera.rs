@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::Tracks;
-use crate::scene::{
+use crate::{
     number::{Field, Form, Lanes, plain},
     range::{ABOVE_0, ANY, APERTURE_F, range},
 };

@@ -57,11 +57,11 @@ impl Default for ShownDesc {
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Parents {
     /// Parent of each node; empty if no node has one.
-    pub(in crate::scene) nodes: Vec<Option<usize>>,
+    pub(crate) nodes: Vec<Option<usize>>,
     /// Nodes with a parent, each after its own parent.
-    pub(in crate::scene) order: Vec<usize>,
+    pub(crate) order: Vec<usize>,
     /// Parent node of each light; empty if no light has one.
-    pub(in crate::scene) lights: Vec<Option<usize>>,
+    pub(crate) lights: Vec<Option<usize>>,
     /// Parent node of each camera; empty if no camera has one.
-    pub(in crate::scene) cameras: Vec<Option<usize>>,
+    pub(crate) cameras: Vec<Option<usize>>,
 }

@@ -3,7 +3,7 @@
 use std::{path::PathBuf, sync::Arc};
 
 use super::SceneDesc;
-use crate::scene::diagnostic::Source;
+use crate::diagnostic::Source;
 
 impl SceneDesc {
     /// Paths of the scripts, their imports and the included scene text, with symbolic links resolved.

@@ -5,7 +5,7 @@ use std::f32::consts::PI;
 use glam::Vec3;
 
 use super::Tracks;
-use crate::scene::{
+use crate::{
     number::{Field, Form, Lanes, plain},
     range::{ANY, FROM_0, range},
 };

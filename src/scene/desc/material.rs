@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::{At, Tracks};
-use crate::scene::{
+use crate::{
     number::{Field, Form, Lanes},
     range::{ABOVE_0, ANY, DISPERSION, FROM_0, INDEX, UNIT, range},
 };

@@ -1,6 +1,6 @@
 //! The `[reflection]` table of scene text.
 
-use crate::scene::{
+use crate::{
     number::{Field, plain},
     range::{EDGE_PX, FROM_0, RAY_LENGTH_U, THRESHOLD_U, UNIT, range},
 };

@@ -3,9 +3,9 @@
 use glam::Vec3;
 
 use super::At;
-use crate::scene::diagnostic::Span;
+use crate::diagnostic::Span;
 
-/// Tracks, each with the index of its [`Field`](crate::scene::number::Field) in the table of the thing that it
+/// Tracks, each with the index of its [`Field`](crate::number::Field) in the table of the thing that it
 /// changes.
 pub type Tracks = Vec<(usize, TrackDesc)>;
 

@@ -59,7 +59,7 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::scene::diagnostic::Source;
+    use crate::diagnostic::Source;
 
     #[test]
     fn places_are_lines_and_characters() {

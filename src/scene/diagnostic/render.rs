@@ -1,7 +1,11 @@
 //! Diagnostics for people: the message, the source line with carets under the span, and the help, laid out
 //! by the renderer of rustc.
 
-use std::fmt::{self, Display};
+use std::{
+    env,
+    fmt::{self, Display},
+    io::{self, IsTerminal as _},
+};
 
 use annotate_snippets::{
     AnnotationKind, Group, Level, Origin, Renderer, Snippet, renderer::DEFAULT_TERM_WIDTH,
@@ -139,12 +143,21 @@ fn printable_line(text: &str) -> String {
         .collect()
 }
 
+/// Writes diagnostics to standard error, in color on a terminal.
+pub fn print_diagnostics(diagnostics: &[Diagnostic]) {
+    let wants_color = env::var_os("NO_COLOR").is_none_or(|value| value.is_empty());
+    let color = wants_color && io::stderr().is_terminal();
+    if !diagnostics.is_empty() {
+        eprint!("{}", render_all(diagnostics, color));
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::scene::{diagnostic::Source, syntax::Entries};
+    use crate::{diagnostic::Source, syntax::Entries};
 
     fn at(text: &str, range: std::ops::Range<usize>) -> Diagnostic {
         let source = Source::new("a.toml", text);

@@ -10,7 +10,7 @@ use std::{
 };
 
 use super::{Source, Span};
-use crate::scene::{
+use crate::{
     suggest,
     syntax::{Content, Entries, Node},
 };

@@ -4,7 +4,7 @@
 use std::{collections::HashMap, fmt::Write as _};
 
 use super::{describe_section, introduction, section_text, without_lead};
-use crate::scene::parse::{SectionRecord, recorded_keys};
+use crate::parse::{SectionRecord, recorded_keys};
 
 /// File of the index page, which also describes the top level of a scene.
 pub const INDEX: &str = "README.md";

@@ -1,6 +1,6 @@
 //! Conversion from the scene's time to the time inside an animation.
 
-use crate::scene::desc::{AnimationDesc, Playback};
+use crate::desc::{AnimationDesc, Playback};
 
 impl AnimationDesc {
     /// Time inside an animation of length `duration_s` at the scene time `time_s`, both seconds.

@@ -5,11 +5,11 @@ use std::borrow::Cow;
 use glam::{Affine3A, Vec3};
 
 use super::transform;
-use crate::scene::desc::{CameraDesc, LightDesc, Parents, PlacementDesc, SceneDesc};
+use crate::desc::{CameraDesc, LightDesc, Parents, PlacementDesc, SceneDesc};
 
 impl Parents {
     /// Hierarchy from the parent node of each node, light and camera; nodes must not form cycles.
-    pub(in crate::scene) fn new(
+    pub(crate) fn new(
         nodes: Vec<Option<usize>>,
         lights: Vec<Option<usize>>,
         cameras: Vec<Option<usize>>,

@@ -6,7 +6,7 @@ use std::collections::HashSet;
 use glam::Vec3;
 
 use super::track::Track;
-use crate::scene::desc::{
+use crate::desc::{
     InstanceDesc, InstanceMaterialDesc, MATERIAL, MATERIAL_FIELDS, MaterialDesc, PLAIN, SceneDesc,
 };
 

@@ -3,7 +3,7 @@
 use std::{collections::HashMap, sync::Arc};
 
 use super::{changing_overrides, file_materials, moving, override_of, written};
-use crate::scene::desc::{At, Entry, MaterialDesc, Parents, SceneDesc};
+use crate::desc::{At, Entry, MaterialDesc, Parents, SceneDesc};
 
 /// Indices of things by name.
 #[derive(Clone, Debug, Default)]
@@ -34,9 +34,9 @@ pub struct Known {
     pub dynamic: Vec<bool>,
     /// Whether each node plays an animation.
     pub playing: Vec<bool>,
-    /// [`InstanceDesc::joints`](crate::scene::desc::InstanceDesc::joints) of each instance.
+    /// [`InstanceDesc::joints`](crate::desc::InstanceDesc::joints) of each instance.
     pub joints: Vec<Vec<String>>,
-    /// [`InstanceDesc::morphs`](crate::scene::desc::InstanceDesc::morphs) of each instance.
+    /// [`InstanceDesc::morphs`](crate::desc::InstanceDesc::morphs) of each instance.
     pub morphs: Vec<Vec<String>>,
     /// Parents of the nodes, lights and cameras.
     pub parents: Parents,

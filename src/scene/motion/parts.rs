@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use crate::scene::desc::{CameraDesc, LIGHT, LightDesc};
+use crate::desc::{CameraDesc, LIGHT, LightDesc};
 
 /// Kind of a thing that a script has set, so that tracks leave it alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -2,9 +2,9 @@
 
 use glam::{Affine3A, DQuat, DVec3, Vec3};
 
-use crate::{
-    math::spline::{ArcLength, bezier, catmull_rom, centripetal, ease_in, ease_in_out, ease_out},
-    scene::desc::{CurveKind, Ease, KeyDesc, OrbitDesc, TrackDesc},
+use crate::desc::{CurveKind, Ease, KeyDesc, OrbitDesc, TrackDesc};
+use reflet_base::math::spline::{
+    ArcLength, bezier, catmull_rom, centripetal, ease_in, ease_in_out, ease_out,
 };
 
 /// Number of chords that approximate the length of one piece between two keys.
@@ -366,7 +366,7 @@ mod tests {
         assert!(at.distance(Vec3::new(1.0, 5.0, -2.0)) < 1e-5, "{at}");
         let track = TrackDesc {
             rate: Some(Vec3::X),
-            oscillate: Some(crate::scene::desc::OscillateDesc {
+            oscillate: Some(crate::desc::OscillateDesc {
                 amplitude: Vec3::new(0.5, 0.0, 0.0),
                 period_s: 2.0,
                 phase: 0.25,

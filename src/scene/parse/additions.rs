@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use super::report::Report;
-use crate::scene::{
+use crate::{
     diagnostic::Source,
     suggest,
     syntax::{Content, Entries, Key, Node},

@@ -7,11 +7,9 @@ use super::{
     report::Report,
     value::{Named, Value, wrong_type},
 };
-use crate::scene::syntax::{Content, Node};
-use crate::{
-    math::linear_from_srgb,
-    scene::{range::Range, suggest},
-};
+use crate::syntax::{Content, Node};
+use crate::{range::Range, suggest};
+use reflet_base::math::linear_from_srgb;
 
 /// A linear color, written as three linear numbers or as sRGB text `"#rrggbb"` or `"#rgb"`.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -19,7 +19,7 @@ use super::{
     syntax_errors::{self, Shadow},
     table::{Place, Table},
 };
-use crate::scene::{
+use crate::{
     dependencies::Dependencies,
     desc::{At, Entry, Include, ParamValue, SceneDesc, ScriptDesc, TimelineDesc},
     diagnostic::{Diagnostic, Source, Span},

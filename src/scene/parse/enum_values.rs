@@ -6,12 +6,12 @@ use super::{
     report::Report,
     value::{Named, Value, wrong_type},
 };
-use crate::scene::desc::{
+use crate::desc::{
     Accept, CurveKind, Ease, EnvironmentShadow, Method, PatternKind, Playback, Radiance,
     ReflectionMode, ShadowMode, ToneMap, Visibility,
 };
-use crate::scene::syntax::Node;
-use crate::scene::{range::Range, suggest};
+use crate::syntax::Node;
+use crate::{range::Range, suggest};
 
 /// Implements [`Value`] for an enum that is written as one of a fixed set of words.
 macro_rules! words {

@@ -6,8 +6,8 @@ use super::{
     report::Report,
     value::{Named, Value, wrong_type},
 };
-use crate::scene::syntax::{Content, Node};
-use crate::scene::{desc::Exposure, range::Range, suggest};
+use crate::syntax::{Content, Node};
+use crate::{desc::Exposure, range::Range, suggest};
 
 const AUTO: &str = "auto";
 

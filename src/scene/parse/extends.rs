@@ -3,8 +3,8 @@
 use std::collections::{HashMap, HashSet};
 
 use super::{overlay::exclude_each_other, report::Report};
-use crate::scene::suggest;
-use crate::scene::syntax::{Content, Entries, Node};
+use crate::suggest;
+use crate::syntax::{Content, Entries, Node};
 
 /// Largest number of materials that extend each other in a chain.
 const MOST: usize = 100;

@@ -7,8 +7,8 @@ use std::{
 };
 
 use super::{report::Report, table::Table};
-use crate::scene::syntax::{Entries, Node};
-use crate::scene::{
+use crate::syntax::{Entries, Node};
+use crate::{
     desc::{At, Entry, Parents, SceneDesc},
     range::ANY,
     suggest,

@@ -3,7 +3,7 @@
 use serde_json::Value as Json;
 
 use super::value::Value;
-use crate::scene::range::Range;
+use crate::range::Range;
 
 /// One allowed form of the value of a key.
 #[derive(Clone, Debug)]

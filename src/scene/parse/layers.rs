@@ -9,7 +9,7 @@ use super::{
     syntax_errors::{self, Shadow},
     value::{Named, Names, Value as _},
 };
-use crate::scene::{
+use crate::{
     confined_read::{self, Kind},
     dependencies::Dependencies,
     desc::{At, Include},

@@ -6,9 +6,9 @@ use std::{
 };
 
 use super::{extends, hierarchy, report::Report};
-use crate::scene::suggest;
-use crate::scene::syntax::Entries;
-use crate::scene::{
+use crate::suggest;
+use crate::syntax::Entries;
+use crate::{
     desc::{At, Entry, InstanceDesc, InstanceMaterialDesc, ModelDesc, ModelSource, SceneDesc},
     diagnostic::{Diagnostic, Span},
 };

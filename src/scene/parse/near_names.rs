@@ -4,8 +4,8 @@
 use std::{collections::HashSet, ops::Range};
 
 use super::report::Report;
-use crate::scene::syntax::{Content, Entries, Node};
-use crate::scene::{diagnostic::Diagnostic, suggest};
+use crate::syntax::{Content, Entries, Node};
+use crate::{diagnostic::Diagnostic, suggest};
 
 /// Kinds of entries whose names users choose.
 const KINDS: [&str; 6] = ["camera", "group", "instance", "light", "material", "model"];

@@ -2,8 +2,8 @@
 //! key, and every value keeps the place where it is written.
 
 use super::{report::Report, set};
-use crate::scene::suggest;
-use crate::scene::syntax::{Content, Entries, Key, Node};
+use crate::suggest;
+use crate::syntax::{Content, Entries, Key, Node};
 
 /// Groups of keys that exclude each other: a key of one group in the upper table removes the keys of the
 /// other groups from the lower table.

@@ -6,9 +6,9 @@ use super::{
     report::Report,
     value::{Named, Value as _, wrong_type},
 };
-use crate::scene::desc::{Entry, ParamValue};
-use crate::scene::syntax::{Content, Entries, Key, Node};
-use crate::scene::{range::ANY, suggest};
+use crate::desc::{Entry, ParamValue};
+use crate::syntax::{Content, Entries, Key, Node};
+use crate::{range::ANY, suggest};
 
 const EXPECTED: &str = "a number, text in quotes, true or false, or an array of numbers";
 

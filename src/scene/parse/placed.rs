@@ -22,7 +22,7 @@ use super::{
     report::Report,
     syntax_errors::{self, Shadow},
 };
-use crate::scene::{
+use crate::{
     desc::TimelineDesc,
     suggest,
     syntax::{Content, Entries, Node},

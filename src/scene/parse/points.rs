@@ -6,8 +6,8 @@ use super::{
     report::Report,
     value::{Named, Value, wrong_type},
 };
-use crate::scene::range::Range;
-use crate::scene::syntax::Node;
+use crate::range::Range;
+use crate::syntax::Node;
 
 /// Points of two numbers each, as many as there are.
 pub struct Points(pub Vec<[f32; 2]>);

@@ -20,11 +20,11 @@ use super::{
     table::{Either, Section, Table},
     value::{Names, Version},
 };
-use crate::scene::range::{
+use crate::range::{
     ABOVE_0, ANY, APERTURE_F, BOUNCES, DIFFUSE_BOUNCES, DISPERSION, FROM_0, INDEX, STEPS, UNIT,
     range,
 };
-use crate::scene::{desc::*, diagnostic::Diagnostic};
+use crate::{desc::*, diagnostic::Diagnostic};
 
 /// Largest number of lights of a scene.
 const MOST_LIGHTS: usize = 64;

@@ -6,7 +6,7 @@ use std::{
     sync::Arc,
 };
 
-use crate::scene::diagnostic::{Diagnostic, Severity, Source, Span};
+use crate::diagnostic::{Diagnostic, Severity, Source, Span};
 
 /// Largest number of errors kept per run; a file with more of them is most likely not a scene.
 const MOST: usize = 100;

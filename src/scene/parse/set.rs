@@ -4,7 +4,7 @@
 use std::{ops::Range, sync::Arc};
 
 use super::{params, report::Report, syntax_errors::in_plain_words};
-use crate::scene::{
+use crate::{
     diagnostic::Source,
     suggest,
     syntax::{Content, Entries, Key, Node, SyntaxTree, moved, parse_value},

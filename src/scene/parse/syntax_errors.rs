@@ -10,7 +10,7 @@ use std::{ops::Range, sync::Arc};
 
 use self::unclosed::Unclosed;
 use super::report::Report;
-use crate::scene::{
+use crate::{
     diagnostic::{Diagnostic, Source, Span},
     suggest,
     syntax::Entries,

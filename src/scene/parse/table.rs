@@ -11,9 +11,9 @@ use super::{
     report::Report,
     value::{Named, Value},
 };
-use crate::scene::diagnostic::Span;
-use crate::scene::syntax::{Entries, Key, Node};
-use crate::scene::{range::Range, suggest};
+use crate::diagnostic::Span;
+use crate::syntax::{Entries, Key, Node};
+use crate::{range::Range, suggest};
 
 pub use self::nested::Either;
 

@@ -5,9 +5,9 @@ use glam::Vec3;
 use serde_json::{Value as Json, json};
 
 use super::report::Report;
-use crate::scene::desc::At;
-use crate::scene::syntax::{Content, Node};
-use crate::scene::{
+use crate::desc::At;
+use crate::syntax::{Content, Node};
+use crate::{
     diagnostic::Diagnostic,
     range::{ANY, Range},
     suggest,

@@ -13,7 +13,7 @@ use rhai::Engine;
 
 pub use self::definitions::definitions;
 use super::limits::limits;
-use crate::scene::{
+use crate::{
     desc::{CAMERA, LIGHT, MATERIAL},
     number::Field,
 };

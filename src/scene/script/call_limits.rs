@@ -15,7 +15,8 @@ use std::{
 use rhai::{EvalAltResult, Position};
 
 use super::limits::{DEADLINE, LINES, MEMORY, OPERATIONS, PRINTED, STACK, TIME_IS, grouped};
-use crate::{processor_time, scene::diagnostic::printable_lines};
+use crate::diagnostic::printable_lines;
+use reflet_base::processor_time;
 
 /// Number of operations between two checks of the clock; a closure that is bound to itself can double in about
 /// as many.

@@ -14,7 +14,7 @@ use super::{
     setters::{material_values, refuse_lacking, values},
     value::{fail, number, rotation, scale, vector},
 };
-use crate::scene::{
+use crate::{
     desc::{CAMERA, Entry, LIGHT, LightKind, MATERIAL, ParamValue, TimelineDesc},
     motion::{FrameState, Kind, Names, wrong_with_camera, wrong_with_light},
     range::ANY,

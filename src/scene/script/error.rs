@@ -19,7 +19,7 @@ use super::{
     source_files::Sources,
     value::WrongKey,
 };
-use crate::scene::{
+use crate::{
     diagnostic::{Diagnostic, Span},
     suggest,
 };

@@ -5,7 +5,7 @@ use std::ops::{Range, RangeInclusive};
 use glam::{DMat4, DQuat, DVec3};
 use rhai::{Array, Dynamic, FnPtr, Map};
 
-use crate::scene::suggest;
+use crate::suggest;
 
 /// Maximum length of a thrown value in a message, characters.
 const MOST: usize = 500;

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::scene::diagnostic::Span;
+use crate::diagnostic::Span;
 
 /// Place of a key in a map that is an argument of a call; `call` is the span of the name that is called.
 pub fn key_of_call(call: &Span, key: &str) -> Option<Span> {

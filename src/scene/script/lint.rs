@@ -11,7 +11,7 @@ use super::{
     api,
     tokens::{Token, tokens},
 };
-use crate::scene::{
+use crate::{
     desc::{Entry, ParamValue},
     diagnostic::{Diagnostic, Source, Span},
     suggest,

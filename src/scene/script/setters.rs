@@ -5,7 +5,7 @@ use glam::{DVec3, Vec3};
 use rhai::{Dynamic, EvalAltResult, Map};
 
 use super::value::{WrongKey, fail, number, pair, vector};
-use crate::scene::{
+use crate::{
     desc::{MATERIAL, MaterialDesc},
     motion::Values,
     number::{Field, Form},

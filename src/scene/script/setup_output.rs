@@ -6,7 +6,7 @@ use glam::{DMat4, DQuat, DVec3};
 use rhai::{Array, Dynamic, Map};
 
 use super::{format_value::named, limits::NESTED};
-use crate::scene::{diagnostic::TABLES, suggest, toml_text::toml_text};
+use crate::{diagnostic::TABLES, suggest, toml_text::toml_text};
 
 /// Key of the only table that a scene has once.
 const ENVIRONMENT: &str = "environment";

@@ -14,7 +14,7 @@ use super::{
     nested_values::is_deeper,
     tokens::tokens,
 };
-use crate::scene::{
+use crate::{
     confined_read::{self, Found, Kind, Problem},
     dependencies::Dependencies,
     diagnostic::{Source, Span},

@@ -18,7 +18,7 @@ use super::{
     call_limits::{Bounds, run_limited},
     limits::{ARRAY, MAP},
 };
-use crate::scene::{
+use crate::{
     desc::SceneDesc,
     motion::{FrameState, Names},
     stages::{Animator, Scene},

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use super::{Content, Entries, Node};
-use crate::scene::toml_text::toml_text;
+use crate::toml_text::toml_text;
 
 /// Text with these entries: values first, then tables with headers.
 pub fn to_text(root: &Entries) -> String {

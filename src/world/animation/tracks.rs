@@ -38,7 +38,7 @@ pub enum Pointed {
 pub enum PointedValue {
     /// A property by its key in scene text.
     Field(&'static str),
-    /// The offset of the KHR_texture_transform of one of [`Material::slots`](crate::world::Material::slots).
+    /// The offset of the KHR_texture_transform of one of [`Material::slots`](crate::Material::slots).
     TextureOffset(usize),
     /// Rotation of that texture transform, radians.
     TextureRotation(usize),

@@ -3,10 +3,8 @@
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
-use crate::{
-    math::in_f64,
-    world::{Instance, World},
-};
+use crate::{Instance, World};
+use reflet_base::math::in_f64;
 
 /// Flag: hits are tested again after the traversal: those of cut-outs (`alpha_passes`) and transmissive materials.
 pub const ALPHA_TESTED: u32 = 1;

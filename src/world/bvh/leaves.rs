@@ -10,11 +10,9 @@ use super::{
     placement::error,
     tree::Tree,
 };
-use crate::{
-    math::{Bounds, in_f64},
-    scene::diagnostic::Diagnostic,
-    world::{Mesh, World, reach},
-};
+use crate::{Mesh, World, reach};
+use reflet_base::math::{Bounds, in_f64};
+use reflet_scene::diagnostic::Diagnostic;
 
 /// Corners of a triangle in the current pose of its mesh, object space.
 pub(super) fn corners(world: &World, mesh: usize, triangle: u32) -> [Vec3; 3] {

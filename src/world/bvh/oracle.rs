@@ -10,7 +10,8 @@ use super::{
     ALPHA_TESTED, DOUBLE_SIDED, FLIPPED, NONE, STATIC_ROOT, TOP_LEVEL, TOP_ROOT, TraceTriangle,
     Trees, gpu_layout::instance_flags, leaves::corners,
 };
-use crate::{math::in_f64, world::World};
+use crate::World;
+use reflet_base::math::in_f64;
 
 /// A ray; hits are at `origin + t * direction`.
 #[derive(Clone, Copy, Debug)]

@@ -1,10 +1,8 @@
 //! Assignment of instances to the static tree or the top level, within device limits.
 
 use super::TraceTriangle;
-use crate::{
-    scene::diagnostic::{Diagnostic, Severity, Span},
-    world::{Mesh, World},
-};
+use crate::{Mesh, World};
+use reflet_scene::diagnostic::{Diagnostic, Severity, Span};
 
 /// Extra triangles that copies of one static mesh may take before it is stored once instead.
 const MAX_COPIED_TRIANGLES: usize = 1 << 18;

@@ -12,7 +12,7 @@ use super::{
     leaves::bounding_box,
     tree::{self, Tree},
 };
-use crate::world::Mesh;
+use crate::Mesh;
 
 /// Ratio of the refitted tree's SAH cost to that of the tree at rest, each relative to its root's area, above which
 /// the tree is rebuilt.
@@ -23,7 +23,7 @@ const LARGEST_STACK: u32 = STACK_SIZE / 2;
 /// Tree of a mesh at rest, and the ranges of its poses in the buffers of all trees.
 #[derive(Clone, Debug)]
 pub(super) struct DeformingTree {
-    /// Index into [`World::meshes`](crate::world::World::meshes).
+    /// Index into [`World::meshes`](crate::World::meshes).
     pub mesh: usize,
     /// Range reserved in [`Trees::nodes`](super::Trees::nodes), with some nodes to spare for a rebuilt tree.
     pub nodes: Range<usize>,
@@ -163,7 +163,8 @@ fn quantize(node: &mut CwBvhNode, around: &Aabb, children: &[Option<Aabb>; 8]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{scene::desc::ShapeDesc, world::shape};
+    use crate::shape;
+    use reflet_scene::desc::ShapeDesc;
 
     fn sphere() -> Mesh {
         shape::mesh(&ShapeDesc::Sphere {

@@ -4,12 +4,9 @@
 use glam::{Affine3A, DVec3, Quat, Vec3};
 
 use super::*;
-use crate::{
-    math::Bounds,
-    memory::Budget,
-    scene::desc::ShapeDesc,
-    world::{Material, Mesh, shape},
-};
+use crate::{Material, Mesh, shape};
+use reflet_base::{math::Bounds, memory::Budget};
+use reflet_scene::desc::ShapeDesc;
 
 const LIMIT: u64 = 128 << 20;
 

@@ -20,7 +20,8 @@ use exr::{
 use half::f16;
 
 use super::pixels::{BROKEN_HELP, PanoramaLimits, Pixels, check_size, decoded_bytes, hold, zeros};
-use crate::{memory::Hold, world::gltf::Fault};
+use crate::gltf::Fault;
+use reflet_base::memory::Hold;
 
 /// Largest memory of a decompressor as a multiple of the samples of its block: DWA transforms 16-bit samples as
 /// numbers of 32 bits for each of three channels, and keeps them packed, in planes and in rows.

@@ -1,9 +1,7 @@
 //! A panorama while it is decoded: its pixels, the limits of its size, and the memory that is held for it.
 
-use crate::{
-    memory::{Budget, Hold},
-    world::gltf::Fault,
-};
+use crate::gltf::Fault;
+use reflet_base::memory::{Budget, Hold};
 
 /// Largest width and height of a panorama that is kept, pixels; larger ones are reduced.
 pub const LARGEST_KEPT: [u32; 2] = [4096, 2048];

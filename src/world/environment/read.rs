@@ -16,7 +16,8 @@ use super::{
         hold, zeros,
     },
 };
-use crate::{memory::Hold, world::gltf::Fault};
+use crate::gltf::Fault;
+use reflet_base::memory::Hold;
 
 /// Largest value of a texel, a 16-bit float.
 const LARGEST_TEXEL: f32 = 65504.0;

@@ -8,7 +8,8 @@ use exr::prelude::{
 };
 
 use super::{Panorama, PanoramaLimits, read};
-use crate::{memory::Budget, world::gltf::Fault};
+use crate::gltf::Fault;
+use reflet_base::memory::Budget;
 
 const SIZE: (usize, usize) = (64, 32);
 

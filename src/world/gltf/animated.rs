@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 
 use super::Clip;
-use crate::world::animation::Property;
+use crate::animation::Property;
 
 /// Nodes that the animations of a file move, whether or not these are played.
 #[derive(Default)]

@@ -20,7 +20,7 @@ use super::{
     schema::Root,
     uri::shorten,
 };
-use crate::world::animation::{Animation, Channel, Interpolation, Property, Sampler, WeightTrack};
+use crate::animation::{Animation, Channel, Interpolation, Property, Sampler, WeightTrack};
 
 /// A named animation; a broken one is an error only where it is played.
 #[derive(Clone, Debug)]

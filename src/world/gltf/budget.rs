@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::Fault;
-use crate::memory::{Budget, Hold};
+use reflet_base::memory::{Budget, Hold};
 
 /// Memory that geometry may still take.
 #[derive(Debug)]

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::{FORWARD, Fault, Notes, schema};
-use crate::scene::desc::CameraDesc;
+use reflet_scene::desc::CameraDesc;
 
 /// Near plane, meters, of orthographic cameras whose file says 0.
 const NEAREST_M: f32 = 1e-5;

@@ -10,7 +10,7 @@ use super::{
     json_memory::{Head, value_bytes},
     schema::Root,
 };
-use crate::memory::{Budget, Hold};
+use reflet_base::memory::{Budget, Hold};
 
 /// Part of a shared block of bytes; keeps the block alive.
 #[derive(Clone, Debug)]

@@ -15,7 +15,7 @@ use super::{
     label,
     schema::{Accessor, Buffer, BufferView, Primitive, Root},
 };
-use crate::memory::wave_length;
+use reflet_base::memory::wave_length;
 
 mod claim;
 

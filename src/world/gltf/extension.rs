@@ -3,7 +3,7 @@
 use std::{collections::BTreeSet, path::Path};
 
 use super::{Fault, schema::Root, uri::shorten};
-use crate::scene::diagnostic::{Diagnostic, Severity};
+use reflet_scene::diagnostic::{Diagnostic, Severity};
 
 /// Supported extensions, which files may list in `extensionsRequired`.
 pub const SUPPORTED: [&str; 23] = [

@@ -19,7 +19,7 @@ use super::{
     schema::{Primitive, Root},
     skin,
 };
-use crate::world::{
+use crate::{
     Mesh,
     deform::{DeformingNodes, Joint},
 };

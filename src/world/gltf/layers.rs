@@ -8,10 +8,8 @@ use super::{
     ranges::Ranges,
     schema::{MaterialExtensions, TextureInfo},
 };
-use crate::{
-    scene::range::DISPERSION,
-    world::{LAYER_SLOTS, LayerTexture, Material, TextureRef, normal_uv::NormalUv},
-};
+use crate::{LAYER_SLOTS, LayerTexture, Material, TextureRef, normal_uv::NormalUv};
+use reflet_scene::range::DISPERSION;
 
 /// Function that resolves a texture by its use in the file, whether it is a color, and its JSON keys (for
 /// messages).

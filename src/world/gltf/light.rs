@@ -3,10 +3,8 @@
 use glam::Vec3;
 
 use super::{FORWARD, Fault, schema, uri::shorten};
-use crate::{
-    scene::desc::{LightDesc, LightKind, ShadowMode},
-    world::Light,
-};
+use crate::Light;
+use reflet_scene::desc::{LightDesc, LightKind, ShadowMode};
 
 /// Width and height of a shadow map, pixels; scene text has the same default.
 const DEFAULT_SHADOW_PX: u32 = 1024;

@@ -15,7 +15,7 @@ use super::{
     texture_ref::{Slot, Textures},
     uri::{self, Sandbox},
 };
-use crate::world::Material;
+use crate::Material;
 
 /// Reads all materials into `model`, the default material last.
 pub fn read(

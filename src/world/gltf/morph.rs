@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::{Fault, accessor, primitive_context::Context};
-use crate::world::deform::MorphTarget;
+use crate::deform::MorphTarget;
 
 /// Attributes of morph targets that are read.
 pub const READ: [&str; 3] = ["POSITION", "NORMAL", "TANGENT"];

@@ -16,12 +16,10 @@ use super::{
     uri::shorten,
 };
 use crate::{
-    scene::desc::CameraDesc,
-    world::{
-        Light,
-        rig::{Rig, RigNode},
-    },
+    Light,
+    rig::{Rig, RigNode},
 };
+use reflet_scene::desc::CameraDesc;
 
 /// Maximum number of ancestors in the name of a placed object. A chain of nodes may be of any length, and the full
 /// names of all its nodes would not fit in memory.

@@ -14,7 +14,7 @@ use super::{
     schema::Primitive,
     skin, wire,
 };
-use crate::world::{
+use crate::{
     Mesh,
     deform::{Deformation, Vertices},
     reach::{MAX_REACH_M, TOO_FAR, too_far},

@@ -6,7 +6,8 @@ use std::sync::Arc;
 use glam::{DVec3, Vec2, Vec3, Vec4};
 
 use super::Notes;
-use crate::{math::Bounds, world::Mesh};
+use crate::Mesh;
+use reflet_base::math::Bounds;
 
 /// Repairs a mesh in place. A deformed mesh keeps triangles without area, which may have some in another pose.
 pub fn run(mesh: &mut Mesh, notes: &mut Notes) {

@@ -9,7 +9,7 @@ use super::{
     primitive_context::Context,
     schema::Root,
 };
-use crate::world::deform::{Influences, Joint};
+use crate::deform::{Influences, Joint};
 
 fn fault(text: impl Into<String>) -> Fault {
     Fault::new("gltf-skin", text)

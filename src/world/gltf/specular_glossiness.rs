@@ -10,7 +10,7 @@ use super::{
     schema::{SpecularGlossiness, TextureInfo},
     texture_ref::{Slot, Textures},
 };
-use crate::world::{Material, TextureRef};
+use crate::{Material, TextureRef};
 
 /// Maps that are converted together, and their factors.
 #[derive(Clone, Debug)]

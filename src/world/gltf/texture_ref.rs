@@ -11,7 +11,7 @@ use super::{
     schema::{self, Root, TextureInfo},
     uri::{self, Sandbox},
 };
-use crate::world::{TextureRef, Wrap};
+use crate::{TextureRef, Wrap};
 
 /// Collects the used images and their color spaces.
 pub struct Textures<'a> {

@@ -8,7 +8,7 @@ use super::{
     finite,
     schema::{Instancing, Node},
 };
-use crate::world::animation::Local;
+use crate::animation::Local;
 
 fn fault(text: impl Into<String>) -> Fault {
     Fault::new("gltf-node", text)

@@ -7,7 +7,7 @@ use std::{
 };
 
 use super::Fault;
-use crate::scene::dependencies::Dependencies;
+use reflet_scene::dependencies::Dependencies;
 
 /// The folders that files may be read from, canonical.
 #[derive(Clone, Debug, Default)]

@@ -4,7 +4,8 @@
 use glam::{Vec2, Vec3, Vec4};
 
 use super::{Fault, accessor::Data};
-use crate::{math::Bounds, world::Mesh};
+use crate::Mesh;
+use reflet_base::math::Bounds;
 
 /// Radius of a point, as a fraction of the diagonal of its primitive.
 const POINT_RADIUS: f32 = 1.0 / 300.0;

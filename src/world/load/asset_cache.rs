@@ -9,12 +9,10 @@ use super::{
     place::MeshKey,
     vertex_streams::{self, Needs},
 };
-use crate::{
-    scene::{
-        desc::{ModelSource, SceneDesc, ShapeDesc, StageDesc},
-        diagnostic::Diagnostic,
-    },
-    world::{Material, Mesh, Shared, World, environment::Panorama, gltf::Model, usd},
+use crate::{Material, Mesh, Shared, World, environment::Panorama, gltf::Model, usd};
+use reflet_scene::{
+    desc::{ModelSource, SceneDesc, ShapeDesc, StageDesc},
+    diagnostic::Diagnostic,
 };
 
 /// A model's name and source.

@@ -1,6 +1,6 @@
 //! Drops alpha blending from materials that are opaque everywhere: many files mark opaque materials as blended.
 
-use crate::world::{Instance, Mesh, Texture, World, pose::MaterialSource};
+use crate::{Instance, Mesh, Texture, World, pose::MaterialSource};
 
 /// Makes materials opaque that are blended although their alpha is 1 everywhere, so that they need no blending.
 /// `meshes` and `textures` are the world's.

@@ -2,13 +2,11 @@
 
 use glam::{Affine3A, Vec3};
 
-use crate::{
-    math::Bounds,
-    scene::{
-        desc::{CameraDesc, Entry, SceneDesc},
-        diagnostic::{Diagnostic, Span},
-    },
-    world::{Mesh, Posed, World},
+use crate::{Mesh, Posed, World};
+use reflet_base::math::Bounds;
+use reflet_scene::{
+    desc::{CameraDesc, Entry, SceneDesc},
+    diagnostic::{Diagnostic, Span},
 };
 
 /// Fraction of the picture's width or height that the scene fills.

@@ -1,10 +1,8 @@
 //! Checks names in the scene text that refer to contents of files.
 
 use super::{Loader, Source, did_you_mean, error_at, list};
-use crate::{
-    scene::desc::{AnimationDesc, ModelDesc},
-    world::{Material, gltf::Model},
-};
+use crate::{Material, gltf::Model};
+use reflet_scene::desc::{AnimationDesc, ModelDesc};
 
 impl Loader<'_> {
     /// Reports unresolved names.

@@ -5,12 +5,10 @@ use std::collections::BTreeSet;
 use glam::Vec3;
 
 use super::error_at;
-use crate::{
-    scene::{
-        desc::SceneDesc,
-        diagnostic::{Diagnostic, Severity, Span},
-    },
-    world::{Mesh, World, emitters::MAX_EMITTERS},
+use crate::{Mesh, World, emitters::MAX_EMITTERS};
+use reflet_scene::{
+    desc::SceneDesc,
+    diagnostic::{Diagnostic, Severity, Span},
 };
 
 /// Refuses materials with `light = true` that emit nothing, by name; mesh lights of files that emit nothing are

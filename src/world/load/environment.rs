@@ -4,12 +4,10 @@ use std::{path::Path, sync::Arc};
 
 use super::Loader;
 use crate::{
-    scene::diagnostic::{Diagnostic, Severity},
-    world::{
-        Environment,
-        environment::{LARGEST_KEPT, Panorama, PanoramaLimits, read},
-    },
+    Environment,
+    environment::{LARGEST_KEPT, Panorama, PanoramaLimits, read},
 };
+use reflet_scene::diagnostic::{Diagnostic, Severity};
 
 impl Loader<'_> {
     /// Reads the panorama that the scene names, if any.

@@ -9,16 +9,14 @@ use super::{
     model_instance::{ModelInstance, Place},
 };
 use crate::{
-    scene::{
-        desc::{CameraDesc, Entry, LightDesc, ModelDesc, SceneDesc},
-        motion::{placed_camera, placed_light},
-    },
-    world::{
-        Light, MAX_LIGHTS, World,
-        animation::Pointed,
-        gltf::Model,
-        pose::{Anchor, Moved},
-    },
+    Light, MAX_LIGHTS, World,
+    animation::Pointed,
+    gltf::Model,
+    pose::{Anchor, Moved},
+};
+use reflet_scene::{
+    desc::{CameraDesc, Entry, LightDesc, ModelDesc, SceneDesc},
+    motion::{placed_camera, placed_light},
 };
 
 /// Lights and cameras found so far.

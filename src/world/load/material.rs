@@ -8,12 +8,10 @@ use std::{
 use glam::Vec3;
 
 use super::{Loader, error_at, foreign_formats};
-use crate::{
-    scene::{
-        desc::{At, MaterialDesc},
-        diagnostic::Diagnostic,
-    },
-    world::{Material, TextureRef, World, Wrap, gltf::ImageSource, texture::TextureRequest},
+use crate::{Material, TextureRef, World, Wrap, gltf::ImageSource, texture::TextureRequest};
+use reflet_scene::{
+    desc::{At, MaterialDesc},
+    diagnostic::Diagnostic,
 };
 
 /// Image key: a file by its canonical path, or an image inside a loaded file.

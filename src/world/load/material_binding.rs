@@ -5,15 +5,13 @@ use super::{
     place::{Job, MaterialKey},
 };
 use crate::{
-    scene::{
-        desc::{At, InstanceMaterialDesc, MaterialDesc, ModelDesc},
-        motion::file_materials,
-    },
-    world::{
-        Material,
-        animation::Pointed,
-        pose::{MaterialSource, MovingMaterial},
-    },
+    Material,
+    animation::Pointed,
+    pose::{MaterialSource, MovingMaterial},
+};
+use reflet_scene::{
+    desc::{At, InstanceMaterialDesc, MaterialDesc, ModelDesc},
+    motion::file_materials,
 };
 
 impl Loader<'_> {

@@ -3,10 +3,8 @@
 use glam::Affine3A;
 
 use super::repeat::Copy;
-use crate::{
-    scene::desc::ShownDesc,
-    world::{World, animation::Pointed, gltf::Attached, pose::Anchor},
-};
+use crate::{World, animation::Pointed, gltf::Attached, pose::Anchor};
+use reflet_scene::desc::ShownDesc;
 
 /// A model copy being placed.
 pub struct ModelInstance<'a> {

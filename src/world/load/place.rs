@@ -11,21 +11,19 @@ use super::{
     repeat::{InstancePlacement, copies},
 };
 use crate::{
-    math::invertible,
-    scene::{
-        desc::{AnimationDesc, Entry, InstanceDesc, ModelDesc, SceneDesc, ShownDesc},
-        diagnostic::{Diagnostic, Severity, Span},
-        motion::{changing_overrides, moving},
-    },
-    world::{
-        Instance, ListedVariants,
-        animation::Listed,
-        deform::Deformer,
-        gltf::Placement,
-        pose::MovingInstance,
-        reach::{TOO_FAR, TOO_FAR_HELP, is_within_reach, too_far},
-        rig::Player,
-    },
+    Instance, ListedVariants,
+    animation::Listed,
+    deform::Deformer,
+    gltf::Placement,
+    pose::MovingInstance,
+    reach::{TOO_FAR, TOO_FAR_HELP, is_within_reach, too_far},
+    rig::Player,
+};
+use reflet_base::math::invertible;
+use reflet_scene::{
+    desc::{AnimationDesc, Entry, InstanceDesc, ModelDesc, SceneDesc, ShownDesc},
+    diagnostic::{Diagnostic, Severity, Span},
+    motion::{changing_overrides, moving},
 };
 
 /// Indices of a loaded file, of one of its meshes, and of the player that deforms it.

@@ -5,14 +5,12 @@ use std::{path::Path, sync::Arc};
 use glam::{Affine3A, DQuat, DVec4, Quat, Vec3};
 
 use super::{Loader, error_at};
-use crate::{
-    scene::{
-        desc::At,
-        diagnostic::{Diagnostic, Severity, Source, Span},
-        motion::turned,
-        range::ANY,
-    },
-    world::gltf::{Fault, uri::shorten},
+use crate::gltf::{Fault, uri::shorten};
+use reflet_scene::{
+    desc::At,
+    diagnostic::{Diagnostic, Severity, Source, Span},
+    motion::turned,
+    range::ANY,
 };
 
 /// Maximum number of rows of a file.

@@ -6,10 +6,8 @@ use std::{
 };
 
 use super::read_models::read_guarded;
-use crate::{
-    memory::Budget,
-    world::gltf::{Model, Playable, ReadOptions, Sandbox},
-};
+use crate::gltf::{Model, Playable, ReadOptions, Sandbox};
+use reflet_base::memory::Budget;
 
 /// A model with its canonical path and the budget that it was read with.
 type Preloaded = (PathBuf, Model, Budget);

@@ -7,19 +7,17 @@ use std::{
 
 use super::{Loader, Source, error_at, foreign_formats, scripted::posed};
 use crate::{
-    scene::{
-        desc::{Entry, ModelDesc, ModelSource, ShapeDesc, is_stage},
-        diagnostic::{Diagnostic, Span},
+    Mesh,
+    gltf::{self, Fault, Model, Sandbox},
+    shape::{
+        self,
+        heightfield::{self, Heights},
     },
-    world::{
-        Mesh,
-        gltf::{self, Fault, Model, Sandbox},
-        shape::{
-            self,
-            heightfield::{self, Heights},
-        },
-        usd,
-    },
+    usd,
+};
+use reflet_scene::{
+    desc::{Entry, ModelDesc, ModelSource, ShapeDesc, is_stage},
+    diagnostic::{Diagnostic, Span},
 };
 
 /// Key of a file that is read once: its path, and the chosen parts of a USD stage.

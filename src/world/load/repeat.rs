@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::{Affine3A, Vec3};
 
-use crate::scene::desc::InstanceDesc;
+use reflet_scene::desc::InstanceDesc;
 
 /// One copy of a placed model.
 pub struct Copy {

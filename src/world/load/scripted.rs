@@ -1,12 +1,10 @@
 //! Nodes and morph targets that scripts pose: resolves the names that the scene lists in the files of instances.
 
 use super::{Loader, Source, did_you_mean, error_at, list};
-use crate::{
-    scene::{
-        desc::{At, InstanceDesc, SceneDesc},
-        diagnostic::Diagnostic,
-    },
-    world::{gltf::Posed, rig::Scripted},
+use crate::{gltf::Posed, rig::Scripted};
+use reflet_scene::{
+    desc::{At, InstanceDesc, SceneDesc},
+    diagnostic::Diagnostic,
 };
 
 /// Nodes and morph targets that scripts pose in any file: the names of all instances.

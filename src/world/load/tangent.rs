@@ -3,7 +3,7 @@
 use bevy_mikktspace::{Geometry, TangentSpace, generate_tangents};
 use glam::{Mat2, Vec2, Vec4};
 
-use crate::world::{Mesh, gltf::repair::gather_vertices, normal_uv::NormalUv};
+use crate::{Mesh, gltf::repair::gather_vertices, normal_uv::NormalUv};
 
 struct Corners<'a> {
     mesh: &'a Mesh,

@@ -10,10 +10,8 @@ use glam::Vec2;
 use rayon::prelude::*;
 
 use super::tangent;
-use crate::{
-    scene::diagnostic::{Diagnostic, Severity, Span},
-    world::{LayerTexture, Mesh, World, normal_uv::NormalUv},
-};
+use crate::{LayerTexture, Mesh, World, normal_uv::NormalUv};
+use reflet_scene::diagnostic::{Diagnostic, Severity, Span};
 
 /// Streams that a mesh needs for its materials.
 #[derive(Clone, Copy, Debug, Default)]

@@ -6,12 +6,10 @@ use glam::{Vec2, Vec3};
 use image::ImageReader;
 
 use crate::{
-    math::Bounds,
-    world::{
-        Mesh,
-        texture::{Watched, largest_frame_bytes},
-    },
+    Mesh,
+    texture::{Watched, largest_frame_bytes},
 };
+use reflet_base::math::Bounds;
 
 /// Maximum width and height of the image, pixels.
 pub const MOST_PX: u32 = 2048;

@@ -3,7 +3,7 @@
 use glam::{Vec2, Vec3};
 
 use super::radial;
-use crate::world::Mesh;
+use crate::Mesh;
 
 /// Cosine of the bend between two pieces, 40°, from which on their normals are not smoothed.
 const EDGE: f32 = 0.766;

@@ -16,7 +16,7 @@ use super::{
     ktx2::Ktx2,
     webp::{self, Watched},
 };
-use crate::world::gltf::Fault;
+use crate::gltf::Fault;
 
 /// Smallest and largest limit of the memory for the text and color profiles of a PNG file, bytes.
 const PNG_METADATA_BYTES: [u64; 2] = [16 << 20, 64 << 20];

@@ -3,10 +3,8 @@
 use std::{fs::File, io::Read as _};
 
 use super::{TextureLimits, fault};
-use crate::{
-    memory::Hold,
-    world::gltf::{Bytes, Fault, ImageSource},
-};
+use crate::gltf::{Bytes, Fault, ImageSource};
+use reflet_base::memory::Hold;
 
 /// A supported format.
 #[derive(Clone, Copy)]

@@ -8,7 +8,7 @@ use zune_jpeg::{
 };
 
 use super::fault;
-use crate::world::gltf::Fault;
+use crate::gltf::Fault;
 
 /// Largest number of pixels for each byte of a file: a block of 64 takes at least a bit in the first scan of its
 /// component, and the largest sampling of either axis is 4. Files that are cut off before

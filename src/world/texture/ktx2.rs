@@ -4,7 +4,7 @@ use basisu::{DecodeFlags, SourceFormat, Supercompression, TargetFormat, Transcod
 use image::RgbaImage;
 
 use super::fault;
-use crate::world::gltf::Fault;
+use crate::gltf::Fault;
 
 /// Offset of the first level's entry: byte offset, length and inflated length (KTX 2.0 §3, "Level Index").
 const FIRST_LEVEL: usize = 80;

@@ -3,10 +3,8 @@
 use glam::Vec3;
 use image::{Rgba, RgbaImage};
 
-use crate::{
-    math::{linear_from_srgb, srgb_from_linear},
-    world::gltf::{Factors, Part, SpecularGlossinessMaps},
-};
+use crate::gltf::{Factors, Part, SpecularGlossinessMaps};
+use reflet_base::math::{linear_from_srgb, srgb_from_linear};
 
 /// The map of `maps.part`, as large as the larger of its sources along each axis.
 pub fn convert(

@@ -2,7 +2,7 @@
 
 use std::io::{self, BufRead, Cursor, Read, Seek, SeekFrom};
 
-use crate::memory;
+use reflet_base::memory;
 
 /// Most bytes of intermediate planes for each pixel of the picture: RGB before it becomes RGBA, the frame of an
 /// animation and its canvas, lossless alpha, and the small images of lossless transforms.

@@ -1,6 +1,6 @@
 //! Rewrites the converter's options in its messages to those of Reflet.
 
-use crate::scene::toml_text::toml_text;
+use reflet_scene::toml_text::toml_text;
 
 /// A message of the converter with its options replaced by those of Reflet, for the model `name`: `--subdiv 2`
 /// becomes `--set model.NAME.usd.subdiv=2`.

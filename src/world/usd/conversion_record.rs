@@ -9,7 +9,7 @@ use std::{
 
 use serde::{Deserialize, Serialize};
 
-use crate::files::{content_hash, written_since};
+use reflet_base::files::{content_hash, written_since};
 
 /// Sidecar of the converter's output.
 #[derive(Deserialize)]

@@ -10,7 +10,8 @@ use std::{
 };
 
 use super::{TOOL_ENV, advice::in_reflet};
-use crate::{scene::diagnostic::printable_lines, world::gltf::Fault};
+use crate::gltf::Fault;
+use reflet_scene::diagnostic::printable_lines;
 
 /// Prefix of the converter's progress lines.
 const PROGRESS: &str = "converting: ";

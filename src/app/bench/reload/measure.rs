@@ -9,14 +9,13 @@ use serde::Serialize;
 
 use super::copy::Edit;
 use crate::{
-    app::{
-        bench::progress::Progress,
-        error::AppError,
-        live::Live,
-        watch::{WatchEvent, Watcher},
-    },
+    app::{bench::progress::Progress, error::AppError},
     bench::run::Observer as _,
     world::World,
+};
+use reflet_preview::{
+    live::Live,
+    watch::{WatchEvent, Watcher},
 };
 
 /// Longest wait for a save to be noticed; after it the save counts as missed.

@@ -1,6 +1,6 @@
 //! Marks on a chart beside its curves: dots with hover text, labels, the legend.
 
-use crate::bench::{
+use crate::{
     parameter::{Parameter, SERIES},
     summary::series,
 };
@@ -9,7 +9,7 @@ use std::fmt::Write as _;
 use plotters::style::RGBColor;
 
 use super::{Dot, Failure, SIZE, color, escape};
-use crate::bench::summary::{Group, Metric, digits};
+use crate::summary::{Group, Metric, digits};
 
 /// One end of a bar of percentiles.
 #[derive(Clone, Copy, Debug)]

@@ -1,7 +1,7 @@
 //! Verdict on the methods: the fastest one, and at equal time and equal error. Undecided times are not ranked.
 
 use super::{fewest_frames, of_method, pick};
-use crate::bench::{
+use crate::{
     pareto::{Spot, best_within, cheapest_within, pareto_front},
     summary::{
         Point, digits,

@@ -3,8 +3,8 @@
 mod zero_scale;
 
 use super::Names;
-use crate::scene::syntax::Entries;
-use crate::scene::{
+use crate::syntax::Entries;
+use crate::{
     desc::{
         At, CAMERA, Entry, InstanceDesc, InstanceMaterialDesc, InstanceMotionDesc, LIGHT,
         LightMotionDesc, MATERIAL, MaterialDesc, MaterialMotionDesc, ModelMotionDesc, ModelSource,

@@ -7,7 +7,7 @@ use std::{
 };
 
 use super::placed_by;
-use crate::scene::{
+use crate::{
     confined_read::{self, Kind},
     dependencies::Dependencies,
     desc::{At, Include},

@@ -1,7 +1,7 @@
 //! Groups that stand for placed scenes, and names of placed scenes in messages.
 
 use super::{Placed, run::RanScript};
-use crate::scene::{
+use crate::{
     desc::{Entry, ParamValue},
     diagnostic::{Diagnostic, Span},
     parse::report::Report,

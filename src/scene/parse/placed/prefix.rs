@@ -3,12 +3,12 @@
 use std::{collections::HashSet, ops::Range};
 
 use super::{Placed, PlacedFile};
-use crate::scene::parse::{
+use crate::parse::{
     report::Report,
     value::{Named, Value as _, Version},
 };
-use crate::scene::range::ANY;
-use crate::scene::syntax::{Content, Entries, Key, Node};
+use crate::range::ANY;
+use crate::syntax::{Content, Entries, Key, Node};
 
 /// Tables whose entries have names.
 const NAMED: [&str; 5] = ["camera", "group", "light", "material", "model"];

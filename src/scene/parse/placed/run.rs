@@ -2,7 +2,7 @@
 
 use std::{collections::BTreeMap, path::PathBuf, sync::Arc};
 
-use crate::scene::{
+use crate::{
     desc::{At, Entry, ParamValue, TimelineDesc},
     diagnostic::{Diagnostic, Source, Span},
 };

@@ -6,7 +6,7 @@ use super::{
     collect::PlacedFile,
     run::{RanScript, ScriptInput},
 };
-use crate::scene::{
+use crate::{
     desc::{At, Entry, ParamValue},
     parse::{additions, params},
     syntax::{Content, Entries, Node},

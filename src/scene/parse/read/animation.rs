@@ -1,7 +1,7 @@
 //! Reader of the animation that a model or an instance plays.
 
-use crate::scene::range::ANY;
-use crate::scene::{
+use crate::range::ANY;
+use crate::{
     desc::{AnimationDesc, Playback},
     parse::{
         table::{Either, Section, Table},

@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 
-use crate::scene::range::{ANY, FROM_0};
-use crate::scene::{
+use crate::range::{ANY, FROM_0};
+use crate::{
     desc::{EnvironmentDesc, EnvironmentShadow},
     parse::{
         color::Color,

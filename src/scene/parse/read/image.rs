@@ -1,6 +1,6 @@
 //! Reader of `[image]`.
 
-use crate::scene::{
+use crate::{
     desc::ImageDesc,
     parse::table::{Section, Table},
     range::{ANY, UNIT, range},

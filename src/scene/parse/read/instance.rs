@@ -3,8 +3,8 @@
 use glam::{DMat4, DQuat, DVec4, Mat4, Quat, Vec3};
 
 use super::animation::animation;
-use crate::scene::range::{ANY, range};
-use crate::scene::{
+use crate::range::{ANY, range};
+use crate::{
     desc::{
         At, GroupDesc, InstanceDesc, InstanceMaterialDesc, PlacementDesc, RepeatDesc, ShownDesc,
     },

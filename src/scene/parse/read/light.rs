@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 
-use crate::scene::range::{ABOVE_0, ANY, FROM_0, range};
-use crate::scene::{
+use crate::range::{ABOVE_0, ANY, FROM_0, range};
+use crate::{
     desc::{LightDesc, LightKind, ShadowMode},
     parse::{
         color::Color,

@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 
-use crate::scene::range::ANY;
-use crate::scene::{
+use crate::range::ANY;
+use crate::{
     desc::*,
     parse::{
         table::{Section, Table},

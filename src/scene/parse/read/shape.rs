@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 
-use crate::scene::syntax::Node;
-use crate::scene::{
+use crate::syntax::Node;
+use crate::{
     desc::ShapeDesc,
     parse::{
         points::Points,

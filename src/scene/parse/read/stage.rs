@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::scene::{
+use crate::{
     desc::{At, StageDesc, is_stage},
     diagnostic::Diagnostic,
     parse::{

@@ -1,6 +1,6 @@
 //! Reader of the timeline and its cuts.
 
-use crate::scene::{
+use crate::{
     desc::{CutDesc, TimelineDesc},
     diagnostic::Diagnostic,
     parse::table::{Section, Table},

@@ -2,9 +2,9 @@
 
 use glam::Vec3;
 
-use crate::scene::range::{ABOVE_0, ANY, Range};
-use crate::scene::syntax::{Content, Node};
-use crate::scene::{
+use crate::range::{ABOVE_0, ANY, Range};
+use crate::syntax::{Content, Node};
+use crate::{
     desc::*,
     diagnostic::{Diagnostic, Span},
     number::{Field, Form, Lanes},

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::scene::suggest;
+use crate::suggest;
 
 /// A message and advice on what to do.
 type Words = (String, Option<String>);

@@ -3,8 +3,8 @@
 use serde_json::json;
 
 use super::{Place, Section, Table};
-use crate::scene::syntax::{Content, Node};
-use crate::scene::{
+use crate::syntax::{Content, Node};
+use crate::{
     desc::{At, Entry, ParamValue},
     parse::{
         key_recorder::{Form, KeyRecord},

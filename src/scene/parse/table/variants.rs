@@ -1,13 +1,13 @@
 //! Tables with a `kind` that decides about their other keys.
 
 use super::{Place, Table};
-use crate::scene::parse::{
+use crate::parse::{
     enum_values::{one_of, word},
     key_recorder::RecordedKeys,
     report::Report,
 };
-use crate::scene::suggest;
-use crate::scene::syntax::Entries;
+use crate::suggest;
+use crate::syntax::Entries;
 
 /// Reader of one variant of a table with a `kind`.
 pub type Variant<T> = (&'static str, fn(&mut Table) -> Option<T>);

@@ -5,7 +5,7 @@ use std::ops::{Range, RangeInclusive};
 use glam::{DMat4, DQuat, DVec3};
 use rhai::Engine;
 
-use crate::scene::script::{
+use crate::script::{
     context::Context,
     format_value::{mat4, quat, vec3},
     value::WrongKey,

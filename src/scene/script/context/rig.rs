@@ -6,7 +6,7 @@ use super::{
     super::value::{WrongKey, fail, number, rotation, scale, vector},
     Context, Result, within,
 };
-use crate::scene::{
+use crate::{
     motion::{JointPose, Names},
     suggest,
 };

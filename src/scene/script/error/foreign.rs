@@ -1,6 +1,6 @@
 //! Syntax of other languages, and its counterpart in Rhai.
 
-use crate::scene::{diagnostic::Span, suggest};
+use crate::{diagnostic::Span, suggest};
 
 /// Words of other languages that Rhai does not have, or has for something else, and what to write.
 const WORDS: &[(&[&str], &str)] = &[

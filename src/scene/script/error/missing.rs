@@ -4,7 +4,7 @@ use super::{
     super::{api, format_value::type_named},
     Known,
 };
-use crate::scene::suggest;
+use crate::suggest;
 
 /// Name of the diagnostic, message, and advice.
 type Explained = (&'static str, String, Option<String>);

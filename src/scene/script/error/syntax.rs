@@ -3,7 +3,7 @@
 use rhai::{LexError, ParseErrorType, Position};
 
 use super::{foreign, lower_first, unclosed};
-use crate::scene::{
+use crate::{
     diagnostic::{Diagnostic, Span},
     script::source_files::Sources,
     suggest,

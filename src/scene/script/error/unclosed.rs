@@ -3,7 +3,7 @@
 
 use rhai::ParseErrorType;
 
-use crate::scene::script::tokens::{Token, tokens};
+use crate::script::tokens::{Token, tokens};
 
 /// A `{` without its `}`.
 #[derive(Debug, PartialEq, Eq)]

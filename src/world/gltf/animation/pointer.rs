@@ -5,10 +5,13 @@ use std::{collections::HashSet, f64::consts::PI};
 use glam::DVec4;
 
 use super::{Fault, Reader, fault, finite, interpolation};
-use crate::world::{
+use crate::{
     TEXTURE_SLOTS,
     animation::{Interpolation, Pointed, PointedValue, PointerTrack, Property, Sampler},
-    gltf::{accessor, layers, schema, schema::Root},
+    gltf::{
+        accessor, layers,
+        schema::{self, Root},
+    },
 };
 
 /// Animatable values of materials: JSON pointer, key of scene text, number of components.
@@ -106,7 +109,7 @@ const ANISOTROPY_ROTATION: &str = "anisotropy_rotation_deg";
 const EMISSION: &str = "emission";
 const EMISSION_STRENGTH: &str = "emission_strength";
 
-/// JSON pointers of textures in the order of [`crate::world::Material::slots`].
+/// JSON pointers of textures in the order of [`crate::Material::slots`].
 const TEXTURES: [&str; TEXTURE_SLOTS] = [
     "pbrMetallicRoughness/baseColorTexture",
     "pbrMetallicRoughness/metallicRoughnessTexture",

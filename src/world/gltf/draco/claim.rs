@@ -3,7 +3,7 @@
 use draco_core::DecodeLimits;
 
 use super::{super::accessor::shape, fault};
-use crate::world::gltf::{
+use crate::gltf::{
     Fault,
     schema::{Primitive, Root},
 };

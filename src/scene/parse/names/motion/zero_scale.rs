@@ -1,7 +1,7 @@
 //! Rejects scale tracks that pass through 0: the model would turn inside out between two frames, and
 //! vanish in a frame at 0.
 
-use crate::scene::{
+use crate::{
     desc::{CurveKind, Entry, InstanceMotionDesc, KeyDesc, PlacementDesc, TimelineDesc, TrackDesc},
     diagnostic::Diagnostic,
     motion::track::Track,

@@ -1,0 +1,51 @@
+//! `preview`: the arguments of the window.
+
+use std::{env, path::PathBuf, sync::Arc};
+
+use super::{args::PreviewArgs, error::AppError, plan_file::costs};
+use crate::{
+    gpu::{Gpu, GpuOptions},
+    runtime::SceneSource,
+    scene::desc::Method,
+};
+use reflet_preview::window::{WindowError, WindowOptions, check_display, show};
+
+/// Opens the window and returns when it is closed.
+///
+/// # Errors
+/// A missing scene, a camera that the scene does not have, no usable GPU, or no display.
+pub fn preview(args: &PreviewArgs) -> Result<(), AppError> {
+    let screenshots = match &args.screenshots {
+        Some(folder) if folder.is_dir() => folder.clone(),
+        Some(folder) => {
+            let text = format!(
+                "--screenshots {}: the folder does not exist",
+                folder.display()
+            );
+            return Err(AppError::Usage(text));
+        }
+        None => env::current_dir().unwrap_or_else(|_| PathBuf::from(".")),
+    };
+    let refused = |error| match error {
+        WindowError::Session(error) => AppError::from_session(error, args.shaders.is_some()),
+        WindowError::Display(text) => AppError::Internal(text),
+    };
+    check_display().map_err(refused)?;
+    let gpu = Arc::new(Gpu::new(&GpuOptions {
+        adapter_filter: args.adapter.clone(),
+    })?);
+    let plan = args.plan.as_deref();
+    let options = WindowOptions {
+        source: SceneSource {
+            path: args.scene.clone(),
+            options: args.from.options(),
+            shaders: args.shaders.clone(),
+        },
+        camera: args.camera.clone(),
+        method: args.method.map(Method::from),
+        costs: plan.map(|path| costs(path, &gpu)).transpose()?,
+        size: args.size.unwrap_or([1280, 800]),
+        screenshots,
+    };
+    show(gpu, &options).map_err(refused)
+}

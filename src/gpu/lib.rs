@@ -1,0 +1,27 @@
+//! GPU layer over wgpu: device, shaders, bindings by name, timestamps, readback. Independent of
+//! scenes.
+//!
+//! This crate owns the device ([`Gpu`]), the built-in shaders and their imports ([`ShaderLibrary`]; `build.rs` embeds
+//! the folder `shaders`), caches of compiled pipelines, and the check of a shader's bindings before a driver sees it.
+
+pub mod bind;
+pub mod compile_stats;
+pub mod context;
+pub mod error;
+mod naga_errors;
+mod naga_types;
+pub mod pipeline;
+pub mod readback;
+pub mod reflect;
+pub mod shader;
+mod shader_cache;
+mod specialize;
+pub mod timer;
+
+pub use bind::{GroupLayout, Named};
+pub use context::{Gpu, GpuOptions};
+pub use error::GpuError;
+pub use reflect::{ShaderModuleInfo, check};
+pub use shader::{ShaderError, ShaderLibrary, ShaderSource};
+pub use shader_cache::{Checks, Shader};
+pub use timer::Timer;

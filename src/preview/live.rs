@@ -1,0 +1,295 @@
+//! A scene that follows its files: changed files are read and built beside what is shown and replace it
+//! in one step; after an error the last good scene stays.
+
+use std::{
+    collections::BTreeSet,
+    path::PathBuf,
+    sync::Arc,
+    time::{Duration, SystemTime},
+};
+
+use super::{
+    watch::{Change, WatchList},
+    write_back::History,
+};
+use reflet_gpu::ShaderError;
+use reflet_render::{
+    RebuildSummary, RenderError, Renderer,
+    runtime::{
+        Session, SessionError,
+        model_viewer_scene::is_model,
+        parameters::{DeclaredParameters, ParameterOverrides},
+    },
+    stats::FrameStats,
+};
+use reflet_scene::{
+    dependencies::Dependencies,
+    desc::{CameraDesc, SceneDesc, TimelineDesc},
+    diagnostic::Diagnostic,
+    stages::Scene,
+};
+use reflet_world::World;
+
+mod open;
+mod pending;
+mod pose;
+mod reload;
+mod reload_job;
+mod write_back;
+
+use pending::Pending;
+pub use pending::{ReadRequest, Refusal, Reuse};
+pub use pose::Edit;
+pub use reflet_render::runtime::{InitialBuild, SceneSource, ViewOverrides};
+pub use reload_job::{FinishedJob, ReloadJob};
+
+/// Errors that keep changes from being shown; the last good scene stays meanwhile.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Problems {
+    /// Errors in the scene's text, script or files on disk.
+    pub scene: Vec<Diagnostic>,
+    /// Errors in the requested frame; other frames may be valid.
+    pub pose: Vec<Diagnostic>,
+    /// Shader error.
+    pub shader: Option<ShaderError>,
+    /// Error of the last device operation, such as a picture past its limits.
+    pub refused: Option<String>,
+}
+
+impl Problems {
+    /// Whether the newest content on disk is shown.
+    pub fn is_empty(&self) -> bool {
+        self.scene.is_empty()
+            && self.pose.is_empty()
+            && self.shader.is_none()
+            && self.refused.is_none()
+    }
+}
+
+/// Work done for a set of changes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Reload {
+    /// Whether all changes are shown.
+    pub ok: bool,
+    /// Whether models, images and other files were read.
+    pub files: bool,
+    /// Number of shader modules created.
+    pub shaders: u32,
+    /// Number of pipelines created.
+    pub pipelines: u32,
+    /// Renderer parts that were rebuilt.
+    pub rebuilt: RebuildSummary,
+    /// Total time until the next frame can be rendered.
+    pub took: Duration,
+    /// Part of `took` for reading texts, running scripts and posing the frame.
+    pub parse: Duration,
+    /// Part of `took` for pipeline compilation by the driver.
+    pub driver: Duration,
+}
+
+impl Reload {
+    /// No work, and nothing that is not shown.
+    pub const NONE: Self = Self {
+        ok: true,
+        files: false,
+        shaders: 0,
+        pipelines: 0,
+        rebuilt: RebuildSummary::NONE,
+        took: Duration::ZERO,
+        parse: Duration::ZERO,
+        driver: Duration::ZERO,
+    };
+
+    /// Sum of two consecutive reloads.
+    pub fn and(self, next: Self) -> Self {
+        Self {
+            ok: self.ok && next.ok,
+            files: self.files || next.files,
+            shaders: self.shaders + next.shaders,
+            pipelines: self.pipelines + next.pipelines,
+            rebuilt: self.rebuilt.merged(next.rebuilt),
+            took: self.took + next.took,
+            parse: self.parse + next.parse,
+            driver: self.driver + next.driver,
+        }
+    }
+}
+
+/// A session that follows its files, with edits that are not in them and the errors that they have.
+#[derive(Debug)]
+pub struct Live {
+    session: Session,
+    /// Changes that are asked for and not shown yet.
+    pending: Pending,
+    /// Scripts and included files, existing or not.
+    texts: Dependencies,
+    /// Scripts and included files of a scene that is being read.
+    pending_texts: Dependencies,
+    read_since: SystemTime,
+    edits: Vec<Edit>,
+    history: History,
+    /// The scene on disk while another one is shown by a drag.
+    undragged: Option<Arc<Scene>>,
+    /// Requested frame.
+    frame: u32,
+    /// Whether what is shown stands in for a scene that could not be opened.
+    is_stand_in: bool,
+    /// Errors that keep the newest content from being shown.
+    pub problems: Problems,
+}
+
+impl Live {
+    /// Files to watch: those of the shown scene and those searched since, with the time of the
+    /// read.
+    pub fn watch_list(&self) -> (WatchList, SystemTime) {
+        let kind = |path: &PathBuf| {
+            if is_model(path) {
+                Change::Asset
+            } else {
+                Change::Scene
+            }
+        };
+        let source = self.session.source();
+        let scene = source.path.iter();
+        let scene = scene.map(|path| (path.clone(), kind(path)));
+        let texts = [&self.texts, &self.pending_texts]
+            .into_iter()
+            .flat_map(Dependencies::paths);
+        let texts = texts.map(|path| {
+            let is_script = path.extension().is_some_and(|e| e == "rhai");
+            let kind = if is_script {
+                Change::Script
+            } else {
+                Change::Scene
+            };
+            (path, kind)
+        });
+        // The world lists these files by their resolved paths.
+        let resolved = self.desc().text_files();
+        let read = self
+            .world()
+            .files
+            .iter()
+            .cloned()
+            .chain(self.session.dependencies().paths());
+        let assets = read
+            .filter(|path| !resolved.contains(path))
+            .map(|path| (path, Change::Asset));
+        let files: BTreeSet<(PathBuf, Change)> = scene.chain(texts).chain(assets).collect();
+        let list = WatchList {
+            files: files.into_iter().collect(),
+            shader_folders: source.shaders.iter().cloned().collect(),
+        };
+        (list, self.read_since)
+    }
+
+    /// Settings that replace those of the scene.
+    pub fn view(&self) -> &ViewOverrides {
+        self.session.view()
+    }
+
+    /// Replaces view settings; passes are always audited.
+    ///
+    /// # Errors
+    /// Same errors as [`Session::set_view`]; then the old settings stay.
+    pub fn set_view(&mut self, view: ViewOverrides) -> Result<(), RenderError> {
+        self.session.set_view(audited(view))
+    }
+
+    /// Renders into the targets with a camera that may move with the world: while the shutter is open, each
+    /// sub-frame shows another moment.
+    ///
+    /// # Errors
+    /// Same errors as [`Session::draw`].
+    pub fn render(
+        &mut self,
+        camera: &dyn Fn(&World) -> CameraDesc,
+    ) -> Result<FrameStats, RenderError> {
+        let edits = &self.edits;
+        self.session
+            .draw(camera, &|world| pose::put_all(edits, world))
+    }
+
+    /// Whether the scene is still shown coarsely.
+    pub fn is_coarse(&self) -> bool {
+        self.session.is_coarse()
+    }
+
+    /// Builds the features that the coarse picture leaves out.
+    ///
+    /// # Errors
+    /// Same errors as [`Session::complete`].
+    pub fn complete(&mut self) -> Result<(), RenderError> {
+        self.session.complete()
+    }
+
+    /// Scene description.
+    pub fn desc(&self) -> &SceneDesc {
+        &self.session.scene().scene
+    }
+
+    /// Timeline of the scene on disk, also of a pending one.
+    pub fn timeline(&self) -> Option<&TimelineDesc> {
+        let pending = self.pending.scene().map(|scene| &scene.desc);
+        pending.unwrap_or(self.desc()).timeline.as_ref()
+    }
+
+    /// Loaded scene, posed at the shown frame.
+    pub fn world(&self) -> &World {
+        &self.session.scene().world
+    }
+
+    /// Renderer of the scene.
+    pub fn renderer(&self) -> &Renderer {
+        self.session.renderer()
+    }
+
+    /// Index of the named camera; without a name, of the one that the first frame shows.
+    ///
+    /// # Errors
+    /// [`SessionError::UnknownName`] with the names of the scene's cameras.
+    pub fn camera(&self, name: Option<&str>) -> Result<usize, SessionError> {
+        self.session.camera_named(name)
+    }
+
+    /// Files and changed values of the scene.
+    pub fn source(&self) -> &SceneSource {
+        self.session.source()
+    }
+
+    /// Shown frame.
+    pub fn posed_frame(&self) -> u32 {
+        self.session.scene().frame
+    }
+
+    /// Output of the script in `setup`, then in the shown frame.
+    pub fn log(&self) -> impl Iterator<Item = &String> {
+        self.session.log()
+    }
+
+    /// Script parameters declared by the scene, with `--set` applied.
+    pub fn declared(&self) -> &DeclaredParameters {
+        self.session.declared()
+    }
+
+    /// Overrides of the declared parameters.
+    pub fn parameters(&self) -> &ParameterOverrides {
+        self.session.parameters()
+    }
+
+    /// Warnings about the shown scene.
+    pub fn warnings(&self) -> &[Diagnostic] {
+        match self.is_stand_in {
+            true => &[],
+            false => self.session.warnings(),
+        }
+    }
+}
+
+/// The preview counts what the audit says.
+fn audited(view: ViewOverrides) -> ViewOverrides {
+    ViewOverrides {
+        audit: true,
+        ..view
+    }
+}

@@ -1,0 +1,119 @@
+//! A window on a scene that follows its files.
+
+use std::{path::PathBuf, sync::Arc};
+
+use eframe::{
+    egui,
+    egui_wgpu::{SurfaceErrorAction, WgpuConfiguration, WgpuSetup, WgpuSetupExisting},
+};
+
+use reflet_gpu::Gpu;
+use reflet_render::{
+    runtime::{SceneSource, SessionError},
+    unit_costs::UnitCosts,
+};
+use reflet_scene::desc::Method;
+
+mod display_errors;
+pub mod frame_texture;
+pub mod mailbox;
+mod outline;
+pub mod protocol;
+pub mod render_thread;
+pub mod scene_summary;
+pub mod ui;
+pub mod view_channel;
+
+pub use display_errors::check_display;
+pub use ui::opener::open;
+use ui::{opener::Opener, shell::Shell};
+
+/// Action for a missing surface: wait while the window is hidden, else configure it again.
+fn on_surface_status(status: &wgpu::CurrentSurfaceTexture) -> SurfaceErrorAction {
+    match status {
+        wgpu::CurrentSurfaceTexture::Occluded | wgpu::CurrentSurfaceTexture::Timeout => {
+            SurfaceErrorAction::SkipFrame
+        }
+        wgpu::CurrentSurfaceTexture::Lost => SurfaceErrorAction::RecreateSurface,
+        _ => SurfaceErrorAction::Reconfigure,
+    }
+}
+
+/// Options of the window and of its first scene.
+#[derive(Clone, Debug)]
+pub struct WindowOptions {
+    /// The first scene, with changed values; later ones are opened without those values.
+    pub source: SceneSource,
+    /// Camera to look through at first; without one that of the scene's cuts, else `main`, else the first.
+    pub camera: Option<String>,
+    /// Reflection method to show first, instead of the scene's.
+    pub method: Option<Method>,
+    /// Unit costs of the adapter, by which settings left to `auto` are decided, instead of the built-in ones.
+    pub costs: Option<UnitCosts>,
+    /// Width and height of the window, pixels.
+    pub size: [u32; 2],
+    /// Folder for screenshots.
+    pub screenshots: PathBuf,
+}
+
+/// Error that keeps the window from being shown.
+#[derive(Clone, Debug)]
+pub enum WindowError {
+    /// The scene cannot be opened, or lacks the camera.
+    Session(SessionError),
+    /// There is no display, or it refuses a window; with what to do.
+    Display(String),
+}
+
+impl From<SessionError> for WindowError {
+    fn from(error: SessionError) -> Self {
+        Self::Session(error)
+    }
+}
+
+/// Opens the window and returns when it is closed.
+///
+/// # Errors
+/// A missing scene, a camera that the scene does not have, or a display that refuses.
+pub fn show(gpu: Arc<Gpu>, shown: &WindowOptions) -> Result<(), WindowError> {
+    let opener = Opener::new(gpu.clone(), shown);
+    let opened = opener.first(shown.camera.as_deref())?;
+    let title = opener.title(&opened);
+    let [width, height] = shown.size.map(|side| side as f32);
+    let options = eframe::NativeOptions {
+        viewport: egui::ViewportBuilder::default()
+            .with_title(&title)
+            .with_inner_size([width, height]),
+        wgpu_options: WgpuConfiguration {
+            wgpu_setup: WgpuSetup::Existing(WgpuSetupExisting {
+                instance: gpu.instance.clone(),
+                adapter: gpu.adapter.clone(),
+                device: gpu.device.clone(),
+                queue: gpu.queue.clone(),
+            }),
+            on_surface_status: Arc::new(on_surface_status),
+            ..WgpuConfiguration::default()
+        },
+        ..eframe::NativeOptions::default()
+    };
+    // Errors of renderer commands are handled where they occur; errors that arrive here concern the window,
+    // which repairs its surface by itself, and must not end the rendering.
+    (gpu.device).on_uncaptured_error(Arc::new(|error| {
+        if !display_errors::is_busy(&error) {
+            eprintln!("warning: the window: {error}");
+        }
+    }));
+    let scene = shown.source.path.clone();
+    let create = move |context: &eframe::CreationContext<'_>| {
+        context.egui_ctx.set_theme(egui::Theme::Dark);
+        (context.egui_ctx).style_mut_of(egui::Theme::Dark, |style| {
+            // Units and hints must be readable.
+            style.visuals.weak_text_color = Some(egui::Color32::from_gray(150));
+            style.visuals.error_fg_color = egui::Color32::from_rgb(255, 110, 100);
+        });
+        let window = opener.start(opened, &context.egui_ctx);
+        Ok(Box::new(Shell::new(opener, window, scene.as_deref())) as Box<dyn eframe::App>)
+    };
+    eframe::run_native(&title, options, Box::new(create))
+        .map_err(|error| display_errors::refused(&error))
+}

@@ -1,0 +1,230 @@
+//! Messages between the window and the rendering thread.
+
+use std::{path::PathBuf, time::Instant};
+
+use super::{frame_texture::FrameTexture, scene_summary::SceneSummary, view_channel::ViewChannel};
+use crate::{
+    live::{Edit, Refusal, Reload},
+    watch::Changes,
+    write_back::{Inspected, Numbers, SceneItem},
+};
+use reflet_base::math::Bounds;
+use reflet_bench::metric::Scores;
+use reflet_render::{runtime::parameters::ParameterOverrides, stats::FrameStats};
+use reflet_scene::desc::{CameraDesc, Method};
+
+/// Contents of one side of the wipe.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Side {
+    /// Reflection method; `auto` is decided as in `render`.
+    pub method: Method,
+    /// Displayed channel.
+    pub channel: ViewChannel,
+}
+
+/// Camera of a view.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ViewCamera {
+    /// The scene's camera of this name, posed for the view's frame.
+    Scene(String),
+    /// Free camera, moved by the user.
+    Free(CameraDesc),
+}
+
+/// A requested picture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct View {
+    /// Camera.
+    pub camera: ViewCamera,
+    /// Name of the scene's camera that was chosen, whose view decides what is `auto`, also in free flight; `None`
+    /// while the cuts choose.
+    pub chosen: Option<String>,
+    /// Frame of the timeline.
+    pub frame: u32,
+    /// Whether the timeline is playing.
+    pub plays: bool,
+    /// Viewport size, pixels.
+    pub size: [u32; 2],
+    /// Left side, or the whole picture.
+    pub a: Side,
+    /// Right side of a wipe.
+    pub b: Option<Side>,
+    /// Time budget while something moves: one sub-frame, and the resolution is reduced to meet it,
+    /// milliseconds.
+    pub draft_ms: Option<f64>,
+}
+
+impl View {
+    /// Whether anything but the time differs.
+    pub fn differs_from(&self, other: &Self) -> bool {
+        let of = |view: &Self| Self {
+            frame: 0,
+            plays: false,
+            ..view.clone()
+        };
+        of(self) != of(other)
+    }
+
+    /// Whether camera, frame and left side are equal, at any size.
+    pub fn shows_same_content(&self, other: &Self) -> bool {
+        (&self.camera, self.frame, self.a) == (&other.camera, other.frame, other.a)
+    }
+}
+
+/// A one-time task for the rendering thread.
+#[derive(Clone, Debug)]
+pub enum Task {
+    /// Files changed; with the time of the first event.
+    Reload(Changes, Instant),
+    /// File watching is limited, and why; `None` once it works again.
+    Unwatched(Option<String>),
+    /// Change a material.
+    Edit(Box<Edit>),
+    /// Change the script's parameters.
+    SetParameters(ParameterOverrides),
+    /// Pick in, compare or save a frame, once it is posed.
+    Frame(FrameRequest),
+    /// Clear the selection.
+    Unpick,
+    /// Select an item of the scene.
+    Select(SceneItem),
+    /// Show an item with other numbers during a drag.
+    Drag(SceneItem, Numbers),
+    /// Write numbers of an item into the scene text.
+    Write(SceneItem, Numbers),
+    /// Undo the last written edit (`false`), or redo the last undone one (`true`).
+    Undo(bool),
+}
+
+/// A screenshot to write.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Screenshot {
+    /// Destination folder.
+    pub folder: PathBuf,
+    /// Prefix of the file name.
+    pub stem: String,
+    /// Position of the wipe line, 0 to 1, if the view has two sides.
+    pub wipe_at: f32,
+    /// Whether the error map replaces the left side.
+    pub error_map: bool,
+}
+
+/// An action on the left side of a view, in its frame.
+#[derive(Clone, Debug)]
+pub struct FrameRequest {
+    /// The view.
+    pub view: View,
+    /// The action.
+    pub action: FrameAction,
+}
+
+/// An action on a rendered frame.
+#[derive(Clone, Debug)]
+pub enum FrameAction {
+    /// Compare its method with `rt`; the revision number is returned with the result.
+    Compare(u64),
+    /// Write a screenshot.
+    Screenshot(Screenshot),
+    /// Select the instance at this position, 0 to 1 from the top left.
+    Pick([f32; 2]),
+}
+
+/// A finished frame.
+#[derive(Clone, Debug)]
+pub struct FinishedFrame {
+    /// Running number of rendered pictures.
+    pub number: u64,
+    /// Frame of the timeline.
+    pub frame: u32,
+    /// Camera that it was rendered with.
+    pub camera: CameraDesc,
+    /// Viewport size that it was rendered for, pixels.
+    pub size: [u32; 2],
+    /// Left side, and the right side of a wipe.
+    pub sides: Vec<Visualization>,
+    /// The selected instance, if it still exists.
+    pub picked: Option<Picked>,
+}
+
+/// The selected instance in the displayed frame.
+#[derive(Clone, Debug)]
+pub struct Picked {
+    /// Name of the instance, with a number where several share it.
+    pub label: String,
+    /// Index into the world's materials.
+    pub material: usize,
+    /// World-space bounds; empty while it is hidden.
+    pub bounds: Bounds,
+    /// Triangle count of its mesh.
+    pub triangles: usize,
+    /// Outline of its visible part, at the picture's size; `None` where it is not visible.
+    pub outline: Option<FrameTexture>,
+}
+
+/// One side, rendered.
+#[derive(Clone, Debug)]
+pub struct Visualization {
+    /// Displayed channel.
+    pub channel: ViewChannel,
+    /// The picture.
+    pub texture: FrameTexture,
+    /// Statistics of its frame.
+    pub stats: FrameStats,
+    /// Legend of its colors, or why it is empty; empty text for finished pictures.
+    pub legend: String,
+}
+
+/// Comparison of the left side's method with `rt`.
+#[derive(Clone, Debug)]
+pub struct Comparison {
+    /// The view.
+    pub view: View,
+    /// Revision number of the request.
+    pub edits: u64,
+    /// Scores of the whole frame.
+    pub scores: Scores,
+    /// FLIP per pixel, as colors.
+    pub error_map: FrameTexture,
+}
+
+/// Value of the picture at a pixel.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PixelValue {
+    /// Name of the value: an AOV as in `--aov`, `pixel` or `shown`.
+    pub name: &'static str,
+    /// Text of the value, with its unit.
+    pub text: String,
+}
+
+/// A report of the rendering thread.
+#[derive(Clone, Debug)]
+pub enum Report {
+    /// The scene changed.
+    SceneSummary(Box<SceneSummary>),
+    /// Result of new script parameters.
+    ParametersApplied(Reload),
+    /// Script parameters were rejected.
+    Refused(Box<Refusal>),
+    /// A reload, and the time from the file event to the new picture, milliseconds.
+    Reloaded(Reload, f64),
+    /// Start of a script that runs in the background; `None` once it has ended.
+    ScriptRunning(Option<Instant>),
+    /// A finished frame.
+    Frame(Box<FinishedFrame>),
+    /// A finished comparison.
+    Compared(Box<Comparison>),
+    /// Result of a pick.
+    Picked(Option<Picked>),
+    /// Values of the clicked pixel.
+    Pixel(Vec<PixelValue>),
+    /// The selection was cleared.
+    Unpicked,
+    /// The selected item, as in the scene text; `None` for an instance that the text does not place.
+    Inspected(Option<Box<Inspected>>),
+    /// File watching is limited, why, and what to do; `None` once it works again.
+    Unwatched(Option<String>),
+    /// A message for the status line.
+    Message(String),
+    /// The queue is empty.
+    Idle,
+}

@@ -1,0 +1,162 @@
+//! Event loop of the rendering thread: takes the newest view and every task, draws, reports, and
+//! sleeps when nothing changed.
+
+use std::time::{Duration, Instant};
+
+use super::worker::Worker;
+use crate::{
+    live::Edit,
+    watch::Watcher,
+    window::{
+        mailbox::Mailbox,
+        protocol::{FinishedFrame, Picked, Report, Task, View, Visualization},
+        view_channel::ViewChannel,
+    },
+};
+use reflet_render::RenderError;
+
+/// Minimum interval of summaries while playing.
+const SUMMARY_INTERVAL: Duration = Duration::from_millis(250);
+
+impl Worker {
+    pub(super) fn run(mut self, mailbox: &Mailbox, watcher: Option<&Watcher>) {
+        self.send_summary();
+        while let Some((view, tasks)) = mailbox.take(self.next_wakeup()) {
+            let mut redraw = false;
+            if let Some(view) = view {
+                redraw = self.view.as_ref().is_none_or(|old| view.differs_from(old));
+                self.view = Some(view);
+            }
+            for task in tasks {
+                match task {
+                    Task::Reload(changes, since) => self.reload(&changes, since),
+                    Task::Edit(edit) => {
+                        redraw = true;
+                        self.edit(*edit);
+                    }
+                    Task::SetParameters(overrides) => self.live.set_parameters(overrides),
+                    Task::Unwatched(why) => self.send(Report::Unwatched(why)),
+                    Task::Frame(request) => self.frame_requests.push_back(request),
+                    Task::Unpick => self.unpick(),
+                    Task::Select(item) => {
+                        redraw = true;
+                        self.select(item);
+                    }
+                    Task::Drag(item, numbers) => redraw |= self.drag(item, &numbers),
+                    Task::Write(item, numbers) => redraw |= self.write(item, &numbers),
+                    Task::Undo(again) => self.undo(again),
+                }
+            }
+            redraw |= self.run_jobs(mailbox, watcher);
+            if self.reloads.iter().any(|(reload, _)| reload.ok) {
+                redraw = true;
+                self.show_item_again();
+            }
+            if redraw && !self.renders_other_frame() {
+                self.draw();
+            }
+            if self.summary_due().is_some_and(|due| due <= Instant::now()) {
+                self.send_summary();
+            }
+            for (reload, since) in std::mem::take(&mut self.reloads) {
+                let ms = since.elapsed().as_secs_f64() * 1e3;
+                self.send(Report::Reloaded(reload, ms));
+            }
+            self.handle_frame_requests();
+            if mailbox.is_empty() && self.frame_requests.is_empty() {
+                self.send(Report::Idle);
+            }
+        }
+    }
+
+    /// Whether the posed frame is that of a pending request, not the view's.
+    fn renders_other_frame(&self) -> bool {
+        let posed = self.live.posed_frame();
+        let is_posed = |frame: u32| frame == posed;
+        (self.frame_requests.front()).is_some_and(|of| is_posed(of.view.frame))
+            && !(self.view.as_ref()).is_some_and(|view| is_posed(view.frame))
+    }
+
+    /// Time at which the summary of the shown frame is to be sent; `None` if that was sent.
+    pub(super) fn summary_due(&self) -> Option<Instant> {
+        let is_shown = self.rendered_view.is_some() && !self.renders_other_frame();
+        let is_stale = is_shown && self.summary_frame != self.live.posed_frame();
+        is_stale.then(|| self.summary_sent_at + SUMMARY_INTERVAL)
+    }
+
+    fn edit(&mut self, edit: Edit) {
+        match self.live.edit(edit) {
+            Ok(_) => self.send_summary(),
+            Err(error) => self.report_error(&error),
+        }
+    }
+
+    /// Shows the scene coarsely first, while most of what it needs is not built.
+    fn draw_coarse(&mut self, view: &View) -> Result<(), RenderError> {
+        if view.a.channel == ViewChannel::Picture && view.b.is_none() {
+            let stats = self.render_coarse(view)?;
+            let side = self.visualize(view.a, view, stats, None)?;
+            self.textures = vec![side.texture.clone()];
+            self.finish(view, vec![side], None);
+        }
+        Ok(())
+    }
+
+    fn finish(&mut self, view: &View, sides: Vec<Visualization>, picked: Option<Picked>) {
+        self.number += 1;
+        let number = self.number;
+        self.send(Report::Frame(Box::new(FinishedFrame {
+            number,
+            frame: self.live.posed_frame(),
+            camera: self.camera(&view.camera),
+            size: view.size,
+            sides,
+            picked,
+        })));
+    }
+
+    fn draw(&mut self) {
+        let Some(view) = self.view.clone() else {
+            return;
+        };
+        let was_coarse = self.live.is_coarse();
+        if was_coarse && let Err(error) = self.draw_coarse(&view) {
+            return self.report_error(&error);
+        }
+        match self
+            .render_sides(&view)
+            .and_then(|s| Ok((s, self.picked()?)))
+        {
+            Ok((sides, picked)) => {
+                self.rendered_view = Some(view.clone());
+                let had_problem = self.live.problems.refused.take().is_some();
+                self.finish(&view, sides, picked);
+                // Animated values are sent at intervals, and once they rest.
+                let is_new = self.summary_frame != self.live.posed_frame();
+                let is_time =
+                    view.draft_ms.is_none() || self.summary_sent_at.elapsed() >= SUMMARY_INTERVAL;
+                if had_problem || was_coarse || (is_new && is_time) {
+                    self.send_summary();
+                }
+            }
+            Err(error) => self.report_error(&error),
+        }
+    }
+
+    fn render_sides(&mut self, view: &View) -> Result<Vec<Visualization>, RenderError> {
+        let mut sides: Vec<Visualization> = Vec::new();
+        for (index, side) in std::iter::once(view.a).chain(view.b).enumerate() {
+            let last = sides.last().filter(|_| view.a.method == side.method);
+            let stats = match last {
+                Some(last) => last.stats.clone(),
+                None => self.render(view, side.method)?,
+            };
+            let old = self.textures.get(index).cloned();
+            let visualization = self.visualize(side, view, stats, old)?;
+            self.textures.truncate(index);
+            self.textures.push(visualization.texture.clone());
+            sides.push(visualization);
+        }
+        Ok(sides)
+    }
+}

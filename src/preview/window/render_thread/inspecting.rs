@@ -1,0 +1,67 @@
+//! The inspected item, whose numbers the window shows: selected by a click or in the outline, written
+//! back, and found again after reloads.
+
+use super::{instance_key::InstanceKey, worker::Worker};
+use crate::{
+    window::protocol::Report,
+    write_back::{Numbers, SceneItem},
+};
+
+impl Worker {
+    /// Selects an item: sends its numbers, and outlines it if it is an instance.
+    pub(super) fn select(&mut self, item: SceneItem) {
+        let world = self.live.world();
+        let index = match item {
+            SceneItem::Instance(index) => world.written.iter().position(|w| *w == Some(index)),
+            _ => None,
+        };
+        self.selected = index.and_then(|index| InstanceKey::of(world, index));
+        self.show_item(Some(item));
+    }
+
+    /// Sends the numbers of an item.
+    pub(super) fn show_item(&mut self, item: Option<SceneItem>) {
+        let name = item.and_then(|item| item.named(self.live.desc()));
+        let name = name.and_then(|(name, _)| name.map(str::to_owned));
+        self.item = item.map(|item| (item, name));
+        let inspected = item.and_then(|item| self.live.inspect(item));
+        self.send(Report::Inspected(inspected.map(Box::new)));
+    }
+
+    /// Sends the numbers of the item again, which is found by its name in a reloaded scene.
+    pub(super) fn show_item_again(&mut self) {
+        if let Some((item, name)) = self.item.take() {
+            let again = item.again(self.live.desc(), name.as_deref());
+            self.show_item(again);
+        }
+    }
+
+    /// Shows an item with other numbers; returns whether the picture changes.
+    pub(super) fn drag(&mut self, item: SceneItem, numbers: &Numbers) -> bool {
+        let before = self.live.problems.clone();
+        let is_shown = self.live.drag(item, numbers).ok;
+        if self.live.problems != before {
+            self.send_summary();
+        }
+        is_shown
+    }
+
+    /// Writes numbers into the text; the reload after the save shows them. Returns whether the picture changes
+    /// because the write failed, so that numbers shown by a drag are dropped.
+    pub(super) fn write(&mut self, item: SceneItem, numbers: &Numbers) -> bool {
+        let Err(why) = self.live.write(item, numbers) else {
+            return false;
+        };
+        let was_dragged = self.live.drop_drag();
+        self.send(Report::Message(format!("not written: {why}")));
+        self.show_item(Some(item));
+        was_dragged
+    }
+
+    /// Undoes the last edit, or redoes the last undone one.
+    pub(super) fn undo(&mut self, again: bool) {
+        let done = self.live.undo(again);
+        let text = done.unwrap_or_else(|why| format!("not undone: {why}"));
+        self.send(Report::Message(text));
+    }
+}

@@ -1,0 +1,267 @@
+//! Conversion of each view channel to a picture, with the legend of its colors.
+
+use super::{pixels::Pixels, worker::Worker};
+use crate::window::{
+    frame_texture::FrameTexture,
+    protocol::{Side, View, Visualization},
+    view_channel::{BACKGROUND_GRAY, CUBE_CROSS, ShadowMapChoice, ViewChannel},
+};
+use reflet_bench::metric::flip;
+use reflet_gpu::GpuError;
+use reflet_render::{
+    Plane, PlaneData, RenderError,
+    aov::Aov,
+    aov_view,
+    lights::{CUBE_FACES, has_cube_map},
+    stats::FrameStats,
+    targets::Target,
+};
+
+/// Longest edge of a face in an unfolded cube map, pixels.
+const FACE_PX: u32 = 512;
+/// Brightness of pixels without a traced ray, as a fraction.
+const DIMMED: f32 = 0.3;
+/// Value of the first ray in the color map.
+const FIRST_RAY_VALUE: f32 = 0.35;
+/// Color of empty texels of a shadow map.
+const EMPTY_SHADOW: [u8; 4] = [24, 36, 84, 255];
+
+impl Worker {
+    /// Visualizes a side of the last rendered frame; `old` is reused where its size fits.
+    pub(super) fn visualize(
+        &self,
+        side: Side,
+        view: &View,
+        stats: FrameStats,
+        old: Option<FrameTexture>,
+    ) -> Result<Visualization, RenderError> {
+        let display = self.live.renderer().targets().texture(Target::Display);
+        let (texture, legend) = match (side.channel, display) {
+            (ViewChannel::Picture, Some(display)) => {
+                let texture = FrameTexture::of_size(&self.gpu, old, stats.size)?;
+                texture.copy(&self.gpu, display)?;
+                (texture, String::new())
+            }
+            (channel, _) => {
+                let (pixels, legend) = self.pixels(channel, view)?;
+                let texture = FrameTexture::of_size(&self.gpu, old, pixels.size)?;
+                texture.write(&self.gpu, &pixels.rgba);
+                (texture, legend)
+            }
+        };
+        Ok(Visualization {
+            channel: side.channel,
+            texture,
+            stats,
+            legend,
+        })
+    }
+
+    /// A channel of the last rendered frame, and its legend.
+    pub(super) fn pixels(
+        &self,
+        channel: ViewChannel,
+        view: &View,
+    ) -> Result<(Pixels, String), RenderError> {
+        let renderer = self.live.renderer();
+        let size = renderer.targets().size;
+        match channel {
+            ViewChannel::Picture => {
+                let rgba = renderer.read(&self.gpu, Target::Display)?;
+                Ok((Pixels { size, rgba }, String::new()))
+            }
+            ViewChannel::Aov(aov) => {
+                let plane = aov.plane(&self.gpu, renderer, &self.camera(&view.camera))?;
+                let rgba = aov_view::view(&plane);
+                Ok((Pixels { size, rgba }, aov_legend(aov, &plane)))
+            }
+            ViewChannel::Rays => {
+                let display: Vec<u8> = renderer.read(&self.gpu, Target::Display)?;
+                let rays = renderer.ray_list(&self.gpu)?;
+                let list = rays.as_deref().unwrap_or_default();
+                let rgba = ray_order_image(size, list, &display);
+                let legend = match rays {
+                    Some(rays) => format!(
+                        "{} rays start from {:.1} % of the pixels; dark: first in the list, light: last",
+                        rays.len(),
+                        100.0 * rays.len() as f64 / (f64::from(size[0]) * f64::from(size[1])),
+                    ),
+                    None => {
+                        "no ray list: this method traces nothing, or nothing reflects".to_owned()
+                    }
+                };
+                Ok((Pixels { size, rgba }, legend))
+            }
+            ViewChannel::Shadow(shadow_map) => Ok(self.shadow(shadow_map)?),
+        }
+    }
+
+    fn shadow(&self, shadow_map: ShadowMapChoice) -> Result<(Pixels, String), GpuError> {
+        let (world, renderer) = (self.live.world(), self.live.renderer());
+        let read = |face| renderer.shadow_map(&self.gpu, world, shadow_map.light, face);
+        let light = world.lights.get(shadow_map.light);
+        let is_cube = light.is_some_and(|l| has_cube_map(&l.desc.kind));
+        let (size, distances, of) = if let (true, None) = (is_cube, shadow_map.face) {
+            let mut faces = Vec::new();
+            for face in 0..CUBE_FACES.len() {
+                faces.extend(read(face)?.map(|(edge, map)| shrunk(edge, &map)));
+            }
+            let (size, cross) = cube_cross(&faces);
+            (size, cross, "all six faces".to_owned())
+        } else {
+            let face = shadow_map.face.unwrap_or(0);
+            let (edge, map) = read(face)?.unwrap_or((1, vec![f32::INFINITY]));
+            let of = match is_cube {
+                true => format!("the face to {}", CUBE_FACES[face]),
+                false => "the light's whole map".to_owned(),
+            };
+            ([edge; 2], map.into_iter().map(Some).collect(), of)
+        };
+        let known: Vec<f32> = distances.iter().copied().flatten().collect();
+        let legend = format!("{of}; {}", distance_legend(&known, "blue"));
+        let grays = aov_view::view(&Plane {
+            name: "shadow_map",
+            channels: &["Z"],
+            data: PlaneData::F32(known),
+        });
+        let mut grays = grays.chunks_exact(4);
+        let texel = |distance: &Option<f32>| match (distance, distance.and_then(|_| grays.next())) {
+            (Some(distance), _) if distance.is_infinite() => EMPTY_SHADOW,
+            (_, Some(gray)) => [gray[0], gray[1], gray[2], 255],
+            _ => [BACKGROUND_GRAY, BACKGROUND_GRAY, BACKGROUND_GRAY, 255],
+        };
+        let rgba = distances.iter().flat_map(texel).collect();
+        Ok((Pixels { size, rgba }, legend))
+    }
+}
+
+/// Legend of an AOV.
+fn aov_legend(aov: Aov, plane: &Plane) -> String {
+    let text = match (aov, &plane.data) {
+        (Aov::Depth | Aov::HitDistance, PlaneData::F32(distances)) => {
+            return distance_legend(distances, "black");
+        }
+        (Aov::Normal, _) => "red, green, blue: x, y, z from -1 to 1",
+        (Aov::Material, _) => "red: roughness, green: metallic, blue: reflectivity",
+        (Aov::Reflectance, _) => "black: 0, white: 1",
+        (Aov::Source | Aov::Cause, _) => "colors as in the panel's Reflections",
+        (Aov::Ids | Aov::HitIds, _) => "a color for each instance and triangle",
+        _ => "linear radiance, clipped at 1",
+    };
+    text.to_owned()
+}
+
+/// Legend of a gray scale of distances: its ends, and the color of nothing.
+fn distance_legend(distances: &[f32], nothing: &str) -> String {
+    let finite = distances.iter().filter(|distance| distance.is_finite());
+    let (least, most) = finite.fold((f32::INFINITY, 0.0_f32), |(least, most), distance| {
+        (least.min(*distance), most.max(*distance))
+    });
+    if least > most {
+        return "no surface".to_owned();
+    }
+    format!("white: {least:.2} m, black: {most:.2} m; no surface: {nothing}")
+}
+
+/// Downsamples a square map to at most [`FACE_PX`]: the minimum of each block.
+fn shrunk(edge: u32, map: &[f32]) -> (u32, Vec<f32>) {
+    let step = edge.div_ceil(FACE_PX).max(1);
+    let small = edge / step;
+    let nearest = |x: u32, y: u32| {
+        let rows = (y * step..(y + 1) * step).map(|y| (y * edge + x * step) as usize);
+        let blocks = rows.flat_map(|start| &map[start..start + step as usize]);
+        blocks.copied().fold(f32::INFINITY, f32::min)
+    };
+    let texels = (0..small).flat_map(|y| (0..small).map(move |x| (x, y)));
+    (small, texels.map(|(x, y)| nearest(x, y)).collect())
+}
+
+/// The faces of a cube map unfolded to a cross, and its size; `None` outside of the faces.
+fn cube_cross(faces: &[(u32, Vec<f32>)]) -> ([u32; 2], Vec<Option<f32>>) {
+    let edge = faces.first().map_or(1, |(edge, _)| *edge);
+    let size = [4 * edge, 3 * edge];
+    let mut cross = vec![None; (size[0] * size[1]) as usize];
+    for ((_, map), [left, top]) in faces.iter().zip(CUBE_CROSS) {
+        for (row, y) in map.chunks_exact(edge as usize).zip(top * edge..) {
+            let start = (y * size[0] + left * edge) as usize;
+            for (to, distance) in cross[start..].iter_mut().zip(row) {
+                *to = Some(*distance);
+            }
+        }
+    }
+    (size, cross)
+}
+
+/// The picture, dim and gray, with the traced pixels colored by their index in the list.
+fn ray_order_image(size: [u32; 2], rays: &[[u32; 2]], display: &[u8]) -> Vec<u8> {
+    let dim = |texel: &[u8]| {
+        let [r, g, b] = [0, 1, 2].map(|i| f32::from(texel[i]));
+        // Luma (ITU-R BT.709).
+        let gray = (DIMMED * (0.2126 * r + 0.7152 * g + 0.0722 * b)) as u8;
+        [gray, gray, gray, 255]
+    };
+    let mut rgba: Vec<u8> = display.chunks_exact(4).flat_map(dim).collect();
+    let last = rays.len().saturating_sub(1).max(1) as f32;
+    let values: Vec<f32> = (0..rays.len())
+        .map(|i| FIRST_RAY_VALUE + (1.0 - FIRST_RAY_VALUE) * i as f32 / last)
+        .collect();
+    for ([x, y], color) in rays.iter().zip(flip::heat(&values).chunks_exact(3)) {
+        let at = 4 * (y * size[0] + x) as usize;
+        if let Some(texel) = rgba.get_mut(at..at + 3) {
+            texel.copy_from_slice(color);
+        }
+    }
+    rgba
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_large_map_keeps_the_nearest_of_each_block() {
+        let edge = 2 * FACE_PX;
+        let mut map = vec![f32::INFINITY; (edge * edge) as usize];
+        map[(3 * edge + 5) as usize] = 2.0;
+        map[(2 * edge + 4) as usize] = 7.0;
+        let (small, shrunk) = shrunk(edge, &map);
+        assert_eq!(small, FACE_PX);
+        let found: Vec<_> = (shrunk.iter().enumerate())
+            .filter(|(_, distance)| distance.is_finite())
+            .collect();
+        assert_eq!(found, [((FACE_PX + 2) as usize, &2.0)]);
+    }
+
+    #[test]
+    fn an_unfolded_cube_shows_each_face_once() {
+        let faces: Vec<_> = (0..6).map(|face| (2, vec![face as f32; 4])).collect();
+        let (size, cross) = cube_cross(&faces);
+        assert_eq!(size, [8, 6]);
+        for (face, [left, top]) in CUBE_CROSS.into_iter().enumerate() {
+            let at = (2 * top * size[0] + 2 * left) as usize;
+            assert_eq!(cross[at], Some(face as f32));
+            assert_eq!(cross[at + 1 + size[0] as usize], Some(face as f32));
+        }
+        assert_eq!(cross.iter().flatten().count(), 24);
+    }
+
+    #[test]
+    fn ray_order_image_shades_pixels_by_list_position() {
+        let display = vec![200; 4 * 12];
+        let rgba = ray_order_image([4, 3], &[[3, 1], [0, 2], [1, 0]], &display);
+        let sum = |x: usize, y: usize| -> u32 {
+            let at = 4 * (4 * y + x);
+            rgba[at..at + 3].iter().map(|v| u32::from(*v)).sum()
+        };
+        assert_eq!(sum(0, 0), 3 * 60, "the picture, dimmed");
+        assert!(sum(3, 1) < sum(0, 2) && sum(0, 2) < sum(1, 0));
+        assert!(rgba.iter().skip(3).step_by(4).all(|alpha| *alpha == 255));
+    }
+
+    #[test]
+    fn distance_legend_states_both_ends() {
+        let text = distance_legend(&[f32::INFINITY, 2.5, 1.25], "blue");
+        assert_eq!(text, "white: 1.25 m, black: 2.50 m; no surface: blue");
+        assert_eq!(distance_legend(&[f32::INFINITY], "blue"), "no surface");
+    }
+}

@@ -1,0 +1,168 @@
+//! The menus that choose what one side of the picture shows.
+
+use eframe::egui::{self, Ui};
+
+use crate::window::{
+    protocol::Side,
+    view_channel::{ShadowLight, ShadowMapChoice, ViewChannel},
+};
+use reflet_bench::parameter::method_name;
+use reflet_render::{aov::Aov, lights::CUBE_FACES};
+use reflet_scene::desc::Method;
+
+/// Methods in the order of the keys 1, 2, 3, 4.
+pub const METHODS: [Method; 4] = [Method::Hybrid, Method::Ssr, Method::Rt, Method::Path];
+
+/// Width of a menu, points; longer names are truncated.
+pub const MENU: f32 = 88.0;
+
+/// Method and channel of one side.
+pub fn side_menu(ui: &mut Ui, id: &str, side: &mut Side, shadow_lights: &[ShadowLight]) {
+    let auto = ui.selectable_value(&mut side.method, Method::Auto, method_name(Method::Auto));
+    auto.on_hover_text("hybrid or rt, as render decides for this size and the chosen camera");
+    for method in METHODS {
+        ui.selectable_value(&mut side.method, method, method_name(method));
+    }
+    egui::ComboBox::from_id_salt(id)
+        .selected_text(side.channel.name())
+        .width(MENU)
+        .truncate()
+        .height(400.0)
+        .show_ui(ui, |ui| channels(ui, &mut side.channel, shadow_lights))
+        .response
+        .on_hover_text("the picture, or a texture that it was made from");
+    if let ViewChannel::Shadow(shadow_map) = &mut side.channel {
+        shadow_menu(ui, id, shadow_map, shadow_lights);
+    }
+}
+
+/// The list of channels.
+fn channels(ui: &mut Ui, channel: &mut ViewChannel, shadow_lights: &[ShadowLight]) {
+    let all =
+        std::iter::once(ViewChannel::Picture).chain(Aov::ALL.into_iter().map(ViewChannel::Aov));
+    for other in all.chain([ViewChannel::Rays]) {
+        ui.selectable_value(channel, other, other.name());
+    }
+    let is_shadow = matches!(channel, ViewChannel::Shadow(_));
+    let first = shadow_lights.first();
+    ui.add_enabled_ui(first.is_some(), |ui| {
+        let row = ui.selectable_label(is_shadow, "shadow_map");
+        let row = row.on_disabled_hover_text("no light has shadow = \"map\"");
+        if let (true, false, Some(first)) = (row.clicked(), is_shadow, first) {
+            *channel = ViewChannel::Shadow(first.map(None));
+        }
+    });
+}
+
+/// Menus of the light whose shadow map is shown, and of the face of its cube.
+fn shadow_menu(
+    ui: &mut Ui,
+    id: &str,
+    shadow_map: &mut ShadowMapChoice,
+    shadow_lights: &[ShadowLight],
+) {
+    let now = shadow_lights
+        .iter()
+        .find(|shadow_light| shadow_light.light == shadow_map.light);
+    let label = ui.weak("of");
+    let menu = egui::ComboBox::from_id_salt((id, "light"))
+        .selected_text(now.map_or("?", |shadow_light| &shadow_light.name))
+        .show_ui(ui, |ui| {
+            for shadow_light in shadow_lights {
+                let is_now = shadow_light.light == shadow_map.light;
+                if ui.selectable_label(is_now, &shadow_light.name).clicked() {
+                    *shadow_map = shadow_light.map(shadow_map.face);
+                }
+            }
+        });
+    menu.response.labelled_by(label.id);
+    if now.is_some_and(|shadow_light| shadow_light.faces > 1) {
+        let label = ui.weak("face");
+        let menu = egui::ComboBox::from_id_salt((id, "face"))
+            .selected_text(shadow_map.face.map_or("all", |face| CUBE_FACES[face]))
+            .width(48.0)
+            .show_ui(ui, |ui| {
+                ui.selectable_value(&mut shadow_map.face, None, "all");
+                for (face, name) in CUBE_FACES.into_iter().enumerate() {
+                    ui.selectable_value(&mut shadow_map.face, Some(face), name);
+                }
+            });
+        menu.response.labelled_by(label.id);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use eframe::egui::accesskit::Role;
+    use egui_kittest::{Harness, kittest::Queryable as _};
+
+    use super::*;
+
+    fn shadow_light(light: usize, name: &str, faces: usize) -> ShadowLight {
+        ShadowLight {
+            light,
+            name: name.to_owned(),
+            faces,
+        }
+    }
+
+    fn shadow(light: usize, face: Option<usize>) -> ViewChannel {
+        ViewChannel::Shadow(ShadowMapChoice { light, face })
+    }
+
+    fn harness<'a>(shadow_lights: Vec<ShadowLight>) -> Harness<'a, Side> {
+        let side = Side {
+            method: Method::Hybrid,
+            channel: ViewChannel::Picture,
+        };
+        Harness::builder()
+            .with_size(egui::vec2(900.0, 600.0))
+            .build_ui_state(
+                move |ui, side| {
+                    ui.horizontal(|ui| side_menu(ui, "texture", side, &shadow_lights));
+                },
+                side,
+            )
+    }
+
+    /// Chooses an entry of one of the menus, from the left.
+    fn choose(harness: &mut Harness<'_, Side>, menu: usize, entry: &str) {
+        let mut menus = harness.get_all_by_role(Role::ComboBox);
+        menus.nth(menu).expect("a menu").click();
+        drop(menus);
+        harness.run();
+        let row = harness.get_all_by_label(entry).last();
+        row.expect("listed").click();
+        harness.run();
+    }
+
+    #[test]
+    fn shadow_maps_are_chosen_by_light_and_face() {
+        let mut harness = harness(vec![shadow_light(0, "sun", 1), shadow_light(2, "lamp", 6)]);
+        choose(&mut harness, 0, "shadow_map");
+        assert_eq!(harness.state().channel, shadow(0, None));
+        assert!(harness.query_by_label("face").is_none(), "the sun has one");
+        choose(&mut harness, 1, "lamp");
+        choose(&mut harness, 2, "-Y");
+        assert_eq!(harness.state().channel, shadow(2, Some(3)));
+        choose(&mut harness, 1, "sun");
+        assert_eq!(harness.state().channel, shadow(0, None));
+        choose(&mut harness, 0, "ray_list");
+        assert_eq!(harness.state().channel, ViewChannel::Rays);
+    }
+
+    #[test]
+    fn the_reference_is_one_of_the_methods() {
+        let mut harness = harness(Vec::new());
+        harness.get_by_label("path").click();
+        harness.run();
+        assert_eq!(harness.state().method, Method::Path);
+    }
+
+    #[test]
+    fn without_maps_there_is_nothing_to_choose() {
+        let mut harness = harness(Vec::new());
+        choose(&mut harness, 0, "shadow_map");
+        assert_eq!(harness.state().channel, ViewChannel::Picture);
+    }
+}

@@ -1,0 +1,215 @@
+//! The panel of materials: their list, and the numbers of the selected one.
+
+use std::fmt::Write as _;
+
+use eframe::egui::{self, DragValue, Rect, Slider, Ui};
+use glam::Vec3;
+
+use super::panels::{ViewRequest, ViewSettings, named};
+use crate::{
+    live::Edit,
+    window::{
+        protocol::Picked,
+        scene_summary::{MaterialRow, SceneSummary},
+    },
+};
+use reflet_scene::{
+    desc::{MATERIAL, MaterialDesc, PLAIN, PatternKind},
+    number::{Field, Form},
+    range::LIMIT,
+};
+
+/// Change per pixel of dragging where a number has no upper limit.
+const SPEED: f32 = 0.01;
+/// Most rows of the list that are shown at a time.
+const ROWS: f32 = 7.0;
+
+/// The list of materials, the picked instance, and the values of the selected material.
+pub fn panel(
+    ui: &mut Ui,
+    settings: &mut ViewSettings,
+    summary: &SceneSummary,
+    picked: Option<&Picked>,
+    requests: &mut Vec<ViewRequest>,
+) {
+    let header = egui::CollapsingHeader::new("Materials").default_open(true);
+    let shown = (header.open(settings.scrolls_to_material.then_some(true))).show(ui, |ui| {
+        list(ui, settings, summary);
+        if let Some(picked) = picked {
+            instance(ui, picked);
+        }
+        let selected = settings
+            .material
+            .and_then(|index| summary.materials.get(index));
+        let Some(row) = selected else {
+            ui.weak("click one here or in the picture");
+            return;
+        };
+        let edit = numbers(ui, row);
+        if edit != row.edit {
+            requests.push(ViewRequest::Edit(Box::new(edit)));
+        }
+        if ui.button("copy as scene text").clicked() {
+            ui.ctx().copy_text(scene_text(&edit.over(&row.numbers)));
+        }
+        ui.weak("until the scene is saved again; overrides motion");
+    });
+    if settings.scrolls_to_material {
+        let is_open = shown.fully_open();
+        let body = shown.body_response.map_or(Rect::NOTHING, |body| body.rect);
+        ui.scroll_to_rect(shown.header_response.rect.union(body), None);
+        // The header unfolds over several frames.
+        settings.scrolls_to_material = !is_open;
+    }
+}
+
+fn list(ui: &mut Ui, settings: &mut ViewSettings, summary: &SceneSummary) {
+    let area = egui::ScrollArea::vertical().id_salt("materials");
+    // Whole rows, so that none is cut.
+    let row = ui.spacing().interact_size.y + ui.spacing().item_spacing.y;
+    area.max_height(ROWS * row).show(ui, |ui| {
+        for row in &summary.materials {
+            let index = row.edit.material;
+            let text = format!("{}  ×{}", row.name, row.uses);
+            let is_selected = settings.material == Some(index);
+            let label = ui.selectable_label(is_selected, text);
+            if label.clicked() {
+                settings.material = (!is_selected).then_some(index);
+            }
+            if is_selected && settings.scrolls_to_material {
+                label.scroll_to_me(None);
+            }
+        }
+    });
+}
+
+/// The clicked instance: its name, as in scripts and scene text, and its size.
+fn instance(ui: &mut Ui, picked: &Picked) {
+    ui.horizontal_wrapped(|ui| {
+        ui.weak("instance");
+        ui.strong(&picked.label);
+    });
+    let triangles = picked.triangles;
+    ui.weak(if picked.bounds.is_empty() {
+        format!("{triangles} triangles, hidden in this frame")
+    } else {
+        let [x, y, z] = (picked.bounds.max - picked.bounds.min).to_array();
+        format!("{triangles} triangles, {x:.2} × {y:.2} × {z:.2} m")
+    });
+}
+
+/// Controls for all values of the material; returns the resulting edit.
+fn numbers(ui: &mut Ui, row: &MaterialRow) -> Edit {
+    let now = row.edit.over(&row.numbers);
+    let mut edit = row.edit;
+    for (index, field) in MATERIAL.iter().enumerate() {
+        let Some(mut value) = (field.get)(&now) else {
+            continue;
+        };
+        if !control(ui, field, &mut value) {
+            continue;
+        }
+        edit.values[index] = Some(value);
+        // A material stores only the product of these two.
+        let pair = ["emission", "emission_strength"];
+        if pair.contains(&field.key) {
+            for (other, field) in MATERIAL.iter().enumerate() {
+                if other != index && pair.contains(&field.key) {
+                    edit.values[other] = (field.get)(&now);
+                }
+            }
+        }
+    }
+    edit
+}
+
+/// The control of a value; returns whether it changed.
+fn control(ui: &mut Ui, field: &Field<MaterialDesc>, value: &mut Vec3) -> bool {
+    let [least, most] = [f32::MIN, f32::MAX].map(|end| field.range.clamp(end));
+    let range = least..=most;
+    match field.form {
+        Form::Number if field.range.max < LIMIT => {
+            let slider = Slider::new(&mut value.x, range).max_decimals(3);
+            let changed = named(ui, slider, field.key).changed();
+            *value = Vec3::splat(value.x);
+            changed
+        }
+        form => {
+            ui.horizontal(|ui| {
+                // Space for three numbers and a label.
+                ui.spacing_mut().item_spacing.x = 4.0;
+                let mut changed = false;
+                let lanes = match form {
+                    Form::Number => 1,
+                    Form::Pair => 2,
+                    Form::Color | Form::Vector => 3,
+                };
+                if form == Form::Color {
+                    changed |= picker(ui, value);
+                }
+                let mut all = value.to_array();
+                let drags: Vec<_> = (all[..lanes].iter_mut())
+                    .map(|lane| {
+                        let drag = DragValue::new(lane).range(range.clone());
+                        ui.add(drag.speed(SPEED).max_decimals(3))
+                    })
+                    .collect();
+                let label = ui.add(egui::Label::new(field.key).truncate());
+                for drag in drags {
+                    changed |= drag.labelled_by(label.id).changed();
+                }
+                *value = match form {
+                    Form::Number => Vec3::splat(all[0]),
+                    _ => all.into(),
+                };
+                changed
+            })
+            .inner
+        }
+    }
+}
+
+/// A color picker that preserves intensities above 1; returns whether the color changed.
+fn picker(ui: &mut Ui, color: &mut Vec3) -> bool {
+    let above = color.max_element().max(1.0);
+    let mut rgb = (*color / above).to_array();
+    let changed = ui.color_edit_button_rgb(&mut rgb).changed();
+    if changed {
+        *color = Vec3::from(rgb) * above;
+    }
+    changed
+}
+
+/// A material's non-default values, as keys of its scene table.
+fn scene_text(material: &MaterialDesc) -> String {
+    let list = |lanes: &[f32]| {
+        let texts: Vec<_> = lanes.iter().map(ToString::to_string).collect();
+        format!("[{}]", texts.join(", "))
+    };
+    let mut text = String::new();
+    for field in MATERIAL.iter().filter(|f| !f.key.starts_with("checker_")) {
+        let value = (field.get)(material);
+        if let Some(value) = value.filter(|_| value != (field.get)(&PLAIN)) {
+            let shown = match field.form {
+                Form::Number => value.x.to_string(),
+                Form::Pair => list(&value.to_array()[..2]),
+                Form::Color | Form::Vector => list(&value.to_array()),
+            };
+            let _ = writeln!(text, "{} = {shown}", field.key);
+        }
+    }
+    if let Some(checker) = &material.checker {
+        let [a, b] = checker.colors.map(|color| list(&color.to_array()));
+        let size_m = checker.size_m;
+        let start = match checker.kind {
+            PatternKind::Checker => "checker = {".to_owned(),
+            kind => format!("pattern = {{ kind = \"{}\",", kind.name()),
+        };
+        let _ = writeln!(text, "{start} colors = [{a}, {b}], size_m = {size_m} }}");
+    }
+    text
+}
+
+#[cfg(test)]
+#[path = "material_panel_tests.rs"]
+mod tests;

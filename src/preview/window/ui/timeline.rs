@@ -1,0 +1,387 @@
+//! The timeline: the current frame. While playing it follows the wall clock, so that slow
+//! frames are skipped and time keeps its pace.
+
+use std::collections::VecDeque;
+
+use eframe::egui::{self, Key, Ui};
+
+use reflet_scene::desc::TimelineDesc;
+
+/// Window of the frame rate measurement, seconds.
+const COUNTED_S: f64 = 2.0;
+/// Below this fraction of the scene's rate, skipped frames are reported.
+const KEEPS_UP: f64 = 0.9;
+
+/// Current frame and playback state.
+#[derive(Clone, Debug)]
+pub struct Timeline {
+    desc: TimelineDesc,
+    frame: u32,
+    /// Start time of playback, seconds, and its first frame; `None` while paused.
+    since: Option<(f64, u32)>,
+    /// Whether playback loops.
+    pub repeats: bool,
+    /// Times at which frames of this playback were shown, seconds.
+    shown: VecDeque<f64>,
+}
+
+impl Timeline {
+    /// Paused at the first frame.
+    pub fn new(desc: &TimelineDesc) -> Self {
+        Self {
+            desc: desc.clone(),
+            frame: desc.start,
+            since: None,
+            repeats: true,
+            shown: VecDeque::new(),
+        }
+    }
+
+    /// Adopts the timeline of a reloaded scene; frame, pause and loop stay.
+    pub fn replace(&mut self, desc: &TimelineDesc, now_s: f64) {
+        if self.desc != *desc {
+            self.desc = desc.clone();
+            self.seek(self.frame, now_s);
+        }
+    }
+
+    /// Adopts the timeline after a scene without one: continues where it was.
+    fn resume(&mut self, desc: &TimelineDesc, now_s: f64) {
+        self.desc = desc.clone();
+        self.seek(self.frame, now_s);
+    }
+
+    /// Current frame.
+    pub fn frame(&self) -> u32 {
+        self.frame
+    }
+
+    /// Whether it is playing.
+    pub fn is_playing(&self) -> bool {
+        self.since.is_some()
+    }
+
+    /// Duration of a frame, seconds.
+    pub fn frame_s(&self) -> f64 {
+        1.0 / f64::from(self.desc.fps)
+    }
+
+    /// Plays or pauses; at the end it plays from the start.
+    pub fn toggle(&mut self, now_s: f64) {
+        self.shown.clear();
+        if self.since.take().is_none() {
+            if self.frame == self.desc.end && !self.repeats {
+                self.frame = self.desc.start;
+            }
+            self.since = Some((now_s, self.frame));
+        }
+    }
+
+    /// Seeks to a frame; playback continues from there.
+    pub fn seek(&mut self, frame: u32, now_s: f64) {
+        self.frame = frame.clamp(self.desc.start, self.desc.end);
+        self.shown.clear();
+        self.since = self.since.map(|_| (now_s, self.frame));
+    }
+
+    /// Pauses and steps by frames; wraps around with loop.
+    pub fn step(&mut self, by: i64) {
+        self.since = None;
+        self.frame = self.after(self.frame, by).0;
+    }
+
+    /// First frame.
+    pub fn start(&self) -> u32 {
+        self.desc.start
+    }
+
+    /// Last frame.
+    pub fn end(&self) -> u32 {
+        self.desc.end
+    }
+
+    /// The frame `by` frames after another, and whether the end was passed without loop.
+    fn after(&self, frame: u32, by: i64) -> (u32, bool) {
+        let [start, end] = [self.desc.start, self.desc.end].map(i64::from);
+        let frame = i64::from(frame) + by;
+        if self.repeats {
+            let around = (frame - start).rem_euclid(end - start + 1);
+            ((start + around) as u32, false)
+        } else {
+            (frame.clamp(start, end) as u32, frame > end)
+        }
+    }
+
+    /// Advances to the clock; returns the seconds until the next frame, `None` while paused.
+    pub fn tick(&mut self, now_s: f64) -> Option<f64> {
+        let (since_s, from) = self.since?;
+        let frames = (now_s - since_s).max(0.0) * f64::from(self.desc.fps);
+        let (frame, is_over) = self.after(from, frames as i64);
+        self.frame = frame;
+        if is_over {
+            self.since = None;
+            return None;
+        }
+        Some((1.0 - frames.fract()) * self.frame_s())
+    }
+
+    /// Counts a frame that was shown.
+    pub fn count(&mut self, now_s: f64) {
+        if self.is_playing() {
+            self.shown.push_back(now_s);
+            while self.shown.front().is_some_and(|t| now_s - t > COUNTED_S) {
+                self.shown.pop_front();
+            }
+        }
+    }
+
+    /// Shown frames per second, once it has played long enough to measure.
+    fn rate(&self, now_s: f64) -> Option<f64> {
+        let played_s = now_s - self.since?.0;
+        let lately = self.shown.iter().filter(|t| now_s - **t < COUNTED_S);
+        (played_s >= COUNTED_S).then(|| lately.count() as f64 / COUNTED_S)
+    }
+
+    /// The rate as text.
+    fn pace(&self, now_s: f64) -> String {
+        let fps = self.desc.fps;
+        match self.rate(now_s) {
+            Some(rate) if rate < KEEPS_UP * f64::from(fps) => {
+                format!("{rate:.1} of {fps} fps: frames are dropped")
+            }
+            _ => format!("{fps} fps"),
+        }
+    }
+}
+
+/// Follows a reloaded scene: the timeline is stored while the scene has none, so that time,
+/// pause and loop are restored when it comes back.
+pub fn follow(
+    shown: &mut Option<Timeline>,
+    hidden_timeline: &mut Option<Timeline>,
+    desc: Option<&TimelineDesc>,
+    now_s: f64,
+) {
+    match (desc, &mut *shown) {
+        (Some(desc), Some(timeline)) => timeline.replace(desc, now_s),
+        (Some(desc), None) => {
+            let mut timeline = hidden_timeline
+                .take()
+                .unwrap_or_else(|| Timeline::new(desc));
+            timeline.resume(desc, now_s);
+            *shown = Some(timeline);
+        }
+        (None, Some(_)) => *hidden_timeline = shown.take(),
+        (None, None) => {}
+    }
+}
+
+/// Width below which the slider has a row of its own, points.
+const ONE_ROW: f32 = 620.0;
+
+/// Handles keys; `presses` counts those of a key since the last frame of the window.
+pub fn keys(timeline: &mut Timeline, presses: impl Fn(Key) -> usize, now_s: f64) {
+    if presses(Key::Space) % 2 == 1 {
+        timeline.toggle(now_s);
+    }
+    let by = presses(Key::ArrowRight) as i64 - presses(Key::ArrowLeft) as i64;
+    if by != 0 {
+        timeline.step(by);
+    }
+    for (key, frame) in [(Key::Home, timeline.start()), (Key::End, timeline.end())] {
+        if presses(key) > 0 {
+            timeline.seek(frame, now_s);
+        }
+    }
+    if presses(Key::L) % 2 == 1 {
+        timeline.repeats = !timeline.repeats;
+    }
+}
+
+/// The row below the picture. While playing it displays the `shown` frame: the clock is ahead
+/// of slow pictures. If it is stuck, because the current frame cannot be posed, it displays both.
+pub fn panel(ui: &mut Ui, timeline: &mut Timeline, shown: Option<u32>, is_stuck: bool, now_s: f64) {
+    let wanted = timeline.frame();
+    let stuck = shown.filter(|shown| is_stuck && *shown != wanted);
+    let shown = shown.filter(|_| timeline.is_playing());
+    let mut frame = shown.unwrap_or(wanted);
+    let told = stuck.unwrap_or(frame);
+    let pace = timeline.pace(now_s);
+    let range = timeline.start()..=timeline.end();
+    let mut is_moved = false;
+    let slider = |ui: &mut Ui, frame: &mut u32| {
+        let right = egui::Layout::right_to_left(egui::Align::Center);
+        ui.with_layout(right, |ui| {
+            ui.weak(&pace);
+            ui.spacing_mut().slider_width = (ui.available_width() - 8.0).max(40.0);
+            let slider = egui::Slider::new(frame, range.clone()).show_value(false);
+            ui.add(slider).on_hover_text("scrub").changed()
+        })
+        .inner
+    };
+    let is_wide = ui.available_width() >= ONE_ROW;
+    let row = egui::Layout::left_to_right(egui::Align::Center).with_main_wrap(!is_wide);
+    let size = egui::vec2(ui.available_width(), ui.spacing().interact_size.y);
+    ui.allocate_ui_with_layout(size, row, |ui| {
+        buttons(ui, timeline, now_s);
+        let label = ui.label("frame");
+        let number = egui::DragValue::new(&mut frame).range(timeline.start()..=timeline.end());
+        is_moved |= ui.add(number).labelled_by(label.id).changed();
+        ui.label(format!("of {}", timeline.end()));
+        ui.monospace(format!("{:7.3} s", f64::from(told) * timeline.frame_s()));
+        if let Some(shown) = stuck {
+            let text = format!("frame {shown} shown, {wanted} wanted");
+            ui.colored_label(ui.visuals().error_fg_color, text);
+        }
+        if is_wide {
+            is_moved |= slider(ui, &mut frame);
+        }
+    });
+    if !is_wide {
+        ui.horizontal(|ui| is_moved |= slider(ui, &mut frame));
+    }
+    if is_moved {
+        timeline.seek(frame, now_s);
+    }
+}
+
+fn buttons(ui: &mut Ui, timeline: &mut Timeline, now_s: f64) {
+    let button =
+        |ui: &mut Ui, text: &str, hover: &str| ui.button(text).on_hover_text(hover).clicked();
+    if button(ui, "|<", "Home: first frame") {
+        timeline.seek(timeline.start(), now_s);
+    }
+    if button(ui, "<", "left arrow: one frame back") {
+        timeline.step(-1);
+    }
+    let word = if timeline.is_playing() {
+        "pause"
+    } else {
+        "play"
+    };
+    if button(ui, word, "Space") {
+        timeline.toggle(now_s);
+    }
+    if button(ui, ">", "right arrow: one frame on") {
+        timeline.step(1);
+    }
+    if button(ui, ">|", "End: last frame") {
+        timeline.seek(timeline.end(), now_s);
+    }
+    ui.checkbox(&mut timeline.repeats, "loop")
+        .on_hover_text("L: the first frame follows the last");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn timeline(fps: f32, start: u32, end: u32) -> Timeline {
+        Timeline::new(&TimelineDesc { fps, start, end })
+    }
+
+    #[test]
+    fn playback_follows_the_clock_and_drops_late_frames() {
+        let mut time = timeline(24.0, 10, 19);
+        assert_eq!(time.tick(5.0), None, "paused");
+        time.toggle(100.0);
+        let wait = time.tick(100.0).expect("plays");
+        assert!(time.frame() == 10 && (wait - 1.0 / 24.0).abs() < 1e-9);
+        time.tick(100.0 + 4.5 / 24.0);
+        assert_eq!(time.frame(), 14);
+        // The time of one wrap around the end, and of many rounds later.
+        time.tick(100.0 + 10.5 / 24.0);
+        assert_eq!(time.frame(), 10);
+        time.tick(100.0 + 1e6 / 24.0 + 1e-6);
+        assert_eq!(time.frame(), 10);
+        time.repeats = false;
+        time.seek(18, 200.0);
+        assert!(time.is_playing());
+        assert_eq!(time.tick(201.0), None);
+        assert!(time.frame() == 19 && !time.is_playing());
+        time.toggle(300.0);
+        assert_eq!(time.frame(), 10, "plays from the start");
+    }
+
+    #[test]
+    fn steps_pause_and_keep_to_the_timeline() {
+        let mut time = timeline(10.0, 0, 3);
+        time.toggle(0.0);
+        time.step(1);
+        assert!(time.frame() == 1 && !time.is_playing());
+        time.step(-2);
+        assert_eq!(time.frame(), 3, "around");
+        time.repeats = false;
+        time.step(1);
+        assert_eq!(time.frame(), 3);
+        time.seek(99, 0.0);
+        assert_eq!(time.frame(), 3);
+        let one = timeline(10.0, 7, 7);
+        assert_eq!(one.after(7, 5), (7, false));
+    }
+
+    #[test]
+    fn another_timeline_keeps_frame_pause_and_loop() {
+        let mut time = timeline(24.0, 0, 100);
+        time.repeats = false;
+        time.seek(80, 0.0);
+        let desc = |fps, end| TimelineDesc { fps, start: 0, end };
+        time.replace(&desc(12.0, 90), 1.0);
+        assert!(time.frame() == 80 && !time.is_playing() && !time.repeats);
+        time.toggle(10.0);
+        time.tick(10.25);
+        assert_eq!(time.frame(), 83);
+        // The new rate counts from now on; what was played stays played.
+        time.replace(&desc(24.0, 90), 10.25);
+        time.tick(10.5);
+        assert_eq!(time.frame(), 89);
+        time.replace(&desc(24.0, 50), 10.5);
+        assert!(time.frame() == 50 && time.is_playing());
+    }
+
+    #[test]
+    fn restored_timeline_keeps_its_frame() {
+        let desc = |end| TimelineDesc {
+            fps: 24.0,
+            start: 0,
+            end,
+        };
+        let (mut shown, mut hidden_timeline) = (Some(timeline(24.0, 0, 100)), None);
+        let time = shown.as_mut().expect("is there");
+        time.repeats = false;
+        time.seek(40, 0.0);
+        time.toggle(0.0);
+        time.tick(0.5);
+        follow(&mut shown, &mut hidden_timeline, None, 0.5);
+        follow(&mut shown, &mut hidden_timeline, None, 5.0);
+        assert!(shown.is_none());
+        // The seconds without a timeline do not count.
+        follow(&mut shown, &mut hidden_timeline, Some(&desc(100)), 90.0);
+        let time = shown.as_mut().expect("is back");
+        time.tick(90.0);
+        assert!(time.frame() == 52 && time.is_playing() && !time.repeats);
+        time.toggle(90.0);
+        follow(&mut shown, &mut hidden_timeline, None, 91.0);
+        follow(&mut shown, &mut hidden_timeline, Some(&desc(30)), 92.0);
+        let time = shown.as_ref().expect("is back");
+        assert!(time.frame() == 30 && !time.is_playing() && !time.repeats);
+    }
+
+    #[test]
+    fn reports_dropped_frames() {
+        let mut time = timeline(20.0, 0, 100);
+        time.toggle(0.0);
+        for i in 1..=60 {
+            time.count(f64::from(i) / 20.0);
+        }
+        assert_eq!(time.pace(3.0), "20 fps");
+        for i in 1..=10 {
+            time.count(3.0 + f64::from(i) / 5.0);
+        }
+        assert_eq!(time.pace(5.0), "5.0 of 20 fps: frames are dropped");
+        // Also while the first frame is still being drawn.
+        assert_eq!(time.pace(9.0), "0.0 of 20 fps: frames are dropped");
+        time.toggle(9.0);
+        assert_eq!(time.pace(9.0), "20 fps");
+    }
+}

@@ -1,0 +1,160 @@
+//! The part of the window that shows the picture: selection by clicks, framing, and camera
+//! movement.
+
+use eframe::egui::{Key, PointerButton, Pos2, Rect, Response, Sense, Ui};
+use glam::{Vec2, Vec3};
+
+use super::{
+    diagnostics_panel, gizmo,
+    panels::ViewRequest,
+    viewport_paint::{self, fit},
+    window::Window,
+};
+use crate::window::protocol::{FrameAction, Picked, Task};
+
+impl Window {
+    /// Shows the picture; returns whether the camera was moved.
+    pub(super) fn picture(&mut self, ui: &mut Ui, frame: &eframe::Frame) -> bool {
+        let rect = ui.available_rect_before_wrap();
+        let pixels = rect.size() * ui.ctx().pixels_per_point();
+        self.viewport = [pixels.x, pixels.y].map(|side| side.max(0.0).round() as u32);
+        let response = ui.allocate_rect(rect, Sense::click_and_drag());
+        self.paint(ui, frame, rect);
+        self.captions(ui, rect);
+        let is_known = self.summary.problems.is_empty() && self.script.is_none();
+        if self.summary.is_nothing() && is_known {
+            viewport_paint::empty_scene(ui, rect, &self.summary.warnings);
+        }
+        diagnostics_panel::overlay(ui, rect, &self.summary.problems, &mut self.fold);
+        let grabbed = self.settings.wipe && self.wipe_line(ui, rect);
+        self.gizmo(ui, rect);
+        if response.clicked()
+            && !grabbed
+            && let Some(at) = response.interact_pointer_pos()
+        {
+            self.click(at, rect);
+        }
+        !grabbed && self.navigate(ui, &response)
+    }
+
+    /// Shows the handles of the selection over the picture of the camera.
+    fn gizmo(&mut self, ui: &Ui, rect: Rect) {
+        let Some(shown) = self.shown.as_ref().filter(|_| !self.settings.wipe) else {
+            return;
+        };
+        let layer = self.layer_at(rect.center(), rect);
+        let Some(layer) = layer.filter(|layer| layer.is_of_camera) else {
+            return;
+        };
+        let place = fit(rect, layer.shape);
+        let camera = shown.camera.clone();
+        match gizmo::handles(ui, place, &camera, &mut self.selection) {
+            Some(ViewRequest::Drag(item, numbers)) => self.drag(ui, item, numbers),
+            Some(ViewRequest::Write(item, numbers)) => self.send(Task::Write(item, numbers)),
+            _ => {}
+        }
+    }
+
+    /// Picks at the click; outside of the picture it clears the selection.
+    fn click(&mut self, at: Pos2, rect: Rect) {
+        let (is_of_camera, place) = match self.layer_at(at, rect) {
+            Some(layer) => (layer.is_of_camera, fit(rect, layer.shape)),
+            None => return,
+        };
+        if !is_of_camera {
+            return;
+        }
+        if place.contains(at) {
+            let part = (at - place.min) / place.size();
+            self.request_frame(FrameAction::Pick([part.x, part.y]));
+        } else {
+            self.unselect();
+        }
+    }
+
+    /// Clears the selected instance and material.
+    pub(super) fn unselect(&mut self) {
+        self.settings.material = None;
+        self.send(Task::Unpick);
+    }
+
+    /// Adopts the result of a pick.
+    pub(super) fn apply_pick(&mut self, picked: Option<Picked>) {
+        self.settings.material = picked.as_ref().map(|picked| picked.material);
+        self.settings.scrolls_to_material = picked.is_some();
+        self.picked = picked;
+    }
+
+    /// Frames the selected instance, else the selected material, else the scene.
+    pub(super) fn frame_selection(&mut self) {
+        let rows = &self.summary.materials;
+        let row = self.settings.material.and_then(|index| rows.get(index));
+        let bounds = match (&self.picked, row) {
+            (Some(picked), _) => picked.bounds,
+            (None, Some(row)) => row.bounds,
+            (None, None) => self.summary.bounds,
+        };
+        if bounds.is_empty() {
+            let is_selected = self.picked.is_some() || row.is_some();
+            self.message.set(match is_selected {
+                true => "nothing to frame: the selection is not there in this frame",
+                false => "nothing to frame: the scene is empty",
+            });
+            return;
+        }
+        let [width, height] = self.viewport.map(|side| side.max(1) as f32);
+        self.camera_controls.frame(&bounds, width / height);
+        self.settings.scene_camera = None;
+    }
+
+    /// Moves the camera; returns whether it moved.
+    fn navigate(&mut self, ui: &Ui, picture: &Response) -> bool {
+        let before = self.camera_controls.camera.clone();
+        let height = picture.rect.height().max(1.0);
+        let drag = picture.drag_delta() / height;
+        let drag = Vec2::new(drag.x, drag.y);
+        if picture.dragged_by(PointerButton::Primary) {
+            self.camera_controls.orbit(drag);
+        }
+        if picture.dragged_by(PointerButton::Middle) {
+            self.camera_controls.pan(drag);
+        }
+        let flies = ui.input(|i| i.pointer.secondary_down()) && picture.contains_pointer();
+        if picture.dragged_by(PointerButton::Secondary) {
+            self.camera_controls.look(drag);
+        }
+        if flies || picture.dragged_by(PointerButton::Secondary) {
+            self.fly(ui);
+        }
+        if picture.hovered() {
+            let notches = ui.input(|i| i.smooth_scroll_delta().y) / 50.0;
+            if notches != 0.0 && flies {
+                self.camera_controls.change_speed(notches);
+                let speed_m = self.camera_controls.speed_m;
+                self.message.set(format!("flying at {speed_m:.2} m/s"));
+            } else if notches != 0.0 {
+                self.camera_controls.dolly(notches);
+            }
+        }
+        self.camera_controls.camera != before
+    }
+
+    fn fly(&mut self, ui: &Ui) {
+        let axis = |more, less| {
+            ui.input(|i| {
+                f32::from(u8::from(i.key_down(more))) - f32::from(u8::from(i.key_down(less)))
+            })
+        };
+        let direction = Vec3::new(
+            axis(Key::D, Key::A),
+            axis(Key::E, Key::Q),
+            axis(Key::W, Key::S),
+        );
+        if direction != Vec3::ZERO {
+            let (seconds, fast) = ui.input(|i| (i.stable_dt.min(0.1), i.modifiers.shift));
+            let factor = if fast { 4.0 } else { 1.0 };
+            self.camera_controls.fly(direction, seconds * factor);
+            ui.ctx().request_repaint();
+        }
+    }
+}

@@ -1,0 +1,80 @@
+//! Renderer: the frame, its passes and its statistics; and [`runtime`], the sessions that programs render scenes with.
+//!
+//! This crate owns the passes ([`passes`] in their order), what a scene needs of them ([`plan`]), settings left to `auto`
+//! ([`decide`]), the arrays and textures on the device, AOVs, and the keyed stages from a scene's text to its picture
+//! ([`runtime::Session`]). It prints nothing and writes no file; `docs/examples/render_to_pixels.rs` is a program.
+
+pub mod aov;
+pub mod aov_view;
+mod bindings;
+pub mod cause;
+pub mod change;
+pub mod chunked_array;
+pub mod chunks;
+pub mod constants;
+pub mod cost;
+mod cull;
+pub mod debug_readback;
+pub mod decide;
+mod download;
+mod draw;
+mod edge_on;
+mod emitters;
+pub mod error;
+mod frame;
+mod frame_pass;
+mod frame_uniforms;
+mod geometry;
+mod gpu_material;
+pub mod lights;
+mod lobe_table;
+pub mod measure;
+pub mod options;
+mod panorama;
+pub mod pass;
+mod pass_builder;
+pub mod passes;
+pub mod picture;
+pub mod plan;
+pub mod png_file;
+pub mod precision;
+pub mod probe;
+pub mod ray_list;
+pub mod rebuild_summary;
+mod recorder;
+mod relative;
+pub mod renderer;
+mod resources;
+pub mod runtime;
+mod scene;
+pub mod shader_variant;
+mod shaders;
+mod shadow_maps;
+pub mod shadow_texels;
+pub mod shared_data;
+mod shared_groups;
+mod sheen_table;
+pub mod shutter;
+pub mod stats;
+mod sub_frame;
+pub mod targets;
+mod texel_array;
+pub mod textures;
+mod tree_array;
+pub mod types;
+pub mod unit_costs;
+pub mod validate;
+pub mod view;
+pub mod view_estimate;
+pub mod view_rays;
+pub mod view_sample;
+mod world_key;
+
+pub use aov::{Plane, PlaneData};
+pub use change::Poses;
+pub use error::RenderError;
+pub use options::{Draft, RenderOptions};
+pub use picture::{PendingPicture, Picture, PictureRequest};
+pub use rebuild_summary::RebuildSummary;
+pub use renderer::Renderer;
+pub use validate::check_world;

@@ -1,0 +1,85 @@
+//! Errors of sessions.
+
+use std::fmt;
+
+use crate::RenderError;
+use reflet_gpu::{GpuError, ShaderError};
+use reflet_scene::diagnostic::{Diagnostic, render_all};
+
+/// Why a session cannot be opened, changed or rendered. Displays the full text with files, lines and columns.
+#[derive(Clone, Debug)]
+pub enum SessionError {
+    /// Mistakes in the scene, its script or its files, or a scene past the limits of the adapter.
+    Scene(Vec<Diagnostic>),
+    /// A name that does not exist.
+    UnknownName {
+        /// Kind of thing that the name stands for: `AOV` or `camera`.
+        kind: &'static str,
+        /// Name as it was given.
+        name: String,
+        /// Names that exist.
+        known: Vec<String>,
+    },
+    /// A frame outside of the timeline.
+    Frame {
+        /// Requested frame number.
+        frame: u32,
+        /// First frame of the timeline; 0 without one.
+        first: u32,
+        /// Last frame of the timeline; 0 without one.
+        last: u32,
+    },
+    /// No usable adapter, a lost device, exhausted memory, or a shader that does not build.
+    Gpu(GpuError),
+}
+
+impl fmt::Display for SessionError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Scene(diagnostics) => f.write_str(render_all(diagnostics, false).trim_end()),
+            Self::UnknownName { kind, name, known } => {
+                write!(
+                    f,
+                    "there is no {kind} `{name}`; there are: {}",
+                    known.join(", ")
+                )
+            }
+            Self::Frame { frame, first, last } => {
+                write!(
+                    f,
+                    "there is no frame {frame}; the timeline has {first} to {last}"
+                )
+            }
+            Self::Gpu(error) => error.fmt(f),
+        }
+    }
+}
+
+impl std::error::Error for SessionError {}
+
+impl From<Vec<Diagnostic>> for SessionError {
+    fn from(diagnostics: Vec<Diagnostic>) -> Self {
+        Self::Scene(diagnostics)
+    }
+}
+
+impl From<GpuError> for SessionError {
+    fn from(error: GpuError) -> Self {
+        Self::Gpu(error)
+    }
+}
+
+impl From<ShaderError> for SessionError {
+    fn from(error: ShaderError) -> Self {
+        Self::Gpu(error.into())
+    }
+}
+
+impl From<RenderError> for SessionError {
+    fn from(error: RenderError) -> Self {
+        match error {
+            RenderError::Scene(diagnostic) => Self::Scene(vec![*diagnostic]),
+            RenderError::Gpu(error) => Self::Gpu(error),
+        }
+    }
+}

@@ -1,0 +1,280 @@
+//! Model viewer scene: a scene made for a bare model, with daylight and its animations.
+
+use std::{
+    collections::HashSet,
+    path::{Path, PathBuf},
+    sync::Arc,
+};
+
+use reflet_scene::{
+    desc::is_stage,
+    diagnostic::{Diagnostic, Source},
+    parse::{Document, Texts},
+    syntax::{Content, made},
+};
+use reflet_world::{
+    gltf::{Fault, Playable, Sandbox},
+    load::LoadOptions,
+    usd,
+};
+
+/// Default frame rate.
+const FPS: f64 = 24.0;
+/// Maximum frame number of a timeline.
+const LAST_FRAME: f64 = 1e6;
+
+/// Whether the path is a model rather than a scene, by its extension.
+pub fn is_model(path: &Path) -> bool {
+    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("");
+    is_stage(path)
+        || ["gltf", "glb"]
+            .iter()
+            .any(|known| extension.eq_ignore_ascii_case(known))
+}
+
+/// Prefix of overrides that choose parts of a USD stage.
+const USD_PREFIX: &str = "model.model.usd";
+
+/// Scene that shows one model. All its animations play once if no two move the same property of a node, else only
+/// the first one; the timeline has their length. A USD stage keeps its frame numbers and the total radiance of its
+/// dome lights. A glTF file that is read here is cached in `options` for the load.
+///
+/// # Errors
+/// A stage that cannot be converted. Errors of a glTF file are reported by the load.
+pub fn model_viewer_scene(
+    path: &Path,
+    options: &LoadOptions,
+    overrides: &[String],
+) -> Result<Source, Box<Diagnostic>> {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let playable =
+        playable(path, &name, options, &choice_of(path, &name, overrides)).or_else(|fault| {
+            match is_stage(path) {
+                true => Err(Box::new(fault.in_file(path))),
+                false => Ok(Playable::default()),
+            }
+        })?;
+    let mut model = made([("file", Content::from(&*name))]);
+    let mut root = made([
+        ("version", Content::from(1)),
+        (
+            "light",
+            made([("sun", sun(is_dear_to_draw(&playable)))]).into(),
+        ),
+        ("environment", sky(playable.stage.dome_radiance)),
+    ]);
+    if let Some((name, duration_s)) = chosen(&playable) {
+        let range = frame_range(duration_s, &playable, fps_of(overrides));
+        let animation = made([
+            ("name", Content::from(name)),
+            ("repeat", "once".into()),
+            ("start_s", (range.frames[0] / range.fps).into()),
+        ]);
+        model.extend(made([("animation", animation.into())]));
+        let timeline = made([
+            ("fps", range.fps.into()),
+            ("start", range.frames[0].into()),
+            ("end", range.frames[1].into()),
+        ]);
+        root.extend(made([("timeline", timeline.into())]));
+    }
+    root.extend(made([("model", made([("model", model.into())]).into())]));
+    Ok(Source::generated(path, root))
+}
+
+/// Sun from above, with ray traced shadows where drawing a shadow map takes longer.
+fn sun(is_dear_to_draw: bool) -> Content {
+    let mut sun = made([
+        ("kind", Content::from("directional")),
+        ("direction", [-0.5, -1.0, -0.7].into()),
+        ("intensity_lux", 2.5.into()),
+        ("shadow_px", 2048.into()),
+    ]);
+    if is_dear_to_draw {
+        sun.extend(made([("shadow", "ray".into())]));
+    }
+    sun.into()
+}
+
+/// Daylight, or the light of the dome lights of a stage.
+fn sky(dome_radiance: Option<[f32; 3]>) -> Content {
+    let colors: [Content; 3] = match dome_radiance {
+        Some(radiance) => [(); 3].map(|()| radiance.into()),
+        None => [[0.5, 0.55, 0.65], [0.6, 0.6, 0.6], [0.25, 0.23, 0.2]].map(Content::from),
+    };
+    let [zenith, horizon, ground] = colors;
+    made([("zenith", zenith), ("horizon", horizon), ("ground", ground)]).into()
+}
+
+/// Whether a model has so many copies that ray traced shadows cost less than drawing every copy into a shadow map:
+/// BVHs hold each mesh only once.
+fn is_dear_to_draw(playable: &Playable) -> bool {
+    /// Number of placed triangles from which the difference is noticeable.
+    const MANY: usize = 4_000_000;
+    /// Number of copies from which it is noticeable, however small they are.
+    const MANY_COPIES: usize = 100_000;
+    let (stored, placed) = (playable.stored_triangles, playable.placed_triangles);
+    playable.copies >= MANY_COPIES || (placed >= MANY && placed / 4 >= stored)
+}
+
+/// Parts of the stage that `--set model.model.usd.…` chooses. Errors are reported when the scene is read.
+fn choice_of(path: &Path, name: &str, overrides: &[String]) -> usd::Choice {
+    let asked = overrides
+        .iter()
+        .filter(|o| o.trim_start().starts_with(USD_PREFIX));
+    let asked: Vec<_> = asked.cloned().collect();
+    let model = made([("file", Content::from(name))]);
+    let root = made([
+        ("version", Content::from(1)),
+        ("model", made([("model", model.into())]).into()),
+    ]);
+    let texts = Texts::collect(Arc::new(Source::generated(path, root)), &[]);
+    let scene = Document::new(&texts, &asked.as_slice().into()).read(None);
+    let models = scene.map_or(Vec::new(), |(desc, _)| desc.models);
+    let model = models.first();
+    model.map_or_else(usd::Choice::default, |model| {
+        usd::Choice::of(&model.value.usd)
+    })
+}
+
+/// Animations of the model, and metadata of its stage.
+fn playable(
+    path: &Path,
+    name: &str,
+    options: &LoadOptions,
+    choice: &usd::Choice,
+) -> Result<Playable, Fault> {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let folders: Vec<PathBuf> = [folder.to_owned()]
+        .into_iter()
+        .chain(options.assets.iter().cloned())
+        .collect();
+    let roots = folders.iter().map(PathBuf::as_path);
+    let sandbox =
+        Sandbox::new(roots, options.max_file_bytes).with_dependencies(&options.dependencies);
+    let path = sandbox.resolve(folder, name)?;
+    if !is_stage(&path) {
+        return Ok(options
+            .preloaded_models
+            .read(&path, &sandbox, options.lenient));
+    }
+    let glb = usd::convert(&path, "model", choice, &folders)?.glb;
+    let folder = glb.parent().unwrap_or(Path::new("."));
+    let sandbox = Sandbox::new([folder], options.max_file_bytes);
+    Ok(options.preloaded_models.read(&glb, &sandbox, false))
+}
+
+/// Name and duration, s, of the animation to play; broken animations are skipped.
+fn chosen(playable: &Playable) -> Option<(&str, f64)> {
+    let clips = playable.clips.iter();
+    let whole: Vec<_> = clips
+        .filter_map(|clip| Some((clip.name.as_str(), clip.animation.as_ref().ok()?)))
+        .collect();
+    let (name, first) = whole.first()?;
+    let animations = || whole.iter().map(|(_, animation)| animation);
+    let channels = animations().flat_map(|a| &a.channels);
+    let weights = animations().flat_map(|a| &a.weights);
+    let mut moved = channels
+        .map(|channel| (channel.node, Some(channel.property)))
+        .chain(weights.map(|track| (track.node, None)));
+    let mut known = HashSet::new();
+    if whole.len() > 1 && moved.all(|part| known.insert(part)) {
+        let ends = whole.iter().map(|(_, animation)| animation.duration_s);
+        return Some(("*", f64::from(ends.fold(0.0, f32::max))));
+    }
+    Some((name, f64::from(first.duration_s)))
+}
+
+/// Frame rate, and first and last frame of an animation.
+struct FrameRange {
+    fps: f64,
+    frames: [f64; 2],
+}
+
+fn frame_range(duration_s: f64, playable: &Playable, asked_fps: Option<f64>) -> FrameRange {
+    if let Some(stage) = playable.stage.time
+        && asked_fps.is_none_or(|fps| fps == stage.rate)
+        && stage.rate > 0.0
+        && stage.rate <= 1000.0
+    {
+        // Time codes of the stage are used as frame numbers if they are whole and not negative.
+        let end = stage.origin + duration_s * stage.rate;
+        let end = stage.end_time_code.map_or(end, |code| code.max(end));
+        // Tolerance for times rounded to 32 bits, frames.
+        let last = (end - 1e-3).ceil();
+        let whole = stage.origin.fract() == 0.0 && stage.origin >= 0.0 && last <= LAST_FRAME;
+        if whole {
+            return FrameRange {
+                fps: stage.rate,
+                frames: [stage.origin, last.max(stage.origin)],
+            };
+        }
+    }
+    let fps = asked_fps.unwrap_or(FPS);
+    let last = (duration_s * fps - 1e-3).ceil();
+    FrameRange {
+        fps,
+        frames: [0.0, last.clamp(0.0, LAST_FRAME)],
+    }
+}
+
+/// Frame rate from `--set timeline.fps=…`; the duration stays.
+fn fps_of(overrides: &[String]) -> Option<f64> {
+    let of = |text: &String| {
+        let (key, value) = text.split_once('=')?;
+        (key.trim() == "timeline.fps").then(|| value.trim().parse().ok())?
+    };
+    let fps = overrides.iter().rev().find_map(of);
+    fps.filter(|fps| *fps > 0.0 && *fps <= 1000.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use reflet_world::gltf::{Stage, StageTime};
+
+    #[test]
+    fn timelines_are_as_long_as_their_animation() {
+        let none = Playable::default();
+        let frames = |duration: f64, playable: &Playable, fps: Option<f64>| {
+            let range = frame_range(duration, playable, fps);
+            (range.fps, range.frames)
+        };
+        assert_eq!(frames(2.0, &none, None), (24.0, [0.0, 48.0]));
+        assert_eq!(frames(2.01, &none, None), (24.0, [0.0, 49.0]));
+        assert_eq!(frames(0.0, &none, None), (24.0, [0.0, 0.0]));
+        assert_eq!(frames(2.0, &none, Some(10.0)), (10.0, [0.0, 20.0]));
+        assert_eq!(frames(1e9, &none, None), (24.0, [0.0, 1e6]));
+        let mut stage = StageTime {
+            rate: 30.0,
+            origin: 101.0,
+            start_time_code: None,
+            end_time_code: None,
+        };
+        let of = |stage| Playable {
+            stage: Stage {
+                time: Some(stage),
+                dome_radiance: None,
+            },
+            ..Playable::default()
+        };
+        let f32_end = f64::from(49.0_f32 / 30.0);
+        assert_eq!(frames(f32_end, &of(stage), None), (30.0, [101.0, 150.0]));
+        assert_eq!(frames(1.0, &of(stage), Some(15.0)), (15.0, [0.0, 15.0]));
+        stage.end_time_code = Some(200.0);
+        assert_eq!(frames(1.0, &of(stage), None), (30.0, [101.0, 200.0]));
+        stage.origin = -5.0;
+        assert_eq!(frames(1.0, &of(stage), None), (24.0, [0.0, 24.0]));
+    }
+
+    #[test]
+    fn finds_the_requested_fps() {
+        let asked =
+            |texts: &[&str]| fps_of(&texts.iter().map(|t| (*t).to_owned()).collect::<Vec<_>>());
+        assert_eq!(asked(&["image.samples=2", "timeline.fps = 12"]), Some(12.0));
+        assert_eq!(asked(&["timeline.fps=12", "timeline.fps=30"]), Some(30.0));
+        for wrong in ["timeline.fps=x", "timeline.fps=-1", "timeline.fps", "fps=5"] {
+            assert_eq!(asked(&[wrong]), None, "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,68 @@
+//! Poses of a scene at the moments of an open shutter.
+
+use std::path::Path;
+
+use crate::{RenderError, shutter::Moments, view::shutter_moment};
+use reflet_scene::{
+    diagnostic::Diagnostic,
+    stages::{Animator, Scene},
+};
+use reflet_world::World;
+
+use super::scene_text::LoadedScene;
+
+/// The moments of one frame of a moving scene.
+pub struct OpenShutter<'a> {
+    animator: Animator<'a>,
+    world: &'a mut World,
+    frame: u32,
+    /// Time that the shutter is open, frames.
+    open: f64,
+    /// Change of the world that is applied after each pose.
+    after: &'a dyn Fn(&mut World),
+}
+
+impl<'a> OpenShutter<'a> {
+    /// Moments of the loaded frame in a picture of so many sub-frames; `None` where all show the same pose.
+    pub fn of(loaded: &'a mut LoadedScene, samples: u32) -> Option<Self> {
+        let LoadedScene { scene, world, .. } = loaded;
+        let moves = moves(scene, samples);
+        moves.then(|| Self::new(scene, world, loaded.frame, &|_| ()))
+    }
+
+    /// The moments of a frame; `after` is called on the world after each pose.
+    pub fn new(
+        scene: &'a Scene,
+        world: &'a mut World,
+        frame: u32,
+        after: &'a dyn Fn(&mut World),
+    ) -> Self {
+        Self {
+            animator: Animator::new(scene),
+            world,
+            frame,
+            open: scene.image.shutter.into(),
+            after,
+        }
+    }
+}
+
+/// Whether this number of sub-frames shows different moments of the scene.
+pub fn moves(scene: &Scene, samples: u32) -> bool {
+    scene.image.shutter > 0.0 && samples > 1 && !scene.is_still()
+}
+
+impl Moments for OpenShutter<'_> {
+    fn pose(&mut self, sample: u32, samples: u32) -> Result<&World, RenderError> {
+        let late_frames = self.open * shutter_moment(sample, samples);
+        let first = |errors: Vec<Diagnostic>| {
+            let text = "the scene has no pose at this moment".to_owned();
+            let unknown = || Diagnostic::in_file("bad-pose", Path::new("scene"), text);
+            RenderError::Scene(Box::new(errors.into_iter().next().unwrap_or_else(unknown)))
+        };
+        let state = self.animator.pose_within(self.frame, late_frames);
+        self.world.apply(&state.map_err(first)?).map_err(first)?;
+        (self.after)(self.world);
+        Ok(self.world)
+    }
+}

@@ -1,0 +1,149 @@
+//! Frames and pictures of what is shown.
+
+use super::{
+    Session,
+    open_shutter::{self, OpenShutter},
+};
+use crate::{
+    PendingPicture, Picture, PictureRequest, RebuildSummary, RenderError, aov::Aov,
+    probe::PassCounts, shutter::Moments as _, stats::FrameStats,
+};
+use reflet_scene::{desc::CameraDesc, diagnostic::Diagnostic, motion::FrameState};
+use reflet_world::World;
+
+impl Session {
+    /// Shows a posed frame: uploads poses, the top-level tree and material numbers only; nothing where all frames
+    /// are equal. `edit` is done to the posed world.
+    ///
+    /// # Errors
+    /// All errors of the frame; the one before stays.
+    pub fn apply(
+        &mut self,
+        frame: u32,
+        pose: Option<FrameState>,
+        edit: &dyn Fn(&mut World),
+    ) -> Result<(), Vec<Diagnostic>> {
+        let Some(state) = pose else {
+            self.loaded.frame = frame;
+            return Ok(());
+        };
+        self.complete().map_err(RenderError::into_diagnostics)?;
+        let world = &mut self.loaded.world;
+        world.apply(&state)?;
+        edit(world);
+        if let Err(error) = self.renderer.update(&self.gpu, world) {
+            if let Some(before) = &self.state {
+                // It was valid before.
+                let _ = world.apply(before);
+                edit(world);
+            }
+            return Err(error.into_diagnostics());
+        }
+        self.loaded.frame = frame;
+        self.state = Some(state);
+        Ok(())
+    }
+
+    /// Edits numbers of materials until the scene is read again.
+    ///
+    /// # Errors
+    /// Same errors as [`crate::Renderer::change`]; then nothing changes.
+    pub fn edit(&mut self, edit: &dyn Fn(&mut World)) -> Result<RebuildSummary, RenderError> {
+        self.complete()?;
+        let worlds = |session: &mut Self, change: &mut dyn FnMut(&mut World)| {
+            change(&mut session.loaded.world);
+            session.first.iter_mut().for_each(change);
+        };
+        let mut before = Vec::new();
+        worlds(self, &mut |world| {
+            before.push(world.materials.clone());
+            edit(world);
+        });
+        let done = self.refresh();
+        if done.is_err() {
+            let mut before = before.into_iter();
+            worlds(self, &mut |world| {
+                world.materials = before.next().unwrap_or_default();
+            });
+        }
+        done
+    }
+
+    /// Index of the camera that shows the posed frame.
+    fn camera(&self) -> usize {
+        let chosen = self.view.camera_in(&self.loaded);
+        chosen.unwrap_or_else(|| self.loaded.camera_at(self.loaded.frame))
+    }
+
+    /// Renders the scene at its current pose.
+    ///
+    /// # Errors
+    /// Same errors as [`crate::Renderer::render`].
+    pub fn picture(&mut self, aovs: &[Aov]) -> Result<Picture, RenderError> {
+        let camera = self.camera();
+        self.complete()?;
+        let samples = self.renderer.options().image.samples;
+        if let Some(mut moments) = OpenShutter::of(&mut self.loaded, samples) {
+            let renderer = &mut self.renderer;
+            return renderer.picture_of_moments(&self.gpu, &mut moments, camera, aovs);
+        }
+        let world = &self.loaded.world;
+        let camera = &world.cameras[camera].value;
+        self.renderer.picture(&self.gpu, world, camera, aovs)
+    }
+
+    /// Starts to render the scene at its current pose.
+    ///
+    /// # Errors
+    /// Same errors as [`crate::Renderer::begin_picture`].
+    pub fn begin(&mut self, request: PictureRequest) -> Result<PendingPicture, RenderError> {
+        let camera = self.camera();
+        self.complete()?;
+        let samples = self.renderer.options().image.samples;
+        if let Some(mut moments) = OpenShutter::of(&mut self.loaded, samples) {
+            let renderer = &mut self.renderer;
+            return renderer.begin_picture_of_moments(&self.gpu, &mut moments, camera, request);
+        }
+        let world = &self.loaded.world;
+        let camera = &world.cameras[camera].value;
+        self.renderer
+            .begin_picture(&self.gpu, world, camera, request)
+    }
+
+    /// Renders a frame that counts the work of each pass.
+    ///
+    /// # Errors
+    /// Same errors as [`crate::Renderer::counts`].
+    pub fn counts(&mut self) -> Result<Vec<PassCounts>, RenderError> {
+        self.complete()?;
+        let world = &self.loaded.world;
+        let camera = &world.cameras[self.camera()].value;
+        self.renderer.counts(&self.gpu, world, camera)
+    }
+
+    /// Renders into the targets with a camera that may move with the world: while the shutter is open, each
+    /// sub-frame shows another moment. `edit` is applied to each pose.
+    ///
+    /// # Errors
+    /// Same errors as [`crate::Renderer::render`], and what a script does wrong at one of the moments.
+    pub fn draw(
+        &mut self,
+        camera: &dyn Fn(&World) -> CameraDesc,
+        edit: &dyn Fn(&mut World),
+    ) -> Result<FrameStats, RenderError> {
+        let samples = self.renderer.options().image.samples;
+        let loaded = &mut self.loaded;
+        if self.coarse.is_some() || !open_shutter::moves(&loaded.scene, samples) {
+            let world = self.coarse.as_ref().unwrap_or(&loaded.world);
+            return self.renderer.render(&self.gpu, world, &camera(world));
+        }
+        let mut moments = OpenShutter::new(&loaded.scene, &mut loaded.world, loaded.frame, edit);
+        let rendered = (self.renderer).render_moments(&self.gpu, &mut moments, camera);
+        if rendered.is_err() {
+            // Picking and inspection need the pose of the frame, which was valid before.
+            let _ = moments.pose(samples - 1, samples);
+            let _ = self.renderer.update(&self.gpu, &loaded.world);
+        }
+        rendered
+    }
+}

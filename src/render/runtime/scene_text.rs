@@ -1,0 +1,378 @@
+//! Opens scenes from a scene file, a model or the built-in atrium, with overrides and asset folders.
+
+use std::{
+    borrow::Cow,
+    env,
+    path::{Path, PathBuf},
+    sync::Arc,
+};
+
+use super::{
+    SessionError,
+    model_viewer_scene::{is_model, model_viewer_scene},
+};
+use reflet_scene::{
+    dependencies::Dependencies,
+    desc::ParamValue,
+    diagnostic::{Diagnostic, Source},
+    motion::FrameState,
+    parse::{self, Document, ReadOptions, Texts, VARIANT},
+    stages::Scene,
+};
+use reflet_world::{
+    World,
+    gltf::MODEL_EMPTY,
+    load::{self, AssetCache, LoadOptions, foreign_formats},
+};
+
+/// Environment variable with asset folders, separated like those in `PATH`.
+pub const ASSETS_ENV: &str = "REFLET_ASSETS";
+
+/// Text of the built-in scene.
+pub const ATRIUM: &str = include_str!("../../../scenes/atrium.toml");
+
+/// Changes to a scene, and folders to search for its files.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct SceneOptions {
+    /// Values to change, written as for `--set`, such as `image.size=[320, 180]`.
+    pub set: Vec<String>,
+    /// Variants of the scene to apply, in this order, before `set`.
+    pub variant: Vec<String>,
+    /// Folders to search for models and textures after the scene's own, before those of
+    /// [`ASSETS_ENV`].
+    pub assets: Vec<PathBuf>,
+    /// Whether to load glTF files that require extensions unknown to Reflet, without the materials, textures and
+    /// lights of these extensions.
+    pub lenient: bool,
+}
+
+/// Text of a scene that is not opened yet.
+#[derive(Clone, Debug)]
+pub struct SceneText {
+    /// The scene's text and those that it names, each with its syntax tree.
+    texts: Arc<Texts>,
+    /// Name of the whole scene for messages.
+    name: String,
+    read: ReadOptions,
+    options: LoadOptions,
+    /// Warnings about the options.
+    warnings: Vec<Diagnostic>,
+}
+
+/// A scene read from disk, without its assets.
+#[derive(Debug)]
+pub struct OpenedScene {
+    /// Scene text, for fingerprints; that of a model viewer scene has no file.
+    pub text: String,
+    /// Variants and overrides applied to the text.
+    pub overrides: Vec<String>,
+    /// Description after overrides and the script's `setup`.
+    pub scene: Arc<Scene>,
+    /// Warnings about the scene's text and script.
+    pub warnings: Vec<Diagnostic>,
+    /// Options for loading, with the dependencies recorded so far.
+    pub options: LoadOptions,
+    /// The model that the scene was generated for; `None` for other scenes.
+    model: Option<PathBuf>,
+}
+
+/// A loaded scene with its description.
+#[derive(Clone, Debug)]
+pub struct LoadedScene {
+    /// Name of the scene for messages.
+    pub name: String,
+    /// Description after overrides and the script's `setup`.
+    pub scene: Arc<Scene>,
+    /// Loaded scene.
+    pub world: World,
+    /// Scene text, for fingerprints.
+    pub text: String,
+    /// Overrides applied to the text.
+    pub overrides: Vec<String>,
+    /// Warnings about the scene's text, script and files.
+    pub warnings: Vec<Diagnostic>,
+    /// Files that were looked for while the scene was loaded, except its texts.
+    pub dependencies: Dependencies,
+    /// The frame that the world was last posed at.
+    pub frame: u32,
+}
+
+impl SceneText {
+    /// Names of the scene's variants, also if its text has mistakes.
+    pub fn variants(&self) -> Vec<String> {
+        Document::new(&self.texts, &self.read).variants()
+    }
+
+    /// Reads the scene text from the file or from the built-in atrium, and the texts that it names; for a model,
+    /// makes a model viewer scene. Making it reads the model, which is cached for the load.
+    ///
+    /// # Errors
+    /// Same errors as [`parse::read`], and a USD stage that cannot be converted.
+    pub fn read(path: Option<&Path>, from: &SceneOptions) -> Result<Self, Vec<Diagnostic>> {
+        let options = load_options(from, &Dependencies::default());
+        let own = match path {
+            Some(path) if is_model(path) => {
+                model_viewer_scene(path, &options, &from.set).map_err(|error| vec![*error])?
+            }
+            Some(path) => match foreign_formats::model(path) {
+                Some((message, help)) => {
+                    let error = Diagnostic::in_file("file-format", path, message);
+                    return Err(vec![error.help(help)]);
+                }
+                None => Source::new(path, parse::read(path)?),
+            },
+            None => Source::new("atrium.toml", ATRIUM),
+        };
+        let name = path.map(|path| path.display().to_string());
+        Ok(Self {
+            name: name.unwrap_or_else(|| "the built-in atrium".to_owned()),
+            options,
+            ..Self::of(Arc::new(own), from)
+        })
+    }
+
+    /// Scene text from memory; `file` is its name in messages.
+    pub fn new(text: &str, file: &Path, from: &SceneOptions) -> Self {
+        Self::of(Arc::new(Source::new(file, text)), from)
+    }
+
+    /// Scene of a text that may have its syntax tree already.
+    pub fn of(own: Arc<Source>, from: &SceneOptions) -> Self {
+        let read = read_options(from);
+        Self {
+            name: own.path.display().to_string(),
+            texts: Texts::collect(own, &read.assets).into(),
+            read,
+            options: load_options(from, &Dependencies::default()),
+            warnings: missing_folders(&from.assets),
+        }
+    }
+
+    /// The same texts with one variant.
+    pub fn with_variant(&self, variant: &str) -> Self {
+        let mut other = self.clone();
+        other.read.variants = vec![variant.to_owned()];
+        other.options.dependencies = Dependencies::default();
+        other
+    }
+
+    /// Name of the scene in messages.
+    pub fn name(&self) -> String {
+        self.name.clone()
+    }
+
+    /// Declared parameters in the scene's order; `None` if the text cannot be parsed.
+    pub fn declared(&self) -> Option<Vec<(String, ParamValue)>> {
+        let declared = Document::new(&self.texts, &self.read).params();
+        declared.map(|list| list.into_iter().map(|p| (p.name, p.value)).collect())
+    }
+
+    /// Reads the scene and runs its script's `setup`; `more` are overrides applied after those of the options. Adds
+    /// the paths of scripts and included files to `texts`, also on errors.
+    ///
+    /// # Errors
+    /// All errors in the scene's texts.
+    pub fn open(
+        self,
+        more: &[String],
+        texts: &Dependencies,
+    ) -> Result<OpenedScene, Vec<Diagnostic>> {
+        let mut options = self.read;
+        options.overrides.extend_from_slice(more);
+        let (scene, warnings) = Scene::from_texts(&self.texts, &options, texts)?;
+        let own = self.texts.own();
+        let variants = (options.variants.iter()).map(|name| format!("{VARIANT} {name}"));
+        Ok(OpenedScene {
+            text: own.text.clone(),
+            overrides: variants.chain(options.overrides).collect(),
+            scene: Arc::new(scene),
+            warnings: self.warnings.into_iter().chain(warnings).collect(),
+            options: self.options,
+            model: own.generated.then(|| own.path.clone()),
+        })
+    }
+}
+
+impl OpenedScene {
+    /// A loaded scene with another description of the same scene, such as one with changed numbers.
+    pub(super) fn of_loaded(loaded: &LoadedScene, scene: Arc<Scene>, options: LoadOptions) -> Self {
+        // Loading adds those of the world again.
+        let mut warnings = loaded.warnings.clone();
+        warnings.retain(|warning| !loaded.world.warnings.contains(warning));
+        Self {
+            text: loaded.text.clone(),
+            overrides: loaded.overrides.clone(),
+            scene,
+            warnings,
+            options,
+            model: None,
+        }
+    }
+
+    /// Loads the assets of the scene; `name` is used in messages.
+    ///
+    /// # Errors
+    /// All errors, after the warnings about the scene's text; a bare model without anything to show.
+    pub fn load(&self, name: String) -> Result<LoadedScene, Vec<Diagnostic>> {
+        let (world, _) = self.world()?;
+        Ok(self.with_world(name, world))
+    }
+
+    /// The world of the scene as it is loaded, with the assets for later texts of it.
+    ///
+    /// # Errors
+    /// Same errors as [`OpenedScene::load`].
+    pub(super) fn world(&self) -> Result<(World, AssetCache), Vec<Diagnostic>> {
+        match load::load_with_cache(&self.scene, &self.options) {
+            Ok((world, assets)) => match self.nothing_to_show(&world) {
+                Some(error) => Err(self.told_with(world, error)),
+                None => Ok((world, assets)),
+            },
+            Err(errors) => Err(self.warnings.iter().cloned().chain(errors).collect()),
+        }
+    }
+
+    /// Error for a bare model without anything to show, which would give an empty picture.
+    fn nothing_to_show(&self, world: &World) -> Option<Diagnostic> {
+        let path = self.model.as_ref().filter(|_| world.instances.is_empty())?;
+        let text = "there is nothing to show: no node places a mesh with triangles";
+        let help = "place the model in a scene of your own to render it anyway";
+        Some(Diagnostic::in_file("nothing-to-show", path, text).help(help))
+    }
+
+    /// All warnings but the one with the same meaning as the error, then the error.
+    fn told_with(&self, world: World, error: Diagnostic) -> Vec<Diagnostic> {
+        let warnings = self.warnings.iter().cloned().chain(world.warnings);
+        let others = warnings.filter(|warning| warning.name != MODEL_EMPTY);
+        others.chain([error]).collect()
+    }
+
+    /// Combines the description with its loaded world.
+    pub(super) fn with_world(&self, name: String, world: World) -> LoadedScene {
+        let mut warnings = self.warnings.clone();
+        warnings.extend(world.warnings.iter().cloned());
+        LoadedScene {
+            name,
+            scene: Arc::clone(&self.scene),
+            text: self.text.clone(),
+            overrides: self.overrides.clone(),
+            warnings,
+            frame: self.scene.first_frame(),
+            world,
+            dependencies: self.options.dependencies.clone(),
+        }
+    }
+}
+
+impl LoadedScene {
+    /// The world at the first frame, which decides `auto` settings; the world as loaded where that frame has errors,
+    /// which are reported when the frame is rendered.
+    pub fn first_frame(&self) -> Cow<'_, World> {
+        if let Ok(Some(state)) = self.scene.pose(self.scene.first_frame()) {
+            let mut world = self.world.clone();
+            if world.apply(&state).is_ok() {
+                return Cow::Owned(world);
+            }
+        }
+        Cow::Borrowed(&self.world)
+    }
+
+    /// Poses the world at a frame, and returns the lines that the script printed there.
+    ///
+    /// # Errors
+    /// All errors of the frame; the world is then unchanged.
+    pub fn pose(&mut self, frame: u32) -> Result<Vec<String>, Vec<Diagnostic>> {
+        let Some(state) = self.scene.pose(frame)? else {
+            return Ok(Vec::new());
+        };
+        self.apply(&state)?;
+        Ok(state.log)
+    }
+
+    /// Poses the world by the state of a frame.
+    ///
+    /// # Errors
+    /// Same errors as [`World::apply`].
+    pub fn apply(&mut self, state: &FrameState) -> Result<(), Vec<Diagnostic>> {
+        self.world.apply(state)?;
+        self.frame = state.frame;
+        Ok(())
+    }
+
+    /// Index of the camera of a frame where none is chosen: that of the last cut at or before the frame, else
+    /// `main`, else the first.
+    pub fn camera_at(&self, frame: u32) -> usize {
+        let cuts = self.scene.cuts.iter().rev();
+        let cut = cuts.into_iter().find(|cut| cut.frame <= frame);
+        let named = cut.and_then(|cut| self.camera(Some(&cut.camera.value)));
+        named.unwrap_or_else(|| self.world.main_camera())
+    }
+
+    /// Index of the named camera; without a name, of the camera of the first frame.
+    pub fn camera(&self, name: Option<&str>) -> Option<usize> {
+        let cameras = &self.world.cameras;
+        match name {
+            Some(name) => cameras.iter().position(|camera| camera.name == name),
+            None => (!cameras.is_empty()).then(|| self.camera_at(self.scene.first_frame())),
+        }
+    }
+
+    /// Index of the named camera, as of [`LoadedScene::camera`].
+    ///
+    /// # Errors
+    /// [`SessionError::UnknownName`] with the names of the scene's cameras.
+    pub fn require_camera(&self, name: Option<&str>) -> Result<usize, SessionError> {
+        self.camera(name).ok_or_else(|| SessionError::UnknownName {
+            kind: "camera",
+            name: name.unwrap_or_default().to_owned(),
+            known: self.camera_names().into_iter().map(str::to_owned).collect(),
+        })
+    }
+
+    /// Names of the scene's cameras.
+    pub fn camera_names(&self) -> Vec<&str> {
+        let cameras = &self.world.cameras;
+        cameras.iter().map(|camera| camera.name.as_str()).collect()
+    }
+}
+
+/// Options for reading scene text.
+fn read_options(from: &SceneOptions) -> ReadOptions {
+    ReadOptions {
+        overrides: from.set.clone(),
+        variants: from.variant.clone(),
+        assets: asset_folders(&from.assets),
+    }
+}
+
+/// Options for loading assets; searched files are recorded in `dependencies`.
+pub fn load_options(from: &SceneOptions, dependencies: &Dependencies) -> LoadOptions {
+    LoadOptions {
+        assets: asset_folders(&from.assets),
+        lenient: from.lenient,
+        dependencies: dependencies.clone(),
+        ..LoadOptions::default()
+    }
+}
+
+/// Warnings about given asset folders that do not exist; those of [`ASSETS_ENV`] may be of other scenes.
+fn missing_folders(given: &[PathBuf]) -> Vec<Diagnostic> {
+    let missing = given.iter().filter(|folder| !folder.is_dir());
+    let warning = |folder: &PathBuf| {
+        let message = "there is no such folder, so nothing is found in it";
+        let help = "check the path of `--assets`";
+        Diagnostic::in_file("no-folder", folder, message).help(help)
+    };
+    missing.map(warning).map(Diagnostic::warning).collect()
+}
+
+/// The given asset folders, then those of [`ASSETS_ENV`].
+pub fn asset_folders(given: &[PathBuf]) -> Vec<PathBuf> {
+    let listed = env::var_os(ASSETS_ENV).unwrap_or_default();
+    let listed = env::split_paths(&listed).filter(|folder| !folder.as_os_str().is_empty());
+    given.iter().cloned().chain(listed).collect()
+}
+
+#[cfg(all(test, debug_assertions))]
+#[path = "scene_text_tests.rs"]
+mod tests;

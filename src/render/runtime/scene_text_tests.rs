@@ -1,0 +1,102 @@
+//! Each text of a scene is parsed once, whoever asks for its tree.
+
+use std::{collections::BTreeMap, fs, path::Path};
+
+use super::*;
+use reflet_scene::{desc::is_stage, syntax::parsed};
+
+const FILES: [(&str, &str); 6] = [
+    (
+        "scene.toml",
+        "base = \"base.toml\"\ninclude = \"lamps.toml\"\nversion = 1\n[params]\ncount = 2\n\
+         [[instance]]\nname = \"a\"\nmodel = { scene = \"ball.toml\" }\n\
+         [[instance]]\nname = \"b\"\nmodel = { scene = \"ball.toml\", params = { size = 3 } }\n\
+         [variant.night]\nimage.exposure_ev = -1\n",
+    ),
+    (
+        "base.toml",
+        "version = 1\n[camera.main]\neye = [0, 1, 5]\ntarget = [0, 0, 0]\n",
+    ),
+    (
+        "lamps.toml",
+        "[light.lamp]\nkind = \"point\"\nposition = [0, 3, 0]\nintensity_cd = 9\n",
+    ),
+    (
+        "ball.toml",
+        "version = 1\nscript = \"ball.rhai\"\ninclude = \"paint.toml\"\n[params]\nsize = 1\n",
+    ),
+    ("paint.toml", "[material.paint]\nroughness = 0.5\n"),
+    (
+        "ball.rhai",
+        "fn setup(ctx) { #{ models: #{ ball: #{ shape: #{ kind: \"sphere\", radius: ctx.params.size }, \
+         material: \"paint\" } } } }\n",
+    ),
+];
+
+/// A folder of scene texts that is removed after the test.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let folder = env::temp_dir().join(format!("reflet-{name}-{}", std::process::id()));
+        fs::create_dir_all(&folder).expect("it can be made");
+        for (name, text) in FILES {
+            fs::write(folder.join(name), text).expect("it can be written");
+        }
+        Self(folder)
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+#[test]
+fn each_text_is_parsed_once_per_opening() {
+    let folder = Folder::new("parsed-once");
+    let path = folder.0.join("scene.toml");
+    parsed::record();
+    let text = SceneText::read(Some(&path), &SceneOptions::default()).expect("it can be read");
+    assert_eq!(text.variants(), ["night"]);
+    assert_eq!(text.declared().expect("they are right").len(), 1);
+    let night = text.with_variant("night");
+    for text in [text, night] {
+        let opened = text.open(&["params.count=5".to_owned()], &Dependencies::default());
+        assert_eq!(opened.expect("it is right").scene.models.len(), 2);
+    }
+    let mut times: BTreeMap<String, usize> = BTreeMap::new();
+    for text in parsed::end() {
+        *times.entry(text).or_default() += 1;
+    }
+    for (name, text) in FILES.iter().filter(|(name, _)| name.ends_with(".toml")) {
+        assert_eq!(times.remove(*text), Some(1), "{name}");
+    }
+    // The other texts are paths of `--set` and results of `setup`, which run once per opening and size.
+    times.retain(|text, _| text.contains("sphere"));
+    let mut results: Vec<_> = times.into_values().collect();
+    results.sort_unstable();
+    assert_eq!(results, [2, 2], "two sizes, opened twice");
+}
+
+/// A bare model gets its scene without any text being parsed; that text says the same as the scene.
+#[test]
+fn scene_of_a_bare_model_is_made_without_parsing() {
+    let model = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scripts/walker.glb");
+    assert!(is_model(&model) && !is_stage(&model));
+    parsed::record();
+    let text = SceneText::read(Some(&model), &SceneOptions::default()).expect("it can be read");
+    let opened = text
+        .open(&[], &Dependencies::default())
+        .expect("it is right");
+    assert_eq!(parsed::end(), Vec::<String>::new());
+    let folder = model.parent().expect("a folder");
+    let again = Scene::from_text(&opened.text, &folder.join("scene.toml"), &[]);
+    let (again, _) = again.unwrap_or_else(|errors| panic!("{}: {errors:?}", opened.text));
+    let values = |scene: &Scene| {
+        let sun = &scene.lights[0].value;
+        format!("{:?} {sun:?} {:?}", scene.timeline, scene.environment)
+    };
+    assert_eq!(values(&opened.scene), values(&again));
+}

@@ -1,0 +1,21 @@
+//! Scene text as users write it, read with all its errors at once.
+//!
+//! This crate owns the scene format ([`desc`]), its manual and schema, the syntax tree of a text ([`syntax`]) and its
+//! reader ([`parse`]), the sandbox of scripts ([`script`]), animation tracks ([`motion`]), and the diagnostics that all
+//! crates report ([`diagnostic`]). It reads texts and no assets, and knows no device.
+
+mod confined_read;
+pub mod dependencies;
+pub mod desc;
+pub mod diagnostic;
+pub mod manual;
+pub mod motion;
+pub mod number;
+pub mod parse;
+pub mod range;
+pub mod schema;
+pub mod script;
+pub mod stages;
+mod suggest;
+pub mod syntax;
+pub mod toml_text;

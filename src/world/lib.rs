@@ -1,0 +1,302 @@
+//! Loaded scenes: SceneDesc → CPU data, including asset files and BVHs, without a GPU.
+//!
+//! This crate owns the readers of untrusted files ([`gltf`], [`texture`], [`environment`], [`usd`] by its converter),
+//! [`load`], which turns a scene into a [`World`], its pose at a frame ([`pose`], [`rig`], [`deform`]), and the trees
+//! with the ray casts that judge the GPU's ([`bvh`]).
+
+use std::{
+    collections::BTreeMap,
+    path::PathBuf,
+    sync::{Arc, OnceLock},
+};
+
+use glam::{Affine3A, Vec2, Vec3, Vec4};
+
+use reflet_base::{math::Bounds, memory::Budget};
+use reflet_scene::{
+    desc::{CameraDesc, Entry, LightDesc, ShownDesc},
+    diagnostic::Diagnostic,
+};
+
+pub mod animation;
+pub mod bvh;
+mod closed;
+pub mod deform;
+pub mod emitters;
+pub mod environment;
+pub mod gltf;
+pub mod load;
+mod material;
+mod material_textures;
+mod normal_uv;
+mod pointed;
+pub mod pose;
+pub mod reach;
+pub mod rig;
+pub mod shape;
+mod shared;
+pub mod texture;
+pub mod usd;
+
+pub use environment::Environment;
+pub use material::{ListedVariants, Material};
+pub use material_textures::{CORE_SLOTS, CoreTexture, LAYER_SLOTS, LayerTexture, TEXTURE_SLOTS};
+pub use shared::Shared;
+
+use deform::{Deformation, Deformed};
+
+/// A loaded scene: geometry in object space, placed by instances.
+#[derive(Clone, Debug, Default)]
+pub struct World {
+    /// Unique geometry, which instances place.
+    pub meshes: Shared<Mesh>,
+    /// Materials; instances refer to them by index.
+    pub materials: Vec<Material>,
+    /// Decoded images; materials refer to them by index.
+    pub textures: Shared<Texture>,
+    /// Placements of meshes.
+    pub instances: Vec<Instance>,
+    /// Index of the `[[instance]]` in the scene text of each instance, if it has one.
+    pub written: Vec<Option<usize>>,
+    /// The scene's and the files' lights, at most [`MAX_LIGHTS`].
+    pub lights: Vec<Light>,
+    /// The scene's and the files' cameras; never empty.
+    pub cameras: Vec<Entry<CameraDesc>>,
+    /// Environment: radiance of rays that leave the scene, and light from all directions.
+    pub environment: Environment,
+    /// The animations of all files.
+    pub animations: Vec<animation::Listed>,
+    /// The material variants of the files that have some.
+    pub variants: Vec<ListedVariants>,
+    /// Named warnings collected while loading.
+    pub warnings: Vec<Diagnostic>,
+    /// Every file that was read, for fingerprints and watching.
+    pub files: Vec<PathBuf>,
+    /// Animated parts.
+    pub moving: pose::Moving,
+    /// Current pose of the meshes that animations deform, by index into `meshes`.
+    pub deformed: BTreeMap<usize, Arc<Deformed>>,
+    /// The unit U at load, meters, kept because poses would change it in scenes without static geometry. `None`
+    /// computes it from the current bounds.
+    pub rest_unit_m: Option<f32>,
+    /// Memory budget that loading left for trees.
+    pub memory: Budget,
+}
+
+/// Maximum number of lights in a scene; their uniform block stays far below 64 KiB.
+pub const MAX_LIGHTS: usize = 64;
+
+/// Triangles with per-vertex attributes; all attribute arrays are as long as `positions`.
+#[derive(Clone, Debug, Default)]
+pub struct Mesh {
+    /// Name for messages: model, node and primitive.
+    pub name: String,
+    /// Positions in object space, meters, finite.
+    pub positions: Vec<Vec3>,
+    /// Normals of unit length.
+    pub normals: Vec<Vec3>,
+    /// Tangents: xyz of unit length, w = ±1 handedness; empty where no normal map needs them.
+    pub tangents: Vec<Vec4>,
+    /// First texture coordinates, glTF convention (v down); zeros where the file has none.
+    pub uv0: Vec<Vec2>,
+    /// Second texture coordinates; empty where the material needs none.
+    pub uv1: Vec<Vec2>,
+    /// Linear vertex color; empty where the file has none.
+    pub colors: Vec<Vec4>,
+    /// Vertex indices, each below `positions.len()`; counter-clockwise is the front.
+    pub triangles: Vec<[u32; 3]>,
+    /// Object-space bounds of `positions`.
+    pub bounds: Bounds,
+    /// Deformation by animations; the vertices here are at rest, and their pose is in [`World::deformed`].
+    pub deformation: Option<Arc<Deformation>>,
+    /// Cached result of [`Mesh::is_closed_outward`].
+    pub closed: OnceLock<bool>,
+}
+
+/// The attributes of a mesh that depend on its pose.
+#[derive(Clone, Copy, Debug)]
+pub struct Posed<'a> {
+    /// Posed [`Mesh::positions`].
+    pub positions: &'a [Vec3],
+    /// Posed [`Mesh::normals`].
+    pub normals: &'a [Vec3],
+    /// Posed [`Mesh::tangents`].
+    pub tangents: &'a [Vec4],
+    /// Bounds of the positions.
+    pub bounds: Bounds,
+}
+
+impl Posed<'_> {
+    /// Corners of a triangle.
+    pub fn corners(&self, triangle: [u32; 3]) -> [Vec3; 3] {
+        triangle.map(|i| self.positions[i as usize])
+    }
+}
+
+impl Mesh {
+    /// Memory of the vertices and triangles, bytes.
+    pub fn bytes(&self) -> u64 {
+        let streams = [
+            size_of_val(self.positions.as_slice()),
+            size_of_val(self.normals.as_slice()),
+            size_of_val(self.tangents.as_slice()),
+            size_of_val(self.uv0.as_slice()),
+            size_of_val(self.uv1.as_slice()),
+            size_of_val(self.colors.as_slice()),
+            size_of_val(self.triangles.as_slice()),
+        ];
+        streams.into_iter().sum::<usize>() as u64
+    }
+
+    /// The vertices at rest.
+    pub fn at_rest(&self) -> Posed<'_> {
+        Posed {
+            positions: &self.positions,
+            normals: &self.normals,
+            tangents: &self.tangents,
+            bounds: self.bounds,
+        }
+    }
+}
+
+/// A mesh placed in the world.
+#[derive(Clone, Debug)]
+pub struct Instance {
+    /// Name in the scene text, or of the file's node, for messages and scripts.
+    pub name: String,
+    /// Index into [`World::meshes`].
+    pub mesh: usize,
+    /// Index into [`World::materials`].
+    pub material: usize,
+    /// Object to world, finite; may mirror. Singular ones are dropped at load with a warning, but
+    /// for [`Instance::HIDDEN`].
+    pub world_from_object: Affine3A,
+    /// Whether the instance may move or is deformed; then it is traced through the top level.
+    pub dynamic: bool,
+    /// Visibility to rays of the camera, shadows and reflections.
+    pub shown: ShownDesc,
+}
+
+impl Instance {
+    /// Transform of a hidden instance: no ray hits it and no draw shows it.
+    pub const HIDDEN: Affine3A = Affine3A::ZERO;
+
+    /// Whether the instance is hidden in the current pose.
+    pub fn is_hidden(&self) -> bool {
+        self.world_from_object.matrix3 == Self::HIDDEN.matrix3
+    }
+}
+
+/// A material's reference to a texture, and how it is sampled.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TextureRef {
+    /// Index into [`World::textures`].
+    pub texture: usize,
+    /// Index of the set of texture coordinates, 0 or 1.
+    pub uv_set: u32,
+    /// KHR_texture_transform as rows of a 2×3 matrix: u' = r0·(u, v, 1), v' = r1·(u, v, 1).
+    pub transform: [Vec3; 2],
+    /// Wrap modes along u and v.
+    pub wrap: [Wrap; 2],
+    /// Whether magnification picks the nearest texel.
+    pub nearest: bool,
+}
+
+impl TextureRef {
+    /// Matrix rows of KHR_texture_transform. The extension's printed rotation matrix turns the other way than its
+    /// reference pictures and every viewer; see KhronosGroup/glTF#1563.
+    pub fn rows(offset: Vec2, rotation: f32, scale: Vec2) -> [Vec3; 2] {
+        let (s, c) = rotation.sin_cos();
+        [
+            Vec3::new(c * scale.x, s * scale.y, offset.x),
+            Vec3::new(-s * scale.x, c * scale.y, offset.y),
+        ]
+    }
+}
+
+/// glTF's wrap modes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+pub enum Wrap {
+    /// glTF's `REPEAT`.
+    #[default]
+    Repeat,
+    /// glTF's `CLAMP_TO_EDGE`.
+    Clamp,
+    /// glTF's `MIRRORED_REPEAT`.
+    Mirror,
+}
+
+/// A decoded image: RGBA, 8 bits a channel, top row first.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Texture {
+    /// Name of the image's file or data URI, for messages.
+    pub name: String,
+    /// Pixels across, 1 to 16384.
+    pub width: u32,
+    /// Pixels down, 1 to 16384.
+    pub height: u32,
+    /// `width * height * 4` bytes.
+    pub rgba: Vec<u8>,
+    /// Whether the bytes are sRGB-encoded (color) or linear (data). An image used as both is stored twice.
+    pub srgb: bool,
+}
+
+/// A light in world space.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Light {
+    /// Name from scene text or file.
+    pub name: String,
+    /// Description of the light, as in scene text.
+    pub desc: LightDesc,
+    /// Distance at which a file's light ends (KHR_lights_punctual `range`), meters; `None` is endless.
+    pub range_m: Option<f32>,
+}
+
+impl World {
+    /// Index of the camera that is taken where none is chosen: `main`, else the first.
+    pub fn main_camera(&self) -> usize {
+        let mut cameras = self.cameras.iter();
+        cameras
+            .position(|camera| camera.name == "main")
+            .unwrap_or(0)
+    }
+
+    /// The vertices of a mesh in its current pose.
+    pub fn posed(&self, mesh: usize) -> Posed<'_> {
+        match self.deformed.get(&mesh) {
+            Some(deformed) => deformed.posed(),
+            None => self.meshes[mesh].at_rest(),
+        }
+    }
+
+    /// World-space bounds of an instance; empty when it is hidden.
+    pub fn bounds_of(&self, instance: &Instance) -> Bounds {
+        if instance.is_hidden() {
+            return Bounds::EMPTY;
+        }
+        let bounds = self.posed(instance.mesh).bounds;
+        bounds.transformed(&instance.world_from_object)
+    }
+
+    /// Bounds of all static instances in world space, or of everything when nothing is static.
+    pub fn static_bounds(&self) -> Bounds {
+        let of = |want_static: bool| {
+            let mut bounds = Bounds::EMPTY;
+            for i in self.instances.iter().filter(|i| !want_static || !i.dynamic) {
+                bounds = bounds.union(self.bounds_of(i));
+            }
+            bounds
+        };
+        let bounds = of(true);
+        if bounds.is_empty() { of(false) } else { bounds }
+    }
+
+    /// The unit U in meters: the diagonal of the static bounds / 16, 1 for an empty scene.
+    pub fn unit_m(&self) -> f32 {
+        if let Some(unit_m) = self.rest_unit_m {
+            return unit_m;
+        }
+        let diagonal = self.static_bounds().diagonal();
+        if diagonal > 0.0 { diagonal / 16.0 } else { 1.0 }
+    }
+}
