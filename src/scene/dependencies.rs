@@ -12,7 +12,7 @@ use reflet_base::files::Stamp;
 #[derive(Clone, Debug, Default)]
 pub struct Dependencies(Arc<Mutex<Vec<Dependency>>>);
 
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Dependency {
     path: PathBuf,
     /// Stamp before the file was read; `None` if it was missing.
@@ -42,6 +42,19 @@ impl Dependencies {
             .iter()
             .find(|known| Stamp::of(&known.path) != known.stamp);
         changed.map(|known| known.path.clone())
+    }
+
+    /// Adds the files of another list, with the stamps that they have there.
+    pub fn extend(&self, other: &Self) {
+        if Arc::ptr_eq(&self.0, &other.0) {
+            return;
+        }
+        let mut list = self.list();
+        for new in other.list().iter() {
+            if list.iter().all(|known| known.path != new.path) {
+                list.push(new.clone());
+            }
+        }
     }
 
     fn list(&self) -> MutexGuard<'_, Vec<Dependency>> {

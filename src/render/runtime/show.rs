@@ -187,9 +187,10 @@ impl Session {
         let (world, assets) = match reused {
             Some(world) => (world, None),
             None => {
-                // Dependencies of the scene before are dropped.
-                self.dependencies = read.load_options().dependencies.clone();
-                let (world, assets) = read.opened.world()?;
+                let world = read.opened.world();
+                // A change of these files may mend a scene that is refused.
+                self.dependencies.extend(&read.load_options().dependencies);
+                let (world, assets) = world?;
                 (world, Some(assets))
             }
         };
@@ -204,6 +205,8 @@ impl Session {
         // No step below this line can fail.
         if assets.is_some() {
             self.assets = assets;
+            // Files that only the scene before searched for are dropped.
+            self.dependencies = read.load_options().dependencies.clone();
         }
         (self.loaded, self.first, self.state) = (loaded, first, state);
         (self.declared, self.parameters) = (read.declared, read.parameters);
