@@ -1,13 +1,14 @@
 //! Frames and pictures of what is shown.
 
 use super::{
-    Session,
+    RendererStage, Session,
     open_shutter::{self, OpenShutter},
 };
 use crate::{
     PendingPicture, Picture, PictureRequest, RebuildSummary, RenderError, aov::Aov,
     probe::PassCounts, shutter::Moments as _, stats::FrameStats,
 };
+use reflet_gpu::Gpu;
 use reflet_scene::{desc::CameraDesc, diagnostic::Diagnostic, motion::FrameState};
 use reflet_world::World;
 
@@ -32,11 +33,13 @@ impl Session {
         world.apply(&state)?;
         edit(world);
         if let Err(error) = self.renderer.update(&self.gpu, world) {
-            if let Some(before) = &self.state {
+            match (&self.state, &self.first) {
                 // It was valid before.
-                let _ = world.apply(before);
-                edit(world);
+                (Some(before), _) => drop(world.apply(before)),
+                (None, Some(first)) => world.clone_from(first),
+                (None, None) => {}
             }
+            edit(world);
             return Err(error.into_diagnostics());
         }
         self.loaded.frame = frame;
@@ -83,13 +86,14 @@ impl Session {
         let camera = self.camera();
         self.complete()?;
         let samples = self.renderer.options().image.samples;
+        let renderer = &mut self.renderer;
         if let Some(mut moments) = OpenShutter::of(&mut self.loaded, samples) {
-            let renderer = &mut self.renderer;
-            return renderer.picture_of_moments(&self.gpu, &mut moments, camera, aovs);
+            let picture = renderer.picture_of_moments(&self.gpu, &mut moments, camera, aovs);
+            return picture.inspect_err(|_| close(renderer, &self.gpu, moments, samples));
         }
         let world = &self.loaded.world;
         let camera = &world.cameras[camera].value;
-        self.renderer.picture(&self.gpu, world, camera, aovs)
+        renderer.picture(&self.gpu, world, camera, aovs)
     }
 
     /// Starts to render the scene at its current pose.
@@ -100,14 +104,15 @@ impl Session {
         let camera = self.camera();
         self.complete()?;
         let samples = self.renderer.options().image.samples;
+        let renderer = &mut self.renderer;
         if let Some(mut moments) = OpenShutter::of(&mut self.loaded, samples) {
-            let renderer = &mut self.renderer;
-            return renderer.begin_picture_of_moments(&self.gpu, &mut moments, camera, request);
+            let picture =
+                renderer.begin_picture_of_moments(&self.gpu, &mut moments, camera, request);
+            return picture.inspect_err(|_| close(renderer, &self.gpu, moments, samples));
         }
         let world = &self.loaded.world;
         let camera = &world.cameras[camera].value;
-        self.renderer
-            .begin_picture(&self.gpu, world, camera, request)
+        renderer.begin_picture(&self.gpu, world, camera, request)
     }
 
     /// Renders a frame that counts the work of each pass.
@@ -139,11 +144,14 @@ impl Session {
         }
         let mut moments = OpenShutter::new(&loaded.scene, &mut loaded.world, loaded.frame, edit);
         let rendered = (self.renderer).render_moments(&self.gpu, &mut moments, camera);
-        if rendered.is_err() {
-            // Picking and inspection need the pose of the frame, which was valid before.
-            let _ = moments.pose(samples - 1, samples);
-            let _ = self.renderer.update(&self.gpu, &loaded.world);
-        }
-        rendered
+        rendered.inspect_err(|_| close(&mut self.renderer, &self.gpu, moments, samples))
+    }
+}
+
+/// Poses the world and the renderer at the end of a frame, where another moment of it failed: what comes after the
+/// error shows the frame, which was valid before.
+fn close(renderer: &mut RendererStage, gpu: &Gpu, mut moments: OpenShutter, samples: u32) {
+    if let Ok(world) = moments.pose(samples - 1, samples) {
+        let _ = renderer.update(gpu, world);
     }
 }
