@@ -143,10 +143,9 @@ impl Session {
         values: impl IntoIterator<Item = S>,
     ) -> Result<(), SessionError> {
         let (mut source, frame) = (self.source.clone(), self.loaded.frame);
-        source
-            .options
-            .set
-            .extend(values.into_iter().map(Into::into));
+        for value in values {
+            set_value(&mut source.options.set, value.into());
+        }
         let mut read = read::read(&source, &self.parameters, &Dependencies::default(), frame)?;
         if read.frame() != frame {
             read.request(read.scene().first_frame());
@@ -244,6 +243,20 @@ impl Session {
         let of_setup = self.loaded.scene.scripts().flat_map(|s| &s.setup_log);
         of_setup.chain(self.state.iter().flat_map(|state| &state.log))
     }
+}
+
+/// Adds a changed value, `key=value`. An earlier number, text or list of the same key is dropped, so that a session
+/// whose values change without end does not grow; a table stays, since the keys in it are set one by one.
+fn set_value(set: &mut Vec<String>, value: String) {
+    let parts = |setting: &str| {
+        let (key, value) = setting.split_once('=')?;
+        let is_table = value.trim_start().starts_with('{');
+        (!is_table).then(|| key.trim().to_owned())
+    };
+    if let Some(key) = parts(&value) {
+        set.retain(|earlier| parts(earlier).as_ref() != Some(&key));
+    }
+    set.push(value);
 }
 
 fn find_aov(name: &str) -> Result<Aov, SessionError> {
