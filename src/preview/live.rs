@@ -3,6 +3,7 @@
 
 use std::{
     collections::BTreeSet,
+    fmt,
     path::PathBuf,
     sync::Arc,
     time::{Duration, SystemTime},
@@ -50,10 +51,30 @@ pub struct Problems {
     pub scene: Vec<Diagnostic>,
     /// Errors in the requested frame; other frames may be valid.
     pub pose: Vec<Diagnostic>,
-    /// Shader error.
-    pub shader: Option<ShaderError>,
-    /// Error of the last device operation, such as a picture past its limits.
-    pub refused: Option<String>,
+    /// Reason for which the device cannot show the scene on disk.
+    pub unbuilt_scene: Option<BuildProblem>,
+    /// Reason for which the shaders on disk are not in use.
+    pub unbuilt_shaders: Option<BuildProblem>,
+    /// Error of the last picture, such as one past the limits of the device.
+    pub undrawn: Option<String>,
+}
+
+/// Error that keeps a scene or shaders from being built.
+#[derive(Clone, Debug, PartialEq)]
+pub enum BuildProblem {
+    /// Error in a shader.
+    Shader(ShaderError),
+    /// Any other error, such as a limit of the device.
+    Device(String),
+}
+
+impl fmt::Display for BuildProblem {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Shader(error) => error.fmt(f),
+            Self::Device(text) => f.write_str(text),
+        }
+    }
 }
 
 impl Problems {
@@ -61,8 +82,13 @@ impl Problems {
     pub fn is_empty(&self) -> bool {
         self.scene.is_empty()
             && self.pose.is_empty()
-            && self.shader.is_none()
-            && self.refused.is_none()
+            && self.unbuilt().next().is_none()
+            && self.undrawn.is_none()
+    }
+
+    /// Errors that keep the scene or the shaders on disk from being built.
+    pub fn unbuilt(&self) -> impl Iterator<Item = &BuildProblem> {
+        self.unbuilt_scene.iter().chain(&self.unbuilt_shaders)
     }
 }
 

@@ -4,7 +4,7 @@ use std::{fs, path::PathBuf, sync::Arc};
 
 use reflet::{gpu::Gpu, render::RebuildSummary, scene::desc::Method};
 use reflet_preview::{
-    live::{Live, Reload, ViewOverrides},
+    live::{BuildProblem, Live, Reload, ViewOverrides},
     watch::Change,
 };
 
@@ -283,7 +283,9 @@ fn a_shader_edit_rebuilds_its_own_pipelines_and_a_mistake_none() {
     fs::write(&tone, good.replace("fn main", "fn main(")).expect("written");
     let reload = live.reload(&[Change::Shader].into());
     assert!(!reload.ok && reload.pipelines == 0);
-    let error = live.problems.shader.clone().expect("is told");
+    let Some(BuildProblem::Shader(error)) = live.problems.unbuilt_shaders.clone() else {
+        panic!("{:?}", live.problems);
+    };
     let place = error.location.expect("has a place");
     assert!(
         place.file.ends_with("tone.wgsl") && place.line > 1,

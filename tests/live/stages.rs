@@ -8,7 +8,7 @@ use reflet::{
     runtime::{Session, SessionError, SessionOptions, scene_text::SceneOptions},
 };
 use reflet_preview::{
-    live::{Problems, ViewOverrides},
+    live::{BuildProblem, InitialBuild, Live, Problems, SceneSource, ViewOverrides},
     watch::Change,
     window::protocol::Report,
 };
@@ -93,7 +93,7 @@ const BREAKS: [Break; 7] = [
         Change::Scene,
         "shape = { kind = \"plane\", size = [8, 8] }",
         "shape = { kind = \"plane\", size = [1e16, 8] }",
-        |problems| !problems.scene.is_empty() || problems.refused.is_some(),
+        |problems| !problems.scene.is_empty() || problems.unbuilt_scene.is_some(),
     ),
     (
         "shaders",
@@ -101,7 +101,7 @@ const BREAKS: [Break; 7] = [
         Change::Shader,
         "fn main",
         "fn main(",
-        |problems| problems.shader.is_some(),
+        |problems| problems.unbuilt_shaders.is_some(),
     ),
 ];
 
@@ -161,6 +161,87 @@ fn a_broken_stage_keeps_the_last_good_picture_and_a_mended_one_shows() {
     let mut afresh = open(&gpu, &path, Some(&shaders));
     assert!(afresh.pose_now(5));
     assert!(picture(&gpu, &mut live) == picture(&gpu, &mut afresh));
+}
+
+/// A shader that only some scenes need refuses those alone. They are mended in their text, and a picture of what is
+/// shown meanwhile does not hide the error.
+#[test]
+fn a_scene_that_a_broken_shader_refuses_is_mended_in_its_text() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let gpu = std::sync::Arc::new(gpu);
+    let folder = Folder::new();
+    let path = folder.write("scene.toml", SCENE);
+    let shaders = copy_shaders(&folder);
+    let blur = fs::read_to_string(shaders.join("blur.wgsl")).expect("readable");
+    folder.write("shaders/blur.wgsl", blur.replacen("fn main", "fn main(", 1));
+    let mut live = open(&gpu, &path, Some(&shaders));
+    let before = picture(&gpu, &mut live);
+    folder.write("scene.toml", format!("{SCENE}[reflection]\nblur_px = 2\n"));
+    assert!(!live.reload(&[Change::Scene].into()).ok);
+    assert!(picture(&gpu, &mut live) == before);
+    let Some(BuildProblem::Shader(error)) = &live.problems.unbuilt_scene else {
+        panic!("{:?}", live.problems);
+    };
+    assert!(error.to_string().contains("blur.wgsl"), "{error}");
+    folder.write("scene.toml", SCENE);
+    let reload = live.reload(&[Change::Scene].into());
+    assert!(reload.ok && live.problems.is_empty(), "{:?}", live.problems);
+}
+
+/// Files that the shown scene searched for stay watched while one that needs others is refused, with those.
+#[test]
+fn a_refused_scene_leaves_the_watched_files() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let gpu = std::sync::Arc::new(gpu);
+    let folder = Folder::new();
+    folder.write("assets/points.csv", "x,y,z\n0,0,0\n1,0,0\n");
+    let placed =
+        |file: &str| format!("{SCENE}[[instance]]\nmodel = \"box\"\ninstances_from = \"{file}\"\n");
+    let path = folder.write("scene.toml", placed("points.csv"));
+    let source = SceneSource {
+        path: Some(path),
+        options: SceneOptions {
+            assets: vec![folder.path("assets")],
+            ..SceneOptions::default()
+        },
+        shaders: None,
+    };
+    let view = ViewOverrides::default();
+    let mut live = Live::open(gpu, source, view, InitialBuild::Whole).expect("it opens");
+    let watches = |live: &Live, name: &str| {
+        let (list, _) = live.watch_list();
+        list.files
+            .iter()
+            .any(|(path, _)| *path == folder.path(name))
+    };
+    assert!(
+        watches(&live, "points.csv"),
+        "it would be taken if it were there"
+    );
+    folder.write("scene.toml", placed("none.csv"));
+    assert!(!live.reload(&[Change::Scene].into()).ok);
+    assert!(watches(&live, "points.csv") && watches(&live, "none.csv"));
+    folder.write("none.csv", "x,y,z\n0,0,0\n");
+    let reload = live.reload(&[Change::Asset].into());
+    assert!(reload.ok, "{:?}", live.problems);
+    assert!(watches(&live, "none.csv") && !watches(&live, "points.csv"));
+}
+
+/// Values that replace each other do not add up.
+#[test]
+fn a_value_that_is_set_again_takes_the_place_of_the_earlier_one() {
+    if gpu_or_skip().is_none() {
+        return;
+    }
+    let folder = Folder::new();
+    let path = folder.write("scene.toml", SCENE);
+    let mut session = Session::open(&path, &SessionOptions::default()).expect("it opens");
+    for step in 0..3 {
+        session
+            .set([format!("light.lamp.intensity_cd={}", 30 + step)])
+            .expect("set");
+    }
+    assert_eq!(session.source().options.set, ["light.lamp.intensity_cd=32"]);
 }
 
 #[test]

@@ -5,7 +5,7 @@ use std::{
     time::{Instant, SystemTime},
 };
 
-use super::{Edit, Live, ReadRequest, Reload, Reuse};
+use super::{BuildProblem, Edit, Live, ReadRequest, Reload, Reuse};
 use crate::{
     unique_names::unique_names,
     watch::{Change, Changes},
@@ -68,15 +68,16 @@ impl Live {
         reload.parse += started.elapsed();
         let built = library.map_err(RenderError::Gpu);
         let built = built.and_then(|library| self.session.set_library(library));
-        self.problems.shader = None;
-        match built {
-            Ok(rebuilt) => reload.rebuilt = rebuilt,
+        self.problems.unbuilt_shaders = match built {
+            Ok(rebuilt) => {
+                reload.rebuilt = rebuilt;
+                None
+            }
             Err(error) => {
                 reload.ok = false;
-                let errors = self.record_problem(error.into());
-                self.problems.scene.extend(errors);
+                Some(self.build_problem(error.into()))
             }
-        }
+        };
     }
 
     /// Shows a scene that was read, or records its errors.
@@ -96,6 +97,7 @@ impl Live {
             Ok((read, pose)) => self.show(read, pose, reuse, reload),
             Err(errors) => {
                 self.problems.scene = errors;
+                self.problems.unbuilt_scene = None;
                 reload.ok = false;
             }
         }
@@ -146,13 +148,14 @@ impl Live {
         let frame = read.frame();
         self.problems.scene.clear();
         self.problems.pose.clear();
+        self.problems.unbuilt_scene = None;
         match self.session.show(read, pose, reuse.files) {
             Ok(shown) => {
                 reload.files |= shown.files;
                 reload.rebuilt = reload.rebuilt.merged(shown.rebuilt);
                 (self.frame, self.is_stand_in, self.undragged) = (frame, false, None);
                 self.pending.reusable = Reuse::ALL;
-                self.problems.refused = None;
+                self.problems.undrawn = None;
                 self.edits.clear();
                 if reuse.edits {
                     self.reapply_edits(edited);
@@ -160,7 +163,10 @@ impl Live {
             }
             Err(Refused::Error(error)) => {
                 reload.ok = false;
-                self.problems.scene = self.record_problem(error);
+                match error {
+                    SessionError::Scene(errors) => self.problems.scene = errors,
+                    error => self.problems.unbuilt_scene = Some(self.build_problem(error)),
+                }
             }
             Err(Refused::Pose(read, errors)) => {
                 reload.ok = false;
@@ -182,28 +188,26 @@ impl Live {
             let Some(material) = found else { continue };
             edit.material = material;
             if let Err(error) = self.edit(edit) {
-                self.problems.refused = Some(error.to_string());
+                self.problems.undrawn = Some(error.to_string());
             }
         }
     }
 
-    /// Records an error in [`Problems`](super::Problems); scene errors are returned.
-    fn record_problem(&mut self, error: SessionError) -> Vec<Diagnostic> {
+    /// Error of the renderer for [`Problems`](super::Problems).
+    fn build_problem(&self, error: SessionError) -> BuildProblem {
         match error {
-            SessionError::Scene(errors) => return errors,
-            SessionError::Gpu(GpuError::Shader(error)) => self.problems.shader = Some(error),
+            SessionError::Gpu(GpuError::Shader(error)) => BuildProblem::Shader(error),
             SessionError::Gpu(GpuError::Binding(text)) => {
                 let folder = self.source().shaders.as_ref();
                 let file = folder.map_or("shaders".into(), |path| path.display().to_string());
-                self.problems.shader = Some(ShaderError {
+                BuildProblem::Shader(ShaderError {
                     file: file.into(),
                     message: text,
                     location: None,
                     notes: Vec::new(),
-                });
+                })
             }
-            error => self.problems.refused = Some(error.to_string()),
+            error => BuildProblem::Device(error.to_string()),
         }
-        Vec::new()
     }
 }

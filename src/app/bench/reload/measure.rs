@@ -138,7 +138,7 @@ fn problem(live: &Live, edit: Edit) -> AppError {
     if !errors.is_empty() {
         return AppError::Scene(errors);
     }
-    let why = (problems.shader.as_ref()).map(ToString::to_string);
-    let why = why.or_else(|| problems.refused.clone()).unwrap_or_default();
+    let why = problems.unbuilt().next().map(ToString::to_string);
+    let why = why.or_else(|| problems.undrawn.clone()).unwrap_or_default();
     AppError::Internal(format!("the {} edit does not work: {why}", edit.name()))
 }

@@ -129,7 +129,7 @@ impl Worker {
         {
             Ok((sides, picked)) => {
                 self.rendered_view = Some(view.clone());
-                let had_problem = self.live.problems.refused.take().is_some();
+                let had_problem = self.live.problems.undrawn.take().is_some();
                 self.finish(&view, sides, picked);
                 // Animated values are sent at intervals, and once they rest.
                 let is_new = self.summary_frame != self.live.posed_frame();

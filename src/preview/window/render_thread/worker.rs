@@ -121,7 +121,7 @@ impl Worker {
 
     /// Shows an error; the last picture stays.
     pub(super) fn report_error(&mut self, error: &RenderError) {
-        self.live.problems.refused = Some(error.to_string());
+        self.live.problems.undrawn = Some(error.to_string());
         self.send_summary();
     }
 

@@ -4,7 +4,8 @@ use std::collections::BTreeSet;
 
 use eframe::egui::{self, Rect, RichText, Ui, vec2};
 
-use crate::live::Problems;
+use crate::live::{BuildProblem, Problems};
+use reflet_gpu::ShaderError;
 use reflet_scene::diagnostic::{Diagnostic, Severity, Span};
 
 /// Maximum size of the list, points, and the largest fraction of the picture's height that it
@@ -62,21 +63,30 @@ impl DiagnosticEntry {
         let of_scene = problems.scene.iter().chain(&problems.pose);
         let errors = of_scene.filter(|diagnostic| diagnostic.severity == Severity::Error);
         let mut all: Vec<_> = errors.map(Self::of).collect();
-        if let Some(error) = &problems.shader {
-            let at = error.location.as_ref();
-            let place = at.map(|at| format!("{}:{}:{}", at.file, at.line, at.column.max(1)));
-            all.push(Self {
-                message: error.message.clone(),
-                place: Some(place.unwrap_or_else(|| error.file.to_string())),
-                more: error.notes.iter().map(|n| ("note", n.clone())).collect(),
-            });
+        all.extend(problems.unbuilt().map(|problem| match problem {
+            BuildProblem::Shader(error) => Self::of_shader(error),
+            BuildProblem::Device(text) => Self::of_text(text),
+        }));
+        all.extend(problems.undrawn.iter().map(|text| Self::of_text(text)));
+        all
+    }
+
+    fn of_shader(error: &ShaderError) -> Self {
+        let at = error.location.as_ref();
+        let place = at.map(|at| format!("{}:{}:{}", at.file, at.line, at.column.max(1)));
+        Self {
+            message: error.message.clone(),
+            place: Some(place.unwrap_or_else(|| error.file.to_string())),
+            more: error.notes.iter().map(|n| ("note", n.clone())).collect(),
         }
-        all.extend(problems.refused.iter().map(|why| Self {
-            message: why.clone(),
+    }
+
+    fn of_text(text: &str) -> Self {
+        Self {
+            message: text.to_owned(),
             place: None,
             more: Vec::new(),
-        }));
-        all
+        }
     }
 
     /// Identity of an error, independent of line and frame.
