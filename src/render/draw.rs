@@ -107,15 +107,37 @@ impl Indexed<'_> {
     }
 }
 
-impl Draw {
-    /// Records the draw call: indexed with the bound buffers, or with vertices that the shader pulls.
-    pub fn record(&self, pass: &mut wgpu::RenderPass<'_>, is_indexed: bool) {
-        let instance = self.instance..self.instance + 1;
+/// Records draw calls of one pipeline: indexed with the bound buffers, or with vertices that the shader pulls.
+/// Successive instances of one mesh become one call.
+pub fn record<'a>(
+    draws: impl Iterator<Item = &'a Draw>,
+    pass: &mut wgpu::RenderPass<'_>,
+    is_indexed: bool,
+) {
+    for (first, instances) in merged(draws) {
         match is_indexed {
-            true => pass.draw_indexed(self.indices.clone(), self.vertex_base, instance),
-            false => pass.draw(0..self.indices.len() as u32, instance),
+            true => pass.draw_indexed(first.indices.clone(), first.vertex_base, instances),
+            false => pass.draw(0..first.indices.len() as u32, instances),
         }
     }
+}
+
+/// Runs of draw calls whose instances follow each other and have the same mesh: the first call of each, and the
+/// range of the instances.
+fn merged<'a>(
+    draws: impl Iterator<Item = &'a Draw>,
+) -> impl Iterator<Item = (&'a Draw, Range<u32>)> {
+    let mut draws = draws.peekable();
+    std::iter::from_fn(move || {
+        let first = draws.next()?;
+        let mut end = first.instance + 1;
+        while let Some(next) =
+            draws.next_if(|next| next.instance == end && next.indices == first.indices)
+        {
+            end = next.instance + 1;
+        }
+        Some((first, first.instance..end))
+    })
 }
 
 /// Draw calls of all instances that have triangles.

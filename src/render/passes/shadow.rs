@@ -7,7 +7,7 @@ use xxhash_rust::xxh3::Xxh3Default;
 
 use crate::{
     cull::is_outside,
-    draw::{Draw, Indexed},
+    draw::{self, Draw, Indexed},
     frame_pass::FramePass,
     lights::ShadowView,
     pass::{Pass, PassGroup, declared_overrides},
@@ -152,14 +152,11 @@ impl Shadow {
         if let Some(indexed) = indexed {
             indexed.bind(pass);
         }
-        for draw in visible().filter(|d| !d.class.cutout) {
-            draw.record(pass, indexed.is_some());
-        }
+        let opaque = visible().filter(|d| !d.class.cutout);
+        draw::record(opaque, pass, indexed.is_some());
         let Some(cutout) = &self.cutout else { return };
         pass.set_pipeline(cutout);
-        for draw in visible().filter(|d| d.class.cutout) {
-            draw.record(pass, false);
-        }
+        draw::record(visible().filter(|d| d.class.cutout), pass, false);
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::{
     cull::is_outside,
-    draw::{Draw, DrawClass, Indexed},
+    draw::{self, Draw, DrawClass, Indexed},
     frame_pass::FramePass,
     pass::{Pass, PassGroup, declared_overrides},
     pass_builder::PassBuilder,
@@ -78,9 +78,8 @@ impl FramePass for Visibility {
                         .draws
                         .iter()
                         .filter(|d| d.class == *class && is_drawn(d));
-                    for draw in draws.filter(|d| !is_outside(clip_from_world, &d.bounds)) {
-                        draw.record(&mut pass, is_indexed);
-                    }
+                    let in_view = draws.filter(|d| !is_outside(clip_from_world, &d.bounds));
+                    draw::record(in_view, &mut pass, is_indexed);
                 }
             };
             draw_all(&self.pipelines, |draw| draw.shown.visible);

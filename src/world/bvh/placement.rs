@@ -6,8 +6,11 @@ use reflet_scene::diagnostic::{Diagnostic, Severity, Span};
 
 /// Extra triangles that copies of one static mesh may take before it is stored once instead.
 const MAX_COPIED_TRIANGLES: usize = 1 << 18;
-/// Meshes this small are always copied: a top-level instance costs more.
+/// Meshes this small are copied however often they are placed: tracing a top-level instance costs more.
 const SMALL_MESH: usize = 64;
+/// Extra triangles that the copies of all meshes may take together before each mesh is stored once instead: a
+/// top-level instance takes the memory of about one triangle.
+const MAX_ALL_COPIES: usize = 1 << 20;
 /// Peak memory of a triangle while its tree is built and uploaded, bytes: measured 222 to 238 with 1, 5 and 10
 /// million triangles.
 const BYTES_PER_TRIANGLE: u64 = 240;
@@ -19,16 +22,19 @@ pub(super) struct Placement {
     pub top: Vec<u32>,
     /// Meshes that need a tree of their own.
     pub meshes: Vec<usize>,
+    /// Number of baked triangles beyond those of storing each mesh once.
+    copied: usize,
 }
 
 impl Placement {
-    /// Assigns all instances; static meshes are copied as long as the triangles take at most `limit` bytes.
+    /// Assigns all instances; static meshes are copied as long as the triangles take at most `limit` bytes, and the
+    /// copies are at most [`MAX_ALL_COPIES`].
     ///
     /// # Errors
     /// Too many triangles even without copies.
     pub fn within(world: &World, limit: u64) -> Result<Self, Box<Diagnostic>> {
         let mut placement = Self::of(world, MAX_COPIED_TRIANGLES, SMALL_MESH);
-        if placement.triangle_bytes(world) > limit {
+        if placement.copied > MAX_ALL_COPIES || placement.triangle_bytes(world) > limit {
             placement = Self::of(world, 0, 0);
         }
         check_size(world, &placement, limit)?;
@@ -46,7 +52,9 @@ impl Placement {
             baked: Vec::new(),
             top: Vec::new(),
             meshes: Vec::new(),
+            copied: 0,
         };
+        let mut is_stored = vec![false; world.meshes.len()];
         let mut own_tree = vec![false; world.meshes.len()];
         for (id, i) in world.instances.iter().enumerate() {
             let count = world.meshes[i.mesh].triangles.len();
@@ -56,6 +64,9 @@ impl Placement {
             }
             if !i.dynamic && (copied <= max_copied || count <= small) {
                 placement.baked.push(id as u32);
+                if std::mem::replace(&mut is_stored[i.mesh], true) {
+                    placement.copied = placement.copied.saturating_add(count);
+                }
             } else {
                 placement.top.push(id as u32);
                 own_tree[i.mesh] = true;
