@@ -42,8 +42,10 @@ pub fn render(args: &RenderArgs) -> Result<(), AppError> {
         &loaded,
     );
     let mut failed = None;
-    for (camera, args) in cameras::runs(args, &loaded)? {
-        let (loaded, aovs) = (loaded.clone(), aovs.clone());
+    let runs = cameras::runs(args, &loaded)?;
+    // The last run takes the scene itself.
+    let copies = std::iter::repeat_n((loaded, aovs), runs.len());
+    for ((camera, args), (loaded, aovs)) in runs.into_iter().zip(copies) {
         let rendered = if many {
             let frames = sequence::choose(&args, loaded.scene.timeline.as_ref())?;
             sequence::check_output(&args, &frames, &aovs, &inputs)?;

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use glam::Affine3A;
+use xxhash_rust::xxh3::xxh3_64_with_seed;
 
 use super::{
     geometry::MeshRange,
@@ -40,8 +41,8 @@ pub struct Draw {
     pub dynamic: bool,
     /// Whether the camera culls back faces of the instance that rays may meet; see `GpuScene::find_backs`.
     pub hides_backs: bool,
-    /// Hash of the vertices of a deformed mesh, else 0.
-    pub shape: u64,
+    /// Hash of the instance's transform, and of the vertices of a deformed mesh.
+    pub pose: u64,
     /// Whether the instance is drawn into shadow maps; mostly transmissive ones are not, as maps cannot attenuate
     /// light.
     pub casts_shadow: bool,
@@ -55,7 +56,7 @@ impl Draw {
         let instance = &world.instances[self.instance as usize];
         self.class.mirrored = mirrors(&instance.world_from_object);
         self.bounds = world.bounds_of(instance);
-        self.shape = shape_of(world, instance.mesh);
+        self.pose = pose_of(world, instance);
     }
 }
 
@@ -155,7 +156,7 @@ pub fn draws(world: &World, mesh_ranges: &[MeshRange]) -> Vec<Draw> {
             ),
             dynamic: instance.dynamic,
             hides_backs: false,
-            shape: shape_of(world, instance.mesh),
+            pose: pose_of(world, instance),
             casts_shadow: instance.shown.casts_shadow
                 && (world.materials[instance.material].transmission)
                     .is_none_or(|share| share < 0.5),
@@ -170,6 +171,8 @@ pub fn draws(world: &World, mesh_ranges: &[MeshRange]) -> Vec<Draw> {
         .collect()
 }
 
-fn shape_of(world: &World, mesh: usize) -> u64 {
-    world.deformed.get(&mesh).map_or(0, |d| d.hash)
+fn pose_of(world: &World, instance: &Instance) -> u64 {
+    let place = instance.world_from_object.to_cols_array();
+    let shape = world.deformed.get(&instance.mesh).map_or(0, |d| d.hash);
+    xxh3_64_with_seed(bytemuck::cast_slice(&place), shape)
 }

@@ -33,11 +33,11 @@ pub struct MeshRange {
 pub fn buffer<T: Pod>(
     gpu: &Gpu,
     name: &str,
-    data: &[T],
+    data: impl ExactSizeIterator<Item = T>,
     usage: wgpu::BufferUsages,
 ) -> Result<wgpu::Buffer, GpuError> {
-    let bytes: &[u8] = cast_slice(data);
-    let size = (bytes.len().max(size_of::<T>()).max(16) as u64).next_multiple_of(16);
+    let size = (data.len().max(1) * size_of::<T>()).max(16) as u64;
+    let size = size.next_multiple_of(16);
     gpu.check_storage_size(name, size)?;
     let buffer = gpu.scoped(name, || {
         gpu.device.create_buffer(&wgpu::BufferDescriptor {
@@ -47,18 +47,25 @@ pub fn buffer<T: Pod>(
             mapped_at_creation: false,
         })
     })?;
-    write_in_pieces(gpu, &buffer, bytes)?;
+    write_in_pieces(gpu, &buffer, data)?;
     Ok(buffer)
 }
 
-/// Writes a buffer in pieces, so that wgpu's copy of the data stays small.
-fn write_in_pieces(gpu: &Gpu, buffer: &wgpu::Buffer, bytes: &[u8]) -> Result<(), GpuError> {
-    for (i, piece) in bytes.chunks(Gpu::PIECE_BYTES).enumerate() {
-        if i > 0 {
+/// Writes a buffer in pieces, so that few elements and wgpu's copies of them are in memory at a time.
+fn write_in_pieces<T: Pod>(
+    gpu: &Gpu,
+    buffer: &wgpu::Buffer,
+    mut data: impl ExactSizeIterator<Item = T>,
+) -> Result<(), GpuError> {
+    let most = Gpu::PIECE_BYTES / size_of::<T>();
+    let mut written = 0;
+    while data.len() > 0 {
+        if written > 0 {
             gpu.finish_writes()?;
         }
-        let first = i * Gpu::PIECE_BYTES;
-        gpu.queue.write_buffer(buffer, first as u64, piece);
+        let piece: Vec<T> = data.by_ref().take(most).collect();
+        gpu.queue.write_buffer(buffer, written, cast_slice(&piece));
+        written += size_of_val(piece.as_slice()) as u64;
     }
     Ok(())
 }

@@ -224,8 +224,9 @@ impl Renderer {
     pub fn update(&mut self, gpu: &Gpu, world: &World) -> Result<(), RenderError> {
         let world = &*self.relative(world);
         self.check_posed(world)?;
-        let top = top_level(&self.trees, world)?;
-        self.set_poses(gpu, world, top);
+        let is_posed = PoseKey::of(world) == self.tree_pose;
+        let top = (!is_posed).then(|| top_level(&self.trees, world));
+        self.set_poses(gpu, world, top.transpose()?.flatten());
         Ok(())
     }
 

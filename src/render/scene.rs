@@ -1,18 +1,20 @@
 //! Scene upload: buffers, texture pools and draw calls; group 1 of every shader.
 
+use std::ops::Range;
+
 use bytemuck::cast_slice;
 use glam::Affine3A;
 
 use reflet_gpu::{Gpu, GpuError};
 use reflet_world::{
     Instance, World,
-    bvh::{CwBvhNode, TraceTriangle, Trees},
+    bvh::{CwBvhNode, TraceInstance, TraceTriangle, Trees},
 };
 
 use super::{
     chunked_array::ChunkedArray,
     chunks::{Chunks, chunk_of},
-    draw::{Draw, Indexed, class_of, draws, mirrors},
+    draw::{Draw, Indexed, class_of, draws},
     emitters::{Emitters, GpuEmitters},
     geometry::{MeshRange, buffer, geometry, mesh_vertices},
     gpu_material::gpu_material,
@@ -50,7 +52,6 @@ pub struct GpuScene {
     /// Number of shader bindings of the geometry's arrays.
     pub chunks: Chunks,
     mesh_ranges: Vec<MeshRange>,
-    records: Vec<GpuInstance>,
     /// Whether the alpha of some cut-out material may change.
     pub has_moving_cutouts: bool,
 }
@@ -64,7 +65,6 @@ impl GpuScene {
         let (vertices, mesh_data, mesh_ranges) = geometry(gpu, world)?;
         let pools = Pools::new(gpu, world)?;
         let materials = materials(gpu, world, &pools)?;
-        let records = instance_records(world, trees, &mesh_ranges);
         let panorama = world.environment.panorama.as_deref();
         let (nodes, triangles) = tree_arrays(gpu, trees)?;
         Ok(Self {
@@ -73,7 +73,7 @@ impl GpuScene {
             nodes,
             triangles,
             emitters: GpuEmitters::new(gpu, world)?,
-            instances: instance_buffer(gpu, &records)?,
+            instances: instance_buffer(gpu, world, trees, &mesh_ranges)?,
             vertices,
             mesh_data,
             materials,
@@ -81,7 +81,6 @@ impl GpuScene {
             draws: draws(world, &mesh_ranges),
             mesh_ranges,
             pools,
-            records,
             has_moving_cutouts: has_moving_cutouts(world),
         })
     }
@@ -98,7 +97,6 @@ impl GpuScene {
         trees: &Trees,
         new_trees: bool,
     ) -> Result<Self, GpuError> {
-        let records = instance_records(world, trees, &self.mesh_ranges);
         // A material's sampler settings may need an image resampled in another way.
         let pools = match self.pools.layers.cover(world) {
             true => self.pools.clone(),
@@ -113,7 +111,7 @@ impl GpuScene {
             chunks: chunks(gpu, (&nodes, &triangles), (&self.vertices, &self.mesh_data))?,
             nodes,
             triangles,
-            instances: instance_buffer(gpu, &records)?,
+            instances: instance_buffer(gpu, world, trees, &self.mesh_ranges)?,
             vertices: self.vertices.clone(),
             mesh_data: self.mesh_data.clone(),
             materials: materials(gpu, world, &pools)?,
@@ -123,7 +121,6 @@ impl GpuScene {
             pools,
             panorama: self.panorama.clone(),
             emitters: GpuEmitters::new(gpu, world)?,
-            records,
             has_moving_cutouts: has_moving_cutouts(world),
         })
     }
@@ -152,24 +149,23 @@ impl GpuScene {
 
     /// Uploads the poses of a world whose instances moved, and the top level over them.
     pub fn update(&mut self, gpu: &Gpu, world: &World, trees: &Trees) {
-        for ((record, instance), traced) in self
-            .records
-            .iter_mut()
-            .zip(&world.instances)
-            .zip(&trees.instances)
-        {
-            record.world_from_object = rows(&instance.world_from_object);
-            let mirrored = mirrors(&instance.world_from_object);
-            record.flags = record.flags & !FLAG_MIRRORED | if mirrored { FLAG_MIRRORED } else { 0 };
-            record.object_from_world = traced.object_from_world;
-        }
-        for draw in &mut self.draws {
+        for draw in self.draws.iter_mut().filter(|draw| draw.dynamic) {
             draw.pose(world);
         }
-        gpu.queue
-            .write_buffer(&self.instances, 0, cast_slice(&self.records));
+        let mut end = 0;
+        for run in world.instances.chunk_by(|a, b| a.dynamic == b.dynamic) {
+            let range = end..end + run.len();
+            end = range.end;
+            if run[0].dynamic {
+                let first = (range.start * size_of::<GpuInstance>()) as u64;
+                let records = instance_records(world, trees, &self.mesh_ranges, range);
+                let records: Vec<_> = records.collect();
+                gpu.queue
+                    .write_buffer(&self.instances, first, cast_slice(&records));
+            }
+        }
         let range = trees.top_range.clone();
-        if !range.is_empty() {
+        if trees.is_built() && world.instances.iter().any(|i| i.dynamic) {
             self.nodes.write(gpu, range.start, &trees.nodes[range]);
         }
         self.update_deformed(gpu, world, trees);
@@ -187,11 +183,6 @@ impl GpuScene {
         if let Some(emitters) = &mut self.emitters {
             emitters.update(gpu, world);
         }
-    }
-
-    /// Rows of the transform of an instance.
-    pub fn pose(&self, instance: u32) -> &[[f32; 4]; 3] {
-        &self.records[instance as usize].world_from_object
     }
 
     /// Uploads the parameters of materials that may change.
@@ -268,8 +259,15 @@ impl GpuScene {
     }
 }
 
-fn instance_buffer(gpu: &Gpu, records: &[GpuInstance]) -> Result<wgpu::Buffer, GpuError> {
+fn instance_buffer(
+    gpu: &Gpu,
+    world: &World,
+    trees: &Trees,
+    mesh_ranges: &[MeshRange],
+) -> Result<wgpu::Buffer, GpuError> {
     let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::VERTEX;
+    let all = 0..world.instances.len();
+    let records = instance_records(world, trees, mesh_ranges, all);
     buffer(gpu, "instances", records, usage)
 }
 
@@ -313,8 +311,14 @@ fn has_moving_cutouts(world: &World) -> bool {
     moving.any(|m| world.materials[m.material].alpha_cutoff.is_some())
 }
 
-fn instance_records(world: &World, trees: &Trees, mesh_ranges: &[MeshRange]) -> Vec<GpuInstance> {
-    let record = |(instance, traced): (&Instance, &reflet_world::bvh::TraceInstance)| {
+/// Records of a range of the instances of a world in its pose.
+fn instance_records(
+    world: &World,
+    trees: &Trees,
+    mesh_ranges: &[MeshRange],
+    range: Range<usize>,
+) -> impl ExactSizeIterator<Item = GpuInstance> {
+    let record = |(instance, traced): (&Instance, &TraceInstance)| {
         let range = mesh_ranges[instance.mesh];
         let class = class_of(
             &world.materials[instance.material],
@@ -335,20 +339,14 @@ fn instance_records(world: &World, trees: &Trees, mesh_ranges: &[MeshRange]) -> 
             pad: 0,
         }
     };
-    world
-        .instances
-        .iter()
-        .zip(&trees.instances)
-        .map(record)
-        .collect()
+    let instances = world.instances[range.clone()].iter();
+    instances.zip(&trees.instances[range]).map(record)
 }
 
 fn materials(gpu: &Gpu, world: &World, pools: &Pools) -> Result<wgpu::Buffer, GpuError> {
     let materials = world.materials.iter();
-    let materials: Vec<GpuMaterial> = materials
-        .map(|m| gpu_material(m, world, &pools.layers))
-        .collect();
-    buffer(gpu, "materials", &materials, wgpu::BufferUsages::STORAGE)
+    let materials = materials.map(|m| gpu_material(m, world, &pools.layers));
+    buffer(gpu, "materials", materials, wgpu::BufferUsages::STORAGE)
 }
 
 const _: () = assert!(size_of::<TraceTriangle>() == 48 && size_of::<CwBvhNode>() == 80);

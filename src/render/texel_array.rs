@@ -43,7 +43,11 @@ impl TexelArray {
             view: texture.create_view(&wgpu::TextureViewDescriptor::default()),
             texture,
         };
-        array.write(gpu, 0, data);
+        let most = Gpu::PIECE_BYTES / size_of::<T>();
+        for (piece, first) in data.chunks(most).zip((0..).step_by(most)) {
+            array.write(gpu, first, piece);
+            gpu.finish_writes()?;
+        }
         Ok(array)
     }
 

@@ -19,7 +19,7 @@ pub struct WorldKey {
     pose: PoseKey,
 }
 
-/// The pose of a world: every transform, and every deformed mesh.
+/// The pose of a world: the transform of every instance that may move, and every deformed mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PoseKey {
     instances: Vec<Affine3A>,
@@ -29,9 +29,9 @@ pub struct PoseKey {
 impl PoseKey {
     /// Pose of a world.
     pub fn of(world: &World) -> Self {
-        let instances = world.instances.iter();
+        let dynamic = world.instances.iter().filter(|i| i.dynamic);
         Self {
-            instances: instances.map(|i| i.world_from_object).collect(),
+            instances: dynamic.map(|i| i.world_from_object).collect(),
             deformed: world.deformed.clone(),
         }
     }
@@ -41,11 +41,16 @@ impl PoseKey {
 #[derive(Clone, Debug, PartialEq)]
 struct TreeInstance {
     mesh: usize,
-    /// Transform of a static instance.
-    static_pose: Option<Affine3A>,
+    /// Transform of a static instance, as bits, so that a pose with NaN equals itself.
+    static_pose: Option<[u32; 12]>,
     is_cutout: bool,
     is_double_sided: bool,
     shown: ShownDesc,
+}
+
+fn static_pose(instance: &Instance) -> Option<[u32; 12]> {
+    let bits = || instance.world_from_object.to_cols_array().map(f32::to_bits);
+    (!instance.dynamic).then(bits)
 }
 
 impl WorldKey {
@@ -55,7 +60,7 @@ impl WorldKey {
             let material = &world.materials[i.material];
             TreeInstance {
                 mesh: i.mesh,
-                static_pose: (!i.dynamic).then_some(i.world_from_object),
+                static_pose: static_pose(i),
                 is_cutout: material.alpha_cutoff.is_some() || material.passes_light(),
                 is_double_sided: material.double_sided,
                 shown: i.shown,
@@ -114,13 +119,11 @@ impl WorldKey {
     /// Whether a world differs only in poses of movable instances and deformed meshes and in parameters of materials
     /// and lights, so that its records fit the existing buffers.
     pub fn is_posed_from(&self, world: &World) -> bool {
-        // Bitwise, so that a pose with NaN equals itself.
-        let bits = |pose: Affine3A| pose.to_cols_array().map(f32::to_bits);
         let fits = |((tree, material), i): ((&TreeInstance, &usize), &Instance)| {
             tree.mesh == i.mesh
                 && *material == i.material
                 && tree.shown == i.shown
-                && tree.static_pose.map(bits) == (!i.dynamic).then(|| bits(i.world_from_object))
+                && tree.static_pose == static_pose(i)
         };
         let known = self.trees.iter().zip(&self.materials.1);
         let panorama = world.environment.panorama.as_ref();

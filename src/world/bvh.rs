@@ -72,6 +72,8 @@ pub struct Trees {
     pub instances: Vec<TraceInstance>,
     /// Range of nodes that [`Trees::update_top_level`] rewrites; empty where nothing was built.
     pub top_range: Range<usize>,
+    /// Index of the first node of the list of instance ids.
+    top_list: usize,
     /// Number of triangles in the static tree.
     pub static_triangles: usize,
     /// Instances in the top level, as indices into [`World::instances`]; without trees, those that
@@ -87,12 +89,47 @@ pub struct Trees {
 pub struct TopLevel {
     /// Posed trees, parallel to `Trees::deforming`.
     deformed: Vec<PosedTree>,
-    /// New instance records of [`Trees::top_instances`].
-    records: Vec<TraceInstance>,
+    placed: PlacedInstances,
     /// Tree over the instances that rays can hit; none where no trees were built.
     tree: Option<Tree>,
-    /// Instance index of each box of the tree.
+}
+
+/// The instances of a top level in one pose.
+struct PlacedInstances {
+    /// Instance records, parallel to [`Trees::top_instances`], without the roots of their trees.
+    records: Vec<TraceInstance>,
+    /// Index of each instance that rays can hit.
     ids: Vec<u32>,
+    /// World-space boxes of these instances.
+    boxes: Vec<Aabb>,
+}
+
+impl PlacedInstances {
+    fn new(world: &World, top_instances: &[u32]) -> Self {
+        let mut placed = Self {
+            records: Vec::with_capacity(top_instances.len()),
+            ids: Vec::new(),
+            boxes: Vec::new(),
+        };
+        for id in top_instances {
+            let instance = &world.instances[*id as usize];
+            let record = TraceInstance::new(instance, world, NONE);
+            placed.records.push(record);
+            let bounds = world.bounds_of(instance);
+            let rows = record.object_from_world;
+            let rows_finite = rows.as_flattened().iter().all(|x| x.is_finite());
+            if rows_finite && is_within_reach(&bounds) {
+                // Corners were rounded when transformed: keep the box conservative.
+                let slack = bounds.min.abs().max(bounds.max.abs()) * (4.0 * f32::EPSILON);
+                placed.ids.push(*id);
+                placed.boxes.push(Aabb::new(
+                    (bounds.min - slack).into(),
+                    (bounds.max + slack).into(),
+                ));
+            }
+        }
+        placed
+    }
 }
 
 impl Trees {
@@ -112,11 +149,19 @@ impl Trees {
             .map(|mesh| mesh_tree(&world.meshes[*mesh]))
             .collect::<Result<_, _>>()?;
 
-        let reserved = top_capacity(placement.top.len()) + placement.top.len().div_ceil(NODE_WORDS);
+        let mut placed = PlacedInstances::new(world, &placement.top);
+        let top_tree = Tree::build(&std::mem::take(&mut placed.boxes));
+        let may_move = |i: &u32| world.instances[*i as usize].dynamic;
+        let top_capacity = match placement.top.iter().any(may_move) {
+            // Every inner node has at least two children.
+            true => placement.top.len(),
+            false => top_tree.nodes.len(),
+        };
+        let reserved = top_capacity + placement.top.len().div_ceil(NODE_WORDS);
         let (static_need, mut mesh_need) = (static_tree.stack_need, 0);
-        let mut nodes = static_tree.nodes;
-        tree::rebase(&mut nodes, reserved as u32, 0);
-        nodes.splice(1..1, (0..reserved).map(|_| CwBvhNode::default()));
+        let of_meshes = mesh_trees.iter().map(|(tree, _)| tree.nodes.len());
+        let room = of_meshes.sum();
+        let mut nodes = with_reserved(static_tree.nodes, reserved, room);
         let mut roots = vec![NONE; world.meshes.len()];
         for (mesh, (mut tree, mesh_triangles)) in rigid.iter().zip(mesh_trees) {
             roots[*mesh] = nodes.len() as u32;
@@ -141,26 +186,19 @@ impl Trees {
             triangles.push(TraceTriangle::zeroed());
         }
 
-        let mut in_top = vec![false; world.instances.len()];
-        for i in &placement.top {
-            in_top[*i as usize] = true;
-        }
-        let instances = world.instances.iter().zip(in_top).map(|(i, in_top)| {
-            let root = if in_top { roots[i.mesh] } else { NONE };
-            TraceInstance::new(i, world, root)
-        });
         let mut trees = Self {
-            instances: instances.collect(),
+            instances: records(world, &placement.top, &roots),
             nodes,
             triangles,
             top_range: 1..1 + reserved,
+            top_list: 1 + top_capacity,
             static_triangles,
             top_instances: placement.top,
             mesh_stack_need: mesh_need,
             deforming,
         };
         check_nodes(&trees.nodes, static_need, device_limit_bytes)?;
-        trees.update_top_level(world)?;
+        trees.set_top_level(trees.posed(world, placed, Some(top_tree))?);
         Ok(trees)
     }
 
@@ -174,6 +212,7 @@ impl Trees {
             triangles: vec![TraceTriangle::zeroed()],
             instances: world.instances.iter().map(record).collect(),
             top_range: 1..1,
+            top_list: 1,
             static_triangles: 0,
             top_instances: dynamic.collect(),
             mesh_stack_need: 0,
@@ -205,26 +244,20 @@ impl Trees {
     /// Poses whose tree is deeper than the traversal's stack, deformed meshes that reach past
     /// [`MAX_REACH_M`](super::reach::MAX_REACH_M).
     pub fn top_level(&self, world: &World) -> Result<TopLevel, Box<Diagnostic>> {
-        let (mut records, mut ids, mut boxes) = (Vec::new(), Vec::new(), Vec::new());
-        for id in &self.top_instances {
-            let instance = &world.instances[*id as usize];
-            let root = self.instances[*id as usize].tree_root;
-            let record = TraceInstance::new(instance, world, root);
-            records.push(record);
-            let bounds = world.bounds_of(instance);
-            let rows = record.object_from_world;
-            let rows_finite = rows.as_flattened().iter().all(|x| x.is_finite());
-            if rows_finite && is_within_reach(&bounds) {
-                // Corners were rounded when transformed: keep the box conservative.
-                let slack = bounds.min.abs().max(bounds.max.abs()) * (4.0 * f32::EPSILON);
-                ids.push(*id);
-                boxes.push(Aabb::new(
-                    (bounds.min - slack).into(),
-                    (bounds.max + slack).into(),
-                ));
-            }
-        }
+        let mut placed = PlacedInstances::new(world, &self.top_instances);
+        let boxes = std::mem::take(&mut placed.boxes);
         let tree = self.is_built().then(|| Tree::build(&boxes));
+        drop(boxes);
+        self.posed(world, placed, tree)
+    }
+
+    /// A top level over placed instances, with the deformed meshes in the pose of the world.
+    fn posed(
+        &self,
+        world: &World,
+        placed: PlacedInstances,
+        tree: Option<Tree>,
+    ) -> Result<TopLevel, Box<Diagnostic>> {
         // Instances are entered with the top level's entries still on the stack.
         let need = tree.as_ref().map_or(0, |tree| tree.stack_need);
         let pose = |tree: &DeformingTree| {
@@ -240,9 +273,8 @@ impl Trees {
         check_stack(need + below.fold(self.mesh_stack_need, u32::max))?;
         Ok(TopLevel {
             deformed,
-            records,
+            placed,
             tree,
-            ids,
         })
     }
 
@@ -254,8 +286,12 @@ impl Trees {
 
     /// Applies a rebuilt top level.
     pub fn set_top_level(&mut self, top: TopLevel) {
-        for (id, record) in self.top_instances.iter().zip(top.records) {
-            self.instances[*id as usize] = record;
+        for (id, record) in self.top_instances.iter().zip(top.placed.records) {
+            let instance = &mut self.instances[*id as usize];
+            *instance = TraceInstance {
+                tree_root: instance.tree_root,
+                ..record
+            };
         }
         for (tree, posed) in self.deforming.iter().zip(top.deformed) {
             let nodes = &mut self.nodes[tree.nodes.clone()];
@@ -265,7 +301,7 @@ impl Trees {
         let Some(mut tree) = top.tree else {
             return;
         };
-        let list = 1 + top_capacity(self.top_instances.len());
+        let list = self.top_list;
         tree::rebase(
             &mut tree.nodes,
             TOP_ROOT,
@@ -274,14 +310,32 @@ impl Trees {
         self.nodes[1..1 + tree.nodes.len()].copy_from_slice(&tree.nodes);
         let words: &mut [u32] = bytemuck::cast_slice_mut(&mut self.nodes[list..self.top_range.end]);
         for (word, primitive) in words.iter_mut().zip(&tree.order) {
-            *word = top.ids[*primitive as usize];
+            *word = top.placed.ids[*primitive as usize];
         }
     }
 }
 
-/// Number of nodes reserved for a top level over so many instances: every inner node has at least two children.
-fn top_capacity(instances: usize) -> usize {
-    instances.max(1)
+/// Nodes of the static tree with so many unused ones after its root, and room for more at the end.
+fn with_reserved(mut static_nodes: Vec<CwBvhNode>, reserved: usize, room: usize) -> Vec<CwBvhNode> {
+    tree::rebase(&mut static_nodes, reserved as u32, 0);
+    let mut nodes = Vec::with_capacity(static_nodes.len() + reserved + room);
+    nodes.push(static_nodes[0]);
+    nodes.resize(1 + reserved, CwBvhNode::default());
+    nodes.extend_from_slice(&static_nodes[1..]);
+    nodes
+}
+
+/// Records of all instances, `top` being those in the top level; `roots` are the trees of the meshes.
+fn records(world: &World, top: &[u32], roots: &[u32]) -> Vec<TraceInstance> {
+    let mut in_top = vec![false; world.instances.len()];
+    for i in top {
+        in_top[*i as usize] = true;
+    }
+    let instances = world.instances.iter().zip(in_top);
+    let record = |(i, in_top): (&Instance, bool)| {
+        TraceInstance::new(i, world, if in_top { roots[i.mesh] } else { NONE })
+    };
+    instances.map(record).collect()
 }
 
 /// Refuses trees that [`Trees::build`] has no memory for.

@@ -175,8 +175,7 @@ fn content(scene: &GpuScene, view: &ShadowView) -> Option<u64> {
             return None;
         }
         hash.update(&draw.instance.to_le_bytes());
-        hash.update(bytemuck::cast_slice(scene.pose(draw.instance)));
-        hash.update(&draw.shape.to_le_bytes());
+        hash.update(&draw.pose.to_le_bytes());
     }
     Some(hash.digest())
 }

@@ -76,6 +76,7 @@ impl Placement {
         placement
     }
 
+    /// Number of triangles that are stored.
     fn num_triangles(&self, world: &World) -> u64 {
         let baked = self.baked.iter().map(|i| world.instances[*i as usize].mesh);
         let meshes = baked.chain(self.meshes.iter().copied());
@@ -92,13 +93,14 @@ impl Placement {
     /// `memory-short`, before any memory is taken.
     pub fn check_memory(&self, world: &World, available_bytes: u64) -> Result<(), Box<Diagnostic>> {
         let triangles = self.num_triangles(world);
-        let bytes = triangles.saturating_mul(BYTES_PER_TRIANGLE);
+        let instances = self.top.len() as u64;
+        let bytes = (triangles.saturating_add(instances)).saturating_mul(BYTES_PER_TRIANGLE);
         if bytes <= available_bytes {
             return Ok(());
         }
         let mebibytes = |bytes: u64| bytes >> 20;
         let text = format!(
-            "the BVHs of {triangles} triangles would take about {} MiB of memory; {} MiB are left",
+            "the BVHs of {triangles} triangles and {instances} instances would take about {} MiB of memory; {} MiB are left",
             mebibytes(bytes),
             mebibytes(available_bytes)
         );
