@@ -1,11 +1,13 @@
 // Shadow: depth from one light, into a cube face or a flat map.
 
+#import capsules_cast
 #import frame
 #import placed
 #import surface
 
 struct Params {
     clip_from_world: mat4x4f,
+    world_from_clip: mat4x4f,
 }
 
 @group(2) @binding(0) var<uniform> params: Params;

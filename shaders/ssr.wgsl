@@ -92,6 +92,15 @@ fn clamped(bary: vec2f) -> vec2f {
     return positive / max(positive.x + positive.y, 1.0);
 }
 
+// Where a ray meets what a pixel names: distance, and barycentric weights, those of a plane being outside the triangle
+// where the ray misses it, or the place on a capsule; the distance is negative where it misses that.
+fn meet_named(id: vec2u, origin: vec3f, direction: vec3f) -> vec3f {
+    if (!is_capsule(id.x)) { return meet(triangle_of(id, origin), direction); }
+    if (COUNT) { march_triangles++; }
+    let met = capsule_hit(id.x, id.y, origin, direction, 0.0);
+    return vec3f(select(-1.0, met.t, met.is_met), met.place);
+}
+
 struct March {
     cause: u32,
     distance_m: f32, // distance of the hit; else length of the ray that is free of hits
@@ -112,13 +121,29 @@ fn accept_by_threshold(r: ScreenRay, c: Candidate, origin: vec3f, direction: vec
     let met = load_surface(c.pixel);
     let id = textureLoad(ids, c.pixel, 0).xy;
     let center = vec2f(c.pixel) + 0.5;
-    let at = meet(triangle_of(id, pixel_origin(center)), pixel_ray(center));
-    var m = March(CAUSE_HIT, dot(met.position - origin, direction), id, clamped(at.yz));
+    let at = meet_named(id, pixel_origin(center), pixel_ray(center));
+    var m = March(CAUSE_HIT, dot(met.position - origin, direction), id, at.yz);
+    if (!is_capsule(id.x)) { m.bary = clamped(at.yz); }
     let ray_m = depth_of(r.start.z + r.delta.z * c.low);
     if (ray_m - dot(met.position - frame.eye, frame.forward) > params.threshold_m) {
         m.cause = CAUSE_HIDDEN;
     } else if (dot(met.geometric_normal, direction) >= 0.0) {
         m.cause = CAUSE_BACK_FACE;
+    } else if (goes_on(met)) {
+        m.cause = CAUSE_REFLECTOR;
+    }
+    return m;
+}
+
+// Whether the crossing of a capsule's pixel is accepted: only where the ray meets the capsule over this pixel. Its
+// surface bends away behind the pixel, so that no neighbor can confirm a miss.
+fn accept_capsule(met: Surface, id: vec2u, origin: vec3f, direction: vec3f, over_m: vec2f) -> March {
+    let at = meet_named(id, origin, direction);
+    var m = March(CAUSE_HIT, at.x, id, at.yz);
+    if (at.x > over_m.y) {
+        m.cause = CAUSE_NOT_REFLECTIVE;
+    } else if (at.x < over_m.x) {
+        m.cause = CAUSE_HIDDEN;
     } else if (goes_on(met)) {
         m.cause = CAUSE_REFLECTOR;
     }
@@ -134,6 +159,7 @@ fn accept_verified(r: ScreenRay, c: Candidate, origin: vec3f, direction: vec3f) 
     let high_m = distance_at(r, c.high + slack);
     let met = load_surface(c.pixel);
     let id = textureLoad(ids, c.pixel, 0).xy;
+    if (is_capsule(id.x)) { return accept_capsule(met, id, origin, direction, vec2f(low_m, high_m)); }
     let t = triangle_of(id, origin);
     let at = meet(t, direction);
     var m = March(CAUSE_HIT, at.x, id, clamped(at.yz));

@@ -2,6 +2,7 @@
 // where the device has no primitive index, so that triangles are numbered by their vertices.
 
 #import triangles
+#import capsules_seen
 #import frame
 #import surface
 

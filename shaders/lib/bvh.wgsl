@@ -10,6 +10,7 @@
 // Nearest hits ignore single-sided triangles from behind; shadow rays are blocked by either side.
 // Intervals are open: t_min < t < t_max. Directions may have any length but 0; t is in units of that length.
 
+#import capsule
 #import constants
 #import shown
 
@@ -40,7 +41,7 @@ struct Hit {
     instance: u32,
     // Index of the triangle in the mesh of the instance.
     triangle: u32,
-    // Barycentric weights of vertex 1 and vertex 2, inside the triangle.
+    // Barycentric weights of vertex 1 and vertex 2, inside the triangle; of a capsule the place on its surface.
     bary: vec2f,
     // Flags ALPHA_TESTED, DOUBLE_SIDED, FLIPPED of the triangle that was hit.
     flags: u32,
@@ -240,6 +241,30 @@ fn test_triangle(index: u32, ray: TraversalRay, t_min: f32, inside: u32, inside_
     *best = Hit(t, instance, b.w, clamped, flags);
 }
 
+// Tests one capsule, as test_triangle does a triangle.
+fn test_capsule(index: u32, ray: TraversalRay, t_min: f32, inside: u32, flags: u32, shadow: bool,
+        best: ptr<function, Hit>) {
+    let a = triangle_words(index * 3u);
+    let b = triangle_words(index * 3u + 1u);
+    let radius = bitcast<f32>(triangle_words(index * 3u + 2u).x);
+    let axis = bitcast<vec3f>(b.xyz);
+    let origin = ray.origin - bitcast<vec3f>(a.xyz);
+    let span = capsule_span(origin, ray.direction, axis, radius);
+    if !span.is_met {
+        return;
+    }
+    let sees_backs = shadow || (flags & DOUBLE_SIDED) != 0u;
+    let t = select(span.enter, span.leave, span.enter <= t_min && sees_backs);
+    if t <= t_min || t >= (*best).t {
+        return;
+    }
+    if is_passed(flags, passed_flags(shadow)) {
+        if OF_CAMERA && !is_passed(flags, UNREFLECTED) { culled_t = min(culled_t, t); }
+        return;
+    }
+    *best = Hit(t, inside, b.w, capsule_place(origin + ray.direction * t, axis, radius), flags);
+}
+
 // Groups to visit later: first those of the top level, then those of the tree being traversed.
 // Trees that need more than STACK_SIZE are refused when they are built; a push past the end is dropped
 // all the same, so that nothing is written out of bounds.
@@ -288,7 +313,12 @@ fn traverse_tree(root: u32, ray: TraversalRay, t_min: f32, inside: u32, inside_f
     while visits_left > 0u {
         descend(&cursor, ray, t_min, (*best).t);
         while cursor.primitives.y != 0u {
-            test_triangle(next_primitive(&cursor), ray, t_min, inside, inside_flags, shadow, best);
+            let primitive = next_primitive(&cursor);
+            if HAS_CAPSULES && (inside_flags & CAPSULES) != 0u {
+                test_capsule(primitive, ray, t_min, inside, inside_flags, shadow, best);
+            } else {
+                test_triangle(primitive, ray, t_min, inside, inside_flags, shadow, best);
+            }
             if COUNT {
                 tested_triangles++;
             }

@@ -357,16 +357,21 @@ fn pane_at(h: Hit, direction: vec3f) -> Surface {
     let p0 = to_world(h.instance, c.p[0]);
     var normal = normalize(cross(to_world(h.instance, c.p[1]) - p0, to_world(h.instance, c.p[2]) - p0));
     if ((instances[h.instance].flags & FLAG_MIRRORED) != 0u) { normal = -normal; }
+    let bary = weights_at(h.instance, c.p, h.bary);
+    if (is_capsule(h.instance)) {
+        let point = capsule_point(h.bary, c.p[1] - c.p[0], instances[h.instance].capsule_radius_m);
+        normal = normalize(normal_to_world(h.instance, point.normal));
+    }
     s.is_solid = materials[m].is_solid != 0u;
     s.is_inside = s.is_solid && dot(normal, direction) > 0.0;
     s.normal = select(normal, -normal, dot(normal, direction) > 0.0);
-    s.transmission = materials[m].transmission * layer_texel(TRANSMISSION_SLOT, h.instance, c.index, h.bary, 1.0, 0.0).x;
-    s.clearcoat = materials[m].clearcoat * layer_texel(CLEARCOAT_SLOT, h.instance, c.index, h.bary, 1.0, 0.0).x;
-    s = with_textured_details(s, h.instance, c.index, h.bary, 1.0, 0.0);
-    s = with_film(s, h.instance, c.index, h.bary, 1.0, 0.0, dot(s.normal, direction));
+    s.transmission = materials[m].transmission * layer_texel(TRANSMISSION_SLOT, h.instance, c.index, bary, 1.0, 0.0).x;
+    s.clearcoat = materials[m].clearcoat * layer_texel(CLEARCOAT_SLOT, h.instance, c.index, bary, 1.0, 0.0).x;
+    s = with_textured_details(s, h.instance, c.index, bary, 1.0, 0.0);
+    s = with_film(s, h.instance, c.index, bary, 1.0, 0.0, dot(s.normal, direction));
     s.absorption = materials[m].absorption;
     s.alpha = 1.0;
-    if (materials[m].is_blended != 0u) { s.alpha = material_alpha(m, h.instance, c.index, h.bary, 0.0, 1.0); }
+    if (materials[m].is_blended != 0u) { s.alpha = material_alpha(m, h.instance, c.index, bary, 0.0, 1.0); }
     return s;
 }
 

@@ -1,4 +1,4 @@
-// Surface of a pixel, from the instance and the triangle that the visibility pass found.
+// Surface of a pixel, from the instance and the triangle or capsule that the visibility pass found.
 
 #import frame
 #import surface
@@ -29,11 +29,17 @@ struct PixelSurface {
 fn pixel_surface(pixel: vec2u, hit: vec2u) -> PixelSurface {
     let center = vec2f(pixel) + 0.5;
     let ray = pixel_ray(center);
+    var shown: PixelSurface;
+    if (is_capsule(hit.x)) {
+        let met = capsule_hit(hit.x, hit.y, pixel_origin(center), ray, frame.near_m);
+        shown.surface = surface_at(hit.x, hit.y, met.place, normalize(ray), pixel_width(met.t * length(ray)));
+        shown.depth_m = met.t;
+        return shown;
+    }
     let plane = plane_hit(pixel_origin(center), ray, hit.x, hit.y);
     // A pixel center may lie just outside the triangle that covers the pixel.
     var bary = clamp(plane.bary, vec2f(0.0), vec2f(1.0));
     bary /= max(bary.x + bary.y, 1.0);
-    var shown: PixelSurface;
     shown.surface = surface_at(hit.x, hit.y, bary, normalize(ray), pixel_width(plane.t * length(ray)));
     // Depth along the pixel's own ray, so that the position computed from it lies on the plane; a triangle seen
     // edge-on is too inexact for that and uses the clamped point.

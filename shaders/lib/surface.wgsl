@@ -1,6 +1,7 @@
 // The one function that turns (instance, triangle, barycentrics, footprint) into a surface, for rasterized pixels
 // and traced hits alike, so that no seam shows between them.
 
+#import capsule
 #import film
 #import pattern
 #import frame
@@ -25,6 +26,43 @@ fn corners(instance: u32, triangle: u32) -> Corner {
         c.p[k] = vertex_position(instances[instance].vertex_base + c.index[k]);
     }
     return c;
+}
+
+fn is_capsule(instance: u32) -> bool {
+    return HAS_CAPSULES && instances[instance].capsule_radius_m > 0.0;
+}
+
+// Barycentric weights of vertex 1 and vertex 2 at the second part of a hit, which of a capsule is a place on its
+// surface.
+fn weights_at(instance: u32, p: array<vec3f, 3>, bary: vec2f) -> vec2f {
+    if (!is_capsule(instance)) { return bary; }
+    return vec2f(capsule_point(bary, p[1] - p[0], instances[instance].capsule_radius_m).share, 0.0);
+}
+
+// Hit of a ray with a capsule; t is in lengths of the direction.
+struct CapsuleHit {
+    is_met: bool,
+    t: f32,
+    place: vec2f,
+}
+
+// Where a ray past `t_min` meets a capsule, as in test_capsule of bvh.wgsl; where it misses, the point nearest to it.
+fn capsule_hit(instance: u32, capsule: u32, origin: vec3f, direction: vec3f, t_min: f32) -> CapsuleHit {
+    let c = corners(instance, capsule);
+    let axis = c.p[1] - c.p[0];
+    let radius = instances[instance].capsule_radius_m;
+    let rows = instances[instance].object_from_world;
+    let offset = origin - vec3f(rows[0].w, rows[1].w, rows[2].w);
+    let o = vec3f(dot(rows[0].xyz, offset), dot(rows[1].xyz, offset), dot(rows[2].xyz, offset)) - c.p[0];
+    let d = vec3f(dot(rows[0].xyz, direction), dot(rows[1].xyz, direction), dot(rows[2].xyz, direction));
+    let span = capsule_span(o, d, axis, radius);
+    if (!span.is_met) {
+        let t = dot(0.5 * axis - o, d) / dot(d, d);
+        return CapsuleHit(false, t, capsule_place(o + d * t, axis, radius));
+    }
+    let is_double_sided = (instances[instance].trace_flags & DOUBLE_SIDED) != 0u;
+    let t = select(span.enter, span.leave, span.enter <= t_min && is_double_sided);
+    return CapsuleHit(t > t_min, t, capsule_place(o + d * t, axis, radius));
 }
 
 fn mix3(a: vec2f, b: vec2f, c: vec2f, bary: vec2f) -> vec2f {
@@ -86,7 +124,8 @@ fn vertex_color(instance: u32, index: array<u32, 3>, bary: vec2f) -> vec4f {
 fn alpha_passes(instance: u32, triangle: u32, bary: vec2f) -> bool {
     let material = instances[instance].material;
     let c = corners(instance, triangle);
-    return material_alpha(material, instance, c.index, bary, 0.0, 1.0) >= materials[material].alpha_cutoff;
+    let weights = weights_at(instance, c.p, bary);
+    return material_alpha(material, instance, c.index, weights, 0.0, 1.0) >= materials[material].alpha_cutoff;
 }
 
 // Mean curvature of a triangle of twice this area in the world, from its vertex normals: the turn of the normal
@@ -112,8 +151,9 @@ fn smooth_lift(p: array<vec3f, 3>, normals: array<vec3f, 3>, weights: vec3f, nor
     return max(dot(offset, normal), 0.0) / max(length(normal), 1e-20) * sqrt(area2_world / max(area2, 1e-30));
 }
 
-// Surface at a hit. `direction` is the unit direction of the arriving ray, `cone_m` the width of its cone here.
-fn surface_at(instance: u32, triangle: u32, bary: vec2f, direction: vec3f, cone_m: f32) -> Surface {
+// Surface at a hit. `direction` is the unit direction of the arriving ray, `cone_m` the width of its cone here; `place`
+// are barycentric weights, or the place on a capsule.
+fn surface_at(instance: u32, triangle: u32, place: vec2f, direction: vec3f, cone_m: f32) -> Surface {
     let m = instances[instance].material;
     var s = material_surface(m);
     let flags = instances[instance].flags;
@@ -121,11 +161,24 @@ fn surface_at(instance: u32, triangle: u32, bary: vec2f, direction: vec3f, cone_
     let p0 = to_world(instance, c.p[0]);
     let e1 = to_world(instance, c.p[1]) - p0;
     let e2 = to_world(instance, c.p[2]) - p0;
+    let is_round = is_capsule(instance);
+    let radius = instances[instance].capsule_radius_m;
+    var round = CapsulePoint();
+    var bary = place;
+    if (is_round) {
+        round = capsule_point(place, c.p[1] - c.p[0], radius);
+        bary = vec2f(round.share, 0.0);
+    }
     s.position = p0 + e1 * bary.x + e2 * bary.y;
     let cross_world = cross(e1, e2);
-    let area2 = max(length(cross_world), 1e-20);
+    var area2 = max(length(cross_world), 1e-20);
     var ng = cross_world / area2;
     if ((flags & FLAG_MIRRORED) != 0u) { ng = -ng; }
+    if (is_round) {
+        s.position += direction_to_world(instance, round.normal * radius);
+        ng = normalize(normal_to_world(instance, round.normal));
+        area2 = 1.0; // capsules have no area of texture coordinates: the finest texels are sampled
+    }
     let behind = dot(ng, direction) > 0.0;
     let footprint = cone_m / max(abs(dot(ng, direction)), 0.05);
 
@@ -135,13 +188,18 @@ fn surface_at(instance: u32, triangle: u32, bary: vec2f, direction: vec3f, cone_
     for (var k = 0u; k < 3u; k++) {
         normals[k] = unpack_unit(vertex_normal(base + c.index[k]));
     }
-    let n_object = normals[0] * weights.x + normals[1] * weights.y + normals[2] * weights.z;
+    var n_object = normals[0] * weights.x + normals[1] * weights.y + normals[2] * weights.z;
+    if (is_round) { n_object = round.normal; }
     if ((HAS_TEXTURES || HAS_CHECKERS) && s.reflection != REFLECTION_NONE) {
         s.curvature = mean_curvature(c.p, normals, area2) * select(1.0, -1.0, behind);
+        // The mean curvature of a sphere, and of a cylinder.
+        let turns = select(1.0, 0.5, round.share > 0.0 && round.share < 1.0);
+        let scale = length(direction_to_world(instance, round.normal));
+        if (is_round) { s.curvature = turns / (radius * scale) * select(1.0, -1.0, behind); }
     }
     // With layers, the G-buffer has no bits for the lift.
     let bends = min(dot(normals[0], normals[1]), dot(normals[0], normals[2])) < 0.99999;
-    if (!HAS_LAYERS && !behind && bends) {
+    if (!HAS_LAYERS && !behind && bends && !is_round) {
         s.lift_m = max(smooth_lift(c.p, normals, weights, n_object, area2), LEAST_LIFT_M);
     }
     var n = normal_to_world(instance, n_object);
@@ -152,8 +210,9 @@ fn surface_at(instance: u32, triangle: u32, bary: vec2f, direction: vec3f, cone_
     }
     if (HAS_CHECKERS && materials[m].checker_size_m > 0.0) {
         let size = materials[m].checker_size_m;
-        let p_object = c.p[0] * weights.x + c.p[1] * weights.y + c.p[2] * weights.z;
-        let cross_object = cross(c.p[1] - c.p[0], c.p[2] - c.p[0]);
+        let p_object = c.p[0] * weights.x + c.p[1] * weights.y + c.p[2] * weights.z + round.normal * select(0.0, radius, is_round);
+        var cross_object = cross(c.p[1] - c.p[0], c.p[2] - c.p[0]);
+        if (is_round) { cross_object = round.normal; }
         let area2_object = max(length(cross_object), 1e-20);
         let width = footprint * sqrt(area2_object / area2) / size;
         let odd = pattern(materials[m].pattern, p_object / size, cross_object / area2_object, width);

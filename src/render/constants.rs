@@ -7,8 +7,8 @@ use reflet_scene::desc::{LightKind, Method, PatternKind, ReflectionMode, ToneMap
 use reflet_world::{
     CoreTexture, LayerTexture, MAX_LIGHTS,
     bvh::{
-        ALPHA_TESTED, DOUBLE_SIDED, FLIPPED, SHADOWLESS, STACK_SIZE, STATIC_ROOT, TOP_LEVEL,
-        TOP_ROOT, UNREFLECTED, UNSEEN,
+        ALPHA_TESTED, CAPSULES, DOUBLE_SIDED, FLIPPED, SHADOWLESS, STACK_SIZE, STATIC_ROOT,
+        TOP_LEVEL, TOP_ROOT, UNREFLECTED, UNSEEN,
     },
 };
 
@@ -135,6 +135,7 @@ pub fn wgsl() -> String {
         TOP_ROOT,
         TOP_LEVEL,
         ALPHA_TESTED,
+        CAPSULES,
         DOUBLE_SIDED,
         FLIPPED,
         UNSEEN,

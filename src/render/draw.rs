@@ -11,7 +11,49 @@ use super::{
 };
 use reflet_base::math::Bounds;
 use reflet_scene::desc::ShownDesc;
-use reflet_world::{Instance, Material, World};
+use reflet_world::{Instance, Material, Mesh, World};
+
+/// What is drawn of a mesh.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DrawShape {
+    /// Its triangles.
+    Triangles,
+    /// A square around each of its capsules, which are all spheres.
+    Spheres,
+    /// A box around each of its capsules.
+    Capsules,
+}
+
+impl DrawShape {
+    /// Shape of a mesh.
+    pub fn of(mesh: &Mesh) -> Self {
+        let is_sphere = |[a, b, _]: &[u32; 3]| a == b;
+        match mesh.capsule_radius_m {
+            None => Self::Triangles,
+            Some(_) if mesh.triangles.iter().all(is_sphere) => Self::Spheres,
+            Some(_) => Self::Capsules,
+        }
+    }
+
+    /// Pipeline constant of shaders that draw capsules.
+    pub fn constant(self) -> (&'static str, f64) {
+        ("SPHERES", f64::from(u8::from(self == Self::Spheres)))
+    }
+
+    /// Faces of the shapes around capsules that are not drawn: of boxes the front, so that the eye may be inside.
+    pub fn culled(self) -> Option<wgpu::Face> {
+        (self == Self::Capsules).then_some(wgpu::Face::Front)
+    }
+
+    /// Number of vertices drawn for each triangle or capsule.
+    fn num_vertices(self) -> u32 {
+        match self {
+            Self::Triangles => 3,
+            Self::Spheres => 6,
+            Self::Capsules => 36,
+        }
+    }
+}
 
 /// Properties of a draw call that need a render pipeline of their own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,6 +64,15 @@ pub struct DrawClass {
     pub double_sided: bool,
     /// Whether the instance's transform mirrors it.
     pub mirrored: bool,
+    /// What is drawn.
+    pub shape: DrawShape,
+}
+
+impl DrawClass {
+    /// Whether it is drawn by indices where the device allows it.
+    pub fn is_indexed(&self) -> bool {
+        !self.cutout && self.shape == DrawShape::Triangles
+    }
 }
 
 /// Draw call of one instance.
@@ -66,11 +117,12 @@ pub fn mirrors(transform: &Affine3A) -> bool {
 }
 
 /// Properties of the draw call of an instance with this material.
-pub fn class_of(material: &Material, transform: &Affine3A) -> DrawClass {
+fn class_of(material: &Material, transform: &Affine3A, shape: DrawShape) -> DrawClass {
     DrawClass {
         cutout: material.alpha_cutoff.is_some(),
         double_sided: material.double_sided,
         mirrored: mirrors(transform),
+        shape,
     }
 }
 
@@ -118,7 +170,10 @@ pub fn record<'a>(
     for (first, instances) in merged(draws) {
         match is_indexed {
             true => pass.draw_indexed(first.indices.clone(), first.vertex_base, instances),
-            false => pass.draw(0..first.indices.len() as u32, instances),
+            false => {
+                let count = first.indices.len() as u32 / 3 * first.class.shape.num_vertices();
+                pass.draw(0..count, instances);
+            }
         }
     }
 }
@@ -153,6 +208,7 @@ pub fn draws(world: &World, mesh_ranges: &[MeshRange]) -> Vec<Draw> {
             class: class_of(
                 &world.materials[instance.material],
                 &instance.world_from_object,
+                range.shape,
             ),
             dynamic: instance.dynamic,
             hides_backs: false,

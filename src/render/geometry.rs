@@ -8,6 +8,7 @@ use reflet_world::{Mesh, Posed, World};
 
 use super::{
     chunked_array::{ChunkedArray, Upload},
+    draw::DrawShape,
     types::{GpuVertex, NONE},
 };
 
@@ -24,6 +25,8 @@ pub struct MeshRange {
     pub uv1_base: u32,
     /// Whether the vertices have colors.
     pub has_colors: bool,
+    /// What is drawn of the mesh.
+    pub shape: DrawShape,
 }
 
 /// Creates an initialized buffer, never of zero size.
@@ -102,6 +105,7 @@ pub fn geometry(
                 NONE
             },
             has_colors: !mesh.colors.is_empty(),
+            shape: DrawShape::of(mesh),
         });
         vertex_count += mesh.positions.len();
         data_count += index_count + 2 * mesh.uv1.len();
@@ -143,7 +147,7 @@ fn vertex(mesh: &Mesh, posed: &Posed<'_>, i: usize) -> GpuVertex {
     let color = mesh.colors.get(i).copied().unwrap_or(Vec4::ONE);
     GpuVertex {
         position: posed.positions[i].to_array(),
-        normal: pack_unit(posed.normals[i]),
+        normal: pack_unit(posed.normals.get(i).copied().unwrap_or(Vec3::Z)),
         uv: mesh.uv0.get(i).copied().unwrap_or_default().to_array(),
         tangent: pack_unit(tangent.truncate()) & !1 | u32::from(tangent.w >= 0.0),
         color: u32::from_le_bytes(

@@ -14,7 +14,7 @@ use reflet_world::{
 use super::{
     chunked_array::ChunkedArray,
     chunks::{Chunks, chunk_of},
-    draw::{Draw, Indexed, class_of, draws},
+    draw::{Draw, Indexed, draws, mirrors},
     emitters::{Emitters, GpuEmitters},
     geometry::{MeshRange, buffer, geometry, mesh_vertices},
     gpu_material::gpu_material,
@@ -320,10 +320,8 @@ fn instance_records(
 ) -> impl ExactSizeIterator<Item = GpuInstance> {
     let record = |(instance, traced): (&Instance, &TraceInstance)| {
         let range = mesh_ranges[instance.mesh];
-        let class = class_of(
-            &world.materials[instance.material],
-            &instance.world_from_object,
-        );
+        let radius = world.meshes[instance.mesh].capsule_radius_m;
+        let is_sampled = world.materials[instance.material].light && radius.is_none();
         GpuInstance {
             world_from_object: rows(&instance.world_from_object),
             object_from_world: traced.object_from_world,
@@ -333,10 +331,10 @@ fn instance_records(
             index_base: range.index_base,
             uv1_base: range.uv1_base,
             material: instance.material as u32,
-            flags: flag(class.mirrored, FLAG_MIRRORED)
+            flags: flag(mirrors(&instance.world_from_object), FLAG_MIRRORED)
                 | flag(range.has_colors, FLAG_COLORS)
-                | flag(world.materials[instance.material].light, FLAG_EMITTER),
-            pad: 0,
+                | flag(is_sampled, FLAG_EMITTER),
+            capsule_radius_m: radius.unwrap_or(0.0),
         }
     };
     let instances = world.instances[range.clone()].iter();

@@ -180,8 +180,8 @@ gpu_struct! {
         material: u32,
         /// Flags: `FLAG_*`.
         flags: u32,
-        /// Unused.
-        pad: u32,
+        /// Radius in object space of a mesh of capsules; else 0.
+        capsule_radius_m: f32,
     }
 }
 

@@ -17,7 +17,10 @@ pub fn check_world(world: &World) -> Result<(), RenderError> {
         let count = mesh.positions.len();
         let attributes = [mesh.normals.len(), mesh.uv0.len()];
         let optional = [mesh.tangents.len(), mesh.uv1.len(), mesh.colors.len()];
-        if attributes.iter().any(|n| *n != count) || optional.iter().any(|n| *n != 0 && *n != count)
+        let differs = |n: &usize| *n != 0 && *n != count;
+        let needs_all = mesh.capsule_radius_m.is_none();
+        if attributes.iter().any(|n| needs_all && *n != count)
+            || attributes.iter().chain(&optional).any(differs)
         {
             return refuse(format!(
                 "mesh \"{}\": its attributes differ in length",

@@ -3,10 +3,11 @@
 use glam::{DVec2, DVec3, UVec2, Vec3};
 use rayon::prelude::*;
 
+use reflet_base::math::in_f64;
 use reflet_scene::desc::LightKind;
 use reflet_world::{
     Light, World,
-    bvh::{Ray, RayHit, Trees, UNREFLECTED, UNSEEN},
+    bvh::{Ray, RayHit, Trees, UNREFLECTED, UNSEEN, capsule::Capsule},
 };
 
 use super::view::View;
@@ -61,8 +62,12 @@ impl ViewRays<'_> {
     /// The surface point of a hit along `direction`; its normal faces the ray.
     pub fn point(&self, hit: &RayHit, direction: DVec3) -> SurfacePoint {
         let instance = &self.world.instances[hit.instance as usize];
+        let mesh = &self.world.meshes[instance.mesh];
+        if let Some(radius) = mesh.capsule_radius_m {
+            return self.point_on_capsule(hit, radius, direction);
+        }
         let posed = self.world.posed(instance.mesh);
-        let triangles = &self.world.meshes[instance.mesh].triangles;
+        let triangles = &mesh.triangles;
         let corners = triangles[hit.triangle as usize].map(|i| i as usize);
         let weights = [1.0 - hit.bary.x - hit.bary.y, hit.bary.x, hit.bary.y].map(|w| w as f32);
         let mix = |of: &[Vec3]| -> Vec3 { (0..3).map(|k| of[corners[k]] * weights[k]).sum() };
@@ -77,6 +82,32 @@ impl ViewRays<'_> {
             } else {
                 normal
             },
+            instance: hit.instance as usize,
+        }
+    }
+}
+
+impl ViewRays<'_> {
+    fn point_on_capsule(&self, hit: &RayHit, radius: f32, direction: DVec3) -> SurfacePoint {
+        let instance = &self.world.instances[hit.instance as usize];
+        let mesh = &self.world.meshes[instance.mesh];
+        let ends = mesh
+            .at_rest()
+            .corners(mesh.triangles[hit.triangle as usize]);
+        let [base, end, _] = ends.map(|p| p.as_dvec3());
+        let capsule = Capsule {
+            base,
+            axis: end - base,
+            radius: radius.into(),
+        };
+        let (share, normal) = capsule.point(hit.bary);
+        let to_world = in_f64(&instance.world_from_object);
+        let point = base + capsule.axis * share + normal * capsule.radius;
+        let outward = to_world.matrix3.inverse().transpose() * normal;
+        let outward = outward.normalize_or(-direction.normalize());
+        SurfacePoint {
+            position: to_world.transform_point3(point),
+            normal: outward * -outward.dot(direction).signum(),
             instance: hit.instance as usize,
         }
     }

@@ -8,7 +8,7 @@
 //! | [`Trees::top_range`] | top level: its root first, then a list of instance ids in leaf order |
 //! | … | the other nodes of the static tree, then the mesh trees in object space; deformed ones have room to spare |
 //!
-//! Primitives of a node index the triangle buffer; those of a top-level node, marked with
+//! Primitives of a node index the triangle buffer, which also holds capsules; those of a top-level node, marked with
 //! [`TOP_LEVEL`], index the node buffer in `u32` words, where the ids of instances stand.
 //! An empty tree is a node without children, so both roots can always be traversed.
 //!
@@ -27,6 +27,7 @@ use super::{Instance, World, reach::is_within_reach};
 use reflet_base::memory;
 use reflet_scene::diagnostic::Diagnostic;
 
+pub mod capsule;
 mod gpu_layout;
 mod leaves;
 mod oracle;
@@ -37,8 +38,8 @@ mod tests;
 mod tree;
 
 pub use gpu_layout::{
-    ALPHA_TESTED, DOUBLE_SIDED, FLIPPED, SHADOWLESS, TraceInstance, TraceTriangle, UNREFLECTED,
-    UNSEEN,
+    ALPHA_TESTED, CAPSULES, DOUBLE_SIDED, FLIPPED, SHADOWLESS, TraceInstance, TraceTriangle,
+    UNREFLECTED, UNSEEN,
 };
 use leaves::{mesh_tree, static_tree, too_far};
 pub use oracle::{Oracle, Ray, RayHit};

@@ -16,6 +16,9 @@ impl Mesh {
     /// meets a front face first. Vertices at the same position count as one.
     pub fn is_closed_outward(&self) -> bool {
         *self.closed.get_or_init(|| {
+            if self.capsule_radius_m.is_some() {
+                return true;
+            }
             self.volume() > 0.0
                 && (self.edges_cancel()
                     || self.triangles.len() <= MAX_SEARCHED

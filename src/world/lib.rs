@@ -86,18 +86,18 @@ pub struct World {
 /// Maximum number of lights in a scene; their uniform block stays far below 64 KiB.
 pub const MAX_LIGHTS: usize = 64;
 
-/// Triangles with per-vertex attributes; all attribute arrays are as long as `positions`.
+/// Triangles or capsules with per-vertex attributes; all attribute arrays are as long as `positions`.
 #[derive(Clone, Debug, Default)]
 pub struct Mesh {
     /// Name for messages: model, node and primitive.
     pub name: String,
     /// Positions in object space, meters, finite.
     pub positions: Vec<Vec3>,
-    /// Normals of unit length.
+    /// Normals of unit length; empty for capsules.
     pub normals: Vec<Vec3>,
     /// Tangents: xyz of unit length, w = ±1 handedness; empty where no normal map needs them.
     pub tangents: Vec<Vec4>,
-    /// First texture coordinates, glTF convention (v down); zeros where the file has none.
+    /// First texture coordinates, glTF convention (v down); zeros where the file has none, or empty for capsules.
     pub uv0: Vec<Vec2>,
     /// Second texture coordinates; empty where the material needs none.
     pub uv1: Vec<Vec2>,
@@ -105,7 +105,10 @@ pub struct Mesh {
     pub colors: Vec<Vec4>,
     /// Vertex indices, each below `positions.len()`; counter-clockwise is the front.
     pub triangles: Vec<[u32; 3]>,
-    /// Object-space bounds of `positions`.
+    /// Radius in object space, m, of capsules: each of `triangles` is then `[a, b, b]` and stands for all points within
+    /// this radius of the segment from vertex `a` to vertex `b`, a sphere where `a` is `b`.
+    pub capsule_radius_m: Option<f32>,
+    /// Object-space bounds.
     pub bounds: Bounds,
     /// Deformation by animations; the vertices here are at rest, and their pose is in [`World::deformed`].
     pub deformation: Option<Arc<Deformation>>,
@@ -146,6 +149,16 @@ impl Mesh {
             size_of_val(self.triangles.as_slice()),
         ];
         streams.into_iter().sum::<usize>() as u64
+    }
+
+    /// Bounds of the positions, with the radius of capsules.
+    pub fn bounds_at_rest(&self) -> Bounds {
+        let bounds = Bounds::of(self.positions.iter().copied());
+        let radius_m = self.capsule_radius_m.unwrap_or(0.0);
+        Bounds {
+            min: bounds.min - radius_m,
+            max: bounds.max + radius_m,
+        }
     }
 
     /// The vertices at rest.

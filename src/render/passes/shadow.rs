@@ -7,7 +7,7 @@ use xxhash_rust::xxh3::Xxh3Default;
 
 use crate::{
     cull::is_outside,
-    draw::{self, Draw, Indexed},
+    draw::{self, Draw, DrawClass, DrawShape, Indexed},
     frame_pass::FramePass,
     lights::ShadowView,
     pass::{Pass, PassGroup, declared_overrides},
@@ -36,6 +36,8 @@ gpu_struct! {
     pub struct Params = "Params" {
         /// Transform from the world to the map's clip space.
         clip_from_world: [[f32; 4]; 4],
+        /// Its inverse.
+        world_from_clip: [[f32; 4]; 4],
     }
 }
 
@@ -45,8 +47,8 @@ const SLOT_BYTES: u64 = 256;
 /// The shadow pass on the device.
 #[derive(Debug)]
 pub struct Shadow {
-    opaque: wgpu::RenderPipeline,
-    cutout: Option<wgpu::RenderPipeline>,
+    /// A pipeline for each kind of draw calls in use.
+    pipelines: Vec<(Kind, wgpu::RenderPipeline)>,
     slots: wgpu::Buffer,
     groups: Vec<wgpu::BindGroup>,
     /// Hash of the content of each map; `None` where the map must be drawn.
@@ -74,15 +76,19 @@ impl FramePass for Shadow {
             layout.bind(gpu, &[("params", binding)])
         };
         let groups = (0..count).map(slot).collect::<Result<Vec<_>, _>>()?;
-        let make = |cutout| pipeline(builder, &layout, cutout);
+        let mut kinds: Vec<Kind> = Vec::new();
+        for draw in &builder.resources.scene.draws {
+            let needed = Kind::of(&draw.class);
+            if !kinds.contains(&needed) {
+                kinds.push(needed);
+            }
+        }
+        let make = |kind: Kind| Ok((kind, pipeline(builder, &layout, kind)?));
         Ok(Self {
-            opaque: make(false)?,
-            cutout: builder
-                .plan
-                .features
-                .cutouts
-                .then(|| make(true))
-                .transpose()?,
+            pipelines: kinds
+                .into_iter()
+                .map(make)
+                .collect::<Result<_, GpuError>>()?,
             drawn: Mutex::new(vec![None; groups.len()]),
             groups,
             slots,
@@ -104,8 +110,10 @@ impl FramePass for Shadow {
                 continue;
             }
             *drawn = content;
-            let clip_from_world = view.clip_from_world.to_cols_array_2d();
-            let params = Params { clip_from_world };
+            let params = Params {
+                clip_from_world: view.clip_from_world.to_cols_array_2d(),
+                world_from_clip: view.clip_from_world.inverse().to_cols_array_2d(),
+            };
             let offset = SLOT_BYTES * slot;
             recorder
                 .gpu
@@ -146,17 +154,35 @@ impl Shadow {
     }
 
     fn draw(&self, pass: &mut wgpu::RenderPass<'_>, scene: &GpuScene, view: &ShadowView) {
-        let visible = || casters(scene, view);
         let indexed = scene.indexed();
-        pass.set_pipeline(&self.opaque);
         if let Some(indexed) = indexed {
             indexed.bind(pass);
         }
-        let opaque = visible().filter(|d| !d.class.cutout);
-        draw::record(opaque, pass, indexed.is_some());
-        let Some(cutout) = &self.cutout else { return };
-        pass.set_pipeline(cutout);
-        draw::record(visible().filter(|d| d.class.cutout), pass, false);
+        for (kind, pipeline) in &self.pipelines {
+            pass.set_pipeline(pipeline);
+            let draws = casters(scene, view).filter(|d| Kind::of(&d.class) == *kind);
+            draw::record(draws, pass, indexed.is_some() && kind.is_indexed());
+        }
+    }
+}
+
+/// Properties of a draw call that need a pipeline of their own: both faces of all shapes are drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Kind {
+    cutout: bool,
+    shape: DrawShape,
+}
+
+impl Kind {
+    fn of(class: &DrawClass) -> Self {
+        Self {
+            cutout: class.cutout,
+            shape: class.shape,
+        }
+    }
+
+    fn is_indexed(self) -> bool {
+        !self.cutout && self.shape == DrawShape::Triangles
     }
 }
 
@@ -183,25 +209,30 @@ fn content(scene: &GpuScene, view: &ShadowView) -> Option<u64> {
 fn pipeline(
     builder: &PassBuilder<'_>,
     layout: &GroupLayout,
-    cutout: bool,
+    kind: Kind,
 ) -> Result<wgpu::RenderPipeline, GpuError> {
     let (gpu, shared, shader) = (builder.gpu, builder.shared, builder.shader(&PASS)?);
     let groups = [&shared.empty.0, &shared.layouts[1], layout];
-    let constants = declared_overrides(shader, &builder.overrides(&PASS));
-    let is_pulled = cutout || builder.resources.scene.indexed().is_none();
-    let state = match (cutout, is_pulled) {
-        (true, _) => "cutout",
-        (false, true) => "pulled",
-        (false, false) => "indexed",
+    let mut constants = declared_overrides(shader, &builder.overrides(&PASS));
+    let is_pulled = !kind.is_indexed() || builder.resources.scene.indexed().is_none();
+    let (vertex, fragment) = match kind.shape {
+        DrawShape::Triangles if is_pulled => ("vertex", kind.cutout.then_some("fragment")),
+        DrawShape::Triangles => ("vertex_opaque", None),
+        DrawShape::Spheres | DrawShape::Capsules => {
+            constants.push(kind.shape.constant());
+            constants.push(("CUTOUT", f64::from(u8::from(kind.cutout))));
+            ("vertex_capsule", Some("fragment_capsule"))
+        }
     };
-    shader.render_pipeline(gpu, state, &groups, &constants, |layout, module| {
+    let state = format!("{kind:?} {is_pulled}");
+    shader.render_pipeline(gpu, &state, &groups, &constants, |layout, module| {
         gpu.device
             .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
                 label: Some(PASS.name),
                 layout: Some(layout),
                 vertex: wgpu::VertexState {
                     module,
-                    entry_point: Some(if is_pulled { "vertex" } else { "vertex_opaque" }),
+                    entry_point: Some(vertex),
                     compilation_options: wgpu::PipelineCompilationOptions::default(),
                     buffers: if is_pulled { &[] } else { &Indexed::LAYOUTS },
                 },
@@ -209,9 +240,9 @@ fn pipeline(
                 primitive: wgpu::PrimitiveState::default(),
                 depth_stencil: Some(reversed_depth(FORMAT)),
                 multisample: wgpu::MultisampleState::default(),
-                fragment: cutout.then_some(wgpu::FragmentState {
+                fragment: fragment.map(|entry| wgpu::FragmentState {
                     module,
-                    entry_point: Some("fragment"),
+                    entry_point: Some(entry),
                     compilation_options: wgpu::PipelineCompilationOptions::default(),
                     targets: &[],
                 }),

@@ -2,7 +2,7 @@
 
 use crate::{
     cull::is_outside,
-    draw::{self, Draw, DrawClass, Indexed},
+    draw::{self, Draw, DrawClass, DrawShape, Indexed},
     frame_pass::FramePass,
     pass::{Pass, PassGroup, declared_overrides},
     pass_builder::PassBuilder,
@@ -72,7 +72,7 @@ impl FramePass for Visibility {
             let mut draw_all = |pipelines: &[(DrawClass, wgpu::RenderPipeline)],
                                 is_drawn: fn(&Draw) -> bool| {
                 for (class, pipeline) in pipelines {
-                    let is_indexed = self.is_indexed && !class.cutout;
+                    let is_indexed = self.is_indexed && class.is_indexed();
                     pass.set_pipeline(pipeline);
                     let draws = scene
                         .draws
@@ -198,6 +198,10 @@ fn pipeline(
     let mut constants = declared_overrides(shader, &builder.overrides(&PASS));
     constants.push(("CUTOUT", f64::from(u8::from(class.cutout))));
     let cull_mode = match faces {
+        _ if class.shape != DrawShape::Triangles => {
+            constants.push(class.shape.constant());
+            class.shape.culled()
+        }
         _ if class.double_sided => None,
         Faces::Shown => Some(wgpu::Face::Back),
         Faces::Culled => Some(wgpu::Face::Front),
@@ -211,13 +215,16 @@ fn pipeline(
         ..Target::Ids.format(false).into()
     };
     let state = format!("{class:?} {faces:?}");
-    let (vertex, fragment, buffers) = match is_indexed(shader) && !class.cutout {
-        true => (
+    let (vertex, fragment, buffers) = match class.shape {
+        DrawShape::Triangles if is_indexed(shader) && class.is_indexed() => (
             VERTEX_INDEXED,
             "fragment_indexed",
             Indexed::LAYOUTS.as_slice(),
         ),
-        false => ("vertex", "fragment", [].as_slice()),
+        DrawShape::Triangles => ("vertex", "fragment", [].as_slice()),
+        DrawShape::Spheres | DrawShape::Capsules => {
+            ("vertex_capsule", "fragment_capsule", [].as_slice())
+        }
     };
     shader.render_pipeline(gpu, &state, &groups, &constants, |layout, module| {
         gpu.device

@@ -105,6 +105,13 @@ features! {
         used: scene.is_general() || scene.world.instances.iter().any(|i| i.shown != ShownDesc::default()),
         constant: HAS_UNSHOWN,
     }
+    /// Whether some mesh is of capsules: points or lines.
+    capsules {
+        used: scene.is_general() || scene.world.meshes.iter().any(|m| m.capsule_radius_m.is_some()),
+        constant: HAS_CAPSULES,
+        files: capsules_seen [none, drawn], capsules_cast [none, drawn];
+        dropped: "capsules" => "no model has points or lines";
+    }
     /// Whether some material is cut out.
     cutouts {
         used: scene.is_general() || scene.has(|m| m.alpha_cutoff.is_some()),

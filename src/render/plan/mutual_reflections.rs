@@ -19,7 +19,8 @@ pub(super) fn reflectors_see_each_other(world: &World, cutoff: f32) -> bool {
         if !may_reflect(world, instance.material, cutoff) {
             continue;
         }
-        if instance.dynamic {
+        let are_capsules = world.meshes[instance.mesh].capsule_radius_m.is_some();
+        if instance.dynamic || are_capsules {
             return true;
         }
         let (mesh, posed) = (&world.meshes[instance.mesh], world.posed(instance.mesh));

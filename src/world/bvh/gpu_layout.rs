@@ -3,6 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
+use super::capsule::Capsule;
 use crate::{Instance, World};
 use reflet_base::math::in_f64;
 
@@ -19,7 +20,11 @@ pub const SHADOWLESS: u32 = 16;
 /// Flag: reflected rays, and rays that come through glass, pass through.
 pub const UNREFLECTED: u32 = 32;
 
-/// A triangle as traversal reads it, 48 bytes (3 × `vec4u`).
+/// Flag of instances: the mesh is of capsules. They are never part of the static tree, so that placements may squeeze
+/// them.
+pub const CAPSULES: u32 = 64;
+
+/// A triangle, or in mesh trees a capsule, as traversal reads it, 48 bytes (3 × `vec4u`).
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct TraceTriangle {
@@ -27,11 +32,11 @@ pub struct TraceTriangle {
     pub base: [f32; 3],
     /// Index of the triangle's instance; [`NONE`](super::NONE) in mesh trees.
     pub instance: u32,
-    /// Vertex 1 − vertex 0.
+    /// Vertex 1 − vertex 0; the axis of a capsule.
     pub edge1: [f32; 3],
     /// Index of the triangle in its mesh.
     pub triangle: u32,
-    /// Vertex 2 − vertex 0.
+    /// Vertex 2 − vertex 0; the radius of a capsule, then zeros.
     pub edge2: [f32; 3],
     /// Flags [`ALPHA_TESTED`], [`DOUBLE_SIDED`], [`FLIPPED`], [`UNSEEN`], [`SHADOWLESS`], [`UNREFLECTED`]; 0 in
     /// mesh trees, where the instance has them.
@@ -77,11 +82,14 @@ impl TraceInstance {
 /// Traversal flags of an instance, except [`FLIPPED`].
 pub(super) fn instance_flags(instance: &Instance, world: &World) -> u32 {
     let (material, shown) = (&world.materials[instance.material], instance.shown);
+    let are_capsules =
+        (world.meshes.get(instance.mesh)).is_some_and(|m| m.capsule_radius_m.is_some());
     let flag = |set: bool, bit: u32| if set { bit } else { 0 };
     // Transmissive surfaces are tested after the traversal, like cut-outs.
     let tested = material.alpha_cutoff.is_some() || material.passes_light();
     flag(tested, ALPHA_TESTED)
         | flag(material.double_sided, DOUBLE_SIDED)
+        | flag(are_capsules, CAPSULES)
         | flag(!shown.visible, UNSEEN)
         | flag(!shown.casts_shadow, SHADOWLESS)
         | flag(!shown.in_reflections, UNREFLECTED)
@@ -100,5 +108,24 @@ pub(super) fn trace_triangle(
         triangle,
         edge2: (c - a).to_array(),
         flags,
+    }
+}
+
+/// A capsule around the segment between two points.
+pub(super) fn trace_capsule([a, b]: [Vec3; 2], radius: f32, capsule: u32) -> TraceTriangle {
+    TraceTriangle {
+        edge2: [radius, 0.0, 0.0],
+        ..trace_triangle([a, b, a], super::NONE, capsule, 0)
+    }
+}
+
+impl TraceTriangle {
+    /// The capsule that an instance marked [`CAPSULES`] has in place of a triangle.
+    pub(super) fn capsule(&self) -> Capsule {
+        Capsule {
+            base: Vec3::from(self.base).as_dvec3(),
+            axis: Vec3::from(self.edge1).as_dvec3(),
+            radius: self.edge2[0].into(),
+        }
     }
 }

@@ -1,12 +1,12 @@
-//! Triangles as the leaves of trees: in world space in the static tree, in object space in mesh trees.
+//! Triangles and capsules as the leaves of trees: in world space in the static tree, in object space in mesh trees.
 
-use glam::Vec3;
+use glam::{Vec3, Vec3A};
 use obvhs::aabb::Aabb;
 use rayon::prelude::*;
 
 use super::{
     FLIPPED, NONE, TraceTriangle,
-    gpu_layout::{instance_flags, trace_triangle},
+    gpu_layout::{instance_flags, trace_capsule, trace_triangle},
     placement::error,
     tree::Tree,
 };
@@ -49,10 +49,15 @@ fn is_far(tree_box: &Aabb) -> bool {
 
 pub(super) fn mesh_tree(mesh: &Mesh) -> Result<(Tree, Vec<TraceTriangle>), Box<Diagnostic>> {
     let corners = |t: u32| mesh.at_rest().corners(mesh.triangles[t as usize]);
+    let radius = mesh.capsule_radius_m;
     let ids: Vec<u32> = (0..mesh.triangles.len() as u32)
-        .filter(|t| has_area(corners(*t)))
+        .filter(|t| radius.is_some() || has_area(corners(*t)))
         .collect();
-    let boxes: Vec<_> = ids.iter().map(|t| bounding_box(corners(*t))).collect();
+    let around = Vec3A::splat(radius.unwrap_or(0.0));
+    let boxes = ids.iter().map(|t| bounding_box(corners(*t)));
+    let boxes: Vec<_> = boxes
+        .map(|b| Aabb::new(b.min - around, b.max + around))
+        .collect();
     if boxes.iter().any(is_far) {
         return Err(too_far(&format!("mesh \"{}\"", mesh.name)));
     }
@@ -61,7 +66,10 @@ pub(super) fn mesh_tree(mesh: &Mesh) -> Result<(Tree, Vec<TraceTriangle>), Box<D
         .order
         .iter()
         .map(|p| ids[*p as usize])
-        .map(|t| trace_triangle(corners(t), NONE, t, 0))
+        .map(|t| match (radius, corners(t)) {
+            (Some(radius), [a, b, _]) => trace_capsule([a, b], radius, t),
+            (None, corners) => trace_triangle(corners, NONE, t, 0),
+        })
         .collect();
     Ok((tree, triangles))
 }

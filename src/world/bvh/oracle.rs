@@ -4,11 +4,11 @@
 //! ([`Oracle::any`]) are blocked by either side; triangles with cut-outs count where the alpha callback accepts
 //! them. An interval is open: `t_min < t < t_max`.
 
-use glam::{DMat3, DVec2, DVec3, Vec3};
+use glam::{DAffine3, DMat3, DVec2, DVec3, Vec3};
 
 use super::{
-    ALPHA_TESTED, DOUBLE_SIDED, FLIPPED, NONE, STATIC_ROOT, TOP_LEVEL, TOP_ROOT, TraceTriangle,
-    Trees, gpu_layout::instance_flags, leaves::corners,
+    ALPHA_TESTED, CAPSULES, DOUBLE_SIDED, FLIPPED, NONE, STATIC_ROOT, TOP_LEVEL, TOP_ROOT,
+    TraceTriangle, Trees, capsule::Capsule, gpu_layout::instance_flags, leaves::corners,
 };
 use crate::World;
 use reflet_base::math::in_f64;
@@ -38,75 +38,118 @@ pub struct RayHit {
     pub instance: u32,
     /// Index into the mesh's triangles.
     pub triangle: u32,
-    /// Barycentric weights of vertex 1 and vertex 2.
+    /// Barycentric weights of vertex 1 and vertex 2; of a capsule the [place](Capsule::place) on its surface.
     pub bary: DVec2,
 }
 
-struct Corner {
-    base: DVec3,
-    edge1: DVec3,
-    edge2: DVec3,
+/// A triangle in world space, or a capsule in object space.
+enum Shape {
+    Triangle {
+        base: DVec3,
+        edge1: DVec3,
+        edge2: DVec3,
+    },
+    Capsule(Capsule),
+}
+
+struct Surface {
+    shape: Shape,
     flags: u32,
 }
 
-impl Corner {
+impl Surface {
     /// Möller and Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection" (1997): where the ray
-    /// meets the plane, as (t, weights, whether from the front); the weights may be outside [0, 1].
+    /// meets the plane, as (t, weights, whether from the front); the weights may be outside [0, 1]. `None` for a
+    /// capsule.
     fn plane_hit(&self, ray: &Ray) -> Option<(f64, DVec2, bool)> {
-        let p = ray.direction.cross(self.edge2);
-        let det = self.edge1.dot(p);
+        let Shape::Triangle { base, edge1, edge2 } = &self.shape else {
+            return None;
+        };
+        let p = ray.direction.cross(*edge2);
+        let det = edge1.dot(p);
         if det == 0.0 {
             return None;
         }
-        let to_origin = ray.origin - self.base;
-        let q = to_origin.cross(self.edge1);
+        let to_origin = ray.origin - *base;
+        let q = to_origin.cross(*edge1);
         let bary = DVec2::new(to_origin.dot(p), ray.direction.dot(q)) / det;
         let front = (det > 0.0) != (self.flags & FLIPPED != 0);
-        Some((self.edge2.dot(q) / det, bary, front))
+        Some((edge2.dot(q) / det, bary, front))
     }
 
     fn hit(&self, ray: &Ray, cull: bool) -> Option<(f64, DVec2)> {
+        let is_met = |t: f64, front: bool| {
+            let seen = front || !cull || self.flags & DOUBLE_SIDED != 0;
+            seen && self.flags & ray.passes == 0 && ray.t_min < t && t < ray.t_max
+        };
+        if let Shape::Capsule(capsule) = &self.shape {
+            let times = capsule.span(ray.origin, ray.direction)?;
+            let mut sides = times.into_iter().zip([true, false]);
+            let (t, _) = sides.find(|(t, front)| is_met(*t, *front))?;
+            return Some((t, capsule.place(ray.origin + ray.direction * t)));
+        }
         let (t, bary, front) = self.plane_hit(ray)?;
         let inside = bary.x >= 0.0 && bary.y >= 0.0 && bary.x + bary.y <= 1.0;
-        let seen = front || !cull || self.flags & DOUBLE_SIDED != 0;
-        let met = inside && seen && self.flags & ray.passes == 0;
-        (met && ray.t_min < t && t < ray.t_max).then_some((t, bary))
+        (inside && is_met(t, front)).then_some((t, bary))
     }
 }
 
-/// Brute force over all triangles of a world, placed in f64.
+/// Brute force over all triangles and capsules of a world, in f64.
 pub struct Oracle {
-    triangles: Vec<(Corner, u32, u32)>,
-    /// Index of the first triangle of each instance.
+    surfaces: Vec<(Surface, u32, u32)>,
+    /// World-to-object transform of each instance of capsules, and its inverse.
+    spaces: Vec<Option<[DAffine3; 2]>>,
+    /// Index of the first surface of each instance.
     first: Vec<usize>,
 }
 
 impl Oracle {
-    /// Places every triangle.
+    /// Places every triangle and capsule.
     pub fn new(world: &World) -> Self {
         let mut oracle = Self {
-            triangles: Vec::new(),
+            surfaces: Vec::new(),
+            spaces: Vec::new(),
             first: Vec::new(),
         };
         for (id, instance) in world.instances.iter().enumerate() {
-            oracle.first.push(oracle.triangles.len());
+            oracle.first.push(oracle.surfaces.len());
             let mesh = &world.meshes[instance.mesh];
             let transform = in_f64(&instance.world_from_object);
             let mirrors = transform.matrix3.determinant() < 0.0;
             let flags = instance_flags(instance, world) | if mirrors { FLIPPED } else { 0 };
+            let spaces = || [transform.inverse(), transform];
+            (oracle.spaces).push(mesh.capsule_radius_m.map(|_| spaces()));
             for t in 0..mesh.triangles.len() as u32 {
-                let [base, b, c] = corners(world, instance.mesh, t)
-                    .map(|p| transform.transform_point3(p.as_dvec3()));
-                let corner = Corner {
-                    base,
-                    edge1: b - base,
-                    edge2: c - base,
-                    flags,
+                let corners = corners(world, instance.mesh, t).map(|p| p.as_dvec3());
+                let shape = match mesh.capsule_radius_m {
+                    Some(radius) => Shape::Capsule(Capsule {
+                        base: corners[0],
+                        axis: corners[1] - corners[0],
+                        radius: radius.into(),
+                    }),
+                    None => {
+                        let [base, b, c] = corners.map(|p| transform.transform_point3(p));
+                        let (edge1, edge2) = (b - base, c - base);
+                        Shape::Triangle { base, edge1, edge2 }
+                    }
                 };
-                oracle.triangles.push((corner, id as u32, t));
+                let surface = Surface { shape, flags };
+                oracle.surfaces.push((surface, id as u32, t));
             }
         }
         oracle
+    }
+
+    /// The ray in the space of an instance's surfaces.
+    fn in_space_of(&self, instance: u32, ray: &Ray) -> Ray {
+        let Some([object_from_world, _]) = &self.spaces[instance as usize] else {
+            return *ray;
+        };
+        Ray {
+            origin: object_from_world.transform_point3(ray.origin),
+            direction: object_from_world.transform_vector3(ray.direction),
+            ..*ray
+        }
     }
 
     /// The nearest hit. `alpha_passes(instance, triangle, weights)` decides for cut-outs.
@@ -117,12 +160,12 @@ impl Oracle {
     ) -> Option<RayHit> {
         let mut ray = *ray;
         let mut nearest = None;
-        for (corner, instance, triangle) in &self.triangles {
+        for (surface, instance, triangle) in &self.surfaces {
             let (instance, triangle) = (*instance, *triangle);
-            let Some((t, bary)) = corner.hit(&ray, true) else {
+            let Some((t, bary)) = surface.hit(&self.in_space_of(instance, &ray), true) else {
                 continue;
             };
-            if corner.flags & ALPHA_TESTED == 0 || alpha_passes(instance, triangle, bary) {
+            if surface.flags & ALPHA_TESTED == 0 || alpha_passes(instance, triangle, bary) {
                 ray.t_max = t;
                 nearest = Some(RayHit {
                     t,
@@ -137,29 +180,45 @@ impl Oracle {
 
     /// Whether anything blocks the ray, from either side.
     pub fn any(&self, ray: &Ray, alpha_passes: impl Fn(u32, u32, DVec2) -> bool) -> bool {
-        self.triangles.iter().any(|(corner, instance, triangle)| {
-            corner.hit(ray, false).is_some_and(|(_, bary)| {
-                corner.flags & ALPHA_TESTED == 0 || alpha_passes(*instance, *triangle, bary)
+        self.surfaces.iter().any(|(surface, instance, triangle)| {
+            let hit = surface.hit(&self.in_space_of(*instance, ray), false);
+            hit.is_some_and(|(_, bary)| {
+                surface.flags & ALPHA_TESTED == 0 || alpha_passes(*instance, *triangle, bary)
             })
         })
     }
 
-    /// World-space point of barycentric weights in a triangle.
+    /// World-space point of barycentric weights in a triangle, or of a place on a capsule.
     pub fn point(&self, instance: u32, triangle: u32, bary: DVec2) -> DVec3 {
-        let corner = self.corner(instance, triangle);
-        corner.base + corner.edge1 * bary.x + corner.edge2 * bary.y
+        match (
+            &self.surface(instance, triangle).shape,
+            &self.spaces[instance as usize],
+        ) {
+            (Shape::Capsule(capsule), Some([_, world_from_object])) => {
+                let (share, normal) = capsule.point(bary);
+                let point = capsule.base + capsule.axis * share + normal * capsule.radius;
+                world_from_object.transform_point3(point)
+            }
+            (Shape::Triangle { base, edge1, edge2 }, _) => {
+                *base + *edge1 * bary.x + *edge2 * bary.y
+            }
+            (Shape::Capsule(capsule), None) => capsule.base,
+        }
     }
 
-    fn corner(&self, instance: u32, triangle: u32) -> &Corner {
-        &self.triangles[self.first[instance as usize] + triangle as usize].0
+    fn surface(&self, instance: u32, triangle: u32) -> &Surface {
+        &self.surfaces[self.first[instance as usize] + triangle as usize].0
     }
 
     /// Hit of the ray with the plane of one triangle: t, the weights (outside [0, 1] where it passes the triangle),
     /// and the cosine between ray and normal, negative from the front. `None` where they are parallel.
     pub fn plane_hit(&self, ray: &Ray, instance: u32, triangle: u32) -> Option<(f64, DVec2, f64)> {
-        let corner = self.corner(instance, triangle);
-        let (t, bary, front) = corner.plane_hit(ray)?;
-        let normal = corner.edge1.cross(corner.edge2);
+        let surface = self.surface(instance, triangle);
+        let (t, bary, front) = surface.plane_hit(ray)?;
+        let Shape::Triangle { edge1, edge2, .. } = &surface.shape else {
+            return None;
+        };
+        let normal = edge1.cross(*edge2);
         let cosine = ray.direction.normalize().dot(normal.normalize()).abs();
         Some((t, bary, if front { -cosine } else { cosine }))
     }
@@ -259,13 +318,15 @@ impl Trees {
             NONE => (triangle.instance, triangle.flags),
             id => (id, self.instances[id as usize].trace_flags),
         };
-        let corner = Corner {
-            base: Vec3::from(triangle.base).as_dvec3(),
-            edge1: Vec3::from(triangle.edge1).as_dvec3(),
-            edge2: Vec3::from(triangle.edge2).as_dvec3(),
-            flags,
+        let shape = match flags & CAPSULES {
+            0 => Shape::Triangle {
+                base: Vec3::from(triangle.base).as_dvec3(),
+                edge1: Vec3::from(triangle.edge1).as_dvec3(),
+                edge2: Vec3::from(triangle.edge2).as_dvec3(),
+            },
+            _ => Shape::Capsule(triangle.capsule()),
         };
-        let (t, bary) = corner.hit(ray, cull)?;
+        let (t, bary) = Surface { shape, flags }.hit(ray, cull)?;
         let passes = flags & ALPHA_TESTED == 0 || alpha_passes(instance, triangle.triangle, bary);
         passes.then_some(RayHit {
             t,

@@ -1,7 +1,7 @@
 //! Assignment of instances to the static tree or the top level, within device limits.
 
 use super::TraceTriangle;
-use crate::{Mesh, World};
+use crate::{Instance, Mesh, World};
 use reflet_scene::diagnostic::{Diagnostic, Severity, Span};
 
 /// Extra triangles that copies of one static mesh may take before it is stored once instead.
@@ -45,6 +45,7 @@ impl Placement {
     /// triangles more than storing it once, or where it has at most `small` triangles.
     fn of(world: &World, max_copied: usize, small: usize) -> Self {
         let mut uses = vec![0usize; world.meshes.len()];
+        let are_capsules = |i: &Instance| world.meshes[i.mesh].capsule_radius_m.is_some();
         for i in world.instances.iter().filter(|i| !i.dynamic) {
             uses[i.mesh] += 1;
         }
@@ -62,7 +63,7 @@ impl Placement {
             if count == 0 {
                 continue;
             }
-            if !i.dynamic && (copied <= max_copied || count <= small) {
+            if !i.dynamic && !are_capsules(i) && (copied <= max_copied || count <= small) {
                 placement.baked.push(id as u32);
                 if std::mem::replace(&mut is_stored[i.mesh], true) {
                     placement.copied = placement.copied.saturating_add(count);

@@ -28,7 +28,7 @@ pub fn least_bytes(context: &Context<'_>) -> u64 {
         None => 0,
     };
     let wire_bytes = match primitive.mode.unwrap_or(TRIANGLES) {
-        mode if mode < TRIANGLES => wire::bytes(wire::num_vertices(mode, num_corners)),
+        mode if mode < TRIANGLES => wire::bytes(mode, num_corners),
         _ => 0,
     };
     let named = primitive.attributes.iter();

@@ -20,7 +20,7 @@ use crate::{
     reach::{MAX_REACH_M, TOO_FAR, too_far},
 };
 
-/// Reads a primitive; `None` where it shows nothing. Points and lines become thin geometry.
+/// Reads a primitive; `None` where it shows nothing. Points and lines become capsules.
 ///
 /// # Errors
 /// Accessors of wrong type or count, indices out of range, an unknown mode.
@@ -59,7 +59,7 @@ pub fn build(
     };
     check_reach(&mesh.positions)?;
     read_attributes(&context, &mut mesh)?;
-    if mode < TRIANGLES {
+    if !has_faces(primitive) {
         pose_at_rest(&context, deformation(&context)?, &mut mesh);
         wire::build(&mut mesh, mode, &corners, data)?;
         repair::run(&mut mesh, notes);
@@ -164,18 +164,24 @@ pub fn own_bytes(context: &Context<'_>, num_vertices: usize, num_corners: usize)
     /// Bytes of a corner's index.
     const INDEX_BYTES: u64 = 4;
     let vertices = num_vertices.min(num_corners) as u64;
-    let flat = !context.primitive.attributes.contains_key("NORMAL");
-    let corner_bytes = INDEX_BYTES + if flat { FLAT_BYTES } else { 0 };
+    let is_flat =
+        has_faces(context.primitive) && !context.primitive.attributes.contains_key("NORMAL");
+    let corner_bytes = INDEX_BYTES + if is_flat { FLAT_BYTES } else { 0 };
     vertices * UV_BYTES + num_corners as u64 * corner_bytes
 }
 
 /// glTF's mode of triangle lists; lower modes are points and lines.
 pub const TRIANGLES: u32 = 4;
 
+/// Whether a primitive is of triangles, not of points or lines.
+fn has_faces(primitive: &Primitive) -> bool {
+    primitive.mode.is_none_or(|mode| mode >= TRIANGLES)
+}
+
 /// Whether a primitive is unlit, as points and lines without normals are (glTF 2.0 §3.9.7).
 pub fn is_without_light(primitive: &Primitive) -> bool {
     let has_normals = primitive.attributes.contains_key("NORMAL");
-    primitive.mode.is_some_and(|mode| mode < TRIANGLES) && !has_normals
+    !has_faces(primitive) && !has_normals
 }
 
 /// Accessor of the positions, and mode of the primitive; `None`, with a warning, without positions.
@@ -246,7 +252,13 @@ fn read_attributes(context: &Context<'_>, mesh: &mut Mesh) -> Result<(), Fault> 
         index.map(read).transpose()
     };
     let [first, second] = context.uv_sets;
-    mesh.uv0 = coordinates(first)?.unwrap_or_else(|| vec![Vec2::ZERO; count]);
+    // Capsules have no texture coordinates where the file has none.
+    let zeros = if has_faces(context.primitive) {
+        count
+    } else {
+        0
+    };
+    mesh.uv0 = coordinates(first)?.unwrap_or_else(|| vec![Vec2::ZERO; zeros]);
     mesh.uv1 = coordinates(second)?.unwrap_or_default();
     if let Some(i) = find("COLOR_0")? {
         let accept = accessor::float_or_unsigned;

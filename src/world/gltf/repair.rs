@@ -7,19 +7,18 @@ use glam::{DVec3, Vec2, Vec3, Vec4};
 
 use super::Notes;
 use crate::Mesh;
-use reflet_base::math::Bounds;
 
 /// Repairs a mesh in place. A deformed mesh keeps triangles without area, which may have some in another pose.
 pub fn run(mesh: &mut Mesh, notes: &mut Notes) {
     drop_broken_triangles(mesh, notes);
-    if mesh.normals.is_empty() {
-        make_flat(mesh);
-    } else {
-        fix_normals(mesh, notes);
+    match (mesh.capsule_radius_m, mesh.normals.as_slice()) {
+        (Some(_), _) => {}
+        (None, []) => make_flat(mesh),
+        (None, _) => fix_normals(mesh, notes),
     }
     fix_tangents(mesh);
     fix_attributes(mesh, notes);
-    mesh.bounds = Bounds::of(mesh.positions.iter().copied());
+    mesh.bounds = mesh.bounds_at_rest();
     mesh.bind();
 }
 
@@ -30,17 +29,21 @@ fn cross(positions: &[Vec3], [a, b, c]: [u32; 3]) -> DVec3 {
 
 fn drop_broken_triangles(mesh: &mut Mesh, notes: &mut Notes) {
     let (positions, deforms) = (&mesh.positions, mesh.deformation.is_some());
+    let are_capsules = mesh.capsule_radius_m.is_some();
     let (mut not_finite, mut flat) = (0, 0);
     mesh.triangles.retain(|&t| {
         if !t.iter().all(|&i| positions[i as usize].is_finite()) {
             not_finite += 1;
             return false;
         }
-        let keep = deforms || cross(positions, t).length_squared() > 0.0;
+        let keep = deforms || are_capsules || cross(positions, t).length_squared() > 0.0;
         flat += u64::from(!keep);
         keep
     });
-    let what = "triangles with NaN or infinite vertices are dropped";
+    let what = match are_capsules {
+        true => "points and lines with NaN or infinite vertices are dropped",
+        false => "triangles with NaN or infinite vertices are dropped",
+    };
     notes.add("vertex-not-finite", not_finite, what, &mesh.name);
     let what = "triangles without area are dropped";
     notes.add("triangle-degenerate", flat, what, &mesh.name);

@@ -18,6 +18,16 @@ const FLAT: f32 = 0.1;
 /// Least net area that faces the back of a flat scene, as a fraction of its area, for the camera to stand there.
 const LEAST_FACING: f32 = 1e-3;
 
+/// Directions from a point of a capsule's axis to points of its surface.
+const EXTREMES: [Vec3; 6] = [
+    Vec3::X,
+    Vec3::Y,
+    Vec3::Z,
+    Vec3::NEG_X,
+    Vec3::NEG_Y,
+    Vec3::NEG_Z,
+];
+
 /// Adds a camera `main` that frames the whole scene if there is no camera, or if nothing moves and all cameras come
 /// from files and see nothing. `meshes` are those of the world, with their vertices.
 pub fn add_default(world: &mut World, meshes: &[Mesh], desc: &SceneDesc) {
@@ -100,6 +110,8 @@ struct Shown<'a> {
     triangles: &'a [[u32; 3]],
     place: Affine3A,
     double_sided: bool,
+    /// Radius of capsules, else 0, in object space, m.
+    radius_m: f32,
 }
 
 /// Geometry that the camera frames.
@@ -141,6 +153,7 @@ impl<'a> Framed<'a> {
                 triangles: &mesh.triangles,
                 place: instance.world_from_object,
                 double_sided: world.materials[instance.material].double_sided,
+                radius_m: mesh.capsule_radius_m.unwrap_or(0.0),
             }
         };
         let mut meshes: Vec<_> = shown.iter().map(of).collect();
@@ -166,8 +179,16 @@ impl<'a> Framed<'a> {
         let boxes = self.boxes.iter().filter(|bounds| !bounds.is_empty());
         let corners = boxes.flat_map(move |bounds| (0..8).map(move |i| corner(bounds, i)));
         let vertices = self.meshes.iter().flat_map(|shown| {
+            let offsets = match shown.radius_m {
+                0.0 => &[Vec3::ZERO][..],
+                _ => &EXTREMES,
+            };
             let positions = shown.posed.positions.iter();
-            positions.map(|position| shown.place.transform_point3(*position))
+            positions.flat_map(move |position| {
+                let extreme = move |offset: &Vec3| *position + *offset * shown.radius_m;
+                let extremes = offsets.iter().map(extreme);
+                extremes.map(|point| shown.place.transform_point3(point))
+            })
         });
         vertices.chain(corners)
     }
@@ -193,7 +214,7 @@ impl<'a> Framed<'a> {
         let mut to_eye = usual;
         to_eye[thin] = 1.0;
         let (facing, area) = self.facing();
-        // Closed meshes, such as the tubes of lines, face all sides equally, except for rounding.
+        // Closed meshes face all sides equally, except for rounding.
         if facing[thin] < -area * LEAST_FACING {
             to_eye[thin] = -1.0;
         }

@@ -87,7 +87,11 @@ fn finish(mesh: &mut Mesh, need: &Needs) -> Vec<Diagnostic> {
         let text = "a texture uses coordinates that the mesh lacks; 0 is used";
         messages.push(message(Severity::Warning, "uv-missing", mesh, text));
     }
-    match need.tangents_from {
+    // Capsules have no tangents, as they have no faces with texture coordinates.
+    match need
+        .tangents_from
+        .filter(|_| mesh.capsule_radius_m.is_none())
+    {
         None => {
             mesh.tangents = Vec::new();
             if let Some(deformation) = &mut mesh.deformation {

@@ -1,0 +1,38 @@
+// Capsules as a light sees them: the depth at which the texel's ray meets the capsule.
+
+#import capsule_shape
+#import surface
+
+override CUTOUT: bool = false; // whether this pipeline draws cut-out materials
+
+struct CapsuleVarying {
+    @builtin(position) clip: vec4f,
+    @location(0) @interpolate(flat) ids: vec2u,
+    @location(1) place: vec4f, // in clip space
+}
+
+// Position of a clip-space point in the world, or with w = 0 a direction.
+fn unprojected(clip: vec4f) -> vec4f {
+    let point = params.world_from_clip * clip;
+    return select(vec4f(point.xyz, 0.0), vec4f(point.xyz / point.w, 1.0), abs(point.w) > 1e-12);
+}
+
+@vertex
+fn vertex_capsule(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> CapsuleVarying {
+    // The light of a perspective map is at the only point with this clip position; that of others is infinitely far.
+    let light = unprojected(vec4f(0.0, 0.0, 1.0, 0.0));
+    var clip = params.clip_from_world * vec4f(capsule_vertex(instance, vertex, light), 1.0);
+    clip.z = max(clip.z, 0.0);
+    return CapsuleVarying(clip, vec2u(instance, capsule_of_vertex(vertex)), clip);
+}
+
+@fragment
+fn fragment_capsule(in: CapsuleVarying) -> @builtin(frag_depth) f32 {
+    let texel = in.place.xy / in.place.w;
+    let origin = unprojected(vec4f(texel, 1.0, 1.0)).xyz;
+    let direction = unprojected(vec4f(texel, 0.5, 1.0)).xyz - origin;
+    let hit = capsule_hit(in.ids.x, in.ids.y, origin, direction, 0.0);
+    if (!hit.is_met || (CUTOUT && !alpha_passes(in.ids.x, in.ids.y, hit.place))) { discard; }
+    let clip = params.clip_from_world * vec4f(origin + direction * hit.t, 1.0);
+    return clip.z / clip.w;
+}

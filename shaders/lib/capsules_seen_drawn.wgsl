@@ -1,0 +1,32 @@
+// Capsules as the camera sees them: ids, and the depth at which the pixel's ray meets the capsule.
+
+#import capsule_shape
+#import frame
+#import surface
+
+struct CapsuleVarying {
+    @builtin(position) clip: vec4f,
+    @location(0) @interpolate(flat) ids: vec2u,
+}
+
+@vertex
+fn vertex_capsule(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> CapsuleVarying {
+    let eye = select(vec4f(frame.eye, 1.0), vec4f(frame.forward, 0.0), is_orthographic());
+    let position = capsule_vertex(instance, vertex, eye);
+    var clip = frame.clip_from_world * vec4f(position, 1.0);
+    // The shape may reach past the far plane of an orthographic camera, behind the capsule.
+    clip.z = max(clip.z, 0.0);
+    return CapsuleVarying(clip, vec2u(instance, capsule_of_vertex(vertex)));
+}
+
+struct CapsuleFragment {
+    @location(0) ids: vec2u,
+    @builtin(frag_depth) depth: f32,
+}
+
+@fragment
+fn fragment_capsule(in: CapsuleVarying) -> CapsuleFragment {
+    let hit = capsule_hit(in.ids.x, in.ids.y, pixel_origin(in.clip.xy), pixel_ray(in.clip.xy), frame.near_m);
+    if (!hit.is_met || (CUTOUT && !alpha_passes(in.ids.x, in.ids.y, hit.place))) { discard; }
+    return CapsuleFragment(in.ids, screen_z(hit.t));
+}
