@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import io
 import os
+import resource
 import struct
+import subprocess
 import sys
 import zipfile
 from pathlib import Path
@@ -20,6 +22,7 @@ SMALL = Limits(memory_bytes=1 << 30, cpu_s=600, wall_s=600.0, output_bytes=1 << 
 SHORT_CPU = Limits(cpu_s=2, wall_s=600.0)
 SHORT_WALL = Limits(cpu_s=600, wall_s=1.0)
 USDA = b'#usda 1.0\ndef Xform "A" {}\n'
+needs_linux = pytest.mark.skipif(sys.platform != "linux", reason="confinement needs Linux")
 
 
 def run(folder: Path, target: str, limits: Limits = SMALL, options: object = None) -> object:
@@ -86,6 +89,62 @@ def test_a_time_limit_says_which_option_moves_it(
     assert option in error.message
 
 
+def limited(
+    folder: Path, target: str, kind: int, soft: int, hard: int
+) -> subprocess.CompletedProcess[str]:
+    """Convert a small stage in a program that was started with a limit, as batch systems do."""
+    program = f"""
+import sys, resource
+resource.setrlimit({kind}, ({soft}, {hard}))
+sys.path[:0] = {sys.path!r}
+from pathlib import Path
+from reflet_usd.sandbox import run_convert
+from reflet_usd.convert.types import ConvertError
+try:
+    run_convert(Path("stage.usda"), Path("a.glb"), target={target!r})
+except ConvertError as error:
+    sys.exit(f"{{error.name}}: {{error.message}}")
+"""
+    (folder / "stage.usda").write_bytes(USDA)
+    command = [sys.executable, "-c", program]
+    return subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+
+
+@needs_linux
+@pytest.mark.parametrize("soft_only", [False, True])
+@pytest.mark.parametrize(
+    ("kind", "limit"),
+    [(resource.RLIMIT_CPU, 60), (resource.RLIMIT_AS, 2 << 30), (resource.RLIMIT_FSIZE, 1 << 20)],
+)
+def test_lower_inherited_limits_do_not_hinder(
+    tmp_path: Path, kind: int, limit: int, soft_only: bool
+) -> None:
+    hard = resource.getrlimit(kind)[1] if soft_only else limit
+    done = limited(tmp_path, "reflet_usd.convert:convert_stage", kind, limit, hard)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert (tmp_path / "a.glb").exists()
+
+
+@needs_linux
+@pytest.mark.parametrize(
+    ("target", "kind", "limit", "name", "option"),
+    [
+        ("spin", resource.RLIMIT_CPU, 2, "cpu-limit", "ulimit -t"),
+        ("spin", resource.RLIMIT_CPU, 1, "cpu-limit", "ulimit -t"),
+        ("eat_memory", resource.RLIMIT_AS, 9 << 27, "memory-limit", "ulimit -v"),
+        ("write_small", resource.RLIMIT_AS, 1 << 29, "memory-limit", "ulimit -v"),
+        ("write_one_large", resource.RLIMIT_FSIZE, 1 << 20, "output-limit", "ulimit -f"),
+    ],
+)
+def test_an_inherited_limit_that_is_reached_is_named_with_what_raises_it(
+    tmp_path: Path, target: str, kind: int, limit: int, name: str, option: str
+) -> None:
+    done = limited(tmp_path, f"sandbox_targets:{target}", kind, limit, limit)
+    assert done.stderr.startswith(f"{name}: ")
+    assert option in done.stderr
+    assert not (tmp_path / "a.glb").exists()
+
+
 def test_a_stage_that_is_no_file_is_called_what_it_is(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe.usda")
     (tmp_path / "link.usda").symlink_to(tmp_path / "nowhere.usda")
@@ -113,9 +172,6 @@ def test_crash_says_what_to_do(tmp_path: Path) -> None:
     error = failure(tmp_path, "crash")
     assert "SIGSEGV" in error.message
     assert error.path.endswith("stage.usda")
-
-
-needs_linux = pytest.mark.skipif(sys.platform != "linux", reason="confinement needs Linux")
 
 
 @needs_linux

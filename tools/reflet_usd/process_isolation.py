@@ -46,11 +46,34 @@ class _PathBeneathAttr(ctypes.Structure):
 
 
 def apply_limits(memory_bytes: int, cpu_s: int, file_bytes: int) -> None:
-    """Set address space (bytes), processor time (seconds) and size of any one file (bytes)."""
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    resource.setrlimit(resource.RLIMIT_CPU, (cpu_s, cpu_s + 2))
-    resource.setrlimit(resource.RLIMIT_FSIZE, (file_bytes, file_bytes))
-    resource.setrlimit(resource.RLIMIT_AS, (memory_bytes, memory_bytes))
+    """Set address space (bytes), processor time (seconds) and size of any one file (bytes).
+
+    A lower limit that this process has inherited stays.
+    """
+    _lower(resource.RLIMIT_CORE, 0, 0)
+    _lower(resource.RLIMIT_CPU, cpu_s, cpu_s + 2)
+    _lower(resource.RLIMIT_FSIZE, file_bytes, file_bytes)
+    _lower(resource.RLIMIT_AS, memory_bytes, memory_bytes)
+
+
+def _lower(kind: int, soft: int, hard: int) -> None:
+    inherited_hard = resource.getrlimit(kind)[1]
+    if inherited_hard != resource.RLIM_INFINITY:
+        hard = min(hard, inherited_hard)
+    soft = min(inherited(kind, soft), hard)
+    resource.setrlimit(kind, (soft, hard))
+
+
+def inherited(kind: int, own: int) -> int:
+    """The lower one of a limit of ours and the one that this process has inherited.
+
+    Of processor time it is a second less than the inherited hard limit, because that one kills
+    without a signal that tells why.
+    """
+    soft, hard = resource.getrlimit(kind)
+    if kind == resource.RLIMIT_CPU and hard != resource.RLIM_INFINITY:
+        hard = max(1, hard - 1)
+    return min(limit for limit in (own, soft, hard) if limit != resource.RLIM_INFINITY)
 
 
 def die_with_parent() -> None:

@@ -10,6 +10,7 @@ import contextlib
 import dataclasses
 import json
 import os
+import resource
 import shutil
 import signal
 import stat
@@ -24,6 +25,7 @@ from typing import Any
 from . import convert
 from .atomic_output import move_output, tree_bytes
 from .child_processes import Children, end
+from .process_isolation import inherited
 from .usdz_check import check_referenced
 
 _CONVERT_TARGET = "reflet_usd.convert:convert_stage"
@@ -40,6 +42,15 @@ _KINDS = {
     stat.S_IFCHR: "is a device",
     stat.S_IFBLK: "is a device",
 }
+_OUT_OF_MEMORY = ("bad_alloc", "MemoryError", "Cannot allocate memory", "failed to map segment")
+# The USD libraries, numpy and the interpreter map so much before a stage is read.
+_LEAST_MEMORY_BYTES = 9 << 27
+# Field of `Limits` and the shell's command, by the name of the error.
+_ULIMITS = {
+    "memory-limit": ("memory_bytes", "ulimit -v"),
+    "cpu-limit": ("cpu_s", "ulimit -t"),
+    "output-limit": ("output_bytes", "ulimit -f"),
+}
 _USD_SUFFIXES = (".usd", ".usda", ".usdc", ".usdz")
 
 
@@ -48,13 +59,26 @@ class Limits:
     """Limits of the child process of one conversion."""
 
     memory_bytes: int = 6 << 30
-    """Maximum address space; USD maps about 1 GiB before it reads anything."""
+    """Maximum address space."""
     cpu_s: int = 300
     """Maximum processor time over all threads."""
     wall_s: float = 600.0
     """Maximum wall-clock time."""
     output_bytes: int = 4 << 30
     """Maximum size of all written files together, and of each one."""
+    inherited: tuple[str, ...] = ()
+    """Names of the limits above that come from the calling process (`ulimit`)."""
+
+    def with_inherited(self) -> Limits:
+        """These limits, each lowered to the one that this process has inherited."""
+        kinds = {
+            "memory_bytes": resource.RLIMIT_AS,
+            "cpu_s": resource.RLIMIT_CPU,
+            "output_bytes": resource.RLIMIT_FSIZE,
+        }
+        lower = {name: inherited(kind, getattr(self, name)) for name, kind in kinds.items()}
+        names = tuple(name for name in kinds if lower[name] < getattr(self, name))
+        return dataclasses.replace(self, **lower, inherited=names)
 
 
 def run_convert(
@@ -110,15 +134,19 @@ def run_confined(
     the files it wrote (made inside `folder`, by default the system's temporary one) is removed
     when the block ends. `options` is a ConvertOptions or a dictionary. Raises as `run_convert`.
     """
-    limits = limits or Limits()
+    limits = (limits or Limits()).with_inherited()
     stage = _checked_stage(Path(stage))
+    if "memory_bytes" in limits.inherited and limits.memory_bytes < _LEAST_MEMORY_BYTES:
+        needs = f"USD needs {_LEAST_MEMORY_BYTES} bytes of addresses to start, not"
+        needs += f" {limits.memory_bytes}{_who_raises('memory-limit', limits)}"
+        raise convert.ConvertError("memory-limit", needs, str(stage))
     staging = _make_staging(folder)
     try:
         (staging / "out").mkdir()
         job = _job(stage, staging / "out" / name, options, staging, limits, target)
         exit_code, stopped_by = _run_child(job, staging, limits, children or Children())
         outcome = _read_outcome(staging, exit_code, stopped_by, stage, limits)
-        result = _result(outcome)
+        result = _result(outcome, limits)
         for notice in outcome.get("notices", []):
             print(f"note: {notice}", file=sys.stderr)
         yield result, staging / "out"
@@ -312,35 +340,58 @@ def _failure(
     if stopped_by == "time-limit":
         longer = "`--time-limit SECONDS` gives it longer (for `report`: `--wall-s`)"
         return "time-limit", f"not done within {limits.wall_s:g} s; {longer}"
-    too_large = f"the output grew past {limits.output_bytes} bytes"
     if stopped_by == "output-limit" or exit_code == -signal.SIGXFSZ:
-        return "output-limit", too_large
-    if exit_code == -signal.SIGXCPU:
-        longer = "`--cpu-limit SECONDS` gives it longer"
-        return "cpu-limit", f"used more than {limits.cpu_s} s of processor time; {longer}"
-    if any(word in log for word in ("bad_alloc", "MemoryError", "Cannot allocate memory")):
-        return (
-            "memory-limit",
-            f"needs more than the memory limit of {limits.memory_bytes} bytes",
-        )
+        return "output-limit", _limit_message("output-limit", limits)
+    # At an inherited limit of 1 s no second is left for the signal that tells why.
+    ended = (-signal.SIGXCPU, -signal.SIGKILL) if limits.cpu_s == 1 else (-signal.SIGXCPU,)
+    if exit_code in ended:
+        return "cpu-limit", _limit_message("cpu-limit", limits)
+    if any(word in log for word in _OUT_OF_MEMORY):
+        return "memory-limit", _limit_message("memory-limit", limits)
     if exit_code < 0:
         try:
             signal_name = signal.Signals(-exit_code).name
         except ValueError:
             signal_name = f"signal {-exit_code}"
+        raised = _who_raises("memory-limit", limits)
+        memory = f"; or it ran out of its memory limit of {limits.memory_bytes} bytes{raised}"
+        may_be_memory = memory if raised else ""
         return (
             "usd-crash",
             f"the USD library ended with {signal_name} while it read this stage;"
-            " open it with usdchecker, or export it again",
+            f" open it with usdchecker, or export it again{may_be_memory}",
         )
     return "converter-internal", f"the conversion ended with {exit_code}\n{log}"
 
 
-def _result(outcome: dict[str, Any]) -> dict[str, Any]:
+def _limit_message(name: str, limits: Limits) -> str:
+    """Message about a limit that was reached, and how to raise it."""
+    if name == "output-limit":
+        message = f"the output grew past {limits.output_bytes} bytes"
+    elif name == "cpu-limit":
+        message = f"used more than {limits.cpu_s} s of processor time"
+        if "cpu_s" not in limits.inherited:
+            message += "; `--cpu-limit SECONDS` gives it longer"
+    else:
+        message = f"needs more than the memory limit of {limits.memory_bytes} bytes"
+    return message + _who_raises(name, limits)
+
+
+def _who_raises(name: str, limits: Limits) -> str:
+    """Part of a message about an inherited limit that tells how to raise it; else empty."""
+    field, command = _ULIMITS[name]
+    if field not in limits.inherited:
+        return ""
+    return f", which this program was started with; raise it by `{command}`"
+
+
+def _result(outcome: dict[str, Any], limits: Limits) -> dict[str, Any]:
     error = outcome.get("error")
     if error:
         cause = RuntimeError(outcome["traceback"]) if "traceback" in outcome else None
-        raise convert.ConvertError(error["name"], error["message"], error["path"]) from cause
+        name = error["name"]
+        message = _limit_message(name, limits) if name in _ULIMITS else error["message"]
+        raise convert.ConvertError(name, message, error["path"]) from cause
     return outcome["result"]
 
 

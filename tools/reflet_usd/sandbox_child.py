@@ -60,7 +60,7 @@ def _outcome(job: dict[str, Any]) -> dict[str, Any]:
         )
         return {"result": dataclasses.asdict(result)}
     except MemoryError:
-        return _error("memory-limit", "the conversion ran out of its memory limit", job)
+        return _error("memory-limit", "", job)  # the parent tells the limit
     except RecursionError:
         return _error("too-deep", "the stage nests deeper than the converter follows", job)
     except ModuleNotFoundError as error:
@@ -68,9 +68,13 @@ def _outcome(job: dict[str, Any]) -> dict[str, Any]:
             return _internal(error, job)
         message = f"the Python package {error.name!r} is missing; run tools/setup.sh"
         return _error("package-missing", message, job)
+    except ImportError as error:
+        if "failed to map segment" in str(error):  # the loader's words where addresses run out
+            return _error("memory-limit", "", job)
+        return _internal(error, job)
     except OSError as error:
         if error.errno == errno.EFBIG:
-            return _error("output-limit", "the output grew past its size limit", job)
+            return _error("output-limit", "", job)
         return _internal(error, job)
     except Exception as error:  # the process boundary: everything becomes a named error
         # Told by attributes, not class: a target of another package may have its own errors.

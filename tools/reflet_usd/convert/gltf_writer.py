@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import hashlib
 import json
 import math
@@ -290,6 +291,8 @@ def _write_together(files: list[tuple[Path, list[bytes]]]) -> None:
         for temporary, path in pairs:
             os.replace(temporary, path)
     except OSError as error:
+        if error.errno == errno.EFBIG:  # the limit on files, which the caller names
+            raise
         raise ConvertError("output-unwritable", str(error.strerror), str(pairs[-1][1])) from None
     finally:
         for temporary, _ in pairs:
