@@ -100,6 +100,34 @@ def test_moving_shear_is_two_nodes(tmp_path: Path, keys: tuple[str, ...]) -> Non
     check_world(done, "/C", [code + share for code in range(1, 20) for share in (0, 0.37, 0.5)])
 
 
+def test_a_turning_matrix_before_another_keeps_a_cubic_key_for_each_of_its_own(
+    tmp_path: Path,
+) -> None:
+    """Between its keys it shrinks, and so the product shears, which one node cannot follow."""
+    rows = []
+    for code in range(1, 31):
+        c, s = np.cos(0.1 * code), np.sin(0.1 * code)
+        rows.append(
+            f"{code}: (({c:.9f},0,{-s:.9f},0), (0,1,0,0), ({s:.9f},0,{c:.9f},0), (0,2,0,1))"
+        )
+    value = f"""matrix4d xformOp:transform:turn.timeSamples = {{ {", ".join(rows)} }}
+    matrix4d xformOp:transform:tilt = ((.8,.6,0,0), (-.6,.8,0,0), (0,0,1,0), (3,0,0,1))
+    float3 xformOp:scale.timeSamples = {{ 1: (1,1,1), 30: (2,1,1) }}"""
+    text = f"""
+def Cube "C" {{
+    {value}
+    uniform token[] xformOpOrder = ["xformOp:transform:turn", "xformOp:transform:tilt",
+        "xformOp:scale"]
+}}
+"""
+    done = convert_text(tmp_path, text)
+    assert done.warnings() == {"animation-resampled"}
+    samplers = done.gltf.animations[0].samplers
+    # Two nested nodes for the whole matrix would have more than 500.
+    assert {done.gltf.accessors[sampler.input].count for sampler in samplers} == {30, 2}
+    check_world(done, "/C", [1, 1.2, 1.5, 7.7, 20.31, 29.9, 30])
+
+
 def test_random_shears_stay_close(tmp_path: Path) -> None:
     random = np.random.default_rng(7)
     rows = []

@@ -28,7 +28,7 @@ from reflet_usd.convert.samples import (
     with_jumps,
 )
 from reflet_usd.convert.scene import Array, Node
-from reflet_usd.convert.spline_keys import PARTS, SplineKeys, spline_keys
+from reflet_usd.convert.spline_keys import set_spline_tracks, spline_keys
 from reflet_usd.convert.transform_tolerance import Reach, reach_of
 from reflet_usd.convert.xform import (
     Trs,
@@ -37,10 +37,8 @@ from reflet_usd.convert.xform import (
     column_matrix,
     place,
 )
-from reflet_usd.convert.xform_op_chain import chain_of_ops
+from reflet_usd.convert.xform_op_chain import Splines, chain_of_ops
 
-# Parts of a spline that change by less than this, in value and per second, count as constant.
-STILL = 1e-12
 # Rounding error in the fourth column of affine matrices that are products in float64.
 AFFINE_TOLERANCE = 1e-9
 
@@ -119,8 +117,8 @@ def _animate(
     def evaluate(code: float) -> Array:
         return _finite(context, prim, xformable.GetLocalTransformation(Usd.TimeCode(code)))
 
-    def chain() -> Node | None:
-        return chain_of_ops(context, node, xformable)
+    def chain(splines: Splines | None) -> Node | None:
+        return chain_of_ops(context, node, xformable, splines)
 
     above = xformable.ComputeParentToWorldTransform(context.time)
     reach = reach_of(context, prim, above)
@@ -134,11 +132,11 @@ def animate_matrix(
     evaluate: Evaluate,
     codes: list[float],
     reach: Reach,
-    chain: Callable[[], Node | None] = lambda: None,
+    chain: Callable[[Splines | None], Node | None] = lambda _: None,
 ) -> Node:
     """Let `node` follow the matrices of `evaluate`, keyed at `codes`; returns the outermost node.
 
-    `chain` may give exact nodes where no single one is exact.
+    `chain` may give several nodes where no single one can follow: exact ones, else with splines.
     """
     authored = len(codes)
     evaluate = remembered(evaluate)
@@ -146,28 +144,34 @@ def animate_matrix(
     keys = exact_keys(evaluate, codes, OneNode(evaluate), reach)
     if keys is not None:
         return _set_tracks(context, prim, node, keys)
-    outer = chain()
+    outer = chain(None)
     if outer is not None:
         return outer
     spline = spline_keys(evaluate, codes, reach)
     if spline is not None:
-        message = (
-            f"{authored} keys became {len(spline.codes)} cubic keys,"
-            f" at most {spline.deviation:.1e} of the transform's or the scene's size away between"
-            " them"
-        )
-        context.ledger.warn("animation-resampled", prim, message, spline.deviation)
-        return _set_spline_tracks(context, node, spline)
+        became = f"{len(spline.codes)} cubic keys"
+        _warn_resampled(context, prim, authored, became, spline.deviation)
+        return set_spline_tracks(context, node, spline)
     keys = exact_keys(evaluate, codes, TwoNodes(evaluate), reach)
     if keys is not None:
         return _set_tracks(context, prim, node, keys)
+    # Other ops stand before and after a matrix of the chain: its corners may be anywhere.
+    splines = Splines(reach.anywhere())
+    outer = chain(splines)
+    if outer is not None:
+        _warn_resampled(context, prim, authored, f"{splines.keys} cubic keys", splines.deviation)
+        return outer
     keys = sampled_keys(evaluate, codes, reach)
-    message = (
-        f"{authored} keys became {len(keys.codes)} samples,"
-        f" at most {keys.deviation:.1e} of the transform's or the scene's size away between them"
-    )
-    context.ledger.warn("animation-resampled", prim, message, keys.deviation)
+    _warn_resampled(context, prim, authored, f"{len(keys.codes)} samples", keys.deviation)
     return _set_tracks(context, prim, node, keys)
+
+
+def _warn_resampled(
+    context: Context, prim: Usd.Prim, authored: int, became: str, deviation: float
+) -> None:
+    message = f"{authored} keys became {became}, at most {deviation:.1e} of the transform's"
+    message += " or the scene's size away between them"
+    context.ledger.warn("animation-resampled", prim, message, deviation)
 
 
 def _set_tracks(context: Context, prim: Usd.Prim, node: Node, keys: Keys) -> Node:
@@ -182,19 +186,6 @@ def _set_tracks(context: Context, prim: Usd.Prim, node: Node, keys: Keys) -> Nod
     _set_node_tracks(node, times, [pose[1] for pose in keys.poses])
     helper.add(node)
     return helper
-
-
-def _set_spline_tracks(context: Context, node: Node, keys: SplineKeys) -> Node:
-    values = np.array(keys.values)
-    # From slopes per time code to slopes per second.
-    values[:, ::2] /= context.seconds(1.0) - context.seconds(0.0)
-    parts = {path: values[:, :, columns] for path, columns in PARTS.items()}
-    assign(node, Trs(*(part[0, 1] for part in parts.values())))
-    times = seconds_of(context, keys.codes)
-    for path, track in parts.items():
-        if np.abs(track - np.array([[0.0], [1.0], [0.0]]) * track[0, 1]).max() > STILL:
-            node.add_track(path, times, track, spline=True)
-    return node
 
 
 def _set_node_tracks(node: Node, times: Array, parts: list[Trs]) -> None:

@@ -143,19 +143,27 @@ def exact_keys(evaluate: Evaluate, codes: list[float], fit: Fit, reach: Reach) -
 
 def sampled_keys(evaluate: Evaluate, codes: list[float], reach: Reach) -> Keys:
     """Keys halved until close enough: one node, or two where one cannot follow."""
-    tolerance, depth = SAMPLED_TOLERANCE, SAMPLED_DEPTH
-    one = _Refiner(evaluate, OneNode(evaluate, nearest=True), reach, tolerance, depth).run(codes)
-    if one is not None and (one.deviation <= tolerance or not _shears(evaluate, one)):
+
+    def refined(fit: Fit) -> Keys:
+        keys = _Refiner(evaluate, fit, reach, SAMPLED_TOLERANCE, SAMPLED_DEPTH).run(codes)
+        assert keys is not None  # only strict refinement returns None
+        return keys
+
+    # Where the keys themselves shear, one node is tried only if two cannot follow either.
+    two = refined(TwoNodes(evaluate)) if _sheared(evaluate, codes) else None
+    if two is not None and two.deviation <= SAMPLED_TOLERANCE:
+        return two
+    one = refined(OneNode(evaluate, nearest=True))
+    if one.deviation <= SAMPLED_TOLERANCE or not _sheared(evaluate, one.codes):
         return one
-    two = _Refiner(evaluate, TwoNodes(evaluate), reach, tolerance, depth).run(codes)
-    assert one is not None and two is not None  # only strict refinement returns None
+    two = two or refined(TwoNodes(evaluate))
     return two if two.deviation < USEFUL_SHRINKAGE * one.deviation else one
 
 
-def _shears(evaluate: Evaluate, keys: Keys) -> bool:
-    """Whether some key leaves out a shear of its matrix: only then two nodes follow it better."""
-    pairs = zip(keys.codes, keys.poses, strict=True)
-    return any(_is_part(pose, evaluate(code)) for code, pose in pairs)
+def _sheared(evaluate: Evaluate, codes: list[float]) -> bool:
+    """Whether some matrix shears: only then two nodes follow better than one."""
+    matrices = (evaluate(code) for code in codes)
+    return any(_is_part((nearest_trs(matrix),), matrix) for matrix in matrices)
 
 
 def _is_part(pose: Pose, matrix: Array) -> bool:

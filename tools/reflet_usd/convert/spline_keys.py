@@ -8,10 +8,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from reflet_usd.convert.samples import is_jump
-from reflet_usd.convert.scene import Array
+from reflet_usd.convert.context import Context
+from reflet_usd.convert.samples import is_jump, seconds_of
+from reflet_usd.convert.scene import Array, Node
 from reflet_usd.convert.transform_tolerance import Reach
-from reflet_usd.convert.xform import nearest_trs
+from reflet_usd.convert.xform import Trs, assign, nearest_trs
 
 TOLERANCE = 5e-6
 """Maximum deviation of a shown matrix, as a share of the matrix's or the scene's size."""
@@ -19,7 +20,9 @@ MAX_DEPTH = 5
 # Places in a step where the deviation is measured, and the distance over which slopes are.
 _PROBES = np.array([0.15, 0.35, 0.5, 0.65, 0.85])
 _SLOPE = 1e-3
-PARTS = {"translation": slice(0, 3), "rotation": slice(3, 7), "scale": slice(7, 10)}
+# Parts that change by less than this, in value and per second, count as constant.
+_STILL = 1e-12
+_PARTS = {"translation": slice(0, 3), "rotation": slice(3, 7), "scale": slice(7, 10)}
 
 
 @dataclass
@@ -42,6 +45,20 @@ class SplineKeys:
         self.values[-1][2] = out
         self.codes.append(code)
         self.values.append(np.array([into, value, np.zeros(10)]))
+
+
+def set_spline_tracks(context: Context, node: Node, keys: SplineKeys) -> Node:
+    """Animate the node by cubic keys; returns the node."""
+    values = np.array(keys.values)
+    # From slopes per time code to slopes per second.
+    values[:, ::2] /= context.seconds(1.0) - context.seconds(0.0)
+    parts = {path: values[:, :, columns] for path, columns in _PARTS.items()}
+    assign(node, Trs(*(part[0, 1] for part in parts.values())))
+    times = seconds_of(context, keys.codes)
+    for path, track in parts.items():
+        if np.abs(track - np.array([[0.0], [1.0], [0.0]]) * track[0, 1]).max() > _STILL:
+            node.add_track(path, times, track, spline=True)
+    return node
 
 
 def spline_keys(

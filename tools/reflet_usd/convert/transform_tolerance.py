@@ -24,6 +24,10 @@ class Reach:
         """Largest shift of a corner where the matrix's entries are off by this much."""
         return (linear * self.lever + place) / self.unit
 
+    def anywhere(self) -> Reach:
+        """The reach of a part of the transform, whose corners may be anywhere in the scene."""
+        return Reach(self.unit, self.unit) if math.isfinite(self.unit) else self
+
 
 def reach_of(context: Context, prim: Usd.Prim, above: Gf.Matrix4d, own: bool = True) -> Reach:
     """The reach of a matrix that places `prim` below `above`, its parent space in the world.
@@ -41,13 +45,12 @@ def reach_of(context: Context, prim: Usd.Prim, above: Gf.Matrix4d, own: bool = T
         return Reach()
     size = scene.GetSize().GetLength()
     unit = size * context.meters_per_unit / scale
-    lever = unit
-    if own:
-        corners = np.array([local.GetMin(), local.GetMax()]) if not local.IsEmpty() else np.zeros(1)
-        lever = float(np.linalg.norm(np.abs(corners).max(axis=0))) * context.meters_per_unit
+    corners = np.array([local.GetMin(), local.GetMax()]) if not local.IsEmpty() else np.zeros(1)
+    lever = float(np.linalg.norm(np.abs(corners).max(axis=0))) * context.meters_per_unit
     if not math.isfinite(unit) or unit <= 0.0 or not math.isfinite(lever):
         return Reach()
-    return Reach(lever, unit)
+    reach = Reach(lever, unit)
+    return reach if own else reach.anywhere()
 
 
 def _boxes(context: Context) -> UsdGeom.BBoxCache:

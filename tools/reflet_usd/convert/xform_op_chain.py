@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import itertools
+from dataclasses import dataclass
 
 import numpy as np
 from pxr import Usd, UsdGeom
 
 from reflet_usd.convert.context import Context
-from reflet_usd.convert.keyframes import OneNode, exact_keys
+from reflet_usd.convert.keyframes import OneNode, exact_keys, remembered
+from reflet_usd.convert.samples import with_jumps
 from reflet_usd.convert.scene import Array, Node
+from reflet_usd.convert.spline_keys import set_spline_tracks, spline_keys
 from reflet_usd.convert.transform_tolerance import Reach
 from reflet_usd.convert.xform import align_hemispheres, column_matrix, place, quaternion
 
@@ -30,8 +33,23 @@ _EULER_ORDERS = {
 }
 
 
-def chain_of_ops(context: Context, node: Node, xformable: UsdGeom.Xformable) -> Node | None:
-    """The outermost of nested nodes that end in `node`, or None where an op cannot be exact."""
+@dataclass
+class Splines:
+    """What the cubic keys of a chain's matrices may deviate by, and what they came to."""
+
+    reach: Reach
+    keys: int = 0
+    deviation: float = 0.0
+    """Sum over the matrices, as a share of the transform's or the scene's size."""
+
+
+def chain_of_ops(
+    context: Context, node: Node, xformable: UsdGeom.Xformable, splines: Splines | None = None
+) -> Node | None:
+    """The outermost of nested nodes that end in `node`; None where an op cannot be exact.
+
+    With `splines`, matrices count too where cubic keys follow them within the tolerance.
+    """
     links: list[Node] = []
     static = np.eye(4)
     for op in xformable.GetOrderedXformOps():
@@ -40,7 +58,7 @@ def chain_of_ops(context: Context, node: Node, xformable: UsdGeom.Xformable) -> 
                 op.GetOpTransform(context.time), context.meters_per_unit
             )
             continue
-        animated = _animated_links(context, node.name, op)
+        animated = _animated_links(context, node.name, op, splines)
         if animated is None:
             return None
         _append_static(links, node.name, static)
@@ -64,7 +82,9 @@ def _append_static(links: list[Node], name: str, matrix: Array) -> None:
     links.append(inner)
 
 
-def _animated_links(context: Context, name: str, op: UsdGeom.XformOp) -> list[Node] | None:
+def _animated_links(
+    context: Context, name: str, op: UsdGeom.XformOp, splines: Splines | None
+) -> list[Node] | None:
     kind = op.GetOpType()
     codes = context.codes_in_range(sorted(op.GetTimeSamples()))
     if len(codes) < 2 or any(op.Get(Usd.TimeCode(code)) is None for code in codes):
@@ -95,7 +115,31 @@ def _animated_links(context: Context, name: str, op: UsdGeom.XformOp) -> list[No
         kind == _Op.TypeScale and not op.IsInverseOp()
     ):
         return _simple_link(context, f"{name}_{op.GetOpName()}", op, codes)
+    if kind == _Op.TypeTransform and splines is not None:
+        return _matrix_link(context, f"{name}_{op.GetOpName()}", op, codes, splines)
     return None
+
+
+def _matrix_link(
+    context: Context, name: str, op: UsdGeom.XformOp, codes: list[float], splines: Splines
+) -> list[Node] | None:
+    """Node whose cubic keys follow a matrix; None where the matrix shears or turns too fast."""
+
+    @remembered
+    def evaluate(code: float) -> Array:
+        return column_matrix(op.GetOpTransform(Usd.TimeCode(code)), context.meters_per_unit)
+
+    affine = (np.array([evaluate(code) for code in codes]) - np.eye(4))[:, 3]
+    if affine.any() or not np.isfinite([evaluate(code) for code in codes]).all():
+        return None
+    keys = spline_keys(evaluate, with_jumps(evaluate, codes), splines.reach)
+    if keys is None:
+        return None
+    splines.keys += len(keys.codes)
+    splines.deviation += keys.deviation
+    node = Node(name)
+    set_spline_tracks(context, node, keys)
+    return [node]
 
 
 def _angle(op: UsdGeom.XformOp, code: float, axis: int | None) -> float:
