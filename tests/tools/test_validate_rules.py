@@ -211,6 +211,10 @@ SURFACES = {
 }
 
 
+# glTF carries its own surface whole, without a warning.
+APPROXIMATED = {name: "" if name == "gltf_pbr" else "material-approximated" for name in SURFACES}
+
+
 def materialx(name: str) -> str:
     """Scene text of a quad with a MaterialX surface of that name."""
     kind = {"gltf_pbr": "ND_gltf_pbr_surfaceshader"}.get(name, f"ND_{name}_surfaceshader")
@@ -303,7 +307,7 @@ CASES: list[tuple[str, str, str, Damage]] = [
         for rest in [("curves-approximated", change("POSITION", lambda values: values * 1.01))]
     ),
     *(
-        (f"{name} {field}", materialx(name), "material-approximated", look(**{field: value}))
+        (f"{name} {field}", materialx(name), APPROXIMATED[name], look(**{field: value}))
         for name in SURFACES
         for field, value in (
             ("baseColorFactor", [0.1, 0.2, 0.1, 0.5]),
@@ -327,7 +331,7 @@ def test_a_rule_hides_no_damage(
 ) -> None:
     save(tmp_path, "t.png", noise("RGB", (16, 16)))
     done = convert_text(tmp_path, text)
-    assert warning in done.warnings()
+    assert not warning or warning in done.warnings()
     expect_found(done, damage)
 
 

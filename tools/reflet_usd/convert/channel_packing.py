@@ -11,8 +11,8 @@ from PIL import Image
 
 from reflet_usd.convert.context import Context
 from reflet_usd.convert.gltf_writer import GltfWriter
-from reflet_usd.convert.network import TextureRead
 from reflet_usd.convert.scene import Array
+from reflet_usd.convert.sources import TextureRead
 from reflet_usd.convert.texture import (
     ImageFile,
     TextureLibrary,

@@ -25,12 +25,12 @@ from reflet_usd.convert.gprim import GPRIM_TYPES, cube_polygons, tessellate
 from reflet_usd.convert.material import MaterialLibrary, MaterialPlan, warn_translucent
 from reflet_usd.convert.mesh import mesh_surface
 from reflet_usd.convert.mesh_light import MeshLights
-from reflet_usd.convert.network import Constant, PrimvarRead, TextureRead
 from reflet_usd.convert.nurbs import patch_polygons, patch_topology
 from reflet_usd.convert.polygons import Polygons, read_polygons, tet_polygons
 from reflet_usd.convert.primitive import PrimitiveParts, build_primitive
 from reflet_usd.convert.primvars import Topology
 from reflet_usd.convert.scene import Array
+from reflet_usd.convert.sources import Constant, PrimvarRead, TextureRead
 from reflet_usd.convert.subsets import FaceGroup, face_groups
 from reflet_usd.convert.surface import Surface
 

@@ -13,15 +13,10 @@ from reflet_usd.convert.context import Context, source_path
 from reflet_usd.convert.gltf_writer import GltfWriter
 from reflet_usd.convert.materialx import MATERIALX_SURFACES, approximate
 from reflet_usd.convert.mesh_light import Glow, shine
-from reflet_usd.convert.network import (
-    Constant,
-    NetworkReader,
-    PrimvarRead,
-    Source,
-    TextureRead,
-    shader_id,
-)
-from reflet_usd.convert.preview_surface import PREVIEW_INPUTS, PreviewMaterial
+from reflet_usd.convert.network import NetworkReader, shader_id
+from reflet_usd.convert.preview_surface import PREVIEW_INPUTS
+from reflet_usd.convert.sources import Constant, PrimvarRead, Source, TextureRead
+from reflet_usd.convert.surface_layers import LayeredMaterial
 
 _RENDER_CONTEXTS = ("", "glslfx", "mtlx")
 # UsdPreviewSurface's roughness, for surfaces that have a color and nothing else.
@@ -160,7 +155,7 @@ class MaterialLibrary:
         has_colors: bool,
     ) -> dict[str, Any]:
         if plan.is_preview:
-            preview = PreviewMaterial(self.context, self.writer, self._packer, plan.prim)
+            preview = LayeredMaterial(self.context, self.writer, self._packer, plan.prim)
             entry = preview.write(inputs, slots, display, has_colors)
         else:
             entry = _display_material(display, has_colors)

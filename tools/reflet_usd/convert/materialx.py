@@ -1,168 +1,306 @@
-"""MaterialX surfaces (standard surface, OpenPBR, glTF PBR) approximated by preview inputs."""
+"""MaterialX surfaces (standard surface, OpenPBR, glTF PBR) as inputs of a glTF material.
+
+The counterparts are those of MaterialX's own translations (libraries/bxdf/translation), where there
+is one. Texture reads stay texture reads where one factor or mix remains in front of them.
+"""
 
 from __future__ import annotations
 
-from dataclasses import replace
+import math
+from collections.abc import Callable
 
-import numpy as np
-from pxr import Sdf, Usd, UsdShade
+from pxr import Usd, UsdShade
 
-from reflet_usd.convert.network import (
-    Constant,
-    NetworkReader,
-    Source,
-    TextureRead,
-    UvRead,
-    shader_id,
-)
+from reflet_usd.convert.network import NetworkReader, numbers
+from reflet_usd.convert.source_arithmetic import Numbers, affine, mixed, product, widened
+from reflet_usd.convert.sources import Constant, Source, UnfitError
 
-# Preview input -> MaterialX input, per surface node.
-MATERIALX_SURFACES: dict[str, dict[str, str]] = {
-    "ND_standard_surface_surfaceshader": {
-        "diffuseColor": "base_color",
-        "metallic": "metalness",
-        "roughness": "specular_roughness",
-        "ior": "specular_IOR",
-        "clearcoat": "coat",
-        "clearcoatRoughness": "coat_roughness",
-        "emissiveColor": "emission_color",
-        "opacity": "opacity",
-    },
-    "ND_open_pbr_surface_surfaceshader": {
-        "diffuseColor": "base_color",
-        "metallic": "base_metalness",
-        "roughness": "specular_roughness",
-        "ior": "specular_ior",
-        "clearcoat": "coat_weight",
-        "clearcoatRoughness": "coat_roughness",
-        "emissiveColor": "emission_color",
-        "opacity": "geometry_opacity",
-    },
-    "ND_gltf_pbr_surfaceshader": {
-        "diffuseColor": "base_color",
-        "metallic": "metallic",
-        "roughness": "roughness",
-        "ior": "ior",
-        "clearcoat": "clearcoat",
-        "clearcoatRoughness": "clearcoat_roughness",
-        "emissiveColor": "emissive",
-        "opacity": "alpha",
-    },
+_BLACK, _WHITE, _GRAY = (0.0,) * 3, (1.0,) * 3, (0.8,) * 3
+_GLTF = "ND_gltf_pbr_surfaceshader"
+# Abbe number at which glTF's dispersion is 1 (KHR_materials_dispersion).
+_ABBE_OF_ONE = 20.0
+# Inputs that glTF lacks, and the values at which nothing is lost.
+_NEUTRAL: dict[str, Numbers] = {
+    "base_diffuse_roughness": (0.0,),
+    "coat_IOR": (1.5,),
+    "coat_affect_color": (0.0,),
+    "coat_affect_roughness": (0.0,),
+    "coat_anisotropy": (0.0,),
+    "coat_roughness_anisotropy": (0.0,),
+    "diffuse_roughness": (0.0,),
+    "transmission_extra_roughness": (0.0,),
+    "transmission_scatter": _BLACK,
 }
-# Fallbacks that differ from UsdPreviewSurface's (MaterialX node definitions).
-_DEFAULTS: dict[str, dict[str, tuple[float, ...]]] = {
-    "ND_standard_surface_surfaceshader": {
-        "diffuseColor": (0.8, 0.8, 0.8),
-        "emissiveColor": (1.0, 1.0, 1.0),
-        "roughness": (0.2,),
-        "clearcoatRoughness": (0.1,),
-    },
-    "ND_open_pbr_surface_surfaceshader": {
-        "diffuseColor": (0.8, 0.8, 0.8),
-        "emissiveColor": (1.0, 1.0, 1.0),
-        "roughness": (0.3,),
-        "clearcoatRoughness": (0.0,),
-    },
-    "ND_gltf_pbr_surfaceshader": {
-        "diffuseColor": (1.0, 1.0, 1.0),
-        "metallic": (1.0,),
-        "roughness": (1.0,),
-        "clearcoatRoughness": (0.0,),
-    },
-}
-_WEIGHTS = {
-    "ND_standard_surface_surfaceshader": {"diffuseColor": "base", "emissiveColor": "emission"},
-    "ND_open_pbr_surface_surfaceshader": {
-        "diffuseColor": "base_weight",
-        "emissiveColor": "emission_luminance",
-    },
-    "ND_gltf_pbr_surfaceshader": {"emissiveColor": "emissive_strength"},
-}
-_WEIGHT_DEFAULTS = {"base": 1.0, "base_weight": 1.0, "emissive_strength": 1.0}
-_IMAGES = ("ND_image_", "ND_tiledimage_", "ND_gltf_image_", "ND_gltf_colorimage")
-_WRAPS = {"periodic": "repeat", "clamp": "clamp", "mirror": "mirror", "constant": "black"}
+
+
+class _Surface:
+    """Inputs of one surface node, and what of them is lost."""
+
+    def __init__(self, reader: NetworkReader, shader: UsdShade.Shader) -> None:
+        self.reader = reader
+        self.shader = shader
+        self.read: set[str] = set()
+        self.lost: list[str] = []
+        self.absent_layers: list[str] = []
+        """Prefixes of the inputs of layers whose weight is 0."""
+
+    def get(self, name: str, default: Numbers) -> Source:
+        """Value of an input, as wide as `default`."""
+        self.read.add(name)
+        source = self.reader.source(self.shader, name)
+        return Constant(default) if source is None else widened(source, len(default))
+
+    def authored(self, name: str) -> Source | None:
+        """Value of an input; None where it has none."""
+        self.read.add(name)
+        return self.reader.source(self.shader, name)
+
+    def number(self, name: str, default: float) -> float:
+        """Value of an input that glTF has no texture for; a texture is named and left out."""
+        source = self.get(name, (default,))
+        if isinstance(source, Constant):
+            return source.value[0]
+        message = f"glTF has no texture for '{name}', taken as {default:g}"
+        self.reader.context.ledger.warn("material-texture-dropped", self.reader.material, message)
+        return default
+
+    def weight(self, name: str, layer: str, default: float = 0.0) -> Source:
+        """Weight of a layer whose other inputs begin with `layer`."""
+        source = self.get(name, (default,))
+        if source == Constant((0.0,)):
+            self.absent_layers.append(layer)
+        return source
+
+    def times(self, name: str, color: Source, weight: Source) -> Source:
+        """The product; `color` alone, with a warning, where both are textures."""
+        return self._joint(name, color, lambda: product(self.shader, color, widened(weight, 3)))
+
+    def mix(self, name: str, ground: Source, figure: Source, share: Source) -> Source:
+        """The mix; `ground` alone, with a warning, where it is none of one texture."""
+        share = widened(share, 3)
+        return self._joint(name, ground, lambda: mixed(self.shader, ground, figure, share))
+
+    def _joint(self, name: str, alone: Source, function: Callable[[], Source]) -> Source:
+        try:
+            return function()
+        except UnfitError as error:
+            self.reader.warn_unfit(name, error)
+            return alone
+
+    def losses(self) -> list[str]:
+        """Names of the inputs whose values are lost."""
+        lost = set(self.lost)
+        for entry in self.shader.GetInputs():
+            name = str(entry.GetBaseName())
+            if name in self.read or not entry.GetValueProducingAttributes():
+                continue
+            if any(name.startswith(layer) for layer in self.absent_layers):
+                continue
+            value = numbers(self.reader.value(self.shader, name, None))
+            if value is None or value != _NEUTRAL.get(name):
+                lost.add(name)
+        return sorted(lost)
 
 
 def approximate(
     reader: NetworkReader, prim: Usd.Prim, shader: UsdShade.Shader, kind: str
 ) -> dict[str, Source]:
-    """Preview inputs for the surface; inputs that they cannot express give one warning."""
-    inputs: dict[str, Source] = {name: Constant(value) for name, value in _DEFAULTS[kind].items()}
-    mapped = MATERIALX_SURFACES[kind]
-    for name, other in mapped.items():
-        source = _source(reader, shader, other)
-        if source is not None:
-            inputs[name] = source
-    for name, weight_name in _WEIGHTS[kind].items():
-        weight = reader.value(shader, weight_name, _WEIGHT_DEFAULTS.get(weight_name, 0.0))
-        if name in inputs and isinstance(weight, (int, float)) and weight != 1.0:
-            inputs[name] = _weighted(inputs[name], float(weight))
-    known = {*mapped.values(), *_WEIGHTS[kind].values()}
-    dropped = [
-        str(entry.GetBaseName())
-        for entry in shader.GetInputs()
-        if entry.GetBaseName() not in known and entry.GetValueProducingAttributes()
-    ]
-    lost = f"; without {', '.join(sorted(dropped))}" if dropped else ""
-    message = f"{kind} is approximated by the metallic-roughness model{lost}"
-    reader.context.ledger.warn("material-approximated", prim, message)
+    """Inputs of the glTF material; what it cannot express gives one warning."""
+    surface = _Surface(reader, shader)
+    inputs = MATERIALX_SURFACES[kind](surface)
+    lost = surface.losses()
+    if lost or kind != _GLTF:
+        without = f"; without {', '.join(lost)}" if lost else ""
+        message = f"{kind} is approximated by glTF's material{without}"
+        reader.context.ledger.warn("material-approximated", prim, message)
     return inputs
 
 
-def _weighted(source: Source, weight: float) -> Source:
+def _standard_surface(surface: _Surface) -> dict[str, Source]:
+    inputs: dict[str, Source] = {
+        "metallic": surface.get("metalness", (0.0,)),
+        "ior": surface.get("specular_IOR", (1.5,)),
+        "clearcoat": surface.weight("coat", "coat_"),
+        "clearcoatRoughness": surface.get("coat_roughness", (0.1,)),
+        "opacity": surface.get("opacity", (1.0,)),
+        "specular": surface.get("specular", (1.0,)),
+        "specularTint": surface.get("specular_color", _WHITE),
+        "sheenRoughness": _root(surface, "sheen_roughness", 0.3),
+        **_normals(surface, "normal", "coat_normal"),
+    }
+    base = surface.times(
+        "base_color", surface.get("base_color", _GRAY), surface.get("base", (1.0,))
+    )
+    base = _scattering(surface, base, "subsurface", _WHITE)
+    base = _transmitting(surface, inputs, base, "transmission", "thin_walled")
+    inputs["diffuseColor"] = _under_coat(surface, base, inputs["clearcoat"])
+    abbe = surface.number("transmission_dispersion", 0.0)
+    inputs["dispersion"] = Constant((_ABBE_OF_ONE / abbe if abbe > 0.0 else 0.0,))
+    sheen = surface.weight("sheen", "sheen_")
+    inputs["sheenColor"] = surface.times("sheen", surface.get("sheen_color", _WHITE), sheen)
+    emission = surface.get("emission", (0.0,))
+    color = surface.get("emission_color", _WHITE)
+    inputs["emissiveColor"] = surface.times("emission_color", color, emission)
+    film = surface.number("thin_film_thickness", 0.0)
+    _film(inputs, float(film > 0.0), film, surface.number("thin_film_IOR", 1.5))
+    turn = -2.0 * math.pi * surface.number("specular_rotation", 0.0)
+    _grooves(surface, inputs, 0.2, "specular_anisotropy", turn)
+    return inputs
+
+
+def _open_pbr(surface: _Surface) -> dict[str, Source]:
+    inputs: dict[str, Source] = {
+        "metallic": surface.get("base_metalness", (0.0,)),
+        "ior": surface.get("specular_ior", (1.5,)),
+        "clearcoat": surface.weight("coat_weight", "coat_"),
+        "clearcoatRoughness": surface.get("coat_roughness", (0.0,)),
+        "opacity": surface.get("geometry_opacity", (1.0,)),
+        "specular": surface.get("specular_weight", (1.0,)),
+        "specularTint": surface.get("specular_color", _WHITE),
+        "sheenRoughness": surface.get("fuzz_roughness", (0.5,)),
+        **_normals(surface, "geometry_normal", "geometry_coat_normal"),
+    }
+    weight = surface.get("base_weight", (1.0,))
+    base = surface.times("base_color", surface.get("base_color", _GRAY), weight)
+    base = _scattering(surface, base, "subsurface_weight", _GRAY)
+    base = _transmitting(surface, inputs, base, "transmission_weight", "geometry_thin_walled")
+    inputs["diffuseColor"] = _under_coat(surface, base, inputs["clearcoat"])
+    share = surface.number("transmission_dispersion_scale", 0.0)
+    abbe = surface.number("transmission_dispersion_abbe_number", 20.0)
+    inputs["dispersion"] = Constant((share * _ABBE_OF_ONE / abbe if abbe > 0.0 else 0.0,))
+    fuzz = surface.weight("fuzz_weight", "fuzz_")
+    inputs["sheenColor"] = surface.times("fuzz_color", surface.get("fuzz_color", _WHITE), fuzz)
+    nits = surface.get("emission_luminance", (0.0,))
+    color = surface.get("emission_color", _WHITE)
+    inputs["emissiveColor"] = surface.times("emission_color", color, nits)
+    weight_of_film = surface.number("thin_film_weight", 0.0)
+    nanometers = 1000.0 * surface.number("thin_film_thickness", 0.5)
+    _film(inputs, weight_of_film, nanometers, surface.number("thin_film_ior", 1.4))
+    _grooves(surface, inputs, 0.3, "specular_roughness_anisotropy", 0.0)
+    return inputs
+
+
+def _gltf_pbr(surface: _Surface) -> dict[str, Source]:
+    same: dict[str, tuple[str, Numbers]] = {
+        "diffuseColor": ("base_color", _WHITE),
+        "metallic": ("metallic", (1.0,)),
+        "roughness": ("roughness", (1.0,)),
+        "occlusion": ("occlusion", (1.0,)),
+        "ior": ("ior", (1.5,)),
+        "transmission": ("transmission", (0.0,)),
+        "specular": ("specular", (1.0,)),
+        "specularTint": ("specular_color", _WHITE),
+        "sheenColor": ("sheen_color", _BLACK),
+        "sheenRoughness": ("sheen_roughness", (0.0,)),
+        "clearcoat": ("clearcoat", (0.0,)),
+        "clearcoatRoughness": ("clearcoat_roughness", (0.0,)),
+        "attenuationColor": ("attenuation_color", _WHITE),
+        "iridescence": ("iridescence", (0.0,)),
+    }
+    inputs = {name: surface.get(*other) for name, other in same.items()}
+    inputs.update(_normals(surface, "normal", "clearcoat_normal"))
+    meters = surface.reader.context.meters_per_unit
+    for name, other in (
+        ("thickness", "thickness"),
+        ("attenuationDistance", "attenuation_distance"),
+    ):
+        inputs[name] = affine(surface.shader, surface.get(other, (0.0,)), (meters,), (0.0,))
+    numbers_of = {
+        "anisotropy": ("anisotropy_strength", 0.0),
+        "anisotropyRotation": ("anisotropy_rotation", 0.0),
+        "dispersion": ("dispersion", 0.0),
+        "iridescenceIor": ("iridescence_ior", 1.3),
+        "iridescenceThickness": ("iridescence_thickness", 100.0),
+    }
+    for name, number in numbers_of.items():
+        inputs[name] = Constant((surface.number(*number),))
+    emissive, strength = surface.get("emissive", _BLACK), surface.get("emissive_strength", (1.0,))
+    inputs["emissiveColor"] = surface.times("emissive", emissive, strength)
+    alpha, cutoff = surface.get("alpha", (1.0,)), surface.number("alpha_cutoff", 0.5)
+    mode = int(surface.number("alpha_mode", 0.0))
+    if mode:  # 0 is opaque, 1 a mask, 2 blended
+        inputs["opacity"] = alpha
+    if mode == 1:
+        inputs["opacityThreshold"] = Constant((cutoff,))
+    return inputs
+
+
+MATERIALX_SURFACES: dict[str, Callable[[_Surface], dict[str, Source]]] = {
+    "ND_standard_surface_surfaceshader": _standard_surface,
+    "ND_open_pbr_surface_surfaceshader": _open_pbr,
+    _GLTF: _gltf_pbr,
+}
+
+
+def _normals(surface: _Surface, normal: str, coat_normal: str) -> dict[str, Source]:
+    found = {"normal": surface.authored(normal), "coatNormal": surface.authored(coat_normal)}
+    return {name: source for name, source in found.items() if source is not None}
+
+
+def _scattering(surface: _Surface, base: Source, weight_name: str, white: Numbers) -> Source:
+    """Base color with the color of what is scattered below the surface, at its weight."""
+    weight = surface.weight(weight_name, "subsurface_")
+    color = surface.get("subsurface_color", white)
+    if weight != Constant((0.0,)):
+        surface.lost.append(weight_name)
+    return surface.mix("subsurface_color", base, color, weight)
+
+
+def _transmitting(
+    surface: _Surface, inputs: dict[str, Source], base: Source, weight_name: str, thin_name: str
+) -> Source:
+    """Set transmission and volume; returns the base color, which tints what glTF transmits."""
+    weight = surface.weight(weight_name, "transmission_")
+    color = surface.get("transmission_color", _WHITE)
+    depth = surface.number("transmission_depth", 0.0)
+    meters = surface.reader.context.meters_per_unit
+    inputs["transmission"] = weight
+    thin = surface.number(thin_name, 0.0) != 0.0
+    inputs["thickness"] = Constant((0.0 if thin else meters,))
+    if depth > 0.0 and not thin:
+        inputs["attenuationColor"] = color
+        inputs["attenuationDistance"] = Constant((depth * meters,))
+        color = Constant(_WHITE)
+    return surface.mix("transmission_color", base, color, weight)
+
+
+def _under_coat(surface: _Surface, base: Source, coat: Source) -> Source:
+    """Base color as the tinted coat shows it."""
+    color = surface.get("coat_color", _WHITE)
+    tint = surface.mix("coat_color", Constant(_WHITE), color, coat)
+    return surface.times("coat_color", base, tint)
+
+
+def _root(surface: _Surface, name: str, default: float) -> Source:
+    """Square root of a number, which glTF squares; a texture stays as it is."""
+    source = surface.get(name, (default,))
     if isinstance(source, Constant):
-        return Constant(tuple(value * weight for value in source.value))
-    if isinstance(source, TextureRead):
-        red, green, blue, alpha = source.scale
-        return replace(source, scale=(red * weight, green * weight, blue * weight, alpha))
+        return Constant((math.sqrt(max(source.value[0], 0.0)),))
+    surface.lost.append(name)
     return source
 
 
-def _source(reader: NetworkReader, shader: UsdShade.Shader, name: str) -> Source | None:
-    shader_input = shader.GetInput(name)
-    attributes = shader_input.GetValueProducingAttributes() if shader_input else []
-    if attributes:
-        node = UsdShade.Shader(attributes[0].GetPrim())
-        if shader_id(node).startswith(_IMAGES):
-            return _image(reader, node, shader_input.GetAttr().GetColorSpace())
-    return reader.source(shader, name)
+def _film(inputs: dict[str, Source], weight: float, nanometers: float, ior: float) -> None:
+    inputs["iridescence"] = Constant((weight,))
+    inputs["iridescenceThickness"] = Constant((nanometers,))
+    inputs["iridescenceIor"] = Constant((ior,))
 
 
-def _image(reader: NetworkReader, node: UsdShade.Shader, color_space: str) -> TextureRead:
-    """Texture read of a MaterialX image node; only the default texture coordinates are followed."""
-    reader.visit(node)
-    uv = UvRead()
-    if "tiledimage" in shader_id(node):
-        tiling, offset = (
-            _pair(reader.value(node, f"uv{name}", None), default)
-            for name, default in (("tiling", 1.0), ("offset", 0.0))
-        )
-        uv = UvRead(scale=tiling, translation=(-offset[0], -offset[1]))
-    file_input = node.GetInput("file")
-    asset = reader.value(node, "file", None)
-    if not isinstance(asset, Sdf.AssetPath):
-        asset = Sdf.AssetPath("")
-    named = color_space or (file_input.GetAttr().GetColorSpace() if file_input else "")
-    kind = shader_id(node)
-    encoded = "sRGB" if "srgb" in named.lower() else "raw"
-    channels = (0,) if kind.endswith("_float") else (0, 1, 2)
-    wrap = tuple(
-        _WRAPS.get(str(reader.value(node, f"{axis}addressmode", "periodic")), "repeat")
-        for axis in "uv"
-    )
-    return TextureRead(
-        prim=str(node.GetPath()),
-        file=asset.resolvedPath,
-        authored_file=asset.path,
-        channels=channels,
-        uv=uv,
-        wrap=(wrap[0], wrap[1]),
-        color_space=encoded,
-    )
-
-
-def _pair(value: object, default: float) -> tuple[float, float]:
-    """The first two numbers of a value; one number counts twice."""
-    numbers = np.array(default if value is None else value, dtype=np.float64).reshape(-1)
-    first, last = (float(number) for number in np.resize(numbers, 2))
-    return first, last
+def _grooves(
+    surface: _Surface, inputs: dict[str, Source], default: float, name: str, turn: float
+) -> None:
+    """Set roughness and anisotropy: MaterialX stretches the lobe both ways, glTF one way."""
+    roughness = surface.get("specular_roughness", (default,))
+    anisotropy = min(max(surface.number(name, 0.0), 0.0), 0.999)
+    inputs["roughness"] = roughness
+    if anisotropy == 0.0:
+        return
+    if not isinstance(roughness, Constant):
+        surface.lost.append(name)
+        return
+    alpha, aspect = min(max(roughness.value[0], 0.0), 1.0) ** 2, math.sqrt(1.0 - anisotropy)
+    along, across = min(alpha / aspect, 1.0), alpha * aspect
+    inputs["roughness"] = Constant((math.sqrt(across),))
+    strength = math.sqrt((along - across) / (1.0 - across)) if across < 1.0 else 0.0
+    inputs["anisotropy"] = Constant((strength,))
+    inputs["anisotropyRotation"] = Constant((turn,))

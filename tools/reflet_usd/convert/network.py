@@ -2,13 +2,24 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from pxr import Sdf, Usd, UsdShade
 
 from reflet_usd.convert.context import Context
+from reflet_usd.convert.node_values import NodeValues
+from reflet_usd.convert.sources import (
+    Constant,
+    Part,
+    PrimvarRead,
+    Source,
+    TextureRead,
+    UnfitError,
+    UvRead,
+)
+from reflet_usd.convert.texture_coordinates import coordinates
 
 _CHANNELS = {"r": (0,), "g": (1,), "b": (2,), "a": (3,), "rgb": (0, 1, 2), "rgba": (0, 1, 2)}
 _MAX_TRANSFORMS = 8
@@ -18,55 +29,8 @@ _TWINS = {
     "ND_UsdPreviewSurface_surfaceshader": "UsdPreviewSurface",
     "ND_UsdUVTexture": "UsdUVTexture",
     "ND_UsdUVTexture_23": "UsdUVTexture",
-    "ND_UsdPrimvarReader_vector2": "UsdPrimvarReader_float2",
     "ND_UsdTransform2d": "UsdTransform2d",
 }
-
-
-@dataclass(frozen=True)
-class UvRead:
-    """Source of a texture's coordinates: a UV set and UsdTransform2d's parameters."""
-
-    primvar: str = "st"
-    fallback: tuple[float, float] = (0.0, 0.0)
-    scale: tuple[float, float] = (1.0, 1.0)
-    rotation_deg: float = 0.0
-    translation: tuple[float, float] = (0.0, 0.0)
-
-
-@dataclass(frozen=True)
-class TextureRead:
-    """One use of a UsdUVTexture: value = texel · scale + bias, per channel."""
-
-    prim: str
-    file: str
-    """The resolved asset path; empty where it does not resolve."""
-    authored_file: str
-    channels: tuple[int, ...]
-    uv: UvRead = field(default_factory=UvRead)
-    wrap: tuple[str, str] = ("useMetadata", "useMetadata")
-    scale: tuple[float, float, float, float] = (1.0, 1.0, 1.0, 1.0)
-    bias: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
-    fallback: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 1.0)
-    color_space: str = "auto"
-
-
-@dataclass(frozen=True)
-class PrimvarRead:
-    """An input that reads a primvar of the gprim."""
-
-    primvar: str
-    fallback: tuple[float, ...] | None
-
-
-@dataclass(frozen=True)
-class Constant:
-    """An input with one value."""
-
-    value: tuple[float, ...]
-
-
-Source = Constant | TextureRead | PrimvarRead
 
 
 class NetworkReader:
@@ -77,6 +41,7 @@ class NetworkReader:
         self.material = material
         self.nodes: set[str] = set()
         """Paths, relative to the material, of the nodes that were followed."""
+        self.values = NodeValues(self)
 
     def visit(self, node: UsdShade.Shader) -> None:
         """Remember a node, and the node graphs around it, as part of the material."""
@@ -102,22 +67,33 @@ class NetworkReader:
         return self._node(shader, name, attribute)
 
     def _constant(self, attribute: Usd.Attribute) -> Constant | None:
-        value = self._read(attribute)
-        numbers = _numbers(value)
-        return None if numbers is None else Constant(numbers)
+        value = self.read(attribute)
+        found = numbers(value)
+        return None if found is None else Constant(found)
 
     def _node(self, shader: UsdShade.Shader, name: str, attribute: Usd.Attribute) -> Source | None:
-        node = UsdShade.Shader(attribute.GetPrim())
+        try:
+            color_space = shader.GetInput(name).GetAttr().GetColorSpace()
+            return self.values.output(attribute, color_space)
+        except UnfitError as error:
+            self.warn_unfit(name, error)
+            return None
+
+    def warn_unfit(self, name: str, error: UnfitError) -> None:
+        """Name a node that gives an input of the surface a value which glTF cannot hold."""
+        kind = error.node.GetIdAttr().Get() or "without id"
+        message = f"'{name}' comes from the node {kind}, which cannot be followed: {error}"
+        self.context.ledger.warn("material-unsupported", error.node.GetPrim(), message)
+
+    def preview_node(self, node: UsdShade.Shader, output: str) -> Source | None:
+        """What a node of UsdPreviewSurface's specification gives; None for others."""
         kind = shader_id(node)
-        output = UsdShade.Output(attribute).GetBaseName()
         if kind == "UsdUVTexture":
-            return self._texture(node, str(output))
+            return self._texture(node, output)
         if kind.startswith("UsdPrimvarReader"):
             self.visit(node)
-            fallback = _numbers(self.value(node, "fallback", None))
+            fallback = numbers(self.value(node, "fallback", None))
             return PrimvarRead(str(self.value(node, "varname", "")), fallback)
-        message = f"'{name}' comes from the node {kind or 'without id'}, which cannot be followed"
-        self.context.ledger.warn("material-unsupported", node.GetPrim(), message)
         return None
 
     def value(self, shader: UsdShade.Shader, name: str, fallback: Any) -> Any:
@@ -130,10 +106,10 @@ class NetworkReader:
             return fallback
         if UsdShade.Utils.GetType(attributes[0].GetName()) != UsdShade.AttributeType.Input:
             return fallback
-        value = self._read(attributes[0])
+        value = self.read(attributes[0])
         return fallback if value is None else value
 
-    def _read(self, attribute: Usd.Attribute) -> Any:
+    def read(self, attribute: Usd.Attribute) -> Any:
         """The attribute's first value; None, with a warning, where a number is not finite."""
         value = attribute.Get(self.context.time)
         if attribute.ValueMightBeTimeVarying():
@@ -150,11 +126,18 @@ class NetworkReader:
         asset = self.value(node, "file", None)
         if not isinstance(asset, Sdf.AssetPath):
             asset = Sdf.AssetPath(str(asset) if asset else "")
-        read = TextureRead(
+        scale, bias, fallback = (
+            self._four(node, name, default)
+            for name, default in (("scale", 1.0), ("bias", 0.0), ("fallback", 0.0))
+        )
+        return TextureRead(
             prim=str(node.GetPath()),
-            file=self._resolved(node, asset),
+            file=self.resolved(node, asset),
             authored_file=asset.path,
-            channels=_CHANNELS.get(output, (0, 1, 2)),
+            parts=tuple(
+                Part(channel, scale[channel], bias[channel], fallback[channel])
+                for channel in _CHANNELS.get(output, (0, 1, 2))
+            ),
             uv=self._uv(node),
             wrap=(
                 str(self.value(node, "wrapS", "useMetadata")),
@@ -162,14 +145,15 @@ class NetworkReader:
             ),
             color_space=str(self.value(node, "sourceColorSpace", "auto")),
         )
-        quads: dict[str, Any] = {}
-        for name in ("scale", "bias", "fallback"):
-            numbers = _numbers(self.value(node, name, None))
-            if numbers is not None and len(numbers) in (3, 4):
-                quads[name] = (*numbers, *getattr(read, name)[len(numbers) :])
-        return replace(read, **quads)
 
-    def _resolved(self, node: UsdShade.Shader, asset: Sdf.AssetPath) -> str:
+    def _four(self, node: UsdShade.Shader, name: str, default: float) -> tuple[float, ...]:
+        """Four numbers of an input; alpha's fallback is 1."""
+        known = (default, default, default, 1.0 if name == "fallback" else default)
+        found = numbers(self.value(node, name, None))
+        return (*found, *known[len(found) :]) if found and len(found) in (3, 4) else known
+
+    def resolved(self, node: UsdShade.Shader, asset: Sdf.AssetPath) -> str:
+        """Path of a texture's file, of the first tile where there are several; empty if lost."""
         if "<UDIM>" not in asset.path:
             return asset.resolvedPath
         message = f"of the tiles @{asset.path}@ only the first is carried"
@@ -196,10 +180,12 @@ class NetworkReader:
                 return replace(uv, primvar="")
             attribute = attributes[0]
             if UsdShade.Utils.GetType(attribute.GetName()) == UsdShade.AttributeType.Input:
-                numbers = _numbers(self._read(attribute)) or (0.0, 0.0)
-                return replace(uv, primvar="", fallback=_pair(numbers))
-            node = UsdShade.Shader(attribute.GetPrim())
+                found = numbers(self.read(attribute)) or (0.0, 0.0)
+                return replace(uv, primvar="", fallback=_pair(found))
+            source, node = node, UsdShade.Shader(attribute.GetPrim())
             kind = shader_id(node)
+            if kind.startswith("ND_") and transforms == 0:
+                return coordinates(self.values, source, kind, name)
             self.visit(node)
             if node.GetPath() in passed:
                 message = "the texture coordinates come from themselves, taken as 'st'"
@@ -219,15 +205,15 @@ class NetworkReader:
                 message = f"texture coordinates come from the node {kind}, taken as 'st'"
                 self.context.ledger.warn("material-unsupported", node.GetPrim(), message)
                 return uv
-            fallback = _numbers(self.value(node, "fallback", None)) or (0.0, 0.0)
+            fallback = numbers(self.value(node, "fallback", None)) or (0.0, 0.0)
             varname = str(self.value(node, "varname", "st") or "st")
             return replace(uv, primvar=varname, fallback=_pair(fallback))
         return uv
 
     def _transform(self, node: UsdShade.Shader, uv: UvRead) -> UvRead:
-        scale = _numbers(self.value(node, "scale", None)) or (1.0, 1.0)
-        translation = _numbers(self.value(node, "translation", None)) or (0.0, 0.0)
-        rotation = _numbers(self.value(node, "rotation", None)) or (0.0,)
+        scale = numbers(self.value(node, "scale", None)) or (1.0, 1.0)
+        translation = numbers(self.value(node, "translation", None)) or (0.0, 0.0)
+        rotation = numbers(self.value(node, "rotation", None)) or (0.0,)
         return replace(
             uv, scale=_pair(scale), rotation_deg=rotation[0], translation=_pair(translation)
         )
@@ -239,6 +225,8 @@ def shader_id(shader: UsdShade.Shader) -> str:
         return ""
     identifier = shader.GetIdAttr().Get()
     name = "" if identifier is None else str(identifier)
+    if name.startswith("ND_UsdPrimvarReader"):
+        return name.removeprefix("ND_")
     return _TWINS.get(name, name)
 
 
@@ -254,7 +242,7 @@ def _pair(values: tuple[float, ...]) -> tuple[float, float]:
     return values[0], values[1] if len(values) > 1 else values[0]
 
 
-def _numbers(value: Any) -> tuple[float, ...] | None:
+def numbers(value: Any) -> tuple[float, ...] | None:
     """A number or short vector as floats; None for anything else or when not finite."""
     if value is None or isinstance(value, (str, Sdf.AssetPath)):
         return None

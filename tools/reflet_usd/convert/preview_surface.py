@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from pxr import Usd
@@ -12,7 +12,7 @@ from reflet_usd.convert.channel_packing import Channel, Packer
 from reflet_usd.convert.context import Context
 from reflet_usd.convert.gltf_writer import GltfWriter
 from reflet_usd.convert.mesh_light import write_emission
-from reflet_usd.convert.network import Constant, PrimvarRead, Source, TextureRead
+from reflet_usd.convert.sources import Constant, Part, PrimvarRead, Source, TextureRead
 
 # Names and fallbacks: https://openusd.org/release/spec_usdpreviewsurface.html
 PREVIEW_INPUTS: dict[str, tuple[float, ...]] = {
@@ -37,11 +37,16 @@ _WITHOUT_TEXTURE = ("useSpecularWorkflow", "opacityMode", "opacityThreshold", "i
 # glTF's dielectric reflects ((ior − 1) / (ior + 1))² head on, 0.04 at ior 1.5.
 _DIELECTRIC_F0 = 0.04
 
+_AFFINE = ("scale", "bias")
+
 Slots = dict[str, int]
 
 
 class PreviewMaterial:
     """Writer of one material; a fresh object per material and UV layout."""
+
+    defaults: ClassVar[dict[str, tuple[float, ...]]] = PREVIEW_INPUTS
+    """Values of inputs that nothing gives."""
 
     def __init__(
         self, context: Context, writer: GltfWriter, packer: Packer, prim: Usd.Prim | None
@@ -81,7 +86,7 @@ class PreviewMaterial:
 
     def _numbers(self, name: str) -> tuple[float, ...]:
         """The input's constant; else a lost texture's or primvar's fallback; else the schema's."""
-        default = PREVIEW_INPUTS[name]
+        default = self.defaults[name]
         if name in _WITHOUT_TEXTURE and self._texture(name):
             message = f"glTF has no texture for '{name}', taken as {default[0]:g}"
             self._warn("material-texture-dropped", message)
@@ -93,7 +98,7 @@ class PreviewMaterial:
         elif isinstance(source, PrimvarRead):
             value = source.fallback
         elif isinstance(source, TextureRead):
-            value = tuple(source.fallback[channel] for channel in source.channels)
+            value = tuple(part.fallback for part in source.parts)
         if value is None:
             return default
         if len(value) < len(default):
@@ -121,12 +126,12 @@ class PreviewMaterial:
         translucent = alpha < 1.0 or (reads_alpha and display.translucent)
         channels: list[Channel | None] = [None, None, None, None]
         if diffuse:
-            factors, channels[:3] = _factored(diffuse, 3)
+            factors, channels[:3] = factored(diffuse, 3)
             color = list(factors)
         elif opacity:
             channels[:3] = [Channel(constant=1.0)] * 3
         if opacity:
-            factors, (channels[3],) = _factored(opacity, 1)
+            factors, (channels[3],) = factored(opacity, 1)
             alpha = factors[0]
             translucent = alpha < 1.0 or self._lowest(channels[3]) < 1.0
             if not translucent:
@@ -172,11 +177,11 @@ class PreviewMaterial:
         metallic = 0.0 if specular else self._unit("metallic")[0]
         green = blue = None
         if rough:
-            (roughness,), (green,) = _factored(rough, 1)
+            (roughness,), (green,) = factored(rough, 1)
         elif metal and roughness > 0.0:
             green = Channel(constant=1.0)
         if metal:
-            (metallic,), (blue,) = _factored(metal, 1)
+            (metallic,), (blue,) = factored(metal, 1)
         elif rough and metallic > 0.0:
             blue = Channel(constant=1.0)
         red = self._occlusion_channel()
@@ -200,18 +205,25 @@ class PreviewMaterial:
             if self._numbers("occlusion")[0] < 1.0:
                 self._warn("occlusion-dropped", "a constant occlusion has no glTF counterpart")
             return None
-        index = read.channels[0]
-        return Channel(read, index, read.scale[index], read.bias[index])
+        part = read.parts[0]
+        return Channel(read, part.channel, part.scale, part.bias)
 
     def _normal(self, entry: dict[str, Any]) -> None:
-        read = self._texture("normal")
+        info = self.normal_map("normal")
+        if info is not None:
+            entry["normalTexture"] = info
+
+    def normal_map(self, name: str) -> dict[str, Any] | None:
+        """Texture info of a normal map with its scale; None where the input has no texture."""
+        read = self._texture(name)
         if read is None:
-            if self._numbers("normal") != PREVIEW_INPUTS["normal"]:
+            if self._numbers(name) != self.defaults[name]:
                 self._warn("normal-constant-dropped", "a constant normal has no counterpart")
-            return
+            return None
         if read.color_space == "auto":
             self._warn("color-space-assumed", "the normal map names no color space, taken as raw")
-        scale, bias = np.array(read.scale[:3]), np.array(read.bias[:3])
+        parts = (read.parts * 3)[:3]
+        scale, bias = (np.array([getattr(part, name) for part in parts]) for name in _AFFINE)
         if np.array_equal(scale, np.ones(3)) and not bias.any():
             message = "the normal map has no scale 2 and bias −1, taken as if it had"
             self._warn("normal-scale-missing", message)
@@ -222,11 +234,11 @@ class PreviewMaterial:
             strength = float(scale[0]) / 2.0
             scale[:2], bias[:2] = 2.0, -1.0
         channels: list[Channel | None] = [
-            Channel(read, index, float(scale[index]) / 2, (float(bias[index]) + 1) / 2, raw=True)
-            for index in range(3)
+            Channel(read, part.channel, float(k) / 2, (float(b) + 1) / 2, raw=True)
+            for part, k, b in zip(parts, scale, bias, strict=True)
         ]
         info = self.packer.texture(channels, False, self.slots)
-        entry["normalTexture"] = {**info, "scale": strength} if strength != 1.0 else info
+        return {**info, "scale": strength} if strength != 1.0 else info
 
     def _emission(self, entry: dict[str, Any]) -> None:
         read = self._texture("emissiveColor")
@@ -237,7 +249,7 @@ class PreviewMaterial:
                 message = f"'emissiveColor' {tuple(emitted.tolist())} is below 0, clamped"
                 self._warn("material-value-clamped", message)
         else:
-            parts = [_shining(read, index) for index in (read.channels * 3)[:3]]
+            parts = [_shining(read, part) for part in (read.parts * 3)[:3]]
             color = np.array([factor for factor, _ in parts])
             channels: list[Channel | None] = [channel for _, channel in parts]
             if color.any():
@@ -250,7 +262,7 @@ class PreviewMaterial:
         if self._numbers("useSpecularWorkflow")[0] >= 0.5:
             read = self._texture("specularColor")
             if read:
-                color, channels = _factored(read, 3)
+                color, channels = factored(read, 3)
                 info = self.packer.texture([*channels], True, self.slots)
                 extensions["KHR_materials_specular"] = {"specularColorTexture": info}
             else:
@@ -269,7 +281,7 @@ class PreviewMaterial:
                 ior = 1.0
             if ior != 1.5:
                 extensions["KHR_materials_ior"] = {"ior": ior}
-        self._extend(entry, extensions)
+        self.extend(entry, extensions)
 
     def _clearcoat(self, entry: dict[str, Any]) -> None:
         coat, rough = self._texture("clearcoat"), self._texture("clearcoatRoughness")
@@ -281,43 +293,43 @@ class PreviewMaterial:
             "clearcoatRoughnessFactor": self._unit("clearcoatRoughness")[0],
         }
         if coat:
-            (value,), (red,) = _factored(coat, 1)
+            (value,), (red,) = factored(coat, 1)
             extension["clearcoatFactor"] = value
             extension["clearcoatTexture"] = self.packer.texture(
                 [red, None, None], False, self.slots
             )
         if rough:
-            (value,), (green,) = _factored(rough, 1)
+            (value,), (green,) = factored(rough, 1)
             extension["clearcoatRoughnessFactor"] = value
             extension["clearcoatRoughnessTexture"] = self.packer.texture(
                 [None, green, None], False, self.slots
             )
-        self._extend(entry, {"KHR_materials_clearcoat": extension})
+        self.extend(entry, {"KHR_materials_clearcoat": extension})
 
-    def _extend(self, entry: dict[str, Any], extensions: dict[str, Any]) -> None:
+    def extend(self, entry: dict[str, Any], extensions: dict[str, Any]) -> None:
+        """Add extensions to the material."""
         for name in extensions:
             self.writer.use_extension(name)
         if extensions:
             entry.setdefault("extensions", {}).update(extensions)
 
 
-def _shining(read: TextureRead, index: int) -> tuple[float, Channel]:
+def _shining(read: TextureRead, part: Part) -> tuple[float, Channel]:
     """Emissive factor, and the scale that is left for the texels, whose values stay within 0…1."""
-    scale, bias = read.scale[index], read.bias[index]
+    scale, bias = part.scale, part.bias
     if bias == 0.0 and scale >= 0.0:
-        return scale, Channel(read, index)
+        return scale, Channel(read, part.channel)
     strongest = max(1.0, bias, scale + bias)
-    return strongest, Channel(read, index, scale / strongest, bias / strongest)
+    return strongest, Channel(read, part.channel, scale / strongest, bias / strongest)
 
 
-def _factored(read: TextureRead, count: int) -> tuple[list[float], list[Channel | None]]:
+def factored(read: TextureRead, count: int) -> tuple[list[float], list[Channel | None]]:
     """Factors and remaining channels of a read: a plain scale within 0…1 becomes the factor."""
     factors: list[float] = []
     channels: list[Channel | None] = []
-    indices = (read.channels * count)[:count]
-    for index in indices:
-        scale, bias = read.scale[index], read.bias[index]
-        plain = bias == 0.0 and 0.0 <= scale <= 1.0
-        factors.append(scale if plain else 1.0)
-        channels.append(Channel(read, index, 1.0 if plain else scale, 0.0 if plain else bias))
+    for part in (read.parts * count)[:count]:
+        plain = part.bias == 0.0 and 0.0 <= part.scale <= 1.0
+        factors.append(part.scale if plain else 1.0)
+        scale, bias = (1.0, 0.0) if plain else (part.scale, part.bias)
+        channels.append(Channel(read, part.channel, scale, bias))
     return factors, channels

@@ -13,8 +13,8 @@ from pxr import Ar
 from reflet_usd.convert.confinement import is_allowed, is_plain_file, outside_message
 from reflet_usd.convert.context import Context
 from reflet_usd.convert.gltf_writer import GltfWriter
-from reflet_usd.convert.network import TextureRead
 from reflet_usd.convert.scene import Array
+from reflet_usd.convert.sources import TextureRead
 
 MAX_PIXELS = 2**28
 PNG_COMPRESSION = 3
@@ -102,7 +102,7 @@ class TextureLibrary:
             return None
         self.context.textures_read.add(read.file)
         asset = Ar.GetResolver().OpenAsset(Ar.ResolvedPath(read.file))
-        data = bytes(asset.GetBuffer()) if asset else b""
+        data = bytes((asset.GetBuffer() if asset else None) or b"")  # empty files have no buffer
         try:
             return _decode(read, data)
         except Image.DecompressionBombError:

@@ -48,6 +48,8 @@ REWRITTEN = ("texture-repacked", "texture-converted")
 UNREAD_FILE = ("texture-too-large", "asset-not-a-file")
 LOST_FILE = (*UNREAD_FILE, "asset-outside-roots", "texture-missing", "texture-unreadable")
 """Warnings about a lost texture file, whose fallback value counts."""
+UNFIT_NODE = ("material-unsupported",)
+"""Warning about a shading node that the file cannot follow."""
 NORMAL_SCALE = ("normal-scale-missing",)
 _DOMES = ("DomeLight", "DomeLight_1")
 _NO_LIGHTS = ("GeometryLight", "PluginLight")

@@ -166,6 +166,38 @@ class OutputMaterial:
         values = self._texture(specular.get("specularColorTexture"), st, linearize=True)[:, :3]
         return 0.04 * factor * values
 
+    def _specular(self, st: Array) -> Array:
+        return self._layer(st, "specular", "specular", [3], (1.0,))
+
+    def _specularTint(self, st: Array) -> Array:  # noqa: N802
+        return self._layer(st, "specular", "specularColor", [0, 1, 2], (1.0,) * 3)
+
+    def _sheenColor(self, st: Array) -> Array:  # noqa: N802
+        return self._layer(st, "sheen", "sheenColor", [0, 1, 2], (0.0,) * 3)
+
+    def _transmission(self, st: Array) -> Array:
+        return self._layer(st, "transmission", "transmission", [0], (0.0,))
+
+    def _thickness(self, st: Array) -> Array:
+        return self._layer(st, "volume", "thickness", [1], (0.0,))
+
+    def _attenuationColor(self, st: Array) -> Array:  # noqa: N802
+        volume = self.extensions.get("KHR_materials_volume", {})
+        return np.tile(volume.get("attenuationColor", (1.0, 1.0, 1.0)), (len(st), 1))
+
+    def _attenuationDistance(self, st: Array) -> Array:  # noqa: N802
+        volume = self.extensions.get("KHR_materials_volume", {})
+        return np.full((len(st), 1), volume.get("attenuationDistance", 0.0))
+
+    def _layer(
+        self, st: Array, name: str, key: str, channels: list[int], default: tuple[float, ...]
+    ) -> Array:
+        """Factor times texture of an extension's layer; the default where it is not there."""
+        fields = self.extensions.get(f"KHR_materials_{name}", {})
+        factor = np.array(fields.get(f"{key}Factor", default), dtype=np.float64)
+        texels = self._texture(fields.get(f"{key}Texture"), st, linearize=len(channels) == 3)
+        return factor * texels[:, channels]
+
     def _ior(self, st: Array) -> Array:
         ior = self.extensions.get("KHR_materials_ior", {}).get("ior", 1.5)
         return np.full((len(st), 1), ior)
@@ -201,6 +233,6 @@ def _moved(uv: Array, transform: dict[str, Any]) -> Array:
     return turned + np.array(transform.get("offset", (0.0, 0.0)))
 
 
-@functools.lru_cache(maxsize=64)
+@functools.lru_cache(maxsize=2)  # an image of 4096 × 4096 takes 0.5 GiB here
 def _texels(file: GltfFile, image: int) -> Texels | None:
     return decode(file.image_bytes(image))

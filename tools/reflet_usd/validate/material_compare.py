@@ -16,6 +16,7 @@ from .allowed_deviations import (
     OTHER_SURFACE,
     PACKED,
     REWRITTEN,
+    UNFIT_NODE,
     UNREAD_FILE,
 )
 from .checks import Checks
@@ -26,11 +27,23 @@ from .scene_data import Array, Scene
 from .unauthored_materials import non_default_values, unexpected_extensions
 from .usd_animated_inputs import animated_inputs
 from .usd_material import DEFAULTS, PreviewInput, TextureRead, preview_shader, read_input
-from .usd_materialx import materialx_inputs
+from .usd_materialx import is_gltf_surface, materialx_inputs
 from .usd_stage import TruthStage
 from .uv_compare import UvUse
 
 _SAMPLES = 16
+_MANY = 512
+LAYERS = (
+    "specular",
+    "specularTint",
+    "sheenColor",
+    "transmission",
+    "thickness",
+    "attenuationColor",
+    "attenuationDistance",
+)
+"""Channels beyond UsdPreviewSurface's."""
+_NOT_EVALUATED = PreviewInput(None, None, "not given")
 _ENCODED = ("diffuseColor", "emissiveColor", "specularColor")
 _NEUTRAL = {"displacement": (0.0,), "normal": (0.0, 0.0, 1.0), "occlusion": (1.0,)}
 _WHOLE = ("useSpecularWorkflow", "opacityThreshold", "ior")
@@ -79,9 +92,11 @@ def compare_materials(
         other = None
         if shader is None:
             # A surface of another kind must be declared to show something in its place.
-            text = "is not a UsdPreviewSurface"
-            checks.add("materials", path, math.inf, text, excuses=OTHER_SURFACE)
-            other = materialx_inputs(truth.stage.GetPrimAtPath(path), truth.roots)
+            prim = truth.stage.GetPrimAtPath(path)
+            if not is_gltf_surface(prim):
+                text = "is not a UsdPreviewSurface"
+                checks.add("materials", path, math.inf, text, excuses=OTHER_SURFACE)
+            other = materialx_inputs(prim, truth.roots, truth.meters_per_unit)
         if shader is None and other is None:
             colored.add(path.rsplit("/", 1)[-1])
             for index in outputs.get(path, []):
@@ -138,8 +153,14 @@ class _Comparison:
         """Compare all inputs, as values or as losses."""
         specular = self._is_specular()
         self._alpha_mode(found)
-        for name in _VALUES:
-            source = self.inputs[name]
+        for name in (*_VALUES, *LAYERS):
+            source = self.inputs.get(name, _NOT_EVALUATED)
+            if name in LAYERS and not self._has_layers():
+                continue
+            if name == "thickness" and _is_constant(self.inputs["transmission"], 0.0):
+                continue
+            if name == "specularColor" and self._has_layers():
+                continue
             if name == "specularColor" and not specular:
                 source = PreviewInput(np.full(3, 0.04), None)
             if specular and name in ("metallic", "ior"):
@@ -156,6 +177,10 @@ class _Comparison:
         self._normal(found)
         self._losses()
         self._empty_slots(found)
+
+    def _has_layers(self) -> bool:
+        """Whether the surface may have layers beyond UsdPreviewSurface's."""
+        return "transmission" in self.inputs
 
     def _drop_textures(self) -> None:
         """Set textured inputs that are one number in glTF to their default."""
@@ -174,6 +199,9 @@ class _Comparison:
         uses = []
         for name in DEFAULTS:
             texture, number = self.inputs[name].texture, found.texcoord(name)
+            known = self.inputs[name].primvars
+            if len(known) == 1 and number is not None:
+                uses.append(UvUse(self.path, known[0], f"TEXCOORD_{number}"))
             if texture is None or not texture.primvar or number is None:
                 continue
             if not self.checks.excuse(texture.prim, PACKED):
@@ -184,11 +212,13 @@ class _Comparison:
         """Check that a slot without a textured input has no texture."""
         for names in _SLOTS:
             sources = [self.inputs[name] for name in names]
-            read = any(source.texture is not None or source.reason for source in sources)
+            read = any(_has_texture(source) for source in sources)
+            if self._has_layers() and names == ("specularColor",):
+                read = _has_texture(self.inputs["specularTint"])
             if not read and found.has_image(names[0]):
                 text = f"{names[0]} has a texture only in the output"
                 self.checks.add("materials", self.path, math.inf, text)
-        for text in unexpected_extensions(found.material):
+        for text in unexpected_extensions(found.material, self._has_layers()):
             self.checks.add("materials", self.path, math.inf, text)
 
     def _losses(self) -> None:
@@ -199,7 +229,10 @@ class _Comparison:
                 self.checks.add_lost(self.path, (warning,), f"{name} {source.constant.tolist()}")
 
     def _channel(self, name: str, expected: PreviewInput, found: OutputMaterial) -> None:
-        if expected.reason:
+        if expected.reason or any(self.checks.excuse(node, UNFIT_NODE) for node in expected.nodes):
+            return
+        if expected.values is not None:
+            self._at_random(name, expected, found)
             return
         if expected.texture is None:
             assert expected.constant is not None
@@ -224,6 +257,23 @@ class _Comparison:
         # Two ways to enlarge an image may round to neighboring values.
         rounded = texels is not None and texels.size != expected.texture.texels.size
         self._sampled(name, reads, found, not same, 1 / 255 if rounded else 1e-9)
+
+    def _at_random(self, name: str, expected: PreviewInput, found: OutputMaterial) -> None:
+        """Compare a network of nodes at random coordinates."""
+        assert expected.values is not None
+        if any(self.checks.excuse(image, PACKED) for image in expected.images):
+            return
+        texels = found.image(name)
+        if texels is not None and texels.size not in expected.sizes:
+            resized = any(self.checks.excuse(image, REWRITTEN) for image in expected.images)
+            worst = 0.0 if resized else math.inf
+            self.checks.add("materials", self.path, worst, f"{name}: an image of another size")
+            return
+        st = np.random.default_rng(11).random((_MANY, 2)) * 3.0 - 1.0
+        wanted = expected.values(st)
+        reach = max(1.0, float(wanted.max())) if name == "emissiveColor" else 1.0
+        shown = found.channel(name, st)
+        self.checks.add("materials", self.path, _difference(name, wanted, shown, reach), name)
 
     def _sampled(
         self,
@@ -285,6 +335,8 @@ class _Comparison:
 
     def _normal(self, found: OutputMaterial) -> None:
         read = self.inputs["normal"].texture
+        if self.inputs["normal"].values is not None:
+            self._at_random("normal", self.inputs["normal"], found)
         if read is None:
             return
         if not found.has_image("normal"):
@@ -314,6 +366,8 @@ def _difference(name: str, wanted: Array, found: Array, reach: float = 1.0) -> f
     """
     if name == "emissiveColor":
         wanted = np.maximum(wanted, 0.0)
+    elif name == "normal" or name in ("thickness", "attenuationDistance"):
+        pass
     elif name == "ior":
         wanted = np.where(wanted == 0.0, 0.0, np.maximum(wanted, 1.0))
     else:
@@ -329,7 +383,14 @@ def _difference(name: str, wanted: Array, found: Array, reach: float = 1.0) -> f
     return float(difference.max())
 
 
+def _has_texture(source: PreviewInput) -> bool:
+    return source.texture is not None or source.values is not None or bool(source.reason)
+
+
 def _is_opaque(opacity: PreviewInput) -> bool:
+    if opacity.values is not None:
+        places = (np.indices((64, 64)).reshape(2, -1).T + 0.5) / 64
+        return bool((opacity.values(places) >= 1.0).all())
     if opacity.texture is not None:
         read = opacity.texture
         values = read.texels.values[:, :, read.channels] * read.scale[read.channels]

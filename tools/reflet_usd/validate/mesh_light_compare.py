@@ -75,6 +75,9 @@ def _distance(light: MeshLight, own: PreviewInput | None, found: OutputMaterial)
     """Largest difference as a share of the strongest emission."""
     if own is not None and own.reason:
         own = own.without_file() if own.fallback is not None else None
+    if own is not None and own.values is not None and light.tinted:
+        st = np.random.default_rng(7).random((16, 2))
+        return _relative(light.nits * np.maximum(own.values(st), 0.0), found, st)
     read = own.texture if own is not None and light.tinted else None
     if read is None:
         factor = np.ones(3)

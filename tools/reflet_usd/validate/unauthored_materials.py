@@ -38,9 +38,17 @@ _PLAIN = {"metallicFactor": (0.0, 1.0), "roughnessFactor": (0.5, 1.0)}
 _ATTRIBUTES = re.compile(r"POSITION|NORMAL|TEXCOORD_\d+|COLOR_0|JOINTS_\d+|WEIGHTS_\d+|_.*")
 
 
-def unexpected_extensions(material: Any) -> Iterator[str]:
-    """Extensions that no UsdPreviewSurface gives a material."""
+_LAYERS = re.compile(
+    "KHR_materials_(specular|sheen|transmission|volume|dispersion|iridescence|anisotropy|clearcoat)"
+)
+"""Extensions that hold the layers of MaterialX's surfaces."""
+
+
+def unexpected_extensions(material: Any, has_layers: bool) -> Iterator[str]:
+    """Extensions that no UsdPreviewSurface gives a material, unless its surface `has_layers`."""
     for name, fields in (material.extensions or {}).items():
+        if has_layers and _LAYERS.fullmatch(name):
+            continue
         known = _FIELDS.get(name)
         if known is None:
             yield f"{name} is only in the output"

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import zipfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from io import BytesIO
 from typing import Any
 
@@ -119,6 +120,16 @@ class PreviewInput:
     """Value that a texture's shader states for the case that its file cannot be read."""
     prim: str = ""
     """Path of the texture's shader, if any."""
+    values: Callable[[Array], Array] | None = None
+    """Values (n, channels) at texture coordinates, for networks of more than one texture read."""
+    primvars: tuple[str, ...] = ()
+    """Primvars that hold the coordinates of such networks."""
+    images: tuple[str, ...] = ()
+    """Paths of their image nodes."""
+    sizes: tuple[tuple[int, int], ...] = ()
+    """Sizes of their images."""
+    nodes: tuple[str, ...] = ()
+    """Paths of all their nodes."""
 
     def without_file(self) -> PreviewInput:
         """The input where the texture's file is lost: its fallback."""
@@ -261,6 +272,7 @@ def _transform2d(shader: UsdShade.Shader) -> Array:
     return scale @ turn @ move
 
 
+@functools.lru_cache(maxsize=2)
 def load_texture(resolved: str) -> Texels | None:
     """Decode a texture file, or one inside (nested) usdz packages: `a.usdz[b.usdz[c.png]]`."""
     outer, inner = Ar.SplitPackageRelativePathOuter(resolved)

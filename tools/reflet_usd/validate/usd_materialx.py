@@ -1,159 +1,246 @@
-"""Owns the truth about MaterialX surfaces: the rule by which a file approximates them."""
+"""Owns the truth about MaterialX surfaces: the rules by which a file approximates them.
+
+Every channel is evaluated as a function of texture coordinates; the rules are those that the
+documentation gives for each surface.
+"""
 
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable
 
 import numpy as np
-from pxr import Sdf, Usd, UsdShade
+from pxr import Usd, UsdShade
 
 from .scene_data import Array
-from .usd_material import (
-    DEFAULTS,
-    TIME,
-    PreviewInput,
-    TextureRead,
-    input_value,
-    load_texture,
-    producer,
-    surface_shader,
-)
-from .usd_stage import is_within
+from .usd_material import DEFAULTS, PreviewInput, surface_shader
+from .usd_node_values import NodeValues, UnknownError
+
+GLTF_SURFACE = "ND_gltf_pbr_surfaceshader"
+_WHITE, _GRAY, _BLACK = (1.0,) * 3, (0.8,) * 3, (0.0,) * 3
+_FEW = 4
+Function = Callable[[Array], Array]
 
 
-@dataclasses.dataclass(frozen=True)
-class _Slot:
-    """Place of a channel's value, and the node definition's default for it."""
+@dataclasses.dataclass
+class Names:
+    """Names of a surface's inputs, and the definition's defaults that differ among surfaces."""
 
-    name: str
-    default: tuple[float, ...] = ()
-    weight: str = ""
-    weight_default: float = 1.0
+    metal: str
+    roughness: tuple[str, float]
+    ior: str
+    coat: tuple[str, str, float]
+    opacity: str
+    specular: str
+    normal: str
+    base: tuple[str, str]
+    under: tuple[str, tuple[float, ...]]
+    through: str
+    thin: str
+    fuzz: tuple[str, str, str]
+    glow: tuple[str, str]
+    grooves: str
 
 
-_WHITE = (1.0, 1.0, 1.0)
-_GRAY = (0.8, 0.8, 0.8)
-_SURFACES: dict[str, dict[str, _Slot]] = {
-    "ND_standard_surface_surfaceshader": {
-        "diffuseColor": _Slot("base_color", _GRAY, "base"),
-        "metallic": _Slot("metalness"),
-        "roughness": _Slot("specular_roughness", (0.2,)),
-        "ior": _Slot("specular_IOR"),
-        "clearcoat": _Slot("coat"),
-        "clearcoatRoughness": _Slot("coat_roughness", (0.1,)),
-        "emissiveColor": _Slot("emission_color", _WHITE, "emission", 0.0),
-        "opacity": _Slot("opacity"),
-    },
-    "ND_open_pbr_surface_surfaceshader": {
-        "diffuseColor": _Slot("base_color", _GRAY, "base_weight"),
-        "metallic": _Slot("base_metalness"),
-        "roughness": _Slot("specular_roughness", (0.3,)),
-        "ior": _Slot("specular_ior"),
-        "clearcoat": _Slot("coat_weight"),
-        "clearcoatRoughness": _Slot("coat_roughness", (0.0,)),
-        "emissiveColor": _Slot("emission_color", _WHITE, "emission_luminance", 0.0),
-        "opacity": _Slot("geometry_opacity"),
-    },
-    "ND_gltf_pbr_surfaceshader": {
-        "diffuseColor": _Slot("base_color", _WHITE),
-        "metallic": _Slot("metallic", (1.0,)),
-        "roughness": _Slot("roughness", (1.0,)),
-        "ior": _Slot("ior"),
-        "clearcoat": _Slot("clearcoat"),
-        "clearcoatRoughness": _Slot("clearcoat_roughness", (0.0,)),
-        "emissiveColor": _Slot("emissive", (), "emissive_strength"),
-        "opacity": _Slot("alpha"),
-    },
+_LAYERED = {
+    "ND_standard_surface_surfaceshader": Names(
+        "metalness",
+        ("specular_roughness", 0.2),
+        "specular_IOR",
+        ("coat", "coat_roughness", 0.1),
+        "opacity",
+        "specular",
+        "normal",
+        ("base_color", "base"),
+        ("subsurface", _WHITE),
+        "transmission",
+        "thin_walled",
+        ("sheen", "sheen_color", "sheen_roughness"),
+        ("emission_color", "emission"),
+        "specular_anisotropy",
+    ),
+    "ND_open_pbr_surface_surfaceshader": Names(
+        "base_metalness",
+        ("specular_roughness", 0.3),
+        "specular_ior",
+        ("coat_weight", "coat_roughness", 0.0),
+        "geometry_opacity",
+        "specular_weight",
+        "geometry_normal",
+        ("base_color", "base_weight"),
+        ("subsurface_weight", _GRAY),
+        "transmission_weight",
+        "geometry_thin_walled",
+        ("fuzz_weight", "fuzz_color", "fuzz_roughness"),
+        ("emission_color", "emission_luminance"),
+        "specular_roughness_anisotropy",
+    ),
 }
-_IMAGES = ("ND_image_", "ND_tiledimage_", "ND_gltf_image_", "ND_gltf_colorimage")
-_WRAPS = {"clamp": "clamp", "mirror": "mirror"}
-_NEUTRAL = ("displacement", "useSpecularWorkflow")
+_MORE = (
+    "alpha",
+    "alpha_cutoff",
+    "base_color",
+    "clearcoat",
+    "clearcoat_roughness",
+    "emissive",
+    "emissive_strength",
+    "ior",
+    "metallic",
+    "normal",
+    "occlusion",
+    "roughness",
+)
+
+
+def is_gltf_surface(material: Usd.Prim) -> bool:
+    """Whether the material's surface is MaterialX's glTF PBR, which a file can carry whole."""
+    shader = surface_shader(material)
+    return shader is not None and str(shader.GetIdAttr().Get()) == GLTF_SURFACE
 
 
 def surface_inputs(identifier: str) -> set[str]:
     """Inputs of a MaterialX surface, from which the file's approximated values follow."""
-    slots = _SURFACES.get(identifier, {}).values()
-    return {name for slot in slots for name in (slot.name, slot.weight) if name}
+    if identifier == GLTF_SURFACE:
+        return set(_MORE)
+    names = _LAYERED.get(identifier)
+    if names is None:
+        return set()
+    found = [names.metal, names.ior, names.opacity, names.specular, names.normal, names.through]
+    found += [*names.base, *names.glow, *names.coat[:2], names.roughness[0], names.under[0]]
+    return {*found, "coat_color", "subsurface_color", "transmission_color", "transmission_depth"}
 
 
 def materialx_inputs(
-    material: Usd.Prim, roots: tuple[str, ...] | None
+    material: Usd.Prim, roots: tuple[str, ...] | None, meters: float = 0.01
 ) -> dict[str, PreviewInput] | None:
-    """Channels of a surface that the documentation says is approximated; None for others."""
+    """Channels of a surface that the documentation says is approximated; None for others.
+
+    Names beyond UsdPreviewSurface's are those of `OutputMaterial`.
+    """
     shader = surface_shader(material)
-    slots = _SURFACES.get(str(shader.GetIdAttr().Get())) if shader else None
-    if slots is None:
+    kind = str(shader.GetIdAttr().Get()) if shader else ""
+    if shader is None or (kind != GLTF_SURFACE and kind not in _LAYERED):
         return None
     result = {name: PreviewInput(np.array(value), None) for name, value in DEFAULTS.items()}
-    result.update({name: PreviewInput(np.zeros(1), None) for name in _NEUTRAL})
-    for name, slot in slots.items():
-        weight = 1.0
-        if slot.weight:
-            weight = float(input_value(shader, slot.weight, slot.weight_default))
-        default = np.array(slot.default or DEFAULTS[name])
-        result[name] = _channel(shader, slot.name, default, weight, roots)
-    return result
-
-
-def _channel(
-    shader: UsdShade.Shader,
-    name: str,
-    default: Array,
-    weight: float,
-    roots: tuple[str, ...] | None,
-) -> PreviewInput:
-    attribute = producer(shader.GetInput(name))
-    if attribute is None:
-        return PreviewInput(default * weight, None)
-    if UsdShade.Input.IsInput(attribute):
-        value = attribute.Get(TIME)
-        numbers = default if value is None else np.atleast_1d(np.array(value, dtype=np.float64))
-        numbers = numbers if np.isfinite(numbers).all() else default
-        # A colored opacity counts by its red; a number in place of a color is gray.
-        return PreviewInput(np.resize(numbers, len(default)) * weight, None)
-    node = UsdShade.Shader(attribute.GetPrim())
-    if not str(node.GetIdAttr().Get()).startswith(_IMAGES):
-        return PreviewInput(None, None, "comes from a node")
-    return _image(node, shader.GetInput(name), len(default), weight, roots)
-
-
-def _image(
-    node: UsdShade.Shader,
-    reader: UsdShade.Input,
-    width: int,
-    weight: float,
-    roots: tuple[str, ...] | None,
-) -> PreviewInput:
-    prim, fallback = str(node.GetPath()), np.zeros(width)
-    source = producer(node.GetInput("file"))
-    asset = source.Get(TIME) if source is not None else None
-    texels = None
-    if isinstance(asset, Sdf.AssetPath) and (roots is None or is_within(asset.resolvedPath, roots)):
-        texels = load_texture(asset.resolvedPath)
-    if texels is None:
-        return PreviewInput(None, None, "its image cannot be read", fallback, prim)
-    spaces = [reader.GetAttr().GetColorSpace(), source.GetColorSpace() if source else ""]
-    modes = (str(input_value(node, f"{axis}addressmode", "periodic")) for axis in "uv")
-    first, second = (_WRAPS.get(mode, "repeat") for mode in modes)
-    scale = np.array([weight, weight, weight, 1.0])
-    read = TextureRead(
-        texels,
-        [0, 1, 2][:width],
-        scale,
-        np.zeros(4),
-        (first, second),
-        "srgb" in next(filter(None, spaces), "").lower(),
-        _tiling(node),
-        "",
-        prim,
+    result.update(
+        {n: PreviewInput(np.zeros(1), None) for n in ("displacement", "useSpecularWorkflow")}
     )
-    return PreviewInput(None, read, "", fallback, prim)
-
-
-def _tiling(node: UsdShade.Shader) -> Array:
-    """Matrix (3, 3) of a tiled image for row vectors: in · uvtiling − uvoffset; else identity."""
-    result = np.eye(3)
-    if "tiledimage" in str(node.GetIdAttr().Get()):
-        np.fill_diagonal(result[:2, :2], np.array(input_value(node, "uvtiling", (1.0, 1.0))))
-        result[2, :2] = -np.array(input_value(node, "uvoffset", (0.0, 0.0)), dtype=np.float64)
+    rules = _Rules(NodeValues(roots), shader, meters)
+    functions = rules.gltf() if kind == GLTF_SURFACE else rules.layered(_LAYERED[kind])
+    for name, function in functions.items():
+        result[name] = _channel(rules.nodes, str(shader.GetPath()), function)
     return result
+
+
+def _channel(nodes: NodeValues, shader: str, function: Function) -> PreviewInput:
+    nodes.images.clear()
+    nodes.sizes.clear()
+    nodes.nodes.clear()
+    nodes.primvars.clear()
+    try:
+        with np.errstate(all="ignore"):  # what is no number has to be declared
+            few = function(np.random.default_rng(3).random((_FEW, 2)))
+    except UnknownError as error:
+        image = min(nodes.images, default="")
+        return PreviewInput(None, None, str(error), None, image)
+    if not nodes.images:
+        return PreviewInput(few[0], None, nodes=tuple(sorted(nodes.nodes)))
+    found = PreviewInput(None, None, nodes=(shader, *sorted(nodes.nodes)))
+    found.values, found.primvars = function, tuple(sorted(nodes.primvars))
+    found.images, found.sizes = tuple(sorted(nodes.images)), tuple(sorted(nodes.sizes))
+    return found
+
+
+@dataclasses.dataclass
+class _Rules:
+    nodes: NodeValues
+    shader: UsdShade.Shader
+    meters: float
+
+    def of(self, name: str, *default: float) -> Function:
+        """An input as a function of texture coordinates."""
+        return lambda st: self.nodes.value(self.shader, name, default, st)
+
+    def number(self, name: str, default: float) -> float:
+        """An input that is one number for a whole glTF material; its default for a texture."""
+        nothing = np.zeros((1, 2))
+        known = len(self.nodes.images)
+        try:
+            value = float(self.of(name, default)(nothing)[0, 0])
+        except UnknownError:
+            return default
+        return default if len(self.nodes.images) > known else value
+
+    def layered(self, names: Names) -> dict[str, Function]:
+        """Channels of standard surface and OpenPBR."""
+        base, weight = self.of(names.base[0], *_GRAY), self.of(names.base[1], 1.0)
+        under = self.of(names.under[0], 0.0)
+        scattered = self.of("subsurface_color", *names.under[1])
+        through = self.of(names.through, 0.0)
+        tint = self.of("transmission_color", *_WHITE)
+        depth = self.number("transmission_depth", 0.0)
+        thin = self.number(names.thin, 0.0) != 0.0
+        coat, coat_tint = self.of(names.coat[0], 0.0), self.of("coat_color", *_WHITE)
+        glow, nits = self.of(names.glow[0], *_WHITE), self.of(names.glow[1], 0.0)
+        fuzz, fuzz_color = self.of(names.fuzz[0], 0.0), self.of(names.fuzz[1], *_WHITE)
+        absorbs = depth > 0.0 and not thin
+
+        def color(st: Array) -> Array:
+            shown = _mix(base(st) * weight(st), scattered(st), under(st))
+            shown = _mix(shown, np.ones(3) if absorbs else tint(st), through(st))
+            return shown * _mix(np.ones(3), coat_tint(st), coat(st))
+
+        aspect = np.sqrt(1.0 - min(max(self.number(names.grooves, 0.0), 0.0), 0.999))
+        rough = self.of(names.roughness[0], names.roughness[1])
+        functions = {
+            "diffuseColor": color,
+            "metallic": self.of(names.metal, 0.0),
+            "roughness": lambda st: rough(st) * np.sqrt(aspect),
+            "ior": self.of(names.ior, 1.5),
+            "opacity": self.of(names.opacity, 1.0),
+            "normal": self.of(names.normal, 0.0, 0.0, 1.0),
+            "clearcoat": coat,
+            "clearcoatRoughness": self.of(names.coat[1], names.coat[2]),
+            "emissiveColor": lambda st: glow(st) * nits(st),
+            "specular": self.of(names.specular, 1.0),
+            "specularTint": self.of("specular_color", *_WHITE),
+            "sheenColor": lambda st: fuzz_color(st) * fuzz(st),
+            "transmission": through,
+            "thickness": lambda st: np.full((len(st), 1), 0.0 if thin else self.meters),
+        }
+        if absorbs:
+            functions["attenuationColor"] = tint
+            functions["attenuationDistance"] = lambda st: np.full((len(st), 1), depth * self.meters)
+        return functions
+
+    def gltf(self) -> dict[str, Function]:
+        """Channels of glTF PBR, whose inputs are glTF's own."""
+        emissive, strength = self.of("emissive", *_BLACK), self.of("emissive_strength", 1.0)
+        thickness = self.of("thickness", 0.0)
+        functions = {
+            "diffuseColor": self.of("base_color", *_WHITE),
+            "metallic": self.of("metallic", 1.0),
+            "roughness": self.of("roughness", 1.0),
+            "occlusion": self.of("occlusion", 1.0),
+            "normal": self.of("normal", 0.0, 0.0, 1.0),
+            "ior": self.of("ior", 1.5),
+            "clearcoat": self.of("clearcoat", 0.0),
+            "clearcoatRoughness": self.of("clearcoat_roughness", 0.0),
+            "emissiveColor": lambda st: emissive(st) * strength(st),
+            "specular": self.of("specular", 1.0),
+            "specularTint": self.of("specular_color", *_WHITE),
+            "sheenColor": self.of("sheen_color", *_BLACK),
+            "transmission": self.of("transmission", 0.0),
+            "thickness": lambda st: thickness(st) * self.meters,
+        }
+        mode = int(self.number("alpha_mode", 0.0))
+        if mode:
+            functions["opacity"] = self.of("alpha", 1.0)
+        if mode == 1:
+            cutoff = self.number("alpha_cutoff", 0.5)
+            functions["opacityThreshold"] = lambda st: np.full((len(st), 1), cutoff)
+        return functions
+
+
+def _mix(ground: Array, figure: Array, share: Array) -> Array:
+    return ground * (1.0 - share) + figure * share

@@ -1,0 +1,70 @@
+"""Sources of a surface's inputs: constants, texture reads and primvars."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from pxr import UsdShade
+
+
+@dataclass(frozen=True)
+class UvRead:
+    """Source of a texture's coordinates: a UV set and UsdTransform2d's parameters."""
+
+    primvar: str = "st"
+    fallback: tuple[float, float] = (0.0, 0.0)
+    scale: tuple[float, float] = (1.0, 1.0)
+    rotation_deg: float = 0.0
+    translation: tuple[float, float] = (0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Part:
+    """One number that a texture gives: value = texel · scale + bias."""
+
+    channel: int
+    scale: float = 1.0
+    bias: float = 0.0
+    fallback: float = 0.0
+    """The value where the file cannot be read."""
+
+
+@dataclass(frozen=True)
+class TextureRead:
+    """One use of a texture."""
+
+    prim: str
+    file: str
+    """The resolved asset path; empty where it does not resolve."""
+    authored_file: str
+    parts: tuple[Part, ...]
+    """The numbers that are read, one, or those of a color or a vector."""
+    uv: UvRead = field(default_factory=UvRead)
+    wrap: tuple[str, str] = ("useMetadata", "useMetadata")
+    color_space: str = "auto"
+
+
+@dataclass(frozen=True)
+class PrimvarRead:
+    """An input that reads a primvar of the gprim."""
+
+    primvar: str
+    fallback: tuple[float, ...] | None
+
+
+@dataclass(frozen=True)
+class Constant:
+    """An input with one value."""
+
+    value: tuple[float, ...]
+
+
+Source = Constant | TextureRead | PrimvarRead
+
+
+class UnfitError(Exception):
+    """A node without a counterpart in glTF; the message is a sentence about it."""
+
+    def __init__(self, node: UsdShade.Shader, message: str) -> None:
+        super().__init__(message)
+        self.node = node

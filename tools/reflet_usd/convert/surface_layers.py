@@ -1,0 +1,146 @@
+"""Layers of a surface beyond UsdPreviewSurface's, as glTF's extensions of materials."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+from reflet_usd.convert.attributes import DisplayColor
+from reflet_usd.convert.channel_packing import Channel
+from reflet_usd.convert.preview_surface import PREVIEW_INPUTS, PreviewMaterial, Slots, factored
+from reflet_usd.convert.sources import Source
+
+# Names of our own; the values are those at which a layer is not there.
+_LAYER_INPUTS: dict[str, tuple[float, ...]] = {
+    "transmission": (0.0,),
+    "thickness": (0.0,),
+    "attenuationColor": (1.0, 1.0, 1.0),
+    "attenuationDistance": (0.0,),
+    "dispersion": (0.0,),
+    "sheenColor": (0.0, 0.0, 0.0),
+    "sheenRoughness": (0.0,),
+    "specular": (1.0,),
+    "specularTint": (1.0, 1.0, 1.0),
+    "anisotropy": (0.0,),
+    "anisotropyRotation": (0.0,),
+    "iridescence": (0.0,),
+    "iridescenceIor": (1.3,),
+    "iridescenceThickness": (100.0,),
+    "coatNormal": (0.0, 0.0, 1.0),
+}
+_RED, _ALPHA = 0, 3
+
+
+class LayeredMaterial(PreviewMaterial):
+    """Writer of one material with all layers; a fresh object per material and UV layout."""
+
+    defaults: ClassVar[dict[str, tuple[float, ...]]] = {**PREVIEW_INPUTS, **_LAYER_INPUTS}
+
+    def write(
+        self, inputs: dict[str, Source], slots: Slots, display: DisplayColor, has_colors: bool
+    ) -> dict[str, Any]:
+        """The glTF material without name and sidedness."""
+        entry = super().write(inputs, slots, display, has_colors)
+        layers = (
+            *self._transmission(),
+            self._sheen(),
+            self._specular_lobe(),
+            self._anisotropy(),
+            self._iridescence(),
+        )
+        self.extend(entry, {name: fields for name, fields in layers if fields})
+        coat = entry.get("extensions", {}).get("KHR_materials_clearcoat")
+        info = None if coat is None else self.normal_map("coatNormal")
+        if coat is not None and info is not None:
+            coat["clearcoatNormalTexture"] = info
+        return entry
+
+    def _number(self, name: str, key: str, place: int) -> dict[str, Any]:
+        """Factor and texture of one number, which the texture holds in the channel `place`."""
+        read = self._texture(name)
+        if read is None:
+            return {f"{key}Factor": self._unit(name)[0]}
+        (factor,), (channel,) = factored(read, 1)
+        channels: list[Channel | None] = [None] * max(3, place + 1)
+        channels[place] = channel
+        info = self.packer.texture(channels, False, self.slots)
+        return {f"{key}Factor": factor, f"{key}Texture": info}
+
+    def _color(self, name: str, key: str) -> dict[str, Any]:
+        """Factor and texture of a color."""
+        read = self._texture(name)
+        if read is None:
+            return {f"{key}Factor": [max(part, 0.0) for part in self._numbers(name)]}
+        factor, channels = factored(read, 3)
+        info = self.packer.texture([*channels], True, self.slots)
+        return {f"{key}Factor": factor, f"{key}Texture": info}
+
+    def _transmission(self) -> list[tuple[str, dict[str, Any]]]:
+        transmission = self._number("transmission", "transmission", _RED)
+        if transmission == {"transmissionFactor": 0.0}:
+            return []
+        layers = [("KHR_materials_transmission", transmission)]
+        volume = self._number_of_meters()
+        if volume is None:
+            return layers
+        color = self._unit("attenuationColor")
+        if self._texture("attenuationColor"):
+            message = "glTF has no texture for the color of a volume, taken as white"
+            self._warn("material-texture-dropped", message)
+            color = (1.0, 1.0, 1.0)
+        distance = self._numbers("attenuationDistance")[0]
+        if distance > 0.0:
+            volume["attenuationColor"], volume["attenuationDistance"] = list(color), distance
+        layers.append(("KHR_materials_volume", volume))
+        dispersion = self._numbers("dispersion")[0]
+        if dispersion > 0.0:
+            layers.append(("KHR_materials_dispersion", {"dispersion": dispersion}))
+        return layers
+
+    def _number_of_meters(self) -> dict[str, Any] | None:
+        """Thickness of the volume; None for surfaces that enclose none."""
+        read = self._texture("thickness")
+        if read is None:
+            thickness = self._numbers("thickness")[0]
+            return {"thicknessFactor": thickness} if thickness > 0.0 else None
+        (factor,), (channel,) = factored(read, 1)
+        info = self.packer.texture([None, channel, None], False, self.slots)
+        return {"thicknessFactor": factor, "thicknessTexture": info}
+
+    def _sheen(self) -> tuple[str, dict[str, Any]]:
+        color = self._color("sheenColor", "sheenColor")
+        if color == {"sheenColorFactor": [0.0, 0.0, 0.0]}:
+            return "", {}
+        return "KHR_materials_sheen", {
+            **color,
+            **self._number("sheenRoughness", "sheenRoughness", _ALPHA),
+        }
+
+    def _specular_lobe(self) -> tuple[str, dict[str, Any]]:
+        fields = {
+            **self._number("specular", "specular", _ALPHA),
+            **self._color("specularTint", "specularColor"),
+        }
+        plain = {"specularFactor": 1.0, "specularColorFactor": [1.0, 1.0, 1.0]}
+        return ("", {}) if fields == plain else ("KHR_materials_specular", fields)
+
+    def _anisotropy(self) -> tuple[str, dict[str, Any]]:
+        strength = self._unit("anisotropy")[0]
+        if strength == 0.0:
+            return "", {}
+        turn = self._numbers("anisotropyRotation")[0]
+        return "KHR_materials_anisotropy", {
+            "anisotropyStrength": strength,
+            "anisotropyRotation": turn,
+        }
+
+    def _iridescence(self) -> tuple[str, dict[str, Any]]:
+        fields = self._number("iridescence", "iridescence", _RED)
+        if fields == {"iridescenceFactor": 0.0}:
+            return "", {}
+        thickness = max(self._numbers("iridescenceThickness")[0], 0.0)
+        return "KHR_materials_iridescence", {
+            **fields,
+            "iridescenceIor": max(self._numbers("iridescenceIor")[0], 1.0),
+            "iridescenceThicknessMinimum": thickness,
+            "iridescenceThicknessMaximum": thickness,
+        }
