@@ -231,16 +231,25 @@ setup_python() {
     if ! wants test; then
         "$root/.venv/bin/python" -m pip install --quiet --disable-pip-version-check \
             --editable "$root/tools"
+        setup_materialx
         echo "ready: .venv, without what the tests need"
         return 0
     fi
     "$root/.venv/bin/python" -m pip install --quiet --disable-pip-version-check \
         --editable "$root/tools[dev]"
+    setup_materialx
     # Mitsuba, an independent renderer, for one test; it has no build for every system.
     "$root/.venv/bin/python" -m pip install --quiet --disable-pip-version-check "mitsuba>=3.5" ||
         echo "missing: mitsuba; the comparison with it will be skipped"
     touch "$stamp"
     echo "ready: .venv"
+}
+
+# MaterialX has no build for every system.
+setup_materialx() {
+    "$root/.venv/bin/python" -m pip install --quiet --disable-pip-version-check \
+        --editable "$root/tools[materialx]" ||
+        echo "missing: MaterialX; USD stages are shown without the materials of .mtlx files"
 }
 
 # The Khronos validator proves converted stages; without node those checks are skipped and say so.

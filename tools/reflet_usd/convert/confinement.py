@@ -14,6 +14,7 @@ from pxr import Ar, Sdf, Tf, Usd, UsdShade, UsdUtils
 
 from reflet_usd.convert.ledger import Ledger
 from reflet_usd.convert.types import ConvertError
+from reflet_usd.materialx_document import Document, DocumentError, is_document, read_document
 from reflet_usd.usdz_check import check_referenced
 
 MAX_LAYERS = 20_000
@@ -71,6 +72,8 @@ class Files:
     """Folders outside the allowed ones that hold layers which the stage names."""
     absent: set[str] = field(default_factory=set)
     """Paths of missing files, where an asset path stands for one plain and allowed file."""
+    documents: dict[str, Document] = field(default_factory=dict)
+    """MaterialX documents by path, with the layers that stand for them."""
 
 
 @dataclass
@@ -143,27 +146,63 @@ def _kept_dependencies(
 ) -> list[str]:
     kept: list[str] = []
     refused: dict[str, tuple[str, str]] = {}
+    stand_ins: dict[str, str] = {}
+    documents: set[str] = set()
 
     def judge(asset_path: str) -> str:
         if "`" not in asset_path:  # an expression; `check_used_layers` judges what it becomes
             fault = _fault(layer, asset_path, roots, files, kept)
             if fault is not None:
                 refused[asset_path] = fault
+            elif is_document(asset_path):
+                documents.add(asset_path)
         return asset_path
 
-    UsdUtils.ModifyAssetPaths(layer, judge)
-    if not refused:
+    UsdUtils.ModifyAssetPaths(layer, judge)  # it swallows what its callback raises
+    for asset_path in sorted(documents):
+        fault = _stand_in(layer, asset_path, roots, files, stand_ins)
+        if fault is not None:
+            refused[asset_path] = fault
+    if not refused and not stand_ins:
         return kept
     if Ar.IsPackageRelativePath(layer.identifier) or layer.GetFileFormat().formatId == "usdz":
+        if not refused:
+            return kept  # composition names the documents as unresolved
         raise ConvertError(*next(iter(refused.values())), layer.identifier)  # USD edits no package
     for asset_path, (name, message) in refused.items():
         files.missing.add(asset_path)
         cut.append(LeftOut(name, message, layer, _places(layer, asset_path)))
     was_editable = layer.permissionToEdit
     layer.SetPermissionToEdit(True)
-    UsdUtils.ModifyAssetPaths(layer, lambda path: "" if path in refused else path)
+    UsdUtils.ModifyAssetPaths(
+        layer, lambda path: "" if path in refused else stand_ins.get(path, path)
+    )
     layer.SetPermissionToEdit(was_editable)
     return kept
+
+
+def _stand_in(
+    layer: Sdf.Layer,
+    asset_path: str,
+    roots: tuple[str, ...],
+    files: Files,
+    stand_ins: dict[str, str],
+) -> tuple[str, str] | None:
+    """Read a MaterialX document as a layer; name and message of the reason where it is not."""
+    path = Ar.GetResolver().Resolve(layer.ComputeAbsolutePath(asset_path)).GetPathString()
+    if not path or Ar.IsPackageRelativePath(path):
+        return None  # composition names it as unresolved
+    try:
+        if path not in files.documents:
+            files.documents[path] = read_document(path, lambda file: is_allowed(file, roots))
+    except DocumentError as error:
+        return error.name, f"the MaterialX document @{asset_path}@ is not read: {error}"
+    document = files.documents[path]
+    files.absent.update(
+        file for file in document.images if is_allowed(file, roots) and not os.path.exists(file)
+    )
+    stand_ins[asset_path] = document.layer.identifier
+    return None
 
 
 def _fault(
@@ -186,6 +225,8 @@ def _fault(
     if not is_plain_file(resolved):
         return "asset-not-a-file", f"@{asset_path}@ is a pipe, device or folder, it is not opened"
     is_layer, allowed = _names_a_layer(identifier), is_allowed(resolved, roots)
+    if is_document(identifier) and not allowed:
+        return "asset-outside-roots", outside_message(f"@{asset_path}@", resolved)
     if is_layer and not allowed:
         files.outside.add(_folder(resolved))
         return "asset-outside-roots", outside_message(f"the layer @{asset_path}@", resolved)

@@ -67,7 +67,8 @@ def _refuse_empty(context: Context, stage_path: Path) -> None:
 def _files_read(context: Context) -> list[str]:
     """Paths of all files that were read; files in a usdz package count as the package."""
     layers = [layer.realPath for layer in context.stage.GetUsedLayers()]
-    paths = [path for path in (*layers, *context.textures_read) if path]
+    documents = [path for found in context.files.documents.values() for path in found.files]
+    paths = [path for path in (*layers, *documents, *context.textures_read) if path]
     return sorted({os.path.abspath(Ar.SplitPackageRelativePathOuter(path)[0]) for path in paths})
 
 

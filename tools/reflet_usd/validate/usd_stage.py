@@ -14,6 +14,8 @@ from typing import Any
 import numpy as np
 from pxr import Ar, Gf, Sdf, Tf, Usd, UsdGeom, UsdUtils
 
+from reflet_usd.materialx_document import Document, DocumentError, is_document, read_document
+
 from .scene_data import Array, StageError
 
 _SPLINE_PROBES = (0.17, 0.39, 0.68, 0.91)
@@ -39,6 +41,8 @@ class TruthStage:
     """Number of Catmull-Clark steps of the output's subdivision meshes."""
     roots: tuple[str, ...]
     """The folders that layers and textures may come from."""
+    documents: list[Document]
+    """MaterialX documents, whose layers live as long as this."""
 
     def world(self, matrix: Gf.Matrix4d) -> Array:
         """A USD local-to-world matrix as one to glTF's world in meters, scale included."""
@@ -85,6 +89,7 @@ def open_truth(path: Path, settings: dict[str, Any]) -> TruthStage:
     )
     _confine(stage, roots)
     _turn_separators(stage)
+    documents = _stand_in_documents(stage, roots)
     _confine(stage, roots)
     # With other rates, usd-core would scale the times that baking writes.
     for name in ("timeCodesPerSecond", "framesPerSecond"):
@@ -108,6 +113,7 @@ def open_truth(path: Path, settings: dict[str, Any]) -> TruthStage:
         float(settings.get("timeOrigin") or 0.0),
         int(settings.get("subdivLevel") or 0),
         roots,
+        documents,
     )
 
 
@@ -314,3 +320,29 @@ def _is_rate(value: Any) -> bool:
 
 def _is_positive(value: Any) -> bool:
     return isinstance(value, (int, float)) and math.isfinite(value) and value > 0
+
+
+def _stand_in_documents(stage: Usd.Stage, roots: tuple[str, ...]) -> list[Document]:
+    """Replace MaterialX documents by layers, in memory; those that cannot be read stay lost."""
+    documents: dict[str, Document] = {}
+    done: set[str] = set()
+    while layers := [layer for layer in stage.GetUsedLayers() if layer.identifier not in done]:
+        for layer in layers:
+            done.add(layer.identifier)
+            if layer.anonymous or Ar.IsPackageRelativePath(layer.identifier):
+                continue
+            stand_ins: dict[str, str] = {}
+            for asset in layer.GetCompositionAssetDependencies():
+                path = str(Ar.GetResolver().Resolve(layer.ComputeAbsolutePath(asset)))
+                if not is_document(asset) or not path or not is_within(path, roots):
+                    continue
+                try:
+                    if path not in documents:
+                        documents[path] = read_document(path, lambda file: is_within(file, roots))
+                except DocumentError:
+                    continue
+                stand_ins[asset] = documents[path].layer.identifier
+            if stand_ins:
+                layer.SetPermissionToEdit(True)
+                UsdUtils.ModifyAssetPaths(layer, lambda path, to=stand_ins: to.get(path, path))
+    return list(documents.values())

@@ -1,0 +1,368 @@
+"""MaterialX documents beside a stage: node graphs of textures, and what cannot be read."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from material_stages import MESH, material, noise, save
+from read_converted import Converted, convert_text
+from reflet_usd import materialx_document
+from reflet_usd.validate.validation import validate_file
+from tampering import expect_found, look
+
+pytest.importorskip("MaterialX", reason="the Python package MaterialX is not installed")
+
+STAGE = """
+def Scope "Looks" (prepend references = @./look.mtlx@</MaterialX/Materials>) {{}}
+{mesh}
+"""
+BOUND = STAGE.format(mesh=MESH.format(body="").replace("</Mat>", "</Looks/M>"))
+IMAGE = """<image name="{name}" type="{kind}">
+    <input name="file" type="filename" value="{file}" colorspace="{space}" /></image>"""
+
+
+def document(surface: str, nodes: str = "", head: str = "") -> str:
+    """A document with the material M."""
+    return f"""<?xml version="1.0"?>
+<materialx version="1.38" colorspace="lin_rec709" {head}>
+  <nodegraph name="G">{nodes}</nodegraph>
+  {surface}
+  <surfacematerial name="M" type="material">
+    <input name="surfaceshader" type="surfaceshader" nodename="S" /></surfacematerial>
+</materialx>
+"""
+
+
+def surface(kind: str = "standard_surface", **inputs: str) -> str:
+    """A surface node; values are "type value", or "type @node" for the output of the graph."""
+    text = f'<{kind} name="S" type="surfaceshader">'
+    for name, stated in inputs.items():
+        of_type, value = stated.split(" ", 1)
+        how = f'nodegraph="G" output="{value[1:]}"' if value[0] == "@" else f'value="{value}"'
+        text += f'<input name="{name}" type="{of_type}" {how} />'
+    return f"{text}</{kind}>"
+
+
+def image(name: str, kind: str = "color3", file: str = "t.png", space: str = "srgb_texture") -> str:
+    return IMAGE.format(name=name, kind=kind, file=file, space=space)
+
+
+def output(kind: str, node: str, end: str = "") -> str:
+    named = f'output="{end}"' if end else ""
+    return f'<output name="o" type="{kind}" nodename="{node}" {named} />'
+
+
+def convert(folder: Path, text: str) -> Converted:
+    (folder / "look.mtlx").write_text(text)
+    return convert_text(folder, BOUND)
+
+
+def proven(folder: Path, text: str) -> dict[str, Any]:
+    """The glTF material, after the independent check of the file against the stage."""
+    if not (folder / "t.png").exists():
+        save(folder, "t.png", noise("RGBA", (16, 8)))
+    done = convert(folder, text)
+    assert "material-unsupported" not in done.warnings()
+    assert validate_file(done.out, folder / "stage.usda", khronos=False).passed
+    expect_found(done, look(baseColorFactor=[0.03, 0.9, 0.5, 0.7]))
+    return material(done)
+
+
+def test_images_and_constants_of_a_document(tmp_path: Path) -> None:
+    nodes = (
+        image("i", file="c.jpg")
+        + image("r", "float", "r.png", "")
+        + image("n", "vector3", "n.png", "")
+        + '<normalmap name="m" type="vector3"><input name="in" type="vector3" nodename="n" />'
+        + '<input name="scale" type="float" value="0.5" /></normalmap>'
+        + '<output name="c" type="color3" nodename="i" />'
+        + '<output name="r_out" type="float" nodename="r" />'
+        + '<output name="n_out" type="vector3" nodename="m" />'
+    )
+    (tmp_path / "tex").mkdir()
+    jpeg = save(tmp_path / "tex", "c.jpg", noise("RGB", (16, 16)))
+    save(tmp_path / "tex", "r.png", noise("L", (16, 16), 1))
+    save(tmp_path / "tex", "n.png", noise("RGB", (16, 16), 2))
+    look_of = surface(
+        base_color="color3 @c", specular_roughness="float @r_out", normal="vector3 @n_out"
+    )
+    done = convert(tmp_path, document(look_of, nodes, 'fileprefix="tex/"'))
+    assert done.warnings() == {"material-approximated"}
+    assert validate_file(done.out, tmp_path / "stage.usda", khronos=False).passed
+    entry = material(done)
+    assert entry["normalTexture"]["scale"] == 0.5
+    assert entry["pbrMetallicRoughness"]["metallicFactor"] == 0.0
+    assert jpeg in done.out.read_bytes()
+    assert {Path(file).name for file in done.sidecar["files"]} >= {"look.mtlx", "c.jpg"}
+
+
+COLOR = '<input name="in{n}" type="color3" {value} />'
+GRAPHS = {
+    "factor": '<multiply name="x" type="color3"><input name="in1" type="color3" nodename="i" />'
+    '<input name="in2" type="color3" value="0.9, 0.5, 0.25" /></multiply>',
+    "sum": '<subtract name="x" type="color3"><input name="in1" type="color3" nodename="i" />'
+    '<input name="in2" type="color3" value="0.2, 0.1, 0" /></subtract>',
+    "inverse": '<invert name="x" type="color3"><input name="in" type="color3" nodename="i" />'
+    "</invert>",
+    "quotient": '<divide name="x" type="color3"><input name="in1" type="color3" nodename="i" />'
+    '<input name="in2" type="float" value="4" /></divide>',
+    "remapped": '<remap name="x" type="color3"><input name="in" type="color3" nodename="i" />'
+    '<input name="outlow" type="float" value="0.25" />'
+    '<input name="outhigh" type="float" value="0.75" /></remap>',
+    "contrast": '<contrast name="x" type="color3"><input name="in" type="color3" nodename="i" />'
+    '<input name="amount" type="float" value="0.5" /></contrast>',
+    "mix": '<mix name="x" type="color3"><input name="fg" type="color3" nodename="i" />'
+    '<input name="bg" type="color3" value="0.5, 0, 1" />'
+    '<input name="mix" type="float" value="0.25" /></mix>',
+    "mix of two colors by a texture": '<extract name="e" type="float">'
+    '<input name="in" type="color3" nodename="i" /><input name="index" type="integer" value="1" />'
+    '</extract><mix name="x" type="color3"><input name="fg" type="color3" value="1, 0.5, 0" />'
+    '<input name="bg" type="color3" value="0, 0.25, 1" />'
+    '<input name="mix" type="float" nodename="e" /></mix>',
+    "channels": '<separate3 name="s" type="multioutput">'
+    '<input name="in" type="color3" nodename="i" /></separate3>'
+    '<combine3 name="x" type="color3"><input name="in1" type="float" nodename="s" output="outb" />'
+    '<input name="in2" type="float" value="0.5" />'
+    '<input name="in3" type="float" nodename="s" output="outr" /></combine3>',
+    "gray": '<extract name="e" type="float"><input name="in" type="color3" nodename="i" />'
+    '</extract><convert name="x" type="color3"><input name="in" type="float" nodename="e" />'
+    "</convert>",
+    "swizzled": '<swizzle name="x" type="color3"><input name="in" type="color3" nodename="i" />'
+    '<input name="channels" type="string" value="bgr" /></swizzle>',
+}
+
+
+@pytest.mark.parametrize("graph", list(GRAPHS))
+def test_arithmetic_of_one_texture_is_carried(tmp_path: Path, graph: str) -> None:
+    text = document(
+        surface(base_color="color3 @o"), image("i") + GRAPHS[graph] + output("color3", "x")
+    )
+    entry = proven(tmp_path, text)
+    assert "baseColorTexture" in entry["pbrMetallicRoughness"]
+
+
+PLACES = {
+    "place2d": '<place2d name="p" type="vector2"><input name="texcoord" type="vector2"'
+    ' nodename="u" /><input name="pivot" type="vector2" value="0.5, 0.25" />'
+    '<input name="scale" type="vector2" value="0.5, 2" />'
+    '<input name="rotate" type="float" value="30" />'
+    '<input name="offset" type="vector2" value="0.1, 0.2" /></place2d>',
+    "chain": '<multiply name="a" type="vector2"><input name="in1" type="vector2" nodename="u" />'
+    '<input name="in2" type="float" value="3" /></multiply>'
+    '<rotate2d name="b" type="vector2"><input name="in" type="vector2" nodename="a" />'
+    '<input name="amount" type="float" value="-70" /></rotate2d>'
+    '<add name="p" type="vector2"><input name="in1" type="vector2" nodename="b" />'
+    '<input name="in2" type="vector2" value="0.3, 0.7" /></add>',
+}
+
+
+@pytest.mark.parametrize("place", list(PLACES))
+def test_coordinates_become_a_texture_transform(tmp_path: Path, place: str) -> None:
+    nodes = (
+        '<geompropvalue name="u" type="vector2"><input name="geomprop" type="string" value="st" />'
+        f"</geompropvalue>{PLACES[place]}"
+        + image("i").replace(
+            "</image>", '<input name="texcoord" type="vector2" nodename="p" /></image>'
+        )
+        + output("color3", "i")
+    )
+    entry = proven(tmp_path, document(surface(base_color="color3 @o"), nodes))
+    info = entry["pbrMetallicRoughness"]["baseColorTexture"]
+    assert {"scale", "rotation", "offset"} == set(info["extensions"]["KHR_texture_transform"])
+
+
+def test_a_gltf_image_is_placed_as_gltf_places_it(tmp_path: Path) -> None:
+    nodes = """<gltf_colorimage name="i" type="multioutput">
+        <input name="file" type="filename" value="t.png" colorspace="srgb_texture" />
+        <input name="color" type="color4" value="0.5, 1, 1, 1" />
+        <input name="scale" type="vector2" value="2, 3" />
+        <input name="offset" type="vector2" value="0.25, 0.5" />
+        <input name="rotate" type="float" value="20" /></gltf_colorimage>"""
+    look_of = surface("gltf_pbr", base_color="color3 @o", metallic="float 0")
+    text = document(look_of, nodes + output("color3", "i", "outcolor"))
+    entry = proven(tmp_path, text)
+    found = entry["pbrMetallicRoughness"]["baseColorTexture"]["extensions"]["KHR_texture_transform"]
+    assert found["offset"] == pytest.approx([0.25, 0.5])
+    assert found["scale"] == pytest.approx([2, 3])
+    assert abs(found["rotation"]) == pytest.approx(np.radians(20))
+    assert entry["pbrMetallicRoughness"]["baseColorFactor"] == pytest.approx([0.5, 1, 1, 1])
+
+
+def test_layers_of_a_standard_surface(tmp_path: Path) -> None:
+    look_of = surface(
+        base_color="color3 1, 0.5, 0.25",
+        base="float 0.5",
+        coat="float 0.5",
+        coat_color="color3 0.5, 1, 1",
+        specular="float 0.4",
+        specular_color="color3 1, 0.5, 0.5",
+        transmission="float 0.75",
+        transmission_color="color3 0.2, 0.4, 0.8",
+        transmission_depth="float 3",
+        sheen="float 0.5",
+        sheen_color="color3 1, 1, 0",
+        thin_film_thickness="float 400",
+        specular_anisotropy="float 0.5",
+    )
+    extensions = proven(tmp_path, document(look_of))["extensions"]
+    assert extensions["KHR_materials_volume"] == {
+        "thicknessFactor": 1.0,
+        "attenuationColor": pytest.approx([0.2, 0.4, 0.8]),
+        "attenuationDistance": pytest.approx(3.0),
+    }
+    assert extensions["KHR_materials_transmission"] == {"transmissionFactor": 0.75}
+    assert extensions["KHR_materials_sheen"]["sheenColorFactor"] == [0.5, 0.5, 0.0]
+    assert extensions["KHR_materials_iridescence"]["iridescenceThicknessMaximum"] == 400.0
+    assert 0.0 < extensions["KHR_materials_anisotropy"]["anisotropyStrength"] < 1.0
+
+
+def test_layers_of_gltf_pbr_are_carried_without_a_word(tmp_path: Path) -> None:
+    inputs = {
+        "transmission": "float 0.5",
+        "thickness": "float 0.25",
+        "attenuation_distance": "float 2",
+        "attenuation_color": "color3 0.5, 1, 0.5",
+        "sheen_color": "color3 0.5, 0, 0",
+        "sheen_roughness": "float 0.3",
+        "iridescence": "float 0.5",
+        "alpha": "float 0.4",
+        "alpha_mode": "integer 1",
+        "alpha_cutoff": "float 0.3",
+    }
+    done = convert(tmp_path, document(surface("gltf_pbr", **inputs)))
+    assert done.warnings() == set()
+    assert validate_file(done.out, tmp_path / "stage.usda", khronos=False).passed
+    entry = material(done)
+    assert (entry["alphaMode"], entry["alphaCutoff"]) == ("MASK", pytest.approx(0.3))
+    assert entry["extensions"]["KHR_materials_volume"]["attenuationDistance"] == 2.0
+
+
+def test_a_lost_layer_is_found(tmp_path: Path) -> None:
+    done = convert(tmp_path, document(surface(transmission="float 1")))
+
+    def opaque(out: Any) -> None:
+        del out.gltf.materials[0].extensions["KHR_materials_transmission"]
+
+    expect_found(done, opaque)
+
+
+UNFIT = {
+    "noise": '<noise2d name="x" type="color3" />',
+    "two": '<multiply name="x" type="color3"><input name="in1" type="color3" nodename="i" />'
+    '<input name="in2" type="color3" nodename="j" /></multiply>',
+    "cycle": '<add name="x" type="color3"><input name="in1" type="color3" nodename="y" /></add>'
+    '<add name="y" type="color3"><input name="in1" type="color3" nodename="x" /></add>',
+    "zero": '<divide name="x" type="color3"><input name="in1" type="color3" nodename="i" />'
+    '<input name="in2" type="color3" value="0, 1, 1" /></divide>',
+    "deep": "".join(
+        f'<invert name="{"x" if n == 0 else f"x{n}"}" type="color3">'
+        f'<input name="in" type="color3" nodename="x{n + 1}" /></invert>'
+        for n in range(500)
+    ),
+}
+
+
+@pytest.mark.parametrize("graph", list(UNFIT))
+def test_a_node_without_counterpart_is_named_with_its_material(tmp_path: Path, graph: str) -> None:
+    save(tmp_path, "t.png", noise("RGB"))
+    save(tmp_path, "u.png", noise("RGB", seed=1))
+    nodes = image("i") + image("j", file="u.png") + UNFIT[graph] + output("color3", "x")
+    done = convert(tmp_path, document(surface(base_color="color3 @o"), nodes))
+    told = [w for w in done.sidecar["warnings"] if w["name"] == "material-unsupported"]
+    assert told and all(w["prim"].startswith("/Looks/M/G/") for w in told)
+    assert validate_file(done.out, tmp_path / "stage.usda", khronos=False).passed
+
+
+def test_a_graph_of_shared_nodes_is_walked_once(tmp_path: Path) -> None:
+    """Each of 50 nodes reads the one before twice: 2⁵⁰ ways lead to the image."""
+    nodes = image("x0") + "".join(
+        f'<mix name="x{n + 1}" type="color3"><input name="fg" type="color3" nodename="x{n}" />'
+        f'<input name="bg" type="color3" nodename="x{n}" />'
+        '<input name="mix" type="float" value="0.5" /></mix>'
+        for n in range(50)
+    )
+    save(tmp_path, "t.png", noise("RGB"))
+    done = convert(
+        tmp_path, document(surface(base_color="color3 @o"), nodes + output("color3", "x50"))
+    )
+    assert "baseColorTexture" in material(done)["pbrMetallicRoughness"]
+
+
+INCLUDE = (
+    '<?xml version="1.0"?><materialx version="1.38" xmlns:xi="http://www.w3.org/2001/XInclude">'
+)
+BROKEN = {
+    "no XML": ("\0\1\2 <<<", "materialx-unreadable"),
+    "empty": ("", "materialx-unreadable"),
+    "includes itself": (
+        f'{INCLUDE}<xi:include href="look.mtlx" /></materialx>',
+        "materialx-unreadable",
+    ),
+    "includes another's": (
+        f'{INCLUDE}<xi:include href="../secret.mtlx" /></materialx>',
+        "asset-outside-roots",
+    ),
+    "includes nothing": (
+        f'{INCLUDE}<xi:include href="gone.mtlx" /></materialx>',
+        "materialx-unreadable",
+    ),
+    "no MaterialX": ("<html><body/></html>", "materialx-unreadable"),
+}
+
+
+@pytest.mark.parametrize("case", list(BROKEN))
+def test_a_document_that_cannot_be_read_is_named(tmp_path: Path, case: str) -> None:
+    text, name = BROKEN[case]
+    (tmp_path / "secret.mtlx").write_text(document(surface()))
+    folder = tmp_path / "in"
+    folder.mkdir()
+    done = convert(folder, text)
+    assert name in done.warnings("/Looks")
+    assert done.json["meshes"]
+
+
+def test_large_documents_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(materialx_document, "MOST_BYTES", 100)
+    assert "materialx-too-large" in convert(tmp_path, document(surface())).warnings("/Looks")
+    monkeypatch.setattr(materialx_document, "MOST_BYTES", 1 << 20)
+    monkeypatch.setattr(materialx_document, "MOST_NODES", 3)
+    nodes = "".join(image(f"i{n}") for n in range(9)) + output("color3", "i0")
+    # Only nodes that materials read count.
+    text = document(surface(base_color="color3 @o"), nodes)
+    assert "materialx-too-large" not in convert(tmp_path, text).warnings()
+    monkeypatch.setattr(materialx_document, "MOST_NODES", 1)
+    assert "materialx-too-large" in convert(tmp_path, text).warnings("/Looks")
+
+
+def test_files_outside_the_folder_stay_closed(tmp_path: Path) -> None:
+    folder = tmp_path / "in"
+    folder.mkdir()
+    save(tmp_path, "t.png", noise("RGB"))
+    nodes = image("i", file="../t.png") + output("color3", "i")
+    done = convert(folder, document(surface(base_color="color3 @o"), nodes))
+    assert "asset-outside-roots" in done.warnings("/Looks/M/G/i")
+    assert "images" not in done.json
+    (tmp_path / "look.mtlx").write_text(document(surface()))
+    done = convert_text(folder, BOUND.replace("./look.mtlx", "../look.mtlx"))
+    assert "asset-outside-roots" in done.warnings("/Looks")
+
+
+def test_a_pipe_is_not_opened(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "look.mtlx")
+    done = convert_text(tmp_path, BOUND)
+    assert "asset-not-a-file" in done.warnings("/Looks")
+
+
+def test_without_the_library_a_warning_says_what_to_install(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "MaterialX", None)
+    done = convert(tmp_path, document(surface()))
+    assert done.warnings("/Looks") == {"materialx-missing"}
+    assert "pip install MaterialX" in str(done.sidecar["warnings"])
+    assert done.json["meshes"]

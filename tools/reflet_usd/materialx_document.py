@@ -1,0 +1,302 @@
+"""Reads MaterialX documents (`.mtlx`) as layers of USD, which usd-core's wheels cannot.
+
+The layer has the prims that OpenUSD's own plugin gives a document: `/MaterialX/Materials/NAME`
+with the surface's node and node graphs below it, so that references into a document find them.
+Converter and validator share this reader, as they share usd-core; each evaluates the nodes itself.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+import re
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+from pxr import Gf, Sdf, Tf
+
+SUFFIX = ".mtlx"
+MOST_BYTES = 16 << 20
+"""Maximum size of one document."""
+MOST_NODES = 50_000
+"""Maximum number of nodes of a document's layer; materials that share a graph each have it."""
+_MOST_INCLUDES = 100
+_TYPES = {
+    "boolean": Sdf.ValueTypeNames.Bool,
+    "color3": Sdf.ValueTypeNames.Color3f,
+    "color4": Sdf.ValueTypeNames.Color4f,
+    "filename": Sdf.ValueTypeNames.Asset,
+    "float": Sdf.ValueTypeNames.Float,
+    "integer": Sdf.ValueTypeNames.Int,
+    "string": Sdf.ValueTypeNames.String,
+    "vector2": Sdf.ValueTypeNames.Float2,
+    "vector3": Sdf.ValueTypeNames.Float3,
+    "vector4": Sdf.ValueTypeNames.Float4,
+}
+_VECTORS = {
+    "color3": Gf.Vec3f,
+    "color4": Gf.Vec4f,
+    "vector2": Gf.Vec2f,
+    "vector3": Gf.Vec3f,
+    "vector4": Gf.Vec4f,
+}
+_METERS = {
+    "micrometer": 1e-6,
+    "millimeter": 1e-3,
+    "centimeter": 1e-2,
+    "inch": 0.0254,
+    "foot": 0.3048,
+    "yard": 0.9144,
+    "kilometer": 1e3,
+    "mile": 1609.344,
+}
+_OUTPUTS = {
+    "surfaceshader": "surface",
+    "displacementshader": "displacement",
+    "volumeshader": "volume",
+}
+
+
+class DocumentError(Exception):
+    """A document that is not read; `name` is the warning's."""
+
+    def __init__(self, name: str, message: str) -> None:
+        super().__init__(message)
+        self.name = name
+
+
+@dataclass
+class Document:
+    """A document as a layer."""
+
+    layer: Sdf.Layer
+    files: list[str] = field(default_factory=list)
+    """Paths of the document and of those that it includes."""
+    images: list[str] = field(default_factory=list)
+    """Absolute paths of the images that it names."""
+
+
+def is_document(path: str) -> bool:
+    """Whether an asset path names a MaterialX document."""
+    return path.lower().endswith(SUFFIX)
+
+
+def read_document(path: str, is_allowed: Callable[[str], bool]) -> Document:
+    """The document at `path` with what it includes; raises DocumentError.
+
+    `is_allowed` judges the path of every file before it is opened.
+    """
+    try:
+        import MaterialX as mx  # noqa: N813
+    except ImportError:
+        message = "the Python package MaterialX is not installed; run tools/setup.sh, or"
+        raise DocumentError("materialx-missing", f"{message} `pip install MaterialX`") from None
+    files: list[str] = []
+    including = [path]
+
+    def read(document: Any, name: Any, _search: Any, options: Any) -> None:
+        """Read one file; MaterialX calls this for included ones too."""
+        text = name.asString() if hasattr(name, "asString") else str(name)
+        found = os.path.normpath(os.path.join(os.path.dirname(including[-1]), text))
+        if not is_allowed(found):
+            raise DocumentError("asset-outside-roots", f"it includes @{text}@ from elsewhere")
+        if found in including[1:] or len(files) > _MOST_INCLUDES:
+            raise DocumentError("materialx-unreadable", f"it includes @{text}@ again and again")
+        if found in files:
+            return
+        files.append(found)
+        including.append(found)
+        mx.readFromXmlString(document, _content(found), mx.FileSearchPath(), options)
+        including.pop()
+
+    document = mx.createDocument()
+    options = mx.XmlReadOptions()
+    options.readXIncludeFunction = read
+    try:
+        read(document, path, None, options)
+        document.setDataLibrary(_library(mx))
+        writer = _Writer(mx, os.path.dirname(path))
+        layer = writer.write(document)
+    except DocumentError:
+        raise
+    except (
+        mx.Exception,
+        mx.ExceptionParseError,
+        mx.ExceptionFileMissing,
+        mx.ExceptionFoundCycle,
+        LookupError,
+        OSError,
+        RuntimeError,
+        Tf.ErrorException,
+        ValueError,
+    ) as error:
+        reason = " ".join(str(error).split())[:300] or type(error).__name__
+        raise DocumentError("materialx-unreadable", reason) from None
+    return Document(layer, files, writer.images)
+
+
+def _content(path: str) -> str:
+    if not os.path.isfile(path):
+        name = os.path.basename(path)
+        raise DocumentError("materialx-unreadable", f"{name} is no plain file, or not there")
+    if os.path.getsize(path) > MOST_BYTES:
+        raise DocumentError("materialx-too-large", f"it has more than {MOST_BYTES} bytes")
+    with open(path, "rb") as stream:
+        data = stream.read(MOST_BYTES + 1)
+    return data.decode("utf-8", "replace")
+
+
+def _library(mx: Any) -> Any:
+    """Definitions of MaterialX's standard nodes."""
+    library = mx.createDocument()
+    mx.loadLibraries(mx.getDefaultDataLibraryFolders(), mx.getDefaultDataSearchPath(), library)
+    return library
+
+
+class _Writer:
+    """Writes the materials of a document as prims."""
+
+    def __init__(self, mx: Any, folder: str) -> None:
+        self.mx = mx
+        self.folder = folder
+        self.layer = Sdf.Layer.CreateAnonymous("document.usda")
+        self.images: list[str] = []
+        self._nodes = 0
+
+    def write(self, document: Any) -> Sdf.Layer:
+        """The layer of a document."""
+        with Sdf.ChangeBlock():
+            root = self._prim(self.layer.pseudoRoot, "MaterialX", "Scope")
+            self.layer.defaultPrim = "MaterialX"
+            materials = self._prim(root, "Materials", "Scope")
+            for node in document.getMaterialNodes():
+                self._material(materials, node)
+        return self.layer
+
+    def _material(self, parent: Sdf.PrimSpec, node: Any) -> None:
+        material = self._prim(parent, node.getName(), "Material")
+        wanted: list[Any] = []
+        for source in node.getInputs():
+            kind, shader = source.getType(), source.getConnectedNode()
+            if kind in _OUTPUTS and shader is not None:
+                output = self._output(material, f"outputs:mtlx:{_OUTPUTS[kind]}")
+                output.connectionPathList.explicitItems = [self._place(material, shader, "")]
+                wanted.append(shader)
+        written: set[str] = set()
+        while wanted:  # no recursion: graphs may be of any depth, and have cycles
+            shader = wanted.pop()
+            if shader.getNamePath() not in written:
+                written.add(shader.getNamePath())
+                wanted += self._shader(material, shader)
+
+    def _shader(self, material: Sdf.PrimSpec, node: Any) -> Iterator[Any]:
+        """Write one node; yields the nodes that it is connected to."""
+        self._nodes += 1
+        if self._nodes > MOST_NODES:
+            message = f"its materials have more than {MOST_NODES} nodes"
+            raise DocumentError("materialx-too-large", message)
+        path = self._place(material, node, "").GetPrimPath()
+        parent = material
+        if path.GetParentPath() != material.path:
+            name = path.GetParentPath().name
+            parent = self._prim(material, name, "NodeGraph")
+        prim = self._prim(parent, path.name, "Shader")
+        definition = node.getNodeDef()
+        identifier = Sdf.AttributeSpec(
+            prim, "info:id", Sdf.ValueTypeNames.Token, Sdf.VariabilityUniform
+        )
+        identifier.default = definition.getName() if definition else node.getCategory()
+        outputs = [end.getName() for end in definition.getActiveOutputs()] if definition else []
+        for name in outputs or ["out"]:
+            self._output(prim, f"outputs:{_name(name)}")
+        found = []
+        for source in node.getInputs():
+            other = self._input(material, prim, source)
+            if other is not None:
+                found.append(other)
+        return iter(found)
+
+    def _input(self, material: Sdf.PrimSpec, prim: Sdf.PrimSpec, source: Any) -> Any:
+        """Write one input; returns the node that it is connected to, if any."""
+        kind = _TYPES.get(source.getType(), Sdf.ValueTypeNames.Token)
+        attribute = Sdf.AttributeSpec(prim, f"inputs:{_name(source.getName())}", kind)
+        outer = source.getInterfaceInput() if source.getInterfaceName() else None
+        source = outer or source
+        node = source.getConnectedNode()
+        if node is not None:
+            end = source.getConnectedOutput()
+            output = end.getOutputString() if end is not None else source.getOutputString()
+            attribute.connectionPathList.explicitItems = [self._place(material, node, output)]
+            return node
+        value, space = self._value(source)
+        if value is not None:
+            attribute.default = value
+        if space:
+            attribute.colorSpace = space
+        return None
+
+    def _place(self, material: Sdf.PrimSpec, node: Any, output: str) -> Sdf.Path:
+        """Path of a node's output, in a node graph's prim where the node is in a graph."""
+        graph = node.getParent()
+        path = material.path
+        if graph.isA(self.mx.NodeGraph):
+            path = path.AppendChild(_name(graph.getName()))
+        path = path.AppendChild(_name(node.getName()))
+        return path.AppendProperty(f"outputs:{_name(output or 'out')}")
+
+    def _value(self, source: Any) -> tuple[Any, str]:
+        """An input's value and the color space of images; colors become linear."""
+        kind, text = source.getType(), source.getResolvedValueString()
+        space = source.getActiveColorSpace()
+        if kind == "filename":
+            return self._asset(source, text), space
+        if kind == "string":
+            return text, ""
+        if kind == "boolean":
+            return text.strip() == "true", ""
+        if kind not in ("float", "integer", *_VECTORS) or not text.strip():
+            return None, ""
+        values = [float(part) for part in re.split(r"[\s,]+", text.strip()) if part]
+        if kind == "integer":
+            return int(values[0]), ""
+        if not all(math.isfinite(value) and abs(value) < 3e38 for value in values):
+            return None, ""
+        meters = _METERS.get(source.getUnit(), 1.0)
+        values = [value * meters for value in values]
+        if kind == "float":
+            return values[0], ""
+        if kind.startswith("color") and space.lower() == "srgb_texture":
+            values[:3] = [_linear(value) for value in values[:3]]
+        make = _VECTORS[kind]
+        return (make(*values) if len(values) == make.dimension else None), ""
+
+    def _asset(self, source: Any, text: str) -> Sdf.AssetPath | None:
+        """Absolute path of a file, by the document's prefix; some exporters state that twice."""
+        choices = [text, source.getValueString()]
+        paths = [os.path.join(self.folder, choice.replace("\\", "/")) for choice in choices]
+        if not text or any("\0" in path for path in paths):
+            return None
+        normal = [os.path.normpath(path) for path in paths]
+        chosen = next((path for path in normal if os.path.exists(path)), normal[0])
+        self.images.append(chosen)
+        return Sdf.AssetPath(chosen)
+
+    def _output(self, prim: Sdf.PrimSpec, name: str) -> Sdf.AttributeSpec:
+        return Sdf.AttributeSpec(prim, name, Sdf.ValueTypeNames.Token)
+
+    def _prim(self, parent: Sdf.PrimSpec, name: str, kind: str) -> Sdf.PrimSpec:
+        """The child of that name, made where it is not there."""
+        name = _name(name)
+        known = self.layer.GetPrimAtPath(parent.path.AppendChild(name))
+        return known or Sdf.PrimSpec(parent, name, Sdf.SpecifierDef, kind)
+
+
+def _name(text: str) -> str:
+    """An element's name as USD's: namespaces' colons are no part of identifiers there."""
+    return Tf.MakeValidIdentifier(text)
+
+
+def _linear(value: float) -> float:
+    """The value of an sRGB-encoded number (IEC 61966-2-1)."""
+    return value / 12.92 if value <= 0.04045 else ((value + 0.055) / 1.055) ** 2.4
