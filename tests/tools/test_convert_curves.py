@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from read_converted import Converted, convert_text
+from reflet_usd.validate.validation import validate_file
 
 
 def lines(done: Converted) -> np.ndarray:
@@ -151,3 +152,103 @@ def TetMesh "T" {
     signed = np.einsum("ti,ti->t", triangles[:, 0], np.cross(triangles[:, 1], triangles[:, 2]))
     assert signed.sum() / 6 == pytest.approx(1 / 6)
     assert "tetrahedra-dropped" in done.warnings("/T")
+
+
+def nurbs(order: str, counts: str, knots: str, points: str, more: str = "") -> str:
+    return f"""
+def NurbsCurves "N" {{
+    int[] curveVertexCounts = [{counts}]
+    int[] order = [{order}]
+    double[] knots = [{knots}]
+    point3f[] points = [{points}]
+    {more}
+}}
+"""
+
+
+def checked(folder: Path, text: str) -> Converted:
+    """The converted stage, after the independent check by scipy's splines."""
+    done = convert_text(folder, text)
+    assert validate_file(done.out, folder / "stage.usda", khronos=False).passed
+    return done
+
+
+def test_weights_make_a_circle_of_a_nurbs_curve(tmp_path: Path) -> None:
+    half = 0.5**0.5
+    corners = (
+        "(1,0,0), (1,1,0), (0,1,0), (-1,1,0), (-1,0,0), (-1,-1,0), (0,-1,0), (1,-1,0), (1,0,0)"
+    )
+    weights = ", ".join([f"1, {half}"] * 4 + ["1"])
+    text = nurbs(
+        "3", "9", "0,0,0, 1,1, 2,2, 3,3, 4,4,4", corners, f"double[] pointWeights = [{weights}]"
+    )
+    done = checked(tmp_path, text)
+    assert done.warnings("/N") == {"curves-approximated"}
+    segments = lines(done)
+    assert len(segments) == 4 * 8
+    assert np.linalg.norm(segments, axis=2) == pytest.approx(1.0, abs=1e-6)
+    # The lines go once around, in order.
+    assert segments[1:, 0] == pytest.approx(segments[:-1, 1])
+    assert segments[0, 0] == pytest.approx(segments[-1, 1], abs=1e-6)
+
+
+def test_nurbs_curves_have_their_own_orders_and_ranges(tmp_path: Path) -> None:
+    points = "(0,0,0), (1,2,0), (2,0,0), (3,2,0), (5,0,0), (6,0,1), (7,1,0)"
+    text = nurbs(
+        "4, 2",
+        "4, 3",
+        "0,0,0,0,1,1,1,1, 0,0,1,2,2",
+        points,
+        "double2[] ranges = [(0.25, 0.75), (0, 2)]\n    color3f[] primvars:displayColor = "
+        '[(1,0,0), (0,1,0)] (interpolation = "uniform")',
+    )
+    done = checked(tmp_path, text)
+    segments = lines(done)
+    assert len(segments) == 8 + 16
+    # A cubic between a quarter and three quarters of its parameter.
+    assert segments[0, 0] == pytest.approx([0.75, 0.875, 0.0])
+    assert segments[8, 0] == pytest.approx([5.0, 0.0, 0.0])
+    assert segments[-1, 1] == pytest.approx([7.0, 1.0, 0.0])
+
+
+@pytest.mark.parametrize(
+    ("order", "counts", "knots"),
+    [
+        ("4", "4", "0,1,2"),
+        ("4", "4", "0,0,0,0,1,1,1,nan"),
+        ("4", "4", "1,1,1,1,0,0,0,0"),
+        ("4", "4", "1,1,1,1,1,1,1,1"),
+        ("0", "4", "0,0,1,1"),
+        ("5", "4", "0,0,0,0,0,1,1,1,1"),
+        ("-3", "4", "0"),
+        ("2000000000", "4", "0,1"),
+        ("4, 4", "4", "0,0,0,0,1,1,1,1"),
+        ("", "4", ""),
+    ],
+)
+def test_nurbs_curves_that_do_not_fit_are_named(
+    tmp_path: Path, order: str, counts: str, knots: str
+) -> None:
+    points = "(0,0,0), (1,2,0), (2,0,0), (3,2,0)"
+    done = checked(tmp_path, nurbs(order, counts, knots, points) + 'def Cube "C" {}\n')
+    assert "curves-invalid" in done.warnings("/N")
+
+
+def test_a_good_nurbs_curve_beside_a_bad_one_is_drawn(tmp_path: Path) -> None:
+    points = "(0,0,0), (1,2,0), (2,0,0), (3,2,0), (0,0,1), (1,1,1)"
+    knots = "0,0,0,0,1,1,1,1, 0,0,1,1"
+    done = checked(tmp_path, nurbs("4, 2", "4, 2", knots, points))
+    assert done.warnings("/N") == {"curves-approximated"}
+    knots = "3,2,1,0,1,1,1,1, 0,0,1,1"
+    done = checked(tmp_path, nurbs("4, 2", "4, 2", knots, points))
+    assert done.warnings("/N") == {"curves-approximated", "curves-invalid"}
+    assert lines(done)[-1, 1] == pytest.approx([1.0, 1.0, 1.0])
+
+
+def test_long_nurbs_curves_take_work_in_proportion(tmp_path: Path) -> None:
+    """A table of all basis functions at all samples would take 50 GB."""
+    count = 28_000
+    knots = ",".join(map(str, range(count + 4)))
+    points = ",".join(f"({n},{n % 2},0)" for n in range(count))
+    done = convert_text(tmp_path, nurbs("4", str(count), knots, points))
+    assert len(lines(done)) == (count - 3) * 8

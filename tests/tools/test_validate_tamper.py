@@ -97,6 +97,10 @@ PACKED = material_stage(
 )
 DOME = 'def DomeLight "D"\n{\nfloat inputs:intensity = 1\n}\n'
 
+UNKNOWN_BASIS = """int[] curveVertexCounts = [4]
+    point3f[] points = [(0,0,0), (1,0,0), (2,1,0), (3,0,0)]
+    uniform token basis = "hermite"
+"""
 CASES: list[tuple[str, str, str, Damage]] = [
     ("a subset below", mesh("M", SUBSET) + UNIT, "subset-dropped", lose("/M")),
     ("an empty child", mesh("M", EMPTY) + UNIT, "mesh-empty", lose("/")),
@@ -187,7 +191,12 @@ CASES: list[tuple[str, str, str, Damage]] = [
     ("a dome above", DOME.replace("}", UNIT + "}"), "dome-light-external", lose("/D/Unit")),
     ("a volume", 'def Volume "V" { }\n' + UNIT, "Volume-dropped", lose("/Unit")),
     ("a volume above", f'def Volume "V" {{\n{UNIT}}}\n', "Volume-dropped", lose("/V/Unit")),
-    ("curves", 'def NurbsCurves "N" { }\n' + UNIT, "curves-dropped", lose("/Unit")),
+    (
+        "curves",
+        f'def BasisCurves "N" {{ {UNKNOWN_BASIS} }}\n' + UNIT,
+        "curves-dropped",
+        lose("/Unit"),
+    ),
 ]
 
 

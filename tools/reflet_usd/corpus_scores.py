@@ -23,7 +23,16 @@ INDEX.tsv counts prims only, so `validate` asks usd-core; the same stages count 
 """
 _RIGS = "joints or weights animated, of those with keys"
 """Title of the measure; PEERS.tsv has no such count, so animated nodes are the rivals' bound."""
-_CURVED = ("Sphere", "Cylinder", "Cone", "Capsule", "PointInstancer", "BasisCurves", "Points")
+_CURVED = (
+    "Sphere",
+    "Cylinder",
+    "Cone",
+    "Capsule",
+    "PointInstancer",
+    "BasisCurves",
+    "NurbsCurves",
+    "Points",
+)
 _BOX_TOLERANCE, _CURVED_TOLERANCE = 0.001, 0.05
 """Tolerances as parts of the diagonal; the wider one with tessellated gprims or instancers."""
 

@@ -1,4 +1,4 @@
-"""Points and basis curves to glTF points and lines; widths and exact cubics are warnings."""
+"""Points and curves to glTF points and lines; widths and exact curves are warnings."""
 
 from __future__ import annotations
 
@@ -25,6 +25,7 @@ from reflet_usd.convert.gltf_writer import (
     GltfWriter,
 )
 from reflet_usd.convert.material import MaterialLibrary, warn_translucent
+from reflet_usd.convert.nurbs_curves import sample_nurbs
 from reflet_usd.convert.polygons import read_points
 from reflet_usd.convert.primvars import Topology
 from reflet_usd.convert.scene import Array
@@ -42,7 +43,7 @@ _BASES = {
 
 def is_curves(prim: Usd.Prim) -> bool:
     """Whether `build_curves` converts the type."""
-    return type_name(prim) in ("BasisCurves", "HermiteCurves")
+    return type_name(prim) in ("BasisCurves", "HermiteCurves", "NurbsCurves")
 
 
 def build_points(
@@ -79,6 +80,16 @@ def build_curves(
         context.ledger.warn("points-non-finite", prim, "curves with such points were dropped")
         return None
     _warn_lost(context, prim, "a glTF line has no width")
+    if type_name(prim) == "NurbsCurves":
+        message = f"NURBS curves became lines, {SEGMENTS_PER_SPAN} for each span"
+        context.ledger.warn("curves-approximated", prim, message)
+        curves, numbers = sample_nurbs(context, prim, points, counts)
+        if 0 < len(numbers) < len(counts):
+            message = f"{len(counts) - len(numbers)} curves, whose orders and knots do not fit"
+            context.ledger.warn("curves-invalid", prim, f"{message}, were dropped")
+        return _write_samples(
+            context, writer, materials, prim, counts, len(points), curves, numbers
+        )
     kind = str(authored(prim, "type", context.time, "cubic"))
     wrap = str(authored(prim, "wrap", context.time, "nonperiodic"))
     if type_name(prim) == "HermiteCurves" or kind == "linear":
@@ -88,9 +99,9 @@ def build_curves(
         lines = _polylines(counts, wrap == "periodic")
         if len(lines) == 0:
             return None
-        curves = np.repeat(np.arange(len(counts)), counts)
-        curves = np.pad(curves, (0, len(points) - len(curves)))
-        topology = Topology(len(points), len(counts), np.arange(len(points)), curves)
+        owners = np.repeat(np.arange(len(counts)), counts)
+        owners = np.pad(owners, (0, len(points) - len(owners)))
+        topology = Topology(len(points), len(counts), np.arange(len(points)), owners)
         # Points that no line uses would still count in the file's bounds.
         vertices, ends = np.unique(lines, return_inverse=True)
         lines = ends.reshape(lines.shape)
@@ -101,13 +112,32 @@ def build_curves(
         return None
     message = f"cubic {basis} curves became lines, {SEGMENTS_PER_SPAN} for each span"
     context.ledger.warn("curves-approximated", prim, message)
-    sampled, lines, curves = _sample_cubic(points, counts, basis, wrap)
-    if len(sampled) == 0:
-        context.ledger.warn("curves-invalid", prim, "no curve has enough points for its basis")
+    curves, numbers = _sample_cubic(points, counts, basis, wrap)
+    return _write_samples(context, writer, materials, prim, counts, len(points), curves, numbers)
+
+
+def _write_samples(
+    context: Context,
+    writer: GltfWriter,
+    materials: MaterialLibrary,
+    prim: Usd.Prim,
+    counts: Array,
+    authored_points: int,
+    curves: list[Array],
+    numbers: list[int],
+) -> BuiltMesh | None:
+    """Write lines along the samples of curves with these numbers; None where there are none."""
+    if not curves:
+        context.ledger.warn(
+            "curves-invalid", prim, "no curve has points, orders and knots that fit"
+        )
         return None
+    sampled = np.concatenate(curves)
+    lengths = np.array([len(curve) for curve in curves])
+    owners, lines = np.repeat(numbers, lengths), _polylines(lengths, False)
     # Values per control point do not fit the samples; values per curve do.
-    topology = Topology(len(sampled), len(counts), np.arange(len(sampled)), curves)
-    topology = replace(topology, authored=Topology(len(points), len(counts), curves, curves))
+    topology = Topology(len(sampled), len(counts), np.arange(len(sampled)), owners)
+    topology = replace(topology, authored=Topology(authored_points, len(counts), owners, owners))
     drop = ("vertex", "varying", "faceVarying")
     vertices = np.arange(len(sampled))
     return _write(context, writer, materials, prim, sampled, vertices, lines, topology, drop)
@@ -127,12 +157,13 @@ def _polylines(counts: Array, closed: bool) -> Array:
 
 def _sample_cubic(
     points: Array, counts: Array, basis: str, wrap: str
-) -> tuple[Array, Array, Array]:
-    """Points along cubic curves, the lines that join them, and the curve of each point."""
+) -> tuple[list[Array], list[int]]:
+    """Points (n, 3) along each cubic curve with enough points, and the numbers of these curves."""
     step = 3 if basis == "bezier" else 1
     t = np.linspace(0.0, 1.0, SEGMENTS_PER_SPAN + 1)
     weights = np.stack([np.ones_like(t), t, t * t, t**3], axis=1) @ _BASES[basis]
-    curves, lengths, numbers = [], [], []
+    curves: list[Array] = []
+    numbers: list[int] = []
     start = 0
     for number, count in enumerate(counts):
         control = points[start : start + count]
@@ -149,12 +180,8 @@ def _sample_cubic(
         samples = np.einsum("tk,skc->stc", weights, windows)
         curve = np.vstack([samples[:, :-1].reshape(-1, 3), samples[-1, -1:]])
         curves.append(curve)
-        lengths.append(len(curve))
         numbers.append(number)
-    if not curves:
-        return np.zeros((0, 3)), np.zeros((0, 2), dtype=np.int64), np.zeros(0, dtype=np.int64)
-    owners = np.repeat(numbers, lengths)
-    return np.concatenate(curves), _polylines(np.array(lengths), False), owners
+    return curves, numbers
 
 
 def _write(

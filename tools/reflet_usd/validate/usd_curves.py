@@ -15,6 +15,8 @@ _STEPS = 8
 """Lines per span of a cubic, and quads per span of a patch, as documented."""
 _MOST_SAMPLES = 1024
 """Maximum number of samples of a patch in each direction."""
+_MOST_ORDER = 32
+"""Highest order of a curve that is drawn."""
 _BASES = ("bezier", "bspline", "catmullRom")
 _UNFIT: Lost = [("curves-invalid", "counts that do not fit the points")]
 _COLORS = {"displayColor", "displayOpacity"}
@@ -81,7 +83,8 @@ def _without_place(prim: Usd.Prim) -> Lost:
 
 
 def _read_cloud(prim: Usd.Prim, time: Usd.TimeCode) -> Cloud | None:
-    curves = prim.IsA(UsdGeom.BasisCurves) or prim.IsA(UsdGeom.HermiteCurves)
+    kinds = (UsdGeom.BasisCurves, UsdGeom.HermiteCurves, UsdGeom.NurbsCurves)
+    curves = any(prim.IsA(kind) for kind in kinds)
     if not (prim.IsA(UsdGeom.Points) or curves):
         return None
     points = points_of(UsdGeom.PointBased(prim).GetPointsAttr(), time)
@@ -96,6 +99,8 @@ def _read_cloud(prim: Usd.Prim, time: Usd.TimeCode) -> Cloud | None:
     if not finite.all():
         return Cloud(points[:0], [*lost, ("points-non-finite", "curves with such points")])
     runs = np.split(points[: counts.sum()], np.cumsum(counts)[:-1])
+    if prim.IsA(UsdGeom.NurbsCurves):
+        return _nurbs(prim, time, runs, lost)
     schema = UsdGeom.BasisCurves(prim)
     if prim.IsA(UsdGeom.HermiteCurves) or schema.GetTypeAttr().Get(time) == UsdGeom.Tokens.linear:
         owner = np.repeat(np.arange(len(counts)), counts)
@@ -104,12 +109,43 @@ def _read_cloud(prim: Usd.Prim, time: Usd.TimeCode) -> Cloud | None:
     basis, wrap = str(schema.GetBasisAttr().Get(time)), str(schema.GetWrapAttr().Get(time))
     if basis not in _BASES:
         return None
-    drawn = [_cubic(run, basis, wrap) for run in runs]
-    found = np.vstack([points[:0], *drawn])
+    return _sampled([_cubic(run, basis, wrap) for run in runs], lost)
+
+
+def _sampled(drawn: list[Array], lost: Lost) -> Cloud:
+    """Samples of all curves, some of which may have none."""
+    found = np.vstack([np.zeros((0, 3)), *drawn])
     if not len(found):
         return Cloud(found, _UNFIT)
     owner = np.repeat(np.arange(len(drawn)), [len(run) for run in drawn])
-    return _drawn(found, lost, owner, owner, len(counts), 0)
+    return _drawn(found, lost, owner, owner, len(drawn), 0)
+
+
+def _nurbs(prim: Usd.Prim, time: Usd.TimeCode, runs: list[Array], lost: Lost) -> Cloud:
+    """Samples of rational splines at every eighth of their visible spans."""
+    schema = UsdGeom.NurbsCurves(prim)
+    orders = array_of(schema.GetOrderAttr().Get(time), np.int64)
+    knots = array_of(schema.GetKnotsAttr().Get(time), np.float64)
+    ranges = schema.GetRangesAttr().Get(time) or []
+    weights = array_of(schema.GetPointWeightsAttr().Get(time), np.float64)
+    total = len(points_of(schema.GetPointsAttr(), time))
+    sizes = [len(run) for run in runs]
+    if len(orders) != len(runs) or len(knots) != sum(sizes) + orders.sum():
+        return Cloud(np.zeros((0, 3)), _UNFIT)
+    if len(weights) != total or not (weights > 0.0).all() or not np.isfinite(weights).all():
+        weights = np.ones(total)
+    drawn = []
+    for index, run in enumerate(runs):
+        own, knots = knots[: len(run) + orders[index]], knots[len(run) + orders[index] :]
+        share, weights = weights[: len(run), None], weights[len(run) :]
+        limits = ranges[index] if len(ranges) == len(runs) else None
+        order = int(orders[index]) if orders[index] <= _MOST_ORDER else 0
+        control = np.column_stack([run * share, share])
+        found = _along(control, own, order, limits, most=1 << 30)
+        drawn.append(run[:0] if found is None else found[:, :3] / found[:, 3:])
+    if any(not len(run) for run in drawn):
+        lost = [*lost, ("curves-invalid", "curves whose orders and knots do not fit")]
+    return _sampled(drawn, lost)
 
 
 def _cubic(control: Array, basis: str, wrap: str) -> Array:
@@ -198,7 +234,9 @@ def patch_corners(prim: Usd.Prim, time: Usd.TimeCode, faces: Indices) -> PatchCo
     return PatchCorners(**vars(plain), prim=prim, time=time)
 
 
-def _along(control: Array, knots: Array, order: int, limits: object) -> Array | None:
+def _along(
+    control: Array, knots: Array, order: int, limits: object, most: int = _MOST_SAMPLES
+) -> Array | None:
     """Spline of `control` along its first axis, at every eighth of the visible spans."""
     count = len(control)
     if order < 2 or count < order or len(knots) != count + order:
@@ -212,7 +250,7 @@ def _along(control: Array, knots: Array, order: int, limits: object) -> Array | 
     if not low < high:
         return None
     breaks = np.unique([low, *knots[(knots > low) & (knots < high)], high])
-    steps = max(1, min(_STEPS, _MOST_SAMPLES // len(breaks)))
+    steps = max(1, min(_STEPS, most // len(breaks)))
     inner = np.arange((len(breaks) - 1) * steps + 1) / steps
     places = np.interp(inner, np.arange(len(breaks)), breaks)
     return np.asarray(BSpline(knots, np.nan_to_num(control), order - 1)(places))
