@@ -44,11 +44,13 @@ mod primitive_context;
 mod ranges;
 mod read_array;
 pub(super) mod repair;
+mod run;
 mod schema;
 mod skin;
 mod specular_glossiness;
 mod texture_ref;
 mod transform;
+mod tree;
 pub(super) mod uri;
 mod wire;
 
@@ -315,10 +317,11 @@ fn read_faults(path: &Path, sandbox: &Sandbox, options: &ReadOptions) -> Result<
         ..Model::default()
     };
     let mut notes = Notes::default();
+    let from = (folder, sandbox);
     let mut buffers =
-        buffer::read(&root, binary, (folder, sandbox), &mut model.files, &budget).map_err(one)?;
+        buffer::read(&root, binary, from, (&mut model.files, &mut notes), &budget).map_err(one)?;
     draco::decompress(&mut root, &mut buffers, &budget).map_err(one)?;
-    let data = accessor::Data::new(&root, buffers, budget).map_err(one)?;
+    let data = accessor::Data::new(&root, buffers, budget, &mut notes).map_err(one)?;
     check_indices::check(&root).map_err(one)?;
     material::read(&root, &data, folder, sandbox, &mut model, &mut notes).map_err(one)?;
     model.stage = Stage::of(&root);

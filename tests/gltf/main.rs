@@ -16,6 +16,7 @@ mod default_camera;
 mod deform;
 mod draco;
 mod extensions;
+mod forgiven;
 mod geometry;
 mod hostile;
 mod image;

@@ -1,13 +1,13 @@
-//! Buffer views and accessors: every count, range, stride and alignment is validated before bytes
-//! are read (by `gather`).
+//! Buffer views and accessors: every count, range and stride is validated before bytes are read (by `gather`).
 
 use std::sync::OnceLock;
 
 use super::{
-    Fault,
+    Fault, Notes,
     budget::GeometryBudget,
     container::Bytes,
     meshopt,
+    run::Run,
     schema::{Accessor, BufferView, Root},
 };
 
@@ -30,6 +30,10 @@ pub struct Layout {
     pub count: usize,
     pub offset: usize,
     pub stride: usize,
+    /// Bytes from the view's start to the end of the last element; 0 without a view.
+    pub end: u64,
+    /// Whether all components start at multiples of their size, those of sparse elements too.
+    pub is_aligned: bool,
 }
 
 /// glTF's `componentType`.
@@ -108,15 +112,16 @@ pub(super) fn shape(kind: &str, size: usize) -> Option<Shape> {
 }
 
 impl<'a> Data<'a> {
-    /// Checks all buffer views and accessors against the buffers. Bytes that the result decodes are taken from
-    /// `budget`.
+    /// Checks all buffer views and accessors against the stated lengths of the buffers; buffers that are shorter are
+    /// errors where they are read. Bytes that the result decodes are taken from `budget`.
     ///
     /// # Errors
-    /// The first accessor or view that is out of range, misaligned or of unknown type.
+    /// The first accessor or view that is out of range or of unknown type.
     pub fn new(
         root: &'a Root,
         buffers: Vec<Option<Bytes>>,
         budget: GeometryBudget,
+        notes: &mut Notes,
     ) -> Result<Self, Fault> {
         let data = Self {
             root,
@@ -130,27 +135,23 @@ impl<'a> Data<'a> {
         }
         for (i, accessor) in root.accessors.iter().enumerate() {
             // Unknown types are an error only where they are used.
-            if shape(&accessor.kind, 1).is_some() {
-                data.layout(i)?;
+            if shape(&accessor.kind, 1).is_some() && !data.layout(i)?.is_aligned {
+                let what =
+                    "accessors have components that do not start at a multiple of their size";
+                notes.add("accessor-unaligned", 1, what, &format!("accessor {i}"));
             }
         }
         Ok(data)
     }
 
     fn check_view(&self, view: &BufferView) -> Result<(), Fault> {
-        let fault = |text: String| Err(Fault::new("gltf-buffer-view", text));
         self.check_range(view.buffer, view.byte_offset, view.byte_length)?;
         if let Some(stream) = view.extensions.meshopt() {
             self.check_range(stream.buffer, stream.byte_offset, stream.byte_length)
                 .and_then(|()| meshopt::check(view, stream).map(|_| ()))
                 .map_err(|f| f.at("meshopt compression"))?;
         }
-        match view.byte_stride {
-            Some(s) if !(4..=252).contains(&s) || s % 4 != 0 => fault(format!(
-                "byteStride is {s}, expected a multiple of 4 from 4 to 252"
-            )),
-            _ => Ok(()),
-        }
+        Ok(())
     }
 
     /// Checks bytes of a buffer against its stated length.
@@ -201,6 +202,16 @@ impl<'a> Data<'a> {
             .clone()
     }
 
+    /// The bytes of a buffer view up to `end`, which lies in the view: what follows may be missing in the buffer.
+    pub fn view_start(&self, index: usize, end: u64) -> Result<Bytes, Fault> {
+        let view = self.view(index)?;
+        if view.extensions.meshopt().is_some() {
+            return self.view_bytes(index);
+        }
+        let bytes = self.buffer_bytes(view.buffer, view.byte_offset, end);
+        bytes.map_err(|f| f.at(&format!("bufferView {index}")))
+    }
+
     fn buffer_bytes(&self, buffer: usize, offset: u64, length: u64) -> Result<Bytes, Fault> {
         let bytes = self.buffers.get(buffer).and_then(Option::as_ref);
         let bytes = bytes.ok_or_else(|| {
@@ -208,10 +219,15 @@ impl<'a> Data<'a> {
             Fault::new("buffer-missing", text)
         })?;
         let start = usize::try_from(offset).ok();
-        let length = usize::try_from(length).ok();
-        let range = start.and_then(|start| Some(start..start.checked_add(length?)?));
-        (range.and_then(|range| bytes.slice(range)))
-            .ok_or_else(|| fault("it lies outside its buffer".into()))
+        let end = (offset.checked_add(length)).and_then(|end| usize::try_from(end).ok());
+        let range = start.and_then(|start| Some(start..end?));
+        (range.and_then(|range| bytes.slice(range))).ok_or_else(|| {
+            let text = format!(
+                "buffer {buffer} has {} bytes, {length} from {offset} are read; is it cut off?",
+                bytes.len()
+            );
+            Fault::new("buffer-short", text).help("copy or export the file again")
+        })
     }
 
     pub(super) fn layout(&self, index: usize) -> Result<Layout, Fault> {
@@ -237,7 +253,7 @@ impl<'a> Data<'a> {
         if accessor.count == 0 {
             return Err(fault("count is 0, expected 1 or more".into()));
         }
-        let mut stride = shape.pitch;
+        let (mut stride, mut end, mut is_aligned) = (shape.pitch, 0, true);
         if let Some(view) = accessor.buffer_view {
             let view = self.view(view)?;
             stride = view.byte_stride.map_or(stride, |s| s as usize);
@@ -254,7 +270,7 @@ impl<'a> Data<'a> {
                 bytes: shape.bytes,
                 component: size,
             };
-            run.check(view)?;
+            (end, is_aligned) = (run.end_in(view)?, run.is_aligned(view));
         } else if accessor.count > MAX_VIRTUAL_ELEMENTS {
             let text = format!(
                 "{} elements without a bufferView, at most {MAX_VIRTUAL_ELEMENTS}",
@@ -262,7 +278,7 @@ impl<'a> Data<'a> {
             );
             return Err(Fault::new("geometry-too-large", text));
         }
-        self.check_sparse(accessor, shape, size)?;
+        is_aligned &= self.check_sparse(accessor, shape, size)?;
         let out_of_memory = |_| fault("does not fit this machine's memory".into());
         Ok(Layout {
             component,
@@ -270,12 +286,15 @@ impl<'a> Data<'a> {
             count: usize::try_from(accessor.count).map_err(out_of_memory)?,
             offset: usize::try_from(accessor.byte_offset).map_err(out_of_memory)?,
             stride,
+            end,
+            is_aligned,
         })
     }
 
-    fn check_sparse(&self, accessor: &Accessor, shape: Shape, size: usize) -> Result<(), Fault> {
+    /// Whether sparse elements are aligned.
+    fn check_sparse(&self, accessor: &Accessor, shape: Shape, size: usize) -> Result<bool, Fault> {
         let Some(sparse) = &accessor.sparse else {
-            return Ok(());
+            return Ok(true);
         };
         if sparse.count == 0 || sparse.count > accessor.count {
             return Err(fault(format!(
@@ -305,14 +324,15 @@ impl<'a> Data<'a> {
             bytes: shape.bytes,
             component: size,
         };
-        (self
-            .view(sparse.indices.buffer_view)
-            .and_then(|view| indices.check(view)))
-        .map_err(|f| f.at("sparse.indices"))?;
-        (self
-            .view(sparse.values.buffer_view)
-            .and_then(|view| values.check(view)))
-        .map_err(|f| f.at("sparse.values"))
+        let is_aligned = |run: Run, view: usize| {
+            let view = self.view(view)?;
+            run.end_in(view)?;
+            Ok::<_, Fault>(run.is_aligned(view))
+        };
+        let indices = is_aligned(indices, sparse.indices.buffer_view);
+        let values = is_aligned(values, sparse.values.buffer_view);
+        Ok(indices.map_err(|f| f.at("sparse.indices"))?
+            & values.map_err(|f| f.at("sparse.values"))?)
     }
 
     /// Number of elements of an accessor.
@@ -323,44 +343,6 @@ impl<'a> Data<'a> {
     /// Number of components of one element; 0 where the accessor does not exist.
     pub fn lanes(&self, index: usize) -> usize {
         self.layout(index).map_or(0, |l| l.lanes)
-    }
-}
-
-/// Elements one after another in a buffer view; sizes in bytes.
-struct Run {
-    offset: u64,
-    count: u64,
-    stride: usize,
-    bytes: usize,
-    component: usize,
-}
-
-impl Run {
-    /// Bytes from the view's start to the end of the last element.
-    fn end(&self) -> Option<u64> {
-        (self.count.checked_sub(1)?)
-            .checked_mul(self.stride as u64)?
-            .checked_add(self.offset)?
-            .checked_add(self.bytes as u64)
-    }
-
-    fn check(&self, view: &BufferView) -> Result<(), Fault> {
-        if self.end().is_none_or(|end| end > view.byte_length) {
-            return Err(fault(format!(
-                "{} elements of {} bytes from offset {} at stride {} do not fit the bufferView of \
-                 {} bytes",
-                self.count, self.bytes, self.offset, self.stride, view.byte_length
-            )));
-        }
-        let aligned = |at: u64| at.is_multiple_of(self.component as u64);
-        // No overflow: the offset lies in the view, whose end was computed without one.
-        if !aligned(self.offset) || !aligned(self.offset + view.byte_offset) {
-            return Err(fault(format!(
-                "offset {} in a bufferView at {} is not aligned to {} bytes",
-                self.offset, view.byte_offset, self.component
-            )));
-        }
-        Ok(())
     }
 }
 

@@ -3,19 +3,20 @@
 use std::path::{Path, PathBuf};
 
 use super::{
-    Fault,
+    Fault, Notes,
     budget::GeometryBudget,
     container::Bytes,
     schema::{Buffer, Root},
     uri::{self, Sandbox},
 };
 
-/// The data of every buffer, `None` without a URI or GLB chunk; files that were read are added to `files`.
+/// The data of every buffer, `None` without a URI or GLB chunk; files that were read are added to `files`. A buffer may
+/// have fewer bytes than it says, which is a warning.
 pub fn read(
     root: &Root,
     mut binary: Option<Bytes>,
     from: (&Path, &Sandbox),
-    files: &mut Vec<PathBuf>,
+    (files, notes): (&mut Vec<PathBuf>, &mut Notes),
     budget: &GeometryBudget,
 ) -> Result<Vec<Option<Bytes>>, Fault> {
     let mut buffers = Vec::with_capacity(root.buffers.len());
@@ -28,7 +29,19 @@ pub fn read(
             budget.take_file(own.map_or(0, |bytes| bytes.len()))?;
             Ok(bytes)
         });
-        buffers.push(bytes.map_err(|f| f.at(&format!("buffer {i}")))?);
+        let bytes = bytes.map_err(|f| f.at(&format!("buffer {i}")))?;
+        if let Some(got) = bytes.as_ref().map(|bytes| bytes.len() as u64)
+            && got < buffer.byte_length
+        {
+            let place = format!("buffer {i} of {} bytes has {got}", buffer.byte_length);
+            notes.add(
+                "buffer-short",
+                1,
+                "buffers end before their byteLength",
+                &place,
+            );
+        }
+        buffers.push(bytes);
     }
     Ok(buffers)
 }
@@ -39,7 +52,7 @@ fn read_one(
     (folder, sandbox): (&Path, &Sandbox),
     files: &mut Vec<PathBuf>,
 ) -> Result<Option<Bytes>, Fault> {
-    let bytes = match buffer.uri.as_deref().map(uri::parse).transpose()? {
+    Ok(match buffer.uri.as_deref().map(uri::parse).transpose()? {
         None => chunk,
         Some(uri::Target::Data(bytes)) => Some(Bytes::new(bytes)),
         Some(uri::Target::Relative(name)) => {
@@ -49,13 +62,5 @@ fn read_one(
             files.push(path);
             Some(Bytes::new(bytes))
         }
-    };
-    match bytes {
-        Some(bytes) if (bytes.len() as u64) < buffer.byte_length => {
-            let (said, got) = (buffer.byte_length, bytes.len());
-            let text = format!("byteLength is {said}, only {got} bytes are present");
-            Err(Fault::new("buffer-short", text))
-        }
-        bytes => Ok(bytes),
-    }
+    })
 }

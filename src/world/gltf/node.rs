@@ -1,5 +1,4 @@
-//! Node hierarchy: validated to be a tree, traversed with an explicit stack, flattened into
-//! placements, lights and cameras.
+//! Node hierarchy, traversed with an explicit stack and flattened into placements, lights and cameras.
 
 use std::{collections::HashMap, sync::Arc};
 
@@ -12,7 +11,7 @@ use super::{
     camera, label, light,
     posed::Posed,
     schema::{Node, Root},
-    transform,
+    transform, tree,
     uri::shorten,
 };
 use crate::{
@@ -86,7 +85,7 @@ impl Visit {
     }
 }
 
-fn fault(text: impl Into<String>) -> Fault {
+pub(super) fn fault(text: impl Into<String>) -> Fault {
     Fault::new("gltf-node", text)
 }
 
@@ -98,8 +97,8 @@ pub fn traverse(
     (clips, posed): (&[Clip], &Posed),
     notes: &mut Notes,
 ) -> Result<Visit, Fault> {
-    let parents = parents(root)?;
-    let roots = match (root.scene, root.scenes.first()) {
+    let mut parents = tree::parents(root)?;
+    let listed = match (root.scene, root.scenes.first()) {
         (Some(i), _) => {
             let scene = root.scenes.get(i);
             scene
@@ -111,7 +110,7 @@ pub fn traverse(
             .filter(|&i| parents[i].is_none())
             .collect(),
     };
-    check_roots(&roots, &parents)?;
+    let roots = tree::roots(root, &listed, &mut parents, notes)?;
     let mut visit = Visit {
         animated: Animated::by(clips),
         moving: vec![false; root.nodes.len()],
@@ -195,55 +194,6 @@ fn path(root: &Root, parents: &[Option<usize>], node: usize) -> String {
     }
     names.reverse();
     names.join("/")
-}
-
-fn check_roots(roots: &[usize], parents: &[Option<usize>]) -> Result<(), Fault> {
-    let mut seen = vec![false; parents.len()];
-    for &i in roots {
-        let text = match parents.get(i) {
-            None => format!("node {i} does not exist"),
-            Some(Some(p)) => format!("node {i} is a scene's root and a child of node {p}"),
-            Some(None) if seen[i] => format!("node {i} appears twice in the scene"),
-            Some(None) => {
-                seen[i] = true;
-                continue;
-            }
-        };
-        return Err(fault(text));
-    }
-    Ok(())
-}
-
-/// The parent of every node.
-fn parents(root: &Root) -> Result<Vec<Option<usize>>, Fault> {
-    let mut parents = vec![None; root.nodes.len()];
-    for (i, node) in root.nodes.iter().enumerate() {
-        for &child in &node.children {
-            let slot = parents
-                .get_mut(child)
-                .ok_or_else(|| fault(format!("node {i}: its child {child} does not exist")))?;
-            if let Some(other) = slot.replace(i) {
-                return Err(fault(format!(
-                    "node {child} is a child of node {other} and of node {i}"
-                )));
-            }
-        }
-    }
-    // With one parent each, nodes unreachable from a root are on or below a cycle.
-    let mut stack: Vec<_> = (0..root.nodes.len())
-        .filter(|&i| parents[i].is_none())
-        .collect();
-    let mut reached = vec![false; root.nodes.len()];
-    while let Some(i) = stack.pop() {
-        reached[i] = true;
-        stack.extend(&root.nodes[i].children);
-    }
-    match reached.iter().position(|r| !r) {
-        Some(i) => Err(fault(format!(
-            "node {i} is its own ancestor, or below such a node"
-        ))),
-        None => Ok(parents),
-    }
 }
 
 /// A visited node with the state to collect its contents.

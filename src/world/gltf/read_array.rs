@@ -121,7 +121,7 @@ impl Data<'_> {
         rows: Option<&[u32]>,
     ) -> Result<Vec<T>, Fault> {
         let mut out = match accessor.buffer_view {
-            Some(view) => convert(&self.view_bytes(view)?, layout, rows),
+            Some(view) => convert(&self.view_start(view, layout.end)?, layout, rows),
             None => vec![zero; rows.map_or(layout.count, <[u32]>::len)],
         };
         let Some(sparse) = &accessor.sparse else {
@@ -134,6 +134,7 @@ impl Data<'_> {
             count,
             offset: offset as usize, // inside its view, as check_sparse found
             stride,
+            ..*layout
         };
         let (indices, values) = (&sparse.indices, &sparse.values);
         let index_type = Component::new(indices.component_type).unwrap_or(Component::U8);
