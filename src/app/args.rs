@@ -20,8 +20,9 @@ pub struct SceneArgs {
     /// repeatable. The folders of REFLET_ASSETS come last
     #[arg(long, value_name = "DIR")]
     pub assets: Vec<PathBuf>,
-    /// Load glTF files without the materials, textures and lights of extensions that they require
-    /// and Reflet does not know
+    /// Load glTF files without what only changes their look: materials, textures and lights of
+    /// extensions that they require and Reflet does not know; images that are missing or whose
+    /// format or header cannot be read. Each has a warning
     #[arg(long)]
     pub lenient: bool,
 }

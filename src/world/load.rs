@@ -54,7 +54,8 @@ pub struct LoadOptions {
     /// Memory limit of geometry, images and trees together, bytes; `None`: three quarters of the free memory,
     /// or 6 GiB where the system does not tell it.
     pub memory_bytes: Option<u64>,
-    /// Whether extensions that only change the look are ignored in glTF files that require them.
+    /// Whether glTF files are shown without what only changes their look: extensions that they require and that are
+    /// not supported, and images that cannot be found or read.
     pub lenient: bool,
     /// Records the files that were searched.
     pub dependencies: Dependencies,
@@ -250,12 +251,7 @@ impl<'a> Loader<'a> {
         let num_warnings = self.world.warnings.len();
         vertex_streams::run(&mut self.world, &needs)?;
         let mesh_warnings = self.world.warnings[num_warnings..].to_vec();
-        let limits = TextureLimits {
-            max_px: self.options.max_texture_px,
-            budget_bytes: self.options.image_budget_bytes,
-            max_file_bytes: self.options.max_file_bytes,
-            memory: self.memory.clone(),
-        };
+        let limits = self.texture_limits();
         let (images, requests): (Vec<_>, Vec<_>) = (self.textures.take_used(&mut self.world))
             .into_iter()
             .map(|(key, request)| ((key, request.srgb), request))
@@ -311,6 +307,15 @@ impl Loader<'_> {
             if !self.deformed.contains(&index) {
                 mesh.deformation = None;
             }
+        }
+    }
+
+    fn texture_limits(&self) -> TextureLimits {
+        TextureLimits {
+            max_px: self.options.max_texture_px,
+            budget_bytes: self.options.image_budget_bytes,
+            max_file_bytes: self.options.max_file_bytes,
+            memory: self.memory.clone(),
         }
     }
 

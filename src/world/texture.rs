@@ -211,6 +211,14 @@ fn need(source: &ImageSource, limits: &TextureLimits) -> Result<Need, Fault> {
     }
 }
 
+/// Reads the header of an image, within the limits.
+///
+/// # Errors
+/// Files that are missing or too large, formats that are not supported, broken headers.
+pub fn check_header(source: &ImageSource, limits: &TextureLimits) -> Result<(), Fault> {
+    guarded(|| need(source, limits).map(drop))
+}
+
 fn decode(request: &TextureRequest, need: Need, limits: &TextureLimits) -> Result<Texture, Fault> {
     let pixels = pixels(&request.source, need, limits)?;
     let (width, height) = pixels.dimensions();

@@ -1,6 +1,6 @@
 //! Extensions that files require.
 
-use crate::kit::{Doc, Folder, scene, warnings};
+use crate::kit::{Doc, Folder, png, rich, scene, warnings};
 use reflet::world::{
     gltf::SUPPORTED_EXTENSIONS,
     load::{LoadOptions, load},
@@ -48,6 +48,49 @@ fn a_required_look_loads_when_asked() {
     for (warning, name) in world.warnings.iter().zip(names) {
         assert!(warning.message.contains(name), "{}", warning.message);
     }
+}
+
+/// An image that is missing, two that no decoder reads, and one that is good.
+#[test]
+fn images_that_cannot_be_read_are_left_out_when_asked() {
+    let mut doc = Doc::triangle();
+    let good = doc.texture(&png(2, 2, [9, 9, 9, 255]));
+    let gif = doc.texture(b"GIF89a\x01\0\x01\0\x80\0\0");
+    let cut = doc.texture(&png(2, 2, [9, 9, 9, 255])[..20]);
+    let image = doc.add("images", json!({"uri": "missing.png"}));
+    let missing = doc.add("textures", json!({"source": image}));
+    let slot = |texture: usize| json!({"index": texture});
+    doc.add(
+        "materials",
+        json!({"name": "rock", "normalTexture": slot(missing), "emissiveTexture": slot(good),
+        "occlusionTexture": slot(cut), "pbrMetallicRoughness": {"baseColorTexture": slot(gif)}}),
+    );
+    doc.primitive("material", 0.into());
+    let errors = doc.load().expect_err("images are missing");
+    assert!(
+        errors.iter().any(|e| e.name == "file-not-found"),
+        "{errors:?}"
+    );
+    let world = lenient(&doc).unwrap_or_else(|e| panic!("{e:#?}"));
+    let material = &world.materials[world.instances[0].material];
+    assert_eq!(material.emission_texture.map(|used| used.texture), Some(0));
+    assert_eq!(
+        (
+            material.slots().iter().flatten().count(),
+            world.textures.len()
+        ),
+        (1, 1)
+    );
+    assert_eq!(warnings(&world), ["image-left-out"; 3]);
+    for (warning, slot) in world
+        .warnings
+        .iter()
+        .zip(["baseColor", "normal", "occlusion"])
+    {
+        let named = warning.message.contains(slot) && warning.message.contains("rock");
+        assert!(named, "{}", warning.message);
+    }
+    assert_eq!(warnings(&lenient(&rich()).expect("loads")), [""; 0]);
 }
 
 #[test]

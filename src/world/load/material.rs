@@ -8,7 +8,11 @@ use std::{
 use glam::Vec3;
 
 use super::{Loader, error_at, foreign_formats};
-use crate::{Material, TextureRef, World, Wrap, gltf::ImageSource, texture::TextureRequest};
+use crate::{
+    Material, TextureRef, World, Wrap,
+    gltf::ImageSource,
+    texture::{self, TextureRequest},
+};
 use reflet_scene::{
     desc::{At, MaterialDesc},
     diagnostic::Diagnostic,
@@ -72,31 +76,47 @@ impl Loader<'_> {
         if desc.emission_texture.is_some() {
             material.emission_texture = None;
         }
-        for texture in material.texture_slots().into_iter().flatten() {
-            texture.texture = self.file_image(loaded, texture.texture);
+        for slot in material.texture_slots() {
+            *slot = slot.and_then(|used| {
+                let texture = self.file_image(loaded, used.texture)?;
+                Some(TextureRef { texture, ..used })
+            });
         }
         self.apply(desc, &mut material);
         material
     }
 
-    /// Index into the texture table; reports an image that cannot be found.
-    fn file_image(&mut self, loaded: usize, index: usize) -> usize {
+    /// Index into the texture table; reports an image that cannot be found. With `lenient`, images that cannot be found or
+    /// whose headers cannot be read are left out.
+    fn file_image(&mut self, loaded: usize, index: usize) -> Option<usize> {
         let model = &self.loaded[loaded];
         let file = model.files[0].clone();
         let image = &model.images[index];
-        let (key, source) = match &image.source {
-            Ok(source @ ImageSource::File(path)) => (ImageKey::File(path.clone()), source.clone()),
-            Ok(source) => (
-                ImageKey::Embedded {
-                    loaded,
-                    image: image.index,
-                },
-                source.clone(),
-            ),
+        let lenient = self.options.lenient;
+        let source = image.source.clone();
+        let source = source.and_then(|source| match lenient {
+            true => texture::check_header(&source, &self.texture_limits())
+                .map(|()| source)
+                .map_err(|fault| fault.at(&format!("{}, {}", image.name, image.used_by))),
+            false => Ok(source),
+        });
+        let source = match source {
+            Ok(source) => source,
             Err(fault) => {
-                self.report_once(fault.clone().in_file(&file));
-                return 0; // never used: errors end the loading
+                let error = fault.in_file(&file);
+                match lenient {
+                    true => self.warn_once(left_out(error)),
+                    false => self.report_once(error),
+                }
+                return None;
             }
+        };
+        let key = match &source {
+            ImageSource::File(path) => ImageKey::File(path.clone()),
+            _ => ImageKey::Embedded {
+                loaded,
+                image: image.index,
+            },
         };
         let request = TextureRequest {
             name: image.name.clone(),
@@ -105,7 +125,7 @@ impl Loader<'_> {
             source,
             srgb: image.srgb,
         };
-        self.textures.index(key, request)
+        Some(self.textures.index(key, request))
     }
 
     /// Applies the overrides of `desc` to `material`.
@@ -198,10 +218,26 @@ impl Loader<'_> {
         material
     }
 
+    fn warn_once(&mut self, warning: Diagnostic) {
+        if !self.world.warnings.contains(&warning) {
+            self.world.warnings.push(warning);
+        }
+    }
+
     /// Reports an error unless it was reported before, as many instances may have the same one.
     pub fn report_once(&mut self, error: Diagnostic) {
         if !self.errors.contains(&error) {
             self.errors.push(error);
         }
     }
+}
+
+/// The warning about an image that is left out because of an error.
+fn left_out(error: Diagnostic) -> Diagnostic {
+    Diagnostic {
+        name: "image-left-out",
+        message: format!("an image is left out: {}", error.message),
+        ..error
+    }
+    .warning()
 }
