@@ -137,6 +137,31 @@ def webp(chance: random.Random) -> bytes:
     return chunk(b"RIFF", b"WEBP" + canvas)
 
 
+def ktx2(chance: random.Random) -> bytes:
+    """A KTX2 picture of random blocks, perhaps inflated, or larger or shorter than it says."""
+    formats = {37: (1, 4), 97: (1, 8), 131: (4, 8), 143: (4, 16), 145: (4, 16), 149: (4, 8)}
+    formats |= {151: (4, 16), 153: (4, 8), 157: (4, 16), 165: (6, 16), 183: (12, 16)}
+    kind = chance.choice(sorted(formats))
+    edge, size = formats[kind]
+    side = chance.choice((1, 4, 16, 64))
+    level = chance.randbytes((-(-side // edge)) ** 2 * size)
+    scheme = chance.choice((0, 3)) if kind < 157 else 0
+    stored = zlib.compress(level, 9) if scheme else level
+    stated = chance.choice((len(level), len(level), 16 << 20, 2**63))
+    stated_side = chance.choice((side, side, side, *LARGE_PX))
+    descriptor = b""
+    if kind >= 157:
+        descriptor = struct.pack("<IIHH", 44, 0, 2, 40)
+        descriptor += bytes((162, 1, 1, 0, edge - 1, edge - 1, 0, 0, 16)) + bytes(7)
+        descriptor += struct.pack("<HBB3I", 0, 127, 0, 0, 0, 2**32 - 1)
+    start = 104 + len(descriptor)
+    head = b"\xabKTX 20\xbb\r\n\x1a\n"
+    head += struct.pack("<9I", kind, 1, stated_side, stated_side, 0, 0, 1, 1, scheme)
+    head += struct.pack("<4I5Q", 104, len(descriptor), 0, 0, 0, 0, start, len(stored), stated)
+    whole = head + descriptor + stored
+    return whole[: chance.choice((len(whole), len(whole), chance.randrange(len(whole))))]
+
+
 def draco(chance: random.Random) -> bytes:
     """A model whose Draco stream says that it holds more vertices than its accessors."""
     points = bytearray()
@@ -269,6 +294,7 @@ MODELS: dict[str, Callable[[random.Random], bytes]] = {
     "jpeg": lambda chance: on_triangle(jpeg(chance), None, "image/jpeg", chance.choice((1, 2, 8))),
     "png": lambda chance: on_triangle(png(chance), None, "image/png", chance.choice((1, 2, 8))),
     "webp": lambda chance: on_triangle(webp(chance), "EXT_texture_webp", "image/webp"),
+    "ktx2": lambda chance: on_triangle(ktx2(chance), None, "image/ktx2", chance.choice((1, 8))),
     "draco": draco,
     "far": far,
     "objects": objects,

@@ -220,7 +220,7 @@ pub fn check_header(source: &ImageSource, limits: &TextureLimits) -> Result<(), 
 }
 
 fn decode(request: &TextureRequest, need: Need, limits: &TextureLimits) -> Result<Texture, Fault> {
-    let pixels = pixels(&request.source, need, limits)?;
+    let pixels = pixels(&request.source, request.srgb, need, limits)?;
     let (width, height) = pixels.dimensions();
     Ok(Texture {
         name: format!("{}: {}", request.file.display(), request.name),
@@ -232,10 +232,15 @@ fn decode(request: &TextureRequest, need: Need, limits: &TextureLimits) -> Resul
 }
 
 /// The pixels of an image, for which `need` was held.
-fn pixels(source: &ImageSource, need: Need, limits: &TextureLimits) -> Result<RgbaImage, Fault> {
+fn pixels(
+    source: &ImageSource,
+    srgb: bool,
+    need: Need,
+    limits: &TextureLimits,
+) -> Result<RgbaImage, Fault> {
     if let ImageSource::SpecularGlossiness(maps) = source {
         let decoded = |map: &Option<ImageSource>| {
-            let pixels = map.as_ref().map(|map| pixels(map, need, limits));
+            let pixels = map.as_ref().map(|map| pixels(map, true, need, limits));
             pixels.transpose()
         };
         let (diffuse, specular) = (decoded(&maps.diffuse)?, decoded(&maps.specular)?);
@@ -251,5 +256,5 @@ fn pixels(source: &ImageSource, need: Need, limits: &TextureLimits) -> Result<Rg
     if opened.need.kept > need.kept || opened.need.working > need.working {
         return Err(fault("image-broken", "it changed while it was read"));
     }
-    opened.decode()
+    opened.decode(srgb)
 }

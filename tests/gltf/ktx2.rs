@@ -91,10 +91,10 @@ fn scene_text_names_any_image_that_is_read() {
 fn other_and_lying_files_are_named() {
     let (_, good) = FILES[2];
     for (at, byte, message) in [
-        (12, 37, "vkFormat 37, expected Basis Universal"),
+        (12, 140, "vkFormat 140, expected Basis Universal"),
         (21, 255, "pixels"),
-        (99, 255, "larger than its picture"),
-        (44, 9, "cannot be decoded"),
+        (99, 255, "larger or smaller than its picture"),
+        (44, 9, "supercompression 9"),
     ] {
         let mut file = good.to_vec();
         file[at] = byte;

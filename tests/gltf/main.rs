@@ -23,6 +23,7 @@ mod image;
 mod judge;
 mod kit;
 mod ktx2;
+mod ktx2_plain;
 mod layers;
 mod limits;
 mod material;

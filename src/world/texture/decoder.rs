@@ -63,8 +63,9 @@ impl<'a> Opened<'a> {
             }
             Format::Ktx2 => {
                 let ktx2 = Ktx2::open(bytes)?;
-                let working = ktx2.working_bytes()?;
                 let size = ktx2.size;
+                check_size(size, limits)?;
+                let working = ktx2.working_bytes()?;
                 (Decoder::Ktx2(Box::new(ktx2)), size, working)
             }
             Format::Png => {
@@ -96,14 +97,14 @@ impl<'a> Opened<'a> {
         })
     }
 
-    /// Decodes the image; gray is expanded, and 16 bits are reduced to 8.
+    /// Decodes the image; gray is expanded, 16 bits are reduced to 8, and floats become sRGB with `srgb`.
     ///
     /// # Errors
     /// Broken data.
-    pub fn decode(self) -> Result<RgbaImage, Fault> {
+    pub fn decode(self, srgb: bool) -> Result<RgbaImage, Fault> {
         match self.decoder {
             Decoder::Jpeg(jpeg) => jpeg.decode(),
-            Decoder::Ktx2(ktx2) => ktx2.decode(),
+            Decoder::Ktx2(ktx2) => ktx2.decode(srgb),
             Decoder::Other(decoder) => {
                 let pixels = DynamicImage::from_decoder(decoder).map_err(broken)?;
                 Ok(pixels.into_rgba8())

@@ -15,7 +15,7 @@ pub enum Format {
     Jpeg,
     /// RFC 9649.
     WebP,
-    /// KTX 2.0 with Basis Universal.
+    /// KTX 2.0.
     Ktx2,
 }
 

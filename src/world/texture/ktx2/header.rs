@@ -1,0 +1,157 @@
+//! Header of KTX 2.0 files (§3), and the bytes of the first mip level with the memory that inflating them takes.
+
+use ruzstd::io::Read as _;
+
+use super::broken;
+use crate::gltf::Fault;
+
+/// Number of bytes up to the end of the first level's entry.
+const HEADER_BYTES: usize = 104;
+/// Largest window of Zstandard that is always allowed, bytes: what every decoder should support (RFC 8878, 3.1.1.1.2).
+const SMALL_WINDOW_BYTES: u64 = 8 << 20;
+/// Memory of an inflater of zlib, bytes.
+const ZLIB_BYTES: u64 = 1 << 20;
+/// Largest number of bytes that a byte of zlib becomes (RFC 1951: 258 by two codes of a bit).
+const ZLIB_MOST_EXPANSION: u64 = 258 * 8 / 2;
+
+/// Compression of a level as a whole.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Supercompression {
+    None,
+    /// Codebooks of ETC1S.
+    BasisLz,
+    Zstandard,
+    Zlib,
+}
+
+/// Header of a file.
+pub struct Header<'a> {
+    pub vk_format: u32,
+    /// Width and height, pixels.
+    pub size: [u32; 2],
+    supercompression: Supercompression,
+    /// Bytes of the first level, as they stand in the file.
+    level: &'a [u8],
+    /// Stated length of the inflated level, bytes.
+    inflated: u64,
+}
+
+impl<'a> Header<'a> {
+    /// Reads the header of a picture.
+    ///
+    /// # Errors
+    /// Files that are cut off; cube maps, volumes and arrays; unknown supercompression.
+    pub fn read(bytes: &'a [u8]) -> Result<Self, Fault> {
+        if bytes.len() < HEADER_BYTES {
+            return Err(broken("its header is cut off"));
+        }
+        let word = |at: usize| number(&bytes[at..at + 4]) as u32;
+        let long = |at: usize| number(&bytes[at..at + 8]);
+        let [depth, layers, faces] = [28, 32, 36].map(word);
+        if depth > 1 || layers > 1 || faces != 1 {
+            let text = "is KTX with a cube map, a volume or an array, expected one picture";
+            return Err(super::unsupported(text));
+        }
+        let supercompression = match word(44) {
+            0 => Supercompression::None,
+            1 => Supercompression::BasisLz,
+            2 => Supercompression::Zstandard,
+            3 => Supercompression::Zlib,
+            other => {
+                let text = format!("is KTX with supercompression {other}, expected 0 to 3");
+                return Err(super::unsupported(text));
+            }
+        };
+        let range = usize::try_from(long(80)).ok().and_then(|start| {
+            let length = usize::try_from(long(88)).ok()?;
+            Some(start..start.checked_add(length)?)
+        });
+        let level = range.and_then(|range| bytes.get(range));
+        Ok(Self {
+            vk_format: word(12),
+            size: [word(20), word(24)],
+            supercompression,
+            level: level.ok_or_else(|| broken("its first level lies outside the file"))?,
+            inflated: long(96),
+        })
+    }
+
+    /// Upper bound of the memory for inflating the level, bytes, with the inflated level itself, which has `bytes`, but
+    /// for ETC1S.
+    ///
+    /// # Errors
+    /// Another length; windows that are larger than the level.
+    pub fn inflating_bytes(&self, bytes: u64) -> Result<u64, Fault> {
+        let (least_stored, inflated) = match self.supercompression {
+            Supercompression::BasisLz => return Ok(0),
+            Supercompression::None => (bytes, bytes),
+            Supercompression::Zlib => (bytes / ZLIB_MOST_EXPANSION, self.inflated),
+            Supercompression::Zstandard => (0, self.inflated),
+        };
+        if (self.level.len() as u64) < least_stored {
+            return Err(broken("its first level is cut off"));
+        }
+        if inflated != bytes {
+            let text = "its first level is larger or smaller than its picture";
+            return Err(broken(text));
+        }
+        match self.supercompression {
+            Supercompression::Zlib => return Ok(inflated + ZLIB_BYTES),
+            Supercompression::Zstandard => {}
+            _ => return Ok(0),
+        }
+        // The decoder keeps a window of what it has inflated, and inflates up to a whole level beyond it.
+        let (frame, _) = ruzstd::frame::read_frame_header(self.level)
+            .map_err(|_| broken("its first level is not a frame of Zstandard"))?;
+        let window = frame.header.window_size();
+        let window = window.map_err(|_| broken("its window of Zstandard is not allowed"))?;
+        if window > self.inflated.max(SMALL_WINDOW_BYTES) {
+            return Err(broken(
+                "its window of Zstandard is larger than its first level",
+            ));
+        }
+        // A buffer that grows by doubling is held twice while it is copied.
+        Ok(self.inflated + 4 * (window + self.inflated))
+    }
+
+    /// The inflated level, whose length must be `bytes`.
+    ///
+    /// # Errors
+    /// Another length, broken data.
+    pub fn level(&self, bytes: usize) -> Result<std::borrow::Cow<'a, [u8]>, Fault> {
+        let cannot = || broken("its first level cannot be inflated to the size of its picture");
+        let mut inflated = Vec::new();
+        match self.supercompression {
+            Supercompression::None => {
+                let level = self.level.get(..bytes);
+                let level = level.ok_or_else(|| broken("its first level is cut off"))?;
+                return Ok(level.into());
+            }
+            Supercompression::BasisLz => return Err(broken("its supercompression needs ETC1S")),
+            Supercompression::Zstandard => {
+                let mut stream = ruzstd::StreamingDecoder::new(self.level).map_err(|_| cannot())?;
+                inflated.resize(bytes, 0);
+                stream.read_exact(&mut inflated).map_err(|_| cannot())?;
+                if stream.read(&mut [0]).map_err(|_| cannot())? > 0 {
+                    return Err(cannot());
+                }
+            }
+            Supercompression::Zlib => {
+                let stream = flate2::read::ZlibDecoder::new(self.level);
+                inflated.reserve_exact(bytes + 1);
+                let mut stream = std::io::Read::take(stream, bytes as u64 + 1);
+                std::io::Read::read_to_end(&mut stream, &mut inflated).map_err(|_| cannot())?;
+            }
+        }
+        match inflated.len() == bytes {
+            true => Ok(inflated.into()),
+            false => Err(cannot()),
+        }
+    }
+}
+
+/// A little-endian number.
+fn number(bytes: &[u8]) -> u64 {
+    let digits = bytes.iter().rev();
+    digits.fold(0, |value, &byte| value << 8 | u64::from(byte))
+}
