@@ -190,6 +190,61 @@ fn streams_hold_no_more_than_their_accessors_say() {
     assert_eq!(doc.error().0, "gltf-draco");
 }
 
+/// The grid with metadata: of an attribute, and of the geometry so many entries that share three names, in a block inside
+/// the outermost one.
+fn with_metadata(num_entries: usize) -> Vec<u8> {
+    let attribute = [1, 0, 1, 4, b'n', b'a', b'm', b'e', 2, b'u', b'v', 0];
+    let inner = [
+        0,
+        1,
+        1,
+        b'x',
+        num_entries as u8 | 0x80,
+        (num_entries >> 7) as u8 | 0x80,
+        (num_entries >> 14) as u8,
+    ];
+    let entries = (0..num_entries).flat_map(|i| [1, b'a' + (i % 3) as u8, 1, 7]);
+    let metadata: Vec<u8> = [&attribute[..], &inner]
+        .concat()
+        .into_iter()
+        .chain(entries)
+        .chain([0])
+        .collect();
+    let mut stream = [&GRID[..11], &metadata, &GRID[11..]].concat();
+    stream[10] |= 0x80;
+    stream
+}
+
+#[test]
+fn metadata_is_counted_and_hides_no_counts() {
+    let least_mib = |stream: &[u8]| {
+        let doc = document(stream);
+        (1..64)
+            .find(|mib| within(&doc, *mib).is_ok())
+            .expect("small")
+    };
+    let world = document(&with_metadata(3)).world();
+    assert_eq!(
+        triangles(&world.meshes[0]),
+        triangles(&document(GRID).world().meshes[0])
+    );
+    // As for 255 sets of attributes it would take 4 MB.
+    assert_eq!(least_mib(&with_metadata(3)), least_mib(GRID));
+    assert!(least_mib(&with_metadata(100_000)) > 25);
+    let mut older = GRID.to_vec();
+    older[6] = 1;
+    let (_, message) = document(&older).error();
+    assert!(message.contains("version 2.1, expected 2.2"), "{message}");
+    let whole = with_metadata(3);
+    for length in 0..44 {
+        assert_eq!(
+            document(&whole[..length]).error().0,
+            "gltf-draco",
+            "{length}"
+        );
+    }
+}
+
 /// A thousand primitives share a stream: it is decoded once, and each has the mesh.
 #[test]
 fn a_shared_stream_is_decoded_once() {

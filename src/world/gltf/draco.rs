@@ -18,6 +18,7 @@ use super::{
 use reflet_base::memory::wave_length;
 
 mod claim;
+mod header;
 
 fn fault(text: impl Into<String>) -> Fault {
     Fault::new("gltf-draco", text)
@@ -128,7 +129,8 @@ fn streams(root: &Root, buffers: &[Option<Bytes>]) -> Result<Vec<Stream>, Fault>
         let points = stream.claim.points.saturating_mul(per_point);
         let indices = stream.claim.faces.saturating_mul(3 * 4);
         stream.kept = points.saturating_add(indices);
-        stream.working = stream.claim.working_bytes(&stream.bytes);
+        let working = stream.claim.working_bytes(&stream.bytes);
+        stream.working = working.map_err(|fault| at(root, stream.users[0], fault))?;
     }
     Ok(streams)
 }

@@ -2,7 +2,7 @@
 
 use draco_core::DecodeLimits;
 
-use super::{super::accessor::shape, fault};
+use super::{super::accessor::shape, fault, header::Header};
 use crate::gltf::{
     Fault,
     schema::{Primitive, Root},
@@ -16,8 +16,6 @@ const SEAM_BYTES_PER_FACE: u64 = 64;
 const UNUSED_BYTES_PER_POINT: u64 = 64;
 /// Copies of an attribute while it is decoded: as integers, as numbers, and as the accessor has them.
 const COPIES: u64 = 3;
-/// Flag of a stream with metadata, which stands before the counts.
-const METADATA_FLAG: u16 = 0x8000;
 
 /// Upper bounds of what a stream may hold.
 #[derive(Clone, Copy, Debug)]
@@ -75,11 +73,18 @@ impl Claim {
     }
 
     /// Most bytes that decoding the stream takes beside what is kept.
-    pub fn working_bytes(&self, stream: &[u8]) -> u64 {
+    ///
+    /// # Errors
+    /// Streams whose header cannot be read.
+    pub fn working_bytes(&self, stream: &[u8]) -> Result<u64, Fault> {
+        let header = Header::read(stream)?;
         let per_point = COPIES * (self.point_bytes + UNUSED_BYTES_PER_POINT);
-        let per_face = BYTES_PER_FACE + SEAM_BYTES_PER_FACE * num_attribute_sets(stream);
+        let per_face = BYTES_PER_FACE + SEAM_BYTES_PER_FACE * header.num_attribute_sets;
         let points = self.points.saturating_mul(per_point);
-        points.saturating_add(self.faces.saturating_mul(per_face))
+        let faces = self.faces.saturating_mul(per_face);
+        Ok(points
+            .saturating_add(faces)
+            .saturating_add(header.metadata_bytes))
     }
 
     /// Refuses a decoded stream that holds more.
@@ -98,28 +103,4 @@ impl Claim {
         }
         Ok(())
     }
-}
-
-/// Largest number of sets of attributes with seams of their own. It stands behind the counts of a stream by
-/// Edgebreaker (Draco bitstream 2.2, "Parse Connectivity Data"); where it cannot be found it is the largest of all.
-fn num_attribute_sets(stream: &[u8]) -> u64 {
-    const LARGEST: u64 = u8::MAX as u64;
-    let find = || {
-        let [major, minor, _kind, method] = *stream.get(5..9)?.as_array()?;
-        let flags = u16::from_le_bytes(*stream.get(9..11)?.as_array()?);
-        if method == 0 {
-            return Some(0);
-        }
-        if (major, minor) != (2, 2) || flags & METADATA_FLAG != 0 {
-            return None;
-        }
-        // A byte for the kind of traversal, then the numbers of vertices and faces, of variable length.
-        let mut rest = stream.get(12..)?;
-        for _ in 0..2 {
-            let length = 1 + rest.iter().position(|byte| byte & 0x80 == 0)?;
-            rest = &rest[length..];
-        }
-        rest.first().map(|sets| u64::from(*sets))
-    };
-    find().unwrap_or(LARGEST)
 }
