@@ -82,6 +82,52 @@ fn every_depth_becomes_rgba8() {
     );
 }
 
+/// JPEG of 16 by 16 pixels with four quadrants of one color each, stored as Adobe programs do: 255 minus the ink.
+const CMYK: &[u8] = include_bytes!("cmyk.jpg");
+const INKS: [[u8; 4]; 4] = [
+    [0, 0, 0, 0],
+    [200, 40, 0, 0],
+    [0, 0, 255, 100],
+    [30, 180, 90, 60],
+];
+
+#[test]
+fn four_inks_become_rgb() {
+    // By the flag of the Adobe segment the same numbers are luma and chroma of the inks that Adobe stores.
+    let mut ycck = CMYK.to_vec();
+    assert_eq!(&ycck[6..11], b"Adobe");
+    ycck[17] = 2;
+    for (jpeg, is_ycck) in [(CMYK, false), (&ycck, true)] {
+        let texture = decoded_bytes(jpeg);
+        assert_eq!((texture.width, texture.height), (16, 16));
+        for (quadrant, inks) in INKS.iter().enumerate() {
+            let [a, b, c, light] = inks.map(|ink| 255.0 - f32::from(ink));
+            let (blue, red) = (b - 128.0, c - 128.0);
+            // ITU-T T.871
+            let inks_of = [
+                a + 1.402 * red,
+                a - 0.344_14 * blue - 0.714_14 * red,
+                a + 1.772 * blue,
+            ];
+            let rgb = match is_ycck {
+                true => inks_of.map(|ink| 255.0 - ink),
+                false => [a, b, c],
+            };
+            let expected = rgb.map(|v| v.clamp(0.0, 255.0) * light / 255.0);
+            let at = 4 * (16 * (4 + 8 * (quadrant / 2)) + 4 + 8 * (quadrant % 2));
+            let found = &texture.rgba[at..at + 4];
+            let near = found
+                .iter()
+                .zip(expected)
+                .all(|(f, e)| (f32::from(*f) - e).abs() < 3.0);
+            assert!(
+                near && found[3] == 255,
+                "{is_ycck} {inks:?}: {found:?}, {expected:?}"
+            );
+        }
+    }
+}
+
 #[test]
 fn webp_is_read_where_its_extension_names_it() {
     let pixel = image::RgbaImage::from_fn(3, 2, |x, y| {
