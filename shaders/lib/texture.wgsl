@@ -34,7 +34,7 @@ fn sample_wrapped(t: texture_2d_array<f32>, uv: vec2f, layer: u32, lod: f32, cla
 }
 
 fn pool_px(bits: u32) -> f32 {
-    return f32(SMALLEST_POOL_PX << (bits & TEXTURE_POOL_MASK));
+    return f32(SMALLEST_POOL_PX << ((bits >> TEXTURE_SIZE_SHIFT) & TEXTURE_SIZE_MASK));
 }
 
 // Pools that a slot samples, as a mask.

@@ -6,11 +6,15 @@ use super::{
     plan::has_specular,
     textures::Layers,
     types::{
-        GpuMaterial, GpuTextureUse, NONE, TEXTURE_NEAREST, TEXTURE_SRGB, TEXTURE_UV1,
-        TEXTURE_WRAP_U_SHIFT, TEXTURE_WRAP_V_SHIFT, WRAP_CLAMP, WRAP_MIRROR, WRAP_REPEAT, flag,
+        GpuMaterial, GpuTextureUse, NONE, TEXTURE_NEAREST, TEXTURE_SIZE_SHIFT, TEXTURE_SRGB,
+        TEXTURE_UV1, TEXTURE_WRAP_U_SHIFT, TEXTURE_WRAP_V_SHIFT, WRAP_CLAMP, WRAP_MIRROR,
+        WRAP_REPEAT, flag,
     },
 };
-use reflet_world::{CORE_SLOTS, LAYER_SLOTS, LayerTexture, Material, TextureRef, World, Wrap};
+use reflet_world::{
+    CORE_SLOTS, LAYER_SLOTS, LayerTexture, Material, TextureRef, World, Wrap,
+    texture::pool_size::SMALLEST_POOL_PX,
+};
 
 /// GPU layout of a material of the world, whose textures lie in `layers`.
 pub fn gpu_material(m: &Material, world: &World, layers: &Layers) -> GpuMaterial {
@@ -99,7 +103,8 @@ fn texture_use(
             | flag(slot.uv_set & 1 == 1, TEXTURE_UV1)
             | wrap(slot.wrap[0]) << TEXTURE_WRAP_U_SHIFT
             | wrap(slot.wrap[1]) << TEXTURE_WRAP_V_SHIFT
-            | flag(slot.nearest, TEXTURE_NEAREST),
+            | flag(slot.nearest, TEXTURE_NEAREST)
+            | (place.px / SMALLEST_POOL_PX).ilog2() << TEXTURE_SIZE_SHIFT,
         texels: [texture.width as f32, texture.height as f32],
         signs: uv_scale.map(|scale| if scale < 0.0 { -1.0 } else { 1.0 }),
     }

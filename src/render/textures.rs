@@ -6,19 +6,18 @@ use std::collections::HashMap;
 use rayon::prelude::*;
 
 use reflet_gpu::{Gpu, GpuError};
-use reflet_world::{Material, Texture, TextureRef, World, Wrap, texture::LARGEST_KEPT_PX};
+use reflet_world::{
+    Material, Texture, TextureRef, World, Wrap,
+    texture::pool_size::{NUM_POOLS, PoolSizes, bytes_of_layer},
+};
 
 mod resample;
 
-/// Width and height of the smallest pool's images, pixels; each further pool doubles it.
-pub const SMALLEST_POOL_PX: u32 = 512;
-/// Width and height of each pool's images, pixels.
-pub const POOL_PX: [u32; 3] = [SMALLEST_POOL_PX, 2 * SMALLEST_POOL_PX, 4 * SMALLEST_POOL_PX];
+/// Texels of the images that are resampled at once.
+const BATCH_TEXELS: usize = 4 * 2048 * 2048;
 
 /// Number of bits of a mask of pools: bit 2k for pool k linear, bit 2k + 1 for pool k as sRGB.
-pub const POOL_BITS: u32 = 2 * POOL_PX.len() as u32;
-
-const _: () = assert!(POOL_PX[2] == LARGEST_KEPT_PX);
+pub const POOL_BITS: u32 = 2 * NUM_POOLS as u32;
 
 /// Sampler settings that resampling to the pool's size depends on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -53,8 +52,10 @@ impl Sampling {
 /// Pool and layer of a resampled image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PoolSlot {
-    /// Index into [`POOL_PX`].
+    /// Index into [`PoolSizes::px`].
     pub pool: u32,
+    /// Width and height of the pool's images, pixels.
+    pub px: u32,
     /// Layer of the pool's array.
     pub layer: u32,
 }
@@ -82,13 +83,13 @@ impl Pools {
             bytes: 0,
         };
         let images = pools.layers.images();
-        for (pool, &px) in POOL_PX.iter().enumerate() {
+        for (pool, px) in pools.layers.sizes.px.into_iter().enumerate() {
             let members = images
                 .iter()
                 .filter(|(_, _, slot)| slot.pool == pool as u32);
             let members: Vec<_> = members.collect();
             let array = pools.array(gpu, px, members.len() as u32)?;
-            for batch in members.chunks(4) {
+            for batch in members.chunks((BATCH_TEXELS / (px * px) as usize).clamp(1, 4)) {
                 let chains: Vec<Vec<Vec<u8>>> = batch
                     .par_iter()
                     .map(|(i, sampling, _)| resample::mip_chain(&world.textures[*i], px, *sampling))
@@ -144,13 +145,6 @@ impl Pools {
     }
 }
 
-/// Index of the smallest pool that needs no downsampling, else of the largest pool.
-fn pool_of(texture: &Texture) -> usize {
-    let edge = texture.width.max(texture.height);
-    let fits = POOL_PX.iter().position(|&px| edge <= px);
-    fits.unwrap_or(POOL_PX.len() - 1)
-}
-
 /// Samplers with repeat/repeat, repeat/clamp, clamp/repeat, clamp/clamp along u and v.
 pub fn samplers(gpu: &Gpu) -> [wgpu::Sampler; 4] {
     use wgpu::AddressMode::{ClampToEdge as C, Repeat as R};
@@ -170,6 +164,7 @@ pub fn samplers(gpu: &Gpu) -> [wgpu::Sampler; 4] {
 /// Layers of all images that materials sample: one for each way of resampling an image.
 #[derive(Clone, Debug, Default)]
 pub struct Layers {
+    sizes: PoolSizes,
     /// Pool index of each of [`World::textures`].
     pools: Vec<usize>,
     slots: HashMap<(usize, Sampling), PoolSlot>,
@@ -178,17 +173,22 @@ pub struct Layers {
 impl Layers {
     /// Assigns layers for a world, in the order of its materials.
     pub fn of(world: &World) -> Self {
+        let sizes = PoolSizes::of(&world.textures);
         let mut layers = Self {
-            pools: world.textures.iter().map(pool_of).collect(),
+            sizes,
+            pools: (world.textures.iter())
+                .map(|texture| sizes.pool_of(texture))
+                .collect(),
             slots: HashMap::new(),
         };
-        let mut next = [0; POOL_PX.len()];
+        let mut next = [0; NUM_POOLS];
         for used in world.materials.iter().flat_map(Material::slots).flatten() {
             let (key, pool) = layers.key(&used, &world.textures);
             layers.slots.entry(key).or_insert_with(|| {
                 next[pool] += 1;
                 PoolSlot {
                     pool: pool as u32,
+                    px: sizes.px[pool],
                     layer: next[pool] - 1,
                 }
             });
@@ -199,7 +199,7 @@ impl Layers {
     /// Key of a texture use, and its pool.
     fn key(&self, used: &TextureRef, textures: &[Texture]) -> ((usize, Sampling), usize) {
         let pool = self.pools[used.texture];
-        let sampling = Sampling::of(used, &textures[used.texture], POOL_PX[pool]);
+        let sampling = Sampling::of(used, &textures[used.texture], self.sizes.px[pool]);
         ((used.texture, sampling), pool)
     }
 
@@ -216,12 +216,8 @@ impl Layers {
 
     /// Size of all layers with their mips, bytes.
     pub fn bytes(&self) -> u64 {
-        let layer = |slot: &PoolSlot| {
-            let px = u64::from(POOL_PX[slot.pool as usize]);
-            // All mip levels together are 4/3 of the largest.
-            px * px * 4 * 4 / 3
-        };
-        self.slots.values().map(layer).sum()
+        let layers = self.slots.values();
+        layers.map(|slot| bytes_of_layer(slot.px)).sum()
     }
 
     /// Image index, resampling and slot of each layer, ordered by pool and layer.

@@ -239,6 +239,10 @@ pub const TEXTURE_WRAP_U_SHIFT: u32 = 4;
 pub const TEXTURE_WRAP_V_SHIFT: u32 = 6;
 /// Bit of [`GpuTextureUse::bits`]: magnification takes the nearest texel.
 pub const TEXTURE_NEAREST: u32 = 1 << 8;
+/// Position in [`GpuTextureUse::bits`] of the size of the pool's images, as a power of 2 times the smallest.
+pub const TEXTURE_SIZE_SHIFT: u32 = 9;
+/// Mask of that power.
+pub const TEXTURE_SIZE_MASK: u32 = 7;
 /// Wrap mode in [`GpuTextureUse::bits`]: repeat.
 pub const WRAP_REPEAT: u32 = 0;
 /// Wrap mode in [`GpuTextureUse::bits`]: clamp to the edge.

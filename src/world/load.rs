@@ -8,7 +8,7 @@ use std::{
 use super::{
     Mesh, World,
     gltf::{self, Fault, Model, Sandbox},
-    texture::{self, TextureLimits},
+    texture::{self, TextureLimits, pool_size::PoolSizes},
 };
 use reflet_base::memory::Budget;
 use reflet_scene::{
@@ -320,11 +320,11 @@ impl Loader<'_> {
     }
 
     fn warn_of_reduced(&mut self, requests: &[texture::TextureRequest]) {
+        let sizes = PoolSizes::of(&self.world.textures);
         for (texture, request) in self.world.textures.iter().zip(requests) {
-            let largest = texture::LARGEST_KEPT_PX;
-            if texture.width.max(texture.height) > largest {
+            if let Some((px, reason)) = sizes.reduced(texture) {
                 let text = format!(
-                    "{}: {} x {} pixels are rendered as {largest} x {largest}",
+                    "{}: {} x {} pixels are rendered as {px} x {px}: {reason}",
                     texture.name, texture.width, texture.height
                 );
                 let warning = Diagnostic::in_file("texture-reduced", &request.file, text);

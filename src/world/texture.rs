@@ -24,13 +24,11 @@ mod decoder;
 mod encoded;
 mod jpeg;
 mod ktx2;
+pub mod pool_size;
 mod specular_glossiness;
 mod webp;
 
 pub(super) use self::webp::{Watched, largest_frame_bytes};
-
-/// Longest edge of a texture on the GPU, pixels; larger images are reduced to it.
-pub const LARGEST_KEPT_PX: u32 = 2048;
 
 /// Limits of decoding.
 #[derive(Clone, Debug)]
