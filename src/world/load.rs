@@ -34,6 +34,7 @@ mod preloaded_models;
 mod read_models;
 mod repeat;
 mod scripted;
+mod sight;
 mod tangent;
 mod vertex_streams;
 

@@ -163,6 +163,42 @@ fn points_and_lines_without_normals_have_no_light() {
     }
 }
 
+/// A camera in the middle of a cube sees its walls only if they have two sides.
+#[test]
+fn cameras_inside_of_closed_surfaces_see_nothing() {
+    let corner = |i: u8| [0, 1, 2].map(|k| f32::from(i >> k & 1) * 2.0 - 1.0);
+    let corners: Vec<f32> = (0..8).flat_map(corner).collect();
+    let outward = [
+        0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4, 2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6,
+        1, 3, 5, 3, 7, 5,
+    ];
+    let lens = json!({"type": "perspective", "perspective": {"yfov": 1.0, "znear": 0.1}});
+    let flat = json!({"type": "orthographic", "orthographic": {"xmag": 1, "ymag": 1, "zfar": 9, "znear": 0}});
+    for camera in [lens, flat] {
+        for (scale, double_sided, place_z, sees) in [
+            (1, false, 0, false),
+            (1, true, 0, true),
+            (-1, false, 0, false), // mirrored: the fronts stay outside
+            (1, false, 5, true),
+        ] {
+            let mut doc = Doc::empty();
+            let positions = doc.floats("VEC3", &corners);
+            let indices = doc.accessor("SCALAR", 5121, outward.len(), &outward);
+            doc.add("materials", json!({"doubleSided": double_sided}));
+            let mesh = doc.mesh(
+                json!({"attributes": {"POSITION": positions}, "indices": indices, "material": 0}),
+            );
+            doc.root_node(json!({"mesh": mesh, "scale": [scale, 1, 1]}));
+            doc.json["cameras"] = json!([camera]);
+            doc.root_node(json!({"camera": 0, "translation": [0, 0, place_z]}));
+            let world = doc.world();
+            let names: Vec<_> = world.warnings.iter().map(|w| w.name).collect();
+            let place = format!("{scale} {double_sided} {place_z} {camera}");
+            assert_eq!(names.contains(&"cameras-see-nothing"), !sees, "{place}");
+        }
+    }
+}
+
 #[test]
 fn cameras_of_files_that_see_nothing_give_way() {
     let mut doc = Doc::triangle();

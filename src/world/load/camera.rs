@@ -2,6 +2,7 @@
 
 use glam::{Affine3A, Vec3};
 
+use super::sight::{MOST_TRIED, Sight};
 use crate::{Mesh, Posed, World};
 use reflet_base::math::Bounds;
 use reflet_scene::{
@@ -40,9 +41,12 @@ pub fn add_default(world: &mut World, meshes: &[Mesh], desc: &SceneDesc) {
     let framed = Framed::of(world, meshes);
     let bounds = framed.bounds();
     let aspect = size[0] as f32 / size[1] as f32;
-    let mut cameras = world.cameras.iter();
-    let may_see = |camera: &CameraDesc| bounds.is_empty() || may_see(camera, &bounds, aspect);
-    if cameras.any(|camera| may_see(&camera.value)) {
+    let mut left = MOST_TRIED;
+    let mut may_see = |camera: &CameraDesc| {
+        let sight = Sight::new(camera, aspect);
+        bounds.is_empty() || sight.may_hold_box(&bounds) && framed.may_be_seen(&sight, &mut left)
+    };
+    if world.cameras.iter().any(|camera| may_see(&camera.value)) {
         return;
     }
     let radius = (bounds.diagonal() * 0.5).max(1e-3);
@@ -73,35 +77,6 @@ pub fn add_default(world: &mut World, meshes: &[Mesh], desc: &SceneDesc) {
         world.warnings.push(note);
     }
     world.cameras.push(main);
-}
-
-/// Whether a camera may see a box: it is not wholly outside one plane of the view frustum; touching counts as
-/// inside.
-fn may_see(camera: &CameraDesc, bounds: &Bounds, aspect: f32) -> bool {
-    let forward = (camera.target - camera.eye).normalize_or_zero();
-    let right = forward.cross(camera.up).normalize_or_zero();
-    let up = right.cross(forward);
-    let half_angle = camera.fov_deg.to_radians() * 0.5;
-    let corners = [0, 1, 2, 3, 4, 5, 6, 7].map(|i| {
-        let pick = |k: usize| [bounds.min[k], bounds.max[k]][(i >> k) & 1];
-        let to = Vec3::new(pick(0), pick(1), pick(2)) - camera.eye;
-        let depth = to.dot(forward);
-        let half_height = match camera.orthographic_height_m {
-            Some(height) => 0.5 * height,
-            None => depth * half_angle.tan(),
-        };
-        let [x, y] = [to.dot(right), to.dot(up)];
-        let half_width = half_height * aspect;
-        [
-            depth,
-            half_width - x,
-            half_width + x,
-            half_height - y,
-            half_height + y,
-        ]
-    });
-    let nearly = -1e-4 * bounds.diagonal();
-    (0..5).all(|edge| corners.iter().any(|inside| inside[edge] >= nearly))
 }
 
 /// A placed mesh that is framed.
@@ -195,6 +170,19 @@ impl<'a> Framed<'a> {
 
     fn bounds(&self) -> Bounds {
         Bounds::of(self.points())
+    }
+
+    /// Whether some triangle may be seen; of boxes one may. `left` triangles are tried.
+    fn may_be_seen(&self, sight: &Sight, left: &mut usize) -> bool {
+        let mut triangles = self.meshes.iter().flat_map(|shown| {
+            let corners = move |t: &[u32; 3]| (shown, shown.posed.corners(*t));
+            shown.triangles.iter().map(corners)
+        });
+        !self.boxes.is_empty()
+            || triangles.any(|(shown, corners)| {
+                *left = left.saturating_sub(1);
+                *left == 0 || sight.may_hold_triangle(corners, &shown.place, shown.double_sided)
+            })
     }
 
     /// Unit direction from the scene to the eye: slightly from the right and above; steeper onto a flat scene, from
