@@ -73,6 +73,42 @@ fn one_image_keeps_the_samplers_of_all_its_uses() {
     }
 }
 
+/// Columns of 4096 texels, black and white in turn, one a pixel: reduced to half they would be gray.
+#[test]
+fn large_images_keep_their_texels() {
+    const PX: u32 = 4096;
+    let (desc, mut world) = scene(WALL, &["material.wall.emission=[1, 1, 1]"]);
+    world.textures.push(Texture {
+        name: "made".to_owned(),
+        width: PX,
+        height: PX,
+        rgba: [[0, 0, 0, 255], [255; 4]]
+            .as_flattened()
+            .repeat((PX * PX / 2) as usize),
+        srgb: false,
+    });
+    let shown = world.instances[0].material;
+    // The picture shows 1.608 m of the wall.
+    let width_m = 2.0 * 3.0 * 15_f32.to_radians().tan();
+    let along = 2.0 / width_m * 32.0 / PX as f32;
+    world.materials[shown].emission_texture = Some(TextureRef {
+        texture: 0,
+        uv_set: 0,
+        transform: [
+            Vec3::new(along, 0.0, 0.5 - 0.5 * along),
+            Vec3::new(0.0, along, 0.0),
+        ],
+        wrap: [Wrap::Repeat; 2],
+        nearest: false,
+    });
+    let Some(picture) = picture(&desc, &world) else {
+        return;
+    };
+    for x in [4, 11, 16, 21, 28] {
+        assert_color(&picture, x, 16, [(x % 2) as f32; 3], 0.1);
+    }
+}
+
 /// Unlit materials are shown without light, exposure or tone map; vertex colors count.
 #[test]
 fn unlit_materials_are_display_colors() {
