@@ -18,7 +18,7 @@ use crate::{
     runtime::scene_text::{LoadedScene, SceneText},
     scene::{
         dependencies::Dependencies,
-        diagnostic::{Diagnostic, Source, print_diagnostics},
+        diagnostic::{Diagnostic, Source, at_most, print_diagnostics},
         parse::MOST_BYTES,
         stages::{Animator, Scene},
     },
@@ -27,6 +27,8 @@ use crate::{
 
 /// Time budget for posing frames; most errors of scripts and tracks show in a few frames.
 const POSING: Duration = Duration::from_secs(2);
+/// Time budget for checking variants, each as a scene of its own.
+const VARIANTS: Duration = Duration::from_secs(20);
 /// Maximum number of displayed lines printed by a script in its frames.
 const MOST_LINES: usize = 100;
 /// Name of standard input in messages.
@@ -103,7 +105,13 @@ fn check_text(
         Err(messages) if messages.iter().any(|d| d.name == "script-limit") => return Err(messages),
         Err(messages) => (messages, String::new(), text.variants()),
     };
+    let started = Instant::now();
+    let mut checked_variants = 0;
     for variant in variants.iter().filter(|_| from.variant.is_empty()) {
+        if started.elapsed() > VARIANTS {
+            break;
+        }
+        checked_variants += 1;
         let checked = check_variant(text.with_variant(variant));
         failed |= checked.is_err();
         let found = checked.map_or_else(|errors| errors, |checked| checked.messages);
@@ -114,12 +122,16 @@ fn check_text(
         messages.extend(new);
     }
     if failed {
-        return Err(messages);
+        return Err(at_most(messages));
     }
     match variants.len() {
         _ if !from.variant.is_empty() => {}
         0 => {}
         1 => summary += ", 1 variant",
+        n if checked_variants < n => {
+            let seconds = VARIANTS.as_secs();
+            summary += &format!(", {checked_variants} of {n} variants in {seconds} s");
+        }
         n => summary += &format!(", {n} variants"),
     }
     match messages.len() {
@@ -127,7 +139,7 @@ fn check_text(
         1 => summary += ", 1 warning",
         n => summary += &format!(", {n} warnings"),
     }
-    Ok((messages, summary))
+    Ok((at_most(messages), summary))
 }
 
 /// Messages and summary of a scene with the chosen variants.

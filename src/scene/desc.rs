@@ -19,7 +19,10 @@ mod script;
 mod stage;
 mod track;
 
-use std::{collections::HashSet, path::PathBuf};
+use std::{
+    collections::{HashMap, HashSet},
+    path::PathBuf,
+};
 
 use glam::{Mat4, Quat, Vec3};
 
@@ -59,6 +62,33 @@ pub struct Entry<T> {
     pub at: Span,
     /// The table's content.
     pub value: T,
+}
+
+/// Indices of entries by their names, for lists that are searched once for each of many names.
+#[derive(Clone, Debug, Default)]
+pub struct ByName<'a>(HashMap<&'a str, usize>);
+
+impl<'a> ByName<'a> {
+    /// Indices of named tables.
+    pub fn of<T>(entries: &'a [Entry<T>]) -> Self {
+        Self::of_names(entries.iter().map(|entry| Some(entry.name.as_str())))
+    }
+
+    /// Indices of things of which some have a name; of two with the same name, the first counts.
+    pub fn of_names(names: impl Iterator<Item = Option<&'a str>>) -> Self {
+        let mut indices = HashMap::new();
+        for (index, name) in names.enumerate() {
+            if let Some(name) = name {
+                indices.entry(name).or_insert(index);
+            }
+        }
+        Self(indices)
+    }
+
+    /// Index of the thing with this name.
+    pub fn index(&self, name: &str) -> Option<usize> {
+        self.0.get(name).copied()
+    }
 }
 
 /// A value together with the place where it is written.

@@ -32,6 +32,44 @@ pub struct Source {
     tokens: OnceLock<Vec<Token>>,
 }
 
+/// Largest number of messages about one scene that are shown; a text with more mistakes is most likely not a scene.
+pub const MOST_SHOWN: usize = 100;
+
+/// The last message of a list from which `count` messages are left out.
+pub fn left_out(count: usize, has_errors: bool) -> Diagnostic {
+    let message = match count {
+        1 => "1 more message is not shown".to_owned(),
+        _ => format!("{count} more messages are not shown"),
+    };
+    let message = Diagnostic::at("too-many-errors", Span::default(), message);
+    match has_errors {
+        true => message,
+        false => message.warning(),
+    }
+}
+
+/// At most [`MOST_SHOWN`] of the messages, in their order and errors rather than warnings, and the number of
+/// those left out.
+pub fn at_most(messages: Vec<Diagnostic>) -> Vec<Diagnostic> {
+    let surplus = messages.len().saturating_sub(MOST_SHOWN + 1);
+    if surplus == 0 {
+        return messages;
+    }
+    let is_error = |d: &Diagnostic| d.severity == Severity::Error;
+    let errors = messages.iter().filter(|d| is_error(d)).count();
+    let mut left = [MOST_SHOWN.saturating_sub(errors), MOST_SHOWN];
+    let mut kept = messages;
+    let before = kept.len();
+    kept.retain(|d| {
+        let left = &mut left[usize::from(is_error(d))];
+        let keeps = *left > 0;
+        *left -= usize::from(keeps);
+        keeps
+    });
+    kept.push(left_out(before - kept.len(), errors > 0));
+    kept
+}
+
 /// A range of bytes in a [`Source`]; the default span points nowhere.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Span {
@@ -120,10 +158,20 @@ impl Source {
         self.tokens.get_or_init(|| tokens(&self.text))
     }
 
+    /// Offset of the first character, after a byte order mark.
+    pub fn start_of_text(&self) -> usize {
+        match self.text.starts_with('\u{feff}') {
+            true => '\u{feff}'.len_utf8(),
+            false => 0,
+        }
+    }
+
     /// Line and column of a byte offset; an offset past the end means the end.
     pub fn place(&self, offset: usize) -> Place {
         let offset = self.text.floor_char_boundary(offset);
-        let before = &self.text[..offset];
+        // A byte order mark is no character of the first line.
+        let start = self.start_of_text();
+        let before = &self.text[start..offset.max(start)];
         let line_start = before.rfind('\n').map_or(0, |i| i + 1);
         Place {
             line: 1 + before.bytes().filter(|&b| b == b'\n').count(),

@@ -21,14 +21,15 @@ use self::hierarchy::{attach_cameras, attach_lights};
 pub use self::hierarchy::{placed_camera, placed_light};
 pub use self::joint::JointPose;
 pub use self::material::{
-    FileMaterial, MaterialChange, Values, changing_overrides, file_materials, override_of, written,
+    FileMaterial, MaterialChange, ModelTables, Values, changing_overrides, file_materials,
+    override_of, written_all,
 };
-pub use self::names::Names;
+pub use self::names::{Names, ScriptNames};
 pub use self::parts::{Kind, wrong_with_camera, wrong_with_light};
 use self::track::Track;
 use super::{
     desc::{
-        AnimationDesc, CAMERA, CameraDesc, Entry, InstanceDesc, InstanceMotionDesc, LIGHT,
+        AnimationDesc, ByName, CAMERA, CameraDesc, Entry, InstanceDesc, InstanceMotionDesc, LIGHT,
         LightDesc, MaterialDesc, PlacementDesc, SceneDesc, TrackDesc, Tracks,
     },
     diagnostic::{Diagnostic, Span},
@@ -76,9 +77,13 @@ impl FrameState {
 }
 
 impl SceneDesc {
-    /// Animation that an instance plays: its own choice, else its model's.
-    pub fn played_by<'a>(&'a self, instance: &'a InstanceDesc) -> Option<&'a AnimationDesc> {
-        let model = || self.models.iter().find(|m| m.name == instance.model.value);
+    /// Animation that an instance plays: its own choice, else its model's; `models` are those of the scene.
+    pub fn played_by<'a>(
+        &'a self,
+        instance: &'a InstanceDesc,
+        models: &ByName,
+    ) -> Option<&'a AnimationDesc> {
+        let model = || Some(&self.models[models.index(&instance.model.value)?]);
         let played = instance.animation.as_ref();
         let played = played.or_else(|| model()?.value.animation.as_ref());
         played.filter(|animation| !animation.name.is_empty())
@@ -164,22 +169,23 @@ struct Moved<'a> {
 }
 
 impl Moved<'_> {
-    /// Transforms of all nodes: in the space of `parent` if a track follows a node, else as in `world`.
-    fn seen_from<'w>(&self, parent: Option<usize>, world: &'w [Affine3A]) -> Cow<'w, [Affine3A]> {
-        let follows = self.tracks.iter().any(|(_, track)| track.follows());
-        let Some(parent) = parent.filter(|_| follows) else {
-            return world.into();
-        };
-        let parent_from_world = world[parent].inverse();
-        world.iter().map(|node| parent_from_world * *node).collect()
-    }
-
-    /// Sets the moving values of `to`, which must have its values at rest.
-    fn pose<T>(&self, to: &mut T, fields: &[Field<T>], time_s: f64, instances: &[Affine3A]) {
+    /// Sets the moving values of `to`, which must have its values at rest. Tracks that follow nodes see the world
+    /// transforms of these in the space of `parent`, if there is one.
+    fn pose<T>(
+        &self,
+        to: &mut T,
+        fields: &[Field<T>],
+        time_s: f64,
+        (world, parent): (&[Affine3A], Option<usize>),
+    ) {
         for (field, track) in &self.tracks {
             let field = &fields[*field];
             let rest = (field.get)(to).unwrap_or(Vec3::ZERO);
-            field.put_clamped(to, track.at(time_s, rest, instances));
+            let followed = track.followed().map(|node| match parent {
+                Some(parent) => world[parent].inverse() * world[node],
+                None => world[node],
+            });
+            field.put_clamped(to, track.at(time_s, rest, followed));
         }
     }
 }
@@ -277,7 +283,7 @@ impl<'a> Motion<'a> {
             state.instances[*index] = self.instance(*index, tracks, state.time_s);
         }
         for (index, track) in &self.shown {
-            state.hidden[*index] = track.at(state.time_s, Vec3::ONE, &[]).x < 0.5;
+            state.hidden[*index] = track.at(state.time_s, Vec3::ONE, None).x < 0.5;
         }
         for moved in &self.materials {
             let material = &mut state.materials[moved.index];
@@ -305,13 +311,10 @@ impl<'a> Motion<'a> {
             return self.rest.instances[index];
         };
         let [moves, turns, grows] = tracks;
-        let at = |track: &Option<Track>, base| {
-            track
-                .as_ref()
-                .map_or(base, |t| t.at(time_s, base, &self.rest.instances))
-        };
+        let at =
+            |track: &Option<Track>, base| track.as_ref().map_or(base, |t| t.at(time_s, base, None));
         let rotation = turns.as_ref().map_or(rotation, |track| {
-            let turn = turned(track.at(time_s, Vec3::ZERO, &[]));
+            let turn = turned(track.at(time_s, Vec3::ZERO, None));
             if track.is_absolute() {
                 turn
             } else {
@@ -333,16 +336,16 @@ impl<'a> Motion<'a> {
             if wanted(Kind::Camera, moved.index) {
                 let camera = &mut state.cameras[moved.index];
                 camera.clone_from(&self.rest.cameras[moved.index]);
-                let seen = moved.seen_from(parents.of_camera(moved.index), &world);
-                moved.pose(camera, &CAMERA, time_s, &seen);
+                let parent = parents.of_camera(moved.index);
+                moved.pose(camera, &CAMERA, time_s, (&world, parent));
             }
         }
         for moved in &self.lights {
             if wanted(Kind::Light, moved.index) {
                 let light = &mut state.lights[moved.index];
                 *light = self.rest.lights[moved.index];
-                let seen = moved.seen_from(parents.of_light(moved.index), &world);
-                moved.pose(light, &LIGHT, time_s, &seen);
+                let parent = parents.of_light(moved.index);
+                moved.pose(light, &LIGHT, time_s, (&world, parent));
                 light.settle();
             }
         }

@@ -53,6 +53,9 @@ pub struct ReadOptions {
     pub overrides: Vec<String>,
     /// Names of `[variant.NAME]` tables, laid over the scene before the overrides, in this order.
     pub variants: Vec<String>,
+    /// Whether the tables of other variants are left out, so that reading one of many variants takes no longer than
+    /// reading the scene.
+    pub only_chosen: bool,
     /// Folders where bases, included files and scripts are looked for after the scene's own.
     pub assets: Vec<PathBuf>,
 }

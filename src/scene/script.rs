@@ -4,6 +4,7 @@
 
 pub mod api;
 mod bounded_functions;
+mod bounds;
 mod call_limits;
 mod catch_values;
 mod compile;
@@ -32,7 +33,7 @@ use std::{collections::HashSet, fmt, path::PathBuf, sync::Arc};
 use rhai::{AST, CallFnOptions, Dynamic, Engine, EvalAltResult, Scope};
 
 use self::{
-    call_limits::run_limited,
+    call_limits::{run_alone, run_limited},
     compile::compile,
     context::{Call, Context},
     ended::{Ended, is_limit},
@@ -43,11 +44,11 @@ use super::{
     dependencies::Dependencies,
     desc::{At, Entry, ParamValue, ScriptDesc, TimelineDesc},
     diagnostic::{Diagnostic, Returned},
-    motion::{FrameState, Kind, Names},
+    motion::{FrameState, Kind, ScriptNames},
 };
 
 pub use self::{
-    call_limits::{Bounds, Halt},
+    bounds::{Bounds, Halt, together},
     limits::DEADLINE,
 };
 
@@ -241,7 +242,7 @@ impl Script {
     pub fn frame(
         &self,
         state: FrameState,
-        names: &Arc<Names>,
+        names: &ScriptNames,
         params: &[Entry<ParamValue>],
         timeline: Option<&TimelineDesc>,
     ) -> Result<Posed, Vec<Diagnostic>> {
@@ -252,7 +253,7 @@ impl Script {
         let mut call = Call::new(params, timeline, frame);
         // While the shutter is open, this is the time of the sub-frame, not of the frame.
         call.time_s = state.time_s;
-        let context = |state| Context::for_frame(call.clone(), state, Arc::clone(names));
+        let context = |state| Context::for_frame(call.clone(), state, names.clone());
         let (posed, afresh) = (context(state.clone()), context(state));
         let (result, log) = self.call("frame", [posed.clone(), afresh], |_| ());
         let when = format!("in frame {frame}");
@@ -301,7 +302,7 @@ impl Script {
         again: impl FnOnce(&Engine) -> Result<T, Box<EvalAltResult>> + Send,
     ) -> Ended {
         let find = || {
-            run_limited(bounds, || {
+            run_alone(bounds, || {
                 limit_location::again(&self.0.sources, &wrong, again)
             })
             .result

@@ -7,9 +7,9 @@ use super::{
     dependencies::Dependencies,
     desc::{Entry, ParamValue, SceneDesc},
     diagnostic::{Diagnostic, Source, Span},
-    motion::{FrameState, Motion, Names},
+    motion::{FrameState, Motion, ScriptNames},
     parse::{self, Document, PlacedGroup, RanScript, ReadOptions, ScriptInput, Texts},
-    script::Script,
+    script::{Script, together},
     suggest,
 };
 
@@ -128,8 +128,11 @@ impl Scene {
             .for_each(|path| dependencies.add(path));
         let mut document = Document::new(texts, options);
         let mut ran = Vec::new();
-        document.place_scenes(&mut |input| run_placed(input, dependencies, &mut ran));
-        let own = match run_setup(&mut document, dependencies) {
+        let own = together(|| {
+            document.place_scenes(&mut |input| run_placed(input, dependencies, &mut ran));
+            run_setup(&mut document, dependencies)
+        });
+        let own = match own {
             Ok(own) => own,
             Err(mistake) => {
                 document.lacks_script(mistake.map(|m| *m));
@@ -230,17 +233,17 @@ pub struct Animator<'a> {
     scene: &'a Scene,
     motion: Motion<'a>,
     /// Names that the script of each placed scene may use.
-    placed_names: Vec<Arc<Names>>,
+    placed_names: Vec<ScriptNames>,
 }
 
 impl<'a> Animator<'a> {
     /// Prepares the motion of a scene.
     pub fn new(scene: &'a Scene) -> Self {
         let motion = Motion::new(&scene.desc);
-        let groups: Vec<_> = scene.placed.iter().map(|p| p.group.as_str()).collect();
+        let names = |placed: &ScriptOfPlaced| ScriptNames::new(motion.names(), Some(&placed.group));
         Self {
             scene,
-            placed_names: motion.names().of_placed(&groups),
+            placed_names: scene.placed.iter().map(names).collect(),
             motion,
         }
     }
@@ -260,6 +263,10 @@ impl<'a> Animator<'a> {
     /// # Errors
     /// Same errors as [`Animator::pose`].
     pub fn pose_within(&self, frame: u32, late_frames: f64) -> Result<FrameState, Vec<Diagnostic>> {
+        together(|| self.posed(frame, late_frames))
+    }
+
+    fn posed(&self, frame: u32, late_frames: f64) -> Result<FrameState, Vec<Diagnostic>> {
         let mut state = self.motion.pose(frame, late_frames);
         let mut touched: HashSet<_> = HashSet::new();
         let timeline = self.scene.timeline.as_ref();
@@ -270,8 +277,9 @@ impl<'a> Animator<'a> {
             touched.extend(more);
         }
         if let Some(script) = &self.scene.script {
-            let (names, params) = (self.motion.names(), &self.scene.params);
-            let (posed, more) = script.frame(state, names, params, timeline)?;
+            let names = ScriptNames::new(self.motion.names(), None);
+            let params = &self.scene.params;
+            let (posed, more) = script.frame(state, &names, params, timeline)?;
             state = posed;
             touched.extend(more);
         }

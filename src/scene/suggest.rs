@@ -43,6 +43,9 @@ const SYNONYMS: &[(&str, &[&str])] = &[
     ("uri", &["file"]),
 ];
 
+/// Largest number of names of a scene that are compared with one that refers to nothing.
+pub const MOST_NAMES: usize = 1000;
+
 /// Pairs of words that are spelled alike but mean different things, and are never suggested.
 const STRANGERS: &[[&str; 2]] = &[["material", "matrix"]];
 

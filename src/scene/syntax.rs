@@ -5,6 +5,7 @@
 //! server and write-back share it. Parsing never fails as a whole, so that a text that is being typed has a tree.
 
 mod make;
+mod size;
 mod tokens;
 mod write;
 
@@ -16,6 +17,7 @@ use toml::{
 };
 
 pub use self::make::made;
+pub use self::size::{MOST_TABLES, MOST_TEXT_BYTES, Size, tables_in};
 pub use self::tokens::{Token, TokenKind, tokens};
 pub use self::write::to_text;
 
@@ -74,11 +76,23 @@ pub struct SyntaxTree {
     errors: Vec<SyntaxError>,
 }
 
+/// Message of the error of a text that has more than [`MOST_TABLES`] tables and is therefore not parsed.
+pub const TOO_MANY_TABLES: &str = "too many tables";
+
 impl SyntaxTree {
     /// Parses a text.
     pub fn parse(text: &str) -> Self {
         #[cfg(debug_assertions)]
         parsed::add(text);
+        if tables_in(text) > MOST_TABLES {
+            return Self {
+                root: Entries::new(),
+                errors: vec![SyntaxError {
+                    at: 0..0,
+                    message: TOO_MANY_TABLES.to_owned(),
+                }],
+            };
+        }
         let (root, errors) = DeTable::parse_recoverable(text);
         let mut errors: Vec<_> = errors.iter().map(SyntaxError::from).collect();
         errors.sort_by_key(|error| error.at.start);
@@ -118,6 +132,22 @@ impl SyntaxTree {
     pub fn moved(&self, by: usize) -> Entries {
         moved_entries(&self.root, by)
     }
+
+    /// Copy of the entries with all ranges moved, of `[variant.NAME]` only those that `keeps` selects.
+    pub fn moved_with_variants(&self, by: usize, keeps: impl Fn(&str) -> bool) -> Entries {
+        let copy = |(key, node): (&Key, &Node)| {
+            let node = match node.get_ref() {
+                Content::Table(all) if key.get_ref() == "variant" => {
+                    let kept = all.iter().filter(|(name, _)| keeps(name.get_ref()));
+                    let kept = kept.map(|(name, node)| (moved_key(name, by), moved(node, by)));
+                    Node::new(shift(node.span(), by), Content::Table(kept.collect()))
+                }
+                _ => moved(node, by),
+            };
+            (moved_key(key, by), node)
+        };
+        self.root.iter().map(copy).collect()
+    }
 }
 
 /// Parses one value, such as that of `--set`.
@@ -133,11 +163,12 @@ fn shift(at: Range<usize>, by: usize) -> Range<usize> {
     at.start + by..at.end + by
 }
 
+fn moved_key(key: &Key, by: usize) -> Key {
+    Key::new(shift(key.span(), by), key.get_ref().clone())
+}
+
 fn moved_entries(entries: &Entries, by: usize) -> Entries {
-    let moved = |(key, node): (&Key, &Node)| {
-        let key = Key::new(shift(key.span(), by), key.get_ref().clone());
-        (key, moved(node, by))
-    };
+    let moved = |(key, node): (&Key, &Node)| (moved_key(key, by), moved(node, by));
     entries.iter().map(moved).collect()
 }
 

@@ -13,8 +13,9 @@ use super::{
 use reflet_base::memory::Budget;
 use reflet_scene::{
     dependencies::Dependencies,
-    desc::{At, SceneDesc},
-    diagnostic::{Diagnostic, Severity, Span},
+    desc::{At, ByName, SceneDesc},
+    diagnostic::{Diagnostic, MOST_SHOWN, Severity, Span},
+    motion::{FileMaterial, file_materials},
 };
 
 mod asset_cache;
@@ -111,6 +112,13 @@ struct Loader<'a> {
     options: &'a LoadOptions,
     memory: Budget,
     sandbox: Sandbox,
+    /// Models and materials of the scene by name.
+    models: ByName<'a>,
+    named_materials: ByName<'a>,
+    /// Materials with motion by name.
+    moved: ByName<'a>,
+    /// Indices into `FrameState::file_materials`.
+    file_materials: HashMap<FileMaterial<'a>, usize>,
     /// Folders to search, as the user named them.
     folders: Vec<PathBuf>,
     world: World,
@@ -125,6 +133,8 @@ struct Loader<'a> {
     deformed: HashSet<usize>,
     materials: HashMap<place::MaterialKey, usize>,
     materials_by_name: HashMap<String, Vec<usize>>,
+    /// Indices into the world's moving materials of those that may be shared, by name.
+    moving_by_name: HashMap<String, Vec<usize>>,
 }
 
 /// Loaded source of a `[model.NAME]`.
@@ -180,6 +190,12 @@ impl<'a> Loader<'a> {
             memory: memory.clone(),
             sandbox: Sandbox::new(folders.iter().map(PathBuf::as_path), options.max_file_bytes)
                 .with_dependencies(&options.dependencies),
+            models: ByName::of(&desc.models),
+            named_materials: ByName::of(&desc.materials),
+            moved: ByName::of(&desc.motion.materials),
+            file_materials: (file_materials(desc).into_iter().enumerate())
+                .map(|(index, material)| (material, index))
+                .collect(),
             folders,
             world: World {
                 memory,
@@ -193,6 +209,7 @@ impl<'a> Loader<'a> {
             deformed: HashSet::new(),
             materials: HashMap::new(),
             materials_by_name: HashMap::new(),
+            moving_by_name: HashMap::new(),
         }
     }
 

@@ -162,7 +162,33 @@ fn the_first_message_that_is_left_out_is_counted() {
     assert!(errors(100).iter().all(|e| e.name != "too-many-errors"));
     let last = errors(101).pop().expect("a message");
     assert_eq!(last.name, "too-many-errors");
-    assert!(last.message.starts_with("1 more"), "{}", last.message);
+    assert_eq!(last.message, "1 more message is not shown");
+    let broken = |n: usize| format!("version = 1\n{}", "a = \n".repeat(n));
+    let text = broken(130);
+    let errors = Scene::from_text(&text, Path::new("scene.toml"), &[]).expect_err("no value");
+    let last = errors.last().expect("a message");
+    assert_eq!(
+        (errors.len(), last.message.as_str()),
+        (101, "30 more messages are not shown")
+    );
+}
+
+#[test]
+fn a_carriage_return_alone_is_named() {
+    for text in [
+        "version = 1\ra = 2\n",
+        "version = 1\n[params]\nx = 'a\rb'\n",
+    ] {
+        let errors = errors(text);
+        assert!(
+            errors[0].message.contains("carriage return alone"),
+            "{:?}",
+            errors[0].message
+        );
+    }
+    for text in ["version = 1\r\n\r\n# a\r\n", "\u{feff}version = 1\r\n"] {
+        assert!(Scene::from_text(text, Path::new("scene.toml"), &[]).is_ok());
+    }
 }
 
 /// Most letters of the key differ, but a long prefix suggests the intended one.

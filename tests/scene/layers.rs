@@ -36,6 +36,7 @@ impl Folder {
             overrides: owned(set),
             variants: owned(variants),
             assets: vec![self.0.join("library")],
+            ..ReadOptions::default()
         };
         let read = Scene::from_text_traced(&text, &path, &options, &Dependencies::default());
         let folder = format!("{}/", self.0.display());

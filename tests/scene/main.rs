@@ -19,6 +19,7 @@ mod placed;
 mod placed_script;
 mod removed;
 mod returned;
+mod scale;
 mod schema;
 mod set;
 mod settings;

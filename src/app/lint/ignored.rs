@@ -1,5 +1,7 @@
 //! Keys that have no effect because of other keys, or because another key is missing.
 
+use std::collections::HashSet;
+
 use crate::scene::{
     desc::{InstanceMaterialDesc, MaterialDesc, Method},
     diagnostic::{Diagnostic, Span},
@@ -99,12 +101,12 @@ fn materials(scene: &Scene) -> Vec<Diagnostic> {
         Some(InstanceMaterialDesc::Named(name)) => Some(name),
         _ => None,
     });
-    let used: Vec<_> = of_shapes
+    let used: HashSet<_> = of_shapes
         .chain(of_instances)
         .map(|name| &name.value)
         .collect();
     let mut found = Vec::new();
-    for entry in scene.materials.iter().filter(|m| used.contains(&&m.name)) {
+    for entry in scene.materials.iter().filter(|m| used.contains(&m.name)) {
         for ((needed, has), keys) in NEEDED {
             let said = keys.iter().filter(|(_, says)| says(&entry.value));
             let names: Vec<_> = said.map(|(name, _)| *name).collect();

@@ -152,6 +152,7 @@ impl SceneText {
     pub fn with_variant(&self, variant: &str) -> Self {
         let mut other = self.clone();
         other.read.variants = vec![variant.to_owned()];
+        other.read.only_chosen = true;
         other.options.dependencies = Dependencies::default();
         other
     }
@@ -341,6 +342,7 @@ fn read_options(from: &SceneOptions) -> ReadOptions {
     ReadOptions {
         overrides: from.set.clone(),
         variants: from.variant.clone(),
+        only_chosen: false,
         assets: asset_folders(&from.assets),
     }
 }

@@ -11,7 +11,7 @@ use annotate_snippets::{
     AnnotationKind, Group, Level, Origin, Renderer, Snippet, renderer::DEFAULT_TERM_WIDTH,
 };
 
-use super::{Diagnostic, Severity, Span};
+use super::{Diagnostic, Severity, Span, at_most};
 
 /// Length of a line, bytes, above which only the neighborhood of the span goes to the renderer, because it
 /// looks at every character.
@@ -72,8 +72,9 @@ fn excerpt<'a>(group: Group<'a>, span: &Span) -> Group<'a> {
     }
     let text = &source.text;
     let place = source.place(span.range.start);
-    let start = text.floor_char_boundary(span.range.start);
-    let line_start = text[..start].rfind('\n').map_or(0, |i| i + 1);
+    let first = source.start_of_text();
+    let start = text.floor_char_boundary(span.range.start).max(first);
+    let line_start = text[..start].rfind('\n').map_or(first, |i| i + 1);
     let line_end = text[start..].find('\n').map_or(text.len(), |i| start + i);
     let end = text.floor_char_boundary(span.range.end);
     let end = end.clamp(start, line_end);
@@ -148,7 +149,7 @@ pub fn print_diagnostics(diagnostics: &[Diagnostic]) {
     let wants_color = env::var_os("NO_COLOR").is_none_or(|value| value.is_empty());
     let color = wants_color && io::stderr().is_terminal();
     if !diagnostics.is_empty() {
-        eprint!("{}", render_all(diagnostics, color));
+        eprint!("{}", render_all(&at_most(diagnostics.to_vec()), color));
     }
 }
 
@@ -157,7 +158,10 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::{diagnostic::Source, syntax::Entries};
+    use crate::{
+        diagnostic::{MOST_SHOWN, Source, at_most},
+        syntax::Entries,
+    };
 
     fn at(text: &str, range: std::ops::Range<usize>) -> Diagnostic {
         let source = Source::new("a.toml", text);
@@ -166,6 +170,29 @@ mod tests {
             range,
         };
         Diagnostic::at("kind-of", span, "it is wrong")
+    }
+
+    #[test]
+    fn a_byte_order_mark_is_neither_counted_nor_shown() {
+        let text = "\u{feff}verion = 1\nb = 2\n";
+        let want = "error[kind-of]: it is wrong\n --> a.toml:1:1\n  |\n1 | verion = 1\n  | ^^^^^^";
+        assert_eq!(at(text, 3..9).render(false), want);
+        assert!(at(text, 0..0).render(false).contains(" --> a.toml:1:1\n"));
+        assert!(at(text, 14..15).render(false).contains(" --> a.toml:2:1\n"));
+        assert_eq!(at(text, 3..9).to_json()["end_column"], 7);
+    }
+
+    #[test]
+    fn errors_are_shown_rather_than_warnings() {
+        let warning = || at("a = 1\n", 0..1).warning();
+        let mut all: Vec<_> = (0..MOST_SHOWN + 1).map(|_| warning()).collect();
+        assert_eq!(at_most(all.clone()).len(), MOST_SHOWN + 1);
+        all.push(at("a = 1\n", 0..1));
+        let shown = at_most(all);
+        assert_eq!(shown.len(), MOST_SHOWN + 1);
+        let errors = shown.iter().filter(|d| d.severity == Severity::Error);
+        assert_eq!(errors.count(), 2, "the mistake and the count");
+        assert_eq!(shown[MOST_SHOWN].message, "2 more messages are not shown");
     }
 
     #[test]

@@ -7,11 +7,12 @@ use glam::Vec3;
 
 use super::track::Track;
 use crate::desc::{
-    InstanceDesc, InstanceMaterialDesc, MATERIAL, MATERIAL_FIELDS, MaterialDesc, PLAIN, SceneDesc,
+    ByName, Entry, InstanceDesc, InstanceMaterialDesc, MATERIAL, MATERIAL_FIELDS, MaterialDesc,
+    ModelDesc, PLAIN, SceneDesc,
 };
 
 /// A material inside a model's file, or all of them as `"*"`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct FileMaterial<'a> {
     /// Name of the `[model.NAME]`.
     pub model: &'a str,
@@ -22,10 +23,10 @@ pub struct FileMaterial<'a> {
 /// Materials inside files that may change: those with motion, and, for a script, those with a table
 /// `[model.NAME.material.M]`.
 pub fn file_materials(desc: &SceneDesc) -> Vec<FileMaterial<'_>> {
-    let mut found = Vec::new();
+    let (mut found, mut known) = (Vec::new(), HashSet::new());
     let mut add = |model, material| {
         let new = FileMaterial { model, material };
-        if !found.contains(&new) {
+        if known.insert(new) {
             found.push(new);
         }
     };
@@ -64,13 +65,49 @@ pub fn override_of(instance: &InstanceDesc) -> Option<&MaterialDesc> {
     }
 }
 
-/// Values that the tables of the scene give to a material inside a file at rest; for `"*"`, all values that
-/// they give to any material.
-pub fn written(desc: &SceneDesc, of: &FileMaterial) -> MaterialDesc {
-    let model = desc.models.iter().find(|m| m.name == of.model);
-    let tables = model.into_iter().flat_map(|m| &m.value.overrides);
-    let meant = tables.filter(|e| of.material == "*" || e.name == "*" || e.name == of.material);
-    meant.fold(MaterialDesc::default(), |all, e| all.overlaid(&e.value))
+/// Tables `[model.NAME.material.M]` of one model, by the names of the materials.
+pub struct ModelTables<'a> {
+    tables: &'a [Entry<MaterialDesc>],
+    names: ByName<'a>,
+}
+
+impl<'a> ModelTables<'a> {
+    /// Tables of a model, if the scene has it.
+    pub fn of(model: Option<&'a Entry<ModelDesc>>) -> Self {
+        let tables = model.map_or(&[][..], |model| &model.value.overrides);
+        Self {
+            tables,
+            names: ByName::of(tables),
+        }
+    }
+
+    /// Values that the tables give to a material inside the file at rest; for `"*"`, all values that they give to
+    /// any material.
+    pub fn written(&self, material: &str) -> MaterialDesc {
+        let overlay = |all: MaterialDesc, e: &Entry<MaterialDesc>| all.overlaid(&e.value);
+        if material == "*" {
+            return self.tables.iter().fold(MaterialDesc::default(), overlay);
+        }
+        let mut meant: Vec<_> = ["*", material]
+            .iter()
+            .filter_map(|name| self.names.index(name))
+            .collect();
+        meant.sort_unstable();
+        let meant = meant.into_iter().map(|index| &self.tables[index]);
+        meant.fold(MaterialDesc::default(), overlay)
+    }
+}
+
+/// Written values of many file materials, in their order; `models` are those of the scene. Materials of one model
+/// follow each other.
+pub fn written_all(desc: &SceneDesc, models: &ByName, all: &[FileMaterial]) -> Vec<MaterialDesc> {
+    let of_one_model = all.chunk_by(|a, b| a.model == b.model);
+    let written = of_one_model.flat_map(|same| {
+        let model = same.first().and_then(|first| models.index(first.model));
+        let tables = ModelTables::of(model.map(|index| &desc.models[index]));
+        same.iter().map(move |m| tables.written(m.material))
+    });
+    written.collect()
 }
 
 /// Value of each field of [`MATERIAL`], where it is set.
@@ -99,7 +136,7 @@ pub fn change(tracks: &[(usize, Track)], time_s: f64) -> MaterialChange {
         } else {
             &mut change.add
         };
-        values[*field] = Some(track.at(time_s, Vec3::ZERO, &[]));
+        values[*field] = Some(track.at(time_s, Vec3::ZERO, None));
     }
     change
 }

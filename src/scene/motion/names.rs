@@ -1,12 +1,12 @@
 //! Names that tracks and scripts may use.
 
-use std::{collections::HashMap, sync::Arc};
+use std::{collections::HashMap, ops::Deref, sync::Arc};
 
-use super::{changing_overrides, file_materials, moving, override_of, written};
-use crate::desc::{At, Entry, MaterialDesc, Parents, SceneDesc};
+use super::{changing_overrides, file_materials, moving, override_of, written_all};
+use crate::desc::{At, ByName, Entry, MaterialDesc, Parents, SceneDesc};
 
 /// Indices of things by name.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
 pub struct Names {
     /// Indices in [`SceneDesc::cameras`].
     pub cameras: HashMap<String, usize>,
@@ -19,8 +19,44 @@ pub struct Names {
     pub materials: HashMap<String, usize>,
     /// Indices in [`file_materials`], by the names of model and material.
     pub file_materials: HashMap<(String, String), usize>,
-    /// Properties of the things, by index, shared with the names of placed scenes.
-    pub known: Arc<Known>,
+    /// Properties of the things, by index.
+    pub known: Known,
+}
+
+/// Names as a script uses them: that of a placed scene writes the names in it without their prefix.
+#[derive(Clone, Debug)]
+pub struct ScriptNames {
+    all: Arc<Names>,
+    /// Prefix of the placed scene's names; empty for the outermost scene.
+    prefix: String,
+}
+
+impl Deref for ScriptNames {
+    type Target = Names;
+
+    fn deref(&self) -> &Names {
+        &self.all
+    }
+}
+
+impl ScriptNames {
+    /// Names of the script of a scene, or of the scene that a group stands for.
+    pub fn new(all: &Arc<Names>, group: Option<&str>) -> Self {
+        Self {
+            all: Arc::clone(all),
+            prefix: group.map_or_else(String::new, |group| format!("{group}.")),
+        }
+    }
+
+    /// Name in the whole scene.
+    pub fn full(&self, name: &str) -> String {
+        format!("{}{name}", self.prefix)
+    }
+
+    /// A name of the whole scene as the script writes it; `None` for things outside of its scene.
+    pub fn own<'n>(&self, full: &'n str) -> Option<&'n str> {
+        full.strip_prefix(self.prefix.as_str())
+    }
 }
 
 /// Properties of named things that decide what scripts may do with them, by index.
@@ -43,55 +79,6 @@ pub struct Known {
 }
 
 impl Names {
-    /// Names of placed scenes, without prefix as their scripts use them, for the group of each in `groups`.
-    pub fn of_placed(&self, groups: &[&str]) -> Vec<Arc<Self>> {
-        let empty = || Self {
-            known: Arc::clone(&self.known),
-            ..Self::default()
-        };
-        let mut all: Vec<_> = groups.iter().map(|_| empty()).collect();
-        let numbers: HashMap<_, _> = groups.iter().enumerate().map(|(i, g)| (*g, i)).collect();
-        // Rest of a name after each group that it begins with: of "a.b.c" after "a" and after "a.b".
-        let inside = |name: &str| -> Vec<(usize, String)> {
-            let dots = name.match_indices('.');
-            let found = dots.filter_map(|(dot, _)| {
-                let number = numbers.get(&name[..dot])?;
-                Some((*number, name[dot + 1..].to_owned()))
-            });
-            found.collect()
-        };
-        let kinds = [
-            &self.cameras,
-            &self.instances,
-            &self.lights,
-            &self.materials,
-        ];
-        for (kind, named) in kinds.into_iter().enumerate() {
-            for (name, index) in named {
-                for (number, own) in inside(name) {
-                    all[number].kinds()[kind].insert(own, *index);
-                }
-            }
-        }
-        for ((model, material), index) in &self.file_materials {
-            for (number, own) in inside(model) {
-                let key = (own, material.clone());
-                all[number].file_materials.insert(key, *index);
-            }
-        }
-        all.into_iter().map(Arc::new).collect()
-    }
-
-    /// Maps from a single name to an index.
-    fn kinds(&mut self) -> [&mut HashMap<String, usize>; 4] {
-        [
-            &mut self.cameras,
-            &mut self.instances,
-            &mut self.lights,
-            &mut self.materials,
-        ]
-    }
-
     /// Names of all things of a scene.
     pub fn of(desc: &SceneDesc) -> Self {
         fn entries<T>(list: &[Entry<T>]) -> HashMap<String, usize> {
@@ -101,6 +88,7 @@ impl Names {
         let values = |names: &[At<String>]| names.iter().map(|name| name.value.clone()).collect();
         let named = desc.node_names().enumerate();
         let of_files = file_materials(desc);
+        let models = ByName::of(&desc.models);
         Self {
             cameras: entries(&desc.cameras),
             instances: named
@@ -111,8 +99,8 @@ impl Names {
             file_materials: (of_files.iter().enumerate())
                 .map(|(i, m)| ((m.model.to_owned(), m.material.to_owned()), i))
                 .collect(),
-            known: Arc::new(Known {
-                written: of_files.iter().map(|m| written(desc, m)).collect(),
+            known: Known {
+                written: written_all(desc, &models, &of_files),
                 overrides: (changing_overrides(desc).into_iter().enumerate())
                     .filter(|(_, changes)| *changes)
                     .filter_map(|(i, _)| Some((i, override_of(&desc.instances[i])?.clone())))
@@ -121,13 +109,13 @@ impl Names {
                 playing: desc
                     .instances
                     .iter()
-                    .map(|i| desc.played_by(i).is_some())
+                    .map(|i| desc.played_by(i, &models).is_some())
                     .chain(desc.groups.iter().map(|_| false))
                     .collect(),
                 joints: desc.instances.iter().map(|i| values(&i.joints)).collect(),
                 morphs: desc.instances.iter().map(|i| values(&i.morphs)).collect(),
                 parents: desc.parents.clone(),
-            }),
+            },
         }
     }
 }

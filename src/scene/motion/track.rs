@@ -38,20 +38,20 @@ impl<'a> Track<'a> {
         !self.desc.keys.is_empty()
     }
 
-    /// Whether the track takes the position of an instance or group.
-    pub fn follows(&self) -> bool {
-        self.follow.is_some()
+    /// Index of the instance or group whose position the track takes.
+    pub fn followed(&self) -> Option<usize> {
+        self.follow
     }
 
-    /// Value at a time, seconds; `base` is the value in the thing's own table, `instances` are the poses of the
-    /// nodes at that time.
-    pub fn at(&self, time_s: f64, base: Vec3, instances: &[Affine3A]) -> Vec3 {
+    /// Value at a time, seconds; `base` is the value in the thing's own table, `followed` is the pose of the
+    /// followed node at that time.
+    pub fn at(&self, time_s: f64, base: Vec3, followed: Option<Affine3A>) -> Vec3 {
         let desc = self.desc;
         let mut value = base.as_dvec3();
         if !desc.keys.is_empty() {
             value = Keys(desc).at(time_s, self.arc.as_ref());
-        } else if let (Some(index), Some(follow)) = (self.follow, &desc.follow) {
-            value = instances[index].transform_point3(follow.offset).as_dvec3();
+        } else if let (Some(followed), Some(follow)) = (followed, &desc.follow) {
+            value = followed.transform_point3(follow.offset).as_dvec3();
         }
         if let Some(orbit) = &desc.orbit {
             value = on_orbit(orbit, value, time_s);
@@ -220,7 +220,7 @@ mod tests {
     }
 
     fn x(desc: &TrackDesc, time_s: f64) -> f32 {
-        Track::new(desc, |_| None).at(time_s, Vec3::ZERO, &[]).x
+        Track::new(desc, |_| None).at(time_s, Vec3::ZERO, None).x
     }
 
     fn with(keys: Vec<KeyDesc>, curve: CurveKind) -> TrackDesc {
@@ -361,7 +361,7 @@ mod tests {
             orbit: Some(orbit),
             ..TrackDesc::default()
         };
-        let at = Track::new(&track, |_| None).at(1.0, Vec3::new(3.0, 5.0, 0.0), &[]);
+        let at = Track::new(&track, |_| None).at(1.0, Vec3::new(3.0, 5.0, 0.0), None);
         // A quarter turn, counterclockwise seen from above: +X goes to −Z.
         assert!(at.distance(Vec3::new(1.0, 5.0, -2.0)) < 1e-5, "{at}");
         let track = TrackDesc {
@@ -373,7 +373,7 @@ mod tests {
             }),
             ..TrackDesc::default()
         };
-        let at = Track::new(&track, |_| None).at(2.0, Vec3::new(10.0, 0.0, 0.0), &[]);
+        let at = Track::new(&track, |_| None).at(2.0, Vec3::new(10.0, 0.0, 0.0), None);
         assert!((at.x - 12.5).abs() < 1e-6, "{at}");
     }
 }

@@ -135,6 +135,9 @@ impl<'t> Document<'t> {
             .chain(&variants);
         let files = texts.files().map(|file| &file.source);
         let mut report = (texts.report.clone()).with_sources(own.chain(files).cloned());
+        if options.only_chosen {
+            report.keep_variants(&options.variants);
+        }
         let (tree, mut shadows) = syntax_errors::tree(&texts.own, &mut report);
         let mut root = Node::new(0..0, Content::Table(tree));
         include::merge(&mut root, &texts.included, &mut shadows, &mut report);
@@ -272,10 +275,11 @@ impl<'t> Document<'t> {
         }
         // A model that no instance uses is placed at the origin, but not if it comes from an included file,
         // which only defines it, or if a layer has removed its instance.
-        let instances = &scene.instances;
-        let is_used = |name: &str| instances.iter().any(|i| i.model.value == name);
+        let used: HashSet<_> = (scene.instances.iter())
+            .map(|i| i.model.value.as_str())
+            .collect();
         let stands = |m: &Entry<_>| !texts.is_included(&m.at) && !report.is_unplaced(&m.name);
-        (scene.models).retain(|m| is_used(&m.name) || stands(m));
+        (scene.models).retain(|m| used.contains(m.name.as_str()) || stands(m));
         report.retain(|d| !shadows.iter().any(|s| s.hides(d)));
         placed::name_as_written(&placed_groups, &texts.placed, &mut report);
         if report.has("unsupported-version") {

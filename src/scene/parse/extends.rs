@@ -4,7 +4,7 @@ use std::collections::{HashMap, HashSet};
 
 use super::{overlay::exclude_each_other, report::Report};
 use crate::suggest;
-use crate::syntax::{Content, Entries, Node};
+use crate::syntax::{Content, Entries, Node, Size};
 
 /// Largest number of materials that extend each other in a chain.
 const MOST: usize = 100;
@@ -36,8 +36,13 @@ pub fn resolve(root: &mut Node, report: &mut Report) {
         report_missing(table, &materials, report);
     }
     report_circles(&materials, report);
-    let mut flat = HashMap::new();
+    let (mut flat, mut size) = (HashMap::new(), Size::default());
+    let mut too_large = None;
     each_table_mut(root, &mut |table| {
+        if too_large.is_some() {
+            return;
+        }
+        let at = table.get("extends").map(Node::span);
         let mut chain = Vec::new();
         let mut next = extended(table).map(str::to_owned);
         while let Some(name) = next.take().filter(|name| !chain.contains(name)) {
@@ -57,18 +62,25 @@ pub fn resolve(root: &mut Node, report: &mut Report) {
                 let parent = parent.and_then(|node| node.get_ref().as_table());
                 parent.cloned().unwrap_or_default()
             });
-            add_missing(table, keys);
+            add_missing(table, keys, &mut size);
         }
+        too_large = at.zip(size.excess());
     });
+    if let Some((at, excess)) = too_large {
+        let message = format!("materials inherit more than {excess} by `extends`");
+        let error = report.error("scene-too-large", &at, message);
+        error.help = Some("extend fewer materials, or smaller ones".into());
+    }
 }
 
-/// Adds the keys that the table does not have.
-fn add_missing(table: &mut Entries, parent: &Entries) {
+/// Adds the keys that the table does not have, also to `size`.
+fn add_missing(table: &mut Entries, parent: &Entries, size: &mut Size) {
     for (key, node) in parent {
         let name = key.get_ref().as_str();
         let excluded = |own: &str| exclude_each_other(name, own);
         let has = table.contains_key(name) || table.keys().any(|k| excluded(k.get_ref()));
         if !has && name != "extends" {
+            size.add(node);
             table.insert(key.clone(), node.clone());
         }
     }
@@ -81,8 +93,13 @@ fn report_missing(table: &Entries, materials: &Entries, report: &mut Report) {
     if materials.contains_key(name) || report.lacks_names() {
         return;
     }
-    let names: Vec<_> = materials.keys().map(|k| k.get_ref().as_str()).collect();
+    let names = materials.keys().map(|k| k.get_ref().as_str());
+    let names: Vec<_> = names.take(suggest::MOST_NAMES).collect();
     let message = format!("no material is named {}", suggest::text(name));
+    if report.is_full() {
+        report.error("dangling-name", &node.span(), message);
+        return;
+    }
     report.error("dangling-name", &node.span(), message).help = Some(match names.is_empty() {
         true => "write a table `[material.NAME]` and refer to its name".to_owned(),
         false => suggest::hint(name, &names, suggest::text, "the materials are"),

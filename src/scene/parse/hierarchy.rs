@@ -16,8 +16,6 @@ use crate::{
 
 /// Largest number of parents that a message about a circle lists.
 const MOST_SHOWN: usize = 8;
-/// Largest number of names that are compared with a wrong one.
-const MOST_SUGGESTED: usize = 1000;
 
 /// Declares the key `parent` of a table; its name is resolved after all tables are read.
 pub fn declare_parent(t: &mut Table) {
@@ -100,7 +98,7 @@ fn refuse_dangling<T>(
     } else {
         let mut known: Vec<&str> = nodes.keys().copied().collect();
         known.sort_unstable();
-        known.truncate(MOST_SUGGESTED);
+        known.truncate(suggest::MOST_NAMES);
         suggest::hint(parent, &known, suggest::text, "the names are")
     };
     let error = report.error("dangling-name", at, message);

@@ -73,7 +73,9 @@ pub fn collect(
         match confined_read::read(folders, &name.value, &SCENES, dependencies) {
             Ok(found) if known.insert(found.real.clone()) => {
                 let source = Arc::new(Source::new(found.path, found.text));
-                report.add(&source);
+                if !report.admit(&source, &name.at) {
+                    break;
+                }
                 waiting.extend(named(&source, false, report).into_iter().rev());
                 included.0.push(Include {
                     name: name.value,

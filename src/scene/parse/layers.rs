@@ -4,7 +4,8 @@ use std::{collections::HashSet, ops::Range, path::PathBuf, sync::Arc};
 
 use super::{
     include::{self, Included},
-    near_names, overlay,
+    near_names,
+    overlay::{self, Instances},
     report::Report,
     syntax_errors::{self, Shadow},
     value::{Named, Names, Value as _},
@@ -85,7 +86,9 @@ pub fn collect(
             break;
         }
         let source = Arc::new(Source::new(found.path, found.text));
-        report.add(&source);
+        if !report.admit(&source, &name.at) {
+            break;
+        }
         next = named(&source, false, report);
         let included = include::collect(&source, false, folders, dependencies, report);
         bases.push(Base {
@@ -218,8 +221,11 @@ fn remove_all(below: &mut Node, removed: &Node, has_script: bool, report: &mut R
         range: &ANY,
     };
     if Names::read(removed, &named, report).is_some() {
-        each.iter()
-            .for_each(|(path, at)| overlay::remove(below, path, has_script, at, report));
+        let mut instances = Instances::of(below);
+        for (path, at) in each {
+            overlay::remove((below, &mut instances), path, has_script, &at, report);
+        }
+        instances.drop_removed(below);
     }
 }
 
@@ -234,7 +240,8 @@ pub fn choose(mut root: Node, chosen: &[Arc<Source>], report: &mut Report) -> No
             Some(variant) => {
                 report.begin_variant(name);
                 root = over(root, variant, report);
-                report.end_variant(|path| overlay::has(&mut root, path));
+                let instances = Instances::of(&root);
+                report.end_variant(|path| overlay::has(&mut root, &instances, path));
             }
             None if report.lacks_names() => {}
             None => {

@@ -9,14 +9,11 @@ use super::{extends, hierarchy, report::Report};
 use crate::suggest;
 use crate::syntax::Entries;
 use crate::{
-    desc::{At, Entry, InstanceDesc, InstanceMaterialDesc, ModelDesc, ModelSource, SceneDesc},
+    desc::{At, ByName, InstanceMaterialDesc, ModelSource, SceneDesc},
     diagnostic::{Diagnostic, Span},
 };
 
 mod motion;
-
-/// Largest number of names that are compared with one that refers to nothing.
-const MOST_SUGGESTED: usize = 1000;
 
 /// Tables that can be referred to, by name, with the place of the name.
 struct Names<'a> {
@@ -37,7 +34,7 @@ impl<'a> Names<'a> {
         keys.sort_by_key(|(_, at)| at.start);
         let first = keys
             .iter()
-            .take(MOST_SUGGESTED)
+            .take(suggest::MOST_NAMES)
             .map(|(name, _)| *name)
             .collect();
         let places = keys.into_iter().collect();
@@ -89,6 +86,7 @@ pub fn check(
 ) {
     let mut models = Names::of("model", root);
     let mut materials = Names::of("material", root);
+    let by_name = ByName::of(&scene.models);
     for model in &scene.models {
         let is_shape = matches!(model.value.source, ModelSource::Shape(_));
         if let (true, Some(name)) = (is_shape, &model.value.material) {
@@ -100,7 +98,10 @@ pub fn check(
         if let Some(InstanceMaterialDesc::Named(name)) = &instance.material {
             materials.refer(name, report);
         }
-        if let Some(shape) = instance.animation.as_ref().and(shape_of(scene, instance)) {
+        let model = (instance.animation.as_ref())
+            .and_then(|_| by_name.index(&instance.model.value))
+            .map(|index| &scene.models[index]);
+        if let Some(shape) = model.filter(|m| matches!(m.value.source, ModelSource::Shape(_))) {
             let message = "the model of this instance is a shape, which has no animations";
             let error = Diagnostic::at("wrong-motion", instance.at.clone(), message)
                 .help("remove `animation`; `[motion.instance.NAME]` moves it")
@@ -147,15 +148,6 @@ fn check_instance_names(root: &Entries, report: &mut Report) {
         error.help = Some("instance names must be unique".into());
         error.related = Some((first, "the first one is here".into()));
     }
-}
-
-/// The model of an instance, if it is a shape.
-fn shape_of<'a>(scene: &'a SceneDesc, instance: &InstanceDesc) -> Option<&'a Entry<ModelDesc>> {
-    let model = scene
-        .models
-        .iter()
-        .find(|m| m.name == instance.model.value)?;
-    matches!(model.value.source, ModelSource::Shape(_)).then_some(model)
 }
 
 /// Warns of unused materials and of a scene without models.

@@ -1,6 +1,8 @@
 //! Lays tables over tables: a scene over its base, a variant over a scene. The upper value wins, key by
 //! key, and every value keeps the place where it is written.
 
+use std::{collections::HashMap, ops::Range};
+
 use super::{report::Report, set};
 use crate::suggest;
 use crate::syntax::{Content, Entries, Key, Node};
@@ -122,10 +124,15 @@ fn same_kind(old: &Entries, new: &Entries) -> bool {
 
 /// Instances of the same name are laid over each other, the others are added.
 fn overlay_instances(below: &mut Vec<Node>, above: impl Iterator<Item = Node>) {
+    let mut named: HashMap<String, usize> = HashMap::new();
+    for (index, node) in below.iter().enumerate() {
+        if let Some(name) = name_of(node) {
+            named.entry(name.to_owned()).or_insert(index);
+        }
+    }
     for node in above {
-        let name = name_of(&node).map(str::to_owned);
-        let same = |other: &&mut Node| name.is_some() && name_of(other) == name.as_deref();
-        let existing = below.iter_mut().find(same);
+        let known = name_of(&node).map(|name| *named.entry(name.to_owned()).or_insert(below.len()));
+        let existing = known.and_then(|index| below.get_mut(index));
         match (existing.map(Node::get_mut), node.get_ref()) {
             (Some(Content::Table(old)), Content::Table(_)) => {
                 if let Content::Table(new) = node.into_inner() {
@@ -142,20 +149,77 @@ pub fn name_of(node: &Node) -> Option<&str> {
     node.get_ref().as_table()?.get("name")?.get_ref().as_str()
 }
 
-/// Whether a value exists at a path such as `light.lamp`.
-pub fn has(root: &mut Node, path: &str) -> bool {
+/// Positions of instances by name, for many paths into one scene.
+pub struct Instances {
+    named: HashMap<String, usize>,
+    /// Whether each instance was removed; removed ones are dropped by [`Instances::drop_removed`].
+    is_removed: Vec<bool>,
+}
+
+impl Instances {
+    /// Instances of a scene's tree.
+    pub fn of(root: &Node) -> Self {
+        let list = root.get_ref().as_table().and_then(|t| t.get("instance"));
+        let list = list.and_then(|node| node.get_ref().as_array());
+        let list = list.map_or(&[][..], Vec::as_slice);
+        let mut named = HashMap::new();
+        for (index, node) in list.iter().enumerate() {
+            if let Some(name) = name_of(node) {
+                named.entry(name.to_owned()).or_insert(index);
+            }
+        }
+        Self {
+            named,
+            is_removed: vec![false; list.len()],
+        }
+    }
+
+    /// Position of the instance with a name, or else with a number among those that are left.
+    fn find(&self, name: &str) -> Option<usize> {
+        let named = self.named.get(name).copied();
+        let named = named.filter(|index| !self.is_removed[*index]);
+        named.or_else(|| {
+            let left = self
+                .is_removed
+                .iter()
+                .enumerate()
+                .filter(|(_, gone)| !**gone);
+            left.map(|(index, _)| index).nth(name.parse().ok()?)
+        })
+    }
+
+    /// Drops the removed instances from the tree.
+    pub fn drop_removed(self, root: &mut Node) {
+        let Content::Table(root) = root.get_mut() else {
+            return;
+        };
+        if let Some(Content::Array(list)) = root.get_mut("instance").map(Node::get_mut) {
+            let mut is_removed = self.is_removed.into_iter();
+            list.retain(|_| is_removed.next() != Some(true));
+        }
+    }
+}
+
+/// Whether a value exists at a path such as `light.lamp`; `instances` are those of the tree.
+pub fn has(root: &mut Node, instances: &Instances, path: &str) -> bool {
     let names = set::names_of(path).unwrap_or_default();
-    let found = names.iter().try_fold(root, |node, name| child(node, name));
-    found.is_ok() && !names.is_empty()
+    let found = names
+        .iter()
+        .enumerate()
+        .try_fold(root, |node, (depth, name)| {
+            let instances = (depth == 1 && names[0] == "instance").then_some(instances);
+            child(node, name, instances)
+        });
+    found.is_some() && !names.is_empty()
 }
 
 /// Removes the value at a path such as `light.lamp`; `at` is the place of the path, and `has_script` says
-/// whether a script may add to the scene.
+/// whether a script may add to the scene. An instance is only noted in `instances` as removed.
 pub fn remove(
-    root: &mut Node,
+    (root, instances): (&mut Node, &mut Instances),
     path: &str,
     has_script: bool,
-    at: &std::ops::Range<usize>,
+    at: &Range<usize>,
     report: &mut Report,
 ) {
     let Some(names) = set::names_of(path).filter(|names| !names.is_empty()) else {
@@ -166,56 +230,67 @@ pub fn remove(
     };
     let (above, last) = names.split_at(names.len() - 1);
     let mut node = root;
-    for name in above {
-        match child(node, name) {
-            Ok(next) => node = next,
-            Err(known) => return nothing(path, (name, &known), has_script, at, report),
+    for (depth, name) in above.iter().enumerate() {
+        let instances = (depth == 1 && names[0] == "instance").then_some(&*instances);
+        // Looked for twice, as a reference that is returned early would last until the end.
+        if child(node, name, instances).is_none() {
+            return nothing(path, (name, node), has_script, at, report);
         }
+        let Some(next) = child(node, name, instances) else {
+            return;
+        };
+        node = next;
     }
     let last = last[0].as_str();
-    let known = match node.get_mut() {
+    let is_list = above.len() == 1 && above[0] == "instance";
+    match node.get_mut() {
         Content::Table(table) if table.contains_key(last) => {
             table.remove(last);
             report.note_removed(path, at);
-            return;
         }
-        Content::Table(table) => table.keys().map(|k| k.get_ref().to_string()).collect(),
-        Content::Array(items) => match index_of(items, last) {
-            Some(index) => {
+        Content::Array(items) if is_list && instances.find(last).is_some() => {
+            if let Some(index) = instances.find(last) {
                 let table = items.get(index).and_then(|item| item.get_ref().as_table());
                 if let Some(model) = table.and_then(|t| t.get("model")?.get_ref().as_str()) {
                     report.note_unplaced(model);
                 }
-                let kept = items.iter().enumerate().filter(|(i, _)| *i != index);
-                *items = kept.map(|(_, item)| item.clone()).collect();
-                report.note_removed(path, at);
-                return;
+                instances.is_removed[index] = true;
             }
-            None => names_in(items),
-        },
-        _ => Vec::new(),
-    };
-    nothing(path, (last, &known), has_script, at, report);
+            report.note_removed(path, at);
+        }
+        Content::Array(items) if !is_list && index_of(items, last).is_some() => {
+            if let Some(index) = index_of(items, last) {
+                items.remove(index);
+            }
+            report.note_removed(path, at);
+        }
+        _ => nothing(path, (last, node), has_script, at, report),
+    }
 }
 
+/// Reports a path that leads nowhere: `name` is its first part that `node` does not have.
 fn nothing(
     path: &str,
-    (name, known): (&str, &[String]),
+    (name, node): (&str, &Node),
     has_script: bool,
-    at: &std::ops::Range<usize>,
+    at: &Range<usize>,
     report: &mut Report,
 ) {
     if report.lacks_names() {
         return;
     }
     let message = format!("there is nothing at {} to remove", suggest::text(path));
+    if report.is_full() {
+        report.error("dangling-name", at, message);
+        return;
+    }
     if let Some(first) = report.removed(path) {
         let error = report.error("dangling-name", at, message);
         error.help = Some("take it out of one of the two `remove` lists".into());
         error.related = Some((first, "it is removed here already".into()));
         return;
     }
-    let known: Vec<_> = known.iter().map(String::as_str).collect();
+    let known = names_in(node);
     let written = match suggest::nearest(name, known.iter().copied()) {
         None if has_script => {
             "only what is written in scene text can be removed; what a script makes it can leave out by a \
@@ -234,24 +309,30 @@ fn index_of(items: &[Node], name: &str) -> Option<usize> {
     named.or_else(index)
 }
 
-fn names_in(items: &[Node]) -> Vec<String> {
-    let names = items.iter().filter_map(name_of);
-    names.map(str::to_owned).collect()
+/// Names of the children of a node.
+fn names_in(node: &Node) -> Vec<&str> {
+    match node.get_ref() {
+        Content::Table(table) => table.keys().map(|k| k.get_ref().as_str()).collect(),
+        Content::Array(items) => items.iter().filter_map(name_of).collect(),
+        _ => Vec::new(),
+    }
 }
 
-/// The child of that name; as an error, the names of all children.
-fn child<'n>(node: &'n mut Node, name: &str) -> Result<&'n mut Node, Vec<String>> {
+/// The child of that name; `instances` are those of the scene where the node is their list.
+fn child<'n>(
+    node: &'n mut Node,
+    name: &str,
+    instances: Option<&Instances>,
+) -> Option<&'n mut Node> {
     match node.get_mut() {
-        Content::Table(table) => {
-            if !table.contains_key(name) {
-                return Err(table.keys().map(|k| k.get_ref().to_string()).collect());
-            }
-            table.get_mut(name).ok_or_else(Vec::new)
+        Content::Table(table) => table.get_mut(name),
+        Content::Array(items) => {
+            let index = match instances {
+                Some(instances) => instances.find(name),
+                None => index_of(items, name),
+            };
+            items.get_mut(index?)
         }
-        Content::Array(items) => match index_of(items, name) {
-            Some(index) => items.get_mut(index).ok_or_else(Vec::new),
-            None => Err(names_in(items)),
-        },
-        _ => Err(Vec::new()),
+        _ => None,
     }
 }

@@ -7,7 +7,10 @@ mod prefix;
 mod run;
 mod scripts;
 
-use std::collections::{HashMap, HashSet};
+use std::{
+    collections::{HashMap, HashSet},
+    ops::Range,
+};
 
 pub use self::collect::{Placed, collect};
 pub use self::group::{PlacedGroup, name_as_written};
@@ -25,7 +28,7 @@ use super::{
 use crate::{
     desc::TimelineDesc,
     suggest,
-    syntax::{Content, Entries, Node},
+    syntax::{Content, Entries, Node, Size},
 };
 
 /// Largest number of scenes that are placed in a scene, nested ones too.
@@ -69,6 +72,8 @@ pub fn expand(
         report,
         groups: Vec::new(),
         left: MOST_PLACED,
+        size: Size::default(),
+        script_limit_met: false,
     };
     if let Content::Table(root) = root.get_mut() {
         expansion.expand(root, "");
@@ -85,6 +90,10 @@ struct Expansion<'p> {
     report: &'p mut Report,
     groups: Vec<PlacedGroup>,
     left: usize,
+    /// Size of all placed trees, each with the copies of its parts and names that placing it makes.
+    size: Size,
+    /// Whether a script has exceeded a limit; the others are not run then, as they would take as long.
+    script_limit_met: bool,
 }
 
 impl Expansion<'_> {
@@ -99,12 +108,49 @@ impl Expansion<'_> {
         let (scenes, others): (Vec<_>, Vec<_>) =
             (list.iter().cloned()).partition(|instance| placed_by(instance).is_some());
         *list = others.into_iter().collect();
+        let own = list_of(root).iter().enumerate();
+        let own = own.filter_map(|(i, instance)| Some((overlay::name_of(instance)?.to_owned(), i)));
+        let own: HashMap<_, _> = own.collect();
         for instance in scenes {
-            self.place(root, instance, folder);
+            self.place((root, &own), instance, folder);
         }
     }
 
-    fn place(&mut self, root: &mut Entries, instance: Node, folder: &str) {
+    /// Adds a tree that is placed as a group to the size of all; false if they become too large, which is
+    /// reported for the first that is too much.
+    fn take(&mut self, tree: &Node, group: &str, at: &Range<usize>) -> bool {
+        let before = self.size.excess();
+        self.size.add(tree);
+        if let Content::Table(tables) = tree.get_ref() {
+            let entries: usize = (tables.values())
+                .map(|node| match node.get_ref() {
+                    Content::Table(entries) => entries.len(),
+                    Content::Array(items) => items.len(),
+                    _ => 0,
+                })
+                .sum();
+            self.size.text_bytes += entries * (group.len() + 1);
+        }
+        let Some(excess) = self.size.excess() else {
+            return true;
+        };
+        if before.is_none() {
+            let message = format!("with this scene, all placed scenes have more than {excess}");
+            let error = self.report.error("scene-too-large", at, message);
+            error.help = Some("place fewer or smaller scenes; a scene that is placed in several places counts each time".into());
+        }
+        self.left = 0;
+        self.report.note_lacking_names();
+        false
+    }
+
+    /// Adds a placed scene to a tree whose own instances are `own`, by name.
+    fn place(
+        &mut self,
+        (root, own_instances): (&mut Entries, &HashMap<String, usize>),
+        instance: Node,
+        folder: &str,
+    ) {
         let Some((name, node)) = placed_by(&instance) else {
             return;
         };
@@ -120,6 +166,9 @@ impl Expansion<'_> {
             return;
         };
         if self.left == 0 {
+            if self.size.excess().is_some() {
+                return; // reported
+            }
             let message = format!("at most {MOST_PLACED} scenes can be placed in a scene");
             self.report.error("too-many-files", &at, message);
             self.report.note_lacking_names();
@@ -155,6 +204,9 @@ impl Expansion<'_> {
             script: None,
         };
         own.script = self.run_script(&mut tree, file, &own.params);
+        if !self.take(&tree, &name, &at) {
+            return;
+        }
         if let Content::Table(tree) = tree.get_mut() {
             let inner = self.groups.len();
             self.expand(tree, &file.folder);
@@ -174,7 +226,7 @@ impl Expansion<'_> {
         }
         self.add_group(root, &name, at, group);
         if let Content::Table(tree) = tree.into_inner() {
-            merge(root, tree);
+            merge(root, tree, own_instances);
         }
     }
 
@@ -232,8 +284,14 @@ impl Expansion<'_> {
     }
 }
 
+/// The instances of a tree.
+fn list_of(root: &Entries) -> &[Node] {
+    let list = root.get("instance").and_then(|n| n.get_ref().as_array());
+    list.map_or(&[], Vec::as_slice)
+}
+
 /// Adds the entries of a placed scene; entries of the scene itself with the same names lie over them.
-fn merge(root: &mut Entries, tree: Entries) {
+fn merge(root: &mut Entries, tree: Entries, own_instances: &HashMap<String, usize>) {
     for (kind, node) in tree {
         let Some(own) = root.get_mut(kind.get_ref().as_str()).map(Node::get_mut) else {
             root.insert(kind, node);
@@ -241,7 +299,7 @@ fn merge(root: &mut Entries, tree: Entries) {
         };
         match (own, node.into_inner()) {
             (Content::Table(kinds), Content::Table(more)) if kind.get_ref() == "motion" => {
-                merge(kinds, more);
+                merge(kinds, more, own_instances);
             }
             (Content::Table(own), Content::Table(more)) => {
                 for (name, thing) in more {
@@ -250,12 +308,9 @@ fn merge(root: &mut Entries, tree: Entries) {
                 }
             }
             (Content::Array(own), Content::Array(more)) => {
-                let named = own.iter().enumerate();
-                let named: HashMap<String, usize> = named
-                    .filter_map(|(i, instance)| Some((overlay::name_of(instance)?.to_owned(), i)))
-                    .collect();
                 for thing in more {
-                    let known = overlay::name_of(&thing).and_then(|name| named.get(name));
+                    let name = overlay::name_of(&thing);
+                    let known = name.and_then(|name| own_instances.get(name));
                     match known.and_then(|index| own.get_mut(*index)) {
                         Some(above) => *above = over(thing, Some(above.clone())),
                         None => own.push(thing),

@@ -6,10 +6,10 @@ use std::{
     sync::Arc,
 };
 
-use crate::diagnostic::{Diagnostic, Severity, Source, Span};
-
-/// Largest number of errors kept per run; a file with more of them is most likely not a scene.
-const MOST: usize = 100;
+use crate::{
+    diagnostic::{Diagnostic, MOST_SHOWN as MOST, Severity, Source, Span, left_out},
+    syntax::{Entries, MOST_TABLES, MOST_TEXT_BYTES, tables_in},
+};
 
 /// Messages so far, and the texts they point into.
 ///
@@ -32,6 +32,10 @@ pub struct Report {
     removed: HashMap<String, Removal>,
     /// The variant that is laid over the scene.
     variant: Option<String>,
+    /// Variants whose tables are read; `None` for all.
+    kept_variants: Option<HashSet<String>>,
+    /// Tables of the texts of the scene.
+    tables: usize,
 }
 
 /// Removal of a path by a layer.
@@ -49,6 +53,7 @@ impl Report {
     /// Same messages over other texts, in this order.
     pub fn with_sources(mut self, sources: impl Iterator<Item = Arc<Source>>) -> Self {
         self.sources.clear();
+        self.tables = 0;
         for source in sources {
             self.add(&source);
         }
@@ -59,7 +64,41 @@ impl Report {
     pub fn add(&mut self, source: &Arc<Source>) -> usize {
         let start = self.end();
         self.sources.push((start, Arc::clone(source)));
+        self.tables += tables_in(&source.text);
         start
+    }
+
+    /// Adds the text of a file that is named at `at`, unless the scene's texts become too large by it, which is
+    /// reported.
+    pub fn admit(&mut self, source: &Arc<Source>, at: &Span) -> bool {
+        let tables = self.tables + tables_in(&source.text);
+        let excess = if self.end() + source.text.len() > MOST_TEXT_BYTES {
+            format!("{} MiB", MOST_TEXT_BYTES >> 20)
+        } else if tables > MOST_TABLES {
+            format!("{MOST_TABLES} tables")
+        } else {
+            self.add(source);
+            return true;
+        };
+        let message = format!("with this file, the texts of the scene have more than {excess}");
+        let error = Diagnostic::at("scene-too-large", at.clone(), message);
+        self.push(error.help("geometry belongs in glTF files, named by `file`"));
+        self.note_lacking_names();
+        false
+    }
+
+    /// Leaves out the tables of all variants but these, of which the scene does not read the others.
+    pub fn keep_variants(&mut self, names: &[String]) {
+        self.kept_variants = Some(names.iter().cloned().collect());
+    }
+
+    /// Entries of a text at its position, with the variants that are read.
+    pub fn tree_of(&self, source: &Arc<Source>) -> Entries {
+        let start = self.start_of(source);
+        match &self.kept_variants {
+            Some(kept) => (source.syntax()).moved_with_variants(start, |name| kept.contains(name)),
+            None => source.syntax().moved(start),
+        }
     }
 
     /// Position where an added text begins.
@@ -264,12 +303,7 @@ impl Report {
         self.merge_repeated();
         let failed = self.errors > 0;
         if self.left_out > 0 {
-            let message = format!("{} more messages are not shown", self.left_out);
-            let mut more = Diagnostic::at("too-many-errors", Span::default(), message);
-            if !failed {
-                more = more.warning();
-            }
-            self.list.push(more);
+            self.list.push(left_out(self.left_out, failed));
         }
         (self.list, failed)
     }

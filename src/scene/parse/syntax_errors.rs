@@ -13,7 +13,7 @@ use super::report::Report;
 use crate::{
     diagnostic::{Diagnostic, Source, Span},
     suggest,
-    syntax::Entries,
+    syntax::{Entries, MOST_TABLES, TOO_MANY_TABLES},
 };
 
 /// The part of a file that a syntax error makes doubtful: other messages about it may only follow from
@@ -35,7 +35,10 @@ impl Shadow {
             (Some(a), Some(b)) => Arc::ptr_eq(a, b),
             (a, _) => a.is_none(),
         };
-        let syntax = matches!(message.name, "toml-syntax" | "duplicate-key" | "too-deep");
+        let syntax = matches!(
+            message.name,
+            "toml-syntax" | "duplicate-key" | "too-deep" | "scene-too-large"
+        );
         let doubtful = match message.name {
             // A missing key may be the one on the broken line.
             "missing-key" => self.table.contains(&at),
@@ -50,7 +53,7 @@ impl Shadow {
 pub fn tree(source: &Arc<Source>, report: &mut Report) -> (Entries, Vec<Shadow>) {
     let base = report.start_of(source);
     let shadows = errors(source, base, report);
-    (source.syntax().moved(base), shadows)
+    (report.tree_of(source), shadows)
 }
 
 /// Reports the errors of a text that begins at `base` in the report.
@@ -64,7 +67,7 @@ fn errors(source: &Arc<Source>, base: usize, report: &mut Report) -> Vec<Shadow>
     let mut shadows: Vec<Shadow> = Vec::new();
     let mut line_end = None;
     let unclosed = unclosed::first(text).filter(|_| !errors.is_empty());
-    let mut doubled = 0..0;
+    let (mut doubled, mut is_full) = (0..0, false);
     for error in errors {
         let at = error.at.clone();
         if unclosed.as_ref().is_some_and(|open| at.start >= open.at) || doubled.contains(&at.start)
@@ -76,18 +79,22 @@ fn errors(source: &Arc<Source>, base: usize, report: &mut Report) -> Vec<Shadow>
         if same_line && error.message != "duplicate key" {
             continue;
         }
+        let start = text.floor_char_boundary(at.start);
+        line_end = Some(text[start..].find('\n').map_or(text.len(), |i| start + i));
         if report.is_full() {
-            shadows.push(shadow(0..text.len() + 1, 0));
-            break;
+            report.error("toml-syntax", &at, ""); // only counted
+            is_full = true;
+            continue;
         }
         explain(text, base, at.clone(), &error.message, report);
-        let start = text.floor_char_boundary(at.start);
         if error.message == "duplicate key" {
             doubled = body_of_header(text, start);
         }
         let line = text[..start].rfind('\n').map_or(0, |i| i + 1);
-        line_end = Some(text[start..].find('\n').map_or(text.len(), |i| start + i));
         shadows.push(shadow(table_around(text, line), line));
+    }
+    if is_full {
+        shadows.push(shadow(0..text.len() + 1, 0));
     }
     if let Some(open) = unclosed.filter(|_| !report.is_full()) {
         explain_unclosed(text, base, &open, report);
@@ -132,6 +139,10 @@ fn explain(text: &str, base: usize, at: Range<usize>, message: &str, report: &mu
             _ => "remove one of the two, or give it another name".into(),
         });
         error.related = first.map(|span: Span| (span, "it is first defined here".into()));
+    } else if message == TOO_MANY_TABLES {
+        let message = format!("the text has more than {MOST_TABLES} tables");
+        report.error("scene-too-large", &moved(&at), message).help =
+            Some("geometry belongs in glTF files, named by `file`".into());
     } else if message.contains("recurs") {
         let message = "arrays and tables are nested too deeply";
         // The parser does not say where.

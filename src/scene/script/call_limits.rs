@@ -4,17 +4,16 @@
 use std::{
     cell::{Cell, RefCell},
     panic::resume_unwind,
-    sync::{
-        Arc,
-        atomic::{AtomicBool, Ordering},
-    },
     thread,
     time::{Duration, Instant},
 };
 
 use rhai::{EvalAltResult, Position};
 
-use super::limits::{DEADLINE, LINES, MEMORY, OPERATIONS, PRINTED, STACK, TIME_IS, grouped};
+use super::{
+    bounds::{Bounds, Halt, halt, of_next_call, take},
+    limits::{DEADLINE, LINES, MEMORY, PRINTED, STACK, TIME_IS, grouped},
+};
 use crate::diagnostic::printable_lines;
 use reflet_base::processor_time;
 
@@ -29,86 +28,6 @@ const FINDING: Duration = Duration::from_secs(2);
 /// good.
 const FINDING_ANY: Duration = Duration::from_secs(1);
 
-/// Handle that ends calls of scripts from another thread; clones share their state.
-#[derive(Clone, Debug, Default)]
-pub struct Halt(Arc<AtomicBool>);
-
-impl Halt {
-    /// Ends calls under this handle within a few operations, and later calls at their start.
-    pub fn halt(&self) {
-        self.0.store(true, Ordering::Relaxed);
-    }
-
-    /// Does work on this thread; calls of scripts in it fail once the handle is halted.
-    pub fn over<T>(&self, work: impl FnOnce() -> T) -> T {
-        let before = HALT.replace(Some(self.clone()));
-        let result = work();
-        HALT.set(before);
-        result
-    }
-
-    /// Whether the handle was halted.
-    pub fn is_halted(&self) -> bool {
-        self.0.load(Ordering::Relaxed)
-    }
-}
-
-thread_local! {
-    /// Handle that can end the calls that this thread begins.
-    static HALT: RefCell<Option<Halt>> = const { RefCell::new(None) };
-    /// Limits of each of these calls.
-    static BOUNDS: Cell<Bounds> = const { Cell::new(Bounds::CALL) };
-}
-
-/// Limits of a call in time and operations.
-#[derive(Clone, Copy, Debug)]
-pub struct Bounds {
-    time: Duration,
-    operations: u64,
-}
-
-impl Bounds {
-    /// Limits of any call.
-    pub const CALL: Self = Self {
-        time: DEADLINE,
-        operations: OPERATIONS,
-    };
-
-    /// These limits with at most this time.
-    pub fn within(self, time: Duration) -> Self {
-        self.min(Self { time, ..Self::CALL })
-    }
-
-    /// These limits with at most this number of operations.
-    pub fn at_most(self, operations: u64) -> Self {
-        self.min(Self {
-            operations,
-            ..Self::CALL
-        })
-    }
-
-    /// Does work on this thread; calls of scripts in it have these limits, for a host that allows less than the
-    /// manual says.
-    pub fn over<T>(self, work: impl FnOnce() -> T) -> T {
-        let before = BOUNDS.replace(self.min(BOUNDS.get()));
-        let result = work();
-        BOUNDS.set(before);
-        result
-    }
-
-    fn min(self, other: Self) -> Self {
-        Self {
-            time: self.time.min(other.time),
-            operations: self.operations.min(other.operations),
-        }
-    }
-
-    /// Whether no operation is allowed.
-    pub fn is_nothing(self) -> bool {
-        self.operations == 0
-    }
-}
-
 /// A finished call.
 pub struct Run<T> {
     /// Result of the call.
@@ -119,6 +38,8 @@ pub struct Run<T> {
     pub again: Bounds,
     /// Limit that the call has met, as a message.
     met: Option<String>,
+    /// Time that the call took, as it is counted for its limit.
+    time: Duration,
 }
 
 impl<T> Run<Result<T, Box<EvalAltResult>>> {
@@ -140,6 +61,7 @@ struct Used {
     operations: Cell<u64>,
     /// Processor time of the thread when the call began, where the system tells it.
     processor_at_start: Cell<Option<Duration>>,
+    start: Cell<Option<Instant>>,
     /// Earliest moment at which the time can be over, since the thread works at most all the time.
     end: Cell<Option<Instant>>,
     next_memory: Cell<Option<Instant>>,
@@ -159,6 +81,7 @@ thread_local! {
             bounds: Cell::new(Bounds::CALL),
             operations: Cell::new(0),
             processor_at_start: Cell::new(None),
+            start: Cell::new(None),
             end: Cell::new(None),
             next_memory: Cell::new(None),
             memory_at_start: Cell::new(None),
@@ -177,6 +100,7 @@ impl Used {
         let now = Instant::now();
         self.bounds.set(bounds);
         self.processor_at_start.set(processor_time::of_thread());
+        self.start.set(Some(now));
         self.end.set(Some(now + bounds.time));
         self.next_memory.set(Some(now + MEMORY_EVERY));
         self.memory_at_start.set(resident_bytes());
@@ -197,8 +121,15 @@ impl Used {
         let now = Instant::now();
         if self.is_out_of_time(now) {
             self.by_time.set(true);
-            let most = self.bounds.get().time.as_secs_f64();
-            return Some(format!("it takes more than {most} s of {TIME_IS}"));
+            let bounds = self.bounds.get();
+            let most = bounds.time.as_secs_f64();
+            return Some(match bounds.is_rest {
+                true => format!(
+                    "all scripts of the scene together take more than {} s of {TIME_IS}",
+                    DEADLINE.as_secs()
+                ),
+                false => format!("it takes more than {most} s of {TIME_IS}"),
+            });
         }
         if self.next_memory.get().is_none_or(|next| now < next) {
             return None;
@@ -207,6 +138,17 @@ impl Used {
         let grown = resident_bytes()?.saturating_sub(self.memory_at_start.get()?);
         let most = grouped(MEMORY >> 20);
         (grown > MEMORY).then(|| format!("it takes more than {most} MiB of memory"))
+    }
+
+    /// Processor time that the call has taken so far; time where the system does not tell it.
+    fn time(&self) -> Duration {
+        match (self.processor_at_start.get(), processor_time::of_thread()) {
+            (Some(start), Some(now)) => now.saturating_sub(start),
+            _ => self
+                .start
+                .get()
+                .map_or(Duration::ZERO, |start| start.elapsed()),
+        }
     }
 
     /// Whether the processor time of the thread is used up; other work on the machine does not count.
@@ -233,10 +175,7 @@ impl Used {
         let is_ended = self.why.borrow().is_some();
         if self.is_halted() {
             // No second run: nobody waits for the place.
-            return Bounds {
-                time: Duration::ZERO,
-                operations: 0,
-            };
+            return Bounds::CALL.within(Duration::ZERO).at_most(0);
         }
         Bounds {
             time: if self.by_time.get() {
@@ -245,6 +184,7 @@ impl Used {
                 FINDING
             },
             operations: self.operations.get() - u64::from(is_ended),
+            is_rest: false,
         }
     }
 }
@@ -315,10 +255,26 @@ fn resident_bytes() -> Option<u64> {
     None
 }
 
-/// Runs a call within limits on a thread of its own, whose stack is large enough for the deepest calls.
+/// Runs a call within limits on a thread of its own, whose stack is large enough for the deepest calls. It takes from
+/// the time that calls have [`together`].
 pub fn run_limited<T: Send>(bounds: Bounds, work: impl FnOnce() -> T + Send) -> Run<T> {
-    let halt = HALT.with_borrow(Clone::clone);
-    let bounds = bounds.min(BOUNDS.get());
+    let (bounds, halt) = of_next_call(bounds);
+    let ran = run_alone_under(bounds, halt, work);
+    take(ran.time);
+    ran
+}
+
+/// Runs a call within limits as [`run_limited`] does, without taking from the time of others: a second run of a call
+/// that was counted.
+pub fn run_alone<T: Send>(bounds: Bounds, work: impl FnOnce() -> T + Send) -> Run<T> {
+    run_alone_under(bounds, halt(), work)
+}
+
+fn run_alone_under<T: Send>(
+    bounds: Bounds,
+    halt: Option<Halt>,
+    work: impl FnOnce() -> T + Send,
+) -> Run<T> {
     let limited = || {
         USED.with(|used| used.start(bounds, halt));
         let result = work();
@@ -327,6 +283,7 @@ pub fn run_limited<T: Send>(bounds: Bounds, work: impl FnOnce() -> T + Send) -> 
             log: used.log.take(),
             again: used.again(),
             met: met(),
+            time: used.time(),
         })
     };
     thread::scope(|scope| {
@@ -342,6 +299,7 @@ pub fn run_limited<T: Send>(bounds: Bounds, work: impl FnOnce() -> T + Send) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::script::bounds::{LEFT, together};
 
     const SHORT: Bounds = Bounds {
         time: Duration::from_millis(20),
@@ -355,6 +313,37 @@ mod tests {
             progress(CLOCK_EVERY)
         });
         assert_eq!(ran.result.is_none(), processor_time::of_thread().is_some());
+    }
+
+    #[test]
+    fn calls_together_have_the_time_of_one() {
+        let work = |bounds| {
+            run_limited(bounds, || {
+                loop {
+                    if let Some(why) = progress(CLOCK_EVERY) {
+                        return why;
+                    }
+                }
+            })
+            .result
+        };
+        together(|| {
+            LEFT.set(Some(SHORT.time * 3 / 2));
+            let [first, second, third] = [(); 3].map(|()| work(SHORT));
+            assert!(first.contains("it takes"), "{first}");
+            assert!(second.contains("together"), "{second}");
+            assert!(third.contains("together"), "{third}");
+            assert_eq!(LEFT.get(), Some(Duration::ZERO));
+            // The place of a limit is looked for all the same.
+            assert!(run_alone(SHORT, || progress(CLOCK_EVERY)).result.is_none());
+            together(|| {
+                assert!(
+                    work(SHORT).contains("together"),
+                    "it is inside of the other"
+                )
+            });
+        });
+        assert_eq!(LEFT.get(), None);
     }
 
     #[test]

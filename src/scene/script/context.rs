@@ -16,7 +16,7 @@ use super::{
 };
 use crate::{
     desc::{CAMERA, Entry, LIGHT, LightKind, MATERIAL, ParamValue, TimelineDesc},
-    motion::{FrameState, Kind, Names, wrong_with_camera, wrong_with_light},
+    motion::{FrameState, Kind, Names, ScriptNames, wrong_with_camera, wrong_with_light},
     range::ANY,
     suggest,
 };
@@ -79,7 +79,7 @@ struct Scene {
 pub struct Context {
     /// Time and parameters of the call.
     pub call: Arc<Call>,
-    names: Option<Arc<Names>>,
+    names: Option<ScriptNames>,
     scene: Arc<Mutex<Scene>>,
 }
 
@@ -94,7 +94,7 @@ impl Context {
     }
 
     /// Context for `frame`.
-    pub fn for_frame(call: Call, state: FrameState, names: Arc<Names>) -> Self {
+    pub fn for_frame(call: Call, state: FrameState, names: ScriptNames) -> Self {
         let touched = HashSet::new();
         Self {
             call: Arc::new(call),
@@ -113,9 +113,9 @@ impl Context {
         self.scene.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn names(&self) -> Result<&Names> {
+    fn names(&self) -> Result<&ScriptNames> {
         let in_setup = "setup adds to the scene by what it returns; only frame can pose it";
-        self.names.as_deref().ok_or_else(|| in_setup.into())
+        self.names.as_ref().ok_or_else(|| in_setup.into())
     }
 
     fn find(
@@ -124,11 +124,12 @@ impl Context {
         name: &str,
         table: impl Fn(&Names) -> &std::collections::HashMap<String, usize>,
     ) -> Result<usize> {
-        let table = table(self.names()?);
-        if let Some(index) = table.get(name) {
+        let names = self.names()?;
+        let table = table(names);
+        if let Some(index) = table.get(&names.full(name)) {
             return Ok(*index);
         }
-        let mut known: Vec<_> = table.keys().map(String::as_str).collect();
+        let mut known: Vec<_> = table.keys().filter_map(|full| names.own(full)).collect();
         known.sort_unstable();
         known.truncate(1000);
         let hint = if known.is_empty() {
@@ -333,9 +334,10 @@ impl Context {
 
     /// Sets numbers of a material inside a model's file.
     pub fn file_material(&self, model: &str, name: &str, keys: &Map) -> Result<()> {
-        let table = &self.names()?.file_materials;
-        let Some(&index) = table.get(&(model.to_owned(), name.to_owned())) else {
-            let of_model = table.keys().filter(|(m, _)| m == model);
+        let names = self.names()?;
+        let (table, full) = (&names.file_materials, names.full(model));
+        let Some(&index) = table.get(&(full.clone(), name.to_owned())) else {
+            let of_model = table.keys().filter(|(m, _)| *m == full);
             let mut known: Vec<_> = of_model.map(|(_, material)| material.as_str()).collect();
             known.sort_unstable();
             let hint = if known.is_empty() {

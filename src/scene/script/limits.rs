@@ -48,6 +48,11 @@ pub fn limits() -> Vec<(&'static str, String)> {
             format!("{} s", DEADLINE.as_secs()),
         ),
         (
+            "processor time of all scripts of a scene and of those that it places together, to read them and call \
+             their `setup`, or for one frame",
+            format!("{} s", DEADLINE.as_secs()),
+        ),
+        (
             "operations of one call; tokens that are parsed count too",
             grouped(OPERATIONS),
         ),

@@ -15,12 +15,13 @@ use rhai::{Dynamic, Map};
 
 use super::{
     Halt, Script, api,
-    call_limits::{Bounds, run_limited},
+    bounds::Bounds,
+    call_limits::run_limited,
     limits::{ARRAY, MAP},
 };
 use crate::{
     desc::SceneDesc,
-    motion::{FrameState, Names},
+    motion::{FrameState, Names, ScriptNames},
     stages::{Animator, Scene},
 };
 
@@ -316,7 +317,7 @@ fn a_thousand_instances() {
         }
     }";
     let script = Script::from_text("many.rhai", script).expect("it compiles");
-    let names = Arc::new(Names::of(&desc));
+    let names = ScriptNames::new(&Arc::new(Names::of(&desc)), None);
     let scene = Scene::new(desc, script.clone());
     let motion = Animator::new(&scene);
     let rest = motion.pose(0).expect("it runs");

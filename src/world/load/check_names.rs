@@ -1,8 +1,10 @@
 //! Checks names in the scene text that refer to contents of files.
 
-use super::{Loader, Source, did_you_mean, error_at, list};
+use std::collections::HashSet;
+
+use super::{Loader, MOST_SHOWN, Source, did_you_mean, error_at, list};
 use crate::{Material, gltf::Model};
-use reflet_scene::desc::{AnimationDesc, ModelDesc};
+use reflet_scene::desc::{AnimationDesc, ByName, ModelDesc};
 
 impl Loader<'_> {
     /// Reports unresolved names.
@@ -10,7 +12,7 @@ impl Loader<'_> {
         let desc = self.desc;
         for instance in &desc.instances {
             let name = &instance.model;
-            let model = desc.models.iter().position(|m| m.name == name.value);
+            let model = self.models.index(&name.value);
             if let (Some(model), Some(played)) = (model, &instance.animation) {
                 self.check_animation(&sources[model], played);
             }
@@ -25,6 +27,7 @@ impl Loader<'_> {
                 self.errors.push(error);
             }
         }
+        let moved = ByName::of(&desc.motion.models);
         for (model, source) in desc.models.iter().zip(sources) {
             if let Some(played) = &model.value.animation {
                 self.check_animation(source, played);
@@ -34,12 +37,19 @@ impl Loader<'_> {
             };
             self.check_variant(&model.value, *loaded);
             let known = &self.loaded[*loaded].materials;
+            let known_names: HashSet<_> = known.iter().map(|m| m.name.as_str()).collect();
             let overrides = model.value.overrides.iter().map(|e| (&e.name, &e.at));
-            let motion = desc.motion.models.iter().filter(|m| m.name == model.name);
-            let moved = motion.flat_map(|m| &m.value.materials);
-            let named = overrides.chain(moved.map(|e| (&e.name, &e.at)));
+            let motion = moved
+                .index(&model.name)
+                .map(|index| &desc.motion.models[index]);
+            let motion = motion.into_iter();
+            let tracks = motion.flat_map(|m| &m.value.materials);
+            let named = overrides.chain(tracks.map(|e| (&e.name, &e.at)));
             for (name, at) in named.filter(|(name, _)| *name != "*") {
-                if !known.iter().any(|m| m.name == *name) {
+                if self.errors.len() >= MOST_SHOWN {
+                    return; // looking for similar names takes long
+                }
+                if !known_names.contains(name.as_str()) {
                     let file = self.loaded[*loaded].files[0].display();
                     let text = format!("\"{file}\" has no material \"{name}\"");
                     let mut error = error_at("unknown-material", at, text);

@@ -1,13 +1,13 @@
 //! Checks of emitters: materials with `light = true`, and mesh lights of files.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashSet};
 
 use glam::Vec3;
 
 use super::error_at;
 use crate::{Mesh, World, emitters::MAX_EMITTERS};
 use reflet_scene::{
-    desc::SceneDesc,
+    desc::{ByName, SceneDesc},
     diagnostic::{Diagnostic, Severity, Span},
 };
 
@@ -18,14 +18,18 @@ use reflet_scene::{
 /// A material that emits nothing, too many triangles.
 pub fn check(world: &mut World, meshes: &[Mesh], desc: &SceneDesc) -> Result<(), Vec<Diagnostic>> {
     let mut errors = Vec::new();
+    let moving = world.moving.materials.iter().map(|m| m.material);
+    let moving: HashSet<_> = moving.collect();
+    let written = ByName::of(&desc.materials);
     for index in 0..world.materials.len() {
         let material = &world.materials[index];
-        let changes = world.moving.materials.iter().any(|m| m.material == index);
+        let changes = moving.contains(&index);
         let emits = material.emission != Vec3::ZERO && !material.unlit;
         if !material.light || emits || (changes && !material.unlit) {
             continue;
         }
-        let written = desc.materials.iter().find(|m| m.name == material.name);
+        let written = written.index(&material.name);
+        let written = written.map(|index| &desc.materials[index]);
         match written {
             Some(entry) if entry.value.light == Some(true) => {
                 let name = &material.name;

@@ -7,7 +7,7 @@ use std::{
 
 use glam::Vec3;
 
-use super::{Loader, error_at, foreign_formats};
+use super::{Loader, MOST_SHOWN, error_at, foreign_formats};
 use crate::{
     Material, TextureRef, World, Wrap,
     gltf::ImageSource,
@@ -201,7 +201,8 @@ impl Loader<'_> {
     /// The `[material.NAME]` applied to `base`, or an error with a similar name.
     pub fn named_material(&mut self, name: &At<String>, base: Material) -> Material {
         let desc = self.desc;
-        let Some(entry) = desc.materials.iter().find(|m| m.name == name.value) else {
+        let known = self.named_materials.index(&name.value);
+        let Some(entry) = known.map(|index| &desc.materials[index]) else {
             let text = format!("material \"{}\" is not defined", name.value);
             let mut error = error_at("unknown-name", &name.at, text);
             let known = desc.materials.iter().map(|m| m.name.as_str());
@@ -226,7 +227,7 @@ impl Loader<'_> {
 
     /// Reports an error unless it was reported before, as many instances may have the same one.
     pub fn report_once(&mut self, error: Diagnostic) {
-        if !self.errors.contains(&error) {
+        if self.errors.len() >= MOST_SHOWN || !self.errors.contains(&error) {
             self.errors.push(error);
         }
     }

@@ -11,7 +11,7 @@ use crate::{
 };
 use reflet_scene::{
     desc::{At, InstanceMaterialDesc, MaterialDesc, ModelDesc},
-    motion::file_materials,
+    motion::FileMaterial,
 };
 
 impl Loader<'_> {
@@ -99,13 +99,10 @@ impl Loader<'_> {
 
     /// Animated overrides of a file's material, as indices into `FrameState::file_materials`; those
     /// for all materials first.
-    fn changes_of(&self, model: usize, material: &str) -> Vec<usize> {
+    fn changes_of<'n>(&'n self, model: usize, material: &'n str) -> Vec<usize> {
         let model = self.desc.models[model].name.as_str();
-        let all = file_materials(self.desc);
-        let of = |name: &str| {
-            all.iter()
-                .position(|m| m.model == model && m.material == name)
-        };
+        let all = &self.file_materials;
+        let of = |material| all.get(&FileMaterial { model, material }).copied();
         ["*", material].into_iter().filter_map(of).collect()
     }
 
@@ -120,11 +117,9 @@ impl Loader<'_> {
         let desc = self.desc;
         let by_script = desc.has_frame_script();
         let over_changes = over.1.is_some();
-        let moves = |name: &str| {
-            over_changes || by_script || desc.motion.materials.iter().any(|m| m.name == name)
-        };
+        let moves = |name: &str| over_changes || by_script || self.moved.index(name).is_some();
         let found = name.filter(|name| moves(&name.value));
-        let found = found.and_then(|n| desc.materials.iter().position(|m| m.name == n.value));
+        let found = found.and_then(|n| self.named_materials.index(&n.value));
         let from = match found {
             Some(entry) => MaterialSource::Named(entry),
             None if over_changes => MaterialSource::Plain,
@@ -144,10 +139,16 @@ impl Loader<'_> {
             m.from == from && m.over == over && m.over_change.is_none() && m.rest == material
         };
         // Materials animated per instance are not shared.
-        let mut known = self.world.moving.materials.iter();
+        let moving = &self.world.moving.materials;
+        let same_name = self.moving_by_name.entry(material.name.clone());
+        let same_name = same_name.or_default();
+        let mut known = same_name.iter().map(|index| &moving[*index]);
         let same = known.find(|m| over_change.is_none() && alike(m));
         let index = same.map_or(self.world.materials.len(), |m| m.material);
         if index == self.world.materials.len() {
+            if over_change.is_none() {
+                same_name.push(moving.len());
+            }
             self.world.moving.materials.push(MovingMaterial {
                 from,
                 material: index,

@@ -21,7 +21,7 @@ use crate::{
 };
 use reflet_base::math::invertible;
 use reflet_scene::{
-    desc::{AnimationDesc, Entry, InstanceDesc, ModelDesc, SceneDesc, ShownDesc},
+    desc::{AnimationDesc, ByName, Entry, InstanceDesc, ModelDesc, SceneDesc, ShownDesc},
     diagnostic::{Diagnostic, Severity, Span},
     motion::{changing_overrides, moving},
 };
@@ -48,15 +48,15 @@ pub struct Job<'a> {
     pub over_change: Option<usize>,
 }
 
-/// Every `[[instance]]`, then the models that none of them names.
-fn jobs(desc: &SceneDesc) -> Vec<Job<'_>> {
+/// Every `[[instance]]`, then models without one.
+fn jobs<'a>(desc: &'a SceneDesc, models: &ByName) -> Vec<Job<'a>> {
     let mut named = vec![false; desc.models.len()];
     let mut jobs = Vec::new();
     let (dynamic, changes) = (moving(desc), changing_overrides(desc));
     for (index, instance) in desc.instances.iter().enumerate() {
         let name = &instance.model.value;
         // Unknown models were reported before.
-        if let Some(model) = desc.models.iter().position(|m| m.name == *name) {
+        if let Some(model) = models.index(name) {
             named[model] = true;
             jobs.push(Job {
                 model,
@@ -101,7 +101,7 @@ impl Loader<'_> {
         let rest = self.desc.rest();
         let mut extras = Extras::new(self.desc, &rest);
         self.world.moving.placed_at = placed_at(self.desc);
-        for job in &jobs(self.desc) {
+        for job in &jobs(self.desc, &self.models) {
             let before = self.world.instances.len();
             let mut dropped = Vec::new();
             let placement = self.instance_placement(job, &rest);
@@ -150,16 +150,17 @@ impl Loader<'_> {
     /// Lists the animations of the files.
     fn list_animations(&mut self, sources: &[Source]) {
         let desc = self.desc;
-        for (entry, source) in desc.models.iter().zip(sources) {
+        let mut played_of = vec![Vec::new(); desc.models.len()];
+        for instance in &desc.instances {
+            if let Some(model) = self.models.index(&instance.model.value) {
+                played_of[model].push(desc.played_by(instance, &self.models));
+            }
+        }
+        for ((entry, source), mut played) in desc.models.iter().zip(sources).zip(played_of) {
             let Source::File(loaded) = source else {
                 continue;
             };
             self.list_variants(entry, *loaded);
-            let placements = desc
-                .instances
-                .iter()
-                .filter(|i| i.model.value == entry.name);
-            let mut played: Vec<_> = placements.map(|i| desc.played_by(i)).collect();
             if played.is_empty() {
                 played.push(entry.value.animation.as_ref());
             }
@@ -178,11 +179,10 @@ impl Loader<'_> {
     }
 
     fn list_variants(&mut self, model: &Entry<ModelDesc>, loaded: usize) {
-        let names = &self.loaded[loaded].variants;
-        if !names.is_empty() {
+        if let names @ [_, ..] = &self.loaded[loaded].variants[..] {
             self.world.variants.push(ListedVariants {
                 model: model.name.clone(),
-                names: names.clone(),
+                names: names.to_vec(),
                 shown: model.value.variant.as_ref().map(|v| v.value.clone()),
             });
         }
@@ -248,7 +248,7 @@ impl Loader<'_> {
             return None;
         };
         let played = match job.instance {
-            Some(instance) => self.desc.played_by(instance),
+            Some(instance) => self.desc.played_by(instance, &self.models),
             None => self.desc.models[job.model].value.animation.as_ref(),
         };
         let scripted = job.instance.and_then(|i| self.scripted(i, *loaded));

@@ -2,63 +2,140 @@
 
 mod zero_scale;
 
+use std::collections::HashSet;
+
 use super::Names;
 use crate::syntax::Entries;
 use crate::{
     desc::{
-        At, CAMERA, Entry, InstanceDesc, InstanceMaterialDesc, InstanceMotionDesc, LIGHT,
+        At, ByName, CAMERA, Entry, InstanceDesc, InstanceMaterialDesc, InstanceMotionDesc, LIGHT,
         LightMotionDesc, MATERIAL, MaterialDesc, MaterialMotionDesc, ModelMotionDesc, ModelSource,
         PlacementDesc, SceneDesc, TrackDesc, Tracks,
     },
     diagnostic::{Diagnostic, Span},
-    motion::{FileMaterial, written},
+    motion::ModelTables,
     number::{Field, Form},
-    parse::report::Report,
+    parse::{overlay, report::Report},
     suggest,
 };
+
+/// A scene with the indices of its entries by name.
+struct Indexed<'a> {
+    scene: &'a SceneDesc,
+    instances: ByName<'a>,
+    groups: ByName<'a>,
+    lights: ByName<'a>,
+    materials: ByName<'a>,
+    models: ByName<'a>,
+    nodes: NodeNames<'a>,
+}
+
+impl<'a> Indexed<'a> {
+    fn of(scene: &'a SceneDesc, root: &'a Entries) -> Self {
+        Self {
+            scene,
+            instances: ByName::of_names(scene.instances.iter().map(|i| i.name.as_deref())),
+            groups: ByName::of(&scene.groups),
+            lights: ByName::of(&scene.lights),
+            materials: ByName::of(&scene.materials),
+            models: ByName::of(&scene.models),
+            nodes: NodeNames::of(root),
+        }
+    }
+
+    fn instance(&self, name: &str) -> Option<&'a InstanceDesc> {
+        Some(&self.scene.instances[self.instances.index(name)?])
+    }
+}
+
+/// Names of instances and groups, from the tree: one with a mistake still has its name.
+struct NodeNames<'a> {
+    instances: HashSet<&'a str>,
+    /// The first names of instances, for suggestions.
+    first: Vec<&'a str>,
+    groups: Option<&'a Entries>,
+}
+
+impl<'a> NodeNames<'a> {
+    fn of(root: &'a Entries) -> Self {
+        let list = root.get("instance").and_then(|n| n.get_ref().as_array());
+        let names = || list.into_iter().flatten().filter_map(overlay::name_of);
+        Self {
+            instances: names().collect(),
+            first: names().take(suggest::MOST_NAMES).collect(),
+            groups: root.get("group").and_then(|n| n.get_ref().as_table()),
+        }
+    }
+
+    fn is_group(&self, name: &str) -> bool {
+        self.groups.is_some_and(|groups| groups.contains_key(name))
+    }
+
+    /// Checks the name of an instance.
+    fn refer(&self, name: &str, at: &Span, report: &mut Report) {
+        if self.instances.contains(name) || report.lacks_names() {
+            return;
+        }
+        let message = format!("no instance is named {}", suggest::text(name));
+        let error = Diagnostic::at("dangling-name", at.clone(), message);
+        if report.is_full() {
+            return report.push(error);
+        }
+        let help = if self.is_group(name) {
+            format!(
+                "it is a group; write `[motion.group.{}]`",
+                suggest::clip(name)
+            )
+        } else if self.first.is_empty() {
+            "give an `[[instance]]` a `name`".to_owned()
+        } else {
+            let lead = "the instances with a name are";
+            suggest::hint(name, &self.first, suggest::text, lead)
+        };
+        report.push(error.help(help));
+    }
+}
 
 /// Checks all names of `[motion]`, and that there is a timeline to move on.
 pub fn check(scene: &SceneDesc, root: &Entries, report: &mut Report) {
     let motion = &scene.motion;
-    let mut cameras = Names::of("camera", root);
-    let mut lights = Names::of("light", root);
-    let mut materials = Names::of("material", root);
-    refer_all(&mut cameras, &motion.cameras, report);
-    refer_all(&mut lights, &motion.lights, report);
-    refer_all(&mut materials, &motion.materials, report);
+    refer_all(&mut Names::of("camera", root), &motion.cameras, report);
+    refer_all(&mut Names::of("light", root), &motion.lights, report);
+    refer_all(&mut Names::of("material", root), &motion.materials, report);
     refer_all(&mut Names::of("model", root), &motion.models, report);
     refer_all(&mut Names::of("group", root), &motion.groups, report);
+    let all = Indexed::of(scene, root);
     for entry in &motion.instances {
-        refer_instance(root, &entry.name, &entry.at, report);
-        check_override(scene, root, entry, report);
-        let of = |i: &&InstanceDesc| i.name.as_ref() == Some(&entry.name);
-        if let Some(instance) = scene.instances.iter().find(of) {
+        all.nodes.refer(&entry.name, &entry.at, report);
+        check_override(&all, entry, report);
+        if let Some(instance) = all.instance(&entry.name) {
             check_placed(scene, (&instance.placement, &instance.at), entry, report);
         }
         check_own(entry, report);
     }
     for entry in &motion.groups {
-        if let Some(group) = scene.groups.iter().find(|g| g.name == entry.name) {
+        if let Some(index) = all.groups.index(&entry.name) {
+            let group = &scene.groups[index];
             check_placed(scene, (&group.value.placement, &group.at), entry, report);
         }
         check_own(entry, report);
     }
     for entry in &motion.cameras {
-        check_tracks(root, &entry.value.tracks, &CAMERA, &entry.at, report);
+        check_tracks(&all, &entry.value.tracks, &CAMERA, &entry.at, report);
     }
     for entry in &motion.lights {
-        check_tracks(root, &entry.value.tracks, &LIGHT, &entry.at, report);
-        check_light(scene, entry, report);
+        check_tracks(&all, &entry.value.tracks, &LIGHT, &entry.at, report);
+        check_light(&all, entry, report);
     }
     for entry in &motion.materials {
-        check_tracks(root, &entry.value.tracks, &MATERIAL, &entry.at, report);
-        if let Some(material) = scene.materials.iter().find(|m| m.name == entry.name) {
+        check_tracks(&all, &entry.value.tracks, &MATERIAL, &entry.at, report);
+        if let Some(index) = all.materials.index(&entry.name) {
             let path = || format!("`[material.{}]`", suggest::clip(&entry.name));
-            check_material(&material.value, entry, path, report);
+            check_material(&scene.materials[index].value, entry, path, report);
         }
     }
     for entry in &motion.models {
-        check_model(scene, root, entry, report);
+        check_model(&all, entry, report);
     }
     if scene.timeline.is_none() && report.errors() == 0 {
         warn_of_standing_still(scene, root, report);
@@ -113,13 +190,9 @@ fn check_own(entry: &Entry<InstanceMotionDesc>, report: &mut Report) {
     }
 }
 
-fn check_model(
-    scene: &SceneDesc,
-    root: &Entries,
-    entry: &Entry<ModelMotionDesc>,
-    report: &mut Report,
-) {
-    let model = scene.models.iter().find(|m| m.name == entry.name);
+fn check_model(all: &Indexed, entry: &Entry<ModelMotionDesc>, report: &mut Report) {
+    let model = all.models.index(&entry.name);
+    let model = model.map(|index| &all.scene.models[index]);
     if let Some(model) = model.filter(|m| matches!(m.value.source, ModelSource::Shape(_))) {
         let message = "this model is a shape, which has no materials of its own";
         let error = Diagnostic::at("wrong-motion", entry.at.clone(), message)
@@ -127,40 +200,25 @@ fn check_model(
             .related(model.at.clone(), "the model is here");
         report.push(error);
     }
+    let tables = ModelTables::of(model);
     for material in &entry.value.materials {
-        check_tracks(
-            root,
-            &material.value.tracks,
-            &MATERIAL,
-            &material.at,
-            report,
-        );
-        let of = FileMaterial {
-            model: &entry.name,
-            material: &material.name,
-        };
+        check_tracks(all, &material.value.tracks, &MATERIAL, &material.at, report);
         let path = || {
-            let [model, name] = [of.model, of.material].map(suggest::clip);
+            let [model, name] = [&entry.name, &material.name].map(|name| suggest::clip(name));
             let name = if name == "*" { "\"*\"".into() } else { name };
             format!("`[model.{model}.material.{name}]`")
         };
-        check_material(&written(scene, &of), material, path, report);
+        check_material(&tables.written(&material.name), material, path, report);
     }
 }
 
 /// Checks motion of an instance's own material, which the instance must have.
-fn check_override(
-    scene: &SceneDesc,
-    root: &Entries,
-    entry: &Entry<InstanceMotionDesc>,
-    report: &mut Report,
-) {
+fn check_override(all: &Indexed, entry: &Entry<InstanceMotionDesc>, report: &mut Report) {
     let Some(motion) = &entry.value.material else {
         return;
     };
-    check_tracks(root, &motion.tracks, &MATERIAL, &entry.at, report);
-    let mut named = scene.instances.iter();
-    let Some(instance) = named.find(|i| i.name.as_ref() == Some(&entry.name)) else {
+    check_tracks(all, &motion.tracks, &MATERIAL, &entry.at, report);
+    let Some(instance) = all.instance(&entry.name) else {
         return;
     };
     let help = match &instance.material {
@@ -213,40 +271,9 @@ fn refer_all<T>(names: &mut Names, entries: &[Entry<T>], report: &mut Report) {
     }
 }
 
-fn is_group(root: &Entries, name: &str) -> bool {
-    let groups = root.get("group").and_then(|n| n.get_ref().as_table());
-    groups.is_some_and(|groups| groups.contains_key(name))
-}
-
-/// Checks the name of an instance in the tree, where an instance with a mistake still has its name.
-fn refer_instance(root: &Entries, name: &str, at: &Span, report: &mut Report) {
-    let list = root.get("instance").and_then(|n| n.get_ref().as_array());
-    let known: Vec<&str> = list
-        .into_iter()
-        .flat_map(|list| list.iter())
-        .filter_map(|instance| instance.get_ref().as_table()?.get("name"))
-        .filter_map(|name| name.get_ref().as_str())
-        .collect();
-    if known.contains(&name) || report.lacks_names() {
-        return;
-    }
-    let message = format!("no instance is named {}", suggest::text(name));
-    let help = if is_group(root, name) {
-        format!(
-            "it is a group; write `[motion.group.{}]`",
-            suggest::clip(name)
-        )
-    } else if known.is_empty() {
-        "give an `[[instance]]` a `name`".to_owned()
-    } else {
-        suggest::hint(name, &known, suggest::text, "the instances with a name are")
-    };
-    report.push(Diagnostic::at("dangling-name", at.clone(), message).help(help));
-}
-
 /// Checks the instances that tracks follow.
 fn check_tracks<T>(
-    root: &Entries,
+    all: &Indexed,
     tracks: &Tracks,
     fields: &[Field<T>],
     at: &Span,
@@ -255,9 +282,9 @@ fn check_tracks<T>(
     for (field, track) in tracks {
         if fields[*field].form != Form::Color {
             if let Some(follow) = followed(track)
-                && !is_group(root, &follow.value)
+                && !all.nodes.is_group(&follow.value)
             {
-                refer_instance(root, &follow.value, &follow.at, report);
+                (all.nodes).refer(&follow.value, &follow.at, report);
             }
         } else if track.follow.is_some() || track.orbit.is_some() {
             let message = "`follow` and `orbit` apply to positions, not to colors";
@@ -266,10 +293,11 @@ fn check_tracks<T>(
     }
 }
 
-fn check_light(scene: &SceneDesc, entry: &Entry<LightMotionDesc>, report: &mut Report) {
-    let Some(light) = scene.lights.iter().find(|l| l.name == entry.name) else {
+fn check_light(all: &Indexed, entry: &Entry<LightMotionDesc>, report: &mut Report) {
+    let Some(index) = all.lights.index(&entry.name) else {
         return;
     };
+    let light = &all.scene.lights[index];
     let kind = light.value.kind.name();
     let fields = entry.value.tracks.iter().map(|(field, _)| &LIGHT[*field]);
     for field in fields.filter(|field| (field.get)(&light.value).is_none()) {

@@ -220,7 +220,9 @@ fn read(
             .collect::<Vec<_>>(),
     );
     let source = Arc::new(Source::new(found.path, found.text));
-    report.add(&source);
+    if !report.admit(&source, &at) {
+        return None;
+    }
     let included = include::collect(&source, false, &own, dependencies, report);
     let bases = layers::collect(&source, false, &own, dependencies, report);
     let file = PlacedFile {

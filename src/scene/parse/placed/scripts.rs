@@ -8,6 +8,7 @@ use super::{
 };
 use crate::{
     desc::{At, Entry, ParamValue},
+    diagnostic::Diagnostic,
     parse::{additions, params},
     syntax::{Content, Entries, Node},
 };
@@ -46,7 +47,7 @@ impl Expansion<'_> {
             self.report.error("wrong-type", &node.span(), message);
             return None;
         };
-        if !self.shadows.is_empty() {
+        if !self.shadows.is_empty() || self.script_limit_met {
             self.report.note_lacking_names();
             return None; // a syntax error makes it doubtful
         }
@@ -60,6 +61,7 @@ impl Expansion<'_> {
             runs,
             timeline,
             report,
+            script_limit_met,
             ..
         } = self;
         let ran = runs.with(&file.file.source, params, |known| {
@@ -70,7 +72,11 @@ impl Expansion<'_> {
                 timeline: *timeline,
                 known,
             };
-            run(&input).map_err(|mistake| report.push(*mistake)).ok()
+            let refused = |mistake: Box<Diagnostic>| {
+                *script_limit_met |= mistake.name == "script-limit";
+                report.push(*mistake);
+            };
+            run(&input).map_err(refused).ok()
         });
         let Some(ran) = ran else {
             self.report.note_lacking_names();

@@ -37,8 +37,20 @@ pub fn in_plain_words(text: &str, at: &Range<usize>, message: &str) -> Words {
         value: without_comment(value).trim(),
         message,
     };
+    if has_lone_return(&text[..line_end], start) {
+        let message = "a line ends with a carriage return alone";
+        let help = "save the file with line ends that your editor calls LF or CRLF";
+        return (message.to_owned(), Some(help.to_owned()));
+    }
     let explained = EXPLANATIONS.iter().find_map(|explain| explain(&mistake));
     explained.unwrap_or_else(|| (format!("not TOML: {message}"), None))
+}
+
+/// Whether a carriage return without a newline is at a place or just before it.
+fn has_lone_return(text: &str, at: usize) -> bool {
+    let bytes = text.as_bytes();
+    let is_lone = |at: usize| bytes.get(at) == Some(&b'\r') && at + 1 < bytes.len();
+    is_lone(at) || at.checked_sub(1).is_some_and(is_lone)
 }
 
 /// Explanations in order; the first one that fits the mistake is used.

@@ -79,7 +79,7 @@ fn on_the_way(
         let share = f64::from(step) / f64::from(steps.max(1));
         start + share * (end - start)
     });
-    let signs = |time_s: f64| ready.at(time_s, base, &[]).to_array().map(f32::signum);
+    let signs = |time_s: f64| ready.at(time_s, base, None).to_array().map(f32::signum);
     let first = signs(start);
     times
         .map(|time_s| (time_s, signs(time_s)))

@@ -1,0 +1,214 @@
+//! Work and size of large scenes, counted: twice as long a text takes twice as many allocations, and what many
+//! places of a scene become is limited.
+
+use std::{fmt::Write as _, path::Path};
+
+use allocation_counter::measure;
+use reflet::{
+    runtime::scene_text::{SceneOptions, SceneText},
+    scene::{
+        dependencies::Dependencies,
+        diagnostic::Diagnostic,
+        script::Bounds,
+        stages::{Animator, Scene},
+    },
+    world::load::{LoadOptions, load},
+};
+
+use crate::layers::Folder;
+
+const START: &str = "version = 1\ncamera.main.eye = [0, 0, 9]\ntimeline.end = 3\n\
+    [model.ball]\nshape = { kind = \"box\" }\n[[instance]]\nmodel = \"ball\"\nname = \"b\"\n";
+const KEYS: &str = "keys = [{ at_s = 0, value = [0, 0, 1] }, { at_s = 1, value = [0, 1, 0] }]";
+
+/// Name of a kind of scene, and the scene with a number of things.
+type Kind = (&'static str, fn(usize) -> String);
+
+/// Scenes with a number of things of one kind.
+const KINDS: [Kind; 10] = [
+    ("params", |n| {
+        text(n, "[params]\n", |i| format!("p{i} = 1\n"))
+    }),
+    ("variants", |n| {
+        text(n, "", |i| {
+            format!("[variant.v{i}.image]\nexposure_ev = 1\n")
+        })
+    }),
+    ("dynamic copies", |n| {
+        format!("{START}dynamic = true\nrepeat = {{ count = [{n}, 1, 1], step = [1, 1, 1] }}\n")
+    }),
+    ("models", |n| {
+        text(n, "", |i| {
+            format!("[model.m{i}]\nshape = {{ kind = \"box\" }}\n[[instance]]\nmodel = \"m{i}\"\n")
+        })
+    }),
+    ("moving instances", |n| {
+        text(n, "", |i| {
+            format!(
+                "[[instance]]\nname = \"i{i}\"\nmodel = \"ball\"\n[motion.instance.i{i}.translation]\n{KEYS}\n"
+            )
+        })
+    }),
+    ("following cameras", |n| {
+        text(n, "", |i| {
+            let target = format!("[motion.camera.c{i}.target]\nfollow = {{ instance = \"b\" }}\n");
+            format!("[group.g{i}]\n[camera.c{i}]\nparent = \"g{i}\"\neye = [0, 9, 9]\n{target}")
+        })
+    }),
+    ("moving materials", |n| {
+        text(n, "", |i| {
+            let used = format!("[[instance]]\nmodel = \"ball\"\nmaterial = \"m{i}\"\n");
+            let keys = "keys = [{ at_s = 0, value = 0 }, { at_s = 1, value = 1 }]";
+            format!("[material.m{i}]\n{used}[motion.material.m{i}.roughness]\n{keys}\n")
+        })
+    }),
+    ("instances of a variant", |n| {
+        text(n, "", |i| {
+            format!("[[variant.v.instance]]\nname = \"i{i}\"\nmodel = \"ball\"\n")
+        })
+    }),
+    ("removed instances", |n| {
+        let names: String = (0..n).map(|i| format!("\"instance.i{i}\", ")).collect();
+        let variant = format!("[variant.v]\nremove = [{names}]\n");
+        text(n, "", |i| {
+            format!("[[instance]]\nname = \"i{i}\"\nmodel = \"ball\"\n")
+        }) + variant.as_str()
+    }),
+    ("inherited keys", |n| {
+        text(n, "[material.a]\nroughness = 1\n", |i| {
+            format!("[material.m{i}]\nextends = \"a\"\n")
+        })
+    }),
+];
+
+/// A scene with `n` parts after `head`.
+fn text(n: usize, head: &str, part: impl Fn(usize) -> String) -> String {
+    let mut text = format!("{START}{head}");
+    (0..n).for_each(|i| text += &part(i));
+    text
+}
+
+/// Reads, loads and poses a scene and each of its variants, as `check` does.
+fn read_all(text: &str) {
+    let scene = SceneText::new(text, Path::new("scene.toml"), &SceneOptions::default());
+    let variants = scene.variants();
+    let chosen = variants.iter().map(|name| scene.with_variant(name));
+    for one in [scene.clone()].into_iter().chain(chosen) {
+        let opened = one
+            .open(&[], &Dependencies::default())
+            .expect("it is valid");
+        let mut world = load(&opened.scene, &LoadOptions::default()).expect("no files are missing");
+        let state = Animator::new(&opened.scene).pose(1).expect("it poses");
+        world.apply(&state).expect("it is finite");
+    }
+}
+
+#[test]
+fn twice_as_many_parts_take_twice_the_work() {
+    for (kind, make) in KINDS {
+        let work = |n: usize| {
+            let text = make(n);
+            let work = measure(|| read_all(&text));
+            [work.count_total, work.bytes_total]
+        };
+        // The difference leaves out what does not depend on the number.
+        let [none, one, two] = [0, 150, 300].map(work);
+        for (none, (one, two)) in none.into_iter().zip(one.into_iter().zip(two)) {
+            let ratio = (two - none) as f64 / (one - none) as f64;
+            assert!(
+                ratio < 2.3,
+                "{kind}: {one} and {two}: {ratio:.2} times the work"
+            );
+        }
+    }
+}
+
+fn refused(folder: &Folder, file: &str) -> Vec<Diagnostic> {
+    Scene::from_file(&folder.path().join(file), &[]).expect_err("it is too large")
+}
+
+/// Scene that places a scene a number of times under these names.
+fn placing(names: impl Iterator<Item = String>, params: impl Fn(usize) -> String) -> String {
+    let mut text = "version = 1\n".to_owned();
+    for (i, name) in names.enumerate() {
+        let _ = writeln!(
+            text,
+            "[[instance]]\nname = \"{name}\"\nmodel = {{ scene = \"part.toml\"{} }}",
+            params(i)
+        );
+    }
+    text
+}
+
+#[test]
+fn what_placed_scenes_become_is_limited() {
+    let numbers = format!("version = 1\n[params]\nx = [{}]\n", "0, ".repeat(500_000));
+    let materials: String = (0..200).map(|i| format!("[material.m{i}]\n")).collect();
+    let materials = format!("version = 1\n{materials}");
+    let many = placing((0..100).map(|i| format!("p{i}")), |_| String::new());
+    let long = placing(
+        (0..3).map(|i| format!("p{i}{}", "a".repeat(100_000))),
+        |_| String::new(),
+    );
+    for (name, part, scene, says) in [
+        ("values", &numbers, &many, "4000000 values"),
+        ("names", &materials, &long, "32 MiB of names"),
+    ] {
+        let folder = Folder::new(name, &[("part.toml", part), ("scene.toml", scene)]);
+        let mut errors = Vec::new();
+        let work = measure(|| errors = refused(&folder, "scene.toml"));
+        assert_eq!(errors.len(), 1, "{errors:?}");
+        assert_eq!(errors[0].name, "scene-too-large");
+        assert!(errors[0].message.contains(says), "{}", errors[0].message);
+        assert!(work.bytes_max < 1 << 30, "{} bytes", work.bytes_max);
+    }
+}
+
+#[test]
+fn texts_of_a_scene_are_limited_together() {
+    let filler = format!("version = 1\n{}", "# filler\n".repeat((15 << 20) / 9));
+    let files = [
+        ("a.toml", filler.as_str()),
+        ("b.toml", &filler),
+        ("c.toml", &filler),
+    ];
+    let scene = "version = 1\ninclude = [\"a.toml\", \"b.toml\", \"c.toml\"]\n";
+    let folder = Folder::new("texts", &[&files[..], &[("scene.toml", scene)]].concat());
+    let errors = refused(&folder, "scene.toml");
+    assert_eq!((errors.len(), errors[0].name), (1, "scene-too-large"));
+    let text = errors[0].to_string();
+    assert!(text.contains("scene.toml:2:33"), "{text}");
+}
+
+#[test]
+fn inherited_texts_are_limited() {
+    let heirs = (0..400).map(|i| format!("[material.m{i}]\nextends = \"a\"\n"));
+    let long = "a".repeat(100_000);
+    let text = format!(
+        "version = 1\n[material.a]\nbase_color_texture = \"{long}\"\n{}",
+        heirs.collect::<String>()
+    );
+    let errors = Scene::from_text(&text, Path::new("scene.toml"), &[]).expect_err("too large");
+    assert_eq!((errors.len(), errors[0].name), (1, "scene-too-large"));
+}
+
+/// A script that exceeds a limit ends the running of those that are placed after it.
+#[test]
+fn one_placed_script_that_exceeds_a_limit_is_enough() {
+    let part = "version = 1\nscript = \"s.rhai\"\nparams = { n = 0 }\n";
+    let script = "fn setup(ctx) { if ctx.params.n > 0 { loop { } } }";
+    let scene = placing((0..50).map(|i| format!("p{i}")), |i| {
+        format!(", params = {{ n = {i} }}")
+    });
+    let files = [
+        ("part.toml", part),
+        ("s.rhai", script),
+        ("scene.toml", &scene),
+    ];
+    let folder = Folder::new("limit", &files);
+    let errors = Bounds::CALL
+        .at_most(10_000)
+        .over(|| refused(&folder, "scene.toml"));
+    let names: Vec<_> = errors.iter().map(|e| e.name).collect();
+    assert_eq!(names, ["script-limit"], "{errors:?}");
+}
