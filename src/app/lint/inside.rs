@@ -1,6 +1,6 @@
 //! Lights and cameras inside of closed shapes.
 
-use std::{collections::HashMap, f64::consts::TAU};
+use std::{cell::Cell, collections::HashMap, f64::consts::TAU};
 
 use glam::{DVec3, Vec3};
 
@@ -16,18 +16,21 @@ use crate::{
 
 /// Largest mesh that is tested for being closed, triangles.
 const MOST_TRIANGLES: usize = 500_000;
+/// Largest number of boxes and triangles that the tests of one lint may look at; what is left is not tested, so that
+/// scenes with many instances and cameras are checked in seconds.
+const MOST_WORK: usize = 50_000_000;
 
 /// Warnings about lights of the scene text inside of a closed shape that their light cannot leave, while no
 /// camera is inside of it too.
 pub fn lights(scene: &Scene, world: &World) -> Vec<Diagnostic> {
     let mut closed = Closed::new(world);
     let mut found = Vec::new();
+    let cameras: Vec<Vec3> = world.cameras.iter().map(|c| c.value.eye).collect();
     for (entry, light) in scene.lights.iter().zip(&world.lights) {
         let has_shadow = light.desc.shadow != ShadowMode::None;
         let Some(position) = light.desc.kind.position().filter(|_| has_shadow) else {
             continue;
         };
-        let cameras: Vec<Vec3> = world.cameras.iter().map(|c| c.value.eye).collect();
         let mut around = closed.around(position);
         let surface = surface(&light.desc.kind, position);
         around.retain(|i| {
@@ -36,6 +39,9 @@ pub fn lights(scene: &Scene, world: &World) -> Vec<Diagnostic> {
                 && !cameras.iter().any(|eye| closed.contains(*i, *eye))
                 && surface.iter().all(|at| closed.contains(*i, *at))
         });
+        if closed.is_exhausted() {
+            break;
+        }
         if let Some(shape) = around.first() {
             let shape = &world.instances[*shape];
             let message = format!(
@@ -66,12 +72,17 @@ pub fn cameras(scene: &Scene, world: &World) -> Vec<Diagnostic> {
                 let center = world.bounds_of(other).center();
                 i != shape && !other.is_hidden() && closed.contains(shape, center)
             };
-            let lamps = world.lights.iter().filter_map(|l| l.desc.kind.position());
-            let has_lamp = lamps.into_iter().any(|at| closed.contains(shape, at));
+            let mut lamps = world.lights.iter().filter_map(|l| l.desc.kind.position());
             let around = &world.instances[shape];
             let is_seen = around.shown.visible && world.materials[around.material].double_sided;
-            if has_lamp || !is_seen || world.instances.iter().enumerate().any(inner) {
+            if !is_seen
+                || lamps.any(|at| closed.contains(shape, at))
+                || world.instances.iter().enumerate().any(inner)
+            {
                 continue;
+            }
+            if closed.is_exhausted() {
+                return found;
             }
             let name = &world.instances[shape].name;
             let message = format!(
@@ -146,12 +157,29 @@ fn related(warning: Diagnostic, scene: &Scene, instance: &str) -> Diagnostic {
 struct Closed<'a> {
     world: &'a World,
     meshes: HashMap<usize, bool>,
+    /// Boxes and triangles that may still be looked at, see [`MOST_WORK`].
+    work_left: Cell<usize>,
 }
 
 impl<'a> Closed<'a> {
     fn new(world: &'a World) -> Self {
-        let meshes = HashMap::new();
-        Self { world, meshes }
+        Self {
+            world,
+            meshes: HashMap::new(),
+            work_left: Cell::new(MOST_WORK),
+        }
+    }
+
+    /// Whether the work was not enough, so that later answers are "outside" without a test.
+    fn is_exhausted(&self) -> bool {
+        self.work_left.get() == 0
+    }
+
+    /// Takes some of the work that is left; false if it does not suffice.
+    fn take(&self, work: usize) -> bool {
+        let left = self.work_left.get().checked_sub(work);
+        self.work_left.set(left.unwrap_or(0));
+        left.is_some()
     }
 
     /// Indices of the closed, opaque instances that contain a point.
@@ -159,10 +187,8 @@ impl<'a> Closed<'a> {
         let world = self.world;
         let mut found = Vec::new();
         for (index, instance) in world.instances.iter().enumerate() {
-            let bounds = world.bounds_of(instance);
-            let in_box = point.cmpge(bounds.min).all() && point.cmple(bounds.max).all();
             let is_opaque = world.materials[instance.material].alpha_cutoff.is_none();
-            if !in_box || !is_opaque {
+            if !is_opaque || !self.is_in_box(instance, point) {
                 continue;
             }
             let mesh = &world.meshes[instance.mesh];
@@ -174,14 +200,23 @@ impl<'a> Closed<'a> {
         found
     }
 
+    /// Whether the box around an instance contains a point.
+    fn is_in_box(&self, instance: &Instance, point: Vec3) -> bool {
+        let bounds = self.world.bounds_of(instance);
+        self.take(1) && point.cmpge(bounds.min).all() && point.cmple(bounds.max).all()
+    }
+
     /// Whether a closed instance contains a point.
     fn contains(&self, index: usize, point: Vec3) -> bool {
         let instance = &self.world.instances[index];
-        if !invertible(&instance.world_from_object) {
+        let triangles = &self.world.meshes[instance.mesh].triangles;
+        if !self.is_in_box(instance, point)
+            || !invertible(&instance.world_from_object)
+            || !self.take(triangles.len())
+        {
             return false;
         }
         let object_from_world = in_f64(&instance.world_from_object).inverse();
-        let triangles = &self.world.meshes[instance.mesh].triangles;
         let posed = self.world.posed(instance.mesh);
         let point = object_from_world.transform_point3(point.as_dvec3());
         winding_number(triangles, &posed, point).abs() > 0.5
