@@ -2,6 +2,7 @@
 //! (Language Server Protocol 3.17).
 
 mod answer;
+mod frames;
 mod names;
 mod outline;
 mod position;
@@ -35,7 +36,7 @@ use crate::{
 /// # Errors
 /// [`AppError::Usage`] if the client sends an invalid message.
 pub fn lsp() -> Result<(), AppError> {
-    let (connection, threads) = Connection::stdio();
+    let (connection, threads) = frames::stdio();
     let served = serve(&connection);
     drop(connection); // otherwise its writer thread waits for messages
     let refuse = |error: String| {
