@@ -1,6 +1,6 @@
 //! The arguments of the commands: their names, ranges and help.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 
@@ -39,27 +39,10 @@ impl SceneArgs {
     }
 }
 
-/// `render`
+/// Settings of rendered pictures that do not depend on the frame, for `render` and for the tasks of `job`, which pass
+/// all of them on.
 #[derive(Clone, Debug, Args)]
-pub struct RenderArgs {
-    /// Scene file or model; without one, the built-in atrium
-    pub scene: Option<PathBuf>,
-    /// Picture to write: .png (tone-mapped) or .exr (linear radiance), with #### (at most 20) where the
-    /// number of a frame goes, or %04d, $F4, <frame> or {frame:04}; or a film: .apng, or .mp4, .mov, .mkv or .webm through ffmpeg
-    #[arg(short, long, value_name = "FILE")]
-    pub output: PathBuf,
-    /// Frames of the scene's timeline, or of a model's animation: all, or a list such as 0-949, 1-20:2 or 1,3,5-9
-    #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
-    pub frames: Option<String>,
-    /// Keep the files of frames that were made from the same scene, settings and version
-    #[arg(long)]
-    pub resume: bool,
-    /// Form of the progress report; without it a bar on a terminal, a line for each frame elsewhere
-    #[arg(long, value_name = "FORM")]
-    pub progress: Option<ProgressForm>,
-    /// Render only the I-th of N parts of the frames, for several machines
-    #[arg(long, value_name = "I/N", value_parser = parse_shard)]
-    pub shard: Option<Shard>,
+pub struct PictureArgs {
     /// Overrides of scene values
     #[command(flatten)]
     pub from: SceneArgs,
@@ -95,6 +78,99 @@ pub struct RenderArgs {
     /// not by the built-in costs of GPUs and of software adapters
     #[arg(long, value_name = "FILE")]
     pub plan: Option<PathBuf>,
+}
+
+/// Words of a command line that pass [`PictureArgs`] on.
+#[derive(Default)]
+pub struct PictureWords<'a> {
+    /// Words that hold on any machine.
+    pub options: Vec<String>,
+    /// Options that name files or folders, apart from those of assets.
+    pub paths: Vec<(&'static str, &'a Path)>,
+}
+
+impl PictureArgs {
+    /// Words that pass these arguments on, but for the folders of assets.
+    pub fn words(&self) -> PictureWords<'_> {
+        // Without `..`, so that an argument that is added does not compile until it is passed on.
+        let Self {
+            from:
+                SceneArgs {
+                    set,
+                    variant,
+                    assets: _,
+                    lenient,
+                },
+            size,
+            method,
+            camera,
+            samples,
+            aov,
+            denoise,
+            shaders,
+            adapter,
+            plan,
+        } = self;
+        let size = size.map(|[width, height]| format!("{width}x{height}"));
+        let method = method.map(|method| Method::from(method).name().to_owned());
+        let aov = (!aov.is_empty()).then(|| aov.join(","));
+        let repeated = [("--set", set), ("--variant", variant)];
+        let repeated = repeated
+            .into_iter()
+            .flat_map(|(name, all)| all.iter().map(move |value| (name, value.clone())));
+        let single = [
+            ("--size", size),
+            ("--method", method),
+            ("--camera", camera.clone()),
+            ("--samples", samples.map(|samples| samples.to_string())),
+            ("--aov", aov),
+            ("--adapter", adapter.clone()),
+        ];
+        let single = single
+            .into_iter()
+            .filter_map(|(name, value)| Some((name, value?)));
+        let valued = repeated.chain(single);
+        let mut options: Vec<_> = valued
+            .flat_map(|(name, value)| option_words(name, &value))
+            .collect();
+        for (name, is_set) in [("--denoise", denoise), ("--lenient", lenient)] {
+            options.extend(is_set.then(|| name.to_owned()));
+        }
+        let paths = [("--shaders", shaders), ("--plan", plan)];
+        let paths = paths
+            .into_iter()
+            .filter_map(|(name, path)| Some((name, path.as_deref()?)));
+        PictureWords {
+            options,
+            paths: paths.collect(),
+        }
+    }
+}
+
+/// `render`
+#[derive(Clone, Debug, Args)]
+pub struct RenderArgs {
+    /// Scene file or model; without one, the built-in atrium
+    pub scene: Option<PathBuf>,
+    /// Picture to write: .png (tone-mapped) or .exr (linear radiance), with #### (at most 20) where the
+    /// number of a frame goes, or %04d, $F4, <frame> or {frame:04}; or a film: .apng, or .mp4, .mov, .mkv or .webm through ffmpeg
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+    /// Frames of the scene's timeline, or of a model's animation: all, or a list such as 0-949, 1-20:2 or 1,3,5-9
+    #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
+    pub frames: Option<String>,
+    /// Keep the files of frames that were made from the same scene, settings and version
+    #[arg(long)]
+    pub resume: bool,
+    /// Form of the progress report; without it a bar on a terminal, a line for each frame elsewhere
+    #[arg(long, value_name = "FORM")]
+    pub progress: Option<ProgressForm>,
+    /// Render only the I-th of N parts of the frames, for several machines
+    #[arg(long, value_name = "I/N", value_parser = parse_shard)]
+    pub shard: Option<Shard>,
+    /// Settings of the pictures
+    #[command(flatten)]
+    pub picture: PictureArgs,
     /// Print pass times, shares by source and cause, rays and memory
     #[arg(long, value_name = "FORM")]
     pub stats: Option<StatsForm>,

@@ -22,20 +22,20 @@ pub fn runs(
     args: &RenderArgs,
     loaded: &LoadedScene,
 ) -> Result<Vec<(Option<usize>, RenderArgs)>, AppError> {
-    let cameras = choose(loaded, args.camera.as_deref())?;
+    let cameras = choose(loaded, args.picture.camera.as_deref())?;
     let name = |index: usize| loaded.world.cameras[index].name.as_str();
     let shown = args.output.display();
     let has_place = is_in(&args.output);
     if let [index] = cameras.as_slice() {
         // Cuts may change the camera from frame to frame.
-        let follows_cuts = args.camera.is_none() && !loaded.scene.cuts.is_empty();
+        let follows_cuts = args.picture.camera.is_none() && !loaded.scene.cuts.is_empty();
         let name = if follows_cuts { "cut" } else { name(*index) };
         let output = file_of(&args.output, name);
         let args = RenderArgs {
             output,
             ..args.clone()
         };
-        let chosen = args.camera.is_some().then_some(*index);
+        let chosen = args.picture.camera.is_some().then_some(*index);
         return Ok(vec![(chosen, args)]);
     }
     if !has_place {
@@ -63,11 +63,11 @@ pub fn runs(
                 output.display()
             )));
         }
-        let args = RenderArgs {
+        let mut args = RenderArgs {
             output,
-            camera: Some(name(index).to_owned()),
             ..args.clone()
         };
+        args.picture.camera = Some(name(index).to_owned());
         runs.push((Some(index), args));
     }
     Ok(runs)

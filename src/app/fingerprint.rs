@@ -48,9 +48,14 @@ pub fn of_run(args: &RenderArgs, session: &RenderSession) -> Result<u128, AppErr
             None => add(&read(file)?),
         }
     }
-    add(args.camera.as_deref().unwrap_or_default().as_bytes());
-    add(&[u8::from(args.denoise)]);
-    for aov in &args.aov {
+    add(args
+        .picture
+        .camera
+        .as_deref()
+        .unwrap_or_default()
+        .as_bytes());
+    add(&[u8::from(args.picture.denoise)]);
+    for aov in &args.picture.aov {
         add(aov.as_bytes());
     }
     // Checked after reading, to detect a save in between.

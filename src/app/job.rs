@@ -14,12 +14,13 @@ use serde_json::{Value, json};
 pub use self::slurm::SlurmArgs;
 use self::slurm::slurm;
 use super::{
-    args::{SceneArgs, option_words, parse_size},
+    args::{PictureArgs, PictureWords},
     cameras,
     error::AppError,
     frame_name::Template,
     frames::FrameList,
     output::{format::Format, writable::check_replaceable},
+    render::{choose_aovs, overrides},
     scene::{choose_camera, inputs, load_scene},
 };
 use crate::{
@@ -50,15 +51,9 @@ pub struct TaskArgs {
     /// Number of frames of one task, 1 to 10000
     #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=10000))]
     pub chunk: u32,
-    /// Overrides of scene values
+    /// Settings of the pictures
     #[command(flatten)]
-    pub from: SceneArgs,
-    /// Width and height in pixels, each 1 to 16384
-    #[arg(long, value_name = "WxH", value_parser = parse_size)]
-    pub size: Option<[u32; 2]>,
-    /// Camera of the scene; without it those of its cuts, else `main`, else the first
-    #[arg(long, value_name = "NAME")]
-    pub camera: Option<String>,
+    pub picture: PictureArgs,
 }
 
 /// A loaded scene, and the frames that are rendered.
@@ -77,38 +72,16 @@ impl TaskArgs {
             )));
         }
         Format::expect(&self.pictures)?;
-        let loaded = load_scene(Some(&self.scene), &self.from, &[])?;
-        choose_camera(&loaded, self.camera.as_deref())?;
+        choose_aovs(&self.picture.aov)?;
+        let overrides = overrides(&self.picture);
+        let loaded = load_scene(Some(&self.scene), &self.picture.from, &overrides)?;
+        choose_camera(&loaded, self.picture.camera.as_deref())?;
         let Some(timeline) = loaded.scene.timeline.as_ref() else {
             let text = "the scene has no [timeline], so there are no frames to divide";
             return Err(AppError::Usage(text.to_owned()));
         };
         let frames = FrameList::parse("--frames", &self.frames, timeline)?.0;
         Ok(Film { loaded, frames })
-    }
-
-    /// Options of `render` that determine the pictures, except files and frames.
-    fn options(&self) -> Vec<String> {
-        let mut options = Vec::new();
-        let mut option = |name: &str, value: &str| {
-            options.extend(option_words(name, value));
-        };
-        for setting in &self.from.set {
-            option("--set", setting);
-        }
-        for variant in &self.from.variant {
-            option("--variant", variant);
-        }
-        if let Some([width, height]) = self.size {
-            option("--size", &format!("{width}x{height}"));
-        }
-        if let Some(camera) = &self.camera {
-            option("--camera", camera);
-        }
-        if self.from.lenient {
-            options.push("--lenient".to_owned());
-        }
-        options
     }
 }
 
@@ -143,7 +116,9 @@ fn openjd(args: &OpenjdArgs) -> Result<(), AppError> {
         output,
     } = args;
     let Film { loaded, frames } = args.film()?;
-    let folders = asset_folders(&args.from.assets);
+    let folders = asset_folders(&args.picture.from.assets);
+    let PictureWords { options, paths } = args.picture.words();
+    let own_path = |(option, path): (&'static str, &Path)| Ok((option, absolute(path)?));
     let bundle = Bundle {
         scene: absolute(&args.scene)?,
         pictures: absolute(&args.pictures)?,
@@ -152,6 +127,11 @@ fn openjd(args: &OpenjdArgs) -> Result<(), AppError> {
             .map(|f| absolute(f))
             .collect::<Result<_, _>>()?,
         args,
+        options,
+        paths: paths
+            .into_iter()
+            .map(own_path)
+            .collect::<Result<_, AppError>>()?,
         frames: super::frame_spans::spans(&frames),
     };
     let files = [
@@ -189,6 +169,10 @@ fn absolute(path: &Path) -> Result<PathBuf, AppError> {
 /// Content of a job bundle.
 struct Bundle<'a> {
     args: &'a TaskArgs,
+    /// Options of `render` that hold on any machine.
+    options: Vec<String>,
+    /// Options that name files or folders, each with its path.
+    paths: Vec<(&'static str, PathBuf)>,
     scene: PathBuf,
     pictures: PathBuf,
     assets: Vec<PathBuf>,
@@ -210,6 +194,10 @@ impl Bundle<'_> {
         paths.extend(
             assets.map(|(i, f)| (format!("Assets{}", i + 1), f.as_path(), "DIRECTORY", "IN")),
         );
+        paths.extend(self.paths.iter().map(|(option, path)| {
+            let object = if path.is_dir() { "DIRECTORY" } else { "FILE" };
+            (parameter(option), path.as_path(), object, "IN")
+        }));
         paths
     }
 
@@ -256,7 +244,6 @@ impl Bundle<'_> {
 
     /// Command-line arguments of a task.
     fn command(&self) -> Result<Vec<String>, AppError> {
-        let args = self.args;
         let name = self.pictures.file_name().unwrap_or_default();
         let name = plain(&name.to_string_lossy())?;
         let mut command: Vec<String> = ["render", "{{Param.Scene}}", "--output"]
@@ -272,8 +259,12 @@ impl Bundle<'_> {
         ] {
             command.push(fixed.to_owned());
         }
-        for option in args.options() {
-            command.push(plain(&option)?);
+        for option in &self.options {
+            command.push(plain(option)?);
+        }
+        for (option, _) in &self.paths {
+            command.push((*option).to_owned());
+            command.push(format!("{{{{Param.{}}}}}", parameter(option)));
         }
         for i in 1..=self.assets.len() {
             command.push("--assets".to_owned());
@@ -295,11 +286,25 @@ impl Bundle<'_> {
             .map(|file| file.display().to_string())
             .collect();
         files.insert(self.scene.display().to_string());
+        let own = self.paths.iter().map(|(_, path)| path);
+        let (folders, own): (Vec<_>, Vec<_>) = own.partition(|path| path.is_dir());
+        files.extend(own.iter().map(|path| path.display().to_string()));
+        let folders: Vec<_> = folders
+            .iter()
+            .map(|path| path.display().to_string())
+            .collect();
         json!({ "assetReferences": {
-            "inputs": { "filenames": files, "directories": [] },
+            "inputs": { "filenames": files, "directories": folders },
             "outputs": { "directories": [self.folder().display().to_string()] },
         } })
     }
+}
+
+/// Name of the parameter of a template that an option's path gets, such as `Plan` for `--plan`.
+fn parameter(option: &str) -> String {
+    let name = option.trim_start_matches('-');
+    let (first, rest) = name.split_at(name.len().min(1));
+    first.to_uppercase() + rest
 }
 
 /// Longest name of a job in Open Job Description, characters.

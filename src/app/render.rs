@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use super::{
-    args::RenderArgs,
+    args::{PictureArgs, RenderArgs},
     cameras,
     error::AppError,
     output::picture_file::PictureFile,
@@ -29,16 +29,20 @@ pub fn render(args: &RenderArgs) -> Result<(), AppError> {
         }
         PictureFile::new(&args.output)?;
     }
-    let aovs = choose_aovs(&args.aov)?;
-    let library = shaders::library(args.shaders.as_deref())?;
+    let aovs = choose_aovs(&args.picture.aov)?;
+    let library = shaders::library(args.picture.shaders.as_deref())?;
     let load_started = Instant::now();
-    let loaded = load_scene(args.scene.as_deref(), &args.from, &overrides(args))?;
+    let loaded = load_scene(
+        args.scene.as_deref(),
+        &args.picture.from,
+        &overrides(&args.picture),
+    )?;
     let load_ms = load_started.elapsed().as_secs_f64() * 1e3;
     let inputs = inputs(
         args.scene
             .as_deref()
             .into_iter()
-            .chain(args.plan.as_deref()),
+            .chain(args.picture.plan.as_deref()),
         &loaded,
     );
     let mut failed = None;
@@ -117,7 +121,10 @@ fn picture(
 }
 
 /// The AOVs of a comma-separated list.
-fn choose_aovs(names: &[String]) -> Result<Vec<Aov>, AppError> {
+///
+/// # Errors
+/// [`AppError::Usage`] for an unknown name.
+pub fn choose_aovs(names: &[String]) -> Result<Vec<Aov>, AppError> {
     let find = |name: &String| {
         Aov::from_name(name.trim()).ok_or_else(|| {
             let known: Vec<&str> = Aov::ALL.iter().map(|aov| aov.name()).collect();
@@ -138,7 +145,7 @@ fn choose_aovs(names: &[String]) -> Result<Vec<Aov>, AppError> {
 }
 
 /// Flags for scene values as overrides; they win over `--set`.
-fn overrides(args: &RenderArgs) -> Vec<String> {
+pub fn overrides(args: &PictureArgs) -> Vec<String> {
     let size = args.size.map(|[w, h]| format!("image.size=[{w}, {h}]"));
     let samples = args
         .samples

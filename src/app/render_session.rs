@@ -37,14 +37,14 @@ impl RenderSession {
         aovs: Vec<Aov>,
         library: &ShaderLibrary,
     ) -> Result<Self, AppError> {
-        let denoiser = (args.denoise)
+        let denoiser = (args.picture.denoise)
             .then(|| Denoiser::new(&aovs, &loaded.world).map(Arc::new))
             .transpose()?;
         let gpu = Gpu::new(&GpuOptions {
-            adapter_filter: args.adapter.clone(),
+            adapter_filter: args.picture.adapter.clone(),
         })?;
-        let own_shaders = args.shaders.is_some().then(|| hash_of(library));
-        let plan = args.plan.as_deref();
+        let own_shaders = args.picture.shaders.is_some().then(|| hash_of(library));
+        let plan = args.picture.plan.as_deref();
         let view = ViewOverrides {
             audit: args.stats.is_some(),
             costs: plan.map(|path| costs(path, &gpu)).transpose()?,
@@ -53,8 +53,8 @@ impl RenderSession {
         };
         let source = SceneSource {
             path: args.scene.clone(),
-            options: args.from.options(),
-            shaders: args.shaders.clone(),
+            options: args.picture.from.options(),
+            shaders: args.picture.shaders.clone(),
         };
         let scene = Session::of_loaded(Arc::new(gpu), source, view, library.clone(), loaded)
             .map_err(|error| AppError::from_render(error, own_shaders.is_some()))?;

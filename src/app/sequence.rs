@@ -69,7 +69,7 @@ pub fn choose(args: &RenderArgs, timeline: Option<&TimelineDesc>) -> Result<Fram
             "--resume and --shard need one file per frame, such as film.####.png".to_owned(),
         ));
     }
-    if in_one_file && !args.aov.is_empty() {
+    if in_one_file && !args.picture.aov.is_empty() {
         return Err(AppError::Usage(
             "--aov does not apply to a film; write frames".to_owned(),
         ));

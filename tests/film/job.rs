@@ -110,6 +110,96 @@ fn a_bundle_in_chunks_gives_the_frames_of_one_run() {
     assert_eq!(pictures(&folder.join("parts")), pictures(&folder));
 }
 
+/// Words of a text that are options.
+fn options(help: &str) -> Vec<&str> {
+    let is_part = |c: char| !(c.is_ascii_alphanumeric() || c == '-');
+    let words = help.split(is_part).filter(|word| word.starts_with("--"));
+    words.collect()
+}
+
+#[test]
+fn a_job_takes_the_options_of_render() {
+    let folder = folder("job-options");
+    let help = |arguments: &[&str]| {
+        let output = Command::new(env!("CARGO_BIN_EXE_reflet"))
+            .args(arguments)
+            .output()
+            .expect("the program starts");
+        String::from_utf8(output.stdout).expect("text")
+    };
+    // These are the job's own, or of one machine.
+    let own = [
+        "--output",
+        "--frames",
+        "--resume",
+        "--progress",
+        "--shard",
+        "--stats",
+        "--counters",
+    ];
+    let of_render = help(&["render", "--help"]);
+    for system in ["openjd", "slurm"] {
+        let of_job = help(&["job", system, "--help"]);
+        let known = options(&of_job);
+        for option in options(&of_render)
+            .iter()
+            .filter(|option| !own.contains(option))
+        {
+            assert!(known.contains(option), "job {system} has no {option}");
+        }
+    }
+    fs::write(folder.join("p.json"), "{}").expect("written");
+    let picture = [
+        "--size",
+        "96x54",
+        "--method",
+        "rt",
+        "--camera=main",
+        "--samples",
+        "2",
+        "--aov",
+        "depth,normal",
+        "--denoise",
+        "--adapter",
+        "-a",
+        "--lenient",
+    ];
+    let own = [
+        "scene.toml",
+        "-o",
+        "bundle",
+        "--pictures",
+        "f.#.exr",
+        "--plan",
+        "p.json",
+    ];
+    let (code, text) = job(
+        &folder,
+        &[&own[..], &picture[..10], &["--adapter=-a", "--lenient"]].concat(),
+    );
+    assert_eq!(code, Some(0), "{text}");
+    let command = format!("{:?}", task(&folder.join("bundle"), "0"));
+    for word in picture
+        .iter()
+        .filter(|word| !["--camera=main", "--adapter", "-a"].contains(word))
+    {
+        assert!(
+            command.contains(&format!("\"{word}\"")),
+            "no {word} in {command}"
+        );
+    }
+    let plan = fs::canonicalize(folder.join("p.json")).expect("it is there");
+    let words = format!("\"--plan\" \"{}\"", plan.display());
+    assert!(
+        command.contains("\"--adapter=-a\"") && command.contains(&words),
+        "{command}"
+    );
+    let references = read(&folder.join("bundle/asset_references.json")).to_string();
+    assert!(references.contains("p.json"), "{references}");
+    let (code, text) = job(&folder, &[&own[..], &["--aov", "warmth"]].concat());
+    assert!(code == Some(2) && text.contains("no such AOV"), "{text}");
+}
+
 #[test]
 fn what_a_farm_cannot_use_is_refused() {
     let folder = folder("job-refused");

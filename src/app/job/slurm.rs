@@ -91,10 +91,14 @@ fn command(args: &TaskArgs) -> Result<Vec<String>, AppError> {
     };
     let mut command = vec![path(&args.scene)?, "--output".into(), path(&args.pictures)?];
     command.push("--resume".into());
-    for folder in crate::runtime::scene_text::asset_folders(&args.from.assets) {
+    for folder in crate::runtime::scene_text::asset_folders(&args.picture.from.assets) {
         command.extend(["--assets".into(), path(&folder)?]);
     }
-    command.extend(args.options());
+    let words = args.picture.words();
+    command.extend(words.options);
+    for (option, own) in words.paths {
+        command.extend([option.into(), path(own)?]);
+    }
     if let Some(braces) = command
         .iter()
         .find(|text| text.contains(cameras::PLACEHOLDER))
