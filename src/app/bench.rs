@@ -4,9 +4,8 @@ use std::{fs, io, path::Path};
 
 use super::{
     error::AppError,
-    output::writable::check_replaceable,
     print_out,
-    scene::{choose_camera, inputs, load_scene},
+    scene::{check_reports, choose_camera, load_scene},
     shaders,
 };
 use crate::{
@@ -144,6 +143,9 @@ fn checked(parameter: Parameter, values: &[f64]) -> Result<Vec<f64>, AppError> {
     Ok(kept)
 }
 
+/// Files that `bench` writes to its folder.
+const REPORTS: [&str; 3] = ["samples.csv", "bench.json", "report.html"];
+
 fn all_series(args: &BenchArgs) -> Result<Vec<FrameSeries>, AppError> {
     let mut paths: Vec<Option<&Path>> = args.scenes.iter().map(|p| Some(p.as_path())).collect();
     if paths.is_empty() {
@@ -152,10 +154,7 @@ fn all_series(args: &BenchArgs) -> Result<Vec<FrameSeries>, AppError> {
     let mut all = Vec::new();
     for path in paths {
         let loaded = load_scene(path, &args.from, &[])?;
-        let inputs = inputs(path, &loaded);
-        for report in ["bench.json", "report.html"] {
-            check_replaceable(&args.run.output.join(report), &inputs)?;
-        }
+        check_reports(&args.run.output, &REPORTS, path, &loaded)?;
         let mut name = loaded.name.clone();
         if !args.from.set.is_empty() {
             // Changed scenes must not share a chart with unchanged ones.

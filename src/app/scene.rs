@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{args::SceneArgs, error::AppError};
+use super::{args::SceneArgs, error::AppError, output::writable::check_replaceable};
 use crate::{
     files::Inputs,
     runtime::scene_text::{LoadedScene, OpenedScene, SceneText},
@@ -30,6 +30,21 @@ pub fn load_scene(
 pub fn inputs<'a>(named: impl IntoIterator<Item = &'a Path>, loaded: &'a LoadedScene) -> Inputs {
     let read = loaded.world.files.iter().map(PathBuf::as_path);
     Inputs::of(read.chain(named))
+}
+
+/// Refuses a scene that reads one of the files that will be written to a folder.
+///
+/// # Errors
+/// [`AppError::Usage`] that names the file.
+pub fn check_reports(
+    folder: &Path,
+    names: &[&str],
+    scene: Option<&Path>,
+    loaded: &LoadedScene,
+) -> Result<(), AppError> {
+    let inputs = inputs(scene, loaded);
+    let mut paths = names.iter().map(|name| folder.join(name));
+    paths.try_for_each(|path| check_replaceable(&path, &inputs))
 }
 
 /// Loads the assets of a scene, and prints the output of `setup` and all warnings to standard error;

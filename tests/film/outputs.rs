@@ -98,6 +98,51 @@ fn no_command_replaces_its_input() {
     assert_eq!(state(&folder), before);
 }
 
+/// Reports of `bench` that a scene reads, by names that only hostile scenes give their files.
+#[test]
+fn no_report_replaces_an_input() {
+    let folder = scene("reports");
+    let text = fs::read_to_string(folder.join("scene.toml")).expect("there");
+    for name in [
+        "samples.csv",
+        "bench.json",
+        "report.html",
+        "reload.json",
+        "stability.csv",
+        "stability.md",
+    ] {
+        let part = format!("version = 1\n[material.\"{name}\"]\n");
+        fs::write(folder.join(name), part).expect("written");
+        let scene = format!(
+            "include = [\"{name}\"]\n{}",
+            text.replace("include", "# include")
+        );
+        fs::write(folder.join(format!("{name}.toml")), scene).expect("written");
+    }
+    let before = state(&folder);
+    for (command, report) in [
+        (&["bench"][..], "samples.csv"),
+        (&["bench"], "bench.json"),
+        (&["bench"], "report.html"),
+        (&["bench", "reload"], "reload.json"),
+        (&["bench", "stability"], "samples.csv"),
+        (&["bench", "stability"], "stability.csv"),
+        (&["bench", "stability"], "stability.md"),
+        (
+            &["bench", "stability", "--document", "reload.json"],
+            "reload.json",
+        ),
+    ] {
+        let scene = format!("{report}.toml");
+        let text = refused(&folder, &[command, &[&scene, "-o", "."]].concat());
+        assert!(
+            text.contains("an input of this command"),
+            "{command:?} {report}: {text}"
+        );
+        assert_eq!(state(&folder), before, "{command:?}");
+    }
+}
+
 #[cfg(unix)]
 #[test]
 fn outputs_are_regular_files() {

@@ -6,7 +6,11 @@ use serde::Serialize;
 
 use super::{args::ReloadArgs, create_folder, progress::Progress, write};
 use crate::{
-    app::{error::AppError, print_out},
+    app::{
+        error::AppError,
+        print_out,
+        scene::{check_reports, load_scene},
+    },
     bench::{
         host::Host,
         run::Observer as _,
@@ -63,6 +67,10 @@ struct Report<'a> {
 /// A scene or shaders that do not open, no usable GPU, a folder that cannot be written to.
 pub fn reload(args: &ReloadArgs) -> Result<(), AppError> {
     create_folder(&args.output)?;
+    if let Some(scene) = &args.scene {
+        let loaded = load_scene(Some(scene), &args.from, &[])?;
+        check_reports(&args.output, &["reload.json"], Some(scene), &loaded)?;
+    }
     let gpu = Arc::new(Gpu::new(&GpuOptions {
         adapter_filter: args.adapter.clone(),
     })?);

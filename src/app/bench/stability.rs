@@ -9,7 +9,12 @@ use super::{
     write,
 };
 use crate::{
-    app::{error::AppError, print_out, scene::load_scene, shaders},
+    app::{
+        error::AppError,
+        print_out,
+        scene::{check_reports, inputs, load_scene},
+        shaders,
+    },
     bench::{
         hash::Hash,
         parameter::{THRESHOLD_SERIES, method_name},
@@ -158,6 +163,18 @@ impl Plan<'_> {
     /// Loads a scene as a mode, with the frame series to measure for it.
     fn load(&self, choice: &Choice) -> Result<(Mode, Vec<FrameSeries>), AppError> {
         let loaded = self.scene(choice, &[])?;
+        let reports = [
+            "samples.csv",
+            "stability.csv",
+            "stability.html",
+            "stability.md",
+        ];
+        check_reports(&self.args.output, &reports, Some(&choice.path), &loaded)?;
+        if let Some(document) = &self.args.document {
+            let checked = inputs(Some(choice.path.as_path()), &loaded).check(document);
+            let refused = |error| format!("--document {}: {error}", document.display());
+            checked.map_err(|error| AppError::Usage(refused(error)))?;
+        }
         let mut mode = Mode {
             name: choice.name.clone(),
             about: first_comment(&loaded.text),
