@@ -22,7 +22,9 @@ use self::{
     hashed_read::HashedRead,
     manifest::{BUILT_FROM, LIST, Manifest, fault_of_name},
 };
-use super::{args::SceneArgs, error::AppError, output::writable::check_writable, scene::load};
+use super::{
+    args::SceneArgs, error::AppError, output::writable::check_writable, scene::load, shutdown,
+};
 use crate::{
     files::{Inputs, Temporary, folder_of, open_regular, sweep},
     runtime::scene_text::{SceneText, asset_folders},
@@ -48,6 +50,7 @@ pub struct PackArgs {
 /// Errors of the scene, [`AppError::Usage`] for names that a pack cannot hold and for an output that must not be
 /// replaced, and a file that cannot be read or written; then no pack is left.
 pub fn pack(args: &PackArgs) -> Result<(), AppError> {
+    shutdown::listen();
     let layout = Layout::of(args)?;
     check_writable(&args.output, &Inputs::of(layout.files.values()))?;
     sweep(std::slice::from_ref(&args.output));
@@ -201,6 +204,19 @@ fn name_in(top: &Path, path: &Path) -> Result<String, AppError> {
     }
 }
 
+/// A file whose reading fails once the program is told to stop.
+struct UntilSignal(fs::File);
+
+impl io::Read for UntilSignal {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        match shutdown::is_requested() {
+            // Not `Interrupted`, after which readers try again.
+            true => Err(io::Error::other("the program was told to stop")),
+            false => self.0.read(buffer),
+        }
+    }
+}
+
 /// Writes the files in the order of their names, then the manifest; equal files give equal bytes.
 fn write_zip(goal: &mut fs::File, layout: Layout) -> Result<Manifest, AppError> {
     let mut manifest = layout.manifest;
@@ -215,8 +231,11 @@ fn write_zip(goal: &mut fs::File, layout: Layout) -> Result<Manifest, AppError> 
         let is_large = file.metadata().map_err(unread)?.len() >= u64::from(u32::MAX);
         let options = SimpleFileOptions::default().large_file(is_large);
         zip.start_file(name.as_str(), options).map_err(failed)?;
-        let mut from = HashedRead::new(file);
-        io::copy(&mut from, &mut zip).map_err(unread)?;
+        let mut from = HashedRead::new(UntilSignal(file));
+        io::copy(&mut from, &mut zip).map_err(|error| match shutdown::is_requested() {
+            true => AppError::Interrupted("stopped; no pack was written".to_owned()),
+            false => unread(error),
+        })?;
         manifest.files.push(from.named(name));
     }
     let list = serde_json::to_vec_pretty(&manifest)

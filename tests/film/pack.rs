@@ -313,3 +313,74 @@ fn unpacking_leaves_nothing_after_a_signal() {
         "reflet render ./-made/scene.toml --variant=-dark -o picture.png\n"
     );
 }
+
+/// A signal ends the writing of a pack, and nothing of it stays.
+#[cfg(unix)]
+#[test]
+fn a_signal_leaves_no_part_of_a_pack() {
+    let top = show("pack-signal");
+    let gltf = "{\"asset\":{\"version\":\"2.0\"},\"scenes\":[{\"nodes\":[0]}],\"scene\":0,\
+        \"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}],\
+        \"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\",\
+        \"min\":[0,0,0],\"max\":[1,1,0]}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":36}],\
+        \"buffers\":[{\"uri\":\"long.bin\",\"byteLength\":36}]}";
+    let mut bytes: Vec<u8> = [0.0_f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0]
+        .iter()
+        .flat_map(|x| x.to_le_bytes())
+        .collect();
+    // Bytes that do not repeat take long to compress.
+    let mut state = 1_u32;
+    bytes.extend((0..32 << 20).map(|_| {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (state >> 24) as u8
+    }));
+    fs::write(top.join("long.bin"), bytes).expect("written");
+    fs::write(top.join("long.gltf"), gltf).expect("written");
+    let hidden = || {
+        let entries = fs::read_dir(&top).expect("readable").flatten();
+        let names = entries.map(|entry| entry.file_name());
+        names
+            .filter(|name| name.to_string_lossy().starts_with('.'))
+            .count()
+    };
+    let stopped = (0..20).any(|_| {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_reflet"))
+            .current_dir(&top)
+            .args(["pack", "long.gltf", "-o", "long.zip"])
+            .stderr(std::process::Stdio::piped())
+            .spawn()
+            .expect("the program starts");
+        // The first hidden file only tests whether the folder can be written to.
+        while !top.join("long.zip").exists()
+            && !has_begun(&top)
+            && child.try_wait().expect("a child").is_none()
+        {
+            std::thread::yield_now();
+        }
+        let sent = Command::new("kill")
+            .args(["-TERM", &child.id().to_string()])
+            .status();
+        assert!(sent.is_ok(), "there is a kill command");
+        let output = child.wait_with_output().expect("it ends");
+        assert_eq!(hidden(), 0);
+        if output.status.success() {
+            fs::remove_file(top.join("long.zip")).expect("it is made");
+            return false;
+        }
+        let text = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(143), "{text}");
+        assert!(text.contains("no pack was written") && !top.join("long.zip").exists());
+        true
+    });
+    assert!(stopped, "the signal always came too late");
+}
+
+/// Whether a hidden file in a folder has some content.
+#[cfg(unix)]
+fn has_begun(folder: &Path) -> bool {
+    let mut entries = fs::read_dir(folder).expect("readable").flatten();
+    entries.any(|entry| {
+        let is_hidden = entry.file_name().to_string_lossy().starts_with('.');
+        is_hidden && entry.metadata().is_ok_and(|metadata| metadata.len() > 0)
+    })
+}
