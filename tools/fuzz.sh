@@ -41,6 +41,7 @@ for target in "${targets[@]}"; do
             python3 tools/fuzz_seeds.py "$seeds" --panoramas
             ;;
         scene)
+            python3 tools/fuzz_seeds.py "$seeds" --scenes
             find scenes scripts tests/bad_scenes -name '*.toml' | while read -r file; do
                 cp "$file" "$seeds/$(sha256sum "$file" | cut -c1-16)"
             done

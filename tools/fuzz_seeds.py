@@ -2,12 +2,14 @@
 
 python3 tools/fuzz_seeds.py OUT FOLDER...
 python3 tools/fuzz_seeds.py OUT --panoramas
+python3 tools/fuzz_seeds.py OUT --scenes
 
 Takes every `.glb` and `.gltf` in the folders of at most 64 KiB together with the files it names.
 Models with external files are packed into a `.glb`, since the fuzzer reads one file; WebP and KTX2
 images are put on a triangle. Models with meshopt are written once under each extension name.
 Added are small files whose decoders would take much memory; with `--panoramas` only those of
-panoramas, which are not part of glTF.
+panoramas, which are not part of glTF, and with `--scenes` only scene texts with many things of
+a kind.
 """
 
 from __future__ import annotations
@@ -109,6 +111,48 @@ def seeds_of(file: Path) -> list[bytes]:
     return seeds + [seed.replace(*names) for seed in seeds if names[0] in seed]
 
 
+SCENE = """version = 1
+camera.main.eye = [0, 0, 9]
+timeline.end = 3
+[model.ball]
+shape = { kind = "box" }
+[[instance]]
+model = "ball"
+name = "b"
+"""
+MOVES = "keys = [{ at_s = 0, value = [0, 0, 1] }, { at_s = 1, value = [0, 1, 0] }]"
+# Parts that scenes have many of; `#` is the number of a part, `@` that of the one before it.
+PARTS = (
+    "[params]\np# = 1\n",
+    "[variant.v#.image]\nexposure_ev = 1\n",
+    "[[variant.v.instance]]\nname = 'i#'\nmodel = 'ball'\n",
+    "[variant.r#]\nremove = ['instance.b', 'instance.#']\n",
+    "[[instance]]\nmodel = 'ball'\nrepeat = { count = [#, 9, 9], step = [0, 0, 0] }\n",
+    "[model.m#]\nshape = { kind = 'box' }\n[[instance]]\nmodel = 'm#'\n",
+    f"[[instance]]\nname = 'j#'\nmodel = 'ball'\n[motion.instance.j#.translation]\n{MOVES}\n",
+    "[camera.c#]\nparent = 'b'\n[motion.camera.c#.target]\nfollow = { instance = 'b' }\n",
+    "[material.e#]\nextends = 'e@'\nbase_color_texture = 'a#'\n",
+    "[group.g#]\nparent = 'g@'\n",
+    "[[instance]]\nname = 'n#'\nmodel = { scene = 's#.toml', params = { a = # } }\n",
+    "x# = [{}, { a.b.c = 1 }, []]\n",
+    "y# = 1\r",
+)
+
+
+def scene(rng: random.Random) -> bytes:
+    """A scene with many parts of one to three kinds; tables are opened once for all their keys."""
+    text = SCENE
+    for part in rng.sample(PARTS, rng.randint(1, 3)):
+        head, _, keys = part.partition("\n")
+        once = "#" not in head and head != "[[instance]]" and not head.startswith("[[")
+        text += head + "\n" if once else ""
+        body = keys if once else part
+        for number in range(rng.choice((1, 3, 30, 300))):
+            text += body.replace("#", str(number)).replace("@", str(max(number - 1, 0)))
+    start = "\ufeff" if rng.random() < 0.1 else ""
+    return (start + text).encode()
+
+
 def write(out: Path, seeds: set[bytes]) -> None:
     for seed in seeds:
         (out / hashlib.sha256(seed).hexdigest()[:16]).write_bytes(seed)
@@ -122,6 +166,9 @@ def main() -> None:
     out.mkdir(parents=True, exist_ok=True)
     if folders == ["--panoramas"]:
         write(out, {gltf_mutant_decoders.exr(random.Random(number)) for number in range(100)})
+        return
+    if folders == ["--scenes"]:
+        write(out, {scene(random.Random(number)) for number in range(100)})
         return
     seeds = {gltf_mutant_decoders.model(random.Random(number)) for number in range(100)}
     seeds = {seed for seed in seeds if len(seed) <= MOST_BYTES}

@@ -239,3 +239,38 @@ fn comments_name_their_thing() {
         wrong.join("\n")
     );
 }
+
+/// Files with `unsafe`, as the map of the crate and the security policy count them.
+#[test]
+fn every_use_of_unsafe_is_listed() {
+    const NUMBERS: [&str; 10] = [
+        "zero", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine",
+    ];
+    let read = |path: &Path| fs::read_to_string(path).expect("readable");
+    let map = read(&root().join("src/lib.rs"));
+    let policy = read(&root().join("SECURITY.md"));
+    let start = map.find("`unsafe` is used in").expect("the map lists it");
+    let end = map[start..].find("//! - ").expect("a rule follows");
+    let rule = &map[start..start + end];
+    let files = files_below(&root().join("src"), &["rs"]);
+    let using = files
+        .iter()
+        .filter(|path| read(path).contains("unsafe_code,"));
+    let using: Vec<_> = using
+        .map(|path| {
+            path.strip_prefix(root())
+                .expect("below")
+                .display()
+                .to_string()
+        })
+        .collect();
+    for path in &using {
+        assert!(
+            rule.contains(&format!("`{path}`")),
+            "{path} is not in {rule}"
+        );
+    }
+    assert_eq!(rule.matches("`src/").count(), using.len());
+    let says = format!("`unsafe` is used in {} places", NUMBERS[using.len()]);
+    assert!(rule.contains(&says) && policy.contains(&says), "{says}");
+}

@@ -5,10 +5,12 @@ from __future__ import annotations
 import base64
 import json
 import pathlib
+import re
 import struct
 
 import fuzz_seeds
 import pytest
+import tomllib
 from gltf_mutations import Model, read_model
 
 GLTF = pathlib.Path(__file__).resolve().parents[1] / "gltf"
@@ -95,3 +97,18 @@ def test_an_image_lies_in_a_binary_chunk_of_its_size() -> None:
     root = json.loads(seed[20 : 20 + text])
     view = root["bufferViews"][root["images"][0]["bufferView"]]
     assert seed[28 + text :][view["byteOffset"] :][: view["byteLength"]] == b"abc"
+
+
+def test_scenes_have_many_parts_of_each_kind(
+    tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("sys.argv", ["fuzz_seeds.py", str(tmp_path), "--scenes"])
+    fuzz_seeds.main()
+    texts = [path.read_text(encoding="utf-8") for path in tmp_path.iterdir()]
+    assert len(texts) > 90
+    for part in fuzz_seeds.PARTS:
+        last = re.split("[#@]", part.strip("\n\r").splitlines()[-1])[0]
+        assert any(text.count(last) >= 30 for text in texts), part
+    for text in texts:
+        if "y0" not in text:  # a carriage return alone is no TOML
+            assert tomllib.loads(text.lstrip("\ufeff"))["version"] == 1
