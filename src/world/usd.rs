@@ -199,9 +199,9 @@ fn converted((stage, model): (&Path, &str), glb: PathBuf, record: &Record) -> Co
     }
 }
 
-/// Name of the converter's warning about a stage without meshes. It is dropped: the reader of the output warns too,
-/// unless the stage has lights or cameras, which scenes use.
-const STAGE_EMPTY: &str = "stage-empty";
+/// Name of the converter's warning about a stage without meshes, which lists what the stage has instead. Scenes do
+/// without it: the reader of the output warns too, unless the stage has lights or cameras, which scenes use.
+pub const STAGE_EMPTY: &str = "stage-empty";
 
 /// Maximum number of listed warnings of one name; if there are more, only the first is shown, with a count.
 const MOST_OF_A_NAME: usize = 3;
@@ -210,7 +210,7 @@ const MOST_OF_A_NAME: usize = 3;
 fn summarize(of: (&Path, &str), warnings: &[SidecarWarning]) -> Vec<Diagnostic> {
     let mut names: Vec<&str> = Vec::new();
     for warning in warnings {
-        if warning.name != STAGE_EMPTY && !names.contains(&warning.name.as_str()) {
+        if !names.contains(&warning.name.as_str()) {
             names.push(&warning.name);
         }
     }
@@ -231,6 +231,12 @@ fn summarize_name((stage, model): (&Path, &str), group: &[&SidecarWarning]) -> V
     let shown = if is_long { &group[..1] } else { group };
     let one = |w: &&SidecarWarning| {
         let said = in_reflet(&w.message, model);
+        if w.name == STAGE_EMPTY {
+            return Diagnostic {
+                name: STAGE_EMPTY,
+                ..warning(stage, said, None)
+            };
+        }
         let mut message = format!("{}: {said} [{}]", w.prim, w.name);
         let mut help = None;
         if is_long {

@@ -277,6 +277,32 @@ fn an_empty_stage_is_refused_where_it_stands_alone() {
 }
 
 #[test]
+fn a_stage_of_volumes_says_what_it_has() {
+    let Some(tool) = tool() else { return };
+    let place = Workplace::new("volumes");
+    let prims = "def Volume \"Smoke\" {}\ndef Camera \"C\" {}\ndef Volume \"Fire\" {}\n";
+    place.write("smoke.usda", &format!("#usda 1.0\n{prims}"));
+    let output = place.check(&tool, "smoke.usda");
+    let text = said(&output);
+    assert_eq!(output.status.code(), Some(3), "{text}");
+    let error = text.split("error[nothing-to-show]").nth(1);
+    let error = error.expect("an error").lines().next().expect("a line");
+    assert!(error.contains("2 Volume, 1 Camera"), "{text}");
+    for prim in ["/Smoke: ", "/Fire: "] {
+        let named = |line: &str| line.contains(prim) && line.contains("[Volume-dropped]");
+        assert!(text.lines().any(named), "{text}");
+    }
+    place.write(
+        "scene.toml",
+        "version = 1\n[model.m]\nfile = \"smoke.usda\"\n[[instance]]\nmodel = \"m\"\n",
+    );
+    let output = place.check(&tool, "scene.toml");
+    let text = said(&output);
+    assert_eq!(output.status.code(), Some(0), "{text}");
+    assert!(!text.contains("nothing that is drawn"), "{text}");
+}
+
+#[test]
 fn a_bare_stage_takes_the_choices_of_the_command_line() {
     let Some(tool) = tool() else { return };
     let place = Workplace::new("bare");

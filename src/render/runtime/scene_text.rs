@@ -23,6 +23,7 @@ use reflet_world::{
     World,
     gltf::MODEL_EMPTY,
     load::{self, AssetCache, LoadOptions, foreign_formats},
+    usd::STAGE_EMPTY,
 };
 
 /// Environment variable with asset folders, separated like those in `PATH`.
@@ -225,9 +226,12 @@ impl OpenedScene {
     /// Same errors as [`OpenedScene::load`].
     pub(super) fn world(&self) -> Result<(World, AssetCache), Vec<Diagnostic>> {
         match load::load_with_cache(&self.scene, &self.options) {
-            Ok((world, assets)) => match self.nothing_to_show(&world) {
+            Ok((mut world, assets)) => match self.nothing_to_show(&world) {
                 Some(error) => Err(self.told_with(world, error)),
-                None => Ok((world, assets)),
+                None => {
+                    world.warnings.retain(|warning| warning.name != STAGE_EMPTY);
+                    Ok((world, assets))
+                }
             },
             Err(errors) => Err(self.warnings.iter().cloned().chain(errors).collect()),
         }
@@ -236,15 +240,22 @@ impl OpenedScene {
     /// Error for a bare model without anything to show, which would give an empty picture.
     fn nothing_to_show(&self, world: &World) -> Option<Diagnostic> {
         let path = self.model.as_ref().filter(|_| world.instances.is_empty())?;
-        let text = "there is nothing to show: no node places a mesh with triangles";
+        let stage = world
+            .warnings
+            .iter()
+            .find(|warning| warning.name == STAGE_EMPTY);
+        let reason = stage.map_or("no node places a mesh with triangles", |warning| {
+            &warning.message
+        });
+        let text = format!("there is nothing to show: {reason}");
         let help = "place the model in a scene of your own to render it anyway";
         Some(Diagnostic::in_file("nothing-to-show", path, text).help(help))
     }
 
-    /// All warnings but the one with the same meaning as the error, then the error.
+    /// All warnings but those with the same meaning as the error, then the error.
     fn told_with(&self, world: World, error: Diagnostic) -> Vec<Diagnostic> {
         let warnings = self.warnings.iter().cloned().chain(world.warnings);
-        let others = warnings.filter(|warning| warning.name != MODEL_EMPTY);
+        let others = warnings.filter(|warning| ![MODEL_EMPTY, STAGE_EMPTY].contains(&warning.name));
         others.chain([error]).collect()
     }
 

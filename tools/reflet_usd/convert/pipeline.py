@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import shlex
+from collections import Counter
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,10 @@ from reflet_usd.convert.metadata import stage_metadata_extras
 from reflet_usd.convert.stage import error_text, open_context
 from reflet_usd.convert.traverse import Traversal
 from reflet_usd.convert.types import ConvertError, ConvertOptions, ConvertResult, count_of
+
+# Types of prims that only group others.
+_GROUPS = ("", "Scope", "Xform")
+_MOST_KINDS = 8
 
 
 def run_pipeline(stage_path: Path, out: Path, options: ConvertOptions) -> ConvertResult:
@@ -38,7 +43,7 @@ def convert_opened(context: Context, stage_path: Path, out: Path) -> ConvertResu
     writer.add_nodes(roots, {**_scene_extras(context), **stage_metadata_extras(context)})
     if not writer.lists.get("meshes"):
         _refuse_empty(context, stage_path)
-        ledger.warn("stage-empty", "/", "the stage has nothing to draw")
+        ledger.warn("stage-empty", "/", _empty_message(context.stage))
     counts = ledger.close(_prims(context.stage))
     files = _files_read(context)
     result = ConvertResult(
@@ -62,6 +67,17 @@ def _refuse_empty(context: Context, stage_path: Path) -> None:
         message = "nothing is left to draw, its layers are outside the allowed folders;"
         message += f" allow them with --root {shlex.quote(root)}"
         raise ConvertError("asset-outside-roots", message, str(stage_path))
+
+
+def _empty_message(stage: Usd.Stage) -> str:
+    """Message about a stage without meshes, with the types and numbers of its prims."""
+    kinds = Counter(kind for _, kind in _prims(stage) if kind not in _GROUPS)
+    if not kinds:
+        return "the stage has no prims that could be drawn"
+    has = ", ".join(f"{count} {kind}" for kind, count in kinds.most_common(_MOST_KINDS))
+    more = len(kinds) - _MOST_KINDS
+    rest = f" and prims of {more} other types" if more > 0 else ""
+    return f"the stage has nothing that is drawn; it has {has}{rest}"
 
 
 def _files_read(context: Context) -> list[str]:

@@ -283,7 +283,7 @@ class Traversal:
         kind = type_name(prim)
         if prim.IsA(UsdGeom.Gprim) or prim.IsA(UsdGeom.Imageable):
             name = "curves-dropped" if kind.endswith("Curves") else f"{kind}-dropped"
-            message = f"a {kind} has no glTF counterpart"
+            message = f"glTF has no counterpart of the type {kind}"
         else:
             name, message = "schema-ignored", f"glTF has no place for a {kind}"
         self.context.ledger.warn(name, prim, message)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import functools
 import zipfile
 from collections.abc import Callable, Iterator
 from io import BytesIO
@@ -272,7 +271,6 @@ def _transform2d(shader: UsdShade.Shader) -> Array:
     return scale @ turn @ move
 
 
-@functools.lru_cache(maxsize=2)
 def load_texture(resolved: str) -> Texels | None:
     """Decode a texture file, or one inside (nested) usdz packages: `a.usdz[b.usdz[c.png]]`."""
     outer, inner = Ar.SplitPackageRelativePathOuter(resolved)

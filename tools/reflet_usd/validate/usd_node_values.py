@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 from pxr import Sdf, Usd, UsdShade
 
-from .images import sample
+from .images import Texels, sample
 from .scene_data import Array
 from .usd_material import TIME, input_value, load_texture, producer
 from .usd_stage import is_within
@@ -46,6 +46,15 @@ class NodeValues:
         self.nodes: set[str] = set()
         """Paths of all nodes that were read so far."""
         self._depth = 0
+        self._read: tuple[str, Texels | None] = ("", None)
+        """The image that was read last, some 0.5 GiB where it is large."""
+
+    def _texels(self, path: str) -> Texels | None:
+        if path != self._read[0]:
+            allowed = self.roots is None or is_within(path, self.roots)
+            self._read = ("", None)
+            self._read = (path, load_texture(path) if allowed else None)
+        return self._read[1]
 
     def value(
         self, node: UsdShade.Shader, name: str, default: tuple[float, ...], st: Array
@@ -178,7 +187,7 @@ class NodeValues:
         source = producer(node.GetInput("file"))
         asset = source.Get(TIME) if source is not None else None
         path = asset.resolvedPath if isinstance(asset, Sdf.AssetPath) else ""
-        texels = load_texture(path) if self.roots is None or is_within(path, self.roots) else None
+        texels = self._texels(path)
         self.images.add(str(node.GetPath()))
         if texels is None or "<UDIM>" in path:
             raise UnknownError("its image cannot be read")
