@@ -11,6 +11,9 @@ import zipfile
 from collections.abc import Iterator
 from pathlib import Path
 
+import hostile_materialx
+from PIL import Image
+
 SECRET = "SecretOfAnotherFolder"
 _NUMBERS = ("nan", "inf", "-inf", "-1", "0", "1e308", "-1e38", "2147483647", "4294967296", "99999")
 _HEADER = b'#usda 1.0\n(\n    metersPerUnit = 1\n    upAxis = "Y"\n)\n'
@@ -59,7 +62,19 @@ def all_mutants(seeds: Path) -> list[Mutant]:
         for number in range(4):
             changed = _absurd_words(data, chance)
             mutants.append(Mutant(f"words-{name}-{number}", ".usdc", changed))
+    for name, data in hostile_materialx.documents():
+        beside = {"look.mtlx": data, "t.png": _PIXEL}
+        mutants.append(Mutant(f"mtlx-{name}", ".usda", hostile_materialx.STAGE, beside))
     return mutants
+
+
+def _image() -> bytes:
+    stream = io.BytesIO()
+    Image.new("RGB", (4, 4), (200, 100, 50)).save(stream, "PNG")
+    return stream.getvalue()
+
+
+_PIXEL = _image()
 
 
 def _flip_bytes(data: bytes, chance: random.Random) -> bytes:

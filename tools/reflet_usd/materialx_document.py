@@ -7,7 +7,6 @@ Converter and validator share this reader, as they share usd-core; each evaluate
 
 from __future__ import annotations
 
-import math
 import os
 import re
 from collections.abc import Callable, Iterator
@@ -19,7 +18,7 @@ from pxr import Gf, Sdf, Tf
 SUFFIX = ".mtlx"
 MOST_BYTES = 16 << 20
 """Maximum size of one document."""
-MOST_NODES = 50_000
+MOST_NODES = 20_000
 """Maximum number of nodes of a document's layer; materials that share a graph each have it."""
 _MOST_INCLUDES = 100
 _TYPES = {
@@ -257,15 +256,13 @@ class _Writer:
             return text.strip() == "true", ""
         if kind not in ("float", "integer", *_VECTORS) or not text.strip():
             return None, ""
-        values = [float(part) for part in re.split(r"[\s,]+", text.strip()) if part]
+        values = _numbers(text)
         if kind == "integer":
-            return int(values[0]), ""
-        if not all(math.isfinite(value) and abs(value) < 3e38 for value in values):
-            return None, ""
+            return (int(values[0]) if values and abs(values[0]) < 2**31 else None), ""
         meters = _METERS.get(source.getUnit(), 1.0)
         values = [value * meters for value in values]
         if kind == "float":
-            return values[0], ""
+            return (values[0] if values else None), ""
         if kind.startswith("color") and space.lower() == "srgb_texture":
             values[:3] = [_linear(value) for value in values[:3]]
         make = _VECTORS[kind]
@@ -295,6 +292,15 @@ class _Writer:
 def _name(text: str) -> str:
     """An element's name as USD's: namespaces' colons are no part of identifiers there."""
     return Tf.MakeValidIdentifier(text)
+
+
+def _numbers(text: str) -> list[float]:
+    """The numbers of a value; none where one is no number of single precision."""
+    try:
+        values = [float(part) for part in re.split(r"[\s,]+", text.strip()) if part]
+    except ValueError:
+        return []
+    return values if all(abs(value) < 3e38 for value in values) else []
 
 
 def _linear(value: float) -> float:
