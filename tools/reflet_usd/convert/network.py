@@ -86,7 +86,7 @@ class NetworkReader:
         self.context.ledger.warn("material-unsupported", error.node.GetPrim(), message)
 
     def preview_node(self, node: UsdShade.Shader, output: str) -> Source | None:
-        """What a node of UsdPreviewSurface's specification gives; None for others."""
+        """Value of a node of UsdPreviewSurface's specification; None for others."""
         kind = shader_id(node)
         if kind == "UsdUVTexture":
             return self._texture(node, output)

@@ -35,7 +35,7 @@ _EULER_ORDERS = {
 
 @dataclass
 class Splines:
-    """What the cubic keys of a chain's matrices may deviate by, and what they came to."""
+    """Bounds of the cubic keys of a chain's matrices, and the deviation that they came to."""
 
     reach: Reach
     keys: int = 0
