@@ -132,6 +132,9 @@ GRAPHS = {
     "gray": '<extract name="e" type="float"><input name="in" type="color3" nodename="i" />'
     '</extract><convert name="x" type="color3"><input name="in" type="float" nodename="e" />'
     "</convert>",
+    "with alpha": '<combine2 name="c" type="color4"><input name="in1" type="color3" nodename="i" />'
+    '<input name="in2" type="float" value="0.5" /></combine2><convert name="x" type="color3">'
+    '<input name="in" type="color4" nodename="c" /></convert>',
     "swizzled": '<swizzle name="x" type="color3"><input name="in" type="color3" nodename="i" />'
     '<input name="channels" type="string" value="bgr" /></swizzle>',
 }
@@ -276,6 +279,29 @@ def test_a_node_without_counterpart_is_named_with_its_material(tmp_path: Path, g
     told = [w for w in done.sidecar["warnings"] if w["name"] == "material-unsupported"]
     assert told and all(w["prim"].startswith("/Looks/M/G/") for w in told)
     assert validate_file(done.out, tmp_path / "stage.usda", khronos=False).passed
+
+
+def test_values_beyond_single_precision_are_left_out(tmp_path: Path) -> None:
+    steps = "".join(
+        f'<multiply name="m{n + 1}" type="vector2">'
+        f'<input name="in1" type="vector2" nodename="m{n}" />'
+        '<input name="in2" type="float" value="1e30" /></multiply>'
+        for n in range(20)
+    )
+    nodes = (
+        f'<texcoord name="m0" type="vector2" />{steps}'
+        + image("i").replace(
+            "</image>", '<input name="texcoord" type="vector2" nodename="m20" /></image>'
+        )
+        + '<multiply name="x" type="color3"><input name="in1" type="color3" value="1e30, 1, 1" />'
+        '<input name="in2" type="float" value="1e30" /></multiply>'
+        + '<output name="o" type="color3" nodename="i" />'
+        + '<output name="e" type="color3" nodename="x" />'
+    )
+    save(tmp_path, "t.png", noise("RGB"))
+    look_of = surface(base_color="color3 @o", emission="float 1", emission_color="color3 @e")
+    done = convert(tmp_path, document(look_of, nodes))
+    assert {"uv-transform-dropped", "material-unsupported"} <= done.warnings()
 
 
 def test_a_graph_of_shared_nodes_is_walked_once(tmp_path: Path) -> None:

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 _MOST_NESTED = 64
 _WIDTHS = {"color3": 3, "vector3": 3, "color4": 4, "vector4": 4, "vector2": 2}
-_TYPE = re.compile(r"_(float|color3|vector3|color4|vector4|vector2|integer|boolean)(FA)?$")
+_TYPE = re.compile(r"_(float|color3|vector3|color4|vector4|vector2|integer|boolean)(FA|CF|VF|VV)?$")
 _VERSION = re.compile(r"(_\d+)+$")
 _PLACES = {"r": 0, "g": 1, "b": 2, "a": 3, "x": 0, "y": 1, "z": 2, "w": 3}
 _WRAPS = {"periodic": "repeat", "clamp": "clamp", "mirror": "mirror", "constant": "black"}

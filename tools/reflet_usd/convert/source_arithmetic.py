@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 from pxr import UsdShade
 
+from reflet_usd.convert.context import FLOAT32_LIMIT
 from reflet_usd.convert.sources import Constant, Part, Source, TextureRead, UnfitError
 
 Numbers = tuple[float, ...]
@@ -20,7 +20,7 @@ def mapped(node: UsdShade.Shader, function: Callable[..., float], *columns: Numb
         values = tuple(float(function(*row)) for row in zip(*columns, strict=True))
     except (ArithmeticError, ValueError):
         raise UnfitError(node, "its value is not a number") from None
-    if not all(math.isfinite(value) for value in values):
+    if not all(abs(value) < FLOAT32_LIMIT for value in values):
         raise UnfitError(node, "its value is not finite")
     return Constant(values)
 
@@ -44,7 +44,8 @@ def affine(node: UsdShade.Shader, source: Source, scale: Numbers, bias: Numbers)
             Part(p.channel, p.scale * k, p.bias * k + b, p.fallback * k + b)
             for p, k, b in zip(source.parts, scale, bias, strict=True)
         )
-        if not all(math.isfinite(p.scale) and math.isfinite(p.bias) for p in parts):
+        ends = [end for p in parts for end in (p.scale, p.bias, p.fallback)]
+        if not all(abs(end) < FLOAT32_LIMIT for end in ends):
             raise UnfitError(node, "its value is not finite")
         return replace(source, parts=parts)
     if set(scale) == {1.0} and set(bias) == {0.0}:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from pxr import UsdShade
 
+from reflet_usd.convert.context import in_float32
 from reflet_usd.convert.scene import Array
 from reflet_usd.convert.sources import UnfitError, UvRead
 
@@ -26,13 +27,17 @@ def coordinates(
     """Coordinates of an image node's input; what cannot be followed is named, taken as `st`."""
     warn = values.reader.context.ledger.warn
     try:
-        matrix = _own_transform(values, image, operation)
-        uv, matrix = _followed(values, image, name, matrix)
+        with np.errstate(over="ignore", invalid="ignore"):  # judged below
+            matrix = _own_transform(values, image, operation)
+            uv, matrix = _followed(values, image, name, matrix)
     except UnfitError as error:
         kind = error.node.GetIdAttr().Get()
         message = f"texture coordinates come from the node {kind}: {error}; taken as 'st'"
         warn("material-unsupported", error.node.GetPrim(), message)
         return UvRead()
+    if not in_float32(matrix).all():
+        warn("uv-transform-dropped", image.GetPrim(), "its coordinates are not finite, taken plain")
+        return uv
     first, last = matrix[:2, 0], matrix[:2, 1]
     lengths = float(np.linalg.norm(first)), float(np.linalg.norm(last))
     if abs(float(first @ last)) > _SQUARE * lengths[0] * lengths[1]:
@@ -61,11 +66,10 @@ def _own_transform(values: NodeValues, node: UsdShade.Shader, operation: str) ->
         return _scaled(_divided(values, node, tile, image)) @ moved @ scale
     if operation.startswith("gltf_"):
         # place2d with the inverse scale, rotation and offset
-        default = (0.0, 1.0) if operation != "gltf_iridescence" else (0.0, 0.0)
         scale = np.array(values.constant(node, "scale", (1.0, 1.0)))
         offset = np.array(values.constant(node, "offset", (0.0, 0.0))) * (-1.0, 1.0)
         turn = -values.constant(node, "rotate", (0.0,))[0]
-        return _placed(values, node, default, scale, turn, offset)
+        return _placed(values, node, (0.0, 1.0), scale, turn, offset)
     return np.eye(3)
 
 
