@@ -13,8 +13,9 @@
 override HAS_TRANSMISSION: bool = true;
 override HAS_COATS: bool = true;
 
-// Maximum number of passages through surfaces and of reflections inside solids along one path.
-const MAX_CROSSINGS: u32 = 12u;
+// Maximum number of passages through surfaces and of reflections inside solids along one path. Walls of solid glass guide
+// light along them by dozens of total reflections; paths that end here make their rims dark.
+const MAX_CROSSINGS: u32 = 60u;
 // Maximum number of transmissive surfaces between a light and a point.
 const MAX_PANES: u32 = 16u;
 const COAT_REFLECTIVITY: f32 = 0.04; // KHR_materials_clearcoat: an index of refraction of 1.5

@@ -116,6 +116,26 @@ fn glass_in_a_white_world_cannot_be_seen() {
     }
 }
 
+/// Light that enters the edge of a thin sheet leaves it after up to 40 total reflections.
+#[test]
+fn sheets_of_glass_guide_light_to_their_edges() {
+    let Some(gpu) = gpu() else { return };
+    let glass = "transmission = 1\nthickness_m = 1";
+    let sheet = thing("{ kind = \"box\", size = [1, 0.03, 1] }", glass);
+    let text = [
+        "version = 1\n[camera.main]\neye = [3.2, 0.1, 2]\ntarget = [0, 0, 0]\nfov_deg = 20\n\
+         [environment]\ncolor = [1, 1, 1]\n[image]\nsize = [32, 32]\ntone_map = \"none\"\n",
+        &sheet.replace("rotation_deg = [90, 0, 0]", "rotation_deg = [0, 0, 30]"),
+    ]
+    .concat();
+    for samples in ["image.samples=1", "image.samples=4"] {
+        let picture = render(gpu, &text, &[samples], &[]);
+        for i in 0..32 * 32 {
+            assert_color(&picture, i % 32, i / 32, [1.0; 3], 0.02);
+        }
+    }
+}
+
 /// Lamps mirrored inside a solid are found by no shadow ray, only by rays of the lobe.
 #[test]
 fn rough_glass_shows_lamps_as_bright_by_any_number_of_rays() {
