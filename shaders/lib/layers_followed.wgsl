@@ -13,8 +13,7 @@
 override HAS_TRANSMISSION: bool = true;
 override HAS_COATS: bool = true;
 
-// Maximum number of passages through surfaces and of reflections inside solids along one path. Walls of solid glass guide
-// light along them by dozens of total reflections; paths that end here make their rims dark.
+// Most passages through surfaces and reflections inside solids along one path; many, as walls of glass guide light.
 const MAX_CROSSINGS: u32 = 60u;
 // Maximum number of transmissive surfaces between a light and a point.
 const MAX_PANES: u32 = 16u;

@@ -228,7 +228,7 @@ fn metadata_is_counted_and_hides_no_counts() {
         triangles(&world.meshes[0]),
         triangles(&document(GRID).world().meshes[0])
     );
-    // As for 255 sets of attributes it would take 4 MB.
+    // 255 sets of attributes would take 4 MB.
     assert_eq!(least_mib(&with_metadata(3)), least_mib(GRID));
     assert!(least_mib(&with_metadata(100_000)) > 25);
     let mut older = GRID.to_vec();

@@ -85,7 +85,7 @@ impl Visit {
     }
 }
 
-pub(super) fn fault(text: impl Into<String>) -> Fault {
+fn fault(text: impl Into<String>) -> Fault {
     Fault::new("gltf-node", text)
 }
 

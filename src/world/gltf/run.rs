@@ -1,6 +1,6 @@
 //! Runs of elements in a buffer view: their range is checked, and their alignment found.
 
-use super::{Fault, accessor::fault, schema::BufferView};
+use super::{Fault, schema::BufferView};
 
 /// Elements one after another in a buffer view; sizes in bytes.
 pub struct Run {
@@ -27,11 +27,12 @@ impl Run {
     pub fn end_in(&self, view: &BufferView) -> Result<u64, Fault> {
         let end = self.end().filter(|end| *end <= view.byte_length);
         end.ok_or_else(|| {
-            fault(format!(
+            let text = format!(
                 "{} elements of {} bytes from offset {} at stride {} do not fit the bufferView of \
                  {} bytes",
                 self.count, self.bytes, self.offset, self.stride, view.byte_length
-            ))
+            );
+            Fault::new("gltf-accessor", text)
         })
     }
 

@@ -1,6 +1,10 @@
 //! The node hierarchy as a tree: one parent a node, and the roots of the shown scene.
 
-use super::{Fault, Notes, node::fault, schema::Root};
+use super::{Fault, Notes, schema::Root};
+
+fn fault(text: String) -> Fault {
+    Fault::new("gltf-node", text)
+}
 
 /// The nodes to begin with: those that the scene lists and that are not below another of them, each once. A listed node
 /// below none of them loses its parent, which is not part of the scene.
