@@ -29,6 +29,7 @@ mod lights_and_cameras;
 mod material;
 mod material_binding;
 mod model_instance;
+mod pixel_width;
 mod place;
 mod points;
 mod preloaded_models;
@@ -284,7 +285,15 @@ impl<'a> Loader<'a> {
         blended::drop_opaque(&mut self.world, &meshes, &textures);
         deform_at_start(&mut self.world, &meshes, self.desc)?;
         emitters::check(&mut self.world, &meshes, self.desc)?;
-        camera::add_default(&mut self.world, &meshes, self.desc);
+        let has_default_camera = camera::add_default(&mut self.world, &meshes, self.desc);
+        let widths = match has_default_camera {
+            true => pixel_width::widths(&self.world, &meshes, self.desc),
+            false => Vec::new(),
+        };
+        drop(meshes);
+        for width in widths {
+            width.set(&mut self.world.meshes);
+        }
         self.world.rest_unit_m = Some(self.world.unit_m());
         let files = self.world.files.clone();
         self.add_texts();
@@ -295,6 +304,7 @@ impl<'a> Loader<'a> {
             meshes: self.meshes,
             needs,
             images,
+            has_default_camera,
             mesh_warnings,
             files,
             panorama: (

@@ -59,7 +59,7 @@ pub fn model_viewer_scene(
         ("version", Content::from(1)),
         (
             "light",
-            made([("sun", sun(is_dear_to_draw(&playable)))]).into(),
+            made([("sun", sun(shadow_of(&playable, overrides)))]).into(),
         ),
         ("environment", sky(playable.stage.dome_radiance)),
     ]);
@@ -82,16 +82,26 @@ pub fn model_viewer_scene(
     Ok(Source::generated(path, root))
 }
 
-/// Sun from above, with ray traced shadows where drawing a shadow map takes longer.
-fn sun(is_dear_to_draw: bool) -> Content {
+/// Shadow mode of the sun: none where nothing is lit, rays where drawing a shadow map takes longer, else the default.
+fn shadow_of(playable: &Playable, overrides: &[String]) -> Option<&'static str> {
+    // Other materials may be lit.
+    let keeps_materials = !overrides.iter().any(|text| text.contains("material"));
+    match playable.is_unlit && keeps_materials {
+        true => Some("none"),
+        false => is_dear_to_draw(playable).then_some("ray"),
+    }
+}
+
+/// Sun from above.
+fn sun(shadow: Option<&'static str>) -> Content {
     let mut sun = made([
         ("kind", Content::from("directional")),
         ("direction", [-0.5, -1.0, -0.7].into()),
         ("intensity_lux", 2.5.into()),
         ("shadow_px", 2048.into()),
     ]);
-    if is_dear_to_draw {
-        sun.extend(made([("shadow", "ray".into())]));
+    if let Some(shadow) = shadow {
+        sun.extend(made([("shadow", shadow.into())]));
     }
     sun.into()
 }
@@ -106,15 +116,17 @@ fn sky(dome_radiance: Option<[f32; 3]>) -> Content {
     made([("zenith", zenith), ("horizon", horizon), ("ground", ground)]).into()
 }
 
-/// Whether a model has so many copies that ray traced shadows cost less than drawing every copy into a shadow map:
-/// BVHs hold each mesh only once.
+/// Whether a model has so many copies, or points and lines, that ray traced shadows cost less than drawing each into a
+/// shadow map: BVHs hold each mesh only once, and every texel of a map tests the points and lines drawn there.
 fn is_dear_to_draw(playable: &Playable) -> bool {
     /// Number of placed triangles from which the difference is noticeable.
     const MANY: usize = 4_000_000;
     /// Number of copies from which it is noticeable, however small they are.
     const MANY_COPIES: usize = 100_000;
     let (stored, placed) = (playable.stored_triangles, playable.placed_triangles);
-    playable.copies >= MANY_COPIES || (placed >= MANY && placed / 4 >= stored)
+    playable.copies >= MANY_COPIES
+        || playable.lit_capsules >= MANY_COPIES
+        || (placed >= MANY && placed / 4 >= stored)
 }
 
 /// Parts of the stage that `--set model.model.usd.…` chooses. Errors are reported when the scene is read.

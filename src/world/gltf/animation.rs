@@ -50,6 +50,10 @@ pub struct Playable {
     pub stored_triangles: usize,
     /// Number of triangles of all meshes, each mesh counted as often as nodes place it.
     pub placed_triangles: usize,
+    /// Number of points and lines among them that light shines on.
+    pub lit_capsules: usize,
+    /// Whether all placed materials are unlit.
+    pub is_unlit: bool,
 }
 
 /// Stage metadata from the converter; empty for other files.

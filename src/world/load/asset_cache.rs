@@ -6,6 +6,7 @@ use std::{collections::HashMap, mem, path::PathBuf, sync::Arc};
 use super::{
     LoadOptions, Loader, Source, blended, camera, deform_at_start, emitters,
     material::ImageKey,
+    pixel_width,
     place::MeshKey,
     vertex_streams::{self, Needs},
 };
@@ -29,6 +30,8 @@ pub struct AssetCache {
     pub(super) needs: Vec<Needs>,
     /// Keys of the world's textures, each with whether it is sRGB.
     pub(super) images: Vec<(ImageKey, bool)>,
+    /// Whether the camera was added that shows the whole scene.
+    pub(super) has_default_camera: bool,
     /// Warnings about vertex streams, which are not generated again.
     pub(super) mesh_warnings: Vec<Diagnostic>,
     /// Files that were read, without the text files of the scene.
@@ -108,7 +111,17 @@ impl AssetCache {
             deform_at_start(&mut loader.world, &world.meshes, desc)?;
             emitters::check(&mut loader.world, &world.meshes, desc)?;
             blended::drop_opaque(&mut loader.world, &world.meshes, &world.textures);
-            camera::add_default(&mut loader.world, &world.meshes, desc);
+            if camera::add_default(&mut loader.world, &world.meshes, desc)
+                != (self.has_default_camera)
+            {
+                return Ok(None);
+            }
+            if self.has_default_camera {
+                let widths = pixel_width::widths(&loader.world, &world.meshes, desc);
+                if !widths.iter().all(|width| width.is_of(&world.meshes)) {
+                    return Ok(None);
+                }
+            }
             loader.world.rest_unit_m = Some(loader.world.unit_m());
             loader.add_texts();
             loader.world.meshes = Shared::default();

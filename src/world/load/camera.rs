@@ -30,13 +30,13 @@ const EXTREMES: [Vec3; 6] = [
 ];
 
 /// Adds a camera `main` that frames the whole scene if there is no camera, or if nothing moves and all cameras come
-/// from files and see nothing. `meshes` are those of the world, with their vertices.
-pub fn add_default(world: &mut World, meshes: &[Mesh], desc: &SceneDesc) {
+/// from files and see nothing; returns whether it did. `meshes` are those of the world, with their vertices.
+pub fn add_default(world: &mut World, meshes: &[Mesh], desc: &SceneDesc) -> bool {
     let size = desc.image.size;
     let is_moving = !desc.is_still() || !world.moving.players.is_empty();
     let is_fixed = !desc.cameras.is_empty() || is_moving || world.instances.is_empty();
     if is_fixed && !world.cameras.is_empty() {
-        return;
+        return false;
     }
     let framed = Framed::of(world, meshes);
     let bounds = framed.bounds();
@@ -47,7 +47,7 @@ pub fn add_default(world: &mut World, meshes: &[Mesh], desc: &SceneDesc) {
         bounds.is_empty() || sight.may_hold_box(&bounds) && framed.may_be_seen(&sight, &mut left)
     };
     if world.cameras.iter().any(|camera| may_see(&camera.value)) {
-        return;
+        return false;
     }
     let radius = (bounds.diagonal() * 0.5).max(1e-3);
     let defaults = CameraDesc::default();
@@ -77,6 +77,7 @@ pub fn add_default(world: &mut World, meshes: &[Mesh], desc: &SceneDesc) {
         world.warnings.push(note);
     }
     world.cameras.push(main);
+    true
 }
 
 /// A placed mesh that is framed.
@@ -85,7 +86,7 @@ struct Shown<'a> {
     triangles: &'a [[u32; 3]],
     place: Affine3A,
     double_sided: bool,
-    /// Radius of capsules, else 0, in object space, m.
+    /// Radius of capsules as files have them, else 0, in object space, m.
     radius_m: f32,
 }
 
@@ -128,7 +129,7 @@ impl<'a> Framed<'a> {
                 triangles: &mesh.triangles,
                 place: instance.world_from_object,
                 double_sided: world.materials[instance.material].double_sided,
-                radius_m: mesh.capsule_radius_m.unwrap_or(0.0),
+                radius_m: mesh.least_radius_m,
             }
         };
         let mut meshes: Vec<_> = shown.iter().map(of).collect();
