@@ -3,8 +3,6 @@
 #import capsule_shape
 #import surface
 
-override CUTOUT: bool = false; // whether this pipeline draws cut-out materials
-
 struct CapsuleVarying {
     @builtin(position) clip: vec4f,
     @location(0) @interpolate(flat) ids: vec2u,
@@ -31,8 +29,8 @@ fn fragment_capsule(in: CapsuleVarying) -> @builtin(frag_depth) f32 {
     let texel = in.place.xy / in.place.w;
     let origin = unprojected(vec4f(texel, 1.0, 1.0)).xyz;
     let direction = unprojected(vec4f(texel, 0.5, 1.0)).xyz - origin;
-    let hit = capsule_hit(in.ids.x, in.ids.y, origin, direction, 0.0);
-    if (!hit.is_met || (CUTOUT && !alpha_passes(in.ids.x, in.ids.y, hit.place))) { discard; }
+    let hit = solid_capsule_hit(in.ids.x, in.ids.y, origin, direction, 0.0);
+    if (!hit.is_met) { discard; }
     let clip = params.clip_from_world * vec4f(origin + direction * hit.t, 1.0);
     return clip.z / clip.w;
 }

@@ -26,7 +26,7 @@ struct CapsuleFragment {
 
 @fragment
 fn fragment_capsule(in: CapsuleVarying) -> CapsuleFragment {
-    let hit = capsule_hit(in.ids.x, in.ids.y, pixel_origin(in.clip.xy), pixel_ray(in.clip.xy), frame.near_m);
-    if (!hit.is_met || (CUTOUT && !alpha_passes(in.ids.x, in.ids.y, hit.place))) { discard; }
+    let hit = solid_capsule_hit(in.ids.x, in.ids.y, pixel_origin(in.clip.xy), pixel_ray(in.clip.xy), frame.near_m);
+    if (!hit.is_met) { discard; }
     return CapsuleFragment(in.ids, screen_z(hit.t));
 }

@@ -31,7 +31,7 @@ fn pixel_surface(pixel: vec2u, hit: vec2u) -> PixelSurface {
     let ray = pixel_ray(center);
     var shown: PixelSurface;
     if (is_capsule(hit.x)) {
-        let met = capsule_hit(hit.x, hit.y, pixel_origin(center), ray, frame.near_m);
+        let met = solid_capsule_hit(hit.x, hit.y, pixel_origin(center), ray, frame.near_m);
         shown.surface = surface_at(hit.x, hit.y, met.place, normalize(ray), pixel_width(met.t * length(ray)));
         shown.depth_m = met.t;
         return shown;

@@ -128,6 +128,16 @@ fn alpha_passes(instance: u32, triangle: u32, bary: vec2f) -> bool {
     return material_alpha(material, instance, c.index, weights, 0.0, 1.0) >= materials[material].alpha_cutoff;
 }
 
+// Where a capsule is first solid along a ray past `t_min`: a cut-out one perhaps on its inner side.
+fn solid_capsule_hit(instance: u32, capsule: u32, origin: vec3f, direction: vec3f, t_min: f32) -> CapsuleHit {
+    var hit = capsule_hit(instance, capsule, origin, direction, t_min);
+    if (!hit.is_met || materials[instances[instance].material].alpha_cutoff < 0.0
+        || alpha_passes(instance, capsule, hit.place)) { return hit; }
+    hit = capsule_hit(instance, capsule, origin, direction, hit.t);
+    hit.is_met = hit.is_met && alpha_passes(instance, capsule, hit.place);
+    return hit;
+}
+
 // Mean curvature of a triangle of twice this area in the world, from its vertex normals: the turn of the normal
 // along each edge, averaged over the three.
 fn mean_curvature(p: array<vec3f, 3>, normals: array<vec3f, 3>, area2_world: f32) -> f32 {

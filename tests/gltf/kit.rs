@@ -342,12 +342,15 @@ pub fn check_promises(world: &World, name: &str) {
             "{name}: {}",
             mesh.name
         );
-        assert_eq!(
-            (mesh.normals.len(), mesh.uv0.len()),
-            (n, n),
-            "{name}: {}",
-            mesh.name
-        );
+        let counts = (mesh.normals.len(), mesh.uv0.len());
+        match mesh.capsule_radius_m {
+            Some(radius) => assert!(
+                radius > 0.0 && matches!(counts, (0, uv) if uv == 0 || uv == n),
+                "{name}: {}",
+                mesh.name
+            ),
+            None => assert_eq!(counts, (n, n), "{name}: {}", mesh.name),
+        }
         assert!(
             mesh.triangles.iter().flatten().all(|&i| (i as usize) < n),
             "{name}: {}",

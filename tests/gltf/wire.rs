@@ -1,17 +1,31 @@
-//! Points and lines as geometry.
+//! Points and lines as capsules.
 
-use crate::kit::{Doc, warnings};
+use crate::kit::{Doc, Folder, entry, load_scene, scene, warnings};
 use glam::Vec3;
+use reflet::world::{
+    Mesh,
+    bvh::{Ray, Trees},
+};
+
+/// The ends of each capsule.
+fn ends(mesh: &Mesh) -> Vec<[Vec3; 2]> {
+    let ends = |[a, b, c]: &[u32; 3]| {
+        assert_eq!(b, c);
+        [a, b].map(|i| mesh.positions[*i as usize])
+    };
+    mesh.triangles.iter().map(ends).collect()
+}
 
 #[test]
-fn points_and_lines_are_thin_geometry_around_them() {
+fn points_and_lines_are_capsules_around_them() {
+    let [o, x, y] = [Vec3::ZERO, Vec3::X, Vec3::Y];
     // The diagonal of the three vertices is √2 m.
     let (point, line) = (2.0_f32.sqrt() / 300.0, 2.0_f32.sqrt() / 600.0);
-    for (mode, num_triangles, num_vertices, radius) in [
-        (0, 3 * 8, 3 * 6, point),
-        (1, 8, 8, line),
-        (2, 3 * 8, 3 * 8, line),
-        (3, 2 * 8, 2 * 8, line),
+    for (mode, expected, radius) in [
+        (0, vec![[o, o], [x, x], [y, y]], point),
+        (1, vec![[o, x]], line),
+        (2, vec![[o, x], [x, y], [y, o]], line),
+        (3, vec![[o, x], [x, y]], line),
     ] {
         let mut doc = Doc::triangle();
         doc.primitive("mode", mode.into());
@@ -20,26 +34,84 @@ fn points_and_lines_are_thin_geometry_around_them() {
         let world = doc.world();
         assert!(world.warnings.is_empty(), "{:?}", world.warnings);
         let mesh = &world.meshes[0];
-        let counts = (mesh.triangles.len(), mesh.positions.len());
-        assert_eq!(counts, (num_triangles, num_vertices), "mode {mode}");
-        for (i, position) in mesh.positions.iter().enumerate() {
-            let center = *position - mesh.normals[i] * radius;
-            let known = [Vec3::ZERO, Vec3::X, Vec3::Y];
-            let at = known.iter().position(|p| p.distance(center) < 1e-6);
-            let at = at.unwrap_or_else(|| panic!("mode {mode}: {position}"));
-            assert_eq!(mesh.colors[i][at], 1.0, "mode {mode}: its own color");
-        }
-        // Triangles of the tube face outward.
-        for t in &mesh.triangles {
-            let [a, b, c] = t.map(|i| mesh.positions[i as usize]);
-            let outside: Vec3 = t.iter().map(|i| mesh.normals[*i as usize]).sum();
-            assert!((b - a).cross(c - a).dot(outside) > 0.0, "mode {mode}");
-        }
+        assert_eq!(ends(mesh), expected, "mode {mode}");
+        assert!((mesh.least_radius_m - radius).abs() < 1e-7);
+        assert_eq!(mesh.colors.len(), 3, "a vertex has its own color");
+        // A ray across the first one meets it at its radius, and none further away.
+        let trees = Trees::build(&world, u64::MAX).expect("trees");
+        let radius = f64::from(mesh.capsule_radius_m.expect("capsules"));
+        let met = |height: f64| {
+            let across = Ray {
+                origin: glam::DVec3::new(0.0, height, 5.0),
+                direction: glam::DVec3::NEG_Z,
+                t_min: 0.0,
+                t_max: 10.0,
+                passes: 0,
+            };
+            trees.nearest(&across, |_, _, _| true).map(|hit| hit.t)
+        };
+        assert!(
+            (met(0.0).expect("a hit") - (5.0 - radius)).abs() < 1e-6,
+            "mode {mode}"
+        );
+        assert!(met(-0.99 * radius).is_some() && met(-1.01 * radius).is_none());
     }
-    // A line of length 0 has no geometry.
+    // A line of length 0 is none.
     let mut doc = Doc::triangle();
     doc.primitive("mode", 1.into());
     let corners = doc.accessor("SCALAR", 5121, 2, &[1, 1]);
     doc.primitive("indices", corners.into());
     assert_eq!(warnings(&doc.world()), ["mesh-empty", "model-empty"]);
+}
+
+#[test]
+fn broken_points_are_dropped_with_a_warning() {
+    let mut doc = Doc::triangle();
+    doc.primitive("mode", 0.into());
+    let positions = doc.floats("VEC3", &[0.0, 0.0, 0.0, f32::NAN, 0.0, 0.0, 0.0, 1.0, 0.0]);
+    doc.attribute("POSITION", positions);
+    let world = doc.world();
+    assert_eq!(warnings(&world), ["vertex-not-finite"]);
+    assert_eq!(ends(&world.meshes[0]), [[Vec3::ZERO; 2], [Vec3::Y; 2]]);
+    let bounds = world.meshes[0].bounds;
+    let radius = world.meshes[0].capsule_radius_m.expect("capsules");
+    assert_eq!(
+        (bounds.min, bounds.max),
+        (
+            Vec3::splat(-radius),
+            Vec3::new(radius, 1.0 + radius, radius)
+        )
+    );
+}
+
+/// The default camera shows points and lines at least a pixel wide; a camera of the scene shows them as they are.
+#[test]
+fn the_default_camera_shows_thin_primitives_a_pixel_wide() {
+    for (mode, pixels) in [(0, 2.0_f32.sqrt()), (3, 1.0)] {
+        let mut doc = Doc::triangle();
+        doc.primitive("mode", mode.into());
+        let positions = doc.floats("VEC3", &[0.0, 0.0, 0.0, 100.0, 0.0, 0.0, 0.0, 100.0, 0.0]);
+        doc.attribute("POSITION", positions);
+        let folder = Folder::new();
+        folder.write("m.glb", doc.glb());
+        let mut desc = scene(&folder.0, "m.glb");
+        desc.image.size = [96, 54];
+        let world = load_scene(&desc).expect("valid");
+        let (mesh, camera) = (&world.meshes[0], &world.cameras[0].value);
+        let radius = mesh.capsule_radius_m.expect("capsules");
+        assert!(radius > mesh.least_radius_m);
+        let forward = (camera.target - camera.eye).normalize();
+        for position in &mesh.positions {
+            let depth = (*position - camera.eye).dot(forward);
+            let pixel = 2.0 * depth * (camera.fov_deg.to_radians() * 0.5).tan() / 54.0;
+            let width = 2.0 * radius / pixel;
+            assert!(
+                (pixels..2.5 * pixels).contains(&width),
+                "mode {mode}: {width}"
+            );
+        }
+        desc.cameras.push(entry("main", camera.clone()));
+        let mesh = &load_scene(&desc).expect("valid").meshes[0];
+        assert_eq!(mesh.capsule_radius_m, Some(mesh.least_radius_m));
+    }
 }

@@ -15,6 +15,7 @@ mod agreement;
 mod animation;
 mod audit;
 mod bounces;
+mod capsules;
 mod change;
 mod chunks;
 mod closed_form;

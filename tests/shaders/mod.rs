@@ -335,7 +335,7 @@ fn closed_forms_need_no_samples() {
 
 /// Overrides that neither the table of features nor a pass gives: numbers of the plan and of the adapter, and choices
 /// between pipelines of one shader.
-const OTHER_OVERRIDES: [&str; 10] = [
+const OTHER_OVERRIDES: [&str; 11] = [
     "COUNT",
     "CUTOUT",
     "EMISSION_SCALE",
@@ -345,6 +345,7 @@ const OTHER_OVERRIDES: [&str; 10] = [
     "ROW_SHUFFLES",
     "SHADE",
     "SLOT_POOLS",
+    "SPHERES",
     "WRAPS",
 ];
 

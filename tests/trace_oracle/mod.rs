@@ -338,3 +338,53 @@ fn no_ray_passes_between_neighboring_triangles() {
         assert_eq!((leaks, open), (0, 0));
     }
 }
+
+/// Capsules are compared by themselves, as the tolerances above are those of planes: rounding decides only for rays
+/// that nearly touch a capsule.
+#[test]
+fn capsules_agree_with_brute_force() {
+    let world = scene::capsules();
+    let trees = build(&world);
+    let oracle = Oracle::new(&world);
+    let rays = scene::random_rays(&world, Vec3::ZERO, 1500);
+    let judge = |what: &str, traced: &[(Option<RayHit>, bool)], allowed: usize| {
+        let (mut on_capsules, mut ties) = (0, 0);
+        for (ray, (got, blocked)) in rays.iter().zip(traced) {
+            let expected = oracle.nearest(ray, alpha_passes);
+            let id = |hit: &RayHit| (hit.instance, hit.triangle);
+            if expected.as_ref().map(id) != got.as_ref().map(id)
+                || oracle.any(ray, alpha_passes) != *blocked
+            {
+                ties += 1;
+                continue;
+            }
+            let Some((expected, got)) = expected.zip(*got) else {
+                continue;
+            };
+            if world.meshes[world.instances[got.instance as usize].mesh]
+                .capsule_radius_m
+                .is_none()
+            {
+                continue;
+            }
+            on_capsules += 1;
+            let away_m = length_m(ray, (got.t - expected.t).abs());
+            let placed = oracle.point(got.instance, got.triangle, got.bary);
+            let off_m = placed.distance(ray.origin + ray.direction * got.t);
+            // Where a ray nearly touches a capsule, its distance is the root of a small difference.
+            ties += usize::from(away_m > 1e-4 || off_m > 1e-3);
+        }
+        println!("{what}: {on_capsules} hits on capsules, {ties} ties");
+        assert!(on_capsules > 200, "{what}: {on_capsules}");
+        assert!(ties <= allowed, "{what}: {ties}");
+    };
+    let cpu = rays.iter().map(|ray| {
+        let nearest = trees.nearest(ray, alpha_passes);
+        (nearest, trees.any(ray, alpha_passes))
+    });
+    judge("CPU", &cpu.collect::<Vec<_>>(), 2);
+    let Some(gpu) = Gpu::new() else { return };
+    let answers = gpu.trace(&trees, &rays, ALL);
+    let of_gpu = answers.iter().map(|a| (answered(a), a.blocked != 0));
+    judge("GPU", &of_gpu.collect::<Vec<_>>(), 3);
+}

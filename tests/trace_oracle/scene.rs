@@ -250,3 +250,29 @@ pub fn rays_at_edges(world: &World, count: usize) -> Vec<Ray> {
         })
         .collect()
 }
+
+/// Spheres and capsules of very different lengths, placed stretched and mirrored, static and moving, single and double
+/// sided, cut out and not, among triangles.
+pub fn capsules() -> World {
+    let mut random = Random(23);
+    let mut wires = Mesh {
+        name: "wires".into(),
+        capsule_radius_m: Some(0.1),
+        ..Mesh::default()
+    };
+    for i in 0..60 {
+        let (center, size) = (random.point(1.0), random.within(0.01, 1.5));
+        wires
+            .positions
+            .extend([center, center + random.point(size)]);
+        let ends = [2 * i, 2 * i + u32::from(i % 3 > 0)];
+        wires.triangles.push([ends[0], ends[1], ends[1]]);
+    }
+    wires.bounds = wires.bounds_at_rest();
+    let mut world = world(Vec3::ZERO);
+    world.meshes.push(wires);
+    for instance in world.instances.iter_mut().skip(1).filter(|i| i.mesh < 5) {
+        instance.mesh = 6;
+    }
+    world
+}

@@ -220,7 +220,6 @@ fn pipeline(
         DrawShape::Triangles => ("vertex_opaque", None),
         DrawShape::Spheres | DrawShape::Capsules => {
             constants.push(kind.shape.constant());
-            constants.push(("CUTOUT", f64::from(u8::from(kind.cutout))));
             ("vertex_capsule", Some("fragment_capsule"))
         }
     };

@@ -77,20 +77,24 @@ impl Surface {
         Some((edge2.dot(q) / det, bary, front))
     }
 
-    fn hit(&self, ray: &Ray, cull: bool) -> Option<(f64, DVec2)> {
+    /// Hits along a ray in their order: one on a triangle, up to two on a capsule.
+    fn hits(&self, ray: &Ray, cull: bool) -> impl Iterator<Item = (f64, DVec2)> + use<> {
         let is_met = |t: f64, front: bool| {
             let seen = front || !cull || self.flags & DOUBLE_SIDED != 0;
             seen && self.flags & ray.passes == 0 && ray.t_min < t && t < ray.t_max
         };
+        let mut hits = [None; 2];
         if let Shape::Capsule(capsule) = &self.shape {
-            let times = capsule.span(ray.origin, ray.direction)?;
-            let mut sides = times.into_iter().zip([true, false]);
-            let (t, _) = sides.find(|(t, front)| is_met(*t, *front))?;
-            return Some((t, capsule.place(ray.origin + ray.direction * t)));
+            if let Some(times) = capsule.span(ray.origin, ray.direction) {
+                let hit = |t: f64| (t, capsule.place(ray.origin + ray.direction * t));
+                let sides = [(times[0], true), (times[1], false)];
+                hits = sides.map(|(t, front)| is_met(t, front).then(|| hit(t)));
+            }
+        } else if let Some((t, bary, front)) = self.plane_hit(ray) {
+            let inside = bary.x >= 0.0 && bary.y >= 0.0 && bary.x + bary.y <= 1.0;
+            hits[0] = (inside && is_met(t, front)).then_some((t, bary));
         }
-        let (t, bary, front) = self.plane_hit(ray)?;
-        let inside = bary.x >= 0.0 && bary.y >= 0.0 && bary.x + bary.y <= 1.0;
-        (inside && is_met(t, front)).then_some((t, bary))
+        hits.into_iter().flatten()
     }
 }
 
@@ -162,10 +166,11 @@ impl Oracle {
         let mut nearest = None;
         for (surface, instance, triangle) in &self.surfaces {
             let (instance, triangle) = (*instance, *triangle);
-            let Some((t, bary)) = surface.hit(&self.in_space_of(instance, &ray), true) else {
-                continue;
+            let passes = |bary: DVec2| {
+                surface.flags & ALPHA_TESTED == 0 || alpha_passes(instance, triangle, bary)
             };
-            if surface.flags & ALPHA_TESTED == 0 || alpha_passes(instance, triangle, bary) {
+            let mut hits = surface.hits(&self.in_space_of(instance, &ray), true);
+            if let Some((t, bary)) = hits.find(|(_, bary)| passes(*bary)) {
                 ray.t_max = t;
                 nearest = Some(RayHit {
                     t,
@@ -181,8 +186,8 @@ impl Oracle {
     /// Whether anything blocks the ray, from either side.
     pub fn any(&self, ray: &Ray, alpha_passes: impl Fn(u32, u32, DVec2) -> bool) -> bool {
         self.surfaces.iter().any(|(surface, instance, triangle)| {
-            let hit = surface.hit(&self.in_space_of(*instance, ray), false);
-            hit.is_some_and(|(_, bary)| {
+            let mut hits = surface.hits(&self.in_space_of(*instance, ray), false);
+            hits.any(|(_, bary)| {
                 surface.flags & ALPHA_TESTED == 0 || alpha_passes(*instance, *triangle, bary)
             })
         })
@@ -326,9 +331,13 @@ impl Trees {
             },
             _ => Shape::Capsule(triangle.capsule()),
         };
-        let (t, bary) = Surface { shape, flags }.hit(ray, cull)?;
-        let passes = flags & ALPHA_TESTED == 0 || alpha_passes(instance, triangle.triangle, bary);
-        passes.then_some(RayHit {
+        let passes = |bary: DVec2| {
+            flags & ALPHA_TESTED == 0 || alpha_passes(instance, triangle.triangle, bary)
+        };
+        let surface = Surface { shape, flags };
+        let mut hits = surface.hits(ray, cull);
+        let (t, bary) = hits.find(|(_, bary)| passes(*bary))?;
+        Some(RayHit {
             t,
             instance,
             triangle: triangle.triangle,

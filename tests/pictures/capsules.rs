@@ -1,0 +1,196 @@
+//! Capsules: equal for rasterization and primary rays, for the march and traced rays, and for shadow maps and shadow
+//! rays.
+
+use glam::{Affine3A, Vec3};
+use reflet::{
+    render::{Picture, aov::Aov, cause::Source},
+    world::{Instance, Mesh, World},
+};
+
+use crate::kit::{floats, gpu, integers, renderer, scene, share_differing};
+
+/// A mirror below things that are replaced by capsules, and a lamp.
+const SCENE: &str = r#"
+version = 1
+[image]
+size = [96, 54]
+[camera.main]
+eye = [0.5, 2, 5]
+target = [0, 0.6, 0]
+fov_deg = 45
+[environment]
+color = [0.3, 0.3, 0.3]
+[light.lamp]
+kind = "spot"
+position = [1, 6, 2]
+direction = [-0.2, -1, -0.3]
+intensity_cd = 100
+shadow_px = 1024
+[material.floor]
+base_color = [0.5, 0.5, 0.5]
+reflectivity = 0.5
+roughness = 0
+[material.red]
+base_color = [1, 0.2, 0.1]
+roughness = 1
+[model.floor]
+shape = { kind = "plane", size = [8, 8] }
+material = "floor"
+[model.thing]
+shape = { kind = "box" }
+material = "red"
+[[instance]]
+model = "floor"
+[[instance]]
+model = "thing"
+translation = [-0.6, 1, 0]
+[[instance]]
+model = "thing"
+translation = [1.2, 0.8, 0]
+rotation_deg = [20, 40, 60]
+scale = [-0.5, 1, 1.4]
+[[instance]]
+model = "thing"
+translation = [0, 0.6, 1]
+"#;
+
+/// A helix as spheres or as capsules from each point to the next.
+fn helix(are_spheres: bool) -> Mesh {
+    let point = |k: u8| {
+        let angle = f32::from(k) * 0.7;
+        Vec3::new(
+            0.6 * angle.cos(),
+            f32::from(k) / 12.0 - 0.8,
+            0.6 * angle.sin(),
+        )
+    };
+    let mut mesh = Mesh {
+        positions: (0..20).map(point).collect(),
+        capsule_radius_m: Some(0.07),
+        ..Mesh::default()
+    };
+    let next = |k: u32| if are_spheres { k } else { k + 1 };
+    mesh.triangles = (0..19).map(|k| [k, next(k), next(k)]).collect();
+    mesh.bounds = mesh.bounds_at_rest();
+    mesh
+}
+
+fn picture(set: &[&str], change: impl Fn(&mut World)) -> Option<Picture> {
+    let gpu = gpu()?;
+    let (desc, mut world) = scene(SCENE, set);
+    let things = world.instances[1].mesh;
+    world.meshes[things] = helix(false);
+    world.meshes.push(helix(true));
+    world.instances[3].mesh = world.meshes.len() - 1;
+    change(&mut world);
+    let aovs = [Aov::Ids, Aov::Source, Aov::HitIds, Aov::HitDistance];
+    let mut renderer = renderer(gpu, &desc, &world, false);
+    let camera = &world.cameras[0].value;
+    Some(
+        renderer
+            .picture(gpu, &world, camera, &aovs)
+            .unwrap_or_else(|e| panic!("{e}")),
+    )
+}
+
+fn is_capsule(id: u32) -> bool {
+    (1..=3).contains(&id)
+}
+
+#[test]
+fn rasterized_and_traced_capsules_are_the_same() {
+    let orthographic =
+        r#"camera.main={ eye=[0.5, 2, 5], target=[0, 0.6, 0], orthographic_height_m=3.5 }"#;
+    // Between the capsules of one thing, inside their boxes.
+    let inside = "camera.main.eye=[-0.6, 1, 0.45]";
+    for view in ["image.samples=1", orthographic, inside] {
+        let of = |visibility: &str| {
+            let visibility = format!("image.visibility=\"{visibility}\"");
+            picture(&[view, "reflection.method=\"rt\"", &visibility], |_| {})
+        };
+        let (Some(raster), Some(rays)) = (of("raster"), of("rays")) else {
+            return;
+        };
+        let pairs = || {
+            integers(&raster, Aov::Ids)
+                .chunks(2)
+                .zip(integers(&rays, Aov::Ids).chunks(2))
+        };
+        for thing in 1..=3 {
+            let shown = pairs().filter(|(_, id)| id[0] == thing).count();
+            assert!(
+                shown > 20 || view == inside,
+                "{view}: {shown} pixels of {thing}"
+            );
+        }
+        let differing = pairs().filter(|(a, b)| a != b).count();
+        assert!(differing <= 3, "{view}: {differing} pixels differ");
+        assert!(share_differing(&raster, &rays, 2) < 2e-3, "{view}");
+    }
+}
+
+#[test]
+fn the_march_accepts_capsules_where_rays_meet_them() {
+    let of = |method: &str| picture(&[&format!("reflection.method=\"{method}\"")], |_| {});
+    let (Some(hybrid), Some(rt)) = (of("hybrid"), of("rt")) else {
+        return;
+    };
+    let (sources, ids) = (
+        integers(&hybrid, Aov::Source),
+        integers(&hybrid, Aov::HitIds),
+    );
+    let (mut accepted, mut wrong) = (0, 0);
+    for (i, (id, truth)) in ids
+        .chunks(2)
+        .zip(integers(&rt, Aov::HitIds).chunks(2))
+        .enumerate()
+    {
+        if sources[i] == Source::Traced as u32 || !is_capsule(id[0]) {
+            continue;
+        }
+        accepted += 1;
+        let distances = [&hybrid, &rt].map(|p| floats(p, Aov::HitDistance)[i]);
+        // Neighbors of a strip share the spheres at their ends.
+        wrong += usize::from(id[0] != truth[0] || (distances[0] - distances[1]).abs() > 1e-3);
+    }
+    // A ray may meet the edge of a capsule between the centers of pixels.
+    println!("{wrong} of {accepted}");
+    assert!(
+        accepted > 100 && wrong <= accepted / 50,
+        "{wrong} of {accepted}"
+    );
+    assert!(share_differing(&hybrid, &rt, 8) < 0.01);
+}
+
+#[test]
+fn shadows_of_capsules_are_those_of_rays() {
+    let of = |shadow: &str, casts: bool| {
+        let shadow = format!("light.lamp.shadow=\"{shadow}\"");
+        let hide = |instance: &mut Instance| instance.shown.casts_shadow = casts;
+        picture(&[&shadow, "material.floor.reflectivity=0.0"], |world| {
+            world.instances.iter_mut().for_each(hide);
+        })
+    };
+    let (Some(map), Some(ray), Some(none)) = (of("map", true), of("ray", true), of("ray", false))
+    else {
+        return;
+    };
+    let shadowed = share_differing(&ray, &none, 24);
+    let differing = share_differing(&map, &ray, 24);
+    assert!(shadowed > 0.02, "{shadowed} of the pixels are shadowed");
+    assert!(differing < 0.2 * shadowed, "{differing} of {shadowed}");
+}
+
+#[test]
+fn meshes_alone_carry_no_code_of_capsules() {
+    let Some(gpu) = gpu() else { return };
+    let (desc, mut world) = scene(SCENE, &[]);
+    assert!(!renderer(gpu, &desc, &world, false).plan().features.capsules);
+    world.meshes.push(helix(true));
+    world.instances.push(Instance {
+        mesh: world.meshes.len() - 1,
+        world_from_object: Affine3A::IDENTITY,
+        ..world.instances[1].clone()
+    });
+    assert!(renderer(gpu, &desc, &world, false).plan().features.capsules);
+}
