@@ -57,6 +57,22 @@ class Writer:
         self.accessors.append(entry)
         return len(self.accessors) - 1
 
+    def ball(self) -> None:
+        """Add an octahedron with each face cut in four: 32 triangles."""
+        axes = np.concatenate([np.eye(3), -np.eye(3)])
+        faces = [(0, 1, 2), (1, 3, 2), (3, 4, 2), (4, 0, 2), (1, 0, 5), (3, 1, 5), (4, 3, 5), (0, 4, 5)]
+        parts = []
+        for a, b, c in (axes[list(face)] for face in faces):
+            ab, bc, ca = a + b, b + c, c + a
+            parts += [(a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca)]
+        points = np.array(parts).reshape(-1, 3)
+        points = (points / np.linalg.norm(points, axis=-1, keepdims=True)).astype("f4")
+        points, indices = np.unique(points.round(6), axis=0, return_inverse=True)
+        attributes = {"POSITION": self.add(points, "VEC3", 5126)}
+        attributes["NORMAL"] = self.add(points.copy(), "VEC3", 5126)
+        corners = self.add(indices.astype("u4").reshape(-1), "SCALAR", 5125)
+        self.root["meshes"].append({"primitives": [{"attributes": attributes, "indices": corners}]})
+
     def mesh(self, side: int, seed: int, material: int | None = None) -> None:
         """Add a wavy square of 2 (side - 1)² triangles."""
         x, z = np.meshgrid(np.linspace(-1, 1, side), np.linspace(-1, 1, side))
@@ -142,12 +158,53 @@ def measured(command: list[str]) -> tuple[str, str, str, str]:
     return f"{wall:.2f}", f"{cpu:.2f}", f"{usage.ru_maxrss / 1024:.0f}", str(process.returncode)
 
 
+def points(millions: float, path: Path) -> None:
+    out = Writer()
+    random = np.random.default_rng(1)
+    count = round(millions * 1e6)
+    places = out.add(random.normal(size=(count, 3)).astype("f4"), "VEC3", 5126)
+    colors = out.add(random.integers(0, 256, (count, 4), dtype="u1") | np.uint8([0, 0, 0, 255]), "VEC4", 5121)
+    out.accessors[colors]["normalized"] = True
+    attributes = {"POSITION": places, "COLOR_0": colors}
+    out.root["meshes"].append({"primitives": [{"attributes": attributes, "mode": 0}]})
+    out.node(0, (0, 0, 0))
+    out.write(path)
+
+
+def grid() -> np.ndarray:
+    """A million places."""
+    k = np.arange(1_000_000)
+    return (3 * np.stack([k % 100, k // 100 % 100, k // 10_000], -1)).astype("f4")
+
+
+def instances(path: Path) -> None:
+    out = Writer()
+    out.ball()
+    name = "EXT_mesh_gpu_instancing"
+    placed = {name: {"attributes": {"TRANSLATION": out.add(grid(), "VEC3", 5126)}}}
+    out.root |= {"extensionsUsed": [name], "nodes": [{"mesh": 0, "extensions": placed}]}
+    out.write(path)
+
+
+def nodes(path: Path) -> None:
+    out = Writer()
+    out.ball()
+    for place in grid().tolist():
+        out.node(0, place)
+    out.write(path)
+
+
 MAKERS = {
     "1 M triangles": lambda path: triangles(1, path),
     "5 M triangles": lambda path: triangles(5, path),
     "10 M triangles": lambda path: triangles(10, path),
     "10,000 meshes": meshes,
     "200 textures": textures,
+    "1 M points": lambda path: points(1, path),
+    "3 M points": lambda path: points(3, path),
+    "10 M points": lambda path: points(10, path),
+    "1 M instances": instances,
+    "1 M nodes": nodes,
 }
 
 

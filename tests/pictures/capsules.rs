@@ -13,7 +13,7 @@ use crate::kit::{floats, gpu, integers, renderer, scene, share_differing};
 const SCENE: &str = r#"
 version = 1
 [image]
-size = [96, 54]
+size = [192, 108]
 [camera.main]
 eye = [0.5, 2, 5]
 target = [0, 0.6, 0]
@@ -124,7 +124,8 @@ fn rasterized_and_traced_capsules_are_the_same() {
             );
         }
         let differing = pairs().filter(|(a, b)| a != b).count();
-        assert!(differing <= 3, "{view}: {differing} pixels differ");
+        // Neighbors of a strip share the spheres at their ends.
+        assert!(differing <= 10, "{view}: {differing} pixels differ");
         assert!(share_differing(&raster, &rays, 2) < 2e-3, "{view}");
     }
 }
