@@ -135,6 +135,8 @@ fn script_output_has_its_own_lines() {
     let output = Command::new("script")
         .current_dir(&folder)
         .args(["-qec", &line, "/dev/null"])
+        // Without it the terminal counts as one that has no progress bar.
+        .env("TERM", "xterm")
         .stdin(Stdio::null())
         .output()
         .expect("it starts");

@@ -114,7 +114,7 @@ fn no_report_replaces_an_input() {
         let part = format!("version = 1\n[material.\"{name}\"]\n");
         fs::write(folder.join(name), part).expect("written");
         let scene = format!(
-            "include = [\"{name}\"]\n{}",
+            "include = [\"light.toml\", \"{name}\"]\n{}",
             text.replace("include", "# include")
         );
         fs::write(folder.join(format!("{name}.toml")), scene).expect("written");
