@@ -34,6 +34,7 @@ mod node_chains;
 mod overrides;
 mod pointer;
 mod reach;
+mod scale;
 mod scene;
 mod scripted;
 mod skin;

@@ -19,7 +19,6 @@ mod placed;
 mod placed_script;
 mod removed;
 mod returned;
-mod scale;
 mod schema;
 mod set;
 mod settings;

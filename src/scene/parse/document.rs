@@ -250,6 +250,8 @@ impl<'t> Document<'t> {
             placed_groups,
             placed_cameras,
         } = self;
+        // Syntax errors that fill the report make all other mistakes doubtful.
+        let surplus = report.surplus().filter(|_| !shadows.is_empty());
         extends::resolve(&mut root, &mut report);
         let nothing = Entries::new();
         let table = root.get_ref().as_table().unwrap_or(&nothing);
@@ -281,6 +283,9 @@ impl<'t> Document<'t> {
         let stands = |m: &Entry<_>| !texts.is_included(&m.at) && !report.is_unplaced(&m.name);
         (scene.models).retain(|m| used.contains(m.name.as_str()) || stands(m));
         report.retain(|d| !shadows.iter().any(|s| s.hides(d)));
+        surplus
+            .into_iter()
+            .for_each(|count| report.restore_surplus(count));
         placed::name_as_written(&placed_groups, &texts.placed, &mut report);
         if report.has("unsupported-version") {
             // In another version other keys may be right.

@@ -220,6 +220,16 @@ impl Report {
         self.list.len() >= MOST
     }
 
+    /// Number of messages that are only counted so far, where there is no room for more.
+    pub fn surplus(&self) -> Option<usize> {
+        self.is_full().then_some(self.left_out)
+    }
+
+    /// Takes later messages out of the count, as they only follow from earlier ones.
+    pub fn restore_surplus(&mut self, count: usize) {
+        self.left_out = count;
+    }
+
     /// Keeps a message.
     pub fn push(&mut self, diagnostic: Diagnostic) {
         if diagnostic.severity == Severity::Error {
