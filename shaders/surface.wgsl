@@ -59,8 +59,8 @@ fn resolve(pixel: vec2u) -> Resolved {
     let rounded = unpack2x16float(pack2x16float(vec2f(s.roughness, s.metallic)));
     packed.roughness = rounded.x;
     packed.metallic = rounded.y;
-    packed.clearcoat = round(s.clearcoat * 127.0) / 127.0;
-    packed.clearcoat_roughness = round(s.clearcoat_roughness * 127.0) / 127.0;
+    packed.clearcoat = round(s.clearcoat * COAT_STEPS) / COAT_STEPS;
+    packed.clearcoat_roughness = round(s.clearcoat_roughness * COAT_STEPS) / COAT_STEPS;
     let rough = select(CAUSE_NOT_REFLECTIVE, CAUSE_ROUGH, s.reflection != REFLECTION_NONE);
     return Resolved(select(rough, CAUSE_UNMARCHED, is_reflector(packed)), is_transmissive(s));
 }

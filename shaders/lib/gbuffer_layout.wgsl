@@ -18,7 +18,7 @@ fn pack_surface(s: Surface) -> vec4u {
 // Layer values in 14 bits beside the reflection mode. Index and absorption are read from the pixel's material.
 fn layer_bits(s: Surface) -> u32 {
     if (!HAS_LAYERS) { return u32(s.unlit) | (lift_bits(s.lift_m) << 1u); }
-    return u32(s.transmission * 127.0 + 0.5) | (u32(s.clearcoat * 127.0 + 0.5) << 7u);
+    return u32(s.transmission * 127.0 + 0.5) | (u32(s.clearcoat * COAT_STEPS + 0.5) << 7u);
 }
 
 // Lift in 13 bits: 128 steps per octave from 2^-20 m up; 0: none.
@@ -34,7 +34,7 @@ fn lift_of(bits: u32) -> f32 {
 // Values in 16 bits beside the emission.
 fn unlit_bits(s: Surface) -> u32 {
     if (!HAS_LAYERS) { return pack2x16float(vec2f(clamp(s.curvature, -65000.0, 65000.0), 0.0)) & 0xffffu; }
-    return u32(s.unlit) | (u32(s.is_inside) << 1u) | (u32(s.clearcoat_roughness * 127.0 + 0.5) << 2u)
+    return u32(s.unlit) | (u32(s.is_inside) << 1u) | (u32(s.clearcoat_roughness * COAT_STEPS + 0.5) << 2u)
         | (u32(saturate(s.alpha) * 127.0 + 0.5) << 9u);
 }
 
@@ -95,10 +95,10 @@ fn unpack_surface(bits: vec4u, packed: vec4u) -> Surface {
     let layers = bits.w >> 18u;
     let unlit = packed.w >> 16u;
     s.transmission = f32(layers & 0x7fu) / 127.0;
-    s.clearcoat = f32((layers >> 7u) & 0x7fu) / 127.0;
+    s.clearcoat = f32((layers >> 7u) & 0x7fu) / COAT_STEPS;
     s.unlit = (unlit & 1u) != 0u;
     s.is_inside = (unlit & 2u) != 0u;
-    s.clearcoat_roughness = f32((unlit >> 2u) & 0x7fu) / 127.0;
+    s.clearcoat_roughness = f32((unlit >> 2u) & 0x7fu) / COAT_STEPS;
     s.alpha = f32((unlit >> 9u) & 0x7fu) / 127.0;
     s.occlusion = f32((packed.y >> 16u) & 0xffu) / 255.0;
     s.curvature = coarse_curvature(packed.y >> 24u);

@@ -53,7 +53,7 @@ fn is_transmissive(s: Surface) -> bool {
 // Whether the coat's reflection is traced, rather than lights and environment alone.
 fn has_traced_coat(s: Surface) -> bool {
     return HAS_COATS && s.clearcoat > 0.0
-        && (s.reflection == REFLECTION_MIRROR || (s.reflection == REFLECTION_AUTO && s.clearcoat_roughness < frame.roughness_cutoff));
+        && (s.reflection == REFLECTION_MIRROR || (s.reflection == REFLECTION_AUTO && round(s.clearcoat_roughness * COAT_STEPS) < frame.roughness_cutoff * COAT_STEPS));
 }
 
 // Roughness of the layer whose reflection is traced.

@@ -14,8 +14,9 @@ use super::{
 use crate::{
     render::{
         RenderOptions,
+        cutoff::can_reflect,
         decide::{Decision, decide, needs_trees},
-        plan::{Dropped, Plan, can_reflect},
+        plan::{Dropped, Plan},
         textures::Layers,
         types::GpuVertex,
     },

@@ -3,7 +3,7 @@
 use glam::{Vec2, Vec3};
 
 use super::{
-    plan::has_specular,
+    cutoff::{has_specular, packed, packed_coat},
     textures::Layers,
     types::{
         GpuMaterial, GpuTextureUse, NONE, TEXTURE_NEAREST, TEXTURE_SIZE_SHIFT, TEXTURE_SRGB,
@@ -30,8 +30,8 @@ pub fn gpu_material(m: &Material, world: &World, layers: &Layers) -> GpuMaterial
     GpuMaterial {
         base_color: m.base_color.to_array(),
         emission: m.emission.to_array(),
-        metallic: m.metallic,
-        roughness: m.roughness,
+        metallic: packed(m.metallic),
+        roughness: packed(m.roughness),
         reflectivity: m.reflectivity,
         normal_scale: m.normal_scale,
         occlusion_strength: m.occlusion_strength,
@@ -48,10 +48,10 @@ pub fn gpu_material(m: &Material, world: &World, layers: &Layers) -> GpuMaterial
         },
         unlit: m.unlit.into(),
         transmission: m.transmission.unwrap_or(0.0),
-        clearcoat: m.clearcoat.unwrap_or(0.0),
+        clearcoat: packed_coat(m.clearcoat.unwrap_or(0.0)),
         absorption: m.absorption().to_array(),
         ior: m.ior,
-        clearcoat_roughness: m.clearcoat_roughness,
+        clearcoat_roughness: packed_coat(m.clearcoat_roughness),
         is_solid: m.solid.into(),
         is_blended: m.blended.into(),
         specular_color: m.specular_color.unwrap_or(Vec3::ONE).to_array(),

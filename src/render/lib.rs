@@ -14,6 +14,7 @@ pub mod chunks;
 pub mod constants;
 pub mod cost;
 mod cull;
+pub mod cutoff;
 pub mod debug_readback;
 pub mod decide;
 mod download;

@@ -8,7 +8,7 @@ mod uses;
 use std::collections::BTreeSet;
 
 use reflet_scene::desc::{Method, ReflectionMode, Visibility};
-use reflet_world::{CORE_SLOTS, LayerTexture, Material, World, Wrap, bvh::Trees};
+use reflet_world::{CORE_SLOTS, World, Wrap, bvh::Trees};
 
 use self::features::PlannedScene;
 pub use self::{
@@ -17,12 +17,12 @@ pub use self::{
     uses::passes_light,
 };
 use super::{
+    cutoff::{can_reflect, is_base_below},
     lights::{LightNeeds, has_shadow_rays},
     lobe_table::SMOOTH_ALPHA,
     options::RenderOptions,
     precision::Precision,
     textures::{Layers, POOL_BITS},
-    types::METAL_REACH,
 };
 
 /// Features of a frame, and the numbers that shaders are specialized with.
@@ -44,40 +44,6 @@ pub struct Plan {
     pub wraps: u32,
 }
 
-/// Whether a material has a specular lobe that a reflection could replace.
-pub fn has_specular(material: &Material) -> bool {
-    // Glass reflects internally whatever its specular strength.
-    let is_dimmed = material.specular == Some(0.0) && !material.passes_light();
-    let dielectric = material.reflectivity > 0.0 && !is_dimmed;
-    dielectric || material.metallic > 0.0 || material.clearcoat.is_some()
-}
-
-/// Roughness below which a material reflects; higher for metals, which show nothing else.
-fn reflects_below(material: &Material, cutoff: f32) -> f32 {
-    cutoff.max((cutoff * (1.0 + METAL_REACH * material.metallic)).min(1.0))
-}
-
-/// Whether a material can reflect at all, so that its pixels are worth marching.
-pub fn can_reflect(material: &Material, cutoff: f32) -> bool {
-    let has_map = material
-        .layer_texture(LayerTexture::ClearcoatRoughness)
-        .is_some();
-    let coat_roughness = if has_map {
-        0.0
-    } else {
-        material.clearcoat_roughness
-    };
-    let smooth = material.metallic_roughness_texture.is_some()
-        || material.roughness < reflects_below(material, cutoff)
-        || (material.clearcoat.is_some() && coat_roughness < cutoff);
-    has_specular(material)
-        && match material.reflection {
-            ReflectionMode::None => false,
-            ReflectionMode::Mirror => true,
-            ReflectionMode::Auto => smooth,
-        }
-}
-
 /// Whether a material reflects now or may do so in another frame.
 pub fn may_reflect(world: &World, material: usize, cutoff: f32) -> bool {
     can_reflect(&world.materials[material], cutoff) || world.may_change(material)
@@ -95,8 +61,7 @@ pub fn reflects_roughly(world: &World, cutoff: f32) -> bool {
         let material = &world.materials[index];
         let spread = material.metallic_roughness_texture.is_some()
             || material.anisotropy.is_some()
-            || (is_spread(material.roughness)
-                && material.roughness < reflects_below(material, cutoff))
+            || (is_spread(material.roughness) && is_base_below(material, cutoff))
             || (material.clearcoat.is_some() && is_spread(material.clearcoat_roughness));
         let scatters = material.transmission.is_some()
             && (material.metallic_roughness_texture.is_some()

@@ -324,9 +324,6 @@ gpu_struct! {
     }
 }
 
-/// Relative increase of the roughness cutoff for metals: theirs is 1 + this times that of dielectrics.
-pub const METAL_REACH: f32 = 4.0;
-
 /// Returns `bit` if `on`, else 0.
 pub fn flag(on: bool, bit: u32) -> u32 {
     if on { bit } else { 0 }

@@ -15,7 +15,7 @@ use reflet_world::{
 };
 
 use super::{
-    plan::can_reflect,
+    cutoff::can_reflect,
     view::View,
     view_rays::{SurfacePoint, ViewRays, is_in_reach, mirror_ray, off_surface, places},
 };

@@ -2,6 +2,7 @@
 
 mod alpha;
 mod coat_normals;
+mod cutoff;
 mod emitters;
 mod energy;
 mod environment;

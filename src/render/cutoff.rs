@@ -1,0 +1,60 @@
+//! The cut-off of roughness: which materials reflect. `is_reflector` in `shaders/lib/shade.wgsl` decides by the same
+//! numbers, rounded alike, for the surfaces of pixels and of hits.
+
+use half::f16;
+use reflet_scene::desc::ReflectionMode;
+use reflet_world::{LayerTexture, Material};
+
+/// Relative increase of the roughness cut-off for metals: theirs is 1 + this times that of dielectrics.
+pub const METAL_REACH: f32 = 4.0;
+
+/// Steps of a number between 0 and 1 of a clear coat in the G-buffer.
+pub const COAT_STEPS: f32 = 127.0;
+
+/// Roughness or metalness as the G-buffer holds it, in 16 bits.
+pub fn packed(value: f32) -> f32 {
+    f16::from_f32(value).to_f32()
+}
+
+/// Number between 0 and 1 of a clear coat as the G-buffer holds it, in 7 bits.
+pub fn packed_coat(value: f32) -> f32 {
+    (value * COAT_STEPS).round() / COAT_STEPS
+}
+
+/// Whether a material has a specular lobe that a reflection could replace.
+pub fn has_specular(material: &Material) -> bool {
+    // Glass reflects internally whatever its specular strength.
+    let is_dimmed = material.specular == Some(0.0) && !material.passes_light();
+    let dielectric = material.reflectivity > 0.0 && !is_dimmed;
+    dielectric || material.metallic > 0.0 || material.clearcoat.is_some()
+}
+
+/// Whether the lobe of a material without its clear coat is below the cut-off; higher for metals, which show nothing
+/// else.
+pub(super) fn is_base_below(material: &Material, cutoff: f32) -> bool {
+    let raised = cutoff * (1.0 + METAL_REACH * packed(material.metallic));
+    packed(material.roughness) < cutoff.max(raised.min(1.0))
+}
+
+/// Whether the lobe of a material's clear coat is below the cut-off, where its texture leaves it so rough.
+fn is_coat_below(material: &Material, cutoff: f32) -> bool {
+    let has_map = material
+        .layer_texture(LayerTexture::ClearcoatRoughness)
+        .is_some();
+    let steps = (material.clearcoat_roughness * COAT_STEPS).round();
+    material.clearcoat.is_some() && (has_map || steps < cutoff * COAT_STEPS)
+}
+
+/// Whether a material can reflect at all, so that its pixels are worth marching.
+pub fn can_reflect(material: &Material, cutoff: f32) -> bool {
+    has_specular(material)
+        && match material.reflection {
+            ReflectionMode::None => false,
+            ReflectionMode::Mirror => true,
+            ReflectionMode::Auto => {
+                material.metallic_roughness_texture.is_some()
+                    || is_base_below(material, cutoff)
+                    || is_coat_below(material, cutoff)
+            }
+        }
+}
