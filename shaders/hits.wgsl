@@ -29,7 +29,7 @@ fn shade_pixel(pixel: vec2u) {
         var lent = vec2u(0u);
         if (LENDS_LIGHT) { lent = lent_light(visible_lights, s); }
         let lit = shade(s, -direction, lent);
-        color = lit.diffuse + lit.specular + scattered_on(pixel, 1u, 1u, ray, s, cone_there);
+        color = met_light(ray, lit) + ray.kept * scattered_on(pixel, 1u, 1u, ray, s, cone_there);
     }
     textureStore(reflection, pixel, vec4f(min(color, BRIGHTEST), 1.0));
     if (exhausted_rays > 0u) { atomicAdd(&counters[EXHAUSTED_COUNTER], exhausted_rays); }

@@ -69,9 +69,10 @@ fn trace_pixel(pixel: vec2u) {
             var lent = vec2u(0u);
             if (LENDS_LIGHT) { lent = lent_light(visible_lights, s); }
             let lit = shade(s, -direction, lent);
-            color += found_light(throughput * (lit.diffuse + lit.specular), bounce);
+            color += found_light(throughput * met_light(ray, lit), bounce);
         }
         if (!continues(s)) { break; }
+        throughput *= ray.kept;
         ray = next_ray(ray, s);
         throughput *= ray.weight;
         if (max(throughput.x, max(throughput.y, throughput.z)) < frame.dimmest) { break; }

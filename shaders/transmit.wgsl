@@ -63,9 +63,10 @@ fn behind(pixel: vec2u) -> vec4f {
         s = surface_at(h.instance, h.triangle, h.bary, direction, cone.width_m);
         s.emission *= met_emission(ray, h.instance, h.t, s);
         let lit = shade(s, -direction, vec2u(0u));
-        color += found_light(throughput * (lit.diffuse + lit.specular), step);
+        color += found_light(throughput * met_light(ray, lit), step);
         if (!continues(s)) { break; }
         uncovered *= 1.0 - coverage(s);
+        throughput *= ray.kept;
         ray = next_ray(ray, s);
         throughput *= ray.weight;
         is_straight = is_straight && s.transmission <= 0.0 && dot(ray.direction, seen) > 0.99999;

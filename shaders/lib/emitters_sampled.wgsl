@@ -67,12 +67,14 @@ fn returned_of_emitters(s: Surface, view: vec3f, to: Receiver, index: u32) -> Re
     return returned_of_lamp(s, view, to, l, !is_passed(instances[id.x].trace_flags, UNREFLECTED));
 }
 
-// Share of a surface's emission that a reflection ray takes; the rest comes by light samples.
+// Share of a surface's emission that a reflection ray takes; the rest comes by light samples. Lamps are not dimmed by
+// the surface before, so that share is undone.
 fn met_emission(ray: Reflected, instance: u32, distance_m: f32, s: Surface) -> f32 {
-    if (ray.pdf == 0.0 || (instances[instance].flags & FLAG_EMITTER) == 0u) { return 1.0; }
+    if ((instances[instance].flags & FLAG_EMITTER) == 0u) { return 1.0; }
+    if (ray.pdf == 0.0) { return 1.0 / ray.kept; }
     if (ray.pdf == TAKEN) { return 0.0; }
     let way_m = distance_m + passed_m;
     let facing = abs(dot(s.geometric_normal, ray.direction));
     let pdf = emitter_density(instances[instance].material) * way_m * way_m / max(facing, 1e-12);
-    return balance(ray.pdf, pdf * f32(sampling.rays));
+    return balance(ray.pdf, pdf * f32(sampling.rays)) / ray.kept;
 }

@@ -4,16 +4,21 @@
 
 fn start_samples(pixel: vec2u, vertex: u32) {}
 
-// Direction of a reflection ray, and its weight. In this variant the ray sees the whole environment and no light.
+// Direction of a reflection ray, and its weight; see extent_sampled.wgsl. In this variant the ray sees no light.
 struct Reflected {
     direction: vec3f,
     weight: vec3f,
     pdf: f32,
     sky_weight: f32,
+    kept: f32,
+    sky_behind: f32,
 }
 
 fn lobe_ray(direction: vec3f, s: Surface) -> Reflected {
-    return Reflected(mirror_direction(direction, s), fresnel(s, dot(s.normal, -direction)) * base_share(s, -direction), 0.0, 1.0);
+    let kept = kept_share(s);
+    let behind = (1.0 - kept) * s.occlusion;
+    let weight = fresnel(s, dot(s.normal, -direction)) * base_share(s, -direction);
+    return Reflected(mirror_direction(direction, s), weight, 0.0, kept + behind, kept, behind);
 }
 
 // Light that a path adds past its first hit, here without a limit.

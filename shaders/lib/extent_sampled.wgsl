@@ -20,6 +20,8 @@ struct Reflected {
     weight: vec3f,
     pdf: f32, // lobe_density; 0: the only possible direction; TAKEN: light samples find all lights
     sky_weight: f32, // share of the environment's light; the rest comes by rays towards it
+    kept: f32, // share of the light of a surface that the ray meets, lamps left out
+    sky_behind: f32, // share of the environment's light that stands in for the rest of that surface's light
 }
 
 // Whether a surface has a rough reflection. Its light is then found by reflection rays and by light samples,
@@ -73,14 +75,18 @@ fn visible_facet(s: Surface, direction: vec3f, pair: u32) -> vec3f {
 // `direction` is that of the arriving ray.
 fn lobe_ray(direction: vec3f, s: Surface) -> Reflected {
     let mirror = mirror_direction(direction, s);
+    let kept = kept_share(s);
+    let replaced = (1.0 - kept) * s.occlusion;
+    let behind = select(replaced, 0.0, HAS_ENVIRONMENT_RAYS);
     if (!is_rough_reflector(s)) {
-        return Reflected(mirror, fresnel(s, dot(s.normal, -direction)) * base_share(s, -direction), 0.0, 1.0);
+        let weight = fresnel(s, dot(s.normal, -direction)) * base_share(s, -direction);
+        return Reflected(mirror, weight, 0.0, kept + replaced, kept, behind);
     }
     path_is_chance = true;
     let facet = visible_facet(s, direction, 0u);
     let out = reflect(direction, facet);
     let nl = dot(s.normal, out);
-    if (nl <= 0.0) { return Reflected(mirror, vec3f(0.0), 0.0, 1.0); }
+    if (nl <= 0.0) { return Reflected(mirror, vec3f(0.0), 0.0, 1.0, 1.0, 0.0); }
     // Height-correlated masking of both directions over that of the view (Heitz 2014; 2018, eq. 19).
     let nv = max(dot(s.normal, -direction), 1e-3);
     let masked_v = masked(s, -direction, nv);
@@ -89,7 +95,7 @@ fn lobe_ray(direction: vec3f, s: Surface) -> Reflected {
     let pdf = lobe_density(s, -direction, out);
     let sky_weight = balance(pdf, environment_rays_pdf(s, out));
     let weight = fresnel(s, dot(facet, -direction)) * compensation(s, -direction) * (seen * base_share(s, -direction));
-    return Reflected(lifted(out, s), weight, pdf, sky_weight);
+    return Reflected(lifted(out, s), weight, pdf, sky_weight * (kept + replaced), kept, sky_weight * behind);
 }
 
 // Number of lights without a size, which come first in the array.
@@ -318,13 +324,16 @@ fn seen_light(origin: vec3f, ray: Reflected, t_max: f32) -> SeenLight {
     var behind = vec3f(0.0);
     var pdf = 0.0;
     var nearest = t_max;
+    // The environment that stands in for surfaces is not hidden by lamps.
+    var stand_in = vec3f(0.0);
+    if (ray.sky_behind > 0.0) { stand_in = environment(direction) * ray.sky_behind; }
     for (var i = frame.hard_lights; i < frame.light_count; i++) {
         let extent = lights[i].extent;
         let offset = lights[i].position - origin;
         var t = -1.0;
         var radiance = lights[i].color / PI;
         var light_pdf = 0.0;
-        var sky = vec3f(0.0);
+        var sky = stand_in;
         switch lights[i].kind {
             case LIGHT_DIRECTIONAL: {
                 if (-dot(direction, lights[i].direction) >= cos(extent)) { t = BEYOND; }

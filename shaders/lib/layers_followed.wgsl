@@ -224,7 +224,9 @@ fn reflected(direction: vec3f, s: Surface) -> Reflected {
     }
     if (HAS_TRANSMISSION) { ray.weight *= s.alpha; }
     // From within a solid no light samples are taken, so reflection rays have full weight.
-    if (HAS_TRANSMISSION && s.is_inside && s.transmission > 0.0) { ray.pdf = 0.0; ray.sky_weight = 1.0; }
+    if (HAS_TRANSMISSION && s.is_inside && s.transmission > 0.0) {
+        ray = Reflected(ray.direction, ray.weight, 0.0, 1.0, 1.0, 0.0);
+    }
     return ray;
 }
 
@@ -239,7 +241,7 @@ fn only_lobe(s: Surface, view: vec3f) -> OnlyLobe {
 // The ray transmitted through a surface: straight through thin ones, refracted into and out of solids; by one
 // microfacet where the surface is rough (Walter et al. 2007, with visible normals).
 fn transmitted(direction: vec3f, s: Surface) -> Reflected {
-    let straight = Reflected(direction, vec3f(1.0 - s.alpha), 0.0, 1.0);
+    let straight = Reflected(direction, vec3f(1.0 - s.alpha), 0.0, 1.0, 1.0, 0.0);
     if (s.transmission <= 0.0) { return straight; }
     var facet = s.normal;
     let is_rough = HAS_ROUGH_REFLECTIONS && s.roughness * s.roughness > SMOOTH_ALPHA;
@@ -264,7 +266,7 @@ fn transmitted(direction: vec3f, s: Surface) -> Reflected {
     } else {
         out = direction;
     }
-    let through = Reflected(out, weight, 0.0, 1.0);
+    let through = Reflected(out, weight, 0.0, 1.0, 1.0, 0.0);
     if (s.alpha >= 1.0) { return through; }
     return chosen(through, straight, ALPHA_PAIR);
 }
@@ -340,7 +342,7 @@ fn onward(before: Reflected, met: Surface) -> Reflected {
     } else if (s.is_inside) {
         path_crossings++;
     }
-    if (path_crossings > MAX_CROSSINGS && !UNBIASED) { return Reflected(ray.direction, vec3f(0.0), 0.0, 0.0); }
+    if (path_crossings > MAX_CROSSINGS && !UNBIASED) { return Reflected(ray.direction, vec3f(0.0), 0.0, 0.0, 1.0, 0.0); }
     return ray;
 }
 

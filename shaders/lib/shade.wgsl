@@ -64,8 +64,15 @@ fn fresnel(s: Surface, cosine: f32) -> vec3f {
 
 // Roughness below which a surface's reflection is traced; higher for metals, which show nothing else.
 fn reflects_below(s: Surface) -> f32 {
-    let cutoff = frame.roughness_cutoff;
-    return max(cutoff, min(cutoff * (1.0 + METAL_REACH * s.metallic), 1.0));
+    return frame.roughness_cutoff * (1.0 + METAL_REACH * s.metallic);
+}
+
+// Share of what the reflection rays of one layer find that its pixel shows. Towards the cut-off the environment takes
+// its place, which is all that surfaces past the cut-off mirror, so that nothing jumps there.
+fn kept_share(layer: Surface) -> f32 {
+    if (layer.reflection == REFLECTION_MIRROR) { return 1.0; }
+    let limit = reflects_below(layer);
+    return clamp((limit - layer.roughness) / (CUTOFF_FADE * limit), 1e-3, 1.0);
 }
 
 fn is_reflector(s: Surface) -> bool {
@@ -203,6 +210,13 @@ fn smooth_position(s: Surface) -> vec3f {
 fn found_light(light: vec3f, hit: u32) -> vec3f {
     if (hit == 0u) { return light; }
     return limited(light);
+}
+
+// Light of a surface that a ray meets: what the surface before keeps of it, and the environment in place of the rest.
+fn met_light(ray: Reflected, lit: Shade) -> vec3f {
+    var light = (lit.diffuse + lit.specular) * ray.kept;
+    if (ray.sky_behind > 0.0) { light += environment(ray.direction) * ray.sky_behind; }
+    return light;
 }
 
 // Light that a reflection ray sees if it meets no surface: lights with a size and the environment.

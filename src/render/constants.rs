@@ -15,7 +15,7 @@ use reflet_world::{
 
 use super::{
     cause::{CAUSE_MASK, Cause, Source},
-    cutoff::{COAT_STEPS, METAL_REACH},
+    cutoff::{COAT_STEPS, CUTOFF_FADE, METAL_REACH},
     lights::{SHADOW_MAP, SHADOW_NEAR_M, SHADOW_NONE, SHADOW_RAY},
     lobe_table::{LOBE_COSINES, LOBE_NODES, LOBE_ROUGHNESSES, SMOOTH_ALPHA},
     ray_list::{
@@ -98,6 +98,7 @@ pub fn wgsl() -> String {
         FAR_M,
         METAL_REACH,
         COAT_STEPS,
+        CUTOFF_FADE,
         MAX_LIGHTS,
         LOBE_COSINES,
         LOBE_ROUGHNESSES,

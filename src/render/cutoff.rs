@@ -5,8 +5,12 @@ use half::f16;
 use reflet_scene::desc::ReflectionMode;
 use reflet_world::{LayerTexture, Material};
 
-/// Relative increase of the roughness cut-off for metals: theirs is 1 + this times that of dielectrics.
-pub const METAL_REACH: f32 = 4.0;
+/// Relative increase of the roughness cut-off for metals: theirs is 1 + this times that of dielectrics, so that what
+/// they reflect begins to fade at five times the cut-off.
+pub const METAL_REACH: f32 = 5.25;
+
+/// Uppermost part of the roughness below the cut-off, in which reflections fade into the environment.
+pub const CUTOFF_FADE: f32 = 0.2;
 
 /// Steps of a number between 0 and 1 of a clear coat in the G-buffer.
 pub const COAT_STEPS: f32 = 127.0;
@@ -32,8 +36,7 @@ pub fn has_specular(material: &Material) -> bool {
 /// Whether the lobe of a material without its clear coat is below the cut-off; higher for metals, which show nothing
 /// else.
 pub(super) fn is_base_below(material: &Material, cutoff: f32) -> bool {
-    let raised = cutoff * (1.0 + METAL_REACH * packed(material.metallic));
-    packed(material.roughness) < cutoff.max(raised.min(1.0))
+    packed(material.roughness) < cutoff * (1.0 + METAL_REACH * packed(material.metallic))
 }
 
 /// Whether the lobe of a material's clear coat is below the cut-off, where its texture leaves it so rough.

@@ -90,9 +90,9 @@ pub struct ReflectionDesc {
     /// Maximum number of steps of the screen-space march, 8 to 4096. More misses less and takes longer. Default
     /// 128.
     pub steps: u32,
-    /// Roughness below which `"auto"` materials reflect, 0 to 1; metals, which show nothing else, reflect below
-    /// five times that, at most 1. With 1 all of them reflect. Rougher ones show only the environment and the
-    /// lights, which costs less. Default 0.2.
+    /// Roughness below which `"auto"` materials reflect, 0 to 1. Rougher ones show only the environment and the
+    /// lights, which costs less; from four fifths of the cut-off on, reflections fade into that. Metals, which show
+    /// nothing else, fade from five times the cut-off on, up to 6.25 times. With 1 all reflect. Default 0.2.
     pub roughness_cutoff: f32,
     /// Length of U in meters, above 0. Default: the diagonal of the bounding box of static geometry / 16.
     pub unit_m: Option<f32>,
