@@ -40,7 +40,7 @@ fn emitter_sample(id: vec2u, position: vec3f, u: vec2f) -> LightSample {
     let root = sqrt(u.x);
     let bary = vec2f(root * (1.0 - u.y), root * u.y);
     let offset = p0 + e1 * bary.x + e2 * bary.y - position;
-    let d2 = max(dot(offset, offset), 1e-8);
+    let d2 = max(dot(offset, offset), 1e-20);
     r.distance_m = sqrt(d2);
     r.to_light = offset / r.distance_m;
     let area2 = cross(e1, e2);

@@ -134,12 +134,12 @@ fn light_sample(i: u32, position: vec3f, u: vec2f) -> LightSample {
             var at = u * 2.0 - 1.0;
             if (lights[i].kind == LIGHT_DISK) { at = on_circle(sqrt(u.x), u.y); }
             let offset = lights[i].position + lights[i].half_u * at.x + lights[i].half_v * at.y - position;
-            let d2 = max(dot(offset, offset), 1e-8);
+            let d2 = max(dot(offset, offset), 1e-20);
             r.distance_m = sqrt(d2);
             r.to_light = offset / r.distance_m;
             let facing = max(-dot(lights[i].direction, r.to_light), 0.0);
             r.color = lights[i].color * (facing / d2);
-            r.pdf = d2 / max(facing * flat_area(i), 1e-12);
+            r.pdf = d2 / max(facing * flat_area(i), 1e-20);
         }
         default: {
             // Samples the visible cap of a sphere light uniformly in solid angle (Shirley & Wang 1994).
@@ -352,7 +352,7 @@ fn seen_light(origin: vec3f, ray: Reflected, t_max: f32) -> SeenLight {
                 let inside = select(max(abs(at.x), abs(at.y)), length(at), is_disk) <= 1.0;
                 if (facing > 0.0 && inside) { t = at_t; }
                 radiance = lights[i].color / flat_area(i);
-                light_pdf = (at_t + passed_m) * (at_t + passed_m) / max(facing * flat_area(i), 1e-12);
+                light_pdf = (at_t + passed_m) * (at_t + passed_m) / max(facing * flat_area(i), 1e-20);
             }
             default: {
                 let along = dot(offset, direction);
@@ -362,7 +362,7 @@ fn seen_light(origin: vec3f, ray: Reflected, t_max: f32) -> SeenLight {
                 let d = length(offset);
                 radiance *= reach(i, offset / max(d, 1e-12), d) / (extent * extent);
                 let whole = offset + direction * passed_m;
-                let sine2 = min(extent * extent / max(dot(whole, whole), 1e-12), 1.0);
+                let sine2 = min(extent * extent / max(dot(whole, whole), 1e-20), 1.0);
                 light_pdf = (1.0 + sqrt(1.0 - sine2)) / (2.0 * PI * sine2);
             }
         }

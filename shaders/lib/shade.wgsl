@@ -132,7 +132,7 @@ fn incoming(i: u32, position: vec3f) -> Incoming {
         return r;
     }
     let offset = lights[i].position - position;
-    let d2 = max(dot(offset, offset), 1e-4); // a surface closer than 1 cm is lit as from 1 cm
+    let d2 = max(dot(offset, offset), 1e-20);
     r.distance_m = sqrt(d2);
     r.to_light = offset / r.distance_m;
     r.color = lights[i].color / d2;
@@ -241,7 +241,8 @@ fn lifted(r: vec3f, s: Surface) -> vec3f {
     return normalize(r + s.geometric_normal * max(0.01 - height, 0.0));
 }
 
-// Ray origin, offset from the surface by more than the rounding error of a hit there.
+// Ray origin, offset from the surface by more than the rounding error of a hit there. Coordinates are in the renderer's
+// lengths, in which no scene is small.
 fn ray_origin(position: vec3f, geometric_normal: vec3f) -> vec3f {
     let size = max(max(abs(position.x), abs(position.y)), max(abs(position.z), distance(position, frame.eye)));
     return position + geometric_normal * (size * 4e-5 + 1e-6);

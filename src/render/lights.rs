@@ -12,8 +12,8 @@ use super::{
     types::{GpuLight, LightBlock},
 };
 
-/// Near plane of shadow maps, m.
-pub const SHADOW_NEAR_M: f32 = 0.01;
+/// Near plane of shadow maps, in the renderer's lengths. Depth is reversed, so that it costs no precision.
+pub const SHADOW_NEAR_M: f32 = 1e-4;
 /// Value of [`GpuLight::shadow`] for lights without a shadow.
 pub const SHADOW_NONE: u32 = 0;
 /// Value of [`GpuLight::shadow`] for shadow maps.

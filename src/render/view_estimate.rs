@@ -207,8 +207,7 @@ impl Estimator<'_> {
                     }
                     _ => 1.0,
                 };
-                // Same limit as in the shader: a surface closer than 1 cm is lit as from 1 cm.
-                (offset, 0.9999, facing / offset.length_squared().max(1e-4))
+                (offset, 0.9999, facing / offset.length_squared().max(1e-20))
             }
             (None, Some(direction)) => (-direction.as_dvec3(), f64::INFINITY, 1.0),
             (None, None) => return DVec3::ZERO,

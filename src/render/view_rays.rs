@@ -145,7 +145,7 @@ pub fn mirror_ray(point: &SurfacePoint, direction: DVec3) -> Ray {
 
 /// A reflection ray, offset a little from the surface.
 pub fn off_surface(point: &SurfacePoint, direction: DVec3) -> Ray {
-    let size = point.position.abs().max_element().max(1e-3);
+    let size = point.position.abs().max_element().max(1e-9);
     Ray {
         origin: point.position + point.normal * (size * 1e-4),
         direction,
