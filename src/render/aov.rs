@@ -263,7 +263,7 @@ fn reflectance(
     let causes = causes(values);
     let base = packed_colors(values, 0);
     let size = values.size;
-    let view = super::view::View::new(camera, size);
+    let view = super::view::View::new(camera, size, 1.0);
     let at = |i: usize| {
         if !reflects(causes[i]) || depths[i] >= FAR_M {
             return 0.0;

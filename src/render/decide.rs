@@ -12,6 +12,7 @@ use super::{
     lights::{CUBE_FACES, has_cube_map},
     options::RenderOptions,
     plan::{reflects, traces_rays},
+    renderer::unit_of,
     shadow_texels::{COARSE_PX, SeenSurfaces},
     unit_costs::UnitCosts,
     view::View,
@@ -193,9 +194,9 @@ impl Decider<'_> {
             return;
         }
         let (world, settings) = (self.world, &self.asked.reflection);
-        let unit_m = settings.unit_m.unwrap_or_else(|| world.unit_m());
+        let unit_m = unit_of(world, &self.asked);
         let reach_m = settings.ray_length_u * unit_m;
-        let view = View::new(&seen_by(world, &self.asked), self.asked.image.size);
+        let view = View::new(&seen_by(world, &self.asked), self.asked.image.size, unit_m);
         let cutoff = settings.reflects_below();
         let estimate = ViewEstimate::new(world, self.trees, &view, cutoff, reach_m);
         let mut radiance = estimate.radiance;
@@ -246,7 +247,11 @@ fn map_px(world: &World, light: &Light) -> f64 {
 
 /// The view of the options' camera.
 fn view_of(world: &World, options: &RenderOptions) -> View {
-    View::new(&seen_by(world, options), options.image.size)
+    View::new(
+        &seen_by(world, options),
+        options.image.size,
+        unit_of(world, options),
+    )
 }
 
 /// Sizes and counts of a world as the options' camera sees it.

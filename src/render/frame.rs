@@ -81,7 +81,7 @@ impl Renderer {
     pub(super) fn view(&self, world: &World, camera: &CameraDesc) -> Result<View, RenderError> {
         self.check_posed(world)?;
         let camera = relative_camera(camera, self.origin);
-        let mut view = View::new(&camera, self.options.image.size);
+        let mut view = View::new(&camera, self.options.image.size, self.unit_m);
         // Method `ssr` and the paper's rule assume that the picture shows all surfaces, so they need no such check.
         let verifies = self.plan.features.reflections && self.options.reflection.verifies();
         view.has_edge_on = verifies && has_edge_on_surfaces(world, &view);

@@ -46,8 +46,8 @@ pub struct View {
 }
 
 impl View {
-    /// The view of a camera. An `up` along the view direction is replaced by another axis.
-    pub fn new(camera: &CameraDesc, size: [u32; 2]) -> Self {
+    /// The view of a camera in a scene of unit `unit_m`. An `up` along the view direction is replaced by another axis.
+    pub fn new(camera: &CameraDesc, size: [u32; 2], unit_m: f32) -> Self {
         let forward = (camera.target - camera.eye).normalize_or(Vec3::NEG_Z);
         let right = forward.cross(camera.up);
         let right = if right.length_squared() > 1e-12 * camera.up.length_squared().max(1e-30) {
@@ -68,7 +68,7 @@ impl View {
             forward,
             right: right * half * aspect,
             up: right.cross(forward) * half,
-            near_m: camera.near_m,
+            near_m: camera.near_in(unit_m),
             projection,
             has_edge_on: false,
             size,

@@ -95,7 +95,7 @@ fn lights_and_cameras_of_files_are_placed() {
     assert_eq!(camera.value.orthographic_height_m, None);
     let flat = &world.cameras[1].value;
     assert_eq!((flat.eye, flat.orthographic_height_m), (Vec3::X, Some(3.0)));
-    assert!(flat.near_m > 0.0 && flat.near_m < 1e-4, "{}", flat.near_m);
+    assert!(flat.near_m.is_some_and(|m| m > 0.0 && m < 1e-4), "{flat:?}");
     assert_eq!(warnings(&world), [""; 0]);
 
     desc.models[0].value.lights = false;

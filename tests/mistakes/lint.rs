@@ -153,6 +153,17 @@ pub const LINTS: &[Mistake] = &[
         ],
     ),
     text(
+        "a camera with a near plane behind everything",
+        "[environment]\ncolor = [1, 1, 1]\n[camera.main]\neye = [0, 0, 0.005]\ntarget = [0, 0, 0]\nnear_m = 0.01\n\
+         [model.ball]\nshape = { kind = \"sphere\", radius = 0.001 }\n",
+        [
+            "clipped-view",
+            "4:9",
+            "nearer than its near plane, 0.01 m",
+            "write `near_m = 0.001`",
+        ],
+    ),
+    text(
         "a picture without exposure",
         scene!("[environment]\ncolor = [1, 1, 1]\n[image]\nexposure_ev = -15\n"),
         [

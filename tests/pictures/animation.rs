@@ -77,7 +77,8 @@ fn pixel(camera: &CameraDesc, size: [u32; 2], world: Vec3) -> [u32; 2] {
     let view = rh::view::look_at_mat4(camera.eye, camera.target, camera.up);
     let aspect = size[0] as f32 / size[1] as f32;
     let fov = camera.fov_deg.to_radians();
-    let clip = rh::proj::directx::perspective_infinite_reverse(fov, aspect, camera.near_m) * view;
+    let clip =
+        rh::proj::directx::perspective_infinite_reverse(fov, aspect, camera.near_in(1.0)) * view;
     let point = clip.project_point3(world);
     let at = |x: f32, side: u32| ((x * 0.5 + 0.5) * side as f32) as u32;
     [at(point.x, size[0]), at(-point.y, size[1])]

@@ -81,7 +81,7 @@ fn the_cpu_counts_the_nodes_that_the_gpu_visits() {
     let on_gpu = on_gpu.expect("primary rays").counts.visited_nodes;
 
     let trees = Trees::build(&world, u64::MAX).expect("small");
-    let view = View::new(camera, [64, 36]);
+    let view = View::new(camera, [64, 36], world.unit_m());
     let axis = |v: glam::Vec3| v.as_dvec3();
     let visits = |(x, y): (u32, u32)| {
         let (across, down) = (
@@ -205,7 +205,7 @@ fn only_auto_lights_and_what_they_reach_are_weighed() {
         let text = BALLS.replace("kind = \"point\"", &kind);
         let (desc, world) = scene(&text, &[small]);
         let trees = Trees::build(&world, u64::MAX).expect("small");
-        let view = View::new(&world.cameras[0].value, desc.image.size);
+        let view = View::new(&world.cameras[0].value, desc.image.size, world.unit_m());
         ViewSample::new(&world, &trees, &view, 0.2, 1).shadows[1].0
     };
     let (narrow, wide) = (spot("30"), spot("60"));

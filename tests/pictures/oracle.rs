@@ -125,7 +125,7 @@ fn check(desc: &SceneDesc, world: &World) {
     let picture = picture.unwrap_or_else(|e| panic!("{e}"));
     let length_m = f64::from(desc.reflection.ray_length_u * renderer.unit_m());
     let oracle = Oracle::new(world);
-    let view = View::new(camera, picture.size);
+    let view = View::new(camera, picture.size, world.unit_m());
     let pairs = |aov| -> Vec<[u32; 2]> {
         let ids = integers(&picture, aov).chunks_exact(2);
         ids.map(|pair| [pair[0], pair[1]]).collect()

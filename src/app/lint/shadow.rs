@@ -20,7 +20,8 @@ pub fn lint(scene: &Scene, world: &World, trees: &Trees) -> Vec<Diagnostic> {
     if !world.lights.iter().any(|l| has_map(l.desc.shadow)) {
         return Vec::new();
     }
-    let view = View::new(&camera.value, scene.image.size);
+    let unit_m = (scene.reflection.unit_m).unwrap_or_else(|| world.unit_m());
+    let view = View::new(&camera.value, scene.image.size, unit_m);
     let seen = SeenSurfaces::new(world, trees, &view);
     let sizes = ShadowSizes::of(&world.lights, &RenderOptions::of(&scene.desc));
     let mut found = Vec::new();

@@ -29,11 +29,27 @@ pub fn lint(scene: &Scene, world: &World, trees: &Trees) -> Vec<Diagnostic> {
     };
     let settings = &scene.reflection;
     let unit_m = settings.unit_m.unwrap_or_else(|| world.unit_m());
-    let view = View::new(&camera.value, scene.image.size);
+    let view = View::new(&camera.value, scene.image.size, unit_m);
     let (cutoff, length_m) = (settings.roughness_cutoff, settings.ray_length_u * unit_m);
     let estimate = ViewEstimate::new(world, trees, &view, cutoff, length_m);
     let at = || camera.at.clone();
     let mut found = Vec::new();
+    let whole = View {
+        near_m: 0.0,
+        ..view
+    };
+    if estimate.surfaces == 0
+        && let Some(depth_m) = nearest_m(world, &whole)
+        && ViewEstimate::new(world, trees, &whole, cutoff, length_m).surfaces > 0
+    {
+        let (name, near_m) = (&camera.name, view.near_m);
+        let message = format!(
+            "all that camera \"{name}\" would see is nearer than its near plane, {near_m} m"
+        );
+        let help = format!("write `near_m = {}` in its table", rounded_down(depth_m));
+        found.push(Diagnostic::at("clipped-view", at(), message).help(help));
+        return found;
+    }
     if estimate.surfaces == 0 {
         let [x, y, z] = world.static_bounds().center().to_array().map(shortened);
         let message = format!(
@@ -117,6 +133,19 @@ fn reflector(
         let help = "write `[environment]`, or place what it shall show where its reflection falls";
         Diagnostic::at("black-reflector", at, message).help(help)
     })
+}
+
+/// Least depth of the boxes of all instances in front of the view, m; `None` where nothing is in front.
+fn nearest_m(world: &World, view: &View) -> Option<f32> {
+    let boxes = world.instances.iter().map(|i| world.bounds_of(i));
+    let depths = boxes.filter(|b| !b.is_empty()).flat_map(|b| b.corners());
+    let depths = depths.map(|corner| (corner - view.eye).dot(view.forward));
+    depths.filter(|depth| *depth > 0.0).reduce(f32::min)
+}
+
+/// Half of a length, rounded to a power of ten.
+fn rounded_down(length_m: f32) -> f32 {
+    10f32.powf((0.5 * length_m).log10().floor())
 }
 
 /// Number rounded to three decimals.

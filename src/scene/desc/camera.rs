@@ -28,8 +28,8 @@ pub struct CameraDesc {
     /// have the area of more than 16 × 16 pixels, `hybrid` traces every reflection. Default: perspective.
     pub orthographic_height_m: Option<f32>,
     /// Near plane: surfaces closer to the camera than this are not seen, meters, above 0. There is no far
-    /// plane.
-    pub near_m: f32,
+    /// plane. Default 0.01, or a hundredth of U where that is less.
+    pub near_m: Option<f32>,
     /// Aperture as an f-number, 0.1 to 1000: less blurs more of what is out of focus. The lens is that of a
     /// camera with this field of view and a sensor of 24 mm height; an orthographic camera has none. Each
     /// sub-frame looks through one point of the lens, so it takes many `image.samples`. Default: a pinhole,
@@ -40,6 +40,11 @@ pub struct CameraDesc {
     pub focus_m: Option<f32>,
 }
 
+/// Near plane where none is given, meters, but in small scenes.
+const NEAR_M: f32 = 0.01;
+/// Near plane where none is given, relative to U, in small scenes.
+const NEAR_U: f32 = 0.01;
+
 /// Height of the sensor that `aperture_f` assumes, meters.
 const SENSOR_M: f32 = 0.024;
 
@@ -49,6 +54,11 @@ impl CameraDesc {
         let slope = (0.5 * self.fov_deg.to_radians()).tan();
         self.orthographic_height_m
             .map_or(slope * distance_m, |height_m| 0.5 * height_m)
+    }
+
+    /// Near plane in a scene of this unit U, meters.
+    pub fn near_in(&self, unit_m: f32) -> f32 {
+        self.near_m.unwrap_or_else(|| (unit_m * NEAR_U).min(NEAR_M))
     }
 
     /// Radius of the lens, meters; 0 is a pinhole.
@@ -75,7 +85,7 @@ impl Default for CameraDesc {
             up: Vec3::Y,
             fov_deg: 60.0,
             orthographic_height_m: None,
-            near_m: 0.01,
+            near_m: None,
             aperture_f: None,
             focus_m: None,
         }
@@ -95,7 +105,13 @@ pub static CAMERA: [Field<CameraDesc>; 8] = [
         get: |camera| camera.orthographic_height_m.map(Lanes::lanes),
         put: |camera, value| camera.orthographic_height_m = Some(Lanes::of(value)),
     },
-    plain!(near_m, Number, ABOVE_0),
+    Field {
+        key: "near_m",
+        form: Form::Number,
+        range: ABOVE_0,
+        get: |camera| Some(camera.near_m.unwrap_or(NEAR_M).lanes()),
+        put: |camera, value| camera.near_m = Some(Lanes::of(value)),
+    },
     Field {
         key: "aperture_f",
         form: Form::Number,

@@ -81,7 +81,7 @@ impl Section for CameraDesc {
             up: t.get("up", ANY, default.up),
             fov_deg: t.get("fov_deg", range(1.0, 170.0), default.fov_deg),
             orthographic_height_m: t.find("orthographic_height_m", ABOVE_0),
-            near_m: t.get("near_m", ABOVE_0, default.near_m),
+            near_m: t.find("near_m", ABOVE_0),
             aperture_f: t.find("aperture_f", APERTURE_F),
             focus_m: t.find("focus_m", ABOVE_0),
         };

@@ -17,7 +17,7 @@ pub fn orthographic(lens: &schema::Orthographic) -> Result<CameraDesc, Fault> {
     }
     Ok(CameraDesc {
         orthographic_height_m: Some(height_m),
-        near_m: near_m.max(NEAREST_M),
+        near_m: Some(near_m.max(NEAREST_M)),
         ..at_node()
     })
 }
@@ -42,7 +42,7 @@ pub fn perspective(
     );
     Ok(CameraDesc {
         fov_deg: clamped,
-        near_m,
+        near_m: Some(near_m),
         ..at_node()
     })
 }

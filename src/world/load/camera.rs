@@ -63,7 +63,6 @@ pub fn add_default(world: &mut World, meshes: &[Mesh], desc: &SceneDesc) -> bool
     let value = CameraDesc {
         eye: target + to_eye * distance.max(radius * 0.1),
         target,
-        near_m: (radius * 1e-3).clamp(1e-5, defaults.near_m),
         ..defaults
     };
     let main = Entry {

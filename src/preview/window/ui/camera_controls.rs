@@ -103,9 +103,14 @@ impl CameraControls {
             *height_m = (*height_m * factor).clamp(range.0, range.1);
             return;
         }
-        let least = (self.scale_m * 1e-4).max(2.0 * self.camera.near_m);
+        let least = (self.scale_m * 1e-4).max(2.0 * self.near_m());
         let distance = (self.distance() * factor).max(least);
         self.camera.eye = self.camera.target - self.forward() * distance;
+    }
+
+    /// Near plane of the camera, meters.
+    fn near_m(&self) -> f32 {
+        self.camera.near_in(self.scale_m / 16.0)
     }
 
     /// Flies for `seconds` along right, up and forward, each -1 to 1.
@@ -127,10 +132,10 @@ impl CameraControls {
             return;
         }
         let radius = (bounds.diagonal() * 0.5).max(self.scale_m * 1e-4);
-        let forward = self.forward();
+        let (forward, near_m) = (self.forward(), self.near_m());
         if let Some(height_m) = &mut self.camera.orthographic_height_m {
             *height_m = 2.2 * radius / aspect.min(1.0);
-            let distance = self.distance().max(1.1 * radius + self.camera.near_m);
+            let distance = self.distance().max(1.1 * radius + near_m);
             self.camera.target = bounds.center();
             self.camera.eye = self.camera.target - forward * distance;
             return;
@@ -172,8 +177,8 @@ pub fn as_text(name: &str, camera: &CameraDesc) -> String {
         Some(height_m) => writeln!(text, "orthographic_height_m = {height_m}"),
         None => writeln!(text, "fov_deg = {}", number(camera.fov_deg, 4)),
     };
-    if camera.near_m != defaults.near_m {
-        let _ = writeln!(text, "near_m = {}", camera.near_m);
+    if let Some(near_m) = camera.near_m {
+        let _ = writeln!(text, "near_m = {near_m}");
     }
     let lens = [
         ("aperture_f", camera.aperture_f),
@@ -252,7 +257,7 @@ mod tests {
         nav.dolly(1000.0);
         assert!(nav.distance() > 0.0 && nav.forward().distance(forward) < 1e-3);
         nav.dolly(-10.0);
-        assert!(nav.distance() > 2.0 * nav.camera.near_m);
+        assert!(nav.distance() > 2.0 * nav.near_m());
     }
 
     #[test]
@@ -326,7 +331,7 @@ mod tests {
         let mut camera = CameraDesc {
             up: Vec3::Z,
             fov_deg: 33.3333,
-            near_m: 0.0025,
+            near_m: Some(0.0025),
             ..CameraDesc::default()
         };
         camera.eye = Vec3::new(-0.000_01, 12.345_67, 1e3);

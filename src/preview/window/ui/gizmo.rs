@@ -33,7 +33,7 @@ fn project(camera: &CameraDesc, place: Rect, point: Vec3) -> Option<(Pos2, f32)>
     let up = right.cross(forward);
     let offset = point - camera.eye;
     let depth = offset.dot(forward);
-    if depth <= camera.near_m {
+    if depth <= camera.near_in(0.0) {
         return None;
     }
     let scale = place.height() * 0.5 / camera.half_height_m(depth);
