@@ -63,6 +63,10 @@ var<private> exhausted_rays: u32 = 0u;
 // only rays that meet cut-outs. This is the maximum number of such restarts.
 const MAX_LAYERS = 1024u;
 
+// Relative distance within which opaque triangles count as coplanar: the lower instance is hit, then the lower triangle,
+// as it is by rasterization, whatever the rounding in the trees.
+const TIE: f32 = 2e-6;
+
 fn trace_nearest(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32) -> Hit {
     return trace_solid(origin, direction, t_min, t_max, false);
 }
@@ -211,7 +215,8 @@ fn test_triangle(index: u32, ray: TraversalRay, t_min: f32, inside: u32, inside_
     let bary = vec2f(dot(s, p), dot(ray.direction, q)) * inverse_det;
     let t = dot(edge2, q) * inverse_det;
     let outside = max(max(-bary.x, -bary.y), bary.x + bary.y - 1.0);
-    if flat || !(outside <= 0.01) || t <= t_min || t >= (*best).t {
+    let is_tie = (*best).instance != NO_INSTANCE && abs(t - (*best).t) <= TIE * (*best).t;
+    if flat || !(outside <= 0.01) || t <= t_min || (t >= (*best).t && !is_tie) {
         return;
     }
     // Tolerance for the rounding error of the barycentric weights: neighbors overlap by it, so that no ray passes
@@ -226,6 +231,13 @@ fn test_triangle(index: u32, ray: TraversalRay, t_min: f32, inside: u32, inside_
     if HAS_TOP_LEVEL && inside != NO_INSTANCE {
         instance = inside;
         flags = inside_flags;
+    }
+    if is_tie {
+        let is_later = instance > (*best).instance || (instance == (*best).instance && b.w >= (*best).triangle);
+        let is_tested = ((flags | (*best).flags) & ALPHA_TESTED) != 0u;
+        if select(is_later, t >= (*best).t, is_tested) {
+            return;
+        }
     }
     let front = (det > 0.0) != ((flags & FLIPPED) != 0u);
     if !shadow && !front && (flags & DOUBLE_SIDED) == 0u {

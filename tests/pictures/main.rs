@@ -19,6 +19,7 @@ mod capsules;
 mod change;
 mod chunks;
 mod closed_form;
+mod coplanar;
 mod counts;
 mod culled;
 mod decide;
