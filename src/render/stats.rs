@@ -8,7 +8,7 @@ use super::{
     cause::{Cause, Source},
     decide::Decision,
     passes::trace,
-    ray_list::{AUDITED_COUNTER, EXHAUSTED_COUNTER, RAY_COUNTER, WRONG_COUNTER},
+    ray_list::{AUDITED_COUNTER, EXHAUSTED_COUNTER, HIT_COUNTER, RAY_COUNTER, WRONG_COUNTER},
 };
 
 /// Counts of pixels by cause and by source.
@@ -79,11 +79,13 @@ impl Shares {
     }
 }
 
-/// Randomly chosen screen hits that were checked by tracing their rays.
+/// Screen hits that were checked by tracing their rays: all of them, or a random choice.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Audit {
     /// Number of checked hits.
     pub hits: u32,
+    /// Number of screen hits that they were drawn from.
+    pub of: u32,
     /// Number of checked hits where the ray hits nothing, another instance, or the same one elsewhere; see
     /// [`TOLERANCE_U`](super::passes::audit::TOLERANCE_U).
     pub wrong: u32,
@@ -93,14 +95,16 @@ impl std::iter::Sum for Audit {
     fn sum<I: Iterator<Item = Self>>(audits: I) -> Self {
         audits.fold(Self::default(), |sum, audit| Self {
             hits: sum.hits + audit.hits,
+            of: sum.of + audit.of,
             wrong: sum.wrong + audit.wrong,
         })
     }
 }
 
 impl Audit {
-    /// Share of wrong hits, 0 to 1: the measured value, and its 95 % confidence interval (Wilson 1927).
-    pub fn wrong_share(&self) -> (f64, [f64; 2]) {
+    /// Share of wrong hits, 0 to 1: the measured value, and its 95 % confidence interval (Wilson 1927) where not every
+    /// hit was checked.
+    pub fn wrong_share(&self) -> (f64, Option<[f64; 2]>) {
         const Z: f64 = 1.959_964;
         let n = f64::from(self.hits.max(1));
         let share = f64::from(self.wrong) / n;
@@ -108,15 +112,16 @@ impl Audit {
         let reach = Z * (share * (1.0 - share) / n + Z * Z / (4.0 * n * n)).sqrt();
         let scale = 1.0 + Z * Z / n;
         let ends = [middle - reach, middle + reach].map(|end| (end / scale).clamp(0.0, 1.0));
-        (share, ends)
+        (share, (self.hits < self.of).then_some(ends))
     }
 }
 
 impl Serialize for Audit {
     fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let (wrong_share, interval) = self.wrong_share();
-        let mut fields = serializer.serialize_struct("Audit", 4)?;
+        let mut fields = serializer.serialize_struct("Audit", 5)?;
         fields.serialize_field("hits", &self.hits)?;
+        fields.serialize_field("of", &self.of)?;
         fields.serialize_field("wrong", &self.wrong)?;
         fields.serialize_field("wrong_share", &wrong_share)?;
         fields.serialize_field("interval_95", &interval)?;
@@ -126,16 +131,19 @@ impl Serialize for Audit {
 
 impl std::fmt::Display for Audit {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let (share, [low, high]) = self.wrong_share();
-        write!(
-            f,
-            "{:.1} ‰ of the screen hits are wrong (95 %: {:.1} to {:.1} ‰; {} of {} traced)",
-            1e3 * share,
-            1e3 * low,
-            1e3 * high,
-            self.wrong,
-            self.hits
-        )
+        let Self { hits, wrong, .. } = self;
+        let (share, interval) = self.wrong_share();
+        let permille = 1e3 * share;
+        match interval.map(|ends| ends.map(|end| 1e3 * end)) {
+            Some([low, high]) => write!(
+                f,
+                "{permille:.1} ‰ of the screen hits are wrong (95 %: {low:.1} to {high:.1} ‰; {wrong} of {hits} traced)",
+            ),
+            None => write!(
+                f,
+                "{permille:.1} ‰ of the screen hits are wrong ({wrong} of {hits}; all were traced)",
+            ),
+        }
     }
 }
 
@@ -186,7 +194,8 @@ impl FrameStats {
         self.exhausted_rays = counters.get(EXHAUSTED_COUNTER).copied().unwrap_or(0);
         let counter = |index: usize| counters.get(index).copied().unwrap_or(0);
         let (hits, wrong) = (counter(AUDITED_COUNTER), counter(WRONG_COUNTER));
-        self.audit = (hits > 0).then_some(Audit { hits, wrong });
+        let of = counter(HIT_COUNTER);
+        self.audit = (hits > 0).then_some(Audit { hits, of, wrong });
         if self.method != Method::Ssr {
             self.rays = counters.get(RAY_COUNTER).copied().unwrap_or(0);
         }
@@ -240,6 +249,25 @@ fn as_map<S: serde::Serializer, T: Serialize>(
 mod tests {
     use super::Audit;
 
+    #[test]
+    fn a_count_of_all_hits_has_no_interval() {
+        let audit = Audit {
+            hits: 20,
+            of: 20,
+            wrong: 3,
+        };
+        assert_eq!(audit.wrong_share(), (0.15, None));
+        assert!(audit.to_string().contains("3 of 20; all were traced"));
+        // Frames of which some were not checked wholly leave the sum uncertain.
+        let sampled = Audit {
+            hits: 20,
+            of: 40,
+            wrong: 3,
+        };
+        let (_, interval) = [audit, sampled].into_iter().sum::<Audit>().wrong_share();
+        assert!(interval.is_some());
+    }
+
     /// Values of Newcombe 1998, table I, method 3.
     #[test]
     fn the_interval_is_wilsons() {
@@ -249,7 +277,9 @@ mod tests {
             (0, 20, [0.0, 0.1611]),
             (1, 29, [0.0061, 0.1718]),
         ] {
-            let (share, interval) = Audit { hits, wrong }.wrong_share();
+            let of = hits + 1;
+            let (share, interval) = Audit { hits, of, wrong }.wrong_share();
+            let interval = interval.expect("some were not checked");
             assert!((share - f64::from(wrong) / f64::from(hits)).abs() < 1e-12);
             for (found, want) in interval.iter().zip(want) {
                 assert!(

@@ -57,6 +57,7 @@ fn audited(size: &str, method: Method) -> Option<(Picture, Audit)> {
         let tolerance_m = (TOLERANCE_U * picture.stats.unit_m).max(TOLERANCE_RELATIVE * true_m);
         let is_same = found == meant && (found_m - true_m).abs() <= tolerance_m;
         all.hits += 1;
+        all.of += 1;
         all.wrong += u32::from(!is_same);
     }
     Some((picture, all))
@@ -73,7 +74,8 @@ fn few_hits_are_all_traced_and_many_are_sampled() {
     let (large, all) = audited("image.size=[160, 90]", Method::Hybrid).expect("a GPU");
     let sampled = large.stats.audit.expect("an audit");
     assert!(all.hits > 1500, "{all}");
-    assert_eq!(sampled.hits, 1024);
+    assert_eq!((sampled.hits, sampled.of), (1024, all.hits));
+    assert!(sampled.wrong_share().1.is_some() && all.wrong_share().1.is_none());
     let (share, _) = all.wrong_share();
     let (found, _) = sampled.wrong_share();
     let deviation = (share * (1.0 - share) / 1024.0).sqrt();

@@ -196,7 +196,11 @@ fn panels_list_times_shares_and_keys() {
         shares: Shares::new(&counters, [10, 10], reflet_scene::desc::Method::Hybrid),
         rays: 0,
         exhausted_rays: 0,
-        audit: Some(Audit { hits: 50, wrong: 2 }),
+        audit: Some(Audit {
+            hits: 50,
+            of: 60,
+            wrong: 2,
+        }),
         bytes: Vec::new(),
     };
     let history = VecDeque::from([stats.clone(), stats.clone()]);
