@@ -83,6 +83,9 @@ pub struct World {
     pub memory: Budget,
 }
 
+/// Size of the static part of a scene, relative to all of it, below which the unit U counts what moves too.
+const SMALL_STILL: f32 = 0.25;
+
 /// Maximum number of lights in a scene; their uniform block stays far below 64 KiB.
 pub const MAX_LIGHTS: usize = 64;
 
@@ -306,12 +309,24 @@ impl World {
         if bounds.is_empty() { of(false) } else { bounds }
     }
 
-    /// The unit U in meters: the diagonal of the static bounds / 16, 1 for an empty scene.
+    /// Bounds of all instances in world space.
+    pub fn bounds(&self) -> Bounds {
+        let boxes = self.instances.iter().map(|i| self.bounds_of(i));
+        boxes.fold(Bounds::EMPTY, |all, one| all.union(one))
+    }
+
+    /// The unit U in meters: the diagonal of the static bounds / 16, or of all where the static ones are small beside
+    /// that; 1 for an empty scene.
     pub fn unit_m(&self) -> f32 {
         if let Some(unit_m) = self.rest_unit_m {
             return unit_m;
         }
-        let diagonal = self.static_bounds().diagonal();
+        let (still, all) = (self.static_bounds().diagonal(), self.bounds().diagonal());
+        let diagonal = if still < SMALL_STILL * all {
+            all
+        } else {
+            still
+        };
         if diagonal > 0.0 { diagonal / 16.0 } else { 1.0 }
     }
 }

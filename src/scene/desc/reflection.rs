@@ -94,7 +94,8 @@ pub struct ReflectionDesc {
     /// lights, which costs less; from four fifths of the cut-off on, reflections fade into that. Metals, which show
     /// nothing else, fade from five times the cut-off on, up to 6.25 times. With 1 all reflect. Default 0.2.
     pub roughness_cutoff: f32,
-    /// Length of U in meters, above 0. Default: the diagonal of the bounding box of static geometry / 16.
+    /// Length of U in meters, above 0. Default: the diagonal of the bounding box of static geometry / 16; of all
+    /// geometry at the first frame where the static part has less than a quarter of its diagonal.
     pub unit_m: Option<f32>,
     /// Whether a reflected point takes over the shadows that pixels of the picture at the same place have, of
     /// lights with `shadow = "ray"`, where these pixels agree; `false` traces each of its shadow rays anew.
