@@ -163,7 +163,13 @@ impl Aov {
         let (channels, data) = match self {
             Self::Depth => {
                 let depths = values.texels::<f32>(Target::ViewDepth).into_iter();
-                let far = depths.map(|d| if d < FAR_M { d } else { f32::INFINITY });
+                let (_, nearer_m) = values.coordinates.view(camera, &values.drawn, values.unit);
+                let scale_m = values.coordinates.meters();
+                let meters = |d: f32| match d < FAR_M {
+                    true => d * scale_m + nearer_m,
+                    false => f32::INFINITY,
+                };
+                let far = depths.map(meters);
                 (&["Z"][..], PlaneData::F32(far.collect()))
             }
             Self::BaseColor => (RGB, PlaneData::F32(packed_colors(values, 0))),
@@ -197,7 +203,7 @@ impl Aov {
                     if h[1] == NONE {
                         f32::INFINITY
                     } else {
-                        f32::from_bits(h[0])
+                        f32::from_bits(h[0]) * values.coordinates.meters()
                     }
                 };
                 let distances = hits(values).into_iter().map(distance);

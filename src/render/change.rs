@@ -12,7 +12,7 @@ use super::{
     passes::needed_passes,
     plan::{Plan, may_meet_culled},
     rebuild_summary::RebuildSummary,
-    relative::origin_of,
+    relative::Coordinates,
     renderer::{Renderer, build_trees, check_posed, top_level, unit_of, variant},
     shaders::Shaders,
     validate::check_world,
@@ -53,12 +53,13 @@ impl Renderer {
     ) -> Result<RebuildSummary, RenderError> {
         let Poses { first, shown } = poses.into();
         check_world(first)?;
-        let options = &options.settled();
-        let is_far = origin_of(first, options) != self.origin;
+        let given = options;
+        let options = &self.coordinates.options(&given.settled());
+        let is_far = Coordinates::of(first, given) != self.coordinates;
         let world = &*self.relative(first);
         let world_key = WorldKey::of(world);
         if is_far || !world_key.has_same_uploads(&self.world_key) {
-            let mut new = Self::new(gpu, library, first, options)?;
+            let mut new = Self::new(gpu, library, first, given)?;
             new.update(gpu, shown)?;
             *self = new;
             return Ok(RebuildSummary::NEW);

@@ -26,7 +26,7 @@ pub fn shadow_faces(light: &Light, options: &RenderOptions) -> usize {
     }
 }
 
-/// Distance along the map's axis of a stored depth, m: from the light where the map is a perspective view, else from
+/// Distance along the map's axis of a stored depth, in the renderer's lengths: from the light where the map is a perspective view, else from
 /// the near side of the box that the map covers. Infinite where no caster was drawn.
 fn distance_m(clip_from_world: &Mat4, depth: f32) -> f32 {
     if depth <= 0.0 {
@@ -72,7 +72,8 @@ impl Renderer {
         };
         let texture = maps.texture();
         let depths: Vec<f32> = values(&read_texture_layer(gpu, texture, 0, view.layer)?);
-        let distance = |depth| distance_m(&view.clip_from_world, depth);
+        let meters = self.coordinates.meters();
+        let distance = |depth| distance_m(&view.clip_from_world, depth) * meters;
         Ok(Some((
             texture.width(),
             depths.into_iter().map(distance).collect(),

@@ -4,13 +4,14 @@ use std::collections::HashMap;
 
 use bytemuck::Pod;
 
+use reflet_base::math::Bounds;
 use reflet_gpu::{
     Gpu, GpuError,
     readback::{self, Downloads, Pending},
 };
 use reflet_scene::desc::Method;
 
-use super::{precision::Precision, renderer::Renderer, targets::Target};
+use super::{precision::Precision, relative::Coordinates, renderer::Renderer, targets::Target};
 
 /// Copies of targets that the CPU has not received yet.
 pub struct Download {
@@ -32,6 +33,12 @@ pub struct TargetValues {
     pub counters: Option<Vec<u32>>,
     /// Precision of the stored light.
     pub precision: Precision,
+    /// Coordinates of the renderer.
+    pub coordinates: Coordinates,
+    /// Bounding box of what was drawn, in these coordinates.
+    pub drawn: Bounds,
+    /// The unit U in these coordinates.
+    pub unit: f32,
     bytes: HashMap<Target, Vec<u8>>,
 }
 
@@ -94,6 +101,9 @@ impl Renderer {
                 reflections: self.plan.features.reflections,
                 counters: None,
                 precision: self.plan.precision,
+                coordinates: self.coordinates,
+                drawn: self.drawn_bounds(),
+                unit: self.unit_m,
                 bytes: HashMap::new(),
             },
         })

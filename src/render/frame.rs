@@ -13,7 +13,6 @@ use super::{
     lights::{ShadowView, lights},
     probe::Probe,
     recorder::{PassTimes, Recorder, Timing},
-    relative::relative_camera,
     renderer::Renderer,
     stats::{FrameStats, Shares},
     sub_frame::SubFrame,
@@ -80,7 +79,8 @@ impl Renderer {
     /// A world other than the uploaded one.
     pub(super) fn view(&self, world: &World, camera: &CameraDesc) -> Result<View, RenderError> {
         self.check_posed(world)?;
-        let camera = relative_camera(camera, self.origin);
+        let drawn = self.drawn_bounds();
+        let (camera, _) = self.coordinates.view(camera, &drawn, self.unit_m);
         let mut view = View::new(&camera, self.options.image.size, self.unit_m);
         // Method `ssr` and the paper's rule assume that the picture shows all surfaces, so they need no such check.
         let verifies = self.plan.features.reflections && self.options.reflection.verifies();
@@ -152,7 +152,7 @@ impl Renderer {
     }
 
     /// Bounding box of everything that is drawn.
-    fn drawn_bounds(&self) -> Bounds {
+    pub(super) fn drawn_bounds(&self) -> Bounds {
         let draws = self.scene.draws.iter();
         draws.fold(Bounds::EMPTY, |all, draw| all.union(draw.bounds))
     }
@@ -178,7 +178,7 @@ impl Renderer {
             size,
             samples: self.options.image.samples,
             method,
-            unit_m: self.unit_m,
+            unit_m: self.unit_m(),
             tree_ms: self.tree_ms,
             shares: Shares::new(&[], size, method),
             rays: 0,

@@ -1,14 +1,16 @@
-//! Moves worlds far from their origin close to it, relative to the camera, where floats are precise.
+//! Moves worlds far from their origin close to it, relative to the camera, and scales small and large ones, so that
+//! floats are precise and no length is too short for the shaders.
 //!
 //! Offsets that keep rays off the surface they start from grow with the coordinates, as rounding errors do. A
-//! renderer therefore works in coordinates relative to a point near the camera, chosen when the renderer was made,
-//! and converts each world and camera that it is given.
+//! renderer therefore works in coordinates of its own, chosen when it was made, and converts each world and camera that
+//! it is given.
 
-use std::borrow::Cow;
+use std::{borrow::Cow, ops::RangeInclusive};
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
-use reflet_scene::desc::CameraDesc;
+use reflet_base::math::Bounds;
+use reflet_scene::desc::{CameraDesc, LightKind};
 use reflet_world::World;
 
 use super::options::RenderOptions;
@@ -16,47 +18,159 @@ use super::options::RenderOptions;
 /// Grid width of origins, m: scenes near their origin are not moved at all, and moving others rounds as little as
 /// possible.
 const GRID_M: f32 = 128.0;
+/// Units U of scenes that are not scaled, m.
+const USUAL_UNITS_M: RangeInclusive<f32> = 0.0625..=4096.0;
 
-/// Best origin for a renderer: a grid point near the eye of the options' camera.
-pub fn origin_of(world: &World, options: &RenderOptions) -> Vec3 {
-    let camera = options.camera.unwrap_or_else(|| world.main_camera());
-    let eye = world
-        .cameras
-        .get(camera)
-        .map_or(Vec3::ZERO, |c| c.value.eye);
-    let origin = (eye / GRID_M).round() * GRID_M;
-    if origin.is_finite() {
-        origin
-    } else {
-        Vec3::ZERO
-    }
+/// Coordinates of a renderer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Coordinates {
+    /// Origin in the scene, m.
+    origin: Vec3,
+    /// Length of a meter: a power of two, so that scaling rounds nothing.
+    scale: f32,
 }
 
-/// A world in coordinates relative to an origin.
-pub fn relative_world(world: &World, origin: Vec3) -> Cow<'_, World> {
-    if origin == Vec3::ZERO {
-        return Cow::Borrowed(world);
-    }
-    let mut moved = world.clone();
-    for instance in &mut moved.instances {
-        instance.world_from_object.translation -= glam::Vec3A::from(origin);
-    }
-    for light in &mut moved.lights {
-        if let Some(position) = light.desc.kind.position_mut() {
-            *position -= origin;
+impl Coordinates {
+    /// Best coordinates for a renderer: the origin is a grid point near the eye of the options' camera.
+    pub fn of(world: &World, options: &RenderOptions) -> Self {
+        let camera = options.camera.unwrap_or_else(|| world.main_camera());
+        let unit_m = world.unit_m();
+        let eye = world.cameras.get(camera).map_or(Vec3::ZERO, |c| {
+            approached(&c.value, &world.bounds(), unit_m).0.eye
+        });
+        let scale = match USUAL_UNITS_M.contains(&unit_m) {
+            true => 1.0,
+            false => (-unit_m.log2().round()).clamp(-64.0, 64.0).exp2(),
+        };
+        let grid_m = GRID_M / scale;
+        let origin = (eye / grid_m).round() * grid_m;
+        Self {
+            origin: if origin.is_finite() {
+                origin
+            } else {
+                Vec3::ZERO
+            },
+            scale,
         }
     }
-    for camera in &mut moved.cameras {
-        camera.value = relative_camera(&camera.value, origin);
+
+    /// Meters of the scene in a length of one.
+    pub fn meters(&self) -> f32 {
+        1.0 / self.scale
     }
-    Cow::Owned(moved)
+
+    /// A world in these coordinates.
+    pub fn world<'a>(&self, world: &'a World) -> Cow<'a, World> {
+        if self.origin == Vec3::ZERO && self.scale == 1.0 {
+            return Cow::Borrowed(world);
+        }
+        let mut moved = world.clone();
+        for instance in &mut moved.instances {
+            let place = &mut instance.world_from_object;
+            place.translation = (place.translation - glam::Vec3A::from(self.origin)) * self.scale;
+            place.matrix3 *= self.scale;
+        }
+        for light in &mut moved.lights {
+            self.move_light(&mut light.desc.kind);
+            light.range_m = light.range_m.map(|range_m| range_m * self.scale);
+        }
+        for camera in &mut moved.cameras {
+            camera.value = self.camera(&camera.value);
+        }
+        for material in &mut moved.materials {
+            material.attenuation_distance_m =
+                material.attenuation_distance_m.map(|m| m * self.scale);
+        }
+        moved.rest_unit_m = moved.rest_unit_m.map(|unit_m| unit_m * self.scale);
+        Cow::Owned(moved)
+    }
+
+    fn move_light(&self, kind: &mut LightKind) {
+        if let Some(position) = kind.position_mut() {
+            *position = (*position - self.origin) * self.scale;
+        }
+        match kind {
+            LightKind::Point {
+                intensity_cd,
+                radius_m,
+                ..
+            }
+            | LightKind::Spot {
+                intensity_cd,
+                radius_m,
+                ..
+            }
+            | LightKind::Disk {
+                intensity_cd,
+                radius_m,
+                ..
+            } => {
+                *radius_m *= self.scale;
+                *intensity_cd *= self.scale * self.scale;
+            }
+            LightKind::Rect {
+                intensity_cd, size, ..
+            } => {
+                *size = size.map(|edge_m| edge_m * self.scale);
+                *intensity_cd *= self.scale * self.scale;
+            }
+            LightKind::Directional { .. } => {}
+        }
+    }
+
+    /// A camera in these coordinates.
+    pub fn camera(&self, camera: &CameraDesc) -> CameraDesc {
+        let scaled = |length_m: Option<f32>| length_m.map(|m| m * self.scale);
+        CameraDesc {
+            eye: (camera.eye - self.origin) * self.scale,
+            target: (camera.target - self.origin) * self.scale,
+            orthographic_height_m: scaled(camera.orthographic_height_m),
+            near_m: scaled(camera.near_m),
+            focus_m: scaled(camera.focus_m),
+            // The sensor keeps its size, so a wider opening makes the lens as much larger.
+            aperture_f: camera.aperture_f.map(|f| f / self.scale),
+            ..camera.clone()
+        }
+    }
+
+    /// A camera in these coordinates that looks at things within `drawn` of a scene of unit `unit`, both in these
+    /// coordinates, and how much nearer it is to them, m.
+    pub fn view(&self, camera: &CameraDesc, drawn: &Bounds, unit: f32) -> (CameraDesc, f32) {
+        let (camera, nearer) = approached(&self.camera(camera), drawn, unit);
+        (camera, nearer * self.meters())
+    }
+
+    /// Options in these coordinates.
+    pub fn options(&self, options: &RenderOptions) -> RenderOptions {
+        let mut options = *options;
+        let unit_m = &mut options.reflection.unit_m;
+        *unit_m = unit_m.map(|unit_m| unit_m * self.scale);
+        options
+    }
 }
 
-/// A camera in coordinates relative to an origin.
-pub fn relative_camera(camera: &CameraDesc, origin: Vec3) -> CameraDesc {
-    CameraDesc {
-        eye: camera.eye - origin,
-        target: camera.target - origin,
-        ..camera.clone()
+/// An orthographic camera moved along its view to just before what it may see, and the way: it shows the same, and
+/// distances are short, where floats are precise. Others stay where they are.
+fn approached(camera: &CameraDesc, seen: &Bounds, unit_m: f32) -> (CameraDesc, f32) {
+    let (eye, target) = (camera.eye.as_dvec3(), camera.target.as_dvec3());
+    let forward = (target - eye).normalize_or_zero();
+    if camera.orthographic_height_m.is_none() || seen.is_empty() || forward == DVec3::ZERO {
+        return (camera.clone(), 0.0);
     }
+    let depths = seen
+        .corners()
+        .map(|corner| (corner.as_dvec3() - eye).dot(forward));
+    let least = depths.fold(f64::INFINITY, f64::min);
+    let size = f64::from(seen.diagonal());
+    let way = least - f64::from(camera.near_in(unit_m)) - 0.01 * size;
+    if !(way > 0.0 && way.is_finite()) {
+        return (camera.clone(), 0.0);
+    }
+    let eye = eye + forward * way;
+    let near = CameraDesc {
+        eye: eye.as_vec3(),
+        target: (eye + forward * size.max(f64::MIN_POSITIVE)).as_vec3(),
+        ..camera.clone()
+    };
+    (near, way as f32)
 }

@@ -3,8 +3,6 @@
 
 use std::{borrow::Cow, time::Instant};
 
-use glam::Vec3;
-
 use reflet_gpu::{Gpu, ShaderLibrary, Timer};
 use reflet_scene::desc::{Method, ReflectionDesc};
 use reflet_world::{
@@ -24,7 +22,7 @@ use super::{
     pass_builder::PassBuilder,
     passes::needed_passes,
     plan::{Plan, may_meet_culled},
-    relative::{origin_of, relative_world},
+    relative::Coordinates,
     resources::Resources,
     scene::GpuScene,
     shader_variant::ShaderVariant,
@@ -51,8 +49,8 @@ pub struct Renderer {
     pub(super) world_key: WorldKey,
     /// Pose of the top level in `trees`; that of a refused change until the next one.
     pub(super) tree_pose: PoseKey,
-    /// Origin of the renderer's coordinates, in the coordinates of the worlds that it is given.
-    pub(super) origin: Vec3,
+    /// Coordinates of the renderer, in which it takes the worlds that it is given.
+    pub(super) coordinates: Coordinates,
 }
 
 /// Builds the BVHs and times it, milliseconds; returns empty ones where no ray is traced.
@@ -83,9 +81,9 @@ impl Renderer {
         options: &RenderOptions,
     ) -> Result<Self, RenderError> {
         check_world(world)?;
-        let options = &options.settled();
-        let origin = origin_of(world, options);
-        let world = &*relative_world(world, origin);
+        let coordinates = Coordinates::of(world, options);
+        let options = &coordinates.options(&options.settled());
+        let world = &*coordinates.world(world);
         let (trees, tree_ms) = build_trees(gpu, world, options)?;
         let decided = decide(world, &trees, options, gpu.is_software());
         let options = &decided.options;
@@ -125,13 +123,13 @@ impl Renderer {
             shaders,
             tree_pose: PoseKey::of(world),
             world_key: WorldKey::of(world),
-            origin,
+            coordinates,
         })
     }
 
     /// A world in the renderer's coordinates.
     pub(super) fn relative<'a>(&self, world: &'a World) -> Cow<'a, World> {
-        relative_world(world, self.origin)
+        self.coordinates.world(world)
     }
 
     /// Resources that passes are bound to.
@@ -174,7 +172,7 @@ impl Renderer {
 
     /// The length U in meters.
     pub fn unit_m(&self) -> f32 {
-        self.unit_m
+        self.unit_m * self.coordinates.meters()
     }
 
     /// Method that finds reflections.

@@ -13,6 +13,7 @@ mod kit;
 mod lamp;
 mod layers;
 mod lens;
+mod near;
 mod panorama;
 mod random_materials;
 mod sheen;

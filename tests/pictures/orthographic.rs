@@ -204,3 +204,40 @@ rotation_deg = [-90, 0, 0]
         assert_eq!(met, 32 * 32, "{method}");
     }
 }
+
+#[test]
+fn the_distance_of_the_camera_changes_nothing() {
+    let Some(gpu) = gpu() else { return };
+    let small = ["image.size=[96, 54]", "camera.main.target=[0, 0.5, 0]"];
+    for (method, visibility) in [("hybrid", "raster"), ("rt", "rays")] {
+        let of = |times: f32| {
+            // A direction whose length is a whole number, so that rounding moves no camera aside.
+            let eye = format!(
+                "camera.main.eye=[{}, {}, {}]",
+                3.0 * times,
+                0.5 + 2.0 * times,
+                6.0 * times
+            );
+            let own = [
+                format!("reflection.method={method}"),
+                format!("image.visibility={visibility}"),
+            ];
+            let mut set = own.each_ref().map(String::as_str).to_vec();
+            set.extend([small[0], small[1], &eye]);
+            render(gpu, STAGE, &set, &[Aov::Depth])
+        };
+        let near = of(2.0);
+        let depth = |picture: &Picture| floats(picture, Aov::Depth)[54 / 2 * 96 + 48];
+        for times in [128.0_f32, 16_384.0] {
+            let far = of(times);
+            let share = share_differing(&near, &far, 8);
+            assert!(share < 0.01, "{method}: {share} at {} m", 7.0 * times);
+            // The middle shows the same point, so much farther away.
+            let farther = depth(&far) - depth(&near);
+            assert!(
+                (farther - 7.0 * (times - 2.0)).abs() < 1e-6 * 7.0 * times,
+                "{farther}"
+            );
+        }
+    }
+}

@@ -1,0 +1,194 @@
+//! Light and rays over short and long distances: lamps close to surfaces, and scenes of all sizes.
+
+use reflet::render::Picture;
+
+use super::kit::{assert_close, color, gpu, render, scene};
+
+/// A white floor without a specular lobe below a lamp at the height `AT`, seen from the side.
+const LAMP: &str = r#"
+version = 1
+[camera.main]
+eye = [0, 1, 0.001]
+target = [0, 0, 0]
+fov_deg = 1
+[image]
+size = [9, 9]
+tone_map = "none"
+[material.floor]
+base_color = [0.8, 0.8, 0.8]
+reflectivity = 0
+[model.floor]
+shape = { kind = "plane", size = [2, 2] }
+material = "floor"
+"#;
+
+#[test]
+fn lamps_close_to_a_surface_light_it_as_the_inverse_square() {
+    let Some(gpu) = gpu() else { return };
+    for shadow in ["map", "ray", "none"] {
+        for height in [0.1_f32, 0.02, 0.005, 0.001] {
+            // Intensities that make the middle of the floor equally bright.
+            let lamp = format!(
+                "[light.lamp]\nkind = \"point\"\nposition = [0, {height}, 0]\nshadow = \"{shadow}\"\n\
+                 intensity_cd = {}\n",
+                std::f32::consts::PI * height * height
+            );
+            let picture = render(gpu, &[LAMP, &lamp].concat(), &[], &[]);
+            assert_close(color(&picture, 4, 4)[0], 0.8, 0.01);
+        }
+    }
+}
+
+/// A scene with all lengths, written `<LENGTH>`, and intensities, `<<INTENSITY>>`: glass, curved mirrors, lamps with
+/// and without a size, and shadows by maps and by rays.
+const STAGE: &str = r#"
+version = 1
+[camera.main]
+eye = [<2.5>, <2>, <4>]
+target = [0, <0.5>, 0]
+[image]
+size = [96, 54]
+samples = 8
+exposure_ev = 2
+[reflection]
+filter = false
+[environment]
+zenith = [0.03, 0.04, 0.06]
+horizon = [0.04, 0.04, 0.04]
+ground = [0.01, 0.01, 0.01]
+[light.map]
+kind = "point"
+position = [<-1>, <1.5>, <1>]
+intensity_cd = <<0.2>>
+shadow = "map"
+[light.ray]
+kind = "spot"
+position = [<1>, <2>, <1>]
+target = [0, 0, 0]
+intensity_cd = <<0.4>>
+shadow = "ray"
+[light.panel]
+kind = "rect"
+position = [0, <2.5>, <-0.5>]
+target = [0, 0, 0]
+size = [<0.5>, <0.5>]
+intensity_cd = <<0.3>>
+[material.floor]
+metallic = 1
+roughness = 0
+base_color = [0.8, 0.8, 0.8]
+checker = { colors = [[0.8, 0.8, 0.8], [0.5, 0.3, 0.2]], size_m = <0.5> }
+[material.red]
+base_color = [0.8, 0.1, 0.1]
+[material.gold]
+base_color = [0.9, 0.7, 0.3]
+metallic = 1
+roughness = 0.15
+MORE
+[model.floor]
+shape = { kind = "plane", size = [<6>, <6>] }
+material = "floor"
+[model.box]
+shape = { kind = "box", size = [<0.6>, <1>, <0.6>] }
+material = "red"
+[model.ball]
+shape = { kind = "sphere", radius = <0.5> }
+material = "gold"
+[[instance]]
+model = "floor"
+[[instance]]
+model = "box"
+translation = [<-1>, <0.5>, <0>]
+[[instance]]
+model = "ball"
+translation = [<0.2>, <0.5>, <0.3>]
+"#;
+const GLASS: &str = r#"
+[material.glass]
+transmission = 1
+thickness_m = 1
+roughness = 0
+attenuation_color = [0.5, 0.9, 0.6]
+attenuation_distance_m = <0.5>
+[model.glass]
+shape = { kind = "sphere", radius = <0.3> }
+material = "glass"
+[[instance]]
+model = "glass"
+translation = [<1.1>, <0.3>, <0.8>]
+"#;
+
+/// The text with all its lengths times `scale`, and its intensities times the square of that.
+fn scaled(text: &str, scale: f64) -> String {
+    let mut out = String::new();
+    let mut rest = text;
+    while let Some((before, after)) = rest.split_once('<') {
+        out.push_str(before);
+        let is_intensity = after.starts_with('<');
+        let (number, end) =
+            (after.trim_start_matches('<').split_once('>')).expect("a closed length");
+        let factor = if is_intensity { scale * scale } else { scale };
+        let number: f64 = number.parse().expect("a number");
+        out.push_str(&format!("{:e}", number * factor));
+        rest = if is_intensity { &end[1..] } else { end };
+    }
+    out + rest
+}
+
+/// The 99th percentile of the difference of display colors, 0 to 1.
+fn p99(a: &Picture, b: &Picture) -> f32 {
+    let pairs = a.display.chunks_exact(4).zip(b.display.chunks_exact(4));
+    let most = pairs.map(|(a, b)| (0..3).map(|k| a[k].abs_diff(b[k])).max().unwrap_or(0));
+    let mut differences: Vec<u8> = most.collect();
+    differences.sort_unstable();
+    f32::from(differences[differences.len() * 99 / 100]) / 255.0
+}
+
+#[test]
+fn scenes_of_all_sizes_give_the_same_picture() {
+    let Some(gpu) = gpu() else { return };
+    let opaque = STAGE.replace("MORE", "");
+    let glass = STAGE.replace("MORE", GLASS);
+    let cases = [
+        (
+            opaque.as_str(),
+            "hybrid",
+            "raster",
+            [1e-6, 1e-4, 1e-2, 0.1, 1e3, 1e6].as_slice(),
+        ),
+        (&opaque, "rt", "rays", &[1e-6, 1e-3, 1e6]),
+        (&glass, "hybrid", "raster", &[1e-6, 1e-3, 1e6]),
+    ];
+    for (text, method, visibility, scales) in cases {
+        let of = |scale: f64| {
+            let set = [
+                format!("reflection.method={method}"),
+                format!("image.visibility={visibility}"),
+            ];
+            let set = set.each_ref().map(String::as_str);
+            let text = scaled(text, scale);
+            render(gpu, &text, &set, &[])
+        };
+        let truth = of(1.0);
+        for scale in scales {
+            let error = p99(&of(*scale), &truth);
+            assert!(error <= 0.03, "{method}, {scale:e}: p99 {error}");
+        }
+    }
+}
+
+#[test]
+fn the_unit_counts_what_moves_where_the_rest_is_small() {
+    let of = |still: f32| {
+        let text = format!(
+            "version = 1\n[timeline]\nfps = 24\nend = 2\n[model.ball]\n\
+             shape = {{ kind = \"box\", size = [{still}, {still}, {still}] }}\n[model.room]\n\
+             shape = {{ kind = \"box\", size = [8, 8, 8] }}\n[[instance]]\nmodel = \"ball\"\n[[instance]]\nname = \"room\"\n\
+             model = \"room\"\n[motion.instance.room]\ntranslation = {{ keys = [{{ at_s = 0, value = [0, 0, 0] }}, {{ at_s = 2, value = [1, 0, 0] }}] }}\n"
+        );
+        scene(&text, &[]).1.unit_m()
+    };
+    let diagonal = 3f32.sqrt() / 16.0;
+    assert_close(of(0.1), 8.0 * diagonal, 1e-4);
+    assert_close(of(4.0), 4.0 * diagonal, 1e-4);
+}
