@@ -13,7 +13,7 @@ use crate::{
 pub enum ReflectionMode {
     /// `"none"`: shows only the highlights of lights and environment; its reflections are never marched or traced.
     None,
-    /// `"auto"`: reflects if its roughness is below `reflection.roughness_cutoff`, for metals below five times
+    /// `"auto"`: reflects if its roughness is below `reflection.roughness_cutoff`, for metals below 6.25 times
     /// that. Roughness blurs the reflection: each sub-frame traces one ray in a random direction of the lobe, so
     /// more `image.samples` are smoother. Sharp up to roughness 0.04.
     #[default]
