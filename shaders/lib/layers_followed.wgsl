@@ -224,9 +224,7 @@ fn reflected(direction: vec3f, s: Surface) -> Reflected {
     }
     if (HAS_TRANSMISSION) { ray.weight *= s.alpha; }
     // From within a solid no light samples are taken, so reflection rays have full weight.
-    if (HAS_TRANSMISSION && s.is_inside && s.transmission > 0.0) {
-        ray = Reflected(ray.direction, ray.weight, 0.0, 1.0, 1.0, 0.0);
-    }
+    if (HAS_TRANSMISSION && s.is_inside && s.transmission > 0.0) { ray = Reflected(ray.direction, ray.weight, 0.0, 1.0, 1.0, 0.0); }
     return ray;
 }
 
