@@ -48,7 +48,7 @@ eye = [<2.5>, <2>, <4>]
 target = [0, <0.5>, 0]
 [image]
 size = [96, 54]
-samples = 8
+samples = 2
 exposure_ev = 2
 [reflection]
 filter = false
@@ -154,10 +154,10 @@ fn scenes_of_all_sizes_give_the_same_picture() {
             opaque.as_str(),
             "hybrid",
             "raster",
-            [1e-6, 1e-4, 1e-2, 0.1, 1e3, 1e6].as_slice(),
+            [1e-6, 1e-4, 0.1, 1e6].as_slice(),
         ),
-        (&opaque, "rt", "rays", &[1e-6, 1e-3, 1e6]),
-        (&glass, "hybrid", "raster", &[1e-6, 1e-3, 1e6]),
+        (&opaque, "rt", "rays", &[1e-6, 1e-3]),
+        (&glass, "hybrid", "raster", &[1e-6, 1e-3]),
     ];
     for (text, method, visibility, scales) in cases {
         let of = |scale: f64| {
