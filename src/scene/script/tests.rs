@@ -6,7 +6,7 @@ mod rig;
 use std::{
     hash::{DefaultHasher, Hash as _},
     path::Path,
-    sync::{Arc, mpsc},
+    sync::mpsc,
     thread,
     time::Duration,
 };
@@ -21,7 +21,7 @@ use super::{
 };
 use crate::{
     desc::SceneDesc,
-    motion::{FrameState, Names, ScriptNames},
+    motion::FrameState,
     stages::{Animator, Scene},
 };
 
@@ -236,24 +236,6 @@ fn wrong_keys_are_placed_where_they_are_written() {
     assert!(error.contains("caught: a material has no `a`"), "{error}");
 }
 
-/// Time to build lists element by element; printed, not judged.
-#[test]
-#[ignore = "a measurement: cargo test --lib pushes -- --ignored --nocapture"]
-fn many_pushes() {
-    for count in [1_000, 10_000, 50_000] {
-        let script = format!(
-            "fn setup(ctx) {{ let all = []; for i in 0..{count} {{
-                all.push(#{{ name: `ball ${{i}}`, model: \"ball\", translation: vec3(i, 0, 0) }});
-            }} print(all.len()); #{{}} }}"
-        );
-        let script = Script::from_text("many.rhai", &script).expect("it compiles");
-        let started = std::time::Instant::now();
-        let ended = script.setup(&[], None).map(drop);
-        let ms = started.elapsed().as_secs_f64() * 1e3;
-        println!("{count} pushes: {ms:.0} ms, {}", ended.is_ok());
-    }
-}
-
 /// Rhai's recursive functions of a value (clone, hash, size, format, drop) on the stack of a call.
 #[test]
 fn the_stack_of_a_call_holds_the_deepest_values() {
@@ -295,41 +277,6 @@ fn errors_list_nested_calls() {
         error.contains("`a` from test.rhai:2, `b` from test.rhai:4"),
         "{error}"
     );
-}
-
-/// Time to pose a thousand instances in a frame; printed, not judged, since machines differ.
-#[test]
-#[ignore = "a measurement: cargo test --lib thousand -- --ignored --nocapture"]
-fn a_thousand_instances() {
-    let mut desc = scene();
-    let ball = desc.instances[0].clone();
-    desc.instances = (0..1000)
-        .map(|i| {
-            let mut instance = ball.clone();
-            instance.name = Some(format!("ball{i}"));
-            instance
-        })
-        .collect();
-    let script = "fn frame(ctx) {
-        for i in 0..1000 {
-            let phase = ctx.t + hash01(1, i);
-            ctx.place(`ball${i}`, vec3(i, sin(phase), 0), [0, 90 * phase, 0], 1 + 0.1 * sin(phase));
-        }
-    }";
-    let script = Script::from_text("many.rhai", script).expect("it compiles");
-    let names = ScriptNames::new(&Arc::new(Names::of(&desc)), None);
-    let scene = Scene::new(desc, script.clone());
-    let motion = Animator::new(&scene);
-    let rest = motion.pose(0).expect("it runs");
-    let mut best = f64::MAX;
-    for _ in 0..50 {
-        let started = std::time::Instant::now();
-        let _ = script
-            .frame(rest.clone(), &names, &scene.params, scene.timeline.as_ref())
-            .expect("it runs");
-        best = best.min(started.elapsed().as_secs_f64() * 1e3);
-    }
-    println!("1,000 instances: {best:.2} ms a frame at best of 50");
 }
 
 #[test]
