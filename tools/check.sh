@@ -37,9 +37,13 @@ heading() {
 }
 
 heading "Setup"
-"$root/tools/setup.sh"
+"$root/tools/setup.sh" --build
 export PATH="$HOME/.cargo/bin:$PATH"
 cd "$root"
+mkdir -p target
+# Programs that tests run, such as the converter of USD, are installed while the compiler works.
+"$root/tools/setup.sh" >target/setup.log 2>&1 &
+readonly setup_of_tests="$!"
 # setup.sh has installed a software adapter: without one, tests fail here instead of skipping.
 export REFLET_REQUIRE_GPU=1
 # The software adapter keeps compiled shaders here, whatever the user's settings and home are.
@@ -64,6 +68,11 @@ linted() {
     RUSTC_WORKSPACE_WRAPPER="$clippy_driver" CLIPPY_ARGS="-D__CLIPPY_HACKERY__warnings" cargo "$@"
 }
 linted test --locked --workspace --no-run
+
+heading "Setup of what tests run"
+wait "$setup_of_tests" && failed=no || failed=yes
+cat target/setup.log
+[ "$failed" = no ]
 
 heading "Dependencies of the library"
 library="$(cargo tree --locked --package reflet-render --edges normal)"
