@@ -184,7 +184,8 @@ fn what_has_no_score_is_named_and_never_good() {
     }
     let folder = folder("empty");
     let scene = folder.join("dull.toml");
-    fs::write(&scene, SCENE.replace("roughness = 0", "roughness = 1")).expect("a scene");
+    let dull = "roughness = 0\nreflection = \"none\"";
+    fs::write(&scene, SCENE.replace("roughness = 0", dull)).expect("a scene");
     let scene = scene.to_str().expect("Unicode");
     let (code, says) = stability(&folder, &[scene, "--methods", "ssr", "--stills"]);
     assert_eq!(code, 0, "{says}");
