@@ -43,7 +43,9 @@
 //! 1. **Shadow**: depth cube maps for point lights, flat maps for spot and directional ones; lights
 //!    with `shadow = "ray"` need none. A map whose light and casters have not moved is not drawn
 //!    again.
-//! 2. **Visibility** rasterizes depth and ids (instance, triangle) and nothing else; with
+//! 2. **Visibility** rasterizes depth and ids (instance, triangle) and nothing else; points and lines are capsules
+//!    ([`world::Mesh::capsule_radius_m`]), whose id stands for that of a triangle, drawn as squares and boxes in which
+//!    every pixel tests its ray; with
 //!    `image.visibility = "rays"`, **primary** finds the same ids by a ray a pixel.
 //! 3. **Surface** resolves the G-buffer from the ids in compute and lists the reflective pixels. The
 //!    function that turns (instance, triangle, barycentrics, footprint) into a surface is `surface_at`

@@ -60,7 +60,16 @@ class Writer:
     def ball(self) -> None:
         """Add an octahedron with each face cut in four: 32 triangles."""
         axes = np.concatenate([np.eye(3), -np.eye(3)])
-        faces = [(0, 1, 2), (1, 3, 2), (3, 4, 2), (4, 0, 2), (1, 0, 5), (3, 1, 5), (4, 3, 5), (0, 4, 5)]
+        faces = [
+            (0, 1, 2),
+            (1, 3, 2),
+            (3, 4, 2),
+            (4, 0, 2),
+            (1, 0, 5),
+            (3, 1, 5),
+            (4, 3, 5),
+            (0, 4, 5),
+        ]
         parts = []
         for a, b, c in (axes[list(face)] for face in faces):
             ab, bc, ca = a + b, b + c, c + a
@@ -163,7 +172,9 @@ def points(millions: float, path: Path) -> None:
     random = np.random.default_rng(1)
     count = round(millions * 1e6)
     places = out.add(random.normal(size=(count, 3)).astype("f4"), "VEC3", 5126)
-    colors = out.add(random.integers(0, 256, (count, 4), dtype="u1") | np.uint8([0, 0, 0, 255]), "VEC4", 5121)
+    colors = out.add(
+        random.integers(0, 256, (count, 4), dtype="u1") | np.uint8([0, 0, 0, 255]), "VEC4", 5121
+    )
     out.accessors[colors]["normalized"] = True
     attributes = {"POSITION": places, "COLOR_0": colors}
     out.root["meshes"].append({"primitives": [{"attributes": attributes, "mode": 0}]})

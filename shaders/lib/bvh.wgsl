@@ -10,7 +10,7 @@
 // Nearest hits ignore single-sided triangles from behind; shadow rays are blocked by either side.
 // Intervals are open: t_min < t < t_max. Directions may have any length but 0; t is in units of that length.
 
-#import capsule
+#import capsule_traversed
 #import constants
 #import shown
 
@@ -251,30 +251,6 @@ fn test_triangle(index: u32, ray: TraversalRay, t_min: f32, inside: u32, inside_
     let positive = max(bary, vec2f(0.0));
     let clamped = positive / max(positive.x + positive.y, 1.0);
     *best = Hit(t, instance, b.w, clamped, flags);
-}
-
-// Tests one capsule, as test_triangle does a triangle.
-fn test_capsule(index: u32, ray: TraversalRay, t_min: f32, inside: u32, flags: u32, shadow: bool,
-        best: ptr<function, Hit>) {
-    let a = triangle_words(index * 3u);
-    let b = triangle_words(index * 3u + 1u);
-    let radius = bitcast<f32>(triangle_words(index * 3u + 2u).x);
-    let axis = bitcast<vec3f>(b.xyz);
-    let origin = ray.origin - bitcast<vec3f>(a.xyz);
-    let span = capsule_span(origin, ray.direction, axis, radius);
-    if !span.is_met {
-        return;
-    }
-    let sees_backs = shadow || (flags & DOUBLE_SIDED) != 0u;
-    let t = select(span.enter, span.leave, span.enter <= t_min && sees_backs);
-    if t <= t_min || t >= (*best).t {
-        return;
-    }
-    if is_passed(flags, passed_flags(shadow)) {
-        if OF_CAMERA && !is_passed(flags, UNREFLECTED) { culled_t = min(culled_t, t); }
-        return;
-    }
-    *best = Hit(t, inside, b.w, capsule_place(origin + ray.direction * t, axis, radius), flags);
 }
 
 // Groups to visit later: first those of the top level, then those of the tree being traversed.

@@ -354,14 +354,8 @@ fn pane_at(h: Hit, direction: vec3f) -> Surface {
     let m = instances[h.instance].material;
     var s = material_surface(m);
     let c = corners(h.instance, h.triangle);
-    let p0 = to_world(h.instance, c.p[0]);
-    var normal = normalize(cross(to_world(h.instance, c.p[1]) - p0, to_world(h.instance, c.p[2]) - p0));
-    if ((instances[h.instance].flags & FLAG_MIRRORED) != 0u) { normal = -normal; }
+    let normal = outward_normal(h.instance, c.p, h.bary);
     let bary = weights_at(h.instance, c.p, h.bary);
-    if (is_capsule(h.instance)) {
-        let point = capsule_point(h.bary, c.p[1] - c.p[0], instances[h.instance].capsule_radius_m);
-        normal = normalize(normal_to_world(h.instance, point.normal));
-    }
     s.is_solid = materials[m].is_solid != 0u;
     s.is_inside = s.is_solid && dot(normal, direction) > 0.0;
     s.normal = select(normal, -normal, dot(normal, direction) > 0.0);

@@ -6,54 +6,13 @@ use glam::Affine3A;
 use xxhash_rust::xxh3::xxh3_64_with_seed;
 
 use super::{
+    draw_shape::DrawShape,
     geometry::MeshRange,
     types::{GpuInstance, GpuVertex},
 };
 use reflet_base::math::Bounds;
 use reflet_scene::desc::ShownDesc;
-use reflet_world::{Instance, Material, Mesh, World};
-
-/// What is drawn of a mesh.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum DrawShape {
-    /// Its triangles.
-    Triangles,
-    /// A square around each of its capsules, which are all spheres.
-    Spheres,
-    /// A box around each of its capsules.
-    Capsules,
-}
-
-impl DrawShape {
-    /// Shape of a mesh.
-    pub fn of(mesh: &Mesh) -> Self {
-        let is_sphere = |[a, b, _]: &[u32; 3]| a == b;
-        match mesh.capsule_radius_m {
-            None => Self::Triangles,
-            Some(_) if mesh.triangles.iter().all(is_sphere) => Self::Spheres,
-            Some(_) => Self::Capsules,
-        }
-    }
-
-    /// Pipeline constant of shaders that draw capsules.
-    pub fn constant(self) -> (&'static str, f64) {
-        ("SPHERES", f64::from(u8::from(self == Self::Spheres)))
-    }
-
-    /// Faces of the shapes around capsules that are not drawn: of boxes the front, so that the eye may be inside.
-    pub fn culled(self) -> Option<wgpu::Face> {
-        (self == Self::Capsules).then_some(wgpu::Face::Front)
-    }
-
-    /// Number of vertices drawn for each triangle or capsule.
-    fn num_vertices(self) -> u32 {
-        match self {
-            Self::Triangles => 3,
-            Self::Spheres => 6,
-            Self::Capsules => 36,
-        }
-    }
-}
+use reflet_world::{Instance, Material, World};
 
 /// Properties of a draw call that need a render pipeline of their own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -64,7 +23,7 @@ pub struct DrawClass {
     pub double_sided: bool,
     /// Whether the instance's transform mirrors it.
     pub mirrored: bool,
-    /// What is drawn.
+    /// Shape that is drawn.
     pub shape: DrawShape,
 }
 

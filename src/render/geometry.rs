@@ -8,7 +8,7 @@ use reflet_world::{Mesh, Posed, World};
 
 use super::{
     chunked_array::{ChunkedArray, Upload},
-    draw::DrawShape,
+    draw_shape::DrawShape,
     types::{GpuVertex, NONE},
 };
 
@@ -25,7 +25,7 @@ pub struct MeshRange {
     pub uv1_base: u32,
     /// Whether the vertices have colors.
     pub has_colors: bool,
-    /// What is drawn of the mesh.
+    /// Shape that is drawn of the mesh.
     pub shape: DrawShape,
 }
 

@@ -7,7 +7,8 @@ use xxhash_rust::xxh3::Xxh3Default;
 
 use crate::{
     cull::is_outside,
-    draw::{self, Draw, DrawClass, DrawShape, Indexed},
+    draw::{self, Draw, DrawClass, Indexed},
+    draw_shape::DrawShape,
     frame_pass::FramePass,
     lights::ShadowView,
     pass::{Pass, PassGroup, declared_overrides},

@@ -2,7 +2,8 @@
 
 use crate::{
     cull::is_outside,
-    draw::{self, Draw, DrawClass, DrawShape, Indexed},
+    draw::{self, Draw, DrawClass, Indexed},
+    draw_shape::DrawShape,
     frame_pass::FramePass,
     pass::{Pass, PassGroup, declared_overrides},
     pass_builder::PassBuilder,

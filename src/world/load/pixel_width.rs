@@ -1,6 +1,7 @@
 //! Widens points and lines to a pixel of the default camera: of thinner ones, some or all pixels would show nothing.
 
 use crate::{Mesh, World};
+use reflet_base::math::Bounds;
 use reflet_scene::desc::{CameraDesc, SceneDesc};
 
 /// Diameter of points, pixels: a circle of the diagonal of a pixel holds a pixel's center wherever it is.
@@ -28,7 +29,7 @@ pub fn widths(world: &World, meshes: &[Mesh], desc: &SceneDesc) -> Vec<Width> {
         };
         let place = &instance.world_from_object;
         let scale = place.matrix3.determinant().abs().cbrt();
-        // Of the box without the radius that it has now.
+        // The box without the radius that it has now.
         let mut bounds = mesh.bounds;
         (bounds.min, bounds.max) = (bounds.min + radius_m, bounds.max - radius_m);
         let pixel_m = pixel_m(camera, &bounds.transformed(place), desc.image.size[1]);
@@ -61,7 +62,7 @@ impl Width {
 }
 
 /// Height of a pixel at the farthest corner of a box, m; 0 behind the camera.
-fn pixel_m(camera: &CameraDesc, bounds: &reflet_base::math::Bounds, height_px: u32) -> f32 {
+fn pixel_m(camera: &CameraDesc, bounds: &Bounds, height_px: u32) -> f32 {
     let forward = (camera.target - camera.eye).normalize_or_zero();
     let depths = (bounds.corners()).map(|corner| (corner - camera.eye).dot(forward));
     let depth_m = depths.fold(0.0, f32::max);
