@@ -69,7 +69,8 @@ impl Sight {
         self.may_hold(corners, 1e-4 * bounds.diagonal())
     }
 
-    /// Whether a placed triangle may be in the picture, with its front towards the eye unless it has two.
+    /// Whether a placed triangle may be in the picture, with its front towards the eye unless it has two; touching and edge-on
+    /// count.
     pub fn may_hold_triangle(
         &self,
         corners: [Vec3; 3],
@@ -83,6 +84,6 @@ impl Sight {
             true => Vec3A::from(self.eye) - a,
             false => -Vec3A::from(self.forward),
         };
-        (is_double_sided || front.dot(to_eye) > 0.0) && self.may_hold(corners, 0.0)
+        (is_double_sided || front.dot(to_eye) >= 0.0) && self.may_hold(corners, 0.0)
     }
 }
