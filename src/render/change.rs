@@ -13,7 +13,7 @@ use super::{
     plan::{Plan, may_meet_culled},
     rebuild_summary::RebuildSummary,
     relative::Coordinates,
-    renderer::{Renderer, build_trees, check_posed, top_level, unit_of, variant},
+    renderer::{Renderer, build_trees, check_posed, top_level, variant},
     shaders::Shaders,
     validate::check_world,
     world_key::WorldKey,
@@ -120,7 +120,7 @@ impl Renderer {
         if let Some(scene) = new_scene {
             self.scene = scene;
         }
-        self.unit_m = unit_of(world, options);
+        self.unit_m = options.unit_m(world);
         self.options = *options;
         self.decisions = decided.decisions;
         self.plan = plan;

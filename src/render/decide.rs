@@ -12,7 +12,6 @@ use super::{
     lights::{CUBE_FACES, has_cube_map},
     options::RenderOptions,
     plan::{reflects, traces_rays},
-    renderer::unit_of,
     shadow_texels::{COARSE_PX, SeenSurfaces},
     unit_costs::UnitCosts,
     view::View,
@@ -194,7 +193,7 @@ impl Decider<'_> {
             return;
         }
         let (world, settings) = (self.world, &self.asked.reflection);
-        let unit_m = unit_of(world, &self.asked);
+        let unit_m = self.asked.unit_m(world);
         let reach_m = settings.ray_length_u * unit_m;
         let view = View::new(&seen_by(world, &self.asked), self.asked.image.size, unit_m);
         let cutoff = settings.reflects_below();
@@ -250,7 +249,7 @@ fn view_of(world: &World, options: &RenderOptions) -> View {
     View::new(
         &seen_by(world, options),
         options.image.size,
-        unit_of(world, options),
+        options.unit_m(world),
     )
 }
 

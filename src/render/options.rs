@@ -1,12 +1,10 @@
 //! Options of a renderer.
 
-#[cfg(doc)]
-use reflet_world::World;
-
 use super::unit_costs::UnitCosts;
 use reflet_scene::desc::{
     ImageDesc, LightDesc, LightKind, Method, ReflectionDesc, SceneDesc, ShadowMode,
 };
+use reflet_world::World;
 
 /// Options of a renderer.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,6 +52,11 @@ impl Default for RenderOptions {
 }
 
 impl RenderOptions {
+    /// The length U of a world in these options, meters.
+    pub fn unit_m(&self, world: &World) -> f32 {
+        (self.reflection.unit_m).unwrap_or_else(|| world.unit_m())
+    }
+
     /// Options of a scene, with unused features dropped.
     pub fn of(desc: &SceneDesc) -> Self {
         Self {

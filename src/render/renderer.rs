@@ -110,7 +110,7 @@ impl Renderer {
         };
         let bindings = Bindings::new(gpu, key, inputs, None)?;
         Ok(Self {
-            unit_m: unit_of(world, options),
+            unit_m: options.unit_m(world),
             options: *options,
             decisions: decided.decisions,
             timer: Timer::new(gpu)?,
@@ -291,8 +291,4 @@ pub(super) fn variant(gpu: &Gpu, plan: &Plan, scene: &GpuScene) -> ShaderVariant
         chunks: scene.chunks,
         features: plan.features,
     }
-}
-
-pub(super) fn unit_of(world: &World, options: &RenderOptions) -> f32 {
-    (options.reflection.unit_m).unwrap_or_else(|| world.unit_m())
 }
