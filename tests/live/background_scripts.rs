@@ -51,6 +51,8 @@ pub struct Watched {
     pub view: View,
     /// Whether a background script runs.
     runs: bool,
+    /// Output of the scripts in the newest summary.
+    log: Vec<String>,
 }
 
 impl Watched {
@@ -84,6 +86,7 @@ impl Watched {
                 draft_ms: None,
             },
             runs: false,
+            log: Vec::new(),
         };
         this.show(|_| ());
         this.shown(|_| true);
@@ -139,7 +142,8 @@ impl Watched {
             match &report {
                 Report::ScriptRunning(since) => self.runs = since.is_some(),
                 Report::SceneSummary(facts) => {
-                    assert!(facts.problems.is_empty(), "{:?}", facts.problems)
+                    assert!(facts.problems.is_empty(), "{:?}", facts.problems);
+                    self.log.clone_from(&facts.log);
                 }
                 _ => {}
             }
@@ -166,7 +170,11 @@ impl Watched {
     /// Waits until the script that prints this line is shown.
     pub fn wait_until_adopted(&mut self, line: &str) {
         let line = format!(": {line}"); // after its place
-        self.summary(|facts| facts.log.iter().any(|known| known.ends_with(&line)));
+        let is_in = |log: &[String]| log.iter().any(|known| known.ends_with(&line));
+        // It may have come while something else was waited for.
+        if !is_in(&self.log) {
+            self.summary(|facts| is_in(&facts.log));
+        }
     }
 
     pub fn wait_for_start(&mut self) {

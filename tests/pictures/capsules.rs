@@ -179,7 +179,8 @@ fn shadows_of_capsules_are_those_of_rays() {
     let shadowed = share_differing(&ray, &none, 24);
     let differing = share_differing(&map, &ray, 24);
     assert!(shadowed > 0.02, "{shadowed} of the pixels are shadowed");
-    assert!(differing < 0.2 * shadowed, "{differing} of {shadowed}");
+    // Texels of the map at the edges of thin shadows.
+    assert!(differing < 0.25 * shadowed, "{differing} of {shadowed}");
 }
 
 #[test]
