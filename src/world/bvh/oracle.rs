@@ -78,29 +78,30 @@ impl Surface {
     }
 
     /// Hits along a ray in their order: one on a triangle, up to two on a capsule.
-    fn hits(&self, ray: &Ray, cull: bool) -> impl Iterator<Item = (f64, DVec2)> + use<> {
+    fn hits(&self, ray: &Ray, cull: bool) -> [Option<(f64, DVec2)>; 2] {
         let is_met = |t: f64, front: bool| {
             let seen = front || !cull || self.flags & DOUBLE_SIDED != 0;
             seen && self.flags & ray.passes == 0 && ray.t_min < t && t < ray.t_max
         };
-        let mut hits = [None; 2];
         if let Shape::Capsule(capsule) = &self.shape {
-            if let Some(times) = capsule.span(ray.origin, ray.direction) {
-                let hit = |t: f64| (t, capsule.place(ray.origin + ray.direction * t));
-                let sides = [(times[0], true), (times[1], false)];
-                hits = sides.map(|(t, front)| is_met(t, front).then(|| hit(t)));
-            }
-        } else if let Some((t, bary, front)) = self.plane_hit(ray) {
-            let inside = bary.x >= 0.0 && bary.y >= 0.0 && bary.x + bary.y <= 1.0;
-            hits[0] = (inside && is_met(t, front)).then_some((t, bary));
+            let Some([enter, leave]) = capsule.span(ray.origin, ray.direction) else {
+                return [None; 2];
+            };
+            let hit = |t: f64| (t, capsule.place(ray.origin + ray.direction * t));
+            return [(enter, true), (leave, false)]
+                .map(|(t, front)| is_met(t, front).then(|| hit(t)));
         }
-        hits.into_iter().flatten()
+        let Some((t, bary, front)) = self.plane_hit(ray) else {
+            return [None; 2];
+        };
+        let inside = bary.x >= 0.0 && bary.y >= 0.0 && bary.x + bary.y <= 1.0;
+        [(inside && is_met(t, front)).then_some((t, bary)), None]
     }
 }
 
 /// Brute force over all triangles and capsules of a world, in f64.
 pub struct Oracle {
-    surfaces: Vec<(Surface, u32, u32)>,
+    surfaces: Vec<Surface>,
     /// World-to-object transform of each instance of capsules, and its inverse.
     spaces: Vec<Option<[DAffine3; 2]>>,
     /// Index of the first surface of each instance.
@@ -115,7 +116,7 @@ impl Oracle {
             spaces: Vec::new(),
             first: Vec::new(),
         };
-        for (id, instance) in world.instances.iter().enumerate() {
+        for instance in &world.instances {
             oracle.first.push(oracle.surfaces.len());
             let mesh = &world.meshes[instance.mesh];
             let transform = in_f64(&instance.world_from_object);
@@ -137,8 +138,7 @@ impl Oracle {
                         Shape::Triangle { base, edge1, edge2 }
                     }
                 };
-                let surface = Surface { shape, flags };
-                oracle.surfaces.push((surface, id as u32, t));
+                oracle.surfaces.push(Surface { shape, flags });
             }
         }
         oracle
@@ -162,22 +162,24 @@ impl Oracle {
         ray: &Ray,
         alpha_passes: impl Fn(u32, u32, DVec2) -> bool,
     ) -> Option<RayHit> {
-        let mut ray = *ray;
-        let mut nearest = None;
-        for (surface, instance, triangle) in &self.surfaces {
-            let (instance, triangle) = (*instance, *triangle);
-            let passes = |bary: DVec2| {
-                surface.flags & ALPHA_TESTED == 0 || alpha_passes(instance, triangle, bary)
-            };
-            let mut hits = surface.hits(&self.in_space_of(instance, &ray), true);
-            if let Some((t, bary)) = hits.find(|(_, bary)| passes(*bary)) {
-                ray.t_max = t;
-                nearest = Some(RayHit {
-                    t,
-                    instance,
-                    triangle,
-                    bary,
-                });
+        let (mut nearest, mut t_max) = (None, ray.t_max);
+        for instance in 0..self.first.len() as u32 {
+            let mut ray = self.in_space_of(instance, ray);
+            for (surface, triangle) in self.surfaces_of(instance).iter().zip(0..) {
+                ray.t_max = t_max;
+                let passes = |(_, bary): &(f64, DVec2)| {
+                    surface.flags & ALPHA_TESTED == 0 || alpha_passes(instance, triangle, *bary)
+                };
+                let mut hits = surface.hits(&ray, true).into_iter().flatten();
+                if let Some((t, bary)) = hits.find(passes) {
+                    t_max = t;
+                    nearest = Some(RayHit {
+                        t,
+                        instance,
+                        triangle,
+                        bary,
+                    });
+                }
             }
         }
         nearest
@@ -185,12 +187,22 @@ impl Oracle {
 
     /// Whether anything blocks the ray, from either side.
     pub fn any(&self, ray: &Ray, alpha_passes: impl Fn(u32, u32, DVec2) -> bool) -> bool {
-        self.surfaces.iter().any(|(surface, instance, triangle)| {
-            let mut hits = surface.hits(&self.in_space_of(*instance, ray), false);
-            hits.any(|(_, bary)| {
-                surface.flags & ALPHA_TESTED == 0 || alpha_passes(*instance, *triangle, bary)
+        (0..self.first.len() as u32).any(|instance| {
+            let ray = self.in_space_of(instance, ray);
+            let mut surfaces = self.surfaces_of(instance).iter().zip(0..);
+            surfaces.any(|(surface, triangle)| {
+                let mut hits = surface.hits(&ray, false).into_iter().flatten();
+                hits.any(|(_, bary)| {
+                    surface.flags & ALPHA_TESTED == 0 || alpha_passes(instance, triangle, bary)
+                })
             })
         })
+    }
+
+    fn surfaces_of(&self, instance: u32) -> &[Surface] {
+        let first = self.first[instance as usize];
+        let end = self.first.get(instance as usize + 1);
+        &self.surfaces[first..end.copied().unwrap_or(self.surfaces.len())]
     }
 
     /// World-space point of barycentric weights in a triangle, or of a place on a capsule.
@@ -212,7 +224,7 @@ impl Oracle {
     }
 
     fn surface(&self, instance: u32, triangle: u32) -> &Surface {
-        &self.surfaces[self.first[instance as usize] + triangle as usize].0
+        &self.surfaces[self.first[instance as usize] + triangle as usize]
     }
 
     /// Hit of the ray with the plane of one triangle: t, the weights (outside [0, 1] where it passes the triangle),
@@ -335,7 +347,7 @@ impl Trees {
             flags & ALPHA_TESTED == 0 || alpha_passes(instance, triangle.triangle, bary)
         };
         let surface = Surface { shape, flags };
-        let mut hits = surface.hits(ray, cull);
+        let mut hits = surface.hits(ray, cull).into_iter().flatten();
         let (t, bary) = hits.find(|(_, bary)| passes(*bary))?;
         Some(RayHit {
             t,
