@@ -99,7 +99,8 @@ xargs -L 1 -P 3 bash -c 'run_tests "$@"' _ <<'END'
 END
 
 heading "Example of the library"
-linted run --locked --package reflet-render --example render_to_pixels
+# It was built with the tests; `cargo run --package` would build its dependencies anew, with fewer features.
+"${CARGO_TARGET_DIR:-$root/target}/debug/examples/render_to_pixels"
 
 if [ "$full" = yes ]; then
     heading "Long tests"

@@ -172,9 +172,8 @@ def points(millions: float, path: Path) -> None:
     random = np.random.default_rng(1)
     count = round(millions * 1e6)
     places = out.add(random.normal(size=(count, 3)).astype("f4"), "VEC3", 5126)
-    colors = out.add(
-        random.integers(0, 256, (count, 4), dtype="u1") | np.uint8([0, 0, 0, 255]), "VEC4", 5121
-    )
+    opaque = random.integers(0, 256, (count, 4), dtype="u1") | np.array([0, 0, 0, 255], "u1")
+    colors = out.add(opaque, "VEC4", 5121)
     out.accessors[colors]["normalized"] = True
     attributes = {"POSITION": places, "COLOR_0": colors}
     out.root["meshes"].append({"primitives": [{"attributes": attributes, "mode": 0}]})
