@@ -16,7 +16,7 @@ struct Params {
 @group(2) @binding(5) var blurred: RadianceTexture;
 @group(2) @binding(6) var<uniform> params: Params;
 
-@compute @workgroup_size(8, 8)
+@compute @workgroup_size(GROUP_PX, GROUP_PX)
 fn main(@builtin(global_invocation_id) id: vec3u) {
     if (any(id.xy >= vec2u(frame.size))) { return; }
     let center = textureLoad(source, id.xy, 0);

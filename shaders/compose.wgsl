@@ -35,7 +35,7 @@ fn faded(pixel: vec2u, direction: vec3f, found: vec3f) -> vec3f {
     return mix(environment(direction), found, rest);
 }
 
-@compute @workgroup_size(8, 8)
+@compute @workgroup_size(GROUP_PX, GROUP_PX)
 fn main(@builtin(global_invocation_id) id: vec3u) {
     if (any(id.xy >= vec2u(frame.size))) { return; }
     let lit = textureLoad(radiance, id.xy, 0);

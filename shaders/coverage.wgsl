@@ -14,7 +14,7 @@ struct Params {
 @group(2) @binding(3) var coverage_sum: texture_storage_2d<r32float, read_write>;
 @group(2) @binding(4) var<uniform> params: Params;
 
-@compute @workgroup_size(8, 8)
+@compute @workgroup_size(GROUP_PX, GROUP_PX)
 fn main(@builtin(global_invocation_id) id: vec3u) {
     if (any(id.xy >= vec2u(frame.size))) { return; }
     var covered = 0.0;

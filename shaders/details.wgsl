@@ -8,7 +8,7 @@
 @group(2) @binding(1) var colors: texture_2d<u32>;
 @group(2) @binding(2) var details: texture_storage_2d_array<rgba32uint, write>;
 
-@compute @workgroup_size(8, 8)
+@compute @workgroup_size(GROUP_PX, GROUP_PX)
 fn main(@builtin(global_invocation_id) id: vec3u) {
     if (any(id.xy >= vec2u(frame.size))) { return; }
     let hit = textureLoad(ids, id.xy, 0).xy;

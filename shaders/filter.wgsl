@@ -81,7 +81,7 @@ fn filtered(pixel: vec2u, own: vec4f) -> vec3f {
     return sum / max(weights, 1e-6);
 }
 
-@compute @workgroup_size(8, 8)
+@compute @workgroup_size(GROUP_PX, GROUP_PX)
 fn main(@builtin(global_invocation_id) id: vec3u) {
     if (any(id.xy >= vec2u(frame.size))) { return; }
     var color = textureLoad(source, id.xy, 0);

@@ -20,7 +20,7 @@ fn gathered(pixel: vec2u) -> vec3f {
     return scattered_on(pixel, FIRST_VERTEX, 0u, view, s, pixel_cone(distance_m));
 }
 
-@compute @workgroup_size(8, 8)
+@compute @workgroup_size(GROUP_PX, GROUP_PX)
 fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_id) local: vec3u) {
     let pixel = invoked_pixel(group, groups, local);
     if (any(pixel >= vec2u(frame.size))) { return; }

@@ -65,7 +65,7 @@ fn resolve(pixel: vec2u) -> Resolved {
     return Resolved(select(rough, CAUSE_UNMARCHED, is_reflector(packed)), is_transmissive(s));
 }
 
-@compute @workgroup_size(8, 8)
+@compute @workgroup_size(GROUP_PX, GROUP_PX)
 fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_id) local: vec3u, @builtin(local_invocation_index) lane: u32) {
     let pixel = invoked_pixel(group, groups, local);
     let inside = all(pixel < vec2u(frame.size));

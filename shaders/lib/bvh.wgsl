@@ -2,8 +2,8 @@
 //
 // The buffers are packed by src/world/bvh.rs, whose module comment documents the layout. The including shader
 // declares:
-//   node_words(i: u32) -> vec4u        5 words per node
-//   triangle_words(i: u32) -> vec4u    3 words per TraceTriangle
+//   node_words(i: u32) -> vec4u        NODE_VECTORS per node
+//   triangle_words(i: u32) -> vec4u    TRIANGLE_VECTORS per TraceTriangle
 //   instances: array<…>        with object_from_world: array<vec4f, 3>, tree_root, trace_flags: u32
 //   alpha_passes(instance: u32, triangle: u32, bary: vec2f) -> bool
 //
@@ -163,7 +163,7 @@ fn hit_children(grid: GridRay, near_planes: vec3u, far_planes: vec3u, slots: u32
 }
 
 fn visit_node(index: u32, ray: TraversalRay, t_min: f32, t_max: f32) -> NodeVisit {
-    let at = index * 5u;
+    let at = index * NODE_VECTORS;
     let head = node_words(at);
     let links = node_words(at + 1u);
     let x = node_words(at + 2u);
@@ -200,9 +200,10 @@ fn passed_flags(shadow: bool) -> u32 {
 // ray is in.
 fn test_triangle(index: u32, ray: TraversalRay, t_min: f32, inside: u32, inside_flags: u32,
         shadow: bool, best: ptr<function, Hit>) {
-    let a = triangle_words(index * 3u);
-    let b = triangle_words(index * 3u + 1u);
-    let c = triangle_words(index * 3u + 2u);
+    let at = index * TRIANGLE_VECTORS;
+    let a = triangle_words(at);
+    let b = triangle_words(at + 1u);
+    let c = triangle_words(at + 2u);
     let edge1 = bitcast<vec3f>(b.xyz);
     let edge2 = bitcast<vec3f>(c.xyz);
     // Möller and Trumbore 1997.

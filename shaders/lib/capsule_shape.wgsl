@@ -8,9 +8,6 @@
 // are drawn, so that the eye may be inside.
 override SPHERES: bool = false;
 
-const SQUARE_CORNERS: u32 = 6u;
-const BOX_CORNERS: u32 = 36u;
-
 // Capsule of a drawn vertex.
 fn capsule_of_vertex(vertex: u32) -> u32 {
     return vertex / select(BOX_CORNERS, SQUARE_CORNERS, SPHERES);
@@ -21,7 +18,7 @@ fn capsule_vertex(instance: u32, vertex: u32, eye: vec4f) -> vec3f {
     let c = corners(instance, capsule_of_vertex(vertex));
     let axis = c.p[1] - c.p[0];
     let radius = instances[instance].capsule_radius_m;
-    let corner = vertex % 6u;
+    let corner = vertex % SQUARE_CORNERS;
     // Corners 0, 1, 2, 0, 2, 3 of a square.
     let around = (0xe24u >> (corner * 2u)) & 3u;
     let side = vec2f(f32(around == 1u || around == 2u), f32(around >= 2u)) * 2.0 - 1.0;
@@ -37,7 +34,7 @@ fn capsule_vertex(instance: u32, vertex: u32, eye: vec4f) -> vec3f {
         let turn = capsule_frame(view);
         return to_world(instance, c.p[0] + (turn[0] * side.x + turn[1] * side.y) * half_m);
     }
-    let face = (vertex / 6u) % 6u;
+    let face = (vertex / SQUARE_CORNERS) % 6u;
     let is_upper = face >= 3u;
     var unit = vec3f(select(-1.0, 1.0, is_upper), select(side.yx, side.xy, is_upper));
     if (face % 3u == 1u) { unit = unit.zxy; }

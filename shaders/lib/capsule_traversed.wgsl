@@ -5,9 +5,10 @@
 // Tests one capsule, as test_triangle does a triangle.
 fn test_capsule(index: u32, ray: TraversalRay, t_min: f32, inside: u32, flags: u32, shadow: bool,
         best: ptr<function, Hit>) {
-    let a = triangle_words(index * 3u);
-    let b = triangle_words(index * 3u + 1u);
-    let radius = bitcast<f32>(triangle_words(index * 3u + 2u).x);
+    let at = index * TRIANGLE_VECTORS;
+    let a = triangle_words(at);
+    let b = triangle_words(at + 1u);
+    let radius = bitcast<f32>(triangle_words(at + 2u).x);
     let axis = bitcast<vec3f>(b.xyz);
     let origin = ray.origin - bitcast<vec3f>(a.xyz);
     let span = capsule_span(origin, ray.direction, axis, radius);

@@ -8,7 +8,6 @@ override HAS_DISPERSION: bool = true;
 
 // Minimum number of sub-frames for dispersion: with fewer, single colors would show as specks.
 const LEAST_SAMPLES: u32 = 8u;
-const CHANNEL_PAIR: u32 = 0x10004u;
 
 var<private> path_channel: u32 = 0u; // color channel of the path, 1 to 3; 0: all channels
 

@@ -59,7 +59,6 @@ const PI: f32 = 3.14159265358979;
 // Number of times that the rows of workgroups are shuffled: software drivers give each thread a block of adjacent
 // rows, and rows take unequal times.
 override ROW_SHUFFLES: u32 = 0u;
-const GROUP_PX: u32 = 8u;
 
 // Pixel of an invocation, in passes over all pixels.
 fn invoked_pixel(group: vec3u, groups: vec3u, local: vec3u) -> vec2u {

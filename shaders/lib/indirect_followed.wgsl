@@ -6,9 +6,6 @@
 #import lobe
 #import sampling
 
-// Pairs of sample dimensions that nothing else at a surface uses.
-const SCATTER_PAIR: u32 = 0x10004u;
-const CHOICE_PAIR: u32 = 0x10005u;
 const FIRST_ENDING: u32 = 4u; // number of vertices before Russian roulette starts
 const MOST_LIKELY: f32 = 0.95; // maximum survival probability
 

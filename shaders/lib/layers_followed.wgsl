@@ -20,12 +20,6 @@ const MAX_PANES: u32 = 16u;
 const COAT_REFLECTIVITY: f32 = 0.04; // KHR_materials_clearcoat: an index of refraction of 1.5
 const DARKEST_PANE: f32 = 1.0 / 255.0; // minimum share of light that a shadow ray follows further
 
-// Pairs of sample dimensions that nothing else at a surface uses.
-const COAT_PAIR: u32 = 0x10000u;
-const THROUGH_PAIR: u32 = 0x10001u;
-const ONWARD_PAIR: u32 = 0x10002u;
-const ALPHA_PAIR: u32 = 0x10003u;
-
 var<private> path_crossings: u32 = 0u; // number of surfaces crossed
 var<private> vertex: vec3f = vec3f(0.0); // position of the surface that the path left last
 var<private> medium: vec3f = vec3f(0.0); // absorption coefficient of the medium that the path is in, per meter

@@ -22,6 +22,15 @@ struct Sampling {
 // found by refracted rays.
 override UNBIASED: bool = false;
 
+// Pairs of dimensions of single decisions at a vertex, beyond those that `next_pair` counts.
+const COAT_PAIR: u32 = 0x10000u; // whether the coat or the base reflects
+const THROUGH_PAIR: u32 = 0x10001u; // microfacet of rough transmission
+const ONWARD_PAIR: u32 = 0x10002u; // whether the path is reflected or transmitted
+const ALPHA_PAIR: u32 = 0x10003u; // whether the path passes beside what covers the surface
+const SCATTER_PAIR: u32 = 0x10004u; // direction of diffuse scattering
+const CHOICE_PAIR: u32 = 0x10005u; // whether the path scatters, and Russian roulette
+const CHANNEL_PAIR: u32 = 0x10006u; // first color channel of dispersion
+
 var<private> sample_seed: u32;
 var<private> sample_pair: u32; // number of dimension pairs used at this vertex
 

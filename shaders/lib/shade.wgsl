@@ -12,8 +12,7 @@
 #import shadow
 #import sheen
 
-// Light bits, two per light: 0 is unknown or partly lit.
-const LENT_LIGHTS: u32 = 32u;
+// Light bits, two for each of the first LENT_LIGHTS: 0 is unknown or partly lit.
 const LENT_DARK: u32 = 1u;
 const LENT_LIT: u32 = 2u;
 

@@ -8,7 +8,7 @@
 override SLOT_POOLS: u32 = 0x3fffffffu;
 // Pools that layer textures sample: POOL_BITS for all of them together.
 override LAYER_POOLS: u32 = 63u;
-override WRAPS: u32 = 15u; // bit per sampler: rr, rc, cr, cc
+override WRAPS: u32 = WRAPS_ALL; // bit per sampler, WRAPS_*
 
 fn fold_mirror(x: f32) -> f32 {
     let m = abs(x) % 2.0;
@@ -18,16 +18,16 @@ fn fold_mirror(x: f32) -> f32 {
 // Samples a `texture_2d_array` with the sampler of the requested wrap modes. A mirrored axis was folded into [0, 1]
 // before; there clamping equals mirroring, texel for texel.
 fn sample_wrapped(t: texture_2d_array<f32>, uv: vec2f, layer: u32, lod: f32, clamps: u32) -> vec4f {
-    if ((WRAPS & 1u) != 0u && clamps == 0u) {
+    if ((WRAPS & WRAPS_RR) != 0u && clamps == 0u) {
         return textureSampleLevel(t, sampler_rr, uv, layer, lod);
     }
-    if ((WRAPS & 2u) != 0u && clamps == 2u) {
+    if ((WRAPS & WRAPS_RC) != 0u && clamps == 2u) {
         return textureSampleLevel(t, sampler_rc, uv, layer, lod);
     }
-    if ((WRAPS & 4u) != 0u && clamps == 1u) {
+    if ((WRAPS & WRAPS_CR) != 0u && clamps == 1u) {
         return textureSampleLevel(t, sampler_cr, uv, layer, lod);
     }
-    if ((WRAPS & 8u) != 0u && clamps == 3u) {
+    if ((WRAPS & WRAPS_CC) != 0u && clamps == 3u) {
         return textureSampleLevel(t, sampler_cc, uv, layer, lod);
     }
     return vec4f(1.0);
@@ -46,8 +46,8 @@ fn pools_of(slot: u32) -> u32 {
 // mask of pools that this slot may be in.
 fn sample_slot(slot: TextureUse, uv_in: vec2f, footprint: f32, pools: u32) -> vec4f {
     var uv = uv_in;
-    let wrap_u = (slot.bits >> TEXTURE_WRAP_U_SHIFT) & 3u;
-    let wrap_v = (slot.bits >> TEXTURE_WRAP_V_SHIFT) & 3u;
+    let wrap_u = (slot.bits >> TEXTURE_WRAP_U_SHIFT) & TEXTURE_WRAP_MASK;
+    let wrap_v = (slot.bits >> TEXTURE_WRAP_V_SHIFT) & TEXTURE_WRAP_MASK;
     if (wrap_u == WRAP_MIRROR) { uv.x = fold_mirror(uv.x); }
     if (wrap_v == WRAP_MIRROR) { uv.y = fold_mirror(uv.y); }
     let clamps = u32(wrap_u != WRAP_REPEAT) | (u32(wrap_v != WRAP_REPEAT) << 1u);

@@ -7,8 +7,8 @@ use reflet_scene::desc::{LightKind, Method, PatternKind, ReflectionMode, ToneMap
 use reflet_world::{
     CoreTexture, LayerTexture, MAX_LIGHTS,
     bvh::{
-        ALPHA_TESTED, CAPSULES, DOUBLE_SIDED, FLIPPED, SHADOWLESS, STACK_SIZE, STATIC_ROOT,
-        TOP_LEVEL, TOP_ROOT, UNREFLECTED, UNSEEN,
+        ALPHA_TESTED, CAPSULES, DOUBLE_SIDED, FLIPPED, NODE_VECTORS, SHADOWLESS, STACK_SIZE,
+        STATIC_ROOT, TOP_LEVEL, TOP_ROOT, TRIANGLE_VECTORS, UNREFLECTED, UNSEEN,
     },
     texture::pool_size::SMALLEST_POOL_PX,
 };
@@ -16,21 +16,24 @@ use reflet_world::{
 use super::{
     cause::{CAUSE_MASK, Cause, Source},
     cutoff::{COAT_STEPS, CUTOFF_FADE, METAL_REACH},
+    draw_shape::{BOX_CORNERS, SQUARE_CORNERS},
     lights::{SHADOW_MAP, SHADOW_NEAR_M, SHADOW_NONE, SHADOW_RAY},
     lobe_table::{LOBE_COSINES, LOBE_NODES, LOBE_ROUGHNESSES, SMOOTH_ALPHA},
+    pass::GROUP_PX,
     ray_list::{
         AUDIT_RAYS, AUDITED_COUNTER, COUNTERS, EXHAUSTED_COUNTER, HIT_COUNTER, LISTS, List,
         PYRAMID_LEVELS, RAY_COUNTER, RAYS_PER_GROUP, REFLECTOR_COUNTER, TRANSMISSIVE_COUNTER,
         WRONG_COUNTER,
     },
     sheen_table::LEAST_SHEEN_ALPHA,
-    targets::FAR_M,
+    targets::{FAR_M, Target},
     texel_array::TEXEL_COLUMNS,
     textures::POOL_BITS,
     types::{
         FLAG_COLORS, FLAG_EMITTER, FLAG_MIRRORED, NONE, TEXTURE_NEAREST, TEXTURE_POOL_MASK,
-        TEXTURE_SIZE_MASK, TEXTURE_SIZE_SHIFT, TEXTURE_SRGB, TEXTURE_UV1, TEXTURE_WRAP_U_SHIFT,
-        TEXTURE_WRAP_V_SHIFT, WRAP_MIRROR, WRAP_REPEAT,
+        TEXTURE_SIZE_MASK, TEXTURE_SIZE_SHIFT, TEXTURE_SRGB, TEXTURE_UV1, TEXTURE_WRAP_MASK,
+        TEXTURE_WRAP_U_SHIFT, TEXTURE_WRAP_V_SHIFT, WRAP_MIRROR, WRAP_REPEAT, WRAPS_ALL, WRAPS_CC,
+        WRAPS_CR, WRAPS_RC, WRAPS_RR,
     },
 };
 
@@ -123,7 +126,13 @@ pub fn wgsl() -> String {
         TEXTURE_WRAP_V_SHIFT,
         TEXTURE_NEAREST,
         WRAP_REPEAT,
+        TEXTURE_WRAP_MASK,
         WRAP_MIRROR,
+        WRAPS_RR,
+        WRAPS_RC,
+        WRAPS_CR,
+        WRAPS_CC,
+        WRAPS_ALL,
         LISTS,
         COUNTERS,
         EXHAUSTED_COUNTER,
@@ -134,9 +143,14 @@ pub fn wgsl() -> String {
         WRONG_COUNTER,
         TRANSMISSIVE_COUNTER,
         RAYS_PER_GROUP,
+        GROUP_PX,
         AUDIT_RAYS,
         PYRAMID_LEVELS,
         TEXEL_COLUMNS,
+        SQUARE_CORNERS,
+        BOX_CORNERS,
+        NODE_VECTORS,
+        TRIANGLE_VECTORS,
         STATIC_ROOT,
         TOP_ROOT,
         TOP_LEVEL,
@@ -149,6 +163,8 @@ pub fn wgsl() -> String {
         UNREFLECTED,
         STACK_SIZE,
     );
+    let lent_bytes = Target::VisibleLights.format(false).block_copy_size(None);
+    define(&mut out, "LENT_LIGHTS", &(lent_bytes.unwrap_or(0) * 8 / 2));
     define_variants(&mut out);
     define_causes(&mut out);
     out

@@ -2,6 +2,11 @@
 
 use reflet_world::Mesh;
 
+/// Number of vertices of the square around a sphere.
+pub const SQUARE_CORNERS: u32 = 6;
+/// Number of vertices of the box around a capsule.
+pub const BOX_CORNERS: u32 = 36;
+
 /// Shape that is drawn of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DrawShape {
@@ -38,8 +43,8 @@ impl DrawShape {
     pub fn num_vertices(self) -> u32 {
         match self {
             Self::Triangles => 3,
-            Self::Spheres => 6,
-            Self::Capsules => 36,
+            Self::Spheres => SQUARE_CORNERS,
+            Self::Capsules => BOX_CORNERS,
         }
     }
 }

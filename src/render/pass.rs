@@ -138,6 +138,9 @@ pub struct ComputePass {
     bound: Option<wgpu::BindGroup>,
 }
 
+/// Width and height of the workgroups of passes over all pixels.
+pub const GROUP_PX: u32 = 8;
+
 impl ComputePass {
     /// Builds the pipeline of one entry point; overrides that its shader does not declare are ignored.
     ///

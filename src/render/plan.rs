@@ -23,6 +23,7 @@ use super::{
     options::RenderOptions,
     precision::Precision,
     textures::{Layers, POOL_BITS},
+    types::{WRAPS_ALL, WRAPS_CC, WRAPS_CR, WRAPS_RC, WRAPS_RR},
 };
 
 /// Features of a frame, and the numbers that shaders are specialized with.
@@ -40,7 +41,7 @@ pub struct Plan {
     pub slot_pools: u32,
     /// Texture pools that textures of layers use, [`POOL_BITS`] for all of them together.
     pub layer_pools: u32,
-    /// Wrap mode pairs in use.
+    /// Wrap mode pairs in use, as a mask of [`WRAPS_ALL`].
     pub wraps: u32,
 }
 
@@ -134,7 +135,7 @@ impl Plan {
             true => (
                 mask(POOL_BITS * CORE_SLOTS as u32),
                 mask(POOL_BITS),
-                mask(4),
+                WRAPS_ALL,
             ),
             false => samplers(world, &used, layers),
         };
@@ -195,10 +196,10 @@ fn samplers(world: &World, used: &BTreeSet<usize>, layers: &Layers) -> (u32, u32
             }
             let clamps = slot.wrap.map(|w| w != Wrap::Repeat);
             wraps |= match clamps {
-                [false, false] => 1,
-                [false, true] => 2,
-                [true, false] => 4,
-                [true, true] => 8,
+                [false, false] => WRAPS_RR,
+                [false, true] => WRAPS_RC,
+                [true, false] => WRAPS_CR,
+                [true, true] => WRAPS_CC,
             };
         }
     }

@@ -237,12 +237,24 @@ pub const TEXTURE_UV1: u32 = 1 << 3;
 pub const TEXTURE_WRAP_U_SHIFT: u32 = 4;
 /// Position in [`GpuTextureUse::bits`] of the two bits of the wrap mode along v.
 pub const TEXTURE_WRAP_V_SHIFT: u32 = 6;
+/// Mask of each wrap mode.
+pub const TEXTURE_WRAP_MASK: u32 = 3;
 /// Bit of [`GpuTextureUse::bits`]: magnification takes the nearest texel.
 pub const TEXTURE_NEAREST: u32 = 1 << 8;
 /// Position in [`GpuTextureUse::bits`] of the size of the pool's images, as a power of 2 times the smallest.
 pub const TEXTURE_SIZE_SHIFT: u32 = 9;
 /// Mask of that power.
 pub const TEXTURE_SIZE_MASK: u32 = 7;
+/// Bit of the wrap mode pairs in use: both axes repeat. `R` stands for repeating, `C` for clamping or mirroring.
+pub const WRAPS_RR: u32 = 1;
+/// Bit of the wrap mode pairs in use: only u repeats.
+pub const WRAPS_RC: u32 = 2;
+/// Bit of the wrap mode pairs in use: only v repeats.
+pub const WRAPS_CR: u32 = 4;
+/// Bit of the wrap mode pairs in use: no axis repeats.
+pub const WRAPS_CC: u32 = 8;
+/// Mask of all wrap mode pairs.
+pub const WRAPS_ALL: u32 = WRAPS_RR | WRAPS_RC | WRAPS_CR | WRAPS_CC;
 /// Wrap mode in [`GpuTextureUse::bits`]: repeat.
 pub const WRAP_REPEAT: u32 = 0;
 /// Wrap mode in [`GpuTextureUse::bits`]: clamp to the edge.

@@ -61,6 +61,10 @@ pub const STACK_SIZE: u32 = 24;
 
 /// Number of 32-bit words of a node.
 const NODE_WORDS: usize = size_of::<CwBvhNode>() / 4;
+/// Number of `vec4u` of a node.
+pub const NODE_VECTORS: usize = NODE_WORDS / 4;
+/// Number of `vec4u` of a triangle or capsule.
+pub const TRIANGLE_VECTORS: usize = size_of::<TraceTriangle>() / 16;
 
 /// All trees of a world, as the GPU reads them.
 #[derive(Clone, Debug)]
