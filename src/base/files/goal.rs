@@ -104,17 +104,21 @@ impl Inputs {
 }
 
 fn identities(path: &Path) -> Vec<Identity> {
-    let mut found: Vec<_> = fs::canonicalize(path)
-        .ok()
-        .map(Identity::Path)
-        .into_iter()
-        .collect();
-    #[cfg(unix)]
-    if let Ok(metadata) = fs::metadata(path) {
-        use std::os::unix::fs::MetadataExt as _;
-        found.push(Identity::Inode([metadata.dev(), metadata.ino()]));
-    }
-    found
+    let path_of = fs::canonicalize(path).ok().map(Identity::Path);
+    path_of.into_iter().chain(inode(path)).collect()
+}
+
+#[cfg(unix)]
+fn inode(path: &Path) -> Option<Identity> {
+    use std::os::unix::fs::MetadataExt as _;
+    let metadata = fs::metadata(path).ok()?;
+    Some(Identity::Inode([metadata.dev(), metadata.ino()]))
+}
+
+/// Numbers of a file that the standard library tells on Unix alone.
+#[cfg(not(unix))]
+fn inode(_: &Path) -> Option<Identity> {
+    None
 }
 
 #[cfg(test)]
