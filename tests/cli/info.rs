@@ -32,6 +32,7 @@ fn info_prints_the_passes_of_a_frame() {
     let scene = "version = 1\n[camera.main]\neye = [0, 1, 9]\ntarget = [0, 0, 0]\n\
                  [material.thing]\nroughness = 1\n[model.thing]\nshape = { kind = \"box\" }\n\
                  material = \"thing\"\n[[instance]]\nmodel = \"thing\"\n\
+                 [light.lamp]\nkind = \"point\"\nposition = [0, 3, 0]\nshadow = \"none\"\nintensity_cd = 1\n\
                  [image]\nvisibility = \"raster\"\n[reflection]\nmethod = \"hybrid\"\n";
     fs::write(folder.join("box.toml"), scene).expect("temporary scene");
     let passes = |set: &[&str]| {
@@ -48,20 +49,13 @@ fn info_prints_the_passes_of_a_frame() {
     let plain = passes(&[]);
     assert_eq!(
         names(&plain),
-        [
-            "shadow",
-            "visibility",
-            "surface",
-            "light",
-            "compose",
-            "tone"
-        ]
+        ["visibility", "surface", "light", "compose", "tone"]
     );
     assert_eq!(
-        plain[1]["writes"],
+        plain[0]["writes"],
         serde_json::json!(["raster_depth", "ids"])
     );
-    assert_eq!(plain[5]["reads"], serde_json::json!(["color_even"]));
+    assert_eq!(plain[4]["reads"], serde_json::json!(["color_even"]));
     let mirror = passes(&[
         "--set",
         "material.thing.roughness=0",
@@ -71,7 +65,6 @@ fn info_prints_the_passes_of_a_frame() {
     assert_eq!(
         names(&mirror),
         [
-            "shadow",
             "visibility",
             "surface",
             "light",
@@ -85,10 +78,12 @@ fn info_prints_the_passes_of_a_frame() {
             "tone"
         ]
     );
-    let ssr = &mirror[6];
+    let ssr = &mirror[5];
     assert_eq!(ssr["group"], "march");
     let written = ["reflection", "cause", "hit", "pixel_lists", "counters"];
     assert_eq!(ssr["writes"], serde_json::json!(written));
+    let mapped = passes(&["--set", "light.lamp.shadow=map"]);
+    assert_eq!(names(&mapped)[0], "shadow");
     let [text, _] = exits(&folder, &["info", "box.toml", "--frame"], 0);
     assert_eq!(text.lines().count(), 2 + plain.len(), "{text}");
     assert!(

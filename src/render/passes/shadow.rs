@@ -28,6 +28,7 @@ pub const PASS: Pass = Pass {
     group: PassGroup::Light,
     color: [111, 93, 21],
     params: Some(Params::LAYOUT),
+    needed: |plan, _| plan.features.cube_maps || plan.features.flat_maps,
     writes_shared: &[SharedData::ShadowMaps],
     ..Pass::DEFAULT
 };
