@@ -1,7 +1,11 @@
 //! OpenEXR panoramas: channels R, G and B of the first layer that has them. The blocks of a file hold the samples of
 //! all channels of a layer, so that its header bounds what a block becomes, before any is decompressed.
 
-use std::{io::Cursor, panic::resume_unwind, thread};
+use std::{
+    io::{self, Cursor},
+    panic::resume_unwind,
+    thread::{self, Builder},
+};
 
 use exr::{
     block::{
@@ -38,6 +42,13 @@ fn broken(e: impl std::fmt::Display) -> Fault {
     Fault::new("image-broken", format!("cannot be decoded: {e}")).help(BROKEN_HELP)
 }
 
+/// A thread that the system refused to start.
+fn not_started(e: io::Error) -> Fault {
+    let text = format!("cannot be decoded: the system starts no further thread ({e})");
+    Fault::new("thread-refused", text)
+        .help("end other programs, or raise the limits of processes and memory (`ulimit -u`, `ulimit -v`)")
+}
+
 /// The layer that is shown.
 struct Layer {
     /// Index of its header.
@@ -48,11 +59,15 @@ struct Layer {
     block_bytes: u64,
 }
 
-/// Decodes the bytes of a file, with the memory that is held for the picture.
+/// Decodes the bytes of a file on threads made by `thread`, with the memory that is held for the picture.
 ///
 /// # Errors
-/// Broken files, files without R, G and B, and sizes past the limits.
-pub fn decode(bytes: &[u8], limits: &PanoramaLimits) -> Result<(Pixels, Hold), Fault> {
+/// Broken files, files without R, G and B, sizes past the limits, and threads that the system does not start.
+pub fn decode(
+    bytes: &[u8],
+    limits: &PanoramaLimits,
+    thread: impl Fn() -> Builder,
+) -> Result<(Pixels, Hold), Fault> {
     let reader = block::read(Cursor::new(bytes), false).map_err(broken)?;
     let layer = find_layer(reader.headers())?;
     let header = &reader.headers()[layer.index];
@@ -90,7 +105,7 @@ pub fn decode(bytes: &[u8], limits: &PanoramaLimits) -> Result<(Pixels, Hold), F
         if batch.is_empty() {
             return Ok((pixels, held));
         }
-        for block in decompress(batch, in_turn, &meta, &layer)? {
+        for block in decompress(batch, in_turn, &meta, &layer, &thread)? {
             let channels = &meta.headers[layer.index].channels;
             write_block(&block, channels, layer.channels, &mut pixels)?;
         }
@@ -131,6 +146,7 @@ fn decompress(
     in_turn: usize,
     meta: &MetaData,
     layer: &Layer,
+    thread: &impl Fn() -> Builder,
 ) -> Result<Vec<UncompressedBlock>, Fault> {
     let one = |chunk: Chunk| {
         check_chunk(&chunk, meta, layer)?;
@@ -144,7 +160,9 @@ fn decompress(
             if part.is_empty() {
                 break;
             }
-            workers.push(scope.spawn(move || part.into_iter().map(one).collect::<Vec<_>>()));
+            let work = move || part.into_iter().map(one).collect::<Vec<_>>();
+            let worker = thread().spawn_scoped(scope, work).map_err(not_started)?;
+            workers.push(worker);
         }
         let mut blocks = Vec::new();
         for worker in workers {

@@ -4,6 +4,7 @@ use std::{
     io::Cursor,
     panic::{AssertUnwindSafe, catch_unwind},
     path::Path,
+    thread::Builder,
 };
 
 use half::f16;
@@ -64,7 +65,7 @@ fn luminance([r, g, b]: &[f32; 3]) -> f32 {
 fn decode(bytes: &[u8], limits: &PanoramaLimits) -> Result<(Pixels, Hold), Fault> {
     match bytes {
         [b'#', b'?', ..] => decode_hdr(bytes, limits),
-        [0x76, 0x2f, 0x31, 0x01, ..] => exr::decode(bytes, limits),
+        [0x76, 0x2f, 0x31, 0x01, ..] => exr::decode(bytes, limits, Builder::new),
         [] => Err(Fault::new("image-broken", "is empty").help(BROKEN_HELP)),
         _ => Err(
             Fault::new("image-unsupported", "is neither Radiance HDR nor OpenEXR").help(

@@ -1,6 +1,6 @@
 //! OpenEXR files whose blocks are larger than what is shown of them.
 
-use std::{io::Cursor, path::Path};
+use std::{io::Cursor, path::Path, thread::Builder};
 
 use exr::prelude::{
     AnyChannel, AnyChannels, Blocks, Compression, Encoding, FlatSamples, Image, Layer,
@@ -143,4 +143,18 @@ fn broken_files_never_panic() {
             assert_ne!(fault.name, "internal", "{round}: {}", fault.message);
         }
     }
+}
+
+#[test]
+fn a_thread_that_does_not_start_is_no_fault_of_the_file() {
+    let bytes = file(Compression::ZIP16, 0);
+    let limits = PanoramaLimits {
+        max_px: 16384,
+        budget_bytes: 1 << 30,
+        memory: Budget::new(256 << 20),
+    };
+    let past_memory = || Builder::new().stack_size(usize::MAX / 2);
+    let refused = super::exr::decode(&bytes, &limits, past_memory).map(|_| ());
+    assert_eq!(refused.unwrap_err().name, "thread-refused");
+    assert_eq!(limits.memory.left(), 256 << 20, "all is given back");
 }
