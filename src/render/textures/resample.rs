@@ -83,42 +83,33 @@ fn bilinear_resized(
     };
     let (across, down) = (taps(0), taps(1));
     let tables = SrgbTables::get();
+    let values = match srgb {
+        true => &tables.light_shares,
+        false => &tables.shares,
+    };
     let mut out = Vec::with_capacity(to[0] as usize * to[1] as usize * 4);
+    // Plain loops, as tests run this without optimization.
     for (ys, fy) in &down {
         for (xs, fx) in &across {
-            let corners = [
-                [xs[0], ys[0]],
-                [xs[1], ys[0]],
-                [xs[0], ys[1]],
-                [xs[1], ys[1]],
-            ];
-            let corners = corners.map(|at| texel(rgba, size, at));
-            let weights = [
-                (1.0 - fx) * (1.0 - fy),
-                fx * (1.0 - fy),
-                (1.0 - fx) * fy,
-                fx * fy,
-            ];
-            for c in 0..4 {
-                let is_light = srgb && c < 3;
-                let value = |code: u8| {
-                    if is_light {
-                        f32::from(tables.light[code as usize]) / 65535.0
-                    } else {
-                        f32::from(code) / 255.0
-                    }
-                };
-                let mean: f32 = corners
-                    .iter()
-                    .zip(weights)
-                    .map(|(t, w)| value(t[c]) * w)
-                    .sum();
-                out.push(if is_light {
-                    tables.code[(mean * 4095.0).round() as usize]
-                } else {
-                    (mean * 255.0).round() as u8
+            let corner =
+                |x: usize, y: usize| 4 * (ys[y] as usize * size[0] as usize + xs[x] as usize);
+            let at = [corner(0, 0), corner(1, 0), corner(0, 1), corner(1, 1)];
+            let (left, up) = (1.0 - fx, 1.0 - fy);
+            let weights = [left * up, fx * up, left * fy, fx * fy];
+            let mean = |of: &[f32; 256], c: usize| {
+                of[rgba[at[0] + c] as usize] * weights[0]
+                    + of[rgba[at[1] + c] as usize] * weights[1]
+                    + of[rgba[at[2] + c] as usize] * weights[2]
+                    + of[rgba[at[3] + c] as usize] * weights[3]
+            };
+            for c in 0..3 {
+                let mean = mean(values, c);
+                out.push(match srgb {
+                    true => tables.code[(mean * 4095.0).round() as usize],
+                    false => (mean * 255.0).round() as u8,
                 });
             }
+            out.push((mean(&tables.shares, 3) * 255.0).round() as u8);
         }
     }
     out
@@ -133,12 +124,18 @@ fn box_downsampled(rgba: &[u8], edge: u32, srgb: bool) -> Vec<u8> {
     for y in 0..half {
         for x in 0..half {
             let first = (2 * y * edge + 2 * x) * 4;
-            for c in 0..4 {
-                let at =
-                    [first, first + 4, first + edge * 4, first + edge * 4 + 4].map(|i| rgba[i + c]);
+            for i in first..first + 4 {
+                let below = i + edge * 4;
+                let at = [rgba[i], rgba[i + 4], rgba[below], rgba[below + 4]];
                 out.push(match tables {
-                    Some(tables) if c < 3 => tables.mean(at),
-                    _ => ((at.iter().map(|&v| u32::from(v)).sum::<u32>() + 2) / 4) as u8,
+                    Some(tables) if i < first + 3 => tables.mean(at),
+                    _ => {
+                        let sum = u32::from(at[0])
+                            + u32::from(at[1])
+                            + u32::from(at[2])
+                            + u32::from(at[3]);
+                        ((sum + 2) / 4) as u8
+                    }
                 });
             }
         }
@@ -150,6 +147,10 @@ fn box_downsampled(rgba: &[u8], edge: u32, srgb: bool) -> Vec<u8> {
 struct SrgbTables {
     light: [u16; 256],
     code: Vec<u8>,
+    /// Linear light of each code, 0 to 1.
+    light_shares: [f32; 256],
+    /// Value of each code that is no color, 0 to 1.
+    shares: [f32; 256],
 }
 
 impl SrgbTables {
@@ -164,15 +165,18 @@ impl SrgbTables {
                     (reflet_base::math::srgb_from_linear(i as f32 / 4095.0) * 255.0).round() as u8
                 })
                 .collect();
-            Self { light, code }
+            Self {
+                light,
+                code,
+                light_shares: light.map(|value| f32::from(value) / 65535.0),
+                shares: std::array::from_fn(|code| code as f32 / 255.0),
+            }
         })
     }
 
     fn mean(&self, codes: [u8; 4]) -> u8 {
-        let sum: u32 = codes
-            .iter()
-            .map(|&c| u32::from(self.light[c as usize]))
-            .sum();
+        let light = |k: usize| u32::from(self.light[codes[k] as usize]);
+        let sum = light(0) + light(1) + light(2) + light(3);
         self.code[(sum / 64).min(4095) as usize]
     }
 }
