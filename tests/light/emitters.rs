@@ -83,6 +83,11 @@ fn pair(floor: &str) -> [String; 2] {
     let block = "[material.block]\nbase_color = [0.5, 0.5, 0.5]\nreflectivity = 0\n[model.block]\n\
                  shape = { kind = \"box\", size = [0.6, 0.8, 0.6] }\nmaterial = \"block\"\n[[instance]]\n\
                  model = \"block\"\ntranslation = [0.5, 0.4, 0.3]\n";
+    // Within the block no light reaches it; it lets all floors have the same features, so that shaders are compiled
+    // once. Plans with fewer features are those of the tests around.
+    let hidden = "[material.hidden]\nroughness = 0.4\nclearcoat = 1\n[model.hidden]\n\
+                  shape = { kind = \"box\", size = [0.1, 0.1, 0.1] }\nmaterial = \"hidden\"\n[[instance]]\n\
+                  model = \"hidden\"\ntranslation = [0.5, 0.4, 0.3]\n";
     let light = "[light.lamp]\nkind = \"rect\"\nposition = [0, 2, -1]\ndirection = [0, -1, 0]\n\
                  intensity_cd = 12\nsize = [3, 1]\nup = [0, 0, 1]\n";
     let surface = lamp(
@@ -90,7 +95,7 @@ fn pair(floor: &str) -> [String; 2] {
         "[4, 4, 4]",
         "translation = [0, 2, -1]\nrotation_deg = [180, 0, 0]",
     ) + "visible = false\n";
-    [light, &surface].map(|lamp| [&floor, block, lamp].concat())
+    [light, &surface].map(|lamp| [&floor, block, hidden, lamp].concat())
 }
 
 /// Pixels on each side of the squares whose means are compared.

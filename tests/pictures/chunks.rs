@@ -9,7 +9,8 @@ use reflet::{
         aov::Aov,
         chunks::{Sizes, check_size},
     },
-    scene::desc::{Method, Visibility},
+    scene::desc::{Method, SceneDesc, Visibility},
+    world::World,
 };
 
 use crate::{
@@ -67,15 +68,14 @@ model = "floor"
 /// Segments with which each array of all meshes takes more than 512 KiB.
 const LARGE: u32 = 64;
 
-fn shown(gpu: &Gpu, segments: u32, visibility: Visibility) -> Picture {
-    let (desc, world) = scene(&balls(segments), &[]);
-    let mut options = RenderOptions::of(&desc);
+fn shown(gpu: &Gpu, (desc, world): &(SceneDesc, World), visibility: Visibility) -> Picture {
+    let mut options = RenderOptions::of(desc);
     options.reflection.method = Method::Hybrid;
     options.image.visibility = visibility;
     let mut renderer =
-        Renderer::new(gpu, &shaders(), &world, &options).unwrap_or_else(|e| panic!("{e}"));
+        Renderer::new(gpu, &shaders(), world, &options).unwrap_or_else(|e| panic!("{e}"));
     let camera = &world.cameras[0].value;
-    let picture = renderer.picture(gpu, &world, camera, &[Aov::Ids, Aov::HitIds]);
+    let picture = renderer.picture(gpu, world, camera, &[Aov::Ids, Aov::HitIds]);
     picture.unwrap_or_else(|e| panic!("{e}"))
 }
 
@@ -85,14 +85,15 @@ fn pictures_do_not_depend_on_how_much_a_buffer_holds() {
         return;
     };
     small.limits.max_storage_buffer_binding_size = 1 << 19;
-    for (visibility, buffer_bytes) in [
-        (Visibility::Raster, gpu.limits.max_buffer_size),
-        (Visibility::Raster, 1 << 20),
-        (Visibility::Rays, 1 << 20),
+    let large = scene(&balls(LARGE), &[]);
+    let wholes = [Visibility::Raster, Visibility::Rays].map(|v| shown(gpu, &large, v));
+    for (visibility, whole, buffer_bytes) in [
+        (Visibility::Raster, &wholes[0], gpu.limits.max_buffer_size),
+        (Visibility::Raster, &wholes[0], 1 << 20),
+        (Visibility::Rays, &wholes[1], 1 << 20),
     ] {
         small.limits.max_buffer_size = buffer_bytes;
-        let whole = shown(gpu, LARGE, visibility);
-        let chunked = shown(&small, LARGE, visibility);
+        let chunked = shown(&small, &large, visibility);
         let bytes = &chunked.stats.bytes;
         for array in ["tree_nodes", "tree_triangles", "vertices", "mesh_data"] {
             let of_array = bytes.iter().find(|(name, _)| name == array);
@@ -101,7 +102,7 @@ fn pictures_do_not_depend_on_how_much_a_buffer_holds() {
         }
         for aov in [Aov::Ids, Aov::HitIds] {
             assert!(
-                integers(&whole, aov) == integers(&chunked, aov),
+                integers(whole, aov) == integers(&chunked, aov),
                 "{}",
                 aov.name()
             );
@@ -118,8 +119,9 @@ fn pictures_do_not_depend_on_how_the_device_reads() {
     // A device without primitive indices: vertices are pulled, and BVHs are in buffers.
     plain.features.remove(wgpu::Features::PRIMITIVE_INDEX);
     plain.reads_texels_faster = false;
+    let small = scene(&balls(8), &[]);
     for visibility in [Visibility::Raster, Visibility::Rays] {
-        let [own, other] = [gpu, &plain].map(|gpu| shown(gpu, 8, visibility));
+        let [own, other] = [gpu, &plain].map(|gpu| shown(gpu, &small, visibility));
         for aov in [Aov::Ids, Aov::HitIds] {
             assert!(
                 integers(&own, aov) == integers(&other, aov),
