@@ -109,6 +109,9 @@ if [ "$full" = yes ]; then
     heading "Program without its window"
     cargo clippy --locked --no-default-features -- -D warnings
 
+    heading "Links of the documentation"
+    RUSTDOCFLAGS="-D warnings" cargo doc --locked --no-deps --workspace
+
     heading "Trial additions of docs/extending.md"
     tools/extending.sh --build
 

@@ -155,6 +155,7 @@ pub struct RenderArgs {
     /// Picture to write: .png (tone-mapped) or .exr (linear radiance), with #### (at most 20) where the
     /// number of a frame goes, or %04d, $F4, <frame> or {frame:04}; or a film: .apng, or .mp4, .mov, .mkv or .webm through ffmpeg
     #[arg(short, long, value_name = "FILE")]
+    #[allow(rustdoc::invalid_html_tags, reason = "the text is that of --help")]
     pub output: PathBuf,
     /// Frames of the scene's timeline, or of a model's animation: all, or a list such as 0-949, 1-20:2 or 1,3,5-9
     #[arg(long, value_name = "LIST", allow_hyphen_values = true)]

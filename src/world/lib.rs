@@ -115,7 +115,7 @@ pub struct Mesh {
     pub least_radius_m: f32,
     /// Object-space bounds.
     pub bounds: Bounds,
-    /// Deformation by animations; the vertices here are at rest, and their pose is in [`World::deformed`].
+    /// Deformation by animations; the vertices here are at rest, and the world holds their pose.
     pub deformation: Option<Arc<Deformation>>,
     /// Cached result of [`Mesh::is_closed_outward`].
     pub closed: OnceLock<bool>,

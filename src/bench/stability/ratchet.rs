@@ -42,7 +42,7 @@ pub struct Ratchet {
 pub struct Allowed {
     /// Mode, such as `03-rails`.
     pub mode: String,
-    /// Method, one of [`SERIES`](crate::parameter::SERIES).
+    /// Method, one of [`SERIES`].
     pub method: String,
     /// Mean FLIP inside the reflections.
     pub flip: f64,

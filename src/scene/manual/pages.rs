@@ -14,7 +14,7 @@ const GENERATED: &str = "<!-- Generated from src/scene/desc.rs; `UPDATE_DOCS=1 c
 /// One page of the manual.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Page {
-    /// File name in `docs/scene`: [`INDEX`], or the name of the table with `.md`.
+    /// File name in `docs/scene`: `INDEX`, or the name of the table with `.md`.
     pub file: String,
     /// Content of the page as Markdown.
     pub text: String,
