@@ -33,6 +33,7 @@ mod leaves;
 mod oracle;
 mod placement;
 mod refit;
+mod slab;
 #[cfg(test)]
 mod tests;
 mod tree;

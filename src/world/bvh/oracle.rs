@@ -9,6 +9,7 @@ use glam::{DAffine3, DMat3, DVec2, DVec3, Vec3};
 use super::{
     ALPHA_TESTED, CAPSULES, DOUBLE_SIDED, FLIPPED, NONE, STATIC_ROOT, TOP_LEVEL, TOP_ROOT,
     TraceTriangle, Trees, capsule::Capsule, gpu_layout::instance_flags, leaves::corners,
+    slab::overlaps,
 };
 use crate::World;
 use reflet_base::math::in_f64;
@@ -65,16 +66,29 @@ impl Surface {
         let Shape::Triangle { base, edge1, edge2 } = &self.shape else {
             return None;
         };
-        let p = ray.direction.cross(*edge2);
-        let det = edge1.dot(p);
+        let (o, d, a, e, f) = (&ray.origin, &ray.direction, base, edge1, edge2);
+        // By component: tests call this for each ray and triangle without optimization, where each operator is a call.
+        let p = [
+            d.y * f.z - f.y * d.z,
+            d.z * f.x - f.z * d.x,
+            d.x * f.y - f.x * d.y,
+        ];
+        let det = e.x * p[0] + e.y * p[1] + e.z * p[2];
         if det == 0.0 {
             return None;
         }
-        let to_origin = ray.origin - *base;
-        let q = to_origin.cross(*edge1);
-        let bary = DVec2::new(to_origin.dot(p), ray.direction.dot(q)) / det;
+        let s = [o.x - a.x, o.y - a.y, o.z - a.z];
+        let q = [
+            s[1] * e.z - e.y * s[2],
+            s[2] * e.x - e.z * s[0],
+            s[0] * e.y - e.x * s[1],
+        ];
+        let bary = DVec2 {
+            x: (s[0] * p[0] + s[1] * p[1] + s[2] * p[2]) / det,
+            y: (d.x * q[0] + d.y * q[1] + d.z * q[2]) / det,
+        };
         let front = (det > 0.0) != (self.flags & FLIPPED != 0);
-        Some((edge2.dot(q) / det, bary, front))
+        Some(((f.x * q[0] + f.y * q[1] + f.z * q[2]) / det, bary, front))
     }
 
     /// Hits along a ray in their order: one on a triangle, up to two on a capsule.
@@ -94,8 +108,10 @@ impl Surface {
         let Some((t, bary, front)) = self.plane_hit(ray) else {
             return [None; 2];
         };
-        let inside = bary.x >= 0.0 && bary.y >= 0.0 && bary.x + bary.y <= 1.0;
-        [(inside && is_met(t, front)).then_some((t, bary)), None]
+        if !(bary.x >= 0.0 && bary.y >= 0.0 && bary.x + bary.y <= 1.0 && is_met(t, front)) {
+            return [None; 2];
+        }
+        [Some((t, bary)), None]
     }
 }
 
@@ -167,11 +183,14 @@ impl Oracle {
             let mut ray = self.in_space_of(instance, ray);
             for (surface, triangle) in self.surfaces_of(instance).iter().zip(0..) {
                 ray.t_max = t_max;
+                let hits = surface.hits(&ray, true);
+                if let [None, None] = hits {
+                    continue;
+                }
                 let passes = |(_, bary): &(f64, DVec2)| {
                     surface.flags & ALPHA_TESTED == 0 || alpha_passes(instance, triangle, *bary)
                 };
-                let mut hits = surface.hits(&ray, true).into_iter().flatten();
-                if let Some((t, bary)) = hits.find(passes) {
+                if let Some((t, bary)) = hits.into_iter().flatten().find(passes) {
                     t_max = t;
                     nearest = Some(RayHit {
                         t,
@@ -191,8 +210,11 @@ impl Oracle {
             let ray = self.in_space_of(instance, ray);
             let mut surfaces = self.surfaces_of(instance).iter().zip(0..);
             surfaces.any(|(surface, triangle)| {
-                let mut hits = surface.hits(&ray, false).into_iter().flatten();
-                hits.any(|(_, bary)| {
+                let hits = surface.hits(&ray, false);
+                if let [None, None] = hits {
+                    return false;
+                }
+                hits.into_iter().flatten().any(|(_, bary)| {
                     surface.flags & ALPHA_TESTED == 0 || alpha_passes(instance, triangle, bary)
                 })
             })
@@ -294,8 +316,8 @@ impl Trees {
             let children = (0..8).map(|child| child ^ flip);
             for child in children.filter(|c| !node.is_child_empty(*c)) {
                 let bounds = node.child_aabb(child);
-                let (min, max) = (Vec3::from(bounds.min), Vec3::from(bounds.max));
-                if !overlaps(&ray, min.as_dvec3(), max.as_dvec3()) {
+                let corners = [bounds.min, bounds.max].map(|p| Vec3::from(p).as_dvec3());
+                if !overlaps(ray.origin, ray.direction, [ray.t_min, ray.t_max], corners) {
                     continue;
                 }
                 if !node.is_leaf(child) {
@@ -371,24 +393,4 @@ impl Trees {
             ..*ray
         }
     }
-}
-
-/// The slab test, widened by the rounding that boxes and triangles went through in f32.
-fn overlaps(ray: &Ray, min: DVec3, max: DVec3) -> bool {
-    let slack = (min.abs().max(max.abs()) + ray.origin.abs()) * 4.0 * f64::from(f32::EPSILON);
-    let (min, max) = (min - slack - ray.origin, max + slack - ray.origin);
-    let (mut near, mut far) = (ray.t_min, ray.t_max);
-    for axis in 0..3 {
-        let direction = ray.direction[axis];
-        if direction == 0.0 {
-            if min[axis] > 0.0 || max[axis] < 0.0 {
-                return false;
-            }
-            continue;
-        }
-        let (a, b) = (min[axis] / direction, max[axis] / direction);
-        near = near.max(a.min(b));
-        far = far.min(a.max(b));
-    }
-    near <= far
 }
