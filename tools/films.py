@@ -6,7 +6,7 @@
     tools/films.py page OUT                                       # tables, chart and docs/data
 
 Each film is rendered at 320 x 180 by ssr, hybrid and rt, without light reuse, so that methods
-differ in their reflections alone; its reference is rt with 16 bounces.
+differ in their reflections alone; its reference is rt with bounces = "auto".
 """
 
 import argparse

@@ -4,7 +4,7 @@
     tools/views.py measure --assets DIR OUT [--reflet PROGRAM]    # views that OUT lacks
     tools/views.py page OUT                                       # the tables and docs/data
 
-Accuracy is that of the reflections against rt with 16 bounces; time is processor time of the
+Accuracy is that of the reflections against rt with bounces = "auto"; time is processor time of the
 reflection passes on a software adapter, frames of both methods in turns.
 """
 

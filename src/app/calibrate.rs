@@ -28,7 +28,7 @@ use crate::{
     },
     scene::{
         dependencies::Dependencies,
-        desc::{LightKind, Method, ShadowMode, Visibility},
+        desc::{Bounces, LightKind, Method, ShadowMode, Visibility},
     },
     world::{World, bvh::Trees},
 };
@@ -169,7 +169,7 @@ fn measure(
     let world = loaded.first_frame();
     let mut options = RenderOptions::of(&loaded.scene);
     options.image.size = size;
-    options.reflection.bounces = 1;
+    options.reflection.bounces = Bounces::AtMost(1);
     let trees = Trees::build(&world, u64::MAX).map_err(|d| AppError::Scene(vec![*d]))?;
     let work = workload(&world, &trees, &options);
     let [maps, rays, ray_shadows] =

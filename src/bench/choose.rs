@@ -2,6 +2,8 @@
 
 use std::fmt::Write as _;
 
+use reflet_scene::desc::Bounces;
+
 use super::{
     pareto::{Spot, best_within, cheapest_within},
     summary::{Group, Metric, Point, digits},
@@ -200,7 +202,10 @@ pub fn block(point: &Point, masked: bool) -> String {
     line(format!("threshold_u = {:?}", s.threshold_u));
     line(format!("steps = {}", s.steps));
     line(format!("ray_length_u = {:?}", s.ray_length_u));
-    line(format!("bounces = {}", s.bounces));
+    line(match s.bounces {
+        Bounces::LIMIT => "bounces = \"auto\"".to_owned(),
+        count => format!("bounces = {count}"),
+    });
     line(format!("roughness_cutoff = {:?}", s.roughness_cutoff));
     line(format!("unit_m = {:?}", s.unit_m));
     line(format!("fade = {}", s.fade));

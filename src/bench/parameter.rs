@@ -1,7 +1,7 @@
 //! Parameters of a bench: the settings that trade time for accuracy, and the variants made of their values.
 
 use reflet_scene::{
-    desc::{Accept, Method, ReflectionDesc},
+    desc::{Accept, Bounces, Method, ReflectionDesc},
     range::{BOUNCES, EDGE_PX, RAY_LENGTH_U, Range, STEPS, THRESHOLD_U, range},
 };
 
@@ -184,7 +184,7 @@ impl Parameter {
             Self::ReuseLight => settings.reuse_light = value != 0.0,
             Self::Steps => settings.steps = value as u32,
             Self::RayLengthU => settings.ray_length_u = value as f32,
-            Self::Bounces => settings.bounces = value as u32,
+            Self::Bounces => settings.bounces = Bounces::AtMost(value as u32),
             Self::Scale => {}
         }
     }
@@ -280,7 +280,7 @@ mod tests {
         );
         assert_eq!(
             varied(Parameter::Bounces)[0].reflection,
-            expect(|r| r.bounces = 8)
+            expect(|r| r.bounces = Bounces::AtMost(8))
         );
         let scaled = Variant::sweep(Method::Rt, &settings, Parameter::Scale, &[0.5])[0];
         assert_eq!(scaled.rendered_size([641, 1]), [321, 1]);

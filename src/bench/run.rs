@@ -9,9 +9,8 @@ use super::{
 };
 use reflet_gpu::{Gpu, ShaderLibrary};
 use reflet_render::{Poses, RenderError, RenderOptions, runtime::renderer_stage::RendererStage};
-use reflet_scene::{
-    desc::{Accept, CameraDesc, Exposure, ImageDesc, Method, ReflectionDesc, Visibility},
-    range::BOUNCES,
+use reflet_scene::desc::{
+    Accept, Bounces, CameraDesc, Exposure, ImageDesc, Method, ReflectionDesc, Visibility,
 };
 use reflet_world::World;
 
@@ -29,8 +28,8 @@ pub use work::{Steps, Task, Work};
 
 use flicker::Flicker;
 
-/// Bounces of the reference: the largest number that a scene may ask for.
-pub const REFERENCE_BOUNCES: u32 = BOUNCES.max as u32;
+/// Bounces of the reference: as many as can be seen.
+pub const REFERENCE_BOUNCES: Bounces = Bounces::Auto;
 
 /// A scene to be measured.
 #[derive(Clone, Debug)]

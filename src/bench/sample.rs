@@ -98,7 +98,7 @@ sample! {
     steps: u32,
     /// Ray length, in U.
     ray_length_u: f32,
-    /// Largest number of reflections in a row.
+    /// Largest number of reflections in a row; [`reflet_scene::desc::Bounces::LIMIT`] for `"auto"`.
     bounces: u32,
     /// Side of the rendered picture divided by that of the shown one.
     scale: f64,

@@ -284,7 +284,7 @@ pub fn workload(world: &World, trees: &Trees, options: &RenderOptions) -> Worklo
     }
     let [width, height] = options.image.size;
     let settings = &options.reflection;
-    let (cutoff, bounces) = (settings.reflects_below(), settings.bounces);
+    let (cutoff, bounces) = (settings.reflects_below(), settings.bounces.most());
     Workload {
         pixels: f64::from(width) * f64::from(height),
         samples: f64::from(options.image.samples),

@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 use glam::Vec2;
 
 use reflet_gpu::Gpu;
-use reflet_scene::desc::{ImageDesc, Method, ReflectionDesc};
+use reflet_scene::desc::{Bounces, ImageDesc, Method, ReflectionDesc};
 use reflet_world::World;
 
 use super::{
@@ -118,7 +118,7 @@ impl Frame {
             reuse_light: u32::from(settings.reuse_light),
             dimmest: match settings.method {
                 Method::Path => f32::MIN_POSITIVE,
-                _ => dimmest(world, exposure_ev),
+                _ => dimmest(world, exposure_ev, settings.bounces),
             },
             pixel_m: view.pixel_m(),
             far_m: view.far_m(),
@@ -130,20 +130,28 @@ impl Frame {
     }
 }
 
-/// Minimum throughput of a path: one display step, relative to the brightest thing that a reflection can show. Lit
-/// surfaces count as white at most.
-fn dimmest(world: &World, exposure_ev: f32) -> f32 {
+/// Minimum throughput of a path: what can be seen of the brightest thing that a reflection can show. Lit surfaces
+/// count as white at most.
+fn dimmest(world: &World, exposure_ev: f32, bounces: Bounces) -> f32 {
     let lights = world.lights.iter().map(|light| {
         let radiance = light.desc.kind.radiance();
         radiance * light.desc.color.max_element()
     });
     let emitted = [brightest_emission(world), world.environment.brightest()];
     let brightest = lights.chain(emitted).fold(0.0, f32::max);
-    DISPLAY_STEP / (brightest * exposure_ev.exp2()).max(1.0)
+    let seen = match bounces {
+        Bounces::AtMost(_) => DISPLAY_STEP,
+        Bounces::Auto => 0.5 * DISPLAY_STEP / SLOPE_AT_BLACK,
+    };
+    seen / (brightest * exposure_ev.exp2()).max(1.0)
 }
 
 /// Step between values of 8-bit pictures.
 const DISPLAY_STEP: f32 = 1.0 / 255.0;
+
+/// Slope of sRGB where it shows the dark (IEC 61966-2-1). A mirror has no light of its own, so that all of a pixel is
+/// what is left at the end of its path: a step of linear light is 13 levels there.
+const SLOPE_AT_BLACK: f32 = 12.92;
 
 impl Sampling {
     /// The block of sub-frame `sample`.

@@ -144,7 +144,7 @@ impl Plan {
             dropped,
             precision,
             bounces: match features.further_bounces {
-                true => options.reflection.bounces,
+                true => options.reflection.bounces.most(),
                 false => 1,
             },
             slot_pools,

@@ -198,9 +198,8 @@ impl Renderer {
             ..*settings
         };
         let settings = settings.settled();
-        let single_bounce = self.plan.bounces < self.options.reflection.bounces;
-        if !single_bounce {
-            self.plan.bounces = settings.bounces;
+        if self.plan.features.further_bounces {
+            self.plan.bounces = settings.bounces.most();
             self.options.reflection.bounces = settings.bounces;
         }
         if self.options.reflection.diffuse_bounces > 0 {

@@ -22,6 +22,24 @@ fn facing_mirrors_give_the_series_up_to_the_last_bounce() {
     }
 }
 
+/// A radiance of 0.1 each, and half of the other's light: 14 reflections can be seen, the last makes less than half a
+/// step of 8 bits. With mirrors that reflect everything, the number of reflections has an end all the same.
+#[test]
+fn auto_follows_facing_mirrors_until_nothing_can_be_seen() {
+    let Some(gpu) = gpu() else { return };
+    for (reflectance, series) in [(0.5f32, 0.2), (0.9, 0.9989), (1.0, 6.5)] {
+        for method in ["rt", "hybrid"] {
+            let set = [
+                format!("material.mirror.reflectivity={reflectance}"),
+                format!("reflection.method={method}"),
+            ];
+            let set: Vec<&str> = set.iter().map(String::as_str).collect();
+            let picture = render(gpu, FACING, &set, &[]);
+            assert_color(&picture, 4, 4, [series; 3], 1e-3 * series);
+        }
+    }
+}
+
 #[test]
 fn a_bounce_that_cannot_be_seen_is_not_followed() {
     let Some(gpu) = gpu() else { return };

@@ -31,7 +31,7 @@ fn environment_reflection_and_image_arrive() {
             accept: Accept::Threshold,
             edge_px: 0.5,
             threshold_u: 0.0,
-            bounces: 16,
+            bounces: Bounces::AtMost(16),
             diffuse_bounces: 8,
             glint_limit: 3.0,
             steps: 8,
@@ -79,21 +79,52 @@ fn environment_reflection_and_image_arrive() {
 }
 
 #[test]
-fn an_exposure_is_stops_or_auto() {
+fn exposure_and_bounces_are_numbers_or_auto() {
+    let ev = |text: &str| {
+        read(&format!("image.exposure_ev = {text}"))
+            .image
+            .exposure_ev
+    };
     assert_eq!(
-        read("image.exposure_ev = 2").image.exposure_ev,
-        Exposure::Ev(2.0)
+        [ev("2"), ev("\"auto\"")],
+        [Exposure::Ev(2.0), Exposure::Auto]
     );
+    let bounces = |text: &str| {
+        read(&format!("reflection.bounces = {text}"))
+            .reflection
+            .bounces
+    };
     assert_eq!(
-        read("image.exposure_ev = \"auto\"").image.exposure_ev,
-        Exposure::Auto
+        [bounces("3"), bounces("\"auto\"")],
+        [Bounces::AtMost(3), Bounces::Auto]
     );
-    for (value, message) in [
-        ("\"automatic\"", "must be a number or \"auto\", not"),
-        ("30", "`exposure_ev` must be"),
-        ("true", "must be a number or \"auto\", not true"),
+    let (exposure, bounces) = ("image.exposure_ev", "reflection.bounces");
+    for (key, value, message) in [
+        (
+            exposure,
+            "\"automatic\"",
+            "must be a number or \"auto\", not",
+        ),
+        (exposure, "30", "`exposure_ev` must be"),
+        (exposure, "true", "must be a number or \"auto\", not true"),
+        (
+            bounces,
+            "\"autos\"",
+            "must be a whole number or \"auto\", not",
+        ),
+        (
+            bounces,
+            "\"Auto\"",
+            "must be a whole number or \"auto\", not",
+        ),
+        (bounces, "0", "must be 1 to 16, not 0"),
+        (bounces, "-1", "must be 1 to 16, not -1"),
+        (bounces, "1e9", "must be 1 to 16, not"),
+        (bounces, "inf", "must be a finite number, not"),
+        (bounces, "2.5", "must be a whole number, not"),
+        (bounces, "[3]", "must be a whole number or \"auto\", not"),
     ] {
-        let text = format!("version = 1\nimage.exposure_ev = {value}\n");
+        let text = format!("version = 1\n{key} = {value}\n");
         let errors = Scene::from_text(&text, Path::new("scene.toml"), &[]).expect_err("is wrong");
         let error = errors[0].to_string();
         assert!(error.contains(message), "{error}");

@@ -127,7 +127,7 @@ pub fn json(
         frames: protocol.frames,
         warm_up: protocol.warm_up,
         order: "A B C, C B A, repeated",
-        reference: format!("rt, {} bounces, no light reuse", REFERENCE_BOUNCES),
+        reference: format!("rt, {} bounces, no light reuse", REFERENCE_BOUNCES.most()),
         hit_tolerance_u: TOLERANCE_U,
         hit_tolerance_relative: TOLERANCE_RELATIVE,
         split_trace: protocol.split_trace,

@@ -261,7 +261,7 @@ impl Block<'_> {
             threshold_u: settings.threshold_u,
             steps: settings.steps,
             ray_length_u: settings.ray_length_u,
-            bounces: settings.bounces,
+            bounces: settings.bounces.most(),
             scale: variant.scale,
             roughness_cutoff: settings.roughness_cutoff,
             unit_m,
@@ -270,7 +270,7 @@ impl Block<'_> {
             samples: subject.image.samples,
             exposure_ev: subject.image.exposure_ev.ev(), // 0 for `auto`
             tone_map: tone_map.to_owned(),
-            reference_bounces: REFERENCE_BOUNCES,
+            reference_bounces: REFERENCE_BOUNCES.most(),
             reference_ray_length_u: reference.ray_length_u,
             warm_up: bench.protocol.warm_up,
             status: judged.failure.clone().unwrap_or_else(|| "ok".to_owned()),

@@ -121,7 +121,7 @@ fn scores() -> Vec<Score> {
         Score {
             title: "99th percentile of FLIP against `rt`",
             text: format!(
-                "The reference is `rt` with 16 bounces and the same samples. {}.",
+                "The reference is `rt` with `bounces = \"auto\"` and the same samples. {}.",
                 bands.join(", ")
             ),
             against: Against::Rt,
@@ -130,7 +130,7 @@ fn scores() -> Vec<Score> {
         },
         Score {
             title: "99th percentile of FLIP against the truth",
-            text: "The truth of a still is `rt` with 16 bounces, 64 samples and shadows by rays, of mode 26 at the \
+            text: "The truth of a still is `rt` with `bounces = \"auto\"`, 64 samples and shadows by rays, of mode 26 at the \
                    origin: what `rt` has wrong shows here too, as does all aliasing."
                 .to_owned(),
             against: Against::Truth,

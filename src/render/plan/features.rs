@@ -281,7 +281,7 @@ features! {
             || scatters(scene.options)
             || reflectors_see_each_other(scene.world, scene.cutoff()),
         dropped: "bounces after the first" => "no reflector can see another",
-            if scene.options.reflection.bounces > 1;
+            if scene.options.reflection.bounces.most() > 1;
     }
     /// Whether all light is path traced without bias.
     unbiased {

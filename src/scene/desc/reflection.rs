@@ -54,6 +54,29 @@ pub enum Accept {
     Threshold,
 }
 
+/// Maximum number of reflections in a row.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Bounces {
+    /// This many, or fewer where the next reflection adds less than 1/255 of white to linear light.
+    AtMost(u32),
+    /// `"auto"`: every reflection that can be seen, up to [`Bounces::LIMIT`].
+    Auto,
+}
+
+impl Bounces {
+    /// Most reflections in a row that `"auto"` follows: two mirrors that reflect 87 % show their last visible image
+    /// then, and a closed room of better ones still has an end.
+    pub const LIMIT: u32 = 64;
+
+    /// The number that no path exceeds.
+    pub const fn most(self) -> u32 {
+        match self {
+            Self::AtMost(count) => count,
+            Self::Auto => Self::LIMIT,
+        }
+    }
+}
+
 /// `[reflection]`: method, quality and limits of reflections. Lengths in U are relative to the size of the
 /// scene: U is `unit_m`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -75,8 +98,11 @@ pub struct ReflectionDesc {
     /// Tolerance of `accept = "threshold"` in U, 0 or more, the paper's T: how far behind the stored depth a
     /// crossing still counts as a hit. Too small gives stripes, too large prolonged reflections. Default 0.025.
     pub threshold_u: f32,
-    /// Maximum number of reflections in a row, 1 to 16: more shows mirrors in mirrors deeper. Default 3.
-    pub bounces: u32,
+    /// Maximum number of reflections in a row, 1 to 16: more shows mirrors in mirrors deeper. `"auto"` follows them
+    /// until what is left of the light cannot be seen: where the product of the reflectances along the path makes
+    /// less than half a step of an 8-bit picture of the brightest thing, shown in the dark; at most 64. Scenes
+    /// without reflectors that see each other end after the first either way. Default `"auto"`.
+    pub bounces: Bounces,
     /// Maximum number of times that light is scattered by matte surfaces before it reaches the one that is
     /// seen, 0 to 8: 0 leaves corners that no light and no sky reaches dark; 2 to 4 fill a room. Above 0 the
     /// environment's light casts shadows, whatever its `shadow`, and surfaces that emit light others also
@@ -123,7 +149,7 @@ impl Default for ReflectionDesc {
             accept: Accept::Verified,
             edge_px: 0.25,
             threshold_u: 0.025,
-            bounces: 3,
+            bounces: Bounces::Auto,
             diffuse_bounces: 0,
             glint_limit: 0.0,
             steps: 128,
@@ -155,7 +181,7 @@ impl ReflectionDesc {
             return *self;
         }
         Self {
-            bounces: ENDLESS,
+            bounces: Bounces::AtMost(ENDLESS),
             diffuse_bounces: ENDLESS,
             glint_limit: 0.0,
             roughness_cutoff: 1.0,
