@@ -20,13 +20,12 @@ from typing import Any
 
 import numpy as np
 from measuring import add_program, program_of, read_rows, table, write_rows, write_tables
-from reflet_light import furnace, speed
+from reflet_light import speed
 from reflet_light.scenes import ROUGHNESSES, Scene, all_scenes, panorama
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 PAGE = ROOT / "docs" / "light.md"
 DATA = ROOT / "docs" / "data" / "light.csv"
-FURNACE_DATA = ROOT / "docs" / "data" / "light-furnace.csv"
 SPEED_DATA = ROOT / "docs" / "data" / "light-speed.csv"
 IMAGES = ROOT / "docs" / "images"
 SIZE = (96, 64)
@@ -111,8 +110,6 @@ def measure(out: pathlib.Path, program: pathlib.Path, only: str | None) -> None:
             rows[scene.name, str(samples)] = row
             print(" ".join(row.values()), flush=True)
             write_rows(out / "light.csv", list(rows.values()))
-    if not only or only == "furnace":
-        furnace.measure(out, program)
     if not only or only == "speed":
         speed.measure(out, program, all_scenes(), load, rel_mse)
 
@@ -186,12 +183,10 @@ def page(out: pathlib.Path) -> None:
     tables = {
         "scenes": scenes_table(rows),
         "convergence": convergence_table(rows),
-        "furnace": furnace.table(out),
         "speed": table(speed.HEAD, speed.lines(out)),
     }
     write_tables(PAGE, tables)
     write_rows(DATA, rows)
-    write_rows(FURNACE_DATA, read_rows(out / "furnace.csv"))
     write_rows(SPEED_DATA, read_rows(out / "speed.csv"))
     pictures(out)
 

@@ -63,12 +63,25 @@ fn limited(light: vec3f) -> vec3f {
     return light * (frame.glint_limit / brightest);
 }
 
-// A sampled microfacet normal that is visible from the direction of this ray.
-fn visible_facet(s: Surface, direction: vec3f, pair: u32) -> vec3f {
+// A sampled microfacet normal that is visible from the direction of this ray; one for each vertex of a path.
+fn visible_facet(s: Surface, direction: vec3f) -> vec3f {
     let axes = lobe_axes(s);
     var view = -direction * axes;
     view.z = max(view.z, 1e-3);
-    return axes * visible_normal(normalize(view), ggx_alphas(s), sample_square(sampling.sample, pair));
+    return axes * visible_normal(normalize(view), ggx_alphas(s), sample_square(sampling.sample, 0u));
+}
+
+// Share of the facets that mirror the view into a direction that neither is blocked by other facets, of those that the
+// view sees: height-correlated masking of both directions over that of the view (Heitz 2014; 2018, eq. 19). On the
+// inner side of glass that conserves energy what is blocked is mirrored again.
+fn seen_facets(s: Surface, view: vec3f, out: vec3f) -> f32 {
+    if (CONSERVES_ENERGY && mirrors_inside(s)) { return 1.0; }
+    let nl = dot(s.normal, out);
+    if (nl <= 0.0) { return 0.0; }
+    let nv = max(dot(s.normal, view), 1e-3);
+    let masked_v = masked(s, view, nv);
+    let masked_l = masked(s, out, nl);
+    return nl * (nv + masked_v) / (nv * masked_l + nl * masked_v);
 }
 
 // Reflection ray of one sampled microfacet per sub-frame; over many sub-frames they cover all visible facets.
@@ -83,15 +96,11 @@ fn lobe_ray(direction: vec3f, s: Surface) -> Reflected {
         return Reflected(mirror, weight, 0.0, kept + replaced, kept, behind);
     }
     path_is_chance = true;
-    let facet = visible_facet(s, direction, 0u);
-    let out = reflect(direction, facet);
-    let nl = dot(s.normal, out);
-    if (nl <= 0.0) { return Reflected(mirror, vec3f(0.0), 0.0, 1.0, 1.0, 0.0); }
-    // Height-correlated masking of both directions over that of the view (Heitz 2014; 2018, eq. 19).
-    let nv = max(dot(s.normal, -direction), 1e-3);
-    let masked_v = masked(s, -direction, nv);
-    let masked_l = masked(s, out, nl);
-    let seen = nl * (nv + masked_v) / (nv * masked_l + nl * masked_v);
+    let facet = visible_facet(s, direction);
+    var out = reflect(direction, facet);
+    if (CONSERVES_ENERGY && mirrors_inside(s)) { out += s.normal * max(-2.0 * dot(s.normal, out), 0.0); }
+    let seen = seen_facets(s, -direction, out);
+    if (seen <= 0.0) { return Reflected(mirror, vec3f(0.0), 0.0, 1.0, 1.0, 0.0); }
     let pdf = lobe_density(s, -direction, out);
     let sky_weight = balance(pdf, environment_rays_pdf(s, out));
     let weight = fresnel(s, dot(facet, -direction)) * compensation(s, -direction) * (seen * base_share(s, -direction));

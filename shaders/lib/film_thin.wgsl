@@ -81,6 +81,7 @@ fn with_film(s0: Surface, instance: u32, index: array<u32, 3>, bary: vec2f, area
     let c = max(abs(cosine), 0.02);
     let bare = s.reflectivity * s.specular;
     if (bare > 0.0) {
+        s.has_film = true;
         let f0 = min(s.reflectivity * s.specular_color, vec3f(1.0)) * s.specular;
         s.specular_color = mix(f0, schlick_f0(film_fresnel(f0, ior, thickness_nm, c), c), strength) / bare;
     }

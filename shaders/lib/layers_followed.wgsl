@@ -9,6 +9,7 @@
 #import frame
 #import lobe
 #import sampling
+#import transmitted
 
 override HAS_TRANSMISSION: bool = true;
 override HAS_COATS: bool = true;
@@ -17,7 +18,6 @@ override HAS_COATS: bool = true;
 const MAX_CROSSINGS: u32 = 60u;
 // Maximum number of transmissive surfaces between a light and a point.
 const MAX_PANES: u32 = 16u;
-const COAT_REFLECTIVITY: f32 = 0.04; // KHR_materials_clearcoat: an index of refraction of 1.5
 const DARKEST_PANE: f32 = 1.0 / 255.0; // minimum share of light that a shadow ray follows further
 
 var<private> path_crossings: u32 = 0u; // number of surfaces crossed
@@ -38,6 +38,11 @@ fn crossings() -> u32 {
 // Share of light that is left after a distance in the current medium (Beer-Lambert law).
 fn medium_transmittance(distance_m: f32) -> vec3f {
     return exp(-medium * distance_m);
+}
+
+// Whether the surface is the inner side of glass, which mirrors part of the light back into it, or all.
+fn mirrors_inside(s: Surface) -> bool {
+    return HAS_TRANSMISSION && s.is_inside && s.transmission > 0.0;
 }
 
 fn is_transmissive(s: Surface) -> bool {
@@ -77,12 +82,6 @@ fn dielectric_fresnel(cosine: f32, index: f32) -> f32 {
     return 0.5 * (s_wave * s_wave + p_wave * p_wave);
 }
 
-fn schlick_weight(cosine: f32) -> f32 {
-    let x = 1.0 - saturate(cosine);
-    let x2 = x * x;
-    return x2 * x2 * x;
-}
-
 // Reflectance with the strength and the color of KHR_materials_specular, interpolated between normal and grazing
 // incidence. Inside a solid it stays untinted, so that reflection and transmission add up to 1.
 fn tinted(s: Surface, reflectance: f32) -> vec3f {
@@ -99,14 +98,6 @@ fn transmissive_fresnel(s: Surface, cosine: f32) -> vec3f {
     let dielectric = dielectric_fresnel(cosine, select(index, 1.0 / index, s.is_inside));
     let metal = s.base_color + (1.0 - s.base_color) * schlick_weight(cosine);
     return mix(tinted(s, dielectric), metal, s.metallic);
-}
-
-// Share of light that a transmissive surface lets pass. It is equal for all colors where the reflection is tinted,
-// like `fresnel_mix` of KHR_materials_specular.
-fn passing_share(s: Surface, cosine: f32) -> vec3f {
-    let f = transmissive_fresnel(s, cosine);
-    if (!HAS_TINTS) { return vec3f(1.0) - f; }
-    return vec3f(1.0 - max(f.x, max(f.y, f.z)));
 }
 
 fn coat_normal(s: Surface) -> vec3f {
@@ -128,6 +119,7 @@ fn coat_of(s: Surface) -> Surface {
     coat.clearcoat = 0.0;
     coat.specular = 1.0;
     coat.specular_color = vec3f(1.0);
+    coat.has_film = false;
     coat.sheen_color = vec3f(0.0);
     coat.anisotropy = 0.0;
     return coat;
@@ -142,13 +134,13 @@ fn below_coat(s: Surface) -> Surface {
 // Share of the light below the coat that passes it towards the view.
 fn coat_transmittance(s: Surface, cosine: f32) -> f32 {
     if (!HAS_COATS) { return 1.0; }
-    return 1.0 - s.clearcoat * (COAT_REFLECTIVITY + (1.0 - COAT_REFLECTIVITY) * schlick_weight(cosine));
+    return 1.0 - s.clearcoat * coat_albedo(select(s.clearcoat_roughness, 0.0, s.reflection == REFLECTION_MIRROR), cosine);
 }
 
 fn shade(s: Surface, view: vec3f, lent: vec2u) -> Shade {
     var out: Shade;
     // From within a solid, light is seen only by the ray that continues, refracted or mirrored.
-    if (HAS_TRANSMISSION && s.is_inside && s.transmission > 0.0) { return out; }
+    if (mirrors_inside(s)) { return out; }
     let has_coat = HAS_COATS && s.clearcoat > 0.0;
     // One call in a loop keeps the inlined code small: light shading is long.
     for (var layer = 0u; layer <= u32(has_coat); layer++) {
@@ -218,7 +210,7 @@ fn reflected(direction: vec3f, s: Surface) -> Reflected {
     }
     if (HAS_TRANSMISSION) { ray.weight *= s.alpha; }
     // From within a solid no light samples are taken, so reflection rays have full weight.
-    if (HAS_TRANSMISSION && s.is_inside && s.transmission > 0.0) { ray = Reflected(ray.direction, ray.weight, 0.0, 1.0, 1.0, 0.0); }
+    if (mirrors_inside(s)) { ray = Reflected(ray.direction, ray.weight, 0.0, 1.0, 1.0, 0.0); }
     return ray;
 }
 
@@ -230,39 +222,6 @@ fn only_lobe(s: Surface, view: vec3f) -> OnlyLobe {
     return OnlyLobe(base, select(passed * s.alpha, 0.0, has_traced_coat(s)));
 }
 
-// The ray transmitted through a surface: straight through thin ones, refracted into and out of solids; by one
-// microfacet where the surface is rough (Walter et al. 2007, with visible normals).
-fn transmitted(direction: vec3f, s: Surface) -> Reflected {
-    let straight = Reflected(direction, vec3f(1.0 - s.alpha), 0.0, 1.0, 1.0, 0.0);
-    if (s.transmission <= 0.0) { return straight; }
-    var facet = s.normal;
-    let is_rough = HAS_ROUGH_REFLECTIONS && s.roughness * s.roughness > SMOOTH_ALPHA;
-    if (is_rough) { facet = visible_facet(s, direction, THROUGH_PAIR); }
-    let cosine = dot(facet, -direction);
-    var out: vec3f;
-    if (s.is_solid) {
-        out = refract(direction, facet, select(1.0 / s.ior, s.ior, s.is_inside));
-    } else {
-        // The lobe of the reflection, mirrored to the other side.
-        out = reflect(direction, facet);
-        out -= 2.0 * dot(out, s.normal) * s.normal;
-    }
-    let below = -dot(out, s.normal);
-    var weight = vec3f(0.0);
-    if (below > 0.0 && dot(out, s.geometric_normal) < 0.0) {
-        weight = passing_share(s, cosine) * s.base_color
-            * (s.transmission * (1.0 - s.metallic) * s.alpha * coat_transmittance(s, dot(coat_normal(s), -direction))
-                * base_share(s, -direction));
-        if (is_rough) { weight *= 2.0 * below / (below + masked(s, out, below)); }
-        out = normalize(out);
-    } else {
-        out = direction;
-    }
-    let through = Reflected(out, weight, 0.0, 1.0, 1.0, 0.0);
-    if (s.alpha >= 1.0) { return through; }
-    return chosen(through, straight, ALPHA_PAIR);
-}
-
 // First ray of a path through the surface of a pixel.
 fn through(direction: vec3f, s: Surface) -> Reflected {
     cross_surface(s);
@@ -271,7 +230,7 @@ fn through(direction: vec3f, s: Surface) -> Reflected {
 
 // Share of the light scattered below the surface's layers that leaves them towards the view.
 fn scattered_share(s: Surface, view: vec3f) -> f32 {
-    if (HAS_TRANSMISSION && s.is_inside && s.transmission > 0.0) { return 0.0; }
+    if (mirrors_inside(s)) { return 0.0; }
     return s.alpha * coat_transmittance(s, dot(coat_normal(s), view));
 }
 

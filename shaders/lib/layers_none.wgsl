@@ -5,6 +5,10 @@
 
 const HAS_TRANSMISSION: bool = false;
 
+fn mirrors_inside(s: Surface) -> bool {
+    return false;
+}
+
 fn is_transmissive(s: Surface) -> bool {
     return false;
 }

@@ -2,6 +2,7 @@
 // roughness, tabulated in src/render/lobe_table.rs.
 
 #import frame
+#import grooves
 
 // x: albedo of a reflectance of 1; y: its part that is weighted by (1 - V·H)^5; zw: mean direction, along the normal
 // and away from the view.
@@ -41,6 +42,20 @@ fn shown_roughness(s: Surface) -> f32 {
     return select(mean_roughness(s), 0.0, s.reflection == REFLECTION_MIRROR);
 }
 
+// The table's values for the specular lobe of a surface.
+fn shown_lobe(s: Surface, view: vec3f) -> vec4f {
+    let lobe = lobe_at(shown_roughness(s), dot(s.normal, view));
+    return vec4f(lobe.xy * groove_share(s, view), lobe.zw);
+}
+
+const COAT_REFLECTIVITY: f32 = 0.04; // KHR_materials_clearcoat: an index of refraction of 1.5
+
+fn schlick_weight(cosine: f32) -> f32 {
+    let x = 1.0 - saturate(cosine);
+    let x2 = x * x;
+    return x2 * x2 * x;
+}
+
 // Albedo under uniform light of a lobe with reflectance `f` at normal incidence, single scattering: the split sum of
 // Karis 2013.
 fn split_sum(f: vec3f, grazing: f32, lobe: vec4f) -> vec3f {
@@ -49,8 +64,5 @@ fn split_sum(f: vec3f, grazing: f32, lobe: vec4f) -> vec3f {
 
 // Albedo of a surface's specular lobe under uniform light.
 fn specular_albedo(s: Surface, view: vec3f) -> vec3f {
-    let cosine = saturate(dot(s.normal, view));
-    let lobe = lobe_at(shown_roughness(s), cosine);
-    if (is_transmissive(s)) { return transmissive_fresnel(s, cosine) * (lobe.x * base_share(s, view)); }
-    return split_sum(f0(s), grazing_reflectance(s), lobe) * (compensation(s, view) * base_share(s, view));
+    return lobe_reflectance(s, view) * base_share(s, view);
 }

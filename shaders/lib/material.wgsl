@@ -74,6 +74,7 @@ struct Surface {
     // Set with HAS_TINTS: factors on the reflectivity; `specular` also scales the reflectance at grazing angles.
     specular: f32,
     specular_color: vec3f,
+    has_film: bool, // whether interference colors the reflection, so that the rest passes with the other colors
     // Set with HAS_ANISOTROPY: direction of the grain, along which the lobe is longer, and its strength.
     tangent: vec3f,
     anisotropy: f32,

@@ -24,7 +24,6 @@ override UNBIASED: bool = false;
 
 // Pairs of dimensions of single decisions at a vertex, beyond those that `next_pair` counts.
 const COAT_PAIR: u32 = 0x10000u; // whether the coat or the base reflects
-const THROUGH_PAIR: u32 = 0x10001u; // microfacet of rough transmission
 const ONWARD_PAIR: u32 = 0x10002u; // whether the path is reflected or transmitted
 const ALPHA_PAIR: u32 = 0x10003u; // whether the path passes beside what covers the surface
 const SCATTER_PAIR: u32 = 0x10004u; // direction of diffuse scattering

@@ -75,8 +75,8 @@ fn kept_share(layer: Surface) -> f32 {
 }
 
 fn is_reflector(s: Surface) -> bool {
-    return s.reflection == REFLECTION_MIRROR || (s.reflection == REFLECTION_AUTO && s.roughness < reflects_below(s))
-        || has_traced_coat(s);
+    let is_traced = s.roughness < reflects_below(s) || mirrors_inside(s);
+    return s.reflection == REFLECTION_MIRROR || (s.reflection == REFLECTION_AUTO && is_traced) || has_traced_coat(s);
 }
 
 // Whether a path that hits the surface continues by mirroring or transmission.

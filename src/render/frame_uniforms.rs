@@ -10,6 +10,7 @@ use reflet_world::World;
 
 use super::{
     emitters::Emitters,
+    groove_table::groove_table,
     lights::in_order,
     lobe_table::lobe_table,
     precision::brightest_emission,
@@ -26,6 +27,7 @@ pub struct FrameUniforms {
     sampling: wgpu::Buffer,
     lobe_table: wgpu::Buffer,
     sheen_table: OnceLock<wgpu::Buffer>,
+    groove_table: OnceLock<wgpu::Buffer>,
 }
 
 impl FrameUniforms {
@@ -39,6 +41,7 @@ impl FrameUniforms {
             sampling: make("sampling", size_of::<Sampling>()),
             lobe_table: make("lobe_table", table.len()),
             sheen_table: OnceLock::new(),
+            groove_table: OnceLock::new(),
         };
         gpu.queue.write_buffer(&this.lobe_table, 0, table);
         this
@@ -61,20 +64,27 @@ impl FrameUniforms {
             "lights" => Some(self.lights.as_entire_binding()),
             "sampling" => Some(self.sampling.as_entire_binding()),
             "lobe_table" => Some(self.lobe_table.as_entire_binding()),
-            "sheen_table" => Some(self.sheen_table(gpu).as_entire_binding()),
+            "sheen_table" => Some(made(gpu, &self.sheen_table, name, sheen_table)),
+            "groove_table" => Some(made(gpu, &self.groove_table, name, groove_table)),
             _ => None,
         }
     }
+}
 
-    /// The sheen table, made on first use.
-    fn sheen_table(&self, gpu: &Gpu) -> &wgpu::Buffer {
-        self.sheen_table.get_or_init(|| {
-            let table: &[u8] = bytemuck::cast_slice(sheen_table());
-            let buffer = uniform(gpu, "sheen_table", table.len());
-            gpu.queue.write_buffer(&buffer, 0, table);
-            buffer
-        })
-    }
+/// A table of integrals, made on first use.
+fn made<'a>(
+    gpu: &Gpu,
+    buffer: &'a OnceLock<wgpu::Buffer>,
+    name: &str,
+    table: fn() -> &'static [[f32; 4]],
+) -> wgpu::BindingResource<'a> {
+    let make = || {
+        let table: &[u8] = bytemuck::cast_slice(table());
+        let buffer = uniform(gpu, name, table.len());
+        gpu.queue.write_buffer(&buffer, 0, table);
+        buffer
+    };
+    buffer.get_or_init(make).as_entire_binding()
 }
 
 fn uniform(gpu: &Gpu, label: &str, size: usize) -> wgpu::Buffer {

@@ -28,6 +28,7 @@ mod frame_pass;
 mod frame_uniforms;
 mod geometry;
 mod gpu_material;
+mod groove_table;
 pub mod lights;
 mod lobe_table;
 pub mod measure;

@@ -41,8 +41,10 @@ fn lobe(cosine: f64, roughness: f64) -> [f32; 4] {
     let root = |n: f64| (a2 + (1.0 - a2) * n * n).sqrt();
     let mut sums = [0.0; 4];
     for i in 0..STEPS[0] {
-        // Uniform in u, where the square of the slope is a² u / (1 − u).
-        let u = (f64::from(i) + 0.5) / f64::from(STEPS[0]);
+        // The square of the slope is a² u / (1 − u). Steps are finer towards the steepest facets, which most of the
+        // light at grazing angles meets.
+        let rest = 1.0 - (f64::from(i) + 0.5) / f64::from(STEPS[0]);
+        let (u, step) = (1.0 - rest.powi(3), 3.0 * rest * rest);
         let up = 1.0 / (1.0 + a2 * u / (1.0 - u)).sqrt();
         let flat = (1.0 - up * up).sqrt();
         for k in 0..STEPS[1] {
@@ -55,7 +57,7 @@ fn lobe(cosine: f64, roughness: f64) -> [f32; 4] {
                 continue;
             }
             let visible = 0.5 / (nl * root(cosine) + cosine * root(nl));
-            let light = visible * 4.0 * nl * vh / up;
+            let light = step * visible * 4.0 * nl * vh / up;
             let away = sine - 2.0 * vh * across;
             let parts = [1.0, (1.0 - vh.min(1.0)).powi(5), nl, away];
             for (sum, part) in sums.iter_mut().zip(parts) {

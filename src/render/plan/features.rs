@@ -273,6 +273,11 @@ features! {
         dropped: "multiple scattering" => "no material has a specular lobe",
             if scene.options.reflection.multiple_scattering;
     }
+    /// Whether the light that anisotropic lobes lose between facets is compensated.
+    conserved_grooves {
+        follows: multiple_scattering && anisotropy,
+        files: grooves [mean, tabulated];
+    }
     /// Whether reflections show reflections; transmissive surfaces also show the backs of reflectors.
     further_bounces {
         used: scene.is_general()

@@ -133,9 +133,10 @@ pub struct ReflectionDesc {
     /// spreads, in pictures of fewer than 16 `samples`: less grain, and a little less detail. Sharp reflections
     /// and benchmarks are never smoothed. Default true.
     pub filter: bool,
-    /// Whether light that rough surfaces reflect more than once between their microfacets is added (Turquin
-    /// 2019): they are brighter, metals more colorful, and in even white light white surfaces vanish. `false`
-    /// is glTF's model, which loses it: up to 69 % of what the roughest metal would reflect. Default false.
+    /// Whether light that rough surfaces reflect or pass on more than once between their microfacets is added (Turquin
+    /// 2019): they are brighter, metals more colorful, and in even white light white surfaces vanish, whatever
+    /// they are made of: metal, brushed or not, glass, coats, films. `false` is glTF's model, which loses it: up to
+    /// 69 % of what the roughest metal would reflect, and 80 % of what the roughest glass would pass. Default false.
     pub multiple_scattering: bool,
     /// Standard deviation of the Gaussian blur of the combined reflection, pixels, 0 to 16: 0 is off. Default 0.
     pub blur_px: f32,

@@ -1,0 +1,59 @@
+// Light that passes through a surface.
+
+#import dispersion
+#import lobe
+
+// Share of light that a facet of a transmissive surface lets pass.
+fn passing_share(s: Surface, cosine: f32) -> vec3f {
+    return left_of(s, transmissive_fresnel(s, cosine));
+}
+
+// Share of the light that arrives along a ray that a facet passes on. Where energy is conserved that is all that the
+// traced reflection, or what stands in for it, does not return: light that other facets block is transmitted in the
+// end.
+fn passed_share(s: Surface, facet: vec3f, direction: vec3f) -> vec3f {
+    let view = -direction;
+    if (!CONSERVES_ENERGY) { return passing_share(s, dot(facet, view)); }
+    let base = below_coat(s);
+    if (!is_reflector(base)) { return left_of(base, lobe_reflectance(base, view)); }
+    if (!is_rough_reflector(base)) { return passing_share(base, dot(s.normal, view)); }
+    let back = fresnel(base, dot(facet, view)) * compensation(base, view);
+    return left_of(base, back * seen_facets(base, view, reflect(direction, facet)));
+}
+
+// The ray transmitted through a surface: straight through thin ones, refracted into and out of solids; by one
+// microfacet where the surface is rough (Walter et al. 2007, with visible normals).
+fn transmitted(direction: vec3f, s: Surface) -> Reflected {
+    let straight = Reflected(direction, vec3f(1.0 - s.alpha), 0.0, 1.0, 1.0, 0.0);
+    if (s.transmission <= 0.0) { return straight; }
+    var facet = s.normal;
+    let is_rough = HAS_ROUGH_REFLECTIONS && s.roughness * s.roughness > SMOOTH_ALPHA;
+    // The facet that the reflection takes too: what it does not mirror it passes, so that their sum has no grain.
+    if (is_rough) { facet = visible_facet(s, direction); }
+    var out: vec3f;
+    if (s.is_solid) {
+        out = refract(direction, facet, select(1.0 / s.ior, s.ior, s.is_inside));
+    } else {
+        // The lobe of the reflection, mirrored to the other side.
+        out = reflect(direction, facet);
+        out -= 2.0 * dot(out, s.normal) * s.normal;
+    }
+    var below = -dot(out, s.normal);
+    if (CONSERVES_ENERGY && below < 0.0) {
+        out += 2.0 * below * s.normal;
+        below = -below;
+    }
+    var weight = vec3f(0.0);
+    if (below > 0.0 && dot(out, s.geometric_normal) < 0.0) {
+        weight = passed_share(s, facet, direction) * s.base_color
+            * (s.transmission * (1.0 - s.metallic) * s.alpha * coat_transmittance(s, dot(coat_normal(s), -direction))
+                * base_share(s, -direction));
+        if (is_rough && !CONSERVES_ENERGY) { weight *= 2.0 * below / (below + masked(s, out, below)); }
+        out = normalize(out);
+    } else {
+        out = direction;
+    }
+    let through = Reflected(out, weight, 0.0, 1.0, 1.0, 0.0);
+    if (s.alpha >= 1.0) { return through; }
+    return chosen(through, straight, ALPHA_PAIR);
+}
