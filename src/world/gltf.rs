@@ -30,6 +30,7 @@ mod container;
 mod draco;
 mod extension;
 mod geometry;
+mod image_light;
 mod json_memory;
 mod layers;
 mod least_bytes;
@@ -57,6 +58,7 @@ mod wire;
 pub use animation::{Clip, Playable, Stage, StageTime};
 pub use container::Bytes;
 pub use extension::SUPPORTED as SUPPORTED_EXTENSIONS;
+pub use image_light::ImageLight;
 pub use posed::{Posed, PosedNames};
 pub use specular_glossiness::{Factors, Part, SpecularGlossinessMaps};
 pub use uri::Sandbox;
@@ -87,6 +89,8 @@ pub struct Model {
     pub placements: Vec<Attached<Placement>>,
     /// Lights (KHR_lights_punctual), in the space of their nodes.
     pub lights: Vec<Attached<Light>>,
+    /// Light from all directions (EXT_lights_image_based).
+    pub image_light: Option<ImageLight>,
     /// Cameras by name, in the space of their nodes.
     pub cameras: Vec<Attached<(String, CameraDesc)>>,
     /// Node hierarchy.
@@ -119,6 +123,7 @@ impl Model {
                 .sum(),
             lit_capsules: lit.filter(|mesh| has_capsules(*mesh)).map(triangles).sum(),
             is_unlit: !self.placements.is_empty() && self.placements.iter().all(is_unlit),
+            has_image_light: self.image_light.is_some(),
             clips: self.clips.clone(),
             stage: self.stage,
         }
@@ -330,6 +335,7 @@ fn read_faults(path: &Path, sandbox: &Sandbox, options: &ReadOptions) -> Result<
     let data = accessor::Data::new(&root, buffers, budget, &mut notes).map_err(one)?;
     check_indices::check(&root).map_err(one)?;
     material::read(&root, &data, folder, sandbox, &mut model, &mut notes).map_err(one)?;
+    model.image_light = image_light::read(&root, &data, folder, sandbox).map_err(one)?;
     model.stage = Stage::of(&root);
     let variants = root.extensions.variants.iter().flat_map(|v| &v.variants);
     model.variants = variants.map(|v| v.name.clone()).collect();

@@ -100,7 +100,7 @@ pub fn load_with_cache(
     let mut loader = Loader::new(desc, options);
     let models = loader.read_models();
     loader.check_names(&models);
-    loader.read_environment();
+    loader.read_environment(&models);
     loader.fail_on_errors()?;
     loader.place_all(&models);
     loader.fail_on_errors()?;
@@ -296,6 +296,7 @@ impl<'a> Loader<'a> {
         }
         self.world.rest_unit_m = Some(self.world.unit_m());
         let files = self.world.files.clone();
+        let source = self.panorama_source(&models);
         self.add_texts();
         let asset_cache = AssetCache {
             sources: asset_cache::sources(self.desc),
@@ -307,10 +308,7 @@ impl<'a> Loader<'a> {
             has_default_camera,
             mesh_warnings,
             files,
-            panorama: (
-                self.desc.environment.file.as_ref().map(|f| f.value.clone()),
-                self.world.environment.panorama.clone(),
-            ),
+            panorama: (source, self.world.environment.panorama.clone()),
         };
         Ok((self.world, asset_cache))
     }

@@ -20,6 +20,7 @@ mod forgiven;
 mod geometry;
 mod hostile;
 mod image;
+mod image_light;
 mod judge;
 mod kit;
 mod ktx2;

@@ -20,6 +20,8 @@ fn environment_reflection_and_image_arrive() {
         zenith: color,
         horizon: color,
         ground: color,
+        shadow: EnvironmentShadow::None,
+        is_written: true,
         ..EnvironmentDesc::default()
     };
     assert_eq!(scene.environment, flat);
@@ -73,6 +75,8 @@ fn environment_reflection_and_image_arrive() {
         gradient,
         EnvironmentDesc {
             zenith: color,
+            shadow: EnvironmentShadow::None,
+            is_written: true,
             ..EnvironmentDesc::default()
         }
     );

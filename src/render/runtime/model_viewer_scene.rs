@@ -37,7 +37,7 @@ const USD_PREFIX: &str = "model.model.usd";
 
 /// Scene that shows one model. All its animations play once if no two move the same property of a node, else only
 /// the first one; the timeline has their length. A USD stage keeps its frame numbers and the total radiance of its
-/// dome lights. A glTF file that is read here is cached in `options` for the load.
+/// dome lights; a glTF file with light of images is lit by that alone. A glTF file that is read here is cached in `options` for the load.
 ///
 /// # Errors
 /// A stage that cannot be converted. Errors of a glTF file are reported by the load.
@@ -55,14 +55,14 @@ pub fn model_viewer_scene(
             }
         })?;
     let mut model = made([("file", Content::from(&*name))]);
-    let mut root = made([
-        ("version", Content::from(1)),
-        (
-            "light",
-            made([("sun", sun(shadow_of(&playable, overrides)))]).into(),
-        ),
-        ("environment", sky(playable.stage.dome_radiance)),
-    ]);
+    let mut root = made([("version", Content::from(1))]);
+    if !playable.has_image_light {
+        let sun = sun(shadow_of(&playable, overrides));
+        root.extend(made([
+            ("light", made([("sun", sun)]).into()),
+            ("environment", sky(playable.stage.dome_radiance)),
+        ]));
+    }
     if let Some((name, duration_s)) = chosen(&playable) {
         let range = frame_range(duration_s, &playable, fps_of(overrides));
         let animation = made([

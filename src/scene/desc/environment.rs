@@ -18,7 +18,8 @@ pub enum EnvironmentShadow {
 
 /// `[environment]`: background and light around the scene: a panorama image (`file`), one `color` for all
 /// directions, or a gradient of `zenith`, `horizon` and `ground`. It is seen behind the scene and in
-/// reflections, and lights every surface.
+/// reflections, and lights every surface. Without any of these the first model whose file brings light of images
+/// (glTF's EXT_lights_image_based), and whose `lights` is not `false`, gives the environment; else it is black.
 ///
 /// - `color`: linear radiance, the same in all directions, three numbers 0 or more.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,8 +43,10 @@ pub struct EnvironmentDesc {
     /// its reflections stay. Default true.
     pub visible: bool,
     /// Whether objects block the environment's light: with `"ray"` they cast soft shadows and darken
-    /// corners. Default `"ray"` with a `file`, else `"none"`.
+    /// corners. Default `"none"` with a color or gradient, else `"ray"`.
     pub shadow: EnvironmentShadow,
+    /// Whether the scene text says what the environment is, by `file`, `color` or a gradient.
+    pub is_written: bool,
 }
 
 impl Default for EnvironmentDesc {
@@ -56,7 +59,8 @@ impl Default for EnvironmentDesc {
             rotation_deg: 0.0,
             intensity: 1.0,
             visible: true,
-            shadow: EnvironmentShadow::None,
+            shadow: EnvironmentShadow::Ray,
+            is_written: false,
         }
     }
 }

@@ -32,6 +32,14 @@ pub fn read(path: &Path, bytes: &[u8], limits: &PanoramaLimits) -> Result<Panora
         let text = "the image decoder panicked; please report this";
         Err(Fault::new("internal", text))
     })?;
+    panorama(path.display().to_string(), pixels)
+}
+
+/// The panorama of decoded pixels.
+///
+/// # Errors
+/// Texels that are negative or not finite.
+pub(super) fn panorama(name: String, pixels: Pixels) -> Result<Panorama, Fault> {
     check(&pixels)?;
     let [across, down] = LARGEST_KEPT;
     let factor = (pixels.width.div_ceil(across)).max(pixels.height.div_ceil(down));
@@ -47,7 +55,7 @@ pub fn read(path: &Path, bytes: &[u8], limits: &PanoramaLimits) -> Result<Panora
     let coarse = reduced(kept, width.max(height).div_ceil(DENSITY_PX));
     let luminance: Vec<f32> = coarse.rgb.iter().map(luminance).collect();
     Ok(Panorama {
-        name: path.display().to_string(),
+        name,
         width,
         height,
         is_reduced: factor > 1,

@@ -54,6 +54,8 @@ pub struct Playable {
     pub lit_capsules: usize,
     /// Whether all placed materials are unlit.
     pub is_unlit: bool,
+    /// Whether the file has light from all directions.
+    pub has_image_light: bool,
 }
 
 /// Stage metadata from the converter; empty for other files.

@@ -6,7 +6,8 @@ use super::{Fault, schema::Root, uri::shorten};
 use reflet_scene::diagnostic::{Diagnostic, Severity};
 
 /// Supported extensions, which files may list in `extensionsRequired`.
-pub const SUPPORTED: [&str; 23] = [
+pub const SUPPORTED: [&str; 24] = [
+    "EXT_lights_image_based",
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
     "EXT_texture_webp",

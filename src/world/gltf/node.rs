@@ -98,15 +98,9 @@ pub fn traverse(
     notes: &mut Notes,
 ) -> Result<Visit, Fault> {
     let mut parents = tree::parents(root)?;
-    let listed = match (root.scene, root.scenes.first()) {
-        (Some(i), _) => {
-            let scene = root.scenes.get(i);
-            scene
-                .map(|s| s.nodes.clone())
-                .ok_or_else(|| fault(format!("scene {i} does not exist")))?
-        }
-        (None, Some(scene)) => scene.nodes.clone(),
-        (None, None) => (0..root.nodes.len())
+    let listed = match tree::shown_scene(root)? {
+        Some(scene) => scene.nodes.clone(),
+        None => (0..root.nodes.len())
             .filter(|&i| parents[i].is_none())
             .collect(),
     };

@@ -5,8 +5,10 @@ use std::collections::BTreeMap;
 
 use serde::Deserialize;
 
+mod image_light;
 mod material;
 
+pub use image_light::{ImageLight, ImageLights, SceneExtensions};
 pub use material::{
     Image, Material, MaterialExtensions, Sampler, SpecularGlossiness, Texture, TextureInfo,
     TextureTransform,
@@ -51,6 +53,8 @@ pub struct RootExtensions {
     pub lights: Option<Lights>,
     #[serde(rename = "KHR_materials_variants")]
     pub variants: Option<Variants>,
+    #[serde(rename = "EXT_lights_image_based")]
+    pub image_lights: Option<ImageLights>,
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -94,6 +98,7 @@ pub struct Scene {
     pub nodes: Vec<usize>,
     /// Arbitrary data; the USD converter stores stage metadata here.
     pub extras: serde_json::Value,
+    pub extensions: SceneExtensions,
 }
 
 #[derive(Debug, Default, Deserialize)]

@@ -103,26 +103,31 @@ impl Textures<'_> {
 
     /// Index into [`Textures::images`] of an image in a color space; a new one is added.
     fn image_use(&mut self, index: usize, srgb: bool, user: &Slot<'_>) -> Result<usize, Fault> {
-        let Some(image) = self.root.images.get(index) else {
-            return Err(missing("image", index));
-        };
         let next = self.images.len();
         let slot = *self.uses.entry((index, srgb)).or_insert(next);
         if slot == next {
-            let uri = image.uri.as_deref().filter(|uri| !uri.starts_with("data:"));
-            let name = label("image", index, image.name.as_deref().or(uri));
             let used_by = format!("{user} of {}", user.material);
-            let place = format!("{name}, {used_by}");
-            let source = self.source(image).map_err(|f| f.at(&place));
-            self.images.push(ImageUse {
-                name,
-                used_by,
-                index,
-                srgb,
-                source,
-            });
+            let image = self.image(index, srgb, &used_by)?;
+            self.images.push(image);
         }
         Ok(slot)
+    }
+
+    /// An image of the file; `used_by` is for messages.
+    pub fn image(&self, index: usize, srgb: bool, used_by: &str) -> Result<ImageUse, Fault> {
+        let Some(image) = self.root.images.get(index) else {
+            return Err(missing("image", index));
+        };
+        let uri = image.uri.as_deref().filter(|uri| !uri.starts_with("data:"));
+        let name = label("image", index, image.name.as_deref().or(uri));
+        let place = format!("{name}, {used_by}");
+        Ok(ImageUse {
+            source: self.source(image).map_err(|f| f.at(&place)),
+            name,
+            used_by: used_by.to_owned(),
+            index,
+            srgb,
+        })
     }
 
     /// Adds an image that `convert` makes of others; `name` and `used_by` are for messages.

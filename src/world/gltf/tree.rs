@@ -1,9 +1,22 @@
 //! The node hierarchy as a tree: one parent a node, and the roots of the shown scene.
 
-use super::{Fault, Notes, schema::Root};
+use super::{
+    Fault, Notes,
+    schema::{Root, Scene},
+};
 
 fn fault(text: String) -> Fault {
     Fault::new("gltf-node", text)
+}
+
+/// The scene that is shown: the default one, else the first; `None` for a file without scenes.
+pub fn shown_scene(root: &Root) -> Result<Option<&Scene>, Fault> {
+    let Some(i) = root.scene else {
+        return Ok(root.scenes.first());
+    };
+    let scene = root.scenes.get(i);
+    let scene = scene.ok_or_else(|| fault(format!("scene {i} does not exist")));
+    scene.map(Some)
 }
 
 /// The nodes to begin with: those that the scene lists and that are not below another of them, each once. A listed node

@@ -5,6 +5,7 @@ use std::{collections::HashMap, mem, path::PathBuf, sync::Arc};
 
 use super::{
     LoadOptions, Loader, Source, blended, camera, deform_at_start, emitters,
+    environment::PanoramaSource,
     material::ImageKey,
     pixel_width,
     place::MeshKey,
@@ -36,8 +37,8 @@ pub struct AssetCache {
     pub(super) mesh_warnings: Vec<Diagnostic>,
     /// Files that were read, without the text files of the scene.
     pub(super) files: Vec<PathBuf>,
-    /// The panorama's file name in the scene text, and the decoded panorama.
-    pub(super) panorama: (Option<String>, Option<Arc<Panorama>>),
+    /// Source of the panorama, and the decoded panorama.
+    pub(super) panorama: (Option<PanoramaSource>, Option<Arc<Panorama>>),
 }
 
 /// Key that is equal for texts with the same geometry.
@@ -87,8 +88,7 @@ impl AssetCache {
         desc: &SceneDesc,
         options: &LoadOptions,
     ) -> Result<Option<World>, Vec<Diagnostic>> {
-        let panorama = desc.environment.file.as_ref().map(|file| &file.value);
-        if self.sources != sources(desc) || self.panorama.0.as_ref() != panorama {
+        if self.sources != sources(desc) {
             return Ok(None);
         }
         let mut loader = Loader::new(desc, options);
@@ -105,7 +105,11 @@ impl AssetCache {
         let of_files = loader.loaded.iter().flat_map(|model| &model.warnings);
         loader.world.warnings = of_files.chain(&self.mesh_warnings).cloned().collect();
         loader.set_environment(self.panorama.1.clone());
-        let placed = self.place(&mut loader);
+        let has_panorama = self.panorama.0 == loader.panorama_source(&self.models);
+        let placed = match has_panorama {
+            true => self.place(&mut loader),
+            false => Ok(false),
+        };
         self.loaded = mem::take(&mut loader.loaded);
         if placed? {
             deform_at_start(&mut loader.world, &world.meshes, desc)?;

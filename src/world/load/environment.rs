@@ -2,42 +2,152 @@
 
 use std::{path::Path, sync::Arc};
 
-use super::Loader;
+use super::{Loader, Source, material::left_out};
 use crate::{
-    Environment,
-    environment::{LARGEST_KEPT, Panorama, PanoramaLimits, read},
+    Environment, Texture,
+    environment::{CubeMap, LARGEST_KEPT, Panorama, PanoramaLimits, of_cube, read},
+    texture::{self, TextureLimits, TextureRequest},
 };
+use reflet_base::memory::Budget;
 use reflet_scene::diagnostic::{Diagnostic, Severity};
 
+/// Source of a panorama, as the scene text names it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum PanoramaSource {
+    /// A file, by its name.
+    File(String),
+    /// The light of a model's file, by its index into [`Loader::loaded`].
+    Model(usize),
+}
+
 impl Loader<'_> {
-    /// Reads the panorama that the scene names, if any.
-    pub fn read_environment(&mut self) {
-        let file = self.desc.environment.file.as_ref();
-        let panorama = file.and_then(|file| {
-            let path = self.find(file).map_err(|error| self.report_once(*error));
-            let path = path.ok()?;
-            let limits = PanoramaLimits {
-                max_px: self.options.max_texture_px,
-                budget_bytes: self.options.image_budget_bytes,
-                memory: self.memory.clone(),
-            };
-            let bytes = self.sandbox.read(&path);
-            match bytes.and_then(|bytes| read(&path, &bytes, &limits)) {
-                Ok(panorama) => {
-                    // Cannot fail: decoding was limited to what was left.
-                    let _ = self.memory.take(size_of_val(&panorama.texels[..]) as u64);
-                    self.warn_of_shape(&path, &panorama);
-                    self.add_files(&[path]);
-                    Some(Arc::new(panorama))
-                }
-                Err(fault) => {
-                    let error = fault.in_file(&path).related(file.at.clone(), "named here");
-                    self.report_once(error);
-                    None
-                }
+    /// Source of the panorama, if the scene has any; `models` are those of the scene text.
+    pub fn panorama_source(&self, models: &[Source]) -> Option<PanoramaSource> {
+        let environment = &self.desc.environment;
+        if environment.is_written {
+            let file = environment.file.as_ref();
+            return file.map(|file| PanoramaSource::File(file.value.clone()));
+        }
+        let mut lit = self.image_lights(models);
+        lit.next().map(PanoramaSource::Model)
+    }
+
+    /// Indices into [`Loader::loaded`] of placed models with light from all directions, which the scene leaves on.
+    fn image_lights(&self, models: &[Source]) -> impl Iterator<Item = usize> {
+        let instances = &self.desc.instances;
+        let is_placed =
+            |name: &str| instances.is_empty() || instances.iter().any(|i| i.model.value == name);
+        let all = self.desc.models.iter().zip(models);
+        all.filter_map(move |(entry, source)| match source {
+            Source::File(index) if entry.value.lights && is_placed(&entry.name) => {
+                self.loaded[*index].image_light.is_some().then_some(*index)
             }
-        });
-        self.set_environment(panorama);
+            _ => None,
+        })
+    }
+
+    /// Reads the panorama of the scene, if any.
+    pub fn read_environment(&mut self, models: &[Source]) {
+        let panorama = match self.panorama_source(models) {
+            Some(PanoramaSource::File(_)) => self.read_panorama(),
+            Some(PanoramaSource::Model(index)) => self.read_cube(index),
+            None => None,
+        };
+        if let Some(panorama) = &panorama {
+            // Cannot fail: decoding was limited to what was left.
+            let _ = self.memory.take(size_of_val(&panorama.texels[..]) as u64);
+        }
+        self.set_environment(panorama.map(Arc::new));
+    }
+
+    fn panorama_limits(&self) -> PanoramaLimits {
+        PanoramaLimits {
+            max_px: self.options.max_texture_px,
+            budget_bytes: self.options.image_budget_bytes,
+            memory: self.memory.clone(),
+        }
+    }
+
+    /// Reads the file that the scene names.
+    fn read_panorama(&mut self) -> Option<Panorama> {
+        let file = self.desc.environment.file.as_ref()?;
+        let path = self.find(file).map_err(|error| self.report_once(*error));
+        let path = path.ok()?;
+        let bytes = self.sandbox.read(&path);
+        match bytes.and_then(|bytes| read(&path, &bytes, &self.panorama_limits())) {
+            Ok(panorama) => {
+                self.warn_of_shape(&path, &panorama);
+                self.add_files(&[path]);
+                Some(panorama)
+            }
+            Err(fault) => {
+                let error = fault.in_file(&path).related(file.at.clone(), "named here");
+                self.report_once(error);
+                None
+            }
+        }
+    }
+
+    /// Makes the panorama of the light that a file brings; with `lenient`, one whose images cannot be read is left out.
+    fn read_cube(&mut self, index: usize) -> Option<Panorama> {
+        let light = self.loaded[index].image_light.clone()?;
+        let file = self.loaded[index].files[0].clone();
+        let mut requests = Vec::new();
+        let mut errors = Vec::new();
+        for face in light.faces {
+            match face.source {
+                Ok(source) => requests.push(TextureRequest {
+                    name: face.name,
+                    used_by: face.used_by,
+                    file: file.clone(),
+                    source,
+                    srgb: face.srgb,
+                }),
+                Err(fault) => errors.push(fault.in_file(&file)),
+            }
+        }
+        let read = match errors.is_empty() {
+            true => self.cube_of(&requests, |faces, limits| {
+                let cube = CubeMap {
+                    name: light.name.clone(),
+                    faces,
+                    rotation: light.rotation,
+                    intensity: light.intensity,
+                };
+                let made = of_cube(&cube, limits);
+                made.map_err(|fault| vec![fault.at(&light.name).in_file(&file)])
+            }),
+            false => Err(errors),
+        };
+        let files = requests.iter().flat_map(|request| request.source.files());
+        let files: Vec<_> = files.cloned().collect();
+        self.add_files(&files);
+        for error in read.as_ref().err().into_iter().flatten() {
+            match self.options.lenient {
+                true => self.warn_once(left_out(error.clone())),
+                false => self.report_once(error.clone()),
+            }
+        }
+        read.ok()
+    }
+
+    /// Decodes the faces, whose memory is free again when the panorama is made of them.
+    fn cube_of(
+        &self,
+        requests: &[TextureRequest],
+        make: impl FnOnce(&[Texture], &PanoramaLimits) -> Result<Panorama, Vec<Diagnostic>>,
+    ) -> Result<Panorama, Vec<Diagnostic>> {
+        let memory = Budget::new(self.memory.left());
+        let limits = TextureLimits {
+            memory: memory.clone(),
+            ..self.texture_limits()
+        };
+        let faces = texture::decode_all(requests, &limits)?;
+        let limits = PanoramaLimits {
+            memory,
+            ..self.panorama_limits()
+        };
+        make(&faces, &limits)
     }
 
     /// Sets the environment, with a panorama that was read before.

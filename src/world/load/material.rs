@@ -219,7 +219,7 @@ impl Loader<'_> {
         material
     }
 
-    fn warn_once(&mut self, warning: Diagnostic) {
+    pub fn warn_once(&mut self, warning: Diagnostic) {
         if !self.world.warnings.contains(&warning) {
             self.world.warnings.push(warning);
         }
@@ -234,7 +234,7 @@ impl Loader<'_> {
 }
 
 /// The warning about an image that is left out because of an error.
-fn left_out(error: Diagnostic) -> Diagnostic {
+pub fn left_out(error: Diagnostic) -> Diagnostic {
     Diagnostic {
         name: "image-left-out",
         message: format!("an image is left out: {}", error.message),

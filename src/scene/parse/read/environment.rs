@@ -20,6 +20,9 @@ impl Section for EnvironmentDesc {
         t.one_of(false, &[&["file"], &["color"], gradient]);
         let color = t.find("color", FROM_0).unwrap_or(Color(Vec3::ZERO));
         let default = Self::default();
+        let has_colors = ["color", "zenith", "horizon", "ground"]
+            .map(|key| t.has(key))
+            .contains(&true);
         let environment = Self {
             zenith: t.get("zenith", FROM_0, color).0,
             horizon: t.get("horizon", FROM_0, color).0,
@@ -28,11 +31,11 @@ impl Section for EnvironmentDesc {
             rotation_deg: t.get("rotation_deg", ANY, default.rotation_deg),
             intensity: t.get("intensity", FROM_0, default.intensity),
             visible: t.get("visible", ANY, default.visible),
-            shadow: t.find("shadow", ANY).unwrap_or(if t.has("file") {
-                EnvironmentShadow::Ray
-            } else {
-                EnvironmentShadow::None
+            shadow: t.find("shadow", ANY).unwrap_or(match has_colors {
+                true => EnvironmentShadow::None,
+                false => EnvironmentShadow::Ray,
             }),
+            is_written: has_colors || t.has("file"),
         };
         if t.has("rotation_deg") && !t.has("file") && t.clean() {
             let message = "`rotation_deg` turns a `file`; there is none";

@@ -1,0 +1,179 @@
+//! Light of images that a file brings (EXT_lights_image_based).
+
+use glam::{DVec3, Quat, Vec3};
+use reflet::{
+    scene::desc::SceneDesc,
+    world::{
+        World,
+        environment::Panorama,
+        load::{LoadOptions, load},
+    },
+};
+use serde_json::{Value, json};
+
+use crate::kit::{Doc, Folder, load_scene, png, scene, warnings};
+
+/// Colors of the faces +X, -X, +Y, -Y, +Z, -Z: their red tells them apart, their green is whole.
+fn shade(face: usize) -> u8 {
+    40 * face as u8 + 20
+}
+
+/// Directions to the middles of the faces.
+const MIDDLES: [Vec3; 6] = [
+    Vec3::X,
+    Vec3::NEG_X,
+    Vec3::Y,
+    Vec3::NEG_Y,
+    Vec3::Z,
+    Vec3::NEG_Z,
+];
+
+/// The triangle below a cube map of plain faces with this alpha; `light` has its further keys.
+fn lit(alpha: u8, light: Value) -> Doc {
+    let mut doc = Doc::triangle();
+    let faces: Vec<usize> = (0..6)
+        .map(|face| {
+            let view = doc.view(&png(4, 4, [shade(face), 255, 0, alpha]));
+            doc.add(
+                "images",
+                json!({"bufferView": view, "mimeType": "image/png"}),
+            )
+        })
+        .collect();
+    let mut whole = json!({"specularImages": [faces], "specularImageSize": 4});
+    let more = light.as_object().expect("keys").clone();
+    whole.as_object_mut().expect("keys").extend(more);
+    doc.json["extensions"] = json!({"EXT_lights_image_based": {"lights": [whole]}});
+    doc.json["scenes"][0]["extensions"] = json!({"EXT_lights_image_based": {"light": 0}});
+    doc.json["extensionsRequired"] = json!(["EXT_lights_image_based"]);
+    doc
+}
+
+/// Radiance of the texel in a direction, by the layout of OpenEXR's "Environment Maps".
+fn radiance(panorama: &Panorama, direction: Vec3) -> Vec3 {
+    let direction = direction.normalize();
+    let longitude = direction.x.atan2(direction.z) / std::f32::consts::TAU;
+    let colatitude = direction.y.acos() / std::f32::consts::PI;
+    let x = ((0.5 - longitude) * panorama.width as f32) as u32 % panorama.width;
+    let y = ((colatitude * panorama.height as f32) as u32).min(panorama.height - 1);
+    let texel = panorama.texels[(y * panorama.width + x) as usize];
+    // Normal half floats, by IEEE 754.
+    let [r, g, b, _] = texel.map(|bits| {
+        let significand = 1.0 + f32::from(bits & 0x3ff) / 1024.0;
+        let exponent = i32::from(bits >> 10) - 15;
+        match bits {
+            0 => 0.0,
+            _ => significand * 2.0_f32.powi(exponent) * panorama.scale,
+        }
+    });
+    Vec3::new(r, g, b)
+}
+
+fn panorama(world: &World) -> &Panorama {
+    let panorama = world.environment.panorama.as_deref();
+    panorama.expect("the light of the file")
+}
+
+/// Radiance of a byte, by IEC 61966-2-1.
+fn linear(byte: u8) -> f32 {
+    let v = f32::from(byte) / 255.0;
+    match v <= 0.04045 {
+        true => v / 12.92,
+        false => ((v + 0.055) / 1.055).powf(2.4),
+    }
+}
+
+#[test]
+fn a_cube_map_becomes_the_environment_turned_and_scaled() {
+    for rotation in [
+        Quat::IDENTITY,
+        Quat::from_rotation_y(1.0),
+        Quat::from_rotation_x(-0.7),
+    ] {
+        let light = json!({"rotation": rotation.to_array(), "intensity": 3.0});
+        let world = lit(128, light).world();
+        assert_eq!(warnings(&world), [""; 0]);
+        assert!(world.environment.casts_rays());
+        for (face, middle) in MIDDLES.into_iter().enumerate() {
+            let found = radiance(panorama(&world), rotation * middle);
+            let factor = 3.0 * 255.0 / 128.0;
+            let wanted = Vec3::new(linear(shade(face)), 1.0, 0.0) * factor;
+            assert!(
+                found.abs_diff_eq(wanted, 2e-3 * factor),
+                "{rotation} {face}: {found} {wanted}"
+            );
+        }
+    }
+    // A cube of one color is a sphere of it.
+    let world = lit(255, json!({"specularImages": [[5, 5, 5, 5, 5, 5]]})).world();
+    let mean = panorama(&world).mean();
+    let wanted = DVec3::new(linear(shade(5)).into(), 1.0, 0.0);
+    assert!(mean.abs_diff_eq(wanted, 1e-3), "{mean}");
+}
+
+/// Loads the file in a scene that `change` changes.
+fn in_scene(doc: &Doc, change: impl FnOnce(&mut SceneDesc)) -> World {
+    let folder = Folder::new();
+    folder.write("m.glb", doc.glb());
+    let mut desc = scene(&folder.0, "m.glb");
+    change(&mut desc);
+    load_scene(&desc).unwrap_or_else(|errors| panic!("{errors:#?}"))
+}
+
+#[test]
+fn the_environment_of_the_scene_wins() {
+    let doc = lit(255, json!({}));
+    let has_light = |world: &World| world.environment.panorama.is_some();
+    assert!(has_light(&in_scene(&doc, |_| {})));
+    assert!(!has_light(&in_scene(&doc, |desc| {
+        desc.environment.is_written = true;
+    })));
+    assert!(!has_light(&in_scene(&doc, |desc| {
+        desc.models[0].value.lights = false;
+    })));
+    let mut other = doc;
+    other.json["scenes"][0]
+        .as_object_mut()
+        .expect("a scene")
+        .remove("extensions");
+    assert!(!has_light(&other.world()), "no scene has the light");
+}
+
+#[test]
+fn broken_lights_of_images_are_refused() {
+    for (light, part) in [
+        (json!({"intensity": -1.0}), "intensity"),
+        (json!({"rotation": [0, 0, 0, 0]}), "rotation"),
+        (json!({"specularImages": [[0, 1, 2]]}), "six faces"),
+        (json!({"specularImages": []}), "six faces"),
+        (
+            json!({"specularImages": [[0, 1, 2, 3, 4, 6]]}),
+            "image 6 does not exist",
+        ),
+        (json!({"intensity": 3e38}), "not finite"),
+    ] {
+        let (_, message) = lit(1, light.clone()).error();
+        assert!(message.contains(part), "{light}: {message}");
+    }
+    let mut doc = lit(255, json!({}));
+    doc.json["scenes"][0]["extensions"]["EXT_lights_image_based"]["light"] = 1.into();
+    assert_eq!(doc.error().0, "gltf-light");
+}
+
+#[test]
+fn images_that_are_missing_are_left_out_where_asked() {
+    let mut doc = lit(255, json!({}));
+    doc.json["images"][2] = json!({"uri": "sky.png"});
+    let folder = Folder::new();
+    folder.write("m.glb", doc.glb());
+    let desc = scene(&folder.0, "m.glb");
+    let errors = load_scene(&desc).expect_err("an image is missing");
+    assert_eq!(errors[0].name, "file-not-found");
+    let lenient = LoadOptions {
+        lenient: true,
+        ..LoadOptions::default()
+    };
+    let world = load(&desc, &lenient).unwrap_or_else(|errors| panic!("{errors:#?}"));
+    assert_eq!(warnings(&world), ["image-left-out"]);
+    assert!(world.environment.panorama.is_none());
+}
