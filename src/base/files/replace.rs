@@ -2,7 +2,7 @@
 
 use std::{
     fs::{File, Metadata, OpenOptions},
-    io::{self, Read as _, Write as _},
+    io::{self, Read as _, Seek as _, Write as _},
     path::Path,
 };
 
@@ -32,24 +32,27 @@ pub fn replace_content(
     let can_rename = keep_identity(&temporary.file, &path.metadata()?)?;
     temporary.file.sync_all()?;
     on_synced();
-    if !has_content(path, before)? {
-        return Ok(false);
-    }
-    if can_rename {
-        temporary.persist()?;
-    } else {
+    if !can_rename {
         // The temporary file holds the new content until the file does, in case the system stops meanwhile.
-        rewrite(path, before, after)?;
+        return rewrite(path, before, after);
     }
-    Ok(true)
+    let is_same = has_content(path, before)?;
+    if is_same {
+        temporary.persist()?;
+    }
+    Ok(is_same)
 }
 
 /// Whether a file has this content; false for a file that is gone, as in the middle of a save.
 fn has_content(path: &Path, content: &[u8]) -> io::Result<bool> {
-    let file = match open_regular(path, false) {
-        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(false),
-        opened => opened?,
-    };
+    match open_regular(path, false) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(false),
+        opened => holds(&opened?, content),
+    }
+}
+
+/// Whether the rest of an open file is this content.
+fn holds(file: &File, content: &[u8]) -> io::Result<bool> {
     let mut found = Vec::with_capacity(content.len() + 1);
     file.take(content.len() as u64 + 1)
         .read_to_end(&mut found)?;
@@ -80,17 +83,26 @@ fn keep_identity(file: &File, other: &Metadata) -> io::Result<bool> {
     Ok(true)
 }
 
-/// Overwrites a file in place; a full disk brings the content `before` back.
-fn rewrite(path: &Path, before: &[u8], after: &[u8]) -> io::Result<()> {
-    let write = |content: &[u8]| {
-        let mut file = OpenOptions::new().write(true).open(path)?;
+/// Overwrites a file in place and returns whether it did: not where it no longer holds `before`, which is compared
+/// through the handle that writes. A full disk brings the content `before` back.
+fn rewrite(path: &Path, before: &[u8], after: &[u8]) -> io::Result<bool> {
+    let mut file = match OpenOptions::new().read(true).write(true).open(path) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(false),
+        opened => opened?,
+    };
+    if !file.metadata()?.is_file() || !holds(&file, before)? {
+        return Ok(false);
+    }
+    let mut write = |content: &[u8]| {
+        file.rewind()?;
         file.write_all(content)?;
         file.set_len(content.len() as u64)?;
         file.sync_all()
     };
     write(after).inspect_err(|_| {
         let _ = write(before); // its space is still reserved; the first error is reported
-    })
+    })?;
+    Ok(true)
 }
 
 #[cfg(test)]
@@ -194,6 +206,10 @@ mod tests {
             assert_eq!(fs::read(path).expect("there"), b"after");
         }
         assert_eq!(hidden(&folder), None);
+        let save = || fs::write(&other, "by an editor").expect("saved");
+        let done = replace_content(&path, b"after", b"before", save);
+        assert!(!done.expect("no error"), "the race is lost");
+        assert_eq!(fs::read(&path).expect("there"), b"by an editor");
         fs::remove_dir_all(&folder).expect("clean up");
     }
 }
