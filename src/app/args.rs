@@ -22,7 +22,9 @@ pub struct SceneArgs {
     pub assets: Vec<PathBuf>,
     /// Load glTF files without what only changes their look: materials, textures and lights of
     /// extensions that they require and Reflet does not know; images that are missing or whose
-    /// format or header cannot be read. Each has a warning
+    /// format or header cannot be read; references to scenes, nodes, meshes, cameras, lights,
+    /// materials, textures, images and samplers that a file does not have. A node of several
+    /// parents stays with the first. Each kind has a warning
     #[arg(long)]
     pub lenient: bool,
 }

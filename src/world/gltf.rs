@@ -34,6 +34,7 @@ mod image_light;
 mod json_memory;
 mod layers;
 mod least_bytes;
+mod lenient;
 mod light;
 mod material;
 mod meshopt;
@@ -284,7 +285,8 @@ const MAX_ERRORS: usize = 20;
 /// Options of reading a file.
 #[derive(Clone, Debug, Default)]
 pub struct ReadOptions {
-    /// Whether extensions that only change the look are ignored even if the file requires them.
+    /// Whether extensions that only change the look are ignored even if the file requires them, and wrong references
+    /// between its parts dropped.
     pub lenient: bool,
     /// Nodes and morph targets that scripts pose.
     pub posed: Posed,
@@ -328,6 +330,9 @@ fn read_faults(path: &Path, sandbox: &Sandbox, options: &ReadOptions) -> Result<
         ..Model::default()
     };
     let mut notes = Notes::default();
+    if options.lenient {
+        lenient::mend(&mut root, &mut notes);
+    }
     let from = (folder, sandbox);
     let mut buffers =
         buffer::read(&root, binary, from, (&mut model.files, &mut notes), &budget).map_err(one)?;

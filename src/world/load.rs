@@ -29,6 +29,7 @@ mod lights_and_cameras;
 mod material;
 mod material_binding;
 mod model_instance;
+mod one_color;
 mod pixel_width;
 mod place;
 mod points;
@@ -58,7 +59,7 @@ pub struct LoadOptions {
     /// or 6 GiB where the system does not tell it.
     pub memory_bytes: Option<u64>,
     /// Whether glTF files are shown without what only changes their look: extensions that they require and that are
-    /// not supported, and images that cannot be found or read.
+    /// not supported, images that cannot be found or read, and wrong references between their parts.
     pub lenient: bool,
     /// Records the files that were searched.
     pub dependencies: Dependencies,

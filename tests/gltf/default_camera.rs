@@ -163,7 +163,7 @@ fn points_and_lines_without_normals_have_no_light() {
     }
 }
 
-/// A camera in the middle of a cube sees its walls only if they have two sides.
+/// A camera in the middle of a cube sees its walls only if they have two sides and light tells them apart.
 #[test]
 fn cameras_inside_of_closed_surfaces_see_nothing() {
     let corner = |i: u8| [0, 1, 2].map(|k| f32::from(i >> k & 1) * 2.0 - 1.0);
@@ -174,17 +174,29 @@ fn cameras_inside_of_closed_surfaces_see_nothing() {
     ];
     let lens = json!({"type": "perspective", "perspective": {"yfov": 1.0, "znear": 0.1}});
     let flat = json!({"type": "orthographic", "orthographic": {"xmag": 0.5, "ymag": 0.5, "zfar": 9, "znear": 0}});
-    for camera in [lens, flat] {
-        for (scale, double_sided, place_z, sees) in [
-            (1, false, 0, false),
-            (1, true, 0, true),
-            (-1, false, 0, false), // mirrored: the fronts stay outside
-            (1, false, 5, true),
+    for camera in [lens.clone(), flat] {
+        for (scale, double_sided, unlit, place_z, sees) in [
+            (1, false, false, 0, false),
+            (1, true, false, 0, true),
+            (1, true, true, 0, false), // one color
+            (-1, true, true, 0, false),
+            // The lens shows what is around too, the other is within the front face.
+            (1, true, true, 5, camera == lens),
+            (1, false, true, 0, false),
+            (-1, false, false, 0, false), // mirrored: the fronts stay outside
+            (1, false, false, 5, true),
         ] {
             let mut doc = Doc::empty();
             let positions = doc.floats("VEC3", &corners);
             let indices = doc.accessor("SCALAR", 5121, outward.len(), &outward);
-            doc.add("materials", json!({"doubleSided": double_sided}));
+            let extensions = match unlit {
+                true => json!({"KHR_materials_unlit": {}}),
+                false => json!({}),
+            };
+            doc.add(
+                "materials",
+                json!({"doubleSided": double_sided, "extensions": extensions}),
+            );
             let mesh = doc.mesh(
                 json!({"attributes": {"POSITION": positions}, "indices": indices, "material": 0}),
             );
@@ -193,7 +205,7 @@ fn cameras_inside_of_closed_surfaces_see_nothing() {
             doc.root_node(json!({"camera": 0, "translation": [0, 0, place_z]}));
             let world = doc.world();
             let names: Vec<_> = world.warnings.iter().map(|w| w.name).collect();
-            let place = format!("{scale} {double_sided} {place_z} {camera}");
+            let place = format!("{scale} {double_sided} {unlit} {place_z} {camera}");
             assert_eq!(names.contains(&"cameras-see-nothing"), !sees, "{place}");
         }
     }

@@ -2,7 +2,13 @@
 
 use crate::kit::{Doc, Folder, load_scene, one_error, scene, warnings};
 use glam::Vec3;
-use reflet::{scene::diagnostic::Diagnostic, world::World};
+use reflet::{
+    scene::diagnostic::Diagnostic,
+    world::{
+        World,
+        load::{LoadOptions, load},
+    },
+};
 use serde_json::{Value, json};
 
 /// World positions of all instances.
@@ -157,4 +163,91 @@ fn a_short_buffer_is_read_as_far_as_it_goes() {
         assert_eq!(name, "buffer-short", "{length}: {message}");
         assert!(message.contains(&format!("{length} bytes")), "{message}");
     }
+}
+
+/// Loads the document with and without `lenient`.
+fn both(doc: &Doc) -> [Result<World, Vec<Diagnostic>>; 2] {
+    let folder = Folder::new();
+    folder.write("m.glb", doc.glb());
+    [false, true].map(|lenient| {
+        let options = LoadOptions {
+            lenient,
+            ..LoadOptions::default()
+        };
+        load(&scene(&folder.0, "m.glb"), &options)
+    })
+}
+
+#[test]
+fn wrong_references_are_dropped_where_asked() {
+    type Break = fn(&mut Doc);
+    let breaks: [(&str, Break); 12] = [
+        ("scene", |doc| doc.json["scene"] = 7.into()),
+        ("root", |doc| {
+            doc.json["scenes"][0]["nodes"] = json!([0, 7]);
+        }),
+        ("child", |doc| {
+            doc.json["nodes"][0]["children"] = json!([7]);
+        }),
+        ("mesh", |doc| {
+            doc.root_node(json!({"mesh": 7}));
+        }),
+        ("camera", |doc| {
+            doc.json["nodes"][0]["camera"] = 7.into();
+        }),
+        ("light", |doc| {
+            doc.json["nodes"][0]["extensions"] = json!({"KHR_lights_punctual": {"light": 7}});
+        }),
+        ("material", |doc| doc.primitive("material", 7.into())),
+        ("texture", |doc| {
+            doc.add(
+                "materials",
+                json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": 7}}}),
+            );
+            doc.primitive("material", 0.into());
+        }),
+        ("image", |doc| {
+            doc.add("textures", json!({"source": 7}));
+        }),
+        ("sampler", |doc| {
+            doc.add("textures", json!({"sampler": 7}));
+        }),
+        ("variant", |doc| {
+            let mapping = json!({"material": 0, "variants": [7]});
+            doc.add("materials", json!({}));
+            doc.primitive(
+                "extensions",
+                json!({"KHR_materials_variants": {"mappings": [mapping]}}),
+            );
+        }),
+        ("image-based light", |doc| {
+            let light = json!({"EXT_lights_image_based": {"light": 7}});
+            doc.json["scenes"][0]["extensions"] = light;
+        }),
+    ];
+    for (what, damage) in breaks {
+        let mut doc = Doc::triangle();
+        damage(&mut doc);
+        let [strict, lenient] = both(&doc);
+        let (_, message) = one_error(strict);
+        assert!(message.contains("does not exist"), "{what}: {message}");
+        let world = lenient.unwrap_or_else(|errors| panic!("{what}: {errors:#?}"));
+        assert_eq!(places(&world), [Vec3::ZERO], "{what}");
+        assert_eq!(warnings(&world), ["reference-dropped"], "{what}");
+    }
+    let mut doc = Doc::triangle();
+    doc.attribute("POSITION", 7);
+    let [_, lenient] = both(&doc);
+    assert_eq!(one_error(lenient).0, "gltf-index", "geometry is missing");
+}
+
+#[test]
+fn a_node_of_two_parents_stays_with_the_first_where_asked() {
+    let parent = |x: f32| json!({"translation": [x, 0, 0], "children": [2]});
+    let doc = placed(json!([parent(1.0), parent(10.0), {"mesh": 0}]), &[0, 1]);
+    let [strict, lenient] = both(&doc);
+    assert_eq!(one_error(strict).0, "gltf-node");
+    let world = lenient.unwrap_or_else(|errors| panic!("{errors:#?}"));
+    assert_eq!(places(&world), [Vec3::X]);
+    assert_eq!(warnings(&world), ["node-two-parents"]);
 }

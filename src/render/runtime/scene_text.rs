@@ -42,8 +42,7 @@ pub struct SceneOptions {
     /// Folders to search for models and textures after the scene's own, before those of
     /// [`ASSETS_ENV`].
     pub assets: Vec<PathBuf>,
-    /// Whether to load glTF files that require extensions unknown to Reflet, without the materials, textures and
-    /// lights of these extensions.
+    /// Whether to load glTF files without what only changes their look, as [`LoadOptions::lenient`].
     pub lenient: bool,
 }
 

@@ -37,6 +37,9 @@ pub struct Root {
     /// Animations, each parsed separately as an [`Animation`]: a broken one is an error only where it is played.
     pub animations: Vec<serde_json::Value>,
     pub extensions: RootExtensions,
+    /// Whether references to parts that the file does not have are dropped.
+    #[serde(skip)]
+    pub is_lenient: bool,
 }
 
 #[derive(Debug, Default, Deserialize)]

@@ -7,7 +7,7 @@ use glam::{Vec2, Vec3};
 use super::{
     Fault, ImageSource, ImageUse, Notes,
     accessor::Data,
-    finite, label,
+    finite, label, lenient,
     schema::{self, Root, TextureInfo},
     uri::{self, Sandbox},
 };
@@ -77,7 +77,13 @@ impl Textures<'_> {
         notes: &mut Notes,
     ) -> Result<Option<TextureRef>, Fault> {
         let Some(texture) = self.root.textures.get(info.index) else {
-            return Err(missing("texture", info.index));
+            let missing = missing("texture", info.index);
+            if self.root.is_lenient {
+                let place = format!("{}: {slot}: {}", slot.material, missing.message);
+                notes.add(lenient::DROPPED, 1, lenient::DROPPED_WHAT, &place);
+                return Ok(None);
+            }
+            return Err(missing);
         };
         let sampler = match texture.sampler.map(|i| (i, self.root.samplers.get(i))) {
             Some((_, Some(sampler))) => sampler,

@@ -1,8 +1,11 @@
 //! Default camera for scenes without one.
 
-use glam::{Affine3A, Vec3};
+use glam::{Affine3A, Vec3, Vec4};
 
-use super::sight::{MOST_TRIED, Sight};
+use super::{
+    one_color::{Met, is_one_color, plain_color},
+    sight::{MOST_TRIED, Sight},
+};
 use crate::{Mesh, Posed, World};
 use reflet_base::math::Bounds;
 use reflet_scene::{
@@ -30,7 +33,7 @@ const EXTREMES: [Vec3; 6] = [
 ];
 
 /// Adds a camera `main` that frames the whole scene if there is no camera, or if nothing moves and all cameras come
-/// from files and see nothing; returns whether it did. `meshes` are those of the world, with their vertices.
+/// from files and see nothing, or one color; returns whether it did. `meshes` are those of the world, with their vertices.
 pub fn add_default(world: &mut World, meshes: &[Mesh], desc: &SceneDesc) -> bool {
     let size = desc.image.size;
     let is_moving = !desc.is_still() || !world.moving.players.is_empty();
@@ -44,7 +47,10 @@ pub fn add_default(world: &mut World, meshes: &[Mesh], desc: &SceneDesc) -> bool
     let mut left = MOST_TRIED;
     let mut may_see = |camera: &CameraDesc| {
         let sight = Sight::new(camera, aspect);
-        bounds.is_empty() || sight.may_hold_box(&bounds) && framed.may_be_seen(&sight, &mut left)
+        bounds.is_empty()
+            || sight.may_hold_box(&bounds)
+                && framed.may_be_seen(&sight, &mut left)
+                && !framed.is_one_color(&sight)
     };
     if world.cameras.iter().any(|camera| may_see(&camera.value)) {
         return false;
@@ -71,7 +77,7 @@ pub fn add_default(world: &mut World, meshes: &[Mesh], desc: &SceneDesc) -> bool
         value,
     };
     if !world.cameras.is_empty() {
-        let message = "no camera of the files sees anything; a camera `main` that shows the whole scene is added";
+        let message = "no camera of the files sees anything, or more than one color; a camera `main` that shows the whole scene is added";
         let note = Diagnostic::at("cameras-see-nothing", Span::default(), message).warning();
         world.warnings.push(note);
     }
@@ -85,6 +91,8 @@ struct Shown<'a> {
     triangles: &'a [[u32; 3]],
     place: Affine3A,
     double_sided: bool,
+    /// Color, where no light changes it.
+    color: Option<Vec4>,
     /// Radius of capsules as files have them, else 0, in object space, m.
     radius_m: f32,
 }
@@ -128,6 +136,7 @@ impl<'a> Framed<'a> {
                 triangles: &mesh.triangles,
                 place: instance.world_from_object,
                 double_sided: world.materials[instance.material].double_sided,
+                color: plain_color(&world.materials[instance.material], mesh),
                 radius_m: mesh.least_radius_m,
             }
         };
@@ -183,6 +192,18 @@ impl<'a> Framed<'a> {
                 *left = left.saturating_sub(1);
                 *left == 0 || sight.may_hold_triangle(corners, &shown.place, shown.double_sided)
             })
+    }
+
+    /// Whether a camera sees one color alone.
+    fn is_one_color(&self, sight: &Sight) -> bool {
+        let met = self.meshes.iter().map(|shown| Met {
+            triangles: (shown.triangles.iter()).map(|t| shown.posed.corners(*t)),
+            place: &shown.place,
+            double_sided: shown.double_sided,
+            color: shown.color,
+            count: shown.triangles.len(),
+        });
+        self.boxes.is_empty() && is_one_color(sight, met)
     }
 
     /// Unit direction from the scene to the eye: slightly from the right and above; steeper onto a flat scene, from

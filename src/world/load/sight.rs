@@ -1,6 +1,6 @@
 //! Whether a camera sees anything of a scene: some triangle faces it and may lie in its picture.
 
-use glam::{Affine3A, Vec3, Vec3A};
+use glam::{Affine3A, Vec2, Vec3, Vec3A};
 
 use reflet_base::math::Bounds;
 use reflet_scene::desc::CameraDesc;
@@ -52,6 +52,13 @@ impl Sight {
             half_height - y,
             half_height + y,
         ]
+    }
+
+    /// Origin and direction of the ray through a place in the picture, -1 to 1 from left to right and from bottom to top.
+    pub fn ray(&self, place: Vec2) -> [Vec3; 2] {
+        let across = self.right * (place.x * self.aspect) + self.up * place.y;
+        let [by_depth, fixed] = self.half_height;
+        [self.eye + across * fixed, self.forward + across * by_depth]
     }
 
     /// Whether a convex hull is not wholly outside one plane of the view frustum; within `nearly` counts as inside.
