@@ -11,11 +11,14 @@ use std::{
 use super::{
     args::{CheckArgs, SceneArgs},
     error::AppError,
-    lint::Lint,
+    lint::{KeptTrees, Lint},
     print_json, print_out, sarif,
 };
 use crate::{
-    runtime::scene_text::{LoadedScene, SceneText},
+    runtime::{
+        kept_assets::KeptAssets,
+        scene_text::{LoadedScene, SceneText},
+    },
     scene::{
         dependencies::Dependencies,
         diagnostic::{Diagnostic, Source, at_most, print_diagnostics},
@@ -25,7 +28,8 @@ use crate::{
     world::World,
 };
 
-/// Time budget for posing frames; most errors of scripts and tracks show in a few frames.
+/// Time budget for posing frames, without variants; most errors of scripts and tracks show in a few frames. Variants
+/// share their own budget.
 const POSING: Duration = Duration::from_secs(2);
 /// Time budget for checking variants, each as a scene of its own.
 const VARIANTS: Duration = Duration::from_secs(20);
@@ -93,7 +97,8 @@ fn check_text(
     text: &SceneText,
     from: &SceneArgs,
 ) -> Result<(Vec<Diagnostic>, String), Vec<Diagnostic>> {
-    let whole = check_variant(text.clone());
+    let mut kept = Kept::default();
+    let whole = check_variant(text.clone(), &mut kept, POSING);
     let mut failed = whole.is_err();
     let (mut messages, mut summary, variants) = match whole {
         Ok(Checked {
@@ -106,13 +111,14 @@ fn check_text(
         Err(messages) => (messages, String::new(), text.variants()),
     };
     let started = Instant::now();
+    let posing = POSING.min(VARIANTS / (variants.len() as u32).max(1));
     let mut checked_variants = 0;
     for variant in variants.iter().filter(|_| from.variant.is_empty()) {
         if started.elapsed() > VARIANTS {
             break;
         }
         checked_variants += 1;
-        let checked = check_variant(text.with_variant(variant));
+        let checked = check_variant(text.with_variant(variant), &mut kept, posing);
         failed |= checked.is_err();
         let found = checked.map_or_else(|errors| errors, |checked| checked.messages);
         let new: Vec<_> = found
@@ -150,15 +156,27 @@ struct Checked {
     variants: Vec<String>,
 }
 
-fn check_variant(text: SceneText) -> Result<Checked, Vec<Diagnostic>> {
+/// What a scene and its variants share: files and geometry that were read, and their trees.
+#[derive(Default)]
+struct Kept {
+    assets: KeptAssets,
+    trees: KeptTrees,
+}
+
+/// Checks a scene with the chosen variants; posing its frames takes about `posing`.
+fn check_variant(
+    text: SceneText,
+    kept: &mut Kept,
+    posing: Duration,
+) -> Result<Checked, Vec<Diagnostic>> {
     let name = text.name();
     let opened = text.open(&[], &Dependencies::default())?;
     for line in opened.scene.scripts().flat_map(|s| &s.setup_log) {
         eprintln!("{line}");
     }
-    let mut loaded = opened.load(name)?;
+    let mut loaded = kept.assets.load(&opened, name)?;
     let mut log = Log::default();
-    let found = pose_and_lint(&mut loaded, &mut log);
+    let found = pose_and_lint(&mut loaded, &mut kept.trees, (&mut log, posing));
     log.print();
     let mut messages = loaded.warnings;
     let posed = match found {
@@ -196,20 +214,28 @@ fn check_variant(text: SceneText) -> Result<Checked, Vec<Diagnostic>> {
 
 /// All warnings of [`Lint`] about a loaded scene; none if a frame cannot be posed, which `check` reports.
 pub fn lint(loaded: &mut LoadedScene) -> Vec<Diagnostic> {
-    let found = pose_and_lint(loaded, &mut Log::default());
+    let mut log = Log::default();
+    let found = pose_and_lint(loaded, &mut KeptTrees::default(), (&mut log, POSING));
     found.map_or_else(|_| Vec::new(), |(_, warnings)| warnings)
 }
 
 /// Poses frames; returns their number and the lint warnings, or all errors.
 fn pose_and_lint(
     loaded: &mut LoadedScene,
-    log: &mut Log,
+    trees: &mut KeptTrees,
+    (log, posing): (&mut Log, Duration),
 ) -> Result<(u32, Vec<Diagnostic>), Vec<Diagnostic>> {
     let animator = Animator::new(&loaded.scene);
-    let mut lint = Lint::new(&loaded.scene);
+    let mut lint = Lint::new(&loaded.scene, trees);
     let mut visit = |world: &World| lint.frame(world);
     let frames = frames_of(&loaded.scene);
-    let posed = pose_all(&animator, &mut loaded.world, frames, log, &mut visit)?;
+    let posed = pose_all(
+        &animator,
+        &mut loaded.world,
+        (frames, posing),
+        log,
+        &mut visit,
+    )?;
     Ok((posed, lint.finish()))
 }
 
@@ -268,7 +294,7 @@ impl Log {
 fn pose_all(
     animator: &Animator,
     world: &mut World,
-    frames: RangeInclusive<u32>,
+    (frames, posing): (RangeInclusive<u32>, Duration),
     log: &mut Log,
     visit: &mut dyn FnMut(&World),
 ) -> Result<u32, Vec<Diagnostic>> {
@@ -280,7 +306,7 @@ fn pose_all(
         let is_end = frame == first || frame == last;
         // A frame that exceeded a limit may have taken very long, and the last frame would too.
         let met_limit = wrong.iter().any(|(_, e)| e.name == "script-limit");
-        if met_limit || (!is_end && started.elapsed() > POSING) {
+        if met_limit || (!is_end && started.elapsed() > posing) {
             break;
         }
         posed += 1;

@@ -9,7 +9,7 @@ mod unused;
 mod view;
 
 use crate::{
-    render::{RenderOptions, plan::traces_rays},
+    render::{RenderOptions, plan::traces_rays, world_key::WorldKey},
     scene::{
         diagnostic::{Diagnostic, Span},
         script::lint::lint_scripts,
@@ -23,9 +23,29 @@ const MOST_TRIANGLES: usize = 4_000_000;
 /// Largest BVH buffer, bytes; the trees stay on the CPU.
 const TREE_LIMIT: u64 = 4 << 30;
 
+/// Trees of the scene that was checked last, for others over the same geometry.
+#[derive(Default)]
+pub struct KeptTrees(Option<(WorldKey, Trees)>);
+
+impl KeptTrees {
+    /// The trees of a world: those of the last one where they fit. `None` where they cannot be built.
+    fn of(&mut self, world: &World) -> Option<&Trees> {
+        let key = WorldKey::of(world);
+        let fitting = (self.0.take())
+            .filter(|(had, _)| had.has_same_uploads(&key) && had.has_same_trees(&key));
+        let trees = match fitting {
+            Some((_, mut trees)) => trees.update_top_level(world).map(|()| trees),
+            None => Trees::build(world, TREE_LIMIT),
+        };
+        let (_, trees) = self.0.insert((key, trees.ok()?));
+        Some(trees)
+    }
+}
+
 /// Collects warnings while frames are posed.
 pub struct Lint<'a> {
     scene: &'a Scene,
+    trees: &'a mut KeptTrees,
     /// Whether some frame has light.
     is_lit: bool,
     is_first: bool,
@@ -34,13 +54,14 @@ pub struct Lint<'a> {
 
 impl<'a> Lint<'a> {
     /// Starts with the warnings about texts: unused parameters, and scripts.
-    pub fn new(scene: &'a Scene) -> Self {
+    pub fn new(scene: &'a Scene, trees: &'a mut KeptTrees) -> Self {
         let mut found = unused::params(scene);
         if let Some(script) = &scene.script {
             found.extend(lint_scripts(&script.texts, &scene.params));
         }
         Self {
             scene,
+            trees,
             is_lit: false,
             is_first: true,
             found,
@@ -64,9 +85,9 @@ impl<'a> Lint<'a> {
         if total > MOST_TRIANGLES || world.instances.is_empty() {
             return;
         }
-        if let Ok(trees) = Trees::build(world, TREE_LIMIT) {
-            self.found.extend(view::lint(self.scene, world, &trees));
-            self.found.extend(shadow::lint(self.scene, world, &trees));
+        if let Some(trees) = self.trees.of(world) {
+            self.found.extend(view::lint(self.scene, world, trees));
+            self.found.extend(shadow::lint(self.scene, world, trees));
         }
     }
 

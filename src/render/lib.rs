@@ -71,7 +71,7 @@ pub mod view;
 pub mod view_estimate;
 pub mod view_rays;
 pub mod view_sample;
-mod world_key;
+pub mod world_key;
 
 pub use aov::{Plane, PlaneData};
 pub use change::Poses;

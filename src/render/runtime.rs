@@ -31,6 +31,7 @@ mod catch_panic;
 mod coarse;
 pub mod error;
 pub mod inputs;
+pub mod kept_assets;
 pub mod model_viewer_scene;
 pub mod open_shutter;
 pub mod parameters;

@@ -2,17 +2,20 @@
 //! places of a scene become is limited.
 
 use std::{
+    collections::BTreeSet,
     fmt::Write as _,
     fs,
     path::{Path, PathBuf},
+    sync::Arc,
 };
 
 use allocation_counter::measure;
 use reflet::{
+    app::{args::SceneArgs, check::messages},
     runtime::scene_text::{SceneOptions, SceneText},
     scene::{
         dependencies::Dependencies,
-        diagnostic::Diagnostic,
+        diagnostic::{Diagnostic, Source},
         script::Bounds,
         stages::{Animator, Scene},
     },
@@ -124,6 +127,52 @@ fn twice_as_many_parts_take_twice_the_work() {
             );
         }
     }
+}
+
+/// Variants that leave geometry alone share meshes and trees; those that move it have trees of their own.
+#[test]
+fn variants_share_meshes_and_trees() {
+    let ball = "[model.globe]\nshape = { kind = \"sphere\", segments = 256 }\n\
+        [[instance]]\nmodel = \"globe\"\nname = \"g\"\n[material.paint]\n";
+    let work = |n: usize| {
+        let part = |i: usize| format!("[variant.v{i}.material.paint]\nroughness = 0.{}\n", i + 1);
+        let text = text(n, ball, part);
+        let source = Arc::new(Source::new(Path::new("scene.toml"), &text));
+        let work = measure(|| drop(messages(&source, &SceneArgs::default())));
+        work.bytes_total
+    };
+    let [none, two, eight] = [0, 2, 8].map(work);
+    let each = (eight - two) / 6;
+    assert!(
+        each * 10 < none,
+        "{each} bytes for each variant, {none} for the scene"
+    );
+    // A variant in which the lamp is inside of what is moved there, between two in which it is not.
+    let text = format!(
+        "{START}[environment]\ncolor = [1, 1, 1]\n[light.lamp]\nkind = \"point\"\nposition = [0, 0, 5]\n\
+         intensity_cd = 1\n[variant.a.image]\nexposure_ev = 1\n\
+         [variant.b.instance.b]\ntranslation = [0, 0, 5]\n[variant.c.image]\nexposure_ev = 2\n"
+    );
+    let source = Arc::new(Source::new(Path::new("scene.toml"), &text));
+    let all = messages(&source, &SceneArgs::default());
+    let alone = |name: &str| {
+        let args = SceneArgs {
+            variant: vec![name.to_owned()],
+            ..SceneArgs::default()
+        };
+        messages(&source, &args)
+    };
+    let names = |found: &[Diagnostic]| found.iter().map(|d| d.name).collect::<BTreeSet<_>>();
+    assert_eq!(names(&alone("a")), names(&alone("c")));
+    assert!(
+        names(&alone("b")).len() > names(&alone("a")).len(),
+        "{all:?}"
+    );
+    let each: BTreeSet<_> = ["a", "b", "c"]
+        .iter()
+        .flat_map(|v| names(&alone(v)))
+        .collect();
+    assert_eq!(names(&all), each);
 }
 
 /// A temporary folder with some files, which goes with this.

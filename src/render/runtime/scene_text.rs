@@ -232,8 +232,13 @@ impl OpenedScene {
                     Ok((world, assets))
                 }
             },
-            Err(errors) => Err(self.warnings.iter().cloned().chain(errors).collect()),
+            Err(errors) => Err(self.told(errors)),
         }
+    }
+
+    /// The errors after the warnings about the text.
+    pub(super) fn told(&self, errors: Vec<Diagnostic>) -> Vec<Diagnostic> {
+        self.warnings.iter().cloned().chain(errors).collect()
     }
 
     /// Error for a bare model without anything to show, which would give an empty picture.
