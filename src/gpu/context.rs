@@ -18,9 +18,9 @@ const MAX_BUFFER_BYTES: u64 = (2 << 30) - 4;
 /// more than the default of 8.
 const MAX_STORAGE_BUFFERS: u32 = 32;
 
-/// Requested number of sampled textures per shader stage: BVHs stored in textures use two more than the default of
+/// Requested number of sampled textures per shader stage: BVHs and meshes stored in textures use four more than the default of
 /// 16.
-const SAMPLED_TEXTURES: u32 = 18;
+const SAMPLED_TEXTURES: u32 = 20;
 
 /// Maximum requested texture width and height, pixels.
 const MAX_TEXTURE_SIDE: u32 = 16384;

@@ -16,11 +16,11 @@ pub struct ChunkedArray {
 }
 
 impl ChunkedArray {
-    /// An array of `count` elements, never of zero size.
+    /// An array of `count` elements that are not written yet, never of zero size.
     ///
     /// # Errors
     /// A wgpu error.
-    fn sized<T: Pod>(
+    pub fn sized<T: Pod>(
         gpu: &Gpu,
         name: &str,
         count: usize,
@@ -67,9 +67,13 @@ impl ChunkedArray {
         data: &[T],
         usage: wgpu::BufferUsages,
     ) -> Result<Self, GpuError> {
-        let mut upload = Upload::new(gpu, name, data.len(), usage)?;
-        upload.extend(data.iter().copied())?;
-        Ok(upload.finish())
+        let array = Self::sized::<T>(gpu, name, data.len(), usage)?;
+        let most = Gpu::PIECE_BYTES / size_of::<T>();
+        for (piece, first) in data.chunks(most).zip((0..).step_by(most)) {
+            array.write(gpu, first, piece);
+            gpu.finish_writes()?;
+        }
+        Ok(array)
     }
 
     /// Writes elements, starting at index `first`.
@@ -117,68 +121,5 @@ impl ChunkedArray {
             offset,
             size: Some(wgpu::BufferSize::new(size)?),
         }))
-    }
-}
-
-/// Upload of a new array in pieces, so that few elements are in memory at a time.
-pub struct Upload<'a, T> {
-    gpu: &'a Gpu,
-    array: ChunkedArray,
-    /// Number of elements written so far.
-    written: usize,
-    piece: Vec<T>,
-    /// Maximum number of elements of a piece.
-    most: usize,
-}
-
-impl<'a, T: Pod> Upload<'a, T> {
-    /// Starts the upload of an array of `count` elements.
-    ///
-    /// # Errors
-    /// A wgpu error.
-    pub fn new(
-        gpu: &'a Gpu,
-        name: &str,
-        count: usize,
-        usage: wgpu::BufferUsages,
-    ) -> Result<Self, GpuError> {
-        let array = ChunkedArray::sized::<T>(gpu, name, count, usage)?;
-        let most = array.chunk_bytes.min(Gpu::PIECE_BYTES as u64) as usize / size_of::<T>();
-        Ok(Self {
-            gpu,
-            array,
-            written: 0,
-            piece: Vec::with_capacity(count.min(most)),
-            most,
-        })
-    }
-
-    /// Appends the next elements.
-    ///
-    /// # Errors
-    /// A lost device.
-    pub fn extend(&mut self, elements: impl Iterator<Item = T>) -> Result<(), GpuError> {
-        let mut elements = elements.fuse();
-        loop {
-            let room = self.most - self.piece.len();
-            self.piece.extend(elements.by_ref().take(room));
-            if self.piece.len() < self.most {
-                return Ok(());
-            }
-            self.write();
-            self.gpu.finish_writes()?;
-        }
-    }
-
-    fn write(&mut self) {
-        self.array.write(self.gpu, self.written, &self.piece);
-        self.written += self.piece.len();
-        self.piece.clear();
-    }
-
-    /// Writes the last piece and returns the array.
-    pub fn finish(mut self) -> ChunkedArray {
-        self.write();
-        self.array
     }
 }

@@ -16,11 +16,13 @@ pub struct Chunks {
     /// Number of bindings of triangles in leaf order.
     pub triangles: u32,
     /// Whether nodes and triangles are textures.
-    pub texels: bool,
+    pub tree_texels: bool,
     /// Number of bindings of vertices.
     pub vertices: u32,
     /// Number of bindings of indices and second texture coordinates.
     pub mesh_data: u32,
+    /// Whether vertices, indices and second texture coordinates are textures.
+    pub mesh_texels: bool,
     /// Size of each of several bindings, bytes, a power of two.
     pub bytes: u64,
 }
@@ -36,9 +38,10 @@ impl Chunks {
     pub const WHOLE: Self = Self {
         nodes: 1,
         triangles: 1,
-        texels: false,
+        tree_texels: false,
         vertices: 1,
         mesh_data: 1,
+        mesh_texels: false,
         bytes: 0,
     };
 
@@ -53,11 +56,7 @@ impl Chunks {
         };
         let count = chunks.nodes + chunks.triangles + chunks.vertices + chunks.mesh_data;
         if count == 4 {
-            let texels = chunks.texels;
-            return Ok(Self {
-                texels,
-                ..Self::WHOLE
-            });
+            return Ok(Self { bytes: 0, ..chunks });
         }
         let allowed = most_chunks(gpu);
         if count > allowed {
@@ -74,15 +73,15 @@ impl Chunks {
     /// Shader text with the functions of `shaders/lib/trees_whole.wgsl` and `geometry_whole.wgsl` for these
     /// bindings.
     pub fn wgsl(&self) -> String {
-        let trees = if self.texels { "texels" } else { "whole" };
-        let are_trees_whole = self.texels || (self.nodes, self.triangles) == (1, 1);
+        let ending = |is_texels| if is_texels { "texels" } else { "whole" };
+        let are_trees_whole = (self.nodes, self.triangles) == (1, 1);
         let are_meshes_whole = (self.vertices, self.mesh_data) == (1, 1);
         let mut text = String::new();
         if are_trees_whole {
-            let _ = writeln!(text, "#import trees_{trees}");
+            let _ = writeln!(text, "#import trees_{}", ending(self.tree_texels));
         }
         if are_meshes_whole {
-            text.push_str("#import geometry_whole\n");
+            let _ = writeln!(text, "#import geometry_{}", ending(self.mesh_texels));
         }
         let mut binding = FIRST_FREE_BINDING;
         let mut array = |name: &str, of: &str, first: u32, (count, size): (u32, u64)| {

@@ -36,9 +36,8 @@ impl GpuEmitters {
         let count: usize = (world.lighting_instances())
             .map(|(_, i)| world.meshes[i.mesh].triangles.len())
             .sum();
-        let room = vec![[0_u32; 4]; count];
         let mut this = Self {
-            table: TexelArray::new(gpu, "emitters", &room)?,
+            table: TexelArray::sized::<[u32; 4]>(gpu, "emitters", count)?,
             emitters: Emitters::default(),
             is_moving: world.has_moving_emitters(),
         };

@@ -7,8 +7,9 @@ use reflet_gpu::{Gpu, GpuError};
 use reflet_world::{Mesh, Posed, World};
 
 use super::{
-    chunked_array::{ChunkedArray, Upload},
     draw_shape::DrawShape,
+    mesh_array::{MeshArray, Upload},
+    texel_array::TexelArray,
     types::{GpuVertex, NONE},
 };
 
@@ -89,7 +90,7 @@ pub fn geometry_bytes(world: &World) -> (u64, u64) {
 pub fn geometry(
     gpu: &Gpu,
     world: &World,
-) -> Result<(ChunkedArray, ChunkedArray, Vec<MeshRange>), GpuError> {
+) -> Result<(MeshArray, MeshArray, Vec<MeshRange>), GpuError> {
     let mut ranges = Vec::with_capacity(world.meshes.len());
     let (mut vertex_count, mut data_count) = (0, 0);
     for mesh in &world.meshes {
@@ -112,12 +113,14 @@ pub fn geometry(
     }
     let storage = wgpu::BufferUsages::STORAGE;
     let usage = storage | wgpu::BufferUsages::VERTEX;
-    let mut vertices = Upload::new(gpu, "vertices", vertex_count, usage)?;
+    let in_texels = TexelArray::is_preferred::<GpuVertex>(gpu, vertex_count)
+        && TexelArray::is_preferred::<u32>(gpu, data_count);
+    let mut vertices = Upload::new(gpu, "vertices", vertex_count, (usage, in_texels))?;
     for (index, mesh) in world.meshes.iter().enumerate() {
         vertices.extend(mesh_vertices(mesh, &world.posed(index)))?;
     }
     let usage = storage | wgpu::BufferUsages::INDEX;
-    let mut data = Upload::new(gpu, "mesh data", data_count, usage)?;
+    let mut data = Upload::new(gpu, "mesh data", data_count, (usage, in_texels))?;
     for mesh in &world.meshes {
         data.extend(mesh.triangles.iter().flatten().copied())?;
         data.extend(

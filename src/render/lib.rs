@@ -32,6 +32,7 @@ mod groove_table;
 pub mod lights;
 mod lobe_table;
 pub mod measure;
+mod mesh_array;
 pub mod options;
 mod panorama;
 pub mod pass;

@@ -12,13 +12,14 @@ use reflet_world::{
 };
 
 use super::{
-    chunked_array::ChunkedArray,
     chunks::{Chunks, chunk_of},
     draw::{Draw, Indexed, draws, mirrors},
     emitters::{Emitters, GpuEmitters},
     geometry::{MeshRange, buffer, geometry, mesh_vertices},
     gpu_material::gpu_material,
+    mesh_array::MeshArray,
     panorama::GpuPanorama,
+    texel_array::TexelArray,
     textures::{Pools, samplers},
     tree_array::TreeArray,
     types::{FLAG_COLORS, FLAG_EMITTER, FLAG_MIRRORED, GpuInstance, GpuMaterial, flag},
@@ -34,9 +35,9 @@ pub struct GpuScene {
     /// Instances, parallel to [`World::instances`].
     pub instances: wgpu::Buffer,
     /// Attributes of all meshes; also the vertex buffer.
-    pub vertices: ChunkedArray,
+    pub vertices: MeshArray,
     /// Indices and second texture coordinates; also the index buffer.
-    pub mesh_data: ChunkedArray,
+    pub mesh_data: MeshArray,
     /// Materials, parallel to [`World::materials`].
     pub materials: wgpu::Buffer,
     /// Texture pools with all images.
@@ -275,15 +276,16 @@ fn instance_buffer(
 fn chunks(
     gpu: &Gpu,
     (nodes, triangles): (&TreeArray, &TreeArray),
-    (vertices, mesh_data): (&ChunkedArray, &ChunkedArray),
+    (vertices, mesh_data): (&MeshArray, &MeshArray),
 ) -> Result<Chunks, GpuError> {
     let bytes = nodes.size() + triangles.size() + vertices.size() + mesh_data.size();
     let chunks = Chunks {
         nodes: nodes.count(),
         triangles: triangles.count(),
-        texels: nodes.is_texels(),
+        tree_texels: nodes.is_texels(),
         vertices: vertices.count(),
         mesh_data: mesh_data.count(),
+        mesh_texels: vertices.is_texels(),
         ..Chunks::WHOLE
     };
     chunks.on(gpu, bytes)
@@ -292,8 +294,8 @@ fn chunks(
 /// Uploads nodes and triangles of the BVHs.
 fn tree_arrays(gpu: &Gpu, trees: &Trees) -> Result<(TreeArray, TreeArray), GpuError> {
     let (nodes, triangles) = (trees.nodes.as_slice(), trees.triangles.as_slice());
-    let bytes = [size_of_val(nodes), size_of_val(triangles)];
-    let in_texels = TreeArray::prefers_texels(gpu, bytes);
+    let in_texels = TexelArray::is_preferred::<CwBvhNode>(gpu, nodes.len())
+        && TexelArray::is_preferred::<TraceTriangle>(gpu, triangles.len());
     Ok((
         TreeArray::new(gpu, "tree nodes", nodes, in_texels)?,
         TreeArray::new(gpu, "tree triangles", triangles, in_texels)?,

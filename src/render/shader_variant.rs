@@ -28,7 +28,8 @@ impl ShaderVariant {
         all.extend([least, largest].map(|variant| Self {
             indexed: true,
             chunks: Chunks {
-                texels: true,
+                tree_texels: true,
+                mesh_texels: true,
                 ..Chunks::WHOLE
             },
             ..variant

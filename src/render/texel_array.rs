@@ -6,14 +6,14 @@ use reflet_gpu::{Gpu, GpuError};
 
 /// Number of texels per row.
 pub const TEXEL_COLUMNS: u32 = 4096;
-/// Size of a texel of four words, bytes.
-const TEXEL_BYTES: usize = 16;
 
-/// An array whose elements are whole texels.
+/// An array whose elements are whole texels: of four words each, or of one where the elements are words.
 #[derive(Clone, Debug)]
 pub struct TexelArray {
     texture: wgpu::Texture,
     view: wgpu::TextureView,
+    /// Size of a texel, bytes.
+    texel_bytes: usize,
 }
 
 impl TexelArray {
@@ -22,7 +22,22 @@ impl TexelArray {
     /// # Errors
     /// More rows than a texture can have, named by `name`, or a wgpu error.
     pub fn new<T: Pod>(gpu: &Gpu, name: &str, data: &[T]) -> Result<Self, GpuError> {
-        let [width, height] = size(size_of_val(data));
+        let array = Self::sized::<T>(gpu, name, data.len())?;
+        let most = Gpu::PIECE_BYTES / size_of::<T>();
+        for (piece, first) in data.chunks(most).zip((0..).step_by(most)) {
+            array.write(gpu, first, piece);
+            gpu.finish_writes()?;
+        }
+        Ok(array)
+    }
+
+    /// Creates an array of `count` elements that are not written yet, never of zero size.
+    ///
+    /// # Errors
+    /// Same errors as [`TexelArray::new`].
+    pub fn sized<T: Pod>(gpu: &Gpu, name: &str, count: usize) -> Result<Self, GpuError> {
+        let texel_bytes = texel_bytes::<T>();
+        let [width, height] = size(count * size_of::<T>() / texel_bytes);
         gpu.check_texture_size(name, width, height)?;
         let descriptor = wgpu::TextureDescriptor {
             label: Some(name),
@@ -34,36 +49,37 @@ impl TexelArray {
             mip_level_count: 1,
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,
-            format: wgpu::TextureFormat::Rgba32Uint,
+            format: match texel_bytes == size_of::<u32>() {
+                true => wgpu::TextureFormat::R32Uint,
+                false => wgpu::TextureFormat::Rgba32Uint,
+            },
             usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
             view_formats: &[],
         };
         let texture = gpu.scoped(name, || gpu.device.create_texture(&descriptor))?;
-        let array = Self {
+        Ok(Self {
             view: texture.create_view(&wgpu::TextureViewDescriptor::default()),
             texture,
-        };
-        let most = Gpu::PIECE_BYTES / size_of::<T>();
-        for (piece, first) in data.chunks(most).zip((0..).step_by(most)) {
-            array.write(gpu, first, piece);
-            gpu.finish_writes()?;
-        }
-        Ok(array)
+            texel_bytes,
+        })
     }
 
-    /// Whether a texture can hold this number of bytes.
-    pub fn fits(gpu: &Gpu, bytes: usize) -> bool {
-        size(bytes)[1] <= gpu.limits.max_texture_dimension_2d
+    /// Whether shaders had better read an array of this number of elements from a texture: one that a single buffer
+    /// could hold, on a driver that reads textures faster.
+    pub fn is_preferred<T: Pod>(gpu: &Gpu, count: usize) -> bool {
+        let bytes = count * size_of::<T>();
+        gpu.reads_texels_faster
+            && bytes as u64 <= gpu.largest_storage_buffer()
+            && size(bytes / texel_bytes::<T>())[1] <= gpu.limits.max_texture_dimension_2d
     }
 
     /// Writes elements, starting at index `first`.
     pub fn write<T: Pod>(&self, gpu: &Gpu, first: usize, elements: &[T]) {
-        const { assert!(size_of::<T>().is_multiple_of(TEXEL_BYTES)) };
         let mut bytes: &[u8] = cast_slice(elements);
-        let texels = size_of::<T>() / TEXEL_BYTES;
+        let texels = size_of::<T>() / self.texel_bytes;
         for span in spans(first * texels, elements.len() * texels) {
             let [width, height] = span.size;
-            let (now, later) = bytes.split_at((width * height) as usize * TEXEL_BYTES);
+            let (now, later) = bytes.split_at((width * height) as usize * self.texel_bytes);
             bytes = later;
             let [x, y] = span.origin;
             let to = wgpu::TexelCopyTextureInfo {
@@ -72,7 +88,7 @@ impl TexelArray {
             };
             let layout = wgpu::TexelCopyBufferLayout {
                 offset: 0,
-                bytes_per_row: Some(width * TEXEL_BYTES as u32),
+                bytes_per_row: Some(width * self.texel_bytes as u32),
                 rows_per_image: None,
             };
             let size = wgpu::Extent3d {
@@ -92,13 +108,19 @@ impl TexelArray {
     /// Size in bytes.
     pub fn size(&self) -> u64 {
         let size = self.texture.size();
-        u64::from(size.width) * u64::from(size.height) * TEXEL_BYTES as u64
+        u64::from(size.width) * u64::from(size.height) * self.texel_bytes as u64
     }
 }
 
-/// Columns and rows for this number of bytes, at least one of each.
-fn size(bytes: usize) -> [u32; 2] {
-    let texels = bytes.div_ceil(TEXEL_BYTES).max(1);
+/// Size of a texel of an array of `T`, bytes.
+const fn texel_bytes<T: Pod>() -> usize {
+    const { assert!(size_of::<T>() == 4 || size_of::<T>().is_multiple_of(16)) };
+    if size_of::<T>() == 4 { 4 } else { 16 }
+}
+
+/// Columns and rows for this number of texels, at least one of each.
+fn size(texels: usize) -> [u32; 2] {
+    let texels = texels.max(1);
     let columns = texels.min(TEXEL_COLUMNS as usize);
     [columns, texels.div_ceil(columns)].map(|n| n as u32)
 }
@@ -150,7 +172,7 @@ mod tests {
         );
         assert_eq!(spans(4096, 4096), [span([0, 1], [columns, 1])]);
         assert_eq!(size(0), [1, 1]);
-        assert_eq!(size(5 * 16), [5, 1]);
-        assert_eq!(size(4096 * 16 + 1), [4096, 2]);
+        assert_eq!(size(5), [5, 1]);
+        assert_eq!(size(4097), [4096, 2]);
     }
 }

@@ -35,13 +35,6 @@ impl TreeArray {
         }
     }
 
-    /// Whether to store arrays of these sizes in textures: only those that a single buffer could hold.
-    pub fn prefers_texels(gpu: &Gpu, bytes: [usize; 2]) -> bool {
-        let fits =
-            |bytes| bytes as u64 <= gpu.largest_storage_buffer() && TexelArray::fits(gpu, bytes);
-        gpu.reads_texels_faster && bytes.into_iter().all(fits)
-    }
-
     /// Writes elements, starting at index `first`.
     pub fn write<T: Pod>(&self, gpu: &Gpu, first: usize, elements: &[T]) {
         match self {
