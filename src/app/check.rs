@@ -156,7 +156,7 @@ struct Checked {
     variants: Vec<String>,
 }
 
-/// What a scene and its variants share: files and geometry that were read, and their trees.
+/// State shared by a scene and its variants: files and geometry that were read, and their trees.
 #[derive(Default)]
 struct Kept {
     assets: KeptAssets,
