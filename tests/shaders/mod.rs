@@ -94,10 +94,12 @@ fn every_shader_stays_inside_the_default_limits() {
     for info in SHIPPED.iter() {
         let mut limits = wgpu::Limits::default();
         let is_texture = |ty: &wgpu::BindingType| matches!(ty, wgpu::BindingType::Texture { .. });
-        if (info.bindings.iter()).any(|b| b.name == "nodes" && is_texture(&b.ty)) {
-            // Only devices with higher limits get BVHs as textures.
-            limits.max_sampled_textures_per_shader_stage += 2;
-        }
+        // Only devices with higher limits get BVHs and meshes as textures.
+        let arrays = ["nodes", "triangles", "vertices", "mesh_data"];
+        let further = (info.bindings.iter())
+            .filter(|b| arrays.contains(&b.name.as_str()) && is_texture(&b.ty))
+            .count();
+        limits.max_sampled_textures_per_shader_stage += further as u32;
         let groups: Vec<_> = (0..limits.max_bind_groups)
             .map(|group| merged_bindings(&[info], group).unwrap_or_else(|e| panic!("{e}")))
             .collect();
