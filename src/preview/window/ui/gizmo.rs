@@ -111,15 +111,19 @@ pub fn handles(
             painter.circle_stroke(end, END * 0.75, Stroke::new(1.0, Color32::WHITE));
             ui.ctx().set_cursor_icon(egui::CursorIcon::Grab);
         }
+        // Direction and length of the handle at the start of the drag: it follows the drag, and by its length there
+        // the same way of the mouse would mean other numbers in each frame.
+        let now = ((end - start).normalized(), share);
         if response.drag_started() {
             selection.start_drag();
+            ui.data_mut(|data| data.insert_temp(id, now));
         }
         let total = response.total_drag_delta().unwrap_or_default();
         if response.dragged()
             && let Some(before) = selection.drag_from().cloned()
         {
-            // `before` holds the numbers at the start of the drag; the handle itself follows the drag.
-            let way = (end - start).normalized();
+            // `before` holds the numbers at the start of the drag.
+            let (way, share) = ui.data(|data| data.get_temp(id)).unwrap_or(now);
             let after = dragged(selection.handle, &before, axis, total.dot(way), share);
             if selection.put(&after) {
                 request = selection.item().map(|item| ViewRequest::Drag(item, after));
@@ -153,11 +157,8 @@ mod tests {
         assert_eq!(at(Vec3::new(0.0, 0.0, 6.0)), None);
     }
 
-    /// A drag of the X handle's end is shown at once, and written when it ends.
-    #[test]
-    fn a_drag_of_a_handle_is_written_where_it_ends() {
-        use eframe::egui::{Event, Modifiers, PointerButton};
-        use egui_kittest::Harness;
+    /// A lamp at the origin of a parent that is scaled by 2.
+    fn lamp() -> Selection {
         use glam::Affine3A;
 
         use crate::write_back::{Inspected, SceneItem};
@@ -174,25 +175,84 @@ mod tests {
             refused: None,
             world_from_parent: Affine3A::from_scale(Vec3::splat(2.0)),
         }));
+        selection
+    }
+
+    /// Handles of the lamp, and the requests that they made.
+    fn harness(
+        camera: CameraDesc,
+    ) -> egui_kittest::Harness<'static, (Selection, Vec<ViewRequest>)> {
+        let place = Rect::from_min_size(Pos2::ZERO, vec2(400.0, 400.0));
+        let draw = move |ui: &mut Ui, (selection, requests): &mut (Selection, Vec<_>)| {
+            requests.extend(handles(ui, place, &camera, selection));
+        };
+        egui_kittest::Harness::builder()
+            .with_size(vec2(400.0, 400.0))
+            .build_ui_state(draw, (lamp(), Vec::new()))
+    }
+
+    fn button(pos: Pos2, pressed: bool) -> egui::Event {
+        egui::Event::PointerButton {
+            pos,
+            button: egui::PointerButton::Primary,
+            pressed,
+            modifiers: egui::Modifiers::NONE,
+        }
+    }
+
+    /// Towards the camera the handle becomes longer while it is dragged.
+    #[test]
+    fn a_drag_stays_where_the_mouse_rests() {
         let camera = CameraDesc {
-            eye: Vec3::new(0.0, 0.0, 5.0),
+            eye: Vec3::new(3.0, 0.0, 5.0),
             target: Vec3::ZERO,
             fov_deg: 90.0,
             ..CameraDesc::default()
         };
         let place = Rect::from_min_size(Pos2::ZERO, vec2(400.0, 400.0));
-        let draw = move |ui: &mut Ui, (selection, requests): &mut (Selection, Vec<_>)| {
-            requests.extend(handles(ui, place, &camera, selection));
-        };
-        let mut harness = Harness::builder()
-            .with_size(vec2(400.0, 400.0))
-            .build_ui_state(draw, (selection, Vec::new()));
-        let button = |pos, pressed| Event::PointerButton {
-            pos,
-            button: PointerButton::Primary,
-            pressed,
-            modifiers: Modifiers::NONE,
-        };
+        let (start, ends) = axes(&lamp(), &camera, place).expect("it is seen");
+        let grip = ends[2].0;
+        let goal = grip + (grip - start) * 2.0;
+        let mut harness = harness(camera);
+        harness.run();
+        let moved = egui::Event::PointerMoved;
+        let mut found = Vec::new();
+        for event in [
+            moved(grip),
+            button(grip, true),
+            moved(goal),
+            moved(goal),
+            moved(goal),
+            moved(grip),
+        ] {
+            harness.event(event);
+            harness.run();
+            let ViewRequest::Drag(_, numbers) = (match harness.state().1.last() {
+                Some(request) => request.clone(),
+                None => continue,
+            }) else {
+                panic!("nothing is written yet");
+            };
+            found.push(numbers.values[2]);
+        }
+        assert!(found[0] > 0.5, "{found:?}");
+        assert_eq!(found[..3], [found[0]; 3], "the mouse rests");
+        assert_eq!(found[3], 0.0, "it is back");
+    }
+
+    /// A drag of the X handle's end is shown at once, and written when it ends.
+    #[test]
+    fn a_drag_of_a_handle_is_written_where_it_ends() {
+        use eframe::egui::Event;
+
+        use crate::write_back::SceneItem;
+
+        let mut harness = harness(CameraDesc {
+            eye: Vec3::new(0.0, 0.0, 5.0),
+            target: Vec3::ZERO,
+            fov_deg: 90.0,
+            ..CameraDesc::default()
+        });
         let grip = Pos2::new(200.0 + LENGTH, 200.0);
         let goal = grip + vec2(80.0, 30.0);
         harness.run();
