@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import random
+import struct
 from pathlib import Path
 from typing import Any
 
@@ -362,3 +364,51 @@ def test_formats_that_need_other_programs_are_not_opened(
     )
     assert "texture-unreadable" in done.warnings()
     assert not done.gltf.images
+
+
+@pytest.mark.parametrize(("channels", "peak"), [("RGB", 1.0), ("RGBA", 4.0), ("Y", 1.0)])
+def test_openexr_is_linear_and_becomes_png(tmp_path: Path, channels: str, peak: float) -> None:
+    import OpenEXR
+
+    random = np.random.default_rng(7)
+    values = (random.random((4, 8, len(channels))) * peak).astype(np.float16)
+    values[0, 0, 0] = np.nan
+    planes = {name: np.ascontiguousarray(values[..., i]) for i, name in enumerate(channels)}
+    file = OpenEXR.File({"compression": OpenEXR.ZIP_COMPRESSION}, planes)
+    file.write(str(tmp_path / "t.exr"))
+    done = convert_text(
+        tmp_path,
+        stage(
+            "color3f inputs:diffuseColor.connect = </Mat/T.outputs:rgb>\n"
+            "float inputs:roughness.connect = </Mat/T.outputs:r>",
+            texture("T", "t.exr"),
+        ),
+    )
+    pbr = material(done)["pbrMetallicRoughness"]
+    linear = np.clip(np.nan_to_num(values.astype(np.float64)), 0.0, 1.0)
+    low = linear * 12.92
+    srgb = np.where(linear <= 0.0031308, low, 1.055 * linear ** (1 / 2.4) - 0.055)
+    shown = pixels(done, pbr["baseColorTexture"])[..., :3] / 255
+    assert shown == pytest.approx(np.broadcast_to(srgb[..., :3], shown.shape), abs=0.51 / 255)
+    rough = pixels(done, pbr["metallicRoughnessTexture"])[..., 1] / 255
+    assert rough == pytest.approx(linear[..., 0], abs=0.51 / 255)
+    assert "texture-converted" in done.warnings("/Mat/T")
+    agrees(done)
+
+
+@pytest.mark.parametrize("damage", ["cut", "large", "noise"])
+def test_broken_openexr_is_named(tmp_path: Path, damage: str) -> None:
+    from gltf_mutant_decoders import exr
+
+    data = exr(random.Random(3))
+    broken = {
+        "cut": data[:300],
+        "large": data.replace(
+            struct.pack("<4i", 0, 0, 63, 31), struct.pack("<4i", 0, 0, 65535, 65535)
+        ),
+        "noise": data[:4] + bytes(range(256)) * 4,
+    }
+    (tmp_path / "t.exr").write_bytes(broken[damage])
+    inputs = "float inputs:roughness.connect = </Mat/T.outputs:r>"
+    done = convert_text(tmp_path, stage(inputs, texture("T", "t.exr")))
+    assert "texture-unreadable" in done.warnings("/Mat/T")

@@ -129,15 +129,15 @@ class Packer:
             level = 1.0 if channel is None else channel.constant
             value = linear_to_srgb(np.array(level)) if encode else np.array(level)
             return np.full(size[::-1], np.uint8(np.round(np.clip(value, 0.0, 1.0) * 255.0)))
-        texels = file.rgba()[..., channel.index]
         decode = _is_decoded(channel, file)
-        table = np.arange(256) / 255.0
+        floats = file.floats
+        table = np.arange(256) / 255.0 if floats is None else floats[..., channel.index]
         if decode != encode or channel.scale != 1.0 or channel.bias != 0.0:
             linear = srgb_to_linear(table) if decode else table
             value = np.clip(linear * channel.scale + channel.bias, 0.0, 1.0)
             table = linear_to_srgb(value) if encode else value
         lookup = np.round(np.clip(table, 0.0, 1.0) * 255.0).astype(np.uint8)
-        plane = lookup[texels]
+        plane = lookup if floats is not None else lookup[file.rgba()[..., channel.index]]
         if file.size != size:
             resized = Image.fromarray(plane).resize(size, Image.Resampling.BILINEAR)
             plane = np.asarray(resized)
@@ -156,6 +156,8 @@ class Packer:
             warn = self.context.ledger.warn
             if not file.copies or file.wide:
                 message = f"a {file.format} image of mode {file.mode} became 8-bit PNG"
+                if file.floats is not None and file.floats[..., channel.index].max() > 1.0:
+                    message += "; values above 1 are lost"
                 warn("texture-converted", channel.read.prim, message)
             elif channel.scale != 1.0 or channel.bias != 0.0 or len(sizes) > 1:
                 message = "its values were rewritten (scale, bias or size) with 8-bit rounding"

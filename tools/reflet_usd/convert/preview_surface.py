@@ -149,10 +149,8 @@ class PreviewMaterial:
         assert channel is not None and channel.read is not None
         file = self.packer.library.image(channel.read)
         assert file is not None
-        if channel.index == 3 and not file.has_alpha:
-            lowest = 1.0
-        else:
-            lowest = float(file.rgba()[..., channel.index].min()) / 255.0
+        is_opaque = channel.index == 3 and not file.has_alpha
+        lowest = 1.0 if is_opaque else file.lowest(channel.index)
         return lowest * channel.scale + channel.bias
 
     def _alpha_mode(self, entry: dict[str, Any], translucent: bool) -> str:

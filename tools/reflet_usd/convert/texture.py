@@ -15,6 +15,7 @@ from reflet_usd.convert.context import Context
 from reflet_usd.convert.gltf_writer import GltfWriter
 from reflet_usd.convert.scene import Array
 from reflet_usd.convert.sources import TextureRead
+from reflet_usd.exr_pixels import is_exr, read_exr
 
 MAX_PIXELS = 2**28
 PNG_COMPRESSION = 3
@@ -37,6 +38,8 @@ class ImageFile:
     """Whether channels have more than 8 bits."""
     has_key: bool = False
     """Whether one color is transparent (a PNG's tRNS chunk)."""
+    floats: Array | None = None
+    """Linear values (height, width, 4) of an OpenEXR file."""
 
     @property
     def is_gray(self) -> bool:
@@ -53,8 +56,14 @@ class ImageFile:
         """Whether glTF takes the file as it is."""
         return self.format in _MIME_TYPES and self.mode in _COPIED_MODES
 
+    def lowest(self, channel: int) -> float:
+        """Least value of a channel."""
+        if self.floats is not None:
+            return float(self.floats[..., channel].min())
+        return float(self.rgba()[..., channel].min()) / 255.0
+
     def rgba(self) -> Array:
-        """Pixels (height, width, 4) as uint8."""
+        """Pixels (height, width, 4) as uint8 of a file without floats."""
         with Image.open(io.BytesIO(self.data), formats=_FORMATS) as image:
             if self.wide:
                 gray = np.asarray(image, dtype=np.float64)
@@ -125,17 +134,25 @@ class TextureLibrary:
 
 
 def _decode(read: TextureRead, data: bytes) -> ImageFile:
+    # The resolved path of a packaged file ends in "package.usdz[name]".
+    stem = os.path.splitext(os.path.basename(read.file.rstrip("]").split("[")[-1]))[0]
+    if is_exr(data):
+        return _decode_exr(stem, read_exr(data))
     with Image.open(io.BytesIO(data), formats=_FORMATS) as image:
         image.load()
-        # The resolved path of a packaged file ends in "package.usdz[name]".
-        name = os.path.basename(read.file.rstrip("]").split("[")[-1])
         wide = image.mode in ("I", "I;16", "I;16B", "F")
-        stem, kind, key = (
-            os.path.splitext(name)[0],
-            image.format or "",
-            "transparency" in image.info,
-        )
+        kind, key = image.format or "", "transparency" in image.info
         return ImageFile(stem, data, kind, image.mode, image.size, wide, key)
+
+
+def _decode_exr(stem: str, values: Array) -> ImageFile:
+    height, width, count = values.shape
+    floats = np.ones((height, width, 4), values.dtype)
+    floats[..., :3] = values[..., :3] if count > 2 else values[..., :1]
+    if count in (2, 4):
+        floats[..., 3] = values[..., -1]
+    mode = ("L", "LA", "RGB", "RGBA")[count - 1]
+    return ImageFile(stem, b"", "EXR", mode, (width, height), wide=True, floats=floats)
 
 
 def _reason(error: Exception) -> str:

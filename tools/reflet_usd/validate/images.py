@@ -1,4 +1,4 @@
-"""Owns sampling of texture images: decoding with Pillow, wrap modes, sRGB."""
+"""Owns sampling of texture images: decoding with Pillow and OpenEXR, wrap modes, sRGB."""
 
 from __future__ import annotations
 
@@ -9,6 +9,8 @@ from collections.abc import Callable
 
 import numpy as np
 from PIL import Image
+
+from reflet_usd.exr_pixels import is_exr, read_exr
 
 from .scene_data import Array
 
@@ -34,8 +36,11 @@ class Texels:
 
 
 def decode(data: bytes) -> Texels | None:
-    """The image in `data`; None where Pillow does not know the format."""
+    """The image in `data`; None where it cannot be read. OpenEXR is clipped to what glTF holds."""
     try:
+        if is_exr(data):
+            texels = _filled(np.clip(read_exr(data).astype(np.float64), 0.0, 1.0), eight_bit=False)
+            return dataclasses.replace(texels, digest=hashlib.sha256(data).digest())
         with Image.open(io.BytesIO(data), formats=FORMATS) as image:
             image.load()
             return dataclasses.replace(_texels(image), digest=hashlib.sha256(data).digest())
@@ -57,14 +62,17 @@ def _texels(image: Image.Image) -> Texels:
         elif "transparency" in image.info:  # one transparent color of a PNG, by its tRNS chunk
             image = image.convert("LA" if image.mode == "L" else "RGBA")
         values = np.asarray(image, dtype=np.float64) / 255.0
-    if values.ndim == 2:
-        values = values[:, :, None]
+    return _filled(values if values.ndim == 3 else values[:, :, None], eight_bit=not deep)
+
+
+def _filled(values: Array, eight_bit: bool) -> Texels:
+    """Texels of gray, gray and alpha, RGB or RGBA values."""
     channels = values.shape[2]
     full = np.ones((*values.shape[:2], 4))
     full[:, :, :3] = values[:, :, :1] if channels < 3 else values[:, :, :3]
     if channels in (2, 4):
         full[:, :, 3] = values[:, :, -1]
-    return Texels(full, channels, not deep)
+    return Texels(full, channels, eight_bit)
 
 
 def srgb_to_linear(values: Array) -> Array:
