@@ -128,6 +128,8 @@ PARTS = (
     "[[variant.v.instance]]\nname = 'i#'\nmodel = 'ball'\n",
     "[variant.r#]\nremove = ['instance.b', 'instance.#']\n",
     "[[instance]]\nmodel = 'ball'\nrepeat = { count = [#, 9, 9], step = [0, 0, 0] }\n",
+    "[[instance]]\nmodel = 'ball'\ndynamic = true\n"
+    "repeat = { count = [#, 99, 99], step = [1, 0, 0] }\n",
     "[model.m#]\nshape = { kind = 'box' }\n[[instance]]\nmodel = 'm#'\n",
     f"[[instance]]\nname = 'j#'\nmodel = 'ball'\n[motion.instance.j#.translation]\n{MOVES}\n",
     "[camera.c#]\nparent = 'b'\n[motion.camera.c#.target]\nfollow = { instance = 'b' }\n",

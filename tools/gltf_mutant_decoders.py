@@ -290,11 +290,36 @@ def exr(chance: random.Random) -> bytes:
     return head + table + body
 
 
+def cube(chance: random.Random) -> bytes:
+    """A triangle below a cube map whose faces are such images, or whose numbers are wrong."""
+    make, mime = chance.choice(((jpeg, "image/jpeg"), (png, "image/png"), (ktx2, "image/ktx2")))
+    data = on_triangle(make(chance), None, mime, chance.choice((1, 8)))
+    length = struct.unpack_from("<I", data, 12)[0]
+    root: dict[str, Any] = json.loads(data[20 : 20 + length])
+    last = len(root["images"]) - 1
+    faces = [chance.choice((0, last)) for _ in range(chance.choice((6, 6, 6, 0, 5, 7)))]
+    if chance.random() < 0.2:
+        faces[-1:] = [chance.choice((last + 1, 1 << 40))]
+    light: dict[str, Any] = {
+        "specularImages": [faces] * chance.choice((1, 1, 0, 1000)),
+        "specularImageSize": chance.choice(LARGE_PX),
+    }
+    if chance.random() < 0.3:
+        light["intensity"] = chance.choice((0, -1, 3e38))
+        light["rotation"] = chance.choice(([0, 0, 0, 0], [1, 1, 0, 0], [3e38, 0, 0, 3e38], [1, 2]))
+    name = "EXT_lights_image_based"
+    root["extensions"] = {name: {"lights": [light]}}
+    root["scenes"][0]["extensions"] = {name: {"light": chance.choice((0, 0, 0, 1))}}
+    root["extensionsUsed"] = [name]
+    return glb(root, data[28 + length :])
+
+
 MODELS: dict[str, Callable[[random.Random], bytes]] = {
     "jpeg": lambda chance: on_triangle(jpeg(chance), None, "image/jpeg", chance.choice((1, 2, 8))),
     "png": lambda chance: on_triangle(png(chance), None, "image/png", chance.choice((1, 2, 8))),
     "webp": lambda chance: on_triangle(webp(chance), "EXT_texture_webp", "image/webp"),
     "ktx2": lambda chance: on_triangle(ktx2(chance), None, "image/ktx2", chance.choice((1, 8))),
+    "cube": cube,
     "draco": draco,
     "far": far,
     "objects": objects,
