@@ -16,7 +16,7 @@ fn find(pixel: vec2u) {
     let h = trace_nearest(pixel_origin(center), pixel_ray(center), frame.near_m, FAR_M);
     if (HAS_CULLED) {
         let is_culled = culled_t < h.t;
-        lists[culled_slot(pixel)] = bitcast<u32>(select(0.0, screen_z(culled_t), is_culled));
+        lists[pyramid_slot(pyramid(), pixel, 0u)] = bitcast<u32>(select(0.0, screen_z(culled_t), is_culled));
     }
     textureStore(ids, pixel, vec4u(h.instance, select(h.triangle, NONE, h.instance == NONE), 0u, 0u));
     if (exhausted_rays > 0u) { atomicAdd(&counters[EXHAUSTED_COUNTER], exhausted_rays); }

@@ -28,6 +28,8 @@ struct Params {
 @group(2) @binding(7) var<uniform> params: Params;
 @group(2) @binding(8) var counts: texture_storage_2d<rgba32uint, write>; // written by `counted` only
 
+// Minimum relative difference of the depths of two surfaces over a pixel, beyond rounding.
+const CULLED_SLACK: f32 = 1e-6;
 const START_PX: f32 = 0.7; // start of the march, past the reflector's own pixel
 // Maximum number of pixels at which a ray is tested against the surface shown, and goes on in front of it.
 const MAX_CANDIDATES: u32 = 8u;
@@ -39,21 +41,16 @@ const SAME_PLANE_PX: f32 = 3.0;
 // Number of cells visited since the invocation started, with COUNT.
 var<private> march_steps: u32 = 0u;
 
-// Clip-space z of the nearest culled triangle in front of the surface that a pixel shows; 0: none.
-fn culled_at(pixel: vec2u) -> f32 {
-    if (!HAS_CULLED) { return 0.0; }
-    return bitcast<f32>(lists[culled_slot(pixel)]);
+// Whether a surface that the camera culls is in front of the one that a pixel shows.
+fn has_culled(pixel: vec2u) -> bool {
+    if (!HAS_CULLED) { return false; }
+    let nearest = bitcast<f32>(lists[pyramid_slot(pyramid(), pixel, 0u)]);
+    return nearest > screen_z(textureLoad(view_depth, pixel, 0).x) * (1.0 + CULLED_SLACK);
 }
 
 // Whether reflection rays ignore the instance that a pixel shows.
 fn is_unreflected(instance: u32) -> bool {
     return HAS_UNSHOWN && is_passed(instances[instance].trace_flags, UNREFLECTED);
-}
-
-// Clip-space z of the nearest surface in a cell of the pyramid.
-fn nearest_in(cell: vec2u, level: u32) -> f32 {
-    if (level == 0u) { return max(screen_z(textureLoad(view_depth, cell, 0).x), culled_at(cell)); }
-    return bitcast<f32>(lists[pyramid_slot(cell, level)]);
 }
 
 struct March {
@@ -183,31 +180,62 @@ fn is_refusal(cause: u32) -> bool {
     return cause == CAUSE_HIDDEN || cause == CAUSE_UNCONFIRMED || cause == CAUSE_BACK_FACE || cause == CAUSE_REFLECTOR;
 }
 
-// Direction of a ray through the grid of pixels.
+// Direction of a ray through the grid of pixels: constants of its steps.
 struct Heading {
-    positive: vec2<bool>,
-    steep: vec2<bool>, // whether the ray ever reaches the next column, and row
-    inverse: vec2f, // change of s per pixel
+    positive: vec2<bool>, // whether columns, and rows, increase along the ray
+    inverse: vec2f, // change of s per pixel; 0 where the ray never reaches the next column, or row
+    offset: vec2f, // s at column 0, and at row 0, negated; -2 where the ray never reaches the next
 }
 
 fn heading_of(r: ScreenRay) -> Heading {
     let steep = abs(r.delta.xy) > vec2f(1e-9);
-    let inverse = select(vec2f(1e30), 1.0 / select(vec2f(1.0), r.delta.xy, steep), steep);
-    return Heading(r.delta.xy > vec2f(0.0), steep, inverse);
+    let inverse = select(vec2f(0.0), 1.0 / select(vec2f(1.0), r.delta.xy, steep), steep);
+    return Heading(r.delta.xy > vec2f(0.0), inverse, select(vec2f(-2.0), r.start.xy * inverse, steep));
 }
 
 // Ray parameter s where the ray leaves the columns, and the rows, of a cell of pixels that ends before `next`.
-fn exits_of(r: ScreenRay, h: Heading, first: vec2i, next: vec2i) -> vec2f {
-    let edges = vec2f(select(first, next, h.positive));
-    return select(vec2f(2.0), (edges - r.start.xy) * h.inverse, h.steep);
+fn exits_of(h: Heading, first: vec2i, next: vec2i) -> vec2f {
+    return vec2f(select(first, next, h.positive)) * h.inverse - h.offset;
 }
 
-// The pixel after that cell. It is exact across the border that the ray crosses; along the border, clamping keeps
-// rounding from skipping a pixel.
-fn pixel_past(r: ScreenRay, h: Heading, first: vec2i, next: vec2i, exits: vec2f, exit: f32) -> vec2i {
-    let along = clamp(vec2i(floor(r.start.xy + r.delta.xy * exit)), first, next - 1);
+// Pixel of the ray at a parameter s within a cell. Clamping keeps rounding from skipping a pixel.
+fn pixel_at(r: ScreenRay, s: f32, first: vec2i, next: vec2i) -> vec2i {
+    return clamp(vec2i(floor(r.start.xy + r.delta.xy * s)), first, next - 1);
+}
+
+// The pixel after a cell, which is exact across the border that the ray crosses. `along` is the ray's last pixel in
+// the cell.
+fn pixel_past(h: Heading, first: vec2i, next: vec2i, exits: vec2f, along: vec2i) -> vec2i {
     let beyond = select(first - 1, next, h.positive);
     return select(vec2i(along.x, beyond.y), vec2i(beyond.x, along.y), exits.x <= exits.y);
+}
+
+// Height of the surface of a pixel over the reflector's tangent plane, affine in the pixel and in clip-space z: a point
+// on or below that plane is never in front of the ray, for camera and ray are both above it, and so is every point
+// between them. This keeps grazing floors from reflecting themselves.
+struct TangentPlane {
+    rise: vec2f, // per column, and per row
+    rise_z: f32, // per clip-space z
+    height: f32, // of pixel 0 at a clip-space z of 0
+    least: f32, // minimum height in front of the ray, beyond rounding
+}
+
+fn tangent_plane(s: Surface) -> TangentPlane {
+    let normal = s.geometric_normal;
+    let eye = dot(frame.eye - s.position, normal);
+    let rise = vec2f(2.0, -2.0) * vec2f(dot(frame.right, normal), dot(frame.up, normal)) / frame.size;
+    let corner = dot(pixel_offset(vec2f(0.5)), normal);
+    let approach = dot(frame.forward, normal);
+    if (is_orthographic()) {
+        let range_m = frame.far_m - frame.near_m;
+        return TangentPlane(rise, -range_m * approach, eye + corner + frame.far_m * approach, frame.pixel_m * 0.2);
+    }
+    // Heights over view depth.
+    return TangentPlane(rise, eye / frame.near_m, approach + corner, 2e-4);
+}
+
+fn is_above(plane: TangentPlane, pixel: vec2i, z: f32) -> bool {
+    return dot(plane.rise, vec2f(pixel)) + plane.rise_z * z + plane.height > plane.least;
 }
 
 fn march(s0: Surface, direction: vec3f) -> March {
@@ -216,69 +244,56 @@ fn march(s0: Surface, direction: vec3f) -> March {
     let r = screen_ray(origin, direction);
     let length_px = max(max(abs(r.delta.x), abs(r.delta.y)), 1e-3);
     let heading = heading_of(r);
-    // Height of a pixel's surface over the reflector's tangent plane, by its depth: a point on or
-    // below that plane is never in front of the ray, for camera and ray are both above it, and so is
-    // every point between them. This keeps grazing floors from reflecting themselves.
-    let normal = s0.geometric_normal;
-    let eye_height = dot(frame.eye - s0.position, normal);
-    let rise_x = 2.0 * dot(frame.right, normal) / frame.size.x;
-    let rise_y = -2.0 * dot(frame.up, normal) / frame.size.y;
-    let rise_0 = dot(pixel_offset(vec2f(0.5)), normal);
-    let approach = dot(frame.forward, normal);
+    let plane = tangent_plane(s0);
+    let recedes = r.delta.z < 0.0;
+    let inverse_z = select(0.0, 1.0 / select(1.0, r.delta.z, recedes), recedes);
+    let nearest = pyramid();
+    let size = vec2u(frame.size);
 
     var s = min(START_PX / length_px, r.end); // the ray is free of hits up to s
     // Exception: a ray that leads back to an orthographic camera meets culled triangles on its way.
-    if (s >= r.end && culled_at(vec2u(clamp(r.start.xy, vec2f(0.0), frame.size - 1.0))) > 0.0) { s = 0.0; }
+    if (s >= r.end && has_culled(vec2u(clamp(r.start.xy, vec2f(0.0), frame.size - 1.0)))) { s = 0.0; }
     var pixel = clamp(vec2i(floor(r.start.xy + r.delta.xy * s)), vec2i(0), vec2i(frame.size) - 1);
     var level = 0u;
+    var climbs = true; // at each step until the first cell that is not free, then only out of the parent cell
     var steps = 0u;
     var m = March(CAUSE_STEPS, 0.0, vec2u(NONE), vec2f(0.0));
     var last: Candidate;
     for (var candidate = 0u; candidate < MAX_CANDIDATES; candidate++) {
-        var c = Candidate(vec2u(0u), -1.0, 0.0);
-        m.cause = CAUSE_STEPS;
+        var exit = s;
+        var is_met = false;
         // This loop does nothing but walk: rays that stop at different steps are then tested together.
-        while (steps < params.steps) {
-            if (s >= r.end || any(pixel < vec2i(0)) || any(pixel >= vec2i(frame.size))) {
-                m.cause = select(CAUSE_NONE, CAUSE_OFF_SCREEN, r.leaves);
-                break;
-            }
+        while (steps < params.steps && s < r.end && all(vec2u(pixel) < size)) {
             steps++;
             let cell = pixel >> vec2u(level);
             let first = cell << vec2u(level);
             let next = (cell + 1) << vec2u(level);
-            let exits = exits_of(r, heading, first, next);
-            let exit = clamp(min(exits.x, exits.y), s, r.end);
-            let z_in = r.start.z + r.delta.z * s;
-            let z_out = r.start.z + r.delta.z * exit;
-            let stored = nearest_in(vec2u(cell), level);
-            var is_free = min(z_in, z_out) > stored;
-            if (!is_free && level == 0u) {
-                let depth_m = depth_of(stored);
-                let rise = rise_0 + rise_x * f32(pixel.x) + rise_y * f32(pixel.y);
-                let height = eye_height + depth_m * approach + rise * select(depth_m, 1.0, is_orthographic());
-                is_free = height <= select(depth_m * 2e-4, frame.pixel_m * 0.2, is_orthographic());
-                if (!is_free) {
-                    c = Candidate(vec2u(pixel), s, exit);
-                    break;
-                }
-            }
-            if (is_free) {
-                pixel = pixel_past(r, heading, first, next, exits, exit);
-                s = exit;
-                level = min(level + 1u, PYRAMID_LEVELS);
-                continue;
-            }
-            if (z_in > stored) {
-                // The ray recedes, and is free up to where it is as deep as the cell's nearest surface.
-                s = clamp((stored - r.start.z) / r.delta.z, s, exit);
-                pixel = clamp(vec2i(floor(r.start.xy + r.delta.xy * s)), first, next - 1);
-            }
-            level--;
+            let exits = exits_of(heading, first, next);
+            exit = clamp(min(exits.x, exits.y), s, r.end);
+            let stored = bitcast<f32>(lists[pyramid_slot(nearest, vec2u(cell), level)]);
+            let deepest = r.start.z + r.delta.z * select(s, exit, recedes);
+            let is_free = deepest > stored || (level == 0u && !is_above(plane, pixel, stored));
+            is_met = !is_free && level == 0u;
+            if (is_met) { break; }
+            // A ray that recedes is free up to where it is as deep as the cell's nearest surface.
+            let free_s = select(clamp((stored - r.start.z) * inverse_z, s, exit), exit, is_free);
+            let along = select(pixel, pixel_at(r, free_s, first, next), free_s > s);
+            let onward = select(along, pixel_past(heading, first, next, exits, along), is_free);
+            climbs = climbs && is_free;
+            let leaves_parent = any((onward >> vec2u(level + 1u)) != (pixel >> vec2u(level + 1u)));
+            let above = select(level, min(level + 1u, PYRAMID_LEVELS), climbs || leaves_parent);
+            level = select(level - 1u, above, is_free);
+            pixel = onward;
+            s = free_s;
         }
-        if (c.low < 0.0) { break; }
+        m.cause = CAUSE_STEPS;
+        if (!is_met) {
+            if (s >= r.end || any(vec2u(pixel) >= size)) { m.cause = select(CAUSE_NONE, CAUSE_OFF_SCREEN, r.leaves); }
+            break;
+        }
+        let c = Candidate(vec2u(pixel), s, exit);
         last = c;
-        if (culled_at(c.pixel) > 0.0 || is_unreflected(textureLoad(ids, c.pixel, 0).x)) {
+        if (has_culled(c.pixel) || is_unreflected(textureLoad(ids, c.pixel, 0).x)) {
             m.cause = CAUSE_HIDDEN; // behind a surface that camera rays and reflection rays treat differently
         } else if (VERIFY) {
             m = accept_verified(r, c, origin, direction);
@@ -287,8 +302,7 @@ fn march(s0: Surface, direction: vec3f) -> March {
         }
         if (m.cause != CAUSE_NOT_REFLECTIVE) { break; }
         // The ray was in front of the surface over all of this pixel: go on after it.
-        let exits = exits_of(r, heading, pixel, pixel + 1);
-        pixel = pixel_past(r, heading, pixel, pixel + 1, exits, c.high);
+        pixel = pixel_past(heading, pixel, pixel + 1, exits_of(heading, pixel, pixel + 1), pixel);
         s = c.high;
         m.cause = CAUSE_STEPS;
     }

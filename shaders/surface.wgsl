@@ -24,12 +24,21 @@ var<workgroup> tile_counts: array<atomic<u32>, 4>; // not reflective, rough, ref
 var<workgroup> tile_start: u32;
 var<workgroup> transmissive_start: u32;
 
-// Keeps the depth of the nearest culled triangle in front of the surface that the pixel shows at `depth_m`.
-fn keep_culled(pixel: vec2u, depth_m: f32) {
-    let nearest = textureLoad(raster_depth, pixel, 0);
-    // The depth of the surface is computed from its plane, and differs a little from the rasterized depth.
-    let is_culled = nearest > screen_z(depth_m * (1.0 - CULLED_SLACK));
-    lists[culled_slot(pixel)] = bitcast<u32>(select(0.0, nearest, is_culled));
+// Writes the depth of the surface that the pixel shows, and for the march that of the nearest one which its rays may
+// meet: perhaps a culled triangle in front of it.
+fn store_depth(pixel: vec2u, depth_m: f32) {
+    textureStore(view_depth, pixel, vec4f(depth_m, 0.0, 0.0, 0.0));
+    if (!HAS_REFLECTIONS || !MARCH) { return; }
+    var nearest = screen_z(depth_m);
+    let slot = pyramid_slot(pyramid(), pixel, 0u);
+    if (HAS_CULLED && RASTERIZED) {
+        // The depth of the surface is computed from its plane, and differs a little from the rasterized depth.
+        let culled = textureLoad(raster_depth, pixel, 0);
+        if (culled > screen_z(depth_m * (1.0 - CULLED_SLACK))) { nearest = culled; }
+    } else if (HAS_CULLED) {
+        nearest = max(nearest, bitcast<f32>(lists[slot]));
+    }
+    lists[slot] = bitcast<u32>(nearest);
 }
 
 struct Resolved {
@@ -41,17 +50,14 @@ struct Resolved {
 fn resolve(pixel: vec2u) -> Resolved {
     let hit = textureLoad(ids, pixel, 0).xy;
     if (hit.x == NONE) {
-        if (HAS_CULLED && RASTERIZED) { keep_culled(pixel, FAR_M); }
-        textureStore(view_depth, pixel, vec4f(FAR_M, 0.0, 0.0, 0.0));
+        store_depth(pixel, FAR_M);
         textureStore(surface, pixel, vec4u(0u));
         textureStore(colors, pixel, vec4u(0u));
         return Resolved(CAUSE_NOT_REFLECTIVE, false);
     }
     let shown = pixel_surface(pixel, hit);
     let s = shown.surface;
-    let depth_m = shown.depth_m;
-    if (HAS_CULLED && RASTERIZED) { keep_culled(pixel, depth_m); }
-    textureStore(view_depth, pixel, vec4f(depth_m, 0.0, 0.0, 0.0));
+    store_depth(pixel, shown.depth_m);
     textureStore(surface, pixel, pack_surface(s));
     textureStore(colors, pixel, pack_colors(s));
     // Rounded as in the packed surface that other passes read.

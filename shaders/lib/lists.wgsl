@@ -1,5 +1,5 @@
 // Lists of a frame, in one buffer because a stage may bind few: reflective pixels, then traced rays with screen hits
-// from the other end, then the depth pyramid, then the depth of surfaces that the camera culls.
+// from the other end, then the depth pyramid.
 // Transmissive pixels use the one of the first two lists that the surface pass leaves free. Pixels are x
 // y << 16.
 
@@ -34,21 +34,32 @@ fn transmissive_slot(index: u32) -> u32 {
     return select(reflector_slot(index), ray_slot(index), HAS_REFLECTIONS && MARCH);
 }
 
-// Slot of a pyramid cell at a level from 1 up; the picture is padded to whole cells of the last level.
-fn pyramid_slot(cell: vec2u, level: u32) -> u32 {
+// The depth pyramid: for the picture, padded to whole cells of the last level, and for cells of 2, 4, … pixels, the
+// clip-space z of the nearest surface that reflection rays may meet; 0: none. Level 0 is the picture itself.
+struct Pyramid {
+    start: u32, // slot of its first value
+    width: u32, // number of pixels of a padded row
+    area: u32, // number of cells of the last level
+}
+
+fn pyramid() -> Pyramid {
     let cells = (vec2u(frame.size) + (1u << PYRAMID_LEVELS) - 1u) >> vec2u(PYRAMID_LEVELS);
-    let area = (cells.x * cells.y) << (2u * PYRAMID_LEVELS);
-    let before = (area - (area >> (2u * level - 2u))) / 3u;
-    return 2u * picture_px() + before + cell.y * (cells.x << (PYRAMID_LEVELS - level)) + cell.x;
+    return Pyramid(2u * picture_px(), cells.x << PYRAMID_LEVELS, cells.x * cells.y);
 }
 
-// Whether surfaces that the camera culls but reflection rays meet stop the march.
+// Sum of the powers of 4 up to that of level 0, which is the number of its pixels per cell of the last level.
+const POWERS_OF_4: u32 = ((4u << (2u * PYRAMID_LEVELS)) - 1u) / 3u;
+
+// Slot of a cell of the pyramid.
+fn pyramid_slot(p: Pyramid, cell: vec2u, level: u32) -> u32 {
+    // Number of cells of the levels before, per cell of the last one: the higher powers of 4.
+    let before = POWERS_OF_4 & (0xffffffffu << (2u * (PYRAMID_LEVELS + 1u - level)));
+    return p.start + before * p.area + cell.y * (p.width >> level) + cell.x;
+}
+
+// Whether surfaces that the camera culls but reflection rays meet stop the march. Where they are nearer than the
+// surface that a pixel shows, level 0 of the pyramid has their depth.
 override HAS_CULLED: bool = true;
-
-// Slot of a pixel's clip-space z of the nearest culled surface in front of the one it shows; 0: none.
-fn culled_slot(pixel: vec2u) -> u32 {
-    return pyramid_slot(vec2u(0u), PYRAMID_LEVELS + 1u) + pixel.y * u32(frame.size.x) + pixel.x;
-}
 
 fn pack_pixel(pixel: vec2u) -> u32 {
     return pixel.x | (pixel.y << 16u);

@@ -55,7 +55,6 @@ impl BindingKey {
             lists: ListedParts {
                 reflections: plan.features.reflections,
                 transmission: plan.features.transmission,
-                culled_surfaces: plan.features.culled_surfaces,
             },
             color: Target::last_color(options.image.samples),
             audit: options.audit,

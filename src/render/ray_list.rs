@@ -65,13 +65,10 @@ pub struct ListedParts {
     pub reflections: bool,
     /// Whether there are transmissive pixels: in a list that is free at that time, or alone.
     pub transmission: bool,
-    /// Whether there is a depth of culled surfaces for each pixel.
-    pub culled_surfaces: bool,
 }
 
 impl ListedParts {
-    /// Size of the buffer: two words per pixel, the pyramid of the picture padded to whole cells of the last level,
-    /// and one word per pixel for culled surfaces.
+    /// Size of the buffer: two words per pixel, and the pyramid of the picture padded to whole cells of the last level.
     fn bytes(self, size: [u32; 2]) -> u64 {
         let pixels = u64::from(size[0]) * u64::from(size[1]);
         if !self.reflections {
@@ -79,8 +76,8 @@ impl ListedParts {
         }
         let padded = size.map(|side| u64::from(side.next_multiple_of(1 << PYRAMID_LEVELS)));
         let area = padded[0] * padded[1];
-        let pyramid = (area - (area >> (2 * PYRAMID_LEVELS))) / 3;
-        4 * ((2 + u64::from(self.culled_surfaces)) * pixels + pyramid)
+        let pyramid = (4 * area - (area >> (2 * PYRAMID_LEVELS))) / 3;
+        4 * (2 * pixels + pyramid)
     }
 }
 
@@ -88,8 +85,8 @@ impl ListedParts {
 #[derive(Clone, Debug)]
 pub struct RayList {
     /// Pixels (x
-    /// y << 16): reflective ones, then rays with hits from the other end, then the depth pyramid, then the depth of
-    /// culled surfaces; transmissive pixels use a list that is free.
+    /// y << 16): reflective ones, then rays with hits from the other end, then the depth pyramid; transmissive pixels use
+    /// a list that is free.
     /// Layout: `shaders/lib/lists.wgsl`.
     pub lists: wgpu::Buffer,
     /// Counters of causes, rays and hits; see [`RAY_COUNTER`].

@@ -7,7 +7,7 @@ use super::plan::Plan;
 pub enum SharedData {
     /// Depth seen from lights.
     ShadowMaps,
-    /// Depth of surfaces that the camera culls but reflection rays meet.
+    /// Depth of surfaces that the camera culls but reflection rays meet, found by primary rays.
     CulledDepth,
     /// Lists of reflective pixels, screen hits, rays to trace and transmissive pixels.
     PixelLists,
@@ -15,7 +15,7 @@ pub enum SharedData {
     Counters,
     /// Workgroup counts of the passes over lists.
     DispatchSizes,
-    /// The nearest depth of ever larger cells of pixels.
+    /// The nearest depth of pixels and of ever larger cells of them.
     DepthPyramid,
 }
 

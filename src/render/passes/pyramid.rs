@@ -7,7 +7,6 @@ use crate::{
     ray_list::PYRAMID_LEVELS,
     shared_data::SharedData,
     sub_frame::SubFrame,
-    targets::Target,
 };
 use reflet_gpu::GpuError;
 
@@ -18,8 +17,7 @@ pub const PASS: Pass = Pass {
     name: "pyramid",
     group: PassGroup::March,
     color: [42, 128, 52],
-    reads: &[Target::ViewDepth],
-    reads_shared: &[SharedData::CulledDepth],
+    reads_shared: &[SharedData::DepthPyramid],
     writes_shared: &[SharedData::DepthPyramid],
     needed: ssr::PASS.needed,
     ..Pass::DEFAULT

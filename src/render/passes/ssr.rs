@@ -34,7 +34,6 @@ pub const PASS: Pass = Pass {
         SharedData::Counters,
         SharedData::PixelLists,
         SharedData::DispatchSizes,
-        SharedData::CulledDepth,
         SharedData::DepthPyramid,
     ],
     writes_shared: &[SharedData::PixelLists, SharedData::Counters],

@@ -26,8 +26,9 @@ pub const PASS: Pass = Pass {
         Target::Colors,
         Target::Cause,
     ],
+    reads_shared: &[SharedData::CulledDepth],
     writes_shared: &[
-        SharedData::CulledDepth,
+        SharedData::DepthPyramid,
         SharedData::PixelLists,
         SharedData::Counters,
     ],
