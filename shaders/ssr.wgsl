@@ -322,7 +322,7 @@ var<workgroup> group_causes: array<atomic<u32>, CAUSES>;
 var<workgroup> group_hits: atomic<u32>;
 var<workgroup> group_rays: atomic<u32>;
 var<workgroup> first_hit: u32;
-var<workgroup> first_ray: u32;
+var<workgroup> first_refused: u32;
 
 // Marches the ray of a pixel and writes what is known of its reflection.
 fn reflect_pixel(pixel: vec2u) -> u32 {
@@ -367,7 +367,8 @@ fn reflect_listed(index: u32, lane: u32) -> vec2u {
     workgroupBarrier();
     if (lane == 0u) {
         first_hit = atomicAdd(&counters[HIT_COUNTER], atomicLoad(&group_hits));
-        first_ray = atomicAdd(&counters[RAY_COUNTER], atomicLoad(&group_rays));
+        let unmarched = atomicLoad(&counters[CAUSE_UNMARCHED]);
+        first_refused = atomicAdd(&counters[RAY_COUNTER], atomicLoad(&group_rays)) - unmarched;
     }
     if (lane < CAUSES) {
         let n = atomicLoad(&group_causes[lane]);
@@ -375,7 +376,7 @@ fn reflect_listed(index: u32, lane: u32) -> vec2u {
     }
     workgroupBarrier();
     if (is_hit) { lists[hit_slot(first_hit + place)] = pack_pixel(pixel); }
-    if (is_ray) { lists[ray_slot(first_ray + place)] = pack_pixel(pixel); }
+    if (is_ray) { lists[refused_slot(first_refused + place)] = pack_pixel(pixel); }
     return pixel;
 }
 

@@ -19,9 +19,15 @@ override RASTERIZED: bool = true; // false: primary rays found ids and the depth
 
 const CULLED_SLACK: f32 = 1e-4;
 
-const TRANSMISSIVE: u32 = 3u;
-var<workgroup> tile_counts: array<atomic<u32>, 4>; // not reflective, rough, reflective, transmissive
-var<workgroup> tile_start: u32;
+// Kinds of pixels; a pixel is of one of the first four, and perhaps transmissive.
+const UNREFLECTIVE: u32 = 0u;
+const ROUGH: u32 = 1u;
+const MARCHED: u32 = 2u;
+const TRACED: u32 = 3u;
+const TRANSMISSIVE: u32 = 4u;
+var<workgroup> tile_counts: array<atomic<u32>, 5>;
+var<workgroup> marched_start: u32;
+var<workgroup> traced_start: u32;
 var<workgroup> transmissive_start: u32;
 
 // Writes the depth of the surface that the pixel shows, and for the march that of the nearest one which its rays may
@@ -42,7 +48,7 @@ fn store_depth(pixel: vec2u, depth_m: f32) {
 }
 
 struct Resolved {
-    why: u32, // cause that says whether the pixel is reflective
+    kind: u32, // its kind but for TRANSMISSIVE
     is_transmissive: bool,
 }
 
@@ -53,7 +59,7 @@ fn resolve(pixel: vec2u) -> Resolved {
         store_depth(pixel, FAR_M);
         textureStore(surface, pixel, vec4u(0u));
         textureStore(colors, pixel, vec4u(0u));
-        return Resolved(CAUSE_NOT_REFLECTIVE, false);
+        return Resolved(UNREFLECTIVE, false);
     }
     let shown = pixel_surface(pixel, hit);
     let s = shown.surface;
@@ -67,23 +73,25 @@ fn resolve(pixel: vec2u) -> Resolved {
     packed.metallic = rounded.y;
     packed.clearcoat = round(s.clearcoat * COAT_STEPS) / COAT_STEPS;
     packed.clearcoat_roughness = round(s.clearcoat_roughness * COAT_STEPS) / COAT_STEPS;
-    let rough = select(CAUSE_NOT_REFLECTIVE, CAUSE_ROUGH, s.reflection != REFLECTION_NONE);
-    return Resolved(select(rough, CAUSE_UNMARCHED, is_reflector(packed)), is_transmissive(s));
+    let rough = select(UNREFLECTIVE, ROUGH, s.reflection != REFLECTION_NONE);
+    let is_traced = !MARCH || (instances[hit.x].flags & FLAG_TRACED) != 0u;
+    let reflective = select(MARCHED, TRACED, is_traced);
+    return Resolved(select(rough, reflective, is_reflector(packed)), is_transmissive(s));
 }
 
 @compute @workgroup_size(GROUP_PX, GROUP_PX)
 fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_id) local: vec3u, @builtin(local_invocation_index) lane: u32) {
     let pixel = invoked_pixel(group, groups, local);
     let inside = all(pixel < vec2u(frame.size));
-    var found = Resolved(CAUSE_NOT_REFLECTIVE, false);
+    var found = Resolved(UNREFLECTIVE, false);
     if (inside) { found = resolve(pixel); }
     if (!HAS_REFLECTIONS && !HAS_TRANSMISSION) { return; }
-    let why = found.why;
+    let kind = found.kind;
     var place = 0u;
     var transmissive_place = 0u;
     if (HAS_REFLECTIONS && inside) {
-        textureStore(cause, pixel, vec4u(why, 0u, 0u, 0u));
-        let kind = u32(why == CAUSE_ROUGH) + 2u * u32(why == CAUSE_UNMARCHED);
+        let causes = array<u32, 4>(CAUSE_NOT_REFLECTIVE, CAUSE_ROUGH, CAUSE_UNMARCHED, CAUSE_UNMARCHED);
+        textureStore(cause, pixel, vec4u(causes[kind], 0u, 0u, 0u));
         place = atomicAdd(&tile_counts[kind], 1u);
     }
     if (HAS_TRANSMISSION && found.is_transmissive) { transmissive_place = atomicAdd(&tile_counts[TRANSMISSIVE], 1u); }
@@ -93,19 +101,18 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: ve
             let first = atomicAdd(&counters[TRANSMISSIVE_COUNTER], atomicLoad(&tile_counts[TRANSMISSIVE]));
             transmissive_start = transmissive_slot(first);
         }
-        let reflective = atomicLoad(&tile_counts[2]);
-        atomicAdd(&counters[CAUSE_NOT_REFLECTIVE], atomicLoad(&tile_counts[0]));
-        atomicAdd(&counters[CAUSE_ROUGH], atomicLoad(&tile_counts[1]));
-        if (MARCH) {
-            tile_start = reflector_slot(atomicAdd(&counters[REFLECTOR_COUNTER], reflective));
-        } else {
-            atomicAdd(&counters[CAUSE_UNMARCHED], reflective);
-            tile_start = ray_slot(atomicAdd(&counters[RAY_COUNTER], reflective));
-        }
+        atomicAdd(&counters[CAUSE_NOT_REFLECTIVE], atomicLoad(&tile_counts[UNREFLECTIVE]));
+        atomicAdd(&counters[CAUSE_ROUGH], atomicLoad(&tile_counts[ROUGH]));
+        marched_start = atomicAdd(&counters[REFLECTOR_COUNTER], atomicLoad(&tile_counts[MARCHED]));
+        let traced = atomicLoad(&tile_counts[TRACED]);
+        traced_start = atomicAdd(&counters[CAUSE_UNMARCHED], traced);
+        atomicAdd(&counters[RAY_COUNTER], traced);
     }
     workgroupBarrier();
     if (HAS_TRANSMISSION && found.is_transmissive) {
         lists[transmissive_start + transmissive_place] = pack_pixel(pixel);
     }
-    if (HAS_REFLECTIONS && why == CAUSE_UNMARCHED) { lists[tile_start + place] = pack_pixel(pixel); }
+    if (!HAS_REFLECTIONS) { return; }
+    if (kind == MARCHED) { lists[reflector_slot(marched_start + place)] = pack_pixel(pixel); }
+    if (kind == TRACED) { lists[unmarched_slot(traced_start + place)] = pack_pixel(pixel); }
 }

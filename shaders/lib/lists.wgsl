@@ -1,11 +1,10 @@
-// Lists of a frame, in one buffer because a stage may bind few: reflective pixels, then traced rays with screen hits
-// from the other end, then the depth pyramid.
-// Transmissive pixels use the one of the first two lists that the surface pass leaves free. Pixels are x
-// y << 16.
+// Lists of a frame, in one buffer because a stage may bind few: pixels to march with pixels to trace at once from the
+// other end, then rays that the march refused with screen hits from the other end, then the depth pyramid. Transmissive
+// pixels use a list that is free before the march. Pixels are x | y << 16.
 
 #import frame
 
-// Whether there are reflective pixels, and whether they are marched; otherwise the surface pass lists them as rays.
+// Whether there are reflective pixels, and whether those of surfaces without FLAG_TRACED are marched.
 override HAS_REFLECTIONS: bool = true;
 override MARCH: bool = true;
 
@@ -20,8 +19,20 @@ fn reflector_slot(index: u32) -> u32 {
     return index;
 }
 
-fn ray_slot(index: u32) -> u32 {
+// Slot of a pixel that is traced without being marched.
+fn unmarched_slot(index: u32) -> u32 {
+    return picture_px() - 1u - index;
+}
+
+fn refused_slot(index: u32) -> u32 {
     return picture_px() + index;
+}
+
+// Slot of a traced ray: unmarched pixels come first, then refused ones.
+fn ray_slot(index: u32) -> u32 {
+    let unmarched = atomicLoad(&counters[CAUSE_UNMARCHED]);
+    if (index < unmarched) { return unmarched_slot(index); }
+    return refused_slot(index - unmarched);
 }
 
 // Rays and hits together are at most as many as pixels, so that the two lists never overlap.
@@ -31,7 +42,7 @@ fn hit_slot(index: u32) -> u32 {
 
 // Slot of a transmissive pixel, in a list that is free until the march lists its rays.
 fn transmissive_slot(index: u32) -> u32 {
-    return select(reflector_slot(index), ray_slot(index), HAS_REFLECTIONS && MARCH);
+    return select(reflector_slot(index), refused_slot(index), HAS_REFLECTIONS);
 }
 
 // The depth pyramid: for the picture, padded to whole cells of the last level, and for cells of 2, 4, … pixels, the

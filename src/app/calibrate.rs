@@ -280,7 +280,8 @@ impl Series {
             [scaled(lit), scaled(visits)],
             ns(ray_shadows, &light::PASS) - unlit_ns,
         );
-        let mirrors = [scaled(view.reflective), scaled(view.mirror_visits)];
+        let mirror = view.all_mirror();
+        let mirrors = [scaled(mirror.rays), scaled(mirror.visits)];
         push(|s| &mut s.mirror, mirrors, ns(rays, &trace::PASS));
         push(|s| &mut s.march, mirrors, ns(maps, &ssr::PASS));
         push(

@@ -120,6 +120,8 @@ impl Renderer {
         if let Some(scene) = new_scene {
             self.scene = scene;
         }
+        self.scene
+            .set_traced(gpu, shown, &self.trees, decided.traced);
         self.unit_m = options.unit_m(world);
         self.options = *options;
         self.decisions = decided.decisions;

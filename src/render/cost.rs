@@ -5,10 +5,13 @@ use std::fmt;
 
 use reflet_scene::desc::LightKind;
 
-use super::{unit_costs::UnitCosts, view_sample::ViewSample};
+use super::{
+    unit_costs::UnitCosts,
+    view_sample::{MirrorRays, ViewSample},
+};
 
 /// Size of the frame and of the scene, and counts of the view.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Workload {
     /// Number of pixels of the picture.
     pub pixels: f64,
@@ -82,7 +85,7 @@ impl Workload {
     pub fn shadow(&self, unit: &UnitCosts, kind: usize) -> Pair {
         let view = &self.view;
         let (rays, visits) = view.shadows[kind];
-        let lit = 1.0 + f64::from(view.reflective) / f64::from(view.surfaces.max(1));
+        let lit = 1.0 + f64::from(view.all_mirror().rays) / f64::from(view.surfaces.max(1));
         let draw = self.triangles * self.map_views[kind] * unit.map_triangle;
         let maps = draw + self.map_pixels[kind] * unit.map_pixel;
         let filter = self.weight() * lit * f64::from(rays) * unit.filter;
@@ -91,20 +94,57 @@ impl Workload {
         Pair([("ray", MS * rays), ("map", MS * (maps + filter))])
     }
 
-    /// Expected costs of reflections by the methods `hybrid` and `rt`.
-    pub fn reflections(&self, unit: &UnitCosts) -> Pair {
-        let view = &self.view;
-        let of = |rays: u32, visits: u32| {
-            f64::from(rays) * unit.mirror_ray + f64::from(visits) * unit.mirror_node
-        };
-        let march = f64::from(view.reflective) * unit.march_ray
-            + f64::from(view.mirror_visits) * unit.march_node;
-        let all = of(view.reflective, view.mirror_visits);
-        let hidden = of(view.reflective - view.shown, view.refused_visits);
-        let refused = hidden + (all - hidden) * (1.0 - ACCEPTED);
-        let shown = f64::from(view.shown) * ACCEPTED * unit.hit;
+    /// Expected costs of reflections by the methods `hybrid` and `rt`, where `hybrid` traces the instances of which
+    /// `is_traced` is true at once.
+    pub fn reflections(&self, unit: &UnitCosts, is_traced: impl Fn(usize) -> bool) -> Pair {
+        let (mut hybrid, mut rt) = (0.0, 0.0);
+        for (instance, rays) in &self.view.mirror {
+            rt += rays.traced(unit);
+            hybrid += match is_traced(*instance) {
+                true => rays.traced(unit),
+                false => rays.marched(unit),
+            };
+        }
         let fixed = self.samples * (self.pixels * unit.pyramid_pixel + 4.0 * unit.pass);
-        let hybrid = self.weight() * (march + refused * APART + shown) + fixed;
-        Pair([("hybrid", MS * hybrid), ("rt", MS * self.weight() * all)])
+        let hybrid = self.weight() * hybrid + fixed;
+        Pair([("hybrid", MS * hybrid), ("rt", MS * self.weight() * rt)])
+    }
+
+    /// Whether the mirror rays of each of `instances` take less time to trace than to march. Those of which few rays
+    /// were sampled are taken together; without any they count as all instances.
+    pub fn cheaper_traced(&self, unit: &UnitCosts, instances: usize) -> Vec<bool> {
+        let is_traced = |rays: &MirrorRays| rays.traced(unit) <= rays.marched(unit);
+        let few = self.view.mirror.values().filter(|m| m.rays < LEAST_RAYS);
+        let few = few.copied().reduce(MirrorRays::plus);
+        let others = is_traced(&few.unwrap_or_else(|| self.view.all_mirror()));
+        let of = |instance: usize| match self.view.mirror.get(&instance) {
+            Some(rays) if rays.rays >= LEAST_RAYS => is_traced(rays),
+            _ => others,
+        };
+        (0..instances).map(of).collect()
+    }
+}
+
+/// Minimum number of sampled mirror rays of an instance to decide for it alone.
+const LEAST_RAYS: u32 = 8;
+
+impl MirrorRays {
+    /// Expected time to trace them all, nanoseconds.
+    fn traced(&self, unit: &UnitCosts) -> f64 {
+        f64::from(self.rays) * unit.mirror_ray + f64::from(self.visits) * unit.mirror_node
+    }
+
+    /// Expected time to march them, to shade the hits that the picture shows and to trace the others, nanoseconds.
+    fn marched(&self, unit: &UnitCosts) -> f64 {
+        let march =
+            f64::from(self.rays) * unit.march_ray + f64::from(self.visits) * unit.march_node;
+        let hidden = Self {
+            rays: self.rays - self.shown,
+            visits: self.refused_visits,
+            ..Self::default()
+        };
+        let hidden = hidden.traced(unit);
+        let refused = hidden + (self.traced(unit) - hidden) * (1.0 - ACCEPTED);
+        march + refused * APART + f64::from(self.shown) * ACCEPTED * unit.hit
     }
 }

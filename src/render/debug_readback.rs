@@ -10,6 +10,7 @@ use reflet_scene::desc::ShadowMode;
 use reflet_world::{Light, World};
 
 use super::{
+    cause::Cause,
     lights::{CUBE_FACES, SHADOW_NEAR_M, has_cube_map, in_order},
     options::RenderOptions,
     ray_list::RAY_COUNTER,
@@ -90,12 +91,14 @@ impl Renderer {
             return Ok(None);
         }
         let counters: Vec<u32> = read_buffer(gpu, &self.bindings.ray_list.counters)?;
-        let count = counters.get(RAY_COUNTER).copied().unwrap_or(0);
+        let [count, unmarched] = [RAY_COUNTER, Cause::Unmarched as usize]
+            .map(|at| counters.get(at).copied().unwrap_or(0) as usize);
         let lists: Vec<u32> = read_buffer(gpu, &self.bindings.ray_list.lists)?;
         let [width, height] = self.options.image.size;
-        let rays = lists.into_iter().skip((width * height) as usize);
-        let place = |ray: u32| [ray & 0xFFFF, ray >> 16];
-        Ok(Some(rays.take(count as usize).map(place).collect()))
+        let (before, refused) = lists.split_at((width * height) as usize);
+        let rays = (before.iter().rev().take(unmarched)).chain(refused);
+        let place = |ray: &u32| [ray & 0xFFFF, ray >> 16];
+        Ok(Some(rays.take(count).map(place).collect()))
     }
 }
 

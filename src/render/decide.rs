@@ -37,6 +37,8 @@ pub struct Decided {
     pub options: RenderOptions,
     /// One entry for each choice.
     pub decisions: Vec<Decision>,
+    /// Whether the reflections of an instance are traced at once rather than marched, by index; empty: all are marched.
+    pub traced: Vec<bool>,
 }
 
 /// Whether frames trace rays, or [`decide`] needs them.
@@ -60,20 +62,19 @@ pub fn decide(world: &World, trees: &Trees, options: &RenderOptions, software: b
         decided: Decided {
             options: *options,
             decisions: Vec::new(),
+            traced: Vec::new(),
         },
     };
     decider.method();
     decider.shadows();
     decider.visibility();
     decider.exposure();
-    let Decided {
-        mut options,
-        decisions,
-    } = decider.decided;
-    if let Some(draft) = options.draft.take() {
-        (options.image.size, options.image.samples) = (draft.size, draft.samples);
+    let mut decided = decider.decided;
+    if let Some(draft) = decided.options.draft.take() {
+        let image = &mut decided.options.image;
+        (image.size, image.samples) = (draft.size, draft.samples);
     }
-    Decided { options, decisions }
+    decided
 }
 
 struct Decider<'a> {
@@ -87,9 +88,9 @@ struct Decider<'a> {
 }
 
 impl Decider<'_> {
-    fn workload(&mut self) -> Workload {
+    fn workload(&mut self) -> &Workload {
         let (world, trees, options) = (self.world, self.trees, &self.asked);
-        *(self.workload).get_or_insert_with(|| workload(world, trees, options))
+        (self.workload).get_or_insert_with(|| workload(world, trees, options))
     }
 
     fn choose(&mut self, what: &str, chosen: &str, why: String) {
@@ -101,7 +102,8 @@ impl Decider<'_> {
     }
 
     fn method(&mut self) {
-        if self.asked.reflection.method != Method::Auto {
+        let is_split = self.asked.reflection.marches_cheaper_only();
+        if self.asked.reflection.method != Method::Auto && !is_split {
             return;
         }
         if !reflects(self.world, self.asked.reflection.reflects_below()) {
@@ -115,21 +117,44 @@ impl Decider<'_> {
                 "the camera sees surfaces edge-on, which no pixel shows, so no ray is marched";
             return self.choose("reflection.method", Method::Rt.name(), why.to_owned());
         }
+        let (unit, instances) = (self.unit, self.world.instances.len());
         let workload = self.workload();
-        let pair = workload.reflections(&self.unit);
+        let traced = match is_split {
+            true => workload.cheaper_traced(&unit, instances),
+            false => vec![false; instances],
+        };
+        let pair = workload.reflections(&unit, |instance| traced[instance]);
+        let view = &workload.view;
+        let percent = |part: u32, of: u32| 100.0 * f64::from(part) / f64::from(of.max(1));
+        let sampled = view.all_mirror();
+        let marched = view
+            .mirror
+            .iter()
+            .filter(|(instance, _)| !traced[**instance]);
+        let marched_surfaces = marched.clone().count();
+        let marched_rays = marched.map(|(_, rays)| rays.rays).sum();
+        let why = format!(
+            "{pair}; {:.0} % of the pixels reflect, of which the picture shows {:.0} %",
+            percent(sampled.rays, view.rays),
+            percent(sampled.shown, sampled.rays),
+        );
+        let part = format!("{marched_surfaces} of {} surfaces", view.mirror.len());
+        let share = format!(
+            "they have {:.0} % of the reflective pixels; rays of the others take less time to trace",
+            percent(marched_rays, sampled.rays)
+        );
         let chosen = match pair.cheaper() {
             "hybrid" => Method::Hybrid,
             _ => Method::Rt,
         };
         self.decided.options.reflection.method = chosen;
-        let view = &workload.view;
-        let percent = |part: u32, of: u32| 100.0 * f64::from(part) / f64::from(of.max(1));
-        let why = format!(
-            "{pair}; {:.0} % of the pixels reflect, of which the picture shows {:.0} %",
-            percent(view.reflective, view.rays),
-            percent(view.shown, view.reflective),
-        );
         self.choose("reflection.method", chosen.name(), why);
+        if chosen == Method::Hybrid && marched_rays < sampled.rays {
+            self.choose("reflection.marched", &part, share);
+        }
+        if chosen == Method::Hybrid {
+            self.decided.traced = traced;
+        }
     }
 
     fn shadows(&mut self) {
@@ -152,7 +177,8 @@ impl Decider<'_> {
                 self.choose(&what, "map", NO_RAYS.to_owned());
                 continue;
             }
-            let pair = self.workload().shadow(&self.unit, kind);
+            let unit = self.unit;
+            let pair = self.workload().shadow(&unit, kind);
             let name = pair.cheaper();
             self.decided.options.auto_shadow[kind] = match name {
                 "ray" => ShadowMode::Ray,
@@ -181,7 +207,8 @@ impl Decider<'_> {
         if !traces_rays(self.world, &self.decided.options) {
             return self.choose(what, "raster", NO_RAYS.to_owned());
         }
-        let pair = self.workload().visibility(&self.unit);
+        let unit = self.unit;
+        let pair = self.workload().visibility(&unit);
         if pair.cheaper() == "rays" {
             self.decided.options.image.visibility = Visibility::Rays;
         }

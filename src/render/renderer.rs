@@ -91,6 +91,7 @@ impl Renderer {
         if may_meet_culled(world, options) {
             scene.find_backs(world);
         }
+        scene.set_traced(gpu, world, &trees, decided.traced);
         let plan = Plan::of(world, &trees, &scene.pools.layers, options);
         let needed = needed_passes(&plan, options);
         let shaders = Shaders::new(gpu, library, variant(gpu, &plan, &scene), &needed)?;

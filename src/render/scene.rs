@@ -22,7 +22,9 @@ use super::{
     texel_array::TexelArray,
     textures::{Pools, samplers},
     tree_array::TreeArray,
-    types::{FLAG_COLORS, FLAG_EMITTER, FLAG_MIRRORED, GpuInstance, GpuMaterial, flag},
+    types::{
+        FLAG_COLORS, FLAG_EMITTER, FLAG_MIRRORED, FLAG_TRACED, GpuInstance, GpuMaterial, flag,
+    },
 };
 
 /// A scene on the GPU.
@@ -53,6 +55,8 @@ pub struct GpuScene {
     /// Number of shader bindings of the geometry's arrays.
     pub chunks: Chunks,
     mesh_ranges: Vec<MeshRange>,
+    /// Whether the reflections of an instance are traced at once, by index; those past the end are marched.
+    traced: Vec<bool>,
     /// Whether the alpha of some cut-out material may change.
     pub has_moving_cutouts: bool,
 }
@@ -74,7 +78,8 @@ impl GpuScene {
             nodes,
             triangles,
             emitters: GpuEmitters::new(gpu, world)?,
-            instances: instance_buffer(gpu, world, trees, &mesh_ranges)?,
+            instances: instance_buffer(gpu, world, trees, (&mesh_ranges, &[]))?,
+            traced: Vec::new(),
             vertices,
             mesh_data,
             materials,
@@ -112,7 +117,8 @@ impl GpuScene {
             chunks: chunks(gpu, (&nodes, &triangles), (&self.vertices, &self.mesh_data))?,
             nodes,
             triangles,
-            instances: instance_buffer(gpu, world, trees, &self.mesh_ranges)?,
+            instances: instance_buffer(gpu, world, trees, (&self.mesh_ranges, &self.traced))?,
+            traced: self.traced.clone(),
             vertices: self.vertices.clone(),
             mesh_data: self.mesh_data.clone(),
             materials: materials(gpu, world, &pools)?,
@@ -158,11 +164,7 @@ impl GpuScene {
             let range = end..end + run.len();
             end = range.end;
             if run[0].dynamic {
-                let first = (range.start * size_of::<GpuInstance>()) as u64;
-                let records = instance_records(world, trees, &self.mesh_ranges, range);
-                let records: Vec<_> = records.collect();
-                gpu.queue
-                    .write_buffer(&self.instances, first, cast_slice(&records));
+                self.write_instances(gpu, world, trees, range);
             }
         }
         let range = trees.top_range.clone();
@@ -170,6 +172,23 @@ impl GpuScene {
             self.nodes.write(gpu, range.start, &trees.nodes[range]);
         }
         self.update_deformed(gpu, world, trees);
+    }
+
+    fn write_instances(&self, gpu: &Gpu, world: &World, trees: &Trees, range: Range<usize>) {
+        let first = (range.start * size_of::<GpuInstance>()) as u64;
+        let kept = (self.mesh_ranges.as_slice(), self.traced.as_slice());
+        let records: Vec<_> = instance_records(world, trees, kept, range).collect();
+        gpu.queue
+            .write_buffer(&self.instances, first, cast_slice(&records));
+    }
+
+    /// Sets for each instance whether its reflections are traced at once rather than marched, by index; those past the
+    /// end are marched.
+    pub fn set_traced(&mut self, gpu: &Gpu, world: &World, trees: &Trees, traced: Vec<bool>) {
+        if self.traced != traced {
+            self.traced = traced;
+            self.write_instances(gpu, world, trees, 0..world.instances.len());
+        }
     }
 
     /// Parameters of the table of emissive triangles.
@@ -264,11 +283,11 @@ fn instance_buffer(
     gpu: &Gpu,
     world: &World,
     trees: &Trees,
-    mesh_ranges: &[MeshRange],
+    kept: (&[MeshRange], &[bool]),
 ) -> Result<wgpu::Buffer, GpuError> {
     let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::VERTEX;
     let all = 0..world.instances.len();
-    let records = instance_records(world, trees, mesh_ranges, all);
+    let records = instance_records(world, trees, kept, all);
     buffer(gpu, "instances", records, usage)
 }
 
@@ -313,14 +332,16 @@ fn has_moving_cutouts(world: &World) -> bool {
     moving.any(|m| world.materials[m.material].alpha_cutoff.is_some())
 }
 
-/// Records of a range of the instances of a world in its pose.
+/// Records of a range of the instances of a world in its pose, with the ranges of its meshes and the instances whose
+/// reflections are traced at once.
 fn instance_records(
     world: &World,
     trees: &Trees,
-    mesh_ranges: &[MeshRange],
+    (mesh_ranges, unmarched): (&[MeshRange], &[bool]),
     range: Range<usize>,
 ) -> impl ExactSizeIterator<Item = GpuInstance> {
-    let record = |(instance, traced): (&Instance, &TraceInstance)| {
+    let record = |(index, (instance, traced)): (usize, (&Instance, &TraceInstance))| {
+        let is_traced = unmarched.get(index).copied().unwrap_or(false);
         let range = mesh_ranges[instance.mesh];
         let radius = world.meshes[instance.mesh].capsule_radius_m;
         let is_sampled = world.materials[instance.material].light && radius.is_none();
@@ -335,12 +356,14 @@ fn instance_records(
             material: instance.material as u32,
             flags: flag(mirrors(&instance.world_from_object), FLAG_MIRRORED)
                 | flag(range.has_colors, FLAG_COLORS)
-                | flag(is_sampled, FLAG_EMITTER),
+                | flag(is_sampled, FLAG_EMITTER)
+                | flag(is_traced, FLAG_TRACED),
             capsule_radius_m: radius.unwrap_or(0.0),
         }
     };
     let instances = world.instances[range.clone()].iter();
-    instances.zip(&trees.instances[range]).map(record)
+    let pairs = instances.zip(&trees.instances[range.clone()]);
+    (range.zip(pairs)).map(record)
 }
 
 fn materials(gpu: &Gpu, world: &World, pools: &Pools) -> Result<wgpu::Buffer, GpuError> {

@@ -191,6 +191,8 @@ pub const FLAG_COLORS: u32 = 1;
 pub const FLAG_MIRRORED: u32 = 2;
 /// Bit of [`GpuInstance::flags`]: the surface is sampled as a light.
 pub const FLAG_EMITTER: u32 = 4;
+/// Bit of [`GpuInstance::flags`]: its reflections are traced at once, never marched.
+pub const FLAG_TRACED: u32 = 8;
 
 gpu_struct! {
     /// A vertex, 32 bytes.

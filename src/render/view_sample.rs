@@ -1,6 +1,8 @@
 //! Sampled rays of a view, traced on the CPU: the counts that the cost model needs. They depend on the scene alone,
 //! so that all machines count alike.
 
+use std::collections::BTreeMap;
+
 use glam::{DVec2, DVec3, Vec3};
 use rayon::prelude::*;
 
@@ -22,8 +24,33 @@ const MAX_BOUNCES: u32 = 4;
 /// share of the depth.
 const SAME_PLACE: f64 = 2e-3;
 
-/// Counts summed over the samples of a view.
+/// Counts of mirror rays.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MirrorRays {
+    /// Number of primary hits on surfaces that reflect, each of which starts one.
+    pub rays: u32,
+    /// Number of nodes that they visit, further bounces included.
+    pub visits: u32,
+    /// Number of mirror rays whose hit the picture shows.
+    pub shown: u32,
+    /// Number of nodes that the other mirror rays visit.
+    pub refused_visits: u32,
+}
+
+impl MirrorRays {
+    /// Sums of the counts of both.
+    pub fn plus(self, other: Self) -> Self {
+        Self {
+            rays: self.rays + other.rays,
+            visits: self.visits + other.visits,
+            shown: self.shown + other.shown,
+            refused_visits: self.refused_visits + other.refused_visits,
+        }
+    }
+}
+
+/// Counts summed over the samples of a view.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct ViewSample {
     /// Number of primary rays.
     pub rays: u32,
@@ -31,14 +58,8 @@ pub struct ViewSample {
     pub visits: u32,
     /// Number of primary rays that hit a surface.
     pub surfaces: u32,
-    /// Number of primary hits on surfaces that reflect.
-    pub reflective: u32,
-    /// Number of nodes that mirror rays visit, further bounces included.
-    pub mirror_visits: u32,
-    /// Number of mirror rays whose hit the picture shows.
-    pub shown: u32,
-    /// Number of nodes that the other mirror rays visit.
-    pub refused_visits: u32,
+    /// Mirror rays by the instance that they start from.
+    pub mirror: BTreeMap<usize, MirrorRays>,
     /// Number of shadow rays to the `auto` lights of each kind, and number of nodes that they visit.
     pub shadows: [(u32, u32); LightKind::NAMES.len()],
 }
@@ -55,7 +76,17 @@ impl ViewSample {
         samples.reduce(Self::default, Self::plus)
     }
 
-    fn plus(self, other: Self) -> Self {
+    /// Mirror rays of all instances.
+    pub fn all_mirror(&self) -> MirrorRays {
+        let counts = self.mirror.values().copied();
+        counts.fold(MirrorRays::default(), MirrorRays::plus)
+    }
+
+    fn plus(mut self, other: Self) -> Self {
+        for (instance, counts) in other.mirror {
+            let sum = self.mirror.entry(instance).or_default();
+            *sum = sum.plus(counts);
+        }
         let shadows = std::array::from_fn(|kind| {
             let ((a, b), (c, d)) = (self.shadows[kind], other.shadows[kind]);
             (a + c, b + d)
@@ -64,10 +95,7 @@ impl ViewSample {
             rays: self.rays + other.rays,
             visits: self.visits + other.visits,
             surfaces: self.surfaces + other.surfaces,
-            reflective: self.reflective + other.reflective,
-            mirror_visits: self.mirror_visits + other.mirror_visits,
-            shown: self.shown + other.shown,
-            refused_visits: self.refused_visits + other.refused_visits,
+            mirror: self.mirror,
             shadows,
         }
     }
@@ -96,7 +124,6 @@ impl Sampler<'_> {
         if !self.reflects(&point) {
             return sum;
         }
-        sum.reflective = 1;
         let ray = mirror_ray(&point, direction);
         let (met, visits) = self.rays.trees.nearest_counted(&ray);
         let mut all_visits = visits;
@@ -113,12 +140,13 @@ impl Sampler<'_> {
             all_visits += visits;
             met = hit;
         }
-        sum.mirror_visits = all_visits;
-        if shown {
-            sum.shown = 1;
-        } else {
-            sum.refused_visits = all_visits;
-        }
+        let counts = MirrorRays {
+            rays: 1,
+            visits: all_visits,
+            shown: u32::from(shown),
+            refused_visits: if shown { 0 } else { all_visits },
+        };
+        sum.mirror.insert(point.instance, counts);
         sum
     }
 

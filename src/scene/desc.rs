@@ -42,7 +42,7 @@ pub use self::{
         CutDesc, GroupMotionDesc, InstanceMotionDesc, ModelMotionDesc, MotionDesc, ParamValue,
         TimelineDesc,
     },
-    reflection::{Accept, Bounces, Method, REFLECTION, ReflectionDesc},
+    reflection::{Accept, Bounces, Marched, Method, REFLECTION, ReflectionDesc},
     script::ScriptDesc,
     stage::{StageDesc, is_stage},
     track::{

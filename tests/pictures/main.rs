@@ -29,6 +29,7 @@ mod far;
 mod foreign_worlds;
 mod kit;
 mod light_reuse;
+mod marched;
 mod material;
 mod mesh;
 mod moving;

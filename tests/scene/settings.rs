@@ -10,7 +10,7 @@ use crate::text::read;
 #[test]
 fn environment_reflection_and_image_arrive() {
     let scene = read(
-        "environment.color = [1, 2, 3]\n[reflection]\nmethod = \"ssr\"\nray_length_u = 2\n\
+        "environment.color = [1, 2, 3]\n[reflection]\nmethod = \"ssr\"\nmarched = \"all\"\nray_length_u = 2\n\
          accept = \"threshold\"\nedge_px = 0.5\nthreshold_u = 0\nbounces = 16\ndiffuse_bounces = 8\nglint_limit = 3\nsteps = 8\nroughness_cutoff = 1\nunit_m = 0.5\nreuse_light = false\nfade = true\nfilter = false\nmultiple_scattering = true\n\
          blur_px = 1.5\n[image]\nsize = [1, 16384]\nsamples = 4096\nlight_rays = 256\nexposure_ev = -20\n\
          tone_map = \"aces\"\nvisibility = \"rays\"\nradiance = \"full\"\nalpha = true\nshutter = 0.5",
@@ -29,6 +29,7 @@ fn environment_reflection_and_image_arrive() {
         scene.reflection,
         ReflectionDesc {
             method: Method::Ssr,
+            marched: Marched::All,
             ray_length_u: 2.0,
             accept: Accept::Threshold,
             edge_px: 0.5,

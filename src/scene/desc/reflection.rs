@@ -54,6 +54,20 @@ pub enum Accept {
     Threshold,
 }
 
+/// Surfaces whose reflections are marched in screen space.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Marched {
+    /// `"all"`: every surface that reflects.
+    All,
+    /// `"cheaper"`: the surfaces, one instance each, whose rays take less time to march than to trace; the others are
+    /// traced at once, and with no such surface the method is `rt`. A cost model for the kind of graphics adapter
+    /// decides by sampled rays of the first frame, so that pictures may differ slightly between kinds.
+    Cheaper,
+    /// `"auto"`: `"cheaper"` where `method` is `"auto"`, else `"all"`.
+    #[default]
+    Auto,
+}
+
 /// Maximum number of reflections in a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Bounces {
@@ -86,6 +100,8 @@ pub struct ReflectionDesc {
     /// once: for the first frame of the timeline, at the size of the picture, as the camera shows it that is chosen
     /// with `--camera` or in the preview, else the camera of the first frame. It then holds for all frames.
     pub method: Method,
+    /// Surfaces that methods `hybrid` and `auto` march in screen space before tracing what is left. Default `"auto"`.
+    pub marched: Marched,
     /// Length of a reflection ray in U, above 0. More reflects things that are farther away. Default 16.
     pub ray_length_u: f32,
     /// Test by which method `hybrid` accepts a hit that the screen-space march finds. Default `"verified"`;
@@ -146,6 +162,7 @@ impl Default for ReflectionDesc {
     fn default() -> Self {
         Self {
             method: Method::Auto,
+            marched: Marched::Auto,
             ray_length_u: 16.0,
             accept: Accept::Verified,
             edge_px: 0.25,
@@ -192,6 +209,15 @@ impl ReflectionDesc {
             filter: false,
             blur_px: 0.0,
             ..*self
+        }
+    }
+
+    /// Whether only the surfaces are marched for which that takes less time.
+    pub fn marches_cheaper_only(&self) -> bool {
+        match self.method {
+            Method::Auto => self.marched != Marched::All,
+            Method::Hybrid => self.marched == Marched::Cheaper,
+            Method::Ssr | Method::Rt | Method::Path => false,
         }
     }
 

@@ -7,7 +7,7 @@ use super::{
     value::{Named, Value, wrong_type},
 };
 use crate::desc::{
-    Accept, CurveKind, Ease, EnvironmentShadow, Method, PatternKind, Playback, Radiance,
+    Accept, CurveKind, Ease, EnvironmentShadow, Marched, Method, PatternKind, Playback, Radiance,
     ReflectionMode, ShadowMode, ToneMap, Visibility,
 };
 use crate::syntax::Node;
@@ -44,6 +44,7 @@ macro_rules! words {
 words!(ReflectionMode { "none" => Self::None, "auto" => Self::Auto, "mirror" => Self::Mirror });
 words!(ShadowMode { "map" => Self::Map, "ray" => Self::Ray, "none" => Self::None, "auto" => Self::Auto });
 words!(EnvironmentShadow { "ray" => Self::Ray, "none" => Self::None });
+words!(Marched { "auto" => Self::Auto, "all" => Self::All, "cheaper" => Self::Cheaper });
 words!(Accept { "verified" => Self::Verified, "threshold" => Self::Threshold });
 words!(Method { "ssr" => Self::Ssr, "rt" => Self::Rt, "hybrid" => Self::Hybrid, "path" => Self::Path, "auto" => Self::Auto });
 words!(CurveKind {

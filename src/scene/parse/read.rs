@@ -273,6 +273,7 @@ impl Section for ReflectionDesc {
         let default = Self::default();
         let mut settings = Self {
             method: t.get("method", ANY, default.method),
+            marched: t.get("marched", ANY, default.marched),
             accept: t.get("accept", ANY, default.accept),
             bounces: t.get("bounces", BOUNCES, default.bounces),
             diffuse_bounces: t.get("diffuse_bounces", DIFFUSE_BOUNCES, default.diffuse_bounces),

@@ -1,0 +1,153 @@
+//! `marched = "cheaper"`: surfaces whose rays take less time to trace are never marched; the others are.
+
+use reflet::{
+    render::{
+        RenderOptions, Renderer,
+        aov::Aov,
+        cause::{Cause, Source},
+        decide::{Decided, decide},
+        unit_costs::UnitCosts,
+    },
+    scene::desc::Method,
+    world::bvh::Trees,
+};
+
+use crate::{
+    common::shaders,
+    kit::{gpu, integers, render, scene, share_differing},
+};
+
+/// A mirror floor that shows a wall which the picture shows too, and a mirror ball that shows what it does not.
+const SCENE: &str = r#"
+version = 1
+[camera.main]
+eye = [0, 2, 9]
+target = [0, 1.5, 0]
+[image]
+size = [96, 54]
+[material.mirror]
+metallic = 1
+roughness = 0
+[material.dull]
+base_color = [0.8, 0.3, 0.2]
+roughness = 0.9
+[model.floor]
+shape = { kind = "plane", size = [12, 3] }
+material = "mirror"
+[model.wall]
+shape = { kind = "box", size = [30, 12, 0.5] }
+material = "dull"
+[model.globe]
+shape = { kind = "sphere", radius = 1.2, segments = 32 }
+material = "mirror"
+[[instance]]
+model = "floor"
+translation = [0, 0, -1.2]
+[[instance]]
+model = "wall"
+translation = [0, 6, -3]
+[[instance]]
+model = "globe"
+translation = [2.2, 1.8, 3]
+[light.sun]
+kind = "directional"
+direction = [0.2, -1, -0.4]
+intensity_lux = 2
+"#;
+
+/// Costs at which a march takes less time than a trace, and passes take none.
+const COSTS: UnitCosts = UnitCosts {
+    march_ray: 60.0,
+    march_node: 0.0,
+    hit: 50.0,
+    pyramid_pixel: 0.0,
+    pass: 0.0,
+    ..UnitCosts::PROCESSOR
+};
+
+fn decided(set: &[&str], costs: UnitCosts) -> Decided {
+    let (desc, world) = scene(SCENE, set);
+    let mut options = RenderOptions::of(&desc);
+    options.costs = Some(costs);
+    let trees = Trees::build(&world, u64::MAX).expect("small");
+    decide(&world, &trees, &options, true)
+}
+
+const HYBRID: &str = "reflection.method=hybrid";
+const CHEAPER: &str = "reflection.marched=cheaper";
+
+#[test]
+fn surfaces_are_marched_where_that_is_cheaper() {
+    let (floor, globe) = (0, 2);
+    for set in [&[HYBRID, CHEAPER][..], &["reflection.method=auto"]] {
+        let found = decided(set, COSTS);
+        assert_eq!(found.options.reflection.method, Method::Hybrid);
+        assert_eq!(
+            (found.traced[floor], found.traced[globe]),
+            (false, true),
+            "{:?}",
+            found.decisions
+        );
+        let marched = found
+            .decisions
+            .iter()
+            .find(|d| d.what == "reflection.marched");
+        assert_eq!(marched.map(|d| d.chosen.as_str()), Some("1 of 2 surfaces"));
+    }
+    // All surfaces are marched where the scene says so, or no method is `auto`.
+    let all = ["reflection.method=auto", "reflection.marched=all"];
+    for set in [&[HYBRID][..], &all] {
+        assert!(!decided(set, COSTS).traced.contains(&true));
+    }
+    // With nothing cheaper to march, rays are traced at once.
+    let dear = UnitCosts {
+        march_ray: 1e6,
+        ..COSTS
+    };
+    let found = decided(&[HYBRID, CHEAPER], dear);
+    assert_eq!(found.options.reflection.method, Method::Rt);
+    assert!(found.traced.is_empty());
+}
+
+#[test]
+fn traced_surfaces_are_not_marched_and_look_as_before() {
+    let Some(gpu) = gpu() else { return };
+    let (desc, world) = scene(SCENE, &[HYBRID, CHEAPER]);
+    let mut options = RenderOptions::of(&desc);
+    options.costs = Some(COSTS);
+    let mut renderer = Renderer::new(gpu, &shaders(), &world, &options).expect("built");
+    let camera = &world.cameras[0].value;
+    let aovs = [Aov::Cause, Aov::Ids];
+    let split = renderer.picture(gpu, &world, camera, &aovs).expect("drawn");
+    let traced = renderer.ray_list(gpu).expect("read").expect("a list");
+    let all = render(gpu, SCENE, &[HYBRID], &aovs);
+    let rt = render(gpu, SCENE, &["reflection.method=rt"], &[]);
+
+    let causes = [&split, &all].map(|picture| integers(picture, Aov::Cause));
+    let unmarched = |causes: &[u32]| {
+        let is_unmarched = |cause: &&u32| **cause == Cause::Unmarched as u32;
+        causes.iter().filter(is_unmarched).count()
+    };
+    assert_eq!(unmarched(causes[1]), 0);
+    let mut listed = vec![false; 96 * 54];
+    for [x, y] in traced {
+        let place = (y * 96 + x) as usize;
+        assert!(!listed[place], "{x}, {y} is traced twice");
+        listed[place] = true;
+    }
+    let mut on_globe = 0;
+    for (pixel, (now, before)) in causes[0].iter().zip(causes[1]).enumerate() {
+        let cause = Cause::from_number(*now).expect("a cause");
+        let is_traced = cause.source(Method::Hybrid) == Source::Traced;
+        assert_eq!(listed[pixel], is_traced, "pixel {pixel}: {cause:?}");
+        if cause == Cause::Unmarched {
+            on_globe += 1;
+        } else {
+            assert_eq!(now, before, "pixel {pixel}");
+        }
+    }
+    assert!(on_globe > 100, "{on_globe}");
+    assert!(causes[0].contains(&(Cause::Hit as u32)));
+    let [to_all, to_rt] = [&all, &rt].map(|other| share_differing(&split, other, 2));
+    assert!(to_all < 0.01 && to_rt < 0.03, "{to_all} {to_rt}");
+}
