@@ -22,8 +22,8 @@ struct Varying {
 fn vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> Varying {
     var out: Varying;
     let corner = vertex % 3u;
-    let index = mesh_word(instances[instance].index_base + vertex);
-    let p = to_world(instance, vertex_position(instances[instance].vertex_base + index));
+    let index = mesh_word(instance_index_base(instance) + vertex);
+    let p = to_world(instance, vertex_position(instance_vertex_base(instance) + index));
     out.clip = params.clip_from_world * vec4f(p, 1.0);
     out.ids = vec2u(instance, vertex / 3u);
     out.bary = vec2f(f32(corner == 1u), f32(corner == 2u));

@@ -50,7 +50,7 @@ fn has_culled(pixel: vec2u) -> bool {
 
 // Whether reflection rays ignore the instance that a pixel shows.
 fn is_unreflected(instance: u32) -> bool {
-    return HAS_UNSHOWN && is_passed(instances[instance].trace_flags, UNREFLECTED);
+    return HAS_UNSHOWN && is_passed(instance_trace_flags(instance), UNREFLECTED);
 }
 
 struct March {
@@ -171,7 +171,7 @@ fn accept_verified(r: ScreenRay, c: Candidate, origin: vec3f, direction: vec3f) 
 
 // Cut-outs are opaque at the pixel's center, but perhaps not where the ray meets them.
 fn is_cut_away(m: March) -> bool {
-    if (!HAS_CUTOUT || materials[instances[m.id.x].material].alpha_cutoff < 0.0) { return false; }
+    if (!HAS_CUTOUT || material_alpha_cutoff(instance_material(m.id.x)) < 0.0) { return false; }
     return !alpha_passes(m.id.x, m.id.y, m.bary);
 }
 

@@ -74,7 +74,7 @@ fn resolve(pixel: vec2u) -> Resolved {
     packed.clearcoat = round(s.clearcoat * COAT_STEPS) / COAT_STEPS;
     packed.clearcoat_roughness = round(s.clearcoat_roughness * COAT_STEPS) / COAT_STEPS;
     let rough = select(UNREFLECTIVE, ROUGH, s.reflection != REFLECTION_NONE);
-    let is_traced = !MARCH || (instances[hit.x].flags & FLAG_TRACED) != 0u;
+    let is_traced = !MARCH || (instance_flags(hit.x) & FLAG_TRACED) != 0u;
     let reflective = select(MARCHED, TRACED, is_traced);
     return Resolved(select(rough, reflective, is_reflector(packed)), is_transmissive(s));
 }

@@ -20,11 +20,11 @@ override SHOW_ENVIRONMENT: bool = true;
 // Surface of a pixel, with the material's values that the G-buffer does not hold.
 fn completed(pixel: vec2u) -> Surface {
     var s = load_surface(pixel);
-    let m = instances[textureLoad(ids, pixel, 0).x].material;
-    s.ior = materials[m].ior;
-    s.dispersion = materials[m].dispersion;
-    s.absorption = materials[m].absorption;
-    s.is_solid = materials[m].is_solid != 0u;
+    let m = instance_material(textureLoad(ids, pixel, 0).x);
+    s.ior = material_ior(m);
+    s.dispersion = material_dispersion(m);
+    s.absorption = material_absorption(m);
+    s.is_solid = material_is_solid(m) != 0u;
     return s;
 }
 

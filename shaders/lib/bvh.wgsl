@@ -374,8 +374,8 @@ fn traverse(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, shadow: boo
         if inside == NO_INSTANCE {
             break;
         }
-        inside_flags = instances[inside].trace_flags;
-        root = instances[inside].tree_root;
+        inside_flags = instance_trace_flags(inside);
+        root = instance_tree_root(inside);
         ray = object_ray(inside, origin, direction);
         in_tree = true;
     }
@@ -384,9 +384,9 @@ fn traverse(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, shadow: boo
 
 // The ray in an instance's object space; t has the same meaning there.
 fn object_ray(instance: u32, origin: vec3f, direction: vec3f) -> TraversalRay {
-    let x = instances[instance].object_from_world[0];
-    let y = instances[instance].object_from_world[1];
-    let z = instances[instance].object_from_world[2];
+    let x = instance_object_from_world(instance)[0];
+    let y = instance_object_from_world(instance)[1];
+    let z = instance_object_from_world(instance)[2];
     let offset = origin - vec3f(x.w, y.w, z.w);
     return traversal_ray(
         vec3f(dot(x.xyz, offset), dot(y.xyz, offset), dot(z.xyz, offset)),

@@ -17,13 +17,13 @@ fn capsule_of_vertex(vertex: u32) -> u32 {
 fn capsule_vertex(instance: u32, vertex: u32, eye: vec4f) -> vec3f {
     let c = corners(instance, capsule_of_vertex(vertex));
     let axis = c.p[1] - c.p[0];
-    let radius = instances[instance].capsule_radius_m;
+    let radius = instance_capsule_radius_m(instance);
     let corner = vertex % SQUARE_CORNERS;
     // Corners 0, 1, 2, 0, 2, 3 of a square.
     let around = (0xe24u >> (corner * 2u)) & 3u;
     let side = vec2f(f32(around == 1u || around == 2u), f32(around >= 2u)) * 2.0 - 1.0;
     if (SPHERES) {
-        let rows = instances[instance].object_from_world;
+        let rows = instance_object_from_world(instance);
         let from_eye = eye.xyz - eye.w * vec3f(rows[0].w, rows[1].w, rows[2].w);
         let seen = vec3f(dot(rows[0].xyz, from_eye), dot(rows[1].xyz, from_eye), dot(rows[2].xyz, from_eye));
         let view = select(seen, c.p[0] - seen, eye.w > 0.0);

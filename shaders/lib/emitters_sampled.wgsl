@@ -15,7 +15,7 @@ const HAS_EMITTERS: bool = true;
 
 // Density per area with which points of a material are chosen.
 fn emitter_density(material: u32) -> f32 {
-    return luminance(materials[material].emission) / max(sampling.emitted_power, 1e-30);
+    return luminance(material_emission(material)) / max(sampling.emitted_power, 1e-30);
 }
 
 fn emitter_texel(k: u32) -> vec4u {
@@ -32,7 +32,7 @@ fn chosen_emitter(u: vec2f) -> vec2u {
 fn emitter_sample(id: vec2u, position: vec3f, u: vec2f) -> LightSample {
     var r: LightSample;
     let instance = id.x;
-    let m = instances[instance].material;
+    let m = instance_material(instance);
     let c = corners(instance, id.y);
     let p0 = to_world(instance, c.p[0]);
     let e1 = to_world(instance, c.p[1]) - p0;
@@ -44,14 +44,14 @@ fn emitter_sample(id: vec2u, position: vec3f, u: vec2f) -> LightSample {
     r.distance_m = sqrt(d2);
     r.to_light = offset / r.distance_m;
     let area2 = cross(e1, e2);
-    let flags = instances[instance].trace_flags;
+    let flags = instance_trace_flags(instance);
     var facing = -dot(area2, r.to_light) / max(length(area2), 1e-30);
-    if ((instances[instance].flags & FLAG_MIRRORED) != 0u) { facing = -facing; }
+    if ((instance_flags(instance) & FLAG_MIRRORED) != 0u) { facing = -facing; }
     if ((flags & DOUBLE_SIDED) != 0u) { facing = abs(facing); }
     if (facing <= 0.0) { return r; }
-    var emission = materials[m].emission * emitted_share(m, instance, c.index, bary, facing);
+    var emission = material_emission(m) * emitted_share(m, instance, c.index, bary, facing);
     if (HAS_TEXTURES) {
-        emission *= texel_at(materials[m].textures[EMISSION_SLOT], pools_of(EMISSION_SLOT), instance, c.index, bary, 1.0, 0.0).xyz;
+        emission *= texel_at(material_texture(m, EMISSION_SLOT), pools_of(EMISSION_SLOT), instance, c.index, bary, 1.0, 0.0).xyz;
     }
     let density = emitter_density(m);
     r.color = emission * (facing / (d2 * density));
@@ -64,17 +64,17 @@ fn returned_of_emitters(s: Surface, view: vec3f, to: Receiver, index: u32) -> Re
     if (sampling.emitted_power <= 0.0) { return Returned(); }
     let id = chosen_emitter(sample_square(index, next_pair()));
     let l = emitter_sample(id, s.position, sample_square(index, next_pair()));
-    return returned_of_lamp(s, view, to, l, !is_passed(instances[id.x].trace_flags, UNREFLECTED));
+    return returned_of_lamp(s, view, to, l, !is_passed(instance_trace_flags(id.x), UNREFLECTED));
 }
 
 // Share of a surface's emission that a reflection ray takes; the rest comes by light samples. Lamps are not dimmed by
 // the surface before, so that share is undone.
 fn met_emission(ray: Reflected, instance: u32, distance_m: f32, s: Surface) -> f32 {
-    if ((instances[instance].flags & FLAG_EMITTER) == 0u) { return 1.0; }
+    if ((instance_flags(instance) & FLAG_EMITTER) == 0u) { return 1.0; }
     if (ray.pdf == 0.0) { return 1.0 / ray.kept; }
     if (ray.pdf == TAKEN) { return 0.0; }
     let way_m = distance_m + passed_m;
     let facing = abs(dot(s.geometric_normal, ray.direction));
-    let pdf = emitter_density(instances[instance].material) * way_m * way_m / max(facing, 1e-12);
+    let pdf = emitter_density(instance_material(instance)) * way_m * way_m / max(facing, 1e-12);
     return balance(ray.pdf, pdf * f32(sampling.rays)) / ray.kept;
 }

@@ -68,16 +68,16 @@ fn schlick_f0(reflectance: vec3f, cosine: f32) -> vec3f {
 // the same values.
 fn with_film(s0: Surface, instance: u32, index: array<u32, 3>, bary: vec2f, area2: f32, footprint: f32, cosine: f32) -> Surface {
     var s = s0;
-    let m = instances[instance].material;
-    var strength = materials[m].iridescence;
+    let m = instance_material(instance);
+    var strength = material_iridescence(m);
     if (LAYER_POOLS != 0u && strength > 0.0) { strength *= layer_texel(IRIDESCENCE_SLOT, instance, index, bary, area2, footprint).x; }
     if (strength <= 0.0) { return s; }
     var thickness = 1.0;
     if (LAYER_POOLS != 0u) { thickness = layer_texel(IRIDESCENCE_THICKNESS_SLOT, instance, index, bary, area2, footprint).y; }
-    let thickness_nm = mix(materials[m].iridescence_least_nm, materials[m].iridescence_thickness_nm, thickness);
+    let thickness_nm = mix(material_iridescence_least_nm(m), material_iridescence_thickness_nm(m), thickness);
     // A film far thinner than a wavelength is invisible.
     strength *= smoothstep(0.0, LEAST_FILM_NM, thickness_nm);
-    let ior = materials[m].iridescence_ior;
+    let ior = material_iridescence_ior(m);
     let c = max(abs(cosine), 0.02);
     let bare = s.reflectivity * s.specular;
     if (bare > 0.0) {

@@ -100,21 +100,21 @@ override HAS_COAT_NORMALS: bool = true;
 // A surface with the parameters of a material, before textures.
 fn material_surface(m: u32) -> Surface {
     var s: Surface;
-    s.base_color = materials[m].base_color.xyz;
-    s.metallic = materials[m].metallic;
-    s.roughness = materials[m].roughness;
-    s.reflectivity = materials[m].reflectivity;
-    s.emission = materials[m].emission;
+    s.base_color = material_base_color(m).xyz;
+    s.metallic = material_metallic(m);
+    s.roughness = material_roughness(m);
+    s.reflectivity = material_reflectivity(m);
+    s.emission = material_emission(m);
     s.occlusion = 1.0;
-    s.reflection = materials[m].reflection;
-    s.unlit = materials[m].unlit != 0u;
+    s.reflection = material_reflection(m);
+    s.unlit = material_unlit(m) != 0u;
     if (HAS_TINTS) {
-        s.specular = materials[m].specular;
-        s.specular_color = materials[m].specular_color;
+        s.specular = material_specular(m);
+        s.specular_color = material_specular_color(m);
     }
     if (HAS_SHEEN) {
-        s.sheen_color = materials[m].sheen_color;
-        s.sheen_roughness = materials[m].sheen_roughness;
+        s.sheen_color = material_sheen_color(m);
+        s.sheen_roughness = material_sheen_roughness(m);
     }
     return s;
 }

@@ -3,10 +3,12 @@
 #import constants
 #import geometry
 #import material
+#import records
 
+// An instance; functions of the generated `records` read its fields: instance_material(i).
 struct Instance {
     world_from_object: mat3x4f, // three rows
-    object_from_world: array<vec4f, 3>, // rows of the inverse's linear part; w: translation of world_from_object
+    object_from_world: mat3x4f, // rows of the inverse's linear part; w: translation of world_from_object
     tree_root: u32, // root node of its mesh's BVH, for the top level; NONE: part of the static tree
     trace_flags: u32, // see bvh.wgsl
     vertex_base: u32,
@@ -25,8 +27,6 @@ struct Vertex {
     color: u32, // unorm8 × 4, linear
 }
 
-@group(1) @binding(2) var<storage, read> instances: array<Instance>;
-@group(1) @binding(5) var<storage, read> materials: array<Material>;
 @group(1) @binding(6) var pool_0: texture_2d_array<f32>;
 @group(1) @binding(7) var pool_0_srgb: texture_2d_array<f32>;
 @group(1) @binding(8) var pool_1: texture_2d_array<f32>;
@@ -39,15 +39,15 @@ struct Vertex {
 @group(1) @binding(15) var sampler_cc: sampler;
 
 fn to_world(i: u32, p: vec3f) -> vec3f {
-    return vec4f(p, 1.0) * instances[i].world_from_object;
+    return vec4f(p, 1.0) * instance_world_from_object(i);
 }
 
 fn direction_to_world(i: u32, d: vec3f) -> vec3f {
-    return vec4f(d, 0.0) * instances[i].world_from_object;
+    return vec4f(d, 0.0) * instance_world_from_object(i);
 }
 
 // Normals are transformed by the inverse transpose.
 fn normal_to_world(i: u32, n: vec3f) -> vec3f {
-    let rows = instances[i].object_from_world;
+    let rows = instance_object_from_world(i);
     return rows[0].xyz * n.x + rows[1].xyz * n.y + rows[2].xyz * n.z;
 }

@@ -20,34 +20,34 @@ struct Corner {
 
 fn corners(instance: u32, triangle: u32) -> Corner {
     var c: Corner;
-    let base = instances[instance].index_base + triangle * 3u;
+    let base = instance_index_base(instance) + triangle * 3u;
     for (var k = 0u; k < 3u; k++) {
         c.index[k] = mesh_word(base + k);
-        c.p[k] = vertex_position(instances[instance].vertex_base + c.index[k]);
+        c.p[k] = vertex_position(instance_vertex_base(instance) + c.index[k]);
     }
     return c;
 }
 
 fn is_capsule(instance: u32) -> bool {
-    return HAS_CAPSULES && instances[instance].capsule_radius_m > 0.0;
+    return HAS_CAPSULES && instance_capsule_radius_m(instance) > 0.0;
 }
 
 // Barycentric weights of vertex 1 and vertex 2 at the second part of a hit, which of a capsule is a place on its
 // surface.
 fn weights_at(instance: u32, p: array<vec3f, 3>, bary: vec2f) -> vec2f {
     if (!is_capsule(instance)) { return bary; }
-    return vec2f(capsule_point(bary, p[1] - p[0], instances[instance].capsule_radius_m).share, 0.0);
+    return vec2f(capsule_point(bary, p[1] - p[0], instance_capsule_radius_m(instance)).share, 0.0);
 }
 
 // Unit normal on the front of a triangle, or on the outside of a capsule.
 fn outward_normal(instance: u32, p: array<vec3f, 3>, bary: vec2f) -> vec3f {
     if (is_capsule(instance)) {
-        let point = capsule_point(bary, p[1] - p[0], instances[instance].capsule_radius_m);
+        let point = capsule_point(bary, p[1] - p[0], instance_capsule_radius_m(instance));
         return normalize(normal_to_world(instance, point.normal));
     }
     let p0 = to_world(instance, p[0]);
     let normal = normalize(cross(to_world(instance, p[1]) - p0, to_world(instance, p[2]) - p0));
-    return select(normal, -normal, (instances[instance].flags & FLAG_MIRRORED) != 0u);
+    return select(normal, -normal, (instance_flags(instance) & FLAG_MIRRORED) != 0u);
 }
 
 // Hit of a ray with a capsule; t is in lengths of the direction.
@@ -61,8 +61,8 @@ struct CapsuleHit {
 fn capsule_hit(instance: u32, capsule: u32, origin: vec3f, direction: vec3f, t_min: f32) -> CapsuleHit {
     let c = corners(instance, capsule);
     let axis = c.p[1] - c.p[0];
-    let radius = instances[instance].capsule_radius_m;
-    let rows = instances[instance].object_from_world;
+    let radius = instance_capsule_radius_m(instance);
+    let rows = instance_object_from_world(instance);
     let offset = origin - vec3f(rows[0].w, rows[1].w, rows[2].w);
     let o = vec3f(dot(rows[0].xyz, offset), dot(rows[1].xyz, offset), dot(rows[2].xyz, offset)) - c.p[0];
     let d = vec3f(dot(rows[0].xyz, direction), dot(rows[1].xyz, direction), dot(rows[2].xyz, direction));
@@ -71,7 +71,7 @@ fn capsule_hit(instance: u32, capsule: u32, origin: vec3f, direction: vec3f, t_m
         let t = dot(0.5 * axis - o, d) / dot(d, d);
         return CapsuleHit(false, t, capsule_place(o + d * t, axis, radius));
     }
-    let is_double_sided = (instances[instance].trace_flags & DOUBLE_SIDED) != 0u;
+    let is_double_sided = (instance_trace_flags(instance) & DOUBLE_SIDED) != 0u;
     let t = select(span.enter, span.leave, span.enter <= t_min && is_double_sided);
     return CapsuleHit(t > t_min, t, capsule_place(o + d * t, axis, radius));
 }
@@ -81,12 +81,12 @@ fn mix3(a: vec2f, b: vec2f, c: vec2f, bary: vec2f) -> vec2f {
 }
 
 fn uv_corner(instance: u32, index: u32, second: bool) -> vec2f {
-    let base = instances[instance].uv1_base;
+    let base = instance_uv1_base(instance);
     if (second && base != NONE) {
         let at = base + index * 2u;
         return vec2f(bitcast<f32>(mesh_word(at)), bitcast<f32>(mesh_word(at + 1u)));
     }
-    return vertex_uv(instances[instance].vertex_base + index);
+    return vertex_uv(instance_vertex_base(instance) + index);
 }
 
 // Texture coordinates of a slot at a point, and the width of a world-space `footprint` in texture coordinates.
@@ -111,20 +111,20 @@ fn slot_uv(slot: TextureUse, instance: u32, index: array<u32, 3>, bary: vec2f, a
 }
 
 fn material_alpha(material: u32, instance: u32, index: array<u32, 3>, bary: vec2f, footprint_m: f32, area2: f32) -> f32 {
-    let slot = materials[material].textures[BASE_COLOR_SLOT];
-    var alpha = materials[material].base_color.w;
+    let slot = material_texture(material, BASE_COLOR_SLOT);
+    var alpha = material_base_color(material).w;
     if (HAS_TEXTURES && slot.layer != NONE) {
         let at = slot_uv(slot, instance, index, bary, area2, footprint_m);
         alpha *= sample_slot(slot, at.uv, at.footprint, pools_of(BASE_COLOR_SLOT)).w;
     }
-    if ((instances[instance].flags & FLAG_COLORS) != 0u) {
+    if ((instance_flags(instance) & FLAG_COLORS) != 0u) {
         alpha *= vertex_color(instance, index, bary).w;
     }
     return alpha;
 }
 
 fn vertex_color(instance: u32, index: array<u32, 3>, bary: vec2f) -> vec4f {
-    let base = instances[instance].vertex_base;
+    let base = instance_vertex_base(instance);
     return unpack4x8unorm(vertex_shade(base + index[0])) * (1.0 - bary.x - bary.y)
         + unpack4x8unorm(vertex_shade(base + index[1])) * bary.x
         + unpack4x8unorm(vertex_shade(base + index[2])) * bary.y;
@@ -133,16 +133,16 @@ fn vertex_color(instance: u32, index: array<u32, 3>, bary: vec2f) -> vec4f {
 // Whether a cut-out surface is solid at a point. It samples the finest mip level: coverage must not depend on the
 // kind of ray.
 fn alpha_passes(instance: u32, triangle: u32, bary: vec2f) -> bool {
-    let material = instances[instance].material;
+    let material = instance_material(instance);
     let c = corners(instance, triangle);
     let weights = weights_at(instance, c.p, bary);
-    return material_alpha(material, instance, c.index, weights, 0.0, 1.0) >= materials[material].alpha_cutoff;
+    return material_alpha(material, instance, c.index, weights, 0.0, 1.0) >= material_alpha_cutoff(material);
 }
 
 // Where a capsule is first solid along a ray past `t_min`: a cut-out one perhaps on its inner side.
 fn solid_capsule_hit(instance: u32, capsule: u32, origin: vec3f, direction: vec3f, t_min: f32) -> CapsuleHit {
     var hit = capsule_hit(instance, capsule, origin, direction, t_min);
-    if (!hit.is_met || materials[instances[instance].material].alpha_cutoff < 0.0
+    if (!hit.is_met || material_alpha_cutoff(instance_material(instance)) < 0.0
         || alpha_passes(instance, capsule, hit.place)) { return hit; }
     hit = capsule_hit(instance, capsule, origin, direction, hit.t);
     hit.is_met = hit.is_met && alpha_passes(instance, capsule, hit.place);
@@ -175,15 +175,15 @@ fn smooth_lift(p: array<vec3f, 3>, normals: array<vec3f, 3>, weights: vec3f, nor
 // Surface at a hit. `direction` is the unit direction of the arriving ray, `cone_m` the width of its cone here; `place`
 // are barycentric weights, or the place on a capsule.
 fn surface_at(instance: u32, triangle: u32, place: vec2f, direction: vec3f, cone_m: f32) -> Surface {
-    let m = instances[instance].material;
+    let m = instance_material(instance);
     var s = material_surface(m);
-    let flags = instances[instance].flags;
+    let flags = instance_flags(instance);
     let c = corners(instance, triangle);
     let p0 = to_world(instance, c.p[0]);
     let e1 = to_world(instance, c.p[1]) - p0;
     let e2 = to_world(instance, c.p[2]) - p0;
     let is_round = is_capsule(instance);
-    let radius = instances[instance].capsule_radius_m;
+    let radius = instance_capsule_radius_m(instance);
     var round = CapsulePoint();
     var bary = place;
     if (is_round) {
@@ -203,7 +203,7 @@ fn surface_at(instance: u32, triangle: u32, place: vec2f, direction: vec3f, cone
     let behind = dot(ng, direction) > 0.0;
     let footprint = cone_m / max(abs(dot(ng, direction)), 0.05);
 
-    let base = instances[instance].vertex_base;
+    let base = instance_vertex_base(instance);
     var weights = vec3f(1.0 - bary.x - bary.y, bary.x, bary.y);
     var normals: array<vec3f, 3>;
     for (var k = 0u; k < 3u; k++) {
@@ -229,35 +229,34 @@ fn surface_at(instance: u32, triangle: u32, place: vec2f, direction: vec3f, cone
     if ((flags & FLAG_COLORS) != 0u) {
         s.base_color *= vertex_color(instance, c.index, bary).xyz;
     }
-    if (HAS_CHECKERS && materials[m].checker_size_m > 0.0) {
-        let size = materials[m].checker_size_m;
+    if (HAS_CHECKERS && material_checker_size_m(m) > 0.0) {
+        let size = material_checker_size_m(m);
         let p_object = c.p[0] * weights.x + c.p[1] * weights.y + c.p[2] * weights.z + round.normal * select(0.0, radius, is_round);
         var cross_object = cross(c.p[1] - c.p[0], c.p[2] - c.p[0]);
         if (is_round) { cross_object = round.normal; }
         let area2_object = max(length(cross_object), 1e-20);
         let width = footprint * sqrt(area2_object / area2) / size;
-        let odd = pattern(materials[m].pattern, p_object / size, cross_object / area2_object, width);
-        s.base_color *= mix(materials[m].checker_a, materials[m].checker_b, odd);
+        let odd = pattern(material_pattern(m), p_object / size, cross_object / area2_object, width);
+        s.base_color *= mix(material_checker_a(m), material_checker_b(m), odd);
     }
     var coat_normal = n;
     if (HAS_TEXTURES) {
-        let t = materials[m].textures;
-        s.base_color *= texel_at(t[BASE_COLOR_SLOT], pools_of(BASE_COLOR_SLOT), instance, c.index, bary, area2, footprint).xyz;
-        let metallic_roughness = texel_at(t[METALLIC_ROUGHNESS_SLOT], pools_of(METALLIC_ROUGHNESS_SLOT), instance, c.index, bary, area2, footprint);
+        s.base_color *= texel_at(material_texture(m, BASE_COLOR_SLOT), pools_of(BASE_COLOR_SLOT), instance, c.index, bary, area2, footprint).xyz;
+        let metallic_roughness = texel_at(material_texture(m, METALLIC_ROUGHNESS_SLOT), pools_of(METALLIC_ROUGHNESS_SLOT), instance, c.index, bary, area2, footprint);
         s.roughness *= metallic_roughness.y;
         s.metallic *= metallic_roughness.z;
-        if (HAS_NORMAL_MAPS && t[NORMAL_SLOT].layer != NONE) {
-            let texel = texel_at(t[NORMAL_SLOT], pools_of(NORMAL_SLOT), instance, c.index, bary, area2, footprint);
-            n = perturbed(instance, c.index, weights, n, texel.xyz, materials[m].normal_scale * t[NORMAL_SLOT].signs);
+        if (HAS_NORMAL_MAPS && material_texture(m, NORMAL_SLOT).layer != NONE) {
+            let texel = texel_at(material_texture(m, NORMAL_SLOT), pools_of(NORMAL_SLOT), instance, c.index, bary, area2, footprint);
+            n = perturbed(instance, c.index, weights, n, texel.xyz, material_normal_scale(m) * material_texture(m, NORMAL_SLOT).signs);
         }
-        if (HAS_COAT_NORMALS && LAYER_POOLS != 0u && materials[m].layer_textures[CLEARCOAT_NORMAL_SLOT].layer != NONE) {
+        if (HAS_COAT_NORMALS && LAYER_POOLS != 0u && material_layer_texture(m, CLEARCOAT_NORMAL_SLOT).layer != NONE) {
             let texel = layer_texel(CLEARCOAT_NORMAL_SLOT, instance, c.index, bary, area2, footprint);
-            let scale = materials[m].layer_textures[CLEARCOAT_NORMAL_SLOT].signs;
+            let scale = material_layer_texture(m, CLEARCOAT_NORMAL_SLOT).signs;
             coat_normal = perturbed(instance, c.index, weights, coat_normal, texel.xyz, scale);
         }
-        let occlusion = texel_at(t[OCCLUSION_SLOT], pools_of(OCCLUSION_SLOT), instance, c.index, bary, area2, footprint).x;
-        s.occlusion = 1.0 + materials[m].occlusion_strength * (occlusion - 1.0);
-        s.emission *= texel_at(t[EMISSION_SLOT], pools_of(EMISSION_SLOT), instance, c.index, bary, area2, footprint).xyz;
+        let occlusion = texel_at(material_texture(m, OCCLUSION_SLOT), pools_of(OCCLUSION_SLOT), instance, c.index, bary, area2, footprint).x;
+        s.occlusion = 1.0 + material_occlusion_strength(m) * (occlusion - 1.0);
+        s.emission *= texel_at(material_texture(m, EMISSION_SLOT), pools_of(EMISSION_SLOT), instance, c.index, bary, area2, footprint).xyz;
     }
     if (s.unlit) {
         // KHR_materials_unlit: light does not change the base color; the material has no specular.
@@ -270,21 +269,21 @@ fn surface_at(instance: u32, triangle: u32, place: vec2f, direction: vec3f, cone
         coat_normal = -coat_normal;
     }
     if (HAS_LAYERS) {
-        s.transmission = materials[m].transmission;
-        s.clearcoat = materials[m].clearcoat;
-        s.clearcoat_roughness = materials[m].clearcoat_roughness;
+        s.transmission = material_transmission(m);
+        s.clearcoat = material_clearcoat(m);
+        s.clearcoat_roughness = material_clearcoat_roughness(m);
         if (LAYER_POOLS != 0u) {
             s.transmission *= layer_texel(TRANSMISSION_SLOT, instance, c.index, bary, area2, footprint).x;
             s.clearcoat *= layer_texel(CLEARCOAT_SLOT, instance, c.index, bary, area2, footprint).x;
             s.clearcoat_roughness *= layer_texel(CLEARCOAT_ROUGHNESS_SLOT, instance, c.index, bary, area2, footprint).y;
         }
-        s.ior = materials[m].ior;
-        s.dispersion = materials[m].dispersion;
-        s.absorption = materials[m].absorption;
-        s.is_solid = materials[m].is_solid != 0u;
+        s.ior = material_ior(m);
+        s.dispersion = material_dispersion(m);
+        s.absorption = material_absorption(m);
+        s.is_solid = material_is_solid(m) != 0u;
         s.is_inside = behind && s.is_solid;
         s.alpha = 1.0;
-        if (materials[m].is_blended != 0u) { s.alpha = material_alpha(m, instance, c.index, bary, footprint, area2); }
+        if (material_is_blended(m) != 0u) { s.alpha = material_alpha(m, instance, c.index, bary, footprint, area2); }
     }
     s = with_textured_details(s, instance, c.index, bary, area2, footprint);
     if (HAS_ANISOTROPY) { s = with_grooves(s, instance, c.index, weights, bary, area2, footprint, n); }
@@ -330,16 +329,16 @@ const LEAST_SPREAD_ROUGHNESS: f32 = 0.045;
 // shading normal.
 fn with_grooves(s0: Surface, instance: u32, index: array<u32, 3>, weights: vec3f, bary: vec2f, area2: f32, footprint: f32, n: vec3f) -> Surface {
     var s = s0;
-    let m = instances[instance].material;
-    var strength = materials[m].anisotropy;
+    let m = instance_material(instance);
+    var strength = material_anisotropy(m);
     if (strength <= 0.0) { return s; }
     var along = vec2f(1.0, 0.0);
-    if (LAYER_POOLS != 0u && materials[m].layer_textures[ANISOTROPY_SLOT].layer != NONE) {
+    if (LAYER_POOLS != 0u && material_layer_texture(m, ANISOTROPY_SLOT).layer != NONE) {
         let texel = layer_texel(ANISOTROPY_SLOT, instance, index, bary, area2, footprint);
-        along = (texel.xy * 2.0 - 1.0) * materials[m].layer_textures[ANISOTROPY_SLOT].signs;
+        along = (texel.xy * 2.0 - 1.0) * material_layer_texture(m, ANISOTROPY_SLOT).signs;
         strength *= texel.z;
     }
-    let turn = materials[m].anisotropy_turn;
+    let turn = material_anisotropy_turn(m);
     along = vec2f(along.x * turn.x - along.y * turn.y, along.x * turn.y + along.y * turn.x);
     let axes = tangents(instance, index, weights, n);
     let tangent = axes[0] * along.x + axes[1] * along.y;
@@ -353,7 +352,7 @@ fn with_grooves(s0: Surface, instance: u32, index: array<u32, 3>, weights: vec3f
 // Texel of `Material.layer_textures` at a point; 1 where the material has none.
 fn layer_texel(slot: u32, instance: u32, index: array<u32, 3>, bary: vec2f, area2: f32, footprint: f32) -> vec4f {
     if (LAYER_POOLS == 0u) { return vec4f(1.0); }
-    let used = materials[instances[instance].material].layer_textures[slot];
+    let used = material_layer_texture(instance_material(instance), slot);
     return texel_at(used, LAYER_POOLS, instance, index, bary, area2, footprint);
 }
 
@@ -368,7 +367,7 @@ fn perturbed(instance: u32, index: array<u32, 3>, weights: vec3f, n: vec3f, texe
 
 // Tangent and bitangent; zeros where the mesh has none.
 fn tangents(instance: u32, index: array<u32, 3>, weights: vec3f, n: vec3f) -> mat2x3f {
-    let base = instances[instance].vertex_base;
+    let base = instance_vertex_base(instance);
     var t_object = vec3f(0.0);
     for (var k = 0u; k < 3u; k++) {
         t_object += unpack_unit(vertex_tangent(base + index[k]) & 0xfffffffeu) * weights[k];
@@ -376,7 +375,7 @@ fn tangents(instance: u32, index: array<u32, 3>, weights: vec3f, n: vec3f) -> ma
     let sign = select(-1.0, 1.0, (vertex_tangent(base + index[0]) & 1u) != 0u);
     let t = direction_to_world(instance, t_object);
     if (dot(t, t) < 1e-20) { return mat2x3f(); }
-    let mirrored = select(1.0, -1.0, (instances[instance].flags & FLAG_MIRRORED) != 0u);
+    let mirrored = select(1.0, -1.0, (instance_flags(instance) & FLAG_MIRRORED) != 0u);
     let tangent = normalize(t);
     return mat2x3f(tangent, cross(n, tangent) * sign * mirrored);
 }

@@ -20,7 +20,7 @@ const MAX_STORAGE_BUFFERS: u32 = 32;
 
 /// Requested number of sampled textures per shader stage: BVHs and meshes stored in textures use four more than the default of
 /// 16.
-const SAMPLED_TEXTURES: u32 = 20;
+const SAMPLED_TEXTURES: u32 = 22;
 
 /// Maximum requested texture width and height, pixels.
 const MAX_TEXTURE_SIDE: u32 = 16384;

@@ -23,6 +23,8 @@ pub struct Chunks {
     pub mesh_data: u32,
     /// Whether vertices, indices and second texture coordinates are textures.
     pub mesh_texels: bool,
+    /// Whether instances and materials are textures.
+    pub record_texels: bool,
     /// Size of each of several bindings, bytes, a power of two.
     pub bytes: u64,
 }
@@ -42,6 +44,7 @@ impl Chunks {
         vertices: 1,
         mesh_data: 1,
         mesh_texels: false,
+        record_texels: false,
         bytes: 0,
     };
 

@@ -46,6 +46,7 @@ pub mod probe;
 pub mod ray_list;
 pub mod rebuild_summary;
 mod recorder;
+mod records;
 mod relative;
 pub mod renderer;
 mod resources;

@@ -2,7 +2,6 @@
 
 use std::ops::Range;
 
-use bytemuck::cast_slice;
 use glam::Affine3A;
 
 use reflet_gpu::{Gpu, GpuError};
@@ -15,16 +14,15 @@ use super::{
     chunks::{Chunks, chunk_of},
     draw::{Draw, Indexed, draws, mirrors},
     emitters::{Emitters, GpuEmitters},
-    geometry::{MeshRange, buffer, geometry, mesh_vertices},
+    geometry::{MeshRange, geometry, mesh_vertices},
     gpu_material::gpu_material,
     mesh_array::MeshArray,
     panorama::GpuPanorama,
+    records::{RecordArray, are_texels_preferred},
     texel_array::TexelArray,
     textures::{Pools, samplers},
     tree_array::TreeArray,
-    types::{
-        FLAG_COLORS, FLAG_EMITTER, FLAG_MIRRORED, FLAG_TRACED, GpuInstance, GpuMaterial, flag,
-    },
+    types::{FLAG_COLORS, FLAG_EMITTER, FLAG_MIRRORED, FLAG_TRACED, GpuInstance, flag},
 };
 
 /// A scene on the GPU.
@@ -35,13 +33,13 @@ pub struct GpuScene {
     /// Triangles in leaf order.
     pub triangles: TreeArray,
     /// Instances, parallel to [`World::instances`].
-    pub instances: wgpu::Buffer,
+    pub instances: RecordArray,
     /// Attributes of all meshes; also the vertex buffer.
     pub vertices: MeshArray,
     /// Indices and second texture coordinates; also the index buffer.
     pub mesh_data: MeshArray,
     /// Materials, parallel to [`World::materials`].
-    pub materials: wgpu::Buffer,
+    pub materials: RecordArray,
     /// Texture pools with all images.
     pub pools: Pools,
     /// Samplers with repeat/repeat, repeat/clamp, clamp/repeat, clamp/clamp along u and v.
@@ -69,16 +67,21 @@ impl GpuScene {
     pub fn new(gpu: &Gpu, world: &World, trees: &Trees) -> Result<Self, GpuError> {
         let (vertices, mesh_data, mesh_ranges) = geometry(gpu, world)?;
         let pools = Pools::new(gpu, world)?;
-        let materials = materials(gpu, world, &pools)?;
+        let (instances, materials) = records(gpu, world, trees, (&mesh_ranges, &[]), &pools)?;
         let panorama = world.environment.panorama.as_deref();
         let (nodes, triangles) = tree_arrays(gpu, trees)?;
         Ok(Self {
             panorama: panorama.map(|p| GpuPanorama::new(gpu, p)).transpose()?,
-            chunks: chunks(gpu, (&nodes, &triangles), (&vertices, &mesh_data))?,
+            chunks: chunks(
+                gpu,
+                (&nodes, &triangles),
+                (&vertices, &mesh_data),
+                &instances,
+            )?,
             nodes,
             triangles,
             emitters: GpuEmitters::new(gpu, world)?,
-            instances: instance_buffer(gpu, world, trees, (&mesh_ranges, &[]))?,
+            instances,
             traced: Vec::new(),
             vertices,
             mesh_data,
@@ -113,15 +116,18 @@ impl GpuScene {
         } else {
             (self.nodes.clone(), self.triangles.clone())
         };
+        let kept = (self.mesh_ranges.as_slice(), self.traced.as_slice());
+        let (instances, materials) = records(gpu, world, trees, kept, &pools)?;
+        let meshes = (&self.vertices, &self.mesh_data);
         Ok(Self {
-            chunks: chunks(gpu, (&nodes, &triangles), (&self.vertices, &self.mesh_data))?,
+            chunks: chunks(gpu, (&nodes, &triangles), meshes, &instances)?,
             nodes,
             triangles,
-            instances: instance_buffer(gpu, world, trees, (&self.mesh_ranges, &self.traced))?,
+            instances,
             traced: self.traced.clone(),
             vertices: self.vertices.clone(),
             mesh_data: self.mesh_data.clone(),
-            materials: materials(gpu, world, &pools)?,
+            materials,
             samplers: self.samplers.clone(),
             draws: draws(world, &self.mesh_ranges),
             mesh_ranges: self.mesh_ranges.clone(),
@@ -175,11 +181,9 @@ impl GpuScene {
     }
 
     fn write_instances(&self, gpu: &Gpu, world: &World, trees: &Trees, range: Range<usize>) {
-        let first = (range.start * size_of::<GpuInstance>()) as u64;
-        let kept = (self.mesh_ranges.as_slice(), self.traced.as_slice());
+        let (first, kept) = (range.start, (&*self.mesh_ranges, &*self.traced));
         let records: Vec<_> = instance_records(world, trees, kept, range).collect();
-        gpu.queue
-            .write_buffer(&self.instances, first, cast_slice(&records));
+        self.instances.write(gpu, first, &records);
     }
 
     /// Sets for each instance whether its reflections are traced at once rather than marched, by index; those past the
@@ -210,9 +214,7 @@ impl GpuScene {
         for moving in &world.moving.materials {
             let material = &world.materials[moving.material];
             let record = gpu_material(material, world, &self.pools.layers);
-            let offset = (moving.material * size_of::<GpuMaterial>()) as u64;
-            gpu.queue
-                .write_buffer(&self.materials, offset, bytemuck::bytes_of(&record));
+            self.materials.write(gpu, moving.material, &[record]);
         }
     }
 
@@ -221,7 +223,7 @@ impl GpuScene {
         Some(Indexed {
             vertices: self.vertices.whole()?,
             indices: self.mesh_data.whole()?,
-            instances: &self.instances,
+            instances: self.instances.buffer(),
         })
     }
 
@@ -234,9 +236,9 @@ impl GpuScene {
         };
         let sampler = |i: usize| Some(wgpu::BindingResource::Sampler(&self.samplers[i]));
         match name {
-            "instances" => Some(self.instances.as_entire_binding()),
+            "instances" => Some(self.instances.resource()),
             "emitters" => self.emitters.as_ref().map(GpuEmitters::resource),
-            "materials" => Some(self.materials.as_entire_binding()),
+            "materials" => Some(self.materials.resource()),
             "pool_0" => view(0, 0),
             "pool_0_srgb" => view(0, 1),
             "pool_1" => view(1, 0),
@@ -279,16 +281,25 @@ impl GpuScene {
     }
 }
 
-fn instance_buffer(
+/// Uploads instances and materials.
+fn records(
     gpu: &Gpu,
     world: &World,
     trees: &Trees,
     kept: (&[MeshRange], &[bool]),
-) -> Result<wgpu::Buffer, GpuError> {
-    let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::VERTEX;
-    let all = 0..world.instances.len();
-    let records = instance_records(world, trees, kept, all);
-    buffer(gpu, "instances", records, usage)
+    pools: &Pools,
+) -> Result<(RecordArray, RecordArray), GpuError> {
+    let (instances, materials) = (&world.instances, &world.materials);
+    let in_texels = are_texels_preferred(gpu, instances.len(), materials.len());
+    let instances = instance_records(world, trees, kept, 0..instances.len());
+    let materials = materials.iter();
+    let materials = materials.map(|m| gpu_material(m, world, &pools.layers));
+    let vertex = wgpu::BufferUsages::VERTEX;
+    let none = wgpu::BufferUsages::empty();
+    Ok((
+        RecordArray::new(gpu, "instances", instances, vertex, in_texels)?,
+        RecordArray::new(gpu, "materials", materials, none, in_texels)?,
+    ))
 }
 
 /// Number of shader bindings of the BVHs and the meshes.
@@ -296,6 +307,7 @@ fn chunks(
     gpu: &Gpu,
     (nodes, triangles): (&TreeArray, &TreeArray),
     (vertices, mesh_data): (&MeshArray, &MeshArray),
+    instances: &RecordArray,
 ) -> Result<Chunks, GpuError> {
     let bytes = nodes.size() + triangles.size() + vertices.size() + mesh_data.size();
     let chunks = Chunks {
@@ -305,6 +317,7 @@ fn chunks(
         vertices: vertices.count(),
         mesh_data: mesh_data.count(),
         mesh_texels: vertices.is_texels(),
+        record_texels: instances.is_texels(),
         ..Chunks::WHOLE
     };
     chunks.on(gpu, bytes)
@@ -339,8 +352,8 @@ fn instance_records(
     trees: &Trees,
     (mesh_ranges, unmarched): (&[MeshRange], &[bool]),
     range: Range<usize>,
-) -> impl ExactSizeIterator<Item = GpuInstance> {
-    let record = |(index, (instance, traced)): (usize, (&Instance, &TraceInstance))| {
+) -> impl ExactSizeIterator<Item = GpuInstance> + Clone {
+    let record = move |(index, (instance, traced)): (usize, (&Instance, &TraceInstance))| {
         let is_traced = unmarched.get(index).copied().unwrap_or(false);
         let range = mesh_ranges[instance.mesh];
         let radius = world.meshes[instance.mesh].capsule_radius_m;
@@ -364,12 +377,6 @@ fn instance_records(
     let instances = world.instances[range.clone()].iter();
     let pairs = instances.zip(&trees.instances[range.clone()]);
     (range.zip(pairs)).map(record)
-}
-
-fn materials(gpu: &Gpu, world: &World, pools: &Pools) -> Result<wgpu::Buffer, GpuError> {
-    let materials = world.materials.iter();
-    let materials = materials.map(|m| gpu_material(m, world, &pools.layers));
-    buffer(gpu, "materials", materials, wgpu::BufferUsages::STORAGE)
 }
 
 const _: () = assert!(size_of::<TraceTriangle>() == 48 && size_of::<CwBvhNode>() == 80);

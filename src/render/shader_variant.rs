@@ -3,7 +3,7 @@
 
 use reflet_gpu::{ShaderError, ShaderLibrary};
 
-use super::{chunks::Chunks, constants::wgsl, plan::Features};
+use super::{chunks::Chunks, constants::wgsl, plan::Features, records};
 
 /// Shader files that a frame uses.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -30,6 +30,7 @@ impl ShaderVariant {
             chunks: Chunks {
                 tree_texels: true,
                 mesh_texels: true,
+                record_texels: true,
                 ..Chunks::WHOLE
             },
             ..variant
@@ -45,7 +46,8 @@ impl ShaderVariant {
         let triangles = if self.indexed { "indexed" } else { "pulled" };
         let library = library
             .with_generated("constants", wgsl())?
-            .with_generated("geometry", self.chunks.wgsl())?;
+            .with_generated("geometry", self.chunks.wgsl())?
+            .with_generated("records", records::wgsl(self.chunks.record_texels))?;
         let imports = self.features.imports().chain([("triangles", triangles)]);
         imports
             .into_iter()

@@ -17,15 +17,23 @@ pub struct TexelArray {
 }
 
 impl TexelArray {
-    /// Creates an initialized array, never of zero size; as wide as its data where that is less than a row.
+    /// Creates an array of these elements, never of zero size, in pieces, so that few of them are in memory at a time; as
+    /// wide as its data where that is less than a row.
     ///
     /// # Errors
     /// More rows than a texture can have, named by `name`, or a wgpu error.
-    pub fn new<T: Pod>(gpu: &Gpu, name: &str, data: &[T]) -> Result<Self, GpuError> {
-        let array = Self::sized::<T>(gpu, name, data.len())?;
+    pub fn new<T: Pod>(
+        gpu: &Gpu,
+        name: &str,
+        mut elements: impl ExactSizeIterator<Item = T>,
+    ) -> Result<Self, GpuError> {
+        let array = Self::sized::<T>(gpu, name, elements.len())?;
         let most = Gpu::PIECE_BYTES / size_of::<T>();
-        for (piece, first) in data.chunks(most).zip((0..).step_by(most)) {
-            array.write(gpu, first, piece);
+        let mut written = 0;
+        while elements.len() > 0 {
+            let piece: Vec<T> = elements.by_ref().take(most).collect();
+            array.write(gpu, written, &piece);
+            written += piece.len();
             gpu.finish_writes()?;
         }
         Ok(array)

@@ -27,7 +27,7 @@ impl TreeArray {
         in_texels: bool,
     ) -> Result<Self, GpuError> {
         match in_texels {
-            true => TexelArray::new(gpu, name, data).map(Self::Texels),
+            true => TexelArray::new(gpu, name, data.iter().copied()).map(Self::Texels),
             false => {
                 let usage = wgpu::BufferUsages::STORAGE;
                 ChunkedArray::new(gpu, name, data, usage).map(Self::Buffers)

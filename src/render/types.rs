@@ -13,6 +13,8 @@ pub struct StructSpec {
     pub size: usize,
     /// Name, offset and size in bytes of each field, in order.
     pub fields: &'static [(&'static str, usize, usize)],
+    /// Rust type of each field, in order.
+    pub types: &'static [&'static str],
 }
 
 /// Declares a struct shared with the shaders: `repr(C)`, plain data, and its layout for the test.
@@ -33,6 +35,7 @@ macro_rules! gpu_struct {
                 name: $wgsl,
                 size: size_of::<$name>(),
                 fields: &[$((stringify!($field), std::mem::offset_of!($name, $field), size_of::<$ty>()),)*],
+                types: &[$(stringify!($ty),)*],
             };
         }
     };
