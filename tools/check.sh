@@ -82,7 +82,8 @@ if grep -E '(egui|winit|clap|plotters) v' <<<"$library"; then
 fi
 
 heading "Tests"
-# Three processes: a software adapter compiles shaders on one thread of each. What one says is shown when it ends.
+# Three processes at a time: a software adapter compiles shaders on one thread of each. The longest parts begin, and the
+# last one keeps several threads busy. What one says is shown when it ends.
 run_tests() {
     local said status=0
     said="$(linted test --locked --workspace --no-fail-fast "$@" 2>&1)" || status="$?"
@@ -92,9 +93,10 @@ run_tests() {
 export -f linted run_tests
 export clippy_driver
 xargs -L 1 -P 3 bash -c 'run_tests "$@"' _ <<'END'
---test p* -- --skip light::
---test c*
 --test p* -- light::
+--test p* -- --skip light:: --skip specialized::
+--test c*
+--test p* -- specialized::
 --lib --test [!cp]*
 END
 

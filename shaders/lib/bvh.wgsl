@@ -77,14 +77,17 @@ fn trace_any(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32) -> bool {
 
 fn trace_solid(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, shadow: bool) -> Hit {
     visits_left = MAX_VISITS;
-    var hit = traverse(origin, direction, t_min, t_max, shadow);
-    if HAS_CUTOUT {
-        for (var layer = 0u; is_cut_out(hit); layer++) {
-            if layer == MAX_LAYERS {
-                visits_left = 0u;
-                break;
-            }
-            hit = traverse(origin, direction, hit.t, t_max, shadow);
+    var start_m = t_min;
+    var hit: Hit;
+    // One call in a loop keeps the inlined code small: the traversal is long.
+    for (var layer = 0u; visits_left > 0u; layer++) {
+        hit = traverse(origin, direction, start_m, t_max, shadow);
+        if !HAS_CUTOUT || !is_cut_out(hit) {
+            break;
+        }
+        start_m = hit.t;
+        if layer == MAX_LAYERS {
+            visits_left = 0u;
         }
     }
     if visits_left == 0u {

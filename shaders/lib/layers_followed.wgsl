@@ -195,18 +195,19 @@ fn chosen(a: Reflected, b: Reflected, pair: u32) -> Reflected {
 // Reflection ray of a surface.
 fn reflected(direction: vec3f, s: Surface) -> Reflected {
     var ray: Reflected;
-    if (HAS_COATS && s.clearcoat > 0.0) {
-        let base = below_coat(s);
-        ray = lobe_ray(direction, base);
-        ray.weight *= coat_transmittance(s, dot(coat_normal(s), -direction));
-        if (!is_reflector(base)) { ray.weight = vec3f(0.0); }
-        if (has_traced_coat(s)) {
-            var over = lobe_ray(direction, coat_of(s));
-            over.weight *= s.clearcoat;
-            ray = chosen(over, ray, COAT_PAIR);
+    // One call in a loop keeps the inlined code small.
+    for (var layer = 0u; layer <= u32(has_traced_coat(s)); layer++) {
+        var part = below_coat(s);
+        if (layer == 1u) { part = coat_of(s); }
+        var found = lobe_ray(direction, part);
+        if (layer == 1u) {
+            found.weight *= s.clearcoat;
+            found = chosen(found, ray, COAT_PAIR);
+        } else if (HAS_COATS && s.clearcoat > 0.0) {
+            found.weight *= coat_transmittance(s, dot(coat_normal(s), -direction));
+            if (!is_reflector(part)) { found.weight = vec3f(0.0); }
         }
-    } else {
-        ray = lobe_ray(direction, s);
+        ray = found;
     }
     if (HAS_TRANSMISSION) { ray.weight *= s.alpha; }
     // From within a solid no light samples are taken, so reflection rays have full weight.

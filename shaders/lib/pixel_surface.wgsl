@@ -29,21 +29,26 @@ struct PixelSurface {
 fn pixel_surface(pixel: vec2u, hit: vec2u) -> PixelSurface {
     let center = vec2f(pixel) + 0.5;
     let ray = pixel_ray(center);
-    var shown: PixelSurface;
+    var t: f32;
+    var place: vec2f;
+    var on_plane = true;
     if (is_capsule(hit.x)) {
         let met = solid_capsule_hit(hit.x, hit.y, pixel_origin(center), ray, frame.near_m);
-        shown.surface = surface_at(hit.x, hit.y, met.place, normalize(ray), pixel_width(met.t * length(ray)));
-        shown.depth_m = met.t;
-        return shown;
+        t = met.t;
+        place = met.place;
+    } else {
+        let plane = plane_hit(pixel_origin(center), ray, hit.x, hit.y);
+        t = plane.t;
+        // A pixel center may lie just outside the triangle that covers the pixel.
+        place = clamp(plane.bary, vec2f(0.0), vec2f(1.0));
+        place /= max(place.x + place.y, 1.0);
+        on_plane = distance(place, plane.bary) < 0.1;
     }
-    let plane = plane_hit(pixel_origin(center), ray, hit.x, hit.y);
-    // A pixel center may lie just outside the triangle that covers the pixel.
-    var bary = clamp(plane.bary, vec2f(0.0), vec2f(1.0));
-    bary /= max(bary.x + bary.y, 1.0);
-    shown.surface = surface_at(hit.x, hit.y, bary, normalize(ray), pixel_width(plane.t * length(ray)));
+    var shown: PixelSurface;
+    // One call for both keeps the inlined code small.
+    shown.surface = surface_at(hit.x, hit.y, place, normalize(ray), pixel_width(t * length(ray)));
     // Depth along the pixel's own ray, so that the position computed from it lies on the plane; a triangle seen
     // edge-on is too inexact for that and uses the clamped point.
-    let on_plane = distance(bary, plane.bary) < 0.1;
-    shown.depth_m = select(dot(shown.surface.position - frame.eye, frame.forward), plane.t, on_plane);
+    shown.depth_m = select(dot(shown.surface.position - frame.eye, frame.forward), t, on_plane);
     return shown;
 }

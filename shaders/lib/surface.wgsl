@@ -141,11 +141,16 @@ fn alpha_passes(instance: u32, triangle: u32, bary: vec2f) -> bool {
 
 // Where a capsule is first solid along a ray past `t_min`: a cut-out one perhaps on its inner side.
 fn solid_capsule_hit(instance: u32, capsule: u32, origin: vec3f, direction: vec3f, t_min: f32) -> CapsuleHit {
-    var hit = capsule_hit(instance, capsule, origin, direction, t_min);
-    if (!hit.is_met || material_alpha_cutoff(instance_material(instance)) < 0.0
-        || alpha_passes(instance, capsule, hit.place)) { return hit; }
-    hit = capsule_hit(instance, capsule, origin, direction, hit.t);
-    hit.is_met = hit.is_met && alpha_passes(instance, capsule, hit.place);
+    let is_cut_out = material_alpha_cutoff(instance_material(instance)) >= 0.0;
+    var start = t_min;
+    var hit: CapsuleHit;
+    // One call in a loop keeps the inlined code small.
+    for (var side = 0u; side < 2u; side++) {
+        hit = capsule_hit(instance, capsule, origin, direction, start);
+        if (!hit.is_met || !is_cut_out || alpha_passes(instance, capsule, hit.place)) { return hit; }
+        start = hit.t;
+    }
+    hit.is_met = false;
     return hit;
 }
 

@@ -61,7 +61,7 @@ pub struct Gpu {
     pub reads_texels_faster: bool,
     /// Compile statistics of the device.
     pub compile_stats: CompileStats,
-    /// Compiled shaders, shared by all renderers of the device.
+    /// Compiled shaders and pipelines, shared by all renderers of the device.
     pub(super) shaders: ShaderCache,
     /// The first error outside an error scope.
     fault: Arc<Mutex<Option<GpuError>>>,

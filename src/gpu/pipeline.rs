@@ -2,7 +2,7 @@
 
 use std::{
     borrow::Cow,
-    sync::{Arc, atomic::Ordering},
+    sync::{Arc, Mutex, atomic::Ordering},
 };
 
 use naga::valid::Capabilities;
@@ -13,15 +13,25 @@ use super::{
     error::GpuError,
     reflect::{self, Binding},
     shader::{ShaderError, ShaderLibrary, ShaderSource},
-    shader_cache::{Checks, PipelineCache, Shader, get_or_make},
+    shader_cache::{Checks, PipelineKey, Recent, Shader, find, get_or_make},
     specialize::specialized,
 };
 
-fn cache_key(what: &str, groups: &[&GroupLayout], constants: &[(&str, f64)]) -> String {
+/// A pipeline of a shader.
+struct Wanted<'a> {
+    /// The compute entry point; `None` for a render pipeline.
+    compute: Option<&'a str>,
+    /// Entry points and fixed-function state.
+    state: &'a str,
+    groups: &'a [&'a GroupLayout],
+    constants: &'a [(&'a str, f64)],
+}
+
+fn binding_key(groups: &[&GroupLayout]) -> String {
     let of = |b: &Binding| (b.group, b.binding, b.ty, b.visibility);
     let bindings = groups.iter().map(|group| group.bindings.iter().map(of));
     let bindings: Vec<Vec<_>> = bindings.map(Iterator::collect).collect();
-    format!("{what} {constants:?} {bindings:?}")
+    format!("{bindings:?}")
 }
 
 impl Gpu {
@@ -52,21 +62,52 @@ impl Shader {
             info,
             module: Arc::new((module, validated)),
             trusted: checks == Checks::TrustedBuiltin && source.embedded,
-            computes: PipelineCache::default(),
-            renders: PipelineCache::default(),
+            keys: Arc::default(),
         })
     }
 
-    /// The module on the device, for one compute entry point or all entry points, with values for its overrides.
+    /// The module for one compute entry point or all entry points, with values for its overrides.
     fn specialized(
         &self,
-        gpu: &Gpu,
         compute: Option<&str>,
         constants: &[(&str, f64)],
-    ) -> Result<wgpu::ShaderModule, GpuError> {
+    ) -> Result<naga::Module, GpuError> {
         let (module, validated) = &*self.module;
-        let module = specialized(module, validated, compute, constants)
-            .map_err(|error| ShaderError::new(&self.info.file, error.to_string()))?;
+        specialized(module, validated, compute, constants)
+            .map_err(|error| ShaderError::new(&self.info.file, error.to_string()).into())
+    }
+
+    /// The cached pipeline of these groups, constants and `state`, or a new one from `make`, with the layout of the
+    /// groups and the module on the device. The pipeline may be that of another text that specializes to the same
+    /// module.
+    fn pipeline<P: Clone, const MOST: usize>(
+        &self,
+        gpu: &Gpu,
+        cache: &Mutex<Recent<PipelineKey, P, MOST>>,
+        wanted: &Wanted<'_>,
+        make: impl FnOnce(&wgpu::PipelineLayout, &wgpu::ShaderModule) -> P,
+    ) -> Result<P, GpuError> {
+        self.check_constants(wanted.constants)?;
+        let bindings = binding_key(wanted.groups);
+        let name = format!("{} {:?} {bindings}", wanted.state, wanted.constants);
+        if let Some(known) = find(&self.keys, &name).and_then(|key| find(cache, &key)) {
+            return Ok(known);
+        }
+        let module = self.specialized(wanted.compute, wanted.constants)?;
+        let key = get_or_make(&self.keys, name, |_| {
+            let rest = format!("{} {} {bindings}", wanted.state, self.trusted);
+            Ok(PipelineKey::new(&module, &rest))
+        })?;
+        get_or_make(cache, key, |_| {
+            let layout = self.pipeline_layout(gpu, wanted.groups)?;
+            let module = self.on_device(gpu, module)?;
+            gpu.scoped(&format!("pipeline {}", self.info.name), || {
+                gpu.compile_stats.pipeline(|| make(&layout, &module))
+            })
+        })
+    }
+
+    fn on_device(&self, gpu: &Gpu, module: naga::Module) -> Result<wgpu::ShaderModule, GpuError> {
         let descriptor = wgpu::ShaderModuleDescriptor {
             label: Some(&self.info.name),
             source: wgpu::ShaderSource::Naga(Cow::Owned(module)),
@@ -135,21 +176,21 @@ impl Shader {
             let message = format!("has no compute entry point `{entry}`");
             return Err(ShaderError::new(&self.info.file, message).into());
         }
-        self.check_constants(constants)?;
-        get_or_make(&self.computes, cache_key(entry, groups, constants), |_| {
-            let layout = self.pipeline_layout(gpu, groups)?;
-            let module = self.specialized(gpu, Some(entry), constants)?;
+        let wanted = Wanted {
+            compute: Some(entry),
+            state: entry,
+            groups,
+            constants,
+        };
+        self.pipeline(gpu, &gpu.shaders.computes, &wanted, |layout, module| {
             let label = format!("{}.{entry}", self.info.name);
-            let descriptor = wgpu::ComputePipelineDescriptor {
+            (gpu.device).create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
                 label: Some(&label),
-                layout: Some(&layout),
-                module: &module,
+                layout: Some(layout),
+                module,
                 entry_point: Some(entry),
                 compilation_options: wgpu::PipelineCompilationOptions::default(),
                 cache: None,
-            };
-            gpu.scoped(&format!("pipeline {label}"), || {
-                (gpu.compile_stats).pipeline(|| gpu.device.create_compute_pipeline(&descriptor))
             })
         })
     }
@@ -167,14 +208,13 @@ impl Shader {
         constants: &[(&str, f64)],
         make: impl FnOnce(&wgpu::PipelineLayout, &wgpu::ShaderModule) -> wgpu::RenderPipeline,
     ) -> Result<wgpu::RenderPipeline, GpuError> {
-        self.check_constants(constants)?;
-        get_or_make(&self.renders, cache_key(state, groups, constants), |_| {
-            let layout = self.pipeline_layout(gpu, groups)?;
-            let module = self.specialized(gpu, None, constants)?;
-            gpu.scoped(&format!("pipeline {}", self.info.name), || {
-                gpu.compile_stats.pipeline(|| make(&layout, &module))
-            })
-        })
+        let wanted = Wanted {
+            compute: None,
+            state,
+            groups,
+            constants,
+        };
+        self.pipeline(gpu, &gpu.shaders.renders, &wanted, make)
     }
 
     /// Checks that every constant is an override of this shader and that all required ones are set.

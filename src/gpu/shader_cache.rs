@@ -1,6 +1,11 @@
-//! Cache of a device's shaders: renderers that use the same text share a shader and its pipelines.
+//! Caches of a device's shaders and pipelines: renderers that use the same text share a shader, and texts that
+//! specialize to the same module share its pipeline.
 
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::{
+    fmt::{self, Write as _},
+    hash::{DefaultHasher, Hasher as _},
+    sync::{Arc, Mutex, MutexGuard, PoisonError},
+};
 
 use super::{error::GpuError, reflect::ShaderModuleInfo, shader::ShaderSource};
 
@@ -8,12 +13,16 @@ use super::{error::GpuError, reflect::ShaderModuleInfo, shader::ShaderSource};
 /// is being edited pushes out its own old versions.
 const SHADERS: usize = 64;
 
-/// Maximum number of compute pipelines kept per shader: software drivers hold several MB of code for each.
-const COMPUTES: usize = 6;
+/// Maximum number of compute pipelines kept, of which a frame has up to 20: software drivers hold several MB of code
+/// for each.
+const COMPUTES: usize = 192;
 
-/// Maximum number of render pipelines kept per shader: a frame has up to 24, for cut-out, double-sided and mirrored
+/// Maximum number of render pipelines kept: a frame has up to 24 per shader, for cut-out, double-sided and mirrored
 /// instances, shown, culled and seen only in reflections; their code is small.
-const RENDERS: usize = 48;
+const RENDERS: usize = 96;
+
+/// Maximum number of pipelines whose keys are known per shader.
+const KEYS: usize = 48;
 
 /// Run-time checks of a shader.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,7 +35,7 @@ pub enum Checks {
     TrustedBuiltin,
 }
 
-/// A validated shader, and the cache of its pipelines.
+/// A validated shader, and the keys of its pipelines.
 #[derive(Clone, Debug)]
 pub struct Shader {
     /// Reflection of the module.
@@ -34,8 +43,30 @@ pub struct Shader {
     pub(super) module: Arc<(naga::Module, naga::valid::ModuleInfo)>,
     /// Whether the text was built into this program, and the caller validates all indices that the shader reads.
     pub(super) trusted: bool,
-    pub(super) computes: PipelineCache<wgpu::ComputePipeline, COMPUTES>,
-    pub(super) renders: PipelineCache<wgpu::RenderPipeline, RENDERS>,
+    /// Pipeline keys by entry point, state, constants and bindings, which spare specializing the module again.
+    pub(super) keys: Arc<Mutex<Recent<String, PipelineKey, KEYS>>>,
+}
+
+/// Hash of everything that makes a pipeline: the specialized module, its run-time checks, bindings and fixed-function
+/// state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct PipelineKey(u64);
+
+impl PipelineKey {
+    /// The key of a module without overrides, with `state` for the rest.
+    pub fn new(module: &naga::Module, state: &str) -> Self {
+        struct Text(DefaultHasher);
+        impl fmt::Write for Text {
+            fn write_str(&mut self, text: &str) -> fmt::Result {
+                self.0.write(text.as_bytes());
+                Ok(())
+            }
+        }
+        let mut text = Text(DefaultHasher::new());
+        // Hashing cannot fail, and naga's types have no other form than their debug text that covers all of them.
+        let _ = write!(text, "{module:?} {state}");
+        Self(text.0.finish())
+    }
 }
 
 /// Cache of at most `MOST` values by key, the most recently used last.
@@ -65,8 +96,13 @@ impl<K: PartialEq, V: Clone, const MOST: usize> Recent<K, V, MOST> {
     }
 }
 
-/// Cache of pipelines by entry point and state, shared by clones of the shader.
-pub(super) type PipelineCache<P, const MOST: usize> = Arc<Mutex<Recent<String, P, MOST>>>;
+/// The cached value of this key.
+pub(super) fn find<K: PartialEq, V: Clone, const MOST: usize>(
+    cache: &Mutex<Recent<K, V, MOST>>,
+    key: &K,
+) -> Option<V> {
+    locked(cache).find(key)
+}
 
 /// The cached value of this key, or a new one from `make`. The cache is not locked while `make` runs; two threads
 /// that make the same key insert it twice, until the cache drops one.
@@ -78,8 +114,7 @@ pub(super) fn get_or_make<K: PartialEq, V: Clone, const MOST: usize>(
     key: K,
     make: impl FnOnce(&K) -> Result<V, GpuError>,
 ) -> Result<V, GpuError> {
-    let known = locked(cache).find(&key);
-    if let Some(value) = known {
+    if let Some(value) = find(cache, &key) {
         return Ok(value);
     }
     let value = make(&key)?;
@@ -91,9 +126,13 @@ fn locked<T>(cache: &Mutex<T>) -> MutexGuard<'_, T> {
     cache.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Cache of shaders by text.
+/// Caches of a device: shaders by text, and pipelines by what makes them.
 #[derive(Debug, Default)]
-pub(super) struct ShaderCache(Mutex<Recent<Key, Shader, SHADERS>>);
+pub(super) struct ShaderCache {
+    shaders: Mutex<Recent<Key, Shader, SHADERS>>,
+    pub computes: Mutex<Recent<PipelineKey, wgpu::ComputePipeline, COMPUTES>>,
+    pub renders: Mutex<Recent<PipelineKey, wgpu::RenderPipeline, RENDERS>>,
+}
 
 #[derive(Debug, PartialEq, Eq)]
 struct Key {
@@ -114,6 +153,6 @@ impl ShaderCache {
         make: impl FnOnce(&ShaderSource) -> Result<Shader, GpuError>,
     ) -> Result<Shader, GpuError> {
         let key = Key { source, checks };
-        get_or_make(&self.0, key, |key| make(&key.source))
+        get_or_make(&self.shaders, key, |key| make(&key.source))
     }
 }

@@ -3,13 +3,14 @@
 
 use naga::{
     BinaryOperator, Block, Expression, Function, Handle, Literal, LocalVariable, Module,
-    ShaderStage, Statement, UnaryOperator,
+    ShaderStage, Span, Statement, UnaryOperator,
     back::pipeline_constants::{PipelineConstantError, process_overrides},
     compact::{KeepUnused, compact},
     valid::ModuleInfo,
 };
 
-/// A module without overrides, for one compute entry point or for all entry points.
+/// A module without overrides and without source locations, for one compute entry point or for all entry points: texts
+/// that differ only in what is removed become one module.
 ///
 /// # Errors
 /// A value that does not match its override.
@@ -27,27 +28,34 @@ pub fn specialized(
     let (module, _) = process_overrides(module, info, entry, &values).map_err(Box::new)?;
     let mut module = module.into_owned();
     let mut functions = std::mem::take(&mut module.functions);
-    for (_, function) in functions.iter_mut() {
-        prune(&module, function);
+    let mut returned = Vec::new();
+    // A function stands behind those that it calls.
+    for (handle, function) in functions.iter_mut() {
+        let value = prune(&module, &returned, function);
+        returned.extend(value.map(|value| (handle, value)));
     }
     module.functions = functions;
     let mut entries = std::mem::take(&mut module.entry_points);
     for entry in &mut entries {
-        prune(&module, &mut entry.function);
+        prune(&module, &returned, &mut entry.function);
     }
     module.entry_points = entries;
+    // `compact` keeps what has a name.
+    for (_, constant) in module.constants.iter_mut() {
+        constant.name = None;
+    }
     compact(&mut module, KeepUnused::No);
     Ok(module)
 }
 
-/// Removes the branches that constants never take.
-fn prune(module: &Module, function: &mut Function) {
+/// Removes the branches that constants never take, and gives the only value that the function returns, if it is known.
+fn prune(module: &Module, returned: &[Returned], function: &mut Function) -> Option<bool> {
     let mut known = Vec::new();
     loop {
         let body = std::mem::take(&mut function.body);
-        let kept = taken(&Values::new(module, function, &known), body);
+        let kept = taken(&Values::new(module, returned, function, &known), body);
         function.body = kept;
-        let next = constant_temporaries(module, function, &known);
+        let next = constant_temporaries(module, returned, function, &known);
         if next.len() == known.len() {
             break;
         }
@@ -55,16 +63,41 @@ fn prune(module: &Module, function: &mut Function) {
     }
     // `compact` keeps what has a name.
     function.named_expressions.clear();
+    let values = Values::new(module, returned, function, &known);
+    let mut all = Vec::new();
+    visit(&function.body, &mut |statement| {
+        if let Statement::Return { value } = statement {
+            all.push(value.and_then(|value| values.of(value)));
+        }
+    });
+    let first = (*all.first()?)?;
+    all.iter()
+        .all(|value| *value == Some(first))
+        .then_some(first)
 }
+
+/// A function and the only value that it ever returns.
+type Returned = (Handle<Function>, bool);
 
 /// A temporary variable and the only value that it ever holds.
 type Known = (Handle<LocalVariable>, bool);
 
 /// Temporary variables, which naga makes for `&&` and `||`, that are only ever assigned one value.
-fn constant_temporaries(module: &Module, function: &Function, known: &[Known]) -> Vec<Known> {
-    let values = Values::new(module, function, known);
+fn constant_temporaries(
+    module: &Module,
+    returned: &[Returned],
+    function: &Function,
+    known: &[Known],
+) -> Vec<Known> {
+    let values = Values::new(module, returned, function, known);
     let mut stores = Vec::new();
-    collect_stores(function, &function.body, &mut stores);
+    visit(&function.body, &mut |statement| {
+        if let Statement::Store { pointer, value } = statement
+            && let Expression::LocalVariable(variable) = function.expressions[*pointer]
+        {
+            stores.push((variable, *value));
+        }
+    });
     let only = |variable| {
         let mut of = (stores.iter()).filter(|(stored_to, _)| *stored_to == variable);
         let first = values.of(of.next()?.1)?;
@@ -76,33 +109,26 @@ fn constant_temporaries(module: &Module, function: &Function, known: &[Known]) -
     temporaries.filter_map(|(handle, _)| only(handle)).collect()
 }
 
-fn collect_stores(
-    function: &Function,
-    block: &Block,
-    stores: &mut Vec<(Handle<LocalVariable>, Handle<Expression>)>,
-) {
+/// Calls `look` with every statement of a block and of the blocks inside it.
+fn visit(block: &Block, look: &mut impl FnMut(&Statement)) {
     for statement in block {
+        look(statement);
         match statement {
-            Statement::Store { pointer, value } => {
-                if let Expression::LocalVariable(variable) = function.expressions[*pointer] {
-                    stores.push((variable, *value));
-                }
-            }
-            Statement::Block(inner) => collect_stores(function, inner, stores),
+            Statement::Block(inner) => visit(inner, look),
             Statement::If { accept, reject, .. } => {
-                collect_stores(function, accept, stores);
-                collect_stores(function, reject, stores);
+                visit(accept, look);
+                visit(reject, look);
             }
             Statement::Switch { cases, .. } => {
                 for case in cases {
-                    collect_stores(function, &case.body, stores);
+                    visit(&case.body, look);
                 }
             }
             Statement::Loop {
                 body, continuing, ..
             } => {
-                collect_stores(function, body, stores);
-                collect_stores(function, continuing, stores);
+                visit(body, look);
+                visit(continuing, look);
             }
             _ => {}
         }
@@ -112,14 +138,21 @@ fn collect_stores(
 /// Evaluates boolean expressions whose value is known.
 struct Values<'a> {
     module: &'a Module,
+    returned: &'a [Returned],
     function: &'a Function,
     known: &'a [Known],
 }
 
 impl<'a> Values<'a> {
-    fn new(module: &'a Module, function: &'a Function, known: &'a [Known]) -> Self {
+    fn new(
+        module: &'a Module,
+        returned: &'a [Returned],
+        function: &'a Function,
+        known: &'a [Known],
+    ) -> Self {
         Self {
             module,
+            returned,
             function,
             known,
         }
@@ -159,6 +192,10 @@ impl<'a> Values<'a> {
                 }
                 _ => None,
             },
+            Expression::CallResult(called) => {
+                let found = self.returned.iter().find(|(other, _)| *other == called);
+                found.map(|(_, value)| *value)
+            }
             _ => None,
         }
     }
@@ -167,7 +204,7 @@ impl<'a> Values<'a> {
 /// A block without branches that are never taken, and without unreachable statements after its end.
 fn taken(values: &Values<'_>, block: Block) -> Block {
     let mut kept = Block::with_capacity(block.len());
-    for (statement, span) in block.span_into_iter() {
+    for (statement, _) in block.span_into_iter() {
         match inner_taken(values, statement) {
             Statement::If {
                 condition,
@@ -182,11 +219,11 @@ fn taken(values: &Values<'_>, block: Block) -> Block {
                         accept,
                         reject,
                     },
-                    span,
+                    Span::UNDEFINED,
                 ),
             },
             Statement::Block(inner) => kept.extend_block(inner),
-            other => kept.push(other, span),
+            other => kept.push(other, Span::UNDEFINED),
         }
         let ends = |s: &Statement| {
             matches!(
@@ -239,8 +276,8 @@ fn inner_taken(values: &Values<'_>, statement: Statement) -> Statement {
                 taken(values, body)
             } else {
                 let mut kept = Block::with_capacity(body.len());
-                for (statement, span) in body.span_into_iter() {
-                    kept.push(inner_taken(values, statement), span);
+                for (statement, _) in body.span_into_iter() {
+                    kept.push(inner_taken(values, statement), Span::UNDEFINED);
                 }
                 kept
             };
@@ -255,108 +292,5 @@ fn inner_taken(values: &Values<'_>, statement: Statement) -> Statement {
 }
 
 #[cfg(test)]
-mod tests {
-    use naga::{
-        front::wgsl,
-        valid::{Capabilities, ValidationFlags, Validator},
-    };
-
-    use super::*;
-
-    const TEXT: &str = "
-        override A: bool = true;
-        override B: bool = false;
-        @group(0) @binding(0) var<storage, read_write> out: array<u32>;
-        @group(0) @binding(1) var<storage, read> of_a: array<u32>;
-        @group(0) @binding(2) var<storage, read> of_b: array<u32>;
-        fn with_a(i: u32) -> u32 { return of_a[i]; }
-        fn with_b(i: u32) -> u32 { return of_b[i]; }
-        fn unset() -> bool {
-            var known: bool;
-            if (out[2] == 0u) { known = true; }
-            return known;
-        }
-        fn chosen(i: u32) -> u32 {
-            var sum = 0u;
-            for (var k = 0u; k < 4u; k++) {
-                if (B) { continue; }
-                if (A) { sum += k; } else { break; }
-                sum += 1u;
-            }
-            loop {
-                if (A) { break; }
-                let step = sum + 1u;
-                continuing { sum += step; break if step > 9u; }
-            }
-            if (unset()) { sum += 1u; }
-            if (A && i > 3u) { sum += with_a(i); }
-            if (!(B || !A) || i > 5u) { sum += 1u; }
-            loop {
-                if (!B) { break; }
-                sum += with_b(i);
-            }
-            switch i {
-                case 1u: { if (B && A) { return with_b(i); } }
-                default: {}
-            }
-            if (B) { return sum + with_b(i); } else { return sum; }
-        }
-        @compute @workgroup_size(1) fn main() { out[0] = chosen(out[1]); }
-        @compute @workgroup_size(1) fn other() { out[1] = with_b(0u); }
-    ";
-
-    fn names(constants: &[(&str, f64)], entry: Option<&str>) -> Vec<String> {
-        let module = wgsl::parse_str(TEXT).expect("parses");
-        let validate = |module: &Module| {
-            Validator::new(ValidationFlags::all(), Capabilities::empty())
-                .validate(module)
-                .expect("is valid")
-        };
-        let info = validate(&module);
-        let special = specialized(&module, &info, entry, constants).expect("specializes");
-        validate(&special);
-        assert!(special.overrides.is_empty());
-        let functions = special.functions.iter().filter_map(|(_, f)| f.name.clone());
-        let globals = special.global_variables.iter();
-        functions
-            .chain(globals.filter_map(|(_, g)| g.name.clone()))
-            .collect()
-    }
-
-    #[test]
-    fn what_constants_leave_out_is_gone() {
-        let main = Some("main");
-        let found = names(&[], main);
-        assert_eq!(found, ["with_a", "unset", "chosen", "out", "of_a"]);
-        let found = names(&[("A", 0.0)], main);
-        assert_eq!(found, ["unset", "chosen", "out"]);
-        let found = names(&[("B", 1.0)], main);
-        let all = ["with_a", "with_b", "unset", "chosen", "out", "of_a", "of_b"];
-        assert_eq!(found, all);
-    }
-
-    /// Variables declared in the source text have an initial value: one stored value does not make them constant.
-    #[test]
-    fn variables_of_the_author_are_not_constants() {
-        let module = wgsl::parse_str(TEXT).expect("parses");
-        let is_unset = |f: &&Function| f.name.as_deref() == Some("unset");
-        let mut functions = module.functions.iter().map(|(_, f)| f);
-        let unset = functions.find(is_unset).expect("it is there");
-        assert!(constant_temporaries(&module, unset, &[]).is_empty());
-    }
-
-    #[test]
-    fn other_entry_points_stay_where_none_is_chosen() {
-        let found = names(&[("A", 0.0)], None);
-        assert_eq!(found, ["with_b", "unset", "chosen", "out", "of_b"]);
-    }
-
-    #[test]
-    fn names_of_no_override_are_refused() {
-        let module = wgsl::parse_str(TEXT).expect("parses");
-        let info = Validator::new(ValidationFlags::all(), Capabilities::empty())
-            .validate(&module)
-            .expect("is valid");
-        assert!(specialized(&module, &info, None, &[("C", 1.0)]).is_err());
-    }
-}
+#[path = "specialize_tests.rs"]
+mod tests;

@@ -112,6 +112,33 @@ fn a_dispatch_doubles_a_buffer_and_paints_a_texture() {
     assert!(timer.read(&gpu).expect("times").is_empty());
 }
 
+/// A comment, and a branch that a constant rules out, compile nothing; other code, or another constant, does.
+#[test]
+fn texts_that_specialize_alike_share_a_pipeline() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let made = |text: &str, factor: f64| {
+        let shader = Shader::new(&gpu, &library("alike", text), "alike").expect("valid shader");
+        let group = GroupLayout::new(&gpu, "alike", &[&shader.info], 0).expect("layout");
+        let before = gpu.compile_stats.pipelines();
+        shader
+            .compute_pipeline(&gpu, "main", &[&group], &[("factor", factor)])
+            .expect("pipeline");
+        gpu.compile_stats.pipelines() - before
+    };
+    assert_eq!(made(DOUBLE, 2.0), 1);
+    assert_eq!(made(&format!("// Twice.\n{DOUBLE}"), 2.0), 0);
+    let planned = DOUBLE.replace(
+        "    if id.x",
+        "    if CLEARS { values[0] = 0u; }\n    if id.x",
+    );
+    let planned = |clears: bool| format!("override CLEARS: bool = {clears};{planned}");
+    assert_eq!(made(&planned(false), 2.0), 0);
+    assert_eq!(made(&planned(true), 2.0), 1);
+    assert_eq!(made(DOUBLE, 3.0), 1);
+    assert_eq!(made(&DOUBLE.replace("*=", "+="), 2.0), 1);
+    assert_eq!(made(DOUBLE, 2.0), 0);
+}
+
 #[test]
 fn depth_is_read_back_as_written() {
     let Some(gpu) = gpu_or_skip() else { return };

@@ -163,7 +163,7 @@ fn check(desc: &SceneDesc, world: &World) {
     assert_eq!(wrong, [] as [String; 0]);
 }
 
-const SETTINGS: &[&str] = &["image.size=[160, 90]", "reflection.method=\"rt\""];
+const SETTINGS: &[&str] = &["image.size=[112, 63]", "reflection.method=\"rt\""];
 
 #[test]
 fn every_pixel_of_a_traced_frame_meets_what_brute_force_meets() {
