@@ -135,24 +135,39 @@ PARTS = (
     "[camera.c#]\nparent = 'b'\n[motion.camera.c#.target]\nfollow = { instance = 'b' }\n",
     "[material.e#]\nextends = 'e@'\nbase_color_texture = 'a#'\n",
     "[group.g#]\nparent = 'g@'\n",
-    "[[instance]]\nname = 'n#'\nmodel = { scene = 's#.toml', params = { a = # } }\n",
+    "[[instance]]\nname = 'n#'\nmodel = { scene = '0.toml', params = { p0 = # } }\n",
     "x# = [{}, { a.b.c = 1 }, []]\n",
     "y# = 1\r",
 )
 
 
+BALL = "version = 1\n[model.ball]\nshape = { kind = 'box' }\n"
+PLACED = "[[instance]]\nname = 'o#'\nmodel = { scene = '1.toml' }\n"
+FILE = "\n#file\n"
+"""Line before each file of a seed that the scene places (fuzz/targets/scene.rs)."""
+
+
 def scene(rng: random.Random) -> bytes:
-    """A scene with many parts of one to three kinds; tables are opened once for all their keys."""
-    text = SCENE
-    for part in rng.sample(PARTS, rng.randint(1, 3)):
+    """A scene with many parts of one to three kinds, and the scenes that it places."""
+    start = "\ufeff" if rng.random() < 0.1 else ""
+    text = start + parted(SCENE, rng, rng.sample(PARTS, rng.randint(1, 3)))
+    if "0.toml" in text:
+        rest = [part for part in PARTS[1:] if "0.toml" not in part]
+        text += FILE + parted(BALL, rng, [PARTS[0], rng.choice(rest), PLACED])
+        text += FILE + parted(BALL, rng, [rng.choice(rest)])
+    return text.encode()
+
+
+def parted(text: str, rng: random.Random, parts: list[str]) -> str:
+    """The text with many of each of these parts; tables are opened once for all their keys."""
+    for part in parts:
         head, _, keys = part.partition("\n")
         once = "#" not in head and head != "[[instance]]" and not head.startswith("[[")
         text += head + "\n" if once else ""
         body = keys if once else part
         for number in range(rng.choice((1, 3, 30, 300))):
             text += body.replace("#", str(number)).replace("@", str(max(number - 1, 0)))
-    start = "\ufeff" if rng.random() < 0.1 else ""
-    return (start + text).encode()
+    return text
 
 
 def write(out: Path, seeds: set[bytes]) -> None:

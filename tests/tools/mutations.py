@@ -62,10 +62,21 @@ def all_mutants(seeds: Path) -> list[Mutant]:
         for number in range(4):
             changed = _absurd_words(data, chance)
             mutants.append(Mutant(f"words-{name}-{number}", ".usdc", changed))
-    for name, data in hostile_materialx.documents():
+    for number, (name, data) in enumerate(hostile_materialx.documents()):
         beside = {"look.mtlx": data, "t.png": _PIXEL}
         mutants.append(Mutant(f"mtlx-{name}", ".usda", hostile_materialx.STAGE, beside))
+        if number % 3 == 0:
+            package = _packed({"stage.usda": hostile_materialx.STAGE} | beside)
+            mutants.append(Mutant(f"mtlx-{name}", ".usdz", package))
     return mutants
+
+
+def _packed(entries: dict[str, bytes]) -> bytes:
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w") as archive:
+        for name, data in entries.items():
+            archive.writestr(zipfile.ZipInfo(name), data)
+    return stream.getvalue()
 
 
 def _image() -> bytes:

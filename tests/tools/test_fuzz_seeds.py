@@ -109,6 +109,8 @@ def test_scenes_have_many_parts_of_each_kind(
     for part in fuzz_seeds.PARTS:
         last = re.split("[#@]", part.strip("\n\r").splitlines()[-1])[0]
         assert any(text.count(last) >= 30 for text in texts), part
-    for text in texts:
-        if "y0" not in text:  # a carriage return alone is no TOML
-            assert tomllib.loads(text.lstrip("\ufeff"))["version"] == 1
+    files = [file for text in texts for file in text.split(fuzz_seeds.FILE)]
+    assert sum("1.toml" in file for file in files) >= 10, "scenes that are placed place others"
+    for file in files:
+        if "y0" not in file:  # a carriage return alone is no TOML
+            assert tomllib.loads(file.lstrip("\ufeff"))["version"] == 1

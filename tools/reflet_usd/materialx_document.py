@@ -8,12 +8,13 @@ Converter and validator share this reader, as they share usd-core; each evaluate
 from __future__ import annotations
 
 import os
+import posixpath
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
-from pxr import Gf, Sdf, Tf
+from pxr import Ar, Gf, Sdf, Tf
 
 SUFFIX = ".mtlx"
 MOST_BYTES = 16 << 20
@@ -73,12 +74,12 @@ class Document:
     files: list[str] = field(default_factory=list)
     """Paths of the document and of those that it includes."""
     images: list[str] = field(default_factory=list)
-    """Absolute paths of the images that it names."""
+    """Absolute paths of the images that it names, in the document's package where it is in one."""
 
 
 def is_document(path: str) -> bool:
-    """Whether an asset path names a MaterialX document."""
-    return path.lower().endswith(SUFFIX)
+    """Whether an asset path names a MaterialX document, perhaps in a package: `a.usdz[b.mtlx]`."""
+    return path.rstrip("]").lower().endswith(SUFFIX)
 
 
 def read_document(path: str, is_allowed: Callable[[str], bool]) -> Document:
@@ -92,30 +93,33 @@ def read_document(path: str, is_allowed: Callable[[str], bool]) -> Document:
         message = "the Python package MaterialX is not installed; run tools/setup.sh, or"
         raise DocumentError("materialx-missing", f"{message} `pip install MaterialX`") from None
     files: list[str] = []
-    including = [path]
+    including: list[str] = []
 
-    def read(document: Any, name: Any, _search: Any, options: Any) -> None:
-        """Read one file; MaterialX calls this for included ones too."""
+    def read(document: Any, path: str, options: Any) -> None:
+        """Read one file, and what it includes."""
+        files.append(path)
+        including.append(path)
+        mx.readFromXmlString(document, _content(path), mx.FileSearchPath(), options)
+        including.pop()
+
+    def include(document: Any, name: Any, _search: Any, options: Any) -> None:
+        """Read a file that the one being read includes; MaterialX calls this."""
         text = name.asString() if hasattr(name, "asString") else str(name)
-        found = os.path.normpath(os.path.join(os.path.dirname(including[-1]), text))
+        found = _beside(including[-1], text)
         if not is_allowed(found):
             raise DocumentError("asset-outside-roots", f"it includes @{text}@ from elsewhere")
-        if found in including[1:] or len(files) > _MOST_INCLUDES:
+        if found in including or len(files) > _MOST_INCLUDES:
             raise DocumentError("materialx-unreadable", f"it includes @{text}@ again and again")
-        if found in files:
-            return
-        files.append(found)
-        including.append(found)
-        mx.readFromXmlString(document, _content(found), mx.FileSearchPath(), options)
-        including.pop()
+        if found not in files:
+            read(document, found, options)
 
     document = mx.createDocument()
     options = mx.XmlReadOptions()
-    options.readXIncludeFunction = read
+    options.readXIncludeFunction = include
     try:
-        read(document, path, None, options)
+        read(document, path, options)
         document.setDataLibrary(_library(mx))
-        writer = _Writer(mx, os.path.dirname(path))
+        writer = _Writer(mx, path)
         layer = writer.write(document)
     except DocumentError:
         raise
@@ -135,15 +139,38 @@ def read_document(path: str, is_allowed: Callable[[str], bool]) -> Document:
     return Document(layer, files, writer.images)
 
 
+def refer(layer: Sdf.Layer, asset_path: str, stand_in: str) -> None:
+    """Have sublayers, references and payloads name another layer, or none if it is "".
+
+    In packages too, whose asset paths UsdUtils does not change. The layer is changed in memory.
+    """
+    was_editable = layer.permissionToEdit
+    layer.SetPermissionToEdit(True)
+    # A layer that is both sublayer and reference takes two calls.
+    while asset_path in layer.GetCompositionAssetDependencies():
+        if not layer.UpdateCompositionAssetDependency(asset_path, stand_in):
+            break
+    layer.SetPermissionToEdit(was_editable)
+
+
 def _content(path: str) -> str:
-    if not os.path.isfile(path):
-        name = os.path.basename(path)
+    is_file = os.path.isfile(Ar.SplitPackageRelativePathOuter(path)[0])
+    asset = Ar.GetResolver().OpenAsset(Ar.ResolvedPath(path)) if is_file else None
+    if not asset:
+        name = os.path.basename(path.rstrip("]"))
         raise DocumentError("materialx-unreadable", f"{name} is no plain file, or not there")
-    if os.path.getsize(path) > MOST_BYTES:
+    if asset.GetSize() > MOST_BYTES:
         raise DocumentError("materialx-too-large", f"it has more than {MOST_BYTES} bytes")
-    with open(path, "rb") as stream:
-        data = stream.read(MOST_BYTES + 1)
-    return data.decode("utf-8", "replace")
+    return bytes(asset.GetBuffer() or b"").decode("utf-8", "replace")
+
+
+def _beside(path: str, name: str) -> str:
+    """Path of a file that the one at `path` names, in the same package where that is in one."""
+    package, inner = Ar.SplitPackageRelativePathInner(path)
+    if not inner:
+        return os.path.normpath(os.path.join(os.path.dirname(path), name))
+    inside = posixpath.normpath(posixpath.join(posixpath.dirname(inner), name))
+    return str(Ar.JoinPackageRelativePath(package, inside))
 
 
 def _library(mx: Any) -> Any:
@@ -156,9 +183,9 @@ def _library(mx: Any) -> Any:
 class _Writer:
     """Writes the materials of a document as prims."""
 
-    def __init__(self, mx: Any, folder: str) -> None:
+    def __init__(self, mx: Any, path: str) -> None:
         self.mx = mx
-        self.folder = folder
+        self.path = path
         self.layer = Sdf.Layer.CreateAnonymous("document.usda")
         self.images: list[str] = []
         self._nodes = 0
@@ -271,11 +298,11 @@ class _Writer:
     def _asset(self, source: Any, text: str) -> Sdf.AssetPath | None:
         """Absolute path of a file, by the document's prefix; some exporters state that twice."""
         choices = [text, source.getValueString()]
-        paths = [os.path.join(self.folder, choice.replace("\\", "/")) for choice in choices]
-        if not text or any("\0" in path for path in paths):
+        if not text or any("\0" in choice for choice in choices):
             return None
-        normal = [os.path.normpath(path) for path in paths]
-        chosen = next((path for path in normal if os.path.exists(path)), normal[0])
+        paths = [_beside(self.path, choice.replace("\\", "/")) for choice in choices]
+        resolve = Ar.GetResolver().Resolve
+        chosen = next((path for path in paths if resolve(path)), paths[0])
         self.images.append(chosen)
         return Sdf.AssetPath(chosen)
 

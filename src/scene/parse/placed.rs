@@ -210,6 +210,9 @@ impl Expansion<'_> {
         if let Content::Table(tree) = tree.get_mut() {
             let inner = self.groups.len();
             self.expand(tree, &file.folder);
+            if self.size.excess().is_some() {
+                return; // the scene is refused, whatever the tree has
+            }
             for group in &mut self.groups[inner..] {
                 group.name = format!("{name}.{}", group.name);
             }

@@ -14,7 +14,13 @@ from pxr import Ar, Sdf, Tf, Usd, UsdShade, UsdUtils
 
 from reflet_usd.convert.ledger import Ledger
 from reflet_usd.convert.types import ConvertError
-from reflet_usd.materialx_document import Document, DocumentError, is_document, read_document
+from reflet_usd.materialx_document import (
+    Document,
+    DocumentError,
+    is_document,
+    read_document,
+    refer,
+)
 from reflet_usd.usdz_check import check_referenced
 
 MAX_LAYERS = 20_000
@@ -159,25 +165,24 @@ def _kept_dependencies(
         return asset_path
 
     UsdUtils.ModifyAssetPaths(layer, judge)  # it swallows what its callback raises
+    lost = {}
     for asset_path in sorted(documents):
         fault = _stand_in(layer, asset_path, roots, files, stand_ins)
         if fault is not None:
-            refused[asset_path] = fault
-    if not refused and not stand_ins:
-        return kept
-    if Ar.IsPackageRelativePath(layer.identifier) or layer.GetFileFormat().formatId == "usdz":
-        if not refused:
-            return kept  # composition names the documents as unresolved
+            lost[asset_path], stand_ins[asset_path] = fault, ""
+    packaged = Ar.IsPackageRelativePath(layer.identifier)
+    if refused and (packaged or layer.GetFileFormat().formatId == "usdz"):
         raise ConvertError(*next(iter(refused.values())), layer.identifier)  # USD edits no package
-    for asset_path, (name, message) in refused.items():
+    for asset_path, (name, message) in (refused | lost).items():
         files.missing.add(asset_path)
         cut.append(LeftOut(name, message, layer, _places(layer, asset_path)))
-    was_editable = layer.permissionToEdit
-    layer.SetPermissionToEdit(True)
-    UsdUtils.ModifyAssetPaths(
-        layer, lambda path: "" if path in refused else stand_ins.get(path, path)
-    )
-    layer.SetPermissionToEdit(was_editable)
+    if refused:
+        was_editable = layer.permissionToEdit
+        layer.SetPermissionToEdit(True)
+        UsdUtils.ModifyAssetPaths(layer, lambda path: "" if path in refused else path)
+        layer.SetPermissionToEdit(was_editable)
+    for asset_path, identifier in stand_ins.items():
+        refer(layer, asset_path, identifier)
     return kept
 
 
@@ -190,7 +195,7 @@ def _stand_in(
 ) -> tuple[str, str] | None:
     """Read a MaterialX document as a layer; name and message of the reason where it is not."""
     path = Ar.GetResolver().Resolve(layer.ComputeAbsolutePath(asset_path)).GetPathString()
-    if not path or Ar.IsPackageRelativePath(path):
+    if not path:
         return None  # composition names it as unresolved
     try:
         if path not in files.documents:
@@ -198,8 +203,9 @@ def _stand_in(
     except DocumentError as error:
         return error.name, f"the MaterialX document @{asset_path}@ is not read: {error}"
     document = files.documents[path]
+    named = [file for file in document.images if not Ar.IsPackageRelativePath(file)]
     files.absent.update(
-        file for file in document.images if is_allowed(file, roots) and not os.path.exists(file)
+        file for file in named if is_allowed(file, roots) and not os.path.exists(file)
     )
     stand_ins[asset_path] = document.layer.identifier
     return None

@@ -14,7 +14,13 @@ from typing import Any
 import numpy as np
 from pxr import Ar, Gf, Sdf, Tf, Usd, UsdGeom, UsdUtils
 
-from reflet_usd.materialx_document import Document, DocumentError, is_document, read_document
+from reflet_usd.materialx_document import (
+    Document,
+    DocumentError,
+    is_document,
+    read_document,
+    refer,
+)
 
 from .scene_data import Array, StageError
 
@@ -132,7 +138,8 @@ def _forget_old_layers() -> None:
     hands out layers with their old content, or with edits in memory.
     """
     for layer in Sdf.Layer.GetLoadedLayers():
-        if layer and not layer.anonymous and os.path.isfile(layer.realPath):
+        outer = "" if not layer else Ar.SplitPackageRelativePathOuter(layer.realPath)[0]
+        if layer and not layer.anonymous and os.path.isfile(outer):
             with contextlib.suppress(Tf.ErrorException):  # opening the broken layer reports it
                 layer.Reload(force=True)
 
@@ -329,9 +336,8 @@ def _stand_in_documents(stage: Usd.Stage, roots: tuple[str, ...]) -> list[Docume
     while layers := [layer for layer in stage.GetUsedLayers() if layer.identifier not in done]:
         for layer in layers:
             done.add(layer.identifier)
-            if layer.anonymous or Ar.IsPackageRelativePath(layer.identifier):
+            if layer.anonymous:
                 continue
-            stand_ins: dict[str, str] = {}
             for asset in layer.GetCompositionAssetDependencies():
                 path = str(Ar.GetResolver().Resolve(layer.ComputeAbsolutePath(asset)))
                 if not is_document(asset) or not path or not is_within(path, roots):
@@ -341,8 +347,5 @@ def _stand_in_documents(stage: Usd.Stage, roots: tuple[str, ...]) -> list[Docume
                         documents[path] = read_document(path, lambda file: is_within(file, roots))
                 except DocumentError:
                     continue
-                stand_ins[asset] = documents[path].layer.identifier
-            if stand_ins:
-                layer.SetPermissionToEdit(True)
-                UsdUtils.ModifyAssetPaths(layer, lambda path, to=stand_ins: to.get(path, path))
+                refer(layer, asset, documents[path].layer.identifier)
     return list(documents.values())
