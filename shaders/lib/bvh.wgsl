@@ -12,6 +12,7 @@
 
 #import capsule_traversed
 #import constants
+#import coplanar
 #import shown
 
 // Whether the scene has a static tree, a top level, and cut-outs; without one of them its code is dropped.
@@ -63,10 +64,6 @@ var<private> exhausted_rays: u32 = 0u;
 // only rays that meet cut-outs. This is the maximum number of such restarts.
 const MAX_LAYERS = 1024u;
 
-// Relative distance within which opaque triangles count as coplanar: the lower instance is hit, then the lower triangle,
-// as it is by rasterization, whatever the rounding in the trees.
-const TIE: f32 = 2e-6;
-
 fn trace_nearest(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32) -> Hit {
     return trace_solid(origin, direction, t_min, t_max, false);
 }
@@ -77,6 +74,7 @@ fn trace_any(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32) -> bool {
 
 fn trace_solid(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, shadow: bool) -> Hit {
     visits_left = MAX_VISITS;
+    passed_cutout = vec2u(NONE);
     var start_m = t_min;
     var hit: Hit;
     // One call in a loop keeps the inlined code small: the traversal is long.
@@ -85,7 +83,9 @@ fn trace_solid(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, shadow: 
         if !HAS_CUTOUT || !is_cut_out(hit) {
             break;
         }
-        start_m = hit.t;
+        passed_cutout = vec2u(hit.instance, hit.triangle);
+        // Coplanar surfaces are passed in the order of their ids, never going back.
+        start_m = max(start_m, hit.t);
         if layer == MAX_LAYERS {
             visits_left = 0u;
         }
@@ -179,7 +179,7 @@ fn visit_node(index: u32, ray: TraversalRay, t_min: f32, t_max: f32) -> NodeVisi
     // Rounding errors of `first` and of each plane are proportional to these; widening the box by them makes the
     // test conservative, so that no ray slips between boxes that touch.
     let slack = (abs(first) + 255.0 * abs(step)) * 2.4e-7;
-    let grid = GridRay(step, first - slack, first + slack, t_min, t_max);
+    let grid = GridRay(step, first - slack, first + slack, t_min * (1.0 - TIE), t_max * (1.0 + TIE));
 
     let x_pair = select(x.zwxy, x, ray.inverse.x >= 0.0);
     let y_pair = select(y.zwxy, y, ray.inverse.y >= 0.0);
@@ -197,6 +197,16 @@ fn visit_node(index: u32, ray: TraversalRay, t_min: f32, t_max: f32) -> NodeVisi
 // Flag of instances that this kind of ray ignores.
 fn passed_flags(shadow: bool) -> u32 {
     return select(select(UNREFLECTED, UNSEEN, OF_CAMERA), SHADOWLESS, shadow);
+}
+
+// Whether a surface is outside the ray's interval, or behind the nearest one so far or beaten by it where both are
+// coplanar. Opaque surfaces block light whatever lies on them.
+fn is_hidden(t: f32, t_min: f32, id: vec2u, flags: u32, shadow: bool, best: Hit) -> bool {
+    if is_passed_by(t, id, t_min) { return true; }
+    if best.instance == NO_INSTANCE || !is_coplanar(t, best.t) { return t >= best.t; }
+    let is_tested = (flags & ALPHA_TESTED) != 0u;
+    if shadow && is_tested != ((best.flags & ALPHA_TESTED) != 0u) { return is_tested; }
+    return !comes_after(vec2u(best.instance, best.triangle), id);
 }
 
 // Tests one triangle and updates the nearest hit. `inside` is the instance whose object space the
@@ -219,8 +229,10 @@ fn test_triangle(index: u32, ray: TraversalRay, t_min: f32, inside: u32, inside_
     let bary = vec2f(dot(s, p), dot(ray.direction, q)) * inverse_det;
     let t = dot(edge2, q) * inverse_det;
     let outside = max(max(-bary.x, -bary.y), bary.x + bary.y - 1.0);
-    let is_tie = (*best).instance != NO_INSTANCE && abs(t - (*best).t) <= TIE * (*best).t;
-    if flat || !(outside <= 0.01) || t <= t_min || (t >= (*best).t && !is_tie) {
+    let is_inner = HAS_TOP_LEVEL && inside != NO_INSTANCE;
+    let id = vec2u(select(a.w, inside, is_inner), b.w);
+    let flags = select(c.w, inside_flags, is_inner);
+    if flat || !(outside <= 0.01) || is_hidden(t, t_min, id, flags, shadow, *best) {
         return;
     }
     // Tolerance for the rounding error of the barycentric weights: neighbors overlap by it, so that no ray passes
@@ -229,19 +241,6 @@ fn test_triangle(index: u32, ray: TraversalRay, t_min: f32, inside: u32, inside_
     let size = length(s) * length(ray.direction) * sqrt(longest);
     if outside > 2.4e-7 * size * abs(inverse_det) {
         return;
-    }
-    var instance = a.w;
-    var flags = c.w;
-    if HAS_TOP_LEVEL && inside != NO_INSTANCE {
-        instance = inside;
-        flags = inside_flags;
-    }
-    if is_tie {
-        let is_later = instance > (*best).instance || (instance == (*best).instance && b.w >= (*best).triangle);
-        let is_tested = ((flags | (*best).flags) & ALPHA_TESTED) != 0u;
-        if select(is_later, t >= (*best).t, is_tested) {
-            return;
-        }
     }
     let front = (det > 0.0) != ((flags & FLIPPED) != 0u);
     if !shadow && !front && (flags & DOUBLE_SIDED) == 0u {
@@ -254,7 +253,7 @@ fn test_triangle(index: u32, ray: TraversalRay, t_min: f32, inside: u32, inside_
     }
     let positive = max(bary, vec2f(0.0));
     let clamped = positive / max(positive.x + positive.y, 1.0);
-    *best = Hit(t, instance, b.w, clamped, flags);
+    *best = Hit(t, id.x, id.y, clamped, flags);
 }
 
 // Groups to visit later: first those of the top level, then those of the tree being traversed.

@@ -17,7 +17,10 @@ fn test_capsule(index: u32, ray: TraversalRay, t_min: f32, inside: u32, flags: u
     }
     let sees_backs = shadow || (flags & DOUBLE_SIDED) != 0u;
     let t = select(span.enter, span.leave, span.enter <= t_min && sees_backs);
-    if t <= t_min || t >= (*best).t {
+    let id = vec2u(inside, b.w);
+    // Neighbors share the spheres at their ends, which rasterization gives to the nearer of them by rounding.
+    let is_neighbor = inside == (*best).instance;
+    if select(is_hidden(t, t_min, id, flags, shadow, *best), is_passed_by(t, id, t_min) || t >= (*best).t, is_neighbor) {
         return;
     }
     if is_passed(flags, passed_flags(shadow)) {

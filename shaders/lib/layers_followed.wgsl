@@ -330,14 +330,19 @@ fn transmittance(origin: vec3f, direction: vec3f, distance_m: f32) -> vec3f {
     var start_m = 0.0;
     var absorption = vec3f(0.0);
     visits_left = MAX_VISITS;
+    passed_cutout = vec2u(NONE);
     for (var pane = 0u; pane < MAX_PANES; pane++) {
         // The nearest hit marked ALPHA_TESTED, or any opaque hit.
         let h = traverse(origin, direction, start_m, distance_m, true);
         if (visits_left == 0u) { exhausted_rays++; }
         if (h.instance == NONE || visits_left == 0u) { return share; }
         share *= exp(-absorption * (h.t - start_m));
-        start_m = h.t;
-        if (HAS_CUTOUT && is_cut_out(h)) { continue; }
+        start_m = max(start_m, h.t);
+        passed_cutout = vec2u(NONE);
+        if (HAS_CUTOUT && is_cut_out(h)) {
+            passed_cutout = vec2u(h.instance, h.triangle);
+            continue;
+        }
         var s = pane_at(h, direction);
         if (!is_transmissive(s)) { break; }
         absorption = select(vec3f(0.0), s.absorption, s.is_solid && !s.is_inside);

@@ -72,15 +72,18 @@ impl FramePass for Visibility {
             }
             let mut draw_all = |pipelines: &[(DrawClass, wgpu::RenderPipeline)],
                                 is_drawn: fn(&Draw) -> bool| {
-                for (class, pipeline) in pipelines {
-                    let is_indexed = self.is_indexed && class.is_indexed();
+                // In the order of instances: of coplanar surfaces the first that is drawn stays.
+                for draws in scene.draws.chunk_by(|a, b| a.class == b.class) {
+                    let class = draws[0].class;
+                    let is_seen =
+                        |d: &&Draw| is_drawn(d) && !is_outside(clip_from_world, &d.bounds);
+                    let mut in_view = draws.iter().filter(is_seen).peekable();
+                    let found = pipelines.iter().find(|(known, _)| *known == class);
+                    let (Some(_), Some((_, pipeline))) = (in_view.peek(), found) else {
+                        continue;
+                    };
                     pass.set_pipeline(pipeline);
-                    let draws = scene
-                        .draws
-                        .iter()
-                        .filter(|d| d.class == *class && is_drawn(d));
-                    let in_view = draws.filter(|d| !is_outside(clip_from_world, &d.bounds));
-                    draw::record(in_view, &mut pass, is_indexed);
+                    draw::record(in_view, &mut pass, self.is_indexed && class.is_indexed());
                 }
             };
             draw_all(&self.pipelines, |draw| draw.shown.visible);
