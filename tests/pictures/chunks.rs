@@ -65,8 +65,11 @@ model = "floor"
     text
 }
 
-/// Segments with which each array of all meshes takes more than 512 KiB.
-const LARGE: u32 = 64;
+/// Binding limit of the small device, bytes.
+const SMALL_BYTES: u64 = 1 << 17;
+
+/// Segments with which each array of all meshes takes more than [`SMALL_BYTES`].
+const LARGE: u32 = 32;
 
 fn shown(gpu: &Gpu, (desc, world): &(SceneDesc, World), visibility: Visibility) -> Picture {
     let mut options = RenderOptions::of(desc);
@@ -84,13 +87,13 @@ fn pictures_do_not_depend_on_how_much_a_buffer_holds() {
     let (Some(gpu), Some(mut small)) = (gpu(), gpu_or_skip()) else {
         return;
     };
-    small.limits.max_storage_buffer_binding_size = 1 << 19;
+    small.limits.max_storage_buffer_binding_size = SMALL_BYTES;
     let large = scene(&balls(LARGE), &[]);
     let wholes = [Visibility::Raster, Visibility::Rays].map(|v| shown(gpu, &large, v));
     for (visibility, whole, buffer_bytes) in [
         (Visibility::Raster, &wholes[0], gpu.limits.max_buffer_size),
-        (Visibility::Raster, &wholes[0], 1 << 20),
-        (Visibility::Rays, &wholes[1], 1 << 20),
+        (Visibility::Raster, &wholes[0], 2 * SMALL_BYTES),
+        (Visibility::Rays, &wholes[1], 2 * SMALL_BYTES),
     ] {
         small.limits.max_buffer_size = buffer_bytes;
         let chunked = shown(&small, &large, visibility);
@@ -98,7 +101,7 @@ fn pictures_do_not_depend_on_how_much_a_buffer_holds() {
         for array in ["tree_nodes", "tree_triangles", "vertices", "mesh_data"] {
             let of_array = bytes.iter().find(|(name, _)| name == array);
             let size = of_array.map_or(0, |(_, size)| *size);
-            assert!(size > 1 << 19, "{array}: {size} bytes are one buffer");
+            assert!(size > SMALL_BYTES, "{array}: {size} bytes are one buffer");
         }
         for aov in [Aov::Ids, Aov::HitIds] {
             assert!(
@@ -138,7 +141,7 @@ fn more_than_all_buffers_hold_is_refused_by_name() {
     let Some(mut small) = gpu_or_skip() else {
         return;
     };
-    small.limits.max_storage_buffer_binding_size = 1 << 19;
+    small.limits.max_storage_buffer_binding_size = SMALL_BYTES;
     small.limits.max_storage_buffers_per_shader_stage = 12;
     let (desc, world) = scene(&balls(LARGE), &[]);
     let mut options = RenderOptions::of(&desc);
@@ -150,8 +153,8 @@ fn more_than_all_buffers_hold_is_refused_by_name() {
         triangles,
         ..Sizes::default()
     };
-    assert!(check_size(&small, sizes(10 << 19)).is_err());
-    assert_eq!(check_size(&small, sizes(4 << 19)), Ok(()));
+    assert!(check_size(&small, sizes(10 * SMALL_BYTES)).is_err());
+    assert_eq!(check_size(&small, sizes(4 * SMALL_BYTES)), Ok(()));
     assert!(
         message.contains("geometry") || message.contains("triangles"),
         "{message}"
