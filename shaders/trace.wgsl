@@ -72,7 +72,6 @@ fn trace_pixel(pixel: vec2u) {
             color += found_light(throughput * met_light(ray, lit), bounce);
         }
         if (!continues(s)) { break; }
-        throughput *= ray.kept;
         ray = next_ray(ray, s);
         throughput *= ray.weight;
         if (max(throughput.x, max(throughput.y, throughput.z)) < frame.dimmest) { break; }

@@ -66,7 +66,6 @@ fn behind(pixel: vec2u) -> vec4f {
         color += found_light(throughput * met_light(ray, lit), step);
         if (!continues(s)) { break; }
         uncovered *= 1.0 - coverage(s);
-        throughput *= ray.kept;
         ray = next_ray(ray, s);
         throughput *= ray.weight;
         is_straight = is_straight && s.transmission <= 0.0 && dot(ray.direction, seen) > 0.99999;

@@ -45,7 +45,7 @@ fn environment_specular(s: Surface, view: vec3f) -> vec3f {
 }
 
 // Density of rays towards the environment: 0, as none are sent.
-fn environment_rays_pdf(s: Surface, direction: vec3f) -> f32 {
+fn environment_rays_pdf(s: Surface, view: vec3f, direction: vec3f) -> f32 {
     return 0.0;
 }
 
@@ -53,7 +53,7 @@ fn returned_of_environment(s: Surface, view: vec3f, to: Receiver, index: u32) ->
     return Returned();
 }
 
-// Light of the environment on a surface; reflectors get its specular part by reflection rays.
+// Light of the environment on a surface; what reflection rays find of its specular part is left out.
 fn environment_light(s: Surface, view: vec3f, albedo: vec3f) -> Shade {
     var out: Shade;
     out.diffuse = albedo * ambient(s.normal) * s.occlusion;
@@ -61,6 +61,7 @@ fn environment_light(s: Surface, view: vec3f, albedo: vec3f) -> Shade {
         let lobe = sheen_lobe(s, dot(s.normal, view));
         out.diffuse += s.sheen_color * environment_through(lobe, s, view) * (lobe.x * s.occlusion);
     }
-    if (!is_reflector(s)) { out.specular = environment_specular(s, view); }
+    let stand_in = stand_in_share(s);
+    if (stand_in > 0.0) { out.specular = environment_specular(s, view) * stand_in; }
     return out;
 }

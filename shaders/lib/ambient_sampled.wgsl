@@ -10,12 +10,25 @@ fn environment_ray_share() -> f32 {
     return 0.75 * environment_share();
 }
 
-// Density per solid angle of all rays that a rough reflector sends towards the environment.
-fn environment_rays_pdf(s: Surface, direction: vec3f) -> f32 {
-    let share = environment_ray_share();
-    if (share == 0.0) { return 0.0; }
-    let lobe = max(dot(s.normal, direction), 0.0) / PI;
-    return f32(sampling.rays) * mix(lobe, environment_pdf(direction), share);
+// Density per solid angle of a ray towards the environment: a share follows its bright parts, and of the rest a share
+// the specular lobe of the surface.
+fn environment_ray_pdf(s: Surface, view: vec3f, direction: vec3f, by_specular: f32) -> f32 {
+    var pdf = (1.0 - by_specular) * max(dot(s.normal, direction), 0.0) / PI;
+    if (by_specular > 0.0) { pdf += by_specular * facet_pdf(s, view, direction); }
+    return mix(pdf, environment_pdf(direction), environment_ray_share());
+}
+
+// Share of a surface's rays towards the environment that follow its specular lobe.
+fn specular_ray_share(stand_in: f32, has_diffuse: bool) -> f32 {
+    return select(0.0, select(1.0, 0.5, has_diffuse || stand_in < 1.0), stand_in > 0.0);
+}
+
+// Density per solid angle of all rays that a rough reflector sends towards the environment, where they share its
+// specular light with reflection rays.
+fn environment_rays_pdf(s: Surface, view: vec3f, direction: vec3f) -> f32 {
+    if (environment_ray_share() == 0.0) { return 0.0; }
+    let by_specular = specular_ray_share(stand_in_share(s), true);
+    return f32(sampling.rays) * environment_ray_pdf(s, view, direction, by_specular);
 }
 
 // Light of the environment in closed form: none, as all of it is sampled.
@@ -25,14 +38,15 @@ fn environment_light(s: Surface, view: vec3f, albedo: vec3f) -> Shade {
 
 // Light of one ray towards the environment, which follows its bright parts or the lobes of the surface, weighted by
 // the power heuristic (see extent_sampled.wgsl). Reflectors get the environment's specular light by their reflection
-// rays, and by these rays alone where they are sharp or the environment has no bright part.
+// rays, and by these rays alone where they are sharp or the environment has no bright part; near the cut-off only a
+// share of it.
 fn returned_of_environment(s: Surface, view: vec3f, to: Receiver, index: u32) -> Returned {
     let by_environment = environment_ray_share();
-    let is_rough = to.is_rough && by_environment > 0.0;
-    let has_specular = to.has_specular && is_rough == to.is_rough;
+    let is_shared = to.is_rough && by_environment > 0.0;
+    let has_specular = to.stand_in > 0.0 || is_shared;
     let has_diffuse = has_sheen(s) || max(to.albedo.x, max(to.albedo.y, to.albedo.z)) > 0.0;
     if (!has_specular && !has_diffuse) { return Returned(); }
-    let by_specular = select(0.0, select(1.0, 0.5, has_diffuse), has_specular && !is_rough);
+    let by_specular = specular_ray_share(to.stand_in, has_diffuse);
     var u = sample_square(index, next_pair());
     var direction: vec3f;
     if (u.x < by_environment) {
@@ -48,11 +62,9 @@ fn returned_of_environment(s: Surface, view: vec3f, to: Receiver, index: u32) ->
         }
     }
     if (!faces(s, direction)) { return Returned(); }
-    var pdf = (1.0 - by_specular) * dot(s.normal, direction) / PI;
-    var facets = 0.0;
-    if (has_specular) { facets = facet_pdf(s, view, direction); }
-    pdf = mix(pdf + by_specular * facets, environment_pdf(direction), by_environment);
+    let pdf = environment_ray_pdf(s, view, direction, by_specular);
     let light = LightSample(direction, BEYOND, environment(direction) * (s.occlusion / max(pdf, 1e-12)), pdf);
-    let share = select(1.0, balance(pdf * f32(sampling.rays), lobe_density(s, view, direction)), is_rough);
-    return returned(s, view, Receiver(to.albedo, is_rough, has_specular), light, 1.0, share);
+    var share = to.stand_in;
+    if (is_shared) { share += (1.0 - share) * balance(pdf * f32(sampling.rays), lobe_density(s, view, direction)); }
+    return returned(s, view, Receiver(to.albedo, to.is_rough, has_specular, to.stand_in), light, 1.0, share);
 }

@@ -11,14 +11,12 @@ struct Reflected {
     pdf: f32,
     sky_weight: f32,
     kept: f32,
-    sky_behind: f32,
 }
 
 fn lobe_ray(direction: vec3f, s: Surface) -> Reflected {
     let kept = kept_share(s);
-    let behind = (1.0 - kept) * s.occlusion;
     let weight = fresnel(s, dot(s.normal, -direction)) * base_share(s, -direction);
-    return Reflected(mirror_direction(direction, s), weight, 0.0, kept + behind, kept, behind);
+    return Reflected(mirror_direction(direction, s), weight, 0.0, kept, kept);
 }
 
 // Light that a path adds past its first hit, here without a limit.

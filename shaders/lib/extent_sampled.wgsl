@@ -21,7 +21,6 @@ struct Reflected {
     pdf: f32, // lobe_density; 0: the only possible direction; TAKEN: light samples find all lights
     sky_weight: f32, // share of the environment's light; the rest comes by rays towards it
     kept: f32, // share of the light of a surface that the ray meets, lamps left out
-    sky_behind: f32, // share of the environment's light that stands in for the rest of that surface's light
 }
 
 // Whether a surface has a rough reflection. Its light is then found by reflection rays and by light samples,
@@ -89,22 +88,20 @@ fn seen_facets(s: Surface, view: vec3f, out: vec3f) -> f32 {
 fn lobe_ray(direction: vec3f, s: Surface) -> Reflected {
     let mirror = mirror_direction(direction, s);
     let kept = kept_share(s);
-    let replaced = (1.0 - kept) * s.occlusion;
-    let behind = select(replaced, 0.0, HAS_ENVIRONMENT_RAYS);
     if (!is_rough_reflector(s)) {
         let weight = fresnel(s, dot(s.normal, -direction)) * base_share(s, -direction);
-        return Reflected(mirror, weight, 0.0, kept + replaced, kept, behind);
+        return Reflected(mirror, weight, 0.0, kept, kept);
     }
     path_is_chance = true;
     let facet = visible_facet(s, direction);
     var out = reflect(direction, facet);
     if (CONSERVES_ENERGY && mirrors_inside(s)) { out += s.normal * max(-2.0 * dot(s.normal, out), 0.0); }
     let seen = seen_facets(s, -direction, out);
-    if (seen <= 0.0) { return Reflected(mirror, vec3f(0.0), 0.0, 1.0, 1.0, 0.0); }
+    if (seen <= 0.0) { return Reflected(mirror, vec3f(0.0), 0.0, 1.0, 1.0); }
     let pdf = lobe_density(s, -direction, out);
-    let sky_weight = balance(pdf, environment_rays_pdf(s, out));
+    let sky_weight = kept * balance(pdf, environment_rays_pdf(s, -direction, out));
     let weight = fresnel(s, dot(facet, -direction)) * compensation(s, -direction) * (seen * base_share(s, -direction));
-    return Reflected(lifted(out, s), weight, pdf, sky_weight * (kept + replaced), kept, sky_weight * behind);
+    return Reflected(lifted(out, s), weight, pdf, sky_weight, kept);
 }
 
 // Number of lights without a size, which come first in the array.
@@ -183,6 +180,7 @@ struct Receiver {
     albedo: vec3f,
     is_rough: bool, // whether its reflection rays find the same light
     has_specular: bool, // false: a sharp reflector, whose reflection rays alone find lights
+    stand_in: f32, // share of the environment's specular light that reflection rays leave to light samples
 }
 
 fn returned(s: Surface, view: vec3f, to: Receiver, l: LightSample, aimed: f32, specular_share: f32) -> Returned {
@@ -267,8 +265,10 @@ fn sampled_light(s: Surface, view: vec3f, albedo: vec3f) -> Shade {
     if (!HAS_SAMPLED_LIGHT) { return out; }
     let is_rough = is_rough_reflector(s);
     let has_specular = (is_rough || !is_reflector(s)) && (s.metallic > 0.0 || s.reflectivity > 0.0);
-    if (!has_specular && !has_sheen(s) && max(albedo.x, max(albedo.y, albedo.z)) <= 0.0) { return out; }
-    let to = Receiver(albedo, is_rough, has_specular);
+    let stand_in = select(0.0, stand_in_share(s), s.metallic > 0.0 || s.reflectivity > 0.0);
+    let has_lobe = has_specular || stand_in > 0.0;
+    if (!has_lobe && !has_sheen(s) && max(albedo.x, max(albedo.y, albedo.z)) <= 0.0) { return out; }
+    let to = Receiver(albedo, is_rough, has_specular, stand_in);
     let first_source = select(select(SKY, LAMPS, HAS_SIZED_LIGHTS), SUNS, HAS_SIZED_SUNS);
     let end_source = select(select(SKY, EMITTERS, HAS_ENVIRONMENT_RAYS), EMITTERS + 1u, HAS_EMITTERS);
     let first_pair = sample_pair;
@@ -333,16 +333,13 @@ fn seen_light(origin: vec3f, ray: Reflected, t_max: f32) -> SeenLight {
     var behind = vec3f(0.0);
     var pdf = 0.0;
     var nearest = t_max;
-    // The environment that stands in for surfaces is not hidden by lamps.
-    var stand_in = vec3f(0.0);
-    if (ray.sky_behind > 0.0) { stand_in = environment(direction) * ray.sky_behind; }
     for (var i = frame.hard_lights; i < frame.light_count; i++) {
         let extent = lights[i].extent;
         let offset = lights[i].position - origin;
         var t = -1.0;
         var radiance = lights[i].color / PI;
         var light_pdf = 0.0;
-        var sky = stand_in;
+        var sky = vec3f(0.0);
         switch lights[i].kind {
             case LIGHT_DIRECTIONAL: {
                 if (-dot(direction, lights[i].direction) >= cos(extent)) { t = BEYOND; }

@@ -38,9 +38,9 @@ fn scattered_ray(s: Surface, view: vec3f, albedo: vec3f) -> Reflected {
     path_is_chance = true;
     leave_vertex(s);
     let out = cosine_direction(s.normal, sample_square(sampling.sample, SCATTER_PAIR));
-    if (dot(out, s.geometric_normal) <= 0.0) { return Reflected(s.normal, vec3f(0.0), TAKEN, 0.0, 1.0, 0.0); }
+    if (dot(out, s.geometric_normal) <= 0.0) { return Reflected(s.normal, vec3f(0.0), TAKEN, 0.0, 1.0); }
     let weight = albedo + sheen(s, view, out) * scattered_share(s, view);
-    return Reflected(out, weight, scattered_density(dot(s.normal, out)), 0.0, 1.0, 0.0);
+    return Reflected(out, weight, scattered_density(dot(s.normal, out)), 0.0, 1.0);
 }
 
 // Next ray of a path: scattered, or mirrored or transmitted, chosen by the light that each returns.
@@ -52,13 +52,13 @@ fn next_ray(before: Reflected, s: Surface) -> Reflected {
         diffuse += luminance(sheen_albedo(s, view)) * scattered_share(s, view);
     }
     let rest = select(0.0, max(onward_albedo(s, view), 0.01), goes_on(s));
-    if (diffuse + rest <= 0.0) { return Reflected(s.normal, vec3f(0.0), TAKEN, 0.0, 1.0, 0.0); }
+    if (diffuse + rest <= 0.0) { return Reflected(s.normal, vec3f(0.0), TAKEN, 0.0, 1.0); }
     let share = diffuse / (diffuse + rest);
     let u = sample_square(sampling.sample, CHOICE_PAIR);
     var ray: Reflected;
     if (u.x < share) {
         ray = scattered_ray(s, view, albedo);
-        ray.weight /= share;
+        ray.weight *= before.kept / share;
     } else {
         ray = onward(before, s);
         ray.weight /= 1.0 - share;
@@ -107,7 +107,6 @@ fn followed(pixel: vec2u, vertex: u32, hits: u32, start: Reflected, from_s: Surf
         let lit = shade(s, -ray.direction, vec2u(0u));
         color += found_light(throughput * met_light(ray, lit), hits + k);
         if (!continues(s)) { break; }
-        throughput *= ray.kept;
         ray = next_ray(ray, s);
         throughput *= ray.weight;
     }

@@ -211,7 +211,7 @@ fn reflected(direction: vec3f, s: Surface) -> Reflected {
     }
     if (HAS_TRANSMISSION) { ray.weight *= s.alpha; }
     // From within a solid no light samples are taken, so reflection rays have full weight.
-    if (mirrors_inside(s)) { ray = Reflected(ray.direction, ray.weight, 0.0, 1.0, 1.0, 0.0); }
+    if (mirrors_inside(s)) { ray = Reflected(ray.direction, ray.weight, 0.0, 1.0, 1.0); }
     return ray;
 }
 
@@ -274,14 +274,18 @@ fn onward(before: Reflected, met: Surface) -> Reflected {
     let s = dispersed(met);
     let direction = before.direction;
     var back = reflected(direction, s);
+    back.weight *= before.kept;
     if (!is_transmissive(s)) { return back; }
     if (!is_reflector(s)) { back.weight = vec3f(0.0); }
     var through = transmitted(direction, s);
     // Light samples go straight through panes, so a light seen through one keeps the weight of the ray before it:
     // otherwise a rough surface would count a lamp behind glass twice, once as rare, bright specks.
-    if (!is_refracted(s, direction, through.direction)) {
+    if (is_refracted(s, direction, through.direction)) {
+        through.weight *= before.kept;
+    } else {
         through.pdf = before.pdf;
         through.sky_weight = before.sky_weight;
+        through.kept = before.kept;
     }
     var ray = chosen(through, back, ONWARD_PAIR);
     if (met.is_inside || dot(ray.direction, s.geometric_normal) < 0.0) { ray = in_one_channel(met, ray); }
@@ -294,7 +298,7 @@ fn onward(before: Reflected, met: Surface) -> Reflected {
     } else if (s.is_inside) {
         path_crossings++;
     }
-    if (path_crossings > MAX_CROSSINGS && !UNBIASED) { return Reflected(ray.direction, vec3f(0.0), 0.0, 0.0, 1.0, 0.0); }
+    if (path_crossings > MAX_CROSSINGS && !UNBIASED) { return Reflected(ray.direction, vec3f(0.0), 0.0, 0.0, 1.0); }
     return ray;
 }
 

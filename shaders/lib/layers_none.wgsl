@@ -52,7 +52,9 @@ fn only_lobe(s: Surface, view: vec3f) -> OnlyLobe {
 
 // Next ray of a path from a surface that it has hit.
 fn onward(before: Reflected, s: Surface) -> Reflected {
-    return lobe_ray(before.direction, s);
+    var ray = lobe_ray(before.direction, s);
+    ray.weight *= before.kept;
+    return ray;
 }
 
 fn onward_origin(s: Surface, direction: vec3f) -> vec3f {
@@ -60,7 +62,7 @@ fn onward_origin(s: Surface, direction: vec3f) -> vec3f {
 }
 
 fn through(direction: vec3f, s: Surface) -> Reflected {
-    return Reflected(direction, vec3f(0.0), 0.0, 1.0, 1.0, 0.0);
+    return Reflected(direction, vec3f(0.0), 0.0, 1.0, 1.0);
 }
 
 // Number of passages through surfaces, which do not count as bounces.

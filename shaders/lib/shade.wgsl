@@ -66,12 +66,18 @@ fn reflects_below(s: Surface) -> f32 {
     return frame.roughness_cutoff * (1.0 + METAL_REACH * s.metallic);
 }
 
-// Share of what the reflection rays of one layer find that its pixel shows. Towards the cut-off the environment takes
-// its place, which is all that surfaces past the cut-off mirror, so that nothing jumps there.
+// Share of what the reflection rays of one layer find, lamps left out, that its pixel shows. Towards the cut-off that
+// which stands in for reflections past it takes the rest, so that nothing jumps there.
 fn kept_share(layer: Surface) -> f32 {
     if (layer.reflection == REFLECTION_MIRROR) { return 1.0; }
     let limit = reflects_below(layer);
     return clamp((limit - layer.roughness) / (CUTOFF_FADE * limit), 1e-3, 1.0);
+}
+
+// Share of the environment's specular light that a layer gets without reflection rays.
+fn stand_in_share(layer: Surface) -> f32 {
+    if (!is_reflector(layer)) { return 1.0; }
+    return 1.0 - kept_share(layer);
 }
 
 fn is_reflector(s: Surface) -> bool {
@@ -211,11 +217,9 @@ fn found_light(light: vec3f, hit: u32) -> vec3f {
     return limited(light);
 }
 
-// Light of a surface that a ray meets: what the surface before keeps of it, and the environment in place of the rest.
+// Light of a surface that a ray meets, as far as the surface before keeps it.
 fn met_light(ray: Reflected, lit: Shade) -> vec3f {
-    var light = (lit.diffuse + lit.specular) * ray.kept;
-    if (ray.sky_behind > 0.0) { light += environment(ray.direction) * ray.sky_behind; }
-    return light;
+    return (lit.diffuse + lit.specular) * ray.kept;
 }
 
 // Light that a reflection ray sees if it meets no surface: lights with a size and the environment.

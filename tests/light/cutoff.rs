@@ -120,6 +120,35 @@ fn no_light_is_lost_at_the_cutoff() {
     }
 }
 
+/// A lamp before the environment, dimmer than that and wider than the lobe, and a pane before both.
+const LAMP: &str = "[light.lamp]\nkind = \"rect\"\nposition = [-2, 2, 0]\ntarget = [0, 0, 0]\nsize = [2, 2]\n\
+                    intensity_cd = 1\n[[instance]]\nmodel = \"floor\"\n";
+const PANE: &str = "[material.pane]\ntransmission = 1\nroughness = 0\ndouble_sided = true\n[model.pane]\n\
+                    shape = { kind = \"plane\", size = [2.2, 6] }\nmaterial = \"pane\"\n[[instance]]\n\
+                    model = \"pane\"\ntranslation = [-1, 1, 0]\nrotation_deg = [0, 0, 45]\n";
+
+#[test]
+fn lamps_and_panes_hide_the_environment_alike_on_both_sides_of_the_cutoff() {
+    let Some(gpu) = gpu() else { return };
+    for pane in ["", PANE] {
+        let text = [FURNACE, LAMP, pane].concat();
+        let of = |roughness: &str| {
+            let set = [
+                "image.samples=64",
+                "environment.shadow=ray",
+                "material.floor.base_color=[0, 0, 0]",
+                "material.floor.reflectivity=0.5",
+                &format!("material.floor.roughness={roughness}"),
+            ];
+            mean(&render(gpu, &text, &set, &[]))[0]
+        };
+        let past = of("0.2001");
+        assert_close(of("0.1999"), past, 0.02);
+        // The lamp hides the environment from rays that keep all that they find.
+        assert!(of("0.15") < 0.5 * past, "{past}");
+    }
+}
+
 /// A floor below a red ceiling, in light that comes from everywhere.
 const ROOM: &str = r#"
 version = 1

@@ -74,7 +74,7 @@ const LOBES: [Lobe; 14] = [
 ];
 
 /// Lobes that emit 1, in the dark.
-const EMISSIVE: [Lobe; 2] = [
+const EMISSIVE: [Lobe; 3] = [
     Lobe(
         "emission of cloth",
         "emission = [1, 1, 1]\nsheen_color = [1, 1, 1]\nsheen_roughness = ROUGHNESS",
@@ -83,6 +83,11 @@ const EMISSIVE: [Lobe; 2] = [
     Lobe(
         "emission of glass",
         "emission = [1, 1, 1]\ntransmission = 1\nroughness = ROUGHNESS",
+        false,
+    ),
+    Lobe(
+        "emission of solid glass",
+        "emission = [1, 1, 1]\ntransmission = 1\nthickness_m = 1\nior = 1.5\nroughness = ROUGHNESS",
         false,
     ),
 ];
