@@ -13,15 +13,18 @@ fn capsule_of_vertex(vertex: u32) -> u32 {
     return vertex / select(BOX_CORNERS, SQUARE_CORNERS, SPHERES);
 }
 
+// Place of a drawn vertex on its square, of side 2 around the middle. Corners 0, 1, 2, 0, 2, 3 of a square.
+fn square_place(vertex: u32) -> vec2f {
+    let around = (0xe24u >> ((vertex % SQUARE_CORNERS) * 2u)) & 3u;
+    return vec2f(f32(around == 1u || around == 2u), f32(around >= 2u)) * 2.0 - 1.0;
+}
+
 // Position in the world of a drawn vertex. `eye` is that of the view, or with w = 0 the direction of all its rays.
 fn capsule_vertex(instance: u32, vertex: u32, eye: vec4f) -> vec3f {
     let c = corners(instance, capsule_of_vertex(vertex));
     let axis = c.p[1] - c.p[0];
     let radius = instance_capsule_radius_m(instance);
-    let corner = vertex % SQUARE_CORNERS;
-    // Corners 0, 1, 2, 0, 2, 3 of a square.
-    let around = (0xe24u >> (corner * 2u)) & 3u;
-    let side = vec2f(f32(around == 1u || around == 2u), f32(around >= 2u)) * 2.0 - 1.0;
+    let side = square_place(vertex);
     if (SPHERES) {
         let rows = instance_object_from_world(instance);
         let from_eye = eye.xyz - eye.w * vec3f(rows[0].w, rows[1].w, rows[2].w);

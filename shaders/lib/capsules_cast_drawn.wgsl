@@ -1,4 +1,6 @@
-// Capsules as a light sees them: the depth at which the texel's ray meets the capsule.
+// Capsules as a light sees them: the depth at which the texel's ray meets the capsule. Spheres without cut-outs are disks
+// around their middle: outside of a sphere nothing lies between its surface and such a disk, as the light sees them, so
+// that both shadow the same, and a hidden disk is rejected before its texels are shaded.
 
 #import capsule_shape
 #import surface
@@ -15,12 +17,32 @@ fn unprojected(clip: vec4f) -> vec4f {
     return select(vec4f(point.xyz, 0.0), vec4f(point.xyz / point.w, 1.0), abs(point.w) > 1e-12);
 }
 
-@vertex
-fn vertex_capsule(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> CapsuleVarying {
+// Position in the map of a drawn vertex.
+fn capsule_clip(vertex: u32, instance: u32) -> vec4f {
     // The light of a perspective map is at the only point with this clip position; that of others is infinitely far.
     let light = unprojected(vec4f(0.0, 0.0, 1.0, 0.0));
-    var clip = params.clip_from_world * vec4f(capsule_vertex(instance, vertex, light), 1.0);
-    clip.z = max(clip.z, 0.0);
+    let clip = params.clip_from_world * vec4f(capsule_vertex(instance, vertex, light), 1.0);
+    return vec4f(clip.xy, max(clip.z, 0.0), clip.w);
+}
+
+struct DiskVarying {
+    @builtin(position) clip: vec4f,
+    @location(0) place: vec2f, // on the square around the disk
+}
+
+@vertex
+fn vertex_disk(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> DiskVarying {
+    return DiskVarying(capsule_clip(vertex, instance), square_place(vertex));
+}
+
+@fragment
+fn fragment_disk(in: DiskVarying) {
+    if (dot(in.place, in.place) > 1.0) { discard; }
+}
+
+@vertex
+fn vertex_capsule(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> CapsuleVarying {
+    let clip = capsule_clip(vertex, instance);
     return CapsuleVarying(clip, vec2u(instance, capsule_of_vertex(vertex)), clip);
 }
 

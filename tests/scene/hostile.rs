@@ -54,6 +54,12 @@ fn size_neither_floods_nor_takes_quadratic_time() {
         errors(&format!("version = 1\n{models}{instances}")).len(),
         101
     );
+    let wide = |name: &str, key: char| {
+        let keys = (0..many / 4).map(|i| format!("{key}{i} = 1\n"));
+        format!("[material.{name}]\n{}", keys.collect::<String>())
+    };
+    let heir = format!("{}{}extends = \"a\"\n", wide("a", 'j'), wide("b", 'k'));
+    assert_eq!(errors(&format!("version = 1\n{heir}")).len(), 101);
 }
 
 #[test]

@@ -11,7 +11,7 @@ use crate::common::{required_or_skip, shaders};
 /// Declarations that `bvh.wgsl` expects, and a kernel that traces one ray per invocation.
 const KERNEL: &str = r"
 struct Instance {
-    object_from_world: array<vec4f, 3>,
+    object_from_world: mat3x4f,
     tree_root: u32,
     trace_flags: u32,
 }
@@ -24,6 +24,15 @@ fn node_words(i: u32) -> vec4u {
 }
 fn triangle_words(i: u32) -> vec4u {
     return triangles[i];
+}
+fn instance_object_from_world(i: u32) -> mat3x4f {
+    return instances[i].object_from_world;
+}
+fn instance_tree_root(i: u32) -> u32 {
+    return instances[i].tree_root;
+}
+fn instance_trace_flags(i: u32) -> u32 {
+    return instances[i].trace_flags;
 }
 
 struct Query { origin: vec3f, t_min: f32, direction: vec3f, t_max: f32 }

@@ -220,11 +220,12 @@ fn pipeline(
     let (vertex, fragment) = match kind.shape {
         DrawShape::Triangles if is_pulled => ("vertex", kind.cutout.then_some("fragment")),
         DrawShape::Triangles => ("vertex_opaque", None),
-        DrawShape::Spheres | DrawShape::Capsules => {
-            constants.push(kind.shape.constant());
-            ("vertex_capsule", Some("fragment_capsule"))
-        }
+        DrawShape::Spheres if !kind.cutout => ("vertex_disk", Some("fragment_disk")),
+        DrawShape::Spheres | DrawShape::Capsules => ("vertex_capsule", Some("fragment_capsule")),
     };
+    if kind.shape != DrawShape::Triangles {
+        constants.push(kind.shape.constant());
+    }
     let state = format!("{kind:?} {is_pulled}");
     shader.render_pipeline(gpu, &state, &groups, &constants, |layout, module| {
         gpu.device
@@ -237,8 +238,11 @@ fn pipeline(
                     compilation_options: wgpu::PipelineCompilationOptions::default(),
                     buffers: if is_pulled { &[] } else { &Indexed::LAYOUTS },
                 },
-                // Front and back faces cast shadows, as both block shadow rays.
-                primitive: wgpu::PrimitiveState::default(),
+                // Front and back faces of triangles cast shadows, as both block shadow rays.
+                primitive: wgpu::PrimitiveState {
+                    cull_mode: kind.shape.culled(),
+                    ..Default::default()
+                },
                 depth_stencil: Some(reversed_depth(FORMAT)),
                 multisample: wgpu::MultisampleState::default(),
                 fragment: fragment.map(|entry| wgpu::FragmentState {

@@ -2,7 +2,7 @@
 
 use std::collections::{HashMap, HashSet};
 
-use super::{overlay::exclude_each_other, report::Report};
+use super::{overlay::excluded_by, report::Report};
 use crate::suggest;
 use crate::syntax::{Content, Entries, Node, Size};
 
@@ -77,8 +77,7 @@ pub fn resolve(root: &mut Node, report: &mut Report) {
 fn add_missing(table: &mut Entries, parent: &Entries, size: &mut Size) {
     for (key, node) in parent {
         let name = key.get_ref().as_str();
-        let excluded = |own: &str| exclude_each_other(name, own);
-        let has = table.contains_key(name) || table.keys().any(|k| excluded(k.get_ref()));
+        let has = table.contains_key(name) || excluded_by(name).any(|own| table.contains_key(own));
         if !has && name != "extends" {
             size.add(node);
             table.insert(key.clone(), node.clone());

@@ -70,21 +70,19 @@ fn overlay_at(level: Level, below: &mut Entries, above: Entries) {
     }
 }
 
-/// Whether two keys cannot be in the same table.
-pub fn exclude_each_other(a: &str, b: &str) -> bool {
-    EXCLUSIVE.iter().any(|groups| {
-        let of = |key: &str| groups.iter().position(|group| group.contains(&key));
-        matches!((of(a), of(b)), (Some(a), Some(b)) if a != b)
+/// Keys that cannot be in the same table as this one: as few as there are, however many the table has.
+pub fn excluded_by(key: &str) -> impl Iterator<Item = &'static str> {
+    EXCLUSIVE.iter().flat_map(move |groups| {
+        let own = groups.iter().position(|group| group.contains(&key));
+        let others = groups.iter().enumerate();
+        let others = others.filter(move |(i, _)| own.is_some_and(|own| own != *i));
+        others.flat_map(|(_, group)| group.iter().copied())
     })
 }
 
 fn drop_excluded(below: &mut Entries, key: &str) {
-    let excluded: Vec<String> = (below.keys().map(|k| k.get_ref()))
-        .filter(|other| exclude_each_other(key, other))
-        .map(ToString::to_string)
-        .collect();
-    for other in excluded {
-        below.remove(other.as_str());
+    for other in excluded_by(key) {
+        below.remove(other);
     }
 }
 
