@@ -306,6 +306,17 @@ impl Sample {
         csv::line(self.fixed_cells().into_iter().chain(detail))
     }
 
+    /// Share of the reflective pixels that were marched in screen space, percent.
+    pub fn marched_percent(&self) -> f64 {
+        let unmarched = [Cause::Rough, Cause::Unmarched, Cause::EdgeOn].map(Cause::name);
+        let causes = self.details("cause_", "_px");
+        let sum = |of: &dyn Fn(&str) -> bool| -> f64 {
+            let counted = causes.iter().filter(|(name, _)| of(name));
+            counted.map(|(_, pixels)| pixels).sum()
+        };
+        100.0 * sum(&|name| !unmarched.contains(&name)) / sum(&|_| true).max(1.0)
+    }
+
     /// Values whose column starts with `prefix` and ends with `suffix`, with the part of the name between them.
     pub fn details(&self, prefix: &str, suffix: &str) -> Vec<(String, f64)> {
         let columns = detail_columns().into_iter().zip(&self.detail);

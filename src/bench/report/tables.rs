@@ -122,8 +122,9 @@ const ERROR_HEADS: [&str; 11] = [
     "temporal error",
 ];
 
-const SHARE_HEADS: [&str; 9] = [
+const SHARE_HEADS: [&str; 10] = [
     "setting",
+    "marched %",
     "screen %",
     "traced %",
     "failed %",
@@ -211,7 +212,7 @@ fn shares(point: &Point) -> Vec<String> {
     ];
     let sum: f64 = percents.iter().sum();
     let count = |value: Option<u64>| value.map_or("–".to_owned(), |v| v.to_string());
-    let mut cells = vec![point.label()];
+    let mut cells = vec![point.label(), format!("{:.1}", s.marched_percent())];
     cells.extend(percents.iter().chain([&sum]).map(|p| format!("{p:.1}")));
     cells.extend([count(s.false_accepts), count(s.false_rejects)]);
     cells
