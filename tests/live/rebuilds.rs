@@ -239,7 +239,7 @@ fn trees_are_built_when_rays_are_first_followed_and_kept_from_then_on() {
         (of("tree_nodes").map(|b| b.1), of("lists").map(|b| b.1))
     };
     // Two words per pixel, and a pyramid of 64 × 64 pixels.
-    let lists = Some(4 * (2 * 48 * 32 + 1024 + 256 + 64 + 16 + 4 + 1));
+    let lists = Some(4 * (2 * 48 * 32 + 4096 + 1024 + 256 + 64 + 16 + 4 + 1));
     assert_eq!(
         held(&mut session),
         (Some(80), lists),

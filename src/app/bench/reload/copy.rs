@@ -160,15 +160,15 @@ impl SceneCopy {
     /// # Errors
     /// A folder that cannot be written to.
     pub fn edited(&self, edit: Edit) -> Result<Option<Edited<'_>>, AppError> {
-        let edited = |name: String, text: String, number: Option<(usize, usize)>| {
-            Ok(Some(Edited {
-                folder: &self.folder,
-                name,
-                text,
-                number,
-                comment: if edit == Edit::Text { '#' } else { '/' },
-            }))
+        let new = |name: String, text: String, number: Option<(usize, usize)>| Edited {
+            folder: &self.folder,
+            name,
+            text,
+            number,
+            entry: None,
+            comment: if edit == Edit::Text { '#' } else { '/' },
         };
+        let edited = |name, text, number| Ok(Some(new(name, text, number)));
         match edit {
             Edit::Text => edited(SCENE.to_owned(), self.text.clone(), number(&self.text)),
             Edit::Shader(name) => {
@@ -176,7 +176,10 @@ impl SceneCopy {
                 let Some((_, text)) = found else {
                     return Ok(None);
                 };
-                edited(format!("{SHADERS}/{name}"), text.to_owned(), None)
+                Ok(Some(Edited {
+                    entry: entry(text),
+                    ..new(format!("{SHADERS}/{name}"), text.to_owned(), None)
+                }))
             }
             Edit::Script => {
                 let texts = self.desc.script.as_ref().map(|s| &s.texts);
@@ -207,6 +210,8 @@ pub struct Edited<'a> {
     text: String,
     /// Byte range of a number that is varied.
     number: Option<(usize, usize)>,
+    /// Start of the body of a shader's entry point, and the name of its first parameter.
+    entry: Option<(usize, String)>,
     comment: char,
 }
 
@@ -216,7 +221,8 @@ impl Edited<'_> {
         self.name.clone()
     }
 
-    /// Saves the file with another number, if it has one, and another comment at its end.
+    /// Saves the file with another number, if it has one, another statement in the shader, if it is one, and another
+    /// comment at its end.
     ///
     /// # Errors
     /// A folder that cannot be written to.
@@ -228,10 +234,24 @@ impl Edited<'_> {
             let part = 1.0 - 0.001 * (1 + i % 9) as f32;
             text.replace_range(start..end, &format!("{:?}", value * part));
         }
+        if let Some((start, id)) = &self.entry {
+            // Comments and unused code change no pipeline. No invocation returns here.
+            let no_id = u32::MAX - i;
+            text.insert_str(*start, &format!(" if ({id}.x == {no_id}u) {{ return; }}"));
+        }
         let comment = String::from(self.comment).repeat(2);
         text.push_str(&format!("\n{comment} edit {i}\n"));
         self.folder.write(&self.name, &text)
     }
+}
+
+/// Start of the body of a shader's `main`, and the name of its first parameter, a vector of indices.
+fn entry(text: &str) -> Option<(usize, String)> {
+    let main = text.find("fn main(")?;
+    let body = main + text[main..].find(") {")? + 3;
+    let (_, named) = text[main..body].split_once(") ")?;
+    let (name, _) = named.split_once(": vec3u")?;
+    Some((body, name.to_owned()))
 }
 
 /// Byte range of the first roughness in scene text, otherwise of the first intensity of a light.
