@@ -6,11 +6,12 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 from pathlib import Path
 
 import pytest
-from reflet_usd import cli
+from reflet_usd import child_processes, cli
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 CUBE = '#usda 1.0\n(\n    metersPerUnit = 1\n    upAxis = "Y"\n)\ndef Cube "C"\n{\n}\n'
@@ -66,6 +67,39 @@ def test_a_signal_ends_the_child_and_leaves_nothing(
     assert not runs(child)
     assert number.name in shown
     assert "Traceback" not in shown
+
+
+class InterruptedLock:
+    """The lock of `Popen.wait` at whose taking a signal handler raises, so that it stays held."""
+
+    def __init__(self) -> None:
+        self.lock = threading.Lock()
+
+    def acquire(self, blocking: bool = True) -> bool:
+        """Take the lock; raises SystemExit as soon as it is held."""
+        if self.lock.acquire(blocking):
+            raise SystemExit
+        return False
+
+    def __enter__(self) -> None:
+        self.acquire()
+
+    def __exit__(self, *_: object) -> None:
+        self.lock.release()
+
+
+def test_a_child_is_ended_after_a_signal_within_its_wait() -> None:
+    child = subprocess.Popen(
+        [sys.executable, "-c", "import time; time.sleep(600)"], start_new_session=True
+    )
+    child._waitpid_lock = InterruptedLock()  # type: ignore[attr-defined]
+    with pytest.raises(SystemExit):
+        child.wait(timeout=10)
+    ending = threading.Thread(target=child_processes.end, args=[child], daemon=True)
+    ending.start()
+    ending.join(60)
+    assert not ending.is_alive()
+    assert not Path(f"/proc/{child.pid}").exists()
 
 
 @pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="looks into /proc")

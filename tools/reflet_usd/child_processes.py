@@ -44,17 +44,22 @@ class Children:
         with self._lock:
             self._stopped = True
             for child in self._running:
-                if child.poll() is None:
-                    _kill(child)
+                _kill(child)
 
 
 def end(child: Process) -> None:
-    """End a child and its descendants."""
-    if child.poll() is None:
+    """End a child and its descendants, also after a signal handler raised within `child.wait`.
+
+    Such an exception can leave the lock of `Popen.wait` held, so that another call of it would
+    never return; the system call knows no lock.
+    """
+    if child.returncode is None:
         _kill(child)
-        child.wait()
+        with contextlib.suppress(ChildProcessError):  # reaped before its return code was kept
+            os.waitpid(child.pid, 0)
 
 
 def _kill(child: Process) -> None:
-    with contextlib.suppress(ProcessLookupError):
-        os.killpg(child.pid, signal.SIGKILL)
+    if child.returncode is None:  # else its number may belong to another process by now
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(child.pid, signal.SIGKILL)

@@ -290,10 +290,10 @@ def _watch(child: subprocess.Popen[bytes], staging: Path, limits: Limits) -> tup
             pass
         if time.monotonic() > deadline:
             end(child)
-            return child.wait(), "time-limit"
+            return -signal.SIGKILL, "time-limit"
         if tree_bytes(staging) > limits.output_bytes:
             end(child)
-            return child.wait(), "output-limit"
+            return -signal.SIGKILL, "output-limit"
 
 
 def _environment(staging: Path) -> dict[str, str]:
