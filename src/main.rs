@@ -21,7 +21,7 @@ fn name_runtime_folder() {
 fn main() -> ExitCode {
     name_runtime_folder();
     panic::set_hook(Box::new(|panic| {
-        eprintln!(
+        reflet_base::error_line!(
             "internal error: {panic}\nThis is a bug in Reflet {}. Please report it with these \
              lines, the command and the scene.",
             env!("CARGO_PKG_VERSION")

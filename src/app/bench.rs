@@ -64,7 +64,7 @@ pub fn bench(args: &BenchArgs) -> Result<(), AppError> {
                     let (samples, is_torn) = log::read(path).map_err(|d| of_file(*d))?;
                     create_folder(&args.run.output)?;
                     if is_torn {
-                        eprintln!("note: {}: {TORN} and left out", path.display());
+                        reflet_base::error_line!("note: {}: {TORN} and left out", path.display());
                     }
                     samples
                 }
@@ -339,13 +339,13 @@ pub fn report(
     write(&path, page(title, "", &sections, galleries).as_bytes())?;
     for section in &sections {
         if sections.len() > 1 {
-            eprintln!("\n{}:", section.heading());
+            reflet_base::error_line!("\n{}:", section.heading());
         }
         for sentence in &section.sentences {
-            eprintln!("{sentence}");
+            reflet_base::error_line!("{sentence}");
         }
     }
-    eprintln!("wrote {}", path.display());
+    reflet_base::error_line!("wrote {}", path.display());
     Ok(sections)
 }
 
@@ -358,7 +358,7 @@ fn print_choice(sections: &[Section], bound: &Bound) -> Result<(), AppError> {
             Err(why) => {
                 let sample = section.group.points.first().map(|p| &p.sample);
                 let scene = sample.map_or("", |s| s.scene.as_str());
-                eprintln!("{scene}: {why}");
+                reflet_base::error_line!("{scene}: {why}");
                 refused = true;
             }
         }

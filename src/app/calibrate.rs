@@ -140,9 +140,10 @@ pub fn calibrate(args: &CalibrateArgs) -> Result<(), AppError> {
             .load("calibrate".to_owned())
             .map_err(AppError::Scene)?;
         for size in sizes {
-            eprintln!(
+            reflet_base::error_line!(
                 "balls {count:?} of {segments} segments, {} x {}",
-                size[0], size[1]
+                size[0],
+                size[1]
             );
             measure(&gpu, &loaded, size, args.frames, &mut series)?;
         }
@@ -154,7 +155,7 @@ pub fn calibrate(args: &CalibrateArgs) -> Result<(), AppError> {
     };
     write_whole(&args.output, plan.text()?.as_bytes())
         .map_err(|e| AppError::Disk(format!("{}: {e}", args.output.display())))?;
-    eprintln!("wrote {}", args.output.display());
+    reflet_base::error_line!("wrote {}", args.output.display());
     print_out(&table(&plan.unit_ns, &kind)?)
 }
 

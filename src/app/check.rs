@@ -172,7 +172,7 @@ fn check_variant(
     let name = text.name();
     let opened = text.open(&[], &Dependencies::default())?;
     for line in opened.scene.scripts().flat_map(|s| &s.setup_log) {
-        eprintln!("{line}");
+        reflet_base::error_line!("{line}");
     }
     let mut loaded = kept.assets.load(&opened, name)?;
     let mut log = Log::default();
@@ -281,10 +281,10 @@ impl Log {
 
     fn print(&self) {
         for (frame, line) in &self.lines {
-            eprintln!("frame {frame}: {line}");
+            reflet_base::error_line!("frame {frame}: {line}");
         }
         if self.num_more > 0 {
-            eprintln!("and {} more lines of the script", self.num_more);
+            reflet_base::error_line!("and {} more lines of the script", self.num_more);
         }
     }
 }

@@ -16,7 +16,7 @@ use crate::{
 /// Writes a line to standard error; what could control a terminal is replaced, as messages quote names of files.
 macro_rules! say {
     ($($part:tt)*) => {
-        eprintln!("{}", printable_lines(&format!($($part)*)))
+        reflet_base::error_line!("{}", printable_lines(&format!($($part)*)))
     };
 }
 

@@ -155,7 +155,7 @@ fn openjd(args: &OpenjdArgs) -> Result<(), AppError> {
     let files: Vec<_> = files.into_iter().map(text).collect();
     write_together(&files).map_err(|(path, error)| AppError::unwritten(&path, &error))?;
     for (path, _) in &files {
-        eprintln!("wrote {}", path.display());
+        reflet_base::error_line!("wrote {}", path.display());
     }
     Ok(())
 }

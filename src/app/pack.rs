@@ -68,7 +68,7 @@ pub fn pack(args: &PackArgs) -> Result<(), AppError> {
     let written = goal.file.sync_all();
     written.and_then(|()| goal.persist()).map_err(unwritten)?;
     let bytes = manifest.total_bytes();
-    eprintln!(
+    reflet_base::error_line!(
         "wrote {}: {count} {} of {:.1} MiB",
         args.output.display(),
         if count == 1 { "file" } else { "files" },

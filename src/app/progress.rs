@@ -81,7 +81,7 @@ impl Progress {
             }
             ProgressForm::Lines => {
                 let time = seconds.map_or(String::new(), |s| format!(", {s:.2} s"));
-                eprintln!(
+                reflet_base::error_line!(
                     "frame {frame} ({done} of {}): {verb} {file}{time}",
                     self.total
                 );

@@ -94,7 +94,7 @@ fn picture(
     for line in
         &log.map_err(|error| AppError::from_session(error, session.own_shaders.is_some()))?
     {
-        eprintln!("{line}");
+        reflet_base::error_line!("{line}");
     }
     let pending = session.begin(output.has_color());
     let mut picture = pending
@@ -104,7 +104,7 @@ fn picture(
         denoiser.apply(&mut picture)?;
     }
     if picture.stats.exhausted_rays > 0 {
-        eprintln!(
+        reflet_base::error_line!(
             "warning: {} rays visited too many nodes and count as misses: too many instances overlap",
             picture.stats.exhausted_rays
         );
@@ -115,7 +115,7 @@ fn picture(
     };
 
     for path in output.write(&picture)? {
-        eprintln!("wrote {}", path.display());
+        reflet_base::error_line!("wrote {}", path.display());
     }
     stats::print(args, &mut session, picture.stats, context)
 }

@@ -54,7 +54,7 @@ pub fn check_reports(
 /// [`AppError::Scene`] with all errors.
 pub fn load(opened: OpenedScene, name: String) -> Result<LoadedScene, AppError> {
     for line in opened.scene.scripts().flat_map(|s| &s.setup_log) {
-        eprintln!("{line}");
+        reflet_base::error_line!("{line}");
     }
     let loaded = opened.load(name).map_err(AppError::Scene)?;
     print_diagnostics(&loaded.warnings);

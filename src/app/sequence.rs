@@ -134,7 +134,7 @@ fn create_last_folder(path: &Path) -> Result<(), AppError> {
         return Ok(());
     }
     match std::fs::create_dir(folder) {
-        Ok(()) => eprintln!("created the folder {}", folder.display()),
+        Ok(()) => reflet_base::error_line!("created the folder {}", folder.display()),
         // Another process that renders a part of the same film has created it meanwhile.
         Err(_) if folder.is_dir() => {}
         Err(error) => {
@@ -219,7 +219,7 @@ pub fn render(
     if let Target::Film(film) = target {
         let film = film.into_inner();
         let film = film.map_err(|_| AppError::Internal("the encoder has failed".to_owned()))?;
-        eprintln!("wrote {}", film.finish()?.display());
+        reflet_base::error_line!("wrote {}", film.finish()?.display());
     }
     let context = ReportContext {
         load_ms,
@@ -340,7 +340,7 @@ fn begin_frame(
     };
     let state = animator.pose(frame).map_err(scene_error)?;
     for line in &state.log {
-        encoders.print_above(|| eprintln!("frame {frame}: {line}"));
+        encoders.print_above(|| reflet_base::error_line!("frame {frame}: {line}"));
     }
     let posed = session.scene.apply(frame, Some(state), &|_| ());
     posed.map_err(scene_error)?;

@@ -1,7 +1,9 @@
 //! Tools that all crates of Reflet share: atomic file writes ([`files`]), bounds and color over glam ([`math`]), the
-//! memory budget ([`memory`]) and clocks of processor time ([`processor_time`]). This crate knows no scene and no device.
+//! memory budget ([`memory`]), clocks of processor time ([`processor_time`]) and standard error ([`standard_error`]). This
+//! crate knows no scene and no device.
 
 pub mod files;
 pub mod math;
 pub mod memory;
 pub mod processor_time;
+pub mod standard_error;

@@ -100,7 +100,7 @@ pub fn show(gpu: Arc<Gpu>, shown: &WindowOptions) -> Result<(), WindowError> {
     // which repairs its surface by itself, and must not end the rendering.
     (gpu.device).on_uncaptured_error(Arc::new(|error| {
         if !display_errors::is_busy(&error) {
-            eprintln!("warning: the window: {error}");
+            reflet_base::error_line!("warning: the window: {error}");
         }
     }));
     let scene = shown.source.path.clone();

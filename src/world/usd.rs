@@ -101,7 +101,7 @@ pub fn convert(
         && record.holds(&glb, &tool.version)
     {
         if is_news {
-            eprintln!(
+            reflet_base::error_line!(
                 "usd: {} is unchanged, using its conversion {}",
                 stage.display(),
                 glb.display()
@@ -138,7 +138,7 @@ fn run_conversion(
     let mut attempt = 0;
     loop {
         attempt += 1;
-        eprintln!("usd: converting {}", stage.display());
+        reflet_base::error_line!("usd: converting {}", stage.display());
         let stage_path = stage.to_owned();
         let before = Inputs::of(known.paths().chain([&stage_path]));
         let since = SystemTime::now();

@@ -136,6 +136,42 @@ fn usage_errors_exit_with_2_and_say_what_is_wrong() {
 
 #[cfg(target_os = "linux")]
 #[test]
+fn messages_that_cannot_be_written_end_nothing() {
+    if gpu_or_skip().is_none() {
+        return;
+    }
+    let folder = folder("stderr");
+    let full = || {
+        let device = fs::OpenOptions::new().write(true).open("/dev/full");
+        device.expect("Linux has this device")
+    };
+    let film = [
+        "render",
+        "scene.toml",
+        "-o",
+        "a.##.png",
+        "--size",
+        "16x9",
+        "--set",
+        "timeline.end=1",
+    ];
+    for (arguments, code) in [
+        (&film[..], 0),
+        (&["check", "scene.toml", "gone.toml"], 3),
+        (&["render"], 2),
+    ] {
+        let status = reflet(&folder, arguments)
+            .stdout(Stdio::null())
+            .stderr(full())
+            .status();
+        let status = status.expect("the program starts");
+        assert_eq!(status.code(), Some(code), "{arguments:?}");
+    }
+    assert_eq!(names(&folder), ["a.00.png", "a.01.png", "scene.toml"]);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
 fn a_preview_without_a_display_says_what_to_do() {
     let folder = folder("display");
     let mut command = reflet(&folder, &["preview", "scene.toml"]);

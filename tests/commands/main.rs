@@ -1,5 +1,7 @@
 //! The program's commands, each a group: `cargo test --test commands film::`.
 
+#![allow(clippy::print_stderr, reason = "tests say what they skip")]
+
 #[path = "../bench/mod.rs"]
 mod bench;
 #[path = "../cli/mod.rs"]

@@ -1,5 +1,7 @@
 //! glTF loading: features, hostile files and external corpora.
 
+#![allow(clippy::print_stderr, reason = "tests say what they skip")]
+
 #[path = "../common/mod.rs"]
 mod common;
 #[path = "../usd/mod.rs"]

@@ -1,6 +1,8 @@
 //! Hot reload without a window: file watching, minimal rebuilds, and the last good scene after
 //! errors.
 
+#![allow(clippy::print_stderr, reason = "tests say what they skip")]
+
 #[path = "../common/mod.rs"]
 mod common;
 #[path = "../runtime/mod.rs"]

@@ -1,5 +1,7 @@
 //! Pictures with known answers: closed forms, and pairs of renders that must agree.
 
+#![allow(clippy::print_stderr, reason = "tests say what they skip")]
+
 #[path = "../common/mod.rs"]
 mod common;
 #[path = "../gpu/mod.rs"]

@@ -1,5 +1,7 @@
 //! Reading scene text: good scenes, bad scenes with their exact messages, hostile ones, the manual.
 
+#![allow(clippy::print_stderr, reason = "tests say what they skip")]
+
 #[path = "../common/mod.rs"]
 mod common;
 #[path = "../mistakes/mod.rs"]

@@ -212,7 +212,7 @@ fn stage(experiment: PaperExperiment, folders: &[PathBuf]) -> Stage {
     let missing: Vec<&str> = models.iter().filter(is_missing).copied().collect();
     let has_models = missing.is_empty();
     if !has_models {
-        eprintln!(
+        reflet_base::error_line!(
             "{} is in no folder of --assets or REFLET_ASSETS: this runs on the built-in atrium \
              instead",
             missing.join(", ")
@@ -258,7 +258,9 @@ fn surfaces(has_models: bool) -> Vec<(String, Vec<String>)> {
         };
         let Some((name, shows)) = shown else {
             let name = in_paper.0;
-            eprintln!("{name}: the built-in atrium has no such surface, so it is left out");
+            reflet_base::error_line!(
+                "{name}: the built-in atrium has no such surface, so it is left out"
+            );
             continue;
         };
         let mut changes = Vec::new();

@@ -91,7 +91,7 @@ pub fn reload(args: &ReloadArgs) -> Result<(), AppError> {
         .map_err(|error| AppError::Internal(format!("as JSON: {error}")))?;
     let path = args.output.join("reload.json");
     write(&path, &json)?;
-    eprintln!("wrote {}", path.display());
+    reflet_base::error_line!("wrote {}", path.display());
     let [width, height] = args.size;
     print_out(&format!(
         "{scene}, {} saves each, {width}x{height} on {}\n\n{}",

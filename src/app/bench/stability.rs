@@ -118,7 +118,7 @@ pub fn stability(args: &StabilityArgs) -> Result<(), AppError> {
         let page = page("Where methods fail", &head, &[], &galleries);
         let path = args.output.join("stability.html");
         write(&path, page.as_bytes())?;
-        eprintln!("wrote {}", path.display());
+        reflet_base::error_line!("wrote {}", path.display());
     }
     match (&args.ratchet, ratchet) {
         (Some(path), Some(ratchet)) => hold(path, ratchet, args.tighten, &modes, &columns, &cells),
@@ -279,7 +279,7 @@ fn report(
 ) -> Result<(), AppError> {
     for cell in cells {
         if let Err(why) = &cell.scores {
-            eprintln!("{}, {}: not scored: {why}", cell.mode, cell.method);
+            reflet_base::error_line!("{}, {}: not scored: {why}", cell.mode, cell.method);
         }
     }
     let path = args.output.join("stability.csv");
@@ -290,7 +290,7 @@ fn report(
         Some(path) => write_to("--document", path, text.as_bytes())?,
         None => write(&args.output.join("stability.md"), text.as_bytes())?,
     }
-    eprintln!("wrote {}", path.display());
+    reflet_base::error_line!("wrote {}", path.display());
     Ok(())
 }
 

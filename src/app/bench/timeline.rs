@@ -54,7 +54,7 @@ fn frames(loaded: &LoadedScene, list: Option<&str>) -> Result<Option<Vec<u32>>, 
             if let Some(timeline) = timeline.as_ref().filter(|t| t.end > t.start) {
                 let (start, end) = (timeline.start, timeline.end);
                 let step = (end - start).div_ceil(8);
-                eprintln!(
+                reflet_base::error_line!(
                     "note: {name}: of the frames {start} to {end} of its timeline only {start} is \
                      measured; with --timeline all, or such as {start}-{end}:{step}, others are"
                 );

@@ -39,7 +39,7 @@ pub fn slurm(args: &SlurmArgs) -> Result<(), AppError> {
     let inputs = inputs([args.tasks.scene.as_path()], &film.loaded);
     check_writable(output, &inputs)?;
     write_whole(output, script.as_bytes()).map_err(|error| AppError::unwritten(output, &error))?;
-    eprintln!("wrote {}", output.display());
+    reflet_base::error_line!("wrote {}", output.display());
     Ok(())
 }
 

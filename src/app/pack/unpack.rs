@@ -59,9 +59,9 @@ pub fn unpack(args: &UnpackArgs) -> Result<(), AppError> {
     let count = manifest.files.len();
     let files = if count == 1 { "file" } else { "files" };
     let folder = args.output.display();
-    eprintln!("wrote {folder}: {count} {files}, as packed");
+    reflet_base::error_line!("wrote {folder}: {count} {files}, as packed");
     if manifest.built_from != BUILT_FROM {
-        eprintln!(
+        reflet_base::error_line!(
             "note: another build of Reflet ({}) made this pack; pictures of this build may differ",
             manifest.reflet.escape_debug()
         );

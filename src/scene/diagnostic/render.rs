@@ -11,6 +11,8 @@ use annotate_snippets::{
     AnnotationKind, Group, Level, Origin, Renderer, Snippet, renderer::DEFAULT_TERM_WIDTH,
 };
 
+use reflet_base::standard_error::write_error;
+
 use super::{Diagnostic, Severity, Span, at_most};
 
 /// Length of a line, bytes, above which only the neighborhood of the span goes to the renderer, because it
@@ -149,7 +151,8 @@ pub fn print_diagnostics(diagnostics: &[Diagnostic]) {
     let wants_color = env::var_os("NO_COLOR").is_none_or(|value| value.is_empty());
     let color = wants_color && io::stderr().is_terminal();
     if !diagnostics.is_empty() {
-        eprint!("{}", render_all(&at_most(diagnostics.to_vec()), color));
+        let text = render_all(&at_most(diagnostics.to_vec()), color);
+        write_error(format_args!("{text}"));
     }
 }
 

@@ -11,6 +11,7 @@ use std::{
 
 use super::{TOOL_ENV, advice::in_reflet};
 use crate::gltf::Fault;
+use reflet_base::standard_error::write_error;
 use reflet_scene::diagnostic::printable_lines;
 
 /// Prefix of the converter's progress lines.
@@ -133,8 +134,8 @@ fn pass_on(stage: &Path, said: impl Read) -> Vec<String> {
             Some(far) => {
                 let line = format!("usd: converting {}: {far}", stage.display());
                 match on_terminal {
-                    true => eprint!("\r\x1b[2K{line}"),
-                    false => eprintln!("{line}"),
+                    true => write_error(format_args!("\r\x1b[2K{line}")),
+                    false => reflet_base::error_line!("{line}"),
                 }
                 shown = true;
             }
@@ -143,7 +144,7 @@ fn pass_on(stage: &Path, said: impl Read) -> Vec<String> {
         }
     }
     if shown && on_terminal {
-        eprint!("\r\x1b[2K");
+        write_error(format_args!("\r\x1b[2K"));
     }
     errors
 }
