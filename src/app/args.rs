@@ -159,7 +159,8 @@ pub struct RenderArgs {
     #[arg(short, long, value_name = "FILE")]
     #[allow(rustdoc::invalid_html_tags, reason = "the text is that of --help")]
     pub output: PathBuf,
-    /// Frames of the scene's timeline, or of a model's animation: all, or a list such as 0-949, 1-20:2 or 1,3,5-9
+    /// Frames of the scene's timeline, or of a model's animation: all, or a list such as 0-949, 1-20:2 or 1,3,5-9.
+    /// Default: all where the output is a film or has #### in its name, else the first
     #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
     pub frames: Option<String>,
     /// Keep the files of frames that were made from the same scene, settings and version

@@ -10,8 +10,8 @@ use super::{
 };
 use crate::bench::compare::CompareArgs;
 
-/// Renders scenes written as text with hybrid reflections: marched in screen space first, ray
-/// traced only where that fails.
+/// Renders scenes written as text; reflections are found in screen space, by rays, or in screen space first and by
+/// rays where that fails.
 #[derive(Clone, Debug, Parser)]
 #[command(name = "reflet", version, arg_required_else_help = true)]
 pub struct Cli {

@@ -68,6 +68,20 @@ impl<'a> Lint<'a> {
         }
     }
 
+    /// Names of the likely mistakes at the first frame that are found without tracing rays and that change the
+    /// picture, sorted.
+    pub fn names_at_first(scene: &Scene, world: &World) -> Vec<&'static str> {
+        let mut found = inside::lights(scene, world);
+        found.extend(inside::cameras(scene, world));
+        let mut names: Vec<_> = found.iter().map(|d| d.name).collect();
+        if scene.timeline.is_none() && !is_lit(world) {
+            names.push("no-light");
+        }
+        names.sort_unstable();
+        names.dedup();
+        names
+    }
+
     /// Checks a posed frame; geometry is checked in the first frame only.
     pub fn frame(&mut self, world: &World) {
         self.is_lit |= is_lit(world);

@@ -3,9 +3,14 @@
 use std::{
     ffi::OsString,
     io::{self, Write as _},
+    path::Path,
+    process,
 };
 
-use clap::Parser as _;
+use clap::{
+    Parser as _,
+    error::{ContextKind, ContextValue, ErrorKind},
+};
 
 use crate::bench::compare::{CompareArgs, compare};
 use crate::scene::{diagnostic::printable_lines, manual::manual, schema::schema, script};
@@ -56,7 +61,13 @@ const NO_WINDOW: &str =
 /// # Errors
 /// Error of the command.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), AppError> {
-    let cli = Cli::try_parse_from(arguments).unwrap_or_else(|error| error.exit());
+    let cli = Cli::try_parse_from(arguments).unwrap_or_else(|error| match command_for(&error) {
+        Some(help) => {
+            reflet_base::error_line!("{error}\n{help}");
+            process::exit(error.exit_code())
+        }
+        None => error.exit(),
+    });
     match cli.command {
         Command::Render(args) => render::render(&args),
         #[cfg(feature = "window")]
@@ -79,6 +90,17 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), AppError
         Command::Completions { shell } => print_out(&shell::completions(shell)),
         Command::Man { command } => print_out(&shell::man_page(&command)?),
     }
+}
+
+/// Commands to name where a file stands in place of a command.
+fn command_for(error: &clap::Error) -> Option<String> {
+    let Some(ContextValue::String(file)) = error.get(ContextKind::InvalidSubcommand) else {
+        return None;
+    };
+    let is_file = error.kind() == ErrorKind::InvalidSubcommand && Path::new(file).is_file();
+    is_file.then(|| {
+        format!("`{file}` is a file: `reflet render {file} -o picture.png` renders it, `reflet preview {file}` shows it")
+    })
 }
 
 fn run_compare(args: &CompareArgs) -> Result<(), AppError> {

@@ -1,18 +1,21 @@
 //! `render`: renders a scene to pictures or a film.
 
-use std::time::Instant;
+use std::{path::Path, time::Instant};
 
 use super::{
     args::{PictureArgs, RenderArgs},
     cameras,
     error::AppError,
+    lint::Lint,
     output::picture_file::PictureFile,
     render_session::RenderSession,
     scene::{inputs, load_scene},
     sequence, shaders,
     stats::{self, ReportContext},
 };
-use crate::{files::sweep, render::aov::Aov, scene::desc::Method};
+use crate::{
+    files::sweep, render::aov::Aov, runtime::scene_text::LoadedScene, scene::desc::Method,
+};
 
 /// Renders one picture, or the frames of a film, for each camera.
 ///
@@ -38,6 +41,7 @@ pub fn render(args: &RenderArgs) -> Result<(), AppError> {
         &overrides(&args.picture),
     )?;
     let load_ms = load_started.elapsed().as_secs_f64() * 1e3;
+    hint_at_mistakes(args.scene.as_deref(), &loaded);
     let inputs = inputs(
         args.scene
             .as_deref()
@@ -71,6 +75,17 @@ pub fn render(args: &RenderArgs) -> Result<(), AppError> {
         }
     }
     failed.map_or(Ok(()), Err)
+}
+
+/// Names likely mistakes of a scene, which `check` explains, on standard error.
+fn hint_at_mistakes(scene: Option<&Path>, loaded: &LoadedScene) {
+    let names = Lint::names_at_first(&loaded.scene, &loaded.first_frame());
+    if let (false, Some(path)) = (names.is_empty(), scene) {
+        let (path, names) = (path.display(), names.join(", "));
+        reflet_base::error_line!(
+            "note: likely mistakes ({names}): `reflet check {path}` explains them"
+        );
+    }
 }
 
 /// Renders one picture; `load_ms` and the start of the command are for its statistics.
@@ -114,8 +129,13 @@ fn picture(
         first_picture_ms: started.elapsed().as_secs_f64() * 1e3,
     };
 
+    let timeline = session.scene.scene().scene.timeline.as_ref();
+    let part = timeline.map_or(String::new(), |timeline| {
+        let count = timeline.end - timeline.start + 1;
+        format!(" (frame {frame} of {count}; all with --frames all)")
+    });
     for path in output.write(&picture)? {
-        reflet_base::error_line!("wrote {}", path.display());
+        reflet_base::error_line!("wrote {}{part}", path.display());
     }
     stats::print(args, &mut session, picture.stats, context)
 }

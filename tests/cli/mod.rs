@@ -4,6 +4,7 @@ mod calibrate;
 mod denoise;
 mod info;
 mod lsp;
+mod messages;
 
 use std::{
     fs,
@@ -101,6 +102,10 @@ fn usage_errors_exit_with_2_and_say_what_is_wrong() {
     let folder = folder("usage");
     for (arguments, says) in [
         (&["rendr"][..], "unrecognized subcommand"),
+        (
+            &["scene.toml"],
+            "`reflet render scene.toml -o picture.png` renders it",
+        ),
         (&["render", "scene.toml"], "--output"),
         (&["render", "-o", "a.png", "--size", "0x4"], "1 to 16384"),
         (&["render", "-o", "a.png", "--size", "big"], "WIDTHxHEIGHT"),
@@ -132,42 +137,6 @@ fn usage_errors_exit_with_2_and_say_what_is_wrong() {
         assert!(error.contains(says), "{arguments:?} says {error}");
     }
     assert_eq!(names(&folder), ["scene.toml"]);
-}
-
-#[cfg(target_os = "linux")]
-#[test]
-fn messages_that_cannot_be_written_end_nothing() {
-    if gpu_or_skip().is_none() {
-        return;
-    }
-    let folder = folder("stderr");
-    let full = || {
-        let device = fs::OpenOptions::new().write(true).open("/dev/full");
-        device.expect("Linux has this device")
-    };
-    let film = [
-        "render",
-        "scene.toml",
-        "-o",
-        "a.##.png",
-        "--size",
-        "16x9",
-        "--set",
-        "timeline.end=1",
-    ];
-    for (arguments, code) in [
-        (&film[..], 0),
-        (&["check", "scene.toml", "gone.toml"], 3),
-        (&["render"], 2),
-    ] {
-        let status = reflet(&folder, arguments)
-            .stdout(Stdio::null())
-            .stderr(full())
-            .status();
-        let status = status.expect("the program starts");
-        assert_eq!(status.code(), Some(code), "{arguments:?}");
-    }
-    assert_eq!(names(&folder), ["a.00.png", "a.01.png", "scene.toml"]);
 }
 
 #[cfg(target_os = "linux")]

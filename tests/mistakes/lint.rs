@@ -69,7 +69,7 @@ pub const LINTS: &[Mistake] = &[
             "light-inside",
             "2:8",
             "\"lamp\" is inside of \"bulb\"",
-            "`shadow = \"none\"`",
+            "`casts_shadow = false`",
         ],
     ),
     text(

@@ -48,7 +48,8 @@ pub fn lights(scene: &Scene, world: &World) -> Vec<Diagnostic> {
                 "light \"{}\" is inside of \"{}\", which is closed, so nothing outside is lit",
                 entry.name, shape.name
             );
-            let help = "move one of them, or write `shadow = \"none\"`, which shines through";
+            let help = "if the shape is the lamp's bulb or shade, write `casts_shadow = false` in its instance; else \
+                        move one of them";
             found.push(related(
                 Diagnostic::at("light-inside", entry.at.clone(), message).help(help),
                 scene,

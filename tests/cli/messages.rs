@@ -1,0 +1,58 @@
+//! Messages on standard error: notes about likely mistakes, and streams that take no message.
+
+use std::{fs, process::Stdio};
+
+use super::{SCENE, exits, folder, names, reflet};
+use crate::common::gpu_or_skip;
+
+#[test]
+fn render_names_likely_mistakes_that_check_explains() {
+    if gpu_or_skip().is_none() {
+        return;
+    }
+    let folder = folder("hint");
+    let lamp = "[light.bulb]\nkind = \"point\"\nposition = [0, 0.7, 0]\nintensity_cd = 3\n";
+    fs::write(folder.join("lamp.toml"), format!("{SCENE}{lamp}")).expect("written");
+    let size = ["-o", "a.png", "--size", "16x9"];
+    let [_, said] = exits(&folder, &[&["render", "lamp.toml"][..], &size].concat(), 0);
+    let note = "note: likely mistakes (light-inside): `reflet check lamp.toml` explains them";
+    assert!(said.contains(note), "{said}");
+    let [_, said] = exits(&folder, &[&["render", "scene.toml"][..], &size].concat(), 0);
+    assert_eq!(said, "wrote a.png\n");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn messages_that_cannot_be_written_end_nothing() {
+    if gpu_or_skip().is_none() {
+        return;
+    }
+    let folder = folder("stderr");
+    let full = || {
+        let device = fs::OpenOptions::new().write(true).open("/dev/full");
+        device.expect("Linux has this device")
+    };
+    let film = [
+        "render",
+        "scene.toml",
+        "-o",
+        "a.##.png",
+        "--size",
+        "16x9",
+        "--set",
+        "timeline.end=1",
+    ];
+    for (arguments, code) in [
+        (&film[..], 0),
+        (&["check", "scene.toml", "gone.toml"], 3),
+        (&["render"], 2),
+    ] {
+        let status = reflet(&folder, arguments)
+            .stdout(Stdio::null())
+            .stderr(full())
+            .status();
+        let status = status.expect("the program starts");
+        assert_eq!(status.code(), Some(code), "{arguments:?}");
+    }
+    assert_eq!(names(&folder), ["a.00.png", "a.01.png", "scene.toml"]);
+}
