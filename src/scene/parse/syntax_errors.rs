@@ -136,7 +136,7 @@ fn explain(text: &str, base: usize, at: Range<usize>, message: &str, report: &mu
         let error = report.error("duplicate-key", &moved(&at), message);
         error.help = Some(match key {
             "instance" => "write `[[instance]]`, with two brackets on each side, for each".into(),
-            _ => "remove one of the two, or give it another name".into(),
+            _ => "move what is in one of the two into the other, or give it another name".into(),
         });
         error.related = first.map(|span: Span| (span, "it is first defined here".into()));
     } else if message == TOO_MANY_TABLES {
@@ -155,7 +155,8 @@ fn explain(text: &str, base: usize, at: Range<usize>, message: &str, report: &mu
     }
 }
 
-/// The earlier line that has the same header, or the same key under the same header.
+/// The earlier line that has the same header, the same key under the same header, or the header's table as a dotted
+/// key before all headers.
 fn first_place(text: &str, at: &Range<usize>) -> Option<Range<usize>> {
     let line_start = text[..at.start].rfind('\n').map_or(0, |i| i + 1);
     let key = text.get(at.clone())?;
@@ -164,6 +165,7 @@ fn first_place(text: &str, at: &Range<usize>) -> Option<Range<usize>> {
         let inside = line.split_inclusive(']').next().unwrap_or("");
         inside.chars().filter(|c| !c.is_whitespace()).collect()
     };
+    let dotted = header(line).replace(['[', ']'], "");
     let mut end = line_start;
     for earlier in text[..line_start].split_inclusive('\n').rev() {
         let start = end - earlier.len();
@@ -175,6 +177,15 @@ fn first_place(text: &str, at: &Range<usize>) -> Option<Range<usize>> {
             if is_header && header(trimmed) == header(line) {
                 let inside = trimmed.rfind(key)?;
                 return Some(indent + inside..indent + inside + key.len());
+            }
+            if !is_header
+                && let Some((path, _)) = trimmed.split_once('=')
+                && path
+                    .chars()
+                    .filter(|c| !c.is_whitespace())
+                    .eq(dotted.chars())
+            {
+                return Some(indent..indent + path.trim_end().len());
             }
         } else if is_header {
             return None;

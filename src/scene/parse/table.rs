@@ -222,12 +222,24 @@ impl<'r> Table<'r> {
             );
             let meant = suggest::nearest(name, self.asked.iter().copied());
             self.missing.retain(|(key, _)| Some(*key) != meant);
-            let help = suggest::absent_key(name, &self.asked).map_or_else(
-                || suggest::hint(name, &self.asked, suggest::key, "its keys are"),
-                str::to_owned,
-            );
+            let help = (suggest::absent_key(name, &self.asked).map(str::to_owned))
+                .or_else(|| self.key_of_the_file(name))
+                .unwrap_or_else(|| suggest::hint(name, &self.asked, suggest::key, "its keys are"));
             self.report.error("unknown-key", &key.span(), message).help = Some(help);
         }
+    }
+
+    /// Help for a key of the whole file that stands below the header of this table.
+    fn key_of_the_file(&self, name: &str) -> Option<String> {
+        let file = super::recorded_keys();
+        let is_key = file.sections.first()?.keys.iter().any(|k| k.name == name);
+        (is_key && !self.place.path.is_empty()).then(|| {
+            format!(
+                "{} belongs to the whole file, but TOML gives each line below a header to that table: move this line \
+                 above the first header, or begin a table of its own",
+                suggest::key(name)
+            )
+        })
     }
 
     fn refuse_missing(&mut self) {
