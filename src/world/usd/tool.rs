@@ -183,7 +183,12 @@ fn end_with_this(command: &mut Command) {
 fn end_with_this(_command: &mut Command) {}
 
 fn missing(tool: &Path, error: &io::Error) -> Fault {
-    let text = if error.kind() == ErrorKind::NotFound {
+    let text = if error.kind() == ErrorKind::NotFound && tool.is_file() {
+        format!(
+            "the command `{}` cannot start, because the Python that its first line names is gone",
+            tool.display()
+        )
+    } else if error.kind() == ErrorKind::NotFound {
         format!(
             "USD stages need the Python tools, and the command `{}` was not found",
             tool.display()
