@@ -10,8 +10,8 @@ pub struct Story {
     pub shot: String,
     /// Scene in which a rigged lamp, `lamp.toml`, is placed.
     pub rig: String,
-    /// Line of the scene that refers to the script.
-    pub script_line: String,
+    /// Lines of the scene that name the script and give its parameters.
+    pub script_lines: String,
     /// File name of the script.
     pub script_name: String,
     /// Text of the script.
@@ -35,14 +35,14 @@ impl Story {
             let block = guided.iter().find(|block| block.contains(part));
             block.expect(part).clone()
         };
-        let script_line = with("script = \"");
-        let script_name = script_line.split('"').nth(1).expect("a name").to_owned();
+        let script_lines = with("script = \"");
+        let script_name = script_lines.split('"').nth(1).expect("a name").to_owned();
         Self {
             scene: blocks(&readme, "```toml\n").swap_remove(0),
             motion: with("[motion.camera.main]"),
             shot: with("base = \"my.toml\""),
             rig: with("scene = \"lamp.toml\""),
-            script_line,
+            script_lines,
             script_name,
             script: blocks(&guide, "```rust\n").swap_remove(0),
         }
@@ -51,7 +51,7 @@ impl Story {
     /// Scene texts of the steps: the scene alone, in motion, and with its script.
     pub fn scenes(&self) -> [String; 3] {
         let moving = format!("{}\n{}", self.scene, self.motion);
-        let scripted = format!("{}{moving}", self.script_line);
+        let scripted = format!("{}{moving}", self.script_lines);
         [self.scene.clone(), moving, scripted]
     }
 }

@@ -26,7 +26,7 @@ fn the_scene_of_the_readme_is_checked_and_rendered_step_by_step() {
     let _ = fs::remove_dir_all(&folder);
     fs::create_dir_all(&folder).expect("temporary folder");
     for (scene, moves) in story.scenes().iter().zip([false, true, true]) {
-        if scene.contains(&story.script_line) {
+        if scene.contains(&story.script_lines) {
             fs::write(folder.join(&story.script_name), &story.script).expect("written");
         }
         fs::write(folder.join("my.toml"), scene).expect("written");

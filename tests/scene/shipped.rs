@@ -107,7 +107,7 @@ fn the_rig_of_the_guide_is_valid() {
     let mut world =
         load::load(&desc, &LoadOptions::default()).unwrap_or_else(|e| panic!("{}", said(&e)));
     let eye = |world: &reflet::world::World| {
-        let camera = world.cameras.iter().find(|c| c.name == "on_the_lamp");
+        let camera = world.cameras.iter().find(|c| c.name == "at_the_lamp");
         camera.expect("it is there").value.eye
     };
     let first = eye(&world);
@@ -126,7 +126,7 @@ fn a_script_that_moves_a_scene_without_a_timeline_is_warned_about() {
     fs::create_dir_all(&folder).expect("temporary folder");
     fs::write(folder.join(&readme.script_name), &readme.script).expect("written");
     let [scene, ..] = readme.scenes();
-    let text = format!("{}{scene}", readme.script_line);
+    let text = format!("{}{scene}", readme.script_lines);
     let (_, warnings) = Scene::from_text(&text, &folder.join("my.toml"), &[])
         .unwrap_or_else(|e| panic!("{}", said(&e)));
     let text = said(&warnings);
