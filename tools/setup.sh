@@ -222,7 +222,8 @@ setup_python() {
     [ -f "$root/tools/pyproject.toml" ] || return 0
     heading "Python tools"
     local stamp="$root/.venv/.reflet-tools"
-    if [ -x "$root/.venv/bin/python" ] && [ "$stamp" -nt "$root/tools/pyproject.toml" ]; then
+    # The command names its Python by an absolute path, which is gone where the checkout has moved.
+    if [ "$stamp" -nt "$root/tools/pyproject.toml" ] && "$root/.venv/bin/reflet-usd" --version >/dev/null 2>&1; then
         echo "present: .venv"
         return 0
     fi
