@@ -157,11 +157,11 @@ fn check(seeds: Range<u32>) {
 
 #[test]
 fn no_material_makes_a_pixel_that_is_no_number() {
-    check(0..2); // with each of the two limits of roughness
+    check(0..1); // the other limit of roughness needs pipelines of its own, which take half a minute to compile
 }
 
 #[test]
 #[ignore = "takes a minute; tools/check.sh --full runs it"]
 fn none_of_more_materials_makes_a_pixel_that_is_no_number() {
-    check(2..8);
+    check(1..8);
 }

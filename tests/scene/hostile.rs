@@ -238,7 +238,7 @@ fn mutated_scenes_are_read_or_refused_and_never_panic() {
     const BYTES: &[u8] = b"[]{}=.,\"'#\n\t -_0129aeinv\\\x00\xc3\xa9\xff";
     let mut random = Random(0x5eed_0001);
     let (mut good, mut bad) = (0, 0);
-    for round in 0..4000 {
+    for round in 0..1000 {
         let mut bytes = EXAMPLE.as_bytes().to_vec();
         for _ in 0..1 + round % 4 {
             let at = random.below(bytes.len());
@@ -264,7 +264,7 @@ fn mutated_scenes_are_read_or_refused_and_never_panic() {
         }
     }
     assert!(
-        good > 100 && bad > 100,
+        good > 50 && bad > 50,
         "{good} read, {bad} refused: the mutations test nothing"
     );
 }
