@@ -107,8 +107,9 @@
 //!   them before an upload, and every later call that the world is the uploaded one, posed anew.
 //! - Every ray has one budget of nodes that it may visit (`shaders/lib/bvh.wgsl`); one that needs more is a
 //!   miss, counted in the frame's statistics.
-//! - `unsafe` is used in five places, each with its reason: `src/main.rs` sets an environment variable
+//! - `unsafe` is used in six places, each with its reason: `src/main.rs` sets environment variables
 //!   before any thread exists, `src/gpu/pipeline.rs` turns off run-time checks of a built-in shader,
+//!   `src/gpu/kept_pipelines.rs` hands a driver the pipelines that it compiled in an earlier run,
 //!   `src/base/processor_time.rs` reads CPU clocks that the standard library lacks, `src/world/usd/tool.rs` has the
 //!   converter end with its parent, and `src/app/denoise.rs` calls a C library that it loads at run time.
 //! - No import cycles: the modules of one parent can be read in some order (`tests/layers`).

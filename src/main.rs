@@ -5,21 +5,25 @@ use std::{env, panic, process::ExitCode};
 
 use reflet::app;
 
-/// Sets `XDG_RUNTIME_DIR` where it is missing: Mesa's device selection looks for a Wayland display, and prints an
-/// error to standard error without that variable.
+/// Sets environment variables of the graphics driver: Mesa's device selection looks for a Wayland display, and prints an
+/// error to standard error without `XDG_RUNTIME_DIR`; its shader compiler keeps what it compiled, where it finds a place.
 #[expect(
     unsafe_code,
     reason = "the environment is changed before any other thread exists"
 )]
-fn name_runtime_folder() {
+fn set_driver_variables() {
+    let mut variables = app::device::mesa_variables();
     if cfg!(target_os = "linux") && env::var_os("XDG_RUNTIME_DIR").is_none() {
+        variables.push(("XDG_RUNTIME_DIR", env::temp_dir().into_os_string()));
+    }
+    for (name, value) in variables {
         // SAFETY: this is the first call in `main`, while no other thread exists.
-        unsafe { env::set_var("XDG_RUNTIME_DIR", env::temp_dir()) };
+        unsafe { env::set_var(name, value) };
     }
 }
 
 fn main() -> ExitCode {
-    name_runtime_folder();
+    set_driver_variables();
     panic::set_hook(Box::new(|panic| {
         reflet_base::error_line!(
             "internal error: {panic}\nThis is a bug in Reflet {}. Please report it with these \

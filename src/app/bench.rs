@@ -3,6 +3,7 @@
 use std::{fs, io, path::Path};
 
 use super::{
+    device,
     error::AppError,
     print_out,
     scene::{check_reports, choose_camera, load_scene},
@@ -26,7 +27,7 @@ use crate::{
         sample::Sample,
     },
     files::write_whole,
-    gpu::{Gpu, GpuOptions},
+    gpu::Gpu,
     runtime::scene_text::LoadedScene,
     scene::{desc::Method, diagnostic::Diagnostic},
 };
@@ -91,8 +92,7 @@ fn measure(args: &BenchArgs) -> Result<Vec<Sample>, AppError> {
 fn open_gpu(args: &RunArgs) -> Result<Gpu, AppError> {
     let is_new = !args.output.exists();
     create_folder(&args.output)?;
-    let adapter_filter = args.adapter.clone();
-    Gpu::new(&GpuOptions { adapter_filter }).map_err(|error| {
+    device::open_gpu(args.adapter.as_deref()).map_err(|error| {
         if is_new {
             // The folder holds no measurements; an error of its removal would not help the user.
             let _ = fs::remove_dir(&args.output);

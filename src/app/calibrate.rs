@@ -7,12 +7,12 @@ mod fit;
 use fit::{LEAST_NS, Measured, fit};
 
 use super::{
-    args::CalibrateArgs, error::AppError, output::writable::check_writable, plan_file::PlanFile,
-    print_out,
+    args::CalibrateArgs, device::open_gpu, error::AppError, output::writable::check_writable,
+    plan_file::PlanFile, print_out,
 };
 use crate::{
     files::{Inputs, write_whole},
-    gpu::{Gpu, GpuOptions, ShaderLibrary},
+    gpu::{Gpu, ShaderLibrary},
     render::{
         RenderOptions,
         cost::Workload,
@@ -116,9 +116,7 @@ const SETUPS: [FrameSetup; 3] = [
 /// No usable adapter, or one that cannot time passes; a file that cannot be written.
 pub fn calibrate(args: &CalibrateArgs) -> Result<(), AppError> {
     check_writable(&args.output, &Inputs::default())?;
-    let gpu = Gpu::new(&GpuOptions {
-        adapter_filter: args.adapter.clone(),
-    })?;
+    let gpu = open_gpu(args.adapter.as_deref())?;
     // Sizes at which a frame takes some milliseconds; scenes and sizes vary both triangle and pixel counts.
     let (scale, sizes) = if gpu.is_software() {
         (1, [[320, 180], [640, 360]])

@@ -5,6 +5,7 @@ use clap::{Parser, Subcommand};
 use super::{
     args::{CalibrateArgs, CheckArgs, InfoArgs, PreviewArgs, RenderArgs},
     bench::args::BenchArgs,
+    cache::CacheArgs,
     job::JobCommand,
     pack::{PackArgs, unpack::UnpackArgs},
 };
@@ -49,6 +50,8 @@ pub enum Command {
     Compare(CompareArgs),
     /// Measure speed against accuracy, and draw a report
     Bench(Box<BenchArgs>),
+    /// Print where converted stages and compiled pipelines are kept between runs, and how large they are; or remove them
+    Cache(CacheArgs),
     /// Run a language server for editors, which start it: diagnostics as in check, completion, hover and definitions
     /// for scene text and scripts (Language Server Protocol, on standard input and output); needs no GPU
     Lsp,

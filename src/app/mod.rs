@@ -17,11 +17,13 @@ use crate::scene::{diagnostic::printable_lines, manual::manual, schema::schema, 
 
 pub mod args;
 pub mod bench;
+pub mod cache;
 pub mod calibrate;
 pub mod cameras;
 pub mod check;
 pub mod cli;
 pub mod denoise;
+pub mod device;
 pub mod encoder;
 pub mod error;
 pub mod fingerprint;
@@ -77,6 +79,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), AppError
         Command::Check(args) => check::check(&args),
         Command::Info(args) => info::info(&args),
         Command::Calibrate(args) => calibrate::calibrate(&args),
+        Command::Cache(args) => cache::cache(args),
         Command::Lsp => lsp::lsp(),
         Command::Job { command } => job::job(&command),
         Command::Pack(args) => pack::pack(&args),

@@ -2,12 +2,8 @@
 
 use std::{env, path::PathBuf, sync::Arc};
 
-use super::{args::PreviewArgs, error::AppError, plan_file::costs};
-use crate::{
-    gpu::{Gpu, GpuOptions},
-    runtime::SceneSource,
-    scene::desc::Method,
-};
+use super::{args::PreviewArgs, device::open_gpu, error::AppError, plan_file::costs};
+use crate::{runtime::SceneSource, scene::desc::Method};
 use reflet_preview::window::{WindowError, WindowOptions, check_display, show};
 
 /// Opens the window and returns when it is closed.
@@ -31,9 +27,7 @@ pub fn preview(args: &PreviewArgs) -> Result<(), AppError> {
         WindowError::Display(text) => AppError::Internal(text),
     };
     check_display().map_err(refused)?;
-    let gpu = Arc::new(Gpu::new(&GpuOptions {
-        adapter_filter: args.adapter.clone(),
-    })?);
+    let gpu = Arc::new(open_gpu(args.adapter.as_deref())?);
     let plan = args.plan.as_deref();
     let options = WindowOptions {
         source: SceneSource {

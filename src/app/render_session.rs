@@ -4,9 +4,11 @@ use std::sync::Arc;
 
 use xxhash_rust::xxh3::Xxh3Default;
 
-use super::{args::RenderArgs, denoise::Denoiser, error::AppError, plan_file::costs};
+use super::{
+    args::RenderArgs, denoise::Denoiser, device::open_gpu, error::AppError, plan_file::costs,
+};
 use crate::{
-    gpu::{Gpu, GpuOptions, ShaderLibrary},
+    gpu::ShaderLibrary,
     render::{PendingPicture, PictureRequest, RenderError, aov::Aov},
     runtime::{SceneSource, Session, ViewOverrides, scene_text::LoadedScene},
 };
@@ -40,9 +42,7 @@ impl RenderSession {
         let denoiser = (args.picture.denoise)
             .then(|| Denoiser::new(&aovs, &loaded.world).map(Arc::new))
             .transpose()?;
-        let gpu = Gpu::new(&GpuOptions {
-            adapter_filter: args.picture.adapter.clone(),
-        })?;
+        let gpu = open_gpu(args.picture.adapter.as_deref())?;
         let own_shaders = args.picture.shaders.is_some().then(|| hash_of(library));
         let plan = args.picture.plan.as_deref();
         let view = ViewOverrides {

@@ -288,6 +288,11 @@ fn place_name() -> String {
     format!("{:016x}", *PLACE)
 }
 
+/// Whether a file or folder has a name of [`hidden_path`].
+pub fn is_hidden_name(name: &str) -> bool {
+    name.starts_with(".reflet-") && hidden_parts(name).is_some()
+}
+
 /// Age at which a temporary file counts as abandoned: no run goes that long without writing to its file.
 const ABANDONED: Duration = Duration::from_secs(24 * 3600);
 

@@ -1,7 +1,8 @@
-//! Tools that all crates of Reflet share: atomic file writes ([`files`]), bounds and color over glam ([`math`]), the
-//! memory budget ([`memory`]), clocks of processor time ([`processor_time`]) and standard error ([`standard_error`]). This
-//! crate knows no scene and no device.
+//! Tools that all crates of Reflet share: atomic file writes ([`files`]), the user's cache folder ([`cache`]), bounds
+//! and color over glam ([`math`]), the memory budget ([`memory`]), clocks of processor time ([`processor_time`]) and
+//! standard error ([`standard_error`]). This crate knows no scene and no device.
 
+pub mod cache;
 pub mod files;
 pub mod math;
 pub mod memory;

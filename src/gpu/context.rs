@@ -1,15 +1,15 @@
 //! Device creation: adapter selection, limits, features and error reporting.
 
 use std::{
-    env,
+    path::PathBuf,
     sync::{Arc, Mutex, PoisonError},
     time::Duration,
 };
 
-use super::{compile_stats::CompileStats, error::GpuError, shader_cache::ShaderCache};
-
-/// Environment variable with the adapter filter, like `--adapter`.
-pub const ADAPTER_ENV: &str = "REFLET_ADAPTER";
+use super::{
+    adapter::choose, compile_stats::CompileStats, error::GpuError, kept_pipelines::KeptPipelines,
+    shader_cache::ShaderCache,
+};
 
 /// Maximum requested buffer size, bytes: drivers mishandle 2 GiB and more, and sizes are multiples of 4.
 const MAX_BUFFER_BYTES: u64 = (2 << 30) - 4;
@@ -34,9 +34,12 @@ const SUBMISSION_TIMEOUT: Duration = Duration::from_secs(600);
 /// Adapter selection.
 #[derive(Clone, Debug, Default)]
 pub struct GpuOptions {
-    /// Substring of the adapter's name, case-insensitive. `None` uses [`ADAPTER_ENV`], else the
+    /// Substring of the adapter's name, case-insensitive. `None` uses [`super::adapter::ADAPTER_ENV`], else the
     /// fastest type.
     pub adapter_filter: Option<String>,
+    /// Folder in which compiled pipelines are kept between runs, where the adapter's driver offers that; nobody but
+    /// this user may write to it. `None` keeps none.
+    pub pipeline_folder: Option<PathBuf>,
 }
 
 /// An open device with its properties.
@@ -54,7 +57,8 @@ pub struct Gpu {
     pub queue: wgpu::Queue,
     /// Limits of the device: the defaults, with larger and more buffers and textures.
     pub limits: wgpu::Limits,
-    /// Enabled optional features, as far as the adapter has them: timestamps, and primitive indices.
+    /// Enabled optional features, as far as the adapter has them: timestamps, primitive indices, and pipelines
+    /// that can be stored.
     pub features: wgpu::Features,
     /// Whether shaders read textures faster than buffers, and may bind enough textures: llvmpipe reads buffers word
     /// by word, and other software adapters are assumed to do the same.
@@ -63,6 +67,8 @@ pub struct Gpu {
     pub compile_stats: CompileStats,
     /// Compiled shaders and pipelines, shared by all renderers of the device.
     pub(super) shaders: ShaderCache,
+    /// Pipelines of earlier runs; those of this run are added when the device is dropped.
+    kept: Option<KeptPipelines>,
     /// The first error outside an error scope.
     fault: Arc<Mutex<Option<GpuError>>>,
 }
@@ -80,17 +86,17 @@ impl Gpu {
         };
         let instance = wgpu::Instance::new(descriptor.with_env());
         let found = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()));
-        let filter = options
-            .adapter_filter
-            .clone()
-            .or_else(|| env::var(ADAPTER_ENV).ok())
-            .filter(|name| !name.trim().is_empty());
-
         let mut refusals = Vec::new();
-        for adapter in choose(found, filter.as_deref())? {
+        for adapter in choose(found, options.adapter_filter.as_deref())? {
             let name = adapter.get_info().name;
             match Self::open(&instance, adapter) {
-                Ok(gpu) => return Ok(gpu),
+                Ok(mut gpu) => {
+                    let folder = options.pipeline_folder.as_deref();
+                    gpu.kept = folder.and_then(|folder| {
+                        KeptPipelines::open(&gpu.device, &gpu.adapter_info, folder)
+                    });
+                    return Ok(gpu);
+                }
                 Err(reason) => refusals.push(format!("{name}: {reason}")),
             }
         }
@@ -123,7 +129,8 @@ impl Gpu {
         let wanted = wgpu::Features::TIMESTAMP_QUERY
             | wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS
             | wgpu::Features::TIMESTAMP_QUERY_INSIDE_PASSES
-            | wgpu::Features::PRIMITIVE_INDEX;
+            | wgpu::Features::PRIMITIVE_INDEX
+            | wgpu::Features::PIPELINE_CACHE;
         let features = adapter.features() & wanted;
         let (device, queue) =
             pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
@@ -152,6 +159,7 @@ impl Gpu {
             adapter,
             compile_stats: CompileStats::default(),
             shaders: ShaderCache::default(),
+            kept: None,
             device,
             queue,
             limits,
@@ -163,6 +171,11 @@ impl Gpu {
     /// Whether all work runs on the CPU.
     pub fn is_software(&self) -> bool {
         is_software(&self.adapter_info)
+    }
+
+    /// The driver's store of compiled pipelines, for their descriptors.
+    pub fn pipeline_cache(&self) -> Option<&wgpu::PipelineCache> {
+        self.kept.as_ref().map(|kept| &kept.cache)
     }
 
     /// Runs `create` in error scopes; error messages name `what`.
@@ -289,6 +302,14 @@ impl Gpu {
     }
 }
 
+impl Drop for Gpu {
+    fn drop(&mut self) {
+        if let Some(kept) = self.kept.as_ref().filter(|_| self.check().is_ok()) {
+            kept.save();
+        }
+    }
+}
+
 fn within(what: &str, wanted: u64, limit: u64, unit: &'static str) -> Result<(), GpuError> {
     if wanted <= limit {
         return Ok(());
@@ -299,54 +320,6 @@ fn within(what: &str, wanted: u64, limit: u64, unit: &'static str) -> Result<(),
         limit,
         unit,
     })
-}
-
-/// The adapters to try, best first.
-fn choose(
-    mut adapters: Vec<wgpu::Adapter>,
-    filter: Option<&str>,
-) -> Result<Vec<wgpu::Adapter>, GpuError> {
-    if adapters.is_empty() {
-        return Err(GpuError::NoAdapter(install_advice().to_owned()));
-    }
-    if let Some(filter) = filter {
-        let names: Vec<String> = adapters.iter().map(|a| a.get_info().name).collect();
-        adapters.retain(|adapter| name_matches(&adapter.get_info().name, filter));
-        if adapters.is_empty() {
-            return Err(GpuError::NoAdapter(format!(
-                "no adapter matches \"{filter}\"; this machine has: {}",
-                names.join(", ")
-            )));
-        }
-    }
-    adapters.sort_by_key(|adapter| speed_rank(adapter.get_info().device_type));
-    Ok(adapters)
-}
-
-fn name_matches(name: &str, filter: &str) -> bool {
-    name.to_lowercase().contains(&filter.trim().to_lowercase())
-}
-
-fn speed_rank(kind: wgpu::DeviceType) -> u32 {
-    match kind {
-        wgpu::DeviceType::DiscreteGpu => 0,
-        wgpu::DeviceType::IntegratedGpu => 1,
-        wgpu::DeviceType::VirtualGpu => 2,
-        wgpu::DeviceType::Other => 3,
-        wgpu::DeviceType::Cpu => 4,
-    }
-}
-
-fn install_advice() -> &'static str {
-    if cfg!(target_os = "linux") {
-        "no graphics adapter found: install the Vulkan loader and a driver \
-         (Debian/Ubuntu: apt-get install libvulkan1 mesa-vulkan-drivers; \
-         the latter also renders without a GPU)"
-    } else if cfg!(windows) {
-        "no graphics adapter found: install a graphics driver with DirectX 12 or Vulkan"
-    } else {
-        "no graphics adapter found: a Metal or Vulkan driver is needed"
-    }
 }
 
 fn record(fault: &Mutex<Option<GpuError>>, error: GpuError) {
@@ -370,22 +343,6 @@ fn is_software(adapter: &wgpu::AdapterInfo) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn missing_adapter_error_names_what_to_install() {
-        let error = choose(Vec::new(), Some("anything")).expect_err("nothing to choose from");
-        assert!(matches!(&error, GpuError::NoAdapter(text) if text.contains("driver")));
-    }
-
-    #[test]
-    fn software_comes_last_and_names_match_in_any_case() {
-        assert!(speed_rank(wgpu::DeviceType::Cpu) > speed_rank(wgpu::DeviceType::Other));
-        assert!(
-            speed_rank(wgpu::DeviceType::DiscreteGpu) < speed_rank(wgpu::DeviceType::VirtualGpu)
-        );
-        assert!(name_matches("NVIDIA H200", " h2"));
-        assert!(!name_matches("llvmpipe", "nvidia"));
-    }
 
     #[test]
     fn limit_errors_name_the_resource() {

@@ -2,12 +2,14 @@
 //! scenes.
 //!
 //! This crate owns the device ([`Gpu`]), the built-in shaders and their imports ([`ShaderLibrary`]; `build.rs` embeds
-//! the folder `shaders`), caches of compiled pipelines, and the check of a shader's bindings before a driver sees it.
+//! the folder `shaders`), caches of compiled pipelines, in memory and between runs ([`kept_pipelines`]), and the check of a shader's bindings before a driver sees it.
 
+pub mod adapter;
 pub mod bind;
 pub mod compile_stats;
 pub mod context;
 pub mod error;
+pub mod kept_pipelines;
 mod naga_errors;
 mod naga_types;
 pub mod pipeline;

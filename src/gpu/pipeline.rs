@@ -190,7 +190,7 @@ impl Shader {
                 module,
                 entry_point: Some(entry),
                 compilation_options: wgpu::PipelineCompilationOptions::default(),
-                cache: None,
+                cache: gpu.pipeline_cache(),
             })
         })
     }

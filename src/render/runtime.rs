@@ -116,8 +116,11 @@ impl Session {
             ..ViewOverrides::default()
         };
         let gpu = || {
-            let adapter_filter = options.adapter.clone();
-            Gpu::new(&GpuOptions { adapter_filter }).map(Arc::new)
+            let options = GpuOptions {
+                adapter_filter: options.adapter.clone(),
+                ..GpuOptions::default()
+            };
+            Gpu::new(&options).map(Arc::new)
         };
         let (none, texts) = (ParameterOverrides::default(), Dependencies::default());
         let library = source.library()?;

@@ -2,7 +2,7 @@
 
 use std::{
     collections::BTreeSet,
-    env, fs,
+    fs,
     path::{Path, PathBuf},
     sync::{Mutex, PoisonError},
     time::SystemTime,
@@ -16,7 +16,10 @@ use self::{
     tool::Tool,
 };
 use super::gltf::Fault;
-use reflet_base::files::{hex, write_whole};
+use reflet_base::{
+    cache::{CACHE_ENV, folder},
+    files::{hex, write_whole},
+};
 use reflet_scene::{
     desc::StageDesc,
     diagnostic::{Diagnostic, Severity, Span},
@@ -28,8 +31,8 @@ mod tool;
 
 /// Environment variable with the converter's command.
 pub const TOOL_ENV: &str = "REFLET_USD";
-/// Environment variable with the cache folder of conversions.
-pub const CACHE_ENV: &str = "REFLET_CACHE";
+/// Folder of conversions, below the user's cache folder.
+pub const CACHE_FOLDER: &str = "usd";
 
 /// A stage as glTF.
 #[derive(Clone, Debug)]
@@ -83,7 +86,7 @@ pub fn convert(
     choice: &Choice,
     roots: &[PathBuf],
 ) -> Result<Converted, Fault> {
-    let cache = cache_folder().join("usd");
+    let cache = folder().join(CACHE_FOLDER);
     fs::create_dir_all(&cache).map_err(|e| cannot_keep(&cache, &e))?;
     let tool = Tool::find()?;
     // Each choice, list of folders and converter makes a different file of the same stage.
@@ -279,19 +282,6 @@ fn read_sidecar(path: &Path) -> Result<Sidecar, Fault> {
     };
     let text = fs::read(path).map_err(|e| broken(e.to_string()))?;
     serde_json::from_slice(&text).map_err(|e| broken(e.to_string()))
-}
-
-fn cache_folder() -> PathBuf {
-    let set = |name: &str| {
-        env::var_os(name)
-            .filter(|v| !v.is_empty())
-            .map(PathBuf::from)
-    };
-    set(CACHE_ENV)
-        .or_else(|| set("XDG_CACHE_HOME").map(|folder| folder.join("reflet")))
-        .or_else(|| set("HOME").map(|home| home.join(".cache/reflet")))
-        .or_else(|| set("LOCALAPPDATA").map(|folder| folder.join("reflet")))
-        .unwrap_or_else(|| env::temp_dir().join("reflet"))
 }
 
 fn cannot_keep(path: &Path, error: &std::io::Error) -> Fault {

@@ -1,5 +1,6 @@
 //! Command line: exit codes, messages, and atomic output files.
 
+mod cache;
 mod calibrate;
 mod denoise;
 mod info;

@@ -5,13 +5,14 @@ use std::{fmt::Write as _, path::Path};
 use super::{args::RegretArgs, progress::Progress};
 use crate::{
     app::{
+        device::open_gpu,
         error::AppError,
         plan_file::costs,
         print_json, print_out,
         scene::{choose_camera, load_scene},
     },
     bench::{run::Observer as _, summary::digits},
-    gpu::{Gpu, GpuOptions, ShaderLibrary},
+    gpu::{Gpu, ShaderLibrary},
     render::{RenderOptions, unit_costs::UnitCosts},
     runtime::{ViewOverrides, renderer_stage::RendererStage, scene_text::LoadedScene},
     scene::desc::{LightKind, Method, ShadowMode, Visibility},
@@ -121,9 +122,7 @@ struct Row {
 /// # Errors
 /// A scene that does not load, no usable GPU, errors of the renderer.
 pub fn regret(args: &RegretArgs) -> Result<(), AppError> {
-    let gpu = Gpu::new(&GpuOptions {
-        adapter_filter: args.adapter.clone(),
-    })?;
+    let gpu = open_gpu(args.adapter.as_deref())?;
     let plan = args.plan.as_deref();
     let costs = plan.map(|path| costs(path, &gpu)).transpose()?;
     let scenes: Vec<Option<&Path>> = if args.scenes.is_empty() {

@@ -7,6 +7,7 @@ use serde::Serialize;
 use super::{args::ReloadArgs, create_folder, progress::Progress, write};
 use crate::{
     app::{
+        device::open_gpu,
         error::AppError,
         print_out,
         scene::{check_reports, load_scene},
@@ -16,7 +17,7 @@ use crate::{
         run::Observer as _,
         summary::{Spread, digits},
     },
-    gpu::{Gpu, GpuOptions},
+    gpu::Gpu,
 };
 use reflet_preview::live::{InitialBuild, Live, ViewOverrides};
 
@@ -71,9 +72,7 @@ pub fn reload(args: &ReloadArgs) -> Result<(), AppError> {
         let loaded = load_scene(Some(scene), &args.from, &[])?;
         check_reports(&args.output, &["reload.json"], Some(scene), &loaded)?;
     }
-    let gpu = Arc::new(Gpu::new(&GpuOptions {
-        adapter_filter: args.adapter.clone(),
-    })?);
+    let gpu = Arc::new(open_gpu(args.adapter.as_deref())?);
     let mut progress = Progress::new();
     let series = measure_all(&gpu, args, &mut progress)?;
     let scene = (args.scene.as_ref()).map_or_else(

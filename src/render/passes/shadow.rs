@@ -252,7 +252,7 @@ fn pipeline(
                     targets: &[],
                 }),
                 multiview_mask: None,
-                cache: None,
+                cache: gpu.pipeline_cache(),
             })
     })
 }

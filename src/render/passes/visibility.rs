@@ -259,7 +259,7 @@ fn pipeline(
                     targets: &[Some(ids)],
                 }),
                 multiview_mask: None,
-                cache: None,
+                cache: gpu.pipeline_cache(),
             })
     })
 }

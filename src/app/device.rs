@@ -1,0 +1,53 @@
+//! The adapter of a command, which uses compiled pipelines of earlier runs.
+
+use std::{env, ffi::OsString};
+
+use crate::gpu::{Gpu, GpuError, GpuOptions};
+use reflet_base::cache::private_folder;
+
+/// Folder of compiled pipelines, below the user's cache folder.
+pub const PIPELINES: &str = "pipelines";
+
+/// Environment variable with the folder in which Mesa's drivers keep compiled shaders, in a folder of their own.
+pub const MESA_FOLDER_ENV: &str = "MESA_SHADER_CACHE_DIR";
+
+/// Start of the names that Mesa's drivers give that folder.
+pub const MESA_FOLDER: &str = "mesa_shader_cache";
+
+/// Environment variable with the maximum size of that folder.
+const MESA_SIZE_ENV: &str = "MESA_SHADER_CACHE_MAX_SIZE";
+
+/// Environment variable that has Mesa's drivers keep nothing.
+const MESA_DISABLE_ENV: &str = "MESA_SHADER_CACHE_DISABLE";
+
+/// Maximum size of that folder in Mesa's notation, and in bytes.
+pub const MOST_OF_MESA: (&str, u64) = ("256M", 256 << 20);
+
+/// Opens an adapter, with compiled pipelines of earlier runs where its driver offers that.
+///
+/// # Errors
+/// Same errors as [`Gpu::new`].
+pub fn open_gpu(adapter: Option<&str>) -> Result<Gpu, GpuError> {
+    Gpu::new(&GpuOptions {
+        adapter_filter: adapter.map(str::to_owned),
+        pipeline_folder: private_folder(PIPELINES),
+    })
+}
+
+/// Environment variables that have Mesa's drivers keep compiled shaders beside ours, unless the user names another
+/// place. A driver keeps none where it finds no folder that it can write to, and compiling takes most of a first
+/// picture.
+pub fn mesa_variables() -> Vec<(&'static str, OsString)> {
+    if !cfg!(target_os = "linux") || env::var_os(MESA_FOLDER_ENV).is_some() {
+        return Vec::new();
+    }
+    let Some(folder) = private_folder(PIPELINES) else {
+        // It would say on standard error that it finds no folder either.
+        return vec![(MESA_DISABLE_ENV, "true".into())];
+    };
+    let mut variables = vec![(MESA_FOLDER_ENV, folder.into_os_string())];
+    if env::var_os(MESA_SIZE_ENV).is_none() {
+        variables.push((MESA_SIZE_ENV, MOST_OF_MESA.0.into()));
+    }
+    variables
+}
