@@ -1,6 +1,6 @@
 //! A scene to render, with the settings of its command.
 
-use std::sync::Arc;
+use std::{sync::Arc, time::Instant};
 
 use xxhash_rust::xxh3::Xxh3Default;
 
@@ -25,6 +25,10 @@ pub struct RenderSession {
     pub own_shaders: Option<u128>,
     /// Whether passes are timed, for statistics.
     timed: bool,
+    /// Time of sub-frames that a software driver needed to compile pipelines before passes were timed, milliseconds.
+    pub warm_up_ms: f64,
+    /// Number of pipelines that existed when the passes last ran.
+    warm_pipelines: u32,
 }
 
 impl RenderSession {
@@ -64,6 +68,8 @@ impl RenderSession {
             denoiser,
             own_shaders,
             timed: args.stats.is_some(),
+            warm_up_ms: 0.0,
+            warm_pipelines: 0,
         })
     }
 
@@ -73,11 +79,26 @@ impl RenderSession {
     /// Same errors as [`Session::begin`].
     pub fn begin(&mut self, color: bool) -> Result<PendingPicture, RenderError> {
         let aovs = &self.read_aovs();
+        if self.timed {
+            self.warm_up()?;
+        }
         self.scene.begin(PictureRequest {
             color,
             aovs,
             timed: self.timed,
         })
+    }
+
+    /// Has a software driver compile new pipelines before passes are timed.
+    fn warm_up(&mut self) -> Result<(), RenderError> {
+        let gpu = Arc::clone(self.scene.gpu());
+        if gpu.is_software() && self.warm_pipelines != gpu.compile_stats.pipelines() {
+            let started = Instant::now();
+            self.scene.warm_up()?;
+            self.warm_up_ms += started.elapsed().as_secs_f64() * 1e3;
+            self.warm_pipelines = gpu.compile_stats.pipelines();
+        }
+        Ok(())
     }
 
     /// AOVs to read back for a picture.

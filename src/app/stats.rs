@@ -40,7 +40,9 @@ pub struct Report {
     pub rays_per_s: Option<f64>,
     /// Time for reading the scene and every file it names, milliseconds.
     pub load_ms: f64,
-    /// Time from the program's start to the finished picture, milliseconds.
+    /// Time of an untimed sub-frame in which a software driver compiled pipelines, milliseconds; 0 on GPUs.
+    pub warm_up_ms: f64,
+    /// Time from the program's start to the finished picture, with the warm-up, milliseconds.
     pub first_picture_ms: f64,
     /// Work counters of the passes, from one more frame; none without `--counters`.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -72,6 +74,7 @@ pub fn print(
         return Ok(());
     };
     let mut report = Report::new(session.scene.gpu(), frame, context);
+    report.warm_up_ms = session.warm_up_ms;
     if args.counters {
         let counts = session.scene.counts();
         let explain = |error| AppError::from_render(error, session.own_shaders.is_some());
@@ -96,6 +99,7 @@ impl Report {
             rays_per_s: frame.rays_per_s(),
             frame,
             load_ms: context.load_ms,
+            warm_up_ms: 0.0,
             first_picture_ms: context.first_picture_ms,
             counts: None,
             peak_resident_bytes: peak_resident_bytes(),
@@ -118,6 +122,9 @@ impl Report {
         line("loading", time("scene and files", self.load_ms));
         if frame.tree_ms > 0.0 {
             line("trees", time("built on the CPU", frame.tree_ms));
+        }
+        if self.warm_up_ms > 0.0 {
+            line("warm-up", time("pipelines compiled", self.warm_up_ms));
         }
         for (index, (pass, ms)) in frame.passes_ms.iter().enumerate() {
             line(if index == 0 { "passes" } else { "" }, time(pass, *ms));
@@ -239,6 +246,7 @@ mod tests {
         counters[2] = 50; // hidden
         Report {
             load_ms: 12.0,
+            warm_up_ms: 0.0,
             first_picture_ms: 300.0,
             peak_resident_bytes: None,
             counts: Some(vec![PassCounts {

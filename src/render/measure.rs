@@ -16,6 +16,26 @@ use super::{
 };
 
 impl Renderer {
+    /// Renders a sub-frame without timing it: software drivers compile a pipeline when it first runs, which would be
+    /// part of the times of passes.
+    ///
+    /// # Errors
+    /// Same errors as [`Renderer::render`].
+    pub fn warm_up(
+        &mut self,
+        gpu: &Gpu,
+        world: &World,
+        camera: &CameraDesc,
+    ) -> Result<(), RenderError> {
+        let world = &*self.relative(world);
+        let view = self.view(world, camera)?;
+        let recorder = self.sub_frame(gpu, world, &view, 0, Timing::None, None);
+        self.submitted(recorder.submit())?;
+        gpu.wait()?;
+        self.redraw_shadows();
+        Ok(())
+    }
+
     /// Renders the frame once more with work counters, summed over all sub-frames; passes that did not run are not
     /// listed.
     ///

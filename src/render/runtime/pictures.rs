@@ -115,6 +115,17 @@ impl Session {
         renderer.begin_picture(&self.gpu, world, camera, request)
     }
 
+    /// Runs the passes once before they are timed.
+    ///
+    /// # Errors
+    /// Same errors as [`crate::Renderer::warm_up`].
+    pub fn warm_up(&mut self) -> Result<(), RenderError> {
+        self.complete()?;
+        let world = &self.loaded.world;
+        let camera = &world.cameras[self.camera()].value;
+        self.renderer.warm_up(&self.gpu, world, camera)
+    }
+
     /// Renders a frame that counts the work of each pass.
     ///
     /// # Errors
