@@ -117,6 +117,13 @@ if [ "$full" = yes ]; then
     heading "Trial additions of docs/extending.md"
     tools/extending.sh --build
 
+    heading "Another driver"
+    if tools/driver.sh newest >/dev/null; then
+        tools/driver.sh newest check scenes/fail/*.toml scenes/*.toml
+    else
+        echo "NOT CHECKED: another version of Mesa, which cannot be fetched"
+    fi
+
     heading "Broken files"
     tools/fuzz.sh
 

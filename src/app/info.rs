@@ -12,6 +12,7 @@ use super::{
     scene::load_scene,
 };
 use crate::{
+    gpu::adapter::AdapterSummary,
     render::{
         RenderOptions,
         cutoff::can_reflect,
@@ -93,6 +94,10 @@ pub struct Info {
     pub decided_gpu: Vec<Decision>,
     /// Decisions by the unit costs in the `--plan` file; `None` without one.
     pub decided_plan: Option<AdapterDecisions>,
+    /// Name, driver and API of this machine's adapter; `None` without one.
+    pub adapter: Option<String>,
+    /// Abilities that this adapter lacks, of those that Reflet uses or could use.
+    pub adapter_lacks: Vec<String>,
     /// Features that the plan drops, and why the picture stays the same.
     pub left_out: Vec<Dropped>,
     /// Warnings, as `check` counts them for the chosen variant.
@@ -151,6 +156,10 @@ pub fn info(args: &InfoArgs) -> Result<(), AppError> {
     let found = check::lint(&mut loaded);
     print_diagnostics(&found);
     info.warnings += found.len();
+    if let Ok(adapter) = AdapterSummary::first() {
+        info.adapter = Some(adapter.name);
+        info.adapter_lacks = adapter.lacks;
+    }
     if args.json {
         print_json(&info)
     } else {
@@ -231,6 +240,8 @@ pub fn gather(loaded: &LoadedScene, plan_file: Option<&PlanFile>) -> Result<Info
         decided_software: software.decisions,
         decided_gpu: gpu.decisions,
         decided_plan: plan_file.map(|file| decide_by(file, world, &trees, options)),
+        adapter: None,
+        adapter_lacks: Vec::new(),
         left_out: plan.dropped,
         warnings: loaded.warnings.len(),
         files: world

@@ -11,7 +11,7 @@ use super::{
     render_session::RenderSession,
 };
 use crate::{
-    gpu::Gpu,
+    gpu::{Gpu, adapter},
     memory::peak_resident_bytes,
     render::{
         decide::Decision,
@@ -89,10 +89,8 @@ pub fn print(
 impl Report {
     /// Report of a frame on an adapter.
     pub fn new(gpu: &Gpu, frame: FrameStats, context: ReportContext) -> Self {
-        let info = &gpu.adapter_info;
-        let driver = [info.driver.as_str(), info.driver_info.as_str()].join(" ");
         Self {
-            adapter: format!("{}, {}, {}", info.name, driver.trim(), info.backend),
+            adapter: adapter::name(&gpu.adapter_info),
             software: gpu.is_software(),
             passes_total_ms: frame.passes_total_ms(),
             times_disagree: frame.times_disagree(),

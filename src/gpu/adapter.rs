@@ -1,4 +1,4 @@
-//! Choice of the adapter: by name, then by the kind that is probably fastest.
+//! Choice of the adapter: by name, then by the kind that is probably fastest; and what an adapter lacks.
 
 use std::env;
 
@@ -7,11 +7,99 @@ use super::error::GpuError;
 /// Environment variable with the adapter filter, like `--adapter`.
 pub const ADAPTER_ENV: &str = "REFLET_ADAPTER";
 
+/// Maximum requested number of storage buffers per shader stage: only scenes whose geometry exceeds one buffer use
+/// more than the default of 8.
+pub(super) const MAX_STORAGE_BUFFERS: u32 = 32;
+
+/// Requested number of sampled textures per shader stage: BVHs and meshes stored in textures use four more than the default of
+/// 16.
+pub(super) const SAMPLED_TEXTURES: u32 = 22;
+
+/// Abilities that Reflet would use, or does use where they are there, with their features.
+const ABILITIES: [(&str, wgpu::Features); 5] = [
+    ("timestamps", wgpu::Features::TIMESTAMP_QUERY),
+    ("primitive indices", wgpu::Features::PRIMITIVE_INDEX),
+    ("stored pipelines", wgpu::Features::PIPELINE_CACHE),
+    ("ray queries", wgpu::Features::EXPERIMENTAL_RAY_QUERY),
+    (
+        "arrays of textures by index",
+        wgpu::Features::TEXTURE_BINDING_ARRAY
+            .union(wgpu::Features::SAMPLED_TEXTURE_AND_STORAGE_BUFFER_ARRAY_NON_UNIFORM_INDEXING),
+    ),
+];
+
+/// An adapter that is not opened.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct AdapterSummary {
+    /// Name, driver with its version, and API.
+    pub name: String,
+    /// Abilities that it lacks, and limits below those that Reflet can use.
+    pub lacks: Vec<String>,
+}
+
+impl AdapterSummary {
+    /// The adapter that is tried first.
+    ///
+    /// # Errors
+    /// [`GpuError::NoAdapter`] if there is none, or none that [`ADAPTER_ENV`] names.
+    pub fn first() -> Result<Self, GpuError> {
+        let (_, adapters) = find(None)?;
+        Ok(Self::of(&adapters[0]))
+    }
+
+    fn of(adapter: &wgpu::Adapter) -> Self {
+        let features = adapter.features();
+        let missing = ABILITIES.iter().filter(|(_, all)| !features.contains(*all));
+        let mut lacks: Vec<String> = missing.map(|(name, _)| (*name).to_owned()).collect();
+        let offered = adapter.limits();
+        for (what, has, most) in [
+            (
+                "storage buffers",
+                offered.max_storage_buffers_per_shader_stage,
+                MAX_STORAGE_BUFFERS,
+            ),
+            (
+                "sampled textures",
+                offered.max_sampled_textures_per_shader_stage,
+                SAMPLED_TEXTURES,
+            ),
+        ] {
+            if has < most {
+                lacks.push(format!("more than {has} {what} per shader"));
+            }
+        }
+        Self {
+            name: name(&adapter.get_info()),
+            lacks,
+        }
+    }
+}
+
+/// Name, driver with its version, and API of an adapter.
+pub fn name(info: &wgpu::AdapterInfo) -> String {
+    let driver = [info.driver.as_str(), info.driver_info.as_str()].join(" ");
+    format!("{}, {}, {}", info.name, driver.trim(), info.backend)
+}
+
+/// The graphics API, and its adapters to try, best first.
+///
+/// # Errors
+/// [`GpuError::NoAdapter`] if there is none, or none of that name.
+pub(super) fn find(filter: Option<&str>) -> Result<(wgpu::Instance, Vec<wgpu::Adapter>), GpuError> {
+    let descriptor = wgpu::InstanceDescriptor {
+        backends: wgpu::Backends::VULKAN | wgpu::Backends::METAL | wgpu::Backends::DX12,
+        ..wgpu::InstanceDescriptor::new_without_display_handle()
+    };
+    let instance = wgpu::Instance::new(descriptor.with_env());
+    let found = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()));
+    Ok((instance, choose(found, filter)?))
+}
+
 /// The adapters to try, best first: those that `filter` names, else [`ADAPTER_ENV`], else all.
 ///
 /// # Errors
 /// [`GpuError::NoAdapter`] if there is none, or none of that name.
-pub(super) fn choose(
+fn choose(
     mut adapters: Vec<wgpu::Adapter>,
     filter: Option<&str>,
 ) -> Result<Vec<wgpu::Adapter>, GpuError> {

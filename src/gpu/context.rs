@@ -7,20 +7,15 @@ use std::{
 };
 
 use super::{
-    adapter::choose, compile_stats::CompileStats, error::GpuError, kept_pipelines::KeptPipelines,
+    adapter::{MAX_STORAGE_BUFFERS, SAMPLED_TEXTURES, find},
+    compile_stats::CompileStats,
+    error::GpuError,
+    kept_pipelines::KeptPipelines,
     shader_cache::ShaderCache,
 };
 
 /// Maximum requested buffer size, bytes: drivers mishandle 2 GiB and more, and sizes are multiples of 4.
 const MAX_BUFFER_BYTES: u64 = (2 << 30) - 4;
-
-/// Maximum requested number of storage buffers per shader stage: only scenes whose geometry exceeds one buffer use
-/// more than the default of 8.
-const MAX_STORAGE_BUFFERS: u32 = 32;
-
-/// Requested number of sampled textures per shader stage: BVHs and meshes stored in textures use four more than the default of
-/// 16.
-const SAMPLED_TEXTURES: u32 = 22;
 
 /// Maximum requested texture width and height, pixels.
 const MAX_TEXTURE_SIDE: u32 = 16384;
@@ -80,14 +75,9 @@ impl Gpu {
     /// # Errors
     /// [`GpuError::NoAdapter`] if no adapter exists, matches the filter or opens.
     pub fn new(options: &GpuOptions) -> Result<Self, GpuError> {
-        let descriptor = wgpu::InstanceDescriptor {
-            backends: wgpu::Backends::VULKAN | wgpu::Backends::METAL | wgpu::Backends::DX12,
-            ..wgpu::InstanceDescriptor::new_without_display_handle()
-        };
-        let instance = wgpu::Instance::new(descriptor.with_env());
-        let found = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()));
+        let (instance, adapters) = find(options.adapter_filter.as_deref())?;
         let mut refusals = Vec::new();
-        for adapter in choose(found, options.adapter_filter.as_deref())? {
+        for adapter in adapters {
             let name = adapter.get_info().name;
             match Self::open(&instance, adapter) {
                 Ok(mut gpu) => {

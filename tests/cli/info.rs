@@ -3,6 +3,7 @@
 use std::fs;
 
 use super::{exits, folder};
+use crate::common::gpu_or_skip;
 
 #[test]
 fn info_counts_warnings_as_check_does_and_lights_of_materials() {
@@ -23,6 +24,30 @@ fn info_counts_warnings_as_check_does_and_lights_of_materials() {
         (&info["warnings"], &info["light_triangles"]),
         (&1.into(), &12.into())
     );
+}
+
+#[test]
+fn info_names_the_adapter_and_what_it_lacks() {
+    let folder = folder("info-adapter");
+    let [json, _] = exits(&folder, &["info", "scene.toml", "--json"], 0);
+    let info: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+    let [text, _] = exits(&folder, &["info", "scene.toml"], 0);
+    let Some(gpu) = gpu_or_skip() else {
+        assert!(
+            info["adapter"].is_null() && text.contains("\nadapter     none\n"),
+            "{text}"
+        );
+        return;
+    };
+    let name = info["adapter"].as_str().expect("a name");
+    assert!(name.contains(&gpu.adapter_info.driver_info), "{name}");
+    assert!(text.contains(&format!("\nadapter     {name}\n")), "{text}");
+    let lacks = info["adapter_lacks"].as_array().expect("a list");
+    let has_rays = gpu
+        .adapter
+        .features()
+        .contains(wgpu::Features::EXPERIMENTAL_RAY_QUERY);
+    assert_eq!(lacks.iter().any(|what| what == "ray queries"), !has_rays);
 }
 
 /// A frame of rasterized diffuse surfaces has no lists; a mirror adds the march and what it reads and writes.

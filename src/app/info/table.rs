@@ -75,11 +75,8 @@ pub fn table(info: &Info) -> String {
         ),
     );
     line("bounces", info.bounces.to_string());
-    for decision in decisions(info) {
-        line("decided", decision);
-    }
-    for dropped in &info.left_out {
-        line("left out", format!("{}: {}", dropped.what, dropped.why));
+    for (label, value) in frame(info) {
+        line(label, value);
     }
     line("warnings", info.warnings.to_string());
     for file in &info.files {
@@ -111,6 +108,19 @@ fn choices(info: &Info) -> Vec<(&'static str, String)> {
             format!("{names} of model {model}; shown: {shown}"),
         ));
     }
+    lines
+}
+
+/// Lines about this machine's adapter, and about what is decided and left out.
+fn frame(info: &Info) -> Vec<(&'static str, String)> {
+    let adapter = info.adapter.as_deref().unwrap_or("none");
+    let mut lines = vec![("adapter", adapter.to_owned())];
+    if !info.adapter_lacks.is_empty() {
+        lines.push(("", format!("lacks {}", info.adapter_lacks.join(", "))));
+    }
+    lines.extend(decisions(info).into_iter().map(|text| ("decided", text)));
+    let left_out = info.left_out.iter();
+    lines.extend(left_out.map(|d| ("left out", format!("{}: {}", d.what, d.why))));
     lines
 }
 
