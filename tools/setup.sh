@@ -126,6 +126,17 @@ setup_debian() {
         heading "Installing ${missing[*]}"
         apt_install "${missing[@]}"
     fi
+    if wants run; then
+        say_mesa
+    fi
+}
+
+# Says which version of Mesa the system has: pictures are the same, times are not (docs/drivers.md).
+say_mesa() {
+    local version
+    version="$(dpkg-query -W -f '${Version}' mesa-vulkan-drivers 2>/dev/null)" || return 0
+    heading "Mesa"
+    echo "present: $version; tools/driver.sh unpacks others for tests"
 }
 
 # Adds packages to `missing`.
