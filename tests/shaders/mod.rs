@@ -1,13 +1,10 @@
 //! Every shader assembles and validates without a GPU, and stays inside the limits that every
 //! adapter has.
 
-use std::{
-    collections::{BTreeSet, HashSet},
-    sync::LazyLock,
-};
+use std::{collections::BTreeSet, sync::LazyLock};
 
 use reflet::gpu::{
-    ShaderError, ShaderLibrary, ShaderModuleInfo,
+    ShaderError, ShaderLibrary, ShaderModuleInfo, ShaderSource,
     bind::{merged_bindings, over_limits},
     check,
     reflect::capabilities,
@@ -16,6 +13,10 @@ use reflet::render::{
     RenderOptions, pass::Pass, passes, plan::Features, shader_variant::ShaderVariant,
     shared_data::SharedData, targets::Target, types,
 };
+
+mod tint;
+
+use tint::sources;
 
 /// Shader libraries of all variants.
 fn libraries() -> Vec<ShaderLibrary> {
@@ -32,22 +33,12 @@ fn variant(features: Features) -> ShaderVariant {
     }
 }
 
-/// Every shader of every variant; those that variants share appear once.
+/// Every shader of every variant.
 static SHIPPED: LazyLock<Vec<ShaderModuleInfo>> = LazyLock::new(|| {
     // The optional features that `Gpu` asks for; a shader that needs one has a twin that does not.
     let capabilities = capabilities(wgpu::Features::PRIMITIVE_INDEX);
-    let libraries = libraries();
-    let all = libraries.iter().flat_map(|library| {
-        let names = library.names();
-        names.map(move |name| (name, library.source(name)))
-    });
-    let mut seen = HashSet::new();
-    let different = all.filter(|(name, source)| match source {
-        Ok(source) => seen.insert((name.to_owned(), source.text.clone())),
-        Err(_) => true,
-    });
-    let checked =
-        different.map(|(_, source)| source.and_then(|source| check(&source, capabilities)));
+    let check = |source: ShaderSource| check(&source, capabilities);
+    let checked = (sources().into_iter()).map(|(_, source)| source.and_then(check));
     let (good, bad): (Vec<_>, Vec<_>) = checked.partition(Result::is_ok);
     let errors: Vec<String> = bad
         .into_iter()
