@@ -208,10 +208,16 @@ fn returned_of_lamp(s: Surface, view: vec3f, to: Receiver, l: LightSample, is_me
 // otherwise a light at a grazing angle could block itself.
 fn arriving_from(s: Surface, to_light: vec3f, distance_m: f32) -> vec3f {
     let origin = ray_origin(smooth_position(s), s.geometric_normal);
-    if (distance_m >= BEYOND) { return transmittance(origin, to_light, FAR_M); }
-    let way = s.position + to_light * distance_m - origin;
-    let way_m = max(length(way), 1e-12);
-    return transmittance(origin, way / way_m, way_m * 0.9999);
+    var toward = to_light;
+    var reach_m = FAR_M;
+    if (distance_m < BEYOND) {
+        let way = s.position + to_light * distance_m - origin;
+        let way_m = max(length(way), 1e-12);
+        toward = way / way_m;
+        reach_m = way_m * 0.9999;
+    }
+    // One call, as drivers inline the traversal at each.
+    return transmittance(origin, toward, reach_m);
 }
 
 // Reservoir of one among several sampled points, chosen by the light that the surface would reflect of each.
