@@ -105,6 +105,11 @@ heading "Example of the library"
 "${CARGO_TARGET_DIR:-$root/target}/debug/examples/render_to_pixels"
 
 if [ "$full" = yes ]; then
+    heading "Second compiler of shaders"
+    # Dawn (BSD-3-Clause), 130 MB, for one of the long tests, which is skipped without it.
+    npm install --no-audit --no-fund --no-save --silent --prefix target/tools webgpu@0.6.2 ||
+        echo "NOT CHECKED: shaders by Dawn, which cannot be installed"
+
     heading "Long tests"
     linted test --locked --workspace -- --ignored
 

@@ -264,20 +264,18 @@ setup_materialx() {
         echo "missing: MaterialX; USD stages are shown without the materials of .mtlx files"
 }
 
-# The Khronos validator proves converted stages, and Dawn (BSD-3-Clause; 130 MB) is a second compiler of shaders;
-# without node those checks are skipped and say so. npm removes what a command does not name.
-setup_node() {
+# The Khronos validator proves converted stages; without node those checks are skipped and say so.
+setup_validator() {
     [ -f "$root/tools/pyproject.toml" ] || return 0
-    heading "glTF validator, second compiler of shaders"
-    local modules="$root/tools/node_modules"
-    if [ -d "$modules/gltf-validator" ] && [ -d "$modules/webgpu" ]; then
-        echo "present: tools/node_modules"
+    heading "glTF validator"
+    if [ -d "$root/tools/node_modules/gltf-validator" ]; then
+        echo "present: tools/node_modules/gltf-validator"
     elif has npm; then
         npm install --no-audit --no-fund --no-save --silent --prefix "$root/tools" \
-            gltf-validator@2.0.0-dev.3.10 webgpu@0.6.2
-        echo "ready: tools/node_modules"
+            gltf-validator@2.0.0-dev.3.10
+        echo "ready: tools/node_modules/gltf-validator"
     else
-        echo "missing: npm; checks by the Khronos validator and by Dawn will be skipped"
+        echo "missing: npm; checks against the Khronos validator will be skipped"
     fi
 }
 
@@ -307,6 +305,6 @@ if wants run; then
     setup_python
 fi
 if wants test; then
-    setup_node
+    setup_validator
     setup_denoiser
 fi

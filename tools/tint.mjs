@@ -1,9 +1,11 @@
-// Compiles the WGSL files of a folder with Tint, by the npm package webgpu (Dawn), and fails where it reports an error.
+// node tools/tint.mjs PACKAGE FOLDER: compiles the WGSL files of a folder with Tint, by the npm package webgpu (Dawn),
+// and fails where it reports an error.
 import { readdirSync, readFileSync } from "node:fs";
 import { join } from "node:path";
-import { create } from "webgpu";
+import { pathToFileURL } from "node:url";
 
-const folder = process.argv[2];
+const [dawn, folder] = process.argv.slice(2);
+const { create } = await import(pathToFileURL(join(dawn, "index.js")));
 // The null backend parses and validates shaders without a graphics driver.
 globalThis.gpu = create(["backend=null"]); // the device ends with it
 const adapter = await gpu.requestAdapter();
