@@ -32,10 +32,14 @@ fn pixel_surface(pixel: vec2u, hit: vec2u) -> PixelSurface {
     var t: f32;
     var place: vec2f;
     var on_plane = true;
+    var nearest_m = -1e30; // least depth of the shaded point
     if (is_capsule(hit.x)) {
         let met = solid_capsule_hit(hit.x, hit.y, pixel_origin(center), ray, frame.near_m);
         t = met.t;
         place = met.place;
+        // A plane that touches the capsule may be before the eye.
+        on_plane = !has_capsule_normals(hit.x);
+        nearest_m = 0.5 * t;
     } else {
         let plane = plane_hit(pixel_origin(center), ray, hit.x, hit.y);
         t = plane.t;
@@ -49,6 +53,7 @@ fn pixel_surface(pixel: vec2u, hit: vec2u) -> PixelSurface {
     shown.surface = surface_at(hit.x, hit.y, place, normalize(ray), pixel_width(t * length(ray)));
     // Depth along the pixel's own ray, so that the position computed from it lies on the plane; a triangle seen
     // edge-on is too inexact for that and uses the clamped point.
-    shown.depth_m = select(dot(shown.surface.position - frame.eye, frame.forward), t, on_plane);
+    let depth_m = max(dot(shown.surface.position - frame.eye, frame.forward), nearest_m);
+    shown.depth_m = select(depth_m, t, on_plane);
     return shown;
 }

@@ -15,7 +15,7 @@ struct Instance {
     index_base: u32, // index into mesh_data, three words per triangle
     uv1_base: u32, // index into mesh_data, two words per vertex; NONE: no second coordinates
     material: u32,
-    flags: u32, // FLAG_COLORS, FLAG_MIRRORED, FLAG_EMITTER, FLAG_TRACED
+    flags: u32, // FLAG_COLORS, FLAG_MIRRORED, FLAG_EMITTER, FLAG_TRACED, FLAG_CAPSULE_NORMALS
     capsule_radius_m: f32, // radius in object space of a mesh of capsules, of which each triangle names the ends; else 0
 }
 

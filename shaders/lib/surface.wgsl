@@ -2,6 +2,7 @@
 // and traced hits alike, so that no seam shows between them.
 
 #import capsule
+#import capsule_normals
 #import film
 #import pattern
 #import frame
@@ -205,9 +206,6 @@ fn surface_at(instance: u32, triangle: u32, place: vec2f, direction: vec3f, cone
         ng = normalize(normal_to_world(instance, round.normal));
         area2 = 1.0; // capsules have no area of texture coordinates: the finest texels are sampled
     }
-    let behind = dot(ng, direction) > 0.0;
-    let footprint = cone_m / max(abs(dot(ng, direction)), 0.05);
-
     let base = instance_vertex_base(instance);
     var weights = vec3f(1.0 - bary.x - bary.y, bary.x, bary.y);
     var normals: array<vec3f, 3>;
@@ -215,13 +213,24 @@ fn surface_at(instance: u32, triangle: u32, place: vec2f, direction: vec3f, cone
         normals[k] = unpack_unit(vertex_normal(base + c.index[k]));
     }
     var n_object = normals[0] * weights.x + normals[1] * weights.y + normals[2] * weights.z;
-    if (is_round) { n_object = round.normal; }
+    let is_plane = is_round && has_capsule_normals(instance);
+    if (is_plane) {
+        let plane = touching_plane(instance, c.p[1] - c.p[0], round.normal, n_object, direction);
+        s.position -= direction * plane.back_m;
+        ng = plane.normal;
+    } else if (is_round) {
+        n_object = round.normal;
+    }
+    let behind = dot(ng, direction) > 0.0;
+    let footprint = cone_m / max(abs(dot(ng, direction)), 0.05);
+
     if ((HAS_TEXTURES || HAS_CHECKERS) && s.reflection != REFLECTION_NONE) {
         s.curvature = mean_curvature(c.p, normals, area2) * select(1.0, -1.0, behind);
         // The mean curvature of a sphere, and of a cylinder.
         let turns = select(1.0, 0.5, round.share > 0.0 && round.share < 1.0);
         let scale = length(direction_to_world(instance, round.normal));
         if (is_round) { s.curvature = turns / (radius * scale) * select(1.0, -1.0, behind); }
+        if (is_plane) { s.curvature = 0.0; }
     }
     // With layers, the G-buffer has no bits for the lift.
     let bends = min(dot(normals[0], normals[1]), dot(normals[0], normals[2])) < 0.99999;

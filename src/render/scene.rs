@@ -22,7 +22,10 @@ use super::{
     texel_array::TexelArray,
     textures::{Pools, samplers},
     tree_array::TreeArray,
-    types::{FLAG_COLORS, FLAG_EMITTER, FLAG_MIRRORED, FLAG_TRACED, GpuInstance, flag},
+    types::{
+        FLAG_CAPSULE_NORMALS, FLAG_COLORS, FLAG_EMITTER, FLAG_MIRRORED, FLAG_TRACED, GpuInstance,
+        flag,
+    },
 };
 
 /// A scene on the GPU.
@@ -356,7 +359,9 @@ fn instance_records(
     let record = move |(index, (instance, traced)): (usize, (&Instance, &TraceInstance))| {
         let is_traced = unmarched.get(index).copied().unwrap_or(false);
         let range = mesh_ranges[instance.mesh];
-        let radius = world.meshes[instance.mesh].capsule_radius_m;
+        let mesh = &world.meshes[instance.mesh];
+        let radius = mesh.capsule_radius_m;
+        let has_capsule_normals = radius.is_some() && !mesh.normals.is_empty();
         let is_sampled = world.materials[instance.material].light && radius.is_none();
         GpuInstance {
             world_from_object: rows(&instance.world_from_object),
@@ -370,7 +375,8 @@ fn instance_records(
             flags: flag(mirrors(&instance.world_from_object), FLAG_MIRRORED)
                 | flag(range.has_colors, FLAG_COLORS)
                 | flag(is_sampled, FLAG_EMITTER)
-                | flag(is_traced, FLAG_TRACED),
+                | flag(is_traced, FLAG_TRACED)
+                | flag(has_capsule_normals, FLAG_CAPSULE_NORMALS),
             capsule_radius_m: radius.unwrap_or(0.0),
         }
     };

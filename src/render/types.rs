@@ -196,6 +196,8 @@ pub const FLAG_MIRRORED: u32 = 2;
 pub const FLAG_EMITTER: u32 = 4;
 /// Bit of [`GpuInstance::flags`]: its reflections are traced at once, never marched.
 pub const FLAG_TRACED: u32 = 8;
+/// Bit of [`GpuInstance::flags`]: the mesh is of capsules, and its vertices have normals.
+pub const FLAG_CAPSULE_NORMALS: u32 = 16;
 
 gpu_struct! {
     /// A vertex, 32 bytes.

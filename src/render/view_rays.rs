@@ -91,9 +91,8 @@ impl ViewRays<'_> {
     fn point_on_capsule(&self, hit: &RayHit, radius: f32, direction: DVec3) -> SurfacePoint {
         let instance = &self.world.instances[hit.instance as usize];
         let mesh = &self.world.meshes[instance.mesh];
-        let ends = mesh
-            .at_rest()
-            .corners(mesh.triangles[hit.triangle as usize]);
+        let corners = mesh.triangles[hit.triangle as usize];
+        let ends = mesh.at_rest().corners(corners);
         let [base, end, _] = ends.map(|p| p.as_dvec3());
         let capsule = Capsule {
             base,
@@ -103,7 +102,14 @@ impl ViewRays<'_> {
         let (share, normal) = capsule.point(hit.bary);
         let to_world = in_f64(&instance.world_from_object);
         let point = base + capsule.axis * share + normal * capsule.radius;
-        let outward = to_world.matrix3.inverse().transpose() * normal;
+        let shaded = match mesh.normals.as_slice() {
+            [] => normal,
+            normals => {
+                let [a, b, _] = corners.map(|i| normals[i as usize].as_dvec3());
+                a.lerp(b, share)
+            }
+        };
+        let outward = to_world.matrix3.inverse().transpose() * shaded;
         let outward = outward.normalize_or(-direction.normalize());
         SurfacePoint {
             position: to_world.transform_point3(point),

@@ -96,7 +96,7 @@ pub struct Mesh {
     pub name: String,
     /// Positions in object space, meters, finite.
     pub positions: Vec<Vec3>,
-    /// Normals of unit length; empty for capsules.
+    /// Normals of unit length; of capsules, those by which they are shaded, or empty where they are round.
     pub normals: Vec<Vec3>,
     /// Tangents: xyz of unit length, w = ±1 handedness; empty where no normal map needs them.
     pub tangents: Vec<Vec4>,

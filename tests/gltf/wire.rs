@@ -86,6 +86,18 @@ fn broken_points_are_dropped_with_a_warning() {
 
 /// The default camera shows points and lines at least a pixel wide; a camera of the scene shows them as they are.
 #[test]
+fn points_keep_the_normals_that_light_them() {
+    let mut doc = Doc::triangle();
+    doc.primitive("mode", 0.into());
+    assert!(doc.world().meshes[0].normals.is_empty());
+    let normals = doc.floats("VEC3", &[0.0, 0.0, 2.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0]);
+    doc.attribute("NORMAL", normals);
+    let world = doc.world();
+    assert_eq!(world.meshes[0].normals, [Vec3::Z, Vec3::Y, -Vec3::X]);
+    assert_eq!(warnings(&world), ["normal-invalid"]);
+}
+
+#[test]
 fn the_default_camera_shows_thin_primitives_a_pixel_wide() {
     for (mode, pixels) in [(0, 2.0_f32.sqrt()), (3, 1.0)] {
         let mut doc = Doc::triangle();

@@ -17,6 +17,7 @@ mod agreement;
 mod animation;
 mod audit;
 mod bounces;
+mod capsule_normals;
 mod capsules;
 mod change;
 mod chunks;

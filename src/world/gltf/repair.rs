@@ -12,9 +12,9 @@ use crate::Mesh;
 pub fn run(mesh: &mut Mesh, notes: &mut Notes) {
     drop_broken_triangles(mesh, notes);
     match (mesh.capsule_radius_m, mesh.normals.as_slice()) {
-        (Some(_), _) => {}
+        (Some(_), []) => {}
         (None, []) => make_flat(mesh),
-        (None, _) => fix_normals(mesh, notes),
+        _ => fix_normals(mesh, notes),
     }
     fix_tangents(mesh);
     fix_attributes(mesh, notes);
@@ -119,7 +119,10 @@ fn fix_normals(mesh: &mut Mesh, notes: &mut Notes) {
         .count();
     let mut faces = Vec::new();
     if bad > 0 {
-        let what = "normals have no direction and are computed from the faces";
+        let what = match mesh.capsule_radius_m {
+            Some(_) => "normals of points and lines have no direction; they point along +Y",
+            None => "normals have no direction and are computed from the faces",
+        };
         notes.add("normal-invalid", bad as u64, what, &mesh.name);
         faces = vec![DVec3::ZERO; mesh.normals.len()];
         for t in &mesh.triangles {

@@ -1,0 +1,298 @@
+//! Points and lines with normals: sheets of them look like the plane that they are on, by every kind of ray and shadow.
+
+use std::f32::consts::PI;
+
+use glam::{Vec2, Vec3, Vec3A};
+use reflet::{
+    render::{Picture, aov::Aov},
+    world::Mesh,
+};
+
+use crate::kit::{color, gpu, integers, renderer, scene};
+
+const SIZE: u32 = 48;
+
+/// A sheet that fills the picture of an orthographic camera, and a sun; the plane becomes points or lines.
+const SHEET: &str = r#"
+version = 1
+[image]
+size = [48, 48]
+tone_map = "none"
+[camera.main]
+eye = [1, 3, 4]
+target = [0, 0, 0]
+orthographic_height_m = 1
+[light.lamp]
+kind = "directional"
+direction = [-0.7, -1, 0.2]
+intensity_lux = 3
+[material.matt]
+base_color = [0.8, 0.8, 0.8]
+reflectivity = 0
+reflection = "none"
+[model.sheet]
+shape = { kind = "plane", size = [4, 4] }
+material = "matt"
+[[instance]]
+model = "sheet"
+"#;
+
+/// Half the side of a sheet, m.
+const REACH_M: f32 = 1.5;
+
+/// Overlapping spheres at the points of a grid on the plane y = 0, with its normal.
+fn points() -> Mesh {
+    let place = |k: u16| f32::from(k) / 100.0 * REACH_M - REACH_M;
+    let grid = (0..=200).flat_map(|i| (0..=200).map(move |k| Vec3::new(place(i), 0.0, place(k))));
+    let positions: Vec<_> = grid.collect();
+    let count = positions.len() as u32;
+    mesh(positions, |_| Vec3::Y, (0..count).map(|i| [i; 3]), 0.012)
+}
+
+/// Lines side by side on the plane y = 0, with normals that lean apart at their ends.
+fn lines() -> Mesh {
+    let place = |k: u16| f32::from(k) / 100.0 * REACH_M - REACH_M;
+    let ends = |k: u16| [-REACH_M, REACH_M].map(|x| Vec3::new(x, 0.0, place(k)));
+    let triangles = (0..=200).map(|k| [2 * k, 2 * k + 1, 2 * k + 1]);
+    mesh(
+        (0..=200).flat_map(ends).collect(),
+        leaning,
+        triangles,
+        0.012,
+    )
+}
+
+/// Normal of the lines at a place: of the same length at both ends, so that between them it changes linearly.
+fn leaning(at: Vec3) -> Vec3 {
+    Vec3::new(0.3 * at.x / REACH_M, 1.0, 0.0)
+}
+
+fn mesh(
+    positions: Vec<Vec3>,
+    normal: fn(Vec3) -> Vec3,
+    capsules: impl Iterator<Item = [u32; 3]>,
+    radius_m: f32,
+) -> Mesh {
+    let mut mesh = Mesh {
+        normals: positions.iter().map(|p| normal(*p).normalize()).collect(),
+        positions,
+        triangles: capsules.collect(),
+        capsule_radius_m: Some(radius_m),
+        ..Mesh::default()
+    };
+    mesh.bounds = mesh.bounds_at_rest();
+    mesh
+}
+
+/// A light as scene text, and the vector from a point to the light with the irradiance on a surface that faces it.
+type Lamp = (&'static str, fn(Vec3) -> (Vec3, f32));
+
+const LAMPS: [Lamp; 3] = [
+    (
+        r#"light.lamp={ kind="directional", direction=[-0.7, -1, 0.2], intensity_lux=3 }"#,
+        |_| (Vec3::new(0.7, 1.0, -0.2).normalize(), 3.0),
+    ),
+    (
+        r#"light.lamp={ kind="point", position=[1, 1.5, -1], intensity_cd=3 }"#,
+        |at| incoming(Vec3::new(1.0, 1.5, -1.0), at),
+    ),
+    (
+        r#"light.lamp={ kind="spot", position=[-2, 1, 1], direction=[2, -1, -1], outer_deg=80, inner_deg=79, intensity_cd=3 }"#,
+        |at| incoming(Vec3::new(-2.0, 1.0, 1.0), at),
+    ),
+];
+
+fn incoming(lamp: Vec3, at: Vec3) -> (Vec3, f32) {
+    ((lamp - at).normalize(), 3.0 / lamp.distance_squared(at))
+}
+
+fn picture(text: &str, set: &[&str], sheet: &Mesh, aovs: &[Aov]) -> Option<Picture> {
+    let gpu = gpu()?;
+    let (desc, mut world) = scene(text, set);
+    let replaced = world.instances[0].mesh;
+    world.meshes[replaced] = sheet.clone();
+    let mut renderer = renderer(gpu, &desc, &world, false);
+    let camera = &world.cameras[0].value;
+    let picture = renderer.picture(gpu, &world, camera, aovs);
+    Some(picture.unwrap_or_else(|e| panic!("{e}")))
+}
+
+/// Point of the plane through the origin that a pixel of [`SHEET`] shows.
+fn on_plane(normal: Vec3, x: u32, y: u32) -> Vec3 {
+    let eye = Vec3::new(1.0, 3.0, 4.0);
+    let forward = -eye.normalize();
+    let right = forward.cross(Vec3::Y).normalize();
+    let up = right.cross(forward);
+    let at = (Vec2::new(x as f32, y as f32) + 0.5) / SIZE as f32 - 0.5;
+    let origin = eye + right * at.x - up * at.y;
+    origin - forward * (origin.dot(normal) / forward.dot(normal))
+}
+
+/// Pixels whose color is further than 1.5 % and 0.002 from what is expected at their points of the plane.
+fn wrong(picture: &Picture, normal: Vec3, expected: impl Fn(Vec3) -> f32) -> Vec<[f32; 4]> {
+    let pixels = (0..SIZE).flat_map(|y| (0..SIZE).map(move |x| (x, y)));
+    let compared = pixels.map(|(x, y)| {
+        let found = color(picture, x, y)[0];
+        [x as f32, y as f32, found, expected(on_plane(normal, x, y))]
+    });
+    compared
+        .filter(|[_, _, found, expected]| (found - expected).abs() > 0.015 * expected + 0.002)
+        .collect()
+}
+
+#[test]
+fn sheets_of_points_and_lines_are_lit_by_their_normals() {
+    let ways = [
+        [
+            r#"image.visibility="raster""#,
+            r#"light.lamp.shadow="none""#,
+        ],
+        [r#"image.visibility="raster""#, r#"light.lamp.shadow="map""#],
+        [r#"image.visibility="rays""#, r#"light.lamp.shadow="ray""#],
+        [r#"reflection.method="path""#, r#"light.lamp.shadow="ray""#],
+    ];
+    let squeezed = [
+        "instance.0.scale=[1, 0.3, 1.7]",
+        "instance.0.rotation_deg=[20, 10, -10]",
+    ];
+    for place in [&[][..], &squeezed] {
+        let (_, world) = scene(SHEET, place);
+        let world_from_object = world.instances[0].world_from_object;
+        let turned = world_from_object.matrix3.inverse().transpose();
+        let turned = |normal: Vec3| Vec3::from(turned * Vec3A::from(normal)).normalize();
+        let plane = turned(Vec3::Y);
+        let object_from_world = world_from_object.inverse();
+        for (sheet, normal) in [points(), lines()]
+            .iter()
+            .zip([(|_| Vec3::Y) as fn(Vec3) -> Vec3, leaning])
+        {
+            for (lamp, light) in LAMPS {
+                for way in ways {
+                    let set = [place, &[lamp], &way].concat();
+                    let Some(picture) = picture(SHEET, &set, sheet, &[]) else {
+                        return;
+                    };
+                    let wrong = wrong(&picture, plane, |at| {
+                        let (to_light, irradiance) = light(at);
+                        let shading = turned(normal(object_from_world.transform_point3(at)));
+                        0.8 / PI * irradiance * shading.dot(to_light).max(0.0)
+                    });
+                    assert!(
+                        wrong.is_empty(),
+                        "{set:?}: {} wrong: {:?}",
+                        wrong.len(),
+                        wrong.first()
+                    );
+                }
+            }
+        }
+    }
+}
+
+/// A sheet upright on a mirror: the mirror shows it as lit as it is, whether the screen or a ray finds it.
+#[test]
+fn mirrors_show_sheets_of_points_as_lit_by_their_normals() {
+    let text = SHEET.to_owned()
+        + r#"
+rotation_deg = [90, 0, 0]
+[material.mirror]
+base_color = [1, 1, 1]
+metallic = 1
+roughness = 0
+[model.mirror]
+shape = { kind = "plane", size = [4, 4] }
+material = "mirror"
+[[instance]]
+model = "mirror"
+translation = [0, 0, 1.3]
+"#;
+    let set = [
+        "camera.main={ eye=[0, 1, 3], target=[0, 0.2, 0], fov_deg=40 }",
+        "light.lamp.direction=[-0.3, -0.2, -1]",
+    ];
+    let expected = 0.8 / PI * 3.0 / Vec3::new(0.3, 0.2, 1.0).length();
+    for method in ["hybrid", "rt"] {
+        let method = format!("reflection.method=\"{method}\"");
+        let set = [&set[..], &[&method]].concat();
+        let aovs = [Aov::Ids, Aov::HitIds];
+        let Some(picture) = picture(&text, &set, &points(), &aovs) else {
+            return;
+        };
+        let ids = integers(&picture, Aov::Ids).chunks(2);
+        let mut seen = [0, 0];
+        let mut wrong = 0;
+        for (i, (id, hit)) in (0..).zip(ids.zip(integers(&picture, Aov::HitIds).chunks(2))) {
+            let is_sheet = [id[0] == 0, id[0] == 1 && hit[0] == 0];
+            (0..2).for_each(|k| seen[k] += usize::from(is_sheet[k]));
+            let found = color(&picture, i % SIZE, i / SIZE)[0];
+            let differs = (found - expected).abs() > 0.015 * expected;
+            wrong += usize::from(is_sheet.contains(&true) && differs);
+        }
+        assert!(seen.iter().all(|count| *count > 200), "{method}: {seen:?}");
+        assert_eq!(wrong, 0, "{method}: of {seen:?}");
+    }
+}
+
+/// A sheet of points that mirrors a glowing panel, in a dark room: rays that met the sheet again would see nothing.
+#[test]
+fn points_that_mirror_do_not_mirror_themselves() {
+    let text = SHEET.to_owned()
+        + r#"
+[material.panel]
+base_color = [0, 0, 0]
+emission = [1, 1, 1]
+reflectivity = 0
+[model.panel]
+shape = { kind = "plane", size = [900, 900] }
+material = "panel"
+[[instance]]
+model = "panel"
+translation = [0, 9, 0]
+rotation_deg = [180, 0, 0]
+"#;
+    let set = [
+        "material.matt={ base_color=[1, 1, 1], metallic=1, roughness=0 }",
+        "light.lamp.intensity_lux=0",
+        "reflection.bounces=1",
+    ];
+    for method in ["hybrid", "rt"] {
+        let method = format!("reflection.method=\"{method}\"");
+        let set = [&set[..], &[&method]].concat();
+        for sheet in [points(), lines()] {
+            let Some(picture) = picture(&text, &set, &sheet, &[]) else {
+                return;
+            };
+            let wrong = wrong(&picture, Vec3::Y, |_| 1.0);
+            assert!(wrong.is_empty(), "{method}: {}", wrong.len());
+        }
+    }
+}
+
+/// A point of the size of the picture is as bright all over as the plane that touches it; without normals it is round.
+#[test]
+fn points_without_normals_stay_round() {
+    let mut point = mesh(vec![Vec3::ZERO], |_| Vec3::Y, [[0; 3]].into_iter(), 0.4);
+    let of = |point: &Mesh| picture(SHEET, &["light.lamp.shadow=\"ray\""], point, &[Aov::Ids]);
+    let shown = |picture: &Picture| -> Vec<f32> {
+        let ids = (0..).zip(integers(picture, Aov::Ids).chunks(2));
+        let seen = ids.filter(|(_, id)| id[0] == 0);
+        seen.map(|(i, _)| color(picture, i % SIZE, i / SIZE)[0])
+            .collect()
+    };
+    let Some(flat) = of(&point) else { return };
+    point.normals = Vec::new();
+    let Some(round) = of(&point) else { return };
+    let (flat, round) = (shown(&flat), shown(&round));
+    assert!(
+        flat.len() > 1000 && flat.len() == round.len(),
+        "{}",
+        flat.len()
+    );
+    let expected = 0.8 / PI * 3.0 / Vec3::new(0.7, 1.0, -0.2).length();
+    let differing = flat
+        .iter()
+        .filter(|found| (**found - expected).abs() > 0.01);
+    assert_eq!(differing.count(), 0);
+    let dark = round.iter().filter(|found| **found < 0.01).count();
+    assert!(dark > round.len() / 10 && dark < round.len() / 2, "{dark}");
+}
