@@ -46,13 +46,30 @@ fn vertex_capsule(@builtin(vertex_index) vertex: u32, @builtin(instance_index) i
     return CapsuleVarying(clip, vec2u(instance, capsule_of_vertex(vertex)), clip);
 }
 
+// Ray of a texel, from the light of a perspective map, else from the near plane, and how depth in the map follows from
+// the distance along it.
+struct TexelRay {
+    origin: vec3f,
+    direction: vec3f,
+    near_t: f32, // distance of the near plane, in lengths of the direction
+    // Depth of points at a distance t: 1 / t of a perspective map, else t, times x plus y.
+    depth: vec2f,
+}
+
+// From the light itself: points on the near plane of a perspective map are so near to each other that rounding would
+// turn a ray through them by more than a texel.
+fn texel_ray(texel: vec2f) -> TexelRay {
+    let light = params.world_from_clip * vec4f(0.0, 0.0, 1.0, 0.0);
+    let far = params.world_from_clip * vec4f(texel, 0.0, 1.0);
+    if (abs(light.w) <= 1e-12) { return TexelRay((far + light).xyz, -light.xyz, 0.0, vec2f(-1.0, 1.0)); }
+    let origin = light.xyz / light.w;
+    return TexelRay(origin, far.xyz - far.w * origin, 1.0 / (far.w + light.w), vec2f(1.0, -far.w) / light.w);
+}
+
 @fragment
 fn fragment_capsule(in: CapsuleVarying) -> @builtin(frag_depth) f32 {
-    let texel = in.place.xy / in.place.w;
-    let origin = unprojected(vec4f(texel, 1.0, 1.0)).xyz;
-    let direction = unprojected(vec4f(texel, 0.5, 1.0)).xyz - origin;
-    let hit = solid_capsule_hit(in.ids.x, in.ids.y, origin, direction, 0.0);
+    let ray = texel_ray(in.place.xy / in.place.w);
+    let hit = solid_capsule_hit(in.ids.x, in.ids.y, ray.origin, ray.direction, ray.near_t);
     if (!hit.is_met) { discard; }
-    let clip = params.clip_from_world * vec4f(origin + direction * hit.t, 1.0);
-    return clip.z / clip.w;
+    return select(hit.t, 1.0 / hit.t, ray.near_t > 0.0) * ray.depth.x + ray.depth.y;
 }

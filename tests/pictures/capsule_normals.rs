@@ -147,7 +147,8 @@ fn sheets_of_points_and_lines_are_lit_by_their_normals() {
             r#"image.visibility="raster""#,
             r#"light.lamp.shadow="none""#,
         ],
-        [r#"image.visibility="raster""#, r#"light.lamp.shadow="map""#],
+        [r#"light.lamp.shadow_px=2048"#, r#"light.lamp.shadow="map""#],
+        [r#"light.lamp.shadow_px=64"#, r#"light.lamp.shadow="map""#],
         [r#"image.visibility="rays""#, r#"light.lamp.shadow="ray""#],
         [r#"reflection.method="path""#, r#"light.lamp.shadow="ray""#],
     ];
@@ -295,4 +296,58 @@ fn points_without_normals_stay_round() {
     assert_eq!(differing.count(), 0);
     let dark = round.iter().filter(|found| **found < 0.01).count();
     assert!(dark > round.len() / 10 && dark < round.len() / 2, "{dark}");
+}
+
+/// Round capsules, thick and thin beside a texel of the map, shadow the floor below them and not themselves.
+#[test]
+fn capsules_cast_no_shadow_maps_on_themselves() {
+    let text = SHEET.to_owned()
+        + r#"
+[model.floor]
+shape = { kind = "plane", size = [9, 9] }
+material = "matt"
+[[instance]]
+model = "floor"
+translation = [0, -1, 0]
+"#;
+    for radius_m in [0.3, 0.01, 0.002] {
+        let zoom = format!("camera.main.orthographic_height_m={}", 4.0 * radius_m);
+        for end in [Vec3::ZERO, Vec3::new(1.0, 0.3, -0.5) * radius_m] {
+            let ends = vec![-end, end];
+            let one = [[
+                0,
+                u32::from(end != Vec3::ZERO),
+                u32::from(end != Vec3::ZERO),
+            ]];
+            let mut capsule = mesh(ends, |_| Vec3::Y, one.into_iter(), radius_m);
+            capsule.normals = Vec::new();
+            for (lamp, _) in LAMPS {
+                let of = |shadow: &str| {
+                    let shadow = format!("light.lamp.shadow=\"{shadow}\"");
+                    picture(
+                        &text,
+                        &[&zoom, lamp, &shadow, "light.lamp.shadow_px=512"],
+                        &capsule,
+                        &[Aov::Ids],
+                    )
+                };
+                let (Some(map), Some(none)) = (of("map"), of("none")) else {
+                    return;
+                };
+                let ids = (0..).zip(integers(&none, Aov::Ids).chunks(2));
+                let own = ids
+                    .filter(|(_, id)| id[0] == 0)
+                    .map(|(i, _)| (i % SIZE, i / SIZE));
+                let pairs: Vec<_> = own
+                    .map(|(x, y)| [color(&map, x, y)[0], color(&none, x, y)[0]])
+                    .collect();
+                let darker = pairs
+                    .iter()
+                    .filter(|[map, none]| *map < none - 0.02)
+                    .count();
+                assert!(pairs.len() > 400, "{}", pairs.len());
+                assert_eq!(darker, 0, "{radius_m} {end} {lamp}");
+            }
+        }
+    }
 }
