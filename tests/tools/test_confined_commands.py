@@ -116,12 +116,34 @@ def test_a_file_that_the_directory_hides_is_refused(tmp_path: Path) -> None:
         check_package(path)
 
 
-def test_a_layer_outside_that_a_package_names_is_named(
+@pytest.mark.parametrize("arc", ["references", "payload", "sublayer", "nested"])
+def test_a_layer_outside_that_a_package_names_is_left_out(tmp_path: Path, arc: str) -> None:
+    (tmp_path / "in").mkdir()
+    outside = tmp_path / "out.usda"
+    outside.write_text(CUBE.replace('"C"', '"Out"'))
+    below = f"subLayers = [@{outside}@]\n" if arc == "sublayer" else ""
+    text = HEAD + below + CUBE.removeprefix(HEAD)
+    named = {"references": outside, "payload": outside, "nested": "inner.usda"}
+    if arc in named:
+        kind = "payload" if arc == "payload" else "references"
+        text += f'def "R" ({kind} = @{named[arc]}@</Out>) {{}}\n'
+    inner = f'#usda 1.0\ndef "Out" (references = @{outside}@</Out>) {{}}\n'
+    files = [("a.usda", text)] + ([("inner.usda", inner)] if arc == "nested" else [])
+    done = run_convert(package(tmp_path / "in" / "a.usdz", *files), tmp_path / "a.glb")
+    assert "asset-outside-roots" in {w.name for w in done.warnings}
+    # The cube of the package itself is shown.
+    content = (tmp_path / "a.glb").read_bytes()
+    assert b"/C" in content
+    assert cli.main(["inspect", str(tmp_path / "in" / "a.usdz")]) == 0
+
+
+def test_value_clips_outside_that_a_package_names_are_refused(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (tmp_path / "in").mkdir()
     (tmp_path / "out.usda").write_text(CUBE)
-    text = CUBE + f'def "R" (references = @{tmp_path}/out.usda@</C>) {{}}\n'
+    clips = f'asset[] assetPaths = [@{tmp_path}/out.usda@]\nstring primPath = "/C"\n'
+    text = CUBE + f'def "R" (clips = {{\ndictionary default = {{\n{clips}}}\n}}) {{}}\n'
     stage = str(package(tmp_path / "in" / "a.usdz", ("a.usda", text)))
     for words in (["convert", stage, "-o", str(tmp_path / "a.glb")], ["inspect", stage]):
         assert cli.main(words) == 1

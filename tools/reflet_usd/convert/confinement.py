@@ -170,13 +170,13 @@ def _kept_dependencies(
         fault = _stand_in(layer, asset_path, roots, files, stand_ins)
         if fault is not None:
             lost[asset_path], stand_ins[asset_path] = fault, ""
-    packaged = Ar.IsPackageRelativePath(layer.identifier)
-    if refused and (packaged or layer.GetFileFormat().formatId == "usdz"):
-        raise ConvertError(*next(iter(refused.values())), layer.identifier)  # USD edits no package
     for asset_path, (name, message) in (refused | lost).items():
         files.missing.add(asset_path)
         cut.append(LeftOut(name, message, layer, _places(layer, asset_path)))
-    if refused:
+    packaged = Ar.IsPackageRelativePath(layer.identifier)
+    if packaged or layer.GetFileFormat().formatId == "usdz":
+        _cut_in_package(layer, refused)
+    elif refused:
         was_editable = layer.permissionToEdit
         layer.SetPermissionToEdit(True)
         UsdUtils.ModifyAssetPaths(layer, lambda path: "" if path in refused else path)
@@ -184,6 +184,18 @@ def _kept_dependencies(
     for asset_path, identifier in stand_ins.items():
         refer(layer, asset_path, identifier)
     return kept
+
+
+def _cut_in_package(layer: Sdf.Layer, refused: dict[str, tuple[str, str]]) -> None:
+    """Remove the arcs to refused layers from a layer in a package, or raise ConvertError.
+
+    UsdUtils changes no asset path there. Textures stay named, and are judged when they are read;
+    value clips stay too, which USD would open.
+    """
+    for asset_path, fault in refused.items():
+        refer(layer, asset_path, "")
+        if _names_a_layer(asset_path) and _places(layer, asset_path):
+            raise ConvertError(*fault, layer.identifier)
 
 
 def _stand_in(
