@@ -139,13 +139,14 @@ if [ "$full" = yes ]; then
         cargo install --locked --quiet --debug --root target/tools cargo-deny # runs once: not worth optimizing
         export PATH="$root/target/tools/bin:$PATH"
     fi
-    deny=(cargo deny --locked --config tools/deny.toml)
-    if "${deny[@]}" fetch db; then
-        "${deny[@]}" check
-    else
+    checks=(advisories bans licenses sources)
+    if ! cargo deny --locked --config tools/deny.toml fetch db; then
         echo "NOT CHECKED: known vulnerabilities, whose database cannot be fetched"
-        "${deny[@]}" check bans licenses sources
+        checks=(bans licenses sources)
     fi
+    for manifest in Cargo.toml fuzz/Cargo.toml; do
+        cargo deny --locked --manifest-path "$manifest" --config tools/deny.toml check "${checks[@]}"
+    done
 fi
 
 if [ -f tools/pyproject.toml ]; then
