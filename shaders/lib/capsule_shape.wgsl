@@ -1,48 +1,60 @@
-// Shapes around capsules that are drawn: a few triangles around each, in which every pixel tests its ray against the
-// capsule. They are built in object space, where the capsule is not squeezed.
+// Shapes around capsules that are drawn: a quadrilateral that faces the eye, in which every pixel tests its ray against
+// the capsule. They are built in object space, where the capsule is not squeezed.
 
 #import capsule
 #import surface
 
-// Whether the pipeline draws spheres, as squares that face the eye; other capsules are boxes of which the back faces
-// are drawn, so that the eye may be inside.
+// Whether the pipeline draws spheres, whose quadrilaterals are squares.
 override SPHERES: bool = false;
+
+// Size of a quadrilateral over that of the capsule it surrounds: rasterization rounds its edges.
+const SHAPE_MARGIN: f32 = 1.01;
 
 // Capsule of a drawn vertex.
 fn capsule_of_vertex(vertex: u32) -> u32 {
-    return vertex / select(BOX_CORNERS, SQUARE_CORNERS, SPHERES);
+    return vertex / SQUARE_CORNERS;
 }
 
-// Place of a drawn vertex on its square, of side 2 around the middle. Corners 0, 1, 2, 0, 2, 3 of a square.
+// Place of a drawn vertex on a square of side 2 around the middle: x leads from the base to the other end, y across.
+// Corners 0, 1, 2, 0, 2, 3 of the square.
 fn square_place(vertex: u32) -> vec2f {
     let around = (0xe24u >> ((vertex % SQUARE_CORNERS) * 2u)) & 3u;
     return vec2f(f32(around == 1u || around == 2u), f32(around >= 2u)) * 2.0 - 1.0;
 }
 
-// Position in the world of a drawn vertex. `eye` is that of the view, or with w = 0 the direction of all its rays.
-fn capsule_vertex(instance: u32, vertex: u32, eye: vec4f) -> vec3f {
+// Position in clip space of a drawn vertex. `eye` is that of the view, or with w = 0 the direction of all its rays.
+//
+// Seen from the eye, the outer corners of two squares around the ends are equally high over the plane of eye and axis,
+// so that the great circle between them passes above both ends and all between.
+fn capsule_vertex(instance: u32, vertex: u32, eye: vec4f, clip_from_world: mat4x4f) -> vec4f {
     let c = corners(instance, capsule_of_vertex(vertex));
-    let axis = c.p[1] - c.p[0];
+    let axis = select(c.p[1] - c.p[0], vec3f(0.0), SPHERES);
     let radius = instance_capsule_radius_m(instance);
     let side = square_place(vertex);
-    if (SPHERES) {
-        let rows = instance_object_from_world(instance);
-        let from_eye = eye.xyz - eye.w * vec3f(rows[0].w, rows[1].w, rows[2].w);
-        let seen = vec3f(dot(rows[0].xyz, from_eye), dot(rows[1].xyz, from_eye), dot(rows[2].xyz, from_eye));
-        let view = select(seen, c.p[0] - seen, eye.w > 0.0);
-        // Half the side of a square around the circle in which the cone from the eye touches the sphere's middle.
-        let distance2 = dot(view, view);
-        let beyond = max(distance2 - radius * radius, 1e-4 * radius * radius);
-        let half_m = radius * select(1.0, sqrt(distance2 / beyond), eye.w > 0.0);
-        let turn = capsule_frame(view);
-        return to_world(instance, c.p[0] + (turn[0] * side.x + turn[1] * side.y) * half_m);
-    }
-    let face = (vertex / SQUARE_CORNERS) % 6u;
-    let is_upper = face >= 3u;
-    var unit = vec3f(select(-1.0, 1.0, is_upper), select(side.yx, side.xy, is_upper));
-    if (face % 3u == 1u) { unit = unit.zxy; }
-    if (face % 3u == 2u) { unit = unit.yzx; }
-    let turn = capsule_frame(axis);
-    let along = select(vec3f(0.0), axis, unit.z > 0.0);
-    return to_world(instance, c.p[0] + along + (turn * unit) * radius);
+    let rows = instance_object_from_world(instance);
+    let from_eye = eye.xyz - eye.w * vec3f(rows[0].w, rows[1].w, rows[2].w);
+    let seen = vec3f(dot(rows[0].xyz, from_eye), dot(rows[1].xyz, from_eye), dot(rows[2].xyz, from_eye));
+    let has_eye = eye.w > 0.0;
+    let base = select(seen, c.p[0] - seen, has_eye);
+    let end = select(seen, base + axis, has_eye);
+    let normal = cross(base, axis);
+    let is_end_on = SPHERES || dot(normal, normal) <= 1e-12 * dot(base, base) * dot(axis, axis);
+    let across = select(normalize(normal), capsule_frame(base)[0], is_end_on);
+    let base_m = length(base);
+    let end_m = length(end);
+    // Half the side of a square around the circle in which the cone from the eye touches a sphere, over its distance.
+    let nearest_m = min(base_m, end_m);
+    let spread = radius * inverseSqrt(max(nearest_m * nearest_m - radius * radius, 1e-4 * radius * radius));
+    let outer_base = base / base_m - cross(across, base / base_m) * spread;
+    let outer_end = end / end_m + cross(across, end / end_m) * spread;
+    let nearest = base + axis * capsule_share(-base, axis);
+    let is_inside = dot(nearest, nearest) < 1.1 * radius * radius;
+    let is_around = dot(outer_base, outer_end) < 0.0 && dot(cross(outer_base, outer_end), across) < 0.1 * (1.0 + spread * spread);
+    // From within or all around, the whole picture is drawn.
+    if (!SPHERES && has_eye && (is_inside || is_around)) { return vec4f(side, 0.5, 1.0); }
+    let toward = select(base / base_m, end / end_m, side.x > 0.0);
+    let half_m = SHAPE_MARGIN * select(radius, spread * select(base_m, end_m, side.x > 0.0), has_eye);
+    let corner = (cross(across, toward) * side.x + across * side.y) * half_m;
+    let position = c.p[0] + select(vec3f(0.0), axis, side.x > 0.0) + corner;
+    return clip_from_world * vec4f(to_world(instance, position), 1.0);
 }

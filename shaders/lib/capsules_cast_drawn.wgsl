@@ -21,7 +21,7 @@ fn unprojected(clip: vec4f) -> vec4f {
 fn capsule_clip(vertex: u32, instance: u32) -> vec4f {
     // The light of a perspective map is at the only point with this clip position; that of others is infinitely far.
     let light = unprojected(vec4f(0.0, 0.0, 1.0, 0.0));
-    let clip = params.clip_from_world * vec4f(capsule_vertex(instance, vertex, light), 1.0);
+    let clip = capsule_vertex(instance, vertex, light, params.clip_from_world);
     return vec4f(clip.xy, max(clip.z, 0.0), clip.w);
 }
 
@@ -32,7 +32,7 @@ struct DiskVarying {
 
 @vertex
 fn vertex_disk(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> DiskVarying {
-    return DiskVarying(capsule_clip(vertex, instance), square_place(vertex));
+    return DiskVarying(capsule_clip(vertex, instance), square_place(vertex) * SHAPE_MARGIN);
 }
 
 @fragment

@@ -12,8 +12,7 @@ struct CapsuleVarying {
 @vertex
 fn vertex_capsule(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> CapsuleVarying {
     let eye = select(vec4f(frame.eye, 1.0), vec4f(frame.forward, 0.0), is_orthographic());
-    let position = capsule_vertex(instance, vertex, eye);
-    var clip = frame.clip_from_world * vec4f(position, 1.0);
+    var clip = capsule_vertex(instance, vertex, eye, frame.clip_from_world);
     // The shape may reach past the far plane of an orthographic camera, behind the capsule.
     clip.z = max(clip.z, 0.0);
     return CapsuleVarying(clip, vec2u(instance, capsule_of_vertex(vertex)));

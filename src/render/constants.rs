@@ -16,7 +16,7 @@ use reflet_world::{
 use super::{
     cause::{CAUSE_MASK, Cause, Source},
     cutoff::{COAT_STEPS, CUTOFF_FADE, METAL_REACH},
-    draw_shape::{BOX_CORNERS, SQUARE_CORNERS},
+    draw_shape::SQUARE_CORNERS,
     groove_table::{GROOVE_COSINES, GROOVE_NODES, GROOVE_STEPS},
     lights::{SHADOW_MAP, SHADOW_NEAR_M, SHADOW_NONE, SHADOW_RAY},
     lobe_table::{LOBE_COSINES, LOBE_NODES, LOBE_ROUGHNESSES, SMOOTH_ALPHA},
@@ -154,7 +154,6 @@ pub fn wgsl() -> String {
         PYRAMID_LEVELS,
         TEXEL_COLUMNS,
         SQUARE_CORNERS,
-        BOX_CORNERS,
         NODE_VECTORS,
         TRIANGLE_VECTORS,
         STATIC_ROOT,

@@ -1,11 +1,9 @@
-//! Shapes that rasterization draws: triangles, or squares and boxes around capsules.
+//! Shapes that rasterization draws: triangles, or quadrilaterals around capsules.
 
 use reflet_world::Mesh;
 
-/// Number of vertices of the square around a sphere.
+/// Number of vertices of the quadrilateral around a capsule, a square around a sphere.
 pub const SQUARE_CORNERS: u32 = 6;
-/// Number of vertices of the box around a capsule.
-pub const BOX_CORNERS: u32 = 36;
 
 /// Shape that is drawn of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -14,7 +12,7 @@ pub enum DrawShape {
     Triangles,
     /// A square around each of its capsules, which are all spheres.
     Spheres,
-    /// A box around each of its capsules.
+    /// A quadrilateral around each of its capsules.
     Capsules,
 }
 
@@ -34,17 +32,11 @@ impl DrawShape {
         ("SPHERES", f64::from(u8::from(self == Self::Spheres)))
     }
 
-    /// Faces of the shapes around capsules that are not drawn: of boxes the front, so that the eye may be inside.
-    pub fn culled(self) -> Option<wgpu::Face> {
-        (self == Self::Capsules).then_some(wgpu::Face::Front)
-    }
-
     /// Number of vertices drawn for each triangle or capsule.
     pub fn num_vertices(self) -> u32 {
         match self {
             Self::Triangles => 3,
-            Self::Spheres => SQUARE_CORNERS,
-            Self::Capsules => BOX_CORNERS,
+            Self::Spheres | Self::Capsules => SQUARE_CORNERS,
         }
     }
 }

@@ -238,11 +238,8 @@ fn pipeline(
                     compilation_options: wgpu::PipelineCompilationOptions::default(),
                     buffers: if is_pulled { &[] } else { &Indexed::LAYOUTS },
                 },
-                // Front and back faces of triangles cast shadows, as both block shadow rays.
-                primitive: wgpu::PrimitiveState {
-                    cull_mode: kind.shape.culled(),
-                    ..Default::default()
-                },
+                // Front and back faces cast shadows, as both block shadow rays.
+                primitive: wgpu::PrimitiveState::default(),
                 depth_stencil: Some(reversed_depth(FORMAT)),
                 multisample: wgpu::MultisampleState::default(),
                 fragment: fragment.map(|entry| wgpu::FragmentState {

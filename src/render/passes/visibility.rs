@@ -204,7 +204,7 @@ fn pipeline(
     let cull_mode = match faces {
         _ if class.shape != DrawShape::Triangles => {
             constants.push(class.shape.constant());
-            class.shape.culled()
+            None
         }
         _ if class.double_sided => None,
         Faces::Shown => Some(wgpu::Face::Back),
