@@ -154,7 +154,8 @@ def scene(rng: random.Random) -> bytes:
     if "0.toml" in text:
         rest = [part for part in PARTS[1:] if "0.toml" not in part]
         text += FILE + parted(BALL, rng, [PARTS[0], rng.choice(rest), PLACED])
-        text += FILE + parted(BALL, rng, [rng.choice(rest)])
+        again = [PLACED.replace("1.toml", rng.choice("01") + ".toml")] if rng.random() < 0.2 else []
+        text += FILE + parted(BALL, rng, [rng.choice(rest), *again])
     return text.encode()
 
 

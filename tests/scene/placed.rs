@@ -259,6 +259,28 @@ fn height_fields_read_their_image_beside_their_scene() {
     assert!(world.files.iter().any(|file| file.ends_with("hills.png")));
 }
 
+/// Below the scene that is read, where a file is known when it is met again.
+#[test]
+fn circles_of_placed_scenes_are_named() {
+    let placing =
+        |name: u32| format!("version = 1\n[[instance]]\nmodel = {{ scene = \"{name}.toml\" }}\n");
+    for (first, at) in [(0, "0.toml:3:19"), (1, "1.toml:3:19")] {
+        let [scene, zero, one] = [placing(0), placing(first), placing(0)];
+        let files = [
+            ("shot/scene.toml", scene.as_str()),
+            ("shot/0.toml", &zero),
+            ("shot/1.toml", &one),
+        ];
+        let folder = Folder::new("placed-circle", &files);
+        let text = folder.read(&[], &[]).expect_err("a circle");
+        assert_eq!(text.matches("places itself").count(), 1, "{text}");
+        assert!(
+            text.contains(at) && !text.contains("[too-many-files]"),
+            "{text}"
+        );
+    }
+}
+
 #[test]
 fn wrong_placed_scenes_are_named() {
     for (from, to, says) in [

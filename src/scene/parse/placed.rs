@@ -10,6 +10,7 @@ mod scripts;
 use std::{
     collections::{HashMap, HashSet},
     ops::Range,
+    path::Path,
 };
 
 pub use self::collect::{Placed, collect};
@@ -71,6 +72,7 @@ pub fn expand(
         shadows,
         report,
         groups: Vec::new(),
+        above: Vec::new(),
         left: MOST_PLACED,
         size: Size::default(),
         script_limit_met: false,
@@ -89,6 +91,8 @@ struct Expansion<'p> {
     shadows: &'p mut Vec<Shadow>,
     report: &'p mut Report,
     groups: Vec<PlacedGroup>,
+    /// Files of the scenes around the one that is placed.
+    above: Vec<&'p Path>,
     left: usize,
     /// Size of all placed trees, each with the copies of its parts and names that placing it makes.
     size: Size,
@@ -96,7 +100,7 @@ struct Expansion<'p> {
     script_limit_met: bool,
 }
 
-impl Expansion<'_> {
+impl<'p> Expansion<'p> {
     /// Expands the scenes that a tree places; names of files in it start from `folder`.
     fn expand(&mut self, root: &mut Entries, folder: &str) {
         let Some(Content::Array(list)) = root.get_mut("instance").map(Node::get_mut) else {
@@ -144,6 +148,32 @@ impl Expansion<'_> {
         false
     }
 
+    /// The file of a scene to place, unless it cannot be placed, which is reported.
+    fn file(&mut self, folder: &str, name: &str, at: &Range<usize>) -> Option<&'p PlacedFile> {
+        let Some(file) = self.placed.file(folder, name) else {
+            if !self.placed.is_missing(folder, name) {
+                let message = "a scene can be placed by scene text only";
+                let error = self.report.error("placed-scene", at, message);
+                error.help =
+                    Some("write the `[[instance]]` in a file, not in `setup` or `--set`".into());
+            }
+            self.report.note_lacking_names();
+            return None;
+        };
+        if self.above.contains(&file.file.path.as_path()) {
+            return None; // a circle, which was reported when the files were read
+        }
+        if self.left == 0 {
+            if self.size.excess().is_none() {
+                let message = format!("at most {MOST_PLACED} scenes can be placed in a scene");
+                self.report.error("too-many-files", at, message);
+                self.report.note_lacking_names();
+            }
+            return None;
+        }
+        Some(file)
+    }
+
     /// Adds a placed scene to a tree whose own instances are `own`, by name.
     fn place(
         &mut self,
@@ -155,25 +185,9 @@ impl Expansion<'_> {
             return;
         };
         let at = node.span();
-        let Some(file) = self.placed.file(folder, name) else {
-            if !self.placed.is_missing(folder, name) {
-                let message = "a scene can be placed by scene text only";
-                let error = self.report.error("placed-scene", &at, message);
-                error.help =
-                    Some("write the `[[instance]]` in a file, not in `setup` or `--set`".into());
-            }
-            self.report.note_lacking_names();
+        let Some(file) = self.file(folder, name, &at) else {
             return;
         };
-        if self.left == 0 {
-            if self.size.excess().is_some() {
-                return; // reported
-            }
-            let message = format!("at most {MOST_PLACED} scenes can be placed in a scene");
-            self.report.error("too-many-files", &at, message);
-            self.report.note_lacking_names();
-            return;
-        }
         self.left -= 1;
         let stem = file.stem().to_owned();
         let Content::Table(mut group) = instance.into_inner() else {
@@ -209,7 +223,9 @@ impl Expansion<'_> {
         }
         if let Content::Table(tree) = tree.get_mut() {
             let inner = self.groups.len();
+            self.above.push(&file.file.path);
             self.expand(tree, &file.folder);
+            self.above.pop();
             if self.size.excess().is_some() {
                 return; // the scene is refused, whatever the tree has
             }

@@ -161,7 +161,13 @@ pub fn collect(
     waiting.reverse();
     while let Some(next) = waiting.pop() {
         let key = (next.folder.clone(), next.name.value.clone());
-        if placed.by_name.contains_key(&key) {
+        if let Some(known) = placed.by_name.get(&key) {
+            // The texts are walked depth first, so that of each circle one scene is met again below itself.
+            let path = known.map(|index| &placed.files[index].file.path);
+            if path.is_some_and(|path| next.above.contains(path)) {
+                report.push(circle(&next));
+                report.note_lacking_names();
+            }
             continue;
         }
         let file = read(&next, &placed, folders, dependencies, report);
@@ -178,6 +184,13 @@ pub fn collect(
         placed.by_name.insert(key, index);
     }
     placed
+}
+
+fn circle(next: &Wanted) -> Diagnostic {
+    let shown = suggest::text(&next.name.value);
+    let message = format!("{shown} places itself, directly or through other scenes");
+    let error = Diagnostic::at("circle", next.name.at.clone(), message);
+    error.help("take its `[[instance]]` out of one file of the circle")
 }
 
 fn read(
@@ -202,10 +215,7 @@ fn read(
         }
     };
     if next.above.contains(&found.real) {
-        let shown = suggest::text(&next.name.value);
-        let message = format!("{shown} places itself, directly or through other scenes");
-        let error = Diagnostic::at("circle", at, message);
-        report.push(error.help("take its `[[instance]]` out of one file of the circle"));
+        report.push(circle(next));
         return None;
     }
     let folder = name.rfind('/').map_or("", |end| &name[..=end]).to_owned();
