@@ -40,7 +40,9 @@ fn a_second_compiler_accepts_every_shader() {
         fs::write(folder.join(file), text).expect("writable");
     }
     let mut tint = Command::new("node");
-    tint.arg(root.join("tools/tint.mjs")).arg(&dawn).arg(&folder);
+    tint.arg(root.join("tools/tint.mjs"))
+        .arg(&dawn)
+        .arg(&folder);
     let output = tint.output().expect("node starts");
     let [said, errors] =
         [output.stdout, output.stderr].map(|b| String::from_utf8_lossy(&b).into_owned());
