@@ -1,9 +1,51 @@
-//! Messages on standard error: notes about likely mistakes, and streams that take no message.
+//! Messages on standard error: errors of usage, notes about likely mistakes, and streams that take no message.
 
 use std::{fs, process::Stdio};
 
 use super::{SCENE, exits, folder, names, reflet};
 use crate::common::gpu_or_skip;
+
+#[test]
+fn usage_errors_exit_with_2_and_say_what_is_wrong() {
+    let folder = folder("usage");
+    for (arguments, says) in [
+        (&["rendr"][..], "unrecognized subcommand"),
+        (
+            &["scene.toml"],
+            "`reflet render scene.toml -o picture.png` renders it",
+        ),
+        (&["render", "scene.toml"], "--output"),
+        (&["render", "-o", "a.png", "--size", "0x4"], "1 to 16384"),
+        (&["render", "-o", "a.png", "--size", "big"], "WIDTHxHEIGHT"),
+        (&["render", "-o", "a.png", "--samples", "0"], "1..=4096"),
+        (&["render", "-o", "a.png", "--method", "rtx"], "hybrid"),
+        (&["render", "-o", "a.gif"], "must end in .png or .exr"),
+        (
+            &["render", "-o", "no/where/a.png"],
+            "there is no folder no/where",
+        ),
+        (
+            &["render", "-o", "a.png", "--aov", "depht"],
+            "choose from depth, normal",
+        ),
+        (
+            &["render", "-o", "a.png", "--shaders", "none"],
+            "cannot read",
+        ),
+        (
+            &["render", "-o", "a.png", "--shaders", "."],
+            "no .wgsl files",
+        ),
+        (
+            &["render", "scene.toml", "-o", "a.png", "--camera", "tpo"],
+            "it has: main, top",
+        ),
+    ] {
+        let [_, error] = exits(&folder, arguments, 2);
+        assert!(error.contains(says), "{arguments:?} says {error}");
+    }
+    assert_eq!(names(&folder), ["scene.toml"]);
+}
 
 #[test]
 fn render_names_likely_mistakes_that_check_explains() {

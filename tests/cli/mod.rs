@@ -99,48 +99,6 @@ fn help_and_version_succeed() {
     assert!(exits(&folder, &["render", "--help"], 0)[0].contains("REFLET_ADAPTER"));
 }
 
-#[test]
-fn usage_errors_exit_with_2_and_say_what_is_wrong() {
-    let folder = folder("usage");
-    for (arguments, says) in [
-        (&["rendr"][..], "unrecognized subcommand"),
-        (
-            &["scene.toml"],
-            "`reflet render scene.toml -o picture.png` renders it",
-        ),
-        (&["render", "scene.toml"], "--output"),
-        (&["render", "-o", "a.png", "--size", "0x4"], "1 to 16384"),
-        (&["render", "-o", "a.png", "--size", "big"], "WIDTHxHEIGHT"),
-        (&["render", "-o", "a.png", "--samples", "0"], "1..=4096"),
-        (&["render", "-o", "a.png", "--method", "rtx"], "hybrid"),
-        (&["render", "-o", "a.gif"], "must end in .png or .exr"),
-        (
-            &["render", "-o", "no/where/a.png"],
-            "there is no folder no/where",
-        ),
-        (
-            &["render", "-o", "a.png", "--aov", "depht"],
-            "choose from depth, normal",
-        ),
-        (
-            &["render", "-o", "a.png", "--shaders", "none"],
-            "cannot read",
-        ),
-        (
-            &["render", "-o", "a.png", "--shaders", "."],
-            "no .wgsl files",
-        ),
-        (
-            &["render", "scene.toml", "-o", "a.png", "--camera", "tpo"],
-            "it has: main, top",
-        ),
-    ] {
-        let [_, error] = exits(&folder, arguments, 2);
-        assert!(error.contains(says), "{arguments:?} says {error}");
-    }
-    assert_eq!(names(&folder), ["scene.toml"]);
-}
-
 #[cfg(target_os = "linux")]
 #[test]
 fn a_preview_without_a_display_says_what_to_do() {
