@@ -6,8 +6,8 @@
 #import sampling
 
 // Share of a surface's rays that follow the bright parts of the environment.
-fn environment_ray_share() -> f32 {
-    return 0.75 * environment_share();
+fn environment_ray_share(s: Surface) -> f32 {
+    return 0.75 * environment_share(s.normal);
 }
 
 // Density per solid angle of a ray towards the environment: a share follows its bright parts, and of the rest a share
@@ -15,7 +15,9 @@ fn environment_ray_share() -> f32 {
 fn environment_ray_pdf(s: Surface, view: vec3f, direction: vec3f, by_specular: f32) -> f32 {
     var pdf = (1.0 - by_specular) * max(dot(s.normal, direction), 0.0) / PI;
     if (by_specular > 0.0) { pdf += by_specular * facet_pdf(s, view, direction); }
-    return mix(pdf, environment_pdf(direction), environment_ray_share());
+    let by_environment = environment_ray_share(s);
+    if (by_environment <= 0.0) { return pdf; }
+    return mix(pdf, environment_pdf(direction, s.normal), by_environment);
 }
 
 // Share of a surface's rays towards the environment that follow its specular lobe.
@@ -26,7 +28,7 @@ fn specular_ray_share(stand_in: f32, has_diffuse: bool) -> f32 {
 // Density per solid angle of all rays that a rough reflector sends towards the environment, where they share its
 // specular light with reflection rays.
 fn environment_rays_pdf(s: Surface, view: vec3f, direction: vec3f) -> f32 {
-    if (environment_ray_share() == 0.0) { return 0.0; }
+    if (environment_ray_share(s) <= 0.0) { return 0.0; }
     let by_specular = specular_ray_share(stand_in_share(s), true);
     return f32(sampling.rays) * environment_ray_pdf(s, view, direction, by_specular);
 }
@@ -41,7 +43,7 @@ fn environment_light(s: Surface, view: vec3f, albedo: vec3f) -> Shade {
 // rays, and by these rays alone where they are sharp or the environment has no bright part; near the cut-off only a
 // share of it.
 fn returned_of_environment(s: Surface, view: vec3f, to: Receiver, index: u32) -> Returned {
-    let by_environment = environment_ray_share();
+    let by_environment = environment_ray_share(s);
     let is_shared = to.is_rough && by_environment > 0.0;
     let has_specular = to.stand_in > 0.0 || is_shared;
     let has_diffuse = has_sheen(s) || max(to.albedo.x, max(to.albedo.y, to.albedo.z)) > 0.0;
@@ -50,7 +52,7 @@ fn returned_of_environment(s: Surface, view: vec3f, to: Receiver, index: u32) ->
     var u = sample_square(index, next_pair());
     var direction: vec3f;
     if (u.x < by_environment) {
-        direction = environment_direction(vec2f(u.x / by_environment, u.y));
+        direction = environment_direction(vec2f(u.x / by_environment, u.y), s.normal);
     } else {
         u.x = (u.x - by_environment) / (1.0 - by_environment);
         if (u.x < by_specular) {

@@ -10,14 +10,14 @@ fn environment(direction: vec3f) -> vec3f {
 }
 
 // Share of rays that follow bright parts of the environment: 0, a gradient has none.
-fn environment_share() -> f32 {
+fn environment_share(normal: vec3f) -> f32 {
     return 0.0;
 }
 
-fn environment_pdf(direction: vec3f) -> f32 {
+fn environment_pdf(direction: vec3f, normal: vec3f) -> f32 {
     return 0.0;
 }
 
-fn environment_direction(u: vec2f) -> vec3f {
+fn environment_direction(u: vec2f, normal: vec3f) -> vec3f {
     return vec3f(0.0, 1.0, 0.0);
 }

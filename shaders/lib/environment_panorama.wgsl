@@ -6,6 +6,7 @@
 @group(0) @binding(6) var panorama: texture_2d<f32>;
 @group(0) @binding(7) var panorama_density: texture_2d<f32>; // mean brightness of equal-area squares, all levels
 @group(0) @binding(8) var panorama_sampler: sampler;
+@group(0) @binding(12) var panorama_cones: texture_2d<f32>; // where the light of coarse squares comes from
 
 fn into_panorama(direction: vec3f) -> vec3f {
     let t = sampling.turn; // cosine and sine
@@ -24,10 +25,6 @@ fn environment(direction: vec3f) -> vec3f {
     let longitude = atan2(select(d.x, 0.0, is_pole), select(d.z, 1.0, is_pole));
     let uv = vec2f(0.5 - longitude / (2.0 * PI), acos(clamp(d.y, -1.0, 1.0)) / PI);
     return textureSampleLevel(panorama, panorama_sampler, uv, 0.0).xyz * sampling.scale;
-}
-
-fn environment_share() -> f32 {
-    return sampling.panorama_share;
 }
 
 fn with_sign(size: vec2f, signs: vec2f) -> vec2f {
@@ -58,28 +55,70 @@ fn square_of_direction(d: vec3f) -> vec2f {
     return (with_sign(p, d.xy) + 1.0) * 0.5;
 }
 
-// Density per solid angle with which `environment_direction` samples a unit direction.
-fn environment_pdf(direction: vec3f) -> f32 {
-    let edge = 1u << (sampling.density_levels - 1u);
-    let place = square_of_direction(into_panorama(direction));
-    let at = min(vec2u(place * f32(edge)), vec2u(edge - 1u));
-    let mean = textureLoad(panorama_density, vec2u(0u), sampling.density_levels - 1u).x;
-    return textureLoad(panorama_density, at, 0).x / (max(mean, 1e-30) * 4.0 * PI);
+// Upper bound of the light that a surface with this normal gets from a square: the square's density times the cosine
+// towards the nearest direction of the cone around its light. `cone`: axis and cosine of the half angle, both times the
+// density (src/world/environment/cones.rs).
+fn cone_light(cone: vec4f, normal: vec3f) -> f32 {
+    let d2 = dot(cone.xyz, cone.xyz);
+    let towards = dot(cone.xyz, normal);
+    if (towards >= cone.w || d2 <= 0.0) { return sqrt(d2); }
+    let sines = sqrt(max((d2 - towards * towards) * (d2 - cone.w * cone.w), 0.0));
+    return max(towards * cone.w + sines, 0.0) * inverseSqrt(d2);
 }
 
-// Samples a unit direction: descends the pyramid, choosing squares by their brightness (Clarberg et al. 2005).
-fn environment_direction(u_in: vec2f) -> vec3f {
+// Weights of the four squares within a square, for a surface with this normal, at the level `level` of the density.
+fn square_weights(at: vec2u, level: i32, normal: vec3f) -> vec4f {
+    var weights: vec4f;
+    let cones = level - i32(sampling.density_levels - min(sampling.density_levels, CONE_LEVELS));
+    for (var k = 0u; k < 4u; k++) {
+        let child = at + vec2u(k & 1u, k >> 1u);
+        if (cones >= 0) {
+            weights[k] = cone_light(textureLoad(panorama_cones, child, cones), normal);
+        } else {
+            weights[k] = textureLoad(panorama_density, child, level).x;
+        }
+    }
+    return weights;
+}
+
+// Share of the panorama's light that its density holds and that reaches a surface with this normal (in the
+// panorama's space).
+fn environment_share(normal: vec3f) -> f32 {
+    let levels = min(sampling.density_levels, CONE_LEVELS);
+    return cone_light(textureLoad(panorama_cones, vec2u(0u), levels - 1u), into_panorama(normal));
+}
+
+// Density per solid angle with which `environment_direction` samples a unit direction, for a surface with this normal.
+fn environment_pdf(direction: vec3f, world_normal: vec3f) -> f32 {
+    let normal = into_panorama(world_normal);
+    let finest = sampling.density_levels - 1u;
+    let place = square_of_direction(into_panorama(direction));
+    let at = min(vec2u(place * f32(1u << finest)), vec2u((1u << finest) - 1u));
+    var pdf = 1.0 / (4.0 * PI);
+    let least = i32(sampling.density_levels - min(sampling.density_levels, CONE_LEVELS));
+    for (var level = i32(finest) - 1; level >= least; level--) {
+        let child = at >> vec2u(u32(level));
+        let weights = square_weights(child & vec2u(0xfffffffeu), level, normal);
+        let sum = weights.x + weights.y + weights.z + weights.w;
+        let own = weights[(child.x & 1u) + 2u * (child.y & 1u)];
+        pdf *= 4.0 * own / max(sum, 1e-30);
+    }
+    let coarse = textureLoad(panorama_density, at >> vec2u(u32(least)), least).x;
+    return pdf * textureLoad(panorama_density, at, 0).x / max(coarse, 1e-30);
+}
+
+// Samples a unit direction: descends the pyramid, choosing squares by their brightness (Clarberg et al. 2005), the
+// coarser ones also by where they are seen from a surface with this normal.
+fn environment_direction(u_in: vec2f, world_normal: vec3f) -> vec3f {
+    let normal = into_panorama(world_normal);
     var u = u_in;
     var at = vec2u(0u);
     for (var level = i32(sampling.density_levels) - 2; level >= 0; level--) {
         at *= 2u;
-        let a = textureLoad(panorama_density, at, level).x;
-        let b = textureLoad(panorama_density, at + vec2u(1u, 0u), level).x;
-        let c = textureLoad(panorama_density, at + vec2u(0u, 1u), level).x;
-        let d = textureLoad(panorama_density, at + vec2u(1u, 1u), level).x;
-        let left = (a + c) / max(a + b + c + d, 1e-30);
+        let w = square_weights(at, level, normal);
+        let left = (w.x + w.z) / max(w.x + w.y + w.z + w.w, 1e-30);
         let goes_right = u.x >= left;
-        let upper = select(a / max(a + c, 1e-30), b / max(b + d, 1e-30), goes_right);
+        let upper = select(w.x / max(w.x + w.z, 1e-30), w.y / max(w.y + w.w, 1e-30), goes_right);
         let goes_down = u.y >= upper;
         at += vec2u(u32(goes_right), u32(goes_down));
         u.x = select(u.x / max(left, 1e-30), (u.x - left) / max(1.0 - left, 1e-30), goes_right);

@@ -5,15 +5,13 @@
 struct Sampling {
     first: u32, // index of the first sample of this sub-frame
     rays: u32, // number of rays towards lights per pixel and sub-frame
-    panorama_share: f32, // share of the panorama's light that its density table holds
-    density_levels: u32,
     turn: vec2f, // cosine and sine of the panorama's rotation
+    density_levels: u32,
     scale: f32, // radiance of a panorama texel of 1
     sample: u32, // index of this sub-frame
     samples: u32, // number of sub-frames of the picture
     emitters: u32, // number of emissive triangles that are sampled
     emitted_power: f32, // sum of area times emitted luminance over all of them
-    pad0: u32,
 }
 
 @group(0) @binding(5) var<uniform> sampling: Sampling;

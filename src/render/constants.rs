@@ -10,6 +10,7 @@ use reflet_world::{
         ALPHA_TESTED, CAPSULES, DOUBLE_SIDED, FLIPPED, NODE_VECTORS, SHADOWLESS, STACK_SIZE,
         STATIC_ROOT, TOP_LEVEL, TOP_ROOT, TRIANGLE_VECTORS, UNREFLECTED, UNSEEN,
     },
+    environment::CONE_LEVELS,
     texture::pool_size::SMALLEST_POOL_PX,
 };
 
@@ -153,6 +154,7 @@ pub fn wgsl() -> String {
         AUDIT_RAYS,
         PYRAMID_LEVELS,
         TEXEL_COLUMNS,
+        CONE_LEVELS,
         SQUARE_CORNERS,
         NODE_VECTORS,
         TRIANGLE_VECTORS,

@@ -173,15 +173,13 @@ impl Sampling {
         Self {
             first: sample * rays,
             rays,
-            panorama_share: panorama.map_or(0.0, |p| p.density.share),
-            density_levels: panorama.map_or(0, |p| p.density.levels.len() as u32),
             turn: [turn.cos(), turn.sin()],
+            density_levels: panorama.map_or(0, |p| p.density.levels.len() as u32),
             scale: environment.desc.intensity * panorama.map_or(0.0, |p| p.scale),
             sample,
             samples: image.samples,
             emitters: emitters.triangles,
             emitted_power: emitters.power,
-            pad0: 0,
         }
     }
 }

@@ -105,12 +105,10 @@ gpu_struct! {
         first: u32,
         /// Number of rays towards lights per pixel and sub-frame.
         rays: u32,
-        /// Share of the panorama's light that its density table holds.
-        panorama_share: f32,
-        /// Number of levels of the density table.
-        density_levels: u32,
         /// Cosine and sine of the panorama's rotation.
         turn: [f32; 2],
+        /// Number of levels of the panorama's density table.
+        density_levels: u32,
         /// Radiance of a panorama texel of 1.
         scale: f32,
         /// Index of the sub-frame, from 0.
@@ -121,8 +119,6 @@ gpu_struct! {
         emitters: u32,
         /// Sum of area times emitted luminance over all emissive triangles.
         emitted_power: f32,
-        /// Unused.
-        pad0: u32,
     }
 }
 

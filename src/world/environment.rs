@@ -1,6 +1,7 @@
 //! Environment: the radiance that rays find where they leave the scene, of a panorama (with the density for
 //! importance sampling) or of a gradient.
 
+mod cones;
 mod cube;
 mod density;
 mod exr;
@@ -15,6 +16,7 @@ use glam::DVec3;
 use half::f16;
 
 pub use self::{
+    cones::CONE_LEVELS,
     cube::{CubeMap, of_cube},
     density::Density,
     pixels::{LARGEST_KEPT, PanoramaLimits},

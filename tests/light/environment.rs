@@ -90,6 +90,30 @@ fn a_panorama_of_one_texel_is_a_constant() {
     assert_color(&sky, 8, 4, [0.0; 3], 0.0);
 }
 
+#[test]
+fn a_sun_behind_a_surface_leaves_no_grain_on_it() {
+    // The sun, 3,000 times as bright as the rest, is one texel below the floor. It takes no samples from what the floor
+    // sees: light of one brightness, which a sample by the cosine finds exactly.
+    let sun = |x, y| {
+        if (x, y) == (5, 11) {
+            [3e3; 3]
+        } else {
+            [0.4; 3]
+        }
+    };
+    let text = format!("{FLOOR}{SKY}");
+    for turn in ["0", "77"] {
+        let turn = format!("environment.rotation_deg={turn}");
+        let set = ["image.light_rays=1", turn.as_str()];
+        let Some(picture) = render_under("sun-behind", [32, 16], sun, (&text, &set)) else {
+            return;
+        };
+        for (x, y) in [(0, 0), (8, 4), (9, 4), (15, 7)] {
+            assert_color(&picture, x, y, [0.2; 3], 1e-3);
+        }
+    }
+}
+
 /// Panorama: red in the middle, green left of it, blue at both ends, white to its right.
 fn quarters(x: usize, y: usize) -> [f32; 3] {
     match (x + 4) % 32 / 8 {

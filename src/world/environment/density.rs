@@ -3,8 +3,10 @@
 
 use std::f32::consts::{FRAC_PI_4, PI};
 
-use glam::{UVec2, Vec2, Vec3};
+use glam::{UVec2, Vec2, Vec3, Vec4};
 use rayon::prelude::*;
+
+use super::cones::cones;
 
 /// Maximum number of squares along an edge of the finest level.
 const MOST_SQUARES: u32 = 512;
@@ -17,10 +19,12 @@ const TAPS: u32 = 4;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Density {
     /// Levels from the finest, a square grid, down to a single number; each number is the mean of four on the finer
-    /// level.
+    /// level. The last is the share of the panorama's light that the density covers, 0 to 1; the rest is about the same
+    /// in all directions.
     pub levels: Vec<Vec<f32>>,
-    /// Share of the panorama's light that the density covers, 0 to 1; the rest is about the same in all directions.
-    pub share: f32,
+    /// Cones around the directions of the squares of the coarser levels where the density is above 0, from a grid of
+    /// at most 16 × 16 down to the whole sphere: the axis and the cosine of the half angle, both times the density.
+    pub cones: Vec<Vec<Vec4>>,
 }
 
 impl Density {
@@ -53,10 +57,14 @@ impl Density {
         let total: f64 = squares.iter().sum();
         let mean = total / squares.len() as f64;
         let over = squares.iter().map(|light| (light - mean).max(0.0));
-        let share = (over.clone().sum::<f64>() / total.max(f64::MIN_POSITIVE)) as f32;
-        // Divided by the mean, so that no panorama is too bright or too dark for 32 bits.
-        let mean = mean.max(f64::MIN_POSITIVE);
-        let mut levels = vec![over.map(|light| (light / mean) as f32).collect::<Vec<_>>()];
+        // Divided by the mean, so that no panorama is too bright or too dark for 32 bits. A share below a thousandth is
+        // mere rounding.
+        let scale = match over.clone().sum::<f64>() > 1e-3 * total {
+            true => mean.recip(),
+            false => 0.0,
+        };
+        let mut levels = vec![over.map(|light| (light * scale) as f32).collect::<Vec<_>>()];
+        let cones = cones(&levels[0], edge);
         let mut edge = edge;
         while edge > 1 {
             let finer = &levels[levels.len() - 1];
@@ -68,9 +76,7 @@ impl Density {
             });
             levels.push(coarser.collect());
         }
-        // A smaller share is mere rounding.
-        let share = if share > 1e-3 { share } else { 0.0 };
-        Self { levels, share }
+        Self { levels, cones }
     }
 
     /// Number of squares along an edge of the finest level.
@@ -107,7 +113,7 @@ impl Bilinear<'_> {
 }
 
 /// Unit direction of a point of the octahedral square, coordinates 0 to 1 (Clarberg 2008).
-fn direction_of_square(place: Vec2) -> Vec3 {
+pub(super) fn direction_of_square(place: Vec2) -> Vec3 {
     let p = place * 2.0 - 1.0;
     let size = p.abs();
     let to_fold = 1.0 - size.x - size.y;
@@ -130,12 +136,17 @@ fn direction_of_square(place: Vec2) -> Vec3 {
 mod tests {
     use super::*;
 
+    /// Share of the panorama's light that a density covers.
+    fn share(density: &Density) -> f32 {
+        density.levels.concat().last().copied().unwrap_or_default()
+    }
+
     #[test]
     fn a_constant_is_left_to_the_surface() {
         let constant = Density::new(&[3.0; 128 * 64], 128, 64);
-        assert_eq!((constant.share, constant.edge()), (0.0, 64));
+        assert_eq!((share(&constant), constant.edge()), (0.0, 64));
         let black = Density::new(&[0.0], 1, 1);
-        assert_eq!((black.share, black.edge()), (0.0, 1));
+        assert_eq!((share(&black), black.edge()), (0.0, 1));
     }
 
     #[test]
@@ -164,7 +175,7 @@ mod tests {
         let density = Density::new(&luminance, width, height);
         let texel = (2.0 * PI / width as f32) * (PI / height as f32) / (4.0 * PI);
         let expected = 4.0 * 999.0 * texel / (1.0 + 4.0 * 999.0 * texel);
-        let found = density.share;
+        let found = share(&density);
         assert!(
             (found - expected).abs() < 0.1 * expected,
             "{found} {expected}"
