@@ -59,12 +59,28 @@ fn emitter_sample(id: vec2u, position: vec3f, u: vec2f) -> LightSample {
     return r;
 }
 
-// Light of one point, chosen among all emitters.
+// Number of points of emitters of which each light ray is aimed at one.
+const EMITTER_CANDIDATES: u32 = 8u;
+
+// Light of one point, chosen among several by the light that the surface would reflect of each (resampled importance
+// sampling; Talbot et al. 2005).
 fn returned_of_emitters(s: Surface, view: vec3f, to: Receiver, index: u32) -> Returned {
     if (sampling.emitted_power <= 0.0) { return Returned(); }
-    let id = chosen_emitter(sample_square(index, next_pair()));
-    let l = emitter_sample(id, s.position, sample_square(index, next_pair()));
-    return returned_of_lamp(s, view, to, l, !is_passed(instance_trace_flags(id.x), UNREFLECTED));
+    let which = next_pair();
+    let where_on_it = next_pair();
+    var choice: Choice;
+    choice.u = sample_square(index, next_pair()).x;
+    for (var k = 0u; k < EMITTER_CANDIDATES; k++) {
+        let candidate = index * EMITTER_CANDIDATES + k;
+        let id = chosen_emitter(sample_square(candidate, which));
+        var l = emitter_sample(id, s.position, sample_square(candidate, where_on_it));
+        l.pdf *= f32(EMITTER_CANDIDATES);
+        offer(&choice, returned_of_lamp(s, view, to, l, !is_passed(instance_trace_flags(id.x), UNREFLECTED)));
+    }
+    var one = standing_for_all(choice);
+    one.diffuse /= f32(EMITTER_CANDIDATES);
+    one.specular /= f32(EMITTER_CANDIDATES);
+    return one;
 }
 
 // Share of a surface's emission that a reflection ray takes; the rest comes by light samples. Lamps are not dimmed by
@@ -76,5 +92,5 @@ fn met_emission(ray: Reflected, instance: u32, distance_m: f32, s: Surface) -> f
     let way_m = distance_m + passed_m;
     let facing = abs(dot(s.geometric_normal, ray.direction));
     let pdf = emitter_density(instance_material(instance)) * way_m * way_m / max(facing, 1e-12);
-    return balance(ray.pdf, pdf * f32(sampling.rays)) / ray.kept;
+    return balance(ray.pdf, pdf * f32(sampling.rays * EMITTER_CANDIDATES)) / ray.kept;
 }
