@@ -21,7 +21,7 @@ fn shade_pixel(pixel: vec2u) {
     let cone = mirrored_cone(pixel_cone(distance(first.position, frame.eye)), first.curvature);
     let cone_there = continued(cone, bitcast<f32>(found.x));
     var s = surface_at(found.y, found.z, unpack2x16unorm(found.w), direction, cone_there.width_m);
-    s.emission *= met_emission(ray, found.y, bitcast<f32>(found.x), s);
+    s.emission *= met_emission(ray, found.y, found.z, bitcast<f32>(found.x), s);
     start_samples(pixel, 1u);
     let light = seen_light(first.position, ray, bitcast<f32>(found.x));
     var color = light.radiance;

@@ -64,7 +64,7 @@ fn trace_pixel(pixel: vec2u) {
         if (!SHADE && bounce + 1u == frame.bounces + crossings() + scatterings()) { break; }
         cone = continued(cone, h.t);
         var s = surface_at(h.instance, h.triangle, h.bary, direction, cone.width_m);
-        s.emission *= met_emission(ray, h.instance, h.t, s);
+        s.emission *= met_emission(ray, h.instance, h.triangle, h.t, s);
         if (SHADE) {
             var lent = vec2u(0u);
             if (LENDS_LIGHT) { lent = lent_light(visible_lights, s); }

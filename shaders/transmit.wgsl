@@ -61,7 +61,7 @@ fn behind(pixel: vec2u) -> vec4f {
         cone = continued(cone, h.t);
         let direction = ray.direction;
         s = surface_at(h.instance, h.triangle, h.bary, direction, cone.width_m);
-        s.emission *= met_emission(ray, h.instance, h.t, s);
+        s.emission *= met_emission(ray, h.instance, h.triangle, h.t, s);
         let lit = shade(s, -direction, vec2u(0u));
         color += found_light(throughput * met_light(ray, lit), step);
         if (!continues(s)) { break; }

@@ -9,6 +9,6 @@ fn returned_of_emitters(s: Surface, view: vec3f, to: Receiver, index: u32) -> Re
     return Returned();
 }
 
-fn met_emission(ray: Reflected, instance: u32, distance_m: f32, s: Surface) -> f32 {
+fn met_emission(ray: Reflected, instance: u32, triangle: u32, distance_m: f32, s: Surface) -> f32 {
     return 1.0;
 }

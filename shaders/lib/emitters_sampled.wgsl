@@ -13,11 +13,6 @@ const HAS_EMITTERS: bool = true;
 // the column that is its own, and index of the triangle that has the rest.
 @group(1) @binding(16) var emitters: texture_2d<u32>;
 
-// Density per area with which points of a material are chosen.
-fn emitter_density(material: u32) -> f32 {
-    return luminance(material_emission(material)) / max(sampling.emitted_power, 1e-30);
-}
-
 fn emitter_texel(k: u32) -> vec4u {
     return textureLoad(emitters, vec2u(k % TEXEL_COLUMNS, k / TEXEL_COLUMNS), 0);
 }
@@ -28,34 +23,115 @@ fn chosen_emitter(u: vec2f) -> vec2u {
     return emitter_texel(found.w).xy;
 }
 
+// Points of near triangles are chosen by solid angle: those farther than this many times their edges are as good by
+// area, at less cost, and triangles around the point are no spherical ones.
+const FAR_EDGES: f32 = 3.0;
+const LARGEST_SOLID_ANGLE: f32 = 6.2;
+
+// World-space corners of a triangle, relative to a point on the surface that it lights.
+struct SeenTriangle {
+    p: array<vec3f, 3>,
+    area2: vec3f, // cross product of two edges, on the front
+    solid_angle: f32, // steradians; 0: its points are chosen by area
+}
+
+fn seen_triangle(instance: u32, c: Corner, position: vec3f) -> SeenTriangle {
+    var t: SeenTriangle;
+    for (var k = 0u; k < 3u; k++) { t.p[k] = to_world(instance, c.p[k]) - position; }
+    let e1 = t.p[1] - t.p[0];
+    let e2 = t.p[2] - t.p[0];
+    t.area2 = cross(e1, e2);
+    if ((instance_flags(instance) & FLAG_MIRRORED) != 0u) { t.area2 = -t.area2; }
+    if (dot(t.p[0], t.p[0]) > FAR_EDGES * FAR_EDGES * max(dot(e1, e1), dot(e2, e2))) { return t; }
+    // Van Oosterom & Strackee 1983, "The Solid Angle of a Plane Triangle".
+    let a = normalize(t.p[0]);
+    let b = normalize(t.p[1]);
+    let d = normalize(t.p[2]);
+    let solid_angle = 2.0 * atan2(abs(dot(a, cross(b, d))), 1.0 + dot(a, b) + dot(b, d) + dot(d, a));
+    // Small ones, seen from the edge, would lose their digits.
+    if (solid_angle > 1e-3 && solid_angle < LARGEST_SOLID_ANGLE) { t.solid_angle = solid_angle; }
+    return t;
+}
+
+// Probability with which a triangle of a material is chosen.
+fn emitter_probability(material: u32, t: SeenTriangle) -> f32 {
+    return luminance(material_emission(material)) * 0.5 * length(t.area2) / max(sampling.emitted_power, 1e-30);
+}
+
+// Density per solid angle of a point of a triangle at the distance of which `d2` is the square.
+fn point_density(t: SeenTriangle, d2: f32, facing: f32) -> f32 {
+    if (t.solid_angle > 0.0) { return 1.0 / t.solid_angle; }
+    return d2 / max(facing * 0.5 * length(t.area2), 1e-30);
+}
+
+// Unit length, at a right angle to `to`.
+fn across(v: vec3f, to: vec3f) -> vec3f {
+    return normalize(v - to * dot(v, to));
+}
+
+fn angle_at(a: vec3f, b: vec3f) -> f32 {
+    return atan2(length(cross(a, b)), dot(a, b));
+}
+
+// A direction towards a triangle, uniform in solid angle (Arvo 1995, "Stratified Sampling of Spherical Triangles").
+fn spherical_direction(t: SeenTriangle, u: vec2f) -> vec3f {
+    let a = normalize(t.p[0]);
+    let b = normalize(t.p[1]);
+    let c = normalize(t.p[2]);
+    let alpha = angle_at(across(b, a), across(c, a));
+    let angle = u.x * t.solid_angle - alpha;
+    let s = sin(angle);
+    let q = cos(angle);
+    let cos_alpha = cos(alpha);
+    let sin_alpha = sin(alpha);
+    let k1 = q - cos_alpha;
+    let k2 = s + sin_alpha * dot(a, b);
+    let below = (k2 * s + k1 * q) * sin_alpha;
+    let cosine = clamp(((k2 * q - k1 * s) * cos_alpha - k2) / select(below, 1e-30, below == 0.0), -1.0, 1.0);
+    let on_edge = cosine * a + sqrt(1.0 - cosine * cosine) * across(c, a);
+    let z = 1.0 - u.y * (1.0 - dot(on_edge, b));
+    return z * b + sqrt(max(1.0 - z * z, 0.0)) * across(on_edge, b);
+}
+
+// Barycentric weights of vertex 1 and vertex 2 of a point that is sampled.
+fn sampled_place(t: SeenTriangle, u: vec2f) -> vec2f {
+    if (t.solid_angle == 0.0) {
+        let root = sqrt(u.x);
+        return vec2f(root * (1.0 - u.y), root * u.y);
+    }
+    // Möller & Trumbore 1997, with the eye at the origin.
+    let direction = spherical_direction(t, u);
+    let e1 = t.p[1] - t.p[0];
+    let e2 = t.p[2] - t.p[0];
+    let s = cross(direction, e2);
+    let q = cross(-t.p[0], e1);
+    let place = clamp(vec2f(dot(-t.p[0], s), dot(direction, q)) / dot(s, e1), vec2f(0.0), vec2f(1.0));
+    return place / max(place.x + place.y, 1.0);
+}
+
 // A point of an emissive triangle as a light sample, without visibility.
 fn emitter_sample(id: vec2u, position: vec3f, u: vec2f) -> LightSample {
     var r: LightSample;
     let instance = id.x;
     let m = instance_material(instance);
     let c = corners(instance, id.y);
-    let p0 = to_world(instance, c.p[0]);
-    let e1 = to_world(instance, c.p[1]) - p0;
-    let e2 = to_world(instance, c.p[2]) - p0;
-    let root = sqrt(u.x);
-    let bary = vec2f(root * (1.0 - u.y), root * u.y);
-    let offset = p0 + e1 * bary.x + e2 * bary.y - position;
+    let t = seen_triangle(instance, c, position);
+    let bary = sampled_place(t, u);
+    let offset = t.p[0] + (t.p[1] - t.p[0]) * bary.x + (t.p[2] - t.p[0]) * bary.y;
     let d2 = max(dot(offset, offset), 1e-20);
     r.distance_m = sqrt(d2);
     r.to_light = offset / r.distance_m;
-    let area2 = cross(e1, e2);
     let flags = instance_trace_flags(instance);
-    var facing = -dot(area2, r.to_light) / max(length(area2), 1e-30);
-    if ((instance_flags(instance) & FLAG_MIRRORED) != 0u) { facing = -facing; }
+    var facing = -dot(t.area2, r.to_light) / max(length(t.area2), 1e-30);
     if ((flags & DOUBLE_SIDED) != 0u) { facing = abs(facing); }
     if (facing <= 0.0) { return r; }
     var emission = material_emission(m) * emitted_share(m, instance, c.index, bary, facing);
     if (HAS_TEXTURES) {
         emission *= texel_at(material_texture(m, EMISSION_SLOT), pools_of(EMISSION_SLOT), instance, c.index, bary, 1.0, 0.0).xyz;
     }
-    let density = emitter_density(m);
-    r.color = emission * (facing / (d2 * density));
-    r.pdf = density * d2 / facing;
+    let density = emitter_probability(m, t) * point_density(t, d2, facing);
+    r.color = emission / max(density, 1e-30);
+    r.pdf = density * f32(EMITTER_CANDIDATES);
     return r;
 }
 
@@ -73,8 +149,7 @@ fn returned_of_emitters(s: Surface, view: vec3f, to: Receiver, index: u32) -> Re
     for (var k = 0u; k < EMITTER_CANDIDATES; k++) {
         let candidate = index * EMITTER_CANDIDATES + k;
         let id = chosen_emitter(sample_square(candidate, which));
-        var l = emitter_sample(id, s.position, sample_square(candidate, where_on_it));
-        l.pdf *= f32(EMITTER_CANDIDATES);
+        let l = emitter_sample(id, s.position, sample_square(candidate, where_on_it));
         offer(&choice, returned_of_lamp(s, view, to, l, !is_passed(instance_trace_flags(id.x), UNREFLECTED)));
     }
     var one = standing_for_all(choice);
@@ -85,12 +160,13 @@ fn returned_of_emitters(s: Surface, view: vec3f, to: Receiver, index: u32) -> Re
 
 // Share of a surface's emission that a reflection ray takes; the rest comes by light samples. Lamps are not dimmed by
 // the surface before, so that share is undone.
-fn met_emission(ray: Reflected, instance: u32, distance_m: f32, s: Surface) -> f32 {
+fn met_emission(ray: Reflected, instance: u32, triangle: u32, distance_m: f32, s: Surface) -> f32 {
     if ((instance_flags(instance) & FLAG_EMITTER) == 0u) { return 1.0; }
     if (ray.pdf == 0.0) { return 1.0 / ray.kept; }
     if (ray.pdf == TAKEN) { return 0.0; }
     let way_m = distance_m + passed_m;
     let facing = abs(dot(s.geometric_normal, ray.direction));
-    let pdf = emitter_density(instance_material(instance)) * way_m * way_m / max(facing, 1e-12);
+    let t = seen_triangle(instance, corners(instance, triangle), s.position - ray.direction * way_m);
+    let pdf = emitter_probability(instance_material(instance), t) * point_density(t, way_m * way_m, facing);
     return balance(ray.pdf, pdf * f32(sampling.rays * EMITTER_CANDIDATES)) / ray.kept;
 }

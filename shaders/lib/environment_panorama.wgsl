@@ -6,7 +6,8 @@
 @group(0) @binding(6) var panorama: texture_2d<f32>;
 @group(0) @binding(7) var panorama_density: texture_2d<f32>; // mean brightness of equal-area squares, all levels
 @group(0) @binding(8) var panorama_sampler: sampler;
-@group(0) @binding(12) var panorama_cones: texture_2d<f32>; // where the light of coarse squares comes from
+// Cones around the light of coarse squares, those of the coarsest first; see src/world/environment/cones.rs.
+@group(0) @binding(12) var<uniform> panorama_cones: array<vec4f, MOST_CONES>;
 
 fn into_panorama(direction: vec3f) -> vec3f {
     let t = sampling.turn; // cosine and sine
@@ -57,7 +58,7 @@ fn square_of_direction(d: vec3f) -> vec2f {
 
 // Upper bound of the light that a surface with this normal gets from a square: the square's density times the cosine
 // towards the nearest direction of the cone around its light. `cone`: axis and cosine of the half angle, both times the
-// density (src/world/environment/cones.rs).
+// density.
 fn cone_light(cone: vec4f, normal: vec3f) -> f32 {
     let d2 = dot(cone.xyz, cone.xyz);
     let towards = dot(cone.xyz, normal);
@@ -69,11 +70,11 @@ fn cone_light(cone: vec4f, normal: vec3f) -> f32 {
 // Weights of the four squares within a square, for a surface with this normal, at the level `level` of the density.
 fn square_weights(at: vec2u, level: i32, normal: vec3f) -> vec4f {
     var weights: vec4f;
-    let cones = level - i32(sampling.density_levels - min(sampling.density_levels, CONE_LEVELS));
+    let edge = 1u << (sampling.density_levels - 1u - u32(level));
     for (var k = 0u; k < 4u; k++) {
         let child = at + vec2u(k & 1u, k >> 1u);
-        if (cones >= 0) {
-            weights[k] = cone_light(textureLoad(panorama_cones, child, cones), normal);
+        if (edge < 1u << CONE_LEVELS) {
+            weights[k] = cone_light(panorama_cones[(edge * edge - 1u) / 3u + child.y * edge + child.x], normal);
         } else {
             weights[k] = textureLoad(panorama_density, child, level).x;
         }
@@ -84,8 +85,7 @@ fn square_weights(at: vec2u, level: i32, normal: vec3f) -> vec4f {
 // Share of the panorama's light that its density holds and that reaches a surface with this normal (in the
 // panorama's space).
 fn environment_share(normal: vec3f) -> f32 {
-    let levels = min(sampling.density_levels, CONE_LEVELS);
-    return cone_light(textureLoad(panorama_cones, vec2u(0u), levels - 1u), into_panorama(normal));
+    return cone_light(panorama_cones[0], into_panorama(normal));
 }
 
 // Density per solid angle with which `environment_direction` samples a unit direction, for a surface with this normal.

@@ -103,7 +103,7 @@ fn followed(pixel: vec2u, vertex: u32, hits: u32, start: Reflected, from_s: Surf
         }
         cone = continued(cone, h.t);
         s = surface_at(h.instance, h.triangle, h.bary, ray.direction, cone.width_m);
-        s.emission *= met_emission(ray, h.instance, h.t, s);
+        s.emission *= met_emission(ray, h.instance, h.triangle, h.t, s);
         let lit = shade(s, -ray.direction, vec2u(0u));
         color += found_light(throughput * met_light(ray, lit), hits + k);
         if (!continues(s)) { break; }

@@ -21,6 +21,7 @@ use super::{
     groove_table::{GROOVE_COSINES, GROOVE_NODES, GROOVE_STEPS},
     lights::{SHADOW_MAP, SHADOW_NEAR_M, SHADOW_NONE, SHADOW_RAY},
     lobe_table::{LOBE_COSINES, LOBE_NODES, LOBE_ROUGHNESSES, SMOOTH_ALPHA},
+    panorama::MOST_CONES,
     pass::GROUP_PX,
     ray_list::{
         AUDIT_RAYS, AUDITED_COUNTER, COUNTERS, EXHAUSTED_COUNTER, HIT_COUNTER, LISTS, List,
@@ -104,7 +105,6 @@ pub fn wgsl() -> String {
         METAL_REACH,
         COAT_STEPS,
         CUTOFF_FADE,
-        MAX_LIGHTS,
         LOBE_COSINES,
         LOBE_ROUGHNESSES,
         LOBE_NODES,
@@ -113,10 +113,6 @@ pub fn wgsl() -> String {
         GROOVE_NODES,
         LEAST_SHEEN_ALPHA,
         SMOOTH_ALPHA,
-        SHADOW_NONE,
-        SHADOW_MAP,
-        SHADOW_RAY,
-        SHADOW_NEAR_M,
         FLAG_COLORS,
         FLAG_MIRRORED,
         FLAG_EMITTER,
@@ -154,7 +150,6 @@ pub fn wgsl() -> String {
         AUDIT_RAYS,
         PYRAMID_LEVELS,
         TEXEL_COLUMNS,
-        CONE_LEVELS,
         SQUARE_CORNERS,
         NODE_VECTORS,
         TRIANGLE_VECTORS,
@@ -172,9 +167,24 @@ pub fn wgsl() -> String {
     );
     let lent_bytes = Target::VisibleLights.format(false).block_copy_size(None);
     define(&mut out, "LENT_LIGHTS", &(lent_bytes.unwrap_or(0) * 8 / 2));
+    define_lights(&mut out);
     define_variants(&mut out);
     define_causes(&mut out);
     out
+}
+
+/// Numbers of lights, of their shadows and of the table by which a panorama is sampled.
+fn define_lights(out: &mut String) {
+    define_all!(
+        out,
+        MAX_LIGHTS,
+        SHADOW_NONE,
+        SHADOW_MAP,
+        SHADOW_RAY,
+        SHADOW_NEAR_M,
+        CONE_LEVELS,
+        MOST_CONES,
+    );
 }
 
 /// Numbers of the variants of enums.

@@ -33,18 +33,16 @@ pub struct FrameUniforms {
 impl FrameUniforms {
     /// Creates the blocks; only the lobe table has content.
     pub fn new(gpu: &Gpu) -> Self {
-        let make = |label, size| uniform(gpu, label, size);
+        let make = |label, size| empty_uniform(gpu, label, size);
         let table: &[u8] = bytemuck::cast_slice(lobe_table());
-        let this = Self {
+        Self {
             frame: make("frame", size_of::<Frame>()),
             lights: make("lights", size_of::<LightBlock>()),
             sampling: make("sampling", size_of::<Sampling>()),
-            lobe_table: make("lobe_table", table.len()),
+            lobe_table: uniform(gpu, "lobe_table", table),
             sheen_table: OnceLock::new(),
             groove_table: OnceLock::new(),
-        };
-        gpu.queue.write_buffer(&this.lobe_table, 0, table);
-        this
+        }
     }
 
     /// Uploads all blocks.
@@ -78,16 +76,18 @@ fn made<'a>(
     name: &str,
     table: fn() -> &'static [[f32; 4]],
 ) -> wgpu::BindingResource<'a> {
-    let make = || {
-        let table: &[u8] = bytemuck::cast_slice(table());
-        let buffer = uniform(gpu, name, table.len());
-        gpu.queue.write_buffer(&buffer, 0, table);
-        buffer
-    };
+    let make = || uniform(gpu, name, bytemuck::cast_slice(table()));
     buffer.get_or_init(make).as_entire_binding()
 }
 
-fn uniform(gpu: &Gpu, label: &str, size: usize) -> wgpu::Buffer {
+/// A uniform buffer with this content.
+pub(super) fn uniform(gpu: &Gpu, label: &str, content: &[u8]) -> wgpu::Buffer {
+    let buffer = empty_uniform(gpu, label, content.len());
+    gpu.queue.write_buffer(&buffer, 0, content);
+    buffer
+}
+
+fn empty_uniform(gpu: &Gpu, label: &str, size: usize) -> wgpu::Buffer {
     gpu.device.create_buffer(&wgpu::BufferDescriptor {
         label: Some(label),
         size: size as u64,

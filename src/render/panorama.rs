@@ -1,16 +1,21 @@
 //! The panorama of the environment on the GPU: its texels, and the density table with its cones for sampling.
 
 use reflet_gpu::{Gpu, GpuError};
-use reflet_world::environment::Panorama;
+use reflet_world::environment::{CONE_LEVELS, Panorama};
+
+use super::frame_uniforms::uniform;
+
+/// Number of cones of all levels: 4^levels - 1 over 3.
+pub const MOST_CONES: usize = ((1 << (2 * CONE_LEVELS)) - 1) / 3;
 
 /// A panorama on the GPU.
 #[derive(Clone, Debug)]
 pub struct GpuPanorama {
     texels: wgpu::TextureView,
     density: wgpu::TextureView,
-    cones: wgpu::TextureView,
+    cones: wgpu::Buffer,
     sampler: wgpu::Sampler,
-    /// Size of all textures, bytes.
+    /// Size of all textures and buffers, bytes.
     pub bytes: u64,
 }
 
@@ -26,10 +31,22 @@ impl GpuPanorama {
         let edge = panorama.density.edge();
         let texels = texture(gpu, [width, height], 1, wgpu::TextureFormat::Rgba16Float)?;
         upload(gpu, &texels, 0, bytemuck::cast_slice(&panorama.texels));
-        let cones = &panorama.density.cones;
-        let density = pyramid(gpu, edge, levels, wgpu::TextureFormat::R32Float)?;
-        let most_cones = 1 << (cones.len() - 1);
-        let bright = pyramid(gpu, most_cones, cones, wgpu::TextureFormat::Rgba32Float)?;
+        let count = levels.len() as u32;
+        let density = texture(gpu, [edge, edge], count, wgpu::TextureFormat::R32Float)?;
+        for (level, squares) in levels.iter().enumerate() {
+            upload(gpu, &density, level as u32, bytemuck::cast_slice(squares));
+        }
+        // Coarser levels first, so that the place of a cone depends on its own level alone.
+        let mut cones = panorama
+            .density
+            .cones
+            .iter()
+            .rev()
+            .cloned()
+            .collect::<Vec<_>>()
+            .concat();
+        cones.resize(MOST_CONES, glam::Vec4::ZERO);
+        let cones = uniform(gpu, "panorama_cones", bytemuck::cast_slice(&cones));
         let sampler = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
             label: Some("panorama sampler"),
             address_mode_u: wgpu::AddressMode::Repeat,
@@ -39,13 +56,13 @@ impl GpuPanorama {
         });
         let view = |t: &wgpu::Texture| t.create_view(&wgpu::TextureViewDescriptor::default());
         let squares: usize = levels.iter().map(Vec::len).sum();
-        let cones: usize = panorama.density.cones.iter().map(Vec::len).sum();
+        let tables = 4 * squares as u64 + cones.size();
         Ok(Self {
             texels: view(&texels),
             density: view(&density),
-            cones: view(&bright),
+            cones,
             sampler,
-            bytes: 8 * u64::from(width) * u64::from(height) + (4 * squares + 16 * cones) as u64,
+            bytes: 8 * u64::from(width) * u64::from(height) + tables,
         })
     }
 
@@ -54,7 +71,7 @@ impl GpuPanorama {
         match name {
             "panorama" => Some(wgpu::BindingResource::TextureView(&self.texels)),
             "panorama_density" => Some(wgpu::BindingResource::TextureView(&self.density)),
-            "panorama_cones" => Some(wgpu::BindingResource::TextureView(&self.cones)),
+            "panorama_cones" => Some(self.cones.as_entire_binding()),
             "panorama_sampler" => Some(wgpu::BindingResource::Sampler(&self.sampler)),
             _ => None,
         }
@@ -83,20 +100,6 @@ fn texture(
             view_formats: &[],
         })
     })
-}
-
-/// A square texture of all levels of a pyramid, from `edge` texels down to one.
-fn pyramid<T: bytemuck::Pod>(
-    gpu: &Gpu,
-    edge: u32,
-    levels: &[Vec<T>],
-    format: wgpu::TextureFormat,
-) -> Result<wgpu::Texture, GpuError> {
-    let texture = texture(gpu, [edge, edge], levels.len() as u32, format)?;
-    for (level, squares) in levels.iter().enumerate() {
-        upload(gpu, &texture, level as u32, bytemuck::cast_slice(squares));
-    }
-    Ok(texture)
 }
 
 fn upload(gpu: &Gpu, texture: &wgpu::Texture, mip_level: u32, bytes: &[u8]) {

@@ -5,7 +5,7 @@ use glam::{Vec3, Vec3A};
 use super::{Instance, Mesh, World};
 
 /// Maximum number of emitter triangles.
-pub const MAX_EMITTERS: usize = 1 << 16;
+pub const MAX_EMITTERS: usize = 1 << 20;
 
 /// Luminance weights of linear Rec. 709 colors; the shaders use the same.
 const LUMINANCE: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);

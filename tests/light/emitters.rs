@@ -255,7 +255,15 @@ fn what_cannot_light_is_named() {
             "emits-nothing",
             "emits nothing",
         ),
-        (lamp(ball, "[1, 1, 1]", ""), "emitters-too-many", "65536"),
+        (
+            [
+                lamp(ball, "[1, 1, 1]", ""),
+                "[[instance]]\nmodel = \"lamp\"\n".repeat(4),
+            ]
+            .concat(),
+            "emitters-too-many",
+            "1048576",
+        ),
     ] {
         let text = [FLOOR, &text].concat();
         let (read, _) = Scene::from_text(&text, "test.toml".as_ref(), &[]).expect("it is a scene");

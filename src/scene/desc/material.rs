@@ -58,7 +58,7 @@ pub struct MaterialDesc {
     /// Image file multiplied into the emission (sRGB).
     pub emission_texture: Option<At<String>>,
     /// Whether the surface's emission lights other surfaces, with shadows; else only reflections show it. For
-    /// glowing walls or neon tubes. A scene has at most 65,536 such triangles, which are sampled; small or few
+    /// glowing walls or neon tubes. A scene has at most 1,048,576 such triangles, which are sampled; small or few
     /// ones need fewer `samples`. Default false.
     pub light: Option<bool>,
     /// Whether the surface shows its base color and emission without lighting, as screens and signs do

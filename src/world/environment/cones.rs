@@ -11,7 +11,7 @@ use super::density::direction_of_square;
 pub const CONE_LEVELS: u32 = 5;
 
 /// Maximum number of squares along an edge of the finest level that has cones.
-const MOST_CONES: usize = 1 << (CONE_LEVELS - 1);
+const CONE_EDGE: usize = 1 << (CONE_LEVELS - 1);
 
 /// Directions of a grid of points over the square of a density: enough that those of each of its squares bound it.
 struct Lattice {
@@ -67,7 +67,7 @@ impl Lattice {
 /// times the square's mean density. `finest` is the density of `edge` × `edge` squares.
 pub fn cones(finest: &[f32], edge: usize) -> Vec<Vec<Vec4>> {
     let lattice = Lattice::new(edge);
-    let levels = edge.min(MOST_CONES).ilog2() + 1;
+    let levels = edge.min(CONE_EDGE).ilog2() + 1;
     let level = |k: u32| {
         let count = 1_usize << (levels - 1 - k);
         let cell = |i: usize| cone_of_cell(finest, &lattice, [i % count, i / count], edge / count);
@@ -107,7 +107,7 @@ mod tests {
             let levels = cones(&finest, edge);
             assert_eq!(levels.last().map(Vec::len), Some(1));
             for (k, level) in levels.iter().enumerate() {
-                let across = edge.min(MOST_CONES) >> k;
+                let across = edge.min(CONE_EDGE) >> k;
                 let side = edge / across;
                 for i in (0..edge * edge).filter(|i| finest[*i] > 0.0) {
                     let at = UVec2::new((i % edge) as u32, (i / edge) as u32);
