@@ -119,27 +119,9 @@ impl Indexed<'_> {
     }
 }
 
-/// Records draw calls of one pipeline: indexed with the bound buffers, or with vertices that the shader pulls.
-/// Successive instances of one mesh become one call.
-pub fn record<'a>(
-    draws: impl Iterator<Item = &'a Draw>,
-    pass: &mut wgpu::RenderPass<'_>,
-    is_indexed: bool,
-) {
-    for (first, instances) in merged(draws) {
-        match is_indexed {
-            true => pass.draw_indexed(first.indices.clone(), first.vertex_base, instances),
-            false => {
-                let count = first.indices.len() as u32 / 3 * first.class.shape.num_vertices();
-                pass.draw(0..count, instances);
-            }
-        }
-    }
-}
-
 /// Runs of draw calls whose instances follow each other and have the same mesh: the first call of each, and the
 /// range of the instances.
-fn merged<'a>(
+pub fn merged<'a>(
     draws: impl Iterator<Item = &'a Draw>,
 ) -> impl Iterator<Item = (&'a Draw, Range<u32>)> {
     let mut draws = draws.peekable();

@@ -19,6 +19,7 @@ pub mod debug_readback;
 pub mod decide;
 mod download;
 mod draw;
+mod draw_calls;
 mod draw_shape;
 mod edge_on;
 mod emitters;

@@ -100,11 +100,31 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    fn wait(&mut self, name: &str) -> Result<(), GpuError> {
+    /// Records a pass in parts, each a submission that is waited for before the next.
+    pub fn pass_in_parts(
+        &mut self,
+        name: &str,
+        num_parts: usize,
+        mut record: impl FnMut(usize, &mut wgpu::CommandEncoder, &Recording<'a>),
+    ) {
+        for part in 0..num_parts {
+            self.pass(name, |encoder, recording| record(part, encoder, recording));
+            let is_waited_for = self.waited.is_some() || part + 1 == num_parts;
+            if !is_waited_for && self.fault.is_none() {
+                self.fault = self.submit_and_wait().err();
+            }
+        }
+    }
+
+    fn submit_and_wait(&mut self) -> Result<(), GpuError> {
         let recorded = std::mem::replace(&mut self.encoder, encoder(self.gpu));
-        let (started, before) = (Instant::now(), processor_time::of_process());
         self.gpu.submit(recorded)?;
-        self.gpu.wait()?;
+        self.gpu.wait()
+    }
+
+    fn wait(&mut self, name: &str) -> Result<(), GpuError> {
+        let (started, before) = (Instant::now(), processor_time::of_process());
+        self.submit_and_wait()?;
         let ms = started.elapsed().as_secs_f64() * 1e3;
         if let Some(waited) = &mut self.waited {
             waited.passes_ms.push((name.to_owned(), ms));

@@ -258,3 +258,26 @@ fn meshes_alone_carry_no_code_of_capsules() {
     });
     assert!(renderer(gpu, &desc, &world, false).plan().features.capsules);
 }
+
+/// More capsules than a software adapter draws in one submission.
+#[test]
+fn capsules_of_several_submissions_are_drawn_as_those_of_one() {
+    // The first capsule stays visible, and so do those that are drawn last; the others are behind the camera.
+    let with_hidden = |count: u32| {
+        picture(&["material.floor.reflectivity=0.0"], |world| {
+            let mesh = &mut world.meshes[world.instances[1].mesh];
+            let hidden = mesh.positions.len() as u32;
+            mesh.positions.push(Vec3::new(0.0, 0.0, 30.0));
+            let copies = (0..count).map(|_| [hidden; 3]);
+            mesh.triangles.splice(1..1, copies);
+            mesh.bounds = mesh.bounds_at_rest();
+        })
+    };
+    let (Some(one), Some(several)) = (with_hidden(1), with_hidden(300_000)) else {
+        return;
+    };
+    assert!(
+        one.display == several.display,
+        "pixels of the two pictures differ"
+    );
+}

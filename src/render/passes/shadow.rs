@@ -7,13 +7,14 @@ use xxhash_rust::xxh3::Xxh3Default;
 
 use crate::{
     cull::is_outside,
-    draw::{self, Draw, DrawClass, Indexed},
+    draw::{Draw, DrawClass, Indexed},
+    draw_calls::DrawCalls,
     draw_shape::DrawShape,
     frame_pass::FramePass,
     lights::ShadowView,
     pass::{Pass, PassGroup, declared_overrides},
     pass_builder::PassBuilder,
-    passes::visibility::{cleared_depth, reversed_depth},
+    passes::visibility::{depth_of_part, reversed_depth},
     scene::GpuScene,
     shadow_maps::FORMAT,
     shared_data::SharedData,
@@ -129,17 +130,21 @@ impl FramePass for Shadow {
             let Some(target) = of.get(view.layer as usize) else {
                 continue;
             };
-            recorder.pass(PASS.name, |encoder, recording| {
+            let calls = self.draw_calls(scene, view, recorder.gpu.is_software());
+            recorder.pass_in_parts(PASS.name, calls.num_parts(), |part, encoder, recording| {
                 let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                     label: Some(PASS.name),
-                    depth_stencil_attachment: Some(cleared_depth(target)),
+                    depth_stencil_attachment: Some(depth_of_part(target, part)),
                     timestamp_writes: recording.render(PASS.name),
                     ..Default::default()
                 });
                 pass.set_bind_group(0, &recording.shared.empty.1, &[]);
                 pass.set_bind_group(1, &recording.shared.groups[1], &[]);
                 pass.set_bind_group(2, group, &[]);
-                self.draw(&mut pass, scene, view);
+                if let Some(indexed) = scene.indexed() {
+                    indexed.bind(&mut pass);
+                }
+                calls.record(part, &mut pass);
             });
         }
     }
@@ -155,16 +160,23 @@ impl Shadow {
         self.drawn.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn draw(&self, pass: &mut wgpu::RenderPass<'_>, scene: &GpuScene, view: &ShadowView) {
-        let indexed = scene.indexed();
-        if let Some(indexed) = indexed {
-            indexed.bind(pass);
-        }
+    /// Draw calls of what may appear in a map.
+    fn draw_calls<'a>(
+        &'a self,
+        scene: &'a GpuScene,
+        view: &'a ShadowView,
+        is_software: bool,
+    ) -> DrawCalls<'a> {
+        let mut calls = DrawCalls::new(is_software);
         for (kind, pipeline) in &self.pipelines {
-            pass.set_pipeline(pipeline);
             let draws = casters(scene, view).filter(|d| Kind::of(&d.class) == *kind);
-            draw::record(draws, pass, indexed.is_some() && kind.is_indexed());
+            calls.add(
+                draws,
+                pipeline,
+                scene.indexed().is_some() && kind.is_indexed(),
+            );
         }
+        calls
     }
 }
 

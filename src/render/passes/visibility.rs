@@ -2,7 +2,8 @@
 
 use crate::{
     cull::is_outside,
-    draw::{self, Draw, DrawClass, Indexed},
+    draw::{Draw, DrawClass, Indexed},
+    draw_calls::DrawCalls,
     draw_shape::DrawShape,
     frame_pass::FramePass,
     pass::{Pass, PassGroup, declared_overrides},
@@ -56,12 +57,13 @@ impl FramePass for Visibility {
         let (Some(ids), Some(depth)) = views else {
             return;
         };
-        let clip_from_world = &frame.clip_from_world;
-        frame.recorder.pass(PASS.name, |encoder, recording| {
+        let calls = self.draw_calls(frame);
+        let num_parts = calls.num_parts();
+        (frame.recorder).pass_in_parts(PASS.name, num_parts, |part, encoder, recording| {
             let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                 label: Some(PASS.name),
-                color_attachments: &[Some(cleared_ids(ids))],
-                depth_stencil_attachment: Some(cleared_depth(depth)),
+                color_attachments: &[Some(ids_of_part(ids, part))],
+                depth_stencil_attachment: Some(depth_of_part(depth, part)),
                 timestamp_writes: recording.render(PASS.name),
                 ..Default::default()
             });
@@ -70,27 +72,36 @@ impl FramePass for Visibility {
             if let Some(indexed) = scene.indexed() {
                 indexed.bind(&mut pass);
             }
-            let mut draw_all = |pipelines: &[(DrawClass, wgpu::RenderPipeline)],
-                                is_drawn: fn(&Draw) -> bool| {
-                // In the order of instances: of coplanar surfaces the first that is drawn stays.
-                for draws in scene.draws.chunk_by(|a, b| a.class == b.class) {
-                    let class = draws[0].class;
-                    let is_seen =
-                        |d: &&Draw| is_drawn(d) && !is_outside(clip_from_world, &d.bounds);
-                    let mut in_view = draws.iter().filter(is_seen).peekable();
-                    let found = pipelines.iter().find(|(known, _)| *known == class);
-                    let (Some(_), Some((_, pipeline))) = (in_view.peek(), found) else {
-                        continue;
-                    };
-                    pass.set_pipeline(pipeline);
-                    draw::record(in_view, &mut pass, self.is_indexed && class.is_indexed());
-                }
-            };
-            draw_all(&self.pipelines, |draw| draw.shown.visible);
-            // Drawn last: most culled surfaces lie behind visible ones, and only their depth is kept.
-            draw_all(&self.culled, is_culled);
-            draw_all(&self.unseen, is_unseen);
+            calls.record(part, &mut pass);
         });
+    }
+}
+
+impl Visibility {
+    /// Draw calls of what the camera may see.
+    fn draw_calls<'a>(&'a self, frame: &SubFrame<'a>) -> DrawCalls<'a> {
+        let mut calls = DrawCalls::new(frame.recorder.gpu.is_software());
+        let scene = frame.resources.scene;
+        let mut add_all = |pipelines: &'a [(DrawClass, wgpu::RenderPipeline)],
+                           is_drawn: fn(&Draw) -> bool| {
+            // In the order of instances: of coplanar surfaces the first that is drawn stays.
+            for draws in scene.draws.chunk_by(|a, b| a.class == b.class) {
+                let class = draws[0].class;
+                let found = pipelines.iter().find(|(known, _)| *known == class);
+                let Some((_, pipeline)) = found else {
+                    continue;
+                };
+                let is_seen =
+                    |d: &&Draw| is_drawn(d) && !is_outside(&frame.clip_from_world, &d.bounds);
+                let in_view = draws.iter().filter(is_seen);
+                calls.add(in_view, pipeline, self.is_indexed && class.is_indexed());
+            }
+        };
+        add_all(&self.pipelines, |draw| draw.shown.visible);
+        // Drawn last: most culled surfaces lie behind visible ones, and only their depth is kept.
+        add_all(&self.culled, is_culled);
+        add_all(&self.unseen, is_unseen);
+        calls
     }
 }
 
@@ -148,28 +159,39 @@ fn pipelines<'a>(
     Ok(pipelines)
 }
 
-/// Color attachment of the ids, cleared to "sky".
-fn cleared_ids(view: &wgpu::TextureView) -> wgpu::RenderPassColorAttachment<'_> {
+/// Color attachment of the ids, cleared to "sky" in the first part of a pass.
+fn ids_of_part(view: &wgpu::TextureView, part: usize) -> wgpu::RenderPassColorAttachment<'_> {
     wgpu::RenderPassColorAttachment {
         view,
         depth_slice: None,
         resolve_target: None,
         ops: wgpu::Operations {
-            load: wgpu::LoadOp::Clear(NO_IDS),
+            load: load_of_part(NO_IDS, part),
             store: wgpu::StoreOp::Store,
         },
     }
 }
 
-/// A reversed depth attachment, cleared to infinitely far.
-pub fn cleared_depth(view: &wgpu::TextureView) -> wgpu::RenderPassDepthStencilAttachment<'_> {
+/// A reversed depth attachment, cleared to infinitely far in the first part of a pass.
+pub fn depth_of_part(
+    view: &wgpu::TextureView,
+    part: usize,
+) -> wgpu::RenderPassDepthStencilAttachment<'_> {
     wgpu::RenderPassDepthStencilAttachment {
         view,
         depth_ops: Some(wgpu::Operations {
-            load: wgpu::LoadOp::Clear(0.0),
+            load: load_of_part(0.0, part),
             store: wgpu::StoreOp::Store,
         }),
         stencil_ops: None,
+    }
+}
+
+/// Clears before the first part of a pass; later parts add to it.
+fn load_of_part<T: Default>(cleared: T, part: usize) -> wgpu::LoadOp<T> {
+    match part {
+        0 => wgpu::LoadOp::Clear(cleared),
+        _ => wgpu::LoadOp::Load,
     }
 }
 
