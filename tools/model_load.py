@@ -232,7 +232,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--viewers", default="python3", help="a Python with f3d and trimesh")
     add_program(parser)
-    parser.add_argument("--only", default="", help="models whose name contains this")
+    parser.add_argument(
+        "--only", default="", help="models whose name contains this; other rows of the file stay"
+    )
     parser.add_argument("-o", "--out", type=Path, required=True)
     arguments = parser.parse_args()
     program = str(program_of(arguments.reflet))
@@ -257,7 +259,18 @@ def main() -> None:
                 row = (name, tool, *measured(command))
                 print(", ".join(row), flush=True)
                 rows.append(row)
-    with arguments.out.open("w", newline="", encoding="utf-8") as file:
+    write(arguments.out, rows)
+
+
+def write(path: Path, rows: list[tuple[str, ...]]) -> None:
+    """Write rows in the order of the models, with those of other models that the file has."""
+    measured_now = {row[0] for row in rows}
+    if path.exists():
+        with path.open(newline="", encoding="utf-8") as file:
+            before = [tuple(row) for row in csv.reader(file)][1:]
+        rows = rows + [row for row in before if row[0] not in measured_now]
+    rows.sort(key=lambda row: list(MAKERS).index(row[0]))
+    with path.open("w", newline="", encoding="utf-8") as file:
         out = csv.writer(file)
         out.writerow(["model", "tool", "wall_s", "processor_s", "memory_mib", "exit"])
         out.writerows(rows)
