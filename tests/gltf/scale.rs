@@ -236,6 +236,46 @@ fn what_placed_scenes_become_is_limited() {
     }
 }
 
+/// Three scenes that each place the next nine times, and the last has materials: 729,000 tables in 36 KB.
+#[test]
+fn scenes_that_place_scenes_multiply_no_further_than_the_limit() {
+    let placing = |file: &str| {
+        let part = |i| format!("[[instance]]\nname = \"c{i}\"\nmodel = {{ scene = \"{file}\" }}\n");
+        (0..9)
+            .map(part)
+            .fold("version = 1\n".to_owned(), |text, part| {
+                text + part.as_str()
+            })
+    };
+    let materials: String = (0..1000)
+        .map(|i| format!("[material.m{i}]\nroughness = 0.1\n"))
+        .collect();
+    let files = [
+        ("p0.toml", placing("p1.toml")),
+        ("p1.toml", placing("p2.toml")),
+        ("p2.toml", placing("p3.toml")),
+        ("p3.toml", format!("version = 1\n{materials}")),
+    ];
+    let files: Vec<_> = files
+        .iter()
+        .map(|(name, text)| (*name, text.as_str()))
+        .collect();
+    let folder = Folder::new("multiplied", &files);
+    let mut errors = Vec::new();
+    let work = measure(|| errors = refused(&folder, "p0.toml"));
+    assert_eq!(
+        (errors.len(), errors[0].name),
+        (1, "scene-too-large"),
+        "{errors:?}"
+    );
+    assert!(
+        errors[0].message.contains("650000 tables"),
+        "{}",
+        errors[0].message
+    );
+    assert!(work.bytes_max < 2 << 30, "{} bytes", work.bytes_max);
+}
+
 #[test]
 fn texts_of_a_scene_are_limited_together() {
     let filler = format!("version = 1\n{}", "# filler\n".repeat((15 << 20) / 9));
