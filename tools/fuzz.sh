@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Feeds broken files to the readers of glTF, panoramas and scene text, each 10 minutes unless --seconds says otherwise.
-# A panic, more than 5 s or more than 1.5 GB end the run; the input is kept in fuzz/artifacts.
+# A panic, more than 5 s (30 s of a scene, which may place a thousand) or more than 1.5 GB end the run; the input is
+# kept in fuzz/artifacts.
 set -euo pipefail
 
 seconds=600
@@ -30,6 +31,7 @@ RUSTC_WRAPPER="$PWD/fuzz/rustc.sh" cargo build --locked --manifest-path fuzz/Car
 # Seeds: valid inputs, and broken ones from the tests.
 for target in "${targets[@]}"; do
     seeds="fuzz/corpus/$target"
+    longest_s=5
     mkdir -p "$seeds" fuzz/artifacts
     case "$target" in
         gltf)
@@ -41,6 +43,7 @@ for target in "${targets[@]}"; do
             python3 tools/fuzz_seeds.py "$seeds" --panoramas
             ;;
         scene)
+            longest_s=30
             python3 tools/fuzz_seeds.py "$seeds" --scenes
             find scenes scripts tests/bad_scenes -name '*.toml' | while read -r file; do
                 cp "$file" "$seeds/$(sha256sum "$file" | cut -c1-16)"
@@ -48,7 +51,7 @@ for target in "${targets[@]}"; do
             ;;
     esac
     echo "== $target: $seconds s =="
-    "fuzz/target/debug/$target" "$seeds" -max_total_time="$seconds" -timeout=5 \
+    "fuzz/target/debug/$target" "$seeds" -max_total_time="$seconds" -timeout="$longest_s" \
         -rss_limit_mb=1500 -malloc_limit_mb=1500 -artifact_prefix="fuzz/artifacts/$target-" \
         -print_final_stats=1 -verbosity=0
 done
