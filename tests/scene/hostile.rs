@@ -26,14 +26,14 @@ fn depth_neither_overflows_the_stack_nor_hangs() {
 
 #[test]
 fn size_neither_floods_nor_takes_quadratic_time() {
-    let many = 200_000;
+    let many = 50_000;
     let all = errors(&format!(
         "version = 1\n[camera.main]\neye = [{}]",
         "0,".repeat(many)
     ));
     assert_eq!(
         all[0].message,
-        "`eye` must be three numbers, not an array of 200000 values"
+        "`eye` must be three numbers, not an array of 50000 values"
     );
     let keys: String = (0..many).map(|i| format!("k{i} = 1\n")).collect();
     assert_eq!(errors(&keys).len(), 101);
@@ -238,7 +238,7 @@ fn mutated_scenes_are_read_or_refused_and_never_panic() {
     const BYTES: &[u8] = b"[]{}=.,\"'#\n\t -_0129aeinv\\\x00\xc3\xa9\xff";
     let mut random = Random(0x5eed_0001);
     let (mut good, mut bad) = (0, 0);
-    for round in 0..1000 {
+    for round in 0..700 {
         let mut bytes = EXAMPLE.as_bytes().to_vec();
         for _ in 0..1 + round % 4 {
             let at = random.below(bytes.len());

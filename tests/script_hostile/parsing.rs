@@ -101,12 +101,12 @@ const BODIES: &[(&str, &str)] = &[
     ("[1, 1].dedup(|x, y| nosuch(x));", "no function `nosuch`"),
     ("[1, 1].dedup(|x, y| 5);", "true or false, not an integer"),
     (
-        "let a = []; a.pad(50000, 1); for i in 0..700 { let b = a; b.dedup(|x, y| { false }); }",
+        "let a = []; a.pad(5000, 1); for i in 0..700 { let b = a; b.dedup(|x, y| { false }); }",
         "was stopped",
     ),
     (
         "let a = []; a.pad(49000, 1); for i in 0..7000 { let b = a; b.push(i); b.dedup(); }",
-        "more than 1,000,000 operations",
+        "more than 100,000 operations",
     ),
     ("throw ctx", "ctx"),
     ("throw [1, 0..5, ctx]", "[1, 0..5, ctx]"),

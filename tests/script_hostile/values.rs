@@ -18,6 +18,7 @@ const DEEP: [&str; 4] = [
 /// Operations on `a`, and their messages; an empty message where the operation succeeds.
 const DONE: [(&str, &str); 16] = [
     ("", ""),
+    ("a == a", "nested more than 64 deep"),
     ("a = 1;", ""),
     ("let b = a; b = [a, b]; let c = b;", ""),
     ("same(a); same(same(a));", ""),
@@ -25,7 +26,6 @@ const DONE: [(&str, &str); 16] = [
     ("let t = `${a}`; if t.len() < 1500 { throw t; }", ""),
     ("return a;", ""),
     ("[1, 2].map(|x| x).contains(a);", ""),
-    ("a == a", "nested more than 64 deep"),
     ("[a] != [a]", "nested more than 64 deep"),
     ("[[a]].contains([a])", "nested more than 64 deep"),
     ("a.to_string()", "nested more than 64 deep"),
@@ -67,7 +67,7 @@ const BODIES: &[(&str, &str)] = &[
         "too large",
     ),
     (
-        "let a = []; a.pad(49000, 1.25); let s = a.to_string(); let t = [s, s, s, s, s, s];",
+        "let a = []; a.pad(9800, 1.25); let s = a.to_string(); let t = [s, s, s, s, s]; let u = [t, t, t, t, t, t];",
         "too large",
     ),
     (
@@ -99,21 +99,44 @@ const BODIES: &[(&str, &str)] = &[
     ("[3, 1, 2].sort(|a, b| { loop { } })", "was stopped"),
     (
         "let a = []; for i in 0..40 { a += i; } loop { a.sort(|a, b| b - a); }",
-        "more than 1,000,000 operations",
+        "more than 100,000 operations",
+    ),
+];
+
+/// Bodies whose second run, which looks for the place of the limit, takes its whole time; each is like one of
+/// [`super::FRAMES`], with another built-in function.
+const SLOW_FRAMES: &[(&str, &str)] = &[
+    (
+        "let a = []; a.pad(4000, 1); a.filter(|x| { a_lot().filter(|y| y > 1).len() > 0 })",
+        "was stopped",
+    ),
+    (
+        "let a = []; a.pad(4000, 1); a.for_each(|i| { a_lot().reduce(|sum, y| sum + y, 0); })",
+        "was stopped",
+    ),
+    (
+        "let a = []; a.pad(4000, 1); a.retain(|x| { a_lot().all(|y| y == 1) });",
+        "was stopped",
+    ),
+    (
+        "let a = []; a.pad(49000, 1); let b = a; loop { if a != b { break; } }",
+        "more than 100,000 operations",
     ),
 ];
 
 #[test]
 fn values_of_any_depth_are_made_used_and_freed() {
     let folder = folder("deep");
-    for made in DEEP {
-        for (done, says) in DONE {
+    for (index, made) in DEEP.into_iter().enumerate() {
+        // Steps that copy take a time quadratic in the depth; the values are like those of steps that move.
+        let done = if index < 2 { &DONE[..2] } else { &DONE };
+        for (done, says) in done {
             let script = format!("fn same(x) {{ x }}\nfn frame(ctx) {{\n{made}\n{done}\n}}");
             let desc = load(&folder, &script).expect("it compiles");
             let posed = Animator::new(&desc).pose(0);
             match (posed, says) {
-                (Ok(_), "") => {}
-                (Err(errors), says) if !says.is_empty() => {
+                (Ok(_), &"") => {}
+                (Err(errors), &says) if !says.is_empty() => {
                     let error = errors[0].to_string();
                     assert!(error.contains(says), "{made} {done}:\n{error}");
                     assert!(error.contains("s.rhai:4:"), "{made} {done}:\n{error}");
@@ -177,4 +200,11 @@ fn sorting_takes_any_comparison() {
         let posed = pose(body);
         assert!(posed.is_ok(), "{body}: {posed:?}");
     }
+}
+
+#[test]
+#[ignore = "long: each takes seconds"]
+fn slow_hostile_frames_are_ended_with_a_message() {
+    let wrong: Vec<_> = SLOW_FRAMES.iter().filter_map(run).collect();
+    assert!(wrong.is_empty(), "{}", wrong.join("\n---\n"));
 }
