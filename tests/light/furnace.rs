@@ -8,8 +8,8 @@ use super::kit::{gpu, render};
 const ROUGHNESSES: [f32; 5] = [0.1, 0.3, 0.5, 0.7, 1.0];
 const COSINES: [f32; 3] = [1.0, 0.6, 0.25];
 /// Edge of the square of the picture that a tile has, in pixels; it covers more than the inner ones, which are read.
-const CELL: usize = 8;
-const READ: Range<usize> = 2..6;
+const CELL: usize = 6;
+const READ: Range<usize> = 1..5;
 /// Largest deviation from 1 where nothing is lost.
 const BOUND: f32 = 0.01;
 
@@ -98,11 +98,12 @@ fn scene(lobes: &[Lobe], light: f32) -> String {
     let (columns, rows) = (ROUGHNESSES.len() * COSINES.len(), lobes.len());
     let mut text = format!(
         "version = 1\n[camera.main]\neye = [0, 0, 50]\ntarget = [0, 0, 0]\northographic_height_m = {}\n\
-         [image]\nsize = [{}, {}]\nsamples = 128\ntone_map = \"none\"\n[environment]\ncolor = [{light}, {light}, {light}]\n\
+         [image]\nsize = [{}, {}]\nsamples = {}\ntone_map = \"none\"\n[environment]\ncolor = [{light}, {light}, {light}]\n\
          [reflection]\nmethod = \"rt\"\nray_length_u = 1000\n",
         2 * rows,
         columns * CELL,
         rows * CELL,
+        if is_update() { 128 } else { 64 },
     );
     for (row, Lobe(_, material, is_slab)) in lobes.iter().enumerate() {
         for column in 0..columns {

@@ -108,7 +108,7 @@ eye = [0, 2, 4]
 target = [0, 0, 0]
 fov_deg = 30
 [image]
-size = [64, 64]
+size = [40, 40]
 samples = 16
 tone_map = "none"
 [environment]
@@ -228,7 +228,7 @@ fn light_behind_solid_glass_is_found_by_what_is_refracted() {
         .replace("translation = [0, 1, 0]", "translation = [0, -1, 0]");
     let set = [
         "reflection.method=path",
-        "image.size=[64, 64]",
+        "image.size=[32, 32]",
         "image.samples=64",
     ];
     let open = mean(&render(gpu, &[floor.as_str(), lamp].concat(), &set, &[]))[0];

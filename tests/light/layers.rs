@@ -106,7 +106,7 @@ fn glass_in_a_white_world_cannot_be_seen() {
                 "environment.color=[1, 1, 1]".to_owned(),
                 "material.wall.emission=[1, 1, 1]".to_owned(),
                 "camera.main.fov_deg=20".to_owned(),
-                "image.size=[64, 64]".to_owned(),
+                "image.size=[40, 40]".to_owned(),
                 "reflection.bounces=8".to_owned(),
             ];
             let set: Vec<&str> = set.iter().map(String::as_str).collect();
@@ -235,22 +235,17 @@ fn lamps_shine_through_panes() {
         );
     let pane = thing(PANE, "transmission = 1\nior = 2\nbase_color = [0.25, 1, 1]");
     let passed = 1.0 - fresnel_at_normal(2.0);
-    for lamp in [
-        lamp("point", "shadow = \"ray\""),
-        lamp("point", "shadow = \"ray\"\nradius_m = 0.05"),
-    ] {
-        // A light behind the pane, so that it reaches the camera only through the pane.
-        let set = [
-            "camera.main.eye=[0, 0, -1]",
-            "camera.main.target=[0, 0, -5]",
-            "image.samples=16",
-        ];
-        let open = mean(&render(
-            gpu,
-            &[&floor, &lamp].map(String::as_str).concat(),
-            &set,
-            &[],
-        ));
+    // A light behind the pane, so that it reaches the camera only through the pane.
+    let set = [
+        "camera.main.eye=[0, 0, -1]",
+        "camera.main.target=[0, 0, -5]",
+        "image.samples=16",
+    ];
+    let hard = lamp("point", "shadow = \"ray\"");
+    let sized = lamp("point", "shadow = \"ray\"\nradius_m = 0.05");
+    // At this distance, the size of the lamp changes its light by less than a ten-thousandth.
+    let open = mean(&render(gpu, &[floor.as_str(), &hard].concat(), &set, &[]));
+    for lamp in [hard, sized] {
         let behind = mean(&render(
             gpu,
             &[&floor, &lamp, &pane].map(String::as_str).concat(),
