@@ -3,9 +3,10 @@
 
 use std::{
     fmt::{self, Write as _},
-    hash::{DefaultHasher, Hasher as _},
     sync::{Arc, Mutex, MutexGuard, PoisonError},
 };
+
+use xxhash_rust::xxh3::Xxh3;
 
 use super::{error::GpuError, reflect::ShaderModuleInfo, shader::ShaderSource};
 
@@ -55,17 +56,17 @@ pub(super) struct PipelineKey(u64);
 impl PipelineKey {
     /// The key of a module without overrides, with `state` for the rest.
     pub fn new(module: &naga::Module, state: &str) -> Self {
-        struct Text(DefaultHasher);
+        struct Text(Xxh3);
         impl fmt::Write for Text {
             fn write_str(&mut self, text: &str) -> fmt::Result {
-                self.0.write(text.as_bytes());
+                self.0.update(text.as_bytes());
                 Ok(())
             }
         }
-        let mut text = Text(DefaultHasher::new());
+        let mut text = Text(Xxh3::new());
         // Hashing cannot fail, and naga's types have no other form than their debug text that covers all of them.
         let _ = write!(text, "{module:?} {state}");
-        Self(text.0.finish())
+        Self(text.0.digest())
     }
 }
 
