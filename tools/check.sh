@@ -82,22 +82,36 @@ if grep -E '(egui|winit|clap|plotters) v' <<<"$library"; then
 fi
 
 heading "Tests"
-# Three processes at a time: a software adapter compiles shaders on one thread of each. The longest parts begin, and the
-# last one keeps several threads busy. What one says is shown when it ends.
+pytest=(.venv/bin/python -m pytest -q -rs -n auto --maxprocesses 8 --dist worksteal)
+if [ "$full" = yes ]; then
+    pytest+=(--full)
+fi
+# The tests of Python, or those of Rust that these arguments choose.
+run_part() {
+    if [ "$1" = python ]; then
+        shift
+        [ ! -f tools/pyproject.toml ] || "$@" tests/tools
+    else
+        linted test --locked --workspace --no-fail-fast "$@"
+    fi
+}
+# Runs a part of the tests; shows what it says, and its seconds, when it ends.
 run_tests() {
     local said status=0
-    said="$(linted test --locked --workspace --no-fail-fast "$@" 2>&1)" || status="$?"
+    said="$(SECONDS=0 && run_part "$@" 2>&1 && printf -- '-- tests %s: %d s' "$*" "$SECONDS")" || status="$?"
     printf '%s\n' "$said"
     return "$status"
 }
-export -f linted run_tests
+export -f linted run_part run_tests
 export clippy_driver
-xargs -L 1 -P 3 bash -c 'run_tests "$@"' _ <<'END'
+# Three processes at a time: a software adapter compiles shaders on one thread of each. The longest parts begin, and
+# the last ones keep several threads busy.
+xargs -L 1 -P 3 bash -c 'run_tests "$@"' _ <<END
 --test p* -- light::
---test p* -- --skip light:: --skip specialized::
+--test p* -- --skip light::
 --test c*
---test p* -- specialized::
 --lib --test [!cp]*
+python ${pytest[*]}
 END
 
 heading "Example of the library"
@@ -155,13 +169,6 @@ if [ -f tools/pyproject.toml ]; then
 
     heading "Python types"
     .venv/bin/mypy --config-file tools/pyproject.toml tools
-
-    heading "Python tests"
-    pytest=(.venv/bin/python -m pytest -q -rs -n auto --maxprocesses 8 --dist worksteal)
-    if [ "$full" = yes ]; then
-        pytest+=(--full)
-    fi
-    "${pytest[@]}" tests/tools
 fi
 
 heading "All good in $SECONDS s"
