@@ -82,10 +82,12 @@ fn square_weights(at: vec2u, level: i32, normal: vec3f) -> vec4f {
     return weights;
 }
 
-// Share of the panorama's light that its density holds and that reaches a surface with this normal (in the
-// panorama's space).
+// Share of the panorama's light on a surface with this normal that its density holds. The rest comes from all directions
+// alike: a quarter of it arrives, as the mean of the cosine over the sphere says.
 fn environment_share(normal: vec3f) -> f32 {
-    return cone_light(panorama_cones[0], into_panorama(normal));
+    let all = panorama_cones[0];
+    let held = cone_light(all, into_panorama(normal));
+    return held / max(held + 0.25 * (1.0 - length(all.xyz)), 1e-30);
 }
 
 // Density per solid angle with which `environment_direction` samples a unit direction, for a surface with this normal.

@@ -5,6 +5,7 @@ mod cones;
 mod cube;
 mod density;
 mod exr;
+mod octahedral;
 mod pixels;
 mod read;
 #[cfg(test)]

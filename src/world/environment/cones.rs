@@ -5,10 +5,10 @@ use std::f32::consts::PI;
 
 use glam::{UVec2, Vec3, Vec4};
 
-use super::density::direction_of_square;
+use super::octahedral::direction_of_square;
 
 /// Maximum number of levels that have cones, down to the whole sphere.
-pub const CONE_LEVELS: u32 = 5;
+pub const CONE_LEVELS: u32 = 4;
 
 /// Maximum number of squares along an edge of the finest level that has cones.
 const CONE_EDGE: usize = 1 << (CONE_LEVELS - 1);

@@ -1,12 +1,12 @@
 //! Density for importance sampling of a panorama: over squares of equal solid angle, with all coarser levels, so
 //! that a sample descends from the whole sphere to a square (McCool & Harwood 1997; Clarberg et al. 2005).
 
-use std::f32::consts::{FRAC_PI_4, PI};
+use std::f32::consts::PI;
 
-use glam::{UVec2, Vec2, Vec3, Vec4};
+use glam::{UVec2, Vec3, Vec4};
 use rayon::prelude::*;
 
-use super::cones::cones;
+use super::{cones::cones, octahedral::direction_of_square};
 
 /// Maximum number of squares along an edge of the finest level.
 const MOST_SQUARES: u32 = 512;
@@ -110,26 +110,6 @@ impl Bilinear<'_> {
         let across = |dy| mix(texel(0, dy), texel(1, dy), x - low_x);
         mix(across(0), across(1), y - low_y)
     }
-}
-
-/// Unit direction of a point of the octahedral square, coordinates 0 to 1 (Clarberg 2008).
-pub(super) fn direction_of_square(place: Vec2) -> Vec3 {
-    let p = place * 2.0 - 1.0;
-    let size = p.abs();
-    let to_fold = 1.0 - size.x - size.y;
-    let r = 1.0 - to_fold.abs();
-    let turn = if r == 0.0 {
-        1.0
-    } else {
-        (size.y - size.x) / r + 1.0
-    };
-    let (sine, cosine) = (turn * FRAC_PI_4).sin_cos();
-    let flat = r * (2.0 - r * r).max(0.0).sqrt();
-    Vec3::new(
-        (flat * cosine).copysign(p.x),
-        (flat * sine).copysign(p.y),
-        (1.0 - r * r).copysign(to_fold),
-    )
 }
 
 #[cfg(test)]
