@@ -8,6 +8,7 @@ use super::{
         flip,
         hits::{CauseCode, CauseTally, HitPlane, HitPlanes, Tolerance, Verdict, tally},
         mask::Mask,
+        specks,
         ssim::SsimMap,
         structure::{self, Structure},
     },
@@ -233,6 +234,7 @@ impl Reference {
             ssim: SsimMap::of_display(width, height, test, reference),
             flip: flip::flip_map(width, height, test, reference),
             error: ErrorMap::of(&linear, test, reference),
+            specks: specks::specks([width, height], test, reference),
         };
         let scorable = self.mask.is_scorable();
         let structure = hits.filter(|_| scorable).map(|hits| {

@@ -42,10 +42,14 @@ def cases():
     """8-bit test and reference picture by case name."""
     a = generated(64, 48, 1)
     dark = generated(40, 33, 5) // np.uint8(16)
+    specked = a.copy()
+    specked[3::11, 2::13] = (0, 255, 128)
+    specked[0, 0] = 255
     return {
         "other_noise": (generated(64, 48, 2), a),
         "shifted_1_px": (np.roll(a, 1, axis=1), a),
         "inverted": (255 - a, a),
+        "specked": (specked, a),
         "brighter": (a + np.uint8(20), a),
         "dark": (generated(40, 33, 6) // np.uint8(16), dark),
         "one_window": (generated(11, 11, 3), generated(11, 11, 4)),
@@ -93,6 +97,16 @@ def linear(picture):
     return np.where(v <= 0.04045, v / 12.92, ((v + 0.055) / 1.055) ** 2.4)
 
 
+def specks(picture):
+    """Whether each pixel differs by more than 0.3 from the median of the 5 × 5 around it."""
+    found = np.zeros(picture.shape[:2], bool)
+    for y, x in np.ndindex(found.shape):
+        window = picture[max(y - 2, 0) : y + 3, max(x - 2, 0) : x + 3].reshape(-1, 3)
+        median = np.sort(window, axis=0)[len(window) // 2]
+        found[y, x] = (np.abs(picture[y, x].astype(float) - median) > 0.3 * 255).any()
+    return found
+
+
 def simple_errors(test, reference, where):
     squared = ((test.astype(float) - reference) ** 2).mean(-1)[where]
     r = linear(reference)
@@ -102,6 +116,7 @@ def simple_errors(test, reference, where):
         "rel_mse": relative.mean(),
         "rel_mse_trimmed": relative[: len(relative) - len(relative) // 1000].mean(),
         "max_difference": np.abs(test.astype(float) - reference).max(-1)[where].max(),
+        "specks": (specks(test) & ~specks(reference))[where].mean(),
     }
 
 

@@ -4,6 +4,7 @@ pub mod error;
 pub mod flip;
 pub mod hits;
 pub mod mask;
+pub mod specks;
 pub mod ssim;
 pub mod structure;
 pub mod table;
@@ -37,6 +38,8 @@ pub struct Scores {
     pub rel_mse_trimmed: f64,
     /// Largest difference of a channel, display code values from 0 to 255.
     pub max_difference: f64,
+    /// Share of the pixels that stand out from their surroundings where the reference's do not, 0 to 1; see [`specks`].
+    pub specks: f64,
 }
 
 /// The per-pixel errors of one pair, from which any region is scored.
@@ -48,6 +51,8 @@ pub struct Maps {
     pub flip: Vec<f32>,
     /// Differences of display values and of linear light.
     pub error: error::ErrorMap,
+    /// Whether each pixel is a speck.
+    pub specks: Vec<bool>,
 }
 
 impl Maps {
@@ -56,14 +61,24 @@ impl Maps {
         let test = pair.test().display();
         let reference = pair.reference().display();
         let (width, height) = (pair.test().width(), pair.test().height());
-        let ((ssim, error), flip) = rayon::join(
+        let ((ssim, error, specks), flip) = rayon::join(
             || {
                 let ssim = ssim::SsimMap::of_display(width, height, &test, &reference);
-                (ssim, error::ErrorMap::of(pair, &test, &reference))
+                let error = error::ErrorMap::of(pair, &test, &reference);
+                (
+                    ssim,
+                    error,
+                    specks::specks([width, height], &test, &reference),
+                )
             },
             || flip::flip_map(width, height, &test, &reference),
         );
-        Self { ssim, flip, error }
+        Self {
+            ssim,
+            flip,
+            error,
+            specks,
+        }
     }
 
     /// Scores the whole frame, or the inside of `mask` (of the same size).
@@ -94,6 +109,8 @@ impl Maps {
             rel_mse: error.rel_mse,
             rel_mse_trimmed: error.rel_mse_trimmed,
             max_difference: error.max_difference,
+            specks: select(&self.specks, mask).iter().filter(|s| **s).count() as f64
+                / area_px as f64,
         }
     }
 }

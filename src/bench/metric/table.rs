@@ -25,7 +25,7 @@ const ANY_SIZE: (f64, f64, &str) = (0.0, f64::MAX, "a finite number, 0 or more")
 const FLIP: (f64, f64, &str) = (0.0, 1.0 + ROUNDING, "0 to 1");
 
 /// Every image metric, in the order of tables.
-pub const METRICS: [ImageMetric; 8] = [
+pub const METRICS: [ImageMetric; 9] = [
     ImageMetric {
         label: "SSIM",
         column: Some("ssim"),
@@ -89,6 +89,14 @@ pub const METRICS: [ImageMetric; 8] = [
         has_mean: false,
         score: |s| Some(s.max_difference),
         text: |v| format!("{v:.2}"),
+    },
+    ImageMetric {
+        label: "specks, of a million pixels",
+        column: None,
+        range: (0.0, 1.0 + ROUNDING, "0 to 1"),
+        has_mean: true,
+        score: |s| Some(s.specks),
+        text: |v| format!("{:.0}", v * 1e6),
     },
 ];
 
