@@ -7,7 +7,7 @@
 
 // Share of a surface's rays that follow the bright parts of the environment.
 fn environment_ray_share(s: Surface) -> f32 {
-    return 0.75 * environment_share(s.normal);
+    return 0.9 * environment_share(s.normal);
 }
 
 // Density per solid angle of a ray towards the environment: a share follows its bright parts, and of the rest a share
@@ -57,7 +57,8 @@ fn returned_of_environment(s: Surface, view: vec3f, to: Receiver, index: u32) ->
         u.x = (u.x - by_environment) / (1.0 - by_environment);
         if (u.x < by_specular) {
             let axes = lobe_axes(s);
-            let facet = visible_normal(view * axes, ggx_alphas(s), vec2f(u.x / by_specular, u.y));
+            let bound = reflection_bound(s, max(dot(s.normal, view), 1e-3));
+            let facet = visible_normal(view * axes, ggx_alphas(s), bound, vec2f(u.x / by_specular, u.y));
             direction = reflect(-view, axes * facet);
         } else {
             direction = cosine_direction(s.normal, vec2f((u.x - by_specular) / (1.0 - by_specular), u.y));

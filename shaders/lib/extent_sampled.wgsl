@@ -62,12 +62,13 @@ fn limited(light: vec3f) -> vec3f {
     return light * (frame.glint_limit / brightest);
 }
 
-// A sampled microfacet normal that is visible from the direction of this ray; one for each vertex of a path.
-fn visible_facet(s: Surface, direction: vec3f) -> vec3f {
+// A sampled microfacet normal that is visible from the direction of this ray, within a bound (see `visible_normal`); one
+// for each vertex of a path.
+fn visible_facet(s: Surface, direction: vec3f, bound: f32) -> vec3f {
     let axes = lobe_axes(s);
     var view = -direction * axes;
     view.z = max(view.z, 1e-3);
-    return axes * visible_normal(normalize(view), ggx_alphas(s), sample_square(sampling.sample, 0u));
+    return axes * visible_normal(normalize(view), ggx_alphas(s), bound, sample_square(sampling.sample, 0u));
 }
 
 // Share of the facets that mirror the view into a direction that neither is blocked by other facets, of those that the
@@ -93,14 +94,18 @@ fn lobe_ray(direction: vec3f, s: Surface) -> Reflected {
         return Reflected(mirror, weight, 0.0, kept, kept);
     }
     path_is_chance = true;
-    let facet = visible_facet(s, direction);
+    let nv = max(dot(s.normal, -direction), 1e-3);
+    let bound = reflection_bound(s, nv);
+    let facet = visible_facet(s, direction, bound);
     var out = reflect(direction, facet);
     if (CONSERVES_ENERGY && mirrors_inside(s)) { out += s.normal * max(-2.0 * dot(s.normal, out), 0.0); }
     let seen = seen_facets(s, -direction, out);
     if (seen <= 0.0) { return Reflected(mirror, vec3f(0.0), 0.0, 1.0, 1.0); }
     let pdf = lobe_density(s, -direction, out);
     let sky_weight = kept * balance(pdf, environment_rays_pdf(s, -direction, out));
-    let weight = fresnel(s, dot(facet, -direction)) * compensation(s, -direction) * (seen * base_share(s, -direction));
+    let facets = masked(s, -direction, nv);
+    let bounded = seen * (bound * nv + facets) / (nv + facets);
+    let weight = fresnel(s, dot(facet, -direction)) * compensation(s, -direction) * (bounded * base_share(s, -direction));
     return Reflected(lifted(out, s), weight, pdf, sky_weight, kept);
 }
 

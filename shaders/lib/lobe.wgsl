@@ -24,10 +24,11 @@ fn cosine_direction(normal: vec3f, u: vec2f) -> vec3f {
 }
 
 // Samples a facet normal among those visible from the view, z up: Dupuy & Benyoub 2023, "Sampling Visible GGX
-// Normals with Spherical Caps".
-fn visible_normal(view: vec3f, alpha: vec2f, u: vec2f) -> vec3f {
+// Normals with Spherical Caps". `bound` is 1 for all of them; see `reflection_bound`.
+fn visible_normal(view: vec3f, alpha: vec2f, bound: f32, u: vec2f) -> vec3f {
     let stretched = normalize(vec3f(view.xy * alpha, view.z));
-    let z = (1.0 - u.x) * (1.0 + stretched.z) - stretched.z;
+    let lowest = bound * stretched.z;
+    let z = (1.0 - u.x) * (1.0 + lowest) - lowest;
     let flat = on_circle(sqrt(saturate(1.0 - z * z)), u.y);
     let h = vec3f(flat, z) + stretched;
     return normalize(vec3f(h.xy * alpha, max(h.z, 1e-6)));
@@ -80,10 +81,23 @@ fn masked(s: Surface, direction: vec3f, cosine: f32) -> f32 {
     return sqrt(cosine * cosine * (1.0 - a2) + a2);
 }
 
-// Density per solid angle of mirroring `view` at a sampled visible normal.
+// Bound of the spherical cap of visible normals that leaves out most of those which mirror the view below the surface
+// and so find no light (Eto & Tokuyoshi 2023, "Bounded VNDF Sampling for Smith-GGX Reflections", eq. 5).
+fn reflection_bound(s: Surface, nv: f32) -> f32 {
+    if (mirrors_inside(s)) { return 1.0; }
+    let alphas = ggx_alphas(s);
+    let alpha = min(alphas.x, alphas.y);
+    let a2 = alpha * alpha;
+    let size = 1.0 + sqrt(max(1.0 - nv * nv, 0.0));
+    let size2 = size * size;
+    return (1.0 - a2) * size2 / (size2 + a2 * nv * nv);
+}
+
+// Density per solid angle of mirroring `view` at a sampled visible normal within the bound.
 fn facet_pdf(s: Surface, view: vec3f, direction: vec3f) -> f32 {
     let nv = max(dot(s.normal, view), 1e-3);
-    return facet_density(s, normalize(view + direction)) / (2.0 * (nv + masked(s, view, nv)));
+    let facets = reflection_bound(s, nv) * nv + masked(s, view, nv);
+    return facet_density(s, normalize(view + direction)) / (2.0 * facets);
 }
 
 // Density of reflection rays for the power heuristic: the geometric mean of the density of the direction and the

@@ -29,7 +29,7 @@ fn transmitted(direction: vec3f, s: Surface) -> Reflected {
     var facet = s.normal;
     let is_rough = HAS_ROUGH_REFLECTIONS && s.roughness * s.roughness > SMOOTH_ALPHA;
     // The facet that the reflection takes too: what it does not mirror it passes, so that their sum has no grain.
-    if (is_rough) { facet = visible_facet(s, direction); }
+    if (is_rough) { facet = visible_facet(s, direction, 1.0); }
     var out: vec3f;
     if (s.is_solid) {
         out = refract(direction, facet, select(1.0 / s.ior, s.ior, s.is_inside));
