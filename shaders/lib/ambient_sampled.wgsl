@@ -7,7 +7,7 @@
 
 // Share of a surface's rays that follow the bright parts of the environment.
 fn environment_ray_share(s: Surface) -> f32 {
-    return 0.9 * environment_share(s.normal);
+    return 0.75 * environment_share(s.normal);
 }
 
 // Density per solid angle of a ray towards the environment: a share follows its bright parts, and of the rest a share

@@ -67,10 +67,11 @@ fn environment_reflection_and_image_arrive() {
         "",
         "image.samples = 3",
         "image.samples = 4",
+        "image.samples = 7",
         "image.light_rays = 9",
     ]
     .map(image);
-    assert_eq!(rays, [4, 2, 1, 9]);
+    assert_eq!(rays, [4, 2, 2, 1, 9]);
     let gradient = read("environment.zenith = [1, 2, 3]").environment;
     assert_eq!(
         gradient,
