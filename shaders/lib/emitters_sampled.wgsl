@@ -23,9 +23,15 @@ fn chosen_emitter(u: vec2f) -> vec2u {
     return emitter_texel(found.w).xy;
 }
 
-// Points of near triangles are chosen by solid angle: those farther than this many times their edges are as good by
-// area, at less cost, and triangles around the point are no spherical ones.
+// Number of points of emitters of which each light ray is aimed at one.
+const EMITTER_CANDIDATES: u32 = 8u;
+
+// Distance of a triangle in lengths of its longest edge at the first corner, up to which its points are chosen by solid
+// angle. Farther ones are sampled as well by area, at less cost.
 const FAR_EDGES: f32 = 3.0;
+
+// Largest solid angle of a triangle whose points are chosen by it, steradians: near a half space, 2 π, the formulas lose
+// their digits.
 const LARGEST_SOLID_ANGLE: f32 = 6.2;
 
 // World-space corners of a triangle, relative to a point on the surface that it lights.
@@ -134,9 +140,6 @@ fn emitter_sample(id: vec2u, position: vec3f, u: vec2f) -> LightSample {
     r.pdf = density * f32(EMITTER_CANDIDATES);
     return r;
 }
-
-// Number of points of emitters of which each light ray is aimed at one.
-const EMITTER_CANDIDATES: u32 = 8u;
 
 // Light of one point, chosen among several by the light that the surface would reflect of each (resampled importance
 // sampling; Talbot et al. 2005).

@@ -5,7 +5,7 @@ use reflet_world::environment::{CONE_LEVELS, Panorama};
 
 use super::frame_uniforms::uniform;
 
-/// Number of cones of all levels: 4^levels - 1 over 3.
+/// Number of cones of all levels: (4^levels − 1) / 3.
 pub const MOST_CONES: usize = ((1 << (2 * CONE_LEVELS)) - 1) / 3;
 
 /// A panorama on the GPU.
