@@ -207,7 +207,7 @@ fn rays_on_the_gpu_agree_with_brute_force() {
 #[test]
 #[ignore = "long: the same with more rays"]
 fn many_rays_on_the_gpu_agree_with_brute_force() {
-    check_random_rays(20_000);
+    check_random_rays(10_000);
 }
 
 fn check_random_rays(count: usize) {
