@@ -280,7 +280,7 @@ fn sampled_light(s: Surface, view: vec3f, albedo: vec3f) -> Shade {
     let has_lobe = has_specular || stand_in > 0.0;
     if (!has_lobe && !has_sheen(s) && max(albedo.x, max(albedo.y, albedo.z)) <= 0.0) { return out; }
     let to = Receiver(albedo, is_rough, has_specular, stand_in);
-    let first_source = select(select(SKY, LAMPS, HAS_SIZED_LIGHTS), SUNS, HAS_SIZED_SUNS);
+    let first_source = select(SKY, select(LAMPS, SUNS, HAS_SIZED_SUNS), HAS_SIZED_LIGHTS);
     let end_source = select(select(SKY, EMITTERS, HAS_ENVIRONMENT_RAYS), EMITTERS + 1u, HAS_EMITTERS);
     let first_pair = sample_pair;
     for (var k = 0u; k < sampling.rays; k++) {

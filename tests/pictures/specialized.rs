@@ -79,11 +79,6 @@ fn compare(
         dropped.extend(plan.dropped.iter().map(|feature| feature.what));
         (plan.bounces, plan.features.further_bounces) = (0, false);
         plan.dropped = Vec::new();
-        println!(
-            "DROPPED {name} {:?} {:?}",
-            both[0].plan().dropped,
-            std::time::Instant::now()
-        );
         let options = (both[0].method(), both[0].options().image.visibility);
         if frame == start && !compared.insert(format!("{plan:?} {options:?}")) {
             return dropped;
@@ -156,6 +151,7 @@ fn so_it_does_with_rays_for_visibility_and_other_methods() {
     compare_choices(&[
         ("scenes/atrium.toml", "image.visibility=rays"),
         ("scenes/cornell.toml", "reflection.method=ssr"),
+        ("scenes/cornell.toml", "material.lamp.light=true"),
         ("scripts/gears.toml", "reflection.method=rt"),
     ]);
 }
