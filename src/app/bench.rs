@@ -29,7 +29,7 @@ use crate::{
     files::write_whole,
     gpu::Gpu,
     runtime::scene_text::LoadedScene,
-    scene::{desc::Method, diagnostic::Diagnostic},
+    scene::{desc, desc::Method, diagnostic::Diagnostic},
 };
 
 pub mod args;
@@ -184,7 +184,7 @@ fn against_path(
     let still = subject(loaded, format!("{name} against path"), camera)?;
     let mut truth = still.clone();
     truth.reflection.method = Method::Path;
-    truth.image.samples = samples;
+    truth.image.samples = desc::Samples::Count(samples);
     let content = Hash::default()
         .with(still.content.to_le_bytes())
         .with(format!("path of {samples} samples"));

@@ -124,6 +124,9 @@ fn picture(
             picture.stats.exhausted_rays
         );
     }
+    if let Some((sentence, _)) = session.samples_taken(&picture.stats) {
+        reflet_base::error_line!("{sentence}");
+    }
     let context = ReportContext {
         load_ms,
         first_picture_ms: started.elapsed().as_secs_f64() * 1e3,

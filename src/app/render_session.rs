@@ -9,8 +9,11 @@ use super::{
 };
 use crate::{
     gpu::ShaderLibrary,
-    render::{PendingPicture, PictureRequest, RenderError, aov::Aov},
+    render::{
+        ErrorEstimate, PendingPicture, PictureRequest, RenderError, aov::Aov, stats::FrameStats,
+    },
     runtime::{SceneSource, Session, ViewOverrides, scene_text::LoadedScene},
+    scene::desc::Samples,
 };
 
 /// State for rendering the pictures of one command.
@@ -86,7 +89,31 @@ impl RenderSession {
             color,
             aovs,
             timed: self.timed,
+            estimates_error: false,
         })
+    }
+
+    /// Sentence about the number of sub-frames that an error bound took, or `None` where the scene has no bound; and
+    /// whether the bound is met.
+    pub fn samples_taken(&self, stats: &FrameStats) -> Option<(String, bool)> {
+        let Samples::UntilError(bound) = self.scene.scene().scene.image.samples else {
+            return None;
+        };
+        let (found, samples) = (stats.error?, stats.samples);
+        let ErrorEstimate { error, tile } = found;
+        let is_met = error <= bound.error;
+        let sentence = match is_met {
+            true => format!(
+                "{samples} samples, error {error:.4} (`error = {}`)",
+                bound.error
+            ),
+            false => format!(
+                "warning: {samples} samples leave an error of {error:.4} in the tile at pixel {}, {}, \
+                 above `error = {}`: raise `at_most`, or `error`",
+                tile[0], tile[1], bound.error
+            ),
+        };
+        Some((sentence, is_met))
     }
 
     /// Has a software driver compile new pipelines before passes are timed.

@@ -344,7 +344,7 @@ fn begin_frame(
     }
     let posed = session.scene.apply(frame, Some(state), &|_| ());
     posed.map_err(scene_error)?;
-    session.begin(has_color).map_err(|error| {
+    let picture = session.begin(has_color).map_err(|error| {
         let fatal = matches!(
             error,
             RenderError::Gpu(GpuError::Lost(_) | GpuError::OutOfMemory(_))
@@ -353,5 +353,9 @@ fn begin_frame(
             AppError::from_render(error, session.own_shaders.is_some()).to_string(),
             fatal,
         )
-    })
+    })?;
+    if let Some((sentence, false)) = session.samples_taken(picture.stats()) {
+        encoders.print_above(|| reflet_base::error_line!("frame {frame}: {sentence}"));
+    }
+    Ok(picture)
 }

@@ -104,6 +104,17 @@ impl Report {
         }
     }
 
+    /// Size of the picture, its number of sub-frames and, where a bound chose that, the error.
+    fn picture(&self) -> String {
+        let frame = &self.frame;
+        let ([width, height], samples) = (frame.size, frame.samples);
+        let error = frame.error.map(|e| format!(", error {:.4}", e.error));
+        format!(
+            "{width} x {height}, samples {samples}{}",
+            error.unwrap_or_default()
+        )
+    }
+
     /// Table of `--stats text`.
     pub fn table(&self) -> String {
         let frame = &self.frame;
@@ -114,9 +125,7 @@ impl Report {
         };
         let software = if self.software { " (software)" } else { "" };
         line("adapter", format!("{}{software}", self.adapter));
-        let [width, height] = frame.size;
-        let samples = frame.samples;
-        line("picture", format!("{width} x {height}, samples {samples}"));
+        line("picture", self.picture());
         line("loading", time("scene and files", self.load_ms));
         if frame.tree_ms > 0.0 {
             line("trees", time("built on the CPU", frame.tree_ms));
@@ -259,6 +268,7 @@ mod tests {
             frame: FrameStats {
                 size: [100, 10],
                 samples: 1,
+                error: None,
                 method: Method::Hybrid,
                 decisions: Vec::new(),
                 unit_m: 1.0,

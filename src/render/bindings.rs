@@ -56,7 +56,7 @@ impl BindingKey {
                 reflections: plan.features.reflections,
                 transmission: plan.features.transmission,
             },
-            color: Target::last_color(options.image.samples),
+            color: Target::last_color(options.image.samples.count()),
             audit: options.audit,
             overrides: plan.overrides().into_iter().chain(own).collect(),
         }

@@ -2,7 +2,9 @@
 
 use serde::Serialize;
 
-use reflet_scene::desc::{CameraDesc, Exposure, LightKind, Method, ShadowMode, Visibility};
+use reflet_scene::desc::{
+    CameraDesc, Exposure, LightKind, Method, Samples, ShadowMode, Visibility,
+};
 use reflet_world::{Light, World, bvh::Trees};
 
 use super::{
@@ -72,7 +74,7 @@ pub fn decide(world: &World, trees: &Trees, options: &RenderOptions, software: b
     let mut decided = decider.decided;
     if let Some(draft) = decided.options.draft.take() {
         let image = &mut decided.options.image;
-        (image.size, image.samples) = (draft.size, draft.samples);
+        (image.size, image.samples) = (draft.size, Samples::Count(draft.samples));
     }
     decided
 }
@@ -314,7 +316,7 @@ pub fn workload(world: &World, trees: &Trees, options: &RenderOptions) -> Worklo
     let (cutoff, bounces) = (settings.reflects_below(), settings.bounces.most());
     Workload {
         pixels: f64::from(width) * f64::from(height),
-        samples: f64::from(options.image.samples),
+        samples: f64::from(options.image.samples.count()),
         triangles_in_view,
         triangles,
         map_pixels,

@@ -7,18 +7,19 @@ use bytemuck::Pod;
 use reflet_base::math::Bounds;
 use reflet_gpu::{
     Gpu, GpuError,
-    readback::{self, Downloads, Pending},
+    readback::{self, Pending},
 };
 use reflet_scene::desc::Method;
 
-use super::{precision::Precision, relative::Coordinates, renderer::Renderer, targets::Target};
+use super::{precision::Precision, relative::Coordinates, targets::Target};
 
 /// Copies of targets that the CPU has not received yet.
 pub struct Download {
-    pending: Pending,
+    pub(super) pending: Pending,
     /// Copied targets, in the order of the copies; the counters come last.
-    targets: Vec<Target>,
-    values: TargetValues,
+    pub(super) targets: Vec<Target>,
+    /// Values that need no copies.
+    pub(super) values: TargetValues,
 }
 
 /// Texels of the targets of one frame.
@@ -39,7 +40,7 @@ pub struct TargetValues {
     pub drawn: Bounds,
     /// The unit U in these coordinates.
     pub unit: f32,
-    bytes: HashMap<Target, Vec<u8>>,
+    pub(super) bytes: HashMap<Target, Vec<u8>>,
 }
 
 impl TargetValues {
@@ -66,57 +67,5 @@ impl Download {
         }
         self.values.bytes = self.targets.into_iter().zip(all).collect();
         Ok(self.values)
-    }
-}
-
-impl Renderer {
-    /// Starts copying targets, and if `count` the counters of reflections, as the last submitted frame leaves them.
-    ///
-    /// # Errors
-    /// Exhausted memory, or a wgpu error of the copies.
-    pub(super) fn download(
-        &self,
-        gpu: &Gpu,
-        wanted: &[Target],
-        count: bool,
-    ) -> Result<Download, GpuError> {
-        let mut downloads = Downloads::new(gpu);
-        let mut targets = Vec::new();
-        for target in wanted {
-            let texture = self.bindings.targets.texture(*target);
-            if let Some(texture) = texture.filter(|_| !targets.contains(target)) {
-                downloads.texture(gpu, texture)?;
-                targets.push(*target);
-            }
-        }
-        if count && self.plan.features.reflections {
-            downloads.buffer(gpu, &self.bindings.ray_list.counters)?;
-        }
-        Ok(Download {
-            pending: downloads.start(gpu)?,
-            targets,
-            values: TargetValues {
-                size: self.bindings.targets.size,
-                method: self.method(),
-                reflections: self.plan.features.reflections,
-                counters: None,
-                precision: self.plan.precision,
-                coordinates: self.coordinates,
-                drawn: self.drawn_bounds(),
-                unit: self.unit_m,
-                bytes: HashMap::new(),
-            },
-        })
-    }
-
-    /// Texels of a target; zeros where this frame does not write it.
-    ///
-    /// # Errors
-    /// A readback error.
-    pub fn read<T: Pod>(&self, gpu: &Gpu, target: Target) -> Result<Vec<T>, GpuError> {
-        Ok(self
-            .download(gpu, &[target], false)?
-            .take(gpu)?
-            .texels(target))
     }
 }

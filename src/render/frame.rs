@@ -33,13 +33,14 @@ impl Renderer {
         camera: &CameraDesc,
     ) -> Result<FrameStats, RenderError> {
         let started = Instant::now();
-        let samples = self.options.image.samples;
+        let samples = self.options.image.samples.count();
         let world = &*self.relative(world);
         let view = self.view(world, camera)?;
         let mut times = PassTimes::default();
         for sample in 0..samples {
             let recorder = self.sub_frame(gpu, world, &view, sample, Timing::Passes, None);
             times.extend(self.submitted(recorder.finish())?);
+            self.end_of_sub_frame(gpu, sample)?;
         }
         gpu.wait()?;
         let frame_ms = started.elapsed().as_secs_f64() * 1e3;
@@ -62,12 +63,13 @@ impl Renderer {
         let world = &*self.relative(world);
         let view = self.view(world, camera)?;
         let mut before = None;
-        for sample in 0..self.options.image.samples {
+        for sample in 0..self.options.image.samples.count() {
             let recorder = self.sub_frame(gpu, world, &view, sample, Timing::None, None);
             let submission = self.submitted(recorder.submit())?;
             if let Some(before) = before.replace(submission) {
                 gpu.wait_for(&before)?;
             }
+            self.end_of_sub_frame(gpu, sample)?;
         }
         Ok(self.stats(PassTimes::default(), 0.0))
     }
@@ -110,7 +112,7 @@ impl Renderer {
         timing: Timing,
         probe: Option<Probe>,
     ) -> Recorder<'a> {
-        let samples = self.options.image.samples;
+        let samples = self.options.image.samples.count();
         let (view, shift) = &view.through_lens(sample, samples);
         let view = &view.reaching(&self.drawn_bounds());
         let jitter = jitter(sample, samples) + *shift;
@@ -176,7 +178,8 @@ impl Renderer {
         let (size, method) = (self.options.image.size, self.method());
         FrameStats {
             size,
-            samples: self.options.image.samples,
+            samples: self.options.image.samples.count(),
+            error: None,
             method,
             unit_m: self.unit_m(),
             tree_ms: self.tree_ms,

@@ -177,7 +177,7 @@ impl Sampling {
             density_levels: panorama.map_or(0, |p| p.density.levels.len() as u32),
             scale: environment.desc.intensity * panorama.map_or(0.0, |p| p.scale),
             sample,
-            samples: image.samples,
+            samples: image.samples.count(),
             emitters: emitters.triangles,
             emitted_power: emitters.power,
         }

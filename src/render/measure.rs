@@ -51,7 +51,7 @@ impl Renderer {
         let world = &*self.relative(world);
         let view = self.view(world, camera)?;
         let mut sums: Vec<PassCounts> = Vec::new();
-        for sample in 0..self.options.image.samples {
+        for sample in 0..self.options.image.samples.count() {
             let probe = Some(Probe::Count);
             let recorder = self.sub_frame(gpu, world, &view, sample, Timing::None, probe);
             self.submitted(recorder.submit())?;
@@ -85,7 +85,7 @@ impl Renderer {
         let world = &*self.relative(world);
         let view = self.view(world, camera)?;
         let mut sum_ms = None;
-        for sample in 0..self.options.image.samples {
+        for sample in 0..self.options.image.samples.count() {
             let probe = Some(Probe::Traverse);
             let recorder = self.sub_frame(gpu, world, &view, sample, Timing::Passes, probe);
             let times = self.submitted(recorder.finish())?;
@@ -112,7 +112,7 @@ impl Renderer {
         self.build_probe(gpu, Probe::AcceptAll)?;
         let world = &*self.relative(world);
         let view = self.view(world, camera)?;
-        for sample in 0..self.options.image.samples {
+        for sample in 0..self.options.image.samples.count() {
             let probe = Some(Probe::AcceptAll);
             let recorder = self.sub_frame(gpu, world, &view, sample, Timing::None, probe);
             self.submitted(recorder.submit())?;

@@ -8,6 +8,7 @@ use super::{
     aov::{Aov, Plane},
     download::{Download, TargetValues},
     error::RenderError,
+    error_estimate::{ErrorEstimate, FirstHalf, Halves},
     renderer::Renderer,
     stats::FrameStats,
     targets::Target,
@@ -40,6 +41,8 @@ pub struct PictureRequest<'a> {
     pub aovs: &'a [Aov],
     /// Whether passes are timed, for which the renderer waits for each of them.
     pub timed: bool,
+    /// Whether the error is estimated, for which the first half of the sub-frames is read back too.
+    pub estimates_error: bool,
 }
 
 /// A picture being rendered or read back. Another thread may wait for it while the renderer
@@ -51,10 +54,27 @@ pub struct PendingPicture {
     aovs: Vec<Aov>,
     camera: CameraDesc,
     alpha: bool,
+    halves: Option<Halves>,
     stats: FrameStats,
 }
 
 impl PendingPicture {
+    /// Waits for the sub-frames and estimates the picture's error; `None` unless it was requested of several sub-frames.
+    ///
+    /// # Errors
+    /// A lost or unresponsive device.
+    pub fn estimate_error(&mut self, gpu: &Gpu) -> Result<Option<ErrorEstimate>, RenderError> {
+        if let Some(halves) = self.halves.take() {
+            self.stats.error = Some(halves.estimate(gpu)?);
+        }
+        Ok(self.stats.error)
+    }
+
+    /// Statistics, without those of counters that are not read back yet.
+    pub fn stats(&self) -> &FrameStats {
+        &self.stats
+    }
+
     /// Waits for the picture.
     ///
     /// # Errors
@@ -118,6 +138,7 @@ impl Renderer {
             color: true,
             aovs,
             timed: true,
+            estimates_error: false,
         };
         self.begin_picture(gpu, world, camera, request)?.take(gpu)
     }
@@ -133,6 +154,7 @@ impl Renderer {
         camera: &CameraDesc,
         request: PictureRequest,
     ) -> Result<PendingPicture, RenderError> {
+        self.first_half = FirstHalf::of_picture(request.estimates_error);
         let stats = match request.timed {
             true => self.render(gpu, world, camera)?,
             false => self.submit(gpu, world, camera)?,
@@ -141,7 +163,7 @@ impl Renderer {
     }
 
     pub(super) fn pending(
-        &self,
+        &mut self,
         gpu: &Gpu,
         camera: &CameraDesc,
         request: PictureRequest,
@@ -153,7 +175,9 @@ impl Renderer {
         let alpha = self.options.image.alpha;
         let covered = (alpha && color.is_some()).then_some(Target::CoverageSum);
         let targets: Vec<_> = targets.chain(covered).chain(planes.copied()).collect();
+        let halves = self.take_halves(gpu)?;
         Ok(PendingPicture {
+            halves,
             download: self.download(gpu, &targets, !request.timed)?,
             color,
             aovs: request.aovs.to_vec(),

@@ -1,4 +1,4 @@
-//! PNG pictures, with the fingerprint of a frame as text.
+//! PNG pictures, with texts such as the fingerprint of a frame.
 
 use std::{fs::File, io::BufReader, path::Path};
 
@@ -6,40 +6,45 @@ use std::{fs::File, io::BufReader, path::Path};
 /// In EXR files a space and a hash of the samples follow.
 pub const FINGERPRINT_KEY: &str = "reflet-fingerprint";
 
-/// Encodes RGBA as an opaque PNG with `mark` as text.
+/// Name of the text in PNG files that holds the number of sub-frames.
+pub const SAMPLES_KEY: &str = "reflet-samples";
+
+/// A name and its text, both Latin-1.
+pub type PngText<'a> = (&'a str, &'a str);
+
+/// Encodes RGBA as an opaque PNG with texts.
 ///
 /// # Errors
 /// Encoder error.
-pub fn encode(size: [u32; 2], rgba: &[u8], mark: Option<&str>) -> Result<Vec<u8>, String> {
-    encode_texels(size, (&rgb(rgba), png::ColorType::Rgb), mark)
+pub fn encode(size: [u32; 2], rgba: &[u8], texts: &[PngText]) -> Result<Vec<u8>, String> {
+    encode_texels(size, (&rgb(rgba), png::ColorType::Rgb), texts)
 }
 
-/// Encodes RGBA with straight alpha (not premultiplied) as a PNG with `mark` as text.
+/// Encodes RGBA with straight alpha (not premultiplied) as a PNG with texts.
 ///
 /// # Errors
 /// Encoder error.
 pub fn encode_with_alpha(
     size: [u32; 2],
     rgba: &[u8],
-    mark: Option<&str>,
+    texts: &[PngText],
 ) -> Result<Vec<u8>, String> {
-    encode_texels(size, (rgba, png::ColorType::Rgba), mark)
+    encode_texels(size, (rgba, png::ColorType::Rgba), texts)
 }
 
 fn encode_texels(
     size: [u32; 2],
     (texels, color): (&[u8], png::ColorType),
-    mark: Option<&str>,
+    texts: &[PngText],
 ) -> Result<Vec<u8>, String> {
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, size[0], size[1]);
     encoder.set_color(color);
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_compression(png::Compression::Fast);
-    let written = mark
-        .map_or(Ok(()), |mark| {
-            encoder.add_text_chunk(FINGERPRINT_KEY.to_owned(), mark.to_owned())
-        })
+    let written = texts
+        .iter()
+        .try_for_each(|(key, text)| encoder.add_text_chunk((*key).to_owned(), (*text).to_owned()))
         .and_then(|()| encoder.write_header())
         .and_then(|mut writer| {
             writer.write_image_data(texels)?;

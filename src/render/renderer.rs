@@ -15,6 +15,7 @@ use super::{
     chunks::largest_tree_array,
     decide::{Decision, decide, needs_trees},
     error::RenderError,
+    error_estimate::FirstHalf,
     frame_uniforms::FrameUniforms,
     geometry::geometry_bytes,
     lights::ShadowSizes,
@@ -51,6 +52,8 @@ pub struct Renderer {
     pub(super) tree_pose: PoseKey,
     /// Coordinates of the renderer, in which it takes the worlds that it is given.
     pub(super) coordinates: Coordinates,
+    /// Sum of the first half of the sub-frames, for an estimate of the error.
+    pub(super) first_half: FirstHalf,
 }
 
 /// Builds the BVHs and times it, milliseconds; returns empty ones where no ray is traced.
@@ -123,6 +126,7 @@ impl Renderer {
             bindings,
             shaders,
             tree_pose: PoseKey::of(world),
+            first_half: FirstHalf::default(),
             world_key: WorldKey::of(world),
             coordinates,
         })
@@ -188,7 +192,7 @@ impl Renderer {
 
     /// The target with the sum of all sub-frames.
     pub fn color(&self) -> Target {
-        Target::last_color(self.options.image.samples)
+        Target::last_color(self.options.image.samples.count())
     }
 
     /// Adopts the settings that need no rebuilding: threshold, edge, steps, ray length, bounces, light reuse. Other

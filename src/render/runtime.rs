@@ -30,6 +30,7 @@ use reflet_world::{World, load::AssetCache};
 mod catch_panic;
 mod coarse;
 pub mod error;
+mod error_bound;
 pub mod inputs;
 pub mod kept_assets;
 pub mod model_viewer_scene;

@@ -9,6 +9,7 @@ use reflet_world::World;
 use super::{
     aov::Aov,
     error::RenderError,
+    error_estimate::FirstHalf,
     picture::{PendingPicture, Picture, PictureRequest},
     recorder::{PassTimes, Timing},
     renderer::Renderer,
@@ -68,6 +69,7 @@ impl Renderer {
             color: true,
             aovs,
             timed: true,
+            estimates_error: false,
         };
         (self.begin_picture_of_moments(gpu, moments, camera, request)?).take(gpu)
     }
@@ -83,13 +85,14 @@ impl Renderer {
         camera: usize,
         request: PictureRequest,
     ) -> Result<PendingPicture, RenderError> {
+        self.first_half = FirstHalf::of_picture(request.estimates_error);
         let stats = if request.timed {
             let seen_by = |world: &World| world.cameras[camera].value.clone();
             self.render_moments(gpu, moments, &seen_by)?
         } else {
             self.submit_moments(gpu, moments, camera)?
         };
-        let samples = self.options.image.samples;
+        let samples = self.options.image.samples.count();
         let world = moments.pose(samples - 1, samples)?;
         self.pending(gpu, &world.cameras[camera].value, request, stats)
     }
@@ -122,11 +125,12 @@ impl Renderer {
         moments: &mut dyn Moments,
         mut record: impl FnMut(&Self, &World, u32) -> Result<(), RenderError>,
     ) -> Result<(), RenderError> {
-        let samples = self.options.image.samples;
+        let samples = self.options.image.samples.count();
         for sample in 0..samples {
             let world = moments.pose(sample, samples)?;
             self.update(gpu, world)?;
             record(self, world, sample)?;
+            self.end_of_sub_frame(gpu, sample)?;
         }
         Ok(())
     }

@@ -7,6 +7,7 @@ use reflet_scene::desc::Method;
 use super::{
     cause::{Cause, Source},
     decide::Decision,
+    error_estimate::ErrorEstimate,
     passes::trace,
     ray_list::{AUDITED_COUNTER, EXHAUSTED_COUNTER, HIT_COUNTER, RAY_COUNTER, WRONG_COUNTER},
 };
@@ -154,6 +155,9 @@ pub struct FrameStats {
     pub size: [u32; 2],
     /// Number of sub-frames.
     pub samples: u32,
+    /// Estimated error, where `samples` is chosen by an error bound.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub error: Option<ErrorEstimate>,
     /// Method that found the reflections.
     #[serde(serialize_with = "method_name")]
     pub method: Method,

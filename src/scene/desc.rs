@@ -31,7 +31,7 @@ pub use self::{
     camera::{CAMERA, CameraDesc, CameraMotionDesc},
     environment::{EnvironmentDesc, EnvironmentShadow},
     hierarchy::{GroupDesc, Parents, PlacedSceneDesc, ShownDesc},
-    image::{Exposure, ImageDesc, Radiance, ToneMap, Visibility},
+    image::{ErrorBound, Exposure, ImageDesc, Radiance, Samples, ToneMap, Visibility},
     include::Include,
     light::{LIGHT, LightDesc, LightKind, LightMotionDesc, ShadowMode},
     material::{

@@ -287,7 +287,7 @@ fn what_is_asked_of_a_frame_is_done_with_that_frame_whatever_is_shown() {
             .ok
     );
     let size = session.live.renderer().targets().size;
-    let wanted = png_file::encode(size, &session.afresh(9, &[]), None).expect("encodes");
+    let wanted = png_file::encode(size, &session.afresh(9, &[]), &[]).expect("encodes");
     let screenshots = Folder::new();
     let mut preview = Watched::new(session);
     preview.show(|view| view.size = size);

@@ -257,7 +257,7 @@ fn a_screenshot_is_what_render_writes() {
         return;
     };
     let (wanted, _) = rendered(&folder.path("scene.toml"), LATE, None, &[]);
-    let wanted = png_file::encode(SIZE, &wanted, None).expect("encodes");
+    let wanted = png_file::encode(SIZE, &wanted, &[]).expect("encodes");
     let mut preview = Watched::start(gpu, folder, live, false);
     preview.show(|view| {
         (view.size, view.frame) = (SIZE, LATE);

@@ -289,7 +289,7 @@ fn rendered(path: &Path, frame: u32, set: &[&str]) -> Vec<u8> {
 /// The file of a frame that a new session renders at this size.
 fn png(path: &Path, size: [u32; 2]) -> Vec<u8> {
     let pixels = rendered(path, 0, &[&format!("image.size={size:?}")]);
-    png_file::encode(size, &pixels, None).expect("encodes")
+    png_file::encode(size, &pixels, &[]).expect("encodes")
 }
 
 #[test]

@@ -1,5 +1,7 @@
 //! The library's session: its renders equal those of the command line, and bad input is an error.
 
+mod error_bound;
+
 use std::{
     fs,
     path::{Path, PathBuf},

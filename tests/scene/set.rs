@@ -66,7 +66,10 @@ fn values_are_set_by_path_index_and_name() {
 fn override_can_fix_an_error_of_the_file() {
     let text = "version = 1\n[image]\nsamples = 0\n";
     assert!(Scene::from_text(text, Path::new("scene.toml"), &[]).is_err());
-    assert_eq!(read_with(text, &["image.samples=4"]).image.samples, 4);
+    assert_eq!(
+        read_with(text, &["image.samples=4"]).image.samples,
+        Samples::Count(4)
+    );
     let empty = read_with("", &["version=1", "environment.color=[1, 1, 1]"]);
     assert_eq!(empty.environment.zenith, Vec3::ONE);
 }

@@ -52,7 +52,7 @@ fn environment_reflection_and_image_arrive() {
         scene.image,
         ImageDesc {
             size: [1, 16384],
-            samples,
+            samples: Samples::Count(samples),
             light_rays: Some(256),
             exposure_ev,
             tone_map,

@@ -55,7 +55,7 @@ impl Shown {
     /// # Errors
     /// Error of the encoder.
     pub fn figure(self) -> Result<Figure, AppError> {
-        let png = encode(self.size, &self.rgba, None).map_err(AppError::Internal)?;
+        let png = encode(self.size, &self.rgba, &[]).map_err(AppError::Internal)?;
         let caption = self.caption;
         Ok(Figure { caption, png })
     }

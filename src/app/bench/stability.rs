@@ -28,7 +28,7 @@ use crate::{
     },
     files::{Inputs, write_whole},
     runtime::scene_text::LoadedScene,
-    scene::desc::{Method, ShadowMode},
+    scene::desc::{Method, Samples, ShadowMode},
 };
 
 mod pictures;
@@ -240,7 +240,7 @@ impl Plan<'_> {
                 }
             }
         }
-        truth.image.samples = truth.image.samples.max(TRUTH_SAMPLES);
+        truth.image.samples = Samples::Count(truth.image.samples.count().max(TRUTH_SAMPLES));
         let content = Hash::default()
             .with(still.content.to_le_bytes())
             .with(format!("truth of {TRUTH_SAMPLES} samples"));

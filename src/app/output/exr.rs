@@ -1,4 +1,5 @@
-//! OpenEXR pictures: linear color and AOVs as channels, with a fingerprint and a hash of the samples.
+//! OpenEXR pictures: linear color and AOVs as channels, with a fingerprint and a hash of the values, and the number
+//! of sub-frames as `comments`.
 
 use std::{io::Cursor, path::Path};
 
@@ -55,7 +56,11 @@ pub fn encode(picture: &Picture, mark: Option<&str>) -> Result<Vec<u8>, String> 
     }
     let size = Vec2(picture.size[0] as usize, picture.size[1] as usize);
     let channels = AnyChannels::sort(channels);
-    let mut attributes = LayerAttributes::default();
+    let comments = format!("samples {}", picture.stats.samples);
+    let mut attributes = LayerAttributes {
+        comments: Some(Text::from(comments.as_str())),
+        ..LayerAttributes::default()
+    };
     if let Some(mark) = mark {
         // One attribute for both: the encoder writes attributes of our own in the order of a hash map, which is
         // another in every run.

@@ -10,7 +10,12 @@ use super::{
 use crate::{
     app::error::AppError,
     files::{Inputs, write_together},
-    render::{Picture, aov::Aov, aov_view, png_file},
+    render::{
+        Picture,
+        aov::Aov,
+        aov_view,
+        png_file::{self, FINGERPRINT_KEY, PngText, SAMPLES_KEY},
+    },
 };
 
 /// An output path that was writable at the start of the command.
@@ -53,7 +58,7 @@ impl PictureFile {
             .try_for_each(|file| check_replaceable(file, inputs))
     }
 
-    /// Writes the picture and its planes; files are renamed once all are complete and synced.
+    /// Writes the picture and its planes, each with its number of sub-frames; files are renamed once all are complete and synced.
     /// Returns their paths.
     ///
     /// # Errors
@@ -72,18 +77,27 @@ impl PictureFile {
         mark: Option<&str>,
     ) -> Result<Vec<PathBuf>, AppError> {
         let mut files = Vec::new();
+        let samples = picture.stats.samples.to_string();
+        let mark = mark.map(|mark| (FINGERPRINT_KEY, mark));
+        let texts: Vec<PngText> = [(SAMPLES_KEY, samples.as_str())]
+            .into_iter()
+            .chain(mark)
+            .collect();
         match self.format {
-            PictureFormat::Exr => files.push((self.path.clone(), exr::encode(picture, mark))),
+            PictureFormat::Exr => files.push((
+                self.path.clone(),
+                exr::encode(picture, mark.map(|(_, mark)| mark)),
+            )),
             PictureFormat::Png => {
                 let encode = if picture.alpha {
                     png_file::encode_with_alpha
                 } else {
                     png_file::encode
                 };
-                let bytes = encode(picture.size, &picture.display, mark);
+                let bytes = encode(picture.size, &picture.display, &texts);
                 files.push((self.path.clone(), bytes));
                 for plane in &picture.planes {
-                    let png = png_file::encode(picture.size, &aov_view::view(plane), mark);
+                    let png = png_file::encode(picture.size, &aov_view::view(plane), &texts);
                     files.push((self.beside(plane.name), png));
                 }
             }

@@ -54,6 +54,7 @@ fn picture() -> Picture {
         stats: FrameStats {
             size: [2, 1],
             samples: 1,
+            error: None,
             method: Method::Hybrid,
             decisions: Vec::new(),
             unit_m: 1.0,

@@ -144,6 +144,7 @@ mod tests {
         let stats = FrameStats {
             size: [1, 1],
             samples: 1,
+            error: None,
             method: Method::Hybrid,
             unit_m: 1.0,
             tree_ms: 0.0,

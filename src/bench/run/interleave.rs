@@ -267,7 +267,7 @@ impl Block<'_> {
             unit_m,
             fade: settings.fade,
             blur_px: settings.blur_px,
-            samples: subject.image.samples,
+            samples: subject.image.samples.count(),
             exposure_ev: subject.image.exposure_ev.ev(), // 0 for `auto`
             tone_map: tone_map.to_owned(),
             reference_bounces: REFERENCE_BOUNCES.most(),

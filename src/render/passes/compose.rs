@@ -36,7 +36,9 @@ pub const PASS: Pass = Pass {
     aliases: &ALIASES,
     params: Some(Params::LAYOUT),
     overrides: |options| vec![("FILTER", f64::from(u8::from(filter::is_enabled(options))))],
-    is_written: |_, options, target| target != Target::ColorOdd || options.image.samples > 1,
+    is_written: |_, options, target| {
+        target != Target::ColorOdd || options.image.samples.count() > 1
+    },
     ..Pass::DEFAULT
 };
 

@@ -40,7 +40,7 @@ pub const ENOUGH_SAMPLES: u32 = 16;
 
 /// Whether the options ask for smoothing of rough reflections.
 pub fn is_enabled(options: &RenderOptions) -> bool {
-    options.reflection.filter && options.image.samples < ENOUGH_SAMPLES
+    options.reflection.filter && options.image.samples.count() < ENOUGH_SAMPLES
 }
 
 /// Targets of `source` and `blurred` in the wide and the narrow step.

@@ -48,9 +48,9 @@ impl Params {
     /// Uniforms for the image settings.
     fn new(image: &ImageDesc) -> Self {
         Self {
-            scale: image.exposure_ev.ev().exp2() / image.samples as f32,
+            scale: image.exposure_ev.ev().exp2() / image.samples.count() as f32,
             curve: image.tone_map as u32,
-            sample_share: 1.0 / image.samples as f32,
+            sample_share: 1.0 / image.samples.count() as f32,
             pad0: 0,
         }
     }
@@ -62,13 +62,13 @@ pub struct Tone(ComputePass);
 
 impl FramePass for Tone {
     fn new(builder: &PassBuilder<'_>) -> Result<Self, GpuError> {
-        let last = builder.options.image.samples - 1;
+        let last = builder.options.image.samples.count() - 1;
         Ok(Self(builder.compute(&PASS, ALIASES[last as usize % 2])?))
     }
 
     fn record(&self, frame: &mut SubFrame<'_>) {
         let image = &frame.options.image;
-        if frame.sample + 1 == image.samples {
+        if frame.sample + 1 == image.samples.count() {
             frame.dispatch_with(&self.0, &Params::new(image), &Dispatch::PerPixel);
         }
     }

@@ -4,7 +4,7 @@
 use super::Session;
 use crate::{RenderError, RenderOptions};
 use reflet_scene::desc::{
-    EnvironmentShadow, Exposure, Method, ReflectionMode, ShadowMode, Visibility,
+    EnvironmentShadow, Exposure, Method, ReflectionMode, Samples, ShadowMode, Visibility,
 };
 use reflet_world::{World, pose::Moving};
 
@@ -43,7 +43,7 @@ pub(super) fn options(mut options: RenderOptions) -> RenderOptions {
     options.reflection.method = Method::Ssr;
     options.reflection.diffuse_bounces = 0;
     options.reflection.multiple_scattering = false;
-    options.image.samples = 1;
+    options.image.samples = Samples::Count(1);
     options.image.visibility = Visibility::Raster;
     if options.image.exposure_ev == Exposure::Auto {
         options.image.exposure_ev = Exposure::Ev(0.0); // automatic exposure needs rays

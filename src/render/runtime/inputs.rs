@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use super::scene_text::{LoadedScene, SceneOptions};
 use crate::{Draft, RenderOptions, unit_costs::UnitCosts};
 use reflet_gpu::{ShaderError, ShaderLibrary};
-use reflet_scene::desc::Method;
+use reflet_scene::desc::{Method, Samples};
 
 /// Files of a scene, and what is changed in them.
 #[derive(Clone, Debug, Default)]
@@ -69,7 +69,7 @@ impl ViewOverrides {
         };
         options.reflection.method = self.method.unwrap_or(options.reflection.method);
         options.image.size = self.size.unwrap_or(options.image.size);
-        options.image.samples = self.samples.unwrap_or(options.image.samples);
+        options.image.samples = self.samples.map_or(options.image.samples, Samples::Count);
         options
     }
 }

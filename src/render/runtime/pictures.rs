@@ -83,17 +83,13 @@ impl Session {
     /// # Errors
     /// Same errors as [`crate::Renderer::render`].
     pub fn picture(&mut self, aovs: &[Aov]) -> Result<Picture, RenderError> {
-        let camera = self.camera();
-        self.complete()?;
-        let samples = self.renderer.options().image.samples;
-        let renderer = &mut self.renderer;
-        if let Some(mut moments) = OpenShutter::of(&mut self.loaded, samples) {
-            let picture = renderer.picture_of_moments(&self.gpu, &mut moments, camera, aovs);
-            return picture.inspect_err(|_| close(renderer, &self.gpu, moments, samples));
-        }
-        let world = &self.loaded.world;
-        let camera = &world.cameras[camera].value;
-        renderer.picture(&self.gpu, world, camera, aovs)
+        let request = PictureRequest {
+            color: true,
+            aovs,
+            timed: true,
+            estimates_error: false,
+        };
+        self.begin(request)?.take(&self.gpu)
     }
 
     /// Starts to render the scene at its current pose.
@@ -101,9 +97,20 @@ impl Session {
     /// # Errors
     /// Same errors as [`crate::Renderer::begin_picture`].
     pub fn begin(&mut self, request: PictureRequest) -> Result<PendingPicture, RenderError> {
+        match self.error_bound() {
+            Some(bound) => self.begin_within(bound, request),
+            None => self.begin_counted(request),
+        }
+    }
+
+    /// Starts to render with the number of sub-frames that the renderer has.
+    pub(super) fn begin_counted(
+        &mut self,
+        request: PictureRequest,
+    ) -> Result<PendingPicture, RenderError> {
         let camera = self.camera();
         self.complete()?;
-        let samples = self.renderer.options().image.samples;
+        let samples = self.renderer.options().image.samples.count();
         let renderer = &mut self.renderer;
         if let Some(mut moments) = OpenShutter::of(&mut self.loaded, samples) {
             let picture =
@@ -147,7 +154,7 @@ impl Session {
         camera: &dyn Fn(&World) -> CameraDesc,
         edit: &dyn Fn(&mut World),
     ) -> Result<FrameStats, RenderError> {
-        let samples = self.renderer.options().image.samples;
+        let samples = self.renderer.options().image.samples.count();
         let loaded = &mut self.loaded;
         if self.coarse.is_some() || !open_shutter::moves(&loaded.scene, samples) {
             let world = self.coarse.as_ref().unwrap_or(&loaded.world);

@@ -59,14 +59,48 @@ pub enum Radiance {
     Auto,
 }
 
+/// Number of sub-frames of a picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Samples {
+    /// A number that is written.
+    Count(u32),
+    /// Smallest number that meets an error bound.
+    UntilError(ErrorBound),
+}
+
+/// `samples = { error = 0.01, at_most = 1024 }`: as many sub-frames as it takes, found by rendering pictures of more
+/// and more of them. The error of a picture is estimated from its two halves, the first and the last of its sub-frames:
+/// a pixel's is |ΔR| + |ΔG| + |ΔB| over √(R + G + B), at the picture's exposure, where Δ is the expected distance
+/// from the picture of endless sub-frames (Dammertz et al. 2010, "A Hierarchical Automatic Stopping Condition for Monte
+/// Carlo Global Illumination").
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ErrorBound {
+    /// Largest error that a tile of 16 × 16 pixels may have, the mean of its pixels, 0.0005 to 1. About 0.01 is a grain
+    /// of 1 of 255 steps in a mid-gray, which is hardly seen.
+    pub error: f32,
+    /// Number of sub-frames past which the picture stays as it is, 2 to 4096. Default 1024.
+    pub at_most: u32,
+}
+
+impl Samples {
+    /// Number of sub-frames; the largest one that a bound allows.
+    pub fn count(self) -> u32 {
+        match self {
+            Self::Count(count) => count,
+            Self::UntilError(bound) => bound.at_most,
+        }
+    }
+}
+
 /// `[image]`: size, sampling, exposure and tone mapping of the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ImageDesc {
     /// Width and height in pixels, each 1 to 16384. Default [1280, 720].
     pub size: [u32; 2],
     /// Number of sub-frames, each with its own pixel offset, that are averaged to a picture, 1 to 4096.
-    /// More gives smoother edges and less grain, and takes longer. Default 1.
-    pub samples: u32,
+    /// More gives smoother edges and less grain, and takes longer. `{ error = 0.01 }` chooses a number for each
+    /// picture. Default 1.
+    pub samples: Samples,
     /// Number of rays per pixel and sub-frame towards each kind of light that is sampled, 1 to 256. The
     /// kinds are lamps with a size (each ray picks one, by how much it may light the pixel), suns with a
     /// size (likewise), an environment with `shadow = "ray"` or a `file`, and all surfaces with `light =
@@ -100,7 +134,7 @@ pub struct ImageDesc {
 impl ImageDesc {
     /// Number of rays per pixel and sub-frame towards each kind of light that is sampled.
     pub fn light_rays(&self) -> u32 {
-        let default = 8_u32.div_ceil(self.samples.saturating_add(1));
+        let default = 8_u32.div_ceil(self.samples.count().saturating_add(1));
         self.light_rays.unwrap_or(default)
     }
 }
@@ -109,7 +143,7 @@ impl Default for ImageDesc {
     fn default() -> Self {
         Self {
             size: [1280, 720],
-            samples: 1,
+            samples: Samples::Count(1),
             light_rays: None,
             exposure_ev: Exposure::Ev(0.0),
             tone_map: ToneMap::Neutral,

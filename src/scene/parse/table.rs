@@ -15,7 +15,7 @@ use crate::diagnostic::Span;
 use crate::syntax::{Entries, Key, Node};
 use crate::{range::Range, suggest};
 
-pub use self::nested::Either;
+pub use self::nested::{Either, NumberOr};
 
 /// A description that is written as a table.
 pub trait Section: Sized {

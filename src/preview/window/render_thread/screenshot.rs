@@ -55,7 +55,7 @@ impl Worker {
                 compose_wipe(&left, &right, screenshot.wipe_at, size)
             }
         };
-        png_file::encode(whole.size, &whole.rgba, None)
+        png_file::encode(whole.size, &whole.rgba, &[])
     }
 
     fn side(&mut self, side: Side, view: &View) -> Result<Pixels, String> {

@@ -151,7 +151,7 @@ impl Worker {
         let most = self.gpu.limits.max_texture_dimension_2d;
         let pixels = |size: [u32; 2]| f64::from(size[0]) * f64::from(size[1]);
         let whole = view.size.map(|side| side.clamp(1, most));
-        let (mut size, all_samples) = (whole, self.live.desc().image.samples);
+        let (mut size, all_samples) = (whole, self.live.desc().image.samples.count());
         let mut samples = all_samples;
         if let Some(draft_ms) = view.draft_ms {
             samples = 1;

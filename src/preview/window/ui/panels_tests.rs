@@ -181,11 +181,11 @@ fn a_comparison_moves_nothing_below_it() {
 
 #[test]
 fn panels_list_times_shares_and_keys() {
-    let mut counters = [0; 16];
-    counters[1] = 30;
+    let counters = [0, 30, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0];
     let stats = FrameStats {
         size: [10, 10],
         samples: 1,
+        error: None,
         method: Method::Hybrid,
         decisions: Vec::new(),
         unit_m: 1.0,
@@ -193,7 +193,7 @@ fn panels_list_times_shares_and_keys() {
         passes_ms: vec![("ssr".to_owned(), 1.25)],
         processor_ms: Vec::new(),
         frame_ms: 2.5,
-        shares: Shares::new(&counters, [10, 10], reflet_scene::desc::Method::Hybrid),
+        shares: Shares::new(&counters, [10, 10], Method::Hybrid),
         rays: 0,
         exhausted_rays: 0,
         audit: Some(Audit {

@@ -1,8 +1,8 @@
 //! Reader of `[image]`.
 
 use crate::{
-    desc::ImageDesc,
-    parse::table::{Section, Table},
+    desc::{ErrorBound, ImageDesc, Samples},
+    parse::table::{NumberOr, Section, Table},
     range::{ANY, UNIT, range},
 };
 
@@ -14,7 +14,7 @@ impl Section for ImageDesc {
         let default = Self::default();
         Some(Self {
             size: t.get("size", range(1.0, 16384.0), default.size),
-            samples: t.get("samples", range(1.0, 4096.0), default.samples),
+            samples: samples(t),
             light_rays: t.find("light_rays", range(1.0, 256.0)),
             exposure_ev: t.get("exposure_ev", range(-20.0, 20.0), default.exposure_ev),
             tone_map: t.get("tone_map", ANY, default.tone_map),
@@ -23,5 +23,26 @@ impl Section for ImageDesc {
             alpha: t.get("alpha", ANY, default.alpha),
             shutter: t.get("shutter", UNIT, default.shutter),
         })
+    }
+}
+
+impl Section for ErrorBound {
+    const TYPE: &'static str = "ErrorBound";
+    const HEADING: &'static str = "samples = { error = … }";
+
+    fn read(t: &mut Table) -> Option<Self> {
+        let error = t.need("error", range(0.0005, 1.0));
+        Some(Self {
+            at_most: t.get("at_most", range(2.0, 4096.0), 1024),
+            error: error?,
+        })
+    }
+}
+
+/// `samples = 16`, or a table.
+fn samples(t: &mut Table) -> Samples {
+    match t.number_or_table("samples", range(1.0, 4096.0), 1) {
+        NumberOr::Number(count) => Samples::Count(count),
+        NumberOr::Nested(bound) => Samples::UntilError(bound),
     }
 }

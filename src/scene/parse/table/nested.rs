@@ -11,7 +11,7 @@ use crate::{
         params,
         value::{Value as _, found, wrong_type},
     },
-    range::ANY,
+    range::{ANY, Range},
     suggest,
 };
 
@@ -23,7 +23,41 @@ pub enum Either<T> {
     Nested(T),
 }
 
+/// A number, or a table in its place.
+pub enum NumberOr<T> {
+    /// The number.
+    Number(u32),
+    /// The value that the table describes.
+    Nested(T),
+}
+
 impl Table<'_> {
+    /// A whole number with a default, or a table in its place.
+    pub fn number_or_table<T: Section>(
+        &mut self,
+        key: &'static str,
+        range: Range,
+        default: u32,
+    ) -> NumberOr<T> {
+        self.note(key, || {
+            KeyRecord::value::<u32>(key, range)
+                .or(Form::Table(T::TYPE))
+                .default(default.to_json())
+        });
+        self.describe_nested::<T>();
+        let node = self.values.get(key);
+        let found = node.and_then(|node| match node.get_ref() {
+            Content::Table(_) => self.nested(key, node).map(NumberOr::Nested),
+            Content::Integer(_) | Content::Float(_) => self.plain(key, range).map(NumberOr::Number),
+            _ => {
+                let help = format!("write a number, or `{}`", T::HEADING);
+                wrong_type(node, key, "a whole number or a table", self.report).help = Some(help);
+                None
+            }
+        });
+        found.unwrap_or(NumberOr::Number(default))
+    }
+
     /// A table right of `key =`, or `[….key]`.
     pub fn table<T: Section>(&mut self, key: &'static str) -> Option<T> {
         self.note(key, || KeyRecord::new(key, Form::Table(T::TYPE)));
