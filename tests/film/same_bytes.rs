@@ -7,6 +7,7 @@ use std::{
     process::{Command, Stdio},
     sync::atomic::{AtomicBool, Ordering},
     thread,
+    time::{Duration, SystemTime},
 };
 
 use super::folder;
@@ -126,5 +127,35 @@ fn frames_and_films_are_the_same_bytes() {
         for name in ["f.mp4", "f.mov", "f.mkv", "f.webm"] {
             check(&folder, &[&film[..], &[name]].concat(), 1);
         }
+    }
+}
+
+/// Times of a clock that was set back: what was written before is in its future.
+#[test]
+fn files_from_the_future_end_no_film() {
+    if gpu_or_skip().is_none() {
+        return;
+    }
+    let folder = folder("clock");
+    let film = ["render", "scene.toml", "--frames", "0-1", "-o"];
+    let commands = ["f.#.png", "f.apng"].map(|name| [&film[..], &[name]].concat());
+    let run = || {
+        commands
+            .clone()
+            .map(|command| files_of(&folder, &command, 2, 0))
+    };
+    let before = run();
+    // A temporary file of another machine, named .reflet-GOAL-PLACE-PROCESS.tmp.
+    let other = ".reflet-0123456789abcdef-0123456789abcdef-7.tmp";
+    fs::write(folder.join(other), "half").expect("writable");
+    let hour = Duration::from_secs(3600);
+    let now = SystemTime::now();
+    for time in [now + hour, now + 100_000 * hour, now - 100_000 * hour] {
+        for name in names(&folder) {
+            let file = fs::File::options().write(true).open(folder.join(name));
+            file.expect("there").set_modified(time).expect("settable");
+        }
+        assert!(run() == before, "files of {time:?}");
+        assert!(names(&folder).contains(&other.to_owned()));
     }
 }
