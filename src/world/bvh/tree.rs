@@ -44,29 +44,30 @@ impl Tree {
     }
 }
 
-/// The boxes, with those that share a center enlarged by distinct small amounts. The builder pairs
-/// each box with its nearest neighbor; among coincident boxes only one pair forms per round, so a
-/// thousand copies would take a thousand rounds.
+/// The boxes, with those that share a center grown by small amounts that differ. The builder merges boxes that are each
+/// other's nearest neighbor, round by round. Of boxes that are equal, or nested in each other, that is one pair a round,
+/// so that a thousand would take a thousand rounds. What equal boxes grow to lies around them like points, and has one
+/// size.
 fn distinct(boxes: &[Aabb]) -> Cow<'_, [Aabb]> {
-    let center = |b: &Aabb| ((b.min + b.max) * 0.5).to_array().map(f32::to_bits);
+    let center = |&i: &usize| {
+        ((boxes[i].min + boxes[i].max) * 0.5)
+            .to_array()
+            .map(f32::to_bits)
+    };
     let mut order: Vec<usize> = (0..boxes.len()).collect();
-    order.sort_unstable_by_key(|&i| center(&boxes[i]));
+    order.sort_unstable_by_key(|i| (center(i), *i));
     let mut grown = Cow::Borrowed(boxes);
-    let mut equal = 0u32;
-    for pair in order.windows(2) {
-        if center(&boxes[pair[0]]) != center(&boxes[pair[1]]) {
-            equal = 0;
-            continue;
+    for same in order.chunk_by(|a, b| center(a) == center(b)) {
+        for (k, &i) in (0u32..).zip(same).skip(1) {
+            let Aabb { min, max } = boxes[i];
+            let growth = ((max - min).max_element() * 1e-3)
+                .max(min.abs().max(max.abs()).max_element() * 1e-5);
+            // Weyl sequence of three dimensions, evenly spread and uncorrelated with the order.
+            let steps = [0xd1b5_4a33_u32, 0xabc9_8389, 0x8cb9_2ba7];
+            let share = steps.map(|step| (k.wrapping_mul(step) >> 8) as f32 / (1u32 << 24) as f32);
+            let below = Vec3A::from_array(share) * growth;
+            grown.to_mut()[i] = Aabb::new(min - below, max + (Vec3A::splat(growth) - below));
         }
-        equal += 1;
-        let original = &boxes[pair[1]];
-        let size = (original.max - original.min).max_element();
-        let reach = original.min.abs().max(original.max.abs()).max_element();
-        // Weyl sequence: distinct values, uncorrelated with spatial order.
-        let share = (equal.wrapping_mul(0x9e37_79b9) >> 8) as f32 / (1u32 << 24) as f32;
-        let growth = (size * 1e-3).max(reach * 1e-5) * share;
-        let axis = [Vec3A::X, Vec3A::Y, Vec3A::Z][equal as usize % 3];
-        grown.to_mut()[pair[1]] = Aabb::new(original.min - axis * growth, original.max);
     }
     grown
 }
@@ -90,4 +91,52 @@ fn stack_need(nodes: &[CwBvhNode]) -> u32 {
         need[i] = below.copied().unwrap_or(0) + u32::from(children > 1);
     }
     need[0]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rounds in which boxes are merged that are each other's nearest neighbor within two places of their order, as
+    /// the builder does it, until one is left.
+    fn rounds(boxes: &[Aabb]) -> usize {
+        let mut left = boxes.to_vec();
+        let key = |b: &Aabb| (b.min + b.max).to_array();
+        left.sort_by(|a, b| key(a).partial_cmp(&key(b)).expect("finite"));
+        let mut count = 0;
+        while left.len() > 1 {
+            count += 1;
+            let cost = |i: usize, k: usize| left[i].union(&left[k]).half_area();
+            let nearest = |i: usize| {
+                let others = (i.saturating_sub(2)..left.len().min(i + 3)).filter(|&k| k != i);
+                others.min_by(|&a, &b| cost(i, a).total_cmp(&cost(i, b)))
+            };
+            let best: Vec<_> = (0..left.len()).map(nearest).collect();
+            let merged = (0..left.len()).filter_map(|i| match best[i] {
+                Some(k) if best[k] == Some(i) => (i < k).then(|| left[i].union(&left[k])),
+                _ => Some(left[i]),
+            });
+            left = merged.collect();
+        }
+        count
+    }
+
+    #[test]
+    fn boxes_at_one_place_are_merged_in_few_rounds() {
+        let unit = Aabb::new(Vec3A::splat(-0.5), Vec3A::splat(0.5));
+        let far = Aabb::new(Vec3A::splat(1000.0), Vec3A::splat(1000.1));
+        let flat = Aabb::new(Vec3A::new(-1.0, 0.0, -1.0), Vec3A::new(1.0, 0.0, 1.0));
+        let point = Aabb::new(Vec3A::ONE, Vec3A::ONE);
+        for one in [unit, far, flat, point] {
+            let boxes = vec![one; 2000];
+            let grown = distinct(&boxes);
+            let found = rounds(&grown);
+            assert!(found < 100, "{found} rounds for 2,000 copies of {one:?}");
+            let holds = |b: &Aabb| b.min.cmple(one.min).all() && b.max.cmpge(one.max).all();
+            assert!(grown.iter().all(holds) && grown[0] == one);
+            let most = (one.max - one.min).max_element() * 1e-3 + 1e-2;
+            let near = |b: &Aabb| (one.min - b.min).max(b.max - one.max).max_element() <= most;
+            assert!(grown.iter().all(near));
+        }
+    }
 }
