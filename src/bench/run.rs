@@ -8,11 +8,14 @@ use super::{
     parameter::{Parameter, Variant},
 };
 use reflet_gpu::{Gpu, ShaderLibrary};
-use reflet_render::{Poses, RenderError, RenderOptions, runtime::renderer_stage::RendererStage};
+use reflet_render::{
+    Poses, RenderError, RenderOptions, decide::decide, plan::traces_rays,
+    runtime::renderer_stage::RendererStage,
+};
 use reflet_scene::desc::{
     Accept, Bounces, CameraDesc, Exposure, ImageDesc, Method, ReflectionDesc, Visibility,
 };
-use reflet_world::World;
+use reflet_world::{World, bvh::Trees};
 
 mod error;
 mod fill;
@@ -73,19 +76,13 @@ impl Subject {
         reflection: &ReflectionDesc,
         size: [u32; 2],
     ) -> Result<RendererStage, RenderError> {
-        // All methods use the same visibility, so that they differ in reflections alone.
-        let visibility = match self.image.visibility {
-            Visibility::Auto => Visibility::Raster,
-            visibility => visibility,
-        };
-        let options = RenderOptions {
+        let mut options = RenderOptions {
             reflection: ReflectionDesc {
                 bounces: REFERENCE_BOUNCES,
                 ..*reflection
             },
             image: ImageDesc {
                 size,
-                visibility,
                 // Fixed exposure for all variants and cameras; `auto` counts as 0.
                 exposure_ev: Exposure::Ev(self.image.exposure_ev.ev()),
                 ..self.image
@@ -97,8 +94,31 @@ impl Subject {
             first: self.first.as_ref().unwrap_or(&self.world),
             shown: &self.world,
         };
+        if options.image.visibility == Visibility::Auto {
+            options.image.visibility = decided_visibility(gpu, poses.first, &options)?;
+        }
         RendererStage::new(gpu, library, poses, &options)
     }
+}
+
+/// Visibility that `render --method rt` chooses. All methods take it, so that they differ in reflections alone.
+fn decided_visibility(
+    gpu: &Gpu,
+    world: &World,
+    options: &RenderOptions,
+) -> Result<Visibility, RenderError> {
+    let mut traced = *options;
+    traced.reflection.method = Method::Rt;
+    if !traces_rays(world, &traced) {
+        return Ok(Visibility::Raster);
+    }
+    // Methods that trace rays decide so themselves.
+    if options.reflection.method != Method::Ssr {
+        return Ok(Visibility::Auto);
+    }
+    let trees = Trees::build(world, u64::MAX).map_err(RenderError::Scene)?;
+    let decided = decide(world, &trees, &traced, gpu.is_software());
+    Ok(decided.options.image.visibility)
 }
 
 /// Measurements that are made of each scene.

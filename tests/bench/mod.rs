@@ -9,6 +9,7 @@ mod report_findings;
 mod synthetic;
 mod tables;
 mod timeline;
+mod visibility;
 
 use std::{
     collections::HashSet,

@@ -1,0 +1,59 @@
+//! Visibility that is left to `auto`: `bench` takes what `render --method rt` takes.
+
+use std::fs;
+
+use super::{exits, folder, gpu_or_skip, samples};
+
+/// Mirror balls of more triangles than the picture has pixels.
+const BALLS: &str = r#"
+version = 1
+[camera.main]
+eye = [0, 1, 5]
+[material.chrome]
+metallic = 1
+roughness = 0
+[model.ball]
+shape = { kind = "sphere", radius = 0.4, segments = SEGMENTS }
+material = "chrome"
+[[instance]]
+model = "ball"
+repeat = { count = [3, 3, 3], step = [1, 1, -1] }
+[light.sun]
+kind = "directional"
+direction = [0, -1, -1]
+intensity_lux = 3
+shadow = "none"
+"#;
+
+#[test]
+fn methods_find_surfaces_as_render_does() {
+    if gpu_or_skip().is_none() {
+        return;
+    }
+    let folder = folder("visibility");
+    for (segments, by_rays) in [("128", true), ("4", false)] {
+        let text = BALLS.replace("SEGMENTS", segments);
+        fs::write(folder.join("balls.toml"), text).expect("written");
+        let out = format!("out-{segments}");
+        let run = [
+            "balls.toml",
+            "--sizes",
+            "32x18",
+            "--frames",
+            "1",
+            "--warm-up",
+            "1",
+            "-o",
+            &out,
+        ];
+        exits(&folder, &run, 0);
+        let samples = samples(&folder.join(&out));
+        for method in ["ssr", "hybrid", "rt"] {
+            let sample = samples.iter().find(|s| s.method == method);
+            let sample = sample.expect("measured");
+            assert_eq!(sample.detail("pass_primary_ms") > 0.0, by_rays, "{method}");
+            let raster = sample.detail("pass_visibility_ms");
+            assert_eq!(raster > 0.0, !by_rays, "{method}");
+        }
+    }
+}
