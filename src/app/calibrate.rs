@@ -3,8 +3,10 @@
 use std::{fmt::Write as _, path::Path};
 
 mod fit;
+mod setups;
 
 use fit::{LEAST_NS, Measured, fit};
+use setups::{BALLS, FrameSetup, SCENE, SETUPS};
 
 use super::{
     args::CalibrateArgs, device::open_gpu, error::AppError, output::writable::check_writable,
@@ -15,6 +17,7 @@ use crate::{
     gpu::{Gpu, ShaderLibrary},
     render::{
         RenderOptions,
+        brought_light::RayCount,
         cost::Workload,
         decide::workload,
         pass::Pass,
@@ -28,45 +31,10 @@ use crate::{
     },
     scene::{
         dependencies::Dependencies,
-        desc::{Bounces, LightKind, Method, ShadowMode, Visibility},
+        desc::{Bounces, LightKind},
     },
     world::{World, bvh::Trees},
 };
-
-/// Test scene: a mirror floor under diffuse balls, lit by the sun. `COUNT` and `SEGMENTS` are replaced by the
-/// number of balls along each axis and by the segments of each.
-const SCENE: &str = r#"
-version = 1
-[camera.main]
-eye = [0, 5, 13]
-target = [0, 0.5, 0]
-[material.mirror]
-metallic = 1
-roughness = 0
-[material.dull]
-roughness = 0.9
-[model.floor]
-shape = { kind = "plane", size = [24, 24] }
-material = "mirror"
-[model.ball]
-shape = { kind = "sphere", radius = 0.45, segments = SEGMENTS }
-material = "dull"
-[[instance]]
-model = "floor"
-[[instance]]
-model = "ball"
-translation = [-6, 0.6, 0]
-repeat = { count = COUNT, step = [1.3, 1.2, -1.3] }
-[light.sun]
-kind = "directional"
-direction = [0.3, -1, -0.2]
-intensity_lux = 3
-shadow = "auto"
-shadow_px = 1024
-"#;
-
-/// Number of balls along each axis, and segments of each: from scenes where rays visit few BVH nodes to many.
-const BALLS: [([u32; 3], u32); 3] = [([2, 1, 1], 8), ([10, 1, 4], 24), ([10, 3, 10], 64)];
 
 /// Measurements that each unit cost is fitted to, from the frames of all scenes and sizes.
 #[derive(Default)]
@@ -77,38 +45,21 @@ struct Series {
     primary: Vec<Measured>,
     shadow: Vec<Measured>,
     mirror: Vec<Measured>,
+    onward: Vec<Measured>,
+    light: Vec<Measured>,
     march: Vec<Measured>,
     pyramid: Vec<Measured>,
     hit: Vec<Measured>,
     pass_ns: f64,
 }
 
-/// Settings of a timed frame.
-#[derive(Clone, Copy)]
-struct FrameSetup {
-    method: Method,
-    visibility: Visibility,
-    shadow: ShadowMode,
+/// The frames of one scene at one size.
+struct Frames {
+    /// Counts with shadows left to `auto`.
+    work: Workload,
+    /// Counts of each of [`SETUPS`], and the shortest time of each pass.
+    timed: [(Workload, FrameStats); SETUPS.len()],
 }
-
-/// Settings of the timed frames; together they run every pass that has a unit cost.
-const SETUPS: [FrameSetup; 3] = [
-    FrameSetup {
-        method: Method::Hybrid,
-        visibility: Visibility::Raster,
-        shadow: ShadowMode::Map,
-    },
-    FrameSetup {
-        method: Method::Rt,
-        visibility: Visibility::Rays,
-        shadow: ShadowMode::None,
-    },
-    FrameSetup {
-        method: Method::Ssr,
-        visibility: Visibility::Raster,
-        shadow: ShadowMode::Ray,
-    },
-];
 
 /// Runs `calibrate`.
 ///
@@ -170,10 +121,16 @@ fn measure(
     options.image.size = size;
     options.reflection.bounces = Bounces::AtMost(1);
     let trees = Trees::build(&world, u64::MAX).map_err(|d| AppError::Scene(vec![*d]))?;
-    let work = workload(&world, &trees, &options);
-    let [maps, rays, ray_shadows] =
-        [0, 1, 2].map(|setup| timed(gpu, &world, &options, SETUPS[setup], frames));
-    series.add(&work, &maps?, &rays?, &ray_shadows?)
+    let one = |setup: FrameSetup| {
+        let (world, options) = setup.applied(&world, &options);
+        let stats = timed(gpu, &world, &options, frames)?;
+        Ok::<_, AppError>((workload(&world, &trees, &options), stats))
+    };
+    let [a, b, c, d, e] = SETUPS.map(one);
+    series.add(&Frames {
+        work: workload(&world, &trees, &options),
+        timed: [a?, b?, c?, d?, e?],
+    })
 }
 
 /// Shortest time of each pass over all timed frames.
@@ -181,29 +138,28 @@ fn timed(
     gpu: &Gpu,
     world: &World,
     options: &RenderOptions,
-    setup: FrameSetup,
     frames: u32,
 ) -> Result<FrameStats, AppError> {
-    let (mut world, mut options) = (world.clone(), *options);
-    for light in &mut world.lights {
-        light.desc.shadow = setup.shadow;
-    }
-    options.reflection.method = setup.method;
-    options.image.visibility = setup.visibility;
     let refused = |error| AppError::from_render(error, false);
     let library = ShaderLibrary::embedded();
-    let mut renderer = RendererStage::new(gpu, &library, &world, &options).map_err(refused)?;
+    let mut renderer = RendererStage::new(gpu, &library, world, options).map_err(refused)?;
     let camera = world.cameras[world.main_camera()].value.clone();
-    renderer.render(gpu, &world, &camera).map_err(refused)?;
+    renderer.render(gpu, world, &camera).map_err(refused)?;
     let mut best: Option<FrameStats> = None;
     for _ in 0..frames {
         renderer.redraw_shadows();
-        let stats = renderer.render(gpu, &world, &camera).map_err(refused)?;
+        let stats = renderer.render(gpu, world, &camera).map_err(refused)?;
         match &mut best {
             None => best = Some(stats),
             Some(best) => {
-                for ((_, least), (_, ms)) in best.passes_ms.iter_mut().zip(stats.passes_ms) {
-                    *least = least.min(ms);
+                let both = [
+                    (&mut best.passes_ms, stats.passes_ms),
+                    (&mut best.processor_ms, stats.processor_ms),
+                ];
+                for (best, times) in both {
+                    for ((_, least), (_, ms)) in best.iter_mut().zip(times) {
+                        *least = least.min(ms);
+                    }
                 }
             }
         }
@@ -216,22 +172,27 @@ fn timed(
         })
 }
 
-/// Time of a pass, nanoseconds.
+/// Cost of a pass, nanoseconds: processor time on software adapters, else time on the GPU.
 fn ns(stats: &FrameStats, pass: &Pass) -> f64 {
-    let named = stats.passes_ms.iter().find(|(name, _)| name == pass.name);
+    let times = match stats.processor_ms.as_slice() {
+        [] => &stats.passes_ms,
+        times => times,
+    };
+    let named = times.iter().find(|(name, _)| name == pass.name);
     named.map_or(0.0, |(_, ms)| ms * 1e6)
 }
 
 impl Series {
-    /// Adds the measurements of one scene at one size: with shadow maps, with rays but no shadows, and with
-    /// shadow rays.
-    fn add(
-        &mut self,
-        work: &Workload,
-        maps: &FrameStats,
-        rays: &FrameStats,
-        ray_shadows: &FrameStats,
-    ) -> Result<(), AppError> {
+    /// Adds the measurements of one scene at one size.
+    fn add(&mut self, frames: &Frames) -> Result<(), AppError> {
+        let work = &frames.work;
+        let [
+            (_, maps),
+            (_, rays),
+            (_, ray_shadows),
+            (panel, lit_by_panel),
+            (matte, scattered),
+        ] = &frames.timed;
         let sun = LightKind::NAMES
             .iter()
             .position(|name| *name == "directional");
@@ -282,13 +243,28 @@ impl Series {
         let mirror = view.all_mirror();
         let mirrors = [scaled(mirror.rays), scaled(mirror.visits)];
         push(|s| &mut s.mirror, mirrors, ns(rays, &trace::PASS));
+        let traced = ns(rays, &trace::PASS);
+        let counts = |count: RayCount| [scaled(count.rays), scaled(count.visits)];
+        let to_panel = counts(panel.view.brought.light);
+        push(
+            |s| &mut s.light,
+            to_panel,
+            ns(lit_by_panel, &trace::PASS) - traced,
+        );
+        let onward = counts(matte.view.brought.onward);
+        push(
+            |s| &mut s.onward,
+            onward,
+            ns(scattered, &trace::PASS) - traced,
+        );
         push(|s| &mut s.march, mirrors, ns(maps, &ssr::PASS));
         push(
             |s| &mut s.pyramid,
             [work.pixels, 0.0],
             ns(maps, &pyramid::PASS),
         );
-        push(|s| &mut s.hit, [hits as f64, 0.0], ns(maps, &hits::PASS));
+        // Few hits take less time than the start of their pass.
+        push(|s| &mut s.hit, [hits as f64, 1.0], ns(maps, &hits::PASS));
         Ok(())
     }
 
@@ -299,6 +275,8 @@ impl Series {
         let [shadow_ray, shadow_node] = fit(&self.shadow);
         let [mirror_ray, mirror_node] = fit(&self.mirror);
         let [march_ray, march_node] = fit(&self.march);
+        let [onward_ray, onward_node] = fit(&self.onward);
+        let [light_ray, light_node] = fit(&self.light);
         UnitCosts {
             raster_triangle,
             raster_pixel,
@@ -311,6 +289,10 @@ impl Series {
             shadow_node,
             mirror_ray,
             mirror_node,
+            onward_ray,
+            onward_node,
+            light_ray,
+            light_node,
             march_ray,
             march_node,
             pyramid_pixel: fit(&self.pyramid)[0],

@@ -6,6 +6,7 @@ use std::fmt;
 use reflet_scene::desc::LightKind;
 
 use super::{
+    brought_light::{BroughtRays, RayCount},
     unit_costs::UnitCosts,
     view_sample::{MirrorRays, ViewSample},
 };
@@ -42,6 +43,17 @@ impl Pair {
         } else {
             second.0
         }
+    }
+
+    /// Expected milliseconds of both ways.
+    pub fn ms(&self) -> [f64; 2] {
+        self.0.map(|(_, ms)| ms)
+    }
+
+    /// Time of the first way, divided by that of the second.
+    pub fn ratio(&self) -> f64 {
+        let [first, second] = self.0;
+        first.1 / second.1
     }
 }
 
@@ -106,8 +118,10 @@ impl Workload {
             };
         }
         let fixed = self.samples * (self.pixels * unit.pyramid_pixel + 4.0 * unit.pass);
-        let hybrid = self.weight() * hybrid + fixed;
-        Pair([("hybrid", MS * hybrid), ("rt", MS * self.weight() * rt)])
+        let brought = self.view.brought.time(unit);
+        let hybrid = self.weight() * (hybrid + brought) + fixed;
+        let rt = self.weight() * (rt + brought);
+        Pair([("hybrid", MS * hybrid), ("rt", MS * rt)])
     }
 
     /// Whether the mirror rays of each of `instances` take less time to trace than to march. Those of which few rays
@@ -122,6 +136,18 @@ impl Workload {
             _ => others,
         };
         (0..instances).map(of).collect()
+    }
+}
+
+impl BroughtRays {
+    /// Expected time of all these rays, nanoseconds: the same for both methods.
+    fn time(&self, unit: &UnitCosts) -> f64 {
+        let cost = |count: RayCount, ray: f64, node: f64| {
+            f64::from(count.rays) * ray + f64::from(count.visits) * node
+        };
+        cost(self.onward, unit.onward_ray, unit.onward_node)
+            + cost(self.shadow, unit.shadow_ray, unit.shadow_node)
+            + cost(self.light, unit.light_ray, unit.light_node)
     }
 }
 

@@ -8,7 +8,7 @@ use reflet_scene::desc::{
 use reflet_world::{Light, World, bvh::Trees};
 
 use super::{
-    cost::Workload,
+    cost::{Pair, Workload},
     cull::is_outside,
     edge_on::has_edge_on_surfaces,
     lights::{CUBE_FACES, has_cube_map},
@@ -61,6 +61,7 @@ pub fn decide(world: &World, trees: &Trees, options: &RenderOptions, software: b
         trees,
         asked: *options,
         unit: options.costs.unwrap_or(UnitCosts::of_kind(software)),
+        other: (options.costs.is_none() && !software).then_some(UnitCosts::CARD),
         decided: Decided {
             options: *options,
             decisions: Vec::new(),
@@ -86,6 +87,8 @@ struct Decider<'a> {
     trees: &'a Trees,
     asked: RenderOptions,
     unit: UnitCosts,
+    /// Costs of another class of the same kind of adapter, which are shown where they would choose otherwise.
+    other: Option<UnitCosts>,
     decided: Decided,
 }
 
@@ -119,13 +122,9 @@ impl Decider<'_> {
                 "the camera sees surfaces edge-on, which no pixel shows, so no ray is marched";
             return self.choose("reflection.method", Method::Rt.name(), why.to_owned());
         }
-        let (unit, instances) = (self.unit, self.world.instances.len());
+        let (unit, other, instances) = (self.unit, self.other, self.world.instances.len());
         let workload = self.workload();
-        let traced = match is_split {
-            true => workload.cheaper_traced(&unit, instances),
-            false => vec![false; instances],
-        };
-        let pair = workload.reflections(&unit, |instance| traced[instance]);
+        let (traced, pair) = reflections(workload, &unit, instances, is_split);
         let view = &workload.view;
         let percent = |part: u32, of: u32| 100.0 * f64::from(part) / f64::from(of.max(1));
         let sampled = view.all_mirror();
@@ -135,11 +134,19 @@ impl Decider<'_> {
             .filter(|(instance, _)| !traced[**instance]);
         let marched_surfaces = marched.clone().count();
         let marched_rays = marched.map(|(_, rays)| rays.rays).sum();
-        let why = format!(
+        let mut why = format!(
             "{pair}; {:.0} % of the pixels reflect, of which the picture shows {:.0} %",
             percent(sampled.rays, view.rays),
             percent(sampled.shown, sampled.rays),
         );
+        let others = other.map(|other| reflections(workload, &other, instances, is_split).1);
+        if let Some(others) = others.filter(|others| others.cheaper() != pair.cheaper()) {
+            let text = format!(
+                "; a data-center chip's costs decide; by a graphics card's of 2013, hybrid takes {:.2} of the time of rt",
+                others.ratio()
+            );
+            why.push_str(&text);
+        }
         let part = format!("{marched_surfaces} of {} surfaces", view.mirror.len());
         let share = format!(
             "they have {:.0} % of the reflective pixels; rays of the others take less time to trace",
@@ -246,6 +253,22 @@ impl Decider<'_> {
     }
 }
 
+/// Instances that are traced at once, and the expected costs of the methods then; `is_split`: only the surfaces are
+/// marched for which that is cheaper.
+fn reflections(
+    workload: &Workload,
+    unit: &UnitCosts,
+    instances: usize,
+    is_split: bool,
+) -> (Vec<bool>, Pair) {
+    let traced = match is_split {
+        true => workload.cheaper_traced(unit, instances),
+        false => vec![false; instances],
+    };
+    let pair = workload.reflections(unit, |instance| traced[instance]);
+    (traced, pair)
+}
+
 /// Radiance after exposure of the 90th percentile of the view.
 const LIGHT_GRAY: f32 = 0.6;
 
@@ -312,8 +335,6 @@ pub fn workload(world: &World, trees: &Trees, options: &RenderOptions) -> Worklo
         map_views[kind] += views;
     }
     let [width, height] = options.image.size;
-    let settings = &options.reflection;
-    let (cutoff, bounces) = (settings.reflects_below(), settings.bounces.most());
     Workload {
         pixels: f64::from(width) * f64::from(height),
         samples: f64::from(options.image.samples.count()),
@@ -321,6 +342,6 @@ pub fn workload(world: &World, trees: &Trees, options: &RenderOptions) -> Worklo
         triangles,
         map_pixels,
         map_views,
-        view: ViewSample::new(world, trees, &view, cutoff, bounces),
+        view: ViewSample::new(world, trees, &view, options),
     }
 }

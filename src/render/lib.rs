@@ -7,6 +7,7 @@
 pub mod aov;
 pub mod aov_view;
 mod bindings;
+pub mod brought_light;
 pub mod cause;
 pub mod change;
 pub mod chunked_array;

@@ -108,7 +108,7 @@ fn scatters(options: &RenderOptions) -> bool {
 
 /// Whether shadow rays are traced for the environment's light. With diffuse interreflection they are, as surfaces
 /// that block the environment reflect light themselves, and it must not shine through them too.
-fn environment_casts_rays(world: &World, options: &RenderOptions) -> bool {
+pub fn environment_casts_rays(world: &World, options: &RenderOptions) -> bool {
     world.environment.casts_rays() || (scatters(options) && !world.environment.is_black())
 }
 

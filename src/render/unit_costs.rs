@@ -1,9 +1,8 @@
-//! Unit costs of the cost model: nanoseconds of wall time.
+//! Unit costs of the cost model, nanoseconds, each class of adapters with its source.
 //!
-//! The costs of a kind of adapter are constants, so that all machines of a kind decide alike. Those of software
-//! adapters are fitted to the passes of seven scenes on llvmpipe with two cores. Those of GPUs come from an
-//! experiment on one data-center GPU, whose rasterizer is weak relative to its compute units; no scene has been
-//! measured on a GPU yet.
+//! The costs of a kind of adapter are constants, so that all machines of a kind decide alike. `docs/costs.md` lists
+//! their sources and what they leave open; `reflet calibrate` measures them on one adapter. Those of software adapters
+//! are processor time of all threads, those of GPUs time on the device: only their ratios decide.
 
 use serde::{Deserialize, Serialize};
 
@@ -33,6 +32,15 @@ pub struct UnitCosts {
     pub mirror_ray: f64,
     /// Visiting a node with a mirror ray: more than for primary rays, as neighboring rays diverge.
     pub mirror_node: f64,
+    /// Tracing a ray onward from a hit of a mirror ray, without its nodes, and shading what it meets.
+    pub onward_ray: f64,
+    /// Visiting a node with such a ray.
+    pub onward_node: f64,
+    /// Sending a light ray from a hit: choosing its point on an emitter, on a lamp with a size or in the environment, and
+    /// tracing it, without its nodes.
+    pub light_ray: f64,
+    /// Visiting a node with a light ray.
+    pub light_node: f64,
     /// Marching a ray, without the part below.
     pub march_ray: f64,
     /// Part of marching a ray that grows with the nodes that the ray would visit if it were traced: the more there
@@ -47,26 +55,35 @@ pub struct UnitCosts {
 }
 
 impl UnitCosts {
-    /// Costs of software adapters.
+    /// Costs of software adapters: medians of three runs of `reflet calibrate` on llvmpipe (Mesa 22.3.6, two cores of an
+    /// AMD EPYC), in processor time. Costs of 0.1 are too small for the times to show.
     pub const PROCESSOR: Self = Self {
-        raster_triangle: 90.0,
-        raster_pixel: 24.0,
-        map_triangle: 126.0,
-        map_pixel: 10.0,
-        filter: 40.0,
-        primary_ray: 20.0,
-        primary_node: 21.0,
-        shadow_ray: 30.0,
-        shadow_node: 30.0,
-        mirror_ray: 160.0,
-        mirror_node: 38.0,
-        march_ray: 60.0,
-        march_node: 14.0,
-        pyramid_pixel: 4.3,
-        hit: 220.0,
-        pass: 150_000.0,
+        raster_triangle: 153.0,
+        raster_pixel: 5.4,
+        map_triangle: 106.0,
+        map_pixel: 2.0,
+        filter: 60.0,
+        primary_ray: 0.1,
+        primary_node: 47.0,
+        shadow_ray: 12.8,
+        shadow_node: 75.0,
+        mirror_ray: 109.0,
+        mirror_node: 69.0,
+        onward_ray: 427.0,
+        onward_node: 60.0,
+        light_ray: 993.0,
+        light_node: 0.1,
+        march_ray: 256.0,
+        march_node: 10.2,
+        pyramid_pixel: 8.6,
+        hit: 251.0,
+        pass: 160_000.0,
     };
-    /// Costs of all other adapters.
+    /// Costs of GPUs, which decide for all of them. Their source is an experiment on one data-center GPU (NVIDIA H200),
+    /// whose rasterizer is weak relative to its compute units: a scene of 1.8 million triangles, traversal in WGSL
+    /// without shading, 2,240 million primary and 1,650 million mirror rays a second at 1280 × 720, 2.6 million triangles
+    /// rasterized in 5.6 ms, and a linear march of 64 steps. Rays onward and towards lights were not part of it: they
+    /// cost as mirror rays here, and are the same for both methods. No scene has been rendered on a GPU yet.
     pub const GPU: Self = Self {
         raster_triangle: 2.2,
         raster_pixel: 0.5,
@@ -79,11 +96,28 @@ impl UnitCosts {
         shadow_node: 0.02,
         mirror_ray: 0.2,
         mirror_node: 0.025,
+        onward_ray: 0.2,
+        onward_node: 0.025,
+        light_ray: 0.2,
+        light_node: 0.025,
         march_ray: 0.15,
         march_node: 0.005,
         pyramid_pixel: 0.02,
         hit: 0.1,
         pass: 10_000.0,
+    };
+    /// Ratios of a graphics card of 2013 (GeForce GTX 780 Ti), from the three frame times of Macedo and Rodrigues (2018):
+    /// SSR takes 6.1 ms, hybrid 16.9 ms, ray tracing 21.2 ms at 1280 × 720. A frame without march and reflections takes 6.1
+    /// ms at most, so tracing all rays takes 15.1 to 21.2 ms; if the hybrid traces 0.6 to 0.71 of that, the march with all of
+    /// its passes takes 0 to 0.16 of the time of tracing. Here it takes 0.16 of it for rays that visit 30 nodes, and the
+    /// costs of a ray are those of [`Self::GPU`], since the paper does not tell how much each ray visits. These costs never
+    /// decide; they are shown where they would choose another method.
+    pub const CARD: Self = Self {
+        march_ray: 0.03,
+        march_node: 0.004,
+        pyramid_pixel: 0.0,
+        pass: 0.0,
+        ..Self::GPU
     };
 
     /// Costs of a kind of adapter.

@@ -13,9 +13,11 @@ use reflet_world::{
 };
 
 use super::{
+    brought_light::{BroughtRays, Chance, LightsOfHits, towards},
+    options::RenderOptions,
     plan::may_reflect,
     view::{Projection, View},
-    view_rays::{SurfacePoint, ViewRays, is_in_reach, mirror_ray, off_surface, places},
+    view_rays::{SurfacePoint, ViewRays, mirror_ray, off_surface, places},
 };
 
 /// Maximum number of successive reflections that are traced.
@@ -29,7 +31,7 @@ const SAME_PLACE: f64 = 2e-3;
 pub struct MirrorRays {
     /// Number of primary hits on surfaces that reflect, each of which starts one.
     pub rays: u32,
-    /// Number of nodes that they visit, further bounces included.
+    /// Number of nodes that they visit up to their first hit.
     pub visits: u32,
     /// Number of mirror rays whose hit the picture shows.
     pub shown: u32,
@@ -60,17 +62,22 @@ pub struct ViewSample {
     pub surfaces: u32,
     /// Mirror rays by the instance that they start from.
     pub mirror: BTreeMap<usize, MirrorRays>,
+    /// Rays that the mirror rays bring from their first hit on.
+    pub brought: BroughtRays,
     /// Number of shadow rays to the `auto` lights of each kind, and number of nodes that they visit.
     pub shadows: [(u32, u32); LightKind::NAMES.len()],
 }
 
 impl ViewSample {
-    /// Traces the rays of a view; cut-outs count as solid, and further reflections are counted up to `bounces`.
-    pub fn new(world: &World, trees: &Trees, view: &View, cutoff: f32, bounces: u32) -> Self {
+    /// Traces the rays of a view; cut-outs count as solid, and what is transmitted is not followed.
+    pub fn new(world: &World, trees: &Trees, view: &View, options: &RenderOptions) -> Self {
+        let settings = &options.reflection;
         let sampler = Sampler {
             rays: ViewRays { world, trees, view },
-            cutoff,
-            bounces: bounces.min(MAX_BOUNCES),
+            lights: LightsOfHits::new(world, options),
+            cutoff: settings.reflects_below(),
+            bounces: settings.bounces.most().min(MAX_BOUNCES),
+            diffuse_bounces: settings.diffuse_bounces,
         };
         let samples = places().map(|place| sampler.sample(place));
         samples.reduce(Self::default, Self::plus)
@@ -96,6 +103,7 @@ impl ViewSample {
             visits: self.visits + other.visits,
             surfaces: self.surfaces + other.surfaces,
             mirror: self.mirror,
+            brought: self.brought.plus(other.brought),
             shadows,
         }
     }
@@ -103,8 +111,10 @@ impl ViewSample {
 
 struct Sampler<'a> {
     rays: ViewRays<'a>,
+    lights: LightsOfHits<'a>,
     cutoff: f32,
     bounces: u32,
+    diffuse_bounces: u32,
 }
 
 impl Sampler<'_> {
@@ -126,28 +136,48 @@ impl Sampler<'_> {
         }
         let ray = mirror_ray(&point, direction);
         let (met, visits) = self.rays.trees.nearest_counted(&ray);
-        let mut all_visits = visits;
         let shown = met.is_some_and(|met| self.is_shown(&ray, &met));
-        let (mut ray, mut met) = (ray, met);
-        for _ in 1..self.bounces {
-            let Some(hit) = met else { break };
-            let next = self.rays.point(&hit, ray.direction);
-            if !self.reflects(&next) {
-                break;
-            }
-            ray = mirror_ray(&next, ray.direction);
-            let (hit, visits) = self.rays.trees.nearest_counted(&ray);
-            all_visits += visits;
-            met = hit;
-        }
         let counts = MirrorRays {
             rays: 1,
-            visits: all_visits,
+            visits,
             shown: u32::from(shown),
-            refused_visits: if shown { 0 } else { all_visits },
+            refused_visits: if shown { 0 } else { visits },
         };
         sum.mirror.insert(point.instance, counts);
+        sum.brought = self.brought(place, ray, met);
         sum
+    }
+
+    /// Counts what a mirror ray brings from its first hit on: rays to the lights of each hit, and onward.
+    fn brought(&self, place: DVec2, first: Ray, first_met: Option<RayHit>) -> BroughtRays {
+        let mut sum = BroughtRays::default();
+        let [x, y] = (place * f64::from(1 << 12)).as_uvec2().to_array();
+        let mut chance = Chance::of(x << 12 | y);
+        let (mut direction, mut met) = (first.direction, first_met);
+        let (mut mirrored, mut scattered) = (1, 0);
+        while let Some(hit) = met {
+            let point = self.rays.point(&hit, direction);
+            self.lights.count(&self.rays, &point, &mut chance, &mut sum);
+            let next = if self.reflects(&point) && mirrored < self.bounces {
+                mirrored += 1;
+                mirror_ray(&point, direction)
+            } else if self.is_matte(&point) && scattered < self.diffuse_bounces {
+                scattered += 1;
+                off_surface(&point, chance.scattered(point.normal))
+            } else {
+                break;
+            };
+            let (hit, visits) = self.rays.trees.nearest_counted(&next);
+            sum.onward.add(visits);
+            (direction, met) = (next.direction, hit);
+        }
+        sum
+    }
+
+    fn is_matte(&self, point: &SurfacePoint) -> bool {
+        let world = self.rays.world;
+        let material = &world.materials[world.instances[point.instance].material];
+        material.metallic < 1.0 && material.base_color.max_element() > 0.0
     }
 
     fn reflects(&self, point: &SurfacePoint) -> bool {
@@ -190,13 +220,10 @@ impl Sampler<'_> {
     fn count_shadows(&self, point: &SurfacePoint, sum: &mut ViewSample) {
         let lights = self.rays.world.lights.iter();
         for light in lights.filter(|l| l.desc.shadow == ShadowMode::Auto) {
-            let kind = &light.desc.kind;
-            let (direction, t_max) = match (kind.position(), kind.direction()) {
-                (Some(position), _) => (position.as_dvec3() - point.position, 0.9999),
-                (None, Some(direction)) => (-direction.as_dvec3(), f64::INFINITY),
-                (None, None) => continue,
+            let Some((direction, t_max)) = towards(light, point) else {
+                continue;
             };
-            if direction.dot(point.normal) <= 0.0 || !is_in_reach(light, direction) {
+            if direction.dot(point.normal) <= 0.0 {
                 continue;
             }
             let ray = Ray {
@@ -205,7 +232,7 @@ impl Sampler<'_> {
                 passes: SHADOWLESS,
                 ..off_surface(point, direction)
             };
-            let (rays, visits) = &mut sum.shadows[kind.index()];
+            let (rays, visits) = &mut sum.shadows[light.desc.kind.index()];
             *rays += 1;
             *visits += self.rays.trees.any_counted(&ray).1;
         }

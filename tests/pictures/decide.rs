@@ -206,7 +206,7 @@ fn only_auto_lights_and_what_they_reach_are_weighed() {
         let (desc, world) = scene(&text, &[small]);
         let trees = Trees::build(&world, u64::MAX).expect("small");
         let view = View::new(&world.cameras[0].value, desc.image.size, world.unit_m());
-        ViewSample::new(&world, &trees, &view, 0.2, 1).shadows[1].0
+        ViewSample::new(&world, &trees, &view, &RenderOptions::of(&desc)).shadows[1].0
     };
     let (narrow, wide) = (spot("30"), spot("60"));
     assert!(0 < narrow && narrow < wide, "{narrow} {wide}");

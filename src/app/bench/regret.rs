@@ -13,9 +13,9 @@ use crate::{
     },
     bench::{run::Observer as _, summary::digits},
     gpu::{Gpu, ShaderLibrary},
-    render::{RenderOptions, unit_costs::UnitCosts},
+    render::{RenderOptions, decide::Decision, unit_costs::UnitCosts},
     runtime::{ViewOverrides, renderer_stage::RendererStage, scene_text::LoadedScene},
-    scene::desc::{LightKind, Method, ShadowMode, Visibility},
+    scene::desc::{LightKind, Marched, Method, ShadowMode, Visibility},
     world::World,
 };
 
@@ -28,23 +28,30 @@ const SIZES: [[u32; 2]; 3] = [[640, 360], [1280, 720], [1920, 1080]];
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Alternative {
     method: Method,
+    /// Surfaces that method `hybrid` marches.
+    marched: Marched,
     visibility: Visibility,
     /// Shadow mode of lights with `shadow = "auto"`, by their kind.
     shadows: [ShadowMode; LightKind::NAMES.len()],
 }
 
 impl Alternative {
-    /// Alternative that was chosen for these options.
-    fn of(options: &RenderOptions) -> Self {
+    /// Alternative that was chosen for these options, where only some surfaces are marched or all of them.
+    fn of(options: &RenderOptions, marches_some: bool) -> Self {
         Self {
             method: options.reflection.method,
+            marched: match marches_some {
+                true => Marched::Cheaper,
+                false => Marched::All,
+            },
             visibility: options.image.visibility,
             shadows: options.auto_shadow,
         }
     }
 
-    /// All alternatives of a world: kinds of lights without `auto` have one shadow mode.
-    fn all(world: &World) -> Vec<Self> {
+    /// All alternatives of a world: kinds of lights without `auto` have one shadow mode. Where the cost model would
+    /// march some surfaces only, that is one more.
+    fn all(world: &World, marches_some: bool) -> Vec<Self> {
         let kinds = 0..LightKind::NAMES.len();
         let is_auto = kinds.clone().map(|kind| {
             let mut lights = world.lights.iter();
@@ -63,10 +70,16 @@ impl Alternative {
         });
         let mut all = Vec::new();
         for shadows in shadows {
-            for method in [Method::Hybrid, Method::Rt] {
+            let ways = [
+                (Method::Hybrid, Marched::All),
+                (Method::Rt, Marched::All),
+                (Method::Hybrid, Marched::Cheaper),
+            ];
+            for (method, marched) in &ways[..2 + usize::from(marches_some)] {
                 for visibility in [Visibility::Raster, Visibility::Rays] {
                     all.push(Self {
-                        method,
+                        method: *method,
+                        marched: *marched,
                         visibility,
                         shadows,
                     });
@@ -85,6 +98,7 @@ impl Alternative {
             }
         }
         options.reflection.method = self.method;
+        options.reflection.marched = self.marched;
         options.image.visibility = self.visibility;
         (world, options)
     }
@@ -94,7 +108,11 @@ impl Alternative {
             Visibility::Rays => "rays",
             _ => "raster",
         };
-        let mut name = format!("{}, {visibility}", self.method.name());
+        let some = match self.marched {
+            Marched::Cheaper => " of some surfaces",
+            _ => "",
+        };
+        let mut name = format!("{}{some}, {visibility}", self.method.name());
         for (kind, mode) in LightKind::NAMES.iter().zip(self.shadows) {
             if mode == ShadowMode::Ray {
                 let _ = write!(name, ", {kind} shadows by rays"); // writing to a string cannot fail
@@ -179,10 +197,14 @@ fn measure(
     let build = |world: &World, options: &RenderOptions| {
         RendererStage::new(gpu, &library, world, options).map_err(refused)
     };
-    let decided = *build(&world, &options)?.options();
+    let renderer = build(&world, &options)?;
+    let decided = *renderer.options();
+    let is_split = |d: &Decision| d.what == "reflection.marched";
+    let marches_some = renderer.decisions().iter().any(is_split);
+    drop(renderer);
     let mut timed = Vec::new();
     progress.note(&format!("{}, {} x {}", loaded.name, size[0], size[1]));
-    for way in Alternative::all(&world) {
+    for way in Alternative::all(&world, marches_some) {
         let (world, options) = way.applied(&world, &decided);
         let renderer = build(&world, &options)?;
         timed.push((way, world, renderer, Vec::new()));
@@ -210,7 +232,7 @@ fn measure(
     let best = medians.iter().min_by(|a, b| a.1.total_cmp(&b.1));
     let chosen = medians
         .iter()
-        .find(|(way, _)| *way == Alternative::of(&decided));
+        .find(|(way, _)| *way == Alternative::of(&decided, marches_some));
     Ok(best.zip(chosen).map(|(best, chosen)| Row {
         scene: loaded.name.clone(),
         size,
@@ -261,7 +283,8 @@ mod tests {
     #[test]
     fn only_what_is_auto_is_a_choice() {
         let mut world = World::default();
-        assert_eq!(Alternative::all(&world).len(), 4);
+        assert_eq!(Alternative::all(&world, false).len(), 4);
+        assert_eq!(Alternative::all(&world, true).len(), 6);
         let mut lamp = crate::world::Light {
             name: "lamp".to_owned(),
             desc: crate::scene::desc::LightDesc {
@@ -277,10 +300,10 @@ mod tests {
             range_m: None,
         };
         world.lights.push(lamp.clone());
-        assert_eq!(Alternative::all(&world).len(), 4);
+        assert_eq!(Alternative::all(&world, false).len(), 4);
         lamp.desc.shadow = ShadowMode::Auto;
         world.lights.push(lamp);
-        let all = Alternative::all(&world);
+        let all = Alternative::all(&world, false);
         assert_eq!(all.len(), 8);
         let (applied, _) = all[7].applied(&world, &RenderOptions::default());
         assert_eq!(applied.lights[0].desc.shadow, ShadowMode::Map);

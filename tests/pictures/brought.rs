@@ -1,0 +1,129 @@
+//! Rays that mirror rays bring, onward and towards lights, as the cost model counts them on the CPU.
+
+use reflet::{
+    render::{
+        RenderOptions,
+        brought_light::BroughtRays,
+        cost::Pair,
+        decide::{decide, workload},
+        unit_costs::UnitCosts,
+    },
+    world::bvh::Trees,
+};
+
+use crate::kit::{gpu, renderer, scene};
+
+/// A mirror floor before a bright wall, in a room without gaps.
+const ROOM: &str = r#"
+version = 1
+[camera.main]
+eye = [0, 1, 4.5]
+target = [0, 1, -5]
+fov_deg = 40
+[image]
+size = [64, 36]
+light_rays = 2
+[reflection]
+method = "rt"
+reuse_light = false
+[environment]
+intensity = 0
+[material.mirror]
+metallic = 1
+roughness = 0
+[material.paint]
+base_color = [0.8, 0.8, 0.8]
+roughness = 1
+reflectivity = 0
+[material.panel]
+base_color = [0, 0, 0]
+reflectivity = 0
+emission = [4, 4, 4]
+[model.floor]
+shape = { kind = "plane", size = [10, 10] }
+material = "mirror"
+[model.wall]
+shape = { kind = "box", size = [10, 10, 0.2] }
+material = "paint"
+[model.panel]
+shape = { kind = "box", size = [2, 2, 0.1] }
+material = "panel"
+[[instance]]
+model = "floor"
+[[instance]]
+model = "wall"
+translation = [0, 5, -5]
+[[instance]]
+model = "wall"
+translation = [0, 5, 5]
+[[instance]]
+model = "panel"
+translation = [0, 4, -1]
+"#;
+
+#[test]
+fn the_cpu_counts_the_rays_that_mirror_rays_bring() {
+    let lamp = |shadow: &str| {
+        format!(
+            "{ROOM}[light.lamp]\nkind = \"point\"\nposition = [1, 6, 0]\nintensity_cd = 5\nshadow = \"{shadow}\"\n"
+        )
+    };
+    let lit = ROOM.replace("emission = [4, 4, 4]", "emission = [4, 4, 4]\nlight = true");
+    let matte = ["reflection.diffuse_bounces=2", "reflection.bounces=1"];
+    for (text, set) in [
+        (ROOM.to_owned(), &[][..]),
+        (lamp("ray"), &[]),
+        (lit, &[]),
+        (ROOM.to_owned(), &matte),
+    ] {
+        let (desc, world) = scene(&text, set);
+        let trees = Trees::build(&world, u64::MAX).expect("small");
+        let work = workload(&world, &trees, &RenderOptions::of(&desc));
+        let brought = work.view.brought;
+        let rays = brought.onward.rays + brought.shadow.rays + brought.light.rays;
+        let is_plain = text == ROOM && set.is_empty();
+        assert_eq!(rays == 0, is_plain, "{brought:?}");
+        // Both methods take the same time for them.
+        let mut plain = work.clone();
+        plain.view.brought = BroughtRays::default();
+        let [with, without] =
+            [&work, &plain].map(|w| w.reflections(&UnitCosts::PROCESSOR, |_| false));
+        let difference = |pair: &Pair| pair.ms()[0] - pair.ms()[1];
+        assert!((difference(&with) - difference(&without)).abs() < 1e-9);
+        assert_eq!(with.ms()[1] > without.ms()[1], !is_plain);
+
+        let Some(gpu) = gpu() else { continue };
+        let camera = &world.cameras[0].value;
+        let mut renderer = renderer(gpu, &desc, &world, false);
+        let counts = renderer.counts(gpu, &world, camera).expect("counted");
+        let on_gpu = counts.iter().find(|pass| pass.pass == "trace");
+        let on_gpu = on_gpu.expect("mirror rays").counts.traversals as f64;
+        let on_cpu = work.weight() * f64::from(work.view.all_mirror().rays + rays);
+        let ratio = on_cpu / on_gpu;
+        assert!(
+            (0.8..1.25).contains(&ratio),
+            "{on_cpu} against {on_gpu}: {brought:?}"
+        );
+    }
+}
+
+#[test]
+fn costs_of_other_adapters_are_shown_where_they_choose_otherwise() {
+    let text = ROOM.replace("method = \"rt\"", "method = \"auto\"");
+    let why = |software: bool| {
+        let (desc, world) = scene(&text, &[]);
+        let trees = Trees::build(&world, u64::MAX).expect("small");
+        let found = decide(&world, &trees, &RenderOptions::of(&desc), software);
+        let method = found
+            .decisions
+            .iter()
+            .find(|d| d.what == "reflection.method");
+        method
+            .map(|d| (d.chosen.clone(), d.why.clone()))
+            .expect("decided")
+    };
+    let (chosen, on_gpus) = why(false);
+    assert_eq!(chosen, "rt");
+    assert!(on_gpus.contains("of 2013, hybrid takes 0."), "{on_gpus}");
+    assert!(!why(true).1.contains("2013"));
+}
