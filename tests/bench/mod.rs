@@ -105,7 +105,7 @@ fn a_run_writes_samples_settings_and_a_report_and_resumes() {
     }
     let folder = folder("run");
     let run: Vec<&str> = "--sizes 64x36 --parameter threshold_u --values 0.001,0.1 --frames 2 \
-                          --warm-up 1 --counters --split-trace -o out"
+                          --warm-up 1 --counters --split-trace --set image.visibility=raster -o out"
         .split(' ')
         .collect();
     exits(&folder, &run, 0);

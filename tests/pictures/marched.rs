@@ -57,9 +57,9 @@ intensity_lux = 2
 
 /// Costs at which a march takes less time than a trace, and passes take none.
 const COSTS: UnitCosts = UnitCosts {
-    march_ray: 60.0,
+    march_ray: 10.0,
     march_node: 0.0,
-    hit: 50.0,
+    hit: 10.0,
     pyramid_pixel: 0.0,
     pass: 0.0,
     ..UnitCosts::PROCESSOR
@@ -81,7 +81,12 @@ fn surfaces_are_marched_where_that_is_cheaper() {
     let (floor, globe) = (0, 2);
     for set in [&[HYBRID, CHEAPER][..], &["reflection.method=auto"]] {
         let found = decided(set, COSTS);
-        assert_eq!(found.options.reflection.method, Method::Hybrid);
+        assert_eq!(
+            found.options.reflection.method,
+            Method::Hybrid,
+            "{:?}",
+            found.decisions
+        );
         assert_eq!(
             (found.traced[floor], found.traced[globe]),
             (false, true),
