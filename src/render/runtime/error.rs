@@ -9,7 +9,7 @@ use reflet_scene::diagnostic::{Diagnostic, render_all};
 /// Why a session cannot be opened, changed or rendered. Displays the full text with files, lines and columns.
 #[derive(Clone, Debug)]
 pub enum SessionError {
-    /// Mistakes in the scene, its script or its files, or a scene past the limits of the adapter.
+    /// Mistakes in the scene, its script or its files, or geometry past the limits of the adapter.
     Scene(Vec<Diagnostic>),
     /// A name that does not exist.
     UnknownName {
@@ -29,7 +29,8 @@ pub enum SessionError {
         /// Last frame of the timeline; 0 without one.
         last: u32,
     },
-    /// No usable adapter, a lost device, exhausted memory, or a shader that does not build.
+    /// No usable adapter, a lost device, a picture or shadow maps past a limit, exhausted memory, or a shader that does
+    /// not build.
     Gpu(GpuError),
 }
 
