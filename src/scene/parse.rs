@@ -4,6 +4,7 @@
 mod additions;
 mod color;
 mod document;
+pub mod entry_kinds;
 mod enum_values;
 mod extends;
 mod hierarchy;

@@ -4,7 +4,10 @@ use std::path::Path;
 
 use crate::common::Random;
 use glam::Vec3;
-use reflet::scene::{desc::*, diagnostic::Diagnostic, manual::EXAMPLE, stages::Scene};
+use reflet::scene::{
+    desc::*, diagnostic::Diagnostic, manual::EXAMPLE, parse::entry_kinds::ENTRY_KINDS,
+    stages::Scene,
+};
 
 const SCENE: &str = "version = 1\n[material.m]\n[model.a]\nshape = { kind = \"box\" }\n\
                      [[instance]]\nmodel = \"a\"\n";
@@ -72,6 +75,22 @@ fn override_can_fix_an_error_of_the_file() {
     );
     let empty = read_with("", &["version=1", "environment.color=[1, 1, 1]"]);
     assert_eq!(empty.environment.zenith, Vec3::ONE);
+}
+
+#[test]
+fn only_entries_that_exist_are_set() {
+    let text = format!("{SCENE}[group.turntable]\n");
+    for kind in ENTRY_KINDS {
+        let option = [format!("{kind}.turntabel.parent='x'")];
+        let errors = Scene::from_text(&text, Path::new("scene.toml"), &option).expect_err(kind);
+        let message = errors[0].to_string();
+        assert!(
+            message.contains(&format!("no {kind} is named \"turntabel\"")),
+            "{message}"
+        );
+    }
+    let turned = read_with(&text, &["group.turntable.translation=[0, 1, 0]"]);
+    assert_eq!(turned.groups.len(), 1);
 }
 
 #[test]

@@ -5,13 +5,16 @@ use std::{ops::Range, sync::Arc};
 use super::outline::{Part, Word, words};
 use crate::{
     runtime::scene_text::asset_folders,
-    scene::{diagnostic::Source, parse::Texts},
+    scene::{
+        diagnostic::Source,
+        parse::{Texts, entry_kinds::ENTRY_KINDS},
+    },
 };
 
 /// Tables whose entries have names that other tables use.
-const NAMED: [&str; 7] = [
-    "camera", "group", "light", "material", "model", "params", "variant",
-];
+fn is_named(table: &str) -> bool {
+    ENTRY_KINDS.contains(&table) || ["params", "variant"].contains(&table)
+}
 
 /// A defined name with its place.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -29,7 +32,7 @@ pub fn names(source: &Source) -> Vec<Name> {
     let words = words(source).into_iter();
     let name = |word: Word| {
         let kind = match (&word.part, word.table.as_slice()) {
-            (Part::Header, [kind]) if NAMED.contains(&kind.as_str()) => kind.clone(),
+            (Part::Header, [kind]) if is_named(kind) => kind.clone(),
             (Part::Key, [kind]) if kind == "params" => kind.clone(),
             (Part::Value(key), [kind]) if kind == "instance" && key == "name" => kind.clone(),
             _ => return None,

@@ -3,12 +3,9 @@
 
 use std::{collections::HashSet, ops::Range};
 
-use super::report::Report;
+use super::{entry_kinds::ENTRY_KINDS, report::Report};
 use crate::syntax::{Content, Entries, Node};
 use crate::{diagnostic::Diagnostic, suggest};
-
-/// Kinds of entries whose names users choose.
-const KINDS: [&str; 6] = ["camera", "group", "instance", "light", "material", "model"];
 
 /// Largest number of names of a kind that are compared; more are hardly written by hand.
 const MOST: usize = 1000;
@@ -18,7 +15,7 @@ pub fn warn(below: &Node, above: &Entries, report: &mut Report) {
     let Some(below) = below.get_ref().as_table() else {
         return;
     };
-    for kind in KINDS {
+    for kind in ENTRY_KINDS.into_iter().chain(["instance"]) {
         let (known, written) = (names(below, kind), names(above, kind));
         if known.len().max(written.len()) > MOST {
             continue;

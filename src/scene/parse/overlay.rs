@@ -3,7 +3,7 @@
 
 use std::{collections::HashMap, ops::Range};
 
-use super::{report::Report, set};
+use super::{entry_kinds::ENTRY_KINDS, report::Report, set};
 use crate::suggest;
 use crate::syntax::{Content, Entries, Key, Node};
 
@@ -39,10 +39,8 @@ impl Level {
     /// Level of the table under a key.
     fn below(self, key: &str) -> Self {
         match (self, key) {
-            (
-                Self::Scene,
-                "camera" | "group" | "instance" | "light" | "material" | "model" | "params",
-            ) => Self::Names,
+            (Self::Scene, "instance" | "params") => Self::Names,
+            (Self::Scene, kind) if ENTRY_KINDS.contains(&kind) => Self::Names,
             (Self::Scene, "motion") | (Self::Variants, _) => Self::Scene,
             (Self::Scene, "variant") => Self::Variants,
             _ => Self::Keys,

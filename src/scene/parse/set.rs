@@ -3,15 +3,12 @@
 
 use std::{ops::Range, sync::Arc};
 
-use super::{params, report::Report, syntax_errors::in_plain_words};
+use super::{entry_kinds::ENTRY_KINDS, params, report::Report, syntax_errors::in_plain_words};
 use crate::{
     diagnostic::Source,
     suggest,
     syntax::{Content, Entries, Key, Node, SyntaxTree, moved, parse_value},
 };
-
-/// Tables whose entries must exist already: a new name would most likely be a typing error.
-const NAMED: &[&str] = &["camera", "material", "model", "light"];
 
 /// Keys that choose the files and variants of a scene; these are merged before values are set.
 const LAYERS: [&str; 4] = ["base", "include", "remove", "variant"];
@@ -119,7 +116,8 @@ fn put(root: &mut Node, path: &[Segment], value: Node, report: &mut Report) {
     };
     let mut node = root;
     for (depth, segment) in above.iter().enumerate() {
-        let named = depth == 1 && NAMED.contains(&above[0].name.as_str());
+        // A new name of an entry would most likely be a typing error.
+        let named = depth == 1 && ENTRY_KINDS.contains(&above[0].name.as_str());
         let new = if named {
             New::Refused(&above[0].name)
         } else {

@@ -4,19 +4,15 @@ use std::{collections::HashSet, ops::Range};
 
 use super::{Placed, PlacedFile};
 use crate::parse::{
+    entry_kinds::ENTRY_KINDS,
     report::Report,
     value::{Named, Value as _, Version},
 };
 use crate::range::ANY;
 use crate::syntax::{Content, Entries, Key, Node};
 
-/// Tables whose entries have names.
-const NAMED: [&str; 5] = ["camera", "group", "light", "material", "model"];
-
-/// Tables that are placed with a scene; the others are about its image or its timeline.
-const PLACED: [&str; 7] = [
-    "camera", "group", "instance", "light", "material", "model", "motion",
-];
+/// Tables that are placed with a scene beside those of [`ENTRY_KINDS`]; the others are about its image or its timeline.
+const ALSO_PLACED: [&str; 2] = ["instance", "motion"];
 
 /// A key with its place.
 pub fn text(value: String, at: Range<usize>) -> Key {
@@ -51,13 +47,13 @@ impl Prefix<'_> {
         }
         let of_picture: Vec<_> = (tree.keys())
             .map(|key| key.get_ref().to_string())
-            .filter(|key| !PLACED.contains(&key.as_str()))
+            .filter(|key| !(ENTRY_KINDS.iter().chain(&ALSO_PLACED)).any(|placed| placed == key))
             .collect();
         for key in of_picture {
             tree.remove(key.as_str());
         }
         self.place_free_models(tree, report);
-        for kind in NAMED {
+        for kind in ENTRY_KINDS {
             if let Some(Content::Table(entries)) = tree.get_mut(kind).map(Node::get_mut) {
                 for (_, node) in entries.iter_mut() {
                     self.entry(kind, node);

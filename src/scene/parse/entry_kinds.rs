@@ -1,0 +1,5 @@
+//! Kinds of entries whose names users choose.
+
+/// Tables of the scene whose entries have names, such as `[camera.main]`. Instances are a list, and have names where
+/// their author gives them one.
+pub const ENTRY_KINDS: [&str; 5] = ["camera", "group", "light", "material", "model"];
