@@ -75,20 +75,20 @@ impl Budget {
     /// Takes bytes until the result is dropped: memory that is freed again, such as a decoder's. `None` where fewer
     /// are left.
     #[must_use]
-    pub fn hold(&self, bytes: u64) -> Option<Hold> {
+    pub fn hold(&self, bytes: u64) -> Option<Reservation> {
         let budget = self.clone();
-        self.take(bytes).then(|| Hold { budget, bytes })
+        self.take(bytes).then(|| Reservation { budget, bytes })
     }
 }
 
 /// Bytes taken from a [`Budget`], which are given back when this is dropped.
 #[derive(Debug)]
-pub struct Hold {
+pub struct Reservation {
     budget: Budget,
     bytes: u64,
 }
 
-impl Drop for Hold {
+impl Drop for Reservation {
     fn drop(&mut self) {
         // No overflow: these bytes were taken before.
         (self.budget.0).fetch_add(self.bytes, Ordering::Relaxed);

@@ -12,6 +12,7 @@ use crate::{
     },
     files::write_whole,
 };
+use reflet_base::shell::shell_word;
 
 /// Tasks that Slurm allows in an array, where `MaxArraySize` is not set.
 const MOST_TASKS: usize = 1000;
@@ -71,7 +72,7 @@ fn script(args: &TaskArgs, film: &Film) -> Result<String, AppError> {
     }
     script.push_str(" )\n# exec: signals of Slurm reach reflet, which ends after its current frame.\nexec reflet render");
     for argument in command(args)? {
-        let _ = write!(script, " {}", quoted(&argument));
+        let _ = write!(script, " {}", shell_word(&argument));
     }
     script.push_str(" --frames \"${chunks[$SLURM_ARRAY_TASK_ID]}\"\n");
     Ok(script)
@@ -123,30 +124,12 @@ fn plain_name(name: &str) -> String {
     }
 }
 
-/// Argument quoted for a POSIX shell.
-fn quoted(text: &str) -> String {
-    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=#:,".contains(c);
-    match !text.is_empty() && !text.starts_with('#') && text.chars().all(plain) {
-        true => text.to_owned(),
-        false => format!("'{}'", text.replace('\'', "'\\''")),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn arguments_are_quoted_where_a_shell_would_change_them() {
-        for (text, want) in [
-            ("a/b.####.png", "a/b.####.png"),
-            ("#1", "'#1'"),
-            ("", "''"),
-            ("image.size=[1, 2]", "'image.size=[1, 2]'"),
-            ("it's $HOME", "'it'\\''s $HOME'"),
-        ] {
-            assert_eq!(quoted(text), want);
-        }
+    fn names_of_jobs_are_plain() {
         assert_eq!(plain_name("my film"), "my_film");
     }
 }

@@ -19,6 +19,7 @@ use crate::{
     files::{folder_of, open_regular, sweep},
     scene::diagnostic::Diagnostic,
 };
+use reflet_base::shell::shell_word;
 
 /// Arguments of `unpack`.
 #[derive(Clone, Debug, Args)]
@@ -234,17 +235,7 @@ fn command(manifest: &Manifest, folder: &Path) -> String {
     if manifest.lenient {
         words.push("--lenient".to_owned());
     }
-    let words: Vec<_> = words.iter().map(|word| quoted(word)).collect();
+    let shown = |word: &String| -> String { word.chars().filter(|c| !c.is_control()).collect() };
+    let words: Vec<_> = words.iter().map(|word| shell_word(&shown(word))).collect();
     words.join(" ")
-}
-
-/// Word quoted for a POSIX shell.
-fn quoted(word: &str) -> String {
-    let is_plain = |c: char| c.is_alphanumeric() || "-_./=,:+@%".contains(c);
-    let shown: String = word.chars().filter(|c| !c.is_control()).collect();
-    if !shown.is_empty() && shown.chars().all(is_plain) {
-        shown
-    } else {
-        format!("'{}'", shown.replace('\'', "'\\''"))
-    }
 }

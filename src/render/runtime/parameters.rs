@@ -4,6 +4,7 @@ use reflet_scene::{
     desc::ParamValue,
     diagnostic::{Diagnostic, Span},
     parse::OVERRIDE,
+    toml_text::toml_text,
 };
 
 /// Declared parameters in the scene's order.
@@ -90,14 +91,8 @@ pub fn key(name: &str) -> String {
     if !name.is_empty() && name.chars().all(is_bare) {
         name.to_owned()
     } else {
-        quoted(name)
+        toml_text(name)
     }
-}
-
-/// JSON escapes are valid TOML, except for the delete character.
-fn quoted(text: &str) -> String {
-    let json = serde_json::Value::from(text).to_string();
-    json.replace('\u{7f}', "\\u007f")
 }
 
 /// A name and its value as a line of scene text.
@@ -110,7 +105,7 @@ fn value_text(value: &ParamValue) -> String {
         ParamValue::Integer(i) => i.to_string(),
         ParamValue::Number(x) => number(*x),
         ParamValue::Switch(on) => on.to_string(),
-        ParamValue::Text(text) => quoted(text),
+        ParamValue::Text(text) => toml_text(text),
         ParamValue::Numbers(list) => {
             let numbers: Vec<String> = list.iter().map(|x| number(*x)).collect();
             format!("[{}]", numbers.join(", "))

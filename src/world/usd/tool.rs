@@ -11,7 +11,7 @@ use std::{
 
 use super::{TOOL_ENV, advice::in_reflet};
 use crate::gltf::Fault;
-use reflet_base::standard_error::write_error;
+use reflet_base::{shell::shell_word, standard_error::write_error};
 use reflet_scene::diagnostic::printable_lines;
 
 /// Prefix of the converter's progress lines.
@@ -93,19 +93,13 @@ impl Tool {
                 "try: {} convert {}{} -o out.glb",
                 self.path.display(),
                 stage.display(),
-                choice.iter().map(|word| quoted(word)).collect::<String>()
+                choice
+                    .iter()
+                    .map(|word| format!(" {}", shell_word(word)))
+                    .collect::<String>()
             ));
         }
         Err(fault)
-    }
-}
-
-/// Shell-quoted argument after a space.
-fn quoted(word: &str) -> String {
-    let plain = |c: char| c.is_ascii_alphanumeric() || "-,./_".contains(c);
-    match word.chars().all(plain) {
-        true => format!(" {word}"),
-        false => format!(" '{}'", word.replace('\'', r"'\''")),
     }
 }
 
