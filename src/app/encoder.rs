@@ -75,7 +75,7 @@ pub struct Encoders<'a> {
     last: Mutex<Option<FrameStats>>,
 }
 
-/// Result of the run.
+/// Frames of a film that were written, and those that failed.
 pub struct Outcome {
     /// Number of frames with a file.
     pub done: usize,

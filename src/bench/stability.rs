@@ -48,7 +48,7 @@ const HEADER: [&str; 25] = [
 
 /// Reference of the pictures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Against {
+pub enum ReferenceKind {
     /// Method `rt` with the same samples.
     Rt,
     /// Method `rt` with many samples and shadows by rays, at the origin: shows the errors of `rt`, too.
@@ -70,7 +70,7 @@ pub struct Mode {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Part {
     /// Reference of the pictures.
-    pub against: Against,
+    pub against: ReferenceKind,
     /// Name of the scene in samples.
     pub scene: String,
     /// Hash of the scene's content in samples.
@@ -89,7 +89,7 @@ pub struct Cell {
     /// Method, one of [`SERIES`](super::parameter::SERIES).
     pub method: String,
     /// Reference of its pictures.
-    pub against: Against,
+    pub against: ReferenceKind,
     /// Scores, or the reason why there are none.
     pub scores: Result<CellScores, String>,
 }
@@ -184,7 +184,7 @@ impl Mode {
 
 impl Part {
     /// Measurements of a scene; `size` is that of all pictures, where it is given.
-    pub fn of(series: &FrameSeries, size: Option<[u32; 2]>, against: Against) -> Self {
+    pub fn of(series: &FrameSeries, size: Option<[u32; 2]>, against: ReferenceKind) -> Self {
         Self {
             against,
             scene: series.name().to_owned(),
@@ -209,7 +209,7 @@ impl Part {
 /// Cells of all modes, each with all methods, in their order; cells against the truth come last.
 pub fn cells(modes: &[Mode], methods: &[&str], samples: &[Sample]) -> Vec<Cell> {
     let mut cells = Vec::new();
-    for against in [Against::Rt, Against::Truth] {
+    for against in [ReferenceKind::Rt, ReferenceKind::Truth] {
         for mode in modes {
             let parts: Vec<&Part> = mode.parts.iter().filter(|p| p.against == against).collect();
             if parts.is_empty() {
@@ -322,8 +322,8 @@ pub fn table(cells: &[Cell]) -> String {
     let mut out = csv::line(HEADER);
     for cell in cells {
         let against = match cell.against {
-            Against::Rt => "rt",
-            Against::Truth => "truth",
+            ReferenceKind::Rt => "rt",
+            ReferenceKind::Truth => "truth",
         };
         let mut row = vec![cell.mode.clone(), cell.method.clone(), against.to_owned()];
         match &cell.scores {

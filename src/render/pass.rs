@@ -118,7 +118,7 @@ impl Pass {
 pub enum Dispatch<'a> {
     /// One invocation per pixel.
     PerPixel,
-    /// Number that the GPU wrote for a list.
+    /// Workgroups for a list of pixels, whose number the GPU wrote.
     Listed(&'a RayList, List),
     /// One workgroup for each square tile with this side, pixels.
     Tiles(u32),

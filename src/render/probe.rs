@@ -7,7 +7,7 @@ use reflet_gpu::{Gpu, GpuError, readback};
 
 use super::{pass::ComputePass, recorder::clear_texture};
 
-/// Kind of measurement.
+/// Measurement that a frame makes beside the time of its passes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Probe {
     /// Passes count their work.

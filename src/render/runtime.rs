@@ -1,8 +1,9 @@
 //! The runtime: one scene from its text to its pictures. It prints nothing and writes no files;
 //! `docs/examples/render_to_pixels.rs` is a whole program.
 //!
-//! Each stage has a value and the key that it was made from. It reruns where its key has changed, and an
-//! error keeps the last good value of it and of all others: a [`Session`] changes whole or not at all.
+//! Each stage has a value and the key that it was made from. The first one reads all texts again whenever a file, an
+//! override or a parameter changes, which takes milliseconds; each later stage reruns where its key has changed. An
+//! error keeps the last good value of all stages: a [`Session`] changes whole or not at all.
 //!
 //! | stage | value | key | code |
 //! |---|---|---|---|
@@ -83,7 +84,7 @@ pub struct Session {
     /// Models, images and other files that were searched for, existing or not.
     dependencies: Dependencies,
     renderer: RendererStage,
-    /// Stand-in of the world while most of what it needs is not built.
+    /// Simplified world that is shown until the renderer of the whole one is built.
     coarse: Option<World>,
 }
 
@@ -95,20 +96,8 @@ impl Session {
     /// A file that is missing or has mistakes; a camera that the scene lacks; no usable adapter;
     /// a scene past the adapter's limits; a shader that does not build.
     pub fn open(path: impl AsRef<Path>, options: &SessionOptions) -> Result<Self, SessionError> {
-        Self::new(Some(path.as_ref().to_owned()), options)
-    }
-
-    /// Opens the built-in atrium.
-    ///
-    /// # Errors
-    /// Same errors as [`Session::open`].
-    pub fn built_in(options: &SessionOptions) -> Result<Self, SessionError> {
-        Self::new(None, options)
-    }
-
-    fn new(path: Option<PathBuf>, options: &SessionOptions) -> Result<Self, SessionError> {
         let source = SceneSource {
-            path,
+            path: Some(path.as_ref().to_owned()),
             options: options.scene.clone(),
             shaders: options.shaders.clone(),
         };

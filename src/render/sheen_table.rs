@@ -17,7 +17,7 @@ pub fn sheen_table() -> &'static [[f32; 4]] {
         let node = |index: u32| {
             let place = f64::from(index % LOBE_COSINES) / f64::from(LOBE_COSINES - 1);
             let roughness = f64::from(index / LOBE_COSINES) / f64::from(LOBE_ROUGHNESSES - 1);
-            kept(lobe((place * place).max(LEAST_COSINE), roughness))
+            energy_conserving(lobe((place * place).max(LEAST_COSINE), roughness))
         };
         (0..LOBE_NODES).map(node).collect()
     });
@@ -26,7 +26,7 @@ pub fn sheen_table() -> &'static [[f32; 4]] {
 
 /// A lobe scaled down to reflect no more light than arrives: at grazing angles the formula of sharp lobes reflects
 /// up to three times as much.
-fn kept([all, _, up, away]: [f32; 4]) -> [f32; 4] {
+fn energy_conserving([all, _, up, away]: [f32; 4]) -> [f32; 4] {
     let scale = 1.0 / all.max(1.0);
     [all * scale, scale, up * scale, away * scale]
 }

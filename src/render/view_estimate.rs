@@ -63,7 +63,7 @@ impl ViewEstimate {
         let estimator = Estimator {
             rays: ViewRays { world, trees, view },
             looks: (world.materials.iter())
-                .map(|material| Look::of(world, material))
+                .map(|material| AverageColors::of(world, material))
                 .collect(),
             sky: world.environment.coarse_gradient(),
             cutoff,
@@ -93,12 +93,12 @@ impl ViewEstimate {
 }
 
 /// Colors of a material, with textures averaged.
-struct Look {
+struct AverageColors {
     base_color: DVec3,
     emission: DVec3,
 }
 
-impl Look {
+impl AverageColors {
     fn of(world: &World, material: &Material) -> Self {
         let checker = material.checker.as_ref();
         let checker = checker.map_or(Vec3::ONE, |c| (c.colors[0] + c.colors[1]) * 0.5);
@@ -129,7 +129,7 @@ fn mean_of(world: &World, texture: Option<TextureRef>) -> DVec3 {
 struct Estimator<'a> {
     rays: ViewRays<'a>,
     /// Colors by index of the material.
-    looks: Vec<Look>,
+    looks: Vec<AverageColors>,
     /// See [`Environment::coarse_gradient`](reflet_world::Environment::coarse_gradient).
     sky: [DVec3; 3],
     cutoff: f32,

@@ -36,7 +36,7 @@ use self::{
     call_limits::{run_alone, run_limited},
     compile::compile,
     context::{Call, Context},
-    ended::{Ended, is_limit},
+    ended::{StoppedCall, is_limit},
     error::Known,
     source_files::{Sources, without_mark},
 };
@@ -272,7 +272,7 @@ impl Script {
         function: &str,
         [context, afresh]: [Context; 2],
         take: impl FnOnce(&Dynamic) -> T + Send,
-    ) -> (Result<T, Ended>, Vec<String>) {
+    ) -> (Result<T, StoppedCall>, Vec<String>) {
         let this = &*self.0;
         let run = |engine: &Engine, context: Context| {
             // A new scope each time, and constants and imports evaluated again.
@@ -300,7 +300,7 @@ impl Script {
         wrong: Box<EvalAltResult>,
         bounds: Bounds,
         again: impl FnOnce(&Engine) -> Result<T, Box<EvalAltResult>> + Send,
-    ) -> Ended {
+    ) -> StoppedCall {
         let find = || {
             run_alone(bounds, || {
                 limit_location::again(&self.0.sources, &wrong, again)
@@ -309,12 +309,12 @@ impl Script {
         };
         let has_place = is_limit(&wrong) && !bounds.is_nothing();
         let met = has_place.then(find).flatten();
-        Ended { wrong, met }
+        StoppedCall { wrong, met }
     }
 
     fn explain(
         &self,
-        ended: &Ended,
+        ended: &StoppedCall,
         params: &[Entry<ParamValue>],
         when: Option<&str>,
     ) -> Box<Diagnostic> {

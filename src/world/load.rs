@@ -21,6 +21,7 @@ use reflet_scene::{
 mod asset_cache;
 mod blended;
 mod camera;
+mod camera_frustum;
 mod check_names;
 mod emitters;
 mod environment;
@@ -37,7 +38,6 @@ mod preloaded_models;
 mod read_models;
 mod repeat;
 mod scripted;
-mod sight;
 mod tangent;
 mod vertex_streams;
 

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use super::{
     args::{PaperArgs, PaperExperiment},
     open_gpu, report,
-    report_pictures::{Shot, gallery},
+    report_pictures::{ReportPicture, gallery},
     run, scenario2, subject,
 };
 use crate::{
@@ -298,7 +298,7 @@ impl Stage {
 }
 
 /// Pictures that are shown of every scene.
-fn shots(experiment: PaperExperiment, settings: &ReflectionDesc) -> Vec<Shot> {
+fn shots(experiment: PaperExperiment, settings: &ReflectionDesc) -> Vec<ReportPicture> {
     let with = |method| ReflectionDesc {
         method,
         ..*settings
@@ -310,22 +310,22 @@ fn shots(experiment: PaperExperiment, settings: &ReflectionDesc) -> Vec<Shot> {
     };
     match experiment {
         PaperExperiment::Fig1 => {
-            let mut shots = vec![Shot::Picture(with(Method::Rt))];
+            let mut shots = vec![ReportPicture::Picture(with(Method::Rt))];
             for method in [Method::Ssr, Method::Hybrid] {
-                let of = |t: &f64| Shot::Picture(threshold(method, t));
+                let of = |t: &f64| ReportPicture::Picture(threshold(method, t));
                 shots.extend(THRESHOLDS.iter().map(of));
             }
-            let of = |t: &f64| Shot::Source(threshold(Method::Hybrid, t));
+            let of = |t: &f64| ReportPicture::Source(threshold(Method::Hybrid, t));
             shots.extend(THRESHOLDS.iter().map(of));
             shots
         }
         _ => vec![
-            Shot::Picture(with(Method::Rt)),
-            Shot::Picture(with(Method::Hybrid)),
-            Shot::Picture(with(Method::Ssr)),
-            Shot::Source(with(Method::Hybrid)),
-            Shot::Difference(with(Method::Hybrid)),
-            Shot::Difference(with(Method::Ssr)),
+            ReportPicture::Picture(with(Method::Rt)),
+            ReportPicture::Picture(with(Method::Hybrid)),
+            ReportPicture::Picture(with(Method::Ssr)),
+            ReportPicture::Source(with(Method::Hybrid)),
+            ReportPicture::Difference(with(Method::Hybrid)),
+            ReportPicture::Difference(with(Method::Ssr)),
         ],
     }
 }

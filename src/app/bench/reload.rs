@@ -189,7 +189,7 @@ fn table(series: &[Series]) -> String {
         }
     }
     text.push_str(
-        "\nnotice: from the save to the word of it, with the wait for further saves; parse: reading \
+        "\nnotice: from the save to its notification, with the wait for further saves; parse: reading \
          texts,\nrunning the script, posing; build: everything else on the CPU; ready: these three; \
          driver: compiling\npipelines; frame: rendering; total: from the save to the picture.\n",
     );

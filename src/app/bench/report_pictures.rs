@@ -19,7 +19,7 @@ use reflet_render::{aov_view, png_file::encode};
 
 /// A picture of a setting.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Shot {
+pub enum ReportPicture {
     /// Frame as shown.
     Picture(ReflectionDesc),
     /// Colors of sources: screen blue, traced pink, nothing in reach green, too rough gray, failed red.
@@ -28,7 +28,7 @@ pub enum Shot {
     Difference(ReflectionDesc),
 }
 
-impl Shot {
+impl ReportPicture {
     fn settings(&self) -> ReflectionDesc {
         match self {
             Self::Picture(settings) | Self::Source(settings) | Self::Difference(settings) => {
@@ -70,7 +70,7 @@ pub fn gallery(
     library: &ShaderLibrary,
     subject: &Subject,
     size: [u32; 2],
-    shots: &[Shot],
+    shots: &[ReportPicture],
 ) -> Result<Gallery, AppError> {
     let shown = shown(gpu, library, subject, size, shots)?.into_iter();
     Ok(Gallery {
@@ -95,7 +95,7 @@ pub fn shown(
     library: &ShaderLibrary,
     subject: &Subject,
     size: [u32; 2],
-    shots: &[Shot],
+    shots: &[ReportPicture],
 ) -> Result<Vec<Shown>, AppError> {
     let mut figures: Vec<Option<Shown>> = vec![None; shots.len()];
     let mut reference = None;
@@ -112,7 +112,7 @@ pub fn shown(
         with(Method::Ssr, Accept::Threshold),
     ] {
         let key = |settings: &ReflectionDesc| (settings.method, settings.verifies());
-        let is_of = |shot: &Shot| key(&shot.settings()) == key(&built);
+        let is_of = |shot: &ReportPicture| key(&shot.settings()) == key(&built);
         if built.method != Method::Rt && !shots.iter().any(is_of) {
             continue;
         }
@@ -168,7 +168,7 @@ impl<'a> RenderSession<'a> {
         View::new(&picture, picture.size).map_err(|e| AppError::Internal(e.to_string()))
     }
 
-    fn show(&mut self, shot: &Shot, reference: Option<&View>) -> Result<Shown, AppError> {
+    fn show(&mut self, shot: &ReportPicture, reference: Option<&View>) -> Result<Shown, AppError> {
         let settings = shot.settings();
         let method = method_name(settings.method);
         let label = match settings.method {
@@ -179,11 +179,11 @@ impl<'a> RenderSession<'a> {
             _ => format!("{method}, T = {} U", settings.threshold_u),
         };
         let (caption, size, rgba) = match shot {
-            Shot::Picture(_) => {
+            ReportPicture::Picture(_) => {
                 let picture = self.render(&settings, &[])?;
                 (label, picture.size, picture.display)
             }
-            Shot::Source(_) => {
+            ReportPicture::Source(_) => {
                 let picture = self.render(&settings, &[Aov::Source])?;
                 let plane = picture.planes.first().map(aov_view::view);
                 let shares = &picture.stats.shares.sources;
@@ -194,7 +194,7 @@ impl<'a> RenderSession<'a> {
                 let caption = format!("{label}: sources ({shares})");
                 (caption, picture.size, plane.unwrap_or_default())
             }
-            Shot::Difference(_) => {
+            ReportPicture::Difference(_) => {
                 let view = self.view(&settings)?;
                 let size = [view.display.width() as u32, view.display.height() as u32];
                 let reference = reference.unwrap_or(&view);

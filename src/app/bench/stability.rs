@@ -22,7 +22,7 @@ use crate::{
         run::{FrameSeries, Protocol, Subject, Sweep},
         sample::Sample,
         stability::{
-            Against, Cell, Mode, Part, cells, document::document, heat_map::heat_map,
+            Cell, Mode, Part, ReferenceKind, cells, document::document, heat_map::heat_map,
             ratchet::Ratchet, table,
         },
     },
@@ -196,7 +196,7 @@ impl Plan<'_> {
         if frames.is_some() {
             add(
                 frame_series(loaded, name, None, frames.as_deref())?,
-                Against::Rt,
+                ReferenceKind::Rt,
             );
             return Ok((mode, all));
         }
@@ -204,10 +204,10 @@ impl Plan<'_> {
         if self.truth {
             add(
                 FrameSeries::still(self.against_truth(choice, &still)?),
-                Against::Truth,
+                ReferenceKind::Truth,
             );
         }
-        add(FrameSeries::still(still), Against::Rt);
+        add(FrameSeries::still(still), ReferenceKind::Rt);
         if choice.number == Some(SIZES.0) && self.size.is_none() {
             for [width, height] in SIZES.1 {
                 let size = format!("image.size=[{width}, {height}]");
@@ -215,7 +215,7 @@ impl Plan<'_> {
                 let name = format!("{name} at {width} x {height}");
                 add(
                     FrameSeries::still(subject(loaded, name, None)?),
-                    Against::Rt,
+                    ReferenceKind::Rt,
                 );
             }
         }

@@ -7,9 +7,9 @@ use crate::app::error::AppError;
 /// Contents of an output file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Format {
-    /// One picture.
+    /// A format of single pictures, such as PNG.
     Picture(PictureFormat),
-    /// All frames.
+    /// A format of whole films, such as MP4.
     Film(&'static FilmFormat),
 }
 

@@ -20,7 +20,7 @@ type Key = ([u32; 2], String);
 
 /// Change since the previous measured frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Since {
+pub struct FrameChange {
     /// Number of the previous measured frame.
     pub frame: u32,
     /// Change of the whole frame.
@@ -40,7 +40,7 @@ impl Flicker {
         variant: &Variant,
         view: &View,
         reference: &Reference,
-    ) -> Result<Option<Since>, PictureError> {
+    ) -> Result<Option<FrameChange>, PictureError> {
         if !subject.motion {
             return Ok(None);
         }
@@ -52,7 +52,7 @@ impl Flicker {
         let before = std::mem::replace(frame, subject.frame);
         let change = whole.push(&pair, None)?;
         let mask = masked.push(&pair, Some(&reference.mask))?;
-        Ok(change.map(|change| Since {
+        Ok(change.map(|change| FrameChange {
             frame: before,
             change,
             mask,

@@ -13,12 +13,12 @@ use reflet_scene::{
     diagnostic::Diagnostic,
 };
 
-use super::{Bench, BenchError, Subject, Sweep, flicker::Since};
+use super::{Bench, BenchError, Subject, Sweep, flicker::FrameChange};
 
 /// Scores of a variant's picture, or the reason why there are none.
 pub(super) struct Judged {
     pub(super) errors: Option<Errors>,
-    pub(super) since: Option<Since>,
+    pub(super) since: Option<FrameChange>,
     pub(super) verdicts: Option<Vec<CauseTally>>,
     pub(super) changes: Option<Changes>,
     pub(super) failure: Option<String>,
@@ -94,7 +94,7 @@ impl Bench<'_> {
         let planes: &[_] = if variant.scale == 1.0 { &PLANES } else { &[] };
         renderer.set_reflection_parameters(&variant.reflection);
         let picture = renderer.picture(self.gpu, &subject.world, &subject.camera, planes)?;
-        let judged: Result<(Errors, Option<Since>), String> = View::new(&picture, size)
+        let judged: Result<(Errors, Option<FrameChange>), String> = View::new(&picture, size)
             .and_then(|view| {
                 let flicker = &self.cache.flicker;
                 let since = flicker.push(subject, variant, &view, reference)?;

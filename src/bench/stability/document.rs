@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::{Against, Cell, CellScores, Mode};
+use super::{Cell, CellScores, Mode, ReferenceKind};
 use crate::metric::{
     mask::{ERODE_PX, MIN_AREA_PX},
     structure::EDGE_PX,
@@ -51,7 +51,7 @@ const BANDS: [Band; 4] = [
 struct Score {
     title: &'static str,
     text: String,
-    against: Against,
+    against: ReferenceKind,
     cell: fn(&CellScores) -> Option<String>,
     /// Whether this table names cells without a score.
     names_missing: bool,
@@ -124,7 +124,7 @@ fn scores() -> Vec<Score> {
                 "The reference is `rt` with `bounces = \"auto\"` and the same samples. {}.",
                 bands.join(", ")
             ),
-            against: Against::Rt,
+            against: ReferenceKind::Rt,
             cell: banded,
             names_missing: true,
         },
@@ -133,14 +133,14 @@ fn scores() -> Vec<Score> {
             text: "The truth of a still is `rt` with `bounces = \"auto\"`, 64 samples and shadows by rays, of mode 26 at the \
                    origin: what `rt` has wrong shows here too, as does all aliasing."
                 .to_owned(),
-            against: Against::Truth,
+            against: ReferenceKind::Truth,
             cell: banded,
             names_missing: true,
         },
         Score {
             title: "Mean FLIP and SSIM against `rt`",
             text: "Means hide small failures; they say how much of the picture is concerned.".to_owned(),
-            against: Against::Rt,
+            against: ReferenceKind::Rt,
             cell: |s| {
                 let ssim = s.ssim.map_or("–".to_owned(), |v| format!("{v:.3}"));
                 Some(format!("{:.4} / {ssim}", s.flip))
@@ -154,7 +154,7 @@ fn scores() -> Vec<Score> {
                  and {} %, or nothing where there is something.",
                 100.0 * TOLERANCE_RELATIVE
             ),
-            against: Against::Rt,
+            against: ReferenceKind::Rt,
             cell: |s| s.false_accepts_permille.map(|v| format!("{v:.2}")),
             names_missing: false,
         },
@@ -163,7 +163,7 @@ fn scores() -> Vec<Score> {
             text: "Σ |Δpicture − Δ`rt`| over Σ |Δ`rt`| from frame to frame inside the reflections: 0 where the picture \
                    changes exactly as the reference does, 100 also where it does not change at all."
                 .to_owned(),
-            against: Against::Rt,
+            against: ReferenceKind::Rt,
             cell: |s| s.flicker.map(|v| format!("{:.1}", 100.0 * v)),
             names_missing: false,
         },
@@ -177,7 +177,7 @@ fn structure() -> [Score; 5] {
     let score = |title, text: String, cell| Score {
         title,
         text,
-        against: Against::Rt,
+        against: ReferenceKind::Rt,
         cell,
         names_missing: false,
     };
@@ -250,7 +250,7 @@ pub fn find<'a>(
     cells: &'a [Cell],
     mode: &Mode,
     method: &str,
-    against: Against,
+    against: ReferenceKind,
 ) -> Option<&'a Cell> {
     let wanted = (mode.name.as_str(), method, against);
     let is_wanted = |c: &&Cell| (c.mode.as_str(), c.method.as_str(), c.against) == wanted;
@@ -267,7 +267,7 @@ pub fn band(p99: f64) -> Band {
 pub fn verdicts(mode: &Mode, methods: &[&str], cells: &[Cell]) -> Vec<String> {
     let mut sentences = Vec::new();
     for method in methods {
-        let Some(cell) = find(cells, mode, method, Against::Rt) else {
+        let Some(cell) = find(cells, mode, method, ReferenceKind::Rt) else {
             continue;
         };
         let s = match &cell.scores {
@@ -290,7 +290,7 @@ pub fn verdicts(mode: &Mode, methods: &[&str], cells: &[Cell]) -> Vec<String> {
         sentence.push(')');
         if let Some(Cell {
             scores: Ok(truth), ..
-        }) = find(cells, mode, method, Against::Truth)
+        }) = find(cells, mode, method, ReferenceKind::Truth)
         {
             let _ = write!(
                 sentence,
@@ -324,7 +324,7 @@ mod tests {
         let cell = |mode: &str, method: &str, scores| Cell {
             mode: mode.to_owned(),
             method: method.to_owned(),
-            against: Against::Rt,
+            against: ReferenceKind::Rt,
             scores,
         };
         let scores = CellScores {

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use super::{
-    Against, Cell, Mode,
+    Cell, Mode, ReferenceKind,
     document::{band, find},
 };
 use crate::report::chart::escape;
@@ -26,7 +26,7 @@ pub fn heat_map(modes: &[Mode], methods: &[&str], cells: &[Cell], anchors: &[&st
         };
         let _ = write!(out, "<tr><td>{}</td>", link(&title));
         for method in methods {
-            let cell = find(cells, mode, method, Against::Rt);
+            let cell = find(cells, mode, method, ReferenceKind::Rt);
             let _ = match cell.map(|cell| &cell.scores) {
                 Some(Ok(scores)) => write!(
                     out,

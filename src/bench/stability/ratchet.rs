@@ -4,7 +4,7 @@ use std::{fmt::Write as _, io, path::Path};
 
 use serde::Deserialize;
 
-use super::{Against, Cell, CellScores};
+use super::{Cell, CellScores, ReferenceKind};
 use crate::{file_error, parameter::SERIES};
 use reflet_base::files::{open_regular, read_at_most};
 use reflet_scene::diagnostic::Diagnostic;
@@ -131,7 +131,10 @@ impl Ratchet {
     /// numbers and cells.
     pub fn tighten(&mut self, cells: &[Cell]) -> usize {
         let mut changed = 0;
-        for cell in cells.iter().filter(|cell| cell.against == Against::Rt) {
+        for cell in cells
+            .iter()
+            .filter(|cell| cell.against == ReferenceKind::Rt)
+        {
             let Ok(scores) = &cell.scores else { continue };
             let measured = Allowed {
                 mode: cell.mode.clone(),
@@ -211,7 +214,7 @@ impl Allowed {
 }
 
 fn find<'a>(cells: &'a [Cell], allowed: &Allowed) -> Option<&'a Cell> {
-    let wanted = (&allowed.mode, &allowed.method, Against::Rt);
+    let wanted = (&allowed.mode, &allowed.method, ReferenceKind::Rt);
     let is_wanted = |cell: &&Cell| (&cell.mode, &cell.method, cell.against) == wanted;
     cells.iter().find(is_wanted)
 }
@@ -229,7 +232,7 @@ mod tests {
         Cell {
             mode: "03-rails".to_owned(),
             method: "hybrid".to_owned(),
-            against: Against::Rt,
+            against: ReferenceKind::Rt,
             scores: Ok(CellScores {
                 frames: 1,
                 mask_px: 1000,

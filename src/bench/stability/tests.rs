@@ -4,7 +4,7 @@ use super::*;
 
 fn part(frames: u32) -> Part {
     Part {
-        against: Against::Rt,
+        against: ReferenceKind::Rt,
         scene: "a.toml".to_owned(),
         content: "7".to_owned(),
         size: [32, 18],
@@ -91,7 +91,7 @@ fn every_row_has_all_columns() {
     let cell = |scores| Cell {
         mode: "03-rails".to_owned(),
         method: "ssr".to_owned(),
-        against: Against::Truth,
+        against: ReferenceKind::Truth,
         scores,
     };
     let cells = [

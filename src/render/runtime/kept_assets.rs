@@ -21,7 +21,7 @@ impl KeptAssets {
     ) -> Result<LoadedScene, Vec<Diagnostic>> {
         if let Some((kept, assets)) = &mut self.0 {
             let reused = assets.reuse_assets(kept, &opened.scene, &opened.options);
-            if let Some(world) = reused.map_err(|errors| opened.told(errors))? {
+            if let Some(world) = reused.map_err(|errors| opened.after_warnings(errors))? {
                 let world = World {
                     meshes: kept.meshes.clone(),
                     textures: kept.textures.clone(),

@@ -232,12 +232,12 @@ impl OpenedScene {
                     Ok((world, assets))
                 }
             },
-            Err(errors) => Err(self.told(errors)),
+            Err(errors) => Err(self.after_warnings(errors)),
         }
     }
 
-    /// The errors after the warnings about the text.
-    pub(super) fn told(&self, errors: Vec<Diagnostic>) -> Vec<Diagnostic> {
+    /// Errors of a later stage, listed after the warnings about the text.
+    pub(super) fn after_warnings(&self, errors: Vec<Diagnostic>) -> Vec<Diagnostic> {
         self.warnings.iter().cloned().chain(errors).collect()
     }
 

@@ -232,7 +232,7 @@ impl Session {
         Ok(world)
     }
 
-    /// The shown scene with other numbers, as if it were read.
+    /// Result of reading the shown files if they described `scene`; no text is read.
     pub fn with_numbers(&self, scene: Arc<Scene>) -> Read {
         let loaded = &self.loaded;
         let options = load_options(&self.source.options, &self.dependencies);

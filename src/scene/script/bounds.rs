@@ -70,7 +70,7 @@ impl Bounds {
         is_rest: false,
     };
 
-    /// These limits with at most this time.
+    /// The stricter of these limits and a time.
     pub fn within(self, time: Duration) -> Self {
         self.min(Self { time, ..Self::CALL })
     }

@@ -13,7 +13,7 @@ pub struct Place {
 
 /// Place of a script when it was ended.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Met {
+pub struct LimitHit {
     /// Place of the expression or statement.
     pub place: Place,
     /// Functions on the call stack, outermost first, and the places of their calls.
@@ -21,11 +21,11 @@ pub struct Met {
 }
 
 /// Error that ended a script.
-pub struct Ended {
+pub struct StoppedCall {
     /// Error of Rhai.
     pub wrong: Box<EvalAltResult>,
     /// Place of the error, if it was a limit and the place was found.
-    pub met: Option<Met>,
+    pub met: Option<LimitHit>,
 }
 
 /// Whether an error is that of a limit, whose place Rhai overwrites.

@@ -11,7 +11,7 @@ use rhai::{EvalAltResult as Wrong, Position};
 use self::missing::{missing_function, missing_key, missing_property};
 pub use self::syntax::syntax;
 use super::{
-    ended::{Ended, Met, Place},
+    ended::{LimitHit, Place, StoppedCall},
     format_value::thrown,
     key_locations::key_of_call,
     limits::{ARRAY, CALLS, MAP, MODULES, NESTED, TEXT, VARIABLES, grouped},
@@ -56,8 +56,8 @@ fn called(function: &str) -> String {
 }
 
 /// Innermost error, its file, its position if known, and the calls that led there.
-fn unwrapped<'a>(ended: &'a Ended, name: &str) -> (&'a Wrong, String, Position, Vec<Site>) {
-    if let Some(Met { place, calls }) = &ended.met {
+fn unwrapped<'a>(ended: &'a StoppedCall, name: &str) -> (&'a Wrong, String, Position, Vec<Site>) {
+    if let Some(LimitHit { place, calls }) = &ended.met {
         let site = |(function, from): &(String, Place)| Site {
             what: called(function),
             file: from.file.clone(),
@@ -94,7 +94,7 @@ fn unwrapped<'a>(ended: &'a Ended, name: &str) -> (&'a Wrong, String, Position, 
 
 /// Message about a script that failed while running; `when` is such as `in frame 12`.
 pub fn runtime(
-    ended: &Ended,
+    ended: &StoppedCall,
     sources: &Sources,
     name: &str,
     known: &Known,

@@ -9,7 +9,7 @@ use rhai::{
 };
 
 use super::{
-    ended::{Met, Place, is_limit},
+    ended::{LimitHit, Place, is_limit},
     engine,
     source_files::Sources,
 };
@@ -20,7 +20,7 @@ struct Seen {
     /// Newest place in each of the running functions, outermost first.
     places: Vec<Place>,
     /// Place and calls when the error of a limit left its first function.
-    met: Option<Met>,
+    met: Option<LimitHit>,
 }
 
 thread_local! {
@@ -33,7 +33,7 @@ pub fn again<T>(
     sources: &Arc<Sources>,
     first: &EvalAltResult,
     work: impl FnOnce(&Engine) -> Result<T, Box<EvalAltResult>>,
-) -> Option<Met> {
+) -> Option<LimitHit> {
     SEEN.take();
     let result = work(&watching(sources));
     let mut seen = SEEN.take();
@@ -44,7 +44,7 @@ pub fn again<T>(
     // Outside of functions no function is left, so `met` was not set.
     seen.met.or_else(|| {
         let place = seen.places.pop()?;
-        Some(Met {
+        Some(LimitHit {
             place,
             calls: Vec::new(),
         })
@@ -91,7 +91,7 @@ fn note(seen: &mut Seen, context: &EvalContext, event: DebuggerEvent, file: &str
     }
 }
 
-fn met(seen: &Seen, context: &EvalContext) -> Met {
+fn met(seen: &Seen, context: &EvalContext) -> LimitHit {
     let stack = context.global_runtime_state().debugger().call_stack();
     // A call is located in the file of the function that makes it.
     let mut file = String::new();
@@ -104,7 +104,7 @@ fn met(seen: &Seen, context: &EvalContext) -> Met {
         file = call.source.as_deref().unwrap_or_default().to_owned();
         calls.push((call.fn_name.to_string(), from));
     }
-    Met {
+    LimitHit {
         place: seen.places.last().cloned().unwrap_or_default(),
         calls,
     }

@@ -16,10 +16,11 @@ use super::limits::{ARRAY, MAP, TEXT};
 
 type Result<T> = std::result::Result<T, Box<Wrong>>;
 
-/// Custom syntax that appends to `this`, the script function around it, and the name of its file, which is not
-/// one of the script's.
+/// Word of the custom syntax that appends to `this`.
 const WORD: &str = "push_to_this";
+/// Function around that syntax, which replaces the built-in `push`.
 const FUNCTION: &str = "fn push(item) { push_to_this item; }";
+/// Name of the file of that function in messages; no script can have it.
 const FILE: &str = "<push>";
 
 /// Amount that may be added before a list is measured in any case: elements, entries and blocks of text.

@@ -25,7 +25,7 @@ use half::f16;
 
 use super::pixels::{BROKEN_HELP, PanoramaLimits, Pixels, check_size, decoded_bytes, hold, zeros};
 use crate::gltf::Fault;
-use reflet_base::memory::Hold;
+use reflet_base::memory::Reservation;
 
 /// Largest memory of a decompressor as a multiple of the samples of its block: DWA transforms 16-bit samples as
 /// numbers of 32 bits for each of three channels, and keeps them packed, in planes and in rows.
@@ -67,7 +67,7 @@ pub fn decode(
     bytes: &[u8],
     limits: &PanoramaLimits,
     thread: impl Fn() -> Builder,
-) -> Result<(Pixels, Hold), Fault> {
+) -> Result<(Pixels, Reservation), Fault> {
     let reader = block::read(Cursor::new(bytes), false).map_err(broken)?;
     let layer = find_layer(reader.headers())?;
     let header = &reader.headers()[layer.index];

@@ -1,7 +1,7 @@
 //! A panorama while it is decoded: its pixels, the limits of its size, and the memory that is held for it.
 
 use crate::gltf::Fault;
-use reflet_base::memory::{Budget, Hold};
+use reflet_base::memory::{Budget, Reservation};
 
 /// Largest width and height of a panorama that is kept, pixels; larger ones are reduced.
 pub const LARGEST_KEPT: [u32; 2] = [4096, 2048];
@@ -61,7 +61,7 @@ pub(super) fn decoded_bytes([width, height]: [u64; 2]) -> u64 {
 }
 
 /// Takes memory for decoding.
-pub(super) fn hold(bytes: u64, limits: &PanoramaLimits) -> Result<Hold, Fault> {
+pub(super) fn hold(bytes: u64, limits: &PanoramaLimits) -> Result<Reservation, Fault> {
     limits.memory.hold(bytes).ok_or_else(|| {
         let left = limits.memory.left();
         let text = format!("decoding it takes up to {bytes} bytes, {left} are left");

@@ -18,7 +18,7 @@ use super::{
     },
 };
 use crate::gltf::Fault;
-use reflet_base::memory::Hold;
+use reflet_base::memory::Reservation;
 
 /// Largest value of a texel, a 16-bit float.
 const LARGEST_TEXEL: f32 = 65504.0;
@@ -70,7 +70,7 @@ fn luminance([r, g, b]: &[f32; 3]) -> f32 {
     0.2126 * r + 0.7152 * g + 0.0722 * b
 }
 
-fn decode(bytes: &[u8], limits: &PanoramaLimits) -> Result<(Pixels, Hold), Fault> {
+fn decode(bytes: &[u8], limits: &PanoramaLimits) -> Result<(Pixels, Reservation), Fault> {
     match bytes {
         [b'#', b'?', ..] => decode_hdr(bytes, limits),
         [0x76, 0x2f, 0x31, 0x01, ..] => exr::decode(bytes, limits, Builder::new),
@@ -83,7 +83,7 @@ fn decode(bytes: &[u8], limits: &PanoramaLimits) -> Result<(Pixels, Hold), Fault
     }
 }
 
-fn decode_hdr(bytes: &[u8], limits: &PanoramaLimits) -> Result<(Pixels, Hold), Fault> {
+fn decode_hdr(bytes: &[u8], limits: &PanoramaLimits) -> Result<(Pixels, Reservation), Fault> {
     let broken =
         |e| Fault::new("image-broken", format!("cannot be decoded: {e}")).help(BROKEN_HELP);
     let decoder = HdrDecoder::new(Cursor::new(bytes)).map_err(broken)?;

@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::Fault;
-use reflet_base::memory::{Budget, Hold};
+use reflet_base::memory::{Budget, Reservation};
 
 /// Memory that geometry may still take.
 #[derive(Debug)]
@@ -89,7 +89,7 @@ impl GeometryBudget {
     ///
     /// # Errors
     /// Fewer bytes are left.
-    pub fn hold(&self, bytes: u64) -> Result<Hold, Fault> {
+    pub fn hold(&self, bytes: u64) -> Result<Reservation, Fault> {
         let held = self.load.hold(bytes);
         self.judge(held.is_some())?;
         held.ok_or_else(over_budget)

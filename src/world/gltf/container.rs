@@ -10,7 +10,7 @@ use super::{
     json_memory::{Head, value_bytes},
     schema::Root,
 };
-use reflet_base::memory::{Budget, Hold};
+use reflet_base::memory::{Budget, Reservation};
 
 /// Part of a shared block of bytes; keeps the block alive.
 #[derive(Clone, Debug)]
@@ -60,7 +60,7 @@ pub struct Container {
     /// GLB's binary chunk.
     pub binary: Option<Bytes>,
     /// Memory of the parsed JSON.
-    pub held: Hold,
+    pub held: Reservation,
 }
 
 /// Parses a file's bytes. With `lenient`, the file may require unsupported extensions that only change the look.
@@ -131,7 +131,7 @@ fn split_glb(bytes: &Bytes) -> Result<(Bytes, Option<Bytes>), Fault> {
     Ok((json, binary))
 }
 
-fn parse(json: &[u8], lenient: bool, memory: &Budget) -> Result<(Root, Hold), Fault> {
+fn parse(json: &[u8], lenient: bool, memory: &Budget) -> Result<(Root, Reservation), Fault> {
     let unreadable = |e: serde_json::Error| Fault::new("gltf-json", format!("not glTF JSON: {e}"));
     // A byte-order mark is against the specification, but harmless.
     let json = json.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(json);

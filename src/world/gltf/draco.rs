@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use draco_core::{DecoderBuffer, ErrorKind, Mesh, MeshDecoder};
 use rayon::prelude::*;
 
-use self::claim::Claim;
+use self::stream_bounds::StreamBounds;
 use super::{
     Fault,
     accessor::{Component, shape},
@@ -17,8 +17,8 @@ use super::{
 };
 use reflet_base::memory::wave_length;
 
-mod claim;
 mod header;
+mod stream_bounds;
 
 fn fault(text: impl Into<String>) -> Fault {
     Fault::new("gltf-draco", text)
@@ -32,7 +32,7 @@ type Attribute = (u32, usize);
 /// A stream, which is decoded once, and the primitives that share it.
 struct Stream {
     bytes: Bytes,
-    claim: Claim,
+    claim: StreamBounds,
     users: Vec<Place>,
     attributes: Vec<Attribute>,
     /// Most bytes of the decoded accessors.
@@ -103,7 +103,7 @@ fn streams(root: &Root, buffers: &[Option<Bytes>]) -> Result<Vec<Stream>, Fault>
                 continue;
             }
             let blame = |fault| at(root, (m, p), fault);
-            let claim = Claim::of(root, primitive).map_err(blame)?;
+            let claim = StreamBounds::of(root, primitive).map_err(blame)?;
             let bytes = stream_bytes(root, buffers, draco.buffer_view).map_err(blame)?;
             let stream = streams.entry(draco.buffer_view).or_insert(Stream {
                 bytes,
@@ -174,7 +174,7 @@ fn decode(root: &Root, stream: &Stream) -> Result<Geometry, Fault> {
     })?;
     let num_points = mesh.num_points();
     for (m, p) in &stream.users {
-        let claim = Claim::of(root, &root.meshes[*m].primitives[*p])?;
+        let claim = StreamBounds::of(root, &root.meshes[*m].primitives[*p])?;
         claim.check(num_points, mesh.num_faces())?;
     }
     let corners = mesh.faces().iter().flatten().map(|point| point.0);

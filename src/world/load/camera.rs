@@ -3,8 +3,8 @@
 use glam::{Affine3A, Vec3, Vec4};
 
 use super::{
-    one_color::{Met, is_one_color, plain_color},
-    sight::{MOST_TRIED, Sight},
+    camera_frustum::{CameraFrustum, MOST_TRIED},
+    one_color::{PlacedMesh, is_one_color, plain_color},
 };
 use crate::{Mesh, Posed, World};
 use reflet_base::math::Bounds;
@@ -46,7 +46,7 @@ pub fn add_default(world: &mut World, meshes: &[Mesh], desc: &SceneDesc) -> bool
     let aspect = size[0] as f32 / size[1] as f32;
     let mut left = MOST_TRIED;
     let mut may_see = |camera: &CameraDesc| {
-        let sight = Sight::new(camera, aspect);
+        let sight = CameraFrustum::new(camera, aspect);
         bounds.is_empty()
             || sight.may_hold_box(&bounds)
                 && framed.may_be_seen(&sight, &mut left)
@@ -182,7 +182,7 @@ impl<'a> Framed<'a> {
     }
 
     /// Whether some triangle may be seen; of boxes one may. `left` triangles are tried.
-    fn may_be_seen(&self, sight: &Sight, left: &mut usize) -> bool {
+    fn may_be_seen(&self, sight: &CameraFrustum, left: &mut usize) -> bool {
         let mut triangles = self.meshes.iter().flat_map(|shown| {
             let corners = move |t: &[u32; 3]| (shown, shown.posed.corners(*t));
             shown.triangles.iter().map(corners)
@@ -195,8 +195,8 @@ impl<'a> Framed<'a> {
     }
 
     /// Whether a camera sees one color alone.
-    fn is_one_color(&self, sight: &Sight) -> bool {
-        let met = self.meshes.iter().map(|shown| Met {
+    fn is_one_color(&self, sight: &CameraFrustum) -> bool {
+        let met = self.meshes.iter().map(|shown| PlacedMesh {
             triangles: (shown.triangles.iter()).map(|t| shown.posed.corners(*t)),
             place: &shown.place,
             double_sided: shown.double_sided,

@@ -9,7 +9,7 @@ use reflet_scene::desc::CameraDesc;
 pub const MOST_TRIED: usize = 1 << 26;
 
 /// View of a camera.
-pub struct Sight {
+pub struct CameraFrustum {
     eye: Vec3,
     forward: Vec3,
     right: Vec3,
@@ -19,7 +19,7 @@ pub struct Sight {
     aspect: f32,
 }
 
-impl Sight {
+impl CameraFrustum {
     /// The view of a camera in a picture of the aspect ratio width to height.
     pub fn new(camera: &CameraDesc, aspect: f32) -> Self {
         let forward = (camera.target - camera.eye).normalize_or_zero();

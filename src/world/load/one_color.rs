@@ -3,7 +3,7 @@
 use glam::{Affine3A, Vec2, Vec3, Vec3A, Vec4};
 use obvhs::{ray::Ray, triangle::Triangle};
 
-use super::sight::Sight;
+use super::camera_frustum::CameraFrustum;
 use crate::{Material, Mesh};
 
 /// Number of rays along each axis of the picture.
@@ -24,7 +24,7 @@ pub fn plain_color(material: &Material, mesh: &Mesh) -> Option<Vec4> {
 }
 
 /// A placed mesh, as rays of a camera meet it.
-pub struct Met<'a, T> {
+pub struct PlacedMesh<'a, T> {
     /// Corners of each triangle in object space.
     pub triangles: T,
     pub place: &'a Affine3A,
@@ -38,8 +38,8 @@ pub struct Met<'a, T> {
 /// Whether rays through the whole picture all meet surfaces of the same plain color; false where finding out would take
 /// long.
 pub fn is_one_color<'a, T: Iterator<Item = [Vec3; 3]>>(
-    sight: &Sight,
-    met: impl Iterator<Item = Met<'a, T>>,
+    sight: &CameraFrustum,
+    met: impl Iterator<Item = PlacedMesh<'a, T>>,
 ) -> bool {
     let met: Vec<_> = met.collect();
     let tried: usize = met.iter().map(|met| met.count).sum();

@@ -4,7 +4,7 @@ use std::{fs::File, io::Read as _};
 
 use super::{TextureLimits, fault};
 use crate::gltf::{Bytes, Fault, ImageSource};
-use reflet_base::memory::Hold;
+use reflet_base::memory::Reservation;
 
 /// A supported format.
 #[derive(Clone, Copy)]
@@ -31,7 +31,7 @@ pub struct Encoded {
     /// Format that the first bytes tell.
     pub format: Format,
     /// Memory of the bytes, where they were read from a file.
-    _held: Option<Hold>,
+    _held: Option<Reservation>,
 }
 
 impl Encoded {

@@ -2,14 +2,14 @@
 
 use crate::{
     app::{
-        bench::report_pictures::{SOURCES, Shot, Shown, shown},
+        bench::report_pictures::{ReportPicture, SOURCES, Shown, shown},
         error::AppError,
     },
     bench::{
         report::{page::Gallery, sections},
         run::FrameSeries,
         sample::Sample,
-        stability::{Against, Cell, Mode, Part, Place, document::verdicts},
+        stability::{Cell, Mode, Part, Place, ReferenceKind, document::verdicts},
     },
     gpu::{Gpu, ShaderLibrary},
     scene::desc::{Accept, Method, ReflectionDesc},
@@ -133,12 +133,12 @@ fn worst_window(picture: &Shown, reference: &Shown) -> Option<Window> {
 }
 
 fn shows(part: &Part, frame: u32, size: [u32; 2]) -> bool {
-    part.against == Against::Rt && part.size == size && part.frames.contains(&frame)
+    part.against == ReferenceKind::Rt && part.size == size && part.frames.contains(&frame)
 }
 
 fn worst(mode: &Mode, cells: &[Cell]) -> Option<Place> {
     let of_mode = || {
-        let is_of = |c: &&Cell| c.mode == mode.name && c.against == Against::Rt;
+        let is_of = |c: &&Cell| c.mode == mode.name && c.against == ReferenceKind::Rt;
         cells.iter().filter(is_of)
     };
     let cell = of_mode().find(|c| c.method == "hybrid");
@@ -150,7 +150,7 @@ fn worst(mode: &Mode, cells: &[Cell]) -> Option<Place> {
 const HYBRID: usize = 2;
 const RT: usize = 3;
 
-fn shots(settings: &ReflectionDesc) -> Vec<Shot> {
+fn shots(settings: &ReflectionDesc) -> Vec<ReportPicture> {
     let with = |method, accept| ReflectionDesc {
         method,
         accept,
@@ -159,13 +159,13 @@ fn shots(settings: &ReflectionDesc) -> Vec<Shot> {
     let hybrid = with(Method::Hybrid, Accept::Verified);
     let threshold = with(Method::Hybrid, Accept::Threshold);
     vec![
-        Shot::Picture(with(Method::Ssr, Accept::Threshold)),
-        Shot::Picture(threshold),
-        Shot::Picture(hybrid),
-        Shot::Picture(with(Method::Rt, Accept::Verified)),
-        Shot::Difference(threshold),
-        Shot::Difference(hybrid),
-        Shot::Source(hybrid),
+        ReportPicture::Picture(with(Method::Ssr, Accept::Threshold)),
+        ReportPicture::Picture(threshold),
+        ReportPicture::Picture(hybrid),
+        ReportPicture::Picture(with(Method::Rt, Accept::Verified)),
+        ReportPicture::Difference(threshold),
+        ReportPicture::Difference(hybrid),
+        ReportPicture::Source(hybrid),
     ]
 }
 

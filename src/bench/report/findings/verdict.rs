@@ -138,7 +138,7 @@ pub fn equal_error(spots: &[Spot], points: &[&Point]) -> Option<String> {
     let traced = cheapest_within(&rt_spots, error);
     let Some(traced) = traced else {
         return Some(format!(
-            "Equal error: no setting of rt errs as little as {} does (FLIP {}).",
+            "Equal error: no setting of rt has an error as small as that of {} (FLIP {}).",
             points[hybrid[best]].label(),
             digits(error)
         ));

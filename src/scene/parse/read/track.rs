@@ -96,7 +96,7 @@ struct TrackOf<L>(TrackDesc, std::marker::PhantomData<L>);
 struct KeyOf<L>(KeyDesc, std::marker::PhantomData<L>);
 
 /// An `oscillate` whose amplitude is of type `L`.
-struct SwingOf<L>(OscillateDesc, std::marker::PhantomData<L>);
+struct Oscillation<L>(OscillateDesc, std::marker::PhantomData<L>);
 
 /// The track under `key`; the values of its keys must lie in `range`.
 pub fn track<L: Lane>(t: &mut Table, key: &'static str, range: Range) -> Option<TrackDesc> {
@@ -201,8 +201,8 @@ impl<L: Lane> Section for TrackOf<L> {
             orbit: if L::IS_VECTOR { t.table("orbit") } else { None },
             rate: t.find::<L>("rate", ANY).map(Lanes::lanes),
             oscillate: t
-                .table::<SwingOf<L>>("oscillate")
-                .map(|SwingOf(swing, _)| swing),
+                .table::<Oscillation<L>>("oscillate")
+                .map(|Oscillation(swing, _)| swing),
             keys,
         };
         check_keys(t, &track);
@@ -295,7 +295,7 @@ impl<L: Lane> Section for KeyOf<L> {
     }
 }
 
-impl<L: Lane> Section for SwingOf<L> {
+impl<L: Lane> Section for Oscillation<L> {
     const TYPE: &'static str = L::SWING;
     const ALSO: &'static [&'static str] = &["OscillateDesc"];
     const HEADING: &'static str = L::SWING_HEADING;

@@ -19,7 +19,7 @@ const COPIES: u64 = 3;
 
 /// Upper bounds of what a stream may hold.
 #[derive(Clone, Copy, Debug)]
-pub struct Claim {
+pub struct StreamBounds {
     /// Number of vertices. Seams of attributes split vertices, at most into one for each corner.
     pub points: u64,
     /// Number of triangles.
@@ -28,7 +28,7 @@ pub struct Claim {
     point_bytes: u64,
 }
 
-impl Claim {
+impl StreamBounds {
     /// The claim of a primitive's accessors.
     ///
     /// # Errors
