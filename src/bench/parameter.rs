@@ -45,10 +45,10 @@ pub struct Variant {
 /// Names of the curves in charts: one per method, with curves of their own for `hybrid` that accepts by the
 /// paper's threshold, and for methods that trace shadow rays at hits anew.
 pub const SERIES: [&str; 6] = [
-    "ssr",
+    Method::Ssr.name(),
     THRESHOLD_SERIES,
-    "hybrid",
-    "rt",
+    Method::Hybrid.name(),
+    Method::Rt.name(),
     HYBRID_ANEW_SERIES,
     RT_ANEW_SERIES,
 ];

@@ -3,23 +3,10 @@
 use std::collections::HashSet;
 
 use crate::scene::{
-    desc::{InstanceMaterialDesc, MaterialDesc, Method},
+    desc::{InstanceMaterialDesc, MaterialDesc, Method, ReflectionDesc},
     diagnostic::{Diagnostic, Span},
     stages::Scene,
 };
-
-/// Keys whose values [`ReflectionDesc::settled`](crate::scene::desc::ReflectionDesc::settled) replaces.
-const REPLACED: [&str; 9] = [
-    "bounces",
-    "diffuse_bounces",
-    "glint_limit",
-    "roughness_cutoff",
-    "ray_length_u",
-    "reuse_light",
-    "fade",
-    "filter",
-    "blur_px",
-];
 
 /// Name of a material key, and whether a material's table sets it.
 type Key = (&'static str, fn(&MaterialDesc) -> bool);
@@ -67,7 +54,7 @@ fn by_path(scene: &Scene, start: &Span) -> Option<Diagnostic> {
     if scene.reflection.method != Method::Path {
         return None;
     }
-    let keys = written(start, "reflection", &REPLACED);
+    let keys = written(start, "reflection", &ReflectionDesc::REPLACED_BY_PATH);
     let (at, _) = keys.first()?.clone();
     let names: Vec<_> = keys.iter().map(|(_, name)| name.as_str()).collect();
     let message = format!(

@@ -12,6 +12,8 @@ use plotters::{
     prelude::*,
 };
 
+use reflet_scene::desc::Method;
+
 use super::findings::spots;
 use crate::{
     pareto::{Spot, pareto_front},
@@ -51,10 +53,12 @@ const SIZE: (u32, u32) = (860, 500);
 
 /// Color of a method's curve, from colors that stay apart for color-blind readers (Okabe and Ito 2008).
 pub fn color(method: &str) -> RGBColor {
+    const SSR: &str = Method::Ssr.name();
+    const HYBRID: &str = Method::Hybrid.name();
     match method {
-        "ssr" => RGBColor(0, 114, 178),
+        SSR => RGBColor(0, 114, 178),
         THRESHOLD_SERIES => RGBColor(230, 159, 0),
-        "hybrid" => RGBColor(213, 94, 0),
+        HYBRID => RGBColor(213, 94, 0),
         HYBRID_ANEW_SERIES => RGBColor(204, 121, 167),
         RT_ANEW_SERIES => RGBColor(86, 180, 233),
         _ => RGBColor(0, 158, 115),

@@ -16,6 +16,7 @@ use reflet_render::{
     pass::PassGroup,
     passes::{self, trace},
 };
+use reflet_scene::desc::Method;
 use verdict::{equal_error, equal_time, verdict};
 
 mod verdict;
@@ -108,8 +109,8 @@ pub fn costs(hybrid: &Point, rt: &Point) -> Costs {
 pub fn counterpart<'a>(hybrid: &Point, points: &[&'a Point]) -> Option<&'a Point> {
     let same = |p: &&&Point| {
         let (a, b) = (&p.sample, &hybrid.sample);
-        b.method == "hybrid"
-            && a.method == "rt"
+        b.method == Method::Hybrid.name()
+            && a.method == Method::Rt.name()
             && (a.bounces, a.scale) == (b.bounces, b.scale)
             && a.ray_length_u == b.ray_length_u
     };
@@ -151,7 +152,7 @@ fn work(points: &[&Point], masked: bool) -> Option<String> {
 
 /// Times of traversal and of shading in the trace pass of `rt`.
 fn split_trace(points: &[&Point]) -> Option<String> {
-    let of = |p: &&&Point| p.sample.method == "rt" && p.split.is_some();
+    let of = |p: &&&Point| p.sample.method == Method::Rt.name() && p.split.is_some();
     let rt = points.iter().find(of)?;
     let split = rt.split?;
     let traversal = split.traverse_ms;

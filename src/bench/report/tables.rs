@@ -4,6 +4,7 @@ use crate::summary::series;
 use std::fmt::Write as _;
 
 use plotters::style::RGBColor;
+use reflet_scene::desc::Method;
 
 use super::{
     Section,
@@ -66,7 +67,10 @@ pub fn overview(sections: &[Section]) -> String {
     out += "</tr>\n";
     for group in sections.iter().map(|s| &s.group) {
         let reflection = |p: &Point| p.reflection_ms.map(|r| r.median);
-        let rt = group.points.iter().find(|p| p.sample.method == "rt");
+        let rt = group
+            .points
+            .iter()
+            .find(|p| p.sample.method == Method::Rt.name());
         let rt = rt.and_then(reflection);
         if let Some(s) = group.points.first().map(|p| &p.sample) {
             let _ = writeln!(

@@ -191,7 +191,20 @@ impl ReflectionDesc {
         }
     }
 
-    /// Effective settings: method `path` replaces most of the others.
+    /// Keys whose values [`ReflectionDesc::settled`] replaces.
+    pub const REPLACED_BY_PATH: [&str; 9] = [
+        "bounces",
+        "diffuse_bounces",
+        "glint_limit",
+        "roughness_cutoff",
+        "ray_length_u",
+        "reuse_light",
+        "fade",
+        "filter",
+        "blur_px",
+    ];
+
+    /// Effective settings: method `path` replaces those of [`ReflectionDesc::REPLACED_BY_PATH`].
     pub fn settled(&self) -> Self {
         /// Number of bounces that no path reaches: paths end by chance before.
         const ENDLESS: u32 = 1 << 12;

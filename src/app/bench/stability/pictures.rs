@@ -141,7 +141,7 @@ fn worst(mode: &Mode, cells: &[Cell]) -> Option<Place> {
         let is_of = |c: &&Cell| c.mode == mode.name && c.against == ReferenceKind::Rt;
         cells.iter().filter(is_of)
     };
-    let cell = of_mode().find(|c| c.method == "hybrid");
+    let cell = of_mode().find(|c| c.method == Method::Hybrid.name());
     let scores = cell.or_else(|| of_mode().next())?.scores.as_ref();
     scores.ok().map(|scores| scores.worst)
 }
