@@ -347,3 +347,17 @@ fn lights_have_the_keys_of_their_kind() {
         }
     );
 }
+
+#[test]
+fn a_material_table_of_a_shape_is_one_mistake() {
+    let text = "version = 1\ncamera.main = {}\n[model.a]\nshape = { kind = \"box\" }\nmaterial = { roughness = 0.5 }\n";
+    let errors = Scene::from_text(text, Path::new("scene.toml"), &[]).expect_err("a table");
+    let [error] = errors.as_slice() else {
+        panic!("{errors:?}");
+    };
+    let message = error.to_string();
+    assert!(
+        message.contains("must be the name of a `[material.NAME]`"),
+        "{message}"
+    );
+}

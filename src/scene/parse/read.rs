@@ -220,20 +220,21 @@ impl Section for ModelDesc {
         let file = t.find::<At<String>>("file", ANY);
         let shape = t.table("shape").map(ModelSource::Shape);
         let (mut material, mut overrides) = (None, Vec::new());
-        match t.name_or_entries("material") {
-            Some(Either::Name(name)) => material = Some(name),
-            Some(Either::Nested(entries)) => overrides = entries,
-            None => {}
+        let message = "`material` of a shape must be the name of a `[material.NAME]`, not a table";
+        let help = "write `[material.NAME]` and `material = \"NAME\"`";
+        let is_refused =
+            t.has("shape") && t.refuse_table("wrong-source", "material", message, help);
+        if !is_refused {
+            match t.name_or_entries("material") {
+                Some(Either::Name(name)) => material = Some(name),
+                Some(Either::Nested(entries)) => overrides = entries,
+                None => {}
+            }
         }
         let lights = t.get("lights", ANY, true);
         if material.is_some() && t.has("file") {
             let message = "`material` of a file must be tables that override its materials by name";
             let help = "write `[model.NAME.material.\"*\"]` for all materials of the file";
-            t.refuse("wrong-source", "material", message, help);
-        }
-        if t.has("shape") && material.is_none() && t.clean() && t.has("material") {
-            let message = "`material` of a shape must be the name of a `[material.NAME]`";
-            let help = "write `[material.NAME]` and `material = \"NAME\"`";
             t.refuse("wrong-source", "material", message, help);
         }
         if t.has("shape") && t.has("lights") {

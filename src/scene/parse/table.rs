@@ -322,4 +322,21 @@ impl<'r> Table<'r> {
         let error = self.report.error(name, &at, message);
         error.help = (!help.is_empty()).then(|| help.to_owned());
     }
+
+    /// Refuses a value that is a table, as [`Table::refuse`] does; returns whether it is one.
+    pub fn refuse_table(
+        &mut self,
+        name: &'static str,
+        key: &'static str,
+        message: &str,
+        help: &str,
+    ) -> bool {
+        let node = self.values.get(key);
+        let is_table = node.is_some_and(|node| node.get_ref().as_table().is_some());
+        if is_table {
+            self.asked.push(key);
+            self.refuse(name, key, message, help);
+        }
+        is_table
+    }
 }
