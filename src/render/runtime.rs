@@ -1,14 +1,13 @@
 //! The runtime: one scene from its text to its pictures. It prints nothing and writes no files;
 //! `docs/examples/render_to_pixels.rs` is a whole program.
 //!
-//! Each stage has a value and the key that it was made from. The first one reads all texts again whenever a file, an
-//! override or a parameter changes, which takes milliseconds; each later stage reruns where its key has changed. An
-//! error keeps the last good value of all stages: a [`Session`] changes whole or not at all.
+//! Each stage has a value and the key that it was made from, and reruns where its key has changed. An error keeps the
+//! last good value of all stages: a [`Session`] changes whole or not at all.
 //!
 //! | stage | value | key | code |
 //! |---|---|---|---|
-//! | text → scene | [`read::Read`] | files, [`SceneSource`], [`ParameterOverrides`] | [`read`] |
-//! | poses | [`FrameState`] of the first and of the shown frame | scene, frame | [`read::Read::pose`] |
+//! | text → scene | [`read::TextStage`] | texts, scripts, [`SceneSource`], [`ParameterOverrides`] | [`read`] |
+//! | poses | [`FrameState`] of the first and of the shown frame | scene, frame | [`read::Read`] |
 //! | scene → world | [`World`], twice posed | sources of meshes and images | [`AssetCache::reuse_assets`] |
 //! | world → renderer | [`RendererStage`] | world, [`RenderOptions`](crate::RenderOptions), shaders | [`Renderer::change`] |
 //!

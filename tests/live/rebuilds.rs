@@ -345,8 +345,20 @@ fn an_asset_that_changes_or_comes_late_is_read() {
     );
     let blue = session.picture();
     session.folder.write("paint.png", png([0, 255, 0]));
+    let read = std::ptr::from_ref(session.live.desc());
     let reload = session.live.reload(&[Change::Asset].into());
     assert!(reload.ok && reload.files);
     let green = session.picture();
     assert!(green != blue && green == session.new_picture());
+    let is_read_again = |live: &Live| !std::ptr::eq(live.desc(), read);
+    assert!(!is_read_again(&session.live), "no text has changed");
+
+    // Texts that failed together with an image are read again with the next image.
+    fs::write(&session.scene, "version = 2").expect("written");
+    let both = [Change::Asset, Change::Scene].into();
+    assert!(!session.live.reload(&both).ok);
+    fs::write(&session.scene, &text).expect("written");
+    assert!(session.live.reload(&[Change::Asset].into()).ok);
+    assert!(is_read_again(&session.live));
+    assert!(session.picture() == green);
 }

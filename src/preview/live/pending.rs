@@ -7,12 +7,16 @@
 use std::{sync::Arc, time::Instant};
 
 use super::{Live, Problems, Reload};
-use reflet_render::runtime::{parameters::ParameterOverrides, read::Read};
+use reflet_render::runtime::{
+    model_viewer_scene::is_model, parameters::ParameterOverrides, read::Read,
+};
 use reflet_scene::{desc::ParamValue, stages::Scene};
 
 /// State of the shown scene that its successor reuses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Reuse {
+    /// The scene that its texts and scripts describe.
+    pub scene: bool,
     /// Models, images and other files.
     pub files: bool,
     /// Edits of materials.
@@ -20,8 +24,9 @@ pub struct Reuse {
 }
 
 impl Reuse {
-    /// Everything, where only values change.
+    /// Everything, where no file changed.
     pub const ALL: Self = Self {
+        scene: true,
         files: true,
         edits: true,
     };
@@ -29,6 +34,7 @@ impl Reuse {
     /// State that can be reused after both changes.
     pub fn and(self, other: Self) -> Self {
         Self {
+            scene: self.scene && other.scene,
             files: self.files && other.files,
             edits: self.edits && other.edits,
         }
@@ -55,7 +61,10 @@ pub struct ReadRequest {
 impl ReadRequest {
     /// A read with other values alone.
     pub const VALUES: Self = Self {
-        reuse: Reuse::ALL,
+        reuse: Reuse {
+            scene: false,
+            ..Reuse::ALL
+        },
         saved_at: None,
         before: Reload::NONE,
     };
@@ -166,6 +175,16 @@ impl Live {
             Some(Trial::Requested(parameters)) => parameters,
             _ => self.parameters(),
         }
+    }
+
+    /// Whether the read that runs has no text and no script to read: neither they nor parameters have changed since
+    /// the shown scene was read. The scene of a bare model describes the model, and is made anew with it.
+    pub(super) fn reads_only_files(&self) -> bool {
+        let is_asked = (self.pending.reading).is_some_and(|request| request.reuse.scene);
+        let is_shown = self.pending.reusable.scene && self.pending.unposed.is_none();
+        let path = self.source().path.as_deref();
+        let is_current = is_asked && is_shown && self.pending.trial.is_none();
+        is_current && !self.is_stand_in && !path.is_some_and(is_model)
     }
 
     /// Values refused since the last call.

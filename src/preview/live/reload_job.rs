@@ -13,7 +13,7 @@ use super::{Live, ReadRequest, Reload, Reuse, SceneSource};
 use crate::watch::{Change, Changes};
 use reflet_render::runtime::{
     parameters::ParameterOverrides,
-    read::{Pose, Read, pose_of, read, within},
+    read::{Pose, Read, TextStage, pose_of, read, within},
 };
 use reflet_scene::{dependencies::Dependencies, diagnostic::Diagnostic, stages::Scene};
 
@@ -31,6 +31,12 @@ enum Work {
         source: SceneSource,
         parameters: ParameterOverrides,
         texts: Dependencies,
+        frame: u32,
+    },
+    /// Poses a scene whose texts have not changed; its other files are read when it is shown.
+    ReadFiles {
+        texts: Box<TextStage>,
+        parameters: ParameterOverrides,
         frame: u32,
     },
     Pose {
@@ -71,7 +77,9 @@ impl ReloadJob {
     /// Requested frame; not clamped before the scene is read.
     pub fn frame(&self) -> u32 {
         match self.work {
-            Work::Read { frame, .. } | Work::Pose { frame, .. } => frame,
+            Work::Read { frame, .. } | Work::ReadFiles { frame, .. } | Work::Pose { frame, .. } => {
+                frame
+            }
         }
     }
 
@@ -79,6 +87,11 @@ impl ReloadJob {
     /// meaningless.
     pub fn run(self) -> FinishedJob {
         let (since, started) = (SystemTime::now(), Instant::now());
+        let posed = |read: Read| {
+            self.poses.store(true, Ordering::Relaxed);
+            let pose = read.pose();
+            Box::new((read, pose))
+        };
         let outcome = match self.work {
             Work::Read {
                 source,
@@ -86,11 +99,15 @@ impl ReloadJob {
                 texts,
                 frame,
             } => Outcome::Read {
-                read: read(&source, &parameters, &texts, frame).map(|read| {
-                    self.poses.store(true, Ordering::Relaxed);
-                    let pose = read.pose();
-                    Box::new((read, pose))
-                }),
+                read: read(&source, &parameters, &texts, frame).map(posed),
+                parameters,
+            },
+            Work::ReadFiles {
+                texts,
+                parameters,
+                frame,
+            } => Outcome::Read {
+                read: Ok(posed(texts.pose(frame))),
                 parameters,
             },
             Work::Pose { scene, frame } => Outcome::Posed {
@@ -114,16 +131,27 @@ impl Live {
         let is_any = of_scene.iter().any(|change| changes.contains(change));
         is_any.then(|| Reuse {
             files: !changes.contains(&Change::Asset),
+            scene: !changes.contains(&Change::Scene) && !changes.contains(&Change::Script),
             // Scene text defines materials.
             edits: !changes.contains(&Change::Scene),
         })
     }
 
     /// A job that reads the scene on disk and poses a frame, in place of one that runs; `None` where no read is
-    /// requested. [`Live::watch_list`] lists its scripts as soon as they are known.
+    /// requested. Texts and scripts are read only where they or parameters have changed. [`Live::watch_list`] lists its scripts as soon as they are known.
     pub fn begin_read(&mut self, frame: u32) -> Option<ReloadJob> {
         self.take_request()?;
         self.read_since = SystemTime::now();
+        if self.reads_only_files() {
+            self.pending_texts = self.texts.clone();
+            let scene = self.undragged.as_ref();
+            let scene = scene.unwrap_or(&self.session.scene().scene).clone();
+            return Some(ReloadJob::new(Work::ReadFiles {
+                texts: Box::new(self.session.with_files_on_disk(scene)),
+                parameters: self.parameters().clone(),
+                frame,
+            }));
+        }
         self.pending_texts = Dependencies::default();
         Some(ReloadJob::new(Work::Read {
             source: self.source().clone(),

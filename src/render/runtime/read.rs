@@ -18,15 +18,33 @@ use reflet_world::load::LoadOptions;
 /// Pose of a frame; `None` where all frames are equal.
 pub type Pose = Result<Option<FrameState>, Vec<Diagnostic>>;
 
-/// A scene read from disk, without its assets, and the requested frame.
+/// A scene read from disk, without its assets and poses.
 #[derive(Debug)]
-pub struct Read {
+pub struct TextStage {
     /// Name of the scene in messages.
     pub(super) name: String,
     pub(super) opened: OpenedScene,
     pub(super) declared: DeclaredParameters,
     /// Overrides that still fit the declared parameters.
     pub(super) parameters: ParameterOverrides,
+}
+
+impl TextStage {
+    /// Poses the first frame and requests one, clamped to the timeline.
+    pub fn pose(self, frame: u32) -> Read {
+        let scene = &self.opened.scene;
+        Read {
+            frame: within(scene, frame),
+            first: pose_of(scene, scene.first_frame()),
+            texts: self,
+        }
+    }
+}
+
+/// A scene read from disk, without its assets, and the requested frame.
+#[derive(Debug)]
+pub struct Read {
+    pub(super) texts: TextStage,
     /// Pose of the first frame.
     pub(super) first: Pose,
     /// Requested frame, within the timeline.
@@ -34,38 +52,23 @@ pub struct Read {
 }
 
 impl Read {
-    /// A scene and its first frame; `frame` is clamped to its timeline.
-    pub(super) fn new(
-        name: String,
-        opened: OpenedScene,
-        declared: DeclaredParameters,
-        parameters: ParameterOverrides,
-        frame: u32,
-    ) -> Self {
-        let scene = &opened.scene;
-        Self {
-            frame: within(scene, frame),
-            first: pose_of(scene, scene.first_frame()),
-            name,
-            opened,
-            declared,
-            parameters,
-        }
-    }
-
     /// A text without parameters, at its first frame.
     ///
     /// # Errors
     /// All mistakes of the text and its script.
     pub fn of_text(text: SceneText) -> Result<Self, Vec<Diagnostic>> {
-        let name = text.name();
-        let opened = text.open(&[], &Dependencies::default())?;
-        Ok(Self::new(name, opened, <_>::default(), <_>::default(), 0))
+        let texts = TextStage {
+            name: text.name(),
+            opened: text.open(&[], &Dependencies::default())?,
+            declared: DeclaredParameters::default(),
+            parameters: ParameterOverrides::default(),
+        };
+        Ok(texts.pose(0))
     }
 
     /// The scene.
     pub fn scene(&self) -> &Arc<Scene> {
-        &self.opened.scene
+        &self.texts.opened.scene
     }
 
     /// Requested frame.
@@ -91,7 +94,7 @@ impl Read {
 
     /// Options for loading its files, with the dependencies so far.
     pub(super) fn load_options(&self) -> &LoadOptions {
-        &self.opened.options
+        &self.texts.opened.options
     }
 }
 
@@ -116,8 +119,13 @@ pub fn read(
         }
         let opened = text.open(&parameters.settings(), texts);
         let opened = opened.map_err(|mistakes| parameters.name_sliders(mistakes))?;
-        let declared = declared.unwrap_or_default();
-        Ok(Read::new(name, opened, declared, parameters, frame))
+        let texts = TextStage {
+            name,
+            opened,
+            declared: declared.unwrap_or_default(),
+            parameters,
+        };
+        Ok(texts.pose(frame))
     })
 }
 

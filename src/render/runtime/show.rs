@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::{
     InitialBuild, SceneSource, Session, SessionError, ViewOverrides, coarse,
     parameters::{DeclaredParameters, ParameterOverrides},
-    read::{Pose, Read},
+    read::{Pose, Read, TextStage},
     renderer_stage::RendererStage,
     scene_text::{LoadedScene, OpenedScene, load_options},
 };
@@ -78,7 +78,7 @@ impl Session {
         accept: Accept,
     ) -> Result<Self, SessionError> {
         let state = read.pose()?;
-        let (world, assets) = read.opened.world()?;
+        let (world, assets) = read.texts.opened.world()?;
         let (loaded, first) = posed(&read, world, state.as_ref())?;
         accept(&view, &loaded)?;
         let gpu = gpu()?;
@@ -100,8 +100,8 @@ impl Session {
             state,
             assets: Some(assets),
             dependencies: read.load_options().dependencies.clone(),
-            declared: read.declared,
-            parameters: read.parameters,
+            declared: read.texts.declared,
+            parameters: read.texts.parameters,
         })
     }
 
@@ -187,7 +187,7 @@ impl Session {
         let (world, assets) = match reused {
             Some(world) => (world, None),
             None => {
-                let world = read.opened.world();
+                let world = read.texts.opened.world();
                 // A change of these files may mend a scene that is refused.
                 self.dependencies.extend(&read.load_options().dependencies);
                 let (world, assets) = world?;
@@ -209,7 +209,7 @@ impl Session {
             self.dependencies = read.load_options().dependencies.clone();
         }
         (self.loaded, self.first, self.state) = (loaded, first, state);
-        (self.declared, self.parameters) = (read.declared, read.parameters);
+        (self.declared, self.parameters) = (read.texts.declared, read.texts.parameters);
         self.coarse = None;
         Ok(Shown { files, rebuilt })
     }
@@ -234,17 +234,25 @@ impl Session {
 
     /// Result of reading the shown files if they described `scene`; no text is read.
     pub fn with_numbers(&self, scene: Arc<Scene>) -> Read {
+        let texts = self.text_stage(scene, &self.dependencies);
+        texts.pose(self.loaded.frame)
+    }
+
+    /// Result of reading texts that describe `scene` and have not changed; models, images and other files are
+    /// searched for anew.
+    pub fn with_files_on_disk(&self, scene: Arc<Scene>) -> TextStage {
+        self.text_stage(scene, &Dependencies::default())
+    }
+
+    fn text_stage(&self, scene: Arc<Scene>, dependencies: &Dependencies) -> TextStage {
         let loaded = &self.loaded;
-        let options = load_options(&self.source.options, &self.dependencies);
-        let opened = OpenedScene::of_loaded(loaded, scene, options);
-        let (declared, parameters) = (self.declared.clone(), self.parameters.clone());
-        Read::new(
-            loaded.name.clone(),
-            opened,
-            declared,
-            parameters,
-            loaded.frame,
-        )
+        let options = load_options(&self.source.options, dependencies);
+        TextStage {
+            name: loaded.name.clone(),
+            opened: OpenedScene::of_loaded(loaded, scene, options),
+            declared: self.declared.clone(),
+            parameters: self.parameters.clone(),
+        }
     }
 
     /// Replaces view settings.
@@ -316,7 +324,7 @@ fn posed(
             }
         }
     };
-    let mut loaded = read.opened.with_world(read.name.clone(), world);
+    let mut loaded = read.texts.opened.with_world(read.texts.name.clone(), world);
     if let Some(state) = state {
         loaded.apply(state)?;
     }
