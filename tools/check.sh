@@ -138,8 +138,7 @@ if [ "$full" = yes ]; then
 
     heading "Another driver"
     if tools/driver.sh newest >/dev/null; then
-        # Interior lets diffuse surfaces light each other: its rays may go another way by the last bit of a number.
-        tools/driver.sh newest check scenes/fail/*.toml scenes/{atrium,cornell,mirrors,street,studio}.toml
+        tools/driver.sh newest check scenes/fail/*.toml scenes/{atrium,cornell,interior,mirrors,street,studio}.toml
     else
         echo "NOT CHECKED: another version of Mesa, which cannot be fetched"
     fi

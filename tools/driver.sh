@@ -8,8 +8,9 @@ usage: tools/driver.sh [VERSION [check [SCENE...]]]
   (nothing)  list the versions of Mesa that the system's distribution and its backports offer
   VERSION    unpack it into target/drivers/VERSION, where it is not yet, and print the environment that
              uses its software adapter: eval "$(tools/driver.sh 25)"; "newest" is the newest one
-  check      render scenes with the system's driver and with this one: the pictures must be equal, byte
-             for byte. Without SCENE, six of scenes/fail. Uses target/debug/reflet, or REFLET
+  check      render scenes with the system's driver and with this one: pictures of scenes/fail must be
+             equal, byte for byte, others but for rays that went another way by the last bit of a number:
+             a mean FLIP of .0001. Without SCENE, six of scenes/fail. Uses target/debug/reflet, or REFLET
 END
 }
 
@@ -104,7 +105,9 @@ check() {
             . "$folder/environment"
             "${render[@]}" "$scene" -o "$out/$name.png" >"$out/other.txt"
         )
-        if ! cmp "$out/$name-system.png" "$out/$name.png"; then
+        if ! cmp "$out/$name-system.png" "$out/$name.png" &&
+            ! { [[ "$scene" != *scenes/fail/* ]] &&
+                "$reflet" compare --max-flip .0001 "$out/$name.png" "$out/$name-system.png"; }; then
             different=$((different + 1))
         fi
     done
@@ -112,7 +115,7 @@ check() {
     [ "$(sed -n 1p "$out/system.txt")" != "$(sed -n 1p "$out/other.txt")" ] ||
         fail "both are the same driver"
     [ "$different" = 0 ] || fail "$different of $# pictures differ; they are in $out"
-    echo "$# pictures are equal"
+    echo "$# pictures agree"
 }
 
 version="${1:-}"
