@@ -274,3 +274,26 @@ fn every_use_of_unsafe_is_listed() {
     let says = format!("`unsafe` is used in {} places", NUMBERS[using.len()]);
     assert!(rule.contains(&says) && policy.contains(&says), "{says}");
 }
+
+/// Files that the security policy names as the test of a limit exist and have tests.
+#[test]
+fn limits_of_the_security_policy_have_tests() {
+    let policy = fs::read_to_string(root().join("SECURITY.md")).expect("readable");
+    let words = policy.split('`').skip(1).step_by(2);
+    let paths: Vec<_> = words
+        .filter(|word| word.starts_with("tests/") || word.starts_with("src/"))
+        .collect();
+    assert!(paths.len() > 40, "{paths:?}");
+    for path in paths {
+        let path = root().join(path);
+        assert!(path.exists(), "{} is not there", path.display());
+        let is_rust = path.extension().is_some_and(|e| e == "rs");
+        if is_rust && !path.ends_with("src/lib.rs") {
+            let text = fs::read_to_string(&path).expect("readable");
+            let tests = ["#[test]", "mod tests;"]
+                .iter()
+                .any(|word| text.contains(word));
+            assert!(tests, "{} has no test", path.display());
+        }
+    }
+}
