@@ -1,6 +1,6 @@
 //! Tools that all crates of Reflet share: atomic file writes ([`files`]), the user's cache folder ([`cache`]), bounds
 //! and color over glam ([`math`]), the memory budget ([`memory`]), clocks of processor time ([`processor_time`]), words
-//! for a shell ([`shell`]) and standard error ([`standard_error`]). This crate knows no scene and no device.
+//! for a shell ([`shell`]), standard error ([`standard_error`]) and unique names ([`unique_names`]). This crate knows no scene and no device.
 
 pub mod cache;
 pub mod files;
@@ -9,3 +9,4 @@ pub mod memory;
 pub mod processor_time;
 pub mod shell;
 pub mod standard_error;
+pub mod unique_names;

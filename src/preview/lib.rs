@@ -2,7 +2,6 @@
 //! [`write_back`] writes what was dragged into the scene's text; [`window`] shows it all on a screen.
 
 pub mod live;
-pub mod unique_names;
 pub mod watch;
 #[cfg(feature = "window")]
 pub mod window;

@@ -17,6 +17,7 @@ mod corpus;
 mod default_camera;
 mod deform;
 mod draco;
+mod equal_names;
 mod extensions;
 mod forgiven;
 mod geometry;

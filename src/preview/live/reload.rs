@@ -6,10 +6,8 @@ use std::{
 };
 
 use super::{BuildProblem, Edit, Live, ReadRequest, Reload, Reuse};
-use crate::{
-    unique_names::unique_names,
-    watch::{Change, Changes},
-};
+use crate::watch::{Change, Changes};
+use reflet_base::unique_names::unique_names;
 use reflet_gpu::{GpuError, ShaderError};
 use reflet_render::{
     RenderError,

@@ -2,11 +2,8 @@
 
 pub use super::outline::OutlineRow;
 use super::{outline::outline, view_channel::ShadowLight};
-use crate::{
-    live::{Edit, Live, Problems},
-    unique_names::unique_names,
-};
-use reflet_base::math::Bounds;
+use crate::live::{Edit, Live, Problems};
+use reflet_base::{math::Bounds, unique_names::unique_names};
 use reflet_render::{debug_readback::shadow_faces, runtime::parameters::DeclaredParameters};
 use reflet_scene::{
     desc::{CameraDesc, MaterialDesc, Method, TimelineDesc},

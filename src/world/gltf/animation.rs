@@ -20,6 +20,8 @@ use super::{
     schema::Root,
     uri::shorten,
 };
+use reflet_base::unique_names::UniqueNames;
+
 use crate::animation::{Animation, Channel, Interpolation, Property, Sampler, WeightTrack};
 
 /// A named animation; a broken one is an error only where it is played.
@@ -99,7 +101,7 @@ pub struct StageTime {
 
 /// Reads all animations of a file; a broken one keeps its error.
 pub fn read(root: &Root, data: &Data<'_>) -> Vec<Clip> {
-    let mut names = HashSet::new();
+    let mut names = UniqueNames::default();
     let mut reader = Reader {
         root,
         data,
@@ -110,16 +112,11 @@ pub fn read(root: &Root, data: &Data<'_>) -> Vec<Clip> {
         let own = value.get("name").and_then(serde_json::Value::as_str);
         let own = own.filter(|name| !name.trim().is_empty());
         let base = own.map_or_else(|| format!("animation {i}"), shorten);
-        let (mut name, mut number) = (base.clone(), 1);
-        while !names.insert(name.clone()) {
-            number += 1;
-            name = format!("{base}#{number}");
-        }
         let mut notes = Notes::default();
         let place = label("animation", i, own);
         let read = parsed.and_then(|animation| reader.animation(&animation, &place, &mut notes));
         Clip {
-            name,
+            name: names.take(&base),
             animation: read.map(Arc::new).map_err(|fault| fault.at(&place)),
             notes,
         }

@@ -1,7 +1,5 @@
 //! Lights and cameras of the scene text, then those of model files.
 
-use std::collections::HashSet;
-
 use glam::Affine3A;
 
 use super::{
@@ -14,6 +12,7 @@ use crate::{
     gltf::Model,
     pose::{Anchor, Moved},
 };
+use reflet_base::unique_names::UniqueNames;
 use reflet_scene::{
     desc::{CameraDesc, Entry, LightDesc, ModelDesc, SceneDesc},
     motion::{placed_camera, placed_light},
@@ -25,7 +24,7 @@ pub struct Extras {
     /// Number of lights, including those past the limit, which are not stored.
     light_count: usize,
     cameras: Vec<Entry<CameraDesc>>,
-    camera_names: HashSet<String>,
+    camera_names: UniqueNames,
     moving_lights: Vec<Moved<LightDesc>>,
     moving_cameras: Vec<Moved<CameraDesc>>,
 }
@@ -43,13 +42,17 @@ impl Extras {
             at: entry.at.clone(),
             value,
         };
+        let mut camera_names = UniqueNames::default();
+        for camera in &desc.cameras {
+            camera_names.take(&camera.name);
+        }
         let lights = desc.lights.iter().zip(desc.lights_at_rest(rest));
         let cameras = desc.cameras.iter().zip(desc.cameras_at_rest(rest));
         Self {
             lights: lights.map(light).collect(),
             light_count: desc.lights.len(),
             cameras: cameras.map(camera).collect(),
-            camera_names: desc.cameras.iter().map(|c| c.name.clone()).collect(),
+            camera_names,
             moving_lights: Vec::new(),
             moving_cameras: Vec::new(),
         }
@@ -83,12 +86,7 @@ impl Extras {
         }
         for part in file.cameras.iter().filter(|_| with_cameras) {
             let (own, camera) = &part.value;
-            let mut unique = format!("{name}/{own}");
-            let mut number = 1;
-            while !self.camera_names.insert(unique.clone()) {
-                number += 1;
-                unique = format!("{name}/{own}#{number}");
-            }
+            let unique = self.camera_names.take(&format!("{name}/{own}"));
             let place = instance.of(world, part);
             let value = placed_camera(camera, &place.world);
             let pointed = instance.pointed(world, part.index.map(Pointed::Camera));
