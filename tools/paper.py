@@ -94,10 +94,16 @@ def pictures(assets: pathlib.Path, program: pathlib.Path) -> None:
         )
 
 
-def in_processor_time(row: Row) -> Row:
-    """The row with passes in processor time, where known: other programs do not lengthen it."""
+def of_reflections(row: Row) -> Row:
+    """The row with passes in processor time, where known, since other programs do not lengthen it,
+    and without the work of primary rays, which all methods share."""
     times = {f"{of}_ms": row.get(f"{of}_cpu_ms") for of in ("passes", "reflection")}
-    return row | {column: ms for column, ms in times.items() if ms}
+    work = {
+        column: str(float(row[column]) - float(row[f"primary_{column}"]))
+        for column in ("traversals", "visited_nodes", "tested_triangles")
+        if row[column] and row.get(f"primary_{column}")
+    }
+    return row | {column: ms for column, ms in times.items() if ms} | work
 
 
 def number(row: Row, column: str) -> float | None:
@@ -413,7 +419,7 @@ def page(out: pathlib.Path) -> None:
     runs: dict[str, Rows] = {}
     for name in RUNS:
         with (out / name / "samples.csv").open(newline="") as file:
-            runs[name] = [in_processor_time(row) for row in csv.DictReader(file)]
+            runs[name] = [of_reflections(row) for row in csv.DictReader(file)]
     tables = {name: make(runs[run]) for name, (run, make) in TABLES.items()}
     tables["measured"] = measured(runs)
     write_tables(PAGE, tables)
