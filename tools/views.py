@@ -2,7 +2,10 @@
 """Compares hybrid with rt in named views at 1280 x 720, and writes docs/views.md.
 
     tools/views.py measure --assets DIR OUT [--reflet PROGRAM]    # views that OUT lacks
-    tools/views.py page OUT                                       # the tables and docs/data
+    tools/views.py page OUT [OUT ...]                             # the tables and docs/data
+
+Each OUT is measured on one driver (`eval "$(tools/driver.sh newest)"` has all programs use the
+newest one); the page takes errors and counts from the first, and times from each.
 
 Accuracy is that of the reflections against rt with bounces = "auto"; time is processor time of the
 reflection passes on a software adapter, frames of both methods in turns.
@@ -28,7 +31,7 @@ DEFAULT, STRICTEST = 0.25, 0.0  # reflection.edge_px
 COLUMNS = [
     *["view", "method", "edge_px", "repetition", "reflection_cpu_ms", "reflective_px"],
     *["screen_percent", "false_accepts", "mask_px", "mask_flip", "mask_flip_p99", "mask_ssim"],
-    *["march_steps", "visited_nodes"],
+    *["march_steps", "visited_nodes", "driver"],
 ]
 
 Row = dict[str, str]
@@ -154,28 +157,43 @@ def errors(rows: Rows) -> str:
     return table(head, (line(v, e) for v in VIEWS for e in (DEFAULT, STRICTEST)))
 
 
-def work(rows: Rows) -> str:
+def times(measured: list[Rows]) -> str:
+    """Times on each driver: that of rt, and those of hybrid over it."""
+
+    def cells(rows: Rows, view: str) -> list[str]:
+        rt_ms = median(of(rows, view, "rt"), "reflection_cpu_ms")
+        own = [of(rows, view, "hybrid", edge_px) for edge_px in (DEFAULT, STRICTEST)]
+        ratios = [f"{median(rs, 'reflection_cpu_ms') / rt_ms:.2f}" for rs in own]
+        return [f"{rt_ms:.0f}", *ratios]
+
+    head = ["view"]
+    for rows in measured:
+        mesa = re.search(r"Mesa [0-9.]+", rows[0]["driver"])
+        name = mesa[0] if mesa else rows[0]["driver"]
+        head += [f"{name}: `rt`, ms", "`hybrid` ÷ `rt`", "`edge_px` 0"]
+    lines = ([view, *(c for rows in measured for c in cells(rows, view))] for view in VIEWS)
+    return table(head, lines)
+
+
+def counts(rows: Rows) -> str:
     def line(view: str) -> list[str]:
         rt = of(rows, view, "rt")
         own = [of(rows, view, "hybrid", edge_px) for edge_px in (DEFAULT, STRICTEST)]
-        rt_ms = median(rt, "reflection_cpu_ms")
-        ratios = [f"{median(rs, 'reflection_cpu_ms') / rt_ms:.2f}" for rs in own]
         nodes = [float(rs[0]["visited_nodes"]) for rs in (*own, rt)]
         share = [f"{n / nodes[2]:.2f}" for n in nodes[:2]]
         steps = f"{float(own[0][0]['march_steps']):,.0f}"
-        return [view, f"{rt_ms:.0f}", *ratios, *share, steps, f"{nodes[2]:,.0f}"]
+        return [view, *share, steps, f"{nodes[2]:,.0f}"]
 
-    head = ["view", "`rt`, ms", "`hybrid` ÷ `rt`", "`edge_px` 0", "nodes ÷ `rt`", "`edge_px` 0"]
-    return table([*head, "march steps", "nodes that `rt` visits"], map(line, VIEWS))
-
-
-TABLES = {"errors": errors, "work": work}
+    head = ["view", "nodes ÷ `rt`", "`edge_px` 0", "march steps", "nodes that `rt` visits"]
+    return table(head, map(line, VIEWS))
 
 
-def page(out: pathlib.Path) -> None:
-    rows = read(out)
-    write_tables(PAGE, {name: make(rows) for name, make in TABLES.items()})
-    write_rows(DATA, rows)
+def page(outs: list[pathlib.Path]) -> None:
+    measured = [read(out) for out in outs]
+    first = measured[0]
+    tables = {"errors": errors(first), "times": times(measured), "counts": counts(first)}
+    write_tables(PAGE, tables)
+    write_rows(DATA, [row for rows in measured for row in rows])
 
 
 def main() -> None:
@@ -185,8 +203,8 @@ def main() -> None:
     measuring.add_argument("--assets", type=pathlib.Path, required=True)
     add_program(measuring)
     writing = commands.add_parser("page", help="write the tables of docs/views.md")
-    for command in (measuring, writing):
-        command.add_argument("out", type=pathlib.Path, metavar="OUT")
+    measuring.add_argument("out", type=pathlib.Path, metavar="OUT")
+    writing.add_argument("out", type=pathlib.Path, metavar="OUT", nargs="+")
     arguments = parser.parse_args()
     if arguments.command == "measure":
         measure(arguments.out.resolve(), arguments.assets.resolve(), program_of(arguments.reflet))
