@@ -70,6 +70,10 @@ pub struct PictureArgs {
     /// guided by albedo and normal of each pixel's surface, or by the reflected albedo in sharp mirrors
     #[arg(long)]
     pub denoise: bool,
+    /// Frames before and after each frame of a film over which `--denoise` averages what shows the same surface, so that
+    /// it does not flicker, 0 to 8; never across a cut
+    #[arg(long, value_name = "N", default_value_t = DENOISE_WINDOW, value_parser = clap::value_parser!(u32).range(0..=8))]
+    pub denoise_window: u32,
     /// Read the shaders from a folder instead of the built-in ones
     #[arg(long, value_name = "DIR")]
     pub shaders: Option<PathBuf>,
@@ -81,6 +85,9 @@ pub struct PictureArgs {
     #[arg(long, value_name = "FILE")]
     pub plan: Option<PathBuf>,
 }
+
+/// Default of `--denoise-window`.
+const DENOISE_WINDOW: u32 = 2;
 
 /// Words of a command line that pass [`PictureArgs`] on.
 #[derive(Default)]
@@ -109,12 +116,15 @@ impl PictureArgs {
             samples,
             aov,
             denoise,
+            denoise_window,
             shaders,
             adapter,
             plan,
         } = self;
         let size = size.map(|[width, height]| format!("{width}x{height}"));
         let method = method.map(|method| Method::from(method).name().to_owned());
+        let window =
+            (*denoise && *denoise_window != DENOISE_WINDOW).then(|| denoise_window.to_string());
         let aov = (!aov.is_empty()).then(|| aov.join(","));
         let repeated = [("--set", set), ("--variant", variant)];
         let repeated = repeated
@@ -126,6 +136,7 @@ impl PictureArgs {
             ("--camera", camera.clone()),
             ("--samples", samples.map(|samples| samples.to_string())),
             ("--aov", aov),
+            ("--denoise-window", window),
             ("--adapter", adapter.clone()),
         ];
         let single = single

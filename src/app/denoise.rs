@@ -1,5 +1,8 @@
 //! `--denoise`: Intel Open Image Denoise, a library that is loaded at run time where it is installed.
 
+pub mod reproject;
+pub mod window;
+
 use std::{
     env,
     ffi::{CStr, c_char, c_int, c_void},
@@ -15,6 +18,7 @@ use crate::{
     render::{Picture, Plane, PlaneData, aov::Aov},
     world::{Instance, World},
 };
+use reproject::Surfaces;
 
 /// File name of the library with its major version; the interface of version 2 dates from 2023.
 #[cfg(target_os = "linux")]
@@ -97,10 +101,28 @@ impl Denoiser {
         })
     }
 
-    /// AOVs to render for denoising: the requested ones, then the missing guides.
-    pub fn aovs(requested: &[Aov]) -> Vec<Aov> {
-        let guides = GUIDES.into_iter().filter(|g| !requested.contains(g));
-        requested.iter().copied().chain(guides).collect()
+    /// AOVs to render for denoising: the requested ones, then the missing guides, with those that find surfaces in
+    /// other frames where `has_window`.
+    pub fn aovs(requested: &[Aov], has_window: bool) -> Vec<Aov> {
+        let surfaces = Surfaces::AOVS.into_iter().filter(|_| has_window);
+        let guides = GUIDES.into_iter().chain(surfaces);
+        let missing = guides.filter(|aov| !requested.contains(aov));
+        requested.iter().copied().chain(missing).collect()
+    }
+
+    /// The instance that each pixel mirrors, none of its instances for the surroundings, where its surface is a sharp mirror.
+    pub fn mirrored(planes: &[Plane]) -> Vec<Option<u32>> {
+        let hits = planes.iter().find(|plane| plane.name == Aov::HitIds.name());
+        let Some(PlaneData::U32(hits)) = hits.map(|plane| &plane.data) else {
+            return Vec::new();
+        };
+        let material = values(planes, Aov::Material);
+        let surfaces = (material.chunks_exact(3)).zip(values(planes, Aov::Reflectance));
+        (surfaces.zip(hits.chunks_exact(2)))
+            .map(|((material, reflectance), hit)| {
+                (material[0] < SHARP && reflectance > MIRROR).then_some(hit[0])
+            })
+            .collect()
     }
 
     /// Denoises the linear and the display color of a picture with the planes of [`Denoiser::aovs`], and drops
@@ -145,18 +167,12 @@ impl Denoiser {
         for (albedo, emission) in albedo.iter_mut().zip(values(planes, Aov::Emission)) {
             *albedo = (*albedo + emission).min(1.0);
         }
-        let hits = planes.iter().find(|plane| plane.name == Aov::HitIds.name());
-        let Some(PlaneData::U32(hits)) = hits.map(|plane| &plane.data) else {
-            return albedo;
-        };
-        let material = values(planes, Aov::Material);
-        let mirrors = (material.chunks_exact(3))
-            .zip(values(planes, Aov::Reflectance))
-            .map(|(material, reflectance)| material[0] < SHARP && reflectance > MIRROR);
-        let pixels = albedo.chunks_exact_mut(3).zip(hits.chunks_exact(2));
-        for ((albedo, hit), _) in pixels.zip(mirrors).filter(|(_, is_mirror)| *is_mirror) {
-            let seen = self.colors.get(hit[0] as usize);
-            albedo.copy_from_slice(seen.unwrap_or(&[1.0; 3]));
+        let pixels = albedo.chunks_exact_mut(3).zip(Self::mirrored(planes));
+        for (albedo, mirrored) in pixels {
+            if let Some(mirrored) = mirrored {
+                let seen = self.colors.get(mirrored as usize);
+                albedo.copy_from_slice(seen.unwrap_or(&[1.0; 3]));
+            }
         }
         albedo
     }

@@ -13,7 +13,7 @@ use std::{
 };
 
 use super::{
-    denoise::Denoiser,
+    denoise::{Denoiser, window::Window},
     error::AppError,
     output::{picture_file::PictureFile, video::Film},
     progress::Progress,
@@ -49,11 +49,19 @@ pub struct Rendered {
     /// Frame number.
     pub frame: u32,
     /// Picture being rendered.
-    pub picture: PendingPicture,
+    pub picture: Rendering,
     /// Fingerprint of the frame.
     pub mark: String,
     /// Time at which its rendering started.
     pub started: Instant,
+}
+
+/// The picture of a submitted frame.
+pub enum Rendering {
+    /// A picture that no other is needed for.
+    Alone(Box<PendingPicture>),
+    /// A picture that is denoised with its neighbors.
+    Window(Window),
 }
 
 /// Failed frames, each with its error.
@@ -191,11 +199,20 @@ impl<'a> Encoders<'a> {
     }
 
     fn write(&self, rendered: Rendered) -> Result<(&'static str, PathBuf), AppError> {
-        let picture = rendered.picture.take(self.gpu);
-        let mut picture = picture.map_err(|error| AppError::from_render(error, false))?;
-        if let Some(denoiser) = &self.denoiser {
-            denoiser.apply(&mut picture)?;
-        }
+        let picture = match (rendered.picture, &self.denoiser) {
+            (Rendering::Window(window), Some(denoiser)) => window.picture(self.gpu, denoiser)?,
+            (Rendering::Window(_), None) => {
+                return Err(AppError::Internal("a window without a denoiser".to_owned()));
+            }
+            (Rendering::Alone(pending), denoiser) => {
+                let taken = pending.take(self.gpu);
+                let mut picture = taken.map_err(|error| AppError::from_render(error, false))?;
+                if let Some(denoiser) = denoiser {
+                    denoiser.apply(&mut picture)?;
+                }
+                picture
+            }
+        };
         let written = match self.target {
             Target::Film(film) => {
                 let mut film = lock(film);

@@ -55,6 +55,7 @@ pub fn of_run(args: &RenderArgs, session: &RenderSession) -> Result<u128, AppErr
         .unwrap_or_default()
         .as_bytes());
     add(&[u8::from(args.picture.denoise)]);
+    add(&session.window.to_le_bytes());
     for aov in &args.picture.aov {
         add(aov.as_bytes());
     }

@@ -1,16 +1,21 @@
 //! A scene to render, with the settings of its command.
 
-use std::{sync::Arc, time::Instant};
+use std::{ops::RangeInclusive, sync::Arc, time::Instant};
 
 use xxhash_rust::xxh3::Xxh3Default;
 
 use super::{
-    args::RenderArgs, denoise::Denoiser, device::open_gpu, error::AppError, plan_file::costs,
+    args::RenderArgs,
+    denoise::{Denoiser, reproject::FramePose},
+    device::open_gpu,
+    error::AppError,
+    plan_file::costs,
 };
 use crate::{
     gpu::ShaderLibrary,
     render::{
         ErrorEstimate, PendingPicture, PictureRequest, RenderError, aov::Aov, stats::FrameStats,
+        view::View,
     },
     runtime::{SceneSource, Session, ViewOverrides, scene_text::LoadedScene},
     scene::desc::Samples,
@@ -24,6 +29,8 @@ pub struct RenderSession {
     pub aovs: Vec<Aov>,
     /// Denoiser of the pictures, if requested.
     pub denoiser: Option<Arc<Denoiser>>,
+    /// Number of frames before and after each frame that are denoised with it; 0: each alone.
+    pub window: u32,
     /// Hash of the shaders, if they come from the user.
     pub own_shaders: Option<u128>,
     /// Whether passes are timed, for statistics.
@@ -69,6 +76,7 @@ impl RenderSession {
             scene,
             aovs,
             denoiser,
+            window: 0,
             own_shaders,
             timed: args.stats.is_some(),
             warm_up_ms: 0.0,
@@ -91,6 +99,32 @@ impl RenderSession {
             timed: self.timed,
             estimates_error: false,
         })
+    }
+
+    /// Has frames denoised with as many before and after each, if they are denoised at all.
+    pub fn denoise_over(&mut self, window: u32) {
+        self.window = self.denoiser.as_ref().map_or(0, |_| window);
+    }
+
+    /// Frames that are denoised with a frame: those around it on the timeline that the same camera shows, up to a cut.
+    pub fn window_of(&self, frame: u32) -> RangeInclusive<u32> {
+        let camera = |frame| self.scene.camera_of(frame);
+        let timeline = self.scene.scene().scene.timeline.as_ref();
+        let (start, end) = timeline.map_or((frame, frame), |t| (t.start, t.end));
+        let first = (frame.saturating_sub(self.window).max(start)..frame).rev();
+        let last = frame + 1..=frame.saturating_add(self.window).min(end);
+        let is_of_shot = |other: &u32| camera(*other) == camera(frame);
+        let first = first.take_while(is_of_shot).last().unwrap_or(frame);
+        first..=last.take_while(is_of_shot).last().unwrap_or(frame)
+    }
+
+    /// Camera and surfaces of the frame that was begun last.
+    pub fn frame_pose(&self) -> FramePose {
+        let loaded = self.scene.scene();
+        let camera = &loaded.world.cameras[self.scene.camera()].value;
+        let unit_m = self.scene.renderer().unit_m();
+        let view = View::new(camera, loaded.scene.image.size, unit_m);
+        FramePose::new(&loaded.world, view)
     }
 
     /// Sentence about the number of sub-frames that an error bound took, or `None` where the scene has no bound; and
@@ -131,7 +165,7 @@ impl RenderSession {
     /// AOVs to read back for a picture.
     fn read_aovs(&self) -> Vec<Aov> {
         match self.denoiser {
-            Some(_) => Denoiser::aovs(&self.aovs),
+            Some(_) => Denoiser::aovs(&self.aovs, self.window > 0),
             None => self.aovs.clone(),
         }
     }

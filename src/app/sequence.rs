@@ -10,7 +10,8 @@ use std::{
 
 use super::{
     args::RenderArgs,
-    encoder::{Encoders, Failures, Outcome, Rendered, Target},
+    denoise::window::{FrameError, KeptFrames},
+    encoder::{Encoders, Failures, Outcome, Rendered, Rendering, Target},
     error::AppError,
     fingerprint,
     frame_name::Template,
@@ -157,6 +158,7 @@ pub fn render(
     frames: &FrameList,
     (load_ms, command): (f64, Instant),
 ) -> Result<(), AppError> {
+    session.denoise_over(args.picture.denoise_window);
     let run = fingerprint::of_run(args, &session)?;
     let mut progress = Progress::new(frames.0.len(), args.progress);
     let target = target(args, &session, frames)?;
@@ -184,12 +186,16 @@ pub fn render(
     let failures = thread::scope(|scope| {
         let sender = encoders.spawn(scope);
         let mut failures = Failures::new();
+        let mut kept = KeptFrames::default();
         for (index, frame, mark) in wanted {
             if shutdown::is_requested() || encoders.is_full() {
                 break;
             }
             let started = Instant::now();
-            match begin_frame(&mut session, &animator, frame, has_color, &encoders) {
+            let begin = |session: &mut RenderSession, frame| {
+                begin_frame(session, &animator, frame, has_color, &encoders)
+            };
+            match rendering(&mut session, &mut kept, frame, &begin) {
                 Ok(picture) => {
                     let rendered = Rendered {
                         index,
@@ -325,6 +331,23 @@ fn target(
     })
 }
 
+/// Starts rendering a frame, and those that it is denoised with.
+fn rendering(
+    session: &mut RenderSession,
+    kept: &mut KeptFrames,
+    frame: u32,
+    begin: &dyn Fn(&mut RenderSession, u32) -> Result<PendingPicture, FrameError>,
+) -> Result<Rendering, FrameError> {
+    if session.window == 0 {
+        return Ok(Rendering::Alone(Box::new(begin(session, frame)?)));
+    }
+    let window = kept.around(frame, session.window_of(frame), |frame| {
+        let picture = begin(session, frame)?;
+        Ok((picture, session.frame_pose()))
+    })?;
+    Ok(Rendering::Window(window))
+}
+
 /// Starts rendering a frame; the error says whether it is fatal for all frames.
 fn begin_frame(
     session: &mut RenderSession,
@@ -332,7 +355,7 @@ fn begin_frame(
     frame: u32,
     has_color: bool,
     encoders: &Encoders,
-) -> Result<PendingPicture, (String, bool)> {
+) -> Result<PendingPicture, FrameError> {
     let scene_error = |errors: Vec<crate::scene::diagnostic::Diagnostic>| {
         encoders.print_above(|| print_diagnostics(&errors));
         let first = errors.first().map(|e| e.message.clone());

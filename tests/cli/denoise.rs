@@ -88,3 +88,77 @@ fn with_its_library_grain_goes_and_edges_stay() {
         error(&grainy)
     );
 }
+
+/// A camera that moves past the scene for six frames, under a soft sun.
+const MOVING: &str = "angle_deg = 40\nshadow = \"ray\"\n[image]\nlight_rays = 1\n[timeline]\nend = 5\n\
+    [motion.camera.main]\neye = { keys = [{ at_s = 0, value = [1.6, 1.4, 2.6] }, { at_s = 0.2, value = [1.9, 1.4, 2.4] }] }\n";
+
+#[test]
+fn frames_of_a_film_are_denoised_with_their_neighbors() {
+    let Some(library) = library() else {
+        eprintln!("SKIPPED: no Open Image Denoise");
+        return;
+    };
+    if gpu_or_skip().is_none() {
+        return;
+    }
+    let folder = folder("denoise-film");
+    let scene = fs::read_to_string(folder.join("scene.toml")).expect("a scene") + MOVING;
+    let mirror = "metallic = 1\nroughness = 0\nreflection = \"mirror\"";
+    assert!(scene.contains(mirror));
+    let scene = scene.replace(mirror, "roughness = 0.9");
+    fs::write(folder.join("scene.toml"), scene).expect("a scene");
+    let render = |name: &str, further: &[&str]| {
+        let output = format!("{name}.#.png");
+        let fixed = ["render", "scene.toml", "-o", &output, "--size", "96x64"];
+        let arguments: Vec<&str> = fixed.iter().chain(further).copied().collect();
+        let output = reflet(&folder, &arguments)
+            .env("REFLET_OIDN", &library)
+            .output();
+        let output = output.expect("the program starts");
+        let error = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{error}");
+    };
+    let denoised = ["--denoise", "--frames", "all"];
+    render("film", &denoised);
+    render(
+        "alone",
+        &[&denoised[..], &["--denoise-window", "0"]].concat(),
+    );
+    render("truth", &["--samples", "64", "--frames", "all"]);
+    // Frames that are rendered apart are those of the film, and no neighbor is taken from across a cut.
+    render("part", &["--denoise", "--frames", "3"]);
+    render(
+        "short",
+        &["--denoise", "--frames", "2", "--set", "timeline.end=2"],
+    );
+    let cut = "timeline.cuts=[{ frame = 3, camera = \"top\" }]";
+    render("cut", &["--denoise", "--frames", "2", "--set", cut]);
+    let read = |name: &str| fs::read(folder.join(name)).expect("a picture");
+    let pixels = |name: &str| {
+        image::open(folder.join(name))
+            .expect("a picture")
+            .to_luma32f()
+    };
+    assert_eq!(pixels("film.3.png"), pixels("part.3.png"));
+    assert_eq!(pixels("short.2.png"), pixels("cut.2.png"));
+    assert_ne!(read("film.2.png"), read("cut.2.png"));
+    // Edges, which one sample does not smooth, change with every frame and are left out.
+    let flicker = |name: &str| -> f32 {
+        let of = |name: &str, frame: u32| pixels(&format!("{name}.{frame}.png")).into_raw();
+        let change = |name: &str, frame: u32| -> Vec<f32> {
+            let pairs = of(name, frame + 1).into_iter().zip(of(name, frame));
+            pairs.map(|(next, this)| next - this).collect()
+        };
+        let frame = |frame: u32| -> f32 {
+            let pairs = change(name, frame).into_iter().zip(change("truth", frame));
+            let still = pairs.filter(|(_, true_change)| true_change.abs() < 0.01);
+            still
+                .map(|(own, true_change)| (own - true_change).abs())
+                .sum()
+        };
+        (0..5).map(frame).sum()
+    };
+    let (film, alone) = (flicker("film"), flicker("alone"));
+    assert!(film < 0.85 * alone, "{film} of {alone}");
+}

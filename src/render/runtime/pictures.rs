@@ -73,9 +73,14 @@ impl Session {
     }
 
     /// Index of the camera that shows the posed frame.
-    fn camera(&self) -> usize {
+    pub fn camera(&self) -> usize {
+        self.camera_of(self.loaded.frame)
+    }
+
+    /// Index of the camera that shows a frame: the chosen one, else that of the last cut.
+    pub fn camera_of(&self, frame: u32) -> usize {
         let chosen = self.view.camera_in(&self.loaded);
-        chosen.unwrap_or_else(|| self.loaded.camera_at(self.loaded.frame))
+        chosen.unwrap_or_else(|| self.loaded.camera_at(frame))
     }
 
     /// Renders the scene at its current pose.

@@ -1,0 +1,252 @@
+//! Frames around a frame of a film: denoised pictures are averaged over them, so that what the denoiser makes of the
+//! grain does not change from frame to frame.
+//!
+//! Each frame of the window is rendered and denoised by itself, so a frame is the same in whatever part of a film it is
+//! rendered. Pixels of other frames count where they show the same surface ([`super::reproject`]), the less the more
+//! their surroundings differ: shadows and reflections move otherwise than the surfaces that show them.
+
+use std::{
+    collections::BTreeMap,
+    ops::RangeInclusive,
+    sync::{Arc, Mutex, OnceLock, PoisonError},
+};
+
+use rayon::prelude::*;
+
+use super::{
+    Denoiser,
+    reproject::{FramePose, Surfaces, taps},
+};
+use crate::{
+    app::error::AppError,
+    gpu::Gpu,
+    render::{PendingPicture, Picture},
+};
+
+/// Difference of the surroundings of two pixels, in display values of 0 to 1, at which a pixel of another frame counts 1/e.
+const SAME_VALUE: f32 = 0.05;
+
+/// Error of a frame, and whether it is one of all further frames.
+pub type FrameError = (String, bool);
+
+/// A rendered frame, taken from the GPU and denoised by the first thread that needs it.
+pub struct WindowFrame {
+    pending: Mutex<Option<PendingPicture>>,
+    pose: FramePose,
+    denoised: OnceLock<Result<Denoised, String>>,
+}
+
+/// A denoised picture with what is needed to find its surfaces in others.
+struct Denoised {
+    picture: Picture,
+    surfaces: Surfaces,
+    /// Means of 3 × 3 pixels of the display color.
+    surroundings: Vec<[f32; 3]>,
+}
+
+/// Frames of a window that are kept while a film is rendered in the order of its frames.
+#[derive(Default)]
+pub struct KeptFrames(BTreeMap<u32, Result<Arc<WindowFrame>, FrameError>>);
+
+impl KeptFrames {
+    /// The window of a frame: renders those of `range` that are not kept, and forgets those outside of it. Neighbors that
+    /// cannot be rendered are left out.
+    ///
+    /// # Errors
+    /// The error of the frame, or a fatal one of a neighbor.
+    pub fn around(
+        &mut self,
+        frame: u32,
+        range: RangeInclusive<u32>,
+        mut begin: impl FnMut(u32) -> Result<(PendingPicture, FramePose), FrameError>,
+    ) -> Result<Window, FrameError> {
+        self.0.retain(|kept, _| range.contains(kept));
+        for wanted in range {
+            let kept = self.0.entry(wanted).or_insert_with(|| {
+                let (pending, pose) = begin(wanted)?;
+                Ok(Arc::new(WindowFrame {
+                    pending: Mutex::new(Some(pending)),
+                    pose,
+                    denoised: OnceLock::new(),
+                }))
+            });
+            if let Err(error) = kept
+                && (error.1 || wanted == frame)
+            {
+                return Err(error.clone());
+            }
+        }
+        let of = |kept: &Result<Arc<WindowFrame>, FrameError>| kept.as_ref().ok().cloned();
+        let own = self.0.get(&frame).and_then(of);
+        let neighbors = self.0.iter().filter(|(kept, _)| **kept != frame);
+        Ok(Window {
+            own: own.ok_or_else(|| (format!("frame {frame} is not in its own window"), true))?,
+            neighbors: neighbors.filter_map(|(_, kept)| of(kept)).collect(),
+        })
+    }
+}
+
+/// A frame with its neighbors.
+pub struct Window {
+    own: Arc<WindowFrame>,
+    neighbors: Vec<Arc<WindowFrame>>,
+}
+
+impl Window {
+    /// Waits for the frames, denoises those that are not yet, and averages them.
+    ///
+    /// # Errors
+    /// Errors of the device and of the denoiser.
+    pub fn picture(&self, gpu: &Gpu, denoiser: &Denoiser) -> Result<Picture, AppError> {
+        let own = self.own.denoised(gpu, denoiser)?;
+        let neighbors: Vec<_> = (self.neighbors.iter())
+            .map(|frame| Ok((frame.denoised(gpu, denoiser)?, &frame.pose)))
+            .collect::<Result<_, AppError>>()?;
+        let mut picture = own.picture.clone();
+        let width = picture.size[0] as usize;
+        let mut rows: Vec<_> = match picture.color.is_empty() {
+            true => (picture.display.chunks_exact_mut(4 * width))
+                .map(|display| (display, None))
+                .collect(),
+            false => (picture.display.chunks_exact_mut(4 * width))
+                .zip(picture.color.chunks_exact_mut(4 * width).map(Some))
+                .collect(),
+        };
+        rows.par_iter_mut()
+            .enumerate()
+            .for_each(|(y, (display, color))| {
+                for x in 0..width {
+                    let mean = Mean::of([x, y], (own, &self.own.pose), &neighbors);
+                    let pixel = 4 * x..4 * x + 3;
+                    for (value, mean) in display[pixel.clone()].iter_mut().zip(mean.display) {
+                        *value = mean.round() as u8;
+                    }
+                    if let Some(color) = color {
+                        color[pixel].copy_from_slice(&mean.color);
+                    }
+                }
+            });
+        Ok(picture)
+    }
+}
+
+impl WindowFrame {
+    fn denoised(&self, gpu: &Gpu, denoiser: &Denoiser) -> Result<&Denoised, AppError> {
+        let found = self.denoised.get_or_init(|| {
+            let pending = self
+                .pending
+                .lock()
+                .unwrap_or_else(PoisonError::into_inner)
+                .take();
+            let pending = pending.ok_or("a frame was taken twice")?;
+            let picture = pending
+                .take(gpu)
+                .map_err(|e| AppError::from_render(e, false).to_string())?;
+            Denoised::new(picture, denoiser).map_err(|error| error.to_string())
+        });
+        found
+            .as_ref()
+            .map_err(|why| AppError::Internal(why.clone()))
+    }
+}
+
+impl Denoised {
+    fn new(mut picture: Picture, denoiser: &Denoiser) -> Result<Self, AppError> {
+        let mirrored = Denoiser::mirrored(&picture.planes);
+        let surfaces = Surfaces::new(picture.size, &picture.planes, &mirrored);
+        denoiser.apply(&mut picture)?;
+        Ok(Self {
+            surroundings: surroundings(&picture.display, picture.size),
+            surfaces,
+            picture,
+        })
+    }
+
+    fn display(&self, pixel: usize) -> [f32; 3] {
+        [0, 1, 2].map(|channel| f32::from(self.picture.display[4 * pixel + channel]))
+    }
+
+    fn color(&self, pixel: usize) -> [f32; 3] {
+        let color = &self.picture.color;
+        [0, 1, 2].map(|channel| color.get(4 * pixel + channel).copied().unwrap_or(0.0))
+    }
+}
+
+/// Means of 3 × 3 pixels, fewer at the border, of display values of 0 to 1.
+fn surroundings(display: &[u8], [width, height]: [u32; 2]) -> Vec<[f32; 3]> {
+    let (width, height) = (width as usize, height as usize);
+    let mean = |i: usize| {
+        let (x, y) = (i % width, i / width);
+        let mut sum = [0.0; 3];
+        let mut count = 0.0;
+        for y in y.saturating_sub(1)..height.min(y + 2) {
+            for x in x.saturating_sub(1)..width.min(x + 2) {
+                let pixel = &display[4 * (y * width + x)..];
+                sum.iter_mut()
+                    .zip(pixel)
+                    .for_each(|(sum, value)| *sum += f32::from(*value));
+                count += 255.0;
+            }
+        }
+        sum.map(|sum| sum / count)
+    };
+    (0..width * height).into_par_iter().map(mean).collect()
+}
+
+/// Weighted mean of a pixel over the frames of a window.
+struct Mean {
+    display: [f32; 3],
+    color: [f32; 3],
+}
+
+impl Mean {
+    fn of(
+        [x, y]: [usize; 2],
+        own: (&Denoised, &FramePose),
+        neighbors: &[(&Denoised, &FramePose)],
+    ) -> Self {
+        let (denoised, pose) = own;
+        let index = y * denoised.picture.size[0] as usize + x;
+        let mut mean = Self {
+            display: denoised.display(index),
+            color: denoised.color(index),
+        };
+        if denoised.picture.display[4 * index + 3] != u8::MAX {
+            return mean; // coverage may differ between frames
+        }
+        let mut sum = 1.0;
+        for (other, other_pose) in neighbors {
+            let (here, there) = ((&denoised.surfaces, pose), (&other.surfaces, *other_pose));
+            let Some(found) = taps([x as u32, y as u32], here, there) else {
+                continue;
+            };
+            let mixed = |of: &dyn Fn(usize) -> [f32; 3]| {
+                let mut sum = [0.0; 3];
+                for (pixel, weight) in &found.0 {
+                    let values = of(*pixel);
+                    sum.iter_mut()
+                        .zip(values)
+                        .for_each(|(sum, value)| *sum += weight * value);
+                }
+                sum
+            };
+            let around = mixed(&|pixel| other.surroundings[pixel]);
+            let pairs = around.iter().zip(denoised.surroundings[index]);
+            let difference = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+            let weight = (-(difference / SAME_VALUE).powi(2)).exp();
+            sum += weight;
+            for (sums, values) in [
+                (&mut mean.display, mixed(&|pixel| other.display(pixel))),
+                (&mut mean.color, mixed(&|pixel| other.color(pixel))),
+            ] {
+                sums.iter_mut()
+                    .zip(values)
+                    .for_each(|(sum, value)| *sum += weight * value);
+            }
+        }
+        Self {
+            display: mean.display.map(|value| value / sum),
+            color: mean.color.map(|value| value / sum),
+        }
+    }
+}
