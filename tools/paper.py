@@ -2,11 +2,13 @@
 """Measures what docs/paper.md compares with the paper, and rewrites its tables.
 
     tools/paper.py measure --assets DIR OUT    # five experiments and the atrium, about half an hour
-    tools/paper.py page OUT                    # the page's tables, charts and sheet, and docs/data
+    tools/paper.py page OUT [OUT ...]          # the page's tables, charts and sheet, and docs/data
     tools/paper.py pictures --assets DIR       # the floor with three thresholds
 
 Tables are computed here from the samples.csv of each run, not by the report, so that each checks
-the other. The text around them is written by hand: check it against new numbers.
+the other. Each OUT is measured on one driver (`eval "$(tools/driver.sh newest)"` has all programs
+use the newest one): all tables are of the first but that of drivers, which has a part of each. The
+text around them is written by hand: check it against new numbers.
 """
 
 import argparse
@@ -378,6 +380,34 @@ def measured(runs: dict[str, Rows]) -> str:
     return table(["command", "commit", "frames a setting"], [line(n, r) for n, r in runs.items()])
 
 
+def drivers(measured_on: list[dict[str, Rows]]) -> str:
+    """Times of rt, and of hybrid over it, on each driver."""
+
+    def rows_of(runs: dict[str, Rows]) -> dict[str, Rows]:
+        one = {"Scenario 1, 320 × 180": runs["scenario1"], "walk, 320 × 180": runs["walk"]}
+        for (width, height), rows in by(runs["sizes"], "width", "height").items():
+            one[f"walk, {width} × {height}"] = rows
+        far = [r for r in runs["scenario3"] if float(r["ray_length_u"]) == 16]
+        for name in SURFACES.values():
+            one[f"Scenario 3, {name}, 320 × 180"] = [r for r in far if surface(r) == name]
+        return one
+
+    def cells(rows: Rows) -> list[str]:
+        rt, hybrid = (median(by(rows, "method")[(m,)], "reflection_ms") for m in ("rt", "hybrid"))
+        return [digits(rt), f"{hybrid / rt:.2f}"]
+
+    def name(runs: dict[str, Rows]) -> str:
+        driver = runs["scenario1"][0]["driver"]
+        found = re.search(r"Mesa [0-9.]+", driver)
+        return found[0] if found else driver
+
+    each = [rows_of(runs) for runs in measured_on]
+    head = [""]
+    for runs in measured_on:
+        head += [f"{name(runs)}: `rt`, ms", "hybrid / RT"]
+    return table(head, ([k, *(c for rows in each for c in cells(rows[k]))] for k in each[0]))
+
+
 TABLES: dict[str, tuple[str, Callable[[Rows], str]]] = {
     "scenario1-times": ("scenario1", scenario1_times),
     "scenario1-passes": ("scenario1", scenario1_passes),
@@ -415,13 +445,19 @@ def scenario3_sheet(report: pathlib.Path) -> None:
         subprocess.run([*sheet, "--columns", "4", "--width", "320", *cells], check=True)
 
 
-def page(out: pathlib.Path) -> None:
+def read(out: pathlib.Path) -> dict[str, Rows]:
     runs: dict[str, Rows] = {}
     for name in RUNS:
         with (out / name / "samples.csv").open(newline="") as file:
             runs[name] = [of_reflections(row) for row in csv.DictReader(file)]
+    return runs
+
+
+def page(outs: list[pathlib.Path]) -> None:
+    out, runs = outs[0], read(outs[0])
     tables = {name: make(runs[run]) for name, (run, make) in TABLES.items()}
     tables["measured"] = measured(runs)
+    tables["drivers"] = drivers([runs, *map(read, outs[1:])])
     write_tables(PAGE, tables)
     for name, (run, drawn) in PICTURES.items():
         shutil.copyfile(out / run / drawn, CHARTS / name)
@@ -441,8 +477,8 @@ def main() -> None:
     for command in (measuring, drawing):
         add_program(command)
     writing = commands.add_parser("page", help="write the tables and charts of docs/paper.md")
-    for command in (measuring, writing):
-        command.add_argument("out", type=pathlib.Path, metavar="OUT")
+    measuring.add_argument("out", type=pathlib.Path, metavar="OUT")
+    writing.add_argument("out", type=pathlib.Path, metavar="OUT", nargs="+")
     arguments = parser.parse_args()
     if arguments.command == "measure":
         measure(arguments.out, arguments.assets, program_of(arguments.reflet))
