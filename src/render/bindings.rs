@@ -49,7 +49,7 @@ impl BindingKey {
             size: options.image.size,
             targets: written_targets(passes, plan, options),
             full: plan.precision.full,
-            detail_layers: 2 + u32::from(plan.features.frames),
+            detail_layers: Target::Details.layers(plan.features.frames),
             shadows,
             light_needs: plan.light_needs(),
             lists: ListedParts {

@@ -129,6 +129,14 @@ impl Target {
         u64::from(self.format(full).block_copy_size(None).unwrap_or(4))
     }
 
+    /// Number of layers; `has_frames`: the frame has clear coat normals or tangents.
+    pub fn layers(self, has_frames: bool) -> u32 {
+        match self {
+            Self::Details => 2 + u32::from(has_frames),
+            _ => 1,
+        }
+    }
+
     /// Target with the sum of all sub-frames: even and odd ones alternate.
     pub const fn last_color(samples: u32) -> Self {
         if samples % 2 == 1 {

@@ -11,6 +11,7 @@ use crate::{
         decide::decide,
         passes::{RecordedPass, recorded_passes},
         plan::{Dropped, Plan},
+        precision::Precision,
         textures::Layers,
     },
     runtime::{ViewOverrides, scene_text::LoadedScene},
@@ -51,7 +52,7 @@ pub fn planned_frames(
         PlannedFrame {
             adapters: adapters.to_owned(),
             method: options.reflection.method.name(),
-            passes: recorded_passes(&plan, &options),
+            passes: recorded_passes(&plan, &options, Precision::of(world, &options).full),
             left_out: plan.dropped,
         }
     };
@@ -79,7 +80,7 @@ pub fn table(frames: &[PlannedFrame]) -> String {
     for frame in frames {
         // Writing to a string cannot fail.
         let _ = writeln!(out, "frame on {}, method {}", frame.adapters, frame.method);
-        let rows: Vec<[String; 4]> = (frame.passes.iter())
+        let rows: Vec<[String; 5]> = (frame.passes.iter())
             .map(|pass| {
                 let names = |names: &[&str]| match names.is_empty() {
                     true => "-".to_owned(),
@@ -89,19 +90,33 @@ pub fn table(frames: &[PlannedFrame]) -> String {
                 [
                     pass.pass.to_owned(),
                     pass.group.name().to_owned(),
+                    format!(
+                        "{} / {}",
+                        pass.read_bytes_per_pixel, pass.written_bytes_per_pixel
+                    ),
                     writes,
                     reads,
                 ]
             })
             .collect();
-        let heads = ["pass", "group", "writes", "reads"].map(str::to_owned);
-        let widths = [0, 1, 2].map(|column| {
+        let heads = [
+            "pass",
+            "group",
+            "bytes a pixel: read / written",
+            "writes",
+            "reads",
+        ]
+        .map(str::to_owned);
+        let widths = [0, 1, 2, 3].map(|column| {
             let cells = rows.iter().chain([&heads]).map(|row| row[column].len());
             cells.max().unwrap_or(0)
         });
-        for [pass, group, writes, reads] in [&heads].into_iter().chain(&rows) {
-            let [a, b, c] = widths;
-            let _ = writeln!(out, "  {pass:<a$}  {group:<b$}  {writes:<c$}  {reads}");
+        for [pass, group, bytes, writes, reads] in [&heads].into_iter().chain(&rows) {
+            let [a, b, c, d] = widths;
+            let _ = writeln!(
+                out,
+                "  {pass:<a$}  {group:<b$}  {bytes:<c$}  {writes:<d$}  {reads}"
+            );
         }
     }
     out

@@ -146,10 +146,14 @@ pub struct RecordedPass {
     pub reads: Vec<&'static str>,
     /// Names of the data that it writes.
     pub writes: Vec<&'static str>,
+    /// Bytes per pixel of the intermediate textures that it reads; passes over lists read them for their pixels alone.
+    pub read_bytes_per_pixel: u64,
+    /// Bytes per pixel of the intermediate textures that it writes, likewise.
+    pub written_bytes_per_pixel: u64,
 }
 
-/// The passes that a frame records, in their order.
-pub fn recorded_passes(plan: &Plan, options: &RenderOptions) -> Vec<RecordedPass> {
+/// The passes that a frame records, in their order; `full` stores radiance in 32 bits.
+pub fn recorded_passes(plan: &Plan, options: &RenderOptions, full: bool) -> Vec<RecordedPass> {
     let needed = needed_passes(plan, options);
     let targets = written_targets(&needed, plan, options);
     let is_shared = |data: &SharedData| {
@@ -160,14 +164,23 @@ pub fn recorded_passes(plan: &Plan, options: &RenderOptions) -> Vec<RecordedPass
         let shared = shared.iter().filter(|data| is_shared(data));
         of.chain(shared.map(|data| data.name())).collect()
     };
+    let bytes = |of: &[Target], is_target: &dyn Fn(&Target) -> bool| {
+        let of = of.iter().filter(|t| is_target(t));
+        of.map(|t| t.pixel_bytes(full) * u64::from(t.layers(plan.features.frames)))
+            .sum()
+    };
     let recorded = ORDER.iter().filter(|pass| (pass.needed)(plan, options));
-    let recorded = recorded.map(|pass| RecordedPass {
-        pass: pass.name,
-        group: pass.group,
-        reads: names(pass.reads, pass.reads_shared, &|t| targets.contains(t)),
-        writes: names(pass.writes, pass.writes_shared, &|t| {
-            (pass.is_written)(plan, options, *t)
-        }),
+    let recorded = recorded.map(|pass| {
+        let is_read = |t: &Target| targets.contains(t);
+        let is_written = |t: &Target| (pass.is_written)(plan, options, *t);
+        RecordedPass {
+            pass: pass.name,
+            group: pass.group,
+            reads: names(pass.reads, pass.reads_shared, &is_read),
+            writes: names(pass.writes, pass.writes_shared, &is_written),
+            read_bytes_per_pixel: bytes(pass.reads, &is_read),
+            written_bytes_per_pixel: bytes(pass.writes, &is_written),
+        }
     });
     recorded.collect()
 }
