@@ -31,7 +31,7 @@ DEFAULT, STRICTEST = 0.25, 0.0  # reflection.edge_px
 COLUMNS = [
     *["view", "method", "edge_px", "repetition", "reflection_cpu_ms", "reflective_px"],
     *["screen_percent", "false_accepts", "mask_px", "mask_flip", "mask_flip_p99", "mask_ssim"],
-    *["march_steps", "visited_nodes", "driver"],
+    *["march_steps", "traversals", "visited_nodes", "tested_triangles", "driver"],
 ]
 
 Row = dict[str, str]
