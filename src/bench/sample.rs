@@ -183,6 +183,8 @@ sample! {
     rel_mse: Option<f64>,
     /// Largest difference of a channel of the frame, out of 255.
     max_difference: Option<f64>,
+    /// Share of the frame's pixels that are specks, 0 to 1; see [`crate::metric::specks`].
+    specks: Option<f64>,
     /// Number of reflective pixels inside the mask.
     mask_px: u64,
     /// SSIM inside the mask; none where it is too small.
@@ -199,6 +201,8 @@ sample! {
     mask_rel_mse: Option<f64>,
     /// Largest difference of a channel inside the mask, out of 255.
     mask_max_difference: Option<f64>,
+    /// Share of the pixels inside the mask that are specks, 0 to 1.
+    mask_specks: Option<f64>,
     /// Number of answers of the march that a ray contradicts.
     false_accepts: Option<u64>,
     /// Number of crossings that the march refused, or had no steps left to reach, and a ray confirms.

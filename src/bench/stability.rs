@@ -18,7 +18,7 @@ use super::{
 };
 
 /// Columns of the table of cells.
-const HEADER: [&str; 25] = [
+const HEADER: [&str; 26] = [
     "mode",
     "method",
     "against",
@@ -29,6 +29,7 @@ const HEADER: [&str; 25] = [
     "worst",
     "ssim",
     "rel_mse",
+    "specks_px",
     "false_accepts_px",
     "false_accepts_permille",
     "flicker",
@@ -111,6 +112,8 @@ pub struct CellScores {
     pub ssim: Option<f64>,
     /// Mean relMSE.
     pub rel_mse: f64,
+    /// Number of specks, pixels; none in tables that lack the column.
+    pub specks_px: Option<u64>,
     /// Number of answers of the march that a ray contradicts, pixels; none where nothing marches.
     pub false_accepts_px: Option<u64>,
     /// False accepts per reflective pixel, ‰.
@@ -269,12 +272,19 @@ fn scores(parts: &[&Part], method: &str, samples: &[Sample]) -> Result<CellScore
         worst: *place,
         ssim: ssim.map(|values| mean(&mut values.into_iter())),
         rel_mse: mean(&mut found.iter().map(|f| f.2[2])),
+        specks_px: all().map(specks_px).sum(),
         false_accepts_px: accepts,
         false_accepts_permille: accepts.map(|px| 1e3 * px as f64 / reflective.max(1) as f64),
         flicker: flicker(&all().collect::<Vec<_>>()),
         traced_percent: mean(&mut all().map(|s| s.traced_percent)),
         structure: structure(&all().collect::<Vec<_>>()),
     })
+}
+
+/// Number of specks inside the mask of a picture.
+fn specks_px(sample: &Sample) -> Option<u64> {
+    let share = sample.mask_specks?;
+    Some((share * sample.mask_px as f64).round() as u64)
 }
 
 fn structure(samples: &[&Sample]) -> CellStructure {
@@ -332,10 +342,8 @@ pub fn table(cells: &[Cell]) -> String {
                 row.extend([s.frames.to_string(), s.mask_px.to_string()]);
                 row.extend([s.flip.to_string(), s.flip_p99.to_string()]);
                 row.extend([s.worst.to_string(), number(s.ssim), s.rel_mse.to_string()]);
-                row.push(
-                    s.false_accepts_px
-                        .map_or(String::new(), |px| px.to_string()),
-                );
+                let pixels = |px: Option<u64>| px.map_or(String::new(), |px| px.to_string());
+                row.extend([pixels(s.specks_px), pixels(s.false_accepts_px)]);
                 row.extend([number(s.false_accepts_permille), number(s.flicker)]);
                 row.push(s.traced_percent.to_string());
                 row.extend(s.structure.values().map(number));

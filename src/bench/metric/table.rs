@@ -92,7 +92,7 @@ pub const METRICS: [ImageMetric; 9] = [
     },
     ImageMetric {
         label: "specks, of a million pixels",
-        column: None,
+        column: Some("specks"),
         range: (0.0, 1.0 + ROUNDING, "0 to 1"),
         has_mean: true,
         score: |s| Some(s.specks),

@@ -50,6 +50,8 @@ pub struct Allowed {
     pub flip_p99: f64,
     /// Number of answers of the march that a ray contradicts, pixels.
     pub false_accepts_px: Option<u64>,
+    /// Number of specks inside the reflections, pixels.
+    pub specks_px: Option<u64>,
 }
 
 impl Ratchet {
@@ -89,8 +91,13 @@ impl Ratchet {
                 "\n[[cell]]\nmode = \"{}\"\nmethod = \"{}\"\nflip = {:?}\nflip_p99 = {:?}\n",
                 cell.mode, cell.method, cell.flip, cell.flip_p99
             );
-            if let Some(pixels) = cell.false_accepts_px {
-                let _ = writeln!(out, "false_accepts_px = {pixels}");
+            for (name, pixels) in [
+                ("false_accepts_px", cell.false_accepts_px),
+                ("specks_px", cell.specks_px),
+            ] {
+                if let Some(pixels) = pixels {
+                    let _ = writeln!(out, "{name} = {pixels}");
+                }
             }
         }
         out
@@ -142,6 +149,7 @@ impl Ratchet {
                 flip: rounded_up(scores.flip),
                 flip_p99: rounded_up(scores.flip_p99),
                 false_accepts_px: scores.false_accepts_px,
+                specks_px: scores.specks_px,
             };
             let is_known = |a: &&mut Allowed| (&a.mode, &a.method) == (&cell.mode, &cell.method);
             match self.cells.iter_mut().find(is_known) {
@@ -176,6 +184,12 @@ impl Allowed {
                 count(self.false_accepts_px),
                 SLACK_PX,
             ),
+            (
+                "specks_px",
+                count(scores.specks_px),
+                count(self.specks_px),
+                SLACK_PX,
+            ),
         ];
         let mut over = Vec::new();
         for (what, measured, allowed, slack) in checks {
@@ -203,11 +217,16 @@ impl Allowed {
                 changed += 1;
             }
         }
-        if let Some(pixels) = measured.false_accepts_px
-            && self.false_accepts_px.is_none_or(|allowed| pixels < allowed)
-        {
-            self.false_accepts_px = Some(pixels);
-            changed += 1;
+        for (allowed, measured) in [
+            (&mut self.false_accepts_px, measured.false_accepts_px),
+            (&mut self.specks_px, measured.specks_px),
+        ] {
+            if let Some(pixels) = measured
+                && allowed.is_none_or(|allowed| pixels < allowed)
+            {
+                *allowed = Some(pixels);
+                changed += 1;
+            }
         }
         changed
     }
@@ -239,6 +258,7 @@ mod tests {
                 flip,
                 flip_p99: 0.5,
                 false_accepts_px: Some(accepts),
+                specks_px: Some(2),
                 ..CellScores::default()
             }),
         }
@@ -264,6 +284,11 @@ mod tests {
         assert_eq!(worse(&fine, cell(0.0039, 4)), 0);
         assert_eq!(worse(&fine, cell(0.0041, 5)), 2);
         assert_eq!(worse(&fine, cell(f64::NAN, 0)), 1);
+        let mut specked = cell(0.001, 1);
+        if let Ok(scores) = &mut specked.scores {
+            scores.specks_px = Some(6);
+        }
+        assert_eq!(worse(&fine, specked), 1);
     }
 
     #[test]

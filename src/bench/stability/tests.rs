@@ -100,6 +100,6 @@ fn every_row_has_all_columns() {
     ];
     let table = csv::parse(&table(&cells)).expect("a table");
     assert_eq!(table.columns, HEADER);
-    assert_eq!(table.rows[1][24], "a, b");
+    assert_eq!(table.rows[1].last().map(String::as_str), Some("a, b"));
     assert_eq!(table.rows[0][2], "truth");
 }
