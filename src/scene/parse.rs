@@ -24,6 +24,7 @@ mod set;
 mod syntax_errors;
 mod table;
 mod value;
+mod value_advice;
 
 use std::path::{Path, PathBuf};
 

@@ -24,21 +24,24 @@ const SYNONYMS: &[(&str, &[&str])] = &[
     ("lookat", &["target"]),
     ("max_bounces", &["bounces"]),
     ("metalness", &["metallic"]),
+    ("hide", &["show"]),
     ("mesh", &["model", "file"]),
+    ("move", &["place"]),
     ("origin", &["eye", "position"]),
     ("path", &["file"]),
     ("pill", &["capsule"]),
     ("position", &["eye", "translation"]),
     ("quad", &["plane"]),
     ("resolution", &["size"]),
-    ("rotate", &["rotation_deg"]),
+    ("rotate", &["rotation_deg", "place"]),
     ("rotation", &["rotation_deg"]),
     ("rough", &["roughness"]),
     ("spp", &["samples"]),
     ("sun", &["directional"]),
     ("tonemap", &["tone_map"]),
     ("transform", &["matrix"]),
-    ("translate", &["translation"]),
+    ("set_position", &["place"]),
+    ("translate", &["translation", "place"]),
     ("type", &["kind", "shape"]),
     ("uri", &["file"]),
 ];
@@ -51,6 +54,11 @@ const STRANGERS: &[[&str; 2]] = &[["material", "matrix"]];
 
 /// Unsupported words, a word by which the list that lacks them is recognized, and what to write instead.
 const ABSENT: &[(&[&str], &str, &str)] = &[
+    (
+        &["filmic", "hable", "uncharted", "reinhard"],
+        "agx",
+        "\"aces\" and \"agx\" roll bright light off as film does, \"agx\" more softly",
+    ),
     (
         &["area", "quad", "sphere", "tube", "mesh"],
         "directional",
@@ -89,6 +97,11 @@ const ABSENT: &[(&[&str], &str, &str)] = &[
 
 /// Unsupported keys, keys by which the table that lacks them is recognized, and what to write instead.
 const ABSENT_KEYS: &[(&[&str], &[&str], &str)] = &[
+    (
+        &["frame", "frames", "time", "t"],
+        &["at_s", "value"],
+        "write `at_s`, in seconds: the number of the frame divided by `fps` of `[timeline]`",
+    ),
     (
         &["shown", "visible", "hidden"],
         &["shadow_px", "intensity_lux"], // keys of a light, and of its motion

@@ -248,7 +248,11 @@ impl<'a> Loader<'a> {
             looked.join(", ")
         );
         let mut error = error_at("file-not-found", &name.at, text);
-        error.help = Some("add the folder that has it with --assets DIR or REFLET_ASSETS".into());
+        let help = match name.value.contains(char::is_control) {
+            true => "a `\\` in double quotes begins a special character: write `/` between folders",
+            false => "add the folder that has it with --assets DIR or REFLET_ASSETS",
+        };
+        error.help = Some(help.into());
         Err(Box::new(error))
     }
 

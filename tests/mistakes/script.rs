@@ -225,6 +225,26 @@ pub const SCRIPTS: &[Mistake] = &[
             "must be unique",
         ],
     ),
+    script(
+        "a missing semicolon",
+        "fn frame(ctx) {\n    let a = 1\n    let b = 2;\n}\n",
+        ["script-syntax", "2:13", "a `;` is missing", "add `;` here"],
+    ),
+    script(
+        "a function of another program",
+        "fn frame(ctx) {\n    ctx.move(\"b\", [0, 1, 0]);\n}\n",
+        [
+            "script-error",
+            "2:9",
+            "no function `move`",
+            "did you mean `place`?",
+        ],
+    ),
+    script(
+        "a constant",
+        "fn frame(ctx) {\n    let a = sin(PI * ctx.t);\n}\n",
+        ["script-syntax", "2:17", "no variable `PI`", "write `PI()`"],
+    ),
 ];
 
 #[test]

@@ -274,6 +274,46 @@ pub const SYNTAX: &[Mistake] = &[
             "write \"a.glb\"",
         ],
     ),
+    text(
+        "a unit of length",
+        "[model.a]\nshape = { kind = \"sphere\", radius = 50cm }\n",
+        [
+            "toml-syntax",
+            "3:37",
+            "no unit, here `cm`",
+            "write 0.5, in meters",
+        ],
+    ),
+    text(
+        "a constant for an angle",
+        "[camera.main]\nfov_deg = PI\n",
+        [
+            "toml-syntax",
+            "3:11",
+            "no constant `PI`",
+            "write 180, in degrees",
+        ],
+    ),
+    text(
+        "a colon in braces",
+        "[model.a]\nshape = { kind: \"sphere\", radius = 1 }\n",
+        [
+            "toml-syntax",
+            "3:15",
+            "stands `=`, not `:`",
+            "write `kind = \"sphere\"`",
+        ],
+    ),
+    text(
+        "a comment with slashes",
+        "// a room\n",
+        [
+            "toml-syntax",
+            "2:1",
+            "comments begin with `#`",
+            "write `# a room`",
+        ],
+    ),
 ];
 
 #[test]

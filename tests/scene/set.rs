@@ -100,7 +100,7 @@ fn places_are_in_the_option_that_is_wrong() {
         Scene::from_text(SCENE, Path::new("scene.toml"), &overrides).expect_err("three sizes");
     let text = errors[0].to_string();
     let want = " --> --set:1:12\n  |\n1 | image.size=[1, 2, 3]\n  |            ^^^^^^^^^";
-    assert!(errors.len() == 1 && text.ends_with(want), "{text}");
+    assert!(errors.len() == 1 && text.contains(want), "{text}");
 }
 
 #[test]

@@ -116,7 +116,7 @@ fn carried(point: DVec3, from: [DVec3; 3], to: [DVec3; 3]) -> DVec3 {
     }
 }
 
-/// What a pixel shows.
+/// Surface that a pixel shows.
 #[derive(Clone, Copy)]
 struct Seen {
     /// Instance and triangle.

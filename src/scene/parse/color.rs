@@ -6,6 +6,7 @@ use serde_json::{Value as Json, json};
 use super::{
     report::Report,
     value::{Named, Value, wrong_type},
+    value_advice::list_of_number,
 };
 use crate::syntax::{Content, Node};
 use crate::{range::Range, suggest};
@@ -60,7 +61,8 @@ impl Value for Color {
                 Vec3::read(node, named, report).map(Self)
             }
             _ => {
-                wrong_type(node, named.key, &Self::expected(), report);
+                let help = list_of_number(node, named.key, 3);
+                wrong_type(node, named.key, &Self::expected(), report).help = help;
                 None
             }
         }

@@ -186,7 +186,8 @@ fn add_parts(
             let shown = suggest::key(&format!("{path}{name}"));
             let first = report.span(&first);
             let (message, help) = if same {
-                let help = "remove one of the two, or give it another name";
+                let help = "remove one of the two, or give it another name; to change what a file says, name it \
+                            by `base` instead of `include`";
                 (format!("{shown} is defined twice"), help)
             } else {
                 let help = "write both alike: `[name]` is a table, `[[name]]` one of a list";

@@ -1,6 +1,8 @@
 //! Syntax errors of a text as messages, and the parts of the text that they make doubtful.
 
+mod mistake;
 mod nesting;
+mod numbers;
 mod plain_words;
 mod unclosed;
 

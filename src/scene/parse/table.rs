@@ -221,8 +221,13 @@ impl<'r> Table<'r> {
                 self.place.title()
             );
             let meant = suggest::nearest(name, self.asked.iter().copied());
-            self.missing.retain(|(key, _)| Some(*key) != meant);
-            let help = (suggest::absent_key(name, &self.asked).map(str::to_owned))
+            let absent = suggest::absent_key(name, &self.asked);
+            let is_meant = |key: &str| {
+                let written = format!("write `{key}`,");
+                Some(key) == meant || absent.is_some_and(|help| help.starts_with(&written))
+            };
+            self.missing.retain(|(key, _)| !is_meant(key));
+            let help = (absent.map(str::to_owned))
                 .or_else(|| self.key_of_the_file(name))
                 .unwrap_or_else(|| suggest::hint(name, &self.asked, suggest::key, "its keys are"));
             self.report.error("unknown-key", &key.span(), message).help = Some(help);

@@ -4,7 +4,10 @@
 use glam::Vec3;
 use serde_json::{Value as Json, json};
 
-use super::report::Report;
+use super::{
+    report::Report,
+    value_advice::{in_degrees, list_in_text, list_of_length, list_of_number, unquoted},
+};
 use crate::desc::At;
 use crate::syntax::{Content, Node};
 use crate::{
@@ -79,12 +82,6 @@ pub fn wrong_type<'r>(
     report.error("wrong-type", &node.span(), message)
 }
 
-/// Advice for a value that is right except for the quotes around it.
-fn unquoted(node: &Node, is_right: impl Fn(&str) -> bool) -> Option<String> {
-    let value = node.get_ref().as_str()?.trim();
-    is_right(value).then(|| format!("write {value}, without quotes"))
-}
-
 /// Number from an integer or a float; `None` and a message for anything else.
 fn number(node: &Node, named: &Named, expected: &str, report: &mut Report) -> Option<f64> {
     let x = match node.get_ref() {
@@ -111,7 +108,7 @@ fn number(node: &Node, named: &Named, expected: &str, report: &mut Report) -> Op
     }
     if let Err(words) = named.range.check(x) {
         let message = format!("`{key}` must be {words}, not {}", digits(node));
-        report.error("out-of-range", &at, message);
+        report.error("out-of-range", &at, message).help = in_degrees(x, key, named.range);
         return None;
     }
     Some(x)
@@ -281,12 +278,14 @@ impl<T: Value, const N: usize> Value for [T; N] {
     fn read(node: &Node, named: &Named, report: &mut Report) -> Option<Self> {
         let (key, expected) = (named.key, Self::expected());
         let Some(items) = node.get_ref().as_array() else {
-            wrong_type(node, key, &expected, report);
+            let help = list_in_text(node, N).or_else(|| list_of_number(node, key, N));
+            wrong_type(node, key, &expected, report).help = help;
             return None;
         };
         if items.len() != N {
             let message = format!("`{key}` must be {expected}, not {}", found(node));
-            report.error("wrong-length", &node.span(), message);
+            let help = list_of_length(items, N);
+            report.error("wrong-length", &node.span(), message).help = help;
             return None;
         }
         let read = |(i, item)| {

@@ -171,6 +171,12 @@ fn columns(headers: &csv::StringRecord, text: &str) -> Result<(Places, Vec<Strin
         }
     }
     let missing = |column: &str| {
+        let first = text.lines().next().unwrap_or("");
+        if let Some(sign) = [';', '\t'].into_iter().find(|sign| first.contains(*sign)) {
+            let message = format!("columns are divided by {sign:?}, not by `,`");
+            let help = "save the table with commas between the columns, and points in numbers";
+            return Err(Mistake(first.find(sign).unwrap_or(0), message, help));
+        }
         let message = format!("the first line names no column `{column}`");
         Err(Mistake(0, message, HELP))
     };

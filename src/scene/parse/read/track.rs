@@ -339,6 +339,11 @@ impl Section for FollowDesc {
     const TYPE: &'static str = "FollowDesc";
     const HEADING: &'static str = "follow = { … }";
 
+    fn instead(key: &str, value: &Node) -> Option<String> {
+        let instance = crate::suggest::text(value.get_ref().as_str()?);
+        Some(format!("write `{key} = {{ instance = {instance} }}`"))
+    }
+
     fn read(t: &mut Table) -> Option<Self> {
         let instance = t.need("instance", ANY);
         let offset = t.get("offset", ANY, Vec3::ZERO);

@@ -2,25 +2,11 @@
 
 use std::ops::Range;
 
+use super::{
+    mistake::{Mistake, Words, is_number, words},
+    numbers::{constant, number},
+};
 use crate::suggest;
-
-/// A message and advice on what to do.
-type Words = (String, Option<String>);
-
-/// A syntax error with the text around it.
-struct Mistake<'t> {
-    /// Text that the parser points at.
-    found: &'t str,
-    /// Text from there to the end of the line.
-    rest: &'t str,
-    /// Text of the line, without spaces around it.
-    line: &'t str,
-    /// Text left of the first `=`; `value` is the text right of it, without a comment.
-    key: &'t str,
-    value: &'t str,
-    /// The parser's message.
-    message: &'t str,
-}
 
 /// Message and advice for a syntax error at `at`; the parser's own `message` where no explanation fits.
 pub fn in_plain_words(text: &str, at: &Range<usize>, message: &str) -> Words {
@@ -54,7 +40,7 @@ fn has_lone_return(text: &str, at: usize) -> bool {
 }
 
 /// Explanations in order; the first one that fits the mistake is used.
-const EXPLANATIONS: [fn(&Mistake) -> Option<Words>; 12] = [
+const EXPLANATIONS: [fn(&Mistake) -> Option<Words>; 13] = [
     hash_color,
     typographic_quotes,
     comment,
@@ -63,15 +49,12 @@ const EXPLANATIONS: [fn(&Mistake) -> Option<Words>; 12] = [
     colon,
     line_end,
     parentheses,
+    constant,
     word,
     number,
     quotes,
     equals,
 ];
-
-fn words(message: impl Into<String>, help: impl Into<String>) -> Option<Words> {
-    Some((message.into(), Some(help.into())))
-}
 
 fn without_comment(value: &str) -> &str {
     let mut quote = None;
@@ -84,10 +67,6 @@ fn without_comment(value: &str) -> &str {
         }
     }
     value
-}
-
-fn is_number(text: &str) -> bool {
-    !text.is_empty() && text.parse::<f64>().is_ok() && !text.contains(char::is_alphabetic)
 }
 
 /// Explains a color without quotes: `base_color = #ff8800`.
@@ -173,9 +152,19 @@ fn backslash(m: &Mistake) -> Option<Words> {
     words(message, help)
 }
 
-/// Explains a colon in place of `=`: `metallic: 1`.
+/// Explains a colon in place of `=`: `metallic: 1`, `{ kind: "box" }`.
 fn colon(m: &Mistake) -> Option<Words> {
-    let (key, value) = m.line.split_once(':')?;
+    let at = match m.rest.starts_with(':') {
+        true => m.line.len().checked_sub(m.rest.len())?,
+        false => m.line.find(':')?,
+    };
+    let (key, value) = (m.line.get(..at)?, m.line.get(at + 1..)?);
+    let value = value
+        .split(['}', ','])
+        .next()
+        .filter(|_| key.contains('{'))
+        .unwrap_or(value);
+    let key = key.rsplit(['{', ',']).next().unwrap_or(key);
     let key = key.trim().trim_matches('"');
     let is_key = !key.is_empty()
         && key
@@ -272,64 +261,6 @@ fn word(m: &Mistake) -> Option<Words> {
             format!("write {}", suggest::text(found.trim_matches('`'))),
         )
     })
-}
-
-/// Explains a number that TOML cannot read: `1.6*2`, `60deg`, `.5`.
-fn number(m: &Mistake) -> Option<Words> {
-    // The element of a list that the parser points at, else the whole value.
-    let offset = m.line.len() - m.rest.len().min(m.line.len());
-    let ends = |c: char| ",[]{}=#".contains(c);
-    let start = m.line[..offset].rfind(ends).map_or(0, |i| i + 1);
-    let end = m.line[offset..]
-        .find(ends)
-        .map_or(m.line.len(), |i| offset + i);
-    let element = m.line[start..end].trim();
-    element
-        .starts_with(|c: char| c.is_ascii_digit() || "+-.(".contains(c))
-        .then_some(())?;
-    if let Some(result) = computed(element) {
-        return words("TOML does not compute", result);
-    }
-    let digits = element.trim_end_matches(|c: char| c.is_alphabetic() || "%°²".contains(c));
-    if digits.len() < element.len() && is_number(digits.trim()) {
-        let unit = &element[digits.len()..];
-        let message = format!("a number has no unit, here {}", suggest::key(unit));
-        return words(message, format!("write {}", digits.trim()));
-    }
-    let value: f64 = element
-        .parse()
-        .ok()
-        .filter(|x: &f64| x.to_string() != element)?;
-    words(
-        "TOML needs digits on both sides of the decimal point, and no leading zeros",
-        format!("write {value}"),
-    )
-}
-
-/// Advice for an arithmetic expression; with its result, if it is two numbers and an operator.
-fn computed(element: &str) -> Option<String> {
-    let allowed = |c: char| c.is_ascii_digit() || ".+-*/^() ".contains(c);
-    let operator = element[1..]
-        .find(['*', '/', '+', '-', '^'])
-        .map(|i| i + 1)?;
-    element.chars().all(allowed).then_some(())?;
-    let (a, b) = (element[..operator].trim(), element[operator + 1..].trim());
-    let result = match (
-        a.parse::<f64>(),
-        b.parse::<f64>(),
-        element.as_bytes()[operator],
-    ) {
-        (Ok(a), Ok(b), b'*') => a * b,
-        (Ok(a), Ok(b), b'/') => a / b,
-        (Ok(a), Ok(b), b'+') => a + b,
-        (Ok(a), Ok(b), b'-') => a - b,
-        _ => return Some("write the result; scripts can compute".to_owned()),
-    };
-    // Rounded, so that 1.1 * 3 is 3.3.
-    let result = (result * 1e9).round() / 1e9;
-    result
-        .is_finite()
-        .then(|| format!("write {result}; scripts can compute"))
 }
 
 /// Explains a missing closing quote: `model = "box`.

@@ -5,7 +5,7 @@ use rhai::{LexError, ParseErrorType, Position};
 use super::{foreign, lower_first, unclosed};
 use crate::{
     diagnostic::{Diagnostic, Span},
-    script::source_files::Sources,
+    script::{source_files::Sources, tokens::tokens},
     suggest,
 };
 
@@ -25,16 +25,41 @@ pub fn syntax(wrong: &ParseErrorType, at: Position, sources: &Sources, name: &st
         return error.help(format!("add `}}`, such as after line {last}"));
     }
     let word = source.and_then(|source| source.text.get(span.range.clone()));
+    let foreign = foreign_syntax(word, &span);
+    if let (ParseErrorType::MissingToken(sign, _), Some(source)) = (wrong, source)
+        && sign == ";"
+        && foreign.is_none()
+        && let Some(end) = end_of_statement(&source.text, span.range.start)
+    {
+        let last = source.text[..end].char_indices().next_back();
+        let start = last.map_or(end, |(start, _)| start);
+        let span = Span {
+            range: start..end,
+            ..span
+        };
+        let error = Diagnostic::at(
+            kind_of(wrong),
+            span,
+            "a `;` is missing after this statement",
+        );
+        return error.help("add `;` here");
+    }
     let (message, help) = match word {
         Some(word @ ("eval" | "curry")) => {
             let help = "write a function, or a `for` loop".to_owned();
             (format!("`{word}` is not supported in scripts"), Some(help))
         }
-        _ => foreign_syntax(word, &span).unwrap_or_else(|| explain_syntax(wrong, sources, name)),
+        _ => foreign.unwrap_or_else(|| explain_syntax(wrong, sources, name)),
     };
     let mut error = Diagnostic::at(kind_of(wrong), span, message);
     error.help = help;
     error
+}
+
+/// Offset behind the last token before `at`.
+fn end_of_statement(text: &str, at: usize) -> Option<usize> {
+    let tokens = tokens(text.get(..at)?);
+    tokens.last().map(|token| token.at.end)
 }
 
 /// Message about syntax of another language at the place of a syntax error.
@@ -64,7 +89,9 @@ fn explain_syntax(
                 .map_or("", |(_, t)| t.as_str());
             let known = variables(text);
             let own = "functions and closures see their parameters and what they define with `let`";
-            let help = if known.contains(&variable.as_str()) {
+            let help = if let "PI" | "E" = variable.as_str() {
+                format!("write `{variable}()`: it is a function")
+            } else if known.contains(&variable.as_str()) {
                 format!("{own}; of the outer scope only `const NAME` is visible, as `global::NAME`")
             } else {
                 let meant = suggest::nearest(variable, known.iter().copied());

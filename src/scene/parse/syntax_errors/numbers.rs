@@ -1,0 +1,104 @@
+//! Numbers that TOML cannot read, with the number to write instead.
+
+use super::mistake::{Mistake, Words, is_number, words};
+use crate::suggest;
+
+/// Explains a number that TOML cannot read: `1.6*2`, `60deg`, `.5`.
+pub fn number(m: &Mistake) -> Option<Words> {
+    // The element of a list that the parser points at, else the whole value.
+    let offset = m.line.len() - m.rest.len().min(m.line.len());
+    let ends = |c: char| ",[]{}=#".contains(c);
+    let start = m.line[..offset].rfind(ends).map_or(0, |i| i + 1);
+    let end = m.line[offset..]
+        .find(ends)
+        .map_or(m.line.len(), |i| offset + i);
+    let element = m.line[start..end].trim();
+    element
+        .starts_with(|c: char| c.is_ascii_digit() || "+-.(".contains(c))
+        .then_some(())?;
+    if let Some(result) = computed(element) {
+        return words("TOML does not compute", result);
+    }
+    let digits = element.trim_end_matches(|c: char| c.is_alphabetic() || "%°²".contains(c));
+    if digits.len() < element.len() && is_number(digits.trim()) {
+        let unit = &element[digits.len()..];
+        let message = format!("a number has no unit, here {}", suggest::key(unit));
+        return words(message, without_unit(digits.trim(), unit));
+    }
+    let value: f64 = element
+        .parse()
+        .ok()
+        .filter(|x: &f64| x.to_string() != element)?;
+    words(
+        "TOML needs digits on both sides of the decimal point, and no leading zeros",
+        format!("write {value}"),
+    )
+}
+
+/// Units that stand behind numbers elsewhere, their factor to the unit of scene text, and the name of that one.
+const UNITS: &[(&str, f64, &str)] = &[
+    ("mm", 1e-3, "meters"),
+    ("cm", 1e-2, "meters"),
+    ("km", 1e3, "meters"),
+    ("in", 0.0254, "meters"),
+    ("ft", 0.3048, "meters"),
+    ("ms", 1e-3, "seconds"),
+    ("rad", 180.0 / std::f64::consts::PI, "degrees"),
+    ("%", 1e-2, "a share of 1"),
+];
+
+/// Advice for a number with a unit: the number in the unit that scene text has.
+fn without_unit(number: &str, unit: &str) -> String {
+    let known = UNITS.iter().find(|(name, ..)| *name == unit);
+    let value = number.parse::<f64>().ok().zip(known);
+    value.map_or_else(
+        || format!("write {number}"),
+        |(value, (_, factor, name))| format!("write {}, in {name}", rounded(value * factor)),
+    )
+}
+
+/// A number with at most six digits behind the point.
+fn rounded(value: f64) -> f64 {
+    (value * 1e6).round() / 1e6
+}
+
+/// Explains a constant by name: `fov_deg = PI`.
+pub fn constant(m: &Mistake) -> Option<Words> {
+    let turns = match m.value.to_lowercase().as_str() {
+        "pi" | "π" | "math.pi" => 0.5,
+        "tau" | "τ" => 1.0,
+        _ => return None,
+    };
+    let message = format!("TOML has no constant {}", suggest::key(m.value));
+    let help = match m.key.ends_with("_deg") {
+        true => format!("write {}, in degrees", 360.0 * turns),
+        false => format!("write {}", rounded(std::f64::consts::TAU * turns)),
+    };
+    words(message, help)
+}
+
+/// Advice for an arithmetic expression; with its result, if it is two numbers and an operator.
+fn computed(element: &str) -> Option<String> {
+    let allowed = |c: char| c.is_ascii_digit() || ".+-*/^() ".contains(c);
+    let operator = element[1..]
+        .find(['*', '/', '+', '-', '^'])
+        .map(|i| i + 1)?;
+    element.chars().all(allowed).then_some(())?;
+    let (a, b) = (element[..operator].trim(), element[operator + 1..].trim());
+    let result = match (
+        a.parse::<f64>(),
+        b.parse::<f64>(),
+        element.as_bytes()[operator],
+    ) {
+        (Ok(a), Ok(b), b'*') => a * b,
+        (Ok(a), Ok(b), b'/') => a / b,
+        (Ok(a), Ok(b), b'+') => a + b,
+        (Ok(a), Ok(b), b'-') => a - b,
+        _ => return Some("write the result; scripts can compute".to_owned()),
+    };
+    // Rounded, so that 1.1 * 3 is 3.3.
+    let result = (result * 1e9).round() / 1e9;
+    result
+        .is_finite()
+        .then(|| format!("write {result}; scripts can compute"))
+}
