@@ -1,6 +1,6 @@
 //! Layers that remove elements which other layers change, or which are not theirs.
 
-use crate::layers::over_base;
+use crate::layers::{Folder, over_base};
 
 #[test]
 fn variants_that_remove_and_change_the_same_thing_are_named() {
@@ -40,5 +40,52 @@ fn what_a_script_makes_is_not_removed() {
             "nothing at \"group.row\" to remove",
             "what a script makes it can leave out by a parameter",
         ],
+    );
+}
+
+const GROUP: &str = "group.cart.translation = [1, 0, 0]\n[model.ball]\nshape = { kind = \"sphere\" }\n\
+    [[instance]]\nmodel = \"ball\"\nparent = \"cart\"\n[[instance]]\nmodel = \"ball\"\n\
+    [[instance]]\nname = \"wheel\"\nmodel = \"ball\"\nparent = \"cart\"\n";
+
+#[test]
+fn a_group_is_removed_with_its_instances_without_a_name() {
+    let shot = |removed: &str| {
+        let base = format!("version = 1\n{GROUP}");
+        let shot = format!("version = 1\nbase = \"base.toml\"\nremove = [{removed}]\n");
+        Folder::new(
+            "group",
+            &[("shot/base.toml", &base), ("shot/scene.toml", &shot)],
+        )
+    };
+    let scene = shot("\"group.cart\", \"instance.wheel\"").expect();
+    assert_eq!((scene.groups.len(), scene.instances.len()), (0, 1));
+    shot("\"group.cart\"").assert_says(&[], &["no instance or group is named \"cart\""]);
+}
+
+#[test]
+fn a_panorama_and_colors_replace_each_other() {
+    let base = "version = 1\n[environment]\nzenith = [1, 0, 0]\nintensity = 2\n[model.ball]\n\
+        shape = { kind = \"sphere\" }\n[[instance]]\nmodel = \"ball\"\n";
+    let file =
+        "version = 1\nbase = \"base.toml\"\n[environment]\nfile = \"sky.hdr\"\nrotation_deg = 90\n";
+    let colors = "version = 1\nbase = \"file.toml\"\n[environment]\ncolor = [0, 1, 0]\n";
+    let files = [
+        ("shot/base.toml", base),
+        ("shot/file.toml", file),
+        ("shot/scene.toml", file),
+    ];
+    let environment = Folder::new("panorama", &files).expect().environment.clone();
+    assert!(environment.file.is_some() && environment.intensity == 2.0);
+    let files = [
+        ("shot/base.toml", base),
+        ("shot/file.toml", file),
+        ("shot/scene.toml", colors),
+    ];
+    let scene = Folder::new("panorama-colors", &files).expect();
+    let environment = scene.environment.clone();
+    assert!(environment.file.is_none() && environment.zenith == glam::Vec3::Y);
+    assert_eq!(
+        (environment.rotation_deg, environment.intensity),
+        (0.0, 2.0)
     );
 }

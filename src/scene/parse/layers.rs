@@ -7,6 +7,7 @@ use super::{
     near_names,
     overlay::{self, Instances},
     report::Report,
+    set,
     syntax_errors::{self, Shadow},
     value::{Named, Names, Value as _},
 };
@@ -223,7 +224,17 @@ fn remove_all(below: &mut Node, removed: &Node, has_script: bool, report: &mut R
     if Names::read(removed, &named, report).is_some() {
         let mut instances = Instances::of(below);
         for (path, at) in each {
+            let names = set::names_of(path).unwrap_or_default();
+            let group = match names.as_slice() {
+                [kind, name] if kind == "group" && overlay::has(below, &instances, path) => {
+                    Some(name)
+                }
+                _ => None,
+            };
             overlay::remove((below, &mut instances), path, has_script, &at, report);
+            if let Some(name) = group {
+                instances.remove_unnamed_of(name, below, report);
+            }
         }
         instances.drop_removed(below);
     }

@@ -19,7 +19,11 @@ const EXCLUSIVE: [&[&[&str]]; 7] = [
         &["translation", "rotation_deg", "rotation_quat", "scale"],
     ],
     &[&["rotation_deg"], &["rotation_quat"]],
-    &[&["color"], &["zenith", "horizon", "ground"]],
+    &[
+        &["file", "rotation_deg"], // of a panorama
+        &["color"],
+        &["zenith", "horizon", "ground"],
+    ],
 ];
 
 /// Level of a table: the meaning of its keys.
@@ -182,6 +186,25 @@ impl Instances {
                 .filter(|(_, gone)| !**gone);
             left.map(|(index, _)| index).nth(name.parse().ok()?)
         })
+    }
+
+    /// Notes the instances without a name as removed whose parent is the group `name`: nothing else could name them.
+    pub fn remove_unnamed_of(&mut self, name: &str, root: &Node, report: &mut Report) {
+        let list = root.get_ref().as_table().and_then(|t| t.get("instance"));
+        let list = list.and_then(|node| node.get_ref().as_array());
+        let text = |node: &Node, key: &str| {
+            let value = node.get_ref().as_table()?.get(key)?;
+            value.get_ref().as_str().map(str::to_owned)
+        };
+        for (node, is_removed) in list.into_iter().flatten().zip(&mut self.is_removed) {
+            let is_child = text(node, "parent").is_some_and(|parent| parent == name);
+            if is_child && name_of(node).is_none() {
+                *is_removed = true;
+                if let Some(model) = text(node, "model") {
+                    report.note_unplaced(&model);
+                }
+            }
+        }
     }
 
     /// Drops the removed instances from the tree.
