@@ -54,7 +54,7 @@ pub struct PictureArgs {
     /// How reflections are found
     #[arg(long)]
     pub method: Option<MethodArg>,
-    /// Camera of the scene, or all, or a list such as main,side, with {camera} in the name of
+    /// Camera of the scene, or all but those of placed scenes, or a list such as main,side, with {camera} in the name of
     /// the output; without it `main`, else the first
     #[arg(long, value_name = "NAME")]
     pub camera: Option<String>,

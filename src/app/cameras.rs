@@ -2,7 +2,7 @@
 //! of the output.
 
 use std::{
-    collections::HashMap,
+    collections::{HashMap, HashSet},
     path::{Path, PathBuf},
 };
 
@@ -79,7 +79,7 @@ fn choose(loaded: &LoadedScene, asked: Option<&str>) -> Result<Vec<usize>, AppEr
     let is_one = |name: &str| cameras.iter().any(|camera| camera.name == name);
     match asked {
         Some(name) if is_one(name) => {}
-        Some("all") => return Ok((0..cameras.len()).collect()),
+        Some("all") => return Ok(own(loaded)),
         Some(list) if list.contains(',') => {
             let mut chosen = Vec::new();
             for name in list.split(',') {
@@ -96,6 +96,29 @@ fn choose(loaded: &LoadedScene, asked: Option<&str>) -> Result<Vec<usize>, AppEr
         _ => {}
     }
     Ok(vec![choose_camera(loaded, asked)?])
+}
+
+/// Indices of the scene's own cameras, without those of scenes that it places; all where it has none of its own.
+fn own(loaded: &LoadedScene) -> Vec<usize> {
+    let groups: HashSet<&str> = loaded
+        .scene
+        .groups
+        .iter()
+        .map(|g| g.name.as_str())
+        .collect();
+    // Names of a placed scene begin with the name of its group and a dot.
+    let is_placed = |name: &str| {
+        name.match_indices('.')
+            .any(|(dot, _)| groups.contains(&name[..dot]))
+    };
+    let cameras = loaded.world.cameras.iter().enumerate();
+    let own: Vec<_> = (cameras.filter(|(_, camera)| !is_placed(&camera.name)))
+        .map(|(index, _)| index)
+        .collect();
+    match own.is_empty() {
+        true => (0..loaded.world.cameras.len()).collect(),
+        false => own,
+    }
 }
 
 fn is_in(output: &Path) -> bool {

@@ -88,3 +88,23 @@ fn several_cameras_are_written_to_files_with_their_names() {
     );
     assert_eq!(kept.matches(": kept f.").count(), 4, "{kept}");
 }
+
+#[test]
+fn all_leaves_out_cameras_of_placed_scenes() {
+    if gpu_or_skip().is_none() {
+        return;
+    }
+    let folder = folder("cameras-placed");
+    let placed = "version = 1\n[camera.inside]\n[model.ball]\nshape = { kind = \"sphere\" }\n\
+                  [[instance]]\nmodel = \"ball\"\n";
+    let own = "version = 1\nimage.size = [16, 9]\n[camera.main]\n[camera.side]\neye = [4, 1, 0]\n\
+               [[instance]]\nname = \"room\"\nmodel = { scene = \"placed.toml\" }\n";
+    fs::write(folder.join("placed.toml"), placed).expect("writable");
+    fs::write(folder.join("scene.toml"), own).expect("writable");
+    render(&folder, &["-o", "f.{camera}.png", "--camera", "all"], 0);
+    let there = |name: &str| folder.join(name).exists();
+    assert!(there("f.main.png") && there("f.side.png") && !there("f.room.inside.png"));
+    let named = ["-o", "f.{camera}.png", "--camera", "room.inside,main"];
+    render(&folder, &named, 0);
+    assert!(there("f.room.inside.png"));
+}
