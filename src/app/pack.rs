@@ -104,13 +104,8 @@ impl Layout {
                 assets.push(folder);
             }
         }
-        let top = common_folder(
-            paths
-                .iter()
-                .map(|path| folder_of(path))
-                .chain(assets.iter().map(PathBuf::as_path)),
-        );
-        let inside = |path: &Path| name_in(&top, path);
+        let places = Places::of(&scene, &paths, &assets);
+        let inside = |path: &Path| places.name(path);
         let manifest = Manifest {
             pack: 1,
             reflet: env!("CARGO_PKG_VERSION").to_owned(),
@@ -136,6 +131,81 @@ impl Layout {
         }
         Ok(Self { files, manifest })
     }
+}
+
+/// Where files are in a pack.
+struct Places {
+    /// Folder whose content is at the top of the pack.
+    top: PathBuf,
+    /// Folders elsewhere, each with its name in the pack.
+    moved: Vec<(PathBuf, String)>,
+}
+
+impl Places {
+    /// Places of the files at `paths`: those of the scene at the top, asset folders elsewhere as `assets`, `assets-2`, …,
+    /// so that a pack does not tell where its maker keeps them. Where a text climbs out of its folder by `..`, all keep
+    /// their places to each other.
+    fn of(scene: &Path, paths: &BTreeSet<PathBuf>, assets: &[PathBuf]) -> Self {
+        let is_asset = |path: &Path| assets.iter().any(|folder| path.starts_with(folder));
+        let own = paths
+            .iter()
+            .filter(|path| *path == scene || !is_asset(path));
+        let top = common_folder(own.map(|path| folder_of(path)));
+        let is_apart = |folder: &&PathBuf| !folder.starts_with(&top) && !top.starts_with(folder);
+        let apart: Vec<&PathBuf> = assets.iter().filter(is_apart).collect();
+        if apart.is_empty() || paths.iter().any(|path| climbs(path)) {
+            let folders = paths.iter().map(|path| folder_of(path));
+            return Self {
+                top: common_folder(folders.chain(assets.iter().map(PathBuf::as_path))),
+                moved: Vec::new(),
+            };
+        }
+        let near = assets.iter().filter(|folder| !is_apart(folder));
+        let top = common_folder(
+            [top.as_path()]
+                .into_iter()
+                .chain(near.map(PathBuf::as_path)),
+        );
+        let is_free = |name: &String| !paths.iter().any(|path| path.starts_with(top.join(name)));
+        let numbered = (2..).map(|number| format!("assets-{number}"));
+        let names = std::iter::once("assets".to_owned())
+            .chain(numbered)
+            .filter(is_free);
+        // Folders inside of others keep their places there.
+        let is_outermost = |folder: &&&PathBuf| {
+            !apart
+                .iter()
+                .any(|other| *other != **folder && folder.starts_with(other))
+        };
+        let outermost = apart.iter().filter(is_outermost);
+        let moved = outermost
+            .map(|folder| (*folder).clone())
+            .zip(names)
+            .collect();
+        Self { top, moved }
+    }
+
+    /// Name of a file or folder in the pack.
+    fn name(&self, path: &Path) -> Result<String, AppError> {
+        let moved = self
+            .moved
+            .iter()
+            .find(|(folder, _)| path.starts_with(folder));
+        let Some((folder, name)) = moved else {
+            return name_in(&self.top, path);
+        };
+        Ok(match name_in(folder, path)?.as_str() {
+            "" => name.clone(),
+            rest => format!("{name}/{rest}"),
+        })
+    }
+}
+
+/// Whether a text of a scene or a script has a path that begins with `..`, as far as a file that can be read tells.
+fn climbs(path: &Path) -> bool {
+    let ending = path.extension().and_then(|ending| ending.to_str());
+    matches!(ending, Some("toml" | "rhai" | "usda"))
+        && fs::read(path).is_ok_and(|text| text.windows(3).any(|part| part == b"../"))
 }
 
 /// Every file that was read, by the path that named it, since a link in the scene's folder is a file in the
@@ -258,6 +328,31 @@ mod tests {
         assert_eq!(of(&["/a/b", "/a/b"]), Path::new("/a/b"));
         assert_eq!(of(&["/a/b/c", "/a/bc", "/a/b"]), Path::new("/a"));
         assert_eq!(of(&["/a", "/b"]), Path::new("/"));
+    }
+
+    #[test]
+    fn asset_folders_elsewhere_do_not_tell_where_they_are() {
+        let paths = ["/home/me/show/a.toml", "/srv/lib/x.glb", "/opt/more/y.glb"];
+        let paths: BTreeSet<_> = paths.map(PathBuf::from).into();
+        let assets = ["/srv/lib", "/opt/more"].map(PathBuf::from);
+        let places = Places::of(Path::new("/home/me/show/a.toml"), &paths, &assets);
+        let name = |path: &str| places.name(Path::new(path)).expect("it is UTF-8");
+        assert_eq!(name("/home/me/show/a.toml"), "a.toml");
+        assert_eq!(name("/srv/lib/x.glb"), "assets/x.glb");
+        assert_eq!(name("/opt/more"), "assets-2");
+        let few = BTreeSet::from(["/home/me/show/a.toml", "/srv/lib/x/x.glb"].map(PathBuf::from));
+        let nested = ["/srv/lib/x", "/srv/lib"].map(PathBuf::from);
+        let places = Places::of(Path::new("/home/me/show/a.toml"), &few, &nested);
+        assert_eq!(
+            places.name(Path::new("/srv/lib/x")).expect("it is UTF-8"),
+            "assets/x"
+        );
+        let around = [PathBuf::from("/home/me")];
+        let places = Places::of(Path::new("/home/me/show/a.toml"), &paths, &around);
+        assert_eq!(
+            places.name(Path::new("/home/me")).expect("it is inside"),
+            "home/me"
+        );
     }
 
     #[test]

@@ -92,15 +92,11 @@ fn a_pack_renders_the_same_elsewhere() {
     let names: Vec<_> = entries.iter().map(|(name, _)| name.as_str()).collect();
     assert_eq!(
         names,
-        [
-            "library/light.toml",
-            "shots/s.rhai",
-            "shots/scene.toml",
-            "pack.json"
-        ]
+        ["assets/light.toml", "s.rhai", "scene.toml", "pack.json"]
     );
     let list: Value = serde_json::from_slice(&entries[3].1).expect("JSON");
-    assert_eq!(list["scene"], "shots/scene.toml");
+    assert_eq!(list["scene"], "scene.toml");
+    assert_eq!(list["assets"], serde_json::json!(["assets"]));
     assert_eq!(list["frames"], serde_json::json!([0, 5]));
     assert_eq!(list["files"][1]["sha256"].as_str().map(str::len), Some(64));
 
@@ -119,7 +115,7 @@ fn a_pack_renders_the_same_elsewhere() {
     fs::rename(top.join("shots/scene.toml"), top.join("scene.toml")).expect("moved");
     fs::rename(top.join("shots/s.rhai"), top.join("s.rhai")).expect("moved");
     render(&top, &[&frame[..], &OPTIONS].concat(), 0);
-    let library = format!("{goal}/library");
+    let library = format!("{goal}/assets");
     let arguments: Vec<_> = command
         .split_whitespace()
         .skip(1)
@@ -157,7 +153,7 @@ fn a_pack_that_was_tampered_with_leaves_no_folder() {
     let length = |bytes: u64| format!("\"bytes\": {bytes},");
     let huge = with_list(&length(right[0].1.len() as u64), &length(u64::MAX));
     let renamed = |name: &str| {
-        let mut all = with_list("library/light.toml", name);
+        let mut all = with_list("assets/light.toml", name);
         all[0].0 = name.to_owned();
         all
     };
@@ -178,10 +174,7 @@ fn a_pack_that_was_tampered_with_leaves_no_folder() {
         (right[..3].to_vec(), "has no pack.json"),
         (with_list("\"pack\": 1", "\"pack\": 2"), "version 2"),
         (
-            with_list(
-                "\"scene\": \"shots/scene.toml\"",
-                "\"scene\": \"shots/other.toml\"",
-            ),
+            with_list("\"scene\": \"scene.toml\"", "\"scene\": \"other.toml\""),
             "is missing",
         ),
         (with_list("{", "["), "pack.json is damaged"),
