@@ -18,19 +18,22 @@ struct Params {
 
 @compute @workgroup_size(GROUP_PX, GROUP_PX)
 fn main(@builtin(global_invocation_id) id: vec3u) {
-    if (any(id.xy >= vec2u(frame.size))) { return; }
-    let center = textureLoad(source, id.xy, 0);
-    if (!reflects(textureLoad(cause, id.xy, 0).x)) {
-        textureStore(blurred, id.xy, center);
+    let pixel = moment_pixel(id.xy);
+    if (any(pixel >= vec2u(frame.size))) { return; }
+    let center = textureLoad(source, pixel, 0);
+    if (!reflects(textureLoad(cause, pixel, 0).x)) {
+        textureStore(blurred, pixel, center);
         return;
     }
-    let normal = unpack_unit(textureLoad(surface, id.xy, 0).y);
+    let normal = unpack_unit(textureLoad(surface, pixel, 0).y);
     var sum = vec3f(0.0);
     var weights = 0.0;
     let reach = i32(ceil(3.0 * params.sigma_px));
     for (var k = -reach; k <= reach; k++) {
-        let at = vec2i(id.xy) + params.direction * k;
-        if (any(at < vec2i(0)) || any(at >= vec2i(frame.size))) { continue; }
+        let near = vec2i(pixel) + params.direction * k;
+        if (any(near < vec2i(0)) || any(near >= vec2i(frame.size))) { continue; }
+        let at = pixel_of_moment(near);
+        if (any(at >= vec2i(frame.size))) { continue; }
         if (!reflects(textureLoad(cause, at, 0).x)) { continue; }
         let x = f32(k) / params.sigma_px;
         let alike = saturate(dot(normal, unpack_unit(textureLoad(surface, at, 0).y)) * 10.0 - 9.0);
@@ -38,5 +41,5 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         sum += textureLoad(source, at, 0).xyz * w;
         weights += w;
     }
-    textureStore(blurred, id.xy, vec4f(sum / max(weights, 1e-6), 1.0));
+    textureStore(blurred, pixel, vec4f(sum / max(weights, 1e-6), 1.0));
 }

@@ -37,16 +37,17 @@ fn faded(pixel: vec2u, direction: vec3f, found: vec3f) -> vec3f {
 
 @compute @workgroup_size(GROUP_PX, GROUP_PX)
 fn main(@builtin(global_invocation_id) id: vec3u) {
-    if (any(id.xy >= vec2u(frame.size))) { return; }
-    let lit = textureLoad(radiance, id.xy, 0);
-    var out = lit.xyz + textureLoad(specular, id.xy, 0).xyz;
+    let pixel = moment_pixel(id.xy);
+    if (any(pixel >= vec2u(frame.size))) { return; }
+    let lit = textureLoad(radiance, pixel, 0);
+    var out = lit.xyz + textureLoad(specular, pixel, 0).xyz;
     var unlit = lit.w;
-    if (HAS_TRANSMISSION) { out += light_behind(id.xy); }
-    out += light_scattered(id.xy);
+    if (HAS_TRANSMISSION) { out += light_behind(pixel); }
+    out += light_scattered(pixel);
     if (HAS_REFLECTIONS) {
-        if (reflects(textureLoad(cause, id.xy, 0).x)) {
-            let s = load_surface(id.xy);
-            let ray = reflected_ray(id.xy, s);
+        if (reflects(textureLoad(cause, pixel, 0).x)) {
+            let s = load_surface(pixel);
+            let ray = reflected_ray(pixel, s);
             var weight = ray.weight;
             if (FILTER && is_spread(s)) {
                 // Weight of the whole lobe, as the smoothed light is an average over facets. A ray of two lobes
@@ -55,13 +56,13 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
                 let only = only_lobe(s, view);
                 if (only.share > 0.0) { weight = specular_albedo(only.layer, view) * only.share; }
             }
-            out += weight * faded(id.xy, ray.direction, textureLoad(reflection, id.xy, 0).xyz);
+            out += weight * faded(pixel, ray.direction, textureLoad(reflection, pixel, 0).xyz);
         }
     }
     if (params.sample > 0u) {
-        let before = textureLoad(previous, id.xy, 0);
+        let before = textureLoad(previous, pixel, 0);
         out += before.xyz;
         unlit += before.w;
     }
-    textureStore(color, id.xy, vec4f(out, unlit));
+    textureStore(color, pixel, vec4f(out, unlit));
 }

@@ -16,15 +16,16 @@ struct Params {
 
 @compute @workgroup_size(GROUP_PX, GROUP_PX)
 fn main(@builtin(global_invocation_id) id: vec3u) {
-    if (any(id.xy >= vec2u(frame.size))) { return; }
+    let pixel = moment_pixel(id.xy);
+    if (any(pixel >= vec2u(frame.size))) { return; }
     var covered = 0.0;
-    if (textureLoad(view_depth, id.xy, 0).x < FAR_M) {
+    if (textureLoad(view_depth, pixel, 0).x < FAR_M) {
         covered = 1.0;
         if (HAS_TRANSMISSION) {
-            let own = coverage(load_surface(id.xy));
-            covered = own + (1.0 - own) * covered_behind(id.xy);
+            let own = coverage(load_surface(pixel));
+            covered = own + (1.0 - own) * covered_behind(pixel);
         }
     }
-    if (params.sample > 0u) { covered += textureLoad(coverage_sum, id.xy).x; }
-    textureStore(coverage_sum, id.xy, vec4f(covered, 0.0, 0.0, 0.0));
+    if (params.sample > 0u) { covered += textureLoad(coverage_sum, pixel).x; }
+    textureStore(coverage_sum, pixel, vec4f(covered, 0.0, 0.0, 0.0));
 }

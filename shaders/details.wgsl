@@ -10,13 +10,14 @@
 
 @compute @workgroup_size(GROUP_PX, GROUP_PX)
 fn main(@builtin(global_invocation_id) id: vec3u) {
-    if (any(id.xy >= vec2u(frame.size))) { return; }
-    let hit = textureLoad(ids, id.xy, 0).xy;
+    let pixel = surface_pixel(id.xy);
+    if (any(pixel >= vec2u(frame.size))) { return; }
+    let hit = textureLoad(ids, pixel, 0).xy;
     var s: Surface;
-    if (hit.x != NONE) { s = pixel_surface(id.xy, hit).surface; }
-    textureStore(details, id.xy, 0, textureLoad(colors, id.xy, 0));
-    textureStore(details, id.xy, 1, pack_details(s));
+    if (hit.x != NONE) { s = pixel_surface(pixel, hit).surface; }
+    textureStore(details, pixel, 0, textureLoad(colors, pixel, 0));
+    textureStore(details, pixel, 1, pack_details(s));
     if (HAS_COAT_NORMALS || HAS_ANISOTROPY) {
-        textureStore(details, id.xy, 2, vec4u(pack_unit(s.coat_normal), pack_unit(s.tangent), bitcast<u32>(s.anisotropy), 0u));
+        textureStore(details, pixel, 2, vec4u(pack_unit(s.coat_normal), pack_unit(s.tangent), bitcast<u32>(s.anisotropy), 0u));
     }
 }

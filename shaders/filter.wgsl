@@ -31,7 +31,9 @@ fn mean_hit_m(pixel: vec2i, farthest_m: f32) -> f32 {
     var sum = 0.0;
     var count = 0.0;
     for (var k = 0; k < 9; k++) {
-        let at = pixel + vec2i(k % 3 - 1, k / 3 - 1) * 2;
+        let near = pixel + vec2i(k % 3 - 1, k / 3 - 1) * 2;
+        if (!inside(near)) { continue; }
+        let at = pixel_of_moment(near);
         if (!inside(at) || !reflects(textureLoad(cause, at, 0).x) || textureLoad(source, at, 0).w == 0.0) { continue; }
         let found = textureLoad(hit, at, 0).xy;
         sum += select(min(bitcast<f32>(found.x), farthest_m), farthest_m, found.y == NONE);
@@ -63,7 +65,9 @@ fn filtered(pixel: vec2u, own: vec4f) -> vec3f {
     for (var k = 0u; k < params.taps; k++) {
         let r = sqrt((f32(k) + 0.5) / f32(params.taps));
         let angle = turn + GOLDEN_ANGLE * f32(k);
-        let at = vec2i(round(vec2f(pixel) + reach_px * r * vec2f(cos(angle), sin(angle))));
+        let near = vec2i(round(vec2f(pixel) + reach_px * r * vec2f(cos(angle), sin(angle))));
+        if (!inside(near)) { continue; }
+        let at = pixel_of_moment(near);
         if (!inside(at) || !reflects(textureLoad(cause, at, 0).x)) { continue; }
         let other = load_surface(vec2u(at));
         if (!is_spread(other)) { continue; }
@@ -83,8 +87,9 @@ fn filtered(pixel: vec2u, own: vec4f) -> vec3f {
 
 @compute @workgroup_size(GROUP_PX, GROUP_PX)
 fn main(@builtin(global_invocation_id) id: vec3u) {
-    if (any(id.xy >= vec2u(frame.size))) { return; }
-    var color = textureLoad(source, id.xy, 0);
-    if (reflects(textureLoad(cause, id.xy, 0).x)) { color = vec4f(filtered(id.xy, color), color.w); }
-    textureStore(blurred, id.xy, color);
+    let pixel = moment_pixel(id.xy);
+    if (any(pixel >= vec2u(frame.size))) { return; }
+    var color = textureLoad(source, pixel, 0);
+    if (reflects(textureLoad(cause, pixel, 0).x)) { color = vec4f(filtered(pixel, color), color.w); }
+    textureStore(blurred, pixel, color);
 }

@@ -24,12 +24,12 @@ fn find(pixel: vec2u) {
 
 @compute @workgroup_size(GROUP_PX, GROUP_PX)
 fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_id) local: vec3u) {
-    find(invoked_pixel(group, groups, local));
+    find(surface_pixel(invoked_place(group, groups, local)));
 }
 
 @compute @workgroup_size(GROUP_PX, GROUP_PX)
 fn counted(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_id) local: vec3u) {
-    let pixel = invoked_pixel(group, groups, local);
+    let pixel = surface_pixel(invoked_place(group, groups, local));
     find(pixel);
     textureStore(counts, pixel, vec4u(0u, traversals, visited_nodes, tested_triangles));
 }

@@ -81,15 +81,17 @@ fn resolve(pixel: vec2u) -> Resolved {
 
 @compute @workgroup_size(GROUP_PX, GROUP_PX)
 fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_id) local: vec3u, @builtin(local_invocation_index) lane: u32) {
-    let pixel = invoked_pixel(group, groups, local);
+    let pixel = surface_pixel(invoked_place(group, groups, local));
     let inside = all(pixel < vec2u(frame.size));
     var found = Resolved(UNREFLECTIVE, false);
     if (inside) { found = resolve(pixel); }
+    let is_shown = inside && shows_moment(pixel);
+    if (!is_shown) { found = Resolved(UNREFLECTIVE, false); }
     if (!HAS_REFLECTIONS && !HAS_TRANSMISSION) { return; }
     let kind = found.kind;
     var place = 0u;
     var transmissive_place = 0u;
-    if (HAS_REFLECTIONS && inside) {
+    if (HAS_REFLECTIONS && is_shown) {
         let causes = array<u32, 4>(CAUSE_NOT_REFLECTIVE, CAUSE_ROUGH, CAUSE_UNMARCHED, CAUSE_UNMARCHED);
         textureStore(cause, pixel, vec4u(causes[kind], 0u, 0u, 0u));
         place = atomicAdd(&tile_counts[kind], 1u);

@@ -1,6 +1,7 @@
 // Group 0: data that all passes of a frame share: the camera, the lights, the shadow maps.
 
 #import constants
+#import hash
 
 struct Frame {
     clip_from_world: mat4x4f,
@@ -28,6 +29,10 @@ struct Frame {
     diffuse_bounces: u32, // maximum number of diffuse scatterings along a path
     glint_limit: f32, // maximum radiance that a path adds after a random choice; 0: no limit
     hard_lights: u32, // number of lights without a size, which come first
+    moments: u32, // number of moments of the sub-frame; 1: all pixels show it
+    moment: u32, // index of the moment that is rendered
+    whole_surfaces: u32, // 1: surfaces are resolved for the pixels of other moments too
+    pad0: u32,
 }
 
 struct Light {
@@ -60,12 +65,51 @@ const PI: f32 = 3.14159265358979;
 // rows, and rows take unequal times.
 override ROW_SHUFFLES: u32 = 0u;
 
-// Pixel of an invocation, in passes over all pixels.
-fn invoked_pixel(group: vec3u, groups: vec3u, local: vec3u) -> vec2u {
+// Whether pixels of one sub-frame show different moments of an open shutter.
+override HAS_MOMENTS: bool = true;
+
+// Whether this share of a sub-frame has one pixel in each square of 2 × 2; else it has all.
+fn is_share() -> bool {
+    return HAS_MOMENTS && frame.moments > 1u;
+}
+
+// Pixel of a square that shows the moment; the squares are shuffled differently.
+fn moment_pixel(square: vec2u) -> vec2u {
+    if (!is_share()) { return square; }
+    let random = hash(square.x + hash(square.y));
+    let place = (frame.moment ^ random) * ((random >> 8u) | 1u) + (random >> 16u);
+    return 2u * square + vec2u(place & 1u, (place >> 1u) & 1u);
+}
+
+// Pixel that shows the moment, near another one.
+fn pixel_of_moment(near: vec2i) -> vec2i {
+    if (!is_share()) { return near; }
+    return vec2i(moment_pixel(vec2u(near) / 2u));
+}
+
+// Whether a pixel shows the moment.
+fn shows_moment(pixel: vec2u) -> bool {
+    return all(pixel_of_moment(vec2i(pixel)) == vec2i(pixel));
+}
+
+// Pixel of an invocation in passes that resolve surfaces.
+fn surface_pixel(invoked: vec2u) -> vec2u {
+    if (!is_share() || frame.whole_surfaces != 0u) { return invoked; }
+    return moment_pixel(invoked);
+}
+
+// Place of an invocation among those of passes over all pixels, or over the squares of which each has one that shows the
+// moment.
+fn invoked_place(group: vec3u, groups: vec3u, local: vec3u) -> vec2u {
     var row = group.y;
     let half = (groups.y + 1u) / 2u;
     for (var k = 0u; k < ROW_SHUFFLES; k++) { row = select(2u * (row - half) + 1u, 2u * row, row < half); }
     return vec2u(group.x, row) * GROUP_PX + local.xy;
+}
+
+// Pixel of an invocation, in passes over all pixels that show the moment.
+fn invoked_pixel(group: vec3u, groups: vec3u, local: vec3u) -> vec2u {
+    return moment_pixel(invoked_place(group, groups, local));
 }
 
 fn is_orthographic() -> bool {

@@ -2,6 +2,8 @@
 // dimensions (Burley 2020, "Practical Hash-based Owen Scrambling"). They depend on the pixel and the sub-frame
 // alone, and cover the square more evenly the more sub-frames there are.
 
+#import hash
+
 struct Sampling {
     first: u32, // index of the first sample of this sub-frame
     rays: u32, // number of rays towards lights per pixel and sub-frame
@@ -30,13 +32,6 @@ const CHANNEL_PAIR: u32 = 0x10006u; // first color channel of dispersion
 
 var<private> sample_seed: u32;
 var<private> sample_pair: u32; // number of dimension pairs used at this vertex
-
-// PCG (Jarzynski & Olano 2020, "Hash Functions for GPU Rendering").
-fn hash(x: u32) -> u32 {
-    let state = x * 747796405u + 2891336453u;
-    let word = ((state >> ((state >> 28u) + 4u)) ^ state) * 277803737u;
-    return (word >> 22u) ^ word;
-}
 
 // Starts the random numbers of a path vertex: `vertex` counts the surfaces along a path, 0 is that of the pixel.
 fn start_samples(pixel: vec2u, vertex: u32) {

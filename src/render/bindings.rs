@@ -55,6 +55,7 @@ impl BindingKey {
             lists: ListedParts {
                 reflections: plan.features.reflections,
                 transmission: plan.features.transmission,
+                moments: plan.features.moments,
             },
             color: Target::last_color(options.image.samples.count()),
             audit: options.audit,

@@ -11,6 +11,7 @@ use super::{
     edge_on::has_edge_on_surfaces,
     error::RenderError,
     lights::{ShadowView, lights},
+    pixel_share::PixelShare,
     probe::Probe,
     recorder::{PassTimes, Recorder, Timing},
     renderer::Renderer,
@@ -38,14 +39,21 @@ impl Renderer {
         let view = self.view(world, camera)?;
         let mut times = PassTimes::default();
         for sample in 0..samples {
-            let recorder = self.sub_frame(gpu, world, &view, sample, Timing::Passes, None);
+            let recorder = self.sub_frame(
+                gpu,
+                world,
+                &view,
+                PixelShare::all(sample),
+                Timing::Passes,
+                None,
+            );
             times.extend(self.submitted(recorder.finish())?);
             self.end_of_sub_frame(gpu, sample)?;
         }
         gpu.wait()?;
         let frame_ms = started.elapsed().as_secs_f64() * 1e3;
         let mut stats = self.stats(times.summed(), frame_ms);
-        let counters = &self.bindings.ray_list.counters;
+        let counters = self.bindings.ray_list.counted();
         stats.set_counters(&readback::read_buffer(gpu, counters)?);
         Ok(stats)
     }
@@ -64,7 +72,14 @@ impl Renderer {
         let view = self.view(world, camera)?;
         let mut before = None;
         for sample in 0..self.options.image.samples.count() {
-            let recorder = self.sub_frame(gpu, world, &view, sample, Timing::None, None);
+            let recorder = self.sub_frame(
+                gpu,
+                world,
+                &view,
+                PixelShare::all(sample),
+                Timing::None,
+                None,
+            );
             let submission = self.submitted(recorder.submit())?;
             if let Some(before) = before.replace(submission) {
                 gpu.wait_for(&before)?;
@@ -102,17 +117,25 @@ impl Renderer {
         result.inspect_err(|_| self.redraw_shadows())
     }
 
-    /// Records one sub-frame, pass by pass; a probe adds a measurement.
+    /// Whether a share of a sub-frame resolves the surfaces of all pixels: for the march, which meets those around, and
+    /// for AOVs, which show the frame's own moment.
+    fn resolves_all(&self, share: PixelShare) -> bool {
+        let marches = self.plan.features.reflections && self.method().marches();
+        marches || (share.is_last() && share.sample + 1 == self.options.image.samples.count())
+    }
+
+    /// Records the share of one sub-frame, pass by pass; a probe adds a measurement.
     pub(super) fn sub_frame<'a>(
         &'a self,
         gpu: &'a Gpu,
         world: &World,
         view: &View,
-        sample: u32,
+        share: PixelShare,
         timing: Timing,
         probe: Option<Probe>,
     ) -> Recorder<'a> {
-        let samples = self.options.image.samples.count();
+        let (sample, samples) = (share.sample, self.options.image.samples.count());
+        let whole_surfaces = self.resolves_all(share);
         let (view, shift) = &view.through_lens(sample, samples);
         let view = &view.reaching(&self.drawn_bounds());
         let jitter = jitter(sample, samples) + *shift;
@@ -124,15 +147,18 @@ impl Renderer {
             jitter,
             (settings, self.options.image.exposure_ev.ev()),
             (self.unit_m, self.plan.bounces),
+            (share, whole_surfaces),
         );
         let sampling = Sampling::new(world, &self.options.image, self.scene.emitters(), sample);
         self.uniforms.set(gpu, &frame, &block, &sampling);
         let size = self.options.image.size;
         let mut frame = SubFrame {
-            recorder: Recorder::new(gpu, &self.timer, timing, &self.bindings.shared, size),
+            recorder: Recorder::new(gpu, &self.timer, timing, &self.bindings.shared, size)
+                .over(share.squares(size)),
             options: &self.options,
             unit_m: self.unit_m,
-            sample,
+            share,
+            whole_surfaces,
             clip_from_world: view.clip_from_world(jitter),
             shadow_views,
             resources: self.resources(),

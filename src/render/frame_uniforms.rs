@@ -13,6 +13,7 @@ use super::{
     groove_table::groove_table,
     lights::in_order,
     lobe_table::lobe_table,
+    pixel_share::PixelShare,
     precision::brightest_emission,
     sheen_table::sheen_table,
     types::{Frame, LightBlock, Sampling},
@@ -97,13 +98,15 @@ fn empty_uniform(gpu: &Gpu, label: &str, size: usize) -> wgpu::Buffer {
 }
 
 impl Frame {
-    /// The block of one sub-frame; `bounces` is that of the plan.
+    /// The block of a share of one sub-frame; `bounces` is that of the plan. Pixels around lend no light where they show
+    /// other moments.
     pub fn new(
         world: &World,
         view: &View,
         jitter: Vec2,
         (settings, exposure_ev): (&ReflectionDesc, f32),
         (unit_m, bounces): (f32, u32),
+        (share, whole_surfaces): (PixelShare, bool),
     ) -> Self {
         let environment = &world.environment.desc;
         let radiance = |color: glam::Vec3| (color * environment.intensity).to_array();
@@ -125,7 +128,7 @@ impl Frame {
             bounces,
             ground: radiance(environment.ground),
             fade: u32::from(settings.fade),
-            reuse_light: u32::from(settings.reuse_light),
+            reuse_light: u32::from(settings.reuse_light && share.moments == 1),
             dimmest: match settings.method {
                 Method::Path => f32::MIN_POSITIVE,
                 _ => dimmest(world, exposure_ev, settings.bounces),
@@ -136,6 +139,10 @@ impl Frame {
             diffuse_bounces: settings.diffuse_bounces,
             glint_limit: settings.glint_limit,
             hard_lights: in_order(&world.lights).1 as u32,
+            moments: share.moments,
+            moment: share.moment,
+            whole_surfaces: u32::from(whole_surfaces),
+            pad0: 0,
         }
     }
 }

@@ -42,6 +42,7 @@ pub mod pass;
 mod pass_builder;
 pub mod passes;
 pub mod picture;
+pub mod pixel_share;
 pub mod plan;
 pub mod png_file;
 pub mod precision;

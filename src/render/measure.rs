@@ -10,6 +10,7 @@ use super::{
     pass::{COUNTED, MAIN, Pass},
     pass_builder::PassBuilder,
     passes::{counted_passes, ssr, trace},
+    pixel_share::PixelShare,
     probe::{Counted, PassCounts, Probe},
     recorder::Timing,
     renderer::Renderer,
@@ -29,7 +30,7 @@ impl Renderer {
     ) -> Result<(), RenderError> {
         let world = &*self.relative(world);
         let view = self.view(world, camera)?;
-        let recorder = self.sub_frame(gpu, world, &view, 0, Timing::None, None);
+        let recorder = self.sub_frame(gpu, world, &view, PixelShare::all(0), Timing::None, None);
         self.submitted(recorder.submit())?;
         gpu.wait()?;
         self.redraw_shadows();
@@ -53,7 +54,14 @@ impl Renderer {
         let mut sums: Vec<PassCounts> = Vec::new();
         for sample in 0..self.options.image.samples.count() {
             let probe = Some(Probe::Count);
-            let recorder = self.sub_frame(gpu, world, &view, sample, Timing::None, probe);
+            let recorder = self.sub_frame(
+                gpu,
+                world,
+                &view,
+                PixelShare::all(sample),
+                Timing::None,
+                probe,
+            );
             self.submitted(recorder.submit())?;
             for counted in &self.bindings.probes.counted {
                 let new = counted.read(gpu)?;
@@ -87,7 +95,14 @@ impl Renderer {
         let mut sum_ms = None;
         for sample in 0..self.options.image.samples.count() {
             let probe = Some(Probe::Traverse);
-            let recorder = self.sub_frame(gpu, world, &view, sample, Timing::Passes, probe);
+            let recorder = self.sub_frame(
+                gpu,
+                world,
+                &view,
+                PixelShare::all(sample),
+                Timing::Passes,
+                probe,
+            );
             let times = self.submitted(recorder.finish())?;
             let of = |(name, ms): &(String, f64)| (name == trace::TRAVERSE.name).then_some(*ms);
             if let Some(ms) = times.passes_ms.iter().find_map(of) {
@@ -114,7 +129,14 @@ impl Renderer {
         let view = self.view(world, camera)?;
         for sample in 0..self.options.image.samples.count() {
             let probe = Some(Probe::AcceptAll);
-            let recorder = self.sub_frame(gpu, world, &view, sample, Timing::None, probe);
+            let recorder = self.sub_frame(
+                gpu,
+                world,
+                &view,
+                PixelShare::all(sample),
+                Timing::None,
+                probe,
+            );
             self.submitted(recorder.submit())?;
         }
         let planes = aovs.iter().map(|aov| aov.plane(gpu, self, camera));

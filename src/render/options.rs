@@ -1,6 +1,6 @@
 //! Options of a renderer.
 
-use super::unit_costs::UnitCosts;
+use super::{pixel_share::needs_moments, unit_costs::UnitCosts};
 use reflet_scene::desc::{
     ImageDesc, LightDesc, LightKind, Method, ReflectionDesc, SceneDesc, ShadowMode,
 };
@@ -72,6 +72,11 @@ impl RenderOptions {
             reflection: self.reflection.settled(),
             ..*self
         }
+    }
+
+    /// Whether pixels of one sub-frame show different moments of an open shutter.
+    pub fn has_moments(&self) -> bool {
+        self.image.shutter > 0.0 && needs_moments(self.image.samples.count())
     }
 
     /// Whether all light is path traced without bias.

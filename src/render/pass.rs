@@ -116,8 +116,10 @@ impl Pass {
 
 /// Number of workgroups of a pass.
 pub enum Dispatch<'a> {
-    /// One invocation per pixel.
+    /// One invocation per pixel that shows the moment.
     PerPixel,
+    /// One invocation per pixel of the picture.
+    WholePicture,
     /// Workgroups for a list of pixels, whose number the GPU wrote.
     Listed(&'a RayList, List),
     /// One workgroup for each square tile with this side, pixels.
@@ -223,7 +225,7 @@ impl ComputePass {
     /// Records the pass; nothing if it was never bound.
     pub fn record(&self, recorder: &mut Recorder<'_>, dispatch: &Dispatch<'_>) {
         let Some(bound) = &self.bound else { return };
-        let size = recorder.size;
+        let (size, invoked) = (recorder.size, recorder.invoked);
         recorder.pass(self.pass.name, |encoder, recording| {
             let shared = recording.shared;
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
@@ -235,11 +237,14 @@ impl ComputePass {
             pass.set_bind_group(1, shared.group_for(self.used[1], 1), &[]);
             pass.set_bind_group(2, bound, &[]);
             match dispatch {
-                Dispatch::PerPixel => pass.dispatch_workgroups(
-                    size[0].div_ceil(self.tile[0]),
-                    size[1].div_ceil(self.tile[1]),
-                    1,
-                ),
+                Dispatch::PerPixel | Dispatch::WholePicture => {
+                    let [width, height] = match dispatch {
+                        Dispatch::PerPixel => invoked,
+                        _ => size,
+                    };
+                    let [x, y] = self.tile;
+                    pass.dispatch_workgroups(width.div_ceil(x), height.div_ceil(y), 1);
+                }
                 Dispatch::Tiles(side) => {
                     pass.dispatch_workgroups(size[0].div_ceil(*side), size[1].div_ceil(*side), 1);
                 }

@@ -3,7 +3,7 @@
 
 use reflet_gpu::{Gpu, GpuError, Named};
 
-use super::cause::Cause;
+use super::{cause::Cause, pixel_share::MOMENTS};
 
 /// Number of counters of a frame: one for each cause at the start, and those below at the end.
 pub const COUNTERS: usize = 20;
@@ -65,6 +65,8 @@ pub struct ListedParts {
     pub reflections: bool,
     /// Whether there are transmissive pixels: in a list that is free at that time, or alone.
     pub transmission: bool,
+    /// Whether pixels of one sub-frame may show different moments.
+    pub moments: bool,
 }
 
 impl ListedParts {
@@ -91,6 +93,8 @@ pub struct RayList {
     pub lists: wgpu::Buffer,
     /// Counters of causes, rays and hits; see [`RAY_COUNTER`].
     pub counters: wgpu::Buffer,
+    /// Counters of all moments that pixels of one sub-frame show, where they show several.
+    pub kept_counters: Option<wgpu::Buffer>,
     /// Workgroup counts of the passes over lists, four numbers each.
     pub arguments: wgpu::Buffer,
 }
@@ -119,12 +123,24 @@ impl RayList {
                 4 * COUNTERS as u64,
                 storage | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC,
             ),
+            kept_counters: parts.moments.then(|| {
+                make(
+                    "kept counters",
+                    4 * COUNTERS as u64 * u64::from(MOMENTS),
+                    wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC,
+                )
+            }),
             arguments: make(
                 "arguments",
                 LISTS as u64 * ARGUMENT_BYTES,
                 storage | wgpu::BufferUsages::INDIRECT,
             ),
         })
+    }
+
+    /// Counters of the last sub-frame: those of each of its moments, one after another.
+    pub fn counted(&self) -> &wgpu::Buffer {
+        self.kept_counters.as_ref().unwrap_or(&self.counters)
     }
 
     /// The buffers by their names in the shaders.

@@ -34,7 +34,7 @@ impl Renderer {
             }
         }
         if count && self.plan.features.reflections {
-            downloads.buffer(gpu, &self.bindings.ray_list.counters)?;
+            downloads.buffer(gpu, self.bindings.ray_list.counted())?;
         }
         Ok(Download {
             pending: downloads.start(gpu)?,

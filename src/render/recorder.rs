@@ -50,6 +50,8 @@ pub struct Recorder<'a> {
     pub shared: &'a SharedGroups,
     /// Width and height of the picture, pixels.
     pub size: [u32; 2],
+    /// Width and height of the invocations of passes over the pixels that show the moment.
+    pub invoked: [u32; 2],
     /// Timer of GPU timestamps; `None` without timing, or if the recorder waits instead.
     timer: Option<&'a Timer>,
     encoder: wgpu::CommandEncoder,
@@ -72,11 +74,17 @@ impl<'a> Recorder<'a> {
             gpu,
             shared,
             size,
+            invoked: size,
             timer: (timed && !gpu.is_software()).then_some(timer),
             encoder: encoder(gpu),
             waited: (timed && gpu.is_software()).then(PassTimes::default),
             fault: None,
         }
+    }
+
+    /// Has passes over pixels run over so many columns and rows of them.
+    pub fn over(self, invoked: [u32; 2]) -> Self {
+        Self { invoked, ..self }
     }
 
     /// The encoder, for untimed commands.

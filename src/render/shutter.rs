@@ -1,4 +1,4 @@
-//! Motion blur: pictures of a moving scene while the shutter is open; each sub-frame shows another moment.
+//! Motion blur: pictures of a moving scene while the shutter is open; each sub-frame shows other moments.
 
 use std::time::Instant;
 
@@ -11,6 +11,7 @@ use super::{
     error::RenderError,
     error_estimate::FirstHalf,
     picture::{PendingPicture, Picture, PictureRequest},
+    pixel_share::{MOMENTS, PixelShare, needs_moments},
     recorder::{PassTimes, Timing},
     renderer::Renderer,
     stats::FrameStats,
@@ -18,11 +19,11 @@ use super::{
 
 /// Poses of the moments of one picture.
 pub trait Moments {
-    /// The world at the moment of sub-frame `sample` of `samples`; the last sub-frame has the frame's own moment.
+    /// The world at a moment within the time that the shutter is open, -0.5 to 0.5; 0 is the frame's own.
     ///
     /// # Errors
     /// A script error at that moment.
-    fn pose(&mut self, sample: u32, samples: u32) -> Result<&World, RenderError>;
+    fn pose(&mut self, moment: f64) -> Result<&World, RenderError>;
 }
 
 impl Renderer {
@@ -38,17 +39,17 @@ impl Renderer {
     ) -> Result<FrameStats, RenderError> {
         let started = Instant::now();
         let mut times = PassTimes::default();
-        self.each_moment(gpu, moments, |renderer, world, sample| {
+        self.each_moment(gpu, moments, |renderer, world, share| {
             let view = renderer.view(world, &camera(world))?;
             let world = &*renderer.relative(world);
-            let recorder = renderer.sub_frame(gpu, world, &view, sample, Timing::Passes, None);
+            let recorder = renderer.sub_frame(gpu, world, &view, share, Timing::Passes, None);
             times.extend(renderer.submitted(recorder.finish())?);
             Ok(())
         })?;
         gpu.wait()?;
         let frame_ms = started.elapsed().as_secs_f64() * 1e3;
         let mut stats = self.stats(times.summed(), frame_ms);
-        let counters = &self.bindings.ray_list.counters;
+        let counters = self.bindings.ray_list.counted();
         stats.set_counters(&readback::read_buffer(gpu, counters)?);
         Ok(stats)
     }
@@ -92,8 +93,7 @@ impl Renderer {
         } else {
             self.submit_moments(gpu, moments, camera)?
         };
-        let samples = self.options.image.samples.count();
-        let world = moments.pose(samples - 1, samples)?;
+        let world = moments.pose(0.0)?;
         self.pending(gpu, &world.cameras[camera].value, request, stats)
     }
 
@@ -105,10 +105,10 @@ impl Renderer {
         camera: usize,
     ) -> Result<FrameStats, RenderError> {
         let mut before = None;
-        self.each_moment(gpu, moments, |renderer, world, sample| {
+        self.each_moment(gpu, moments, |renderer, world, share| {
             let view = renderer.view(world, &world.cameras[camera].value)?;
             let world = &*renderer.relative(world);
-            let recorder = renderer.sub_frame(gpu, world, &view, sample, Timing::None, None);
+            let recorder = renderer.sub_frame(gpu, world, &view, share, Timing::None, None);
             let submission = renderer.submitted(recorder.submit())?;
             if let Some(before) = before.replace(submission) {
                 gpu.wait_for(&before)?;
@@ -118,18 +118,24 @@ impl Renderer {
         Ok(self.stats(PassTimes::default(), 0.0))
     }
 
-    /// Poses the renderer for each sub-frame, and calls `record`.
+    /// Poses the renderer for each moment of each sub-frame, and calls `record`.
     fn each_moment(
         &mut self,
         gpu: &Gpu,
         moments: &mut dyn Moments,
-        mut record: impl FnMut(&Self, &World, u32) -> Result<(), RenderError>,
+        mut record: impl FnMut(&Self, &World, PixelShare) -> Result<(), RenderError>,
     ) -> Result<(), RenderError> {
         let samples = self.options.image.samples.count();
+        let moments_each = match self.plan.features.moments && needs_moments(samples) {
+            true => MOMENTS,
+            false => 1,
+        };
         for sample in 0..samples {
-            let world = moments.pose(sample, samples)?;
-            self.update(gpu, world)?;
-            record(self, world, sample)?;
+            for share in PixelShare::of_sub_frame(sample, moments_each) {
+                let world = moments.pose(share.moment_of(samples))?;
+                self.update(gpu, world)?;
+                record(self, world, share)?;
+            }
             self.end_of_sub_frame(gpu, sample)?;
         }
         Ok(())

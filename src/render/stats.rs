@@ -9,7 +9,9 @@ use super::{
     decide::Decision,
     error_estimate::ErrorEstimate,
     passes::trace,
-    ray_list::{AUDITED_COUNTER, EXHAUSTED_COUNTER, HIT_COUNTER, RAY_COUNTER, WRONG_COUNTER},
+    ray_list::{
+        AUDITED_COUNTER, COUNTERS, EXHAUSTED_COUNTER, HIT_COUNTER, RAY_COUNTER, WRONG_COUNTER,
+    },
 };
 
 /// Counts of pixels by cause and by source.
@@ -192,8 +194,16 @@ pub struct FrameStats {
 }
 
 impl FrameStats {
-    /// Sets the statistics that follow from the frame's counters.
+    /// Sets the statistics that follow from the counters of the last sub-frame, those of each of its moments one after
+    /// another.
     pub fn set_counters(&mut self, counters: &[u32]) {
+        let mut sums = vec![0; COUNTERS];
+        for moment in counters.chunks(COUNTERS) {
+            for (sum, count) in sums.iter_mut().zip(moment) {
+                *sum += count;
+            }
+        }
+        let counters = sums.as_slice();
         self.shares = Shares::new(counters, self.size, self.method);
         self.exhausted_rays = counters.get(EXHAUSTED_COUNTER).copied().unwrap_or(0);
         let counter = |index: usize| counters.get(index).copied().unwrap_or(0);

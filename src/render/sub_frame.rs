@@ -7,6 +7,7 @@ use super::{
     lights::ShadowView,
     options::RenderOptions,
     pass::{ComputePass, Dispatch},
+    pixel_share::PixelShare,
     probe::{Probe, Probes},
     recorder::Recorder,
     resources::Resources,
@@ -20,8 +21,10 @@ pub struct SubFrame<'a> {
     pub options: &'a RenderOptions,
     /// The length U in meters.
     pub unit_m: f32,
-    /// Index of the sub-frame, from 0.
-    pub sample: u32,
+    /// Pixels that are rendered, and the index of the sub-frame.
+    pub share: PixelShare,
+    /// Whether the surfaces of all pixels are resolved.
+    pub whole_surfaces: bool,
     /// World to clip, with this sub-frame's jitter.
     pub clip_from_world: Mat4,
     /// Views of the shadow maps, in the order of the lights.
@@ -42,6 +45,33 @@ impl SubFrame<'_> {
         if self.probe == Some(Probe::Count) {
             self.probes.clear(encoder);
         }
+    }
+
+    /// Keeps the counters for the statistics of all shares.
+    pub fn keep_counters(&mut self) {
+        let lists = self.resources.ray_list;
+        if let Some(kept) = &lists.kept_counters {
+            let encoder = self.recorder.encoder();
+            if self.share.is_first() {
+                encoder.clear_buffer(kept, 0, None);
+            }
+            let size = lists.counters.size();
+            let offset = u64::from(self.share.moment) * size;
+            encoder.copy_buffer_to_buffer(&lists.counters, 0, kept, offset, size);
+        }
+    }
+
+    /// Invocations of passes that resolve surfaces.
+    pub fn surfaces(&self) -> Dispatch<'static> {
+        match self.whole_surfaces {
+            true => Dispatch::WholePicture,
+            false => Dispatch::PerPixel,
+        }
+    }
+
+    /// Whether this is the end of the picture.
+    pub fn is_last(&self) -> bool {
+        self.share.is_last() && self.share.sample + 1 == self.options.image.samples.count()
     }
 
     /// Records a pass, or its probe variant.

@@ -95,6 +95,14 @@ gpu_struct! {
         glint_limit: f32,
         /// Number of lights without a size, which come first.
         hard_lights: u32,
+        /// Number of moments of the sub-frame; 1: all pixels show it.
+        moments: u32,
+        /// Index of the moment that is rendered.
+        moment: u32,
+        /// 1: surfaces are resolved for the pixels of other moments too.
+        whole_surfaces: u32,
+        /// Unused.
+        pad0: u32,
     }
 }
 

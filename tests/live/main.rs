@@ -16,6 +16,7 @@ mod includes;
 mod kit;
 mod latency;
 mod models;
+mod moments;
 mod params;
 mod picking;
 mod rebuilds;

@@ -74,12 +74,12 @@ impl FramePass for Compose {
 
     fn record(&self, frame: &mut SubFrame<'_>) {
         let params = Params {
-            sample: frame.sample,
+            sample: frame.share.sample,
             pad0: 0,
             pad1: 0,
             pad2: 0,
         };
-        let pass = &self.0[frame.sample as usize % 2];
+        let pass = &self.0[frame.share.sample as usize % 2];
         frame.dispatch_with(pass, &params, &Dispatch::PerPixel);
     }
 }

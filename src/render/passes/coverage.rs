@@ -53,7 +53,7 @@ impl FramePass for Coverage {
 
     fn record(&self, frame: &mut SubFrame<'_>) {
         let params = Params {
-            sample: frame.sample,
+            sample: frame.share.sample,
             pad0: 0,
             pad1: 0,
             pad2: 0,

@@ -2,7 +2,7 @@
 
 use crate::{
     frame_pass::FramePass,
-    pass::{ComputePass, Dispatch, Pass, PassGroup},
+    pass::{ComputePass, Pass, PassGroup},
     pass_builder::PassBuilder,
     sub_frame::SubFrame,
     targets::Target,
@@ -30,6 +30,7 @@ impl FramePass for Details {
     }
 
     fn record(&self, frame: &mut SubFrame<'_>) {
-        frame.dispatch(&self.0, &Dispatch::PerPixel);
+        let surfaces = frame.surfaces();
+        frame.dispatch(&self.0, &surfaces);
     }
 }

@@ -69,6 +69,7 @@ macro_rules! passes {
             pub(super) fn record(&self, frame: &mut SubFrame<'_>) {
                 frame.clear();
                 $(self.$module.record(frame);)*
+                frame.keep_counters();
             }
         }
     };

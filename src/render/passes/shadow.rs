@@ -98,9 +98,10 @@ impl FramePass for Shadow {
         })
     }
 
-    /// Records one render pass for each outdated map, in the first sub-frame.
+    /// Records one render pass for each outdated map: in the first sub-frame, and while a shutter is open in all, which
+    /// show other moments.
     fn record(&self, frame: &mut SubFrame<'_>) {
-        if frame.sample > 0 {
+        if frame.share.sample > 0 && frame.options.image.shutter <= 0.0 {
             return;
         }
         let (scene, maps) = (frame.resources.scene, frame.resources.maps);

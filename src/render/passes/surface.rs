@@ -3,7 +3,7 @@
 
 use crate::{
     frame_pass::FramePass,
-    pass::{ComputePass, Dispatch, Pass, PassGroup},
+    pass::{ComputePass, Pass, PassGroup},
     pass_builder::PassBuilder,
     plan::has_primary_rays,
     shared_data::SharedData,
@@ -56,6 +56,7 @@ impl FramePass for Surface {
     }
 
     fn record(&self, frame: &mut SubFrame<'_>) {
-        frame.dispatch(&self.0, &Dispatch::PerPixel);
+        let surfaces = frame.surfaces();
+        frame.dispatch(&self.0, &surfaces);
     }
 }

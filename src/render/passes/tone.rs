@@ -68,8 +68,8 @@ impl FramePass for Tone {
 
     fn record(&self, frame: &mut SubFrame<'_>) {
         let image = &frame.options.image;
-        if frame.sample + 1 == image.samples.count() {
-            frame.dispatch_with(&self.0, &Params::new(image), &Dispatch::PerPixel);
+        if frame.is_last() {
+            frame.dispatch_with(&self.0, &Params::new(image), &Dispatch::WholePicture);
         }
     }
 }

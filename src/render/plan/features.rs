@@ -288,6 +288,13 @@ features! {
         dropped: "bounces after the first" => "no reflector can see another",
             if scene.options.reflection.bounces.most() > 1;
     }
+    /// Whether pixels of one sub-frame show different moments of an open shutter.
+    moments {
+        used: scene.is_general() || scene.options.has_moments(),
+        constant: HAS_MOMENTS,
+        dropped: "moments by pixel" => "the many sub-frames show enough moments",
+            if scene.options.image.shutter > 0.0;
+    }
     /// Whether all light is path traced without bias.
     unbiased {
         used: scene.options.is_unbiased(),

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::{RenderError, shutter::Moments, view::shutter_moment};
+use crate::{RenderError, shutter::Moments};
 use reflet_scene::{
     diagnostic::Diagnostic,
     stages::{Animator, Scene},
@@ -23,11 +23,10 @@ pub struct OpenShutter<'a> {
 }
 
 impl<'a> OpenShutter<'a> {
-    /// Moments of the loaded frame in a picture of so many sub-frames; `None` where all show the same pose.
-    pub fn of(loaded: &'a mut LoadedScene, samples: u32) -> Option<Self> {
+    /// Moments of the loaded frame; `None` where all show the same pose.
+    pub fn of(loaded: &'a mut LoadedScene) -> Option<Self> {
         let LoadedScene { scene, world, .. } = loaded;
-        let moves = moves(scene, samples);
-        moves.then(|| Self::new(scene, world, loaded.frame, &|_| ()))
+        moves(scene).then(|| Self::new(scene, world, loaded.frame, &|_| ()))
     }
 
     /// The moments of a frame; `after` is called on the world after each pose.
@@ -47,14 +46,14 @@ impl<'a> OpenShutter<'a> {
     }
 }
 
-/// Whether this number of sub-frames shows different moments of the scene.
-pub fn moves(scene: &Scene, samples: u32) -> bool {
-    scene.image.shutter > 0.0 && samples > 1 && !scene.is_still()
+/// Whether pictures show different moments of the scene.
+pub fn moves(scene: &Scene) -> bool {
+    scene.image.shutter > 0.0 && !scene.is_still()
 }
 
 impl Moments for OpenShutter<'_> {
-    fn pose(&mut self, sample: u32, samples: u32) -> Result<&World, RenderError> {
-        let late_frames = self.open * shutter_moment(sample, samples);
+    fn pose(&mut self, moment: f64) -> Result<&World, RenderError> {
+        let late_frames = self.open * moment;
         let first = |errors: Vec<Diagnostic>| {
             let text = "the scene has no pose at this moment".to_owned();
             let unknown = || Diagnostic::in_file("bad-pose", Path::new("scene"), text);

@@ -115,12 +115,11 @@ impl Session {
     ) -> Result<PendingPicture, RenderError> {
         let camera = self.camera();
         self.complete()?;
-        let samples = self.renderer.options().image.samples.count();
         let renderer = &mut self.renderer;
-        if let Some(mut moments) = OpenShutter::of(&mut self.loaded, samples) {
+        if let Some(mut moments) = OpenShutter::of(&mut self.loaded) {
             let picture =
                 renderer.begin_picture_of_moments(&self.gpu, &mut moments, camera, request);
-            return picture.inspect_err(|_| close(renderer, &self.gpu, moments, samples));
+            return picture.inspect_err(|_| close(renderer, &self.gpu, moments));
         }
         let world = &self.loaded.world;
         let camera = &world.cameras[camera].value;
@@ -159,22 +158,21 @@ impl Session {
         camera: &dyn Fn(&World) -> CameraDesc,
         edit: &dyn Fn(&mut World),
     ) -> Result<FrameStats, RenderError> {
-        let samples = self.renderer.options().image.samples.count();
         let loaded = &mut self.loaded;
-        if self.coarse.is_some() || !open_shutter::moves(&loaded.scene, samples) {
+        if self.coarse.is_some() || !open_shutter::moves(&loaded.scene) {
             let world = self.coarse.as_ref().unwrap_or(&loaded.world);
             return self.renderer.render(&self.gpu, world, &camera(world));
         }
         let mut moments = OpenShutter::new(&loaded.scene, &mut loaded.world, loaded.frame, edit);
         let rendered = (self.renderer).render_moments(&self.gpu, &mut moments, camera);
-        rendered.inspect_err(|_| close(&mut self.renderer, &self.gpu, moments, samples))
+        rendered.inspect_err(|_| close(&mut self.renderer, &self.gpu, moments))
     }
 }
 
 /// Poses the world and the renderer at the end of a frame, where another moment of it failed: what comes after the
 /// error shows the frame, which was valid before.
-fn close(renderer: &mut RendererStage, gpu: &Gpu, mut moments: OpenShutter, samples: u32) {
-    if let Ok(world) = moments.pose(samples - 1, samples) {
+fn close(renderer: &mut RendererStage, gpu: &Gpu, mut moments: OpenShutter) {
+    if let Ok(world) = moments.pose(0.0) {
         let _ = renderer.update(gpu, world);
     }
 }

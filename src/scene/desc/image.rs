@@ -126,8 +126,9 @@ pub struct ImageDesc {
     pub alpha: bool,
     /// Time that the shutter is open around the frame's time, in frames, 0 to 1: more gives longer motion
     /// blur, 0.5 is the 180° shutter of film cameras. Tracks, animations of files, and scripts that use
-    /// `ctx.t` move while it is open. Each sub-frame shows one moment, so it takes many `samples`; the
-    /// preview shows motion blur where the view rests. Default 0.
+    /// `ctx.t` move while it is open. Each sub-frame of up to 16 shows four moments, in different pixels, so that
+    /// few `samples` give grainy streaks rather than copies; each of more shows one. The preview shows motion
+    /// blur where the view rests. Default 0.
     pub shutter: f32,
 }
 

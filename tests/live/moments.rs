@@ -1,0 +1,172 @@
+//! Motion blur of few sub-frames: pixels of one sub-frame show different moments of the open shutter.
+
+use reflet::{
+    render::{Picture, PlaneData},
+    runtime::{Session, SessionOptions, scene_text::SceneOptions},
+};
+
+use crate::{common::gpu_or_skip, kit::Folder};
+
+/// A ball that falls by 1.6 m while the shutter is open, before a wall and above a mirror.
+const SCENE: &str = r#"version = 1
+[image]
+size = [48, 64]
+shutter = 1
+[timeline]
+fps = 1
+end = 2
+[camera.main]
+eye = [0, 0, 6]
+target = [0, 0, 0]
+fov_deg = 40
+[material.ball]
+base_color = [0, 0, 0]
+emission = [1, 1, 1]
+[material.wall]
+base_color = [0.5, 0.5, 0.5]
+roughness = 1
+[material.mirror]
+metallic = 1
+roughness = 0
+[model.ball]
+shape = { kind = "sphere", radius = 0.2, segments = 24 }
+material = "ball"
+[model.wall]
+shape = { kind = "plane", size = [8, 8] }
+material = "wall"
+[model.mirror]
+shape = { kind = "plane", size = [8, 8] }
+material = "mirror"
+[[instance]]
+name = "ball"
+model = "ball"
+dynamic = true
+[[instance]]
+model = "wall"
+translation = [0, 0, -1.5]
+rotation_deg = [90, 0, 0]
+casts_shadow = false
+[[instance]]
+model = "mirror"
+translation = [0, -1.3, 0]
+[motion.instance.ball]
+translation = { keys = [{ at_s = 0, value = [0.1, 1.8, 0] }, { at_s = 2, value = [0.1, -1.4, 0] }] }
+[environment]
+color = [0.1, 0.1, 0.1]
+"#;
+
+/// The picture of frame 1 with settings that replace those of the scene.
+fn picture(scene: &str, set: &[&str], aovs: &[&str]) -> Picture {
+    let folder = Folder::new();
+    let path = folder.write("scene.toml", scene);
+    let options = SessionOptions {
+        scene: SceneOptions {
+            set: set.iter().map(|value| (*value).to_owned()).collect(),
+            ..SceneOptions::default()
+        },
+        ..SessionOptions::default()
+    };
+    let mut session = Session::open(path, &options).expect("opens");
+    session.pose(1).expect("poses");
+    session.render(aovs).expect("renders")
+}
+
+/// Brightness of each pixel, with the column and row.
+fn lit(picture: &Picture) -> impl Iterator<Item = ([usize; 2], f32)> {
+    let width = picture.size[0] as usize;
+    let pixels = picture.color.chunks_exact(4).enumerate();
+    pixels.map(move |(i, pixel)| ([i % width, i / width], pixel[0]))
+}
+
+fn mean(picture: &Picture) -> f64 {
+    lit(picture).map(|(_, value)| f64::from(value)).sum::<f64>() / picture.color.len() as f64 * 4.0
+}
+
+/// Root mean square of the difference of the means of 4 × 4 pixels.
+fn blurred_difference(a: &Picture, b: &Picture) -> f64 {
+    let mut sums = vec![0.0; a.color.len() / 16 + 1];
+    let squares = a.size[0] as usize / 4;
+    for (([x, y], a), (_, b)) in lit(a).zip(lit(b)) {
+        sums[y / 4 * squares + x / 4] += f64::from(a - b) / 16.0;
+    }
+    (sums.iter().map(|sum| sum * sum).sum::<f64>() / sums.len() as f64).sqrt()
+}
+
+/// One sub-frame shows the whole streak, in the mirror too, and four show it smoothly: what the eye averages is closer
+/// to the converged picture than with a moment for each sub-frame.
+#[test]
+fn few_samples_show_streaks_and_not_copies() {
+    if gpu_or_skip().is_none() {
+        return;
+    }
+    for method in ["rt", "hybrid", "path"] {
+        let of = |set: &[&str]| {
+            let method = format!("reflection.method={method:?}");
+            picture(SCENE, &[&[method.as_str()], set].concat(), &[])
+        };
+        let converged = of(&["image.samples=64"]);
+        let sharp = of(&["image.samples=1", "image.shutter=0"]);
+        let one = of(&["image.samples=1"]);
+        let [copies, streak] = [&sharp, &one].map(|p| blurred_difference(p, &converged));
+        assert!(streak < 0.45 * copies, "{method}: {streak} of {copies}");
+        let four = of(&["image.samples=4"]);
+        let smooth = blurred_difference(&four, &converged);
+        assert!(smooth < 0.5 * streak, "{method}: {smooth} of {streak}");
+        let brightness = mean(&four) / mean(&converged);
+        assert!((brightness - 1.0).abs() < 0.02, "{method}: {brightness}");
+    }
+}
+
+/// AOVs are those of the frame's own moment, of all pixels, and statistics count all pixels.
+#[test]
+fn depth_and_counts_are_those_of_the_whole_picture() {
+    if gpu_or_skip().is_none() {
+        return;
+    }
+    for method in ["reflection.method=\"rt\"", "reflection.method=\"hybrid\""] {
+        let aovs = ["depth", "ids", "normal"];
+        let blurred = picture(SCENE, &[method, "image.samples=2"], &aovs);
+        let still = ["image.samples=2", "image.shutter=0"];
+        let sharp = picture(SCENE, &[&[method], &still[..]].concat(), &aovs);
+        assert_ne!(blurred.color, sharp.color);
+        assert_eq!(blurred.planes, sharp.planes, "{method}");
+        let [blurred, sharp] = [&blurred, &sharp].map(|picture| picture.stats.shares.reflective);
+        assert!(blurred.abs_diff(sharp) < 20, "{blurred} and {sharp}");
+    }
+}
+
+/// A shadow map shows the moment of each sub-frame, as shadow rays do.
+#[test]
+fn shadow_maps_move_while_the_shutter_is_open() {
+    if gpu_or_skip().is_none() {
+        return;
+    }
+    let lamp = "[light.lamp]\nkind = \"directional\"\ndirection = [0, 0, -1]\nintensity_lux = 3\n";
+    let of = |shadow: &str, samples: &str| {
+        let scene = format!("{SCENE}{lamp}shadow = \"{shadow}\"\nshadow_px = 512\n");
+        let scene = scene.replace("emission = [1, 1, 1]", "");
+        picture(&scene, &["reflection.method=\"rt\"", samples], &[])
+    };
+    let samples = "image.samples=32";
+    let [map, ray] = ["map", "ray"].map(|shadow| of(shadow, samples));
+    let difference = blurred_difference(&map, &ray);
+    assert!(difference < 0.02, "{difference}");
+}
+
+/// Coverage adds up over moments, and pictures of odd sizes have all their pixels.
+#[test]
+fn alpha_and_odd_sizes_work_with_moments() {
+    if gpu_or_skip().is_none() {
+        return;
+    }
+    let scene = SCENE.replace("size = [8, 8]", "size = [0.01, 0.01]");
+    let scene = scene.replace("radius = 0.2", "radius = 0.7");
+    let set = ["image.size=[47, 63]", "image.alpha=true"];
+    let of = |samples: &str| picture(&scene, &[&set[..], &[samples]].concat(), &[]);
+    let (few, many) = (of("image.samples=3"), of("image.samples=64"));
+    let covered = |p: &Picture| p.color.chunks_exact(4).map(|pixel| pixel[3]).sum::<f32>();
+    let share = covered(&few) / covered(&many);
+    assert!((share - 1.0).abs() < 0.05, "{share}");
+    let ids = picture(&scene, &[&set[..], &["image.samples=1"]].concat(), &["ids"]);
+    assert!(matches!(&ids.planes[0].data, PlaneData::U32(ids) if ids.len() == 2 * 47 * 63));
+}
