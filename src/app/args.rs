@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 
 use super::frames::{Shard, parse_shard};
+pub use super::size_arg::{SizeArg, parse_size, parse_size_or_name};
 use crate::{runtime::scene_text::SceneOptions, scene::desc::Method};
 
 /// Source of the scene, and overrides of its values.
@@ -13,7 +14,8 @@ pub struct SceneArgs {
     /// Change a value of the scene, such as reflection.threshold_u=0.01; repeatable
     #[arg(long, value_name = "PATH=VALUE")]
     pub set: Vec<String>,
-    /// Lay [variant.NAME] of the scene over it; repeatable, the later over the earlier
+    /// Lay [variant.NAME] of the scene over it; repeatable, the later over the earlier. Without one, those that the
+    /// project names; "" is none
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     pub variant: Vec<String>,
     /// Folder to search for models, textures, bases and included files after the scene's own;
@@ -27,6 +29,12 @@ pub struct SceneArgs {
     /// parents stays with the first. Each kind has a warning
     #[arg(long)]
     pub lenient: bool,
+    /// File or folder of the scene's project, in place of the reflet.toml that is found in its folder or above
+    #[arg(long, value_name = "PATH", conflicts_with = "no_project")]
+    pub project: Option<PathBuf>,
+    /// Look for no reflet.toml, so that the scene reads files below its own folder and those of --assets alone
+    #[arg(long)]
+    pub no_project: bool,
 }
 
 impl SceneArgs {
@@ -37,6 +45,7 @@ impl SceneArgs {
             variant: self.variant.clone(),
             assets: self.assets.clone(),
             lenient: self.lenient,
+            project: self.project_choice(),
         }
     }
 }
@@ -48,9 +57,9 @@ pub struct PictureArgs {
     /// Overrides of scene values
     #[command(flatten)]
     pub from: SceneArgs,
-    /// Width and height in pixels, each 1 to 16384
-    #[arg(long, value_name = "WxH", value_parser = parse_size)]
-    pub size: Option<[u32; 2]>,
+    /// Width and height in pixels, each 1 to 16384, or the name of a size of the project
+    #[arg(long, value_name = "WxH", value_parser = parse_size_or_name)]
+    pub size: Option<SizeArg>,
     /// How reflections are found
     #[arg(long)]
     pub method: Option<MethodArg>,
@@ -109,6 +118,8 @@ impl PictureArgs {
                     variant,
                     assets: _,
                     lenient,
+                    project,
+                    no_project,
                 },
             size,
             method,
@@ -121,7 +132,7 @@ impl PictureArgs {
             adapter,
             plan,
         } = self;
-        let size = size.map(|[width, height]| format!("{width}x{height}"));
+        let size = size.as_ref().map(SizeArg::word);
         let method = method.map(|method| Method::from(method).name().to_owned());
         let window =
             (*denoise && *denoise_window != DENOISE_WINDOW).then(|| denoise_window.to_string());
@@ -146,10 +157,18 @@ impl PictureArgs {
         let mut options: Vec<_> = valued
             .flat_map(|(name, value)| option_words(name, &value))
             .collect();
-        for (name, is_set) in [("--denoise", denoise), ("--lenient", lenient)] {
+        for (name, is_set) in [
+            ("--denoise", denoise),
+            ("--lenient", lenient),
+            ("--no-project", no_project),
+        ] {
             options.extend(is_set.then(|| name.to_owned()));
         }
-        let paths = [("--shaders", shaders), ("--plan", plan)];
+        let paths = [
+            ("--shaders", shaders),
+            ("--plan", plan),
+            ("--project", project),
+        ];
         let paths = paths
             .into_iter()
             .filter_map(|(name, path)| Some((name, path.as_deref()?)));
@@ -165,11 +184,11 @@ impl PictureArgs {
 pub struct RenderArgs {
     /// Scene file or model; without one, the built-in atrium
     pub scene: Option<PathBuf>,
-    /// Picture to write: .png (tone-mapped) or .exr (linear radiance), with #### (at most 20) where the
+    /// Picture to write, without it that of the project: .png (tone-mapped) or .exr (linear radiance), with #### (at most 20) where the
     /// number of a frame goes, or %04d, $F4, <frame> or {frame:04}; or a film: .apng, or .mp4, .mov, .mkv or .webm through ffmpeg
     #[arg(short, long, value_name = "FILE")]
     #[allow(rustdoc::invalid_html_tags, reason = "the text is that of --help")]
-    pub output: PathBuf,
+    pub output: Option<PathBuf>,
     /// Frames of the scene's timeline, or of a model's animation: all, or a list such as 0-949, 1-20:2 or 1,3,5-9.
     /// Default: all where the output is a film or has #### in its name, else the first
     #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
@@ -195,6 +214,13 @@ pub struct RenderArgs {
     pub counters: bool,
 }
 
+impl RenderArgs {
+    /// File to write; empty as long as the project has not given it.
+    pub fn output(&self) -> &Path {
+        self.output.as_deref().unwrap_or(Path::new(""))
+    }
+}
+
 /// `preview`
 #[derive(Clone, Debug, Args)]
 #[command(
@@ -212,9 +238,9 @@ pub struct PreviewArgs {
     /// Overrides of scene values
     #[command(flatten)]
     pub from: SceneArgs,
-    /// Width and height of the window
-    #[arg(long, value_name = "WxH", value_parser = parse_size)]
-    pub size: Option<[u32; 2]>,
+    /// Width and height of the window, or the name of a size of the project
+    #[arg(long, value_name = "WxH", value_parser = parse_size_or_name)]
+    pub size: Option<SizeArg>,
     /// Reflection method to show first
     #[arg(long)]
     pub method: Option<MethodArg>,
@@ -338,36 +364,5 @@ pub fn option_words(name: &str, value: &str) -> Vec<String> {
     match value.starts_with('-') {
         true => vec![format!("{name}={value}")],
         false => vec![name.to_owned(), value.to_owned()],
-    }
-}
-
-/// `1280x720` as width and height.
-///
-/// # Errors
-/// Message that names the expected form.
-pub fn parse_size(text: &str) -> Result<[u32; 2], String> {
-    let sides = text.split_once(['x', 'X']);
-    let pair = sides.and_then(|(w, h)| Some([w.trim().parse().ok()?, h.trim().parse().ok()?]));
-    match pair {
-        Some(size) if size.iter().all(|side| (1..=16384).contains(side)) => Ok(size),
-        Some(_) => Err("each side must be 1 to 16384 pixels".to_owned()),
-        None => Err("expected WIDTHxHEIGHT, such as 1280x720".to_owned()),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn sizes_are_two_numbers_in_range() {
-        assert_eq!(parse_size("1280x720"), Ok([1280, 720]));
-        assert_eq!(parse_size("1X1"), Ok([1, 1]));
-        for bad in ["0x5", "16385x1"] {
-            assert!(parse_size(bad).expect_err(bad).contains("1 to 16384"));
-        }
-        for bad in ["", "5", "5x", "-1x5", "1x2x3", "99999999999x1"] {
-            assert!(parse_size(bad).expect_err(bad).contains("WIDTHxHEIGHT"));
-        }
     }
 }

@@ -24,23 +24,23 @@ pub fn runs(
 ) -> Result<Vec<(Option<usize>, RenderArgs)>, AppError> {
     let cameras = choose(loaded, args.picture.camera.as_deref())?;
     let name = |index: usize| loaded.world.cameras[index].name.as_str();
-    let shown = args.output.display();
-    let has_place = is_in(&args.output);
+    let shown = args.output().display();
+    let has_place = is_in(args.output());
     if let [index] = cameras.as_slice() {
         // Cuts may change the camera from frame to frame.
         let follows_cuts = args.picture.camera.is_none() && !loaded.scene.cuts.is_empty();
         let name = if follows_cuts { "cut" } else { name(*index) };
-        let output = file_of(&args.output, name);
+        let output = file_of(args.output(), name);
         let args = RenderArgs {
-            output,
+            output: Some(output),
             ..args.clone()
         };
         let chosen = args.picture.camera.is_some().then_some(*index);
         return Ok(vec![(chosen, args)]);
     }
     if !has_place {
-        let stem = args.output.with_extension("").display().to_string();
-        let ending = args.output.extension().unwrap_or_default().display();
+        let stem = args.output().with_extension("").display().to_string();
+        let ending = args.output().extension().unwrap_or_default().display();
         return Err(AppError::Usage(format!(
             "--output {shown}: {} cameras would be written to one file; write \
              {stem}.{PLACEHOLDER}.{ending}",
@@ -54,7 +54,7 @@ pub fn runs(
     let mut files: HashMap<PathBuf, &str> = HashMap::new();
     let mut runs = Vec::new();
     for index in cameras {
-        let output = file_of(&args.output, name(index));
+        let output = file_of(args.output(), name(index));
         if let Some(other) = files.insert(output.clone(), name(index)) {
             return Err(AppError::Usage(format!(
                 "--output {shown}: the cameras \"{other}\" and \"{}\" would be written to one file, \
@@ -64,7 +64,7 @@ pub fn runs(
             )));
         }
         let mut args = RenderArgs {
-            output,
+            output: Some(output),
             ..args.clone()
         };
         args.picture.camera = Some(name(index).to_owned());
@@ -131,10 +131,14 @@ fn file_of(output: &Path, camera: &str) -> PathBuf {
     let Some(name) = output.file_name().and_then(|name| name.to_str()) else {
         return output.to_owned();
     };
+    output.with_file_name(name.replace(PLACEHOLDER, &safe_name(camera)))
+}
+
+/// A name as a part of a file's name; characters that are unsafe there become `_`.
+pub fn safe_name(name: &str) -> String {
     let safe = |c: char| {
         let is_safe = c.is_alphanumeric() || "-_. ".contains(c);
         if is_safe { c } else { '_' }
     };
-    let camera: String = camera.chars().map(safe).collect();
-    output.with_file_name(name.replace(PLACEHOLDER, &camera))
+    name.chars().map(safe).collect()
 }

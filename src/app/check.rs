@@ -12,12 +12,14 @@ use super::{
     args::{CheckArgs, SceneArgs},
     error::AppError,
     lint::{KeptTrees, Lint},
-    print_json, print_out, sarif,
+    print_json, print_out,
+    project::check_output_of,
+    sarif,
 };
 use crate::{
     runtime::{
         kept_assets::KeptAssets,
-        scene_text::{LoadedScene, SceneText},
+        scene_text::{LoadedScene, SceneOptions, SceneText},
     },
     scene::{
         dependencies::Dependencies,
@@ -77,26 +79,38 @@ pub fn check(args: &CheckArgs) -> Result<(), AppError> {
 /// Returns the warnings about a scene and its summary line, or all messages. If no variant is chosen,
 /// each variant is checked too.
 fn check_one(path: &Path, from: &SceneArgs) -> Result<(Vec<Diagnostic>, String), Vec<Diagnostic>> {
+    let options = options(from);
     let text = match path == Path::new("-") {
-        true => SceneText::new(&read_stdin()?, Path::new(STDIN), &from.options()),
-        false => SceneText::read(Some(path), &from.options())?,
+        true => SceneText::new(&read_stdin()?, Path::new(STDIN), &options),
+        false => SceneText::read(Some(path), &options)?,
     };
     check_text(&text, from)
 }
 
 /// All messages about a scene; its text may be unsaved.
 pub fn messages(text: &Arc<Source>, from: &SceneArgs) -> Vec<Diagnostic> {
-    let text = SceneText::of(Arc::clone(text), &from.options());
+    let text = SceneText::of(Arc::clone(text), &options(from));
     match check_text(&text, from) {
         Ok((messages, _)) => messages,
         Err(messages) => messages,
     }
 }
 
+/// Options for opening a scene. Without chosen variants it is checked as it is and with each, not with those of its
+/// project.
+fn options(from: &SceneArgs) -> SceneOptions {
+    let mut options = from.options();
+    if options.variant.is_empty() {
+        options.variant.push(String::new());
+    }
+    options
+}
+
 fn check_text(
     text: &SceneText,
     from: &SceneArgs,
 ) -> Result<(Vec<Diagnostic>, String), Vec<Diagnostic>> {
+    check_output_of(text)?;
     let mut kept = Kept::default();
     let whole = check_variant(text.clone(), &mut kept, POSING);
     let mut failed = whole.is_err();
@@ -140,6 +154,9 @@ fn check_text(
         }
         n => summary += &format!(", {n} variants"),
     }
+    summary += &text
+        .project()
+        .map_or(String::new(), |project| project.in_words());
     match messages.len() {
         0 => {}
         1 => summary += ", 1 warning",

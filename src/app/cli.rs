@@ -7,6 +7,7 @@ use super::{
     bench::args::BenchArgs,
     cache::CacheArgs,
     job::JobCommand,
+    new::NewArgs,
     pack::{PackArgs, unpack::UnpackArgs},
 };
 use crate::bench::compare::CompareArgs;
@@ -24,6 +25,8 @@ pub struct Cli {
 /// The commands.
 #[derive(Clone, Debug, Subcommand)]
 pub enum Command {
+    /// Write a project into a new folder: reflet.toml, a scene that renders, materials and a studio of lights
+    New(NewArgs),
     /// Render a scene to pictures or a film
     Render(RenderArgs),
     /// Show a scene in a window; every save of its files shows at once
@@ -56,7 +59,11 @@ pub enum Command {
     /// for scene text and scripts (Language Server Protocol, on standard input and output); needs no GPU
     Lsp,
     /// Print the JSON Schema of scene text, for editors
-    Schema,
+    Schema {
+        /// Print that of projects (reflet.toml) instead
+        #[arg(long)]
+        project: bool,
+    },
     /// Print the manual of scene text, as Markdown
     Manual,
     /// Print the manual of scripts, as Markdown

@@ -3,7 +3,10 @@
 mod frame;
 mod table;
 
-use std::collections::BTreeMap;
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+};
 
 use serde::Serialize;
 
@@ -12,6 +15,7 @@ use super::{
     scene::load_scene,
 };
 use crate::{
+    files::folder_of,
     gpu::adapter::AdapterSummary,
     render::{
         RenderOptions,
@@ -21,7 +25,11 @@ use crate::{
         textures::Layers,
         types::GpuVertex,
     },
-    runtime::{ViewOverrides, parameters::setting, scene_text::LoadedScene},
+    runtime::{
+        ViewOverrides,
+        parameters::setting,
+        scene_text::{LoadedScene, asset_folders},
+    },
     scene::{
         desc::{Entry, LightKind, ParamValue, SceneDesc},
         diagnostic::print_diagnostics,
@@ -34,6 +42,10 @@ use crate::{
 pub struct Info {
     /// Path of the scene file, or the name of the built-in atrium.
     pub scene: String,
+    /// File of the scene's project; `None` for a scene of no project.
+    pub project: Option<String>,
+    /// Folders that files of the scene may be in, and below.
+    pub border: Vec<String>,
     /// Names of the cameras; the first is the default.
     pub cameras: Vec<String>,
     /// Unique meshes.
@@ -156,6 +168,7 @@ pub fn info(args: &InfoArgs) -> Result<(), AppError> {
     let found = check::lint(&mut loaded);
     print_diagnostics(&found);
     info.warnings += found.len();
+    info.border = border(&loaded, args);
     if let Ok(adapter) = AdapterSummary::first() {
         info.adapter = Some(adapter.name);
         info.adapter_lacks = adapter.lacks;
@@ -165,6 +178,28 @@ pub fn info(args: &InfoArgs) -> Result<(), AppError> {
     } else {
         print_out(&table::table(&info))
     }
+}
+
+/// Folders that files of the scene may be in, and below; none for the built-in atrium.
+fn border(loaded: &LoadedScene, args: &InfoArgs) -> Vec<String> {
+    let Some(scene) = &args.scene else {
+        return Vec::new();
+    };
+    let whole = |folder: &Path| Path::new(".").join(folder).canonicalize();
+    let own = match &loaded.project {
+        Some(project) => project.folder.clone(),
+        None => folder_of(scene).to_owned(),
+    };
+    let mut all: Vec<PathBuf> = Vec::new();
+    for folder in [own].into_iter().chain(asset_folders(&args.from.assets)) {
+        let folder = whole(&folder).unwrap_or(folder);
+        if !all.iter().any(|other| folder.starts_with(other)) {
+            all.push(folder);
+        }
+    }
+    all.iter()
+        .map(|folder| folder.display().to_string())
+        .collect()
 }
 
 /// Counts and measures a loaded scene. `plan_file` adds decisions by its unit costs to those of adapter kinds.
@@ -192,6 +227,8 @@ pub fn gather(loaded: &LoadedScene, plan_file: Option<&PlanFile>) -> Result<Info
     let cutoff = reflection.reflects_below();
     Ok(Info {
         scene: loaded.name.clone(),
+        project: (loaded.project.as_ref()).map(|project| project.file.display().to_string()),
+        border: Vec::new(),
         cameras: world.cameras.iter().map(|c| c.name.clone()).collect(),
         meshes: world.meshes.len(),
         triangles_stored: (0..world.meshes.len()).map(num_triangles).sum(),

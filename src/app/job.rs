@@ -73,7 +73,7 @@ impl TaskArgs {
         }
         Format::expect(&self.pictures)?;
         choose_aovs(&self.picture.aov)?;
-        let overrides = overrides(&self.picture);
+        let overrides = overrides(&self.picture, Some(&self.scene))?;
         let loaded = load_scene(Some(&self.scene), &self.picture.from, &overrides)?;
         choose_camera(&loaded, self.picture.camera.as_deref())?;
         let Some(timeline) = loaded.scene.timeline.as_ref() else {
@@ -117,7 +117,8 @@ fn openjd(args: &OpenjdArgs) -> Result<(), AppError> {
     } = args;
     let Film { loaded, frames } = args.film()?;
     let folders = asset_folders(&args.picture.from.assets);
-    let PictureWords { options, paths } = args.picture.words();
+    let picture = in_project(&args.picture, &loaded);
+    let PictureWords { options, paths } = picture.words();
     let own_path = |(option, path): (&'static str, &Path)| Ok((option, absolute(path)?));
     let bundle = Bundle {
         scene: absolute(&args.scene)?,
@@ -158,6 +159,14 @@ fn openjd(args: &OpenjdArgs) -> Result<(), AppError> {
         reflet_base::error_line!("wrote {}", path.display());
     }
     Ok(())
+}
+
+/// Settings of pictures that name the project which the scene was found to be of, so that tasks need not find it.
+fn in_project(picture: &PictureArgs, loaded: &LoadedScene) -> PictureArgs {
+    let mut picture = picture.clone();
+    let file = loaded.project.as_ref().map(|project| project.file.clone());
+    picture.from.project = file.or(picture.from.project);
+    picture
 }
 
 /// Absolute path, independent of the current folder; the file need not exist.
@@ -286,6 +295,11 @@ impl Bundle<'_> {
             .map(|file| file.display().to_string())
             .collect();
         files.insert(self.scene.display().to_string());
+        let project = loaded
+            .project
+            .iter()
+            .map(|project| project.file.display().to_string());
+        files.extend(project);
         let own = self.paths.iter().map(|(_, path)| path);
         let (folders, own): (Vec<_>, Vec<_>) = own.partition(|path| path.is_dir());
         files.extend(own.iter().map(|path| path.display().to_string()));

@@ -21,13 +21,15 @@ use serde_json::{Value, json};
 use self::{
     outline::{Part, words},
     position::{offset, path_of, range, uri_of},
+    tables::is_project,
 };
-use super::{args::SceneArgs, check::messages, error::AppError};
+use super::{args::SceneArgs, check::messages, error::AppError, project::check_output};
 use crate::{
     runtime::scene_text::SceneText,
     scene::{
         dependencies::Dependencies,
         diagnostic::{Diagnostic, Severity, Source, Span},
+        project::Project,
     },
 };
 
@@ -188,7 +190,8 @@ impl Server<'_> {
 
     fn check_changed(&mut self) {
         for (uri, extent) in std::mem::take(&mut self.changed) {
-            let Some(file) = self.open.get(&uri).filter(|file| is_scene(file)) else {
+            let is_checked = |file: &&Arc<Source>| is_scene(file) || is_project(&file.path);
+            let Some(file) = self.open.get(&uri).filter(is_checked) else {
                 continue;
             };
             let mut by_file = BTreeMap::from([(uri.clone(), Vec::new())]);
@@ -237,6 +240,9 @@ fn is_scene(file: &Source) -> bool {
 
 fn check(file: &Arc<Source>, extent: Extent) -> Vec<Diagnostic> {
     let from = SceneArgs::default();
+    if is_project(&file.path) {
+        return check_project(file);
+    }
     match extent {
         Extent::Whole => messages(file, &from),
         Extent::Text => {
@@ -247,6 +253,18 @@ fn check(file: &Arc<Source>, extent: Extent) -> Vec<Diagnostic> {
             }
         }
     }
+}
+
+/// All messages about the text of a project.
+fn check_project(file: &Arc<Source>) -> Vec<Diagnostic> {
+    let project = match Project::from_source(file) {
+        Ok(project) => project,
+        Err(messages) => return messages,
+    };
+    let output = project.desc.output.as_ref();
+    let error = output.and_then(|output| check_output(output).err());
+    let error = error.map(|error| *error);
+    project.warnings.into_iter().chain(error).collect()
 }
 
 /// A diagnostic in the protocol's form.

@@ -13,7 +13,12 @@ use clap::{
 };
 
 use crate::bench::compare::{CompareArgs, compare};
-use crate::scene::{diagnostic::printable_lines, manual::manual, schema::schema, script};
+use crate::scene::{
+    diagnostic::printable_lines,
+    manual::manual,
+    schema::{project_schema, schema},
+    script,
+};
 
 pub mod args;
 pub mod bench;
@@ -34,12 +39,14 @@ pub mod info;
 pub mod job;
 pub mod lint;
 pub mod lsp;
+pub mod new;
 pub mod output;
 pub mod pack;
 pub mod plan_file;
 #[cfg(feature = "window")]
 pub mod preview;
 pub mod progress;
+pub mod project;
 pub mod render;
 pub mod render_session;
 pub mod sarif;
@@ -48,6 +55,7 @@ pub mod sequence;
 pub mod shaders;
 pub mod shell;
 pub mod shutdown;
+pub mod size_arg;
 pub mod stats;
 
 use cli::{Cli, Command};
@@ -82,11 +90,13 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), AppError
         Command::Cache(args) => cache::cache(args),
         Command::Lsp => lsp::lsp(),
         Command::Job { command } => job::job(&command),
+        Command::New(args) => new::new(&args),
         Command::Pack(args) => pack::pack(&args),
         Command::Unpack(args) => pack::unpack::unpack(&args),
         Command::Compare(args) => run_compare(&args),
         Command::Bench(args) => bench::bench(&args),
-        Command::Schema => print_json(&schema()),
+        Command::Schema { project: false } => print_json(&schema()),
+        Command::Schema { project: true } => print_json(&project_schema()),
         Command::Manual => print_out(&manual()),
         Command::Scripting { definitions: true } => print_out(&script::api::definitions()),
         Command::Scripting { definitions: false } => print_out(&script::api::manual()),

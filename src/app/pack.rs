@@ -5,7 +5,7 @@
 
 mod hashed_read;
 mod manifest;
-mod unfinished;
+pub mod unfinished;
 pub mod unpack;
 
 use std::{
@@ -28,7 +28,7 @@ use super::{
 use crate::{
     files::{Inputs, Temporary, folder_of, open_regular, sweep},
     runtime::scene_text::{SceneText, asset_folders},
-    scene::dependencies::Dependencies,
+    scene::{dependencies::Dependencies, project::UNPACKED},
 };
 
 /// Arguments of `pack`.
@@ -51,7 +51,14 @@ pub struct PackArgs {
 /// replaced, and a file that cannot be read or written; then no pack is left.
 pub fn pack(args: &PackArgs) -> Result<(), AppError> {
     shutdown::listen();
-    let layout = Layout::of(args)?;
+    let layout = match args.from.project_of(Some(&args.scene))? {
+        None => Layout::of(args)?,
+        // The folder of a project has its links resolved.
+        Some(_) => Layout::of(&PackArgs {
+            scene: without_links(&args.scene),
+            ..args.clone()
+        })?,
+    };
     check_writable(&args.output, &Inputs::of(layout.files.values()))?;
     sweep(std::slice::from_ref(&args.output));
     let mut goal = Temporary::create(&args.output)
@@ -77,6 +84,13 @@ pub fn pack(args: &PackArgs) -> Result<(), AppError> {
     Ok(())
 }
 
+/// Path of a file in the folder that its own leads to.
+fn without_links(path: &Path) -> PathBuf {
+    let folder = Path::new(".").join(folder_of(path)).canonicalize();
+    let name = path.file_name().unwrap_or_default();
+    folder.map_or_else(|_| path.to_owned(), |folder| folder.join(name))
+}
+
 /// Files of a pack by their names in it, and its manifest.
 struct Layout {
     files: BTreeMap<String, PathBuf>,
@@ -98,13 +112,15 @@ impl Layout {
         let named = texts.paths().into_iter().chain(searched.paths());
         let paths = all_files(&scene, named, &loaded.world.files)?;
         let mut assets = Vec::new();
+        let project = loaded.project.as_deref();
         for folder in asset_folders(&args.from.assets) {
             let folder = absolute(&folder)?;
             if paths.iter().any(|path| path.starts_with(&folder)) && !assets.contains(&folder) {
                 assets.push(folder);
             }
         }
-        let places = Places::of(&scene, &paths, &assets);
+        let own = project.map(|project| project.folder.as_path());
+        let places = Places::of((&scene, own), &paths, &assets);
         let inside = |path: &Path| places.name(path);
         let manifest = Manifest {
             pack: 1,
@@ -115,6 +131,7 @@ impl Layout {
             set: args.from.set.clone(),
             variant: args.from.variant.clone(),
             lenient: args.from.lenient,
+            project: own.map(inside).transpose()?,
             frames: timeline.map(|t| [t.start, t.end]),
             files: Vec::new(),
         };
@@ -123,9 +140,12 @@ impl Layout {
             .into_iter()
             .map(named)
             .collect::<Result<BTreeMap<_, _>, AppError>>()?;
-        if files.contains_key(LIST) {
+        if let Some(name) = [LIST, UNPACKED]
+            .into_iter()
+            .find(|name| files.contains_key(*name))
+        {
             let text = format!(
-                "a file of the scene is named {LIST}, as the manifest of a pack is; rename it"
+                "a file of the scene is named {name}, as a file of all packs is; rename it"
             );
             return Err(AppError::Usage(text));
         }
@@ -145,16 +165,23 @@ impl Places {
     /// Places of the files at `paths`: those of the scene at the top, asset folders elsewhere as `assets`, `assets-2`, …,
     /// so that a pack does not tell where its maker keeps them. Where a text climbs out of its folder by `..`, all keep
     /// their places to each other.
-    fn of(scene: &Path, paths: &BTreeSet<PathBuf>, assets: &[PathBuf]) -> Self {
+    /// Files of a project, in the folder that is given with the scene, keep theirs in any case.
+    fn of(
+        (scene, project): (&Path, Option<&Path>),
+        paths: &BTreeSet<PathBuf>,
+        assets: &[PathBuf],
+    ) -> Self {
         let is_asset = |path: &Path| assets.iter().any(|folder| path.starts_with(folder));
         let own = paths
             .iter()
             .filter(|path| *path == scene || !is_asset(path));
-        let top = common_folder(own.map(|path| folder_of(path)));
+        let top = common_folder(own.map(|path| folder_of(path)).chain(project));
+        // Names in a project do not leave it.
+        let may_leave = |path: &Path| project.is_none_or(|folder| !path.starts_with(folder));
         let is_apart = |folder: &&PathBuf| !folder.starts_with(&top) && !top.starts_with(folder);
         let apart: Vec<&PathBuf> = assets.iter().filter(is_apart).collect();
-        if apart.is_empty() || paths.iter().any(|path| climbs(path)) {
-            let folders = paths.iter().map(|path| folder_of(path));
+        if apart.is_empty() || paths.iter().any(|path| may_leave(path) && climbs(path)) {
+            let folders = paths.iter().map(|path| folder_of(path)).chain(project);
             return Self {
                 top: common_folder(folders.chain(assets.iter().map(PathBuf::as_path))),
                 moved: Vec::new(),
@@ -335,20 +362,20 @@ mod tests {
         let paths = ["/home/me/show/a.toml", "/srv/lib/x.glb", "/opt/more/y.glb"];
         let paths: BTreeSet<_> = paths.map(PathBuf::from).into();
         let assets = ["/srv/lib", "/opt/more"].map(PathBuf::from);
-        let places = Places::of(Path::new("/home/me/show/a.toml"), &paths, &assets);
+        let places = Places::of((Path::new("/home/me/show/a.toml"), None), &paths, &assets);
         let name = |path: &str| places.name(Path::new(path)).expect("it is UTF-8");
         assert_eq!(name("/home/me/show/a.toml"), "a.toml");
         assert_eq!(name("/srv/lib/x.glb"), "assets/x.glb");
         assert_eq!(name("/opt/more"), "assets-2");
         let few = BTreeSet::from(["/home/me/show/a.toml", "/srv/lib/x/x.glb"].map(PathBuf::from));
         let nested = ["/srv/lib/x", "/srv/lib"].map(PathBuf::from);
-        let places = Places::of(Path::new("/home/me/show/a.toml"), &few, &nested);
+        let places = Places::of((Path::new("/home/me/show/a.toml"), None), &few, &nested);
         assert_eq!(
             places.name(Path::new("/srv/lib/x")).expect("it is UTF-8"),
             "assets/x"
         );
         let around = [PathBuf::from("/home/me")];
-        let places = Places::of(Path::new("/home/me/show/a.toml"), &paths, &around);
+        let places = Places::of((Path::new("/home/me/show/a.toml"), None), &paths, &around);
         assert_eq!(
             places.name(Path::new("/home/me")).expect("it is inside"),
             "home/me"

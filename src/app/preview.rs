@@ -26,6 +26,7 @@ pub fn preview(args: &PreviewArgs) -> Result<(), AppError> {
         WindowError::Session(error) => AppError::from_session(error, args.shaders.is_some()),
         WindowError::Display(text) => AppError::Internal(text),
     };
+    let size = (args.from).size(args.size.as_ref(), args.scene.as_deref())?;
     check_display().map_err(refused)?;
     let gpu = Arc::new(open_gpu(args.adapter.as_deref())?);
     let plan = args.plan.as_deref();
@@ -38,7 +39,7 @@ pub fn preview(args: &PreviewArgs) -> Result<(), AppError> {
         camera: args.camera.clone(),
         method: args.method.map(Method::from),
         costs: plan.map(|path| costs(path, &gpu)).transpose()?,
-        size: args.size.unwrap_or([1280, 800]),
+        size: size.unwrap_or([1280, 800]),
         screenshots,
     };
     show(gpu, &options).map_err(refused)

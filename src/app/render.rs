@@ -8,6 +8,7 @@ use super::{
     error::AppError,
     lint::Lint,
     output::picture_file::PictureFile,
+    project::with_output,
     render_session::RenderSession,
     scene::{inputs, load_scene},
     sequence, shaders,
@@ -24,13 +25,8 @@ use crate::{
 pub fn render(args: &RenderArgs) -> Result<(), AppError> {
     let started = Instant::now();
     // Cheap checks first, before rendering.
-    let many = sequence::is_sequence(args)?;
-    if !many {
-        if args.resume || args.shard.is_some() {
-            let text = "--resume and --shard need --frames";
-            return Err(AppError::Usage(text.to_owned()));
-        }
-        PictureFile::new(&args.output)?;
+    if args.output.is_some() {
+        check_kind(args)?;
     }
     let aovs = choose_aovs(&args.picture.aov)?;
     let library = shaders::library(args.picture.shaders.as_deref())?;
@@ -38,8 +34,10 @@ pub fn render(args: &RenderArgs) -> Result<(), AppError> {
     let loaded = load_scene(
         args.scene.as_deref(),
         &args.picture.from,
-        &overrides(&args.picture),
+        &overrides(&args.picture, args.scene.as_deref())?,
     )?;
+    let args = &with_output(args, &loaded)?;
+    let many = check_kind(args)?;
     let load_ms = load_started.elapsed().as_secs_f64() * 1e3;
     hint_at_mistakes(args.scene.as_deref(), &loaded);
     let inputs = inputs(
@@ -60,7 +58,7 @@ pub fn render(args: &RenderArgs) -> Result<(), AppError> {
             let session = RenderSession::new(&args, loaded, camera, aovs, &library)?;
             sequence::render(&args, session, &frames, (load_ms, started))
         } else {
-            let output = PictureFile::new(&args.output)?;
+            let output = PictureFile::new(args.output())?;
             output.check_files(&aovs, &inputs)?;
             let session = RenderSession::new(&args, loaded, camera, aovs, &library)?;
             picture(&args, session, &output, (load_ms, started))
@@ -75,6 +73,19 @@ pub fn render(args: &RenderArgs) -> Result<(), AppError> {
         }
     }
     failed.map_or(Ok(()), Err)
+}
+
+/// Checks the name of the output; returns whether it is for many frames.
+fn check_kind(args: &RenderArgs) -> Result<bool, AppError> {
+    let many = sequence::is_sequence(args)?;
+    if !many {
+        if args.resume || args.shard.is_some() {
+            let text = "--resume and --shard need --frames";
+            return Err(AppError::Usage(text.to_owned()));
+        }
+        PictureFile::new(args.output())?;
+    }
+    Ok(many)
 }
 
 /// Names likely mistakes of a scene, which `check` explains, on standard error.
@@ -168,13 +179,17 @@ pub fn choose_aovs(names: &[String]) -> Result<Vec<Aov>, AppError> {
 }
 
 /// Flags for scene values as overrides; they win over `--set`.
-pub fn overrides(args: &PictureArgs) -> Vec<String> {
-    let size = args.size.map(|[w, h]| format!("image.size=[{w}, {h}]"));
+///
+/// # Errors
+/// Same errors as [`SceneArgs::size`](super::args::SceneArgs::size).
+pub fn overrides(args: &PictureArgs, scene: Option<&Path>) -> Result<Vec<String>, AppError> {
+    let size = args.from.size(args.size.as_ref(), scene)?;
+    let size = size.map(|[w, h]| format!("image.size=[{w}, {h}]"));
     let samples = args
         .samples
         .map(|samples| format!("image.samples={samples}"));
     let method = args
         .method
         .map(|method| format!("reflection.method=\"{}\"", Method::from(method).name()));
-    [size, samples, method].into_iter().flatten().collect()
+    Ok([size, samples, method].into_iter().flatten().collect())
 }

@@ -29,7 +29,8 @@ pub fn load_scene(
 /// arguments.
 pub fn inputs<'a>(named: impl IntoIterator<Item = &'a Path>, loaded: &'a LoadedScene) -> Inputs {
     let read = loaded.world.files.iter().map(PathBuf::as_path);
-    Inputs::of(read.chain(named))
+    let project = loaded.project.iter().map(|project| project.file.as_path());
+    Inputs::of(read.chain(project).chain(named))
 }
 
 /// Refuses a scene that reads one of the files that will be written to a folder.

@@ -35,16 +35,16 @@ use crate::{
 /// Same errors as [`Template::new`]; [`AppError::Usage`] for an unknown extension, and a film with a frame
 /// number.
 pub fn is_sequence(args: &RenderArgs) -> Result<bool, AppError> {
-    let template = Template::new(&args.output)?;
-    let format = Format::expect(&args.output)?;
+    let template = Template::new(args.output())?;
+    let format = Format::expect(args.output())?;
     if matches!(format, Format::Film(_)) && template.is_some() {
         return Err(AppError::Usage(format!(
             "--output {}: a film is one file, so its name has no frame number; for frames write such \
              as film.####.png",
-            args.output.display()
+            args.output().display()
         )));
     }
-    Ok(args.frames.is_some() || template.is_some() || Format::is_film(&args.output))
+    Ok(args.frames.is_some() || template.is_some() || Format::is_film(args.output()))
 }
 
 /// The frames of a command, from its arguments and the timeline.
@@ -64,7 +64,7 @@ pub fn choose(args: &RenderArgs, timeline: Option<&TimelineDesc>) -> Result<Fram
         timeline,
     )?;
     let frames = all.shard(args.shard);
-    let in_one_file = Format::is_film(&args.output);
+    let in_one_file = Format::is_film(args.output());
     if in_one_file && (args.resume || args.shard.is_some()) {
         return Err(AppError::Usage(
             "--resume and --shard need one file per frame, such as film.####.png".to_owned(),
@@ -81,11 +81,11 @@ pub fn choose(args: &RenderArgs, timeline: Option<&TimelineDesc>) -> Result<Fram
             "--stats applies to one frame that is rendered; write --frames {first}, without --resume"
         )));
     }
-    let has_number = in_one_file || Template::new(&args.output)?.is_some();
+    let has_number = in_one_file || Template::new(args.output())?.is_some();
     if !has_number && frames.0.len() > 1 {
-        let shown = args.output.display();
-        let stem = args.output.with_extension("").display().to_string();
-        let ending = args.output.extension().unwrap_or_default().display();
+        let shown = args.output().display();
+        let stem = args.output().with_extension("").display().to_string();
+        let ending = args.output().extension().unwrap_or_default().display();
         return Err(AppError::Usage(format!(
             "--output {shown}: {} frames would be written to one file; write {stem}.####.{ending}",
             frames.0.len()
@@ -105,23 +105,23 @@ pub fn check_output(
     aovs: &[Aov],
     inputs: &Inputs,
 ) -> Result<(), AppError> {
-    if Format::is_film(&args.output) {
-        return check_writable(&args.output, inputs);
+    if Format::is_film(args.output()) {
+        return check_writable(args.output(), inputs);
     }
     let Some(first) = frames.0.first() else {
         return Err(AppError::Usage(
             "--shard: there are no frames in this part; choose fewer parts".to_owned(),
         ));
     };
-    let template = Template::new(&args.output)?;
+    let template = Template::new(args.output())?;
     if template.is_some() {
-        create_last_folder(&args.output)?;
+        create_last_folder(args.output())?;
     }
     // The largest frame number has the longest name.
     let last = frames.0.iter().max().unwrap_or(first);
     let name = |frame: u32| {
         let own = template.as_ref().map(|t| t.path(frame));
-        own.unwrap_or_else(|| args.output.clone())
+        own.unwrap_or_else(|| args.output().to_owned())
     };
     let output = PictureFile::new(&name(*last))?;
     let mut frames = frames.0.iter();
@@ -239,7 +239,7 @@ pub fn render(
 /// Files to write, with those of AOVs.
 fn files_of(target: &Target, args: &RenderArgs, planes: &[&str]) -> Vec<PathBuf> {
     match target {
-        Target::Film(_) => vec![args.output.clone()],
+        Target::Film(_) => vec![args.output().to_owned()],
         Target::Files { output, names } => {
             let files = names.iter().cloned().map(|name| output.renamed(name));
             files.flat_map(|file| file.files(planes)).collect()
@@ -313,18 +313,18 @@ fn target(
     frames: &FrameList,
 ) -> Result<Target, AppError> {
     let desc = &session.scene.scene().scene;
-    if let Format::Film(format) = Format::expect(&args.output)? {
+    if let Format::Film(format) = Format::expect(args.output())? {
         let fps = desc.timeline.as_ref().map_or(24.0, |t| t.fps);
-        let film = Film::new(&args.output, format, desc.image.size, fps, frames.0.len())?;
+        let film = Film::new(args.output(), format, desc.image.size, fps, frames.0.len())?;
         return Ok(Target::Film(Box::new(Mutex::new(film))));
     }
-    let template = Template::new(&args.output)?;
+    let template = Template::new(args.output())?;
     let name = |frame: &u32| {
         let own = template.as_ref().map(|t| t.path(*frame));
-        own.unwrap_or_else(|| args.output.clone())
+        own.unwrap_or_else(|| args.output().to_owned())
     };
     let names: Vec<_> = frames.0.iter().map(name).collect();
-    let first = names.first().unwrap_or(&args.output);
+    let first = names.first().map_or(args.output(), PathBuf::as_path);
     Ok(Target::Files {
         output: PictureFile::new(first)?,
         names,

@@ -39,6 +39,7 @@ pub mod parameters;
 mod pictures;
 pub mod read;
 pub mod renderer_stage;
+pub mod scene_options;
 pub mod scene_text;
 mod show;
 

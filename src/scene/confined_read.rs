@@ -1,4 +1,4 @@
-//! Text files that a scene names: read only from the scene's folder and the folders below it.
+//! Text files that a scene names: read only from the scene's folder and the folders below it, and inside its project.
 
 use std::{
     fs,
@@ -9,6 +9,7 @@ use std::{
 use super::{
     dependencies::Dependencies,
     diagnostic::{Diagnostic, Span},
+    reach::{Reach, lexical},
     suggest,
 };
 use reflet_base::files::{open_regular, read_at_most};
@@ -25,6 +26,10 @@ pub struct Kind {
     /// Largest file size, MiB.
     pub most_mib: u64,
 }
+
+/// Advice on names that climb out of the scene's folder.
+const IN_PROJECT: &str = "a project (`reflet.toml` in a folder above the scene, see `reflet new`) lets names begin with \
+                          `../` inside of its folder";
 
 /// A file that was read.
 #[derive(Debug)]
@@ -43,7 +48,7 @@ pub struct Problem {
     /// Message for the user.
     pub message: String,
     /// Advice on what to do; empty for none.
-    pub help: &'static str,
+    pub help: String,
     /// Place of the mistake, if it is inside the file.
     pub inside: Option<Span>,
     /// Whether the file does not exist.
@@ -52,10 +57,10 @@ pub struct Problem {
 
 impl Problem {
     /// A problem of the file as a whole.
-    pub fn new(message: String, help: &'static str) -> Self {
+    pub fn new(message: String, help: impl Into<String>) -> Self {
         Self {
             message,
-            help,
+            help: help.into(),
             inside: None,
             is_missing: false,
         }
@@ -81,27 +86,29 @@ impl Problem {
     }
 }
 
-/// Reads `file`, which may name a subfolder, from the first of `folders` that has it. Every path that is
+/// Reads `file`, which may name a subfolder, from the first of the folders that has it. Every path that is
 /// tried is added to `dependencies`, once the name is known to be allowed.
 ///
 /// # Errors
-/// A name or a link that leads out of the folder, a file that is missing, too large or not UTF-8.
+/// A name or a link that leads out of the folder and of the project, a file that is missing, too large or not UTF-8.
 pub fn read(
-    folders: &[PathBuf],
+    reach: &Reach,
     file: &str,
     kind: &Kind,
     dependencies: &Dependencies,
 ) -> Result<Found, Problem> {
     let mut first = None;
-    for folder in folders {
-        match read_in(folder, file, kind, dependencies) {
+    for folder in reach.folders() {
+        match read_in(reach, folder, file, kind, dependencies) {
             Err(problem) if problem.is_missing => first = first.or(Some(problem)),
+            // A name that climbs is most likely meant from the scene's own folder.
+            Err(_) if first.is_some() && climbs(file) => {}
             other => return other,
         }
     }
     let missing = || Problem::new(format!("{} is nowhere", suggest::text(file)), "");
     let mut problem = first.unwrap_or_else(missing);
-    if let [_, assets @ ..] = folders
+    if let [_, assets @ ..] = reach.folders()
         && !assets.is_empty()
     {
         let looked: Vec<_> = assets
@@ -113,7 +120,23 @@ pub fn read(
     Err(problem)
 }
 
+/// Problem of a name that leads out of the project.
+fn out_of_project(shown: &str, reach: &Reach) -> Problem {
+    let project = reach.project().unwrap_or(Path::new("")).display();
+    let message = format!("{shown} leads out of the project, whose folder is \"{project}\"");
+    let help = "move the file into the project, or name its folder by --assets DIR";
+    Problem::new(message, help)
+}
+
+/// Whether a name has a part `..`.
+fn climbs(file: &str) -> bool {
+    Path::new(file)
+        .components()
+        .any(|part| part == Component::ParentDir)
+}
+
 fn read_in(
+    reach: &Reach,
     folder: &Path,
     file: &str,
     kind: &Kind,
@@ -121,16 +144,31 @@ fn read_in(
 ) -> Result<Found, Problem> {
     let shown = suggest::text(file);
     let relative = Path::new(file);
+    let path = folder.join(relative);
+    let missing = |what: &str| Problem::new(format!("\"{}\" {what}", path.display()), kind.names);
     let plain = relative
         .components()
         .all(|c| matches!(c, Component::Normal(_) | Component::CurDir));
-    if !plain || file.is_empty() || file.contains('\\') {
+    let climbs = climbs(file) && reach.project().is_some();
+    if !(plain || climbs) || file.is_empty() || file.contains('\\') {
         let message = format!("{shown} is not below the scene's folder");
-        return Err(Problem::new(message, kind.inside));
+        let help = match plain {
+            true => kind.inside.to_owned(),
+            false => format!("{}; {IN_PROJECT}", kind.inside),
+        };
+        return Err(Problem::new(message, help));
     }
-    let path = folder.join(relative);
+    let root = fs::canonicalize(Path::new(".").join(folder));
+    let root = match root {
+        // Nothing outside of the project is looked at.
+        Ok(root) if climbs => {
+            let inside = lexical(&root, relative).filter(|path| reach.holds(path, &root));
+            inside.ok_or_else(|| out_of_project(&shown, reach))?;
+            Ok(root)
+        }
+        root => root,
+    };
     dependencies.add(path.clone());
-    let missing = |what: &str| Problem::new(format!("\"{}\" {what}", path.display()), kind.names);
     let real = fs::canonicalize(&path).map_err(|e| match e.kind() {
         ErrorKind::NotFound => Problem {
             is_missing: true,
@@ -138,11 +176,13 @@ fn read_in(
         },
         _ => missing(&format!("cannot be read: {e}")),
     })?;
-    let root = fs::canonicalize(Path::new(".").join(folder))
-        .map_err(|e| missing(&format!("cannot be read: {e}")))?;
-    if !real.starts_with(&root) {
+    let root = root.map_err(|e| missing(&format!("cannot be read: {e}")))?;
+    if !reach.holds(&real, &root) {
         let message = format!("{shown} resolves to a file outside the scene's folder");
-        return Err(Problem::new(message, kind.inside));
+        return Err(match reach.project() {
+            Some(_) => out_of_project(&shown, reach),
+            None => Problem::new(message, kind.inside),
+        });
     }
     let file = open_regular(&real, false);
     let bytes = file.and_then(|file| read_at_most(&file, kind.most_mib << 20));
@@ -152,7 +192,7 @@ fn read_in(
     })?;
     let text = String::from_utf8(bytes).map_err(|wrong| Problem {
         message: format!("{} must be UTF-8 text, and this byte is not", kind.one),
-        help: "save the file as UTF-8 in your editor",
+        help: "save the file as UTF-8 in your editor".into(),
         ..Problem::inside(Span::not_utf8(&path, &wrong))
     })?;
     Ok(Found { path, real, text })

@@ -14,6 +14,7 @@ mod include;
 mod light;
 mod material;
 mod motion;
+mod project;
 mod reflection;
 mod script;
 mod stage;
@@ -42,6 +43,7 @@ pub use self::{
         CutDesc, GroupMotionDesc, InstanceMotionDesc, ModelMotionDesc, MotionDesc, ParamValue,
         TimelineDesc,
     },
+    project::ProjectDesc,
     reflection::{Accept, Bounces, Marched, Method, REFLECTION, ReflectionDesc},
     script::ScriptDesc,
     stage::{StageDesc, is_stage},

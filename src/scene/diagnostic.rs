@@ -258,6 +258,16 @@ impl Diagnostic {
         self
     }
 
+    /// Path of the file that the message is about; `None` for none.
+    pub fn path(&self) -> Option<&Path> {
+        let source = self
+            .span
+            .source
+            .as_ref()
+            .map(|source| source.path.as_path());
+        source.or(self.file.as_deref())
+    }
+
     /// An error in a file that has no text positions (glTF, images).
     pub fn in_file(name: &'static str, file: &Path, message: impl Into<String>) -> Self {
         Self {

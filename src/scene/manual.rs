@@ -21,7 +21,12 @@ type Link<'a> = &'a dyn Fn(&str) -> Option<String>;
 /// The whole manual as one Markdown text, for a terminal.
 pub fn manual() -> String {
     let mut out = introduction();
-    for section in &super::parse::recorded_keys().sections {
+    let project = super::parse::recorded_project_keys().sections;
+    for section in super::parse::recorded_keys()
+        .sections
+        .iter()
+        .chain(&project)
+    {
         describe_section(&mut out, section, 2, &|_| None);
     }
     out
@@ -141,9 +146,14 @@ mod tests {
     use super::*;
     use crate::parse;
 
+    fn all_sections() -> Vec<SectionRecord> {
+        let project = parse::recorded_project_keys().sections;
+        [parse::recorded_keys().sections, project].concat()
+    }
+
     #[test]
     fn every_table_variant_and_key_has_its_comment() {
-        for section in &parse::recorded_keys().sections {
+        for section in &all_sections() {
             let name = section.type_name;
             assert!(!section_text(section).is_empty(), "{name} has no comment");
             let plain = section.keys.iter().map(|key| (None, key));
@@ -170,7 +180,7 @@ mod tests {
     /// The prose of `desc.rs` repeats ranges and defaults for readers of the source.
     #[test]
     fn comments_agree_with_the_ranges_and_defaults_that_are_read() {
-        for section in &parse::recorded_keys().sections {
+        for section in &all_sections() {
             let plain = section.keys.iter().map(|key| (None, key));
             let of_variants = section.variants.iter();
             let of_variants = of_variants.flat_map(|v| v.keys.iter().map(|k| (Some(v.word), k)));

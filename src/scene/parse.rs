@@ -26,17 +26,19 @@ mod table;
 mod value;
 mod value_advice;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 pub use self::document::{Document, Texts};
 pub use self::key_recorder::{Form, KeyRecord, RecordedKeys, Rule, SectionRecord, VariantRecord};
 pub use self::placed::{PlacedGroup, RanScript, Run, ScriptInput};
+pub use self::read::project::{read_project, recorded_project_keys};
 use self::table::Table;
 use reflet_base::files::{open_regular, read_at_most};
 
 use super::{
     desc::SceneDesc,
     diagnostic::{Diagnostic, Span},
+    reach::Border,
 };
 
 /// Largest scene file, bytes. Geometry belongs in glTF files.
@@ -59,7 +61,7 @@ pub struct ReadOptions {
     /// reading the scene.
     pub only_chosen: bool,
     /// Folders where bases, included files and scripts are looked for after the scene's own.
-    pub assets: Vec<PathBuf>,
+    pub border: Border,
 }
 
 impl From<&[String]> for ReadOptions {

@@ -4,7 +4,9 @@ use serde_json::{Map, Value, json};
 
 use super::{
     manual,
-    parse::{Form, KeyRecord, Rule, SectionRecord, VariantRecord, recorded_keys},
+    parse::{
+        Form, KeyRecord, Rule, SectionRecord, VariantRecord, recorded_keys, recorded_project_keys,
+    },
 };
 
 /// The key that every scene file must have, also one with a `base`.
@@ -14,7 +16,15 @@ const VERSION: &str = "version";
 /// nothing, directions that are zero, matrices that are singular, keys that are missing here and stand in a
 /// `base`.
 pub fn schema() -> Value {
-    let sections = recorded_keys().sections;
+    document("Reflet scene", &recorded_keys().sections)
+}
+
+/// The schema of `reflet.toml`, draft 2020-12.
+pub fn project_schema() -> Value {
+    document("Reflet project", &recorded_project_keys().sections)
+}
+
+fn document(title: &str, sections: &[SectionRecord]) -> Value {
     let mut tables = sections.iter();
     let mut root = tables.next().map(table).unwrap_or_default();
     let defs: Map<_, _> = tables
@@ -24,7 +34,7 @@ pub fn schema() -> Value {
         "$schema".into(),
         "https://json-schema.org/draft/2020-12/schema".into(),
     );
-    root.insert("title".into(), "Reflet scene".into());
+    root.insert("title".into(), title.into());
     root.insert("x-tombi-toml-version".into(), "v1.1.0".into());
     root.insert("$defs".into(), defs.into());
     root.into()

@@ -28,7 +28,7 @@ mod source_files;
 mod tokens;
 mod value;
 
-use std::{collections::HashSet, fmt, path::PathBuf, sync::Arc};
+use std::{collections::HashSet, fmt, sync::Arc};
 
 use rhai::{AST, CallFnOptions, Dynamic, Engine, EvalAltResult, Scope};
 
@@ -45,6 +45,7 @@ use super::{
     desc::{At, Entry, ParamValue, ScriptDesc, TimelineDesc},
     diagnostic::{Diagnostic, Returned},
     motion::{FrameState, Kind, ScriptNames},
+    reach::Reach,
 };
 
 pub use self::{
@@ -77,17 +78,17 @@ impl fmt::Debug for Script {
 
 impl Script {
     /// Reads and compiles a script that a scene names, and all files that it imports. Files are read from
-    /// `folders` alone, the scene's first; those that are looked for are added to `dependencies`, also when
+    /// the folders of the scene and of libraries of scripts alone, the scene's first; those that are looked for are added to `dependencies`, also when
     /// this fails.
     ///
     /// # Errors
     /// A file that is missing or outside the folder, and mistakes of the script, with their places.
     pub fn load(
-        folders: &[PathBuf],
+        reach: &Reach,
         file: &At<String>,
         dependencies: &Dependencies,
     ) -> Result<Self, Box<Diagnostic>> {
-        let sources = Arc::new(Sources::new(folders, dependencies));
+        let sources = Arc::new(Sources::new(reach, dependencies));
         let (name, text) = sources
             .read(&file.value)
             .map_err(|problem| Box::new(problem.at_name("script-file", file.at.clone())))?;

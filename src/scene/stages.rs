@@ -110,7 +110,7 @@ impl Scene {
     ) -> Read {
         let source = Arc::new(Source::new(path, text));
         Self::from_texts(
-            &Texts::collect(source, &options.assets),
+            &Texts::collect(source, &options.border),
             options,
             dependencies,
         )
@@ -193,7 +193,7 @@ fn run_setup(
     let Some(file) = document.script() else {
         return Ok(None);
     };
-    let script = Script::load(document.folders(), &file, dependencies)?;
+    let script = Script::load(document.reach(), &file, dependencies)?;
     let (params, timeline) = document.setup_input().ok_or(None)?;
     let (text, log) = script.setup(&params, timeline.as_ref())?;
     Ok(Some((script, text, log)))
@@ -213,7 +213,7 @@ fn run_placed(
 ) -> Result<RanScript, Box<Diagnostic>> {
     let script = match input.known {
         Some(number) => all[number].0.clone(),
-        None => Script::load(input.folders, input.file, dependencies)?,
+        None => Script::load(input.reach, input.file, dependencies)?,
     };
     let (text, log) = script.setup(input.params, input.timeline)?;
     let ran = RanScript {

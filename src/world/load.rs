@@ -49,6 +49,8 @@ pub use preloaded_models::PreloadedModels;
 pub struct LoadOptions {
     /// Folders searched after the scene's own, in this order.
     pub assets: Vec<PathBuf>,
+    /// Folder of the scene's project, inside of which names may climb by `..`.
+    pub project: Option<PathBuf>,
     /// Largest width and height of an image, pixels.
     pub max_texture_px: u32,
     /// Most bytes that all images may decode to together.
@@ -71,6 +73,7 @@ impl Default for LoadOptions {
     fn default() -> Self {
         Self {
             assets: Vec::new(),
+            project: None,
             max_texture_px: 16384,
             image_budget_bytes: 2 << 30,
             max_file_bytes: 4 << 30,
@@ -185,12 +188,13 @@ impl<'a> Loader<'a> {
             .chain(&options.assets)
             .cloned()
             .collect();
+        let roots = folders.iter().chain(&options.project);
         let memory = (options.memory_bytes).map_or_else(Budget::of_machine, Budget::new);
         Self {
             desc,
             options,
             memory: memory.clone(),
-            sandbox: Sandbox::new(folders.iter().map(PathBuf::as_path), options.max_file_bytes)
+            sandbox: Sandbox::new(roots.map(PathBuf::as_path), options.max_file_bytes)
                 .with_dependencies(&options.dependencies),
             models: ByName::of(&desc.models),
             named_materials: ByName::of(&desc.materials),
@@ -235,6 +239,11 @@ impl<'a> Loader<'a> {
                 }) => {
                     looked.push(format!("\"{}\"", folder.join(&name.value).display()));
                 }
+                // A name that climbs is most likely meant from the scene's own folder.
+                Err(Fault {
+                    name: "path-escape",
+                    ..
+                }) if !looked.is_empty() => {}
                 Err(fault) => {
                     let mut error = error_at(fault.name, &name.at, fault.message);
                     error.help = fault.help;
@@ -312,6 +321,7 @@ impl<'a> Loader<'a> {
             images,
             has_default_camera,
             mesh_warnings,
+            folders: self.folders,
             files,
             panorama: (source, self.world.environment.panorama.clone()),
         };

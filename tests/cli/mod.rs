@@ -6,6 +6,7 @@ mod denoise;
 mod info;
 mod lsp;
 mod messages;
+mod project;
 mod statistics;
 
 use std::{

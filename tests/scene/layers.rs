@@ -8,6 +8,7 @@ use reflet::scene::{
     desc::{LightKind, ModelSource, PlacementDesc, ShapeDesc},
     diagnostic::render_all,
     parse::ReadOptions,
+    reach::Border,
     stages::Scene,
 };
 
@@ -35,7 +36,10 @@ impl Folder {
         let options = ReadOptions {
             overrides: owned(set),
             variants: owned(variants),
-            assets: vec![self.0.join("library")],
+            border: Border {
+                assets: vec![self.0.join("library")],
+                ..Border::default()
+            },
             ..ReadOptions::default()
         };
         let read = Scene::from_text_traced(&text, &path, &options, &Dependencies::default());

@@ -5,6 +5,13 @@ use std::fmt::Write as _;
 use super::{Info, Timeline};
 use crate::{app::stats::mebibytes, render::decide::Decision, scene::desc::LightKind};
 
+/// Project of the scene, and the folders that its files may be in.
+fn files(info: &Info) -> Vec<(&'static str, String)> {
+    let project = info.project.iter().map(|file| ("project", file.clone()));
+    let border = info.border.iter().map(|folder| ("border", folder.clone()));
+    project.chain(border).collect()
+}
+
 /// Table with a line for each fact.
 pub fn table(info: &Info) -> String {
     let mut out = String::new();
@@ -13,6 +20,9 @@ pub fn table(info: &Info) -> String {
         let _ = writeln!(out, "{label:<12}{value}");
     };
     line("scene", info.scene.clone());
+    for (label, value) in files(info) {
+        line(label, value);
+    }
     line("cameras", info.cameras.join(", "));
     line(
         "triangles",

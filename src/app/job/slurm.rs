@@ -4,13 +4,14 @@ use std::{fmt::Write as _, path::PathBuf};
 
 use clap::Args;
 
-use super::{Film, TaskArgs, absolute};
+use super::{Film, TaskArgs, absolute, in_project};
 use crate::{
     app::{
         cameras, error::AppError, frame_spans::spans, output::writable::check_writable,
         scene::inputs,
     },
     files::write_whole,
+    runtime::scene_text::LoadedScene,
 };
 use reflet_base::shell::shell_word;
 
@@ -71,7 +72,7 @@ fn script(args: &TaskArgs, film: &Film) -> Result<String, AppError> {
         let _ = write!(script, " {chunk}");
     }
     script.push_str(" )\n# exec: signals of Slurm reach reflet, which ends after its current frame.\nexec reflet render");
-    for argument in command(args)? {
+    for argument in command(args, &film.loaded)? {
         let _ = write!(script, " {}", shell_word(&argument));
     }
     script.push_str(" --frames \"${chunks[$SLURM_ARRAY_TASK_ID]}\"\n");
@@ -79,7 +80,7 @@ fn script(args: &TaskArgs, film: &Film) -> Result<String, AppError> {
 }
 
 /// Arguments of `render` that all tasks share.
-fn command(args: &TaskArgs) -> Result<Vec<String>, AppError> {
+fn command(args: &TaskArgs, loaded: &LoadedScene) -> Result<Vec<String>, AppError> {
     let path = |path: &std::path::Path| {
         let path = absolute(path)?;
         let text = path.to_str().map(str::to_owned);
@@ -95,7 +96,8 @@ fn command(args: &TaskArgs) -> Result<Vec<String>, AppError> {
     for folder in crate::runtime::scene_text::asset_folders(&args.picture.from.assets) {
         command.extend(["--assets".into(), path(&folder)?]);
     }
-    let words = args.picture.words();
+    let picture = in_project(&args.picture, loaded);
+    let words = picture.words();
     command.extend(words.options);
     for (option, own) in words.paths {
         command.extend([option.into(), path(own)?]);

@@ -10,18 +10,16 @@ use std::{
 use serde_json::{Value, json};
 
 use super::{
-    names::{files_of_value, kinds_of_value, names, with_parts},
+    names::{border_of, files_of_value, kinds_of_value, names, with_parts},
     outline::{Part, Word, words, words_before},
     position::{range, uri_of},
-    tables::{Below, below, key, keys_of, table},
+    tables::{Below, Manual, is_project, keys_of},
 };
-use crate::{
-    runtime::scene_text::asset_folders,
-    scene::{
-        diagnostic::Source,
-        manual::{key_text, section_text, variant_text},
-        parse::{Form, KeyRecord, SectionRecord},
-    },
+use crate::files::folder_of;
+use crate::scene::{
+    diagnostic::Source,
+    manual::{key_text, section_text, variant_text},
+    parse::{Form, KeyRecord, SectionRecord},
 };
 
 /// Limits of file completion: number of files, and depth of the folders searched.
@@ -33,6 +31,7 @@ const MODULE: u32 = 9;
 const PROPERTY: u32 = 10;
 const VALUE: u32 = 12;
 const FILE: u32 = 17;
+const FOLDER: u32 = 19;
 const REFERENCE: u32 = 18;
 
 /// Completions at a byte offset.
@@ -45,7 +44,7 @@ pub fn complete(file: &Arc<Source>, offset: usize) -> Vec<Value> {
     };
     match &word.part {
         Part::Header => headers(file, &word),
-        Part::Key => match table(&word.table) {
+        Part::Key => match Manual::of(&file.path).table(&word.table) {
             Some(section) => keys(section),
             None => Vec::new(),
         },
@@ -79,7 +78,7 @@ fn keys(section: &'static SectionRecord) -> Vec<Value> {
 
 /// Completions of a table header: tables, or names in use where users choose names.
 fn headers(file: &Arc<Source>, word: &Word) -> Vec<Value> {
-    match below(&word.table) {
+    match Manual::of(&file.path).below(&word.table) {
         Some(Below::Table(section)) => {
             let is_table = |key: &KeyRecord| {
                 key.forms
@@ -114,7 +113,8 @@ fn values(file: &Arc<Source>, word: &Word, name: &str, quoted: bool) -> Vec<Valu
         false => format!("\"{text}\""),
     };
     let mut all = Vec::new();
-    if let Some((section, _, key)) = key(&word.table, name) {
+    let manual = Manual::of(&file.path);
+    if let Some((section, _, key)) = manual.key(&word.table, name) {
         let meaning = key_text(section, None, key);
         let words = key.words.iter().flat_map(|(_, words)| *words);
         all.extend(words.map(|w| item(&text(w), VALUE, &meaning)));
@@ -123,9 +123,17 @@ fn values(file: &Arc<Source>, word: &Word, name: &str, quoted: bool) -> Vec<Valu
             all.extend(["true", "false"].map(|w| item(w, VALUE, &meaning)));
         }
     }
-    if let Some(section) = table(&word.table) {
+    if let Some(section) = manual.table(&word.table) {
         let chosen = section.variants.iter().filter(|v| v.key == name);
         all.extend(chosen.map(|v| item(&text(v.word), VALUE, variant_text(section, v.word))));
+    }
+    if is_project(&file.path) {
+        if word.table.is_empty() && ["assets", "scripts"].contains(&name) {
+            let mut found = BTreeSet::new();
+            folders_below(folder_of(&file.path), "", DEPTH, &mut found);
+            all.extend(found.iter().map(|name| item(&text(name), FOLDER, "")));
+        }
+        return all;
     }
     for kind in kinds_of_value(name) {
         let names = names_of_kind(file, kind);
@@ -142,10 +150,12 @@ fn values(file: &Arc<Source>, word: &Word, name: &str, quoted: bool) -> Vec<Valu
     all
 }
 
-/// Folder of a file, then the asset folders.
+/// Folder of a file, then the asset folders, those of its project too.
 fn folders(path: &Path) -> Vec<PathBuf> {
     let own = path.parent().unwrap_or(Path::new("")).to_owned();
-    std::iter::once(own).chain(asset_folders(&[])).collect()
+    let border = border_of(path);
+    let all = std::iter::once(own).chain(border.assets);
+    all.chain(border.scripts).collect()
 }
 
 fn files_below(
@@ -175,6 +185,23 @@ fn files_below(
     }
 }
 
+/// Names of the folders below one.
+fn folders_below(folder: &Path, prefix: &str, depth: usize, found: &mut BTreeSet<String>) {
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let name = entry.file_name();
+        let name = name.to_str().filter(|name| !name.starts_with('.'));
+        if let Some(name) = name.filter(|_| entry.file_type().is_ok_and(|kind| kind.is_dir()))
+            && found.len() < MOST_FILES
+        {
+            let name = format!("{prefix}{name}");
+            if depth > 0 {
+                folders_below(&entry.path(), &format!("{name}/"), depth - 1, found);
+            }
+            found.insert(name);
+        }
+    }
+}
+
 /// Word at a byte offset.
 fn word_at(source: &Source, offset: usize) -> Option<Word> {
     let is_at = |word: &Word| (word.range.start..=word.range.end).contains(&offset);
@@ -184,13 +211,14 @@ fn word_at(source: &Source, offset: usize) -> Option<Word> {
 /// Manual text about the word at a byte offset.
 pub fn hover(file: &Arc<Source>, offset: usize) -> Option<Value> {
     let word = word_at(file, offset)?;
+    let manual = Manual::of(&file.path);
     let of_key = |table: &[String], name: &str| {
-        let (section, variant, key) = key(table, name)?;
+        let (section, variant, key) = manual.key(table, name)?;
         Some(key_text(section, variant, key))
     };
     let text = match &word.part {
         Part::Value(name) => {
-            let chosen = table(&word.table).and_then(|section| {
+            let chosen = manual.table(&word.table).and_then(|section| {
                 let known = section
                     .variants
                     .iter()
@@ -200,13 +228,13 @@ pub fn hover(file: &Arc<Source>, offset: usize) -> Option<Value> {
             chosen.or_else(|| of_key(&word.table, name))?
         }
         Part::Key => of_key(&word.table, &word.text).or_else(|| {
-            let section = table(&word.table)?;
+            let section = manual.table(&word.table)?;
             let chooses = section.variants.iter().any(|v| v.key == word.text);
             chooses.then(|| section_text(section).to_owned())
         })?,
         Part::Header => {
             let keys: Vec<_> = word.table.iter().chain([&word.text]).cloned().collect();
-            let (Below::Table(section) | Below::Names(section)) = below(&keys)?;
+            let (Below::Table(section) | Below::Names(section)) = manual.below(&keys)?;
             section_text(section).to_owned()
         }
         Part::Nothing => return None,

@@ -1,13 +1,15 @@
 //! Names that scenes define, with their places: in a text, its bases, and the files that it includes.
 
-use std::{ops::Range, sync::Arc};
+use std::{ops::Range, path::Path, sync::Arc};
 
 use super::outline::{Part, Word, words};
 use crate::{
-    runtime::scene_text::asset_folders,
+    runtime::scene_options::border,
     scene::{
         diagnostic::Source,
         parse::{Texts, entry_kinds::ENTRY_KINDS},
+        project::ProjectChoice,
+        reach::Border,
     },
 };
 
@@ -45,9 +47,15 @@ pub fn names(source: &Source) -> Vec<Name> {
 
 /// The text, its bases, and all scene text files that these include or place; the text itself comes first.
 pub fn with_parts(own: &Arc<Source>) -> Vec<Arc<Source>> {
-    let texts = Texts::collect(Arc::clone(own), &asset_folders(&[])); // the check reports errors
+    let texts = Texts::collect(Arc::clone(own), &border_of(&own.path)); // the check reports errors
     let files = texts.files().map(|file| &file.source);
     std::iter::once(own).chain(files).cloned().collect()
+}
+
+/// Folders that a file may read besides its own; mistakes in its project are reported by the check.
+pub fn border_of(path: &Path) -> Border {
+    let project = ProjectChoice::Search.project_of(path);
+    border(&[], project.ok().flatten().as_ref())
 }
 
 /// Kinds of [`Name`] that the value of a key refers to; empty if it refers to none.

@@ -4,6 +4,8 @@ use std::collections::BTreeSet;
 
 use serde::{Deserialize, Serialize};
 
+use crate::scene::project::UNPACKED;
+
 /// Name of the manifest in the pack.
 pub const LIST: &str = "pack.json";
 
@@ -33,6 +35,9 @@ pub struct Manifest {
     pub variant: Vec<String>,
     /// Whether `--lenient` was given.
     pub lenient: bool,
+    /// Name of the project's folder in the pack; the empty name is its top, none is no project.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub project: Option<String>,
     /// First and last frame; none for one picture.
     pub frames: Option<[u32; 2]>,
     /// Every file but the manifest, by name.
@@ -79,6 +84,11 @@ impl Manifest {
                     name.escape_debug()
                 ));
             }
+            if name == UNPACKED {
+                return Some(format!(
+                    "a file is named {UNPACKED}, as the mark of unpacked folders"
+                ));
+            }
             if name == LIST || !names.insert(name.as_str()) {
                 return Some(format!("two files are named \"{name}\""));
             }
@@ -89,11 +99,10 @@ impl Manifest {
                 self.scene.escape_debug()
             ));
         }
-        let folder = self
-            .assets
-            .iter()
+        let folder = (self.assets.iter())
+            .chain(&self.project)
             .find(|f| !f.is_empty() && fault_of_name(f).is_some());
-        folder.map(|f| format!("the folder \"{}\" of assets is refused", f.escape_debug()))
+        folder.map(|f| format!("the folder \"{}\" is refused", f.escape_debug()))
     }
 }
 
@@ -150,6 +159,7 @@ mod tests {
             set: Vec::new(),
             variant: Vec::new(),
             lenient: false,
+            project: None,
             frames: None,
             files: (lengths.iter().enumerate())
                 .map(|(index, bytes)| PackedFile {

@@ -17,7 +17,7 @@ use super::{
 };
 use crate::{
     files::{folder_of, open_regular, sweep},
-    scene::diagnostic::Diagnostic,
+    scene::{diagnostic::Diagnostic, project::UNPACKED},
 };
 use reflet_base::shell::shell_word;
 
@@ -70,7 +70,11 @@ pub fn unpack(args: &UnpackArgs) -> Result<(), AppError> {
     print_out(&command(&manifest, &args.output))
 }
 
-/// Extracts a pack into a new folder.
+/// Text of the file that marks the folder.
+const MARK: &str = "`reflet unpack` made this folder. Reflet looks for no project (reflet.toml) in it or above it;\n\
+                    `--project` names one.\n";
+
+/// Extracts a pack into a new folder, which is marked as unpacked.
 fn extract(file: File, output: &Path) -> Result<Manifest, Fault> {
     let disk = |error| Fault::Disk(output.to_owned(), error);
     let pack_bytes = file.metadata().map_err(disk)?.len();
@@ -81,6 +85,8 @@ fn extract(file: File, output: &Path) -> Result<Manifest, Fault> {
     for file in &manifest.files {
         write_file(&mut zip, file, made.path())?;
     }
+    let mark = made.path().join(UNPACKED);
+    std::fs::write(&mark, MARK).map_err(|error| Fault::Disk(mark, error))?;
     made.persist().map_err(disk)?;
     Ok(manifest)
 }
@@ -232,6 +238,9 @@ fn command(manifest: &Manifest, folder: &Path) -> String {
         }
         .to_owned(),
     );
+    if let Some(project) = &manifest.project {
+        words.extend(option_words("--project", &inside(project)));
+    }
     if manifest.lenient {
         words.push("--lenient".to_owned());
     }

@@ -10,6 +10,7 @@ use reflet_scene::{
     desc::is_stage,
     diagnostic::{Diagnostic, Source},
     parse::{Document, Texts},
+    reach::Border,
     syntax::{Content, made},
 };
 use reflet_world::{
@@ -140,7 +141,7 @@ fn choice_of(path: &Path, name: &str, overrides: &[String]) -> usd::Choice {
         ("version", Content::from(1)),
         ("model", made([("model", model.into())]).into()),
     ]);
-    let texts = Texts::collect(Arc::new(Source::generated(path, root)), &[]);
+    let texts = Texts::collect(Arc::new(Source::generated(path, root)), &Border::default());
     let scene = Document::new(&texts, &asked.as_slice().into()).read(None);
     let models = scene.map_or(Vec::new(), |(desc, _)| desc.models);
     let model = models.first();
@@ -161,16 +162,16 @@ fn playable(
         .into_iter()
         .chain(options.assets.iter().cloned())
         .collect();
-    let roots = folders.iter().map(PathBuf::as_path);
-    let sandbox =
-        Sandbox::new(roots, options.max_file_bytes).with_dependencies(&options.dependencies);
+    let roots: Vec<PathBuf> = folders.into_iter().chain(options.project.clone()).collect();
+    let sandbox = Sandbox::new(roots.iter().map(PathBuf::as_path), options.max_file_bytes)
+        .with_dependencies(&options.dependencies);
     let path = sandbox.resolve(folder, name)?;
     if !is_stage(&path) {
         return Ok(options
             .preloaded_models
             .read(&path, &sandbox, options.lenient));
     }
-    let glb = usd::convert(&path, "model", choice, &folders)?.glb;
+    let glb = usd::convert(&path, "model", choice, &roots)?.glb;
     let folder = glb.parent().unwrap_or(Path::new("."));
     let sandbox = Sandbox::new([folder], options.max_file_bytes);
     Ok(options.preloaded_models.read(&glb, &sandbox, false))

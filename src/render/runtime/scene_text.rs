@@ -2,14 +2,15 @@
 
 use std::{
     borrow::Cow,
-    env,
     path::{Path, PathBuf},
     sync::Arc,
 };
 
+pub use super::scene_options::{ASSETS_ENV, SceneOptions, asset_folders};
 use super::{
     SessionError,
     model_viewer_scene::{is_model, model_viewer_scene},
+    scene_options::{load_options, missing_folders, read_options, without_project},
 };
 use reflet_scene::{
     dependencies::Dependencies,
@@ -17,6 +18,7 @@ use reflet_scene::{
     diagnostic::{Diagnostic, Source},
     motion::FrameState,
     parse::{self, Document, ReadOptions, Texts, VARIANT},
+    project::Project,
     stages::Scene,
 };
 use reflet_world::{
@@ -26,25 +28,8 @@ use reflet_world::{
     usd::STAGE_EMPTY,
 };
 
-/// Environment variable with asset folders, separated like those in `PATH`.
-pub const ASSETS_ENV: &str = "REFLET_ASSETS";
-
 /// Text of the built-in scene.
 pub const ATRIUM: &str = include_str!("../../../scenes/atrium.toml");
-
-/// Changes to a scene, and folders to search for its files.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct SceneOptions {
-    /// Values to change, written as for `--set`, such as `image.size=[320, 180]`.
-    pub set: Vec<String>,
-    /// Variants of the scene to apply, in this order, before `set`.
-    pub variant: Vec<String>,
-    /// Folders to search for models and textures after the scene's own, before those of
-    /// [`ASSETS_ENV`].
-    pub assets: Vec<PathBuf>,
-    /// Whether to load glTF files without what only changes their look, as [`LoadOptions::lenient`].
-    pub lenient: bool,
-}
 
 /// Text of a scene that is not opened yet.
 #[derive(Clone, Debug)]
@@ -57,6 +42,9 @@ pub struct SceneText {
     options: LoadOptions,
     /// Warnings about the options.
     warnings: Vec<Diagnostic>,
+    project: Option<Arc<Project>>,
+    /// Mistakes in the project's file.
+    mistakes: Vec<Diagnostic>,
 }
 
 /// A scene read from disk, without its assets.
@@ -74,6 +62,8 @@ pub struct OpenedScene {
     pub options: LoadOptions,
     /// The model that the scene was generated for; `None` for other scenes.
     model: Option<PathBuf>,
+    /// Project of the scene.
+    pub project: Option<Arc<Project>>,
 }
 
 /// A loaded scene with its description.
@@ -95,6 +85,8 @@ pub struct LoadedScene {
     pub dependencies: Dependencies,
     /// The frame that the world was last posed at.
     pub frame: u32,
+    /// Project of the scene.
+    pub project: Option<Arc<Project>>,
 }
 
 impl SceneText {
@@ -109,23 +101,27 @@ impl SceneText {
     /// # Errors
     /// Same errors as [`parse::read`], and a USD stage that cannot be converted.
     pub fn read(path: Option<&Path>, from: &SceneOptions) -> Result<Self, Vec<Diagnostic>> {
-        let options = load_options(from, &Dependencies::default());
-        let own = match path {
-            Some(path) if is_model(path) => {
-                model_viewer_scene(path, &options, &from.set).map_err(|error| vec![*error])?
-            }
-            Some(path) => match foreign_formats::model(path) {
-                Some((message, help)) => {
-                    let error = Diagnostic::in_file("file-format", path, message);
-                    return Err(vec![error.help(help)]);
-                }
-                None => Source::new(path, parse::read(path)?),
-            },
-            None => Source::new("atrium.toml", ATRIUM),
+        let Some(path) = path else {
+            let name = "the built-in atrium".to_owned();
+            let text = Self::new(ATRIUM, Path::new("atrium.toml"), &without_project(from));
+            return Ok(Self { name, ..text });
         };
-        let name = path.map(|path| path.display().to_string());
+        if is_model(path) {
+            return Self::of_model(path, from);
+        }
+        if let Some((message, help)) = foreign_formats::model(path) {
+            let error = Diagnostic::in_file("file-format", path, message);
+            return Err(vec![error.help(help)]);
+        }
+        Ok(Self::new(&parse::read(path)?, path, from))
+    }
+
+    /// Model viewer scene of a model.
+    fn of_model(path: &Path, from: &SceneOptions) -> Result<Self, Vec<Diagnostic>> {
+        let project = from.project.project_of(path)?;
+        let options = load_options(from, project.as_ref());
+        let own = model_viewer_scene(path, &options, &from.set).map_err(|error| vec![*error])?;
         Ok(Self {
-            name: name.unwrap_or_else(|| "the built-in atrium".to_owned()),
             options,
             ..Self::of(Arc::new(own), from)
         })
@@ -138,14 +134,36 @@ impl SceneText {
 
     /// Scene of a text that may have its syntax tree already.
     pub fn of(own: Arc<Source>, from: &SceneOptions) -> Self {
-        let read = read_options(from);
-        Self {
-            name: own.path.display().to_string(),
-            texts: Texts::collect(own, &read.assets).into(),
-            read,
-            options: load_options(from, &Dependencies::default()),
-            warnings: missing_folders(&from.assets),
+        let (project, mistakes) = match from.project.project_of(&own.path) {
+            Ok(project) => (project, Vec::new()),
+            Err(mistakes) => (None, mistakes),
+        };
+        let mut read = read_options(from, project.as_ref());
+        let name = own.path.display().to_string();
+        let texts = Texts::collect(own, &read.border);
+        if let Some(project) = &project
+            && from.variant.is_empty()
+        {
+            let known = Document::new(&texts, &read).variants();
+            let chosen = project.desc.variant.iter().map(|name| name.value.clone());
+            read.variants = chosen.filter(|name| known.contains(name)).collect();
         }
+        let mut warnings = missing_folders(&from.assets);
+        warnings.extend(project.iter().flat_map(|project| project.warnings.clone()));
+        Self {
+            name,
+            texts: texts.into(),
+            read,
+            options: load_options(from, project.as_ref()),
+            warnings,
+            project: project.map(Arc::new),
+            mistakes,
+        }
+    }
+
+    /// Project of the scene.
+    pub fn project(&self) -> Option<&Arc<Project>> {
+        self.project.as_ref()
     }
 
     /// The same texts with one variant.
@@ -178,6 +196,14 @@ impl SceneText {
         more: &[String],
         texts: &Dependencies,
     ) -> Result<OpenedScene, Vec<Diagnostic>> {
+        if let Some(project) = &self.project {
+            texts.add(project.file.clone());
+        }
+        if !self.mistakes.is_empty() {
+            let files = self.mistakes.iter().filter_map(Diagnostic::path);
+            files.for_each(|file| texts.add(file.to_owned()));
+            return Err(self.mistakes);
+        }
         let mut options = self.read;
         options.overrides.extend_from_slice(more);
         let (scene, warnings) = Scene::from_texts(&self.texts, &options, texts)?;
@@ -190,6 +216,7 @@ impl SceneText {
             warnings: self.warnings.into_iter().chain(warnings).collect(),
             options: self.options,
             model: own.generated.then(|| own.path.clone()),
+            project: self.project,
         })
     }
 }
@@ -207,6 +234,7 @@ impl OpenedScene {
             warnings,
             options,
             model: None,
+            project: loaded.project.clone(),
         }
     }
 
@@ -276,6 +304,7 @@ impl OpenedScene {
             frame: self.scene.first_frame(),
             world,
             dependencies: self.options.dependencies.clone(),
+            project: self.project.clone(),
         }
     }
 }
@@ -315,13 +344,19 @@ impl LoadedScene {
         Ok(())
     }
 
-    /// Index of the camera of a frame where none is chosen: that of the last cut at or before the frame, else
-    /// `main`, else the first.
+    /// Index of the camera of a frame where none is chosen: that of the last cut at or before the frame, else that of
+    /// the project, else `main`, else the first.
     pub fn camera_at(&self, frame: u32) -> usize {
         let cuts = self.scene.cuts.iter().rev();
         let cut = cuts.into_iter().find(|cut| cut.frame <= frame);
         let named = cut.and_then(|cut| self.camera(Some(&cut.camera.value)));
-        named.unwrap_or_else(|| self.world.main_camera())
+        let of_project = || {
+            let name = self.project.as_ref()?.desc.camera.as_ref()?;
+            self.camera(Some(&name.value))
+        };
+        named
+            .or_else(of_project)
+            .unwrap_or_else(|| self.world.main_camera())
     }
 
     /// Index of the named camera; without a name, of the camera of the first frame.
@@ -345,49 +380,17 @@ impl LoadedScene {
         })
     }
 
+    /// Names of the variants that are laid over the scene.
+    pub fn variants(&self) -> impl Iterator<Item = &str> {
+        let chosen = self.overrides.iter();
+        chosen.filter_map(|text| text.strip_prefix(VARIANT)?.strip_prefix(' '))
+    }
+
     /// Names of the scene's cameras.
     pub fn camera_names(&self) -> Vec<&str> {
         let cameras = &self.world.cameras;
         cameras.iter().map(|camera| camera.name.as_str()).collect()
     }
-}
-
-/// Options for reading scene text.
-fn read_options(from: &SceneOptions) -> ReadOptions {
-    ReadOptions {
-        overrides: from.set.clone(),
-        variants: from.variant.clone(),
-        only_chosen: false,
-        assets: asset_folders(&from.assets),
-    }
-}
-
-/// Options for loading assets; searched files are recorded in `dependencies`.
-pub fn load_options(from: &SceneOptions, dependencies: &Dependencies) -> LoadOptions {
-    LoadOptions {
-        assets: asset_folders(&from.assets),
-        lenient: from.lenient,
-        dependencies: dependencies.clone(),
-        ..LoadOptions::default()
-    }
-}
-
-/// Warnings about given asset folders that do not exist; those of [`ASSETS_ENV`] may be of other scenes.
-fn missing_folders(given: &[PathBuf]) -> Vec<Diagnostic> {
-    let missing = given.iter().filter(|folder| !folder.is_dir());
-    let warning = |folder: &PathBuf| {
-        let message = "there is no such folder, so nothing is found in it";
-        let help = "check the path of `--assets`";
-        Diagnostic::in_file("no-folder", folder, message).help(help)
-    };
-    missing.map(warning).map(Diagnostic::warning).collect()
-}
-
-/// The given asset folders, then those of [`ASSETS_ENV`].
-pub fn asset_folders(given: &[PathBuf]) -> Vec<PathBuf> {
-    let listed = env::var_os(ASSETS_ENV).unwrap_or_default();
-    let listed = env::split_paths(&listed).filter(|folder| !folder.as_os_str().is_empty());
-    given.iter().cloned().chain(listed).collect()
 }
 
 #[cfg(all(test, debug_assertions))]

@@ -7,7 +7,8 @@ use super::{
     parameters::{DeclaredParameters, ParameterOverrides},
     read::{Pose, Read, TextStage},
     renderer_stage::RendererStage,
-    scene_text::{LoadedScene, OpenedScene, load_options},
+    scene_options::load_options,
+    scene_text::{LoadedScene, OpenedScene},
 };
 use crate::{Poses, RebuildSummary, RenderError};
 use reflet_gpu::{Gpu, GpuError, ShaderLibrary};
@@ -246,7 +247,10 @@ impl Session {
 
     fn text_stage(&self, scene: Arc<Scene>, dependencies: &Dependencies) -> TextStage {
         let loaded = &self.loaded;
-        let options = load_options(&self.source.options, dependencies);
+        let options = LoadOptions {
+            dependencies: dependencies.clone(),
+            ..load_options(&self.source.options, loaded.project.as_deref())
+        };
         TextStage {
             name: loaded.name.clone(),
             opened: OpenedScene::of_loaded(loaded, scene, options),

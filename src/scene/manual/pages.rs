@@ -4,10 +4,13 @@
 use std::{collections::HashMap, fmt::Write as _};
 
 use super::{describe_section, introduction, section_text, without_lead};
-use crate::parse::{SectionRecord, recorded_keys};
+use crate::parse::{SectionRecord, recorded_keys, recorded_project_keys};
 
 /// File of the index page, which also describes the top level of a scene.
 pub const INDEX: &str = "README.md";
+
+/// File of the page about `reflet.toml`.
+const PROJECT: &str = "project.md";
 
 const GENERATED: &str = "<!-- Generated from src/scene/desc.rs; `UPDATE_DOCS=1 cargo test --test scene` writes it anew. -->\n";
 
@@ -54,7 +57,18 @@ pub fn pages() -> Vec<Page> {
         let file = place.file.clone();
         pages.push(Page { file, text });
     }
+    pages.push(project_page());
     pages
+}
+
+/// Page of the text of projects.
+fn project_page() -> Page {
+    let mut text = format!("{GENERATED}[All of scene text]({INDEX})\n");
+    for section in &recorded_project_keys().sections {
+        describe_section(&mut text, section, 1, &|_| None);
+    }
+    let file = PROJECT.to_owned();
+    Page { file, text }
 }
 
 /// Page of each section: that of the top-level table in its heading, or else that of the section before, to
@@ -124,6 +138,10 @@ fn index(sections: &[SectionRecord], places: &[Place]) -> String {
             place.anchor
         );
     }
+    let _ = writeln!(
+        out,
+        "\nScenes that share files are a project: [`reflet.toml`]({PROJECT})."
+    );
     out
 }
 
@@ -180,7 +198,7 @@ mod tests {
         let files: Vec<_> = pages.iter().map(|p| p.file.as_str()).collect();
         let sections = recorded_keys().sections;
         let root = &sections[0].keys;
-        for file in &files[1..] {
+        for file in files[1..].iter().filter(|file| **file != PROJECT) {
             let table = file.trim_end_matches(".md");
             assert!(root.iter().any(|key| key.name == table), "{file}");
         }

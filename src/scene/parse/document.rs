@@ -23,6 +23,7 @@ use crate::{
     dependencies::Dependencies,
     desc::{At, Entry, Include, ParamValue, SceneDesc, ScriptDesc, TimelineDesc},
     diagnostic::{Diagnostic, Source, Span},
+    reach::{Border, Reach},
     syntax::{Content, Entries, Node},
 };
 
@@ -30,8 +31,7 @@ use crate::{
 #[derive(Debug)]
 pub struct Texts {
     own: Arc<Source>,
-    /// Folders where files are looked for, the scene's own first.
-    folders: Vec<PathBuf>,
+    reach: Reach,
     included: Included,
     bases: Vec<Base>,
     placed: Placed,
@@ -42,21 +42,21 @@ pub struct Texts {
 
 impl Texts {
     /// Reads the files that a scene's text names: bases, included files and placed scenes. Relative names start
-    /// from the folder of the text's path, then from those of `assets`.
-    pub fn collect(own: Arc<Source>, assets: &[PathBuf]) -> Self {
+    /// from the folder of the text's path, then from those of the border.
+    pub fn collect(own: Arc<Source>, border: &Border) -> Self {
         let (mut report, searched) = (Report::default(), Dependencies::default());
         report.add(&own);
         let folder = own.path.parent().unwrap_or(Path::new("")).to_owned();
-        let folders: Vec<_> = [folder].into_iter().chain(assets.iter().cloned()).collect();
-        let included = include::collect(&own, true, &folders, &searched, &mut report);
-        let bases = layers::collect(&own, true, &folders, &searched, &mut report);
+        let reach = Reach::new(folder, border);
+        let included = include::collect(&own, true, &reach, &searched, &mut report);
+        let bases = layers::collect(&own, true, &reach, &searched, &mut report);
         let parts = included.files().chain(bases.iter().flat_map(Base::files));
         let parts = parts.map(|file| Arc::clone(&file.source));
         let parts: Vec<_> = [Arc::clone(&own)].into_iter().chain(parts).collect();
-        let placed = placed::collect(&parts, &folders, &searched, &mut report);
+        let placed = placed::collect(&parts, &reach, &searched, &mut report);
         Self {
             own,
-            folders,
+            reach,
             included,
             bases,
             placed,
@@ -177,8 +177,8 @@ impl<'t> Document<'t> {
     }
 
     /// Folders where files are looked for, the scene's own first.
-    pub fn folders(&self) -> &'t [PathBuf] {
-        &self.texts.folders
+    pub fn reach(&self) -> &'t Reach {
+        &self.texts.reach
     }
 
     /// Name of the script's file; `None` also where syntax errors make it doubtful.
@@ -261,7 +261,7 @@ impl<'t> Document<'t> {
             source: Some(Arc::clone(&texts.own)),
             range: 0..0,
         };
-        scene.folder.clone_from(&texts.folders[0]);
+        scene.folder.clone_from(&texts.reach.folders()[0]);
         scene.script = script;
         scene.placed_cameras = placed_cameras;
         let declared = placed_groups.iter().filter(|g| !g.params.is_empty());

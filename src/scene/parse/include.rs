@@ -15,6 +15,7 @@ use crate::{
     desc::{At, Include},
     diagnostic::{Diagnostic, Source, Span},
     range::ANY,
+    reach::Reach,
     suggest,
     syntax::{Content, Entries, Key, Node, moved},
 };
@@ -54,7 +55,7 @@ impl Included {
 pub fn collect(
     source: &Arc<Source>,
     is_scene: bool,
-    folders: &[PathBuf],
+    reach: &Reach,
     dependencies: &Dependencies,
     report: &mut Report,
 ) -> Included {
@@ -70,7 +71,7 @@ pub fn collect(
             report.note_lacking_names();
             break;
         }
-        match confined_read::read(folders, &name.value, &SCENES, dependencies) {
+        match confined_read::read(reach, &name.value, &SCENES, dependencies) {
             Ok(found) if known.insert(found.real.clone()) => {
                 let source = Arc::new(Source::new(found.path, found.text));
                 if !report.admit(&source, &name.at) {

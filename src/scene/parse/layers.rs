@@ -17,6 +17,7 @@ use crate::{
     desc::{At, Include},
     diagnostic::{Diagnostic, Source, Span},
     range::ANY,
+    reach::Reach,
     suggest,
     syntax::{Content, Node, moved},
 };
@@ -52,11 +53,11 @@ impl Base {
 }
 
 /// Reads the base of a text, the base of that base, and so on. `is_scene` says whether the text is the
-/// outermost scene's own; bases are looked for in `folders`, the scene's own first.
+/// outermost scene's own; bases are looked for in the folders of `reach`, the scene's own first.
 pub fn collect(
     source: &Arc<Source>,
     is_scene: bool,
-    folders: &[PathBuf],
+    reach: &Reach,
     dependencies: &Dependencies,
     report: &mut Report,
 ) -> Vec<Base> {
@@ -70,7 +71,7 @@ pub fn collect(
             report.note_lacking_names();
             break;
         }
-        let found = match confined_read::read(folders, &name.value, &BASES, dependencies) {
+        let found = match confined_read::read(reach, &name.value, &BASES, dependencies) {
             Ok(found) => found,
             Err(problem) => {
                 report.push(problem.at_name("base-file", name.at));
@@ -91,7 +92,7 @@ pub fn collect(
             break;
         }
         next = named(&source, false, report);
-        let included = include::collect(&source, false, folders, dependencies, report);
+        let included = include::collect(&source, false, reach, dependencies, report);
         bases.push(Base {
             file: Include {
                 name: name.value,

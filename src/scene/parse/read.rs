@@ -7,6 +7,7 @@ mod image;
 mod instance;
 mod light;
 mod motion;
+pub mod project;
 mod shape;
 mod stage;
 pub mod timeline;

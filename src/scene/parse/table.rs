@@ -42,13 +42,16 @@ pub struct Place {
     pub in_list: bool,
     /// Byte range of its header or its braces.
     pub at: Bytes<usize>,
+    /// The whole file in messages; empty for a scene.
+    pub whole: &'static str,
 }
 
 impl Place {
     /// Name of the table in messages, such as `[camera.main]`.
     fn title(&self) -> String {
         match (self.path.as_str(), self.in_list) {
-            ("", _) => "the scene".into(),
+            ("", _) if self.whole.is_empty() => "the scene".into(),
+            ("", _) => self.whole.into(),
             (path, true) => format!("`[[{}]]`", suggest::clip(path)),
             (path, false) => format!("`[{}]`", suggest::clip(path)),
         }
@@ -60,6 +63,7 @@ impl Place {
             path: format!("{}{dot}{key}", self.path),
             in_list: false,
             at,
+            whole: self.whole,
         }
     }
 }

@@ -18,6 +18,7 @@ use crate::{
     confined_read::{self, Found, Kind, Problem},
     dependencies::Dependencies,
     diagnostic::{Source, Span},
+    reach::Reach,
     suggest,
 };
 
@@ -37,7 +38,7 @@ fn foreign_ending(file: &str) -> Option<&str> {
 #[derive(Debug, Default)]
 pub struct Sources {
     /// Folders in which files are searched, the scene's first; without one no file can be read.
-    folders: Vec<PathBuf>,
+    reach: Reach,
     /// Record of all files that were searched.
     dependencies: Dependencies,
     state: Mutex<State>,
@@ -86,11 +87,11 @@ impl Problem {
 }
 
 impl Sources {
-    /// Sources of a script that may read files below `folders`; every file that is searched is added to
+    /// Sources of a script that may read files within `reach`; every file that is searched is added to
     /// `dependencies`.
-    pub fn new(folders: &[PathBuf], dependencies: &Dependencies) -> Self {
+    pub fn new(reach: &Reach, dependencies: &Dependencies) -> Self {
         Self {
-            folders: folders.to_owned(),
+            reach: reach.of_scripts(),
             dependencies: dependencies.clone(),
             ..Self::default()
         }
@@ -125,11 +126,11 @@ impl Sources {
 
     /// Reads a file below one of the folders.
     fn find(&self, file: &str) -> Result<Found, Problem> {
-        if self.folders.is_empty() {
+        if self.reach.folders().is_empty() {
             let message = format!("{} cannot be read here", suggest::text(file));
             return Err(Problem::new(message, ""));
         }
-        confined_read::read(&self.folders, file, &SCRIPTS, &self.dependencies)
+        confined_read::read(&self.reach, file, &SCRIPTS, &self.dependencies)
     }
 
     /// Keeps a file that was read; gives its name in messages, and its text.

@@ -35,6 +35,8 @@ pub struct AssetCache {
     pub(super) has_default_camera: bool,
     /// Warnings about vertex streams, which are not generated again.
     pub(super) mesh_warnings: Vec<Diagnostic>,
+    /// Folders in which files were looked for.
+    pub(super) folders: Vec<PathBuf>,
     /// Files that were read, without the text files of the scene.
     pub(super) files: Vec<PathBuf>,
     /// Source of the panorama, and the decoded panorama.
@@ -88,10 +90,10 @@ impl AssetCache {
         desc: &SceneDesc,
         options: &LoadOptions,
     ) -> Result<Option<World>, Vec<Diagnostic>> {
-        if self.sources != sources(desc) {
+        let mut loader = Loader::new(desc, options);
+        if self.sources != sources(desc) || self.folders != loader.folders {
             return Ok(None);
         }
-        let mut loader = Loader::new(desc, options);
         loader.loaded = mem::take(&mut self.loaded);
         loader.meshes = self.meshes.clone();
         // Placing needs only names, bounds and deformations of meshes.

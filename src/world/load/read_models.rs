@@ -160,7 +160,13 @@ impl Loader<'_> {
             error.help = fault.help;
             vec![error]
         };
-        let converted = usd::convert(path, model, choice, &self.folders).map_err(named)?;
+        let roots: Vec<_> = self
+            .folders
+            .iter()
+            .chain(&self.options.project)
+            .cloned()
+            .collect();
+        let converted = usd::convert(path, model, choice, &roots).map_err(named)?;
         let folder = converted.glb.parent().unwrap_or(Path::new("."));
         let sandbox = Sandbox::new([folder], self.options.max_file_bytes);
         let ready = self.preloaded(&converted.glb);

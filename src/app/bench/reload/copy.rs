@@ -2,7 +2,7 @@
 
 use std::{
     env, fs, io,
-    path::{Path, PathBuf},
+    path::{Component, Path, PathBuf},
     process,
     sync::atomic::{AtomicU32, Ordering},
 };
@@ -10,10 +10,7 @@ use std::{
 use crate::{
     app::{args::SceneArgs, error::AppError},
     gpu::ShaderLibrary,
-    runtime::{
-        SceneSource,
-        scene_text::{SceneText, asset_folders},
-    },
+    runtime::{SceneSource, scene_options::border, scene_text::SceneText},
     scene::{dependencies::Dependencies, desc::SceneDesc},
 };
 
@@ -111,6 +108,7 @@ impl SceneCopy {
         let opened = SceneText::read(path, &from.options())
             .and_then(|text| text.open(&[], &Dependencies::default()))
             .map_err(AppError::Scene)?;
+        let project = opened.project;
         let (text, desc) = (opened.text, opened.scene.desc.clone());
         let folder = Folder::new()?;
         let below = desc.folder.display().to_string();
@@ -125,6 +123,16 @@ impl SceneCopy {
             folder.write(&local(name), script)?;
         }
         for file in &desc.includes {
+            if Path::new(&file.name)
+                .components()
+                .any(|part| part == Component::ParentDir)
+            {
+                let text = format!(
+                    "{}: a scene is copied to be changed, which is not done with files above it",
+                    file.name
+                );
+                return Err(AppError::Usage(text));
+            }
             folder.write(&file.name, &file.source.text)?;
         }
         folder.write(SCENE, &text)?;
@@ -134,7 +142,8 @@ impl SceneCopy {
         let mut from = from.clone();
         // Relative paths in the scene start at its own folder.
         let own = std::path::absolute(&desc.folder).unwrap_or_else(|_| desc.folder.clone());
-        from.assets = [vec![own], asset_folders(&from.assets)].concat();
+        let assets = border(&from.assets, project.as_deref()).assets;
+        from.assets = [vec![own], assets].concat();
         Ok(Self {
             script: desc.script.as_ref().map(|script| local(&script.name)),
             folder,

@@ -18,6 +18,7 @@ use crate::{
         layers::{self, Base},
         report::Report,
     },
+    reach::Reach,
     suggest,
     syntax::{Content, Node},
 };
@@ -73,8 +74,8 @@ pub struct Placed {
     files: Vec<PlacedFile>,
     /// Index in `files`; `None` for a file that cannot be read, which was reported.
     by_name: HashMap<(String, String), Option<usize>>,
-    /// Folders of the outermost scene.
-    folders: Vec<PathBuf>,
+    /// Reach of the outermost scene.
+    reach: Reach,
 }
 
 impl Placed {
@@ -101,24 +102,28 @@ impl Placed {
     }
 
     /// Folders where a placed scene looks for files.
-    pub fn folders_of(&self, file: &PlacedFile) -> Vec<PathBuf> {
-        let folders = self.folders.iter();
-        let inner = folders.map(|folder| folder.join(&file.folder));
-        let mut all: Vec<_> = inner.filter(|folder| folder.is_dir()).collect();
-        all.extend(
-            self.folders
-                .iter()
-                .filter(|f| !all.contains(f))
-                .cloned()
-                .collect::<Vec<_>>(),
-        );
-        all
+    pub fn reach_of(&self, file: &PlacedFile) -> Reach {
+        let folders = self.reach.folders();
+        let inner = |folder: &PathBuf| {
+            let inner = folder.join(&file.folder);
+            // A name that climbs may lead out of this folder though it stays in another one.
+            let real = inner.canonicalize().ok()?;
+            let outer = Path::new(".").join(folder).canonicalize().ok()?;
+            let is_inside = real.is_dir() && self.reach.holds(&real, &outer);
+            is_inside.then_some(inner)
+        };
+        let mut all: Vec<_> = folders.iter().filter_map(inner).collect();
+        let others: Vec<_> = folders.iter().filter(|f| !all.contains(f)).collect();
+        all.extend(others.into_iter().cloned());
+        self.reach.with_folders(all)
     }
 
     /// Name, from the folders of the outermost scene, of a file that a scene in `folder` calls `name`.
     pub fn file_name(&self, folder: &str, name: &str) -> String {
         let inside = format!("{folder}{name}");
-        match self.folders.iter().any(|f| f.join(&inside).exists()) {
+        let has =
+            |folder: &PathBuf| self.reach.allows(folder, &inside) && folder.join(&inside).exists();
+        match self.reach.folders().iter().any(has) {
             true => inside,
             false => name.to_owned(),
         }
@@ -137,12 +142,12 @@ struct Wanted {
 /// place in turn.
 pub fn collect(
     texts: &[Arc<Source>],
-    folders: &[PathBuf],
+    reach: &Reach,
     dependencies: &Dependencies,
     report: &mut Report,
 ) -> Placed {
     let mut placed = Placed {
-        folders: folders.to_vec(),
+        reach: reach.clone(),
         ..Placed::default()
     };
     let own = texts.first().and_then(|own| own.path.canonicalize().ok());
@@ -170,7 +175,7 @@ pub fn collect(
             }
             continue;
         }
-        let file = read(&next, &placed, folders, dependencies, report);
+        let file = read(&next, &placed, reach, dependencies, report);
         let index = file.map(|(file, real)| {
             let texts: Vec<_> = file.files().map(|file| Arc::clone(&file.source)).collect();
             let above = [next.above.as_slice(), &[real]].concat();
@@ -196,7 +201,7 @@ fn circle(next: &Wanted) -> Diagnostic {
 fn read(
     next: &Wanted,
     placed: &Placed,
-    folders: &[PathBuf],
+    reach: &Reach,
     dependencies: &Dependencies,
     report: &mut Report,
 ) -> Option<(PlacedFile, PathBuf)> {
@@ -207,7 +212,7 @@ fn read(
         return None;
     }
     let name = placed.file_name(&next.folder, &next.name.value);
-    let found = match confined_read::read(folders, &name, &SCENES, dependencies) {
+    let found = match confined_read::read(reach, &name, &SCENES, dependencies) {
         Ok(found) => found,
         Err(problem) => {
             report.push(problem.at_name("placed-file", at));
@@ -222,13 +227,11 @@ fn read(
     // Its files are looked for beside it first, then as for the outermost scene.
     let beside = found.path.parent().map(Path::to_owned);
     let mut own: Vec<PathBuf> = beside.into_iter().collect();
-    own.extend(
-        folders
-            .iter()
-            .filter(|f| own.first() != Some(f))
-            .cloned()
-            .collect::<Vec<_>>(),
-    );
+    let others: Vec<_> = (reach.folders().iter())
+        .filter(|f| own.first() != Some(f))
+        .collect();
+    own.extend(others.into_iter().cloned());
+    let own = reach.with_folders(own);
     let source = Arc::new(Source::new(found.path, found.text));
     if !report.admit(&source, &at) {
         return None;

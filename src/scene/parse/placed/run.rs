@@ -1,16 +1,17 @@
 //! Input and results of the scripts of placed scenes.
 
-use std::{collections::BTreeMap, path::PathBuf, sync::Arc};
+use std::{collections::BTreeMap, sync::Arc};
 
 use crate::{
     desc::{At, Entry, ParamValue, TimelineDesc},
     diagnostic::{Diagnostic, Source, Span},
+    reach::Reach,
 };
 
 /// Input of the script of a placed scene.
 pub struct ScriptInput<'a> {
     /// Folders where files are looked for, those of the placed scene first.
-    pub folders: &'a [PathBuf],
+    pub reach: &'a Reach,
     /// Name of the script's file, with its place.
     pub file: &'a At<String>,
     /// Parameters of the placed scene, with their values in this placement.

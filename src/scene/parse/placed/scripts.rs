@@ -66,7 +66,7 @@ impl Expansion<'_> {
         } = self;
         let ran = runs.with(&file.file.source, params, |known| {
             let input = ScriptInput {
-                folders: &placed.folders_of(file),
+                reach: &placed.reach_of(file),
                 file: &name,
                 params,
                 timeline: *timeline,

@@ -3,13 +3,13 @@
 use serde_json::json;
 
 use super::{Place, Section, Table};
-use crate::syntax::{Content, Node};
+use crate::syntax::{Content, Key, Node};
 use crate::{
     desc::{At, Entry, ParamValue},
     parse::{
         key_recorder::{Form, KeyRecord},
         params,
-        value::{Value as _, found, wrong_type},
+        value::{Named, Value, found, wrong_type},
     },
     range::{ANY, Range},
     suggest,
@@ -200,6 +200,43 @@ impl Table<'_> {
             return Vec::new();
         };
         params::read(values, self.report)
+    }
+
+    /// Values of one kind, with names that the user chooses; `what` they are, for the manual.
+    pub fn values_by_name<V: Value>(
+        &mut self,
+        key: &'static str,
+        range: Range,
+        what: &str,
+    ) -> Vec<Entry<V>> {
+        self.note(key, || {
+            let schema = json!({ "type": "object", "additionalProperties": V::schema(&range) });
+            let what = format!("{what} with names, each {}", range.words());
+            KeyRecord::new(key, Form::Value(what, schema))
+        });
+        let Some(node) = self.values.get(key) else {
+            return Vec::new();
+        };
+        let Content::Table(values) = node.get_ref() else {
+            let help = format!("write `[{key}]`, and below it a name with its value");
+            wrong_type(node, key, "a table", self.report).help = Some(help);
+            return Vec::new();
+        };
+        let mut all: Vec<_> = values.iter().collect();
+        all.sort_by_key(|(name, _)| name.span().start);
+        let read = |(name, node): (&Key, &Node)| {
+            let named = Named {
+                key: name.get_ref(),
+                range: &range,
+            };
+            let value = V::read(node, &named, self.report)?;
+            Some(Entry {
+                name: name.get_ref().to_string(),
+                at: self.report.span(&name.span()),
+                value,
+            })
+        };
+        all.into_iter().filter_map(read).collect()
     }
 
     fn describe_nested<T: Section>(&mut self) {

@@ -1,0 +1,225 @@
+//! Arguments that the project of a scene gives: sizes by name, and the output of `render`.
+
+use std::{
+    fs,
+    path::{Component, Path, PathBuf},
+};
+
+use super::{
+    args::{RenderArgs, SceneArgs, SizeArg},
+    cameras::{PLACEHOLDER, safe_name},
+    error::AppError,
+    output::format::Format,
+};
+use crate::{
+    runtime::scene_text::{LoadedScene, SceneText},
+    scene::{
+        desc::At,
+        diagnostic::Diagnostic,
+        project::{Project, ProjectChoice},
+    },
+};
+
+/// Placeholder of the scene's name in the output of a project.
+const SCENE: &str = "{scene}";
+/// Placeholder of the chosen variants.
+const VARIANT: &str = "{variant}";
+
+impl SceneArgs {
+    /// How the project of the scene is chosen.
+    pub fn project_choice(&self) -> ProjectChoice {
+        match &self.project {
+            _ if self.no_project => ProjectChoice::None,
+            Some(path) => ProjectChoice::Named(path.clone()),
+            None => ProjectChoice::Search,
+        }
+    }
+
+    /// The project of a scene; `None` for a scene of no project and for the built-in atrium.
+    ///
+    /// # Errors
+    /// [`AppError::Scene`] with the mistakes in the project's file.
+    pub fn project_of(&self, scene: Option<&Path>) -> Result<Option<Project>, AppError> {
+        let project = scene.map(|path| self.project_choice().project_of(path));
+        Ok(project.transpose().map_err(AppError::Scene)?.flatten())
+    }
+
+    /// Width and height that `--size` asks for.
+    ///
+    /// # Errors
+    /// [`AppError::Usage`] for a name that the scene's project has no size of, and the mistakes in its file.
+    pub fn size(
+        &self,
+        size: Option<&SizeArg>,
+        scene: Option<&Path>,
+    ) -> Result<Option<[u32; 2]>, AppError> {
+        let name = match size {
+            None => return Ok(None),
+            Some(SizeArg::Pixels(size)) => return Ok(Some(*size)),
+            Some(SizeArg::Named(name)) => name,
+        };
+        let refuse = |why: String| {
+            let help = "write WIDTHxHEIGHT, such as 1280x720";
+            AppError::Usage(format!(
+                "--size {name}: there is no such size: {why}; or {help}"
+            ))
+        };
+        let Some(project) = self.project_of(scene)? else {
+            return Err(refuse("the scene is of no project".to_owned()));
+        };
+        project.size(name).map(Some).map_err(refuse)
+    }
+}
+
+/// The arguments with the output of the scene's project, if they name none. Folders of the output are made.
+///
+/// # Errors
+/// [`AppError::Usage`] without any output, and for one that cannot be written inside of the project;
+/// [`AppError::Scene`] for one that is no picture and no film.
+pub fn with_output(args: &RenderArgs, loaded: &LoadedScene) -> Result<RenderArgs, AppError> {
+    if args.output.is_some() {
+        return Ok(args.clone());
+    }
+    let project = loaded.project.as_deref();
+    let named = project.and_then(|project| Some((project, project.desc.output.as_ref()?)));
+    let Some((project, output)) = named else {
+        let help = "name the picture to write, such as -o picture.png";
+        let text =
+            format!("--output FILE is missing: {help}; a reflet.toml may say it for all scenes");
+        return Err(AppError::Usage(text));
+    };
+    check_output(output).map_err(|error| AppError::Scene(vec![*error]))?;
+    let path = project.folder.join(filled(args, &output.value, loaded));
+    make_folders(project, &path)?;
+    Ok(RenderArgs {
+        output: Some(path),
+        ..args.clone()
+    })
+}
+
+/// Checks the output of a scene's project, if it has one.
+///
+/// # Errors
+/// Same errors as [`check_output`].
+pub fn check_output_of(text: &SceneText) -> Result<(), Vec<Diagnostic>> {
+    let project = text.project();
+    let output = project.and_then(|project| project.desc.output.as_ref());
+    let checked = output.map_or(Ok(()), check_output);
+    checked.map_err(|error| vec![*error])
+}
+
+/// Checks that the output of a project is a picture or a film.
+///
+/// # Errors
+/// Message at the place of the name.
+pub fn check_output(output: &At<String>) -> Result<(), Box<Diagnostic>> {
+    let path = Path::new(&output.value);
+    let refuse =
+        |message: String| Box::new(Diagnostic::at("project-output", output.at.clone(), message));
+    let format = Format::expect(path).map_err(|error| refuse(error.to_string()))?;
+    let in_folder = path.parent().and_then(Path::to_str).unwrap_or_default();
+    let is_number = |text: &str| text.contains("##");
+    if in_folder.contains(PLACEHOLDER) || is_number(in_folder) {
+        let message = "`{camera}` and the number of the frame belong into the name of the file, not of a folder";
+        return Err(refuse(message.to_owned()));
+    }
+    match matches!(format, Format::Film(_)) && is_number(&output.value) {
+        true => Err(refuse(
+            "a film is one file, so its name has no number".to_owned(),
+        )),
+        false => Ok(()),
+    }
+}
+
+/// Name of the output with the scene and its variants. Placeholders of what the scene lacks are left out, with the
+/// character before each.
+fn filled(args: &RenderArgs, output: &str, loaded: &LoadedScene) -> String {
+    let scene = args.scene.as_deref().and_then(Path::file_stem);
+    let scene = scene.unwrap_or_default().to_string_lossy();
+    let variants: Vec<_> = loaded.variants().map(safe_name).collect();
+    let output = output.replace(SCENE, &safe_name(&scene));
+    let output = match variants.is_empty() {
+        true => without(&output, VARIANT),
+        false => output.replace(VARIANT, &variants.join("+")),
+    };
+    match loaded.scene.timeline.is_some() {
+        true => output,
+        false => {
+            let marks: String = output.chars().filter(|c| *c == '#').collect();
+            let is_run = marks.len() > 1 && output.contains(&marks);
+            if is_run {
+                without(&output, &marks)
+            } else {
+                output
+            }
+        }
+    }
+}
+
+/// A name without a placeholder, and without the dot, hyphen or underscore before it.
+fn without(name: &str, placeholder: &str) -> String {
+    let joined = [".", "-", "_"].map(|before| format!("{before}{placeholder}"));
+    let name = joined
+        .iter()
+        .fold(name.to_owned(), |name, whole| name.replace(whole, ""));
+    name.replace(placeholder, "")
+}
+
+/// Makes the folders of an output, none of which may lead out of the project.
+fn make_folders(project: &Project, path: &Path) -> Result<(), AppError> {
+    let refuse =
+        |why: String| AppError::Usage(format!("`output` of {}: {why}", project.file.display()));
+    let mut folder = PathBuf::new();
+    let parts = path.parent().unwrap_or(Path::new("")).components();
+    for part in parts.filter(|part| *part != Component::CurDir) {
+        folder.push(part);
+        if !folder.starts_with(&project.folder) {
+            continue;
+        }
+        if fs::symlink_metadata(&folder).is_err() {
+            match fs::create_dir(&folder) {
+                Ok(()) => reflet_base::error_line!("created the folder {}", folder.display()),
+                Err(_) if folder.is_dir() => {} // made meanwhile by another process
+                Err(error) => {
+                    return Err(refuse(format!(
+                        "cannot create {}: {error}",
+                        folder.display()
+                    )));
+                }
+            }
+        }
+        let real = folder.canonicalize().unwrap_or_default();
+        if !real.starts_with(&project.folder) {
+            let text = format!("{} leads out of the project", folder.display());
+            return Err(refuse(text));
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn placeholders_of_nothing_go_with_their_separator() {
+        assert_eq!(without("a.{variant}.png", VARIANT), "a.png");
+        assert_eq!(without("{variant}_a.png", VARIANT), "_a.png");
+        assert_eq!(without("a-####.exr", "####"), "a.exr");
+        assert_eq!(without("####.exr", "####"), ".exr");
+    }
+
+    #[test]
+    fn outputs_are_pictures_with_numbers_in_their_names() {
+        let check = |name: &str| {
+            let (value, at) = (name.to_owned(), Default::default());
+            check_output(&At { value, at }).map_err(|error| error.message)
+        };
+        for good in ["a.png", "r/{scene}.{camera}.####.exr", "{variant}/a.mp4"] {
+            assert_eq!(check(good), Ok(()), "{good}");
+        }
+        for bad in ["a", "a.gif", "a/####/b.png", "{camera}/b.png", "a.####.mp4"] {
+            assert!(check(bad).is_err(), "{bad}");
+        }
+    }
+}

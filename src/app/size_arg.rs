@@ -1,0 +1,65 @@
+//! `--size`: width and height, or the name of a size of the project.
+
+/// `--size`
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum SizeArg {
+    /// Width and height, pixels.
+    Pixels([u32; 2]),
+    /// Name of a size of the project.
+    Named(String),
+}
+
+impl SizeArg {
+    /// The value as a word of a command line.
+    pub fn word(&self) -> String {
+        match self {
+            Self::Pixels([width, height]) => format!("{width}x{height}"),
+            Self::Named(name) => name.clone(),
+        }
+    }
+}
+
+/// `1280x720`, or a name, which begins with a letter.
+///
+/// # Errors
+/// Same errors as [`parse_size`].
+pub fn parse_size_or_name(text: &str) -> Result<SizeArg, String> {
+    match text.starts_with(char::is_alphabetic) {
+        true => Ok(SizeArg::Named(text.to_owned())),
+        false => parse_size(text).map(SizeArg::Pixels),
+    }
+}
+
+/// `1280x720` as width and height.
+///
+/// # Errors
+/// Message that names the expected form.
+pub fn parse_size(text: &str) -> Result<[u32; 2], String> {
+    let sides = text.split_once(['x', 'X']);
+    let pair = sides.and_then(|(w, h)| Some([w.trim().parse().ok()?, h.trim().parse().ok()?]));
+    match pair {
+        Some(size) if size.iter().all(|side| (1..=16384).contains(side)) => Ok(size),
+        Some(_) => Err("each side must be 1 to 16384 pixels".to_owned()),
+        None => Err("expected WIDTHxHEIGHT, such as 1280x720".to_owned()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_are_two_numbers_in_range() {
+        assert_eq!(parse_size("1280x720"), Ok([1280, 720]));
+        assert_eq!(parse_size("1X1"), Ok([1, 1]));
+        for bad in ["0x5", "16385x1"] {
+            assert!(parse_size(bad).expect_err(bad).contains("1 to 16384"));
+        }
+        let draft = SizeArg::Named("draft".to_owned());
+        assert_eq!(parse_size_or_name("draft"), Ok(draft));
+        assert_eq!(parse_size_or_name("2x3"), Ok(SizeArg::Pixels([2, 3])));
+        for bad in ["", "5", "5x", "-1x5", "1x2x3", "99999999999x1"] {
+            assert!(parse_size(bad).expect_err(bad).contains("WIDTHxHEIGHT"));
+        }
+    }
+}

@@ -1,0 +1,397 @@
+//! Projects: `reflet.toml`, the border that it gives to scenes, and what commands take from it.
+
+use std::{fs, path::Path};
+
+use super::{SCENE, exits, folder, names};
+use crate::common::gpu_or_skip;
+
+/// A base that shots are laid over, with a light of its own.
+const BASE: &str = "version = 1\n[camera.main]\neye = [0, 1, 3]\ntarget = [0, 0.5, 0]\n[camera.side]\n\
+                    eye = [3, 1, 0]\ntarget = [0, 0.5, 0]\n[light.sun]\nkind = \"directional\"\n\
+                    direction = [0, -1, -1]\nintensity_lux = 3\n[model.ball]\n\
+                    shape = { kind = \"sphere\", segments = 16 }\n[variant.night]\nlight.sun.intensity_lux = 0.1\n";
+
+/// A shot in a subfolder, which reaches upward by its base, an included file, a placed scene and a script.
+const SHOT: &str = "version = 1\nbase = \"../base.toml\"\ninclude = \"../lib/red.toml\"\nscript = \"turn.rhai\"\n\
+                    [[instance]]\nmodel = \"ball\"\nmaterial = \"red\"\n[[instance]]\n\
+                    model = { scene = \"../props/lamp.toml\" }\n";
+
+fn write(folder: &Path, files: &[(&str, &str)]) {
+    for (name, text) in files {
+        let path = folder.join(name);
+        fs::create_dir_all(path.parent().expect("a folder")).expect("a folder");
+        fs::write(path, text).expect("written");
+    }
+}
+
+/// A project in `show`, with a shot that needs it.
+fn show(name: &str, project: &str) -> std::path::PathBuf {
+    let folder = folder(name);
+    let prop = "version = 1\ninclude = \"../lib/red.toml\"\n[model.foot]\nshape = { kind = \"box\", size = [0.1, 0.1, 0.1] }\n\
+                [[instance]]\nmodel = \"foot\"\nmaterial = \"red\"\ntranslation = [1, 0, 0]\n";
+    write(
+        &folder,
+        &[
+            ("show/reflet.toml", project),
+            ("show/base.toml", BASE),
+            (
+                "show/lib/red.toml",
+                "[material.red]\nbase_color = [0.8, 0.1, 0.1]\n",
+            ),
+            ("show/props/lamp.toml", prop),
+            (
+                "show/scripts/turn.rhai",
+                "import \"common\" as c;\nfn setup(ctx) { #{} }\n",
+            ),
+            ("show/scripts/common.rhai", "fn one() { 1 }\n"),
+            ("show/shots/a.toml", SHOT),
+            ("outside.toml", "version = 1\n"),
+        ],
+    );
+    folder
+}
+
+#[test]
+fn names_climb_inside_a_project_and_nowhere_else() {
+    let folder = show("project-border", "scripts = \"scripts\"\n");
+    let [text, _] = exits(&folder, &["check", "show/shots/a.toml"], 0);
+    let border = folder.join("show").canonicalize().expect("there");
+    let says = format!(
+        "in the project \"show\" with the border {}",
+        border.display()
+    );
+    assert!(text.contains(&says), "{text}");
+    let [text, _] = exits(&folder, &["info", "show/shots/a.toml"], 0);
+    assert!(
+        text.contains(&format!("\nborder      {}\n", border.display())),
+        "{text}"
+    );
+    assert!(text.contains("instances   2,"), "{text}");
+    // Without the project, and from outside of it, nothing may climb.
+    let [_, error] = exits(&folder, &["check", "show/shots/a.toml", "--no-project"], 3);
+    assert!(error.contains("show/shots/a.toml:2:8"), "{error}");
+    assert!(error.contains("reflet.toml"), "{error}");
+    let named = ["check", "outside.toml", "--project", "show"];
+    let [_, error] = exits(&folder, &named, 3);
+    assert!(error.contains("it is not in the project"), "{error}");
+    let named = [
+        "check",
+        "show/shots/a.toml",
+        "--project",
+        "show/reflet.toml",
+    ];
+    exits(&folder, &named, 0);
+    // The border holds for every kind of name.
+    for (key, at) in [
+        ("base = \"../../outside.toml\"", "a.toml:2:8"),
+        ("include = \"../../outside.toml\"", "a.toml:2:11"),
+        ("script = \"../../s.rhai\"", "a.toml:2:10"),
+        ("model.m.file = \"../../m.glb\"", "a.toml:2:16"),
+        ("environment.file = \"../../m.exr\"", "a.toml:2:20"),
+        (
+            "instance = [{ model = { scene = \"../../outside.toml\" } }]",
+            "a.toml:2:33",
+        ),
+    ] {
+        let text = format!("version = 1\n{key}\n");
+        fs::write(folder.join("show/shots/a.toml"), text).expect("written");
+        let [_, error] = exits(&folder, &["check", "show/shots/a.toml"], 3);
+        assert!(error.contains(at), "{key}: {error}");
+        assert!(
+            error.contains("leads out of") || error.contains("leaves"),
+            "{key}: {error}"
+        );
+    }
+}
+
+#[test]
+#[cfg(unix)]
+fn links_out_of_a_project_are_refused() {
+    use std::os::unix::fs::symlink;
+    let folder = show("project-links", "assets = [\"lib\"]\n");
+    let show = folder.join("show");
+    symlink(folder.join("outside.toml"), show.join("link.toml")).expect("a link");
+    fs::write(show.join("a.toml"), "version = 1\nbase = \"link.toml\"\n").expect("written");
+    let [_, error] = exits(&folder, &["check", "show/a.toml"], 3);
+    assert!(
+        error.contains("a.toml:2:8") && error.contains("leads out of the project"),
+        "{error}"
+    );
+    // A link inside of it is a file like any other.
+    fs::remove_file(show.join("link.toml")).expect("there");
+    symlink(show.join("base.toml"), show.join("shots/link.toml")).expect("a link");
+    fs::write(
+        show.join("shots/b.toml"),
+        "version = 1\nbase = \"link.toml\"\n",
+    )
+    .expect("written");
+    exits(&folder, &["check", "show/shots/b.toml"], 0);
+    symlink(&folder, show.join("all")).expect("a link");
+    symlink(&show, show.join("itself")).expect("a link");
+    for (text, says) in [
+        (
+            "assets = [\"lib\", \"all\"]\n",
+            ["reflet.toml:1:18", "is a link that leads out"],
+        ),
+        (
+            "assets = \"itself\"\n",
+            ["reflet.toml:1:10", "is the project's own folder"],
+        ),
+    ] {
+        fs::write(show.join("reflet.toml"), text).expect("written");
+        let [_, error] = exits(&folder, &["check", "show/shots/b.toml"], 3);
+        assert!(
+            says.iter().all(|say| error.contains(say)),
+            "{text}: {error}"
+        );
+    }
+    // The file itself is no link to another folder, whose files would be reached by it.
+    fs::rename(show.join("reflet.toml"), folder.join("other.toml")).expect("moved");
+    symlink(folder.join("other.toml"), show.join("reflet.toml")).expect("a link");
+    let [_, error] = exits(&folder, &["check", "show/shots/b.toml"], 3);
+    assert!(
+        error.contains("must not be a link to another folder"),
+        "{error}"
+    );
+}
+
+#[test]
+fn mistakes_of_a_project_have_their_places() {
+    let folder = show("project-mistakes", "");
+    let file = folder.join("show/reflet.toml");
+    for (text, says) in [
+        (
+            "asets = [\"lib\"]\n",
+            ["reflet.toml:1:1", "did you mean `assets`?"],
+        ),
+        (
+            "assets = [\"../other\"]\n",
+            ["reflet.toml:1:11", "is not inside of the project's folder"],
+        ),
+        (
+            "assets = \".\"\n",
+            ["reflet.toml:1:10", "is the project's own folder"],
+        ),
+        (
+            "assets = \"/tmp\"\n",
+            ["reflet.toml:1:10", "is not inside of the project's folder"],
+        ),
+        (
+            "assets = \"base.toml\"\n",
+            ["reflet.toml:1:10", "is a file"],
+        ),
+        (
+            "output = \"../a.png\"\n",
+            ["reflet.toml:1:10", "is not inside of the project's folder"],
+        ),
+        ("output = \"a.txt\"\n", ["reflet.toml:1:10", ".png"]),
+        ("scripts = 3\n", ["reflet.toml:1:11", "text in quotes"]),
+        ("sizes = 3\n", ["reflet.toml:1:9", "`[sizes]`"]),
+        ("[sizes]\ndraft = [640]\n", ["reflet.toml:2:9", "two"]),
+        (
+            "[sizes]\n3d = [640, 360]\n",
+            ["reflet.toml:2:1", "begins with a letter"],
+        ),
+        (
+            "name = \"a\nsizes = 3\n",
+            ["reflet.toml:1:10", "does not end on its line"],
+        ),
+        ("camera = [\n", ["reflet.toml:1:10", "["]),
+    ] {
+        fs::write(&file, text).expect("written");
+        let [_, error] = exits(&folder, &["check", "show/base.toml"], 3);
+        assert!(
+            says.iter().all(|say| error.contains(say)),
+            "{text}: {error}"
+        );
+        // An output that is not used does no harm.
+        let with = ["render", "show/base.toml", "-o", "a.png"];
+        let render = if says[1] == ".png" { &with[..2] } else { &with };
+        let [_, error] = exits(&folder, render, 3);
+        assert!(error.contains(says[0]), "{text}: {error}");
+    }
+    for (bytes, says) in [
+        (vec![b'#'; (1 << 20) + 1], "at most 1 MiB"),
+        (vec![0xff], "UTF-8"),
+    ] {
+        fs::write(&file, bytes).expect("written");
+        let [_, error] = exits(&folder, &["check", "show/base.toml"], 3);
+        assert!(
+            error.contains(says) && error.contains("reflet.toml"),
+            "{error}"
+        );
+    }
+    // A folder that does not exist is a warning, as that of `--assets` is.
+    fs::write(&file, "assets = [\"gone\"]\n").expect("written");
+    let [text, error] = exits(&folder, &["check", "show/base.toml"], 0);
+    assert!(
+        text.contains("1 warning") && error.contains("reflet.toml:1:11"),
+        "{text}{error}"
+    );
+    assert_eq!(names(&folder), ["outside.toml", "scene.toml", "show"]);
+}
+
+#[test]
+fn render_takes_camera_variant_size_and_output_from_the_project() {
+    if gpu_or_skip().is_none() {
+        return;
+    }
+    let project = "camera = \"side\"\nvariant = [\"night\", \"other\"]\n\
+                   output = \"out/{scene}.{camera}.{variant}.####.png\"\n[sizes]\ntiny = [16, 9]\n";
+    let folder = show("project-render", project);
+    let render = ["render", "show/base.toml", "--size", "tiny"];
+    let [_, error] = exits(&folder, &render, 0);
+    let out = folder.join("show/out");
+    assert_eq!(names(&out), ["base.side.night.png"], "{error}");
+    let size = image::image_dimensions(out.join("base.side.night.png")).expect("a PNG");
+    assert_eq!(size, (16, 9));
+    let same = [
+        "-o",
+        "same.png",
+        "--camera",
+        "side",
+        "--variant",
+        "night",
+        "--no-project",
+    ];
+    let size = ["render", "show/base.toml", "--size", "16x9"];
+    exits(&folder, &[&size[..], &same].concat(), 0);
+    let read = |path: &Path| fs::read(path).expect("written");
+    let default = read(&out.join("base.side.night.png"));
+    assert!(default == read(&folder.join("same.png")));
+    // Arguments win; an empty variant is none.
+    exits(
+        &folder,
+        &[&render[..], &["--camera", "main", "--variant", ""]].concat(),
+        0,
+    );
+    assert_eq!(names(&out), ["base.main.png", "base.side.night.png"]);
+    assert!(default != read(&out.join("base.main.png")));
+    let [_, error] = exits(&folder, &["render", "show/base.toml", "--size", "tinny"], 2);
+    assert!(error.contains("did you mean \"tiny\"?"), "{error}");
+    let [_, error] = exits(&folder, &["render", "scene.toml", "--size", "tiny"], 2);
+    assert!(error.contains("the scene is of no project"), "{error}");
+    let [_, error] = exits(&folder, &["render", "scene.toml"], 2);
+    assert!(error.contains("--output FILE is missing"), "{error}");
+}
+
+#[test]
+fn a_pack_of_a_project_names_it_and_is_marked_when_unpacked() {
+    let folder = show("project-pack", "scripts = \"scripts\"\n");
+    exits(&folder, &["pack", "show/shots/a.toml", "-o", "a.zip"], 0);
+    let [command, _] = exits(&folder, &["unpack", "a.zip", "-o", "elsewhere"], 0);
+    assert_eq!(
+        command,
+        "reflet render elsewhere/shots/a.toml -o picture.png --project elsewhere/\n"
+    );
+    let unpacked = folder.join("elsewhere");
+    let list = [
+        ".reflet-unpacked",
+        "base.toml",
+        "lib",
+        "props",
+        "reflet.toml",
+        "scripts",
+        "shots",
+    ];
+    assert_eq!(names(&unpacked), list);
+    exits(
+        &folder,
+        &["check", "elsewhere/shots/a.toml", "--project", "elsewhere/"],
+        0,
+    );
+    // A scene that was unpacked is of no project that is only found, its own or one around it.
+    fs::write(folder.join("reflet.toml"), "").expect("written");
+    let [_, error] = exits(&folder, &["check", "elsewhere/shots/a.toml"], 3);
+    assert!(error.contains("a.toml:2:8"), "{error}");
+    let [text, _] = exits(&folder, &["check", "scene.toml"], 0);
+    assert!(text.contains("in the project"), "{text}");
+}
+
+#[test]
+fn jobs_name_the_project() {
+    let folder = show("project-job", "scripts = \"scripts\"\n");
+    let film = format!("{SHOT}[timeline]\nend = 3\n");
+    fs::write(folder.join("show/shots/a.toml"), film).expect("written");
+    let slurm = [
+        "job",
+        "slurm",
+        "show/shots/a.toml",
+        "--pictures",
+        "o/a.##.png",
+        "-o",
+        "a.sh",
+    ];
+    exits(&folder, &slurm, 0);
+    let script = fs::read_to_string(folder.join("a.sh")).expect("written");
+    let file = folder
+        .join("show/reflet.toml")
+        .canonicalize()
+        .expect("there");
+    assert!(
+        script.contains(&format!("--project {}", file.display())),
+        "{script}"
+    );
+    let openjd = [
+        "job",
+        "openjd",
+        "show/shots/a.toml",
+        "--pictures",
+        "o/a.##.png",
+        "-o",
+        "job",
+    ];
+    exits(&folder, &openjd, 0);
+    let template = fs::read_to_string(folder.join("job/template.json")).expect("written");
+    assert!(template.contains("{{Param.Project}}"), "{template}");
+    let inputs = fs::read_to_string(folder.join("job/asset_references.json")).expect("written");
+    assert!(inputs.contains("show/reflet.toml"), "{inputs}");
+}
+
+#[test]
+fn a_new_project_checks_and_renders() {
+    let folder = folder("project-new");
+    let [_, said] = exits(&folder, &["new", "my show"], 0);
+    assert!(
+        said.contains("`reflet render 'my show/scenes/main.toml' --size draft`"),
+        "{said}"
+    );
+    let [text, warnings] = exits(&folder, &["check", "my show/scenes/main.toml"], 0);
+    assert!(
+        text.contains("ok, 1 variant, in the project \"my show\""),
+        "{text}"
+    );
+    assert_eq!(warnings, "");
+    // Nothing is replaced, nor left where it cannot be made.
+    fs::write(folder.join("my show/reflet.toml"), "name = \"mine\"\n").expect("written");
+    exits(&folder, &["new", "my show"], 2);
+    exits(&folder, &["new", "scene.toml"], 2);
+    exits(&folder, &["new", "gone/show"], 2);
+    exits(&folder, &["new", ".."], 2);
+    let own = fs::read_to_string(folder.join("my show/reflet.toml")).expect("there");
+    assert_eq!(own, "name = \"mine\"\n");
+    assert_eq!(names(&folder), ["my show", "scene.toml"]);
+    assert!(SCENE.contains("version"));
+}
+
+#[test]
+fn a_new_project_renders_without_arguments() {
+    if gpu_or_skip().is_none() {
+        return;
+    }
+    let folder = folder("project-new-render");
+    exits(&folder, &["new", "show"], 0);
+    let quick = ["--size", "64x36", "--samples", "1"];
+    exits(
+        &folder,
+        &[&["render", "show/scenes/main.toml"], &quick[..]].concat(),
+        0,
+    );
+    assert_eq!(names(&folder.join("show/renders")), ["main.main.png"]);
+    let picture = image::open(folder.join("show/renders/main.main.png")).expect("a PNG");
+    let picture = picture.to_rgb8();
+    let red = picture
+        .pixels()
+        .filter(|p| p.0[0] > 80 && p.0[1] < p.0[0] / 2);
+    assert!(red.count() > 20, "the ball is seen");
+}
