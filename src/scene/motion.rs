@@ -7,6 +7,7 @@ mod joint;
 mod material;
 mod names;
 mod parts;
+mod placement;
 pub(super) mod track;
 
 use std::{
@@ -15,7 +16,7 @@ use std::{
     sync::Arc,
 };
 
-use glam::{Affine3A, DQuat, EulerRot, Quat, Vec3};
+use glam::{Affine3A, Vec3};
 
 use self::hierarchy::{attach_cameras, attach_lights};
 pub use self::hierarchy::{placed_camera, placed_light};
@@ -25,7 +26,8 @@ pub use self::material::{
     override_of, written_all,
 };
 pub use self::names::{Names, ScriptNames};
-pub use self::parts::{Kind, wrong_with_camera, wrong_with_light};
+pub use self::parts::{Kind, ScriptedFields, wrong_with_camera, wrong_with_light};
+pub use self::placement::{transform, turned};
 use self::track::Track;
 use super::{
     desc::{
@@ -65,6 +67,8 @@ pub struct FrameState {
     pub file_materials: Vec<MaterialChange>,
     /// Changed values of each instance's own `material = { … }`.
     pub overrides: Vec<MaterialChange>,
+    /// Values that scripts have set.
+    pub scripted: ScriptedFields,
     /// Lines that scripts printed.
     pub log: Vec<String>,
 }
@@ -121,26 +125,6 @@ pub fn moving(desc: &SceneDesc) -> Vec<bool> {
     let mut moving: Vec<_> = nodes.map(|(says, name)| says || moves(name)).collect();
     desc.parents.inherit(&mut moving);
     moving
-}
-
-/// Transform of a placement at rest, from model space to the space of its parent.
-pub fn transform(placement: &PlacementDesc) -> Affine3A {
-    match *placement {
-        PlacementDesc::Trs {
-            translation,
-            rotation,
-            scale,
-        } => Affine3A::from_scale_rotation_translation(scale, rotation, translation),
-        PlacementDesc::Matrix(matrix) => Affine3A::from_mat4(matrix),
-    }
-}
-
-/// Rotation by angles about X, then Y, then Z, all fixed axes; degrees.
-pub fn turned(euler_deg: Vec3) -> Quat {
-    // Whole turns are subtracted before the conversion to radians, while the number is still exact.
-    let reduced = euler_deg.as_dvec3() % 360.0;
-    let [x, y, z] = reduced.to_array().map(f64::to_radians);
-    DQuat::from_euler(EulerRot::ZYX, z, y, x).as_quat()
 }
 
 /// A scene's motion prepared for posing: names resolved, path lengths measured.

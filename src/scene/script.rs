@@ -28,7 +28,7 @@ mod source_files;
 mod tokens;
 mod value;
 
-use std::{collections::HashSet, fmt, sync::Arc};
+use std::{fmt, sync::Arc};
 
 use rhai::{AST, CallFnOptions, Dynamic, Engine, EvalAltResult, Scope};
 
@@ -44,7 +44,7 @@ use super::{
     dependencies::Dependencies,
     desc::{At, Entry, ParamValue, ScriptDesc, TimelineDesc},
     diagnostic::{Diagnostic, Returned},
-    motion::{FrameState, Kind, ScriptNames},
+    motion::{FrameState, ScriptNames, ScriptedFields},
     reach::Reach,
 };
 
@@ -54,7 +54,7 @@ pub use self::{
 };
 
 /// The scene as a script leaves it, and the cameras and lights that the script has set.
-pub type Posed = (FrameState, HashSet<(Kind, usize)>);
+pub type Posed = (FrameState, ScriptedFields);
 
 /// A compiled script; clones share it.
 #[derive(Clone)]
@@ -248,7 +248,7 @@ impl Script {
         timeline: Option<&TimelineDesc>,
     ) -> Result<Posed, Vec<Diagnostic>> {
         if !self.0.has_frame {
-            return Ok((state, HashSet::new()));
+            return Ok((state, ScriptedFields::default()));
         }
         let frame = state.frame;
         let mut call = Call::new(params, timeline, frame);

@@ -1,13 +1,13 @@
 //! The stages from scene text to a scene at a frame: document → `setup` → merged document →
 //! description → pose. Each is a function of its arguments and the files that it reads.
 
-use std::{collections::HashSet, ops::Deref, path::Path, sync::Arc};
+use std::{ops::Deref, path::Path, sync::Arc};
 
 use super::{
     dependencies::Dependencies,
     desc::{Entry, ParamValue, SceneDesc},
     diagnostic::{Diagnostic, Source, Span},
-    motion::{FrameState, Motion, ScriptNames},
+    motion::{FrameState, Motion, ScriptNames, ScriptedFields},
     parse::{self, Document, PlacedGroup, RanScript, ReadOptions, ScriptInput, Texts},
     script::{Script, together},
     suggest,
@@ -268,7 +268,7 @@ impl<'a> Animator<'a> {
 
     fn posed(&self, frame: u32, late_frames: f64) -> Result<FrameState, Vec<Diagnostic>> {
         let mut state = self.motion.pose(frame, late_frames);
-        let mut touched: HashSet<_> = HashSet::new();
+        let mut touched = ScriptedFields::default();
         let timeline = self.scene.timeline.as_ref();
         for (placed, names) in self.scene.placed.iter().zip(&self.placed_names) {
             let ran = (placed.script).frame(state, names, &placed.params, timeline);
@@ -285,8 +285,9 @@ impl<'a> Animator<'a> {
         }
         if self.scene.has_frame_script() {
             // Cameras and lights follow instances as scripts have moved these, unless a script set them.
-            let is_free = |kind, index| !touched.contains(&(kind, index));
+            let is_free = |kind, index| !touched.has_any(kind, index);
             self.motion.follow(&mut state, is_free);
+            state.scripted = touched;
         }
         self.motion.check(&state)?;
         self.motion.attach(&mut state);

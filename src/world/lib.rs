@@ -58,6 +58,8 @@ pub struct World {
     pub instances: Vec<Instance>,
     /// Index of the `[[instance]]` in the scene text of each instance, if it has one.
     pub written: Vec<Option<usize>>,
+    /// Index of the `[model.NAME]` in the scene text that each instance places.
+    pub placed_models: Vec<usize>,
     /// The scene's and the files' lights, at most [`MAX_LIGHTS`].
     pub lights: Vec<Light>,
     /// The scene's and the files' cameras; never empty.

@@ -47,6 +47,11 @@ impl Session {
         Ok(())
     }
 
+    /// Pose of the shown frame; `None` where all frames are equal.
+    pub fn state(&self) -> Option<&FrameState> {
+        self.state.as_ref()
+    }
+
     /// Edits numbers of materials until the scene is read again.
     ///
     /// # Errors

@@ -1,16 +1,57 @@
 //! Checks of posed cameras and lights.
 
+use std::collections::HashMap;
+
 use glam::Vec3;
 
 use crate::desc::{CameraDesc, LIGHT, LightDesc};
 
-/// Kind of a thing that a script has set, so that tracks leave it alone.
+/// Kind of a thing that a script has set: tracks leave such cameras and lights alone, and editors say why other
+/// values in the text would not be seen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Kind {
     /// A camera.
     Camera,
     /// A light.
     Light,
+    /// An instance, or a group by its index after the instances.
+    Node,
+    /// A `[material.NAME]`.
+    Material,
+    /// An instance's own `material = { … }`.
+    Override,
+    /// A material of a model's file, by its index in [`file_materials`](super::file_materials).
+    FileMaterial,
+}
+
+/// Values that scripts have set in a frame: for each thing, bit `i` stands for field `i` of its table; of a node for
+/// its translation, rotation and scale.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ScriptedFields(HashMap<(Kind, usize), u32>);
+
+impl ScriptedFields {
+    /// Adds fields of a thing.
+    pub fn add(&mut self, kind: Kind, index: usize, fields: u32) {
+        *self.0.entry((kind, index)).or_default() |= fields;
+    }
+
+    /// Adds all fields of another list.
+    pub fn extend(&mut self, more: Self) {
+        for ((kind, index), fields) in more.0 {
+            self.add(kind, index, fields);
+        }
+    }
+
+    /// Whether any field of a thing is set.
+    pub fn has_any(&self, kind: Kind, index: usize) -> bool {
+        self.0.contains_key(&(kind, index))
+    }
+
+    /// Whether a field of a thing is set.
+    pub fn has(&self, kind: Kind, index: usize, field: usize) -> bool {
+        let fields = self.0.get(&(kind, index)).copied().unwrap_or_default();
+        fields & (1 << field) != 0
+    }
 }
 
 /// Reason why a camera can show nothing, as the end of a sentence; `None` if it can.

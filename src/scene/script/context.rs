@@ -2,24 +2,28 @@
 
 mod rig;
 
-use std::{
-    collections::HashSet,
-    sync::{Arc, Mutex, MutexGuard, PoisonError},
-};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use glam::{Affine3A, DMat4, DVec3};
 use rhai::{Dynamic, EvalAltResult, Map};
 
 use super::{
-    setters::{material_values, refuse_lacking, values},
+    setters::{field_bits, material_values, refuse_lacking, set_bits, values},
     value::{fail, number, rotation, scale, vector},
 };
 use crate::{
     desc::{CAMERA, Entry, LIGHT, LightKind, MATERIAL, ParamValue, TimelineDesc},
-    motion::{FrameState, Kind, Names, ScriptNames, wrong_with_camera, wrong_with_light},
+    motion::{
+        FrameState, Kind, Names, ScriptNames, ScriptedFields, wrong_with_camera, wrong_with_light,
+    },
     range::ANY,
     suggest,
 };
+
+/// Bits of the parts of a node's transform in [`ScriptedFields`].
+const TRANSLATION: u32 = 0b001;
+const ROTATION: u32 = 0b010;
+const TRANSFORM: u32 = 0b111;
 
 type Result<T> = std::result::Result<T, Box<EvalAltResult>>;
 
@@ -67,11 +71,11 @@ impl Call {
     }
 }
 
-/// State of the scene while it is being posed, with the cameras and lights that were set.
+/// State of the scene while it is being posed, with the values that were set.
 #[derive(Debug, Default)]
 struct Scene {
     state: FrameState,
-    touched: HashSet<(Kind, usize)>,
+    touched: ScriptedFields,
 }
 
 /// The value `ctx` in scripts; all clones share one scene.
@@ -95,7 +99,7 @@ impl Context {
 
     /// Context for `frame`.
     pub fn for_frame(call: Call, state: FrameState, names: ScriptNames) -> Self {
-        let touched = HashSet::new();
+        let touched = ScriptedFields::default();
         Self {
             call: Arc::new(call),
             names: Some(names),
@@ -103,8 +107,8 @@ impl Context {
         }
     }
 
-    /// State of the scene after the script, and the cameras and lights that it has set.
-    pub fn into_result(self) -> (FrameState, HashSet<(Kind, usize)>) {
+    /// State of the scene after the script, and the values that it has set.
+    pub fn into_result(self) -> (FrameState, ScriptedFields) {
         let scene = std::mem::take(&mut *self.scene());
         (scene.state, scene.touched)
     }
@@ -155,7 +159,13 @@ impl Context {
         ))
     }
 
-    fn put(&self, name: &str, pose: impl FnOnce(&Affine3A) -> Result<Affine3A>) -> Result<()> {
+    /// Sets the transform of a node; `fields` are the bits of its parts that are set.
+    fn put(
+        &self,
+        name: &str,
+        fields: u32,
+        pose: impl FnOnce(&Affine3A) -> Result<Affine3A>,
+    ) -> Result<()> {
         let index = self.movable(name)?;
         let mut scene = self.scene();
         let slot = &mut scene.state.instances[index];
@@ -177,6 +187,7 @@ impl Context {
             ));
         }
         *slot = pose;
+        scene.touched.add(Kind::Node, index, fields);
         Ok(())
     }
 
@@ -190,10 +201,12 @@ impl Context {
     /// Sets the position of a node, which keeps its rotation and scale, or its whole matrix.
     pub fn place(&self, name: &str, position: Dynamic) -> Result<()> {
         if let Some(matrix) = position.clone().try_cast::<DMat4>() {
-            return self.put(name, |_| Ok(Affine3A::from_mat4(matrix.as_mat4())));
+            return self.put(name, TRANSFORM, |_| {
+                Ok(Affine3A::from_mat4(matrix.as_mat4()))
+            });
         }
         let position = vector(&position, "the position")?.as_vec3();
-        self.put(name, |old| {
+        self.put(name, TRANSLATION, |old| {
             Ok(Affine3A {
                 translation: position.into(),
                 ..*old
@@ -206,7 +219,7 @@ impl Context {
         let [position, turn, size] = at;
         let position = vector(&position, "the position")?.as_vec3();
         let (turn, size) = (rotation(&turn)?.as_quat(), scale(&size)?.as_vec3());
-        self.put(name, |_| {
+        self.put(name, TRANSFORM, |_| {
             Ok(Affine3A::from_scale_rotation_translation(
                 size, turn, position,
             ))
@@ -217,7 +230,7 @@ impl Context {
     pub fn turn(&self, name: &str, position: Dynamic, turn: Dynamic) -> Result<()> {
         let position = vector(&position, "the position")?.as_vec3();
         let turn = rotation(&turn)?.as_quat();
-        self.put(name, |old| {
+        self.put(name, TRANSLATION | ROTATION, |old| {
             let (size, _, _) = old.to_scale_rotation_translation();
             Ok(Affine3A::from_scale_rotation_translation(
                 size, turn, position,
@@ -257,14 +270,16 @@ impl Context {
         let index = self.find("camera", name, |n| &n.cameras)?;
         let mut scene = self.scene();
         let mut camera = scene.state.cameras[index].clone();
-        for (field, value) in values(&CAMERA, keys, "a camera", |_| true)? {
+        let values = values(&CAMERA, keys, "a camera", |_| true)?;
+        let fields = field_bits(&CAMERA, values.iter().map(|(field, _)| *field));
+        for (field, value) in values {
             (field.put)(&mut camera, value);
         }
         if let Some(wrong) = wrong_with_camera(&camera) {
             return fail(format!("camera {} {wrong}", suggest::text(name)));
         }
         scene.state.cameras[index] = camera;
-        scene.touched.insert((Kind::Camera, index));
+        scene.touched.add(Kind::Camera, index, fields);
         Ok(())
     }
 
@@ -275,7 +290,9 @@ impl Context {
         let mut light = scene.state.lights[index];
         let word = format!("a {} light", light.kind.name());
         let old = light;
-        for (field, value) in values(&LIGHT, keys, &word, |f| (f.get)(&old).is_some())? {
+        let values = values(&LIGHT, keys, &word, |f| (f.get)(&old).is_some())?;
+        let fields = field_bits(&LIGHT, values.iter().map(|(field, _)| *field));
+        for (field, value) in values {
             (field.put)(&mut light, value);
         }
         if let LightKind::Spot {
@@ -294,7 +311,7 @@ impl Context {
             return fail(format!("light {} {wrong}", suggest::text(name)));
         }
         scene.state.lights[index] = light;
-        scene.touched.insert((Kind::Light, index));
+        scene.touched.add(Kind::Light, index, fields);
         Ok(())
     }
 
@@ -312,6 +329,8 @@ impl Context {
                 (field.put)(material, value);
             }
         }
+        let fields = set_bits(&values);
+        scene.touched.add(Kind::Material, index, fields);
         Ok(())
     }
 
@@ -328,7 +347,9 @@ impl Context {
         let values = material_values(keys)?;
         let path = || format!("`material` of instance {}", suggest::text(name));
         refuse_lacking(&values, own, path)?;
-        self.scene().state.overrides[index].put(&values);
+        let mut scene = self.scene();
+        scene.state.overrides[index].put(&values);
+        scene.touched.add(Kind::Override, index, set_bits(&values));
         Ok(())
     }
 
@@ -358,7 +379,11 @@ impl Context {
             let [model, name] = [model, name].map(suggest::clip);
             format!("`[model.{model}.material.{name}]`")
         })?;
-        self.scene().state.file_materials[index].put(&values);
+        let mut scene = self.scene();
+        scene.state.file_materials[index].put(&values);
+        scene
+            .touched
+            .add(Kind::FileMaterial, index, set_bits(&values));
         Ok(())
     }
 }

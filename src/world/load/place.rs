@@ -113,6 +113,7 @@ impl Loader<'_> {
             );
             let placed = self.world.instances.len();
             self.world.written.resize(placed, job.index);
+            self.world.placed_models.resize(placed, job.model);
             if placed > MAX_INSTANCES {
                 let text = format!("more than {MAX_INSTANCES} instances");
                 self.errors
