@@ -26,3 +26,4 @@ mod scripts;
 mod shutter;
 mod stages;
 mod write_back;
+mod write_back_values;

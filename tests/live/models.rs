@@ -31,7 +31,7 @@ shadow = "none"
 "#;
 
 /// A quad with texture coordinates, once with the material `left`, once with `right`.
-fn write_model(folder: &Folder) {
+pub fn write_model(folder: &Folder) {
     let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0f32]];
     let mut bytes: Vec<u8> = Vec::new();
     let floats = corners.iter().flat_map(|[x, y]| [*x, *y, 0.0]);

@@ -4,9 +4,15 @@
 use std::sync::Arc;
 
 use super::{Live, Reload};
-use crate::write_back::{Inspected, Numbers, SceneItem, change, inspect, put};
-use reflet_render::runtime::model_viewer_scene::is_model;
-use reflet_scene::stages::Scene;
+use crate::write_back::{
+    Inspected, Layered, MaterialOrigin, Numbers, SceneItem, change, change_material,
+    change_parameters, inspect, put,
+};
+use reflet_render::runtime::{model_viewer_scene::is_model, parameters::ParameterOverrides};
+use reflet_scene::{
+    desc::{InstanceMaterialDesc, ModelSource},
+    stages::Scene,
+};
 
 impl Live {
     /// Item of the scene text that places an instance of the world, if there is one.
@@ -15,9 +21,90 @@ impl Live {
         written.map(SceneItem::Instance)
     }
 
+    /// The description, with what is laid over its texts.
+    fn layered(&self) -> Layered<'_> {
+        let options = &self.source().options;
+        Layered {
+            desc: self.desc(),
+            variants: &options.variant,
+            set: &options.set,
+            scripted: self.session.state().map(|state| &state.scripted),
+        }
+    }
+
+    /// Table of the scene text that has, or can override, the values of a material of the world: as the world's
+    /// instance `shown` has it, else the first that uses it. `None` for materials that no table names.
+    pub fn origin_of(&self, material: usize, shown: Option<usize>) -> Option<MaterialOrigin> {
+        let (world, desc) = (self.world(), self.desc());
+        let uses = |index: &usize| {
+            let instance = world.instances.get(*index);
+            instance.is_some_and(|instance| instance.material == material)
+        };
+        let index = shown.filter(uses);
+        let index = index.or_else(|| (0..world.instances.len()).find(uses))?;
+        let written = world.written.get(index).copied().flatten();
+        let own = written.and_then(|index| Some((index, desc.instances.get(index)?)));
+        let named = |name: &str| {
+            let found = desc.materials.iter().position(|entry| entry.name == name);
+            found.map(MaterialOrigin::Named)
+        };
+        match own.map(|(index, instance)| (index, &instance.material)) {
+            Some((_, Some(InstanceMaterialDesc::Named(name)))) => return named(&name.value),
+            Some((index, Some(InstanceMaterialDesc::Override(_)))) => {
+                return Some(MaterialOrigin::Instance(index));
+            }
+            _ => {}
+        }
+        let model = *world.placed_models.get(index)?;
+        let placed = &desc.models.get(model)?.value;
+        match &placed.source {
+            ModelSource::Shape(_) => named(&placed.material.as_ref()?.value),
+            ModelSource::File(_) => {
+                let name = world.materials.get(material)?.name.clone();
+                Some(MaterialOrigin::File(model, name))
+            }
+        }
+    }
+
+    /// Writes a number of a material into the text that says it; `shown` as for [`Live::origin_of`]. Returns the
+    /// name of the table.
+    ///
+    /// # Errors
+    /// Sentence with the reason; then no file has changed.
+    pub fn write_material(
+        &mut self,
+        (material, shown): (usize, Option<usize>),
+        numbers: &Numbers,
+    ) -> Result<String, String> {
+        self.check_text()?;
+        let origin = self.origin_of(material, shown);
+        let origin = origin.ok_or("its shape names no material; write `material = …` there")?;
+        let changed = change_material(&self.layered(), &origin, numbers)?;
+        self.history.write(changed)?;
+        Ok(origin.label(self.desc()))
+    }
+
+    /// Writes values of parameters into the texts that declare them.
+    ///
+    /// # Errors
+    /// Sentence with the reason; texts before that one are written.
+    pub fn write_parameters(&mut self, values: &ParameterOverrides) -> Result<(), String> {
+        self.check_text()?;
+        let all = self.declared().iter();
+        let changed = all.filter_map(|(name, own)| {
+            let value = values.get(name).filter(|value| *value != own)?;
+            Some((name.as_str(), value))
+        });
+        let changed: Vec<_> = changed.collect();
+        for change in change_parameters(&self.layered(), &changed)? {
+            self.history.write(change)?;
+        }
+        Ok(())
+    }
+
     /// Editable numbers of an item.
     pub fn inspect(&self, item: SceneItem) -> Option<Inspected> {
-        let mut inspected = inspect(self.desc(), item)?;
+        let mut inspected = inspect(&self.layered(), item)?;
         if let Err(why) = self.check_text() {
             inspected.numbers.clear();
             inspected.refused = Some(why);
@@ -31,8 +118,7 @@ impl Live {
     /// Sentence with the reason; then no file has changed.
     pub fn write(&mut self, item: SceneItem, numbers: &Numbers) -> Result<(), String> {
         self.check_text()?;
-        let variants = &self.source().options.variant;
-        let changed = change(self.desc(), variants, item, numbers)?;
+        let changed = change(&self.layered(), item, numbers)?;
         self.history.write(changed)
     }
 

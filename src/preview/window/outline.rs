@@ -50,6 +50,11 @@ pub fn outline(desc: &SceneDesc) -> Vec<OutlineRow> {
             waiting.extend(of(Some(node), (depth + 1).min(DEEPEST)));
         }
     }
+    rows.push(OutlineRow {
+        item: SceneItem::Environment,
+        label: SceneItem::Environment.label(desc),
+        depth: 0,
+    });
     rows
 }
 
@@ -89,6 +94,7 @@ intensity_cd = 1
             ("instance hand", 1),
             ("light lamp", 2),
             ("camera main", 0),
+            ("environment", 0),
         ];
         assert_eq!(rows, want);
     }

@@ -92,6 +92,10 @@ pub enum Task {
     Drag(SceneItem, Numbers),
     /// Write numbers of an item into the scene text.
     Write(SceneItem, Numbers),
+    /// Write a number of a material, by its index, into the scene text.
+    WriteMaterial(usize, Numbers),
+    /// Write values of parameters into the scene text, once they are shown.
+    WriteParameters(ParameterOverrides),
     /// Undo the last written edit (`false`), or redo the last undone one (`true`).
     Undo(bool),
 }

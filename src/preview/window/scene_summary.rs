@@ -19,6 +19,8 @@ pub struct MaterialRow {
     pub numbers: MaterialDesc,
     /// Values changed in the panel.
     pub edit: Edit,
+    /// Table of the scene text that says its values, or can override them; `None` if there is none.
+    pub origin: Option<String>,
     /// Number of instances that use it.
     pub uses: usize,
     /// Bounds of those instances.
@@ -58,6 +60,15 @@ pub struct SceneSummary {
     pub warnings: Vec<Diagnostic>,
 }
 
+/// Separates the strength from the emission, as the scene text has them; a world has their product alone.
+fn split_emission(numbers: &mut MaterialDesc, strength: Option<f32>) {
+    let strength = strength.filter(|strength| *strength > 0.0);
+    if let (Some(emission), Some(strength)) = (&mut numbers.emission, strength) {
+        *emission /= strength;
+        numbers.emission_strength = Some(strength);
+    }
+}
+
 impl SceneSummary {
     /// Whether the scene has no instances.
     pub fn is_nothing(&self) -> bool {
@@ -78,14 +89,21 @@ impl SceneSummary {
             name: names[material].clone(),
             numbers: *m.numbers(),
             edit: live.edit_of(material),
+            origin: None,
             uses: 0,
             bounds: Bounds::EMPTY,
         };
         let mut materials: Vec<MaterialRow> = world.materials.iter().enumerate().map(row).collect();
         let mut bounds = Bounds::EMPTY;
-        for instance in &world.instances {
+        for (index, instance) in world.instances.iter().enumerate() {
             let around = world.bounds_of(instance);
             let row = &mut materials[instance.material];
+            if row.uses == 0
+                && let Some(origin) = live.origin_of(instance.material, Some(index))
+            {
+                row.origin = Some(origin.label(live.desc()));
+                split_emission(&mut row.numbers, origin.emission_strength(live.desc()));
+            }
             row.uses += 1;
             row.bounds = row.bounds.union(around);
             bounds = bounds.union(around);

@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec3};
 
-use super::{Numbers, SceneItem};
+use super::{Numbers, SceneItem, inspect::ENVIRONMENT};
 use reflet_scene::{
     desc::{CAMERA, LIGHT, PlacementDesc, SceneDesc},
     motion::turned,
@@ -28,6 +28,11 @@ pub fn put(desc: &mut SceneDesc, item: SceneItem, numbers: &Numbers) {
         SceneItem::Camera(i) => {
             let camera = desc.cameras.get_mut(i).map(|e| &mut e.value);
             return put_field(camera, &CAMERA, numbers.key, value);
+        }
+        SceneItem::Environment => {
+            desc.environment.is_written = true;
+            let environment = Some(&mut desc.environment);
+            return put_field(environment, &ENVIRONMENT, numbers.key, value);
         }
     };
     if let Some(PlacementDesc::Trs {

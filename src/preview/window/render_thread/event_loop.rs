@@ -44,6 +44,13 @@ impl Worker {
                     }
                     Task::Drag(item, numbers) => redraw |= self.drag(item, &numbers),
                     Task::Write(item, numbers) => redraw |= self.write(item, &numbers),
+                    Task::WriteMaterial(material, numbers) => {
+                        self.write_material(material, &numbers);
+                    }
+                    Task::WriteParameters(values) => {
+                        self.unwritten = Some(values);
+                        self.write_parameters();
+                    }
                     Task::Undo(again) => self.undo(again),
                 }
             }

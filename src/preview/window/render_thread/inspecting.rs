@@ -58,6 +58,32 @@ impl Worker {
         was_dragged
     }
 
+    /// Writes a number of a material into the text, as the selected instance has it.
+    pub(super) fn write_material(&mut self, material: usize, numbers: &Numbers) {
+        let world = self.live.world();
+        let shown = self.selected.as_ref().and_then(|key| key.find(world));
+        let shown = shown.map(|(index, _)| index);
+        let done = self.live.write_material((material, shown), numbers);
+        self.send(Report::Message(match done {
+            Ok(table) => format!("{} is written into {table}", numbers.key),
+            Err(why) => {
+                let key = numbers.key;
+                format!("{key} is not written, and shown until the scene is saved: {why}")
+            }
+        }));
+    }
+
+    /// Writes values of parameters into the text, if they are those of the picture; others wait.
+    pub(super) fn write_parameters(&mut self) {
+        let is_shown = |values: &mut _| self.live.parameters() == values;
+        let Some(values) = self.unwritten.take_if(is_shown) else {
+            return;
+        };
+        if let Err(why) = self.live.write_parameters(&values) {
+            self.send(Report::Message(format!("not written: {why}")));
+        }
+    }
+
     /// Undoes the last edit, or redoes the last undone one.
     pub(super) fn undo(&mut self, again: bool) {
         let done = self.live.undo(again);

@@ -102,6 +102,11 @@ impl Worker {
             (None, None) => self.send(Report::ParametersApplied(reload)),
             (Some(_), None) => {}
         }
+        match &refusal {
+            Some(_) => self.unwritten = None,
+            None if reload.ok => self.write_parameters(),
+            None => {}
+        }
         if let Some(refusal) = refusal {
             self.send(Report::Refused(Box::new(refusal)));
         }

@@ -21,7 +21,9 @@ use crate::{
     write_back::SceneItem,
 };
 use reflet_gpu::Gpu;
-use reflet_render::{Draft, RenderError, stats::FrameStats};
+use reflet_render::{
+    Draft, RenderError, runtime::parameters::ParameterOverrides, stats::FrameStats,
+};
 use reflet_scene::desc::{CameraDesc, Method};
 use reflet_world::World;
 
@@ -39,6 +41,8 @@ pub(super) struct Worker {
     pub(super) outline: Option<FrameTexture>,
     /// The inspected item, with its name.
     pub(super) item: Option<(SceneItem, Option<String>)>,
+    /// Values of parameters to write into the text once they are shown.
+    pub(super) unwritten: Option<ParameterOverrides>,
     /// Running and pending scripts.
     pub(super) reload_jobs: ReloadJobs,
     /// The view in the targets, if they hold one of the posed frame.
@@ -86,6 +90,7 @@ impl Worker {
             selected: None,
             outline: None,
             item: None,
+            unwritten: None,
             reload_jobs: ReloadJobs::default(),
             rendered_view: None,
             frame_requests: VecDeque::new(),

@@ -133,6 +133,10 @@ impl Window {
                 ViewRequest::Select(item) => self.send(Task::Select(item)),
                 ViewRequest::Drag(item, numbers) => self.drag(ui, item, numbers),
                 ViewRequest::Write(item, numbers) => self.send(Task::Write(item, numbers)),
+                ViewRequest::WriteMaterial(material, numbers) => {
+                    self.send(Task::WriteMaterial(material, numbers));
+                }
+                ViewRequest::WriteParameters(values) => self.send(Task::WriteParameters(values)),
                 ViewRequest::Undo(again) => self.send(Task::Undo(again)),
             }
         }

@@ -172,6 +172,7 @@ mod tests {
                 key: "position",
                 values: vec![0.0, 0.0, 0.0],
             }],
+            held: Vec::new(),
             refused: None,
             world_from_parent: Affine3A::from_scale(Vec3::splat(2.0)),
         }));

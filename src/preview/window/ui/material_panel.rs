@@ -5,13 +5,14 @@ use std::fmt::Write as _;
 use eframe::egui::{self, DragValue, Rect, Slider, Ui};
 use glam::Vec3;
 
-use super::panels::{ViewRequest, ViewSettings, named};
+use super::panels::{ViewRequest, ViewSettings, is_input_over, named};
 use crate::{
     live::Edit,
     window::{
         protocol::Picked,
         scene_summary::{MaterialRow, SceneSummary},
     },
+    write_back::{Numbers, numbers_of},
 };
 use reflet_scene::{
     desc::{MATERIAL, MaterialDesc, PLAIN, PatternKind},
@@ -49,10 +50,14 @@ pub fn panel(
         if edit != row.edit {
             requests.push(ViewRequest::Edit(Box::new(edit)));
         }
+        requests.extend(to_write(ui, row, &edit));
         if ui.button("copy as scene text").clicked() {
             ui.ctx().copy_text(scene_text(&edit.over(&row.numbers)));
         }
-        ui.weak("until the scene is saved again; overrides motion");
+        ui.weak(match &row.origin {
+            Some(table) => format!("written into {table} where a change ends"),
+            None => "shown until the scene is saved: no table names this material".to_owned(),
+        });
     });
     if settings.scrolls_to_material {
         let is_open = shown.fully_open();
@@ -123,6 +128,39 @@ fn numbers(ui: &mut Ui, row: &MaterialRow) -> Edit {
     edit
 }
 
+/// Number of the material that is written now: the one that was changed last, once its input is over.
+fn to_write(ui: &Ui, row: &MaterialRow, edit: &Edit) -> Option<ViewRequest> {
+    let id = ui.scope_id().with("changed material");
+    let changed = |(a, b): (&Option<Vec3>, &Option<Vec3>)| a != b;
+    let of_field = edit.values.iter().zip(&row.edit.values).position(changed);
+    if let Some(field) = of_field {
+        ui.data_mut(|data| data.insert_temp(id, (edit.material, changed_key(edit, row, field))));
+    }
+    if !is_input_over(ui) {
+        return None;
+    }
+    let (material, field) = ui.data(|data| data.get_temp::<(usize, usize)>(id))?;
+    ui.data_mut(|data| data.remove::<(usize, usize)>(id));
+    let (value, field) = (edit.values[field]?, &MATERIAL[field]);
+    (material == edit.material).then(|| {
+        let numbers = Numbers {
+            key: field.key,
+            values: numbers_of(field.form, value),
+        };
+        ViewRequest::WriteMaterial(material, numbers)
+    })
+}
+
+/// Index of the field that an input has changed, of emission and its strength, which are set together.
+fn changed_key(edit: &Edit, row: &MaterialRow, first: usize) -> usize {
+    let now = row.edit.over(&row.numbers);
+    let differs = |(field, value): (&Field<MaterialDesc>, &Option<Vec3>)| {
+        value.is_some() && *value != (field.get)(&now)
+    };
+    let mut fields = MATERIAL.iter().zip(&edit.values);
+    fields.position(differs).unwrap_or(first)
+}
+
 /// The control of a value; returns whether it changed.
 fn control(ui: &mut Ui, field: &Field<MaterialDesc>, value: &mut Vec3) -> bool {
     let [least, most] = [f32::MIN, f32::MAX].map(|end| field.range.clamp(end));
@@ -170,7 +208,7 @@ fn control(ui: &mut Ui, field: &Field<MaterialDesc>, value: &mut Vec3) -> bool {
 }
 
 /// A color picker that preserves intensities above 1; returns whether the color changed.
-fn picker(ui: &mut Ui, color: &mut Vec3) -> bool {
+pub(super) fn picker(ui: &mut Ui, color: &mut Vec3) -> bool {
     let above = color.max_element().max(1.0);
     let mut rgb = (*color / above).to_array();
     let changed = ui.color_edit_button_rgb(&mut rgb).changed();

@@ -60,6 +60,10 @@ fn harness<'a>() -> Harness<'a, State> {
             picked,
             &mut state.requests,
         );
+        // The window shows an edit at once.
+        if let Some(ViewRequest::Edit(edit)) = state.requests.last() {
+            state.summary.materials[edit.material].edit = **edit;
+        }
     };
     // The picker has a character that no font here has.
     let builder = Harness::builder().allow_missing_glyphs();
@@ -73,9 +77,12 @@ fn select(harness: &mut Harness<'_, State>, label: &str) {
 
 /// Values that the last requested edit sets.
 fn requested(harness: &Harness<'_, State>) -> Vec<(&'static str, Vec3)> {
-    let Some(ViewRequest::Edit(edit)) = harness.state().requests.last() else {
-        panic!("no edit: {:?}", harness.state().requests);
-    };
+    let edits = harness.state().requests.iter().rev();
+    let mut edits = edits.filter_map(|request| match request {
+        ViewRequest::Edit(edit) => Some(edit),
+        _ => None,
+    });
+    let edit = edits.next().expect("an edit");
     let fields = MATERIAL.iter().zip(edit.values);
     fields.filter_map(|(f, v)| Some((f.key, v?))).collect()
 }
@@ -145,6 +152,56 @@ fn moved_control_requests_only_its_own_change() {
     assert_eq!(requested(&harness), [("roughness", Vec3::splat(0.25))]);
 }
 
+/// Numbers that were requested to be written.
+fn written(harness: &Harness<'_, State>) -> Vec<Numbers> {
+    let requests = harness.state().requests.iter();
+    let written = requests.filter_map(|request| match request {
+        ViewRequest::WriteMaterial(1, numbers) => Some(numbers.clone()),
+        _ => None,
+    });
+    written.collect()
+}
+
+#[test]
+fn a_number_is_written_once_where_its_drag_ends() {
+    use eframe::egui::{Event, Modifiers, PointerButton, vec2};
+
+    let mut harness = harness();
+    select(&mut harness, "chrome  ×2");
+    let slider = harness.get_all_by_role(Role::Slider).nth(1);
+    let at = slider.expect("roughness").rect().center();
+    let button = |pos, pressed| Event::PointerButton {
+        pos,
+        button: PointerButton::Primary,
+        pressed,
+        modifiers: Modifiers::NONE,
+    };
+    let end = at - vec2(20.0, 0.0);
+    for event in [
+        Event::PointerMoved(at),
+        button(at, true),
+        Event::PointerMoved(at - vec2(10.0, 0.0)),
+        Event::PointerMoved(end),
+    ] {
+        harness.event(event);
+        harness.run();
+    }
+    let dragged = requested(&harness);
+    assert_eq!(dragged[0].0, "roughness");
+    assert!(written(&harness).is_empty(), "the drag goes on");
+    harness.event(button(end, false));
+    harness.run();
+    harness.run();
+    let value = numbers_of(Form::Number, dragged[0].1);
+    assert_eq!(
+        written(&harness),
+        [Numbers {
+            key: "roughness",
+            values: value
+        }]
+    );
+}
+
 #[test]
 fn emission_and_its_strength_are_set_together() {
     let mut harness = harness();
@@ -160,6 +217,9 @@ fn emission_and_its_strength_are_set_together() {
             ("emission_strength", Vec3::splat(3.0))
         ]
     );
+    let key = "emission_strength";
+    let values = vec![3.0];
+    assert_eq!(written(&harness), [Numbers { key, values }], "only the one");
 }
 
 #[test]

@@ -10,6 +10,7 @@ mod frame_panels;
 mod gizmo;
 mod handle_reports;
 mod material_panel;
+mod number_row;
 pub(super) mod opener;
 mod panels;
 mod parameter_panel;

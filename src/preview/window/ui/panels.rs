@@ -41,6 +41,10 @@ pub enum ViewRequest {
     Drag(SceneItem, Numbers),
     /// Write numbers of an item into the scene text.
     Write(SceneItem, Numbers),
+    /// Write a number of a material, by its index, into the scene text.
+    WriteMaterial(usize, Numbers),
+    /// Write values of parameters into the scene text, once they are shown.
+    WriteParameters(ParameterOverrides),
     /// Undo the last written edit (`false`), or redo the last undone one (`true`).
     Undo(bool),
 }
@@ -107,6 +111,11 @@ pub fn named(ui: &mut Ui, control: impl Widget, name: impl Into<WidgetText>) -> 
         control.labelled_by(label.id)
     })
     .inner
+}
+
+/// Whether no drag and no input of text goes on: what was changed is written now.
+pub fn is_input_over(ui: &Ui) -> bool {
+    !ui.input(|i| i.pointer.any_down()) && !ui.ctx().egui_wants_keyboard_input()
 }
 
 /// Space after each group of the toolbar, points.

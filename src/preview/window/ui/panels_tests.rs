@@ -33,6 +33,7 @@ pub fn summary() -> SceneSummary {
         name: name.to_owned(),
         numbers: MaterialDesc::default(),
         edit: Edit::new(material),
+        origin: Some(format!("[material.{name}]")),
         uses: 2,
         bounds: Bounds::EMPTY,
     };
@@ -41,10 +42,7 @@ pub fn summary() -> SceneSummary {
         cuts: Vec::new(),
         declared: Vec::new(),
         log: Vec::new(),
-        cameras: vec![
-            ("main".to_owned(), CameraDesc::default()),
-            ("side".to_owned(), CameraDesc::default()),
-        ],
+        cameras: (["main", "side"].map(|name| (name.to_owned(), CameraDesc::default()))).into(),
         materials: vec![row(0, "floor"), row(1, "chrome")],
         shadow_lights: Vec::new(),
         items: Vec::new(),

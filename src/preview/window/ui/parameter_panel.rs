@@ -4,7 +4,10 @@ use std::ops::RangeInclusive;
 
 use eframe::egui::{self, DragValue, RichText, Slider, SliderClamping, Ui};
 
-use super::{diagnostics_panel::DiagnosticEntry, panels::named};
+use super::{
+    diagnostics_panel::DiagnosticEntry,
+    panels::{is_input_over, named},
+};
 use crate::live::Refusal;
 use reflet_render::runtime::parameters::{
     DeclaredParameters, ParameterOverrides, same_kind, setting,
@@ -16,6 +19,8 @@ use reflet_scene::{desc::ParamValue, range::LIMIT};
 pub struct Parameters {
     /// Overrides of the scene's own values.
     pub overrides: ParameterOverrides,
+    /// Whether an input has changed values that are not written yet.
+    is_changed: bool,
     /// Rejected values: their controls show them, but the picture uses `overrides`.
     refused: Vec<Refused>,
 }
@@ -49,6 +54,13 @@ impl Parameters {
             refused.values.retain(|(name, value)| !is_over(name, value));
         }
         self.refused.retain(|refused| !refused.values.is_empty());
+    }
+
+    /// Values to write into the scene text: those of an input that is over.
+    pub fn take_finished(&mut self, ui: &Ui) -> Option<ParameterOverrides> {
+        let is_due = self.is_changed && is_input_over(ui);
+        self.is_changed &= !is_due;
+        (is_due && !self.overrides.is_empty()).then(|| self.overrides.clone())
     }
 
     /// Marks rejected values, unless they were changed since.
@@ -121,7 +133,9 @@ pub fn params(ui: &mut Ui, declared: &DeclaredParameters, parameters: &mut Param
                 }
             }
         });
-    parameters.overrides != before
+    let is_changed = parameters.overrides != before;
+    parameters.is_changed |= is_changed;
+    is_changed
 }
 
 /// Label of a parameter: highlights overridden values, and rejected ones more strongly.

@@ -16,6 +16,7 @@ struct State {
     declared: DeclaredParameters,
     parameters: Parameters,
     requested: Vec<ParameterOverrides>,
+    written: Vec<ParameterOverrides>,
 }
 
 fn harness<'a>() -> Harness<'a, State> {
@@ -23,6 +24,7 @@ fn harness<'a>() -> Harness<'a, State> {
         if params(ui, &state.declared, &mut state.parameters) {
             state.requested.push(state.parameters.overrides.clone());
         }
+        state.written.extend(state.parameters.take_finished(ui));
     };
     Harness::builder()
         .with_size(egui::vec2(320.0, 700.0))
@@ -53,10 +55,13 @@ fn each_kind_of_parameter_has_its_control_and_reset_takes_all_back() {
         "looking changes nothing"
     );
     click(&mut harness, "night");
+    let night = harness.state().parameters.overrides.clone();
+    assert_eq!(harness.state().written, [night], "a click is over at once");
     let field = harness.get_by_role(Role::TextInput);
     field.focus();
     field.type_text("er");
     harness.run();
+    assert_eq!(harness.state().written.len(), 1, "the word is being typed");
     let count = harness.get_all_by_role(Role::Slider).next();
     count.expect("a slider").set_value_accesskit(62.0);
     harness.run();

@@ -4,16 +4,15 @@
 use eframe::egui::{self, Key, Modifiers, Ui};
 use glam::{Affine3A, Vec3};
 
-use super::panels::ViewRequest;
+use super::{
+    number_row::{Input, row},
+    panels::ViewRequest,
+};
 use crate::{
     window::{protocol::PixelValue, scene_summary::OutlineRow},
     write_back::{Inspected, Numbers, SceneItem},
 };
 
-/// Change of a number for each point of a mouse drag.
-const SPEED: f64 = 0.01;
-/// Change of an angle for each point of a mouse drag, degrees.
-const TURN_SPEED: f64 = 0.5;
 /// Step by which a key moves the selection, meters; ten times as much with Shift.
 const STEP_M: f64 = 0.1;
 /// Kinds of handles, with their labels.
@@ -173,7 +172,11 @@ pub fn panel(ui: &mut Ui, selection: &mut Selection, requests: &mut Vec<ViewRequ
             ui.weak(why);
         }
         for (now, before) in selection.numbers.iter_mut().zip(&shown.numbers) {
-            match row(ui, now) {
+            let input = row(ui, now);
+            if let Some((_, why)) = shown.held.iter().find(|(key, _)| *key == now.key) {
+                ui.weak(why);
+            }
+            match input {
                 Input::Ended if now != before => {
                     requests.push(ViewRequest::Write(shown.item, now.clone()));
                 }
@@ -195,38 +198,6 @@ pub fn panel(ui: &mut Ui, selection: &mut Selection, requests: &mut Vec<ViewRequ
             }
         });
     });
-}
-
-/// Input of the user into a number.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Input {
-    None,
-    Changed,
-    Ended,
-}
-
-/// Row of one key with its numbers.
-fn row(ui: &mut Ui, numbers: &mut Numbers) -> Input {
-    let speed = match numbers.key {
-        key if key.ends_with("_deg") => TURN_SPEED,
-        _ => SPEED,
-    };
-    let label = ui.weak(numbers.key);
-    let drag = |ui: &mut Ui, value: &mut f64| {
-        let drag = egui::DragValue::new(value).speed(speed).max_decimals(4);
-        let response = ui.add(drag).labelled_by(label.id);
-        match response.drag_stopped() || response.lost_focus() {
-            true => Input::Ended,
-            false if response.changed() => Input::Changed,
-            false => Input::None,
-        }
-    };
-    ui.horizontal(|ui| {
-        // All values are drawn; the strongest input counts.
-        let inputs = numbers.values.iter_mut().map(|value| drag(ui, value));
-        inputs.fold(Input::None, Input::max)
-    })
-    .inner
 }
 
 /// Panel with the values of the clicked pixel at the time of the click.
@@ -295,6 +266,7 @@ mod tests {
             label: "instance ball".to_owned(),
             place: "scene.toml:7".to_owned(),
             numbers: refused.map_or_else(|| vec![numbers], |_| Vec::new()),
+            held: Vec::new(),
             refused: refused.map(str::to_owned),
             world_from_parent: Affine3A::IDENTITY,
         }));

@@ -33,6 +33,8 @@ impl Window {
                     self.parameters.overrides.clone(),
                 ));
             }
+            let written = self.parameters.take_finished(ui);
+            requests.extend(written.map(ViewRequest::WriteParameters));
             place_panel::panel(ui, &mut self.selection, requests);
             place_panel::pixel(ui, &self.pixel);
             let item = self.selection.item();

@@ -1,0 +1,86 @@
+//! Changes of texts, written in one step each, with undo and redo.
+
+use std::path::{Path, PathBuf};
+
+use reflet_base::files::replace_content;
+
+/// A text before and after a change.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Change {
+    pub(super) path: PathBuf,
+    pub(super) before: String,
+    pub(super) after: String,
+}
+
+/// Written edits, for undo and redo.
+#[derive(Debug, Default)]
+pub struct History {
+    done: Vec<Change>,
+    undone: Vec<Change>,
+}
+
+impl Change {
+    /// Path of the changed file.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Replaces the text `from` on disk by the text `to`.
+    fn write(&self, from: &str, to: &str) -> Result<(), String> {
+        let shown = self.path.display();
+        let failed = |error: std::io::Error| format!("{shown} cannot be written: {error}");
+        // Symbolic links stay, and lead to the same file.
+        let path = self.path.canonicalize().map_err(failed)?;
+        match replace_content(&path, from.as_bytes(), to.as_bytes(), || {}).map_err(failed)? {
+            true => Ok(()),
+            false => Err(format!(
+                "{shown} was changed on disk and is not shown yet; nothing is written"
+            )),
+        }
+    }
+}
+
+impl History {
+    /// Writes a change and records it for undo; a change without effect is skipped. One that was made from an
+    /// older text than the last written one is refused.
+    ///
+    /// # Errors
+    /// A file that is read-only, or was changed meanwhile: nothing is written.
+    pub fn write(&mut self, change: Change) -> Result<(), String> {
+        if change.before == change.after {
+            return Ok(());
+        }
+        change.write(&change.before, &change.after)?;
+        self.done.push(change);
+        self.undone.clear();
+        Ok(())
+    }
+
+    /// Undoes the last change; returns its file, or `None` if there is nothing to undo.
+    ///
+    /// # Errors
+    /// Same errors as [`History::write`]; the change can still be undone then.
+    pub fn undo(&mut self) -> Result<Option<PathBuf>, String> {
+        let Some(change) = self.done.last() else {
+            return Ok(None);
+        };
+        change.write(&change.after, &change.before)?;
+        let path = change.path.clone();
+        self.undone.extend(self.done.pop());
+        Ok(Some(path))
+    }
+
+    /// Redoes the change that was undone last; returns its file like [`History::undo`].
+    ///
+    /// # Errors
+    /// Same errors as [`History::undo`].
+    pub fn redo(&mut self) -> Result<Option<PathBuf>, String> {
+        let Some(change) = self.undone.last() else {
+            return Ok(None);
+        };
+        change.write(&change.before, &change.after)?;
+        let path = change.path.clone();
+        self.done.extend(self.undone.pop());
+        Ok(Some(path))
+    }
+}

@@ -1,0 +1,200 @@
+//! Numbers of an item that can be changed, at rest.
+
+use std::sync::Arc;
+
+use glam::{Affine3A, EulerRot, Vec3};
+
+use super::{
+    Inspected, Numbers,
+    held::Layered,
+    item::SceneItem,
+    places::{self, places},
+};
+use reflet_scene::{
+    desc::{CAMERA, EnvironmentDesc, LIGHT, PlacementDesc, SceneDesc},
+    diagnostic::Span,
+    motion::turned,
+    number::{Field, Form},
+    range::{ANY, FROM_0},
+};
+
+/// Numbers and colors of the environment.
+pub(super) static ENVIRONMENT: [Field<EnvironmentDesc>; 6] = [
+    Field {
+        key: "color",
+        form: Form::Color,
+        range: FROM_0,
+        get: |it| Some(it.zenith),
+        put: |it, value| (it.zenith, it.horizon, it.ground) = (value, value, value),
+    },
+    Field {
+        key: "zenith",
+        form: Form::Color,
+        range: FROM_0,
+        get: |it| Some(it.zenith),
+        put: |it, value| it.zenith = value,
+    },
+    Field {
+        key: "horizon",
+        form: Form::Color,
+        range: FROM_0,
+        get: |it| Some(it.horizon),
+        put: |it, value| it.horizon = value,
+    },
+    Field {
+        key: "ground",
+        form: Form::Color,
+        range: FROM_0,
+        get: |it| Some(it.ground),
+        put: |it, value| it.ground = value,
+    },
+    Field {
+        key: "rotation_deg",
+        form: Form::Number,
+        range: ANY,
+        get: |it| it.file.as_ref().map(|_| Vec3::splat(it.rotation_deg)),
+        put: |it, value| it.rotation_deg = value.x,
+    },
+    Field {
+        key: "intensity",
+        form: Form::Number,
+        range: FROM_0,
+        get: |it| Some(Vec3::splat(it.intensity)),
+        put: |it, value| it.intensity = value.x,
+    },
+];
+
+/// File and line of a place.
+pub fn shown_place(at: &Span) -> String {
+    at.source.as_ref().map_or_else(String::new, |source| {
+        let line = source.place(at.range.start).line;
+        format!("{}:{line}", source.path.display())
+    })
+}
+
+/// Editable numbers of an item, at rest.
+pub fn inspect(scene: &Layered<'_>, item: SceneItem) -> Option<Inspected> {
+    let desc = scene.desc;
+    let (_, at) = item.named(desc)?;
+    let (numbers, refused) = match numbers(desc, item).and_then(|all| {
+        places::writable(at.source.as_ref().map(Arc::as_ref))?;
+        Ok(all)
+    }) {
+        Ok(numbers) => (numbers, None),
+        Err(why) => (Vec::new(), Some(why)),
+    };
+    let held = |n: &Numbers| Some((n.key, scene.held(item, n.key)?));
+    Some(Inspected {
+        item,
+        label: item.label(desc),
+        place: shown_place(at),
+        held: numbers.iter().filter_map(held).collect(),
+        numbers,
+        refused,
+        world_from_parent: world_from_parent(desc, item),
+    })
+}
+
+fn world_from_parent(desc: &SceneDesc, item: SceneItem) -> Affine3A {
+    let parents = &desc.parents;
+    let parent = match item {
+        SceneItem::Instance(i) => parents.of_node(i),
+        SceneItem::Group(i) => parents.of_node(desc.instances.len() + i),
+        SceneItem::Light(i) => parents.of_light(i),
+        SceneItem::Camera(i) => parents.of_camera(i),
+        SceneItem::Environment => None,
+    };
+    parent.map_or(Affine3A::IDENTITY, |parent| desc.rest()[parent])
+}
+
+fn numbers(desc: &SceneDesc, item: SceneItem) -> Result<Vec<Numbers>, String> {
+    let placement = match item {
+        SceneItem::Instance(i) => &desc.instances[i].placement,
+        SceneItem::Group(i) => &desc.groups[i].value.placement,
+        SceneItem::Light(i) => return Ok(fields(&desc.lights[i].value, &LIGHT)),
+        SceneItem::Camera(i) => return Ok(fields(&desc.cameras[i].value, &CAMERA)),
+        SceneItem::Environment => return Ok(environment(desc)),
+    };
+    let PlacementDesc::Trs {
+        translation,
+        rotation,
+        scale,
+    } = *placement
+    else {
+        let help = "write `translation`, `rotation_deg` and `scale` in its place";
+        return Err(format!("it is placed by `matrix`; {help}"));
+    };
+    let three = |v: Vec3| v.to_array().map(exact).to_vec();
+    let written = item.subject(desc);
+    let written = written.and_then(|item| places(desc, &[], &item, "rotation_deg"));
+    let written = written.ok().and_then(|place| place.numbers("rotation_deg"));
+    let agrees = |euler: &Vec<f64>| {
+        let [x, y, z] = *euler.as_slice() else {
+            return false;
+        };
+        let turn = turned(Vec3::new(x as f32, y as f32, z as f32));
+        turn.angle_between(rotation) < 1e-3
+    };
+    let euler = written.filter(agrees).unwrap_or_else(|| {
+        let (z, y, x) = rotation.as_dquat().to_euler(EulerRot::ZYX);
+        [x, y, z]
+            .map(|turn| exact(turn.to_degrees() as f32))
+            .to_vec()
+    });
+    let numbers = |key, values| Numbers { key, values };
+    Ok(vec![
+        numbers("translation", three(translation)),
+        numbers("rotation_deg", euler),
+        numbers("scale", three(scale)),
+    ])
+}
+
+/// Numbers of the kind of environment that the scene has.
+fn environment(desc: &SceneDesc) -> Vec<Numbers> {
+    let environment = &desc.environment;
+    let subject = SceneItem::Environment.subject(desc);
+    let place = subject.and_then(|item| places(desc, &[], &item, "color"));
+    let is_color = !environment.is_written || place.is_ok_and(|place| place.has("color"));
+    let has_file = environment.file.is_some();
+    let is_shown = |n: &Numbers| match n.key {
+        "color" => is_color && !has_file,
+        "zenith" | "horizon" | "ground" => !is_color && !has_file,
+        _ => true,
+    };
+    let mut all = fields(environment, &ENVIRONMENT);
+    all.retain(is_shown);
+    all
+}
+
+/// The double with the same shortest decimal text as the float.
+pub fn exact(x: f32) -> f64 {
+    // Turns -0 into 0.
+    x.to_string().parse().unwrap_or(f64::from(x)) + 0.0
+}
+
+/// Numbers of a value of this form.
+pub fn numbers_of(form: Form, value: Vec3) -> Vec<f64> {
+    let count = match form {
+        Form::Number => 1,
+        Form::Pair => 2,
+        Form::Color | Form::Vector => 3,
+    };
+    value.to_array().map(exact)[..count].to_vec()
+}
+
+/// Editable fields of a light, a camera or the environment.
+fn fields<T>(of: &T, fields: &[Field<T>]) -> Vec<Numbers> {
+    let one = |field: &Field<T>| {
+        Some(Numbers {
+            key: field.key,
+            values: numbers_of(field.form, (field.get)(of)?),
+        })
+    };
+    let mut all: Vec<_> = fields.iter().filter_map(one).collect();
+    // A light with a target takes its direction from there.
+    let has = |key: &str| all.iter().any(|n| n.key == key);
+    if has("target") && has("direction") {
+        all.retain(|n| n.key != "target");
+    }
+    all
+}

@@ -1,0 +1,183 @@
+//! Items of a scene that can be selected, and origins of the materials that instances show.
+
+use super::places::Subject;
+use reflet_scene::{
+    desc::{Entry, SceneDesc},
+    diagnostic::Span,
+    motion::{ModelTables, override_of},
+};
+
+/// An item of a scene with numbers that can be changed: an index into the list of its kind.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum SceneItem {
+    /// Index into [`SceneDesc::instances`].
+    Instance(usize),
+    /// Index into [`SceneDesc::groups`].
+    Group(usize),
+    /// Index into [`SceneDesc::lights`].
+    Light(usize),
+    /// Index into [`SceneDesc::cameras`].
+    Camera(usize),
+    /// The environment.
+    Environment,
+}
+
+/// Table in which the values of a material stand, or can be overridden.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum MaterialOrigin {
+    /// Index into [`SceneDesc::materials`].
+    Named(usize),
+    /// Index of the instance whose own `material = { … }` it is.
+    Instance(usize),
+    /// Index of the model, and name of the material in the model's file: `[model.M.material.NAME]`.
+    File(usize, String),
+}
+
+impl SceneItem {
+    /// Name of the item, if it has one, and the place of its table.
+    pub fn named(self, desc: &SceneDesc) -> Option<(Option<&str>, &Span)> {
+        fn entry<T>(list: &[Entry<T>], index: usize) -> Option<(Option<&str>, &Span)> {
+            list.get(index).map(|e| (Some(e.name.as_str()), &e.at))
+        }
+        match self {
+            Self::Instance(i) => desc.instances.get(i).map(|i| (i.name.as_deref(), &i.at)),
+            Self::Group(i) => entry(&desc.groups, i),
+            Self::Light(i) => entry(&desc.lights, i),
+            Self::Camera(i) => entry(&desc.cameras, i),
+            Self::Environment => Some((None, &desc.own)),
+        }
+    }
+
+    /// The item of the same name in a reloaded scene; without a name, the one of the same index.
+    pub fn again(self, desc: &SceneDesc, name: Option<&str>) -> Option<Self> {
+        let Some(name) = name else {
+            return self.named(desc).map(|_| self);
+        };
+        fn of<T>(list: &[Entry<T>], name: &str) -> Option<usize> {
+            list.iter().position(|e| e.name == name)
+        }
+        match self {
+            Self::Instance(_) => {
+                let mut all = desc.instances.iter();
+                all.position(|i| i.name.as_deref() == Some(name))
+                    .map(Self::Instance)
+            }
+            Self::Group(_) => of(&desc.groups, name).map(Self::Group),
+            Self::Light(_) => of(&desc.lights, name).map(Self::Light),
+            Self::Camera(_) => of(&desc.cameras, name).map(Self::Camera),
+            Self::Environment => Some(self),
+        }
+    }
+
+    /// Kind and name of the item.
+    pub fn label(self, desc: &SceneDesc) -> String {
+        let name = self.named(desc).and_then(|(name, _)| name);
+        match self {
+            Self::Instance(i) => {
+                let model = desc.instances.get(i).map(|i| i.model.value.as_str());
+                format!("instance {}", name.or(model).unwrap_or_default())
+            }
+            Self::Environment => "environment".to_owned(),
+            item => format!("{} {}", item.kind(), name.unwrap_or_default()),
+        }
+    }
+
+    /// Key of the item's kind in scene text.
+    pub(super) fn kind(self) -> &'static str {
+        match self {
+            Self::Instance(_) => "instance",
+            Self::Group(_) => "group",
+            Self::Light(_) => "light",
+            Self::Camera(_) => "camera",
+            Self::Environment => "environment",
+        }
+    }
+
+    /// The item's table.
+    pub(super) fn subject(self, desc: &SceneDesc) -> Result<Subject<'_>, String> {
+        let (name, at) = self.named(desc).ok_or("it is not there any more")?;
+        let section = match self {
+            Self::Instance(_) => "InstanceDesc",
+            Self::Group(_) => "GroupDesc",
+            Self::Light(_) => "LightDesc",
+            Self::Camera(_) => "CameraDesc",
+            Self::Environment => "EnvironmentDesc",
+        };
+        Ok(Subject {
+            kind: self.kind(),
+            section,
+            name,
+            at: (self != Self::Environment).then_some(at),
+            below: &[],
+        })
+    }
+}
+
+impl MaterialOrigin {
+    /// Name and place of the thing that has the material.
+    pub fn named<'d>(&self, desc: &'d SceneDesc) -> Option<(Option<&'d str>, &'d Span)> {
+        match self {
+            Self::Named(i) => desc
+                .materials
+                .get(*i)
+                .map(|e| (Some(e.name.as_str()), &e.at)),
+            Self::Instance(i) => SceneItem::Instance(*i).named(desc),
+            Self::File(i, _) => desc.models.get(*i).map(|e| (Some(e.name.as_str()), &e.at)),
+        }
+    }
+
+    /// The table as scene text names it.
+    pub fn label(&self, desc: &SceneDesc) -> String {
+        let name = self.named(desc).and_then(|(name, _)| name);
+        match (self, name) {
+            (Self::Named(_), name) => format!("[material.{}]", name.unwrap_or_default()),
+            (Self::Instance(_), Some(name)) => format!("material of instance {name}"),
+            (Self::Instance(_), None) => "material of its instance".to_owned(),
+            (Self::File(_, material), name) => {
+                format!("[model.{}.material.{material}]", name.unwrap_or_default())
+            }
+        }
+    }
+
+    /// Strength by which the text multiplies the emission, where it has one.
+    pub fn emission_strength(&self, desc: &SceneDesc) -> Option<f32> {
+        match self {
+            Self::Named(i) => desc.materials.get(*i)?.value.emission_strength,
+            Self::Instance(i) => override_of(desc.instances.get(*i)?)?.emission_strength,
+            Self::File(i, name) => {
+                let tables = ModelTables::of(desc.models.get(*i));
+                tables.written(name).emission_strength
+            }
+        }
+    }
+
+    /// Keys from the thing's table to that of the material.
+    pub(super) fn below(&self) -> Vec<&str> {
+        match self {
+            Self::Named(_) => Vec::new(),
+            Self::Instance(_) => vec!["material"],
+            Self::File(_, name) => vec!["material", name],
+        }
+    }
+
+    /// The thing's table, and the table `below` it.
+    pub(super) fn subject<'a>(
+        &self,
+        desc: &'a SceneDesc,
+        below: &'a [&'a str],
+    ) -> Result<Subject<'a>, String> {
+        let (name, at) = self.named(desc).ok_or("it is not there any more")?;
+        let kind = match self {
+            Self::Named(_) => "material",
+            Self::Instance(_) => "instance",
+            Self::File(..) => "model",
+        };
+        Ok(Subject {
+            kind,
+            section: "MaterialDesc",
+            name,
+            at: Some(at),
+            below,
+        })
+    }
+}

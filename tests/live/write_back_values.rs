@@ -1,0 +1,238 @@
+//! Values besides places that the preview writes into the scene text: materials, lights, cameras, the environment and
+//! parameters, each in the layer that says it; and values that tracks, scripts and the command line set, which are not
+//! written.
+
+use std::{fs, path::Path, sync::Arc};
+
+use reflet::{runtime::parameters::ParameterOverrides, scene::desc::ParamValue};
+use reflet_preview::{
+    live::Live,
+    watch::Change,
+    window::protocol::Task,
+    write_back::{Numbers, SceneItem},
+};
+
+use crate::{
+    background_scripts::Watched,
+    common::gpu_or_skip,
+    kit::{Folder, SCENE, open, open_with},
+    models::write_model,
+};
+
+const MORE: &str = r#"[model.quads]
+file = "quads.gltf" # two
+[[instance]]
+name = "sign"
+model = "quads"
+translation = [0, 2, 0]
+[[instance]]
+name = "own"
+model = "box"
+translation = [2, 0.5, 0]
+material = { roughness = 0.75 }
+"#;
+
+const SHOT: &str =
+    "version = 1\nbase = \"base.toml\"\n[material.red] # dull\nroughness = 0.5 # half\n";
+
+fn numbers(key: &'static str, values: &[f64]) -> Numbers {
+    let values = values.to_vec();
+    Numbers { key, values }
+}
+
+fn read(path: &Path) -> String {
+    fs::read_to_string(path).expect("it is there")
+}
+
+/// Index of the first instance of the world whose name begins so.
+fn instance(live: &Live, name: &str) -> usize {
+    let mut all = live.world().instances.iter();
+    let found = all.position(|instance| instance.name.starts_with(name));
+    found.unwrap_or_else(|| panic!("no {name}"))
+}
+
+fn material(live: &Live, name: &str) -> (usize, Option<usize>) {
+    let index = instance(live, name);
+    (live.world().instances[index].material, Some(index))
+}
+
+#[test]
+fn materials_are_written_in_the_layer_that_says_them() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let (gpu, folder) = (Arc::new(gpu), Folder::new());
+    write_model(&folder);
+    let base_text = SCENE.to_owned() + MORE;
+    let base = folder.write("base.toml", &base_text);
+    let shot = folder.write("scene.toml", SHOT);
+    let mut live = open(&gpu, &shot, None);
+    let write = |live: &mut Live, name: &str, number: Numbers| {
+        let before = [read(&base), read(&shot)];
+        let written = live.write_material(material(live, name), &number);
+        written.unwrap_or_else(|why| panic!("{name}: {why}"));
+        assert!(live.reload(&[Change::Scene].into()).ok);
+        assert_ne!([read(&base), read(&shot)], before, "{name}");
+        let (index, _) = material(live, name);
+        live.world().materials[index].clone()
+    };
+    // The shot says the roughness, the base the color; nobody the metalness, which the shot's table gets first, as in
+    // the manual.
+    let red = write(&mut live, "box", numbers("roughness", &[0.25]));
+    assert_eq!(red.roughness, 0.25);
+    let red = write(&mut live, "box", numbers("base_color", &[0.9, 0.25, 0.1]));
+    assert_eq!(red.base_color.y, 0.25);
+    let red = write(&mut live, "box", numbers("metallic", &[1.0]));
+    assert_eq!(red.metallic, 1.0);
+    assert_eq!(read(&shot), SHOT.replace("= 0.5 #", "= 0.25 #"));
+    let with_red = base_text.replacen(
+        "base_color = [0.9, 0.1, 0.1]\n",
+        "base_color = [0.9, 0.25, 0.1]\nmetallic = 1\n",
+        1,
+    );
+    assert_eq!(read(&base), with_red);
+    // An instance's own table, and a material of a model's file, which no table names yet.
+    let own = write(&mut live, "own", numbers("metallic", &[0.5]));
+    assert_eq!((own.metallic, own.roughness), (0.5, 0.75));
+    let left = write(&mut live, "sign", numbers("roughness", &[0.125]));
+    assert_eq!(left.roughness, 0.125);
+    let left = write(&mut live, "sign", numbers("base_color", &[0.5, 1.0, 1.0]));
+    assert_eq!(left.base_color.x, 0.5);
+    let all = with_red
+        .replace(
+            "{ roughness = 0.75 }",
+            "{ metallic = 0.5, roughness = 0.75 }",
+        )
+        .replace(
+            "# two\n",
+            "# two\n\n[model.quads.material.left]\nbase_color = [0.5, 1, 1]\nroughness = 0.125\n",
+        );
+    assert_eq!(read(&base), all);
+    while live
+        .undo(false)
+        .expect("it can be undone")
+        .starts_with("undid")
+    {}
+    assert_eq!((read(&base), read(&shot)), (base_text, SHOT.to_owned()));
+}
+
+const SCRIPT: &str = "fn frame(ctx) { ctx.material(\"floor\", #{ roughness: 0.5 }); }";
+
+const CHANGING: &str = r#"[timeline]
+end = 10
+[params]
+height = 1.5 # m
+[motion.light.lamp]
+intensity_cd = { keys = [{ at_s = 0, value = 10 }] }
+[motion.material.red]
+roughness = { rate = 0.1 }
+"#;
+
+#[test]
+fn what_does_not_rest_is_said_and_not_written() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let (gpu, folder) = (Arc::new(gpu), Folder::new());
+    folder.write("move.rhai", SCRIPT);
+    let text =
+        SCENE.replacen("version = 1\n", "version = 1\nscript = \"move.rhai\"\n", 1) + CHANGING;
+    let path = folder.write("scene.toml", &text);
+    let set = ["light.lamp.color=[1, 0, 0]", "params.height=3.0"];
+    let mut live = open_with(&gpu, &path, None, &set);
+    let (red, floor) = (material(&live, "box"), material(&live, "floor"));
+    let lamp = SceneItem::Light(0);
+    let refused = [
+        (
+            live.write(lamp, &numbers("intensity_cd", &[5.0])),
+            "`[motion.light.lamp]`",
+        ),
+        (
+            live.write(lamp, &numbers("color", &[1.0; 3])),
+            "`--set light.lamp.color=",
+        ),
+        (
+            live.write_material(red, &numbers("roughness", &[0.5]))
+                .map(drop),
+            "`[motion.material.red]`",
+        ),
+        (
+            live.write_material(floor, &numbers("roughness", &[0.7]))
+                .map(drop),
+            "the script sets it",
+        ),
+    ];
+    for (done, why) in refused {
+        let said = done.expect_err(why);
+        assert!(said.contains(why), "{said}");
+    }
+    let inspected = live.inspect(lamp).expect("it is there");
+    let held: Vec<_> = inspected.held.iter().map(|(key, _)| *key).collect();
+    assert_eq!(held, ["intensity_cd", "color"]);
+    let mut height = ParameterOverrides::default();
+    height.set("height", ParamValue::Number(2.0), &ParamValue::Number(3.0));
+    let said = live.write_parameters(&height).expect_err("--set");
+    assert!(said.contains("`--set params.height="), "{said}");
+    assert_eq!(read(&path), text, "nothing is written");
+    // Another number of the same table rests, and is written.
+    let done = live.write_material(floor, &numbers("reflectivity", &[0.25]));
+    assert_eq!(done.as_deref(), Ok("[material.floor]"));
+    assert_eq!(
+        read(&path),
+        text.replace("reflectivity = 0.5", "reflectivity = 0.25")
+    );
+}
+
+#[test]
+fn cameras_environment_and_parameters_are_written() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let (gpu, folder) = (Arc::new(gpu), Folder::new());
+    let text = SCENE.to_owned() + "[params]\nheight = 1.5 # m\nsteps = 3\n";
+    let path = folder.write("scene.toml", &text);
+    let live = open(&gpu, &path, None);
+    let mut preview = Watched::start(gpu, folder, live, false);
+    let until = |preview: &mut Watched, after: &str| {
+        preview.until("the text", |_| (read(&path) == after).then_some(()));
+    };
+    let mut after = text.replace("color = [0.2, 0.2, 0.3]", "color = [0.2, 0.5, 0.3]");
+    let write = |preview: &Watched, item, key, values: &[f64]| {
+        preview
+            .worker
+            .mailbox
+            .post(Task::Write(item, numbers(key, values)));
+    };
+    preview
+        .worker
+        .mailbox
+        .post(Task::Select(SceneItem::Environment));
+    write(&preview, SceneItem::Environment, "color", &[0.2, 0.5, 0.3]);
+    until(&mut preview, &after);
+    preview.until("the reload", |report| {
+        matches!(
+            report,
+            reflet_preview::window::protocol::Report::Reloaded(..)
+        )
+        .then_some(())
+    });
+    // Out of its range: the nearest value inside.
+    write(&preview, SceneItem::Camera(0), "fov_deg", &[500.0]);
+    after = after.replace(
+        "target = [0, 0.5, 0]\n",
+        "target = [0, 0.5, 0]\nfov_deg = 170\n",
+    );
+    until(&mut preview, &after);
+    preview.until("the reload", |report| {
+        matches!(
+            report,
+            reflet_preview::window::protocol::Report::Reloaded(..)
+        )
+        .then_some(())
+    });
+    let mut values = ParameterOverrides::default();
+    values.set("height", ParamValue::Number(2.0), &ParamValue::Number(1.5));
+    values.set("steps", ParamValue::Integer(4), &ParamValue::Integer(3));
+    // Written once it is in the picture.
+    preview
+        .worker
+        .mailbox
+        .post(Task::SetParameters(values.clone()));
+    preview.worker.mailbox.post(Task::WriteParameters(values));
+    after = after.replace("height = 1.5 # m\nsteps = 3", "height = 2.0 # m\nsteps = 4");
+    until(&mut preview, &after);
+}
