@@ -1,6 +1,6 @@
 //! Each text of a scene is parsed once, whoever asks for its tree.
 
-use std::{collections::BTreeMap, fs, path::Path};
+use std::{collections::BTreeMap, env, fs, path::Path};
 
 use super::*;
 use reflet_scene::{desc::is_stage, syntax::parsed};
