@@ -14,9 +14,11 @@ mod include;
 mod light;
 mod material;
 mod motion;
+mod outline;
 mod project;
 mod reflection;
 mod script;
+mod shape;
 mod stage;
 mod track;
 
@@ -43,9 +45,11 @@ pub use self::{
         CutDesc, GroupMotionDesc, InstanceMotionDesc, ModelMotionDesc, MotionDesc, ParamValue,
         TimelineDesc,
     },
+    outline::{BevelDesc, FigureDesc, FillRule, OutlineDesc, Written},
     project::ProjectDesc,
     reflection::{Accept, Bounces, Marched, Method, REFLECTION, ReflectionDesc},
     script::ScriptDesc,
+    shape::{LatheSource, ShapeDesc, SweepCurve},
     stage::{StageDesc, is_stage},
     track::{
         CurveKind, Ease, FollowDesc, KeyDesc, NumberKeyDesc, NumberOscillateDesc, NumberTrackDesc,
@@ -191,88 +195,6 @@ pub enum ModelSource {
     File(At<String>),
     /// `shape = { kind = "…", … }`: geometry made here.
     Shape(ShapeDesc),
-}
-
-/// `shape = { kind = "…" }`, centered on the origin unless said; curved ones are tessellated.
-#[derive(Clone, Debug, PartialEq)]
-pub enum ShapeDesc {
-    /// `"plane"`: in XZ, facing +Y.
-    Plane {
-        /// Edge lengths along X and Z, meters, above 0. Default [1, 1].
-        size: [f32; 2],
-    },
-    /// `"box"`
-    Box {
-        /// Edge lengths, meters, above 0. Default [1, 1, 1].
-        size: Vec3,
-    },
-    /// `"sphere"`
-    Sphere {
-        /// Radius, meters, above 0. Default 0.5.
-        radius: f32,
-        /// Divisions around, 3 to 1024; half as many from pole to pole. More is rounder. Default 128.
-        segments: u32,
-    },
-    /// `"cylinder"`: axis Y, standing on y = 0, with caps.
-    Cylinder {
-        /// Radius, meters, above 0. Default 0.5.
-        radius: f32,
-        /// Height, meters, above 0. Default 1.
-        height: f32,
-        /// Divisions around, 3 to 1024. Default 64.
-        segments: u32,
-    },
-    /// `"cone"`: axis Y, standing on y = 0, with a cap below.
-    Cone {
-        /// Radius of the foot, meters, above 0. Default 0.5.
-        radius: f32,
-        /// Height, meters, above 0. Default 1.
-        height: f32,
-        /// Divisions around, 3 to 1024. Default 64.
-        segments: u32,
-    },
-    /// `"disk"`: in XZ, facing +Y.
-    Disk {
-        /// Radius, meters, above 0. Default 0.5.
-        radius: f32,
-        /// Divisions around, 3 to 1024. Default 64.
-        segments: u32,
-    },
-    /// `"torus"`: a ring around axis Y.
-    Torus {
-        /// Distance from the center to the middle of the tube, meters, above 0. Default 0.5.
-        radius: f32,
-        /// Radius of the tube, meters, above 0 and at most `radius`. Default 0.15.
-        tube_radius: f32,
-        /// Divisions around, 3 to 1024; half as many around the tube. Default 96.
-        segments: u32,
-    },
-    /// `"capsule"`: a cylinder with half spheres at its ends, axis Y, standing on y = 0.
-    Capsule {
-        /// Radius, meters, above 0. Default 0.25.
-        radius: f32,
-        /// Length from end to end, meters, above 0 and at least twice the radius. Default 1.
-        height: f32,
-        /// Divisions around, 3 to 1024. Default 64.
-        segments: u32,
-    },
-    /// `"lathe"`: an outline turned around axis Y.
-    Lathe {
-        /// The outline from below upwards, 2 to 1000 points, each the distance from the axis, 0 or more,
-        /// and the height, meters. Its right side is outside; bends of more than 40° are edges. Where
-        /// it ends away from the axis the shape is open.
-        points: Vec<[f32; 2]>,
-        /// Divisions around, 3 to 1024. Default 64.
-        segments: u32,
-    },
-    /// `"heightfield"`: a surface whose height is the brightness of an image, black at y = 0, facing +Y.
-    Heightfield {
-        /// The image, of 2 to 2048 pixels on each side, 8 or 16 bits; its top row is towards -Z.
-        /// Searched beside the scene, then in each `--assets` folder.
-        file: At<String>,
-        /// Lengths along X, Y and Z, meters, above 0; Y is the height of white. Default [1, 0.25, 1].
-        size: Vec3,
-    },
 }
 
 /// `[[instance]]`

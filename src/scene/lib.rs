@@ -19,5 +19,6 @@ pub mod schema;
 pub mod script;
 pub mod stages;
 mod suggest;
+pub mod svg_path;
 pub mod syntax;
 pub mod toml_text;

@@ -1,7 +1,17 @@
 //! Shapes without files: their tessellation into meshes, in object space.
 
+mod curve;
+mod extrude;
+mod fault;
+mod flatten;
 pub mod heightfield;
 mod lathe;
+mod outlined;
+mod region;
+mod rounded_box;
+mod solid;
+mod sweep;
+mod turn;
 
 use std::f32::consts::TAU;
 
@@ -9,7 +19,9 @@ use glam::{Vec2, Vec3};
 
 use super::Mesh;
 use reflet_base::math::Bounds;
-use reflet_scene::desc::ShapeDesc;
+use reflet_scene::desc::{LatheSource, ShapeDesc};
+
+pub use self::{fault::Fault, outlined::Made};
 
 /// Tessellates `shape` (sizes in meters, as its description says); a height field gives an empty mesh, see
 /// [`heightfield::mesh`].
@@ -17,7 +29,20 @@ use reflet_scene::desc::ShapeDesc;
 /// Triangles are counter-clockwise seen from outside; curved sides have smooth normals; texture
 /// coordinates run left to right and top to bottom as seen from outside, once around. Tangents
 /// stay empty.
-pub fn mesh(shape: &ShapeDesc) -> Mesh {
+///
+/// # Errors
+/// Those of shapes that are made of outlines: [`outlined::make`].
+pub fn make(shape: &ShapeDesc) -> Result<Made, Fault> {
+    let mut made = match outlined::make(shape)? {
+        Some(made) => made,
+        None => Made::from(simple(shape)),
+    };
+    made.mesh.bounds = Bounds::of(made.mesh.positions.iter().copied());
+    Ok(made)
+}
+
+/// Mesh of a shape that is described by numbers alone, without bounds.
+fn simple(shape: &ShapeDesc) -> Mesh {
     let mut builder = Builder::default();
     let name = match *shape {
         ShapeDesc::Plane { size } => {
@@ -25,7 +50,7 @@ pub fn mesh(shape: &ShapeDesc) -> Mesh {
             builder.quad(Vec3::ZERO, Vec3::X * x, Vec3::NEG_Z * z);
             "plane"
         }
-        ShapeDesc::Box { size } => {
+        ShapeDesc::Box { size, .. } => {
             builder.cuboid(size * 0.5);
             "box"
         }
@@ -64,15 +89,15 @@ pub fn mesh(shape: &ShapeDesc) -> Mesh {
             radius,
             tube_radius,
             segments,
+            ..
         } => {
             builder.torus(radius, tube_radius, segments.max(3));
             "torus"
         }
-        // The loader makes this mesh, as it reads the image.
-        ShapeDesc::Heightfield { .. } => "heightfield",
         ShapeDesc::Lathe {
-            ref points,
+            source: LatheSource::Points(ref points),
             segments,
+            ..
         } => {
             lathe::add(&mut builder.mesh, points, segments.max(3));
             "lathe"
@@ -86,10 +111,11 @@ pub fn mesh(shape: &ShapeDesc) -> Mesh {
             builder.round_ends(radius, &rows, segments);
             "capsule"
         }
+        // The loader makes the mesh of a height field, as it reads the image; `outlined` makes the others.
+        _ => "",
     };
     let mut mesh = builder.mesh;
     mesh.name = name.to_owned();
-    mesh.bounds = Bounds::of(mesh.positions.iter().copied());
     mesh
 }
 

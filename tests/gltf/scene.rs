@@ -6,8 +6,8 @@ use crate::kit::{
 use glam::{Affine3A, Vec3};
 use reflet::{
     scene::desc::{
-        InstanceDesc, InstanceMaterialDesc, LightKind, MaterialDesc, ModelDesc, ModelSource,
-        RepeatDesc, SceneDesc, ShapeDesc, StageDesc,
+        BevelDesc, InstanceDesc, InstanceMaterialDesc, LightKind, MaterialDesc, ModelDesc,
+        ModelSource, RepeatDesc, SceneDesc, ShapeDesc, StageDesc,
     },
     world::{
         World,
@@ -15,6 +15,13 @@ use reflet::{
     },
 };
 use serde_json::json;
+
+fn cube() -> ShapeDesc {
+    ShapeDesc::Box {
+        size: Vec3::ONE,
+        bevel: BevelDesc::default(),
+    }
+}
 
 fn shape(shape: ShapeDesc, material: Option<&str>) -> ModelDesc {
     let source = ModelSource::Shape(shape);
@@ -145,7 +152,7 @@ fn shapes_take_named_materials_and_grids() {
                 "floor",
                 shape(ShapeDesc::Plane { size: [4.0, 4.0] }, Some("polished")),
             ),
-            entry("block", shape(ShapeDesc::Box { size: Vec3::ONE }, None)),
+            entry("block", shape(cube(), None)),
         ],
         instances: vec![InstanceDesc {
             name: Some("row".into()),
@@ -187,10 +194,7 @@ fn shapes_take_named_materials_and_grids() {
 #[test]
 fn dangling_names_are_all_reported() {
     let mut desc = SceneDesc {
-        models: vec![entry(
-            "ball",
-            shape(ShapeDesc::Box { size: Vec3::ONE }, None),
-        )],
+        models: vec![entry("ball", shape(cube(), None))],
         instances: vec![instance("bal"), instance("x")],
         ..SceneDesc::default()
     };

@@ -5,7 +5,7 @@ use std::{fs, path::PathBuf};
 use glam::Vec3;
 use reflet::scene::{
     dependencies::Dependencies,
-    desc::{LightKind, ModelSource, PlacementDesc, ShapeDesc},
+    desc::{BevelDesc, LightKind, ModelSource, PlacementDesc, ShapeDesc},
     diagnostic::render_all,
     parse::ReadOptions,
     reach::Border,
@@ -157,7 +157,10 @@ fn keys_above_win_and_all_others_stay() {
     let ball = &scene.models[0].value;
     assert_eq!(
         ball.source,
-        ModelSource::Shape(ShapeDesc::Box { size: Vec3::ONE })
+        ModelSource::Shape(ShapeDesc::Box {
+            size: Vec3::ONE,
+            bevel: BevelDesc::default()
+        })
     );
     assert_eq!(
         ball.material.as_ref().map(|m| m.value.as_str()),

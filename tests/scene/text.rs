@@ -151,7 +151,8 @@ fn models_are_files_with_overrides_or_shapes() {
         [
             ModelSource::Shape(ShapeDesc::Plane { size: [2.0, 3.0] }),
             ModelSource::Shape(ShapeDesc::Box {
-                size: Vec3::new(1.0, 2.0, 3.0)
+                size: Vec3::new(1.0, 2.0, 3.0),
+                bevel: BevelDesc::default()
             }),
             ModelSource::Shape(ShapeDesc::Sphere {
                 radius: 0.5,
@@ -191,6 +192,7 @@ fn round_shapes_have_defaults() {
             radius: 0.5,
             tube_radius: 0.15,
             segments: 96,
+            angle_deg: 360.0,
         },
         ShapeDesc::Capsule {
             radius: 0.25,

@@ -3,7 +3,7 @@
 use glam::{Affine3A, DVec2, EulerRot, Quat, Vec3};
 use reflet::{
     math::Bounds,
-    scene::desc::ShapeDesc,
+    scene::desc::{BevelDesc, ShapeDesc},
     world::{Instance, Material, Mesh, World, bvh::Ray, shape},
 };
 
@@ -85,7 +85,10 @@ pub fn world(offset: Vec3) -> World {
             radius: 1.0,
             segments: 24,
         },
-        ShapeDesc::Box { size: Vec3::ONE },
+        ShapeDesc::Box {
+            size: Vec3::ONE,
+            bevel: BevelDesc::default(),
+        },
         ShapeDesc::Cylinder {
             radius: 0.5,
             height: 2.0,
@@ -99,7 +102,7 @@ pub fn world(offset: Vec3) -> World {
         ShapeDesc::Plane { size: [2.0, 1.0] },
     ]
     .iter()
-    .map(shape::mesh)
+    .map(|shape| shape::make(shape).expect("a shape").mesh)
     .collect();
     meshes.push(soup(&mut random, 200));
     let materials = [
@@ -207,10 +210,14 @@ pub fn special_rays(world: &World, offset: Vec3) -> Vec<Ray> {
 /// A turned, stretched, finely tessellated ball, seen from both sides.
 pub fn closed_shape(offset: Vec3, dynamic: bool) -> World {
     World {
-        meshes: vec![shape::mesh(&ShapeDesc::Sphere {
-            radius: 3.0,
-            segments: 256,
-        })]
+        meshes: vec![
+            shape::make(&ShapeDesc::Sphere {
+                radius: 3.0,
+                segments: 256,
+            })
+            .expect("a sphere")
+            .mesh,
+        ]
         .into(),
         materials: vec![Material {
             double_sided: true,

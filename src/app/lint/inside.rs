@@ -262,14 +262,22 @@ fn winding_number(triangles: &[[u32; 3]], posed: &Posed<'_>, point: DVec3) -> f6
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{scene::desc::ShapeDesc, world::shape::mesh};
+    use crate::{
+        scene::desc::{BevelDesc, ShapeDesc},
+        world::shape,
+    };
 
     #[test]
     fn shapes_are_closed_and_surround_what_is_inside() {
         let size = Vec3::new(1.0, 2.0, 3.0);
+        let bevel = BevelDesc::default();
         let (radius, height, segments) = (1.0, 2.0, 16);
         for (shape, closed, inner) in [
-            (ShapeDesc::Box { size }, true, Vec3::new(0.4, -0.9, 1.4)),
+            (
+                ShapeDesc::Box { size, bevel },
+                true,
+                Vec3::new(0.4, -0.9, 1.4),
+            ),
             (
                 ShapeDesc::Sphere { radius, segments },
                 true,
@@ -286,7 +294,7 @@ mod tests {
             ),
             (ShapeDesc::Plane { size: [1.0, 1.0] }, false, Vec3::ZERO),
         ] {
-            let mesh = mesh(&shape);
+            let mesh = shape::make(&shape).expect("a shape").mesh;
             assert_eq!(is_closed_mesh(&mesh), closed, "{shape:?}");
             if closed {
                 let inside = winding_number(&mesh.triangles, &mesh.at_rest(), inner.as_dvec3());

@@ -12,8 +12,10 @@ static SOURCE: &str = concat!(
     include_str!("../desc/light.rs"),
     include_str!("../desc/material.rs"),
     include_str!("../desc/motion.rs"),
+    include_str!("../desc/outline.rs"),
     include_str!("../desc/project.rs"),
     include_str!("../desc/reflection.rs"),
+    include_str!("../desc/shape.rs"),
     include_str!("../desc/stage.rs"),
     include_str!("../desc/track.rs")
 );

@@ -7,8 +7,8 @@ use super::{
     value::{Named, Value, wrong_type},
 };
 use crate::desc::{
-    Accept, CurveKind, Ease, EnvironmentShadow, Marched, Method, PatternKind, Playback, Radiance,
-    ReflectionMode, ShadowMode, ToneMap, Visibility,
+    Accept, CurveKind, Ease, EnvironmentShadow, FillRule, Marched, Method, PatternKind, Playback,
+    Radiance, ReflectionMode, ShadowMode, SweepCurve, ToneMap, Visibility,
 };
 use crate::syntax::Node;
 use crate::{range::Range, suggest};
@@ -54,6 +54,8 @@ words!(CurveKind {
     "centripetal" => Self::Centripetal,
     "bezier" => Self::Bezier,
 });
+words!(FillRule { "nonzero" => Self::Nonzero, "evenodd" => Self::Evenodd });
+words!(SweepCurve { "linear" => Self::Linear, "centripetal" => Self::Centripetal, "bezier" => Self::Bezier });
 words!(Ease { "none" => Self::None, "in" => Self::In, "out" => Self::Out, "in_out" => Self::InOut });
 words!(Playback { "once" => Self::Once, "loop" => Self::Loop, "ping_pong" => Self::PingPong });
 words!(PatternKind {

@@ -9,36 +9,67 @@ use super::{
 use crate::range::Range;
 use crate::syntax::Node;
 
-/// Points of two numbers each, as many as there are.
-pub struct Points(pub Vec<[f32; 2]>);
+/// Points of `N` numbers each, as many as there are.
+pub struct Points<const N: usize>(pub Vec<[f32; N]>);
 
-impl Value for Points {
+/// Figures of points of two numbers each.
+pub struct Figures(pub Vec<Vec<[f32; 2]>>);
+
+impl<const N: usize> Value for Points<N> {
     const RANGED: bool = true;
 
     fn expected() -> String {
-        "an array of points, each two numbers".into()
+        format!("an array of points, each {}", <[f32; N]>::expected())
     }
     fn schema(range: &Range) -> Json {
-        json!({ "type": "array", "items": <[f32; 2]>::schema(range), "minItems": 2 })
+        json!({ "type": "array", "items": <[f32; N]>::schema(range), "minItems": 2 })
     }
     fn to_json(&self) -> Json {
         self.0.iter().map(Value::to_json).collect()
     }
     fn read(node: &Node, named: &Named, report: &mut Report) -> Option<Self> {
-        let Some(items) = node.get_ref().as_array() else {
-            wrong_type(node, named.key, &Self::expected(), report);
-            return None;
-        };
-        let read = |(i, item)| {
-            let key = format!("{}[{i}]", named.key);
-            let named = Named {
-                key: &key,
-                range: named.range,
-            };
-            Value::read(item, &named, report)
-        };
-        // Every element is read, so that every wrong one is reported.
-        let points: Vec<Option<[f32; 2]>> = items.iter().enumerate().map(read).collect();
-        points.into_iter().collect::<Option<_>>().map(Self)
+        items(node, named, &Self::expected(), report).map(Self)
     }
+}
+
+impl Value for Figures {
+    const RANGED: bool = true;
+
+    fn expected() -> String {
+        "an array of figures, each an array of points of two numbers".into()
+    }
+    fn schema(range: &Range) -> Json {
+        json!({ "type": "array", "items": Points::<2>::schema(range) })
+    }
+    fn to_json(&self) -> Json {
+        let figure = |points: &Vec<[f32; 2]>| points.iter().map(Value::to_json).collect::<Json>();
+        self.0.iter().map(figure).collect()
+    }
+    fn read(node: &Node, named: &Named, report: &mut Report) -> Option<Self> {
+        let figures: Vec<Points<2>> = items(node, named, &Self::expected(), report)?;
+        Some(Self(figures.into_iter().map(|points| points.0).collect()))
+    }
+}
+
+/// The values of an array; every one is read, so that every wrong one is reported.
+fn items<T: Value>(
+    node: &Node,
+    named: &Named,
+    expected: &str,
+    report: &mut Report,
+) -> Option<Vec<T>> {
+    let Some(items) = node.get_ref().as_array() else {
+        wrong_type(node, named.key, expected, report);
+        return None;
+    };
+    let read = |(i, item)| {
+        let key = format!("{}[{i}]", named.key);
+        let named = Named {
+            key: &key,
+            range: named.range,
+        };
+        T::read(item, &named, report)
+    };
+    let values: Vec<Option<T>> = items.iter().enumerate().map(read).collect();
+    values.into_iter().collect()
 }

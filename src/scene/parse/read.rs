@@ -7,6 +7,8 @@ mod image;
 mod instance;
 mod light;
 mod motion;
+mod outline;
+mod outlined;
 pub mod project;
 mod shape;
 mod stage;

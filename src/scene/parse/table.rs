@@ -11,6 +11,7 @@ use super::{
     report::Report,
     value::{Named, Value},
 };
+use crate::desc::Written;
 use crate::diagnostic::Span;
 use crate::syntax::{Entries, Key, Node};
 use crate::{range::Range, suggest};
@@ -151,6 +152,11 @@ impl<'r> Table<'r> {
     /// Place where the table starts.
     pub fn start(&self) -> Span {
         self.report.span(&self.place.at)
+    }
+
+    /// Place of a key's value, else of the table, for messages of later stages.
+    pub fn written(&self, key: &str) -> Written {
+        Written(self.report.span(&self.value_at(key)))
     }
 
     /// Range of a key's value, else of the table.
@@ -323,6 +329,21 @@ impl<'r> Table<'r> {
             }
             [] => {}
         }
+    }
+
+    /// Reports a mistake at a byte of the text of a key, whose quotes are one byte each side.
+    pub fn refuse_byte(&mut self, name: &'static str, key: &str, byte: usize, say: (&str, &str)) {
+        let mut at = self.value_at(key);
+        // Text with escapes or in triple quotes is longer than what it stands for.
+        let text = self
+            .values
+            .get(key)
+            .and_then(|node| node.get_ref().as_str());
+        if text.is_some_and(|text| text.len() + 2 == at.len() && byte <= text.len()) {
+            let start = at.start + 1 + byte;
+            at = start..start + 1;
+        }
+        self.report.error(name, &at, say.0).help = Some(say.1.to_owned());
     }
 
     /// Reports a mistake in the value of a key.

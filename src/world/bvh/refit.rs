@@ -167,10 +167,12 @@ mod tests {
     use reflet_scene::desc::ShapeDesc;
 
     fn sphere() -> Mesh {
-        shape::mesh(&ShapeDesc::Sphere {
+        shape::make(&ShapeDesc::Sphere {
             radius: 1.0,
             segments: 32,
         })
+        .expect("a sphere")
+        .mesh
     }
 
     /// A refit to the boxes that a tree was built over changes nothing.

@@ -34,7 +34,7 @@ impl Loader<'_> {
         let model = &entry.value;
         let file = match &model.source {
             ModelSource::Shape(shape) => {
-                let mut mesh = match self.shape_mesh(shape) {
+                let mut mesh = match self.shape_mesh(shape, entry) {
                     Ok(mesh) => mesh,
                     Err(error) => {
                         self.report_once(*error);
@@ -71,9 +71,22 @@ impl Loader<'_> {
     }
 
     /// The mesh of a shape, with the image of a height field.
-    fn shape_mesh(&mut self, shape: &ShapeDesc) -> Result<Mesh, Box<Diagnostic>> {
+    fn shape_mesh(
+        &mut self,
+        shape: &ShapeDesc,
+        entry: &Entry<ModelDesc>,
+    ) -> Result<Mesh, Box<Diagnostic>> {
         let ShapeDesc::Heightfield { file, size } = shape else {
-            return Ok(shape::mesh(shape));
+            let said = |fault: shape::Fault| {
+                let at = fault.at.as_ref().unwrap_or(&entry.at);
+                let mut said = error_at(fault.name, at, fault.message);
+                said.help = fault.help;
+                said
+            };
+            let made = shape::make(shape).map_err(|fault| Box::new(said(fault)))?;
+            let warnings = made.warnings.into_iter().map(|fault| said(fault).warning());
+            self.world.warnings.extend(warnings);
+            return Ok(made.mesh);
         };
         let path = self.find(file)?;
         let fault = |name: &'static str, text: String| {

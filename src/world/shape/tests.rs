@@ -5,6 +5,16 @@ use std::{collections::HashMap, f64::consts::PI};
 use glam::DVec3;
 
 use super::*;
+use reflet_scene::desc::BevelDesc;
+
+fn mesh(shape: &ShapeDesc) -> Mesh {
+    make(shape).expect("a shape").mesh
+}
+
+fn cuboid(size: Vec3) -> ShapeDesc {
+    let bevel = BevelDesc::default();
+    ShapeDesc::Box { size, bevel }
+}
 
 fn corners(mesh: &Mesh) -> impl Iterator<Item = [DVec3; 3]> {
     let at = |i: u32| mesh.positions[i as usize].as_dvec3();
@@ -69,7 +79,7 @@ fn check(shape: ShapeDesc, area: f64, volume: f64, tolerance: f64) {
 fn flat_shapes_are_exact() {
     check(ShapeDesc::Plane { size: [2.0, 3.0] }, 6.0, 0.0, 1e-6);
     let size = Vec3::new(1.0, 2.0, 3.0);
-    check(ShapeDesc::Box { size }, 22.0, 6.0, 1e-6);
+    check(cuboid(size), 22.0, 6.0, 1e-6);
     let plane = mesh(&ShapeDesc::Plane { size: [1.0, 1.0] });
     assert!(plane.normals.iter().all(|n| *n == Vec3::Y));
 }
@@ -79,8 +89,9 @@ fn flat_shapes_are_exact() {
 fn outlines_turned_are_closed_and_near_their_closed_form() {
     let segments = 256;
     let lathe = |points: &[[f32; 2]]| ShapeDesc::Lathe {
-        points: points.to_vec(),
+        source: LatheSource::Points(points.to_vec()),
         segments,
+        angle_deg: 360.0,
     };
     let cylinder = lathe(&[[0.0, 0.0], [0.5, 0.0], [0.5, 2.0], [0.0, 2.0]]);
     check(
@@ -130,6 +141,7 @@ fn curved_shapes_are_closed_and_near_their_closed_form() {
         radius,
         tube_radius: 0.2,
         segments,
+        angle_deg: 360.0,
     };
     check(
         torus,
@@ -174,6 +186,7 @@ fn coarsest_curved_shapes_are_closed() {
             radius: 1.0,
             tube_radius: 0.5,
             segments,
+            angle_deg: 360.0,
         },
         ShapeDesc::Capsule {
             radius: 1.0,
@@ -204,12 +217,13 @@ fn texture_runs_left_to_right_seen_from_outside() {
             height: 1.0,
             segments: 16,
         },
-        ShapeDesc::Box { size: Vec3::ONE },
+        cuboid(Vec3::ONE),
         ShapeDesc::Plane { size: [1.0, 1.0] },
         ShapeDesc::Torus {
             radius: 1.0,
             tube_radius: 0.5,
             segments: 16,
+            angle_deg: 360.0,
         },
         ShapeDesc::Capsule {
             radius: 1.0,
@@ -225,3 +239,5 @@ fn texture_runs_left_to_right_seen_from_outside() {
         }
     }
 }
+
+mod outlined;

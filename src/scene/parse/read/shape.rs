@@ -2,19 +2,19 @@
 
 use glam::Vec3;
 
+use super::outlined;
 use crate::syntax::Node;
 use crate::{
     desc::ShapeDesc,
-    parse::{
-        points::Points,
-        table::{Section, Table},
-    },
+    parse::table::{Section, Table},
     range::{ABOVE_0, ANY, Range, range},
     suggest,
 };
 
 /// Range of the divisions around a curved shape.
-const SEGMENTS: Range = range(3.0, 1024.0);
+pub(super) const SEGMENTS: Range = range(3.0, 1024.0);
+/// Range of a part of a turn, degrees.
+pub(super) const TURN_DEG: Range = range(0.0, 360.0).above();
 impl Section for ShapeDesc {
     const TYPE: &'static str = "ShapeDesc";
     const HEADING: &'static str = "shape = { kind = …, … }";
@@ -28,11 +28,7 @@ impl Section for ShapeDesc {
                         size: t.get("size", ABOVE_0, [1.0, 1.0]),
                     })
                 }),
-                ("box", |t| {
-                    Some(Self::Box {
-                        size: t.get("size", ABOVE_0, Vec3::ONE),
-                    })
-                }),
+                ("box", cuboid),
                 ("sphere", |t| {
                     Some(Self::Sphere {
                         radius: t.get("radius", ABOVE_0, 0.5),
@@ -61,7 +57,9 @@ impl Section for ShapeDesc {
                 }),
                 ("torus", torus),
                 ("capsule", capsule),
-                ("lathe", lathe),
+                ("lathe", outlined::lathe),
+                ("extrude", outlined::extrude),
+                ("sweep", outlined::sweep),
                 ("heightfield", heightfield),
             ],
         )
@@ -85,6 +83,7 @@ fn torus(t: &mut Table) -> Option<ShapeDesc> {
         radius,
         tube_radius,
         segments: t.get("segments", SEGMENTS, 96),
+        angle_deg: t.get("angle_deg", TURN_DEG, 360.0),
     })
 }
 
@@ -103,37 +102,11 @@ fn capsule(t: &mut Table) -> Option<ShapeDesc> {
     })
 }
 
-/// Largest number of points of an outline.
-const MOST_POINTS: usize = 1000;
-
-fn lathe(t: &mut Table) -> Option<ShapeDesc> {
-    let points = t.need("points", ANY);
-    let segments = t.get("segments", SEGMENTS, 64);
-    let Points(points) = points?;
-    let flat = |pair: &[[f32; 2]]| pair[0] == pair[1];
-    let wrong = if !(2..=MOST_POINTS).contains(&points.len()) {
-        Some(format!(
-            "`points` must be 2 to {MOST_POINTS} points, not {}",
-            points.len()
-        ))
-    } else if let Some([radius, _]) = points.iter().find(|[radius, _]| *radius < 0.0) {
-        Some(format!(
-            "a point of `points` must be 0 or more from the axis, not {radius}"
-        ))
-    } else if points.windows(2).any(flat) {
-        Some("two points of `points` in a row must differ".to_owned())
-    } else if points.iter().all(|[radius, _]| *radius == 0.0) {
-        Some("`points` must not all lie on the axis".to_owned())
-    } else {
-        None
-    };
-    if let Some(message) = wrong {
-        let help =
-            "write the outline from below upwards: `points = [[0.3, 0], [0.5, 0.4], [0, 0.8]]`";
-        t.refuse("out-of-range", "points", &message, help);
-        return None;
-    }
-    Some(ShapeDesc::Lathe { points, segments })
+fn cuboid(t: &mut Table) -> Option<ShapeDesc> {
+    let size: Vec3 = t.get("size", ABOVE_0, Vec3::ONE);
+    let most = size.min_element() / 2.0;
+    let bevel = outlined::bevel(t, most, "half of the shortest length");
+    Some(ShapeDesc::Box { size, bevel })
 }
 
 fn heightfield(t: &mut Table) -> Option<ShapeDesc> {

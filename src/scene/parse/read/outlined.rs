@@ -1,0 +1,157 @@
+//! Readers of shapes that are made of a flat figure: turned, thickened, or moved along a curve.
+
+use super::{
+    outline,
+    shape::{SEGMENTS, TURN_DEG},
+};
+use crate::{
+    desc::{BevelDesc, LatheSource, ShapeDesc, SweepCurve},
+    parse::{points::Points, table::Table},
+    range::{ABOVE_0, ANY, FROM_0, Range, range},
+};
+
+/// Largest number of points of an outline that is turned.
+const MOST_POINTS: usize = 1000;
+
+pub(super) fn lathe(t: &mut Table) -> Option<ShapeDesc> {
+    t.one_of(true, &[&["points"], &["outline"]]);
+    let points = t.find("points", ANY);
+    let outline = t.table("outline").map(LatheSource::Outline);
+    let segments = t.get("segments", SEGMENTS, 64);
+    let angle_deg = t.get("angle_deg", TURN_DEG, 360.0);
+    let points = points.map(|Points(points)| points);
+    if let Some(message) = points.as_deref().and_then(wrong_points) {
+        let help =
+            "write the outline from below upwards: `points = [[0.3, 0], [0.5, 0.4], [0, 0.8]]`";
+        t.refuse("out-of-range", "points", &message, help);
+        return None;
+    }
+    Some(ShapeDesc::Lathe {
+        source: points.map(LatheSource::Points).or(outline)?,
+        segments,
+        angle_deg,
+    })
+}
+
+/// What is wrong with the points that a lathe turns.
+fn wrong_points(points: &[[f32; 2]]) -> Option<String> {
+    let flat = |pair: &[[f32; 2]]| pair[0] == pair[1];
+    if !(2..=MOST_POINTS).contains(&points.len()) {
+        let count = points.len();
+        Some(format!(
+            "`points` must be 2 to {MOST_POINTS} points, not {count}"
+        ))
+    } else if let Some([radius, _]) = points.iter().find(|[radius, _]| *radius < 0.0) {
+        Some(format!(
+            "a point of `points` must be 0 or more from the axis, not {radius}"
+        ))
+    } else if points.windows(2).any(flat) {
+        Some("two points of `points` in a row must differ".to_owned())
+    } else if points.iter().all(|[radius, _]| *radius == 0.0) {
+        Some("`points` must not all lie on the axis".to_owned())
+    } else {
+        None
+    }
+}
+
+/// Range of the number of steps of a bevel.
+const BEVEL_SEGMENTS: Range = range(1.0, 64.0);
+
+/// The keys of a bevel that may reach as far as `most`, which `words` describe.
+pub(super) fn bevel(t: &mut Table, most: f32, words: &str) -> BevelDesc {
+    let width = t.get("bevel", FROM_0, 0.0);
+    if t.clean() && width > most {
+        let message = format!("`bevel` must be at most {words}, which is {most}");
+        let help = "it is cut off from both sides; what is left must not be less than nothing";
+        t.refuse("out-of-range", "bevel", &message, help);
+    }
+    let segments = t.get("bevel_segments", BEVEL_SEGMENTS, 4);
+    BevelDesc { width, segments }
+}
+
+pub(super) fn extrude(t: &mut Table) -> Option<ShapeDesc> {
+    t.one_of(true, &[&["outline"]]);
+    let outline = t.table("outline");
+    let depth = t.get("depth", ABOVE_0, 0.1);
+    let bevel = bevel(t, depth / 2.0, "half of `depth`");
+    Some(ShapeDesc::Extrude {
+        outline: outline?,
+        depth,
+        bevel,
+    })
+}
+
+/// Largest number of points of a curve.
+const MOST_CURVE_POINTS: usize = 10_000;
+
+pub(super) fn sweep(t: &mut Table) -> Option<ShapeDesc> {
+    let at = t.written("points");
+    let has_outline = t.has("outline");
+    let outline = t.table("outline");
+    let points = t.need("points", ANY);
+    let curve = t.get("curve", ANY, SweepCurve::default());
+    let closed = t.get("closed", ANY, false);
+    let twist_deg = t.get("twist_deg", ANY, 0.0);
+    let taper = t.get("taper", range(0.0, 1000.0), 1.0);
+    let segments = t.get("segments", range(1.0, 256.0), 16);
+    let default = || outline::circle(0.05, at.clone());
+    let outline = outline.or_else(|| (!has_outline).then(default));
+    let Points(points) = points?;
+    if let Some(message) = wrong_curve(&points, curve, closed) {
+        let help = "write the points that the curve goes through: `points = [[0, 0, 0], [0, 1, 0], [1, 1, 0]]`";
+        t.refuse("out-of-range", "points", &message, help);
+        return None;
+    }
+    if t.clean() && closed && twist_deg % 360.0 != 0.0 {
+        let message =
+            "`twist_deg` of a closed curve must be a multiple of 360, so that its ends meet";
+        t.refuse("out-of-range", "twist_deg", message, "write 0, 360 or -360");
+    }
+    if t.clean() && closed && taper != 1.0 {
+        let message = "`taper` of a closed curve must be 1, so that its ends meet";
+        t.refuse(
+            "out-of-range",
+            "taper",
+            message,
+            "remove `taper`, or `closed`",
+        );
+    }
+    Some(ShapeDesc::Sweep {
+        outline: outline?,
+        points,
+        curve,
+        closed,
+        twist_deg,
+        taper,
+        segments,
+        at,
+    })
+}
+
+/// What is wrong with the points of a curve.
+fn wrong_curve(points: &[[f32; 3]], curve: SweepCurve, closed: bool) -> Option<String> {
+    let (count, least) = (points.len(), if closed { 3 } else { 2 });
+    if !(least..=MOST_CURVE_POINTS).contains(&count) {
+        return Some(format!(
+            "`points` must be {least} to {MOST_CURVE_POINTS} points, not {count}"
+        ));
+    }
+    if curve == SweepCurve::Bezier {
+        let (over, words) = match closed {
+            true => (0, "3, 6, 9 and so on"),
+            false => (1, "4, 7, 10 and so on"),
+        };
+        return (count % 3 != over || count < 3).then(|| {
+            format!("`points` of a Bézier curve must be {words}, with two handles between two points, not {count}")
+        });
+    }
+    let same = |pair: &[[f32; 3]]| pair[0] == pair[1];
+    let same = points.windows(2).position(same);
+    let ends = closed && points[0] == points[count - 1];
+    let twice = same.or(ends.then_some(count - 1))?;
+    Some(format!(
+        "two points of `points` in a row must differ; points {} and {} do not",
+        twice + 1,
+        (twice + 1) % count + 1
+    ))
+}

@@ -1,0 +1,130 @@
+//! Paths in the syntax of SVG (<https://www.w3.org/TR/SVG2/paths.html>).
+
+use svgtypes::{Error, SimplifyingPathParser};
+
+pub use svgtypes::SimplePathSegment as PathSegment;
+
+use crate::range::LIMIT;
+
+/// Largest number of segments of a path.
+const MOST_SEGMENTS: usize = 100_000;
+
+/// What is wrong with a path.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PathFault {
+    /// Byte of the text at which it was found.
+    pub byte: usize,
+    /// What is wrong.
+    pub message: String,
+    /// What to do.
+    pub help: &'static str,
+}
+
+/// Reads a path: absolute lines and Bézier curves, arcs as curves that differ from them by 0.03 % of their radius.
+///
+/// # Errors
+/// The first letter or number that is not of a path; numbers that are not finite or beyond 1e12.
+pub fn read(text: &str) -> Result<Vec<PathSegment>, PathFault> {
+    let fault = |byte: usize, message: String, help| PathFault {
+        byte: byte.min(text.len()),
+        message,
+        help,
+    };
+    let mut segments = Vec::new();
+    for segment in SimplifyingPathParser::from(text) {
+        let help = "a path is letters with numbers after them: M x y (start), L x y, H x, V y, C x1 y1 x2 y2 x y, \
+                    Q x1 y1 x y, A rx ry turn large sweep x y, Z (end); small letters are relative";
+        let segment = segment.map_err(|error| {
+            let byte = byte_of(&error, text);
+            let rest = text.get(byte..).unwrap_or_default();
+            let found: String = rest.chars().take(12).collect();
+            let message = match found.is_empty() {
+                true => "`path` ends where a number is missing".to_owned(),
+                false => format!("`path` is not understood from \"{found}\" on"),
+            };
+            fault(byte, message, help)
+        })?;
+        if !numbers(&segment).iter().all(|x| x.abs() <= LIMIT) {
+            let message = "a number of `path` is larger than 1e12".to_owned();
+            return Err(fault(0, message, "use smaller numbers and `scale`"));
+        }
+        if segments.len() == MOST_SEGMENTS {
+            let message = format!("`path` must have at most {MOST_SEGMENTS} segments");
+            return Err(fault(text.len(), message, "split it into several shapes"));
+        }
+        segments.push(segment);
+    }
+    if !segments
+        .iter()
+        .any(|s| !matches!(s, PathSegment::MoveTo { .. }))
+    {
+        let message = "`path` draws nothing".to_owned();
+        return Err(fault(
+            0,
+            message,
+            "write for example \"M 0 0 L 1 0 L 0 1 Z\"",
+        ));
+    }
+    Ok(segments)
+}
+
+/// Byte at which an error was found; svgtypes counts characters from 1.
+fn byte_of(error: &Error, text: &str) -> usize {
+    let position = match error {
+        Error::UnexpectedData(position)
+        | Error::InvalidChar(_, position)
+        | Error::InvalidString(_, position)
+        | Error::InvalidNumber(position) => *position,
+        _ => return text.len(),
+    };
+    let before = text.char_indices().nth(position.saturating_sub(1));
+    before.map_or(text.len(), |(byte, _)| byte)
+}
+
+/// The coordinates of a segment; unused ones are 0.
+fn numbers(segment: &PathSegment) -> [f64; 6] {
+    match *segment {
+        PathSegment::MoveTo { x, y } | PathSegment::LineTo { x, y } => [x, y, 0.0, 0.0, 0.0, 0.0],
+        PathSegment::CurveTo {
+            x1,
+            y1,
+            x2,
+            y2,
+            x,
+            y,
+        } => [x1, y1, x2, y2, x, y],
+        PathSegment::Quadratic { x1, y1, x, y } => [x1, y1, x, y, 0.0, 0.0],
+        PathSegment::ClosePath => [0.0; 6],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_place_of_a_mistake_is_that_of_its_letter_or_number() {
+        for (text, byte) in [
+            ("M 0 0 L 1 x", 10),
+            ("M 0 0 L 1 0 K 3 3", 12),
+            ("L 1 0", 0),
+            ("M 0 0 L 1", 9),
+        ] {
+            let fault = read(text).expect_err(text);
+            assert_eq!(fault.byte, byte, "{text}: {fault:?}");
+        }
+        for text in ["", "M 1 1", "M 0 0 L 1e300 0 Z", "M 0 0 L 1e999 0 Z"] {
+            assert!(read(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn arcs_and_relative_letters_are_curves_and_absolute() {
+        let path = read("m1,0a1 1 0 0 1-1 1z").expect("a quarter of a circle");
+        assert_eq!(path.len(), 3);
+        let PathSegment::CurveTo { x, y, .. } = path[1] else {
+            panic!("{path:?}");
+        };
+        assert!(x.abs() < 1e-9 && (y - 1.0).abs() < 1e-9, "{path:?}");
+    }
+}

@@ -1,0 +1,147 @@
+//! Shapes that are made of outlines, and those with bevels and flat ends.
+
+use glam::DVec2;
+use reflet_scene::desc::{FillRule, LatheSource, ShapeDesc};
+
+use super::{
+    Fault,
+    curve::Curve,
+    extrude,
+    flatten::{Chord, Loop},
+    region::Region,
+    rounded_box,
+    solid::Solid,
+    sweep::{self, Along},
+    turn,
+};
+use crate::Mesh;
+
+/// A shape that was made.
+#[derive(Debug)]
+pub struct Made {
+    /// Its mesh.
+    pub mesh: Mesh,
+    /// What is doubtful about it.
+    pub warnings: Vec<Fault>,
+}
+
+impl From<Mesh> for Made {
+    fn from(mesh: Mesh) -> Self {
+        let warnings = Vec::new();
+        Self { mesh, warnings }
+    }
+}
+
+/// Makes a shape of outlines, a box with a bevel or a part of a torus, without bounds; `None` for any other shape.
+///
+/// # Errors
+/// `wrong-outline`, `wrong-bevel`, `wrong-curve` and `shape-too-large`.
+pub fn make(shape: &ShapeDesc) -> Result<Option<Made>, Fault> {
+    let mut solid = Solid::default();
+    let mut warnings = Vec::new();
+    let name = match shape {
+        ShapeDesc::Box { size, bevel } if bevel.width > 0.0 => {
+            let half = size.as_dvec3() / 2.0;
+            rounded_box::add(&mut solid, half, f64::from(bevel.width), bevel.segments);
+            "box"
+        }
+        ShapeDesc::Torus {
+            radius,
+            tube_radius,
+            segments,
+            angle_deg,
+        } if *angle_deg < 360.0 => {
+            let tube = circle(*radius, *tube_radius, (segments / 2).max(3));
+            let region = Region::of_loops(&[tube], &[], FillRule::Nonzero)?;
+            turn::add(&mut solid, &region, *segments, *angle_deg)?;
+            "torus"
+        }
+        ShapeDesc::Lathe {
+            source,
+            segments,
+            angle_deg,
+        } => {
+            let region = match source {
+                LatheSource::Outline(outline) => Region::of(outline)?,
+                LatheSource::Points(_) if *angle_deg >= 360.0 => return Ok(None),
+                LatheSource::Points(points) => joined_to_axis(points)?,
+            };
+            turn::add(&mut solid, &region, (*segments).max(3), *angle_deg)?;
+            "lathe"
+        }
+        ShapeDesc::Extrude {
+            outline,
+            depth,
+            bevel,
+        } => {
+            let region = Region::of(outline)?;
+            let at = |fault: Fault| fault.at(outline.at.0.clone());
+            extrude::add(&mut solid, &region, *depth, bevel).map_err(at)?;
+            "extrude"
+        }
+        ShapeDesc::Sweep { .. } => {
+            warnings.extend(add_sweep(&mut solid, shape)?);
+            "sweep"
+        }
+        _ => return Ok(None),
+    };
+    let mut mesh = solid.into_mesh();
+    mesh.name = name.to_owned();
+    Ok(Some(Made { mesh, warnings }))
+}
+
+/// Adds a sweep; returns a warning where it passes through itself.
+fn add_sweep(solid: &mut Solid, shape: &ShapeDesc) -> Result<Option<Fault>, Fault> {
+    let ShapeDesc::Sweep {
+        outline,
+        points,
+        curve,
+        closed,
+        twist_deg,
+        taper,
+        segments,
+        at,
+    } = shape
+    else {
+        return Ok(None);
+    };
+    let region = Region::of(outline)?;
+    let along = Along {
+        twist: f64::from(*twist_deg).to_radians(),
+        taper: f64::from(*taper),
+    };
+    let here = |fault: Fault| fault.at(at.0.clone());
+    let curve = Curve::through(points, *curve, *closed, *segments).map_err(here)?;
+    let crossed = sweep::add(solid, &region, &curve, along).map_err(here)?;
+    Ok(crossed.map(|point| {
+        let message = format!(
+            "the profile is wider than the bend of the curve after its point {}: the surface passes through itself",
+            point + 1
+        );
+        let help = "make the profile smaller, or the bend wider";
+        Fault::new("sweep-crosses", message).help(help).at(at.0.clone())
+    }))
+}
+
+/// The tube of a torus.
+fn circle(radius: f32, tube_radius: f32, segments: u32) -> Loop {
+    let (center, radius) = (DVec2::new(f64::from(radius), 0.0), f64::from(tube_radius));
+    super::flatten::circle(center, radius, segments)
+}
+
+/// The region between points from below upwards and the axis.
+fn joined_to_axis(points: &[[f32; 2]]) -> Result<Region, Fault> {
+    let mut corners: Vec<DVec2> = points
+        .iter()
+        .map(|p| DVec2::from(p.map(f64::from)))
+        .collect();
+    let [first, last] = [corners[0], corners[corners.len() - 1]];
+    corners.push(DVec2::new(0.0, last.y));
+    corners.push(DVec2::new(0.0, first.y));
+    let next = corners.iter().cycle().skip(1);
+    let chords = corners.iter().zip(next);
+    let around = chords
+        .filter_map(|(a, b)| Chord::straight(*a, *b))
+        .collect();
+    Region::of_loops(&[around], &[], FillRule::Nonzero)
+}

@@ -1,0 +1,284 @@
+//! Flat regions: outlines without crossings, and their triangulation.
+//!
+//! Crossings are resolved on a grid of integers whose step is 2⁻²⁶ of the outline's extent or less, below what positions
+//! resolve, by a sweep over exact integers (i_overlay). Corners that the outline has keep their exact places.
+
+use std::collections::HashMap;
+
+use glam::DVec2;
+use i_overlay::{
+    core::{fill_rule::FillRule as Rule, overlay::Overlay, overlay_rule::OverlayRule},
+    i_float::int::point::IntPoint,
+};
+use i_triangle::int::unchecked::IntUncheckedTriangulatable as _;
+use reflet_scene::desc::{FillRule, OutlineDesc};
+
+use super::{
+    Fault,
+    flatten::{self, Loop},
+};
+
+/// Cosine of the bend between two pieces, 40°, from which on their normals are not smoothed.
+pub const EDGE: f64 = 0.766;
+/// Exponent of the largest coordinate on the grid.
+const GRID_BITS: i32 = 27;
+
+/// A vertex of a contour, once for each of its two sides if they meet in an edge.
+#[derive(Clone, Copy, Debug)]
+pub struct Column {
+    /// Place.
+    pub at: DVec2,
+    /// Way that the vertex goes outwards when both its sides move outwards by 1.
+    pub miter: DVec2,
+    /// Unit normal, out of the region.
+    pub normal: DVec2,
+    /// Fraction of the contour's length before it.
+    pub share: f64,
+}
+
+impl Column {
+    /// Place of the vertex when its sides are moved inwards.
+    pub fn inset(&self, inset: f64) -> DVec2 {
+        self.at - self.miter * inset
+    }
+}
+
+/// A closed boundary of a region, which lies on its left.
+#[derive(Clone, Debug)]
+pub struct Contour {
+    /// Columns at the start and the end of each side.
+    pub sides: Vec<[Column; 2]>,
+}
+
+/// A part of the plane: shapes, each an outer contour and those of its holes.
+#[derive(Clone, Debug)]
+pub struct Region {
+    /// The shapes, not empty.
+    pub shapes: Vec<Vec<Contour>>,
+    /// Steps of the grid per meter.
+    scale: f64,
+}
+
+type Grid = IntPoint<i32>;
+
+impl Region {
+    /// The region inside an outline.
+    ///
+    /// # Errors
+    /// `wrong-outline` for one that encloses nothing, or of too many chords.
+    pub fn of(desc: &OutlineDesc) -> Result<Self, Fault> {
+        let [figure, holes] = flatten::loops(desc)?;
+        let found = Self::of_loops(&figure, &holes, desc.fill_rule)
+            .map_err(|fault| fault.at(desc.at.0.clone()))?;
+        Ok(found)
+    }
+
+    /// The region inside loops and outside of `holes`.
+    ///
+    /// # Errors
+    /// `wrong-outline` for loops that enclose nothing.
+    pub fn of_loops(figure: &[Loop], holes: &[Loop], rule: FillRule) -> Result<Self, Fault> {
+        let chords = || figure.iter().chain(holes).flatten();
+        let extent = chords().fold(0.0_f64, |most, chord| {
+            most.max(chord.ends[0].abs().max_element())
+        });
+        let nothing = || {
+            let help = "its parts must have an area: check that its corners do not lie on one line";
+            Fault::new("wrong-outline", "the outline encloses nothing").help(help)
+        };
+        if extent <= 0.0 || !extent.is_finite() {
+            return Err(nothing());
+        }
+        // A power of two, so that 0 and halves keep their places.
+        let scale = (f64::from(GRID_BITS) - extent.log2().ceil()).exp2();
+        let grid = |p: DVec2| to_grid(p, scale);
+        let mut exact: HashMap<Grid, DVec2> = HashMap::new();
+        let mut ways: HashMap<[Grid; 2], [DVec2; 2]> = HashMap::new();
+        for chord in chords() {
+            let [a, b] = chord.ends.map(grid);
+            exact.entry(a).or_insert(chord.ends[0]);
+            ways.insert([a, b], chord.ways);
+            ways.insert([b, a], [-chord.ways[1], -chord.ways[0]]);
+        }
+        let points = |loops: &[Loop]| -> Vec<Vec<Grid>> {
+            let of = |one: &Loop| one.iter().map(|chord| grid(chord.ends[0])).collect();
+            loops.iter().map(of).collect()
+        };
+        let rule = match rule {
+            FillRule::Nonzero => Rule::NonZero,
+            FillRule::Evenodd => Rule::EvenOdd,
+        };
+        let mut whole = Overlay::from_subj(&points(figure)).overlay(OverlayRule::Subject, rule);
+        for hole in points(holes) {
+            let mut cut = Overlay::from_subj_and_clip(&whole, &hole);
+            whole = cut.overlay(OverlayRule::Difference, Rule::NonZero);
+        }
+        let place = |p: &Grid| exact.get(p).copied().unwrap_or(from_grid(*p, scale));
+        let contour = |points: &Vec<Grid>| contour(points, &place, &ways);
+        let shapes: Vec<Vec<Contour>> = (whole.iter())
+            .map(|shape| shape.iter().map(contour).collect())
+            .collect();
+        if shapes.is_empty() {
+            return Err(nothing());
+        }
+        Ok(Self { shapes, scale })
+    }
+
+    /// All contours.
+    pub fn contours(&self) -> impl Iterator<Item = &Contour> {
+        self.shapes.iter().flatten()
+    }
+
+    /// Number of sides of all contours.
+    pub fn sides(&self) -> usize {
+        self.contours().map(|contour| contour.sides.len()).sum()
+    }
+
+    /// Least and largest coordinates.
+    pub fn bounds(&self) -> [DVec2; 2] {
+        let points = || {
+            self.contours()
+                .flat_map(|c| &c.sides)
+                .map(|side| side[0].at)
+        };
+        [
+            points().fold(DVec2::INFINITY, DVec2::min),
+            points().fold(DVec2::NEG_INFINITY, DVec2::max),
+        ]
+    }
+
+    /// Counter-clockwise triangles that fill the region with its sides moved inwards, as columns of its contours.
+    ///
+    /// # Errors
+    /// `wrong-outline` where sides moved so far meet.
+    pub fn fill(&self, inset: f64) -> Result<Vec<[Column; 3]>, Fault> {
+        let mut triangles = Vec::new();
+        for shape in &self.shapes {
+            let columns = |contour: &Contour| -> Vec<(Grid, Column)> {
+                let place =
+                    |side: &[Column; 2]| (to_grid(side[0].inset(inset), self.scale), side[0]);
+                contour.sides.iter().map(place).collect()
+            };
+            let placed: Vec<Vec<(Grid, Column)>> = shape.iter().map(columns).collect();
+            let points: Vec<Vec<Grid>> = (placed.iter())
+                .map(|contour| contour.iter().map(|(point, _)| *point).collect())
+                .collect();
+            let column_at: HashMap<Grid, Column> = placed.into_iter().flatten().collect();
+            let fill = points.uncheck_triangulate().into_delaunay();
+            let fill = fill.into_triangulation::<u32>();
+            for corners in fill.indices.chunks_exact(3) {
+                let corner = |i: usize| column_at.get(&fill.points[corners[i] as usize]).copied();
+                let all = corner(0).zip(corner(1)).zip(corner(2));
+                let ((a, b), c) = all.ok_or_else(|| {
+                    Fault::new("wrong-outline", "the outline cannot be triangulated")
+                })?;
+                triangles.push([a, b, c]);
+            }
+        }
+        Ok(triangles)
+    }
+
+    /// Whether the sides can be moved inwards so far without a side turning round or two meeting.
+    pub fn can_inset(&self, inset: f64) -> bool {
+        let keeps_way =
+            |[a, b]: &[Column; 2]| (b.inset(inset) - a.inset(inset)).dot(b.at - a.at) > 0.0;
+        if !self.contours().flat_map(|c| &c.sides).all(keeps_way) {
+            return false;
+        }
+        let moved = |side: &[Column; 2]| to_grid(side[0].inset(inset), self.scale);
+        let contour = |contour: &Contour| contour.sides.iter().map(moved).collect::<Vec<_>>();
+        let points: Vec<Vec<Grid>> = self.contours().map(contour).collect();
+        let mut moved = Overlay::from_subj(&points);
+        let resolved = moved.overlay(OverlayRule::Subject, Rule::NonZero);
+        let count: usize = resolved.iter().map(Vec::len).sum();
+        let wanted: f64 = points.iter().map(|c| twice_area(c)).sum();
+        let area: f64 = resolved.iter().flatten().map(|c| twice_area(c)).sum();
+        count == points.len() && (area - wanted).abs() <= 1e-6 * wanted.abs()
+    }
+
+    /// The largest distance, up to `most`, by which the sides can be moved inwards.
+    pub fn largest_inset(&self, most: f64) -> f64 {
+        let (mut low, mut high) = (0.0, most);
+        for _ in 0..24 {
+            let middle = (low + high) / 2.0;
+            *(if self.can_inset(middle) {
+                &mut low
+            } else {
+                &mut high
+            }) = middle;
+        }
+        low
+    }
+}
+
+fn to_grid(p: DVec2, scale: f64) -> Grid {
+    let at = (p * scale).round();
+    IntPoint::new(at.x as i32, at.y as i32)
+}
+
+fn from_grid(p: Grid, scale: f64) -> DVec2 {
+    DVec2::new(f64::from(p.x), f64::from(p.y)) / scale
+}
+
+/// Twice the area inside a contour, positive where it turns counter-clockwise.
+fn twice_area(points: &[Grid]) -> f64 {
+    let next = points.iter().cycle().skip(1);
+    let cross = |(a, b): (&Grid, &Grid)| {
+        let [ax, ay, bx, by] = [a.x, a.y, b.x, b.y].map(f64::from);
+        ax * by - ay * bx
+    };
+    points.iter().zip(next).map(cross).sum()
+}
+
+/// A contour with its normals: those of the curves that its sides stand for.
+fn contour(
+    points: &[Grid],
+    place: &impl Fn(&Grid) -> DVec2,
+    ways: &HashMap<[Grid; 2], [DVec2; 2]>,
+) -> Contour {
+    let count = points.len();
+    let places: Vec<DVec2> = points.iter().map(place).collect();
+    let way = |i: usize| {
+        let (a, b) = (i % count, (i + 1) % count);
+        let straight = (places[b] - places[a]).normalize_or(DVec2::X);
+        let known = ways.get(&[points[a], points[b]]).copied();
+        (straight, known.unwrap_or([straight, straight]))
+    };
+    let outward = |way: DVec2| -way.perp();
+    let lengths: Vec<f64> = (0..count)
+        .map(|i| places[i].distance(places[(i + 1) % count]))
+        .collect();
+    let whole: f64 = lengths.iter().sum();
+    let mut before = 0.0;
+    let mut sides = Vec::with_capacity(count);
+    for (i, length) in lengths.iter().enumerate() {
+        let (straight, own) = way(i);
+        let (last_straight, last) = way(i + count - 1);
+        let (next_straight, next) = way(i + 1);
+        let joined = |own: DVec2, other: DVec2| {
+            let smooth = own.dot(other) > EDGE;
+            outward(if smooth {
+                (own + other).normalize()
+            } else {
+                own
+            })
+        };
+        let miter = |a: DVec2, b: DVec2| outward(a + b) / (1.0 + a.dot(b)).max(1e-9);
+        let (from, to) = (i, (i + 1) % count);
+        let start = Column {
+            at: places[from],
+            miter: miter(last_straight, straight),
+            normal: joined(own[0], last[1]),
+            share: before / whole,
+        };
+        before += length;
+        let end = Column {
+            at: places[to],
+            miter: miter(straight, next_straight),
+            normal: joined(own[1], next[0]),
+            share: if i + 1 == count { 1.0 } else { before / whole },
+        };
+        sides.push([start, end]);
+    }
+    Contour { sides }
+}
