@@ -49,7 +49,7 @@ pub use self::{
     project::ProjectDesc,
     reflection::{Accept, Bounces, Marched, Method, REFLECTION, ReflectionDesc},
     script::ScriptDesc,
-    shape::{LatheSource, ShapeDesc, SweepCurve},
+    shape::{FontDesc, LatheSource, PartDesc, ShapeDesc, SweepCurve, TextAlign},
     stage::{StageDesc, is_stage},
     track::{
         CurveKind, Ease, FollowDesc, KeyDesc, NumberKeyDesc, NumberOscillateDesc, NumberTrackDesc,

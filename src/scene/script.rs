@@ -13,6 +13,7 @@ mod dedup;
 mod ended;
 mod engine;
 mod error;
+pub(crate) mod floats;
 mod format_value;
 mod key_locations;
 mod limit_location;

@@ -1,16 +1,20 @@
 //! Shapes without files: their tessellation into meshes, in object space.
 
+mod boolean;
 mod curve;
 mod extrude;
 mod fault;
 mod flatten;
 pub mod heightfield;
+mod inset;
 mod lathe;
+mod numbers;
 mod outlined;
 mod region;
 mod rounded_box;
 mod solid;
 mod sweep;
+mod text;
 mod turn;
 
 use std::f32::consts::TAU;
@@ -21,10 +25,10 @@ use super::Mesh;
 use reflet_base::math::Bounds;
 use reflet_scene::desc::{LatheSource, ShapeDesc};
 
-pub use self::{fault::Fault, outlined::Made};
+pub use self::{fault::Fault, outlined::Made, text::Fonts};
 
 /// Tessellates `shape` (sizes in meters, as its description says); a height field gives an empty mesh, see
-/// [`heightfield::mesh`].
+/// [`heightfield::mesh`]. `fonts` has the files that [`ShapeDesc::fonts`] names.
 ///
 /// Triangles are counter-clockwise seen from outside; curved sides have smooth normals; texture
 /// coordinates run left to right and top to bottom as seen from outside, once around. Tangents
@@ -32,8 +36,8 @@ pub use self::{fault::Fault, outlined::Made};
 ///
 /// # Errors
 /// Those of shapes that are made of outlines: [`outlined::make`].
-pub fn make(shape: &ShapeDesc) -> Result<Made, Fault> {
-    let mut made = match outlined::make(shape)? {
+pub fn make(shape: &ShapeDesc, fonts: &Fonts) -> Result<Made, Fault> {
+    let mut made = match outlined::make(shape, fonts)? {
         Some(made) => made,
         None => Made::from(simple(shape)),
     };
@@ -110,6 +114,10 @@ fn simple(shape: &ShapeDesc) -> Mesh {
             let rows = capsule_rows(radius, height, segments);
             builder.round_ends(radius, &rows, segments);
             "capsule"
+        }
+        ShapeDesc::Mesh { .. } => {
+            builder.mesh = numbers::mesh(shape);
+            "mesh"
         }
         // The loader makes the mesh of a height field, as it reads the image; `outlined` makes the others.
         _ => "",

@@ -2,6 +2,7 @@
 //! stays bounded.
 
 mod limits;
+mod meshes;
 mod parsing;
 mod values;
 

@@ -102,7 +102,11 @@ pub fn world(offset: Vec3) -> World {
         ShapeDesc::Plane { size: [2.0, 1.0] },
     ]
     .iter()
-    .map(|shape| shape::make(shape).expect("a shape").mesh)
+    .map(|shape| {
+        shape::make(shape, &shape::Fonts::default())
+            .expect("a shape")
+            .mesh
+    })
     .collect();
     meshes.push(soup(&mut random, 200));
     let materials = [
@@ -211,10 +215,13 @@ pub fn special_rays(world: &World, offset: Vec3) -> Vec<Ray> {
 pub fn closed_shape(offset: Vec3, dynamic: bool) -> World {
     World {
         meshes: vec![
-            shape::make(&ShapeDesc::Sphere {
-                radius: 3.0,
-                segments: 256,
-            })
+            shape::make(
+                &ShapeDesc::Sphere {
+                    radius: 3.0,
+                    segments: 256,
+                },
+                &shape::Fonts::default(),
+            )
             .expect("a sphere")
             .mesh,
         ]

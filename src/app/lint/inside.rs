@@ -294,7 +294,9 @@ mod tests {
             ),
             (ShapeDesc::Plane { size: [1.0, 1.0] }, false, Vec3::ZERO),
         ] {
-            let mesh = shape::make(&shape).expect("a shape").mesh;
+            let mesh = shape::make(&shape, &shape::Fonts::default())
+                .expect("a shape")
+                .mesh;
             assert_eq!(is_closed_mesh(&mesh), closed, "{shape:?}");
             if closed {
                 let inside = winding_number(&mesh.triangles, &mesh.at_rest(), inner.as_dvec3());

@@ -80,6 +80,7 @@ pub fn files_of_value(table: &[String], key: &str) -> &'static [&'static str] {
         (Some("model"), "file") if table.last().is_some_and(|last| last == "shape") => {
             &["png", "jpg", "jpeg", "webp"]
         }
+        (Some("model"), "font") => &["ttf", "otf", "ttc"],
         (Some("model"), "file") => &["gltf", "glb", "usd", "usda", "usdc", "usdz"],
         (_, key) if key.ends_with("_texture") => &["png", "jpg", "jpeg", "webp", "ktx2"],
         _ => &[],

@@ -1,8 +1,10 @@
 //! Shapes that are described by numbers.
 
+use std::sync::Arc;
+
 use glam::Vec3;
 
-use super::{At, BevelDesc, OutlineDesc, Written};
+use super::{At, BevelDesc, OutlineDesc, PlacementDesc, Written};
 
 /// `shape = { kind = "…" }`, centered on the origin unless said; curved ones are tessellated.
 #[derive(Clone, Debug, PartialEq)]
@@ -127,6 +129,69 @@ pub enum ShapeDesc {
         /// Place where the points are written.
         at: Written,
     },
+    /// `"text"`: letters with a thickness: from z = 0 to their faces at z = `depth`, the first line standing on y = 0.
+    Text {
+        /// The text, 1 to 1000 characters; `\n` begins a new line. Letters are joined and kerned as the font says.
+        text: String,
+        /// A font file with outlines (`.ttf`, `.otf`, or the first of a `.ttc`), searched beside the scene, then in each
+        /// `--assets` folder. Default: Ubuntu Light.
+        font: Option<FontDesc>,
+        /// Size of the font (its em), meters, above 0; capitals are some 0.7 of it high. Default 0.2.
+        size: f32,
+        /// Thickness along Z, meters, above 0. Default 0.05.
+        depth: f32,
+        /// Rounding of the edges of the faces.
+        ///
+        /// - `bevel`: how far the edges of the faces are cut or rounded, meters, 0 or more, at most half of `depth` and as far
+        ///   as the letters are wide enough. Default 0.
+        /// - `bevel_segments`: steps of the bevel, 1 to 64: 1 is a flat cut, more is rounder. Default 4.
+        bevel: BevelDesc,
+        /// Where x = 0 is in each line. Default `"center"`.
+        align: TextAlign,
+        /// Distance between lines, as a factor on `size`, 0 to 100. Default 1.2.
+        line_height: f32,
+        /// Space that is added after each letter, as a factor on `size`, -1 to 100. Default 0.
+        letter_spacing: f32,
+        /// Chords of a full turn of a curve, 3 to 1024: more is rounder. Default 64.
+        segments: u32,
+        /// Place where the text is written.
+        at: Written,
+    },
+    /// `"union"`: closed shapes as one: what is inside any of them.
+    Union {
+        /// The shapes, 2 to 100 tables, each with its place. All must be closed and none may pass through itself; where
+        /// faces lie on each other they are joined. Each face keeps its texture coordinates.
+        parts: Vec<PartDesc>,
+    },
+    /// `"difference"`: what is inside the first of closed shapes and in none of the others.
+    Difference {
+        /// The shapes, 2 to 100 tables, each with its place: the first, from which the others are cut. All must be
+        /// closed and none may pass through itself; where faces lie on each other no skin is left. Each face keeps its
+        /// texture coordinates.
+        parts: Vec<PartDesc>,
+    },
+    /// `"intersection"`: what is inside all of closed shapes.
+    Intersection {
+        /// The shapes, 2 to 100 tables, each with its place. All must be closed and none may pass through itself. Each
+        /// face keeps its texture coordinates.
+        parts: Vec<PartDesc>,
+    },
+    /// `"mesh"`: triangles, most often of a script: `setup` returns them as `floats`, see `docs/scripting.md`. It is
+    /// closed if each edge belongs to two triangles.
+    Mesh {
+        /// Places of the vertices, three numbers each, meters: 3 to 2000000 vertices.
+        positions: Arc<[f32]>,
+        /// Triangles, three numbers of vertices each, from 0 or more, counter-clockwise seen from outside: 1 to 2000000
+        /// triangles.
+        indices: Arc<[f32]>,
+        /// Directions out of the surface, three numbers for each vertex. Default: smooth over the triangles that share a
+        /// vertex.
+        normals: Arc<[f32]>,
+        /// Texture coordinates, two numbers for each vertex, v down. Default: 0.
+        uv: Arc<[f32]>,
+        /// Linear colors that multiply the base color, three numbers 0 to 1 for each vertex. Default: none.
+        colors: Arc<[f32]>,
+    },
     /// `"heightfield"`: a surface whose height is the brightness of an image, black at y = 0, facing +Y.
     Heightfield {
         /// The image, of 2 to 2048 pixels on each side, 8 or 16 bits; its top row is towards -Z.
@@ -156,4 +221,58 @@ pub enum SweepCurve {
     Centripetal,
     /// `"bezier"`: every third point is on it, those between are handles: 4, 7, 10 … points, or 3, 6, 9 … if `closed`.
     Bezier,
+}
+
+/// A font file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FontDesc {
+    /// Its name.
+    pub file: String,
+    /// Place where it is written.
+    pub at: Written,
+}
+
+/// Where x = 0 is in a line of text.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum TextAlign {
+    /// `"left"`: at its left end.
+    Left,
+    /// `"center"`: in its middle.
+    #[default]
+    Center,
+    /// `"right"`: at its right end.
+    Right,
+}
+
+/// `parts = [{ shape = { … }, … }]`: a shape with its place among the others.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PartDesc {
+    /// The shape, with the keys of any other; shapes of shapes may be nested.
+    pub shape: ShapeDesc,
+    /// Its place.
+    pub placement: PlacementDesc,
+    /// Place where the part is written.
+    pub at: Written,
+}
+
+impl ShapeDesc {
+    /// Parts of a shape of shapes; none for any other.
+    pub fn parts(&self) -> &[PartDesc] {
+        match self {
+            Self::Union { parts } | Self::Difference { parts } | Self::Intersection { parts } => {
+                parts
+            }
+            _ => &[],
+        }
+    }
+
+    /// Font files of the shape and of its parts.
+    pub fn fonts(&self) -> Vec<&FontDesc> {
+        let own = match self {
+            Self::Text { font, .. } => font.as_ref(),
+            _ => None,
+        };
+        let parts = self.parts().iter().flat_map(|part| part.shape.fonts());
+        own.into_iter().chain(parts).collect()
+    }
 }

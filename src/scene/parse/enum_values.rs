@@ -8,7 +8,7 @@ use super::{
 };
 use crate::desc::{
     Accept, CurveKind, Ease, EnvironmentShadow, FillRule, Marched, Method, PatternKind, Playback,
-    Radiance, ReflectionMode, ShadowMode, SweepCurve, ToneMap, Visibility,
+    Radiance, ReflectionMode, ShadowMode, SweepCurve, TextAlign, ToneMap, Visibility,
 };
 use crate::syntax::Node;
 use crate::{range::Range, suggest};
@@ -56,6 +56,7 @@ words!(CurveKind {
 });
 words!(FillRule { "nonzero" => Self::Nonzero, "evenodd" => Self::Evenodd });
 words!(SweepCurve { "linear" => Self::Linear, "centripetal" => Self::Centripetal, "bezier" => Self::Bezier });
+words!(TextAlign { "left" => Self::Left, "center" => Self::Center, "right" => Self::Right });
 words!(Ease { "none" => Self::None, "in" => Self::In, "out" => Self::Out, "in_out" => Self::InOut });
 words!(Playback { "once" => Self::Once, "loop" => Self::Loop, "ping_pong" => Self::PingPong });
 words!(PatternKind {

@@ -1,4 +1,6 @@
-//! Lists of points.
+//! Lists of points, and of numbers.
+
+use std::sync::Arc;
 
 use serde_json::{Value as Json, json};
 
@@ -7,7 +9,8 @@ use super::{
     value::{Named, Value, wrong_type},
 };
 use crate::range::Range;
-use crate::syntax::Node;
+use crate::script::floats;
+use crate::syntax::{Content, Node};
 
 /// Points of `N` numbers each, as many as there are.
 pub struct Points<const N: usize>(pub Vec<[f32; N]>);
@@ -72,4 +75,54 @@ fn items<T: Value>(
     };
     let values: Vec<Option<T>> = items.iter().enumerate().map(read).collect();
     values.into_iter().collect()
+}
+
+/// Many numbers: an array of them or of points, or what a script has in `floats`.
+pub struct Numbers(pub Arc<[f32]>);
+
+impl Value for Numbers {
+    const RANGED: bool = true;
+
+    fn expected() -> String {
+        "an array of numbers or of points; in scripts `floats`".into()
+    }
+    fn schema(range: &Range) -> Json {
+        let number = f32::schema(range);
+        let point = json!({ "type": "array", "items": number });
+        json!({ "type": "array", "items": { "anyOf": [number, point] } })
+    }
+    fn to_json(&self) -> Json {
+        self.0.iter().map(Value::to_json).collect()
+    }
+    fn read(node: &Node, named: &Named, report: &mut Report) -> Option<Self> {
+        if let Some(read) = node.get_ref().as_str().and_then(floats::read) {
+            let wrong = |x: &f32| !x.is_finite() || named.range.check(f64::from(*x)).is_err();
+            let Some(index) = read.iter().position(wrong) else {
+                return Some(Self(read.into()));
+            };
+            let (key, words) = (named.key, named.range.words());
+            let message = format!("`{key}[{index}]` must be {words}, not {}", read[index]);
+            report.error("out-of-range", &node.span(), message);
+            return None;
+        }
+        let Some(items) = node.get_ref().as_array() else {
+            wrong_type(node, named.key, &Self::expected(), report);
+            return None;
+        };
+        let mut all = Vec::with_capacity(items.len());
+        let errors = report.errors();
+        for (index, item) in items.iter().enumerate() {
+            let key = format!("{}[{index}]", named.key);
+            let range = named.range;
+            if let Content::Array(point) = item.get_ref() {
+                for (index, item) in point.iter().enumerate() {
+                    let key = &format!("{key}[{index}]");
+                    all.extend(f32::read(item, &Named { key, range }, report));
+                }
+            } else {
+                all.extend(f32::read(item, &Named { key: &key, range }, report));
+            }
+        }
+        (report.errors() == errors).then(|| Self(all.into()))
+    }
 }

@@ -6,6 +6,7 @@ mod environment;
 mod image;
 mod instance;
 mod light;
+mod mesh;
 mod motion;
 mod outline;
 mod outlined;

@@ -2,6 +2,7 @@
 //! registers them, documents them, and holds an example of each that a test runs.
 
 mod definitions;
+mod floats;
 mod math;
 mod random;
 mod scene;
@@ -77,6 +78,10 @@ pub static API: &[Group] = &[
     Group {
         title: "Numbers",
         entries: math::NUMBERS,
+    },
+    Group {
+        title: "Arrays of many numbers",
+        entries: floats::FLOATS,
     },
     Group {
         title: "Stateless pseudo-random numbers",

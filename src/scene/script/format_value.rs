@@ -43,6 +43,7 @@ pub fn type_named(name: &str) -> String {
         other if other.contains("DVec3") => "a vec3",
         other if other.contains("DQuat") => "a quat",
         other if other.contains("DMat4") => "a mat4",
+        other if other.to_lowercase().contains("floats") => "`floats`",
         other => return format!("a {other}"),
     }
     .to_owned()

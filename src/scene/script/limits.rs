@@ -18,6 +18,8 @@ pub const DEPTH: [usize; 2] = [64, 48];
 pub const TEXT: usize = 1 << 20;
 /// Maximum number of elements of an array, with those inside its elements.
 pub const ARRAY: usize = 50_000;
+/// Maximum number of numbers of `floats`: the corners of two million triangles.
+pub const FLOATS: usize = 6_000_000;
 /// Maximum number of entries of an object map, with those inside its entries: several for each element.
 pub const MAP: usize = 500_000;
 /// Maximum number of imports.
@@ -73,6 +75,7 @@ pub fn limits() -> Vec<(&'static str, String)> {
             "elements of an array, with those inside its elements",
             count(ARRAY),
         ),
+        ("numbers of `floats`", count(FLOATS)),
         (
             "entries of an object map, with those inside its entries, where it is passed or returned",
             count(MAP),

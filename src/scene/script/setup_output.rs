@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use glam::{DMat4, DQuat, DVec3};
 use rhai::{Array, Dynamic, Map};
 
-use super::{format_value::named, limits::NESTED};
+use super::{floats::Floats, format_value::named, limits::NESTED};
 use crate::{diagnostic::TABLES, suggest, toml_text::toml_text};
 
 /// Key of the only table that a scene has once.
@@ -163,6 +163,8 @@ fn value(out: &mut String, item: &Dynamic, key: &str, depth: usize) -> Result<()
         numbers(out, &q.to_array());
     } else if let Some(m) = item.read_lock::<DMat4>() {
         numbers(out, &m.to_cols_array());
+    } else if let Some(floats) = item.read_lock::<Floats>() {
+        floats.write(out);
     } else if let Some(list) = item.read_lock::<Array>() {
         out.push('[');
         for (i, item) in list.iter().enumerate() {

@@ -167,10 +167,13 @@ mod tests {
     use reflet_scene::desc::ShapeDesc;
 
     fn sphere() -> Mesh {
-        shape::make(&ShapeDesc::Sphere {
-            radius: 1.0,
-            segments: 32,
-        })
+        shape::make(
+            &ShapeDesc::Sphere {
+                radius: 1.0,
+                segments: 32,
+            },
+            &shape::Fonts::default(),
+        )
         .expect("a sphere")
         .mesh
     }

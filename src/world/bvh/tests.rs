@@ -110,10 +110,13 @@ fn any_number_of_instances_is_found() {
 
 #[test]
 fn copies_are_stored_once_where_they_do_not_fit() {
-    let sphere = shape::make(&ShapeDesc::Sphere {
-        radius: 1.0,
-        segments: 64,
-    })
+    let sphere = shape::make(
+        &ShapeDesc::Sphere {
+            radius: 1.0,
+            segments: 64,
+        },
+        &shape::Fonts::default(),
+    )
     .expect("a sphere")
     .mesh;
     let bytes = (sphere.triangles.len() * size_of::<TraceTriangle>()) as u64;

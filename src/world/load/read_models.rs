@@ -10,13 +10,13 @@ use crate::{
     Mesh,
     gltf::{self, Fault, Model, Sandbox},
     shape::{
-        self,
+        self, Fonts,
         heightfield::{self, Heights},
     },
     usd,
 };
 use reflet_scene::{
-    desc::{Entry, ModelDesc, ModelSource, ShapeDesc, is_stage},
+    desc::{At, Entry, ModelDesc, ModelSource, ShapeDesc, is_stage},
     diagnostic::{Diagnostic, Span},
 };
 
@@ -83,7 +83,8 @@ impl Loader<'_> {
                 said.help = fault.help;
                 said
             };
-            let made = shape::make(shape).map_err(|fault| Box::new(said(fault)))?;
+            let fonts = self.fonts(shape)?;
+            let made = make_guarded(shape, &fonts).map_err(|fault| Box::new(said(fault)))?;
             let warnings = made.warnings.into_iter().map(|fault| said(fault).warning());
             self.world.warnings.extend(warnings);
             return Ok(made.mesh);
@@ -107,6 +108,25 @@ impl Loader<'_> {
         })?;
         let heights = Heights::decode(&bytes).map_err(|text| fault("wrong-heights", text))?;
         Ok(heightfield::mesh(&heights, *size))
+    }
+
+    /// The font files of a shape.
+    fn fonts(&mut self, shape: &ShapeDesc) -> Result<Fonts, Box<Diagnostic>> {
+        let mut fonts = Fonts::default();
+        for font in shape.fonts() {
+            let file = At {
+                value: font.file.clone(),
+                at: font.at.0.clone(),
+            };
+            let path = self.find(&file)?;
+            let bytes = self.sandbox.read(&path).map_err(|fault| {
+                let text = format!("\"{}\": {}", path.display(), fault.message);
+                Box::new(error_at(fault.name, &file.at, text))
+            })?;
+            self.add_files(std::slice::from_ref(&path));
+            fonts.insert(file.value, bytes);
+        }
+        Ok(fonts)
     }
 
     /// Index into [`Loader::loaded`]; `None` after an error, which is reported once.
@@ -220,5 +240,15 @@ pub fn read_guarded(
     worker.unwrap_or_else(|_| {
         let text = "the reader panicked on this file; please report this";
         Err(vec![Diagnostic::in_file("internal", path, text)])
+    })
+}
+
+/// Panic boundary: a panic of a library that makes shapes becomes an error about the shape.
+fn make_guarded(shape: &ShapeDesc, fonts: &Fonts) -> Result<shape::Made, shape::Fault> {
+    let make = || shape::make(shape, fonts);
+    let worker = thread::scope(|scope| scope.spawn(make).join());
+    worker.unwrap_or_else(|_| {
+        let text = "making this shape panicked; please report this";
+        Err(shape::Fault::new("internal", text))
     })
 }

@@ -6,7 +6,7 @@ use glam::{DVec2, DVec3};
 
 use super::{
     Fault,
-    region::{Column, Region},
+    region::Region,
     solid::{Corner, Solid, check_size},
 };
 use reflet_scene::desc::BevelDesc;
@@ -29,41 +29,53 @@ struct Row {
 /// # Errors
 /// `wrong-bevel` for a bevel that the region is too narrow for, which says the largest one; `shape-too-large`.
 pub fn add(solid: &mut Solid, region: &Region, depth: f32, bevel: &BevelDesc) -> Result<(), Fault> {
-    let (depth, width) = (f64::from(depth), f64::from(bevel.width));
-    let bands = bands(depth, width, bevel.segments);
+    let bands = bands(f64::from(depth), f64::from(bevel.width), bevel.segments);
     let triangles = region.sides() * (2 * bands.len() + 2);
     check_size(triangles, "`segments` or `bevel_segments`")?;
-    if width > 0.0 && !region.can_inset(width) {
-        let largest = region.largest_inset(width);
-        let message = format!(
-            "`bevel` is larger than the outline has room for: {width} of at most {}",
-            rounded_down(largest)
-        );
-        let help = "lower `bevel`; it takes its width from both sides of every part, and rounded corners need a \
-                    larger radius than it";
-        return Err(Fault::new("wrong-bevel", message).help(help));
-    }
-    let corner = |column: &Column, row: &Row| {
-        let normal = (column.normal * row.normal.x).extend(row.normal.y);
-        let at = column.inset(row.inset).extend(row.z);
-        Corner::new(at, normal, DVec2::new(column.share, row.v))
+    let mut insets: Vec<f64> = bands.iter().flatten().map(|row| row.inset).collect();
+    insets.sort_by(f64::total_cmp);
+    insets.dedup();
+    let places = match bevel.width > 0.0 {
+        true => region
+            .insets(&insets)
+            .ok_or_else(|| too_wide(region, bevel))?,
+        false => vec![region.places()],
     };
-    for [a, b] in region.contours().flat_map(|contour| &contour.sides) {
-        for [front, back] in &bands {
-            let front = [corner(a, front), corner(b, front)];
-            let back = [corner(a, back), corner(b, back)];
-            solid.quad([front[0], back[0], back[1], front[1]]);
+    let mut first = 0;
+    for contour in region.contours() {
+        let count = contour.sides.len();
+        for (side, columns) in contour.sides.iter().enumerate() {
+            let ends = [first + side, first + (side + 1) % count];
+            let row = |row: &Row| {
+                let ring = insets.partition_point(|inset| *inset < row.inset);
+                [0, 1].map(|end| {
+                    let column = &columns[end];
+                    let normal = (column.normal * row.normal.x).extend(row.normal.y);
+                    let at = places[ring][ends[end]].extend(row.z);
+                    Corner::new(at, normal, DVec2::new(column.share, row.v))
+                })
+            };
+            for [front, back] in &bands {
+                let (front, back) = (row(front), row(back));
+                solid.quad([front[0], back[0], back[1], front[1]]);
+            }
         }
+        first += count;
     }
-    let [low, high] = region.bounds();
-    for corners in region.fill(width)? {
+    let faces = region.fill(&places[places.len() - 1])?;
+    add_faces(solid, &faces, region.bounds(), f64::from(depth));
+    Ok(())
+}
+
+/// Adds the face and the back.
+fn add_faces(solid: &mut Solid, faces: &[[DVec2; 3]], [low, high]: [DVec2; 2], depth: f64) {
+    for corners in faces {
         for (z, out) in [(depth, 1.0), (0.0, -1.0)] {
-            let mut face = corners.map(|column| {
-                let at = column.inset(width);
-                let uv = (at - low) / (high - low);
+            let mut face = corners.map(|place| {
+                let uv = (place - low) / (high - low);
                 // Seen from outside, right is +X in front and -X behind.
                 let u = if out > 0.0 { uv.x } else { 1.0 - uv.x };
-                Corner::new(at.extend(z), DVec3::Z * out, DVec2::new(u, 1.0 - uv.y))
+                Corner::new(place.extend(z), DVec3::Z * out, DVec2::new(u, 1.0 - uv.y))
             });
             if out < 0.0 {
                 face.reverse();
@@ -71,7 +83,16 @@ pub fn add(solid: &mut Solid, region: &Region, depth: f32, bevel: &BevelDesc) ->
             solid.triangle(face);
         }
     }
-    Ok(())
+}
+
+fn too_wide(region: &Region, bevel: &BevelDesc) -> Fault {
+    let (width, largest) = (bevel.width, region.largest_inset(f64::from(bevel.width)));
+    let message = format!(
+        "`bevel` is larger than the outline has room for: {width} of at most {}",
+        rounded_down(largest)
+    );
+    let help = "lower `bevel`: it takes its width from both sides of every part";
+    Fault::new("wrong-bevel", message).help(help)
 }
 
 /// The number with three digits that is not above `x`.

@@ -13,7 +13,7 @@ use reflet_scene::{
 use super::Fault;
 
 /// Largest number of chords of an outline.
-const MOST_CHORDS: usize = 200_000;
+pub const MOST_CHORDS: usize = 200_000;
 /// Number of places at which the direction of a curve is measured, to cut it into chords of equal turn.
 const SAMPLES: usize = 64;
 

@@ -1,10 +1,11 @@
 //! Shapes that are made of outlines, and those with bevels and flat ends.
 
+use boolmesh::prelude::OpType;
 use glam::DVec2;
 use reflet_scene::desc::{FillRule, LatheSource, ShapeDesc};
 
 use super::{
-    Fault,
+    Fault, Fonts, boolean,
     curve::Curve,
     extrude,
     flatten::{Chord, Loop},
@@ -12,7 +13,7 @@ use super::{
     rounded_box,
     solid::Solid,
     sweep::{self, Along},
-    turn,
+    text, turn,
 };
 use crate::Mesh;
 
@@ -32,11 +33,12 @@ impl From<Mesh> for Made {
     }
 }
 
-/// Makes a shape of outlines, a box with a bevel or a part of a torus, without bounds; `None` for any other shape.
+/// Makes a shape of outlines or of shapes, text, a box with a bevel or a part of a torus, without bounds; `None` for any
+/// other shape.
 ///
 /// # Errors
-/// `wrong-outline`, `wrong-bevel`, `wrong-curve` and `shape-too-large`.
-pub fn make(shape: &ShapeDesc) -> Result<Option<Made>, Fault> {
+/// `wrong-outline`, `wrong-bevel`, `wrong-curve`, `wrong-font`, `wrong-parts` and `shape-too-large`.
+pub fn make(shape: &ShapeDesc, fonts: &Fonts) -> Result<Option<Made>, Fault> {
     let mut solid = Solid::default();
     let mut warnings = Vec::new();
     let name = match shape {
@@ -82,6 +84,22 @@ pub fn make(shape: &ShapeDesc) -> Result<Option<Made>, Fault> {
         ShapeDesc::Sweep { .. } => {
             warnings.extend(add_sweep(&mut solid, shape)?);
             "sweep"
+        }
+        ShapeDesc::Text { .. } => {
+            warnings.extend(text::add(&mut solid, shape, fonts)?);
+            "text"
+        }
+        ShapeDesc::Union { parts } => {
+            warnings = boolean::add(&mut solid, OpType::Add, parts, fonts)?;
+            "union"
+        }
+        ShapeDesc::Difference { parts } => {
+            warnings = boolean::add(&mut solid, OpType::Subtract, parts, fonts)?;
+            "difference"
+        }
+        ShapeDesc::Intersection { parts } => {
+            warnings = boolean::add(&mut solid, OpType::Intersect, parts, fonts)?;
+            "intersection"
         }
         _ => return Ok(None),
     };

@@ -16,6 +16,7 @@ use reflet_scene::desc::{FillRule, OutlineDesc};
 use super::{
     Fault,
     flatten::{self, Loop},
+    inset::inset,
 };
 
 /// Cosine of the bend between two pieces, 40°, from which on their normals are not smoothed.
@@ -28,19 +29,10 @@ const GRID_BITS: i32 = 27;
 pub struct Column {
     /// Place.
     pub at: DVec2,
-    /// Way that the vertex goes outwards when both its sides move outwards by 1.
-    pub miter: DVec2,
     /// Unit normal, out of the region.
     pub normal: DVec2,
     /// Fraction of the contour's length before it.
     pub share: f64,
-}
-
-impl Column {
-    /// Place of the vertex when its sides are moved inwards.
-    pub fn inset(&self, inset: f64) -> DVec2 {
-        self.at - self.miter * inset
-    }
 }
 
 /// A closed boundary of a region, which lies on its left.
@@ -147,27 +139,67 @@ impl Region {
         ]
     }
 
-    /// Counter-clockwise triangles that fill the region with its sides moved inwards, as columns of its contours.
+    /// Places of the vertices at the starts of all sides, contour after contour, when the sides have moved inwards by
+    /// each of the ascending `distances`; `None` where parts of the region vanish or sides meet before.
+    pub fn insets(&self, distances: &[f64]) -> Option<Vec<Vec<DVec2>>> {
+        let mut all = vec![Vec::new(); distances.len()];
+        for contour in self.contours() {
+            for (places, own) in all.iter_mut().zip(inset(contour, distances)?) {
+                places.extend(own);
+            }
+        }
+        all.last()
+            .is_none_or(|places| self.is_simple(places))
+            .then_some(all)
+    }
+
+    /// Whether contours with their vertices at these places neither cross nor touch.
+    fn is_simple(&self, places: &[DVec2]) -> bool {
+        let points = self.moved(places);
+        let mut moved = Overlay::from_subj(&points.concat());
+        let resolved = moved.overlay(OverlayRule::Subject, Rule::NonZero);
+        let count: usize = resolved.iter().map(Vec::len).sum();
+        let wanted: f64 = points.iter().flatten().map(|c| twice_area(c)).sum();
+        let area: f64 = resolved.iter().flatten().map(|c| twice_area(c)).sum();
+        count == self.contours().count() && (area - wanted).abs() <= 1e-6 * wanted.abs()
+    }
+
+    /// The contours of each shape on the grid, with their vertices at these places; those that coincide are one.
+    fn moved(&self, places: &[DVec2]) -> Vec<Vec<Vec<Grid>>> {
+        let mut rest = places.iter();
+        let mut contour = |contour: &Contour| -> Vec<Grid> {
+            let own = rest.by_ref().take(contour.sides.len());
+            let mut points: Vec<Grid> = own.map(|p| to_grid(*p, self.scale)).collect();
+            points.dedup();
+            while points.len() > 1 && points.first() == points.last() {
+                points.pop();
+            }
+            points
+        };
+        (self.shapes.iter())
+            .map(|shape| shape.iter().map(&mut contour).collect())
+            .collect()
+    }
+
+    /// The places of the vertices at the starts of all sides.
+    pub fn places(&self) -> Vec<DVec2> {
+        let sides = self.contours().flat_map(|contour| &contour.sides);
+        sides.map(|side| side[0].at).collect()
+    }
+
+    /// Counter-clockwise triangles that fill the region with its vertices at these places.
     ///
     /// # Errors
-    /// `wrong-outline` where sides moved so far meet.
-    pub fn fill(&self, inset: f64) -> Result<Vec<[Column; 3]>, Fault> {
+    /// `wrong-outline` where it cannot be triangulated.
+    pub fn fill(&self, places: &[DVec2]) -> Result<Vec<[DVec2; 3]>, Fault> {
+        let on_grid = |p: &DVec2| (to_grid(*p, self.scale), *p);
+        let exact: HashMap<Grid, DVec2> = places.iter().map(on_grid).collect();
         let mut triangles = Vec::new();
-        for shape in &self.shapes {
-            let columns = |contour: &Contour| -> Vec<(Grid, Column)> {
-                let place =
-                    |side: &[Column; 2]| (to_grid(side[0].inset(inset), self.scale), side[0]);
-                contour.sides.iter().map(place).collect()
-            };
-            let placed: Vec<Vec<(Grid, Column)>> = shape.iter().map(columns).collect();
-            let points: Vec<Vec<Grid>> = (placed.iter())
-                .map(|contour| contour.iter().map(|(point, _)| *point).collect())
-                .collect();
-            let column_at: HashMap<Grid, Column> = placed.into_iter().flatten().collect();
-            let fill = points.uncheck_triangulate().into_delaunay();
+        for shape in self.moved(places) {
+            let fill = shape.uncheck_triangulate().into_delaunay();
             let fill = fill.into_triangulation::<u32>();
             for corners in fill.indices.chunks_exact(3) {
-                let corner = |i: usize| column_at.get(&fill.points[corners[i] as usize]).copied();
+                let corner = |i: usize| exact.get(&fill.points[corners[i] as usize]).copied();
                 let all = corner(0).zip(corner(1)).zip(corner(2));
                 let ((a, b), c) = all.ok_or_else(|| {
                     Fault::new("wrong-outline", "the outline cannot be triangulated")
@@ -178,34 +210,13 @@ impl Region {
         Ok(triangles)
     }
 
-    /// Whether the sides can be moved inwards so far without a side turning round or two meeting.
-    pub fn can_inset(&self, inset: f64) -> bool {
-        let keeps_way =
-            |[a, b]: &[Column; 2]| (b.inset(inset) - a.inset(inset)).dot(b.at - a.at) > 0.0;
-        if !self.contours().flat_map(|c| &c.sides).all(keeps_way) {
-            return false;
-        }
-        let moved = |side: &[Column; 2]| to_grid(side[0].inset(inset), self.scale);
-        let contour = |contour: &Contour| contour.sides.iter().map(moved).collect::<Vec<_>>();
-        let points: Vec<Vec<Grid>> = self.contours().map(contour).collect();
-        let mut moved = Overlay::from_subj(&points);
-        let resolved = moved.overlay(OverlayRule::Subject, Rule::NonZero);
-        let count: usize = resolved.iter().map(Vec::len).sum();
-        let wanted: f64 = points.iter().map(|c| twice_area(c)).sum();
-        let area: f64 = resolved.iter().flatten().map(|c| twice_area(c)).sum();
-        count == points.len() && (area - wanted).abs() <= 1e-6 * wanted.abs()
-    }
-
     /// The largest distance, up to `most`, by which the sides can be moved inwards.
     pub fn largest_inset(&self, most: f64) -> f64 {
         let (mut low, mut high) = (0.0, most);
         for _ in 0..24 {
             let middle = (low + high) / 2.0;
-            *(if self.can_inset(middle) {
-                &mut low
-            } else {
-                &mut high
-            }) = middle;
+            let fits = self.insets(&[middle]).is_some();
+            *(if fits { &mut low } else { &mut high }) = middle;
         }
         low
     }
@@ -242,7 +253,7 @@ fn contour(
         let (a, b) = (i % count, (i + 1) % count);
         let straight = (places[b] - places[a]).normalize_or(DVec2::X);
         let known = ways.get(&[points[a], points[b]]).copied();
-        (straight, known.unwrap_or([straight, straight]))
+        known.unwrap_or([straight, straight])
     };
     let outward = |way: DVec2| -way.perp();
     let lengths: Vec<f64> = (0..count)
@@ -252,9 +263,9 @@ fn contour(
     let mut before = 0.0;
     let mut sides = Vec::with_capacity(count);
     for (i, length) in lengths.iter().enumerate() {
-        let (straight, own) = way(i);
-        let (last_straight, last) = way(i + count - 1);
-        let (next_straight, next) = way(i + 1);
+        let own = way(i);
+        let last = way(i + count - 1);
+        let next = way(i + 1);
         let joined = |own: DVec2, other: DVec2| {
             let smooth = own.dot(other) > EDGE;
             outward(if smooth {
@@ -263,18 +274,15 @@ fn contour(
                 own
             })
         };
-        let miter = |a: DVec2, b: DVec2| outward(a + b) / (1.0 + a.dot(b)).max(1e-9);
         let (from, to) = (i, (i + 1) % count);
         let start = Column {
             at: places[from],
-            miter: miter(last_straight, straight),
             normal: joined(own[0], last[1]),
             share: before / whole,
         };
         before += length;
         let end = Column {
             at: places[to],
-            miter: miter(straight, next_straight),
             normal: joined(own[1], next[0]),
             share: if i + 1 == count { 1.0 } else { before / whole },
         };

@@ -199,13 +199,13 @@ fn add_ends(
 ) -> Result<(), Fault> {
     let [low, high] = region.bounds();
     let last = rings.len() - 1;
-    for corners in region.fill(0.0)? {
+    for corners in region.fill(&region.places())? {
         for (ring, way) in [(0, -curve.way(0)), (last, curve.way(last - 1))] {
-            let mut face = corners.map(|column| {
-                let uv = (column.at - low) / (high - low);
+            let mut face = corners.map(|place| {
+                let uv = (place - low) / (high - low);
                 // Seen from outside, right is the profile's right at the start.
                 let u = if ring == 0 { uv.x } else { 1.0 - uv.x };
-                Corner::new(rings[ring].at(column.at), way, DVec2::new(u, 1.0 - uv.y))
+                Corner::new(rings[ring].at(place), way, DVec2::new(u, 1.0 - uv.y))
             });
             if ring != 0 {
                 face.reverse();

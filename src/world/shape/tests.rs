@@ -8,7 +8,7 @@ use super::*;
 use reflet_scene::desc::BevelDesc;
 
 fn mesh(shape: &ShapeDesc) -> Mesh {
-    make(shape).expect("a shape").mesh
+    make(shape, &Fonts::default()).expect("a shape").mesh
 }
 
 fn cuboid(size: Vec3) -> ShapeDesc {
@@ -240,4 +240,6 @@ fn texture_runs_left_to_right_seen_from_outside() {
     }
 }
 
+mod boolean;
 mod outlined;
+mod text;

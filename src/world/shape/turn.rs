@@ -77,14 +77,14 @@ pub fn add(solid: &mut Solid, region: &Region, segments: u32, angle_deg: f32) ->
     if turn.is_whole {
         return Ok(());
     }
-    for corners in region.fill(0.0)? {
+    for corners in region.fill(&region.places())? {
         for is_end in [false, true] {
             let out = turn.out(if is_end { f64::from(turn.steps) } else { 0.0 });
             // Towards larger angles.
             let onward = DVec3::Y.cross(out);
-            let mut face = corners.map(|column| {
-                let at = out * column.at.x + DVec3::Y * column.at.y;
-                let uv = (column.at - low) / (high - low);
+            let mut face = corners.map(|place| {
+                let at = out * place.x + DVec3::Y * place.y;
+                let uv = (place - low) / (high - low);
                 let u = if is_end { 1.0 - uv.x } else { uv.x };
                 let normal = if is_end { onward } else { -onward };
                 Corner::new(at, normal, DVec2::new(u, 1.0 - uv.y))

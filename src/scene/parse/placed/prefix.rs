@@ -132,6 +132,24 @@ impl Prefix<'_> {
         }
     }
 
+    /// Renames the files of a shape and of its parts.
+    fn shape(&self, shape: &mut Entries) {
+        for key in ["file", "font"] {
+            Self::change(shape, key, |name| self.file_name(name));
+        }
+        let parts = shape.get_mut("parts").map(Node::get_mut);
+        let Some(Content::Array(parts)) = parts else {
+            return;
+        };
+        for part in parts {
+            if let Content::Table(part) = part.get_mut()
+                && let Some(Content::Table(shape)) = part.get_mut("shape").map(Node::get_mut)
+            {
+                self.shape(shape);
+            }
+        }
+    }
+
     /// Renames references, names of files and the parent in one table.
     fn entry(&self, kind: &str, node: &mut Node) {
         let Content::Table(table) = node.get_mut() else {
@@ -143,7 +161,7 @@ impl Prefix<'_> {
                 Self::change(table, "material", |name| self.named(name));
                 Self::change(table, "file", |name| self.file_name(name));
                 if let Some(Content::Table(shape)) = table.get_mut("shape").map(Node::get_mut) {
-                    Self::change(shape, "file", |name| self.file_name(name));
+                    self.shape(shape);
                 }
                 if let Some(Content::Table(all)) = table.get_mut("material").map(Node::get_mut) {
                     for (_, node) in all.iter_mut() {

@@ -95,7 +95,7 @@ impl Section for GroupDesc {
     }
 }
 
-fn placement(t: &mut Table) -> PlacementDesc {
+pub(super) fn placement(t: &mut Table) -> PlacementDesc {
     t.one_of(
         false,
         &[

@@ -5,7 +5,7 @@ use super::{
     shape::{SEGMENTS, TURN_DEG},
 };
 use crate::{
-    desc::{BevelDesc, LatheSource, ShapeDesc, SweepCurve},
+    desc::{BevelDesc, FontDesc, LatheSource, ShapeDesc, SweepCurve, TextAlign},
     parse::{points::Points, table::Table},
     range::{ABOVE_0, ANY, FROM_0, Range, range},
 };
@@ -154,4 +154,51 @@ fn wrong_curve(points: &[[f32; 3]], curve: SweepCurve, closed: bool) -> Option<S
         twice + 1,
         (twice + 1) % count + 1
     ))
+}
+
+/// Largest number of characters of a text.
+const MOST_CHARACTERS: usize = 1000;
+
+pub(super) fn text(t: &mut Table) -> Option<ShapeDesc> {
+    let at = t.written("text");
+    let text = t.need::<String>("text", ANY);
+    let font_at = t.written("font");
+    let font = t.find::<String>("font", ANY);
+    let size = t.get("size", ABOVE_0, 0.2);
+    let depth = t.get("depth", ABOVE_0, 0.05);
+    let bevel = bevel(t, depth / 2.0, "half of `depth`");
+    let align = t.get("align", ANY, TextAlign::default());
+    let line_height = t.get("line_height", range(0.0, 100.0), 1.2);
+    let letter_spacing = t.get("letter_spacing", range(-1.0, 100.0), 0.0);
+    let segments = t.get("segments", SEGMENTS, 64);
+    let text = text?;
+    let count = text.chars().count();
+    if count > MOST_CHARACTERS {
+        let message = format!("`text` must be at most {MOST_CHARACTERS} characters, not {count}");
+        t.refuse(
+            "out-of-range",
+            "text",
+            &message,
+            "split it into several models",
+        );
+    } else if text.trim().is_empty() {
+        t.refuse(
+            "empty-text",
+            "text",
+            "`text` has no letters",
+            "write some, or remove the model",
+        );
+    }
+    Some(ShapeDesc::Text {
+        text,
+        font: font.map(|file| FontDesc { file, at: font_at }),
+        size,
+        depth,
+        bevel,
+        align,
+        line_height,
+        letter_spacing,
+        segments,
+        at,
+    })
 }

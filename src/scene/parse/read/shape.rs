@@ -2,10 +2,10 @@
 
 use glam::Vec3;
 
-use super::outlined;
+use super::{instance::placement, mesh, outlined};
 use crate::syntax::Node;
 use crate::{
-    desc::ShapeDesc,
+    desc::{PartDesc, ShapeDesc},
     parse::table::{Section, Table},
     range::{ABOVE_0, ANY, Range, range},
     suggest,
@@ -60,6 +60,15 @@ impl Section for ShapeDesc {
                 ("lathe", outlined::lathe),
                 ("extrude", outlined::extrude),
                 ("sweep", outlined::sweep),
+                ("text", outlined::text),
+                ("union", |t| Some(Self::Union { parts: parts(t)? })),
+                ("difference", |t| {
+                    Some(Self::Difference { parts: parts(t)? })
+                }),
+                ("intersection", |t| {
+                    Some(Self::Intersection { parts: parts(t)? })
+                }),
+                ("mesh", mesh::mesh),
                 ("heightfield", heightfield),
             ],
         )
@@ -113,4 +122,40 @@ fn heightfield(t: &mut Table) -> Option<ShapeDesc> {
     let file = t.need("file", ANY);
     let size = t.get("size", ABOVE_0, Vec3::new(1.0, 0.25, 1.0));
     Some(ShapeDesc::Heightfield { file: file?, size })
+}
+
+/// Largest number of shapes of a shape.
+const MOST_PARTS: usize = 100;
+
+fn parts(t: &mut Table) -> Option<Vec<PartDesc>> {
+    t.one_of(true, &[&["parts"]]);
+    let errors = t.report.errors();
+    let parts = t.list::<PartDesc>("parts");
+    let count = parts.len();
+    let is_read = t.has("parts") && t.report.errors() == errors;
+    if is_read && !(2..=MOST_PARTS).contains(&count) {
+        let message = format!("`parts` must be 2 to {MOST_PARTS} shapes, not {count}");
+        let help =
+            "write `parts = [{ shape = { kind = \"box\" } }, { shape = { kind = \"sphere\" } }]`";
+        t.refuse("out-of-range", "parts", &message, help);
+    }
+    (!parts.is_empty()).then_some(parts)
+}
+
+impl Section for PartDesc {
+    const TYPE: &'static str = "PartDesc";
+    const ALSO: &'static [&'static str] = &["PlacementDesc"];
+    const HEADING: &'static str = "parts = [{ shape = { … }, … }]";
+
+    fn read(t: &mut Table) -> Option<Self> {
+        t.one_of(true, &[&["shape"]]);
+        let at = t.written("shape");
+        let shape = t.table("shape");
+        let placement = placement(t);
+        Some(Self {
+            shape: shape?,
+            placement,
+            at,
+        })
+    }
 }

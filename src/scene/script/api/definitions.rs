@@ -74,6 +74,7 @@ fn type_of(parameter: &str) -> &'static str {
         "seed" | "id" | "frame" => "int",
         "v" | "vector" => "vec3",
         "q" => "quat",
+        "f" => "floats",
         "m" | "matrix" => "mat4",
         _ => "?",
     }

@@ -4,7 +4,11 @@ use reflet_scene::desc::{FigureDesc, FillRule, OutlineDesc, SweepCurve, Written}
 
 use super::*;
 
-fn outline(figure: FigureDesc) -> OutlineDesc {
+fn make(shape: &ShapeDesc) -> Result<Made, Fault> {
+    super::make(shape, &Fonts::default())
+}
+
+pub fn outline(figure: FigureDesc) -> OutlineDesc {
     OutlineDesc {
         figure,
         holes: Vec::new(),
@@ -21,7 +25,7 @@ fn path(text: &str) -> OutlineDesc {
     outline(FigureDesc::Path(text.to_owned()))
 }
 
-fn rect(width: f32, height: f32) -> OutlineDesc {
+pub fn rect(width: f32, height: f32) -> OutlineDesc {
     let (size, corner_radius) = ([width, height], 0.0);
     outline(FigureDesc::Rect {
         size,
@@ -29,7 +33,7 @@ fn rect(width: f32, height: f32) -> OutlineDesc {
     })
 }
 
-fn extrude(outline: OutlineDesc, depth: f32, (width, segments): (f32, u32)) -> ShapeDesc {
+pub fn extrude(outline: OutlineDesc, depth: f32, (width, segments): (f32, u32)) -> ShapeDesc {
     let bevel = BevelDesc { width, segments };
     ShapeDesc::Extrude {
         outline,
@@ -161,6 +165,28 @@ fn bevels_cut_what_they_say_and_too_large_ones_say_the_largest() {
     let largest = fault.message.rsplit(' ').next().expect("a number");
     let largest: f64 = largest.parse().expect("a number");
     assert!((0.124..=0.125).contains(&largest), "{}", fault.message);
+}
+
+/// Corners of a smaller radius than the bevel shrink to nothing on the way.
+#[test]
+fn bevels_go_on_where_sides_shrink_to_nothing() {
+    let (size, corner_radius) = ([2.0, 1.0], 0.05);
+    let figure = || FigureDesc::Rect {
+        size,
+        corner_radius,
+    };
+    let inner = 1.6 * 0.6;
+    // Steps that end before, at and after the distance at which the corners are gone.
+    for steps in [1, 2, 3, 8] {
+        let shape = extrude(outline(figure()), 1.0, (0.2, steps));
+        let mesh = mesh(&shape);
+        assert_eq!(open_edges(&mesh), 0, "{steps}");
+        let face: f64 = (corners(&mesh))
+            .filter(|corners| corners.iter().all(|p| p.z == 1.0))
+            .map(|[a, b, c]| (b - a).cross(c - a).length() / 2.0)
+            .sum();
+        assert!((face / inner - 1.0).abs() < 1e-3, "{steps}: {face}");
+    }
 }
 
 #[test]

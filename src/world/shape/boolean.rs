@@ -1,0 +1,192 @@
+//! Union, difference and intersection of closed shapes, by boolmesh, which follows Manifold (Lalish; after Smith, "Towards
+//! robust inexact geometric computation", 2009): faces that lie on each other are told apart by rule, not by rounding.
+
+use std::{
+    collections::HashMap,
+    ops::{Add, Mul},
+};
+
+use boolmesh::{
+    compute_boolean,
+    prelude::{Manifold, OpType},
+};
+use glam::{Affine3A, DVec2, DVec3, Mat3A, Vec3};
+use reflet_scene::desc::{PartDesc, PlacementDesc};
+
+use super::{
+    Fault, Fonts,
+    solid::{Corner, Solid, check_size},
+};
+use crate::Mesh;
+
+/// Largest number of triangles of two meshes that are combined.
+const MOST_COMBINED: usize = 500_000;
+
+/// Normal and texture coordinates at a corner, which are interpolated where it is cut.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Skin {
+    normal: DVec3,
+    uv: DVec2,
+}
+
+impl Add for Skin {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self {
+            normal: self.normal + other.normal,
+            uv: self.uv + other.uv,
+        }
+    }
+}
+
+impl Mul<f64> for Skin {
+    type Output = Self;
+
+    fn mul(self, factor: f64) -> Self {
+        Self {
+            normal: self.normal * factor,
+            uv: self.uv * factor,
+        }
+    }
+}
+
+/// Adds the combination of `parts`; returns warnings about them.
+///
+/// # Errors
+/// `wrong-parts` for a part that is open or touches itself, and where nothing is left; `shape-too-large`; errors of parts.
+pub fn add(
+    solid: &mut Solid,
+    operation: OpType,
+    parts: &[PartDesc],
+    fonts: &Fonts,
+) -> Result<Vec<Fault>, Fault> {
+    let mut warnings = Vec::new();
+    let mut whole: Option<Manifold<Skin>> = None;
+    for (index, part) in parts.iter().enumerate() {
+        let here = |fault: Fault| fault.at(part.at.0.clone());
+        let made = super::make(&part.shape, fonts).map_err(here)?;
+        warnings.extend(made.warnings.into_iter().map(here));
+        // Its inside is the outside of what it cuts.
+        let is_cutter = operation == OpType::Subtract && index > 0;
+        let own = manifold(&made.mesh, &part.placement, is_cutter);
+        let own = own.map_err(|what| {
+            let message = format!("part {} cannot be combined: {what}", index + 1);
+            let help = "only closed shapes can, such as `box`, `sphere`, `extrude` and `text`, none of which passes through \
+                        itself; `plane`, `disk`, `heightfield` and an open `lathe` have no inside";
+            here(Fault::new("wrong-parts", message).help(help))
+        })?;
+        whole = Some(match whole {
+            None => own,
+            Some(before) => combined(&before, &own, &operation).map_err(here)?,
+        });
+    }
+    let Some(whole) = whole else {
+        return Ok(warnings);
+    };
+    check_size(whole.nf, "`segments` of the parts")?;
+    for (face, halves) in whole.hs.chunks_exact(3).enumerate() {
+        let corner = |k: usize| {
+            let Skin { normal, uv } = whole.vals[3 * face + k];
+            Corner::new(whole.ps[halves[k].tail].to_array().into(), normal, uv)
+        };
+        solid.triangle([corner(0), corner(1), corner(2)]);
+    }
+    Ok(warnings)
+}
+
+fn combined(
+    before: &Manifold<Skin>,
+    own: &Manifold<Skin>,
+    operation: &OpType,
+) -> Result<Manifold<Skin>, Fault> {
+    let count = before.nf + own.nf;
+    if count > MOST_COMBINED {
+        let message =
+            format!("the parts so far have {count} triangles, of at most {MOST_COMBINED}");
+        let help = "lower `segments` of the parts";
+        return Err(Fault::new("shape-too-large", message).help(help));
+    }
+    let operation = match operation {
+        OpType::Add => OpType::Add,
+        OpType::Subtract => OpType::Subtract,
+        OpType::Intersect => OpType::Intersect,
+    };
+    let nothing = || {
+        let help =
+            "check the places of the parts: they do not overlap, or one covers all of the others";
+        Fault::new("wrong-parts", "nothing is left of the parts").help(help)
+    };
+    match compute_boolean(before, own, operation) {
+        Ok(whole) if whole.nf == 0 => Err(nothing()),
+        Ok(whole) => Ok(whole),
+        Err(what) if what.contains("empty") => Err(nothing()),
+        Err(what) => {
+            let message = format!("the parts cannot be combined: {what}");
+            let help = "move one of them a little, or change `segments`";
+            Err(Fault::new("wrong-parts", message).help(help))
+        }
+    }
+}
+
+/// A placed mesh with vertices joined by their positions.
+fn manifold(
+    mesh: &Mesh,
+    placement: &PlacementDesc,
+    is_cutter: bool,
+) -> Result<Manifold<Skin>, String> {
+    let place = match placement {
+        PlacementDesc::Trs {
+            translation,
+            rotation,
+            scale,
+        } => Affine3A::from_scale_rotation_translation(*scale, *rotation, *translation),
+        PlacementDesc::Matrix(matrix) => Affine3A::from_mat4(*matrix),
+    };
+    let normals: Mat3A = place.matrix3.inverse().transpose();
+    let is_mirrored = place.matrix3.determinant() < 0.0;
+    let positions: Vec<Vec3> = (mesh.positions.iter())
+        .map(|p| place.transform_point3(*p) + Vec3::ZERO)
+        .collect();
+    let (mut indices, mut skins) = (Vec::new(), Vec::new());
+    let mut edges: HashMap<[[u32; 3]; 2], i32> = HashMap::new();
+    for triangle in &mesh.triangles {
+        let mut corners = triangle.map(|i| i as usize);
+        if is_mirrored {
+            corners.reverse();
+        }
+        let key = |i: usize| positions[i].to_array().map(f32::to_bits);
+        let [a, b, c] = corners.map(key);
+        if a == b || b == c || c == a {
+            continue;
+        }
+        for (from, to) in [(a, b), (b, c), (c, a)] {
+            let (ends, way) = if from < to {
+                ([from, to], 1)
+            } else {
+                ([to, from], -1)
+            };
+            *edges.entry(ends).or_default() += way;
+        }
+        for i in corners {
+            let normal = (normals * mesh.normals[i]).normalize_or(Vec3::Y).as_dvec3();
+            indices.push(i);
+            skins.push(Skin {
+                normal: if is_cutter { -normal } else { normal },
+                uv: mesh.uv0[i].as_dvec2(),
+            });
+        }
+    }
+    let open = edges.values().filter(|balance| **balance != 0).count();
+    if open > 0 {
+        return Err(format!(
+            "it is open, with {open} edges that have a triangle on one side only"
+        ));
+    }
+    let flat: Vec<f64> = positions
+        .iter()
+        .flat_map(|p| p.as_dvec3().to_array())
+        .collect();
+    Manifold::new_with_values(&flat, &indices, &skins)
+        .map_err(|_| "parts of it touch in an edge".to_owned())
+}

@@ -1,0 +1,115 @@
+//! Text is closed, stands where it says, and fonts that are none are refused.
+
+use reflet_scene::desc::{FontDesc, TextAlign, Written};
+
+use super::*;
+
+fn text(text: &str, align: TextAlign) -> ShapeDesc {
+    ShapeDesc::Text {
+        text: text.to_owned(),
+        font: None,
+        size: 1.0,
+        depth: 0.25,
+        bevel: BevelDesc::default(),
+        align,
+        line_height: 1.5,
+        letter_spacing: 0.0,
+        segments: 32,
+        at: Written(Default::default()),
+    }
+}
+
+#[test]
+fn letters_are_closed_and_stand_on_their_line() {
+    let solid = mesh(&text("Reflét & 8%", TextAlign::Center));
+    assert_eq!(open_edges(&solid), 0);
+    assert!(area_and_volume(&solid).1 > 0.1);
+    assert_eq!((solid.bounds.min.z, solid.bounds.max.z), (0.0, 0.25));
+    let capital = mesh(&text("H", TextAlign::Left)).bounds;
+    assert_eq!(capital.min.y, 0.0);
+    assert!((0.6..0.8).contains(&capital.max.y), "{capital:?}");
+    assert!(capital.min.x >= 0.0);
+    let right = mesh(&text("H", TextAlign::Right)).bounds;
+    assert!(right.max.x <= 0.0);
+    let lines = mesh(&text("H\nH", TextAlign::Left)).bounds;
+    assert!((lines.min.y + 1.5).abs() < 1e-6, "{lines:?}");
+}
+
+/// The H of Ubuntu Light is three rectangles: its volume is theirs.
+#[test]
+fn a_letter_has_the_volume_of_its_strokes() {
+    let solid = mesh(&text("H", TextAlign::Left));
+    let xs: std::collections::BTreeSet<u32> =
+        solid.positions.iter().map(|p| p.x.to_bits()).collect();
+    let ys: std::collections::BTreeSet<u32> =
+        solid.positions.iter().map(|p| p.y.to_bits()).collect();
+    let [xs, ys] = [xs, ys].map(|all| -> Vec<f64> {
+        all.into_iter()
+            .map(|x| f64::from(f32::from_bits(x)))
+            .collect()
+    });
+    assert_eq!((xs.len(), ys.len()), (4, 4), "{xs:?} {ys:?}");
+    let strokes = (xs[1] - xs[0] + xs[3] - xs[2]) * (ys[3] - ys[0]);
+    let bar = (xs[2] - xs[1]) * (ys[2] - ys[1]);
+    let volume = area_and_volume(&solid).1;
+    assert!(
+        (volume / (0.25 * (strokes + bar)) - 1.0).abs() < 1e-4,
+        "{volume}"
+    );
+}
+
+#[test]
+fn bevelled_letters_are_closed() {
+    let mut shape = text("Reflet & GLASS 38%", TextAlign::Left);
+    let plain = area_and_volume(&mesh(&shape)).1;
+    if let ShapeDesc::Text { bevel, .. } = &mut shape {
+        bevel.width = 0.015;
+    }
+    let solid = mesh(&shape);
+    assert_eq!(open_edges(&solid), 0);
+    let volume = area_and_volume(&solid).1;
+    assert!(volume < plain && volume > 0.8 * plain, "{volume} {plain}");
+}
+
+#[test]
+fn kerning_moves_letters_together() {
+    let width = |word: &str| {
+        let bounds = mesh(&text(word, TextAlign::Left)).bounds;
+        bounds.max.x - bounds.min.x
+    };
+    let [apart, close] = [width("A") + width("V"), width("AV")];
+    assert!(close < apart, "{close} {apart}");
+}
+
+#[test]
+fn fonts_that_are_none_are_refused_and_missing_letters_told() {
+    let ShapeDesc::Text { .. } = text("a", TextAlign::Left) else {
+        return;
+    };
+    let with = |bytes: &[u8]| {
+        let mut shape = text("a", TextAlign::Left);
+        if let ShapeDesc::Text { font, .. } = &mut shape {
+            let at = Written(Default::default());
+            let file = "a.ttf".to_owned();
+            *font = Some(FontDesc { file, at });
+        }
+        let fonts = Fonts::from([("a.ttf".to_owned(), bytes.to_vec())]);
+        make(&shape, &fonts)
+    };
+    let own = epaint_default_fonts::UBUNTU_LIGHT;
+    assert!(with(own).is_ok());
+    for bytes in [&b""[..], b"wOF2....", b"not a font", &own[..200]] {
+        assert_eq!(with(bytes).expect_err("no font").name, "wrong-font");
+    }
+    // Broken ones are errors or have other letters, and nothing worse.
+    for cut in [2_000, 50_000, 200_000] {
+        let _ = with(&own[..cut]);
+        let mut broken = own.to_vec();
+        broken[cut..cut + 64].fill(0xff);
+        let _ = with(&broken);
+    }
+    let made = make(&text("a\u{4e00}", TextAlign::Left), &Fonts::default()).expect("a box");
+    assert_eq!(made.warnings[0].name, "missing-letters");
+    let blank = make(&text(" \u{a0}", TextAlign::Left), &Fonts::default());
+    assert_eq!(blank.expect_err("nothing").name, "wrong-font");
+}

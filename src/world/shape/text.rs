@@ -1,0 +1,214 @@
+//! Letters with a thickness.
+
+use std::collections::HashMap;
+
+use epaint_default_fonts::UBUNTU_LIGHT;
+use harfrust::{ShapeOptions, ShaperData, UnicodeBuffer};
+use reflet_scene::{
+    desc::{FillRule, ShapeDesc, TextAlign},
+    svg_path::PathSegment,
+};
+use skrifa::{
+    FontRef, GlyphId, MetadataProvider as _,
+    instance::{LocationRef, Size},
+    outline::{DrawSettings, OutlineGlyphCollection, OutlinePen},
+    raw::TableProvider as _,
+};
+
+use super::{
+    Fault, extrude,
+    flatten::{MOST_CHORDS, Pen},
+    region::Region,
+    solid::Solid,
+};
+
+/// Bytes of font files by their names in the scene.
+pub type Fonts = HashMap<String, Vec<u8>>;
+
+/// Draws the outlines of glyphs, scaled and moved.
+struct GlyphPen {
+    pen: Pen,
+    /// Place of the glyph's origin, meters.
+    origin: [f64; 2],
+    /// Meters per unit of the font.
+    scale: f64,
+}
+
+impl GlyphPen {
+    fn at(&self, x: f32, y: f32) -> [f64; 2] {
+        [
+            self.origin[0] + self.scale * f64::from(x),
+            self.origin[1] + self.scale * f64::from(y),
+        ]
+    }
+}
+
+impl OutlinePen for GlyphPen {
+    fn move_to(&mut self, x: f32, y: f32) {
+        let [x, y] = self.at(x, y);
+        self.pen.draw(&PathSegment::MoveTo { x, y });
+    }
+
+    fn line_to(&mut self, x: f32, y: f32) {
+        let [x, y] = self.at(x, y);
+        self.pen.draw(&PathSegment::LineTo { x, y });
+    }
+
+    fn quad_to(&mut self, cx0: f32, cy0: f32, x: f32, y: f32) {
+        let ([x1, y1], [x, y]) = (self.at(cx0, cy0), self.at(x, y));
+        self.pen.draw(&PathSegment::Quadratic { x1, y1, x, y });
+    }
+
+    fn curve_to(&mut self, cx0: f32, cy0: f32, cx1: f32, cy1: f32, x: f32, y: f32) {
+        let ([x1, y1], [x2, y2], [x, y]) = (self.at(cx0, cy0), self.at(cx1, cy1), self.at(x, y));
+        let curve = PathSegment::CurveTo {
+            x1,
+            y1,
+            x2,
+            y2,
+            x,
+            y,
+        };
+        self.pen.draw(&curve);
+    }
+
+    fn close(&mut self) {
+        self.pen.draw(&PathSegment::ClosePath);
+    }
+}
+
+/// Adds a text; returns a warning where its font lacks a character.
+///
+/// # Errors
+/// `wrong-font` for bytes that are no font with outlines; those of [`extrude::add`].
+pub fn add(solid: &mut Solid, shape: &ShapeDesc, fonts: &Fonts) -> Result<Option<Fault>, Fault> {
+    let ShapeDesc::Text {
+        font,
+        size,
+        depth,
+        bevel,
+        segments,
+        at,
+        ..
+    } = shape
+    else {
+        return Ok(None);
+    };
+    let own = || (UBUNTU_LIGHT, at);
+    let read = |file: &String| fonts.get(file).map(Vec::as_slice);
+    let (bytes, font_at) = (font.as_ref())
+        .and_then(|font| Some((read(&font.file)?, &font.at)))
+        .unwrap_or_else(own);
+    let in_font = |fault: Fault| fault.at(font_at.0.clone());
+    let face = open(bytes).map_err(in_font)?;
+    let units = face.head().map_or(0, |head| head.units_per_em());
+    let mut pen = GlyphPen {
+        pen: Pen::new(*segments),
+        origin: [0.0; 2],
+        scale: f64::from(*size) / f64::from(units.max(1)),
+    };
+    let missing = draw_lines(&mut pen, shape, &face).map_err(in_font)?;
+    pen.pen.close();
+    let here = |fault: Fault| fault.at(at.0.clone());
+    if pen.pen.loops.is_empty() {
+        let message = "the font has no outlines for this text";
+        return Err(here(
+            Fault::new("wrong-font", message).help("use another `font`"),
+        ));
+    }
+    let region = Region::of_loops(&pen.pen.loops, &[], FillRule::Nonzero).map_err(here)?;
+    extrude::add(solid, &region, *depth, bevel).map_err(here)?;
+    Ok((!missing.is_empty()).then(|| {
+        let message = format!("the font has no letters for {missing:?}; boxes stand for them");
+        here(Fault::new("missing-letters", message).help("name a `font` that has them"))
+    }))
+}
+
+/// Opens a font with outlines.
+fn open(bytes: &[u8]) -> Result<FontRef<'_>, Fault> {
+    let wrong = |what: &str, help: &str| Fault::new("wrong-font", what).help(help);
+    if bytes.starts_with(b"wOFF") || bytes.starts_with(b"wOF2") {
+        let help = "unpack it to `.ttf` or `.otf`, for example with `fonttools`";
+        return Err(wrong(
+            "this is a web font (WOFF), which is compressed",
+            help,
+        ));
+    }
+    let help = "name a TrueType or OpenType font (`.ttf`, `.otf`)";
+    let face = FontRef::from_index(bytes, 0)
+        .map_err(|error| wrong(&format!("this is no font that can be read: {error}"), help))?;
+    let units = face.head().map_or(0, |head| head.units_per_em());
+    if units == 0 || face.outline_glyphs().format().is_none() {
+        return Err(wrong("this font has no outlines", help));
+    }
+    Ok(face)
+}
+
+/// Draws all lines; returns the characters that the font lacks.
+fn draw_lines(pen: &mut GlyphPen, shape: &ShapeDesc, face: &FontRef) -> Result<String, Fault> {
+    let ShapeDesc::Text {
+        text,
+        size,
+        align,
+        line_height,
+        letter_spacing,
+        ..
+    } = shape
+    else {
+        return Ok(String::new());
+    };
+    let data = ShaperData::new(face);
+    let shaper = data.shaper(face).build();
+    let glyphs = face.outline_glyphs();
+    let spacing = f64::from(letter_spacing * size);
+    let mut missing = String::new();
+    for (number, line) in text.lines().enumerate() {
+        let mut buffer = UnicodeBuffer::new();
+        buffer.push_str(line);
+        buffer.guess_segment_properties();
+        let shaped = shaper.shape(buffer, ShapeOptions::new());
+        let (infos, places) = (shaped.glyph_infos(), shaped.glyph_positions());
+        let advance =
+            |place: &harfrust::GlyphPosition| f64::from(place.x_advance) * pen.scale + spacing;
+        let width: f64 = places.iter().map(advance).sum::<f64>() - spacing;
+        let mut x = match align {
+            TextAlign::Left => 0.0,
+            TextAlign::Center => -width / 2.0,
+            TextAlign::Right => -width,
+        };
+        let y = -(number as f64) * f64::from(line_height * size);
+        for (info, place) in infos.iter().zip(places) {
+            let offset = [place.x_offset, place.y_offset].map(|o| f64::from(o) * pen.scale);
+            let next = x + f64::from(place.x_advance) * pen.scale + spacing;
+            pen.origin = [x + offset[0], y + offset[1]];
+            draw_glyph(pen, &glyphs, info.glyph_id)?;
+            let letter = line
+                .get(info.cluster as usize..)
+                .and_then(|rest| rest.chars().next());
+            if info.glyph_id == 0 {
+                missing.extend(letter.filter(|letter| !missing.contains(*letter)));
+            }
+            x = next;
+        }
+    }
+    Ok(missing)
+}
+
+fn draw_glyph(
+    pen: &mut GlyphPen,
+    glyphs: &OutlineGlyphCollection,
+    glyph: u32,
+) -> Result<(), Fault> {
+    if let Some(glyph) = glyphs.get(GlyphId::new(glyph)) {
+        let settings = DrawSettings::unhinted(Size::unscaled(), LocationRef::default());
+        glyph.draw(settings, pen).map_err(|error| {
+            let message = format!("a letter of this font cannot be read: {error}");
+            Fault::new("wrong-font", message).help("use another `font`")
+        })?;
+    }
+    if pen.pen.count > MOST_CHORDS {
+        let message = format!("the text has more than {MOST_CHORDS} chords");
+        return Err(Fault::new("shape-too-large", message).help("lower `segments`"));
+    }
+    Ok(())
+}
