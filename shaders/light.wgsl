@@ -16,7 +16,7 @@ override LENDS_LIGHT: bool = true;
 override SHOW_ENVIRONMENT: bool = true;
 
 fn light_pixel(pixel: vec2u) {
-    if (any(pixel >= vec2u(frame.size))) { return; }
+    if (any(pixel >= vec2u(frame.size)) || is_left_out(pixel)) { return; }
     start_samples(pixel, 0u);
     var lit: Shade;
     var unlit = 0.0;

@@ -86,7 +86,7 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: ve
     var found = Resolved(UNREFLECTIVE, false);
     if (inside) { found = resolve(pixel); }
     let is_shown = inside && shows_moment(pixel);
-    if (!is_shown) { found = Resolved(UNREFLECTIVE, false); }
+    if (!is_shown || is_left_out(pixel)) { found = Resolved(UNREFLECTIVE, false); }
     if (!HAS_REFLECTIONS && !HAS_TRANSMISSION) { return; }
     let kind = found.kind;
     var place = 0u;

@@ -33,6 +33,7 @@ struct Frame {
     moment: u32, // index of the moment that is rendered
     whole_surfaces: u32, // 1: surfaces are resolved for the pixels of other moments too
     pad0: u32,
+    crop: vec4f, // left, top, right and bottom edge of the crop, pixels
 }
 
 struct Light {
@@ -60,6 +61,13 @@ struct Light {
 @group(0) @binding(4) var shadow_sampler: sampler_comparison;
 
 const PI: f32 = 3.14159265358979;
+
+// Whether light outside of the crop is left out.
+override CROPS: bool = false;
+
+fn is_left_out(pixel: vec2u) -> bool {
+    return CROPS && (any(vec2f(pixel) < frame.crop.xy) || any(vec2f(pixel) >= frame.crop.zw));
+}
 
 // Number of times that the rows of workgroups are shuffled: software drivers give each thread a block of adjacent
 // rows, and rows take unequal times.

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 
 use super::frames::{Shard, parse_shard};
-pub use super::size_arg::{SizeArg, parse_size, parse_size_or_name};
-use crate::{runtime::scene_text::SceneOptions, scene::desc::Method};
+pub use super::size_arg::{SizeArg, crop_word, parse_crop, parse_size, parse_size_or_name};
+use crate::{render::Crop, runtime::scene_text::SceneOptions, scene::desc::Method};
 
 /// Source of the scene, and overrides of its values.
 #[derive(Clone, Debug, Default, Args)]
@@ -60,6 +60,10 @@ pub struct PictureArgs {
     /// Width and height in pixels, each 1 to 16384, or the name of a size of the project
     #[arg(long, value_name = "WxH", value_parser = parse_size_or_name)]
     pub size: Option<SizeArg>,
+    /// Part of the picture to write: left and top edge, width and height in pixels. Its pixels are those of the whole
+    /// picture
+    #[arg(long, value_name = "X,Y,W,H", value_parser = parse_crop)]
+    pub crop: Option<Crop>,
     /// How reflections are found
     #[arg(long)]
     pub method: Option<MethodArg>,
@@ -122,6 +126,7 @@ impl PictureArgs {
                     no_project,
                 },
             size,
+            crop,
             method,
             camera,
             samples,
@@ -143,6 +148,7 @@ impl PictureArgs {
             .flat_map(|(name, all)| all.iter().map(move |value| (name, value.clone())));
         let single = [
             ("--size", size),
+            ("--crop", crop.as_ref().map(crop_word)),
             ("--method", method),
             ("--camera", camera.clone()),
             ("--samples", samples.map(|samples| samples.to_string())),
@@ -196,6 +202,9 @@ pub struct RenderArgs {
     /// Keep the files of frames that were made from the same scene, settings and version
     #[arg(long)]
     pub resume: bool,
+    /// Render again whenever a file of the scene is saved, until it is stopped
+    #[arg(long, conflicts_with_all = ["resume", "shard", "stats"])]
+    pub watch: bool,
     /// Form of the progress report; without it a bar on a terminal, a line for each frame elsewhere
     #[arg(long, value_name = "FORM")]
     pub progress: Option<ProgressForm>,

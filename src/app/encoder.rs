@@ -20,7 +20,7 @@ use super::{
 };
 use crate::{
     gpu::Gpu,
-    render::{PendingPicture, stats::FrameStats},
+    render::{Crop, PendingPicture, stats::FrameStats},
 };
 
 /// Queue length between renderer and encoders; absorbs short stalls of either.
@@ -73,6 +73,8 @@ pub struct Encoders<'a> {
     target: &'a Target,
     /// Denoiser of the frames, if requested.
     denoiser: Option<Arc<Denoiser>>,
+    /// Part of the frames that is written.
+    crop: Option<Crop>,
     progress: Mutex<Progress>,
     failures: Mutex<Failures>,
     /// Message about a full disk, once it is full.
@@ -103,12 +105,13 @@ impl<'a> Encoders<'a> {
         gpu: &'a Gpu,
         target: &'a Target,
         progress: Progress,
-        denoiser: Option<Arc<Denoiser>>,
+        (denoiser, crop): (Option<Arc<Denoiser>>, Option<Crop>),
     ) -> Self {
         Self {
             gpu,
             target,
             denoiser,
+            crop,
             progress: Mutex::new(progress),
             failures: Mutex::default(),
             full: Mutex::default(),
@@ -212,6 +215,10 @@ impl<'a> Encoders<'a> {
                 }
                 picture
             }
+        };
+        let picture = match self.crop {
+            Some(crop) => picture.cropped(crop),
+            None => picture,
         };
         let written = match self.target {
             Target::Film(film) => {

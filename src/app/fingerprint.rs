@@ -9,7 +9,11 @@ use std::{
 
 use xxhash_rust::xxh3::Xxh3Default;
 
-use super::{args::RenderArgs, error::AppError, render_session::RenderSession};
+use super::{
+    args::{RenderArgs, crop_word},
+    error::AppError,
+    render_session::RenderSession,
+};
 use crate::{render::RenderOptions, scene::desc::SceneDesc};
 
 /// Hash of the program's source and shaders, from `build.rs`.
@@ -53,6 +57,12 @@ pub fn of_run(args: &RenderArgs, session: &RenderSession) -> Result<u128, AppErr
         .camera
         .as_deref()
         .unwrap_or_default()
+        .as_bytes());
+    add(args
+        .picture
+        .crop
+        .as_ref()
+        .map_or(String::new(), crop_word)
         .as_bytes());
     add(&[u8::from(args.picture.denoise)]);
     add(&session.window.to_le_bytes());

@@ -57,6 +57,7 @@ pub mod shell;
 pub mod shutdown;
 pub mod size_arg;
 pub mod stats;
+pub mod watch;
 
 use cli::{Cli, Command};
 pub use error::AppError;
@@ -79,6 +80,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), AppError
         None => error.exit(),
     });
     match cli.command {
+        Command::Render(args) if args.watch => watch::follow(&args),
         Command::Render(args) => render::render(&args),
         #[cfg(feature = "window")]
         Command::Preview(args) => preview::preview(&args),

@@ -10,12 +10,15 @@ use super::{
     output::picture_file::PictureFile,
     project::with_output,
     render_session::RenderSession,
-    scene::{inputs, load_scene},
+    scene::{inputs, load_followed},
     sequence, shaders,
     stats::{self, ReportContext},
 };
 use crate::{
-    files::sweep, render::aov::Aov, runtime::scene_text::LoadedScene, scene::desc::Method,
+    files::sweep,
+    render::aov::Aov,
+    runtime::scene_text::LoadedScene,
+    scene::{dependencies::Dependencies, desc::Method},
 };
 
 /// Renders one picture, or the frames of a film, for each camera.
@@ -23,6 +26,14 @@ use crate::{
 /// # Errors
 /// The first fatal error; no partial file is left. Failed frames of one camera do not stop other cameras.
 pub fn render(args: &RenderArgs) -> Result<(), AppError> {
+    render_once(args, &Dependencies::default())
+}
+
+/// Renders as [`render`] does, and adds the files of the scene to `files`, also on errors.
+///
+/// # Errors
+/// Same errors as [`render`].
+pub fn render_once(args: &RenderArgs, files: &Dependencies) -> Result<(), AppError> {
     let started = Instant::now();
     // Cheap checks first, before rendering.
     if args.output.is_some() {
@@ -31,11 +42,13 @@ pub fn render(args: &RenderArgs) -> Result<(), AppError> {
     let aovs = choose_aovs(&args.picture.aov)?;
     let library = shaders::library(args.picture.shaders.as_deref())?;
     let load_started = Instant::now();
-    let loaded = load_scene(
+    let loaded = load_followed(
         args.scene.as_deref(),
         &args.picture.from,
         &overrides(&args.picture, args.scene.as_deref())?,
+        files,
     )?;
+    (loaded.world.files.iter()).for_each(|file| files.add(file.clone()));
     let args = &with_output(args, &loaded)?;
     let many = check_kind(args)?;
     let load_ms = load_started.elapsed().as_secs_f64() * 1e3;
@@ -128,6 +141,9 @@ fn picture(
         .map_err(|error| AppError::from_render(error, session.own_shaders.is_some()))?;
     if let Some(denoiser) = &session.denoiser {
         denoiser.apply(&mut picture)?;
+    }
+    if let Some(crop) = session.crop {
+        picture = picture.cropped(crop);
     }
     if picture.stats.exhausted_rays > 0 {
         reflet_base::error_line!(

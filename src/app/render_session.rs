@@ -5,7 +5,7 @@ use std::{ops::RangeInclusive, sync::Arc, time::Instant};
 use xxhash_rust::xxh3::Xxh3Default;
 
 use super::{
-    args::RenderArgs,
+    args::{RenderArgs, crop_word},
     denoise::{Denoiser, reproject::FramePose},
     device::open_gpu,
     error::AppError,
@@ -14,8 +14,8 @@ use super::{
 use crate::{
     gpu::ShaderLibrary,
     render::{
-        ErrorEstimate, PendingPicture, PictureRequest, RenderError, aov::Aov, stats::FrameStats,
-        view::View,
+        Crop, ErrorEstimate, PendingPicture, PictureRequest, RenderError, aov::Aov,
+        stats::FrameStats, view::View,
     },
     runtime::{SceneSource, Session, ViewOverrides, scene_text::LoadedScene},
     scene::desc::Samples,
@@ -31,6 +31,8 @@ pub struct RenderSession {
     pub denoiser: Option<Arc<Denoiser>>,
     /// Number of frames before and after each frame that are denoised with it; 0: each alone.
     pub window: u32,
+    /// Part of the pictures that is written.
+    pub crop: Option<Crop>,
     /// Hash of the shaders, if they come from the user.
     pub own_shaders: Option<u128>,
     /// Whether passes are timed, for statistics.
@@ -56,11 +58,17 @@ impl RenderSession {
         let denoiser = (args.picture.denoise)
             .then(|| Denoiser::new(&aovs, &loaded.world).map(Arc::new))
             .transpose()?;
+        let crop = checked_crop(args, &loaded)?;
+        // Denoising, statistics and error bounds look at the whole picture.
+        let needs_whole = denoiser.is_some()
+            || args.stats.is_some()
+            || matches!(loaded.scene.image.samples, Samples::UntilError(_));
         let gpu = open_gpu(args.picture.adapter.as_deref())?;
         let own_shaders = args.picture.shaders.is_some().then(|| hash_of(library));
         let plan = args.picture.plan.as_deref();
         let view = ViewOverrides {
             audit: args.stats.is_some(),
+            crop: crop.filter(|_| !needs_whole),
             costs: plan.map(|path| costs(path, &gpu)).transpose()?,
             camera: camera.map(|index| loaded.world.cameras[index].name.clone()),
             ..ViewOverrides::default()
@@ -77,6 +85,7 @@ impl RenderSession {
             aovs,
             denoiser,
             window: 0,
+            crop,
             own_shaders,
             timed: args.stats.is_some(),
             warm_up_ms: 0.0,
@@ -168,6 +177,20 @@ impl RenderSession {
             Some(_) => Denoiser::aovs(&self.aovs, self.window > 0),
             None => self.aovs.clone(),
         }
+    }
+}
+
+/// Part of the pictures to write, which must lie in them.
+fn checked_crop(args: &RenderArgs, loaded: &LoadedScene) -> Result<Option<Crop>, AppError> {
+    let size = loaded.scene.image.size;
+    match args.picture.crop {
+        Some(crop) if !crop.is_in(size) => {
+            let ([width, height], crop) = (size, crop_word(&crop));
+            Err(AppError::Usage(format!(
+                "--crop {crop}: it is not inside of the picture, which has {width} x {height} pixels"
+            )))
+        }
+        crop => Ok(crop),
     }
 }
 

@@ -19,10 +19,26 @@ pub fn load_scene(
     from: &SceneArgs,
     more: &[String],
 ) -> Result<LoadedScene, AppError> {
+    load_followed(path, from, more, &Dependencies::default())
+}
+
+/// Reads and loads a scene as [`load_scene`] does, and adds all files that it looked for to `files`, also on errors.
+///
+/// # Errors
+/// Same errors as [`load_scene`].
+pub fn load_followed(
+    path: Option<&Path>,
+    from: &SceneArgs,
+    more: &[String],
+    files: &Dependencies,
+) -> Result<LoadedScene, AppError> {
     let text = SceneText::read(path, &from.options()).map_err(AppError::Scene)?;
     let name = text.name();
-    let opened = text.open(more, &Dependencies::default());
-    load(opened.map_err(AppError::Scene)?, name)
+    let opened = text.open(more, files).map_err(AppError::Scene)?;
+    let searched = opened.options.dependencies.clone();
+    let loaded = load(opened, name);
+    files.extend(&searched);
+    loaded
 }
 
 /// Files that a command on this scene reads, which none of its outputs may replace; `named` are those of its

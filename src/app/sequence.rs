@@ -178,7 +178,8 @@ pub fn render(
     }
     shutdown::listen();
     let gpu = Arc::clone(session.scene.gpu());
-    let encoders = Encoders::new(&gpu, &target, progress, session.denoiser.clone());
+    let finishing = (session.denoiser.clone(), session.crop);
+    let encoders = Encoders::new(&gpu, &target, progress, finishing);
     let scene = Arc::clone(&session.scene.scene().scene);
     let animator = Animator::new(&scene);
     let has_color = matches!(&target, Target::Files { output, .. } if output.has_color());
@@ -315,7 +316,8 @@ fn target(
     let desc = &session.scene.scene().scene;
     if let Format::Film(format) = Format::expect(args.output())? {
         let fps = desc.timeline.as_ref().map_or(24.0, |t| t.fps);
-        let film = Film::new(args.output(), format, desc.image.size, fps, frames.0.len())?;
+        let size = session.crop.map_or(desc.image.size, |crop| crop.size);
+        let film = Film::new(args.output(), format, size, fps, frames.0.len())?;
         return Ok(Target::Film(Box::new(Mutex::new(film))));
     }
     let template = Template::new(args.output())?;

@@ -1,5 +1,7 @@
 //! `--size`: width and height, or the name of a size of the project.
 
+use crate::render::Crop;
+
 /// `--size`
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum SizeArg {
@@ -30,6 +32,26 @@ pub fn parse_size_or_name(text: &str) -> Result<SizeArg, String> {
     }
 }
 
+/// `X,Y,W,H`: left and top edge, width and height of a part of the picture, pixels.
+///
+/// # Errors
+/// Message that names the expected form.
+pub fn parse_crop(text: &str) -> Result<Crop, String> {
+    let numbers: Option<Vec<u32>> = text.split(',').map(|n| n.trim().parse().ok()).collect();
+    match numbers.as_deref() {
+        Some([x, y, width, height]) if *width > 0 && *height > 0 => Ok(Crop {
+            at: [*x, *y],
+            size: [*width, *height],
+        }),
+        _ => Err("expected X,Y,WIDTH,HEIGHT in pixels, such as 100,50,320,180".to_owned()),
+    }
+}
+
+/// A crop as a word of a command line.
+pub fn crop_word(Crop { at, size }: &Crop) -> String {
+    format!("{},{},{},{}", at[0], at[1], size[0], size[1])
+}
+
 /// `1280x720` as width and height.
 ///
 /// # Errors
@@ -47,6 +69,19 @@ pub fn parse_size(text: &str) -> Result<[u32; 2], String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn crops_are_four_numbers() {
+        let crop = parse_crop("1, 2,3,4").expect("four numbers");
+        assert_eq!((crop.at, crop.size), ([1, 2], [3, 4]));
+        assert_eq!(crop_word(&crop), "1,2,3,4");
+        assert!(crop.is_in([4, 6]) && !crop.is_in([3, 6]) && !crop.is_in([4, 5]));
+        for bad in ["", "1,2,3", "1,2,0,4", "1,2,3,4,5", "-1,2,3,4", "a"] {
+            assert!(parse_crop(bad).expect_err(bad).contains("X,Y,WIDTH,HEIGHT"));
+        }
+        let far = parse_crop("4294967295,0,1,1").expect("four numbers");
+        assert!(!far.is_in([9, 9]));
+    }
 
     #[test]
     fn sizes_are_two_numbers_in_range() {

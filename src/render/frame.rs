@@ -146,7 +146,7 @@ impl Renderer {
             view,
             jitter,
             (settings, self.options.image.exposure_ev.ev()),
-            (self.unit_m, self.plan.bounces),
+            (self.unit_m, self.plan.bounces, self.options.crop_edges()),
             (share, whole_surfaces),
         );
         let sampling = Sampling::new(world, &self.options.image, self.scene.emitters(), sample);

@@ -98,14 +98,14 @@ fn empty_uniform(gpu: &Gpu, label: &str, size: usize) -> wgpu::Buffer {
 }
 
 impl Frame {
-    /// The block of a share of one sub-frame; `bounces` is that of the plan. Pixels around lend no light where they show
-    /// other moments.
+    /// The block of a share of one sub-frame; `bounces` is that of the plan, `crop` the edges of what is shown. Pixels
+    /// around lend no light where they show other moments.
     pub fn new(
         world: &World,
         view: &View,
         jitter: Vec2,
         (settings, exposure_ev): (&ReflectionDesc, f32),
-        (unit_m, bounces): (f32, u32),
+        (unit_m, bounces, crop): (f32, u32, [f32; 4]),
         (share, whole_surfaces): (PixelShare, bool),
     ) -> Self {
         let environment = &world.environment.desc;
@@ -143,6 +143,7 @@ impl Frame {
             moment: share.moment,
             whole_surfaces: u32::from(whole_surfaces),
             pad0: 0,
+            crop,
         }
     }
 }

@@ -84,7 +84,7 @@ pub use aov::{Plane, PlaneData};
 pub use change::Poses;
 pub use error::RenderError;
 pub use error_estimate::ErrorEstimate;
-pub use options::{Draft, RenderOptions};
+pub use options::{Crop, Draft, RenderOptions};
 pub use picture::{PendingPicture, Picture, PictureRequest};
 pub use rebuild_summary::RebuildSummary;
 pub use renderer::Renderer;

@@ -21,6 +21,9 @@ pub struct RenderOptions {
     pub costs: Option<UnitCosts>,
     /// Smaller picture to render with the decisions of the whole one; `None` renders the whole.
     pub draft: Option<Draft>,
+    /// Part of the picture that is shown; outside of it, what is not needed there is left out, and the picture is
+    /// undefined.
+    pub crop: Option<Crop>,
     /// Whether to trace rays for some of the screen hits, for `audit` in the statistics.
     pub audit: bool,
     /// Whether to drop no features, to compare with the planned frame.
@@ -36,6 +39,28 @@ pub struct Draft {
     pub samples: u32,
 }
 
+/// Number of sub-frames from which samples alone are smooth.
+const ENOUGH_SAMPLES: u32 = 16;
+
+/// Rectangle of pixels of a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Crop {
+    /// Left and top edge, pixels from the left and from the top.
+    pub at: [u32; 2],
+    /// Width and height, pixels, 1 or more.
+    pub size: [u32; 2],
+}
+
+impl Crop {
+    /// Whether it lies inside of a picture of this size.
+    pub fn is_in(&self, size: [u32; 2]) -> bool {
+        let end = |axis: usize| self.at[axis].checked_add(self.size[axis]);
+        [0, 1]
+            .into_iter()
+            .all(|axis| self.size[axis] > 0 && end(axis).is_some_and(|end| end <= size[axis]))
+    }
+}
+
 impl Default for RenderOptions {
     fn default() -> Self {
         Self {
@@ -45,6 +70,7 @@ impl Default for RenderOptions {
             camera: None,
             costs: None,
             draft: None,
+            crop: None,
             audit: false,
             general: false,
         }
@@ -79,6 +105,32 @@ impl RenderOptions {
         self.image.shutter > 0.0 && needs_moments(self.image.samples.count())
     }
 
+    /// Whether rough reflections are smoothed over neighbors.
+    pub fn smooths(&self) -> bool {
+        self.reflection.filter && self.image.samples.count() < ENOUGH_SAMPLES
+    }
+
+    /// Whether light outside of the crop is left out. Pixels inside need none of it unless reflections are smoothed or
+    /// blurred over neighbors, or reuse the light of the pixels that screen hits are shown at.
+    pub fn leaves_out_light(&self) -> bool {
+        let reflection = &self.reflection;
+        let marches = !matches!(reflection.method, Method::Rt | Method::Path);
+        let shares =
+            self.smooths() || reflection.blur_px > 0.0 || reflection.reuse_light && marches;
+        self.crop.is_some() && !shares
+    }
+
+    /// Left, top, right and bottom edge of the crop, pixels; those of all pixels without one.
+    pub fn crop_edges(&self) -> [f32; 4] {
+        let [width, height] = self.image.size;
+        let whole = Crop {
+            at: [0, 0],
+            size: [width, height],
+        };
+        let Crop { at, size } = self.crop.unwrap_or(whole);
+        [at[0], at[1], at[0] + size[0], at[1] + size[1]].map(|edge| edge as f32)
+    }
+
     /// Whether all light is path traced without bias.
     pub fn is_unbiased(&self) -> bool {
         self.reflection.method == Method::Path
@@ -91,5 +143,36 @@ impl RenderOptions {
             ShadowMode::Auto => self.auto_shadow[light.kind.index()],
             mode => mode,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn light_is_left_out_where_no_neighbor_needs_it() {
+        let of = |method: Method, change: &dyn Fn(&mut RenderOptions)| {
+            let mut options = RenderOptions::default();
+            options.reflection.method = method;
+            options.reflection.filter = false;
+            options.crop = Some(Crop {
+                at: [1, 2],
+                size: [3, 4],
+            });
+            change(&mut options);
+            (options.leaves_out_light(), options.crop_edges())
+        };
+        let edges = [1.0, 2.0, 4.0, 6.0];
+        for method in [Method::Rt, Method::Path] {
+            assert_eq!(of(method, &|_| ()), (true, edges));
+        }
+        let reuses = |on: bool| move |o: &mut RenderOptions| o.reflection.reuse_light = on;
+        assert_eq!(of(Method::Hybrid, &reuses(true)), (false, edges));
+        assert_eq!(of(Method::Hybrid, &reuses(false)), (true, edges));
+        assert!(!of(Method::Rt, &|o| o.reflection.filter = true).0);
+        assert!(!of(Method::Rt, &|o| o.reflection.blur_px = 1.0).0);
+        let whole = of(Method::Rt, &|o| o.crop = None);
+        assert_eq!(whole, (false, [0.0, 0.0, 1280.0, 720.0]));
     }
 }

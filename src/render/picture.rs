@@ -5,10 +5,11 @@ use reflet_scene::desc::CameraDesc;
 use reflet_world::World;
 
 use super::{
-    aov::{Aov, Plane},
+    aov::{Aov, Plane, PlaneData},
     download::{Download, TargetValues},
     error::RenderError,
     error_estimate::{ErrorEstimate, FirstHalf, Halves},
+    options::Crop,
     renderer::Renderer,
     stats::FrameStats,
     targets::Target,
@@ -30,6 +31,40 @@ pub struct Picture {
     pub planes: Vec<Plane>,
     /// Statistics of the picture's frame.
     pub stats: FrameStats,
+}
+
+impl Picture {
+    /// The part of the picture, with its planes, that is inside of a crop, which must lie in it.
+    pub fn cropped(self, crop: Crop) -> Self {
+        let width = self.size[0];
+        fn part<T: Copy>(values: Vec<T>, width: u32, pixels: usize, crop: Crop) -> Vec<T> {
+            let channels = values.len() / pixels.max(1);
+            let rows = crop.at[1]..crop.at[1] + crop.size[1];
+            let row = |y: u32| {
+                let start = (y * width + crop.at[0]) as usize * channels;
+                &values[start..start + crop.size[0] as usize * channels]
+            };
+            rows.flat_map(row).copied().collect()
+        }
+        let pixels = (width * self.size[1]) as usize;
+        let plane = |plane: Plane| Plane {
+            data: match plane.data {
+                PlaneData::F32(data) => PlaneData::F32(part(data, width, pixels, crop)),
+                PlaneData::U32(data) => PlaneData::U32(part(data, width, pixels, crop)),
+            },
+            ..plane
+        };
+        Self {
+            size: crop.size,
+            color: match self.color.is_empty() {
+                true => self.color,
+                false => part(self.color, width, pixels, crop),
+            },
+            display: part(self.display, width, pixels, crop),
+            planes: self.planes.into_iter().map(plane).collect(),
+            ..self
+        }
+    }
 }
 
 /// Contents to produce besides the display color.

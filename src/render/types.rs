@@ -103,6 +103,8 @@ gpu_struct! {
         whole_surfaces: u32,
         /// Unused.
         pad0: u32,
+        /// Left, top, right and bottom edge of the crop, pixels.
+        crop: [f32; 4],
     }
 }
 

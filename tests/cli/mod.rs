@@ -2,6 +2,7 @@
 
 mod cache;
 mod calibrate;
+mod crop;
 mod denoise;
 mod info;
 mod lsp;

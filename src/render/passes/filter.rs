@@ -35,12 +35,9 @@ pub const PASS: Pass = Pass {
     ..Pass::DEFAULT
 };
 
-/// Number of sub-frames from which samples alone are smooth.
-pub const ENOUGH_SAMPLES: u32 = 16;
-
 /// Whether the options ask for smoothing of rough reflections.
 pub fn is_enabled(options: &RenderOptions) -> bool {
-    options.reflection.filter && options.image.samples.count() < ENOUGH_SAMPLES
+    options.smooths()
 }
 
 /// Targets of `source` and `blurred` in the wide and the narrow step.

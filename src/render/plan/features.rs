@@ -334,6 +334,11 @@ features! {
         follows: tinted_lobes || sheen || frames,
         files: details [none, packed];
     }
+    /// Whether light outside of the crop is left out.
+    cropped {
+        used: scene.options.leaves_out_light(),
+        constant: CROPS,
+    }
     /// Whether lights or reflections have an extent, so that they are sampled.
     extent {
         follows: sampled_light || indirect || rough_reflections || layers,

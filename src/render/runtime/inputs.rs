@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::scene_text::{LoadedScene, SceneOptions};
-use crate::{Draft, RenderOptions, unit_costs::UnitCosts};
+use crate::{Crop, Draft, RenderOptions, unit_costs::UnitCosts};
 use reflet_gpu::{ShaderError, ShaderLibrary};
 use reflet_scene::desc::{Method, Samples};
 
@@ -44,6 +44,8 @@ pub struct ViewOverrides {
     pub costs: Option<UnitCosts>,
     /// See [`RenderOptions::draft`].
     pub draft: Option<Draft>,
+    /// See [`RenderOptions::crop`].
+    pub crop: Option<Crop>,
     /// See [`RenderOptions::audit`].
     pub audit: bool,
     /// Name of the chosen camera. Without one, or where the scene lacks it, `auto` is decided for the camera that
@@ -64,6 +66,7 @@ impl ViewOverrides {
             camera: self.camera_in(loaded).or_else(|| loaded.camera(None)),
             costs: self.costs,
             draft: self.draft,
+            crop: self.crop,
             audit: self.audit,
             ..RenderOptions::of(&loaded.scene)
         };

@@ -1,0 +1,139 @@
+//! `render --crop`: the pixels of the whole picture, and no others.
+
+use std::{fs, path::Path};
+
+use super::{SCENE, exits, folder, names};
+use crate::common::gpu_or_skip;
+
+/// Pixels of a PNG in a rectangle.
+fn part(path: &Path, [x, y, width, height]: [u32; 4]) -> Vec<u8> {
+    let whole = image::open(path).expect("a PNG").to_rgba8();
+    image::imageops::crop_imm(&whole, x, y, width, height)
+        .to_image()
+        .into_raw()
+}
+
+#[test]
+fn a_crop_has_the_pixels_of_the_whole_picture() {
+    if gpu_or_skip().is_none() {
+        return;
+    }
+    let folder = folder("crop");
+    let lamp = "[light.lamp]\nkind = \"rect\"\nposition = [1, 3, 1]\ntarget = [0, 0, 0]\nsize = [1, 1]\nintensity_cd = 9\n";
+    // A rough floor is smoothed over neighbors, unless many samples make that needless.
+    let scene = SCENE.replace("roughness = 0\n", "roughness = 0.1\n");
+    fs::write(folder.join("scene.toml"), format!("{scene}{lamp}")).expect("written");
+    for (name, settings) in [
+        (
+            "rt",
+            "--method rt --set reflection.filter=false --aov depth",
+        ),
+        ("path", "--method path --set reflection.diffuse_bounces=2"),
+        ("hybrid", "--method hybrid"),
+        (
+            "alone",
+            "--method hybrid --set reflection.reuse_light=false --set reflection.filter=false",
+        ),
+    ] {
+        let settings: Vec<_> = settings.split(' ').collect();
+        let [whole, crop] = ["whole", "crop"].map(|kind| format!("{kind}-{name}.png"));
+        let render = ["render", "scene.toml", "--size", "40x24"];
+        exits(
+            &folder,
+            &[&render[..], &settings, &["-o", &whole]].concat(),
+            0,
+        );
+        let only = ["--crop", "9,7,16,11", "-o", &crop];
+        exits(&folder, &[&render[..], &settings, &only].concat(), 0);
+        let want = part(&folder.join(&whole), [9, 7, 16, 11]);
+        assert!(part(&folder.join(&crop), [0, 0, 16, 11]) == want, "{name}");
+        let size = image::image_dimensions(folder.join(&crop)).expect("a PNG");
+        assert_eq!(size, (16, 11), "{name}");
+    }
+    let size = image::image_dimensions(folder.join("crop-rt.depth.png")).expect("a PNG");
+    assert_eq!(size, (16, 11));
+    for (crop, says) in [
+        (
+            "30,0,16,4",
+            "is not inside of the picture, which has 40 x 24 pixels",
+        ),
+        ("0,0,0,4", "X,Y,WIDTH,HEIGHT"),
+    ] {
+        let render = [
+            "render",
+            "scene.toml",
+            "--size",
+            "40x24",
+            "-o",
+            "a.png",
+            "--crop",
+            crop,
+        ];
+        let [_, error] = exits(&folder, &render, 2);
+        assert!(error.contains(says), "{error}");
+    }
+    assert!(!names(&folder).contains(&"a.png".to_owned()));
+}
+
+#[test]
+#[cfg(unix)]
+fn watching_renders_again_after_each_save_and_keeps_the_last_good_picture() {
+    use std::{
+        process::Stdio,
+        time::{Duration, Instant},
+    };
+    if gpu_or_skip().is_none() {
+        return;
+    }
+    let folder = folder("watch");
+    let picture = folder.join("a.png");
+    let render = [
+        "render",
+        "scene.toml",
+        "-o",
+        "a.png",
+        "--size",
+        "16x9",
+        "--watch",
+    ];
+    let errors = fs::File::create(folder.join("errors")).expect("a file");
+    let mut child = super::reflet(&folder, &render)
+        .stderr(Stdio::from(errors))
+        .spawn()
+        .expect("it starts");
+    // Each wait ends with what it waits for; the limit only ends a test that fails.
+    let wait = |what: &dyn Fn() -> bool| {
+        let started = Instant::now();
+        while !what() {
+            assert!(started.elapsed() < Duration::from_secs(120), "{what:p}");
+            std::thread::sleep(Duration::from_millis(20));
+        }
+    };
+    let told = |text: &str| {
+        let all = fs::read_to_string(folder.join("errors")).expect("a file");
+        all.matches(text).count()
+    };
+    wait(&|| told("waiting for a save") == 1);
+    let first = fs::read(&picture).expect("written");
+    fs::write(
+        folder.join("scene.toml"),
+        SCENE.replace("eye = [0, 1, 3]", "eya = 3"),
+    )
+    .expect("saved");
+    wait(&|| told("waiting for a save") == 2);
+    assert_eq!(told("scene.toml:4:1"), 1);
+    assert!(fs::read(&picture).expect("kept") == first);
+    fs::write(
+        folder.join("scene.toml"),
+        SCENE.replace("eye = [0, 1, 3]", "eye = [1, 1, 2]"),
+    )
+    .expect("saved");
+    wait(&|| told("waiting for a save") == 3);
+    assert!(fs::read(&picture).expect("written") != first);
+    let killed = std::process::Command::new("kill")
+        .arg(child.id().to_string())
+        .status();
+    assert!(killed.expect("it runs").success());
+    assert_eq!(child.wait().expect("it ends").code(), Some(143));
+    assert_eq!(names(&folder), ["a.png", "errors", "scene.toml"]);
+}
