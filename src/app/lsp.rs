@@ -1,12 +1,16 @@
 //! `lsp`: a language server for scene text and scripts, on standard input and output
 //! (Language Server Protocol 3.17).
 
+mod actions;
 mod answer;
+mod colors;
 mod frames;
 mod names;
 mod outline;
 mod position;
+mod references;
 mod script;
+mod structure;
 mod tables;
 
 use std::{
@@ -56,6 +60,12 @@ fn serve(connection: &Connection) -> Result<(), String> {
         "completionProvider": { "triggerCharacters": ["\"", "[", ".", "="] },
         "hoverProvider": true,
         "definitionProvider": true,
+        "referencesProvider": true,
+        "renameProvider": { "prepareProvider": true },
+        "documentSymbolProvider": true,
+        "foldingRangeProvider": true,
+        "codeActionProvider": { "codeActionKinds": ["quickfix"] },
+        "colorProvider": true,
     });
     connection
         .initialize(capabilities)
@@ -133,9 +143,28 @@ impl Server<'_> {
             }
             ("textDocument/definition", Some(file)) => json!(answer::definition(file, at)),
             (
-                "textDocument/completion" | "textDocument/hover" | "textDocument/definition",
-                None,
-            ) => Value::Null,
+                "textDocument/references" | "textDocument/prepareRename" | "textDocument/rename",
+                Some(file),
+            ) => match self.about_name(&request, file, at) {
+                Ok(result) => result,
+                Err(why) => {
+                    let code = ErrorCode::RequestFailed as i32;
+                    let error = Response::new_err(request.id, code, why);
+                    return self.send(Message::Response(error));
+                }
+            },
+            ("textDocument/documentSymbol", Some(file)) => json!(structure::symbols(file)),
+            ("textDocument/foldingRange", Some(file)) => json!(structure::folds(file)),
+            ("textDocument/documentColor", Some(_)) if is_script => json!([] as [Value; 0]),
+            ("textDocument/documentColor", Some(file)) => json!(colors::colors(file)),
+            ("textDocument/colorPresentation", Some(file)) => {
+                json!(colors::presentations(file, params))
+            }
+            ("textDocument/codeAction", Some(file)) => {
+                let uri = params["textDocument"]["uri"].as_str().unwrap_or_default();
+                json!(actions::actions(file, uri, params))
+            }
+            (method, None) if method.starts_with("textDocument/") => Value::Null,
             (method, _) => {
                 let text = format!("there is no method {method}");
                 let error = Response::new_err(request.id, ErrorCode::MethodNotFound as i32, text);
@@ -143,6 +172,33 @@ impl Server<'_> {
             }
         };
         self.send(Message::Response(Response::new_ok(request.id, result)));
+    }
+
+    /// References of the name at a byte offset, its range for renaming, or the edits that rename it.
+    fn about_name(
+        &self,
+        request: &Request,
+        file: &Arc<Source>,
+        at: usize,
+    ) -> Result<Value, String> {
+        let open: Vec<_> = self.open.values().collect();
+        let texts = references::texts(file, &open);
+        let Some((target, name)) = references::target(file, at, &texts) else {
+            return Ok(Value::Null);
+        };
+        let params = &request.params;
+        match request.method.as_str() {
+            "textDocument/prepareRename" => Ok(range(&file.text, &name.range)),
+            "textDocument/rename" => {
+                let new = params["newName"].as_str().unwrap_or_default();
+                references::rename(&target, new, &texts)
+            }
+            _ => {
+                let all = params["context"]["includeDeclaration"] != false;
+                let places = references::places(&target, &texts);
+                Ok(json!(references::locations(&places, all)))
+            }
+        }
     }
 
     fn handle_notification(&mut self, notification: &Notification) {

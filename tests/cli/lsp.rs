@@ -1,5 +1,7 @@
 //! The language server, driven by a client as editors do.
 
+mod across_files;
+
 use std::{
     fs,
     io::{BufRead as _, BufReader, Read as _, Write as _},
@@ -74,14 +76,20 @@ impl Client {
 
     /// Sends a request and returns its result.
     fn ask(&mut self, method: &str, params: Value) -> Value {
+        let message = self.answer(method, params);
+        assert!(message["error"].is_null(), "{message}");
+        message["result"].clone()
+    }
+
+    /// Sends a request and returns the answer, which may be an error.
+    fn answer(&mut self, method: &str, params: Value) -> Value {
         self.requests += 1;
         let id = self.requests;
         self.send(&json!({ "jsonrpc": "2.0", "id": id, "method": method, "params": params }));
         loop {
             let message = self.receive();
             if message["id"] == id {
-                assert!(message["error"].is_null(), "{message}");
-                return message["result"].clone();
+                return message;
             }
         }
     }

@@ -35,7 +35,8 @@ pub fn names(source: &Source) -> Vec<Name> {
     let name = |word: Word| {
         let kind = match (&word.part, word.table.as_slice()) {
             (Part::Header, [kind]) if is_named(kind) => kind.clone(),
-            (Part::Key, [kind]) if kind == "params" => kind.clone(),
+            // [params], and `material.brass = { … }`.
+            (Part::Key, [kind]) if is_named(kind) => kind.clone(),
             (Part::Value(key), [kind]) if kind == "instance" && key == "name" => kind.clone(),
             _ => return None,
         };
@@ -43,6 +44,38 @@ pub fn names(source: &Source) -> Vec<Name> {
         Some(Name { kind, name, range })
     };
     words.filter_map(name).collect()
+}
+
+/// Names of a text that refer to what is defined elsewhere, each with the kinds that it may be of.
+pub fn uses(source: &Source) -> Vec<(Name, Vec<String>)> {
+    let one = |word: Word| {
+        let owned = |kinds: &[&str]| kinds.iter().map(|kind| (*kind).to_owned()).collect();
+        let table: Vec<&str> = word.table.iter().map(String::as_str).collect();
+        let kinds: Vec<String> = match (&word.part, table.as_slice()) {
+            (Part::Value(key), [] | ["variant", _]) if key == "remove" => {
+                let (kind, _) = word.text.split_once('.')?;
+                vec![kind.to_owned()]
+            }
+            (Part::Value(key), _) => owned(kinds_of_value(key)),
+            (Part::Header | Part::Key, ["motion", kind] | ["variant", _, kind]) => owned(&[kind]),
+            (Part::Header | Part::Key, ["variant", _, "motion", kind]) => owned(&[kind]),
+            _ => return None,
+        };
+        let text = match &word.part {
+            Part::Value(key) if key == "remove" => word.text.split_once('.')?.1.to_owned(),
+            _ => word.text,
+        };
+        let is_use = !kinds.is_empty() && kinds.iter().any(|kind| is_named(kind));
+        is_use.then_some((
+            Name {
+                kind: String::new(),
+                name: text,
+                range: word.range,
+            },
+            kinds,
+        ))
+    };
+    words(source).into_iter().filter_map(one).collect()
 }
 
 /// The text, its bases, and all scene text files that these include or place; the text itself comes first.

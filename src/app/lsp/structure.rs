@@ -1,0 +1,162 @@
+//! Structure of a text: its tables or functions as symbols, and what can be folded.
+
+use std::ops::Range;
+
+use serde_json::{Value, json};
+
+use super::{
+    is_script,
+    names::names,
+    outline::{Part, words},
+    position::range,
+};
+use crate::scene::diagnostic::Source;
+
+/// Kinds of symbols in the protocol.
+const FUNCTION: u32 = 12;
+const OBJECT: u32 = 19;
+const STRUCT: u32 = 23;
+
+/// A part of a text: its heading, and the range up to the next part.
+struct Section {
+    title: String,
+    heading: Range<usize>,
+    whole: Range<usize>,
+    kind: u32,
+}
+
+/// Symbols of a text.
+pub fn symbols(file: &Source) -> Vec<Value> {
+    let symbol = |section: &Section| {
+        json!({
+            "name": section.title,
+            "kind": section.kind,
+            "range": range(&file.text, &section.whole),
+            "selectionRange": range(&file.text, &section.heading),
+        })
+    };
+    sections(file).iter().map(symbol).collect()
+}
+
+/// Ranges of lines that can be folded: tables or functions, and comments of several lines.
+pub fn folds(file: &Source) -> Vec<Value> {
+    let line = |offset: usize| file.text[..offset].matches('\n').count();
+    let sections = sections(file);
+    let mut all: Vec<(usize, usize, &str)> = (sections.iter())
+        .map(|section| {
+            (
+                line(section.heading.start),
+                line(section.whole.end),
+                "region",
+            )
+        })
+        .collect();
+    let comment = if is_script(&file.path) { "//" } else { "#" };
+    let mut first = None;
+    for (number, text) in file.text.lines().chain([""]).enumerate() {
+        match (text.trim_start().starts_with(comment), first) {
+            (true, None) => first = Some(number),
+            (false, Some(start)) => {
+                all.push((start, number - 1, "comment"));
+                first = None;
+            }
+            _ => {}
+        }
+    }
+    all.retain(|(start, end, _)| end > start);
+    all.sort_unstable();
+    let fold = |(start, end, kind): (usize, usize, &str)| json!({ "startLine": start, "endLine": end, "kind": kind });
+    all.into_iter().map(fold).collect()
+}
+
+fn sections(file: &Source) -> Vec<Section> {
+    let starts = match is_script(&file.path) {
+        true => functions(&file.text),
+        false => headers(file),
+    };
+    let ends: Vec<_> = starts.iter().skip(1).map(|(_, at, _)| at.start).collect();
+    let ends = ends.into_iter().chain([file.text.len()]);
+    (starts.into_iter().zip(ends))
+        .map(|((title, heading, kind), end)| {
+            let body = file.text[heading.start..end].trim_end();
+            let body = without_comments(body);
+            let whole = heading.start..(heading.start + body.len()).max(heading.end);
+            Section {
+                title,
+                heading,
+                whole,
+                kind,
+            }
+        })
+        .collect()
+}
+
+/// A text without the comments at its end, which are about what follows.
+fn without_comments(text: &str) -> &str {
+    let mut rest = text;
+    while let Some((before, last)) = rest.rsplit_once('\n')
+        && last.trim_start().starts_with(['#', '/'])
+    {
+        rest = before.trim_end();
+    }
+    rest
+}
+
+/// Headers of tables, and named tables that are written in one line.
+fn headers(file: &Source) -> Vec<(String, Range<usize>, u32)> {
+    let line_of = |at: &Range<usize>| {
+        let start = file.text[..at.start].rfind('\n').map_or(0, |i| i + 1);
+        let end = file.text[at.end..]
+            .find('\n')
+            .map_or(file.text.len(), |i| at.end + i);
+        start..start + file.text[start..end].trim_end().len()
+    };
+    let mut all: Vec<(String, Range<usize>, u32)> = Vec::new();
+    for word in words(file) {
+        if word.part != Part::Header {
+            continue;
+        }
+        let line = line_of(&word.range);
+        let title = [word.table.as_slice(), &[word.text]].concat().join(".");
+        match all.last_mut() {
+            Some(last) if last.1 == line => last.0 = title,
+            _ => all.push((title, line, STRUCT)),
+        }
+    }
+    for name in names(file) {
+        let line = line_of(&name.range);
+        let is_list = file.text[line.clone()].starts_with('[');
+        if name.kind == "instance" {
+            // The header of a list says nothing; the name of its entry does.
+            let before = all
+                .iter_mut()
+                .rev()
+                .find(|(_, at, _)| at.start < line.start);
+            if let Some((title, ..)) = before.filter(|(title, ..)| title == "instance") {
+                title.push_str(&format!(" \"{}\"", name.name));
+            }
+        } else if !is_list && name.kind != "params" && all.iter().all(|(_, at, _)| *at != line) {
+            all.push((format!("{}.{}", name.kind, name.name), line, OBJECT));
+        }
+    }
+    all.sort_by_key(|(_, at, _)| at.start);
+    all
+}
+
+fn functions(text: &str) -> Vec<(String, Range<usize>, u32)> {
+    let mut all = Vec::new();
+    let mut start = 0;
+    for line in text.split_inclusive('\n') {
+        let code = line.trim_start().trim_start_matches("private ");
+        if let Some(rest) = code.strip_prefix("fn ") {
+            let name = rest.split('(').next().unwrap_or_default().trim();
+            all.push((
+                name.to_owned(),
+                start..start + line.trim_end().len(),
+                FUNCTION,
+            ));
+        }
+        start += line.len();
+    }
+    all
+}

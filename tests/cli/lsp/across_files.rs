@@ -1,0 +1,232 @@
+//! Names across the files of a project, structure, colors and quick fixes, as an editor asks for them.
+
+use std::fs;
+
+use serde_json::{Value, json};
+
+use super::Client;
+
+const PARTS: &str = "[material.brass]\nmetallic = 1\nbase_color = [0.214041, 1, 0]\n\n[material.red]\nextends = \"brass\"\n\
+                     emission = \"#ff0080\"\n[environment]\ncolor = [0.5, 0.5, 0.5]\n";
+const SHOT: &str = "version = 1\ninclude = \"../parts.toml\"\nscript = \"../move.rhai\"\ntimeline.end = 3\n\
+                    [params]\nlift = 1.0\n\n# The ball.\n# It is of brass.\n[model.ball]\nshape = { kind = \"sphere\" }\n\
+                    material = \"brass\"\n\n[[instance]]\nname = \"first\"\nmodel = \"ball\"\ndynamic = true\n\n\
+                    [variant.plain]\nremove = [\"material.red\"]\nmaterial.brass.roughness = 1\n";
+const SCRIPT: &str = "fn setup(ctx) { #{} }\nfn frame(ctx) {\n    ctx.place(\"first\", [0, ctx.params.lift, 0]);\n}\n";
+
+/// A project with a shot in a subfolder, all of it open but the parts.
+fn project(name: &str) -> Client {
+    let mut client = Client::start(name);
+    let folder = client.folder.clone();
+    fs::create_dir_all(folder.join("shots")).expect("a folder");
+    fs::write(folder.join("reflet.toml"), "assets = [\"shots\"]\n").expect("written");
+    fs::write(folder.join("parts.toml"), PARTS).expect("written");
+    client.open("move.rhai", SCRIPT);
+    client.open("shots/scene.toml", SHOT);
+    let uri = client.uri("shots/scene.toml");
+    assert_eq!(client.found(&uri), [] as [Value; 0]);
+    client
+}
+
+/// Files and start lines of locations.
+fn lines(places: &Value) -> Vec<(String, u64)> {
+    let place = |place: &Value| {
+        let file = place["uri"].as_str().expect("a file");
+        let file = file.rsplit('/').next().unwrap_or_default().to_owned();
+        (
+            file,
+            place["range"]["start"]["line"].as_u64().expect("a line"),
+        )
+    };
+    places
+        .as_array()
+        .expect("a list")
+        .iter()
+        .map(place)
+        .collect()
+}
+
+fn document(client: &Client, name: &str) -> Value {
+    json!({ "textDocument": { "uri": client.uri(name) } })
+}
+
+#[test]
+fn references_are_found_in_all_files_and_renamed() {
+    let mut client = project("across");
+    let at = SHOT.replace("material = \"brass\"", "material = \"br|ass\"");
+    let found = client.at("references", "shots/scene.toml", &at);
+    let own = |file: &str, line| (file.to_owned(), line);
+    let want = [
+        own("parts.toml", 0),
+        own("parts.toml", 5),
+        own("scene.toml", 11),
+        own("scene.toml", 20),
+    ];
+    assert_eq!(lines(&found), want);
+    let name = client.at("prepareRename", "shots/scene.toml", &at);
+    assert_eq!(name["start"], json!({ "line": 11, "character": 11 }));
+    let mut edits = |at: &str, file: &str, new: &str| {
+        let before = at.split('|').next().expect("a mark");
+        let line = before.matches('\n').count();
+        let character = before.rsplit('\n').next().unwrap_or_default().len();
+        let mut params = document(&client, file);
+        params["position"] = json!({ "line": line, "character": character });
+        params["newName"] = new.into();
+        client.answer("textDocument/rename", params)
+    };
+    let renamed = edits(&at, "shots/scene.toml", "old brass");
+    let all = renamed["result"]["changes"].as_object().expect("edits");
+    let mut texts: Vec<_> = all
+        .values()
+        .flat_map(|e| e.as_array().expect("a list"))
+        .map(|e| &e["newText"])
+        .collect();
+    texts.dedup();
+    assert_eq!((all.len(), texts), (2, vec![&json!("\"old brass\"")]));
+    let taken = edits(&at, "shots/scene.toml", "red");
+    assert!(
+        taken["error"]["message"]
+            .as_str()
+            .expect("refused")
+            .contains("another material")
+    );
+    // A removed entry keeps its kind, and scripts follow.
+    let at = SHOT.replace(
+        "remove = [\"material.red\"]",
+        "remove = [\"material.r|ed\"]",
+    );
+    let renamed = edits(&at, "shots/scene.toml", "blue").to_string();
+    assert!(
+        renamed.contains("\"\\\"material.blue\\\"\"") && renamed.contains("\"blue\""),
+        "{renamed}"
+    );
+    let at = SHOT.replace("lift = 1.0", "li|ft = 1.0");
+    let renamed = edits(&at, "shots/scene.toml", "rise")["result"]["changes"].to_string();
+    assert!(
+        renamed.contains("move.rhai") && renamed.contains("scene.toml"),
+        "{renamed}"
+    );
+    let at = SCRIPT.replace("\"first\"", "\"fi|rst\"");
+    let renamed = edits(&at, "move.rhai", "second")["result"]["changes"].to_string();
+    assert!(
+        renamed.contains("move.rhai") && renamed.contains("scene.toml"),
+        "{renamed}"
+    );
+    client.end();
+}
+
+#[test]
+fn symbols_folds_and_colors_of_texts() {
+    let mut client = project("structure");
+    let symbols = client.ask(
+        "textDocument/documentSymbol",
+        document(&client, "shots/scene.toml"),
+    );
+    let names: Vec<_> = symbols
+        .as_array()
+        .expect("a list")
+        .iter()
+        .map(|s| s["name"].as_str().expect("a name"))
+        .collect();
+    assert_eq!(
+        names,
+        [
+            "params",
+            "model.ball",
+            "instance \"first\"",
+            "variant.plain"
+        ]
+    );
+    let folds = client.ask(
+        "textDocument/foldingRange",
+        document(&client, "shots/scene.toml"),
+    );
+    let folds: Vec<_> = folds
+        .as_array()
+        .expect("a list")
+        .iter()
+        .map(|f| (f["startLine"].as_u64(), f["endLine"].as_u64()))
+        .collect();
+    let want = [(4, 5), (7, 8), (9, 11), (13, 16), (18, 20)];
+    assert_eq!(folds, want.map(|(a, b)| (Some(a), Some(b))));
+    let symbols = client.ask(
+        "textDocument/documentSymbol",
+        document(&client, "move.rhai"),
+    );
+    assert_eq!(symbols[1]["name"], "frame");
+    assert_eq!(symbols[1]["range"]["end"]["line"], 3);
+    client.open("parts.toml", PARTS);
+    let colors = client.ask(
+        "textDocument/documentColor",
+        document(&client, "parts.toml"),
+    );
+    let colors = colors.as_array().expect("a list");
+    assert_eq!(colors.len(), 3, "{colors:?}");
+    let red = colors[0]["color"]["red"].as_f64().expect("a number");
+    assert!((red - 0.5).abs() < 1e-4, "{red}");
+    assert_eq!(
+        colors[1]["color"],
+        json!({ "red": 1.0, "green": 0.0, "blue": 128.0 / 255.0, "alpha": 1 })
+    );
+    let mut ask = |index: usize| {
+        let mut params = document(&client, "parts.toml");
+        params["color"] = json!({ "red": 1, "green": 0.5, "blue": 0, "alpha": 1 });
+        params["range"] = colors[index]["range"].clone();
+        client.ask("textDocument/colorPresentation", params)
+    };
+    assert_eq!(ask(0)[0]["label"], "[1, 0.214, 0]");
+    assert_eq!(ask(1)[0]["label"], "\"#ff8000\"");
+    client.end();
+}
+
+#[test]
+fn suggestions_are_quick_fixes() {
+    let mut client = project("fixes");
+    let uri = client.uri("shots/scene.toml");
+    let wrong = SHOT
+        .replace("dynamic = true", "dynamik = true")
+        .replace("model = \"ball\"", "model = \"bal\"");
+    let change = json!({ "textDocument": { "uri": uri }, "contentChanges": [{ "text": wrong }] });
+    client.tell("textDocument/didChange", change);
+    let found = client.found(&uri);
+    let mut params = document(&client, "shots/scene.toml");
+    params["context"] = json!({ "diagnostics": found });
+    let actions = client.ask("textDocument/codeAction", params);
+    let actions = actions.as_array().expect("a list");
+    let new = |action: &Value| action["edit"]["changes"][&uri][0]["newText"].clone();
+    let texts: Vec<_> = actions.iter().map(new).collect();
+    assert_eq!(texts, [json!("\"ball\""), json!("dynamic")], "{found:?}");
+    client.end();
+}
+
+#[test]
+fn the_text_of_a_project_is_completed_and_checked() {
+    let mut client = project("reflet-toml");
+    client.open("reflet.toml", "asets = 3\n");
+    let uri = client.uri("reflet.toml");
+    let found = client.found(&uri);
+    assert!(
+        found[0]["message"]
+            .as_str()
+            .expect("text")
+            .contains("did you mean `assets`?"),
+        "{found:?}"
+    );
+    let labels = client.proposed("reflet.toml", "|\n");
+    assert!(
+        ["assets", "camera", "output", "sizes"]
+            .iter()
+            .all(|key| labels.contains(&(*key).to_owned())),
+        "{labels:?}"
+    );
+    assert_eq!(
+        client.proposed("reflet.toml", "assets = [\"|\"]\n"),
+        ["shots"]
+    );
+    let file = client.folder.join("reflet.toml");
+    fs::write(file, "assets = [\"shots\"]\n").expect("written");
+    // Files of the project are proposed by their names in it.
+    let labels = client.proposed("shots/scene.toml", "version = 1\ninclude = \"|\"\n");
+    assert!(labels.contains(&"parts.toml".to_owned()), "{labels:?}");
+    client.end();
+}
