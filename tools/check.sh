@@ -124,6 +124,14 @@ if [ "$full" = yes ]; then
     npm install --no-audit --no-fund --no-save --silent --prefix target/tools webgpu@0.6.2 ||
         echo "NOT CHECKED: shaders by Dawn, which cannot be installed"
 
+    heading "Extension for VS Code"
+    # Its tests drive the program that was built.
+    if (cd tools/vscode && npm ci --no-audit --no-fund --silent); then
+        (cd tools/vscode && npm test && npm run package)
+    else
+        echo "NOT CHECKED: tools/vscode, whose packages cannot be installed"
+    fi
+
     heading "Long tests"
     linted test --locked --workspace -- --ignored
 
