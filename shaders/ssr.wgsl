@@ -3,12 +3,16 @@
 // shading; rays that the screen cannot answer are listed for tracing.
 
 #import cause
+#import crossing
 #import gbuffer
 #import lists
 #import met_named
-#import screen_ray
+#import pixel_walk
 #import radiance
+#import screen_ray
+#import second_layer
 #import shown
+#import tangent_plane
 
 override VERIFY: bool = true; // false: accept crossings by the paper's threshold T
 override TRACE: bool = true; // false: method ssr, rays without a screen hit stay black
@@ -18,7 +22,7 @@ struct Params {
     threshold_m: f32, // the paper's T
     steps: u32,
     edge_px: f32, // maximum distance of a verified hit from the pixel that shows it
-    pad0: u32,
+    separation_m: f32, // minimum distance of the second depth layer from the first
 }
 
 @group(2) @binding(3) var ids: texture_2d<u32>;
@@ -31,8 +35,8 @@ struct Params {
 // Minimum relative difference of the depths of two surfaces over a pixel, beyond rounding.
 const CULLED_SLACK: f32 = 1e-6;
 const START_PX: f32 = 0.7; // start of the march, past the reflector's own pixel
-// Maximum number of pixels at which a ray is tested against the surface shown, and goes on in front of it.
-const MAX_CANDIDATES: u32 = 8u;
+// Maximum number of pixels at which a ray is tested against the surface shown, and goes on in front of it or behind it.
+const MAX_CANDIDATES: u32 = select(8u, 32u, HAS_SECOND_LAYER);
 // Minimum bilinear weight of the pixels around a hit that must show its surface.
 const SUPPORT: f32 = 0.75;
 // Maximum distance of points of one surface from a common plane, pixel footprints.
@@ -51,20 +55,6 @@ fn has_culled(pixel: vec2u) -> bool {
 // Whether reflection rays ignore the instance that a pixel shows.
 fn is_unreflected(instance: u32) -> bool {
     return HAS_UNSHOWN && is_passed(instance_trace_flags(instance), UNREFLECTED);
-}
-
-struct March {
-    cause: u32,
-    distance_m: f32, // distance of the hit; else length of the ray that is free of hits
-    id: vec2u,
-    bary: vec2f,
-}
-
-// Part of the ray over one pixel where the ray is not in front of the surface that this pixel shows.
-struct Candidate {
-    pixel: vec2u,
-    low: f32, // ray parameter s of its start
-    high: f32, // and of its end
 }
 
 // Whether a crossing is accepted as a screen-space hit, by the paper's rule: at most T behind the stored
@@ -180,64 +170,6 @@ fn is_refusal(cause: u32) -> bool {
     return cause == CAUSE_HIDDEN || cause == CAUSE_UNCONFIRMED || cause == CAUSE_BACK_FACE || cause == CAUSE_REFLECTOR;
 }
 
-// Direction of a ray through the grid of pixels: constants of its steps.
-struct Heading {
-    positive: vec2<bool>, // whether columns, and rows, increase along the ray
-    inverse: vec2f, // change of s per pixel; 0 where the ray never reaches the next column, or row
-    offset: vec2f, // s at column 0, and at row 0, negated; -2 where the ray never reaches the next
-}
-
-fn heading_of(r: ScreenRay) -> Heading {
-    let steep = abs(r.delta.xy) > vec2f(1e-9);
-    let inverse = select(vec2f(0.0), 1.0 / select(vec2f(1.0), r.delta.xy, steep), steep);
-    return Heading(r.delta.xy > vec2f(0.0), inverse, select(vec2f(-2.0), r.start.xy * inverse, steep));
-}
-
-// Ray parameter s where the ray leaves the columns, and the rows, of a cell of pixels that ends before `next`.
-fn exits_of(h: Heading, first: vec2i, next: vec2i) -> vec2f {
-    return vec2f(select(first, next, h.positive)) * h.inverse - h.offset;
-}
-
-// Pixel of the ray at a parameter s within a cell. Clamping keeps rounding from skipping a pixel.
-fn pixel_at(r: ScreenRay, s: f32, first: vec2i, next: vec2i) -> vec2i {
-    return clamp(vec2i(floor(r.start.xy + r.delta.xy * s)), first, next - 1);
-}
-
-// The pixel after a cell, which is exact across the border that the ray crosses. `along` is the ray's last pixel in
-// the cell.
-fn pixel_past(h: Heading, first: vec2i, next: vec2i, exits: vec2f, along: vec2i) -> vec2i {
-    let beyond = select(first - 1, next, h.positive);
-    return select(vec2i(along.x, beyond.y), vec2i(beyond.x, along.y), exits.x <= exits.y);
-}
-
-// Height of the surface of a pixel over the reflector's tangent plane, affine in the pixel and in clip-space z: a point
-// on or below that plane is never in front of the ray, for camera and ray are both above it, and so is every point
-// between them. This keeps grazing floors from reflecting themselves.
-struct TangentPlane {
-    rise: vec2f, // per column, and per row
-    rise_z: f32, // per clip-space z
-    height: f32, // of pixel 0 at a clip-space z of 0
-    least: f32, // minimum height in front of the ray, beyond rounding
-}
-
-fn tangent_plane(s: Surface) -> TangentPlane {
-    let normal = s.geometric_normal;
-    let eye = dot(frame.eye - s.position, normal);
-    let rise = vec2f(2.0, -2.0) * vec2f(dot(frame.right, normal), dot(frame.up, normal)) / frame.size;
-    let corner = dot(pixel_offset(vec2f(0.5)), normal);
-    let approach = dot(frame.forward, normal);
-    if (is_orthographic()) {
-        let range_m = frame.far_m - frame.near_m;
-        return TangentPlane(rise, -range_m * approach, eye + corner + frame.far_m * approach, frame.pixel_m * 0.2);
-    }
-    // Heights over view depth.
-    return TangentPlane(rise, eye / frame.near_m, approach + corner, 2e-4);
-}
-
-fn is_above(plane: TangentPlane, pixel: vec2i, z: f32) -> bool {
-    return dot(plane.rise, vec2f(pixel)) + plane.rise_z * z + plane.height > plane.least;
-}
-
 fn march(s0: Surface, direction: vec3f) -> March {
     if (frame.has_edge_on != 0u) { return March(CAUSE_EDGE_ON, 0.0, vec2u(NONE), vec2f(0.0)); }
     let origin = ray_origin(s0.position, s0.geometric_normal);
@@ -259,6 +191,7 @@ fn march(s0: Surface, direction: vec3f) -> March {
     var steps = 0u;
     var m = March(CAUSE_STEPS, 0.0, vec2u(NONE), vec2f(0.0));
     var last: Candidate;
+    var behind_s = r.end; // s at which the ray first goes behind the first layer
     for (var candidate = 0u; candidate < MAX_CANDIDATES; candidate++) {
         var exit = s;
         var is_met = false;
@@ -300,6 +233,16 @@ fn march(s0: Surface, direction: vec3f) -> March {
         } else {
             m = accept_by_threshold(r, c, origin, direction);
         }
+        if (HAS_SECOND_LAYER && REFUSE && m.cause == CAUSE_HIDDEN) {
+            if (behind_s == r.end) { count_behind(); }
+            behind_s = min(behind_s, c.low);
+            let behind = march_behind(r, heading, plane, c, steps, origin, direction);
+            steps = behind.steps;
+            pixel = behind.pixel;
+            s = behind.s;
+            m = behind.march;
+            if (m.cause == CAUSE_NOT_REFLECTIVE) { continue; }
+        }
         if (m.cause != CAUSE_NOT_REFLECTIVE) { break; }
         // The ray was in front of the surface over all of this pixel: go on after it.
         pixel = pixel_past(heading, pixel, pixel + 1, exits_of(heading, pixel, pixel + 1), pixel);
@@ -307,14 +250,17 @@ fn march(s0: Surface, direction: vec3f) -> March {
         m.cause = CAUSE_STEPS;
     }
     if (COUNT) { march_steps = steps; }
-    if (VERIFY && m.cause == CAUSE_HIT && is_cut_away(m)) { m.cause = CAUSE_UNCONFIRMED; }
+    if (m.cause == CAUSE_NOT_REFLECTIVE) { m.cause = CAUSE_STEPS; }
+    if (VERIFY && is_screen_hit(m.cause) && is_cut_away(m)) { m.cause = CAUSE_UNCONFIRMED; }
     if (!REFUSE && is_refusal(m.cause)) {
         m.cause = CAUSE_HIT;
         m.distance_m = dot(load_surface(last.pixel).position - origin, direction);
     }
-    if (m.cause == CAUSE_HIT) { return m; }
+    if (is_screen_hit(m.cause)) { return m; }
     m.distance_m = 0.0;
-    if (m.cause == CAUSE_OFF_SCREEN || m.cause == CAUSE_STEPS) { m.distance_m = distance_at(r, s) * 0.999; }
+    // A ray that is traced starts before all that it went behind: its answer owes nothing to what no layer shows.
+    let free_s = select(s, min(s, behind_s), HAS_SECOND_LAYER);
+    if (m.cause == CAUSE_OFF_SCREEN || m.cause == CAUSE_STEPS) { m.distance_m = distance_at(r, free_s) * 0.999; }
     return m;
 }
 
@@ -336,7 +282,7 @@ fn reflect_pixel(pixel: vec2u) -> u32 {
     }
     let direction = ray.direction;
     let m = march(s, direction);
-    let is_hit = m.cause == CAUSE_HIT;
+    let is_hit = is_screen_hit(m.cause);
     var found = vec4u(0u, NONE, NONE, 0u);
     if (is_hit) { found = vec4u(bitcast<u32>(m.distance_m), m.id, pack2x16unorm(m.bary)); }
     textureStore(hit, pixel, found);
@@ -358,7 +304,7 @@ fn reflect_listed(index: u32, lane: u32) -> vec2u {
     if (is_listed) {
         pixel = unpack_pixel(lists[reflector_slot(index)]);
         let why = reflect_pixel(pixel);
-        is_hit = why == CAUSE_HIT;
+        is_hit = is_screen_hit(why);
         is_ray = TRACE && is_traced(why);
         atomicAdd(&group_causes[why], 1u);
         if (is_hit) { place = atomicAdd(&group_hits, 1u); }
@@ -369,6 +315,7 @@ fn reflect_listed(index: u32, lane: u32) -> vec2u {
         first_hit = atomicAdd(&counters[HIT_COUNTER], atomicLoad(&group_hits));
         let unmarched = atomicLoad(&counters[CAUSE_UNMARCHED]);
         first_refused = atomicAdd(&counters[RAY_COUNTER], atomicLoad(&group_rays)) - unmarched;
+        add_behind();
     }
     if (lane < CAUSES) {
         let n = atomicLoad(&group_causes[lane]);

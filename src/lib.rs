@@ -52,7 +52,7 @@
 //!    in `shaders/lib/surface.wgsl`; screen hits and traced hits use the same one.
 //! 4. **Light** shades the surfaces that the camera sees: view-independent radiance, apart from the specular of
 //!    this view. **Transmit** follows rays through the surfaces that pixels show, where some transmit light.
-//! 5. **Pyramid** keeps the nearest depth of ever larger cells of pixels.
+//! 5. **Peel** rasterizes the second depth layer, where `reflection.layers` asks for it. **Pyramid** keeps the nearest depth of ever larger cells of pixels.
 //! 6. **SSR** walks the listed pixels' mirror rays through the pyramid, cell by cell, and decides what
 //!    each ray hits ([`render::cause::Cause`]): `accept_verified` in `shaders/ssr.wgsl` accepts a triangle
 //!    or plane that the ray is shown to meet, `accept_by_threshold` a crossing by the paper's rule. Hits are

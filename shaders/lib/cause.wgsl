@@ -7,6 +7,11 @@ fn is_traced(cause: u32) -> bool {
     return ((TRACED_CAUSES >> cause) & 1u) != 0u;
 }
 
+// Whether the march found what the ray hits.
+fn is_screen_hit(cause: u32) -> bool {
+    return ((SCREEN_CAUSES >> cause) & 1u) != 0u;
+}
+
 // Whether the pixel shows a reflection along its mirror direction, from whichever source.
 fn reflects(bits: u32) -> bool {
     return ((REFLECTING_CAUSES >> (bits & CAUSE_MASK)) & 1u) != 0u;

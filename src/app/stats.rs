@@ -170,6 +170,9 @@ impl Report {
             }
             None => {}
         }
+        if let Some(second) = frame.second_layer {
+            line("layer 2", second.to_string());
+        }
         if frame.exhausted_rays > 0 {
             let n = frame.exhausted_rays;
             line(
@@ -280,6 +283,7 @@ mod tests {
                 rays: 50,
                 exhausted_rays: 0,
                 audit: None,
+                second_layer: None,
                 bytes: vec![("textures".to_owned(), 3 << 19)],
             },
             passes_total_ms: 4.0,

@@ -2,7 +2,9 @@
 
 use reflet_scene::{
     desc::{Accept, Bounces, Method, ReflectionDesc},
-    range::{BOUNCES, EDGE_PX, RAY_LENGTH_U, Range, STEPS, THRESHOLD_U, range},
+    range::{
+        BOUNCES, EDGE_PX, LAYERS, RAY_LENGTH_U, Range, SEPARATION_M, STEPS, THRESHOLD_U, range,
+    },
 };
 
 /// Largest number of march steps that a scene may ask for.
@@ -19,6 +21,10 @@ pub enum Parameter {
     ReuseLight,
     /// Largest number of march steps, `reflection.steps`.
     Steps,
+    /// Number of depth layers of the march, `reflection.layers`.
+    Layers,
+    /// Distance of the second layer behind the first, `reflection.separation_m`, with `layers = 2`.
+    SeparationM,
     /// Length of reflection rays, `reflection.ray_length_u`.
     RayLengthU,
     /// Largest number of reflections in a row, `reflection.bounces`.
@@ -43,17 +49,23 @@ pub struct Variant {
 }
 
 /// Names of the curves in charts: one per method, with curves of their own for `hybrid` that accepts by the
-/// paper's threshold, and for methods that trace shadow rays at hits anew.
-pub const SERIES: [&str; 6] = [
+/// paper's threshold, for two depth layers, and for methods that trace shadow rays at hits anew.
+pub const SERIES: [&str; 8] = [
     Method::Ssr.name(),
+    SSR_LAYERS_SERIES,
     THRESHOLD_SERIES,
     Method::Hybrid.name(),
+    HYBRID_LAYERS_SERIES,
     Method::Rt.name(),
     HYBRID_ANEW_SERIES,
     RT_ANEW_SERIES,
 ];
 /// Name of the curve of `hybrid` with `accept = "threshold"`.
 pub const THRESHOLD_SERIES: &str = "hybrid (threshold)";
+/// Name of the curve of `ssr` with `layers = 2`.
+pub const SSR_LAYERS_SERIES: &str = "ssr (2 layers)";
+/// Name of the curve of `hybrid` with `layers = 2`.
+pub const HYBRID_LAYERS_SERIES: &str = "hybrid (2 layers)";
 /// Name of the curve of `hybrid` with `reuse_light = false`.
 pub const HYBRID_ANEW_SERIES: &str = "hybrid (no light reuse)";
 /// Name of the curve of `rt` with `reuse_light = false`.
@@ -74,11 +86,13 @@ pub const fn accept_name(accept: Accept) -> &'static str {
 
 impl Parameter {
     /// All parameters.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 9] = [
         Self::ThresholdU,
         Self::EdgePx,
         Self::ReuseLight,
         Self::Steps,
+        Self::Layers,
+        Self::SeparationM,
         Self::RayLengthU,
         Self::Bounces,
         Self::Scale,
@@ -91,6 +105,8 @@ impl Parameter {
             Self::EdgePx => "edge_px",
             Self::ReuseLight => "reuse_light",
             Self::Steps => "steps",
+            Self::Layers => "layers",
+            Self::SeparationM => "separation_m",
             Self::RayLengthU => "ray_length_u",
             Self::Bounces => "bounces",
             Self::Scale => "scale",
@@ -116,7 +132,7 @@ impl Parameter {
     /// Whether varying the parameter can change the picture of this method.
     pub const fn acts_on(self, method: Method) -> bool {
         match self {
-            Self::ThresholdU | Self::Steps => method.marches(),
+            Self::ThresholdU | Self::Steps | Self::Layers | Self::SeparationM => method.marches(),
             Self::EdgePx => matches!(method, Method::Hybrid | Method::Auto),
             // `ssr` alone follows one reflection and nothing beyond it.
             Self::Bounces => !matches!(method, Method::Ssr),
@@ -131,6 +147,8 @@ impl Parameter {
             Self::ReuseLight => &[0.0, 1.0],
             Self::EdgePx => &[0.0, 0.125, 0.25, 0.5, 1.0],
             Self::Steps => &[16.0, 32.0, 64.0, 128.0, 256.0],
+            Self::Layers => &[1.0, 2.0],
+            Self::SeparationM => &[0.0, 0.03, 0.1, 0.3, 1.0],
             Self::RayLengthU => &[1.0, 2.0, 4.0, 8.0, 16.0],
             Self::Bounces => &[1.0, 2.0, 3.0, 4.0, 6.0],
             Self::Scale => &[0.25, 0.375, 0.5, 0.75, 1.0],
@@ -144,7 +162,10 @@ impl Parameter {
     pub fn check(self, value: f64) -> Result<(), String> {
         let refused = |words: &str| format!("{} = {value:?}: must be {words}", self.name());
         let range = self.range();
-        if matches!(self, Self::Steps | Self::Bounces | Self::ReuseLight) {
+        if matches!(
+            self,
+            Self::Steps | Self::Layers | Self::Bounces | Self::ReuseLight
+        ) {
             return if value.fract() == 0.0 && range.contains(value) {
                 Ok(())
             } else {
@@ -164,6 +185,8 @@ impl Parameter {
             Self::EdgePx => EDGE_PX,
             Self::ReuseLight => range(0.0, 1.0),
             Self::Steps => STEPS,
+            Self::Layers => LAYERS,
+            Self::SeparationM => SEPARATION_M,
             Self::RayLengthU => RAY_LENGTH_U,
             Self::Bounces => BOUNCES,
             Self::Scale => range(0.05, 1.0),
@@ -183,6 +206,11 @@ impl Parameter {
             }
             Self::ReuseLight => settings.reuse_light = value != 0.0,
             Self::Steps => settings.steps = value as u32,
+            Self::Layers => settings.layers = value as u32,
+            Self::SeparationM => {
+                settings.layers = 2;
+                settings.separation_m = Some(value as f32);
+            }
             Self::RayLengthU => settings.ray_length_u = value as f32,
             Self::Bounces => settings.bounces = Bounces::AtMost(value as u32),
             Self::Scale => {}

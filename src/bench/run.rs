@@ -212,6 +212,7 @@ impl AnimationCache {
 struct ReadyRenderer {
     method: Method,
     verifies: bool,
+    layers: u32,
     renderer: RendererStage,
     /// CPU time to update moved instances, milliseconds; none for a still scene.
     update_ms: Option<f64>,
@@ -220,7 +221,8 @@ struct ReadyRenderer {
 impl ReadyRenderer {
     /// Whether the renderer can change to these settings without being built again.
     fn fits(&self, reflection: &ReflectionDesc) -> bool {
-        (self.method, self.verifies) == (reflection.method, reflection.verifies())
+        let own = (self.method, self.verifies, self.layers);
+        own == (reflection.method, reflection.verifies(), reflection.layers)
     }
 }
 
@@ -286,6 +288,7 @@ impl Protocol {
             method: Method::Rt,
             bounces: REFERENCE_BOUNCES,
             reuse_light: false,
+            layers: 1,
             filter: false,
             ray_length_u: longest.fold(settings.ray_length_u, f32::max),
             ..*settings
@@ -363,6 +366,7 @@ impl Bench<'_> {
         Ok(ReadyRenderer {
             method: reflection.method,
             verifies: reflection.verifies(),
+            layers: reflection.layers,
             renderer,
             update_ms,
         })

@@ -6,16 +6,17 @@ use super::csv::{self, CsvError, Table};
 use reflet_render::{
     cause::Cause,
     pass::{Pass, PassGroup},
-    passes::{self, counted_passes},
-    probe::Counts,
+    passes,
 };
 
 mod cell;
 mod check;
+mod details;
 #[cfg(test)]
 mod tests;
 
 use cell::Cell;
+pub use details::{ACCEPTS, BEHIND_COLUMN, REFUSALS, detail_columns, pass_column};
 
 macro_rules! sample {
     ($($(#[$doc:meta])* $name:ident: $kind:ty,)*) => {
@@ -96,6 +97,10 @@ sample! {
     threshold_u: f32,
     /// Largest number of march steps.
     steps: u32,
+    /// Number of depth layers of the march; none in tables that lack the column.
+    layers: Option<u32>,
+    /// Least distance of the second layer behind the first, meters; none with one layer.
+    separation_m: Option<f64>,
     /// Ray length, in U.
     ray_length_u: f32,
     /// Largest number of reflections in a row; [`reflet_scene::desc::Bounces::LIMIT`] for `"auto"`.
@@ -261,40 +266,6 @@ fn read_cell<T: Cell>(column: &str, text: &str) -> Result<T, String> {
     let value = T::of(text).ok_or_else(cannot)?;
     check::cell(column, text).map_err(|expected| format!("{}; expected {expected}", cannot()))?;
     Ok(value)
-}
-
-/// Causes whose refusals can be compared with a ray, because there is a crossing.
-pub const REFUSALS: [Cause; 5] = [
-    Cause::Hidden,
-    Cause::Unconfirmed,
-    Cause::BackFace,
-    Cause::Reflector,
-    Cause::Steps,
-];
-
-/// Column of the time of a pass.
-pub fn pass_column(pass: &str) -> String {
-    format!("pass_{pass}_ms")
-}
-
-/// Columns after the fixed ones: `pass_NAME_ms`, `cause_NAME_px`, `false_accept_NAME_px`,
-/// `false_reject_NAME_px` and `PASS_COUNTED`, such as `trace_visited_nodes`.
-pub fn detail_columns() -> Vec<String> {
-    let passes = passes::ALL.iter().map(|pass| pass_column(pass.name));
-    let causes = || {
-        Cause::ALL
-            .into_iter()
-            .filter(|c| *c != Cause::NotReflective)
-    };
-    passes
-        .chain(causes().map(|c| format!("cause_{}_px", c.name())))
-        .chain([Cause::Hit, Cause::None].map(|c| format!("false_accept_{}_px", c.name())))
-        .chain(REFUSALS.map(|c| format!("false_reject_{}_px", c.name())))
-        .chain(counted_passes().flat_map(|pass| {
-            let names = Counts::default().named();
-            names.map(|(what, _)| format!("{}_{what}", pass.name))
-        }))
-        .collect()
 }
 
 /// Header of a table of samples.

@@ -153,7 +153,12 @@ impl Hits {
 
     /// Whether the march gave the answer at each pixel.
     fn is_marched(&self) -> Vec<bool> {
-        let of = |cause: &u32| matches!(Cause::from_number(*cause), Some(Cause::Hit | Cause::None));
+        let of = |cause: &u32| {
+            matches!(
+                Cause::from_number(*cause),
+                Some(Cause::Hit | Cause::HitBehind | Cause::None)
+            )
+        };
         self.cause.iter().map(of).collect()
     }
 
@@ -179,7 +184,7 @@ impl Hits {
             (at_least_0, hits.instance[i])
         };
         let of = |i: usize| match Cause::from_number(self.cause[i]) {
-            Some(Cause::Hit) => met(self, i),
+            Some(Cause::Hit | Cause::HitBehind) => met(self, i),
             Some(cause) if REFUSALS.contains(&cause) && crossings.cause[i] == Cause::Hit as u32 => {
                 met(crossings, i)
             }
@@ -319,7 +324,7 @@ fn codes() -> Vec<CauseCode> {
         code: cause as u32,
         name: cause.name(),
         verdict: match cause {
-            Cause::Hit => Verdict::Accepted,
+            Cause::Hit | Cause::HitBehind => Verdict::Accepted,
             Cause::None => Verdict::Empty,
             Cause::NotReflective | Cause::Rough | Cause::Unmarched | Cause::EdgeOn => {
                 Verdict::NotAsked

@@ -4,7 +4,10 @@ use reflet_render::pass::Pass;
 
 use super::{
     metric::{percentile, table},
-    parameter::{HYBRID_ANEW_SERIES, RT_ANEW_SERIES, THRESHOLD_SERIES},
+    parameter::{
+        HYBRID_ANEW_SERIES, HYBRID_LAYERS_SERIES, RT_ANEW_SERIES, SSR_LAYERS_SERIES,
+        THRESHOLD_SERIES,
+    },
     sample::Sample,
 };
 
@@ -248,6 +251,8 @@ impl Point {
 /// Curve that a sample belongs to, one of [`SERIES`](super::parameter::SERIES).
 pub fn series(sample: &Sample) -> &str {
     match (sample.method.as_str(), sample.accept.as_str()) {
+        ("ssr", _) if sample.layers > Some(1) => SSR_LAYERS_SERIES,
+        ("hybrid", "verified") if sample.layers > Some(1) => HYBRID_LAYERS_SERIES,
         ("hybrid", "threshold") => THRESHOLD_SERIES,
         ("hybrid", _) if sample.reuse_light == Some(false) => HYBRID_ANEW_SERIES,
         ("rt", _) if sample.reuse_light == Some(false) => RT_ANEW_SERIES,

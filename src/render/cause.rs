@@ -37,6 +37,8 @@ pub enum Cause {
     Unconfirmed = 10,
     /// The pixel was not marched: an orthographic camera sees surfaces edge-on, and no pixel shows these obstacles.
     EdgeOn = 11,
+    /// The ray went behind what the picture shows, and hit a surface of the second depth layer.
+    HitBehind = 12,
 }
 
 /// Source of a pixel's reflection.
@@ -59,7 +61,7 @@ pub enum Source {
 
 impl Cause {
     /// All causes; the index is the number.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Self::NotReflective,
         Self::Hit,
         Self::Hidden,
@@ -72,6 +74,7 @@ impl Cause {
         Self::Unmarched,
         Self::Unconfirmed,
         Self::EdgeOn,
+        Self::HitBehind,
     ];
 
     /// Number of the cause in a texel of the `cause` target, whose upper bits hold the ray length that the march has
@@ -100,6 +103,7 @@ impl Cause {
             Self::Unmarched => "unmarched",
             Self::Unconfirmed => "unconfirmed",
             Self::EdgeOn => "edge_on",
+            Self::HitBehind => "hit_behind",
         }
     }
 
@@ -118,7 +122,7 @@ impl Cause {
     pub const fn source(self, method: Method) -> Source {
         match self {
             Self::NotReflective => Source::NotReflective,
-            Self::Hit => Source::Screen,
+            Self::Hit | Self::HitBehind => Source::Screen,
             Self::None => Source::None,
             Self::Rough => Source::Rough,
             _ if matches!(method, Method::Ssr) => Source::Failed,
@@ -141,6 +145,7 @@ impl Cause {
             Self::Unmarched => [255, 150, 200],
             Self::Unconfirmed => [170, 60, 40],
             Self::EdgeOn => [0, 160, 170],
+            Self::HitBehind => [170, 210, 255],
         }
     }
 }

@@ -24,9 +24,9 @@ use super::{
     panorama::MOST_CONES,
     pass::GROUP_PX,
     ray_list::{
-        AUDIT_RAYS, AUDITED_COUNTER, COUNTERS, EXHAUSTED_COUNTER, HIT_COUNTER, LISTS, List,
-        PYRAMID_LEVELS, RAY_COUNTER, RAYS_PER_GROUP, REFLECTOR_COUNTER, TRANSMISSIVE_COUNTER,
-        WRONG_COUNTER,
+        AUDIT_RAYS, AUDITED_COUNTER, BEHIND_COUNTER, COUNTERS, EXHAUSTED_COUNTER, HIT_COUNTER,
+        LISTS, List, PYRAMID_LEVELS, RAY_COUNTER, RAYS_PER_GROUP, REFLECTOR_COUNTER,
+        TRANSMISSIVE_COUNTER, WRONG_COUNTER,
     },
     sheen_table::LEAST_SHEEN_ALPHA,
     targets::{FAR_M, Target},
@@ -145,6 +145,7 @@ pub fn wgsl() -> String {
         AUDITED_COUNTER,
         WRONG_COUNTER,
         TRANSMISSIVE_COUNTER,
+        BEHIND_COUNTER,
         RAYS_PER_GROUP,
         GROUP_PX,
         AUDIT_RAYS,
@@ -236,7 +237,7 @@ fn define_numbered(out: &mut String, variant: impl std::fmt::Debug, ending: &str
     define(out, &(name + ending), &number);
 }
 
-/// Number of each cause, and masks of the causes that are traced and of those that reflect.
+/// Number of each cause, and masks of the causes that are traced, of screen hits and of those that reflect.
 fn define_causes(out: &mut String) {
     for cause in Cause::ALL {
         let name = format!("CAUSE_{}", cause.name().to_uppercase());
@@ -246,5 +247,7 @@ fn define_causes(out: &mut String) {
     define(out, "CAUSES", &Cause::ALL.len());
     let traced = |cause: Cause| cause.source(Method::Hybrid) == Source::Traced;
     define(out, "TRACED_CAUSES", &Cause::mask(traced));
+    let is_hit = |cause: Cause| cause.source(Method::Hybrid) == Source::Screen;
+    define(out, "SCREEN_CAUSES", &Cause::mask(is_hit));
     define(out, "REFLECTING_CAUSES", &Cause::mask(Cause::reflects));
 }

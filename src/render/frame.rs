@@ -213,6 +213,7 @@ impl Renderer {
             rays: 0,
             exhausted_rays: 0,
             audit: None,
+            second_layer: None,
             decisions: self.decisions.clone(),
             passes_ms: times.passes_ms,
             processor_ms: times.processor_ms,

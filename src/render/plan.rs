@@ -119,6 +119,13 @@ pub fn may_meet_culled(world: &World, options: &RenderOptions) -> bool {
         && (options.general || reflects(world, options.reflection.reflects_below()))
 }
 
+/// Whether the frame marches, with a second depth layer.
+pub fn has_second_layer(world: &World, options: &RenderOptions) -> bool {
+    options.reflection.layers > 1
+        && options.reflection.method.marches()
+        && (options.general || reflects(world, options.reflection.reflects_below()))
+}
+
 impl Plan {
     /// The plan of a scene; with [`RenderOptions::general`], the one that drops no feature.
     pub fn of(world: &World, trees: &Trees, layers: &Layers, options: &RenderOptions) -> Self {

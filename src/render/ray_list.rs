@@ -6,7 +6,7 @@ use reflet_gpu::{Gpu, GpuError, Named};
 use super::{cause::Cause, pixel_share::MOMENTS};
 
 /// Number of counters of a frame: one for each cause at the start, and those below at the end.
-pub const COUNTERS: usize = 20;
+pub const COUNTERS: usize = 28;
 /// Index of the counter of listed rays.
 pub const RAY_COUNTER: usize = COUNTERS - 1;
 /// Index of the counter of rays that ran out of nodes to visit.
@@ -21,6 +21,8 @@ pub const AUDITED_COUNTER: usize = COUNTERS - 5;
 pub const WRONG_COUNTER: usize = COUNTERS - 6;
 /// Index of the counter of transmissive pixels.
 pub const TRANSMISSIVE_COUNTER: usize = COUNTERS - 7;
+/// Index of the counter of marches that went behind the first depth layer, where there is a second.
+pub const BEHIND_COUNTER: usize = COUNTERS - 8;
 /// Number of list entries per workgroup of the passes over lists.
 pub const RAYS_PER_GROUP: u32 = 64;
 /// Maximum number of screen hits of a sub-frame that the audit checks.
@@ -28,7 +30,7 @@ pub const AUDIT_RAYS: u32 = 1024;
 /// Number of levels of the depth pyramid above the picture itself: cells of 2 to 64 pixels.
 pub const PYRAMID_LEVELS: u32 = 6;
 
-const _: () = assert!(Cause::ALL.len() <= TRANSMISSIVE_COUNTER);
+const _: () = assert!(Cause::ALL.len() <= BEHIND_COUNTER);
 
 /// List that a pass runs over; the value is its index among the dispatch arguments.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

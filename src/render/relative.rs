@@ -143,8 +143,10 @@ impl Coordinates {
     /// Options in these coordinates.
     pub fn options(&self, options: &RenderOptions) -> RenderOptions {
         let mut options = *options;
-        let unit_m = &mut options.reflection.unit_m;
-        *unit_m = unit_m.map(|unit_m| unit_m * self.scale);
+        let settings = &mut options.reflection;
+        for length_m in [&mut settings.unit_m, &mut settings.separation_m] {
+            *length_m = length_m.map(|length_m| length_m * self.scale);
+        }
         options
     }
 }

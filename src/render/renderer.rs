@@ -195,7 +195,8 @@ impl Renderer {
         Target::last_color(self.options.image.samples.count())
     }
 
-    /// Adopts the settings that need no rebuilding: threshold, edge, steps, ray length, bounces, light reuse. Other
+    /// Adopts the settings that need no rebuilding: threshold, edge, steps, separation of layers, ray length,
+    /// bounces, light reuse. Other
     /// settings, and features that the plan left out, stay as the renderer was made.
     pub fn set_reflection_parameters(&mut self, settings: &ReflectionDesc) {
         let settings = ReflectionDesc {
@@ -213,6 +214,8 @@ impl Renderer {
         self.options.reflection.threshold_u = settings.threshold_u;
         self.options.reflection.edge_px = settings.edge_px;
         self.options.reflection.steps = settings.steps;
+        let scale = 1.0 / self.coordinates.meters();
+        self.options.reflection.separation_m = settings.separation_m.map(|m| m * scale);
         self.options.reflection.ray_length_u = settings.ray_length_u;
         self.options.reflection.reuse_light = settings.reuse_light;
     }

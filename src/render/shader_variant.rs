@@ -48,7 +48,10 @@ impl ShaderVariant {
             .with_generated("constants", wgsl())?
             .with_generated("geometry", self.chunks.wgsl())?
             .with_generated("records", records::wgsl(self.chunks.record_texels))?;
-        let imports = self.features.imports().chain([("triangles", triangles)]);
+        let imports = self
+            .features
+            .imports()
+            .chain([("triangles", triangles), ("peeled", triangles)]);
         imports
             .into_iter()
             .try_fold(library, |library, (import, ending)| {

@@ -10,7 +10,8 @@ use super::{
     error_estimate::ErrorEstimate,
     passes::trace,
     ray_list::{
-        AUDITED_COUNTER, COUNTERS, EXHAUSTED_COUNTER, HIT_COUNTER, RAY_COUNTER, WRONG_COUNTER,
+        AUDITED_COUNTER, BEHIND_COUNTER, COUNTERS, EXHAUSTED_COUNTER, HIT_COUNTER, RAY_COUNTER,
+        WRONG_COUNTER,
     },
 };
 
@@ -79,6 +80,40 @@ impl Shares {
                 source("rough", Source::Rough),
             ],
         }
+    }
+}
+
+/// Work of the second depth layer.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct SecondLayer {
+    /// Number of pixels whose ray went behind the first layer, which alone would call them hidden.
+    pub behind: u32,
+    /// Number of those whose ray hits the second layer.
+    pub hits: u32,
+    /// The same as a percentage.
+    pub hit_percent: f64,
+}
+
+impl SecondLayer {
+    /// Work that the counters of a frame tell; `None` where no ray went behind a first layer with a second.
+    fn of(counters: &[u32]) -> Option<Self> {
+        let counter = |index: usize| counters.get(index).copied().unwrap_or(0);
+        let (behind, hits) = (counter(BEHIND_COUNTER), counter(Cause::HitBehind as usize));
+        (behind > 0).then(|| Self {
+            behind,
+            hits,
+            hit_percent: 100.0 * f64::from(hits) / f64::from(behind),
+        })
+    }
+}
+
+impl std::fmt::Display for SecondLayer {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(
+            f,
+            "{:.1} % of the {} rays that went behind the first layer hit the second",
+            self.hit_percent, self.behind,
+        )
     }
 }
 
@@ -188,6 +223,9 @@ pub struct FrameStats {
     /// Result of the audit of the last sub-frame's screen hits, where the options ask for it and there were hits.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub audit: Option<Audit>,
+    /// Work of the second depth layer in the last sub-frame, where there is one and rays went behind the first.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub second_layer: Option<SecondLayer>,
     /// Size of every buffer and texture class, bytes.
     #[serde(serialize_with = "as_map")]
     pub bytes: Vec<(String, u64)>,
@@ -206,6 +244,7 @@ impl FrameStats {
         let counters = sums.as_slice();
         self.shares = Shares::new(counters, self.size, self.method);
         self.exhausted_rays = counters.get(EXHAUSTED_COUNTER).copied().unwrap_or(0);
+        self.second_layer = SecondLayer::of(counters);
         let counter = |index: usize| counters.get(index).copied().unwrap_or(0);
         let (hits, wrong) = (counter(AUDITED_COUNTER), counter(WRONG_COUNTER));
         let of = counter(HIT_COUNTER);

@@ -13,6 +13,10 @@ pub enum Target {
     Ids,
     /// Meters along the view direction; [`FAR_M`] is sky.
     ViewDepth,
+    /// Hardware depth of the second layer: what lies behind the surfaces that the pixels show.
+    SecondDepth,
+    /// Instance and triangle of the second layer.
+    SecondIds,
     /// Packed normals, roughness, metallic, reflectivity, reflection mode.
     Surface,
     /// Linear base color, occlusion and emitted radiance as 16-bit floats, and packed flags.
@@ -55,10 +59,12 @@ use wgpu::TextureFormat as F;
 
 impl Target {
     /// All targets.
-    pub const ALL: [Self; 19] = [
+    pub const ALL: [Self; 21] = [
         Self::RasterDepth,
         Self::Ids,
         Self::ViewDepth,
+        Self::SecondDepth,
+        Self::SecondIds,
         Self::Surface,
         Self::Colors,
         Self::Details,
@@ -83,6 +89,8 @@ impl Target {
             Self::RasterDepth => "raster_depth",
             Self::Ids => "ids",
             Self::ViewDepth => "view_depth",
+            Self::SecondDepth => "second_depth",
+            Self::SecondIds => "second_ids",
             Self::Surface => "surface",
             Self::Colors => "colors",
             Self::Details => "details",
@@ -105,8 +113,8 @@ impl Target {
     /// Pixel format; `full` stores radiance in 32 bits.
     pub const fn format(self, full: bool) -> F {
         match self {
-            Self::RasterDepth => F::Depth32Float,
-            Self::Ids | Self::VisibleLights => F::Rg32Uint,
+            Self::RasterDepth | Self::SecondDepth => F::Depth32Float,
+            Self::Ids | Self::SecondIds | Self::VisibleLights => F::Rg32Uint,
             Self::ViewDepth | Self::CoverageSum => F::R32Float,
             Self::Surface | Self::Colors | Self::Details | Self::Hit => F::Rgba32Uint,
             Self::Radiance
@@ -149,7 +157,9 @@ impl Target {
     fn usage(self) -> wgpu::TextureUsages {
         let read = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_SRC;
         match self {
-            Self::RasterDepth => read | wgpu::TextureUsages::RENDER_ATTACHMENT,
+            Self::RasterDepth | Self::SecondDepth | Self::SecondIds => {
+                read | wgpu::TextureUsages::RENDER_ATTACHMENT
+            }
             // Ids are rasterized or written by primary rays; transmitted light is cleared, then written for listed
             // pixels.
             Self::Ids | Self::TransmittedLight => {

@@ -42,6 +42,10 @@ pub const RAY_LENGTH_U: Range = ABOVE_0;
 pub const THRESHOLD_U: Range = FROM_0;
 /// Range of `reflection.edge_px`.
 pub const EDGE_PX: Range = range(0.0, 4.0);
+/// Range of `reflection.layers`.
+pub const LAYERS: Range = range(1.0, 2.0);
+/// Range of `reflection.separation_m`.
+pub const SEPARATION_M: Range = FROM_0;
 /// Range of `reflection.bounces`.
 pub const BOUNCES: Range = range(1.0, 16.0);
 /// Range of `reflection.diffuse_bounces`.

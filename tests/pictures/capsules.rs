@@ -145,25 +145,34 @@ fn rasterized_and_traced_capsules_are_the_same() {
 
 #[test]
 fn the_march_accepts_capsules_where_rays_meet_them() {
-    let of = |method: &str| picture(&[&format!("reflection.method=\"{method}\"")], |_| {});
-    let (Some(hybrid), Some(rt)) = (of("hybrid"), of("rt")) else {
-        return;
-    };
-    let (sources, ids) = (
-        integers(&hybrid, Aov::Source),
-        integers(&hybrid, Aov::HitIds),
-    );
+    let of = |set: &[&str]| picture(set, |_| {});
+    let one = &["reflection.method=hybrid"][..];
+    let two = &[
+        "reflection.method=hybrid",
+        "reflection.layers=2",
+        "reflection.separation_m=0.05",
+    ];
+    for set in [one, two] {
+        let (Some(hybrid), Some(rt)) = (of(set), of(&["reflection.method=rt"])) else {
+            return;
+        };
+        assert_capsules_are_met(&hybrid, &rt);
+    }
+}
+
+fn assert_capsules_are_met(hybrid: &Picture, rt: &Picture) {
+    let (sources, ids) = (integers(hybrid, Aov::Source), integers(hybrid, Aov::HitIds));
     let (mut accepted, mut wrong) = (0, 0);
     for (i, (id, truth)) in ids
         .chunks(2)
-        .zip(integers(&rt, Aov::HitIds).chunks(2))
+        .zip(integers(rt, Aov::HitIds).chunks(2))
         .enumerate()
     {
         if sources[i] == Source::Traced as u32 || !is_capsule(id[0]) {
             continue;
         }
         accepted += 1;
-        let distances = [&hybrid, &rt].map(|p| floats(p, Aov::HitDistance)[i]);
+        let distances = [hybrid, rt].map(|p| floats(p, Aov::HitDistance)[i]);
         // Neighbors of a strip share the spheres at their ends.
         wrong += usize::from(id[0] != truth[0] || (distances[0] - distances[1]).abs() > 1e-3);
     }
@@ -173,7 +182,7 @@ fn the_march_accepts_capsules_where_rays_meet_them() {
         accepted > 100 && wrong <= accepted / 50,
         "{wrong} of {accepted}"
     );
-    assert!(share_differing(&hybrid, &rt, 8) < 0.01);
+    assert!(share_differing(hybrid, rt, 8) < 0.01);
 }
 
 #[test]

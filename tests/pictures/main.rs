@@ -42,6 +42,7 @@ mod orthographic;
 mod pattern;
 mod precision;
 mod ray_list;
+mod second_layer;
 mod shown;
 mod specialized;
 mod terminator;

@@ -250,7 +250,7 @@ fn binding_of(data: SharedData, pass: &Pass) -> Option<&'static str> {
 /// `reflet info --frame` prints what passes declare; their shaders bind the same.
 #[test]
 fn compute_passes_declare_what_their_shaders_bind() {
-    let draws = ["shadow", "visibility"]; // into attachments
+    let draws = ["shadow", "visibility", "peel"]; // into attachments
     let mut wrong = Vec::new();
     for pass in passes::ALL
         .iter()

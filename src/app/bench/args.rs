@@ -67,7 +67,8 @@ pub struct BenchArgs {
         default_value = "ssr,hybrid,rt"
     )]
     pub methods: Vec<Method>,
-    /// Parameter to vary: threshold_u, edge_px, reuse_light, steps, ray_length_u, bounces or scale;
+    /// Parameter to vary: threshold_u, edge_px, reuse_light, steps, layers, separation_m,
+    /// ray_length_u, bounces or scale;
     /// without it each method's own (ssr: steps, hybrid: threshold_u and edge_px, rt: bounces, both also
     /// reuse_light)
     #[arg(long, value_name = "PARAMETER", value_parser = parse_parameter)]

@@ -100,18 +100,25 @@ pub fn shown(
     let mut figures: Vec<Option<Shown>> = vec![None; shots.len()];
     let mut reference = None;
     // The reference comes first: differences need it.
-    let with = |method, accept| ReflectionDesc {
+    let with = |method, accept, layers| ReflectionDesc {
         method,
         accept,
+        layers,
         ..subject.reflection
     };
     for built in [
-        with(Method::Rt, Accept::Verified),
-        with(Method::Hybrid, Accept::Verified),
-        with(Method::Hybrid, Accept::Threshold),
-        with(Method::Ssr, Accept::Threshold),
+        with(Method::Rt, Accept::Verified, 1),
+        with(Method::Hybrid, Accept::Verified, 1),
+        with(Method::Hybrid, Accept::Verified, 2),
+        with(Method::Hybrid, Accept::Threshold, 1),
+        with(Method::Hybrid, Accept::Threshold, 2),
+        with(Method::Ssr, Accept::Threshold, 1),
+        with(Method::Ssr, Accept::Threshold, 2),
     ] {
-        let key = |settings: &ReflectionDesc| (settings.method, settings.verifies());
+        let key = |settings: &ReflectionDesc| {
+            let layers = settings.method.marches().then_some(settings.layers);
+            (settings.method, settings.verifies(), layers)
+        };
         let is_of = |shot: &ReportPicture| key(&shot.settings()) == key(&built);
         if built.method != Method::Rt && !shots.iter().any(is_of) {
             continue;

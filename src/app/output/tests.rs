@@ -66,6 +66,7 @@ fn picture() -> Picture {
             rays: 0,
             exhausted_rays: 0,
             audit: None,
+            second_layer: None,
             bytes: Vec::new(),
         },
     }

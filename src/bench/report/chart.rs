@@ -1,7 +1,10 @@
 //! Chart of milliseconds against error as SVG: a curve per method, the Pareto front, every point.
 
 use crate::{
-    parameter::{HYBRID_ANEW_SERIES, RT_ANEW_SERIES, SERIES, THRESHOLD_SERIES},
+    parameter::{
+        HYBRID_ANEW_SERIES, HYBRID_LAYERS_SERIES, RT_ANEW_SERIES, SERIES, SSR_LAYERS_SERIES,
+        THRESHOLD_SERIES,
+    },
     summary::series,
 };
 use plotters::{
@@ -58,6 +61,8 @@ pub fn color(method: &str) -> RGBColor {
     match method {
         SSR => RGBColor(0, 114, 178),
         THRESHOLD_SERIES => RGBColor(230, 159, 0),
+        SSR_LAYERS_SERIES => RGBColor(0, 0, 0),
+        HYBRID_LAYERS_SERIES => RGBColor(150, 60, 60),
         HYBRID => RGBColor(213, 94, 0),
         HYBRID_ANEW_SERIES => RGBColor(204, 121, 167),
         RT_ANEW_SERIES => RGBColor(86, 180, 233),

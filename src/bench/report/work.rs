@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use super::chart::escape;
 use crate::{
-    sample::{REFUSALS, Sample},
+    sample::{ACCEPTS, REFUSALS, Sample},
     summary::{Point, digits},
 };
 use reflet_render::cause::Cause;
@@ -75,7 +75,6 @@ pub fn work(points: &[Point]) -> String {
 
 /// False accepts and false rejects by cause; empty where nothing was marched or compared.
 pub fn verdicts(points: &[Point]) -> String {
-    let accepts = [Cause::Hit, Cause::None];
     let of = |s: &Sample, kind: &str, cause: Cause| {
         let wrong = s.detail(&format!("{kind}_{}_px", cause.name()));
         let all = s.detail(&format!("cause_{}_px", cause.name()));
@@ -89,7 +88,7 @@ pub fn verdicts(points: &[Point]) -> String {
     let row = |point: &Point| {
         let s = &point.sample;
         let mut cells = vec![point.label()];
-        cells.extend(accepts.map(|cause| of(s, "false_accept", cause)));
+        cells.extend(ACCEPTS.map(|cause| of(s, "false_accept", cause)));
         cells.extend(REFUSALS.map(|cause| of(s, "false_reject", cause)));
         cells
     };
@@ -104,6 +103,7 @@ pub fn verdicts(points: &[Point]) -> String {
         &[
             "setting",
             "false accepts: hit",
+            "hit behind",
             "none",
             "false rejects: hidden (T)",
             "back face",

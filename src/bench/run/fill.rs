@@ -2,7 +2,7 @@
 
 use crate::{
     metric::{hits::CauseTally, structure::Structure, table},
-    sample::{Sample, pass_column},
+    sample::{BEHIND_COLUMN, Sample, pass_column},
 };
 use reflet_render::{
     passes,
@@ -117,6 +117,9 @@ pub(super) fn timed(mut sample: Sample, stats: &FrameStats, repetition: u32) -> 
     sample.failed_percent = percent("failed");
     sample.none_percent = percent("none");
     sample.rough_percent = percent("rough");
+    if let Some(second) = stats.second_layer {
+        sample.set_detail(BEHIND_COLUMN, f64::from(second.behind));
+    }
     for (name, ms) in &stats.passes_ms {
         sample.set_detail(&pass_column(name), *ms);
     }
@@ -152,6 +155,7 @@ mod tests {
             rays: 0,
             exhausted_rays: 0,
             audit: None,
+            second_layer: None,
             decisions: Vec::new(),
             passes_ms: passes_ms.map(|(name, ms)| (name.to_owned(), ms)).to_vec(),
             processor_ms: Vec::new(),

@@ -260,6 +260,8 @@ impl Block<'_> {
             reuse_light: Some(settings.reuse_light),
             threshold_u: settings.threshold_u,
             steps: settings.steps,
+            layers: Some(settings.layers),
+            separation_m: (settings.layers > 1).then(|| settings.separation_in(unit_m).into()),
             ray_length_u: settings.ray_length_u,
             bounces: settings.bounces.most(),
             scale: variant.scale,

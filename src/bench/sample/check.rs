@@ -74,7 +74,7 @@ fn range(column: &str) -> Option<(f64, f64, &'static str)> {
 }
 
 /// Columns that older tables lack; their cells are then empty.
-pub const NEWER: [&str; 24] = [
+pub const NEWER: [&str; 26] = [
     "edge_flip",
     "inner_flip",
     "recall_1px_percent",
@@ -90,6 +90,8 @@ pub const NEWER: [&str; 24] = [
     "accept",
     "edge_px",
     "reuse_light",
+    "layers",
+    "separation_m",
     "specks",
     "mask_specks",
     "content",

@@ -10,6 +10,7 @@ pub mod filter;
 pub mod hits;
 pub mod indirect;
 pub mod light;
+pub mod peel;
 pub mod primary;
 pub mod pyramid;
 pub mod shadow;
@@ -85,6 +86,7 @@ passes! {
     arguments: Arguments, // for the lists of the surface pass
     transmit: Transmit,
     indirect: Indirect,
+    peel: Peel,
     pyramid: Pyramid,
     ssr: Ssr,
     arguments, // for the lists of hits and rays

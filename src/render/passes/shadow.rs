@@ -183,20 +183,24 @@ impl Shadow {
 
 /// Properties of a draw call that need a pipeline of their own: both faces of all shapes are drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Kind {
-    cutout: bool,
-    shape: DrawShape,
+pub struct Kind {
+    /// Whether alpha is tested.
+    pub cutout: bool,
+    /// Shape that is drawn.
+    pub shape: DrawShape,
 }
 
 impl Kind {
-    fn of(class: &DrawClass) -> Self {
+    /// Kind of a class of draw calls.
+    pub fn of(class: &DrawClass) -> Self {
         Self {
             cutout: class.cutout,
             shape: class.shape,
         }
     }
 
-    fn is_indexed(self) -> bool {
+    /// Whether it is drawn by indices where the device allows it.
+    pub fn is_indexed(self) -> bool {
         !self.cutout && self.shape == DrawShape::Triangles
     }
 }

@@ -28,6 +28,8 @@ pub const PASS: Pass = Pass {
         Target::Surface,
         Target::Colors,
         Target::Details,
+        Target::SecondDepth,
+        Target::SecondIds,
     ],
     writes: &[Target::Reflection, Target::Cause, Target::Hit],
     reads_shared: &[
@@ -66,8 +68,8 @@ gpu_struct! {
         steps: u32,
         /// Maximum distance of a verified hit from the pixel that shows it, pixels.
         edge_px: f32,
-        /// Unused.
-        pad0: u32,
+        /// Minimum distance of the second depth layer from the first, meters.
+        separation_m: f32,
     }
 }
 
@@ -78,7 +80,7 @@ impl Params {
             threshold_m: settings.threshold_u * unit_m,
             steps: settings.steps,
             edge_px: settings.edge_px,
-            pad0: 0,
+            separation_m: settings.separation_in(unit_m),
         }
     }
 }

@@ -160,7 +160,7 @@ fn pipelines<'a>(
 }
 
 /// Color attachment of the ids, cleared to "sky" in the first part of a pass.
-fn ids_of_part(view: &wgpu::TextureView, part: usize) -> wgpu::RenderPassColorAttachment<'_> {
+pub fn ids_of_part(view: &wgpu::TextureView, part: usize) -> wgpu::RenderPassColorAttachment<'_> {
     wgpu::RenderPassColorAttachment {
         view,
         depth_slice: None,

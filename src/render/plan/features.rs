@@ -7,7 +7,7 @@ use reflet_world::{Material, World, bvh::Trees};
 use super::{
     environment_casts_rays,
     feature_table::{Dropped, FeatureRow, FileChoice, features},
-    may_meet_culled,
+    has_second_layer, may_meet_culled,
     mutual_reflections::reflectors_see_each_other,
     reflects, reflects_roughly, scatters, traces_rays,
     uses::{has_coat_normals, passes_light, scatters_twice},
@@ -94,6 +94,12 @@ features! {
         dropped: "depth of culled surfaces" => "no surface that reflection rays may hit is culled by the camera",
             if reflections;
     }
+    /// Whether the march has a second depth layer.
+    second_layer {
+        used: has_second_layer(scene.world, scene.options),
+        files: second_layer [none, peeled];
+        dropped: "second depth layer" => "nothing is marched", if scene.options.reflection.layers > 1;
+    }
     /// Whether radiance is stored in 32 bits rather than 16.
     full_radiance {
         used: scene.precision.full,
@@ -109,7 +115,7 @@ features! {
     capsules {
         used: scene.is_general() || scene.world.meshes.iter().any(|m| m.capsule_radius_m.is_some()),
         constant: HAS_CAPSULES,
-        files: capsules_seen [none, drawn], capsules_cast [none, drawn];
+        files: capsules_seen [none, drawn], capsules_cast [none, drawn], capsules_peeled [none, drawn];
         dropped: "capsules" => "no model has points or lines";
     }
     /// Whether some material is cut out.

@@ -114,6 +114,16 @@ pub struct ReflectionDesc {
     /// Tolerance of `accept = "threshold"` in U, 0 or more, the paper's T: how far behind the stored depth a
     /// crossing still counts as a hit. Too small gives stripes, too large prolonged reflections. Default 0.025.
     pub threshold_u: f32,
+    /// Number of depth layers that the march of methods `ssr` and `hybrid` looks at, 1 or 2. The second is the nearest
+    /// surface at least `separation_m` behind what each pixel shows, from whichever side it is seen; a ray that goes
+    /// behind the first layer is marched on between them, and may hit the second (Mara et al. 2016). It takes another
+    /// drawing of the scene and 12 bytes a pixel. Default 1.
+    pub layers: u32,
+    /// Minimum distance of the second depth layer behind the first in meters, 0 or more, with `layers = 2`. What lies
+    /// nearer is in no layer, and rays that pass there are not answered. About the thickness of the things that hide
+    /// others is best: with less the second layer shows the far sides of these things, with more it misses what is
+    /// close behind them. Default: 0.5 U.
+    pub separation_m: Option<f32>,
     /// Maximum number of reflections in a row, 1 to 16: more shows mirrors in mirrors deeper. `"auto"` follows them
     /// until what is left of the light cannot be seen: where the product of the reflectances along the path makes
     /// less than half a step of an 8-bit picture of the brightest thing, shown in the dark; at most 64. Scenes
@@ -167,6 +177,8 @@ impl Default for ReflectionDesc {
             accept: Accept::Verified,
             edge_px: 0.25,
             threshold_u: 0.025,
+            layers: 1,
+            separation_m: None,
             bounces: Bounces::Auto,
             diffuse_bounces: 0,
             glint_limit: 0.0,
@@ -189,6 +201,13 @@ impl ReflectionDesc {
             cutoff if cutoff < 1.0 => cutoff,
             _ => 2.0,
         }
+    }
+
+    /// Minimum distance of the second depth layer behind the first, meters, in a scene of this unit.
+    pub fn separation_in(&self, unit_m: f32) -> f32 {
+        /// Default of `separation_m`, in U.
+        const SEPARATION_U: f32 = 0.5;
+        self.separation_m.unwrap_or(SEPARATION_U * unit_m)
     }
 
     /// Keys whose values [`ReflectionDesc::settled`] replaces.

@@ -25,8 +25,8 @@ use super::{
     value::{Names, Version},
 };
 use crate::range::{
-    ABOVE_0, ANY, APERTURE_F, BOUNCES, DIFFUSE_BOUNCES, DISPERSION, FROM_0, INDEX, STEPS, UNIT,
-    range,
+    ABOVE_0, ANY, APERTURE_F, BOUNCES, DIFFUSE_BOUNCES, DISPERSION, FROM_0, INDEX, LAYERS,
+    SEPARATION_M, STEPS, UNIT, range,
 };
 use crate::{desc::*, diagnostic::Diagnostic};
 
@@ -283,6 +283,8 @@ impl Section for ReflectionDesc {
             bounces: t.get("bounces", BOUNCES, default.bounces),
             diffuse_bounces: t.get("diffuse_bounces", DIFFUSE_BOUNCES, default.diffuse_bounces),
             steps: t.get("steps", STEPS, default.steps),
+            layers: t.get("layers", LAYERS, default.layers),
+            separation_m: t.find("separation_m", SEPARATION_M),
             unit_m: t.find("unit_m", ABOVE_0),
             reuse_light: t.get("reuse_light", ANY, default.reuse_light),
             fade: t.get("fade", ANY, default.fade),

@@ -1,0 +1,29 @@
+// Results of the march: where a ray crosses what a pixel shows, and what it hits.
+
+#import cause
+
+struct March {
+    cause: u32,
+    distance_m: f32, // distance of the hit; else length of the ray that is free of hits
+    id: vec2u,
+    bary: vec2f,
+}
+
+// Part of the ray over one pixel where the ray is not in front of the surface that this pixel shows.
+struct Candidate {
+    pixel: vec2u,
+    low: f32, // ray parameter s of its start
+    high: f32, // and of its end
+}
+
+// March of a ray behind the first depth layer.
+struct Behind {
+    march: March,
+    pixel: vec2i, // pixel where it ended
+    s: f32, // ray parameter there
+    steps: u32, // number of steps of the whole march
+}
+
+fn hidden() -> March {
+    return March(CAUSE_HIDDEN, 0.0, vec2u(NONE), vec2f(0.0));
+}

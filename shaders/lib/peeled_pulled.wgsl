@@ -1,0 +1,3 @@
+// Variant without indexed drawing; see triangles_pulled.wgsl.
+
+#import behind_first
