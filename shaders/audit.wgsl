@@ -28,11 +28,12 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let hits = atomicLoad(&counters[HIT_COUNTER]);
     if (id.x >= min(AUDIT_RAYS, hits)) { return; }
     let pixel = unpack_pixel(lists[hit_slot(drawn(id.x, hits))]);
+    let found = textureLoad(hit, pixel, 0);
+    if (HAS_FOG && found.y == NONE) { return; } // a ray past all surfaces, listed for its fog
     let first = load_surface(pixel);
     let ray = reflected_ray(pixel, first);
     let origin = ray_origin(first.position, first.geometric_normal);
     let truth = trace_nearest(origin, ray.direction, 0.0, frame.ray_length_m);
-    let found = textureLoad(hit, pixel, 0);
     let apart_m = abs(bitcast<f32>(found.x) - truth.t);
     let is_same = found.y == truth.instance && apart_m <= max(params.tolerance_m, params.tolerance * truth.t);
     atomicAdd(&counters[AUDITED_COUNTER], 1u);

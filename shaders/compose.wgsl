@@ -4,6 +4,7 @@
 #import behind
 #import gbuffer
 #import cause
+#import fogged
 #import lobe_albedo
 #import scattered
 
@@ -59,6 +60,8 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
             out += weight * faded(pixel, ray.direction, textureLoad(reflection, pixel, 0).xyz);
         }
     }
+    out = fogged(pixel, out);
+    unlit *= seen_through_fog(pixel);
     if (params.sample > 0u) {
         let before = textureLoad(previous, pixel, 0);
         out += before.xyz;

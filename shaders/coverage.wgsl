@@ -2,6 +2,7 @@
 // before it.
 
 #import behind
+#import fogged
 #import gbuffer
 
 struct Params {
@@ -26,6 +27,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
             covered = own + (1.0 - own) * covered_behind(pixel);
         }
     }
+    covered = 1.0 - (1.0 - covered) * seen_through_fog(pixel);
     if (params.sample > 0u) { covered += textureLoad(coverage_sum, pixel).x; }
     textureStore(coverage_sum, pixel, vec4f(covered, 0.0, 0.0, 0.0));
 }

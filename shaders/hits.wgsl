@@ -1,6 +1,7 @@
 // Hits: shades the screen hits of the march, at the point where the ray meets the surface and with the ray's
 // footprint, as the trace pass would.
 
+#import air
 #import cone
 #import gbuffer
 #import indirect
@@ -18,19 +19,34 @@ fn shade_pixel(pixel: vec2u) {
     let ray = reflected_ray(pixel, first);
     let direction = ray.direction;
     let found = textureLoad(hit, pixel, 0);
+    // In fog, rays past all surfaces are listed too, for the light on their way.
+    if (HAS_FOG && found.y == NONE && !carries_light(ray)) { return; }
     let cone = mirrored_cone(pixel_cone(distance(first.position, frame.eye)), first.curvature);
-    let cone_there = continued(cone, bitcast<f32>(found.x));
-    var s = surface_at(found.y, found.z, unpack2x16unorm(found.w), direction, cone_there.width_m);
-    s.emission *= met_emission(ray, found.y, found.z, bitcast<f32>(found.x), s);
+    let distance_m = select(bitcast<f32>(found.x), FAR_M, HAS_FOG && found.y == NONE);
     start_samples(pixel, 1u);
-    let light = seen_light(first.position, ray, bitcast<f32>(found.x));
-    var color = light.radiance;
-    if (!light.is_seen) {
+    start_inside(first.is_inside);
+    let end = seen_at_end(first.position, ray, found.y, distance_m);
+    let air = through_air(first.position, ray, end.distance_m);
+    var color = end.radiance;
+    var start = Start(Reflected(direction, vec3f(0.0), 0.0, 0.0, 1.0), first.position);
+    var cone_there = continued(cone, distance_m);
+    if (!end.is_seen && !air.scatters) {
+        var s = surface_at(found.y, found.z, unpack2x16unorm(found.w), direction, cone_there.width_m);
+        s.emission *= met_emission(ray, found.y, found.z, distance_m, s);
         var lent = vec2u(0u);
         if (LENDS_LIGHT) { lent = lent_light(visible_lights, s); }
         let lit = shade(s, -direction, lent);
-        color = met_light(ray, lit) + ray.kept * scattered_on(pixel, 1u, 1u, ray, s, cone_there);
+        color = met_light(ray, lit);
+        start = scattered_by_surface(ray, s);
     }
+    if (HAS_FOG && air.scatters) {
+        color = vec3f(0.0);
+        start = Start(air.ray, air.position);
+        start.ray.weight = vec3f(1.0);
+        cone_there = continued(cone, distance(first.position, air.position));
+    }
+    color += followed(pixel, 2u, 1u, start, cone_there);
+    if (HAS_FOG) { color = air.light + color * air.share; }
     textureStore(reflection, pixel, vec4f(min(color, BRIGHTEST), 1.0));
     if (exhausted_rays > 0u) { atomicAdd(&counters[EXHAUSTED_COUNTER], exhausted_rays); }
 }

@@ -17,7 +17,7 @@ fn gathered(pixel: vec2u) -> vec3f {
     start_path(s.position);
     start_samples(pixel, FIRST_VERTEX);
     let view = Reflected(view_direction(s.position), vec3f(1.0), 0.0, 1.0, 1.0);
-    return scattered_on(pixel, FIRST_VERTEX, 0u, view, s, pixel_cone(distance_m));
+    return followed(pixel, FIRST_VERTEX + 1u, 0u, scattered_by_surface(view, s), pixel_cone(distance_m));
 }
 
 @compute @workgroup_size(GROUP_PX, GROUP_PX)

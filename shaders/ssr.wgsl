@@ -287,7 +287,7 @@ fn reflect_pixel(pixel: vec2u) -> u32 {
     if (is_hit) { found = vec4u(bitcast<u32>(m.distance_m), m.id, pack2x16unorm(m.bary)); }
     textureStore(hit, pixel, found);
     textureStore(cause, pixel, vec4u(pack_cause(m.cause, select(m.distance_m, 0.0, is_hit)), 0u, 0u, 0u));
-    if (m.cause == CAUSE_NONE) {
+    if (!HAS_FOG && m.cause == CAUSE_NONE) {
         textureStore(reflection, pixel, vec4f(min(beyond(s.position, ray), BRIGHTEST), 1.0));
     } else if (!TRACE && !is_hit) {
         textureStore(reflection, pixel, vec4f(0.0, 0.0, 0.0, 1.0));
@@ -304,7 +304,7 @@ fn reflect_listed(index: u32, lane: u32) -> vec2u {
     if (is_listed) {
         pixel = unpack_pixel(lists[reflector_slot(index)]);
         let why = reflect_pixel(pixel);
-        is_hit = is_screen_hit(why);
+        is_hit = is_screen_hit(why) || (HAS_FOG && why == CAUSE_NONE);
         is_ray = TRACE && is_traced(why);
         atomicAdd(&group_causes[why], 1u);
         if (is_hit) { place = atomicAdd(&group_hits, 1u); }

@@ -1,5 +1,6 @@
 // Trace: follows the mirror rays of the listed pixels through the BVHs, bounce by bounce.
 
+#import air
 #import cause
 #import cone
 #import gbuffer
@@ -39,6 +40,7 @@ fn trace_pixel(pixel: vec2u) {
         return;
     }
     start_path(first.position);
+    start_inside(first.is_inside);
 
     var color = vec3f(0.0);
     var throughput = vec3f(1.0);
@@ -50,13 +52,21 @@ fn trace_pixel(pixel: vec2u) {
         let h = trace_nearest(origin, direction, start_m, reach_m());
         start_m = 0.0;
         throughput *= medium_transmittance(h.t);
-        if (h.instance == NONE) {
-            color += found_light(throughput * beyond(origin, ray), bounce);
-            break;
+        let end = seen_at_end(origin, ray, h.instance, h.t);
+        if (HAS_FOG && SHADE) {
+            let air = through_air(origin, ray, end.distance_m);
+            color += found_light(throughput * air.light, bounce);
+            throughput *= air.share;
+            if (air.scatters) {
+                if (bounce == 0u && !end.is_seen) { found = vec4u(bitcast<u32>(h.t), h.instance, h.triangle, 0u); }
+                cone = continued(cone, distance(origin, air.position));
+                ray = air.ray;
+                origin = air.position;
+                continue;
+            }
         }
-        let light = seen_light(origin, ray, h.t);
-        if (light.is_seen) {
-            color += found_light(throughput * light.radiance, bounce);
+        if (end.is_seen) {
+            color += found_light(throughput * end.radiance, bounce);
             break;
         }
         if (bounce == 0u) { found = vec4u(bitcast<u32>(h.t), h.instance, h.triangle, 0u); }

@@ -1,5 +1,6 @@
 // Transmit: follows rays through the transmissive surfaces that the listed pixels show, to what is behind them.
 
+#import air
 #import cone
 #import gbuffer
 #import indirect
@@ -41,21 +42,33 @@ fn behind(pixel: vec2u) -> vec4f {
     let seen = view_direction(s.position);
     var is_straight = s.transmission <= 0.0;
     var uncovered = 1.0; // share that the surfaces behind the first leave uncovered
+    var origin = onward_origin(s, ray.direction);
     for (var step = 0u; step < frame.bounces + crossings() + scatterings(); step++) {
         if (max(throughput.x, max(throughput.y, throughput.z)) < frame.dimmest) { break; }
         start_samples(pixel, FIRST_VERTEX + step + 1u);
-        let origin = onward_origin(s, ray.direction);
         let h = trace_nearest(origin, ray.direction, 0.0, FAR_M);
         throughput *= medium_transmittance(h.t);
+        let end = seen_at_end(origin, ray, h.instance, h.t);
+        if (HAS_FOG) {
+            let air = through_air(origin, ray, end.distance_m);
+            color += found_light(throughput * air.light, step);
+            throughput *= air.share;
+            uncovered *= air.share.x;
+            if (air.scatters) {
+                uncovered = 0.0;
+                cone = continued(cone, distance(origin, air.position));
+                ray = air.ray;
+                origin = air.position;
+                is_straight = false;
+                continue;
+            }
+        }
         if (h.instance == NONE) {
             if (HIDES_BACKGROUND && is_straight) { return vec4f(color, 1.0 - uncovered); }
             if (!SHOW_ENVIRONMENT && is_straight) { break; }
-            color += found_light(throughput * beyond(origin, ray), step);
-            break;
         }
-        let light = seen_light(origin, ray, h.t);
-        if (light.is_seen) {
-            color += found_light(throughput * light.radiance, step);
+        if (end.is_seen) {
+            color += found_light(throughput * end.radiance, step);
             break;
         }
         cone = continued(cone, h.t);
@@ -69,6 +82,7 @@ fn behind(pixel: vec2u) -> vec4f {
         ray = next_ray(ray, s);
         throughput *= ray.weight;
         is_straight = is_straight && s.transmission <= 0.0 && dot(ray.direction, seen) > 0.99999;
+        origin = onward_origin(s, ray.direction);
     }
     return vec4f(color, 1.0);
 }

@@ -1,6 +1,7 @@
 // Light of the environment by samples: each sub-frame takes a few, and the mean over sub-frames converges.
 
 #import extent
+#import fog
 #import frame
 #import lobe
 #import sampling
@@ -69,5 +70,6 @@ fn returned_of_environment(s: Surface, view: vec3f, to: Receiver, index: u32) ->
     let light = LightSample(direction, BEYOND, environment(direction) * (s.occlusion / max(pdf, 1e-12)), pdf);
     var share = to.stand_in;
     if (is_shared) { share += (1.0 - share) * balance(pdf * f32(sampling.rays), lobe_density(s, view, direction)); }
-    return returned(s, view, Receiver(to.albedo, to.is_rough, has_specular, to.stand_in), light, 1.0, share);
+    let clear = sky_share(s.position, direction);
+    return returned(s, view, Receiver(to.albedo, to.is_rough, has_specular, to.stand_in), light, clear, share * clear);
 }

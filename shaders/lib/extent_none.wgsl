@@ -45,6 +45,7 @@ fn sampled_light(s: Surface, view: vec3f, albedo: vec3f) -> Shade {
 struct SeenLight {
     is_seen: bool,
     radiance: vec3f,
+    distance_m: f32,
 }
 
 fn seen_light(origin: vec3f, ray: Reflected, t_max: f32) -> SeenLight {

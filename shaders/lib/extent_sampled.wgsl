@@ -1,5 +1,6 @@
 // Sampling of everything with an extent: lights with a size, and reflections of rough surfaces.
 
+#import fog
 #import frame
 #import lobe
 #import sampling
@@ -200,11 +201,12 @@ fn returned(s: Surface, view: vec3f, to: Receiver, l: LightSample, aimed: f32, s
 fn returned_of_lamp(s: Surface, view: vec3f, to: Receiver, l: LightSample, is_met: bool) -> Returned {
     if (l.pdf <= 0.0 || !faces(s, l.to_light) || max(l.color.x, max(l.color.y, l.color.z)) <= 0.0) { return Returned(); }
     let pdf = l.pdf * f32(sampling.rays);
-    var aimed = 1.0;
-    var share = 1.0;
+    let dimmed = fog_share(s.position, l.to_light, l.distance_m);
+    var aimed = dimmed;
+    var share = dimmed;
     if (is_met) {
-        aimed = aimed_share(pdf, dot(s.normal, l.to_light));
-        if (to.is_rough) { share = balance(pdf, lobe_density(s, view, l.to_light)); }
+        aimed *= aimed_share(pdf, dot(s.normal, l.to_light));
+        if (to.is_rough) { share *= balance(pdf, lobe_density(s, view, l.to_light)); }
     }
     return returned(s, view, to, l, aimed, share);
 }
@@ -335,6 +337,7 @@ var<private> passed_m: f32 = 0.0;
 struct SeenLight {
     is_seen: bool,
     radiance: vec3f,
+    distance_m: f32,
 }
 
 fn seen_light(origin: vec3f, ray: Reflected, t_max: f32) -> SeenLight {
@@ -387,7 +390,7 @@ fn seen_light(origin: vec3f, ray: Reflected, t_max: f32) -> SeenLight {
             nearest = t;
             pdf = light_pdf;
             behind = sky;
-            seen = SeenLight(true, radiance);
+            seen = SeenLight(true, radiance, t);
         }
     }
     if (ray.pdf == TAKEN) { seen.radiance = vec3f(0.0); }

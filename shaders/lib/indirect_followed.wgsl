@@ -1,5 +1,6 @@
 // Diffuse interreflection: paths also continue in directions that diffuse surfaces scatter.
 
+#import air
 #import cone
 #import extent
 #import layers
@@ -36,7 +37,7 @@ fn continues(s: Surface) -> bool {
 fn scattered_ray(s: Surface, view: vec3f, albedo: vec3f) -> Reflected {
     path_scatterings++;
     path_is_chance = true;
-    leave_vertex(s);
+    leave_vertex(s.position);
     let out = cosine_direction(s.normal, sample_square(sampling.sample, SCATTER_PAIR));
     if (dot(out, s.geometric_normal) <= 0.0) { return Reflected(s.normal, vec3f(0.0), TAKEN, 0.0, 1.0); }
     let weight = albedo + sheen(s, view, out) * scattered_share(s, view);
@@ -78,46 +79,61 @@ fn survival(weight: vec3f, u: f32) -> f32 {
     return 1.0 / chance;
 }
 
-// Light that a path gathers from a surface on, along the ray `start`. `vertex` is the number of its first samples,
-// `hits` the number of earlier hits of the path.
-fn followed(pixel: vec2u, vertex: u32, hits: u32, start: Reflected, from_s: Surface, first: Cone) -> vec3f {
+// First ray of a path, and the point where it starts.
+struct Start {
+    ray: Reflected,
+    origin: vec3f,
+}
+
+// Light that a path gathers. `vertex` is the number of its first samples, `hits` the number of its earlier hits.
+fn followed(pixel: vec2u, vertex: u32, hits: u32, start: Start, first: Cone) -> vec3f {
     var color = vec3f(0.0);
-    var ray = start;
+    var ray = start.ray;
+    var origin = start.origin;
     var throughput = ray.weight;
-    var s = from_s;
     var cone = first;
     for (var k = 0u; k < frame.bounces + crossings() + scatterings(); k++) {
         if (max(throughput.x, max(throughput.y, throughput.z)) < frame.dimmest) { break; }
         start_samples(pixel, vertex + k);
-        let origin = onward_origin(s, ray.direction);
         let h = trace_nearest(origin, ray.direction, 0.0, FAR_M);
         throughput *= medium_transmittance(h.t);
-        if (h.instance == NONE) {
-            color += found_light(throughput * beyond(origin, ray), hits + k);
-            break;
+        let end = seen_at_end(origin, ray, h.instance, h.t);
+        if (HAS_FOG) {
+            let air = through_air(origin, ray, end.distance_m);
+            color += found_light(throughput * air.light, hits + k);
+            throughput *= air.share;
+            if (air.scatters) {
+                cone = continued(cone, distance(origin, air.position));
+                ray = air.ray;
+                origin = air.position;
+                continue;
+            }
         }
-        let light = seen_light(origin, ray, h.t);
-        if (light.is_seen) {
-            color += found_light(throughput * light.radiance, hits + k);
+        if (end.is_seen) {
+            color += found_light(throughput * end.radiance, hits + k);
             break;
         }
         cone = continued(cone, h.t);
-        s = surface_at(h.instance, h.triangle, h.bary, ray.direction, cone.width_m);
+        var s = surface_at(h.instance, h.triangle, h.bary, ray.direction, cone.width_m);
         s.emission *= met_emission(ray, h.instance, h.triangle, h.t, s);
         let lit = shade(s, -ray.direction, vec2u(0u));
         color += found_light(throughput * met_light(ray, lit), hits + k);
         if (!continues(s)) { break; }
         ray = next_ray(ray, s);
         throughput *= ray.weight;
+        origin = onward_origin(s, ray.direction);
     }
     return color;
 }
 
-// Indirect diffuse light that a surface scatters towards the view, after `hits` hits of the path.
-fn scattered_on(pixel: vec2u, vertex: u32, hits: u32, before: Reflected, s: Surface, cone: Cone) -> vec3f {
+// Start of the path by which a surface scatters indirect diffuse light along the ray before; without weight where it
+// scatters none.
+fn scattered_by_surface(before: Reflected, s: Surface) -> Start {
     let view = -before.direction;
     let albedo = scattered_albedo(s, view);
     let is_matte = any(albedo > vec3f(0.0)) || has_sheen(s);
-    if (!is_matte || path_scatterings >= frame.diffuse_bounces) { return vec3f(0.0); }
-    return followed(pixel, vertex + 1u, hits, scattered_ray(s, view, albedo), s, cone);
+    var ray = Reflected(s.normal, vec3f(0.0), TAKEN, 0.0, 1.0);
+    if (is_matte && path_scatterings < frame.diffuse_bounces) { ray = scattered_ray(s, view, albedo); }
+    ray.weight *= before.kept;
+    return Start(ray, onward_origin(s, ray.direction));
 }

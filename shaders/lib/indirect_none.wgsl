@@ -19,6 +19,16 @@ fn next_ray(before: Reflected, s: Surface) -> Reflected {
     return onward(before, s);
 }
 
-fn scattered_on(pixel: vec2u, vertex: u32, hits: u32, before: Reflected, s: Surface, cone: Cone) -> vec3f {
+// Start of a path; see indirect_followed.wgsl.
+struct Start {
+    ray: Reflected,
+    origin: vec3f,
+}
+
+fn scattered_by_surface(before: Reflected, s: Surface) -> Start {
+    return Start(before, s.position);
+}
+
+fn followed(pixel: vec2u, vertex: u32, hits: u32, start: Start, first: Cone) -> vec3f {
     return vec3f(0.0);
 }

@@ -23,12 +23,24 @@ const DARKEST_PANE: f32 = 1.0 / 255.0; // minimum share of light that a shadow r
 var<private> path_crossings: u32 = 0u; // number of surfaces crossed
 var<private> vertex: vec3f = vec3f(0.0); // position of the surface that the path left last
 var<private> medium: vec3f = vec3f(0.0); // absorption coefficient of the medium that the path is in, per meter
+var<private> path_in_solid: bool = false; // whether the path is within a transmissive solid
 
 fn start_path(position: vec3f) {
     vertex = position;
     path_crossings = 0u;
     path_channel = 0u;
     medium = vec3f(0.0);
+    path_in_solid = false;
+}
+
+// Begins the path on the inner side of a transmissive solid, or outside.
+fn start_inside(is_inside: bool) {
+    path_in_solid = is_inside;
+}
+
+// Whether the path is within a transmissive solid.
+fn is_in_solid() -> bool {
+    return path_in_solid;
 }
 
 fn crossings() -> u32 {
@@ -243,8 +255,8 @@ fn onward_albedo(s: Surface, view: vec3f) -> f32 {
 }
 
 // Starts the path anew in a scattered direction.
-fn leave_vertex(s: Surface) {
-    vertex = s.position;
+fn leave_vertex(position: vec3f) {
+    vertex = position;
     passed_m = 0.0;
 }
 
@@ -256,7 +268,10 @@ fn coverage(s: Surface) -> f32 {
 // Records that the path crosses the surface.
 fn cross_surface(s: Surface) {
     path_crossings++;
-    if (s.is_solid && s.transmission > 0.0) { medium = select(s.absorption, vec3f(0.0), s.is_inside); }
+    if (s.is_solid && s.transmission > 0.0) {
+        medium = select(s.absorption, vec3f(0.0), s.is_inside);
+        path_in_solid = !s.is_inside;
+    }
 }
 
 // Whether light behind the surface is found only by refracted or rough transmission rays, not by straight shadow

@@ -72,6 +72,13 @@ fn crossings() -> u32 {
 
 fn start_path(position: vec3f) {}
 
+fn start_inside(is_inside: bool) {}
+
+// Whether the path is within a transmissive solid.
+fn is_in_solid() -> bool {
+    return false;
+}
+
 // Share of light that is left after a distance in the current medium.
 fn medium_transmittance(distance_m: f32) -> f32 {
     return 1.0;
@@ -92,7 +99,7 @@ fn onward_albedo(s: Surface, view: vec3f) -> f32 {
     return luminance(fresnel(s, dot(s.normal, view)));
 }
 
-fn leave_vertex(s: Surface) {}
+fn leave_vertex(position: vec3f) {}
 
 // Share of a pixel that its surface covers.
 fn coverage(s: Surface) -> f32 {

@@ -5,6 +5,7 @@
 #import energy
 #import environment
 #import extent
+#import fog
 #import frame
 #import layers
 #import lobe
@@ -121,7 +122,7 @@ fn is_spread(s: Surface) -> bool {
     return is_reflector(s) && s.reflection != REFLECTION_MIRROR && roughness * roughness > SMOOTH_ALPHA;
 }
 
-// Irradiance per unit cosine and direction of a light, without shadow.
+// Irradiance per unit cosine and direction of a light, without shadow but through fog.
 struct Incoming {
     to_light: vec3f,
     distance_m: f32,
@@ -133,7 +134,7 @@ fn incoming(i: u32, position: vec3f) -> Incoming {
     if (lights[i].kind == LIGHT_DIRECTIONAL) {
         r.to_light = -lights[i].direction;
         r.distance_m = 1e30;
-        r.color = lights[i].color;
+        r.color = lights[i].color * fog_share(position, r.to_light, r.distance_m);
         return r;
     }
     let offset = lights[i].position - position;
@@ -141,7 +142,7 @@ fn incoming(i: u32, position: vec3f) -> Incoming {
     r.distance_m = sqrt(d2);
     r.to_light = offset / r.distance_m;
     r.color = lights[i].color / d2;
-    r.color *= reach(i, r.to_light, r.distance_m);
+    r.color *= reach(i, r.to_light, r.distance_m) * fog_share(position, r.to_light, r.distance_m);
     return r;
 }
 
@@ -227,6 +228,16 @@ fn beyond(origin: vec3f, ray: Reflected) -> vec3f {
     let light = seen_light(origin, ray, 2.0 * FAR_M);
     if (light.is_seen) { return light.radiance; }
     return environment(ray.direction) * ray.sky_weight;
+}
+
+// What the ray of a path sees at its end, unless it is the surface that it meets: a light with a size or, past all
+// surfaces, the environment. `instance` and `distance_m` are those of the surface; NONE where there is none.
+fn seen_at_end(origin: vec3f, ray: Reflected, instance: u32, distance_m: f32) -> SeenLight {
+    let is_past_all = instance == NONE;
+    let seen = seen_light(origin, ray, select(distance_m, 2.0 * FAR_M, is_past_all));
+    if (seen.is_seen) { return seen; }
+    if (is_past_all) { return SeenLight(true, environment(ray.direction) * ray.sky_weight, FAR_M); }
+    return SeenLight(false, vec3f(0.0), distance_m);
 }
 
 // Whether the ray has any weight: a facet may mirror the view into the surface, which gives none.

@@ -9,24 +9,22 @@ override HAS_CUBE_MAPS: bool = true;
 override HAS_FLAT_MAPS: bool = true;
 
 fn light_visibility(i: u32, position: vec3f, normal: vec3f, to_light: vec3f, distance_m: f32) -> vec3f {
-    switch lights[i].shadow {
-        case SHADOW_MAP: {
-            if (HAS_CUBE_MAPS && (!HAS_FLAT_MAPS || lights[i].kind == LIGHT_POINT)) {
-                return vec3f(cube_visibility(i, position, normal, to_light));
-            }
-            if (HAS_FLAT_MAPS) { return vec3f(map_visibility(i, position, normal, to_light)); }
-            return vec3f(1.0);
-        }
-        case SHADOW_RAY: {
-            if (HAS_HARD_SHADOW_RAYS) {
-                let size = max(max(abs(position.x), abs(position.y)), max(abs(position.z), 1e-3));
-                let origin = position + normal * (size * 4e-5);
-                return transmittance(origin, to_light, distance_m * 0.9999);
-            }
-            return vec3f(1.0);
-        }
-        default: { return vec3f(1.0); }
+    if (HAS_HARD_SHADOW_RAYS && lights[i].shadow == SHADOW_RAY) {
+        let size = max(max(abs(position.x), abs(position.y)), max(abs(position.z), 1e-3));
+        let origin = position + normal * (size * 4e-5);
+        return transmittance(origin, to_light, distance_m * 0.9999);
     }
+    return vec3f(map_share(i, position, normal, to_light));
+}
+
+// Share of a light that arrives as its shadow map says; 1 without one.
+fn map_share(i: u32, position: vec3f, normal: vec3f, to_light: vec3f) -> f32 {
+    if (lights[i].shadow != SHADOW_MAP) { return 1.0; }
+    if (HAS_CUBE_MAPS && (!HAS_FLAT_MAPS || lights[i].kind == LIGHT_POINT)) {
+        return cube_visibility(i, position, normal, to_light);
+    }
+    if (HAS_FLAT_MAPS) { return map_visibility(i, position, normal, to_light); }
+    return 1.0;
 }
 
 // The point offset from the surface by about the width of a shadow texel there, more at grazing light ("normal

@@ -10,6 +10,7 @@ use reflet_world::World;
 use super::{
     edge_on::has_edge_on_surfaces,
     error::RenderError,
+    fog::GpuFog,
     lights::{ShadowView, lights},
     pixel_share::PixelShare,
     probe::Probe,
@@ -151,6 +152,9 @@ impl Renderer {
         );
         let sampling = Sampling::new(world, &self.options.image, self.scene.emitters(), sample);
         self.uniforms.set(gpu, &frame, &block, &sampling);
+        if let Some(fog) = GpuFog::of(world) {
+            self.uniforms.set_fog(gpu, &fog);
+        }
         let size = self.options.image.size;
         let mut frame = SubFrame {
             recorder: Recorder::new(gpu, &self.timer, timing, &self.bindings.shared, size)

@@ -10,6 +10,7 @@ use reflet_world::World;
 
 use super::{
     emitters::Emitters,
+    fog::GpuFog,
     groove_table::groove_table,
     lights::in_order,
     lobe_table::lobe_table,
@@ -26,6 +27,7 @@ pub struct FrameUniforms {
     frame: wgpu::Buffer,
     lights: wgpu::Buffer,
     sampling: wgpu::Buffer,
+    fog: OnceLock<wgpu::Buffer>,
     lobe_table: wgpu::Buffer,
     sheen_table: OnceLock<wgpu::Buffer>,
     groove_table: OnceLock<wgpu::Buffer>,
@@ -40,13 +42,21 @@ impl FrameUniforms {
             frame: make("frame", size_of::<Frame>()),
             lights: make("lights", size_of::<LightBlock>()),
             sampling: make("sampling", size_of::<Sampling>()),
+            fog: OnceLock::new(),
             lobe_table: uniform(gpu, "lobe_table", table),
             sheen_table: OnceLock::new(),
             groove_table: OnceLock::new(),
         }
     }
 
-    /// Uploads all blocks.
+    /// Uploads the block of the fog, if some pass is bound to it.
+    pub fn set_fog(&self, gpu: &Gpu, fog: &GpuFog) {
+        if let Some(buffer) = self.fog.get() {
+            gpu.queue.write_buffer(buffer, 0, bytemuck::bytes_of(fog));
+        }
+    }
+
+    /// Uploads the blocks of every scene.
     pub fn set(&self, gpu: &Gpu, frame: &Frame, lights: &LightBlock, sampling: &Sampling) {
         gpu.queue
             .write_buffer(&self.frame, 0, bytemuck::bytes_of(frame));
@@ -62,6 +72,10 @@ impl FrameUniforms {
             "frame" => Some(self.frame.as_entire_binding()),
             "lights" => Some(self.lights.as_entire_binding()),
             "sampling" => Some(self.sampling.as_entire_binding()),
+            "fog" => {
+                let make = || empty_uniform(gpu, name, size_of::<GpuFog>());
+                Some(self.fog.get_or_init(make).as_entire_binding())
+            }
             "lobe_table" => Some(self.lobe_table.as_entire_binding()),
             "sheen_table" => Some(made(gpu, &self.sheen_table, name, sheen_table)),
             "groove_table" => Some(made(gpu, &self.groove_table, name, groove_table)),

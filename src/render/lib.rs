@@ -26,6 +26,7 @@ mod edge_on;
 mod emitters;
 pub mod error;
 mod error_estimate;
+mod fog;
 mod frame;
 mod frame_pass;
 mod frame_uniforms;

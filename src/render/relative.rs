@@ -11,7 +11,7 @@ use glam::{DVec3, Vec3};
 
 use reflet_base::math::Bounds;
 use reflet_scene::desc::{CameraDesc, LightKind};
-use reflet_world::World;
+use reflet_world::{Environment, World};
 
 use super::options::RenderOptions;
 
@@ -77,12 +77,24 @@ impl Coordinates {
         for camera in &mut moved.cameras {
             camera.value = self.camera(&camera.value);
         }
+        self.move_fog(&mut moved.environment);
         for material in &mut moved.materials {
             material.attenuation_distance_m =
                 material.attenuation_distance_m.map(|m| m * self.scale);
         }
         moved.rest_unit_m = moved.rest_unit_m.map(|unit_m| unit_m * self.scale);
         Cow::Owned(moved)
+    }
+
+    fn move_fog(&self, environment: &mut Environment) {
+        if let Some(fog) = &mut environment.desc.fog {
+            fog.density /= self.scale;
+            fog.height_m = (fog.height_m - self.origin.y) * self.scale;
+            fog.falloff_m = fog.falloff_m.map(|m| m * self.scale);
+        }
+        let corners = &mut environment.fog_box;
+        corners.min = (corners.min - self.origin) * self.scale;
+        corners.max = (corners.max - self.origin) * self.scale;
     }
 
     fn move_light(&self, kind: &mut LightKind) {

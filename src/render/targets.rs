@@ -38,6 +38,8 @@ pub enum Target {
     TransmittedLight,
     /// Indirect diffuse radiance of the surface.
     IndirectLight,
+    /// Radiance that fog before the surface scatters, and the share of light that passes it.
+    FogLight,
     /// Cause in the low byte; see [`super::cause::Cause`]. Bits above: length of the ray proven free.
     Cause,
     /// Hit of the mirror ray: distance (bits of an f32), instance, triangle and barycentrics.
@@ -59,7 +61,7 @@ use wgpu::TextureFormat as F;
 
 impl Target {
     /// All targets.
-    pub const ALL: [Self; 21] = [
+    pub const ALL: [Self; 22] = [
         Self::RasterDepth,
         Self::Ids,
         Self::ViewDepth,
@@ -75,6 +77,7 @@ impl Target {
         Self::Blurred,
         Self::TransmittedLight,
         Self::IndirectLight,
+        Self::FogLight,
         Self::Cause,
         Self::Hit,
         Self::ColorEven,
@@ -101,6 +104,7 @@ impl Target {
             Self::Blurred => "blurred",
             Self::TransmittedLight => "transmitted_light",
             Self::IndirectLight => "indirect_light",
+            Self::FogLight => "fog_light",
             Self::Cause => "cause",
             Self::Hit => "hit",
             Self::ColorEven => "color_even",
@@ -122,7 +126,8 @@ impl Target {
             | Self::Reflection
             | Self::Blurred
             | Self::TransmittedLight
-            | Self::IndirectLight => match full {
+            | Self::IndirectLight
+            | Self::FogLight => match full {
                 true => F::Rgba32Float,
                 false => F::Rgba16Float,
             },

@@ -361,6 +361,7 @@ pub const NONE: u32 = u32::MAX;
 pub const SHARED: &[StructSpec] = &[
     Frame::LAYOUT,
     Sampling::LAYOUT,
+    crate::fog::GpuFog::LAYOUT,
     GpuLight::LAYOUT,
     GpuInstance::LAYOUT,
     GpuVertex::LAYOUT,

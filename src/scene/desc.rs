@@ -32,7 +32,7 @@ use glam::{Mat4, Quat, Vec3};
 pub use self::{
     animation::{AnimationDesc, Playback},
     camera::{CAMERA, CameraDesc, CameraMotionDesc},
-    environment::{EnvironmentDesc, EnvironmentShadow},
+    environment::{EnvironmentDesc, EnvironmentShadow, FogDesc},
     hierarchy::{GroupDesc, Parents, PlacedSceneDesc, ShownDesc},
     image::{ErrorBound, Exposure, ImageDesc, Radiance, Samples, ToneMap, Visibility},
     include::Include,

@@ -23,7 +23,8 @@ pub use self::{
     pixels::{LARGEST_KEPT, PanoramaLimits},
     read::read,
 };
-use reflet_scene::desc::{EnvironmentDesc, EnvironmentShadow};
+use reflet_base::math::Bounds;
+use reflet_scene::desc::{EnvironmentDesc, EnvironmentShadow, FogDesc};
 
 /// The environment of a loaded scene.
 #[derive(Clone, Debug, Default)]
@@ -32,9 +33,16 @@ pub struct Environment {
     pub desc: EnvironmentDesc,
     /// Decoded panorama file, which replaces the gradient.
     pub panorama: Option<Arc<Panorama>>,
+    /// Box that fog without a falloff fills, in world space.
+    pub fog_box: Bounds,
 }
 
 impl Environment {
+    /// The fog, where there is any.
+    pub fn fog(&self) -> Option<&FogDesc> {
+        self.desc.fog.as_ref().filter(|fog| fog.density > 0.0)
+    }
+
     /// Whether surfaces are lit by samples of the environment, not in closed form.
     pub fn is_sampled(&self) -> bool {
         self.panorama.is_some() || self.casts_rays()

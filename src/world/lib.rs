@@ -317,6 +317,13 @@ impl World {
         boxes.fold(Bounds::EMPTY, |all, one| all.union(one))
     }
 
+    /// Box that fog without a falloff fills: around all instances, lamps and cameras.
+    pub fn fog_box(&self) -> Bounds {
+        let lamps = self.lights.iter().filter_map(|l| l.desc.kind.position());
+        let eyes = self.cameras.iter().map(|camera| camera.value.eye);
+        self.bounds().union(Bounds::of(lamps.chain(eyes)))
+    }
+
     /// The unit U in meters: the diagonal of the static bounds / 16, or of all where the static ones are small beside
     /// that; 1 for an empty scene.
     pub fn unit_m(&self) -> f32 {

@@ -309,6 +309,7 @@ impl<'a> Loader<'a> {
             width.set(&mut self.world.meshes);
         }
         self.world.rest_unit_m = Some(self.world.unit_m());
+        self.world.environment.fog_box = self.world.fog_box();
         let files = self.world.files.clone();
         let source = self.panorama_source(&models);
         self.add_texts();

@@ -8,6 +8,7 @@ mod energy;
 mod environment;
 mod extent;
 mod film_grooves_dispersion;
+mod fog;
 mod furnace;
 mod indirect;
 mod kit;

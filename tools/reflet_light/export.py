@@ -7,6 +7,8 @@ from typing import Any
 import mitsuba as mi
 import numpy as np
 
+from . import fog
+
 Table = dict[str, Any]
 Place = mi.ScalarTransform4f
 # Distance of the disk that stands for a directional light with an angle.
@@ -30,6 +32,8 @@ def scene(text: Table, folder: pathlib.Path, size: tuple[int, int], depth: int) 
         model = text["model"][instance["model"]]
         out[f"thing_{index}"] = shape(model["shape"], placement(instance))
         out[f"thing_{index}"] |= surface(text["material"][model["material"]])
+    if "fog" in text.get("environment", {}):
+        fog.add(out, text)
     return out
 
 

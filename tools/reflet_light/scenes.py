@@ -276,6 +276,45 @@ def cloth() -> list[Scene]:
     ]  # fmt: skip
 
 
+def in_fog(text: str, fog: str) -> str:
+    return text.replace("[environment]\n", f"[environment]\nfog = {{ {fog} }}\n")
+
+
+def fogs() -> list[Scene]:
+    """Scenes in fog: light that is scattered once, twice, and without limit."""
+    gray = "density = 0.15, color = [0.9, 0.7, 0.5]"
+
+    def lit(light: str, fog: str) -> str:
+        return in_fog(FLOOR, fog) + f"[light.l]\n{LIGHTS[light][0]}\n"
+
+    once = "in fog that scatters once"
+    lamps = next(scene.text for scene in surfaces_that_light() if scene.name == "light-mesh")
+    low = "density = 0.4, color = [0.9, 0.7, 0.5], height_m = 0.4, falloff_m = 0.6"
+    twice = lit("point", gray).replace("bounces = 12", "bounces = 12\ndiffuse_bounces = 1")
+    milk = "density = 0.25, color = [0.9, 0.8, 0.6], anisotropy = 0.3"
+    mirror = thing("mirror", '{ kind = "sphere", radius = 0.5, segments = 256 }',
+                   "metallic = 1\nroughness = 0", "translation = [-1, 0.5, 0.6]")  # fmt: skip
+    sky = FLOOR.replace(DARK, GRADIENT) + mirror
+    paths = [text.replace('"rt"', '"path"') for text in (lamps + mirror, sky)]
+    return [
+        Scene("fog-point", f"point light {once}", lit("point", gray), 2, 256),
+        Scene("fog-spot", f"spot light {once}, forward",
+              lit("spot", gray + ", anisotropy = 0.6"), 2, 256),
+        Scene("fog-sphere", f"point light with a radius {once}", lit("sphere", gray), 2),
+        Scene("fog-rect", f"rectangle {once}, backward",
+              lit("rect", gray + ", anisotropy = -0.4").replace("[-2, 3, 1]", "[-2, 4.2, 1]"), 2),
+        Scene("fog-sun", f"directional light that spans 8° {once}", lit("sun", gray), 2),
+        Scene("fog-mesh", f"a ball and a box that glow {once}", in_fog(lamps, gray), 2),
+        Scene("fog-height", "point light in fog that thins out from 0.4 m on, scattered once",
+              lit("point", low), 2, 256),
+        Scene("fog-twice", "point light, 1 diffuse bounce in fog", twice, 3, 4096),
+        Scene("fog-path", "thick fog, surfaces that glow and a mirror, by all paths",
+              in_fog(paths[0], milk), 32, 2048),
+        Scene("fog-sky", "fog under a gradient, with a mirror, by all paths",
+              in_fog(paths[1], milk), 32, 2048),
+    ]  # fmt: skip
+
+
 def all_scenes() -> list[Scene]:
     glass = "transmission = 1\nior = 1.5\n"
     solid = glass + "thickness_m = 1\n"
@@ -312,6 +351,7 @@ def all_scenes() -> list[Scene]:
         *lights(),
         *surfaces_that_light(),
         *indirect(),
+        *fogs(),
     ]  # fmt: skip
 
 

@@ -26,6 +26,7 @@ pub const PASS: Pass = Pass {
         Target::Specular,
         Target::Reflection,
         Target::TransmittedLight,
+        Target::FogLight,
         Target::IndirectLight,
         Target::Cause,
         Target::Hit,

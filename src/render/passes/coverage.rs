@@ -21,6 +21,7 @@ pub const PASS: Pass = Pass {
         Target::Colors,
         Target::Details,
         Target::TransmittedLight,
+        Target::FogLight,
     ],
     writes: &[Target::CoverageSum],
     needed: |_, options| options.image.alpha,

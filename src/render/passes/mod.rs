@@ -7,6 +7,7 @@ pub mod compose;
 pub mod coverage;
 pub mod details;
 pub mod filter;
+pub mod fog;
 pub mod hits;
 pub mod indirect;
 pub mod light;
@@ -86,6 +87,7 @@ passes! {
     arguments: Arguments, // for the lists of the surface pass
     transmit: Transmit,
     indirect: Indirect,
+    fog: Fog,
     peel: Peel,
     pyramid: Pyramid,
     ssr: Ssr,

@@ -187,7 +187,7 @@ features! {
     /// Whether the environment's light is sampled rather than computed in closed form.
     sampled_environment {
         follows: panorama || environment_rays,
-        files: ambient [closed, sampled];
+        files: ambient [closed, sampled], fog_sky [closed, sampled];
         dropped: "samples of the environment" => "the environment is a gradient and casts no shadows";
     }
     /// Whether some light has a size.
@@ -204,7 +204,7 @@ features! {
     /// Whether some emissive surface is sampled as a light.
     emitters {
         used: scene.world.has_emitters(),
-        files: emitters [none, sampled];
+        files: emitters [none, sampled], fog_emitters [none, sampled];
         dropped: "samples of emitting surfaces" => "no material has `light = true`";
     }
     /// Whether some light with an extent is sampled.
@@ -345,9 +345,21 @@ features! {
         used: scene.options.leaves_out_light(),
         constant: CROPS,
     }
+    /// Whether there is fog between things.
+    fog {
+        used: scene.world.environment.fog().is_some(),
+        files: fog [none, medium], air [clear, foggy], fogged [none, applied];
+        dropped: "fog" => "the environment has none";
+    }
+    /// Whether fog scatters light more than once.
+    followed_fog {
+        follows: fog && indirect,
+        constant: FOLLOWS_FOG,
+        files: fog_path [straight, followed];
+    }
     /// Whether lights or reflections have an extent, so that they are sampled.
     extent {
-        follows: sampled_light || indirect || rough_reflections || layers,
+        follows: sampled_light || indirect || rough_reflections || layers || fog,
         files: extent [none, sampled];
     }
 }

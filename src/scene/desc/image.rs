@@ -104,8 +104,9 @@ pub struct ImageDesc {
     /// Number of rays per pixel and sub-frame towards each kind of light that is sampled, 1 to 256. The
     /// kinds are lamps with a size (each ray picks one, by how much it may light the pixel), suns with a
     /// size (likewise), an environment with `shadow = "ray"` or a `file`, and all surfaces with `light =
-    /// true` together. More is less grainy and takes longer; `samples` multiplies it. Default 4 with 1
-    /// sample, 3 with 2, 2 with 3 to 6, else 1, so that more samples always send more rays than one does.
+    /// true` together; in fog it is the number of points before each pixel. More is less grainy and takes
+    /// longer; `samples` multiplies it. Default 4 with 1 sample, 3 with 2, 2 with 3 to 6, else 1, so that more
+    /// samples always send more rays than one does.
     pub light_rays: Option<u32>,
     /// Exposure in stops, -20 to 20: +1 doubles the brightness. `"auto"` chooses it so that the brightest
     /// tenth of the first frame of the timeline shows as light gray or brighter, and keeps it for all frames;

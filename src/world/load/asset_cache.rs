@@ -129,6 +129,7 @@ impl AssetCache {
                 }
             }
             loader.world.rest_unit_m = Some(loader.world.unit_m());
+            loader.world.environment.fog_box = loader.world.fog_box();
             loader.add_texts();
             loader.world.meshes = Shared::default();
             Ok(Some(loader.world))

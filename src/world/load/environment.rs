@@ -153,7 +153,11 @@ impl Loader<'_> {
     /// Sets the environment, with a panorama that was read before.
     pub fn set_environment(&mut self, panorama: Option<Arc<Panorama>>) {
         let desc = self.desc.environment.clone();
-        self.world.environment = Environment { desc, panorama };
+        self.world.environment = Environment {
+            desc,
+            panorama,
+            ..Environment::default()
+        };
     }
 
     fn warn_of_shape(&mut self, path: &Path, panorama: &Panorama) {

@@ -1,0 +1,36 @@
+// Fog: light that the fog between the camera and what a pixel shows scatters, and the share of light that passes it.
+
+#import air
+#import cone
+#import gbuffer
+#import indirect
+#import lists
+#import radiance
+
+@group(2) @binding(3) var fog_light: RadianceTexture; // w: transmittance
+
+const FIRST_VERTEX: u32 = 192u; // offset of sample numbers, so that they differ from those of surfaces
+
+fn fog_before(pixel: vec2u) -> vec4f {
+    let center = vec2f(pixel) + 0.5;
+    let along = pixel_ray(center);
+    let depth_m = textureLoad(view_depth, pixel, 0).x;
+    var distance_m = FAR_M;
+    if (depth_m < FAR_M) {
+        // No fog is within glass around the eye.
+        if (load_surface(pixel).is_inside) { return vec4f(0.0, 0.0, 0.0, 1.0); }
+        distance_m = depth_m * length(along);
+    }
+    let origin = pixel_origin(center);
+    start_path(origin);
+    start_samples(pixel, FIRST_VERTEX);
+    return min(air_before(pixel, FIRST_VERTEX, origin, normalize(along), distance_m), vec4f(BRIGHTEST, 1.0));
+}
+
+@compute @workgroup_size(GROUP_PX, GROUP_PX)
+fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_id) local: vec3u) {
+    let pixel = invoked_pixel(group, groups, local);
+    if (any(pixel >= vec2u(frame.size))) { return; }
+    textureStore(fog_light, pixel, fog_before(pixel));
+    if (exhausted_rays > 0u) { atomicAdd(&counters[EXHAUSTED_COUNTER], exhausted_rays); }
+}
