@@ -2,7 +2,10 @@
 
 use std::{
     path::PathBuf,
-    sync::{Arc, Mutex, PoisonError},
+    sync::{
+        Arc, Mutex, PoisonError,
+        atomic::{AtomicBool, Ordering},
+    },
     time::Duration,
 };
 
@@ -66,6 +69,8 @@ pub struct Gpu {
     kept: Option<KeptPipelines>,
     /// The first error outside an error scope.
     fault: Arc<Mutex<Option<GpuError>>>,
+    /// Signal that ends timed pictures.
+    interrupt: Mutex<Option<Arc<AtomicBool>>>,
 }
 
 impl Gpu {
@@ -155,6 +160,7 @@ impl Gpu {
             limits,
             features,
             fault,
+            interrupt: Mutex::default(),
         })
     }
 
@@ -244,6 +250,26 @@ impl Gpu {
                 SUBMISSION_TIMEOUT.as_secs()
             ))
         })
+    }
+
+    /// Gives up timed pictures between two of their passes or sub-frames while `signal` is set, so that a program that
+    /// answers people need not wait for a picture that nobody wants any more; `None` lets all pictures end.
+    pub fn interrupt_by(&self, signal: Option<Arc<AtomicBool>>) {
+        *(self.interrupt.lock()).unwrap_or_else(PoisonError::into_inner) = signal;
+    }
+
+    /// Whether a timed picture is to be given up.
+    ///
+    /// # Errors
+    /// [`GpuError::Interrupted`] if it is.
+    pub fn check_interrupt(&self) -> Result<(), GpuError> {
+        let signal = self.interrupt.lock();
+        let signal = signal.unwrap_or_else(PoisonError::into_inner);
+        let is_set = |signal: &Arc<AtomicBool>| signal.load(Ordering::Relaxed);
+        match signal.as_ref().is_some_and(is_set) {
+            true => Err(GpuError::Interrupted),
+            false => Ok(()),
+        }
     }
 
     /// Checks for errors outside an error scope. Such an error is permanent: the device is no longer usable.

@@ -30,6 +30,8 @@ pub enum GpuError {
     Validation(String),
     /// The device was lost or timed out.
     Lost(String),
+    /// A picture was given up, because something newer is asked for ([`Gpu::interrupt_by`](super::Gpu::interrupt_by)).
+    Interrupted,
 }
 
 impl fmt::Display for GpuError {
@@ -53,6 +55,7 @@ impl fmt::Display for GpuError {
             ),
             Self::Validation(text) => write!(f, "the GPU refused a command: {text}"),
             Self::Lost(text) => write!(f, "the GPU stopped working: {text}"),
+            Self::Interrupted => f.write_str("the picture was given up for a newer one"),
         }
     }
 }

@@ -58,6 +58,7 @@ pub struct Recorder<'a> {
     /// Times of passes that were waited for; `None` if the recorder does not wait.
     waited: Option<PassTimes>,
     fault: Option<GpuError>,
+    is_timed: bool,
 }
 
 impl<'a> Recorder<'a> {
@@ -79,6 +80,7 @@ impl<'a> Recorder<'a> {
             encoder: encoder(gpu),
             waited: (timed && gpu.is_software()).then(PassTimes::default),
             fault: None,
+            is_timed: timed,
         }
     }
 
@@ -133,6 +135,7 @@ impl<'a> Recorder<'a> {
     fn wait(&mut self, name: &str) -> Result<(), GpuError> {
         let (started, before) = (Instant::now(), processor_time::of_process());
         self.submit_and_wait()?;
+        self.gpu.check_interrupt()?;
         let ms = started.elapsed().as_secs_f64() * 1e3;
         if let Some(waited) = &mut self.waited {
             waited.passes_ms.push((name.to_owned(), ms));
@@ -162,6 +165,9 @@ impl<'a> Recorder<'a> {
     pub fn finish(mut self) -> Result<PassTimes, GpuError> {
         if let Some(fault) = self.fault {
             return Err(fault);
+        }
+        if self.is_timed {
+            self.gpu.check_interrupt()?;
         }
         if let Some(timer) = self.timer {
             timer.resolve(&mut self.encoder);

@@ -13,6 +13,7 @@ mod background_scripts;
 mod coarse;
 mod errors;
 mod includes;
+mod interrupted;
 mod kit;
 mod latency;
 mod models;

@@ -2,7 +2,10 @@
 
 use std::{
     collections::VecDeque,
-    sync::{Arc, Condvar, Mutex, PoisonError},
+    sync::{
+        Arc, Condvar, Mutex, PoisonError,
+        atomic::{AtomicBool, Ordering},
+    },
     time::Instant,
 };
 
@@ -14,6 +17,8 @@ struct Inbox {
     tasks: VecDeque<Task>,
     wakes: bool,
     ends: bool,
+    /// Whether a view, a task or the end waits; read without the lock while a picture is rendered.
+    has_news: Arc<AtomicBool>,
 }
 
 /// Queue for the rendering thread.
@@ -22,8 +27,18 @@ pub struct Mailbox(Arc<(Mutex<Inbox>, Condvar)>);
 
 impl Mailbox {
     fn change(&self, change: impl FnOnce(&mut Inbox)) {
-        change(&mut self.0.0.lock().unwrap_or_else(PoisonError::into_inner));
+        let mut inbox = self.0.0.lock().unwrap_or_else(PoisonError::into_inner);
+        change(&mut inbox);
+        let has_news = inbox.ends || inbox.view.is_some() || !inbox.tasks.is_empty();
+        inbox.has_news.store(has_news, Ordering::Relaxed);
+        drop(inbox);
         self.0.1.notify_one();
+    }
+
+    /// Signal that is set while a view, a task or the end waits.
+    pub fn news(&self) -> Arc<AtomicBool> {
+        let inbox = self.0.0.lock().unwrap_or_else(PoisonError::into_inner);
+        Arc::clone(&inbox.has_news)
     }
 
     /// Requests a view; it replaces a pending one.
@@ -72,6 +87,7 @@ impl Mailbox {
             let is_time = left.is_some_and(|left| left.is_zero());
             let on_report = std::mem::take(&mut inbox.wakes) || is_time;
             if on_report || inbox.view.is_some() || !inbox.tasks.is_empty() {
+                inbox.has_news.store(false, Ordering::Relaxed);
                 return Some((inbox.view.take(), std::mem::take(&mut inbox.tasks)));
             }
             let waits = &self.0.1;
@@ -122,7 +138,10 @@ mod tests {
             overrides.set("count", ParamValue::Integer(count), &ParamValue::Integer(0));
             mailbox.post(Task::SetParameters(overrides));
         }
+        let news = mailbox.news();
+        assert!(news.load(Ordering::Relaxed), "a picture is given up");
         let (view, tasks) = mailbox.take(None).expect("something to do");
+        assert!(!news.load(Ordering::Relaxed));
         assert!(view.is_none() && mailbox.is_empty());
         let left: Vec<String> = tasks.iter().map(|task| format!("{task:?}")).collect();
         assert_eq!(left.len(), 5, "{left:?}");

@@ -48,6 +48,8 @@ pub struct SceneSummary {
     pub items: Vec<OutlineRow>,
     /// Bounds of the scene.
     pub bounds: Bounds,
+    /// Width and height of the rendered image, pixels.
+    pub image_size: [u32; 2],
     /// Method set in the scene, which may be `auto`.
     pub method: Method,
     /// The length U, meters.
@@ -129,6 +131,7 @@ impl SceneSummary {
                 .collect(),
             items: outline(live.desc()),
             bounds,
+            image_size: live.desc().image.size,
             method: live.desc().reflection.method,
             unit_m: live.renderer().unit_m(),
             dropped: dropped.map(|d| format!("{}: {}", d.what, d.why)).collect(),

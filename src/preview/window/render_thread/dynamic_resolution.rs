@@ -48,6 +48,10 @@ impl FrameCost {
     /// Whether a picture exceeds the budget and a lower resolution would help: a dominating fixed
     /// part is no reason to reduce it.
     pub fn is_too_large(&self, pixels: f64, most_ms: f64) -> bool {
+        // The first picture of a scene may take any time: its draft is as small as drafts become.
+        if self.last.is_none() && most_ms.is_finite() {
+            return true;
+        }
         self.predict_ms(pixels) > most_ms && self.pixel_ms * pixels > self.fixed_ms
     }
 }
@@ -60,6 +64,7 @@ mod tests {
     fn fits_fixed_and_per_pixel_cost_from_two_sizes() {
         let truth = |pixels: f64| 380.0 + 3e-4 * pixels;
         let mut cost = FrameCost::default();
+        assert!(cost.is_too_large(1.0, 40.0), "nothing is known yet");
         for pixels in [270_000.0, 67_500.0, 67_500.0] {
             cost.record(pixels, truth(pixels));
         }

@@ -1,7 +1,10 @@
 //! Event loop of the rendering thread: takes the newest view and every task, draws, reports, and
 //! sleeps when nothing changed.
 
-use std::time::{Duration, Instant};
+use std::{
+    sync::{Arc, atomic::AtomicBool},
+    time::{Duration, Instant},
+};
 
 use super::worker::Worker;
 use crate::{
@@ -13,6 +16,7 @@ use crate::{
         view_channel::ViewChannel,
     },
 };
+use reflet_gpu::GpuError;
 use reflet_render::RenderError;
 
 /// Minimum interval of summaries while playing.
@@ -22,9 +26,10 @@ impl Worker {
     pub(super) fn run(mut self, mailbox: &Mailbox, watcher: Option<&Watcher>) {
         self.send_summary();
         while let Some((view, tasks)) = mailbox.take(self.next_wakeup()) {
-            let mut redraw = false;
+            // A picture that was given up for what has come now.
+            let mut redraw = std::mem::take(&mut self.is_interrupted);
             if let Some(view) = view {
-                redraw = self.view.as_ref().is_none_or(|old| view.differs_from(old));
+                redraw |= self.view.as_ref().is_none_or(|old| view.differs_from(old));
                 self.view = Some(view);
             }
             for task in tasks {
@@ -60,7 +65,7 @@ impl Worker {
                 self.show_item_again();
             }
             if redraw && !self.renders_other_frame() {
-                self.draw();
+                self.draw_unless(mailbox.news());
             }
             if self.summary_due().is_some_and(|due| due <= Instant::now()) {
                 self.send_summary();
@@ -70,7 +75,8 @@ impl Worker {
                 self.send(Report::Reloaded(reload, ms));
             }
             self.handle_frame_requests();
-            if mailbox.is_empty() && self.frame_requests.is_empty() {
+            let is_over = mailbox.is_empty() && self.frame_requests.is_empty();
+            if is_over && !self.is_interrupted {
                 self.send(Report::Idle);
             }
         }
@@ -122,13 +128,22 @@ impl Worker {
         })));
     }
 
+    /// Draws the view. A picture at rest is given up where `news` come: input never waits for it. Those of motion
+    /// are drafts, which take little time, and would never end if the next move gave them up.
+    fn draw_unless(&mut self, news: Arc<AtomicBool>) {
+        let rests = self.view.as_ref().is_some_and(|v| v.draft_ms.is_none());
+        self.gpu.interrupt_by(rests.then_some(news));
+        self.draw();
+        self.gpu.interrupt_by(None);
+    }
+
     fn draw(&mut self) {
         let Some(view) = self.view.clone() else {
             return;
         };
         let was_coarse = self.live.is_coarse();
         if was_coarse && let Err(error) = self.draw_coarse(&view) {
-            return self.report_error(&error);
+            return self.not_drawn(&error);
         }
         match self
             .render_sides(&view)
@@ -146,7 +161,14 @@ impl Worker {
                     self.send_summary();
                 }
             }
-            Err(error) => self.report_error(&error),
+            Err(error) => self.not_drawn(&error),
+        }
+    }
+
+    fn not_drawn(&mut self, error: &RenderError) {
+        match error {
+            RenderError::Gpu(GpuError::Interrupted) => self.is_interrupted = true,
+            error => self.report_error(error),
         }
     }
 

@@ -20,7 +20,12 @@ impl Worker {
         let is_drawn = (self.rendered_view.as_ref())
             .is_some_and(|drawn| !drawn.differs_from(view) && drawn.frame == view.frame);
         if !is_drawn {
-            self.render(view, view.a.method)?;
+            // One sub-frame has the ids: a click does not wait for the others.
+            let view = View {
+                draft_ms: Some(f64::INFINITY),
+                ..view.clone()
+            };
+            self.render(&view, view.a.method)?;
         }
         let [width, height] = self.live.renderer().targets().size;
         let ids: Vec<[u32; 2]> = self.live.renderer().read(&self.gpu, Target::Ids)?;

@@ -29,6 +29,9 @@ use reflet_world::World;
 
 /// Time budget of a still picture; beyond it sub-frames are dropped, milliseconds.
 const STILL_MS: f64 = 1000.0;
+/// Halvings of a draft's size: a smaller one than a quarter of each side cannot be read.
+const MOST_HALVINGS: u32 = 2;
+
 /// State of the rendering thread.
 pub(super) struct Worker {
     pub(super) gpu: Arc<Gpu>,
@@ -57,6 +60,8 @@ pub(super) struct Worker {
     pub(super) summary_frame: u32,
     pub(super) summary_sent_at: Instant,
     pub(super) number: u64,
+    /// Whether the picture of the view was given up, and is still to be drawn.
+    pub(super) is_interrupted: bool,
     frame_cost: FrameCost,
     sender: Sender<Report>,
     on_report: Box<dyn Fn() + Send>,
@@ -99,6 +104,7 @@ impl Worker {
             summary_frame: 0,
             summary_sent_at: Instant::now(),
             number: 0,
+            is_interrupted: false,
             frame_cost: FrameCost::default(),
             sender,
             on_report,
@@ -160,7 +166,7 @@ impl Worker {
         let mut samples = all_samples;
         if let Some(draft_ms) = view.draft_ms {
             samples = 1;
-            for _ in 0..3 {
+            for _ in 0..MOST_HALVINGS {
                 if self.frame_cost.is_too_large(pixels(size), draft_ms) {
                     size = size.map(|side| side.div_ceil(2));
                 }

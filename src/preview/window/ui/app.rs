@@ -7,6 +7,7 @@ use eframe::egui::{self, Key, Ui};
 
 use super::{
     channel_menu::METHODS,
+    keys::presses,
     panels::{self, ViewRequest},
     place_panel,
     status_bar::{self, Activity},
@@ -46,18 +47,9 @@ impl Window {
         if ui.input_mut(|i| i.consume_shortcut(&closes)) {
             ui.ctx().send_viewport_cmd(egui::ViewportCommand::Close);
         }
-        let pressed = |key| ui.input(|i| i.key_pressed(key) && i.modifiers.is_none());
+        let pressed = |key| presses(ui, key) > 0;
         if let Some(timeline) = &mut self.timeline {
-            let presses = |key| {
-                ui.input(|i| {
-                    if i.modifiers.is_none() {
-                        i.num_presses(key)
-                    } else {
-                        0
-                    }
-                })
-            };
-            timeline::keys(timeline, presses, ui.input(|i| i.time));
+            timeline::keys(timeline, |key| presses(ui, key), ui.input(|i| i.time));
         }
         let keys = [Key::Num1, Key::Num2, Key::Num3, Key::Num4];
         for (key, method) in keys.into_iter().zip(METHODS) {
@@ -79,6 +71,10 @@ impl Window {
         requests.extend(place_panel::keys(ui, &self.selection));
         if pressed(Key::B) {
             self.settings.wipe = !self.settings.wipe;
+            self.settings.start_wipe();
+        }
+        if pressed(Key::G) {
+            self.settings.image_frame = !self.settings.image_frame;
         }
         if pressed(Key::H) {
             self.settings.help = !self.settings.help;
@@ -175,7 +171,7 @@ impl Window {
             chosen: self.chosen_camera(),
             frame,
             plays: self.timeline.as_ref().is_some_and(Timeline::is_playing),
-            size: self.viewport,
+            size: self.picture_size(),
             a: self.settings.a,
             b: self.settings.wipe.then_some(self.settings.b),
             draft_ms: self.draft_ms(rests),
@@ -243,7 +239,7 @@ impl Window {
     fn reduced(&self) -> String {
         let sides = self.shown.as_ref().and_then(|shown| shown.sides.first());
         match sides.map(|side| side.stats.size) {
-            Some([width, height]) if width < self.viewport[0] || height < self.viewport[1] => {
+            Some([width, height]) if [width, height] != self.picture_size() => {
                 format!(", rendered at {width}x{height} to hold the frame rate")
             }
             _ => String::new(),

@@ -77,6 +77,7 @@ impl Window {
             self.camera_controls.camera = shown.camera.clone();
         }
         let stats = shown.sides.first().map(|side| side.stats.clone());
+        self.settings.shown_method = stats.as_ref().map(|stats| stats.method);
         self.history.extend(stats);
         if self.history.len() > HISTORY {
             self.history.pop_front();

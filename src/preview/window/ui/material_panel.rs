@@ -22,6 +22,10 @@ use reflet_scene::{
 
 /// Change per pixel of dragging where a number has no upper limit.
 const SPEED: f32 = 0.01;
+/// Width below which the label of several numbers stands above them, points.
+const NARROW: f32 = 300.0;
+/// Width of a slider's number and label, points.
+const LABELS: f32 = 150.0;
 /// Most rows of the list that are shown at a time.
 const ROWS: f32 = 7.0;
 
@@ -46,6 +50,8 @@ pub fn panel(
             ui.weak("click one here or in the picture");
             return;
         };
+        let room = ui.available_width() - LABELS;
+        ui.spacing_mut().slider_width = room.clamp(40.0, ui.spacing().slider_width);
         let edit = numbers(ui, row);
         if edit != row.edit {
             requests.push(ViewRequest::Edit(Box::new(edit)));
@@ -62,9 +68,23 @@ pub fn panel(
     if settings.scrolls_to_material {
         let is_open = shown.fully_open();
         let body = shown.body_response.map_or(Rect::NOTHING, |body| body.rect);
-        ui.scroll_to_rect(shown.header_response.rect.union(body), None);
-        // The header unfolds over several frames.
-        settings.scrolls_to_material = !is_open;
+        let all = shown.header_response.rect.union(body);
+        // The beginning, with the material's name, is shown where not all fits.
+        let is_high = all.height() > ui.clip_rect().height();
+        ui.scroll_to_rect(all, is_high.then_some(egui::Align::TOP));
+        // The header unfolds over several frames, and so do those above it, which push it out of view.
+        let (id, top) = (
+            ui.scope_id().with("material top"),
+            shown.header_response.rect.top(),
+        );
+        let before: Option<f32> = ui.data(|data| data.get_temp(id));
+        ui.data_mut(|data| data.insert_temp(id, top));
+        settings.scrolls_to_material = !is_open || before.is_none_or(|y| (y - top).abs() > 0.5);
+        if settings.scrolls_to_material {
+            ui.ctx().request_repaint();
+        } else {
+            ui.data_mut(|data| data.remove::<f32>(id));
+        }
     }
 }
 
@@ -173,6 +193,9 @@ fn control(ui: &mut Ui, field: &Field<MaterialDesc>, value: &mut Vec3) -> bool {
             changed
         }
         form => {
+            // A narrow row has no room for three numbers and a label.
+            let is_narrow = form != Form::Number && ui.available_width() < NARROW;
+            let above = is_narrow.then(|| ui.label(field.key));
             ui.horizontal(|ui| {
                 // Space for three numbers and a label.
                 ui.spacing_mut().item_spacing.x = 4.0;
@@ -192,7 +215,10 @@ fn control(ui: &mut Ui, field: &Field<MaterialDesc>, value: &mut Vec3) -> bool {
                         ui.add(drag.speed(SPEED).max_decimals(3))
                     })
                     .collect();
-                let label = ui.add(egui::Label::new(field.key).truncate());
+                let label = above.unwrap_or_else(|| {
+                    let label = egui::Label::new(field.key);
+                    ui.add(label.truncate())
+                });
                 for drag in drags {
                     changed |= drag.labelled_by(label.id).changed();
                 }

@@ -9,6 +9,8 @@ mod file_chooser;
 mod frame_panels;
 mod gizmo;
 mod handle_reports;
+mod image_frame;
+mod keys;
 mod material_panel;
 mod number_row;
 pub(super) mod opener;

@@ -70,6 +70,10 @@ pub struct ViewSettings {
     pub last_camera: usize,
     /// Whether the cuts of the timeline choose the scene's camera.
     pub follows_cuts: bool,
+    /// Whether the frame of the image is shown, with its safe area.
+    pub image_frame: bool,
+    /// Method of the displayed left side, also where its setting is `auto`.
+    pub shown_method: Option<Method>,
     /// Whether the list of keys is open.
     pub help: bool,
     /// Whether the error map is shown in place of the picture.
@@ -85,11 +89,7 @@ impl ViewSettings {
         };
         Self {
             a: side(method),
-            b: side(if method == Method::Rt {
-                Method::Hybrid
-            } else {
-                Method::Rt
-            }),
+            b: side(other_than(method)),
             wipe: false,
             wipe_at: 0.5,
             material: None,
@@ -97,9 +97,33 @@ impl ViewSettings {
             scene_camera: None,
             last_camera: 0,
             follows_cuts: true,
+            image_frame: false,
+            shown_method: None,
             help: false,
             error_map: false,
         }
+    }
+}
+
+impl ViewSettings {
+    /// Gives the right side of a wipe that begins another method, if both sides would show the same.
+    pub fn start_wipe(&mut self) {
+        let method = |method| match method {
+            Method::Auto => self.shown_method.unwrap_or(Method::Hybrid),
+            method => method,
+        };
+        let [a, b] = [self.a, self.b].map(|side| (method(side.method), side.channel));
+        if self.wipe && a == b {
+            self.b.method = other_than(a.0);
+        }
+    }
+}
+
+/// Method with which another one is compared first.
+fn other_than(method: Method) -> Method {
+    match method {
+        Method::Rt => Method::Hybrid,
+        _ => Method::Rt,
     }
 }
 
@@ -149,8 +173,11 @@ pub fn bar(
             side_menu(ui, "texture", &mut settings.a, &summary.shadow_lights);
         });
         group(ui, "b", |ui| {
-            ui.checkbox(&mut settings.wipe, "wipe")
-                .on_hover_text("B: compare with another method or texture");
+            let wipe = ui.checkbox(&mut settings.wipe, "wipe");
+            if wipe.changed() {
+                settings.start_wipe();
+            }
+            wipe.on_hover_text("B: compare with another method or texture");
             ui.add_enabled_ui(settings.wipe, |ui| {
                 side_menu(
                     ui,
@@ -196,6 +223,8 @@ pub fn bar(
                 "F12: write a PNG file",
                 ViewRequest::Screenshot,
             );
+            ui.checkbox(&mut settings.image_frame, "safe area")
+                .on_hover_text("G: the frame of image.size, with its safe area");
             if ui.button("keys").on_hover_text("H").clicked() {
                 settings.help = !settings.help;
             }

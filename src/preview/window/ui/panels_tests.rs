@@ -1,6 +1,6 @@
 //! Tests of the panels without a window: clicks and the requests they make, errors and their places.
 
-use std::{collections::VecDeque, path::Path};
+use std::collections::VecDeque;
 
 use eframe::egui::{self, accesskit::Role};
 use egui_kittest::{
@@ -17,16 +17,12 @@ use crate::{
             frame_panels::{shares, times},
             status_bar::{Activity, help, log, status, unwatched},
             status_message::StatusMessage,
-            timeline::{self, Timeline},
         },
     },
 };
 use reflet_base::math::Bounds;
 use reflet_render::stats::{Audit, FrameStats, Shares};
-use reflet_scene::{
-    desc::{CameraDesc, MaterialDesc, TimelineDesc},
-    diagnostic::Diagnostic,
-};
+use reflet_scene::desc::{CameraDesc, MaterialDesc};
 
 pub fn summary() -> SceneSummary {
     let row = |material, name: &str| MaterialRow {
@@ -47,6 +43,7 @@ pub fn summary() -> SceneSummary {
         shadow_lights: Vec::new(),
         items: Vec::new(),
         bounds: Bounds::EMPTY,
+        image_size: [1280, 720],
         method: Method::Hybrid,
         unit_m: 1.0,
         dropped: vec!["checkers: no material has one".to_owned()],
@@ -59,7 +56,6 @@ struct State {
     settings: ViewSettings,
     summary: SceneSummary,
     requests: Vec<ViewRequest>,
-    timeline: Timeline,
     now_s: f64,
     shown: Option<u32>,
 }
@@ -69,11 +65,6 @@ fn harness<'a>(draw: impl Fn(&mut egui::Ui, &mut State) + 'a) -> Harness<'a, Sta
         settings: ViewSettings::new(Method::Hybrid),
         summary: summary(),
         requests: Vec::new(),
-        timeline: Timeline::new(&TimelineDesc {
-            fps: 24.0,
-            start: 2,
-            end: 11,
-        }),
         now_s: 0.0,
         shown: None,
     };
@@ -102,8 +93,13 @@ fn the_bar_switches_methods_and_opens_the_wipe() {
             .count()
     };
     assert_eq!(sides(&harness), 1);
+    // The picture of `auto` was made by `rt`, with which a wipe compares otherwise.
+    let settings = &mut harness.state_mut().settings;
+    settings.shown_method = Some(Method::Rt);
+    (settings.a.method, settings.b.method) = (Method::Auto, Method::Rt);
     click(&mut harness, "wipe");
     assert!(harness.state().settings.wipe);
+    assert_eq!(harness.state().settings.b.method, Method::Hybrid);
     assert_eq!(sides(&harness), 2, "a side each");
     for (label, request) in [
         ("frame", ViewRequest::Frame),
@@ -216,98 +212,6 @@ fn panels_list_times_shares_and_keys() {
     ] {
         assert!(harness.query_by_label(label).is_some(), "{label}");
     }
-}
-
-fn timeline_harness<'a>() -> Harness<'a, State> {
-    harness(|ui, state| {
-        let presses = |key| ui.input(|i| i.num_presses(key));
-        timeline::keys(&mut state.timeline, presses, state.now_s);
-        state.timeline.tick(state.now_s);
-        let is_stuck = !state.summary.problems.pose.is_empty();
-        timeline::panel(ui, &mut state.timeline, state.shown, is_stuck, state.now_s);
-    })
-}
-
-#[test]
-fn the_timeline_plays_steps_and_scrubs() {
-    let mut harness = timeline_harness();
-    for label in ["play", "of 11", "24 fps", "loop"] {
-        assert!(harness.query_by_label(label).is_some(), "{label}");
-    }
-    click(&mut harness, "play");
-    assert!(harness.state().timeline.is_playing());
-    harness.state_mut().now_s = 0.25;
-    harness.run();
-    assert_eq!(harness.state().timeline.frame(), 8);
-    assert!(harness.query_by_label("  0.333 s").is_some());
-    // The picture is late: the frame that it shows is stated.
-    harness.state_mut().shown = Some(6);
-    harness.run();
-    assert!(harness.query_by_label("  0.250 s").is_some());
-    assert_eq!(harness.state().timeline.frame(), 8);
-    click(&mut harness, "pause");
-    harness.state_mut().now_s = 9.0;
-    harness.run();
-    assert_eq!(harness.state().timeline.frame(), 8, "paused");
-    for (label, frame) in [(">", 9), ("<", 8), (">|", 11), ("|<", 2)] {
-        click(&mut harness, label);
-        assert_eq!(harness.state().timeline.frame(), frame, "{label}");
-    }
-    harness.get_by_role(Role::Slider).set_value_accesskit(5.0);
-    harness.run();
-    assert_eq!(harness.state().timeline.frame(), 5, "scrubbed");
-    click(&mut harness, "loop");
-    assert!(!harness.state().timeline.repeats);
-}
-
-#[test]
-fn distinguishes_the_failed_frame_from_the_shown_one() {
-    let mut harness = timeline_harness();
-    harness.state_mut().timeline.seek(9, 0.0);
-    harness.state_mut().shown = Some(9);
-    harness.run();
-    click(&mut harness, ">");
-    let text = "frame 9 shown, 10 wanted";
-    assert!(harness.query_by_label(text).is_none(), "it is being drawn");
-    let wrong = Diagnostic::in_file("script", Path::new("a.rhai"), "no");
-    harness.state_mut().summary.problems.pose = vec![wrong];
-    harness.run();
-    harness.get_by_label(text);
-    harness.get_by_label("  0.375 s");
-    click(&mut harness, "<");
-    assert!(harness.query_by_label(text).is_none(), "back where it was");
-}
-
-#[test]
-fn keys_move_time() {
-    use egui::Key;
-    let mut harness = timeline_harness();
-    for (key, frame) in [
-        (Key::End, 11),
-        (Key::ArrowRight, 2),
-        (Key::ArrowLeft, 11),
-        (Key::Home, 2),
-    ] {
-        harness.key_press(key);
-        harness.run();
-        assert_eq!(harness.state().timeline.frame(), frame, "{key:?}");
-    }
-    // A slow window gets several key presses in one frame.
-    for key in [
-        Key::ArrowRight,
-        Key::ArrowRight,
-        Key::ArrowLeft,
-        Key::ArrowRight,
-    ] {
-        harness.key_press(key);
-    }
-    harness.run();
-    assert_eq!(harness.state().timeline.frame(), 4);
-    harness.key_press(Key::L);
-    harness.key_press(Key::Space);
-    harness.run();
-    let timeline = &harness.state().timeline;
-    assert!(timeline.is_playing() && !timeline.repeats);
 }
 
 #[test]

@@ -57,11 +57,19 @@ pub struct Selection {
     pub handle: Handle,
     /// Numbers at the start of a handle's drag.
     dragged: Option<Numbers>,
+    /// Whether the outline is to bring its row into view.
+    scrolls_to_row: bool,
+    /// Whether the selection that comes next was chosen in the outline.
+    is_chosen_in_outline: bool,
 }
 
 impl Selection {
     /// Shows another item, or its current numbers in the scene.
     pub fn show(&mut self, inspected: Option<Inspected>) {
+        let item = inspected.as_ref().map(|inspected| inspected.item);
+        if item.is_some() && item != self.item() {
+            self.scrolls_to_row = !std::mem::take(&mut self.is_chosen_in_outline);
+        }
         self.numbers = inspected
             .as_ref()
             .map_or_else(Vec::new, |i| i.numbers.clone());
@@ -220,22 +228,31 @@ pub fn pixel(ui: &mut Ui, values: &[PixelValue]) {
 pub fn outline(
     ui: &mut Ui,
     rows: &[OutlineRow],
-    selected: Option<SceneItem>,
+    selection: &mut Selection,
     requests: &mut Vec<ViewRequest>,
 ) {
     if rows.is_empty() {
         return;
     }
     egui::CollapsingHeader::new("Outline").show(ui, |ui| {
-        let area = egui::ScrollArea::vertical()
+        let selected = selection.item();
+        let mut area = egui::ScrollArea::vertical()
             .id_salt("outline")
             .max_height(OUTLINE);
+        // A row that was clicked in the picture is brought into view; a click here moves nothing.
+        if std::mem::take(&mut selection.scrolls_to_row)
+            && let Some(row) = rows.iter().position(|row| Some(row.item) == selected)
+        {
+            let height = ROW + ui.spacing().item_spacing.y;
+            area = area.vertical_scroll_offset((row as f32 - 3.0).max(0.0) * height);
+        }
         area.show_rows(ui, ROW, rows.len(), |ui, range| {
             for row in &rows[range] {
                 ui.horizontal(|ui| {
                     ui.add_space(12.0 * f32::from(row.depth));
                     let is_selected = selected == Some(row.item);
                     if ui.selectable_label(is_selected, &row.label).clicked() {
+                        selection.is_chosen_in_outline = true;
                         requests.push(ViewRequest::Select(row.item));
                     }
                 });
@@ -282,7 +299,7 @@ mod tests {
             } = state;
             requests.extend(keys(ui, selection));
             panel(ui, selection, requests);
-            outline(ui, &rows, selection.item(), requests);
+            outline(ui, &rows, selection, requests);
         };
         Harness::builder()
             .with_size(egui::vec2(320.0, 700.0))

@@ -35,10 +35,10 @@ impl Window {
             }
             let written = self.parameters.take_finished(ui);
             requests.extend(written.map(ViewRequest::WriteParameters));
+            // Its rows stay in place when a click in it changes what is below.
+            place_panel::outline(ui, &self.summary.items, &mut self.selection, requests);
             place_panel::panel(ui, &mut self.selection, requests);
             place_panel::pixel(ui, &self.pixel);
-            let item = self.selection.item();
-            place_panel::outline(ui, &self.summary.items, item, requests);
             let before = self.settings.material;
             let picked = self.picked.as_ref();
             material_panel::panel(ui, &mut self.settings, &self.summary, picked, requests);

@@ -7,7 +7,7 @@ use crate::window::scene_summary::SceneSummary;
 use reflet_scene::script::DEADLINE;
 
 /// Keys and what they do.
-pub const KEYS: [(&str, &str); 23] = [
+pub const KEYS: [(&str, &str); 24] = [
     ("left drag", "orbit around the target"),
     ("middle drag", "pan"),
     ("right drag", "look around"),
@@ -36,6 +36,7 @@ pub const KEYS: [(&str, &str); 23] = [
     ("F", "frame the selection, or the scene"),
     ("1 2 3 4", "hybrid, ssr, rt, path"),
     ("B", "wipe between two methods or textures; drag its line"),
+    ("G", "the frame of image.size, with its safe area"),
     ("C", "copy the camera as scene text"),
     ("R", "back to the scene's camera"),
     ("X", "error against rt, as numbers and as a map"),

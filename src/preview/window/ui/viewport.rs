@@ -20,6 +20,7 @@ impl Window {
         self.viewport = [pixels.x, pixels.y].map(|side| side.max(0.0).round() as u32);
         let response = ui.allocate_rect(rect, Sense::click_and_drag());
         self.paint(ui, frame, rect);
+        self.paint_image_frame(ui, rect);
         self.captions(ui, rect);
         let is_known = self.summary.problems.is_empty() && self.script.is_none();
         if self.summary.is_nothing() && is_known {

@@ -17,8 +17,9 @@ use reflet_scene::{desc::Method, diagnostic::Diagnostic};
 
 /// Maximum width of text over the picture, points.
 const CHIP: f32 = 360.0;
-/// Top margin below the labels of the wipe, points.
-const BELOW_NAMES: f32 = 44.0;
+/// Height of a row of labels of the wipe, and top margin of the first, points.
+const NAME: f32 = 24.0;
+const TOP: f32 = 8.0;
 
 /// A texture in a part of the picture area.
 pub(super) struct Layer {
@@ -61,6 +62,19 @@ fn label(painter: &Painter, at: Pos2, anchor: Align2, margin: f32, text: String)
     let plate = anchor.anchor_size(at, text.size());
     painter.rect_filled(plate.expand(margin), 3.0, Color32::from_black_alpha(140));
     painter.galley(plate.min, text, Color32::WHITE);
+}
+
+/// Top left corners of the labels of a wipe with its line at `x`: on both sides of the line where there is room, else
+/// inside of the picture, the second below the first if they would overlap.
+fn name_places(rect: Rect, x: f32, [left, right]: [f32; 2]) -> [Pos2; 2] {
+    let inside = |at: f32, width: f32| {
+        let most = rect.right() - TOP - width;
+        at.min(most).max(rect.left() + TOP)
+    };
+    let [a, b] = [inside(x - TOP - left, left), inside(x + TOP, right)];
+    let row = if a + left + TOP > b { NAME } else { 0.0 };
+    let top = rect.top() + TOP;
+    [pos2(a, top), pos2(b, top + row)]
 }
 
 impl Window {
@@ -174,17 +188,16 @@ impl Window {
             Some(_) => "error map".to_owned(),
             None => name(&self.settings.a),
         };
-        for (text, anchor, dx) in [
-            (left, Align2::RIGHT_TOP, -8.0),
-            (name(&self.settings.b), Align2::LEFT_TOP, 8.0),
-        ] {
-            label(
-                ui.painter(),
-                pos2(x + dx, rect.top() + 8.0),
-                anchor,
-                3.0,
-                text,
-            );
+        let names = [left, name(&self.settings.b)];
+        let widths = names.each_ref().map(|text| {
+            let font = FontId::proportional(13.0);
+            let text = ui
+                .painter()
+                .layout_no_wrap(text.clone(), font, Color32::WHITE);
+            text.size().x
+        });
+        for (text, at) in names.into_iter().zip(name_places(rect, x, widths)) {
+            label(ui.painter(), at, Align2::LEFT_TOP, 3.0, text);
         }
         is_held
     }
@@ -199,7 +212,11 @@ impl Window {
         if legends.is_empty() && self.error_map().is_none() && self.picked.is_none() {
             return;
         }
-        let below = if self.settings.wipe { BELOW_NAMES } else { 8.0 };
+        let below = if self.settings.wipe {
+            TOP + 2.0 * NAME
+        } else {
+            TOP
+        };
         let place = Rect::from_min_size(rect.min + vec2(8.0, below), vec2(CHIP, 0.0));
         let mut child = ui.new_child(UiBuilder::new().max_rect(place.intersect(rect)));
         // Drags go to the picture below.

@@ -37,6 +37,24 @@ fn what_was_drawn_for_the_area_fills_it() {
 }
 
 #[test]
+fn labels_of_a_wipe_stay_inside_and_apart() {
+    for width in [120.0, 390.0, 900.0] {
+        let all = area(width, 300.0);
+        for part in [0.0, 0.1, 0.5, 0.9, 1.0] {
+            let widths = [110.0, 130.0_f32.min(width - 16.0)];
+            let widths = widths.map(|x: f32| x.min(width - 16.0));
+            let places = name_places(all, all.left() + part * width, widths);
+            let [a, b] = [0, 1].map(|i| Rect::from_min_size(places[i], vec2(widths[i], 17.0)));
+            assert!(
+                all.contains_rect(a) && all.contains_rect(b),
+                "{width} {part}"
+            );
+            assert!(!a.intersects(b), "{width} {part}: {a} {b}");
+        }
+    }
+}
+
+#[test]
 fn empty_scene_shows_an_example() {
     let read = Scene::from_text("version = 1\n", Path::new("my.toml"), &[]);
     let (_, warnings) = read.expect("only a warning");

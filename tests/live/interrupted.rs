@@ -1,0 +1,33 @@
+//! Pictures that are given up for what is asked for meanwhile.
+
+use std::sync::{
+    Arc,
+    atomic::{AtomicBool, Ordering},
+};
+
+use reflet::{gpu::GpuError, render::RenderError};
+
+use crate::{
+    common::gpu_or_skip,
+    kit::{Folder, SCENE, first_camera, open, picture},
+};
+
+#[test]
+fn a_picture_that_is_given_up_leaves_no_trace() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let (gpu, folder) = (Arc::new(gpu), Folder::new());
+    let path = folder.write("scene.toml", SCENE);
+    let mut live = open(&gpu, &path, None);
+    let signal = Arc::new(AtomicBool::new(true));
+    gpu.interrupt_by(Some(Arc::clone(&signal)));
+    let given_up = live.render(&first_camera);
+    assert_eq!(
+        given_up.err(),
+        Some(RenderError::Gpu(GpuError::Interrupted))
+    );
+    // The shadow map that was not drawn then is drawn now.
+    signal.store(false, Ordering::Relaxed);
+    let after = picture(&gpu, &mut live);
+    gpu.interrupt_by(None);
+    assert_eq!(after, picture(&gpu, &mut open(&gpu, &path, None)));
+}
