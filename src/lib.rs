@@ -62,7 +62,7 @@
 //! 8. **Trace** follows the listed rays through the static tree and the top level over instances,
 //!    bounce by bounce.
 //! 9. **Filter** (rough reflections, below 16 sub-frames), **blur** (if asked for), **compose** (only the
-//!    mirror term is replaced, and transmitted light is added), **tone**.
+//!    mirror term is replaced, and transmitted light is added), **guides** (where a picture is denoised), **tone**.
 //!
 //! Settings that a scene leaves to `auto` (method, visibility, shadows, exposure) are decided before a renderer is
 //! built: [`render::decide`] follows rays of the view on the CPU, counts, and weighs the counts by the unit costs

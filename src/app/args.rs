@@ -80,7 +80,7 @@ pub struct PictureArgs {
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     pub aov: Vec<String>,
     /// Remove noise with Intel Open Image Denoise, where that library is installed (REFLET_OIDN names its folder),
-    /// guided by albedo and normal of each pixel's surface, or by the reflected albedo in sharp mirrors
+    /// guided by albedo and normal of what each pixel shows over all samples, in sharp mirrors by the reflected albedo
     #[arg(long)]
     pub denoise: bool,
     /// Frames before and after each frame of a film over which `--denoise` averages what shows the same surface, so that

@@ -10,14 +10,10 @@ use std::{
     ptr,
 };
 
-use glam::Vec3;
 use libloading::Library;
 
 use super::error::AppError;
-use crate::{
-    render::{Picture, Plane, PlaneData, aov::Aov},
-    world::{Instance, World},
-};
+use crate::render::{Picture, Plane, PlaneData, aov::Aov};
 use reproject::Surfaces;
 
 /// File name of the library with its major version; the interface of version 2 dates from 2023.
@@ -31,21 +27,17 @@ const FILE: &str = "OpenImageDenoise.dll";
 /// Environment variable with the folder of the library, for systems that do not find it.
 const FOLDER: &str = "REFLET_OIDN";
 
-/// AOVs from which the guide images (albedo and normal) are made.
-const GUIDES: [Aov; 6] = [
-    Aov::BaseColor,
-    Aov::Emission,
-    Aov::Normal,
-    Aov::Material,
-    Aov::Reflectance,
-    Aov::HitIds,
-];
+/// AOVs that tell what pixels mirror.
+const MIRRORS: [Aov; 3] = [Aov::Material, Aov::Reflectance, Aov::HitIds];
 
 /// Roughness below which reflections count as sharp.
 const SHARP: f32 = 0.05;
-/// Reflectance above which a pixel with a sharp reflection mainly shows that: its albedo guide is then the
-/// albedo of the reflected surface.
+/// Reflectance above which a pixel with a sharp reflection mainly shows that.
 const MIRROR: f32 = 0.2;
+
+/// Largest change of a channel's mean that is made up for, as a factor: more is light of specks that the filter removed,
+/// which would brighten all pixels, in each frame of a film otherwise.
+const MEAN_RANGE: [f64; 2] = [0.98, 1.02];
 
 // Constants of `oidn.h`.
 const DEVICE_CPU: c_int = 1;
@@ -56,21 +48,19 @@ type Handle = *mut c_void;
 /// The loaded library.
 pub struct Denoiser {
     library: Library,
-    /// Number of AOVs that are written; the guide AOVs follow them.
+    /// Number of AOVs that are written; further ones follow them.
     written: usize,
-    /// Albedo of each instance in a mirror: base color plus emission, at most 1, without textures.
-    colors: Vec<[f32; 3]>,
 }
 
 /// An input or output image of a filter: its name in the library, and three floats per pixel.
 struct Image<'a>(&'a CStr, &'a mut [f32]);
 
 impl Denoiser {
-    /// Loads the library, for pictures of `world` that are written with `aovs`.
+    /// Loads the library, for pictures that are written with `aovs`.
     ///
     /// # Errors
     /// [`AppError::Usage`] if it is not installed, with instructions.
-    pub fn new(aovs: &[Aov], world: &World) -> Result<Self, AppError> {
+    pub fn new(aovs: &[Aov]) -> Result<Self, AppError> {
         let folder = env::var_os(FOLDER).filter(|folder| !folder.is_empty());
         let path = folder.map_or_else(|| FILE.into(), |folder| PathBuf::from(folder).join(FILE));
         #[expect(
@@ -88,26 +78,18 @@ impl Denoiser {
                 path.display()
             ))
         })?;
-        let color = |instance: &Instance| {
-            let material = &world.materials[instance.material];
-            (material.base_color.truncate() + material.emission)
-                .min(Vec3::ONE)
-                .to_array()
-        };
         Ok(Self {
             library,
             written: aovs.len(),
-            colors: world.instances.iter().map(color).collect(),
         })
     }
 
-    /// AOVs to render for denoising: the requested ones, then the missing guides, with those that find surfaces in
-    /// other frames where `has_window`.
+    /// AOVs to render for denoising: the requested ones, then those that find surfaces in other frames where
+    /// `has_window`.
     pub fn aovs(requested: &[Aov], has_window: bool) -> Vec<Aov> {
-        let surfaces = Surfaces::AOVS.into_iter().filter(|_| has_window);
-        let guides = GUIDES.into_iter().chain(surfaces);
-        let missing = guides.filter(|aov| !requested.contains(aov));
-        requested.iter().copied().chain(missing).collect()
+        let surfaces = MIRRORS.into_iter().chain(Surfaces::AOVS);
+        let further = surfaces.filter(|aov| has_window && !requested.contains(aov));
+        requested.iter().copied().chain(further).collect()
     }
 
     /// The instance that each pixel mirrors, none of its instances for the surroundings, where its surface is a sharp mirror.
@@ -125,75 +107,46 @@ impl Denoiser {
             .collect()
     }
 
-    /// Denoises the linear and the display color of a picture with the planes of [`Denoiser::aovs`], and drops
-    /// the planes that were added as guides.
+    /// Denoises the linear radiance of a picture with guides, makes its display color from that, and drops the planes
+    /// that were added by [`Denoiser::aovs`].
     ///
     /// # Errors
     /// [`AppError::Internal`] with the library's message.
     pub fn apply(&self, picture: &mut Picture) -> Result<(), AppError> {
-        let guides = (
-            self.albedo(&picture.planes),
-            values(&picture.planes, Aov::Normal),
-        );
-        if !picture.color.is_empty() {
-            let first = |pixel: &[f32]| [pixel[0], pixel[1], pixel[2]];
-            let linear: Vec<f32> = picture.color.chunks_exact(4).flat_map(first).collect();
-            let clean = self.filtered(picture.size, linear, &guides, c"hdr")?;
-            let pixels = picture.color.chunks_exact_mut(4);
-            for (pixel, clean) in pixels.zip(clean.chunks_exact(3)) {
-                // Empty pixels stay black, even where the filter has spread light.
-                let is_there = !picture.alpha || pixel[3] > 0.0;
-                pixel[..3].copy_from_slice(if is_there { clean } else { &[0.0; 3] });
-            }
-        }
-        let display = picture.display.chunks_exact(4);
-        let display: Vec<f32> = display
-            .flat_map(|p| [p[0], p[1], p[2]].map(|v| f32::from(v) / 255.0))
-            .collect();
-        let clean = self.filtered(picture.size, display, &guides, c"srgb")?;
-        let pixels = picture.display.chunks_exact_mut(4);
+        let first = |pixel: &[f32]| [pixel[0], pixel[1], pixel[2]];
+        let linear: Vec<f32> = picture.color.chunks_exact(4).flat_map(first).collect();
+        let mut clean = self.filtered(picture.size, linear.clone(), &picture.guides)?;
+        keep_mean(&mut clean, &linear);
+        let pixels = picture.color.chunks_exact_mut(4);
         for (pixel, clean) in pixels.zip(clean.chunks_exact(3)) {
-            for (byte, value) in pixel.iter_mut().zip(clean) {
-                *byte = (value.clamp(0.0, 1.0) * 255.0).round() as u8;
-            }
+            // Empty pixels stay black, even where the filter has spread light.
+            let is_there = !picture.alpha || pixel[3] > 0.0;
+            pixel[..3].copy_from_slice(if is_there { clean } else { &[0.0; 3] });
         }
+        picture.set_display_from_color();
         picture.planes.truncate(self.written);
         Ok(())
     }
 
-    /// Albedo guide: the albedo of each pixel's surface, in sharp mirrors that of the reflected surface.
-    fn albedo(&self, planes: &[Plane]) -> Vec<f32> {
-        let mut albedo = values(planes, Aov::BaseColor);
-        for (albedo, emission) in albedo.iter_mut().zip(values(planes, Aov::Emission)) {
-            *albedo = (*albedo + emission).min(1.0);
-        }
-        let pixels = albedo.chunks_exact_mut(3).zip(Self::mirrored(planes));
-        for (albedo, mirrored) in pixels {
-            if let Some(mirrored) = mirrored {
-                let seen = self.colors.get(mirrored as usize);
-                albedo.copy_from_slice(seen.unwrap_or(&[1.0; 3]));
-            }
-        }
-        albedo
-    }
-
-    /// Denoised copy of an image with three floats per pixel; `kind` is the filter's flag, `hdr` or `srgb`.
+    /// Denoised copy of linear radiance with three floats per pixel, by planes of guides.
     fn filtered(
         &self,
         size: [u32; 2],
         mut color: Vec<f32>,
-        (albedo, normal): &(Vec<f32>, Vec<f32>),
-        kind: &CStr,
+        guides: &[f32],
     ) -> Result<Vec<f32>, AppError> {
         let mut output = vec![0.0; color.len()];
-        let (mut albedo, mut normal) = (albedo.clone(), normal.clone());
+        let (mut albedo, mut normal) = match guides.len() / 2 {
+            0 => (vec![0.0; color.len()], vec![0.0; color.len()]),
+            half => (interleaved(&guides[..half]), interleaved(&guides[half..])),
+        };
         let images = [
             Image(c"color", &mut color),
             Image(c"albedo", &mut albedo),
             Image(c"normal", &mut normal),
             Image(c"output", &mut output),
         ];
-        self.execute(size, images, kind)
+        self.execute(size, images, c"hdr")
             .map_err(|why| AppError::Internal(format!("Open Image Denoise: {why}")))?;
         Ok(output)
     }
@@ -270,6 +223,31 @@ impl Denoiser {
             release_filter(filter);
             release_device(device);
             if failed { Err(text) } else { Ok(()) }
+        }
+    }
+}
+
+/// Three planes, pixel by pixel.
+fn interleaved(planes: &[f32]) -> Vec<f32> {
+    let pixels = planes.len() / 3;
+    (0..planes.len())
+        .map(|i| planes[i % 3 * pixels + i / 3])
+        .collect()
+}
+
+/// Scales each channel of a denoised picture to its mean before: the filter works on a compressed range and leaves some
+/// light out.
+fn keep_mean(clean: &mut [f32], noisy: &[f32]) {
+    for channel in 0..3 {
+        let sum = |values: &[f32]| -> f64 {
+            let of_channel = values.iter().skip(channel).step_by(3);
+            of_channel.map(|value| f64::from(value.max(0.0))).sum()
+        };
+        let factor = sum(noisy) / sum(clean);
+        if factor.is_finite() {
+            let factor = factor.clamp(MEAN_RANGE[0], MEAN_RANGE[1]) as f32;
+            let of_channel = clean.iter_mut().skip(channel).step_by(3);
+            of_channel.for_each(|value| *value *= factor);
         }
     }
 }

@@ -56,7 +56,7 @@ impl RenderSession {
         library: &ShaderLibrary,
     ) -> Result<Self, AppError> {
         let denoiser = (args.picture.denoise)
-            .then(|| Denoiser::new(&aovs, &loaded.world).map(Arc::new))
+            .then(|| Denoiser::new(&aovs).map(Arc::new))
             .transpose()?;
         let crop = checked_crop(args, &loaded)?;
         // Denoising, statistics and error bounds look at the whole picture.
@@ -69,6 +69,7 @@ impl RenderSession {
         let view = ViewOverrides {
             audit: args.stats.is_some(),
             crop: crop.filter(|_| !needs_whole),
+            guides: denoiser.is_some(),
             costs: plan.map(|path| costs(path, &gpu)).transpose()?,
             camera: camera.map(|index| loaded.world.cameras[index].name.clone()),
             ..ViewOverrides::default()
@@ -103,7 +104,7 @@ impl RenderSession {
             self.warm_up()?;
         }
         self.scene.begin(PictureRequest {
-            color,
+            color: color || self.denoiser.is_some(),
             aovs,
             timed: self.timed,
             estimates_error: false,

@@ -66,11 +66,12 @@ pub fn values<T: Pod>(bytes: &[u8]) -> Vec<T> {
     bytemuck::pod_collect_to_vec(&bytes[..whole])
 }
 
-/// One mip of one layer of a texture.
+/// One mip of one or more layers of a texture.
 struct TexturePlane<'a> {
     texture: &'a wgpu::Texture,
     mip_level: u32,
     layer: u32,
+    layers: u32,
     width: u32,
     height: u32,
     row_bytes: u64,
@@ -88,6 +89,7 @@ impl<'a> TexturePlane<'a> {
             texture,
             mip_level,
             layer,
+            layers: 1,
             width,
             height: (texture.height() >> mip_level).max(1),
             row_bytes: u64::from(width) * u64::from(texel_bytes),
@@ -141,12 +143,15 @@ impl Downloads {
         }
     }
 
-    /// Adds a copy of mip 0, layer 0 of a texture, laid out as by [`read_texture`].
+    /// Adds a copy of mip 0 of a texture, its layers one after another, each laid out as by [`read_texture`].
     ///
     /// # Errors
     /// Same errors as [`read_texture`].
     pub fn texture(&mut self, gpu: &Gpu, texture: &wgpu::Texture) -> Result<(), GpuError> {
-        let plane = TexturePlane::of(texture, 0, 0)?;
+        let plane = TexturePlane {
+            layers: texture.depth_or_array_layers(),
+            ..TexturePlane::of(texture, 0, 0)?
+        };
         self.rows(gpu, &plane, 0..plane.height)
     }
 
@@ -174,7 +179,7 @@ impl Downloads {
     ) -> Result<(), GpuError> {
         let padded = plane.padded_bytes();
         let num_rows = rows.end - rows.start;
-        let staging = staging_buffer(gpu, padded * u64::from(num_rows))?;
+        let staging = staging_buffer(gpu, padded * u64::from(num_rows) * u64::from(plane.layers))?;
         self.encoder.copy_texture_to_buffer(
             wgpu::TexelCopyTextureInfo {
                 texture: plane.texture,
@@ -191,13 +196,13 @@ impl Downloads {
                 layout: wgpu::TexelCopyBufferLayout {
                     offset: 0,
                     bytes_per_row: Some(padded as u32),
-                    rows_per_image: None,
+                    rows_per_image: Some(num_rows),
                 },
             },
             wgpu::Extent3d {
                 width: plane.width,
                 height: num_rows,
-                depth_or_array_layers: 1,
+                depth_or_array_layers: plane.layers,
             },
         );
         self.copies.push(Copy {

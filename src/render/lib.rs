@@ -71,6 +71,7 @@ mod sub_frame;
 pub mod targets;
 mod texel_array;
 pub mod textures;
+pub mod tone_map;
 mod tree_array;
 pub mod types;
 pub mod unit_costs;

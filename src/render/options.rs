@@ -26,6 +26,8 @@ pub struct RenderOptions {
     pub crop: Option<Crop>,
     /// Whether to trace rays for some of the screen hits, for `audit` in the statistics.
     pub audit: bool,
+    /// Whether to sum guides for a denoiser.
+    pub guides: bool,
     /// Whether to drop no features, to compare with the planned frame.
     pub general: bool,
 }
@@ -72,6 +74,7 @@ impl Default for RenderOptions {
             draft: None,
             crop: None,
             audit: false,
+            guides: false,
             general: false,
         }
     }

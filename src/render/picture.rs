@@ -1,9 +1,11 @@
 //! A finished picture on the CPU: linear color, display color and AOV planes.
 
 use reflet_gpu::Gpu;
-use reflet_scene::desc::CameraDesc;
+use reflet_scene::desc::{CameraDesc, ImageDesc};
 use reflet_world::World;
 
+#[cfg(doc)]
+use super::options::RenderOptions;
 use super::{
     aov::{Aov, Plane, PlaneData},
     download::{Download, TargetValues},
@@ -13,6 +15,7 @@ use super::{
     renderer::Renderer,
     stats::FrameStats,
     targets::Target,
+    tone_map::Tone,
 };
 
 /// A finished picture.
@@ -27,6 +30,10 @@ pub struct Picture {
     pub display: Vec<u8>,
     /// Whether the alpha channel is used: linear radiance is premultiplied by it, display color is not.
     pub alpha: bool,
+    /// Settings that display color was made by.
+    pub tone: Tone,
+    /// Means of guides for a denoiser over the sub-frames, plane by plane; empty without [`RenderOptions::guides`].
+    pub guides: Vec<f32>,
     /// Requested AOVs.
     pub planes: Vec<Plane>,
     /// Statistics of the picture's frame.
@@ -80,6 +87,16 @@ pub struct PictureRequest<'a> {
     pub estimates_error: bool,
 }
 
+impl Picture {
+    /// Computes the display color from linear radiance, which must have been requested, and alpha.
+    pub fn set_display_from_color(&mut self) {
+        let pixels = self.color.chunks_exact(4).enumerate();
+        for ((index, pixel), display) in pixels.zip(self.display.chunks_exact_mut(4)) {
+            display[..3].copy_from_slice(&self.tone.display(index, pixel, self.alpha));
+        }
+    }
+}
+
 /// A picture being rendered or read back. Another thread may wait for it while the renderer
 /// continues.
 pub struct PendingPicture {
@@ -89,7 +106,9 @@ pub struct PendingPicture {
     aovs: Vec<Aov>,
     camera: CameraDesc,
     alpha: bool,
+    has_guides: bool,
     halves: Option<Halves>,
+    image: ImageDesc,
     stats: FrameStats,
 }
 
@@ -120,16 +139,28 @@ impl PendingPicture {
         if let Some(counters) = &values.counters {
             stats.set_counters(counters);
         }
-        let color = self
-            .color
-            .map(|target| mean(&values, target, (stats.samples, self.alpha)));
+        let (color, unlit) = self.color.map_or_else(Default::default, |target| {
+            mean(&values, target, (stats.samples, self.alpha))
+        });
+        let mut guides = Vec::new();
+        if self.has_guides {
+            let share = 1.0 / stats.samples as f32;
+            guides = values.texels::<f32>(Target::Guides);
+            guides.iter_mut().for_each(|sum| *sum *= share);
+        }
         let planes = self
             .aovs
             .iter()
             .map(|aov| aov.decode(&values, &self.camera));
         Ok(Picture {
             size: values.size,
-            color: color.unwrap_or_default(),
+            color,
+            tone: Tone {
+                exposure_ev: self.image.exposure_ev.ev(),
+                curve: self.image.tone_map,
+                unlit,
+            },
+            guides,
             display: values.texels(Target::Display),
             alpha: self.alpha,
             planes: planes.collect(),
@@ -138,10 +169,18 @@ impl PendingPicture {
     }
 }
 
-/// Mean of the sub-frames, whose sum a target holds.
-fn mean(values: &TargetValues, target: Target, (samples, alpha): (u32, bool)) -> Vec<f32> {
+/// Mean of the sub-frames, whose sum a target holds, and the share of each pixel that shows a display color; no shares
+/// where none does.
+fn mean(
+    values: &TargetValues,
+    target: Target,
+    (samples, alpha): (u32, bool),
+) -> (Vec<f32>, Vec<f32>) {
     let mut color: Vec<f32> = values.texels(target);
     let scale = 1.0 / samples as f32;
+    let has_unlit = color.chunks_exact(4).any(|pixel| pixel[3] > 0.0);
+    let shares = color.chunks_exact(4).filter(|_| has_unlit);
+    let unlit = shares.map(|pixel| pixel[3] * scale).collect();
     for pixel in color.chunks_exact_mut(4) {
         for channel in &mut pixel[..3] {
             *channel *= scale;
@@ -154,7 +193,7 @@ fn mean(values: &TargetValues, target: Target, (samples, alpha): (u32, bool)) ->
             pixel[3] = (sum * scale).clamp(0.0, 1.0);
         }
     }
-    color
+    (color, unlit)
 }
 
 impl Renderer {
@@ -209,6 +248,10 @@ impl Renderer {
         let targets = [Target::Display].into_iter().chain(color);
         let alpha = self.options.image.alpha;
         let covered = (alpha && color.is_some()).then_some(Target::CoverageSum);
+        let has_guides = self.options.guides;
+        let covered = covered
+            .into_iter()
+            .chain(has_guides.then_some(Target::Guides));
         let targets: Vec<_> = targets.chain(covered).chain(planes.copied()).collect();
         let halves = self.take_halves(gpu)?;
         Ok(PendingPicture {
@@ -218,6 +261,8 @@ impl Renderer {
             aovs: request.aovs.to_vec(),
             camera: camera.clone(),
             alpha,
+            has_guides,
+            image: self.options.image,
             stats,
         })
     }

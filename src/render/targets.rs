@@ -50,9 +50,15 @@ pub enum Target {
     ColorOdd,
     /// Sum over the sub-frames of the share of a pixel that surfaces cover.
     CoverageSum,
+    /// Sum over the sub-frames of guides for a denoiser, in layers: red, green and blue of the surface's color, and its
+    /// normal.
+    Guides,
     /// Tone-mapped display color.
     Display,
 }
+
+/// Number of guides of a pixel: three of its color, three of its normal.
+pub const GUIDES: usize = 6;
 
 /// View depth of pixels that show no surface, meters.
 pub const FAR_M: f32 = 1e30;
@@ -61,7 +67,7 @@ use wgpu::TextureFormat as F;
 
 impl Target {
     /// All targets.
-    pub const ALL: [Self; 22] = [
+    pub const ALL: [Self; 23] = [
         Self::RasterDepth,
         Self::Ids,
         Self::ViewDepth,
@@ -83,6 +89,7 @@ impl Target {
         Self::ColorEven,
         Self::ColorOdd,
         Self::CoverageSum,
+        Self::Guides,
         Self::Display,
     ];
 
@@ -110,6 +117,7 @@ impl Target {
             Self::ColorEven => "color_even",
             Self::ColorOdd => "color_odd",
             Self::CoverageSum => "coverage_sum",
+            Self::Guides => "guides",
             Self::Display => "display",
         }
     }
@@ -119,7 +127,7 @@ impl Target {
         match self {
             Self::RasterDepth | Self::SecondDepth => F::Depth32Float,
             Self::Ids | Self::SecondIds | Self::VisibleLights => F::Rg32Uint,
-            Self::ViewDepth | Self::CoverageSum => F::R32Float,
+            Self::ViewDepth | Self::CoverageSum | Self::Guides => F::R32Float,
             Self::Surface | Self::Colors | Self::Details | Self::Hit => F::Rgba32Uint,
             Self::Radiance
             | Self::Specular
@@ -146,6 +154,7 @@ impl Target {
     pub fn layers(self, has_frames: bool) -> u32 {
         match self {
             Self::Details => 2 + u32::from(has_frames),
+            Self::Guides => GUIDES as u32,
             _ => 1,
         }
     }
@@ -202,7 +211,7 @@ impl Targets {
     ) -> Result<Self, GpuError> {
         let layers = |target: Target| match target {
             Target::Details => detail_layers,
-            _ => 1,
+            other => other.layers(false),
         };
         let needed = |target: Target| written.contains(&target);
         gpu.check_texture_size("the picture", size[0], size[1])?;

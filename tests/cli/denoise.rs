@@ -5,6 +5,8 @@ use std::{
     path::{Path, PathBuf},
 };
 
+use reflet::bench::read::read_picture;
+
 use super::{exits, folder, names, reflet};
 use crate::common::gpu_or_skip;
 
@@ -82,11 +84,55 @@ fn with_its_library_grain_goes_and_edges_stay() {
         pairs.map(|(a, b)| (a.0[0] - b.0[0]).powi(2)).sum::<f32>()
     };
     assert!(
-        error(&clean) < 0.5 * error(&grainy),
+        error(&clean) < 0.3 * error(&grainy),
         "{} of {}",
         error(&clean),
         error(&grainy)
     );
+}
+
+/// Denoised radiance has the mean of what it was made from, and edges that many samples smooth stay smooth.
+#[test]
+fn brightness_and_smooth_edges_stay() {
+    let Some(library) = library() else {
+        eprintln!("SKIPPED: no Open Image Denoise");
+        return;
+    };
+    if gpu_or_skip().is_none() {
+        return;
+    }
+    let folder = folder("denoise-mean");
+    let scene = fs::read_to_string(folder.join("scene.toml")).expect("a scene");
+    let soft = scene + "angle_deg = 40\nshadow = \"ray\"\n[image]\nlight_rays = 1\n";
+    fs::write(folder.join("scene.toml"), soft).expect("a scene");
+    let render = |name: &str, further: &[&str]| {
+        let fixed = ["render", "scene.toml", "--size", "96x64", "-o", name];
+        let arguments: Vec<&str> = fixed.iter().chain(further).copied().collect();
+        let output = reflet(&folder, &arguments)
+            .env("REFLET_OIDN", &library)
+            .output();
+        assert!(output.expect("the program starts").status.success());
+        let read = read_picture(&folder.join(name)).expect("a picture");
+        read.picture.pixels().to_vec()
+    };
+    let mean = |picture: &[[f32; 3]], channel: usize| -> f64 {
+        let sum: f64 = picture.iter().map(|pixel| f64::from(pixel[channel])).sum();
+        sum / picture.len() as f64
+    };
+    let grainy = render("a.exr", &["--samples", "8"]);
+    let clean = render("b.exr", &["--samples", "8", "--denoise"]);
+    assert_ne!(grainy, clean);
+    for channel in 0..3 {
+        let change = mean(&clean, channel) / mean(&grainy, channel) - 1.0;
+        assert!(change.abs() < 0.0005, "{change}");
+    }
+    // The picture is made from that radiance, so it is as bright as the truth.
+    let shown = render("b.png", &["--samples", "8", "--denoise"]);
+    let truth = render("c.png", &["--samples", "128"]);
+    for channel in 0..3 {
+        let change = mean(&shown, channel) / mean(&truth, channel) - 1.0;
+        assert!(change.abs() < 0.004, "{change}");
+    }
 }
 
 /// A camera that moves past the scene for six frames, under a soft sun.

@@ -12,6 +12,7 @@ mod animation;
 mod background_scripts;
 mod coarse;
 mod errors;
+mod guides;
 mod includes;
 mod interrupted;
 mod kit;

@@ -104,28 +104,14 @@ impl Window {
             .collect::<Result<_, AppError>>()?;
         let mut picture = own.picture.clone();
         let width = picture.size[0] as usize;
-        let mut rows: Vec<_> = match picture.color.is_empty() {
-            true => (picture.display.chunks_exact_mut(4 * width))
-                .map(|display| (display, None))
-                .collect(),
-            false => (picture.display.chunks_exact_mut(4 * width))
-                .zip(picture.color.chunks_exact_mut(4 * width).map(Some))
-                .collect(),
-        };
-        rows.par_iter_mut()
-            .enumerate()
-            .for_each(|(y, (display, color))| {
-                for x in 0..width {
-                    let mean = Mean::of([x, y], (own, &self.own.pose), &neighbors);
-                    let pixel = 4 * x..4 * x + 3;
-                    for (value, mean) in display[pixel.clone()].iter_mut().zip(mean.display) {
-                        *value = mean.round() as u8;
-                    }
-                    if let Some(color) = color {
-                        color[pixel].copy_from_slice(&mean.color);
-                    }
-                }
-            });
+        let rows = picture.color.par_chunks_exact_mut(4 * width);
+        rows.enumerate().for_each(|(y, row)| {
+            for (x, pixel) in row.chunks_exact_mut(4).enumerate() {
+                let mean = mean_of([x, y], (own, &self.own.pose), &neighbors);
+                pixel[..3].copy_from_slice(&mean);
+            }
+        });
+        picture.set_display_from_color();
         Ok(picture)
     }
 }
@@ -162,10 +148,6 @@ impl Denoised {
         })
     }
 
-    fn display(&self, pixel: usize) -> [f32; 3] {
-        [0, 1, 2].map(|channel| f32::from(self.picture.display[4 * pixel + channel]))
-    }
-
     fn color(&self, pixel: usize) -> [f32; 3] {
         let color = &self.picture.color;
         [0, 1, 2].map(|channel| color.get(4 * pixel + channel).copied().unwrap_or(0.0))
@@ -193,60 +175,43 @@ fn surroundings(display: &[u8], [width, height]: [u32; 2]) -> Vec<[f32; 3]> {
     (0..width * height).into_par_iter().map(mean).collect()
 }
 
-/// Weighted mean of a pixel over the frames of a window.
-struct Mean {
-    display: [f32; 3],
-    color: [f32; 3],
-}
-
-impl Mean {
-    fn of(
-        [x, y]: [usize; 2],
-        own: (&Denoised, &FramePose),
-        neighbors: &[(&Denoised, &FramePose)],
-    ) -> Self {
-        let (denoised, pose) = own;
-        let index = y * denoised.picture.size[0] as usize + x;
-        let mut mean = Self {
-            display: denoised.display(index),
-            color: denoised.color(index),
+/// Weighted mean of the linear radiance of a pixel over the frames of a window.
+fn mean_of(
+    [x, y]: [usize; 2],
+    own: (&Denoised, &FramePose),
+    neighbors: &[(&Denoised, &FramePose)],
+) -> [f32; 3] {
+    let (denoised, pose) = own;
+    let index = y * denoised.picture.size[0] as usize + x;
+    let mut mean = denoised.color(index);
+    if denoised.picture.display[4 * index + 3] != u8::MAX {
+        return mean; // coverage may differ between frames
+    }
+    let mut sum = 1.0;
+    for (other, other_pose) in neighbors {
+        let (here, there) = ((&denoised.surfaces, pose), (&other.surfaces, *other_pose));
+        let Some(found) = taps([x as u32, y as u32], here, there) else {
+            continue;
         };
-        if denoised.picture.display[4 * index + 3] != u8::MAX {
-            return mean; // coverage may differ between frames
-        }
-        let mut sum = 1.0;
-        for (other, other_pose) in neighbors {
-            let (here, there) = ((&denoised.surfaces, pose), (&other.surfaces, *other_pose));
-            let Some(found) = taps([x as u32, y as u32], here, there) else {
-                continue;
-            };
-            let mixed = |of: &dyn Fn(usize) -> [f32; 3]| {
-                let mut sum = [0.0; 3];
-                for (pixel, weight) in &found.0 {
-                    let values = of(*pixel);
-                    sum.iter_mut()
-                        .zip(values)
-                        .for_each(|(sum, value)| *sum += weight * value);
-                }
-                sum
-            };
-            let around = mixed(&|pixel| other.surroundings[pixel]);
-            let pairs = around.iter().zip(denoised.surroundings[index]);
-            let difference = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
-            let weight = (-(difference / SAME_VALUE).powi(2)).exp();
-            sum += weight;
-            for (sums, values) in [
-                (&mut mean.display, mixed(&|pixel| other.display(pixel))),
-                (&mut mean.color, mixed(&|pixel| other.color(pixel))),
-            ] {
-                sums.iter_mut()
+        let mixed = |of: &dyn Fn(usize) -> [f32; 3]| {
+            let mut sum = [0.0; 3];
+            for (pixel, weight) in &found.0 {
+                let values = of(*pixel);
+                sum.iter_mut()
                     .zip(values)
                     .for_each(|(sum, value)| *sum += weight * value);
             }
-        }
-        Self {
-            display: mean.display.map(|value| value / sum),
-            color: mean.color.map(|value| value / sum),
-        }
+            sum
+        };
+        let around = mixed(&|pixel| other.surroundings[pixel]);
+        let pairs = around.iter().zip(denoised.surroundings[index]);
+        let difference = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+        let weight = (-(difference / SAME_VALUE).powi(2)).exp();
+        sum += weight;
+        let values = mixed(&|pixel| other.color(pixel));
+        mean.iter_mut()
+            .zip(values)
+            .for_each(|(sum, value)| *sum += weight * value);
     }
+    mean.map(|value| value / sum)
 }

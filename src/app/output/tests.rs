@@ -15,6 +15,7 @@ use crate::{
         Picture, Plane, PlaneData,
         aov::Aov,
         stats::{FrameStats, Shares},
+        tone_map::Tone,
     },
     scene::desc::Method,
 };
@@ -46,6 +47,8 @@ fn picture() -> Picture {
         size: [2, 1],
         color: vec![0.25, 4.0, -1.0, 1.0, 0.5, 0.0, 1e-4, 1.0],
         display: vec![10, 20, 30, 255, 40, 50, 60, 255],
+        tone: Tone::default(),
+        guides: Vec::new(),
         planes: vec![Plane {
             name: "cause",
             channels: &["cause"],

@@ -8,6 +8,7 @@ pub mod coverage;
 pub mod details;
 pub mod filter;
 pub mod fog;
+pub mod guides;
 pub mod hits;
 pub mod indirect;
 pub mod light;
@@ -99,6 +100,7 @@ passes! {
     blur: Blur,
     compose: Compose,
     coverage: Coverage,
+    guides: Guides,
     tone: Tone,
 }
 

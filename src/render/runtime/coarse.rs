@@ -49,6 +49,7 @@ pub(super) fn options(mut options: RenderOptions) -> RenderOptions {
         options.image.exposure_ev = Exposure::Ev(0.0); // automatic exposure needs rays
     }
     options.audit = false;
+    options.guides = false;
     options
 }
 

@@ -48,6 +48,8 @@ pub struct ViewOverrides {
     pub crop: Option<Crop>,
     /// See [`RenderOptions::audit`].
     pub audit: bool,
+    /// See [`RenderOptions::guides`].
+    pub guides: bool,
     /// Name of the chosen camera. Without one, or where the scene lacks it, `auto` is decided for the camera that
     /// is shown at the first frame.
     pub camera: Option<String>,
@@ -68,6 +70,7 @@ impl ViewOverrides {
             draft: self.draft,
             crop: self.crop,
             audit: self.audit,
+            guides: self.guides,
             ..RenderOptions::of(&loaded.scene)
         };
         options.reflection.method = self.method.unwrap_or(options.reflection.method);

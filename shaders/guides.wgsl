@@ -1,0 +1,61 @@
+// Guides: color and normal of the surfaces that pixels show, for a denoiser; added to the sums of the sub-frames before,
+// so that edges in them are as smooth as in the picture.
+
+#import cause
+#import gbuffer
+
+override HAS_REFLECTIONS: bool = true;
+
+struct Params {
+    sample: u32, // 0 for the first sub-frame
+    pad0: u32,
+    pad1: u32,
+    pad2: u32,
+}
+
+@group(2) @binding(3) var cause: texture_2d<u32>;
+@group(2) @binding(4) var hit: texture_2d<u32>;
+@group(2) @binding(5) var guides: texture_storage_2d_array<r32float, read_write>; // red, green, blue; x, y, z
+@group(2) @binding(6) var<uniform> params: Params;
+
+const SHARP: f32 = 0.05; // roughness below which reflections count as sharp
+const MIRROR: f32 = 0.2; // reflectance above which a sharp reflection is what a pixel mainly shows
+
+// Schlick's reflectance, mean over the channels.
+fn reflectance(s: Surface) -> f32 {
+    let f0 = mix(vec3f(s.reflectivity), s.base_color, s.metallic);
+    let f90 = saturate(50.0 * (f0.x + f0.y + f0.z) / 3.0);
+    let cosine = saturate(-dot(s.normal, view_direction(s.position)));
+    let fresnel = f0 + (vec3f(f90) - f0) * pow(1.0 - cosine, 5.0);
+    return (fresnel.x + fresnel.y + fresnel.z) / 3.0;
+}
+
+// Color of the surface of a pixel, in sharp mirrors that of what they show: white for the environment.
+fn color_of(pixel: vec2u, s: Surface) -> vec3f {
+    if (HAS_REFLECTIONS && s.roughness < SHARP && reflects(textureLoad(cause, pixel, 0).x) && reflectance(s) > MIRROR) {
+        let instance = textureLoad(hit, pixel, 0).y;
+        if (instance == NONE) { return vec3f(1.0); }
+        let m = instance_material(instance);
+        return material_base_color(m).xyz + material_emission(m);
+    }
+    return s.base_color + s.emission;
+}
+
+@compute @workgroup_size(GROUP_PX, GROUP_PX)
+fn main(@builtin(global_invocation_id) id: vec3u) {
+    let pixel = moment_pixel(id.xy);
+    if (any(pixel >= vec2u(frame.size))) { return; }
+    var color = vec3f(0.0);
+    var normal = vec3f(0.0);
+    if (textureLoad(view_depth, pixel, 0).x < FAR_M) {
+        let s = load_surface(pixel);
+        color = min(color_of(pixel, s), vec3f(1.0));
+        normal = s.normal;
+    }
+    let values = array<f32, 6>(color.x, color.y, color.z, normal.x, normal.y, normal.z);
+    for (var layer = 0u; layer < 6u; layer++) {
+        var sum = values[layer];
+        if (params.sample > 0u) { sum += textureLoad(guides, pixel, layer).x; }
+        textureStore(guides, pixel, layer, vec4f(sum, 0.0, 0.0, 0.0));
+    }
+}

@@ -1,0 +1,66 @@
+//! Guides: color and normal of the surfaces that pixels show, means over the sub-frames, for a denoiser.
+
+use crate::{
+    frame_pass::FramePass,
+    pass::{ComputePass, Dispatch, Pass, PassGroup},
+    pass_builder::PassBuilder,
+    sub_frame::SubFrame,
+    targets::Target,
+    types::gpu_struct,
+};
+use reflet_gpu::{Checks, GpuError};
+
+/// See `shaders/guides.wgsl`.
+pub const PASS: Pass = Pass {
+    name: "guides",
+    group: PassGroup::Picture,
+    color: [60, 60, 60],
+    reads: &[
+        Target::ViewDepth,
+        Target::Surface,
+        Target::Colors,
+        Target::Details,
+        Target::Cause,
+        Target::Hit,
+    ],
+    writes: &[Target::Guides],
+    needed: |_, options| options.guides,
+    params: Some(Params::LAYOUT),
+    // Hits come from passes whose indices `check_world` and `Trees::build` validated.
+    checks: Checks::TrustedBuiltin,
+    ..Pass::DEFAULT
+};
+
+gpu_struct! {
+    /// Uniforms of the guides shader for one sub-frame.
+    pub struct Params = "Params" {
+        /// Index of the sub-frame.
+        sample: u32,
+        /// Unused.
+        pad0: u32,
+        /// Unused.
+        pad1: u32,
+        /// Unused.
+        pad2: u32,
+    }
+}
+
+/// The guides pass on the device.
+#[derive(Debug)]
+pub struct Guides(ComputePass);
+
+impl FramePass for Guides {
+    fn new(builder: &PassBuilder<'_>) -> Result<Self, GpuError> {
+        Ok(Self(builder.compute(&PASS, &[])?))
+    }
+
+    fn record(&self, frame: &mut SubFrame<'_>) {
+        let params = Params {
+            sample: frame.share.sample,
+            pad0: 0,
+            pad1: 0,
+            pad2: 0,
+        };
+        frame.dispatch_with(&self.0, &params, &Dispatch::PerPixel);
+    }
+}

@@ -1,0 +1,134 @@
+//! Guides of pictures that are denoised, as smooth as these, and display color made anew from linear color.
+
+use reflet::{
+    render::Picture,
+    runtime::{Session, SessionOptions, ViewOverrides, scene_text::SceneOptions},
+};
+
+use crate::{common::gpu_or_skip, kit::Folder};
+
+/// A turned mirror above a red wall that glows a little, an unlit ball and a floor.
+const SCENE: &str = r#"version = 1
+[image]
+size = [40, 40]
+[camera.main]
+eye = [0, 0, 5]
+target = [0, 0, 0]
+fov_deg = 40
+[material.red]
+base_color = [0.8, 0.2, 0.1]
+roughness = 1
+[material.mirror]
+metallic = 1
+roughness = 0
+base_color = [0.9, 0.9, 0.9]
+[material.unlit]
+base_color = [0.3, 0.6, 0.9]
+unlit = true
+[model.tile]
+shape = { kind = "box", size = [1.2, 1.2, 0.1] }
+material = "red"
+[model.mirror]
+shape = { kind = "box", size = [1, 1, 0.1] }
+material = "mirror"
+[model.ball]
+shape = { kind = "sphere", radius = 0.5 }
+material = "unlit"
+[[instance]]
+model = "tile"
+translation = [-0.8, 0.6, 0]
+rotation_deg = [0, 0, 20]
+[[instance]]
+model = "mirror"
+translation = [0.8, 0.6, 0]
+rotation_deg = [0, 0, 20]
+[[instance]]
+model = "ball"
+translation = [0, -0.9, 0]
+[light.sun]
+kind = "directional"
+direction = [0.2, -0.4, -1]
+intensity_lux = 9
+[environment]
+color = [0.6, 0.7, 1.5]
+"#;
+
+fn picture(set: &[&str], guides: bool) -> Picture {
+    let folder = Folder::new();
+    let path = folder.write("scene.toml", SCENE);
+    let options = SessionOptions {
+        scene: SceneOptions {
+            set: set.iter().map(|value| (*value).to_owned()).collect(),
+            ..SceneOptions::default()
+        },
+        ..SessionOptions::default()
+    };
+    let mut session = Session::open(path, &options).expect("opens");
+    let view = ViewOverrides {
+        guides,
+        ..ViewOverrides::default()
+    };
+    session.set_view(view).expect("builds");
+    session.render(&[]).expect("renders")
+}
+
+/// Guides are means over the sub-frames: at an edge they are between those of both sides, and a mirror has the color of
+/// what it shows. They change no picture.
+#[test]
+fn guides_are_as_smooth_as_the_picture() {
+    if gpu_or_skip().is_none() {
+        return;
+    }
+    let plain = picture(&["image.samples=8"], false);
+    assert!(plain.guides.is_empty());
+    for set in [
+        &["image.samples=8"][..],
+        &["image.samples=8", "image.alpha=true"],
+    ] {
+        let found = picture(set, true);
+        if set.len() == 1 {
+            assert_eq!(found.color, plain.color);
+        }
+        let pixels = 40 * 40;
+        assert_eq!(found.guides.len(), 6 * pixels);
+        let at = |guide: usize, [x, y]: [usize; 2]| found.guides[guide * pixels + y * 40 + x];
+        let (tile, mirror, ball, sky) = ([12, 13], [28, 13], [20, 30], [1, 20]);
+        assert!((at(0, tile) - 0.8).abs() < 2e-3 && (at(1, tile) - 0.2).abs() < 2e-3);
+        assert!(
+            (0..3).all(|channel| at(channel, mirror) == 1.0),
+            "it shows the environment"
+        );
+        assert!((at(2, ball) - 0.9).abs() < 2e-3);
+        assert!((0..6).all(|guide| at(guide, sky) == 0.0));
+        assert!(
+            (at(5, tile) - 1.0).abs() < 1e-3,
+            "its normal faces the camera"
+        );
+        let red = (0..pixels).map(|i| found.guides[i]);
+        let between = red.filter(|v| (0.1..0.7).contains(v)).count();
+        assert!(between > 20, "{between} pixels of edges are smooth");
+    }
+}
+
+/// Display color that is made on the CPU is that of the GPU, for all curves, with unlit surfaces and alpha.
+#[test]
+fn display_color_made_anew_is_the_same() {
+    if gpu_or_skip().is_none() {
+        return;
+    }
+    for curve in ["none", "neutral", "aces", "agx"] {
+        for alpha in ["image.alpha=false", "image.alpha=true"] {
+            let curve = format!("image.tone_map={curve:?}");
+            let set = [&curve, alpha, "image.samples=3", "image.exposure_ev=0.7"];
+            let rendered = picture(&set, false);
+            let mut anew = rendered.clone();
+            anew.display
+                .chunks_exact_mut(4)
+                .for_each(|pixel| pixel[..3].fill(7));
+            anew.set_display_from_color();
+            let pairs = anew.display.iter().zip(&rendered.display);
+            let farthest = pairs.map(|(a, b)| a.abs_diff(*b)).max();
+            assert!(farthest <= Some(1), "{curve}, {alpha}: {farthest:?}");
+        }
+    }
+}
