@@ -195,6 +195,7 @@ fn panels_list_times_shares_and_keys() {
             of: 60,
             wrong: 2,
         }),
+        second_layer: None,
         bytes: Vec::new(),
     };
     let history = VecDeque::from([stats.clone(), stats.clone()]);
