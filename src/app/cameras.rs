@@ -73,8 +73,11 @@ pub fn runs(
     Ok(runs)
 }
 
-/// Indices of the cameras of `--camera`; a camera whose own name is `all` or has commas takes precedence.
-fn choose(loaded: &LoadedScene, asked: Option<&str>) -> Result<Vec<usize>, AppError> {
+/// Indices of the cameras of `--camera`, in its order; a camera whose own name is `all` or has commas takes precedence.
+///
+/// # Errors
+/// [`AppError::Usage`] for cameras that the scene does not have or that are named twice.
+pub fn choose(loaded: &LoadedScene, asked: Option<&str>) -> Result<Vec<usize>, AppError> {
     let cameras = &loaded.world.cameras;
     let is_one = |name: &str| cameras.iter().any(|camera| camera.name == name);
     match asked {

@@ -9,6 +9,7 @@ use super::{
     job::JobCommand,
     new::NewArgs,
     pack::{PackArgs, unpack::UnpackArgs},
+    sheet::SheetArgs,
 };
 use crate::bench::compare::CompareArgs;
 
@@ -29,6 +30,8 @@ pub enum Command {
     New(NewArgs),
     /// Render a scene to pictures or a film
     Render(RenderArgs),
+    /// Render cameras, variants and frames of a scene into one picture, each with its name
+    Sheet(Box<SheetArgs>),
     /// Show a scene in a window; every save of its files shows at once
     #[cfg_attr(not(feature = "window"), command(hide = true))]
     Preview(PreviewArgs),

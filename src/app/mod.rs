@@ -53,6 +53,7 @@ pub mod sarif;
 pub mod scene;
 pub mod sequence;
 pub mod shaders;
+pub mod sheet;
 pub mod shell;
 pub mod shutdown;
 pub mod size_arg;
@@ -94,6 +95,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), AppError
         Command::Job { command } => job::job(&command),
         Command::New(args) => new::new(&args),
         Command::Pack(args) => pack::pack(&args),
+        Command::Sheet(args) => sheet::sheet(&args),
         Command::Unpack(args) => pack::unpack::unpack(&args),
         Command::Compare(args) => run_compare(&args),
         Command::Bench(args) => bench::bench(&args),

@@ -8,6 +8,7 @@ mod info;
 mod lsp;
 mod messages;
 mod project;
+mod sheet;
 mod statistics;
 
 use std::{

@@ -21,6 +21,7 @@ mod models;
 mod moments;
 mod params;
 mod picking;
+mod project;
 mod rebuilds;
 mod same_as_render;
 mod saves;
