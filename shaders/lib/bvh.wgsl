@@ -22,6 +22,8 @@ override HAS_CUTOUT: bool = true;
 // Whether nearest hits are of camera rays. The traversal then also keeps the nearest triangle that these rays
 // ignore, as a back face or as hidden from the camera, and that reflection rays meet.
 override OF_CAMERA: bool = false;
+// Whether rays pass through what may move.
+override STATIC_ONLY: bool = false;
 // Whether some instance is marked ALPHA_TESTED: cut-outs and transmissive materials.
 override HAS_TESTED: bool = true;
 // Whether nodes and triangles are counted; without it the counting code is dropped.
@@ -379,7 +381,7 @@ fn traverse(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, shadow: boo
         inside_flags = instance_trace_flags(inside);
         root = instance_tree_root(inside);
         ray = object_ray(inside, origin, direction);
-        in_tree = true;
+        in_tree = !(STATIC_ONLY && (inside_flags & MOVES) != 0u);
     }
     return best;
 }

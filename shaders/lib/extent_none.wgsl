@@ -2,6 +2,8 @@
 
 #import frame
 
+const HAS_ROUGH_REFLECTIONS: bool = false;
+
 fn start_samples(pixel: vec2u, vertex: u32) {}
 
 // Direction of a reflection ray, and its weight; see extent_sampled.wgsl. In this variant the ray sees no light.

@@ -18,6 +18,12 @@ fn scatterings() -> u32 {
     return path_scatterings;
 }
 
+// Prepares for a path after another one of the same invocation.
+fn forget_scatterings() {
+    path_weight = vec3f(1.0);
+    path_vertices = 0u;
+}
+
 // Maximum length of the path's next ray: only reflections are limited to the scene's ray length.
 fn reach_m() -> f32 {
     return select(frame.ray_length_m, FAR_M, path_scatterings > 0u);

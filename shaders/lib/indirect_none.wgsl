@@ -7,6 +7,8 @@ fn scatterings() -> u32 {
     return 0u;
 }
 
+fn forget_scatterings() {}
+
 fn reach_m() -> f32 {
     return frame.ray_length_m;
 }

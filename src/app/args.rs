@@ -349,6 +349,11 @@ pub enum MethodArg {
     Rt,
     /// Screen space first, ray traced where that fails
     Hybrid,
+    /// Cube maps that were captured from probes
+    Probe,
+    /// Screen space first, probes where that fails
+    #[value(name = "ssr+probe")]
+    SsrProbe,
     /// Path tracing of all light, with any number of bounces: the reference, and slow
     Path,
     /// Hybrid or rt, whichever is expected to take less time
@@ -361,6 +366,8 @@ impl From<MethodArg> for Method {
             MethodArg::Ssr => Self::Ssr,
             MethodArg::Rt => Self::Rt,
             MethodArg::Hybrid => Self::Hybrid,
+            MethodArg::Probe => Self::Probe,
+            MethodArg::SsrProbe => Self::SsrProbe,
             MethodArg::Path => Self::Path,
             MethodArg::Auto => Self::Auto,
         }

@@ -33,6 +33,7 @@ use crate::{
 };
 
 pub mod args;
+mod comparators;
 pub mod paper;
 pub mod progress;
 pub mod regret;
@@ -58,6 +59,7 @@ pub fn bench(args: &BenchArgs) -> Result<(), AppError> {
         Some(Experiment::Paper(args)) => paper::paper(args),
         Some(Experiment::Reload(args)) => reload::reload(args),
         Some(Experiment::Regret(args)) => regret::regret(args),
+        Some(Experiment::Comparators(args)) => comparators::comparators(args),
         Some(Experiment::Stability(args)) => stability::stability(args),
         None => {
             let samples = match &args.samples {
@@ -301,11 +303,10 @@ fn sample(
         BenchError::Render(error) => AppError::from_render(error, args.shaders.is_some()),
     })?;
     if outcome.skipped > 0 {
-        let text = format!(
-            "{} frames were measured before and are kept",
-            outcome.skipped
-        );
-        progress.note(&text);
+        let skipped = outcome.skipped;
+        progress.note(&format!(
+            "{skipped} frames were measured before and are kept"
+        ));
     }
     let scenes: Vec<&str> = all_series.iter().map(FrameSeries::name).collect();
     let json = settings::json(protocol, &scenes, &host, &outcome, log.samples())?;

@@ -21,7 +21,10 @@ use crate::{
         RenderOptions,
         cutoff::can_reflect,
         decide::{Decision, decide, needs_trees},
+        passes::capture,
         plan::{Dropped, Plan},
+        probe_boxes::probe_boxes,
+        probe_maps::ProbeKey,
         textures::Layers,
         types::GpuVertex,
     },
@@ -34,7 +37,7 @@ use crate::{
         desc::{Entry, LightKind, ParamValue, SceneDesc},
         diagnostic::print_diagnostics,
     },
-    world::{ListedVariants, Mesh, World, animation::Listed, bvh::Trees},
+    world::{Light, ListedVariants, Mesh, World, animation::Listed, bvh::Trees},
 };
 
 /// Output of `info --json`.
@@ -98,6 +101,9 @@ pub struct Info {
     pub texture_bytes: u64,
     /// BVHs that rays are traced through, bytes.
     pub tree_bytes: u64,
+    /// Probes of the scene's method; `None` where it looks nothing up.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub probes: Option<ProbesInfo>,
     /// Maximum number of consecutive reflections in this scene.
     pub bounces: u32,
     /// Settings left to `auto`, and their values on software adapters.
@@ -116,6 +122,17 @@ pub struct Info {
     pub warnings: usize,
     /// Every file that was read.
     pub files: Vec<String>,
+}
+
+/// Number and size of a scene's probes.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ProbesInfo {
+    /// Number of probes.
+    pub count: usize,
+    /// Width of the faces of their maps, pixels.
+    pub face_px: u32,
+    /// Size of all maps, bytes.
+    pub bytes: u64,
 }
 
 /// The frames of a scene.
@@ -202,6 +219,18 @@ fn border(loaded: &LoadedScene, args: &InfoArgs) -> Vec<String> {
         .collect()
 }
 
+/// Probes of a frame with this plan; `None` where it has none, or too many.
+fn probes(world: &World, plan: &Plan, options: &RenderOptions) -> Option<ProbesInfo> {
+    let settings = &options.reflection.probes;
+    let boxes = (plan.features.probes).then(|| probe_boxes(world, settings).ok());
+    let key = ProbeKey::new(boxes.flatten()?, settings, capture::has_levels(plan));
+    Some(ProbesInfo {
+        count: key.boxes.len(),
+        face_px: key.face_px,
+        bytes: key.bytes(),
+    })
+}
+
 /// Counts and measures a loaded scene. `plan_file` adds decisions by its unit costs to those of adapter kinds.
 ///
 /// # Errors
@@ -210,12 +239,8 @@ pub fn gather(loaded: &LoadedScene, plan_file: Option<&PlanFile>) -> Result<Info
     let world = &loaded.first_frame();
     let reflection = &loaded.scene.reflection;
     let unit_m = reflection.unit_m.unwrap_or_else(|| world.unit_m());
-    let num_lights = |name| {
-        let lights = world.lights.iter();
-        lights
-            .filter(|light| light.desc.kind.name() == name)
-            .count()
-    };
+    let is_of = |light: &Light, name: &str| light.desc.kind.name() == name;
+    let num_lights = |name| world.lights.iter().filter(|l| is_of(l, name)).count();
     let bounds = world.static_bounds();
     let num_triangles = |mesh: usize| world.meshes[mesh].triangles.len();
     let options = ViewOverrides::default().options(loaded);
@@ -273,6 +298,7 @@ pub fn gather(loaded: &LoadedScene, plan_file: Option<&PlanFile>) -> Result<Info
         tree_bytes: (size_of_val(trees.nodes.as_slice())
             + size_of_val(trees.triangles.as_slice())
             + size_of_val(trees.instances.as_slice())) as u64,
+        probes: probes(world, &plan, &gpu.options),
         bounces: plan.bounces,
         decided_software: software.decisions,
         decided_gpu: gpu.decisions,

@@ -3,6 +3,7 @@
 
 mod ignored;
 mod inside;
+mod probe;
 mod shadow;
 mod size;
 mod unused;
@@ -91,6 +92,9 @@ impl<'a> Lint<'a> {
         self.found.extend(ignored::lint(self.scene, &self.start()));
         self.found.extend(inside::lights(self.scene, world));
         self.found.extend(inside::cameras(self.scene, world));
+        self.found.extend(inside::probes(self.scene, world));
+        self.found
+            .extend(probe::empty(self.scene, world, self.start()));
         let is_traced = traces_rays(world, &RenderOptions::of(self.scene));
         self.found
             .extend(size::lint(world, is_traced, self.start()));
@@ -100,6 +104,7 @@ impl<'a> Lint<'a> {
             return;
         }
         if let Some(trees) = self.trees.of(world) {
+            self.found.extend(probe::close(self.scene, world, trees));
             self.found.extend(view::lint(self.scene, world, trees));
             self.found.extend(shadow::lint(self.scene, world, trees));
         }
@@ -131,7 +136,7 @@ impl<'a> Lint<'a> {
     /// Error that `render` would report on this machine.
     pub fn refused_here(scene: &Scene, world: &World) -> Option<Diagnostic> {
         let is_traced = traces_rays(world, &RenderOptions::of(scene));
-        size::refused_here(world, is_traced)
+        size::refused_here(world, is_traced).or_else(|| probe::refused(scene, world))
     }
 
     /// Start of the scene's text, if one of its tables is known to come from a text.

@@ -17,6 +17,7 @@ use crate::{
         decide::Decision,
         passes::audit,
         probe::PassCounts,
+        probe_maps::ProbeStats,
         stats::{FrameStats, Share},
     },
 };
@@ -159,6 +160,9 @@ impl Report {
         line("source", list(&shares.sources));
         line("cause", list(&shares.causes));
         line("rays", self.rays());
+        if let Some(probes) = &frame.probes {
+            line("probes", probes_text(probes));
+        }
         match &frame.audit {
             Some(audit) => line("audit", audit.to_string()),
             None if frame
@@ -204,6 +208,21 @@ impl Report {
             None => rays.to_string(),
         }
     }
+}
+
+/// Number and size of the probes, and what their maps took.
+fn probes_text(probes: &ProbeStats) -> String {
+    let when = match probes.update_ms > 0.0 {
+        true => "for this picture",
+        false => "before",
+    };
+    format!(
+        "{} with faces of {} px, {}; captured {when} in {:.3} ms, apart from the passes",
+        probes.probes,
+        probes.face_px,
+        mebibytes(probes.bytes),
+        probes.capture_ms
+    )
 }
 
 /// Nonzero counters of a pass.
@@ -284,6 +303,7 @@ mod tests {
                 exhausted_rays: 0,
                 audit: None,
                 second_layer: None,
+                probes: None,
                 bytes: vec![("textures".to_owned(), 3 << 19)],
             },
             passes_total_ms: 4.0,

@@ -20,6 +20,7 @@ pub mod sample;
 pub mod score;
 pub mod stability;
 pub mod summary;
+pub mod systems;
 pub mod table;
 pub mod write;
 

@@ -3,7 +3,8 @@
 use reflet_scene::{
     desc::{Accept, Bounces, Method, ReflectionDesc},
     range::{
-        BOUNCES, EDGE_PX, LAYERS, RAY_LENGTH_U, Range, SEPARATION_M, STEPS, THRESHOLD_U, range,
+        BOUNCES, EDGE_PX, LAYERS, NEAREST_PROBES, RAY_LENGTH_U, Range, SEPARATION_M, STEPS,
+        THRESHOLD_U, range,
     },
 };
 
@@ -29,6 +30,8 @@ pub enum Parameter {
     RayLengthU,
     /// Largest number of reflections in a row, `reflection.bounces`.
     Bounces,
+    /// Maximum number of blended probes, `probes.nearest`.
+    Nearest,
     /// Side of the rendered picture divided by that of the shown one, into which it is enlarged bilinearly.
     Scale,
 }
@@ -50,9 +53,11 @@ pub struct Variant {
 
 /// Names of the curves in charts: one per method, with curves of their own for `hybrid` that accepts by the
 /// paper's threshold, for two depth layers, and for methods that trace shadow rays at hits anew.
-pub const SERIES: [&str; 8] = [
+pub const SERIES: [&str; 10] = [
     Method::Ssr.name(),
     SSR_LAYERS_SERIES,
+    Method::Probe.name(),
+    Method::SsrProbe.name(),
     THRESHOLD_SERIES,
     Method::Hybrid.name(),
     HYBRID_LAYERS_SERIES,
@@ -86,7 +91,7 @@ pub const fn accept_name(accept: Accept) -> &'static str {
 
 impl Parameter {
     /// All parameters.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::ThresholdU,
         Self::EdgePx,
         Self::ReuseLight,
@@ -95,6 +100,7 @@ impl Parameter {
         Self::SeparationM,
         Self::RayLengthU,
         Self::Bounces,
+        Self::Nearest,
         Self::Scale,
     ];
 
@@ -109,6 +115,7 @@ impl Parameter {
             Self::SeparationM => "separation_m",
             Self::RayLengthU => "ray_length_u",
             Self::Bounces => "bounces",
+            Self::Nearest => "nearest",
             Self::Scale => "scale",
         }
     }
@@ -124,6 +131,8 @@ impl Parameter {
     pub const fn own(method: Method) -> &'static [Self] {
         match method {
             Method::Ssr => &[Self::Steps],
+            Method::Probe => &[Self::Nearest],
+            Method::SsrProbe => &[Self::Steps, Self::Nearest],
             Method::Rt | Method::Path => &[Self::Bounces, Self::ReuseLight],
             Method::Hybrid | Method::Auto => &[Self::ThresholdU, Self::EdgePx, Self::ReuseLight],
         }
@@ -134,9 +143,11 @@ impl Parameter {
         match self {
             Self::ThresholdU | Self::Steps | Self::Layers | Self::SeparationM => method.marches(),
             Self::EdgePx => matches!(method, Method::Hybrid | Method::Auto),
-            // `ssr` alone follows one reflection and nothing beyond it.
-            Self::Bounces => !matches!(method, Method::Ssr),
-            Self::RayLengthU | Self::ReuseLight | Self::Scale => true,
+            // Methods that trace no ray follow one reflection and nothing beyond it.
+            Self::Bounces => method.traces(),
+            Self::Nearest => method.looks_up(),
+            Self::RayLengthU | Self::ReuseLight => !matches!(method, Method::Probe),
+            Self::Scale => true,
         }
     }
 
@@ -151,6 +162,7 @@ impl Parameter {
             Self::SeparationM => &[0.0, 0.03, 0.1, 0.3, 1.0],
             Self::RayLengthU => &[1.0, 2.0, 4.0, 8.0, 16.0],
             Self::Bounces => &[1.0, 2.0, 3.0, 4.0, 6.0],
+            Self::Nearest => &[1.0, 2.0, 3.0, 4.0],
             Self::Scale => &[0.25, 0.375, 0.5, 0.75, 1.0],
         }
     }
@@ -164,7 +176,7 @@ impl Parameter {
         let range = self.range();
         if matches!(
             self,
-            Self::Steps | Self::Layers | Self::Bounces | Self::ReuseLight
+            Self::Steps | Self::Layers | Self::Bounces | Self::ReuseLight | Self::Nearest
         ) {
             return if value.fract() == 0.0 && range.contains(value) {
                 Ok(())
@@ -189,6 +201,7 @@ impl Parameter {
             Self::SeparationM => SEPARATION_M,
             Self::RayLengthU => RAY_LENGTH_U,
             Self::Bounces => BOUNCES,
+            Self::Nearest => NEAREST_PROBES,
             Self::Scale => range(0.05, 1.0),
         }
     }
@@ -213,6 +226,7 @@ impl Parameter {
             }
             Self::RayLengthU => settings.ray_length_u = value as f32,
             Self::Bounces => settings.bounces = Bounces::AtMost(value as u32),
+            Self::Nearest => settings.probes.nearest = value as u32,
             Self::Scale => {}
         }
     }

@@ -13,7 +13,8 @@ use reflet_render::{
     runtime::renderer_stage::RendererStage,
 };
 use reflet_scene::desc::{
-    Accept, Bounces, CameraDesc, Exposure, ImageDesc, Method, ReflectionDesc, Visibility,
+    Accept, Bounces, CameraDesc, Exposure, ImageDesc, Method, ProbesDesc, ReflectionDesc,
+    Visibility,
 };
 use reflet_world::{World, bvh::Trees};
 
@@ -113,7 +114,7 @@ fn decided_visibility(
         return Ok(Visibility::Raster);
     }
     // Methods that trace rays decide so themselves.
-    if options.reflection.method != Method::Ssr {
+    if options.reflection.method.traces() {
         return Ok(Visibility::Auto);
     }
     let trees = Trees::build(world, u64::MAX).map_err(RenderError::Scene)?;
@@ -213,6 +214,7 @@ struct ReadyRenderer {
     method: Method,
     verifies: bool,
     layers: u32,
+    probes: ProbesDesc,
     renderer: RendererStage,
     /// CPU time to update moved instances, milliseconds; none for a still scene.
     update_ms: Option<f64>,
@@ -221,8 +223,14 @@ struct ReadyRenderer {
 impl ReadyRenderer {
     /// Whether the renderer can change to these settings without being built again.
     fn fits(&self, reflection: &ReflectionDesc) -> bool {
+        // The number of blended probes needs no other maps.
+        let probes = ProbesDesc {
+            nearest: self.probes.nearest,
+            ..reflection.probes
+        };
+        let has_maps = !self.method.looks_up() || self.probes == probes;
         let own = (self.method, self.verifies, self.layers);
-        own == (reflection.method, reflection.verifies(), reflection.layers)
+        has_maps && own == (reflection.method, reflection.verifies(), reflection.layers)
     }
 }
 
@@ -367,6 +375,7 @@ impl Bench<'_> {
             method: reflection.method,
             verifies: reflection.verifies(),
             layers: reflection.layers,
+            probes: reflection.probes,
             renderer,
             update_ms,
         })

@@ -78,7 +78,7 @@ sample! {
     width: u32,
     /// Height of the shown picture, pixels.
     height: u32,
-    /// Method: `ssr`, `hybrid` or `rt`.
+    /// Method: `ssr`, `probe`, `ssr+probe`, `hybrid` or `rt`.
     method: String,
     /// Sweep of the run: `nothing`, `own` for each method's own parameter, `rules` of acceptance, or one
     /// parameter for all.
@@ -143,8 +143,7 @@ sample! {
     passes_cpu_ms: Option<f64>,
     /// Processor time in march, hits, tracing and blur, milliseconds; none on a GPU.
     reflection_cpu_ms: Option<f64>,
-    /// Time of the trace pass's rays without shading, milliseconds; measured in a frame of its own
-    /// right after this one, where `--split-trace` is given.
+    /// Time of the trace pass's rays without shading, milliseconds, in a frame of its own (`--split-trace`).
     traverse_ms: Option<f64>,
     /// CPU time to update moved instances, milliseconds; none for a still scene.
     update_ms: Option<f64>,
@@ -168,6 +167,12 @@ sample! {
     screen_percent: f64,
     /// Share of reflective pixels that were traced, percent.
     traced_percent: f64,
+    /// Share of reflective pixels that were looked up in probes, percent.
+    probe_percent: Option<f64>,
+    /// Bytes of the maps of probes; none for methods without them.
+    probe_bytes: Option<u64>,
+    /// Time of the last capture of the probes, processor time on software adapters; not part of a frame, milliseconds.
+    capture_ms: Option<f64>,
     /// Share of reflective pixels that `ssr` leaves without reflection, where other methods trace, percent.
     failed_percent: f64,
     /// Share of reflective pixels with nothing in reach, percent.
@@ -212,8 +217,7 @@ sample! {
     false_accepts: Option<u64>,
     /// Number of crossings that the march refused, or had no steps left to reach, and a ray confirms.
     false_rejects: Option<u64>,
-    /// Number of the previous measured frame of the animation; none for the first, and for a still
-    /// scene.
+    /// Number of the previous measured frame of the animation; none for the first and in still scenes.
     since_frame: Option<u32>,
     /// Mean |Δtest − Δreference| since that frame, in display code values.
     temporal_difference: Option<f64>,

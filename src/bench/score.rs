@@ -261,6 +261,14 @@ impl Reference {
         })
     }
 
+    /// Share of the pixels inside the mask that show another instance than the reference, or nothing where it shows one;
+    /// `answers` says whether pixels that the march does not answer are answered otherwise.
+    pub fn wrong_share(&self, hits: &Hits, answers: bool) -> f64 {
+        let shown = [hits.shown(answers), self.hits.shown(true)];
+        let wrong = differing(self.mask.inside(), &shown);
+        wrong as f64 / self.mask.area().max(1) as f64
+    }
+
     /// Changes from `hits` to those of the moved camera; none where the reference has no moved hits.
     pub fn changes(&self, hits: &Hits, moved: &Hits) -> Option<Changes> {
         let inside = self.mask.inside();

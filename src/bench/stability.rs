@@ -18,7 +18,7 @@ use super::{
 };
 
 /// Columns of the table of cells.
-const HEADER: [&str; 26] = [
+const HEADER: [&str; 27] = [
     "mode",
     "method",
     "against",
@@ -33,6 +33,7 @@ const HEADER: [&str; 26] = [
     "false_accepts_px",
     "false_accepts_permille",
     "flicker",
+    "popping",
     "traced_percent",
     "edge_flip",
     "inner_flip",
@@ -120,6 +121,8 @@ pub struct CellScores {
     pub false_accepts_permille: Option<f64>,
     /// Flicker of an animation: Σ |Δtest − Δrt| over Σ |Δrt| inside the masks of its frames.
     pub flicker: Option<f64>,
+    /// Popping of an animation: largest |Δtest − Δrt| of a frame over the largest |Δrt| of one, inside the masks.
+    pub popping: Option<f64>,
     /// Reflective pixels that were traced, percent.
     pub traced_percent: f64,
     /// Structure of the errors in the pictures.
@@ -276,6 +279,7 @@ fn scores(parts: &[&Part], method: &str, samples: &[Sample]) -> Result<CellScore
         false_accepts_px: accepts,
         false_accepts_permille: accepts.map(|px| 1e3 * px as f64 / reflective.max(1) as f64),
         flicker: flicker(&all().collect::<Vec<_>>()),
+        popping: popping(&all().collect::<Vec<_>>()),
         traced_percent: mean(&mut all().map(|s| s.traced_percent)),
         structure: structure(&all().collect::<Vec<_>>()),
     })
@@ -327,6 +331,18 @@ fn flicker(samples: &[&Sample]) -> Option<f64> {
     temporal::ratio(pairs, difference, change)
 }
 
+/// Popping of an animation; none where [`flicker`] has no value.
+fn popping(samples: &[&Sample]) -> Option<f64> {
+    flicker(samples)?;
+    let most = |of: fn(&Sample) -> Option<f64>| {
+        let values = samples.iter().filter_map(|s| of(s));
+        values.fold(0.0, f64::max)
+    };
+    let reference = most(|s| s.mask_temporal_change);
+    let difference = most(|s| s.mask_temporal_difference);
+    (reference > 0.0).then(|| difference / reference)
+}
+
 /// Formats the cells as comma-separated values.
 pub fn table(cells: &[Cell]) -> String {
     let mut out = csv::line(HEADER);
@@ -345,6 +361,7 @@ pub fn table(cells: &[Cell]) -> String {
                 let pixels = |px: Option<u64>| px.map_or(String::new(), |px| px.to_string());
                 row.extend([pixels(s.specks_px), pixels(s.false_accepts_px)]);
                 row.extend([number(s.false_accepts_permille), number(s.flicker)]);
+                row.push(number(s.popping));
                 row.push(s.traced_percent.to_string());
                 row.extend(s.structure.values().map(number));
                 row.push("ok".to_owned());

@@ -194,6 +194,7 @@ impl Point {
         };
         s.screen_percent = share(|s| s.screen_percent);
         s.traced_percent = share(|s| s.traced_percent);
+        s.probe_percent = Some(share(|s| s.probe_percent.unwrap_or(0.0)));
         s.failed_percent = share(|s| s.failed_percent);
         s.none_percent = share(|s| s.none_percent);
         s.rough_percent = share(|s| s.rough_percent);

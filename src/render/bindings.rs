@@ -12,6 +12,7 @@ use super::{
     passes::{Passes, needed_passes, written_targets},
     plan::Plan,
     probe::Probes,
+    probe_maps::{ProbeKey, ProbeMaps},
     ray_list::{ListedParts, RayList},
     resources::Resources,
     scene::GpuScene,
@@ -34,6 +35,7 @@ pub struct BindingKey {
     color: Target,
     audit: bool,
     overrides: Vec<Override>,
+    probes: Option<ProbeKey>,
 }
 
 impl BindingKey {
@@ -43,6 +45,7 @@ impl BindingKey {
         options: &RenderOptions,
         shadows: ShadowSizes,
         passes: &[&'static Pass],
+        probes: Option<ProbeKey>,
     ) -> Self {
         let own = passes.iter().flat_map(|pass| (pass.overrides)(options));
         Self {
@@ -60,6 +63,7 @@ impl BindingKey {
             color: Target::last_color(options.image.samples.count()),
             audit: options.audit,
             overrides: plan.overrides().into_iter().chain(own).collect(),
+            probes,
         }
     }
 
@@ -102,6 +106,8 @@ pub struct Bindings {
     pub targets: Targets,
     /// Lists of the frame, in one buffer.
     pub ray_list: RayList,
+    /// Cube maps of probes, in frames that look reflections up in them.
+    pub probe_maps: Option<ProbeMaps>,
     /// Groups 0 and 1.
     pub shared: SharedGroups,
     /// Passes that the frame records.
@@ -134,6 +140,9 @@ impl Bindings {
             Some(old) => old.ray_list.clone(),
             None => RayList::new(gpu, key.size, key.lists)?,
         };
+        // Maps are captured anew: bindings are made where trees, materials or settings differ.
+        let probes = key.probes.clone();
+        let probe_maps = probes.map(|key| ProbeMaps::new(gpu, key)).transpose()?;
         let BindingInputs {
             plan,
             options,
@@ -147,6 +156,7 @@ impl Bindings {
             uniforms,
             targets: &targets,
             ray_list: &ray_list,
+            probe_maps: probe_maps.as_ref(),
         };
         let infos = shaders.infos(&needed_passes(plan, options))?;
         let shared = SharedGroups::new(gpu, &infos, resources)?;
@@ -163,6 +173,7 @@ impl Bindings {
             maps,
             targets,
             ray_list,
+            probe_maps,
             shared,
             passes,
             probes: Probes::default(),

@@ -57,6 +57,8 @@ pub enum Source {
     None,
     /// The environment: the surface is too rough.
     Rough,
+    /// Looked up in probes.
+    Probe,
 }
 
 impl Cause {
@@ -126,6 +128,7 @@ impl Cause {
             Self::None => Source::None,
             Self::Rough => Source::Rough,
             _ if matches!(method, Method::Ssr) => Source::Failed,
+            _ if method.looks_up() => Source::Probe,
             _ => Source::Traced,
         }
     }
@@ -152,13 +155,14 @@ impl Cause {
 
 impl Source {
     /// All sources; the index is the number in AOVs.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::NotReflective,
         Self::Screen,
         Self::Traced,
         Self::Failed,
         Self::None,
         Self::Rough,
+        Self::Probe,
     ];
 
     /// Color in the `source` picture, sRGB: screen hits blue and traced pink, as in the paper's Fig. 8.
@@ -167,6 +171,7 @@ impl Source {
             Self::NotReflective => [24, 24, 24],
             Self::Screen => [60, 110, 255],
             Self::Traced => [255, 110, 190],
+            Self::Probe => [150, 220, 60],
             Self::Failed => [200, 40, 40],
             Self::None => [80, 200, 120],
             Self::Rough => [130, 130, 130],

@@ -13,7 +13,7 @@ use super::{
     plan::{Plan, may_meet_culled},
     rebuild_summary::RebuildSummary,
     relative::Coordinates,
-    renderer::{Renderer, build_trees, check_posed, top_level, variant},
+    renderer::{Renderer, build_trees, check_posed, probe_key, top_level, variant},
     shaders::Shaders,
     validate::check_world,
     world_key::WorldKey,
@@ -95,7 +95,8 @@ impl Renderer {
         let needed = needed_passes(&plan, options);
         let shaders = Shaders::new(gpu, library, variant(gpu, &plan, scene), &needed)?;
         let maps = ShadowSizes::of(&world.lights, options);
-        let key = BindingKey::new(&plan, options, maps, &needed);
+        let probes = probe_key(world, &plan, options)?;
+        let key = BindingKey::new(&plan, options, maps, &needed, probes);
         check_posed(shown, &world_key, &key, options)?;
         rebuilt.passes = rebuilt.materials
             || key != self.bindings.key

@@ -3,11 +3,11 @@
 
 use std::fmt::Write as _;
 
-use reflet_scene::desc::{LightKind, Method, PatternKind, ReflectionMode, ToneMap};
+use reflet_scene::desc::{LightKind, Lookup, Method, PatternKind, ReflectionMode, ToneMap};
 use reflet_world::{
     CoreTexture, LayerTexture, MAX_LIGHTS,
     bvh::{
-        ALPHA_TESTED, CAPSULES, DOUBLE_SIDED, FLIPPED, NODE_VECTORS, SHADOWLESS, STACK_SIZE,
+        ALPHA_TESTED, CAPSULES, DOUBLE_SIDED, FLIPPED, MOVES, NODE_VECTORS, SHADOWLESS, STACK_SIZE,
         STATIC_ROOT, TOP_LEVEL, TOP_ROOT, TRIANGLE_VECTORS, UNREFLECTED, UNSEEN,
     },
     environment::CONE_LEVELS,
@@ -23,6 +23,7 @@ use super::{
     lobe_table::{LOBE_COSINES, LOBE_NODES, LOBE_ROUGHNESSES, SMOOTH_ALPHA},
     panorama::MOST_CONES,
     pass::GROUP_PX,
+    probe_boxes::MOST_PROBES,
     ray_list::{
         AUDIT_RAYS, AUDITED_COUNTER, BEHIND_COUNTER, COUNTERS, EXHAUSTED_COUNTER, HIT_COUNTER,
         LISTS, List, PYRAMID_LEVELS, RAY_COUNTER, RAYS_PER_GROUP, REFLECTOR_COUNTER,
@@ -105,6 +106,7 @@ pub fn wgsl() -> String {
         METAL_REACH,
         COAT_STEPS,
         CUTOFF_FADE,
+        MOST_PROBES,
         LOBE_COSINES,
         LOBE_ROUGHNESSES,
         LOBE_NODES,
@@ -161,6 +163,7 @@ pub fn wgsl() -> String {
         CAPSULES,
         DOUBLE_SIDED,
         FLIPPED,
+        MOVES,
         UNSEEN,
         SHADOWLESS,
         UNREFLECTED,
@@ -215,6 +218,13 @@ fn define_variants(out: &mut String) {
         ("TONE_AGX", ToneMap::Agx),
     ] {
         define(out, name, &(curve as u32));
+    }
+    for (name, lookup) in [
+        ("LOOKUP_INFINITY", Lookup::Infinity),
+        ("LOOKUP_BOX", Lookup::Box),
+        ("LOOKUP_DISTANCE", Lookup::Distance),
+    ] {
+        define(out, name, &(lookup as u32));
     }
     for (name, kind) in [
         ("PATTERN_BRICK", PatternKind::Brick),

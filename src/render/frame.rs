@@ -8,6 +8,7 @@ use reflet_scene::desc::CameraDesc;
 use reflet_world::World;
 
 use super::{
+    capture_times::without_capture,
     edge_on::has_edge_on_surfaces,
     error::RenderError,
     fog::GpuFog,
@@ -113,9 +114,19 @@ impl Renderer {
         }
     }
 
-    /// Result of a submission; after an error all shadow maps count as outdated.
+    /// Makes the next picture capture all probes, also where nothing that they see has changed.
+    pub fn recapture_probes(&self) {
+        if let Some(maps) = &self.bindings.probe_maps {
+            maps.forget();
+        }
+    }
+
+    /// Result of a submission; after an error all shadow maps and probes count as outdated.
     pub(super) fn submitted<T>(&self, result: Result<T, GpuError>) -> Result<T, GpuError> {
-        result.inspect_err(|_| self.redraw_shadows())
+        result.inspect_err(|_| {
+            self.redraw_shadows();
+            self.recapture_probes();
+        })
     }
 
     /// Whether a share of a sub-frame resolves the surfaces of all pixels: for the march, which meets those around, and
@@ -155,6 +166,8 @@ impl Renderer {
         if let Some(fog) = GpuFog::of(world) {
             self.uniforms.set_fog(gpu, &fog);
         }
+        let maps = self.bindings.probe_maps.as_ref().filter(|_| sample == 0);
+        let captures = maps.is_some_and(|m| m.prepare(gpu, world, (&frame, &block, &sampling)));
         let size = self.options.image.size;
         let mut frame = SubFrame {
             recorder: Recorder::new(gpu, &self.timer, timing, &self.bindings.shared, size)
@@ -167,6 +180,7 @@ impl Renderer {
             shadow_views,
             resources: self.resources(),
             probes: &self.bindings.probes,
+            captures,
             probe,
         };
         self.bindings.passes.record(&mut frame);
@@ -191,6 +205,11 @@ impl Renderer {
 
     /// Statistics of a frame whose counters are not read back.
     pub(super) fn stats(&self, times: PassTimes, frame_ms: f64) -> FrameStats {
+        let (times, captured) = without_capture(times);
+        let maps = self.bindings.probe_maps.as_ref();
+        if let (Some(maps), true) = (maps, captured.cost_ms > 0.0) {
+            maps.set_capture_ms(captured.cost_ms);
+        }
         let mut bytes: Vec<(String, u64)> = Vec::new();
         let named = |(name, size): (&str, u64)| (name.to_owned(), size);
         bytes.extend(self.scene.report().into_iter().map(named));
@@ -202,6 +221,9 @@ impl Renderer {
                 .into_iter()
                 .map(|(n, b)| (format!("target_{n}"), b)),
         );
+        if let Some(maps) = &self.bindings.probe_maps {
+            bytes.push(("probe_maps".to_owned(), maps.bytes));
+        }
         if self.plan.features.lists {
             bytes.push(("lists".to_owned(), self.bindings.ray_list.lists.size()));
         }
@@ -221,7 +243,8 @@ impl Renderer {
             decisions: self.decisions.clone(),
             passes_ms: times.passes_ms,
             processor_ms: times.processor_ms,
-            frame_ms,
+            frame_ms: frame_ms - captured.passes_ms,
+            probes: maps.map(|maps| maps.stats(captured.cost_ms)),
             bytes,
         }
     }

@@ -13,7 +13,7 @@ use super::{
     options::RenderOptions,
     plan::Plan,
     ray_list::{List, RayList},
-    recorder::Recorder,
+    recorder::{Recorder, Recording},
     shared_data::SharedData,
     shared_groups::{SharedGroups, is_used},
     targets::{Target, Targets},
@@ -39,6 +39,8 @@ pub enum PassGroup {
     Picture,
     /// Statistics of the frame.
     Measurement,
+    /// Maps of probes, captured apart from the frame.
+    Capture,
 }
 
 impl PassGroup {
@@ -51,6 +53,7 @@ impl PassGroup {
             Self::Reflection => "reflection",
             Self::Picture => "picture",
             Self::Measurement => "measurement",
+            Self::Capture => "capture",
         }
     }
 
@@ -182,6 +185,44 @@ impl ComputePass {
         })
     }
 
+    /// Begins the pass with its pipeline and groups.
+    fn begin<'e>(
+        &self,
+        encoder: &'e mut wgpu::CommandEncoder,
+        recording: &Recording<'_>,
+        shared: &SharedGroups,
+        bound: &wgpu::BindGroup,
+    ) -> wgpu::ComputePass<'e> {
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+            label: Some(self.pass.name),
+            timestamp_writes: recording.compute(self.pass.name),
+        });
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, shared.group_for(self.used[0], 0), &[]);
+        pass.set_bind_group(1, shared.group_for(self.used[1], 1), &[]);
+        pass.set_bind_group(2, bound, &[]);
+        pass
+    }
+
+    /// Encodes the pass with groups 0 and 1 of its own and this number of workgroups; nothing if it was never bound.
+    pub fn encode(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        recording: &Recording<'_>,
+        shared: &SharedGroups,
+        [x, y, z]: [u32; 3],
+    ) {
+        if let Some(bound) = &self.bound {
+            let mut pass = self.begin(encoder, recording, shared, bound);
+            pass.dispatch_workgroups(x, y, z);
+        }
+    }
+
+    /// Width and height of the pass's workgroups.
+    pub fn tile(&self) -> [u32; 2] {
+        self.tile
+    }
+
     /// Name of the pass.
     pub fn name(&self) -> &'static str {
         self.pass.name
@@ -227,15 +268,7 @@ impl ComputePass {
         let Some(bound) = &self.bound else { return };
         let (size, invoked) = (recorder.size, recorder.invoked);
         recorder.pass(self.pass.name, |encoder, recording| {
-            let shared = recording.shared;
-            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-                label: Some(self.pass.name),
-                timestamp_writes: recording.compute(self.pass.name),
-            });
-            pass.set_pipeline(&self.pipeline);
-            pass.set_bind_group(0, shared.group_for(self.used[0], 0), &[]);
-            pass.set_bind_group(1, shared.group_for(self.used[1], 1), &[]);
-            pass.set_bind_group(2, bound, &[]);
+            let mut pass = self.begin(encoder, recording, recording.shared, bound);
             match dispatch {
                 Dispatch::PerPixel | Dispatch::WholePicture => {
                     let [width, height] = match dispatch {

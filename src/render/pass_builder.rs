@@ -6,6 +6,7 @@ use super::{
     options::RenderOptions,
     pass::{ComputePass, MAIN, Override, Pass},
     plan::Plan,
+    probe_maps::ProbeMaps,
     resources::Resources,
     shaders::Shaders,
     shared_groups::SharedGroups,
@@ -42,12 +43,13 @@ impl PassBuilder<'_> {
         self.shaders.get(pass)
     }
 
-    /// Values for the overrides of a pass; its shader may declare fewer.
+    /// Values for the overrides of a pass, its own in place of the plan's; its shader may declare fewer.
     pub fn overrides(&self, pass: &Pass) -> Vec<Override> {
         let own = (pass.overrides)(self.options);
         // Four shuffles put rows that are 16 apart beside each other, which suits 16 threads.
         let shuffles = if self.gpu.is_software() { 4.0 } else { 0.0 };
         let mut all = self.plan.overrides();
+        all.retain(|(name, _)| own.iter().all(|(other, _)| other != name));
         all.extend(own);
         all.push(("ROW_SHUFFLES", shuffles));
         all
@@ -83,6 +85,28 @@ impl PassBuilder<'_> {
         self.bound(pass, original, entry, &overrides, &[], extra)
     }
 
+    /// Builds a compute pass that starts at `entry` of its shader, with further bindings.
+    ///
+    /// # Errors
+    /// Same errors as [`PassBuilder::compute`].
+    pub fn with_resources(
+        &self,
+        pass: &'static Pass,
+        entry: &str,
+        extra: &[Named<'_>],
+    ) -> Result<ComputePass, GpuError> {
+        self.bound(pass, pass, entry, &self.overrides(pass), &[], extra)
+    }
+
+    /// The maps of probes.
+    ///
+    /// # Errors
+    /// [`GpuError::Binding`] in a frame without probes.
+    pub fn probe_maps(&self) -> Result<&ProbeMaps, GpuError> {
+        let missing = || GpuError::Binding("maps of probes were not planned".to_owned());
+        self.resources.probe_maps.ok_or_else(missing)
+    }
+
     fn bound(
         &self,
         pass: &'static Pass,
@@ -95,6 +119,12 @@ impl PassBuilder<'_> {
         let shader = self.shader(original)?;
         let mut built = ComputePass::new(self.gpu, pass, shader, entry, self.shared, overrides)?;
         let mut named = self.resources.ray_list.named().to_vec();
+        named.extend(
+            self.resources
+                .probe_maps
+                .iter()
+                .flat_map(|maps| maps.named()),
+        );
         named.extend_from_slice(extra);
         built.bind(self.gpu, self.resources.targets, aliases, &named)?;
         Ok(built)

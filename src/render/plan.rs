@@ -91,6 +91,7 @@ pub fn has_primary_rays(options: &RenderOptions) -> bool {
 /// or transmission.
 pub fn traces_rays(world: &World, options: &RenderOptions) -> bool {
     let cutoff = options.reflection.reflects_below();
+    // The maps of probes are captured by rays.
     let reflections = options.reflection.method != Method::Ssr && reflects(world, cutoff);
     reflections
         || has_primary_rays(options)

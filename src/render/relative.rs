@@ -78,6 +78,14 @@ impl Coordinates {
             camera.value = self.camera(&camera.value);
         }
         self.move_fog(&mut moved.environment);
+        for probe in moved.probes.iter_mut().map(|entry| &mut entry.value) {
+            let corners = [&mut probe.box_min, &mut probe.box_max];
+            let proxy = [&mut probe.proxy_min, &mut probe.proxy_max];
+            for corner in corners.into_iter().chain(proxy).flatten() {
+                *corner = (*corner - self.origin) * self.scale;
+            }
+            probe.position = (probe.position - self.origin) * self.scale;
+        }
         for material in &mut moved.materials {
             material.attenuation_distance_m =
                 material.attenuation_distance_m.map(|m| m * self.scale);
@@ -159,6 +167,8 @@ impl Coordinates {
         for length_m in [&mut settings.unit_m, &mut settings.separation_m] {
             *length_m = length_m.map(|length_m| length_m * self.scale);
         }
+        let spacing_m = &mut options.reflection.probes.spacing_m;
+        *spacing_m = spacing_m.map(|spacing_m| spacing_m * self.scale);
         options
     }
 }

@@ -21,8 +21,10 @@ use super::{
     lights::ShadowSizes,
     options::RenderOptions,
     pass_builder::PassBuilder,
-    passes::needed_passes,
+    passes::{capture, needed_passes},
     plan::{Plan, may_meet_culled},
+    probe_boxes::probe_boxes,
+    probe_maps::ProbeKey,
     relative::Coordinates,
     resources::Resources,
     scene::GpuScene,
@@ -104,6 +106,7 @@ impl Renderer {
             options,
             ShadowSizes::of(&world.lights, options),
             &needed,
+            probe_key(world, &plan, options)?,
         );
         let inputs = BindingInputs {
             plan: &plan,
@@ -145,6 +148,7 @@ impl Renderer {
             uniforms: &self.uniforms,
             targets: &self.bindings.targets,
             ray_list: &self.bindings.ray_list,
+            probe_maps: self.bindings.probe_maps.as_ref(),
         }
     }
 
@@ -196,7 +200,7 @@ impl Renderer {
     }
 
     /// Adopts the settings that need no rebuilding: threshold, edge, steps, separation of layers, ray length,
-    /// bounces, light reuse. Other
+    /// bounces, light reuse, number of blended probes. Other
     /// settings, and features that the plan left out, stay as the renderer was made.
     pub fn set_reflection_parameters(&mut self, settings: &ReflectionDesc) {
         let settings = ReflectionDesc {
@@ -218,6 +222,7 @@ impl Renderer {
         self.options.reflection.separation_m = settings.separation_m.map(|m| m * scale);
         self.options.reflection.ray_length_u = settings.ray_length_u;
         self.options.reflection.reuse_light = settings.reuse_light;
+        self.options.reflection.probes.nearest = settings.probes.nearest;
     }
 
     /// Adopts a world with new poses and animated materials: uploads poses, the top level and material parameters,
@@ -288,6 +293,27 @@ pub(super) fn check_posed(
 pub(super) fn top_level(trees: &Trees, world: &World) -> Result<Option<TopLevel>, RenderError> {
     let top = (!trees.top_instances.is_empty()).then(|| trees.top_level(world));
     Ok(top.transpose()?)
+}
+
+/// Key of the maps of probes of a frame; `None` where it has none.
+///
+/// # Errors
+/// Too many probes.
+pub(super) fn probe_key(
+    world: &World,
+    plan: &Plan,
+    options: &RenderOptions,
+) -> Result<Option<ProbeKey>, RenderError> {
+    if !plan.features.probes {
+        return Ok(None);
+    }
+    let settings = &options.reflection.probes;
+    let boxes = probe_boxes(world, settings)?;
+    Ok(Some(ProbeKey::new(
+        boxes,
+        settings,
+        capture::has_levels(plan),
+    )))
 }
 
 /// The shader files of a plan over a scene.

@@ -1,8 +1,8 @@
 //! Resources that all passes are bound to.
 
 use super::{
-    frame_uniforms::FrameUniforms, ray_list::RayList, scene::GpuScene, shadow_maps::ShadowMaps,
-    targets::Targets,
+    frame_uniforms::FrameUniforms, probe_maps::ProbeMaps, ray_list::RayList, scene::GpuScene,
+    shadow_maps::ShadowMaps, targets::Targets,
 };
 
 /// Resources that passes are bound to.
@@ -18,4 +18,6 @@ pub struct Resources<'a> {
     pub targets: &'a Targets,
     /// Lists of the frame, in one buffer.
     pub ray_list: &'a RayList,
+    /// Cube maps of probes, in frames that look reflections up in them.
+    pub probe_maps: Option<&'a ProbeMaps>,
 }

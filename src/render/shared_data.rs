@@ -17,6 +17,8 @@ pub enum SharedData {
     DispatchSizes,
     /// The nearest depth of pixels and of ever larger cells of them.
     DepthPyramid,
+    /// Cube maps of probes.
+    ProbeMaps,
 }
 
 impl SharedData {
@@ -29,6 +31,7 @@ impl SharedData {
             Self::Counters => "counters",
             Self::DispatchSizes => "dispatch_sizes",
             Self::DepthPyramid => "depth_pyramid",
+            Self::ProbeMaps => "probe_maps",
         }
     }
 
@@ -41,6 +44,7 @@ impl SharedData {
             Self::PixelLists | Self::DispatchSizes => features.lists,
             Self::Counters => features.lists || features.traced,
             Self::DepthPyramid => true,
+            Self::ProbeMaps => features.probes,
         }
     }
 }

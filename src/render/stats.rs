@@ -9,6 +9,7 @@ use super::{
     decide::Decision,
     error_estimate::ErrorEstimate,
     passes::trace,
+    probe_maps::ProbeStats,
     ray_list::{
         AUDITED_COUNTER, BEHIND_COUNTER, COUNTERS, EXHAUSTED_COUNTER, HIT_COUNTER, RAY_COUNTER,
         WRONG_COUNTER,
@@ -24,7 +25,7 @@ pub struct Shares {
     pub reflective: u64,
     /// Number of pixels of each cause but `not_reflective`, with the percentage of all reflective pixels.
     pub causes: Vec<Share>,
-    /// Number of pixels by source: screen + traced (failed with method `ssr`) + none + rough = 100 %.
+    /// Number of pixels by source: screen + traced (probe with methods that look up, failed with method `ssr`) + none + rough = 100 %.
     pub sources: Vec<Share>,
 }
 
@@ -75,6 +76,7 @@ impl Shares {
             sources: vec![
                 source("screen", Source::Screen),
                 source("traced", Source::Traced),
+                source("probe", Source::Probe),
                 source("failed", Source::Failed),
                 source("none", Source::None),
                 source("rough", Source::Rough),
@@ -226,6 +228,9 @@ pub struct FrameStats {
     /// Work of the second depth layer in the last sub-frame, where there is one and rays went behind the first.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub second_layer: Option<SecondLayer>,
+    /// Maps of probes, in frames that look reflections up in them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub probes: Option<ProbeStats>,
     /// Size of every buffer and texture class, bytes.
     #[serde(serialize_with = "as_map")]
     pub bytes: Vec<(String, u64)>,
@@ -249,7 +254,7 @@ impl FrameStats {
         let (hits, wrong) = (counter(AUDITED_COUNTER), counter(WRONG_COUNTER));
         let of = counter(HIT_COUNTER);
         self.audit = (hits > 0).then_some(Audit { hits, of, wrong });
-        if self.method != Method::Ssr {
+        if self.method.traces() {
             self.rays = counters.get(RAY_COUNTER).copied().unwrap_or(0);
         }
     }

@@ -349,6 +349,22 @@ gpu_struct! {
     }
 }
 
+gpu_struct! {
+    /// A probe; see `shaders/lib/probes.wgsl`. The fourth numbers are unused.
+    pub struct ProbeBox = "Probe" {
+        /// Position from which it sees, meters.
+        position: [f32; 4],
+        /// Middle of the box in which it counts, meters.
+        middle: [f32; 4],
+        /// Half the size of that box, meters, above 0.
+        half_size: [f32; 4],
+        /// Least corner of the box that stands for its surroundings, meters.
+        proxy_min: [f32; 4],
+        /// Greatest corner of that box, meters.
+        proxy_max: [f32; 4],
+    }
+}
+
 /// Returns `bit` if `on`, else 0.
 pub fn flag(on: bool, bit: u32) -> u32 {
     if on { bit } else { 0 }
@@ -367,6 +383,7 @@ pub const SHARED: &[StructSpec] = &[
     GpuVertex::LAYOUT,
     GpuTextureUse::LAYOUT,
     GpuMaterial::LAYOUT,
+    ProbeBox::LAYOUT,
 ];
 
 const _: () = assert!(size_of::<GpuVertex>() == 32 && size_of::<GpuInstance>() == 128);

@@ -15,6 +15,7 @@ mod light;
 mod material;
 mod motion;
 mod outline;
+mod probe;
 mod project;
 mod reflection;
 mod script;
@@ -46,6 +47,7 @@ pub use self::{
         TimelineDesc,
     },
     outline::{BevelDesc, FigureDesc, FillRule, OutlineDesc, Written},
+    probe::{Lookup, ProbeDesc, ProbesDesc, SelectBy},
     project::ProjectDesc,
     reflection::{Accept, Bounces, Marched, Method, REFLECTION, ReflectionDesc},
     script::ScriptDesc,
@@ -112,6 +114,7 @@ pub struct At<T> {
 /// - `base`: another scene, `base = "shot010.toml"`, that this one is laid over, key by key; looked for
 ///   beside the scene, then in each `--assets` folder. Instances with the same `name` are merged; other
 ///   lists are replaced. File names in it start from this scene's folder.
+/// - `probes`: size, look-up and grid of the cube maps of probes.
 /// - `remove`: entries of the base to leave out, such as `remove = ["light.lamp", "instance.ball"]`; also
 ///   in a variant.
 #[derive(Clone, Debug, PartialEq, Default)]
@@ -136,6 +139,8 @@ pub struct SceneDesc {
     pub environment: EnvironmentDesc,
     /// `[reflection]`: how reflections are found.
     pub reflection: ReflectionDesc,
+    /// `[probe.NAME]`: places from which cube maps are captured, for methods `probe` and `ssr+probe`.
+    pub probes: Vec<Entry<ProbeDesc>>,
     /// `[image]`: size, sampling and tone of the picture.
     pub image: ImageDesc,
     /// `[timeline]`: the frames of a film. Without it the scene is one picture, at time 0.

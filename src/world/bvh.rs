@@ -39,7 +39,7 @@ mod tests;
 mod tree;
 
 pub use gpu_layout::{
-    ALPHA_TESTED, CAPSULES, DOUBLE_SIDED, FLIPPED, SHADOWLESS, TraceInstance, TraceTriangle,
+    ALPHA_TESTED, CAPSULES, DOUBLE_SIDED, FLIPPED, MOVES, SHADOWLESS, TraceInstance, TraceTriangle,
     UNREFLECTED, UNSEEN,
 };
 use leaves::{mesh_tree, static_tree, too_far};

@@ -14,7 +14,7 @@ use glam::{Affine3A, Vec2, Vec3, Vec4};
 
 use reflet_base::{math::Bounds, memory::Budget};
 use reflet_scene::{
-    desc::{CameraDesc, Entry, LightDesc, ShownDesc},
+    desc::{CameraDesc, Entry, LightDesc, ProbeDesc, ShownDesc},
     diagnostic::Diagnostic,
 };
 
@@ -64,6 +64,8 @@ pub struct World {
     pub lights: Vec<Light>,
     /// The scene's and the files' cameras; never empty.
     pub cameras: Vec<Entry<CameraDesc>>,
+    /// The scene's probes.
+    pub probes: Vec<Entry<ProbeDesc>>,
     /// Environment: radiance of rays that leave the scene, and light from all directions.
     pub environment: Environment,
     /// The animations of all files.

@@ -41,6 +41,7 @@ mod oracle;
 mod orthographic;
 mod pattern;
 mod precision;
+mod probes;
 mod ray_list;
 mod second_layer;
 mod shown;

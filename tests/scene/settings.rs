@@ -12,7 +12,8 @@ fn environment_reflection_and_image_arrive() {
     let scene = read(
         "environment.color = [1, 2, 3]\n[reflection]\nmethod = \"ssr\"\nmarched = \"all\"\nray_length_u = 2\n\
          accept = \"threshold\"\nedge_px = 0.5\nthreshold_u = 0\nbounces = 16\ndiffuse_bounces = 8\nglint_limit = 3\nsteps = 8\nroughness_cutoff = 1\nunit_m = 0.5\nreuse_light = false\nfade = true\nfilter = false\nmultiple_scattering = true\n\
-         layers = 2\nseparation_m = 0.2\nblur_px = 1.5\n[image]\nsize = [1, 16384]\nsamples = 4096\nlight_rays = 256\nexposure_ev = -20\n\
+         layers = 2\nseparation_m = 0.2\nblur_px = 1.5\n[probes]\nspacing_m = 2.5\nface_px = 2048\nsamples = 1024\nnearest = 4\n\
+         lookup = \"distance\"\nselect = \"instance\"\n[image]\nsize = [1, 16384]\nsamples = 4096\nlight_rays = 256\nexposure_ev = -20\n\
          tone_map = \"aces\"\nvisibility = \"rays\"\nradiance = \"full\"\nalpha = true\nshutter = 0.5",
     );
     let color = Vec3::new(1.0, 2.0, 3.0);
@@ -25,6 +26,14 @@ fn environment_reflection_and_image_arrive() {
         ..EnvironmentDesc::default()
     };
     assert_eq!(scene.environment, flat);
+    let probes = ProbesDesc {
+        spacing_m: Some(2.5),
+        face_px: 2048,
+        samples: 1024,
+        nearest: 4,
+        lookup: Lookup::Distance,
+        select: SelectBy::Instance,
+    };
     assert_eq!(
         scene.reflection,
         ReflectionDesc {
@@ -47,6 +56,7 @@ fn environment_reflection_and_image_arrive() {
             filter: false,
             multiple_scattering: true,
             blur_px: 1.5,
+            probes,
         }
     );
     let (samples, exposure_ev, tone_map) = (4096, Exposure::Ev(-20.0), ToneMap::Aces);
@@ -64,6 +74,11 @@ fn environment_reflection_and_image_arrive() {
             shutter: 0.5,
         }
     );
+}
+
+#[test]
+fn light_rays_and_gradients_have_defaults() {
+    let color = Vec3::new(1.0, 2.0, 3.0);
     let image = |text: &str| read(text).image.light_rays();
     let rays = [
         "",

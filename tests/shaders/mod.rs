@@ -243,6 +243,8 @@ fn binding_of(data: SharedData, pass: &Pass) -> Option<&'static str> {
             Some("lists")
         }
         SharedData::Counters => Some("counters"),
+        // Their textures have a name for each use.
+        SharedData::ProbeMaps => None,
         SharedData::DispatchSizes => pass.writes_shared.contains(&data).then_some("arguments"),
     }
 }

@@ -243,9 +243,9 @@ fn bad_input_is_named() {
     let output = folder.join("out");
     for (arguments, code, parts) in [
         (
-            &["29"][..],
+            &["30"][..],
             2,
-            &["29: scenes/fail has no such mode", "03-rails"][..],
+            &["30: scenes/fail has no such mode", "03-rails"][..],
         ),
         (&["rails"], 2, &["rails: scenes/fail has no such mode"]),
         (&[&broken], 3, &["broken.toml:3:1", "fov_deg"]),

@@ -37,7 +37,13 @@ const MEASURING: [&str; 19] = [
 ];
 
 /// Methods that can be compared; `auto` chooses among them, and `path` is a reference with --against-path.
-const COMPARED: [Method; 3] = [Method::Ssr, Method::Hybrid, Method::Rt];
+const COMPARED: [Method; 5] = [
+    Method::Ssr,
+    Method::Probe,
+    Method::SsrProbe,
+    Method::Hybrid,
+    Method::Rt,
+];
 
 /// Parser of a method that can be compared.
 fn compared() -> impl TypedValueParser<Value = Method> {
@@ -156,6 +162,8 @@ pub enum Experiment {
     Reload(ReloadArgs),
     /// Compare the choice of `auto` with the fastest alternative
     Regret(RegretArgs),
+    /// Set other ways of finding reflections beside Reflet's own, and write the document
+    Comparators(ComparatorsArgs),
     /// Find failures of methods: scores of a suite of failure modes, or of your own scenes
     Stability(StabilityArgs),
 }
@@ -210,6 +218,35 @@ pub struct RegretArgs {
     pub adapter: Option<String>,
 }
 
+/// Arguments of `bench comparators`.
+#[derive(Clone, Debug, Args)]
+pub struct ComparatorsArgs {
+    /// Scene files
+    #[arg(required = true)]
+    pub scenes: Vec<PathBuf>,
+    /// Changes to the scenes
+    #[command(flatten)]
+    pub from: SceneArgs,
+    /// Size of all pictures
+    #[arg(long, value_name = "WxH", default_value = "192x108", value_parser = parse_size)]
+    pub size: [u32; 2],
+    /// Timed pictures of each system and still, 1 to 1000
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub frames: u32,
+    /// Frames of scenes with a timeline, such as 0-23:2
+    #[arg(long, value_name = "LIST", default_value = "all")]
+    pub timeline: String,
+    /// Markdown file to write
+    #[arg(long, value_name = "FILE", default_value = "docs/comparators.md")]
+    pub document: PathBuf,
+    /// Folder for the charts; created if it is missing
+    #[arg(short, long, value_name = "DIR", default_value = "docs/charts")]
+    pub output: PathBuf,
+    /// Use the adapter whose name contains this; also REFLET_ADAPTER
+    #[arg(long, value_name = "NAME")]
+    pub adapter: Option<String>,
+}
+
 /// Arguments of `bench stability`.
 #[derive(Clone, Debug, Args)]
 pub struct StabilityArgs {
@@ -222,7 +259,7 @@ pub struct StabilityArgs {
     /// Folder of the suite's scenes, NN-name.toml
     #[arg(long, value_name = "DIR", default_value = "scenes/fail")]
     pub suite: PathBuf,
-    /// Methods to score, of ssr, hybrid and rt; hybrid by both of its rules of acceptance
+    /// Methods to score, of ssr, probe, ssr+probe, hybrid and rt; hybrid by both of its rules of acceptance
     #[arg(
         long,
         value_name = "LIST",

@@ -114,6 +114,8 @@ pub fn shown(
         with(Method::Hybrid, Accept::Threshold, 2),
         with(Method::Ssr, Accept::Threshold, 1),
         with(Method::Ssr, Accept::Threshold, 2),
+        with(Method::Probe, Accept::Threshold, 1),
+        with(Method::SsrProbe, Accept::Threshold, 1),
     ] {
         let key = |settings: &ReflectionDesc| {
             let layers = settings.method.marches().then_some(settings.layers);
@@ -179,7 +181,7 @@ impl<'a> RenderSession<'a> {
         let settings = shot.settings();
         let method = method_name(settings.method);
         let label = match settings.method {
-            Method::Rt => method.to_owned(), // it has neither
+            Method::Rt | Method::Probe => method.to_owned(), // they have neither
             Method::Hybrid if settings.verifies() => {
                 format!("{method}, verified within {} px", settings.edge_px)
             }

@@ -128,6 +128,11 @@ fn frame(info: &Info) -> Vec<(&'static str, String)> {
     if !info.adapter_lacks.is_empty() {
         lines.push(("", format!("lacks {}", info.adapter_lacks.join(", "))));
     }
+    if let Some(probes) = info.probes {
+        let (count, px) = (probes.count, probes.face_px);
+        let bytes = mebibytes(probes.bytes);
+        lines.push(("probes", format!("{count} with faces of {px} px, {bytes}")));
+    }
     lines.extend(decisions(info).into_iter().map(|text| ("decided", text)));
     let left_out = info.left_out.iter();
     lines.extend(left_out.map(|d| ("left out", format!("{}: {}", d.what, d.why))));

@@ -1,4 +1,4 @@
-//! Lights and cameras inside of closed shapes.
+//! Lights, cameras and probes inside of closed shapes.
 
 use std::{cell::Cell, collections::HashMap, f64::consts::TAU};
 
@@ -98,6 +98,39 @@ pub fn cameras(scene: &Scene, world: &World) -> Vec<Diagnostic> {
             ));
             break;
         }
+    }
+    found
+}
+
+/// Warnings about probes of the scene text inside of a closed shape that is not seen from within, so that all faces of
+/// their maps look through its back.
+pub fn probes(scene: &Scene, world: &World) -> Vec<Diagnostic> {
+    let mut closed = Closed::new(world);
+    let mut found = Vec::new();
+    for entry in &scene.probes {
+        let mut around = closed.around(entry.value.position);
+        around.retain(|i| {
+            let material = &world.materials[world.instances[*i].material];
+            !material.double_sided && !world.instances[*i].dynamic
+        });
+        if closed.is_exhausted() {
+            return found;
+        }
+        let Some(shape) = around.first() else {
+            continue;
+        };
+        let name = &world.instances[*shape].name;
+        let message = format!(
+            "probe \"{}\" is inside of \"{name}\", which is closed: all six faces of its map look through the back of it",
+            entry.name
+        );
+        let help =
+            "move `position` out of it; for a room, write `double_sided = true` in its material";
+        found.push(related(
+            Diagnostic::at("probe-inside", entry.at.clone(), message).help(help),
+            scene,
+            name,
+        ));
     }
     found
 }

@@ -58,12 +58,16 @@ const SIZE: (u32, u32) = (860, 500);
 pub fn color(method: &str) -> RGBColor {
     const SSR: &str = Method::Ssr.name();
     const HYBRID: &str = Method::Hybrid.name();
+    const PROBE: &str = Method::Probe.name();
+    const SSR_PROBE: &str = Method::SsrProbe.name();
     match method {
         SSR => RGBColor(0, 114, 178),
         THRESHOLD_SERIES => RGBColor(230, 159, 0),
         SSR_LAYERS_SERIES => RGBColor(0, 0, 0),
         HYBRID_LAYERS_SERIES => RGBColor(150, 60, 60),
         HYBRID => RGBColor(213, 94, 0),
+        PROBE => RGBColor(240, 228, 66),
+        SSR_PROBE => RGBColor(110, 110, 110),
         HYBRID_ANEW_SERIES => RGBColor(204, 121, 167),
         RT_ANEW_SERIES => RGBColor(86, 180, 233),
         _ => RGBColor(0, 158, 115),

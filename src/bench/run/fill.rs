@@ -114,6 +114,9 @@ pub(super) fn timed(mut sample: Sample, stats: &FrameStats, repetition: u32) -> 
     };
     sample.screen_percent = percent("screen");
     sample.traced_percent = percent("traced");
+    sample.probe_percent = Some(percent("probe"));
+    sample.probe_bytes = stats.probes.map(|probes| probes.bytes);
+    sample.capture_ms = stats.probes.map(|probes| probes.capture_ms);
     sample.failed_percent = percent("failed");
     sample.none_percent = percent("none");
     sample.rough_percent = percent("rough");
@@ -156,6 +159,7 @@ mod tests {
             exhausted_rays: 0,
             audit: None,
             second_layer: None,
+            probes: None,
             decisions: Vec::new(),
             passes_ms: passes_ms.map(|(name, ms)| (name.to_owned(), ms)).to_vec(),
             processor_ms: Vec::new(),

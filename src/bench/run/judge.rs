@@ -98,7 +98,7 @@ impl Bench<'_> {
             .and_then(|view| {
                 let flicker = &self.cache.flicker;
                 let since = flicker.push(subject, variant, &view, reference)?;
-                let (hits, traces) = (Hits::of(&picture.planes), variant.method != Method::Ssr);
+                let (hits, traces) = (Hits::of(&picture.planes), variant.method.traces());
                 Ok((reference.errors(&view, hits.as_ref(), traces)?, since))
             })
             .map_err(|e| e.to_string());
@@ -109,7 +109,7 @@ impl Bench<'_> {
         }
         let mut verdicts = None;
         // The rays of a truth differ from those of this picture.
-        let is_asked = variant.method != Method::Rt && subject.truth.is_none();
+        let is_asked = variant.method.marches() && subject.truth.is_none();
         if let (Some(hits), true) = (Hits::of(&picture.planes), is_asked) {
             renderer.set_reflection_parameters(&ReflectionDesc {
                 steps: MAX_STEPS,

@@ -25,7 +25,14 @@ pub fn cell(column: &str, text: &str) -> Result<(), String> {
     match column {
         "method" => named(
             text,
-            &[Method::Ssr, Method::Hybrid, Method::Rt].map(method_name),
+            &[
+                Method::Ssr,
+                Method::Probe,
+                Method::SsrProbe,
+                Method::Hybrid,
+                Method::Rt,
+            ]
+            .map(method_name),
         ),
         "parameter" => named(text, &Parameter::ALL.map(Parameter::name)),
         _ => match (range(column), text.parse::<f64>()) {
@@ -74,7 +81,10 @@ fn range(column: &str) -> Option<(f64, f64, &'static str)> {
 }
 
 /// Columns that older tables lack; their cells are then empty.
-pub const NEWER: [&str; 26] = [
+pub const NEWER: [&str; 29] = [
+    "probe_percent",
+    "probe_bytes",
+    "capture_ms",
     "edge_flip",
     "inner_flip",
     "recall_1px_percent",

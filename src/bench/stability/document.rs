@@ -167,6 +167,15 @@ fn scores() -> Vec<Score> {
             cell: |s| s.flicker.map(|v| format!("{:.1}", 100.0 * v)),
             names_missing: false,
         },
+        Score {
+            title: "Popping of films, %",
+            text: "The largest |Δpicture − Δ`rt`| from one frame to the next over the largest |Δ`rt`|, inside the \
+                   reflections: 100 where one frame jumps as far as the reference ever changes."
+                .to_owned(),
+            against: ReferenceKind::Rt,
+            cell: |s| s.popping.map(|v| format!("{:.1}", 100.0 * v)),
+            names_missing: false,
+        },
     ];
     all.extend(structure());
     all

@@ -57,7 +57,7 @@ fn a_film_is_scored_by_its_means_and_its_worst_frame() {
         (s.false_accepts_px, s.false_accepts_permille),
         (Some(15), Some(10.0))
     );
-    assert_eq!((s.flicker, s.ssim), (Some(0.5), None));
+    assert_eq!((s.flicker, s.popping, s.ssim), (Some(0.5), Some(0.5), None));
     assert_eq!(of(1, &samples).expect("scores").flicker, None, "a still");
 }
 

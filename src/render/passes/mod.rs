@@ -3,6 +3,7 @@
 pub mod arguments;
 pub mod audit;
 pub mod blur;
+pub mod capture;
 pub mod compose;
 pub mod coverage;
 pub mod details;
@@ -13,7 +14,9 @@ pub mod hits;
 pub mod indirect;
 pub mod light;
 pub mod peel;
+pub mod prefilter;
 pub mod primary;
+pub mod probe;
 pub mod pyramid;
 pub mod shadow;
 pub mod ssr;
@@ -80,6 +83,8 @@ macro_rules! passes {
 
 passes! {
     shadow: Shadow,
+    capture: Capture,
+    prefilter: Prefilter,
     visibility: Visibility,
     primary: Primary,
     surface: Surface,
@@ -95,6 +100,7 @@ passes! {
     arguments, // for the lists of hits and rays
     hits: Hits,
     trace: Trace,
+    probe: Probe,
     audit: Audit,
     filter: Filter,
     blur: Blur,

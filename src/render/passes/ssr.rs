@@ -13,9 +13,7 @@ use crate::{
     types::gpu_struct,
 };
 use reflet_gpu::{Checks, GpuError};
-use reflet_scene::desc::ReflectionDesc;
-
-use super::trace;
+use reflet_scene::desc::{Method, ReflectionDesc};
 
 /// See `shaders/ssr.wgsl`.
 pub const PASS: Pass = Pass {
@@ -45,7 +43,7 @@ pub const PASS: Pass = Pass {
         let flag = |on| f64::from(u8::from(on));
         vec![
             ("VERIFY", flag(options.reflection.verifies())),
-            ("TRACE", flag(trace::is_enabled(options))),
+            ("TRACE", flag(options.reflection.method != Method::Ssr)),
         ]
     },
     // The shader's ids come from the visibility pass, which `check_world` validated.

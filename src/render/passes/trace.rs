@@ -11,7 +11,6 @@ use crate::{
     targets::Target,
 };
 use reflet_gpu::{Checks, GpuError};
-use reflet_scene::desc::Method;
 
 /// See `shaders/trace.wgsl`.
 pub const PASS: Pass = Pass {
@@ -43,7 +42,7 @@ pub const PASS: Pass = Pass {
 
 /// Whether the method traces the rays that the march cannot answer.
 pub fn is_enabled(options: &RenderOptions) -> bool {
-    options.reflection.method != Method::Ssr
+    options.reflection.method.traces()
 }
 
 /// Variant that traces the same rays without shading, timed apart from the frame.

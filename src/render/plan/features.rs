@@ -1,7 +1,7 @@
 //! The table of features: what of a frame is left out where a scene does not need it. A new feature is a row here and
 //! the code in the shaders that its constant or its files switch.
 
-use reflet_scene::desc::{PatternKind, ShownDesc};
+use reflet_scene::desc::{PatternKind, SelectBy, ShownDesc};
 use reflet_world::{Material, World, bvh::Trees};
 
 use super::{
@@ -212,6 +212,16 @@ features! {
         follows: sized_lights || sampled_environment || emitters,
         constant: HAS_SAMPLED_LIGHT,
     }
+    /// Whether reflections are looked up in probes.
+    probes {
+        used: scene.options.reflection.method.looks_up()
+            && (scene.is_general() || reflects(scene.world, scene.cutoff())),
+    }
+    /// Whether probes are chosen by instances rather than by pixels.
+    probes_by_instance {
+        used: scene.options.reflection.probes.select == SelectBy::Instance,
+        files: probe_place [pixel, instance];
+    }
     /// Whether some reflection is rough.
     rough_reflections {
         used: reflects_roughly(scene.world, scene.cutoff()),
@@ -360,7 +370,7 @@ features! {
     /// Whether lights or reflections have an extent, so that they are sampled.
     extent {
         follows: sampled_light || indirect || rough_reflections || layers || fog,
-        files: extent [none, sampled];
+        files: extent [none, sampled], path_restart [none, sampled];
     }
 }
 

@@ -1,5 +1,6 @@
 //! The `[reflection]` table of scene text.
 
+use super::ProbesDesc;
 use crate::{
     number::{Field, plain},
     range::{EDGE_PX, FROM_0, RAY_LENGTH_U, THRESHOLD_U, UNIT, range},
@@ -14,6 +15,11 @@ pub enum Method {
     Rt,
     /// `"hybrid"`: screen space first, ray traced where that finds nothing.
     Hybrid,
+    /// `"probe"`: cube maps that were captured from some places of the static scene, looked up by `[probes]`. Shows
+    /// nothing that moves, and what the places do not see at a wrong place or not at all.
+    Probe,
+    /// `"ssr+probe"`: screen space first, by the same rule as `"ssr"`; probes where that finds nothing.
+    SsrProbe,
     /// `"path"`: path tracing, the ground truth for the other methods. All light is followed by rays, however
     /// often it is reflected and scattered: as `rt` with unlimited `bounces` and `diffuse_bounces`,
     /// `roughness_cutoff = 1`, shadows by rays and 32 bits of `radiance`, and without light reuse, filter, fade
@@ -33,6 +39,8 @@ impl Method {
             Self::Ssr => "ssr",
             Self::Rt => "rt",
             Self::Hybrid => "hybrid",
+            Self::Probe => "probe",
+            Self::SsrProbe => "ssr+probe",
             Self::Path => "path",
             Self::Auto => "auto",
         }
@@ -40,7 +48,17 @@ impl Method {
 
     /// Whether the method searches reflections in screen space first.
     pub const fn marches(self) -> bool {
-        !matches!(self, Self::Rt | Self::Path)
+        !matches!(self, Self::Rt | Self::Probe | Self::Path)
+    }
+
+    /// Whether reflections that the screen does not answer are traced.
+    pub const fn traces(self) -> bool {
+        !matches!(self, Self::Ssr | Self::Probe | Self::SsrProbe)
+    }
+
+    /// Whether reflections that the screen does not answer are looked up in probes.
+    pub const fn looks_up(self) -> bool {
+        matches!(self, Self::Probe | Self::SsrProbe)
     }
 }
 
@@ -105,7 +123,7 @@ pub struct ReflectionDesc {
     /// Length of a reflection ray in U, above 0. More reflects things that are farther away. Default 16.
     pub ray_length_u: f32,
     /// Test by which method `hybrid` accepts a hit that the screen-space march finds. Default `"verified"`;
-    /// method `ssr` always takes `"threshold"`.
+    /// methods `ssr` and `ssr+probe` always take `"threshold"`.
     pub accept: Accept,
     /// Tolerance of `accept = "verified"` in pixels, 0 to 4: how far the hit point may lie outside of the pixel
     /// that shows its surface, along the ray and beyond the edge of its triangle. More accepts more and errs
@@ -155,6 +173,8 @@ pub struct ReflectionDesc {
     pub reuse_light: bool,
     /// Whether reflections fade to the environment along the ray, as in the paper. Default false.
     pub fade: bool,
+    /// Probes, as `[probes]` sets them, for methods `probe` and `ssr+probe`.
+    pub probes: ProbesDesc,
     /// Whether blurred reflections of rough surfaces are smoothed over neighboring pixels, as far as their lobe
     /// spreads, in pictures of fewer than 16 `samples`: less grain, and a little less detail. Sharp reflections
     /// and benchmarks are never smoothed. Default true.
@@ -187,6 +207,7 @@ impl Default for ReflectionDesc {
             unit_m: None,
             reuse_light: true,
             fade: false,
+            probes: ProbesDesc::default(),
             filter: true,
             multiple_scattering: false,
             blur_px: 0.0,
@@ -249,7 +270,7 @@ impl ReflectionDesc {
         match self.method {
             Method::Auto => self.marched != Marched::All,
             Method::Hybrid => self.marched == Marched::Cheaper,
-            Method::Ssr | Method::Rt | Method::Path => false,
+            Method::Ssr | Method::Rt | Method::Probe | Method::SsrProbe | Method::Path => false,
         }
     }
 

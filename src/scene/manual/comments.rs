@@ -13,6 +13,7 @@ static SOURCE: &str = concat!(
     include_str!("../desc/material.rs"),
     include_str!("../desc/motion.rs"),
     include_str!("../desc/outline.rs"),
+    include_str!("../desc/probe.rs"),
     include_str!("../desc/project.rs"),
     include_str!("../desc/reflection.rs"),
     include_str!("../desc/shape.rs"),

@@ -7,8 +7,9 @@ use super::{
     value::{Named, Value, wrong_type},
 };
 use crate::desc::{
-    Accept, CurveKind, Ease, EnvironmentShadow, FillRule, Marched, Method, PatternKind, Playback,
-    Radiance, ReflectionMode, ShadowMode, SweepCurve, TextAlign, ToneMap, Visibility,
+    Accept, CurveKind, Ease, EnvironmentShadow, FillRule, Lookup, Marched, Method, PatternKind,
+    Playback, Radiance, ReflectionMode, SelectBy, ShadowMode, SweepCurve, TextAlign, ToneMap,
+    Visibility,
 };
 use crate::syntax::Node;
 use crate::{range::Range, suggest};
@@ -46,7 +47,17 @@ words!(ShadowMode { "map" => Self::Map, "ray" => Self::Ray, "none" => Self::None
 words!(EnvironmentShadow { "ray" => Self::Ray, "none" => Self::None });
 words!(Marched { "auto" => Self::Auto, "all" => Self::All, "cheaper" => Self::Cheaper });
 words!(Accept { "verified" => Self::Verified, "threshold" => Self::Threshold });
-words!(Method { "ssr" => Self::Ssr, "rt" => Self::Rt, "hybrid" => Self::Hybrid, "path" => Self::Path, "auto" => Self::Auto });
+words!(Method {
+    "ssr" => Self::Ssr,
+    "rt" => Self::Rt,
+    "hybrid" => Self::Hybrid,
+    "probe" => Self::Probe,
+    "ssr+probe" => Self::SsrProbe,
+    "path" => Self::Path,
+    "auto" => Self::Auto,
+});
+words!(Lookup { "infinity" => Self::Infinity, "box" => Self::Box, "distance" => Self::Distance });
+words!(SelectBy { "pixel" => Self::Pixel, "instance" => Self::Instance });
 words!(CurveKind {
     "step" => Self::Step,
     "linear" => Self::Linear,

@@ -10,6 +10,7 @@ mod mesh;
 mod motion;
 mod outline;
 mod outlined;
+mod probe;
 pub mod project;
 mod shape;
 mod stage;
@@ -47,7 +48,8 @@ impl Section for SceneDesc {
             groups: t.entries("group"),
             lights: t.entries("light"),
             environment: t.table("environment").unwrap_or_default(),
-            reflection: t.table("reflection").unwrap_or_default(),
+            reflection: reflection(t),
+            probes: t.entries("probe"),
             image: t.table("image").unwrap_or_default(),
             motion: t.table("motion").unwrap_or_default(),
             params: t.params("params"),
@@ -68,7 +70,23 @@ impl Section for SceneDesc {
             t.report
                 .push(Diagnostic::at("too-many-lights", at, message));
         }
+        if let Some(probe) = scene.probes.get(ProbesDesc::MOST) {
+            let most = ProbesDesc::MOST;
+            let message = format!("`{}` exceeds the limit of {most} probes", probe.name);
+            let help = "remove some, or write a grid in their place: `[probes]` with `spacing_m`";
+            let error = Diagnostic::at("too-many-probes", probe.at.clone(), message).help(help);
+            t.report.push(error);
+        }
         Some(scene)
+    }
+}
+
+/// Settings of reflections, with those of probes.
+fn reflection(t: &mut Table) -> ReflectionDesc {
+    let reflection = t.table("reflection").unwrap_or_default();
+    ReflectionDesc {
+        probes: t.table("probes").unwrap_or_default(),
+        ..reflection
     }
 }
 

@@ -24,6 +24,9 @@ pub const UNREFLECTED: u32 = 32;
 /// them.
 pub const CAPSULES: u32 = 64;
 
+/// Flag of instances: they may move, so that probes do not see them. They are never part of the static tree.
+pub const MOVES: u32 = 128;
+
 /// A triangle, or in mesh trees a capsule, as traversal reads it, 48 bytes (3 × `vec4u`).
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -90,6 +93,7 @@ pub(super) fn instance_flags(instance: &Instance, world: &World) -> u32 {
     flag(tested, ALPHA_TESTED)
         | flag(material.double_sided, DOUBLE_SIDED)
         | flag(are_capsules, CAPSULES)
+        | flag(instance.dynamic, MOVES)
         | flag(!shown.visible, UNSEEN)
         | flag(!shown.casts_shadow, SHADOWLESS)
         | flag(!shown.in_reflections, UNREFLECTED)

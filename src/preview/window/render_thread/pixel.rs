@@ -84,6 +84,7 @@ fn source_name(source: Source) -> &'static str {
         Source::NotReflective => "not reflective",
         Source::Screen => "screen",
         Source::Traced => "traced",
+        Source::Probe => "probe",
         Source::Failed => "failed",
         Source::None => "environment",
         Source::Rough => "rough",

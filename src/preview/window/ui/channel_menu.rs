@@ -10,8 +10,15 @@ use reflet_bench::parameter::method_name;
 use reflet_render::{aov::Aov, lights::CUBE_FACES};
 use reflet_scene::desc::Method;
 
-/// Methods in the order of the keys 1, 2, 3, 4.
-pub const METHODS: [Method; 4] = [Method::Hybrid, Method::Ssr, Method::Rt, Method::Path];
+/// Methods in the order of the keys 1 to 6.
+pub const METHODS: [Method; 6] = [
+    Method::Hybrid,
+    Method::Ssr,
+    Method::Rt,
+    Method::Path,
+    Method::Probe,
+    Method::SsrProbe,
+];
 
 /// Width of a menu, points; longer names are truncated.
 pub const MENU: f32 = 88.0;

@@ -14,6 +14,9 @@ use crate::syntax::{Content, Entries, Key, Node};
 /// Tables that are placed with a scene beside those of [`ENTRY_KINDS`]; the others are about its image or its timeline.
 const ALSO_PLACED: [&str; 2] = ["instance", "motion"];
 
+/// Kind of entries that are not placed: probes belong to the scene whose reflections they serve.
+const NOT_PLACED: &str = "probe";
+
 /// A key with its place.
 pub fn text(value: String, at: Range<usize>) -> Key {
     Key::new(at, value)
@@ -47,7 +50,10 @@ impl Prefix<'_> {
         }
         let of_picture: Vec<_> = (tree.keys())
             .map(|key| key.get_ref().to_string())
-            .filter(|key| !(ENTRY_KINDS.iter().chain(&ALSO_PLACED)).any(|placed| placed == key))
+            .filter(|key| {
+                let mut placed = ENTRY_KINDS.iter().chain(&ALSO_PLACED);
+                key == NOT_PLACED || !placed.any(|placed| placed == key)
+            })
             .collect();
         for key in of_picture {
             tree.remove(key.as_str());

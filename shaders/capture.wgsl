@@ -1,0 +1,105 @@
+// Capture: radiance and hits of the static scene, seen from a probe through the pixels of a cube map. The environment
+// that a probe sees directly is left out, as are lamps and surfaces that are sampled as lights: the look-up adds them
+// by the reflection's own ray.
+
+#import cone
+#import cube_faces
+#import indirect
+#import path_restart
+#import probes
+#import radiance
+#import shade
+
+struct Params {
+    first_layer: u32, // six for each probe
+    face_px: u32,
+    samples: u32, // for each pixel of the map
+    pad0: u32,
+}
+
+@group(2) @binding(0) var captured: texture_storage_2d_array<rgba16float, write>; // w: share that surfaces cover
+@group(2) @binding(1) var captured_hits: texture_storage_2d_array<rgba32uint, write>; // distance, instance, triangle, place
+@group(2) @binding(2) var<uniform> params: Params;
+
+// Radiance of stored light, over its value in 16 bits: a power of two.
+override EMISSION_SCALE: f32 = 1.0;
+
+struct Seen {
+    light: vec4f, // w: 1 where the ray meets a surface
+    hit: vec4u,
+}
+
+// Whether light samples find the light of a surface that a ray meets.
+fn is_lamp(instance: u32) -> bool {
+    return HAS_EMITTERS && (instance_flags(instance) & FLAG_EMITTER) != 0u;
+}
+
+// Follows a ray as the trace pass does, and what surfaces reflect along it.
+fn seen_from(probe: vec3f, towards: vec3f, seed: vec2u) -> Seen {
+    var seen = Seen(vec4f(0.0), vec4u(0u, NONE, NONE, 0u));
+    var origin = probe;
+    var cone = Cone(0.0, 2.0 / f32(params.face_px));
+    var ray = Reflected(towards, vec3f(1.0), 0.0, 1.0, 1.0);
+    forget_path();
+    forget_scatterings();
+    start_path(origin);
+    start_inside(false);
+    var color = vec3f(0.0);
+    var throughput = vec3f(1.0);
+    for (var bounce = 0u; bounce < frame.bounces + crossings() + scatterings(); bounce++) {
+        start_samples(seed, bounce + 1u);
+        let direction = ray.direction;
+        let h = trace_nearest(origin, direction, 0.0, reach_m());
+        throughput *= medium_transmittance(h.t);
+        if (h.instance == NONE) {
+            if (bounce > 0u) { color += found_light(throughput * beyond(origin, ray), bounce); }
+            break;
+        }
+        if (bounce > 0u) {
+            let light = seen_light(origin, ray, h.t);
+            if (light.is_seen) {
+                color += found_light(throughput * light.radiance, bounce);
+                break;
+            }
+        } else {
+            seen.light.w = 1.0;
+            seen.hit = vec4u(bitcast<u32>(h.t), h.instance, h.triangle, pack2x16unorm(h.bary));
+        }
+        cone = continued(cone, h.t);
+        var s = surface_at(h.instance, h.triangle, h.bary, direction, cone.width_m);
+        s.emission *= met_emission(ray, h.instance, h.triangle, h.t, s);
+        if (bounce == 0u && is_lamp(h.instance)) { s.emission = vec3f(0.0); }
+        color += found_light(throughput * met_light(ray, shade(s, -direction, vec2u(0u))), bounce);
+        if (!continues(s)) { break; }
+        ray = next_ray(ray, s);
+        throughput *= ray.weight;
+        if (max(throughput.x, max(throughput.y, throughput.z)) < frame.dimmest) { break; }
+        if (dot(ray.direction, s.geometric_normal) > 0.0) { cone = mirrored_cone(cone, s.curvature); }
+        origin = onward_origin(s, ray.direction);
+    }
+    seen.light = vec4f(color, seen.light.w);
+    return seen;
+}
+
+// Place of a sample within its pixel, 0 to 1: the first in the middle, the others evenly spread around it (Roberts 2018,
+// "The Unreasonable Effectiveness of Quasirandom Sequences").
+fn place_of_sample(sample: u32) -> vec2f {
+    return fract(vec2f(0.5) + f32(sample) * vec2f(0.7548776662, 0.5698402910));
+}
+
+@compute @workgroup_size(GROUP_PX, GROUP_PX)
+fn main(@builtin(global_invocation_id) id: vec3u) {
+    if (any(id.xy >= vec2u(params.face_px))) { return; }
+    let layer = params.first_layer + id.z;
+    let probe = probes[layer / 6u].position.xyz;
+    var sum = vec4f(0.0);
+    for (var sample = 0u; sample < params.samples; sample++) {
+        let place = (vec2f(id.xy) + place_of_sample(sample)) * (2.0 / f32(params.face_px)) - 1.0;
+        let seed = id.xy + vec2u(params.face_px * layer, 65536u * sample);
+        let seen = seen_from(probe, normalize(face_direction(layer % 6u, place)), seed);
+        sum += seen.light;
+        if (sample == 0u) { textureStore(captured_hits, id.xy, layer, seen.hit); }
+    }
+    let mean = sum / f32(params.samples);
+    textureStore(captured, id.xy, layer, vec4f(min(mean.xyz / EMISSION_SCALE, BRIGHTEST), mean.w));
+}

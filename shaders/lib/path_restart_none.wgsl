@@ -1,0 +1,3 @@
+// Variant without random paths: a path leaves nothing behind for the next one.
+
+fn forget_path() {}

@@ -1,0 +1,149 @@
+// Look-up of a ray in the cube maps of probes.
+
+#import cube_faces
+#import frame
+#import probes
+
+// Way of looking up: LOOKUP_INFINITY, LOOKUP_BOX or LOOKUP_DISTANCE.
+override LOOKUP: u32 = LOOKUP_BOX;
+
+@group(2) @binding(23) var probe_radiance: texture_cube_array<f32>; // levels by roughness; w: share that surfaces cover
+@group(2) @binding(24) var probe_hits: texture_2d_array<u32>; // distance, instance, triangle, place
+@group(2) @binding(25) var probe_sampler: sampler;
+
+// Number of steps of a march through distances, and of halvings where it has crossed them.
+const MARCH_STEPS: u32 = 30u;
+const HALVINGS: u32 = 8u;
+// Maximum relative difference of the depths of pixels between which a surface is taken to go on.
+const SAME_SURFACE: f32 = 0.2;
+// Share of a box's half size within which a point lies on its border.
+const ON_BORDER: f32 = 1e-3;
+
+fn probe_hit(probe: u32, direction: vec3f) -> vec4u {
+    let at = face_place(direction);
+    let size = f32(textureDimensions(probe_hits).x);
+    let pixel = vec2u(clamp((at.place + 1.0) * (0.5 * size), vec2f(0.0), vec2f(size - 1.0)));
+    return textureLoad(probe_hits, pixel, 6u * probe + at.face, 0);
+}
+
+// Depth along the axis of its face of what a probe sees at a pixel of a map.
+fn depth_at(layer: u32, pixel: vec2i, size: f32) -> f32 {
+    let hit = textureLoad(probe_hits, pixel, layer, 0).xy;
+    if (hit.y == NONE) { return FAR_M; }
+    let place = (vec2f(pixel) + 0.5) * (2.0 / size) - 1.0;
+    return bitcast<f32>(hit.x) * inverseSqrt(1.0 + dot(place, place));
+}
+
+// Depth of what a probe sees at a place of a face. Its inverse is linear on planes, so that interpolating that between
+// pixels of one surface is exact there.
+fn depth_seen(probe: u32, at: FacePlace) -> f32 {
+    let size = f32(textureDimensions(probe_hits).x);
+    let layer = 6u * probe + at.face;
+    let place = clamp((at.place + 1.0) * (0.5 * size) - 0.5, vec2f(0.0), vec2f(size - 1.0));
+    let corner = vec2i(min(place, vec2f(size - 2.0)));
+    let part = place - vec2f(corner);
+    let inverse = 1.0 / vec4f(
+        depth_at(layer, corner, size),
+        depth_at(layer, corner + vec2i(1, 0), size),
+        depth_at(layer, corner + vec2i(0, 1), size),
+        depth_at(layer, corner + vec2i(1, 1), size),
+    );
+    let least = min(min(inverse.x, inverse.y), min(inverse.z, inverse.w));
+    let most = max(max(inverse.x, inverse.y), max(inverse.z, inverse.w));
+    if (most - least > SAME_SURFACE * most) {
+        let near = vec2i(round(place));
+        return depth_at(layer, near, size);
+    }
+    return 1.0 / mix(mix(inverse.x, inverse.y, part.x), mix(inverse.z, inverse.w, part.x), part.y);
+}
+
+// Whether a point is behind what a probe sees in its direction.
+fn is_behind(probe: u32, offset: vec3f) -> bool {
+    let at = face_place(offset);
+    return at.axis > depth_seen(probe, at);
+}
+
+// Distance along a ray to where it first goes behind what the probe sees; FAR_M: nowhere. The steps are even in the
+// angle by which the probe sees the ray. `offset`: the ray's origin, from the probe.
+fn marched(probe: u32, offset: vec3f, direction: vec3f) -> f32 {
+    let scale = max(length(offset), 1e-6);
+    let cosine = dot(offset, direction) / scale;
+    let along = offset - direction * dot(offset, direction);
+    let nearest_m = max(length(along), 1e-3 * scale);
+    let start = atan2(cosine * scale, nearest_m);
+    let span = 0.5 * PI - start;
+    var free_m = 0.0;
+    for (var step = 1u; step <= MARCH_STEPS; step++) {
+        // The last step is infinitely far away: short of it, far beyond everything.
+        let angle = start + span * min(f32(step) / f32(MARCH_STEPS), 0.9999);
+        let t = nearest_m * tan(angle) - cosine * scale;
+        if (is_behind(probe, offset + direction * t)) {
+            var low = free_m;
+            var high = t;
+            for (var k = 0u; k < HALVINGS + 8u; k++) {
+                let middle = 0.5 * (low + high);
+                let behind = is_behind(probe, offset + direction * middle);
+                low = select(middle, low, behind);
+                high = select(high, middle, behind);
+            }
+            return 0.5 * (low + high);
+        }
+        free_m = t;
+    }
+    return FAR_M;
+}
+
+// Distance along a ray to where it leaves a box; 0 or less where it does not.
+fn box_exit(low: vec3f, high: vec3f, origin: vec3f, direction: vec3f) -> f32 {
+    let far = select(low, high, direction > vec3f(0.0));
+    let steep = abs(direction) > vec3f(1e-9);
+    let t = select(vec3f(FAR_M), (far - origin) / select(vec3f(1.0), direction, steep), steep);
+    return min(t.x, min(t.y, t.z));
+}
+
+// Direction in which a probe sees what a ray meets.
+fn direction_from(probe: u32, origin: vec3f, direction: vec3f) -> vec3f {
+    let offset = origin - probes[probe].position.xyz;
+    var t = 0.0;
+    if (LOOKUP == LOOKUP_BOX) { t = box_exit(probes[probe].proxy_min.xyz, probes[probe].proxy_max.xyz, origin, direction); }
+    if (LOOKUP == LOOKUP_DISTANCE) { t = marched(probe, offset, direction); }
+    if (t <= 0.0 || t >= FAR_M) { return direction; }
+    return normalize(offset + direction * t);
+}
+
+// Shares of the way from the border of a probe's box to its middle along each axis, multiplied: 1 in the middle; below 0
+// outside. Floors and walls may lie on the border, so that what is on it still counts a little.
+fn depth_in_box(probe: u32, point: vec3f) -> f32 {
+    let inside = 1.0 - abs(point - probes[probe].middle.xyz) / probes[probe].half_size.xyz;
+    let least = min(inside.x, min(inside.y, inside.z));
+    if (least < -ON_BORDER) { return least; }
+    let shares = max(inside, vec3f(ON_BORDER));
+    return shares.x * shares.y * shares.z;
+}
+
+// The probes of a point, those deepest in whose boxes it lies, with weights that sum to 1.
+struct Chosen {
+    probes: vec4u,
+    weights: vec4f,
+}
+
+fn chosen_probes(point: vec3f, count: u32, nearest: u32) -> Chosen {
+    var c = Chosen(vec4u(0u), vec4f(-FAR_M));
+    for (var i = 0u; i < count; i++) {
+        var probe = i;
+        var depth = depth_in_box(i, point);
+        for (var k = 0u; k < nearest; k++) {
+            if (depth > c.weights[k]) {
+                let lesser = vec2f(f32(c.probes[k]), c.weights[k]);
+                c.probes[k] = probe;
+                c.weights[k] = depth;
+                probe = u32(lesser.x);
+                depth = lesser.y;
+            }
+        }
+    }
+    let weights = max(c.weights, vec4f(0.0));
+    let sum = weights.x + weights.y + weights.z + weights.w;
+    c.weights = select(vec4f(1.0, 0.0, 0.0, 0.0), weights / max(sum, 1e-12), sum > 1e-12);
+    return c;
+}

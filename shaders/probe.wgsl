@@ -1,0 +1,103 @@
+// Probe: looks the reflections of the listed pixels up in the cube maps of probes, in place of the trace pass.
+
+#import air
+#import cause
+#import cone
+#import gbuffer
+#import lists
+#import probe_lookup
+#import probe_place
+#import radiance
+
+struct Params {
+    count: u32, // number of probes
+    nearest: u32, // maximum number that is blended
+    levels: u32, // of the maps, from sharp to the roughest
+    pad0: u32,
+}
+
+@group(2) @binding(3) var reflection: RadianceTexture;
+@group(2) @binding(4) var hit: texture_storage_2d<rgba32uint, write>;
+@group(2) @binding(5) var<uniform> params: Params;
+
+// Part of a reflection that the lobe of a surface averages: the mirror direction of its only lobe, and the level of the
+// maps for its roughness. Sharp reflections, and rays of one lobe of two, keep their own direction.
+struct Aim {
+    direction: vec3f,
+    level: f32,
+}
+
+fn aim(s: Surface, ray: Reflected) -> Aim {
+    if (!HAS_ROUGH_REFLECTIONS || !is_spread(s)) { return Aim(ray.direction, 0.0); }
+    let view = view_direction(s.position);
+    let only = only_lobe(s, -view);
+    if (only.share <= 0.0) { return Aim(ray.direction, 0.0); }
+    return Aim(mirror_direction(view, only.layer), only.layer.roughness * f32(params.levels - 1u));
+}
+
+// Light of a surface that is sampled as a light, which the maps lack, as far as the surface before keeps it.
+fn lamp_light(found: vec4u, ray: Reflected, width_m: f32) -> vec3f {
+    if (!HAS_EMITTERS || found.y == NONE) { return vec3f(0.0); }
+    if ((instance_flags(found.y) & FLAG_EMITTER) == 0u) { return vec3f(0.0); }
+    let s = surface_at(found.y, found.z, unpack2x16unorm(found.w), ray.direction, width_m);
+    return s.emission * met_emission(ray, found.y, found.z, bitcast<f32>(found.x), s) * ray.kept;
+}
+
+// Light that a probe shows of a ray, and the hit that it stands for.
+struct Shown {
+    light: vec3f,
+    hit: vec4u,
+}
+
+fn shown_by(probe: u32, origin: vec3f, ray: Reflected, to: Aim, width_m: f32) -> Shown {
+    let towards = direction_from(probe, origin, to.direction);
+    let stored = textureSampleLevel(probe_radiance, probe_sampler, towards, probe, to.level);
+    var found = probe_hit(probe, towards);
+    let sky = environment(ray.direction) * (ray.sky_weight * (1.0 - stored.w));
+    if (found.y != NONE) {
+        let point = probes[probe].position.xyz + towards * bitcast<f32>(found.x);
+        found.x = bitcast<u32>(max(dot(point - origin, to.direction), 0.0));
+    } else {
+        found = vec4u(0u, NONE, NONE, 0u);
+    }
+    let light = stored.xyz * (EMISSION_SCALE * ray.kept) + sky + lamp_light(found, ray, width_m);
+    return Shown(light, found);
+}
+
+fn look_up(pixel: vec2u) {
+    let s = load_surface(pixel);
+    let ray = reflected_ray(pixel, s);
+    if (!carries_light(ray)) {
+        textureStore(hit, pixel, vec4u(0u, NONE, NONE, 0u));
+        textureStore(reflection, pixel, vec4f(0.0));
+        return;
+    }
+    let width_m = pixel_width(distance(s.position, frame.eye));
+    let to = aim(s, ray);
+    let chosen = chosen_probes(choosing_point(pixel, s), params.count, params.nearest);
+    var light = vec3f(0.0);
+    var found = vec4u(0u, NONE, NONE, 0u);
+    for (var k = 0u; k < params.nearest; k++) {
+        if (chosen.weights[k] <= 0.0) { continue; }
+        let shown = shown_by(chosen.probes[k], s.position, ray, to, width_m);
+        light += shown.light * chosen.weights[k];
+        if (k == 0u) { found = shown.hit; }
+    }
+    let reach = select(bitcast<f32>(found.x), 2.0 * FAR_M, found.y == NONE);
+    let lamp = seen_light(s.position, ray, reach);
+    if (lamp.is_seen) { light = lamp.radiance; }
+    if (HAS_FOG) {
+        start_samples(pixel, 1u);
+        start_inside(s.is_inside);
+        let air = through_air(s.position, ray, select(bitcast<f32>(found.x), FAR_M, found.y == NONE));
+        light = air.light + select(light * air.share, vec3f(0.0), air.scatters);
+    }
+    textureStore(reflection, pixel, vec4f(min(light, BRIGHTEST), 1.0));
+    textureStore(hit, pixel, found);
+}
+
+@compute @workgroup_size(RAYS_PER_GROUP)
+fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) lane: u32) {
+    let index = (group.y * groups.x + group.x) * RAYS_PER_GROUP + lane;
+    if (index < atomicLoad(&counters[RAY_COUNTER])) { look_up(unpack_pixel(lists[ray_slot(index)])); }
+}

@@ -1,0 +1,167 @@
+//! Systems that are compared with each other: each a method with its settings, as its authors would build it. A further
+//! system is a row of [`SYSTEMS`].
+
+use reflet_scene::desc::{Accept, Lookup, Method, ProbesDesc, ReflectionDesc};
+
+pub mod chart;
+pub mod document;
+
+/// A system: a method with its settings.
+#[derive(Clone, Copy, Debug)]
+pub struct System {
+    /// Name in tables and charts.
+    pub name: &'static str,
+    /// Color in charts, sRGB.
+    pub color: [u8; 3],
+    /// Whether it is Reflet's own choice rather than a rival.
+    pub is_own: bool,
+    /// Changes the settings of a scene to those of the system.
+    pub set: fn(&mut ReflectionDesc),
+}
+
+/// Sets a method that looks reflections up.
+fn look_up(r: &mut ReflectionDesc, method: Method, lookup: Lookup, nearest: u32) {
+    r.method = method;
+    r.probes = ProbesDesc {
+        lookup,
+        nearest,
+        ..r.probes
+    };
+}
+
+/// A rival in these colors.
+const fn rival(name: &'static str, color: [u8; 3], set: fn(&mut ReflectionDesc)) -> System {
+    System {
+        name,
+        color,
+        is_own: false,
+        set,
+    }
+}
+
+/// All systems, in the order of tables.
+pub const SYSTEMS: &[System] = &[
+    rival("ssr", [0, 114, 178], |r| r.method = Method::Ssr),
+    rival("probe, infinity, K = 1", [150, 120, 0], |r| {
+        look_up(r, Method::Probe, Lookup::Infinity, 1);
+    }),
+    rival("probe, box, K = 1", [200, 170, 0], |r| {
+        look_up(r, Method::Probe, Lookup::Box, 1);
+    }),
+    rival("probe, box, K = 4", [240, 210, 40], |r| {
+        look_up(r, Method::Probe, Lookup::Box, 4);
+    }),
+    rival("probe, distance, K = 2", [120, 180, 60], |r| {
+        look_up(r, Method::Probe, Lookup::Distance, 2);
+    }),
+    rival("ssr+probe, box, K = 2", [120, 120, 120], |r| {
+        look_up(r, Method::SsrProbe, Lookup::Box, 2);
+    }),
+    rival("ssr+probe, distance, K = 2", [60, 60, 60], |r| {
+        look_up(r, Method::SsrProbe, Lookup::Distance, 2);
+    }),
+    rival("hybrid (threshold)", [230, 159, 0], |r| {
+        r.method = Method::Hybrid;
+        r.accept = Accept::Threshold;
+    }),
+    System {
+        name: "hybrid",
+        color: [213, 94, 0],
+        is_own: true,
+        set: |r| {
+            r.method = Method::Hybrid;
+            r.accept = Accept::Verified;
+        },
+    },
+    System {
+        name: "rt",
+        color: [0, 158, 115],
+        is_own: true,
+        set: |r| r.method = Method::Rt,
+    },
+];
+
+/// Measurements of a system in a scene, over all of its measured frames.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Row {
+    /// Name of the system.
+    pub system: &'static str,
+    /// Median time of the passes that find reflections, milliseconds: processor time on software adapters.
+    pub ms: f64,
+    /// Mean FLIP against `rt` inside the reflections.
+    pub flip: f64,
+    /// Largest 99th percentile of FLIP of a frame.
+    pub flip_p99: f64,
+    /// Mean SSIM; none where the reflections are too few.
+    pub ssim: Option<f64>,
+    /// Share of the pixels that show another instance than `rt`, or none, percent.
+    pub wrong_percent: f64,
+    /// Largest change of one frame that `rt` does not have, over the largest change of `rt`; of films only.
+    pub popping: Option<f64>,
+    /// Bytes of all buffers and textures.
+    pub bytes: u64,
+    /// Bytes of the maps of probes.
+    pub probe_bytes: u64,
+    /// Time of a capture of the maps, milliseconds; it is not part of `ms`.
+    pub capture_ms: f64,
+}
+
+/// Measured systems of a scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SceneRows {
+    /// Scene file.
+    pub scene: String,
+    /// Number of measured frames.
+    pub frames: usize,
+    /// Number of reflective pixels that were scored, in the frame with the fewest.
+    pub mask_px: usize,
+    /// Number of probes.
+    pub probes: u32,
+    /// A row for each of [`SYSTEMS`].
+    pub rows: Vec<Row>,
+}
+
+/// Whether each row is on the front: no other has less time and less error.
+pub fn on_front(rows: &[Row]) -> Vec<bool> {
+    let beats =
+        |a: &Row, b: &Row| a.ms <= b.ms && a.flip <= b.flip && (a.ms < b.ms || a.flip < b.flip);
+    let is_best = |row: &Row| !rows.iter().any(|other| beats(other, row));
+    rows.iter().map(is_best).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn systems_have_names_and_settings_of_their_own() {
+        for (i, a) in SYSTEMS.iter().enumerate() {
+            for b in &SYSTEMS[i + 1..] {
+                assert_ne!(a.name, b.name);
+                let [of_a, of_b] = [a, b].map(|system| {
+                    let mut settings = ReflectionDesc::default();
+                    (system.set)(&mut settings);
+                    settings
+                });
+                assert_ne!(of_a, of_b, "{} and {}", a.name, b.name);
+            }
+        }
+    }
+
+    #[test]
+    fn the_front_has_what_nothing_else_beats() {
+        let row = |ms, flip| Row {
+            ms,
+            flip,
+            ..Row::default()
+        };
+        let rows = [
+            row(1.0, 0.5),
+            row(2.0, 0.6),
+            row(3.0, 0.1),
+            row(3.0, 0.1),
+            row(4.0, 0.0),
+        ];
+        assert_eq!(on_front(&rows), [true, false, true, true, true]);
+    }
+}

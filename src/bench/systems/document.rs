@@ -1,0 +1,196 @@
+//! The document that compares systems: what rivals do better comes first.
+
+use std::fmt::Write as _;
+
+use super::{Row, SYSTEMS, SceneRows, on_front};
+
+/// Conditions of the measurements.
+#[derive(Clone, Debug)]
+pub struct Conditions {
+    /// Command that writes the document.
+    pub command: String,
+    /// Name of the adapter and its driver.
+    pub adapter: String,
+    /// Size of the pictures.
+    pub size: [u32; 2],
+    /// Number of timed pictures of each still.
+    pub frames: u32,
+    /// Whether times are those of the processor.
+    pub is_processor: bool,
+}
+
+/// The document as Markdown; `chart` gives the address of a scene's chart.
+pub fn document(
+    about: &Conditions,
+    scenes: &[SceneRows],
+    chart: impl Fn(&SceneRows) -> String,
+) -> String {
+    let [width, height] = about.size;
+    let time = match about.is_processor {
+        true => "processor time",
+        false => "GPU time",
+    };
+    let mut out = format!(
+        "<!-- Written by `reflet bench comparators --document`. -->\n# The systems beside it\n\nOther ways of finding \
+         reflections, built as their authors build them, on the same scenes with the same surface and light code \
+         ([methods.md](methods.md)). Pictures of {width} × {height} pixels on {}. Times are the {time} of the passes \
+         that find reflections, medians of {} pictures, or of all frames of a film; errors are FLIP and SSIM against \
+         `rt` inside the reflective pixels. Maps of probes are captured apart from the frame: their time and bytes \
+         have columns of their own.\n\n```sh\n{}\n```\n",
+        about.adapter, about.frames, about.command
+    );
+    out += "\n## What rivals do better\n\n";
+    let better: Vec<String> = scenes.iter().flat_map(better).collect();
+    match better.is_empty() {
+        true => {
+            out += "Nothing in these scenes: no rival takes less time than both `hybrid` and `rt`, or errs less.\n"
+        }
+        false => better.iter().for_each(|line| out += &format!("- {line}\n")),
+    }
+    for scene in scenes {
+        let _ = write!(out, "\n## {}\n\n", scene.scene);
+        let frames = match scene.frames {
+            1 => "one picture".to_owned(),
+            n => format!("{n} frames"),
+        };
+        let _ = writeln!(
+            out,
+            "{frames}, {} reflective pixels scored, {} probes.\n\n![Time against error of each system; a ring marks the \
+             front]({})\n",
+            scene.mask_px,
+            scene.probes,
+            chart(scene)
+        );
+        table(&mut out, scene);
+    }
+    out += LEFT_OUT;
+    out
+}
+
+/// Systems that the document does not have, and why.
+const LEFT_OUT: &str = "
+## What is not here
+
+Maps of the last frame are left out, because a frame here depends on no frame before it: probes stand for maps from before.
+Systems that trace or march otherwise (two depth layers, near rays with far cubes, fewer rays, rays by hardware) are rows of
+`SYSTEMS` in `src/bench/systems.rs` as soon as Reflet has them.
+";
+
+/// Sentences about the rivals of a scene that take less time than Reflet's own systems, or err less than its fastest.
+fn better(scene: &SceneRows) -> Vec<String> {
+    let own = || {
+        let rows = scene.rows.iter().zip(SYSTEMS);
+        rows.filter(|(_, s)| s.is_own).map(|(row, _)| row)
+    };
+    let rivals = scene.rows.iter().zip(SYSTEMS).filter(|(_, s)| !s.is_own);
+    let Some(fastest) = own().min_by(|a, b| a.ms.total_cmp(&b.ms)) else {
+        return Vec::new();
+    };
+    let text = |row: &Row| {
+        let name = row.system;
+        let mut parts = Vec::new();
+        if row.ms < fastest.ms {
+            let share = row.ms / fastest.ms.max(1e-9);
+            parts.push(format!(
+                "{share:.2} of the time of `{}`, with a mean FLIP of {:.4} against {:.4}",
+                fastest.system, row.flip, fastest.flip
+            ));
+        }
+        if let Some(hybrid) = own().find(|o| o.system == "hybrid" && row.flip < o.flip) {
+            let (flip, ours) = (row.flip, hybrid.flip);
+            parts.push(format!(
+                "a mean FLIP of {flip:.4} against {ours:.4} of `hybrid`"
+            ));
+        }
+        (!parts.is_empty()).then(|| format!("{}: {name}: {}.", scene.scene, parts.join("; ")))
+    };
+    rivals.filter_map(|(row, _)| text(row)).collect()
+}
+
+fn table(out: &mut String, scene: &SceneRows) {
+    let is_film = scene.rows.iter().any(|row| row.popping.is_some());
+    let popping = if is_film { " popping, % |" } else { "" };
+    let line = if is_film { "---|" } else { "" };
+    let _ = writeln!(
+        out,
+        "| system | ms | FLIP | p99 | SSIM | wrong instance, % |{popping} MiB | of probes | capture, ms | front |\n\
+         |---|---|---|---|---|---|{line}---|---|---|---|"
+    );
+    for (row, is_on_front) in scene.rows.iter().zip(on_front(&scene.rows)) {
+        let mib = |bytes: u64| format!("{:.1}", bytes as f64 / f64::from(1 << 20));
+        let ssim = row.ssim.map_or("–".to_owned(), |v| format!("{v:.4}"));
+        let popping = match row.popping {
+            Some(value) => format!(" {:.0} |", 100.0 * value),
+            None => String::new(),
+        };
+        let has_maps = row.probe_bytes > 0;
+        let of_probes = if has_maps {
+            mib(row.probe_bytes)
+        } else {
+            "–".to_owned()
+        };
+        let capture = if has_maps {
+            format!("{:.1}", row.capture_ms)
+        } else {
+            "–".to_owned()
+        };
+        let _ = writeln!(
+            out,
+            "| {} | {:.2} | {:.4} | {:.3} | {ssim} | {:.1} |{popping} {} | {of_probes} | {capture} | {} |",
+            row.system,
+            row.ms,
+            row.flip,
+            row.flip_p99,
+            row.wrong_percent,
+            mib(row.bytes),
+            if is_on_front { "●" } else { "" }
+        );
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_rivals_do_better_is_said_first() {
+        let row = |system: &super::super::System| Row {
+            system: system.name,
+            ms: if system.name.starts_with("probe") {
+                1.0
+            } else {
+                2.0
+            },
+            flip: if system.is_own { 0.01 } else { 0.2 },
+            ..Row::default()
+        };
+        let scene = SceneRows {
+            scene: "hall.toml".to_owned(),
+            frames: 1,
+            mask_px: 500,
+            probes: 3,
+            rows: SYSTEMS.iter().map(row).collect(),
+        };
+        let about = Conditions {
+            command: "reflet bench comparators".to_owned(),
+            adapter: "a chip".to_owned(),
+            size: [64, 36],
+            frames: 3,
+            is_processor: false,
+        };
+        let text = document(&about, &[scene], |_| "chart.svg".to_owned());
+        let first = text.find("## What rivals do better").expect("a heading");
+        let said = text
+            .find("probe, box, K = 1: 0.50 of the time of")
+            .expect("a sentence");
+        assert!(
+            first < said && said < text.find("## hall.toml").expect("a scene"),
+            "{text}"
+        );
+        assert!(text.contains("64 × 36 pixels on a chip"), "{text}");
+        assert!(
+            !text.contains("- hall.toml: ssr:"),
+            "ssr is neither faster nor better: {text}"
+        );
+    }
+}

@@ -1,0 +1,79 @@
+//! Probe: looks reflections up in the cube maps of probes, where the method has them in place of traced rays.
+
+use crate::{
+    frame_pass::FramePass,
+    pass::{ComputePass, Dispatch, Pass, PassGroup},
+    pass_builder::PassBuilder,
+    ray_list::List,
+    shared_data::SharedData,
+    sub_frame::SubFrame,
+    targets::Target,
+    types::gpu_struct,
+};
+use reflet_gpu::{Checks, GpuError};
+
+/// See `shaders/probe.wgsl`.
+pub const PASS: Pass = Pass {
+    name: "probe",
+    group: PassGroup::Reflection,
+    color: [0, 110, 90],
+    reads: &[
+        Target::Ids,
+        Target::ViewDepth,
+        Target::Surface,
+        Target::Colors,
+        Target::Details,
+    ],
+    writes: &[Target::Reflection, Target::Hit],
+    reads_shared: &[
+        SharedData::Counters,
+        SharedData::PixelLists,
+        SharedData::DispatchSizes,
+        SharedData::ProbeMaps,
+    ],
+    params: Some(Params::LAYOUT),
+    needed: |plan, _| plan.features.probes,
+    overrides: |options| vec![("LOOKUP", f64::from(options.reflection.probes.lookup as u32))],
+    // The maps' ids come from traced rays, whose indices `check_world` and `Trees::build` validated.
+    checks: Checks::TrustedBuiltin,
+    ..Pass::DEFAULT
+};
+
+gpu_struct! {
+    /// Uniforms of the look-up.
+    pub struct Params = "Params" {
+        /// Number of probes.
+        count: u32,
+        /// Maximum number of probes that are blended.
+        nearest: u32,
+        /// Number of levels of the maps.
+        levels: u32,
+        /// Unused.
+        pad0: u32,
+    }
+}
+
+/// The look-up on the device.
+#[derive(Debug)]
+pub struct Probe(ComputePass);
+
+impl FramePass for Probe {
+    fn new(builder: &PassBuilder<'_>) -> Result<Self, GpuError> {
+        Ok(Self(builder.compute(&PASS, &[])?))
+    }
+
+    fn record(&self, frame: &mut SubFrame<'_>) {
+        let Some(maps) = frame.resources.probe_maps else {
+            return;
+        };
+        let count = maps.key.boxes.len() as u32;
+        let params = Params {
+            count,
+            nearest: frame.options.reflection.probes.nearest.min(count),
+            levels: maps.key.levels(),
+            pad0: 0,
+        };
+        let rays = Dispatch::Listed(frame.resources.ray_list, List::Rays);
+        frame.dispatch_with(&self.0, &params, &rays);
+    }
+}

@@ -1,0 +1,376 @@
+//! The cube maps of probes, and what they hold.
+
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use serde::Serialize;
+use xxhash_rust::xxh3::Xxh3Default;
+
+use reflet_gpu::{Gpu, GpuError, Named};
+use reflet_scene::desc::ProbesDesc;
+use reflet_world::World;
+
+use super::{
+    frame_uniforms::{FrameUniforms, uniform},
+    lights::{SHADOW_MAP, SHADOW_RAY},
+    probe_boxes::MOST_PROBES,
+    types::{Frame, LightBlock, ProbeBox, Sampling},
+};
+
+/// Format of the maps' radiance.
+const RADIANCE: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
+/// Format of the maps' hits.
+const HITS: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Uint;
+/// Maximum size of all maps, bytes.
+const MAX_MAP_BYTES: u64 = 2 << 30;
+/// Width of the faces of the last level, that of the roughest reflections, pixels.
+const LAST_LEVEL_PX: u32 = 4;
+/// Maximum length of the rays of a capture, in the renderer's lengths.
+const REACH_M: f32 = 1e12;
+
+/// Values for which maps are made; where they differ, maps are made and captured anew.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ProbeKey {
+    /// The probes.
+    pub boxes: Vec<ProbeBox>,
+    /// Width of the faces, pixels.
+    pub face_px: u32,
+    /// Number of samples per pixel.
+    pub samples: u32,
+    /// Whether the maps have levels for rough reflections.
+    pub has_levels: bool,
+}
+
+impl ProbeKey {
+    /// Key of these probes.
+    pub fn new(boxes: Vec<ProbeBox>, settings: &ProbesDesc, has_levels: bool) -> Self {
+        Self {
+            boxes,
+            face_px: settings.face_px,
+            samples: settings.samples,
+            has_levels,
+        }
+    }
+
+    /// Number of levels of the maps, each half as wide as the one before.
+    pub fn levels(&self) -> u32 {
+        let halvings = (self.face_px / LAST_LEVEL_PX).max(1).ilog2();
+        1 + if self.has_levels { halvings.max(1) } else { 0 }
+    }
+
+    /// Width of the faces of a level, pixels.
+    pub fn level_px(&self, level: u32) -> u32 {
+        (self.face_px >> level).max(1)
+    }
+
+    /// Size of all maps, bytes.
+    pub fn bytes(&self) -> u64 {
+        let texels = |levels: u32| -> u64 {
+            let of = |level| u64::from(self.level_px(level)).pow(2);
+            u64::from(self.layers()) * (0..levels).map(of).sum::<u64>()
+        };
+        let copies = if self.has_levels { 2 } else { 1 };
+        8 * copies * texels(self.levels()) + 16 * texels(1)
+    }
+
+    /// Number of faces of all maps.
+    pub fn layers(&self) -> u32 {
+        6 * self.boxes.len() as u32
+    }
+}
+
+/// Size of the maps of a scene, and the time that they took.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct ProbeStats {
+    /// Number of probes.
+    pub probes: u32,
+    /// Width of the faces, pixels.
+    pub face_px: u32,
+    /// Size of all maps, bytes.
+    pub bytes: u64,
+    /// Time of the last capture with its prefiltering, milliseconds: processor time where it is known. It is not part of
+    /// the times of the frame's passes.
+    pub capture_ms: f64,
+    /// The same, where this picture captured the maps anew; 0 where it took those of an earlier one.
+    pub update_ms: f64,
+}
+
+/// State of the maps: their content, and the time that it took.
+#[derive(Debug, Default)]
+struct Content {
+    /// Hash of everything that the maps depend on; `None` where they must be captured.
+    hash: Option<u64>,
+    /// Time of the last capture, milliseconds.
+    capture_ms: f64,
+}
+
+/// The maps of all probes.
+#[derive(Debug)]
+pub struct ProbeMaps {
+    /// Values for which they were made.
+    pub key: ProbeKey,
+    /// Uniform blocks of the capture, which do not depend on the camera.
+    pub uniforms: FrameUniforms,
+    /// Size of all maps, bytes.
+    pub bytes: u64,
+    boxes: wgpu::Buffer,
+    sampler: wgpu::Sampler,
+    /// Captured radiance, and its means over ever larger pixels.
+    captured: wgpu::Texture,
+    /// Radiance by roughness; the captured one where there is only one level.
+    filtered: wgpu::Texture,
+    hits: wgpu::Texture,
+    whole: wgpu::TextureView,
+    radiance: wgpu::TextureView,
+    hits_view: wgpu::TextureView,
+    content: Mutex<Content>,
+}
+
+impl ProbeMaps {
+    /// Creates empty maps.
+    ///
+    /// # Errors
+    /// Maps past the adapter's limits, or of more memory than [`MAX_MAP_BYTES`].
+    pub fn new(gpu: &Gpu, key: ProbeKey) -> Result<Self, GpuError> {
+        let (px, levels) = (key.face_px, key.levels());
+        gpu.check_texture_size("a face of a probe", px, px)?;
+        let bytes = key.bytes();
+        if bytes > MAX_MAP_BYTES {
+            return Err(GpuError::Limit {
+                what: format!("{} probes with faces of {px} pixels", key.boxes.len()),
+                wanted: bytes,
+                limit: MAX_MAP_BYTES,
+                unit: "bytes",
+            });
+        }
+        let mut boxes = key.boxes.clone();
+        boxes.resize(MOST_PROBES, bytemuck::Zeroable::zeroed());
+        let make = |label, format, levels| texture(gpu, label, format, &key, levels);
+        let captured = make("probe radiance", RADIANCE, levels)?;
+        let filtered = match key.has_levels {
+            true => make("probe radiance by roughness", RADIANCE, levels)?,
+            false => captured.clone(),
+        };
+        let hits = make("probe hits", HITS, 1)?;
+        Ok(Self {
+            uniforms: FrameUniforms::new(gpu),
+            bytes,
+            boxes: uniform(gpu, "probes", bytemuck::cast_slice(&boxes)),
+            sampler: gpu.device.create_sampler(&wgpu::SamplerDescriptor {
+                label: Some("probe sampler"),
+                mag_filter: wgpu::FilterMode::Linear,
+                min_filter: wgpu::FilterMode::Linear,
+                mipmap_filter: wgpu::MipmapFilterMode::Linear,
+                ..Default::default()
+            }),
+            whole: whole(&captured, wgpu::TextureViewDimension::CubeArray),
+            radiance: whole(&filtered, wgpu::TextureViewDimension::CubeArray),
+            hits_view: whole(&hits, wgpu::TextureViewDimension::D2Array),
+            captured,
+            filtered,
+            hits,
+            content: Mutex::default(),
+            key,
+        })
+    }
+
+    /// The resources that every pass may read, by their names in the shaders.
+    pub fn named(&self) -> [Named<'_>; 4] {
+        let view = wgpu::BindingResource::TextureView;
+        [
+            ("probes", self.boxes.as_entire_binding()),
+            ("probe_radiance", view(&self.radiance)),
+            ("probe_hits", view(&self.hits_view)),
+            (
+                "probe_sampler",
+                wgpu::BindingResource::Sampler(&self.sampler),
+            ),
+        ]
+    }
+
+    /// The captured radiance with all of its levels, and its sampler.
+    pub fn whole(&self) -> [Named<'_>; 2] {
+        [
+            ("whole", wgpu::BindingResource::TextureView(&self.whole)),
+            (
+                "whole_sampler",
+                wgpu::BindingResource::Sampler(&self.sampler),
+            ),
+        ]
+    }
+
+    /// View of a level of the captured radiance, to read or to write.
+    pub fn captured_level(&self, level: u32) -> wgpu::TextureView {
+        level_view(&self.captured, level)
+    }
+
+    /// View of a level of the radiance by roughness, to write.
+    pub fn filtered_level(&self, level: u32) -> wgpu::TextureView {
+        level_view(&self.filtered, level)
+    }
+
+    /// View of the hits, to write.
+    pub fn hits_level(&self) -> wgpu::TextureView {
+        level_view(&self.hits, 0)
+    }
+
+    /// Copies the captured radiance into the first level of that by roughness.
+    pub fn copy_sharp(&self, encoder: &mut wgpu::CommandEncoder) {
+        let [from, to] = [&self.captured, &self.filtered].map(wgpu::Texture::as_image_copy);
+        let size = wgpu::Extent3d {
+            width: self.key.face_px,
+            height: self.key.face_px,
+            depth_or_array_layers: self.key.layers(),
+        };
+        encoder.copy_texture_to_texture(from, to, size);
+    }
+
+    fn content(&self) -> MutexGuard<'_, Content> {
+        self.content.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Makes the next picture capture all maps.
+    pub fn forget(&self) {
+        self.content().hash = None;
+    }
+
+    /// Keeps the time of a capture.
+    pub fn set_capture_ms(&self, ms: f64) {
+        self.content().capture_ms = ms;
+    }
+
+    /// Statistics, after a picture that captured for this time.
+    pub fn stats(&self, update_ms: f64) -> ProbeStats {
+        ProbeStats {
+            probes: self.key.boxes.len() as u32,
+            face_px: self.key.face_px,
+            bytes: self.bytes,
+            capture_ms: self.content().capture_ms,
+            update_ms,
+        }
+    }
+
+    /// Uploads the blocks of a capture, and says whether the maps must be captured: where the light, the environment or
+    /// a material differs from that of the last capture.
+    pub fn prepare(
+        &self,
+        gpu: &Gpu,
+        world: &World,
+        (frame, lights, sampling): (&Frame, &LightBlock, &Sampling),
+    ) -> bool {
+        let (frame, lights) = (self.frame(frame), by_rays(lights));
+        let sampling = Sampling {
+            first: 0,
+            sample: 0,
+            samples: 1,
+            ..*sampling
+        };
+        let mut hash = Xxh3Default::new();
+        hash.update(bytemuck::bytes_of(&frame));
+        hash.update(bytemuck::bytes_of(&lights));
+        hash.update(bytemuck::bytes_of(&sampling));
+        for moving in &world.moving.materials {
+            hash.update(format!("{:?}", world.materials[moving.material]).as_bytes());
+        }
+        if world.has_moving_emitters() {
+            for (_, instance) in world.lighting_instances() {
+                hash.update(format!("{:?}", instance.world_from_object).as_bytes());
+            }
+        }
+        let hash = Some(hash.digest());
+        let mut content = self.content();
+        if content.hash == hash {
+            return false;
+        }
+        content.hash = hash;
+        self.uniforms.set(gpu, &frame, &lights, &sampling);
+        true
+    }
+
+    /// The frame's block without anything that depends on its camera.
+    fn frame(&self, frame: &Frame) -> Frame {
+        let px = self.key.face_px as f32;
+        let spread = std::f32::consts::FRAC_PI_2 / px;
+        Frame {
+            clip_from_world: glam::Mat4::IDENTITY.to_cols_array_2d(),
+            eye: self.key.boxes.first().map_or([0.0; 3], |b| {
+                let [x, y, z, _] = b.position;
+                [x, y, z]
+            }),
+            near_m: 1e-4,
+            forward: [0.0, 0.0, -1.0],
+            pixel_spread: spread,
+            right: [1.0, 0.0, 0.0],
+            ray_length_m: REACH_M,
+            up: [0.0, 1.0, 0.0],
+            size: [px, px],
+            jitter: [0.0; 2],
+            // Mirrors that a probe sees reflect, whether or not the scene's mirrors see each other.
+            bounces: frame.bounces + 1,
+            fade: 0,
+            reuse_light: 0,
+            pixel_m: 0.0,
+            far_m: 0.0,
+            has_edge_on: 0,
+            ..*frame
+        }
+    }
+}
+
+/// The lights with shadows by rays, so that what moves casts none.
+fn by_rays(lights: &LightBlock) -> LightBlock {
+    let mut lights = *lights;
+    for light in &mut lights.lights {
+        if light.shadow == SHADOW_MAP {
+            light.shadow = SHADOW_RAY;
+        }
+        // Places in shadow maps, which may follow what moves.
+        light.clip_from_world = [[0.0; 4]; 4];
+        light.texel = 0.0;
+        light.layer = 0;
+    }
+    lights
+}
+
+fn whole(texture: &wgpu::Texture, dimension: wgpu::TextureViewDimension) -> wgpu::TextureView {
+    texture.create_view(&wgpu::TextureViewDescriptor {
+        dimension: Some(dimension),
+        ..Default::default()
+    })
+}
+
+fn level_view(texture: &wgpu::Texture, level: u32) -> wgpu::TextureView {
+    texture.create_view(&wgpu::TextureViewDescriptor {
+        dimension: Some(wgpu::TextureViewDimension::D2Array),
+        base_mip_level: level,
+        mip_level_count: Some(1),
+        ..Default::default()
+    })
+}
+
+fn texture(
+    gpu: &Gpu,
+    label: &str,
+    format: wgpu::TextureFormat,
+    key: &ProbeKey,
+    levels: u32,
+) -> Result<wgpu::Texture, GpuError> {
+    gpu.scoped("cube maps of probes", || {
+        gpu.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some(label),
+            size: wgpu::Extent3d {
+                width: key.face_px,
+                height: key.face_px,
+                depth_or_array_layers: key.layers(),
+            },
+            mip_level_count: levels,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING
+                | wgpu::TextureUsages::STORAGE_BINDING
+                | wgpu::TextureUsages::COPY_SRC
+                | wgpu::TextureUsages::COPY_DST,
+            view_formats: &[],
+        })
+    })
+}
