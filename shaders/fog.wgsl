@@ -22,7 +22,7 @@ fn fog_before(pixel: vec2u) -> vec4f {
         distance_m = depth_m * length(along);
     }
     let origin = pixel_origin(center);
-    start_path(origin);
+    start_path(origin, false);
     start_samples(pixel, FIRST_VERTEX);
     return min(air_before(pixel, FIRST_VERTEX, origin, normalize(along), distance_m), vec4f(BRIGHTEST, 1.0));
 }

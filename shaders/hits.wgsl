@@ -24,7 +24,7 @@ fn shade_pixel(pixel: vec2u) {
     let cone = mirrored_cone(pixel_cone(distance(first.position, frame.eye)), first.curvature);
     let distance_m = select(bitcast<f32>(found.x), FAR_M, HAS_FOG && found.y == NONE);
     start_samples(pixel, 1u);
-    start_inside(first.is_inside);
+    start_path(first.position, first.is_inside);
     let end = seen_at_end(first.position, ray, found.y, distance_m);
     let air = through_air(first.position, ray, end.distance_m);
     var color = end.radiance;

@@ -14,7 +14,7 @@ fn gathered(pixel: vec2u) -> vec3f {
     if (textureLoad(view_depth, pixel, 0).x >= FAR_M) { return vec3f(0.0); }
     let s = load_surface(pixel);
     let distance_m = distance(s.position, frame.eye);
-    start_path(s.position);
+    start_path(s.position, false);
     start_samples(pixel, FIRST_VERTEX);
     let view = Reflected(view_direction(s.position), vec3f(1.0), 0.0, 1.0, 1.0);
     return followed(pixel, FIRST_VERTEX + 1u, 0u, scattered_by_surface(view, s), pixel_cone(distance_m));

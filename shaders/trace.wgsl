@@ -39,9 +39,7 @@ fn trace_pixel(pixel: vec2u) {
         if (SHADE) { textureStore(reflection, pixel, vec4f(0.0)); }
         return;
     }
-    start_path(first.position);
-    start_inside(first.is_inside);
-
+    start_path(first.position, first.is_inside);
     var color = vec3f(0.0);
     var throughput = vec3f(1.0);
     var found = vec4u(0u, NONE, NONE, 0u);
@@ -53,12 +51,12 @@ fn trace_pixel(pixel: vec2u) {
         start_m = 0.0;
         throughput *= medium_transmittance(h.t);
         let end = seen_at_end(origin, ray, h.instance, h.t);
+        if (bounce == 0u && !end.is_seen) { found = vec4u(bitcast<u32>(h.t), h.instance, h.triangle, 0u); }
         if (HAS_FOG && SHADE) {
             let air = through_air(origin, ray, end.distance_m);
             color += found_light(throughput * air.light, bounce);
             throughput *= air.share;
             if (air.scatters) {
-                if (bounce == 0u && !end.is_seen) { found = vec4u(bitcast<u32>(h.t), h.instance, h.triangle, 0u); }
                 cone = continued(cone, distance(origin, air.position));
                 ray = air.ray;
                 origin = air.position;
@@ -69,7 +67,6 @@ fn trace_pixel(pixel: vec2u) {
             color += found_light(throughput * end.radiance, bounce);
             break;
         }
-        if (bounce == 0u) { found = vec4u(bitcast<u32>(h.t), h.instance, h.triangle, 0u); }
         // Without shading, a surface only matters where the path may continue from it.
         if (!SHADE && bounce + 1u == frame.bounces + crossings() + scatterings()) { break; }
         cone = continued(cone, h.t);
@@ -78,8 +75,7 @@ fn trace_pixel(pixel: vec2u) {
         if (SHADE) {
             var lent = vec2u(0u);
             if (LENDS_LIGHT) { lent = lent_light(visible_lights, s); }
-            let lit = shade(s, -direction, lent);
-            color += found_light(throughput * met_light(ray, lit), bounce);
+            color += found_light(throughput * met_light(ray, shade(s, -direction, lent)), bounce);
         }
         if (!continues(s)) { break; }
         ray = next_ray(ray, s);

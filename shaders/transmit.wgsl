@@ -33,7 +33,7 @@ fn completed(pixel: vec2u) -> Surface {
 fn behind(pixel: vec2u) -> vec4f {
     var s = completed(pixel);
     if (!is_transmissive(s)) { return vec4f(0.0, 0.0, 0.0, 1.0); }
-    start_path(s.position);
+    start_path(s.position, false);
     start_samples(pixel, FIRST_VERTEX);
     var cone = pixel_cone(distance(s.position, frame.eye));
     var ray = through(view_direction(s.position), s);

@@ -25,16 +25,12 @@ var<private> vertex: vec3f = vec3f(0.0); // position of the surface that the pat
 var<private> medium: vec3f = vec3f(0.0); // absorption coefficient of the medium that the path is in, per meter
 var<private> path_in_solid: bool = false; // whether the path is within a transmissive solid
 
-fn start_path(position: vec3f) {
+// Begins a path, outside or on the inner side of a transmissive solid.
+fn start_path(position: vec3f, is_inside: bool) {
     vertex = position;
     path_crossings = 0u;
     path_channel = 0u;
     medium = vec3f(0.0);
-    path_in_solid = false;
-}
-
-// Begins the path on the inner side of a transmissive solid, or outside.
-fn start_inside(is_inside: bool) {
     path_in_solid = is_inside;
 }
 

@@ -70,9 +70,7 @@ fn crossings() -> u32 {
     return 0u;
 }
 
-fn start_path(position: vec3f) {}
-
-fn start_inside(is_inside: bool) {}
+fn start_path(position: vec3f, is_inside: bool) {}
 
 // Whether the path is within a transmissive solid.
 fn is_in_solid() -> bool {

@@ -14,6 +14,7 @@ use reflet::render::{
     shared_data::SharedData, targets::Target, types,
 };
 
+mod fog;
 mod tint;
 
 use tint::sources;
@@ -327,22 +328,6 @@ fn closed_forms_need_no_samples() {
         assert!(has(&sheen, name)[0], "{name}");
     }
     assert!(has(&sheen, "sheen_table")[1]);
-    let with_fog = |fog: bool| {
-        let features = Features {
-            fog,
-            environment_rays: true,
-            ..Features::default()
-        };
-        bindings(
-            &variant(features)
-                .library(&embedded)
-                .unwrap_or_else(|e| panic!("{e}")),
-        )
-    };
-    let [clear, foggy] = [false, true].map(with_fog);
-    assert!(!has(&clear, "fog_length")[0]);
-    assert!(!has(&clear, "fog")[1] && has(&foggy, "fog")[1]);
-    assert!(has(&foggy, "fog_length")[0]);
 }
 
 /// Overrides that neither the table of features nor a pass gives: numbers of the plan and of the adapter, and choices

@@ -309,9 +309,9 @@ def fogs() -> list[Scene]:
               lit("point", low), 2, 256),
         Scene("fog-twice", "point light, 1 diffuse bounce in fog", twice, 3, 4096),
         Scene("fog-path", "thick fog, surfaces that glow and a mirror, by all paths",
-              in_fog(paths[0], milk), 32, 2048),
+              in_fog(paths[0], milk), 32, 1024),
         Scene("fog-sky", "fog under a gradient, with a mirror, by all paths",
-              in_fog(paths[1], milk), 32, 2048),
+              in_fog(paths[1], milk), 32, 1024),
     ]  # fmt: skip
 
 

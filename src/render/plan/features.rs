@@ -359,7 +359,6 @@ features! {
     fog {
         used: scene.world.environment.fog().is_some(),
         files: fog [none, medium], air [clear, foggy], fogged [none, applied];
-        dropped: "fog" => "the environment has none";
     }
     /// Whether fog scatters light more than once.
     followed_fog {
@@ -392,9 +391,8 @@ impl Features {
         })
     }
 
-    /// Sets in which every two of the files that features choose meet, so that a name which one file lacks or declares
-    /// twice beside another is found: no features, all features, and for each feature that chooses files the least set
-    /// with it and the largest set without it. No two of the sets choose the same files.
+    /// Sets in which every two of the files that features choose meet, to find names that are missing or double: none, all,
+    /// and for each feature that chooses files the least set with it and the largest without. Their files differ.
     pub fn variants() -> Vec<Self> {
         let with = |rows: &[&FeatureRow<Self>]| {
             let mut set = Self::default();
