@@ -230,7 +230,7 @@ fn beyond(origin: vec3f, ray: Reflected) -> vec3f {
     return environment(ray.direction) * ray.sky_weight;
 }
 
-// What the ray of a path sees at its end, unless it is the surface that it meets: a light with a size or, past all
+// Light that the ray of a path sees at its end, unless that is the surface that it meets: a light with a size or, past all
 // surfaces, the environment. `instance` and `distance_m` are those of the surface; NONE where there is none.
 fn seen_at_end(origin: vec3f, ray: Reflected, instance: u32, distance_m: f32) -> SeenLight {
     let is_past_all = instance == NONE;
