@@ -33,6 +33,7 @@ use crate::{
 };
 
 pub mod args;
+pub mod bounds;
 mod comparators;
 pub mod paper;
 pub mod progress;
@@ -57,6 +58,7 @@ const TORN: &str = "the last line of the table was cut off";
 pub fn bench(args: &BenchArgs) -> Result<(), AppError> {
     match &args.experiment {
         Some(Experiment::Paper(args)) => paper::paper(args),
+        Some(Experiment::Bounds(args)) => bounds::bounds(args),
         Some(Experiment::Reload(args)) => reload::reload(args),
         Some(Experiment::Regret(args)) => regret::regret(args),
         Some(Experiment::Comparators(args)) => comparators::comparators(args),

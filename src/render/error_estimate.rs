@@ -84,16 +84,35 @@ fn estimate(
     let rest = count - half;
     // The variance of the difference of both means is σ² (1 / half + 1 / rest), that of the picture σ² / count.
     let share = (half * rest).sqrt() / count;
-    let tiles_across = width.div_ceil(TILE_PX);
-    let height = all.len() / 4 / width.max(1);
-    let mut tiles = vec![(0.0_f64, 0_u32); tiles_across * height.div_ceil(TILE_PX)];
     let pixels = first.chunks_exact(4).zip(all.chunks_exact(4));
-    for (index, (first, all)) in pixels.enumerate() {
+    let compared = pixels.map(|(first, all)| {
         let (mut difference, mut brightness) = (0.0, 0.0);
         for (first, all) in first[..3].iter().zip(&all[..3]) {
             difference += (first / half - (all - first) / rest).abs() * share;
             brightness += all / count;
         }
+        (difference, brightness)
+    });
+    let (means, tiles_across) = tile_means(compared, width, exposure);
+    let largest = means.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1));
+    let (index, error) = largest.map_or((0, 0.0), |(index, error)| (index, *error));
+    let tile = [index % tiles_across.max(1), index / tiles_across.max(1)];
+    ErrorEstimate {
+        error: error as f32,
+        tile: tile.map(|at| (at * TILE_PX) as u32),
+    }
+}
+
+/// Mean error of each tile from the difference and the brightness of each pixel, and the number of tiles across.
+pub(super) fn tile_means(
+    pixels: impl ExactSizeIterator<Item = (f32, f32)>,
+    width: usize,
+    exposure: f32,
+) -> (Vec<f64>, usize) {
+    let tiles_across = width.div_ceil(TILE_PX);
+    let height = pixels.len() / width.max(1);
+    let mut tiles = vec![(0.0_f64, 0_u32); tiles_across * height.div_ceil(TILE_PX)];
+    for (index, (difference, brightness)) in pixels.enumerate() {
         // Black pixels are those of which neither half has light.
         let error = difference * exposure / (brightness * exposure).max(1e-4).sqrt();
         let tile = &mut tiles[index / width / TILE_PX * tiles_across + index % width / TILE_PX];
@@ -103,13 +122,7 @@ fn estimate(
     let means = tiles
         .iter()
         .map(|(sum, pixels)| sum / f64::from((*pixels).max(1)));
-    let largest = means.enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
-    let (index, error) = largest.unwrap_or((0, 0.0));
-    let tile = [index % tiles_across.max(1), index / tiles_across.max(1)];
-    ErrorEstimate {
-        error: error as f32,
-        tile: tile.map(|at| (at * TILE_PX) as u32),
-    }
+    (means.collect(), tiles_across)
 }
 
 #[cfg(test)]

@@ -10,7 +10,7 @@ use super::{
     aov::{Aov, Plane, PlaneData},
     download::{Download, TargetValues},
     error::RenderError,
-    error_estimate::{ErrorEstimate, FirstHalf, Halves},
+    error_estimate::{ErrorEstimate, FirstHalf, Halves, tile_means},
     options::Crop,
     renderer::Renderer,
     stats::FrameStats,
@@ -94,6 +94,19 @@ impl Picture {
         for ((index, pixel), display) in pixels.zip(self.display.chunks_exact_mut(4)) {
             display[..3].copy_from_slice(&self.tone.display(index, pixel, self.alpha));
         }
+    }
+
+    /// Error of each tile of 16 × 16 pixels, row by row, against a reference of the same size, as [`ErrorEstimate`]
+    /// measures it. Both need linear radiance.
+    pub fn tile_errors(&self, reference: &Self) -> Vec<f64> {
+        let pixels = (self.color.chunks_exact(4)).zip(reference.color.chunks_exact(4));
+        let compared = pixels.map(|(own, other)| {
+            let pairs = || own[..3].iter().zip(&other[..3]);
+            let difference = pairs().map(|(own, other)| (own - other).abs()).sum();
+            (difference, other[..3].iter().sum())
+        });
+        let exposure = self.tone.exposure_ev.exp2();
+        tile_means(compared, self.size[0] as usize, exposure).0
     }
 }
 

@@ -3,6 +3,7 @@
 mod against_path;
 mod animation;
 mod bad_input;
+mod bounds;
 mod mask;
 mod regret;
 mod report_findings;

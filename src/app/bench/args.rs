@@ -158,6 +158,8 @@ pub struct RunArgs {
 pub enum Experiment {
     /// Repeat an experiment of the paper; without its assets, on the built-in atrium
     Paper(PaperArgs),
+    /// Measure the time that pictures take to error bounds (`samples = { error = … }`), and their error
+    Bounds(BoundsArgs),
     /// Measure the time from a save to the new picture in the preview
     Reload(ReloadArgs),
     /// Compare the choice of `auto` with the fastest alternative
@@ -166,6 +168,39 @@ pub enum Experiment {
     Comparators(ComparatorsArgs),
     /// Find failures of methods: scores of a suite of failure modes, or of your own scenes
     Stability(StabilityArgs),
+}
+
+/// Arguments of `bench bounds`.
+#[derive(Clone, Debug, Args)]
+pub struct BoundsArgs {
+    /// Scene file or model; without one, the built-in atrium. Its first frame is rendered, and its `samples` are ignored
+    pub scene: Option<PathBuf>,
+    /// Changes to the scene
+    #[command(flatten)]
+    pub from: SceneArgs,
+    /// Bounds of the error
+    #[arg(
+        long,
+        value_name = "LIST",
+        value_delimiter = ',',
+        default_value = "0.04,0.02,0.01"
+    )]
+    pub bounds: Vec<f64>,
+    /// Largest number of samples, 16 to 4095
+    #[arg(long, value_name = "N", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(16..=4095))]
+    pub at_most: u32,
+    /// Samples of the reference, more than those of any picture, 17 to 4096
+    #[arg(long, value_name = "N", default_value_t = 4096, value_parser = clap::value_parser!(u32).range(17..=4096))]
+    pub reference: u32,
+    /// Width and height; without it, those of the scene
+    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    pub size: Option<[u32; 2]>,
+    /// Folder for bounds.json and the charts; created if it is missing
+    #[arg(short, long, value_name = "DIR", default_value = "bench")]
+    pub output: PathBuf,
+    /// Use the adapter whose name contains this; also REFLET_ADAPTER
+    #[arg(long, value_name = "NAME")]
+    pub adapter: Option<String>,
 }
 
 /// Arguments of `bench reload`.

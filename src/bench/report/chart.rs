@@ -66,6 +66,8 @@ pub fn color(method: &str) -> RGBColor {
         SSR_LAYERS_SERIES => RGBColor(0, 0, 0),
         HYBRID_LAYERS_SERIES => RGBColor(150, 60, 60),
         HYBRID => RGBColor(213, 94, 0),
+        "bound" => RGBColor(140, 140, 140),
+        "estimated" => RGBColor(230, 159, 0),
         PROBE => RGBColor(240, 228, 66),
         SSR_PROBE => RGBColor(110, 110, 110),
         HYBRID_ANEW_SERIES => RGBColor(204, 121, 167),

@@ -75,6 +75,43 @@ pub fn draw(group: &Group, chart: LineChart) -> Result<Option<String>, String> {
     plot.map(|plot| svg(&plot)).transpose()
 }
 
+/// A named line of dots over error bounds.
+pub struct Curve {
+    /// Name: `bound`, `estimated`, `measured`, or that of a time.
+    pub name: &'static str,
+    /// Bounds, more than 0, and values.
+    pub dots: Vec<(f64, f64)>,
+}
+
+/// Draws values over error bounds, from 0 up; bounds are spaced by their logarithms.
+///
+/// # Errors
+/// Message of the drawing library.
+pub fn over_bounds(curves: &[Curve], y_title: &'static str) -> Result<String, String> {
+    let line = |curve: &Curve| {
+        let dots = curve
+            .dots
+            .iter()
+            .map(|(bound, value)| (bound.log10(), *value));
+        Line {
+            method: curve.name,
+            name: curve.name.to_owned(),
+            dots: dots.filter(|(_, value)| value.is_finite()).collect(),
+        }
+    };
+    let lines: Vec<Line> = curves.iter().map(line).collect();
+    let values = lines.iter().flat_map(|line| &line.dots).map(|(_, y)| *y);
+    let top = values.fold(1e-6, f64::max) * 1.15;
+    svg(&Plot {
+        lines,
+        x_title: "error bound".to_owned(),
+        y_title,
+        log_x: true,
+        bottom: 0.0,
+        top,
+    })
+}
+
 fn over_frames(group: &Group, chart: LineChart) -> Option<Plot> {
     let value = |point: &Point| match chart {
         LineChart::Milliseconds => Some(point.frame_ms.median),
