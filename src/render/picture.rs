@@ -68,6 +68,14 @@ impl Picture {
                 false => part(self.color, width, pixels, crop),
             },
             display: part(self.display, width, pixels, crop),
+            tone: Tone {
+                unlit: match self.tone.unlit.is_empty() {
+                    true => Vec::new(),
+                    false => part(self.tone.unlit, width, pixels, crop),
+                },
+                ..self.tone
+            },
+            guides: Vec::new(),
             planes: self.planes.into_iter().map(plane).collect(),
             ..self
         }
