@@ -7,6 +7,7 @@ mod history;
 mod insert;
 mod inspect;
 mod item;
+mod keys;
 mod places;
 mod put;
 mod splice;
@@ -19,6 +20,10 @@ pub use self::{
     history::{Change, History},
     inspect::{exact, inspect, numbers_of, shown_place},
     item::{MaterialOrigin, SceneItem},
+    keys::{
+        FlightPoint, KeyChange, KeyEdit, KeyTrack, TrackName, change_flight, change_keys,
+        key_tracks, reduced,
+    },
     put::put,
 };
 use self::{

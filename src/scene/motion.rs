@@ -29,6 +29,7 @@ pub use self::names::{Names, ScriptNames};
 pub use self::parts::{Kind, ScriptedFields, wrong_with_camera, wrong_with_light};
 pub use self::placement::{transform, turned};
 use self::track::Track;
+pub use self::track::key_value;
 use super::{
     desc::{
         AnimationDesc, ByName, CAMERA, CameraDesc, Entry, InstanceDesc, InstanceMotionDesc, LIGHT,

@@ -4,18 +4,19 @@
 
 use std::{fs, path::Path, sync::Arc};
 
+use glam::Vec3;
 use reflet::{runtime::parameters::ParameterOverrides, scene::desc::ParamValue};
 use reflet_preview::{
     live::Live,
     watch::Change,
     window::protocol::Task,
-    write_back::{Numbers, SceneItem},
+    write_back::{FlightPoint, KeyChange, KeyEdit, Numbers, SceneItem},
 };
 
 use crate::{
     background_scripts::Watched,
     common::gpu_or_skip,
-    kit::{Folder, SCENE, open, open_with},
+    kit::{Folder, RunNow as _, SCENE, open, open_with},
     models::write_model,
 };
 
@@ -235,4 +236,108 @@ fn cameras_environment_and_parameters_are_written() {
     preview.worker.mailbox.post(Task::WriteParameters(values));
     after = after.replace("height = 1.5 # m\nsteps = 3", "height = 2.0 # m\nsteps = 4");
     until(&mut preview, &after);
+}
+
+const KEYED: &str = r#"[timeline]
+end = 24
+[motion.camera.main]
+eye = { keys = [
+  { at_s = 0, value = [0, 2, 5] }, # from here
+  { at_s = 1, value = [2, 2, 5] },
+] }
+[motion.light.lamp]
+intensity_cd = { keys = [{ at_s = 0, value = 10 }, { at_s = 0.5, value = 20 }], loop_s = 2 }
+"#;
+
+#[test]
+fn keys_are_moved_added_and_deleted_in_the_text() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let (gpu, folder) = (Arc::new(gpu), Folder::new());
+    let text = SCENE.to_owned() + KEYED;
+    let path = folder.write("scene.toml", &text);
+    let mut live = open(&gpu, &path, None);
+    let tracks = live.key_tracks();
+    let times: Vec<_> = tracks.iter().map(|track| track.at_s.clone()).collect();
+    assert_eq!(times, [vec![0.0, 1.0], vec![0.0, 0.5]]);
+    let edit = |live: &mut Live, track: usize, change: KeyChange| {
+        let track = tracks[track].track.clone();
+        let done = live.edit_key(&KeyEdit { track, change });
+        assert!(live.reload(&[Change::Scene].into()).ok);
+        done
+    };
+    let mut after = text.clone();
+    let mut expect = |from: &str, to: &str| {
+        assert!(after.contains(from), "{from}");
+        after = after.replacen(from, to, 1);
+        assert_eq!(read(&path), after);
+    };
+    edit(&mut live, 0, KeyChange::Move(1, 0.75)).expect("moved");
+    expect("at_s = 1,", "at_s = 0.75,");
+    // Halfway between its neighbors, with their comments in place.
+    edit(&mut live, 0, KeyChange::Add(0.375)).expect("added");
+    expect(
+        "# from here\n",
+        "# from here\n  { at_s = 0.375, value = [1, 2, 5] },\n",
+    );
+    edit(&mut live, 1, KeyChange::Add(1.0)).expect("added");
+    // A third of the way back to the begin of the loop.
+    expect(
+        "value = 20 }",
+        "value = 20 }, { at_s = 1, value = 16.666666 }",
+    );
+    // Never past a neighbor, or the end of the loop.
+    edit(&mut live, 1, KeyChange::Move(2, 9.0)).expect("moved");
+    expect("at_s = 1,", "at_s = 1.999,");
+    edit(&mut live, 1, KeyChange::Move(1, -3.0)).expect("moved");
+    expect("at_s = 0.5,", "at_s = 0.001,");
+    let twice = edit(&mut live, 0, KeyChange::Add(0.75)).expect_err("a key is there");
+    assert!(twice.contains("a key at this time"), "{twice}");
+    edit(&mut live, 1, KeyChange::Delete(2)).expect("deleted");
+    expect(", { at_s = 1.999, value = 16.666666 }", "");
+    edit(&mut live, 1, KeyChange::Delete(0)).expect("deleted");
+    expect("{ at_s = 0, value = 10 }, ", "");
+    let last = edit(&mut live, 1, KeyChange::Delete(0)).expect_err("it is the last");
+    assert!(last.contains("at least one key"), "{last}");
+}
+
+#[test]
+fn a_recorded_flight_is_written_as_keys_that_fly_it() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let (gpu, folder) = (Arc::new(gpu), Folder::new());
+    let text = SCENE.to_owned() + "[timeline]\nend = 24\n\n# to come\n";
+    let path = folder.write("scene.toml", &text);
+    let mut live = open(&gpu, &path, None);
+    // A quarter of a circle, then straight on; the target rests.
+    let eye = |frame: u32| {
+        let turn = 0.5 * std::f32::consts::PI * frame.min(12) as f32 / 12.0;
+        let on = frame.saturating_sub(12) as f32;
+        Vec3::new(5.0 * turn.sin(), 2.0, 5.0 * turn.cos() - 0.1 * on)
+    };
+    let points: Vec<_> = (0..=24)
+        .map(|frame| FlightPoint {
+            at_s: f64::from(frame) / 24.0,
+            eye: eye(frame),
+            target: Vec3::new(0.0, 0.5, 0.0),
+        })
+        .collect();
+    let count = live.write_flight("main", &points).expect("written");
+    assert!((4..20).contains(&count), "{count} keys");
+    assert!(live.reload(&[Change::Scene].into()).ok);
+    for frame in 0..=24 {
+        assert!(live.pose_now(frame));
+        let off = live.world().cameras[0].value.eye.distance(eye(frame));
+        assert!(off < 0.05, "frame {frame}: {off} m");
+    }
+    let keys: Vec<_> = live.key_tracks().iter().map(|t| t.at_s.len()).collect();
+    assert_eq!(keys, [count, count]);
+    let written = read(&path);
+    assert!(written.contains("\n\n[motion.camera.main]\n"), "{written}");
+    // A second flight takes the place of the first.
+    live.write_flight("main", &points[..2]).expect("written");
+    assert!(live.reload(&[Change::Scene].into()).ok);
+    assert_eq!(live.key_tracks()[0].at_s, [0.0, 0.041_667]);
+    let said = live
+        .write_flight("other", &points)
+        .expect_err("no such camera");
+    assert!(said.contains("is not one of the scene text"), "{said}");
 }

@@ -5,8 +5,9 @@ use std::sync::Arc;
 
 use super::{Live, Reload};
 use crate::write_back::{
-    Inspected, Layered, MaterialOrigin, Numbers, SceneItem, change, change_material,
-    change_parameters, inspect, put,
+    FlightPoint, Inspected, KeyEdit, KeyTrack, Layered, MaterialOrigin, Numbers, SceneItem, change,
+    change_flight, change_keys, change_material, change_parameters, inspect, key_tracks, put,
+    reduced,
 };
 use reflet_render::runtime::{model_viewer_scene::is_model, parameters::ParameterOverrides};
 use reflet_scene::{
@@ -100,6 +101,34 @@ impl Live {
             self.history.write(change)?;
         }
         Ok(())
+    }
+
+    /// Tracks of the shown scene that have keys.
+    pub fn key_tracks(&self) -> Vec<KeyTrack> {
+        key_tracks(self.desc())
+    }
+
+    /// Writes a change of the keys of a track into the text that has them.
+    ///
+    /// # Errors
+    /// Sentence with the reason; then no file has changed.
+    pub fn edit_key(&mut self, edit: &KeyEdit) -> Result<(), String> {
+        self.check_text()?;
+        let changed = change_keys(&self.layered(), edit)?;
+        self.history.write(changed)
+    }
+
+    /// Writes a flight of a camera as keys of its tracks; returns their number. Points that the others give within a
+    /// fiftieth of U are left out.
+    ///
+    /// # Errors
+    /// Same errors as [`Live::edit_key`].
+    pub fn write_flight(&mut self, camera: &str, points: &[FlightPoint]) -> Result<usize, String> {
+        self.check_text()?;
+        let points = reduced(points, self.renderer().unit_m() / 50.0);
+        let changed = change_flight(&self.layered(), camera, &points)?;
+        self.history.write(changed)?;
+        Ok(points.len())
     }
 
     /// Editable numbers of an item.

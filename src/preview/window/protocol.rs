@@ -6,7 +6,7 @@ use super::{frame_texture::FrameTexture, scene_summary::SceneSummary, view_chann
 use crate::{
     live::{Edit, Refusal, Reload},
     watch::Changes,
-    write_back::{Inspected, Numbers, SceneItem},
+    write_back::{FlightPoint, Inspected, KeyEdit, Numbers, SceneItem},
 };
 use reflet_base::math::Bounds;
 use reflet_bench::metric::Scores;
@@ -96,6 +96,10 @@ pub enum Task {
     WriteMaterial(usize, Numbers),
     /// Write values of parameters into the scene text, once they are shown.
     WriteParameters(ParameterOverrides),
+    /// Change keys of a track in the scene text.
+    Key(KeyEdit),
+    /// Write a flight of the camera of this name as keys into the scene text.
+    Flight(String, Vec<FlightPoint>),
     /// Undo the last written edit (`false`), or redo the last undone one (`true`).
     Undo(bool),
 }

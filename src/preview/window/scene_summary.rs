@@ -2,7 +2,10 @@
 
 pub use super::outline::OutlineRow;
 use super::{outline::outline, view_channel::ShadowLight};
-use crate::live::{Edit, Live, Problems};
+use crate::{
+    live::{Edit, Live, Problems},
+    write_back::KeyTrack,
+};
 use reflet_base::{math::Bounds, unique_names::unique_names};
 use reflet_render::{debug_readback::shadow_faces, runtime::parameters::DeclaredParameters};
 use reflet_scene::{
@@ -34,6 +37,8 @@ pub struct SceneSummary {
     pub timeline: Option<TimelineDesc>,
     /// Cuts: first frame and camera index of each; the first begins at frame 0.
     pub cuts: Vec<(u32, usize)>,
+    /// Tracks with keys.
+    pub tracks: Vec<KeyTrack>,
     /// The script's parameters.
     pub declared: DeclaredParameters,
     /// Output of the script.
@@ -115,6 +120,7 @@ impl SceneSummary {
         Self {
             timeline: live.timeline().cloned(),
             cuts: live.cuts(),
+            tracks: live.key_tracks(),
             declared: live.declared().clone(),
             log: live.log().cloned().collect(),
             cameras: (world.cameras.iter())

@@ -164,6 +164,13 @@ impl Layered<'_> {
             .or_else(by_track)
     }
 
+    /// Reason why tracks of a camera in the text would not be seen.
+    pub(super) fn set_elsewhere(&self, camera: usize, key: &str) -> Option<String> {
+        let name = self.desc.cameras.get(camera)?.name.as_str();
+        let by_script = self.scripted_field(Kind::Camera, camera, index_of(&CAMERA, key));
+        by_script.or_else(|| self.on_command_line(&["motion", "camera", name], key))
+    }
+
     fn scripted_field(&self, kind: Kind, index: usize, field: Option<usize>) -> Option<String> {
         let is_set = self.scripted?.has(kind, index, field?);
         is_set.then(|| "the script sets it in this frame; change it there".to_owned())

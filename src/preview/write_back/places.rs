@@ -43,6 +43,11 @@ impl Place {
         tree::find(root, &self.locator)?.get_ref().as_table()
     }
 
+    /// The value under a key of the table.
+    pub fn node(&self, key: &str) -> Option<&Node> {
+        self.table()?.get(key)
+    }
+
     /// The numbers under a key of the table.
     pub fn numbers(&self, key: &str) -> Option<Vec<f64>> {
         tree::numbers(self.table()?.get(key)?)
@@ -147,7 +152,7 @@ pub fn places(
         let place = above(desc, variants, subject, |_| true);
         return Ok(place.unwrap_or_else(|| Place {
             source: Arc::clone(source),
-            locator: keys([subject.kind]),
+            locator: below(&keys([subject.kind]), subject.below),
             section: subject.section,
         }));
     }

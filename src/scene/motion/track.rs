@@ -20,6 +20,15 @@ pub struct Track<'a> {
     follow: Option<usize>,
 }
 
+/// Value of the keys of a track at a time, seconds, without what is added to them; 0 without keys.
+pub fn key_value(desc: &TrackDesc, time_s: f64) -> Vec3 {
+    if desc.keys.is_empty() {
+        return Vec3::ZERO;
+    }
+    let track = Track::new(desc, |_| None);
+    Keys(desc).at(time_s, track.arc.as_ref()).as_vec3()
+}
+
 impl<'a> Track<'a> {
     /// Prepares a track; `find` gives the index of the node of a name.
     pub fn new(desc: &'a TrackDesc, find: impl Fn(&str) -> Option<usize>) -> Self {

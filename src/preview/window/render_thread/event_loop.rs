@@ -56,6 +56,8 @@ impl Worker {
                         self.unwritten = Some(values);
                         self.write_parameters();
                     }
+                    Task::Key(edit) => self.edit_key(&edit),
+                    Task::Flight(camera, points) => self.write_flight(&camera, &points),
                     Task::Undo(again) => self.undo(again),
                 }
             }

@@ -4,7 +4,7 @@
 use super::{instance_key::InstanceKey, worker::Worker};
 use crate::{
     window::protocol::Report,
-    write_back::{Numbers, SceneItem},
+    write_back::{FlightPoint, KeyEdit, Numbers, SceneItem},
 };
 
 impl Worker {
@@ -82,6 +82,26 @@ impl Worker {
         if let Err(why) = self.live.write_parameters(&values) {
             self.send(Report::Message(format!("not written: {why}")));
         }
+    }
+
+    /// Changes keys of a track in the text; the reload after the save shows them.
+    pub(super) fn edit_key(&mut self, edit: &KeyEdit) {
+        if let Err(why) = self.live.edit_key(edit) {
+            self.send(Report::Message(format!("not written: {why}")));
+            // Keys that were dragged are shown where they are.
+            self.send_summary();
+        }
+    }
+
+    /// Writes a flight of a camera into the text.
+    pub(super) fn write_flight(&mut self, camera: &str, points: &[FlightPoint]) {
+        let done = self.live.write_flight(camera, points);
+        self.send(Report::Message(match done {
+            Ok(count) => {
+                format!("the flight is written into [motion.camera.{camera}], {count} keys")
+            }
+            Err(why) => format!("the flight is not written: {why}"),
+        }));
     }
 
     /// Undoes the last edit, or redoes the last undone one.

@@ -12,6 +12,7 @@ use super::{
     place_panel,
     status_bar::{self, Activity},
     timeline::{self, Timeline},
+    timeline_keys,
     window::Window,
 };
 use crate::{
@@ -133,6 +134,8 @@ impl Window {
                     self.send(Task::WriteMaterial(material, numbers));
                 }
                 ViewRequest::WriteParameters(values) => self.send(Task::WriteParameters(values)),
+                ViewRequest::Key(edit) => self.send(Task::Key(edit)),
+                ViewRequest::Record => self.toggle_recording(ui),
                 ViewRequest::Undo(again) => self.send(Task::Undo(again)),
             }
         }
@@ -158,6 +161,7 @@ impl Window {
             ui.ctx().request_repaint_after_secs(wait as f32);
         }
         let frame = self.tick(ui, now);
+        self.record(frame);
         self.follow_cuts(frame);
         let scene_camera = self
             .settings
@@ -286,12 +290,22 @@ impl eframe::App for Window {
             ui.ctx().request_repaint_after_secs(TOLD_EVERY_S);
         }
         let is_slow = self.script_s().is_some();
+        let tracks = self.tracks_of_selection();
+        let is_recording = self.recording.is_some();
         if let Some(timeline) = &mut self.timeline {
             egui::Panel::bottom("timeline").show(ui, |ui| {
                 ui.add_space(2.0);
                 let shown = self.shown.as_ref().map(|shown| shown.frame);
                 let is_stuck = !self.summary.problems.pose.is_empty() || is_slow;
                 timeline::panel(ui, timeline, shown, is_stuck, now_s);
+                let keys = &mut self.keys;
+                timeline_keys::panel(
+                    ui,
+                    (timeline, now_s),
+                    &tracks,
+                    (keys, is_recording),
+                    &mut requests,
+                );
                 ui.add_space(1.0);
             });
         }

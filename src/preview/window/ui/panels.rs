@@ -10,7 +10,7 @@ use super::{
 use crate::{
     live::Edit,
     window::{protocol::Side, scene_summary::SceneSummary, view_channel::ViewChannel},
-    write_back::{Numbers, SceneItem},
+    write_back::{KeyEdit, Numbers, SceneItem},
 };
 use reflet_bench::{metric::Scores, parameter::method_name};
 use reflet_render::runtime::parameters::ParameterOverrides;
@@ -45,6 +45,10 @@ pub enum ViewRequest {
     WriteMaterial(usize, Numbers),
     /// Write values of parameters into the scene text, once they are shown.
     WriteParameters(ParameterOverrides),
+    /// Change keys of a track in the scene text.
+    Key(KeyEdit),
+    /// Start to record a flight of the camera, or end it.
+    Record,
     /// Undo the last written edit (`false`), or redo the last undone one (`true`).
     Undo(bool),
 }

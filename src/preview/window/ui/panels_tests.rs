@@ -36,6 +36,7 @@ pub fn summary() -> SceneSummary {
     SceneSummary {
         timeline: None,
         cuts: Vec::new(),
+        tracks: Vec::new(),
         declared: Vec::new(),
         log: Vec::new(),
         cameras: (["main", "side"].map(|name| (name.to_owned(), CameraDesc::default()))).into(),

@@ -9,9 +9,9 @@ use std::{
 use eframe::egui;
 
 use super::{
-    camera_controls::CameraControls, diagnostics_panel::FoldState, panels::ViewSettings,
-    parameter_panel::Parameters, place_panel::Selection, status_message::StatusMessage,
-    timeline::Timeline,
+    camera_controls::CameraControls, diagnostics_panel::FoldState, flight::Flight,
+    panels::ViewSettings, parameter_panel::Parameters, place_panel::Selection,
+    status_message::StatusMessage, timeline::Timeline, timeline_keys::Keys,
 };
 use crate::window::{
     protocol::{
@@ -33,6 +33,10 @@ pub struct Window {
     pub(super) timeline: Option<Timeline>,
     /// Timeline of the last scene that had one.
     pub(super) hidden_timeline: Option<Timeline>,
+    /// Keys of tracks on the timeline.
+    pub(super) keys: Keys,
+    /// Flight that is being recorded.
+    pub(super) recording: Option<Flight>,
     pub(super) parameters: Parameters,
     /// Whether the diagnostics panel is folded.
     pub(super) fold: FoldState,
@@ -88,6 +92,8 @@ impl Window {
             camera_controls: CameraControls::new(start, &summary.bounds),
             timeline: summary.timeline.as_ref().map(Timeline::new),
             hidden_timeline: None,
+            keys: Keys::default(),
+            recording: None,
             parameters: Parameters::default(),
             fold: FoldState::default(),
             render_thread,
