@@ -8,7 +8,7 @@ use super::{Instance, Mesh, World};
 pub const MAX_EMITTERS: usize = 1 << 20;
 
 /// Luminance weights of linear Rec. 709 colors; the shaders use the same.
-const LUMINANCE: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
+pub(crate) const LUMINANCE: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
 
 /// A triangle whose emission lights the scene.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -25,6 +25,7 @@ pub mod deform;
 pub mod emitters;
 pub mod environment;
 pub mod gltf;
+pub mod light_tree;
 pub mod load;
 mod material;
 mod material_textures;
