@@ -39,7 +39,7 @@ fn seen_from(probe: vec3f, towards: vec3f, seed: vec2u) -> Seen {
     var seen = Seen(vec4f(0.0), vec4u(0u, NONE, NONE, 0u));
     var origin = probe;
     var cone = Cone(0.0, 2.0 / f32(params.face_px));
-    var ray = Reflected(towards, vec3f(1.0), 0.0, 1.0, 1.0);
+    var ray = Reflected(towards, vec3f(1.0), 0.0, 1.0, 1.0, vec3f(0.0));
     forget_path();
     forget_scatterings();
     start_path(origin);

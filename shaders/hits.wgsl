@@ -28,7 +28,7 @@ fn shade_pixel(pixel: vec2u) {
     let end = seen_at_end(first.position, ray, found.y, distance_m);
     let air = through_air(first.position, ray, end.distance_m);
     var color = end.radiance;
-    var start = Start(Reflected(direction, vec3f(0.0), 0.0, 0.0, 1.0), first.position);
+    var start = Start(Reflected(direction, vec3f(0.0), 0.0, 0.0, 1.0, first.normal), first.position);
     var cone_there = continued(cone, distance_m);
     if (!end.is_seen && !air.scatters) {
         var s = surface_at(found.y, found.z, unpack2x16unorm(found.w), direction, cone_there.width_m);

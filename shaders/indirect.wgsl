@@ -16,7 +16,7 @@ fn gathered(pixel: vec2u) -> vec3f {
     let distance_m = distance(s.position, frame.eye);
     start_path(s.position, false);
     start_samples(pixel, FIRST_VERTEX);
-    let view = Reflected(view_direction(s.position), vec3f(1.0), 0.0, 1.0, 1.0);
+    let view = Reflected(view_direction(s.position), vec3f(1.0), 0.0, 1.0, 1.0, s.normal);
     return followed(pixel, FIRST_VERTEX + 1u, 0u, scattered_by_surface(view, s), pixel_cone(distance_m));
 }
 

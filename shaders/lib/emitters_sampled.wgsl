@@ -1,30 +1,34 @@
-// Light of emissive surfaces, by samples of their triangles: chosen by area and luminance, then uniform in area.
+// Light of emissive surfaces, by samples of their triangles: chosen by light trees, then uniform in solid angle or area.
 
 #import bvh
 #import extent
 #import frame
+#import light_tree
 #import sampling
 #import shown
 #import surface
 
 const HAS_EMITTERS: bool = true;
 
-// Alias table of emissive triangles (Walker's method, as of Vose 1991), a texel each: instance, triangle, share of
-// the column that is its own, and index of the triangle that has the rest.
+// Light trees, a texel for each of their vectors.
 @group(1) @binding(16) var emitters: texture_2d<u32>;
 
-fn emitter_texel(k: u32) -> vec4u {
+fn light_words(k: u32) -> vec4u {
     return textureLoad(emitters, vec2u(k % TEXEL_COLUMNS, k / TEXEL_COLUMNS), 0);
 }
 
-fn chosen_emitter(u: vec2f) -> vec2u {
-    let found = emitter_texel(min(u32(u.x * f32(sampling.emitters)), sampling.emitters - 1u));
-    if (u.y < bitcast<f32>(found.z)) { return found.xy; }
-    return emitter_texel(found.w).xy;
-}
-
-// Number of points of emitters of which each light ray is aimed at one.
+// Number of points of emitters of which each light ray is aimed at one, and of those among them whose triangle is chosen by
+// power alone. The latter keep what the tree holds for unimportant from being bright and rare. Past a random choice, where
+// the path's own grain is larger, there are fewer of both.
 const EMITTER_CANDIDATES: u32 = 8u;
+const CANDIDATES_BY_POWER: u32 = 2u;
+const FEWER: u32 = 2u;
+
+// Number of candidates that are expected of a triangle, where they are not fewer; by which the weights of light samples
+// and of rays that meet it are found everywhere.
+fn expected_candidates(chances: vec2f) -> f32 {
+    return dot(chances, vec2f(f32(EMITTER_CANDIDATES - CANDIDATES_BY_POWER), f32(CANDIDATES_BY_POWER)));
+}
 
 // Distance of a triangle in lengths of its longest edge at the first corner, up to which its points are chosen by solid
 // angle. Farther ones are sampled as well by area, at less cost.
@@ -57,11 +61,6 @@ fn seen_triangle(instance: u32, c: Corner, position: vec3f) -> SeenTriangle {
     // Small ones, seen from the edge, would lose their digits.
     if (solid_angle > 1e-3 && solid_angle < LARGEST_SOLID_ANGLE) { t.solid_angle = solid_angle; }
     return t;
-}
-
-// Probability with which a triangle of a material is chosen.
-fn emitter_probability(material: u32, t: SeenTriangle) -> f32 {
-    return luminance(material_emission(material)) * 0.5 * length(t.area2) / max(sampling.emitted_power, 1e-30);
 }
 
 // Density per solid angle of a point of a triangle at the distance of which `d2` is the square.
@@ -115,12 +114,20 @@ fn sampled_place(t: SeenTriangle, u: vec2f) -> vec2f {
     return place / max(place.x + place.y, 1.0);
 }
 
-// A point of an emissive triangle as a light sample, without visibility.
-fn emitter_sample(id: vec2u, position: vec3f, u: vec2f) -> LightSample {
+// A point of an emissive triangle as a light sample, without visibility, and a guess of the share that arrives: little from
+// the inner side of a closed mesh.
+struct EmitterSample {
+    light: LightSample,
+    seen_share: f32,
+}
+
+// `candidates`: number of them that are expected of the triangle.
+fn emitter_sample(chosen: LightChoice, candidates: f32, position: vec3f, u: vec2f) -> EmitterSample {
     var r: LightSample;
-    let instance = id.x;
+    if (candidates <= 0.0) { return EmitterSample(r, 0.0); }
+    let instance = chosen.instance;
     let m = instance_material(instance);
-    let c = corners(instance, id.y);
+    let c = corners(instance, chosen.triangle);
     let t = seen_triangle(instance, c, position);
     let bary = sampled_place(t, u);
     let offset = t.p[0] + (t.p[1] - t.p[0]) * bary.x + (t.p[2] - t.p[0]) * bary.y;
@@ -129,35 +136,44 @@ fn emitter_sample(id: vec2u, position: vec3f, u: vec2f) -> LightSample {
     r.to_light = offset / r.distance_m;
     let flags = instance_trace_flags(instance);
     var facing = -dot(t.area2, r.to_light) / max(length(t.area2), 1e-30);
+    let seen_share = select(1.0, INNER_SHARE, facing < 0.0 && chosen.sides == 1u);
     if ((flags & DOUBLE_SIDED) != 0u) { facing = abs(facing); }
-    if (facing <= 0.0) { return r; }
+    if (facing <= 0.0) { return EmitterSample(r, 0.0); }
     var emission = material_emission(m) * emitted_share(m, instance, c.index, bary, facing);
     if (HAS_TEXTURES) {
         emission *= texel_at(material_texture(m, EMISSION_SLOT), pools_of(EMISSION_SLOT), instance, c.index, bary, 1.0, 0.0).xyz;
     }
-    let density = emitter_probability(m, t) * point_density(t, d2, facing);
-    r.color = emission / max(density, 1e-30);
-    r.pdf = density * f32(EMITTER_CANDIDATES);
-    return r;
+    r.pdf = candidates * point_density(t, d2, facing);
+    r.color = emission / max(r.pdf, 1e-30);
+    return EmitterSample(r, seen_share);
 }
 
 // Light of one point, chosen among several by the light that the surface would reflect of each (resampled importance
 // sampling; Talbot et al. 2005).
 fn returned_of_emitters(s: Surface, view: vec3f, to: Receiver, index: u32) -> Returned {
-    if (sampling.emitted_power <= 0.0) { return Returned(); }
-    let which = next_pair();
+    if (sampling.light_tree.root == NONE) { return Returned(); }
+    let lit = LitPoint(s.position, s.normal, 0u);
+    let by_place = next_pair();
+    let by_power = next_pair();
     let where_on_it = next_pair();
     var choice: Choice;
     choice.u = sample_square(index, next_pair()).x;
-    for (var k = 0u; k < EMITTER_CANDIDATES; k++) {
-        let candidate = index * EMITTER_CANDIDATES + k;
-        let id = chosen_emitter(sample_square(candidate, which));
-        let l = emitter_sample(id, s.position, sample_square(candidate, where_on_it));
-        offer(&choice, returned_of_lamp(s, view, to, l, !is_passed(instance_trace_flags(id.x), UNREFLECTED)));
+    let candidates = EMITTER_CANDIDATES / select(1u, FEWER, path_is_chance);
+    let powerful = CANDIDATES_BY_POWER / select(1u, FEWER, path_is_chance);
+    for (var k = 0u; k < candidates; k++) {
+        let is_by_power = k < powerful;
+        let place = index * select(candidates - powerful, powerful, is_by_power) + k - select(powerful, 0u, is_by_power);
+        let which = sample_square(place, select(by_place, by_power, is_by_power)).x;
+        let chosen = chosen_light(which, is_by_power, lit);
+        let expected = expected_candidates(chosen.chances);
+        let point = emitter_sample(chosen, expected, s.position, sample_square(index * candidates + k, where_on_it));
+        let is_met = !is_passed(instance_trace_flags(chosen.instance), UNREFLECTED);
+        offer(&choice, returned_of_lamp(s, view, to, point.light, is_met), point.seen_share);
     }
     var one = standing_for_all(choice);
-    one.diffuse /= f32(EMITTER_CANDIDATES);
-    one.specular /= f32(EMITTER_CANDIDATES);
+    // Light over the density of the expected candidates, each of which stands for as many as there are fewer.
+    one.diffuse *= f32(EMITTER_CANDIDATES / candidates);
+    one.specular *= f32(EMITTER_CANDIDATES / candidates);
     return one;
 }
 
@@ -168,8 +184,10 @@ fn met_emission(ray: Reflected, instance: u32, triangle: u32, distance_m: f32, s
     if (ray.pdf == 0.0) { return 1.0 / ray.kept; }
     if (ray.pdf == TAKEN) { return 0.0; }
     let way_m = distance_m + passed_m;
+    let origin = s.position - ray.direction * way_m;
+    let t = seen_triangle(instance, corners(instance, triangle), origin);
     let facing = abs(dot(s.geometric_normal, ray.direction));
-    let t = seen_triangle(instance, corners(instance, triangle), s.position - ray.direction * way_m);
-    let pdf = emitter_probability(instance_material(instance), t) * point_density(t, way_m * way_m, facing);
-    return balance(ray.pdf, pdf * f32(sampling.rays * EMITTER_CANDIDATES)) / ray.kept;
+    let candidates = expected_candidates(light_chances(instance, triangle, LitPoint(origin, ray.normal, 0u)));
+    let pdf = candidates * point_density(t, way_m * way_m, facing);
+    return balance(ray.pdf, pdf * f32(sampling.rays)) / ray.kept;
 }

@@ -13,12 +13,13 @@ struct Reflected {
     pdf: f32,
     sky_weight: f32,
     kept: f32,
+    normal: vec3f,
 }
 
 fn lobe_ray(direction: vec3f, s: Surface) -> Reflected {
     let kept = kept_share(s);
     let weight = fresnel(s, dot(s.normal, -direction)) * base_share(s, -direction);
-    return Reflected(mirror_direction(direction, s), weight, 0.0, kept, kept);
+    return Reflected(mirror_direction(direction, s), weight, 0.0, kept, kept, s.normal);
 }
 
 // Light that a path adds past its first hit, here without a limit.

@@ -22,6 +22,7 @@ struct Reflected {
     pdf: f32, // lobe_density; 0: the only possible direction; TAKEN: light samples find all lights
     sky_weight: f32, // share of the environment's light; the rest comes by rays towards it
     kept: f32, // share of the light of a surface that the ray meets, lamps left out
+    normal: vec3f, // of the surface that the ray leaves, by which light samples choose emitters
 }
 
 // Whether a surface has a rough reflection. Its light is then found by reflection rays and by light samples,
@@ -92,7 +93,7 @@ fn lobe_ray(direction: vec3f, s: Surface) -> Reflected {
     let kept = kept_share(s);
     if (!is_rough_reflector(s)) {
         let weight = fresnel(s, dot(s.normal, -direction)) * base_share(s, -direction);
-        return Reflected(mirror, weight, 0.0, kept, kept);
+        return Reflected(mirror, weight, 0.0, kept, kept, s.normal);
     }
     path_is_chance = true;
     let nv = max(dot(s.normal, -direction), 1e-3);
@@ -101,13 +102,13 @@ fn lobe_ray(direction: vec3f, s: Surface) -> Reflected {
     var out = reflect(direction, facet);
     if (CONSERVES_ENERGY && mirrors_inside(s)) { out += s.normal * max(-2.0 * dot(s.normal, out), 0.0); }
     let seen = seen_facets(s, -direction, out);
-    if (seen <= 0.0) { return Reflected(mirror, vec3f(0.0), 0.0, 1.0, 1.0); }
+    if (seen <= 0.0) { return Reflected(mirror, vec3f(0.0), 0.0, 1.0, 1.0, s.normal); }
     let pdf = lobe_density(s, -direction, out);
     let sky_weight = kept * balance(pdf, environment_rays_pdf(s, -direction, out));
     let facets = masked(s, -direction, nv);
     let bounded = seen * (bound * nv + facets) / (nv + facets);
     let weight = fresnel(s, dot(facet, -direction)) * compensation(s, -direction) * (bounded * base_share(s, -direction));
-    return Reflected(lifted(out, s), weight, pdf, sky_weight, kept);
+    return Reflected(lifted(out, s), weight, pdf, sky_weight, kept, s.normal);
 }
 
 // Number of lights without a size, which come first in the array.
@@ -227,7 +228,7 @@ fn arriving_from(s: Surface, to_light: vec3f, distance_m: f32) -> vec3f {
     return transmittance(origin, toward, reach_m);
 }
 
-// Reservoir of one among several sampled points, chosen by the light that the surface would reflect of each.
+// Reservoir of one among several sampled points, by the light that the surface would reflect of each.
 struct Choice {
     one: Returned,
     part: f32, // weight of `one`
@@ -237,9 +238,9 @@ struct Choice {
 
 const BELOW_ONE: f32 = 0.99999994;
 
-fn offer(choice: ptr<function, Choice>, r: Returned) {
-    // Weighted by the mean of the channels, not by luminance: blue lights would be rare and bright.
-    let weight = dot(r.diffuse + r.specular, vec3f(1.0 / 3.0));
+fn offer(choice: ptr<function, Choice>, r: Returned, seen_share: f32) {
+    // By the mean of the channels, not by luminance: blue lights would be rare and bright.
+    let weight = dot(r.diffuse + r.specular, vec3f(1.0 / 3.0)) * seen_share;
     if (weight <= 0.0) { return; }
     (*choice).whole += weight;
     // The random number that made a choice is uniform within the chosen part, and is rescaled for the next one.
@@ -256,11 +257,8 @@ fn offer(choice: ptr<function, Choice>, r: Returned) {
 
 // Light of the chosen point, scaled to stand for all offered points.
 fn standing_for_all(choice: Choice) -> Returned {
-    var r = choice.one;
     let scale = choice.whole / max(choice.part, 1e-30);
-    r.diffuse *= scale;
-    r.specular *= scale;
-    return r;
+    return Returned(choice.one.to_light, choice.one.distance_m, choice.one.diffuse * scale, choice.one.specular * scale);
 }
 
 // Groups of light sources, each with a shadow ray of its own: otherwise a sun behind a wall would be chosen nearly
@@ -301,9 +299,9 @@ fn sampled_light(s: Surface, view: vec3f, albedo: vec3f) -> Shade {
                     out.diffuse += r.diffuse;
                     out.specular += r.specular;
                 } else if (HAS_SIZED_SUNS && lights[i].kind == LIGHT_DIRECTIONAL) {
-                    offer(&suns, r);
+                    offer(&suns, r, 1.0);
                 } else {
-                    offer(&lamps, r);
+                    offer(&lamps, r, 1.0);
                 }
             }
         }

@@ -13,5 +13,5 @@ fn passed(air: Air, way: Way) -> Air {
 
 // Ray of a path that begins in the fog before a pixel: none.
 fn scattered_start(way: Way) -> Start {
-    return Start(Reflected(way.direction, vec3f(0.0), 0.0, 0.0, 1.0), way.origin);
+    return Start(Reflected(way.direction, vec3f(0.0), 0.0, 0.0, 1.0, vec3f(0.0)), way.origin);
 }

@@ -45,9 +45,9 @@ fn scattered_ray(s: Surface, view: vec3f, albedo: vec3f) -> Reflected {
     path_is_chance = true;
     leave_vertex(s.position);
     let out = cosine_direction(s.normal, sample_square(sampling.sample, SCATTER_PAIR));
-    if (dot(out, s.geometric_normal) <= 0.0) { return Reflected(s.normal, vec3f(0.0), TAKEN, 0.0, 1.0); }
+    if (dot(out, s.geometric_normal) <= 0.0) { return Reflected(s.normal, vec3f(0.0), TAKEN, 0.0, 1.0, s.normal); }
     let weight = albedo + sheen(s, view, out) * scattered_share(s, view);
-    return Reflected(out, weight, scattered_density(dot(s.normal, out)), 0.0, 1.0);
+    return Reflected(out, weight, scattered_density(dot(s.normal, out)), 0.0, 1.0, s.normal);
 }
 
 // Next ray of a path: scattered, or mirrored or transmitted, chosen by the light that each returns.
@@ -59,7 +59,7 @@ fn next_ray(before: Reflected, s: Surface) -> Reflected {
         diffuse += luminance(sheen_albedo(s, view)) * scattered_share(s, view);
     }
     let rest = select(0.0, max(onward_albedo(s, view), 0.01), goes_on(s));
-    if (diffuse + rest <= 0.0) { return Reflected(s.normal, vec3f(0.0), TAKEN, 0.0, 1.0); }
+    if (diffuse + rest <= 0.0) { return Reflected(s.normal, vec3f(0.0), TAKEN, 0.0, 1.0, s.normal); }
     let share = diffuse / (diffuse + rest);
     let u = sample_square(sampling.sample, CHOICE_PAIR);
     var ray: Reflected;
@@ -138,7 +138,7 @@ fn scattered_by_surface(before: Reflected, s: Surface) -> Start {
     let view = -before.direction;
     let albedo = scattered_albedo(s, view);
     let is_matte = any(albedo > vec3f(0.0)) || has_sheen(s);
-    var ray = Reflected(s.normal, vec3f(0.0), TAKEN, 0.0, 1.0);
+    var ray = Reflected(s.normal, vec3f(0.0), TAKEN, 0.0, 1.0, s.normal);
     if (is_matte && path_scatterings < frame.diffuse_bounces) { ray = scattered_ray(s, view, albedo); }
     ray.weight *= before.kept;
     return Start(ray, onward_origin(s, ray.direction));

@@ -219,7 +219,7 @@ fn reflected(direction: vec3f, s: Surface) -> Reflected {
     }
     if (HAS_TRANSMISSION) { ray.weight *= s.alpha; }
     // From within a solid no light samples are taken, so reflection rays have full weight.
-    if (mirrors_inside(s)) { ray = Reflected(ray.direction, ray.weight, 0.0, 1.0, 1.0); }
+    if (mirrors_inside(s)) { ray = Reflected(ray.direction, ray.weight, 0.0, 1.0, 1.0, s.normal); }
     return ray;
 }
 
@@ -297,6 +297,7 @@ fn onward(before: Reflected, met: Surface) -> Reflected {
         through.pdf = before.pdf;
         through.sky_weight = before.sky_weight;
         through.kept = before.kept;
+        through.normal = before.normal;
     }
     var ray = chosen(through, back, ONWARD_PAIR);
     if (met.is_inside || dot(ray.direction, s.geometric_normal) < 0.0) { ray = in_one_channel(met, ray); }
@@ -309,7 +310,7 @@ fn onward(before: Reflected, met: Surface) -> Reflected {
     } else if (s.is_inside) {
         path_crossings++;
     }
-    if (path_crossings > MAX_CROSSINGS && !UNBIASED) { return Reflected(ray.direction, vec3f(0.0), 0.0, 0.0, 1.0); }
+    if (path_crossings > MAX_CROSSINGS && !UNBIASED) { return Reflected(ray.direction, vec3f(0.0), 0.0, 0.0, 1.0, s.normal); }
     return ray;
 }
 

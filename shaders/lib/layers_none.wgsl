@@ -62,7 +62,7 @@ fn onward_origin(s: Surface, direction: vec3f) -> vec3f {
 }
 
 fn through(direction: vec3f, s: Surface) -> Reflected {
-    return Reflected(direction, vec3f(0.0), 0.0, 1.0, 1.0);
+    return Reflected(direction, vec3f(0.0), 0.0, 1.0, 1.0, s.normal);
 }
 
 // Number of passages through surfaces, which do not count as bounces.

@@ -4,6 +4,14 @@
 
 #import hash
 
+// Where the parts of a light tree begin: see light_tree.wgsl.
+struct LightTree {
+    lights: u32, // vector of the first placed light
+    nodes: u32, // vector of the first node
+    places: u32, // vector of the first words of triangles
+    root: u32, // link of the root; NONE: nothing emits light
+}
+
 struct Sampling {
     first: u32, // index of the first sample of this sub-frame
     rays: u32, // number of rays towards lights per pixel and sub-frame
@@ -12,8 +20,7 @@ struct Sampling {
     scale: f32, // radiance of a panorama texel of 1
     sample: u32, // index of this sub-frame
     samples: u32, // number of sub-frames of the picture
-    emitters: u32, // number of emissive triangles that are sampled
-    emitted_power: f32, // sum of area times emitted luminance over all of them
+    light_tree: LightTree, // of emissive triangles
 }
 
 @group(0) @binding(5) var<uniform> sampling: Sampling;

@@ -24,7 +24,7 @@ fn passed_share(s: Surface, facet: vec3f, direction: vec3f) -> vec3f {
 // The ray transmitted through a surface: straight through thin ones, refracted into and out of solids; by one
 // microfacet where the surface is rough (Walter et al. 2007, with visible normals).
 fn transmitted(direction: vec3f, s: Surface) -> Reflected {
-    let straight = Reflected(direction, vec3f(1.0 - s.alpha), 0.0, 1.0, 1.0);
+    let straight = Reflected(direction, vec3f(1.0 - s.alpha), 0.0, 1.0, 1.0, s.normal);
     if (s.transmission <= 0.0) { return straight; }
     var facet = s.normal;
     let is_rough = HAS_ROUGH_REFLECTIONS && s.roughness * s.roughness > SMOOTH_ALPHA;
@@ -53,7 +53,7 @@ fn transmitted(direction: vec3f, s: Surface) -> Reflected {
     } else {
         out = direction;
     }
-    let through = Reflected(out, weight, 0.0, 1.0, 1.0);
+    let through = Reflected(out, weight, 0.0, 1.0, 1.0, s.normal);
     if (s.alpha >= 1.0) { return through; }
     return chosen(through, straight, ALPHA_PAIR);
 }

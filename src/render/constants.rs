@@ -11,6 +11,7 @@ use reflet_world::{
         STATIC_ROOT, TOP_LEVEL, TOP_ROOT, TRIANGLE_VECTORS, UNREFLECTED, UNSEEN,
     },
     environment::CONE_LEVELS,
+    light_tree::{INNER_SHARE, LIGHT_LEAF, LIGHT_NODE_VECTORS, MOST_LINKS, UNLIT_ITEM},
     texture::pool_size::SMALLEST_POOL_PX,
 };
 
@@ -182,6 +183,11 @@ fn define_lights(out: &mut String) {
     define_all!(
         out,
         MAX_LIGHTS,
+        LIGHT_LEAF,
+        UNLIT_ITEM,
+        MOST_LINKS,
+        LIGHT_NODE_VECTORS,
+        INNER_SHARE,
         SHADOW_NONE,
         SHADOW_MAP,
         SHADOW_RAY,

@@ -1,31 +1,67 @@
-//! The alias table for sampling emissive triangles.
+//! Light trees on the GPU: how shaders choose emissive triangles.
 
 use reflet_gpu::{Gpu, GpuError};
-use reflet_world::{World, emitters::Emitter};
+use reflet_world::{
+    World,
+    light_tree::{LIGHT_LEAF, LIGHT_NODE_VECTORS, LightTrees, NO_NODE, Node, PlacedLight, Tree},
+};
 
 use super::texel_array::TexelArray;
 
-/// Parameters of the alias table for shaders.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Emitters {
-    /// Number of emissive triangles.
-    pub triangles: u32,
-    /// Sum of their powers; 0: no triangle is sampled.
-    pub power: f32,
-}
+/// Parameters of shaders for a world without a light tree.
+pub const NO_LIGHT_TREE: [u32; 4] = [0, 0, 0, NO_NODE];
 
-/// The alias table on the GPU.
+/// Number of vectors of a placed light.
+const LIGHT_VECTORS: usize = 4;
+
+/// The light trees on the GPU, in an array of vectors: for each instance the index of its placed light; placed lights;
+/// nodes, of the tree over instances first; for each triangle of each mesh its node.
 #[derive(Clone, Debug)]
 pub struct GpuEmitters {
-    table: TexelArray,
-    /// Parameters of the current table.
-    pub emitters: Emitters,
-    /// Whether the table may differ from frame to frame.
-    pub is_moving: bool,
+    array: TexelArray,
+    trees: LightTrees,
+    parts: Parts,
+    /// Vectors where placed lights, nodes and nodes of triangles begin, and the link of the root.
+    pub light_tree: [u32; 4],
+    /// Whether the trees may differ from frame to frame.
+    is_moving: bool,
+}
+
+/// Vectors where the parts of the array begin, and the end of the last one.
+#[derive(Clone, Copy, Debug)]
+struct Parts {
+    lights: usize,
+    nodes: usize,
+    places: usize,
+    end: usize,
+}
+
+impl Parts {
+    /// Parts that hold all trees of a world: those of one pose, or with `in_any_pose` those of any.
+    fn of(world: &World, trees: &LightTrees, in_any_pose: bool) -> Self {
+        let meshes: Vec<usize> = match in_any_pose {
+            true => (world.lighting_instances())
+                .map(|(_, i)| world.meshes[i.mesh].triangles.len())
+                .collect(),
+            false => trees.meshes.iter().map(|m| m.places.len()).collect(),
+        };
+        let lights = world.instances.len().div_ceil(4);
+        let nodes = lights + LIGHT_VECTORS * trees.lights.len();
+        // A tree has less than two nodes for each item; its nodes come in pairs.
+        let triangles: usize = meshes.iter().sum();
+        let places = nodes + LIGHT_NODE_VECTORS * 2 * (trees.lights.len() + triangles);
+        let words: usize = meshes.iter().map(|count| count.next_multiple_of(4)).sum();
+        Self {
+            lights,
+            nodes,
+            places,
+            end: places + words / 4,
+        }
+    }
 }
 
 impl GpuEmitters {
-    /// Uploads the table of a world; `None` where no surface is sampled as a light.
+    /// Uploads the light trees of a world; `None` where no surface is sampled as a light.
     ///
     /// # Errors
     /// A wgpu error.
@@ -33,102 +69,126 @@ impl GpuEmitters {
         if !world.has_emitters() {
             return Ok(None);
         }
-        let count: usize = (world.lighting_instances())
-            .map(|(_, i)| world.meshes[i.mesh].triangles.len())
-            .sum();
+        let trees = LightTrees::new(world, None);
+        let is_moving = world.has_moving_emitters();
+        let parts = Parts::of(world, &trees, is_moving);
         let mut this = Self {
-            table: TexelArray::sized::<[u32; 4]>(gpu, "emitters", count)?,
-            emitters: Emitters::default(),
-            is_moving: world.has_moving_emitters(),
+            array: TexelArray::sized::<[u32; 4]>(gpu, "emitters", parts.end)?,
+            trees,
+            parts,
+            light_tree: NO_LIGHT_TREE,
+            is_moving,
         };
-        this.upload(gpu, world);
+        this.upload(gpu, world, true);
+        gpu.finish_writes()?;
         Ok(Some(this))
     }
 
-    /// Uploads the table again, if emitters may have moved.
+    /// Uploads the trees again, if emitters may have moved: those of meshes only where one changed.
     pub fn update(&mut self, gpu: &Gpu, world: &World) {
-        if self.is_moving {
-            self.upload(gpu, world);
+        if !self.is_moving {
+            return;
         }
+        let trees = LightTrees::new(world, Some(&self.trees));
+        let are_meshes_kept = trees.has_meshes_of(&self.trees);
+        self.trees = trees;
+        self.upload(gpu, world, !are_meshes_kept);
     }
 
-    fn upload(&mut self, gpu: &Gpu, world: &World) {
-        let emitters = world.emitters();
-        let (texels, power) = alias_table(&emitters);
-        self.table.write(gpu, 0, &texels);
-        self.emitters = Emitters {
-            triangles: emitters.len() as u32,
-            power,
-        };
+    fn upload(&mut self, gpu: &Gpu, world: &World, with_meshes: bool) {
+        let bases = self.mesh_bases();
+        let parts = &self.parts;
+        self.array.write(gpu, 0, &self.index(world.instances.len()));
+        let lights: Vec<_> = (self.trees.lights.iter())
+            .flat_map(|light| self.light(light, &bases))
+            .collect();
+        self.array.write(gpu, parts.lights, &lights);
+        let root = self.trees.top.as_ref().map_or(NO_NODE, |top| top.link);
+        if let Some(top) = &self.trees.top {
+            self.array.write(gpu, parts.nodes, &vectors(top, 0));
+        }
+        let meshes = self.trees.meshes.iter().zip(&bases);
+        for (mesh, [nodes, places]) in meshes.filter(|_| with_meshes) {
+            if let Some(tree) = &mesh.tree {
+                let at = parts.nodes + LIGHT_NODE_VECTORS * *nodes as usize;
+                self.array.write(gpu, at, &vectors(tree, *nodes));
+            }
+            let placed = mesh.places.iter().map(|place| linked(*place, *nodes));
+            let at = parts.places + *places as usize / 4;
+            self.array.write(gpu, at, &in_fours(placed));
+        }
+        self.light_tree =
+            [parts.lights, parts.nodes, parts.places, root as usize].map(|n| n as u32);
     }
 
-    /// Binding of the table for shaders.
+    /// First node and first word of triangles of each mesh's tree.
+    fn mesh_bases(&self) -> Vec<[u32; 2]> {
+        let mut next = [2 * self.trees.lights.len(), 0];
+        let bases = self.trees.meshes.iter().map(|mesh| {
+            let [nodes, places] = next;
+            let used = mesh.tree.as_ref().map_or(0, |tree| tree.nodes.len());
+            next = [nodes + used, places + mesh.places.len().next_multiple_of(4)];
+            [nodes as u32, places as u32]
+        });
+        bases.collect()
+    }
+
+    /// Indices of placed lights, by instance.
+    fn index(&self, instances: usize) -> Vec<[u32; 4]> {
+        let mut index = vec![0; instances];
+        for (light, number) in self.trees.lights.iter().zip(0..) {
+            index[light.instance as usize] = number;
+        }
+        in_fours(index.into_iter())
+    }
+
+    fn light(&self, light: &PlacedLight, bases: &[[u32; 2]]) -> [[u32; 4]; LIGHT_VECTORS] {
+        let [nodes, places] = bases[light.mesh_tree];
+        let tree = self.trees.meshes[light.mesh_tree].tree.as_ref();
+        let root = tree.map_or(NO_NODE, |tree| linked(tree.link, nodes));
+        let m = light.tree_from_world.matrix3;
+        let t = light.tree_from_world.translation;
+        let row = |r: usize| [m.x_axis[r], m.y_axis[r], m.z_axis[r], t[r]].map(f32::to_bits);
+        let bits = light.instance << 2 | light.sides as u32;
+        [[root, places, light.node, bits], row(0), row(1), row(2)]
+    }
+
+    /// Binding of the array for shaders.
     pub fn resource(&self) -> wgpu::BindingResource<'_> {
-        self.table.resource()
+        self.array.resource()
     }
 
     /// Size in bytes.
     pub fn bytes(&self) -> u64 {
-        self.table.size()
+        self.array.size()
     }
 }
 
-/// Texels of the alias table, and the sum of all powers. A texel is an instance, a triangle, the bits of the share
-/// of the column that is its own, and the index of the texel that has the rest (Vose 1991, "A linear algorithm for
-/// generating random numbers with a given distribution").
-fn alias_table(emitters: &[Emitter]) -> (Vec<[u32; 4]>, f32) {
-    let sum: f64 = emitters.iter().map(|e| f64::from(e.power)).sum();
-    let count = emitters.len();
-    let mut shares: Vec<f64> = (emitters.iter())
-        .map(|e| f64::from(e.power) * count as f64 / sum.max(f64::MIN_POSITIVE))
-        .collect();
-    let mut aliases: Vec<usize> = (0..count).collect();
-    let (mut small, mut large): (Vec<_>, Vec<_>) = (0..count).partition(|i| shares[*i] < 1.0);
-    while let (Some(less), Some(more)) = (small.pop(), large.pop()) {
-        aliases[less] = more;
-        shares[more] -= 1.0 - shares[less];
-        if shares[more] < 1.0 {
-            small.push(more);
-        } else {
-            large.push(more);
-        }
+/// A link, or the index of a node, of a tree whose nodes begin at `first`. Items and marks stay.
+fn linked(link: u32, first: u32) -> u32 {
+    match link & LIGHT_LEAF {
+        0 => link + first,
+        _ => link,
     }
-    // Columns left over by rounding keep their whole share.
-    for rest in small.into_iter().chain(large) {
-        shares[rest] = 1.0;
-    }
-    let texel = |(i, e): (usize, &Emitter)| {
-        let share = (shares[i] as f32).to_bits();
-        [e.instance, e.triangle, share, aliases[i] as u32]
+}
+
+/// Nodes of a tree that begin at node `first`.
+fn vectors(tree: &Tree, first: u32) -> Vec<[u32; 4]> {
+    let node = |node: &Node| {
+        let [a, b, c, d, e, f, link, parent] = node.words();
+        [
+            [a, b, c, d],
+            [e, f, linked(link, first), linked(parent, first)],
+        ]
     };
-    let texels = emitters.iter().enumerate().map(texel).collect();
-    (texels, sum as f32)
+    tree.nodes.iter().flat_map(node).collect()
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn triangles_are_chosen_by_their_power() {
-        let powers = [0.0_f32, 3.0, 1e-4, 1.0, 0.0, 16.0];
-        let emitters: Vec<_> = (powers.iter().zip(0..))
-            .map(|(power, triangle)| Emitter {
-                instance: 7,
-                triangle,
-                power: *power,
-            })
-            .collect();
-        let (texels, sum) = alias_table(&emitters);
-        let mut found = [0.0_f64; 6];
-        for (i, [_, _, share, alias]) in texels.iter().enumerate() {
-            let share = f64::from(f32::from_bits(*share));
-            found[i] += share / 6.0;
-            found[*alias as usize] += (1.0 - share) / 6.0;
-        }
-        for (found, power) in found.iter().zip(powers) {
-            let expected = f64::from(power / sum);
-            assert!((found - expected).abs() < 1e-7, "{found}, not {expected}");
-        }
+/// Words in vectors of four, the last one filled up with 0.
+fn in_fours(words: impl ExactSizeIterator<Item = u32>) -> Vec<[u32; 4]> {
+    let mut fours = vec![[0; 4]; words.len().div_ceil(4)];
+    for (index, word) in words.enumerate() {
+        fours[index / 4][index % 4] = word;
     }
+    fours
 }

@@ -161,7 +161,7 @@ impl Renderer {
             (self.unit_m, self.plan.bounces, self.options.crop_edges()),
             (share, whole_surfaces),
         );
-        let sampling = Sampling::new(world, &self.options.image, self.scene.emitters(), sample);
+        let sampling = Sampling::new(world, &self.options.image, self.scene.light_tree(), sample);
         self.uniforms.set(gpu, &frame, &block, &sampling);
         if let Some(fog) = GpuFog::of(world) {
             self.uniforms.set_fog(gpu, &fog);

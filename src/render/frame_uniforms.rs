@@ -9,7 +9,6 @@ use reflet_scene::desc::{Bounces, ImageDesc, Method, ReflectionDesc};
 use reflet_world::World;
 
 use super::{
-    emitters::Emitters,
     fog::GpuFog,
     groove_table::groove_table,
     lights::in_order,
@@ -187,7 +186,7 @@ const SLOPE_AT_BLACK: f32 = 12.92;
 
 impl Sampling {
     /// The block of sub-frame `sample`.
-    pub fn new(world: &World, image: &ImageDesc, emitters: Emitters, sample: u32) -> Self {
+    pub fn new(world: &World, image: &ImageDesc, light_tree: [u32; 4], sample: u32) -> Self {
         let rays = image.light_rays();
         let environment = &world.environment;
         let panorama = environment.panorama.as_ref();
@@ -200,8 +199,7 @@ impl Sampling {
             scale: environment.desc.intensity * panorama.map_or(0.0, |p| p.scale),
             sample,
             samples: image.samples.count(),
-            emitters: emitters.triangles,
-            emitted_power: emitters.power,
+            light_tree,
         }
     }
 }

@@ -13,7 +13,7 @@ use reflet_world::{
 use super::{
     chunks::{Chunks, chunk_of},
     draw::{Draw, Indexed, draws, mirrors},
-    emitters::{Emitters, GpuEmitters},
+    emitters::{GpuEmitters, NO_LIGHT_TREE},
     geometry::{MeshRange, geometry, mesh_vertices},
     gpu_material::gpu_material,
     mesh_array::MeshArray,
@@ -49,7 +49,7 @@ pub struct GpuScene {
     pub samplers: [wgpu::Sampler; 4],
     /// Panorama of the environment, if it has one.
     pub panorama: Option<GpuPanorama>,
-    /// Table of emissive triangles for sampling, if there are any.
+    /// Light trees of emissive triangles, if there are any.
     pub emitters: Option<GpuEmitters>,
     /// Draw calls, one for each instance that has triangles.
     pub draws: Vec<Draw>,
@@ -198,14 +198,13 @@ impl GpuScene {
         }
     }
 
-    /// Parameters of the table of emissive triangles.
-    pub fn emitters(&self) -> Emitters {
-        self.emitters
-            .as_ref()
-            .map_or_else(Emitters::default, |e| e.emitters)
+    /// Where the parts of the light tree begin: [`GpuEmitters::light_tree`].
+    pub fn light_tree(&self) -> [u32; 4] {
+        let emitters = self.emitters.as_ref();
+        emitters.map_or(NO_LIGHT_TREE, |e| e.light_tree)
     }
 
-    /// Uploads the table of emissive triangles, if they moved or changed.
+    /// Uploads the light trees, if emissive triangles moved or changed.
     pub fn update_emitters(&mut self, gpu: &Gpu, world: &World) {
         if let Some(emitters) = &mut self.emitters {
             emitters.update(gpu, world);

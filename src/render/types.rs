@@ -125,10 +125,9 @@ gpu_struct! {
         sample: u32,
         /// Number of sub-frames of the picture.
         samples: u32,
-        /// Number of emissive triangles that are sampled.
-        emitters: u32,
-        /// Sum of area times emitted luminance over all emissive triangles.
-        emitted_power: f32,
+        /// Light tree of emissive triangles: vectors of its first placed light, node and words of triangles, and the
+        /// link of its root.
+        light_tree: [u32; 4],
     }
 }
 

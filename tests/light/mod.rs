@@ -15,6 +15,7 @@ mod kit;
 mod lamp;
 mod layers;
 mod lens;
+mod light_tree;
 mod near;
 mod panorama;
 mod random_materials;

@@ -1,0 +1,162 @@
+// Light tree: chooses an emissive triangle for a surface, and gives the probability of one, by the nodes and the formulas
+// of src/world/light_tree.rs. The including shader declares:
+//   light_words(i: u32) -> vec4u   texels of src/render/emitters.rs: words of instances, the index of each one's placed
+//                                  light; placed lights; nodes; words of triangles, the node of each
+//   sampling.light_tree                where these begin
+
+#import constants
+#import pack
+
+// Vectors of a placed light: link of its mesh's root, first word of its triangles, node, instance with sides in the lowest
+// two bits; then rows of tree_from_world.
+const LIGHT_VECTORS: u32 = 4u;
+
+// A surface, as a tree sees it.
+struct LitPoint {
+    position: vec3f,
+    normal: vec3f,
+    sides: u32, // sides that emit light, beside those of each node
+}
+
+// A chosen triangle; probabilities of 0: none.
+struct LightChoice {
+    instance: u32,
+    triangle: u32,
+    chances: vec2f, // by importance, by power
+    sides: u32, // sides that emit light: 0 the front, 1 both of a closed mesh, 2 both
+}
+
+fn sine_of(cosine: f32) -> f32 {
+    return sqrt(max(1.0 - cosine * cosine, 0.0));
+}
+
+// Bound of the cosine at which light leaves: the angle to the axis is less by the cone, and by what the ball covers.
+fn leaving(cosine: f32, cone: f32, ball_sine: f32) -> f32 {
+    if (cosine >= cone) { return 1.0; }
+    return saturate(cosine * cone + sine_of(cosine) * sine_of(cone) + ball_sine);
+}
+
+fn light_importance(a: vec4u, b: vec4u, to: LitPoint) -> f32 {
+    let power = bitcast<f32>(a.w);
+    let offset = to.position - bitcast<vec3f>(a.xyz);
+    let distance2 = dot(offset, offset);
+    let radius = bitcast<f32>(b.y & 0xffff0000u);
+    if (distance2 <= radius * radius) { return power / max(radius * radius, 1e-36); }
+    let inverse = inverseSqrt(distance2);
+    let way = offset * inverse;
+    let ball_sine = radius * inverse;
+    let cone = f32((b.y >> 2u) & 0x3fffu) * (2.0 / 16383.0) - 1.0;
+    let cosine = dot(way, unpack_unit(b.x));
+    let sides = max(b.y & 3u, to.sides);
+    var left = leaving(cosine, cone, ball_sine);
+    if (sides > 0u && cosine < 0.0) {
+        left = max(left, select(1.0, INNER_SHARE, sides == 1u) * leaving(-cosine, cone, ball_sine));
+    }
+    return power * left * saturate(ball_sine - dot(way, to.normal)) / distance2;
+}
+
+// A pair of nodes, as a surface sees it.
+struct SeenPair {
+    shares: vec2f, // of the first node, by importance and by power; below 0 where neither node is important
+    links: vec2u,
+    parent: u32,
+}
+
+fn seen_pair(pair: u32, to: LitPoint) -> SeenPair {
+    let at = sampling.light_tree.nodes + pair * LIGHT_NODE_VECTORS;
+    let a = light_words(at);
+    let a_bounds = light_words(at + 1u);
+    let b = light_words(at + LIGHT_NODE_VECTORS);
+    let b_bounds = light_words(at + LIGHT_NODE_VECTORS + 1u);
+    let first = light_importance(a, a_bounds, to);
+    let both = first + light_importance(b, b_bounds, to);
+    let by_power = bitcast<f32>(a.w) / (bitcast<f32>(a.w) + bitcast<f32>(b.w));
+    let by_place = select(first / both, -1.0, both <= 0.0);
+    return SeenPair(vec2f(by_place, by_power), vec2u(a_bounds.z, b_bounds.z), a_bounds.w);
+}
+
+// The surface in the space of the tree of a placed light's mesh.
+fn in_tree(light: u32, to: LitPoint) -> LitPoint {
+    let at = sampling.light_tree.lights + light * LIGHT_VECTORS;
+    let rows = mat3x4f(bitcast<vec4f>(light_words(at + 1u)), bitcast<vec4f>(light_words(at + 2u)),
+        bitcast<vec4f>(light_words(at + 3u)));
+    let normal = normalize(vec4f(to.normal, 0.0) * rows);
+    return LitPoint(vec4f(to.position, 1.0) * rows, normal, light_words(at).w & 3u);
+}
+
+// Word `i` of an array of words, four in each vector.
+fn light_word(first: u32, i: u32) -> u32 {
+    return light_words(first + (i >> 2u))[i & 3u];
+}
+
+// A random number on its way down the trees, with the probability of the way by importance and by power.
+struct Descent {
+    u: f32,
+    link: u32,
+    chances: vec2f,
+}
+
+// Descends to an item of a tree.
+fn descend_lights(start: Descent, by_power: bool, to: LitPoint) -> Descent {
+    var at = start;
+    for (var k = 0u; k < MOST_LINKS; k++) {
+        if ((at.link & LIGHT_LEAF) != 0u) { break; }
+        let pair = seen_pair(at.link, to);
+        let share = select(pair.shares.x, pair.shares.y, by_power);
+        let is_second = at.u >= share;
+        at.chances *= parts(pair.shares, is_second);
+        at.u = min((at.u - select(0.0, share, is_second)) / select(share, 1.0 - share, is_second), 0.99999994);
+        at.link = select(pair.links.x, pair.links.y, is_second);
+    }
+    return at;
+}
+
+// Shares of a node of a pair; 0 by importance where neither is important.
+fn parts(shares: vec2f, is_second: bool) -> vec2f {
+    let both = select(shares, 1.0 - shares, is_second);
+    return vec2f(select(both.x, 0.0, shares.x < 0.0), both.y);
+}
+
+// The triangle that a random number chooses: by importance, or by power alone.
+fn chosen_light(u: f32, by_power: bool, surface: LitPoint) -> LightChoice {
+    var at = Descent(u, sampling.light_tree.root, vec2f(1.0));
+    var to = surface;
+    var instance = NONE;
+    // One call in a loop keeps the inlined code small.
+    for (var tree = 0u; tree < 2u; tree++) {
+        at = descend_lights(at, by_power, to);
+        if (tree == 1u) { break; }
+        let light = at.link & ~LIGHT_LEAF;
+        let record = light_words(sampling.light_tree.lights + light * LIGHT_VECTORS);
+        instance = record.w >> 2u;
+        at.link = record.x;
+        to = in_tree(light, surface);
+    }
+    // A way that nothing recommends has a chance of 0 by importance, and is left out.
+    if (!by_power && at.chances.x <= 0.0) { return LightChoice(); }
+    return LightChoice(instance, at.link & ~LIGHT_LEAF, at.chances, to.sides);
+}
+
+// Probabilities with which `chosen_light` chooses a triangle of an instance that emits light, by importance and by power.
+fn light_chances(instance: u32, triangle: u32, surface: LitPoint) -> vec2f {
+    let light = light_word(0u, instance);
+    let record = light_words(sampling.light_tree.lights + light * LIGHT_VECTORS);
+    var node = light_word(sampling.light_tree.places, record.y + triangle);
+    if (node == UNLIT_ITEM || record.z == UNLIT_ITEM) { return vec2f(0.0); }
+    var to = in_tree(light, surface);
+    var chances = vec2f(1.0);
+    var is_above = false;
+    for (var k = 0u; k < MOST_LINKS; k++) {
+        if (node == NONE) {
+            if (is_above) { break; }
+            is_above = true;
+            node = record.z;
+            to = surface;
+            continue;
+        }
+        let pair = seen_pair(node & ~1u, to);
+        chances *= parts(pair.shares, (node & 1u) == 1u);
+        node = pair.parent;
+    }
+    return chances;
+}

@@ -1,0 +1,199 @@
+//! Light trees: their probabilities, and that what they choose lights as much as it is bright.
+
+use std::{collections::HashMap, sync::Arc};
+
+use glam::Vec3;
+use reflet::{
+    scene::stages::{Animator, Scene},
+    world::{World, light_tree::LightTrees, load},
+};
+
+use super::kit::{assert_close, gpu, mean, render, scene};
+
+/// A camera above a floor.
+const FLOOR: &str = "version = 1\n[camera.main]\neye = [0, 2.5, 0.2]\ntarget = [0, 0, 0]\nfov_deg = 40\n\
+    [image]\nsize = [16, 16]\ntone_map = \"none\"\n[material.floor]\nbase_color = [0.7, 0.7, 0.7]\n\
+    [model.floor]\nshape = { kind = \"plane\", size = [40, 40] }\nmaterial = \"floor\"\n[[instance]]\nmodel = \"floor\"\n";
+
+/// Lamps of all kinds: closed ones, on one side and on both, turned, mirrored, distorted, small and large.
+const LAMPS: &str = "[material.both]\nbase_color = [0, 0, 0]\nreflectivity = 0\nemission = [3, 2, 1]\nlight = true\n\
+    [material.front]\nbase_color = [0, 0, 0]\nreflectivity = 0\nemission = [1, 4, 2]\nlight = true\ndouble_sided = false\n\
+    [model.ball]\nshape = { kind = \"sphere\", radius = 0.3, segments = 12 }\nmaterial = \"both\"\n\
+    [model.box]\nshape = { kind = \"box\", size = [1, 1, 1] }\nmaterial = \"front\"\n\
+    [model.plane]\nshape = { kind = \"plane\", size = [1, 1] }\nmaterial = \"front\"\n\
+    [[instance]]\nname = \"first\"\nmodel = \"ball\"\ntranslation = [-1.2, 0.5, 0]\n\
+    [[instance]]\nmodel = \"ball\"\ntranslation = [1.5, 0.4, -0.5]\nscale = 0.5\n\
+    [[instance]]\nmodel = \"box\"\ntranslation = [0, 0.6, -1.4]\nscale = [1.2, 0.5, 0.1]\nrotation_deg = [20, 0, 15]\n\
+    [[instance]]\nmodel = \"plane\"\ntranslation = [0.3, 1.2, 1.3]\nscale = [-0.6, 0.6, 0.6]\nrotation_deg = [130, 0, 0]\n\
+    [[instance]]\nmodel = \"plane\"\nmaterial = \"both\"\ntranslation = [-0.9, 0.7, 1.4]\nscale = [0.8, 1, 0.3]\n\
+    rotation_deg = [70, 30, 0]\n";
+
+/// Surfaces: positions and normals.
+fn surfaces() -> Vec<(Vec3, Vec3)> {
+    let at = |x: f32, y: f32, z: f32, n: Vec3| (Vec3::new(x, y, z), n.normalize());
+    vec![
+        at(0.0, 0.0, 0.0, Vec3::Y),
+        at(0.2, 0.0, -1.2, Vec3::Y),
+        at(-1.2, 0.15, 0.0, Vec3::Y),
+        at(-1.2, 0.5, 0.0, Vec3::X),
+        at(0.5, 3.0, 0.5, Vec3::NEG_Y),
+        at(4.0, 1.0, 0.0, Vec3::new(-1.0, 0.3, 0.2)),
+        at(0.0, 0.5, 30.0, Vec3::Z),
+    ]
+}
+
+/// Emitting triangles of a world.
+fn triangles(world: &World) -> Vec<(u32, u32)> {
+    let emitters = world.emitters().into_iter();
+    emitters.map(|e| (e.instance, e.triangle)).collect()
+}
+
+#[test]
+fn triangles_are_chosen_as_often_as_their_chance_says() {
+    let (_, world) = scene(&[FLOOR, LAMPS].concat(), &[]);
+    let trees = LightTrees::new(&world, None);
+    for (point, normal) in surfaces() {
+        let chances: HashMap<_, _> = (triangles(&world).into_iter())
+            .map(|(i, t)| ((i, t), trees.chances(i, t, point, normal)))
+            .collect();
+        for (by_power, chance) in [(false, 0), (true, 1)] {
+            let sum: f32 = chances.values().map(|c| c[chance]).sum();
+            let chosen = trees.choose(0.5, by_power, point, normal);
+            let expected = f32::from(u8::from(chosen.is_some()));
+            assert!((sum - expected).abs() < 1e-4, "{sum} at {point}");
+            let count = 20_000;
+            let mut found: HashMap<(u32, u32), u32> = HashMap::new();
+            for k in (0..count).filter(|_| chosen.is_some()) {
+                let u = (k as f32 + 0.5) / count as f32;
+                let one = trees.choose(u, by_power, point, normal).expect("chosen");
+                let known = chances[&(one.instance, one.triangle)];
+                for (a, b) in known.into_iter().zip(one.chances) {
+                    assert!((a - b).abs() <= 1e-4 * a + 1e-9, "{a}, not {b}");
+                }
+                *found.entry((one.instance, one.triangle)).or_default() += 1;
+            }
+            for (triangle, known) in &chances {
+                let often = f64::from(found.get(triangle).copied().unwrap_or(0)) / f64::from(count);
+                let off = (often - f64::from(known[chance])).abs() * f64::from(expected);
+                assert!(off <= 3.0 / f64::from(count), "{off} at {point}");
+            }
+        }
+    }
+}
+
+#[test]
+fn what_can_light_a_surface_has_a_chance() {
+    let (_, world) = scene(&[FLOOR, LAMPS].concat(), &[]);
+    let trees = LightTrees::new(&world, None);
+    let mut lit = 0;
+    for (point, normal) in surfaces() {
+        for (index, triangle) in triangles(&world) {
+            let instance = &world.instances[index as usize];
+            let mesh = &world.meshes[instance.mesh];
+            let corners = world
+                .posed(instance.mesh)
+                .corners(mesh.triangles[triangle as usize]);
+            let [a, b, c] = corners.map(|p| instance.world_from_object.transform_point3(p));
+            let mirrored = instance.world_from_object.matrix3.determinant() < 0.0;
+            let front = (b - a).cross(c - a) * if mirrored { -1.0 } else { 1.0 };
+            let to = (a + b + c) / 3.0 - point;
+            let is_seen = world.materials[instance.material].double_sided || front.dot(to) < 0.0;
+            if is_seen && to.dot(normal) > 0.0 {
+                lit += 1;
+                let [by_place, by_power] = trees.chances(index, triangle, point, normal);
+                assert!(
+                    by_place > 0.0 && by_power > 0.0,
+                    "{index} {triangle} from {point}"
+                );
+            }
+        }
+    }
+    assert!(lit > 200, "{lit}");
+}
+
+#[test]
+fn moved_lamps_keep_the_trees_of_their_meshes() {
+    let text = [
+        FLOOR.replace("version = 1", "version = 1\ntimeline = { fps = 1, end = 2 }"),
+        LAMPS.to_owned(),
+        "[motion.instance.first]\ntranslation = { keys = [{ at_s = 0, value = [-1.2, 0.5, 0] }, { at_s = 1, value = \
+         [1, 2, 0] }] }\nrotation_deg = { keys = [{ at_s = 0, value = [0, 0, 0] }, { at_s = 1, value = [0, 70, 0] }] }\n"
+            .to_owned(),
+    ]
+    .concat();
+    let (read, _) = Scene::from_text(&text, "test.toml".as_ref(), &[]).expect("it is a scene");
+    let mut world = load::load(&read, &load::LoadOptions::default()).expect("it loads");
+    let before = LightTrees::new(&world, None);
+    let state = Animator::new(&read).pose(1).expect("it is posed");
+    world.apply(&state).expect("it fits");
+    let moved = LightTrees::new(&world, Some(&before));
+    let anew = LightTrees::new(&world, None);
+    let are_kept = |(a, b): (&Arc<_>, &Arc<_>)| Arc::ptr_eq(a, b);
+    assert!(moved.meshes.iter().zip(&before.meshes).all(are_kept));
+    assert_ne!(moved.top, before.top);
+    for (point, normal) in surfaces() {
+        for (instance, triangle) in triangles(&world) {
+            let [a, b, old] =
+                [&moved, &anew, &before].map(|t| t.chances(instance, triangle, point, normal));
+            assert_eq!(a, b);
+            // Power does not move, but for the order in which it is added up.
+            assert!((a[1] - old[1]).abs() <= 1e-5 * old[1]);
+        }
+    }
+}
+
+#[test]
+fn what_emits_nothing_is_never_chosen() {
+    let (_, mut world) = scene(&[FLOOR, LAMPS].concat(), &[]);
+    let lamps: Vec<_> = world.lighting_instances().map(|(i, _)| i).collect();
+    let choice = |world: &World| {
+        let trees = LightTrees::new(world, None);
+        trees.choose(0.3, true, Vec3::ZERO, Vec3::Y)
+    };
+    // A material that is no number, then one without light.
+    let [both, front] = ["both", "front"].map(|name| {
+        let named = world.materials.iter().position(|m| m.name == name);
+        named.expect("it is in the scene")
+    });
+    world.materials[both].emission = Vec3::NAN;
+    let one = choice(&world).expect("the others emit");
+    assert_eq!(world.instances[one.instance as usize].material, front);
+    world.materials[front].emission = Vec3::ZERO;
+    assert_eq!(choice(&world), None);
+    world.materials[front].emission = Vec3::ONE;
+    world.materials[both].emission = Vec3::ZERO;
+    // Triangles without an area.
+    for lamp in &lamps {
+        world.instances[*lamp].world_from_object.matrix3.z_axis *= 0.0;
+        world.instances[*lamp].world_from_object.matrix3.x_axis *= 0.0;
+    }
+    assert_eq!(choice(&world), None);
+    assert_eq!(LightTrees::new(&World::default(), None).top, None);
+}
+
+#[test]
+fn chosen_lamps_light_as_rays_that_meet_them() {
+    let Some(gpu) = gpu() else { return };
+    for (floor, method) in [
+        ("reflectivity = 0\n", "reflection.method=path"),
+        ("metallic = 1\nroughness = 0.45\n", "reflection.method=rt"),
+    ] {
+        let text = [FLOOR, LAMPS].concat();
+        let text = text.replace("[model.floor]", &format!("{floor}[model.floor]"));
+        let with = |set: &[&str]| {
+            let set = [&["reflection.roughness_cutoff=1"][..], set].concat();
+            mean(&render(gpu, &text, &set, &[]))
+        };
+        let aimed = with(&[method, "image.samples=256"]);
+        // Rays in the directions of the surface alone, which know no tree.
+        let met = with(&[
+            "reflection.method=path",
+            "image.samples=1024",
+            "material.both.light=false",
+            "material.front.light=false",
+        ]);
+        for (found, expected) in aimed.into_iter().zip(met) {
+            assert_close(found, expected, 0.015);
+        }
+    }
+}
