@@ -42,8 +42,7 @@ fn seen_from(probe: vec3f, towards: vec3f, seed: vec2u) -> Seen {
     var ray = Reflected(towards, vec3f(1.0), 0.0, 1.0, 1.0, vec3f(0.0));
     forget_path();
     forget_scatterings();
-    start_path(origin);
-    start_inside(false);
+    start_path(origin, false);
     var color = vec3f(0.0);
     var throughput = vec3f(1.0);
     for (var bounce = 0u; bounce < frame.bounces + crossings() + scatterings(); bounce++) {

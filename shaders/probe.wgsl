@@ -4,6 +4,7 @@
 #import cause
 #import cone
 #import gbuffer
+#import indirect
 #import lists
 #import probe_lookup
 #import probe_place
@@ -88,7 +89,7 @@ fn look_up(pixel: vec2u) {
     if (lamp.is_seen) { light = lamp.radiance; }
     if (HAS_FOG) {
         start_samples(pixel, 1u);
-        start_inside(s.is_inside);
+        start_path(s.position, s.is_inside);
         let air = through_air(s.position, ray, select(bitcast<f32>(found.x), FAR_M, found.y == NONE));
         light = air.light + select(light * air.share, vec3f(0.0), air.scatters);
     }
