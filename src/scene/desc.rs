@@ -18,6 +18,7 @@ mod outline;
 mod probe;
 mod project;
 mod reflection;
+mod scatter;
 mod script;
 mod shape;
 mod stage;
@@ -50,8 +51,9 @@ pub use self::{
     probe::{Lookup, ProbeDesc, ProbesDesc, SelectBy},
     project::ProjectDesc,
     reflection::{Accept, Bounces, Marched, Method, REFLECTION, ReflectionDesc},
+    scatter::{AlongDesc, OverDesc},
     script::ScriptDesc,
-    shape::{FontDesc, LatheSource, PartDesc, ShapeDesc, SweepCurve, TextAlign},
+    shape::{FontDesc, LatheSource, NoiseDesc, PartDesc, ShapeDesc, SweepCurve, TextAlign},
     stage::{StageDesc, is_stage},
     track::{
         CurveKind, Ease, FollowDesc, KeyDesc, NumberKeyDesc, NumberOscillateDesc, NumberTrackDesc,
@@ -227,6 +229,10 @@ pub struct InstanceDesc {
     /// `qz`, `qw`; `scale` or `sx`, `sy`, `sz`. Each row transforms the instance as its own keys place it.
     /// Looked for beside the scene, then in each `--assets` folder.
     pub instances_from: Option<At<String>>,
+    /// In place of `repeat`: copies along a curve.
+    pub along: Option<AlongDesc>,
+    /// In place of `repeat`: copies over the surface of a shape.
+    pub over: Option<OverDesc>,
     /// `material = "name"` or `material = {…}`: replaces or overrides every material of this placement.
     pub material: Option<InstanceMaterialDesc>,
     /// Animation of its file that this placement plays, by name; in place of its model's `animation`.

@@ -9,14 +9,14 @@ use crate::range::LIMIT;
 /// Largest number of segments of a path.
 const MOST_SEGMENTS: usize = 100_000;
 
-/// What is wrong with a path.
+/// Mistake in a path.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PathFault {
     /// Byte of the text at which it was found.
     pub byte: usize,
-    /// What is wrong.
+    /// Message.
     pub message: String,
-    /// What to do.
+    /// Advice.
     pub help: &'static str,
 }
 

@@ -37,6 +37,7 @@ mod points;
 mod preloaded_models;
 mod read_models;
 mod repeat;
+mod scatter;
 mod scripted;
 mod tangent;
 mod vertex_streams;

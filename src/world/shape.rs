@@ -1,13 +1,16 @@
 //! Shapes without files: their tessellation into meshes, in object space.
 
 mod boolean;
+mod contour;
 mod curve;
+mod displaced;
 mod extrude;
 mod fault;
 mod flatten;
 pub mod heightfield;
 mod inset;
 mod lathe;
+mod made;
 mod numbers;
 mod outlined;
 mod region;
@@ -25,7 +28,7 @@ use super::Mesh;
 use reflet_base::math::Bounds;
 use reflet_scene::desc::{LatheSource, ShapeDesc};
 
-pub use self::{fault::Fault, outlined::Made, text::Fonts};
+pub use self::{curve::Curve, fault::Fault, made::Made, text::Fonts};
 
 /// Tessellates `shape` (sizes in meters, as its description says); a height field gives an empty mesh, see
 /// [`heightfield::mesh`]. `fonts` has the files that [`ShapeDesc::fonts`] names.
@@ -35,7 +38,7 @@ pub use self::{fault::Fault, outlined::Made, text::Fonts};
 /// stay empty.
 ///
 /// # Errors
-/// Those of shapes that are made of outlines: [`outlined::make`].
+/// The same as [`outlined::make`].
 pub fn make(shape: &ShapeDesc, fonts: &Fonts) -> Result<Made, Fault> {
     let mut made = match outlined::make(shape, fonts)? {
         Some(made) => made,

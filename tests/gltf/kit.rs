@@ -296,6 +296,8 @@ pub fn instance(model: &str) -> InstanceDesc {
         shown: Default::default(),
         repeat: None,
         instances_from: None,
+        along: None,
+        over: None,
         material: None,
         animation: None,
         joints: Vec::new(),

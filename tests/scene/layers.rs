@@ -155,17 +155,13 @@ fn keys_above_win_and_all_others_stay() {
         PlacementDesc::Matrix(_)
     ));
     let ball = &scene.models[0].value;
+    let (size, bevel) = (Vec3::ONE, BevelDesc::default());
     assert_eq!(
         ball.source,
-        ModelSource::Shape(ShapeDesc::Box {
-            size: Vec3::ONE,
-            bevel: BevelDesc::default()
-        })
+        ModelSource::Shape(ShapeDesc::Box { size, bevel })
     );
-    assert_eq!(
-        ball.material.as_ref().map(|m| m.value.as_str()),
-        Some("red")
-    );
+    let material = ball.material.as_ref().expect("a material");
+    assert_eq!(material.value, "red");
     let lamp = scene
         .lights
         .iter()

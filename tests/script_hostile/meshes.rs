@@ -7,7 +7,7 @@ use super::{folder, load};
 /// A script whose `setup` returns a mesh of these keys, on lines 2 to 5.
 fn script(before: &str, keys: &str) -> String {
     format!(
-        "fn setup(ctx) {{\n{before}\n#{{ models: #{{ m: #{{ shape: #{{ kind: \"mesh\",\n{keys} }} }} }},\n\
+        "fn setup(ctx) {{\nlet i = []; {before}\n#{{ models: #{{ m: #{{ shape: #{{ kind: \"mesh\",\n{keys} }} }} }},\n\
          instances: [#{{ model: \"m\" }}] }}\n}}"
     )
 }
@@ -49,7 +49,7 @@ fn wrong_meshes_are_refused_where_they_are_written() {
             "positions: p, indices: [0, 1, 3]",
             "`indices[2]` must be the number of a vertex, 0 to 2, not 3",
         ),
-        (TRIANGLE, "positions: p, indices: [0, 1, 3]", "s.rhai:4:24"),
+        (TRIANGLE, "positions: p, indices: [0, 1, 3]", "s.rhai:4:15"),
         (TRIANGLE, "positions: p, indices: [0, 1, 0.5]", "not 0.5"),
         (
             TRIANGLE,
@@ -97,6 +97,11 @@ fn wrong_meshes_are_refused_where_they_are_written() {
             both,
             "at most 6000000 numbers",
         ),
+        (
+            "let i = floats(3); let p = floats(5_999_999);",
+            both,
+            "3 to 2000000 vertices, three numbers each, not 5999999 numbers",
+        ),
         ("let p = floats(3); p[3] = 1.0;", both, "there is none at 3"),
         ("let p = floats(-1);", both, "not -1"),
         // Ten million vertices from a loop meet the limit of operations or of numbers.
@@ -109,6 +114,8 @@ fn wrong_meshes_are_refused_where_they_are_written() {
         let text = script(before, keys);
         let error = load(&folder, &text).expect_err(keys);
         assert!(error.contains(says), "{before} {keys}: {error}");
+        // Numbers are not shown by the million.
+        assert!(error.len() < 1000, "{} bytes", error.len());
     }
 }
 

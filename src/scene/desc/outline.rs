@@ -23,11 +23,11 @@ impl PartialEq for Written {
 /// - `radius`: radius of a circle around the origin, above 0.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OutlineDesc {
-    /// What the outline is made of.
+    /// Figure that it is.
     pub figure: FigureDesc,
     /// Figures that are cut out, each an array of corners, whichever way they turn. Default: none.
     pub holes: Vec<Vec<[f32; 2]>>,
-    /// Which parts are inside where the outline crosses or contains itself. Default `"nonzero"`.
+    /// Rule for the parts that are inside where the outline crosses or contains itself. Default `"nonzero"`.
     pub fill_rule: FillRule,
     /// Meters per unit of the outline and its holes, above 0. Default 1.
     pub scale: f32,
@@ -41,7 +41,7 @@ pub struct OutlineDesc {
     pub at: Written,
 }
 
-/// What an outline is made of.
+/// Figure of an outline.
 #[derive(Clone, Debug, PartialEq)]
 pub enum FigureDesc {
     /// Path in SVG's syntax.

@@ -85,7 +85,7 @@ pub enum ShapeDesc {
     /// - `outline`: a flat figure whose x is the distance from the axis, nowhere less than 0, and whose y is the
     ///   height: the solid that it passes through.
     Lathe {
-        /// What is turned.
+        /// Figure that is turned.
         source: LatheSource,
         /// Divisions around, 3 to 1024, for a whole turn. Default 64.
         segments: u32,
@@ -176,6 +176,22 @@ pub enum ShapeDesc {
         /// face keeps its texture coordinates.
         parts: Vec<PartDesc>,
     },
+    /// `"displaced"`: another shape, cut finer, smoothed and moved in and out by noise. It stays closed.
+    Displaced {
+        /// The shape, with the keys of any other.
+        shape: Box<ShapeDesc>,
+        /// Times that each triangle is cut into four, 0 to 8. More shows finer noise and is smoother. Default 3.
+        subdivide: u32,
+        /// Whether edges and corners are rounded (Loop subdivision); else the shape keeps them. Default false.
+        smooth: bool,
+        /// Noise along the normals.
+        ///
+        /// - `height`: distance that noise moves the surface in or out at most, meters, 0 or more. Default 0.
+        /// - `size`: size of the largest bumps, meters, above 0. Default 0.2.
+        /// - `octaves`: number of sizes of bumps, each half of the one before, 1 to 8. Default 4.
+        /// - `seed`: number that other bumps follow from, 0 to 1000000. Default 0.
+        noise: NoiseDesc,
+    },
     /// `"mesh"`: triangles, most often of a script: `setup` returns them as `floats`, see `docs/scripting.md`. It is
     /// closed if each edge belongs to two triangles.
     Mesh {
@@ -202,7 +218,7 @@ pub enum ShapeDesc {
     },
 }
 
-/// What a lathe turns.
+/// Figure that a lathe turns.
 #[derive(Clone, Debug, PartialEq)]
 pub enum LatheSource {
     /// Points from below upwards, each the distance from the axis and the height, meters.
@@ -221,6 +237,19 @@ pub enum SweepCurve {
     Centripetal,
     /// `"bezier"`: every third point is on it, those between are handles: 4, 7, 10 … points, or 3, 6, 9 … if `closed`.
     Bezier,
+}
+
+/// Noise that displaces a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NoiseDesc {
+    /// Largest distance, meters.
+    pub height: f32,
+    /// Size of the largest bumps, meters.
+    pub size: f32,
+    /// Number of sizes of bumps.
+    pub octaves: u32,
+    /// Number that other bumps follow from.
+    pub seed: u32,
 }
 
 /// A font file.
@@ -268,6 +297,9 @@ impl ShapeDesc {
 
     /// Font files of the shape and of its parts.
     pub fn fonts(&self) -> Vec<&FontDesc> {
+        if let Self::Displaced { shape, .. } = self {
+            return shape.fonts();
+        }
         let own = match self {
             Self::Text { font, .. } => font.as_ref(),
             _ => None,

@@ -16,6 +16,7 @@ static SOURCE: &str = concat!(
     include_str!("../desc/probe.rs"),
     include_str!("../desc/project.rs"),
     include_str!("../desc/reflection.rs"),
+    include_str!("../desc/scatter.rs"),
     include_str!("../desc/shape.rs"),
     include_str!("../desc/stage.rs"),
     include_str!("../desc/track.rs")

@@ -95,6 +95,9 @@ pub fn check(
     }
     for instance in &scene.instances {
         models.refer(&instance.model, report);
+        if let Some(over) = &instance.over {
+            models.refer(&over.model, report);
+        }
         if let Some(InstanceMaterialDesc::Named(name)) = &instance.material {
             materials.refer(name, report);
         }

@@ -10,7 +10,7 @@ use crate::syntax::{Content, Entries, Key, Node};
 /// Groups of keys that exclude each other: a key of one group in the upper table removes the keys of the
 /// other groups from the lower table.
 const EXCLUSIVE: [&[&[&str]]; 7] = [
-    &[&["repeat"], &["instances_from"]],
+    &[&["repeat"], &["instances_from"], &["along"], &["over"]],
     &[&["file"], &["shape"]],
     &[&["checker"], &["pattern"], &["base_color_texture"]],
     &[&["direction"], &["target"]],

@@ -39,12 +39,14 @@ const MOST_PLACED: usize = 1000;
 const INHERITED: [&str; 3] = ["visible", "casts_shadow", "in_reflections"];
 
 /// Keys of an instance that a placed scene cannot have.
-const OF_MODELS: [&str; 6] = [
+const OF_MODELS: [&str; 8] = [
+    "along",
     "animation",
     "instances_from",
     "joints",
     "material",
     "morphs",
+    "over",
     "repeat",
 ];
 

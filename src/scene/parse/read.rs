@@ -12,6 +12,7 @@ mod outline;
 mod outlined;
 mod probe;
 pub mod project;
+mod scatter;
 mod shape;
 mod stage;
 pub mod timeline;

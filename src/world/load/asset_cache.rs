@@ -91,7 +91,9 @@ impl AssetCache {
         options: &LoadOptions,
     ) -> Result<Option<World>, Vec<Diagnostic>> {
         let mut loader = Loader::new(desc, options);
-        if self.sources != sources(desc) || self.folders != loader.folders {
+        // Copies over a surface need its triangles.
+        let covers = desc.instances.iter().any(|i| i.over.is_some());
+        if covers || self.sources != sources(desc) || self.folders != loader.folders {
             return Ok(None);
         }
         loader.loaded = mem::take(&mut self.loaded);

@@ -104,7 +104,7 @@ impl Loader<'_> {
         for job in &jobs(self.desc, &self.models) {
             let before = self.world.instances.len();
             let mut dropped = Vec::new();
-            let placement = self.instance_placement(job, &rest);
+            let placement = self.at_rest(job, &rest, sources);
             self.place(
                 (job, placement),
                 &sources[job.model],
@@ -137,14 +137,13 @@ impl Loader<'_> {
     }
 
     /// Placement of an instance at rest; `rest` are the transforms of all instances and groups.
-    fn instance_placement(&mut self, job: &Job<'_>, rest: &[Affine3A]) -> InstancePlacement {
-        let from = job.instance.and_then(|i| i.instances_from.as_ref());
-        let points = from.map(|file| self.points(file).into());
+    fn at_rest(&mut self, job: &Job<'_>, rest: &[Affine3A], from: &[Source]) -> InstancePlacement {
+        let points = (job.instance).and_then(|instance| self.copy_places(instance, from));
         let parent = job.index.and_then(|i| self.desc.parents.of_node(i));
         InstancePlacement {
             world: job.index.map_or(Affine3A::IDENTITY, |i| rest[i]),
             parent: parent.map(|parent| (parent, rest[parent])),
-            points,
+            points: points.map(Into::into),
         }
     }
 

@@ -183,6 +183,9 @@ fn manifold(
             "it is open, with {open} edges that have a triangle on one side only"
         ));
     }
+    if indices.is_empty() {
+        return Err("it has no triangles here, as a `heightfield` has none".to_owned());
+    }
     let flat: Vec<f64> = positions
         .iter()
         .flat_map(|p| p.as_dvec3().to_array())

@@ -95,6 +95,26 @@ impl Curve {
         self.ways[piece]
     }
 
+    /// `count` places at equal distances, of which `gaps` make the whole length: each with the direction of the curve and
+    /// one across it, which is up at the start and turns no more than the curve does.
+    pub fn walk(&self, count: usize, gaps: f64) -> Vec<(DVec3, DVec3, DVec3)> {
+        let whole: f64 = (0..self.pieces()).map(|piece| self.length(piece)).sum();
+        let (mut piece, mut before) = (0, 0.0);
+        let mut up = first_up(self.ways[0]);
+        let mut places = Vec::with_capacity(count);
+        for copy in 0..count {
+            let wanted = whole * copy as f64 / gaps;
+            while piece + 1 < self.pieces() && before + self.length(piece) < wanted {
+                before += self.length(piece);
+                piece += 1;
+                up = transported(up, self.ways[piece - 1], self.ways[piece]);
+            }
+            let way = self.ways[piece];
+            places.push((self.points[piece] + way * (wanted - before), way, up));
+        }
+        places
+    }
+
     /// Number of the described point at or before a piece, from 0.
     pub fn point_of(&self, piece: usize) -> usize {
         self.numbers[piece]
@@ -124,4 +144,23 @@ fn on_span(given: &[DVec3], kind: SweepCurve, closed: bool, span: usize, u: f64)
             centripetal([before, a, b, after], u)
         }
     }
+}
+
+/// The direction nearest to +Y that is perpendicular to a curve's start; nearest to -Z where that is along Y.
+pub fn first_up(way: DVec3) -> DVec3 {
+    let up = if way.y.abs() < 0.999 {
+        DVec3::Y
+    } else {
+        DVec3::NEG_Z
+    };
+    (up - way * up.dot(way)).normalize()
+}
+
+/// A direction perpendicular to `from`, turned with it into `to` by the least rotation.
+pub fn transported(up: DVec3, from: DVec3, to: DVec3) -> DVec3 {
+    // v + (from × to) × v + (from × to) × ((from × to) × v) / (1 + from · to)
+    let axis = from.cross(to);
+    let turned = axis.cross(up);
+    let up = up + turned + axis.cross(turned) / (1.0 + from.dot(to)).max(1e-9);
+    (up - to * up.dot(to)).normalize()
 }

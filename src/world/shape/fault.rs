@@ -1,4 +1,4 @@
-//! What is wrong with a shape.
+//! Mistakes in shapes.
 
 use reflet_scene::diagnostic::Span;
 
@@ -7,9 +7,9 @@ use reflet_scene::diagnostic::Span;
 pub struct Fault {
     /// Kebab-case name of the kind of error.
     pub name: &'static str,
-    /// What is wrong.
+    /// Message.
     pub message: String,
-    /// What to do.
+    /// Advice.
     pub help: Option<String>,
     /// Place in the scene text; `None` for the model as a whole.
     pub at: Option<Span>,

@@ -4,7 +4,7 @@
 
 use glam::DVec2;
 
-use super::region::Contour;
+use super::contour::Contour;
 
 /// A vertex that moves, between two sides.
 #[derive(Clone, Copy)]

@@ -5,9 +5,9 @@ use glam::DVec2;
 use reflet_scene::desc::{FillRule, LatheSource, ShapeDesc};
 
 use super::{
-    Fault, Fonts, boolean,
+    Fault, Fonts, Made, boolean,
     curve::Curve,
-    extrude,
+    displaced, extrude,
     flatten::{Chord, Loop},
     region::Region,
     rounded_box,
@@ -15,23 +15,6 @@ use super::{
     sweep::{self, Along},
     text, turn,
 };
-use crate::Mesh;
-
-/// A shape that was made.
-#[derive(Debug)]
-pub struct Made {
-    /// Its mesh.
-    pub mesh: Mesh,
-    /// What is doubtful about it.
-    pub warnings: Vec<Fault>,
-}
-
-impl From<Mesh> for Made {
-    fn from(mesh: Mesh) -> Self {
-        let warnings = Vec::new();
-        Self { mesh, warnings }
-    }
-}
 
 /// Makes a shape of outlines or of shapes, text, a box with a bevel or a part of a torus, without bounds; `None` for any
 /// other shape.
@@ -40,13 +23,69 @@ impl From<Mesh> for Made {
 /// `wrong-outline`, `wrong-bevel`, `wrong-curve`, `wrong-font`, `wrong-parts` and `shape-too-large`.
 pub fn make(shape: &ShapeDesc, fonts: &Fonts) -> Result<Option<Made>, Fault> {
     let mut solid = Solid::default();
+    let added = match shape.parts() {
+        [] => add_figure(&mut solid, shape, fonts)?,
+        parts => {
+            let operation = match shape {
+                ShapeDesc::Union { .. } => OpType::Add,
+                ShapeDesc::Difference { .. } => OpType::Subtract,
+                _ => OpType::Intersect,
+            };
+            Some(boolean::add(&mut solid, operation, parts, fonts)?)
+        }
+    };
+    let mesh = solid.into_mesh();
+    Ok(added.map(|warnings| Made { mesh, warnings }))
+}
+
+/// Adds a shape that is not of parts; returns its warnings, or `None` if it is not one of those that are made here.
+fn add_figure(
+    solid: &mut Solid,
+    shape: &ShapeDesc,
+    fonts: &Fonts,
+) -> Result<Option<Vec<Fault>>, Fault> {
     let mut warnings = Vec::new();
-    let name = match shape {
+    match shape {
         ShapeDesc::Box { size, bevel } if bevel.width > 0.0 => {
             let half = size.as_dvec3() / 2.0;
-            rounded_box::add(&mut solid, half, f64::from(bevel.width), bevel.segments);
-            "box"
+            rounded_box::add(solid, half, f64::from(bevel.width), bevel.segments);
         }
+        ShapeDesc::Torus { .. } | ShapeDesc::Lathe { .. } => {
+            let Some((region, segments, angle_deg)) = turned(shape)? else {
+                return Ok(None);
+            };
+            turn::add(solid, &region, segments, angle_deg)?;
+        }
+        ShapeDesc::Extrude {
+            outline,
+            depth,
+            bevel,
+        } => {
+            let region = Region::of(outline)?;
+            let at = |fault: Fault| fault.at(outline.at.0.clone());
+            extrude::add(solid, &region, *depth, bevel).map_err(at)?;
+        }
+        ShapeDesc::Sweep { .. } => warnings.extend(add_sweep(solid, shape)?),
+        ShapeDesc::Text { .. } => warnings.extend(text::add(solid, shape, fonts)?),
+        ShapeDesc::Displaced {
+            shape,
+            subdivide,
+            smooth,
+            noise,
+        } => {
+            let inner = super::make(shape, fonts)?;
+            displaced::add(solid, &inner, (*subdivide, *smooth), noise)?;
+            warnings = inner.warnings;
+        }
+        _ => return Ok(None),
+    }
+    Ok(Some(warnings))
+}
+
+/// The region that a part of a torus or a lathe turns, with its divisions and its angle in degrees; `None` for a whole
+/// torus and whole turns of points.
+fn turned(shape: &ShapeDesc) -> Result<Option<(Region, u32, f32)>, Fault> {
+    Ok(match shape {
         ShapeDesc::Torus {
             radius,
             tube_radius,
@@ -55,8 +94,7 @@ pub fn make(shape: &ShapeDesc, fonts: &Fonts) -> Result<Option<Made>, Fault> {
         } if *angle_deg < 360.0 => {
             let tube = circle(*radius, *tube_radius, (segments / 2).max(3));
             let region = Region::of_loops(&[tube], &[], FillRule::Nonzero)?;
-            turn::add(&mut solid, &region, *segments, *angle_deg)?;
-            "torus"
+            Some((region, *segments, *angle_deg))
         }
         ShapeDesc::Lathe {
             source,
@@ -68,44 +106,10 @@ pub fn make(shape: &ShapeDesc, fonts: &Fonts) -> Result<Option<Made>, Fault> {
                 LatheSource::Points(_) if *angle_deg >= 360.0 => return Ok(None),
                 LatheSource::Points(points) => joined_to_axis(points)?,
             };
-            turn::add(&mut solid, &region, (*segments).max(3), *angle_deg)?;
-            "lathe"
+            Some((region, (*segments).max(3), *angle_deg))
         }
-        ShapeDesc::Extrude {
-            outline,
-            depth,
-            bevel,
-        } => {
-            let region = Region::of(outline)?;
-            let at = |fault: Fault| fault.at(outline.at.0.clone());
-            extrude::add(&mut solid, &region, *depth, bevel).map_err(at)?;
-            "extrude"
-        }
-        ShapeDesc::Sweep { .. } => {
-            warnings.extend(add_sweep(&mut solid, shape)?);
-            "sweep"
-        }
-        ShapeDesc::Text { .. } => {
-            warnings.extend(text::add(&mut solid, shape, fonts)?);
-            "text"
-        }
-        ShapeDesc::Union { parts } => {
-            warnings = boolean::add(&mut solid, OpType::Add, parts, fonts)?;
-            "union"
-        }
-        ShapeDesc::Difference { parts } => {
-            warnings = boolean::add(&mut solid, OpType::Subtract, parts, fonts)?;
-            "difference"
-        }
-        ShapeDesc::Intersection { parts } => {
-            warnings = boolean::add(&mut solid, OpType::Intersect, parts, fonts)?;
-            "intersection"
-        }
-        _ => return Ok(None),
-    };
-    let mut mesh = solid.into_mesh();
-    mesh.name = name.to_owned();
-    Ok(Some(Made { mesh, warnings }))
+        _ => None,
+    })
 }
 
 /// Adds a sweep; returns a warning where it passes through itself.

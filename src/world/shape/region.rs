@@ -15,6 +15,7 @@ use reflet_scene::desc::{FillRule, OutlineDesc};
 
 use super::{
     Fault,
+    contour::{Column, Contour},
     flatten::{self, Loop},
     inset::inset,
 };
@@ -23,24 +24,6 @@ use super::{
 pub const EDGE: f64 = 0.766;
 /// Exponent of the largest coordinate on the grid.
 const GRID_BITS: i32 = 27;
-
-/// A vertex of a contour, once for each of its two sides if they meet in an edge.
-#[derive(Clone, Copy, Debug)]
-pub struct Column {
-    /// Place.
-    pub at: DVec2,
-    /// Unit normal, out of the region.
-    pub normal: DVec2,
-    /// Fraction of the contour's length before it.
-    pub share: f64,
-}
-
-/// A closed boundary of a region, which lies on its left.
-#[derive(Clone, Debug)]
-pub struct Contour {
-    /// Columns at the start and the end of each side.
-    pub sides: Vec<[Column; 2]>,
-}
 
 /// A part of the plane: shapes, each an outer contour and those of its holes.
 #[derive(Clone, Debug)]

@@ -4,8 +4,9 @@ use glam::{DVec2, DVec3};
 
 use super::{
     Fault,
-    curve::Curve,
-    region::{Column, EDGE, Region},
+    contour::Column,
+    curve::{Curve, first_up, transported},
+    region::{EDGE, Region},
     solid::{Corner, Solid, check_size},
 };
 
@@ -118,7 +119,7 @@ fn rings(curve: &Curve, along: Along) -> Result<Vec<Ring>, Fault> {
             curve.way(piece),
         ));
     }
-    // What the frame has turned by after a whole round is spread along the curve.
+    // The turn of the frame after a whole round is spread along the curve.
     let mut excess = 0.0;
     if curve.closed {
         let back = transported(ups[pieces - 1], curve.way(pieces - 1), curve.way(0));
@@ -169,25 +170,6 @@ fn rings(curve: &Curve, along: Along) -> Result<Vec<Ring>, Fault> {
         };
     }
     Ok(rings)
-}
-
-/// The direction nearest to +Y that is perpendicular to a curve's start; nearest to -Z where that is along Y.
-fn first_up(way: DVec3) -> DVec3 {
-    let up = if way.y.abs() < 0.999 {
-        DVec3::Y
-    } else {
-        DVec3::NEG_Z
-    };
-    (up - way * up.dot(way)).normalize()
-}
-
-/// A direction perpendicular to `from`, turned with it into `to` by the least rotation.
-fn transported(up: DVec3, from: DVec3, to: DVec3) -> DVec3 {
-    // v + (from × to) × v + (from × to) × ((from × to) × v) / (1 + from · to)
-    let axis = from.cross(to);
-    let turned = axis.cross(up);
-    let up = up + turned + axis.cross(turned) / (1.0 + from.dot(to)).max(1e-9);
-    (up - to * up.dot(to)).normalize()
 }
 
 /// Adds flat ends.

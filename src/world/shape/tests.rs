@@ -241,5 +241,6 @@ fn texture_runs_left_to_right_seen_from_outside() {
 }
 
 mod boolean;
+mod displaced;
 mod outlined;
 mod text;

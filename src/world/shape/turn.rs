@@ -6,7 +6,8 @@ use glam::{DVec2, DVec3};
 
 use super::{
     Fault,
-    region::{Column, Region},
+    contour::Column,
+    region::Region,
     solid::{Corner, Solid, check_size},
 };
 

@@ -143,6 +143,9 @@ impl Prefix<'_> {
         for key in ["file", "font"] {
             Self::change(shape, key, |name| self.file_name(name));
         }
+        if let Some(Content::Table(inner)) = shape.get_mut("shape").map(Node::get_mut) {
+            self.shape(inner);
+        }
         let parts = shape.get_mut("parts").map(Node::get_mut);
         let Some(Content::Array(parts)) = parts else {
             return;
@@ -182,6 +185,9 @@ impl Prefix<'_> {
                     Self::change(table, key, |name| self.named(name));
                 }
                 Self::change(table, "instances_from", |name| self.file_name(name));
+                if let Some(Content::Table(over)) = table.get_mut("over").map(Node::get_mut) {
+                    Self::change(over, "model", |name| self.named(name));
+                }
                 if let Some(Content::Table(own)) = table.get_mut("material").map(Node::get_mut) {
                     self.material(own);
                 }

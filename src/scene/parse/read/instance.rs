@@ -38,9 +38,14 @@ impl Section for InstanceDesc {
             casts_shadow: t.get("casts_shadow", ANY, true),
             in_reflections: t.get("in_reflections", ANY, true),
         };
-        t.one_of(false, &[&["repeat"], &["instances_from"]]);
+        t.one_of(
+            false,
+            &[&["repeat"], &["instances_from"], &["along"], &["over"]],
+        );
         let repeat = t.table("repeat");
         let instances_from = t.find("instances_from", ANY);
+        let along = t.table("along");
+        let over = t.table("over");
         let material = t.name_or_table("material").map(|material| match material {
             Either::Name(name) => InstanceMaterialDesc::Named(name),
             Either::Nested(desc) => InstanceMaterialDesc::Override(Box::new(desc)),
@@ -58,6 +63,8 @@ impl Section for InstanceDesc {
             shown,
             repeat,
             instances_from,
+            along,
+            over,
             material,
             animation,
             joints,

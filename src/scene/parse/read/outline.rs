@@ -1,17 +1,18 @@
 //! Reader of flat figures.
 
-use super::shape::SEGMENTS;
 use crate::{
     desc::{FigureDesc, FillRule, OutlineDesc, Written},
     parse::{
         points::{Figures, Points},
         table::{Section, Table},
     },
-    range::{ABOVE_0, ANY, FROM_0},
+    range::{ABOVE_0, ANY, FROM_0, Range, range},
     svg_path,
     syntax::Node,
 };
 
+/// Range of the divisions around a curved shape.
+pub(super) const SEGMENTS: Range = range(3.0, 1024.0);
 /// Largest number of corners that are written, also of holes together.
 const MOST_CORNERS: usize = 10_000;
 /// Longest text of a path, bytes.

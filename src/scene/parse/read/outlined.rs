@@ -1,15 +1,14 @@
 //! Readers of shapes that are made of a flat figure: turned, thickened, or moved along a curve.
 
-use super::{
-    outline,
-    shape::{SEGMENTS, TURN_DEG},
-};
+use super::outline::{self, SEGMENTS};
 use crate::{
     desc::{BevelDesc, FontDesc, LatheSource, ShapeDesc, SweepCurve, TextAlign},
     parse::{points::Points, table::Table},
     range::{ABOVE_0, ANY, FROM_0, Range, range},
 };
 
+/// Range of a part of a turn, degrees.
+pub(super) const TURN_DEG: Range = range(0.0, 360.0).above();
 /// Largest number of points of an outline that is turned.
 const MOST_POINTS: usize = 1000;
 
@@ -33,7 +32,7 @@ pub(super) fn lathe(t: &mut Table) -> Option<ShapeDesc> {
     })
 }
 
-/// What is wrong with the points that a lathe turns.
+/// Message about points that a lathe cannot turn.
 fn wrong_points(points: &[[f32; 2]]) -> Option<String> {
     let flat = |pair: &[[f32; 2]]| pair[0] == pair[1];
     if !(2..=MOST_POINTS).contains(&points.len()) {
@@ -70,8 +69,8 @@ pub(super) fn bevel(t: &mut Table, most: f32, words: &str) -> BevelDesc {
 }
 
 pub(super) fn extrude(t: &mut Table) -> Option<ShapeDesc> {
-    t.one_of(true, &[&["outline"]]);
-    let outline = t.table("outline");
+    let example = "{ points = [[0, 0], [1, 0], [0.5, 0.8]] }";
+    let outline = t.need_table("outline", example);
     let depth = t.get("depth", ABOVE_0, 0.1);
     let bevel = bevel(t, depth / 2.0, "half of `depth`");
     Some(ShapeDesc::Extrude {
@@ -82,7 +81,7 @@ pub(super) fn extrude(t: &mut Table) -> Option<ShapeDesc> {
 }
 
 /// Largest number of points of a curve.
-const MOST_CURVE_POINTS: usize = 10_000;
+pub(super) const MOST_CURVE_POINTS: usize = 10_000;
 
 pub(super) fn sweep(t: &mut Table) -> Option<ShapeDesc> {
     let at = t.written("points");
@@ -128,8 +127,8 @@ pub(super) fn sweep(t: &mut Table) -> Option<ShapeDesc> {
     })
 }
 
-/// What is wrong with the points of a curve.
-fn wrong_curve(points: &[[f32; 3]], curve: SweepCurve, closed: bool) -> Option<String> {
+/// Message about points that are no curve.
+pub(super) fn wrong_curve(points: &[[f32; 3]], curve: SweepCurve, closed: bool) -> Option<String> {
     let (count, least) = (points.len(), if closed { 3 } else { 2 });
     if !(least..=MOST_CURVE_POINTS).contains(&count) {
         return Some(format!(

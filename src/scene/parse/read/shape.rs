@@ -2,19 +2,20 @@
 
 use glam::Vec3;
 
-use super::{instance::placement, mesh, outlined};
+use super::{
+    instance::placement,
+    mesh,
+    outline::SEGMENTS,
+    outlined::{self, TURN_DEG},
+};
 use crate::syntax::Node;
 use crate::{
-    desc::{PartDesc, ShapeDesc},
+    desc::{NoiseDesc, PartDesc, ShapeDesc},
     parse::table::{Section, Table},
-    range::{ABOVE_0, ANY, Range, range},
+    range::{ABOVE_0, ANY, FROM_0, range},
     suggest,
 };
 
-/// Range of the divisions around a curved shape.
-pub(super) const SEGMENTS: Range = range(3.0, 1024.0);
-/// Range of a part of a turn, degrees.
-pub(super) const TURN_DEG: Range = range(0.0, 360.0).above();
 impl Section for ShapeDesc {
     const TYPE: &'static str = "ShapeDesc";
     const HEADING: &'static str = "shape = { kind = …, … }";
@@ -68,6 +69,7 @@ impl Section for ShapeDesc {
                 ("intersection", |t| {
                     Some(Self::Intersection { parts: parts(t)? })
                 }),
+                ("displaced", displaced),
                 ("mesh", mesh::mesh),
                 ("heightfield", heightfield),
             ],
@@ -148,9 +150,8 @@ impl Section for PartDesc {
     const HEADING: &'static str = "parts = [{ shape = { … }, … }]";
 
     fn read(t: &mut Table) -> Option<Self> {
-        t.one_of(true, &[&["shape"]]);
         let at = t.written("shape");
-        let shape = t.table("shape");
+        let shape = t.need_table("shape", "{ kind = \"box\" }");
         let placement = placement(t);
         Some(Self {
             shape: shape?,
@@ -158,4 +159,22 @@ impl Section for PartDesc {
             at,
         })
     }
+}
+
+fn displaced(t: &mut Table) -> Option<ShapeDesc> {
+    let shape = t.need_table("shape", "{ kind = \"sphere\" }");
+    let subdivide = t.get("subdivide", range(0.0, 8.0), 3);
+    let smooth = t.get("smooth", ANY, false);
+    let noise = NoiseDesc {
+        height: t.get("height", FROM_0, 0.0),
+        size: t.get("size", ABOVE_0, 0.2),
+        octaves: t.get("octaves", range(1.0, 8.0), 4),
+        seed: t.get("seed", range(0.0, 1e6), 0),
+    };
+    Some(ShapeDesc::Displaced {
+        shape: Box::new(shape?),
+        subdivide,
+        smooth,
+        noise,
+    })
 }

@@ -66,6 +66,18 @@ impl Table<'_> {
         self.nested(key, node)
     }
 
+    /// Same as [`Table::table`], for a required key; `example` is a value of it.
+    pub fn need_table<T: Section>(&mut self, key: &'static str, example: &str) -> Option<T> {
+        self.note(key, || KeyRecord::new(key, Form::Table(T::TYPE)).required());
+        self.describe_nested::<T>();
+        let Some(node) = self.values.get(key) else {
+            self.missing
+                .push((key, format!("write `{key} = {example}`")));
+            return None;
+        };
+        self.nested(key, node)
+    }
+
     /// A name, or a table in its place.
     pub fn name_or_table<T: Section>(&mut self, key: &'static str) -> Option<Either<T>> {
         self.either(key, false)

@@ -1,0 +1,70 @@
+//! Readers of copies along curves and over surfaces.
+
+use super::outlined::{MOST_CURVE_POINTS, wrong_curve};
+use crate::{
+    desc::{AlongDesc, At, OverDesc, SweepCurve},
+    parse::{
+        points::Points,
+        table::{Section, Table},
+    },
+    range::{ABOVE_0, ANY, Range, range},
+};
+
+/// Range of the number of copies.
+const COUNT: Range = range(1.0, 100_000.0);
+
+impl Section for AlongDesc {
+    const TYPE: &'static str = "AlongDesc";
+    const HEADING: &'static str = "along = { … }";
+
+    fn read(t: &mut Table) -> Option<Self> {
+        let at = t.written("points");
+        let points = t.need("points", ANY);
+        let curve = t.get("curve", ANY, SweepCurve::default());
+        let closed = t.get("closed", ANY, false);
+        let count = t.need("count", COUNT);
+        let turned = t.get("turned", ANY, true);
+        let Points(points) = points?;
+        if let Some(message) = wrong_curve(&points, curve, closed) {
+            let help = format!(
+                "write 2 to {MOST_CURVE_POINTS} points: `points = [[0, 0, 0], [0, 1, 0], [1, 1, 0]]`"
+            );
+            t.refuse("out-of-range", "points", &message, &help);
+            return None;
+        }
+        Some(Self {
+            points,
+            curve,
+            closed,
+            count: count?,
+            turned,
+            at,
+        })
+    }
+}
+
+impl Section for OverDesc {
+    const TYPE: &'static str = "OverDesc";
+    const HEADING: &'static str = "over = { … }";
+
+    fn read(t: &mut Table) -> Option<Self> {
+        let model = t.need::<At<String>>("model", ANY);
+        let count = t.need("count", COUNT);
+        let seed = t.get("seed", range(0.0, 1e6), 0);
+        let upright = t.get("upright", ANY, true);
+        let spun = t.get("spun", ANY, true);
+        let scale: [f32; 2] = t.get("scale", ABOVE_0, [1.0, 1.0]);
+        if t.clean() && scale[0] > scale[1] {
+            let message = "`scale` must be the least size, then the largest";
+            t.refuse("out-of-range", "scale", message, "exchange the two numbers");
+        }
+        Some(Self {
+            model: model?,
+            count: count?,
+            seed,
+            upright,
+            spun,
+            scale,
+        })
+    }
+}

@@ -1,0 +1,79 @@
+//! Shapes that are cut finer and displaced stay closed, and are those that they were made from.
+
+use reflet_scene::desc::NoiseDesc;
+
+use super::*;
+
+fn displaced(shape: ShapeDesc, subdivide: u32, smooth: bool, height: f32) -> ShapeDesc {
+    let noise = NoiseDesc {
+        height,
+        size: 0.4,
+        octaves: 3,
+        seed: 5,
+    };
+    ShapeDesc::Displaced {
+        shape: Box::new(shape),
+        subdivide,
+        smooth,
+        noise,
+    }
+}
+
+#[test]
+fn cutting_finer_keeps_the_shape_and_its_edges() {
+    let cube = mesh(&displaced(cuboid(Vec3::ONE), 3, false, 0.0));
+    assert_eq!((cube.triangles.len(), open_edges(&cube)), (12 * 64, 0));
+    let (area, volume) = area_and_volume(&cube);
+    assert!((area - 6.0).abs() < 1e-6 && (volume - 1.0).abs() < 1e-6);
+    for normal in &cube.normals {
+        assert!(normal.abs().max_element() > 0.9999, "{normal}");
+    }
+}
+
+/// Loop subdivision keeps a plane flat, and turns a cube into something round within it.
+#[test]
+fn smoothed_shapes_are_closed_and_inside_their_hull() {
+    let round = mesh(&displaced(cuboid(Vec3::ONE), 4, true, 0.0));
+    assert_eq!(open_edges(&round), 0);
+    let (area, volume) = area_and_volume(&round);
+    assert!((0.2..0.6).contains(&volume), "{volume}");
+    // A ball has the least area for its volume.
+    let least = (36.0 * PI * volume * volume).cbrt();
+    assert!(area > least && area < 1.1 * least, "{area} {least}");
+    assert!(round.bounds.max.max_element() < 0.5);
+    let plane = ShapeDesc::Plane { size: [1.0, 1.0] };
+    let plane = mesh(&displaced(plane, 3, true, 0.0));
+    assert!(plane.positions.iter().all(|p| p.y == 0.0));
+    assert!(plane.normals.iter().all(|n| *n == Vec3::Y));
+}
+
+#[test]
+fn noise_moves_a_ball_by_its_height_at_most_and_leaves_it_closed() {
+    let sphere = ShapeDesc::Sphere {
+        radius: 1.0,
+        segments: 16,
+    };
+    let still = mesh(&displaced(sphere.clone(), 2, false, 0.0));
+    let moved = mesh(&displaced(sphere.clone(), 2, false, 0.2));
+    assert_eq!(open_edges(&moved), 0);
+    let range = |mesh: &Mesh| {
+        let lengths = mesh.positions.iter().map(|p| p.length());
+        lengths.fold((f32::MAX, 0.0_f32), |(low, high), x| {
+            (low.min(x), high.max(x))
+        })
+    };
+    let ((low, high), (still_low, still_high)) = (range(&moved), range(&still));
+    assert!(low > still_low - 0.2 && high < still_high + 0.2);
+    assert!(high - low > 0.1, "{low} {high}");
+    assert_eq!(
+        moved.positions,
+        mesh(&displaced(sphere, 2, false, 0.2)).positions
+    );
+}
+
+#[test]
+fn too_many_steps_are_refused_before_they_are_made() {
+    let shape = displaced(displaced(cuboid(Vec3::ONE), 6, false, 0.0), 8, false, 0.0);
+    let fault = make(&shape, &Fonts::default()).expect_err("too large");
+    assert_eq!(fault.name, "shape-too-large");
+}
