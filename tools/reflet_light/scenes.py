@@ -311,7 +311,7 @@ def fogs() -> list[Scene]:
         Scene("fog-path", "thick fog, surfaces that glow and a mirror, by all paths",
               in_fog(paths[0], milk), 32, 1024),
         Scene("fog-sky", "fog under a gradient, with a mirror, by all paths",
-              in_fog(paths[1], milk), 32, 1024),
+              in_fog(paths[1], milk), 32, 128),
     ]  # fmt: skip
 
 
