@@ -30,7 +30,7 @@ fn fog_before(pixel: vec2u) -> vec4f {
 @compute @workgroup_size(GROUP_PX, GROUP_PX)
 fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_id) local: vec3u) {
     let pixel = invoked_pixel(group, groups, local);
-    if (any(pixel >= vec2u(frame.size))) { return; }
+    if (any(pixel >= vec2u(frame.size)) || is_left_out(pixel)) { return; }
     textureStore(fog_light, pixel, fog_before(pixel));
     if (exhausted_rays > 0u) { atomicAdd(&counters[EXHAUSTED_COUNTER], exhausted_rays); }
 }

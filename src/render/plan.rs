@@ -3,6 +3,7 @@
 mod feature_table;
 mod features;
 mod mutual_reflections;
+mod planned_scene;
 mod uses;
 
 use std::collections::BTreeSet;
@@ -10,7 +11,7 @@ use std::collections::BTreeSet;
 use reflet_scene::desc::{Method, ReflectionMode, Visibility};
 use reflet_world::{CORE_SLOTS, World, Wrap, bvh::Trees};
 
-use self::features::PlannedScene;
+use self::planned_scene::PlannedScene;
 pub use self::{
     feature_table::{Dropped, FeatureRow, FileChoice},
     features::Features,

@@ -13,6 +13,16 @@ pub struct Border {
     pub project: Option<PathBuf>,
 }
 
+impl From<Vec<PathBuf>> for Border {
+    /// Folders of assets alone, without a project.
+    fn from(assets: Vec<PathBuf>) -> Self {
+        Self {
+            assets,
+            ..Self::default()
+        }
+    }
+}
+
 /// Folders in which the file names of one scene are looked for, its own first.
 #[derive(Clone, Debug, Default)]
 pub struct Reach {

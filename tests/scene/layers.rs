@@ -8,7 +8,6 @@ use reflet::scene::{
     desc::{BevelDesc, LightKind, ModelSource, PlacementDesc, ShapeDesc},
     diagnostic::render_all,
     parse::ReadOptions,
-    reach::Border,
     stages::Scene,
 };
 
@@ -36,10 +35,7 @@ impl Folder {
         let options = ReadOptions {
             overrides: owned(set),
             variants: owned(variants),
-            border: Border {
-                assets: vec![self.0.join("library")],
-                ..Border::default()
-            },
+            border: vec![self.0.join("library")].into(),
             ..ReadOptions::default()
         };
         let read = Scene::from_text_traced(&text, &path, &options, &Dependencies::default());

@@ -2,63 +2,16 @@
 //! the code in the shaders that its constant or its files switch.
 
 use reflet_scene::desc::{PatternKind, SelectBy, ShownDesc};
-use reflet_world::{Material, World, bvh::Trees};
 
 use super::{
     environment_casts_rays,
     feature_table::{Dropped, FeatureRow, FileChoice, features},
     has_second_layer, may_meet_culled,
     mutual_reflections::reflectors_see_each_other,
+    planned_scene::PlannedScene,
     reflects, reflects_roughly, scatters, traces_rays,
     uses::{has_coat_normals, passes_light, scatters_twice},
 };
-use crate::{
-    lights::{LightNeeds, ShadowSizes},
-    options::RenderOptions,
-    precision::Precision,
-};
-
-/// A scene for which features are chosen.
-pub struct PlannedScene<'a> {
-    /// World with its files loaded.
-    pub world: &'a World,
-    /// Materials of its instances.
-    pub materials: Vec<&'a Material>,
-    /// BVHs of the world.
-    pub trees: &'a Trees,
-    /// Render options, settled.
-    pub options: &'a RenderOptions,
-    /// Precision of stored light.
-    pub precision: Precision,
-}
-
-impl PlannedScene<'_> {
-    /// Whether the frame keeps all features whose absence changes no picture: the general frame, which the planned
-    /// one is compared with. Lights and their sampling stay as in the scene, since samples differ from closed forms
-    /// until they converge.
-    fn is_general(&self) -> bool {
-        self.options.general
-    }
-
-    /// Whether some material has a feature.
-    fn has(&self, feature: fn(&Material) -> bool) -> bool {
-        self.materials.iter().copied().any(feature)
-    }
-
-    /// Roughness below which materials reflect.
-    fn cutoff(&self) -> f32 {
-        self.options.reflection.reflects_below()
-    }
-
-    fn lights(&self) -> LightNeeds {
-        LightNeeds::of(&self.world.lights, self.options)
-    }
-
-    fn shadows(&self) -> ShadowSizes {
-        ShadowSizes::of(&self.world.lights, self.options)
-    }
-}
-
 features! {
     /// Features of a frame.
     pub struct Features of scene: &PlannedScene<'_>;

@@ -1,0 +1,50 @@
+//! A scene as the table of features asks about it.
+
+use reflet_world::{Material, World, bvh::Trees};
+
+use crate::{
+    lights::{LightNeeds, ShadowSizes},
+    options::RenderOptions,
+    precision::Precision,
+};
+
+/// A scene for which features are chosen.
+pub struct PlannedScene<'a> {
+    /// World with its files loaded.
+    pub world: &'a World,
+    /// Materials of its instances.
+    pub materials: Vec<&'a Material>,
+    /// BVHs of the world.
+    pub trees: &'a Trees,
+    /// Render options, settled.
+    pub options: &'a RenderOptions,
+    /// Precision of stored light.
+    pub precision: Precision,
+}
+
+impl PlannedScene<'_> {
+    /// Whether the frame keeps all features whose absence changes no picture: the general frame, which the planned
+    /// one is compared with. Lights and their sampling stay as in the scene, since samples differ from closed forms
+    /// until they converge.
+    pub(super) fn is_general(&self) -> bool {
+        self.options.general
+    }
+
+    /// Whether some material has a feature.
+    pub(super) fn has(&self, feature: fn(&Material) -> bool) -> bool {
+        self.materials.iter().copied().any(feature)
+    }
+
+    /// Roughness below which materials reflect.
+    pub(super) fn cutoff(&self) -> f32 {
+        self.options.reflection.reflects_below()
+    }
+
+    pub(super) fn lights(&self) -> LightNeeds {
+        LightNeeds::of(&self.world.lights, self.options)
+    }
+
+    pub(super) fn shadows(&self) -> ShadowSizes {
+        ShadowSizes::of(&self.world.lights, self.options)
+    }
+}
