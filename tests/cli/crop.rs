@@ -29,6 +29,10 @@ fn a_crop_has_the_pixels_of_the_whole_picture() {
             "--method rt --set reflection.filter=false --aov depth",
         ),
         ("path", "--method path --set reflection.diffuse_bounces=2"),
+        (
+            "fog",
+            "--method rt --set reflection.filter=false --set environment.fog.density=0.05",
+        ),
         ("hybrid", "--method hybrid"),
         (
             "alone",
@@ -113,23 +117,21 @@ fn watching_renders_again_after_each_save_and_keeps_the_last_good_picture() {
         let all = fs::read_to_string(folder.join("errors")).expect("a file");
         all.matches(text).count()
     };
-    wait(&|| told("waiting for a save") == 1);
+    wait(&|| told("waiting for a save") > 0);
     let first = fs::read(&picture).expect("written");
     fs::write(
         folder.join("scene.toml"),
         SCENE.replace("eye = [0, 1, 3]", "eya = 3"),
     )
     .expect("saved");
-    wait(&|| told("waiting for a save") == 2);
-    assert_eq!(told("scene.toml:4:1"), 1);
+    wait(&|| told("scene.toml:4:1") > 0);
     assert!(fs::read(&picture).expect("kept") == first);
     fs::write(
         folder.join("scene.toml"),
         SCENE.replace("eye = [0, 1, 3]", "eye = [1, 1, 2]"),
     )
     .expect("saved");
-    wait(&|| told("waiting for a save") == 3);
-    assert!(fs::read(&picture).expect("written") != first);
+    wait(&|| fs::read(&picture).expect("written") != first);
     let killed = std::process::Command::new("kill")
         .arg(child.id().to_string())
         .status();
