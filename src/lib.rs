@@ -59,7 +59,8 @@
 //!    listed, and so are the rays to trace, with the distance proven free where the ray left the
 //!    picture. **Arguments** sizes the dispatches over lists.
 //! 7. **Hits** shades the accepted hits at the point where the ray meets the surface, with the ray's footprint.
-//! 8. **Trace** follows the listed rays through the static tree and the top level over instances,
+//! 8. With `reflection.rate` above 1 **lead** traces one of several rays, and **spread** gives those between them what
+//!    they hit, where they agree. **Trace** follows the listed rays through the static tree and the top level over instances,
 //!    bounce by bounce.
 //! 9. **Filter** (rough reflections, below 16 sub-frames), **blur** (if asked for), **compose** (only the
 //!    mirror term is replaced, and transmitted light is added), **guides** (where a picture is denoised), **tone**.

@@ -2,6 +2,9 @@
 
 #import frame
 
+// Whether one of several rays is traced, so that there is a list of the others before the pyramid.
+override UNDERSAMPLED: bool = false;
+
 fn picture_px() -> u32 {
     return u32(frame.size.x) * u32(frame.size.y);
 }
@@ -16,7 +19,7 @@ struct Pyramid {
 
 fn pyramid() -> Pyramid {
     let cells = (vec2u(frame.size) + (1u << PYRAMID_LEVELS) - 1u) >> vec2u(PYRAMID_LEVELS);
-    return Pyramid(2u * picture_px(), cells.x << PYRAMID_LEVELS, cells.x * cells.y);
+    return Pyramid(select(2u, 3u, UNDERSAMPLED) * picture_px(), cells.x << PYRAMID_LEVELS, cells.x * cells.y);
 }
 
 // Sum of the powers of 4 up to that of level 0, which is the number of its pixels per cell of the last level.

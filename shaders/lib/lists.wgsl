@@ -37,6 +37,11 @@ fn hit_slot(index: u32) -> u32 {
     return 2u * picture_px() - 1u - index;
 }
 
+// Slot of a pixel whose ray waits for those of its neighbors, with UNDERSAMPLED.
+fn follower_slot(index: u32) -> u32 {
+    return 2u * picture_px() + index;
+}
+
 // Slot of a transmissive pixel, in a list that is free until the march lists its rays.
 fn transmissive_slot(index: u32) -> u32 {
     return select(reflector_slot(index), refused_slot(index), HAS_REFLECTIONS);

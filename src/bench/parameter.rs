@@ -3,7 +3,7 @@
 use reflet_scene::{
     desc::{Accept, Bounces, Method, ReflectionDesc},
     range::{
-        BOUNCES, EDGE_PX, LAYERS, NEAREST_PROBES, RAY_LENGTH_U, Range, SEPARATION_M, STEPS,
+        BOUNCES, EDGE_PX, LAYERS, NEAREST_PROBES, RATE, RAY_LENGTH_U, Range, SEPARATION_M, STEPS,
         THRESHOLD_U, range,
     },
 };
@@ -26,6 +26,8 @@ pub enum Parameter {
     Layers,
     /// Distance of the second layer behind the first, `reflection.separation_m`, with `layers = 2`.
     SeparationM,
+    /// Number of rays of which one is traced first, `reflection.rate`.
+    Rate,
     /// Length of reflection rays, `reflection.ray_length_u`.
     RayLengthU,
     /// Largest number of reflections in a row, `reflection.bounces`.
@@ -53,7 +55,7 @@ pub struct Variant {
 
 /// Names of the curves in charts: one per method, with curves of their own for `hybrid` that accepts by the
 /// paper's threshold, for two depth layers, and for methods that trace shadow rays at hits anew.
-pub const SERIES: [&str; 10] = [
+pub const SERIES: [&str; 12] = [
     Method::Ssr.name(),
     SSR_LAYERS_SERIES,
     Method::Probe.name(),
@@ -61,7 +63,9 @@ pub const SERIES: [&str; 10] = [
     THRESHOLD_SERIES,
     Method::Hybrid.name(),
     HYBRID_LAYERS_SERIES,
+    HYBRID_RATE_SERIES,
     Method::Rt.name(),
+    RT_RATE_SERIES,
     HYBRID_ANEW_SERIES,
     RT_ANEW_SERIES,
 ];
@@ -71,6 +75,10 @@ pub const THRESHOLD_SERIES: &str = "hybrid (threshold)";
 pub const SSR_LAYERS_SERIES: &str = "ssr (2 layers)";
 /// Name of the curve of `hybrid` with `layers = 2`.
 pub const HYBRID_LAYERS_SERIES: &str = "hybrid (2 layers)";
+/// Name of the curve of `hybrid` with `rate` above 1.
+pub const HYBRID_RATE_SERIES: &str = "hybrid (undersampled)";
+/// Name of the curve of `rt` with `rate` above 1.
+pub const RT_RATE_SERIES: &str = "rt (undersampled)";
 /// Name of the curve of `hybrid` with `reuse_light = false`.
 pub const HYBRID_ANEW_SERIES: &str = "hybrid (no light reuse)";
 /// Name of the curve of `rt` with `reuse_light = false`.
@@ -91,13 +99,14 @@ pub const fn accept_name(accept: Accept) -> &'static str {
 
 impl Parameter {
     /// All parameters.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::ThresholdU,
         Self::EdgePx,
         Self::ReuseLight,
         Self::Steps,
         Self::Layers,
         Self::SeparationM,
+        Self::Rate,
         Self::RayLengthU,
         Self::Bounces,
         Self::Nearest,
@@ -113,6 +122,7 @@ impl Parameter {
             Self::Steps => "steps",
             Self::Layers => "layers",
             Self::SeparationM => "separation_m",
+            Self::Rate => "rate",
             Self::RayLengthU => "ray_length_u",
             Self::Bounces => "bounces",
             Self::Nearest => "nearest",
@@ -144,7 +154,7 @@ impl Parameter {
             Self::ThresholdU | Self::Steps | Self::Layers | Self::SeparationM => method.marches(),
             Self::EdgePx => matches!(method, Method::Hybrid | Method::Auto),
             // Methods that trace no ray follow one reflection and nothing beyond it.
-            Self::Bounces => method.traces(),
+            Self::Bounces | Self::Rate => method.traces(),
             Self::Nearest => method.looks_up(),
             Self::RayLengthU | Self::ReuseLight => !matches!(method, Method::Probe),
             Self::Scale => true,
@@ -160,6 +170,7 @@ impl Parameter {
             Self::Steps => &[16.0, 32.0, 64.0, 128.0, 256.0],
             Self::Layers => &[1.0, 2.0],
             Self::SeparationM => &[0.0, 0.03, 0.1, 0.3, 1.0],
+            Self::Rate => &[1.0, 2.0, 4.0],
             Self::RayLengthU => &[1.0, 2.0, 4.0, 8.0, 16.0],
             Self::Bounces => &[1.0, 2.0, 3.0, 4.0, 6.0],
             Self::Nearest => &[1.0, 2.0, 3.0, 4.0],
@@ -176,9 +187,15 @@ impl Parameter {
         let range = self.range();
         if matches!(
             self,
-            Self::Steps | Self::Layers | Self::Bounces | Self::ReuseLight | Self::Nearest
+            Self::Steps
+                | Self::Layers
+                | Self::Rate
+                | Self::Bounces
+                | Self::ReuseLight
+                | Self::Nearest
         ) {
-            return if value.fract() == 0.0 && range.contains(value) {
+            let is_gap = self == Self::Rate && value == 3.0;
+            return if value.fract() == 0.0 && range.contains(value) && !is_gap {
                 Ok(())
             } else {
                 Err(refused(&format!(
@@ -199,6 +216,7 @@ impl Parameter {
             Self::Steps => STEPS,
             Self::Layers => LAYERS,
             Self::SeparationM => SEPARATION_M,
+            Self::Rate => RATE,
             Self::RayLengthU => RAY_LENGTH_U,
             Self::Bounces => BOUNCES,
             Self::Nearest => NEAREST_PROBES,
@@ -224,6 +242,7 @@ impl Parameter {
                 settings.layers = 2;
                 settings.separation_m = Some(value as f32);
             }
+            Self::Rate => settings.rate = value as u32,
             Self::RayLengthU => settings.ray_length_u = value as f32,
             Self::Bounces => settings.bounces = Bounces::AtMost(value as u32),
             Self::Nearest => settings.probes.nearest = value as u32,

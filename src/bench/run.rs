@@ -215,6 +215,7 @@ struct ReadyRenderer {
     verifies: bool,
     layers: u32,
     probes: ProbesDesc,
+    rate: u32,
     renderer: RendererStage,
     /// CPU time to update moved instances, milliseconds; none for a still scene.
     update_ms: Option<f64>,
@@ -229,8 +230,15 @@ impl ReadyRenderer {
             ..reflection.probes
         };
         let has_maps = !self.method.looks_up() || self.probes == probes;
-        let own = (self.method, self.verifies, self.layers);
-        has_maps && own == (reflection.method, reflection.verifies(), reflection.layers)
+        let own = (self.method, self.verifies, self.layers, self.rate);
+        has_maps
+            && own
+                == (
+                    reflection.method,
+                    reflection.verifies(),
+                    reflection.layers,
+                    reflection.rate,
+                )
     }
 }
 
@@ -297,6 +305,7 @@ impl Protocol {
             bounces: REFERENCE_BOUNCES,
             reuse_light: false,
             layers: 1,
+            rate: 1,
             filter: false,
             ray_length_u: longest.fold(settings.ray_length_u, f32::max),
             ..*settings
@@ -376,6 +385,7 @@ impl Bench<'_> {
             verifies: reflection.verifies(),
             layers: reflection.layers,
             probes: reflection.probes,
+            rate: reflection.rate,
             renderer,
             update_ms,
         })

@@ -101,6 +101,10 @@ sample! {
     layers: Option<u32>,
     /// Least distance of the second layer behind the first, meters; none with one layer.
     separation_m: Option<f64>,
+    /// Number of rays of which one is traced first; none in tables that lack the column.
+    rate: Option<u32>,
+    /// Tolerance of undersampled rays; none with all rays.
+    similarity: Option<f64>,
     /// Ray length, in U.
     ray_length_u: f32,
     /// Largest number of reflections in a row; [`reflet_scene::desc::Bounces::LIMIT`] for `"auto"`.

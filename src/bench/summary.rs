@@ -5,8 +5,8 @@ use reflet_render::pass::Pass;
 use super::{
     metric::{percentile, table},
     parameter::{
-        HYBRID_ANEW_SERIES, HYBRID_LAYERS_SERIES, RT_ANEW_SERIES, SSR_LAYERS_SERIES,
-        THRESHOLD_SERIES,
+        HYBRID_ANEW_SERIES, HYBRID_LAYERS_SERIES, HYBRID_RATE_SERIES, RT_ANEW_SERIES,
+        RT_RATE_SERIES, SSR_LAYERS_SERIES, THRESHOLD_SERIES,
     },
     sample::Sample,
 };
@@ -254,6 +254,8 @@ pub fn series(sample: &Sample) -> &str {
     match (sample.method.as_str(), sample.accept.as_str()) {
         ("ssr", _) if sample.layers > Some(1) => SSR_LAYERS_SERIES,
         ("hybrid", "verified") if sample.layers > Some(1) => HYBRID_LAYERS_SERIES,
+        ("hybrid", "verified") if sample.rate > Some(1) => HYBRID_RATE_SERIES,
+        ("rt", _) if sample.rate > Some(1) => RT_RATE_SERIES,
         ("hybrid", "threshold") => THRESHOLD_SERIES,
         ("hybrid", _) if sample.reuse_light == Some(false) => HYBRID_ANEW_SERIES,
         ("rt", _) if sample.reuse_light == Some(false) => RT_ANEW_SERIES,

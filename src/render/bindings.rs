@@ -57,6 +57,7 @@ impl BindingKey {
             light_needs: plan.light_needs(),
             lists: ListedParts {
                 reflections: plan.features.reflections,
+                undersampled: plan.features.undersampled,
                 transmission: plan.features.transmission,
                 moments: plan.features.moments,
             },

@@ -128,6 +128,14 @@ pub fn has_second_layer(world: &World, options: &RenderOptions) -> bool {
         && (options.general || reflects(world, options.reflection.reflects_below()))
 }
 
+/// Whether only some reflection rays are traced at first. In fog, each collects the light along its own way.
+pub fn is_undersampled(world: &World, options: &RenderOptions) -> bool {
+    options.reflection.settled().rate > 1
+        && options.reflection.method.traces()
+        && world.environment.fog().is_none()
+        && (options.general || reflects(world, options.reflection.reflects_below()))
+}
+
 impl Plan {
     /// The plan of a scene; with [`RenderOptions::general`], the one that drops no feature.
     pub fn of(world: &World, trees: &Trees, layers: &Layers, options: &RenderOptions) -> Self {

@@ -23,6 +23,10 @@ pub const WRONG_COUNTER: usize = COUNTERS - 6;
 pub const TRANSMISSIVE_COUNTER: usize = COUNTERS - 7;
 /// Index of the counter of marches that went behind the first depth layer, where there is a second.
 pub const BEHIND_COUNTER: usize = COUNTERS - 8;
+/// Index of the counter of rays that wait for those around them, where only some are traced at first.
+pub const FOLLOWER_COUNTER: usize = COUNTERS - 9;
+/// Index of the counter of those that are traced in the end.
+pub const REST_COUNTER: usize = COUNTERS - 10;
 /// Number of list entries per workgroup of the passes over lists.
 pub const RAYS_PER_GROUP: u32 = 64;
 /// Maximum number of screen hits of a sub-frame that the audit checks.
@@ -30,7 +34,7 @@ pub const AUDIT_RAYS: u32 = 1024;
 /// Number of levels of the depth pyramid above the picture itself: cells of 2 to 64 pixels.
 pub const PYRAMID_LEVELS: u32 = 6;
 
-const _: () = assert!(Cause::ALL.len() <= BEHIND_COUNTER);
+const _: () = assert!(Cause::ALL.len() <= REST_COUNTER);
 
 /// List that a pass runs over; the value is its index among the dispatch arguments.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -65,6 +69,8 @@ const ARGUMENT_BYTES: u64 = 16;
 pub struct ListedParts {
     /// Whether there are reflective pixels, rays, hits and the pyramid.
     pub reflections: bool,
+    /// Whether there is a list of rays that wait for others.
+    pub undersampled: bool,
     /// Whether there are transmissive pixels: in a list that is free at that time, or alone.
     pub transmission: bool,
     /// Whether pixels of one sub-frame may show different moments.
@@ -72,7 +78,7 @@ pub struct ListedParts {
 }
 
 impl ListedParts {
-    /// Size of the buffer: two words per pixel, and the pyramid of the picture padded to whole cells of the last level.
+    /// Size of the buffer: two words per pixel, three where rays wait for others, and the pyramid of the picture padded to whole cells of the last level.
     fn bytes(self, size: [u32; 2]) -> u64 {
         let pixels = u64::from(size[0]) * u64::from(size[1]);
         if !self.reflections {
@@ -81,7 +87,7 @@ impl ListedParts {
         let padded = size.map(|side| u64::from(side.next_multiple_of(1 << PYRAMID_LEVELS)));
         let area = padded[0] * padded[1];
         let pyramid = (4 * area - (area >> (2 * PYRAMID_LEVELS))) / 3;
-        4 * (2 * pixels + pyramid)
+        4 * ((2 + u64::from(self.undersampled)) * pixels + pyramid)
     }
 }
 

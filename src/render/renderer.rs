@@ -220,6 +220,7 @@ impl Renderer {
         self.options.reflection.steps = settings.steps;
         let scale = 1.0 / self.coordinates.meters();
         self.options.reflection.separation_m = settings.separation_m.map(|m| m * scale);
+        self.options.reflection.similarity = settings.similarity;
         self.options.reflection.ray_length_u = settings.ray_length_u;
         self.options.reflection.reuse_light = settings.reuse_light;
         self.options.reflection.probes.nearest = settings.probes.nearest;

@@ -11,8 +11,8 @@ use super::{
     passes::trace,
     probe_maps::ProbeStats,
     ray_list::{
-        AUDITED_COUNTER, BEHIND_COUNTER, COUNTERS, EXHAUSTED_COUNTER, HIT_COUNTER, RAY_COUNTER,
-        WRONG_COUNTER,
+        AUDITED_COUNTER, BEHIND_COUNTER, COUNTERS, EXHAUSTED_COUNTER, FOLLOWER_COUNTER,
+        HIT_COUNTER, RAY_COUNTER, REST_COUNTER, WRONG_COUNTER,
     },
 };
 
@@ -255,7 +255,7 @@ impl FrameStats {
         let of = counter(HIT_COUNTER);
         self.audit = (hits > 0).then_some(Audit { hits, of, wrong });
         if self.method.traces() {
-            self.rays = counters.get(RAY_COUNTER).copied().unwrap_or(0);
+            self.rays = counter(RAY_COUNTER) - counter(FOLLOWER_COUNTER) + counter(REST_COUNTER);
         }
     }
 

@@ -44,6 +44,8 @@ pub enum Target {
     Cause,
     /// Hit of the mirror ray: distance (bits of an f32), instance, triangle and barycentrics.
     Hit,
+    /// Hits of the rays that are traced first, where only some are.
+    LeadHit,
     /// Sum of the sub-frames, after even ones.
     ColorEven,
     /// Sum of the sub-frames, after odd ones.
@@ -67,7 +69,7 @@ use wgpu::TextureFormat as F;
 
 impl Target {
     /// All targets.
-    pub const ALL: [Self; 23] = [
+    pub const ALL: [Self; 24] = [
         Self::RasterDepth,
         Self::Ids,
         Self::ViewDepth,
@@ -86,6 +88,7 @@ impl Target {
         Self::FogLight,
         Self::Cause,
         Self::Hit,
+        Self::LeadHit,
         Self::ColorEven,
         Self::ColorOdd,
         Self::CoverageSum,
@@ -114,6 +117,7 @@ impl Target {
             Self::FogLight => "fog_light",
             Self::Cause => "cause",
             Self::Hit => "hit",
+            Self::LeadHit => "lead_hit",
             Self::ColorEven => "color_even",
             Self::ColorOdd => "color_odd",
             Self::CoverageSum => "coverage_sum",
@@ -128,7 +132,9 @@ impl Target {
             Self::RasterDepth | Self::SecondDepth => F::Depth32Float,
             Self::Ids | Self::SecondIds | Self::VisibleLights => F::Rg32Uint,
             Self::ViewDepth | Self::CoverageSum | Self::Guides => F::R32Float,
-            Self::Surface | Self::Colors | Self::Details | Self::Hit => F::Rgba32Uint,
+            Self::Surface | Self::Colors | Self::Details | Self::Hit | Self::LeadHit => {
+                F::Rgba32Uint
+            }
             Self::Radiance
             | Self::Specular
             | Self::Reflection
@@ -174,9 +180,9 @@ impl Target {
             Self::RasterDepth | Self::SecondDepth | Self::SecondIds => {
                 read | wgpu::TextureUsages::RENDER_ATTACHMENT
             }
-            // Ids are rasterized or written by primary rays; transmitted light is cleared, then written for listed
-            // pixels.
-            Self::Ids | Self::TransmittedLight => {
+            // Ids are rasterized or written by primary rays; transmitted light and hits that come first are cleared, then
+            // written for listed pixels.
+            Self::Ids | Self::TransmittedLight | Self::LeadHit => {
                 read | wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::STORAGE_BINDING
             }
             _ => read | wgpu::TextureUsages::STORAGE_BINDING,

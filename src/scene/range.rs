@@ -46,6 +46,8 @@ pub const EDGE_PX: Range = range(0.0, 4.0);
 pub const LAYERS: Range = range(1.0, 2.0);
 /// Range of `reflection.separation_m`.
 pub const SEPARATION_M: Range = FROM_0;
+/// Range of `reflection.rate`.
+pub const RATE: Range = range(1.0, 4.0);
 /// Range of `reflection.bounces`.
 pub const BOUNCES: Range = range(1.0, 16.0);
 /// Range of `reflection.diffuse_bounces`.

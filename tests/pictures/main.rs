@@ -48,3 +48,4 @@ mod shown;
 mod specialized;
 mod terminator;
 mod textures;
+mod undersampled;

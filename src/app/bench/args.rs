@@ -74,7 +74,7 @@ pub struct BenchArgs {
     )]
     pub methods: Vec<Method>,
     /// Parameter to vary: threshold_u, edge_px, reuse_light, steps, layers, separation_m,
-    /// ray_length_u, bounces or scale;
+    /// rate, ray_length_u, bounces or scale;
     /// without it each method's own (ssr: steps, hybrid: threshold_u and edge_px, rt: bounces, both also
     /// reuse_light)
     #[arg(long, value_name = "PARAMETER", value_parser = parse_parameter)]

@@ -2,8 +2,8 @@
 
 use crate::{
     parameter::{
-        HYBRID_ANEW_SERIES, HYBRID_LAYERS_SERIES, RT_ANEW_SERIES, SERIES, SSR_LAYERS_SERIES,
-        THRESHOLD_SERIES,
+        HYBRID_ANEW_SERIES, HYBRID_LAYERS_SERIES, HYBRID_RATE_SERIES, RT_ANEW_SERIES,
+        RT_RATE_SERIES, SERIES, SSR_LAYERS_SERIES, THRESHOLD_SERIES,
     },
     summary::series,
 };
@@ -65,6 +65,8 @@ pub fn color(method: &str) -> RGBColor {
         THRESHOLD_SERIES => RGBColor(230, 159, 0),
         SSR_LAYERS_SERIES => RGBColor(0, 0, 0),
         HYBRID_LAYERS_SERIES => RGBColor(150, 60, 60),
+        HYBRID_RATE_SERIES => RGBColor(120, 120, 0),
+        RT_RATE_SERIES => RGBColor(0, 90, 60),
         HYBRID => RGBColor(213, 94, 0),
         "bound" => RGBColor(140, 140, 140),
         "estimated" => RGBColor(230, 159, 0),

@@ -262,6 +262,8 @@ impl Block<'_> {
             steps: settings.steps,
             layers: Some(settings.layers),
             separation_m: (settings.layers > 1).then(|| settings.separation_in(unit_m).into()),
+            rate: Some(settings.rate),
+            similarity: (settings.rate > 1).then(|| settings.similarity.into()),
             ray_length_u: settings.ray_length_u,
             bounces: settings.bounces.most(),
             scale: variant.scale,

@@ -81,7 +81,7 @@ fn range(column: &str) -> Option<(f64, f64, &'static str)> {
 }
 
 /// Columns that older tables lack; their cells are then empty.
-pub const NEWER: [&str; 29] = [
+pub const NEWER: [&str; 31] = [
     "probe_percent",
     "probe_bytes",
     "capture_ms",
@@ -102,6 +102,8 @@ pub const NEWER: [&str; 29] = [
     "reuse_light",
     "layers",
     "separation_m",
+    "rate",
+    "similarity",
     "specks",
     "mask_specks",
     "content",

@@ -12,6 +12,7 @@ pub mod fog;
 pub mod guides;
 pub mod hits;
 pub mod indirect;
+pub mod lead;
 pub mod light;
 pub mod peel;
 pub mod prefilter;
@@ -19,6 +20,7 @@ pub mod primary;
 pub mod probe;
 pub mod pyramid;
 pub mod shadow;
+pub mod spread;
 pub mod ssr;
 pub mod surface;
 pub mod tone;
@@ -99,6 +101,8 @@ passes! {
     ssr: Ssr,
     arguments, // for the lists of hits and rays
     hits: Hits,
+    lead: Lead,
+    spread: Spread,
     trace: Trace,
     probe: Probe,
     audit: Audit,

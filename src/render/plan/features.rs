@@ -6,7 +6,7 @@ use reflet_scene::desc::{PatternKind, SelectBy, ShownDesc};
 use super::{
     environment_casts_rays,
     feature_table::{Dropped, FeatureRow, FileChoice, features},
-    has_second_layer, may_meet_culled,
+    has_second_layer, is_undersampled, may_meet_culled,
     mutual_reflections::reflectors_see_each_other,
     planned_scene::PlannedScene,
     reflects, reflects_roughly, scatters, traces_rays,
@@ -52,6 +52,12 @@ features! {
         used: has_second_layer(scene.world, scene.options),
         files: second_layer [none, peeled];
         dropped: "second depth layer" => "nothing is marched", if scene.options.reflection.layers > 1;
+    }
+    /// Whether some rays are not traced, because those around them agree.
+    undersampled {
+        used: is_undersampled(scene.world, scene.options),
+        constant: UNDERSAMPLED,
+        dropped: "undersampled rays" => "no reflection is traced", if scene.options.reflection.rate > 1;
     }
     /// Whether radiance is stored in 32 bits rather than 16.
     full_radiance {

@@ -27,7 +27,7 @@ use super::{
     value::{Names, Version},
 };
 use crate::range::{
-    ABOVE_0, ANY, APERTURE_F, BOUNCES, DIFFUSE_BOUNCES, DISPERSION, FROM_0, INDEX, LAYERS,
+    ABOVE_0, ANY, APERTURE_F, BOUNCES, DIFFUSE_BOUNCES, DISPERSION, FROM_0, INDEX, LAYERS, RATE,
     SEPARATION_M, STEPS, UNIT, range,
 };
 use crate::{desc::*, diagnostic::Diagnostic};
@@ -304,6 +304,7 @@ impl Section for ReflectionDesc {
             steps: t.get("steps", STEPS, default.steps),
             layers: t.get("layers", LAYERS, default.layers),
             separation_m: t.find("separation_m", SEPARATION_M),
+            rate: t.get("rate", RATE, default.rate),
             unit_m: t.find("unit_m", ABOVE_0),
             reuse_light: t.get("reuse_light", ANY, default.reuse_light),
             fade: t.get("fade", ANY, default.fade),
@@ -311,6 +312,10 @@ impl Section for ReflectionDesc {
             multiple_scattering: t.get("multiple_scattering", ANY, default.multiple_scattering),
             ..default
         };
+        if settings.rate == 3 {
+            let (message, help) = ("`rate` must be 1, 2 or 4, not 3", "write 2 or 4");
+            t.refuse("out-of-range", "rate", message, help);
+        }
         for field in &REFLECTION {
             if let Some(default) = (field.get)(&default) {
                 let value = t.get(field.key, field.range, default.x);

@@ -1,0 +1,63 @@
+// Lead: traces the rays of one of RATE listed pixels (Kim et al. 2016), and lists the others, which follow them.
+
+#import leaders
+#import lists
+#import mirror_path
+
+@group(2) @binding(8) var lead_hit: texture_storage_2d<rgba32uint, write>;
+
+// Number of rays of a workgroup for each of RATE; fewer than its invocations, so that seldom one has no place among them.
+const SORTED: u32 = RAYS_PER_GROUP - 8u;
+
+var<workgroup> leaders: array<u32, RAYS_PER_GROUP>;
+var<workgroup> leader_count: atomic<u32>;
+var<workgroup> follower_count: atomic<u32>;
+var<workgroup> first_follower: u32;
+
+// Sorts rays of a workgroup into leaders and followers. The result is the pixel of an invocation's leader; NONE: none.
+fn sorted_leader(group: u32, lane: u32) -> u32 {
+    let rays = atomicLoad(&counters[RAY_COUNTER]);
+    let first = group * RATE * SORTED + lane;
+    var places = array<u32, 4>(NONE, NONE, NONE, NONE);
+    for (var k = 0u; k < RATE; k++) {
+        let ray = first + k * SORTED;
+        if (lane >= SORTED || ray >= rays) { continue; }
+        let bits = lists[ray_slot(ray)];
+        let pixel = unpack_pixel(bits);
+        if (is_leader(pixel)) {
+            let place = atomicAdd(&leader_count, 1u);
+            if (place < RAYS_PER_GROUP) {
+                leaders[place] = bits;
+                continue;
+            }
+            textureStore(lead_hit, pixel, vec4u(0u, NOT_LED, NONE, 0u));
+        }
+        places[k] = atomicAdd(&follower_count, 1u);
+    }
+    workgroupBarrier();
+    if (lane == 0u) { first_follower = atomicAdd(&counters[FOLLOWER_COUNTER], atomicLoad(&follower_count)); }
+    workgroupBarrier();
+    for (var k = 0u; k < RATE; k++) {
+        if (places[k] == NONE) { continue; }
+        lists[follower_slot(first_follower + places[k])] = lists[ray_slot(first + k * SORTED)];
+    }
+    if (lane >= atomicLoad(&leader_count)) { return NONE; }
+    return leaders[lane];
+}
+
+@compute @workgroup_size(RAYS_PER_GROUP)
+fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) lane: u32) {
+    let leader = sorted_leader(group.y * groups.x + group.x, lane);
+    if (leader == NONE) { return; }
+    let pixel = unpack_pixel(leader);
+    textureStore(lead_hit, pixel, trace_pixel(pixel));
+}
+
+@compute @workgroup_size(RAYS_PER_GROUP)
+fn counted(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) lane: u32) {
+    let leader = sorted_leader(group.y * groups.x + group.x, lane);
+    if (leader == NONE) { return; }
+    let pixel = unpack_pixel(leader);
+    textureStore(lead_hit, pixel, trace_pixel(pixel));
+    textureStore(counts, pixel, vec4u(0u, traversals, visited_nodes, tested_triangles));
+}

@@ -1,0 +1,72 @@
+//! Lead: traces the rays of one of several listed pixels, and lists the others.
+
+use crate::{
+    frame_pass::FramePass,
+    pass::{ComputePass, Dispatch, Pass, PassGroup},
+    pass_builder::PassBuilder,
+    ray_list::List,
+    recorder::clear_texture,
+    shared_data::SharedData,
+    sub_frame::SubFrame,
+    targets::Target,
+};
+use reflet_gpu::{Checks, GpuError};
+
+/// See `shaders/lead.wgsl`.
+pub const PASS: Pass = Pass {
+    name: "lead",
+    group: PassGroup::Reflection,
+    color: [162, 0, 252],
+    reads: &[
+        Target::ViewDepth,
+        Target::Surface,
+        Target::Colors,
+        Target::Details,
+        Target::Cause,
+        Target::VisibleLights,
+    ],
+    writes: &[Target::Reflection, Target::Hit, Target::LeadHit],
+    reads_shared: &[
+        SharedData::Counters,
+        SharedData::ShadowMaps,
+        SharedData::PixelLists,
+        SharedData::DispatchSizes,
+    ],
+    writes_shared: &[SharedData::PixelLists, SharedData::Counters],
+
+    needed: |plan, _| plan.features.undersampled,
+    overrides: |options| vec![("RATE", f64::from(options.reflection.rate))],
+    // `check_world` and `Trees::build` validated every index that tracing follows.
+    checks: Checks::TrustedBuiltin,
+    counted: true,
+    ..Pass::DEFAULT
+};
+
+/// Clear value of pixels whose rays are not among those that are traced first: `NOT_LED` of `shaders/lib/leaders.wgsl`
+/// as the instance.
+const NOT_LED: wgpu::Color = wgpu::Color {
+    r: 0.0,
+    g: (u32::MAX - 1) as f64,
+    b: 0.0,
+    a: 0.0,
+};
+
+/// The lead pass on the device.
+#[derive(Debug)]
+pub struct Lead(ComputePass);
+
+impl FramePass for Lead {
+    fn new(builder: &PassBuilder<'_>) -> Result<Self, GpuError> {
+        Ok(Self(builder.compute(&PASS, &[])?))
+    }
+
+    fn record(&self, frame: &mut SubFrame<'_>) {
+        if let Some(view) = frame.resources.targets.view(Target::LeadHit) {
+            let label = Target::LeadHit.name();
+            clear_texture(frame.recorder.encoder(), label, view, NOT_LED);
+        }
+        // As many workgroups as for all rays, of which some find nothing left to do.
+        let rays = Dispatch::Listed(frame.resources.ray_list, List::Rays);
+        frame.dispatch(&self.0, &rays);
+    }
+}

@@ -1,0 +1,79 @@
+//! Spread: gives pixels the hits of the rays around them where these agree, and lists the others for tracing.
+
+use crate::{
+    frame_pass::FramePass,
+    pass::{ComputePass, Dispatch, Pass, PassGroup},
+    pass_builder::PassBuilder,
+    ray_list::List,
+    shared_data::SharedData,
+    sub_frame::SubFrame,
+    targets::Target,
+    types::gpu_struct,
+};
+use reflet_gpu::{Checks, GpuError};
+
+/// See `shaders/spread.wgsl`.
+pub const PASS: Pass = Pass {
+    name: "spread",
+    group: PassGroup::Reflection,
+    color: [189, 252, 0],
+    reads: &[
+        Target::ViewDepth,
+        Target::Surface,
+        Target::Colors,
+        Target::Details,
+        Target::VisibleLights,
+        Target::LeadHit,
+    ],
+    writes: &[Target::Reflection, Target::Hit],
+    reads_shared: &[
+        SharedData::Counters,
+        SharedData::ShadowMaps,
+        SharedData::PixelLists,
+        SharedData::DispatchSizes,
+    ],
+    writes_shared: &[SharedData::PixelLists, SharedData::Counters],
+    params: Some(Params::LAYOUT),
+    needed: |plan, _| plan.features.undersampled,
+    overrides: |options| vec![("RATE", f64::from(options.reflection.rate))],
+    // `check_world` and `Trees::build` validated every index that tracing follows.
+    checks: Checks::TrustedBuiltin,
+    counted: true,
+    ..Pass::DEFAULT
+};
+
+gpu_struct! {
+    /// Uniforms of the spread shader.
+    pub struct Params = "Params" {
+        /// Maximum angle between normals, and relative difference of distances.
+        similarity: f32,
+        /// Unused.
+        pad0: u32,
+        /// Unused.
+        pad1: u32,
+        /// Unused.
+        pad2: u32,
+    }
+}
+
+/// The spread pass on the device.
+#[derive(Debug)]
+pub struct Spread(ComputePass);
+
+impl FramePass for Spread {
+    fn new(builder: &PassBuilder<'_>) -> Result<Self, GpuError> {
+        Ok(Self(builder.compute(&PASS, &[])?))
+    }
+
+    fn record(&self, frame: &mut SubFrame<'_>) {
+        let params = Params {
+            similarity: frame.options.reflection.similarity,
+            pad0: 0,
+            pad1: 0,
+            pad2: 0,
+        };
+        // As many workgroups as for all rays, of which some find nothing left to do.
+        let rays = Dispatch::Listed(frame.resources.ray_list, List::Rays);
+        frame.dispatch_with(&self.0, &params, &rays);
+    }
+}

@@ -1,0 +1,130 @@
+//! Undersampled rays: pixels that take over what the rays around them hit.
+
+use reflet::{
+    render::{Picture, aov::Aov, passes::needed_passes},
+    scene::desc::Method,
+};
+
+use crate::kit::{floats, gpu, integers, render, renderer, scene, share_differing};
+
+/// A mirror that shows one wall, and with a height, a ball before it.
+const SCENE: &str = r#"
+version = 1
+[image]
+size = [96, 54]
+[camera.main]
+eye = [0, 1.2, 4]
+target = [0, 0.5, 0]
+fov_deg = 40
+[environment]
+zenith = [0.3, 0.4, 0.6]
+horizon = [0.6, 0.6, 0.6]
+[material.mirror]
+base_color = [0.05, 0.05, 0.05]
+roughness = 0
+reflectivity = 0.6
+[material.wall]
+checker = { colors = [[0.9, 0.6, 0.2], [0.2, 0.35, 0.6]], size_m = 0.3 }
+[material.ball]
+base_color = [0.8, 0.1, 0.1]
+[model.floor]
+shape = { kind = "plane", size = [30, 12] }
+material = "mirror"
+[model.wall]
+shape = { kind = "box", size = [60, 40, 0.1] }
+material = "wall"
+[model.ball]
+shape = { kind = "sphere", radius = 0.4 }
+material = "ball"
+[[instance]]
+model = "floor"
+[[instance]]
+model = "wall"
+translation = [0, 20, -4]
+[[instance]]
+name = "ball"
+model = "ball"
+translation = [0, -9, 0]
+"#;
+
+const BALL: &str = "instance.ball.translation=[0.3, 0.9, -1]";
+const AOVS: [Aov; 3] = [Aov::HitDistance, Aov::HitIds, Aov::Source];
+
+fn shown(rate: u32, set: &[&str]) -> Option<Picture> {
+    let rate = format!("reflection.rate={rate}");
+    let set = [&["reflection.method=rt", &rate], set].concat();
+    Some(render(gpu()?, SCENE, &set, &AOVS))
+}
+
+/// The hit's geometry is taken over and shaded anew, so that the checker is as sharp as with all rays.
+#[test]
+fn a_mirror_that_shows_one_plane_is_that_of_all_rays() {
+    let Some(all) = shown(1, &[]) else { return };
+    for (rate, most) in [(2, 0.56), (4, 0.32)] {
+        let some = shown(rate, &[]).expect("a GPU");
+        let share = f64::from(some.stats.rays) / f64::from(all.stats.rays);
+        assert!(share < most, "rate {rate}: {share} of the rays");
+        assert_eq!(share_differing(&some, &all, 1), 0.0, "rate {rate}");
+        assert_eq!(integers(&some, Aov::HitIds), integers(&all, Aov::HitIds));
+        let distances = floats(&some, Aov::HitDistance).iter();
+        let apart = distances
+            .zip(floats(&all, Aov::HitDistance))
+            .map(|(a, b)| match a == b {
+                true => 0.0,
+                false => (a - b).abs() / b,
+            });
+        assert!(apart.fold(0.0, f32::max) < 1e-4);
+    }
+}
+
+#[test]
+fn edges_are_traced_and_only_similar_pixels_share() {
+    let Some(all) = shown(1, &[BALL]) else { return };
+    let some = shown(2, &[BALL]).expect("a GPU");
+    let of_ball = |p: &Picture| {
+        integers(p, Aov::HitIds)
+            .chunks(2)
+            .filter(|id| id[0] == 2)
+            .count()
+    };
+    assert!(of_ball(&all) > 60, "{}", of_ball(&all));
+    assert_eq!(of_ball(&some), of_ball(&all));
+    // The ball's small triangles are taken over from a pixel away.
+    let share = share_differing(&some, &all, 4);
+    assert!(share < 0.01, "{share}");
+    let plane = shown(2, &[]).expect("a GPU");
+    assert!(some.stats.rays > plane.stats.rays + 20, "edges are traced");
+    // With no tolerance only the wall's own depth over a flat mirror could agree, and it does not.
+    let none = shown(2, &[BALL, "reflection.similarity=0"]).expect("a GPU");
+    assert!(
+        none.stats.rays + 50 > all.stats.rays,
+        "{} rays",
+        none.stats.rays
+    );
+    assert_eq!(share_differing(&none, &all, 1), 0.0);
+}
+
+#[test]
+fn rate_1_and_other_methods_need_no_pass() {
+    let Some(gpu) = gpu() else { return };
+    for (method, rate, is_used) in [
+        (Method::Rt, 1, false),
+        (Method::Rt, 2, true),
+        (Method::Hybrid, 4, true),
+        (Method::Ssr, 4, false),
+        (Method::Path, 4, false),
+    ] {
+        let set = [
+            format!("reflection.method={}", method.name()),
+            format!("reflection.rate={rate}"),
+        ];
+        let (desc, world) = scene(SCENE, &set.each_ref().map(String::as_str));
+        let renderer = renderer(gpu, &desc, &world, false);
+        assert_eq!(renderer.plan().features.undersampled, is_used, "{set:?}");
+        let passes = needed_passes(renderer.plan(), renderer.options());
+        for name in ["lead", "spread"] {
+            let is_recorded = passes.iter().any(|pass| pass.name == name);
+            assert_eq!(is_recorded, is_used, "{set:?}: {name}");
+        }
+    }
+}
