@@ -197,6 +197,7 @@ fn panels_list_times_shares_and_keys() {
             wrong: 2,
         }),
         second_layer: None,
+        probes: None,
         bytes: Vec::new(),
     };
     let history = VecDeque::from([stats.clone(), stats.clone()]);
