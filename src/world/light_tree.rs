@@ -53,7 +53,7 @@ impl Sides {
     }
 }
 
-/// What is known of a group of emissive triangles.
+/// Bounds of a group of emissive triangles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cluster {
     /// Center of a ball that contains them, m.

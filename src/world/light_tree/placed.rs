@@ -32,7 +32,7 @@ pub struct MeshTree {
     area: f64,
 }
 
-/// What the tree of a mesh depends on.
+/// Key of the tree of a mesh: all that it depends on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 struct Key {
     mesh: usize,
@@ -281,7 +281,7 @@ impl MeshTree {
         for leaf in &mut leaves {
             leaf.cluster.power = (f64::from(leaf.cluster.power) / areas) as f32;
         }
-        // What is too small for a float is never chosen.
+        // Shares too small for a float are never chosen.
         leaves.retain(|leaf| leaf.cluster.power.is_normal());
         let tree = build(&mut leaves);
         let mut places = vec![UNLIT_ITEM; mesh.triangles.len()];
@@ -338,7 +338,7 @@ fn top_tree(world: &World, meshes: &[Arc<MeshTree>], lights: &mut [PlacedLight])
         .filter_map(|((light, power), item)| {
             let root = meshes[light.mesh_tree].tree.as_ref()?.root;
             let power = (power / sum) as f32;
-            // What is too dark for a float is never chosen.
+            // Shares too small for a float are never chosen.
             power.is_normal().then(|| placed(light, root, power, item))
         })
         .collect();

@@ -1,3 +1,5 @@
+//! Tests of light trees and of their packing.
+
 use glam::Vec3;
 use reflet_base::math::Bounds;
 
