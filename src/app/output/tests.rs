@@ -70,6 +70,7 @@ fn picture() -> Picture {
             exhausted_rays: 0,
             audit: None,
             second_layer: None,
+            probes: None,
             bytes: Vec::new(),
         },
     }
