@@ -1,10 +1,8 @@
 // Probe: looks the reflections of the listed pixels up in the cube maps of probes, in place of the trace pass.
 
-#import air
 #import cause
 #import cone
 #import gbuffer
-#import indirect
 #import lists
 #import probe_lookup
 #import probe_place
@@ -87,12 +85,6 @@ fn look_up(pixel: vec2u) {
     let reach = select(bitcast<f32>(found.x), 2.0 * FAR_M, found.y == NONE);
     let lamp = seen_light(s.position, ray, reach);
     if (lamp.is_seen) { light = lamp.radiance; }
-    if (HAS_FOG) {
-        start_samples(pixel, 1u);
-        start_path(s.position, s.is_inside);
-        let air = through_air(s.position, ray, select(bitcast<f32>(found.x), FAR_M, found.y == NONE));
-        light = air.light + select(light * air.share, vec3f(0.0), air.scatters);
-    }
     textureStore(reflection, pixel, vec4f(min(light, BRIGHTEST), 1.0));
     textureStore(hit, pixel, found);
 }

@@ -5,13 +5,11 @@ use std::{fs, io, path::Path};
 use super::{
     device,
     error::AppError,
-    print_out,
     scene::{check_reports, choose_camera, load_scene},
     shaders,
 };
 use crate::{
     bench::{
-        choose::{Bound, block, choose},
         hash::Hash,
         host::Host,
         log::{self, Log},
@@ -34,6 +32,7 @@ use crate::{
 
 pub mod args;
 pub mod bounds;
+mod choice;
 mod comparators;
 pub mod paper;
 pub mod progress;
@@ -77,7 +76,7 @@ pub fn bench(args: &BenchArgs) -> Result<(), AppError> {
             };
             let sections = report(&args.run.output, "Speed against accuracy", &samples, &[])?;
             match &args.choose {
-                Some(bound) => print_choice(&sections, bound),
+                Some(bound) => choice::print_choice(&sections, bound),
                 None => Ok(()),
             }
         }
@@ -350,30 +349,6 @@ pub fn report(
     }
     reflet_base::error_line!("wrote {}", path.display());
     Ok(sections)
-}
-
-fn print_choice(sections: &[Section], bound: &Bound) -> Result<(), AppError> {
-    let mut blocks = Vec::new();
-    let mut refused = false;
-    for section in sections {
-        match choose(&section.group, bound) {
-            Ok(point) => blocks.push(block(point, section.group.masked)),
-            Err(why) => {
-                let sample = section.group.points.first().map(|p| &p.sample);
-                let scene = sample.map_or("", |s| s.scene.as_str());
-                reflet_base::error_line!("{scene}: {why}");
-                refused = true;
-            }
-        }
-    }
-    if !blocks.is_empty() {
-        print_out(&blocks.join("\n"))?;
-    }
-    if refused {
-        Err(AppError::Threshold)
-    } else {
-        Ok(())
-    }
 }
 
 fn create_folder(folder: &Path) -> Result<(), AppError> {

@@ -8,15 +8,12 @@ use super::{
     parameter::{Parameter, Variant},
 };
 use reflet_gpu::{Gpu, ShaderLibrary};
-use reflet_render::{
-    Poses, RenderError, RenderOptions, decide::decide, plan::traces_rays,
-    runtime::renderer_stage::RendererStage,
-};
+use reflet_render::{Poses, RenderError, RenderOptions, runtime::renderer_stage::RendererStage};
 use reflet_scene::desc::{
     Accept, Bounces, CameraDesc, Exposure, ImageDesc, Method, ProbesDesc, ReflectionDesc,
     Visibility,
 };
-use reflet_world::{World, bvh::Trees};
+use reflet_world::World;
 
 mod error;
 mod fill;
@@ -24,6 +21,7 @@ mod flicker;
 mod frame_series;
 mod interleave;
 mod judge;
+mod visibility;
 mod work;
 
 pub use error::BenchError;
@@ -31,6 +29,7 @@ pub use frame_series::{FrameSeries, Mover};
 pub use work::{Steps, Task, Work};
 
 use flicker::Flicker;
+use visibility::decided_visibility;
 
 /// Bounces of the reference: as many as can be seen.
 pub const REFERENCE_BOUNCES: Bounces = Bounces::Auto;
@@ -100,26 +99,6 @@ impl Subject {
         }
         RendererStage::new(gpu, library, poses, &options)
     }
-}
-
-/// Visibility that `render --method rt` chooses. All methods take it, so that they differ in reflections alone.
-fn decided_visibility(
-    gpu: &Gpu,
-    world: &World,
-    options: &RenderOptions,
-) -> Result<Visibility, RenderError> {
-    let mut traced = *options;
-    traced.reflection.method = Method::Rt;
-    if !traces_rays(world, &traced) {
-        return Ok(Visibility::Raster);
-    }
-    // Methods that trace rays decide so themselves.
-    if options.reflection.method.traces() {
-        return Ok(Visibility::Auto);
-    }
-    let trees = Trees::build(world, u64::MAX).map_err(RenderError::Scene)?;
-    let decided = decide(world, &trees, &traced, gpu.is_software());
-    Ok(decided.options.image.visibility)
 }
 
 /// Measurements that are made of each scene.

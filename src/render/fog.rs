@@ -2,7 +2,7 @@
 
 use reflet_world::World;
 
-use super::types::gpu_struct;
+use super::gpu_struct::gpu_struct;
 
 gpu_struct! {
     /// Fog; see `shaders/lib/fog_medium.wgsl`.

@@ -33,6 +33,7 @@ mod frame_pass;
 mod frame_uniforms;
 mod geometry;
 mod gpu_material;
+pub mod gpu_struct;
 mod groove_table;
 pub mod lights;
 mod lobe_table;

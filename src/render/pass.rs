@@ -10,6 +10,7 @@ pub const MAIN: &str = "main";
 pub const COUNTED: &str = "counted";
 
 use super::{
+    gpu_struct::StructSpec,
     options::RenderOptions,
     plan::Plan,
     ray_list::{List, RayList},
@@ -17,7 +18,6 @@ use super::{
     shared_data::SharedData,
     shared_groups::{SharedGroups, is_used},
     targets::{Target, Targets},
-    types::StructSpec,
 };
 
 /// Name of a pipeline override, and its value.

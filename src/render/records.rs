@@ -9,8 +9,9 @@ use reflet_gpu::{Gpu, GpuError};
 
 use super::{
     geometry::buffer,
+    gpu_struct::StructSpec,
     texel_array::TexelArray,
-    types::{GpuInstance, GpuMaterial, GpuTextureUse, StructSpec},
+    types::{GpuInstance, GpuMaterial, GpuTextureUse},
 };
 
 /// Size of a texel, bytes.

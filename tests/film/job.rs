@@ -136,6 +136,7 @@ fn a_job_takes_the_options_of_render() {
         "--shard",
         "--stats",
         "--counters",
+        "--watch",
     ];
     let of_render = help(&["render", "--help"]);
     for system in ["openjd", "slurm"] {

@@ -10,7 +10,7 @@ use reflet::gpu::{
     reflect::capabilities,
 };
 use reflet::render::{
-    RenderOptions, pass::Pass, passes, plan::Features, shader_variant::ShaderVariant,
+    RenderOptions, gpu_struct, pass::Pass, passes, plan::Features, shader_variant::ShaderVariant,
     shared_data::SharedData, targets::Target, types,
 };
 
@@ -145,7 +145,7 @@ fn embedded_shaders_equal_the_folder() {
 
 #[test]
 fn shared_structs_have_the_layout_that_the_shaders_declare() {
-    let compare = |spec: &types::StructSpec, shader: &ShaderModuleInfo| {
+    let compare = |spec: &gpu_struct::StructSpec, shader: &ShaderModuleInfo| {
         let Some(layout) = shader.layout_of(spec.name) else {
             return false;
         };

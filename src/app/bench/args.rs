@@ -14,12 +14,14 @@ use crate::{
 };
 
 /// Arguments that say how to measure, which conflict with drawing a table again (`--samples`).
-const MEASURING: [&str; 19] = [
+const MEASURING: [&str; 21] = [
     "scenes",
     "set",
     "variant",
     "assets",
     "lenient",
+    "project",
+    "no_project",
     "methods",
     "parameter",
     "values",

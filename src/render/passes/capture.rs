@@ -3,6 +3,7 @@
 
 use crate::{
     frame_pass::FramePass,
+    gpu_struct::gpu_struct,
     pass::{ComputePass, Pass, PassGroup},
     pass_builder::PassBuilder,
     plan::Plan,
@@ -10,7 +11,6 @@ use crate::{
     shared_data::SharedData,
     shared_groups::SharedGroups,
     sub_frame::SubFrame,
-    types::gpu_struct,
 };
 use reflet_gpu::{Checks, GpuError};
 
@@ -18,7 +18,7 @@ use reflet_gpu::{Checks, GpuError};
 pub const PASS: Pass = Pass {
     name: "capture",
     group: PassGroup::Capture,
-    color: [255, 214, 102],
+    color: [252, 10, 251],
     params: Some(Params::LAYOUT),
     // Bound, as the code of light names them, but left unread by the overrides.
     reads_shared: &[SharedData::ShadowMaps],

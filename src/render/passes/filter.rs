@@ -2,12 +2,12 @@
 
 use crate::{
     frame_pass::FramePass,
+    gpu_struct::gpu_struct,
     options::RenderOptions,
     pass::{ComputePass, Dispatch, Pass, PassGroup},
     pass_builder::PassBuilder,
     sub_frame::SubFrame,
     targets::Target,
-    types::gpu_struct,
 };
 use reflet_gpu::GpuError;
 

@@ -14,7 +14,7 @@ use reflet_gpu::{Checks, GpuError};
 pub const PASS: Pass = Pass {
     name: "fog",
     group: PassGroup::Light,
-    color: [150, 165, 180],
+    color: [85, 9, 0],
     reads: &[
         Target::ViewDepth,
         Target::Surface,

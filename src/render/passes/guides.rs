@@ -2,11 +2,11 @@
 
 use crate::{
     frame_pass::FramePass,
+    gpu_struct::gpu_struct,
     pass::{ComputePass, Dispatch, Pass, PassGroup},
     pass_builder::PassBuilder,
     sub_frame::SubFrame,
     targets::Target,
-    types::gpu_struct,
 };
 use reflet_gpu::{Checks, GpuError};
 
@@ -14,7 +14,7 @@ use reflet_gpu::{Checks, GpuError};
 pub const PASS: Pass = Pass {
     name: "guides",
     group: PassGroup::Picture,
-    color: [60, 60, 60],
+    color: [0, 54, 6],
     reads: &[
         Target::ViewDepth,
         Target::Surface,

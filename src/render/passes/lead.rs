@@ -65,7 +65,7 @@ impl FramePass for Lead {
             let label = Target::LeadHit.name();
             clear_texture(frame.recorder.encoder(), label, view, NOT_LED);
         }
-        // As many workgroups as for all rays, of which some find nothing left to do.
+        // The dispatch has workgroups for all rays, of which some find nothing left to do.
         let rays = Dispatch::Listed(frame.resources.ray_list, List::Rays);
         frame.dispatch(&self.0, &rays);
     }

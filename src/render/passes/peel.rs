@@ -6,12 +6,12 @@ use crate::{
     draw_calls::DrawCalls,
     draw_shape::DrawShape,
     frame_pass::FramePass,
+    gpu_struct::gpu_struct,
     pass::{Pass, PassGroup, declared_overrides},
     pass_builder::PassBuilder,
     shared_data::SharedData,
     sub_frame::SubFrame,
     targets::Target,
-    types::gpu_struct,
 };
 use reflet_gpu::{GpuError, GroupLayout};
 

@@ -4,12 +4,12 @@ use wgpu::BindingResource;
 
 use crate::{
     frame_pass::FramePass,
+    gpu_struct::gpu_struct,
     pass::{ComputePass, Pass, PassGroup},
     pass_builder::PassBuilder,
     probe_maps::ProbeKey,
     shared_data::SharedData,
     sub_frame::SubFrame,
-    types::gpu_struct,
 };
 use reflet_gpu::GpuError;
 
@@ -19,7 +19,7 @@ use super::capture;
 pub const PASS: Pass = Pass {
     name: "prefilter",
     group: PassGroup::Capture,
-    color: [120, 60, 20],
+    color: [11, 6, 154],
     params: Some(Params::LAYOUT),
     reads_shared: &[SharedData::ProbeMaps],
     writes_shared: &[SharedData::ProbeMaps],

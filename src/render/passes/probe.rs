@@ -2,13 +2,13 @@
 
 use crate::{
     frame_pass::FramePass,
+    gpu_struct::gpu_struct,
     pass::{ComputePass, Dispatch, Pass, PassGroup},
     pass_builder::PassBuilder,
     ray_list::List,
     shared_data::SharedData,
     sub_frame::SubFrame,
     targets::Target,
-    types::gpu_struct,
 };
 use reflet_gpu::{Checks, GpuError};
 
@@ -16,7 +16,7 @@ use reflet_gpu::{Checks, GpuError};
 pub const PASS: Pass = Pass {
     name: "probe",
     group: PassGroup::Reflection,
-    color: [0, 110, 90],
+    color: [58, 7, 79],
     reads: &[
         Target::Ids,
         Target::ViewDepth,

@@ -11,6 +11,7 @@ use crate::{
     draw_calls::DrawCalls,
     draw_shape::DrawShape,
     frame_pass::FramePass,
+    gpu_struct::gpu_struct,
     lights::ShadowView,
     pass::{Pass, PassGroup, declared_overrides},
     pass_builder::PassBuilder,
@@ -19,7 +20,6 @@ use crate::{
     shadow_maps::FORMAT,
     shared_data::SharedData,
     sub_frame::SubFrame,
-    types::gpu_struct,
 };
 use reflet_gpu::{GpuError, GroupLayout};
 

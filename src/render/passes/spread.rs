@@ -2,13 +2,13 @@
 
 use crate::{
     frame_pass::FramePass,
+    gpu_struct::gpu_struct,
     pass::{ComputePass, Dispatch, Pass, PassGroup},
     pass_builder::PassBuilder,
     ray_list::List,
     shared_data::SharedData,
     sub_frame::SubFrame,
     targets::Target,
-    types::gpu_struct,
 };
 use reflet_gpu::{Checks, GpuError};
 
@@ -72,7 +72,7 @@ impl FramePass for Spread {
             pad1: 0,
             pad2: 0,
         };
-        // As many workgroups as for all rays, of which some find nothing left to do.
+        // The dispatch has workgroups for all rays, of which some find nothing left to do.
         let rays = Dispatch::Listed(frame.resources.ray_list, List::Rays);
         frame.dispatch_with(&self.0, &params, &rays);
     }

@@ -3,6 +3,7 @@
 
 use crate::{
     frame_pass::FramePass,
+    gpu_struct::gpu_struct,
     options::RenderOptions,
     pass::{ComputePass, Dispatch, Pass, PassGroup},
     pass_builder::PassBuilder,
@@ -10,7 +11,6 @@ use crate::{
     shared_data::SharedData,
     sub_frame::SubFrame,
     targets::Target,
-    types::gpu_struct,
 };
 use reflet_gpu::{Checks, GpuError};
 use reflet_scene::desc::{Method, ReflectionDesc};

@@ -2,11 +2,11 @@
 
 use crate::{
     frame_pass::FramePass,
+    gpu_struct::gpu_struct,
     pass::{ComputePass, Dispatch, Pass, PassGroup},
     pass_builder::PassBuilder,
     sub_frame::SubFrame,
     targets::Target,
-    types::gpu_struct,
 };
 use reflet_gpu::GpuError;
 use reflet_scene::desc::ImageDesc;

@@ -132,7 +132,7 @@ pub struct ReflectionDesc {
     /// Tolerance of `accept = "threshold"` in U, 0 or more, the paper's T: how far behind the stored depth a
     /// crossing still counts as a hit. Too small gives stripes, too large prolonged reflections. Default 0.025.
     pub threshold_u: f32,
-    /// Number of depth layers that the march of methods `ssr` and `hybrid` looks at, 1 or 2. The second is the nearest
+    /// Number of depth layers that the march of methods `ssr` and `hybrid` looks at, 1 to 2. The second is the nearest
     /// surface at least `separation_m` behind what each pixel shows, from whichever side it is seen; a ray that goes
     /// behind the first layer is marched on between them, and may hit the second (Mara et al. 2016). It takes another
     /// drawing of the scene and 12 bytes a pixel. Default 1.
