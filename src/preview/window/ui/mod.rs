@@ -18,6 +18,7 @@ pub(super) mod opener;
 mod panels;
 mod parameter_panel;
 mod place_panel;
+mod recording;
 pub(super) mod shell;
 mod sidebar;
 mod status_bar;

@@ -227,7 +227,7 @@ pub fn bar(
                 "F12: write a PNG file",
                 ViewRequest::Screenshot,
             );
-            ui.checkbox(&mut settings.image_frame, "safe")
+            ui.checkbox(&mut settings.image_frame, "safe area")
                 .on_hover_text("G: the frame of image.size, with its safe area");
             if ui.button("keys").on_hover_text("H").clicked() {
                 settings.help = !settings.help;

@@ -115,8 +115,8 @@ fn the_bar_switches_methods_and_opens_the_wipe() {
 
 #[test]
 fn a_narrow_bar_keeps_what_belongs_together_and_its_height() {
-    // Three rows at the narrowest, else two.
-    for (width, most) in [(620.0, 3.0), (900.0, 2.5), (1280.0, 2.5)] {
+    // Three rows in narrow windows, else two.
+    for (width, most) in [(620.0, 3.0), (900.0, 3.0), (1280.0, 2.5)] {
         let mut harness = harness(move |ui, state| {
             ui.set_max_width(width);
             let before = ui.cursor().top();
