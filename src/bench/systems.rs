@@ -60,6 +60,14 @@ pub const SYSTEMS: &[System] = &[
     rival("ssr+probe, distance, K = 2", [60, 60, 60], |r| {
         look_up(r, Method::SsrProbe, Lookup::Distance, 2);
     }),
+    rival("ssr, 2 layers", [86, 180, 233], |r| {
+        r.method = Method::Ssr;
+        r.layers = 2;
+    }),
+    rival("rt, rate 4", [0, 90, 60], |r| {
+        r.method = Method::Rt;
+        r.rate = 4;
+    }),
     rival("hybrid (threshold)", [230, 159, 0], |r| {
         r.method = Method::Hybrid;
         r.accept = Accept::Threshold;
@@ -71,6 +79,16 @@ pub const SYSTEMS: &[System] = &[
         set: |r| {
             r.method = Method::Hybrid;
             r.accept = Accept::Verified;
+        },
+    },
+    System {
+        name: "hybrid, 2 layers",
+        color: [150, 60, 60],
+        is_own: true,
+        set: |r| {
+            r.method = Method::Hybrid;
+            r.accept = Accept::Verified;
+            r.layers = 2;
         },
     },
     System {
