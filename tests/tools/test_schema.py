@@ -35,6 +35,7 @@ BEYOND_SCHEMA = {
     "script-file",
     "singular",
     "too-many-lights",
+    "too-many-probes",
     "wrong-motion",
     "wrong-shadow",
     "wrong-source",

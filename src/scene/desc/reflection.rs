@@ -142,10 +142,11 @@ pub struct ReflectionDesc {
     /// others is best: with less the second layer shows the far sides of these things, with more it misses what is
     /// close behind them. Default: 0.5 U.
     pub separation_m: Option<f32>,
-    /// Number of traced rays of which one is traced first, 1, 2 or 4, in a regular pattern. The others take over what the
-    /// rays around them hit, where these pixels mirror alike and their rays hit one thing at similar distances: each is
-    /// intersected with what they hit, and that point is shaded (Kim et al. 2016). Where they disagree, as at edges, rays
-    /// are traced. Things that lie between the rays are missed, the more the higher the rate. Default 1.
+    /// Number of traced rays of which one is traced first, 1 to 4, but not 3, in a regular pattern. The others take
+    /// over what the rays around them hit, where these pixels mirror alike and their rays hit one thing at similar
+    /// distances: each is intersected with what they hit, and that point is shaded (Kim et al. 2016). Where they
+    /// disagree, as at edges, rays are traced. Things that lie between the rays are missed, the more the higher the
+    /// rate. Default 1.
     pub rate: u32,
     /// Tolerance of `rate` above 1, 0 to 1: the largest angle between the normals of such pixels in radians, and the
     /// largest relative difference of distances. Less traces more rays and errs less. Default 0.05.
