@@ -6,9 +6,11 @@ import mitsuba as mi
 import numpy as np
 
 Table = dict[str, Any]
-# Distance by which the box of homogeneous fog is larger than Reflet's, so that no surface lies in its sides, m.
+# Distance by which the box of homogeneous fog is larger than Reflet's, meters, so that no surface
+# lies in its sides.
 MARGIN_M = 1e-3
-# Half the width of the box that stands for fog without end, and the falloffs above the layer that it holds.
+# Half the width of the box that stands for fog without end, and the number of falloffs above the
+# layer that it holds.
 WIDE_M = 150.0
 HIGH = 20
 SLICES = 1024
