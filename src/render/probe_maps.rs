@@ -129,7 +129,7 @@ impl ProbeMaps {
     /// Creates empty maps.
     ///
     /// # Errors
-    /// Maps past the adapter's limits, or of more memory than [`MAX_MAP_BYTES`].
+    /// Maps past the adapter's limits, or of more memory than `MAX_MAP_BYTES`.
     pub fn new(gpu: &Gpu, key: ProbeKey) -> Result<Self, GpuError> {
         let (px, levels) = (key.face_px, key.levels());
         gpu.check_texture_size("a face of a probe", px, px)?;

@@ -38,7 +38,7 @@ pub use self::{curve::Curve, fault::Fault, made::Made, text::Fonts};
 /// stay empty.
 ///
 /// # Errors
-/// The same as [`outlined::make`].
+/// The same as those of outlines.
 pub fn make(shape: &ShapeDesc, fonts: &Fonts) -> Result<Made, Fault> {
     let mut made = match outlined::make(shape, fonts)? {
         Some(made) => made,
