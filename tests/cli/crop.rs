@@ -106,10 +106,10 @@ fn watching_renders_again_after_each_save_and_keeps_the_last_good_picture() {
         .spawn()
         .expect("it starts");
     // Each wait ends with what it waits for; the limit only ends a test that fails.
-    let wait = |what: &dyn Fn() -> bool| {
+    let wait = |what: &str, is_there: &dyn Fn() -> bool| {
         let started = Instant::now();
-        while !what() {
-            assert!(started.elapsed() < Duration::from_secs(120), "{what:p}");
+        while !is_there() {
+            assert!(started.elapsed() < Duration::from_secs(120), "no {what}");
             std::thread::sleep(Duration::from_millis(20));
         }
     };
@@ -117,21 +117,23 @@ fn watching_renders_again_after_each_save_and_keeps_the_last_good_picture() {
         let all = fs::read_to_string(folder.join("errors")).expect("a file");
         all.matches(text).count()
     };
-    wait(&|| told("waiting for a save") > 0);
+    wait("first picture", &|| told("waiting for a save") > 0);
     let first = fs::read(&picture).expect("written");
     fs::write(
         folder.join("scene.toml"),
         SCENE.replace("eye = [0, 1, 3]", "eya = 3"),
     )
     .expect("saved");
-    wait(&|| told("scene.toml:4:1") > 0);
+    wait("message", &|| told("scene.toml:4:1") > 0);
     assert!(fs::read(&picture).expect("kept") == first);
     fs::write(
         folder.join("scene.toml"),
         SCENE.replace("eye = [0, 1, 3]", "eye = [1, 1, 2]"),
     )
     .expect("saved");
-    wait(&|| fs::read(&picture).expect("written") != first);
+    wait("second picture", &|| {
+        fs::read(&picture).expect("written") != first
+    });
     let killed = std::process::Command::new("kill")
         .arg(child.id().to_string())
         .status();
