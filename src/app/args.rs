@@ -265,6 +265,9 @@ pub struct PreviewArgs {
     /// Folder for screenshots (F12); without it, the current folder
     #[arg(long, value_name = "DIR")]
     pub screenshots: Option<PathBuf>,
+    /// Denoise pictures at rest, by Intel Open Image Denoise, as render does
+    #[arg(long)]
+    pub denoise: bool,
     /// Use the GPU adapter whose name contains this text; also REFLET_ADAPTER
     #[arg(long, value_name = "NAME")]
     pub adapter: Option<String>,

@@ -2,9 +2,11 @@
 
 use std::{env, path::PathBuf, sync::Arc};
 
-use super::{args::PreviewArgs, device::open_gpu, error::AppError, plan_file::costs};
+use super::{
+    args::PreviewArgs, denoise::Denoiser, device::open_gpu, error::AppError, plan_file::costs,
+};
 use crate::{runtime::SceneSource, scene::desc::Method};
-use reflet_preview::window::{WindowError, WindowOptions, check_display, show};
+use reflet_preview::window::{PictureFilter, WindowError, WindowOptions, check_display, show};
 
 /// Opens the window and returns when it is closed.
 ///
@@ -29,6 +31,7 @@ pub fn preview(args: &PreviewArgs) -> Result<(), AppError> {
     let size = (args.from).size(args.size.as_ref(), args.scene.as_deref())?;
     check_display().map_err(refused)?;
     let gpu = Arc::new(open_gpu(args.adapter.as_deref())?);
+    let denoiser = args.denoise.then(|| Denoiser::new(&[])).transpose()?;
     let plan = args.plan.as_deref();
     let options = WindowOptions {
         source: SceneSource {
@@ -41,6 +44,9 @@ pub fn preview(args: &PreviewArgs) -> Result<(), AppError> {
         costs: plan.map(|path| costs(path, &gpu)).transpose()?,
         size: size.unwrap_or([1280, 800]),
         screenshots,
+        denoiser: denoiser.map(|denoiser| {
+            PictureFilter::new(move |picture| denoiser.apply(picture).map_err(|e| e.to_string()))
+        }),
     };
     show(gpu, &options).map_err(refused)
 }

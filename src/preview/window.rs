@@ -1,6 +1,6 @@
 //! A window on a scene that follows its files.
 
-use std::{path::PathBuf, sync::Arc};
+use std::{fmt, path::PathBuf, sync::Arc};
 
 use eframe::{
     egui,
@@ -9,6 +9,7 @@ use eframe::{
 
 use reflet_gpu::Gpu;
 use reflet_render::{
+    Picture,
     runtime::{SceneSource, SessionError},
     unit_costs::UnitCosts,
 };
@@ -39,6 +40,32 @@ fn on_surface_status(status: &wgpu::CurrentSurfaceTexture) -> SurfaceErrorAction
     }
 }
 
+/// Filter of finished pictures, such as a denoiser.
+#[derive(Clone)]
+pub struct PictureFilter(Arc<Filter>);
+
+type Filter = dyn Fn(&mut Picture) -> Result<(), String> + Send + Sync;
+
+impl PictureFilter {
+    /// Filter by a function that changes the display color of a picture with linear radiance and guides, or returns an
+    /// error message.
+    pub fn new(
+        filter: impl Fn(&mut Picture) -> Result<(), String> + Send + Sync + 'static,
+    ) -> Self {
+        Self(Arc::new(filter))
+    }
+
+    fn apply(&self, picture: &mut Picture) -> Result<(), String> {
+        (self.0)(picture)
+    }
+}
+
+impl fmt::Debug for PictureFilter {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("PictureFilter")
+    }
+}
+
 /// Options of the window and of its first scene.
 #[derive(Clone, Debug)]
 pub struct WindowOptions {
@@ -54,6 +81,8 @@ pub struct WindowOptions {
     pub size: [u32; 2],
     /// Folder for screenshots.
     pub screenshots: PathBuf,
+    /// Filter of pictures at rest.
+    pub denoiser: Option<PictureFilter>,
 }
 
 /// Error that keeps the window from being shown.

@@ -257,12 +257,45 @@ impl Renderer {
         self.pending(gpu, camera, request, stats)
     }
 
+    /// Reads back linear radiance, display color and guides of the picture that [`Self::render`] has rendered last, seen
+    /// by `camera`, with its statistics.
+    ///
+    /// # Errors
+    /// A lost or unresponsive device, or exhausted memory.
+    pub fn rendered_picture(
+        &self,
+        gpu: &Gpu,
+        camera: &CameraDesc,
+        stats: FrameStats,
+    ) -> Result<Picture, RenderError> {
+        let request = PictureRequest {
+            color: true,
+            aovs: &[],
+            timed: true,
+            estimates_error: false,
+        };
+        self.reading(gpu, camera, request, stats, None)?.take(gpu)
+    }
+
     pub(super) fn pending(
         &mut self,
         gpu: &Gpu,
         camera: &CameraDesc,
         request: PictureRequest,
         stats: FrameStats,
+    ) -> Result<PendingPicture, RenderError> {
+        let halves = self.take_halves(gpu)?;
+        self.reading(gpu, camera, request, stats, halves)
+    }
+
+    /// Starts to read back the targets of a rendered picture.
+    fn reading(
+        &self,
+        gpu: &Gpu,
+        camera: &CameraDesc,
+        request: PictureRequest,
+        stats: FrameStats,
+        halves: Option<Halves>,
     ) -> Result<PendingPicture, RenderError> {
         let color = request.color.then(|| self.color());
         let planes = request.aovs.iter().flat_map(|aov| aov.targets());
@@ -274,7 +307,6 @@ impl Renderer {
             .into_iter()
             .chain(has_guides.then_some(Target::Guides));
         let targets: Vec<_> = targets.chain(covered).chain(planes.copied()).collect();
-        let halves = self.take_halves(gpu)?;
         Ok(PendingPicture {
             halves,
             download: self.download(gpu, &targets, !request.timed)?,

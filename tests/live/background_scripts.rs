@@ -17,7 +17,7 @@ use reflet::{
 use reflet_preview::{
     live::{Live, ViewOverrides},
     window::{
-        open,
+        PictureFilter, open,
         protocol::{
             FinishedFrame, FrameAction, FrameRequest, Report, Screenshot, Side, Task, View,
             ViewCamera,
@@ -66,6 +66,17 @@ impl Watched {
 
     /// Starts a scene in the preview's thread, drawn once.
     pub fn start(gpu: Arc<Gpu>, folder: Folder, live: Live, is_waiting: bool) -> Self {
+        Self::start_filtered(gpu, folder, live, is_waiting, None)
+    }
+
+    /// Starts a scene like [`Self::start`], with a filter of pictures at rest.
+    pub fn start_filtered(
+        gpu: Arc<Gpu>,
+        folder: Folder,
+        live: Live,
+        is_waiting: bool,
+        filter: Option<PictureFilter>,
+    ) -> Self {
         let turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
         let side = Side {
             method: Method::Hybrid,
@@ -73,7 +84,7 @@ impl Watched {
         };
         let mut this = Self {
             _turn: turn,
-            worker: RenderThread::start(gpu, live, is_waiting, || ()),
+            worker: RenderThread::start(gpu, live, is_waiting, filter, || ()),
             folder,
             view: View {
                 camera: ViewCamera::Scene("main".to_owned()),

@@ -9,6 +9,7 @@ mod common;
 mod runtime;
 
 mod animation;
+mod at_rest;
 mod background_scripts;
 mod coarse;
 mod errors;

@@ -56,6 +56,50 @@ impl FrameCost {
     }
 }
 
+/// Time budget of the first picture at rest, milliseconds.
+const FIRST_REST_MS: f64 = 1000.0;
+/// Factor from the budget of a picture at rest to that of the next one, which renders all sub-frames anew: all pictures
+/// together take at most a third more time than the last one.
+const REST_GROWTH: f64 = 4.0;
+
+/// Time budget of pictures at rest: they have as many sub-frames as it allows, and it grows from picture to picture
+/// until the scene's number of samples is reached.
+#[derive(Clone, Copy, Debug)]
+pub struct RestBudget {
+    /// Budget of a picture, milliseconds.
+    pub ms: f64,
+    /// Whether a picture at rest had fewer sub-frames than the scene wants.
+    is_short: bool,
+}
+
+impl Default for RestBudget {
+    fn default() -> Self {
+        Self {
+            ms: FIRST_REST_MS,
+            is_short: false,
+        }
+    }
+}
+
+impl RestBudget {
+    /// Notes that a picture had fewer sub-frames than the scene wants.
+    pub fn fall_short(&mut self) {
+        self.is_short = true;
+    }
+
+    /// Whether a picture with more sub-frames is due.
+    pub fn is_short(&self) -> bool {
+        self.is_short
+    }
+
+    /// Grows for the next picture, if one is due.
+    pub fn grow(&mut self) {
+        if std::mem::take(&mut self.is_short) {
+            self.ms *= REST_GROWTH;
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -6,7 +6,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use super::worker::Worker;
+use super::{dynamic_resolution::RestBudget, worker::Worker};
 use crate::{
     live::Edit,
     watch::Watcher,
@@ -26,8 +26,7 @@ impl Worker {
     pub(super) fn run(mut self, mailbox: &Mailbox, watcher: Option<&Watcher>) {
         self.send_summary();
         while let Some((view, tasks)) = mailbox.take(self.next_wakeup()) {
-            // A picture that was given up for what has come now.
-            let mut redraw = std::mem::take(&mut self.is_interrupted);
+            let mut redraw = false;
             if let Some(view) = view {
                 redraw |= self.view.as_ref().is_none_or(|old| view.differs_from(old));
                 self.view = Some(view);
@@ -66,7 +65,13 @@ impl Worker {
                 redraw = true;
                 self.show_item_again();
             }
-            if redraw && !self.renders_other_frame() {
+            if redraw {
+                self.rest_budget = RestBudget::default();
+            }
+            // A picture that was given up for what has come now, or that is to have more sub-frames.
+            let is_unfinished = std::mem::take(&mut self.is_interrupted) || self.is_refining();
+            if (redraw || is_unfinished) && !self.renders_other_frame() {
+                self.rest_budget.grow();
                 self.draw_unless(mailbox.news());
             }
             if self.summary_due().is_some_and(|due| due <= Instant::now()) {
@@ -78,7 +83,7 @@ impl Worker {
             }
             self.handle_frame_requests();
             let is_over = mailbox.is_empty() && self.frame_requests.is_empty();
-            if is_over && !self.is_interrupted {
+            if is_over && !self.is_interrupted && !self.is_refining() {
                 self.send(Report::Idle);
             }
         }
@@ -90,6 +95,12 @@ impl Worker {
         let is_posed = |frame: u32| frame == posed;
         (self.frame_requests.front()).is_some_and(|of| is_posed(of.view.frame))
             && !(self.view.as_ref()).is_some_and(|view| is_posed(view.frame))
+    }
+
+    /// Whether the view rests with fewer sub-frames than the scene wants.
+    pub(super) fn is_refining(&self) -> bool {
+        let rests = self.view.as_ref().is_some_and(|v| v.draft_ms.is_none());
+        rests && self.rest_budget.is_short() && !self.renders_other_frame()
     }
 
     /// Time at which the summary of the shown frame is to be sent; `None` if that was sent.

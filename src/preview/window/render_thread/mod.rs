@@ -27,6 +27,7 @@ use crate::{
     live::Live,
     watch::{Change, WatchEvent, Watcher},
     window::{
+        PictureFilter,
         mailbox::Mailbox,
         protocol::{Report, Task},
     },
@@ -45,11 +46,12 @@ pub struct RenderThread {
 
 impl RenderThread {
     /// Starts the thread; `on_report` is called after each report. If `is_waiting`, the scene is
-    /// reloaded at once.
+    /// reloaded at once. `denoiser` filters pictures at rest, for which the scene must be opened with guides.
     pub fn start(
         gpu: Arc<Gpu>,
         live: Live,
         is_waiting: bool,
+        denoiser: Option<PictureFilter>,
         on_report: impl Fn() + Send + 'static,
     ) -> Self {
         let mailbox = Mailbox::default();
@@ -63,7 +65,7 @@ impl RenderThread {
                     WatchEvent::Failure(why) => Task::Unwatched(why),
                 });
             });
-            let mut state = Worker::new(gpu, live, sender, Box::new(on_report));
+            let mut state = Worker::new(gpu, live, denoiser, sender, Box::new(on_report));
             state.watch(watcher.as_ref().ok());
             if let Err(why) = &watcher {
                 state.send(Report::Unwatched(Some(why.clone())));

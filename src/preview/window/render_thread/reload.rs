@@ -36,7 +36,7 @@ impl Worker {
             && self
                 .wanted_frame()
                 .is_some_and(|(frame, _)| self.live.pose_job(frame).is_some());
-        if is_behind {
+        if is_behind || self.is_refining() {
             Some(Instant::now())
         } else {
             let times = self.reload_jobs.next_check.into_iter();

@@ -60,8 +60,8 @@ impl Worker {
 
     fn side(&mut self, side: Side, view: &View) -> Result<Pixels, String> {
         let rendered = self.render(view, side.method);
-        rendered.map_err(|error| error.to_string())?;
-        let (pixels, _) = (self.pixels(side.channel, view)).map_err(|error| error.to_string())?;
+        let pixels = rendered.and_then(|stats| self.pixels(side.channel, view, &stats));
+        let (pixels, _) = pixels.map_err(|error| error.to_string())?;
         Ok(pixels)
     }
 }

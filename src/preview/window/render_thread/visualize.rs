@@ -2,6 +2,7 @@
 
 use super::{pixels::Pixels, worker::Worker};
 use crate::window::{
+    PictureFilter,
     frame_texture::FrameTexture,
     protocol::{Side, View, Visualization},
     view_channel::{BACKGROUND_GRAY, CUBE_CROSS, ShadowMapChoice, ViewChannel},
@@ -36,6 +37,7 @@ impl Worker {
         old: Option<FrameTexture>,
     ) -> Result<Visualization, RenderError> {
         let display = self.live.renderer().targets().texture(Target::Display);
+        let display = display.filter(|_| !self.denoises(view));
         let (texture, legend) = match (side.channel, display) {
             (ViewChannel::Picture, Some(display)) => {
                 let texture = FrameTexture::of_size(&self.gpu, old, stats.size)?;
@@ -43,7 +45,7 @@ impl Worker {
                 (texture, String::new())
             }
             (channel, _) => {
-                let (pixels, legend) = self.pixels(channel, view)?;
+                let (pixels, legend) = self.pixels(channel, view, &stats)?;
                 let texture = FrameTexture::of_size(&self.gpu, old, pixels.size)?;
                 texture.write(&self.gpu, &pixels.rgba);
                 (texture, legend)
@@ -57,16 +59,42 @@ impl Worker {
         })
     }
 
-    /// A channel of the last rendered frame, and its legend.
+    /// Whether the picture of a view is denoised: at rest alone.
+    fn denoises(&self, view: &View) -> bool {
+        self.denoiser.is_some() && view.draft_ms.is_none() && !self.live.is_coarse()
+    }
+
+    /// Denoised display color of the last rendered frame, and nothing or why it could not be denoised.
+    fn denoised(
+        &self,
+        view: &View,
+        stats: &FrameStats,
+        denoiser: &PictureFilter,
+    ) -> Result<(Pixels, String), RenderError> {
+        let camera = self.camera(&view.camera);
+        let renderer = self.live.renderer();
+        let mut picture = renderer.rendered_picture(&self.gpu, &camera, stats.clone())?;
+        let denoised = denoiser.apply(&mut picture);
+        let legend =
+            denoised.map_or_else(|error| format!("not denoised: {error}"), |()| String::new());
+        let (size, rgba) = (picture.size, picture.display);
+        Ok((Pixels { size, rgba }, legend))
+    }
+
+    /// A channel of the last rendered frame, whose statistics these are, and its legend.
     pub(super) fn pixels(
         &self,
         channel: ViewChannel,
         view: &View,
+        stats: &FrameStats,
     ) -> Result<(Pixels, String), RenderError> {
         let renderer = self.live.renderer();
         let size = renderer.targets().size;
         match channel {
             ViewChannel::Picture => {
+                if let Some(denoiser) = self.denoiser.as_ref().filter(|_| self.denoises(view)) {
+                    return self.denoised(view, stats, denoiser);
+                }
                 let rgba = renderer.read(&self.gpu, Target::Display)?;
                 Ok((Pixels { size, rgba }, String::new()))
             }

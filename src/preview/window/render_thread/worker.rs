@@ -7,13 +7,16 @@ use std::{
 };
 
 use super::{
-    dynamic_resolution::FrameCost, instance_key::InstanceKey, pixels::Pixels,
+    dynamic_resolution::{FrameCost, RestBudget},
+    instance_key::InstanceKey,
+    pixels::Pixels,
     reload_jobs::ReloadJobs,
 };
 use crate::{
     live::{Live, Reload, ViewOverrides},
     watch::{WatchList, Watcher},
     window::{
+        PictureFilter,
         frame_texture::FrameTexture,
         protocol::{FrameRequest, Report, View, ViewCamera},
         scene_summary::SceneSummary,
@@ -27,8 +30,6 @@ use reflet_render::{
 use reflet_scene::desc::{CameraDesc, Method};
 use reflet_world::World;
 
-/// Time budget of a still picture; beyond it sub-frames are dropped, milliseconds.
-const STILL_MS: f64 = 1000.0;
 /// Halvings of a draft's size: a smaller one than a quarter of each side cannot be read.
 const MOST_HALVINGS: u32 = 2;
 
@@ -62,6 +63,10 @@ pub(super) struct Worker {
     pub(super) number: u64,
     /// Whether the picture of the view was given up, and is still to be drawn.
     pub(super) is_interrupted: bool,
+    /// Time budget of the view at rest.
+    pub(super) rest_budget: RestBudget,
+    /// Filter of pictures at rest.
+    pub(super) denoiser: Option<PictureFilter>,
     frame_cost: FrameCost,
     sender: Sender<Report>,
     on_report: Box<dyn Fn() + Send>,
@@ -83,6 +88,7 @@ impl Worker {
     pub(super) fn new(
         gpu: Arc<Gpu>,
         live: Live,
+        denoiser: Option<PictureFilter>,
         sender: Sender<Report>,
         on_report: Box<dyn Fn() + Send>,
     ) -> Self {
@@ -105,6 +111,8 @@ impl Worker {
             summary_sent_at: Instant::now(),
             number: 0,
             is_interrupted: false,
+            rest_budget: RestBudget::default(),
+            denoiser,
             frame_cost: FrameCost::default(),
             sender,
             on_report,
@@ -176,7 +184,7 @@ impl Worker {
             && self
                 .frame_cost
                 .predict_ms(pixels(size) * f64::from(samples))
-                > STILL_MS
+                > self.rest_budget.ms
         {
             samples /= 2;
         }
@@ -190,6 +198,9 @@ impl Worker {
         })?;
         self.live.complete()?;
         let stats = self.live.render(&|world| camera_in(world, &view.camera))?;
+        if !is_whole && view.draft_ms.is_none() {
+            self.rest_budget.fall_short();
+        }
         self.frame_cost
             .record(pixels(size) * f64::from(samples), stats.frame_ms);
         Ok(stats)

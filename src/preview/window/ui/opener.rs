@@ -15,7 +15,9 @@ use eframe::egui;
 use super::window::Window;
 use crate::{
     live::{InitialBuild, Live, SceneSource, ViewOverrides},
-    window::{WindowOptions, render_thread::RenderThread, scene_summary::SceneSummary},
+    window::{
+        PictureFilter, WindowOptions, render_thread::RenderThread, scene_summary::SceneSummary,
+    },
 };
 use reflet_gpu::Gpu;
 use reflet_render::runtime::SessionError;
@@ -32,6 +34,7 @@ pub struct Opener {
     overrides: ViewOverrides,
     method: Option<Method>,
     screenshots: PathBuf,
+    denoiser: Option<PictureFilter>,
 }
 
 /// A loaded scene with its renderer, and the initial state of its window.
@@ -56,10 +59,12 @@ impl Opener {
                 size: Some([64, 64]),
                 method: options.method,
                 costs: options.costs,
+                guides: options.denoiser.is_some(),
                 ..ViewOverrides::default()
             },
             method: options.method,
             screenshots: options.screenshots.clone(),
+            denoiser: options.denoiser.clone(),
         }
     }
 
@@ -110,7 +115,13 @@ impl Opener {
         let repaint = context.clone();
         let repaint = move || repaint.request_repaint();
         let (live, is_waiting) = (opened.live, opened.is_waiting);
-        let thread = RenderThread::start(self.gpu.clone(), live, is_waiting, repaint);
+        let thread = RenderThread::start(
+            self.gpu.clone(),
+            live,
+            is_waiting,
+            self.denoiser.clone(),
+            repaint,
+        );
         let place = (self.screenshots.clone(), opened.stem);
         let mut window = Window::new(thread, opened.summary, opened.method, opened.camera, place);
         window.set_follows_cuts(opened.follows_cuts);

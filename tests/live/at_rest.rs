@@ -1,0 +1,119 @@
+//! The view at rest: its picture becomes the one of `render`, sample by sample, and is denoised where that is asked for.
+
+use std::sync::{
+    Arc,
+    atomic::{AtomicU32, Ordering},
+};
+
+use reflet::{
+    render::png_file,
+    runtime::{Session, SessionOptions, scene_text::SceneOptions},
+};
+use reflet_preview::{
+    live::ViewOverrides,
+    window::{
+        PictureFilter,
+        protocol::{Report, ViewCamera},
+    },
+};
+
+use crate::{
+    background_scripts::Watched,
+    common::gpu_or_skip,
+    kit::{Folder, SCENE, open},
+};
+
+const SIZE: [u32; 2] = [24, 16];
+/// Sub-frames that take more than the time of the first picture at rest on a software adapter. On a faster one the first
+/// picture has them all, which is as right.
+const SAMPLES: u32 = 256;
+
+/// Value of all channels of a filtered picture.
+const FILTERED: u8 = 77;
+
+fn scene(samples: u32) -> String {
+    SCENE.replace("[image]", &format!("[image]\nsamples = {samples}"))
+}
+
+/// Numbers of samples of the pictures until the window is idle.
+fn samples_until_idle(preview: &mut Watched) -> Vec<u32> {
+    let mut samples = Vec::new();
+    preview.until("rest", |report| {
+        if let Report::Frame(shown) = report {
+            samples.push(shown.sides[0].stats.samples);
+        }
+        matches!(report, Report::Idle).then_some(())
+    });
+    samples
+}
+
+#[test]
+fn more_and_more_samples_make_the_picture_of_render() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let (gpu, folder) = (Arc::new(gpu), Folder::new());
+    let path = folder.write("scene.toml", scene(SAMPLES));
+    let live = open(&gpu, &path, None);
+    let mut session = Session::open(
+        &path,
+        &SessionOptions {
+            scene: SceneOptions {
+                set: vec![
+                    format!("image.size={SIZE:?}"),
+                    "reflection.method=\"hybrid\"".to_owned(),
+                ],
+                ..SceneOptions::default()
+            },
+            ..SessionOptions::default()
+        },
+    )
+    .expect("it opens");
+    let rendered = session.render(&[]).expect("it renders").display;
+    let wanted = png_file::encode(SIZE, &rendered, &[]).expect("encodes");
+
+    let mut preview = Watched::start(Arc::clone(&gpu), folder, live, false);
+    // The time of a sub-frame is known from the first picture on.
+    samples_until_idle(&mut preview);
+    let camera = ViewCamera::Free(reflet::scene::desc::CameraDesc::default());
+    preview.show(|view| view.camera = camera);
+    let samples = samples_until_idle(&mut preview);
+    assert_eq!(samples.last(), Some(&SAMPLES), "{samples:?}");
+    assert!(samples.is_sorted_by(|a, b| a < b), "{samples:?}");
+    preview.show(|view| view.camera = ViewCamera::Scene("main".to_owned()));
+    let samples = samples_until_idle(&mut preview);
+    assert_eq!(samples.last(), Some(&SAMPLES), "{samples:?}");
+    assert!(preview.screenshot() == wanted);
+}
+
+#[test]
+fn the_picture_at_rest_is_denoised_and_drafts_are_not() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let (gpu, folder) = (Arc::new(gpu), Folder::new());
+    let path = folder.write("scene.toml", scene(2));
+    let mut live = open(&gpu, &path, None);
+    let guides = ViewOverrides {
+        guides: true,
+        ..live.view().clone()
+    };
+    live.set_view(guides).expect("guides refuse nothing");
+    let count = Arc::new(AtomicU32::new(0));
+    let counted = Arc::clone(&count);
+    // A filter that needs everything that a denoiser gets, and whose result is known.
+    let filter = PictureFilter::new(move |picture| {
+        counted.fetch_add(1, Ordering::Relaxed);
+        let pixels = (picture.size[0] * picture.size[1]) as usize;
+        if picture.color.len() != 4 * pixels || picture.guides.len() != 6 * pixels {
+            return Err("no color, or no guides".to_owned());
+        }
+        picture.display.fill(FILTERED);
+        Ok(())
+    });
+    let mut preview = Watched::start_filtered(gpu, folder, live, false, Some(filter));
+    let gray = vec![FILTERED; (4 * SIZE[0] * SIZE[1]) as usize];
+    let wanted = png_file::encode(SIZE, &gray, &[]).expect("encodes");
+    assert!(preview.screenshot() == wanted);
+    let at_rest = count.load(Ordering::Relaxed);
+    assert_eq!(at_rest, 2, "the picture and the screenshot");
+    preview.show(|view| view.draft_ms = Some(f64::INFINITY));
+    preview.shown(|_| true);
+    assert_eq!(count.load(Ordering::Relaxed), at_rest, "a draft");
+}
