@@ -61,13 +61,13 @@ class Root:
         return self.file.split("/")[0]
 
 
-def render(program: Path, corpus: Path, out: Path, root: Root) -> Root:
-    """Render `root` alone, from its default view."""
+def render(program: Path, corpus: Path, out: Path, root: Root, samples: int) -> Root:
+    """Render `root` alone, from its default view, with this many samples per pixel."""
     picture = out / "cells" / (re.sub(r"[^A-Za-z0-9.]+", "_", root.file) + ".png")
     started = time.monotonic()
     command = ["sh", "-c", f'ulimit -t {CPU_S}; exec "$@"', "sh", str(program), "render"]
     command += [str(corpus / root.file), "-o", str(picture)]
-    command += ["--size", f"{SIZE}x{SIZE}", "--set", f"image.samples={SAMPLES}"]
+    command += ["--size", f"{SIZE}x{SIZE}", "--set", f"image.samples={samples}"]
     picture.unlink(missing_ok=True)
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     root.seconds = time.monotonic() - started
@@ -206,6 +206,7 @@ def main() -> None:
     parser.add_argument("out", type=Path, help="folder for the sheets and table.md")
     add_program(parser)
     parser.add_argument("--only", default="", help="roots whose path contains this")
+    parser.add_argument("--samples", type=int, default=SAMPLES, help="samples of each pixel")
     parser.add_argument("--page", action="store_true", help="write the table into docs/gltf.md")
     arguments = parser.parse_args()
     (arguments.out / "cells").mkdir(parents=True, exist_ok=True)
@@ -214,7 +215,7 @@ def main() -> None:
     program = program_of(arguments.reflet)
 
     def job(root: Root) -> Root:
-        return render(program, arguments.corpus, arguments.out, root)
+        return render(program, arguments.corpus, arguments.out, root, arguments.samples)
 
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         roots = list(pool.map(job, roots))
