@@ -3,7 +3,9 @@
 
 mod actions;
 mod answer;
+mod call;
 mod colors;
+mod format;
 mod frames;
 mod names;
 mod outline;
@@ -64,6 +66,8 @@ fn serve(connection: &Connection) -> Result<(), String> {
         "renameProvider": { "prepareProvider": true },
         "documentSymbolProvider": true,
         "foldingRangeProvider": true,
+        "signatureHelpProvider": { "triggerCharacters": ["(", ","] },
+        "documentFormattingProvider": true,
         "codeActionProvider": { "codeActionKinds": ["quickfix"] },
         "colorProvider": true,
     });
@@ -154,6 +158,14 @@ impl Server<'_> {
                 }
             },
             ("textDocument/documentSymbol", Some(file)) => json!(structure::symbols(file)),
+            ("textDocument/signatureHelp", Some(file)) if is_script => {
+                json!(call::signature_help(&file.text, at))
+            }
+            ("textDocument/signatureHelp", Some(_)) => Value::Null,
+            ("textDocument/formatting", Some(_)) if is_script => Value::Null,
+            ("textDocument/formatting", Some(file)) => {
+                json!(format::edits(&file.text, &params["options"]))
+            }
             ("textDocument/foldingRange", Some(file)) => json!(structure::folds(file)),
             ("textDocument/documentColor", Some(_)) if is_script => json!([] as [Value; 0]),
             ("textDocument/documentColor", Some(file)) => json!(colors::colors(file)),

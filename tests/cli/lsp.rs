@@ -1,6 +1,7 @@
 //! The language server, driven by a client as editors do.
 
 mod across_files;
+mod writing;
 
 use std::{
     fs,

@@ -6,6 +6,7 @@ use serde_json::{Value, json};
 
 use super::{
     answer::places,
+    call::Call,
     names::{names, with_parts},
 };
 use crate::scene::{diagnostic::Source, parse, script::api};
@@ -46,8 +47,10 @@ pub fn complete(text: &str, offset: usize, scenes: &[Arc<Source>]) -> Vec<Value>
     let before = &text[..text.floor_char_boundary(offset)];
     let all = scenes.iter().flat_map(|s| names(s));
     if in_quotes(before) {
+        let kinds = Call::around_end_of(before).map_or(&[][..], |call| call.kinds_of_names());
         let named: BTreeSet<_> = all
             .filter(|n| n.kind != "params")
+            .filter(|n| kinds.is_empty() || kinds.contains(&n.kind.as_str()))
             .map(|n| (n.name, n.kind))
             .collect();
         let item = |(name, kind): &(String, String)| json!({ "label": name, "kind": REFERENCE, "detail": kind });
@@ -117,7 +120,7 @@ pub fn definition(text: &str, offset: usize, scenes: &[Arc<Source>]) -> Vec<Valu
     }
 }
 
-fn is_word(c: char) -> bool {
+pub fn is_word(c: char) -> bool {
     c.is_alphanumeric() || c == '_'
 }
 
@@ -131,7 +134,7 @@ fn word_at(text: &str, offset: usize) -> &str {
 }
 
 /// Whether a text ends inside of double quotes; multi-line strings in backticks are not recognized.
-fn in_quotes(before: &str) -> bool {
+pub fn in_quotes(before: &str) -> bool {
     let line = before.rsplit('\n').next().unwrap_or_default();
     let (mut open, mut escaped) = (false, false);
     for c in line.chars() {

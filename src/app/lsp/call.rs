@@ -1,0 +1,163 @@
+//! The call of a function of the API that a position in a script is in: its signatures, and the names that it takes.
+
+use serde_json::{Value, json};
+
+use super::script::{in_quotes, is_word};
+use crate::scene::script::api;
+
+/// A call that a text ends in.
+#[derive(Debug, PartialEq, Eq)]
+pub struct Call<'a> {
+    /// Name of the function.
+    pub name: &'a str,
+    /// Whether it is called on `ctx`.
+    pub of_context: bool,
+    /// Index of the argument that the text ends in.
+    pub argument: usize,
+}
+
+impl<'a> Call<'a> {
+    /// The innermost call that a text ends in; `None` outside of all calls.
+    pub fn around_end_of(before: &'a str) -> Option<Self> {
+        // Arguments so far of each open parenthesis, with the place of it; other brackets have no place.
+        let mut open: Vec<(Option<usize>, usize)> = Vec::new();
+        for (at, c) in code(before) {
+            match c {
+                '(' => open.push((Some(at), 0)),
+                '[' | '{' => open.push((None, 0)),
+                ')' | ']' | '}' => {
+                    open.pop();
+                }
+                ',' => {
+                    if let Some((_, arguments)) = open.last_mut() {
+                        *arguments += 1;
+                    }
+                }
+                _ => {}
+            }
+        }
+        let (at, argument) = open
+            .iter()
+            .rev()
+            .find_map(|(at, n)| at.map(|at| (at, *n)))?;
+        let callee = before[..at].trim_end();
+        let start = callee.trim_end_matches(is_word).len();
+        let name = &callee[start..];
+        let of_context = callee[..start].trim_end().ends_with("ctx.");
+        (!name.is_empty()).then_some(Self {
+            name,
+            of_context,
+            argument,
+        })
+    }
+
+    /// Signatures of the functions with that name, of those on `ctx` or of all others.
+    fn signatures(&self) -> Vec<(&'static str, String)> {
+        let entries = api::entries(self.name);
+        let forms = entries.iter().flat_map(|entry| {
+            let forms = entry.signature.split("; ");
+            forms.map(|form| (form, entry.meaning()))
+        });
+        let is_own = |form: &str| {
+            let owner = form.split('(').next().unwrap_or_default();
+            owner.rsplit('.').next() == Some(self.name)
+                && owner.starts_with("ctx.") == self.of_context
+                && form.contains('(')
+        };
+        forms.filter(|(form, _)| is_own(form)).collect()
+    }
+
+    /// Kinds of the items whose names the argument takes; none where it takes no name.
+    pub fn kinds_of_names(&self) -> &'static [&'static str] {
+        if !self.of_context {
+            return &[];
+        }
+        match (self.name, self.argument) {
+            ("place" | "position" | "matrix" | "show", 0) => &["instance", "group"],
+            ("animate" | "joint" | "morph" | "instance_material", 0) => &["instance"],
+            ("camera", 0) => &["camera"],
+            ("light", 0) => &["light"],
+            ("material", 0) => &["material", "model"],
+            _ => &[],
+        }
+    }
+}
+
+/// Parameters of a signature such as `ctx.place(name, position)`.
+fn parameters(form: &str) -> impl Iterator<Item = &str> {
+    let (_, list) = form.split_once('(').unwrap_or_default();
+    let list = list.rsplit_once(')').map_or(list, |(list, _)| list);
+    list.split(", ").filter(|name| !name.is_empty())
+}
+
+/// Signatures of the call at a byte offset, and its current parameter.
+pub fn signature_help(text: &str, offset: usize) -> Option<Value> {
+    let before = &text[..text.floor_char_boundary(offset)];
+    let call = Call::around_end_of(before)?;
+    let forms = call.signatures();
+    let takes = |form: &str| parameters(form).count() > call.argument;
+    let active = forms.iter().position(|(form, _)| takes(form)).unwrap_or(0);
+    let signature = |(form, meaning): &(&str, String)| {
+        let parameters = parameters(form).map(|name| json!({ "label": name }));
+        json!({
+            "label": form,
+            "documentation": { "kind": "markdown", "value": meaning },
+            "parameters": parameters.collect::<Vec<_>>(),
+        })
+    };
+    (!forms.is_empty()).then(|| {
+        json!({
+            "signatures": forms.iter().map(signature).collect::<Vec<_>>(),
+            "activeSignature": active,
+            "activeParameter": call.argument,
+        })
+    })
+}
+
+/// Characters of a script outside of its texts and comments, with their byte offsets. An unfinished text at the end counts
+/// as one character of code, so that calls around it are found.
+fn code(text: &str) -> impl Iterator<Item = (usize, char)> {
+    let mut line_start = 0;
+    let lines = text.split_inclusive('\n').map(move |line| {
+        let start = line_start;
+        line_start += line.len();
+        (start, line)
+    });
+    lines.flat_map(|(start, line)| {
+        let outside = line
+            .char_indices()
+            .filter(move |(at, _)| !in_quotes(&line[..*at]));
+        // `//` begins a comment up to the end of the line.
+        let mut last = ' ';
+        let code = outside.take_while(move |(_, c)| {
+            let is_comment = last == '/' && *c == '/';
+            last = *c;
+            !is_comment
+        });
+        code.map(move |(at, c)| (start + at, c))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn call(text: &str) -> Option<(&str, bool, usize)> {
+        Call::around_end_of(text).map(|c| (c.name, c.of_context, c.argument))
+    }
+
+    #[test]
+    fn the_innermost_call_and_its_argument() {
+        assert_eq!(call("ctx.place(\"a, (b\", "), Some(("place", true, 1)));
+        assert_eq!(
+            call("ctx.place(\"ball\", [0, 1, "),
+            Some(("place", true, 1))
+        );
+        assert_eq!(call("let x = lerp(1, sin(2), "), Some(("lerp", false, 2)));
+        assert_eq!(call("ctx.light(\"la"), Some(("light", true, 0)));
+        assert_eq!(call("f(1, // g(\n"), Some(("f", false, 1)));
+        assert_eq!(call("f(1); "), None);
+        assert_eq!(call("if (a"), Some(("if", false, 0)));
+        assert_eq!(call("(a, "), None);
+    }
+}
