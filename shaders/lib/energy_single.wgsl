@@ -14,7 +14,7 @@ fn compensation(s: Surface, view: vec3f) -> vec3f {
 // Albedo of the specular lobe alone under uniform light.
 fn lobe_reflectance(s: Surface, view: vec3f) -> vec3f {
     let cosine = saturate(dot(s.normal, view));
-    let lobe = lobe_at(shown_roughness(s), cosine);
+    let lobe = shown_lobe(s, view);
     if (is_transmissive(s)) { return transmissive_fresnel(s, cosine) * lobe.x; }
     return split_sum(f0(s), grazing_reflectance(s), lobe);
 }

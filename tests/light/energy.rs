@@ -71,6 +71,36 @@ fn both_sides_of_the_cutoff_are_alike_bright() {
     }
 }
 
+#[test]
+fn no_pixel_is_black_where_its_one_facet_turns_light_to_the_wrong_side() {
+    let grooves = "[material.floor]\nmetallic = 1\nanisotropy = 1\nroughness = 0.2\n";
+    let pane = "[material.floor]\ntransmission = 1\nreflectivity = 0\nroughness = 0.8\n";
+    for (material, cosine) in [(grooves, 0.5), (pane, 0.4)] {
+        let text = [FLOOR, material, "[environment]\ncolor = [1, 1, 1]\n"].concat();
+        let sine = (1.0_f32 - cosine * cosine).sqrt();
+        let eye = format!("camera.main.eye=[{}, {}, 0]", 3.0 * sine, 3.0 * cosine);
+        let picture = |samples: &str| {
+            let set = [
+                eye.as_str(),
+                samples,
+                "image.size=[48, 48]",
+                "reflection.roughness_cutoff=1",
+            ];
+            gpu().map(|gpu| render(gpu, &text, &set, &[]))
+        };
+        let (Some(one), Some(many)) = (picture("image.samples=1"), picture("image.samples=256"))
+        else {
+            return;
+        };
+        let expected = mean(&many)[0];
+        // A single facet left a quarter of the pixels of the grooves black, and a sixth of those of the pane.
+        let pixels = one.color.chunks_exact(4);
+        let dark = pixels.filter(|pixel| pixel[0] < 0.3 * expected).count();
+        assert!(dark <= 4, "{dark} of 2304 pixels");
+        assert_close(mean(&one)[0], expected, 0.01);
+    }
+}
+
 /// A rough metal floor below a red ceiling, under a black sky, with a small bright lamp.
 const ROOM: &str = r#"
 version = 1

@@ -233,6 +233,7 @@ features! {
     anisotropy {
         used: scene.has(|m| m.anisotropy.is_some()),
         constant: HAS_ANISOTROPY,
+        files: grooves [mean, tabulated];
         dropped: "anisotropy" => "no material is anisotropic";
     }
     /// Whether some transmissive solid has dispersion.
@@ -247,11 +248,6 @@ features! {
         files: energy [single, conserved];
         dropped: "multiple scattering" => "no material has a specular lobe",
             if scene.options.reflection.multiple_scattering;
-    }
-    /// Whether the light that anisotropic lobes lose between facets is compensated.
-    conserved_grooves {
-        follows: multiple_scattering && anisotropy,
-        files: grooves [mean, tabulated];
     }
     /// Whether reflections show reflections; transmissive surfaces also show the backs of reflectors.
     further_bounces {
