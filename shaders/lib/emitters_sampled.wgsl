@@ -3,6 +3,7 @@
 #import bvh
 #import extent
 #import frame
+#import lamps
 #import light_tree
 #import sampling
 #import shown
@@ -125,6 +126,12 @@ struct EmitterSample {
 fn emitter_sample(chosen: LightChoice, candidates: f32, position: vec3f, u: vec2f) -> EmitterSample {
     var r: LightSample;
     if (candidates <= 0.0) { return EmitterSample(r, 0.0); }
+    if (HAS_TREE_LAMPS && chosen.instance == NONE) {
+        r = lamp_point(chosen.triangle, position, u);
+        r.pdf *= candidates;
+        r.color /= candidates;
+        return EmitterSample(r, 1.0);
+    }
     let instance = chosen.instance;
     let m = instance_material(instance);
     let c = corners(instance, chosen.triangle);
@@ -167,6 +174,14 @@ fn returned_of_emitters(s: Surface, view: vec3f, to: Receiver, index: u32) -> Re
         let chosen = chosen_light(which, is_by_power, lit);
         let expected = expected_candidates(chosen.chances);
         let point = emitter_sample(chosen, expected, s.position, sample_square(index * candidates + k, where_on_it));
+        if (HAS_TREE_LAMPS && chosen.instance == NONE) {
+            let is_sized = chosen.sides == 1u;
+            var lit_part = to;
+            // No ray finds a point without a size, so that its highlight comes by light samples alone.
+            if (!is_sized) { lit_part = Receiver(to.albedo, false, s.metallic > 0.0 || s.reflectivity > 0.0, to.stand_in); }
+            offer(&choice, returned_of_lamp(s, view, lit_part, point.light, is_sized), 1.0);
+            continue;
+        }
         let is_met = !is_passed(instance_trace_flags(chosen.instance), UNREFLECTED);
         offer(&choice, returned_of_lamp(s, view, to, point.light, is_met), point.seen_share);
     }

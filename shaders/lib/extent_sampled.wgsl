@@ -2,6 +2,8 @@
 
 #import fog
 #import frame
+#import lamp_shape
+#import lamps
 #import lobe
 #import sampling
 
@@ -176,17 +178,8 @@ fn hard_lights() -> u32 {
     return frame.light_count;
 }
 
-// A sampled point of a light: its arriving radiance over the density of choosing it.
-struct LightSample {
-    to_light: vec3f,
-    distance_m: f32,
-    color: vec3f,
-    pdf: f32, // per solid angle
-}
-
 fn flat_area(i: u32) -> f32 {
-    let edges = sqrt(dot(lights[i].half_u, lights[i].half_u) * dot(lights[i].half_v, lights[i].half_v));
-    return edges * select(4.0, PI, lights[i].kind == LIGHT_DISK);
+    return flat_area_of(lights[i].half_u, lights[i].half_v, lights[i].kind == LIGHT_DISK);
 }
 
 fn light_sample(i: u32, position: vec3f, u: vec2f) -> LightSample {
@@ -203,31 +196,15 @@ fn light_sample(i: u32, position: vec3f, u: vec2f) -> LightSample {
             r.pdf = 1.0 / (2.0 * PI * (1.0 - least));
         }
         case LIGHT_RECT, LIGHT_DISK: {
-            var at = u * 2.0 - 1.0;
-            if (lights[i].kind == LIGHT_DISK) { at = on_circle(sqrt(u.x), u.y); }
-            let offset = lights[i].position + lights[i].half_u * at.x + lights[i].half_v * at.y - position;
-            let d2 = max(dot(offset, offset), 1e-20);
-            r.distance_m = sqrt(d2);
-            r.to_light = offset / r.distance_m;
-            let facing = max(-dot(lights[i].direction, r.to_light), 0.0);
-            r.color = lights[i].color * (facing / d2);
-            r.pdf = d2 / max(facing * flat_area(i), 1e-20);
+            let offset = lights[i].position - position;
+            let is_disk = lights[i].kind == LIGHT_DISK;
+            r = flat_point(offset, lights[i].direction, lights[i].half_u, lights[i].half_v, is_disk, lights[i].color, u);
         }
         default: {
-            // Samples the visible cap of a sphere light uniformly in solid angle (Shirley & Wang 1994).
             let offset = lights[i].position - position;
-            let d2 = dot(offset, offset);
-            let sine2 = extent * extent / d2;
-            if (sine2 >= 1.0) { return r; }
-            let d = sqrt(d2);
-            let cap = sine2 / (1.0 + sqrt(1.0 - sine2)); // 1 - cos, without cancellation
-            let below = u.x * cap;
-            let flat2 = below * (2.0 - below);
-            r.to_light = basis(offset / d) * vec3f(on_circle(sqrt(flat2), u.y), 1.0 - below);
-            r.distance_m = d * (1.0 - below) - sqrt(max(extent * extent - d2 * flat2, 0.0));
-            // I = π r² L.
-            r.color = lights[i].color * (2.0 * cap / (extent * extent)) * reach(i, offset / d, d);
-            r.pdf = 1.0 / (2.0 * PI * cap);
+            let d = length(offset);
+            r = ball_point(offset, extent, lights[i].color, u);
+            r.color *= reach(i, offset / max(d, 1e-20), d);
         }
     }
     return r;
@@ -336,7 +313,8 @@ fn sampled_light(s: Surface, view: vec3f, albedo: vec3f) -> Shade {
     let is_rough = is_rough_reflector(s);
     let has_specular = (is_rough || !is_reflector(s)) && (s.metallic > 0.0 || s.reflectivity > 0.0);
     let stand_in = select(0.0, stand_in_share(s), s.metallic > 0.0 || s.reflectivity > 0.0);
-    let has_lobe = has_specular || stand_in > 0.0;
+    let has_highlight = HAS_HARD_LAMPS && (s.metallic > 0.0 || s.reflectivity > 0.0);
+    let has_lobe = has_specular || stand_in > 0.0 || has_highlight;
     if (!has_lobe && !has_sheen(s) && max(albedo.x, max(albedo.y, albedo.z)) <= 0.0) { return out; }
     let to = Receiver(albedo, is_rough, has_specular, stand_in);
     let first_source = select(SKY, select(LAMPS, SUNS, HAS_SIZED_SUNS), HAS_SIZED_LIGHTS);
@@ -399,12 +377,12 @@ struct SeenLight {
 
 fn seen_light(origin: vec3f, ray: Reflected, t_max: f32) -> SeenLight {
     var seen: SeenLight;
-    if (!HAS_SIZED_LIGHTS) { return seen; }
+    if (!HAS_SIZED_LIGHTS && !HAS_SIZED_LAMPS) { return seen; }
     let direction = ray.direction;
     var behind = vec3f(0.0);
     var pdf = 0.0;
     var nearest = t_max;
-    for (var i = frame.hard_lights; i < frame.light_count; i++) {
+    for (var i = hard_lights(); HAS_SIZED_LIGHTS && i < frame.light_count; i++) {
         let extent = lights[i].extent;
         let offset = lights[i].position - origin;
         var t = -1.0;
@@ -419,28 +397,19 @@ fn seen_light(origin: vec3f, ray: Reflected, t_max: f32) -> SeenLight {
                 sky = environment(direction) * ray.sky_weight;
             }
             case LIGHT_RECT, LIGHT_DISK: {
-                let facing = -dot(direction, lights[i].direction);
-                let u2 = dot(lights[i].half_u, lights[i].half_u);
-                let v2 = dot(lights[i].half_v, lights[i].half_v);
-                let at_t = -dot(offset, lights[i].direction) / max(facing, 1e-12);
-                let on = direction * at_t - offset;
-                let at = vec2f(dot(on, lights[i].half_u) / u2, dot(on, lights[i].half_v) / v2);
                 let is_disk = lights[i].kind == LIGHT_DISK;
-                let inside = select(max(abs(at.x), abs(at.y)), length(at), is_disk) <= 1.0;
-                if (facing > 0.0 && inside) { t = at_t; }
+                let half_u = lights[i].half_u;
+                let met = flat_met(offset, lights[i].direction, half_u, lights[i].half_v, is_disk, direction, passed_m);
+                t = met.t;
                 radiance = lights[i].color / flat_area(i);
-                light_pdf = (at_t + passed_m) * (at_t + passed_m) / max(facing * flat_area(i), 1e-20);
+                light_pdf = met.pdf;
             }
             default: {
-                let along = dot(offset, direction);
-                let off = offset - direction * along;
-                let rest = extent * extent - dot(off, off);
-                if (rest > 0.0 && dot(offset, offset) > extent * extent) { t = along - sqrt(rest); }
+                let met = ball_met(offset, extent, direction, passed_m);
+                t = met.t;
                 let d = length(offset);
                 radiance *= reach(i, offset / max(d, 1e-12), d) / (extent * extent);
-                let whole = offset + direction * passed_m;
-                let sine2 = min(extent * extent / max(dot(whole, whole), 1e-20), 1.0);
-                light_pdf = (1.0 + sqrt(1.0 - sine2)) / (2.0 * PI * sine2);
+                light_pdf = met.pdf;
             }
         }
         if (t > 0.0 && t < nearest) {
@@ -448,6 +417,14 @@ fn seen_light(origin: vec3f, ray: Reflected, t_max: f32) -> SeenLight {
             pdf = light_pdf;
             behind = sky;
             seen = SeenLight(true, radiance, t);
+        }
+    }
+    if (HAS_SIZED_LAMPS) {
+        let lamp = met_lamp(origin, ray, nearest);
+        if (lamp.t < nearest) {
+            pdf = lamp.pdf;
+            behind = vec3f(0.0);
+            seen = SeenLight(true, lamp.radiance, lamp.t);
         }
     }
     if (ray.pdf == TAKEN) { seen.radiance = vec3f(0.0); }

@@ -1,10 +1,11 @@
-// Light tree: chooses an emissive triangle for a surface, and gives the probability of one, by the nodes and the formulas
+// Light tree: chooses an emissive triangle or a lamp for a surface, and gives the probability of one, by the nodes and the formulas
 // of src/world/light_tree.rs. The including shader declares:
 //   light_words(i: u32) -> vec4u   texels of src/render/emitters.rs: words of instances, the index of each one's placed
 //                                  light; placed lights; nodes; words of triangles, the node of each
 //   sampling.light_tree                where these begin
 
 #import constants
+#import lamps
 #import pack
 
 // Vectors of a placed light: link of its mesh's root, first word of its triangles, node, instance with sides in the lowest
@@ -18,12 +19,12 @@ struct LitPoint {
     sides: u32, // sides that emit light, beside those of each node
 }
 
-// A chosen triangle; probabilities of 0: none.
+// A chosen triangle or lamp; probabilities of 0: none.
 struct LightChoice {
-    instance: u32,
-    triangle: u32,
+    instance: u32, // NONE: a lamp
+    triangle: u32, // or the number of the lamp's record
     chances: vec2f, // by importance, by power
-    sides: u32, // sides that emit light: 0 the front, 1 both of a closed mesh, 2 both
+    sides: u32, // sides that emit light: 0 the front, 1 both of a closed mesh, 2 both; of a lamp: 1 if it has a size
 }
 
 fn sine_of(cosine: f32) -> f32 {
@@ -47,6 +48,12 @@ fn light_importance(a: vec4u, b: vec4u, to: LitPoint) -> f32 {
     let ball_sine = radius * inverse;
     let cone = f32((b.y >> 2u) & 0x3fffu) * (2.0 / 16383.0) - 1.0;
     let cosine = dot(way, unpack_unit(b.x));
+    if (HAS_TREE_LAMPS && (b.y & 3u) == CONE_SIDES) {
+        // Lamps in a ball shine within their cone alone: up to an angle beyond it that the ball covers, and rounding.
+        let nearer = cosine * cone + sine_of(cosine) * sine_of(cone);
+        if (cosine < cone && nearer < sine_of(ball_sine) - 1e-6) { return 0.0; }
+        return power * saturate(ball_sine - dot(way, to.normal)) / distance2;
+    }
     let sides = max(b.y & 3u, to.sides);
     var left = leaving(cosine, cone, ball_sine);
     if (sides > 0u && cosine < 0.0) {
@@ -128,6 +135,10 @@ fn chosen_light(u: f32, by_power: bool, surface: LitPoint) -> LightChoice {
         if (tree == 1u) { break; }
         let light = at.link & ~LIGHT_LEAF;
         let record = light_words(sampling.light_tree.lights + light * LIGHT_VECTORS);
+        if (HAS_TREE_LAMPS && is_lamp_record(record)) {
+            if (!by_power && at.chances.x <= 0.0) { return LightChoice(); }
+            return LightChoice(NONE, light, at.chances, u32(bitcast<f32>(record.w) > 0.0));
+        }
         instance = record.w >> 2u;
         at.link = record.x;
         to = in_tree(light, surface);

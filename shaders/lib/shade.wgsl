@@ -148,18 +148,25 @@ fn incoming(i: u32, position: vec3f) -> Incoming {
 
 // Share of a light's intensity after its range falloff and its cone.
 fn reach(i: u32, to_light: vec3f, distance_m: f32) -> f32 {
-    var share = 1.0;
-    if (lights[i].range_m > 0.0) {
-        // KHR_lights_punctual, "Range Property".
-        let x = distance_m / lights[i].range_m;
-        share *= saturate(1.0 - x * x * x * x);
-    }
+    var share = range_share(lights[i].range_m, distance_m);
     if (lights[i].kind == LIGHT_SPOT) {
-        // KHR_lights_punctual, "Inner and Outer Cone Angles".
-        let cone = saturate(-dot(lights[i].direction, to_light) * lights[i].spot_scale + lights[i].spot_offset);
-        share *= cone * cone;
+        share *= cone_share(lights[i].direction, vec2f(lights[i].spot_scale, lights[i].spot_offset), to_light);
     }
     return share;
+}
+
+// Share of a lamp's intensity that its range leaves (KHR_lights_punctual, "Range Property"); a range of 0 is unlimited.
+fn range_share(range_m: f32, distance_m: f32) -> f32 {
+    if (range_m <= 0.0) { return 1.0; }
+    let x = distance_m / range_m;
+    return saturate(1.0 - x * x * x * x);
+}
+
+// Share within a spot's cone, which falls off by a scale and an offset of the cosine (KHR_lights_punctual, "Inner and Outer
+// Cone Angles").
+fn cone_share(ahead: vec3f, falloff: vec2f, to_light: vec3f) -> f32 {
+    let cone = saturate(-dot(ahead, to_light) * falloff.x + falloff.y);
+    return cone * cone;
 }
 
 // Two bits of light `i`; a word holds those of 16 lights. 0 past the last one.

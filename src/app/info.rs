@@ -240,7 +240,7 @@ pub fn gather(loaded: &LoadedScene, plan_file: Option<&PlanFile>) -> Result<Info
     let reflection = &loaded.scene.reflection;
     let unit_m = reflection.unit_m.unwrap_or_else(|| world.unit_m());
     let is_of = |light: &Light, name: &str| light.desc.kind.name() == name;
-    let num_lights = |name| world.lights.iter().filter(|l| is_of(l, name)).count();
+    let num_lights = |name| world.all_lights().filter(|l| is_of(l, name)).count();
     let bounds = world.static_bounds();
     let num_triangles = |mesh: usize| world.meshes[mesh].triangles.len();
     let options = ViewOverrides::default().options(loaded);

@@ -161,6 +161,6 @@ fn is_lit(world: &World) -> bool {
         !i.is_hidden() && world.materials[i.material].emission.max_element() > 0.0
     };
     !world.environment.is_black()
-        || world.lights.iter().any(shines)
+        || world.all_lights().any(shines)
         || world.instances.iter().any(emits)
 }

@@ -74,6 +74,8 @@ pub struct LightsOfHits<'a> {
     environment: bool,
     /// Emissive triangles, with the sum of the power up to each.
     emitters: Vec<(Emitter, f64)>,
+    /// Places of lamps that a light tree chooses, with the sum of the intensity up to each.
+    lamps: Vec<(DVec3, f64)>,
     /// Number of light rays to each kind of light.
     rays: u32,
 }
@@ -92,11 +94,18 @@ impl<'a> LightsOfHits<'a> {
             sum += f64::from(emitter.power);
             (emitter, sum)
         });
+        let mut intensities = 0.0;
+        let lamps = world.lamps.iter().filter_map(|lamp| {
+            let kind = &lamp.desc.kind;
+            intensities += f64::from(kind.intensity() * lamp.desc.color.max_element());
+            Some((kind.position()?.as_dvec3(), intensities))
+        });
         Self {
             hard: traced().filter(|l| !l.desc.kind.has_size()).collect(),
             sized: [true, false].map(sized),
             environment: environment_casts_rays(world, options),
             emitters: emitters.collect(),
+            lamps: lamps.collect(),
             rays: options.image.light_rays(),
         }
     }
@@ -133,11 +142,20 @@ impl<'a> LightsOfHits<'a> {
                 sum.light
                     .add(visits(Some((direction, f64::INFINITY))).unwrap_or(0));
             }
-            if let Some(place) = self.emitter_point(rays.world, chance) {
+            // One shadow ray goes to all that light trees choose.
+            let lamp = self.lamp_place(chance);
+            if let Some(place) = lamp.or_else(|| self.emitter_point(rays.world, chance)) {
                 let to = (place - point.position, NEARLY);
                 sum.light.add(visits(Some(to)).unwrap_or(0));
             }
         }
+    }
+
+    /// Place of a lamp, which is chosen by its intensity.
+    fn lamp_place(&self, chance: &mut Chance) -> Option<DVec3> {
+        let up_to = self.lamps.last()?.1 * chance.next();
+        let index = self.lamps.partition_point(|(_, sum)| *sum < up_to);
+        self.lamps.get(index).map(|(place, _)| *place)
     }
 
     /// A random point of an emitter, which is chosen by its power.

@@ -11,7 +11,7 @@ use reflet_world::{
         STATIC_ROOT, TOP_LEVEL, TOP_ROOT, TRIANGLE_VECTORS, UNREFLECTED, UNSEEN,
     },
     environment::CONE_LEVELS,
-    light_tree::{INNER_SHARE, LIGHT_LEAF, LIGHT_NODE_VECTORS, MOST_LINKS, UNLIT_ITEM},
+    light_tree::{INNER_SHARE, LIGHT_LEAF, LIGHT_NODE_VECTORS, MOST_LINKS, Sides, UNLIT_ITEM},
     texture::pool_size::SMALLEST_POOL_PX,
 };
 
@@ -19,6 +19,7 @@ use super::{
     cause::{CAUSE_MASK, Cause, Source},
     cutoff::{COAT_STEPS, CUTOFF_FADE, METAL_REACH},
     draw_shape::SQUARE_CORNERS,
+    emitters::LAMP_RECORD,
     groove_table::{GROOVE_COSINES, GROOVE_NODES, GROOVE_STEPS},
     lights::{SHADOW_MAP, SHADOW_NEAR_M, SHADOW_NONE, SHADOW_RAY},
     lobe_table::{LOBE_COSINES, LOBE_NODES, LOBE_ROUGHNESSES, SMOOTH_ALPHA},
@@ -190,6 +191,7 @@ fn define_lights(out: &mut String) {
         MOST_LINKS,
         LIGHT_NODE_VECTORS,
         INNER_SHARE,
+        LAMP_RECORD,
         SHADOW_NONE,
         SHADOW_MAP,
         SHADOW_RAY,
@@ -197,6 +199,7 @@ fn define_lights(out: &mut String) {
         CONE_LEVELS,
         MOST_CONES,
     );
+    define(out, "CONE_SIDES", &(Sides::Cone as u32));
 }
 
 /// Numbers of the variants of enums.

@@ -1,12 +1,13 @@
-//! Light trees on the GPU: how shaders choose emissive triangles.
+//! Light trees on the GPU: how shaders choose emissive triangles and lamps.
 
 use reflet_gpu::{Gpu, GpuError};
+use reflet_scene::desc::{LightKind, ShadowMode};
 use reflet_world::{
-    World,
+    Light, World,
     light_tree::{LIGHT_LEAF, LIGHT_NODE_VECTORS, LightTrees, NO_NODE, Node, PlacedLight, Tree},
 };
 
-use super::texel_array::TexelArray;
+use super::{lights::gpu_light, texel_array::TexelArray};
 
 /// Parameters of shaders for a world without a light tree.
 pub const NO_LIGHT_TREE: [u32; 4] = [0, 0, 0, NO_NODE];
@@ -14,16 +15,21 @@ pub const NO_LIGHT_TREE: [u32; 4] = [0, 0, 0, NO_NODE];
 /// Number of vectors of a placed light.
 const LIGHT_VECTORS: usize = 4;
 
-/// The light trees on the GPU, in an array of vectors: for each instance the index of its placed light; placed lights;
-/// nodes, of the tree over instances first; for each triangle of each mesh its node.
+/// First word of a lamp's record, whose lowest three bits are the kind; that of a placed light is a link.
+pub const LAMP_RECORD: u32 = 0xffff_fff0;
+
+/// The light trees on the GPU, in an array of vectors: for each instance the index of its placed light; placed lights,
+/// then lamps; nodes, of the upper tree first; for each triangle of each mesh its node.
 #[derive(Clone, Debug)]
 pub struct GpuEmitters {
     array: TexelArray,
     trees: LightTrees,
+    /// The world's lamps at the last upload.
+    lamps: Vec<Light>,
     parts: Parts,
     /// Vectors where placed lights, nodes and nodes of triangles begin, and the link of the root.
     pub light_tree: [u32; 4],
-    /// Whether the trees may differ from frame to frame.
+    /// Whether the trees of surfaces may differ from frame to frame.
     is_moving: bool,
 }
 
@@ -46,10 +52,11 @@ impl Parts {
             false => trees.meshes.iter().map(|m| m.places.len()).collect(),
         };
         let lights = world.instances.len().div_ceil(4);
-        let nodes = lights + LIGHT_VECTORS * trees.lights.len();
+        let items = trees.lights.len() + trees.lamp_nodes.len();
+        let nodes = lights + LIGHT_VECTORS * items;
         // A tree has less than two nodes for each item; its nodes come in pairs.
         let triangles: usize = meshes.iter().sum();
-        let places = nodes + LIGHT_NODE_VECTORS * 2 * (trees.lights.len() + triangles);
+        let places = nodes + LIGHT_NODE_VECTORS * 2 * (items + triangles);
         let words: usize = meshes.iter().map(|count| count.next_multiple_of(4)).sum();
         Self {
             lights,
@@ -75,6 +82,7 @@ impl GpuEmitters {
         let mut this = Self {
             array: TexelArray::sized::<[u32; 4]>(gpu, "emitters", parts.end)?,
             trees,
+            lamps: world.lamps.clone(),
             parts,
             light_tree: NO_LIGHT_TREE,
             is_moving,
@@ -86,12 +94,13 @@ impl GpuEmitters {
 
     /// Uploads the trees again, if emitters may have moved: those of meshes only where one changed.
     pub fn update(&mut self, gpu: &Gpu, world: &World) {
-        if !self.is_moving {
+        if !self.is_moving && self.lamps == world.lamps {
             return;
         }
         let trees = LightTrees::new(world, Some(&self.trees));
         let are_meshes_kept = trees.has_meshes_of(&self.trees);
         self.trees = trees;
+        self.lamps.clone_from(&world.lamps);
         self.upload(gpu, world, !are_meshes_kept);
     }
 
@@ -99,8 +108,10 @@ impl GpuEmitters {
         let bases = self.mesh_bases();
         let parts = &self.parts;
         self.array.write(gpu, 0, &self.index(world.instances.len()));
+        let lamps = world.lamps.iter().zip(&self.trees.lamp_nodes);
         let lights: Vec<_> = (self.trees.lights.iter())
             .flat_map(|light| self.light(light, &bases))
+            .chain(lamps.flat_map(|(lamp, node)| lamp_record(lamp, *node)))
             .collect();
         self.array.write(gpu, parts.lights, &lights);
         let root = self.trees.top.as_ref().map_or(NO_NODE, |top| top.link);
@@ -123,7 +134,8 @@ impl GpuEmitters {
 
     /// First node and first word of triangles of each mesh's tree.
     fn mesh_bases(&self) -> Vec<[u32; 2]> {
-        let mut next = [2 * self.trees.lights.len(), 0];
+        let items = self.trees.lights.len() + self.trees.lamp_nodes.len();
+        let mut next = [2 * items, 0];
         let bases = self.trees.meshes.iter().map(|mesh| {
             let [nodes, places] = next;
             let used = mesh.tree.as_ref().map_or(0, |tree| tree.nodes.len());
@@ -162,6 +174,30 @@ impl GpuEmitters {
     pub fn bytes(&self) -> u64 {
         self.array.size()
     }
+}
+
+/// Record of a lamp whose place in the upper tree is `node`; see `shaders/lib/lamps_chosen.wgsl`.
+pub(super) fn lamp_record(lamp: &Light, node: u32) -> [[u32; 4]; LIGHT_VECTORS] {
+    let light = gpu_light(lamp, ShadowMode::Ray);
+    let half_v = glam::Vec3::from(light.half_v).length();
+    let form = match lamp.desc.kind {
+        LightKind::Spot { .. } => [light.spot_scale, light.spot_offset, 0.0],
+        _ => light.half_u,
+    };
+    let row =
+        |[x, y, z]: [f32; 3], channel: usize| [x, y, z, light.color[channel]].map(f32::to_bits);
+    let extent = light.extent.max(half_v).to_bits();
+    [
+        [
+            LAMP_RECORD | light.kind,
+            light.range_m.to_bits(),
+            node,
+            extent,
+        ],
+        row(light.position, 0),
+        row(light.direction, 1),
+        row(form, 2),
+    ]
 }
 
 /// A link, or the index of a node, of a tree whose nodes begin at `first`. Items and marks stay.

@@ -164,7 +164,7 @@ impl Frame {
 /// Minimum throughput of a path: what can be seen of the brightest thing that a reflection can show. Lit surfaces
 /// count as white at most.
 fn dimmest(world: &World, exposure_ev: f32, bounces: Bounces) -> f32 {
-    let lights = world.lights.iter().map(|light| {
+    let lights = world.all_lights().map(|light| {
         let radiance = light.desc.kind.radiance();
         radiance * light.desc.color.max_element()
     });

@@ -167,7 +167,7 @@ pub fn lights(
     (block, views)
 }
 
-fn gpu_light(light: &Light, shadow: ShadowMode) -> GpuLight {
+pub(super) fn gpu_light(light: &Light, shadow: ShadowMode) -> GpuLight {
     let kind = &light.desc.kind;
     let mut out = GpuLight::zeroed();
     out.position = kind.position().unwrap_or_default().to_array();

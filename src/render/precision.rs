@@ -63,7 +63,7 @@ pub fn brightest_emission(world: &World) -> f32 {
 /// Maximum radiance of the environment, and of white surfaces lit by a light, at 1 m if the light has a position. A
 /// glint may be brighter, and is clamped.
 fn brightest_light(world: &World) -> f32 {
-    let lights = world.lights.iter().map(|light| {
+    let lights = world.all_lights().map(|light| {
         light.desc.kind.intensity() * light.desc.color.max_element() / std::f32::consts::PI
     });
     lights.fold(world.environment.brightest(), f32::max)

@@ -10,6 +10,7 @@ use reflet_scene::desc::ProbesDesc;
 use reflet_world::World;
 
 use super::{
+    emitters::lamp_record,
     frame_uniforms::{FrameUniforms, uniform},
     lights::{SHADOW_MAP, SHADOW_RAY},
     probe_boxes::MOST_PROBES,
@@ -275,6 +276,9 @@ impl ProbeMaps {
             for (_, instance) in world.lighting_instances() {
                 hash.update(format!("{:?}", instance.world_from_object).as_bytes());
             }
+        }
+        for lamp in &world.lamps {
+            hash.update(bytemuck::bytes_of(&lamp_record(lamp, 0)));
         }
         let hash = Some(hash.digest());
         let mut content = self.content();

@@ -70,7 +70,7 @@ impl Coordinates {
             place.translation = (place.translation - glam::Vec3A::from(self.origin)) * self.scale;
             place.matrix3 *= self.scale;
         }
-        for light in &mut moved.lights {
+        for light in moved.lights.iter_mut().chain(&mut moved.lamps) {
             self.move_light(&mut light.desc.kind);
             light.range_m = light.range_m.map(|range_m| range_m * self.scale);
         }

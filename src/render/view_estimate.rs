@@ -12,6 +12,7 @@ use reflet_scene::desc::{LightKind, ShadowMode};
 use reflet_world::{
     Light, Material, TextureRef, World,
     bvh::{Ray, RayHit, SHADOWLESS, Trees},
+    light_tree::{Chosen, LightTrees},
 };
 
 use super::{
@@ -62,6 +63,7 @@ impl ViewEstimate {
     pub fn new(world: &World, trees: &Trees, view: &View, cutoff: f32, ray_length_m: f32) -> Self {
         let estimator = Estimator {
             rays: ViewRays { world, trees, view },
+            lamps: (!world.lamps.is_empty()).then(|| LightTrees::new(world, None)),
             looks: (world.materials.iter())
                 .map(|material| AverageColors::of(world, material))
                 .collect(),
@@ -126,8 +128,13 @@ fn mean_of(world: &World, texture: Option<TextureRef>) -> DVec3 {
     if count > 0.0 { sum / count } else { DVec3::ONE }
 }
 
+/// Number of lamps that are chosen for each point.
+const CHOSEN_LAMPS: u32 = 8;
+
 struct Estimator<'a> {
     rays: ViewRays<'a>,
+    /// Light trees that choose among the world's lamps, if it has any.
+    lamps: Option<LightTrees>,
     /// Colors by index of the material.
     looks: Vec<AverageColors>,
     /// See [`Environment::coarse_gradient`](reflet_world::Environment::coarse_gradient).
@@ -182,6 +189,7 @@ impl Estimator<'_> {
         for lamp in &world.lights {
             light += albedo * self.incoming(lamp, &point) / PI;
         }
+        light += albedo * self.incoming_of_lamps(&point) / PI;
         let f0 = DVec3::splat(reflectivity).lerp(look.base_color, metallic);
         if bounces == 0 || !can_reflect(material, self.cutoff) {
             return light + f0 * around;
@@ -192,6 +200,25 @@ impl Estimator<'_> {
         };
         let (met, _) = self.rays.trees.nearest_counted(&ray);
         light + f0 * self.radiance(met, ray.direction, bounces - 1)
+    }
+
+    /// Irradiance of the lamps on a surface, by those that a light tree chooses.
+    fn incoming_of_lamps(&self, point: &SurfacePoint) -> DVec3 {
+        let mut light = DVec3::ZERO;
+        let Some(trees) = &self.lamps else {
+            return light;
+        };
+        let (position, normal) = (point.position.as_vec3(), point.normal.as_vec3());
+        for k in 0..CHOSEN_LAMPS {
+            let u = (k as f32 + 0.5) / CHOSEN_LAMPS as f32;
+            let choice = trees.choose(u, false, position, normal);
+            let Some((Chosen::Lamp(lamp), chance)) = choice.map(|c| (c.what, c.chances[0])) else {
+                continue;
+            };
+            let lamp = &self.rays.world.lamps[lamp as usize];
+            light += self.incoming(lamp, point) / f64::from(CHOSEN_LAMPS) / f64::from(chance);
+        }
+        light
     }
 
     /// Irradiance of a light on a surface.

@@ -135,7 +135,8 @@ pub struct SceneDesc {
     pub instances: Vec<InstanceDesc>,
     /// `[group.NAME]`: transforms without geometry, which other entries name as their `parent`.
     pub groups: Vec<Entry<GroupDesc>>,
-    /// `[light.NAME]`: lights, at most 64 with those inside glTF files.
+    /// `[light.NAME]`: lights, at most 1,048,576 with those inside glTF files. Where they are more than 64, those with a
+    /// place and a shadow are lit by rays, towards a few that are chosen for each point and sample.
     pub lights: Vec<Entry<LightDesc>>,
     /// `[environment]`: the background that rays see where they leave the scene, and the light from it.
     pub environment: EnvironmentDesc,

@@ -22,9 +22,9 @@ pub struct Emitter {
 }
 
 impl World {
-    /// Whether some instance has a material that lights the scene.
+    /// Whether light trees choose some light: an instance has a material that lights the scene, or there are lamps.
     pub fn has_emitters(&self) -> bool {
-        self.lighting_instances().next().is_some()
+        !self.lamps.is_empty() || self.lighting_instances().next().is_some()
     }
 
     /// The instances whose material lights the scene, with their indices.
@@ -33,7 +33,7 @@ impl World {
         instances.filter(|(_, i)| self.materials[i.material].light)
     }
 
-    /// Whether emitters may change from frame to frame.
+    /// Whether emissive surfaces may change from frame to frame.
     pub fn has_moving_emitters(&self) -> bool {
         let changes = |material: usize| {
             let mut moving = self.moving.materials.iter();

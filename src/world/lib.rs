@@ -25,6 +25,7 @@ pub mod deform;
 pub mod emitters;
 pub mod environment;
 pub mod gltf;
+mod lamps;
 pub mod light_tree;
 pub mod load;
 mod material;
@@ -61,8 +62,12 @@ pub struct World {
     pub written: Vec<Option<usize>>,
     /// Index of the `[model.NAME]` in the scene text that each instance places.
     pub placed_models: Vec<usize>,
-    /// The scene's and the files' lights, at most [`MAX_LIGHTS`].
+    /// The scene's and the files' lights, at most [`MAX_LIGHTS`]; where there are more, those that are not `lamps`.
     pub lights: Vec<Light>,
+    /// Lights of which light trees choose, at most [`SceneDesc::MOST_LIGHTS`](reflet_scene::desc::SceneDesc::MOST_LIGHTS).
+    pub lamps: Vec<Light>,
+    /// Place of each light of scene text and files in `lights` and then `lamps`; empty where it is its number.
+    pub light_order: Vec<usize>,
     /// The scene's and the files' cameras; never empty.
     pub cameras: Vec<Entry<CameraDesc>>,
     /// The scene's probes.
@@ -91,7 +96,7 @@ pub struct World {
 /// Size of the static part of a scene, relative to all of it, below which the unit U counts what moves too.
 const SMALL_STILL: f32 = 0.25;
 
-/// Maximum number of lights in a scene; their uniform block stays far below 64 KiB.
+/// Maximum number of lights that are not chosen by a light tree; their uniform block stays far below 64 KiB.
 pub const MAX_LIGHTS: usize = 64;
 
 /// Triangles or capsules with per-vertex attributes; all attribute arrays are as long as `positions`.
@@ -322,7 +327,7 @@ impl World {
 
     /// Box that fog without a falloff fills: around all instances, lamps and cameras.
     pub fn fog_box(&self) -> Bounds {
-        let lamps = self.lights.iter().filter_map(|l| l.desc.kind.position());
+        let lamps = self.all_lights().filter_map(|l| l.desc.kind.position());
         let eyes = self.cameras.iter().map(|camera| camera.value.eye);
         self.bounds().union(Bounds::of(lamps.chain(eyes)))
     }

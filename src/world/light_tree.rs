@@ -1,4 +1,4 @@
-//! Light tree: chooses one emissive triangle among up to a million by one random number, with a probability that depends
+//! Light tree: chooses one emissive triangle or lamp among up to a million by one random number, with a probability that depends
 //! on where the lit surface is (Conty Estevez and Kulla 2018, "Importance Sampling of Many Lights with Adaptive Tree
 //! Splitting"; Pharr et al. 2023, "Physically Based Rendering", 12.6.3).
 //!
@@ -10,12 +10,15 @@ use std::f32::consts::PI;
 use glam::{Vec2, Vec3};
 
 mod build;
+mod choose;
+mod lamps;
 mod placed;
 #[cfg(test)]
 mod tests;
 
 pub use build::{Leaf, Tree, build};
-pub use placed::{Choice, LightTrees, PlacedLight};
+pub use choose::{Choice, Chosen};
+pub use placed::{LightTrees, PlacedLight};
 
 /// Flag of a link that names an item: a triangle, or in the upper tree a placed light.
 pub const LIGHT_LEAF: u32 = 1 << 31;
@@ -40,15 +43,25 @@ pub enum Sides {
     Closed,
     /// Both.
     Both,
+    /// Not a surface but lamps that shine within the cone of directions alone.
+    Cone,
 }
 
 impl Sides {
     /// Factor on the importance of the back.
     fn back_share(self) -> f32 {
         match self {
-            Self::Front => 0.0,
+            Self::Front | Self::Cone => 0.0,
             Self::Closed => INNER_SHARE,
             Self::Both => 1.0,
+        }
+    }
+
+    /// Sides of two groups together.
+    fn with(self, other: Self) -> Self {
+        match (self, other) {
+            (Self::Cone, sides) | (sides, Self::Cone) => sides,
+            (one, other) => one.max(other),
         }
     }
 }
@@ -129,7 +142,8 @@ impl Node {
                 axis: unpack_unit(axis),
                 cosine: (bounds >> 2 & 0x3fff) as f32 * (2.0 / COSINE_STEPS) - 1.0,
                 power: f32::from_bits(power),
-                sides: [Sides::Front, Sides::Closed, Sides::Both][(bounds & 3).min(2) as usize],
+                sides: [Sides::Front, Sides::Closed, Sides::Both, Sides::Cone]
+                    [(bounds & 3) as usize],
             },
             link,
             parent,
@@ -164,14 +178,25 @@ impl Cluster {
             (nearer + ball_sine).clamp(0.0, 1.0)
         };
         let cosine = way.dot(self.axis);
+        let arriving = (ball_sine - way.dot(normal)).clamp(0.0, 1.0);
+        if self.sides == Sides::Cone {
+            let is_lit = leaving_cone(cosine, self.cosine, ball_sine);
+            return f32::from(u8::from(is_lit)) * self.power * arriving / distance2;
+        }
         let back = self.sides.max(sides).back_share();
         let mut left = leaving(cosine);
         if back > 0.0 && cosine < 0.0 {
             left = left.max(back * leaving(-cosine));
         }
-        let arriving = (ball_sine - way.dot(normal)).clamp(0.0, 1.0);
         self.power * left * arriving / distance2
     }
+}
+
+/// Whether lamps in a ball may shine in a direction: its angle is beyond their cone by no more than the ball covers, up to
+/// rounding.
+fn leaving_cone(cosine: f32, cone: f32, ball_sine: f32) -> bool {
+    let nearer = cosine * cone + sine_of(cosine) * sine_of(cone);
+    cosine >= cone || nearer >= sine_of(ball_sine) - 1e-6
 }
 
 fn sine_of(cosine: f32) -> f32 {

@@ -9,6 +9,7 @@ use super::{
     Instance, Material, Mesh, World,
     animation::Pointed,
     deform::{Deformed, Deformer},
+    lamps::light_at,
     rig::{Player, RigPose},
 };
 use reflet_base::math::{Bounds, invertible};
@@ -27,7 +28,7 @@ pub struct Moving {
     pub deformers: Vec<Deformer>,
     /// Instances that may move.
     pub instances: Vec<MovingInstance>,
-    /// Lights of files that may move, as indices into [`World::lights`].
+    /// Lights of files that may move, as indices into [`World::all_lights`].
     pub lights: Vec<Moved<LightDesc>>,
     /// Cameras of files that may move, as indices into [`World::cameras`].
     pub cameras: Vec<Moved<CameraDesc>>,
@@ -209,15 +210,17 @@ impl World {
             }
         }
         // Lights and cameras of files come after the scene's own.
-        for (light, desc) in self.lights.iter_mut().zip(&state.lights) {
-            light.desc = *desc;
-        }
+        self.set_descs_of_lights(&state.lights);
         for (camera, desc) in self.cameras.iter_mut().zip(&state.cameras) {
             camera.value = desc.clone();
         }
         for moved in &self.moving.lights {
             let (world, seen) = moved.anchor.place(state, &poses);
-            let light = &mut self.lights[moved.index].desc;
+            let (lights, lamps) = (&mut self.lights, &mut self.lamps);
+            let Some(light) = light_at(lights, lamps, &self.light_order, moved.index) else {
+                continue;
+            };
+            let light = &mut light.desc;
             let rest = moved
                 .pointed
                 .map(|(p, object)| poses[p].light(object, &moved.rest));

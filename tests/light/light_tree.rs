@@ -5,7 +5,11 @@ use std::{collections::HashMap, sync::Arc};
 use glam::Vec3;
 use reflet::{
     scene::stages::{Animator, Scene},
-    world::{World, light_tree::LightTrees, load},
+    world::{
+        World,
+        light_tree::{Chosen, LightTrees},
+        load,
+    },
 };
 
 use super::kit::{assert_close, gpu, mean, render, scene};
@@ -43,9 +47,21 @@ fn surfaces() -> Vec<(Vec3, Vec3)> {
 }
 
 /// Emitting triangles of a world.
-fn triangles(world: &World) -> Vec<(u32, u32)> {
+fn triangles(world: &World) -> Vec<Chosen> {
     let emitters = world.emitters().into_iter();
-    emitters.map(|e| (e.instance, e.triangle)).collect()
+    let chosen = emitters.map(|e| Chosen::Triangle {
+        instance: e.instance,
+        triangle: e.triangle,
+    });
+    chosen.collect()
+}
+
+/// Instance and triangle of what a tree of triangles chose.
+fn parts(chosen: Chosen) -> (u32, u32) {
+    match chosen {
+        Chosen::Triangle { instance, triangle } => (instance, triangle),
+        Chosen::Lamp(lamp) => panic!("lamp {lamp} in a scene without lamps"),
+    }
 }
 
 #[test]
@@ -54,7 +70,7 @@ fn triangles_are_chosen_as_often_as_their_chance_says() {
     let trees = LightTrees::new(&world, None);
     for (point, normal) in surfaces() {
         let chances: HashMap<_, _> = (triangles(&world).into_iter())
-            .map(|(i, t)| ((i, t), trees.chances(i, t, point, normal)))
+            .map(|t| (t, trees.chances(t, point, normal)))
             .collect();
         for (by_power, chance) in [(false, 0), (true, 1)] {
             let sum: f32 = chances.values().map(|c| c[chance]).sum();
@@ -62,15 +78,15 @@ fn triangles_are_chosen_as_often_as_their_chance_says() {
             let expected = f32::from(u8::from(chosen.is_some()));
             assert!((sum - expected).abs() < 1e-4, "{sum} at {point}");
             let count = 20_000;
-            let mut found: HashMap<(u32, u32), u32> = HashMap::new();
+            let mut found: HashMap<Chosen, u32> = HashMap::new();
             for k in (0..count).filter(|_| chosen.is_some()) {
                 let u = (k as f32 + 0.5) / count as f32;
                 let one = trees.choose(u, by_power, point, normal).expect("chosen");
-                let known = chances[&(one.instance, one.triangle)];
+                let known = chances[&one.what];
                 for (a, b) in known.into_iter().zip(one.chances) {
                     assert!((a - b).abs() <= 1e-4 * a + 1e-9, "{a}, not {b}");
                 }
-                *found.entry((one.instance, one.triangle)).or_default() += 1;
+                *found.entry(one.what).or_default() += 1;
             }
             for (triangle, known) in &chances {
                 let often = f64::from(found.get(triangle).copied().unwrap_or(0)) / f64::from(count);
@@ -87,7 +103,8 @@ fn what_can_light_a_surface_has_a_chance() {
     let trees = LightTrees::new(&world, None);
     let mut lit = 0;
     for (point, normal) in surfaces() {
-        for (index, triangle) in triangles(&world) {
+        for chosen in triangles(&world) {
+            let (index, triangle) = parts(chosen);
             let instance = &world.instances[index as usize];
             let mesh = &world.meshes[instance.mesh];
             let corners = world
@@ -100,7 +117,7 @@ fn what_can_light_a_surface_has_a_chance() {
             let is_seen = world.materials[instance.material].double_sided || front.dot(to) < 0.0;
             if is_seen && to.dot(normal) > 0.0 {
                 lit += 1;
-                let [by_place, by_power] = trees.chances(index, triangle, point, normal);
+                let [by_place, by_power] = trees.chances(chosen, point, normal);
                 assert!(
                     by_place > 0.0 && by_power > 0.0,
                     "{index} {triangle} from {point}"
@@ -132,9 +149,8 @@ fn moved_lamps_keep_the_trees_of_their_meshes() {
     assert!(moved.meshes.iter().zip(&before.meshes).all(are_kept));
     assert_ne!(moved.top, before.top);
     for (point, normal) in surfaces() {
-        for (instance, triangle) in triangles(&world) {
-            let [a, b, old] =
-                [&moved, &anew, &before].map(|t| t.chances(instance, triangle, point, normal));
+        for triangle in triangles(&world) {
+            let [a, b, old] = [&moved, &anew, &before].map(|t| t.chances(triangle, point, normal));
             assert_eq!(a, b);
             // Power does not move, but for the order in which it is added up.
             assert!((a[1] - old[1]).abs() <= 1e-5 * old[1]);
@@ -157,7 +173,7 @@ fn what_emits_nothing_is_never_chosen() {
     });
     world.materials[both].emission = Vec3::NAN;
     let one = choice(&world).expect("the others emit");
-    assert_eq!(world.instances[one.instance as usize].material, front);
+    assert_eq!(world.instances[parts(one.what).0 as usize].material, front);
     world.materials[front].emission = Vec3::ZERO;
     assert_eq!(choice(&world), None);
     world.materials[front].emission = Vec3::ONE;

@@ -26,7 +26,7 @@ pub fn lights(scene: &Scene, world: &World) -> Vec<Diagnostic> {
     let mut closed = Closed::new(world);
     let mut found = Vec::new();
     let cameras: Vec<Vec3> = world.cameras.iter().map(|c| c.value.eye).collect();
-    for (entry, light) in scene.lights.iter().zip(&world.lights) {
+    for (entry, light) in scene.lights.iter().zip(world.all_lights()) {
         let has_shadow = light.desc.shadow != ShadowMode::None;
         let Some(position) = light.desc.kind.position().filter(|_| has_shadow) else {
             continue;
@@ -73,7 +73,7 @@ pub fn cameras(scene: &Scene, world: &World) -> Vec<Diagnostic> {
                 let center = world.bounds_of(other).center();
                 i != shape && !other.is_hidden() && closed.contains(shape, center)
             };
-            let mut lamps = world.lights.iter().filter_map(|l| l.desc.kind.position());
+            let mut lamps = world.all_lights().filter_map(|l| l.desc.kind.position());
             let around = &world.instances[shape];
             let is_seen = around.shown.visible && world.materials[around.material].double_sided;
             if !is_seen

@@ -25,8 +25,8 @@ pub fn lint(scene: &Scene, world: &World, trees: &Trees) -> Vec<Diagnostic> {
     let seen = SeenSurfaces::new(world, trees, &view);
     let sizes = ShadowSizes::of(&world.lights, &RenderOptions::of(&scene.desc));
     let mut found = Vec::new();
-    for (entry, light) in scene.lights.iter().zip(&world.lights) {
-        if !has_map(light.desc.shadow) {
+    for (entry, light) in scene.lights.iter().zip(world.all_lights()) {
+        if !has_map(light.desc.shadow) || world.lamps.iter().any(|lamp| std::ptr::eq(lamp, light)) {
             continue;
         }
         let px = if has_cube_map(&light.desc.kind) {

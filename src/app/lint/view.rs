@@ -127,7 +127,7 @@ fn reflector(
         );
         return Some(Diagnostic::at("short-reflection", at, message).help(help));
     }
-    let has_lamp = world.lights.iter().any(|light| light.desc.kind.has_size());
+    let has_lamp = world.all_lights().any(|light| light.desc.kind.has_size());
     (world.environment.is_black() && !has_lamp).then(|| {
         let message = format!("material \"{name}\" reflects nothing but the black environment");
         let help = "write `[environment]`, or place what it shall show where its reflection falls";

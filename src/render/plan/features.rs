@@ -166,6 +166,21 @@ features! {
         files: emitters [none, sampled], fog_emitters [none, sampled];
         dropped: "samples of emitting surfaces" => "no material has `light = true`";
     }
+    /// Whether the light tree has lamps.
+    tree_lamps {
+        used: !scene.world.lamps.is_empty(),
+        files: lamps [none, chosen];
+    }
+    /// Whether some lamp of the light tree has a size.
+    sized_lamps {
+        used: scene.world.lamps.iter().any(|l| l.desc.kind.has_size()),
+        constant: HAS_SIZED_LAMPS,
+    }
+    /// Whether some lamp of the light tree has no size.
+    hard_lamps {
+        used: scene.world.lamps.iter().any(|l| !l.desc.kind.has_size()),
+        constant: HAS_HARD_LAMPS,
+    }
     /// Whether some light with an extent is sampled.
     sampled_light {
         follows: sized_lights || sampled_environment || emitters,

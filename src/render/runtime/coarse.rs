@@ -34,6 +34,8 @@ pub(super) fn world(of: &World) -> World {
             _ => ShadowMode::Map,
         };
     }
+    // Without rays, what a light tree chooses would shine through walls.
+    world.lamps.clear();
     world.environment.desc.shadow = EnvironmentShadow::None;
     world
 }

@@ -4,7 +4,7 @@ use std::f32::consts::PI;
 
 use glam::Vec3;
 
-use super::Tracks;
+use super::{SceneDesc, Tracks};
 use crate::{
     number::{Field, Form, Lanes, plain},
     range::{ANY, FROM_0, range},
@@ -26,6 +26,11 @@ pub enum ShadowMode {
     /// more than 16 pixels of the view; `map` where nothing else traces rays. Lights with a size take
     /// `ray`.
     Auto,
+}
+
+impl SceneDesc {
+    /// Maximum number of lights of a scene, with those of files.
+    pub const MOST_LIGHTS: usize = 1 << 20;
 }
 
 /// Smallest radius of a point or spot light with a size, meters.

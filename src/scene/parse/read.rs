@@ -32,9 +32,6 @@ use crate::range::{
 };
 use crate::{desc::*, diagnostic::Diagnostic};
 
-/// Largest number of lights of a scene.
-const MOST_LIGHTS: usize = 64;
-
 impl Section for SceneDesc {
     const TYPE: &'static str = "SceneDesc";
     const HEADING: &'static str = "the whole file";
@@ -65,8 +62,9 @@ impl Section for SceneDesc {
         t.find::<Names>("remove", ANY);
         t.find::<Names>("include", ANY);
         t.find::<At<String>>("script", ANY);
-        if let Some(light) = scene.lights.get(MOST_LIGHTS) {
-            let message = format!("`{}` exceeds the limit of {MOST_LIGHTS} lights", light.name);
+        if let Some(light) = scene.lights.get(Self::MOST_LIGHTS) {
+            let most = Self::MOST_LIGHTS;
+            let message = format!("`{}` exceeds the limit of {most} lights", light.name);
             let at = light.at.clone();
             t.report
                 .push(Diagnostic::at("too-many-lights", at, message));

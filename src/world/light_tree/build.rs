@@ -6,7 +6,7 @@ use std::f32::consts::{FRAC_PI_2, PI};
 use glam::Vec3;
 use reflet_base::math::Bounds;
 
-use super::{Cluster, LIGHT_LEAF, NO_NODE, Node};
+use super::{Cluster, LIGHT_LEAF, NO_NODE, Node, Sides};
 
 /// An item of a tree: a triangle, or a placed light.
 #[derive(Clone, Copy, Debug)]
@@ -141,7 +141,7 @@ fn cluster_of(leaves: &[Leaf]) -> Cluster {
         sides: leaves
             .iter()
             .map(|l| l.cluster.sides)
-            .max()
+            .reduce(Sides::with)
             .unwrap_or_default(),
     }
 }

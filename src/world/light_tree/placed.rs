@@ -6,7 +6,7 @@ use glam::{Affine3A, Mat3A, Vec3, Vec3A};
 use rayon::prelude::*;
 use reflet_base::math::Bounds;
 
-use super::{Cluster, LIGHT_LEAF, Leaf, NO_NODE, Node, Sides, Tree, UNLIT_ITEM, build};
+use super::{Cluster, LIGHT_LEAF, Leaf, NO_NODE, Sides, Tree, UNLIT_ITEM, build, lamps};
 use crate::{Instance, World, emitters::LUMINANCE};
 
 /// The trees of a world in one pose.
@@ -16,7 +16,10 @@ pub struct LightTrees {
     pub meshes: Vec<Arc<MeshTree>>,
     /// Instances that emit light, which are the items of the upper tree.
     pub lights: Vec<PlacedLight>,
-    /// Tree over the instances, in world space; `None` where nothing emits light.
+    /// Node of each of [`World::lamps`] in the upper tree; [`NO_NODE`] where it is the only one, [`UNLIT_ITEM`] where it
+    /// emits nothing. Their items come after those of `lights`.
+    pub lamp_nodes: Vec<u32>,
+    /// Tree over the instances and the lamps, in world space; `None` where nothing emits light.
     pub top: Option<Tree>,
 }
 
@@ -57,17 +60,6 @@ pub struct PlacedLight {
     pub node: u32,
 }
 
-/// A triangle that a tree chose.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Choice {
-    /// Index into [`World::instances`].
-    pub instance: u32,
-    /// Index into the mesh's triangles.
-    pub triangle: u32,
-    /// Probability of the triangle by importance, and by power alone.
-    pub chances: [f32; 2],
-}
-
 impl LightTrees {
     /// Trees of a world in its current pose. Those of `before`, trees of the same world, are taken over where a mesh is
     /// as it was, to the same result.
@@ -100,10 +92,12 @@ impl LightTrees {
                 None => Arc::new(MeshTree::new(world, *key, instance)),
             })
             .collect();
-        let top = top_tree(world, &meshes, &mut placed);
+        let mut lamp_nodes = vec![UNLIT_ITEM; world.lamps.len()];
+        let top = top_tree(world, &meshes, &mut placed, &mut lamp_nodes);
         Self {
             meshes,
             lights: placed,
+            lamp_nodes,
             top,
         }
     }
@@ -113,106 +107,6 @@ impl LightTrees {
         let keys = |trees: &Self| trees.meshes.iter().map(|m| m.key).collect::<Vec<_>>();
         keys(self) == keys(other)
     }
-
-    /// The triangle that a random number in [0, 1) chooses for a surface at `point` with this normal: by importance, or
-    /// `by_power` alone. `None` where none is important.
-    pub fn choose(&self, u: f32, by_power: bool, point: Vec3, normal: Vec3) -> Option<Choice> {
-        let top = self.top.as_ref()?;
-        let mut descent = Descent {
-            u,
-            chances: [1.0; 2],
-        };
-        let light = descent.item(top, by_power, (point, normal, Sides::Front))?;
-        let light = &self.lights[light as usize];
-        let tree = self.meshes[light.mesh_tree].tree.as_ref()?;
-        let triangle = descent.item(tree, by_power, light.seen_from(point, normal))?;
-        Some(Choice {
-            instance: light.instance,
-            triangle,
-            chances: descent.chances,
-        })
-    }
-
-    /// Probabilities with which [`Self::choose`] chooses a triangle, by importance and by power; 0 for one that emits
-    /// nothing.
-    pub fn chances(&self, instance: u32, triangle: u32, point: Vec3, normal: Vec3) -> [f32; 2] {
-        let light = self.lights.iter().find(|l| l.instance == instance);
-        let (Some(light), Some(top)) = (light, &self.top) else {
-            return [0.0; 2];
-        };
-        let mesh = &self.meshes[light.mesh_tree];
-        let (Some(tree), Some(place)) = (&mesh.tree, mesh.places.get(triangle as usize)) else {
-            return [0.0; 2];
-        };
-        if light.node == UNLIT_ITEM || *place == UNLIT_ITEM {
-            return [0.0; 2];
-        }
-        let below = chances_of(tree, *place, light.seen_from(point, normal));
-        let above = chances_of(top, light.node, (point, normal, Sides::Front));
-        [above[0] * below[0], above[1] * below[1]]
-    }
-}
-
-impl PlacedLight {
-    /// A surface in the space of the mesh's tree, and the sides that emit light.
-    fn seen_from(&self, point: Vec3, normal: Vec3) -> (Vec3, Vec3, Sides) {
-        let normal = self.tree_from_world.transform_vector3(normal);
-        let point = self.tree_from_world.transform_point3(point);
-        (point, normal.normalize_or_zero(), self.sides)
-    }
-}
-
-/// A random number on its way down, with the probability of the way by importance and by power.
-struct Descent {
-    u: f32,
-    chances: [f32; 2],
-}
-
-impl Descent {
-    fn item(&mut self, tree: &Tree, by_power: bool, from: (Vec3, Vec3, Sides)) -> Option<u32> {
-        let mut link = tree.link;
-        while link & LIGHT_LEAF == 0 {
-            let shares = shares_of(tree, link, from);
-            let share = shares[usize::from(by_power)];
-            if share.is_nan() {
-                return None;
-            }
-            let is_second = self.u >= share;
-            let part = |share: f32| if is_second { 1.0 - share } else { share };
-            let from = if is_second { share } else { 0.0 };
-            self.u = ((self.u - from) / part(share)).min(BELOW_ONE);
-            let [place, power] = shares.map(part);
-            self.chances[0] *= if place.is_nan() { 0.0 } else { place };
-            self.chances[1] *= power;
-            link = tree.nodes[link as usize + usize::from(is_second)].link;
-        }
-        Some(link & !LIGHT_LEAF)
-    }
-}
-
-/// Largest 32-bit float below 1.
-const BELOW_ONE: f32 = 0.999_999_94;
-
-/// Shares of the first node of a pair by importance, NaN where neither node is important, and by power.
-fn shares_of(tree: &Tree, pair: u32, (point, normal, sides): (Vec3, Vec3, Sides)) -> [f32; 2] {
-    let nodes = [pair, pair + 1].map(|i| Node::of_words(tree.nodes[i as usize].words()).cluster);
-    let [a, b] = nodes.map(|c| c.importance(point, normal, sides));
-    let [power_a, power_b] = nodes.map(|c| c.power);
-    [a / (a + b), power_a / (power_a + power_b)]
-}
-
-/// Probabilities of a node, from it up.
-fn chances_of(tree: &Tree, node: u32, from: (Vec3, Vec3, Sides)) -> [f32; 2] {
-    let mut chances = [1.0; 2];
-    let mut node = node;
-    while node != NO_NODE {
-        let shares = shares_of(tree, node & !1, from);
-        let parts = shares.map(|share| if node & 1 == 1 { 1.0 - share } else { share });
-        chances[0] *= if parts[0].is_nan() { 0.0 } else { parts[0] };
-        chances[1] *= parts[1];
-        node = tree.nodes[node as usize].parent;
-    }
-    chances
 }
 
 /// Largest relative difference of lengths and cosine of edges in a transform that counts as even.
@@ -328,25 +222,42 @@ fn triangle(corners: [Vec3; 3], across: Vec3, area: f32, item: u32) -> Leaf {
     }
 }
 
-/// The tree over the instances, whose places in it are noted in `lights`.
-fn top_tree(world: &World, meshes: &[Arc<MeshTree>], lights: &mut [PlacedLight]) -> Option<Tree> {
-    let powers: Vec<f64> = (lights.iter())
-        .map(|light| power_of(world, &meshes[light.mesh_tree], light))
-        .collect();
+/// The tree over the instances and the lamps, whose places in it are noted in `lights` and `lamp_nodes`.
+fn top_tree(
+    world: &World,
+    meshes: &[Arc<MeshTree>],
+    lights: &mut [PlacedLight],
+    lamp_nodes: &mut [u32],
+) -> Option<Tree> {
+    let of_meshes = lights
+        .iter()
+        .map(|light| power_of(world, &meshes[light.mesh_tree], light));
+    let of_lamps = world.lamps.iter().map(lamps::power_of);
+    let powers: Vec<f64> = of_meshes.chain(of_lamps).collect();
     let sum: f64 = powers.iter().sum();
-    let mut leaves: Vec<Leaf> = (lights.iter().zip(&powers).zip(0..))
-        .filter_map(|((light, power), item)| {
-            let root = meshes[light.mesh_tree].tree.as_ref()?.root;
-            let power = (power / sum) as f32;
+    let first_lamp = lights.len();
+    let mut leaves: Vec<Leaf> = (powers.iter().enumerate())
+        .filter_map(|(item, power)| {
             // Shares too small for a float are never chosen.
-            power.is_normal().then(|| placed(light, root, power, item))
+            let power = Some((power / sum) as f32).filter(|power| power.is_normal())?;
+            let number = item as u32;
+            let Some(light) = lights.get(item) else {
+                let lamp = &world.lamps[item - first_lamp];
+                return Some(lamps::leaf(lamp, power, number));
+            };
+            let root = meshes[light.mesh_tree].tree.as_ref()?.root;
+            Some(placed(light, root, power, number))
         })
         .collect();
     let tree = build(&mut leaves);
+    let mut note = |item: usize, node| match item.checked_sub(first_lamp) {
+        None => lights[item].node = node,
+        Some(lamp) => lamp_nodes[lamp] = node,
+    };
     if let [only] = &leaves[..] {
-        lights[only.item as usize].node = NO_NODE;
+        note(only.item as usize, NO_NODE);
     }
-    note_places(&tree, |item, node| lights[item].node = node);
+    note_places(&tree, note);
     tree
 }
 

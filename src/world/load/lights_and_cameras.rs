@@ -79,7 +79,7 @@ impl Extras {
                 let pointed = instance.pointed(world, part.index.map(Pointed::Light));
                 let anchor = place.anchor.clone();
                 let anchor = anchor.or_else(|| pointed.map(|_| instance.still(part)));
-                if self.lights.len() < MAX_LIGHTS {
+                if self.lights.len() < SceneDesc::MOST_LIGHTS {
                     self.add_light(&part.value, name, &place, (anchor, pointed));
                 }
             }
@@ -133,19 +133,24 @@ impl Extras {
 impl Loader<'_> {
     /// Hands lights and cameras to the world; too many lights are an error.
     pub fn finish_extras(&mut self, extras: Extras) {
-        let count = extras.light_count;
-        if count > MAX_LIGHTS {
-            let first_extra = self.desc.lights.get(MAX_LIGHTS);
-            let at = first_extra
-                .map(|entry| entry.at.clone())
-                .unwrap_or_default();
-            let text = format!(
-                "{count} lights including those of files, at most {MAX_LIGHTS} are allowed"
+        let (count, most) = (extras.light_count, SceneDesc::MOST_LIGHTS);
+        if count > most {
+            self.too_many_lights(
+                most,
+                format!("{count} lights including those of files, at most {most} are allowed"),
+                "leave a file's lights out with `lights = false` in its [model.NAME]",
             );
-            let mut error = error_at("lights-too-many", &at, text);
-            let help = "leave a file's lights out with `lights = false` in its [model.NAME]";
-            error.help = Some(help.into());
-            self.errors.push(error);
+        }
+        self.world.set_lights(extras.lights);
+        let count = self.world.lights.len();
+        if count > MAX_LIGHTS {
+            self.too_many_lights(
+                MAX_LIGHTS,
+                format!(
+                    "{count} lights are directional or cast no shadow, at most {MAX_LIGHTS} are allowed"
+                ),
+                "remove `shadow = \"none\"` from lamps: those with a shadow may be more",
+            );
         }
         for cut in &self.desc.cuts {
             let name = &cut.camera;
@@ -161,9 +166,19 @@ impl Loader<'_> {
                 self.errors.push(error);
             }
         }
-        self.world.lights = extras.lights;
         self.world.moving.lights = extras.moving_lights;
         self.world.moving.cameras = extras.moving_cameras;
         self.world.cameras = extras.cameras;
+    }
+
+    /// Adds an error about lights past a limit.
+    fn too_many_lights(&mut self, most: usize, text: String, help: &str) {
+        let first_extra = self.desc.lights.get(most);
+        let at = first_extra
+            .map(|entry| entry.at.clone())
+            .unwrap_or_default();
+        let mut error = error_at("lights-too-many", &at, text);
+        error.help = Some(help.into());
+        self.errors.push(error);
     }
 }

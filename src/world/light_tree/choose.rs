@@ -1,0 +1,150 @@
+//! Choosing an emitter by light trees, and its probability: the CPU's side of `shaders/lib/light_tree.wgsl`.
+
+use glam::Vec3;
+
+use super::{LIGHT_LEAF, LightTrees, NO_NODE, Node, PlacedLight, Sides, Tree, UNLIT_ITEM};
+
+/// What a tree chose.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Chosen {
+    /// A triangle of an instance.
+    Triangle {
+        /// Index into [`World::instances`](crate::World::instances).
+        instance: u32,
+        /// Index into the mesh's triangles.
+        triangle: u32,
+    },
+    /// A lamp, as an index into [`World::lamps`](crate::World::lamps).
+    Lamp(u32),
+}
+
+/// A choice of a tree.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Choice {
+    /// What was chosen.
+    pub what: Chosen,
+    /// Its probability by importance, and by power alone.
+    pub chances: [f32; 2],
+}
+
+impl LightTrees {
+    /// The triangle or lamp that a random number in [0, 1) chooses for a surface at `point` with this normal: by
+    /// importance, or `by_power` alone. `None` where none is important.
+    pub fn choose(&self, u: f32, by_power: bool, point: Vec3, normal: Vec3) -> Option<Choice> {
+        let top = self.top.as_ref()?;
+        let mut descent = Descent {
+            u,
+            chances: [1.0; 2],
+        };
+        let item = descent.item(top, by_power, (point, normal, Sides::Front))? as usize;
+        let what = match self.lights.get(item) {
+            None => Chosen::Lamp((item - self.lights.len()) as u32),
+            Some(light) => {
+                let tree = self.meshes[light.mesh_tree].tree.as_ref()?;
+                let triangle = descent.item(tree, by_power, light.seen_from(point, normal))?;
+                Chosen::Triangle {
+                    instance: light.instance,
+                    triangle,
+                }
+            }
+        };
+        Some(Choice {
+            what,
+            chances: descent.chances,
+        })
+    }
+
+    /// Probabilities with which [`Self::choose`] chooses a triangle or a lamp, by importance and by power; 0 for one that
+    /// emits nothing.
+    pub fn chances(&self, of: Chosen, point: Vec3, normal: Vec3) -> [f32; 2] {
+        let Some(top) = &self.top else {
+            return [0.0; 2];
+        };
+        let in_top = |node| match node {
+            UNLIT_ITEM => [0.0; 2],
+            node => chances_of(top, node, (point, normal, Sides::Front)),
+        };
+        let (instance, triangle) = match of {
+            Chosen::Lamp(lamp) => {
+                let node = self.lamp_nodes.get(lamp as usize);
+                return in_top(node.copied().unwrap_or(UNLIT_ITEM));
+            }
+            Chosen::Triangle { instance, triangle } => (instance, triangle),
+        };
+        let Some(light) = self.lights.iter().find(|l| l.instance == instance) else {
+            return [0.0; 2];
+        };
+        let mesh = &self.meshes[light.mesh_tree];
+        let (Some(tree), Some(place)) = (&mesh.tree, mesh.places.get(triangle as usize)) else {
+            return [0.0; 2];
+        };
+        if *place == UNLIT_ITEM {
+            return [0.0; 2];
+        }
+        let below = chances_of(tree, *place, light.seen_from(point, normal));
+        let above = in_top(light.node);
+        [above[0] * below[0], above[1] * below[1]]
+    }
+}
+
+impl PlacedLight {
+    /// A surface in the space of the mesh's tree, and the sides that emit light.
+    fn seen_from(&self, point: Vec3, normal: Vec3) -> (Vec3, Vec3, Sides) {
+        let normal = self.tree_from_world.transform_vector3(normal);
+        let point = self.tree_from_world.transform_point3(point);
+        (point, normal.normalize_or_zero(), self.sides)
+    }
+}
+
+/// A random number on its way down, with the probability of the way by importance and by power.
+struct Descent {
+    u: f32,
+    chances: [f32; 2],
+}
+
+impl Descent {
+    fn item(&mut self, tree: &Tree, by_power: bool, from: (Vec3, Vec3, Sides)) -> Option<u32> {
+        let mut link = tree.link;
+        while link & LIGHT_LEAF == 0 {
+            let shares = shares_of(tree, link, from);
+            let share = shares[usize::from(by_power)];
+            if share.is_nan() {
+                return None;
+            }
+            let is_second = self.u >= share;
+            let part = |share: f32| if is_second { 1.0 - share } else { share };
+            let from = if is_second { share } else { 0.0 };
+            self.u = ((self.u - from) / part(share)).min(BELOW_ONE);
+            let [place, power] = shares.map(part);
+            self.chances[0] *= if place.is_nan() { 0.0 } else { place };
+            self.chances[1] *= power;
+            link = tree.nodes[link as usize + usize::from(is_second)].link;
+        }
+        Some(link & !LIGHT_LEAF)
+    }
+}
+
+/// Largest 32-bit float below 1.
+const BELOW_ONE: f32 = 0.999_999_94;
+
+/// Shares of the first node of a pair by importance, NaN where neither node is important, and by power.
+fn shares_of(tree: &Tree, pair: u32, (point, normal, sides): (Vec3, Vec3, Sides)) -> [f32; 2] {
+    let nodes = [pair, pair + 1].map(|i| Node::of_words(tree.nodes[i as usize].words()).cluster);
+    let [a, b] = nodes.map(|c| c.importance(point, normal, sides));
+    let [power_a, power_b] = nodes.map(|c| c.power);
+    [a / (a + b), power_a / (power_a + power_b)]
+}
+
+/// Probabilities of a node, from it up.
+fn chances_of(tree: &Tree, node: u32, from: (Vec3, Vec3, Sides)) -> [f32; 2] {
+    let mut chances = [1.0; 2];
+    let mut node = node;
+    while node != NO_NODE {
+        let shares = shares_of(tree, node & !1, from);
+        let parts = shares.map(|share| if node & 1 == 1 { 1.0 - share } else { share });
+        chances[0] *= if parts[0].is_nan() { 0.0 } else { parts[0] };
+        chances[1] *= parts[1];
+        node = tree.nodes[node as usize].parent;
+    }
+    chances
+}
