@@ -196,15 +196,17 @@ fn light_sample(i: u32, position: vec3f, u: vec2f) -> LightSample {
             r.pdf = 1.0 / (2.0 * PI * (1.0 - least));
         }
         case LIGHT_RECT, LIGHT_DISK: {
-            let offset = lights[i].position - position;
             let is_disk = lights[i].kind == LIGHT_DISK;
-            r = flat_point(offset, lights[i].direction, lights[i].half_u, lights[i].half_v, is_disk, lights[i].color, u);
+            let half_u = lights[i].half_u;
+            let ahead = lights[i].direction;
+            let center = lights[i].position;
+            r = flat_point(center, position, ahead, half_u, lights[i].half_v, is_disk, lights[i].color, u);
         }
         default: {
             let offset = lights[i].position - position;
-            let d = length(offset);
+            let d = sqrt(dot(offset, offset));
             r = ball_point(offset, extent, lights[i].color, u);
-            r.color *= reach(i, offset / max(d, 1e-20), d);
+            if (r.pdf > 0.0) { r.color *= reach(i, offset / d, d); }
         }
     }
     return r;

@@ -17,14 +17,14 @@ fn flat_area_of(half_u: vec3f, half_v: vec3f, is_disk: bool) -> f32 {
     return edges * select(4.0, PI, is_disk);
 }
 
-// A point of a flat lamp, uniform in area; `offset` leads to its center, `intensity` is that straight ahead.
+// A point of a flat lamp, uniform in area, for a surface at `position`; `intensity` is that straight ahead.
 fn flat_point(
-    offset: vec3f, ahead: vec3f, half_u: vec3f, half_v: vec3f, is_disk: bool, intensity: vec3f, u: vec2f,
+    center: vec3f, position: vec3f, ahead: vec3f, half_u: vec3f, half_v: vec3f, is_disk: bool, intensity: vec3f, u: vec2f,
 ) -> LightSample {
     var r: LightSample;
     var at = u * 2.0 - 1.0;
     if (is_disk) { at = on_circle(sqrt(u.x), u.y); }
-    let way = offset + half_u * at.x + half_v * at.y;
+    let way = center + half_u * at.x + half_v * at.y - position;
     let d2 = max(dot(way, way), 1e-20);
     r.distance_m = sqrt(d2);
     r.to_light = way / r.distance_m;

@@ -55,7 +55,7 @@ fn lamp_point(item: u32, position: vec3f, u: vec2f) -> LightSample {
     let offset = lamp.position - position;
     if (is_flat(lamp)) {
         let is_disk = lamp.kind == LIGHT_DISK;
-        return flat_point(offset, lamp.direction, lamp.half_u, lamp.half_v, is_disk, lamp.color, u);
+        return flat_point(lamp.position, position, lamp.direction, lamp.half_u, lamp.half_v, is_disk, lamp.color, u);
     }
     let d2 = max(dot(offset, offset), 1e-20);
     let d = sqrt(d2);

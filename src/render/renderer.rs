@@ -276,8 +276,8 @@ pub(super) fn check_posed(
     check_deformed(world)?;
     if !key.is_posed_from(world) {
         return refuse(
-            "it has other meshes, textures, instances or materials than were uploaded; call \
-             Renderer::change first"
+            "it has other meshes, textures, instances, materials or numbers of lamps than were \
+             uploaded; call Renderer::change first"
                 .to_owned(),
         );
     }

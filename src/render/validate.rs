@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use reflet_scene::desc::SceneDesc;
 use reflet_scene::diagnostic::Diagnostic;
 use reflet_world::{MAX_LIGHTS, Material, World};
 
@@ -122,13 +123,22 @@ fn check_material(world: &World, material: &Material) -> Result<(), RenderError>
     }
 }
 
-/// Checks that the lights fit their uniform block.
+/// Checks that the lights fit their uniform block, and the lamps the light tree.
 ///
 /// # Errors
-/// More lights than [`MAX_LIGHTS`].
+/// More lights than [`MAX_LIGHTS`], or more lamps than [`SceneDesc::MOST_LIGHTS`].
 pub fn check_lights(world: &World) -> Result<(), RenderError> {
-    match world.lights.len() {
-        n if n > MAX_LIGHTS => refuse(format!("{n} lights: a scene has at most {MAX_LIGHTS}")),
+    let (lights, lamps) = (world.lights.len(), world.lamps.len());
+    if lights > MAX_LIGHTS {
+        return refuse(format!(
+            "{lights} lights: a scene has at most {MAX_LIGHTS} that are not lamps of the light tree"
+        ));
+    }
+    match lamps {
+        n if n > SceneDesc::MOST_LIGHTS => refuse(format!(
+            "{n} lamps: a scene has at most {}",
+            SceneDesc::MOST_LIGHTS
+        )),
         _ => Ok(()),
     }
 }

@@ -16,6 +16,8 @@ pub struct WorldKey {
     upload: (Shared<Mesh>, Shared<Texture>, Option<Arc<Panorama>>),
     trees: Vec<TreeInstance>,
     materials: (Vec<Material>, Vec<usize>),
+    /// Number of lamps, for which the light tree's array has room.
+    lamps: usize,
     pose: PoseKey,
 }
 
@@ -78,6 +80,7 @@ impl WorldKey {
                 world.materials.clone(),
                 instances.iter().map(|i| i.material).collect(),
             ),
+            lamps: world.lamps.len(),
             pose: PoseKey::of(world),
         }
     }
@@ -106,9 +109,9 @@ impl WorldKey {
         self.trees == other.trees && self.pose.deformed.keys().eq(other.pose.deformed.keys())
     }
 
-    /// Whether the materials are the same, and every instance has the same one.
+    /// Whether the materials are the same, every instance has the same one, and there are as many lamps.
     pub fn has_same_materials(&self, other: &Self) -> bool {
-        self.materials == other.materials
+        self.materials == other.materials && self.lamps == other.lamps
     }
 
     /// Its pose.
@@ -129,6 +132,7 @@ impl WorldKey {
         let panorama = world.environment.panorama.as_ref();
         self.shares(&world.meshes, &world.textures, panorama)
             && self.materials.0.len() == world.materials.len()
+            && self.lamps == world.lamps.len()
             && self.trees.len() == world.instances.len()
             && self.pose.deformed.keys().eq(world.deformed.keys())
             && known.zip(&world.instances).all(fits)

@@ -220,13 +220,12 @@ impl World {
             let Some(light) = light_at(lights, lamps, &self.light_order, moved.index) else {
                 continue;
             };
-            let light = &mut light.desc;
             let rest = moved
                 .pointed
                 .map(|(p, object)| poses[p].light(object, &moved.rest));
-            *light = placed_light(rest.as_ref().unwrap_or(&moved.rest), &world);
+            light.desc = placed_light(rest.as_ref().unwrap_or(&moved.rest), &world);
             if !seen {
-                light.color = Vec3::ZERO;
+                light.desc.color = Vec3::ZERO;
             }
         }
         for moved in &self.moving.cameras {

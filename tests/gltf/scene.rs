@@ -112,9 +112,29 @@ fn lights_and_cameras_of_files_are_placed() {
         count: [33, 1, 1],
         step: Vec3::X,
     });
+    // More than 64 lights: those with a place are lamps, of which the light tree chooses.
+    let world = load_scene(&desc).expect("loads");
+    assert_eq!((world.lights.len(), world.lamps.len()), (33, 33));
+    let placed = world.all_lights().map(|l| l.desc.kind.position().is_some());
+    assert!(placed.eq((0..66).map(|number| number % 2 == 0)));
+    desc.instances[0].repeat = Some(RepeatDesc {
+        count: [65, 1, 1],
+        step: Vec3::X,
+    });
     let (name, message) = one_error(load_scene(&desc));
     assert_eq!(name, "lights-too-many");
-    assert!(message.starts_with("66 lights"), "{message}");
+    assert!(
+        message.starts_with("65 lights are directional"),
+        "{message}"
+    );
+    desc.instances[0].repeat = Some(RepeatDesc {
+        count: [1000, 1000, 1],
+        step: Vec3::X,
+    });
+    let (name, message) = one_error(load_scene(&desc));
+    assert_eq!(name, "lights-too-many");
+    let limit = "2000000 lights including those of files, at most 1048576 are allowed";
+    assert_eq!(message, limit);
 }
 
 #[test]

@@ -34,7 +34,6 @@ BEYOND_SCHEMA = {
     "no-keys",
     "script-file",
     "singular",
-    "too-many-lights",
     "too-many-probes",
     "wrong-motion",
     "wrong-shadow",

@@ -62,13 +62,6 @@ impl Section for SceneDesc {
         t.find::<Names>("remove", ANY);
         t.find::<Names>("include", ANY);
         t.find::<At<String>>("script", ANY);
-        if let Some(light) = scene.lights.get(Self::MOST_LIGHTS) {
-            let most = Self::MOST_LIGHTS;
-            let message = format!("`{}` exceeds the limit of {most} lights", light.name);
-            let at = light.at.clone();
-            t.report
-                .push(Diagnostic::at("too-many-lights", at, message));
-        }
         if let Some(probe) = scene.probes.get(ProbesDesc::MOST) {
             let most = ProbesDesc::MOST;
             let message = format!("`{}` exceeds the limit of {most} probes", probe.name);

@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use super::{LIGHT_LEAF, LightTrees, NO_NODE, Node, PlacedLight, Sides, Tree, UNLIT_ITEM};
 
-/// What a tree chose.
+/// Emitter that a tree chose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Chosen {
     /// A triangle of an instance.
@@ -21,7 +21,7 @@ pub enum Chosen {
 /// A choice of a tree.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Choice {
-    /// What was chosen.
+    /// The chosen emitter.
     pub what: Chosen,
     /// Its probability by importance, and by power alone.
     pub chances: [f32; 2],
