@@ -128,12 +128,12 @@ fn lights_and_cameras_of_files_are_placed() {
         "{message}"
     );
     desc.instances[0].repeat = Some(RepeatDesc {
-        count: [1000, 1000, 1],
+        count: [725, 725, 1],
         step: Vec3::X,
     });
     let (name, message) = one_error(load_scene(&desc));
     assert_eq!(name, "lights-too-many");
-    let limit = "2000000 lights including those of files, at most 1048576 are allowed";
+    let limit = "1051250 lights including those of files, at most 1048576 are allowed";
     assert_eq!(message, limit);
 }
 

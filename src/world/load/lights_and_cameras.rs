@@ -142,12 +142,12 @@ impl Loader<'_> {
             );
         }
         self.world.set_lights(extras.lights);
-        let count = self.world.lights.len();
-        if count > MAX_LIGHTS {
+        let array = self.world.lights.len();
+        if array > MAX_LIGHTS && count <= most {
             self.too_many_lights(
                 MAX_LIGHTS,
                 format!(
-                    "{count} lights are directional or cast no shadow, at most {MAX_LIGHTS} are allowed"
+                    "{array} lights are directional or cast no shadow, at most {MAX_LIGHTS} are allowed"
                 ),
                 "remove `shadow = \"none\"` from lamps: those with a shadow may be more",
             );
