@@ -51,7 +51,7 @@ struct Shown {
 fn shown_by(probe: u32, origin: vec3f, ray: Reflected, to: Aim, width_m: f32) -> Shown {
     let towards = direction_from(probe, origin, to.direction);
     let stored = textureSampleLevel(probe_radiance, probe_sampler, towards, probe, to.level);
-    var found = probe_hit(probe, towards);
+    var found = cube_hit(probe, towards);
     let sky = environment(ray.direction) * (ray.sky_weight * (1.0 - stored.w));
     if (found.y != NONE) {
         let point = probes[probe].position.xyz + towards * bitcast<f32>(found.x);

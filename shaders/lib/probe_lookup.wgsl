@@ -1,5 +1,6 @@
 // Look-up of a ray in the cube maps of probes.
 
+#import cube_depth
 #import cube_faces
 #import frame
 #import probes
@@ -8,54 +9,13 @@
 override LOOKUP: u32 = LOOKUP_BOX;
 
 @group(2) @binding(23) var probe_radiance: texture_cube_array<f32>; // levels by roughness; w: share that surfaces cover
-@group(2) @binding(24) var probe_hits: texture_2d_array<u32>; // distance, instance, triangle, place
 @group(2) @binding(25) var probe_sampler: sampler;
 
 // Number of steps of a march through distances, and of halvings where it has crossed them.
 const MARCH_STEPS: u32 = 30u;
 const HALVINGS: u32 = 8u;
-// Maximum relative difference of the depths of pixels between which a surface is taken to go on.
-const SAME_SURFACE: f32 = 0.2;
 // Share of a box's half size within which a point lies on its border.
 const ON_BORDER: f32 = 1e-3;
-
-fn probe_hit(probe: u32, direction: vec3f) -> vec4u {
-    let at = face_place(direction);
-    let size = f32(textureDimensions(probe_hits).x);
-    let pixel = vec2u(clamp((at.place + 1.0) * (0.5 * size), vec2f(0.0), vec2f(size - 1.0)));
-    return textureLoad(probe_hits, pixel, 6u * probe + at.face, 0);
-}
-
-// Depth along the axis of its face of what a probe sees at a pixel of a map.
-fn depth_at(layer: u32, pixel: vec2i, size: f32) -> f32 {
-    let hit = textureLoad(probe_hits, pixel, layer, 0).xy;
-    if (hit.y == NONE) { return FAR_M; }
-    let place = (vec2f(pixel) + 0.5) * (2.0 / size) - 1.0;
-    return bitcast<f32>(hit.x) * inverseSqrt(1.0 + dot(place, place));
-}
-
-// Depth of what a probe sees at a place of a face. Its inverse is linear on planes, so that interpolating that between
-// pixels of one surface is exact there.
-fn depth_seen(probe: u32, at: FacePlace) -> f32 {
-    let size = f32(textureDimensions(probe_hits).x);
-    let layer = 6u * probe + at.face;
-    let place = clamp((at.place + 1.0) * (0.5 * size) - 0.5, vec2f(0.0), vec2f(size - 1.0));
-    let corner = vec2i(min(place, vec2f(size - 2.0)));
-    let part = place - vec2f(corner);
-    let inverse = 1.0 / vec4f(
-        depth_at(layer, corner, size),
-        depth_at(layer, corner + vec2i(1, 0), size),
-        depth_at(layer, corner + vec2i(0, 1), size),
-        depth_at(layer, corner + vec2i(1, 1), size),
-    );
-    let least = min(min(inverse.x, inverse.y), min(inverse.z, inverse.w));
-    let most = max(max(inverse.x, inverse.y), max(inverse.z, inverse.w));
-    if (most - least > SAME_SURFACE * most) {
-        let near = vec2i(round(place));
-        return depth_at(layer, near, size);
-    }
-    return 1.0 / mix(mix(inverse.x, inverse.y, part.x), mix(inverse.z, inverse.w, part.x), part.y);
-}
 
 // Whether a point is behind what a probe sees in its direction.
 fn is_behind(probe: u32, offset: vec3f) -> bool {

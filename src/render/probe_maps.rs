@@ -20,7 +20,7 @@ use super::{
 /// Format of the maps' radiance.
 const RADIANCE: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 /// Format of the maps' hits.
-const HITS: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Uint;
+pub const HITS: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Uint;
 /// Maximum size of all maps, bytes.
 const MAX_MAP_BYTES: u64 = 2 << 30;
 /// Width of the faces of the last level, that of the roughest reflections, pixels.
@@ -145,7 +145,8 @@ impl ProbeMaps {
         }
         let mut boxes = key.boxes.clone();
         boxes.resize(MOST_PROBES, bytemuck::Zeroable::zeroed());
-        let make = |label, format, levels| texture(gpu, label, format, &key, levels);
+        let faces = (px, key.layers());
+        let make = |label, format, levels| texture(gpu, label, format, faces, levels);
         let captured = make("probe radiance", RADIANCE, levels)?;
         let filtered = match key.has_levels {
             true => make("probe radiance by roughness", RADIANCE, levels)?,
@@ -180,7 +181,7 @@ impl ProbeMaps {
         [
             ("probes", self.boxes.as_entire_binding()),
             ("probe_radiance", view(&self.radiance)),
-            ("probe_hits", view(&self.hits_view)),
+            ("cube_hits", view(&self.hits_view)),
             (
                 "probe_sampler",
                 wgpu::BindingResource::Sampler(&self.sampler),
@@ -335,14 +336,16 @@ fn by_rays(lights: &LightBlock) -> LightBlock {
     lights
 }
 
-fn whole(texture: &wgpu::Texture, dimension: wgpu::TextureViewDimension) -> wgpu::TextureView {
+/// View of all layers and levels.
+pub fn whole(texture: &wgpu::Texture, dimension: wgpu::TextureViewDimension) -> wgpu::TextureView {
     texture.create_view(&wgpu::TextureViewDescriptor {
         dimension: Some(dimension),
         ..Default::default()
     })
 }
 
-fn level_view(texture: &wgpu::Texture, level: u32) -> wgpu::TextureView {
+/// View of all layers of a level.
+pub fn level_view(texture: &wgpu::Texture, level: u32) -> wgpu::TextureView {
     texture.create_view(&wgpu::TextureViewDescriptor {
         dimension: Some(wgpu::TextureViewDimension::D2Array),
         base_mip_level: level,
@@ -351,20 +354,24 @@ fn level_view(texture: &wgpu::Texture, level: u32) -> wgpu::TextureView {
     })
 }
 
-fn texture(
+/// Texture of square faces, given by their width in pixels and their number, with these levels.
+///
+/// # Errors
+/// Exhausted memory.
+pub fn texture(
     gpu: &Gpu,
     label: &str,
     format: wgpu::TextureFormat,
-    key: &ProbeKey,
+    (face_px, layers): (u32, u32),
     levels: u32,
 ) -> Result<wgpu::Texture, GpuError> {
-    gpu.scoped("cube maps of probes", || {
+    gpu.scoped("cube maps", || {
         gpu.device.create_texture(&wgpu::TextureDescriptor {
             label: Some(label),
             size: wgpu::Extent3d {
-                width: key.face_px,
-                height: key.face_px,
-                depth_or_array_layers: key.layers(),
+                width: face_px,
+                height: face_px,
+                depth_or_array_layers: layers,
             },
             mip_level_count: levels,
             sample_count: 1,
