@@ -4,6 +4,9 @@
 #import lists
 #import mirror_path
 
+// The number of textures that a stage may write leaves none for the cause of these pixels.
+fn keep_cause(pixel: vec2u) {}
+
 @group(2) @binding(8) var lead_hit: texture_storage_2d<rgba32uint, write>;
 
 // Number of rays of a workgroup for each of RATE; fewer than its invocations, so that seldom one has no place among them.
@@ -59,5 +62,5 @@ fn counted(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups:
     if (leader == NONE) { return; }
     let pixel = unpack_pixel(leader);
     textureStore(lead_hit, pixel, trace_pixel(pixel));
-    textureStore(counts, pixel, vec4u(0u, traversals, visited_nodes, tested_triangles));
+    textureStore(counts, pixel, vec4u(far_steps, traversals, visited_nodes, tested_triangles));
 }

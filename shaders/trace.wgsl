@@ -1,5 +1,6 @@
 // Trace: follows the mirror rays of the listed pixels through the BVHs, bounce by bounce.
 
+#import cause_kept
 #import lists
 #import mirror_path
 
@@ -23,5 +24,5 @@ fn counted(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups:
     let ray = (group.y * groups.x + group.x) * RAYS_PER_GROUP + lane;
     if (!is_listed(ray)) { return; }
     _ = trace_pixel(pixel_of(ray));
-    textureStore(counts, pixel_of(ray), vec4u(0u, traversals, visited_nodes, tested_triangles));
+    textureStore(counts, pixel_of(ray), vec4u(far_steps, traversals, visited_nodes, tested_triangles));
 }

@@ -7,9 +7,9 @@
 #import indirect
 #import light_reuse
 #import lists
+#import nearest_met
 #import radiance
 
-@group(2) @binding(3) var cause: texture_2d<u32>;
 @group(2) @binding(4) var reflection: RadianceTexture;
 @group(2) @binding(5) var hit: texture_storage_2d<rgba32uint, write>;
 
@@ -35,11 +35,12 @@ fn trace_pixel(pixel: vec2u) -> vec4u {
     var color = vec3f(0.0);
     var throughput = vec3f(1.0);
     var found = vec4u(0u, NONE, NONE, 0u);
-    var start_m = free_m(textureLoad(cause, pixel, 0).x); // length that the march has found free
+    var start_m = free_start_m(pixel); // length that the march has found free
     for (var bounce = 0u; bounce < frame.bounces + crossings() + scatterings(); bounce++) {
         start_samples(pixel, bounce + 1u);
         let direction = ray.direction;
-        let h = trace_nearest(origin, direction, start_m, reach_m());
+        let h = nearest_met(origin, direction, start_m, reach_m());
+        if (bounce == 0u) { keep_cause(pixel); }
         start_m = 0.0;
         throughput *= medium_transmittance(h.t);
         let end = seen_at_end(origin, ray, h.instance, h.t);

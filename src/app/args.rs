@@ -357,6 +357,9 @@ pub enum MethodArg {
     /// Screen space first, probes where that fails
     #[value(name = "ssr+probe")]
     SsrProbe,
+    /// Rays near the camera, cube maps of depth and ids beyond
+    #[value(name = "near-far")]
+    NearFar,
     /// Path tracing of all light, with any number of bounces: the reference, and slow
     Path,
     /// Hybrid or rt, whichever is expected to take less time
@@ -371,6 +374,7 @@ impl From<MethodArg> for Method {
             MethodArg::Hybrid => Self::Hybrid,
             MethodArg::Probe => Self::Probe,
             MethodArg::SsrProbe => Self::SsrProbe,
+            MethodArg::NearFar => Self::NearFar,
             MethodArg::Path => Self::Path,
             MethodArg::Auto => Self::Auto,
         }

@@ -21,6 +21,7 @@ use crate::{
         RenderOptions,
         cutoff::can_reflect,
         decide::{Decision, decide, needs_trees},
+        far_maps::FarKey,
         passes::capture,
         plan::{Dropped, Plan},
         probe_boxes::probe_boxes,
@@ -34,7 +35,7 @@ use crate::{
         scene_text::{LoadedScene, asset_folders},
     },
     scene::{
-        desc::{Entry, LightKind, ParamValue, SceneDesc},
+        desc::{Entry, LightKind, ParamValue, ReflectionDesc, SceneDesc},
         diagnostic::print_diagnostics,
     },
     world::{Light, ListedVariants, Mesh, World, animation::Listed, bvh::Trees},
@@ -104,6 +105,9 @@ pub struct Info {
     /// Probes of the scene's method; `None` where it looks nothing up.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub probes: Option<ProbesInfo>,
+    /// Box and maps of method `near-far`; `None` with another.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub near_far: Option<NearFarInfo>,
     /// Maximum number of consecutive reflections in this scene.
     pub bounces: u32,
     /// Settings left to `auto`, and their values on software adapters.
@@ -130,6 +134,17 @@ pub struct ProbesInfo {
     /// Number of probes.
     pub count: usize,
     /// Width of the faces of their maps, pixels.
+    pub face_px: u32,
+    /// Size of all maps, bytes.
+    pub bytes: u64,
+}
+
+/// Box and maps of method `near-far`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct NearFarInfo {
+    /// Half the size of the box, meters.
+    pub half_size_m: f32,
+    /// Width of the faces of its maps, pixels.
     pub face_px: u32,
     /// Size of all maps, bytes.
     pub bytes: u64,
@@ -231,6 +246,16 @@ fn probes(world: &World, plan: &Plan, options: &RenderOptions) -> Option<ProbesI
     })
 }
 
+/// Box and maps of a frame with this plan; `None` where it has none.
+fn near_far(settings: &ReflectionDesc, unit_m: f32, plan: &Plan) -> Option<NearFarInfo> {
+    let key = FarKey::new(settings);
+    (plan.features.near_far).then(|| NearFarInfo {
+        half_size_m: settings.near_far.half_size_in(unit_m),
+        face_px: key.face_px,
+        bytes: key.bytes(),
+    })
+}
+
 /// Counts and measures a loaded scene. `plan_file` adds decisions by its unit costs to those of adapter kinds.
 ///
 /// # Errors
@@ -299,6 +324,7 @@ pub fn gather(loaded: &LoadedScene, plan_file: Option<&PlanFile>) -> Result<Info
             + size_of_val(trees.triangles.as_slice())
             + size_of_val(trees.instances.as_slice())) as u64,
         probes: probes(world, &plan, &gpu.options),
+        near_far: near_far(reflection, unit_m, &plan),
         bounces: plan.bounces,
         decided_software: software.decisions,
         decided_gpu: gpu.decisions,

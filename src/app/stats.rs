@@ -15,6 +15,7 @@ use crate::{
     memory::peak_resident_bytes,
     render::{
         decide::Decision,
+        far_maps::FarStats,
         passes::audit,
         probe::PassCounts,
         probe_maps::ProbeStats,
@@ -160,8 +161,8 @@ impl Report {
         line("source", list(&shares.sources));
         line("cause", list(&shares.causes));
         line("rays", self.rays());
-        if let Some(probes) = &frame.probes {
-            line("probes", probes_text(probes));
+        if let Some((label, maps)) = captured(frame) {
+            line(label, maps);
         }
         match &frame.audit {
             Some(audit) => line("audit", audit.to_string()),
@@ -210,6 +211,13 @@ impl Report {
     }
 }
 
+/// Maps that the frame captured or kept, by their label.
+fn captured(frame: &FrameStats) -> Option<(&'static str, String)> {
+    let probes = || Some(("probes", probes_text(frame.probes.as_ref()?)));
+    let far = || Some(("near-far", far_text(frame.far.as_ref()?)));
+    probes().or_else(far)
+}
+
 /// Number and size of the probes, and what their maps took.
 fn probes_text(probes: &ProbeStats) -> String {
     let when = match probes.update_ms > 0.0 {
@@ -222,6 +230,23 @@ fn probes_text(probes: &ProbeStats) -> String {
         probes.face_px,
         mebibytes(probes.bytes),
         probes.capture_ms
+    )
+}
+
+/// Size of the box and of the maps of method `near-far`, and what the maps took.
+fn far_text(far: &FarStats) -> String {
+    let when = match far.update_ms > 0.0 {
+        true => "for this picture",
+        false => "before",
+    };
+    let layers = if far.layers > 1 { ", 2 layers" } else { "" };
+    format!(
+        "rays up to {} m from the camera along each axis; map with faces of {} px{layers}, {}; captured {when} in \
+         {:.3} ms, apart from the passes",
+        far.half_size_m,
+        far.face_px,
+        mebibytes(far.bytes),
+        far.capture_ms
     )
 }
 
@@ -304,6 +329,7 @@ mod tests {
                 audit: None,
                 second_layer: None,
                 probes: None,
+                far: None,
                 bytes: vec![("textures".to_owned(), 3 << 19)],
             },
             passes_total_ms: 4.0,

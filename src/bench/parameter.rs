@@ -3,8 +3,8 @@
 use reflet_scene::{
     desc::{Accept, Bounces, Method, ReflectionDesc},
     range::{
-        BOUNCES, EDGE_PX, LAYERS, NEAREST_PROBES, RATE, RAY_LENGTH_U, Range, SEPARATION_M, STEPS,
-        THRESHOLD_U, range,
+        ABOVE_0, BOUNCES, EDGE_PX, LAYERS, NEAREST_PROBES, RATE, RAY_LENGTH_U, Range, SEPARATION_M,
+        STEPS, THRESHOLD_U, range,
     },
 };
 
@@ -34,6 +34,8 @@ pub enum Parameter {
     Bounces,
     /// Maximum number of blended probes, `probes.nearest`.
     Nearest,
+    /// Half the size of the box in which rays are traced, `near_far.half_size_m`.
+    HalfSizeM,
     /// Side of the rendered picture divided by that of the shown one, into which it is enlarged bilinearly.
     Scale,
 }
@@ -55,11 +57,12 @@ pub struct Variant {
 
 /// Names of the curves in charts: one per method, with curves of their own for `hybrid` that accepts by the
 /// paper's threshold, for two depth layers, and for methods that trace shadow rays at hits anew.
-pub const SERIES: [&str; 12] = [
+pub const SERIES: [&str; 13] = [
     Method::Ssr.name(),
     SSR_LAYERS_SERIES,
     Method::Probe.name(),
     Method::SsrProbe.name(),
+    Method::NearFar.name(),
     THRESHOLD_SERIES,
     Method::Hybrid.name(),
     HYBRID_LAYERS_SERIES,
@@ -99,7 +102,7 @@ pub const fn accept_name(accept: Accept) -> &'static str {
 
 impl Parameter {
     /// All parameters.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::ThresholdU,
         Self::EdgePx,
         Self::ReuseLight,
@@ -110,6 +113,7 @@ impl Parameter {
         Self::RayLengthU,
         Self::Bounces,
         Self::Nearest,
+        Self::HalfSizeM,
         Self::Scale,
     ];
 
@@ -126,6 +130,7 @@ impl Parameter {
             Self::RayLengthU => "ray_length_u",
             Self::Bounces => "bounces",
             Self::Nearest => "nearest",
+            Self::HalfSizeM => "half_size_m",
             Self::Scale => "scale",
         }
     }
@@ -143,6 +148,7 @@ impl Parameter {
             Method::Ssr => &[Self::Steps],
             Method::Probe => &[Self::Nearest],
             Method::SsrProbe => &[Self::Steps, Self::Nearest],
+            Method::NearFar => &[Self::HalfSizeM],
             Method::Rt | Method::Path => &[Self::Bounces, Self::ReuseLight],
             Method::Hybrid | Method::Auto => &[Self::ThresholdU, Self::EdgePx, Self::ReuseLight],
         }
@@ -151,7 +157,11 @@ impl Parameter {
     /// Whether varying the parameter can change the picture of this method.
     pub const fn acts_on(self, method: Method) -> bool {
         match self {
-            Self::ThresholdU | Self::Steps | Self::Layers | Self::SeparationM => method.marches(),
+            Self::ThresholdU => method.marches(),
+            Self::Steps | Self::Layers | Self::SeparationM => {
+                method.marches() || matches!(method, Method::NearFar)
+            }
+            Self::HalfSizeM => matches!(method, Method::NearFar),
             Self::EdgePx => matches!(method, Method::Hybrid | Method::Auto),
             // Methods that trace no ray follow one reflection and nothing beyond it.
             Self::Bounces | Self::Rate => method.traces(),
@@ -174,6 +184,7 @@ impl Parameter {
             Self::RayLengthU => &[1.0, 2.0, 4.0, 8.0, 16.0],
             Self::Bounces => &[1.0, 2.0, 3.0, 4.0, 6.0],
             Self::Nearest => &[1.0, 2.0, 3.0, 4.0],
+            Self::HalfSizeM => &[0.5, 1.0, 2.0, 4.0, 8.0],
             Self::Scale => &[0.25, 0.375, 0.5, 0.75, 1.0],
         }
     }
@@ -220,6 +231,7 @@ impl Parameter {
             Self::RayLengthU => RAY_LENGTH_U,
             Self::Bounces => BOUNCES,
             Self::Nearest => NEAREST_PROBES,
+            Self::HalfSizeM => ABOVE_0,
             Self::Scale => range(0.05, 1.0),
         }
     }
@@ -246,6 +258,7 @@ impl Parameter {
             Self::RayLengthU => settings.ray_length_u = value as f32,
             Self::Bounces => settings.bounces = Bounces::AtMost(value as u32),
             Self::Nearest => settings.probes.nearest = value as u32,
+            Self::HalfSizeM => settings.near_far.half_size_m = Some(value as f32),
             Self::Scale => {}
         }
     }
@@ -308,86 +321,4 @@ impl Variant {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_parameter_changes_its_setting_and_nothing_else() {
-        let settings = ReflectionDesc {
-            method: Method::Hybrid,
-            ..ReflectionDesc::default()
-        };
-        let varied = |parameter| Variant::sweep(Method::Hybrid, &settings, parameter, &[8.0]);
-        let expect = |change: fn(&mut ReflectionDesc)| {
-            let mut changed = settings;
-            change(&mut changed);
-            changed
-        };
-        assert_eq!(
-            varied(Parameter::ThresholdU)[0].reflection,
-            expect(|r| (r.accept, r.threshold_u) = (Accept::Threshold, 8.0))
-        );
-        assert_eq!(
-            varied(Parameter::EdgePx)[0].reflection,
-            expect(|r| r.edge_px = 8.0)
-        );
-        assert_eq!(
-            varied(Parameter::Steps)[0].reflection,
-            expect(|r| r.steps = 8)
-        );
-        assert_eq!(
-            varied(Parameter::RayLengthU)[0].reflection,
-            expect(|r| r.ray_length_u = 8.0)
-        );
-        assert_eq!(
-            varied(Parameter::Bounces)[0].reflection,
-            expect(|r| r.bounces = Bounces::AtMost(8))
-        );
-        let scaled = Variant::sweep(Method::Rt, &settings, Parameter::Scale, &[0.5])[0];
-        assert_eq!(scaled.rendered_size([641, 1]), [321, 1]);
-        assert_eq!(scaled.label(), "rt, scale = 0.5");
-    }
-
-    #[test]
-    fn a_parameter_without_effect_makes_one_variant() {
-        let settings = ReflectionDesc::default();
-        for parameter in [Parameter::ThresholdU, Parameter::Steps] {
-            let variants = Variant::sweep(Method::Rt, &settings, parameter, &[8.0, 16.0]);
-            assert_eq!(variants.len(), 1);
-            assert_eq!(variants[0].value, None);
-        }
-        assert_eq!(
-            Variant::sweep(Method::Ssr, &settings, Parameter::Bounces, &[1.0, 2.0]).len(),
-            1
-        );
-    }
-
-    #[test]
-    fn defaults_are_in_range_and_other_values_are_refused() {
-        for parameter in Parameter::ALL {
-            assert_eq!(Parameter::from_name(parameter.name()), Some(parameter));
-            parameter
-                .default_values()
-                .iter()
-                .for_each(|&v| parameter.check(v).expect("in range"));
-            assert!(parameter.check(f64::NAN).is_err() && parameter.check(-1.0).is_err());
-        }
-        let says = Parameter::Steps.check(16.5).expect_err("no whole number");
-        assert_eq!(says, "steps = 16.5: must be a whole number from 8 to 4096");
-        for (parameter, value, says) in [
-            (
-                Parameter::RayLengthU,
-                f64::INFINITY,
-                "above 0 and at most 1e12",
-            ),
-            (Parameter::RayLengthU, 1e-300, "above 0"), // 0 in single precision
-            (Parameter::ThresholdU, 1e300, "0 to 1e12"),
-        ] {
-            let error = parameter.check(value).expect_err("out of range");
-            assert_eq!(
-                error,
-                format!("{} = {value:?}: must be {says}", parameter.name())
-            );
-        }
-    }
-}
+mod tests;

@@ -194,6 +194,7 @@ struct ReadyRenderer {
     verifies: bool,
     layers: u32,
     probes: ProbesDesc,
+    far_px: u32,
     rate: u32,
     renderer: RendererStage,
     /// CPU time to update moved instances, milliseconds; none for a still scene.
@@ -208,7 +209,8 @@ impl ReadyRenderer {
             nearest: self.probes.nearest,
             ..reflection.probes
         };
-        let has_maps = !self.method.looks_up() || self.probes == probes;
+        let has_far = self.method != Method::NearFar || self.far_px == reflection.near_far.face_px;
+        let has_maps = has_far && (!self.method.looks_up() || self.probes == probes);
         let own = (self.method, self.verifies, self.layers, self.rate);
         has_maps
             && own
@@ -364,6 +366,7 @@ impl Bench<'_> {
             verifies: reflection.verifies(),
             layers: reflection.layers,
             probes: reflection.probes,
+            far_px: reflection.near_far.face_px,
             rate: reflection.rate,
             renderer,
             update_ms,

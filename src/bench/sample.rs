@@ -78,7 +78,7 @@ sample! {
     width: u32,
     /// Height of the shown picture, pixels.
     height: u32,
-    /// Method: `ssr`, `probe`, `ssr+probe`, `hybrid` or `rt`.
+    /// Method: `ssr`, `probe`, `ssr+probe`, `near-far`, `hybrid` or `rt`.
     method: String,
     /// Sweep of the run: `nothing`, `own` for each method's own parameter, `rules` of acceptance, or one
     /// parameter for all.
@@ -171,11 +171,11 @@ sample! {
     screen_percent: f64,
     /// Share of reflective pixels that were traced, percent.
     traced_percent: f64,
-    /// Share of reflective pixels that were looked up in probes, percent.
+    /// Share of reflective pixels that were looked up in probes or found in maps of far things, percent.
     probe_percent: Option<f64>,
-    /// Bytes of the maps of probes; none for methods without them.
+    /// Bytes of the maps of probes or of far things; none for methods without them.
     probe_bytes: Option<u64>,
-    /// Time of the last capture of the probes, processor time on software adapters; not part of a frame, milliseconds.
+    /// Time of the last capture of these maps, processor time on software adapters; not part of a frame, milliseconds.
     capture_ms: Option<f64>,
     /// Share of reflective pixels that `ssr` leaves without reflection, where other methods trace, percent.
     failed_percent: f64,

@@ -4,6 +4,7 @@ use reflet_gpu::{Gpu, GpuError};
 use reflet_world::Light;
 
 use super::{
+    far_maps::{FarKey, FarMaps},
     frame_uniforms::FrameUniforms,
     lights::{LightNeeds, ShadowSizes},
     options::RenderOptions,
@@ -36,6 +37,7 @@ pub struct BindingKey {
     audit: bool,
     overrides: Vec<Override>,
     probes: Option<ProbeKey>,
+    far: Option<FarKey>,
 }
 
 impl BindingKey {
@@ -65,6 +67,7 @@ impl BindingKey {
             audit: options.audit,
             overrides: plan.overrides().into_iter().chain(own).collect(),
             probes,
+            far: (plan.features.near_far).then(|| FarKey::new(&options.reflection)),
         }
     }
 
@@ -109,6 +112,8 @@ pub struct Bindings {
     pub ray_list: RayList,
     /// Cube maps of probes, in frames that look reflections up in them.
     pub probe_maps: Option<ProbeMaps>,
+    /// Maps of far things, in frames of method `near-far`.
+    pub far_maps: Option<FarMaps>,
     /// Groups 0 and 1.
     pub shared: SharedGroups,
     /// Passes that the frame records.
@@ -144,6 +149,7 @@ impl Bindings {
         // Maps are captured anew: bindings are made where trees, materials or settings differ.
         let probes = key.probes.clone();
         let probe_maps = probes.map(|key| ProbeMaps::new(gpu, key)).transpose()?;
+        let far_maps = key.far.map(|key| FarMaps::new(gpu, key)).transpose()?;
         let BindingInputs {
             plan,
             options,
@@ -158,6 +164,7 @@ impl Bindings {
             targets: &targets,
             ray_list: &ray_list,
             probe_maps: probe_maps.as_ref(),
+            far_maps: far_maps.as_ref(),
         };
         let infos = shaders.infos(&needed_passes(plan, options))?;
         let shared = SharedGroups::new(gpu, &infos, resources)?;
@@ -175,6 +182,7 @@ impl Bindings {
             targets,
             ray_list,
             probe_maps,
+            far_maps,
             shared,
             passes,
             probes: Probes::default(),

@@ -39,6 +39,10 @@ pub enum Cause {
     EdgeOn = 11,
     /// The ray went behind what the picture shows, and hit a surface of the second depth layer.
     HitBehind = 12,
+    /// Method `near-far`: the ray hit what the map of far things shows.
+    Far = 13,
+    /// Method `near-far`: the ray went behind what the map of far things shows, and hit nothing that it shows.
+    FarHidden = 14,
 }
 
 /// Source of a pixel's reflection.
@@ -51,7 +55,8 @@ pub enum Source {
     Screen,
     /// Ray traced.
     Traced,
-    /// Method `ssr`: the pixel is left black where a ray would have been traced.
+    /// Method `ssr`: the pixel is left black where a ray would have been traced; `near-far`: it shows the environment
+    /// where the map does not show what the ray would hit.
     Failed,
     /// The environment: the ray hits no surface within its length.
     None,
@@ -59,11 +64,13 @@ pub enum Source {
     Rough,
     /// Looked up in probes.
     Probe,
+    /// Found in the map of far things.
+    Far,
 }
 
 impl Cause {
     /// All causes; the index is the number.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 15] = [
         Self::NotReflective,
         Self::Hit,
         Self::Hidden,
@@ -77,6 +84,8 @@ impl Cause {
         Self::Unconfirmed,
         Self::EdgeOn,
         Self::HitBehind,
+        Self::Far,
+        Self::FarHidden,
     ];
 
     /// Number of the cause in a texel of the `cause` target, whose upper bits hold the ray length that the march has
@@ -106,6 +115,8 @@ impl Cause {
             Self::Unconfirmed => "unconfirmed",
             Self::EdgeOn => "edge_on",
             Self::HitBehind => "hit_behind",
+            Self::Far => "far",
+            Self::FarHidden => "far_hidden",
         }
     }
 
@@ -127,6 +138,8 @@ impl Cause {
             Self::Hit | Self::HitBehind => Source::Screen,
             Self::None => Source::None,
             Self::Rough => Source::Rough,
+            Self::Far => Source::Far,
+            Self::FarHidden => Source::Failed,
             _ if matches!(method, Method::Ssr) => Source::Failed,
             _ if method.looks_up() => Source::Probe,
             _ => Source::Traced,
@@ -149,13 +162,15 @@ impl Cause {
             Self::Unconfirmed => [170, 60, 40],
             Self::EdgeOn => [0, 160, 170],
             Self::HitBehind => [170, 210, 255],
+            Self::Far => [200, 190, 60],
+            Self::FarHidden => [110, 30, 90],
         }
     }
 }
 
 impl Source {
     /// All sources; the index is the number in AOVs.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::NotReflective,
         Self::Screen,
         Self::Traced,
@@ -163,6 +178,7 @@ impl Source {
         Self::None,
         Self::Rough,
         Self::Probe,
+        Self::Far,
     ];
 
     /// Color in the `source` picture, sRGB: screen hits blue and traced pink, as in the paper's Fig. 8.
@@ -172,6 +188,7 @@ impl Source {
             Self::Screen => [60, 110, 255],
             Self::Traced => [255, 110, 190],
             Self::Probe => [150, 220, 60],
+            Self::Far => [200, 190, 60],
             Self::Failed => [200, 40, 40],
             Self::None => [80, 200, 120],
             Self::Rough => [130, 130, 130],

@@ -114,9 +114,12 @@ impl Renderer {
         }
     }
 
-    /// Makes the next picture capture all probes, also where nothing that they see has changed.
+    /// Makes the next picture capture all maps of probes and of far things, also where nothing that they see has changed.
     pub fn recapture_probes(&self) {
         if let Some(maps) = &self.bindings.probe_maps {
+            maps.forget();
+        }
+        if let Some(maps) = &self.bindings.far_maps {
             maps.forget();
         }
     }
@@ -148,6 +151,7 @@ impl Renderer {
     ) -> Recorder<'a> {
         let (sample, samples) = (share.sample, self.options.image.samples.count());
         let whole_surfaces = self.resolves_all(share);
+        let eye = view.eye;
         let (view, shift) = &view.through_lens(sample, samples);
         let view = &view.reaching(&self.drawn_bounds());
         let jitter = jitter(sample, samples) + *shift;
@@ -167,7 +171,10 @@ impl Renderer {
             self.uniforms.set_fog(gpu, &fog);
         }
         let maps = self.bindings.probe_maps.as_ref().filter(|_| sample == 0);
-        let captures = maps.is_some_and(|m| m.prepare(gpu, world, (&frame, &block, &sampling)));
+        let captures = match &self.bindings.far_maps {
+            Some(far) => far.prepare(gpu, world, eye, settings, self.unit_m),
+            None => maps.is_some_and(|m| m.prepare(gpu, world, (&frame, &block, &sampling))),
+        };
         let size = self.options.image.size;
         let mut frame = SubFrame {
             recorder: Recorder::new(gpu, &self.timer, timing, &self.bindings.shared, size)
@@ -197,6 +204,12 @@ impl Renderer {
         )
     }
 
+    /// Half the size of the box of method `near-far`, meters of the scene.
+    fn near_m(&self) -> f32 {
+        let settings = &self.options.reflection.near_far;
+        settings.half_size_in(self.unit_m) * self.coordinates.meters()
+    }
+
     /// Bounding box of everything that is drawn.
     pub(super) fn drawn_bounds(&self) -> Bounds {
         let draws = self.scene.draws.iter();
@@ -209,6 +222,10 @@ impl Renderer {
         let maps = self.bindings.probe_maps.as_ref();
         if let (Some(maps), true) = (maps, captured.cost_ms > 0.0) {
             maps.set_capture_ms(captured.cost_ms);
+        }
+        let far = self.bindings.far_maps.as_ref();
+        if let (Some(far), true) = (far, captured.cost_ms > 0.0) {
+            far.set_capture_ms(captured.cost_ms);
         }
         let mut bytes: Vec<(String, u64)> = Vec::new();
         let named = |(name, size): (&str, u64)| (name.to_owned(), size);
@@ -223,6 +240,9 @@ impl Renderer {
         );
         if let Some(maps) = &self.bindings.probe_maps {
             bytes.push(("probe_maps".to_owned(), maps.bytes));
+        }
+        if let Some(far) = far {
+            bytes.push(("far_maps".to_owned(), far.key.bytes()));
         }
         if self.plan.features.lists {
             bytes.push(("lists".to_owned(), self.bindings.ray_list.lists.size()));
@@ -245,6 +265,7 @@ impl Renderer {
             processor_ms: times.processor_ms,
             frame_ms: frame_ms - captured.passes_ms,
             probes: maps.map(|maps| maps.stats(captured.cost_ms)),
+            far: far.map(|far| far.stats(self.near_m(), captured.cost_ms)),
             bytes,
         }
     }

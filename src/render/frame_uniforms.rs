@@ -101,7 +101,7 @@ pub(super) fn uniform(gpu: &Gpu, label: &str, content: &[u8]) -> wgpu::Buffer {
     buffer
 }
 
-fn empty_uniform(gpu: &Gpu, label: &str, size: usize) -> wgpu::Buffer {
+pub(super) fn empty_uniform(gpu: &Gpu, label: &str, size: usize) -> wgpu::Buffer {
     gpu.device.create_buffer(&wgpu::BufferDescriptor {
         label: Some(label),
         size: size as u64,

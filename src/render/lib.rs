@@ -27,6 +27,7 @@ mod edge_on;
 mod emitters;
 pub mod error;
 mod error_estimate;
+pub mod far_maps;
 mod fog;
 mod frame;
 mod frame_pass;

@@ -34,6 +34,9 @@ impl Renderer {
         self.submitted(recorder.submit())?;
         gpu.wait()?;
         self.redraw_shadows();
+        if let Some(maps) = &self.bindings.far_maps {
+            maps.forget();
+        }
         Ok(())
     }
 

@@ -3,6 +3,7 @@
 use reflet_gpu::{Gpu, GpuError, Named, Shader};
 
 use super::{
+    far_maps::FarMaps,
     options::RenderOptions,
     pass::{ComputePass, MAIN, Override, Pass},
     plan::Plan,
@@ -107,6 +108,15 @@ impl PassBuilder<'_> {
         self.resources.probe_maps.ok_or_else(missing)
     }
 
+    /// The maps of far things.
+    ///
+    /// # Errors
+    /// [`GpuError::Binding`] in a frame of another method than `near-far`.
+    pub fn far_maps(&self) -> Result<&FarMaps, GpuError> {
+        let missing = || GpuError::Binding("maps of far things were not planned".to_owned());
+        self.resources.far_maps.ok_or_else(missing)
+    }
+
     fn bound(
         &self,
         pass: &'static Pass,
@@ -125,6 +135,7 @@ impl PassBuilder<'_> {
                 .iter()
                 .flat_map(|maps| maps.named()),
         );
+        named.extend(self.resources.far_maps.iter().flat_map(|maps| maps.named()));
         named.extend_from_slice(extra);
         built.bind(self.gpu, self.resources.targets, aliases, &named)?;
         Ok(built)

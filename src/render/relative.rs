@@ -164,11 +164,14 @@ impl Coordinates {
     pub fn options(&self, options: &RenderOptions) -> RenderOptions {
         let mut options = *options;
         let settings = &mut options.reflection;
-        for length_m in [&mut settings.unit_m, &mut settings.separation_m] {
+        for length_m in [
+            &mut settings.unit_m,
+            &mut settings.separation_m,
+            &mut settings.near_far.half_size_m,
+            &mut settings.probes.spacing_m,
+        ] {
             *length_m = length_m.map(|length_m| length_m * self.scale);
         }
-        let spacing_m = &mut options.reflection.probes.spacing_m;
-        *spacing_m = spacing_m.map(|spacing_m| spacing_m * self.scale);
         options
     }
 }

@@ -149,6 +149,7 @@ impl Renderer {
             targets: &self.bindings.targets,
             ray_list: &self.bindings.ray_list,
             probe_maps: self.bindings.probe_maps.as_ref(),
+            far_maps: self.bindings.far_maps.as_ref(),
         }
     }
 
@@ -200,7 +201,7 @@ impl Renderer {
     }
 
     /// Adopts the settings that need no rebuilding: threshold, edge, steps, separation of layers, ray length,
-    /// bounces, light reuse, number of blended probes. Other
+    /// bounces, light reuse, number of blended probes, box of `near-far`. Other
     /// settings, and features that the plan left out, stay as the renderer was made.
     pub fn set_reflection_parameters(&mut self, settings: &ReflectionDesc) {
         let settings = ReflectionDesc {
@@ -224,6 +225,8 @@ impl Renderer {
         self.options.reflection.ray_length_u = settings.ray_length_u;
         self.options.reflection.reuse_light = settings.reuse_light;
         self.options.reflection.probes.nearest = settings.probes.nearest;
+        self.options.reflection.near_far.half_size_m =
+            (settings.near_far.half_size_m).map(|m| m * scale);
     }
 
     /// Adopts a world with new poses and animated materials: uploads poses, the top level and material parameters,

@@ -1,8 +1,8 @@
 //! Resources that all passes are bound to.
 
 use super::{
-    frame_uniforms::FrameUniforms, probe_maps::ProbeMaps, ray_list::RayList, scene::GpuScene,
-    shadow_maps::ShadowMaps, targets::Targets,
+    far_maps::FarMaps, frame_uniforms::FrameUniforms, probe_maps::ProbeMaps, ray_list::RayList,
+    scene::GpuScene, shadow_maps::ShadowMaps, targets::Targets,
 };
 
 /// Resources that passes are bound to.
@@ -20,4 +20,6 @@ pub struct Resources<'a> {
     pub ray_list: &'a RayList,
     /// Cube maps of probes, in frames that look reflections up in them.
     pub probe_maps: Option<&'a ProbeMaps>,
+    /// Maps of far things, in frames of method `near-far`.
+    pub far_maps: Option<&'a FarMaps>,
 }

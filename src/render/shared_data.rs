@@ -19,6 +19,8 @@ pub enum SharedData {
     DepthPyramid,
     /// Cube maps of probes.
     ProbeMaps,
+    /// Maps of far things.
+    FarMaps,
 }
 
 impl SharedData {
@@ -32,6 +34,7 @@ impl SharedData {
             Self::DispatchSizes => "dispatch_sizes",
             Self::DepthPyramid => "depth_pyramid",
             Self::ProbeMaps => "probe_maps",
+            Self::FarMaps => "far_maps",
         }
     }
 
@@ -45,6 +48,7 @@ impl SharedData {
             Self::Counters => features.lists || features.traced,
             Self::DepthPyramid => true,
             Self::ProbeMaps => features.probes,
+            Self::FarMaps => features.near_far,
         }
     }
 }

@@ -8,6 +8,7 @@ use super::{
     cause::{Cause, Source},
     decide::Decision,
     error_estimate::ErrorEstimate,
+    far_maps::FarStats,
     passes::trace,
     probe_maps::ProbeStats,
     ray_list::{
@@ -25,7 +26,7 @@ pub struct Shares {
     pub reflective: u64,
     /// Number of pixels of each cause but `not_reflective`, with the percentage of all reflective pixels.
     pub causes: Vec<Share>,
-    /// Number of pixels by source: screen + traced (probe with methods that look up, failed with method `ssr`) + none + rough = 100 %.
+    /// Number of pixels by source: screen + traced (probe with methods that look up, failed with method `ssr`, far and failed with `near-far`) + none + rough = 100 %.
     pub sources: Vec<Share>,
 }
 
@@ -44,7 +45,15 @@ impl Shares {
     /// Shares from the counters of a frame.
     pub fn new(counters: &[u32], size: [u32; 2], method: Method) -> Self {
         let pixels = u64::from(size[0]) * u64::from(size[1]);
-        let count = |cause: Cause| u64::from(counters.get(cause as usize).copied().unwrap_or(0));
+        let counter = |cause: Cause| u64::from(counters.get(cause as usize).copied().unwrap_or(0));
+        // Pixels are counted as not marched when they are listed, and again where their rays end in a far map.
+        let count = |cause: Cause| match cause {
+            Cause::Unmarched if method == Method::NearFar => {
+                let far = [Cause::Far, Cause::FarHidden, Cause::None].map(counter);
+                counter(cause).saturating_sub(far.iter().sum())
+            }
+            _ => counter(cause),
+        };
         let reflecting = || {
             Cause::ALL
                 .into_iter()
@@ -77,6 +86,7 @@ impl Shares {
                 source("screen", Source::Screen),
                 source("traced", Source::Traced),
                 source("probe", Source::Probe),
+                source("far", Source::Far),
                 source("failed", Source::Failed),
                 source("none", Source::None),
                 source("rough", Source::Rough),
@@ -231,6 +241,9 @@ pub struct FrameStats {
     /// Maps of probes, in frames that look reflections up in them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub probes: Option<ProbeStats>,
+    /// Maps of far things, in frames of method `near-far`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub far: Option<FarStats>,
     /// Size of every buffer and texture class, bytes.
     #[serde(serialize_with = "as_map")]
     pub bytes: Vec<(String, u64)>,
@@ -257,6 +270,13 @@ impl FrameStats {
         if self.method.traces() {
             self.rays = counter(RAY_COUNTER) - counter(FOLLOWER_COUNTER) + counter(REST_COUNTER);
         }
+    }
+
+    /// Bytes of the maps that are captured apart from the frame, and milliseconds of their last capture; `None` where
+    /// there are none.
+    pub fn captured(&self) -> Option<(u64, f64)> {
+        let probes = self.probes.map(|maps| (maps.bytes, maps.capture_ms));
+        probes.or(self.far.map(|maps| (maps.bytes, maps.capture_ms)))
     }
 
     /// Sum of the times of all passes, milliseconds.

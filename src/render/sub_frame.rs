@@ -33,7 +33,7 @@ pub struct SubFrame<'a> {
     pub resources: Resources<'a>,
     /// Passes of probes.
     pub probes: &'a Probes,
-    /// Whether the maps of probes are captured before this sub-frame.
+    /// Whether the maps of probes, or of far things, are captured before this sub-frame.
     pub captures: bool,
     /// Active probe, if any.
     pub probe: Option<Probe>,

@@ -331,6 +331,24 @@ gpu_struct! {
     }
 }
 
+gpu_struct! {
+    /// The box of method `near-far`; see `shaders/lib/far_box.wgsl`.
+    pub struct FarBox = "FarBox" {
+        /// Middle of the box, from which the maps are captured, meters.
+        eye: [f32; 3],
+        /// Half the size of the box, meters, above 0.
+        half_size_m: f32,
+        /// Number of maps.
+        layers: u32,
+        /// Maximum number of steps of a march through the maps.
+        steps: u32,
+        /// Minimum distance between what successive maps show along a ray, meters.
+        separation_m: f32,
+        /// Unused.
+        pad0: u32,
+    }
+}
+
 /// Returns `bit` if `on`, else 0.
 pub fn flag(on: bool, bit: u32) -> u32 {
     if on { bit } else { 0 }
@@ -350,6 +368,7 @@ pub const SHARED: &[StructSpec] = &[
     GpuTextureUse::LAYOUT,
     GpuMaterial::LAYOUT,
     ProbeBox::LAYOUT,
+    FarBox::LAYOUT,
 ];
 
 const _: () = assert!(size_of::<GpuVertex>() == 32 && size_of::<GpuInstance>() == 128);

@@ -14,6 +14,7 @@ mod include;
 mod light;
 mod material;
 mod motion;
+mod near_far;
 mod outline;
 mod probe;
 mod project;
@@ -47,6 +48,7 @@ pub use self::{
         CutDesc, GroupMotionDesc, InstanceMotionDesc, ModelMotionDesc, MotionDesc, ParamValue,
         TimelineDesc,
     },
+    near_far::NearFarDesc,
     outline::{BevelDesc, FigureDesc, FillRule, OutlineDesc, Written},
     probe::{Lookup, ProbeDesc, ProbesDesc, SelectBy},
     project::ProjectDesc,
@@ -116,6 +118,7 @@ pub struct At<T> {
 /// - `base`: another scene, `base = "shot010.toml"`, that this one is laid over, key by key; looked for
 ///   beside the scene, then in each `--assets` folder. Instances with the same `name` are merged; other
 ///   lists are replaced. File names in it start from this scene's folder.
+/// - `near_far`: box and maps of method `near-far`.
 /// - `probes`: size, look-up and grid of the cube maps of probes.
 /// - `remove`: entries of the base to leave out, such as `remove = ["light.lamp", "instance.ball"]`; also
 ///   in a variant.

@@ -37,6 +37,7 @@ mod marched;
 mod material;
 mod mesh;
 mod moving;
+mod near_far;
 mod oracle;
 mod orthographic;
 mod pattern;

@@ -245,7 +245,7 @@ fn binding_of(data: SharedData, pass: &Pass) -> Option<&'static str> {
         }
         SharedData::Counters => Some("counters"),
         // Their textures have a name for each use.
-        SharedData::ProbeMaps => None,
+        SharedData::ProbeMaps | SharedData::FarMaps => None,
         SharedData::DispatchSizes => pass.writes_shared.contains(&data).then_some("arguments"),
     }
 }

@@ -205,7 +205,7 @@ fn start<'a>(
         wrong: Vec::new(),
         changes: Vec::new(),
         temporal: Temporal::new(),
-        capture_ms: stats.probes.map_or(0.0, |p| p.capture_ms),
+        capture_ms: stats.captured().map_or(0.0, |(_, ms)| ms),
         last: Some(stats),
     })
 }
@@ -273,7 +273,9 @@ fn row(mut system: Running<'_>) -> Row {
         wrong_percent: 100.0 * mean(&system.wrong),
         popping: (reference > 0.0).then(|| difference / reference),
         bytes: stats.map_or(0, |s| s.bytes.iter().map(|(_, bytes)| bytes).sum()),
-        probe_bytes: stats.and_then(|s| s.probes).map_or(0, |p| p.bytes),
+        probe_bytes: stats
+            .and_then(FrameStats::captured)
+            .map_or(0, |(bytes, _)| bytes),
         capture_ms: system.capture_ms,
     }
 }

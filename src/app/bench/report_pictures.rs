@@ -116,6 +116,7 @@ pub fn shown(
         with(Method::Ssr, Accept::Threshold, 2),
         with(Method::Probe, Accept::Threshold, 1),
         with(Method::SsrProbe, Accept::Threshold, 1),
+        with(Method::NearFar, Accept::Threshold, 1),
     ] {
         let key = |settings: &ReflectionDesc| {
             let layers = settings.method.marches().then_some(settings.layers);
@@ -181,7 +182,7 @@ impl<'a> RenderSession<'a> {
         let settings = shot.settings();
         let method = method_name(settings.method);
         let label = match settings.method {
-            Method::Rt | Method::Probe => method.to_owned(), // they have neither
+            Method::Rt | Method::Probe | Method::NearFar => method.to_owned(), // they have neither
             Method::Hybrid if settings.verifies() => {
                 format!("{method}, verified within {} px", settings.edge_px)
             }

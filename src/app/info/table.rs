@@ -133,6 +133,11 @@ fn frame(info: &Info) -> Vec<(&'static str, String)> {
         let bytes = mebibytes(probes.bytes);
         lines.push(("probes", format!("{count} with faces of {px} px, {bytes}")));
     }
+    if let Some(far) = info.near_far {
+        let (near_m, px, bytes) = (far.half_size_m, far.face_px, mebibytes(far.bytes));
+        let text = format!("box of ±{near_m} m, map with faces of {px} px, {bytes}");
+        lines.push(("near-far", text));
+    }
     lines.extend(decisions(info).into_iter().map(|text| ("decided", text)));
     let left_out = info.left_out.iter();
     lines.extend(left_out.map(|d| ("left out", format!("{}: {}", d.what, d.why))));

@@ -71,6 +71,7 @@ fn picture() -> Picture {
             audit: None,
             second_layer: None,
             probes: None,
+            far: None,
             bytes: Vec::new(),
         },
     }

@@ -59,6 +59,7 @@ pub fn color(method: &str) -> RGBColor {
     const SSR: &str = Method::Ssr.name();
     const HYBRID: &str = Method::Hybrid.name();
     const PROBE: &str = Method::Probe.name();
+    const NEAR_FAR: &str = Method::NearFar.name();
     const SSR_PROBE: &str = Method::SsrProbe.name();
     match method {
         SSR => RGBColor(0, 114, 178),
@@ -72,6 +73,7 @@ pub fn color(method: &str) -> RGBColor {
         "estimated" => RGBColor(230, 159, 0),
         PROBE => RGBColor(240, 228, 66),
         SSR_PROBE => RGBColor(110, 110, 110),
+        NEAR_FAR => RGBColor(90, 40, 140),
         HYBRID_ANEW_SERIES => RGBColor(204, 121, 167),
         RT_ANEW_SERIES => RGBColor(86, 180, 233),
         _ => RGBColor(0, 158, 115),

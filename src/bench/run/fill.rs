@@ -114,9 +114,9 @@ pub(super) fn timed(mut sample: Sample, stats: &FrameStats, repetition: u32) -> 
     };
     sample.screen_percent = percent("screen");
     sample.traced_percent = percent("traced");
-    sample.probe_percent = Some(percent("probe"));
-    sample.probe_bytes = stats.probes.map(|probes| probes.bytes);
-    sample.capture_ms = stats.probes.map(|probes| probes.capture_ms);
+    sample.probe_percent = Some(percent("probe") + percent("far"));
+    sample.probe_bytes = stats.captured().map(|(bytes, _)| bytes);
+    sample.capture_ms = stats.captured().map(|(_, ms)| ms);
     sample.failed_percent = percent("failed");
     sample.none_percent = percent("none");
     sample.rough_percent = percent("rough");
@@ -160,6 +160,7 @@ mod tests {
             audit: None,
             second_layer: None,
             probes: None,
+            far: None,
             decisions: Vec::new(),
             passes_ms: passes_ms.map(|(name, ms)| (name.to_owned(), ms)).to_vec(),
             processor_ms: Vec::new(),

@@ -31,9 +31,9 @@ pub const PASS: Pass = Pass {
         SharedData::ShadowMaps,
         SharedData::PixelLists,
         SharedData::DispatchSizes,
+        SharedData::FarMaps,
     ],
     writes_shared: &[SharedData::PixelLists, SharedData::Counters],
-
     needed: |plan, _| plan.features.undersampled,
     overrides: |options| vec![("RATE", f64::from(options.reflection.rate))],
     // `check_world` and `Trees::build` validated every index that tracing follows.

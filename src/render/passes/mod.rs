@@ -7,6 +7,7 @@ pub mod capture;
 pub mod compose;
 pub mod coverage;
 pub mod details;
+pub mod far;
 pub mod filter;
 pub mod fog;
 pub mod guides;
@@ -87,6 +88,7 @@ passes! {
     shadow: Shadow,
     capture: Capture,
     prefilter: Prefilter,
+    far: Far,
     visibility: Visibility,
     primary: Primary,
     surface: Surface,

@@ -1,7 +1,7 @@
 //! The table of features: what of a frame is left out where a scene does not need it. A new feature is a row here and
 //! the code in the shaders that its constant or its files switch.
 
-use reflet_scene::desc::{PatternKind, SelectBy, ShownDesc};
+use reflet_scene::desc::{Method, PatternKind, SelectBy, ShownDesc};
 
 use super::{
     environment_casts_rays,
@@ -190,6 +190,12 @@ features! {
     probes {
         used: scene.options.reflection.method.looks_up()
             && (scene.is_general() || reflects(scene.world, scene.cutoff())),
+    }
+    /// Whether rays are traced near the camera only, and marched through maps of what lies beyond.
+    near_far {
+        used: scene.options.reflection.method == Method::NearFar
+            && (scene.is_general() || reflects(scene.world, scene.cutoff())),
+        files: nearest_met [traced, near_far], cause_kept [none, far];
     }
     /// Whether probes are chosen by instances rather than by pixels.
     probes_by_instance {

@@ -1,6 +1,6 @@
 //! The `[reflection]` table of scene text.
 
-use super::ProbesDesc;
+use super::{NearFarDesc, ProbesDesc};
 use crate::{
     number::{Field, plain},
     range::{EDGE_PX, FROM_0, RAY_LENGTH_U, THRESHOLD_U, UNIT, range},
@@ -20,6 +20,10 @@ pub enum Method {
     Probe,
     /// `"ssr+probe"`: screen space first, by the same rule as `"ssr"`; probes where that finds nothing.
     SsrProbe,
+    /// `"near-far"`: rays are traced inside of the box of `[near_far]` around the camera; beyond it they march through a
+    /// cube map of what the camera sees there, captured for each frame, whose hits are shaded as those of rays are
+    /// (Ganestam & Doggett 2015). What the map does not show, behind what it shows, is replaced by the environment.
+    NearFar,
     /// `"path"`: path tracing, the ground truth for the other methods. All light is followed by rays, however
     /// often it is reflected and scattered: as `rt` with unlimited `bounces` and `diffuse_bounces`,
     /// `roughness_cutoff = 1`, shadows by rays and 32 bits of `radiance`, and without light reuse, filter, fade
@@ -41,6 +45,7 @@ impl Method {
             Self::Hybrid => "hybrid",
             Self::Probe => "probe",
             Self::SsrProbe => "ssr+probe",
+            Self::NearFar => "near-far",
             Self::Path => "path",
             Self::Auto => "auto",
         }
@@ -48,7 +53,7 @@ impl Method {
 
     /// Whether the method searches reflections in screen space first.
     pub const fn marches(self) -> bool {
-        !matches!(self, Self::Rt | Self::Probe | Self::Path)
+        !matches!(self, Self::Rt | Self::Probe | Self::NearFar | Self::Path)
     }
 
     /// Whether reflections that the screen does not answer are traced.
@@ -132,7 +137,7 @@ pub struct ReflectionDesc {
     /// Tolerance of `accept = "threshold"` in U, 0 or more, the paper's T: how far behind the stored depth a
     /// crossing still counts as a hit. Too small gives stripes, too large prolonged reflections. Default 0.025.
     pub threshold_u: f32,
-    /// Number of depth layers that the march of methods `ssr` and `hybrid` looks at, 1 to 2. The second is the nearest
+    /// Number of depth layers that the march of methods `ssr` and `hybrid` looks at, and of the maps of `near-far`, 1 to 2. The second is the nearest
     /// surface at least `separation_m` behind what each pixel shows, from whichever side it is seen; a ray that goes
     /// behind the first layer is marched on between them, and may hit the second (Mara et al. 2016). It takes another
     /// drawing of the scene and 12 bytes a pixel. Default 1.
@@ -184,6 +189,8 @@ pub struct ReflectionDesc {
     pub fade: bool,
     /// Probes, as `[probes]` sets them, for methods `probe` and `ssr+probe`.
     pub probes: ProbesDesc,
+    /// Box and maps, as `[near_far]` sets them, for method `near-far`.
+    pub near_far: NearFarDesc,
     /// Whether blurred reflections of rough surfaces are smoothed over neighboring pixels, as far as their lobe
     /// spreads, in pictures of fewer than 16 `samples`: less grain, and a little less detail. Sharp reflections
     /// and benchmarks are never smoothed. Default true.
@@ -219,6 +226,7 @@ impl Default for ReflectionDesc {
             reuse_light: true,
             fade: false,
             probes: ProbesDesc::default(),
+            near_far: NearFarDesc::default(),
             filter: true,
             multiple_scattering: false,
             blur_px: 0.0,
@@ -283,7 +291,12 @@ impl ReflectionDesc {
         match self.method {
             Method::Auto => self.marched != Marched::All,
             Method::Hybrid => self.marched == Marched::Cheaper,
-            Method::Ssr | Method::Rt | Method::Probe | Method::SsrProbe | Method::Path => false,
+            Method::Ssr
+            | Method::Rt
+            | Method::Probe
+            | Method::SsrProbe
+            | Method::NearFar
+            | Method::Path => false,
         }
     }
 

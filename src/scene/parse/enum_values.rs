@@ -53,6 +53,7 @@ words!(Method {
     "hybrid" => Self::Hybrid,
     "probe" => Self::Probe,
     "ssr+probe" => Self::SsrProbe,
+    "near-far" => Self::NearFar,
     "path" => Self::Path,
     "auto" => Self::Auto,
 });

@@ -8,6 +8,7 @@ mod instance;
 mod light;
 mod mesh;
 mod motion;
+mod near_far;
 mod outline;
 mod outlined;
 mod probe;
@@ -73,11 +74,12 @@ impl Section for SceneDesc {
     }
 }
 
-/// Settings of reflections, with those of probes.
+/// Settings of reflections, with those of probes and of near-far.
 fn reflection(t: &mut Table) -> ReflectionDesc {
     let reflection = t.table("reflection").unwrap_or_default();
     ReflectionDesc {
         probes: t.table("probes").unwrap_or_default(),
+        near_far: t.table("near_far").unwrap_or_default(),
         ..reflection
     }
 }

@@ -85,6 +85,7 @@ fn source_name(source: Source) -> &'static str {
         Source::Screen => "screen",
         Source::Traced => "traced",
         Source::Probe => "probe",
+        Source::Far => "far map",
         Source::Failed => "failed",
         Source::None => "environment",
         Source::Rough => "rough",

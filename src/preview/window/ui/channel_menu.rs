@@ -10,14 +10,15 @@ use reflet_bench::parameter::method_name;
 use reflet_render::{aov::Aov, lights::CUBE_FACES};
 use reflet_scene::desc::Method;
 
-/// Methods in the order of the keys 1 to 6.
-pub const METHODS: [Method; 6] = [
+/// Methods in the order of the keys 1 to 7.
+pub const METHODS: [Method; 7] = [
     Method::Hybrid,
     Method::Ssr,
     Method::Rt,
     Method::Path,
     Method::Probe,
     Method::SsrProbe,
+    Method::NearFar,
 ];
 
 /// Width of a menu, points; longer names are truncated.

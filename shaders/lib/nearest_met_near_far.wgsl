@@ -1,0 +1,191 @@
+// Variant of method near-far (Ganestam & Doggett 2015): rays are traced through the BVHs inside of a box around the
+// camera only; outside they march through a cube map of what the camera sees behind the box.
+
+#import bvh
+#import constants
+#import cube_depth
+#import far_box
+#import met_named
+
+// Number of halvings of a step in which the ray goes behind a surface.
+const FAR_HALVINGS: u32 = 12u;
+// Maximum distance on the face of a point on a triangle from where the ray goes behind what the map sees, pixels.
+const SAME_PLACE_PX: f32 = 1.5;
+// Cosine between the line of sight and the normal of a surface below which the map sees it edge-on.
+const EDGE_ON: f32 = 0.2;
+// Largest angle of a step, radians: just below a right angle, whose tangent is infinite.
+const STEEPEST: f32 = 1.570795;
+
+// Number of steps through maps since the invocation started.
+var<private> far_steps: u32 = 0u;
+// How the last ray ended.
+var<private> far_cause: u32 = CAUSE_UNMARCHED;
+
+fn free_start_m(pixel: vec2u) -> f32 {
+    return 0.0;
+}
+
+// Part of a ray that lies in the box, given from its middle: distances where it enters and leaves; the second is the
+// smaller one where the ray misses the box.
+fn span_in_box(offset: vec3f, direction: vec3f) -> vec2f {
+    let steep = abs(direction) > vec3f(1e-20);
+    let inverse = 1.0 / select(vec3f(1.0), direction, steep);
+    let low = (-far_box.half_size_m - offset) * inverse;
+    let high = (far_box.half_size_m - offset) * inverse;
+    let is_within = abs(offset) <= vec3f(far_box.half_size_m);
+    let beside = select(vec3f(FAR_M), vec3f(-FAR_M), is_within);
+    let enter = select(beside, min(low, high), steep);
+    let leave = select(-beside, max(low, high), steep);
+    return vec2f(max(enter.x, max(enter.y, enter.z)), min(leave.x, min(leave.y, leave.z)));
+}
+
+// A ray as the middle of the maps sees it. Its points are given by the angle from the one nearest to the middle: even
+// angles are even steps over the maps.
+struct FarRay {
+    origin: vec3f,
+    direction: vec3f,
+    offset: vec3f, // of the origin from the middle
+    along_m: f32, // distance of the origin past the nearest point
+    nearest_m: f32, // distance of that point from the middle
+    from_m: f32,
+    to_m: f32,
+}
+
+fn far_ray(origin: vec3f, direction: vec3f, from_m: f32, to_m: f32) -> FarRay {
+    let offset = origin - far_box.eye;
+    let along_m = dot(offset, direction);
+    let nearest_m = max(length(offset - direction * along_m), 1e-3 * far_box.half_size_m);
+    return FarRay(origin, direction, offset, along_m, nearest_m, from_m, to_m);
+}
+
+fn angle_of(r: FarRay, t: f32) -> f32 {
+    return clamp(atan((t + r.along_m) / r.nearest_m), -STEEPEST, STEEPEST);
+}
+
+fn distance_of(r: FarRay, angle: f32) -> f32 {
+    return clamp(r.nearest_m * tan(angle) - r.along_m, r.from_m, r.to_m);
+}
+
+// Whether a point of the ray is behind the pixel that has its direction: one look-up, where the depth between pixels
+// takes four.
+fn is_behind_pixel(map: u32, r: FarRay, angle: f32) -> bool {
+    let at = face_place(r.offset + r.direction * distance_of(r, angle));
+    let size = f32(textureDimensions(cube_hits).x);
+    return at.axis > depth_at(6u * map + at.face, vec2i(cube_pixel(at.place)), size);
+}
+
+fn is_behind_map(map: u32, r: FarRay, angle: f32) -> bool {
+    let at = face_place(r.offset + r.direction * distance_of(r, angle));
+    return at.axis > depth_seen(map, at);
+}
+
+// Whether the middle of the maps sees a point at about the place of another.
+fn is_beside(point: vec3f, other: vec3f) -> bool {
+    let pixel = 2.0 / f32(textureDimensions(cube_hits).x);
+    let a = face_place(point);
+    let b = face_place(other);
+    if (a.face == b.face) { return distance(a.place, b.place) <= SAME_PLACE_PX * pixel; }
+    return length(cross(normalize(point), normalize(other))) <= SAME_PLACE_PX * pixel;
+}
+
+// Hit of a ray that goes behind a map: the triangle or capsule that a pixel there names, where the ray meets it or,
+// between small triangles, its plane beside it, at about this place.
+fn met_at(map: u32, r: FarRay, angle: f32) -> Hit {
+    let none = Hit(r.to_m, NO_INSTANCE, 0u, vec2f(0.0), 0u);
+    let here = r.offset + r.direction * distance_of(r, angle);
+    let at = face_place(here);
+    let id = textureLoad(cube_hits, cube_pixel(at.place), 6u * map + at.face, 0).yz;
+    if (id.x == NONE) { return none; }
+    if (COUNT) { tested_triangles++; }
+    let met = meet_named(id, r.origin, r.direction);
+    if (met.x < r.from_m * (1.0 - TIE) || met.x <= 0.0 || met.x > r.to_m) { return none; }
+    let point = r.offset + r.direction * met.x;
+    if (!is_beside(point, here)) { return none; }
+    if (is_capsule(id.x)) { return Hit(met.x, id.x, id.y, met.yz, 0u); }
+    let t = triangle_of(id, r.origin);
+    let bary = clamped(met.yz);
+    // The plane of a triangle at an outline goes on along the line of sight, where nothing is.
+    let slant = dot(t.normal, point) / (length(t.normal) * length(point));
+    if (!is_inside(met.yz) && abs(slant) < EDGE_ON) { return none; }
+    let is_back = dot(t.normal, r.direction) * slant <= 0.0;
+    if (is_back && (instance_trace_flags(id.x) & DOUBLE_SIDED) == 0u) { return none; }
+    if (HAS_CUTOUT && material_alpha_cutoff(instance_material(id.x)) >= 0.0 && !alpha_passes(id.x, id.y, bary)) { return none; }
+    return Hit(met.x, id.x, id.y, bary, 0u);
+}
+
+// Hit of a ray in a step at whose end it is behind a map.
+fn met_in_step(map: u32, r: FarRay, first: f32, last: f32) -> Hit {
+    var low = first;
+    var high = last;
+    for (var k = 0u; k < FAR_HALVINGS; k++) {
+        let middle = 0.5 * (low + high);
+        if (is_behind_map(map, r, middle)) { high = middle; } else { low = middle; }
+    }
+    let hit = met_at(map, r, high);
+    if (hit.instance != NO_INSTANCE) { return hit; }
+    return met_at(map, r, low);
+}
+
+// Marches a part of a ray outside of the box, on which it starts before everything that the maps see.
+fn march_far(origin: vec3f, direction: vec3f, from_m: f32, to_m: f32) -> Hit {
+    let r = far_ray(origin, direction, from_m, to_m);
+    let first = angle_of(r, from_m);
+    let last = angle_of(r, to_m);
+    let pixel = 2.0 / f32(textureDimensions(cube_hits).x);
+    let count = u32(clamp(ceil((last - first) / pixel), 1.0, f32(far_box.steps)));
+    var before = array<bool, 2>(false, false);
+    var free = first;
+    for (var step = 1u; step <= count; step++) {
+        let angle = mix(first, last, f32(step) / f32(count));
+        if (COUNT) { far_steps++; }
+        for (var map = 0u; map < far_box.layers; map++) {
+            var is_behind = is_behind_pixel(map, r, angle);
+            let enters = is_behind && !before[map];
+            if (enters) { is_behind = is_behind_map(map, r, angle); }
+            before[map] = is_behind;
+            if (!is_behind) {
+                // A point before one map is before all that follow.
+                for (var next = map + 1u; next < far_box.layers; next++) { before[next] = false; }
+                break;
+            }
+            if (!enters) { continue; }
+            let hit = met_in_step(map, r, free, angle);
+            if (hit.instance != NO_INSTANCE) {
+                far_cause = CAUSE_FAR;
+                return hit;
+            }
+            // A reflector outside of the box is in front of its own pixels only up to their size.
+            if (step > 1u || from_m > 0.0) { far_cause = CAUSE_FAR_HIDDEN; }
+        }
+        free = angle;
+    }
+    return Hit(to_m, NO_INSTANCE, 0u, vec2f(0.0), 0u);
+}
+
+fn nearest_met(origin: vec3f, direction: vec3f, start_m: f32, end_m: f32) -> Hit {
+    far_cause = CAUSE_UNMARCHED;
+    let span = span_in_box(origin - far_box.eye, direction);
+    let is_crossed = span.x < span.y && span.y > start_m;
+    let enter_m = select(end_m, clamp(span.x, start_m, end_m), is_crossed);
+    let leave_m = select(end_m, clamp(span.y, enter_m, end_m), is_crossed);
+    var is_marched = false;
+    // Before the box, in it, and behind it. One call in a loop keeps the inlined code small.
+    for (var part = 0u; part < 2u; part++) {
+        let from_m = select(leave_m, start_m, part == 0u);
+        let to_m = select(end_m, enter_m, part == 0u);
+        if (to_m > from_m) {
+            is_marched = true;
+            let hit = march_far(origin, direction, from_m, to_m);
+            if (hit.instance != NO_INSTANCE) { return hit; }
+        }
+        if (part == 0u && leave_m > enter_m) {
+            let hit = trace_nearest(origin, direction, enter_m, leave_m);
+            if (hit.instance != NO_INSTANCE) {
+                far_cause = CAUSE_UNMARCHED;
+                return hit;
+            }
+        }
+    }
+    if (is_marched && far_cause == CAUSE_UNMARCHED) { far_cause = CAUSE_NONE; }
+    return Hit(end_m, NO_INSTANCE, 0u, vec2f(0.0), 0u);
+}

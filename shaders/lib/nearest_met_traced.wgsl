@@ -1,0 +1,18 @@
+// Variant that traces reflection rays through the BVHs over their whole length.
+
+#import bvh
+#import cause
+
+@group(2) @binding(3) var cause: texture_2d<u32>;
+
+// Number of steps in far maps, of which there are none.
+const far_steps: u32 = 0u;
+
+// Length of a pixel's ray that the march has found free.
+fn free_start_m(pixel: vec2u) -> f32 {
+    return free_m(textureLoad(cause, pixel, 0).x);
+}
+
+fn nearest_met(origin: vec3f, direction: vec3f, start_m: f32, end_m: f32) -> Hit {
+    return trace_nearest(origin, direction, start_m, end_m);
+}

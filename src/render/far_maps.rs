@@ -1,0 +1,171 @@
+//! Maps of what lies behind the box of method `near-far`, and their content.
+
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use glam::Vec3;
+use serde::Serialize;
+
+use reflet_gpu::{Gpu, GpuError, Named};
+use reflet_scene::desc::ReflectionDesc;
+use reflet_world::World;
+
+use super::{
+    frame_uniforms::empty_uniform,
+    probe_maps::{HITS, level_view, texture, whole},
+    types::FarBox,
+    world_key::PoseKey,
+};
+
+/// Bytes of a pixel of a map.
+const TEXEL_BYTES: u64 = 16;
+/// Number of faces of a map.
+const FACES: u32 = 6;
+
+/// Values for which maps are made; where they differ, maps are made anew.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FarKey {
+    /// Width of the faces, pixels.
+    pub face_px: u32,
+    /// Number of maps, 1 to 2: what is nearest behind the box, and what lies behind that.
+    pub layers: u32,
+}
+
+impl FarKey {
+    /// Key of the maps in these settings.
+    pub fn new(settings: &ReflectionDesc) -> Self {
+        Self {
+            face_px: settings.near_far.face_px,
+            layers: settings.layers,
+        }
+    }
+
+    /// Size of all maps, bytes.
+    pub fn bytes(&self) -> u64 {
+        TEXEL_BYTES * u64::from(FACES * self.layers) * u64::from(self.face_px).pow(2)
+    }
+}
+
+/// Size of the maps of a frame, and the time that they took.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct FarStats {
+    /// Half the size of the box in which rays are traced, meters.
+    pub half_size_m: f32,
+    /// Width of the faces, pixels.
+    pub face_px: u32,
+    /// Number of maps.
+    pub layers: u32,
+    /// Size of all maps, bytes.
+    pub bytes: u64,
+    /// Time of the last capture of the maps, milliseconds: processor time where it is known. It is not part of the
+    /// times of the frame's passes.
+    pub capture_ms: f64,
+    /// The same, where this picture captured the maps; 0 where neither the camera nor the scene had moved since the
+    /// last one.
+    pub update_ms: f64,
+}
+
+/// Content of the maps, and the time that it took.
+#[derive(Debug, Default)]
+struct Content {
+    /// Place, box and pose that the maps show; `None` where they must be captured.
+    shown: Option<([u32; 5], PoseKey)>,
+    /// Time of the last capture, milliseconds.
+    capture_ms: f64,
+}
+
+/// The maps of a frame.
+#[derive(Debug)]
+pub struct FarMaps {
+    /// Values for which they were made.
+    pub key: FarKey,
+    uniform: wgpu::Buffer,
+    hits: wgpu::TextureView,
+    written: wgpu::TextureView,
+    content: Mutex<Content>,
+}
+
+impl FarMaps {
+    /// Creates empty maps.
+    ///
+    /// # Errors
+    /// Faces past the adapter's limits, or exhausted memory.
+    pub fn new(gpu: &Gpu, key: FarKey) -> Result<Self, GpuError> {
+        gpu.check_texture_size("a face of the far map", key.face_px, key.face_px)?;
+        let hits = texture(gpu, "far hits", HITS, (key.face_px, FACES * key.layers), 1)?;
+        Ok(Self {
+            uniform: empty_uniform(gpu, "far box", size_of::<FarBox>()),
+            hits: whole(&hits, wgpu::TextureViewDimension::D2Array),
+            written: level_view(&hits, 0),
+            content: Mutex::default(),
+            key,
+        })
+    }
+
+    /// The resources that passes may read, by their names in the shaders.
+    pub fn named(&self) -> [Named<'_>; 2] {
+        [
+            ("far_box", self.uniform.as_entire_binding()),
+            ("cube_hits", wgpu::BindingResource::TextureView(&self.hits)),
+        ]
+    }
+
+    /// View of the hits, to write.
+    pub fn written(&self) -> wgpu::BindingResource<'_> {
+        wgpu::BindingResource::TextureView(&self.written)
+    }
+
+    fn content(&self) -> MutexGuard<'_, Content> {
+        self.content.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Makes the next picture capture the maps.
+    pub fn forget(&self) {
+        self.content().shown = None;
+    }
+
+    /// Keeps the time of a capture.
+    pub fn set_capture_ms(&self, ms: f64) {
+        self.content().capture_ms = ms;
+    }
+
+    /// Statistics, with half the size of the box in meters, after a picture that captured for this time.
+    pub fn stats(&self, half_size_m: f32, update_ms: f64) -> FarStats {
+        FarStats {
+            half_size_m,
+            face_px: self.key.face_px,
+            layers: self.key.layers,
+            bytes: self.key.bytes(),
+            capture_ms: self.content().capture_ms,
+            update_ms,
+        }
+    }
+
+    /// Uploads the box around an eye, and says whether the maps must be captured: where the eye, the box, an instance
+    /// or a deformed mesh is not as in the last capture.
+    pub fn prepare(
+        &self,
+        gpu: &Gpu,
+        world: &World,
+        eye: Vec3,
+        settings: &ReflectionDesc,
+        unit_m: f32,
+    ) -> bool {
+        let far_box = FarBox {
+            eye: eye.to_array(),
+            half_size_m: settings.near_far.half_size_in(unit_m),
+            layers: self.key.layers,
+            steps: settings.steps,
+            separation_m: settings.separation_in(unit_m),
+            pad0: 0,
+        };
+        gpu.queue
+            .write_buffer(&self.uniform, 0, bytemuck::bytes_of(&far_box));
+        let [x, y, z] = far_box.eye;
+        let place = [x, y, z, far_box.half_size_m, far_box.separation_m].map(f32::to_bits);
+        let shown = Some((place, PoseKey::of(world)));
+        let mut content = self.content();
+        let differs = content.shown != shown;
+        content.shown = shown;
+        differs
+    }
+}
