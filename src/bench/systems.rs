@@ -60,6 +60,11 @@ pub const SYSTEMS: &[System] = &[
     rival("ssr+probe, distance, K = 2", [60, 60, 60], |r| {
         look_up(r, Method::SsrProbe, Lookup::Distance, 2);
     }),
+    rival("near-far", [90, 40, 140], |r| r.method = Method::NearFar),
+    rival("near-far, 2 layers", [170, 110, 220], |r| {
+        r.method = Method::NearFar;
+        r.layers = 2;
+    }),
     rival("ssr, 2 layers", [86, 180, 233], |r| {
         r.method = Method::Ssr;
         r.layers = 2;

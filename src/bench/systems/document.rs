@@ -35,7 +35,7 @@ pub fn document(
          reflections, built as their authors build them, on the same scenes with the same surface and light code \
          ([methods.md](methods.md)). Pictures of {width} × {height} pixels on {}. Times are the {time} of the passes \
          that find reflections, medians of {} pictures, or of all frames of a film; errors are FLIP and SSIM against \
-         `rt` inside the reflective pixels. Maps of probes are captured apart from the frame: their time and bytes \
+         `rt` inside the reflective pixels. Maps of probes and of far things are captured apart from the frame: their time and bytes \
          have columns of their own.\n\n```sh\n{}\n```\n",
         about.adapter, about.frames, about.command
     );
@@ -72,7 +72,7 @@ const LEFT_OUT: &str = "
 ## What is not here
 
 Maps of the last frame are left out, because a frame here depends on no frame before it: probes stand for maps from before.
-Systems that trace or march otherwise (two depth layers, near rays with far cubes, fewer rays, rays by hardware) are rows of
+Systems that trace or march otherwise (a box with buffers on its faces, rays by hardware) are rows of
 `SYSTEMS` in `src/bench/systems.rs` as soon as Reflet has them.
 ";
 
@@ -113,7 +113,7 @@ fn table(out: &mut String, scene: &SceneRows) {
     let line = if is_film { "---|" } else { "" };
     let _ = writeln!(
         out,
-        "| system | ms | FLIP | p99 | SSIM | wrong instance, % |{popping} MiB | of probes | capture, ms | front |\n\
+        "| system | ms | FLIP | p99 | SSIM | wrong instance, % |{popping} MiB | of maps | capture, ms | front |\n\
          |---|---|---|---|---|---|{line}---|---|---|---|"
     );
     for (row, is_on_front) in scene.rows.iter().zip(on_front(&scene.rows)) {
