@@ -1,8 +1,9 @@
-// Ray traversal: the nearest hit, or any hit, in the static tree and the top level BVH.
+// Rays through the scene: the nearest hit, or any hit. `walk` stands for `walk_trees`, our traversal of the static tree
+// and the top level, or `walk_query`, the device's; both test triangles and capsules by the functions here.
 //
 // The buffers are packed by src/world/bvh.rs, whose module comment documents the layout. The including shader
 // declares:
-//   node_words(i: u32) -> vec4u        NODE_VECTORS per node
+//   node_words(i: u32) -> vec4u        NODE_VECTORS per node, for walk_trees
 //   triangle_words(i: u32) -> vec4u    TRIANGLE_VECTORS per TraceTriangle
 //   instances: array<…>        with object_from_world: array<vec4f, 3>, tree_root, trace_flags: u32
 //   alpha_passes(instance: u32, triangle: u32, bary: vec2f) -> bool
@@ -14,6 +15,7 @@
 #import constants
 #import coplanar
 #import shown
+#import walk
 
 // Whether the scene has a static tree, a top level, and cut-outs; without one of them its code is dropped.
 override HAS_STATIC: bool = true;
@@ -34,8 +36,6 @@ const NO_INSTANCE = NONE;
 // hundred; one that needs more, through thousands of overlapping instances, is counted and ends as a miss, so that
 // no input can make the GPU loop forever.
 override MAX_VISITS: u32 = 262144u;
-// Child mask of the group that holds only a root node: the highest slot, no siblings.
-const ROOT_GROUP = 0x80000000u;
 
 struct Hit {
     // Distance in lengths of the ray's direction; t_max for a miss.
@@ -61,8 +61,8 @@ var<private> culled_t: f32 = 1e30;
 var<private> visits_left: u32 = 0u;
 var<private> exhausted_rays: u32 = 0u;
 
-// The alpha of cut-outs is looked up outside the traversal, which then starts again behind transparent ones: inside
-// the loop the look-up would cost every ray (on llvmpipe two thirds of all tracing time in Sponza), outside it costs
+// In walk_trees the alpha of cut-outs is looked up outside the traversal, which then starts again behind transparent
+// ones: inside the loop the look-up would cost every ray (on llvmpipe two thirds of all tracing time in Sponza), outside it costs
 // only rays that meet cut-outs. This is the maximum number of such restarts.
 const MAX_LAYERS = 1024u;
 
@@ -82,7 +82,7 @@ fn trace_solid(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, shadow: 
     // One call in a loop keeps the inlined code small: the traversal is long.
     for (var layer = 0u; visits_left > 0u; layer++) {
         hit = traverse(origin, direction, start_m, t_max, shadow);
-        if !HAS_CUTOUT || !is_cut_out(hit) {
+        if !HAS_CUTOUT || PASSES_CUTOUTS || !is_cut_out(hit) {
             break;
         }
         passed_cutout = vec2u(hit.instance, hit.triangle);
@@ -120,80 +120,6 @@ fn traversal_ray(origin: vec3f, direction: vec3f) -> TraversalRay {
     let safe = select(-max(size, vec3f(smallest)), max(size, vec3f(smallest)), positive);
     let bits = select(vec3u(0u), vec3u(0x04040404u, 0x02020202u, 0x01010101u), positive);
     return TraversalRay(origin, direction, 1.0 / safe, bits.x | bits.y | bits.z);
-}
-
-struct NodeVisit {
-    // Index of the first child; mask of hit children in the high byte, and mask of inner children in the low byte.
-    children: vec2u,
-    // Index of the first primitive; mask of hit primitives in the low 24 bits.
-    primitives: vec2u,
-}
-
-// Ray parameters of the planes of a node's quantization grid: near and far side per axis.
-struct GridRay {
-    step: vec3f,
-    near: vec3f,
-    far: vec3f,
-    t_min: f32,
-    t_max: f32,
-}
-
-fn child_hit(grid: GridRay, near_planes: vec3u, far_planes: vec3u, shift: u32) -> bool {
-    let near = vec3f((near_planes >> vec3u(shift)) & vec3u(0xffu)) * grid.step + grid.near;
-    let far = vec3f((far_planes >> vec3u(shift)) & vec3u(0xffu)) * grid.step + grid.far;
-    return max(max(near.x, near.y), max(near.z, grid.t_min))
-        <= min(min(far.x, far.y), min(far.z, grid.t_max));
-}
-
-// Mask of the children hit among four: inner children from bit 24 up in the order of visits, primitives from bit 0
-// up (Ylitie et al. 2017, listing 1).
-fn hit_children(grid: GridRay, near_planes: vec3u, far_planes: vec3u, slots: u32, octant4: u32) -> u32 {
-    let inner4 = ((slots & (slots << 1u)) & 0x10101010u) >> 4u;
-    let index4 = (slots ^ (octant4 & (inner4 * 0xffu))) & 0x1f1f1f1fu;
-    let bits4 = (slots >> 5u) & 0x07070707u;
-    var hits = 0u;
-    if child_hit(grid, near_planes, far_planes, 0u) {
-        hits |= (bits4 & 0xffu) << (index4 & 31u);
-    }
-    if child_hit(grid, near_planes, far_planes, 8u) {
-        hits |= ((bits4 >> 8u) & 0xffu) << ((index4 >> 8u) & 31u);
-    }
-    if child_hit(grid, near_planes, far_planes, 16u) {
-        hits |= ((bits4 >> 16u) & 0xffu) << ((index4 >> 16u) & 31u);
-    }
-    if child_hit(grid, near_planes, far_planes, 24u) {
-        hits |= (bits4 >> 24u) << ((index4 >> 24u) & 31u);
-    }
-    return hits;
-}
-
-fn visit_node(index: u32, ray: TraversalRay, t_min: f32, t_max: f32) -> NodeVisit {
-    let at = index * NODE_VECTORS;
-    let head = node_words(at);
-    let links = node_words(at + 1u);
-    let x = node_words(at + 2u);
-    let y = node_words(at + 3u);
-    let z = node_words(at + 4u);
-
-    let exponents = (vec3u(head.w) >> vec3u(0u, 8u, 16u)) & vec3u(0xffu);
-    let step = bitcast<vec3f>(exponents << vec3u(23u)) * ray.inverse;
-    let first = (bitcast<vec3f>(head.xyz) - ray.origin) * ray.inverse;
-    // Rounding errors of `first` and of each plane are proportional to these; widening the box by them makes the
-    // test conservative, so that no ray slips between boxes that touch.
-    let slack = (abs(first) + 255.0 * abs(step)) * 2.4e-7;
-    let grid = GridRay(step, first - slack, first + slack, t_min * (1.0 - TIE), t_max * (1.0 + TIE));
-
-    let x_pair = select(x.zwxy, x, ray.inverse.x >= 0.0);
-    let y_pair = select(y.zwxy, y, ray.inverse.y >= 0.0);
-    let z_pair = select(z.zwxy, z, ray.inverse.z >= 0.0);
-    let hits = hit_children(grid, vec3u(x_pair.x, y_pair.x, z_pair.x),
-            vec3u(x_pair.z, y_pair.z, z_pair.z), links.z, ray.octant4)
-        | hit_children(grid, vec3u(x_pair.y, y_pair.y, z_pair.y),
-            vec3u(x_pair.w, y_pair.w, z_pair.w), links.w, ray.octant4);
-    return NodeVisit(
-        vec2u(links.x, (hits & 0xff000000u) | (head.w >> 24u)),
-        vec2u(links.y, hits & 0x00ffffffu),
-    );
 }
 
 // Flag of instances that this kind of ray ignores.
@@ -258,132 +184,9 @@ fn test_triangle(index: u32, ray: TraversalRay, t_min: f32, inside: u32, inside_
     *best = Hit(t, id.x, id.y, clamped, flags);
 }
 
-// Groups to visit later: first those of the top level, then those of the tree being traversed.
-// Trees that need more than STACK_SIZE are refused when they are built; a push past the end is dropped
-// all the same, so that nothing is written out of bounds.
-var<private> stack: array<vec2u, STACK_SIZE>;
-
-// Traversal state of one tree. A group stands for the hit children of a node that are still to visit: the index of
-// its first child, and a mask of hit children in bits 24 to 31 of y.
-struct Cursor {
-    group: vec2u,
-    primitives: vec2u,
-    // Number of stack entries in use.
-    depth: u32,
-}
-
-// Visits the next node of the group, and pushes the rest of the group on the stack.
-fn descend(cursor: ptr<function, Cursor>, ray: TraversalRay, t_min: f32, t_max: f32) {
-    var group = (*cursor).group;
-    let bit = firstLeadingBit(group.y);
-    let slot = ((bit - 24u) ^ ray.octant4) & 7u;
-    let node = group.x + countOneBits(group.y & ~(0xffffffffu << slot) & 0xffu);
-    group.y &= ~(1u << bit);
-    if group.y >= 0x01000000u && (*cursor).depth < STACK_SIZE {
-        stack[(*cursor).depth] = group;
-        (*cursor).depth++;
-    }
-    let visit = visit_node(node, ray, t_min, t_max);
-    visits_left--;
-    (*cursor).group = visit.children;
-    (*cursor).primitives = visit.primitives;
-    if COUNT {
-        visited_nodes++;
-    }
-}
-
-// Takes the next primitive of the last visited node.
-fn next_primitive(cursor: ptr<function, Cursor>) -> u32 {
-    let bit = firstLeadingBit((*cursor).primitives.y);
-    (*cursor).primitives.y &= ~(1u << bit);
-    return (*cursor).primitives.x + bit;
-}
-
-// Traverses one tree of triangles; uses the stack from `base` up.
-fn traverse_tree(root: u32, ray: TraversalRay, t_min: f32, inside: u32, inside_flags: u32,
-        shadow: bool, base: u32, best: ptr<function, Hit>) {
-    var cursor = Cursor(vec2u(root, ROOT_GROUP), vec2u(0u), base);
-    while visits_left > 0u {
-        descend(&cursor, ray, t_min, (*best).t);
-        while cursor.primitives.y != 0u {
-            let primitive = next_primitive(&cursor);
-            if HAS_CAPSULES && (inside_flags & CAPSULES) != 0u {
-                test_capsule(primitive, ray, t_min, inside, inside_flags, shadow, best);
-            } else {
-                test_triangle(primitive, ray, t_min, inside, inside_flags, shadow, best);
-            }
-            if COUNT {
-                tested_triangles++;
-            }
-        }
-        if shadow && is_blocked(*best) {
-            return;
-        }
-        if cursor.group.y < 0x01000000u {
-            if cursor.depth == base {
-                return;
-            }
-            cursor.depth--;
-            cursor.group = stack[cursor.depth];
-        }
-    }
-}
-
-// The next instance whose box is hit, or NO_INSTANCE if there are no more.
-fn next_instance(cursor: ptr<function, Cursor>, ray: TraversalRay, t_min: f32, t_max: f32) -> u32 {
-    while visits_left > 0u {
-        if (*cursor).primitives.y != 0u {
-            let word = next_primitive(cursor) & ~TOP_LEVEL;
-            return node_words(word >> 2u)[word & 3u];
-        }
-        if (*cursor).group.y < 0x01000000u {
-            if (*cursor).depth == 0u {
-                break;
-            }
-            (*cursor).depth--;
-            (*cursor).group = stack[(*cursor).depth];
-        }
-        descend(cursor, ray, t_min, t_max);
-    }
-    return NO_INSTANCE;
-}
-
 // Whether a shadow ray can stop: an opaque triangle blocks it.
 fn is_blocked(best: Hit) -> bool {
     return best.instance != NO_INSTANCE && (!HAS_TESTED || (best.flags & ALPHA_TESTED) == 0u);
-}
-
-// The nearest hit, or for shadow rays any opaque one; cut-outs count as solid here. The static tree is
-// traversed first, as if it were an instance at the origin, then the instances of the top level.
-fn traverse(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, shadow: bool) -> Hit {
-    if COUNT {
-        traversals++;
-    }
-    var best = Hit(t_max, NO_INSTANCE, 0u, vec2f(0.0), 0u);
-    var top = Cursor(vec2u(TOP_ROOT, ROOT_GROUP), vec2u(0u), 0u);
-    let world_ray = traversal_ray(origin, direction);
-    var ray = world_ray;
-    var root = STATIC_ROOT;
-    var inside = NO_INSTANCE;
-    var inside_flags = 0u;
-    var in_tree = HAS_STATIC;
-    while visits_left > 0u {
-        if in_tree {
-            traverse_tree(root, ray, t_min, inside, inside_flags, shadow, top.depth, &best);
-        }
-        if !HAS_TOP_LEVEL || (shadow && is_blocked(best)) {
-            break;
-        }
-        inside = next_instance(&top, world_ray, t_min, best.t);
-        if inside == NO_INSTANCE {
-            break;
-        }
-        inside_flags = instance_trace_flags(inside);
-        root = instance_tree_root(inside);
-        ray = object_ray(inside, origin, direction);
-        in_tree = !(STATIC_ONLY && (inside_flags & MOVES) != 0u);
-    }
-    return best;
 }
 
 // The ray in an instance's object space; t has the same meaning there.

@@ -86,16 +86,16 @@ pub fn bench(args: &BenchArgs) -> Result<(), AppError> {
 fn measure(args: &BenchArgs) -> Result<Vec<Sample>, AppError> {
     let mut protocol = protocol(args)?;
     let mut all_series = all_series(args)?;
-    let gpu = open_gpu(&args.run)?;
+    let gpu = open_gpu(&args.run, all_series.iter().any(FrameSeries::may_query))?;
     protocol.count |= gpu.is_software();
     run(&gpu, &args.run, &protocol, &mut all_series)
 }
 
 /// Opens the adapter that the arguments name, after it has created the output folder.
-fn open_gpu(args: &RunArgs) -> Result<Gpu, AppError> {
+fn open_gpu(args: &RunArgs, ray_queries: bool) -> Result<Gpu, AppError> {
     let is_new = !args.output.exists();
     create_folder(&args.output)?;
-    device::open_gpu(args.adapter.as_deref()).map_err(|error| {
+    device::open_gpu(args.adapter.as_deref(), ray_queries).map_err(|error| {
         if is_new {
             // The folder holds no measurements; an error of its removal would not help the user.
             let _ = fs::remove_dir(&args.output);

@@ -67,7 +67,7 @@ struct Frames {
 /// No usable adapter, or one that cannot time passes; a file that cannot be written.
 pub fn calibrate(args: &CalibrateArgs) -> Result<(), AppError> {
     check_writable(&args.output, &Inputs::default())?;
-    let gpu = open_gpu(args.adapter.as_deref())?;
+    let gpu = open_gpu(args.adapter.as_deref(), false)?;
     // Sizes at which a frame takes some milliseconds; scenes and sizes vary both triangle and pixel counts.
     let (scale, sizes) = if gpu.is_software() {
         (1, [[320, 180], [640, 360]])

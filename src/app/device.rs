@@ -23,14 +23,16 @@ const MESA_DISABLE_ENV: &str = "MESA_SHADER_CACHE_DISABLE";
 /// Maximum size of that folder in Mesa's notation, and in bytes.
 pub const MOST_OF_MESA: (&str, u64) = ("256M", 256 << 20);
 
-/// Opens an adapter, with compiled pipelines of earlier runs where its driver offers that.
+/// Opens an adapter, with compiled pipelines of earlier runs where its driver offers that, and with ray queries where
+/// these are wanted and it has them.
 ///
 /// # Errors
 /// Same errors as [`Gpu::new`].
-pub fn open_gpu(adapter: Option<&str>) -> Result<Gpu, GpuError> {
+pub fn open_gpu(adapter: Option<&str>, ray_queries: bool) -> Result<Gpu, GpuError> {
     Gpu::new(&GpuOptions {
         adapter_filter: adapter.map(str::to_owned),
         pipeline_folder: private_folder(PIPELINES),
+        ray_queries,
     })
 }
 

@@ -5,7 +5,10 @@ use std::{env, path::PathBuf, sync::Arc};
 use super::{
     args::PreviewArgs, denoise::Denoiser, device::open_gpu, error::AppError, plan_file::costs,
 };
-use crate::{runtime::SceneSource, scene::desc::Method};
+use crate::{
+    runtime::{SceneSource, parameters::ParameterOverrides, read},
+    scene::{dependencies::Dependencies, desc::Method},
+};
 use reflet_preview::window::{PictureFilter, WindowError, WindowOptions, check_display, show};
 
 /// Opens the window and returns when it is closed.
@@ -30,15 +33,16 @@ pub fn preview(args: &PreviewArgs) -> Result<(), AppError> {
     };
     let size = (args.from).size(args.size.as_ref(), args.scene.as_deref())?;
     check_display().map_err(refused)?;
-    let gpu = Arc::new(open_gpu(args.adapter.as_deref())?);
+    let source = SceneSource {
+        path: args.scene.clone(),
+        options: args.from.options(),
+        shaders: args.shaders.clone(),
+    };
+    let gpu = Arc::new(open_gpu(args.adapter.as_deref(), may_query(&source))?);
     let denoiser = args.denoise.then(|| Denoiser::new(&[])).transpose()?;
     let plan = args.plan.as_deref();
     let options = WindowOptions {
-        source: SceneSource {
-            path: args.scene.clone(),
-            options: args.from.options(),
-            shaders: args.shaders.clone(),
-        },
+        source,
         camera: args.camera.clone(),
         method: args.method.map(Method::from),
         costs: plan.map(|path| costs(path, &gpu)).transpose()?,
@@ -49,4 +53,11 @@ pub fn preview(args: &PreviewArgs) -> Result<(), AppError> {
         }),
     };
     show(gpu, &options).map_err(refused)
+}
+
+/// Whether a scene asks for ray queries; not, where it has mistakes, which the window shows.
+fn may_query(source: &SceneSource) -> bool {
+    let (none, texts) = (ParameterOverrides::default(), Dependencies::default());
+    let read = read::read(source, &none, &texts, 0);
+    read.is_ok_and(|read| read.scene().desc.reflection.may_query())
 }

@@ -63,7 +63,10 @@ impl RenderSession {
         let needs_whole = denoiser.is_some()
             || args.stats.is_some()
             || matches!(loaded.scene.image.samples, Samples::UntilError(_));
-        let gpu = open_gpu(args.picture.adapter.as_deref())?;
+        let gpu = open_gpu(
+            args.picture.adapter.as_deref(),
+            loaded.scene.reflection.may_query(),
+        )?;
         let own_shaders = args.picture.shaders.is_some().then(|| hash_of(library));
         let plan = args.picture.plan.as_deref();
         let view = ViewOverrides {

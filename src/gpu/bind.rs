@@ -288,6 +288,10 @@ fn limit_of(ty: &wgpu::BindingType, limits: &wgpu::Limits) -> (&'static str, u32
             "storage textures",
             limits.max_storage_textures_per_shader_stage,
         ),
+        B::AccelerationStructure { .. } => (
+            "acceleration structures",
+            limits.max_acceleration_structures_per_shader_stage,
+        ),
         B::Sampler(_) => ("samplers", limits.max_samplers_per_shader_stage),
         _ => (
             "sampled textures",

@@ -13,6 +13,7 @@ use super::{
     adapter::{MAX_STORAGE_BUFFERS, SAMPLED_TEXTURES, find},
     compile_stats::CompileStats,
     error::GpuError,
+    experimental::Experimental,
     kept_pipelines::KeptPipelines,
     shader_cache::ShaderCache,
 };
@@ -38,6 +39,8 @@ pub struct GpuOptions {
     /// Folder in which compiled pipelines are kept between runs, where the adapter's driver offers that; nobody but
     /// this user may write to it. `None` keeps none.
     pub pipeline_folder: Option<PathBuf>,
+    /// Whether to ask for ray queries, which are experimental in wgpu, where an adapter has them.
+    pub ray_queries: bool,
 }
 
 /// An open device with its properties.
@@ -55,8 +58,8 @@ pub struct Gpu {
     pub queue: wgpu::Queue,
     /// Limits of the device: the defaults, with larger and more buffers and textures.
     pub limits: wgpu::Limits,
-    /// Enabled optional features, as far as the adapter has them: timestamps, primitive indices, and pipelines
-    /// that can be stored.
+    /// Enabled optional features, as far as the adapter has them: timestamps, primitive indices, pipelines that can be
+    /// stored, and ray queries if they were asked for.
     pub features: wgpu::Features,
     /// Whether shaders read textures faster than buffers, and may bind enough textures: llvmpipe reads buffers word
     /// by word, and other software adapters are assumed to do the same.
@@ -84,7 +87,7 @@ impl Gpu {
         let mut refusals = Vec::new();
         for adapter in adapters {
             let name = adapter.get_info().name;
-            match Self::open(&instance, adapter) {
+            match Self::open(&instance, adapter, options.ray_queries) {
                 Ok(mut gpu) => {
                     let folder = options.pipeline_folder.as_deref();
                     gpu.kept = folder.and_then(|folder| {
@@ -104,8 +107,10 @@ impl Gpu {
     fn open(
         instance: &wgpu::Instance,
         adapter: wgpu::Adapter,
+        ray_queries: bool,
     ) -> Result<Self, wgpu::RequestDeviceError> {
         let offered = adapter.limits();
+        let experimental = Experimental::of(&adapter, ray_queries);
         let limits = wgpu::Limits {
             max_storage_buffer_binding_size: offered
                 .max_storage_buffer_binding_size
@@ -119,19 +124,20 @@ impl Gpu {
                 .clamp(16, SAMPLED_TEXTURES),
             max_texture_array_layers: offered.max_texture_array_layers.min(MAX_ARRAY_LAYERS),
             max_texture_dimension_2d: offered.max_texture_dimension_2d.min(MAX_TEXTURE_SIDE),
-            ..wgpu::Limits::default()
+            ..experimental.limits(&offered)
         };
         let wanted = wgpu::Features::TIMESTAMP_QUERY
             | wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS
             | wgpu::Features::TIMESTAMP_QUERY_INSIDE_PASSES
             | wgpu::Features::PRIMITIVE_INDEX
             | wgpu::Features::PIPELINE_CACHE;
-        let features = adapter.features() & wanted;
+        let features = (adapter.features() & wanted) | experimental.features;
         let (device, queue) =
             pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
                 label: Some("reflet"),
                 required_features: features,
                 required_limits: limits.clone(),
+                experimental_features: experimental.token,
                 ..Default::default()
             }))?;
         let fault = Arc::new(Mutex::new(None));
@@ -162,6 +168,11 @@ impl Gpu {
             fault,
             interrupt: Mutex::default(),
         })
+    }
+
+    /// Whether shaders may follow rays by the adapter's ray queries.
+    pub fn has_ray_queries(&self) -> bool {
+        (self.features).contains(wgpu::Features::EXPERIMENTAL_RAY_QUERY)
     }
 
     /// Whether all work runs on the CPU.

@@ -9,6 +9,7 @@ pub mod bind;
 pub mod compile_stats;
 pub mod context;
 pub mod error;
+pub mod experimental;
 pub mod kept_pipelines;
 mod naga_errors;
 mod naga_types;

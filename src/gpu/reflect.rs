@@ -117,6 +117,10 @@ pub fn capabilities(features: wgpu::Features) -> Capabilities {
         Capabilities::PRIMITIVE_INDEX,
         features.contains(wgpu::Features::PRIMITIVE_INDEX),
     );
+    capabilities.set(
+        Capabilities::RAY_QUERY,
+        features.contains(wgpu::Features::EXPERIMENTAL_RAY_QUERY),
+    );
     capabilities
 }
 
@@ -282,6 +286,9 @@ impl Reflection<'_> {
                     class,
                 },
             ) => self.texture_type(handle, view_dimension(dim, arrayed), class),
+            (_, &TypeInner::AccelerationStructure { vertex_return }) => {
+                Ok(wgpu::BindingType::AccelerationStructure { vertex_return })
+            }
             _ => Err("this kind of resource is not supported".to_owned()),
         }
     }

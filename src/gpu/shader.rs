@@ -308,6 +308,10 @@ impl Assembly<'_> {
                     length: 1,
                 };
                 self.import(rest, location)?;
+            } else if line.starts_with("enable ") {
+                // WGSL has these before all else, wherever the library is imported.
+                self.text.insert_str(0, &format!("{line}\n"));
+                (self.lines).insert(0, (file.clone(), index as u32 + 1));
             } else {
                 self.text.push_str(line);
                 self.text.push('\n');

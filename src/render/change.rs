@@ -1,11 +1,12 @@
 //! Changes of a renderer: another world, other options or shaders; only what differs is made again.
 
 use reflet_gpu::{Gpu, ShaderLibrary};
+use reflet_scene::desc::Trace;
 use reflet_world::World;
 
 use super::{
     bindings::{BindingInputs, BindingKey, Bindings},
-    decide::{decide, needs_trees},
+    decide::needs_trees,
     error::RenderError,
     lights::ShadowSizes,
     options::RenderOptions,
@@ -13,8 +14,9 @@ use super::{
     plan::{Plan, may_meet_culled},
     rebuild_summary::RebuildSummary,
     relative::Coordinates,
-    renderer::{Renderer, build_trees, check_posed, probe_key, top_level, variant},
+    renderer::{Renderer, build_trees, check_posed, decided_with, probe_key, top_level, variant},
     shaders::Shaders,
+    structures::with_trace,
     validate::check_world,
     world_key::WorldKey,
 };
@@ -54,22 +56,20 @@ impl Renderer {
         let Poses { first, shown } = poses.into();
         check_world(first)?;
         let given = options;
-        let options = &self.coordinates.options(&given.settled());
+        let (options, why) = with_trace(gpu, self.coordinates.options(&given.settled()))?;
+        let options = &options;
         let is_far = Coordinates::of(first, given) != self.coordinates;
         let world = &*self.relative(first);
         let world_key = WorldKey::of(world);
         if is_far || !world_key.has_same_uploads(&self.world_key) {
-            let mut new = Self::new(gpu, library, first, given)?;
-            new.update(gpu, shown)?;
-            *self = new;
-            return Ok(RebuildSummary::NEW);
+            return self.renew(gpu, library, (first, shown), given);
         }
         let shown = &*self.relative(shown);
         // BVHs that are no longer traced are kept while they fit: a preview that compares two methods would
         // otherwise rebuild them for each picture.
         let lacks_trees = !self.trees.is_built() && needs_trees(world, options);
         let has_new_trees = lacks_trees || !world_key.has_same_trees(&self.world_key);
-        let mut rebuilt = self.differences(&WorldKey::of(shown), has_new_trees);
+        let mut rebuilt = self.differences(&WorldKey::of(shown), has_new_trees, options);
         let new_trees = (rebuilt.trees)
             .then(|| build_trees(gpu, world, options))
             .transpose()?;
@@ -77,10 +77,13 @@ impl Renderer {
             self.pose_trees(world, &world_key)?;
         }
         let trees = new_trees.as_ref().map_or(&self.trees, |(trees, _)| trees);
-        let decided = decide(world, trees, options, gpu.is_software());
+        let decided = decided_with(gpu, world, trees, options, why);
         let options = &decided.options;
         let mut new_scene = (rebuilt.materials)
-            .then(|| self.scene.with_materials(gpu, world, trees, rebuilt.trees))
+            .then(|| {
+                self.scene
+                    .with_materials(gpu, world, trees, rebuilt.trees, options)
+            })
             .transpose()?;
         if may_meet_culled(world, options) {
             // If the old scene stays, this is stored in it at once: it holds for its meshes even if a later step
@@ -137,13 +140,38 @@ impl Renderer {
         Ok(rebuilt)
     }
 
+    /// Makes everything anew.
+    fn renew(
+        &mut self,
+        gpu: &Gpu,
+        library: &ShaderLibrary,
+        (first, shown): (&World, &World),
+        options: &RenderOptions,
+    ) -> Result<RebuildSummary, RenderError> {
+        let mut new = Self::new(gpu, library, first, options)?;
+        new.update(gpu, shown)?;
+        *self = new;
+        Ok(RebuildSummary::NEW)
+    }
+
     /// Parts to rebuild for a posed world, but for its passes.
-    fn differences(&self, shown: &WorldKey, has_new_trees: bool) -> RebuildSummary {
+    fn differences(
+        &self,
+        shown: &WorldKey,
+        has_new_trees: bool,
+        options: &RenderOptions,
+    ) -> RebuildSummary {
+        // Records of instances name their trees in another way for ray queries.
+        let is_queried = options.reflection.trace == Trace::Query;
+        let has_other_records =
+            self.trees.is_built() && is_queried != (self.options.reflection.trace == Trace::Query);
         RebuildSummary {
             upload: false,
             trees: has_new_trees,
             poses: !has_new_trees && shown.pose() != self.world_key.pose(),
-            materials: has_new_trees || !shown.has_same_materials(&self.world_key),
+            materials: has_new_trees
+                || has_other_records
+                || !shown.has_same_materials(&self.world_key),
             passes: false,
         }
     }

@@ -32,6 +32,9 @@ use super::{
         REST_COUNTER, TRANSMISSIVE_COUNTER, WRONG_COUNTER,
     },
     sheen_table::LEAST_SHEEN_ALPHA,
+    structures::{
+        MOVING_SHIFT, SEEN_BY_CAMERA, SEEN_BY_LIGHTS, SEEN_BY_REFLECTIONS, STATIC_STRUCTURE,
+    },
     targets::{FAR_M, Target},
     texel_array::TEXEL_COLUMNS,
     textures::POOL_BITS,
@@ -173,12 +176,25 @@ pub fn wgsl() -> String {
         UNREFLECTED,
         STACK_SIZE,
     );
+    define_structures(&mut out);
     let lent_bytes = Target::VisibleLights.format(false).block_copy_size(None);
     define(&mut out, "LENT_LIGHTS", &(lent_bytes.unwrap_or(0) * 8 / 2));
     define_lights(&mut out);
     define_variants(&mut out);
     define_causes(&mut out);
     out
+}
+
+/// Numbers of the acceleration structures that ray queries search.
+fn define_structures(out: &mut String) {
+    define_all!(
+        out,
+        SEEN_BY_REFLECTIONS,
+        SEEN_BY_CAMERA,
+        SEEN_BY_LIGHTS,
+        MOVING_SHIFT,
+        STATIC_STRUCTURE,
+    );
 }
 
 /// Numbers of lights, of their shadows and of the table by which a panorama is sampled.

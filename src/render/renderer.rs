@@ -13,7 +13,7 @@ use reflet_world::{
 use super::{
     bindings::{BindingInputs, BindingKey, Bindings},
     chunks::largest_tree_array,
-    decide::{Decision, decide, needs_trees},
+    decide::{Decided, Decision, decide, needs_trees},
     error::RenderError,
     error_estimate::FirstHalf,
     frame_uniforms::FrameUniforms,
@@ -30,6 +30,7 @@ use super::{
     scene::GpuScene,
     shader_variant::ShaderVariant,
     shaders::Shaders,
+    structures::{queries, with_trace},
     targets::{Target, Targets},
     validate::{check_deformed, check_lights, check_moving_materials, check_world, refuse},
     world_key::{PoseKey, WorldKey},
@@ -87,12 +88,13 @@ impl Renderer {
     ) -> Result<Self, RenderError> {
         check_world(world)?;
         let coordinates = Coordinates::of(world, options);
-        let options = &coordinates.options(&options.settled());
+        let (options, why) = with_trace(gpu, coordinates.options(&options.settled()))?;
+        let options = &options;
         let world = &*coordinates.world(world);
         let (trees, tree_ms) = build_trees(gpu, world, options)?;
-        let decided = decide(world, &trees, options, gpu.is_software());
+        let decided = decided_with(gpu, world, &trees, options, why);
         let options = &decided.options;
-        let mut scene = GpuScene::new(gpu, world, &trees)?;
+        let mut scene = GpuScene::new(gpu, world, &trees, queries(&trees, options))?;
         if may_meet_culled(world, options) {
             scene.find_backs(world);
         }
@@ -291,6 +293,19 @@ pub(super) fn check_posed(
         );
     }
     Ok(())
+}
+
+/// What is left to `auto`, decided, with the decision of what follows the rays.
+pub(super) fn decided_with(
+    gpu: &Gpu,
+    world: &World,
+    trees: &Trees,
+    options: &RenderOptions,
+    of_trace: Option<Decision>,
+) -> Decided {
+    let mut decided = decide(world, trees, options, gpu.is_software());
+    decided.decisions.extend(of_trace);
+    decided
 }
 
 /// The top level over the instances of a posed world; none where nothing can move.

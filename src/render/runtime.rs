@@ -105,16 +105,18 @@ impl Session {
             camera: options.camera.clone(),
             ..ViewOverrides::default()
         };
+        let (none, texts) = (ParameterOverrides::default(), Dependencies::default());
+        let library = source.library()?;
+        let read = read::read(&source, &none, &texts, 0)?;
+        let ray_queries = read.scene().desc.reflection.may_query();
         let gpu = || {
             let options = GpuOptions {
                 adapter_filter: options.adapter.clone(),
+                ray_queries,
                 ..GpuOptions::default()
             };
             Gpu::new(&options).map(Arc::new)
         };
-        let (none, texts) = (ParameterOverrides::default(), Dependencies::default());
-        let library = source.library()?;
-        let read = read::read(&source, &none, &texts, 0)?;
         Self::build(
             source,
             (view, InitialBuild::Whole),

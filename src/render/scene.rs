@@ -2,30 +2,27 @@
 
 use std::ops::Range;
 
-use glam::Affine3A;
-
 use reflet_gpu::{Gpu, GpuError};
 use reflet_world::{
-    Instance, World,
-    bvh::{CwBvhNode, TraceInstance, TraceTriangle, Trees},
+    World,
+    bvh::{CwBvhNode, TraceTriangle, Trees},
 };
 
 use super::{
     chunks::{Chunks, chunk_of},
-    draw::{Draw, Indexed, draws, mirrors},
+    draw::{Draw, Indexed, draws},
     emitters::{GpuEmitters, NO_LIGHT_TREE},
     geometry::{MeshRange, geometry, mesh_vertices},
     gpu_material::gpu_material,
+    instance_records::{RecordInputs, instance_records, records},
     mesh_array::MeshArray,
+    options::RenderOptions,
     panorama::GpuPanorama,
-    records::{RecordArray, are_texels_preferred},
+    records::RecordArray,
+    structures::{Structures, queries},
     texel_array::TexelArray,
     textures::{Pools, samplers},
     tree_array::TreeArray,
-    types::{
-        FLAG_CAPSULE_NORMALS, FLAG_COLORS, FLAG_EMITTER, FLAG_MIRRORED, FLAG_TRACED, GpuInstance,
-        flag,
-    },
 };
 
 /// A scene on the GPU.
@@ -35,6 +32,8 @@ pub struct GpuScene {
     pub nodes: TreeArray,
     /// Triangles in leaf order.
     pub triangles: TreeArray,
+    /// Acceleration structures of the device, where ray queries follow the rays.
+    pub structures: Option<Structures>,
     /// Instances, parallel to [`World::instances`].
     pub instances: RecordArray,
     /// Attributes of all meshes; also the vertex buffer.
@@ -63,14 +62,20 @@ pub struct GpuScene {
 }
 
 impl GpuScene {
-    /// Uploads a world and its BVHs.
+    /// Uploads a world and its BVHs, and builds acceleration structures of these if `queried`.
     ///
     /// # Errors
     /// A buffer past the adapter's limit, named in the message, or a wgpu error.
-    pub fn new(gpu: &Gpu, world: &World, trees: &Trees) -> Result<Self, GpuError> {
+    pub fn new(gpu: &Gpu, world: &World, trees: &Trees, queried: bool) -> Result<Self, GpuError> {
         let (vertices, mesh_data, mesh_ranges) = geometry(gpu, world)?;
         let pools = Pools::new(gpu, world)?;
-        let (instances, materials) = records(gpu, world, trees, (&mesh_ranges, &[]), &pools)?;
+        let structures = (queried.then(|| Structures::new(gpu, world, trees))).transpose()?;
+        let inputs = RecordInputs {
+            mesh_ranges: &mesh_ranges,
+            traced: &[],
+            queried,
+        };
+        let (instances, materials) = records(gpu, world, trees, inputs, &pools)?;
         let panorama = world.environment.panorama.as_deref();
         let (nodes, triangles) = tree_arrays(gpu, trees)?;
         Ok(Self {
@@ -83,6 +88,7 @@ impl GpuScene {
             )?,
             nodes,
             triangles,
+            structures,
             emitters: GpuEmitters::new(gpu, world)?,
             instances,
             traced: Vec::new(),
@@ -108,6 +114,7 @@ impl GpuScene {
         world: &World,
         trees: &Trees,
         new_trees: bool,
+        options: &RenderOptions,
     ) -> Result<Self, GpuError> {
         // A material's sampler settings may need an image resampled in another way.
         let pools = match self.pools.layers.cover(world) {
@@ -119,13 +126,23 @@ impl GpuScene {
         } else {
             (self.nodes.clone(), self.triangles.clone())
         };
-        let kept = (self.mesh_ranges.as_slice(), self.traced.as_slice());
-        let (instances, materials) = records(gpu, world, trees, kept, &pools)?;
+        let queried = queries(trees, options);
+        let structures = match &self.structures {
+            _ if !queried => None,
+            Some(structures) if !new_trees => Some(structures.clone()),
+            _ => Some(Structures::new(gpu, world, trees)?),
+        };
+        let inputs = RecordInputs {
+            queried,
+            ..self.record_inputs()
+        };
+        let (instances, materials) = records(gpu, world, trees, inputs, &pools)?;
         let meshes = (&self.vertices, &self.mesh_data);
         Ok(Self {
             chunks: chunks(gpu, (&nodes, &triangles), meshes, &instances)?,
             nodes,
             triangles,
+            structures,
             instances,
             traced: self.traced.clone(),
             vertices: self.vertices.clone(),
@@ -181,11 +198,24 @@ impl GpuScene {
             self.nodes.write(gpu, range.start, &trees.nodes[range]);
         }
         self.update_deformed(gpu, world, trees);
+        if let Some(structures) = &mut self.structures
+            && (!world.deformed.is_empty() || world.instances.iter().any(|i| i.dynamic))
+        {
+            structures.update(gpu, world, trees);
+        }
+    }
+
+    fn record_inputs(&self) -> RecordInputs<'_> {
+        RecordInputs {
+            mesh_ranges: &self.mesh_ranges,
+            traced: &self.traced,
+            queried: self.structures.is_some(),
+        }
     }
 
     fn write_instances(&self, gpu: &Gpu, world: &World, trees: &Trees, range: Range<usize>) {
-        let (first, kept) = (range.start, (&*self.mesh_ranges, &*self.traced));
-        let records: Vec<_> = instance_records(world, trees, kept, range).collect();
+        let (first, inputs) = (range.start, self.record_inputs());
+        let records: Vec<_> = instance_records(world, trees, inputs, range).collect();
         self.instances.write(gpu, first, &records);
     }
 
@@ -238,6 +268,7 @@ impl GpuScene {
         };
         let sampler = |i: usize| Some(wgpu::BindingResource::Sampler(&self.samplers[i]));
         match name {
+            "structures" => self.structures.as_ref().map(Structures::resource),
             "instances" => Some(self.instances.resource()),
             "emitters" => self.emitters.as_ref().map(GpuEmitters::resource),
             "materials" => Some(self.materials.resource()),
@@ -269,6 +300,10 @@ impl GpuScene {
         vec![
             ("tree_nodes", self.nodes.size()),
             ("tree_triangles", self.triangles.size()),
+            (
+                "ray_structures",
+                self.structures.as_ref().map_or(0, |s| s.bytes),
+            ),
             ("instances", self.instances.size()),
             ("vertices", self.vertices.size()),
             ("mesh_data", self.mesh_data.size()),
@@ -281,27 +316,6 @@ impl GpuScene {
             ),
         ]
     }
-}
-
-/// Uploads instances and materials.
-fn records(
-    gpu: &Gpu,
-    world: &World,
-    trees: &Trees,
-    kept: (&[MeshRange], &[bool]),
-    pools: &Pools,
-) -> Result<(RecordArray, RecordArray), GpuError> {
-    let (instances, materials) = (&world.instances, &world.materials);
-    let in_texels = are_texels_preferred(gpu, instances.len(), materials.len());
-    let instances = instance_records(world, trees, kept, 0..instances.len());
-    let materials = materials.iter();
-    let materials = materials.map(|m| gpu_material(m, world, &pools.layers));
-    let vertex = wgpu::BufferUsages::VERTEX;
-    let none = wgpu::BufferUsages::empty();
-    Ok((
-        RecordArray::new(gpu, "instances", instances, vertex, in_texels)?,
-        RecordArray::new(gpu, "materials", materials, none, in_texels)?,
-    ))
 }
 
 /// Number of shader bindings of the BVHs and the meshes.
@@ -336,52 +350,9 @@ fn tree_arrays(gpu: &Gpu, trees: &Trees) -> Result<(TreeArray, TreeArray), GpuEr
     ))
 }
 
-fn rows(transform: &Affine3A) -> [[f32; 4]; 3] {
-    let m = transform.matrix3;
-    let t = transform.translation;
-    [0, 1, 2].map(|r| [m.x_axis[r], m.y_axis[r], m.z_axis[r], t[r]])
-}
-
 fn has_moving_cutouts(world: &World) -> bool {
     let mut moving = world.moving.materials.iter();
     moving.any(|m| world.materials[m.material].alpha_cutoff.is_some())
-}
-
-/// Records of a range of the instances of a world in its pose, with the ranges of its meshes and the instances whose
-/// reflections are traced at once.
-fn instance_records(
-    world: &World,
-    trees: &Trees,
-    (mesh_ranges, unmarched): (&[MeshRange], &[bool]),
-    range: Range<usize>,
-) -> impl ExactSizeIterator<Item = GpuInstance> + Clone {
-    let record = move |(index, (instance, traced)): (usize, (&Instance, &TraceInstance))| {
-        let is_traced = unmarched.get(index).copied().unwrap_or(false);
-        let range = mesh_ranges[instance.mesh];
-        let mesh = &world.meshes[instance.mesh];
-        let radius = mesh.capsule_radius_m;
-        let has_capsule_normals = radius.is_some() && !mesh.normals.is_empty();
-        let is_sampled = world.materials[instance.material].light && radius.is_none();
-        GpuInstance {
-            world_from_object: rows(&instance.world_from_object),
-            object_from_world: traced.object_from_world,
-            tree_root: traced.tree_root,
-            trace_flags: traced.trace_flags,
-            vertex_base: range.vertex_base,
-            index_base: range.index_base,
-            uv1_base: range.uv1_base,
-            material: instance.material as u32,
-            flags: flag(mirrors(&instance.world_from_object), FLAG_MIRRORED)
-                | flag(range.has_colors, FLAG_COLORS)
-                | flag(is_sampled, FLAG_EMITTER)
-                | flag(is_traced, FLAG_TRACED)
-                | flag(has_capsule_normals, FLAG_CAPSULE_NORMALS),
-            capsule_radius_m: radius.unwrap_or(0.0),
-        }
-    };
-    let instances = world.instances[range.clone()].iter();
-    let pairs = instances.zip(&trees.instances[range.clone()]);
-    (range.zip(pairs)).map(record)
 }
 
 const _: () = assert!(size_of::<TraceTriangle>() == 48 && size_of::<CwBvhNode>() == 80);

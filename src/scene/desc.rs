@@ -52,7 +52,7 @@ pub use self::{
     outline::{BevelDesc, FigureDesc, FillRule, OutlineDesc, Written},
     probe::{Lookup, ProbeDesc, ProbesDesc, SelectBy},
     project::ProjectDesc,
-    reflection::{Accept, Bounces, Marched, Method, REFLECTION, ReflectionDesc},
+    reflection::{Accept, Bounces, Marched, Method, REFLECTION, ReflectionDesc, Trace},
     scatter::{AlongDesc, OverDesc},
     script::ScriptDesc,
     shape::{FontDesc, LatheSource, NoiseDesc, PartDesc, ShapeDesc, SweepCurve, TextAlign},

@@ -19,7 +19,6 @@
 use std::ops::Range;
 
 use bytemuck::Zeroable;
-use obvhs::aabb::Aabb;
 pub use obvhs::cwbvh::node::CwBvhNode;
 use rayon::prelude::*;
 
@@ -31,6 +30,7 @@ pub mod capsule;
 mod gpu_layout;
 mod leaves;
 mod oracle;
+mod placed;
 mod placement;
 mod refit;
 mod slab;
@@ -42,8 +42,10 @@ pub use gpu_layout::{
     ALPHA_TESTED, CAPSULES, DOUBLE_SIDED, FLIPPED, MOVES, SHADOWLESS, TraceInstance, TraceTriangle,
     UNREFLECTED, UNSEEN,
 };
+pub use leaves::{MeshTree, leaf_corners};
 use leaves::{mesh_tree, static_tree, too_far};
 pub use oracle::{Oracle, Ray, RayHit};
+use placed::PlacedInstances;
 use placement::{Placement, error, too_large};
 use refit::{DeformingTree, PosedTree};
 use tree::Tree;
@@ -82,6 +84,10 @@ pub struct Trees {
     top_list: usize,
     /// Number of triangles in the static tree.
     pub static_triangles: usize,
+    /// Trees of meshes below the top level.
+    pub mesh_trees: Vec<MeshTree>,
+    /// Instances of the top level that rays can hit in the current pose, as indices into [`World::instances`].
+    pub placed: Vec<u32>,
     /// Instances in the top level, as indices into [`World::instances`]; without trees, those that
     /// may move.
     pub top_instances: Vec<u32>,
@@ -98,44 +104,6 @@ pub struct TopLevel {
     placed: PlacedInstances,
     /// Tree over the instances that rays can hit; none where no trees were built.
     tree: Option<Tree>,
-}
-
-/// The instances of a top level in one pose.
-struct PlacedInstances {
-    /// Instance records, parallel to [`Trees::top_instances`], without the roots of their trees.
-    records: Vec<TraceInstance>,
-    /// Index of each instance that rays can hit.
-    ids: Vec<u32>,
-    /// World-space boxes of these instances.
-    boxes: Vec<Aabb>,
-}
-
-impl PlacedInstances {
-    fn new(world: &World, top_instances: &[u32]) -> Self {
-        let mut placed = Self {
-            records: Vec::with_capacity(top_instances.len()),
-            ids: Vec::new(),
-            boxes: Vec::new(),
-        };
-        for id in top_instances {
-            let instance = &world.instances[*id as usize];
-            let record = TraceInstance::new(instance, world, NONE);
-            placed.records.push(record);
-            let bounds = world.bounds_of(instance);
-            let rows = record.object_from_world;
-            let rows_finite = rows.as_flattened().iter().all(|x| x.is_finite());
-            if rows_finite && is_within_reach(&bounds) {
-                // Corners were rounded when transformed: keep the box conservative.
-                let slack = bounds.min.abs().max(bounds.max.abs()) * (4.0 * f32::EPSILON);
-                placed.ids.push(*id);
-                placed.boxes.push(Aabb::new(
-                    (bounds.min - slack).into(),
-                    (bounds.max + slack).into(),
-                ));
-            }
-        }
-        placed
-    }
 }
 
 impl Trees {
@@ -169,11 +137,14 @@ impl Trees {
         let room = of_meshes.sum();
         let mut nodes = with_reserved(static_tree.nodes, reserved, room);
         let mut roots = vec![NONE; world.meshes.len()];
+        let mut trees_of_meshes = Vec::with_capacity(placement.meshes.len());
         for (mesh, (mut tree, mesh_triangles)) in rigid.iter().zip(mesh_trees) {
             roots[*mesh] = nodes.len() as u32;
             tree::rebase(&mut tree.nodes, nodes.len() as u32, triangles.len() as u32);
             nodes.append(&mut tree.nodes);
+            let first = triangles.len();
             triangles.extend(mesh_triangles);
+            trees_of_meshes.push(MeshTree::new(*mesh, first..triangles.len(), false));
             mesh_need = mesh_need.max(tree.stack_need);
         }
         let mut deforming = Vec::with_capacity(deformed.len());
@@ -186,6 +157,7 @@ impl Trees {
             roots[mesh] = nodes.len() as u32;
             nodes.resize(tree.nodes.end, CwBvhNode::default());
             triangles.resize(tree.triangles.end, TraceTriangle::zeroed());
+            trees_of_meshes.push(MeshTree::new(mesh, tree.triangles.clone(), true));
             deforming.push(tree);
         }
         if triangles.is_empty() {
@@ -199,6 +171,8 @@ impl Trees {
             top_range: 1..1 + reserved,
             top_list: 1 + top_capacity,
             static_triangles,
+            mesh_trees: trees_of_meshes,
+            placed: Vec::new(),
             top_instances: placement.top,
             mesh_stack_need: mesh_need,
             deforming,
@@ -220,6 +194,8 @@ impl Trees {
             top_range: 1..1,
             top_list: 1,
             static_triangles: 0,
+            mesh_trees: Vec::new(),
+            placed: Vec::new(),
             top_instances: dynamic.collect(),
             mesh_stack_need: 0,
             deforming: Vec::new(),
@@ -318,6 +294,7 @@ impl Trees {
         for (word, primitive) in words.iter_mut().zip(&tree.order) {
             *word = top.placed.ids[*primitive as usize];
         }
+        self.placed = top.placed.ids;
     }
 }
 

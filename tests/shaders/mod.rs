@@ -37,7 +37,8 @@ fn variant(features: Features) -> ShaderVariant {
 /// Every shader of every variant.
 static SHIPPED: LazyLock<Vec<ShaderModuleInfo>> = LazyLock::new(|| {
     // The optional features that `Gpu` asks for; a shader that needs one has a twin that does not.
-    let capabilities = capabilities(wgpu::Features::PRIMITIVE_INDEX);
+    let capabilities =
+        capabilities(wgpu::Features::PRIMITIVE_INDEX | wgpu::Features::EXPERIMENTAL_RAY_QUERY);
     let check = |source: ShaderSource| check(&source, capabilities);
     let checked = (sources().into_iter()).map(|(_, source)| source.and_then(check));
     let (good, bad): (Vec<_>, Vec<_>) = checked.partition(Result::is_ok);

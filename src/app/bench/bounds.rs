@@ -75,7 +75,10 @@ pub fn bounds(args: &BoundsArgs) -> Result<(), AppError> {
     let first = within(bounds.first().copied().unwrap_or_default(), args.at_most);
     let loaded = load_scene(args.scene.as_deref(), &args.from, &[first])?;
     check_reports(&args.output, &FILES, args.scene.as_deref(), &loaded)?;
-    let gpu = Arc::new(open_gpu(args.adapter.as_deref())?);
+    let gpu = Arc::new(open_gpu(
+        args.adapter.as_deref(),
+        loaded.scene.reflection.may_query(),
+    )?);
     let host = Host::of(&gpu);
     let source = SceneSource {
         path: args.scene.clone(),

@@ -60,7 +60,7 @@ fn settings(system: &System, subject: &Subject) -> ReflectionDesc {
 pub fn comparators(args: &ComparatorsArgs) -> Result<(), AppError> {
     create_folder(&args.output)?;
     let library = shaders::library(None)?;
-    let gpu = device::open_gpu(args.adapter.as_deref())?;
+    let gpu = device::open_gpu(args.adapter.as_deref(), true)?;
     let mut scenes = Vec::new();
     for path in &args.scenes {
         let loaded = load_scene(Some(path), &args.from, &[])?;

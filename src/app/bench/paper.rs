@@ -139,7 +139,7 @@ pub fn paper(args: &PaperArgs) -> Result<(), AppError> {
     };
     let subjects = stage.subjects(&args.assets)?.into_iter();
     let mut all_series = subjects.map(series_of).collect::<Result<Vec<_>, _>>()?;
-    let gpu = open_gpu(&args.run)?;
+    let gpu = open_gpu(&args.run, all_series.iter().any(FrameSeries::may_query))?;
     protocol.count |= gpu.is_software();
     let samples = run(&gpu, &args.run, &protocol, &mut all_series)?;
     let library = shaders::library(args.run.shaders.as_deref())?;

@@ -140,7 +140,7 @@ struct Row {
 /// # Errors
 /// A scene that does not load, no usable GPU, errors of the renderer.
 pub fn regret(args: &RegretArgs) -> Result<(), AppError> {
-    let gpu = open_gpu(args.adapter.as_deref())?;
+    let gpu = open_gpu(args.adapter.as_deref(), false)?;
     let plan = args.plan.as_deref();
     let costs = plan.map(|path| costs(path, &gpu)).transpose()?;
     let scenes: Vec<Option<&Path>> = if args.scenes.is_empty() {

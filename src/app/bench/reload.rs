@@ -68,11 +68,13 @@ struct Report<'a> {
 /// A scene or shaders that do not open, no usable GPU, a folder that cannot be written to.
 pub fn reload(args: &ReloadArgs) -> Result<(), AppError> {
     create_folder(&args.output)?;
+    let mut may_query = false;
     if let Some(scene) = &args.scene {
         let loaded = load_scene(Some(scene), &args.from, &[])?;
         check_reports(&args.output, &["reload.json"], Some(scene), &loaded)?;
+        may_query = loaded.scene.reflection.may_query();
     }
-    let gpu = Arc::new(open_gpu(args.adapter.as_deref())?);
+    let gpu = Arc::new(open_gpu(args.adapter.as_deref(), may_query)?);
     let mut progress = Progress::new();
     let series = measure_all(&gpu, args, &mut progress)?;
     let scene = (args.scene.as_ref()).map_or_else(

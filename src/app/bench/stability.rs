@@ -94,7 +94,7 @@ pub fn stability(args: &StabilityArgs) -> Result<(), AppError> {
         sweep: Sweep::Rules,
         methods,
     };
-    let gpu = open_gpu(&run)?;
+    let gpu = open_gpu(&run, all_series.iter().any(FrameSeries::may_query))?;
     let (samples, stopped) = sample(&gpu, &run, &protocol, &mut all_series)?;
     if let Some(stopped) = stopped {
         return Err(stopped);

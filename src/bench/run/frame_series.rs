@@ -65,6 +65,11 @@ impl FrameSeries {
         self.subject.image.size
     }
 
+    /// Whether it asks for ray queries.
+    pub fn may_query(&self) -> bool {
+        self.subject.reflection.may_query()
+    }
+
     /// Numbers of the frames that are measured.
     pub fn frames(&self) -> impl Iterator<Item = u32> {
         self.shots.iter().map(|(frame, _)| *frame)

@@ -1,7 +1,7 @@
 //! The table of features: what of a frame is left out where a scene does not need it. A new feature is a row here and
 //! the code in the shaders that its constant or its files switch.
 
-use reflet_scene::desc::{Method, PatternKind, SelectBy, ShownDesc};
+use reflet_scene::desc::{Method, PatternKind, SelectBy, ShownDesc, Trace};
 
 use super::{
     environment_casts_rays,
@@ -38,6 +38,11 @@ features! {
         used: scene.is_general() || scene.trees.is_built() && !scene.trees.top_instances.is_empty(),
         constant: HAS_TOP_LEVEL,
         dropped: "top level" => "nothing is dynamic, and copies of static meshes are few enough to bake", if traced;
+    }
+    /// Whether the device's ray queries follow the rays.
+    queried {
+        used: traced && scene.options.reflection.trace == Trace::Query,
+        files: walk [trees, query];
     }
     /// Whether surfaces that the camera culls but reflection rays meet stop the march.
     culled_surfaces {

@@ -91,6 +91,18 @@ pub enum Marched {
     Auto,
 }
 
+/// What follows rays through the scene: for reflections, shadows, transmission, diffuse light and primary visibility.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Trace {
+    /// `"software"`: Reflet's own traversal of its trees, which runs on every adapter.
+    #[default]
+    Software,
+    /// `"query"`: the adapter's ray queries over acceleration structures that it builds; an error on adapters without.
+    Query,
+    /// `"auto"`: `"query"` on graphics cards that have ray queries, else `"software"`.
+    Auto,
+}
+
 /// Maximum number of reflections in a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Bounces {
@@ -125,6 +137,10 @@ pub struct ReflectionDesc {
     pub method: Method,
     /// Surfaces that methods `hybrid` and `auto` march in screen space before tracing what is left. Default `"auto"`.
     pub marched: Marched,
+    /// What follows rays through the scene, of reflections and all others. Hits are the same, but for surfaces closer to
+    /// each other than rounding. Ray queries are experimental in wgpu, and are only asked of an adapter where this is
+    /// `"query"` or `"auto"`; `reflet info` says whether it has them. Default `"software"`.
+    pub trace: Trace,
     /// Length of a reflection ray in U, above 0. More reflects things that are farther away. Default 16.
     pub ray_length_u: f32,
     /// Test by which method `hybrid` accepts a hit that the screen-space march finds. Default `"verified"`;
@@ -209,6 +225,7 @@ impl Default for ReflectionDesc {
         Self {
             method: Method::Auto,
             marched: Marched::Auto,
+            trace: Trace::Software,
             ray_length_u: 16.0,
             accept: Accept::Verified,
             edge_px: 0.25,
@@ -284,6 +301,11 @@ impl ReflectionDesc {
             blur_px: 0.0,
             ..*self
         }
+    }
+
+    /// Whether the adapter is asked for ray queries.
+    pub fn may_query(&self) -> bool {
+        self.trace != Trace::Software
     }
 
     /// Whether only the surfaces are marched for which that takes less time.

@@ -9,7 +9,7 @@ use super::{
 use crate::desc::{
     Accept, CurveKind, Ease, EnvironmentShadow, FillRule, Lookup, Marched, Method, PatternKind,
     Playback, Radiance, ReflectionMode, SelectBy, ShadowMode, SweepCurve, TextAlign, ToneMap,
-    Visibility,
+    Trace, Visibility,
 };
 use crate::syntax::Node;
 use crate::{range::Range, suggest};
@@ -46,6 +46,7 @@ words!(ReflectionMode { "none" => Self::None, "auto" => Self::Auto, "mirror" => 
 words!(ShadowMode { "map" => Self::Map, "ray" => Self::Ray, "none" => Self::None, "auto" => Self::Auto });
 words!(EnvironmentShadow { "ray" => Self::Ray, "none" => Self::None });
 words!(Marched { "auto" => Self::Auto, "all" => Self::All, "cheaper" => Self::Cheaper });
+words!(Trace { "software" => Self::Software, "query" => Self::Query, "auto" => Self::Auto });
 words!(Accept { "verified" => Self::Verified, "threshold" => Self::Threshold });
 words!(Method {
     "ssr" => Self::Ssr,

@@ -291,6 +291,7 @@ impl Section for ReflectionDesc {
         let mut settings = Self {
             method: t.get("method", ANY, default.method),
             marched: t.get("marched", ANY, default.marched),
+            trace: t.get("trace", ANY, default.trace),
             accept: t.get("accept", ANY, default.accept),
             bounces: t.get("bounces", BOUNCES, default.bounces),
             diffuse_bounces: t.get("diffuse_bounces", DIFFUSE_BOUNCES, default.diffuse_bounces),

@@ -5,7 +5,7 @@ use glam::Vec3;
 
 use super::capsule::Capsule;
 use crate::{Instance, World};
-use reflet_base::math::in_f64;
+use reflet_base::math::{Bounds, in_f64};
 
 /// Flag: hits are tested again after the traversal: those of cut-outs (`alpha_passes`) and transmissive materials.
 pub const ALPHA_TESTED: u32 = 1;
@@ -124,6 +124,18 @@ pub(super) fn trace_capsule([a, b]: [Vec3; 2], radius: f32, capsule: u32) -> Tra
 }
 
 impl TraceTriangle {
+    /// Box around the capsule that an instance marked [`CAPSULES`] has in place of a triangle, object space.
+    pub fn capsule_box(&self) -> Bounds {
+        let (base, radius) = (Vec3::from(self.base), Vec3::splat(self.edge2[0]));
+        let end = base + Vec3::from(self.edge1);
+        // The end is rounded: keep the box conservative.
+        let around = radius + base.abs().max(end.abs()) * (4.0 * f32::EPSILON) + radius * 1e-5;
+        Bounds {
+            min: base.min(end) - around,
+            max: base.max(end) + around,
+        }
+    }
+
     /// The capsule that an instance marked [`CAPSULES`] has in place of a triangle.
     pub(super) fn capsule(&self) -> Capsule {
         Capsule {

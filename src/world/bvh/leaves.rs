@@ -1,5 +1,7 @@
 //! Triangles and capsules as the leaves of trees: in world space in the static tree, in object space in mesh trees.
 
+use std::ops::Range;
+
 use glam::{Vec3, Vec3A};
 use obvhs::aabb::Aabb;
 use rayon::prelude::*;
@@ -14,6 +16,27 @@ use crate::{Mesh, World, reach};
 use reflet_base::math::{Bounds, in_f64};
 use reflet_scene::diagnostic::Diagnostic;
 
+/// The tree of a mesh, below the top level.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MeshTree {
+    /// Index into [`World::meshes`](crate::World::meshes).
+    pub mesh: usize,
+    /// Range in [`Trees::triangles`](super::Trees::triangles).
+    pub triangles: Range<usize>,
+    /// Whether animations deform the mesh.
+    pub is_deformed: bool,
+}
+
+impl MeshTree {
+    pub(super) fn new(mesh: usize, triangles: Range<usize>, is_deformed: bool) -> Self {
+        Self {
+            mesh,
+            triangles,
+            is_deformed,
+        }
+    }
+}
+
 /// Corners of a triangle in the current pose of its mesh, object space.
 pub(super) fn corners(world: &World, mesh: usize, triangle: u32) -> [Vec3; 3] {
     let corners = world.meshes[mesh].triangles[triangle as usize];
@@ -27,6 +50,15 @@ pub(super) fn world_corners(world: &World, instance: u32, triangle: u32) -> [Vec
     let transform = in_f64(&placed.world_from_object);
     corners(world, placed.mesh, triangle)
         .map(|p| transform.transform_point3(p.as_dvec3()).as_vec3())
+}
+
+/// Corners of a triangle of [`Trees::triangles`](super::Trees::triangles): in world space in the static tree, in object
+/// space in the tree of a mesh. Unlike the sum of a corner and an edge they are equal where triangles share them.
+pub fn leaf_corners(world: &World, mesh: Option<usize>, leaf: &TraceTriangle) -> [Vec3; 3] {
+    match mesh {
+        Some(mesh) => corners(world, mesh, leaf.triangle),
+        None => world_corners(world, leaf.instance, leaf.triangle),
+    }
 }
 
 pub(super) fn bounding_box(corners: [Vec3; 3]) -> Aabb {
