@@ -61,7 +61,8 @@
 //! 7. **Hits** shades the accepted hits at the point where the ray meets the surface, with the ray's footprint.
 //! 8. With `reflection.rate` above 1 **lead** traces one of several rays, and **spread** gives those between them what
 //!    they hit, where they agree. **Trace** follows the listed rays through the static tree and the top level over instances,
-//!    bounce by bounce.
+//!    bounce by bounce. With `reflection.trace = "query"` the device's ray queries find candidates in the structures of
+//!    [`render::structures`], for these and all other rays; our own tests choose among them.
 //! 9. **Filter** (rough reflections, below 16 sub-frames), **blur** (if asked for), **compose** (only the
 //!    mirror term is replaced, and transmitted light is added), **guides** (where a picture is denoised), **tone**.
 //!
@@ -108,8 +109,9 @@
 //!   them before an upload, and every later call that the world is the uploaded one, posed anew.
 //! - Every ray has one budget of nodes that it may visit (`shaders/lib/bvh.wgsl`); one that needs more is a
 //!   miss, counted in the frame's statistics.
-//! - `unsafe` is used in six places, each with its reason: `src/main.rs` sets environment variables
+//! - `unsafe` is used in seven places, each with its reason: `src/main.rs` sets environment variables
 //!   before any thread exists, `src/gpu/pipeline.rs` turns off run-time checks of a built-in shader,
+//!   `src/gpu/experimental.rs` lets devices of scenes that ask for it use ray queries, which wgpu calls experimental,
 //!   `src/gpu/kept_pipelines.rs` hands a driver the pipelines that it compiled in an earlier run,
 //!   `src/base/processor_time.rs` reads CPU clocks that the standard library lacks, `src/world/usd/tool.rs` has the
 //!   converter end with its parent, and `src/app/denoise.rs` calls a C library that it loads at run time.

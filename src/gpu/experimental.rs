@@ -55,3 +55,31 @@ pub fn adapters_with_ray_queries(instance: &wgpu::Instance) -> Vec<String> {
     let named = adapters.iter().filter(has);
     named.map(|adapter| adapter.get_info().name).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_devices_with_ray_queries_get_limits_for_structures() {
+        let offered = wgpu::Limits {
+            max_tlas_instance_count: 7,
+            max_storage_buffers_per_shader_stage: 99,
+            ..wgpu::Limits::default()
+        };
+        let without = Experimental {
+            features: wgpu::Features::empty(),
+            token: wgpu::ExperimentalFeatures::disabled(),
+        };
+        assert_eq!(without.limits(&offered), wgpu::Limits::default());
+        let with = Experimental {
+            features: wgpu::Features::EXPERIMENTAL_RAY_QUERY,
+            ..without
+        };
+        let expected = wgpu::Limits {
+            max_tlas_instance_count: 7,
+            ..wgpu::Limits::default()
+        };
+        assert_eq!(with.limits(&offered), expected);
+    }
+}

@@ -10,7 +10,7 @@ use crate::text::read;
 #[test]
 fn environment_reflection_and_image_arrive() {
     let scene = read(
-        "environment.color = [1, 2, 3]\n[reflection]\nmethod = \"ssr\"\nmarched = \"all\"\nray_length_u = 2\n\
+        "environment.color = [1, 2, 3]\n[reflection]\nmethod = \"ssr\"\nmarched = \"all\"\ntrace = \"query\"\nray_length_u = 2\n\
          accept = \"threshold\"\nedge_px = 0.5\nthreshold_u = 0\nbounces = 16\ndiffuse_bounces = 8\nglint_limit = 3\nsteps = 8\nroughness_cutoff = 1\nunit_m = 0.5\nreuse_light = false\nfade = true\nfilter = false\nmultiple_scattering = true\n\
          layers = 2\nseparation_m = 0.2\nrate = 4\nsimilarity = 0.5\nblur_px = 1.5\n[probes]\nspacing_m = 2.5\nface_px = 2048\nsamples = 1024\nnearest = 4\n\
          lookup = \"distance\"\nselect = \"instance\"\n[near_far]\nhalf_size_m = 3.5\nface_px = 8\n[image]\nsize = [1, 16384]\nsamples = 4096\nlight_rays = 256\nexposure_ev = -20\n\
@@ -39,6 +39,7 @@ fn environment_reflection_and_image_arrive() {
         ReflectionDesc {
             method: Method::Ssr,
             marched: Marched::All,
+            trace: Trace::Query,
             ray_length_u: 2.0,
             accept: Accept::Threshold,
             edge_px: 0.5,
