@@ -94,11 +94,9 @@ fn without_queries(gpu: &Gpu) -> Diagnostic {
             "the adapter has them, but was opened without: open the scene anew".to_owned()
         }
         Some(other) => format!("choose one that has them: --adapter \"{other}\""),
-        None => {
-            "no adapter of this machine has them (Mesa's software adapter has in version 25: \
+        None => "no adapter of this machine has them (Mesa's software adapter has in version 25: \
                  docs/drivers.md); write \"auto\" or \"software\""
-                .to_owned()
-        }
+            .to_owned(),
     };
     let message = format!("`reflection.trace = \"query\"` needs ray queries, which {name} lacks");
     Diagnostic::at(

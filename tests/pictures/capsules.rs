@@ -11,7 +11,7 @@ use reflet::{
 use crate::kit::{floats, gpu, integers, renderer, scene, share_differing};
 
 /// A mirror below things that are replaced by capsules, and a lamp.
-const SCENE: &str = r#"
+pub const SCENE: &str = r#"
 version = 1
 [image]
 size = [192, 108]
@@ -56,7 +56,7 @@ translation = [0, 0.6, 1]
 "#;
 
 /// A helix as spheres or as capsules from each point to the next.
-fn helix(are_spheres: bool) -> Mesh {
+pub fn helix(are_spheres: bool) -> Mesh {
     let point = |k: u8| {
         let angle = f32::from(k) * 0.7;
         Vec3::new(

@@ -54,7 +54,7 @@ scale = 0.7
 animation = { name = "walk", start_s = -0.5 }
 "#;
 
-fn scene() -> (SceneDesc, World) {
+pub fn scene() -> (SceneDesc, World) {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scripts");
     scene_of(&folder.join("test.toml"), SCENE, &[])
 }
@@ -70,7 +70,7 @@ fn frozen(world: &World) -> World {
     frozen
 }
 
-fn pose(desc: &SceneDesc, world: &mut World, frame: u32) {
+pub fn pose(desc: &SceneDesc, world: &mut World, frame: u32) {
     let scene = Scene::from(desc.clone());
     let state = Animator::new(&scene).pose(frame).expect("poses");
     world.apply(&state).expect("applies");

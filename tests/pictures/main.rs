@@ -43,6 +43,7 @@ mod orthographic;
 mod pattern;
 mod precision;
 mod probes;
+mod queries;
 mod ray_list;
 mod second_layer;
 mod shown;
