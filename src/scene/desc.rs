@@ -208,6 +208,16 @@ pub enum ModelSource {
     Shape(ShapeDesc),
 }
 
+impl ModelDesc {
+    /// Number of vertices of a mesh that scripts may deform; `None` for any other model.
+    pub fn deforming_vertices(&self) -> Option<usize> {
+        match &self.source {
+            ModelSource::Shape(shape) => shape.deforming_vertices(),
+            ModelSource::File(_) => None,
+        }
+    }
+}
+
 /// `[[instance]]`
 ///
 /// - `parent`: `name` of another instance, or of a `[group.NAME]`: the placement is then relative to

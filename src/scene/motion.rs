@@ -5,6 +5,7 @@ mod clock;
 mod hierarchy;
 mod joint;
 mod material;
+mod mesh;
 mod names;
 mod parts;
 mod placement;
@@ -25,6 +26,7 @@ pub use self::material::{
     FileMaterial, MaterialChange, ModelTables, Values, changing_overrides, file_materials,
     override_of, written_all,
 };
+pub use self::mesh::MeshPose;
 pub use self::names::{Names, ScriptNames};
 pub use self::parts::{Kind, ScriptedFields, wrong_with_camera, wrong_with_light};
 pub use self::placement::{transform, turned};
@@ -60,6 +62,8 @@ pub struct FrameState {
     pub joints: BTreeMap<(usize, usize), JointPose>,
     /// Weights that the script has set, by instance and index in [`InstanceDesc::morphs`].
     pub morphs: BTreeMap<(usize, usize), f32>,
+    /// Vertices that the script has set, by the index of their model in [`SceneDesc::models`].
+    pub meshes: BTreeMap<usize, MeshPose>,
     /// State of each light.
     pub lights: Vec<LightDesc>,
     /// Values of each `[material.NAME]`.

@@ -1,20 +1,21 @@
-//! Meshes whose vertices move: morph targets, then linear-blend skinning (glTF 2.0 §3.7.2.2 and §3.7.3.3), on the
-//! CPU. The vertices depend on the current pose only, not on earlier frames.
+//! Meshes whose vertices move, on the CPU: by morph targets, then linear-blend skinning (glTF 2.0 §3.7.2.2 and
+//! §3.7.3.3), or to the positions that a script has set. The vertices depend on the current pose only, not on earlier frames.
 
 use std::{mem, sync::Arc};
 
 use glam::{Affine3A, Mat3A, Vec3, Vec3A, Vec4};
-use xxhash_rust::xxh3::xxh3_64;
 
-use super::{
-    Mesh, Posed,
-    reach::is_within_reach,
-    rig::{Player, Rig, RigPose},
-};
+use super::{Mesh, Posed, rig::Player};
 use reflet_base::math::Bounds;
 
-/// Morph targets and joint weights that move the vertices of a mesh; per-vertex lists are parallel to its
-/// positions, or empty.
+mod deformer;
+mod scripted;
+
+pub use self::deformer::{DeformedBy, Deformer};
+pub use self::scripted::{ScriptedVertices, smooth_normals, vectors};
+
+/// Morph targets and joint weights, or a script, that move the vertices of a mesh; per-vertex lists are parallel to
+/// its positions, or empty.
 #[derive(Clone, Debug, Default)]
 pub struct Deformation {
     /// Vertices before the deformation.
@@ -25,6 +26,8 @@ pub struct Deformation {
     pub influences: Vec<Vec<Influences>>,
     /// Whether normals are computed from the triangles, none of which share a vertex then.
     pub has_flat_normals: bool,
+    /// Vertices that a script may set, if any.
+    pub scripted: Option<ScriptedVertices>,
 }
 
 /// The attributes that a deformation moves.
@@ -78,26 +81,6 @@ pub struct DeformingNodes {
     pub weights: Option<usize>,
     /// Weights of the morph targets at rest.
     pub rest_weights: Vec<f32>,
-}
-
-/// A mesh of the world that an animation deforms.
-#[derive(Clone, Debug)]
-pub struct Deformer {
-    /// Index into [`World::meshes`](super::World::meshes).
-    pub mesh: usize,
-    /// Index into [`Moving::players`](super::pose::Moving::players).
-    pub player: usize,
-    joints: Vec<JointSource>,
-    nodes: DeformingNodes,
-}
-
-/// Source of a joint's transform.
-#[derive(Clone, Copy, Debug)]
-enum JointSource {
-    /// An animated node, by its slot in the player.
-    Slot(usize),
-    /// A static node: its transform to the model's space.
-    Still(Affine3A),
 }
 
 /// The vertices of a deformed mesh in one pose.
@@ -296,6 +279,9 @@ impl Deformation {
         pick(&mut self.bind.positions, order);
         pick(&mut self.bind.normals, order);
         pick(&mut self.bind.tangents, order);
+        if let Some(scripted) = &mut self.scripted {
+            pick(&mut scripted.written, order);
+        }
         for target in &mut self.targets {
             pick(&mut target.positions, order);
             pick(&mut target.normals, order);
@@ -313,54 +299,5 @@ impl DeformingNodes {
         let moves_joint = |joint: &Joint| player.slot(joint.node).is_some();
         self.joints.iter().any(moves_joint)
             || self.weights.is_some_and(|node| player.moves_weights(node))
-    }
-}
-
-impl Deformer {
-    /// Deformer of a mesh by `nodes` of its file, which a player of that file moves.
-    pub fn new(
-        mesh: usize,
-        (index, player): (usize, &Player),
-        rig: &Rig,
-        nodes: &DeformingNodes,
-    ) -> Self {
-        let source = |joint: &Joint| match player.slot(joint.node) {
-            Some(slot) => JointSource::Slot(slot),
-            None => {
-                let node = rig.nodes.get(joint.node).and_then(Option::as_ref);
-                JointSource::Still(node.map_or(Affine3A::IDENTITY, |n| n.model_from_node))
-            }
-        };
-        Self {
-            mesh,
-            player: index,
-            joints: nodes.joints.iter().map(source).collect(),
-            nodes: nodes.clone(),
-        }
-    }
-
-    /// The mesh in a pose of its player; `None` for a mesh without a deformation, and for vertices
-    /// that are not finite or too far away.
-    pub fn pose(&self, mesh: &Mesh, pose: &RigPose) -> Option<Deformed> {
-        let deformation = mesh.deformation.as_ref()?;
-        let joint = |(source, joint): (&JointSource, &Joint)| {
-            let model_from_node = match source {
-                JointSource::Slot(slot) => pose.nodes[*slot].model_from_node,
-                JointSource::Still(transform) => *transform,
-            };
-            model_from_node * joint.node_from_mesh
-        };
-        let joints = self.joints.iter().zip(&self.nodes.joints).map(joint);
-        let joints: Vec<_> = joints.collect();
-        let animated = self.nodes.weights.and_then(|node| pose.weights.get(&node));
-        let weights = animated.unwrap_or(&self.nodes.rest_weights);
-        let vertices = deformation.pose(&mesh.triangles, weights, &joints);
-        let finite = vertices.positions.iter().all(|p| p.is_finite());
-        let bounds = Bounds::of(vertices.positions.iter().copied());
-        (finite && is_within_reach(&bounds)).then(|| Deformed {
-            bounds,
-            hash: xxh3_64(bytemuck::cast_slice(&vertices.positions)),
-            vertices,
-        })
     }
 }

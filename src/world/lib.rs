@@ -21,6 +21,7 @@ use reflet_scene::{
 pub mod animation;
 pub mod bvh;
 mod closed;
+mod corner_tangents;
 pub mod deform;
 pub mod emitters;
 pub mod environment;

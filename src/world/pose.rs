@@ -1,14 +1,13 @@
 //! Posing: applies a frame's transforms, lights, cameras and material values to a loaded world.
 
-use std::{borrow::Cow, collections::BTreeMap, sync::Arc};
+use std::borrow::Cow;
 
 use glam::{Affine3A, Vec3};
-use rayon::prelude::*;
 
 use super::{
-    Instance, Material, Mesh, World,
+    Instance, Material, World,
     animation::Pointed,
-    deform::{Deformed, Deformer},
+    deform::Deformer,
     lamps::light_at,
     rig::{Player, RigPose},
 };
@@ -19,12 +18,14 @@ use reflet_scene::{
     motion::{FrameState, MaterialChange, placed_camera, placed_light},
 };
 
+mod deformed;
+
 /// Animated parts of a world, with their names in the scene.
 #[derive(Clone, Debug, Default)]
 pub struct Moving {
     /// Animation players of placed files.
     pub players: Vec<Player>,
-    /// Meshes that players deform; each has an instance.
+    /// Meshes that players or scripts deform; each has an instance.
     pub deformers: Vec<Deformer>,
     /// Instances that may move.
     pub instances: Vec<MovingInstance>,
@@ -171,7 +172,7 @@ impl World {
         let players = self.moving.players.iter();
         let poses: Vec<_> = players.map(|player| player.pose(state)).collect();
         let placed = self.placed(state, &poses)?;
-        self.deformed = self.deformed(&self.meshes, state.frame, &poses)?;
+        self.deformed = self.deformed(&self.meshes, state, &poses)?;
         for (moving, pose) in self.moving.instances.iter().zip(placed) {
             self.instances[moving.instance].world_from_object = pose;
         }
@@ -237,56 +238,6 @@ impl World {
             self.cameras[moved.index].value = placed_camera(rest, &world);
         }
         Ok(())
-    }
-
-    /// Poses the meshes that players deform at a time of the scene, seconds, before any frame is posed; `meshes`
-    /// are the world's.
-    ///
-    /// # Errors
-    /// Same errors as [`World::apply`].
-    pub fn deform_at(
-        &mut self,
-        meshes: &[Mesh],
-        frame: u32,
-        time_s: f64,
-    ) -> Result<(), Vec<Diagnostic>> {
-        let state = FrameState {
-            frame,
-            time_s,
-            ..FrameState::default()
-        };
-        let players = self.moving.players.iter();
-        let poses: Vec<_> = players.map(|player| player.pose(&state)).collect();
-        self.deformed = self.deformed(meshes, frame, &poses)?;
-        Ok(())
-    }
-
-    fn deformed(
-        &self,
-        meshes: &[Mesh],
-        frame: u32,
-        poses: &Poses,
-    ) -> Result<BTreeMap<usize, Arc<Deformed>>, Vec<Diagnostic>> {
-        let pose = |deformer: &Deformer| {
-            let mesh = &meshes[deformer.mesh];
-            let deformed = deformer.pose(mesh, &poses[deformer.player]);
-            let deformed = deformed.ok_or_else(|| {
-                let message = format!(
-                    "in frame {frame}, joints or morph targets move vertices of \"{}\" to positions \
-                     that are not finite or too far away",
-                    mesh.name
-                );
-                let player = &self.moving.players[deformer.player];
-                let at = player.desc.and_then(|i| self.moving.placed_at.get(i));
-                vec![Diagnostic::at(
-                    "bad-pose",
-                    at.cloned().unwrap_or_default(),
-                    message,
-                )]
-            })?;
-            Ok((deformer.mesh, Arc::new(deformed)))
-        };
-        self.moving.deformers.par_iter().map(pose).collect()
     }
 
     /// The transform of each moving instance.
@@ -370,31 +321,5 @@ impl World {
             }
         }
         bounds
-    }
-
-    /// Bounds of each instance that a player deforms, around its poses at times spread over the whole animation, in
-    /// its first placement; the scene's own motion is at rest. `meshes` are the world's.
-    pub fn deformed_bounds(&self, meshes: &[Mesh]) -> Vec<Bounds> {
-        /// Number of sampled times; each moves all vertices.
-        const TIMES: u32 = 8;
-        let deformers = self.moving.deformers.par_iter();
-        let around = |deformer: &Deformer| {
-            let player = &self.moving.players[deformer.player];
-            let at = |time: u32| {
-                let share = f64::from(time) / f64::from(TIMES);
-                let pose = player.pose_at(share * player.duration_s());
-                let deformed = deformer.pose(&meshes[deformer.mesh], &pose);
-                deformed.map_or(Bounds::EMPTY, |deformed| deformed.bounds)
-            };
-            let bounds = (0..=TIMES).map(at).fold(Bounds::EMPTY, Bounds::union);
-            (deformer.mesh, bounds)
-        };
-        let of_mesh: BTreeMap<usize, Bounds> = deformers.map(around).collect();
-        let is_animated = self.animated_instances();
-        let seen = self.instances.iter().zip(is_animated);
-        let seen = seen.filter(|(instance, is_animated)| *is_animated || !instance.is_hidden());
-        seen.filter(|(instance, _)| instance.world_from_object.is_finite())
-            .filter_map(|(i, _)| Some(of_mesh.get(&i.mesh)?.transformed(&i.world_from_object)))
-            .collect()
     }
 }

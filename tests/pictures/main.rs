@@ -45,6 +45,7 @@ mod precision;
 mod probes;
 mod queries;
 mod ray_list;
+mod script_mesh;
 mod second_layer;
 mod shown;
 mod specialized;

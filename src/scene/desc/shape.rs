@@ -207,6 +207,9 @@ pub enum ShapeDesc {
         uv: Arc<[f32]>,
         /// Linear colors that multiply the base color, three numbers 0 to 1 for each vertex. Default: none.
         colors: Arc<[f32]>,
+        /// Whether `frame` of a script may deform it, by `ctx.mesh`. Then it is traced apart from what stands still, in a
+        /// tree whose branches are those of `positions`. Default false.
+        dynamic: bool,
     },
     /// `"heightfield"`: a surface whose height is the brightness of an image, black at y = 0, facing +Y.
     Heightfield {
@@ -292,6 +295,16 @@ impl ShapeDesc {
                 parts
             }
             _ => &[],
+        }
+    }
+
+    /// Number of vertices of a mesh that scripts may deform; `None` for any other shape.
+    pub fn deforming_vertices(&self) -> Option<usize> {
+        match self {
+            Self::Mesh {
+                positions, dynamic, ..
+            } if *dynamic => Some(positions.len() / 3),
+            _ => None,
         }
     }
 

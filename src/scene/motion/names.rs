@@ -17,6 +17,8 @@ pub struct Names {
     pub lights: HashMap<String, usize>,
     /// Indices in [`SceneDesc::materials`].
     pub materials: HashMap<String, usize>,
+    /// Indices in [`SceneDesc::models`].
+    pub models: HashMap<String, usize>,
     /// Indices in [`file_materials`], by the names of model and material.
     pub file_materials: HashMap<(String, String), usize>,
     /// Properties of the things, by index.
@@ -74,6 +76,8 @@ pub struct Known {
     pub joints: Vec<Vec<String>>,
     /// [`InstanceDesc::morphs`](crate::desc::InstanceDesc::morphs) of each instance.
     pub morphs: Vec<Vec<String>>,
+    /// Number of vertices of each model whose shape is a mesh that scripts may deform; `None` for the others.
+    pub vertices: Vec<Option<usize>>,
     /// Parents of the nodes, lights and cameras.
     pub parents: Parents,
 }
@@ -96,6 +100,7 @@ impl Names {
                 .collect(),
             lights: entries(&desc.lights),
             materials: entries(&desc.materials),
+            models: entries(&desc.models),
             file_materials: (of_files.iter().enumerate())
                 .map(|(i, m)| ((m.model.to_owned(), m.material.to_owned()), i))
                 .collect(),
@@ -114,6 +119,9 @@ impl Names {
                     .collect(),
                 joints: desc.instances.iter().map(|i| values(&i.joints)).collect(),
                 morphs: desc.instances.iter().map(|i| values(&i.morphs)).collect(),
+                vertices: (desc.models.iter())
+                    .map(|model| model.value.deforming_vertices())
+                    .collect(),
                 parents: desc.parents.clone(),
             },
         }

@@ -1,5 +1,6 @@
 //! `ctx`: the view that a call has of the scene, and the values that it sets.
 
+mod mesh;
 mod rig;
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};

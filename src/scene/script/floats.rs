@@ -1,4 +1,4 @@
-//! Arrays of many numbers, which scripts fill and `setup` returns: 4 bytes a number, where an array of Rhai takes 16.
+//! Arrays of many numbers, which scripts fill for meshes: 4 bytes a number, where an array of Rhai takes 16.
 
 use std::{fmt::Write as _, sync::Arc};
 
@@ -73,6 +73,16 @@ impl Floats {
         let single = finite(x)?;
         Arc::make_mut(&mut self.0)[index] = single;
         Ok(())
+    }
+
+    /// The numbers.
+    pub(super) fn numbers(&self) -> &[f32] {
+        &self.0
+    }
+
+    /// The numbers, shared with all copies.
+    pub(super) fn shared(self) -> Arc<Vec<f32>> {
+        self.0
     }
 
     /// Appends the text that stands for the numbers in TOML, with its quotes.

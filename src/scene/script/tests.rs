@@ -1,6 +1,7 @@
 //! Tests of scripts: every example of the reference, purity and speed of calls, errors.
 
 mod caught;
+mod mesh;
 mod rig;
 
 use std::{
@@ -33,6 +34,7 @@ camera.main = {}
 material.brass = { metallic = 1 }
 model.ball = { shape = { kind = \"sphere\" }, material = \"brass\" }
 model.walker = { file = \"walker.glb\", animation = \"walk\", material.skin = {} }
+model.flag = { shape = { kind = \"mesh\", positions = [[0, 0, 0], [1, 0, 0], [0, 1, 0]], indices = [0, 1, 2], dynamic = true } }
 light.lamp = { kind = \"point\", position = [0, 3, 0], intensity_cd = 10 }
 [[instance]]
 name = \"ball\"

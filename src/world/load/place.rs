@@ -228,6 +228,7 @@ impl Loader<'_> {
                 Source::Shape(mesh) => {
                     let binding = (*mesh, self.shape_material(job, &model.value));
                     let place = instance.whole(&self.world);
+                    self.add_script_deformer(*mesh, job.model);
                     self.push(name, binding, place, dropped);
                 }
                 Source::File(loaded) => {

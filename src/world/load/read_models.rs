@@ -49,6 +49,9 @@ impl Loader<'_> {
                     return Source::Broken;
                 }
                 mesh.name.clone_from(&entry.name);
+                if shape.deforming_vertices().is_some() {
+                    mesh.let_scripts_deform();
+                }
                 self.world.meshes.push(mesh);
                 return Source::Shape(self.world.meshes.len() - 1);
             }

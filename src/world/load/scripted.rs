@@ -1,7 +1,12 @@
-//! Nodes and morph targets that scripts pose: resolves the names that the scene lists in the files of instances.
+//! What scripts pose and deform: nodes and morph targets, whose names the scene lists, in the files of instances, and
+//! meshes.
 
 use super::{Loader, Source, did_you_mean, error_at, list};
-use crate::{gltf::Posed, rig::Scripted};
+use crate::{
+    deform::{DeformedBy, Deformer},
+    gltf::Posed,
+    rig::Scripted,
+};
 use reflet_scene::{
     desc::{At, InstanceDesc, SceneDesc},
     diagnostic::Diagnostic,
@@ -66,6 +71,15 @@ impl Loader<'_> {
             },
         );
         Some(error)
+    }
+
+    /// Adds the deformer of a shape's mesh, once, if scripts may deform it.
+    pub fn add_script_deformer(&mut self, mesh: usize, model: usize) {
+        let deforms = self.desc.models[model].value.deforming_vertices().is_some();
+        if deforms && self.deformed.insert(mesh) {
+            let by = DeformedBy::Script(model);
+            self.world.moving.deformers.push(Deformer { mesh, by });
+        }
     }
 
     /// Nodes and morph targets of a loaded file that scripts pose for an instance, if any.

@@ -1,71 +1,17 @@
-//! Tangents by MikkTSpace, the algorithm that normal maps are baked against.
+//! Tangents of meshes as they are loaded, whose vertices are split where tangents differ.
 
-use bevy_mikktspace::{Geometry, TangentSpace, generate_tangents};
-use glam::{Mat2, Vec2, Vec4};
+use glam::Vec4;
 
-use crate::{Mesh, gltf::repair::gather_vertices, normal_uv::NormalUv};
-
-struct Corners<'a> {
-    mesh: &'a Mesh,
-    uv: &'a [Vec2],
-    turn: Mat2,
-    /// Tangent of each corner of each triangle.
-    tangents: Vec<Vec4>,
-}
-
-impl Corners<'_> {
-    fn index(&self, face: usize, corner: usize) -> usize {
-        self.mesh.triangles[face][corner] as usize
-    }
-}
-
-impl Geometry for Corners<'_> {
-    fn num_faces(&self) -> usize {
-        self.mesh.triangles.len()
-    }
-
-    fn num_vertices_of_face(&self, _face: usize) -> usize {
-        3
-    }
-
-    fn position(&self, face: usize, corner: usize) -> [f32; 3] {
-        self.mesh.positions[self.index(face, corner)].into()
-    }
-
-    fn normal(&self, face: usize, corner: usize) -> [f32; 3] {
-        self.mesh.normals[self.index(face, corner)].into()
-    }
-
-    fn tex_coord(&self, face: usize, corner: usize) -> [f32; 2] {
-        let uv = self.turn * self.uv[self.index(face, corner)];
-        // MikkTSpace thinks of v as pointing up, glTF's points down.
-        [uv.x, 1.0 - uv.y]
-    }
-
-    fn set_tangent(&mut self, space: Option<TangentSpace>, face: usize, corner: usize) {
-        if let Some(space) = space {
-            self.tangents[face * 3 + corner] = space.tangent_encoded().into();
-        }
-    }
-}
+use crate::{
+    Mesh,
+    corner_tangents::{of_corners, usable},
+    gltf::repair::gather_vertices,
+    normal_uv::NormalUv,
+};
 
 /// Fills `mesh.tangents`; vertices whose corners disagree are split.
 pub fn generate(mesh: &mut Mesh, normal_uv: &NormalUv) {
-    let uv = if normal_uv.uv_set == 1 && !mesh.uv1.is_empty() {
-        &mesh.uv1
-    } else {
-        &mesh.uv0
-    };
-    let tangents = vec![Vec4::ZERO; mesh.triangles.len() * 3];
-    let mut corners = Corners {
-        mesh,
-        uv,
-        turn: normal_uv.turn,
-        tangents,
-    };
-    // The only error is having no faces: then there is nothing to fill.
-    let _ = generate_tangents(&mut corners);
-    let tangents = corners.tangents;
+    let tangents = of_corners(mesh, [&mesh.positions, &mesh.normals], normal_uv);
     split(mesh, tangents);
 }
 
@@ -107,12 +53,4 @@ fn split(mesh: &mut Mesh, corners: Vec<Vec4>) {
         .zip(normals)
         .map(|(t, n)| usable(t, *n))
         .collect();
-}
-
-/// The normalized tangent; with degenerate texture coordinates any direction in the surface.
-fn usable(tangent: Option<Vec4>, normal: glam::Vec3) -> Vec4 {
-    let tangent = tangent.unwrap_or(Vec4::ZERO);
-    let direction = tangent.truncate().try_normalize().filter(|d| d.is_finite());
-    let direction = direction.unwrap_or_else(|| normal.any_orthonormal_vector());
-    direction.extend(if tangent.w < 0.0 { -1.0 } else { 1.0 })
 }

@@ -105,6 +105,11 @@ fn finish(mesh: &mut Mesh, need: &Needs) -> Vec<Diagnostic> {
                 messages.push(message(Severity::Warning, "tangents-shared", mesh, text));
             }
             // Panic boundary: a third-party library processes untrusted geometry.
+            if let Some(deformation) = &mut mesh.deformation
+                && let Some(scripted) = &mut Arc::make_mut(deformation).scripted
+            {
+                scripted.tangents_from = Some(uv);
+            }
             mesh.swap_bind();
             let work = AssertUnwindSafe(|| tangent::generate(mesh, &uv));
             let has_panicked = catch_unwind(work).is_err();

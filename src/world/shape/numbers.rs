@@ -3,7 +3,10 @@
 use glam::{Vec2, Vec3, Vec4};
 use reflet_scene::desc::ShapeDesc;
 
-use crate::Mesh;
+use crate::{
+    Mesh,
+    deform::{smooth_normals, vectors},
+};
 
 /// The mesh of a description that its reader has checked; an empty one for any other shape.
 pub fn mesh(shape: &ShapeDesc) -> Mesh {
@@ -13,12 +16,11 @@ pub fn mesh(shape: &ShapeDesc) -> Mesh {
         normals,
         uv,
         colors,
+        ..
     } = shape
     else {
         return Mesh::default();
     };
-    let vectors =
-        |numbers: &[f32]| -> Vec<Vec3> { numbers.chunks_exact(3).map(Vec3::from_slice).collect() };
     let triangle = |corners: &[f32]| [corners[0] as u32, corners[1] as u32, corners[2] as u32];
     let mut mesh = Mesh {
         positions: vectors(positions),
@@ -32,7 +34,7 @@ pub fn mesh(shape: &ShapeDesc) -> Mesh {
     };
     let own = vectors(normals);
     let smooth = if own.is_empty() {
-        smooth_normals(&mesh)
+        smooth_normals(&mesh.positions, &mesh.triangles)
     } else {
         own
     };
@@ -42,17 +44,4 @@ pub fn mesh(shape: &ShapeDesc) -> Mesh {
         .collect();
     mesh.uv0.resize(mesh.positions.len(), Vec2::ZERO);
     mesh
-}
-
-/// Sums of the normals of the triangles that share a vertex, by their areas.
-fn smooth_normals(mesh: &Mesh) -> Vec<Vec3> {
-    let mut normals = vec![Vec3::ZERO; mesh.positions.len()];
-    for triangle in &mesh.triangles {
-        let [a, b, c] = triangle.map(|i| mesh.positions[i as usize].as_dvec3());
-        let face = (b - a).cross(c - a).as_vec3();
-        for i in triangle {
-            normals[*i as usize] += face;
-        }
-    }
-    normals
 }

@@ -18,6 +18,7 @@ pub(super) fn mesh(t: &mut Table) -> Option<ShapeDesc> {
     let normals = t.find("normals", ANY).unwrap_or_else(none).0;
     let uv = t.find("uv", ANY).unwrap_or_else(none).0;
     let colors = t.find("colors", UNIT).unwrap_or_else(none).0;
+    let dynamic = t.get("dynamic", ANY, false);
     let (positions, indices) = (positions?.0, indices?.0);
     let vertices = positions.len() / 3;
     check_count(
@@ -72,6 +73,7 @@ pub(super) fn mesh(t: &mut Table) -> Option<ShapeDesc> {
         normals,
         uv,
         colors,
+        dynamic,
     })
 }
 

@@ -12,7 +12,7 @@ pub static FLOATS: &[Entry] = &[
     Entry {
         signature: "floats(); floats(count)",
         gives: "floats; floats",
-        text: "An array of numbers in single precision, for `positions`, `indices`, `normals`, `uv` and `colors` of a mesh that `setup` returns: empty, or of `count` zeros. It holds far more numbers than other arrays may.",
+        text: "An array of numbers in single precision, for `positions`, `indices`, `normals`, `uv` and `colors` of a mesh that `setup` returns or `frame` deforms (`ctx.mesh`): empty, or of `count` zeros. It holds far more numbers than other arrays may.",
         example: "floats().len == 0 && floats(3)[2] == 0.0",
         register: |e| {
             e.register_type_with_name::<Floats>("floats");

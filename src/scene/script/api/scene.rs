@@ -163,6 +163,23 @@ pub static POSE: &[Entry] = &[
         },
     },
     Entry {
+        signature: "ctx.mesh(model, positions); ctx.mesh(model, positions, normals)",
+        gives: "(); ()",
+        text: "Deforms the mesh of a `[model.NAME]` in this frame, in all of its instances: `floats` of three numbers for each vertex, as many as its shape has, which must be of `kind = \"mesh\"` with `dynamic = true`. Normals that are left out are smooth over the triangles that share a vertex. Without a call the mesh is as its shape is written.",
+        example: "let p = floats(9); p[0] = 1.5; ctx.mesh(\"flag\", p); true",
+        register: |e| {
+            e.register_fn("mesh", |c: &mut Context, model: &str, at: Dynamic| {
+                c.mesh(model, &at, None)
+            });
+            e.register_fn(
+                "mesh",
+                |c: &mut Context, model: &str, at: Dynamic, normals: Dynamic| {
+                    c.mesh(model, &at, Some(&normals))
+                },
+            );
+        },
+    },
+    Entry {
         signature: "ctx.camera(name, #{ … })",
         gives: "()",
         text: "Sets any of {camera} of a camera; if it has a `parent`, relative to that.",
