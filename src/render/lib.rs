@@ -24,7 +24,7 @@ mod draw;
 mod draw_calls;
 mod draw_shape;
 mod edge_on;
-mod emitters;
+pub mod emitters;
 pub mod error;
 mod error_estimate;
 pub mod far_maps;

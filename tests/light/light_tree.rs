@@ -15,12 +15,12 @@ use reflet::{
 use super::kit::{assert_close, gpu, mean, render, scene};
 
 /// A camera above a floor.
-const FLOOR: &str = "version = 1\n[camera.main]\neye = [0, 2.5, 0.2]\ntarget = [0, 0, 0]\nfov_deg = 40\n\
+pub const FLOOR: &str = "version = 1\n[camera.main]\neye = [0, 2.5, 0.2]\ntarget = [0, 0, 0]\nfov_deg = 40\n\
     [image]\nsize = [16, 16]\ntone_map = \"none\"\n[material.floor]\nbase_color = [0.7, 0.7, 0.7]\n\
     [model.floor]\nshape = { kind = \"plane\", size = [40, 40] }\nmaterial = \"floor\"\n[[instance]]\nmodel = \"floor\"\n";
 
 /// Lamps of all kinds: closed ones, on one side and on both, turned, mirrored, distorted, small and large.
-const LAMPS: &str = "[material.both]\nbase_color = [0, 0, 0]\nreflectivity = 0\nemission = [3, 2, 1]\nlight = true\n\
+pub const LAMPS: &str = "[material.both]\nbase_color = [0, 0, 0]\nreflectivity = 0\nemission = [3, 2, 1]\nlight = true\n\
     [material.front]\nbase_color = [0, 0, 0]\nreflectivity = 0\nemission = [1, 4, 2]\nlight = true\ndouble_sided = false\n\
     [model.ball]\nshape = { kind = \"sphere\", radius = 0.3, segments = 12 }\nmaterial = \"both\"\n\
     [model.box]\nshape = { kind = \"box\", size = [1, 1, 1] }\nmaterial = \"front\"\n\

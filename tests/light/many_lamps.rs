@@ -28,7 +28,7 @@ const THINGS: &str = "version = 1\n[camera.main]\neye = [0, 2.5, 3.4]\ntarget = 
     translation = [0.8, 0.3, 0.1]\nrotation_deg = [0, 30, 0]\n";
 
 /// Lamps of all kinds, around and above the things; `numbers` of a row of them.
-fn lamps(numbers: std::ops::Range<u32>) -> String {
+pub fn lamps(numbers: std::ops::Range<u32>) -> String {
     numbers.map(lamp).collect()
 }
 

@@ -16,6 +16,7 @@ mod lamp;
 mod layers;
 mod lens;
 mod light_tree;
+mod light_tree_kernel;
 mod many_lamps;
 mod near;
 mod panorama;

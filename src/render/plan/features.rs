@@ -166,10 +166,8 @@ features! {
         constant: HAS_SIZED_SUNS,
     }
     /// Whether some emissive surface is sampled as a light.
-    emitters {
-        used: scene.world.has_emitters(),
-        files: emitters [none, sampled], fog_emitters [none, sampled];
-        dropped: "samples of emitting surfaces" => "no material has `light = true`";
+    emissive_lights {
+        used: scene.world.lighting_instances().next().is_some(),
     }
     /// Whether the light tree has lamps.
     tree_lamps {
@@ -185,6 +183,12 @@ features! {
     hard_lamps {
         used: scene.world.lamps.iter().any(|l| !l.desc.kind.has_size()),
         constant: HAS_HARD_LAMPS,
+    }
+    /// Whether a light tree chooses emitters.
+    emitters {
+        follows: emissive_lights || tree_lamps,
+        files: emitters [none, sampled], fog_emitters [none, sampled];
+        dropped: "samples of emitting surfaces" => "no material has `light = true`";
     }
     /// Whether some light with an extent is sampled.
     sampled_light {

@@ -1,0 +1,225 @@
+//! Probabilities of light trees on the device, beside those of the CPU.
+
+use glam::Vec3;
+use reflet::{
+    gpu::{Gpu, ShaderLibrary, readback::read_buffer},
+    render::{emitters::GpuEmitters, plan::Features, shader_variant::ShaderVariant},
+    world::light_tree::{Chosen, LightTrees},
+};
+use wgpu::util::DeviceExt as _;
+
+use super::{
+    kit::{gpu, scene},
+    light_tree::{FLOOR, LAMPS},
+    many_lamps::lamps,
+};
+
+/// Chooses an emitter for each query, and gives the probabilities of another one. It stands below the text of a pass, of
+/// which only what it calls is compiled.
+const KERNEL: &str = r"
+struct Query { position: vec3f, u: f32, normal: vec3f, by_power: u32, instance: u32, item: u32, pad: vec2u }
+struct Answer { instance: u32, item: u32, chosen: vec2f, known: vec2f }
+@group(2) @binding(20) var<storage, read> queries: array<Query>;
+@group(2) @binding(21) var<storage, read_write> answers: array<Answer>;
+
+@compute @workgroup_size(64)
+fn choose(@builtin(global_invocation_id) id: vec3u) {
+    if id.x >= arrayLength(&queries) {
+        return;
+    }
+    let query = queries[id.x];
+    let surface = LitPoint(query.position, query.normal, 0u);
+    let chosen = chosen_light(query.u, query.by_power == 1u, surface);
+    var known: vec2f;
+    if query.instance == NONE {
+        known = lamp_chances(query.item, surface);
+    } else {
+        known = light_chances(query.instance, query.item, surface);
+    }
+    answers[id.x] = Answer(chosen.instance, chosen.triangle, chosen.chances, known);
+}
+";
+
+#[repr(C)]
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+struct Query {
+    position: [f32; 3],
+    u: f32,
+    normal: [f32; 3],
+    by_power: u32,
+    /// Emitter whose probabilities are asked for, as in [`Answer`].
+    instance: u32,
+    item: u32,
+    pad: [u32; 2],
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
+struct Answer {
+    /// Chosen instance; `u32::MAX` for a lamp.
+    instance: u32,
+    /// Chosen triangle, or number of a lamp's record.
+    item: u32,
+    chosen: [f32; 2],
+    known: [f32; 2],
+}
+
+/// Runs the kernel over the trees of a world.
+fn answers(gpu: &Gpu, emitters: &GpuEmitters, queries: &[Query]) -> Vec<Answer> {
+    let features = Features {
+        emissive_lights: true,
+        tree_lamps: true,
+        sized_lamps: true,
+        ..Features::default()
+    };
+    let variant = ShaderVariant {
+        features: features.with_followers(),
+        ..ShaderVariant::default()
+    };
+    let library = variant
+        .library(&ShaderLibrary::embedded())
+        .expect("it has all files");
+    let pass = library.source("light").expect("it assembles");
+    let text = format!("{}\n{KERNEL}", pass.text);
+    let device = &gpu.device;
+    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some("light tree"),
+        source: wgpu::ShaderSource::Wgsl(text.into()),
+    });
+    let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: Some("light tree"),
+        layout: None,
+        module: &module,
+        entry_point: Some("choose"),
+        compilation_options: Default::default(),
+        cache: None,
+    });
+    let buffer = |contents: &[u8], usage| {
+        device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+            label: None,
+            contents,
+            usage,
+        })
+    };
+    let mut sampling = [0_u32; 12];
+    sampling[8..].copy_from_slice(&emitters.light_tree);
+    let sampling = buffer(bytemuck::bytes_of(&sampling), wgpu::BufferUsages::UNIFORM);
+    let asked = buffer(bytemuck::cast_slice(queries), wgpu::BufferUsages::STORAGE);
+    let empty = vec![0; size_of::<Answer>() * queries.len()];
+    let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
+    let given = buffer(&empty, usage);
+    let entry = |binding, resource| wgpu::BindGroupEntry { binding, resource };
+    let groups = [
+        vec![entry(5, sampling.as_entire_binding())],
+        vec![entry(16, emitters.resource())],
+        vec![
+            entry(20, asked.as_entire_binding()),
+            entry(21, given.as_entire_binding()),
+        ],
+    ];
+    let mut encoder = device.create_command_encoder(&Default::default());
+    let mut pass = encoder.begin_compute_pass(&Default::default());
+    pass.set_pipeline(&pipeline);
+    for (index, entries) in (0..).zip(&groups) {
+        let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: None,
+            layout: &pipeline.get_bind_group_layout(index),
+            entries,
+        });
+        pass.set_bind_group(index, &group, &[]);
+    }
+    pass.dispatch_workgroups((queries.len() as u32).div_ceil(64), 1, 1);
+    drop(pass);
+    gpu.queue.submit([encoder.finish()]);
+    read_buffer(gpu, &given).expect("it is read")
+}
+
+/// Numbers in [0, 1), the same in each run (Weyl's sequences).
+fn numbers(index: u32) -> [f32; 6] {
+    [
+        0.754_877_7,
+        0.569_840_3,
+        0.430_159_7,
+        0.819_172_5,
+        0.671_043_6,
+        0.549_700_5_f64,
+    ]
+    .map(|step| (f64::from(index + 1) * step).fract() as f32)
+}
+
+#[test]
+fn the_device_chooses_with_the_probabilities_of_the_cpu() {
+    let Some(gpu) = gpu() else { return };
+    let (_, world) = scene(&[FLOOR, LAMPS, &lamps(0..66)].concat(), &[]);
+    let trees = LightTrees::new(&world, None);
+    let emitters = GpuEmitters::new(gpu, &world)
+        .expect("it fits")
+        .expect("it has emitters");
+    let records = trees.lights.len() as u32;
+    let words = |what: Chosen| match what {
+        Chosen::Triangle { instance, triangle } => [instance, triangle],
+        Chosen::Lamp(lamp) => [u32::MAX, records + lamp],
+    };
+    let mut known: Vec<Chosen> = (world.emitters().into_iter())
+        .map(|e| Chosen::Triangle {
+            instance: e.instance,
+            triangle: e.triangle,
+        })
+        .collect();
+    known.extend((0..world.lamps.len() as u32).map(Chosen::Lamp));
+    let count = 20_000;
+    let of = |index: u32| {
+        let [x, y, z, a, b, u] = numbers(index);
+        let point = Vec3::new(8.0 * x - 4.0, 4.0 * y - 0.5, 8.0 * z - 4.0);
+        let (height, turn) = (2.0 * a - 1.0, std::f32::consts::TAU * b);
+        let flat = (1.0 - height * height).sqrt();
+        let normal = Vec3::new(flat * turn.cos(), height, flat * turn.sin());
+        let other = known[index as usize % known.len()];
+        (point, normal.normalize(), u, index.is_multiple_of(3), other)
+    };
+    let queries: Vec<Query> = (0..count)
+        .map(|index| {
+            let (point, normal, u, by_power, other) = of(index);
+            let [instance, item] = words(other);
+            Query {
+                position: point.to_array(),
+                u,
+                normal: normal.to_array(),
+                by_power: u32::from(by_power),
+                instance,
+                item,
+                pad: [0; 2],
+            }
+        })
+        .collect();
+    let (mut same, mut lamps_chosen, mut positive) = (0, 0, 0);
+    let close = |found: [f32; 2], expected: [f32; 2], index: u32| {
+        for (found, expected) in found.into_iter().zip(expected) {
+            let off = (found - expected).abs();
+            assert!(
+                off <= 2e-3 * expected + 1e-6,
+                "{found}, not {expected}: {index}"
+            );
+        }
+    };
+    for (answer, index) in answers(gpu, &emitters, &queries).into_iter().zip(0..) {
+        let (point, normal, u, by_power, other) = of(index);
+        let chances = trees.chances(other, point, normal);
+        close(answer.known, chances, index);
+        positive += u32::from(chances[0] > 0.0);
+        let chosen = trees.choose(u, by_power, point, normal);
+        let Some(chosen) = chosen.filter(|c| by_power || c.chances[0] > 0.0) else {
+            same += u32::from(answer.chosen == [0.0; 2]);
+            continue;
+        };
+        // Rounding moves the borders between the shares of two emitters.
+        if words(chosen.what) == [answer.instance, answer.item] {
+            same += 1;
+            close(answer.chosen, chosen.chances, index);
+            lamps_chosen += u32::from(matches!(chosen.what, Chosen::Lamp(_)));
+        }
+    }
+    assert!(same * 1000 >= count * 998, "{same} of {count}");
+    assert!(lamps_chosen > count / 10, "{lamps_chosen}");
+    assert!(positive > count / 4, "{positive}");
+}
