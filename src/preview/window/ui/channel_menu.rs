@@ -10,7 +10,7 @@ use reflet_bench::parameter::method_name;
 use reflet_render::{aov::Aov, lights::CUBE_FACES};
 use reflet_scene::desc::Method;
 
-/// Methods in the order of the keys 1 to 7.
+/// Methods in the order of menus; the keys 1 to 4 choose the first of them.
 pub const METHODS: [Method; 7] = [
     Method::Hybrid,
     Method::Ssr,
