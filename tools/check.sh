@@ -147,6 +147,12 @@ if [ "$full" = yes ]; then
     heading "Another driver"
     if tools/driver.sh newest >/dev/null; then
         tools/driver.sh newest check scenes/fail/*.toml scenes/{atrium,cornell,interior,mirrors,street,studio}.toml
+        heading "Ray queries"
+        tools/driver.sh newest queries scenes/fail/*.toml scenes/*.toml
+        (
+            eval "$(tools/driver.sh newest)"
+            cargo test --locked --test pictures queries::
+        )
     else
         echo "NOT CHECKED: another version of Mesa, which cannot be fetched"
     fi

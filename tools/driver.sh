@@ -4,13 +4,14 @@ set -euo pipefail
 
 usage() {
     cat <<'END'
-usage: tools/driver.sh [VERSION [check [SCENE...]]]
+usage: tools/driver.sh [VERSION [check [SCENE...] | queries [SCENE...]]]
   (nothing)  list the versions of Mesa that the system's distribution and its backports offer
   VERSION    unpack it into target/drivers/VERSION, where it is not yet, and print the environment that
              uses its software adapter: eval "$(tools/driver.sh 25)"; "newest" is the newest one
   check      render scenes with the system's driver and with this one: pictures of scenes/fail must be
              equal, byte for byte, others but for rays that went another way by the last bit of a number:
              a mean FLIP of .0001. Without SCENE, six of scenes/fail. Uses target/debug/reflet, or REFLET
+  queries    render scenes with this driver by our own traversal and by its ray queries, and compare likewise
 END
 }
 
@@ -118,6 +119,33 @@ check() {
     echo "$# pictures agree"
 }
 
+# Renders each scene by our traversal and by ray queries.
+queries() {
+    local folder="$1"
+    shift
+    local reflet="${REFLET:-$root/target/debug/reflet}" out="$root/target/drivers/queries" scene name trace
+    [ -x "$reflet" ] || fail "there is no $reflet; run cargo build first"
+    mkdir -p "$out"
+    cd "$root"
+    # shellcheck source=/dev/null
+    . "$folder/environment"
+    [ "$#" -gt 0 ] || set -- scenes/fail/{01-off-screen,05-back-faces,13-bumps,15-facing-mirrors,20-cut-outs,24-light-on-surface}.toml
+    local different=0
+    for scene in "$@"; do
+        name="$(basename "$scene" .toml)"
+        for trace in software query; do
+            "$reflet" render --size 96x54 --method rt --set "reflection.trace=\"$trace\"" "$scene" -o "$out/$name-$trace.png"
+        done
+        if ! cmp "$out/$name-software.png" "$out/$name-query.png" &&
+            ! { [[ "$scene" != *scenes/fail/* ]] &&
+                "$reflet" compare --max-flip .001 "$out/$name-query.png" "$out/$name-software.png"; }; then
+            different=$((different + 1))
+        fi
+    done
+    [ "$different" = 0 ] || fail "$different of $# pictures differ; they are in $out"
+    echo "$# pictures agree by ray queries"
+}
+
 version="${1:-}"
 case "$version" in
     -h | --help)
@@ -142,6 +170,10 @@ case "${1:-}" in
     check)
         shift
         check "$folder" "$@"
+        ;;
+    queries)
+        shift
+        queries "$folder" "$@"
         ;;
     *)
         usage >&2

@@ -16,7 +16,7 @@ use super::{
     relative::Coordinates,
     renderer::{Renderer, build_trees, check_posed, decided_with, probe_key, top_level, variant},
     shaders::Shaders,
-    structures::with_trace,
+    trace_choice::with_trace,
     validate::check_world,
     world_key::WorldKey,
 };

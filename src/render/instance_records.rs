@@ -22,7 +22,7 @@ use super::{
     },
 };
 
-/// What records of instances are made from, beside the world and its trees.
+/// Inputs of records of instances, beside the world and its trees.
 #[derive(Clone, Copy, Debug)]
 pub struct RecordInputs<'a> {
     /// Ranges of the meshes.

@@ -79,6 +79,7 @@ pub mod targets;
 mod texel_array;
 pub mod textures;
 pub mod tone_map;
+pub mod trace_choice;
 mod tree_array;
 pub mod types;
 pub mod unit_costs;

@@ -30,8 +30,8 @@ use super::{
     scene::GpuScene,
     shader_variant::ShaderVariant,
     shaders::Shaders,
-    structures::{queries, with_trace},
     targets::{Target, Targets},
+    trace_choice::{queries, with_trace},
     validate::{check_deformed, check_lights, check_moving_materials, check_world, refuse},
     world_key::{PoseKey, WorldKey},
 };
@@ -295,7 +295,7 @@ pub(super) fn check_posed(
     Ok(())
 }
 
-/// What is left to `auto`, decided, with the decision of what follows the rays.
+/// Decisions of all that is left to `auto`, also that of what follows the rays.
 pub(super) fn decided_with(
     gpu: &Gpu,
     world: &World,

@@ -19,9 +19,10 @@ use super::{
     options::RenderOptions,
     panorama::GpuPanorama,
     records::RecordArray,
-    structures::{Structures, queries},
+    structures::Structures,
     texel_array::TexelArray,
     textures::{Pools, samplers},
+    trace_choice::queries,
     tree_array::TreeArray,
 };
 

@@ -91,7 +91,7 @@ pub enum Marched {
     Auto,
 }
 
-/// What follows rays through the scene: for reflections, shadows, transmission, diffuse light and primary visibility.
+/// Way to follow rays through the scene: for reflections, shadows, transmission, diffuse light and primary visibility.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Trace {
     /// `"software"`: Reflet's own traversal of its trees, which runs on every adapter.
@@ -137,7 +137,7 @@ pub struct ReflectionDesc {
     pub method: Method,
     /// Surfaces that methods `hybrid` and `auto` march in screen space before tracing what is left. Default `"auto"`.
     pub marched: Marched,
-    /// What follows rays through the scene, of reflections and all others. Hits are the same, but for surfaces closer to
+    /// Way to follow rays through the scene, of reflections and all others. Hits are the same, but for surfaces closer to
     /// each other than rounding. Ray queries are experimental in wgpu, and are only asked of an adapter where this is
     /// `"query"` or `"auto"`; `reflet info` says whether it has them. Default `"software"`.
     pub trace: Trace,
