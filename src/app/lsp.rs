@@ -12,6 +12,7 @@ mod outline;
 mod position;
 mod references;
 mod script;
+mod script_text;
 mod structure;
 mod tables;
 

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::script::{in_quotes, is_word};
+use super::script_text::{in_quotes, is_word};
 use crate::scene::script::api;
 
 /// A call that a text ends in.

@@ -8,6 +8,7 @@ use super::{
     answer::places,
     call::Call,
     names::{names, with_parts},
+    script_text::{in_quotes, is_word},
 };
 use crate::scene::{diagnostic::Source, parse, script::api};
 
@@ -120,10 +121,6 @@ pub fn definition(text: &str, offset: usize, scenes: &[Arc<Source>]) -> Vec<Valu
     }
 }
 
-pub fn is_word(c: char) -> bool {
-    c.is_alphanumeric() || c == '_'
-}
-
 fn word_at(text: &str, offset: usize) -> &str {
     let offset = text.floor_char_boundary(offset);
     let start = text[..offset].trim_end_matches(is_word).len();
@@ -131,22 +128,4 @@ fn word_at(text: &str, offset: usize) -> &str {
         .find(|c| !is_word(c))
         .map_or(text.len(), |i| offset + i);
     &text[start..end]
-}
-
-/// Whether a text ends inside of double quotes; multi-line strings in backticks are not recognized.
-pub fn in_quotes(before: &str) -> bool {
-    let line = before.rsplit('\n').next().unwrap_or_default();
-    let (mut open, mut escaped) = (false, false);
-    for c in line.chars() {
-        match c {
-            '"' if !escaped => open = !open,
-            '\\' if open && !escaped => {
-                escaped = true;
-                continue;
-            }
-            _ => {}
-        }
-        escaped = false;
-    }
-    open
 }

@@ -7,7 +7,6 @@ use super::{
     environment_casts_rays,
     feature_table::{Dropped, FeatureRow, FileChoice, features},
     has_second_layer, is_undersampled, may_meet_culled,
-    mutual_reflections::reflectors_see_each_other,
     planned_scene::PlannedScene,
     reflects, reflects_roughly, scatters, traces_rays,
     uses::{has_coat_normals, passes_light, scatters_twice},
@@ -46,8 +45,7 @@ features! {
     }
     /// Whether surfaces that the camera culls but reflection rays meet stop the march.
     culled_surfaces {
-        used: may_meet_culled(scene.world, scene.options)
-            && (scene.is_general() || scene.world.instances.iter().any(|i| scene.world.hides_from_camera(i))),
+        used: may_meet_culled(scene.world, scene.options) && (scene.is_general() || scene.culls_some()),
         constant: HAS_CULLED,
         dropped: "depth of culled surfaces" => "no surface that reflection rays may hit is culled by the camera",
             if reflections;
@@ -281,11 +279,7 @@ features! {
     }
     /// Whether reflections show reflections; transmissive surfaces also show the backs of reflectors.
     further_bounces {
-        used: scene.is_general()
-            || !reflections
-            || passes_light(scene.world)
-            || scatters(scene.options)
-            || reflectors_see_each_other(scene.world, scene.cutoff()),
+        used: scene.is_general() || !reflections || scene.may_bounce(),
         dropped: "bounces after the first" => "no reflector can see another",
             if scene.options.reflection.bounces.most() > 1;
     }

@@ -2,6 +2,7 @@
 
 use reflet_world::{Material, World, bvh::Trees};
 
+use super::{mutual_reflections::reflectors_see_each_other, scatters, uses::passes_light};
 use crate::{
     lights::{LightNeeds, ShadowSizes},
     options::RenderOptions,
@@ -33,6 +34,19 @@ impl PlannedScene<'_> {
     /// Whether some material has a feature.
     pub(super) fn has(&self, feature: fn(&Material) -> bool) -> bool {
         self.materials.iter().copied().any(feature)
+    }
+
+    /// Whether light may be reflected, transmitted or scattered more than once.
+    pub(super) fn may_bounce(&self) -> bool {
+        passes_light(self.world)
+            || scatters(self.options)
+            || reflectors_see_each_other(self.world, self.cutoff())
+    }
+
+    /// Whether the camera does not see some instance or one of its sides.
+    pub(super) fn culls_some(&self) -> bool {
+        let mut instances = self.world.instances.iter();
+        instances.any(|instance| self.world.hides_from_camera(instance))
     }
 
     /// Roughness below which materials reflect.

@@ -1,4 +1,4 @@
-//! What deforms a mesh of the world: an animation player of its file, or a script.
+//! Sources of a mesh's deformation: an animation player of its file, or a script.
 
 use std::borrow::Borrow;
 
@@ -19,11 +19,11 @@ use reflet_scene::motion::FrameState;
 pub struct Deformer {
     /// Index into [`World::meshes`](super::World::meshes).
     pub mesh: usize,
-    /// What deforms it.
+    /// Source of its deformation.
     pub by: DeformedBy,
 }
 
-/// What deforms a mesh.
+/// Source of a mesh's deformation.
 #[derive(Clone, Debug)]
 pub enum DeformedBy {
     /// Nodes of its file, which a player moves.

@@ -29,7 +29,7 @@ impl Mesh {
             ..Deformation::default()
         }));
         self.bind();
-        // What is closed as it is written may be open, or inside out, in a pose.
+        // A mesh that is closed as it is written may be open, or inside out, in a pose.
         self.closed = OnceLock::from(false);
     }
 }

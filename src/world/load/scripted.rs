@@ -1,4 +1,4 @@
-//! What scripts pose and deform: nodes and morph targets, whose names the scene lists, in the files of instances, and
+//! Poses and deformations by scripts: nodes and morph targets, whose names the scene lists, in the files of instances, and
 //! meshes.
 
 use super::{Loader, Source, did_you_mean, error_at, list};
