@@ -56,11 +56,16 @@ fn place_by_depth(way: Way, u: f32) -> Place {
     return Place(clamp(reached, way.span.x, way.span.y), way.scattered);
 }
 
-// A point for light from `pivot`: at equal angles seen from there (Kulla and Fajardo 2012, "Importance Sampling Techniques
-// for Path Tracing in Participating Media"), or, the more often the denser the fog, at a random free path; weighted by
-// the balance heuristic.
-fn place_towards(way: Way, pivot: vec3f, u: f32) -> Place {
-    let by_depth = 0.5 * way.scattered;
+// A ray as angles at `pivot`, from the foot of the perpendicular.
+struct Angles {
+    along_m: f32, // distance at which the foot lies
+    nearest_m: f32, // length of the perpendicular
+    start: f32, // tangent of the angle at which the ray enters the fog
+    angle: f32, // angle that the ray spans in the fog
+    end_m: f32, // distance past which no point is chosen
+}
+
+fn angles_at(way: Way, pivot: vec3f) -> Angles {
     var end_m = way.span.y;
     let deepest_m = DEEPEST / fog.density;
     if (way.length_m > deepest_m) {
@@ -75,25 +80,45 @@ fn place_towards(way: Way, pivot: vec3f, u: f32) -> Place {
     // Angles from the foot of the perpendicular, in units of its length; their difference keeps its digits.
     let a = from_m / nearest_m;
     let b = to_m / nearest_m;
-    let angle = max(atan2(b - a, 1.0 + a * b), 1e-30);
+    return Angles(along_m, nearest_m, a, max(atan2(b - a, 1.0 + a * b), 1e-30), end_m);
+}
+
+// Share of `place_towards` that is chosen at random free paths: the more the denser the fog.
+fn share_by_depth(way: Way) -> f32 {
+    return 0.5 * way.scattered;
+}
+
+// At a point of a ray: the density of free paths that end there and are not absorbed before, per meter, times the light that
+// arrives from there; and the density with which `place_towards` chooses the point.
+fn seen_and_density(way: Way, at: Angles, t: f32) -> vec2f {
+    let by_depth = share_by_depth(way);
+    let thinness = fog_thinness(fog_height(way.origin, way.direction, t));
+    let before_m = fog_length(way.origin, way.direction, vec2f(way.span.x, t));
+    let seen = fog.density * thinness * decay(fog.density * before_m);
+    let offset_m = t - at.along_m;
+    let by_angle = at.nearest_m / (at.angle * (at.nearest_m * at.nearest_m + offset_m * offset_m));
+    return vec2f(seen, by_depth * seen / max(way.scattered, 1e-30) + (1.0 - by_depth) * by_angle);
+}
+
+// A point for light from `pivot`: at equal angles seen from there (Kulla and Fajardo 2012, "Importance Sampling Techniques
+// for Path Tracing in Participating Media"), or, the more often the denser the fog, at a random free path; weighted by
+// the balance heuristic.
+fn place_towards(way: Way, pivot: vec3f, u: f32) -> Place {
+    let by_depth = share_by_depth(way);
+    let at = angles_at(way, pivot);
     var t: f32;
     if (u < by_depth) {
         t = place_by_depth(way, u / by_depth).t;
     } else {
-        let step = angle * (u - by_depth) / (1.0 - by_depth);
+        let step = at.angle * (u - by_depth) / (1.0 - by_depth);
         // The tangent of the sum of two angles.
         let s = sin(step);
         let c = cos(step);
-        t = along_m + nearest_m * (a * c + s) / max(c - a * s, 1e-30);
+        t = at.along_m + at.nearest_m * (at.start * c + s) / max(c - at.start * s, 1e-30);
     }
-    t = clamp(t, way.span.x, end_m);
-    let thinness = fog_thinness(fog_height(way.origin, way.direction, t));
-    let before_m = fog_length(way.origin, way.direction, vec2f(way.span.x, t));
-    let seen = fog.density * thinness * decay(fog.density * before_m);
-    let offset_m = t - along_m;
-    let by_angle = nearest_m / (angle * (nearest_m * nearest_m + offset_m * offset_m));
-    let density = by_depth * seen / max(way.scattered, 1e-30) + (1.0 - by_depth) * by_angle;
-    return Place(t, seen / max(density, 1e-30));
+    t = clamp(t, way.span.x, at.end_m);
+    let seen = seen_and_density(way, at, t);
+    return Place(t, seen.x / max(seen.y, 1e-30));
 }
 
 // A lit point of a ray: the light that it scatters into the ray, if nothing blocks the light.

@@ -141,15 +141,3 @@ fn met_lamp(origin: vec3f, ray: Reflected, t_max: f32) -> MetLamp {
 fn node_link(node: u32) -> u32 {
     return light_words(sampling.light_tree.nodes + node * LIGHT_NODE_VECTORS + 1u).z;
 }
-
-// Probabilities with which `chosen_light` chooses a lamp, by importance and by power.
-fn lamp_chances(item: u32, surface: LitPoint) -> vec2f {
-    var node = light_words(sampling.light_tree.lights + item * LIGHT_VECTORS).z;
-    var chances = vec2f(1.0);
-    for (var k = 0u; k < MOST_LINKS && node != NONE; k++) {
-        let pair = seen_pair(node & ~1u, surface);
-        chances *= parts(pair.shares, (node & 1u) == 1u);
-        node = pair.parent;
-    }
-    return chances;
-}

@@ -5,6 +5,7 @@
 //   sampling.light_tree                where these begin
 
 #import constants
+#import fog
 #import lamps
 #import pack
 
@@ -15,7 +16,7 @@ const LIGHT_VECTORS: u32 = 4u;
 // A surface, as a tree sees it.
 struct LitPoint {
     position: vec3f,
-    normal: vec3f,
+    normal: vec3f, // 0: a point in fog, which is lit from all around
     sides: u32, // sides that emit light, beside those of each node
 }
 
@@ -37,6 +38,12 @@ fn leaving(cosine: f32, cone: f32, ball_sine: f32) -> f32 {
     return saturate(cosine * cone + sine_of(cosine) * sine_of(cone) + ball_sine);
 }
 
+// Bound of the cosine at which light arrives; 1 without a normal.
+fn arriving(way: vec3f, ball_sine: f32, normal: vec3f) -> f32 {
+    if (HAS_FOG && all(normal == vec3f(0.0))) { return 1.0; }
+    return saturate(ball_sine - dot(way, normal));
+}
+
 fn light_importance(a: vec4u, b: vec4u, to: LitPoint) -> f32 {
     let power = bitcast<f32>(a.w);
     let offset = to.position - bitcast<vec3f>(a.xyz);
@@ -52,14 +59,14 @@ fn light_importance(a: vec4u, b: vec4u, to: LitPoint) -> f32 {
         // Lamps in a ball shine within their cone alone: up to an angle beyond it that the ball covers, and rounding.
         let nearer = cosine * cone + sine_of(cosine) * sine_of(cone);
         if (cosine < cone && nearer < sine_of(ball_sine) - 1e-6) { return 0.0; }
-        return power * saturate(ball_sine - dot(way, to.normal)) / distance2;
+        return power * arriving(way, ball_sine, to.normal) / distance2;
     }
     let sides = max(b.y & 3u, to.sides);
     var left = leaving(cosine, cone, ball_sine);
     if (sides > 0u && cosine < 0.0) {
         left = max(left, select(1.0, INNER_SHARE, sides == 1u) * leaving(-cosine, cone, ball_sine));
     }
-    return power * left * saturate(ball_sine - dot(way, to.normal)) / distance2;
+    return power * left * arriving(way, ball_sine, to.normal) / distance2;
 }
 
 // A pair of nodes, as a surface sees it.
@@ -87,7 +94,8 @@ fn in_tree(light: u32, to: LitPoint) -> LitPoint {
     let at = sampling.light_tree.lights + light * LIGHT_VECTORS;
     let rows = mat3x4f(bitcast<vec4f>(light_words(at + 1u)), bitcast<vec4f>(light_words(at + 2u)),
         bitcast<vec4f>(light_words(at + 3u)));
-    let normal = normalize(vec4f(to.normal, 0.0) * rows);
+    var normal = vec4f(to.normal, 0.0) * rows;
+    if (!HAS_FOG || any(normal != vec3f(0.0))) { normal = normalize(normal); }
     return LitPoint(vec4f(to.position, 1.0) * rows, normal, light_words(at).w & 3u);
 }
 
@@ -166,6 +174,18 @@ fn light_chances(instance: u32, triangle: u32, surface: LitPoint) -> vec2f {
             continue;
         }
         let pair = seen_pair(node & ~1u, to);
+        chances *= parts(pair.shares, (node & 1u) == 1u);
+        node = pair.parent;
+    }
+    return chances;
+}
+
+// Probabilities with which `chosen_light` chooses a lamp, by importance and by power.
+fn lamp_chances(item: u32, surface: LitPoint) -> vec2f {
+    var node = light_words(sampling.light_tree.lights + item * LIGHT_VECTORS).z;
+    var chances = vec2f(1.0);
+    for (var k = 0u; k < MOST_LINKS && node != NONE; k++) {
+        let pair = seen_pair(node & ~1u, surface);
         chances *= parts(pair.shares, (node & 1u) == 1u);
         node = pair.parent;
     }

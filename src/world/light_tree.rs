@@ -156,7 +156,8 @@ const COSINE_STEPS: f32 = 16383.0;
 
 impl Cluster {
     /// Bound of the light that a surface at `point` with this normal gets, up to a factor that all have in common: the
-    /// power over the square of the distance, times bounds of the cosines at which it may leave and arrive. 0 only where
+    /// power over the square of the distance, times bounds of the cosines at which it may leave and arrive (1 for a normal
+    /// of 0, as of a point in fog). 0 only where
     /// none arrives. `sides` adds to those of the cluster.
     ///
     /// An angle less that which the ball covers has at most the angle's cosine plus the ball's sine.
@@ -178,7 +179,10 @@ impl Cluster {
             (nearer + ball_sine).clamp(0.0, 1.0)
         };
         let cosine = way.dot(self.axis);
-        let arriving = (ball_sine - way.dot(normal)).clamp(0.0, 1.0);
+        let arriving = match normal == Vec3::ZERO {
+            true => 1.0,
+            false => (ball_sine - way.dot(normal)).clamp(0.0, 1.0),
+        };
         if self.sides == Sides::Cone {
             let is_lit = leaving_cone(cosine, self.cosine, ball_sine);
             return f32::from(u8::from(is_lit)) * self.power * arriving / distance2;
