@@ -14,7 +14,7 @@ use reflet_gpu::{Checks, GpuError};
 pub const PASS: Pass = Pass {
     name: "far",
     group: PassGroup::Capture,
-    color: [94, 94, 0],
+    color: [0, 0, 0],
     writes_shared: &[SharedData::FarMaps],
     needed: |plan, _| plan.features.near_far,
     // `check_world` and `Trees::build` validated every index that rays follow.
