@@ -33,7 +33,12 @@ fn a_second_compiler_accepts_every_shader() {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("tint");
     let _ = fs::remove_dir_all(&folder);
     fs::create_dir_all(&folder).expect("a temporary folder");
-    let sources = sources();
+    let mut sources = sources();
+    // Ray queries are an extension of wgpu, which Chromium does not have.
+    sources.retain(|(_, source)| {
+        let source = source.as_ref().expect("it assembles");
+        !source.text.contains("enable wgpu_ray_query;")
+    });
     for (index, (name, source)) in sources.iter().enumerate() {
         let text = &source.as_ref().expect("it assembles").text;
         let file = format!("{index:04}-{}.wgsl", name.replace('/', "-"));
