@@ -9,7 +9,10 @@ use crate::{
     runtime::{SceneSource, parameters::ParameterOverrides, read},
     scene::{dependencies::Dependencies, desc::Method},
 };
-use reflet_preview::window::{PictureFilter, WindowError, WindowOptions, check_display, show};
+use reflet_preview::{
+    viewer::picture_filter::PictureFilter,
+    window::{WindowError, WindowOptions, check_display, show},
+};
 
 /// Opens the window and returns when it is closed.
 ///

@@ -1,32 +1,24 @@
 //! A window on a scene that follows its files.
 
-use std::{fmt, path::PathBuf, sync::Arc};
+use std::{path::PathBuf, sync::Arc};
 
 use eframe::{
     egui,
     egui_wgpu::{SurfaceErrorAction, WgpuConfiguration, WgpuSetup, WgpuSetupExisting},
 };
 
+use crate::viewer::picture_filter::PictureFilter;
 use reflet_gpu::Gpu;
 use reflet_render::{
-    Picture,
     runtime::{SceneSource, SessionError},
     unit_costs::UnitCosts,
 };
 use reflet_scene::desc::Method;
 
 mod display_errors;
-pub mod frame_texture;
-pub mod mailbox;
-mod outline;
-pub mod protocol;
-pub mod render_thread;
-pub mod scene_summary;
 pub mod ui;
-pub mod view_channel;
 
 pub use display_errors::check_display;
-pub use ui::opener::open;
 use ui::{opener::Opener, shell::Shell};
 
 /// Action for a missing surface: wait while the window is hidden, else configure it again.
@@ -37,32 +29,6 @@ fn on_surface_status(status: &wgpu::CurrentSurfaceTexture) -> SurfaceErrorAction
         }
         wgpu::CurrentSurfaceTexture::Lost => SurfaceErrorAction::RecreateSurface,
         _ => SurfaceErrorAction::Reconfigure,
-    }
-}
-
-/// Filter of finished pictures, such as a denoiser.
-#[derive(Clone)]
-pub struct PictureFilter(Arc<Filter>);
-
-type Filter = dyn Fn(&mut Picture) -> Result<(), String> + Send + Sync;
-
-impl PictureFilter {
-    /// Filter by a function that changes the display color of a picture with linear radiance and guides, or returns an
-    /// error message.
-    pub fn new(
-        filter: impl Fn(&mut Picture) -> Result<(), String> + Send + Sync + 'static,
-    ) -> Self {
-        Self(Arc::new(filter))
-    }
-
-    fn apply(&self, picture: &mut Picture) -> Result<(), String> {
-        (self.0)(picture)
-    }
-}
-
-impl fmt::Debug for PictureFilter {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("PictureFilter")
     }
 }
 

@@ -11,8 +11,8 @@ use reflet::{
 };
 use reflet_preview::{
     live::ViewOverrides,
-    window::{
-        PictureFilter,
+    viewer::{
+        picture_filter::PictureFilter,
         protocol::{Report, ViewCamera},
     },
 };

@@ -16,8 +16,9 @@ use reflet::{
 };
 use reflet_preview::{
     live::{Live, ViewOverrides},
-    window::{
-        PictureFilter, open,
+    viewer::{
+        opening::open,
+        picture_filter::PictureFilter,
         protocol::{
             FinishedFrame, FrameAction, FrameRequest, Report, Screenshot, Side, Task, View,
             ViewCamera,

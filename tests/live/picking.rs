@@ -3,7 +3,7 @@
 use std::{fs, sync::Arc};
 
 use glam::Vec3;
-use reflet_preview::window::{
+use reflet_preview::viewer::{
     protocol::{FrameAction, FrameRequest, Picked, Report, Task, Visualization},
     view_channel::{ShadowMapChoice, ViewChannel},
 };

@@ -12,8 +12,8 @@ use reflet::{
 };
 use reflet_preview::{
     live::{Edit, Live, Reload},
+    viewer::scene_summary::SceneSummary,
     watch::Change,
-    window::scene_summary::SceneSummary,
 };
 
 use crate::{

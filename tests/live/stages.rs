@@ -9,8 +9,8 @@ use reflet::{
 };
 use reflet_preview::{
     live::{BuildProblem, InitialBuild, Live, Problems, SceneSource, ViewOverrides},
+    viewer::protocol::Report,
     watch::Change,
-    window::protocol::Report,
 };
 
 use crate::{

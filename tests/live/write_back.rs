@@ -5,8 +5,8 @@ use std::{fs, sync::Arc};
 
 use reflet_preview::{
     live::Live,
+    viewer::protocol::{FrameAction, FrameRequest, Report, Task},
     watch::Change,
-    window::protocol::{FrameAction, FrameRequest, Report, Task},
     write_back::{Inspected, Numbers, SceneItem},
 };
 

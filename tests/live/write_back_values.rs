@@ -8,8 +8,8 @@ use glam::Vec3;
 use reflet::{runtime::parameters::ParameterOverrides, scene::desc::ParamValue};
 use reflet_preview::{
     live::Live,
+    viewer::protocol::Task,
     watch::Change,
-    window::protocol::Task,
     write_back::{FlightPoint, KeyChange, KeyEdit, Numbers, SceneItem},
 };
 
@@ -207,7 +207,7 @@ fn cameras_environment_and_parameters_are_written() {
     preview.until("the reload", |report| {
         matches!(
             report,
-            reflet_preview::window::protocol::Report::Reloaded(..)
+            reflet_preview::viewer::protocol::Report::Reloaded(..)
         )
         .then_some(())
     });
@@ -221,7 +221,7 @@ fn cameras_environment_and_parameters_are_written() {
     preview.until("the reload", |report| {
         matches!(
             report,
-            reflet_preview::window::protocol::Report::Reloaded(..)
+            reflet_preview::viewer::protocol::Report::Reloaded(..)
         )
         .then_some(())
     });

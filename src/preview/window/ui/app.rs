@@ -6,17 +6,19 @@ use std::ops::RangeInclusive;
 use eframe::egui::{self, Key, Ui};
 
 use super::{
-    channel_menu::METHODS,
     keys::presses,
     panels::{self, ViewRequest},
     place_panel,
     status_bar::{self, Activity},
-    timeline::{self, Timeline},
-    timeline_keys,
+    timeline, timeline_keys,
     window::Window,
 };
 use crate::{
-    window::protocol::{FrameAction, Screenshot, Task, View, ViewCamera},
+    viewer::{
+        protocol::{FrameAction, Screenshot, Task, View, ViewCamera},
+        timeline::Timeline,
+        view_settings::METHODS,
+    },
     write_back::{Numbers, SceneItem},
 };
 

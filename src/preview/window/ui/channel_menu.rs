@@ -2,24 +2,14 @@
 
 use eframe::egui::{self, Ui};
 
-use crate::window::{
+use crate::viewer::{
     protocol::Side,
     view_channel::{ShadowLight, ShadowMapChoice, ViewChannel},
+    view_settings::METHODS,
 };
 use reflet_bench::parameter::method_name;
 use reflet_render::{aov::Aov, lights::CUBE_FACES};
 use reflet_scene::desc::Method;
-
-/// Methods in the order of menus; the keys 1 to 4 choose the first of them.
-pub const METHODS: [Method; 7] = [
-    Method::Hybrid,
-    Method::Ssr,
-    Method::Rt,
-    Method::Path,
-    Method::Probe,
-    Method::SsrProbe,
-    Method::NearFar,
-];
 
 /// Width of a menu, points; longer names are truncated.
 pub const MENU: f32 = 88.0;

@@ -1,7 +1,7 @@
 //! A camera flight that is being recorded: while the timeline plays, the user flies, and the camera's pose in each frame that is
 //! shown becomes a key.
 
-use super::timeline::Timeline;
+use crate::viewer::timeline::Timeline;
 use crate::write_back::FlightPoint;
 use reflet_scene::desc::CameraDesc;
 

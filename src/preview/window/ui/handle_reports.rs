@@ -2,10 +2,11 @@
 
 use std::sync::mpsc::TryRecvError;
 
-use super::{charts::HISTORY, timeline, window::Window};
-use crate::window::{
+use super::{charts::HISTORY, window::Window};
+use crate::viewer::{
     protocol::{FinishedFrame, Report},
     scene_summary::SceneSummary,
+    timeline,
 };
 
 impl Window {

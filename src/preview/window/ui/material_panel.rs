@@ -5,12 +5,13 @@ use std::fmt::Write as _;
 use eframe::egui::{self, DragValue, Rect, Slider, Ui};
 use glam::Vec3;
 
-use super::panels::{ViewRequest, ViewSettings, is_input_over, named};
+use super::panels::{ViewRequest, is_input_over, named};
 use crate::{
     live::Edit,
-    window::{
+    viewer::{
         protocol::Picked,
         scene_summary::{MaterialRow, SceneSummary},
+        view_settings::ViewSettings,
     },
     write_back::{Numbers, numbers_of},
 };

@@ -1,7 +1,6 @@
 //! The window: egui panels and the picture; it renders nothing itself.
 
 mod app;
-pub mod camera_controls;
 mod channel_menu;
 mod charts;
 mod diagnostics_panel;

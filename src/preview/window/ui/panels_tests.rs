@@ -11,13 +11,11 @@ use egui_kittest::{
 use super::*;
 use crate::{
     live::Problems,
-    window::{
-        scene_summary::MaterialRow,
-        ui::{
-            frame_panels::{shares, times},
-            status_bar::{Activity, help, log, status, unwatched},
-            status_message::StatusMessage,
-        },
+    viewer::scene_summary::MaterialRow,
+    window::ui::{
+        frame_panels::{shares, times},
+        status_bar::{Activity, help, log, status, unwatched},
+        status_message::StatusMessage,
     },
 };
 use reflet_base::math::Bounds;

@@ -9,7 +9,7 @@ use super::{
     panels::ViewRequest,
 };
 use crate::{
-    window::{protocol::PixelValue, scene_summary::OutlineRow},
+    viewer::{protocol::PixelValue, scene_summary::OutlineRow},
     write_back::{Inspected, Numbers, SceneItem},
 };
 

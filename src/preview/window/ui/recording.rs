@@ -4,7 +4,7 @@ use eframe::egui::Ui;
 
 use super::{flight::Flight, window::Window};
 use crate::{
-    window::protocol::Task,
+    viewer::protocol::Task,
     write_back::{KeyTrack, SceneItem},
 };
 

@@ -5,13 +5,15 @@ use std::iter;
 use eframe::egui::{self, Ui};
 
 use super::{
-    camera_controls::as_text,
     frame_panels, material_panel,
     panels::{self, ViewRequest},
     parameter_panel, place_panel, status_bar,
     window::Window,
 };
-use crate::window::protocol::{Comparison, Task};
+use crate::viewer::{
+    camera_controls::as_text,
+    protocol::{Comparison, Task},
+};
 
 impl Window {
     /// The camera as scene text, under a name that the scene does not have.

@@ -3,7 +3,7 @@
 use eframe::egui::{self, Align2, Label, RichText, Ui, vec2};
 
 use super::{diagnostics_panel::located, status_message::StatusMessage};
-use crate::window::scene_summary::SceneSummary;
+use crate::viewer::scene_summary::SceneSummary;
 use reflet_scene::script::DEADLINE;
 
 /// Keys and what they do.

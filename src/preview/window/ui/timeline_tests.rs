@@ -4,6 +4,8 @@ use eframe::egui::accesskit::Role;
 use egui_kittest::{Harness, kittest::Queryable as _};
 
 use super::*;
+use crate::viewer::timeline::follow;
+use reflet_scene::desc::TimelineDesc;
 
 struct State {
     timeline: Timeline,

@@ -10,7 +10,7 @@ use super::{
     viewport_paint::{self, fit},
     window::Window,
 };
-use crate::window::protocol::{FrameAction, Picked, Task};
+use crate::viewer::protocol::{FrameAction, Picked, Task};
 
 impl Window {
     /// Shows the picture; returns whether the camera was moved.

@@ -6,7 +6,7 @@ use eframe::egui::{
 };
 
 use super::{charts, diagnostics_panel::located, window::Window};
-use crate::window::{
+use crate::viewer::{
     frame_texture::FrameTexture,
     protocol::{Comparison, Side},
     view_channel::{BACKGROUND_GRAY, CUBE_CROSS},

@@ -9,16 +9,18 @@ use std::{
 use eframe::egui;
 
 use super::{
-    camera_controls::CameraControls, diagnostics_panel::FoldState, flight::Flight,
-    panels::ViewSettings, parameter_panel::Parameters, place_panel::Selection,
-    status_message::StatusMessage, timeline::Timeline, timeline_keys::Keys,
+    diagnostics_panel::FoldState, flight::Flight, parameter_panel::Parameters,
+    place_panel::Selection, status_message::StatusMessage, timeline_keys::Keys,
 };
-use crate::window::{
+use crate::viewer::{
+    camera_controls::CameraControls,
     protocol::{
         Comparison, FinishedFrame, FrameAction, FrameRequest, Picked, PixelValue, Task, View,
     },
     render_thread::RenderThread,
     scene_summary::SceneSummary,
+    timeline::Timeline,
+    view_settings::ViewSettings,
 };
 use reflet_render::stats::FrameStats;
 use reflet_scene::desc::Method;

@@ -14,13 +14,13 @@ use super::{
 };
 use crate::{
     live::{Live, Reload, ViewOverrides},
-    watch::{WatchList, Watcher},
-    window::{
-        PictureFilter,
+    viewer::{
         frame_texture::FrameTexture,
+        picture_filter::PictureFilter,
         protocol::{FrameRequest, Report, View, ViewCamera},
         scene_summary::SceneSummary,
     },
+    watch::{WatchList, Watcher},
     write_back::SceneItem,
 };
 use reflet_gpu::Gpu;

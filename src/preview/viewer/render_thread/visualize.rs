@@ -1,9 +1,9 @@
 //! Conversion of each view channel to a picture, with the legend of its colors.
 
 use super::{pixels::Pixels, worker::Worker};
-use crate::window::{
-    PictureFilter,
+use crate::viewer::{
     frame_texture::FrameTexture,
+    picture_filter::PictureFilter,
     protocol::{Side, View, Visualization},
     view_channel::{BACKGROUND_GRAY, CUBE_CROSS, ShadowMapChoice, ViewChannel},
 };

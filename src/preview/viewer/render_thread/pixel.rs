@@ -1,7 +1,7 @@
 //! The pixel inspector: values of the last picture's AOVs at one pixel.
 
 use super::worker::Worker;
-use crate::window::protocol::{PixelValue, View};
+use crate::viewer::protocol::{PixelValue, View};
 use reflet_render::{
     PlaneData, RenderError,
     aov::Aov,

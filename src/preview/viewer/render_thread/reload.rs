@@ -9,8 +9,8 @@ use super::{
 };
 use crate::{
     live::{Live, ReadRequest, ReloadJob},
+    viewer::{mailbox::Mailbox, protocol::Report},
     watch::{Changes, Watcher},
-    window::{mailbox::Mailbox, protocol::Report},
 };
 
 impl Worker {

@@ -2,7 +2,7 @@
 //! `rt`.
 
 use super::{pixels::Pixels, worker::Worker};
-use crate::window::{
+use crate::viewer::{
     frame_texture::FrameTexture,
     protocol::{Comparison, FrameAction, FrameRequest, Report, View},
 };

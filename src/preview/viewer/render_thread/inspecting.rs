@@ -3,7 +3,7 @@
 
 use super::{instance_key::InstanceKey, worker::Worker};
 use crate::{
-    window::protocol::Report,
+    viewer::protocol::Report,
     write_back::{FlightPoint, KeyEdit, Numbers, SceneItem},
 };
 

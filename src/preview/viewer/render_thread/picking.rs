@@ -2,7 +2,7 @@
 //! one.
 
 use super::{instance_key::InstanceKey, worker::Worker};
-use crate::window::{
+use crate::viewer::{
     frame_texture::FrameTexture,
     protocol::{Picked, Report, View},
 };

@@ -1,6 +1,6 @@
 //! A picture in memory, and the wipe of two.
 
-use crate::window::view_channel::BACKGROUND_GRAY;
+use crate::viewer::view_channel::BACKGROUND_GRAY;
 
 /// Width of the wipe line, pixels.
 const LINE_PX: u32 = 2;

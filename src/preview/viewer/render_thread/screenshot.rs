@@ -10,7 +10,7 @@ use super::{
     pixels::{Pixels, compose_wipe},
     worker::Worker,
 };
-use crate::window::protocol::{Report, Screenshot, Side, View};
+use crate::viewer::protocol::{Report, Screenshot, Side, View};
 use reflet_base::files::write_whole;
 use reflet_render::png_file;
 

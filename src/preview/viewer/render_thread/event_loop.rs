@@ -9,12 +9,12 @@ use std::{
 use super::{dynamic_resolution::RestBudget, worker::Worker};
 use crate::{
     live::Edit,
-    watch::Watcher,
-    window::{
+    viewer::{
         mailbox::Mailbox,
         protocol::{FinishedFrame, Picked, Report, Task, View, Visualization},
         view_channel::ViewChannel,
     },
+    watch::Watcher,
 };
 use reflet_gpu::GpuError;
 use reflet_render::RenderError;

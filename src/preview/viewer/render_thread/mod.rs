@@ -25,12 +25,12 @@ use std::{
 
 use crate::{
     live::Live,
-    watch::{Change, WatchEvent, Watcher},
-    window::{
-        PictureFilter,
+    viewer::{
         mailbox::Mailbox,
+        picture_filter::PictureFilter,
         protocol::{Report, Task},
     },
+    watch::{Change, WatchEvent, Watcher},
 };
 use reflet_gpu::Gpu;
 use worker::Worker;

@@ -12,7 +12,7 @@ use std::{
 
 use crate::{
     live::{FinishedJob, ReloadJob},
-    window::mailbox::Mailbox,
+    viewer::mailbox::Mailbox,
 };
 use reflet_scene::script::Halt;
 

@@ -1,0 +1,15 @@
+//! What looks at a live scene, apart from the toolkit that shows it: the thread that renders views and changes the
+//! scene, the messages to and from it, and the movement of the camera. The window uses it, and the page.
+
+pub mod camera_controls;
+pub mod frame_texture;
+pub mod mailbox;
+pub mod opening;
+mod outline;
+pub mod picture_filter;
+pub mod protocol;
+pub mod render_thread;
+pub mod scene_summary;
+pub mod timeline;
+pub mod view_channel;
+pub mod view_settings;
