@@ -268,6 +268,11 @@ pub struct PreviewArgs {
     /// Denoise pictures at rest, by Intel Open Image Denoise, as render does
     #[arg(long)]
     pub denoise: bool,
+    /// Show a page for browsers instead of the window, and print its address with a token; on a free port of this
+    /// machine alone, unless an address is given: HOST:PORT, HOST or :PORT
+    #[cfg(feature = "serve")]
+    #[arg(long, value_name = "ADDRESS", num_args = 0..=1, default_missing_value = "", conflicts_with = "screenshots")]
+    pub serve: Option<String>,
     /// Use the GPU adapter whose name contains this text; also REFLET_ADAPTER
     #[arg(long, value_name = "NAME")]
     pub adapter: Option<String>,

@@ -33,7 +33,7 @@ pub enum Command {
     /// Render cameras, variants and frames of a scene into one picture, each with its name
     Sheet(Box<SheetArgs>),
     /// Show a scene in a window; every save of its files shows at once
-    #[cfg_attr(not(feature = "window"), command(hide = true))]
+    #[cfg_attr(not(any(feature = "window", feature = "serve")), command(hide = true))]
     Preview(PreviewArgs),
     /// Read scenes and everything they refer to, pose their frames, and report every problem, with
     /// warnings about likely mistakes; needs no GPU

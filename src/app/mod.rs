@@ -42,6 +42,8 @@ pub mod lsp;
 pub mod new;
 pub mod output;
 pub mod pack;
+#[cfg(feature = "serve")]
+pub mod page;
 pub mod plan_file;
 #[cfg(feature = "window")]
 pub mod preview;
@@ -58,6 +60,8 @@ pub mod shell;
 pub mod shutdown;
 pub mod size_arg;
 pub mod stats;
+#[cfg(any(feature = "window", feature = "serve"))]
+pub mod viewed_scene;
 pub mod watch;
 
 use cli::{Cli, Command};
@@ -65,8 +69,7 @@ pub use error::AppError;
 
 /// Message of `preview` in a build without the feature `window`.
 #[cfg(not(feature = "window"))]
-const NO_WINDOW: &str =
-    "this build of Reflet has no window; build it without `--no-default-features`";
+const NO_WINDOW: &str = "this build of Reflet has no window; build it without `--no-default-features`, or with the feature `serve` for the page of `--serve`";
 
 /// Runs one command line; help and usage errors of the parser print and exit by themselves.
 ///
@@ -83,6 +86,8 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), AppError
     match cli.command {
         Command::Render(args) if args.watch => watch::follow(&args),
         Command::Render(args) => render::render(&args),
+        #[cfg(feature = "serve")]
+        Command::Preview(args) if args.serve.is_some() => page::page(&args),
         #[cfg(feature = "window")]
         Command::Preview(args) => preview::preview(&args),
         #[cfg(not(feature = "window"))]

@@ -3,16 +3,14 @@
 use std::{env, path::PathBuf, sync::Arc};
 
 use super::{
-    args::PreviewArgs, denoise::Denoiser, device::open_gpu, error::AppError, plan_file::costs,
+    args::PreviewArgs,
+    device::open_gpu,
+    error::AppError,
+    plan_file::costs,
+    viewed_scene::{denoiser, may_query, source},
 };
-use crate::{
-    runtime::{SceneSource, parameters::ParameterOverrides, read},
-    scene::{dependencies::Dependencies, desc::Method},
-};
-use reflet_preview::{
-    viewer::picture_filter::PictureFilter,
-    window::{WindowError, WindowOptions, check_display, show},
-};
+use crate::scene::desc::Method;
+use reflet_preview::window::{WindowError, WindowOptions, check_display, show};
 
 /// Opens the window and returns when it is closed.
 ///
@@ -36,13 +34,8 @@ pub fn preview(args: &PreviewArgs) -> Result<(), AppError> {
     };
     let size = (args.from).size(args.size.as_ref(), args.scene.as_deref())?;
     check_display().map_err(refused)?;
-    let source = SceneSource {
-        path: args.scene.clone(),
-        options: args.from.options(),
-        shaders: args.shaders.clone(),
-    };
+    let source = source(args);
     let gpu = Arc::new(open_gpu(args.adapter.as_deref(), may_query(&source))?);
-    let denoiser = args.denoise.then(|| Denoiser::new(&[])).transpose()?;
     let plan = args.plan.as_deref();
     let options = WindowOptions {
         source,
@@ -51,16 +44,7 @@ pub fn preview(args: &PreviewArgs) -> Result<(), AppError> {
         costs: plan.map(|path| costs(path, &gpu)).transpose()?,
         size: size.unwrap_or([1280, 800]),
         screenshots,
-        denoiser: denoiser.map(|denoiser| {
-            PictureFilter::new(move |picture| denoiser.apply(picture).map_err(|e| e.to_string()))
-        }),
+        denoiser: denoiser(args)?,
     };
     show(gpu, &options).map_err(refused)
-}
-
-/// Whether a scene asks for ray queries; not, where it has mistakes, which the window shows.
-fn may_query(source: &SceneSource) -> bool {
-    let (none, texts) = (ParameterOverrides::default(), Dependencies::default());
-    let read = read::read(source, &none, &texts, 0);
-    read.is_ok_and(|read| read.scene().desc.reflection.may_query())
 }

@@ -3,7 +3,7 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use reflet_gpu::{Gpu, GpuError};
+use reflet_gpu::{Gpu, GpuError, readback::read_texture};
 
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 
@@ -30,7 +30,9 @@ impl FrameTexture {
                 sample_count: 1,
                 dimension: wgpu::TextureDimension::D2,
                 format: FORMAT,
-                usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+                usage: wgpu::TextureUsages::TEXTURE_BINDING
+                    | wgpu::TextureUsages::COPY_DST
+                    | wgpu::TextureUsages::COPY_SRC,
                 view_formats: &[],
             })
         })?;
@@ -68,6 +70,14 @@ impl FrameTexture {
             extent(self.size),
         );
         gpu.submit(encoder).map(drop)
+    }
+
+    /// Reads RGBA bytes, rows from the top.
+    ///
+    /// # Errors
+    /// A lost device.
+    pub fn read(&self, gpu: &Gpu) -> Result<Vec<u8>, GpuError> {
+        read_texture(gpu, &self.texture)
     }
 
     /// Writes RGBA bytes.

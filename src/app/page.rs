@@ -1,0 +1,48 @@
+//! `preview --serve`: the arguments of the page.
+
+use std::sync::Arc;
+
+use super::{
+    args::PreviewArgs,
+    device::open_gpu,
+    error::AppError,
+    plan_file::costs,
+    print_out, shutdown,
+    viewed_scene::{denoiser, may_query, source},
+};
+use crate::scene::desc::Method;
+use reflet_preview::serve::{Port, ServeError, ServeOptions, serve};
+
+/// Serves the page until Ctrl-C or SIGTERM.
+///
+/// # Errors
+/// A missing scene, a camera that the scene does not have, no usable GPU, or an address that cannot be listened at.
+pub fn page(args: &PreviewArgs) -> Result<(), AppError> {
+    let refused = |error| match error {
+        ServeError::Session(error) => AppError::from_session(error, args.shaders.is_some()),
+        ServeError::Address(text) => AppError::Usage(format!("--serve: {text}")),
+    };
+    let size = (args.from).size(args.size.as_ref(), args.scene.as_deref())?;
+    let address = args.serve.as_deref().filter(|address| !address.is_empty());
+    let port = Port::listen(address).map_err(refused)?;
+    let source = source(args);
+    let gpu = Arc::new(open_gpu(args.adapter.as_deref(), may_query(&source))?);
+    let plan = args.plan.as_deref();
+    let options = ServeOptions {
+        source,
+        camera: args.camera.clone(),
+        method: args.method.map(Method::from),
+        costs: plan.map(|path| costs(path, &gpu)).transpose()?,
+        size: size.unwrap_or([960, 600]),
+        denoiser: denoiser(args)?,
+    };
+    shutdown::listen();
+    if port.is_open {
+        reflet_base::error_line!(
+            "warning: other machines can reach this port; whoever has the address with its token sees the scene and \
+             can change its text, and the connection is not encrypted"
+        );
+    }
+    print_out(&format!("{}\n", port.url))?;
+    serve(gpu, &options, port, &shutdown::is_requested).map_err(refused)
+}

@@ -1,0 +1,284 @@
+"use strict";
+// The page shows what the server sends, and sends what the viewer does; it keeps no state of the scene.
+const $ = (id) => document.getElementById(id);
+const canvas = $("picture");
+const sides = [null, null];
+let wipes = false;
+let scene = null;
+let view = null;
+let socket = null;
+
+const send = (message) => {
+  if (socket && socket.readyState === WebSocket.OPEN) socket.send(JSON.stringify(message));
+};
+
+function paint() {
+  const [left, right] = sides;
+  if (!left) return;
+  if (canvas.width !== left.width || canvas.height !== left.height) {
+    [canvas.width, canvas.height] = [left.width, left.height];
+  }
+  const { width, height } = canvas;
+  const context = canvas.getContext("2d");
+  context.drawImage(left, 0, 0);
+  if (!wipes || !right) return;
+  const x = Math.round($("line").value * width);
+  context.save();
+  context.beginPath();
+  context.rect(x, 0, width - x, height);
+  context.clip();
+  context.drawImage(right, 0, 0, width, height);
+  context.restore();
+  context.fillStyle = "#fff";
+  context.fillRect(x - 1, 0, 2, height);
+}
+
+// A picture: side, number (8 bytes), JPEG or PNG.
+async function show(bytes) {
+  const side = new Uint8Array(bytes, 0, 1)[0];
+  const number = new DataView(bytes).getBigUint64(1, true);
+  const is_png = new Uint8Array(bytes, 9, 1)[0] === 0x89;
+  try {
+    const blob = new Blob([bytes.slice(9)], { type: is_png ? "image/png" : "image/jpeg" });
+    sides[side] = await createImageBitmap(blob);
+    paint();
+    canvas.dataset.number = String(number);
+    canvas.dataset.kind = is_png ? "png" : "jpeg";
+  } finally {
+    if (side === 0) send({ do: "shown" });
+  }
+}
+
+function options(select, names, chosen) {
+  const now = [...select.options].map((option) => option.value);
+  if (now.join("\n") !== names.join("\n")) {
+    select.replaceChildren(...names.map((name) => new Option(name, name)));
+  }
+  select.value = chosen;
+}
+
+const element = (name, properties, ...children) => {
+  const made = Object.assign(document.createElement(name), properties);
+  made.append(...children);
+  return made;
+};
+
+// Inputs of a panel are kept while one of them has the focus, so that a drag is not cut off.
+function fields(panel, rows, change) {
+  const shape = JSON.stringify(rows.map(([name, values]) => [name, values.map((value) => typeof value)]));
+  if (panel.dataset.shape !== shape) {
+    panel.dataset.shape = shape;
+    panel.replaceChildren(...rows.map(([name, values, step]) => {
+      const inputs = values.map((value) => {
+        const type = { number: "number", boolean: "checkbox", string: "text" }[typeof value];
+        return element("input", { type, step: step || "any", name, ariaLabel: name });
+      });
+      const read = () => inputs.map((input) =>
+        input.type === "checkbox" ? input.checked : input.type === "number" ? input.valueAsNumber : input.value);
+      for (const input of inputs) {
+        input.addEventListener("input", () => change(name, read(), false));
+        input.addEventListener("change", () => change(name, read(), true));
+      }
+      return element("label", {}, name, element("span", {}, ...inputs));
+    }));
+  }
+  rows.forEach(([, values], row) => {
+    const inputs = panel.children[row].querySelectorAll("input");
+    values.forEach((value, index) => {
+      const input = inputs[index];
+      if (input === document.activeElement) return;
+      if (input.type === "checkbox") input.checked = value;
+      else input.value = input.type === "number" ? Number(value.toPrecision(7)) : value;
+    });
+  });
+}
+
+function show_scene(next) {
+  scene = next;
+  const problems = $("problems");
+  problems.replaceChildren(...scene.problems.map((text) => element("li", { textContent: text })));
+  problems.hidden = scene.problems.length === 0;
+  const rows = scene.items.map(([label, depth], row) => {
+    const button = element("button", { textContent: "\u00a0".repeat(2 * depth) + label });
+    button.addEventListener("click", () => send({ do: "select", row }));
+    return element("li", {}, button);
+  });
+  $("items").replaceChildren(...rows);
+  const parameters = scene.parameters.map(({ name, value, integer }) =>
+    [name, Array.isArray(value) ? value : [value], integer ? "1" : "any"]);
+  $("parameters-panel").hidden = parameters.length === 0;
+  fields($("parameters"), parameters, (name, values, write) => {
+    if (values.some((value) => Number.isNaN(value))) return;
+    const is_list = Array.isArray(scene.parameters.find((own) => own.name === name).value);
+    send({ do: "parameter", name, value: is_list ? values : values[0], write });
+  });
+  $("time").hidden = !scene.timeline;
+  if (scene.timeline) [$("frame").min, $("frame").max] = scene.timeline;
+  $("log").textContent = scene.log.concat(scene.warnings).join("\n");
+  $("log-panel").hidden = scene.log.length + scene.warnings.length === 0;
+  if (view) show_view(view);
+}
+
+function show_view(next) {
+  view = next;
+  if (!scene) return;
+  const follows = scene.cuts ? ["(cuts)"] : [];
+  const free = view.camera === null ? ["(free)"] : [];
+  const camera = view.camera === null ? "(free)" : view.cuts && scene.cuts ? "(cuts)" : view.camera;
+  options($("camera"), [...free, ...follows, ...scene.cameras], camera);
+  view.sides.forEach(([method, channel], side) => {
+    options($(`method${side}`), scene.methods, method);
+    options($(`channel${side}`), scene.channels, channel);
+  });
+  wipes = view.wipe;
+  $("wipe").setAttribute("aria-pressed", String(wipes));
+  $("right").hidden = $("line").hidden = !wipes;
+  if (view.frame !== null && scene.timeline) {
+    if ($("frame") !== document.activeElement || view.plays) $("frame").value = view.frame;
+    const seconds = (view.frame / scene.timeline[2]).toFixed(3);
+    $("told").textContent = `${view.frame} of ${scene.timeline[1]}, ${seconds} s`;
+  }
+  $("play").textContent = view.plays ? "pause" : "play";
+  $("loop").checked = view.loops;
+  paint();
+}
+
+function show_item(item) {
+  if (!item) {
+    $("label").textContent = "a click on the picture selects";
+    fields($("numbers"), [], null);
+    return;
+  }
+  const held = item.held.map(([key, why]) => `${key}: ${why}`);
+  $("label").textContent = [`${item.label} ${item.place}`, ...held, item.refused || ""].join("\n").trim();
+  fields($("numbers"), item.numbers, (key, values, write) => {
+    if (!values.some((value) => Number.isNaN(value))) send({ do: "number", key, values, write });
+  });
+}
+
+function show_statistics({ picture, frame, sides }) {
+  const lines = [`picture ${picture}, frame ${frame}`];
+  for (const { method, size, samples, ms, rays, passes, legend } of sides) {
+    lines.push(`${method} ${size[0]}\u00d7${size[1]}, samples ${samples}, ${ms.toFixed(1)} ms, rays ${rays}`);
+    if (legend) lines.push(legend);
+    for (const [name, of] of passes) lines.push(`  ${name} ${of.toFixed(2)} ms`);
+  }
+  $("statistics").textContent = lines.join("\n");
+}
+
+function connect() {
+  const address = new URL("socket", location.href);
+  address.protocol = "ws:";
+  socket = new WebSocket(address);
+  socket.binaryType = "arraybuffer";
+  socket.onopen = () => { $("status").textContent = "connected"; };
+  socket.onclose = () => {
+    $("status").textContent = "the preview has ended, or has too many viewers; trying again";
+    setTimeout(connect, 1000);
+  };
+  socket.onmessage = ({ data }) => {
+    if (typeof data !== "string") return void show(data);
+    const message = JSON.parse(data);
+    if (message.scene) show_scene(message.scene);
+    if (message.view) show_view(message.view);
+    if ("item" in message) show_item(message.item);
+    if (message.statistics) show_statistics(message.statistics);
+    if (message.message) $("status").textContent = message.message;
+  };
+}
+
+// Place in the picture, 0 to 1, of a pointer over the canvas, which shows it with margins.
+function place(event) {
+  const box = canvas.getBoundingClientRect();
+  const scale = Math.min(box.width / canvas.width, box.height / canvas.height);
+  const size = [canvas.width * scale, canvas.height * scale];
+  return [
+    (event.clientX - box.left - (box.width - size[0]) / 2) / size[0],
+    (event.clientY - box.top - (box.height - size[1]) / 2) / size[1],
+  ];
+}
+
+// Moves are gathered and sent once for each picture of the screen.
+let drag = null;
+let gathered = [0, 0];
+let waits = false;
+function move(kind, by) {
+  gathered = [gathered[0] + by[0], gathered[1] + by[1]];
+  if (waits) return;
+  waits = true;
+  requestAnimationFrame(() => {
+    waits = false;
+    send({ do: kind, by: gathered });
+    gathered = [0, 0];
+  });
+}
+
+canvas.addEventListener("pointerdown", (event) => {
+  canvas.setPointerCapture(event.pointerId);
+  const kind = { 0: "orbit", 1: "pan", 2: "look" }[event.button];
+  drag = { kind, at: [event.clientX, event.clientY], length: 0 };
+});
+canvas.addEventListener("pointermove", (event) => {
+  if (!drag || !drag.kind) return;
+  const by = [event.clientX - drag.at[0], event.clientY - drag.at[1]];
+  drag.at = [event.clientX, event.clientY];
+  drag.length += Math.hypot(...by);
+  if (drag.length > 3) move(drag.kind, by.map((pixels) => pixels / canvas.clientHeight));
+});
+canvas.addEventListener("pointerup", (event) => {
+  const at = place(event);
+  if (drag && drag.kind === "orbit" && drag.length <= 3) {
+    send(at.every((part) => part >= 0 && part <= 1) ? { do: "pick", at } : { do: "unpick" });
+  }
+  drag = null;
+});
+canvas.addEventListener("contextmenu", (event) => event.preventDefault());
+canvas.addEventListener("wheel", (event) => {
+  event.preventDefault();
+  send({ do: "dolly", notches: -Math.sign(event.deltaY) });
+}, { passive: false });
+
+for (const side of [0, 1]) {
+  for (const kind of ["method", "channel"]) {
+    $(`${kind}${side}`).addEventListener("change", (event) => send({ do: kind, side, name: event.target.value }));
+  }
+}
+$("camera").addEventListener("change", ({ target }) =>
+  send({ do: "camera", name: target.value.startsWith("(") ? null : target.value }));
+const actions = {
+  wipe: { do: "wipe" }, undo: { do: "undo", again: false }, redo: { do: "undo", again: true },
+  play: { do: "play" }, back: { do: "step", by: -1 }, on: { do: "step", by: 1 },
+};
+for (const [id, message] of Object.entries(actions)) $(id).addEventListener("click", () => send(message));
+$("loop").addEventListener("change", () => send({ do: "loop" }));
+$("frame").addEventListener("input", ({ target }) => send({ do: "seek", frame: Number(target.value) }));
+$("line").addEventListener("input", paint);
+
+const STEP = 0.03;
+const keys = {
+  ArrowLeft: { do: "orbit", by: [-STEP, 0] }, ArrowRight: { do: "orbit", by: [STEP, 0] },
+  ArrowUp: { do: "orbit", by: [0, -STEP] }, ArrowDown: { do: "orbit", by: [0, STEP] },
+  "+": { do: "dolly", notches: 1 }, "-": { do: "dolly", notches: -1 },
+};
+const letters = {
+  " ": { do: "play" }, b: { do: "wipe" }, f: { do: "frame" }, r: { do: "camera", name: null },
+  l: { do: "loop" }, Escape: { do: "unpick" },
+};
+addEventListener("keydown", (event) => {
+  const { key, target } = event;
+  if (event.ctrlKey || event.metaKey) {
+    const again = key === "y" || key === "Z";
+    if (target.tagName !== "INPUT" && (key === "z" || again)) {
+      event.preventDefault();
+      send({ do: "undo", again });
+    }
+    return;
+  }
+  const is_control = ["INPUT", "SELECT", "BUTTON"].includes(target.tagName);
+  const message = is_control ? null : letters[key] || (target === $("stage") ? keys[key] : null);
+  if (!message) return;
+  event.preventDefault();
+  send(message);
+});
+
+connect();

@@ -1,0 +1,316 @@
+//! The scene behind the page: turns what viewers do into views and tasks of the render thread, and its reports into what
+//! they see. All viewers share one view: the last input wins, and everyone sees it.
+
+use std::{
+    io::Cursor,
+    sync::{
+        Arc,
+        mpsc::{self, Receiver, RecvTimeoutError, Sender},
+    },
+    thread::{self, JoinHandle},
+    time::{Duration, Instant},
+};
+
+use image::{ExtendedColorType, codecs::jpeg::JpegEncoder};
+
+use super::{ServeOptions, hub::Hub, input::Input, state};
+use crate::{
+    live::ViewOverrides,
+    viewer::{
+        camera_controls::CameraControls,
+        opening::open,
+        protocol::{FinishedFrame, Picked, Report, Task, View, ViewCamera, Visualization},
+        render_thread::RenderThread,
+        scene_summary::SceneSummary,
+        timeline::{self, Timeline},
+        view_settings::ViewSettings,
+    },
+    write_back::Inspected,
+};
+use reflet_gpu::Gpu;
+use reflet_render::{
+    png_file,
+    runtime::{SessionError, parameters::ParameterOverrides},
+};
+
+/// Rest time after the last move before the full-resolution picture is rendered, seconds.
+const SETTLE_S: f64 = 0.15;
+/// Time budget of a picture while something moves, milliseconds.
+const MOVING_MS: f64 = 50.0;
+/// Fraction of a frame's duration that its picture may take while playing.
+const PLAYING_SHARE: f64 = 0.8;
+/// Quality of pictures while something moves, 1 to 100.
+const QUALITY: u8 = 82;
+/// Longest wait without an event.
+const IDLE: Duration = Duration::from_secs(3600);
+
+/// What the session is told.
+pub(super) enum Event {
+    /// The render thread has reported.
+    Report,
+    /// A viewer did something.
+    Input(Input),
+    /// A viewer came.
+    Joined,
+    /// The end.
+    End,
+}
+
+pub(super) struct Session {
+    pub(super) gpu: Arc<Gpu>,
+    pub(super) hub: Hub,
+    pub(super) render_thread: RenderThread,
+    pub(super) summary: SceneSummary,
+    pub(super) settings: ViewSettings,
+    pub(super) controls: CameraControls,
+    pub(super) timeline: Option<Timeline>,
+    pub(super) hidden_timeline: Option<Timeline>,
+    pub(super) overrides: ParameterOverrides,
+    pub(super) inspected: Option<Inspected>,
+    pub(super) picked: Option<Picked>,
+    pub(super) requested: Option<View>,
+    pub(super) size: [u32; 2],
+    pub(super) started: Instant,
+    pub(super) moved_at: f64,
+}
+
+/// Opens the scene and starts the session on its thread.
+pub(super) fn start(
+    gpu: Arc<Gpu>,
+    options: &ServeOptions,
+    hub: Hub,
+) -> Result<(Sender<Event>, JoinHandle<()>), SessionError> {
+    let view = ViewOverrides {
+        size: Some([64, 64]),
+        method: options.method,
+        costs: options.costs,
+        guides: options.denoiser.is_some(),
+        ..ViewOverrides::default()
+    };
+    let waits = options.camera.is_none();
+    let (live, is_waiting) = open(&gpu, options.source.clone(), view, waits)?;
+    let camera = live.camera(options.camera.as_deref())?;
+    let summary = SceneSummary::of(&live);
+    let (sender, events) = mpsc::channel();
+    let reports = sender.clone();
+    // The session may be over already.
+    let on_report = move || drop(reports.send(Event::Report));
+    let mut settings = ViewSettings::new(options.method.unwrap_or(summary.method));
+    (settings.scene_camera, settings.last_camera) = (Some(camera), camera);
+    settings.follows_cuts = waits;
+    let start = summary.cameras.get(camera);
+    let start = start.map(|(_, camera)| camera.clone()).unwrap_or_default();
+    let session = Session {
+        controls: CameraControls::new(start, &summary.bounds),
+        timeline: summary.timeline.as_ref().map(Timeline::new),
+        hidden_timeline: None,
+        render_thread: RenderThread::start(
+            gpu.clone(),
+            live,
+            is_waiting,
+            options.denoiser.clone(),
+            on_report,
+        ),
+        gpu,
+        hub,
+        summary,
+        settings,
+        overrides: ParameterOverrides::default(),
+        inspected: None,
+        picked: None,
+        requested: None,
+        size: options.size,
+        started: Instant::now(),
+        moved_at: f64::NEG_INFINITY,
+    };
+    Ok((sender, thread::spawn(move || session.run(&events))))
+}
+
+impl Session {
+    pub(super) fn now_s(&self) -> f64 {
+        self.started.elapsed().as_secs_f64()
+    }
+
+    fn run(mut self, events: &Receiver<Event>) {
+        let mut wait = IDLE;
+        self.tell_scene();
+        loop {
+            match events.recv_timeout(wait) {
+                Ok(Event::End) | Err(RecvTimeoutError::Disconnected) => return,
+                Ok(Event::Input(input)) => self.act(input),
+                Ok(Event::Report | Event::Joined) | Err(RecvTimeoutError::Timeout) => {}
+            }
+            self.handle_reports();
+            wait = match self.hub.is_empty() {
+                // Nobody looks: nothing is rendered.
+                true => IDLE,
+                false => self.request_view(),
+            };
+        }
+    }
+
+    pub(super) fn tell_scene(&self) {
+        self.hub
+            .text("scene", &state::scene(&self.summary, &self.overrides));
+    }
+
+    pub(super) fn say(&self, text: &str) {
+        self.hub.text("message", &state::message(text));
+    }
+
+    pub(super) fn post(&self, task: Task) {
+        self.render_thread.mailbox.post(task);
+    }
+
+    /// Requests the view, if it changed; returns the time until it changes by itself.
+    fn request_view(&mut self) -> Duration {
+        let now_s = self.now_s();
+        let next_s = self.timeline.as_mut().and_then(|time| time.tick(now_s));
+        let time = self.timeline.as_ref();
+        let frame = time.map_or(0, Timeline::frame);
+        let is_free = !self.settings.follows_cuts || self.settings.scene_camera.is_none();
+        if let Some(index) = self.summary.cut_at(frame).filter(|_| !is_free) {
+            (self.settings.scene_camera, self.settings.last_camera) = (Some(index), index);
+        }
+        let camera = |index: usize| {
+            self.summary
+                .cameras
+                .get(index)
+                .map(|(name, _)| name.clone())
+        };
+        let shown = self.settings.scene_camera.and_then(camera);
+        let rest_s = SETTLE_S - (now_s - self.moved_at);
+        let plays = time.filter(|time| time.is_playing());
+        let playing_ms = plays.map(|time| time.frame_s() * 1e3 * PLAYING_SHARE);
+        let moving_ms = (rest_s > 0.0).then_some(MOVING_MS);
+        let view = View {
+            camera: match &shown {
+                Some(name) => ViewCamera::Scene(name.clone()),
+                None => ViewCamera::Free(self.controls.camera.clone()),
+            },
+            chosen: camera(self.settings.last_camera).filter(|_| !self.settings.follows_cuts),
+            frame,
+            plays: plays.is_some(),
+            size: self.size,
+            a: self.settings.a,
+            b: self.settings.wipe.then_some(self.settings.b),
+            draft_ms: moving_ms.into_iter().chain(playing_ms).reduce(f64::min),
+        };
+        self.hub
+            .text("view", &state::view(&self.settings, shown.as_deref(), time));
+        if self.requested.as_ref() != Some(&view) {
+            self.render_thread.mailbox.post_view(view.clone());
+            self.requested = Some(view);
+        }
+        let rest_s = (rest_s > 0.0).then_some(rest_s + 0.005);
+        let wait_s = rest_s.into_iter().chain(next_s).reduce(f64::min);
+        wait_s.map_or(IDLE, |wait_s| Duration::from_secs_f64(wait_s.max(0.001)))
+    }
+
+    fn handle_reports(&mut self) {
+        let mut newest = None;
+        while let Ok(report) = self.render_thread.reports.try_recv() {
+            match report {
+                Report::SceneSummary(summary) => self.adopt(*summary),
+                Report::Frame(shown) => newest = Some(*shown),
+                Report::Reloaded(reload, ms) if reload.ok => {
+                    self.say(&format!(
+                        "reloaded in {ms:.0} ms from the save to the picture"
+                    ));
+                }
+                Report::Reloaded(..) => self.say("reload failed; see the errors"),
+                Report::Refused(refusal) => {
+                    self.overrides = refusal.stays.clone();
+                    let why = state::problems(&refusal.why).join("\n");
+                    self.say(&format!("refused: {why}"));
+                    self.tell_scene();
+                }
+                Report::Picked(picked) => self.picked = picked,
+                Report::Unpicked => {
+                    (self.picked, self.inspected) = (None, None);
+                    self.hub.text("item", &state::item(None));
+                }
+                Report::Inspected(inspected) => {
+                    self.inspected = inspected.map(|inspected| *inspected);
+                    self.hub.text("item", &state::item(self.inspected.as_ref()));
+                }
+                Report::Message(text) => self.say(&text),
+                Report::Unwatched(Some(why)) => self.say(&why),
+                _ => {}
+            }
+        }
+        if let Some(shown) = newest {
+            self.show(&shown);
+        }
+    }
+
+    /// Adopts a reloaded scene: camera, time and parameters stay, by name.
+    fn adopt(&mut self, summary: SceneSummary) {
+        let now_s = self.now_s();
+        let desc = summary.timeline.as_ref();
+        timeline::follow(&mut self.timeline, &mut self.hidden_timeline, desc, now_s);
+        self.overrides.keep_what_fits(&summary.declared);
+        let again = |index: usize| {
+            let (old, _) = self.summary.cameras.get(index)?;
+            summary.cameras.iter().position(|(new, _)| new == old)
+        };
+        let last = again(self.settings.last_camera).unwrap_or(0);
+        self.settings.scene_camera = self
+            .settings
+            .scene_camera
+            .map(|index| again(index).unwrap_or(last));
+        self.settings.last_camera = last;
+        self.controls.rescale(&summary.bounds);
+        if summary.method != self.summary.method {
+            self.settings.a.method = summary.method;
+        }
+        self.summary = summary;
+        self.tell_scene();
+    }
+
+    fn show(&mut self, shown: &FinishedFrame) {
+        if self.settings.scene_camera.is_some() {
+            self.controls.camera = shown.camera.clone();
+        }
+        self.settings.shown_method = shown.sides.first().map(|side| side.stats.method);
+        self.picked.clone_from(&shown.picked);
+        let is_draft = (self.requested.as_ref()).is_some_and(|view| view.draft_ms.is_some());
+        let mut pictures = [None, None];
+        for (index, side) in shown.sides.iter().take(2).enumerate() {
+            match self.encode(shown.number, index as u8, side, is_draft) {
+                Ok(bytes) => pictures[index] = Some(bytes.into()),
+                Err(why) => return self.say(&format!("the picture is not sent: {why}")),
+            }
+        }
+        self.hub.pictures(pictures);
+        self.hub.text("statistics", &state::statistics(shown));
+    }
+
+    /// A side for the page: its index, the number of sides' picture (8 bytes, little endian), then JPEG or PNG.
+    fn encode(
+        &self,
+        number: u64,
+        index: u8,
+        side: &Visualization,
+        is_draft: bool,
+    ) -> Result<Vec<u8>, String> {
+        let size = side.texture.size;
+        let rgba = side
+            .texture
+            .read(&self.gpu)
+            .map_err(|error| error.to_string())?;
+        let mut bytes = vec![index];
+        bytes.extend_from_slice(&number.to_le_bytes());
+        if !is_draft {
+            bytes.extend(png_file::encode(size, &rgba, &[])?);
+            return Ok(bytes);
+        }
+        let rgb = png_file::rgb(&rgba);
+        let mut jpeg = Cursor::new(Vec::new());
+        JpegEncoder::new_with_quality(&mut jpeg, QUALITY)
+            .encode(&rgb, size[0], size[1], ExtendedColorType::Rgb8)
+            .map_err(|error| error.to_string())?;
+        bytes.extend(jpeg.into_inner());
+        Ok(bytes)
+    }
+}

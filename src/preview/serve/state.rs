@@ -1,0 +1,152 @@
+//! What a page is told, as JSON.
+
+use serde_json::{Value, json};
+
+use crate::{
+    live::Problems,
+    viewer::{
+        protocol::{FinishedFrame, Side},
+        scene_summary::SceneSummary,
+        timeline::Timeline,
+        view_channel::ViewChannel,
+        view_settings::{METHODS, ViewSettings},
+    },
+    write_back::Inspected,
+};
+use reflet_bench::parameter::method_name;
+use reflet_render::{aov::Aov, runtime::parameters::ParameterOverrides};
+use reflet_scene::desc::{Method, ParamValue};
+
+/// Channels that a page offers.
+pub(super) fn channels() -> impl Iterator<Item = ViewChannel> {
+    let aovs = Aov::ALL.into_iter().map(ViewChannel::Aov);
+    std::iter::once(ViewChannel::Picture)
+        .chain(aovs)
+        .chain([ViewChannel::Rays])
+}
+
+/// Methods that a page offers.
+pub(super) fn methods() -> impl Iterator<Item = Method> {
+    std::iter::once(Method::Auto).chain(METHODS)
+}
+
+/// A message for the status line.
+pub(super) fn message(text: &str) -> String {
+    json!({ "message": text }).to_string()
+}
+
+/// A parameter's value.
+fn value(value: &ParamValue) -> Value {
+    match value {
+        ParamValue::Integer(x) => json!(x),
+        ParamValue::Number(x) => json!(x),
+        ParamValue::Switch(x) => json!(x),
+        ParamValue::Text(x) => json!(x),
+        ParamValue::Numbers(x) => json!(x),
+    }
+}
+
+/// A page's value for a parameter of the kind of `own`.
+pub(super) fn parameter(value: &Value, own: &ParamValue) -> Option<ParamValue> {
+    Some(match own {
+        ParamValue::Integer(_) => ParamValue::Integer(value.as_i64()?),
+        ParamValue::Number(_) => ParamValue::Number(value.as_f64().filter(|x| x.is_finite())?),
+        ParamValue::Switch(_) => ParamValue::Switch(value.as_bool()?),
+        ParamValue::Text(_) => ParamValue::Text(value.as_str()?.to_owned()),
+        ParamValue::Numbers(own) => {
+            let values = value
+                .as_array()
+                .filter(|values| values.len() == own.len())?;
+            let values = values.iter().map(|x| x.as_f64().filter(|x| x.is_finite()));
+            ParamValue::Numbers(values.collect::<Option<_>>()?)
+        }
+    })
+}
+
+/// All errors, as texts.
+pub(super) fn problems(problems: &Problems) -> Vec<String> {
+    let texts = problems.scene.iter().chain(&problems.pose);
+    let texts = texts.map(|diagnostic| diagnostic.render(false));
+    let unbuilt = problems.unbuilt().map(ToString::to_string);
+    texts
+        .chain(unbuilt)
+        .chain(problems.undrawn.clone())
+        .collect()
+}
+
+/// The scene: what can be chosen and changed, and what is wrong.
+pub(super) fn scene(summary: &SceneSummary, overrides: &ParameterOverrides) -> String {
+    let parameters = summary.declared.iter().map(|(name, own)| {
+        let is_integer = matches!(own, ParamValue::Integer(_));
+        let now = overrides.get(name).unwrap_or(own);
+        json!({ "name": name, "value": value(now), "integer": is_integer })
+    });
+    let warnings = summary.warnings.iter().map(|warning| warning.render(false));
+    json!({ "scene": {
+        "cameras": summary.cameras.iter().map(|(name, _)| name).collect::<Vec<_>>(),
+        "cuts": !summary.cuts.is_empty(),
+        "methods": methods().map(method_name).collect::<Vec<_>>(),
+        "channels": channels().map(ViewChannel::name).collect::<Vec<_>>(),
+        "parameters": parameters.collect::<Vec<_>>(),
+        "items": summary.items.iter().map(|row| json!([row.label, row.depth])).collect::<Vec<_>>(),
+        "timeline": summary.timeline.as_ref().map(|time| json!([time.start, time.end, time.fps])),
+        "log": summary.log,
+        "problems": problems(&summary.problems),
+        "warnings": warnings.collect::<Vec<_>>(),
+    }})
+    .to_string()
+}
+
+/// What is chosen now.
+pub(super) fn view(
+    settings: &ViewSettings,
+    camera: Option<&str>,
+    time: Option<&Timeline>,
+) -> String {
+    let side = |side: Side| json!([method_name(side.method), side.channel.name()]);
+    json!({ "view": {
+        "sides": [side(settings.a), side(settings.b)],
+        "wipe": settings.wipe,
+        "camera": camera,
+        "cuts": settings.follows_cuts,
+        "frame": time.map(Timeline::frame),
+        "plays": time.is_some_and(Timeline::is_playing),
+        "loops": time.is_some_and(|time| time.repeats),
+    }})
+    .to_string()
+}
+
+/// The selected item.
+pub(super) fn item(inspected: Option<&Inspected>) -> String {
+    let numbers = |item: &Inspected| {
+        let numbers = item.numbers.iter();
+        let numbers = numbers.map(|number| json!([number.key, number.values]));
+        numbers.collect::<Vec<_>>()
+    };
+    json!({ "item": inspected.map(|item| json!({
+        "label": item.label,
+        "place": item.place,
+        "numbers": numbers(item),
+        "held": item.held,
+        "refused": item.refused,
+    }))})
+    .to_string()
+}
+
+/// Statistics of the shown picture.
+pub(super) fn statistics(shown: &FinishedFrame) -> String {
+    let sides = shown.sides.iter().map(|side| {
+        let [width, height] = side.stats.size;
+        json!({
+            "size": [width, height],
+            "method": method_name(side.stats.method),
+            "samples": side.stats.samples,
+            "ms": side.stats.frame_ms,
+            "rays": side.stats.rays,
+            "passes": side.stats.passes_ms,
+            "legend": side.legend,
+        })
+    });
+    json!({ "statistics": { "picture": shown.number, "frame": shown.frame, "sides": sides.collect::<Vec<_>>() } })
+        .to_string()
+}
