@@ -42,25 +42,33 @@ fn lamp_light(found: vec4u, ray: Reflected, width_m: f32) -> vec3f {
     return s.emission * met_emission(ray, found.y, found.z, bitcast<f32>(found.x), s) * ray.kept;
 }
 
-// Light that a probe shows of a ray, and the hit that it stands for.
+// Hit that a probe shows in a direction from a point.
+fn shown_hit(probe: u32, origin: vec3f, direction: vec3f) -> vec4u {
+    let towards = direction_from(probe, origin, direction);
+    var found = cube_hit(probe, towards);
+    if (found.y == NONE) { return vec4u(0u, NONE, NONE, 0u); }
+    let point = probes[probe].position.xyz + towards * bitcast<f32>(found.x);
+    found.x = bitcast<u32>(max(dot(point - origin, direction), 0.0));
+    return found;
+}
+
+// Light that a probe shows of a ray, the hit that it stands for, and the distance of the ray's own hit.
 struct Shown {
     light: vec3f,
     hit: vec4u,
+    own_m: f32,
 }
 
 fn shown_by(probe: u32, origin: vec3f, ray: Reflected, to: Aim, width_m: f32) -> Shown {
     let towards = direction_from(probe, origin, to.direction);
     let stored = textureSampleLevel(probe_radiance, probe_sampler, towards, probe, to.level);
-    var found = cube_hit(probe, towards);
+    let found = shown_hit(probe, origin, to.direction);
     let sky = environment(ray.direction) * (ray.sky_weight * (1.0 - stored.w));
-    if (found.y != NONE) {
-        let point = probes[probe].position.xyz + towards * bitcast<f32>(found.x);
-        found.x = bitcast<u32>(max(dot(point - origin, to.direction), 0.0));
-    } else {
-        found = vec4u(0u, NONE, NONE, 0u);
-    }
-    let light = stored.xyz * (EMISSION_SCALE * ray.kept) + sky + lamp_light(found, ray, width_m);
-    return Shown(light, found);
+    // Lamps are met by the ray of one facet, as light samples expect; the rest is averaged over the lobe.
+    var own = found;
+    if (any(to.direction != ray.direction)) { own = shown_hit(probe, origin, ray.direction); }
+    let light = stored.xyz * (EMISSION_SCALE * ray.kept) + sky + lamp_light(own, ray, width_m);
+    return Shown(light, found, select(bitcast<f32>(own.x), 2.0 * FAR_M, own.y == NONE));
 }
 
 fn look_up(pixel: vec2u) {
@@ -76,14 +84,17 @@ fn look_up(pixel: vec2u) {
     let chosen = chosen_probes(choosing_point(pixel, s), params.count, params.nearest);
     var light = vec3f(0.0);
     var found = vec4u(0u, NONE, NONE, 0u);
+    var reach_m = 2.0 * FAR_M;
     for (var k = 0u; k < params.nearest; k++) {
         if (chosen.weights[k] <= 0.0) { continue; }
         let shown = shown_by(chosen.probes[k], s.position, ray, to, width_m);
         light += shown.light * chosen.weights[k];
-        if (k == 0u) { found = shown.hit; }
+        if (k == 0u) {
+            found = shown.hit;
+            reach_m = shown.own_m;
+        }
     }
-    let reach = select(bitcast<f32>(found.x), 2.0 * FAR_M, found.y == NONE);
-    let lamp = seen_light(s.position, ray, reach);
+    let lamp = seen_light(s.position, ray, reach_m);
     if (lamp.is_seen) { light = lamp.radiance; }
     textureStore(reflection, pixel, vec4f(min(light, BRIGHTEST), 1.0));
     textureStore(hit, pixel, found);

@@ -128,11 +128,13 @@ pub fn has_second_layer(world: &World, options: &RenderOptions) -> bool {
         && (options.general || reflects(world, options.reflection.reflects_below()))
 }
 
-/// Whether only some reflection rays are traced at first. In fog, each collects the light along its own way.
+/// Whether only some reflection rays are traced at first. In fog, each collects the light along its own way, and where
+/// pixels show different moments, no neighbors agree.
 pub fn is_undersampled(world: &World, options: &RenderOptions) -> bool {
     options.reflection.settled().rate > 1
         && options.reflection.method.traces()
         && world.environment.fog().is_none()
+        && !options.has_moments()
         && (options.general || reflects(world, options.reflection.reflects_below()))
 }
 

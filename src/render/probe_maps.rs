@@ -11,6 +11,7 @@ use reflet_world::World;
 
 use super::{
     emitters::lamp_record,
+    fog::GpuFog,
     frame_uniforms::{FrameUniforms, uniform},
     lights::{SHADOW_MAP, SHADOW_RAY},
     probe_boxes::MOST_PROBES,
@@ -281,6 +282,10 @@ impl ProbeMaps {
         for lamp in &world.lamps {
             hash.update(bytemuck::bytes_of(&lamp_record(lamp, 0)));
         }
+        let fog = GpuFog::of(world);
+        if let Some(fog) = &fog {
+            hash.update(bytemuck::bytes_of(fog));
+        }
         let hash = Some(hash.digest());
         let mut content = self.content();
         if content.hash == hash {
@@ -288,10 +293,13 @@ impl ProbeMaps {
         }
         content.hash = hash;
         self.uniforms.set(gpu, &frame, &lights, &sampling);
+        if let Some(fog) = &fog {
+            self.uniforms.set_fog(gpu, fog);
+        }
         true
     }
 
-    /// The frame's block without anything that depends on its camera.
+    /// The frame's block without anything that depends on its camera, or on the share of a sub-frame.
     fn frame(&self, frame: &Frame) -> Frame {
         let px = self.key.face_px as f32;
         let spread = std::f32::consts::FRAC_PI_2 / px;
@@ -316,6 +324,10 @@ impl ProbeMaps {
             pixel_m: 0.0,
             far_m: 0.0,
             has_edge_on: 0,
+            moments: 1,
+            moment: 0,
+            whole_surfaces: 0,
+            crop: [0.0; 4],
             ..*frame
         }
     }

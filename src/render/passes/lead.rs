@@ -46,7 +46,7 @@ pub const PASS: Pass = Pass {
 /// as the instance.
 const NOT_LED: wgpu::Color = wgpu::Color {
     r: 0.0,
-    g: (u32::MAX - 1) as f64,
+    g: (1_u32 << 31) as f64,
     b: 0.0,
     a: 0.0,
 };
