@@ -139,3 +139,16 @@ fn a_million_numbers_pass() {
         (1_000_002, 333_333.0)
     );
 }
+
+#[test]
+fn many_models_of_the_same_numbers_are_too_much_text() {
+    let folder = folder("many-meshes");
+    let script = "fn setup(ctx) {
+        let f = floats(3000000);
+        let models = #{};
+        for i in 0..1000 { models[`m${i}`] = #{ shape: #{ kind: \"mesh\", positions: f, indices: f } }; }
+        #{ models: models }
+    }";
+    let message = load(&folder, script).expect_err("it is too much");
+    assert!(message.contains("more than 256 MiB"), "{message}");
+}

@@ -11,6 +11,9 @@ use crate::{diagnostic::TABLES, suggest, toml_text::toml_text};
 /// Key of the only table that a scene has once.
 const ENVIRONMENT: &str = "environment";
 
+/// Most bytes of the text of a result. Copies of one `floats` share their numbers in a script, but not in the text.
+const MOST_OUTPUT_BYTES: usize = 256 << 20;
+
 /// Mistake in the result of `setup`.
 #[derive(Debug, Default)]
 pub struct Wrong {
@@ -147,6 +150,12 @@ fn value(out: &mut String, item: &Dynamic, key: &str, depth: usize) -> Result<()
         let key = suggest::key(key);
         return Err(wrong(format!(
             "{key} has arrays and maps that are nested more than {NESTED} deep"
+        )));
+    }
+    if out.len() > MOST_OUTPUT_BYTES {
+        return Err(wrong(format!(
+            "`setup` returns more than {} MiB: return each `floats` once, and place its mesh by instances",
+            MOST_OUTPUT_BYTES >> 20
         )));
     }
     if let Ok(i) = item.as_int() {
