@@ -54,8 +54,8 @@ as_root() {
     fi
 }
 
-# Packages that only the test of the preview's window needs.
-readonly window_packages=(xvfb xdotool libxkbcommon-x11-0 libxcursor1 libxi6 libxrandr2)
+# Packages that only the tests of the preview's window and page need.
+readonly window_packages=(chromium xvfb xdotool libxkbcommon-x11-0 libxcursor1 libxi6 libxrandr2)
 
 has_package() {
     dpkg-query -W -f '${db:Status-Status}\n' "$1" 2>/dev/null | grep -qx installed
@@ -167,18 +167,18 @@ missing_to_run() {
 
 # Adds packages to `missing`.
 missing_to_test() {
-    heading "Window test"
+    heading "Window and page tests"
     local window=() package
     for package in "${window_packages[@]}"; do
         has_package "$package" || window+=("$package")
     done
     if [ "${#window[@]}" -eq 0 ]; then
-        echo "present: a virtual display"
+        echo "present: a virtual display, Chromium"
     elif can_be_root; then
         missing+=("${window[@]}")
         echo "missing: ${window[*]}"
     else
-        echo "missing: ${window[*]}; without root they are left out, and tests/window is skipped"
+        echo "missing: ${window[*]}; without root they are left out, and tests of the window and the page are skipped"
     fi
 }
 
@@ -264,18 +264,20 @@ setup_materialx() {
         echo "missing: MaterialX; USD stages are shown without the materials of .mtlx files"
 }
 
-# The Khronos validator proves converted stages; without node those checks are skipped and say so.
-setup_validator() {
+# The Khronos validator proves converted stages, and Playwright drives Chromium over the preview's page; without node those
+# checks are skipped and say so. They are installed together, as npm removes what a later installation does not name.
+setup_node() {
     [ -f "$root/tools/pyproject.toml" ] || return 0
-    heading "glTF validator"
-    if [ -d "$root/tools/node_modules/gltf-validator" ]; then
-        echo "present: tools/node_modules/gltf-validator"
+    heading "glTF validator, Playwright"
+    local modules="$root/tools/node_modules"
+    if [ -d "$modules/gltf-validator" ] && [ -d "$modules/playwright-core" ]; then
+        echo "present: tools/node_modules"
     elif has npm; then
         npm install --no-audit --no-fund --no-save --silent --prefix "$root/tools" \
-            gltf-validator@2.0.0-dev.3.10
-        echo "ready: tools/node_modules/gltf-validator"
+            gltf-validator@2.0.0-dev.3.10 playwright-core@1.64.1
+        echo "ready: tools/node_modules"
     else
-        echo "missing: npm; checks against the Khronos validator will be skipped"
+        echo "missing: npm; checks against the Khronos validator and in a browser will be skipped"
     fi
 }
 
@@ -305,6 +307,6 @@ if wants run; then
     setup_python
 fi
 if wants test; then
-    setup_validator
+    setup_node
     setup_denoiser
 fi

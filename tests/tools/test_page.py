@@ -1,0 +1,71 @@
+"""Owns the session of a real browser with the page of `reflet preview --serve`."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+BINARY = Path(os.environ.get("REFLET", ROOT / "target" / "debug" / "reflet"))
+PLAYWRIGHT = ROOT / "tools" / "node_modules" / "playwright-core" / "index.mjs"
+SCENE = """version = 1
+script = "move.rhai"
+[params]
+height = 0.5
+[timeline]
+end = 9
+[camera.main]
+eye = [0, 1.5, 4]
+target = [0, 0.5, 0]
+[material.red]
+base_color = [0.8, 0.1, 0.1]
+[model.floor]
+shape = { kind = "plane", size = [6, 6] }
+[model.ball]
+shape = { kind = "sphere", radius = 0.4 }
+material = "red"
+[[instance]]
+model = "floor"
+[[instance]]
+name = "ball"
+model = "ball"
+dynamic = true
+[light.lamp]
+kind = "point"
+position = [2, 4, 3]
+intensity_cd = 60
+[environment]
+color = [0.3, 0.4, 0.5]
+"""
+SCRIPT = 'fn frame(ctx) { ctx.place("ball", [0.1 * ctx.frame, ctx.params.height, 0]); }\n'
+STEPS = ["opened", "orbited", "scrubbed", "written", "broken", "mended", "refused"]
+
+
+def test_a_browser_opens_changes_and_mends_a_scene(tmp_path: Path) -> None:
+    """A viewer orbits, scrubs, changes a parameter, and sees a mistake and its mending."""
+    browser, node = shutil.which("chromium"), shutil.which("node")
+    if browser is None or node is None or not PLAYWRIGHT.is_file():
+        pytest.skip("Chromium, Node.js or playwright-core is not installed")
+    scene = tmp_path / "scene.toml"
+    scene.write_text(SCENE, encoding="utf-8")
+    (tmp_path / "move.rhai").write_text(SCRIPT, encoding="utf-8")
+    command = [BINARY, "preview", scene, "--serve", "--size", "96x54"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as preview:
+        try:
+            assert preview.stdout is not None
+            address = preview.stdout.readline().strip()
+            session = ROOT / "tests" / "tools" / "page_session.mjs"
+            done = subprocess.run(
+                [node, session, browser, address, scene, PLAYWRIGHT],
+                capture_output=True,
+                text=True,
+                check=False,
+            )
+        finally:
+            preview.terminate()
+        assert done.stdout.split() == STEPS, done.stderr
+    assert preview.returncode == 0
