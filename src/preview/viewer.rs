@@ -1,4 +1,4 @@
-//! What looks at a live scene, apart from the toolkit that shows it: the thread that renders views and changes the
+//! Viewer of a live scene, apart from the toolkit that shows it: the thread that renders views and changes the
 //! scene, the messages to and from it, and the movement of the camera. The window uses it, and the page.
 
 pub mod camera_controls;

@@ -1,4 +1,4 @@
-//! What viewers do, as changes of the view and tasks of the render thread.
+//! Inputs of viewers, as changes of the view and tasks of the render thread.
 
 use glam::Vec2;
 

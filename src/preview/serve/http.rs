@@ -25,7 +25,7 @@ const FILES: [(&str, &str, &str); 3] = [
     ("style.css", "text/css", include_str!("page/style.css")),
 ];
 
-/// What may ask.
+/// Token and host name that a request must have.
 #[derive(Clone, Debug)]
 pub(super) struct Access {
     /// First part of every path.

@@ -8,6 +8,8 @@ use std::{
 
 /// Most viewers at a time.
 const MOST_VIEWERS: usize = 8;
+/// Most bytes of answers that wait; a viewer that asks for more without reading them is sent away.
+const MOST_ANSWERS: usize = 64 * 1024;
 
 #[derive(Default)]
 struct Waiting {
@@ -20,7 +22,7 @@ struct Waiting {
     is_closed: bool,
 }
 
-/// What is sent next.
+/// Next part to send to a viewer.
 pub(super) enum Parcel {
     /// Bytes of whole frames.
     Answers(Vec<u8>),
@@ -29,7 +31,7 @@ pub(super) enum Parcel {
     Pictures([Option<Arc<[u8]>>; 2]),
 }
 
-/// What waits for one viewer.
+/// Queue of one viewer.
 #[derive(Clone, Default)]
 pub(super) struct Outbox(Arc<(Mutex<Waiting>, Condvar)>);
 
@@ -49,7 +51,10 @@ impl Outbox {
     }
 
     pub(super) fn answer(&self, bytes: &[u8]) {
-        self.change(|waiting| waiting.answers.extend_from_slice(bytes));
+        self.change(|waiting| {
+            waiting.answers.extend_from_slice(bytes);
+            waiting.is_closed |= waiting.answers.len() > MOST_ANSWERS;
+        });
     }
 
     pub(super) fn text(&self, kind: &'static str, text: Arc<str>) {

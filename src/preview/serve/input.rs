@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-/// What a viewer does.
+/// Input of a viewer.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(tag = "do", rename_all = "snake_case", deny_unknown_fields)]
 pub(super) enum Input {
@@ -10,9 +10,9 @@ pub(super) enum Input {
     Shown,
     /// Move the camera by a drag, in parts of the picture's height.
     Orbit { by: [f32; 2] },
-    /// As `orbit`, but turns on the spot.
+    /// Turn the camera on the spot, by a drag like that of `orbit`.
     Look { by: [f32; 2] },
-    /// As `orbit`, but moves across the view.
+    /// Move the camera across the view, by a drag like that of `orbit`.
     Pan { by: [f32; 2] },
     /// Come closer by notches of the wheel.
     Dolly { notches: f32 },

@@ -44,7 +44,7 @@ const QUALITY: u8 = 82;
 /// Longest wait without an event.
 const IDLE: Duration = Duration::from_secs(3600);
 
-/// What the session is told.
+/// Event of the session.
 pub(super) enum Event {
     /// The render thread has reported.
     Report,

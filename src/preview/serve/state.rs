@@ -1,4 +1,4 @@
-//! What a page is told, as JSON.
+//! State of the preview as JSON for a page.
 
 use serde_json::{Value, json};
 
@@ -97,7 +97,7 @@ pub(super) fn scene(summary: &SceneSummary, overrides: &ParameterOverrides) -> S
     .to_string()
 }
 
-/// What is chosen now.
+/// Choices of the view.
 pub(super) fn view(
     settings: &ViewSettings,
     camera: Option<&str>,

@@ -171,6 +171,7 @@ fn the_newest_picture_waits_until_the_one_before_is_shown() {
     assert_eq!(taken(&outbox), 3, "2 was replaced");
     let others: Vec<_> = std::iter::from_fn(|| hub.join()).take(20).collect();
     assert_eq!(others.len(), 7, "8 viewers at most");
+    assert!(matches!(others[0].next(), Some(Parcel::Text(text)) if &*text == "second"));
     assert_eq!(taken(&others[0]), 3, "a new viewer sees what is shown");
     hub.leave(&outbox);
     assert!(outbox.next().is_none() && hub.join().is_some());

@@ -1,4 +1,4 @@
-//! What a viewer has chosen: methods and channels of both sides, the camera, the selected material.
+//! Choices of a viewer: methods and channels of both sides, the camera, the selected material.
 
 use super::{protocol::Side, view_channel::ViewChannel};
 use reflet_scene::desc::Method;
