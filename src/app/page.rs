@@ -1,6 +1,6 @@
 //! `preview --serve`: the arguments of the page.
 
-use std::sync::Arc;
+use std::{path::Path, sync::Arc};
 
 use super::{
     args::PreviewArgs,
@@ -24,6 +24,11 @@ pub fn page(args: &PreviewArgs) -> Result<(), AppError> {
     };
     let size = (args.from).size(args.size.as_ref(), args.scene.as_deref())?;
     let address = args.serve.as_deref().filter(|address| !address.is_empty());
+    if let (None, Some(path)) = (&args.scene, address.filter(|a| Path::new(a).is_file())) {
+        return Err(AppError::Usage(format!(
+            "--serve takes an address, and {path} is a file: write it first, as in `reflet preview {path} --serve`"
+        )));
+    }
     let port = Port::listen(address).map_err(refused)?;
     let source = source(args);
     let gpu = Arc::new(open_gpu(args.adapter.as_deref(), may_query(&source))?);

@@ -48,8 +48,8 @@ const MOST_RATE: u32 = 240;
 const MOST_GARBAGE: u32 = 20;
 /// Longest wait for a connection that takes no bytes.
 const WRITE_WAIT: Duration = Duration::from_secs(20);
-/// Interval in which the end is noticed.
-const POLL: Duration = Duration::from_millis(100);
+/// Interval in which connections and the end are noticed.
+const POLL: Duration = Duration::from_millis(20);
 
 /// Options of the page and of its scene.
 #[derive(Clone, Debug)]
@@ -140,7 +140,7 @@ impl Port {
     }
 }
 
-/// Serves the page until `is_over`, which is asked ten times a second.
+/// Serves the page until `is_over`, which is asked some 50 times a second.
 ///
 /// # Errors
 /// A missing scene, or a camera that the scene does not have.
@@ -155,7 +155,7 @@ pub fn serve(
     let count = Arc::new(AtomicUsize::new(0));
     while !is_over() && !thread.is_finished() {
         let Ok((mut stream, _)) = port.listener.accept() else {
-            thread::sleep(POLL.min(Duration::from_millis(20)));
+            thread::sleep(POLL);
             continue;
         };
         let (hub, events, access) = (hub.clone(), events.clone(), port.access.clone());
@@ -222,6 +222,30 @@ fn meet(
     }
 }
 
+/// Messages of a page in the current second.
+struct Rate {
+    since: Instant,
+    count: u32,
+}
+
+impl Rate {
+    fn starting(now: Instant) -> Self {
+        Self {
+            since: now,
+            count: 0,
+        }
+    }
+
+    /// Counts a message, and tells whether its second has not had too many.
+    fn allows(&mut self, now: Instant) -> bool {
+        if now.saturating_duration_since(self.since) >= Duration::from_secs(1) {
+            *self = Self::starting(now);
+        }
+        self.count += 1;
+        self.count <= MOST_RATE
+    }
+}
+
 /// The reading half of a connection: what the protocol answers goes to the writing half.
 struct ReadHalf {
     stream: TcpStream,
@@ -270,12 +294,9 @@ fn talk(
         .max_message_size(Some(MOST_MESSAGE))
         .max_frame_size(Some(MOST_MESSAGE));
     let mut socket = WebSocket::from_partially_read(half, rest, Role::Server, Some(limits));
-    let (mut since, mut count, mut garbage) = (Instant::now(), 0, 0);
+    let (mut rate, mut garbage) = (Rate::starting(Instant::now()), 0);
     while let Ok(message) = socket.read() {
-        if since.elapsed() >= Duration::from_secs(1) {
-            (since, count) = (Instant::now(), 0);
-        }
-        count += 1;
+        let is_slow = rate.allows(Instant::now());
         let input = match &message {
             Message::Text(text) => serde_json::from_str(text).ok(),
             Message::Close(_) => break,
@@ -284,7 +305,7 @@ fn talk(
         };
         match input {
             Some(Input::Shown) => outbox.shown(),
-            Some(_) if count > MOST_RATE => {}
+            Some(_) if !is_slow => {}
             Some(input) => drop(events.send(Event::Input(input))),
             None => {
                 garbage += 1;

@@ -13,3 +13,4 @@ pub mod scene_summary;
 pub mod timeline;
 pub mod view_channel;
 pub mod view_settings;
+pub mod view_state;

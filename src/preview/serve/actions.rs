@@ -12,14 +12,13 @@ use reflet_scene::desc::Method;
 
 impl Session {
     fn moved(&mut self) {
-        self.moved_at = self.now_s();
-        self.settings.scene_camera = None;
+        self.state.move_camera(self.now_s());
     }
 
     fn side(&mut self, side: usize) -> &mut Side {
         match side {
-            0 => &mut self.settings.a,
-            _ => &mut self.settings.b,
+            0 => &mut self.state.settings.a,
+            _ => &mut self.state.settings.b,
         }
     }
 
@@ -30,19 +29,19 @@ impl Session {
         match input {
             Input::Shown => {}
             Input::Orbit { by } => {
-                self.controls.orbit(part(by));
+                self.state.controls.orbit(part(by));
                 self.moved();
             }
             Input::Look { by } => {
-                self.controls.look(part(by));
+                self.state.controls.look(part(by));
                 self.moved();
             }
             Input::Pan { by } => {
-                self.controls.pan(part(by));
+                self.state.controls.pan(part(by));
                 self.moved();
             }
             Input::Dolly { notches } => {
-                self.controls.dolly(notches.clamp(-20.0, 20.0));
+                self.state.controls.dolly(notches.clamp(-20.0, 20.0));
                 self.moved();
             }
             Input::Camera { name } => self.choose_camera(name.as_deref()),
@@ -50,7 +49,7 @@ impl Session {
             Input::Pick { at } => self.pick(at),
             Input::Unpick => self.post(Task::Unpick),
             Input::Select { row } => {
-                if let Some(row) = self.summary.items.get(row) {
+                if let Some(row) = self.state.summary.items.get(row) {
                     self.post(Task::Select(row.item));
                 }
             }
@@ -58,8 +57,8 @@ impl Session {
             Input::Number { key, values, write } => self.change_number(&key, values, write),
             Input::Parameter { name, value, write } => self.change_parameter(&name, &value, write),
             Input::Wipe => {
-                self.settings.wipe = !self.settings.wipe;
-                self.settings.start_wipe();
+                self.state.settings.wipe = !self.state.settings.wipe;
+                self.state.settings.start_wipe();
             }
             Input::Method { side, name } => {
                 let found = state::methods().find(|method: &Method| method_name(*method) == name);
@@ -79,7 +78,7 @@ impl Session {
     }
 
     fn change_time(&mut self, input: &Input, now_s: f64) {
-        let Some(time) = &mut self.timeline else {
+        let Some(time) = &mut self.state.timeline else {
             return;
         };
         match input {
@@ -91,34 +90,29 @@ impl Session {
     }
 
     fn choose_camera(&mut self, name: Option<&str>) {
-        let settings = &mut self.settings;
         let Some(name) = name else {
-            settings.follows_cuts |= !self.summary.cuts.is_empty();
-            settings.scene_camera = Some(settings.last_camera);
-            return;
+            return match self.state.summary.cuts.is_empty() {
+                true => self.state.show_scene_camera(),
+                false => self.state.follow_cuts(),
+            };
         };
-        let found = self
-            .summary
-            .cameras
-            .iter()
-            .position(|(known, _)| known == name);
-        if let Some(index) = found {
-            (settings.scene_camera, settings.last_camera) = (Some(index), index);
-            settings.follows_cuts = false;
+        let mut cameras = self.state.summary.cameras.iter();
+        if let Some(index) = cameras.position(|(known, _)| known == name) {
+            self.state.choose_camera(index);
         }
     }
 
     fn frame(&mut self) {
         let picked = self.picked.as_ref().map(|picked| picked.bounds);
-        let bounds = picked.unwrap_or(self.summary.bounds);
+        let bounds = picked.unwrap_or(self.state.summary.bounds);
         let [width, height] = self.size.map(|side| side.max(1) as f32);
-        self.controls.frame(&bounds, width / height);
+        self.state.controls.frame(&bounds, width / height);
         self.moved();
     }
 
     fn pick(&mut self, at: [f32; 2]) {
         let is_inside = at.iter().all(|part| (0.0..=1.0).contains(part));
-        if let (Some(view), true) = (self.requested.clone(), is_inside) {
+        if let (Some(view), true) = (self.state.requested.clone(), is_inside) {
             let action = FrameAction::Pick(at);
             self.post(Task::Frame(FrameRequest { view, action }));
         }
@@ -140,7 +134,7 @@ impl Session {
                 values,
             },
         );
-        self.moved_at = self.now_s();
+        self.state.stir(self.now_s());
         self.post(match write {
             true => Task::Write(item, numbers),
             false => Task::Drag(item, numbers),
@@ -149,6 +143,7 @@ impl Session {
 
     fn change_parameter(&mut self, name: &str, value: &serde_json::Value, write: bool) {
         let own = self
+            .state
             .summary
             .declared
             .iter()
@@ -158,7 +153,7 @@ impl Session {
             return self.say("there is no such parameter, or its value is of another kind");
         };
         self.overrides.set(name, value, own);
-        self.moved_at = self.now_s();
+        self.state.stir(self.now_s());
         self.post(Task::SetParameters(self.overrides.clone()));
         if write && !self.overrides.is_empty() {
             self.post(Task::WriteParameters(self.overrides.clone()));

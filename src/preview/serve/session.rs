@@ -17,13 +17,11 @@ use super::{ServeOptions, hub::Hub, input::Input, state};
 use crate::{
     live::ViewOverrides,
     viewer::{
-        camera_controls::CameraControls,
         opening::open,
-        protocol::{FinishedFrame, Picked, Report, Task, View, ViewCamera, Visualization},
+        protocol::{FinishedFrame, Picked, Report, Task, Visualization},
         render_thread::RenderThread,
         scene_summary::SceneSummary,
-        timeline::{self, Timeline},
-        view_settings::ViewSettings,
+        view_state::ViewState,
     },
     write_back::Inspected,
 };
@@ -33,12 +31,6 @@ use reflet_render::{
     runtime::{SessionError, parameters::ParameterOverrides},
 };
 
-/// Rest time after the last move before the full-resolution picture is rendered, seconds.
-const SETTLE_S: f64 = 0.15;
-/// Time budget of a picture while something moves, milliseconds.
-const MOVING_MS: f64 = 50.0;
-/// Fraction of a frame's duration that its picture may take while playing.
-const PLAYING_SHARE: f64 = 0.8;
 /// Quality of pictures while something moves, 1 to 100.
 const QUALITY: u8 = 82;
 /// Longest wait without an event.
@@ -60,18 +52,12 @@ pub(super) struct Session {
     pub(super) gpu: Arc<Gpu>,
     pub(super) hub: Hub,
     pub(super) render_thread: RenderThread,
-    pub(super) summary: SceneSummary,
-    pub(super) settings: ViewSettings,
-    pub(super) controls: CameraControls,
-    pub(super) timeline: Option<Timeline>,
-    pub(super) hidden_timeline: Option<Timeline>,
+    pub(super) state: ViewState,
     pub(super) overrides: ParameterOverrides,
     pub(super) inspected: Option<Inspected>,
     pub(super) picked: Option<Picked>,
-    pub(super) requested: Option<View>,
     pub(super) size: [u32; 2],
     pub(super) started: Instant,
-    pub(super) moved_at: f64,
 }
 
 /// Opens the scene and starts the session on its thread.
@@ -95,15 +81,9 @@ pub(super) fn start(
     let reports = sender.clone();
     // The session may be over already.
     let on_report = move || drop(reports.send(Event::Report));
-    let mut settings = ViewSettings::new(options.method.unwrap_or(summary.method));
-    (settings.scene_camera, settings.last_camera) = (Some(camera), camera);
-    settings.follows_cuts = waits;
-    let start = summary.cameras.get(camera);
-    let start = start.map(|(_, camera)| camera.clone()).unwrap_or_default();
+    let method = options.method.unwrap_or(summary.method);
     let session = Session {
-        controls: CameraControls::new(start, &summary.bounds),
-        timeline: summary.timeline.as_ref().map(Timeline::new),
-        hidden_timeline: None,
+        state: ViewState::new(summary, method, camera, waits),
         render_thread: RenderThread::start(
             gpu.clone(),
             live,
@@ -113,15 +93,11 @@ pub(super) fn start(
         ),
         gpu,
         hub,
-        summary,
-        settings,
         overrides: ParameterOverrides::default(),
         inspected: None,
         picked: None,
-        requested: None,
         size: options.size,
         started: Instant::now(),
-        moved_at: f64::NEG_INFINITY,
     };
     Ok((sender, thread::spawn(move || session.run(&events))))
 }
@@ -151,7 +127,7 @@ impl Session {
 
     pub(super) fn tell_scene(&self) {
         self.hub
-            .text("scene", &state::scene(&self.summary, &self.overrides));
+            .text("scene", &state::scene(&self.state.summary, &self.overrides));
     }
 
     pub(super) fn say(&self, text: &str) {
@@ -165,45 +141,12 @@ impl Session {
     /// Requests the view, if it changed; returns the time until it changes by itself.
     fn request_view(&mut self) -> Duration {
         let now_s = self.now_s();
-        let next_s = self.timeline.as_mut().and_then(|time| time.tick(now_s));
-        let time = self.timeline.as_ref();
-        let frame = time.map_or(0, Timeline::frame);
-        let is_free = !self.settings.follows_cuts || self.settings.scene_camera.is_none();
-        if let Some(index) = self.summary.cut_at(frame).filter(|_| !is_free) {
-            (self.settings.scene_camera, self.settings.last_camera) = (Some(index), index);
+        let wait_s = self.state.advance(now_s);
+        let view = self.state.view(self.size, now_s);
+        self.hub.text("view", &state::view(&self.state));
+        if self.state.request(&view) {
+            self.render_thread.mailbox.post_view(view);
         }
-        let camera = |index: usize| {
-            self.summary
-                .cameras
-                .get(index)
-                .map(|(name, _)| name.clone())
-        };
-        let shown = self.settings.scene_camera.and_then(camera);
-        let rest_s = SETTLE_S - (now_s - self.moved_at);
-        let plays = time.filter(|time| time.is_playing());
-        let playing_ms = plays.map(|time| time.frame_s() * 1e3 * PLAYING_SHARE);
-        let moving_ms = (rest_s > 0.0).then_some(MOVING_MS);
-        let view = View {
-            camera: match &shown {
-                Some(name) => ViewCamera::Scene(name.clone()),
-                None => ViewCamera::Free(self.controls.camera.clone()),
-            },
-            chosen: camera(self.settings.last_camera).filter(|_| !self.settings.follows_cuts),
-            frame,
-            plays: plays.is_some(),
-            size: self.size,
-            a: self.settings.a,
-            b: self.settings.wipe.then_some(self.settings.b),
-            draft_ms: moving_ms.into_iter().chain(playing_ms).reduce(f64::min),
-        };
-        self.hub
-            .text("view", &state::view(&self.settings, shown.as_deref(), time));
-        if self.requested.as_ref() != Some(&view) {
-            self.render_thread.mailbox.post_view(view.clone());
-            self.requested = Some(view);
-        }
-        let rest_s = (rest_s > 0.0).then_some(rest_s + 0.005);
-        let wait_s = rest_s.into_iter().chain(next_s).reduce(f64::min);
         wait_s.map_or(IDLE, |wait_s| Duration::from_secs_f64(wait_s.max(0.001)))
     }
 
@@ -244,40 +187,18 @@ impl Session {
         }
     }
 
-    /// Adopts a reloaded scene: camera, time and parameters stay, by name.
     fn adopt(&mut self, summary: SceneSummary) {
-        let now_s = self.now_s();
-        let desc = summary.timeline.as_ref();
-        timeline::follow(&mut self.timeline, &mut self.hidden_timeline, desc, now_s);
         self.overrides.keep_what_fits(&summary.declared);
-        let again = |index: usize| {
-            let (old, _) = self.summary.cameras.get(index)?;
-            summary.cameras.iter().position(|(new, _)| new == old)
-        };
-        let last = again(self.settings.last_camera).unwrap_or(0);
-        self.settings.scene_camera = self
-            .settings
-            .scene_camera
-            .map(|index| again(index).unwrap_or(last));
-        self.settings.last_camera = last;
-        self.controls.rescale(&summary.bounds);
-        if summary.method != self.summary.method {
-            self.settings.a.method = summary.method;
-        }
-        self.summary = summary;
+        self.state.adopt(summary, self.now_s());
         self.tell_scene();
     }
 
     fn show(&mut self, shown: &FinishedFrame) {
-        if self.settings.scene_camera.is_some() {
-            self.controls.camera = shown.camera.clone();
-        }
-        self.settings.shown_method = shown.sides.first().map(|side| side.stats.method);
+        self.state.show(shown);
         self.picked.clone_from(&shown.picked);
-        let is_draft = (self.requested.as_ref()).is_some_and(|view| view.draft_ms.is_some());
         let mut pictures = [None, None];
         for (index, side) in shown.sides.iter().take(2).enumerate() {
-            match self.encode(shown.number, index as u8, side, is_draft) {
+            match self.encode(shown.number, index as u8, side, shown.is_draft) {
                 Ok(bytes) => pictures[index] = Some(bytes.into()),
                 Err(why) => return self.say(&format!("the picture is not sent: {why}")),
             }

@@ -9,7 +9,8 @@ use crate::{
         scene_summary::SceneSummary,
         timeline::Timeline,
         view_channel::ViewChannel,
-        view_settings::{METHODS, ViewSettings},
+        view_settings::METHODS,
+        view_state::ViewState,
     },
     write_back::Inspected,
 };
@@ -98,16 +99,13 @@ pub(super) fn scene(summary: &SceneSummary, overrides: &ParameterOverrides) -> S
 }
 
 /// Choices of the view.
-pub(super) fn view(
-    settings: &ViewSettings,
-    camera: Option<&str>,
-    time: Option<&Timeline>,
-) -> String {
+pub(super) fn view(state: &ViewState) -> String {
+    let (settings, time) = (&state.settings, state.timeline.as_ref());
     let side = |side: Side| json!([method_name(side.method), side.channel.name()]);
     json!({ "view": {
         "sides": [side(settings.a), side(settings.b)],
         "wipe": settings.wipe,
-        "camera": camera,
+        "camera": state.shown_camera(),
         "cuts": settings.follows_cuts,
         "frame": time.map(Timeline::frame),
         "plays": time.is_some_and(Timeline::is_playing),

@@ -176,3 +176,147 @@ fn the_newest_picture_waits_until_the_one_before_is_shown() {
     hub.leave(&outbox);
     assert!(outbox.next().is_none() && hub.join().is_some());
 }
+
+type Client = WebSocket<TcpStream>;
+
+/// Viewers on sockets of the page, and the events of the session that they share.
+struct Viewers {
+    hub: Hub,
+    events: std::sync::mpsc::Receiver<Event>,
+    sender: Sender<Event>,
+}
+
+impl Viewers {
+    fn new() -> Self {
+        let (sender, events) = std::sync::mpsc::channel();
+        Self {
+            hub: Hub::default(),
+            events,
+            sender,
+        }
+    }
+
+    fn join(&self) -> (Client, thread::JoinHandle<()>) {
+        let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
+        let at = listener.local_addr().expect("bound");
+        let stream = TcpStream::connect(at).expect("connects");
+        let (mut server, _) = listener.accept().expect("accepts");
+        let (hub, sender) = (self.hub.clone(), self.sender.clone());
+        let meets = thread::spawn(move || drop(meet(&mut server, &access(), &hub, &sender)));
+        let request = tungstenite::http::Request::builder()
+            .uri(format!("ws://{at}/0123456789abcdef/socket"))
+            .header("Host", at.to_string())
+            .header("Origin", format!("http://{at}"))
+            .header("Upgrade", "websocket")
+            .header("Connection", "Upgrade")
+            .header("Sec-WebSocket-Version", "13")
+            .header("Sec-WebSocket-Key", "dGhlIHNhbXBsZSBub25jZQ==")
+            .body(())
+            .expect("a request");
+        let (client, _) = tungstenite::client(request, stream).expect("it is the own page");
+        (client, meets)
+    }
+
+    /// The next input of a viewer.
+    fn input(&self) -> Input {
+        loop {
+            match self.events.recv_timeout(Duration::from_secs(60)) {
+                Ok(Event::Input(input)) => return input,
+                Ok(_) => {}
+                Err(error) => panic!("no input came: {error}"),
+            }
+        }
+    }
+}
+
+#[test]
+fn two_viewers_that_drag_at_once_are_both_heard_and_both_see_it() {
+    let viewers = Viewers::new();
+    let (mut one, first) = viewers.join();
+    let (mut other, second) = viewers.join();
+    let drag = |by: i32| Message::text(format!("{{\"do\":\"orbit\",\"by\":[{by},0]}}"));
+    let mut heard = Vec::new();
+    for by in 0..4 {
+        one.send(drag(by)).expect("sent");
+        other.send(drag(10 + by)).expect("sent");
+        heard.extend([viewers.input(), viewers.input()]);
+    }
+    let orbit = |by: i32| Input::Orbit {
+        by: [by as f32, 0.0],
+    };
+    assert!((0..4).all(|by| heard.contains(&orbit(by)) && heard.contains(&orbit(10 + by))));
+    viewers.hub.text("view", "where both have moved it");
+    for client in [&mut one, &mut other] {
+        let told = client.read().expect("told");
+        assert_eq!(told.to_text().expect("a text"), "where both have moved it");
+    }
+    drop((one, other));
+    for viewer in [first, second] {
+        viewer.join().expect("no panic");
+    }
+    assert!(viewers.hub.is_empty(), "both have left");
+}
+
+#[test]
+fn garbage_and_long_messages_end_a_connection_and_nothing_else() {
+    let viewers = Viewers::new();
+    let (mut other, stays) = viewers.join();
+    let (mut client, ends) = viewers.join();
+    for text in ["{\"do\":\"explode\"}", "7", "", "\u{1f600}"]
+        .iter()
+        .cycle()
+        .take(MOST_GARBAGE as usize)
+    {
+        // The last ones may meet a closed connection.
+        let _ = client.send(Message::text(*text));
+    }
+    ends.join().expect("no panic");
+    while client.read().is_ok() {}
+    let (mut client, ends) = viewers.join();
+    let _ = client.send(Message::text("x".repeat(MOST_MESSAGE + 1)));
+    ends.join().expect("no panic");
+    let (mut client, ends) = viewers.join();
+    client.send(Message::binary(vec![0; 100])).expect("sent");
+    drop(client);
+    ends.join().expect("no panic");
+    other
+        .send(Message::text("{\"do\":\"wipe\"}"))
+        .expect("sent");
+    assert_eq!(
+        viewers.input(),
+        Input::Wipe,
+        "the first that means something"
+    );
+    drop(other);
+    stays.join().expect("no panic");
+}
+
+#[test]
+fn messages_of_a_second_and_connections_are_counted() {
+    let start = Instant::now();
+    let mut rate = Rate::starting(start);
+    assert!((0..MOST_RATE).all(|_| rate.allows(start)));
+    assert!(!rate.allows(start + Duration::from_millis(999)));
+    assert!(rate.allows(start + Duration::from_secs(1)));
+    let count = Arc::new(AtomicUsize::new(0));
+    let slots: Vec<_> = (0..MOST_CONNECTIONS).map(|_| Slot::take(&count)).collect();
+    assert!(slots.iter().all(Option::is_some) && Slot::take(&count).is_none());
+    drop(slots);
+    assert!(Slot::take(&count).is_some());
+}
+
+#[test]
+fn a_thousand_wrong_tokens_open_nothing() {
+    let access = access();
+    for wrong in 0..1000 {
+        let request = tungstenite::http::Request::builder()
+            .uri(format!("/{wrong:016x}/"))
+            .header("Host", "localhost")
+            .body(())
+            .expect("a request");
+        assert!(
+            matches!(access.route(&request), Route::Refused(403, _)),
+            "{wrong}"
+        );
+    }
+}

@@ -148,6 +148,8 @@ pub struct FinishedFrame {
     pub camera: CameraDesc,
     /// Viewport size that it was rendered for, pixels.
     pub size: [u32; 2],
+    /// Whether it was rendered within the time budget of something that moves.
+    pub is_draft: bool,
     /// Left side, and the right side of a wipe.
     pub sides: Vec<Visualization>,
     /// The selected instance, if it still exists.

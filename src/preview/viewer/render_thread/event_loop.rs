@@ -136,6 +136,7 @@ impl Worker {
             frame: self.live.posed_frame(),
             camera: self.camera(&view.camera),
             size: view.size,
+            is_draft: view.draft_ms.is_some(),
             sides,
             picked,
         })));

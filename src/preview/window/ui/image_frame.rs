@@ -30,10 +30,10 @@ impl Window {
     /// Size of the picture to render, pixels: the whole area, but where that is narrower than the image and the
     /// image's frame is shown; then all of the image.
     pub(super) fn picture_size(&self) -> [u32; 2] {
-        let (area, image) = (self.viewport, self.summary.image_size);
+        let (area, image) = (self.viewport, self.state.summary.image_size);
         let is_wide =
             u64::from(area[0]) * u64::from(image[1]) >= u64::from(area[1]) * u64::from(image[0]);
-        match self.settings.image_frame && !is_wide && area[0] > 0 {
+        match self.state.settings.image_frame && !is_wide && area[0] > 0 {
             true => largest(area, image),
             false => area,
         }
@@ -41,11 +41,15 @@ impl Window {
 
     /// Paints the image's frame over the picture: what is outside is dim, and the safe areas have lines.
     pub(super) fn paint_image_frame(&self, ui: &Ui, rect: Rect) {
-        let Some(shown) = self.shown.as_ref().filter(|_| self.settings.image_frame) else {
+        let Some(shown) = self
+            .shown
+            .as_ref()
+            .filter(|_| self.state.settings.image_frame)
+        else {
             return;
         };
         let picture = fit(rect, shown.size);
-        let frame = frame(picture, self.summary.image_size);
+        let frame = frame(picture, self.state.summary.image_size);
         let painter = ui.painter().with_clip_rect(picture);
         let dim = Color32::from_black_alpha(130);
         for x in [

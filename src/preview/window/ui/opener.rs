@@ -16,7 +16,7 @@ use crate::{
     live::{Live, SceneSource, ViewOverrides},
     viewer::{
         opening::open, picture_filter::PictureFilter, render_thread::RenderThread,
-        scene_summary::SceneSummary,
+        scene_summary::SceneSummary, view_state::ViewState,
     },
     window::WindowOptions,
 };
@@ -121,9 +121,13 @@ impl Opener {
             repaint,
         );
         let place = (self.screenshots.clone(), opened.stem);
-        let mut window = Window::new(thread, opened.summary, opened.method, opened.camera, place);
-        window.set_follows_cuts(opened.follows_cuts);
-        window
+        let state = ViewState::new(
+            opened.summary,
+            opened.method,
+            opened.camera,
+            opened.follows_cuts,
+        );
+        Window::new(thread, state, place)
     }
 }
 

@@ -18,10 +18,16 @@ use crate::viewer::{
 impl Window {
     /// The camera as scene text, under a name that the scene does not have.
     pub(super) fn camera_text(&self) -> String {
-        let is_free = |name: &String| self.summary.cameras.iter().all(|(known, _)| known != name);
+        let is_free = |name: &String| {
+            self.state
+                .summary
+                .cameras
+                .iter()
+                .all(|(known, _)| known != name)
+        };
         let names = (2..).map(|number| format!("copied{number}"));
         let name = iter::once("copied".to_owned()).chain(names).find(is_free);
-        as_text(&name.unwrap_or_default(), &self.camera_controls.camera)
+        as_text(&name.unwrap_or_default(), &self.state.controls.camera)
     }
 
     pub(super) fn side_panel(&mut self, ui: &mut Ui, requests: &mut Vec<ViewRequest>) {
@@ -30,7 +36,7 @@ impl Window {
             // Space for the scroll bar.
             ui.set_max_width(ui.available_width() - 8.0);
             // Draggable controls first: nothing above them changes its height by itself.
-            if parameter_panel::params(ui, &self.summary.declared, &mut self.parameters) {
+            if parameter_panel::params(ui, &self.state.summary.declared, &mut self.parameters) {
                 requests.push(ViewRequest::SetParameters(
                     self.parameters.overrides.clone(),
                 ));
@@ -38,28 +44,34 @@ impl Window {
             let written = self.parameters.take_finished(ui);
             requests.extend(written.map(ViewRequest::WriteParameters));
             // Its rows stay in place when a click in it changes what is below.
-            place_panel::outline(ui, &self.summary.items, &mut self.selection, requests);
+            place_panel::outline(ui, &self.state.summary.items, &mut self.selection, requests);
             place_panel::panel(ui, &mut self.selection, requests);
             place_panel::pixel(ui, &self.pixel);
-            let before = self.settings.material;
+            let before = self.state.settings.material;
             let picked = self.picked.as_ref();
-            material_panel::panel(ui, &mut self.settings, &self.summary, picked, requests);
-            if self.settings.material != before && picked.is_some() {
+            material_panel::panel(
+                ui,
+                &mut self.state.settings,
+                &self.state.summary,
+                picked,
+                requests,
+            );
+            if self.state.settings.material != before && picked.is_some() {
                 self.render_thread.mailbox.post(Task::Unpick);
             }
-            let is_old = match (&self.comparison, &self.requested) {
+            let is_old = match (&self.comparison, &self.state.requested) {
                 (Some(Comparison { view: then, .. }), Some(now)) => !then.shows_same_content(now),
                 _ => false,
             };
             let comparison = (self.comparison.as_ref()).map(|j| (j.view.a.method, &j.scores));
-            panels::comparison(ui, comparison, is_old, &mut self.settings);
+            panels::comparison(ui, comparison, is_old, &mut self.state.settings);
             let shown = self.shown.as_ref().and_then(|shown| shown.sides.first());
             if let Some(side) = shown {
                 frame_panels::shares(ui, &side.stats, &self.history);
                 frame_panels::times(ui, &side.stats, &self.history);
             }
-            status_bar::log(ui, &self.summary.log);
-            status_bar::scene(ui, &self.summary);
+            status_bar::log(ui, &self.state.summary.log);
+            status_bar::scene(ui, &self.state.summary);
             egui::CollapsingHeader::new("Camera as scene text").show(ui, |ui| {
                 ui.monospace(self.camera_text());
             });

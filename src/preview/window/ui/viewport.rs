@@ -22,12 +22,12 @@ impl Window {
         self.paint(ui, frame, rect);
         self.paint_image_frame(ui, rect);
         self.captions(ui, rect);
-        let is_known = self.summary.problems.is_empty() && self.script.is_none();
-        if self.summary.is_nothing() && is_known {
-            viewport_paint::empty_scene(ui, rect, &self.summary.warnings);
+        let is_known = self.state.summary.problems.is_empty() && self.script.is_none();
+        if self.state.summary.is_nothing() && is_known {
+            viewport_paint::empty_scene(ui, rect, &self.state.summary.warnings);
         }
-        diagnostics_panel::overlay(ui, rect, &self.summary.problems, &mut self.fold);
-        let grabbed = self.settings.wipe && self.wipe_line(ui, rect);
+        diagnostics_panel::overlay(ui, rect, &self.state.summary.problems, &mut self.fold);
+        let grabbed = self.state.settings.wipe && self.wipe_line(ui, rect);
         self.gizmo(ui, rect);
         if response.clicked()
             && !grabbed
@@ -40,7 +40,7 @@ impl Window {
 
     /// Shows the handles of the selection over the picture of the camera.
     fn gizmo(&mut self, ui: &Ui, rect: Rect) {
-        let Some(shown) = self.shown.as_ref().filter(|_| !self.settings.wipe) else {
+        let Some(shown) = self.shown.as_ref().filter(|_| !self.state.settings.wipe) else {
             return;
         };
         let layer = self.layer_at(rect.center(), rect);
@@ -75,25 +75,29 @@ impl Window {
 
     /// Clears the selected instance and material.
     pub(super) fn unselect(&mut self) {
-        self.settings.material = None;
+        self.state.settings.material = None;
         self.send(Task::Unpick);
     }
 
     /// Adopts the result of a pick.
     pub(super) fn apply_pick(&mut self, picked: Option<Picked>) {
-        self.settings.material = picked.as_ref().map(|picked| picked.material);
-        self.settings.scrolls_to_material = picked.is_some();
+        self.state.settings.material = picked.as_ref().map(|picked| picked.material);
+        self.state.settings.scrolls_to_material = picked.is_some();
         self.picked = picked;
     }
 
     /// Frames the selected instance, else the selected material, else the scene.
     pub(super) fn frame_selection(&mut self) {
-        let rows = &self.summary.materials;
-        let row = self.settings.material.and_then(|index| rows.get(index));
+        let rows = &self.state.summary.materials;
+        let row = self
+            .state
+            .settings
+            .material
+            .and_then(|index| rows.get(index));
         let bounds = match (&self.picked, row) {
             (Some(picked), _) => picked.bounds,
             (None, Some(row)) => row.bounds,
-            (None, None) => self.summary.bounds,
+            (None, None) => self.state.summary.bounds,
         };
         if bounds.is_empty() {
             let is_selected = self.picked.is_some() || row.is_some();
@@ -104,25 +108,25 @@ impl Window {
             return;
         }
         let [width, height] = self.viewport.map(|side| side.max(1) as f32);
-        self.camera_controls.frame(&bounds, width / height);
-        self.settings.scene_camera = None;
+        self.state.controls.frame(&bounds, width / height);
+        self.state.settings.scene_camera = None;
     }
 
     /// Moves the camera; returns whether it moved.
     fn navigate(&mut self, ui: &Ui, picture: &Response) -> bool {
-        let before = self.camera_controls.camera.clone();
+        let before = self.state.controls.camera.clone();
         let height = picture.rect.height().max(1.0);
         let drag = picture.drag_delta() / height;
         let drag = Vec2::new(drag.x, drag.y);
         if picture.dragged_by(PointerButton::Primary) {
-            self.camera_controls.orbit(drag);
+            self.state.controls.orbit(drag);
         }
         if picture.dragged_by(PointerButton::Middle) {
-            self.camera_controls.pan(drag);
+            self.state.controls.pan(drag);
         }
         let flies = ui.input(|i| i.pointer.secondary_down()) && picture.contains_pointer();
         if picture.dragged_by(PointerButton::Secondary) {
-            self.camera_controls.look(drag);
+            self.state.controls.look(drag);
         }
         if flies || picture.dragged_by(PointerButton::Secondary) {
             self.fly(ui);
@@ -130,14 +134,14 @@ impl Window {
         if picture.hovered() {
             let notches = ui.input(|i| i.smooth_scroll_delta().y) / 50.0;
             if notches != 0.0 && flies {
-                self.camera_controls.change_speed(notches);
-                let speed_m = self.camera_controls.speed_m;
+                self.state.controls.change_speed(notches);
+                let speed_m = self.state.controls.speed_m;
                 self.message.set(format!("flying at {speed_m:.2} m/s"));
             } else if notches != 0.0 {
-                self.camera_controls.dolly(notches);
+                self.state.controls.dolly(notches);
             }
         }
-        self.camera_controls.camera != before
+        self.state.controls.camera != before
     }
 
     fn fly(&mut self, ui: &Ui) {
@@ -154,7 +158,7 @@ impl Window {
         if direction != Vec3::ZERO {
             let (seconds, fast) = ui.input(|i| (i.stable_dt.min(0.1), i.modifiers.shift));
             let factor = if fast { 4.0 } else { 1.0 };
-            self.camera_controls.fly(direction, seconds * factor);
+            self.state.controls.fly(direction, seconds * factor);
             ui.ctx().request_repaint();
         }
     }

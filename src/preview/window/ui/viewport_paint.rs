@@ -80,7 +80,9 @@ fn name_places(rect: Rect, x: f32, [left, right]: [f32; 2]) -> [Pos2; 2] {
 impl Window {
     /// The error map, if it is shown.
     pub(super) fn error_map(&self) -> Option<&Comparison> {
-        self.comparison.as_ref().filter(|_| self.settings.error_map)
+        self.comparison
+            .as_ref()
+            .filter(|_| self.state.settings.error_map)
     }
 
     /// Displayed layers, from left to right.
@@ -88,8 +90,8 @@ impl Window {
         let Some(shown) = &self.shown else {
             return Vec::new();
         };
-        let line = rect.left() + rect.width() * self.settings.wipe_at;
-        let is_wiped = self.settings.wipe && shown.sides.len() > 1;
+        let line = rect.left() + rect.width() * self.state.settings.wipe_at;
+        let is_wiped = self.state.settings.wipe && shown.sides.len() > 1;
         let mut layers = Vec::new();
         for (index, side) in shown.sides.iter().enumerate() {
             let error_map = self.error_map().filter(|_| index == 0);
@@ -108,7 +110,8 @@ impl Window {
                 texture: texture.clone(),
                 shape,
                 is_of_camera: side.channel.is_of_camera() || error_map.is_some(),
-                is_cross: error_map.is_none() && side.channel.is_cross(&self.summary.shadow_lights),
+                is_cross: error_map.is_none()
+                    && side.channel.is_cross(&self.state.summary.shadow_lights),
                 clip: Rect::from_x_y_ranges(x, rect.y_range()),
             });
         }
@@ -171,13 +174,13 @@ impl Window {
 
     /// The wipe line; returns whether it is hovered or dragged.
     pub(super) fn wipe_line(&mut self, ui: &Ui, rect: Rect) -> bool {
-        let x = rect.left() + rect.width() * self.settings.wipe_at;
+        let x = rect.left() + rect.width() * self.state.settings.wipe_at;
         let grip = Rect::from_center_size(pos2(x, rect.center().y), vec2(12.0, rect.height()));
         let line = ui.interact(grip, ui.scope_id().with("wipe"), Sense::drag());
         let line = line.on_hover_cursor(egui::CursorIcon::ResizeHorizontal);
         let held_at = line.interact_pointer_pos().filter(|_| line.dragged());
         if let (Some(at), true) = (held_at, rect.width() > 0.0) {
-            self.settings.wipe_at = ((at.x - rect.left()) / rect.width()).clamp(0.0, 1.0);
+            self.state.settings.wipe_at = ((at.x - rect.left()) / rect.width()).clamp(0.0, 1.0);
         }
         let is_held = line.hovered() || line.dragged();
         let color = Color32::from_white_alpha(if is_held { 255 } else { 160 });
@@ -186,9 +189,9 @@ impl Window {
         let name = |side: &Side| format!("{}, {}", method_name(side.method), side.channel.name());
         let left = match self.error_map() {
             Some(_) => "error map".to_owned(),
-            None => name(&self.settings.a),
+            None => name(&self.state.settings.a),
         };
-        let names = [left, name(&self.settings.b)];
+        let names = [left, name(&self.state.settings.b)];
         let widths = names.each_ref().map(|text| {
             let font = FontId::proportional(13.0);
             let text = ui
@@ -212,7 +215,7 @@ impl Window {
         if legends.is_empty() && self.error_map().is_none() && self.picked.is_none() {
             return;
         }
-        let below = if self.settings.wipe {
+        let below = if self.state.settings.wipe {
             TOP + 2.0 * NAME
         } else {
             TOP
@@ -233,7 +236,7 @@ impl Window {
                     ui.label(legend);
                 }
                 if let Some(picked) = &self.picked {
-                    let material = self.summary.materials.get(picked.material);
+                    let material = self.state.summary.materials.get(picked.material);
                     let material = material.map_or("", |row| row.name.as_str());
                     selection(ui, &picked.label, material, picked.outline.is_some());
                 }

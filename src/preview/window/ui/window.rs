@@ -13,28 +13,16 @@ use super::{
     place_panel::Selection, status_message::StatusMessage, timeline_keys::Keys,
 };
 use crate::viewer::{
-    camera_controls::CameraControls,
-    protocol::{
-        Comparison, FinishedFrame, FrameAction, FrameRequest, Picked, PixelValue, Task, View,
-    },
+    protocol::{Comparison, FinishedFrame, FrameAction, FrameRequest, Picked, PixelValue, Task},
     render_thread::RenderThread,
-    scene_summary::SceneSummary,
-    timeline::Timeline,
-    view_settings::ViewSettings,
+    view_state::ViewState,
 };
 use reflet_render::stats::FrameStats;
-use reflet_scene::desc::Method;
 
 /// The application.
 pub struct Window {
     pub(super) render_thread: RenderThread,
-    pub(super) summary: SceneSummary,
-    pub(super) settings: ViewSettings,
-    pub(super) camera_controls: CameraControls,
-    /// Timeline, if the scene has one.
-    pub(super) timeline: Option<Timeline>,
-    /// Timeline of the last scene that had one.
-    pub(super) hidden_timeline: Option<Timeline>,
+    pub(super) state: ViewState,
     /// Keys of tracks on the timeline.
     pub(super) keys: Keys,
     /// Flight that is being recorded.
@@ -56,10 +44,6 @@ pub struct Window {
     pub(super) history: VecDeque<FrameStats>,
     /// Registered egui textures by the number of their `FrameTexture`.
     pub(super) textures: HashMap<u64, egui::TextureId>,
-    /// The view that was requested last.
-    pub(super) requested: Option<View>,
-    /// Time of the last camera move, seconds.
-    pub(super) moved_at: f64,
     pub(super) message: StatusMessage,
     /// Start of a script that runs in the background.
     pub(super) script: Option<Instant>,
@@ -72,35 +56,19 @@ pub struct Window {
 }
 
 impl Window {
-    /// Whether the cuts of the timeline choose the camera, until another one is chosen.
-    pub fn set_follows_cuts(&mut self, follows: bool) {
-        self.settings.follows_cuts = follows;
-    }
-
-    /// A window that first shows `method` through the scene's camera of this index, and writes
-    /// screenshots into this folder with this file name prefix.
+    /// A window that shows a state, and writes screenshots into this folder with this file name prefix.
     pub fn new(
         render_thread: RenderThread,
-        summary: SceneSummary,
-        method: Method,
-        camera: usize,
+        state: ViewState,
         (screenshot_folder, stem): (PathBuf, String),
     ) -> Self {
-        let mut settings = ViewSettings::new(method);
-        (settings.scene_camera, settings.last_camera) = (Some(camera), camera);
-        let start = summary.cameras.get(camera);
-        let start = start.map(|(_, camera)| camera.clone()).unwrap_or_default();
         Self {
-            camera_controls: CameraControls::new(start, &summary.bounds),
-            timeline: summary.timeline.as_ref().map(Timeline::new),
-            hidden_timeline: None,
+            state,
             keys: Keys::default(),
             recording: None,
             parameters: Parameters::default(),
             fold: FoldState::default(),
             render_thread,
-            summary,
-            settings,
             shown: None,
             comparison: None,
             picked: None,
@@ -109,8 +77,6 @@ impl Window {
             edits: 0,
             history: VecDeque::new(),
             textures: HashMap::new(),
-            requested: None,
-            moved_at: f64::NEG_INFINITY,
             message: StatusMessage::default(),
             script: None,
             unwatched: None,
@@ -128,7 +94,7 @@ impl Window {
 
     /// Requests an action on the view's frame; while playing, on the displayed one.
     pub(super) fn request_frame(&mut self, action: FrameAction) {
-        let Some(mut view) = self.requested.clone() else {
+        let Some(mut view) = self.state.requested.clone() else {
             self.message.set("nothing is shown yet");
             return;
         };
