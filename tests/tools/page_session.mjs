@@ -1,5 +1,5 @@
 // A viewer's session in a real browser: opens the page of `reflet preview --serve`, orbits, scrubs, drags a parameter,
-// breaks and mends the scene. Arguments: the browser, the address of the page, the scene and the module Playwright.
+// selects, wipes in a second window, breaks and mends the scene. Arguments: the browser, the address of the page, the scene and the module Playwright.
 // Prints one line for each step; ends with an error where one fails.
 import { readFileSync, writeFileSync } from "node:fs";
 import { pathToFileURL } from "node:url";
@@ -71,6 +71,24 @@ while (!readFileSync(scenePath, "utf8").includes("height = 1.5")) {
   await page.waitForTimeout(50);
 }
 step("written");
+
+// The picture stands in the middle of the canvas, with margins; the floor is below its middle.
+await page.mouse.click(x, y + 0.05 * box.height);
+await page.waitForFunction(() => document.getElementById("label").textContent.includes("floor"));
+step("selected");
+
+// A second viewer shares the view: its wipe is seen by both, and a narrow page shows all of its parts.
+const second = await browser.newPage({ viewport: { width: 640, height: 700 } });
+await second.goto(address);
+await second.locator("#wipe").click();
+for (const viewer of [page, second]) {
+  await viewer.waitForFunction(() => document.getElementById("wipe").getAttribute("aria-pressed") === "true");
+  await viewer.locator("#line").waitFor({ state: "visible" });
+}
+const overflow = await second.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+if (overflow > 0) throw new Error(`a page of 640 px is ${overflow} px too wide`);
+await second.close();
+step("shared");
 
 const text = readFileSync(scenePath, "utf8");
 writeFileSync(scenePath, text.replace('kind = "sphere"', 'kind = "spere"'));

@@ -42,11 +42,21 @@ intensity_cd = 60
 color = [0.3, 0.4, 0.5]
 """
 SCRIPT = 'fn frame(ctx) { ctx.place("ball", [0.1 * ctx.frame, ctx.params.height, 0]); }\n'
-STEPS = ["opened", "orbited", "scrubbed", "written", "broken", "mended", "refused"]
+STEPS = [
+    "opened",
+    "orbited",
+    "scrubbed",
+    "written",
+    "selected",
+    "shared",
+    "broken",
+    "mended",
+    "refused",
+]
 
 
 def test_a_browser_opens_changes_and_mends_a_scene(tmp_path: Path) -> None:
-    """A viewer orbits, scrubs, changes a parameter, and sees a mistake and its mending."""
+    """A viewer orbits, scrubs, changes a parameter, selects, wipes, breaks and mends."""
     browser, node = shutil.which("chromium"), shutil.which("node")
     if browser is None or node is None or not PLAYWRIGHT.is_file():
         pytest.skip("Chromium, Node.js or playwright-core is not installed")
