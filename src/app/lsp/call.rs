@@ -2,8 +2,11 @@
 
 use serde_json::{Value, json};
 
-use super::script_text::{in_quotes, is_word};
+use super::script_text::is_word;
 use crate::scene::script::api;
+
+/// Longest text in which a call that surrounds its end is searched, bytes.
+const MOST_BYTES: usize = 4096;
 
 /// A call that a text ends in.
 #[derive(Debug, PartialEq, Eq)]
@@ -19,6 +22,9 @@ pub struct Call<'a> {
 impl<'a> Call<'a> {
     /// The innermost call that a text ends in; `None` outside of all calls.
     pub fn around_end_of(before: &'a str) -> Option<Self> {
+        let start = before.floor_char_boundary(before.len().saturating_sub(MOST_BYTES));
+        let line = before[start..].find('\n').filter(|_| start > 0);
+        let before = &before[line.map_or(start, |line| start + line)..];
         // Arguments so far of each open parenthesis, with the place of it; other brackets have no place.
         let mut open: Vec<(Option<usize>, usize)> = Vec::new();
         for (at, c) in code(before) {
@@ -114,28 +120,24 @@ pub fn signature_help(text: &str, offset: usize) -> Option<Value> {
     })
 }
 
-/// Characters of a script outside of its texts and comments, with their byte offsets. An unfinished text at the end counts
-/// as one character of code, so that calls around it are found.
-fn code(text: &str) -> impl Iterator<Item = (usize, char)> {
-    let mut line_start = 0;
-    let lines = text.split_inclusive('\n').map(move |line| {
-        let start = line_start;
-        line_start += line.len();
-        (start, line)
-    });
-    lines.flat_map(|(start, line)| {
-        let outside = line
-            .char_indices()
-            .filter(move |(at, _)| !in_quotes(&line[..*at]));
-        // `//` begins a comment up to the end of the line.
-        let mut last = ' ';
-        let code = outside.take_while(move |(_, c)| {
-            let is_comment = last == '/' && *c == '/';
-            last = *c;
-            !is_comment
-        });
-        code.map(move |(at, c)| (start + at, c))
-    })
+/// Characters of a script outside of its texts in double quotes and its comments, with their byte offsets. A quote is a
+/// character of code, so that a call around an unfinished text at the end is found.
+fn code(text: &str) -> Vec<(usize, char)> {
+    let mut code = Vec::new();
+    let (mut in_text, mut in_comment, mut before) = (false, false, ' ');
+    for (at, c) in text.char_indices() {
+        match c {
+            '\n' => (in_text, in_comment) = (false, false),
+            _ if in_comment => {}
+            '"' if before != '\\' => in_text = !in_text,
+            '/' if before == '/' && !in_text => in_comment = true,
+            _ if !in_text => code.push((at, c)),
+            _ => {}
+        }
+        // A backslash that is escaped escapes nothing.
+        before = if before == '\\' && c == '\\' { ' ' } else { c };
+    }
+    code
 }
 
 #[cfg(test)]
@@ -159,5 +161,8 @@ mod tests {
         assert_eq!(call("f(1); "), None);
         assert_eq!(call("if (a"), Some(("if", false, 0)));
         assert_eq!(call("(a, "), None);
+        assert_eq!(call("f(\"a \\\" (\", g(1), "), Some(("f", false, 2)));
+        let long = format!("f({}, ", "[1], ".repeat(10_000));
+        assert_eq!(call(&long), None, "beyond what is searched");
     }
 }

@@ -3,6 +3,7 @@
 use std::{
     collections::BTreeMap,
     fs,
+    ops::Range,
     path::{Path, PathBuf},
     sync::Arc,
 };
@@ -10,9 +11,11 @@ use std::{
 use serde_json::{Value, json};
 
 use super::{
+    call::Call,
     is_script,
-    names::{Name, border_of, names, uses, with_parts},
+    names::{Name, border_of, kinds_of_value, names, uses, with_parts},
     position::{range, uri_of},
+    script_text::is_word,
 };
 use crate::{
     files::folder_of,
@@ -100,28 +103,12 @@ fn files_below(folder: &Path, depth: usize, found: &mut Vec<PathBuf>) {
 /// The named thing at a byte offset of a file, with its range there.
 pub fn target(file: &Arc<Source>, offset: usize, texts: &[Arc<Source>]) -> Option<(Target, Name)> {
     let is_at = |name: &Name| (name.range.start..=name.range.end).contains(&offset);
-    if is_script(&file.path) {
-        let name = script_names(file).into_iter().find(is_at)?;
-        let is_param = name.kind == "params";
-        let defined = texts.iter().flat_map(|text| names(text));
-        let mut defined = defined.filter(|d| d.name == name.name);
-        let found = defined.find(|d| (d.kind == "params") == is_param)?;
-        let kind = found.kind;
-        return Some((
-            Target {
-                kind,
-                name: name.name.clone(),
-            },
-            name,
-        ));
-    }
-    let own = names(file).into_iter().find(is_at);
-    if let Some(own) = own {
+    if let Some(own) = own_names(file).into_iter().find(is_at) {
         let (kind, name) = (own.kind.clone(), own.name.clone());
         return Some((Target { kind, name }, own));
     }
-    let (name, kinds) = uses(file).into_iter().find(|(name, _)| is_at(name))?;
-    let defined = texts.iter().flat_map(|text| names(text));
+    let (name, kinds) = used_names(file).into_iter().find(|(name, _)| is_at(name))?;
+    let defined = texts.iter().flat_map(|text| own_names(text));
     let mut defined = defined.filter(|d| d.name == name.name && kinds.contains(&d.kind));
     let kind = defined.next()?.kind;
     Some((
@@ -146,18 +133,10 @@ pub fn places(target: &Target, texts: &[Arc<Source>]) -> Vec<Place> {
                 lead,
             });
         };
-        if is_script(&file.path) {
-            let is_param = target.kind == "params";
-            let found = script_names(file).into_iter();
-            found
-                .filter(|n| n.name == target.name && (n.kind == "params") == is_param)
-                .for_each(|name| add(name, false, String::new()));
-            continue;
-        }
-        let own = names(file).into_iter();
+        let own = own_names(file).into_iter();
         own.filter(|n| n.kind == target.kind && n.name == target.name)
             .for_each(|name| add(name, true, String::new()));
-        for (name, kinds) in uses(file) {
+        for (name, kinds) in used_names(file) {
             if name.name == target.name && kinds.contains(&target.kind) {
                 let word = file.text[name.range.clone()].trim_matches(['"', '\'']);
                 let lead = word.strip_suffix(name.name.as_str()).unwrap_or_default();
@@ -171,35 +150,71 @@ pub fn places(target: &Target, texts: &[Arc<Source>]) -> Vec<Place> {
     all
 }
 
-/// Names in a script: texts in quotes, and `ctx.params.NAME` with the kind `params`.
-fn script_names(file: &Source) -> Vec<Name> {
+/// Names that a text defines; a script defines none.
+fn own_names(file: &Source) -> Vec<Name> {
+    match is_script(&file.path) {
+        true => Vec::new(),
+        false => names(file),
+    }
+}
+
+/// Names that a text uses, each with the kinds that it may be of.
+fn used_names(file: &Source) -> Vec<(Name, Vec<String>)> {
+    match is_script(&file.path) {
+        true => script_names(file),
+        false => uses(file),
+    }
+}
+
+/// Names in a script, each with the kinds that it may be of: texts in quotes that a call of the API takes as a name, or that
+/// are the value of a key which names something, and `ctx.params.NAME` with the kind `params`. Other texts are none, as
+/// they may be anything.
+fn script_names(file: &Source) -> Vec<(Name, Vec<String>)> {
     const PARAM: &str = "ctx.params.";
     let mut found = Vec::new();
     let mut start = 0;
+    let mut add = |name: &str, range: Range<usize>, kinds: &[&str]| {
+        let name = Name {
+            kind: String::new(),
+            name: name.to_owned(),
+            range,
+        };
+        let kinds = kinds.iter().map(|kind| (*kind).to_owned());
+        found.push((name, kinds.collect()));
+    };
     for line in file.text.split_inclusive('\n') {
         let code = line.split("//").next().unwrap_or_default();
         let mut quotes = code.match_indices('"').map(|(at, _)| at);
         while let (Some(open), Some(close)) = (quotes.next(), quotes.next()) {
-            found.push(Name {
-                kind: String::new(),
-                name: code[open + 1..close].to_owned(),
-                range: start + open..start + close + 1,
-            });
+            let kinds = match key_before(&code[..open]) {
+                Some(key) => kinds_of_value(key),
+                None => Call::around_end_of(&file.text[..=start + open])
+                    .map_or(&[][..], |call| call.kinds_of_names()),
+            };
+            if !kinds.is_empty() {
+                add(
+                    &code[open + 1..close],
+                    start + open..start + close + 1,
+                    kinds,
+                );
+            }
         }
         for (at, _) in code.match_indices(PARAM) {
             let rest = &code[at + PARAM.len()..];
-            let end = rest.find(|c: char| !c.is_alphanumeric() && c != '_');
-            let name = &rest[..end.unwrap_or(rest.len())];
+            let name = &rest[..rest.find(|c| !is_word(c)).unwrap_or(rest.len())];
             let from = start + at + PARAM.len();
-            found.push(Name {
-                kind: "params".to_owned(),
-                name: name.to_owned(),
-                range: from..from + name.len(),
-            });
+            add(name, from..from + name.len(), &["params"]);
         }
         start += line.len();
     }
     found
+}
+
+/// Key of a map whose value begins after a text: `model` after `#{ model: `.
+fn key_before(before: &str) -> Option<&str> {
+    let key = before.trim_end().strip_suffix(':')?.trim_end();
+    let start = key.trim_end_matches(is_word).len();
+    Some(&key[start..]).filter(|key| !key.is_empty())
 }
 
 /// Locations of places in the protocol's form.

@@ -116,6 +116,25 @@ fn references_are_found_in_all_files_and_renamed() {
 }
 
 #[test]
+fn a_name_in_another_place_of_a_script_is_left_alone() {
+    let mut client = project("other-texts");
+    // A text without meaning, a word of a shape, and the name of another kind are no references to the model.
+    let script = "fn setup(ctx) {\n    let word = \"ball\";\n    #{ models: #{ b: #{ shape: #{ kind: \"ball\" } } },\n\
+                  instances: [#{ model: \"ball\" }] }\n}\nfn frame(ctx) { ctx.light(\"ball\", #{}); }\n";
+    client.open("move.rhai", script);
+    let at = SHOT.replace("[model.ball]", "[model.ba|ll]");
+    let found = client.at("references", "shots/scene.toml", &at);
+    let found = lines(&found).into_iter();
+    let found: Vec<_> = found.filter(|(file, _)| file == "move.rhai").collect();
+    assert_eq!(
+        found,
+        [("move.rhai".to_owned(), 3)],
+        "the model of the instance"
+    );
+    client.end();
+}
+
+#[test]
 fn symbols_folds_and_colors_of_texts() {
     let mut client = project("structure");
     let symbols = client.ask(
