@@ -152,6 +152,7 @@ impl Section for PartDesc {
     fn read(t: &mut Table) -> Option<Self> {
         let at = t.written("shape");
         let shape = t.need_table("shape", "{ kind = \"box\" }");
+        refuse_dynamic(t, shape.as_ref());
         let placement = placement(t);
         Some(Self {
             shape: shape?,
@@ -161,8 +162,21 @@ impl Section for PartDesc {
     }
 }
 
+/// Refuses a mesh that scripts deform as a part of another shape, which is made of it once.
+fn refuse_dynamic(t: &mut Table, shape: Option<&ShapeDesc>) {
+    if shape.is_some_and(|shape| shape.deforming_vertices().is_some()) {
+        t.refuse(
+            "wrong-source",
+            "shape",
+            "a mesh with `dynamic = true` cannot be a part of another shape, which is made of it once",
+            "leave out `dynamic`, or make it the shape of a model of its own",
+        );
+    }
+}
+
 fn displaced(t: &mut Table) -> Option<ShapeDesc> {
     let shape = t.need_table("shape", "{ kind = \"sphere\" }");
+    refuse_dynamic(t, shape.as_ref());
     let subdivide = t.get("subdivide", range(0.0, 8.0), 3);
     let smooth = t.get("smooth", ANY, false);
     let noise = NoiseDesc {
