@@ -53,6 +53,7 @@ pub mod png_file;
 pub mod precision;
 pub mod probe;
 pub mod probe_boxes;
+mod probe_light;
 pub mod probe_maps;
 pub mod ray_list;
 mod read_targets;

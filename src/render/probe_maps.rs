@@ -3,18 +3,16 @@
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use serde::Serialize;
-use xxhash_rust::xxh3::Xxh3Default;
 
 use reflet_gpu::{Gpu, GpuError, Named};
 use reflet_scene::desc::ProbesDesc;
 use reflet_world::World;
 
 use super::{
-    emitters::lamp_record,
     fog::GpuFog,
     frame_uniforms::{FrameUniforms, uniform},
-    lights::{SHADOW_MAP, SHADOW_RAY},
     probe_boxes::MOST_PROBES,
+    probe_light::{by_rays, hash_of_light},
     types::{Frame, LightBlock, ProbeBox, Sampling},
 };
 
@@ -267,26 +265,14 @@ impl ProbeMaps {
             samples: 1,
             ..*sampling
         };
-        let mut hash = Xxh3Default::new();
-        hash.update(bytemuck::bytes_of(&frame));
-        hash.update(bytemuck::bytes_of(&lights));
-        hash.update(bytemuck::bytes_of(&sampling));
-        for moving in &world.moving.materials {
-            hash.update(format!("{:?}", world.materials[moving.material]).as_bytes());
-        }
-        if world.has_moving_emitters() {
-            for (_, instance) in world.lighting_instances() {
-                hash.update(format!("{:?}", instance.world_from_object).as_bytes());
-            }
-        }
-        for lamp in &world.lamps {
-            hash.update(bytemuck::bytes_of(&lamp_record(lamp, 0)));
-        }
         let fog = GpuFog::of(world);
-        if let Some(fog) = &fog {
-            hash.update(bytemuck::bytes_of(fog));
-        }
-        let hash = Some(hash.digest());
+        let hash = Some(hash_of_light(
+            world,
+            &frame,
+            &lights,
+            &sampling,
+            fog.as_ref(),
+        ));
         let mut content = self.content();
         if content.hash == hash {
             return false;
@@ -331,21 +317,6 @@ impl ProbeMaps {
             ..*frame
         }
     }
-}
-
-/// The lights with shadows by rays, so that what moves casts none.
-fn by_rays(lights: &LightBlock) -> LightBlock {
-    let mut lights = *lights;
-    for light in &mut lights.lights {
-        if light.shadow == SHADOW_MAP {
-            light.shadow = SHADOW_RAY;
-        }
-        // Places in shadow maps, which may follow what moves.
-        light.clip_from_world = [[0.0; 4]; 4];
-        light.texel = 0.0;
-        light.layer = 0;
-    }
-    lights
 }
 
 /// View of all layers and levels.

@@ -1,0 +1,64 @@
+//! Light of the maps of probes: the lights that they are captured with, and a hash of all that their content depends on.
+
+use reflet_world::World;
+use xxhash_rust::xxh3::Xxh3Default;
+
+use super::{
+    emitters::lamp_record,
+    fog::GpuFog,
+    lights::{SHADOW_MAP, SHADOW_RAY},
+    types::{Frame, LightBlock, Sampling},
+};
+
+/// Hash of the light, the environment and the materials that maps show, with blocks that do not depend on the camera.
+pub fn hash_of_light(
+    world: &World,
+    frame: &Frame,
+    lights: &LightBlock,
+    sampling: &Sampling,
+    fog: Option<&GpuFog>,
+) -> u64 {
+    let mut hash = Xxh3Default::new();
+    hash.update(bytemuck::bytes_of(frame));
+    hash.update(bytemuck::bytes_of(lights));
+    hash.update(bytemuck::bytes_of(sampling));
+    // Moving things are on no map, but as lights.
+    let is_shown = |material: usize| {
+        let mut shown = world.instances.iter().filter(|i| i.material == material);
+        world.materials[material].light || shown.any(|instance| !instance.dynamic)
+    };
+    let changing = world.moving.materials.iter();
+    for moving in changing.filter(|moving| is_shown(moving.material)) {
+        hash.update(format!("{:?}", world.materials[moving.material]).as_bytes());
+    }
+    if world.has_moving_emitters() {
+        for (_, instance) in world.lighting_instances() {
+            hash.update(format!("{:?}", instance.world_from_object).as_bytes());
+            if let Some(deformed) = world.deformed.get(&instance.mesh) {
+                hash.update(&deformed.hash.to_le_bytes());
+            }
+        }
+    }
+    for lamp in &world.lamps {
+        hash.update(bytemuck::bytes_of(&lamp_record(lamp, 0)));
+    }
+    if let Some(fog) = fog {
+        hash.update(bytemuck::bytes_of(fog));
+    }
+    hash.digest()
+}
+
+/// The lights with shadows by rays, so that what moves casts none.
+pub fn by_rays(lights: &LightBlock) -> LightBlock {
+    let mut lights = *lights;
+    for light in &mut lights.lights {
+        if light.shadow == SHADOW_MAP {
+            light.shadow = SHADOW_RAY;
+        }
+        // Places in shadow maps, which may follow what moves.
+        light.clip_from_world = [[0.0; 4]; 4];
+        light.texel = 0.0;
+        light.layer = 0;
+    }
+    lights
+}
