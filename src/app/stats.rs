@@ -129,11 +129,8 @@ impl Report {
         line("adapter", format!("{}{software}", self.adapter));
         line("picture", self.picture());
         line("loading", time("scene and files", self.load_ms));
-        if frame.tree_ms > 0.0 {
-            line("trees", time("built on the CPU", frame.tree_ms));
-        }
-        if self.warm_up_ms > 0.0 {
-            line("warm-up", time("pipelines compiled", self.warm_up_ms));
+        for (label, what, ms) in self.preparations() {
+            line(label, time(what, ms));
         }
         for (index, (pass, ms)) in frame.passes_ms.iter().enumerate() {
             line(if index == 0 { "passes" } else { "" }, time(pass, *ms));
@@ -200,6 +197,17 @@ impl Report {
             line("", format!("{class:<26}{:>14}", mebibytes(*bytes)));
         }
         out
+    }
+
+    /// Times of what was made before the first pass: label, work, milliseconds.
+    fn preparations(&self) -> impl Iterator<Item = (&'static str, &'static str, f64)> {
+        let frame = &self.frame;
+        let all = [
+            ("trees", "built on the CPU", frame.tree_ms),
+            ("structures", "built by the device", frame.structures_ms),
+            ("warm-up", "pipelines compiled", self.warm_up_ms),
+        ];
+        all.into_iter().filter(|(.., ms)| *ms > 0.0)
     }
 
     fn rays(&self) -> String {
@@ -320,6 +328,7 @@ mod tests {
                 decisions: Vec::new(),
                 unit_m: 1.0,
                 tree_ms: 0.5,
+                structures_ms: 0.0,
                 passes_ms: vec![("ssr".to_owned(), 1.5), ("trace".to_owned(), 2.5)],
                 processor_ms: Vec::new(),
                 frame_ms: 4.1,

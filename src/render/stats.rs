@@ -216,6 +216,8 @@ pub struct FrameStats {
     pub unit_m: f32,
     /// Time to build all BVHs on the CPU, milliseconds.
     pub tree_ms: f64,
+    /// Time in which the device built its structures for ray queries, milliseconds; 0 without ray queries.
+    pub structures_ms: f64,
     /// GPU time of each pass over all sub-frames, milliseconds; empty where nothing was timed.
     #[serde(serialize_with = "as_map")]
     pub passes_ms: Vec<(String, f64)>,

@@ -62,6 +62,7 @@ fn picture() -> Picture {
             decisions: Vec::new(),
             unit_m: 1.0,
             tree_ms: 0.0,
+            structures_ms: 0.0,
             passes_ms: Vec::new(),
             processor_ms: Vec::new(),
             frame_ms: 0.0,

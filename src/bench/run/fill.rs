@@ -154,6 +154,7 @@ mod tests {
             method: Method::Hybrid,
             unit_m: 1.0,
             tree_ms: 0.0,
+            structures_ms: 0.0,
             shares: Shares::new(&[], [1, 1], Method::Hybrid),
             rays: 0,
             exhausted_rays: 0,

@@ -183,6 +183,7 @@ fn panels_list_times_shares_and_keys() {
         decisions: Vec::new(),
         unit_m: 1.0,
         tree_ms: 0.0,
+        structures_ms: 0.0,
         passes_ms: vec![("ssr".to_owned(), 1.25)],
         processor_ms: Vec::new(),
         frame_ms: 2.5,
