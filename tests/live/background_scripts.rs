@@ -96,6 +96,7 @@ impl Watched {
                 a: side,
                 b: None,
                 draft_ms: None,
+                rest_ms: 1000.0,
             },
             runs: false,
             log: Vec::new(),

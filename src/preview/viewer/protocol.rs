@@ -52,6 +52,8 @@ pub struct View {
     /// Time budget while something moves: one sub-frame, and the resolution is reduced to meet it,
     /// milliseconds.
     pub draft_ms: Option<f64>,
+    /// Time budget of the first picture at rest, milliseconds; further ones follow until all samples are there.
+    pub rest_ms: f64,
 }
 
 impl View {

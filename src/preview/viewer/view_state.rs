@@ -14,6 +14,8 @@ use reflet_scene::desc::Method;
 const SETTLE_S: f64 = 0.15;
 /// Time budget of a picture while something moves, milliseconds.
 const MOVING_MS: f64 = 50.0;
+/// Time budget of the first picture at rest, milliseconds.
+const REST_MS: f64 = 1000.0;
 /// Fraction of a frame's duration that its picture may take while playing.
 const PLAYING_SHARE: f64 = 0.8;
 /// Delay after the end of a rest time at which the view is asked for again, seconds.
@@ -134,6 +136,7 @@ impl ViewState {
             size,
             a: self.settings.a,
             b: self.settings.wipe.then_some(self.settings.b),
+            rest_ms: REST_MS,
             draft_ms: moving_ms.into_iter().chain(playing_ms).reduce(f64::min),
         }
     }

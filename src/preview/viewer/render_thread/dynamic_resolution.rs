@@ -56,8 +56,6 @@ impl FrameCost {
     }
 }
 
-/// Time budget of the first picture at rest, milliseconds.
-const FIRST_REST_MS: f64 = 1000.0;
 /// Factor from the budget of a picture at rest to that of the next one, which renders all sub-frames anew: all pictures
 /// together take at most a third more time than the last one.
 const REST_GROWTH: f64 = 4.0;
@@ -72,16 +70,15 @@ pub struct RestBudget {
     is_short: bool,
 }
 
-impl Default for RestBudget {
-    fn default() -> Self {
+impl RestBudget {
+    /// Budget of the first picture, milliseconds.
+    pub fn starting(ms: f64) -> Self {
         Self {
-            ms: FIRST_REST_MS,
+            ms,
             is_short: false,
         }
     }
-}
 
-impl RestBudget {
     /// Notes that a picture had fewer sub-frames than the scene wants.
     pub fn fall_short(&mut self) {
         self.is_short = true;

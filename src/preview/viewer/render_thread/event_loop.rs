@@ -66,7 +66,8 @@ impl Worker {
                 self.show_item_again();
             }
             if redraw {
-                self.rest_budget = RestBudget::default();
+                let rest_ms = self.view.as_ref().map_or(0.0, |view| view.rest_ms);
+                self.rest_budget = RestBudget::starting(rest_ms);
             }
             // A picture that was given up for what has come now, or that is to have more sub-frames.
             let is_unfinished = std::mem::take(&mut self.is_interrupted) || self.is_refining();

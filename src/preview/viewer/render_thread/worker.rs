@@ -111,7 +111,7 @@ impl Worker {
             summary_sent_at: Instant::now(),
             number: 0,
             is_interrupted: false,
-            rest_budget: RestBudget::default(),
+            rest_budget: RestBudget::starting(0.0),
             denoiser,
             frame_cost: FrameCost::default(),
             sender,
