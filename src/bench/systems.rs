@@ -1,7 +1,7 @@
 //! Systems that are compared with each other: each a method with its settings, as its authors would build it. A further
 //! system is a row of [`SYSTEMS`].
 
-use reflet_scene::desc::{Accept, Lookup, Method, ProbesDesc, ReflectionDesc};
+use reflet_scene::desc::{Accept, Lookup, Method, ProbesDesc, ReflectionDesc, Trace};
 
 pub mod chart;
 pub mod document;
@@ -17,6 +17,13 @@ pub struct System {
     pub is_own: bool,
     /// Changes the settings of a scene to those of the system.
     pub set: fn(&mut ReflectionDesc),
+}
+
+impl System {
+    /// The system of this name.
+    pub fn named(name: &str) -> Option<&'static Self> {
+        SYSTEMS.iter().find(|system| system.name == name)
+    }
 }
 
 /// Sets a method that looks reflections up.
@@ -73,6 +80,10 @@ pub const SYSTEMS: &[System] = &[
         r.method = Method::Rt;
         r.rate = 4;
     }),
+    rival("rt by query", [0, 60, 160], |r| {
+        r.method = Method::Rt;
+        r.trace = Trace::Query;
+    }),
     rival("hybrid (threshold)", [230, 159, 0], |r| {
         r.method = Method::Hybrid;
         r.accept = Accept::Threshold;
@@ -123,10 +134,19 @@ pub struct Row {
     pub popping: Option<f64>,
     /// Bytes of all buffers and textures.
     pub bytes: u64,
-    /// Bytes of the maps of probes.
-    pub probe_bytes: u64,
-    /// Time of a capture of the maps, milliseconds; it is not part of `ms`.
-    pub capture_ms: f64,
+    /// Bytes of what is made apart from the frame: the maps of probes and of far things, the structures of ray queries.
+    pub prepared_bytes: u64,
+    /// Time of a capture of these maps, or of building these structures, milliseconds; it is not part of `ms`.
+    pub prepare_ms: f64,
+}
+
+/// A system without measurements in a scene.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LeftOut {
+    /// Name of the system.
+    pub system: &'static str,
+    /// What the adapter lacks, or the scene has too much of: a sentence without its end.
+    pub why: String,
 }
 
 /// Measured systems of a scene.
@@ -140,8 +160,19 @@ pub struct SceneRows {
     pub mask_px: usize,
     /// Number of probes.
     pub probes: u32,
-    /// A row for each of [`SYSTEMS`].
+    /// Rows of systems of [`SYSTEMS`], in their order.
     pub rows: Vec<Row>,
+    /// Systems that the adapter or the scene refuses.
+    pub left_out: Vec<LeftOut>,
+}
+
+impl SceneRows {
+    /// Rows with their systems; those of no system of [`SYSTEMS`] are left out.
+    pub fn of_systems(&self) -> impl Iterator<Item = (&Row, &'static System)> {
+        self.rows
+            .iter()
+            .filter_map(|row| Some((row, System::named(row.system)?)))
+    }
 }
 
 /// Whether each row is on the front: no other has less time and less error.

@@ -11,12 +11,12 @@ use crate::{
         run::{FrameSeries, REFERENCE_BOUNCES, Subject},
         score::{Errors, Hits, PLANES, Reference, View},
         systems::{
-            Row, SYSTEMS, SceneRows, System,
+            LeftOut, Row, SYSTEMS, SceneRows, System,
             chart::draw,
             document::{Conditions, document},
         },
     },
-    gpu::{Gpu, ShaderLibrary, adapter},
+    gpu::{Gpu, GpuError, ShaderLibrary, adapter},
     render::{
         Picture, RenderError, passes, runtime::renderer_stage::RendererStage, stats::FrameStats,
     },
@@ -34,7 +34,7 @@ struct Running<'a> {
     changes: Vec<Change>,
     temporal: Temporal,
     last: Option<FrameStats>,
-    capture_ms: f64,
+    prepare_ms: f64,
 }
 
 /// Settings of the system in a scene; pictures are not smoothed, as in all benchmarks. A scene without probes gets a
@@ -142,10 +142,16 @@ fn measure(
     };
     let truth = first.renderer(gpu, library, &reference, args.size);
     let mut truth = truth.map_err(explain)?;
-    let all = SYSTEMS
-        .iter()
-        .map(|system| start(gpu, library, args, first, system));
-    let mut running = all.collect::<Result<Vec<_>, _>>().map_err(explain)?;
+    let (mut running, mut left_out) = (Vec::new(), Vec::new());
+    for system in SYSTEMS {
+        match start(gpu, library, args, first, system) {
+            Ok(started) => running.push(started),
+            Err(error) => left_out.push(LeftOut {
+                system: system.name,
+                why: refusal(error)?,
+            }),
+        }
+    }
     let mut mask_px = usize::MAX;
     for frame in &frames {
         let subject = series.at(*frame).map_err(AppError::Scene)?;
@@ -169,7 +175,19 @@ fn measure(
         mask_px,
         probes: probes.map(|p| p.probes).max().unwrap_or(0),
         rows: running.into_iter().map(row).collect(),
+        left_out,
     })
+}
+
+/// Why the adapter or the scene refuses a system.
+///
+/// # Errors
+/// Any other error of the renderer.
+fn refusal(error: RenderError) -> Result<String, AppError> {
+    match error {
+        RenderError::Scene(_) | RenderError::Gpu(GpuError::Limit { .. }) => Ok(error.to_string()),
+        other => Err(explain(other)),
+    }
 }
 
 /// Picture of a subject with the planes that are scored.
@@ -205,7 +223,7 @@ fn start<'a>(
         wrong: Vec::new(),
         changes: Vec::new(),
         temporal: Temporal::new(),
-        capture_ms: stats.captured().map_or(0.0, |(_, ms)| ms),
+        prepare_ms: prepared(&stats).map_or(0.0, |(_, ms)| ms),
         last: Some(stats),
     })
 }
@@ -273,9 +291,17 @@ fn row(mut system: Running<'_>) -> Row {
         wrong_percent: 100.0 * mean(&system.wrong),
         popping: (reference > 0.0).then(|| difference / reference),
         bytes: stats.map_or(0, |s| s.bytes.iter().map(|(_, bytes)| bytes).sum()),
-        probe_bytes: stats
-            .and_then(FrameStats::captured)
-            .map_or(0, |(bytes, _)| bytes),
-        capture_ms: system.capture_ms,
+        prepared_bytes: stats.and_then(prepared).map_or(0, |(bytes, _)| bytes),
+        prepare_ms: system.prepare_ms,
     }
+}
+
+/// Bytes of what is made apart from a frame, and the time that it took, milliseconds; `None` where that is nothing.
+fn prepared(stats: &FrameStats) -> Option<(u64, f64)> {
+    let structures = || {
+        let is_theirs = |(name, _): &&(String, u64)| name == "ray_structures";
+        let bytes = stats.bytes.iter().find(is_theirs).map_or(0, |(_, b)| *b);
+        (stats.structures_ms > 0.0).then_some((bytes, stats.structures_ms))
+    };
+    stats.captured().or_else(structures)
 }

@@ -2,7 +2,7 @@
 
 use plotters::{coord::CoordTranslate, prelude::*};
 
-use super::{Row, SYSTEMS, SceneRows, on_front};
+use super::{Row, SceneRows, System, on_front};
 use crate::{report::chart::escape, summary::digits};
 
 /// Size of a chart, pixels.
@@ -46,8 +46,11 @@ pub fn draw(scene: &SceneRows) -> Result<String, String> {
             .draw()
             .map_err(|e| said(&e))?;
         let to_pixels = chart.as_coord_spec();
-        let marks = rows.iter().zip(on_front(rows)).zip(SYSTEMS);
-        for (line, ((row, is_on_front), system)) in (0..).zip(marks) {
+        let marks = rows.iter().zip(on_front(rows));
+        for (line, (row, is_on_front)) in (0..).zip(marks) {
+            let Some(system) = System::named(row.system) else {
+                continue;
+            };
             let at = to_pixels.translate(&(row.ms, row.flip.max(LEAST_FLIP)));
             dot(&mut overlay, at, system.color, is_on_front);
             let place = (SIZE.0 as i32 - 226, 30 + LINE_PX * line);

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::{Row, SYSTEMS, SceneRows, on_front};
+use super::{LeftOut, Row, SceneRows, on_front};
 
 /// Conditions of the measurements.
 #[derive(Clone, Debug)]
@@ -35,8 +35,8 @@ pub fn document(
          reflections, built as their authors build them, on the same scenes with the same surface and light code \
          ([methods.md](methods.md)). Pictures of {width} × {height} pixels on {}. Times are the {time} of the passes \
          that find reflections, medians of {} pictures, or of all frames of a film; errors are FLIP and SSIM against \
-         `rt` inside the reflective pixels. Maps of probes and of far things are captured apart from the frame: their time and bytes \
-         have columns of their own.\n\n```sh\n{}\n```\n",
+         `rt` inside the reflective pixels. Maps of probes and of far things are captured apart from the frame, and structures of \
+         ray queries are built apart from it: their bytes and time have columns of their own.\n\n```sh\n{}\n```\n",
         about.adapter, about.frames, about.command
     );
     out += "\n## What rivals do better\n\n";
@@ -62,6 +62,7 @@ pub fn document(
             chart(scene)
         );
         table(&mut out, scene);
+        left_out(&mut out, &scene.left_out);
     }
     out += LEFT_OUT;
     out
@@ -72,17 +73,19 @@ const LEFT_OUT: &str = "
 ## What is not here
 
 Maps of the last frame are left out, because a frame here depends on no frame before it: probes stand for maps from before.
-Systems that trace or march otherwise (a box with buffers on its faces, rays by hardware) are rows of
-`SYSTEMS` in `src/bench/systems.rs` as soon as Reflet has them.
+A system that an adapter lacks or a scene refuses is named below the table of the scene.
 ";
+
+/// Least difference of two mean FLIPs that their digits in a sentence show.
+const LEAST_DIFFERENCE: f64 = 1e-4;
 
 /// Sentences about the rivals of a scene that take less time than Reflet's own systems, or err less than its fastest.
 fn better(scene: &SceneRows) -> Vec<String> {
     let own = || {
-        let rows = scene.rows.iter().zip(SYSTEMS);
+        let rows = scene.of_systems();
         rows.filter(|(_, s)| s.is_own).map(|(row, _)| row)
     };
-    let rivals = scene.rows.iter().zip(SYSTEMS).filter(|(_, s)| !s.is_own);
+    let rivals = scene.of_systems().filter(|(_, s)| !s.is_own);
     let Some(fastest) = own().min_by(|a, b| a.ms.total_cmp(&b.ms)) else {
         return Vec::new();
     };
@@ -96,7 +99,8 @@ fn better(scene: &SceneRows) -> Vec<String> {
                 fastest.system, row.flip, fastest.flip
             ));
         }
-        if let Some(hybrid) = own().find(|o| o.system == "hybrid" && row.flip < o.flip) {
+        let is_less = |other: f64| other - row.flip >= LEAST_DIFFERENCE;
+        if let Some(hybrid) = own().find(|o| o.system == "hybrid" && is_less(o.flip)) {
             let (flip, ours) = (row.flip, hybrid.flip);
             parts.push(format!(
                 "a mean FLIP of {flip:.4} against {ours:.4} of `hybrid`"
@@ -107,13 +111,25 @@ fn better(scene: &SceneRows) -> Vec<String> {
     rivals.filter_map(|(row, _)| text(row)).collect()
 }
 
+/// Sentences about systems without measurements, one for those that are refused for the same reason.
+fn left_out(out: &mut String, systems: &[LeftOut]) {
+    for (i, first) in systems.iter().enumerate() {
+        if systems[..i].iter().any(|other| other.why == first.why) {
+            continue;
+        }
+        let alike = systems.iter().filter(|other| other.why == first.why);
+        let names: Vec<&str> = alike.map(|other| other.system).collect();
+        let _ = writeln!(out, "\nNot measured: {}. {}.", names.join("; "), first.why);
+    }
+}
+
 fn table(out: &mut String, scene: &SceneRows) {
     let is_film = scene.rows.iter().any(|row| row.popping.is_some());
     let popping = if is_film { " popping, % |" } else { "" };
     let line = if is_film { "---|" } else { "" };
     let _ = writeln!(
         out,
-        "| system | ms | FLIP | p99 | SSIM | wrong instance, % |{popping} MiB | of maps | capture, ms | front |\n\
+        "| system | ms | FLIP | p99 | SSIM | wrong instance, % |{popping} MiB | of maps or structures | made in, ms | front |\n\
          |---|---|---|---|---|---|{line}---|---|---|---|"
     );
     for (row, is_on_front) in scene.rows.iter().zip(on_front(&scene.rows)) {
@@ -123,20 +139,13 @@ fn table(out: &mut String, scene: &SceneRows) {
             Some(value) => format!(" {:.0} |", 100.0 * value),
             None => String::new(),
         };
-        let has_maps = row.probe_bytes > 0;
-        let of_probes = if has_maps {
-            mib(row.probe_bytes)
-        } else {
-            "–".to_owned()
-        };
-        let capture = if has_maps {
-            format!("{:.1}", row.capture_ms)
-        } else {
-            "–".to_owned()
-        };
+        let none = || "–".to_owned();
+        let (bytes, ms) = (row.prepared_bytes, row.prepare_ms);
+        let prepared = if bytes > 0 { mib(bytes) } else { none() };
+        let made_in = if ms > 0.0 { format!("{ms:.1}") } else { none() };
         let _ = writeln!(
             out,
-            "| {} | {:.2} | {:.4} | {:.3} | {ssim} | {:.1} |{popping} {} | {of_probes} | {capture} | {} |",
+            "| {} | {:.2} | {:.4} | {:.3} | {ssim} | {:.1} |{popping} {} | {prepared} | {made_in} | {} |",
             row.system,
             row.ms,
             row.flip,
@@ -150,7 +159,7 @@ fn table(out: &mut String, scene: &SceneRows) {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::{super::SYSTEMS, *};
 
     #[test]
     fn what_rivals_do_better_is_said_first() {
@@ -164,12 +173,17 @@ mod tests {
             flip: if system.is_own { 0.01 } else { 0.2 },
             ..Row::default()
         };
+        let refused = |system: &super::super::System| LeftOut {
+            system: system.name,
+            why: "The hall has no door".to_owned(),
+        };
         let scene = SceneRows {
             scene: "hall.toml".to_owned(),
             frames: 1,
             mask_px: 500,
             probes: 3,
-            rows: SYSTEMS.iter().map(row).collect(),
+            rows: SYSTEMS.iter().skip(1).map(row).collect(),
+            left_out: [&SYSTEMS[0], &SYSTEMS[1]].map(refused).to_vec(),
         };
         let about = Conditions {
             command: "reflet bench comparators".to_owned(),
@@ -189,8 +203,11 @@ mod tests {
         );
         assert!(text.contains("64 × 36 pixels on a chip"), "{text}");
         assert!(
-            !text.contains("- hall.toml: ssr:"),
-            "ssr is neither faster nor better: {text}"
+            !text.contains("- hall.toml: ssr, 2 layers:"),
+            "it is neither faster nor better: {text}"
         );
+        assert!(!text.contains("| ssr |"), "it was not measured: {text}");
+        let why = "Not measured: ssr; probe, infinity, K = 1. The hall has no door.";
+        assert!(text.contains(why), "{text}");
     }
 }
