@@ -1,6 +1,7 @@
 //! Systems that are compared with each other: each a method with its settings, as its authors would build it. A further
 //! system is a row of [`SYSTEMS`].
 
+use crate::pareto::{Spot, pareto_front};
 use reflet_scene::desc::{Accept, Lookup, Method, ProbesDesc, ReflectionDesc, Trace};
 
 pub mod chart;
@@ -175,12 +176,77 @@ impl SceneRows {
     }
 }
 
-/// Whether each row is on the front: no other has less time and less error.
-pub fn on_front(rows: &[Row]) -> Vec<bool> {
-    let beats =
-        |a: &Row, b: &Row| a.ms <= b.ms && a.flip <= b.flip && (a.ms < b.ms || a.flip < b.flip);
-    let is_best = |row: &Row| !rows.iter().any(|other| beats(other, row));
-    rows.iter().map(is_best).collect()
+impl Row {
+    /// Time and error of the system.
+    pub fn spot(&self) -> Spot {
+        Spot {
+            ms: self.ms,
+            error: self.flip,
+        }
+    }
+}
+
+/// A system over several scenes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Overall {
+    /// Name of the system.
+    pub system: &'static str,
+    /// Geometric mean over the scenes of the time over that of `rt`.
+    pub time_ratio: f64,
+    /// Mean over the scenes of the mean FLIP.
+    pub flip: f64,
+}
+
+impl Overall {
+    /// Time ratio and error of the system.
+    pub fn spot(&self) -> Spot {
+        Spot {
+            ms: self.time_ratio,
+            error: self.flip,
+        }
+    }
+}
+
+/// Systems that were measured in all scenes, in the order of [`SYSTEMS`].
+fn overall(scenes: &[SceneRows]) -> Vec<Overall> {
+    let of_scene = |scene: &SceneRows, system: &System| {
+        let row = |name| scene.rows.iter().find(|row| row.system == name);
+        let (own, rt) = (row(system.name)?, row("rt")?);
+        (rt.ms > 0.0).then_some((own.ms / rt.ms, own.flip))
+    };
+    let of_all = |system: &'static System| {
+        let each: Option<Vec<_>> = scenes.iter().map(|s| of_scene(s, system)).collect();
+        let each = each.filter(|each| !each.is_empty())?;
+        let mean =
+            |of: fn(&(f64, f64)) -> f64| each.iter().map(of).sum::<f64>() / each.len() as f64;
+        Some(Overall {
+            system: system.name,
+            time_ratio: mean(|(ratio, _)| ratio.max(1e-9).ln()).exp(),
+            flip: mean(|(_, flip)| *flip),
+        })
+    };
+    SYSTEMS.iter().filter_map(of_all).collect()
+}
+
+/// The best systems over several scenes, at most `count`, fastest first: those on the Pareto front of time against error,
+/// then those on the front of the rest, and so on; of a front that is too large, those that err least.
+pub fn best(scenes: &[SceneRows], count: usize) -> Vec<Overall> {
+    let mut left = overall(scenes);
+    let mut found = Vec::new();
+    while found.len() < count && !left.is_empty() {
+        let spots: Vec<Spot> = left.iter().map(Overall::spot).collect();
+        let on_front = pareto_front(&spots);
+        let (mut front, rest): (Vec<_>, Vec<_>) = left
+            .into_iter()
+            .zip(on_front)
+            .partition(|(_, is_on)| *is_on);
+        front.sort_by(|(a, _), (b, _)| a.flip.total_cmp(&b.flip));
+        let free = count - found.len();
+        found.extend(front.into_iter().map(|(system, _)| system).take(free));
+        left = rest.into_iter().map(|(system, _)| system).collect();
+    }
+    found.sort_by(|a, b| a.time_ratio.total_cmp(&b.time_ratio));
+    found
 }
 
 #[cfg(test)]
@@ -203,19 +269,48 @@ mod tests {
     }
 
     #[test]
-    fn the_front_has_what_nothing_else_beats() {
-        let row = |ms, flip| Row {
+    fn the_best_are_on_the_fronts_of_all_scenes() {
+        let row = |system, ms, flip| Row {
+            system,
             ms,
             flip,
             ..Row::default()
         };
-        let rows = [
-            row(1.0, 0.5),
-            row(2.0, 0.6),
-            row(3.0, 0.1),
-            row(3.0, 0.1),
-            row(4.0, 0.0),
+        let scene = |rows: Vec<Row>| SceneRows {
+            scene: String::new(),
+            frames: 1,
+            mask_px: 500,
+            probes: 0,
+            rows,
+            left_out: Vec::new(),
+        };
+        let scenes = [
+            scene(vec![
+                row("rt", 2.0, 0.0),
+                row("ssr", 1.0, 0.5),
+                row("near-far", 8.0, 0.1),
+                row("hybrid", 4.0, 0.01),
+                row("ssr, 2 layers", 0.1, 0.1),
+            ]),
+            scene(vec![
+                row("rt", 1.0, 0.0),
+                row("ssr", 1.0, 0.3),
+                row("near-far", 9.0, 0.2),
+                row("hybrid", 2.0, 0.03),
+            ]),
         ];
-        assert_eq!(on_front(&rows), [true, false, true, true, true]);
+        let names = |count| {
+            best(&scenes, count)
+                .iter()
+                .map(|o| o.system)
+                .collect::<Vec<_>>()
+        };
+        // `hybrid` is the front of what is left without `rt` and `ssr`; two layers miss in a scene.
+        assert_eq!(names(5), ["ssr", "rt", "hybrid", "near-far"]);
+        assert_eq!(names(3), ["ssr", "rt", "hybrid"]);
+        assert_eq!(names(1), ["rt"]);
+        let ssr = best(&scenes, 5)[0];
+        assert!((ssr.time_ratio - 0.5_f64.sqrt()).abs() < 1e-12 && (ssr.flip - 0.4).abs() < 1e-12);
+        assert_eq!(best(&[], 5), []);
     }
 }

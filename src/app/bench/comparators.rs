@@ -11,8 +11,7 @@ use crate::{
         run::{FrameSeries, REFERENCE_BOUNCES, Subject},
         score::{Errors, Hits, PLANES, Reference, View},
         systems::{
-            LeftOut, Row, SYSTEMS, SceneRows, System,
-            chart::draw,
+            LeftOut, Row, SYSTEMS, SceneRows, System, best, chart,
             document::{Conditions, document},
         },
     },
@@ -22,6 +21,11 @@ use crate::{
     },
     scene::desc::{Method, ReflectionDesc},
 };
+
+/// Number of systems in the chart over all scenes.
+const BEST: usize = 5;
+/// File name of the chart over all scenes.
+const BEST_CHART: &str = "comparators-best.svg";
 
 /// A system in a scene: its renderer, and what was measured until now.
 struct Running<'a> {
@@ -73,9 +77,12 @@ pub fn comparators(args: &ComparatorsArgs) -> Result<(), AppError> {
         scenes.push(rows);
     }
     for scene in &scenes {
-        let svg = draw(scene).map_err(AppError::Internal)?;
+        let svg = chart::of_scene(scene).map_err(AppError::Internal)?;
         write(&args.output.join(chart_name(&scene.scene)), svg.as_bytes())?;
     }
+    let best = best(&scenes, BEST);
+    let svg = chart::of_several(&best).map_err(AppError::Internal)?;
+    write(&args.output.join(BEST_CHART), svg.as_bytes())?;
     let about = Conditions {
         command: command(args),
         adapter: adapter::name(&gpu.adapter_info),
@@ -83,7 +90,8 @@ pub fn comparators(args: &ComparatorsArgs) -> Result<(), AppError> {
         frames: args.frames,
         is_processor: gpu.is_software(),
     };
-    let text = document(&about, &scenes, |scene| {
+    let best_chart = format!("charts/{BEST_CHART}");
+    let text = document(&about, &scenes, (&best, &best_chart), |scene| {
         format!("charts/{}", chart_name(&scene.scene))
     });
     write(&args.document, text.as_bytes())?;

@@ -1,9 +1,13 @@
-//! Chart of the systems of a scene: time against error, a dot for each.
+//! Chart of systems, in a scene or over several: time against error, a dot for each.
 
 use plotters::{coord::CoordTranslate, prelude::*};
 
-use super::{Row, SceneRows, System, on_front};
-use crate::{report::chart::escape, summary::digits};
+use super::{Overall, SceneRows, System};
+use crate::{
+    pareto::{Spot, pareto_front},
+    report::chart::escape,
+    summary::digits,
+};
 
 /// Size of a chart, pixels.
 const SIZE: (u32, u32) = (860, 420);
@@ -16,12 +20,33 @@ const LEAST_FLIP: f64 = 1e-4;
 ///
 /// # Errors
 /// Message of the drawing library.
-pub fn draw(scene: &SceneRows) -> Result<String, String> {
+pub fn of_scene(scene: &SceneRows) -> Result<String, String> {
+    let rows = scene.rows.iter();
+    let dots: Vec<_> = rows.map(|row| (row.system, row.spot())).collect();
+    draw(&dots, "milliseconds of the passes that find reflections")
+}
+
+/// Draws systems over several scenes as SVG.
+///
+/// # Errors
+/// Message of the drawing library.
+pub fn of_several(systems: &[Overall]) -> Result<String, String> {
+    let systems = systems.iter();
+    let dots: Vec<_> = systems.map(|of| (of.system, of.spot())).collect();
+    draw(
+        &dots,
+        "time of the passes that find reflections, over that of rt",
+    )
+}
+
+/// Draws named spots as SVG.
+fn draw(dots: &[(&str, Spot)], time: &str) -> Result<String, String> {
     let said = |error: &dyn std::fmt::Display| format!("the chart cannot be drawn: {error}");
-    let rows = &scene.rows;
-    let most = |of: fn(&Row) -> f64| rows.iter().map(of).fold(0.0, f64::max);
-    let times = 0.0..(1.1 * most(|r| r.ms)).max(1e-3);
-    let errors = (LEAST_FLIP * 0.7..most(|r| r.flip).max(10.0 * LEAST_FLIP) * 1.5).log_scale();
+    let spots: Vec<Spot> = dots.iter().map(|(_, spot)| *spot).collect();
+    let most = |of: fn(&Spot) -> f64| spots.iter().map(of).fold(0.0, f64::max);
+    let times = 0.0..(1.1 * most(|spot| spot.ms)).max(1e-3);
+    let errors =
+        (LEAST_FLIP * 0.7..most(|spot| spot.error).max(10.0 * LEAST_FLIP) * 1.5).log_scale();
     let (mut svg, mut overlay) = (String::new(), String::new());
     {
         let root = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
@@ -35,7 +60,7 @@ pub fn draw(scene: &SceneRows) -> Result<String, String> {
             .map_err(|e| said(&e))?;
         chart
             .configure_mesh()
-            .x_desc("milliseconds of the passes that find reflections")
+            .x_desc(time)
             .y_desc("mean FLIP against rt, in reflections")
             .x_label_formatter(&|ms| digits(*ms))
             .y_label_formatter(&|error| digits(*error))
@@ -46,12 +71,12 @@ pub fn draw(scene: &SceneRows) -> Result<String, String> {
             .draw()
             .map_err(|e| said(&e))?;
         let to_pixels = chart.as_coord_spec();
-        let marks = rows.iter().zip(on_front(rows));
-        for (line, (row, is_on_front)) in (0..).zip(marks) {
-            let Some(system) = System::named(row.system) else {
+        let marks = dots.iter().zip(pareto_front(&spots));
+        for (line, ((name, spot), is_on_front)) in (0..).zip(marks) {
+            let Some(system) = System::named(name) else {
                 continue;
             };
-            let at = to_pixels.translate(&(row.ms, row.flip.max(LEAST_FLIP)));
+            let at = to_pixels.translate(&(spot.ms, spot.error.max(LEAST_FLIP)));
             dot(&mut overlay, at, system.color, is_on_front);
             let place = (SIZE.0 as i32 - 226, 30 + LINE_PX * line);
             dot(&mut overlay, place, system.color, is_on_front);
@@ -59,7 +84,7 @@ pub fn draw(scene: &SceneRows) -> Result<String, String> {
                 "<text x=\"{}\" y=\"{}\" font-family=\"sans-serif\" font-size=\"13\">{}</text>\n",
                 place.0 + 12,
                 place.1 + 4,
-                escape(row.system)
+                escape(name)
             );
         }
         root.present().map_err(|e| said(&e))?;

@@ -2,7 +2,8 @@
 
 use std::fmt::Write as _;
 
-use super::{LeftOut, Row, SceneRows, on_front};
+use super::{LeftOut, Overall, Row, SceneRows};
+use crate::pareto::pareto_front;
 
 /// Conditions of the measurements.
 #[derive(Clone, Debug)]
@@ -19,10 +20,12 @@ pub struct Conditions {
     pub is_processor: bool,
 }
 
-/// The document as Markdown; `chart` gives the address of a scene's chart.
+/// The document as Markdown, with the best systems over all scenes and the address of their chart; `chart` gives the address
+/// of a scene's chart.
 pub fn document(
     about: &Conditions,
     scenes: &[SceneRows],
+    (best, best_chart): (&[Overall], &str),
     chart: impl Fn(&SceneRows) -> String,
 ) -> String {
     let [width, height] = about.size;
@@ -47,6 +50,7 @@ pub fn document(
         }
         false => better.iter().for_each(|line| out += &format!("- {line}\n")),
     }
+    over_all(&mut out, best, best_chart);
     for scene in scenes {
         let _ = write!(out, "\n## {}\n\n", scene.scene);
         let frames = match scene.frames {
@@ -66,6 +70,21 @@ pub fn document(
     }
     out += LEFT_OUT;
     out
+}
+
+/// Table of the best systems over all scenes.
+fn over_all(out: &mut String, best: &[Overall], chart: &str) {
+    let _ = writeln!(
+        out,
+        "\n## The best over all scenes\n\nTime over that of `rt`, geometric mean of the scenes, and mean FLIP, of the {} \
+         systems that come first: those on the front, then those on the front of the rest, and so on.\n\n![Time against \
+         error of the best systems]({chart})\n\n| system | time over `rt` | FLIP |\n|---|---|---|",
+        best.len()
+    );
+    for of in best {
+        let (ratio, flip) = (of.time_ratio, of.flip);
+        let _ = writeln!(out, "| {} | {ratio:.2} | {flip:.4} |", of.system);
+    }
 }
 
 /// Systems that the document does not have, and why.
@@ -132,7 +151,8 @@ fn table(out: &mut String, scene: &SceneRows) {
         "| system | ms | FLIP | p99 | SSIM | wrong instance, % |{popping} MiB | of maps or structures | made in, ms | front |\n\
          |---|---|---|---|---|---|{line}---|---|---|---|"
     );
-    for (row, is_on_front) in scene.rows.iter().zip(on_front(&scene.rows)) {
+    let spots: Vec<_> = scene.rows.iter().map(Row::spot).collect();
+    for (row, is_on_front) in scene.rows.iter().zip(pareto_front(&spots)) {
         let mib = |bytes: u64| format!("{:.1}", bytes as f64 / f64::from(1 << 20));
         let ssim = row.ssim.map_or("–".to_owned(), |v| format!("{v:.4}"));
         let popping = match row.popping {
@@ -159,7 +179,10 @@ fn table(out: &mut String, scene: &SceneRows) {
 
 #[cfg(test)]
 mod tests {
-    use super::{super::SYSTEMS, *};
+    use super::{
+        super::{SYSTEMS, best},
+        *,
+    };
 
     #[test]
     fn what_rivals_do_better_is_said_first() {
@@ -192,7 +215,11 @@ mod tests {
             frames: 3,
             is_processor: false,
         };
-        let text = document(&about, &[scene], |_| "chart.svg".to_owned());
+        let scenes = [scene];
+        let best = best(&scenes, 2);
+        let text = document(&about, &scenes, (&best, "best.svg"), |_| {
+            "chart.svg".to_owned()
+        });
         let first = text.find("## What rivals do better").expect("a heading");
         let said = text
             .find("probe, box, K = 1: 0.50 of the time of")
@@ -201,6 +228,7 @@ mod tests {
             first < said && said < text.find("## hall.toml").expect("a scene"),
             "{text}"
         );
+        assert!(text.contains("| hybrid | 1.00 | 0.0100 |"), "{text}");
         assert!(text.contains("64 × 36 pixels on a chip"), "{text}");
         assert!(
             !text.contains("- hall.toml: ssr, 2 layers:"),
