@@ -1,5 +1,4 @@
-//! Slow scripts in the background: views are rendered meanwhile, and a newer request ends the
-//! script.
+//! Slow scripts in the background: views are rendered meanwhile, and a newer request ends the script.
 
 use std::{
     fs,
