@@ -72,6 +72,8 @@ pub struct Info {
     pub textures: usize,
     /// Lights of each of [`LightKind::NAMES`].
     pub lights: [usize; LightKind::NAMES.len()],
+    /// Lights among them that a light tree chooses, whose shadows are found by rays.
+    pub tree_lamps: usize,
     /// Triangles of materials with `light = true`.
     pub light_triangles: usize,
     /// Animations of the files, played or not.
@@ -293,6 +295,7 @@ pub fn gather(loaded: &LoadedScene, plan_file: Option<&PlanFile>) -> Result<Info
         materials_cut_out: materials.filter(|m| m.alpha_cutoff.is_some()).count(),
         textures: world.textures.len(),
         lights: LightKind::NAMES.map(num_lights),
+        tree_lamps: world.lamps.len(),
         light_triangles: (world.lighting_instances())
             .map(|(_, instance)| num_triangles(instance.mesh))
             .sum(),
@@ -333,11 +336,7 @@ pub fn gather(loaded: &LoadedScene, plan_file: Option<&PlanFile>) -> Result<Info
         adapter_lacks: Vec::new(),
         left_out: plan.dropped,
         warnings: loaded.warnings.len(),
-        files: world
-            .files
-            .iter()
-            .map(|f| f.display().to_string())
-            .collect(),
+        files: (world.files.iter().map(|f| f.display().to_string())).collect(),
     })
 }
 

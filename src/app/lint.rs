@@ -95,6 +95,7 @@ impl<'a> Lint<'a> {
         self.found.extend(inside::probes(self.scene, world));
         self.found
             .extend(probe::empty(self.scene, world, self.start()));
+        self.found.extend(shadow::lamps(self.scene, world));
         let is_traced = traces_rays(world, &RenderOptions::of(self.scene));
         self.found
             .extend(size::lint(world, is_traced, self.start()));

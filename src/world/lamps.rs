@@ -53,6 +53,13 @@ impl World {
         }
     }
 
+    /// Whether a light of this world is one of its lamps.
+    pub fn has_lamp(&self, light: &Light) -> bool {
+        self.lamps
+            .as_ptr_range()
+            .contains(&std::ptr::from_ref(light))
+    }
+
     /// All lights, with lamps, in the order of scene text and files.
     pub fn all_lights(&self) -> impl Iterator<Item = &Light> {
         let count = self.lights.len() + self.lamps.len();

@@ -26,6 +26,30 @@ fn info_counts_warnings_as_check_does_and_lights_of_materials() {
     );
 }
 
+/// More lights than shadow maps are for are in the light tree, which is said.
+#[test]
+fn info_counts_lamps_of_the_light_tree() {
+    let folder = folder("info-lamps");
+    let lamp = |n: u32| {
+        format!(
+            "[light.l{n}]\nkind = \"point\"\nposition = [0, 3, {n}]\nintensity_cd = 1\nshadow = \"ray\"\n"
+        )
+    };
+    let scene = |count| (0..count).map(lamp).collect::<String>();
+    let told = |count| {
+        let text = format!(
+            "version = 1\n[model.floor]\nshape = {{ kind = \"plane\" }}\n{}",
+            scene(count)
+        );
+        fs::write(folder.join("lamps.toml"), text).expect("temporary scene");
+        exits(&folder, &["info", "lamps.toml"], 0)[0].clone()
+    };
+    let says = "65 of them in the light tree, with shadows by rays\n";
+    let (few, many) = (told(64), told(65));
+    assert!(many.contains(says), "{many}");
+    assert!(!few.contains("light tree"), "{few}");
+}
+
 #[test]
 fn info_names_the_adapter_and_what_it_lacks() {
     let folder = folder("info-adapter");

@@ -2,6 +2,7 @@
 //! advice.
 
 mod forms;
+mod lamps;
 mod lint;
 mod meant;
 mod script;

@@ -43,12 +43,7 @@ pub fn table(info: &Info) -> String {
         ),
     );
     line("textures", info.textures.to_string());
-    let lights = info.lights.iter().zip(LightKind::NAMES);
-    let mut lights: Vec<_> = lights.map(|(n, name)| format!("{n} {name}")).collect();
-    if info.light_triangles > 0 {
-        lights.push(format!("{} triangles that light", info.light_triangles));
-    }
-    line("lights", lights.join(", "));
+    line("lights", lights(info));
     for (label, value) in choices(info) {
         line(label, value);
     }
@@ -93,6 +88,22 @@ pub fn table(info: &Info) -> String {
         line("file", file.clone());
     }
     out
+}
+
+/// Numbers of lights by kind, of those in the light tree, and of triangles that light.
+fn lights(info: &Info) -> String {
+    let kinds = info.lights.iter().zip(LightKind::NAMES);
+    let mut lights: Vec<_> = kinds.map(|(n, name)| format!("{n} {name}")).collect();
+    if info.tree_lamps > 0 {
+        let lamps = info.tree_lamps;
+        lights.push(format!(
+            "{lamps} of them in the light tree, with shadows by rays"
+        ));
+    }
+    if info.light_triangles > 0 {
+        lights.push(format!("{} triangles that light", info.light_triangles));
+    }
+    lights.join(", ")
 }
 
 /// Lines about animations and material variants of the files, from which scene text chooses.

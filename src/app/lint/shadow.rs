@@ -1,4 +1,4 @@
-//! Shadow maps that are too coarse for what the main camera sees.
+//! Shadow maps that are too coarse for what the main camera sees, and those that lamps of the light tree lack.
 
 use crate::{
     render::{
@@ -8,7 +8,7 @@ use crate::{
         view::View,
     },
     scene::{desc::ShadowMode, diagnostic::Diagnostic, stages::Scene},
-    world::{World, bvh::Trees},
+    world::{MAX_LIGHTS, World, bvh::Trees},
 };
 
 /// Warns of shadow maps whose texels span many pixels (the median over the visible surfaces).
@@ -26,7 +26,7 @@ pub fn lint(scene: &Scene, world: &World, trees: &Trees) -> Vec<Diagnostic> {
     let sizes = ShadowSizes::of(&world.lights, &RenderOptions::of(&scene.desc));
     let mut found = Vec::new();
     for (entry, light) in scene.lights.iter().zip(world.all_lights()) {
-        if !has_map(light.desc.shadow) || world.lamps.iter().any(|lamp| std::ptr::eq(lamp, light)) {
+        if !has_map(light.desc.shadow) || world.has_lamp(light) {
             continue;
         }
         let px = if has_cube_map(&light.desc.kind) {
@@ -47,4 +47,23 @@ pub fn lint(scene: &Scene, world: &World, trees: &Trees) -> Vec<Diagnostic> {
         found.push(Diagnostic::at("coarse-shadow", at, message).help(help));
     }
     found
+}
+
+/// Warns, once, of lights of the scene text whose `shadow = "map"` is a shadow by rays, as they are lamps of the light tree.
+pub fn lamps(scene: &Scene, world: &World) -> Option<Diagnostic> {
+    let mut mapped = (scene.lights.iter().zip(world.all_lights()))
+        .filter(|(_, light)| light.desc.shadow == ShadowMode::Map && world.has_lamp(light))
+        .map(|(entry, _)| entry);
+    let first = mapped.next()?;
+    let count = 1 + mapped.count();
+    let all = world.lights.len() + world.lamps.len();
+    let message = format!(
+        "the scene has {all} lights, and shadow maps are for at most {MAX_LIGHTS}: of {count} with \
+         `shadow = \"map\"`, which is the default, \"{}\" the first, shadows are found by rays",
+        first.name
+    );
+    let help = format!(
+        "write `shadow = \"ray\"` for these, which is the same picture, or no more than {MAX_LIGHTS} lights"
+    );
+    Some(Diagnostic::at("lamp-shadow", first.at.clone(), message).help(help))
 }
