@@ -170,7 +170,7 @@ fn returned_of_emitters(s: Surface, view: vec3f, to: Receiver, index: u32) -> Re
     for (var k = 0u; k < candidates; k++) {
         let is_by_power = k < powerful;
         let place = index * select(candidates - powerful, powerful, is_by_power) + k - select(powerful, 0u, is_by_power);
-        let which = sample_square(place, select(by_place, by_power, is_by_power)).x;
+        let which = sample_square(place, select(by_place, by_power, is_by_power));
         let chosen = chosen_light(which, is_by_power, lit);
         let expected = expected_candidates(chosen.chances);
         let point = emitter_sample(chosen, expected, s.position, sample_square(index * candidates + k, where_on_it));

@@ -30,7 +30,7 @@ fn scattered_of_emitters(way: Way, index: u32) -> Scattered {
         let u = sample_square(candidate, FOG_EMITTER_PLACE_PAIR).x;
         var t = place_by_depth(way, u).t;
         let lit = LitPoint(way.origin + way.direction * t, vec3f(0.0), 0u);
-        let chosen = chosen_light(sample_square(candidate, FOG_EMITTER_PAIR).x, is_by_power, lit);
+        let chosen = chosen_light(sample_square(candidate, FOG_EMITTER_PAIR), is_by_power, lit);
         if (chosen.chances.y <= 0.0) { continue; }
         let pivot = emitter_center(chosen);
         var by_place = chosen.chances.x;

@@ -8,6 +8,7 @@
 #import fog
 #import lamps
 #import pack
+#import sampling
 
 // Vectors of a placed light: link of its mesh's root, first word of its triangles, node, instance with sides in the lowest
 // two bits; then rows of tree_from_world.
@@ -107,6 +108,7 @@ fn light_word(first: u32, i: u32) -> u32 {
 // A random number on its way down the trees, with the probability of the way by importance and by power.
 struct Descent {
     u: f32,
+    digits: u32, // random bits, for the digits of `u` past its 24
     link: u32,
     chances: vec2f,
 }
@@ -120,7 +122,10 @@ fn descend_lights(start: Descent, by_power: bool, to: LitPoint) -> Descent {
         let share = select(pair.shares.x, pair.shares.y, by_power);
         let is_second = at.u >= share;
         at.chances *= parts(pair.shares, is_second);
-        at.u = min((at.u - select(0.0, share, is_second)) / select(share, 1.0 - share, is_second), 0.99999994);
+        // The rest of `u` has fewer digits the rarer the way is. Those that follow are drawn, so that each level chooses by 24.
+        at.digits = hash(at.digits);
+        let rest = at.u - select(0.0, share, is_second) + unit_float(at.digits) * exp2(-24.0);
+        at.u = min(rest / select(share, 1.0 - share, is_second), 0.99999994);
         at.link = select(pair.links.x, pair.links.y, is_second);
     }
     return at;
@@ -132,9 +137,9 @@ fn parts(shares: vec2f, is_second: bool) -> vec2f {
     return vec2f(select(both.x, 0.0, shares.x < 0.0), both.y);
 }
 
-// The triangle that a random number chooses: by importance, or by power alone.
-fn chosen_light(u: f32, by_power: bool, surface: LitPoint) -> LightChoice {
-    var at = Descent(u, sampling.light_tree.root, vec2f(1.0));
+// The triangle that two random numbers choose: by importance, or by power alone. The second gives digits to the first.
+fn chosen_light(u: vec2f, by_power: bool, surface: LitPoint) -> LightChoice {
+    var at = Descent(u.x, bitcast<u32>(u.y), sampling.light_tree.root, vec2f(1.0));
     var to = surface;
     var instance = NONE;
     // One call in a loop keeps the inlined code small.

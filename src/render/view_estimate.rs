@@ -211,7 +211,7 @@ impl Estimator<'_> {
         let (position, normal) = (point.position.as_vec3(), point.normal.as_vec3());
         for k in 0..CHOSEN_LAMPS {
             let u = (k as f32 + 0.5) / CHOSEN_LAMPS as f32;
-            let choice = trees.choose(u, false, position, normal);
+            let choice = trees.choose([u, u], false, position, normal);
             let Some((Chosen::Lamp(lamp), chance)) = choice.map(|c| (c.what, c.chances[0])) else {
                 continue;
             };

@@ -74,14 +74,16 @@ fn triangles_are_chosen_as_often_as_their_chance_says() {
             .collect();
         for (by_power, chance) in [(false, 0), (true, 1)] {
             let sum: f32 = chances.values().map(|c| c[chance]).sum();
-            let chosen = trees.choose(0.5, by_power, point, normal);
+            let chosen = trees.choose([0.5; 2], by_power, point, normal);
             let expected = f32::from(u8::from(chosen.is_some()));
             assert!((sum - expected).abs() < 1e-4, "{sum} at {point}");
             let count = 20_000;
             let mut found: HashMap<Chosen, u32> = HashMap::new();
             for k in (0..count).filter(|_| chosen.is_some()) {
                 let u = (k as f32 + 0.5) / count as f32;
-                let one = trees.choose(u, by_power, point, normal).expect("chosen");
+                let one = trees
+                    .choose([u, 0.5], by_power, point, normal)
+                    .expect("chosen");
                 let known = chances[&one.what];
                 for (a, b) in known.into_iter().zip(one.chances) {
                     assert!((a - b).abs() <= 1e-4 * a + 1e-9, "{a}, not {b}");
@@ -164,7 +166,7 @@ fn what_emits_nothing_is_never_chosen() {
     let lamps: Vec<_> = world.lighting_instances().map(|(i, _)| i).collect();
     let choice = |world: &World| {
         let trees = LightTrees::new(world, None);
-        trees.choose(0.3, true, Vec3::ZERO, Vec3::Y)
+        trees.choose([0.3; 2], true, Vec3::ZERO, Vec3::Y)
     };
     // A material that is no number, then one without light.
     let [both, front] = ["both", "front"].map(|name| {

@@ -4,7 +4,11 @@ use glam::Vec3;
 use reflet::{
     gpu::{Gpu, ShaderLibrary, readback::read_buffer},
     render::{emitters::GpuEmitters, plan::Features, shader_variant::ShaderVariant},
-    world::light_tree::{Chosen, LightTrees},
+    scene::desc::{LightDesc, LightKind, ShadowMode},
+    world::{
+        Light, World,
+        light_tree::{Chosen, LIGHT_LEAF, LightTrees, Tree},
+    },
 };
 use wgpu::util::DeviceExt as _;
 
@@ -17,7 +21,7 @@ use super::{
 /// Chooses an emitter for each query, and gives the probabilities of another one. It stands below the text of a pass, of
 /// which only what it calls is compiled.
 const KERNEL: &str = r"
-struct Query { position: vec3f, u: f32, normal: vec3f, by_power: u32, instance: u32, item: u32, pad: vec2u }
+struct Query { position: vec3f, by_power: u32, normal: vec3f, instance: u32, u: vec2f, item: u32, pad: u32 }
 struct Answer { instance: u32, item: u32, chosen: vec2f, known: vec2f }
 @group(2) @binding(20) var<storage, read> queries: array<Query>;
 @group(2) @binding(21) var<storage, read_write> answers: array<Answer>;
@@ -44,13 +48,13 @@ fn choose(@builtin(global_invocation_id) id: vec3u) {
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
 struct Query {
     position: [f32; 3],
-    u: f32,
-    normal: [f32; 3],
     by_power: u32,
+    normal: [f32; 3],
     /// Emitter whose probabilities are asked for, as in [`Answer`].
     instance: u32,
+    u: [f32; 2],
     item: u32,
-    pad: [u32; 2],
+    pad: u32,
 }
 
 #[repr(C)]
@@ -135,14 +139,15 @@ fn answers(gpu: &Gpu, emitters: &GpuEmitters, queries: &[Query]) -> Vec<Answer> 
 }
 
 /// Numbers in [0, 1), the same in each run (Weyl's sequences).
-fn numbers(index: u32) -> [f32; 6] {
+fn numbers(index: u32) -> [f32; 7] {
     [
         0.754_877_7,
         0.569_840_3,
         0.430_159_7,
         0.819_172_5,
         0.671_043_6,
-        0.549_700_5_f64,
+        0.549_700_5,
+        0.450_299_5_f64,
     ]
     .map(|step| (f64::from(index + 1) * step).fract() as f32)
 }
@@ -169,13 +174,19 @@ fn the_device_chooses_with_the_probabilities_of_the_cpu() {
     known.extend((0..world.lamps.len() as u32).map(Chosen::Lamp));
     let count = 20_000;
     let of = |index: u32| {
-        let [x, y, z, a, b, u] = numbers(index);
+        let [x, y, z, a, b, u, v] = numbers(index);
         let point = Vec3::new(8.0 * x - 4.0, 4.0 * y - 0.5, 8.0 * z - 4.0);
         let (height, turn) = (2.0 * a - 1.0, std::f32::consts::TAU * b);
         let flat = (1.0 - height * height).sqrt();
         let normal = Vec3::new(flat * turn.cos(), height, flat * turn.sin());
         let other = known[index as usize % known.len()];
-        (point, normal.normalize(), u, index.is_multiple_of(3), other)
+        (
+            point,
+            normal.normalize(),
+            [u, v],
+            index.is_multiple_of(3),
+            other,
+        )
     };
     let queries: Vec<Query> = (0..count)
         .map(|index| {
@@ -183,12 +194,12 @@ fn the_device_chooses_with_the_probabilities_of_the_cpu() {
             let [instance, item] = words(other);
             Query {
                 position: point.to_array(),
-                u,
-                normal: normal.to_array(),
                 by_power: u32::from(by_power),
+                normal: normal.to_array(),
                 instance,
+                u,
                 item,
-                pad: [0; 2],
+                pad: 0,
             }
         })
         .collect();
@@ -222,4 +233,97 @@ fn the_device_chooses_with_the_probabilities_of_the_cpu() {
     assert!(same * 1000 >= count * 998, "{same} of {count}");
     assert!(lamps_chosen > count / 10, "{lamps_chosen}");
     assert!(positive > count / 4, "{positive}");
+}
+
+/// Share of the power of the weak lamps: with the digits of one number alone, 1,024 values choose among them.
+const WEAK_SHARE: f64 = 1.0 / 16384.0;
+const WEAK_LAMPS: u32 = 3000;
+
+/// 197,000 lamps on a square, and 3,000 weak ones far away from them, which come last.
+fn deep_world() -> World {
+    let lamp = |place: Vec3, intensity_cd: f32| Light {
+        name: String::new(),
+        desc: LightDesc {
+            kind: LightKind::Point {
+                position: place,
+                intensity_cd,
+                radius_m: 0.0,
+            },
+            color: Vec3::ONE,
+            shadow: ShadowMode::Ray,
+            shadow_px: 1024,
+        },
+        range_m: None,
+    };
+    let bright = 197_000;
+    let weak_cd = f64::from(bright) * WEAK_SHARE / f64::from(WEAK_LAMPS);
+    let on_square = |i: u32, side: u32| Vec3::new((i % side) as f32, 0.0, (i / side) as f32);
+    let strong = (0..bright).map(|i| lamp(on_square(i, 444), 1.0));
+    let weak = (0..WEAK_LAMPS).map(|i| lamp(Vec3::X * 5000.0 + on_square(i, 55), weak_cd as f32));
+    World {
+        lamps: strong.chain(weak).collect(),
+        ..World::default()
+    }
+}
+
+/// Sum of the shares of the lamps before the first weak one, in the order in which random numbers choose them.
+fn share_before_weak(tree: &Tree, first_weak: u32) -> f64 {
+    let (mut open, mut sum) = (vec![(tree.link, 1.0)], 0.0);
+    while let Some((link, power)) = open.pop() {
+        if link & LIGHT_LEAF == 0 {
+            let node = |index: u32| &tree.nodes[index as usize];
+            open.extend([link + 1, link].map(|i| (node(i).link, f64::from(node(i).cluster.power))));
+        } else if link & !LIGHT_LEAF < first_weak {
+            sum += power;
+        } else {
+            return sum;
+        }
+    }
+    sum
+}
+
+/// Each of the rarest lamps of a deep tree is chosen as often as its probability says, which takes more digits than one
+/// random number has.
+#[test]
+fn rare_lamps_of_a_deep_tree_are_chosen_by_their_chance() {
+    let Some(gpu) = gpu() else { return };
+    let world = deep_world();
+    let emitters = GpuEmitters::new(gpu, &world)
+        .expect("it fits")
+        .expect("it has emitters");
+    let trees = LightTrees::new(&world, None);
+    let first_weak = world.lamps.len() as u32 - WEAK_LAMPS;
+    let top = trees.top.as_ref().expect("it has a tree");
+    let start = share_before_weak(top, first_weak);
+    let steps = f64::from(1 << 24);
+    let first = (start * steps) as u32;
+    let (values, digits) = ((WEAK_SHARE * steps) as u32, 256);
+    let queries: Vec<Query> = (0..values * digits)
+        .map(|k| Query {
+            position: [0.0, 3.0, 0.0],
+            by_power: 1,
+            normal: [0.0, 1.0, 0.0],
+            instance: u32::MAX,
+            u: [
+                (first + k / digits) as f32 / steps as f32,
+                (k % digits) as f32 / digits as f32,
+            ],
+            item: first_weak,
+            pad: 0,
+        })
+        .collect();
+    let mut found = vec![0_u32; WEAK_LAMPS as usize];
+    for answer in answers(gpu, &emitters, &queries) {
+        if let Some(weak) = answer.item.checked_sub(first_weak) {
+            found[weak as usize] += 1;
+            let chance = f64::from(answer.chosen[1]) / (WEAK_SHARE / f64::from(WEAK_LAMPS));
+            assert!((chance - 1.0).abs() < 0.01, "{chance}");
+        }
+    }
+    // 87 each on average, with a standard deviation of at most 9.3.
+    let expected = f64::from(values * digits) / f64::from(WEAK_LAMPS);
+    let off = |n: &&u32| (f64::from(**n) - expected).abs() > 6.0 * expected.sqrt();
+    let wrong: Vec<_> = found.iter().filter(off).collect();
+    // Rounding of the way there moves the first and the last ones.
+    assert!(wrong.len() <= 12, "{}: {wrong:?}", wrong.len());
 }

@@ -181,13 +181,13 @@ fn odd_lamps_are_chosen_by_their_light_or_never() {
     }
     let trees = LightTrees::new(&dark, None);
     assert_eq!(trees.top, None);
-    assert_eq!(trees.choose(0.5, true, Vec3::ZERO, Vec3::Y), None);
+    assert_eq!(trees.choose([0.5; 2], true, Vec3::ZERO, Vec3::Y), None);
     assert!(trees.lamp_nodes.iter().all(|node| *node == UNLIT_ITEM));
     // One that shines is alone in the tree.
     dark.lamps[7].desc.color = Vec3::ONE;
     let trees = LightTrees::new(&dark, None);
     assert_eq!(trees.lamp_nodes[7], NO_NODE);
-    let choice = trees.choose(0.5, true, Vec3::ZERO, Vec3::Y);
+    let choice = trees.choose([0.5; 2], true, Vec3::ZERO, Vec3::Y);
     assert_eq!(choice.map(|c| c.what), Some(Chosen::Lamp(7)));
     for broken in [Vec3::NAN, Vec3::INFINITY] {
         let mut odd = good.clone();

@@ -28,12 +28,14 @@ pub struct Choice {
 }
 
 impl LightTrees {
-    /// The triangle or lamp that a random number in [0, 1) chooses for a surface at `point` with this normal: by
-    /// importance, or `by_power` alone. `None` where none is important.
-    pub fn choose(&self, u: f32, by_power: bool, point: Vec3, normal: Vec3) -> Option<Choice> {
+    /// The triangle or lamp that two random numbers in [0, 1) choose for a surface at `point` with this normal: by
+    /// importance, or `by_power` alone. The second gives the first the digits that it lacks far down. `None` where none is
+    /// important.
+    pub fn choose(&self, u: [f32; 2], by_power: bool, point: Vec3, normal: Vec3) -> Option<Choice> {
         let top = self.top.as_ref()?;
         let mut descent = Descent {
-            u,
+            u: u[0],
+            digits: u[1].to_bits(),
             chances: [1.0; 2],
         };
         let item = descent.item(top, by_power, (point, normal, Sides::Front))? as usize;
@@ -99,6 +101,8 @@ impl PlacedLight {
 /// A random number on its way down, with the probability of the way by importance and by power.
 struct Descent {
     u: f32,
+    /// Random bits, for the digits of `u` past its 24.
+    digits: u32,
     chances: [f32; 2],
 }
 
@@ -114,7 +118,9 @@ impl Descent {
             let is_second = self.u >= share;
             let part = |share: f32| if is_second { 1.0 - share } else { share };
             let from = if is_second { share } else { 0.0 };
-            self.u = ((self.u - from) / part(share)).min(BELOW_ONE);
+            self.digits = hash(self.digits);
+            let more = (self.digits >> 8) as f32 * DIGITS_24 * DIGITS_24;
+            self.u = ((self.u - from + more) / part(share)).min(BELOW_ONE);
             let [place, power] = shares.map(part);
             self.chances[0] *= if place.is_nan() { 0.0 } else { place };
             self.chances[1] *= power;
@@ -126,6 +132,15 @@ impl Descent {
 
 /// Largest 32-bit float below 1.
 const BELOW_ONE: f32 = 0.999_999_94;
+/// Step between random numbers of 24 bits.
+const DIGITS_24: f32 = 1.0 / (1 << 24) as f32;
+
+/// Hash of a number, the same as `hash` in `shaders/lib/hash.wgsl`.
+fn hash(x: u32) -> u32 {
+    let state = x.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+    let word = ((state >> ((state >> 28) + 4)) ^ state).wrapping_mul(277_803_737);
+    (word >> 22) ^ word
+}
 
 /// Shares of the first node of a pair by importance, NaN where neither node is important, and by power.
 fn shares_of(tree: &Tree, pair: u32, (point, normal, sides): (Vec3, Vec3, Sides)) -> [f32; 2] {
