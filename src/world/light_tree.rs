@@ -18,6 +18,7 @@ mod tests;
 
 pub use build::{Leaf, Tree, build};
 pub use choose::{Choice, Chosen};
+pub use lamps::power_of as power_of_lamp;
 pub use placed::{LightTrees, PlacedLight};
 
 /// Flag of a link that names an item: a triangle, or in the upper tree a placed light.

@@ -77,3 +77,52 @@ fn a_coarse_beginning_ends_as_what_is_built_at_once() {
     edited.edit(Edit::new(0)).expect("it can be edited");
     assert!(!edited.is_coarse());
 }
+
+/// Lamps of the light tree are in the coarse picture too: 64 in place of all, with as much light.
+#[test]
+fn the_coarse_picture_is_lit_by_lamps_of_the_tree() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let (gpu, folder) = (Arc::new(gpu), Folder::new());
+    let lamp = |n: u32| {
+        let kind = match n % 3 {
+            0 => "kind = \"point\"",
+            1 => "kind = \"point\"\nradius_m = 0.05",
+            _ => "kind = \"spot\"\ndirection = [0, -1, 0]\nouter_deg = 80",
+        };
+        let [x, z] = [n % 10, n / 10].map(|k| 0.4 * k as f32 - 2.0);
+        let candela = 0.02 + 0.02 * (n % 4) as f32;
+        format!("[light.l{n}]\n{kind}\nposition = [{x}, 2, {z}]\nintensity_cd = {candela}\n")
+    };
+    let lamps: String = (0..100).map(lamp).collect();
+    let floor = "version = 1\n[camera.main]\neye = [0, 3, 4]\ntarget = [0, 0, 0]\n[image]\nsize = [32, 18]\nsamples = 16\n\
+                 tone_map = \"none\"\n[environment]\ncolor = [0, 0, 0]\n[material.floor]\nbase_color = [0.5, 0.5, 0.5]\n\
+                 reflectivity = 0\n[model.floor]\nshape = { kind = \"plane\", size = [9, 9] }\nmaterial = \"floor\"\n";
+    folder.write("scene.toml", format!("{floor}{lamps}"));
+    let source = SceneSource {
+        path: Some(folder.path("scene.toml")),
+        options: <_>::default(),
+        shaders: None,
+    };
+    let opened = Live::open(
+        gpu.clone(),
+        source,
+        ViewOverrides::default(),
+        InitialBuild::Coarse,
+    );
+    let Ok(mut live) = opened else {
+        panic!("the scene does not open");
+    };
+    let opaque = 255 * 32 * 18;
+    let sum = |live: &mut Live| -> u64 {
+        let values = pixels(live, &gpu);
+        values.iter().map(|v| u64::from(*v)).sum::<u64>() - opaque
+    };
+    let coarse = sum(&mut live);
+    live.complete().expect("the rest can be built");
+    let whole = sum(&mut live);
+    let off = coarse as f64 / whole as f64 - 1.0;
+    assert!(
+        whole > 40 * opaque / 255 && off.abs() < 0.04,
+        "{off}: {whole}"
+    );
+}

@@ -4,9 +4,9 @@
 use super::Session;
 use crate::{RenderError, RenderOptions};
 use reflet_scene::desc::{
-    EnvironmentShadow, Exposure, Method, ReflectionMode, Samples, ShadowMode, Visibility,
+    EnvironmentShadow, Exposure, LightKind, Method, ReflectionMode, Samples, ShadowMode, Visibility,
 };
-use reflet_world::{World, pose::Moving};
+use reflet_world::{Light, MAX_LIGHTS, World, light_tree::power_of_lamp, pose::Moving};
 
 /// Features that are built before the first picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,10 +34,80 @@ pub(super) fn world(of: &World) -> World {
             _ => ShadowMode::Map,
         };
     }
-    // Without rays, what a light tree chooses would shine through walls.
-    world.lamps.clear();
+    let room = MAX_LIGHTS.saturating_sub(world.lights.len());
+    let lamps = std::mem::take(&mut world.lamps);
+    world.lights.extend(stand_ins(&lamps, room));
+    world.light_order = Vec::new();
     world.environment.desc.shadow = EnvironmentShadow::None;
     world
+}
+
+/// At most `most` lamps in place of all those of a light tree, with their power together, as points and cones without shadow.
+/// Each stands for the same share of the power (systematic sampling).
+fn stand_ins(lamps: &[Light], most: usize) -> Vec<Light> {
+    let powers = lamps.iter().map(power_of_lamp);
+    let share = powers.clone().sum::<f64>() / most as f64;
+    let (mut sum, mut taken) = (0.0, 0.0);
+    let mut found = Vec::new();
+    for (lamp, power) in lamps.iter().zip(powers) {
+        sum += power;
+        // The next one stands for what is around half a share past those that were taken.
+        let times = ((sum / share + 0.5).floor() - taken).max(0.0);
+        if times < 1.0 || found.len() == most {
+            continue;
+        }
+        taken += times;
+        let mut light = lamp.clone();
+        light.desc.color *= (times * share / power) as f32;
+        light.desc.shadow = ShadowMode::None;
+        light.desc.kind = without_size(lamp.desc.kind);
+        found.push(light);
+    }
+    found
+}
+
+/// The light as a point or a cone; flat ones as a wide cone.
+fn without_size(kind: LightKind) -> LightKind {
+    let wide = |position, direction, intensity_cd| LightKind::Spot {
+        position,
+        direction,
+        target: None,
+        intensity_cd,
+        inner_deg: 0.0,
+        outer_deg: 89.0,
+        radius_m: 0.0,
+    };
+    match kind {
+        LightKind::Rect {
+            position,
+            direction,
+            intensity_cd,
+            ..
+        }
+        | LightKind::Disk {
+            position,
+            direction,
+            intensity_cd,
+            ..
+        } => wide(position, direction, intensity_cd),
+        LightKind::Point {
+            position,
+            intensity_cd,
+            ..
+        } => LightKind::Point {
+            position,
+            intensity_cd,
+            radius_m: 0.0,
+        },
+        LightKind::Spot { .. } => {
+            let mut cone = kind;
+            if let LightKind::Spot { radius_m, .. } = &mut cone {
+                *radius_m = 0.0;
+            }
+            cone
+        }
+        LightKind::Directional { .. } => kind,
+    }
 }
 
 /// Options for the coarse picture.
