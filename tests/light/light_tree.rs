@@ -1,8 +1,8 @@
 //! Light trees: their probabilities, and that what they choose lights as much as it is bright.
 
-use std::{collections::HashMap, sync::Arc};
+use std::{collections::HashMap, f64::consts::PI, sync::Arc};
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use reflet::{
     scene::stages::{Animator, Scene},
     world::{
@@ -213,5 +213,61 @@ fn chosen_lamps_light_as_rays_that_meet_them() {
         for (found, expected) in aimed.into_iter().zip(met) {
             assert_close(found, expected, 0.015);
         }
+    }
+}
+
+/// Radiance that a floor of rough metal without color sends from (x, 0, z) to the eye, of a glowing box before it, by the
+/// midpoint rule: GGX with the height-correlated Smith term.
+fn seen_of_box([x, z]: [f64; 2], eye: DVec3, roughness: f64) -> f64 {
+    let (point, alpha2) = (DVec3::new(x, 0.0, z), roughness.powi(4));
+    let view = (eye - point).normalize();
+    let smith = |cosine: f64| (cosine * cosine * (1.0 - alpha2) + alpha2).sqrt();
+    let of_face = |corner: DVec3, u: DVec3, v: DVec3, normal: DVec3| -> f64 {
+        let steps = 200;
+        let area = u.cross(v).length() / f64::from(steps * steps);
+        let places = (0..steps * steps)
+            .map(|k| [k % steps, k / steps].map(|i| (f64::from(i) + 0.5) / f64::from(steps)));
+        let light = places.map(|[a, b]| {
+            let offset = corner + u * a + v * b - point;
+            let to = offset.normalize();
+            let half = (view + to).normalize();
+            let facets = alpha2 / (PI * (half.y * half.y * (alpha2 - 1.0) + 1.0).powi(2));
+            let seen = 0.5 / (to.y * smith(view.y) + view.y * smith(to.y));
+            facets * seen * to.y * -to.dot(normal) / offset.length_squared()
+        });
+        light.sum::<f64>() * area
+    };
+    let (x, y, z) = (DVec3::X, DVec3::Y, DVec3::Z);
+    of_face(DVec3::new(-0.6, 0.35, -1.35), x * 1.2, y * 0.5, z)
+        + of_face(DVec3::new(-0.6, 0.35, -1.45), x * 1.2, z * 0.1, -y)
+}
+
+/// Rays of the lobe and rays towards emitters, each by its share, make up the integral over the emitter: the shares sum to 1.
+/// The roughness and the color are exact in 16 bits, as pixels store them.
+#[test]
+fn rough_metal_below_an_emitter_is_as_bright_as_the_closed_form() {
+    let Some(gpu) = gpu() else { return };
+    let eye = DVec3::new(0.0, 2.5, 0.2);
+    for (point, roughness, within) in [
+        ([-0.3, 0.3], 0.5, 5e-4),
+        ([0.1, -0.4], 0.5, 1.5e-3),
+        // Here both kinds of rays find about as much.
+        ([0.2, -1.0], 0.25, 3e-3),
+    ] {
+        let text = format!(
+            "version = 1\n[camera.main]\neye = [0, 2.5, 0.2]\ntarget = [{}, 0, {}]\northographic_height_m = 0.001\n\
+             [image]\nsize = [24, 24]\nsamples = 256\ntone_map = \"none\"\n[reflection]\nmethod = \"path\"\n\
+             roughness_cutoff = 1\nmultiple_scattering = false\n[environment]\ncolor = [0, 0, 0]\n\
+             [material.floor]\nbase_color = [1, 1, 1]\nmetallic = 1\nroughness = {roughness}\n[material.glow]\n\
+             base_color = [0, 0, 0]\nreflectivity = 0\nemission = [1, 4, 2]\nlight = true\ndouble_sided = false\n\
+             [model.floor]\nshape = {{ kind = \"plane\", size = [40, 40] }}\nmaterial = \"floor\"\n[model.box]\n\
+             shape = {{ kind = \"box\", size = [1.2, 0.5, 0.1] }}\nmaterial = \"glow\"\n[[instance]]\nmodel = \"floor\"\n\
+             [[instance]]\nmodel = \"box\"\ntranslation = [0, 0.6, -1.4]\n",
+            point[0], point[1]
+        );
+        let expected = seen_of_box(point, eye, roughness);
+        let found = f64::from(mean(&render(gpu, &text, &[], &[]))[1]) / 4.0;
+        let off = found / expected - 1.0;
+        assert!(off.abs() < within, "{off} at {point:?}");
     }
 }
