@@ -14,7 +14,11 @@ struct Params {
     first_layer: u32, // six for each probe
     face_px: u32,
     samples: u32, // for each pixel of the map
+    first_x: u32, // pixel where the part begins
+    first_y: u32,
     pad0: u32,
+    pad1: u32,
+    pad2: u32,
 }
 
 @group(2) @binding(0) var captured: texture_storage_2d_array<rgba16float, write>; // w: share that surfaces cover
@@ -88,17 +92,18 @@ fn place_of_sample(sample: u32) -> vec2f {
 
 @compute @workgroup_size(GROUP_PX, GROUP_PX)
 fn main(@builtin(global_invocation_id) id: vec3u) {
-    if (any(id.xy >= vec2u(params.face_px))) { return; }
+    let pixel = id.xy + vec2u(params.first_x, params.first_y);
+    if (any(pixel >= vec2u(params.face_px))) { return; }
     let layer = params.first_layer + id.z;
     let probe = probes[layer / 6u].position.xyz;
     var sum = vec4f(0.0);
     for (var sample = 0u; sample < params.samples; sample++) {
-        let place = (vec2f(id.xy) + place_of_sample(sample)) * (2.0 / f32(params.face_px)) - 1.0;
-        let seed = id.xy + vec2u(params.face_px * layer, 65536u * sample);
+        let place = (vec2f(pixel) + place_of_sample(sample)) * (2.0 / f32(params.face_px)) - 1.0;
+        let seed = pixel + vec2u(params.face_px * layer, 65536u * sample);
         let seen = seen_from(probe, normalize(face_direction(layer % 6u, place)), seed);
         sum += seen.light;
-        if (sample == 0u) { textureStore(captured_hits, id.xy, layer, seen.hit); }
+        if (sample == 0u) { textureStore(captured_hits, pixel, layer, seen.hit); }
     }
     let mean = sum / f32(params.samples);
-    textureStore(captured, id.xy, layer, vec4f(min(mean.xyz / EMISSION_SCALE, BRIGHTEST), mean.w));
+    textureStore(captured, pixel, layer, vec4f(min(mean.xyz / EMISSION_SCALE, BRIGHTEST), mean.w));
 }

@@ -114,6 +114,24 @@ fn a_box_look_up_in_a_box_shows_what_a_mirror_shows() {
     assert!(wrong > 0.1, "infinity: {wrong}");
 }
 
+/// A capture of so many paths that it is dispatched face by face has all faces.
+#[test]
+fn a_capture_in_parts_shows_what_one_in_a_piece_shows() {
+    let of = |size: &str| {
+        by(
+            &room(WALLS),
+            &["reflection.method=probe", "probes.lookup=box", size],
+            &[],
+        )
+    };
+    let Some(whole) = of("probes.face_px=512") else {
+        return;
+    };
+    let parts = of("probes.face_px=1024").expect("a GPU");
+    let wrong = share_differing(&parts, &whole, 2);
+    assert!(wrong < 0.02, "{wrong}");
+}
+
 /// In a room of one color every probe shows it, so that the sum of the weights is the brightness.
 #[test]
 fn weights_of_probes_sum_to_one() {

@@ -40,16 +40,82 @@ pub const PASS: Pass = Pass {
 };
 
 gpu_struct! {
-    /// Uniforms of the capture of one probe.
+    /// Uniforms of a part of the capture.
     pub struct Params = "Params" {
-        /// First layer of the probe's faces.
+        /// First layer of the part, of six for each probe.
         first_layer: u32,
         /// Width of the faces, pixels.
         face_px: u32,
         /// Number of samples per pixel.
         samples: u32,
+        /// First column of the part.
+        first_x: u32,
+        /// First row of the part.
+        first_y: u32,
         /// Unused.
         pad0: u32,
+        /// Unused.
+        pad1: u32,
+        /// Unused.
+        pad2: u32,
+    }
+}
+
+/// Maximum number of paths of a dispatch, where a tile has no more: systems reset a device that is busy for seconds.
+const MOST_PATHS: u64 = 1 << 22;
+
+/// Dispatches of a capture: all faces of a probe, or where these are too many paths, a square of one face.
+struct Parts {
+    /// Width of the faces, pixels.
+    face_px: u32,
+    /// Faces of a part: six or one.
+    faces: u32,
+    /// Width of a part, pixels: a multiple of that of a tile.
+    side_px: u32,
+    /// Number of squares along a face.
+    squares: u32,
+}
+
+impl Parts {
+    fn new(face_px: u32, samples: u32, tile_px: u32) -> Self {
+        let whole_px = face_px.next_multiple_of(tile_px);
+        let paths = |side_px: u32, faces: u32| {
+            u64::from(side_px).pow(2) * u64::from(faces) * u64::from(samples)
+        };
+        let faces = if paths(face_px, 6) <= MOST_PATHS {
+            6
+        } else {
+            1
+        };
+        let mut side_px = whole_px;
+        while side_px > tile_px && paths(side_px.min(face_px), faces) > MOST_PATHS {
+            side_px = (side_px / 2).next_multiple_of(tile_px);
+        }
+        Self {
+            face_px,
+            faces,
+            side_px,
+            squares: face_px.div_ceil(side_px),
+        }
+    }
+
+    /// Number of parts of each probe.
+    fn of_probe(&self) -> usize {
+        (6 / self.faces * self.squares * self.squares) as usize
+    }
+
+    /// First layer, column and row of a part, counted over all probes.
+    fn start(&self, part: usize) -> (u32, [u32; 2]) {
+        let (probe, part) = (part / self.of_probe(), (part % self.of_probe()) as u32);
+        let (face, square) = (part / self.squares.pow(2), part % self.squares.pow(2));
+        let first = [square % self.squares, square / self.squares].map(|k| k * self.side_px);
+        (6 * probe as u32 + face, first)
+    }
+
+    /// Number of workgroups of a part along its axes.
+    fn groups(&self, tile_px: u32) -> [u32; 3] {
+        let side = self.side_px.min(self.face_px).div_ceil(tile_px);
+        [side, side, self.faces]
     }
 }
 
@@ -89,21 +155,26 @@ impl FramePass for Capture {
             return;
         };
         let (gpu, key) = (frame.recorder.gpu, &maps.key);
-        let groups = key.face_px.div_ceil(self.pass.tile()[0]);
-        let count = key.boxes.len();
+        let tile_px = self.pass.tile()[0];
+        let parts = Parts::new(key.face_px, key.samples, tile_px);
+        let count = key.boxes.len() * parts.of_probe();
         frame
             .recorder
             .pass_in_parts(PASS.name, count, |part, encoder, recording| {
+                let (first_layer, [first_x, first_y]) = parts.start(part);
                 let params = Params {
-                    first_layer: 6 * part as u32,
+                    first_layer,
                     face_px: key.face_px,
                     samples: key.samples,
+                    first_x,
+                    first_y,
                     pad0: 0,
+                    pad1: 0,
+                    pad2: 0,
                 };
                 self.pass.set_params(gpu, &params);
-                let shared = &self.shared;
-                self.pass
-                    .encode(encoder, recording, shared, [groups, groups, 6]);
+                let groups = parts.groups(tile_px);
+                self.pass.encode(encoder, recording, &self.shared, groups);
             });
     }
 }
@@ -111,4 +182,43 @@ impl FramePass for Capture {
 /// Whether a frame with this plan has maps with levels for rough reflections.
 pub fn has_levels(plan: &Plan) -> bool {
     plan.features.probes && plan.features.rough_reflections
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{MOST_PATHS, Parts};
+
+    /// Parts of a capture: each pixel of each face once, and no more paths in a dispatch than are allowed.
+    #[test]
+    fn parts_cover_all_faces_once_with_few_paths() {
+        let tile_px = 8;
+        for (face_px, samples, of_probe) in [
+            (128, 16, 1),
+            (8, 1024, 1),
+            (100, 1024, 24),
+            (1000, 64, 96),
+            (4096, 1, 24),
+            (4096, 1024, 24_576),
+        ] {
+            let parts = Parts::new(face_px, samples, tile_px);
+            assert_eq!(parts.of_probe(), of_probe, "{face_px} {samples}");
+            let [wide, high, deep] = parts.groups(tile_px);
+            let paths = u64::from(wide * high * tile_px * tile_px) * u64::from(deep * samples);
+            assert!(paths <= MOST_PATHS, "{face_px} {samples}: {paths}");
+            let mut area = vec![0_u64; 12];
+            let mut starts = Vec::new();
+            for part in 0..2 * of_probe {
+                let (layer, [x, y]) = parts.start(part);
+                let size = |from: u32| u64::from(parts.side_px.min(face_px - from));
+                for face in layer..layer + deep {
+                    area[face as usize] += size(x) * size(y);
+                }
+                starts.push((layer, x, y));
+            }
+            assert_eq!(area, [u64::from(face_px).pow(2); 12]);
+            starts.sort_unstable();
+            starts.dedup();
+            assert_eq!(starts.len(), 2 * of_probe);
+        }
+    }
 }
