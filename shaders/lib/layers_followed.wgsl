@@ -175,8 +175,8 @@ fn shade(s: Surface, view: vec3f, lent: vec2u) -> Shade {
 // Share of the emission at a point of a triangle that leaves the surface at this cosine, past its coat and its
 // alpha.
 fn emitted_share(material: u32, instance: u32, index: array<u32, 3>, bary: vec2f, cosine: f32) -> f32 {
-    var s = material_surface(material);
-    s.clearcoat = material_clearcoat(material) * layer_texel(CLEARCOAT_SLOT, instance, index, bary, 1.0, 0.0).x;
+    var s = material_at(material, instance, index, bary, 0.0, 1.0);
+    s.clearcoat *= layer_texel(CLEARCOAT_SLOT, instance, index, bary, 1.0, 0.0).x;
     s.alpha = 1.0;
     if (material_is_blended(material) != 0u) { s.alpha = material_alpha(material, instance, index, bary, 0.0, 1.0); }
     return s.alpha * coat_transmittance(s, cosine);
@@ -322,15 +322,15 @@ fn onward_origin(s: Surface, direction: vec3f) -> vec3f {
 // normal and roughness.
 fn pane_at(h: Hit, direction: vec3f) -> Surface {
     let m = instance_material(h.instance);
-    var s = material_surface(m);
     let c = corners(h.instance, h.triangle);
     let normal = outward_normal(h.instance, c.p, h.bary);
     let bary = weights_at(h.instance, c.p, h.bary);
+    var s = material_at(m, h.instance, c.index, bary, 0.0, 1.0);
     s.is_solid = material_is_solid(m) != 0u;
     s.is_inside = s.is_solid && dot(normal, direction) > 0.0;
     s.normal = select(normal, -normal, dot(normal, direction) > 0.0);
-    s.transmission = material_transmission(m) * layer_texel(TRANSMISSION_SLOT, h.instance, c.index, bary, 1.0, 0.0).x;
-    s.clearcoat = material_clearcoat(m) * layer_texel(CLEARCOAT_SLOT, h.instance, c.index, bary, 1.0, 0.0).x;
+    s.transmission *= layer_texel(TRANSMISSION_SLOT, h.instance, c.index, bary, 1.0, 0.0).x;
+    s.clearcoat *= layer_texel(CLEARCOAT_SLOT, h.instance, c.index, bary, 1.0, 0.0).x;
     s = with_textured_details(s, h.instance, c.index, bary, 1.0, 0.0);
     s = with_film(s, h.instance, c.index, bary, 1.0, 0.0, dot(s.normal, direction));
     s.absorption = material_absorption(m);

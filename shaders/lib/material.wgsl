@@ -9,6 +9,16 @@ struct TextureUse {
     signs: vec2f, // signs of the material's uv_scale; for clear coat normals times their strength
 }
 
+// A number or color that follows a pattern.
+struct Patterned {
+    first: vec3f, // of a number all three are equal
+    bits: u32, // PATTERN_*, and from PATTERNED_SHIFT on the value that varies
+    second: vec3f,
+    size_m: f32, // 0: none, nor at later places of the list
+    origin: vec3f, // in object space
+    axis: u32, // packed direction of the pattern's X
+}
+
 struct Material {
     base_color: vec4f,
     emission: vec3f,
@@ -44,6 +54,7 @@ struct Material {
     dispersion: f32,
     textures: array<TextureUse, 5>, // base color, metallic-roughness, normal, occlusion, emission
     layer_textures: array<TextureUse, 11>, // see surface.wgsl
+    patterned: array<Patterned, 6>,
 }
 
 struct Surface {
@@ -78,6 +89,9 @@ struct Surface {
     // Set with HAS_ANISOTROPY: direction of the grain, along which the lobe is longer, and its strength.
     tangent: vec3f,
     anisotropy: f32,
+    // Film over the surface, until it colors the lobes; set with HAS_TINTS.
+    iridescence: f32,
+    iridescence_thickness_nm: f32,
     // Set with HAS_SHEEN.
     sheen_color: vec3f,
     sheen_roughness: f32,
@@ -111,6 +125,13 @@ fn material_surface(m: u32) -> Surface {
     if (HAS_TINTS) {
         s.specular = material_specular(m);
         s.specular_color = material_specular_color(m);
+        s.iridescence = material_iridescence(m);
+        s.iridescence_thickness_nm = material_iridescence_thickness_nm(m);
+    }
+    if (HAS_LAYERS) {
+        s.transmission = material_transmission(m);
+        s.clearcoat = material_clearcoat(m);
+        s.clearcoat_roughness = material_clearcoat_roughness(m);
     }
     if (HAS_SHEEN) {
         s.sheen_color = material_sheen_color(m);

@@ -1,4 +1,4 @@
-// Filtered patterns of two colors in object space: checkers, bricks, noise and marble.
+// Filtered patterns of two colors in object space.
 
 #import constants
 
@@ -93,6 +93,28 @@ fn octaves(p: vec3f, width: f32) -> f32 {
     return sum;
 }
 
+const DOT_RADIUS: f32 = 0.3;
+
+// Share of the second color of disks around the lattice points, on the faces across the largest part of the normal. Their
+// edge is as wide as the footprint; where that is wider than a disk, it shows the mean.
+fn dots(p: vec3f, normal: vec3f, width: f32) -> f32 {
+    let n = abs(normal);
+    var q = p.xy;
+    if (n.x > n.y && n.x > n.z) { q = p.yz; } else if (n.y > n.z) { q = p.zx; }
+    let distance = length(fract(q + 0.5) - 0.5);
+    let edge = max(width, 1e-4);
+    let inside = clamp(0.5 + (DOT_RADIUS - distance) / edge, 0.0, 1.0);
+    return mix(inside, PI * DOT_RADIUS * DOT_RADIUS, smoothstep(0.25, 1.0, width));
+}
+
+// Share of the second color of stripes across X, filtered by the box of the footprint. The small shift is that of the
+// checker.
+fn stripes(x: f32, normal: vec3f, width: f32) -> f32 {
+    let w = max(width * sqrt(max(1.0 - normal.x * normal.x, 0.0)), 1e-4);
+    let q = x + 1e-3;
+    return 0.5 - 0.5 * clamp((square_wave_integral(q + 0.5 * w) - square_wave_integral(q - 0.5 * w)) / w, -1.0, 1.0);
+}
+
 // Share of the second color at a point, given in units of the pattern's size.
 fn pattern(kind: u32, p: vec3f, normal: vec3f, width: f32) -> f32 {
     if (HAS_PATTERNS) {
@@ -105,6 +127,9 @@ fn pattern(kind: u32, p: vec3f, normal: vec3f, width: f32) -> f32 {
                 let fade = exp(-2.0 * width * width);
                 return 0.5 + 0.5 * fade * sin(6.2831853 * 0.5 * bent);
             }
+            case PATTERN_STRIPES: { return stripes(p.x, normal, width); }
+            case PATTERN_GRADIENT: { return clamp(p.x, 0.0, 1.0); }
+            case PATTERN_DOTS: { return dots(p, normal, width); }
             default: {}
         }
     }

@@ -4,10 +4,11 @@
 #import capsule
 #import capsule_normals
 #import film
-#import pattern
+#import patterned
 #import frame
 #import pack
 #import scene
+#import tangents
 #import texture
 
 override HAS_NORMAL_MAPS: bool = true;
@@ -114,6 +115,7 @@ fn slot_uv(slot: TextureUse, instance: u32, index: array<u32, 3>, bary: vec2f, a
 fn material_alpha(material: u32, instance: u32, index: array<u32, 3>, bary: vec2f, footprint_m: f32, area2: f32) -> f32 {
     let slot = material_texture(material, BASE_COLOR_SLOT);
     var alpha = material_base_color(material).w;
+    if (HAS_PATTERNED) { alpha = patterned_alpha(material, alpha, patterned_point(instance, index, bary, footprint_m, area2)); }
     if (HAS_TEXTURES && slot.layer != NONE) {
         let at = slot_uv(slot, instance, index, bary, area2, footprint_m);
         alpha *= sample_slot(slot, at.uv, at.footprint, pools_of(BASE_COLOR_SLOT)).w;
@@ -178,6 +180,13 @@ fn smooth_lift(p: array<vec3f, 3>, normals: array<vec3f, 3>, weights: vec3f, nor
     return max(dot(offset, normal), 0.0) / max(length(normal), 1e-20) * sqrt(area2_world / max(area2, 1e-30));
 }
 
+// Surface with the parameters of a material at a point of a triangle, before textures.
+fn material_at(m: u32, instance: u32, index: array<u32, 3>, bary: vec2f, footprint: f32, area2: f32) -> Surface {
+    let s = material_surface(m);
+    if (!HAS_PATTERNED) { return s; }
+    return with_patterned(s, m, patterned_point(instance, index, bary, footprint, area2));
+}
+
 // Surface at a hit. `direction` is the unit direction of the arriving ray, `cone_m` the width of its cone here; `place`
 // are barycentric weights, or the place on a capsule.
 fn surface_at(instance: u32, triangle: u32, place: vec2f, direction: vec3f, cone_m: f32) -> Surface {
@@ -224,7 +233,7 @@ fn surface_at(instance: u32, triangle: u32, place: vec2f, direction: vec3f, cone
     let behind = dot(ng, direction) > 0.0;
     let footprint = cone_m / max(abs(dot(ng, direction)), 0.05);
 
-    if ((HAS_TEXTURES || HAS_CHECKERS) && s.reflection != REFLECTION_NONE) {
+    if ((HAS_TEXTURES || HAS_CHECKERS || HAS_PATTERNED) && s.reflection != REFLECTION_NONE) {
         s.curvature = mean_curvature(c.p, normals, area2) * select(1.0, -1.0, behind);
         // The mean curvature of a sphere, and of a cylinder.
         let turns = select(1.0, 0.5, round.share > 0.0 && round.share < 1.0);
@@ -240,6 +249,15 @@ fn surface_at(instance: u32, triangle: u32, place: vec2f, direction: vec3f, cone
     var n = normal_to_world(instance, n_object);
     n = select(ng, normalize(n), dot(n, n) > 1e-20);
 
+    if (HAS_ANISOTROPY) { s.anisotropy = material_anisotropy(m); }
+    if (HAS_PATTERNED) {
+        var at = patterned_point(instance, c.index, bary, footprint, area2);
+        if (is_round) {
+            at.position += round.normal * radius;
+            at.normal = round.normal;
+        }
+        s = with_patterned(s, m, at);
+    }
     if ((flags & FLAG_COLORS) != 0u) {
         s.base_color *= vertex_color(instance, c.index, bary).xyz;
     }
@@ -283,9 +301,6 @@ fn surface_at(instance: u32, triangle: u32, place: vec2f, direction: vec3f, cone
         coat_normal = -coat_normal;
     }
     if (HAS_LAYERS) {
-        s.transmission = material_transmission(m);
-        s.clearcoat = material_clearcoat(m);
-        s.clearcoat_roughness = material_clearcoat_roughness(m);
         if (LAYER_POOLS != 0u) {
             s.transmission *= layer_texel(TRANSMISSION_SLOT, instance, c.index, bary, area2, footprint).x;
             s.clearcoat *= layer_texel(CLEARCOAT_SLOT, instance, c.index, bary, area2, footprint).x;
@@ -344,7 +359,8 @@ const LEAST_SPREAD_ROUGHNESS: f32 = 0.045;
 fn with_grooves(s0: Surface, instance: u32, index: array<u32, 3>, weights: vec3f, bary: vec2f, area2: f32, footprint: f32, n: vec3f) -> Surface {
     var s = s0;
     let m = instance_material(instance);
-    var strength = material_anisotropy(m);
+    var strength = s.anisotropy;
+    s.anisotropy = 0.0;
     if (strength <= 0.0) { return s; }
     var along = vec2f(1.0, 0.0);
     if (LAYER_POOLS != 0u && material_layer_texture(m, ANISOTROPY_SLOT).layer != NONE) {
@@ -368,28 +384,4 @@ fn layer_texel(slot: u32, instance: u32, index: array<u32, 3>, bary: vec2f, area
     if (LAYER_POOLS == 0u) { return vec4f(1.0); }
     let used = material_layer_texture(instance_material(instance), slot);
     return texel_at(used, LAYER_POOLS, instance, index, bary, area2, footprint);
-}
-
-// Tangent-space normal map with MikkTSpace tangents (glTF 2.0, 3.9.3). `scale` is negative where u or v of the map
-// runs against the tangents.
-fn perturbed(instance: u32, index: array<u32, 3>, weights: vec3f, n: vec3f, texel: vec3f, scale: vec2f) -> vec3f {
-    let axes = tangents(instance, index, weights, n);
-    let v = (texel * 2.0 - 1.0) * vec3f(scale, 1.0);
-    let mapped = axes[0] * v.x + axes[1] * v.y + n * v.z;
-    return select(n, normalize(mapped), dot(mapped, mapped) > 1e-12 && any(axes[0] != vec3f(0.0)));
-}
-
-// Tangent and bitangent; zeros where the mesh has none.
-fn tangents(instance: u32, index: array<u32, 3>, weights: vec3f, n: vec3f) -> mat2x3f {
-    let base = instance_vertex_base(instance);
-    var t_object = vec3f(0.0);
-    for (var k = 0u; k < 3u; k++) {
-        t_object += unpack_unit(vertex_tangent(base + index[k]) & 0xfffffffeu) * weights[k];
-    }
-    let sign = select(-1.0, 1.0, (vertex_tangent(base + index[0]) & 1u) != 0u);
-    let t = direction_to_world(instance, t_object);
-    if (dot(t, t) < 1e-20) { return mat2x3f(); }
-    let mirrored = select(1.0, -1.0, (instance_flags(instance) & FLAG_MIRRORED) != 0u);
-    let tangent = normalize(t);
-    return mat2x3f(tangent, cross(n, tangent) * sign * mirrored);
 }

@@ -146,7 +146,7 @@ pub struct Row {
 pub struct LeftOut {
     /// Name of the system.
     pub system: &'static str,
-    /// What the adapter lacks, or the scene has too much of: a sentence without its end.
+    /// Reason, such as a feature that the adapter lacks: a sentence without its end.
     pub why: String,
 }
 

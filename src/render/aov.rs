@@ -11,6 +11,7 @@ use super::{
     renderer::Renderer,
     targets::{FAR_M, Target},
     types::NONE,
+    unit_vector::unpack_unit,
 };
 
 /// Pixels of one quantity, row by row from the top.
@@ -321,18 +322,4 @@ fn packed_colors(values: &TargetValues, first: usize) -> Vec<f32> {
 /// Value of the 16-bit float in the low half.
 fn half(bits: u32) -> f32 {
     half::f16::from_bits(bits as u16).to_f32()
-}
-
-/// Inverse of the octahedral map of `shaders/lib/pack.wgsl`.
-fn unpack_unit(bits: u32) -> Vec3 {
-    let snorm = |b: u32| (f32::from(b as u16 as i16) / 32767.0).max(-1.0);
-    let (x, y) = (snorm(bits), snorm(bits >> 16));
-    let z = 1.0 - x.abs() - y.abs();
-    let sign = |v: f32| if v >= 0.0 { 1.0 } else { -1.0 };
-    let n = if z >= 0.0 {
-        Vec3::new(x, y, z)
-    } else {
-        Vec3::new((1.0 - y.abs()) * sign(x), (1.0 - x.abs()) * sign(y), z)
-    };
-    n.normalize_or_zero()
 }

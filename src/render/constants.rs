@@ -3,7 +3,9 @@
 
 use std::fmt::Write as _;
 
-use reflet_scene::desc::{LightKind, Lookup, Method, PatternKind, ReflectionMode, ToneMap};
+use reflet_scene::desc::{
+    LightKind, Lookup, MOST_PATTERNED, Method, PatternKind, PatternedKey, ReflectionMode, ToneMap,
+};
 use reflet_world::{
     CoreTexture, LayerTexture, MAX_LIGHTS,
     bvh::{
@@ -20,6 +22,7 @@ use super::{
     cutoff::{COAT_STEPS, CUTOFF_FADE, METAL_REACH},
     draw_shape::SQUARE_CORNERS,
     emitters::LAMP_RECORD,
+    gpu_patterned::PATTERNED_SHIFT,
     groove_table::{GROOVE_COSINES, GROOVE_NODES, GROOVE_STEPS},
     lights::{SHADOW_MAP, SHADOW_NEAR_M, SHADOW_NONE, SHADOW_RAY},
     lobe_table::{LOBE_COSINES, LOBE_NODES, LOBE_ROUGHNESSES, SMOOTH_ALPHA},
@@ -253,13 +256,15 @@ fn define_variants(out: &mut String) {
     ] {
         define(out, name, &(lookup as u32));
     }
-    for (name, kind) in [
-        ("PATTERN_BRICK", PatternKind::Brick),
-        ("PATTERN_NOISE", PatternKind::Noise),
-        ("PATTERN_MARBLE", PatternKind::Marble),
-    ] {
-        define(out, name, &(kind as u32));
+    for kind in PatternKind::ALL {
+        let name = format!("PATTERN_{}", kind.name().to_uppercase());
+        define(out, &name, &(kind as u32));
     }
+    for value in PatternedKey::ALL {
+        define_numbered(out, value, "_VARIES", value as u32);
+    }
+    define(out, "MOST_PATTERNED", &MOST_PATTERNED);
+    define(out, "PATTERNED_SHIFT", &PATTERNED_SHIFT);
 }
 
 /// Defines the number of a variant, by its name in capitals: `SpecularColor` with `_SLOT` is `SPECULAR_COLOR_SLOT`.

@@ -2,7 +2,7 @@
 //! numbers, rounded alike, for the surfaces of pixels and of hits.
 
 use half::f16;
-use reflet_scene::desc::ReflectionMode;
+use reflet_scene::desc::{PatternedKey, ReflectionMode};
 use reflet_world::{LayerTexture, Material};
 
 /// Relative increase of the roughness cut-off for metals: theirs is 1 + this times that of dielectrics, so that what
@@ -30,13 +30,16 @@ pub fn has_specular(material: &Material) -> bool {
     // Glass reflects internally whatever its specular strength.
     let is_dimmed = material.specular == Some(0.0) && !material.passes_light();
     let dielectric = material.reflectivity > 0.0 && !is_dimmed;
+    // A value that follows a pattern is 0 here only where it is 0 everywhere: this is its mean.
     dielectric || material.metallic > 0.0 || material.clearcoat.is_some()
 }
 
 /// Whether the lobe of a material without its clear coat is below the cut-off; higher for metals, which show nothing
 /// else.
 pub(super) fn is_base_below(material: &Material, cutoff: f32) -> bool {
-    packed(material.roughness) < cutoff * (1.0 + METAL_REACH * packed(material.metallic))
+    let [roughness, _] = material.roughness_extremes();
+    let [_, metallic] = material.extremes(PatternedKey::Metallic, material.metallic);
+    packed(roughness) < cutoff * (1.0 + METAL_REACH * packed(metallic))
 }
 
 /// Whether the lobe of a material's clear coat is below the cut-off, where its texture leaves it so rough.
@@ -44,7 +47,8 @@ fn is_coat_below(material: &Material, cutoff: f32) -> bool {
     let has_map = material
         .layer_texture(LayerTexture::ClearcoatRoughness)
         .is_some();
-    let steps = (material.clearcoat_roughness * COAT_STEPS).round();
+    let [roughness, _] = material.coat_roughness_extremes();
+    let steps = (roughness * COAT_STEPS).round();
     material.clearcoat.is_some() && (has_map || steps < cutoff * COAT_STEPS)
 }
 

@@ -11,6 +11,7 @@ use super::{
     mesh_array::{MeshArray, Upload},
     texel_array::TexelArray,
     types::{GpuVertex, NONE},
+    unit_vector::pack_unit,
 };
 
 /// Ranges of a mesh in the shared buffers.
@@ -159,17 +160,4 @@ fn vertex(mesh: &Mesh, posed: &Posed<'_>, i: usize) -> GpuVertex {
                 .map(|v| (v.clamp(0.0, 1.0) * 255.0).round() as u8),
         ),
     }
-}
-
-/// Octahedral map to two signed 16-bit numbers; `unpack_unit` in `shaders/lib/pack.wgsl` is its inverse.
-fn pack_unit(n: Vec3) -> u32 {
-    let p = n / (n.x.abs() + n.y.abs() + n.z.abs()).max(1e-20);
-    let wrap = |a: f32, b: f32| (1.0 - b.abs()) * if a >= 0.0 { 1.0 } else { -1.0 };
-    let [x, y] = if p.z >= 0.0 {
-        [p.x, p.y]
-    } else {
-        [wrap(p.x, p.y), wrap(p.y, p.x)]
-    };
-    let snorm = |v: f32| u32::from((v.clamp(-1.0, 1.0) * 32767.0).round() as i16 as u16);
-    snorm(x) | snorm(y) << 16
 }

@@ -4,6 +4,7 @@ use glam::{Vec2, Vec3};
 
 use super::{
     cutoff::{has_specular, packed, packed_coat},
+    gpu_patterned::GpuPatterned,
     textures::Layers,
     types::{
         GpuMaterial, GpuTextureUse, NONE, TEXTURE_NEAREST, TEXTURE_SIZE_SHIFT, TEXTURE_SRGB,
@@ -67,6 +68,7 @@ pub fn gpu_material(m: &Material, world: &World, layers: &Layers) -> GpuMaterial
         dispersion: m.dispersion.unwrap_or(0.0),
         textures: std::array::from_fn(|i| slot(slots[i])),
         layer_textures,
+        patterned: std::array::from_fn(|i| GpuPatterned::of(m.patterned.get(i))),
     }
 }
 

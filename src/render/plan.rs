@@ -4,6 +4,7 @@ mod feature_table;
 mod features;
 mod mutual_reflections;
 mod planned_scene;
+mod shader_choice;
 mod uses;
 
 use std::collections::BTreeSet;
@@ -61,14 +62,16 @@ fn is_spread(roughness: f32) -> bool {
 pub fn reflects_roughly(world: &World, cutoff: f32) -> bool {
     let is_rough = |index: usize| {
         let material = &world.materials[index];
+        let [_, roughness] = material.roughness_extremes();
+        let [_, coat_roughness] = material.coat_roughness_extremes();
         let spread = material.metallic_roughness_texture.is_some()
             || material.anisotropy.is_some()
-            || (is_spread(material.roughness) && is_base_below(material, cutoff))
-            || (material.clearcoat.is_some() && is_spread(material.clearcoat_roughness));
+            || (is_spread(roughness) && is_base_below(material, cutoff))
+            || (material.clearcoat.is_some() && is_spread(coat_roughness));
         let scatters = material.transmission.is_some()
             && (material.metallic_roughness_texture.is_some()
                 || material.anisotropy.is_some()
-                || is_spread(material.roughness));
+                || is_spread(roughness));
         material.reflection == ReflectionMode::Auto
             && may_reflect(world, index, cutoff)
             && (spread || world.may_change(index))

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use reflet_scene::desc::{Exposure, Radiance};
+use reflet_scene::desc::{Exposure, PatternedKey, Radiance};
 use reflet_world::World;
 
 use super::options::RenderOptions;
@@ -56,7 +56,7 @@ impl Precision {
 pub fn brightest_emission(world: &World) -> f32 {
     let materials = world.instances.iter().map(|i| &world.materials[i.material]);
     materials
-        .map(|m| m.emission.max_element())
+        .map(|m| m.extremes(PatternedKey::Emission, m.emission.max_element())[1])
         .fold(0.0, f32::max)
 }
 

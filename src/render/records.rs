@@ -9,6 +9,7 @@ use reflet_gpu::{Gpu, GpuError};
 
 use super::{
     geometry::buffer,
+    gpu_patterned::GpuPatterned,
     gpu_struct::StructSpec,
     texel_array::TexelArray,
     types::{GpuInstance, GpuMaterial, GpuTextureUse},
@@ -86,7 +87,7 @@ pub fn are_texels_preferred(gpu: &Gpu, instances: usize, materials: usize) -> bo
 }
 
 /// Shader text with the bindings of both arrays and, for each field, a function of the element's index; that of an
-/// array of textures has a second parameter, the slot.
+/// array has a second parameter, the slot.
 pub fn wgsl(in_texels: bool) -> String {
     let mut text = String::new();
     if in_texels {
@@ -106,26 +107,24 @@ pub fn wgsl(in_texels: bool) -> String {
         );
         for (&(field, offset, _), rust_type) in spec.fields.iter().zip(spec.types) {
             let element = array.trim_end_matches('s');
-            let is_list = rust_type.starts_with("[GpuTextureUse");
-            let (name, slot, at_slot) = match is_list {
-                true => (field.trim_end_matches('s'), ", slot: u32", "[slot]"),
-                false => (field, "", ""),
+            let listed = [&GpuTextureUse::LAYOUT, &GpuPatterned::LAYOUT];
+            let listed = (listed.into_iter())
+                .find(|spec| rust_type.starts_with(&format!("[Gpu{};", spec.name)));
+            let (name, slot, at_slot) = match listed {
+                Some(_) => (field.trim_end_matches('s'), ", slot: u32", "[slot]"),
+                None => (field, "", ""),
             };
-            let ty = match is_list {
-                true => GpuTextureUse::LAYOUT.name,
-                false => wgsl_type(rust_type),
-            };
+            let ty = listed.map_or_else(|| wgsl_type(rust_type), |spec| spec.name);
             let _ = writeln!(text, "fn {element}_{name}(i: u32{slot}) -> {ty} {{");
             if in_texels {
                 let element_texels = spec.size / TEXEL;
-                let slots = match is_list {
-                    true => format!(" + {}u * slot", GpuTextureUse::LAYOUT.size / TEXEL),
-                    false => String::new(),
-                };
+                let slots = listed.map_or_else(String::new, |spec| {
+                    format!(" + {}u * slot", spec.size / TEXEL)
+                });
                 let texel = format!("{element_texels}u * i{slots}");
-                let value = match is_list {
-                    true => texture_use(array, &texel, offset),
-                    false => value(array, &texel, offset, ty),
+                let value = match listed {
+                    Some(spec) => whole_value(spec, array, &texel, offset),
+                    None => value(array, &texel, offset, ty),
                 };
                 let _ = writeln!(text, "    return {value};\n}}");
             } else {
@@ -171,15 +170,15 @@ fn value(array: &str, texel: &str, offset: usize, ty: &str) -> String {
     }
 }
 
-/// Expression for a texture use at `offset` bytes past a texel.
-fn texture_use(array: &str, texel: &str, offset: usize) -> String {
+/// Expression for a struct at `offset` bytes past a texel.
+fn whole_value(spec: &StructSpec, array: &str, texel: &str, offset: usize) -> String {
     let StructSpec {
         name,
         fields,
         types,
         ..
-    } = GpuTextureUse::LAYOUT;
-    let values = fields.iter().zip(types);
+    } = spec;
+    let values = fields.iter().zip(*types);
     let values: Vec<_> = values
         .map(|(&(_, at, _), ty)| value(array, texel, offset + at, wgsl_type(ty)))
         .collect();
@@ -211,8 +210,8 @@ mod tests {
             &[
                 "@group(1) @binding(5) var materials: texture_2d<u32>;",
                 "return textureLoad(instances, texel_place(8u * i + 7u), 0).y;",
-                "return bitcast<vec3f>(textureLoad(materials, texel_place(60u * i + 1u), 0).xyz);",
-                "return TextureUse(bitcast<vec3f>(textureLoad(materials, texel_place(60u * i + 3u * slot + 12u), 0).xyz), ",
+                "return bitcast<vec3f>(textureLoad(materials, texel_place(78u * i + 1u), 0).xyz);",
+                "return TextureUse(bitcast<vec3f>(textureLoad(materials, texel_place(78u * i + 3u * slot + 12u), 0).xyz), ",
             ],
         );
     }

@@ -2,10 +2,12 @@
 
 use bytemuck::{Pod, Zeroable};
 
+use reflet_scene::desc::MOST_PATTERNED;
 use reflet_world::{CORE_SLOTS, LAYER_SLOTS};
 
 use super::{
     fog::GpuFog,
+    gpu_patterned::GpuPatterned,
     gpu_struct::{StructSpec, gpu_struct},
 };
 
@@ -312,6 +314,8 @@ gpu_struct! {
         textures: [GpuTextureUse; CORE_SLOTS],
         /// Textures of layers, in the order of [`LayerTexture`](reflet_world::LayerTexture).
         layer_textures: [GpuTextureUse; LAYER_SLOTS],
+        /// Numbers and colors that follow patterns.
+        patterned: [GpuPatterned; MOST_PATTERNED],
     }
 }
 
@@ -366,6 +370,7 @@ pub const SHARED: &[StructSpec] = &[
     GpuInstance::LAYOUT,
     GpuVertex::LAYOUT,
     GpuTextureUse::LAYOUT,
+    GpuPatterned::LAYOUT,
     GpuMaterial::LAYOUT,
     ProbeBox::LAYOUT,
     FarBox::LAYOUT,

@@ -16,6 +16,7 @@ mod material;
 mod motion;
 mod near_far;
 mod outline;
+mod pattern;
 mod probe;
 mod project;
 mod reflection;
@@ -41,8 +42,8 @@ pub use self::{
     include::Include,
     light::{LIGHT, LightDesc, LightKind, LightMotionDesc, ShadowMode},
     material::{
-        CheckerDesc, MATERIAL, MATERIAL_FIELDS, MaterialDesc, MaterialMotionDesc, PLAIN,
-        PatternDesc, PatternKind, ReflectionMode, reflectivity_of,
+        MATERIAL, MATERIAL_FIELDS, MaterialDesc, MaterialMotionDesc, PLAIN, ReflectionMode,
+        reflectivity_of,
     },
     motion::{
         CutDesc, GroupMotionDesc, InstanceMotionDesc, ModelMotionDesc, MotionDesc, ParamValue,
@@ -50,6 +51,10 @@ pub use self::{
     },
     near_far::NearFarDesc,
     outline::{BevelDesc, FigureDesc, FillRule, OutlineDesc, Written},
+    pattern::{
+        CheckerDesc, ColorPatternDesc, MOST_PATTERNED, NumberPatternDesc, PatternDesc, PatternKind,
+        PatternedDesc, PatternedKey,
+    },
     probe::{Lookup, ProbeDesc, ProbesDesc, SelectBy},
     project::ProjectDesc,
     reflection::{Accept, Bounces, Marched, Method, REFLECTION, ReflectionDesc, Trace},

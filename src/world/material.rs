@@ -7,7 +7,9 @@ use super::{
     TextureRef,
     material_textures::{CoreTexture, LAYER_SLOTS, LayerTexture, TEXTURE_SLOTS},
 };
-use reflet_scene::desc::{CheckerDesc, MaterialDesc, ReflectionMode};
+use reflet_scene::desc::{
+    CheckerDesc, MATERIAL, MaterialDesc, PatternKind, PatternedDesc, PatternedKey, ReflectionMode,
+};
 
 /// A surface description after all overrides; textures are indices into [`World::textures`](super::World::textures).
 #[derive(Clone, Debug, PartialEq)]
@@ -85,6 +87,9 @@ pub struct Material {
     pub reflection: ReflectionMode,
     /// Procedural checker multiplied into the base color.
     pub checker: Option<CheckerDesc>,
+    /// Numbers and colors that follow patterns, of which the fields have the means; the emission's has the strength
+    /// multiplied in.
+    pub patterned: Vec<PatternedDesc>,
     /// Base color texture, sRGB.
     pub base_color_texture: Option<TextureRef>,
     /// Metallic-roughness texture, linear: green = roughness, blue = metallic.
@@ -149,6 +154,7 @@ impl Default for Material {
             blended: false,
             reflection: ReflectionMode::Auto,
             checker: None,
+            patterned: Vec::new(),
             base_color_texture: None,
             metallic_roughness_texture: None,
             normal_texture: None,
@@ -174,12 +180,17 @@ impl Material {
 
     /// The unlit version of the material: only base color, its alpha and emission remain.
     pub fn without_light(&self) -> Self {
+        let is_kept = |p: &&PatternedDesc| {
+            use PatternedKey::{Alpha, BaseColor, Emission};
+            matches!(p.value, BaseColor | Emission | Alpha)
+        };
         Self {
             name: self.name.clone(),
             unlit: true,
             base_color: self.base_color,
             base_color_texture: self.base_color_texture,
             checker: self.checker,
+            patterned: self.patterned.iter().filter(is_kept).copied().collect(),
             uv_scale: self.uv_scale,
             emission: self.emission,
             emission_texture: self.emission_texture,
@@ -292,6 +303,7 @@ impl Material {
             anisotropy_rotation_deg: Some(self.anisotropy_rotation_deg),
             dispersion: self.dispersion,
             checker: self.checker,
+            patterned: self.patterned.clone(),
             ..MaterialDesc::default()
         })
     }
@@ -336,11 +348,47 @@ impl Material {
             desc.anisotropy_rotation_deg,
         );
         self.dispersion = desc.dispersion.or(self.dispersion);
+        self.patterned.retain(|old| {
+            let field = MATERIAL.iter().find(|field| field.key == old.value.key());
+            field.is_none_or(|field| (field.get)(desc).is_none())
+        });
+        self.patterned.extend_from_slice(&desc.patterned);
         if let Some(emission) = desc.emission {
             self.emission = emission;
         }
         if desc.emission.is_some() || desc.emission_strength.is_some() {
-            self.emission *= desc.emission_strength.unwrap_or(1.0);
+            let strength = desc.emission_strength.unwrap_or(1.0);
+            self.emission *= strength;
+            let of_emission = |p: &&mut PatternedDesc| p.value == PatternedKey::Emission;
+            for pattern in self.patterned.iter_mut().filter(of_emission) {
+                pattern.from *= strength;
+                pattern.to *= strength;
+            }
         }
+    }
+
+    /// Kinds of the patterns of its colors and numbers.
+    pub fn pattern_kinds(&self) -> impl Iterator<Item = PatternKind> + '_ {
+        let own = self.checker.iter().map(|checker| checker.kind);
+        own.chain(self.patterned.iter().map(|p| p.kind))
+    }
+
+    /// Least and largest value over the surface of a number without its textures; of a color, over its channels too.
+    pub fn extremes(&self, of: PatternedKey, value: f32) -> [f32; 2] {
+        let pattern = self.patterned.iter().find(|p| p.value == of);
+        pattern.map_or([value; 2], |p| {
+            let (least, most) = (p.from.min(p.to), p.from.max(p.to));
+            [least.min_element(), most.max_element()]
+        })
+    }
+
+    /// Least and largest roughness over the surface.
+    pub fn roughness_extremes(&self) -> [f32; 2] {
+        self.extremes(PatternedKey::Roughness, self.roughness)
+    }
+
+    /// Least and largest roughness of the clear coat over the surface.
+    pub fn coat_roughness_extremes(&self) -> [f32; 2] {
+        self.extremes(PatternedKey::ClearcoatRoughness, self.clearcoat_roughness)
     }
 }

@@ -41,6 +41,7 @@ mod near_far;
 mod oracle;
 mod orthographic;
 mod pattern;
+mod patterned;
 mod precision;
 mod probes;
 mod queries;

@@ -104,9 +104,15 @@ features! {
         constant: HAS_CHECKERS,
         dropped: "checkers" => "no material has one";
     }
+    /// Whether some number or color of a material follows a pattern.
+    patterned {
+        used: scene.is_general() || scene.has(|m| !m.patterned.is_empty()),
+        constant: HAS_PATTERNED,
+        dropped: "numbers that follow patterns" => "no material has one";
+    }
     /// Whether some material has a pattern other than a checker.
     patterns {
-        used: scene.is_general() || scene.has(|m| m.checker.is_some_and(|c| c.kind != PatternKind::Checker)),
+        used: scene.is_general() || scene.has(|m| m.pattern_kinds().any(|kind| kind != PatternKind::Checker)),
         constant: HAS_PATTERNS,
     }
     /// Whether some light casts its shadow by rays.
@@ -349,52 +355,5 @@ features! {
     extent {
         follows: sampled_light || indirect || rough_reflections || layers || fog,
         files: extent [none, sampled], path_restart [none, sampled];
-    }
-}
-
-impl Features {
-    /// Values of the pipeline constants, by name.
-    pub fn constants(&self) -> impl Iterator<Item = (&'static str, f64)> {
-        let value =
-            |row: &FeatureRow<Self>| Some((row.constant?, f64::from(u8::from((row.get)(self)))));
-        Self::ROWS.iter().filter_map(value)
-    }
-
-    /// Imports of shaders, each with the ending of the file that stands for it.
-    pub fn imports(&self) -> impl Iterator<Item = (&'static str, &'static str)> {
-        Self::ROWS.iter().flat_map(|row| {
-            let is_on = usize::from((row.get)(self));
-            row.files
-                .iter()
-                .map(move |files| (files.import, files.endings[is_on]))
-        })
-    }
-
-    /// Sets in which every two of the files that features choose meet, to find names that are missing or double: none, all,
-    /// and for each feature that chooses files the least set with it and the largest without. Their files differ.
-    pub fn variants() -> Vec<Self> {
-        let with = |rows: &[&FeatureRow<Self>]| {
-            let mut set = Self::default();
-            for own in rows.iter().filter_map(|row| row.own) {
-                *own(&mut set) = true;
-            }
-            set.with_followers()
-        };
-        let own: Vec<_> = Self::ROWS.iter().filter(|row| row.own.is_some()).collect();
-        let mut sets = vec![Self::default(), with(&own)];
-        for chosen in Self::ROWS.iter().filter(|row| !row.files.is_empty()) {
-            let brings = |row: &&&FeatureRow<Self>| (chosen.get)(&with(&[**row]));
-            let least: Vec<_> = own.iter().filter(brings).take(1).copied().collect();
-            let others: Vec<_> = own.iter().filter(|row| !brings(row)).copied().collect();
-            sets.extend([with(&least), with(&others)]);
-        }
-        let mut seen: Vec<Vec<_>> = Vec::new();
-        sets.retain(|set| {
-            let imports = set.imports().collect();
-            let is_new = !seen.contains(&imports);
-            seen.push(imports);
-            is_new
-        });
-        sets
     }
 }

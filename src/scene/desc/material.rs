@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::{At, Tracks};
+use super::{At, CheckerDesc, PatternedDesc, Tracks};
 use crate::{
     number::{Field, Form, Lanes},
     range::{ABOVE_0, ANY, DISPERSION, FROM_0, INDEX, UNIT, range},
@@ -25,6 +25,10 @@ pub enum ReflectionMode {
 /// `[material.NAME]`, `[model.M.material.NAME]` (override of a glTF material; `"*"` means all of them and is
 /// applied first) and `material = {…}` of an instance. Keys left out keep the glTF value, or the default of a
 /// plain white, rough, non-metallic surface.
+///
+/// A number or color whose kind says "or a table" varies over the surface where a pattern is written in its place:
+/// `roughness = { pattern = "noise", from = 0.1, to = 0.6, size_m = 0.2 }`. A track, a script or an override that sets it
+/// replaces the pattern. At most 6 in a material.
 ///
 /// - `pattern`: a procedural pattern of two colors, in place of `checker` and of a base color texture.
 /// - `extends`: name of a `[material.NAME]` that gives the values of keys left out here.
@@ -132,59 +136,14 @@ pub struct MaterialDesc {
     /// crown glass, 0.36 diamond, 0.66 flint glass (`KHR_materials_dispersion`). Seen with 8 `samples` and more.
     /// Default 0, or the glTF value.
     pub dispersion: Option<f32>,
+    /// Numbers and colors that follow a pattern; the fields above have the mean of each.
+    pub patterned: Vec<PatternedDesc>,
 }
 
 /// Reflectance at normal incidence of a dielectric with this index of refraction.
 pub fn reflectivity_of(ior: f32) -> f32 {
     ((ior - 1.0) / (ior + 1.0)).powi(2)
 }
-
-/// `checker = { colors = [[…], […]], size_m = 0.5 }`: a checkerboard of two colors, aligned with the object's
-/// axes.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CheckerDesc {
-    /// Linear colors of the two kinds of cells, each three numbers 0 to 1.
-    pub colors: [Vec3; 2],
-    /// Edge length of one cell, meters in object space, above 0.
-    pub size_m: f32,
-    /// Kind of the pattern.
-    pub kind: PatternKind,
-}
-
-/// Procedural patterns of two colors.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum PatternKind {
-    /// `"checker"`: cubes of both colors in turn.
-    #[default]
-    Checker,
-    /// `"brick"`: bricks in a running bond, of the first color, with mortar of the second; a brick is `size_m`
-    /// long along X, a third of that high along Y, and half of it deep along Z.
-    Brick,
-    /// `"noise"`: clouds, about `size_m` wide.
-    Noise,
-    /// `"marble"`: bent veins across X, two `size_m` apart.
-    Marble,
-}
-
-impl PatternKind {
-    /// Name of the pattern in scene text.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Checker => "checker",
-            Self::Brick => "brick",
-            Self::Noise => "noise",
-            Self::Marble => "marble",
-        }
-    }
-}
-
-/// `pattern = { kind = "brick", colors = [[…], […]], size_m = 0.25 }`: a procedural pattern of two colors, aligned
-/// with the object's axes. Detail finer than a pixel shows its mean color.
-///
-/// - `kind`: kind of the pattern. Default `"checker"`.
-/// - `colors`: linear colors of the two parts of the pattern, each three numbers 0 to 1.
-/// - `size_m`: size of one cell, brick or cloud, meters in object space, above 0.
-pub struct PatternDesc;
 
 impl MaterialDesc {
     /// Values of `over`, and of `self` where `over` has none.
@@ -213,6 +172,7 @@ impl MaterialDesc {
                 (field.put)(&mut all, value);
             }
         }
+        all.patterned.extend_from_slice(&o.patterned);
         all
     }
 }
@@ -272,7 +232,10 @@ macro_rules! optional {
             form: Form::$form,
             range: $range,
             get: |it| it.$key.map(Lanes::lanes),
-            put: |it, value| it.$key = Some(Lanes::of(value)),
+            put: |it, value| {
+                it.patterned.retain(|p| p.value.key() != stringify!($key));
+                it.$key = Some(Lanes::of(value));
+            },
         }
     };
 }
@@ -369,6 +332,7 @@ pub const PLAIN: MaterialDesc = MaterialDesc {
     anisotropy: None,
     anisotropy_rotation_deg: Some(0.0),
     dispersion: None,
+    patterned: Vec::new(),
 };
 
 impl Field<MaterialDesc> {

@@ -14,6 +14,7 @@ static SOURCE: &str = concat!(
     include_str!("../desc/motion.rs"),
     include_str!("../desc/near_far.rs"),
     include_str!("../desc/outline.rs"),
+    include_str!("../desc/pattern.rs"),
     include_str!("../desc/probe.rs"),
     include_str!("../desc/project.rs"),
     include_str!("../desc/reflection.rs"),

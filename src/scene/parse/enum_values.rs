@@ -77,6 +77,9 @@ words!(PatternKind {
     "brick" => Self::Brick,
     "noise" => Self::Noise,
     "marble" => Self::Marble,
+    "stripes" => Self::Stripes,
+    "gradient" => Self::Gradient,
+    "dots" => Self::Dots,
 });
 words!(Visibility { "raster" => Self::Raster, "rays" => Self::Rays, "auto" => Self::Auto });
 words!(Radiance { "half" => Self::Half, "full" => Self::Full, "auto" => Self::Auto });

@@ -6,6 +6,7 @@ mod environment;
 mod image;
 mod instance;
 mod light;
+mod material;
 mod mesh;
 mod motion;
 mod near_far;
@@ -22,14 +23,12 @@ mod track;
 use glam::Vec3;
 
 use super::{
-    color::Color,
     hierarchy,
     table::{Either, Section, Table},
     value::{Names, Version},
 };
 use crate::range::{
-    ABOVE_0, ANY, APERTURE_F, BOUNCES, DIFFUSE_BOUNCES, DISPERSION, FROM_0, INDEX, LAYERS, RATE,
-    SEPARATION_M, STEPS, UNIT, range,
+    ABOVE_0, ANY, APERTURE_F, BOUNCES, DIFFUSE_BOUNCES, LAYERS, RATE, SEPARATION_M, STEPS, range,
 };
 use crate::{desc::*, diagnostic::Diagnostic};
 
@@ -138,91 +137,6 @@ impl Section for CameraDesc {
             t.refuse("zero-direction", key, message, help);
         }
         Some(camera)
-    }
-}
-
-impl Section for MaterialDesc {
-    const TYPE: &'static str = "MaterialDesc";
-    const HEADING: &'static str = "[material.NAME]";
-
-    fn read(t: &mut Table) -> Option<Self> {
-        t.one_of(
-            false,
-            &[&["checker"], &["pattern"], &["base_color_texture"]],
-        );
-        let checker = t.table("checker");
-        let pattern = t.table("pattern").map(|Pattern(pattern)| pattern);
-        // Already resolved in the tree; asking for it makes it a known key.
-        t.find::<At<String>>("extends", ANY);
-        let ior = t.find("ior", INDEX);
-        Some(Self {
-            base_color: t.find("base_color", UNIT).map(|Color(c)| c),
-            base_color_texture: t.find("base_color_texture", ANY),
-            checker: checker.or(pattern),
-            metallic: t.find("metallic", UNIT),
-            roughness: t.find("roughness", UNIT),
-            metallic_roughness_texture: t.find("metallic_roughness_texture", ANY),
-            normal_texture: t.find("normal_texture", ANY),
-            normal_scale: t.find("normal_scale", range(0.0, 4.0)),
-            occlusion_strength: t.find("occlusion_strength", UNIT),
-            emission: t.find("emission", FROM_0).map(|Color(c)| c),
-            emission_strength: t.find("emission_strength", FROM_0),
-            emission_texture: t.find("emission_texture", ANY),
-            light: t.find("light", ANY),
-            unlit: t.find("unlit", ANY),
-            uv_scale: t.find("uv_scale", ANY),
-            alpha_cutoff: t.find("alpha_cutoff", UNIT),
-            alpha: t.find("alpha", UNIT),
-            double_sided: t.find("double_sided", ANY),
-            reflection: t.find("reflection", ANY),
-            reflectivity: t.find("reflectivity", UNIT).or(ior.map(reflectivity_of)),
-            transmission: t.find("transmission", UNIT),
-            ior,
-            thickness_m: t.find("thickness_m", FROM_0),
-            attenuation_color: (t.find("attenuation_color", UNIT)).map(|Color(c)| c),
-            attenuation_distance_m: t.find("attenuation_distance_m", ABOVE_0),
-            clearcoat: t.find("clearcoat", UNIT),
-            clearcoat_roughness: t.find("clearcoat_roughness", UNIT),
-            specular: t.find("specular", UNIT),
-            specular_color: t.find("specular_color", FROM_0).map(|Color(c)| c),
-            sheen_color: t.find("sheen_color", UNIT).map(|Color(c)| c),
-            sheen_roughness: t.find("sheen_roughness", UNIT),
-            iridescence: t.find("iridescence", UNIT),
-            iridescence_ior: t.find("iridescence_ior", INDEX),
-            iridescence_thickness_nm: t.find("iridescence_thickness_nm", FROM_0),
-            anisotropy: t.find("anisotropy", UNIT),
-            anisotropy_rotation_deg: t.find("anisotropy_rotation_deg", ANY),
-            dispersion: t.find("dispersion", DISPERSION),
-        })
-    }
-}
-
-impl Section for CheckerDesc {
-    const TYPE: &'static str = "CheckerDesc";
-    const HEADING: &'static str = "checker = { … }";
-
-    fn read(t: &mut Table) -> Option<Self> {
-        let colors: Option<[Color; 2]> = t.need("colors", UNIT);
-        let size_m = t.need("size_m", ABOVE_0);
-        Some(Self {
-            colors: colors?.map(|Color(c)| c),
-            size_m: size_m?,
-            kind: PatternKind::Checker,
-        })
-    }
-}
-
-/// A pattern: a checker with a `kind`.
-struct Pattern(CheckerDesc);
-
-impl Section for Pattern {
-    const TYPE: &'static str = "PatternDesc";
-    const HEADING: &'static str = "pattern = { … }";
-
-    fn read(t: &mut Table) -> Option<Self> {
-        let kind = t.get("kind", ANY, PatternKind::default());
-        let checker = CheckerDesc::read(t)?;
-        Some(Self(CheckerDesc { kind, ..checker }))
     }
 }
 

@@ -16,7 +16,7 @@ use crate::diagnostic::Span;
 use crate::syntax::{Entries, Key, Node};
 use crate::{range::Range, suggest};
 
-pub use self::nested::{Either, NumberOr};
+pub use self::nested::{Either, NumberOr, ValueOr};
 
 /// A description that is written as a table.
 pub trait Section: Sized {
@@ -90,8 +90,18 @@ impl<'r> Table<'r> {
         values: &'r Entries,
         place: Place,
     ) -> Option<T> {
+        Table::read_by(report, values, place, T::read)
+    }
+
+    /// Reads `values` by a function; every key that it did not ask for is an error.
+    fn read_by<T>(
+        report: &'r mut Report,
+        values: &'r Entries,
+        place: Place,
+        read: impl FnOnce(&mut Table) -> Option<T>,
+    ) -> Option<T> {
         let mut table = Table::new(report, values, place, None);
-        let value = T::read(&mut table);
+        let value = read(&mut table);
         table.refuse_unknown();
         table.refuse_missing();
         value

@@ -14,7 +14,7 @@ use crate::{
     texture::{self, TextureRequest},
 };
 use reflet_scene::{
-    desc::{At, MaterialDesc},
+    desc::{At, MOST_PATTERNED, MaterialDesc},
     diagnostic::Diagnostic,
 };
 
@@ -166,6 +166,14 @@ impl Loader<'_> {
             Some(true) => *material = material.without_light(),
             Some(false) => material.unlit = false,
             None => {}
+        }
+        if material.patterned.len() > MOST_PATTERNED {
+            let name = &material.name;
+            let message = format!(
+                "material \"{name}\" has more than {MOST_PATTERNED} patterns with those that are laid over it"
+            );
+            let error = error_at("too-many-patterns", &self.desc.own, message);
+            self.report_once(error.help("write a number in place of a pattern"));
         }
     }
 

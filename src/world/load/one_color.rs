@@ -17,6 +17,7 @@ pub fn plain_color(material: &Material, mesh: &Mesh) -> Option<Vec4> {
     let is_plain = material.unlit
         && !material.blended
         && material.alpha_cutoff.is_none()
+        && material.patterned.is_empty()
         && material.slots().iter().flatten().next().is_none()
         && mesh.colors.is_empty()
         && mesh.capsule_radius_m.is_none();

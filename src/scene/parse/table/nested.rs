@@ -31,7 +31,36 @@ pub enum NumberOr<T> {
     Nested(T),
 }
 
+/// A value, or a table in its place.
+pub enum ValueOr<V, T> {
+    /// The value.
+    Value(V),
+    /// The description that the table gives.
+    Table(T),
+}
+
 impl Table<'_> {
+    /// The value of an optional key, or a table in its place that `read` reads; `S` describes that table.
+    pub fn value_or_table<V: Value, S: Section, T>(
+        &mut self,
+        key: &'static str,
+        range: Range,
+        read: impl FnOnce(&mut Table) -> Option<T>,
+    ) -> Option<ValueOr<V, T>> {
+        self.note(key, || {
+            KeyRecord::value::<V>(key, range).or(Form::Table(S::TYPE))
+        });
+        self.describe_nested::<S>();
+        let node = self.values.get(key)?;
+        match node.get_ref() {
+            Content::Table(values) => {
+                let place = self.place.nested(key, node.span());
+                Table::read_by(self.report, values, place, read).map(ValueOr::Table)
+            }
+            _ => self.plain(key, range).map(ValueOr::Value),
+        }
+    }
+
     /// A whole number with a default, or a table in its place.
     pub fn number_or_table<T: Section>(
         &mut self,

@@ -1,0 +1,79 @@
+// Numbers and colors of materials that follow patterns.
+
+#import pack
+#import pattern
+#import scene
+
+// Whether some number or color of a material follows a pattern.
+override HAS_PATTERNED: bool = false;
+
+// A point in object space, with the width there of the footprint.
+struct PatternedPoint {
+    position: vec3f,
+    normal: vec3f,
+    width: f32,
+}
+
+// Point of a triangle whose area in the world is half of `area2`.
+fn patterned_point(instance: u32, index: array<u32, 3>, bary: vec2f, footprint: f32, area2: f32) -> PatternedPoint {
+    let base = instance_vertex_base(instance);
+    let p = vertex_position(base + index[0]);
+    let e1 = vertex_position(base + index[1]) - p;
+    let e2 = vertex_position(base + index[2]) - p;
+    let across = cross(e1, e2);
+    let area2_object = max(length(across), 1e-20);
+    return PatternedPoint(p + e1 * bary.x + e2 * bary.y, across / area2_object, footprint * sqrt(area2_object / area2));
+}
+
+// Rotation by the smallest angle that turns `axis` to X: Möller and Hughes 1999, "Efficiently Building a Matrix to Rotate
+// One Vector to Another".
+fn turned_to_x(v: vec3f, axis: vec3f) -> vec3f {
+    if (axis.x < -0.9999) { return vec3f(-v.xy, v.z); }
+    let k = cross(axis, vec3f(1.0, 0.0, 0.0));
+    return v * axis.x + cross(k, v) + k * (dot(k, v) / (1.0 + axis.x));
+}
+
+fn patterned_value(used: Patterned, at: PatternedPoint) -> vec3f {
+    let axis = unpack_unit(used.axis);
+    let p = turned_to_x(at.position - used.origin, axis) / used.size_m;
+    let kind = used.bits & ((1u << PATTERNED_SHIFT) - 1u);
+    return mix(used.first, used.second, pattern(kind, p, turned_to_x(at.normal, axis), at.width / used.size_m));
+}
+
+fn patterned_alpha(m: u32, plain: f32, at: PatternedPoint) -> f32 {
+    for (var k = 0u; k < MOST_PATTERNED; k++) {
+        let used = material_patterned(m, k);
+        if (used.size_m <= 0.0) { break; }
+        if (used.bits >> PATTERNED_SHIFT == ALPHA_VARIES) { return patterned_value(used, at).x; }
+    }
+    return plain;
+}
+
+// The surface with the values of its material that follow patterns, apart from its alpha.
+fn with_patterned(s0: Surface, m: u32, at: PatternedPoint) -> Surface {
+    var s = s0;
+    for (var k = 0u; k < MOST_PATTERNED; k++) {
+        let used = material_patterned(m, k);
+        if (used.size_m <= 0.0) { break; }
+        let value = patterned_value(used, at);
+        switch used.bits >> PATTERNED_SHIFT {
+            case BASE_COLOR_VARIES: { s.base_color = value; }
+            case METALLIC_VARIES: { s.metallic = value.x; }
+            case ROUGHNESS_VARIES: { s.roughness = value.x; }
+            case EMISSION_VARIES: { s.emission = value; }
+            case REFLECTIVITY_VARIES: { s.reflectivity = value.x; }
+            case TRANSMISSION_VARIES: { s.transmission = value.x; }
+            case CLEARCOAT_VARIES: { s.clearcoat = value.x; }
+            case CLEARCOAT_ROUGHNESS_VARIES: { s.clearcoat_roughness = value.x; }
+            case SPECULAR_VARIES: { s.specular = value.x; }
+            case SPECULAR_COLOR_VARIES: { s.specular_color = value; }
+            case SHEEN_COLOR_VARIES: { s.sheen_color = value; }
+            case SHEEN_ROUGHNESS_VARIES: { s.sheen_roughness = value.x; }
+            case IRIDESCENCE_VARIES: { s.iridescence = value.x; }
+            case IRIDESCENCE_THICKNESS_VARIES: { s.iridescence_thickness_nm = value.x; }
+            case ANISOTROPY_VARIES: { s.anisotropy = value.x; }
+            default: {}
+        }
+    }
+    return s;
+}
