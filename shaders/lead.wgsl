@@ -1,13 +1,11 @@
 // Lead: traces the rays of one of RATE listed pixels (Kim et al. 2016), and lists the others, which follow them.
 
+#import cause_kept
 #import leaders
 #import lists
 #import mirror_path
 
-// The number of textures that a stage may write leaves none for the cause of these pixels.
-fn keep_cause(pixel: vec2u) {}
-
-@group(2) @binding(8) var lead_hit: texture_storage_2d<rgba32uint, write>;
+@group(2) @binding(8) var lead_hit: texture_storage_2d<rgba32uint, write>; // distance, instance, triangle, cause
 
 // Number of rays of a workgroup for each of RATE; fewer than its invocations, so that seldom one has no place among them.
 const SORTED: u32 = RAYS_PER_GROUP - 8u;
@@ -48,19 +46,27 @@ fn sorted_leader(group: u32, lane: u32) -> u32 {
     return leaders[lane];
 }
 
+// Traces the ray of a leader, and keeps its first hit for those that follow it.
+fn lead(pixel: vec2u) {
+    let found = trace_pixel(pixel);
+    textureStore(lead_hit, pixel, vec4u(found.xyz, first_cause));
+}
+
 @compute @workgroup_size(RAYS_PER_GROUP)
 fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) lane: u32) {
     let leader = sorted_leader(group.y * groups.x + group.x, lane);
     if (leader == NONE) { return; }
     let pixel = unpack_pixel(leader);
-    textureStore(lead_hit, pixel, trace_pixel(pixel));
+    lead(pixel);
+    keep_cause(pixel, first_cause);
 }
 
+// The number of textures that a stage may write leaves none for the cause of these pixels.
 @compute @workgroup_size(RAYS_PER_GROUP)
 fn counted(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) lane: u32) {
     let leader = sorted_leader(group.y * groups.x + group.x, lane);
     if (leader == NONE) { return; }
     let pixel = unpack_pixel(leader);
-    textureStore(lead_hit, pixel, trace_pixel(pixel));
-    textureStore(counts, pixel, vec4u(far_steps, traversals, visited_nodes, tested_triangles));
+    lead(pixel);
+    textureStore(counts, pixel, vec4u(map_steps, traversals, visited_nodes, tested_triangles));
 }

@@ -2,6 +2,7 @@
 // tracing. The geometry of the hit is taken over, not its color: each ray is intersected with what its neighbors hit,
 // and the point is shaded.
 
+#import cause_kept
 #import gbuffer
 #import leaders
 #import lists
@@ -31,6 +32,7 @@ struct Around {
     instance: u32, // NONE: nothing was hit
     distance_m: f32, // mean
     triangles: array<u32, 4>,
+    cause: u32, // how these rays ended in a map, if one did
 }
 
 // Whether the surfaces of two pixels mirror almost alike: they are in one plane, with similar normals and curvatures.
@@ -44,7 +46,7 @@ fn mirrors_alike(s: Surface, other: vec2u) -> bool {
 }
 
 fn hits_around(pixel: vec2u, s: Surface) -> Around {
-    var around = Around(false, NONE, 0.0, array<u32, 4>(NONE, NONE, NONE, NONE));
+    var around = Around(false, NONE, 0.0, array<u32, 4>(NONE, NONE, NONE, NONE), 0u);
     var count = 0u;
     for (var k = 0u; k < 4u; k++) {
         let place = vec2i(pixel) + leader_offset(pixel, k);
@@ -55,6 +57,7 @@ fn hits_around(pixel: vec2u, s: Surface) -> Around {
         if (!mirrors_alike(s, leader)) { return around; }
         around.instance = found.y;
         around.triangles[k] = found.z;
+        around.cause = max(around.cause, found.w); // those of maps are the largest
         around.distance_m += bitcast<f32>(found.x);
         count++;
     }
@@ -108,6 +111,7 @@ fn follow_neighbors(pixel: vec2u) -> bool {
     if (!around.is_agreed) { return false; }
     let origin = ray_origin(first.position, first.geometric_normal);
     if (around.instance == NONE) {
+        keep_cause(pixel, around.cause);
         textureStore(hit, pixel, vec4u(0u, NONE, NONE, 0u));
         textureStore(reflection, pixel, vec4f(min(beyond(origin, ray), BRIGHTEST), 1.0));
         return true;
@@ -118,6 +122,7 @@ fn follow_neighbors(pixel: vec2u) -> bool {
     let s = surface_at(around.instance, met.triangle, met.bary, ray.direction, cone.width_m);
     if (goes_on(s)) { return false; }
     let id = vec2u(around.instance, met.triangle);
+    keep_cause(pixel, around.cause);
     let color = light_of_hit(pixel, first, ray, s, met.distance_m, id, cone);
     textureStore(hit, pixel, vec4u(bitcast<u32>(met.distance_m), id, 0u));
     textureStore(reflection, pixel, vec4f(min(color, BRIGHTEST), 1.0));

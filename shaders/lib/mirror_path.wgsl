@@ -20,6 +20,9 @@
 // much of the time traversal takes.
 override SHADE: bool = true;
 
+// How the first ray of the path ended in a map; CAUSE_UNMARCHED where trees ended it.
+var<private> first_cause: u32 = CAUSE_UNMARCHED;
+
 // Traces the mirror ray of a pixel and writes its reflection; the result is its first hit.
 fn trace_pixel(pixel: vec2u) -> vec4u {
     let first = load_surface(pixel);
@@ -40,7 +43,7 @@ fn trace_pixel(pixel: vec2u) -> vec4u {
         start_samples(pixel, bounce + 1u);
         let direction = ray.direction;
         let h = nearest_met(origin, direction, start_m, reach_m());
-        if (bounce == 0u) { keep_cause(pixel); }
+        if (bounce == 0u) { first_cause = map_cause; }
         start_m = 0.0;
         throughput *= medium_transmittance(h.t);
         let end = seen_at_end(origin, ray, h.instance, h.t);

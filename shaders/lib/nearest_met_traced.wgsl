@@ -5,8 +5,9 @@
 
 @group(2) @binding(3) var cause: texture_2d<u32>;
 
-// Number of steps in far maps, of which there are none.
-const far_steps: u32 = 0u;
+// Number of steps in maps, of which there are none, and how a ray ended in them.
+const map_steps: u32 = 0u;
+const map_cause: u32 = CAUSE_UNMARCHED;
 
 // Length of a pixel's ray that the march has found free.
 fn free_start_m(pixel: vec2u) -> f32 {

@@ -362,6 +362,9 @@ pub enum MethodArg {
     /// Screen space first, probes where that fails
     #[value(name = "ssr+probe")]
     SsrProbe,
+    /// Screen space first, buffers on the faces of a box where that fails
+    #[value(name = "ssr+box")]
+    SsrBox,
     /// Rays near the camera, cube maps of depth and ids beyond
     #[value(name = "near-far")]
     NearFar,
@@ -379,6 +382,7 @@ impl From<MethodArg> for Method {
             MethodArg::Hybrid => Self::Hybrid,
             MethodArg::Probe => Self::Probe,
             MethodArg::SsrProbe => Self::SsrProbe,
+            MethodArg::SsrBox => Self::SsrBox,
             MethodArg::NearFar => Self::NearFar,
             MethodArg::Path => Self::Path,
             MethodArg::Auto => Self::Auto,

@@ -19,6 +19,7 @@ use crate::{
     gpu::adapter::AdapterSummary,
     render::{
         RenderOptions,
+        box_faces::FacesKey,
         cutoff::can_reflect,
         decide::{Decision, decide, needs_trees},
         far_maps::FarKey,
@@ -107,6 +108,9 @@ pub struct Info {
     /// Probes of the scene's method; `None` where it looks nothing up.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub probes: Option<ProbesInfo>,
+    /// Box and buffers of method `ssr+box`; `None` with another.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub box_faces: Option<BoxInfo>,
     /// Box and maps of method `near-far`; `None` with another.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub near_far: Option<NearFarInfo>,
@@ -138,6 +142,19 @@ pub struct ProbesInfo {
     /// Width of the faces of their maps, pixels.
     pub face_px: u32,
     /// Size of all maps, bytes.
+    pub bytes: u64,
+}
+
+/// Box and buffers of method `ssr+box`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct BoxInfo {
+    /// Least corner of the box, meters.
+    pub box_min: [f32; 3],
+    /// Greatest corner of the box, meters.
+    pub box_max: [f32; 3],
+    /// Width of the faces, pixels.
+    pub face_px: u32,
+    /// Size of all faces, bytes.
     pub bytes: u64,
 }
 
@@ -248,6 +265,17 @@ fn probes(world: &World, plan: &Plan, options: &RenderOptions) -> Option<ProbesI
     })
 }
 
+/// Box and buffers of a frame with this plan; `None` where it has none.
+fn box_faces(world: &World, settings: &ReflectionDesc, plan: &Plan) -> Option<BoxInfo> {
+    let key = FacesKey::of(world, plan, settings)?;
+    Some(BoxInfo {
+        box_min: key.low.to_array(),
+        box_max: (key.low + key.size).to_array(),
+        face_px: key.face_px,
+        bytes: key.bytes(),
+    })
+}
+
 /// Box and maps of a frame with this plan; `None` where it has none.
 fn near_far(settings: &ReflectionDesc, unit_m: f32, plan: &Plan) -> Option<NearFarInfo> {
     let key = FarKey::new(settings);
@@ -327,6 +355,7 @@ pub fn gather(loaded: &LoadedScene, plan_file: Option<&PlanFile>) -> Result<Info
             + size_of_val(trees.triangles.as_slice())
             + size_of_val(trees.instances.as_slice())) as u64,
         probes: probes(world, &plan, &gpu.options),
+        box_faces: box_faces(world, reflection, &plan),
         near_far: near_far(reflection, unit_m, &plan),
         bounces: plan.bounces,
         decided_software: software.decisions,

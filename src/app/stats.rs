@@ -14,6 +14,7 @@ use crate::{
     gpu::{Gpu, adapter},
     memory::peak_resident_bytes,
     render::{
+        box_faces::FacesStats,
         decide::Decision,
         far_maps::FarStats,
         passes::audit,
@@ -223,7 +224,8 @@ impl Report {
 fn captured(frame: &FrameStats) -> Option<(&'static str, String)> {
     let probes = || Some(("probes", probes_text(frame.probes.as_ref()?)));
     let far = || Some(("near-far", far_text(frame.far.as_ref()?)));
-    probes().or_else(far)
+    let faces = || Some(("box", faces_text(frame.box_faces.as_ref()?)));
+    probes().or_else(far).or_else(faces)
 }
 
 /// Number and size of the probes, and what their maps took.
@@ -238,6 +240,21 @@ fn probes_text(probes: &ProbeStats) -> String {
         probes.face_px,
         mebibytes(probes.bytes),
         probes.capture_ms
+    )
+}
+
+/// Size of the box of method `ssr+box`, and what its faces took.
+fn faces_text(faces: &FacesStats) -> String {
+    let when = match faces.update_ms > 0.0 {
+        true => "for this picture",
+        false => "before",
+    };
+    let [x, y, z] = faces.size_m;
+    format!(
+        "{x} × {y} × {z} m with faces of {} px, {}; captured {when} in {:.3} ms, apart from the passes",
+        faces.face_px,
+        mebibytes(faces.bytes),
+        faces.capture_ms
     )
 }
 
@@ -339,6 +356,7 @@ mod tests {
                 second_layer: None,
                 probes: None,
                 far: None,
+                box_faces: None,
                 bytes: vec![("textures".to_owned(), 3 << 19)],
             },
             passes_total_ms: 4.0,

@@ -3,8 +3,8 @@
 use reflet_scene::{
     desc::{Accept, Bounces, Method, ReflectionDesc},
     range::{
-        ABOVE_0, BOUNCES, EDGE_PX, LAYERS, NEAREST_PROBES, RATE, RAY_LENGTH_U, Range, SEPARATION_M,
-        STEPS, THRESHOLD_U, range,
+        ABOVE_0, BOUNCES, BOX_FACE_PX, EDGE_PX, LAYERS, NEAREST_PROBES, RATE, RAY_LENGTH_U, Range,
+        SEPARATION_M, STEPS, THRESHOLD_U, range,
     },
 };
 
@@ -36,6 +36,8 @@ pub enum Parameter {
     Nearest,
     /// Half the size of the box in which rays are traced, `near_far.half_size_m`.
     HalfSizeM,
+    /// Width of the faces of the box, `box_faces.face_px`.
+    FacePx,
     /// Side of the rendered picture divided by that of the shown one, into which it is enlarged bilinearly.
     Scale,
 }
@@ -57,11 +59,12 @@ pub struct Variant {
 
 /// Names of the curves in charts: one per method, with curves of their own for `hybrid` that accepts by the
 /// paper's threshold, for two depth layers, and for methods that trace shadow rays at hits anew.
-pub const SERIES: [&str; 13] = [
+pub const SERIES: [&str; 14] = [
     Method::Ssr.name(),
     SSR_LAYERS_SERIES,
     Method::Probe.name(),
     Method::SsrProbe.name(),
+    Method::SsrBox.name(),
     Method::NearFar.name(),
     THRESHOLD_SERIES,
     Method::Hybrid.name(),
@@ -102,7 +105,7 @@ pub const fn accept_name(accept: Accept) -> &'static str {
 
 impl Parameter {
     /// All parameters.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Self::ThresholdU,
         Self::EdgePx,
         Self::ReuseLight,
@@ -114,6 +117,7 @@ impl Parameter {
         Self::Bounces,
         Self::Nearest,
         Self::HalfSizeM,
+        Self::FacePx,
         Self::Scale,
     ];
 
@@ -131,6 +135,7 @@ impl Parameter {
             Self::Bounces => "bounces",
             Self::Nearest => "nearest",
             Self::HalfSizeM => "half_size_m",
+            Self::FacePx => "face_px",
             Self::Scale => "scale",
         }
     }
@@ -148,6 +153,7 @@ impl Parameter {
             Method::Ssr => &[Self::Steps],
             Method::Probe => &[Self::Nearest],
             Method::SsrProbe => &[Self::Steps, Self::Nearest],
+            Method::SsrBox => &[Self::Steps, Self::FacePx],
             Method::NearFar => &[Self::HalfSizeM],
             Method::Rt | Method::Path => &[Self::Bounces, Self::ReuseLight],
             Method::Hybrid | Method::Auto => &[Self::ThresholdU, Self::EdgePx, Self::ReuseLight],
@@ -162,6 +168,7 @@ impl Parameter {
                 method.marches() || matches!(method, Method::NearFar)
             }
             Self::HalfSizeM => matches!(method, Method::NearFar),
+            Self::FacePx => matches!(method, Method::SsrBox),
             Self::EdgePx => matches!(method, Method::Hybrid | Method::Auto),
             // Methods that trace no ray follow one reflection and nothing beyond it.
             Self::Bounces | Self::Rate => method.traces(),
@@ -185,6 +192,7 @@ impl Parameter {
             Self::Bounces => &[1.0, 2.0, 3.0, 4.0, 6.0],
             Self::Nearest => &[1.0, 2.0, 3.0, 4.0],
             Self::HalfSizeM => &[0.5, 1.0, 2.0, 4.0, 8.0],
+            Self::FacePx => &[32.0, 64.0, 128.0, 256.0, 512.0],
             Self::Scale => &[0.25, 0.375, 0.5, 0.75, 1.0],
         }
     }
@@ -204,6 +212,7 @@ impl Parameter {
                 | Self::Bounces
                 | Self::ReuseLight
                 | Self::Nearest
+                | Self::FacePx
         ) {
             let is_gap = self == Self::Rate && value == 3.0;
             return if value.fract() == 0.0 && range.contains(value) && !is_gap {
@@ -232,6 +241,7 @@ impl Parameter {
             Self::Bounces => BOUNCES,
             Self::Nearest => NEAREST_PROBES,
             Self::HalfSizeM => ABOVE_0,
+            Self::FacePx => BOX_FACE_PX,
             Self::Scale => range(0.05, 1.0),
         }
     }
@@ -259,6 +269,7 @@ impl Parameter {
             Self::Bounces => settings.bounces = Bounces::AtMost(value as u32),
             Self::Nearest => settings.probes.nearest = value as u32,
             Self::HalfSizeM => settings.near_far.half_size_m = Some(value as f32),
+            Self::FacePx => settings.box_faces.face_px = value as u32,
             Self::Scale => {}
         }
     }

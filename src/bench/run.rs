@@ -10,8 +10,8 @@ use super::{
 use reflet_gpu::{Gpu, ShaderLibrary};
 use reflet_render::{Poses, RenderError, RenderOptions, runtime::renderer_stage::RendererStage};
 use reflet_scene::desc::{
-    Accept, Bounces, CameraDesc, Exposure, ImageDesc, Method, ProbesDesc, ReflectionDesc,
-    Visibility,
+    Accept, Bounces, BoxFacesDesc, CameraDesc, Exposure, ImageDesc, Method, ProbesDesc,
+    ReflectionDesc, Visibility,
 };
 use reflet_world::World;
 
@@ -195,6 +195,7 @@ struct ReadyRenderer {
     layers: u32,
     probes: ProbesDesc,
     far_px: u32,
+    box_faces: BoxFacesDesc,
     rate: u32,
     renderer: RendererStage,
     /// CPU time to update moved instances, milliseconds; none for a still scene.
@@ -210,7 +211,8 @@ impl ReadyRenderer {
             ..reflection.probes
         };
         let has_far = self.method != Method::NearFar || self.far_px == reflection.near_far.face_px;
-        let has_maps = has_far && (!self.method.looks_up() || self.probes == probes);
+        let has_box = self.method != Method::SsrBox || self.box_faces == reflection.box_faces;
+        let has_maps = has_far && has_box && (!self.method.looks_up() || self.probes == probes);
         let own = (self.method, self.verifies, self.layers, self.rate);
         has_maps
             && own
@@ -367,6 +369,7 @@ impl Bench<'_> {
             layers: reflection.layers,
             probes: reflection.probes,
             far_px: reflection.near_far.face_px,
+            box_faces: reflection.box_faces,
             rate: reflection.rate,
             renderer,
             update_ms,

@@ -332,7 +332,7 @@ fn codes() -> Vec<CauseCode> {
         code: cause as u32,
         name: cause.name(),
         verdict: match cause {
-            Cause::Hit | Cause::HitBehind | Cause::Far => Verdict::Accepted,
+            Cause::Hit | Cause::HitBehind | Cause::Far | Cause::Box => Verdict::Accepted,
             Cause::None => Verdict::Empty,
             Cause::NotReflective | Cause::Rough | Cause::Unmarched | Cause::EdgeOn => {
                 Verdict::NotAsked
@@ -340,7 +340,9 @@ fn codes() -> Vec<CauseCode> {
             Cause::Hidden | Cause::Unconfirmed | Cause::BackFace | Cause::Reflector => {
                 Verdict::Rejected
             }
-            Cause::OffScreen | Cause::Steps | Cause::FarHidden => Verdict::Rejected,
+            Cause::OffScreen | Cause::Steps | Cause::FarHidden | Cause::BoxHidden => {
+                Verdict::Rejected
+            }
         },
     };
     Cause::ALL.into_iter().map(code).collect()

@@ -68,6 +68,7 @@ pub const SYSTEMS: &[System] = &[
     rival("ssr+probe, distance, K = 2", [60, 60, 60], |r| {
         look_up(r, Method::SsrProbe, Lookup::Distance, 2);
     }),
+    rival("ssr+box", [120, 140, 60], |r| r.method = Method::SsrBox),
     rival("near-far", [90, 40, 140], |r| r.method = Method::NearFar),
     rival("near-far, 2 layers", [170, 110, 220], |r| {
         r.method = Method::NearFar;

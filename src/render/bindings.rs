@@ -4,6 +4,7 @@ use reflet_gpu::{Gpu, GpuError};
 use reflet_world::Light;
 
 use super::{
+    box_faces::{BoxFaces, FacesKey},
     far_maps::{FarKey, FarMaps},
     frame_uniforms::FrameUniforms,
     lights::{LightNeeds, ShadowSizes},
@@ -38,6 +39,7 @@ pub struct BindingKey {
     overrides: Vec<Override>,
     probes: Option<ProbeKey>,
     far: Option<FarKey>,
+    faces: Option<FacesKey>,
 }
 
 impl BindingKey {
@@ -47,7 +49,7 @@ impl BindingKey {
         options: &RenderOptions,
         shadows: ShadowSizes,
         passes: &[&'static Pass],
-        probes: Option<ProbeKey>,
+        (probes, faces): (Option<ProbeKey>, Option<FacesKey>),
     ) -> Self {
         let own = passes.iter().flat_map(|pass| (pass.overrides)(options));
         Self {
@@ -68,6 +70,7 @@ impl BindingKey {
             overrides: plan.overrides().into_iter().chain(own).collect(),
             probes,
             far: (plan.features.near_far).then(|| FarKey::new(&options.reflection)),
+            faces,
         }
     }
 
@@ -114,6 +117,8 @@ pub struct Bindings {
     pub probe_maps: Option<ProbeMaps>,
     /// Maps of far things, in frames of method `near-far`.
     pub far_maps: Option<FarMaps>,
+    /// Faces of the box, in frames of method `ssr+box`.
+    pub box_faces: Option<BoxFaces>,
     /// Groups 0 and 1.
     pub shared: SharedGroups,
     /// Passes that the frame records.
@@ -150,6 +155,7 @@ impl Bindings {
         let probes = key.probes.clone();
         let probe_maps = probes.map(|key| ProbeMaps::new(gpu, key)).transpose()?;
         let far_maps = key.far.map(|key| FarMaps::new(gpu, key)).transpose()?;
+        let box_faces = key.faces.map(|key| BoxFaces::new(gpu, key)).transpose()?;
         let BindingInputs {
             plan,
             options,
@@ -165,6 +171,7 @@ impl Bindings {
             ray_list: &ray_list,
             probe_maps: probe_maps.as_ref(),
             far_maps: far_maps.as_ref(),
+            box_faces: box_faces.as_ref(),
         };
         let infos = shaders.infos(&needed_passes(plan, options))?;
         let shared = SharedGroups::new(gpu, &infos, resources)?;
@@ -183,6 +190,7 @@ impl Bindings {
             ray_list,
             probe_maps,
             far_maps,
+            box_faces,
             shared,
             passes,
             probes: Probes::default(),

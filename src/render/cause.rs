@@ -43,6 +43,11 @@ pub enum Cause {
     Far = 13,
     /// Method `near-far`: the ray went behind what the map of far things shows, and hit nothing that it shows.
     FarHidden = 14,
+    /// Method `ssr+box`: the ray hit what a face of the box sees.
+    Box = 15,
+    /// Method `ssr+box`: the ray hit nothing that a face sees, and leaves the box where the face across does not see out
+    /// of it.
+    BoxHidden = 16,
 }
 
 /// Source of a pixel's reflection.
@@ -55,8 +60,8 @@ pub enum Source {
     Screen,
     /// Ray traced.
     Traced,
-    /// Method `ssr`: the pixel is left black where a ray would have been traced; `near-far`: it shows the environment
-    /// where the map does not show what the ray would hit.
+    /// Method `ssr`: the pixel is left black where a ray would have been traced; `near-far` and `ssr+box`: it shows the
+    /// environment where the maps do not show what the ray would hit.
     Failed,
     /// The environment: the ray hits no surface within its length.
     None,
@@ -66,11 +71,13 @@ pub enum Source {
     Probe,
     /// Found in the map of far things.
     Far,
+    /// Found on a face of the box.
+    Box,
 }
 
 impl Cause {
     /// All causes; the index is the number.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 17] = [
         Self::NotReflective,
         Self::Hit,
         Self::Hidden,
@@ -86,6 +93,8 @@ impl Cause {
         Self::HitBehind,
         Self::Far,
         Self::FarHidden,
+        Self::Box,
+        Self::BoxHidden,
     ];
 
     /// Number of the cause in a texel of the `cause` target, whose upper bits hold the ray length that the march has
@@ -117,6 +126,8 @@ impl Cause {
             Self::HitBehind => "hit_behind",
             Self::Far => "far",
             Self::FarHidden => "far_hidden",
+            Self::Box => "box",
+            Self::BoxHidden => "box_hidden",
         }
     }
 
@@ -139,7 +150,8 @@ impl Cause {
             Self::None => Source::None,
             Self::Rough => Source::Rough,
             Self::Far => Source::Far,
-            Self::FarHidden => Source::Failed,
+            Self::Box => Source::Box,
+            Self::FarHidden | Self::BoxHidden => Source::Failed,
             _ if matches!(method, Method::Ssr) => Source::Failed,
             _ if method.looks_up() => Source::Probe,
             _ => Source::Traced,
@@ -164,13 +176,15 @@ impl Cause {
             Self::HitBehind => [170, 210, 255],
             Self::Far => [200, 190, 60],
             Self::FarHidden => [110, 30, 90],
+            Self::Box => [120, 140, 60],
+            Self::BoxHidden => [60, 20, 70],
         }
     }
 }
 
 impl Source {
     /// All sources; the index is the number in AOVs.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::NotReflective,
         Self::Screen,
         Self::Traced,
@@ -179,6 +193,7 @@ impl Source {
         Self::Rough,
         Self::Probe,
         Self::Far,
+        Self::Box,
     ];
 
     /// Color in the `source` picture, sRGB: screen hits blue and traced pink, as in the paper's Fig. 8.
@@ -189,6 +204,7 @@ impl Source {
             Self::Traced => [255, 110, 190],
             Self::Probe => [150, 220, 60],
             Self::Far => [200, 190, 60],
+            Self::Box => [120, 140, 60],
             Self::Failed => [200, 40, 40],
             Self::None => [80, 200, 120],
             Self::Rough => [130, 130, 130],

@@ -14,7 +14,7 @@ use super::{
     plan::{Plan, may_meet_culled},
     rebuild_summary::RebuildSummary,
     relative::Coordinates,
-    renderer::{Renderer, build_trees, check_posed, decided_with, probe_key, top_level, variant},
+    renderer::{Renderer, build_trees, check_posed, decided_with, map_keys, top_level, variant},
     shaders::Shaders,
     trace_choice::with_trace,
     validate::check_world,
@@ -98,7 +98,7 @@ impl Renderer {
         let needed = needed_passes(&plan, options);
         let shaders = Shaders::new(gpu, library, variant(gpu, &plan, scene), &needed)?;
         let maps = ShadowSizes::of(&world.lights, options);
-        let probes = probe_key(world, &plan, options)?;
+        let probes = map_keys(world, &plan, options)?;
         let key = BindingKey::new(&plan, options, maps, &needed, probes);
         check_posed(shown, &world_key, &key, options)?;
         rebuilt.passes = rebuilt.materials

@@ -114,13 +114,16 @@ impl Renderer {
         }
     }
 
-    /// Makes the next picture capture all maps of probes and of far things, also where nothing that they see has changed.
+    /// Makes the next picture capture all maps of probes, of far things and of the box, also where nothing that they see has changed.
     pub fn recapture_probes(&self) {
         if let Some(maps) = &self.bindings.probe_maps {
             maps.forget();
         }
         if let Some(maps) = &self.bindings.far_maps {
             maps.forget();
+        }
+        if let Some(faces) = &self.bindings.box_faces {
+            faces.forget();
         }
     }
 
@@ -171,9 +174,10 @@ impl Renderer {
             self.uniforms.set_fog(gpu, &fog);
         }
         let maps = self.bindings.probe_maps.as_ref().filter(|_| sample == 0);
-        let captures = match &self.bindings.far_maps {
-            Some(far) => far.prepare(gpu, world, eye, settings, self.unit_m),
-            None => maps.is_some_and(|m| m.prepare(gpu, world, (&frame, &block, &sampling))),
+        let captures = match (&self.bindings.far_maps, &self.bindings.box_faces) {
+            (Some(far), _) => far.prepare(gpu, world, eye, settings, self.unit_m),
+            (None, Some(faces)) => faces.prepare(gpu, settings),
+            _ => maps.is_some_and(|m| m.prepare(gpu, world, (&frame, &block, &sampling))),
         };
         let size = self.options.image.size;
         let mut frame = SubFrame {
@@ -227,6 +231,10 @@ impl Renderer {
         if let (Some(far), true) = (far, captured.cost_ms > 0.0) {
             far.set_capture_ms(captured.cost_ms);
         }
+        let faces = self.bindings.box_faces.as_ref();
+        if let (Some(faces), true) = (faces, captured.cost_ms > 0.0) {
+            faces.set_capture_ms(captured.cost_ms);
+        }
         let mut bytes: Vec<(String, u64)> = Vec::new();
         let named = |(name, size): (&str, u64)| (name.to_owned(), size);
         bytes.extend(self.scene.report().into_iter().map(named));
@@ -243,6 +251,9 @@ impl Renderer {
         }
         if let Some(far) = far {
             bytes.push(("far_maps".to_owned(), far.key.bytes()));
+        }
+        if let Some(faces) = faces {
+            bytes.push(("box_faces".to_owned(), faces.key.bytes()));
         }
         if self.plan.features.lists {
             bytes.push(("lists".to_owned(), self.bindings.ray_list.lists.size()));
@@ -267,6 +278,7 @@ impl Renderer {
             frame_ms: frame_ms - captured.passes_ms,
             probes: maps.map(|maps| maps.stats(captured.cost_ms)),
             far: far.map(|far| far.stats(self.near_m(), captured.cost_ms)),
+            box_faces: faces.map(|f| f.stats(self.coordinates.meters(), captured.cost_ms)),
             bytes,
         }
     }

@@ -7,6 +7,7 @@
 pub mod aov;
 pub mod aov_view;
 mod bindings;
+pub mod box_faces;
 pub mod brought_light;
 mod capture_times;
 pub mod cause;

@@ -3,6 +3,7 @@
 use reflet_gpu::{Gpu, GpuError, Named, Shader};
 
 use super::{
+    box_faces::BoxFaces,
     far_maps::FarMaps,
     options::RenderOptions,
     pass::{ComputePass, MAIN, Override, Pass},
@@ -117,6 +118,15 @@ impl PassBuilder<'_> {
         self.resources.far_maps.ok_or_else(missing)
     }
 
+    /// The faces of the box.
+    ///
+    /// # Errors
+    /// [`GpuError::Binding`] in a frame of another method than `ssr+box`.
+    pub fn box_faces(&self) -> Result<&BoxFaces, GpuError> {
+        let missing = || GpuError::Binding("faces of a box were not planned".to_owned());
+        self.resources.box_faces.ok_or_else(missing)
+    }
+
     fn bound(
         &self,
         pass: &'static Pass,
@@ -136,6 +146,7 @@ impl PassBuilder<'_> {
                 .flat_map(|maps| maps.named()),
         );
         named.extend(self.resources.far_maps.iter().flat_map(|maps| maps.named()));
+        named.extend(self.resources.box_faces.iter().flat_map(|f| f.named()));
         named.extend_from_slice(extra);
         built.bind(self.gpu, self.resources.targets, aliases, &named)?;
         Ok(built)

@@ -31,7 +31,7 @@ impl ProbeBox {
 }
 
 /// Bounds of what never moves; a point at the origin where all does.
-fn still_bounds(world: &World) -> Bounds {
+pub(super) fn still_bounds(world: &World) -> Bounds {
     let still = world.instances.iter().filter(|i| !i.dynamic);
     let bounds = still.fold(Bounds::EMPTY, |all, i| all.union(world.bounds_of(i)));
     match bounds.is_empty() {

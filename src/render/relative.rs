@@ -172,6 +172,13 @@ impl Coordinates {
         ] {
             *length_m = length_m.map(|length_m| length_m * self.scale);
         }
+        let faces = &mut settings.box_faces;
+        for corner in [&mut faces.box_min, &mut faces.box_max]
+            .into_iter()
+            .flatten()
+        {
+            *corner = (*corner - self.origin) * self.scale;
+        }
         options
     }
 }

@@ -12,6 +12,7 @@ use reflet_world::{
 
 use super::{
     bindings::{BindingInputs, BindingKey, Bindings},
+    box_faces::FacesKey,
     chunks::largest_tree_array,
     decide::{Decided, Decision, decide, needs_trees},
     error::RenderError,
@@ -108,7 +109,7 @@ impl Renderer {
             options,
             ShadowSizes::of(&world.lights, options),
             &needed,
-            probe_key(world, &plan, options)?,
+            map_keys(world, &plan, options)?,
         );
         let inputs = BindingInputs {
             plan: &plan,
@@ -152,6 +153,7 @@ impl Renderer {
             ray_list: &self.bindings.ray_list,
             probe_maps: self.bindings.probe_maps.as_ref(),
             far_maps: self.bindings.far_maps.as_ref(),
+            box_faces: self.bindings.box_faces.as_ref(),
         }
     }
 
@@ -314,25 +316,23 @@ pub(super) fn top_level(trees: &Trees, world: &World) -> Result<Option<TopLevel>
     Ok(top.transpose()?)
 }
 
-/// Key of the maps of probes of a frame; `None` where it has none.
+/// Keys of the maps of probes and of the faces of the box of a frame; `None` where it has none.
 ///
 /// # Errors
 /// Too many probes.
-pub(super) fn probe_key(
+pub(super) fn map_keys(
     world: &World,
     plan: &Plan,
     options: &RenderOptions,
-) -> Result<Option<ProbeKey>, RenderError> {
+) -> Result<(Option<ProbeKey>, Option<FacesKey>), RenderError> {
+    let faces = FacesKey::of(world, plan, &options.reflection);
     if !plan.features.probes {
-        return Ok(None);
+        return Ok((None, faces));
     }
     let settings = &options.reflection.probes;
     let boxes = probe_boxes(world, settings)?;
-    Ok(Some(ProbeKey::new(
-        boxes,
-        settings,
-        capture::has_levels(plan),
-    )))
+    let probes = ProbeKey::new(boxes, settings, capture::has_levels(plan));
+    Ok((Some(probes), faces))
 }
 
 /// The shader files of a plan over a scene.

@@ -1,8 +1,8 @@
 //! Resources that all passes are bound to.
 
 use super::{
-    far_maps::FarMaps, frame_uniforms::FrameUniforms, probe_maps::ProbeMaps, ray_list::RayList,
-    scene::GpuScene, shadow_maps::ShadowMaps, targets::Targets,
+    box_faces::BoxFaces, far_maps::FarMaps, frame_uniforms::FrameUniforms, probe_maps::ProbeMaps,
+    ray_list::RayList, scene::GpuScene, shadow_maps::ShadowMaps, targets::Targets,
 };
 
 /// Resources that passes are bound to.
@@ -22,4 +22,6 @@ pub struct Resources<'a> {
     pub probe_maps: Option<&'a ProbeMaps>,
     /// Maps of far things, in frames of method `near-far`.
     pub far_maps: Option<&'a FarMaps>,
+    /// Faces of the box, in frames of method `ssr+box`.
+    pub box_faces: Option<&'a BoxFaces>,
 }

@@ -21,6 +21,8 @@ pub enum SharedData {
     ProbeMaps,
     /// Maps of far things.
     FarMaps,
+    /// Buffers on the faces of a box.
+    BoxFaces,
 }
 
 impl SharedData {
@@ -35,6 +37,7 @@ impl SharedData {
             Self::DepthPyramid => "depth_pyramid",
             Self::ProbeMaps => "probe_maps",
             Self::FarMaps => "far_maps",
+            Self::BoxFaces => "box_faces",
         }
     }
 
@@ -49,6 +52,7 @@ impl SharedData {
             Self::DepthPyramid => true,
             Self::ProbeMaps => features.probes,
             Self::FarMaps => features.near_far,
+            Self::BoxFaces => features.box_faces,
         }
     }
 }

@@ -5,6 +5,7 @@ use serde::{Serialize, ser::SerializeStruct as _};
 use reflet_scene::desc::Method;
 
 use super::{
+    box_faces::FacesStats,
     cause::{Cause, Source},
     decide::Decision,
     error_estimate::ErrorEstimate,
@@ -26,7 +27,7 @@ pub struct Shares {
     pub reflective: u64,
     /// Number of pixels of each cause but `not_reflective`, with the percentage of all reflective pixels.
     pub causes: Vec<Share>,
-    /// Number of pixels by source: screen + traced (probe with methods that look up, failed with method `ssr`, far and failed with `near-far`) + none + rough = 100 %.
+    /// Number of pixels by source: screen + traced (probe with methods that look up, failed with method `ssr`, far and failed with `near-far`, box and failed with `ssr+box`) + none + rough = 100 %.
     pub sources: Vec<Share>,
 }
 
@@ -87,6 +88,7 @@ impl Shares {
                 source("traced", Source::Traced),
                 source("probe", Source::Probe),
                 source("far", Source::Far),
+                source("box", Source::Box),
                 source("failed", Source::Failed),
                 source("none", Source::None),
                 source("rough", Source::Rough),
@@ -246,6 +248,9 @@ pub struct FrameStats {
     /// Maps of far things, in frames of method `near-far`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub far: Option<FarStats>,
+    /// Faces of the box, in frames of method `ssr+box`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub box_faces: Option<FacesStats>,
     /// Size of every buffer and texture class, bytes.
     #[serde(serialize_with = "as_map")]
     pub bytes: Vec<(String, u64)>,
@@ -278,7 +283,9 @@ impl FrameStats {
     /// there are none.
     pub fn captured(&self) -> Option<(u64, f64)> {
         let probes = self.probes.map(|maps| (maps.bytes, maps.capture_ms));
-        probes.or(self.far.map(|maps| (maps.bytes, maps.capture_ms)))
+        let far = self.far.map(|maps| (maps.bytes, maps.capture_ms));
+        let faces = self.box_faces.map(|f| (f.bytes, f.capture_ms));
+        probes.or(far).or(faces)
     }
 
     /// Sum of the times of all passes, milliseconds.

@@ -353,6 +353,20 @@ gpu_struct! {
     }
 }
 
+gpu_struct! {
+    /// The box of method `ssr+box`; see `shaders/lib/face_box.wgsl`.
+    pub struct FaceBox = "FaceBox" {
+        /// Least corner, meters.
+        low: [f32; 3],
+        /// Maximum number of steps of a march through the box.
+        steps: u32,
+        /// Size along each axis, meters, above 0.
+        size: [f32; 3],
+        /// Unused.
+        pad0: u32,
+    }
+}
+
 /// Returns `bit` if `on`, else 0.
 pub fn flag(on: bool, bit: u32) -> u32 {
     if on { bit } else { 0 }
@@ -374,6 +388,7 @@ pub const SHARED: &[StructSpec] = &[
     GpuMaterial::LAYOUT,
     ProbeBox::LAYOUT,
     FarBox::LAYOUT,
+    FaceBox::LAYOUT,
 ];
 
 const _: () = assert!(size_of::<GpuVertex>() == 32 && size_of::<GpuInstance>() == 128);

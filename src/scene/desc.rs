@@ -6,6 +6,7 @@
 //! type that it sets.
 
 mod animation;
+mod box_faces;
 mod camera;
 mod environment;
 mod hierarchy;
@@ -35,6 +36,7 @@ use glam::{Mat4, Quat, Vec3};
 
 pub use self::{
     animation::{AnimationDesc, Playback},
+    box_faces::BoxFacesDesc,
     camera::{CAMERA, CameraDesc, CameraMotionDesc},
     environment::{EnvironmentDesc, EnvironmentShadow, FogDesc},
     hierarchy::{GroupDesc, Parents, PlacedSceneDesc, ShownDesc},
@@ -123,6 +125,7 @@ pub struct At<T> {
 /// - `base`: another scene, `base = "shot010.toml"`, that this one is laid over, key by key; looked for
 ///   beside the scene, then in each `--assets` folder. Instances with the same `name` are merged; other
 ///   lists are replaced. File names in it start from this scene's folder.
+/// - `box_faces`: box and buffers of method `ssr+box`.
 /// - `near_far`: box and maps of method `near-far`.
 /// - `probes`: size, look-up and grid of the cube maps of probes.
 /// - `remove`: entries of the base to leave out, such as `remove = ["light.lamp", "instance.ball"]`; also

@@ -17,6 +17,7 @@ mod agreement;
 mod animation;
 mod audit;
 mod bounces;
+mod box_faces;
 mod brought;
 mod capsule_normals;
 mod capsules;

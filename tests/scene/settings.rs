@@ -13,7 +13,7 @@ fn environment_reflection_and_image_arrive() {
         "environment.color = [1, 2, 3]\n[reflection]\nmethod = \"ssr\"\nmarched = \"all\"\ntrace = \"query\"\nray_length_u = 2\n\
          accept = \"threshold\"\nedge_px = 0.5\nthreshold_u = 0\nbounces = 16\ndiffuse_bounces = 8\nglint_limit = 3\nsteps = 8\nroughness_cutoff = 1\nunit_m = 0.5\nreuse_light = false\nfade = true\nfilter = false\nmultiple_scattering = true\n\
          layers = 2\nseparation_m = 0.2\nrate = 4\nsimilarity = 0.5\nblur_px = 1.5\n[probes]\nspacing_m = 2.5\nface_px = 2048\nsamples = 1024\nnearest = 4\n\
-         lookup = \"distance\"\nselect = \"instance\"\n[near_far]\nhalf_size_m = 3.5\nface_px = 8\n[image]\nsize = [1, 16384]\nsamples = 4096\nlight_rays = 256\nexposure_ev = -20\n\
+         lookup = \"distance\"\nselect = \"instance\"\n[near_far]\nhalf_size_m = 3.5\nface_px = 8\n[box_faces]\nbox_min = [-1, -2, -3]\nbox_max = [1, 2, 3]\nface_px = 16384\n[image]\nsize = [1, 16384]\nsamples = 4096\nlight_rays = 256\nexposure_ev = -20\n\
          tone_map = \"aces\"\nvisibility = \"rays\"\nradiance = \"full\"\nalpha = true\nshutter = 0.5",
     );
     let color = Vec3::new(1.0, 2.0, 3.0);
@@ -60,6 +60,11 @@ fn environment_reflection_and_image_arrive() {
             multiple_scattering: true,
             blur_px: 1.5,
             probes,
+            box_faces: BoxFacesDesc {
+                box_min: Some(Vec3::new(-1.0, -2.0, -3.0)),
+                box_max: Some(Vec3::new(1.0, 2.0, 3.0)),
+                face_px: 16384,
+            },
             near_far: NearFarDesc {
                 half_size_m: Some(3.5),
                 face_px: 8,

@@ -248,7 +248,7 @@ fn binding_of(data: SharedData, pass: &Pass) -> Option<&'static str> {
         }
         SharedData::Counters => Some("counters"),
         // Their textures have a name for each use.
-        SharedData::ProbeMaps | SharedData::FarMaps => None,
+        SharedData::ProbeMaps | SharedData::FarMaps | SharedData::BoxFaces => None,
         SharedData::DispatchSizes => pass.writes_shared.contains(&data).then_some("arguments"),
     }
 }

@@ -39,10 +39,11 @@ const MEASURING: [&str; 21] = [
 ];
 
 /// Methods that can be compared; `auto` chooses among them, and `path` is a reference with --against-path.
-const COMPARED: [Method; 6] = [
+const COMPARED: [Method; 7] = [
     Method::Ssr,
     Method::Probe,
     Method::SsrProbe,
+    Method::SsrBox,
     Method::NearFar,
     Method::Hybrid,
     Method::Rt,
@@ -297,7 +298,7 @@ pub struct StabilityArgs {
     /// Folder of the suite's scenes, NN-name.toml
     #[arg(long, value_name = "DIR", default_value = "scenes/fail")]
     pub suite: PathBuf,
-    /// Methods to score, of ssr, probe, ssr+probe, near-far, hybrid and rt; hybrid by both of its rules of acceptance
+    /// Methods to score, of ssr, probe, ssr+probe, ssr+box, near-far, hybrid and rt; hybrid by both of its rules of acceptance
     #[arg(
         long,
         value_name = "LIST",

@@ -116,6 +116,7 @@ pub fn shown(
         with(Method::Ssr, Accept::Threshold, 2),
         with(Method::Probe, Accept::Threshold, 1),
         with(Method::SsrProbe, Accept::Threshold, 1),
+        with(Method::SsrBox, Accept::Threshold, 1),
         with(Method::NearFar, Accept::Threshold, 1),
     ] {
         let key = |settings: &ReflectionDesc| {

@@ -144,6 +144,12 @@ fn frame(info: &Info) -> Vec<(&'static str, String)> {
         let bytes = mebibytes(probes.bytes);
         lines.push(("probes", format!("{count} with faces of {px} px, {bytes}")));
     }
+    if let Some(faces) = info.box_faces {
+        let ([x0, y0, z0], [x1, y1, z1]) = (faces.box_min, faces.box_max);
+        let (px, bytes) = (faces.face_px, mebibytes(faces.bytes));
+        let corners = format!("({x0}, {y0}, {z0}) to ({x1}, {y1}, {z1}) m");
+        lines.push(("box", format!("{corners}, faces of {px} px, {bytes}")));
+    }
     if let Some(far) = info.near_far {
         let (near_m, px, bytes) = (far.half_size_m, far.face_px, mebibytes(far.bytes));
         let text = format!("box of ±{near_m} m, map with faces of {px} px, {bytes}");

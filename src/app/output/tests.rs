@@ -73,6 +73,7 @@ fn picture() -> Picture {
             second_layer: None,
             probes: None,
             far: None,
+            box_faces: None,
             bytes: Vec::new(),
         },
     }

@@ -60,6 +60,7 @@ pub fn color(method: &str) -> RGBColor {
     const HYBRID: &str = Method::Hybrid.name();
     const PROBE: &str = Method::Probe.name();
     const NEAR_FAR: &str = Method::NearFar.name();
+    const SSR_BOX: &str = Method::SsrBox.name();
     const SSR_PROBE: &str = Method::SsrProbe.name();
     match method {
         SSR => RGBColor(0, 114, 178),
@@ -73,6 +74,7 @@ pub fn color(method: &str) -> RGBColor {
         "estimated" => RGBColor(230, 159, 0),
         PROBE => RGBColor(240, 228, 66),
         SSR_PROBE => RGBColor(110, 110, 110),
+        SSR_BOX => RGBColor(120, 140, 60),
         NEAR_FAR => RGBColor(90, 40, 140),
         HYBRID_ANEW_SERIES => RGBColor(204, 121, 167),
         RT_ANEW_SERIES => RGBColor(86, 180, 233),

@@ -162,6 +162,7 @@ mod tests {
             second_layer: None,
             probes: None,
             far: None,
+            box_faces: None,
             decisions: Vec::new(),
             passes_ms: passes_ms.map(|(name, ms)| (name.to_owned(), ms)).to_vec(),
             processor_ms: Vec::new(),

@@ -29,6 +29,7 @@ pub fn cell(column: &str, text: &str) -> Result<(), String> {
                 Method::Ssr,
                 Method::Probe,
                 Method::SsrProbe,
+                Method::SsrBox,
                 Method::NearFar,
                 Method::Hybrid,
                 Method::Rt,

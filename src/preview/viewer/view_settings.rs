@@ -4,13 +4,14 @@ use super::{protocol::Side, view_channel::ViewChannel};
 use reflet_scene::desc::Method;
 
 /// Methods in the order of menus; the keys 1 to 4 choose the first of them.
-pub const METHODS: [Method; 7] = [
+pub const METHODS: [Method; 8] = [
     Method::Hybrid,
     Method::Ssr,
     Method::Rt,
     Method::Path,
     Method::Probe,
     Method::SsrProbe,
+    Method::SsrBox,
     Method::NearFar,
 ];
 

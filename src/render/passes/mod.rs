@@ -3,6 +3,7 @@
 pub mod arguments;
 pub mod audit;
 pub mod blur;
+pub mod box_faces;
 pub mod capture;
 pub mod compose;
 pub mod coverage;
@@ -89,6 +90,7 @@ passes! {
     capture: Capture,
     prefilter: Prefilter,
     far: Far,
+    box_faces: BoxFaces,
     visibility: Visibility,
     primary: Primary,
     surface: Surface,

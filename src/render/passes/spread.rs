@@ -25,7 +25,8 @@ pub const PASS: Pass = Pass {
         Target::VisibleLights,
         Target::LeadHit,
     ],
-    writes: &[Target::Reflection, Target::Hit],
+    writes: &[Target::Reflection, Target::Hit, Target::Cause],
+    is_written: |plan, _, target| plan.features.mapped || target != Target::Cause,
     reads_shared: &[
         SharedData::Counters,
         SharedData::ShadowMaps,

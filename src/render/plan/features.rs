@@ -208,7 +208,17 @@ features! {
     near_far {
         used: scene.options.reflection.method == Method::NearFar
             && (scene.is_general() || reflects(scene.world, scene.cutoff())),
-        files: nearest_met [traced, near_far], cause_kept [none, far];
+    }
+    /// Whether rays march through what the faces of a box see.
+    box_faces {
+        used: scene.options.reflection.method == Method::SsrBox
+            && (scene.is_general() || reflects(scene.world, scene.cutoff())),
+        files: map [far, box];
+    }
+    /// Whether reflection rays march through maps.
+    mapped {
+        follows: near_far || box_faces,
+        files: nearest_met [traced, mapped], cause_kept [none, mapped];
     }
     /// Whether probes are chosen by instances rather than by pixels.
     probes_by_instance {

@@ -1,6 +1,6 @@
 //! The `[reflection]` table of scene text.
 
-use super::{NearFarDesc, ProbesDesc};
+use super::{BoxFacesDesc, NearFarDesc, ProbesDesc};
 use crate::{
     number::{Field, plain},
     range::{EDGE_PX, FROM_0, RAY_LENGTH_U, THRESHOLD_U, UNIT, range},
@@ -20,6 +20,10 @@ pub enum Method {
     Probe,
     /// `"ssr+probe"`: screen space first, by the same rule as `"ssr"`; probes where that finds nothing.
     SsrProbe,
+    /// `"ssr+box"`: screen space first, by the same rule as `"ssr"`; where that finds nothing, rays march through buffers
+    /// of depth and ids on the faces of a box that stands for the room, captured once by `[box_faces]`. Shows nothing
+    /// that moves, and replaces what things hide from all faces by the environment.
+    SsrBox,
     /// `"near-far"`: rays are traced inside of the box of `[near_far]` around the camera; beyond it they march through a
     /// cube map of what the camera sees there, captured for each frame, whose hits are shaded as those of rays are
     /// (Ganestam & Doggett 2015). What the map does not show, behind what it shows, is replaced by the environment.
@@ -45,6 +49,7 @@ impl Method {
             Self::Hybrid => "hybrid",
             Self::Probe => "probe",
             Self::SsrProbe => "ssr+probe",
+            Self::SsrBox => "ssr+box",
             Self::NearFar => "near-far",
             Self::Path => "path",
             Self::Auto => "auto",
@@ -56,7 +61,7 @@ impl Method {
         !matches!(self, Self::Rt | Self::Probe | Self::NearFar | Self::Path)
     }
 
-    /// Whether reflections that the screen does not answer are traced.
+    /// Whether reflections that the screen does not answer are followed by rays: through trees, or through maps.
     pub const fn traces(self) -> bool {
         !matches!(self, Self::Ssr | Self::Probe | Self::SsrProbe)
     }
@@ -144,7 +149,7 @@ pub struct ReflectionDesc {
     /// Length of a reflection ray in U, above 0. More reflects things that are farther away. Default 16.
     pub ray_length_u: f32,
     /// Test by which method `hybrid` accepts a hit that the screen-space march finds. Default `"verified"`;
-    /// methods `ssr` and `ssr+probe` always take `"threshold"`.
+    /// methods `ssr`, `ssr+probe` and `ssr+box` always take `"threshold"`.
     pub accept: Accept,
     /// Tolerance of `accept = "verified"` in pixels, 0 to 4: how far the hit point may lie outside of the pixel
     /// that shows its surface, along the ray and beyond the edge of its triangle. More accepts more and errs
@@ -153,7 +158,7 @@ pub struct ReflectionDesc {
     /// Tolerance of `accept = "threshold"` in U, 0 or more, the paper's T: how far behind the stored depth a
     /// crossing still counts as a hit. Too small gives stripes, too large prolonged reflections. Default 0.025.
     pub threshold_u: f32,
-    /// Number of depth layers that the march of methods `ssr` and `hybrid` looks at, and of the maps of `near-far`, 1 to 2. The second is the nearest
+    /// Number of depth layers that the march of methods `ssr`, `ssr+box` and `hybrid` looks at, and of the maps of `near-far`, 1 to 2. The second is the nearest
     /// surface at least `separation_m` behind what each pixel shows, from whichever side it is seen; a ray that goes
     /// behind the first layer is marched on between them, and may hit the second (Mara et al. 2016). It takes another
     /// drawing of the scene and 12 bytes a pixel. Default 1.
@@ -203,6 +208,8 @@ pub struct ReflectionDesc {
     pub reuse_light: bool,
     /// Whether reflections fade to the environment along the ray, as in the paper. Default false.
     pub fade: bool,
+    /// Box and buffers, as `[box_faces]` sets them, for method `ssr+box`.
+    pub box_faces: BoxFacesDesc,
     /// Probes, as `[probes]` sets them, for methods `probe` and `ssr+probe`.
     pub probes: ProbesDesc,
     /// Box and maps, as `[near_far]` sets them, for method `near-far`.
@@ -242,6 +249,7 @@ impl Default for ReflectionDesc {
             unit_m: None,
             reuse_light: true,
             fade: false,
+            box_faces: BoxFacesDesc::default(),
             probes: ProbesDesc::default(),
             near_far: NearFarDesc::default(),
             filter: true,
@@ -317,6 +325,7 @@ impl ReflectionDesc {
             | Method::Rt
             | Method::Probe
             | Method::SsrProbe
+            | Method::SsrBox
             | Method::NearFar
             | Method::Path => false,
         }

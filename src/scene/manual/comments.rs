@@ -12,6 +12,7 @@ static SOURCE: &str = concat!(
     include_str!("../desc/light.rs"),
     include_str!("../desc/material.rs"),
     include_str!("../desc/motion.rs"),
+    include_str!("../desc/box_faces.rs"),
     include_str!("../desc/near_far.rs"),
     include_str!("../desc/outline.rs"),
     include_str!("../desc/pattern.rs"),

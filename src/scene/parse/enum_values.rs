@@ -54,6 +54,7 @@ words!(Method {
     "hybrid" => Self::Hybrid,
     "probe" => Self::Probe,
     "ssr+probe" => Self::SsrProbe,
+    "ssr+box" => Self::SsrBox,
     "near-far" => Self::NearFar,
     "path" => Self::Path,
     "auto" => Self::Auto,

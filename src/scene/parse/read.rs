@@ -2,6 +2,7 @@
 //! key are written here and nowhere else; the manual and the JSON Schema come from running the same readers.
 
 mod animation;
+mod box_faces;
 mod environment;
 mod image;
 mod instance;
@@ -73,12 +74,13 @@ impl Section for SceneDesc {
     }
 }
 
-/// Settings of reflections, with those of probes and of near-far.
+/// Settings of reflections, with those of probes, of near-far and of the box.
 fn reflection(t: &mut Table) -> ReflectionDesc {
     let reflection = t.table("reflection").unwrap_or_default();
     ReflectionDesc {
         probes: t.table("probes").unwrap_or_default(),
         near_far: t.table("near_far").unwrap_or_default(),
+        box_faces: t.table("box_faces").unwrap_or_default(),
         ..reflection
     }
 }

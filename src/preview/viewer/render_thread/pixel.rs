@@ -86,6 +86,7 @@ fn source_name(source: Source) -> &'static str {
         Source::Traced => "traced",
         Source::Probe => "probe",
         Source::Far => "far map",
+        Source::Box => "face of the box",
         Source::Failed => "failed",
         Source::None => "environment",
         Source::Rough => "rough",

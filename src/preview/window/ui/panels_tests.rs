@@ -198,6 +198,7 @@ fn panels_list_times_shares_and_keys() {
         second_layer: None,
         probes: None,
         far: None,
+        box_faces: None,
         bytes: Vec::new(),
     };
     let history = VecDeque::from([stats.clone(), stats.clone()]);

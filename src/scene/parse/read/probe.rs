@@ -29,7 +29,7 @@ impl Section for ProbeDesc {
 }
 
 /// Refuses a box of which a corner is missing, or that has no size along an axis.
-fn check_box(t: &mut Table, [low, high]: [&'static str; 2], corners: [Option<Vec3>; 2]) {
+pub(super) fn check_box(t: &mut Table, [low, high]: [&'static str; 2], corners: [Option<Vec3>; 2]) {
     if !t.clean() {
         return;
     }

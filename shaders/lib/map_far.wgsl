@@ -5,25 +5,11 @@
 #import constants
 #import cube_depth
 #import far_box
+#import mapped
 #import met_named
 
-// Number of halvings of a step in which the ray goes behind a surface.
-const FAR_HALVINGS: u32 = 12u;
-// Maximum distance on the face of a point on a triangle from where the ray goes behind what the map sees, pixels.
-const SAME_PLACE_PX: f32 = 1.5;
-// Cosine between the line of sight and the normal of a surface below which the map sees it edge-on.
-const EDGE_ON: f32 = 0.2;
 // Largest angle of a step, radians: just below a right angle, whose tangent is infinite.
 const STEEPEST: f32 = 1.570795;
-
-// Number of steps through maps since the invocation started.
-var<private> far_steps: u32 = 0u;
-// How the last ray ended.
-var<private> far_cause: u32 = CAUSE_UNMARCHED;
-
-fn free_start_m(pixel: vec2u) -> f32 {
-    return 0.0;
-}
 
 // Part of a ray that lies in the box, given from its middle: distances where it enters and leaves; the second is the
 // smaller one where the ray misses the box.
@@ -117,7 +103,7 @@ fn met_at(map: u32, r: FarRay, angle: f32) -> Hit {
 fn met_in_step(map: u32, r: FarRay, first: f32, last: f32) -> Hit {
     var low = first;
     var high = last;
-    for (var k = 0u; k < FAR_HALVINGS; k++) {
+    for (var k = 0u; k < HALVINGS; k++) {
         let middle = 0.5 * (low + high);
         if (is_behind_map(map, r, middle)) { high = middle; } else { low = middle; }
     }
@@ -137,7 +123,7 @@ fn march_far(origin: vec3f, direction: vec3f, from_m: f32, to_m: f32) -> Hit {
     var free = first;
     for (var step = 1u; step <= count; step++) {
         let angle = mix(first, last, f32(step) / f32(count));
-        if (COUNT) { far_steps++; }
+        if (COUNT) { map_steps++; }
         for (var map = 0u; map < far_box.layers; map++) {
             var is_behind = is_behind_pixel(map, r, angle);
             let enters = is_behind && !before[map];
@@ -151,11 +137,11 @@ fn march_far(origin: vec3f, direction: vec3f, from_m: f32, to_m: f32) -> Hit {
             if (!enters) { continue; }
             let hit = met_in_step(map, r, free, angle);
             if (hit.instance != NO_INSTANCE) {
-                far_cause = CAUSE_FAR;
+                map_cause = CAUSE_FAR;
                 return hit;
             }
             // A reflector outside of the box is in front of its own pixels only up to their size.
-            if (step > 1u || from_m > 0.0) { far_cause = CAUSE_FAR_HIDDEN; }
+            if (step > 1u || from_m > 0.0) { map_cause = CAUSE_FAR_HIDDEN; }
         }
         free = angle;
     }
@@ -163,7 +149,7 @@ fn march_far(origin: vec3f, direction: vec3f, from_m: f32, to_m: f32) -> Hit {
 }
 
 fn nearest_met(origin: vec3f, direction: vec3f, start_m: f32, end_m: f32) -> Hit {
-    far_cause = CAUSE_UNMARCHED;
+    map_cause = CAUSE_UNMARCHED;
     let span = span_in_box(origin - far_box.eye, direction);
     let is_crossed = span.x < span.y && span.y > start_m;
     let enter_m = select(end_m, clamp(span.x, start_m, end_m), is_crossed);
@@ -181,11 +167,11 @@ fn nearest_met(origin: vec3f, direction: vec3f, start_m: f32, end_m: f32) -> Hit
         if (part == 0u && leave_m > enter_m) {
             let hit = trace_nearest(origin, direction, enter_m, leave_m);
             if (hit.instance != NO_INSTANCE) {
-                far_cause = CAUSE_UNMARCHED;
+                map_cause = CAUSE_UNMARCHED;
                 return hit;
             }
         }
     }
-    if (is_marched && far_cause == CAUSE_UNMARCHED) { far_cause = CAUSE_NONE; }
+    if (is_marched && map_cause == CAUSE_UNMARCHED) { map_cause = CAUSE_NONE; }
     return Hit(end_m, NO_INSTANCE, 0u, vec2f(0.0), 0u);
 }

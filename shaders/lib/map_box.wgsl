@@ -1,0 +1,174 @@
+// Variant of method ssr+box: rays march through the depths that the six faces of a box see (Johnsson), with the ids of
+// what is there, and are tested against the triangles that these name.
+
+#import bvh
+#import constants
+#import face_box
+#import mapped
+#import met_named
+
+@group(2) @binding(24) var face_hits: texture_2d_array<u32>; // depth, instance, triangle, place; a layer for a face
+
+// Depth where a face sees nothing.
+const NOTHING: f32 = 1e9;
+// Maximum difference of the depths of pixels, over the width of one, between which a surface is taken to go on.
+const SAME_SURFACE: f32 = 4.0;
+
+fn face_pixel(place: vec2f) -> vec2u {
+    let size = f32(textureDimensions(face_hits).x);
+    return vec2u(clamp(place * size, vec2f(0.0), vec2f(size - 1.0)));
+}
+
+fn depth_at(face: u32, pixel: vec2u) -> f32 {
+    let hit = textureLoad(face_hits, pixel, face, 0).xy;
+    return select(bitcast<f32>(hit.x), NOTHING, hit.y == NONE);
+}
+
+// Depth that a face sees at a place: between pixels of one surface, which planes are exact on.
+fn depth_seen(face: u32, at: FacePoint) -> f32 {
+    let size = f32(textureDimensions(face_hits).x);
+    let place = clamp(at.place * size - 0.5, vec2f(0.0), vec2f(size - 1.0));
+    let low = vec2u(place);
+    let high = min(low + 1u, vec2u(u32(size) - 1u));
+    let part = place - vec2f(low);
+    let d = vec4f(
+        depth_at(face, low),
+        depth_at(face, vec2u(high.x, low.y)),
+        depth_at(face, vec2u(low.x, high.y)),
+        depth_at(face, high),
+    );
+    let least = min(min(d.x, d.y), min(d.z, d.w));
+    let most = max(max(d.x, d.y), max(d.z, d.w));
+    let sight = abs(inwards(face));
+    let across_m = (vec3f(1.0) - sight) * face_box.size;
+    let pixel_m = max(across_m.x, max(across_m.y, across_m.z)) / size;
+    if ((most - least) * dot(sight, face_box.size) > SAME_SURFACE * pixel_m) { return depth_at(face, face_pixel(at.place)); }
+    return mix(mix(d.x, d.y, part.x), mix(d.z, d.w, part.x), part.y);
+}
+
+struct BoxRay {
+    origin: vec3f,
+    direction: vec3f,
+    start: vec3f, // the origin in the box
+    onward: vec3f, // way in the box for each meter
+    from_m: f32,
+    to_m: f32,
+}
+
+fn in_box(r: BoxRay, t: f32) -> vec3f {
+    return r.start + r.onward * t;
+}
+
+fn is_behind_pixel(face: u32, point: vec3f) -> bool {
+    let at = seen_by_face(face, point);
+    return at.depth > depth_at(face, face_pixel(at.place));
+}
+
+fn is_behind_face(face: u32, point: vec3f) -> bool {
+    let at = seen_by_face(face, point);
+    return at.depth > depth_seen(face, at);
+}
+
+// Hit of a ray that goes behind what a face sees: the triangle or capsule that a pixel there names, where the ray meets
+// it or, between small triangles, its plane beside it, at about this place.
+fn met_at(face: u32, r: BoxRay, t: f32) -> Hit {
+    let none = Hit(r.to_m, NO_INSTANCE, 0u, vec2f(0.0), 0u);
+    let at = seen_by_face(face, in_box(r, t));
+    let id = textureLoad(face_hits, face_pixel(at.place), face, 0).yz;
+    if (id.x == NONE) { return none; }
+    if (COUNT) { tested_triangles++; }
+    let met = meet_named(id, r.origin, r.direction);
+    if (met.x < r.from_m * (1.0 - TIE) || met.x <= 0.0 || met.x > r.to_m) { return none; }
+    let size = f32(textureDimensions(face_hits).x);
+    let beside = seen_by_face(face, in_box(r, met.x));
+    if (distance(beside.place, at.place) * size > SAME_PLACE_PX) { return none; }
+    if (is_capsule(id.x)) { return Hit(met.x, id.x, id.y, met.yz, 0u); }
+    let plane = triangle_of(id, r.origin);
+    let bary = clamped(met.yz);
+    // The plane of a triangle at an outline goes on along the line of sight, where nothing is.
+    let slant = dot(plane.normal, inwards(face)) / length(plane.normal);
+    if (!is_inside(met.yz) && abs(slant) < EDGE_ON) { return none; }
+    let is_back = dot(plane.normal, r.direction) * slant <= 0.0;
+    if (is_back && (instance_trace_flags(id.x) & DOUBLE_SIDED) == 0u) { return none; }
+    if (HAS_CUTOUT && material_alpha_cutoff(instance_material(id.x)) >= 0.0 && !alpha_passes(id.x, id.y, bary)) { return none; }
+    return Hit(met.x, id.x, id.y, bary, 0u);
+}
+
+// Hit of a ray in a step at whose end it is behind what a face sees.
+fn met_in_step(face: u32, r: BoxRay, first_m: f32, last_m: f32) -> Hit {
+    var low = first_m;
+    var high = last_m;
+    for (var k = 0u; k < HALVINGS; k++) {
+        let middle = 0.5 * (low + high);
+        if (is_behind_face(face, in_box(r, middle))) { high = middle; } else { low = middle; }
+    }
+    let hit = met_at(face, r, high);
+    if (hit.instance != NO_INSTANCE) { return hit; }
+    return met_at(face, r, low);
+}
+
+// Parts of a ray in the box, a pixel wider than it is: distances where the ray enters along each axis, and leaves.
+struct BoxSpan {
+    enter: vec3f,
+    leave: vec3f,
+}
+
+fn span_in_box(start: vec3f, onward: vec3f) -> BoxSpan {
+    let margin = 1e-3 + SAME_PLACE_PX / f32(textureDimensions(face_hits).x);
+    let steep = abs(onward) > vec3f(1e-20);
+    let inverse = 1.0 / select(vec3f(1.0), onward, steep);
+    let low = (-margin - start) * inverse;
+    let high = (1.0 + margin - start) * inverse;
+    let is_within = abs(start - 0.5) <= vec3f(0.5 + margin);
+    let beside = select(vec3f(FAR_M), vec3f(-FAR_M), is_within);
+    return BoxSpan(select(beside, min(low, high), steep), select(-beside, max(low, high), steep));
+}
+
+// Whether a ray that leaves the box without a hit goes out of it as the face across sees: that face sees nothing there.
+fn is_seen_out(r: BoxRay, leave: vec3f) -> bool {
+    var axis = select(0u, 1u, leave.y < leave.x);
+    axis = select(axis, 2u, leave.z < min(leave.x, leave.y));
+    let across = 2u * axis + select(0u, 1u, dot(inwards(2u * axis + 1u), r.direction) > 0.0);
+    let at = seen_by_face(across, in_box(r, r.to_m));
+    return depth_at(across, face_pixel(at.place)) >= NOTHING;
+}
+
+fn nearest_met(origin: vec3f, direction: vec3f, start_m: f32, end_m: f32) -> Hit {
+    let none = Hit(end_m, NO_INSTANCE, 0u, vec2f(0.0), 0u);
+    let start = (origin - face_box.low) / face_box.size;
+    let onward = direction / face_box.size;
+    let span = span_in_box(start, onward);
+    let from_m = max(max(span.enter.x, max(span.enter.y, span.enter.z)), start_m);
+    let leave_m = min(span.leave.x, min(span.leave.y, span.leave.z));
+    let to_m = min(leave_m, end_m);
+    map_cause = CAUSE_NONE;
+    if (to_m <= from_m) { return none; }
+    let r = BoxRay(origin, direction, start, onward, from_m, to_m);
+    let faster = max(abs(onward.x), max(abs(onward.y), abs(onward.z)));
+    let pixels = (to_m - from_m) * faster * f32(textureDimensions(face_hits).x);
+    let count = u32(clamp(ceil(pixels), 1.0, f32(face_box.steps)));
+    var before = 0u; // faces behind whose depths the ray is, as bits
+    var free_m = from_m;
+    for (var step = 1u; step <= count; step++) {
+        let t = mix(from_m, to_m, f32(step) / f32(count));
+        let point = in_box(r, t);
+        if (COUNT) { map_steps++; }
+        var nearest = none;
+        for (var face = 0u; face < 6u; face++) {
+            var is_behind = is_behind_pixel(face, point);
+            let enters = is_behind && (before & (1u << face)) == 0u;
+            if (enters) { is_behind = is_behind_face(face, point); }
+            before = insertBits(before, u32(is_behind), face, 1u);
+            if (!enters || !is_behind) { continue; }
+            let hit = met_in_step(face, r, free_m, t);
+            if (hit.instance != NO_INSTANCE && hit.t < nearest.t) { nearest = hit; }
+        }
+        if (nearest.instance != NO_INSTANCE) {
+            map_cause = CAUSE_BOX;
+            return nearest;
+        }
+        free_m = t;
+    }
+    if (to_m == leave_m && !is_seen_out(r, span.leave)) { map_cause = CAUSE_BOX_HIDDEN; }
+    return none;
+}

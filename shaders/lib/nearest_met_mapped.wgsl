@@ -1,0 +1,8 @@
+// Variant in which reflection rays march through maps: `map` stands for `map_far` or `map_box`.
+
+#import map
+
+// Length of a pixel's ray that need not be followed.
+fn free_start_m(pixel: vec2u) -> f32 {
+    return 0.0;
+}
