@@ -9,6 +9,7 @@ mod environment;
 mod extent;
 mod film_grooves_dispersion;
 mod fog;
+mod fog_closed_form;
 mod furnace;
 mod indirect;
 mod kit;

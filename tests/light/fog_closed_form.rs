@@ -1,0 +1,70 @@
+//! Light that fog scatters, beside its integral.
+
+use std::f64::consts::PI;
+
+use glam::DVec3;
+
+use super::kit::{gpu, mean, render};
+
+/// Extinction of the fog, 1 / m.
+const DENSITY: f64 = 0.15;
+
+/// Radiance 1 of a box of 1.2 × 0.5 × 0.1 m around (0, 0.6, -1.4) that reaches a point through the fog, over all directions.
+fn arriving(at: DVec3) -> f64 {
+    let (low, high) = (DVec3::new(-0.6, 0.35, -1.45), DVec3::new(0.6, 0.85, -1.35));
+    let size = high - low;
+    let steps = 24;
+    let places = |k: u32| [k % steps, k / steps].map(|i| (f64::from(i) + 0.5) / f64::from(steps));
+    let mut sum = 0.0;
+    for (axis, side) in (0..3).flat_map(|axis| [(axis, low), (axis, high)]) {
+        let [u, v] = [(axis + 1) % 3, (axis + 2) % 3];
+        let out = if side == low { -1.0 } else { 1.0 };
+        let area = size[u] * size[v] / f64::from(steps * steps);
+        for [a, b] in (0..steps * steps).map(places) {
+            let mut place = side;
+            place[u] = low[u] + a * size[u];
+            place[v] = low[v] + b * size[v];
+            let way = place - at;
+            let cosine = -way[axis] * out / way.length();
+            sum += cosine.max(0.0) * area / way.length_squared() * (-DENSITY * way.length()).exp();
+        }
+    }
+    sum
+}
+
+/// Single scattering of the box's light into a ray, by the midpoint rule.
+fn scattered(from: DVec3, to: DVec3) -> f64 {
+    let length_m = from.distance(to);
+    let steps = 400;
+    let parts = (0..steps).map(|k| {
+        let share = (f64::from(k) + 0.5) / f64::from(steps);
+        (-DENSITY * share * length_m).exp() * arriving(from.lerp(to, share))
+    });
+    parts.sum::<f64>() * length_m / f64::from(steps) * DENSITY / (4.0 * PI)
+}
+
+/// Points of the ray and of the emitter are sampled in two ways, whose shares sum to 1.
+#[test]
+fn fog_scatters_as_much_of_an_emitter_as_its_integral() {
+    let Some(gpu) = gpu() else { return };
+    let eye = DVec3::new(0.0, 2.5, 0.2);
+    for (target, within) in [
+        (DVec3::new(-0.3, 0.0, 0.3), 1e-3),
+        (DVec3::new(0.1, 0.0, -0.9), 2e-3),
+    ] {
+        let text = format!(
+            "version = 1\n[camera.main]\neye = [0, 2.5, 0.2]\ntarget = [{}, 0, {}]\northographic_height_m = 0.001\n\
+             [image]\nsize = [24, 24]\nsamples = 256\ntone_map = \"none\"\nradiance = \"full\"\n[reflection]\n\
+             method = \"rt\"\n[environment]\ncolor = [0, 0, 0]\nfog = {{ density = 0.15, color = [1, 1, 1] }}\n\
+             [material.floor]\nbase_color = [0, 0, 0]\nreflectivity = 0\n[material.glow]\nbase_color = [0, 0, 0]\n\
+             reflectivity = 0\nemission = [1, 4, 2]\nlight = true\ndouble_sided = false\n[model.floor]\n\
+             shape = {{ kind = \"plane\", size = [40, 40] }}\nmaterial = \"floor\"\n[model.box]\n\
+             shape = {{ kind = \"box\", size = [1.2, 0.5, 0.1] }}\nmaterial = \"glow\"\n[[instance]]\nmodel = \"floor\"\n\
+             [[instance]]\nmodel = \"box\"\ntranslation = [0, 0.6, -1.4]\n",
+            target.x, target.z
+        );
+        let found = f64::from(mean(&render(gpu, &text, &[], &[]))[1]) / 4.0;
+        let off = found / scattered(eye, target) - 1.0;
+        assert!(off.abs() < within, "{off} towards {target}");
+    }
+}
