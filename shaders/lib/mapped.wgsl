@@ -1,4 +1,4 @@
-// What the marches of reflection rays through maps have in common.
+// Common parts of the marches of reflection rays through maps.
 
 #import cause
 

@@ -1,6 +1,7 @@
 //! `info`: contents of a scene as counts, meters and bytes.
 
 mod frame;
+mod maps;
 mod table;
 
 use std::{
@@ -9,6 +10,8 @@ use std::{
 };
 
 use serde::Serialize;
+
+use maps::{BoxInfo, NearFarInfo, ProbesInfo, box_faces, near_far, probes};
 
 use super::{
     args::InfoArgs, check, error::AppError, lint::Lint, plan_file::PlanFile, print_json, print_out,
@@ -19,14 +22,9 @@ use crate::{
     gpu::adapter::AdapterSummary,
     render::{
         RenderOptions,
-        box_faces::FacesKey,
         cutoff::can_reflect,
         decide::{Decision, decide, needs_trees},
-        far_maps::FarKey,
-        passes::capture,
         plan::{Dropped, Plan},
-        probe_boxes::probe_boxes,
-        probe_maps::ProbeKey,
         textures::Layers,
         types::GpuVertex,
     },
@@ -36,7 +34,7 @@ use crate::{
         scene_text::{LoadedScene, asset_folders},
     },
     scene::{
-        desc::{Entry, LightKind, ParamValue, ReflectionDesc, SceneDesc},
+        desc::{Entry, LightKind, ParamValue, SceneDesc},
         diagnostic::print_diagnostics,
     },
     world::{Light, ListedVariants, Mesh, World, animation::Listed, bvh::Trees},
@@ -134,41 +132,6 @@ pub struct Info {
     pub files: Vec<String>,
 }
 
-/// Number and size of a scene's probes.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct ProbesInfo {
-    /// Number of probes.
-    pub count: usize,
-    /// Width of the faces of their maps, pixels.
-    pub face_px: u32,
-    /// Size of all maps, bytes.
-    pub bytes: u64,
-}
-
-/// Box and buffers of method `ssr+box`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct BoxInfo {
-    /// Least corner of the box, meters.
-    pub box_min: [f32; 3],
-    /// Greatest corner of the box, meters.
-    pub box_max: [f32; 3],
-    /// Width of the faces, pixels.
-    pub face_px: u32,
-    /// Size of all faces, bytes.
-    pub bytes: u64,
-}
-
-/// Box and maps of method `near-far`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct NearFarInfo {
-    /// Half the size of the box, meters.
-    pub half_size_m: f32,
-    /// Width of the faces of its maps, pixels.
-    pub face_px: u32,
-    /// Size of all maps, bytes.
-    pub bytes: u64,
-}
-
 /// The frames of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Timeline {
@@ -251,39 +214,6 @@ fn border(loaded: &LoadedScene, args: &InfoArgs) -> Vec<String> {
     all.iter()
         .map(|folder| folder.display().to_string())
         .collect()
-}
-
-/// Probes of a frame with this plan; `None` where it has none, or too many.
-fn probes(world: &World, plan: &Plan, options: &RenderOptions) -> Option<ProbesInfo> {
-    let settings = &options.reflection.probes;
-    let boxes = (plan.features.probes).then(|| probe_boxes(world, settings).ok());
-    let key = ProbeKey::new(boxes.flatten()?, settings, capture::has_levels(plan));
-    Some(ProbesInfo {
-        count: key.boxes.len(),
-        face_px: key.face_px,
-        bytes: key.bytes(),
-    })
-}
-
-/// Box and buffers of a frame with this plan; `None` where it has none.
-fn box_faces(world: &World, settings: &ReflectionDesc, plan: &Plan) -> Option<BoxInfo> {
-    let key = FacesKey::of(world, plan, settings)?;
-    Some(BoxInfo {
-        box_min: key.low.to_array(),
-        box_max: (key.low + key.size).to_array(),
-        face_px: key.face_px,
-        bytes: key.bytes(),
-    })
-}
-
-/// Box and maps of a frame with this plan; `None` where it has none.
-fn near_far(settings: &ReflectionDesc, unit_m: f32, plan: &Plan) -> Option<NearFarInfo> {
-    let key = FarKey::new(settings);
-    (plan.features.near_far).then(|| NearFarInfo {
-        half_size_m: settings.near_far.half_size_in(unit_m),
-        face_px: key.face_px,
-        bytes: key.bytes(),
-    })
 }
 
 /// Counts and measures a loaded scene. `plan_file` adds decisions by its unit costs to those of adapter kinds.

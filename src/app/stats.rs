@@ -1,8 +1,12 @@
 //! Statistics of a picture: a table for people, JSON for machines.
 
+mod maps;
+
 use std::fmt::Write as _;
 
 use serde::Serialize;
+
+use maps::captured;
 
 use super::{
     args::{RenderArgs, StatsForm},
@@ -14,12 +18,9 @@ use crate::{
     gpu::{Gpu, adapter},
     memory::peak_resident_bytes,
     render::{
-        box_faces::FacesStats,
         decide::Decision,
-        far_maps::FarStats,
         passes::audit,
         probe::PassCounts,
-        probe_maps::ProbeStats,
         stats::{FrameStats, Share},
     },
 };
@@ -218,61 +219,6 @@ impl Report {
             None => rays.to_string(),
         }
     }
-}
-
-/// Maps that the frame captured or kept, by their label.
-fn captured(frame: &FrameStats) -> Option<(&'static str, String)> {
-    let probes = || Some(("probes", probes_text(frame.probes.as_ref()?)));
-    let far = || Some(("near-far", far_text(frame.far.as_ref()?)));
-    let faces = || Some(("box", faces_text(frame.box_faces.as_ref()?)));
-    probes().or_else(far).or_else(faces)
-}
-
-/// Number and size of the probes, and what their maps took.
-fn probes_text(probes: &ProbeStats) -> String {
-    let when = match probes.update_ms > 0.0 {
-        true => "for this picture",
-        false => "before",
-    };
-    format!(
-        "{} with faces of {} px, {}; captured {when} in {:.3} ms, apart from the passes",
-        probes.probes,
-        probes.face_px,
-        mebibytes(probes.bytes),
-        probes.capture_ms
-    )
-}
-
-/// Size of the box of method `ssr+box`, and what its faces took.
-fn faces_text(faces: &FacesStats) -> String {
-    let when = match faces.update_ms > 0.0 {
-        true => "for this picture",
-        false => "before",
-    };
-    let [x, y, z] = faces.size_m;
-    format!(
-        "{x} × {y} × {z} m with faces of {} px, {}; captured {when} in {:.3} ms, apart from the passes",
-        faces.face_px,
-        mebibytes(faces.bytes),
-        faces.capture_ms
-    )
-}
-
-/// Size of the box and of the maps of method `near-far`, and what the maps took.
-fn far_text(far: &FarStats) -> String {
-    let when = match far.update_ms > 0.0 {
-        true => "for this picture",
-        false => "before",
-    };
-    let layers = if far.layers > 1 { ", 2 layers" } else { "" };
-    format!(
-        "rays up to {} m from the camera along each axis; map with faces of {} px{layers}, {}; captured {when} in \
-         {:.3} ms, apart from the passes",
-        far.half_size_m,
-        far.face_px,
-        mebibytes(far.bytes),
-        far.capture_ms
-    )
 }
 
 /// Nonzero counters of a pass.

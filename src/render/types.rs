@@ -2,14 +2,10 @@
 
 use bytemuck::{Pod, Zeroable};
 
+use super::gpu_struct::{StructSpec, gpu_struct};
+use super::{fog::GpuFog, gpu_patterned::GpuPatterned};
 use reflet_scene::desc::MOST_PATTERNED;
 use reflet_world::{CORE_SLOTS, LAYER_SLOTS};
-
-use super::{
-    fog::GpuFog,
-    gpu_patterned::GpuPatterned,
-    gpu_struct::{StructSpec, gpu_struct},
-};
 
 gpu_struct! {
     /// Uniforms of a frame; see `shaders/lib/frame.wgsl`.

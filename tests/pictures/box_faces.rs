@@ -119,8 +119,7 @@ fn of_cause(picture: &Picture, cause: Cause) -> Vec<usize> {
     found.map(|(i, _)| i).collect()
 }
 
-/// Of the pixels whose rays end on a face, the share whose distances differ from those of `other` by more than a
-/// millimeter.
+/// Share of the pixels whose rays end on a face that have other distances than `other`, by more than a millimeter.
 fn share_elsewhere(picture: &Picture, other: &Picture) -> f64 {
     let found = of_cause(picture, Cause::Box);
     let [a, b] = [picture, other].map(|p| floats(p, Aov::HitDistance));
@@ -226,7 +225,7 @@ fn shot(renderer: &mut Renderer, world: &World) -> (Picture, f64) {
     (picture.unwrap_or_else(|e| panic!("{e}")), faces.update_ms)
 }
 
-/// What moves is on no face: they are captured once, and no frame depends on another.
+/// Moving things are on no face: faces are captured once, and no frame depends on another.
 #[test]
 fn faces_are_captured_once_without_what_moves() {
     let Some(gpu) = gpu() else { return };
