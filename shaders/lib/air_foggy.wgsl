@@ -127,12 +127,13 @@ struct Scattered {
     to_light: vec3f,
     distance_m: f32,
     light: vec3f,
+    shown: f32, // share that the picture shows
 }
 
 // `share`: share of the light that arrives at the point.
 fn scattered_by(way: Way, place: Place, l: LightSample, share: f32) -> Scattered {
     let light = l.color * (place.weight * share * fog_phase(dot(way.direction, l.to_light)));
-    return Scattered(way.origin + way.direction * place.t, l.to_light, l.distance_m, light);
+    return Scattered(way.origin + way.direction * place.t, l.to_light, l.distance_m, light, 1.0);
 }
 
 fn scattered_of_light(way: Way, i: u32, index: u32) -> Scattered {
@@ -196,10 +197,11 @@ fn scattered_on_way(way: Way, index: u32, sky_kept: f32) -> vec3f {
     suns.u = u.x;
     lamps.u = u.y;
     for (var i = 0u; i < frame.light_count; i++) {
-        let s = scattered_of_light(way, i, index);
+        var s = scattered_of_light(way, i, index);
+        s.shown = shown_share(i);
         if (!any(s.light > vec3f(0.0))) { continue; }
         if (!HAS_SHADOW_RAYS || lights[i].shadow != SHADOW_RAY) {
-            out += s.light * map_share(i, s.position, s.to_light, s.to_light);
+            out += s.light * s.shown * map_share(i, s.position, s.to_light, s.to_light);
         } else if (lights[i].kind == LIGHT_DIRECTIONAL) {
             offer_scattered(&suns, s);
         } else {
@@ -221,7 +223,7 @@ fn scattered_on_way(way: Way, index: u32, sky_kept: f32) -> vec3f {
         if (source == SKY) { s = sky; }
         if (!any(s.light > vec3f(0.0)) || (!HAS_ENVIRONMENT_RAYS && source == SKY)) { continue; }
         let reach_m = select(FAR_M, s.distance_m * 0.9999, s.distance_m < BEYOND);
-        out += s.light * transmittance(s.position, s.to_light, reach_m);
+        out += s.light * s.shown * transmittance(s.position, s.to_light, reach_m);
     }
     return out * fog.albedo;
 }

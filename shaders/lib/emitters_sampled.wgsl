@@ -120,17 +120,18 @@ fn sampled_place(t: SeenTriangle, u: vec2f) -> vec2f {
 struct EmitterSample {
     light: LightSample,
     seen_share: f32,
+    shown: f32, // share that the picture shows
 }
 
 // `candidates`: number of them that are expected of the triangle.
 fn emitter_sample(chosen: LightChoice, candidates: f32, position: vec3f, u: vec2f) -> EmitterSample {
     var r: LightSample;
-    if (candidates <= 0.0) { return EmitterSample(r, 0.0); }
+    if (candidates <= 0.0) { return EmitterSample(r, 0.0, 0.0); }
     if (HAS_TREE_LAMPS && chosen.instance == NONE) {
         r = lamp_point(chosen.triangle, position, u);
         r.pdf *= candidates;
         r.color /= candidates;
-        return EmitterSample(r, 1.0);
+        return EmitterSample(r, 1.0, lamp_shown(chosen.triangle));
     }
     let instance = chosen.instance;
     let m = instance_material(instance);
@@ -145,14 +146,14 @@ fn emitter_sample(chosen: LightChoice, candidates: f32, position: vec3f, u: vec2
     var facing = -dot(t.area2, r.to_light) / max(length(t.area2), 1e-30);
     let seen_share = select(1.0, INNER_SHARE, facing < 0.0 && chosen.sides == 1u);
     if ((flags & DOUBLE_SIDED) != 0u) { facing = abs(facing); }
-    if (facing <= 0.0) { return EmitterSample(r, 0.0); }
+    if (facing <= 0.0) { return EmitterSample(r, 0.0, 0.0); }
     var emission = material_at(m, instance, c.index, bary, 0.0, 1.0).emission * emitted_share(m, instance, c.index, bary, facing);
     if (HAS_TEXTURES) {
         emission *= texel_at(material_texture(m, EMISSION_SLOT), pools_of(EMISSION_SLOT), instance, c.index, bary, 1.0, 0.0).xyz;
     }
     r.pdf = candidates * point_density(t, d2, facing);
     r.color = emission / max(r.pdf, 1e-30);
-    return EmitterSample(r, seen_share);
+    return EmitterSample(r, seen_share, shown_emission(instance));
 }
 
 // Light of one point, chosen among several by the light that the surface would reflect of each (resampled importance
@@ -179,11 +180,15 @@ fn returned_of_emitters(s: Surface, view: vec3f, to: Receiver, index: u32) -> Re
             var lit_part = to;
             // No ray finds a point without a size, so that its highlight comes by light samples alone.
             if (!is_sized) { lit_part = Receiver(to.albedo, false, s.metallic > 0.0 || s.reflectivity > 0.0, to.stand_in); }
-            offer(&choice, returned_of_lamp(s, view, lit_part, point.light, is_sized), 1.0);
+            var lit_by = returned_of_lamp(s, view, lit_part, point.light, is_sized);
+            lit_by.shown = point.shown;
+            offer(&choice, lit_by, 1.0);
             continue;
         }
         let is_met = !is_passed(instance_trace_flags(chosen.instance), UNREFLECTED);
-        offer(&choice, returned_of_lamp(s, view, to, point.light, is_met), point.seen_share);
+        var lit_by = returned_of_lamp(s, view, to, point.light, is_met);
+        lit_by.shown = point.shown;
+        offer(&choice, lit_by, point.seen_share);
     }
     var one = standing_for_all(choice);
     // Light over the density of the expected candidates, each of which stands for as many as there are fewer.

@@ -138,6 +138,7 @@ struct Returned {
     distance_m: f32,
     diffuse: vec3f,
     specular: vec3f,
+    shown: f32, // share that the picture shows
 }
 
 // Parts of a surface's reflection that light samples contribute to.
@@ -149,7 +150,7 @@ struct Receiver {
 }
 
 fn returned(s: Surface, view: vec3f, to: Receiver, l: LightSample, aimed: f32, specular_share: f32) -> Returned {
-    var r = Returned(l.to_light, l.distance_m, vec3f(0.0), vec3f(0.0));
+    var r = Returned(l.to_light, l.distance_m, vec3f(0.0), vec3f(0.0), 1.0);
     r.diffuse = (to.albedo + sheen(s, view, l.to_light)) * l.color * (dot(s.normal, l.to_light) / PI * aimed);
     if (to.has_specular) { r.specular = ggx(s, view, l.to_light) * l.color * specular_share; }
     return r;
@@ -216,7 +217,8 @@ fn offer(choice: ptr<function, Choice>, r: Returned, seen_share: f32) {
 // Light of the chosen point, scaled to stand for all offered points.
 fn standing_for_all(choice: Choice) -> Returned {
     let scale = choice.whole / max(choice.part, 1e-30);
-    return Returned(choice.one.to_light, choice.one.distance_m, choice.one.diffuse * scale, choice.one.specular * scale);
+    let one = choice.one;
+    return Returned(one.to_light, one.distance_m, one.diffuse * scale, one.specular * scale, one.shown);
 }
 
 // Groups of light sources, each with a shadow ray of its own: otherwise a sun behind a wall would be chosen nearly
@@ -253,10 +255,11 @@ fn sampled_light(s: Surface, view: vec3f, albedo: vec3f) -> Shade {
             lamps.u = u.y;
             for (var i = frame.hard_lights; i < frame.light_count; i++) {
                 let l = light_sample(i, s.position, sample_square(index, next_pair()));
-                let r = returned_of_lamp(s, view, to, l, true);
+                var r = returned_of_lamp(s, view, to, l, true);
+                r.shown = shown_share(i);
                 if (!HAS_SHADOW_RAYS || lights[i].shadow != SHADOW_RAY) {
-                    out.diffuse += r.diffuse;
-                    out.specular += r.specular;
+                    out.diffuse += r.diffuse * r.shown;
+                    out.specular += r.specular * r.shown;
                 } else if (HAS_SIZED_SUNS && lights[i].kind == LIGHT_DIRECTIONAL) {
                     offer(&suns, r, 1.0);
                 } else {
@@ -277,7 +280,7 @@ fn sampled_light(s: Surface, view: vec3f, albedo: vec3f) -> Shade {
             if (HAS_SIZED_LIGHTS && source == LAMPS) { r = standing_for_all(lamps); }
             if (source == SKY) { r = sky; }
             if (!any(r.diffuse + r.specular > vec3f(0.0)) || (!HAS_ENVIRONMENT_RAYS && source == SKY)) { continue; }
-            let arriving = arriving_from(s, r.to_light, r.distance_m);
+            let arriving = arriving_from(s, r.to_light, r.distance_m) * r.shown;
             out.diffuse += r.diffuse * arriving;
             out.specular += r.specular * arriving;
         }
@@ -338,7 +341,7 @@ fn seen_light(origin: vec3f, ray: Reflected, t_max: f32) -> SeenLight {
             nearest = t;
             pdf = light_pdf;
             behind = sky;
-            seen = SeenLight(true, radiance, t);
+            seen = SeenLight(true, radiance * shown_share(i), t);
         }
     }
     if (HAS_SIZED_LAMPS) {

@@ -42,10 +42,13 @@ fn scattered_of_emitters(way: Way, index: u32) -> Scattered {
         let seen = seen_and_density(way, angles_at(way, pivot), t);
         let expected = f32(FOG_BY_POWER) * chosen.chances.y * seen.y
             + f32(FOG_CANDIDATES - FOG_BY_POWER) * by_place * seen.x / max(way.scattered, 1e-30);
-        let l = emitter_sample(chosen, 1.0, position, sample_square(candidate, FOG_EMITTED_PAIR)).light;
+        let point = emitter_sample(chosen, 1.0, position, sample_square(candidate, FOG_EMITTED_PAIR));
+        let l = point.light;
         if (l.pdf <= 0.0) { continue; }
         let place = Place(t, seen.x / max(expected, 1e-30));
-        offer_scattered(&choice, scattered_by(way, place, l, fog_share(position, l.to_light, l.distance_m)));
+        var s = scattered_by(way, place, l, fog_share(position, l.to_light, l.distance_m));
+        s.shown = point.shown;
+        offer_scattered(&choice, s);
     }
     return scattered_choice(choice);
 }

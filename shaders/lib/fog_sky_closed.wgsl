@@ -18,5 +18,5 @@ fn scattered_gradient(direction: vec3f) -> vec3f {
 }
 
 fn scattered_of_sky(way: Way, index: u32) -> Scattered {
-    return Scattered(way.origin, way.direction, BEYOND, scattered_gradient(way.direction) * way.scattered);
+    return Scattered(way.origin, way.direction, BEYOND, scattered_gradient(way.direction) * way.scattered, 1.0);
 }

@@ -25,5 +25,5 @@ fn scattered_of_sky(way: Way, index: u32) -> Scattered {
         density += by_light * 0.5 * (environment_pdf(direction, forward) + environment_pdf(direction, -forward));
     }
     let light = environment(direction) * (place.weight * phase / max(density, 1e-30) * sky_share(position, direction));
-    return Scattered(position, direction, BEYOND, light);
+    return Scattered(position, direction, BEYOND, light, 1.0);
 }

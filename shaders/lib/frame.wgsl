@@ -51,7 +51,7 @@ struct Light {
     half_u: vec3f, // half axes of a flat light, m
     extent: f32, // radius, m; of directional lights half their angle, radians
     half_v: vec3f,
-    pad0: u32,
+    shown: f32, // 1; 0 where the picture shows another light group
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;
@@ -61,6 +61,16 @@ struct Light {
 @group(0) @binding(4) var shadow_sampler: sampler_comparison;
 
 const PI: f32 = 3.14159265358979;
+
+// Whether something names a light group, so that pictures may show one group alone. Random choices are those of all lights,
+// so that the groups add up to the whole picture.
+override HAS_LIGHT_GROUPS: bool = true;
+
+// Share of a light that the picture shows.
+fn shown_share(i: u32) -> f32 {
+    if (!HAS_LIGHT_GROUPS) { return 1.0; }
+    return lights[i].shown;
+}
 
 // Whether light outside of the crop is left out.
 override CROPS: bool = false;

@@ -23,7 +23,13 @@ struct Lamp {
 // Records of lamps are as long as those of placed lights: kind with LAMP_RECORD, range, node and extent; position,
 // direction, and half of the first edge or the cone falloff, each with a channel of the color.
 fn is_lamp_record(record: vec4u) -> bool {
-    return (record.x & ~7u) == LAMP_RECORD;
+    return (record.x & ~(7u | DARK_LAMP)) == LAMP_RECORD;
+}
+
+// Share of a lamp's light that the picture shows.
+fn lamp_shown(item: u32) -> f32 {
+    if (!HAS_LIGHT_GROUPS) { return 1.0; }
+    return select(1.0, 0.0, (light_words(sampling.light_tree.lights + item * LIGHT_VECTORS).x & DARK_LAMP) != 0u);
 }
 
 fn tree_lamp(item: u32) -> Lamp {
@@ -127,7 +133,7 @@ fn met_lamp(origin: vec3f, ray: Reflected, t_max: f32) -> MetLamp {
             at.share = lamp_reach(lamp, offset / max(d, 1e-12), d) / (PI * lamp.extent * lamp.extent);
         }
         if (at.t > 0.0 && at.t < met.t) {
-            met = MetLamp(at.t, lamp.color * at.share, at.pdf);
+            met = MetLamp(at.t, lamp.color * (at.share * lamp_shown(found)), at.pdf);
             item = found;
         }
     }

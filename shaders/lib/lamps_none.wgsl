@@ -13,6 +13,10 @@ fn tree_lamp(item: u32) -> Lamp {
     return Lamp();
 }
 
+fn lamp_shown(item: u32) -> f32 {
+    return 1.0;
+}
+
 fn is_lamp_record(record: vec4u) -> bool {
     return false;
 }

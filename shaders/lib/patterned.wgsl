@@ -77,3 +77,10 @@ fn with_patterned(s0: Surface, m: u32, at: PatternedPoint) -> Surface {
     }
     return s;
 }
+
+// Surface with the parameters of a material at a point of a triangle, before textures.
+fn material_at(m: u32, instance: u32, index: array<u32, 3>, bary: vec2f, footprint: f32, area2: f32) -> Surface {
+    let s = material_surface(m);
+    if (!HAS_PATTERNED) { return s; }
+    return with_patterned(s, m, patterned_point(instance, index, bary, footprint, area2));
+}

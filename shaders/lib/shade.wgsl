@@ -197,7 +197,7 @@ fn shade_layer(s: Surface, view: vec3f, lent: vec2u) -> Shade {
             let bits = select(0u, LENT_DARK, all(visible == vec3f(0.0))) | select(0u, LENT_LIT, all(visible == vec3f(1.0)));
             out.visible[i >> 4u] |= bits << (2u * (i & 15u));
         }
-        let lit = l.color * visible;
+        let lit = l.color * visible * shown_share(i);
         out.diffuse += (albedo + sheen(s, view, l.to_light)) * lit * (nl / PI);
         if (has_specular) { out.specular += ggx(s, view, l.to_light) * lit; }
     }

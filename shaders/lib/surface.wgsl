@@ -3,12 +3,12 @@
 
 #import capsule
 #import capsule_normals
+#import curvature
 #import film
 #import patterned
 #import frame
 #import pack
 #import scene
-#import tangents
 #import texture
 
 override HAS_NORMAL_MAPS: bool = true;
@@ -157,34 +157,10 @@ fn solid_capsule_hit(instance: u32, capsule: u32, origin: vec3f, direction: vec3
     return hit;
 }
 
-// Mean curvature of a triangle of twice this area in the world, from its vertex normals: the turn of the normal
-// along each edge, averaged over the three.
-fn mean_curvature(p: array<vec3f, 3>, normals: array<vec3f, 3>, area2_world: f32) -> f32 {
-    let e = array<vec3f, 3>(p[1] - p[0], p[2] - p[1], p[0] - p[2]);
-    let turns = array<vec3f, 3>(normals[1] - normals[0], normals[2] - normals[1], normals[0] - normals[2]);
-    var sum = 0.0;
-    for (var k = 0; k < 3; k++) { sum += dot(turns[k], e[k]) / max(dot(e[k], e[k]), 1e-30); }
-    return sum / 3.0 * sqrt(length(cross(e[0], e[1])) / area2_world);
-}
-
-// Minimum lift of smooth surfaces, m, so that they are known as smooth at their vertices too.
-const LEAST_LIFT_M: f32 = 1e-6;
-
-// Height over the triangle, along its normal, of the smooth surface whose tangent planes at the vertices are those
-// of the vertex normals (Hanika 2021, "Hacking the Shadow Terminator"); 0 where it is nowhere above.
-fn smooth_lift(p: array<vec3f, 3>, normals: array<vec3f, 3>, weights: vec3f, normal: vec3f, area2_world: f32) -> f32 {
-    let point = p[0] * weights.x + p[1] * weights.y + p[2] * weights.z;
-    var offset = vec3f(0.0);
-    for (var k = 0; k < 3; k++) { offset -= normals[k] * (min(dot(point - p[k], normals[k]), 0.0) * weights[k]); }
-    let area2 = length(cross(p[1] - p[0], p[2] - p[0]));
-    return max(dot(offset, normal), 0.0) / max(length(normal), 1e-20) * sqrt(area2_world / max(area2, 1e-30));
-}
-
-// Surface with the parameters of a material at a point of a triangle, before textures.
-fn material_at(m: u32, instance: u32, index: array<u32, 3>, bary: vec2f, footprint: f32, area2: f32) -> Surface {
-    let s = material_surface(m);
-    if (!HAS_PATTERNED) { return s; }
-    return with_patterned(s, m, patterned_point(instance, index, bary, footprint, area2));
+// Share of an instance's emission that the picture shows.
+fn shown_emission(instance: u32) -> f32 {
+    if (!HAS_LIGHT_GROUPS) { return 1.0; }
+    return select(1.0, 0.0, (instance_flags(instance) & FLAG_DARK) != 0u);
 }
 
 // Surface at a hit. `direction` is the unit direction of the arriving ray, `cone_m` the width of its cone here; `place`
@@ -295,6 +271,7 @@ fn surface_at(instance: u32, triangle: u32, place: vec2f, direction: vec3f, cone
         s.emission += s.base_color;
         s.base_color = vec3f(0.0);
     }
+    s.emission *= shown_emission(instance);
     if (behind) {
         n = -n;
         ng = -ng;
@@ -384,4 +361,28 @@ fn layer_texel(slot: u32, instance: u32, index: array<u32, 3>, bary: vec2f, area
     if (LAYER_POOLS == 0u) { return vec4f(1.0); }
     let used = material_layer_texture(instance_material(instance), slot);
     return texel_at(used, LAYER_POOLS, instance, index, bary, area2, footprint);
+}
+
+// Tangent-space normal map with MikkTSpace tangents (glTF 2.0, 3.9.3). `scale` is negative where u or v of the map
+// runs against the tangents.
+fn perturbed(instance: u32, index: array<u32, 3>, weights: vec3f, n: vec3f, texel: vec3f, scale: vec2f) -> vec3f {
+    let axes = tangents(instance, index, weights, n);
+    let v = (texel * 2.0 - 1.0) * vec3f(scale, 1.0);
+    let mapped = axes[0] * v.x + axes[1] * v.y + n * v.z;
+    return select(n, normalize(mapped), dot(mapped, mapped) > 1e-12 && any(axes[0] != vec3f(0.0)));
+}
+
+// Tangent and bitangent; zeros where the mesh has none.
+fn tangents(instance: u32, index: array<u32, 3>, weights: vec3f, n: vec3f) -> mat2x3f {
+    let base = instance_vertex_base(instance);
+    var t_object = vec3f(0.0);
+    for (var k = 0u; k < 3u; k++) {
+        t_object += unpack_unit(vertex_tangent(base + index[k]) & 0xfffffffeu) * weights[k];
+    }
+    let sign = select(-1.0, 1.0, (vertex_tangent(base + index[0]) & 1u) != 0u);
+    let t = direction_to_world(instance, t_object);
+    if (dot(t, t) < 1e-20) { return mat2x3f(); }
+    let mirrored = select(1.0, -1.0, (instance_flags(instance) & FLAG_MIRRORED) != 0u);
+    let tangent = normalize(t);
+    return mat2x3f(tangent, cross(n, tangent) * sign * mirrored);
 }

@@ -20,7 +20,7 @@ use super::{
     frame_name::Template,
     frames::FrameList,
     output::{format::Format, writable::check_replaceable},
-    render::{choose_aovs, overrides},
+    render::{check_aovs, overrides},
     scene::{choose_camera, inputs, load_scene},
 };
 use crate::{
@@ -72,7 +72,7 @@ impl TaskArgs {
             )));
         }
         Format::expect(&self.pictures)?;
-        choose_aovs(&self.picture.aov)?;
+        check_aovs(&self.picture.aov)?;
         let overrides = overrides(&self.picture, Some(&self.scene))?;
         let loaded = load_scene(Some(&self.scene), &self.picture.from, &overrides)?;
         choose_camera(&loaded, self.picture.camera.as_deref())?;

@@ -19,6 +19,7 @@ use crate::{
     render::aov::Aov,
     runtime::scene_text::LoadedScene,
     scene::{dependencies::Dependencies, desc::Method},
+    world::World,
 };
 
 /// Renders one picture, or the frames of a film, for each camera.
@@ -39,7 +40,7 @@ pub fn render_once(args: &RenderArgs, files: &Dependencies) -> Result<(), AppErr
     if args.output.is_some() {
         check_kind(args)?;
     }
-    let aovs = choose_aovs(&args.picture.aov)?;
+    check_aovs(&args.picture.aov)?;
     let library = shaders::library(args.picture.shaders.as_deref())?;
     let load_started = Instant::now();
     let loaded = load_followed(
@@ -49,6 +50,7 @@ pub fn render_once(args: &RenderArgs, files: &Dependencies) -> Result<(), AppErr
         files,
     )?;
     (loaded.world.files.iter()).for_each(|file| files.add(file.clone()));
+    let aovs = choose_aovs(&args.picture.aov, &loaded.world)?;
     let args = &with_output(args, &loaded)?;
     let many = check_kind(args)?;
     let load_ms = load_started.elapsed().as_secs_f64() * 1e3;
@@ -124,7 +126,7 @@ fn picture(
             &session
                 .aovs
                 .iter()
-                .map(|aov| aov.name())
+                .map(|aov| aov.plane_name())
                 .collect::<Vec<_>>(),
         ),
     );
@@ -170,28 +172,36 @@ fn picture(
     stats::print(args, &mut session, picture.stats, context)
 }
 
-/// The AOVs of a comma-separated list.
+/// Checks a list of AOVs as far as that can be done without the scene.
 ///
 /// # Errors
 /// [`AppError::Usage`] for an unknown name.
-pub fn choose_aovs(names: &[String]) -> Result<Vec<Aov>, AppError> {
-    let find = |name: &String| {
-        Aov::from_name(name.trim()).ok_or_else(|| {
-            let known: Vec<&str> = Aov::ALL.iter().map(|aov| aov.name()).collect();
-            AppError::Usage(format!(
-                "--aov {name}: no such AOV; choose from {}",
-                known.join(", ")
-            ))
-        })
-    };
+pub fn check_aovs(names: &[String]) -> Result<(), AppError> {
+    let is_known = |name: &str| name.starts_with("light:") || Aov::from_name(name).is_some();
+    let unknown = names.iter().find(|name| !is_known(name.trim()));
+    unknown.map_or(Ok(()), |name| Err(no_such_aov(name, &World::default())))
+}
+
+/// The AOVs of a list.
+///
+/// # Errors
+/// [`AppError::Usage`] for a name that the scene lacks.
+pub fn choose_aovs(names: &[String], world: &World) -> Result<Vec<Aov>, AppError> {
     let mut aovs = Vec::new();
-    for aov in names.iter().map(find) {
-        let aov = aov?;
-        if !aovs.contains(&aov) {
-            aovs.push(aov);
+    for name in names {
+        let named = Aov::named(name.trim(), world).ok_or_else(|| no_such_aov(name, world))?;
+        for aov in named {
+            if !aovs.contains(&aov) {
+                aovs.push(aov);
+            }
         }
     }
     Ok(aovs)
+}
+
+fn no_such_aov(name: &str, world: &World) -> AppError {
+    let known = Aov::names_in(world).join(", ");
+    AppError::Usage(format!("--aov {name}: no such AOV; choose from {known}"))
 }
 
 /// Flags for scene values as overrides; they win over `--set`.

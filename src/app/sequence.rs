@@ -2,6 +2,7 @@
 //! encoding and writing overlap with later frames.
 
 use std::{
+    borrow::Cow,
     path::{Path, PathBuf},
     sync::{Arc, Mutex, PoisonError},
     thread,
@@ -162,7 +163,7 @@ pub fn render(
     let run = fingerprint::of_run(args, &session)?;
     let mut progress = Progress::new(frames.0.len(), args.progress);
     let target = target(args, &session, frames)?;
-    let planes: Vec<_> = session.aovs.iter().map(|aov| aov.name()).collect();
+    let planes: Vec<_> = session.aovs.iter().map(|aov| aov.plane_name()).collect();
     sweep(&files_of(&target, args, &planes));
     let mut wanted = Vec::new();
     for (index, frame) in frames.0.iter().enumerate() {
@@ -238,7 +239,7 @@ pub fn render(
 }
 
 /// Files to write, with those of AOVs.
-fn files_of(target: &Target, args: &RenderArgs, planes: &[&str]) -> Vec<PathBuf> {
+fn files_of(target: &Target, args: &RenderArgs, planes: &[Cow<'static, str>]) -> Vec<PathBuf> {
     match target {
         Target::Film(_) => vec![args.output().to_owned()],
         Target::Files { output, names } => {

@@ -1,9 +1,12 @@
 //! AOVs: quantities of the frame as image planes, decoded from the intermediate textures.
 
+use std::borrow::Cow;
+
 use glam::{DVec2, Vec2, Vec3};
 
 use reflet_gpu::{Gpu, GpuError};
-use reflet_scene::desc::CameraDesc;
+use reflet_scene::desc::{CameraDesc, LightGroup};
+use reflet_world::World;
 
 use super::{
     cause::Cause,
@@ -17,8 +20,8 @@ use super::{
 /// Pixels of one quantity, row by row from the top.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plane {
-    /// Name of the AOV.
-    pub name: &'static str,
+    /// Name of the AOV in files: [`Aov::plane_name`].
+    pub name: Cow<'static, str>,
     /// Channel names, such as `R`, `G`, `B`.
     pub channels: &'static [&'static str],
     /// `width * height * channels` values.
@@ -65,12 +68,16 @@ pub enum Aov {
     HitIds,
     /// Instance and triangle that the pixel shows.
     Ids,
+    /// Linear radiance of a light group alone, from a picture of its own: [`Session::begin`] makes it.
+    ///
+    /// [`Session::begin`]: crate::runtime::Session::begin
+    Light(LightGroup),
 }
 
 const RGB: &[&str] = &["R", "G", "B"];
 
 impl Aov {
-    /// All AOVs.
+    /// All AOVs but those of light groups.
     pub const ALL: [Self; 14] = [
         Self::Depth,
         Self::Normal,
@@ -105,12 +112,42 @@ impl Aov {
             Self::HitDistance => "hit_distance",
             Self::HitIds => "hit_ids",
             Self::Ids => "ids",
+            Self::Light(_) => "light",
         }
     }
 
-    /// The AOV of this name.
+    /// Name of its plane in files and layers: `light_NAME` for a light group, else [`Self::name`].
+    pub fn plane_name(self) -> Cow<'static, str> {
+        match self {
+            Self::Light(group) => format!("light_{}", group.name()).into(),
+            _ => self.name().into(),
+        }
+    }
+
+    /// The AOV of this name; that of a light group is `light:NAME`.
     pub fn from_name(name: &str) -> Option<Self> {
+        if let Some(group) = name.strip_prefix("light:") {
+            return LightGroup::new(group).map(Self::Light);
+        }
         Self::ALL.into_iter().find(|aov| aov.name() == name)
+    }
+
+    /// The AOVs of a name in a scene: `light:*` names all of its light groups. `None` for a name that it lacks.
+    pub fn named(name: &str, world: &World) -> Option<Vec<Self>> {
+        let groups = world.light_groups();
+        if name.strip_prefix("light:") == Some(LightGroup::ALL) {
+            return Some(groups.into_iter().map(Self::Light).collect());
+        }
+        let is_there = |aov: &Self| !matches!(aov, Self::Light(group) if !groups.contains(group));
+        Self::from_name(name).filter(is_there).map(|aov| vec![aov])
+    }
+
+    /// Names that [`Self::named`] knows.
+    pub fn names_in(world: &World) -> Vec<String> {
+        let groups = world.light_groups();
+        let lights = groups.iter().map(|g| format!("light:{}", g.name()));
+        let plain = Self::ALL.iter().map(|aov| aov.name().to_owned());
+        plain.chain(lights).chain(["light:*".to_owned()]).collect()
     }
 
     /// The targets that the AOV is decoded from.
@@ -131,6 +168,7 @@ impl Aov {
             Self::Source | Self::Cause => &[Target::Cause],
             Self::HitDistance | Self::HitIds => &[Target::Hit, Target::Cause],
             Self::Ids => &[Target::Ids],
+            Self::Light(_) => &[],
         }
     }
 
@@ -146,6 +184,17 @@ impl Aov {
     ) -> Result<Plane, GpuError> {
         let values = renderer.download(gpu, self.targets(), false)?.take(gpu)?;
         Ok(self.decode(&values, camera))
+    }
+
+    /// Plane of a light group, from linear radiance of four channels.
+    pub(super) fn plane_of_light(self, color: &[f32]) -> Plane {
+        let pixels = color.chunks_exact(4);
+        let channels = pixels.flat_map(|p| [p[0], p[1], p[2]]);
+        Plane {
+            name: self.plane_name(),
+            channels: RGB,
+            data: PlaneData::F32(channels.collect()),
+        }
     }
 
     /// Decodes the plane of a frame whose [`Aov::targets`] were downloaded, seen by `camera`.
@@ -218,9 +267,10 @@ impl Aov {
                 &["instance", "triangle"][..],
                 PlaneData::U32(values.texels(Target::Ids)),
             ),
+            Self::Light(_) => (RGB, PlaneData::F32(Vec::new())),
         };
         Plane {
-            name: self.name(),
+            name: self.plane_name(),
             channels,
             data,
         }

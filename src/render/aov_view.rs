@@ -13,7 +13,7 @@ pub fn view(plane: &Plane) -> Vec<u8> {
     match &plane.data {
         PlaneData::U32(codes) => opaque(codes.chunks_exact(stride).map(|codes| {
             let code = codes[0];
-            match plane.name {
+            match &*plane.name {
                 "cause" => Cause::from_number(code).map_or([255; 3], Cause::color),
                 "source" => Source::ALL
                     .get(code as usize)
@@ -91,7 +91,7 @@ mod tests {
 
     fn plane(name: &'static str, channels: &'static [&'static str], data: PlaneData) -> Plane {
         Plane {
-            name,
+            name: name.into(),
             channels,
             data,
         }

@@ -107,7 +107,7 @@ mod tests {
     use super::*;
     use crate::lights::{ShadowSizes, lights};
     use reflet_base::math::Bounds;
-    use reflet_scene::desc::{LightDesc, LightKind};
+    use reflet_scene::desc::{LightDesc, LightGroup, LightKind};
 
     fn light(kind: LightKind) -> Light {
         Light {
@@ -117,6 +117,7 @@ mod tests {
                 color: Vec3::ONE,
                 shadow: ShadowMode::Map,
                 shadow_px: 64,
+                light_group: LightGroup::default(),
             },
             range_m: None,
         }

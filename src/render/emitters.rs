@@ -7,7 +7,7 @@ use reflet_world::{
     light_tree::{LIGHT_LEAF, LIGHT_NODE_VECTORS, LightTrees, NO_NODE, Node, PlacedLight, Tree},
 };
 
-use super::{lights::gpu_light, texel_array::TexelArray};
+use super::{lights::gpu_light, shown_light::ShownLight, texel_array::TexelArray};
 
 /// Parameters of shaders for a world without a light tree.
 pub const NO_LIGHT_TREE: [u32; 4] = [0, 0, 0, NO_NODE];
@@ -18,12 +18,17 @@ const LIGHT_VECTORS: usize = 4;
 /// First word of a lamp's record, whose lowest three bits are the kind; that of a placed light is a link.
 pub const LAMP_RECORD: u32 = 0xffff_fff0;
 
+/// Bit of the first word of a lamp's record: the picture shows another light group.
+pub const DARK_LAMP: u32 = 8;
+
 /// The light trees on the GPU, in an array of vectors: for each instance the index of its placed light; placed lights,
 /// then lamps; nodes, of the upper tree first; for each triangle of each mesh its node.
 #[derive(Clone, Debug)]
 pub struct GpuEmitters {
     array: TexelArray,
     trees: LightTrees,
+    /// Light that pictures show.
+    shown_light: ShownLight,
     /// The world's lamps at the last upload.
     lamps: Vec<Light>,
     parts: Parts,
@@ -82,6 +87,7 @@ impl GpuEmitters {
         let mut this = Self {
             array: TexelArray::sized::<[u32; 4]>(gpu, "emitters", parts.end)?,
             trees,
+            shown_light: ShownLight::default(),
             lamps: world.lamps.clone(),
             parts,
             light_tree: NO_LIGHT_TREE,
@@ -104,6 +110,12 @@ impl GpuEmitters {
         self.upload(gpu, world, !are_meshes_kept);
     }
 
+    /// Has lamps of other light groups than the shown one give no light; random choices stay.
+    pub fn show_light(&mut self, gpu: &Gpu, world: &World, shown: ShownLight) {
+        self.shown_light = shown;
+        self.upload(gpu, world, false);
+    }
+
     fn upload(&mut self, gpu: &Gpu, world: &World, with_meshes: bool) {
         let bases = self.mesh_bases();
         let parts = &self.parts;
@@ -111,7 +123,7 @@ impl GpuEmitters {
         let lamps = world.lamps.iter().zip(&self.trees.lamp_nodes);
         let lights: Vec<_> = (self.trees.lights.iter())
             .flat_map(|light| self.light(light, &bases))
-            .chain(lamps.flat_map(|(lamp, node)| lamp_record(lamp, *node)))
+            .chain(lamps.flat_map(|(lamp, node)| self.lamp(lamp, *node)))
             .collect();
         self.array.write(gpu, parts.lights, &lights);
         let root = self.trees.top.as_ref().map_or(NO_NODE, |top| top.link);
@@ -152,6 +164,14 @@ impl GpuEmitters {
             index[light.instance as usize] = number;
         }
         in_fours(index.into_iter())
+    }
+
+    fn lamp(&self, lamp: &Light, node: u32) -> [[u32; 4]; LIGHT_VECTORS] {
+        let mut record = lamp_record(lamp, node);
+        if !self.shown_light.shows(lamp.desc.light_group) {
+            record[0][0] |= DARK_LAMP;
+        }
+        record
     }
 
     fn light(&self, light: &PlacedLight, bases: &[[u32; 2]]) -> [[u32; 4]; LIGHT_VECTORS] {

@@ -158,9 +158,9 @@ impl Renderer {
         let (view, shift) = &view.through_lens(sample, samples);
         let view = &view.reaching(&self.drawn_bounds());
         let jitter = jitter(sample, samples) + *shift;
-        let (block, shadow_views) = self.lights(world);
+        let (mut block, shadow_views) = self.lights(world);
         let settings = &self.options.reflection;
-        let frame = Frame::new(
+        let mut frame = Frame::new(
             world,
             view,
             jitter,
@@ -168,7 +168,9 @@ impl Renderer {
             (self.unit_m, self.plan.bounces, self.options.crop_edges()),
             (share, whole_surfaces),
         );
-        let sampling = Sampling::new(world, &self.options.image, self.scene.light_tree(), sample);
+        let mut sampling =
+            Sampling::new(world, &self.options.image, self.scene.light_tree(), sample);
+        (self.shown_light).leave(world, &mut frame, &mut sampling, &mut block);
         self.uniforms.set(gpu, &frame, &block, &sampling);
         if let Some(fog) = GpuFog::of(world) {
             self.uniforms.set_fog(gpu, &fog);

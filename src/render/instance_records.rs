@@ -15,10 +15,11 @@ use super::{
     geometry::MeshRange,
     gpu_material::gpu_material,
     records::{RecordArray, are_texels_preferred},
+    shown_light::ShownLight,
     textures::Pools,
     types::{
-        FLAG_CAPSULE_NORMALS, FLAG_COLORS, FLAG_EMITTER, FLAG_MIRRORED, FLAG_TRACED, GpuInstance,
-        flag,
+        FLAG_CAPSULE_NORMALS, FLAG_COLORS, FLAG_DARK, FLAG_EMITTER, FLAG_MIRRORED, FLAG_TRACED,
+        GpuInstance, flag,
     },
 };
 
@@ -29,6 +30,8 @@ pub struct RecordInputs<'a> {
     pub mesh_ranges: &'a [MeshRange],
     /// Whether the reflections of an instance are traced at once, by index; those past the end are marched.
     pub traced: &'a [bool],
+    /// Light that pictures show.
+    pub shown_light: ShownLight,
     /// Whether ray queries find triangles, which need the first triangle of a tree rather than its root.
     pub queried: bool,
 }
@@ -88,6 +91,7 @@ pub fn instance_records(
         let mesh = &world.meshes[instance.mesh];
         let radius = mesh.capsule_radius_m;
         let has_capsule_normals = radius.is_some() && !mesh.normals.is_empty();
+        let light_group = world.materials[instance.material].light_group;
         let is_sampled = world.materials[instance.material].light && radius.is_none();
         GpuInstance {
             world_from_object: rows(&instance.world_from_object),
@@ -104,6 +108,7 @@ pub fn instance_records(
             flags: flag(mirrors(&instance.world_from_object), FLAG_MIRRORED)
                 | flag(range.has_colors, FLAG_COLORS)
                 | flag(is_sampled, FLAG_EMITTER)
+                | flag(!inputs.shown_light.shows(light_group), FLAG_DARK)
                 | flag(is_traced, FLAG_TRACED)
                 | flag(has_capsule_normals, FLAG_CAPSULE_NORMALS),
             capsule_radius_m: radius.unwrap_or(0.0),

@@ -1,7 +1,7 @@
 //! A finished picture on the CPU: linear color, display color and AOV planes.
 
 use reflet_gpu::Gpu;
-use reflet_scene::desc::{CameraDesc, ImageDesc};
+use reflet_scene::desc::{CameraDesc, ImageDesc, LightGroup};
 use reflet_world::World;
 
 #[cfg(doc)]
@@ -131,9 +131,16 @@ pub struct PendingPicture {
     halves: Option<Halves>,
     image: ImageDesc,
     stats: FrameStats,
+    /// Pictures of light groups alone.
+    lights: Vec<(LightGroup, PendingPicture)>,
 }
 
 impl PendingPicture {
+    /// Adds the picture of a light group alone, which is one of the requested AOVs; it has linear radiance.
+    pub(super) fn add_light(&mut self, group: LightGroup, picture: Self) {
+        self.lights.push((group, picture));
+    }
+
     /// Waits for the sub-frames and estimates the picture's error; `None` unless it was requested of several sub-frames.
     ///
     /// # Errors
@@ -169,10 +176,14 @@ impl PendingPicture {
             guides = values.texels::<f32>(Target::Guides);
             guides.iter_mut().for_each(|sum| *sum *= share);
         }
-        let planes = self
-            .aovs
-            .iter()
-            .map(|aov| aov.decode(&values, &self.camera));
+        let mut lights = Vec::new();
+        for (group, picture) in self.lights {
+            lights.push(Aov::Light(group).plane_of_light(&picture.take(gpu)?.color));
+        }
+        let planes = self.aovs.iter().map(|aov| {
+            let light = lights.iter().find(|plane| plane.name == aov.plane_name());
+            (light.cloned()).unwrap_or_else(|| aov.decode(&values, &self.camera))
+        });
         Ok(Picture {
             size: values.size,
             color,
@@ -317,6 +328,7 @@ impl Renderer {
             has_guides,
             image: self.options.image,
             stats,
+            lights: Vec::new(),
         })
     }
 }

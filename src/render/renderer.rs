@@ -31,6 +31,7 @@ use super::{
     scene::GpuScene,
     shader_variant::ShaderVariant,
     shaders::Shaders,
+    shown_light::ShownLight,
     targets::{Target, Targets},
     trace_choice::{queries, with_trace},
     validate::{check_deformed, check_lights, check_moving_materials, check_world, refuse},
@@ -58,6 +59,8 @@ pub struct Renderer {
     pub(super) coordinates: Coordinates,
     /// Sum of the first half of the sub-frames, for an estimate of the error.
     pub(super) first_half: FirstHalf,
+    /// Light that pictures show.
+    pub(super) shown_light: ShownLight,
 }
 
 /// Builds the BVHs and times it, milliseconds; returns empty ones where no ray is traced.
@@ -133,6 +136,7 @@ impl Renderer {
             shaders,
             tree_pose: PoseKey::of(world),
             first_half: FirstHalf::default(),
+            shown_light: ShownLight::default(),
             world_key: WorldKey::of(world),
             coordinates,
         })

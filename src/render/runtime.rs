@@ -171,14 +171,17 @@ impl Session {
     }
 
     /// Renders the posed scene: linear radiance, display color and the named AOVs ([`Aov::ALL`]), such
-    /// as `depth` or `cause`.
+    /// as `depth` or `cause`, and light groups: `light:NAME`, or `light:*` for all.
     ///
     /// # Errors
     /// [`SessionError::UnknownName`] for an AOV that does not exist; [`SessionError::Gpu`] for a device
     /// that is lost or out of memory.
     pub fn render(&mut self, aovs: &[&str]) -> Result<Picture, SessionError> {
-        let aovs: Result<Vec<Aov>, _> = aovs.iter().map(|name| find_aov(name)).collect();
-        Ok(self.picture(&aovs?)?)
+        let mut found = Vec::new();
+        for name in aovs {
+            found.extend(find_aovs(name, &self.loaded.world)?);
+        }
+        Ok(self.picture(&found)?)
     }
 
     /// The scene at its current pose.
@@ -255,11 +258,11 @@ fn set_value(set: &mut Vec<String>, value: String) {
     set.push(value);
 }
 
-fn find_aov(name: &str) -> Result<Aov, SessionError> {
-    Aov::from_name(name).ok_or_else(|| SessionError::UnknownName {
+fn find_aovs(name: &str, world: &World) -> Result<Vec<Aov>, SessionError> {
+    Aov::named(name, world).ok_or_else(|| SessionError::UnknownName {
         kind: "AOV",
         name: name.to_owned(),
-        known: Aov::ALL.iter().map(|aov| aov.name().to_owned()).collect(),
+        known: Aov::names_in(world),
     })
 }
 

@@ -19,6 +19,7 @@ use super::{
     options::RenderOptions,
     panorama::GpuPanorama,
     records::RecordArray,
+    shown_light::ShownLight,
     structures::Structures,
     texel_array::TexelArray,
     textures::{Pools, samplers},
@@ -58,6 +59,8 @@ pub struct GpuScene {
     mesh_ranges: Vec<MeshRange>,
     /// Whether the reflections of an instance are traced at once, by index; those past the end are marched.
     traced: Vec<bool>,
+    /// Light that pictures show.
+    shown_light: ShownLight,
     /// Whether the alpha of some cut-out material may change.
     pub has_moving_cutouts: bool,
 }
@@ -74,6 +77,7 @@ impl GpuScene {
         let inputs = RecordInputs {
             mesh_ranges: &mesh_ranges,
             traced: &[],
+            shown_light: ShownLight::default(),
             queried,
         };
         let (instances, materials) = records(gpu, world, trees, inputs, &pools)?;
@@ -93,6 +97,7 @@ impl GpuScene {
             emitters: GpuEmitters::new(gpu, world)?,
             instances,
             traced: Vec::new(),
+            shown_light: ShownLight::default(),
             vertices,
             mesh_data,
             materials,
@@ -146,6 +151,7 @@ impl GpuScene {
             structures,
             instances,
             traced: self.traced.clone(),
+            shown_light: self.shown_light,
             vertices: self.vertices.clone(),
             mesh_data: self.mesh_data.clone(),
             materials,
@@ -210,6 +216,7 @@ impl GpuScene {
         RecordInputs {
             mesh_ranges: &self.mesh_ranges,
             traced: &self.traced,
+            shown_light: self.shown_light,
             queried: self.structures.is_some(),
         }
     }
@@ -226,6 +233,15 @@ impl GpuScene {
         if self.traced != traced {
             self.traced = traced;
             self.write_instances(gpu, world, trees, 0..world.instances.len());
+        }
+    }
+
+    /// Has surfaces and lamps of other light groups than the shown one give no light.
+    pub fn show_light(&mut self, gpu: &Gpu, world: &World, trees: &Trees, shown: ShownLight) {
+        self.shown_light = shown;
+        self.write_instances(gpu, world, trees, 0..world.instances.len());
+        if let Some(emitters) = &mut self.emitters {
+            emitters.show_light(gpu, world, shown);
         }
     }
 

@@ -127,8 +127,8 @@ gpu_struct! {
         extent: f32,
         /// Vector from the center of a flat light to its edge, along `up`, meters.
         half_v: [f32; 3],
-        /// Unused.
-        pad0: u32,
+        /// 1; 0 where the picture shows another light group.
+        shown: f32,
     }
 }
 
@@ -166,6 +166,8 @@ pub const FLAG_MIRRORED: u32 = 2;
 pub const FLAG_EMITTER: u32 = 4;
 /// Bit of [`GpuInstance::flags`]: its reflections are traced at once, never marched.
 pub const FLAG_TRACED: u32 = 8;
+/// Bit of [`GpuInstance::flags`]: the picture shows another light group than that of the surface's emission.
+pub const FLAG_DARK: u32 = 32;
 /// Bit of [`GpuInstance::flags`]: the mesh is of capsules, and its vertices have normals.
 pub const FLAG_CAPSULE_NORMALS: u32 = 16;
 

@@ -13,6 +13,7 @@ mod hierarchy;
 mod image;
 mod include;
 mod light;
+mod light_group;
 mod material;
 mod motion;
 mod near_far;
@@ -43,6 +44,7 @@ pub use self::{
     image::{ErrorBound, Exposure, ImageDesc, Radiance, Samples, ToneMap, Visibility},
     include::Include,
     light::{LIGHT, LightDesc, LightKind, LightMotionDesc, ShadowMode},
+    light_group::LightGroup,
     material::{
         MATERIAL, MATERIAL_FIELDS, MaterialDesc, MaterialMotionDesc, PLAIN, ReflectionMode,
         reflectivity_of,

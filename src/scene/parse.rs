@@ -11,6 +11,7 @@ mod hierarchy;
 mod include;
 mod key_recorder;
 mod layers;
+mod light_group;
 mod names;
 mod near_names;
 mod or_auto;

@@ -27,6 +27,7 @@ pub mod emitters;
 pub mod environment;
 pub mod gltf;
 mod lamps;
+mod light_groups;
 pub mod light_tree;
 pub mod load;
 mod material;

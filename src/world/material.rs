@@ -8,7 +8,8 @@ use super::{
     material_textures::{CoreTexture, LAYER_SLOTS, LayerTexture, TEXTURE_SLOTS},
 };
 use reflet_scene::desc::{
-    CheckerDesc, MATERIAL, MaterialDesc, PatternKind, PatternedDesc, PatternedKey, ReflectionMode,
+    CheckerDesc, LightGroup, MATERIAL, MaterialDesc, PatternKind, PatternedDesc, PatternedKey,
+    ReflectionMode,
 };
 
 /// A surface description after all overrides; textures are indices into [`World::textures`](super::World::textures).
@@ -28,6 +29,8 @@ pub struct Material {
     pub emission: Vec3,
     /// Whether the emission lights the scene; else it is only seen, directly and in reflections.
     pub light: bool,
+    /// Light group of the emission.
+    pub light_group: LightGroup,
     /// Whether `light` comes from the file (a mesh light), and not from the scene text.
     pub is_mesh_light: bool,
     /// Strength of the normal map.
@@ -125,6 +128,7 @@ impl Default for Material {
             reflectivity: 0.04,
             emission: Vec3::ZERO,
             light: false,
+            light_group: LightGroup::default(),
             is_mesh_light: false,
             normal_scale: 1.0,
             uv_scale: [1.0; 2],
@@ -195,6 +199,7 @@ impl Material {
             emission: self.emission,
             emission_texture: self.emission_texture,
             light: self.light,
+            light_group: self.light_group,
             is_mesh_light: self.is_mesh_light,
             alpha_cutoff: self.alpha_cutoff,
             blended: self.blended,

@@ -11,6 +11,7 @@ mod film_grooves_dispersion;
 mod fog;
 mod fog_closed_form;
 mod furnace;
+mod groups;
 mod indirect;
 mod kit;
 mod lamp;

@@ -305,6 +305,7 @@ fn lights_have_the_keys_of_their_kind() {
         color: Vec3::ONE,
         shadow: ShadowMode::Map,
         shadow_px: 1024,
+        light_group: LightGroup::default(),
     };
     let position = Vec3::new(0.0, 6.0, 0.0);
     let lamp = common(LightKind::Point {

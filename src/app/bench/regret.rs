@@ -296,6 +296,7 @@ mod tests {
                 color: glam::Vec3::ONE,
                 shadow: ShadowMode::Map,
                 shadow_px: 64,
+                light_group: crate::scene::desc::LightGroup::default(),
             },
             range_m: None,
         };

@@ -1,6 +1,9 @@
 //! Picture files with the PNG files of their AOVs, written atomically.
 
-use std::path::{Path, PathBuf};
+use std::{
+    borrow::Cow,
+    path::{Path, PathBuf},
+};
 
 use super::{
     exr,
@@ -51,7 +54,7 @@ impl PictureFile {
     /// # Errors
     /// Same errors as [`check_replaceable`].
     pub fn check_files(&self, aovs: &[Aov], inputs: &Inputs) -> Result<(), AppError> {
-        let planes: Vec<_> = aovs.iter().map(|aov| aov.name()).collect();
+        let planes: Vec<_> = aovs.iter().map(|aov| aov.plane_name()).collect();
         let files = self.files(&planes);
         files
             .iter()
@@ -98,7 +101,7 @@ impl PictureFile {
                 files.push((self.path.clone(), bytes));
                 for plane in &picture.planes {
                     let png = png_file::encode(picture.size, &aov_view::view(plane), &texts);
-                    files.push((self.beside(plane.name), png));
+                    files.push((self.beside(&plane.name), png));
                 }
             }
         }
@@ -123,7 +126,7 @@ impl PictureFile {
     }
 
     /// The files of a picture with these planes.
-    pub fn files(&self, planes: &[&str]) -> Vec<PathBuf> {
+    pub fn files(&self, planes: &[Cow<'static, str>]) -> Vec<PathBuf> {
         let beside = match self.format {
             PictureFormat::Png => planes,
             PictureFormat::Exr => &[],
@@ -133,7 +136,7 @@ impl PictureFile {
     }
 
     /// Whether all files of the picture exist, complete and with this fingerprint.
-    pub fn is_done(&self, planes: &[&str], mark: &str) -> bool {
+    pub fn is_done(&self, planes: &[Cow<'static, str>], mark: &str) -> bool {
         let found = match self.format {
             PictureFormat::Png => png_file::fingerprint,
             PictureFormat::Exr => exr::fingerprint,

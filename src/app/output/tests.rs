@@ -234,7 +234,7 @@ fn the_bytes_of_a_picture_are_the_same_every_time() {
     let [width, height] = [96, 54];
     let count = (width * height) as usize;
     let planes = vec![Plane {
-        name: "depth",
+        name: "depth".into(),
         channels: &["Z"],
         data: PlaneData::F32((0..count).map(|i| (i as f32).sqrt()).collect()),
     }];

@@ -350,6 +350,11 @@ features! {
         used: scene.options.leaves_out_light(),
         constant: CROPS,
     }
+    /// Whether something names a light group.
+    light_groups {
+        used: scene.is_general() || scene.world.has_light_groups(),
+        constant: HAS_LIGHT_GROUPS,
+    }
     /// Whether there is fog between things.
     fog {
         used: scene.world.environment.fog().is_some(),

@@ -1,5 +1,7 @@
 //! Frames and pictures of what is shown.
 
+use std::sync::Arc;
+
 use super::{
     RendererStage, Session,
     open_shutter::{self, OpenShutter},
@@ -9,7 +11,11 @@ use crate::{
     probe::PassCounts, shutter::Moments as _, stats::FrameStats,
 };
 use reflet_gpu::Gpu;
-use reflet_scene::{desc::CameraDesc, diagnostic::Diagnostic, motion::FrameState};
+use reflet_scene::{
+    desc::{CameraDesc, LightGroup},
+    diagnostic::Diagnostic,
+    motion::FrameState,
+};
 use reflet_world::World;
 
 impl Session {
@@ -107,10 +113,34 @@ impl Session {
     /// # Errors
     /// Same errors as [`crate::Renderer::begin_picture`].
     pub fn begin(&mut self, request: PictureRequest) -> Result<PendingPicture, RenderError> {
-        match self.error_bound() {
-            Some(bound) => self.begin_within(bound, request),
-            None => self.begin_counted(request),
+        let mut picture = match self.error_bound() {
+            Some(bound) => self.begin_within(bound, request)?,
+            None => self.begin_counted(request)?,
+        };
+        for aov in request.aovs {
+            if let Aov::Light(group) = aov {
+                picture.add_light(*group, self.begin_light(*group)?);
+            }
         }
+        Ok(picture)
+    }
+
+    /// Starts to render the light of one group, with as many sub-frames as the last picture.
+    fn begin_light(&mut self, group: LightGroup) -> Result<PendingPicture, RenderError> {
+        self.complete()?;
+        let (gpu, request) = (
+            Arc::clone(&self.gpu),
+            PictureRequest {
+                color: true,
+                aovs: &[],
+                timed: false,
+                estimates_error: false,
+            },
+        );
+        (self.renderer).show_light(&gpu, &self.loaded.world, Some(group));
+        let picture = self.begin_counted(request);
+        (self.renderer).show_light(&gpu, &self.loaded.world, None);
+        picture
     }
 
     /// Starts to render with the number of sub-frames that the renderer has.

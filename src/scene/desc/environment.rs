@@ -4,7 +4,7 @@ use std::path::Path;
 
 use glam::Vec3;
 
-use super::At;
+use super::{At, LightGroup};
 
 /// Whether objects block the environment's light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -73,6 +73,9 @@ pub struct EnvironmentDesc {
     pub shadow: EnvironmentShadow,
     /// Fog between things. Default: none.
     pub fog: Option<FogDesc>,
+    /// Light group of the environment's light, and of the environment itself where it is seen, 1 to 31 letters, digits,
+    /// `-` and `_`. Default "other".
+    pub light_group: LightGroup,
     /// Whether the scene text says what the environment is, by `file`, `color` or a gradient.
     pub is_written: bool,
 }
@@ -89,6 +92,7 @@ impl Default for EnvironmentDesc {
             visible: true,
             shadow: EnvironmentShadow::Ray,
             fog: None,
+            light_group: LightGroup::default(),
             is_written: false,
         }
     }

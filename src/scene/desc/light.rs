@@ -4,7 +4,7 @@ use std::f32::consts::PI;
 
 use glam::Vec3;
 
-use super::{SceneDesc, Tracks};
+use super::{LightGroup, SceneDesc, Tracks};
 use crate::{
     number::{Field, Form, Lanes, plain},
     range::{ANY, FROM_0, range},
@@ -250,6 +250,9 @@ pub struct LightDesc {
     /// = "ray"`. The largest value of a point light holds for all point lights, and that of another kind
     /// for all others. Default 1024.
     pub shadow_px: u32,
+    /// Light group, 1 to 31 letters, digits, `-` and `_`: `--aov light:NAME` writes the light of all lights, materials
+    /// and the environment of this name apart. Default "other".
+    pub light_group: LightGroup,
 }
 
 impl LightDesc {

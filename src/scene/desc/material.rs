@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::{At, CheckerDesc, PatternedDesc, Tracks};
+use super::{At, CheckerDesc, LightGroup, PatternedDesc, Tracks};
 use crate::{
     number::{Field, Form, Lanes},
     range::{ABOVE_0, ANY, DISPERSION, FROM_0, INDEX, UNIT, range},
@@ -65,6 +65,9 @@ pub struct MaterialDesc {
     /// glowing walls or neon tubes. A scene has at most 1,048,576 such triangles, which are sampled; small or few
     /// ones need fewer `samples`. Default false.
     pub light: Option<bool>,
+    /// Light group of the emission, and of all of an `unlit` surface, 1 to 31 letters, digits, `-` and `_`. Default
+    /// "other".
+    pub light_group: Option<LightGroup>,
     /// Whether the surface shows its base color and emission without lighting, as screens and signs do
     /// (`KHR_materials_unlit`). The camera also sees it without exposure and tone map. It reflects nothing.
     /// Default false, or the glTF value.
@@ -161,6 +164,7 @@ impl MaterialDesc {
             emission_texture: text(&o.emission_texture, &b.emission_texture),
             double_sided: o.double_sided.or(b.double_sided),
             light: o.light.or(b.light),
+            light_group: o.light_group.or(b.light_group),
             unlit: o.unlit.or(b.unlit),
             reflection: o.reflection.or(b.reflection),
             ior: o.ior.or(b.ior),
@@ -308,6 +312,7 @@ pub const PLAIN: MaterialDesc = MaterialDesc {
     emission_strength: Some(1.0),
     emission_texture: None,
     light: None,
+    light_group: None,
     unlit: None,
     uv_scale: Some([1.0, 1.0]),
     alpha_cutoff: None,

@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use super::{FORWARD, Fault, schema, uri::shorten};
 use crate::Light;
-use reflet_scene::desc::{LightDesc, LightKind, ShadowMode};
+use reflet_scene::desc::{LightDesc, LightGroup, LightKind, ShadowMode};
 
 /// Width and height of a shadow map, pixels; scene text has the same default.
 const DEFAULT_SHADOW_PX: u32 = 1024;
@@ -60,6 +60,7 @@ pub fn read(light: &schema::Light, name: &str) -> Result<Light, Fault> {
             color: Vec3::from_array(color),
             shadow: ShadowMode::default(),
             shadow_px: DEFAULT_SHADOW_PX,
+            light_group: LightGroup::default(),
         },
         range_m,
     })

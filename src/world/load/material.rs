@@ -133,6 +133,7 @@ impl Loader<'_> {
         material.set_numbers(desc);
         material.double_sided = desc.double_sided.unwrap_or(material.double_sided);
         material.light = desc.light.unwrap_or(material.light);
+        material.light_group = desc.light_group.unwrap_or(material.light_group);
         material.is_mesh_light &= desc.light.is_none();
         material.reflection = desc.reflection.unwrap_or(material.reflection);
         material.ior = desc.ior.unwrap_or(material.ior);

@@ -148,7 +148,7 @@ impl Worker {
         let known: Vec<f32> = distances.iter().copied().flatten().collect();
         let legend = format!("{of}; {}", distance_legend(&known, "blue"));
         let grays = aov_view::view(&Plane {
-            name: "shadow_map",
+            name: "shadow_map".into(),
             channels: &["Z"],
             data: PlaneData::F32(known),
         });

@@ -36,6 +36,7 @@ impl Section for EnvironmentDesc {
                 false => EnvironmentShadow::Ray,
             }),
             fog: t.table("fog"),
+            light_group: t.find("light_group", ANY).unwrap_or_default(),
             is_written: has_colors || t.has("file"),
         };
         if t.has("rotation_deg") && !t.has("file") && t.clean() {

@@ -22,6 +22,7 @@ impl Section for LightDesc {
         let Color(color) = t.get("color", FROM_0, Color(Vec3::ONE));
         let shadow = t.find("shadow", ANY);
         let shadow_px = t.get("shadow_px", range(16.0, 4096.0), 1024);
+        let light_group = t.find("light_group", ANY).unwrap_or_default();
         let kind = t.choose(
             "kind",
             &[
@@ -47,6 +48,7 @@ impl Section for LightDesc {
             color,
             shadow,
             shadow_px,
+            light_group,
         })
     }
 }

@@ -43,6 +43,7 @@ impl Section for MaterialDesc {
             emission_strength: t.find("emission_strength", FROM_0),
             emission_texture: t.find("emission_texture", ANY),
             light: t.find("light", ANY),
+            light_group: t.find("light_group", ANY),
             unlit: t.find("unlit", ANY),
             uv_scale: t.find("uv_scale", ANY),
             alpha_cutoff: t.find("alpha_cutoff", UNIT),

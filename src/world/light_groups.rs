@@ -1,0 +1,28 @@
+//! Light groups of a world.
+
+use std::collections::BTreeSet;
+
+use reflet_scene::desc::LightGroup;
+
+use super::World;
+
+impl World {
+    /// Groups of the lights, emitting surfaces and the environment, sorted by name behind that of everything without a
+    /// name, which is always there.
+    pub fn light_groups(&self) -> BTreeSet<LightGroup> {
+        let lights = self.all_lights().map(|light| light.desc.light_group);
+        let surfaces = self
+            .instances
+            .iter()
+            .map(|i| self.materials[i.material].light_group);
+        let groups = lights.chain(surfaces);
+        groups
+            .chain([self.environment.desc.light_group, LightGroup::default()])
+            .collect()
+    }
+
+    /// Whether something names a light group.
+    pub fn has_light_groups(&self) -> bool {
+        self.light_groups().len() > 1
+    }
+}

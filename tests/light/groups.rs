@@ -1,0 +1,189 @@
+//! Light groups: the pictures of all groups add up to the whole one, and each is that of its own lights.
+
+use reflet::{render::Picture, scene::desc::LightGroup};
+
+use super::kit::{gpu, mean, renderer, scene};
+
+/// A point light with a map, a softbox, a glowing ball that lights, and a sky, on a glossy floor beside a mirror.
+const LIT: &str = r#"
+version = 1
+[image]
+size = [32, 18]
+tone_map = "none"
+samples = 2
+[probes]
+face_px = 16
+samples = 1
+[reflection]
+diffuse_bounces = 1
+glint_limit = 0
+[camera.main]
+eye = [0.4, 1.2, 4]
+target = [0, 0.5, 0]
+fov_deg = 45
+[environment]
+zenith = [0.2, 0.3, 0.5]
+horizon = [0.3, 0.3, 0.3]
+ground = [0.1, 0.1, 0.1]
+shadow = "ray"
+light_group = "sky"
+[light.lamp]
+kind = "point"
+position = [1.5, 2, 1.5]
+intensity_cd = 6
+light_group = "practical"
+[light.key]
+kind = "rect"
+position = [-2, 2, 1]
+target = [0, 0.4, 0]
+size = [0.8, 0.8]
+intensity_cd = 8
+light_group = "key"
+[light.fill]
+kind = "rect"
+position = [2.5, 1, 2]
+target = [0, 0.4, 0]
+size = [0.5, 0.5]
+color = [1, 0.6, 0.4]
+intensity_cd = 3
+[material.floor]
+base_color = [0.6, 0.5, 0.4]
+roughness = 0.3
+[material.mirror]
+metallic = 1
+roughness = 0
+[material.glow]
+base_color = [0, 0, 0]
+emission = [1, 3, 2]
+light = true
+light_group = "practical"
+[material.sign]
+base_color = [0.1, 0.1, 0.1]
+emission = [0.5, 0.1, 0.1]
+[model.floor]
+shape = { kind = "plane", size = [8, 8] }
+material = "floor"
+[model.mirror]
+shape = { kind = "box", size = [1, 1.4, 0.1] }
+material = "mirror"
+[model.glow]
+shape = { kind = "sphere", radius = 0.2 }
+material = "glow"
+[model.sign]
+shape = { kind = "box", size = [0.4, 0.4, 0.4] }
+material = "sign"
+[[instance]]
+model = "floor"
+[[instance]]
+model = "mirror"
+translation = [-0.8, 0.7, -0.6]
+rotation_deg = [0, 25, 0]
+[[instance]]
+model = "glow"
+translation = [0.3, 0.5, 0.2]
+[[instance]]
+model = "sign"
+translation = [1.1, 0.2, -0.3]
+"#;
+
+const NAMES: [&str; 4] = ["other", "key", "practical", "sky"];
+
+fn group(name: &str) -> LightGroup {
+    LightGroup::new(name).expect("a name of a group")
+}
+
+/// The whole picture, those of the groups by their names, and the whole one again.
+fn apart(text: &str, set: &[&str]) -> Option<(Picture, Vec<Picture>, Picture)> {
+    let gpu = gpu()?;
+    let (desc, world) = scene(text, set);
+    let mut renderer = renderer(gpu, &desc, &world, false);
+    let camera = &world.cameras[0].value;
+    let mut render = |shown: Option<LightGroup>| {
+        renderer.show_light(gpu, &world, shown);
+        let picture = renderer.picture(gpu, &world, camera, &[]);
+        picture.unwrap_or_else(|e| panic!("{e}"))
+    };
+    let whole = render(None);
+    let groups = world.light_groups();
+    let pictures = groups.iter().map(|group| render(Some(*group))).collect();
+    Some((whole, pictures, render(None)))
+}
+
+/// Largest difference between a picture and the sum of others, relative to the brighter of that pixel and the mean.
+fn excess(whole: &Picture, parts: &[Picture]) -> f32 {
+    let middle = mean(whole).iter().sum::<f32>() / 3.0;
+    let channels = 0..whole.color.len();
+    let errors = channels.filter(|at| at % 4 != 3).map(|at| {
+        let sum: f32 = parts.iter().map(|part| part.color[at]).sum();
+        (sum - whole.color[at]).abs() / whole.color[at].max(middle)
+    });
+    errors.fold(0.0, f32::max)
+}
+
+#[test]
+fn groups_add_up_to_the_whole_picture() {
+    for method in ["hybrid", "ssr+probe", "path"] {
+        let method = format!("reflection.method=\"{method}\"");
+        let Some((whole, parts, again)) = apart(LIT, &[&method]) else {
+            return;
+        };
+        assert_eq!(parts.len(), NAMES.len());
+        let excess = excess(&whole, &parts);
+        assert!(excess < 4e-3, "{method}: {excess}");
+        assert_eq!(
+            whole.color, again.color,
+            "{method}: the whole picture is another one"
+        );
+        for (name, part) in NAMES.iter().zip(&parts) {
+            let share = mean(part)[1] / mean(&whole)[1];
+            assert!((0.01..0.9).contains(&share), "{method}, {name}: {share}");
+        }
+    }
+}
+
+#[test]
+fn groups_add_up_in_fog_and_with_many_lamps() {
+    let lamps: String = (0..70)
+        .map(|k| {
+            let (x, z) = ((k % 10) as f32 - 4.5, (k / 10) as f32 - 3.0);
+            let name = ["key", "sky", "practical"][k % 3];
+            let radius_m = 0.03 * (k & 1) as f32;
+            format!(
+                "[light.l{k}]\nkind = \"point\"\nposition = [{x}, 1.1, {z}]\nintensity_cd = 0.3\n\
+                 radius_m = {radius_m}\nshadow = \"ray\"\nlight_group = \"{name}\"\n"
+            )
+        })
+        .collect();
+    let many = format!("{LIT}{lamps}");
+    let Some((whole, parts, _)) = apart(&many, &["environment.fog={ density = 0.15 }"]) else {
+        return;
+    };
+    let excess = excess(&whole, &parts);
+    assert!(excess < 4e-3, "{excess}");
+}
+
+#[test]
+fn a_group_is_the_light_of_its_lights_alone() {
+    let set = ["image.samples=24", "image.size=[24, 14]"];
+    let Some((_, parts, _)) = apart(LIT, &set) else {
+        return;
+    };
+    let dark = [
+        "environment.intensity=0",
+        "light.lamp.intensity_cd=0",
+        "light.fill.intensity_cd=0",
+        "material.glow.light=false",
+        "material.glow.emission=[0, 0, 0]",
+        "material.sign.emission=[0, 0, 0]",
+    ];
+    let Some((alone, ..)) = apart(LIT, &[&set[..], &dark].concat()) else {
+        return;
+    };
+    let key = NAMES.iter().position(|name| *name == "key");
+    let key = &parts[key.expect("the group is listed")];
+    for (found, expected) in mean(key).iter().zip(mean(&alone)) {
+        let error = (found - expected).abs() / expected;
+        assert!(error < 0.05, "{found}, not {expected}");
+    }
+    assert_eq!(group("other"), LightGroup::default());
+}
