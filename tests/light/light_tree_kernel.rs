@@ -252,6 +252,7 @@ fn deep_world() -> World {
             color: Vec3::ONE,
             shadow: ShadowMode::Ray,
             shadow_px: 1024,
+            light_group: None,
         },
         range_m: None,
     };

@@ -50,7 +50,7 @@ fn picture() -> Picture {
         tone: Tone::default(),
         guides: Vec::new(),
         planes: vec![Plane {
-            name: "cause",
+            name: "cause".into(),
             channels: &["cause"],
             data: PlaneData::U32(vec![0, 7]),
         }],
