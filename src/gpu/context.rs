@@ -4,7 +4,7 @@ use std::{
     path::PathBuf,
     sync::{
         Arc, Mutex, PoisonError,
-        atomic::{AtomicBool, Ordering},
+        atomic::{AtomicBool, AtomicU32, Ordering},
     },
     time::Duration,
 };
@@ -72,7 +72,9 @@ pub struct Gpu {
     kept: Option<KeptPipelines>,
     /// The first error outside an error scope.
     fault: Arc<Mutex<Option<GpuError>>>,
-    /// Signal that ends timed pictures.
+    /// Number of sub-frames that the device has rendered, modulo 2^32, for other threads that show how far a picture is.
+    pub sub_frames: AtomicU32,
+    /// Signal that ends pictures.
     interrupt: Mutex<Option<Arc<AtomicBool>>>,
 }
 
@@ -166,6 +168,7 @@ impl Gpu {
             limits,
             features,
             fault,
+            sub_frames: AtomicU32::new(0),
             interrupt: Mutex::default(),
         })
     }
@@ -263,13 +266,14 @@ impl Gpu {
         })
     }
 
-    /// Gives up timed pictures between two of their passes or sub-frames while `signal` is set, so that a program that
-    /// answers people need not wait for a picture that nobody wants any more; `None` lets all pictures end.
+    /// Gives up pictures between two of their sub-frames while `signal` is set, timed ones also between two of their
+    /// passes, so that a program that answers people need not wait for a picture that nobody wants any more; `None` lets
+    /// all pictures end.
     pub fn interrupt_by(&self, signal: Option<Arc<AtomicBool>>) {
         *(self.interrupt.lock()).unwrap_or_else(PoisonError::into_inner) = signal;
     }
 
-    /// Whether a timed picture is to be given up.
+    /// Whether a picture is to be given up.
     ///
     /// # Errors
     /// [`GpuError::Interrupted`] if it is.

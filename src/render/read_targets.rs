@@ -1,6 +1,6 @@
 //! Readback of targets: of a finished frame, and of the first half of its sub-frames.
 
-use std::collections::HashMap;
+use std::{collections::HashMap, sync::atomic::Ordering};
 
 use bytemuck::Pod;
 
@@ -64,7 +64,10 @@ impl Renderer {
             .texels(target))
     }
 
-    /// Starts reading the sum of the first half, where it is wanted and sub-frame `sample` ends it.
+    /// Counts sub-frame `sample`, and starts reading the sum of the first half, where it is wanted and this ends it.
+    ///
+    /// # Errors
+    /// A readback error; [`GpuError::Interrupted`] between two sub-frames of a picture that is to be given up.
     pub(super) fn end_of_sub_frame(&mut self, gpu: &Gpu, sample: u32) -> Result<(), GpuError> {
         let count = sample + 1;
         if self.first_half.is_wanted && count == self.options.image.samples.count() / 2 {
@@ -72,7 +75,11 @@ impl Renderer {
             let download = self.download(gpu, &[target], false)?;
             self.first_half.read = Some((download, target, count));
         }
-        Ok(())
+        gpu.sub_frames.fetch_add(1, Ordering::Relaxed);
+        match count < self.options.image.samples.count() {
+            true => gpu.check_interrupt(),
+            false => Ok(()),
+        }
     }
 
     /// Both halves of the picture that was rendered last; `None` where they were not wanted, or there is one sub-frame.
