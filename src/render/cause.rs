@@ -196,6 +196,21 @@ impl Source {
         Self::Box,
     ];
 
+    /// Name in reports.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::NotReflective => "not_reflective",
+            Self::Screen => "screen",
+            Self::Traced => "traced",
+            Self::Failed => "failed",
+            Self::None => "none",
+            Self::Rough => "rough",
+            Self::Probe => "probe",
+            Self::Far => "far",
+            Self::Box => "box",
+        }
+    }
+
     /// Color in the `source` picture, sRGB: screen hits blue and traced pink, as in the paper's Fig. 8.
     pub const fn color(self) -> [u8; 3] {
         match self {

@@ -70,9 +70,9 @@ impl Shares {
                 100.0 * pixels as f64 / reflective as f64
             },
         };
-        let source = |name, source: Source| {
+        let source = |source: Source| {
             share(
-                name,
+                source.name(),
                 reflecting()
                     .filter(|c| c.source(method) == source)
                     .map(count)
@@ -84,14 +84,14 @@ impl Shares {
             reflective,
             causes: reflecting().map(|c| share(c.name(), count(c))).collect(),
             sources: vec![
-                source("screen", Source::Screen),
-                source("traced", Source::Traced),
-                source("probe", Source::Probe),
-                source("far", Source::Far),
-                source("box", Source::Box),
-                source("failed", Source::Failed),
-                source("none", Source::None),
-                source("rough", Source::Rough),
+                source(Source::Screen),
+                source(Source::Traced),
+                source(Source::Probe),
+                source(Source::Far),
+                source(Source::Box),
+                source(Source::Failed),
+                source(Source::None),
+                source(Source::Rough),
             ],
         }
     }
