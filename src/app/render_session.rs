@@ -81,6 +81,7 @@ impl RenderSession {
             path: args.scene.clone(),
             options: args.picture.from.options(),
             shaders: args.picture.shaders.clone(),
+            text: None,
         };
         let scene = Session::of_loaded(Arc::new(gpu), source, view, library.clone(), loaded)
             .map_err(|error| AppError::from_render(error, own_shaders.is_some()))?;

@@ -13,6 +13,7 @@ pub fn source(args: &PreviewArgs) -> SceneSource {
         path: args.scene.clone(),
         options: args.from.options(),
         shaders: args.shaders.clone(),
+        text: None,
     }
 }
 

@@ -33,6 +33,7 @@ pub mod error;
 mod error_bound;
 pub mod inputs;
 pub mod kept_assets;
+mod meshes;
 pub mod model_viewer_scene;
 pub mod open_shutter;
 pub mod parameters;
@@ -46,6 +47,7 @@ mod show;
 pub use coarse::InitialBuild;
 pub use error::SessionError;
 pub use inputs::{SceneSource, ViewOverrides};
+pub use meshes::GivenMeshes;
 use parameters::{DeclaredParameters, ParameterOverrides};
 use renderer_stage::RendererStage;
 use scene_text::{LoadedScene, SceneOptions};
@@ -62,6 +64,8 @@ pub struct SessionOptions {
     pub adapter: Option<String>,
     /// Folder of shaders that replace the built-in ones.
     pub shaders: Option<PathBuf>,
+    /// Folder in which compiled pipelines are kept from run to run, see [`GpuOptions`].
+    pub pipelines: Option<PathBuf>,
 }
 
 /// An open scene with its device and renderer.
@@ -79,6 +83,8 @@ pub struct Session {
     first: Option<World>,
     /// Pose of the shown frame; `None` before the first, and where all frames are equal.
     state: Option<FrameState>,
+    /// Vertices that replace those of the scene.
+    meshes: GivenMeshes,
     /// Files of the scene, which another text of it takes over; `None` where only pictures are asked for.
     assets: Option<AssetCache>,
     /// Models, images and other files that were searched for, existing or not.
@@ -100,7 +106,20 @@ impl Session {
             path: Some(path.as_ref().to_owned()),
             options: options.scene.clone(),
             shaders: options.shaders.clone(),
+            text: None,
         };
+        Self::open_source(source, options)
+    }
+
+    /// Opens a scene from a text in memory, or the built-in atrium: whatever `source` names. Its own options and shaders
+    /// count, not those of `options`.
+    ///
+    /// # Errors
+    /// Same errors as [`Session::open`].
+    pub fn open_source(
+        source: SceneSource,
+        options: &SessionOptions,
+    ) -> Result<Self, SessionError> {
         let view = ViewOverrides {
             camera: options.camera.clone(),
             ..ViewOverrides::default()
@@ -112,8 +131,8 @@ impl Session {
         let gpu = || {
             let options = GpuOptions {
                 adapter_filter: options.adapter.clone(),
+                pipeline_folder: options.pipelines.clone(),
                 ray_queries,
-                ..GpuOptions::default()
             };
             Gpu::new(&options).map(Arc::new)
         };
@@ -146,7 +165,11 @@ impl Session {
         if read.frame() != frame {
             read.request(read.scene().first_frame());
         }
-        let pose = read.pose();
+        self.meshes.check(read.scene())?;
+        let pose = match self.meshes.is_empty() {
+            true => read.pose(),
+            false => self.meshes.pose(read.scene(), read.frame()),
+        };
         self.show_if(read, pose, true, has_camera)?;
         self.source = source;
         Ok(())
@@ -164,7 +187,7 @@ impl Session {
         if !(first..=last).contains(&frame) {
             return Err(SessionError::Frame { frame, first, last });
         }
-        let pose = self.loaded.scene.pose(frame)?;
+        let pose = self.meshes.pose(&self.loaded.scene, frame)?;
         self.apply(frame, pose, &|_| ())?;
         let state = self.state.as_ref();
         Ok(state.map_or_else(Vec::new, |state| state.log.clone()))

@@ -248,6 +248,11 @@ impl<'a> Animator<'a> {
         }
     }
 
+    /// The scene that it poses.
+    pub fn scene(&self) -> &'a Scene {
+        self.scene
+    }
+
     /// State of the scene at a frame. It depends on the argument alone, not on earlier frames or a
     /// clock.
     ///

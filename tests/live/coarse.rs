@@ -35,6 +35,7 @@ fn a_coarse_beginning_ends_as_what_is_built_at_once() {
         path: Some(path.clone()),
         options: <_>::default(),
         shaders: None,
+        text: None,
     };
     let begin = || {
         let before = gpu.compile_stats.pipelines();

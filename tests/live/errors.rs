@@ -118,6 +118,7 @@ fn a_scene_that_is_broken_at_first_is_shown_when_it_is_mended() {
         path: Some(path),
         options: <_>::default(),
         shaders: None,
+        text: None,
     };
     let mistakes = match Live::open(
         gpu.clone(),

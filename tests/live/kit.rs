@@ -117,6 +117,7 @@ pub fn open_with(gpu: &Arc<Gpu>, scene: &Path, shaders: Option<&Path>, set: &[&s
             ..SceneOptions::default()
         },
         shaders: shaders.map(Path::to_owned),
+        text: None,
     };
     Live::open(
         gpu.clone(),

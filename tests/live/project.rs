@@ -36,6 +36,7 @@ fn a_changed_project_is_taken_over_and_its_mistakes_are_shown() {
             ..SceneOptions::default()
         },
         shaders: None,
+        text: None,
     };
     let opened = Live::open(
         gpu.clone(),

@@ -232,6 +232,7 @@ fn a_refused_scene_leaves_the_watched_files() {
             ..SceneOptions::default()
         },
         shaders: None,
+        text: None,
     };
     let view = ViewOverrides::default();
     let mut live = Live::open(gpu, source, view, InitialBuild::Whole).expect("it opens");

@@ -84,6 +84,7 @@ pub fn bounds(args: &BoundsArgs) -> Result<(), AppError> {
         path: args.scene.clone(),
         options: args.from.options(),
         shaders: None,
+        text: None,
     };
     let view = ViewOverrides {
         size: args.size,

@@ -13,7 +13,7 @@ pub enum SessionError {
     Scene(Vec<Diagnostic>),
     /// A name that does not exist.
     UnknownName {
-        /// Kind of thing that the name stands for: `AOV` or `camera`.
+        /// Kind of thing that the name stands for: `AOV`, `camera` or `model`.
         kind: &'static str,
         /// Name as it was given.
         name: String,
@@ -29,6 +29,8 @@ pub enum SessionError {
         /// Last frame of the timeline; 0 without one.
         last: u32,
     },
+    /// Vertices that do not fit a mesh.
+    Mesh(String),
     /// No usable adapter, a lost device, a picture or shadow maps past a limit, exhausted memory, or a shader that does
     /// not build.
     Gpu(GpuError),
@@ -51,6 +53,7 @@ impl fmt::Display for SessionError {
                     "there is no frame {frame}; the timeline has {first} to {last}"
                 )
             }
+            Self::Mesh(text) => f.write_str(text),
             Self::Gpu(error) => error.fmt(f),
         }
     }

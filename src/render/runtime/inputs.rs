@@ -1,17 +1,26 @@
 //! Inputs of the runtime: the files of a scene, and what replaces its view settings.
 
-use std::path::PathBuf;
+use std::{
+    path::{Path, PathBuf},
+    sync::Arc,
+};
 
-use super::scene_text::{LoadedScene, SceneOptions};
+use super::scene_text::{LoadedScene, SceneOptions, SceneText};
 use crate::{Crop, Draft, RenderOptions, unit_costs::UnitCosts};
 use reflet_gpu::{ShaderError, ShaderLibrary};
-use reflet_scene::desc::{Method, Samples};
+use reflet_scene::{
+    desc::{Method, Samples},
+    diagnostic::Diagnostic,
+};
 
 /// Files of a scene, and what is changed in them.
 #[derive(Clone, Debug, Default)]
 pub struct SceneSource {
     /// Scene file or model; `None` is the built-in atrium.
     pub path: Option<PathBuf>,
+    /// Scene text that is read in place of the file at `path`, which then names it in messages and need not exist; files
+    /// that it names are searched from the folder of `path`.
+    pub text: Option<Arc<str>>,
     /// Changed values, variants and asset folders.
     pub options: SceneOptions,
     /// Folder of shaders; `None` for the built-in ones.
@@ -19,6 +28,22 @@ pub struct SceneSource {
 }
 
 impl SceneSource {
+    /// Name of the scene in messages about it as a whole.
+    pub(super) fn name(&self) -> &Path {
+        self.path.as_deref().unwrap_or(Path::new("atrium"))
+    }
+
+    /// Reads its text.
+    ///
+    /// # Errors
+    /// Same errors as [`SceneText::read`].
+    pub(super) fn read(&self) -> Result<SceneText, Vec<Diagnostic>> {
+        match &self.text {
+            Some(text) => Ok(SceneText::new(text, self.name(), &self.options)),
+            None => SceneText::read(self.path.as_deref(), &self.options),
+        }
+    }
+
     /// Reads its shaders.
     ///
     /// # Errors

@@ -9,7 +9,7 @@ use reflet_scene::{
 };
 use reflet_world::World;
 
-use super::scene_text::LoadedScene;
+use super::{GivenMeshes, scene_text::LoadedScene};
 
 /// The moments of one frame of a moving scene.
 pub struct OpenShutter<'a> {
@@ -18,15 +18,17 @@ pub struct OpenShutter<'a> {
     frame: u32,
     /// Time that the shutter is open, frames.
     open: f64,
+    /// Vertices that replace those of the scene.
+    meshes: Option<&'a GivenMeshes>,
     /// Change of the world that is applied after each pose.
     after: &'a dyn Fn(&mut World),
 }
 
 impl<'a> OpenShutter<'a> {
     /// Moments of the loaded frame; `None` where all show the same pose.
-    pub fn of(loaded: &'a mut LoadedScene) -> Option<Self> {
+    pub(super) fn of(loaded: &'a mut LoadedScene, meshes: &'a GivenMeshes) -> Option<Self> {
         let LoadedScene { scene, world, .. } = loaded;
-        moves(scene).then(|| Self::new(scene, world, loaded.frame, &|_| ()))
+        moves(scene).then(|| Self::new(scene, world, loaded.frame, &|_| ()).with(meshes))
     }
 
     /// The moments of a frame; `after` is called on the world after each pose.
@@ -41,7 +43,16 @@ impl<'a> OpenShutter<'a> {
             world,
             frame,
             open: scene.image.shutter.into(),
+            meshes: None,
             after,
+        }
+    }
+
+    /// The same moments with other vertices than those of the scene.
+    pub(super) fn with(self, meshes: &'a GivenMeshes) -> Self {
+        Self {
+            meshes: Some(meshes),
+            ..self
         }
     }
 }
@@ -60,7 +71,11 @@ impl Moments for OpenShutter<'_> {
             RenderError::Scene(Box::new(errors.into_iter().next().unwrap_or_else(unknown)))
         };
         let state = self.animator.pose_within(self.frame, late_frames);
-        self.world.apply(&state.map_err(first)?).map_err(first)?;
+        let mut state = state.map_err(first)?;
+        if let Some(meshes) = self.meshes {
+            meshes.put(self.animator.scene(), &mut state);
+        }
+        self.world.apply(&state).map_err(first)?;
         (self.after)(self.world);
         Ok(self.world)
     }

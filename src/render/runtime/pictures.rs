@@ -151,7 +151,7 @@ impl Session {
         let camera = self.camera();
         self.complete()?;
         let renderer = &mut self.renderer;
-        if let Some(mut moments) = OpenShutter::of(&mut self.loaded) {
+        if let Some(mut moments) = OpenShutter::of(&mut self.loaded, &self.meshes) {
             let picture =
                 renderer.begin_picture_of_moments(&self.gpu, &mut moments, camera, request);
             return picture.inspect_err(|_| close(renderer, &self.gpu, moments));
@@ -198,7 +198,8 @@ impl Session {
             let world = self.coarse.as_ref().unwrap_or(&loaded.world);
             return self.renderer.render(&self.gpu, world, &camera(world));
         }
-        let mut moments = OpenShutter::new(&loaded.scene, &mut loaded.world, loaded.frame, edit);
+        let mut moments = OpenShutter::new(&loaded.scene, &mut loaded.world, loaded.frame, edit)
+            .with(&self.meshes);
         let rendered = (self.renderer).render_moments(&self.gpu, &mut moments, camera);
         rendered.inspect_err(|_| close(&mut self.renderer, &self.gpu, moments))
     }

@@ -1,7 +1,7 @@
 //! The stages that run scripts: text → document → scene → poses. They use nothing of what is shown, so they
 //! can run on any thread while pictures are rendered.
 
-use std::{path::Path, sync::Arc};
+use std::sync::Arc;
 
 use super::{
     SceneSource,
@@ -109,9 +109,8 @@ pub fn read(
     texts: &Dependencies,
     frame: u32,
 ) -> Result<Read, Vec<Diagnostic>> {
-    let file = source.path.as_deref().unwrap_or(Path::new("atrium"));
-    catch_panic(file, || {
-        let text = SceneText::read(source.path.as_deref(), &source.options)?;
+    catch_panic(source.name(), || {
+        let text = source.read()?;
         let (name, declared) = (text.name(), text.declared());
         let mut parameters = parameters.clone();
         if let Some(declared) = &declared {

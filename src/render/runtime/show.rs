@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::{
-    InitialBuild, SceneSource, Session, SessionError, ViewOverrides, coarse,
+    GivenMeshes, InitialBuild, SceneSource, Session, SessionError, ViewOverrides, coarse,
     parameters::{DeclaredParameters, ParameterOverrides},
     read::{Pose, Read, TextStage},
     renderer_stage::RendererStage,
@@ -99,6 +99,7 @@ impl Session {
             loaded,
             first,
             state,
+            meshes: GivenMeshes::default(),
             assets: Some(assets),
             dependencies: read.load_options().dependencies.clone(),
             declared: read.texts.declared,
@@ -152,6 +153,7 @@ impl Session {
             loaded,
             first,
             state: None,
+            meshes: GivenMeshes::default(),
             assets: None,
             coarse: None,
             dependencies: Dependencies::default(),

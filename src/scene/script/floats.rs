@@ -75,11 +75,6 @@ impl Floats {
         Ok(())
     }
 
-    /// The numbers.
-    pub(super) fn numbers(&self) -> &[f32] {
-        &self.0
-    }
-
     /// The numbers, shared with all copies.
     pub(super) fn shared(self) -> Arc<Vec<f32>> {
         self.0

@@ -160,6 +160,7 @@ impl SceneCopy {
             path: Some(self.folder.0.join(SCENE)),
             options: self.from.options(),
             shaders: Some(self.folder.0.join(SHADERS)),
+            text: None,
         }
     }
 
