@@ -5,18 +5,13 @@ use std::{env, panic, process::ExitCode};
 
 use reflet::app;
 
-/// Sets environment variables of the graphics driver: Mesa's device selection looks for a Wayland display, and prints an
-/// error to standard error without `XDG_RUNTIME_DIR`; its shader compiler keeps what it compiled, where it finds a place.
+/// Sets environment variables of the graphics driver.
 #[expect(
     unsafe_code,
     reason = "the environment is changed before any other thread exists"
 )]
 fn set_driver_variables() {
-    let mut variables = app::device::mesa_variables();
-    if cfg!(target_os = "linux") && env::var_os("XDG_RUNTIME_DIR").is_none() {
-        variables.push(("XDG_RUNTIME_DIR", env::temp_dir().into_os_string()));
-    }
-    for (name, value) in variables {
+    for (name, value) in app::device::driver_variables() {
         // SAFETY: this is the first call in `main`, while no other thread exists.
         unsafe { env::set_var(name, value) };
     }

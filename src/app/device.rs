@@ -36,10 +36,20 @@ pub fn open_gpu(adapter: Option<&str>, ray_queries: bool) -> Result<Gpu, GpuErro
     })
 }
 
+/// Environment variables of the graphics driver that the user has not set: Mesa's device selection looks for a Wayland
+/// display, and prints an error to standard error without `XDG_RUNTIME_DIR`; its shader compiler keeps what it compiled,
+/// where it finds a place.
+pub fn driver_variables() -> Vec<(&'static str, OsString)> {
+    const RUNTIME_DIR: &str = "XDG_RUNTIME_DIR";
+    let lacks_folder = cfg!(target_os = "linux") && env::var_os(RUNTIME_DIR).is_none();
+    let folder = lacks_folder.then(|| (RUNTIME_DIR, env::temp_dir().into_os_string()));
+    mesa_variables().into_iter().chain(folder).collect()
+}
+
 /// Environment variables that have Mesa's drivers keep compiled shaders beside ours, unless the user names another
 /// place. A driver keeps none where it finds no folder that it can write to, and compiling takes most of a first
 /// picture.
-pub fn mesa_variables() -> Vec<(&'static str, OsString)> {
+fn mesa_variables() -> Vec<(&'static str, OsString)> {
     if !cfg!(target_os = "linux") || env::var_os(MESA_FOLDER_ENV).is_some() {
         return Vec::new();
     }

@@ -14,18 +14,53 @@ use super::{
     error::AppError,
     render_session::RenderSession,
 };
-use crate::{render::RenderOptions, scene::desc::SceneDesc};
+use crate::{
+    render::{Crop, RenderOptions},
+    runtime::Session,
+    scene::desc::SceneDesc,
+};
 
 /// Hash of the program's source and shaders, from `build.rs`.
 const BUILT_FROM: &str = env!("REFLET_BUILT_FROM");
+
+/// Choices of a run beside its scene.
+#[derive(Clone, Debug, Default)]
+pub struct RunSettings {
+    /// Name of the chosen camera; empty without one.
+    pub camera: String,
+    /// Part of the pictures.
+    pub crop: Option<Crop>,
+    /// Whether pictures are denoised.
+    pub denoise: bool,
+    /// Number of frames on either side that are denoised with each.
+    pub window: u32,
+    /// Names of the AOVs, as they were given.
+    pub aovs: Vec<String>,
+    /// Hash of the shaders, if they come from the user.
+    pub own_shaders: Option<u128>,
+}
+
+impl RunSettings {
+    /// Choices of a command.
+    pub fn of(args: &RenderArgs, session: &RenderSession) -> Self {
+        Self {
+            camera: args.picture.camera.clone().unwrap_or_default(),
+            crop: args.picture.crop,
+            denoise: args.picture.denoise,
+            window: session.window,
+            aovs: args.picture.aov.clone(),
+            own_shaders: session.own_shaders,
+        }
+    }
+}
 
 /// Hash of all inputs that frames share: program, scene, script, assets, settings and device. File
 /// contents are hashed, not paths, so that shards on several machines agree.
 ///
 /// # Errors
 /// A file that cannot be read any more, or that was modified since the scene was opened.
-pub fn of_run(args: &RenderArgs, session: &RenderSession) -> Result<u128, AppError> {
-    let loaded = session.scene.scene();
+pub fn of_run(settings: &RunSettings, session: &Session) -> Result<u128, AppError> {
+    let loaded = session.scene();
     let mut hash = Xxh3Default::new();
     let mut add = |bytes: &[u8]| {
         hash.update(&(bytes.len() as u64).to_le_bytes());
@@ -52,21 +87,15 @@ pub fn of_run(args: &RenderArgs, session: &RenderSession) -> Result<u128, AppErr
             None => add(&read(file)?),
         }
     }
-    add(args
-        .picture
-        .camera
-        .as_deref()
-        .unwrap_or_default()
-        .as_bytes());
-    add(args
-        .picture
+    add(settings.camera.as_bytes());
+    add(settings
         .crop
         .as_ref()
         .map_or(String::new(), crop_word)
         .as_bytes());
-    add(&[u8::from(args.picture.denoise)]);
-    add(&session.window.to_le_bytes());
-    for aov in &args.picture.aov {
+    add(&[u8::from(settings.denoise)]);
+    add(&settings.window.to_le_bytes());
+    for aov in &settings.aovs {
         add(aov.as_bytes());
     }
     // Checked after reading, to detect a save in between.
@@ -76,14 +105,14 @@ pub fn of_run(args: &RenderArgs, session: &RenderSession) -> Result<u128, AppErr
             path.display()
         )));
     }
-    add(&session.own_shaders.unwrap_or_default().to_le_bytes());
+    add(&settings.own_shaders.unwrap_or_default().to_le_bytes());
     // Settings left to `auto` are hashed as they were decided.
     let options = RenderOptions {
         audit: false, // an audit does not change the picture
-        ..*session.scene.renderer().options()
+        ..*session.renderer().options()
     };
     add(format!("{options:?}").as_bytes());
-    let gpu = session.scene.gpu();
+    let gpu = session.gpu();
     add(gpu.adapter_info.name.as_bytes());
     add(gpu.adapter_info.driver_info.as_bytes());
     Ok(hash.digest128())

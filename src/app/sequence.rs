@@ -14,7 +14,7 @@ use super::{
     denoise::window::{FrameError, KeptFrames},
     encoder::{Encoders, Failures, Outcome, Rendered, Rendering, Target},
     error::AppError,
-    fingerprint,
+    fingerprint::{self, RunSettings},
     frame_name::Template,
     frames::FrameList,
     output::{format::Format, picture_file::PictureFile, video::Film, writable::check_writable},
@@ -115,8 +115,8 @@ pub fn check_output(
         ));
     };
     let template = Template::new(args.output())?;
-    if template.is_some() {
-        create_last_folder(args.output())?;
+    if template.is_some() && create_last_folder(args.output())? {
+        reflet_base::error_line!("created the folder {}", folder_of(args.output()).display());
     }
     // The largest frame number has the longest name.
     let last = frames.0.iter().max().unwrap_or(first);
@@ -129,23 +129,25 @@ pub fn check_output(
     frames.try_for_each(|frame| output.renamed(name(*frame)).check_files(aovs, inputs))
 }
 
-/// Creates the folder of a file if only that folder is missing.
-fn create_last_folder(path: &Path) -> Result<(), AppError> {
+/// Creates the folder of a file if only that folder is missing; returns whether it did.
+///
+/// # Errors
+/// [`AppError::Usage`] for a folder that cannot be created.
+pub fn create_last_folder(path: &Path) -> Result<bool, AppError> {
     let folder = folder_of(path);
     if folder.exists() || !folder_of(folder).is_dir() {
-        return Ok(());
+        return Ok(false);
     }
     match std::fs::create_dir(folder) {
-        Ok(()) => reflet_base::error_line!("created the folder {}", folder.display()),
+        Ok(()) => Ok(true),
         // Another process that renders a part of the same film has created it meanwhile.
-        Err(_) if folder.is_dir() => {}
+        Err(_) if folder.is_dir() => Ok(false),
         Err(error) => {
             let (shown, folder) = (path.display(), folder.display());
             let text = format!("--output {shown}: cannot create {folder}: {error}");
-            return Err(AppError::Usage(text));
+            Err(AppError::Usage(text))
         }
     }
-    Ok(())
 }
 
 /// Renders the frames; `load_ms` and the start of the command are for statistics.
@@ -160,7 +162,7 @@ pub fn render(
     (load_ms, command): (f64, Instant),
 ) -> Result<(), AppError> {
     session.denoise_over(args.picture.denoise_window);
-    let run = fingerprint::of_run(args, &session)?;
+    let run = fingerprint::of_run(&RunSettings::of(args, &session), &session.scene)?;
     let mut progress = Progress::new(frames.0.len(), args.progress);
     let target = target(args, &session, frames)?;
     let planes: Vec<_> = session.aovs.iter().map(|aov| aov.plane_name()).collect();

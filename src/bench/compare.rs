@@ -78,22 +78,32 @@ pub fn compare(args: &CompareArgs) -> Result<Comparison, Box<Diagnostic>> {
         None => None,
     };
     let maps = Maps::of(&pair);
-    let frame = maps.scores(None);
-    let mask = mask.map(|mask| score_mask(&maps, &mask));
     let mut comparison = Comparison {
         test: args.test.display().to_string(),
         reference: args.reference.display().to_string(),
+        notes,
+        ..scored(&pair, &maps, mask.as_ref())
+    };
+    comparison.crossed = crossed(args, &comparison.frame, comparison.mask.as_ref());
+    write_pictures(args, &pair, &maps, &mut comparison)?;
+    Ok(comparison)
+}
+
+/// Scores of a pair of pictures of the frame, and inside a mask if there is one; no names, notes and thresholds.
+pub fn scored(pair: &Pair, maps: &Maps, mask: Option<&Mask>) -> Comparison {
+    let frame = maps.scores(None);
+    Comparison {
+        test: String::new(),
+        reference: String::new(),
         width: pair.test().width(),
         height: pair.test().height(),
         identical: frame.max_difference == 0.0 && frame.rel_mse == 0.0,
-        crossed: crossed(args, &frame, mask.as_ref()),
+        crossed: Vec::new(),
+        mask: mask.map(|mask| score_mask(maps, mask)),
         frame,
-        mask,
         difference_gain: None,
-        notes,
-    };
-    write_pictures(args, &pair, &maps, &mut comparison)?;
-    Ok(comparison)
+        notes: Vec::new(),
+    }
 }
 
 /// Mask of the reflective pixels of a mask picture, eroded.
@@ -184,7 +194,8 @@ fn crossed(args: &CompareArgs, frame: &Scores, mask: Option<&MaskReport>) -> Vec
     crossed
 }
 
-fn notes(test: &Reading, reference: &Reading) -> Vec<String> {
+/// Sentences about how two pictures were read, and what that means for their scores.
+pub fn notes(test: &Reading, reference: &Reading) -> Vec<String> {
     let mut notes = [&test.notes[..], &reference.notes[..]].concat();
     let encodings = [test, reference].map(|r| r.picture.encoding());
     if encodings[0] != encodings[1] {
