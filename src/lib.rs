@@ -19,6 +19,7 @@
 //! | folder | crate | contents |
 //! |---|---|---|
 //! | `src/app` | `reflet` | [`app`]: the commands and what they print; exit codes; [`app::lint`] warns of likely mistakes |
+//! | `src/python` | `reflet-python` | the module of Python: a thin user of the runtime's sessions, and of [`app`] for files |
 //! | `src/preview` | [`reflet_preview`] | a scene that follows its files ([`reflet_preview::watch`], [`reflet_preview::live`]), and the window |
 //! | `src/bench` | [`reflet_bench`] | picture × picture → error ([`bench::metric`], pure); [`bench::run`] renders and measures; reports are drawn from the table of samples |
 //! | `src/render` | [`reflet_render`] | the library. [`runtime`]: one scene from its text to its pictures, opened, changed and posed in keyed stages, and the only code that builds a `Renderer`: `render` and the preview are thin users of its sessions, `bench` and `calibrate` of its renderer stage. `render/passes/mod.rs` lists the passes in their order: read it first; `reflet info --frame` prints those of a scene; [`render::plan`] lists the features and passes that a scene needs, [`render::targets`] the one table of intermediate textures, [`render::types`] every struct shared with the shaders |

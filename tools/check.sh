@@ -178,10 +178,11 @@ fi
 
 if [ -f tools/pyproject.toml ]; then
     heading "Python lints"
-    .venv/bin/ruff check --config tools/pyproject.toml tools tests/tools
+    .venv/bin/ruff check --config tools/pyproject.toml tools tests/tools src/python
 
     heading "Python types"
     .venv/bin/mypy --config-file tools/pyproject.toml tools
+    .venv/bin/mypy --strict --python-version 3.11 src/python/reflet
 fi
 
 heading "All good in $SECONDS s"

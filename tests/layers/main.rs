@@ -209,6 +209,7 @@ fn comments_name_their_thing() {
         ("shaders", "wgsl", Syntax::Slashes),
         ("tools", "py", Syntax::Python),
         ("tests/tools", "py", Syntax::Python),
+        ("src/python", "py", Syntax::Python),
     ] {
         let mut files = files_below(&root().join(folder), &[extension]);
         if folder == "src" {

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import os
+import shutil
 import sys
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 
@@ -32,6 +34,33 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     for item in items:
         if "full" in item.keywords:
             item.add_marker(skip)
+
+
+@pytest.fixture(scope="session")
+def package(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with the package `reflet` around the library that `cargo test` has built."""
+    if sys.version_info < (3, 11):
+        pytest.skip("the module of Python needs Python 3.11")
+    pytest.importorskip("numpy", reason="pictures are arrays of NumPy")
+    built = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "debug" / "deps"
+    library = built / "libreflet_python.so"
+    if not library.is_file():
+        pytest.fail(f"{library} is missing: cargo test --locked --workspace --no-run")
+    folder = tmp_path_factory.mktemp("package")
+    shutil.copytree(ROOT / "src/python/reflet", folder / "reflet")
+    (folder / "reflet/_reflet.abi3.so").symlink_to(library)
+    return folder
+
+
+@pytest.fixture(scope="session")
+def reflet(package: Path) -> ModuleType:
+    """The module of Python."""
+    sys.path.insert(0, str(package))
+    try:
+        import reflet
+    finally:
+        sys.path.remove(str(package))
+    return reflet
 
 
 @pytest.fixture

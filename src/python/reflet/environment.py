@@ -1,0 +1,20 @@
+"""Owns the variables of the environment that the driver and the converter of USD stages read."""
+
+from __future__ import annotations
+
+import os
+import sysconfig
+from collections.abc import Iterable
+from pathlib import Path
+
+TOOL = "REFLET_USD"
+"""Variable with the path of the converter."""
+
+
+def prepare(driver: Iterable[tuple[str, str]]) -> None:
+    """Set variables of the driver, and the converter beside this package, unless they are set."""
+    for name, value in driver:
+        os.environ.setdefault(name, value)
+    converter = Path(sysconfig.get_path("scripts")) / "reflet-usd"
+    if converter.is_file():
+        os.environ.setdefault(TOOL, str(converter))

@@ -1,0 +1,133 @@
+//! Keywords of a picture, checked.
+
+use clap::ValueEnum as _;
+use pyo3::{exceptions::PyTypeError, prelude::*, types::PyDict};
+
+use crate::{
+    errors::{argument_error, exception},
+    render::Request,
+    scene_value::names,
+};
+use reflet::{
+    app::{args::MethodArg, size_arg::parse_size},
+    render::{Crop, aov::Aov},
+    runtime::ViewOverrides,
+    scene::desc::Method,
+};
+
+/// AOVs by name, each once, and the names as they were given.
+fn aovs_of(py: Python<'_>, given: Option<Bound<'_, PyAny>>) -> PyResult<(Vec<Aov>, Vec<String>)> {
+    let names = given.map_or(Ok(Vec::new()), |given| names(&given, "aovs"))?;
+    let mut aovs = Vec::new();
+    for name in &names {
+        let aov = Aov::from_name(name).ok_or_else(|| {
+            let known = Aov::ALL.map(Aov::name).join(", ");
+            exception(
+                py,
+                "UnknownNameError",
+                &format!("there is no AOV `{name}`; there are: {known}"),
+            )
+        })?;
+        if !aovs.contains(&aov) {
+            aovs.push(aov);
+        }
+    }
+    Ok((aovs, names))
+}
+
+/// Keywords that `render` and `frames` share.
+#[derive(Default)]
+pub struct View<'py> {
+    camera: Option<String>,
+    size: Option<(u32, u32)>,
+    samples: Option<u32>,
+    method: Option<String>,
+    crop: Option<(u32, u32, u32, u32)>,
+    denoise: bool,
+    audit: bool,
+    timed: bool,
+    aovs: Option<Bound<'py, PyAny>>,
+}
+
+impl<'py> View<'py> {
+    /// Keywords of a call.
+    pub fn of(py: Python<'py>, given: Option<&Bound<'py, PyDict>>) -> PyResult<Self> {
+        let mut view = Self::default();
+        for (name, value) in given.into_iter().flat_map(|given| given.iter()) {
+            let name: String = name.extract()?;
+            let set = |view: &mut Self| {
+                match name.as_str() {
+                    "aovs" => view.aovs = Some(value).filter(|value| !value.is_none()),
+                    "camera" => view.camera = value.extract()?,
+                    "size" => view.size = value.extract()?,
+                    "samples" => view.samples = value.extract()?,
+                    "method" => view.method = value.extract()?,
+                    "crop" => view.crop = value.extract()?,
+                    "denoise" => view.denoise = value.extract()?,
+                    "audit" => view.audit = value.extract()?,
+                    "timed" => view.timed = value.extract()?,
+                    _ => return Err(PyTypeError::new_err("there is no such argument")),
+                }
+                Ok(())
+            };
+            set(&mut view).map_err(|error: PyErr| {
+                PyTypeError::new_err(format!("{name}: {}", error.value(py)))
+            })?;
+        }
+        Ok(view)
+    }
+
+    /// Choices of a picture, and the names of its AOVs as they were given.
+    pub fn request(
+        self,
+        py: Python<'_>,
+        camera: Option<&String>,
+    ) -> PyResult<(Request, Vec<String>)> {
+        let (aovs, names) = aovs_of(py, self.aovs)?;
+        if let Some((width, height)) = self.size {
+            let checked = parse_size(&format!("{width}x{height}"));
+            checked
+                .map_err(|why| argument_error(py, &format!("size=({width}, {height}): {why}")))?;
+        }
+        if let Some(samples) = self.samples.filter(|samples| !(1..=4096).contains(samples)) {
+            return Err(argument_error(
+                py,
+                &format!("samples={samples}: it must be 1 to 4096"),
+            ));
+        }
+        let method = self.method.map(|name| {
+            let found = MethodArg::from_str(&name, false).map(Method::from);
+            found.map_err(|_| {
+                let known = MethodArg::value_variants()
+                    .iter()
+                    .map(|known| Method::from(*known).name());
+                let known = known.collect::<Vec<_>>().join(", ");
+                exception(
+                    py,
+                    "UnknownNameError",
+                    &format!("there is no method `{name}`; there are: {known}"),
+                )
+            })
+        });
+        let view = ViewOverrides {
+            camera: self.camera.or_else(|| camera.cloned()),
+            size: self.size.map(Into::into),
+            samples: self.samples,
+            method: method.transpose()?,
+            audit: self.audit,
+            ..ViewOverrides::default()
+        };
+        let crop = self.crop.map(|(x, y, width, height)| Crop {
+            at: [x, y],
+            size: [width, height],
+        });
+        let request = Request {
+            aovs,
+            view,
+            crop,
+            timed: self.timed || self.audit,
+            denoise: self.denoise,
+        };
+        Ok((request, names))
+    }
+}

@@ -1,0 +1,484 @@
+"""The module of Python: its files equal the program's, its arrays are right, its errors clear."""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+import warnings
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+np = pytest.importorskip("numpy", reason="pictures are arrays of NumPy")
+Image = pytest.importorskip("PIL.Image", reason="pictures are opened with Pillow")
+
+ROOT = Path(__file__).resolve().parents[2]
+PROGRAM = Path(os.environ.get("REFLET", ROOT / "target" / "debug" / "reflet"))
+
+#: A moving chrome ball over a floor, with a parameter, a variant and two cameras.
+SCENE = """
+version = 1
+params.height = 0.5
+image = { size = [48, 27], samples = 2 }
+environment = { zenith = "#203058", horizon = "#8892a8", ground = "#101010" }
+camera.main = { eye = [0, 1, 4], target = [0, 0.5, 0] }
+camera.side = { eye = [4, 1, 0], target = [0, 0.5, 0] }
+light.sun = { kind = "directional", direction = [-1, -2, -1], intensity_lux = 3 }
+material.chrome = { metallic = 1, roughness = 0.02 }
+material.tiles = { roughness = 0.05, reflectivity = 0.3 }
+model.floor = { shape = { kind = "plane", size = [20, 20] }, material = "tiles" }
+model.ball = { shape = { kind = "sphere", radius = 0.5 }, material = "chrome" }
+script = "ball.rhai"
+timeline = { end = 3 }
+instance = [{ model = "floor" }, { name = "ball", model = "ball", dynamic = true }]
+variant.night.light.sun.intensity_lux = 0.1
+"""
+SCRIPT = """
+fn frame(ctx) {
+    print(`frame ${ctx.frame}`);
+    ctx.place("ball", [0.1 * ctx.frame, ctx.params.height, 0.0]);
+}
+"""
+
+#: A square of two triangles, seen from 5 m.
+SQUARE = {
+    "version": 1,
+    "image": {"size": [16, 16]},
+    "camera": {"main": {"eye": [0, 0, 5], "target": [0, 0, 0]}},
+    "model": {
+        "cloth": {
+            "shape": {
+                "kind": "mesh",
+                "positions": [[-9, -9, 0], [9, -9, 0], [9, 9, 0], [-9, 9, 0]],
+                "indices": [[0, 1, 2], [0, 2, 3]],
+                "dynamic": True,
+            }
+        },
+        "ball": {"shape": {"kind": "sphere", "radius": 0.1}},
+    },
+    "instance": [{"model": "cloth"}],
+}
+
+
+@pytest.fixture
+def scene(tmp_path: Path) -> Path:
+    """A folder with the scene."""
+    (tmp_path / "scene.toml").write_text(SCENE)
+    (tmp_path / "ball.rhai").write_text(SCRIPT)
+    return tmp_path / "scene.toml"
+
+
+def run(*arguments: object) -> subprocess.CompletedProcess[str]:
+    """Run the program."""
+    words = [str(word) for word in arguments]
+    done = subprocess.run([PROGRAM, *words], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return done
+
+
+def render(scene: Path, out: Path, *more: object) -> Path:
+    """Render with the program."""
+    run("render", scene, "-o", out, *more)
+    return out
+
+
+def test_files_equal_those_of_the_program(reflet: ModuleType, scene: Path) -> None:
+    folder = scene.parent
+    (folder / "own").mkdir()
+    options = {"set": {"image.samples": 3, "params.height": 0.75}, "variant": "night"}
+    told: list[tuple[int, int | None]] = []
+    with reflet.open(scene, **options) as session:
+        assert session.timeline == (0, 3, 24.0)
+        assert session.cameras == ["main", "side"]
+        assert session.parameters == {"height": 0.75}
+        picture = session.render(aovs=["depth", "cause"], progress=lambda *n: told.append(n))
+        assert [line.split(": ")[-1] for line in picture.log] == ["frame 0"]
+        assert told[-1] == (3, 3)
+        names = ["own.png", "own.depth.png", "own.cause.png"]
+        assert picture.save(folder / "own.png") == [folder / name for name in names]
+        picture.save(folder / "own.exr")
+        side = session.render(camera="side", size=(32, 18), method="rt", crop=(4, 2, 20, 10))
+        side.save(folder / "side.png")
+        for frame in session.frames("1-2", aovs=["ids"]):
+            assert frame.log[0].endswith(f": frame {frame.frame}")
+            frame.save(folder / "own" / "film.####.exr")
+    assert session.closed
+    settings = ["--set", "image.samples=3", "--set", "params.height=0.75", "--variant", "night"]
+    for name in ("png", "exr"):
+        own, other = folder / f"own.{name}", folder / f"program.{name}"
+        render(scene, other, *settings, "--aov", "depth,cause")
+        assert own.read_bytes() == other.read_bytes(), name
+    for aov in ("depth", "cause"):
+        own, other = folder / f"own.{aov}.png", folder / f"program.{aov}.png"
+        assert own.read_bytes() == other.read_bytes(), aov
+    view = ["--camera", "side", "--size", "32x18", "--method", "rt", "--crop", "4,2,20,10"]
+    other = render(scene, folder / "other.png", *settings, *view)
+    assert (folder / "side.png").read_bytes() == other.read_bytes()
+    film = folder / "own" / "film.####.exr"
+    frames = ["--aov", "ids", "--frames", "0-2"]
+    done = run("render", scene, "-o", film, *settings, *frames, "--resume")
+    assert done.stderr.count("kept") == 2, done.stderr
+    before = [(folder / "own" / f"film.{n:04}.exr").read_bytes() for n in (1, 2)]
+    render(scene, folder / "new.####.exr", *settings, "--aov", "ids", "--frames", "1-2")
+    assert before == [(folder / f"new.{n:04}.exr").read_bytes() for n in (1, 2)]
+
+
+def test_pictures_are_arrays(reflet: ModuleType, scene: Path) -> None:
+    with reflet.open(scene) as session:
+        picture = session.render(aovs=reflet.AOVS)
+    # Pictures outlive their session.
+    assert picture.size == (48, 27)
+    shapes = {"depth": (), "reflectance": (), "hit_distance": (), "source": (), "cause": ()}
+    shapes |= {"ids": (2,), "hit_ids": (2,)}
+    for name in picture:
+        assert picture[name].shape == (27, 48, *shapes.get(name, (3,))), name
+        kind = np.uint32 if name in ("source", "cause", "ids", "hit_ids") else np.float32
+        assert picture[name].dtype == kind, name
+    assert len(picture) == len(reflet.AOVS) == 14
+    assert (picture.radiance.shape, picture.radiance.dtype) == ((27, 48, 4), np.float32)
+    assert (picture.display.shape, picture.display.dtype) == ((27, 48, 4), np.uint8)
+    seen = np.isfinite(picture["depth"])
+    assert np.allclose(np.linalg.norm(picture["normal"][seen], axis=-1), 1, atol=1e-3)
+    counts = {share["name"]: share["pixels"] for share in picture.stats["shares"]["causes"]}
+    hidden = picture["cause"] == reflet.CAUSES.index("hidden")
+    assert picture.stats["samples"] > 1 or counts["hidden"] == hidden.sum()
+
+    with_pillow = Image.fromarray(picture.display)
+    assert np.array_equal(with_pillow, picture.display)
+    assert np.array_equal(Image.fromarray(picture), picture.display)
+    shown = Image.open(io.BytesIO(picture._repr_png_()))
+    assert np.array_equal(shown, picture.display[..., :3])
+    for array in (np.from_dlpack(picture), np.asarray(picture)):
+        assert np.shares_memory(array, picture.display)
+    assert np.shares_memory(np.from_dlpack(picture.radiance), picture.radiance)
+    assert np.asarray(picture, dtype=np.float64).dtype == np.float64
+
+
+def test_written_pixels_are_saved(reflet: ModuleType, scene: Path, tmp_path: Path) -> None:
+    with reflet.open(scene) as session:
+        picture = session.render()
+    picture.display[2, 3] = (1, 2, 3, 255)
+    [path] = picture.save(tmp_path / "out.png")
+    assert tuple(np.asarray(Image.open(path))[2, 3]) == (1, 2, 3)
+    picture.display.shape = (27 * 48, 4)
+    [path] = picture.save(tmp_path / "out.png")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeprecationWarning)
+        picture.display.dtype = np.int8
+    with pytest.raises(reflet.ArgumentError, match="another shape"):
+        picture.save(tmp_path / "out.png")
+
+
+def test_a_scene_is_a_file_a_text_or_a_dict(reflet: ModuleType, scene: Path) -> None:
+    import tomllib
+
+    ways = [
+        {"scene": scene},
+        {"text": SCENE, "folder": scene.parent},
+        {"scene": tomllib.loads(SCENE), "folder": scene.parent},
+        {"scene": scene, "text": SCENE},
+    ]
+    pictures = []
+    for way in ways:
+        with reflet.open(**way) as session:
+            pictures.append(session.render(2).display)
+    assert all(np.array_equal(pictures[0], other) for other in pictures[1:])
+    with reflet.open(scene, text=SCENE.replace("0.5\nimage", "1.5\nimage")) as session:
+        assert session.parameters == {"height": 1.5}
+    numpy_scene = SQUARE | {"image": {"size": np.array([16, 16]), "samples": np.int64(1)}}
+    with reflet.open(numpy_scene) as session:
+        assert session.size == (16, 16)
+    for wrong, says in [
+        ({"version": None}, "version: None is no value"),
+        ({"a": {"b": [1, {2: 3}]}}, r"a.b\[1\]: keys must be text, not int"),
+        ({"a": object()}, "a: object is no value of scene text"),
+    ]:
+        with pytest.raises(TypeError, match=says):
+            reflet.open(wrong)
+    endless: dict[str, object] = {}
+    endless["a"] = endless
+    with pytest.raises(ValueError, match="lists and tables"):
+        reflet.open(endless)
+
+
+def test_meshes_are_moved(reflet: ModuleType) -> None:
+    rest = np.array(SQUARE["model"]["cloth"]["shape"]["positions"], float)
+    with reflet.open(SQUARE) as session:
+        assert np.allclose(session.render(aovs="depth")["depth"], 5)
+        near = rest + np.array([0, 0, 2])
+        for positions in (near, near.astype(np.float32), np.asfortranarray(near), near.tolist()):
+            session.mesh("cloth", positions=positions)
+            assert np.allclose(session.render(aovs="depth")["depth"], 3)
+        normals = np.tile([1.0, 0, 1], (4, 1))
+        session.mesh("cloth", positions=rest, normals=normals)
+        picture = session.render(aovs=["depth", "normal"])
+        assert np.allclose(picture["depth"], 5)
+        assert np.allclose(picture["normal"], normals[0] / 2**0.5, atol=1e-3)
+        session.mesh("cloth", positions=near)
+        session.set("image.size", [8, 8])
+        assert np.allclose(session.render(aovs="depth")["depth"], np.full((8, 8), 3.0))
+        bad = near.copy()
+        bad[1, 2] = np.nan
+        for wrong, error, says in [
+            ({"positions": near[:3]}, reflet.ArgumentError, "must be 12 numbers"),
+            ({"positions": near.ravel()}, reflet.ArgumentError, r"shape \(N, 3\).*\(12,\)"),
+            ({"positions": near.astype(complex)}, reflet.ArgumentError, "real numbers"),
+            ({"positions": [["a", "b", "c"]]}, reflet.ArgumentError, "real numbers"),
+            ({"positions": bad}, reflet.ArgumentError, "number 5 is NaN"),
+            ({"positions": near * 1e300}, reflet.ArgumentError, "number 0 is -inf"),
+            ({"positions": near, "normals": bad}, reflet.ArgumentError, "normals.*number 5 is NaN"),
+        ]:
+            with np.errstate(all="ignore"), pytest.raises(error, match=says):
+                session.mesh("cloth", **wrong)
+        with pytest.raises(reflet.UnknownNameError, match="no model `cloths`; there are:"):
+            session.mesh("cloths", positions=near)
+        with pytest.raises(reflet.ArgumentError, match="cannot be deformed"):
+            session.mesh("ball", positions=near)
+        with pytest.raises(reflet.SceneError):
+            session.set("model.cloth.shape.dynamic", "yes")
+        with pytest.raises(reflet.ArgumentError, match="cannot be deformed"):
+            session.set("model.cloth.shape.dynamic", False)
+        assert np.allclose(session.render(aovs="depth")["depth"], 3)
+
+
+def test_errors_have_places(reflet: ModuleType, scene: Path, tmp_path: Path) -> None:
+    scene.write_text(SCENE.replace("roughness", "roughnes"))
+    with pytest.raises(reflet.SceneError) as caught:
+        reflet.open(scene)
+    error = caught.value
+    assert (error.file, error.line, error.column) == (scene, 9, 35)
+    assert "roughness" in error.help
+    assert f"{scene}:9:35" in str(error)
+    assert error.diagnostics[0].severity == "error"
+    with pytest.raises(reflet.SceneError, match="<text>:1:"):
+        reflet.open(text="version = 1\nx = 2\n".replace("version = 1\n", "versio = 1\n"))
+    with pytest.raises(reflet.SceneError) as caught:
+        reflet.open(tmp_path / "none.toml")
+    assert caught.value.line is None
+    scene.write_text(SCENE)
+    for options, error, says in [
+        ({"camera": "mian"}, reflet.UnknownNameError, "no camera `mian`; there are: main, side"),
+        ({"adapter": "no such adapter"}, reflet.NoAdapterError, "no such adapter"),
+        ({"method": "rays"}, reflet.SceneError, "reflection.method"),
+        ({"size": (0, 5)}, reflet.SceneError, "size"),
+        ({"folder": tmp_path}, reflet.ArgumentError, "folder="),
+        ({"variant": 5}, reflet.ArgumentError, "variant is a text"),
+        ({"sample": 5}, TypeError, "sample"),
+    ]:
+        with pytest.raises(error, match=says):
+            reflet.open(scene, **options)
+    with pytest.raises(reflet.ArgumentError, match="a scene is a path"):
+        reflet.open(5)
+    with reflet.open(scene) as session:
+        for options, error, says in [
+            ({"frame": 4}, reflet.FrameError, "no frame 4; the timeline has 0 to 3"),
+            ({"aovs": ["dpeth"]}, reflet.UnknownNameError, "no AOV `dpeth`"),
+            ({"camera": "mian"}, reflet.UnknownNameError, "no camera `mian`"),
+            ({"method": "rays"}, reflet.UnknownNameError, "no method `rays`; there are: ssr"),
+            ({"size": (0, 5)}, reflet.ArgumentError, "each side must be 1 to 16384"),
+            ({"samples": 0}, reflet.ArgumentError, "1 to 4096"),
+            ({"crop": (40, 0, 20, 20)}, reflet.ArgumentError, "not inside of the picture"),
+            ({"size": "large"}, TypeError, "^size: "),
+            ({"dnoise": True}, TypeError, "dnoise: there is no such argument"),
+        ]:
+            with pytest.raises(error, match=says):
+                session.render(**options)
+        with pytest.raises(reflet.FrameError, match="frame 7 is not in the timeline"):
+            session.frames("0-7")
+        picture = session.render()
+        with pytest.raises(KeyError, match="rendered without it"):
+            picture["depth"]
+        for path, says in [
+            (tmp_path / "out.jpg", "must end in .png or .exr"),
+            (tmp_path / "none" / "out.png", "create it first"),
+            (scene.with_suffix(".png"), None),
+        ]:
+            if says:
+                with pytest.raises(reflet.ArgumentError, match=says):
+                    picture.save(path)
+        with pytest.raises(reflet.SceneError) as caught:
+            session.set({"image.sampels": 3})
+        assert "samples" in caught.value.help
+        assert session.render(3).frame == 3
+    for call in (session.render, lambda: session.frame, lambda: session.set("image.samples", 1)):
+        with pytest.raises(reflet.ClosedError, match="closed"):
+            call()
+    session.close()
+    assert "closed" in repr(session)
+
+
+def test_warnings_are_those_of_python(reflet: ModuleType, scene: Path, tmp_path: Path) -> None:
+    with pytest.warns(reflet.SceneWarning, match="no such folder"):
+        session = reflet.open(scene, assets=[tmp_path / "none"])
+    assert session.warnings[0].severity == "warning"
+    session.close()
+    with warnings.catch_warnings(), pytest.raises(reflet.SceneWarning):
+        warnings.simplefilter("error")
+        reflet.open(scene, assets=[tmp_path / "none"])
+
+
+def test_ctrl_c_and_errors_of_progress_end_a_picture(reflet: ModuleType, scene: Path) -> None:
+    told: list[int] = []
+
+    def press(done: int, _total: int | None) -> None:
+        told.append(done)
+        signal.raise_signal(signal.SIGINT)
+
+    def fail(_done: int, _total: int | None) -> None:
+        raise RuntimeError("enough")
+
+    with reflet.open(scene, samples=4096) as session:
+        with pytest.raises(KeyboardInterrupt):
+            session.render(progress=press)
+        assert told
+        assert told[-1] < 4096
+        with pytest.raises(RuntimeError, match="enough"):
+            session.render(progress=fail)
+        with pytest.raises(reflet.Error, match="its progress function cannot use it"):
+            session.render(progress=lambda *_: session.frame)
+        with pytest.raises(RuntimeError, match="enough"):
+            next(session.frames(progress=fail))
+        picture = session.render(samples=2)
+    assert picture.stats["samples"] == 2
+
+
+def test_threads_take_turns(reflet: ModuleType, scene: Path) -> None:
+    with reflet.open(scene) as session:
+        alone = [session.render(frame).display for frame in range(4)]
+        found: dict[int, object] = {}
+
+        def work(frame: int) -> None:
+            found[frame] = session.render(frame).display
+
+        threads = [threading.Thread(target=work, args=(frame,)) for frame in range(4)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        assert all(np.array_equal(alone[frame], found[frame]) for frame in range(4))
+
+
+#: A child process that was forked tries everything, and says the classes of the errors.
+FORKED = """
+import os, sys, reflet
+scene = sys.argv[1]
+session = reflet.open(scene, samples=1)
+picture = session.render()
+reader, writer = os.pipe()
+child = os.fork()
+if child == 0:
+    said = []
+    for call in (session.render, session.close, lambda: reflet.open(scene), lambda: session.frame,
+                 lambda: reflet.compare(picture, picture)):
+        try:
+            call()
+            said.append("nothing")
+        except reflet.Error as error:
+            said.append(type(error).__name__)
+    del session
+    os.write(writer, " ".join(said).encode())
+    sys.exit(7)
+_, status = os.waitpid(child, 0)
+print(os.read(reader, 1000).decode(), os.waitstatus_to_exitcode(status), session.render().frame)
+"""
+
+
+def test_a_fork_is_refused(package: Path, scene: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, "-W", "ignore", "-c", FORKED, str(scene)],
+        env={**os.environ, "PYTHONPATH": str(package)},
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=300,
+    )
+    assert done.stdout.split() == ["ForkError"] * 5 + ["7", "0"], done.stderr
+
+
+def test_comparisons_equal_those_of_the_program(reflet: ModuleType, scene: Path) -> None:
+    folder = scene.parent
+    with reflet.open(scene) as session:
+        picture = session.render(method="ssr", aovs=["reflectance"])
+        reference = session.render(method="rt")
+    for name, one in (("a", picture), ("b", reference)):
+        one.save(folder / f"{name}.png")
+    mask = folder / "a.reflectance.png"
+    told = run("compare", folder / "a.png", folder / "b.png", "--mask", mask, "--json").stdout
+    told = json.loads(told)
+    ways = [
+        (picture, reference),
+        (folder / "a.png", folder / "b.png"),
+        (picture.display[..., :3], reference.display),
+    ]
+    for a, b in ways:
+        judged = reflet.compare(a, b, mask=mask)
+        for own, other in ((judged, told["frame"]), (judged.mask, told["mask"]["scored"])):
+            assert own.flip == pytest.approx(other["flip_mean"], abs=1e-12)
+            assert own.ssim == pytest.approx(other["ssim"], abs=1e-12)
+            assert own.area_px == other["area_px"]
+        assert judged.flip_map.shape == (27, 48)
+        assert judged.flip_map.mean() == pytest.approx(judged.flip, abs=1e-4)
+        assert not judged.identical
+    weights = reflet.compare(picture, reference, mask=picture["reflectance"])
+    assert weights.mask.area_px == pytest.approx(told["mask"]["scored"]["area_px"], abs=3)
+    assert reflet.compare(reference, reference).identical
+    broken = reference.radiance.copy()
+    broken[1, 2, 0] = np.nan
+    for test, says in [
+        (broken, "1 pixel holds NaN.*column 2, row 1"),
+        (picture.display[1:], "sizes differ"),
+        (picture.display[..., 0], "must have the shape"),
+        (picture.display.astype(int), "not ndarray"),
+        (None, "not NoneType"),
+    ]:
+        with pytest.raises(reflet.ArgumentError, match=says):
+            reflet.compare(test, reference)
+    with pytest.raises(reflet.SceneError, match="cannot be read"):
+        reflet.compare(folder / "none.png", reference)
+
+
+def test_wrong_hits_are_a_value(reflet: ModuleType, scene: Path) -> None:
+    dull = {"material.chrome.metallic": 0, "material.chrome.reflectivity": 0}
+    with reflet.open(scene, method="hybrid", set=dull) as session:
+        picture = session.render(audit=True)
+        assert session.render().wrong_hits is None
+    audit = picture.stats["audit"]
+    assert picture.wrong_hits == pytest.approx(audit["wrong"] / audit["hits"])
+    assert picture.stats["passes_ms"]
+
+
+def test_types_are_those_of_the_module(package: Path, tmp_path: Path) -> None:
+    """mypy checks a program against the types, and stubtest the types against the module."""
+    program = tmp_path / "program.py"
+    program.write_text(
+        "import numpy as np\n"
+        "import reflet\n"
+        "def depths(path: str) -> np.ndarray:\n"
+        "    with reflet.open(path, set={'image.samples': 4}, variant='night') as session:\n"
+        "        picture = session.render(frame=2, aovs=['depth'], method='rt')\n"
+        "        for frame in session.frames('0-3', camera='main'):\n"
+        "            frame.save('out.####.exr')\n"
+        "        flip: float = reflet.compare(picture, picture).flip\n"
+        "    session.render(method='rays')  # type: ignore[arg-type]\n"
+        "    return picture['depth'] * flip\n"
+    )
+    environment = {**os.environ, "PYTHONPATH": str(package), "MYPYPATH": str(package)}
+    for words in (
+        ["mypy", "--strict", "--cache-dir", str(tmp_path / "cache"), str(program)],
+        ["mypy.stubtest", "reflet"],
+    ):
+        done = subprocess.run(
+            [sys.executable, "-m", *words],
+            env=environment,
+            cwd=tmp_path,
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        assert done.returncode == 0, done.stdout + done.stderr

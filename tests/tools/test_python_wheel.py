@@ -1,0 +1,114 @@
+"""The wheel of the package `reflet` installs in an empty environment, where a program runs."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import venv
+import zipfile
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+pytestmark = pytest.mark.full
+
+#: A program that uses most of the package.
+PROGRAM = """
+import numpy as np
+import reflet
+from pathlib import Path
+
+xyz = np.array([[-1, 0, -1], [1, 0, -1], [1, 1, 1], [-1, 1, 1]], np.float32)
+Path("out").mkdir()
+with reflet.open("scene.toml", assets=["lib"], set={"image.samples": 2}, variant="night") as s:
+    other = s.render()
+    picture = s.render(frame=12, aovs=["depth", "cause"])
+    assert picture.radiance.dtype == np.float32 and picture.display.dtype == np.uint8
+    assert np.isfinite(picture["depth"]).any() and picture["cause"].max() > 0
+    s.set("params.height", 2.0)
+    s.mesh("cloth", positions=xyz)
+    for f in s.frames("0-3"):
+        f.save("out/my.####.exr")
+    assert not np.array_equal(s.render(12).display, picture.display)
+    print(reflet.compare(picture, other).flip > 0, len(list(Path("out").glob("my.000?.exr"))))
+"""
+SCENE = """
+version = 1
+params.height = 0.5
+image.size = [48, 27]
+camera.main = { eye = [0, 2, 5], target = [0, 0.5, 0] }
+light.sun = { kind = "directional", direction = [-1, -2, -1], intensity_lux = 3 }
+variant.night.light.sun.intensity_lux = 0.5
+timeline.end = 47
+script = "move.rhai"
+material.mirror = { metallic = 1, roughness = 0.02 }
+model.ball = { shape = { kind = "sphere", radius = 0.5 }, material = "mirror" }
+[model.cloth.shape]
+kind = "mesh"
+dynamic = true
+positions = [-1, 0, -1, 1, 0, -1, 1, 0, 1, -1, 0, 1]
+indices = [0, 2, 1, 0, 3, 2]
+[[instance]]
+model = "cloth"
+[[instance]]
+name = "ball"
+model = "ball"
+dynamic = true
+"""
+SCRIPT = "fn frame(ctx) { ctx.place(`ball`, [0.02 * ctx.frame, ctx.params.height, 0.0]); }\n"
+
+
+def run(*words: object, **options: object) -> str:
+    """Run a command, and return its output."""
+    command = [str(word) for word in words]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, **options)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+@pytest.fixture(scope="module")
+def wheels(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with the wheels of both packages; not optimized, as the packing is tested."""
+    folder = tmp_path_factory.mktemp("wheels")
+    manifest = ["--manifest-path", ROOT / "src/python/Cargo.toml", "--locked"]
+    maturin = Path(sys.executable).with_name("maturin")
+    run(maturin, "build", *manifest, "--profile", "dev", "--out", folder)
+    run(sys.executable, "-m", "pip", "wheel", "--no-deps", "--wheel-dir", folder, ROOT / "tools")
+    return folder
+
+
+def test_the_wheel_is_one_for_all_versions_of_python(wheels: Path) -> None:
+    [wheel] = wheels.glob("reflet-*.whl")
+    assert "-cp311-abi3-" in wheel.name
+    names = zipfile.ZipFile(wheel).namelist()
+    package = [name for name in names if name.startswith("reflet/")]
+    sources = {path.name for path in (ROOT / "src/python/reflet").glob("*.py*")}
+    sources |= {"py.typed", "_reflet.abi3.so"}
+    assert {Path(name).name for name in package} == sources
+    licenses = [name for name in names if "LICENSE" in name]
+    assert len(licenses) == 2, names
+
+
+def test_it_runs_in_an_empty_environment(wheels: Path, tmp_path: Path) -> None:
+    venv.create(tmp_path / "venv", with_pip=True)
+    python = tmp_path / "venv/bin/python"
+    pip = [python, "-m", "pip", "--disable-pip-version-check"]
+    run(*pip, "install", "--quiet", "--find-links", wheels, "reflet")
+    work = tmp_path / "work"
+    (work / "lib").mkdir(parents=True)
+    (work / "program.py").write_text(PROGRAM)
+    (work / "scene.toml").write_text(SCENE)
+    (work / "move.rhai").write_text(SCRIPT)
+    assert run(python, "program.py", cwd=work).split() == ["True", "4"]
+    # The converter of USD comes with the extra, whose other packages are not fetched here.
+    planned = run(*pip, "install", "--dry-run", "--find-links", wheels, "reflet[usd]")
+    assert "reflet-usd-0.1.0" in planned, planned
+    run(*pip, "install", "--quiet", "--no-deps", "--no-index", "--find-links", wheels, "reflet-usd")
+    named = (
+        "import os, reflet; reflet.open(size=(8, 8), samples=1); print(os.environ['REFLET_USD'])"
+    )
+    environment = {name: value for name, value in os.environ.items() if name != "REFLET_USD"}
+    found = run(python, "-c", named, cwd=work, env=environment).strip()
+    assert Path(found).samefile(tmp_path / "venv/bin/reflet-usd")
