@@ -68,30 +68,33 @@ def run(*words: object, **options: object) -> str:
     return done.stdout
 
 
-@pytest.fixture(scope="module")
-def wheels(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with the wheels of both packages; not optimized, as the packing is tested."""
-    folder = tmp_path_factory.mktemp("wheels")
+def build(folder: Path) -> None:
+    """Make the wheels of both packages; not optimized, as the packing is tested."""
     manifest = ["--manifest-path", ROOT / "src/python/Cargo.toml", "--locked"]
     maturin = Path(sys.executable).with_name("maturin")
-    run(maturin, "build", *manifest, "--profile", "dev", "--out", folder)
+    # Other tests read the library of the common folder meanwhile.
+    environment = {**os.environ, "CARGO_TARGET_DIR": str(ROOT / "target/wheel")}
+    run(maturin, "build", *manifest, "--profile", "dev", "--out", folder, env=environment)
     run(sys.executable, "-m", "pip", "wheel", "--no-deps", "--wheel-dir", folder, ROOT / "tools")
-    return folder
 
 
-def test_the_wheel_is_one_for_all_versions_of_python(wheels: Path) -> None:
-    [wheel] = wheels.glob("reflet-*.whl")
+def check_files(wheel: Path) -> None:
+    """Check that the wheel is one for all versions of Python, and has every file."""
     assert "-cp311-abi3-" in wheel.name
     names = zipfile.ZipFile(wheel).namelist()
     package = [name for name in names if name.startswith("reflet/")]
     sources = {path.name for path in (ROOT / "src/python/reflet").glob("*.py*")}
     sources |= {"py.typed", "_reflet.abi3.so"}
     assert {Path(name).name for name in package} == sources
-    licenses = [name for name in names if "LICENSE" in name]
-    assert len(licenses) == 2, names
+    licenses = {Path(name).name for name in names if "LICENSE" in name}
+    assert licenses == {"LICENSE-MIT", "LICENSE-APACHE"}, names
 
 
-def test_it_runs_in_an_empty_environment(wheels: Path, tmp_path: Path) -> None:
+def test_it_runs_in_an_empty_environment(tmp_path: Path) -> None:
+    wheels = tmp_path / "wheels"
+    build(wheels)
+    [wheel] = wheels.glob("reflet-*.whl")
+    check_files(wheel)
     venv.create(tmp_path / "venv", with_pip=True)
     python = tmp_path / "venv/bin/python"
     pip = [python, "-m", "pip", "--disable-pip-version-check"]
