@@ -247,6 +247,31 @@ def test_meshes_are_moved(reflet: ModuleType) -> None:
         assert np.allclose(session.render(aovs="depth")["depth"], 3)
 
 
+def test_moved_meshes_equal_written_ones(reflet: ModuleType, scene: Path) -> None:
+    """Also while the shutter is open, which poses the scene at several moments of the frame."""
+    import tomllib
+
+    def with_cloth(positions: object) -> dict[str, object]:
+        described = tomllib.loads(SCENE)
+        described["image"]["shutter"] = 0.5
+        shape = SQUARE["model"]["cloth"]["shape"] | {"positions": positions}
+        described["model"]["floor"] = {"shape": shape, "material": "tiles"}
+        return described
+
+    rest = np.array(SQUARE["model"]["cloth"]["shape"]["positions"], np.float32)
+    near = rest + np.array([0, 0.25, -1], np.float32)
+    folder = scene.parent
+    with reflet.open(with_cloth(near), folder=folder) as session:
+        written = session.render(2, aovs="depth")
+    with reflet.open(with_cloth(rest), folder=folder) as session:
+        before = session.render(2)
+        session.mesh("floor", positions=near)
+        moved = session.render(2, aovs="depth")
+    assert np.array_equal(moved["depth"], written["depth"])
+    assert np.abs(moved.display.astype(int) - written.display).max() <= 1
+    assert not np.array_equal(before.display, moved.display)
+
+
 def test_errors_have_places(reflet: ModuleType, scene: Path, tmp_path: Path) -> None:
     scene.write_text(SCENE.replace("roughness", "roughnes"))
     with pytest.raises(reflet.SceneError) as caught:
