@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import subprocess
 import sys
 import venv
@@ -75,7 +76,11 @@ def build(folder: Path) -> None:
     # Other tests read the library of the common folder meanwhile.
     environment = {**os.environ, "CARGO_TARGET_DIR": str(ROOT / "target/wheel")}
     run(maturin, "build", *manifest, "--profile", "dev", "--out", folder, env=environment)
-    run(sys.executable, "-m", "pip", "wheel", "--no-deps", "--wheel-dir", folder, ROOT / "tools")
+    # setuptools builds inside of the folder.
+    tools = folder.with_name("tools")
+    shutil.copytree(ROOT / "tools/reflet_usd", tools / "reflet_usd")
+    shutil.copy(ROOT / "tools/pyproject.toml", tools)
+    run(sys.executable, "-m", "pip", "wheel", "--no-deps", "--wheel-dir", folder, tools)
 
 
 def check_files(wheel: Path) -> None:
