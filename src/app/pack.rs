@@ -51,14 +51,7 @@ pub struct PackArgs {
 /// replaced, and a file that cannot be read or written; then no pack is left.
 pub fn pack(args: &PackArgs) -> Result<(), AppError> {
     shutdown::listen();
-    let layout = match args.from.project_of(Some(&args.scene))? {
-        None => Layout::of(args)?,
-        // The folder of a project has its links resolved.
-        Some(_) => Layout::of(&PackArgs {
-            scene: without_links(&args.scene),
-            ..args.clone()
-        })?,
-    };
+    let layout = Layout::of(&args.scene, &args.from)?;
     check_writable(&args.output, &Inputs::of(layout.files.values()))?;
     sweep(std::slice::from_ref(&args.output));
     let mut goal = Temporary::create(&args.output)
@@ -92,28 +85,73 @@ fn without_links(path: &Path) -> PathBuf {
 }
 
 /// Files of a pack by their names in it, and its manifest.
-struct Layout {
+pub struct Layout {
     files: BTreeMap<String, PathBuf>,
     manifest: Manifest,
 }
 
+/// Folder with a copy of what a scene reads.
+#[derive(Debug)]
+pub struct CopiedScene {
+    /// Path of the scene's file.
+    pub scene: PathBuf,
+    /// Arguments with which it is opened there.
+    pub from: SceneArgs,
+}
+
 impl Layout {
     /// Layout for a scene, which is loaded to find all of its files and to check it.
-    fn of(args: &PackArgs) -> Result<Self, AppError> {
+    ///
+    /// # Errors
+    /// Errors of the scene, and [`AppError::Usage`] for names that a pack cannot hold.
+    pub fn of(scene: &Path, from: &SceneArgs) -> Result<Self, AppError> {
+        match from.project_of(Some(scene))? {
+            None => Self::of_path(scene, from),
+            // The folder of a project has its links resolved.
+            Some(_) => Self::of_path(&without_links(scene), from),
+        }
+    }
+
+    /// Copies the files into an existing folder, where they keep their places to each other.
+    ///
+    /// # Errors
+    /// A file that cannot be read or written.
+    pub fn copy_to(&self, folder: &Path) -> io::Result<CopiedScene> {
+        for (name, path) in &self.files {
+            let goal = folder.join(name);
+            fs::create_dir_all(folder_of(&goal))?;
+            let mut from = open_regular(path, false)?;
+            io::copy(&mut from, &mut fs::File::create(&goal)?)?;
+        }
+        let manifest = &self.manifest;
+        Ok(CopiedScene {
+            scene: folder.join(&manifest.scene),
+            from: SceneArgs {
+                set: manifest.set.clone(),
+                variant: manifest.variant.clone(),
+                assets: manifest.assets.iter().map(|f| folder.join(f)).collect(),
+                lenient: manifest.lenient,
+                project: manifest.project.as_ref().map(|own| folder.join(own)),
+                no_project: manifest.project.is_none(),
+            },
+        })
+    }
+
+    fn of_path(scene: &Path, from: &SceneArgs) -> Result<Self, AppError> {
         let texts = Dependencies::default();
-        let text = SceneText::read(Some(&args.scene), &args.from.options());
+        let text = SceneText::read(Some(scene), &from.options());
         let text = text.map_err(AppError::Scene)?;
         let name = text.name();
         let opened = text.open(&[], &texts).map_err(AppError::Scene)?;
         let searched = opened.options.dependencies.clone();
         let timeline = opened.scene.timeline.clone();
         let loaded = load(opened, name)?;
-        let scene = absolute(&args.scene)?;
+        let scene = absolute(scene)?;
         let named = texts.paths().into_iter().chain(searched.paths());
         let paths = all_files(&scene, named, &loaded.world.files)?;
         let mut assets = Vec::new();
         let project = loaded.project.as_deref();
-        for folder in asset_folders(&args.from.assets) {
+        for folder in asset_folders(&from.assets) {
             let folder = absolute(&folder)?;
             if paths.iter().any(|path| path.starts_with(&folder)) && !assets.contains(&folder) {
                 assets.push(folder);
@@ -128,9 +166,9 @@ impl Layout {
             built_from: BUILT_FROM.to_owned(),
             scene: inside(&scene)?,
             assets: assets.iter().map(|f| inside(f)).collect::<Result<_, _>>()?,
-            set: args.from.set.clone(),
-            variant: args.from.variant.clone(),
-            lenient: args.from.lenient,
+            set: from.set.clone(),
+            variant: from.variant.clone(),
+            lenient: from.lenient,
             project: own.map(inside).transpose()?,
             frames: timeline.map(|t| [t.start, t.end]),
             files: Vec::new(),

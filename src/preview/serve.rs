@@ -6,7 +6,7 @@ use std::{
     sync::{
         Arc,
         atomic::{AtomicUsize, Ordering},
-        mpsc::Sender,
+        mpsc::{self, Sender},
     },
     thread,
     time::{Duration, Instant},
@@ -24,6 +24,7 @@ use reflet_render::{runtime::SessionError, unit_costs::UnitCosts};
 use reflet_scene::desc::Method;
 
 mod actions;
+pub mod client;
 mod http;
 mod hub;
 mod input;
@@ -48,6 +49,8 @@ const MOST_RATE: u32 = 240;
 const MOST_GARBAGE: u32 = 20;
 /// Longest wait for a connection that takes no bytes.
 const WRITE_WAIT: Duration = Duration::from_secs(20);
+/// Longest wait for a picture as a file.
+const PICTURE_WAIT: Duration = Duration::from_secs(600);
 /// Interval in which connections and the end are noticed.
 const POLL: Duration = Duration::from_millis(20);
 
@@ -206,6 +209,15 @@ fn meet(
     let (request, rest) = http::read(stream)?;
     match access.route(&request) {
         Route::File(kind, text) => http::answer(stream, 200, kind, text),
+        Route::Picture(wipe_at) => {
+            let (reply, picture) = mpsc::channel();
+            let _ = events.send(Event::Picture(wipe_at, reply));
+            match picture.recv_timeout(PICTURE_WAIT) {
+                Ok(Ok(png)) => http::answer_bytes(stream, 200, "image/png", &png),
+                Ok(Err(why)) => http::answer(stream, 503, "text/plain", &why),
+                Err(_) => http::answer(stream, 503, "text/plain", "there is no picture\n"),
+            }
+        }
         Route::Refused(status, why) => http::answer(stream, status, "text/plain", why),
         Route::Socket => {
             let Ok(response) = create_response(&request) else {

@@ -2,8 +2,10 @@
 //! scene, the messages to and from it, and the movement of the camera. The window uses it, and the page.
 
 pub mod camera_controls;
+pub mod flight;
 pub mod frame_texture;
 pub mod mailbox;
+pub mod material_edit;
 pub mod opening;
 mod outline;
 pub mod picture_filter;
@@ -11,6 +13,7 @@ pub mod protocol;
 pub mod render_thread;
 pub mod scene_summary;
 pub mod timeline;
+mod tracks;
 pub mod view_channel;
 pub mod view_settings;
 pub mod view_state;

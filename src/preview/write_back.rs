@@ -48,6 +48,28 @@ pub struct Numbers {
     pub values: Vec<f64>,
 }
 
+/// Keys of the position of an item, which has at most one of them.
+pub const POSITION_KEYS: [&str; 3] = ["translation", "position", "eye"];
+
+impl Numbers {
+    /// Whether they are a color.
+    pub fn is_color(&self) -> bool {
+        let is_named = self.key.contains("color")
+            || ["emission", "zenith", "horizon", "ground"].contains(&self.key);
+        self.values.len() == 3 && is_named
+    }
+
+    /// The position of an item, moved by meters along the axes of its parent; `None` if these numbers have none.
+    pub fn moved(all: &[Self], by: [f64; 3]) -> Option<Self> {
+        let is_position = |numbers: &&Self| POSITION_KEYS.contains(&numbers.key);
+        let mut moved = all.iter().find(is_position)?.clone();
+        for (value, by) in moved.values.iter_mut().zip(by) {
+            *value += by;
+        }
+        Some(moved)
+    }
+}
+
 /// An item with its editable numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Inspected {

@@ -5,11 +5,18 @@ use std::sync::Arc;
 
 use clap::Parser as _;
 use reflet::app::{
-    bench::{args::Experiment, progress::Progress, reload::measure_all},
+    bench::{
+        args::Experiment,
+        progress::Progress,
+        reload::{measure_all, measure_page},
+    },
     cli::{Cli, Command},
 };
 
-use crate::common::gpu_or_skip;
+use crate::{
+    common::gpu_or_skip,
+    kit::{Folder, SCENE},
+};
 
 #[test]
 fn saves_of_all_kinds_are_measured() {
@@ -35,4 +42,50 @@ fn saves_of_all_kinds_are_measured() {
             assert!(sample.total_ms() >= sample.ready_ms() + sample.frame_ms);
         }
     }
+}
+
+/// A scene whose base lies above it, and a viewer of the page that gets the picture of each save.
+#[test]
+fn saves_of_a_project_are_measured_to_a_viewer_of_the_page() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let folder = Folder::new();
+    folder.write("reflet.toml", "assets = \"lib\"\n");
+    let floor = "[material.floor]\nbase_color = [0.4, 0.4, 0.4]\n";
+    folder.write("lib/floor.toml", floor);
+    let base = SCENE.replace(floor, "[material.floor]\n");
+    folder.write(
+        "base.toml",
+        format!("include = \"floor.toml\"\n{base}").replace(
+            "[material.floor]\nreflectivity = 0.5\nroughness = 0.02\n",
+            "",
+        ),
+    );
+    let text = "version = 1\nbase = \"../base.toml\"\n[material.red]\nroughness = 0.5\n";
+    let path = folder.write("shots/close.toml", text);
+    let words = [
+        "reflet", "bench", "reload", "--page", "--n", "1", "--size", "48x32",
+    ];
+    let words = words
+        .map(str::to_owned)
+        .into_iter()
+        .chain([path.display().to_string()]);
+    let Command::Bench(args) = Cli::parse_from(words).command else {
+        panic!("another command");
+    };
+    let Some(Experiment::Reload(args)) = args.experiment else {
+        panic!("another experiment");
+    };
+    let measured = measure_page(&Arc::new(gpu), &args, &mut Progress::new());
+    let series = measured.unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(series.len(), 5);
+    for one in &series {
+        let [sample] = one.samples.as_slice() else {
+            panic!("one save is counted");
+        };
+        assert_eq!(sample.driver_ms > 0.0, one.edit == "shader", "{}", one.file);
+        assert!(sample.frame_ms > 0.0 && sample.encode_ms > 0.0);
+        assert!(sample.beyond_ms() >= sample.encode_ms, "{sample:?}");
+    }
+    let kept = std::fs::read_to_string(&path).expect("the scene is there");
+    assert_eq!(kept, text, "the copy is edited, not the scene");
 }

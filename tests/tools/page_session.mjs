@@ -6,7 +6,7 @@ import { pathToFileURL } from "node:url";
 
 const [browserPath, address, scenePath, playwright] = process.argv.slice(2);
 const { chromium } = await import(pathToFileURL(playwright).href);
-const PATIENCE_MS = 60_000;
+const PATIENCE_MS = 20_000;
 
 const browser = await chromium.launch({
   executablePath: browserPath,
@@ -72,10 +72,70 @@ while (!readFileSync(scenePath, "utf8").includes("height = 1.5")) {
 }
 step("written");
 
+// Waits until the scene's text has this.
+const saved = async (part, is_there = true) => {
+  const until = Date.now() + PATIENCE_MS;
+  while (readFileSync(scenePath, "utf8").includes(part) !== is_there) {
+    if (Date.now() > until) throw new Error(`${part} ${is_there ? "was not" : "is still"} written in the scene: ${readFileSync(scenePath, "utf8")}`);
+    await page.waitForTimeout(20);
+  }
+};
+
 // The picture stands in the middle of the canvas, with margins; the floor is below its middle.
 await page.mouse.click(x, y + 0.05 * box.height);
 await page.waitForFunction(() => document.getElementById("label").textContent.includes("floor"));
 step("selected");
+
+// Material and place of an item of the outline, by picker, number and arrow.
+await page.locator("#items button", { hasText: "ball" }).click();
+await page.waitForFunction(() => document.getElementById("label").textContent.includes("ball"));
+await page.locator("#materials").selectOption("red");
+await page.locator("#material input[name=roughness]").fill("0.25");
+await page.locator("#material input[name=roughness]").press("Enter");
+await saved("roughness = 0.25");
+await page.locator("#material input[type=color]").first().fill("#00ff00");
+await page.locator("#material input[type=color]").first().dispatchEvent("change");
+await saved("base_color = [0, 1, 0]");
+await page.locator("#items button", { hasText: "lamp" }).click();
+await page.waitForFunction(() => document.getElementById("label").textContent.includes("lamp"));
+await page.locator("#stage").focus();
+await page.keyboard.press("Alt+ArrowRight");
+await saved("position = [2.1, 4");
+await page.keyboard.press("Control+z");
+await saved("position = [2, 4, 3]");
+step("changed");
+
+// Keys of the camera's track: one is added at the current frame, moved by a drag, and deleted.
+await page.locator("#items button", { hasText: "camera" }).click();
+await page.locator(".track button").first().click();
+await page.waitForFunction(() => document.querySelectorAll(".key").length === 3);
+const key = await page.locator(".key").nth(1).boundingBox();
+const bar = await page.locator(".bar").first().boundingBox();
+await page.mouse.move(key.x + key.width / 2, key.y + key.height / 2);
+await page.mouse.down();
+await page.mouse.move(bar.x + (2 / 9) * bar.width, key.y + key.height / 2, { steps: 3 });
+await page.mouse.up();
+await saved("at_s = 0.083");
+await page.keyboard.press("Delete");
+await page.waitForFunction(() => document.querySelectorAll(".key").length === 2);
+await saved("at_s = 0.083", false);
+// A flight in free view replaces them.
+await page.locator("#record").click();
+await page.locator("#stage").focus();
+await page.keyboard.press("ArrowRight");
+await saved("[motion.camera.main]\n");
+await page.waitForFunction(() => document.getElementById("record").textContent === "record flight");
+await page.waitForFunction(() => document.getElementById("status").textContent.includes("the flight is written"));
+step("keyed");
+
+// The picture as a file has the size that was asked for.
+const [download] = await Promise.all([page.waitForEvent("download"), page.locator("#screenshot").click()]);
+const png = readFileSync(await download.path());
+const size = [png.readUInt32BE(16), png.readUInt32BE(20)];
+if (download.suggestedFilename() !== "scene.png" || size.join() !== "96,54") {
+  throw new Error(`${download.suggestedFilename()} has ${size}`);
+}
+step("downloaded");
 
 // A second viewer shares the view: its wipe is seen by both, and a narrow page shows all of its parts.
 const second = await browser.newPage({ viewport: { width: 640, height: 700 } });

@@ -34,6 +34,8 @@ model = "floor"
 name = "ball"
 model = "ball"
 dynamic = true
+[motion.camera.main]
+eye = { keys = [{ at_s = 0, value = [0, 1.5, 4] }, { at_s = 0.375, value = [1, 1.5, 4] }] }
 [light.lamp]
 kind = "point"
 position = [2, 4, 3]
@@ -48,6 +50,9 @@ STEPS = [
     "scrubbed",
     "written",
     "selected",
+    "changed",
+    "keyed",
+    "downloaded",
     "shared",
     "broken",
     "mended",

@@ -221,6 +221,9 @@ pub struct ReloadArgs {
     /// Folder of shaders to copy in place of the built-in ones
     #[arg(long, value_name = "DIR")]
     pub shaders: Option<PathBuf>,
+    /// Measure until a viewer of the preview's page has the picture (`preview --serve`)
+    #[arg(long)]
+    pub page: bool,
     /// Width and height of the preview's picture
     #[arg(long, value_name = "WxH", default_value = "320x180", value_parser = parse_size)]
     pub size: [u32; 2],

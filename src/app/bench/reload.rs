@@ -1,6 +1,6 @@
 //! `bench reload`: time from a save to the new picture, split by its parts.
 
-use std::{fmt::Write as _, sync::Arc};
+use std::sync::Arc;
 
 use serde::Serialize;
 
@@ -12,54 +12,28 @@ use crate::{
         print_out,
         scene::{check_reports, load_scene},
     },
-    bench::{
-        host::Host,
-        run::Observer as _,
-        summary::{Spread, digits},
-    },
+    bench::{host::Host, run::Observer as _},
     gpu::Gpu,
 };
 use reflet_preview::live::{InitialBuild, Live, ViewOverrides};
 
 pub mod copy;
 pub mod measure;
+pub mod series;
+#[cfg(feature = "serve")]
+pub mod viewer;
 
-use copy::{Edit, SceneCopy};
-use measure::{PARTS, Sample};
-
-/// Saves of one kind of edit.
-#[derive(Debug, Serialize)]
-pub struct Series {
-    /// Kind of the edit.
-    pub edit: &'static str,
-    /// Path of the edited file, below the copy's folder.
-    pub file: String,
-    /// Target of `ready` in 95 of 100 saves, milliseconds.
-    pub target_ms: f64,
-    /// Name, median and 95th percentile of each part, milliseconds; no percentile below 20 saves.
-    pub parts: Vec<Part>,
-    /// Times of every save.
-    pub samples: Vec<Sample>,
-}
-
-/// Statistics of one part over all saves.
-#[derive(Debug, Serialize)]
-pub struct Part {
-    /// Name, such as `notice_ms`.
-    pub name: &'static str,
-    /// Median, milliseconds.
-    pub p50: f64,
-    /// 95th percentile, milliseconds.
-    pub p95: Option<f64>,
-}
+use copy::{Edit, Edited, SceneCopy};
+use measure::Sample;
+use series::{Series, Timed, table};
 
 /// Contents of `reload.json`.
 #[derive(Serialize)]
-struct Report<'a> {
+struct Report<'a, S> {
     host: &'a Host,
     scene: &'a str,
     size: [u32; 2],
-    series: &'a [Series],
+    series: &'a [Series<S>],
 }
 
 /// Runs the command `bench reload`.
@@ -76,17 +50,29 @@ pub fn reload(args: &ReloadArgs) -> Result<(), AppError> {
     }
     let gpu = Arc::new(open_gpu(args.adapter.as_deref(), may_query)?);
     let mut progress = Progress::new();
-    let series = measure_all(&gpu, args, &mut progress)?;
+    match args.page {
+        #[cfg(feature = "serve")]
+        true => report(args, &gpu, &measure_page(&gpu, args, &mut progress)?),
+        #[cfg(not(feature = "serve"))]
+        true => Err(AppError::Usage(
+            "--page: this program was built without the preview's page".to_owned(),
+        )),
+        false => report(args, &gpu, &measure_all(&gpu, args, &mut progress)?),
+    }
+}
+
+/// Writes `reload.json` and prints the table.
+fn report<S: Timed>(args: &ReloadArgs, gpu: &Gpu, series: &[Series<S>]) -> Result<(), AppError> {
     let scene = (args.scene.as_ref()).map_or_else(
         || "the built-in atrium".to_owned(),
         |path| path.display().to_string(),
     );
-    let host = Host::of(&gpu);
+    let host = Host::of(gpu);
     let report = Report {
         host: &host,
         scene: &scene,
         size: args.size,
-        series: &series,
+        series,
     };
     let json = serde_json::to_vec_pretty(&report)
         .map_err(|error| AppError::Internal(format!("as JSON: {error}")))?;
@@ -98,11 +84,11 @@ pub fn reload(args: &ReloadArgs) -> Result<(), AppError> {
         "{scene}, {} saves each, {width}x{height} on {}\n\n{}",
         args.saves,
         host.adapter,
-        table(&series)
+        table(series)
     ))
 }
 
-/// Measures repeated saves of every kind of edit in a copy of the scene.
+/// Measures repeated saves of every kind of edit in a copy of the scene, until the preview has rendered each.
 ///
 /// # Errors
 /// Same errors as [`reload`].
@@ -110,11 +96,45 @@ pub fn measure_all(
     gpu: &Arc<Gpu>,
     args: &ReloadArgs,
     progress: &mut Progress,
-) -> Result<Vec<Series>, AppError> {
+) -> Result<Vec<Series<Sample>>, AppError> {
     let view = ViewOverrides {
         size: Some(args.size),
         ..ViewOverrides::default()
     };
+    each_edit(args, progress, |copy, edit, edited, progress| {
+        let mut live = Live::open(
+            gpu.clone(),
+            copy.origin(),
+            view.clone(),
+            InitialBuild::Whole,
+        )
+        .map_err(|error| AppError::from_session(error, false))?;
+        measure::saves(&mut live, args.saves, progress, edit, |i| edited.save(i))
+    })
+}
+
+/// Measures them until a viewer of the page has the picture of each.
+///
+/// # Errors
+/// Same errors as [`reload`].
+#[cfg(feature = "serve")]
+pub fn measure_page(
+    gpu: &Arc<Gpu>,
+    args: &ReloadArgs,
+    progress: &mut Progress,
+) -> Result<Vec<Series<viewer::PageSample>>, AppError> {
+    each_edit(args, progress, |copy, _, edited, progress| {
+        let shown = (copy.origin(), args.size);
+        viewer::saves(gpu, shown, args.saves, progress, |i| edited.save(i))
+    })
+}
+
+/// Calls `measure` for every kind of edit that a copy of the scene can have.
+fn each_edit<S: Timed>(
+    args: &ReloadArgs,
+    progress: &mut Progress,
+    mut measure: impl FnMut(&SceneCopy, Edit, &Edited, &mut Progress) -> Result<Vec<S>, AppError>,
+) -> Result<Vec<Series<S>>, AppError> {
     let copy = SceneCopy::new(args.scene.as_deref(), &args.from, args.shaders.as_deref())?;
     let mut all = Vec::new();
     let edits = [
@@ -129,107 +149,14 @@ pub fn measure_all(
         let Some(edited) = copy.edited(edit)? else {
             continue;
         };
-        let mut live = Live::open(
-            gpu.clone(),
-            copy.origin(),
-            view.clone(),
-            InitialBuild::Whole,
-        )
-        .map_err(|error| AppError::from_session(error, false))?;
         progress.note(&format!(
             "{} {} edits of {}",
             args.saves,
             edit.name(),
             edited.name()
         ));
-        let samples = measure::saves(&mut live, args.saves, progress, edit, |i| edited.save(i))?;
-        let part = |(name, of): &(&'static str, fn(&Sample) -> f64)| {
-            let spread = Spread::of(samples.iter().map(of).collect())?;
-            Some(Part {
-                name,
-                p50: spread.median,
-                p95: spread.p5_p95.map(|[_, p95]| p95),
-            })
-        };
-        all.push(Series {
-            edit: edit.name(),
-            file: edited.name(),
-            target_ms: edit.target_ms(),
-            parts: PARTS.iter().filter_map(part).collect(),
-            samples,
-        });
+        let samples = measure(&copy, edit, &edited, progress)?;
+        all.push(Series::new(edit, edited.name(), samples));
     }
     Ok(all)
-}
-
-/// Table for people: a row for each percentile of each kind of edit.
-fn table(series: &[Series]) -> String {
-    let mut text = format!("{:<22}{:>5}", "milliseconds", "");
-    // Writing to a string cannot fail.
-    for (name, _) in PARTS {
-        let _ = write!(text, "{:>9}", name.trim_end_matches("_ms"));
-    }
-    text.push('\n');
-    for one in series {
-        for is_p95 in [false, true] {
-            let (what, percentile) = match is_p95 {
-                false => (format!("{} edit", one.edit), "p50"),
-                true => (one.file.clone(), "p95"),
-            };
-            let _ = write!(text, "{what:<22}{percentile:>5}");
-            for part in &one.parts {
-                let value = if is_p95 { part.p95 } else { Some(part.p50) };
-                let value = value.map_or("–".to_owned(), digits);
-                let _ = write!(text, "{value:>9}");
-            }
-            text.push('\n');
-        }
-        let ready = one.parts.iter().find(|part| part.name == "ready_ms");
-        if let Some(p95) = ready.and_then(|part| part.p95) {
-            let word = if p95 < one.target_ms { "met" } else { "missed" };
-            let _ = writeln!(text, "{:>27} ready below {} ms: {word}", "", one.target_ms);
-        }
-    }
-    text.push_str(
-        "\nnotice: from the save to its notification, with the wait for further saves; parse: reading \
-         texts,\nrunning the script, posing; build: everything else on the CPU; ready: these three; \
-         driver: compiling\npipelines; frame: rendering; total: from the save to the picture.\n",
-    );
-    text
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_table_names_the_target_where_there_is_a_percentile() {
-        let sample = Sample {
-            notice_ms: 11.0,
-            parse_ms: 2.0,
-            build_ms: 3.0,
-            driver_ms: 40.0,
-            frame_ms: 500.0,
-            pipelines: 1,
-        };
-        assert!((sample.ready_ms() - 16.0).abs() < 1e-9);
-        assert!((sample.total_ms() - 556.0).abs() < 1e-9);
-        let part = |p95| Part {
-            name: "ready_ms",
-            p50: 16.0,
-            p95,
-        };
-        let mut series = vec![Series {
-            edit: "text",
-            file: "scene.toml".to_owned(),
-            target_ms: 100.0,
-            parts: vec![part(Some(99.0))],
-            samples: vec![sample],
-        }];
-        assert!(table(&series).contains("ready below 100 ms: met"));
-        series[0].parts[0] = part(Some(101.0));
-        assert!(table(&series).contains("ready below 100 ms: missed"));
-        series[0].parts[0] = part(None);
-        assert!(!table(&series).contains("ready below") && table(&series).contains("–"));
-    }
 }

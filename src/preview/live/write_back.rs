@@ -67,6 +67,11 @@ impl Live {
         }
     }
 
+    /// Number of times that an edit was written into a text, undone or redone.
+    pub fn writes(&self) -> u64 {
+        self.history.writes()
+    }
+
     /// Writes a number of a material into the text that says it; `shown` as for [`Live::origin_of`]. Returns the
     /// name of the table.
     ///

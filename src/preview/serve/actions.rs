@@ -2,13 +2,17 @@
 
 use glam::Vec2;
 
-use super::{input::Input, session::Session, state};
+use super::{
+    input::{Input, KeyInput},
+    session::Session,
+    state,
+};
 use crate::{
     viewer::protocol::{FrameAction, FrameRequest, Side, Task},
-    write_back::Numbers,
+    write_back::{KeyChange, KeyEdit, Numbers, numbers_of},
 };
 use reflet_bench::parameter::method_name;
-use reflet_scene::desc::Method;
+use reflet_scene::desc::{MATERIAL, Method};
 
 impl Session {
     fn moved(&mut self) {
@@ -44,6 +48,11 @@ impl Session {
                 self.state.controls.dolly(notches.clamp(-20.0, 20.0));
                 self.moved();
             }
+            Input::Fly { by, seconds } => {
+                let along = glam::Vec3::from(by.map(|x| x.clamp(-1.0, 1.0)));
+                self.state.controls.fly(along, seconds.clamp(0.0, 0.5));
+                self.moved();
+            }
             Input::Camera { name } => self.choose_camera(name.as_deref()),
             Input::Frame => self.frame(),
             Input::Pick { at } => self.pick(at),
@@ -55,6 +64,21 @@ impl Session {
             }
             Input::Undo { again } => self.post(Task::Undo(again)),
             Input::Number { key, values, write } => self.change_number(&key, values, write),
+            Input::Nudge { by } => self.nudge(by),
+            Input::Material { row } => {
+                let count = self.state.summary.materials.len();
+                self.state.settings.material = row.filter(|row| *row < count);
+            }
+            Input::MaterialNumber { key, values, write } => {
+                self.change_material(&key, &values, write);
+            }
+            Input::Key {
+                kind,
+                name,
+                key,
+                change,
+            } => self.change_key([&kind, &name, &key], &change),
+            Input::Record => self.record(now_s),
             Input::Parameter { name, value, write } => self.change_parameter(&name, &value, write),
             Input::Wipe => {
                 self.state.settings.wipe = !self.state.settings.wipe;
@@ -141,6 +165,70 @@ impl Session {
         });
     }
 
+    fn nudge(&mut self, by: [f64; 3]) {
+        let Some(item) = &self.inspected else {
+            return self.say("nothing is selected");
+        };
+        let by = by.map(|x| x.clamp(-1e6, 1e6));
+        match Numbers::moved(&item.numbers, by) {
+            Some(moved) => self.post(Task::Write(item.item, moved)),
+            None => self.say("the selected item has no place that can be changed"),
+        }
+    }
+
+    /// Changes a number of the shown material.
+    fn change_material(&mut self, key: &str, values: &[f64], write: bool) {
+        let material = self.state.settings.material;
+        let row = material.and_then(|index| self.state.summary.materials.get_mut(index));
+        let Some(row) = row else {
+            return self.say("no material is shown");
+        };
+        let now = row.edit.over(&row.numbers);
+        let field = MATERIAL.iter().position(|field| field.key == key);
+        let field = field.filter(|index| (MATERIAL[*index].get)(&now).is_some());
+        let value = field.and_then(|index| state::material_value(&MATERIAL[index], values));
+        let (Some(index), Some(value)) = (field, value) else {
+            return self.say("the material has no such number");
+        };
+        row.edit = row.with(&row.edit, index, value);
+        let (edit, number) = (row.edit, row.edit.material);
+        self.state.stir(self.now_s());
+        self.post(Task::Edit(Box::new(edit)));
+        if write {
+            let field = &MATERIAL[index];
+            let numbers = Numbers {
+                key: field.key,
+                values: numbers_of(field.form, value),
+            };
+            self.post(Task::WriteMaterial(number, numbers));
+        }
+    }
+
+    /// Changes a key of a track, given by kind, name and key.
+    fn change_key(&mut self, track: [&String; 3], change: &KeyInput) {
+        let [kind, name, key] = track;
+        let mut tracks = self.state.summary.tracks.iter().map(|known| &known.track);
+        let track = tracks.find(|t| t.kind == kind && t.name == *name && t.key == key);
+        let Some(track) = track.cloned() else {
+            return self.say("there is no such track");
+        };
+        let change = match *change {
+            KeyInput::Add(at_s) => KeyChange::Add(at_s),
+            KeyInput::Move(index, at_s) => KeyChange::Move(index, at_s),
+            KeyInput::Delete(index) => KeyChange::Delete(index),
+        };
+        self.post(Task::Key(KeyEdit { track, change }));
+    }
+
+    fn record(&mut self, now_s: f64) {
+        let ended = self.state.toggle_recording(now_s);
+        ended.into_iter().for_each(|task| self.post(task));
+        self.say(match &self.state.recording {
+            Some(_) => "recording: fly with the mouse and W A S D; the end of the timeline ends it",
+            None => "the flight is over",
+        });
+    }
+
     fn change_parameter(&mut self, name: &str, value: &serde_json::Value, write: bool) {
         let own = self
             .state
@@ -158,6 +246,5 @@ impl Session {
         if write && !self.overrides.is_empty() {
             self.post(Task::WriteParameters(self.overrides.clone()));
         }
-        self.tell_scene();
     }
 }

@@ -19,8 +19,14 @@ const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; i
                       connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
 /// A file of the page: its name below the token, its type and its text.
-const FILES: [(&str, &str, &str); 3] = [
+const FILES: [(&str, &str, &str); 5] = [
     ("", "text/html", include_str!("page/index.html")),
+    ("keys.js", "text/javascript", include_str!("page/keys.js")),
+    (
+        "numbers.js",
+        "text/javascript",
+        include_str!("page/numbers.js"),
+    ),
     ("page.js", "text/javascript", include_str!("page/page.js")),
     ("style.css", "text/css", include_str!("page/style.css")),
 ];
@@ -39,6 +45,8 @@ pub(super) struct Access {
 pub(super) enum Route {
     /// A file of the page: its type and its text.
     File(&'static str, &'static str),
+    /// The picture as a PNG file, with the line of a wipe at this place, 0 to 1.
+    Picture(f32),
     /// The socket.
     Socket,
     /// Refused: status and reason.
@@ -125,6 +133,16 @@ impl Access {
                 false => Route::Refused(403, "the socket is for the preview's own page"),
             };
         }
+        if file == "picture.png" {
+            let at = request
+                .uri()
+                .query()
+                .and_then(|query| query.strip_prefix("wipe="));
+            let at = at
+                .and_then(|at| at.parse().ok())
+                .filter(|at| (0.0..=1.0).contains(at));
+            return Route::Picture(at.unwrap_or(0.5));
+        }
         let found = FILES.iter().find(|(name, ..)| *name == file);
         found.map_or(
             Route::Refused(404, "there is no such file"),
@@ -140,14 +158,26 @@ pub(super) fn answer(
     kind: &str,
     text: &str,
 ) -> io::Result<()> {
+    let kind = format!("{kind}; charset=utf-8");
+    answer_bytes(stream, status, &kind, text.as_bytes())
+}
+
+/// Answers with bytes.
+pub(super) fn answer_bytes(
+    stream: &mut TcpStream,
+    status: u16,
+    kind: &str,
+    bytes: &[u8],
+) -> io::Result<()> {
     let status = http::StatusCode::from_u16(status).unwrap_or_default();
     write!(
         stream,
-        "HTTP/1.1 {status}\r\nContent-Type: {kind}; charset=utf-8\r\nContent-Length: {}\r\n\
+        "HTTP/1.1 {status}\r\nContent-Type: {kind}\r\nContent-Length: {}\r\n\
          Content-Security-Policy: {POLICY}\r\nX-Content-Type-Options: nosniff\r\n\
          Referrer-Policy: no-referrer\r\nCross-Origin-Resource-Policy: same-origin\r\n\
-         Cache-Control: no-store\r\nConnection: close\r\n\r\n{text}",
-        text.len(),
+         Cache-Control: no-store\r\nConnection: close\r\n\r\n",
+        bytes.len(),
     )?;
+    stream.write_all(bytes)?;
     stream.flush()
 }

@@ -46,6 +46,27 @@ pub(super) enum Input {
         values: Vec<f64>,
         write: bool,
     },
+    /// Move the selected item by meters along the axes of its parent, and write its place.
+    Nudge { by: [f64; 3] },
+    /// Show the numbers of a material, by its row, or those of none.
+    Material { row: Option<usize> },
+    /// Change numbers of the shown material; write them at the end of a drag.
+    MaterialNumber {
+        key: String,
+        values: Vec<f64>,
+        write: bool,
+    },
+    /// Change keys of a track in the scene text.
+    Key {
+        kind: String,
+        name: String,
+        key: String,
+        change: KeyInput,
+    },
+    /// Fly along right, up and forward, each -1 to 1, for some seconds.
+    Fly { by: [f32; 3], seconds: f32 },
+    /// Begin or end the recording of a camera flight.
+    Record,
     /// Change a parameter of the script; write it at the end of a drag.
     Parameter {
         name: String,
@@ -54,4 +75,16 @@ pub(super) enum Input {
     },
     /// Undo the last written change, or redo the last undone one.
     Undo { again: bool },
+}
+
+/// Change of the keys of a track.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum KeyInput {
+    /// Add a key at a time, seconds.
+    Add(f64),
+    /// Move the key of this index to a time, seconds.
+    Move(usize, f64),
+    /// Delete the key of this index.
+    Delete(usize),
 }

@@ -15,10 +15,13 @@ use image::{ExtendedColorType, codecs::jpeg::JpegEncoder};
 
 use super::{ServeOptions, hub::Hub, input::Input, state};
 use crate::{
-    live::ViewOverrides,
+    live::{SceneSource, ViewOverrides},
     viewer::{
         opening::open,
-        protocol::{FinishedFrame, Picked, Report, Task, Visualization},
+        protocol::{
+            FinishedFrame, FrameAction, FrameRequest, Picked, Report, Screenshot, ScreenshotGoal,
+            Task, Visualization,
+        },
         render_thread::RenderThread,
         scene_summary::SceneSummary,
         view_state::ViewState,
@@ -44,6 +47,8 @@ pub(super) enum Event {
     Input(Input),
     /// A viewer came.
     Joined,
+    /// A viewer wants the picture as a PNG file, with the line of a wipe at this place, 0 to 1.
+    Picture(f32, Sender<Result<Vec<u8>, String>>),
     /// The end.
     End,
 }
@@ -58,6 +63,10 @@ pub(super) struct Session {
     pub(super) picked: Option<Picked>,
     pub(super) size: [u32; 2],
     pub(super) started: Instant,
+    /// Number of the last picture.
+    number: u64,
+    /// Name of the scene, for files.
+    name: String,
 }
 
 /// Opens the scene and starts the session on its thread.
@@ -98,8 +107,19 @@ pub(super) fn start(
         picked: None,
         size: options.size,
         started: Instant::now(),
+        number: 0,
+        name: name_of(&options.source),
     };
     Ok((sender, thread::spawn(move || session.run(&events))))
+}
+
+/// Name of the scene's file, without its ending.
+fn name_of(source: &SceneSource) -> String {
+    let stem = source.path.as_ref().and_then(|path| path.file_stem());
+    stem.map_or_else(
+        || "atrium".to_owned(),
+        |stem| stem.to_string_lossy().into_owned(),
+    )
 }
 
 impl Session {
@@ -114,9 +134,11 @@ impl Session {
             match events.recv_timeout(wait) {
                 Ok(Event::End) | Err(RecvTimeoutError::Disconnected) => return,
                 Ok(Event::Input(input)) => self.act(input),
+                Ok(Event::Picture(wipe_at, reply)) => self.screenshot(wipe_at, reply),
                 Ok(Event::Report | Event::Joined) | Err(RecvTimeoutError::Timeout) => {}
             }
             self.handle_reports();
+            self.tell_choices();
             wait = match self.hub.is_empty() {
                 // Nobody looks: nothing is rendered.
                 true => IDLE,
@@ -125,9 +147,29 @@ impl Session {
         }
     }
 
-    pub(super) fn tell_scene(&self) {
-        self.hub
-            .text("scene", &state::scene(&self.state.summary, &self.overrides));
+    fn tell_scene(&self) {
+        let scene = state::scene(&self.state.summary, &self.name);
+        self.hub.text("scene", &scene);
+    }
+
+    /// Tells what changes while something is dragged; what is as before is not sent again.
+    fn tell_choices(&self) {
+        let selected = self.inspected.as_ref().map(|inspected| inspected.item);
+        let parameters = state::parameters(&self.state.summary, &self.overrides);
+        self.hub.text("parameters", &parameters);
+        self.hub.text("material", &state::material(&self.state));
+        self.hub.text("keys", &state::keys(&self.state, selected));
+    }
+
+    /// Has the picture rendered whole, also while something moves.
+    fn screenshot(&self, wipe_at: f32, reply: Sender<Result<Vec<u8>, String>>) {
+        let view = self.state.view(self.size, self.now_s());
+        let action = FrameAction::Screenshot(Screenshot {
+            goal: ScreenshotGoal::Reply(reply),
+            wipe_at,
+            error_map: false,
+        });
+        self.post(Task::Frame(FrameRequest { view, action }));
     }
 
     pub(super) fn say(&self, text: &str) {
@@ -142,6 +184,9 @@ impl Session {
     fn request_view(&mut self) -> Duration {
         let now_s = self.now_s();
         let wait_s = self.state.advance(now_s);
+        if let Some(task) = self.state.record() {
+            self.post(task);
+        }
         let view = self.state.view(self.size, now_s);
         self.hub.text("view", &state::view(&self.state));
         if self.state.request(&view) {
@@ -155,7 +200,11 @@ impl Session {
         while let Ok(report) = self.render_thread.reports.try_recv() {
             match report {
                 Report::SceneSummary(summary) => self.adopt(*summary),
-                Report::Frame(shown) => newest = Some(*shown),
+                Report::Frame(shown) => {
+                    self.number = shown.number;
+                    newest = Some(*shown);
+                }
+                Report::Idle => self.hub.text("idle", &state::idle(self.number)),
                 Report::Reloaded(reload, ms) if reload.ok => {
                     self.say(&format!(
                         "reloaded in {ms:.0} ms from the save to the picture"
@@ -166,9 +215,11 @@ impl Session {
                     self.overrides = refusal.stays.clone();
                     let why = state::problems(&refusal.why).join("\n");
                     self.say(&format!("refused: {why}"));
-                    self.tell_scene();
                 }
-                Report::Picked(picked) => self.picked = picked,
+                Report::Picked(picked) => {
+                    self.state.settings.material = picked.as_ref().map(|picked| picked.material);
+                    self.picked = picked;
+                }
                 Report::Unpicked => {
                     (self.picked, self.inspected) = (None, None);
                     self.hub.text("item", &state::item(None));
@@ -197,6 +248,7 @@ impl Session {
         self.state.show(shown);
         self.picked.clone_from(&shown.picked);
         let mut pictures = [None, None];
+        let started = Instant::now();
         for (index, side) in shown.sides.iter().take(2).enumerate() {
             match self.encode(shown.number, index as u8, side, shown.is_draft) {
                 Ok(bytes) => pictures[index] = Some(bytes.into()),
@@ -204,7 +256,9 @@ impl Session {
             }
         }
         self.hub.pictures(pictures);
-        self.hub.text("statistics", &state::statistics(shown));
+        let encode_ms = started.elapsed().as_secs_f64() * 1e3;
+        self.hub
+            .text("statistics", &state::statistics(shown, encode_ms));
     }
 
     /// A side for the page: its index, the number of sides' picture (8 bytes, little endian), then JPEG or PNG.

@@ -1,5 +1,6 @@
 //! State of the preview as JSON for a page.
 
+use glam::Vec3;
 use serde_json::{Value, json};
 
 use crate::{
@@ -12,11 +13,14 @@ use crate::{
         view_settings::METHODS,
         view_state::ViewState,
     },
-    write_back::Inspected,
+    write_back::{Inspected, SceneItem, numbers_of},
 };
 use reflet_bench::parameter::method_name;
 use reflet_render::{aov::Aov, runtime::parameters::ParameterOverrides};
-use reflet_scene::desc::{Method, ParamValue};
+use reflet_scene::{
+    desc::{MATERIAL, MaterialDesc, Method, ParamValue},
+    number::{Field, Form},
+};
 
 /// Channels that a page offers.
 pub(super) fn channels() -> impl Iterator<Item = ViewChannel> {
@@ -75,20 +79,74 @@ pub(super) fn problems(problems: &Problems) -> Vec<String> {
         .collect()
 }
 
-/// The scene: what can be chosen and changed, and what is wrong.
-pub(super) fn scene(summary: &SceneSummary, overrides: &ParameterOverrides) -> String {
+/// Parameters of the script.
+pub(super) fn parameters(summary: &SceneSummary, overrides: &ParameterOverrides) -> String {
     let parameters = summary.declared.iter().map(|(name, own)| {
         let is_integer = matches!(own, ParamValue::Integer(_));
         let now = overrides.get(name).unwrap_or(own);
         json!({ "name": name, "value": value(now), "integer": is_integer })
     });
+    json!({ "parameters": parameters.collect::<Vec<_>>() }).to_string()
+}
+
+/// The value of a material's field that numbers of a page give, within its range.
+pub(super) fn material_value(field: &Field<MaterialDesc>, values: &[f64]) -> Option<Vec3> {
+    let lanes: Vec<f32> = values
+        .iter()
+        .map(|x| field.range.clamp(*x as f32))
+        .collect();
+    if !lanes.iter().all(|x| x.is_finite()) {
+        return None;
+    }
+    match (field.form, lanes.as_slice()) {
+        (Form::Number, [x]) => Some(Vec3::splat(*x)),
+        (Form::Pair, [x, y]) => Some(Vec3::new(*x, *y, 0.0)),
+        (Form::Color | Form::Vector, [x, y, z]) => Some(Vec3::new(*x, *y, *z)),
+        _ => None,
+    }
+}
+
+/// The shown material: its name, the table that says its numbers, and these.
+pub(super) fn material(state: &ViewState) -> String {
+    let index = state.settings.material;
+    let row = index.and_then(|index| state.summary.materials.get(index));
+    json!({ "material": row.map(|row| {
+        let now = row.edit.over(&row.numbers);
+        let numbers = MATERIAL.iter().filter_map(|field| {
+            let values = numbers_of(field.form, (field.get)(&now)?);
+            Some(json!([field.key, values, field.form == Form::Color]))
+        });
+        json!({
+            "row": index,
+            "name": row.name,
+            "origin": row.origin,
+            "numbers": numbers.collect::<Vec<_>>(),
+        })
+    })})
+    .to_string()
+}
+
+/// Keys of the tracks below the timeline, and whether a flight is being recorded.
+pub(super) fn keys(state: &ViewState, selected: Option<SceneItem>) -> String {
+    let tracks = state.tracks_of(selected);
+    let tracks = tracks.iter().map(|of| {
+        let track = &of.track;
+        json!({ "kind": track.kind, "name": track.name, "key": track.key, "at_s": of.at_s })
+    });
+    json!({ "keys": tracks.collect::<Vec<_>>(), "records": state.recording.is_some() }).to_string()
+}
+
+/// The scene: what can be chosen, and what is wrong.
+pub(super) fn scene(summary: &SceneSummary, name: &str) -> String {
     let warnings = summary.warnings.iter().map(|warning| warning.render(false));
+    let materials = summary.materials.iter().map(|row| &row.name);
     json!({ "scene": {
+        "name": name,
+        "materials": materials.collect::<Vec<_>>(),
         "cameras": summary.cameras.iter().map(|(name, _)| name).collect::<Vec<_>>(),
         "cuts": !summary.cuts.is_empty(),
         "methods": methods().map(method_name).collect::<Vec<_>>(),
         "channels": channels().map(ViewChannel::name).collect::<Vec<_>>(),
-        "parameters": parameters.collect::<Vec<_>>(),
         "items": summary.items.iter().map(|row| json!([row.label, row.depth])).collect::<Vec<_>>(),
         "timeline": summary.timeline.as_ref().map(|time| json!([time.start, time.end, time.fps])),
         "log": summary.log,
@@ -118,7 +176,7 @@ pub(super) fn view(state: &ViewState) -> String {
 pub(super) fn item(inspected: Option<&Inspected>) -> String {
     let numbers = |item: &Inspected| {
         let numbers = item.numbers.iter();
-        let numbers = numbers.map(|number| json!([number.key, number.values]));
+        let numbers = numbers.map(|number| json!([number.key, number.values, number.is_color()]));
         numbers.collect::<Vec<_>>()
     };
     json!({ "item": inspected.map(|item| json!({
@@ -131,8 +189,13 @@ pub(super) fn item(inspected: Option<&Inspected>) -> String {
     .to_string()
 }
 
-/// Statistics of the shown picture.
-pub(super) fn statistics(shown: &FinishedFrame) -> String {
+/// Number of the last picture, after which nothing is left to draw.
+pub(super) fn idle(number: u64) -> String {
+    json!({ "idle": number }).to_string()
+}
+
+/// Statistics of the shown picture, which took `encode_ms` to be read back and encoded.
+pub(super) fn statistics(shown: &FinishedFrame, encode_ms: f64) -> String {
     let sides = shown.sides.iter().map(|side| {
         let [width, height] = side.stats.size;
         json!({
@@ -145,6 +208,12 @@ pub(super) fn statistics(shown: &FinishedFrame) -> String {
             "legend": side.legend,
         })
     });
-    json!({ "statistics": { "picture": shown.number, "frame": shown.frame, "sides": sides.collect::<Vec<_>>() } })
-        .to_string()
+    json!({ "statistics": {
+        "picture": shown.number,
+        "saves": shown.saves,
+        "frame": shown.frame,
+        "encode_ms": encode_ms,
+        "sides": sides.collect::<Vec<_>>(),
+    } })
+    .to_string()
 }

@@ -1,6 +1,6 @@
 //! Messages between the window and the rendering thread.
 
-use std::{path::PathBuf, time::Instant};
+use std::{path::PathBuf, sync::mpsc::Sender, time::Instant};
 
 use super::{frame_texture::FrameTexture, scene_summary::SceneSummary, view_channel::ViewChannel};
 use crate::{
@@ -106,13 +106,40 @@ pub enum Task {
     Undo(bool),
 }
 
+impl Task {
+    /// Whether it changes a text of the scene.
+    pub fn writes(&self) -> bool {
+        matches!(
+            self,
+            Self::Write(..)
+                | Self::WriteMaterial(..)
+                | Self::WriteParameters(_)
+                | Self::Key(_)
+                | Self::Flight(..)
+                | Self::Undo(_)
+        )
+    }
+}
+
+/// Where a screenshot goes.
+#[derive(Clone, Debug)]
+pub enum ScreenshotGoal {
+    /// A new file in a folder, whose name has this prefix.
+    File {
+        /// Destination folder.
+        folder: PathBuf,
+        /// Prefix of the file name.
+        stem: String,
+    },
+    /// Whoever asked: the bytes of a PNG file, or why there are none.
+    Reply(Sender<Result<Vec<u8>, String>>),
+}
+
 /// A screenshot to write.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Screenshot {
-    /// Destination folder.
-    pub folder: PathBuf,
-    /// Prefix of the file name.
-    pub stem: String,
+    /// Where it goes.
+    pub goal: ScreenshotGoal,
     /// Position of the wipe line, 0 to 1, if the view has two sides.
     pub wipe_at: f32,
     /// Whether the error map replaces the left side.
@@ -144,6 +171,8 @@ pub enum FrameAction {
 pub struct FinishedFrame {
     /// Running number of rendered pictures.
     pub number: u64,
+    /// Number of saves since the start that it shows.
+    pub saves: u64,
     /// Frame of the timeline.
     pub frame: u32,
     /// Camera that it was rendered with.

@@ -3,6 +3,7 @@
 
 use super::{
     camera_controls::CameraControls,
+    flight::Flight,
     protocol::{FinishedFrame, View, ViewCamera},
     scene_summary::SceneSummary,
     timeline::{self, Timeline},
@@ -34,6 +35,8 @@ pub struct ViewState {
     pub timeline: Option<Timeline>,
     /// Timeline of the last scene that had one.
     hidden_timeline: Option<Timeline>,
+    /// Flight that is being recorded.
+    pub recording: Option<Flight>,
     /// The view that was requested last.
     pub requested: Option<View>,
     /// Time of the last move, seconds.
@@ -54,6 +57,7 @@ impl ViewState {
             hidden_timeline: None,
             summary,
             settings,
+            recording: None,
             requested: None,
             moved_at: f64::NEG_INFINITY,
         }

@@ -17,6 +17,8 @@ pub struct Change {
 pub struct History {
     done: Vec<Change>,
     undone: Vec<Change>,
+    /// Number of times that a text was written.
+    writes: u64,
 }
 
 impl Change {
@@ -41,6 +43,11 @@ impl Change {
 }
 
 impl History {
+    /// Number of times that a text was written.
+    pub fn writes(&self) -> u64 {
+        self.writes
+    }
+
     /// Writes a change and records it for undo; a change without effect is skipped. One that was made from an
     /// older text than the last written one is refused.
     ///
@@ -51,6 +58,7 @@ impl History {
             return Ok(());
         }
         change.write(&change.before, &change.after)?;
+        self.writes += 1;
         self.done.push(change);
         self.undone.clear();
         Ok(())
@@ -66,6 +74,7 @@ impl History {
         };
         change.write(&change.after, &change.before)?;
         let path = change.path.clone();
+        self.writes += 1;
         self.undone.extend(self.done.pop());
         Ok(Some(path))
     }
@@ -80,6 +89,7 @@ impl History {
         };
         change.write(&change.before, &change.after)?;
         let path = change.path.clone();
+        self.writes += 1;
         self.done.extend(self.undone.pop());
         Ok(Some(path))
     }

@@ -1,16 +1,21 @@
-//! Copy of a scene, its included files, its script and the shaders in a folder where they can be edited.
+//! Copy of a scene, everything that it reads and the shaders in a folder where they can be edited.
 
 use std::{
     env, fs, io,
-    path::{Component, Path, PathBuf},
+    path::{Path, PathBuf},
     process,
     sync::atomic::{AtomicU32, Ordering},
 };
 
 use crate::{
-    app::{args::SceneArgs, error::AppError},
+    app::{
+        args::SceneArgs,
+        error::AppError,
+        pack::{CopiedScene, Layout},
+    },
+    files::folder_of,
     gpu::ShaderLibrary,
-    runtime::{SceneSource, scene_options::border, scene_text::SceneText},
+    runtime::{SceneSource, model_viewer_scene::is_model, scene_text::SceneText},
     scene::{dependencies::Dependencies, desc::SceneDesc},
 };
 
@@ -32,14 +37,6 @@ impl Edit {
             Self::Text => "text",
             Self::Script => "script",
             Self::Shader(_) => "shader",
-        }
-    }
-
-    /// Target of the time until rendering starts, in 95 of 100 saves, milliseconds.
-    pub const fn target_ms(self) -> f64 {
-        match self {
-            Self::Text | Self::Script => 100.0,
-            Self::Shader(_) => 300.0,
         }
     }
 }
@@ -64,13 +61,36 @@ impl Folder {
         let made = fs::create_dir_all(&path).and_then(|()| path.canonicalize());
         made.map(Self).map_err(|e| failed(&path, &e))
     }
+}
 
-    fn write(&self, name: &str, text: &str) -> Result<(), AppError> {
-        let path = self.0.join(name);
-        let folder = path.parent().unwrap_or(&self.0);
-        let written = fs::create_dir_all(folder).and_then(|()| fs::write(&path, text));
-        written.map_err(|e| failed(&path, &e))
-    }
+fn write(path: &Path, text: &str) -> Result<(), AppError> {
+    let made = fs::create_dir_all(folder_of(path));
+    let written = made.and_then(|()| fs::write(path, text));
+    written.map_err(|e| failed(path, &e))
+}
+
+/// The text of the built-in scene or of a model's viewer, whose files stay where they are.
+fn generated(
+    path: Option<&Path>,
+    from: &SceneArgs,
+    folder: &Path,
+) -> Result<CopiedScene, AppError> {
+    let opened = SceneText::read(path, &from.options())
+        .and_then(|text| text.open(&[], &Dependencies::default()))
+        .map_err(AppError::Scene)?;
+    let own = &opened.scene.desc.folder;
+    let own = std::path::absolute(own).unwrap_or_else(|_| own.clone());
+    let scene = folder.join(SCENE);
+    write(&scene, &opened.text)?;
+    Ok(CopiedScene {
+        scene,
+        from: SceneArgs {
+            assets: [vec![own], from.assets.clone()].concat(),
+            project: None,
+            no_project: true,
+            ..from.clone()
+        },
+    })
 }
 
 fn failed(path: &Path, error: &io::Error) -> AppError {
@@ -81,11 +101,11 @@ fn failed(path: &Path, error: &io::Error) -> AppError {
 #[derive(Debug)]
 pub struct SceneCopy {
     folder: Folder,
+    /// Path of the scene's file below the folder.
+    scene: PathBuf,
     from: SceneArgs,
     text: String,
     desc: SceneDesc,
-    /// Path of the scene's script below the folder, if it has one.
-    script: Option<String>,
     library: ShaderLibrary,
 }
 
@@ -95,7 +115,7 @@ const SHADERS: &str = "shaders";
 const OWN_SCRIPT: &str = "reload.rhai";
 
 impl SceneCopy {
-    /// Copies a scene, or the built-in one, with its included files and script; models and images are not copied.
+    /// Copies a scene with everything that it reads, or the text of the built-in one or of a model's viewer.
     ///
     /// # Errors
     /// Errors of the scene or the shaders; a temporary folder that cannot be written to.
@@ -105,48 +125,26 @@ impl SceneCopy {
         shaders: Option<&Path>,
     ) -> Result<Self, AppError> {
         let library = crate::app::shaders::library(shaders)?;
-        let opened = SceneText::read(path, &from.options())
+        let folder = Folder::new()?;
+        let own = folder.0.join("project");
+        fs::create_dir(&own).map_err(|e| failed(&own, &e))?;
+        let CopiedScene { scene, from } = match path.filter(|path| !is_model(path)) {
+            Some(path) => {
+                let copied = Layout::of(path, from)?.copy_to(&own);
+                copied.map_err(|e| failed(&own, &e))?
+            }
+            None => generated(path, from, &own)?,
+        };
+        let opened = SceneText::read(Some(&scene), &from.options())
             .and_then(|text| text.open(&[], &Dependencies::default()))
             .map_err(AppError::Scene)?;
-        let project = opened.project;
         let (text, desc) = (opened.text, opened.scene.desc.clone());
-        let folder = Folder::new()?;
-        let below = desc.folder.display().to_string();
-        let local = |name: &str| {
-            let relative = Path::new(name)
-                .strip_prefix(&below)
-                .unwrap_or(Path::new(name));
-            relative.display().to_string()
-        };
-        let scripts = desc.scripts().flat_map(|s| &s.texts);
-        for (name, script) in scripts {
-            folder.write(&local(name), script)?;
-        }
-        for file in &desc.includes {
-            if Path::new(&file.name)
-                .components()
-                .any(|part| part == Component::ParentDir)
-            {
-                let text = format!(
-                    "{}: a scene is copied to be changed, which is not done with files above it",
-                    file.name
-                );
-                return Err(AppError::Usage(text));
-            }
-            folder.write(&file.name, &file.source.text)?;
-        }
-        folder.write(SCENE, &text)?;
         for (name, shader) in library.texts() {
-            folder.write(&format!("{SHADERS}/{name}"), shader)?;
+            write(&folder.0.join(SHADERS).join(name), shader)?;
         }
-        let mut from = from.clone();
-        // Relative paths in the scene start at its own folder.
-        let own = std::path::absolute(&desc.folder).unwrap_or_else(|_| desc.folder.clone());
-        let assets = border(&from.assets, project.as_deref()).assets;
-        from.assets = [vec![own], assets].concat();
         Ok(Self {
-            script: desc.script.as_ref().map(|script| local(&script.name)),
             folder,
+            scene,
             from,
             text,
             desc,
@@ -157,7 +155,7 @@ impl SceneCopy {
     /// Source from which the copied scene is opened.
     pub fn origin(&self) -> SceneSource {
         SceneSource {
-            path: Some(self.folder.0.join(SCENE)),
+            path: Some(self.scene.clone()),
             options: self.from.options(),
             shaders: Some(self.folder.0.join(SHADERS)),
             text: None,
@@ -169,32 +167,37 @@ impl SceneCopy {
     ///
     /// # Errors
     /// A folder that cannot be written to.
-    pub fn edited(&self, edit: Edit) -> Result<Option<Edited<'_>>, AppError> {
-        let new = |name: String, text: String, number: Option<(usize, usize)>| Edited {
-            folder: &self.folder,
-            name,
+    pub fn edited(&self, edit: Edit) -> Result<Option<Edited>, AppError> {
+        let new = |path: PathBuf, text: String, number: Option<(usize, usize)>| Edited {
+            name: (path.strip_prefix(&self.folder.0).unwrap_or(&path))
+                .display()
+                .to_string(),
+            path,
             text,
             number,
             entry: None,
             comment: if edit == Edit::Text { '#' } else { '/' },
         };
-        let edited = |name, text, number| Ok(Some(new(name, text, number)));
+        let edited = |path, text, number| Ok(Some(new(path, text, number)));
         match edit {
-            Edit::Text => edited(SCENE.to_owned(), self.text.clone(), number(&self.text)),
+            Edit::Text => edited(self.scene.clone(), self.text.clone(), number(&self.text)),
             Edit::Shader(name) => {
                 let found = self.library.texts().find(|(known, _)| *known == name);
                 let Some((_, text)) = found else {
                     return Ok(None);
                 };
+                let path = self.folder.0.join(SHADERS).join(name);
                 Ok(Some(Edited {
                     entry: entry(text),
-                    ..new(format!("{SHADERS}/{name}"), text.to_owned(), None)
+                    ..new(path, text.to_owned(), None)
                 }))
             }
             Edit::Script => {
-                let texts = self.desc.script.as_ref().map(|s| &s.texts);
-                if let (Some(name), Some(texts)) = (&self.script, texts) {
-                    return edited(name.clone(), texts[0].1.clone(), None);
+                if let Some(script) = &self.desc.script
+                    && let (Some(path), Some((_, text))) =
+                        (script.files.first(), script.texts.first())
+                {
+                    return edited(path.clone(), text.clone(), None);
                 }
                 let camera = self.desc.cameras.first();
                 let set = camera.map_or(String::new(), |camera| {
@@ -203,10 +206,11 @@ impl SceneCopy {
                     format!("ctx.camera({name}, #{{ fov_deg: {fov_deg} }});")
                 });
                 let script = format!("fn frame(ctx) {{\n    {set}\n}}\n");
-                self.folder.write(OWN_SCRIPT, &script)?;
+                let path = folder_of(&self.scene).join(OWN_SCRIPT);
+                write(&path, &script)?;
                 let scene = format!("script = \"{OWN_SCRIPT}\"\n{}", self.text);
-                self.folder.write(SCENE, &scene)?;
-                edited(OWN_SCRIPT.to_owned(), script, None)
+                write(&self.scene, &scene)?;
+                edited(path, script, None)
             }
         }
     }
@@ -214,8 +218,8 @@ impl SceneCopy {
 
 /// A file that is edited repeatedly.
 #[derive(Debug)]
-pub struct Edited<'a> {
-    folder: &'a Folder,
+pub struct Edited {
+    path: PathBuf,
     name: String,
     text: String,
     /// Byte range of a number that is varied.
@@ -225,7 +229,7 @@ pub struct Edited<'a> {
     comment: char,
 }
 
-impl Edited<'_> {
+impl Edited {
     /// Path below the copy's folder.
     pub fn name(&self) -> String {
         self.name.clone()
@@ -251,7 +255,7 @@ impl Edited<'_> {
         }
         let comment = String::from(self.comment).repeat(2);
         text.push_str(&format!("\n{comment} edit {i}\n"));
-        self.folder.write(&self.name, &text)
+        write(&self.path, &text)
     }
 }
 

@@ -7,7 +7,10 @@ use std::{
 
 use serde::Serialize;
 
-use super::copy::Edit;
+use super::{
+    copy::Edit,
+    series::{NamedPart, Timed},
+};
 use crate::{
     app::{bench::progress::Progress, error::AppError},
     bench::run::Observer as _,
@@ -52,19 +55,28 @@ impl Sample {
     }
 }
 
-/// Name of a part and the function that takes its time from a sample.
-pub type NamedPart = (&'static str, fn(&Sample) -> f64);
+impl Timed for Sample {
+    const PARTS: &'static [NamedPart<Self>] = &[
+        ("notice_ms", |s| s.notice_ms),
+        ("parse_ms", |s| s.parse_ms),
+        ("build_ms", |s| s.build_ms),
+        ("ready_ms", Sample::ready_ms),
+        ("driver_ms", |s| s.driver_ms),
+        ("frame_ms", |s| s.frame_ms),
+        ("total_ms", Sample::total_ms),
+    ];
+    const JUDGED: &'static str = "ready_ms";
+    const LEGEND: &'static str = "notice: from the save to its notification, with the wait for further saves; parse: reading \
+         texts,\nrunning the script, posing; build: everything else on the CPU; ready: these three; \
+         driver: compiling\npipelines; frame: rendering; total: from the save to the picture.\n";
 
-/// Columns of the table.
-pub const PARTS: [NamedPart; 7] = [
-    ("notice_ms", |s| s.notice_ms),
-    ("parse_ms", |s| s.parse_ms),
-    ("build_ms", |s| s.build_ms),
-    ("ready_ms", Sample::ready_ms),
-    ("driver_ms", |s| s.driver_ms),
-    ("frame_ms", |s| s.frame_ms),
-    ("total_ms", Sample::total_ms),
-];
+    fn target_ms(edit: Edit) -> f64 {
+        match edit {
+            Edit::Text | Edit::Script => 100.0,
+            Edit::Shader(_) => 300.0,
+        }
+    }
+}
 
 /// Calls `save` with 1, 2, … and waits for the picture each time.
 ///

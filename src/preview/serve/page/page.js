@@ -57,42 +57,6 @@ function options(select, names, chosen) {
   select.value = chosen;
 }
 
-const element = (name, properties, ...children) => {
-  const made = Object.assign(document.createElement(name), properties);
-  made.append(...children);
-  return made;
-};
-
-// Inputs of a panel are kept while one of them has the focus, so that a drag is not cut off.
-function fields(panel, rows, change) {
-  const shape = JSON.stringify(rows.map(([name, values]) => [name, values.map((value) => typeof value)]));
-  if (panel.dataset.shape !== shape) {
-    panel.dataset.shape = shape;
-    panel.replaceChildren(...rows.map(([name, values, step]) => {
-      const inputs = values.map((value) => {
-        const type = { number: "number", boolean: "checkbox", string: "text" }[typeof value];
-        return element("input", { type, step: step || "any", name, ariaLabel: name });
-      });
-      const read = () => inputs.map((input) =>
-        input.type === "checkbox" ? input.checked : input.type === "number" ? input.valueAsNumber : input.value);
-      for (const input of inputs) {
-        input.addEventListener("input", () => change(name, read(), false));
-        input.addEventListener("change", () => change(name, read(), true));
-      }
-      return element("label", {}, name, element("span", {}, ...inputs));
-    }));
-  }
-  rows.forEach(([, values], row) => {
-    const inputs = panel.children[row].querySelectorAll("input");
-    values.forEach((value, index) => {
-      const input = inputs[index];
-      if (input === document.activeElement) return;
-      if (input.type === "checkbox") input.checked = value;
-      else input.value = input.type === "number" ? Number(value.toPrecision(7)) : value;
-    });
-  });
-}
-
 function show_scene(next) {
   scene = next;
   const problems = $("problems");
@@ -104,19 +68,36 @@ function show_scene(next) {
     return element("li", {}, button);
   });
   $("items").replaceChildren(...rows);
-  const parameters = scene.parameters.map(({ name, value, integer }) =>
-    [name, Array.isArray(value) ? value : [value], integer ? "1" : "any"]);
-  $("parameters-panel").hidden = parameters.length === 0;
-  fields($("parameters"), parameters, (name, values, write) => {
-    if (values.some((value) => Number.isNaN(value))) return;
-    const is_list = Array.isArray(scene.parameters.find((own) => own.name === name).value);
-    send({ do: "parameter", name, value: is_list ? values : values[0], write });
-  });
+  options($("materials"), ["(none)", ...scene.materials], $("materials").value || "(none)");
+  $("material-panel").hidden = scene.materials.length === 0;
+  $("screenshot").download = `${scene.name}.png`;
   $("time").hidden = !scene.timeline;
+  show_tracks();
   if (scene.timeline) [$("frame").min, $("frame").max] = scene.timeline;
   $("log").textContent = scene.log.concat(scene.warnings).join("\n");
   $("log-panel").hidden = scene.log.length + scene.warnings.length === 0;
   if (view) show_view(view);
+}
+
+function show_parameters(parameters) {
+  const rows = parameters.map(({ name, value, integer }) =>
+    [name, Array.isArray(value) ? value : [value], false, integer ? "1" : "any"]);
+  $("parameters-panel").hidden = rows.length === 0;
+  fields($("parameters"), rows, (name, values, write) => {
+    if (!are_numbers(values)) return;
+    const is_list = Array.isArray(parameters.find((own) => own.name === name).value);
+    send({ do: "parameter", name, value: is_list ? values : values[0], write });
+  });
+}
+
+function show_material(material) {
+  $("materials").selectedIndex = material ? material.row + 1 : 0;
+  $("origin").textContent = !material ? "" : material.origin
+    ? `written into ${material.origin} where a change ends`
+    : "shown until the scene is saved: no table names this material";
+  fields($("material"), material ? material.numbers : [], (key, values, write) => {
+    if (are_numbers(values)) send({ do: "material_number", key, values, write });
+  });
 }
 
 function show_view(next) {
@@ -152,12 +133,12 @@ function show_item(item) {
   const held = item.held.map(([key, why]) => `${key}: ${why}`);
   $("label").textContent = [`${item.label} ${item.place}`, ...held, item.refused || ""].join("\n").trim();
   fields($("numbers"), item.numbers, (key, values, write) => {
-    if (!values.some((value) => Number.isNaN(value))) send({ do: "number", key, values, write });
+    if (are_numbers(values)) send({ do: "number", key, values, write });
   });
 }
 
-function show_statistics({ picture, frame, sides }) {
-  const lines = [`picture ${picture}, frame ${frame}`];
+function show_statistics({ picture, frame, encode_ms, sides }) {
+  const lines = [`picture ${picture}, frame ${frame}, read and encoded in ${encode_ms.toFixed(1)} ms`];
   for (const { method, size, samples, ms, rays, passes, legend } of sides) {
     lines.push(`${method} ${size[0]}\u00d7${size[1]}, samples ${samples}, ${ms.toFixed(1)} ms, rays ${rays}`);
     if (legend) lines.push(legend);
@@ -182,6 +163,9 @@ function connect() {
     if (message.scene) show_scene(message.scene);
     if (message.view) show_view(message.view);
     if ("item" in message) show_item(message.item);
+    if (message.parameters) show_parameters(message.parameters);
+    if ("material" in message) show_material(message.material);
+    if (message.keys) show_keys(message.keys, message.records);
     if (message.statistics) show_statistics(message.statistics);
     if (message.message) $("status").textContent = message.message;
   };
@@ -250,6 +234,10 @@ const actions = {
   play: { do: "play" }, back: { do: "step", by: -1 }, on: { do: "step", by: 1 },
 };
 for (const [id, message] of Object.entries(actions)) $(id).addEventListener("click", () => send(message));
+$("materials").addEventListener("change", ({ target }) => 
+  send({ do: "material", row: target.selectedIndex > 0 ? target.selectedIndex - 1 : null }));
+// The line of a wipe is each viewer's own.
+$("screenshot").addEventListener("click", ({ target }) => { target.href = `picture.png?wipe=${$("line").value}`; });
 $("loop").addEventListener("change", () => send({ do: "loop" }));
 $("frame").addEventListener("input", ({ target }) => send({ do: "seek", frame: Number(target.value) }));
 $("line").addEventListener("input", paint);
@@ -264,14 +252,59 @@ const letters = {
   " ": { do: "play" }, b: { do: "wipe" }, f: { do: "frame" }, r: { do: "camera", name: null },
   l: { do: "loop" }, Escape: { do: "unpick" },
 };
+// Alt with an arrow or a page key moves the selected item, ten times as far with Shift.
+const STEP_M = 0.1;
+const nudges = {
+  ArrowLeft: [-1, 0, 0], ArrowRight: [1, 0, 0], ArrowUp: [0, 0, -1], ArrowDown: [0, 0, 1],
+  PageUp: [0, 1, 0], PageDown: [0, -1, 0],
+};
+// Keys that fly as long as they are down: right, up, forward.
+const flights = { a: [-1, 0, 0], d: [1, 0, 0], e: [0, 1, 0], q: [0, -1, 0], s: [0, 0, -1], w: [0, 0, 1] };
+const flying = new Set();
+let flown = null;
+function fly(now) {
+  if (flying.size === 0) { flown = null; return; }
+  const seconds = flown === null ? 1 / 60 : (now - flown) / 1000;
+  const by = [0, 1, 2].map((axis) => [...flying].reduce((sum, key) => sum + flights[key][axis], 0));
+  flown = now;
+  send({ do: "fly", by, seconds });
+  requestAnimationFrame(fly);
+}
+addEventListener("keyup", ({ key }) => flying.delete(key.toLowerCase()));
+addEventListener("blur", () => flying.clear());
+
+const is_field = (target) => target.tagName === "SELECT"
+  || (target.tagName === "INPUT" && !["range", "checkbox"].includes(target.type));
 addEventListener("keydown", (event) => {
   const { key, target } = event;
   if (event.ctrlKey || event.metaKey) {
     const again = key === "y" || key === "Z";
-    if (target.tagName !== "INPUT" && (key === "z" || again)) {
+    if (!is_field(target) && (key === "z" || again)) {
       event.preventDefault();
       send({ do: "undo", again });
     }
+    return;
+  }
+  if (key === "F12") {
+    event.preventDefault();
+    $("screenshot").click();
+    return;
+  }
+  if (event.altKey) {
+    if (!nudges[key]) return;
+    event.preventDefault();
+    const length = event.shiftKey ? 10 * STEP_M : STEP_M;
+    send({ do: "nudge", by: nudges[key].map((part) => part * length) });
+    return;
+  }
+  if (!is_field(target) && flights[key]) {
+    const starts = flying.size === 0;
+    flying.add(key);
+    if (starts) requestAnimationFrame(fly);
+    return;
+  }
+  if (!is_field(target) && key === "Delete" && delete_key()) {
+    event.preventDefault();
     return;
   }
   const is_control = ["INPUT", "SELECT", "BUTTON"].includes(target.tagName);
@@ -281,4 +314,4 @@ addEventListener("keydown", (event) => {
   send(message);
 });
 
-connect();
+addEventListener("DOMContentLoaded", connect);

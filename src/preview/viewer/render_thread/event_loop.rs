@@ -22,6 +22,9 @@ use reflet_render::RenderError;
 /// Minimum interval of summaries while playing.
 const SUMMARY_INTERVAL: Duration = Duration::from_millis(250);
 
+/// Longest wait of an edit for the reload of a text that the edit before it has written.
+pub(super) const OWN_RELOAD_WAIT: Duration = Duration::from_secs(2);
+
 impl Worker {
     pub(super) fn run(mut self, mailbox: &Mailbox, watcher: Option<&Watcher>) {
         self.send_summary();
@@ -32,37 +35,13 @@ impl Worker {
                 self.view = Some(view);
             }
             for task in tasks {
-                match task {
-                    Task::Reload(changes, since) => self.reload(&changes, since),
-                    Task::Edit(edit) => {
-                        redraw = true;
-                        self.edit(*edit);
-                    }
-                    Task::SetParameters(overrides) => self.live.set_parameters(overrides),
-                    Task::Unwatched(why) => self.send(Report::Unwatched(why)),
-                    Task::Frame(request) => self.frame_requests.push_back(request),
-                    Task::Unpick => self.unpick(),
-                    Task::Select(item) => {
-                        redraw = true;
-                        self.select(item);
-                    }
-                    Task::Drag(item, numbers) => redraw |= self.drag(item, &numbers),
-                    Task::Write(item, numbers) => redraw |= self.write(item, &numbers),
-                    Task::WriteMaterial(material, numbers) => {
-                        self.write_material(material, &numbers);
-                    }
-                    Task::WriteParameters(values) => {
-                        self.unwritten = Some(values);
-                        self.write_parameters();
-                    }
-                    Task::Key(edit) => self.edit_key(&edit),
-                    Task::Flight(camera, points) => self.write_flight(&camera, &points),
-                    Task::Undo(again) => self.undo(again),
-                }
+                redraw |= self.take(task);
             }
             redraw |= self.run_jobs(mailbox, watcher);
+            redraw |= self.take_waiting();
             if self.reloads.iter().any(|(reload, _)| reload.ok) {
                 redraw = true;
+                self.saves += 1;
                 self.show_item_again();
             }
             if redraw {
@@ -88,6 +67,96 @@ impl Worker {
                 self.send(Report::Idle);
             }
         }
+    }
+
+    /// Performs a task; one that writes waits while the reload of a text that was written before is not over, since it
+    /// starts from what is shown. Returns whether the picture changes.
+    fn take(&mut self, task: Task) -> bool {
+        if task.writes() && (self.awaits_reload() || !self.waiting.is_empty()) {
+            self.waiting.push_back(task);
+            return false;
+        }
+        self.perform(task)
+    }
+
+    fn take_waiting(&mut self) -> bool {
+        let mut redraw = false;
+        while !self.awaits_reload()
+            && let Some(task) = self.waiting.pop_front()
+        {
+            redraw |= self.perform(task);
+        }
+        redraw
+    }
+
+    fn awaits_reload(&self) -> bool {
+        (self.own_write).is_some_and(|written| written.elapsed() < OWN_RELOAD_WAIT)
+    }
+
+    /// Notes that a text was written, if one was.
+    pub(super) fn note_writes(&mut self) {
+        let writes = self.live.writes();
+        if std::mem::replace(&mut self.own_writes, writes) != writes {
+            self.own_write = Some(Instant::now());
+        }
+    }
+
+    fn perform(&mut self, task: Task) -> bool {
+        let redraw = match task {
+            Task::Reload(changes, since) => {
+                self.reload(&changes, since);
+                false
+            }
+            Task::Edit(edit) => {
+                self.edit(*edit);
+                true
+            }
+            Task::SetParameters(overrides) => {
+                self.live.set_parameters(overrides);
+                false
+            }
+            Task::Unwatched(why) => {
+                self.send(Report::Unwatched(why));
+                false
+            }
+            Task::Frame(request) => {
+                self.frame_requests.push_back(request);
+                false
+            }
+            Task::Unpick => {
+                self.unpick();
+                false
+            }
+            Task::Select(item) => {
+                self.select(item);
+                true
+            }
+            Task::Drag(item, numbers) => self.drag(item, &numbers),
+            Task::Write(item, numbers) => self.write(item, &numbers),
+            Task::WriteMaterial(material, numbers) => {
+                self.write_material(material, &numbers);
+                false
+            }
+            Task::WriteParameters(values) => {
+                self.unwritten = Some(values);
+                self.write_parameters();
+                false
+            }
+            Task::Key(edit) => {
+                self.edit_key(&edit);
+                false
+            }
+            Task::Flight(camera, points) => {
+                self.write_flight(&camera, &points);
+                false
+            }
+            Task::Undo(again) => {
+                self.undo(again);
+                false
+            }
+        };
+        self.note_writes();
+        redraw
     }
 
     /// Whether the posed frame is that of a pending request, not the view's.
@@ -134,6 +203,7 @@ impl Worker {
         let number = self.number;
         self.send(Report::Frame(Box::new(FinishedFrame {
             number,
+            saves: self.saves,
             frame: self.live.posed_frame(),
             camera: self.camera(&view.camera),
             size: view.size,

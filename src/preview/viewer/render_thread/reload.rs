@@ -4,6 +4,7 @@
 use std::time::Instant;
 
 use super::{
+    event_loop::OWN_RELOAD_WAIT,
     reload_jobs::{GRACE_PERIOD, ReloadJobs, RunningJob},
     worker::Worker,
 };
@@ -40,7 +41,9 @@ impl Worker {
             Some(Instant::now())
         } else {
             let times = self.reload_jobs.next_check.into_iter();
-            times.chain(self.summary_due()).min()
+            let waits = self.own_write.filter(|_| !self.waiting.is_empty());
+            let waits = waits.map(|written| written + OWN_RELOAD_WAIT);
+            times.chain(self.summary_due()).chain(waits).min()
         }
     }
 
@@ -97,6 +100,9 @@ impl Worker {
         };
         self.watch(watcher);
         let refusal = self.live.refusal();
+        if saved_at.is_some() {
+            self.own_write = None;
+        }
         match (&refusal, saved_at) {
             (_, Some(since)) => self.reloads.push((reload, since)),
             (None, None) => self.send(Report::ParametersApplied(reload)),
@@ -104,7 +110,10 @@ impl Worker {
         }
         match &refusal {
             Some(_) => self.unwritten = None,
-            None if reload.ok => self.write_parameters(),
+            None if reload.ok => {
+                self.write_parameters();
+                self.note_writes();
+            }
             None => {}
         }
         if let Some(refusal) = refusal {

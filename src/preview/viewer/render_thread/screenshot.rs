@@ -10,15 +10,24 @@ use super::{
     pixels::{Pixels, compose_wipe},
     worker::Worker,
 };
-use crate::viewer::protocol::{Report, Screenshot, Side, View};
+use crate::viewer::protocol::{Report, Screenshot, ScreenshotGoal, Side, View};
 use reflet_base::files::write_whole;
 use reflet_render::png_file;
 
 impl Worker {
-    /// Writes a screenshot and reports its path.
+    /// Writes a screenshot and reports its path, or answers with it.
     pub(super) fn write_screenshot(&mut self, view: &View, screenshot: &Screenshot) {
-        let path = free_name(&screenshot.folder, &screenshot.stem);
-        let said = match self.render_screenshot(view, screenshot) {
+        let rendered = self.render_screenshot(view, screenshot);
+        let (folder, stem) = match &screenshot.goal {
+            ScreenshotGoal::File { folder, stem } => (folder, stem),
+            ScreenshotGoal::Reply(reply) => {
+                // Whoever asked may be gone.
+                let _ = reply.send(rendered);
+                return;
+            }
+        };
+        let path = free_name(folder, stem);
+        let said = match rendered {
             Ok(png) => match write_whole(&path, &png) {
                 Ok(()) => format!("wrote {}", path.display()),
                 Err(error) => format!("cannot write {}: {error}", path.display()),

@@ -17,7 +17,7 @@ use crate::{
     viewer::{
         frame_texture::FrameTexture,
         picture_filter::PictureFilter,
-        protocol::{FrameRequest, Report, View, ViewCamera},
+        protocol::{FrameRequest, Report, Task, View, ViewCamera},
         scene_summary::SceneSummary,
     },
     watch::{WatchList, Watcher},
@@ -47,6 +47,11 @@ pub(super) struct Worker {
     pub(super) item: Option<(SceneItem, Option<String>)>,
     /// Values of parameters to write into the text once they are shown.
     pub(super) unwritten: Option<ParameterOverrides>,
+    /// Number of written texts that is known, and when the last of them was written, until its reload is over.
+    pub(super) own_writes: u64,
+    pub(super) own_write: Option<Instant>,
+    /// Tasks that write, which wait for that reload.
+    pub(super) waiting: VecDeque<Task>,
     /// Running and pending scripts.
     pub(super) reload_jobs: ReloadJobs,
     /// The view in the targets, if they hold one of the posed frame.
@@ -61,6 +66,8 @@ pub(super) struct Worker {
     pub(super) summary_frame: u32,
     pub(super) summary_sent_at: Instant,
     pub(super) number: u64,
+    /// Number of saves that were shown.
+    pub(super) saves: u64,
     /// Whether the picture of the view was given up, and is still to be drawn.
     pub(super) is_interrupted: bool,
     /// Time budget of the view at rest.
@@ -102,6 +109,9 @@ impl Worker {
             outline: None,
             item: None,
             unwritten: None,
+            own_writes: 0,
+            own_write: None,
+            waiting: VecDeque::new(),
             reload_jobs: ReloadJobs::default(),
             rendered_view: None,
             frame_requests: VecDeque::new(),
@@ -110,6 +120,7 @@ impl Worker {
             summary_frame: 0,
             summary_sent_at: Instant::now(),
             number: 0,
+            saves: 0,
             is_interrupted: false,
             rest_budget: RestBudget::starting(0.0),
             denoiser,

@@ -15,7 +15,7 @@ use super::{
 };
 use crate::{
     viewer::{
-        protocol::{FrameAction, Screenshot, Task},
+        protocol::{FrameAction, Screenshot, ScreenshotGoal, Task},
         timeline::Timeline,
         view_settings::METHODS,
     },
@@ -100,8 +100,10 @@ impl Window {
                 ViewRequest::Compare => self.request_frame(FrameAction::Compare(self.edits)),
                 ViewRequest::Screenshot => {
                     self.request_frame(FrameAction::Screenshot(Screenshot {
-                        folder: self.screenshot_folder.clone(),
-                        stem: self.stem.clone(),
+                        goal: ScreenshotGoal::File {
+                            folder: self.screenshot_folder.clone(),
+                            stem: self.stem.clone(),
+                        },
                         wipe_at: self.state.settings.wipe_at,
                         error_map: self.error_map().is_some(),
                     }));
@@ -144,7 +146,7 @@ impl Window {
         if let Some(wait_s) = self.state.advance(now_s) {
             ui.ctx().request_repaint_after_secs(wait_s as f32);
         }
-        self.record(self.state.frame());
+        self.record();
         let view = self.state.view(self.picture_size(), now_s);
         let before = self.state.requested.as_ref();
         if before.is_some_and(|before| before.frame != view.frame) {
@@ -219,7 +221,7 @@ impl eframe::App for Window {
         }
         let is_slow = self.script_s().is_some();
         let tracks = self.tracks_of_selection();
-        let is_recording = self.recording.is_some();
+        let is_recording = self.state.recording.is_some();
         if let Some(timeline) = &mut self.state.timeline {
             egui::Panel::bottom("timeline").show(ui, |ui| {
                 ui.add_space(2.0);

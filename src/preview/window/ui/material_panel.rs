@@ -135,16 +135,7 @@ fn numbers(ui: &mut Ui, row: &MaterialRow) -> Edit {
         if !control(ui, field, &mut value) {
             continue;
         }
-        edit.values[index] = Some(value);
-        // A material stores only the product of these two.
-        let pair = ["emission", "emission_strength"];
-        if pair.contains(&field.key) {
-            for (other, field) in MATERIAL.iter().enumerate() {
-                if other != index && pair.contains(&field.key) {
-                    edit.values[other] = (field.get)(&now);
-                }
-            }
-        }
+        edit = row.with(&edit, index, value);
     }
     edit
 }

@@ -5,7 +5,6 @@ mod channel_menu;
 mod charts;
 mod diagnostics_panel;
 mod file_chooser;
-mod flight;
 mod frame_panels;
 mod gizmo;
 mod handle_reports;

@@ -38,7 +38,7 @@ pub fn row(ui: &mut Ui, numbers: &mut Numbers) -> Input {
         }
     };
     ui.horizontal(|ui| {
-        let picked = match is_color(numbers) {
+        let picked = match numbers.is_color() {
             true => color(ui, numbers),
             false => Input::None,
         };
@@ -47,13 +47,6 @@ pub fn row(ui: &mut Ui, numbers: &mut Numbers) -> Input {
         inputs.fold(picked, Input::max)
     })
     .inner
-}
-
-/// Whether numbers are a color.
-fn is_color(numbers: &Numbers) -> bool {
-    let is_named =
-        |key: &str| key.contains("color") || ["zenith", "horizon", "ground"].contains(&key);
-    numbers.values.len() == 3 && is_named(numbers.key)
 }
 
 /// Button with the color, which opens a picker.

@@ -10,7 +10,7 @@ use super::{
 };
 use crate::{
     viewer::{protocol::PixelValue, scene_summary::OutlineRow},
-    write_back::{Inspected, Numbers, SceneItem},
+    write_back::{Inspected, Numbers, POSITION_KEYS, SceneItem},
 };
 
 /// Step by which a key moves the selection, meters; ten times as much with Shift.
@@ -41,7 +41,7 @@ impl Handle {
     /// Keys that these handles change; an item has at most one of them.
     fn keys(self) -> &'static [&'static str] {
         match self {
-            Self::Move => &["translation", "position", "eye"],
+            Self::Move => &POSITION_KEYS,
             Self::Turn => &["rotation_deg"],
             Self::Scale => &["scale"],
         }
@@ -129,10 +129,7 @@ impl Selection {
     /// The request that moves the selection by a step, if it has a position.
     pub fn moved(&self, by: [f64; 3]) -> Option<ViewRequest> {
         let shown = self.shown.as_ref()?;
-        let mut moved = self.held(Handle::Move)?.clone();
-        for (value, by) in moved.values.iter_mut().zip(by) {
-            *value += by;
-        }
+        let moved = Numbers::moved(&self.numbers, by)?;
         Some(ViewRequest::Write(shown.item, moved))
     }
 }

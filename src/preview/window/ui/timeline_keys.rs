@@ -2,8 +2,8 @@
 
 use eframe::egui::{self, Color32, Key, Rect, Sense, Shape, Stroke, Ui, pos2, vec2};
 
-use super::{flight::frame_of, panels::ViewRequest};
-use crate::viewer::timeline::Timeline;
+use super::panels::ViewRequest;
+use crate::viewer::{flight::frame_of, timeline::Timeline};
 use crate::write_back::{KeyChange, KeyEdit, KeyTrack, TrackName};
 
 /// Height of the row of a track, width of its label, and half the width of a key, points.

@@ -9,8 +9,8 @@ use std::{
 use eframe::egui;
 
 use super::{
-    diagnostics_panel::FoldState, flight::Flight, parameter_panel::Parameters,
-    place_panel::Selection, status_message::StatusMessage, timeline_keys::Keys,
+    diagnostics_panel::FoldState, parameter_panel::Parameters, place_panel::Selection,
+    status_message::StatusMessage, timeline_keys::Keys,
 };
 use crate::viewer::{
     protocol::{Comparison, FinishedFrame, FrameAction, FrameRequest, Picked, PixelValue, Task},
@@ -25,8 +25,6 @@ pub struct Window {
     pub(super) state: ViewState,
     /// Keys of tracks on the timeline.
     pub(super) keys: Keys,
-    /// Flight that is being recorded.
-    pub(super) recording: Option<Flight>,
     pub(super) parameters: Parameters,
     /// Whether the diagnostics panel is folded.
     pub(super) fold: FoldState,
@@ -65,7 +63,6 @@ impl Window {
         Self {
             state,
             keys: Keys::default(),
-            recording: None,
             parameters: Parameters::default(),
             fold: FoldState::default(),
             render_thread,

@@ -1,0 +1,155 @@
+//! Measures save after save, each until its picture has come to a viewer of the preview's page.
+
+use std::{
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering},
+    },
+    thread,
+    time::{Duration, Instant},
+};
+
+use serde::Serialize;
+
+use super::{
+    copy::Edit,
+    series::{NamedPart, Timed},
+};
+use crate::{
+    app::{bench::progress::Progress, error::AppError},
+    bench::run::Observer as _,
+    gpu::Gpu,
+};
+use reflet_preview::{
+    live::SceneSource,
+    serve::{Port, ServeError, ServeOptions, client::Client, serve},
+};
+
+/// Longest wait for a picture.
+const MOST_WAIT: Duration = Duration::from_secs(120);
+
+/// Parts of the time of one save, milliseconds.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct PageSample {
+    /// Time from the end of the save until a viewer has the whole picture.
+    pub total_ms: f64,
+    /// Time of the driver for compiling pipelines.
+    pub driver_ms: f64,
+    /// Time of rendering.
+    pub frame_ms: f64,
+    /// Time of reading the picture back and encoding it.
+    pub encode_ms: f64,
+}
+
+impl PageSample {
+    /// Everything but driver and rendering.
+    pub fn beyond_ms(&self) -> f64 {
+        self.total_ms - self.driver_ms - self.frame_ms
+    }
+}
+
+impl Timed for PageSample {
+    const PARTS: &'static [NamedPart<Self>] = &[
+        ("encode_ms", |s| s.encode_ms),
+        ("beyond_ms", Self::beyond_ms),
+        ("driver_ms", |s| s.driver_ms),
+        ("frame_ms", |s| s.frame_ms),
+        ("total_ms", |s| s.total_ms),
+    ];
+    const JUDGED: &'static str = "beyond_ms";
+    const LEGEND: &'static str = "encode: reading the picture back, and PNG; beyond: all but driver and frame, encode among it; \
+         driver:\ncompiling pipelines; frame: rendering; total: from the save until a viewer of the \
+         page has the picture.\n";
+
+    fn target_ms(edit: Edit) -> f64 {
+        match edit {
+            Edit::Text | Edit::Script => 150.0,
+            Edit::Shader(_) => 350.0,
+        }
+    }
+}
+
+/// Serves the scene on a page, calls `save` with 1, 2, … and waits for the picture each time.
+///
+/// # Errors
+/// A scene that does not open, a port that cannot be listened at, a save that cannot be written or shown; a shutdown
+/// request.
+pub fn saves(
+    gpu: &Arc<Gpu>,
+    (source, size): (SceneSource, [u32; 2]),
+    count: u32,
+    progress: &mut Progress,
+    save: impl Fn(u32) -> Result<(), AppError>,
+) -> Result<Vec<PageSample>, AppError> {
+    let refused = |error: ServeError| match error {
+        ServeError::Session(error) => AppError::from_session(error, false),
+        ServeError::Address(text) => AppError::Internal(text),
+    };
+    let port = Port::listen(None).map_err(refused)?;
+    let url = port.url.clone();
+    let options = ServeOptions {
+        source,
+        camera: None,
+        method: None,
+        costs: None,
+        size,
+        denoiser: None,
+    };
+    let is_over = AtomicBool::new(false);
+    thread::scope(|scope| {
+        let page = scope.spawn(|| {
+            serve(gpu.clone(), &options, port, &|| {
+                is_over.load(Ordering::Relaxed)
+            })
+        });
+        let measured = measure(gpu, &url, count, progress, save);
+        is_over.store(true, Ordering::Relaxed);
+        match page.join() {
+            Ok(served) => served.map_err(refused)?,
+            Err(_) => return Err(AppError::Internal("the page has crashed".to_owned())),
+        }
+        measured
+    })
+}
+
+fn measure(
+    gpu: &Gpu,
+    url: &str,
+    count: u32,
+    progress: &mut Progress,
+    save: impl Fn(u32) -> Result<(), AppError>,
+) -> Result<Vec<PageSample>, AppError> {
+    let mut viewer = Client::join(url).map_err(AppError::Internal)?;
+    let mut shown = viewer
+        .wait_for_rest(MOST_WAIT)
+        .map_err(AppError::Internal)?;
+    let mut samples = Vec::new();
+    for i in 0..=count {
+        let compiled = gpu.compile_stats.driver_time();
+        save(i)?;
+        let saved = Instant::now();
+        let arrival = viewer
+            .wait_for(shown.saves + 1, MOST_WAIT)
+            .map_err(AppError::Internal)?;
+        let driver = gpu.compile_stats.driver_time().saturating_sub(compiled);
+        let ms = |time: Duration| time.as_secs_f64() * 1e3;
+        // The first save tells when everything is watched; it is not counted.
+        if i > 0 {
+            samples.push(PageSample {
+                total_ms: ms(arrival.at.saturating_duration_since(saved)),
+                driver_ms: ms(driver),
+                frame_ms: arrival.frame_ms,
+                encode_ms: arrival.encode_ms,
+            });
+        }
+        shown = viewer
+            .wait_for_rest(MOST_WAIT)
+            .map_err(AppError::Internal)?;
+        if progress.is_stopped() {
+            return Err(AppError::Interrupted(
+                "stopped; nothing was written".to_owned(),
+            ));
+        }
+    }
+    Ok(samples)
+}

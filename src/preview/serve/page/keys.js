@@ -1,0 +1,108 @@
+"use strict";
+// Keys of tracks below the timeline: dragged, added by + or a double click, deleted; a click selects one and goes there.
+
+let tracks = [];
+let selected_key = null;
+let dragged_key = null;
+
+const of_key = ({ kind, name, key }, change) => send({ do: "key", kind, name, key, change });
+const same_track = (a, b) => a.kind === b.kind && a.name === b.name && a.key === b.key;
+const selected_track = () => selected_key && tracks.find((track) => same_track(track, selected_key.track));
+const in_seconds = () => $("unit").value === "seconds";
+const frames_per_second = () => scene.timeline[2];
+
+// Whole frames, or hundredths of a second.
+function snapped(at_s) {
+  const rate = in_seconds() ? 100 : frames_per_second();
+  return Math.max(0, Math.round(at_s * rate) / rate);
+}
+
+function time_at(event, bar) {
+  const box = bar.getBoundingClientRect();
+  const [start, end, fps] = scene.timeline;
+  const share = Math.min(1, Math.max(0, (event.clientX - box.left) / box.width));
+  return snapped((start + share * Math.max(1, end - start)) / fps);
+}
+
+function place_key(button, at_s) {
+  const [start, end, fps] = scene.timeline;
+  const share = (at_s * fps - start) / Math.max(1, end - start);
+  button.style.left = `${100 * share}%`;
+  button.hidden = share < 0 || share > 1;
+}
+
+function key_button(track, index, bar) {
+  const at_s = track.at_s[index];
+  const is_selected = selected_key && same_track(selected_key.track, track) && selected_key.index === index;
+  const button = element("button", {
+    className: "key", ariaPressed: String(Boolean(is_selected)),
+    ariaLabel: `${track.key} at ${at_s.toFixed(3)} s`, title: "drag moves it, Delete deletes it",
+  });
+  place_key(button, at_s);
+  button.addEventListener("pointerdown", (event) => {
+    button.setPointerCapture(event.pointerId);
+    dragged_key = { from: event.clientX, to_s: at_s, moves: false };
+  });
+  button.addEventListener("pointermove", (event) => {
+    if (!dragged_key) return;
+    dragged_key.moves ||= Math.abs(event.clientX - dragged_key.from) > 3;
+    if (dragged_key.moves) place_key(button, dragged_key.to_s = time_at(event, bar));
+  });
+  button.addEventListener("pointerup", () => {
+    const { moves, to_s } = dragged_key;
+    dragged_key = null;
+    selected_key = { track, index };
+    if (moves && Math.abs(to_s - at_s) > 1e-6) of_key(track, { move: [index, to_s] });
+    if (!moves) send({ do: "seek", frame: Math.round(at_s * frames_per_second()) });
+    show_tracks();
+  });
+  button.addEventListener("click", () => { selected_key = { track, index }; show_tracks(); });
+  return button;
+}
+
+function show_tracks() {
+  if (dragged_key || !scene || !scene.timeline) return;
+  $("tracks").replaceChildren(...tracks.map((track) => {
+    const label = `${track.name}.${track.key}`;
+    const bar = element("div", { className: "bar" });
+    bar.append(...track.at_s.map((_, index) => key_button(track, index, bar)));
+    bar.addEventListener("dblclick", (event) => {
+      if (event.target === bar) of_key(track, { add: time_at(event, bar) });
+    });
+    const add = element("button", { textContent: "+", title: "a key at the current frame", ariaLabel: `add a key to ${label}` });
+    add.addEventListener("click", () => of_key(track, { add: view.frame / frames_per_second() }));
+    return element("div", { className: "track" }, add, element("span", { textContent: label, title: label }), bar);
+  }));
+  const track = selected_track();
+  const at_s = track ? track.at_s[selected_key.index] : undefined;
+  $("selected-key").hidden = at_s === undefined;
+  if (at_s !== undefined && $("key-time") !== document.activeElement) {
+    $("key-time").value = Number((in_seconds() ? at_s : at_s * frames_per_second()).toFixed(3));
+  }
+}
+
+function show_keys(next, records) {
+  tracks = next;
+  $("record").textContent = records ? "end flight" : "record flight";
+  $("record").setAttribute("aria-pressed", String(records));
+  show_tracks();
+}
+
+function delete_key() {
+  const track = selected_track();
+  if (!track || track.at_s[selected_key.index] === undefined) return false;
+  of_key(track, { delete: selected_key.index });
+  selected_key = null;
+  show_tracks();
+  return true;
+}
+
+$("key-time").addEventListener("change", ({ target }) => {
+  const track = selected_track();
+  if (!track || Number.isNaN(target.valueAsNumber)) return;
+  const at_s = in_seconds() ? target.valueAsNumber : target.valueAsNumber / frames_per_second();
+  of_key(track, { move: [selected_key.index, at_s] });
+});
+$("key-delete").addEventListener("click", delete_key);
+$("unit").addEventListener("change", show_tracks);
+$("record").addEventListener("click", () => send({ do: "record" }));

@@ -1,0 +1,61 @@
+"use strict";
+// Numbers, colors, switches and texts of a panel.
+
+const element = (name, properties, ...children) => {
+  const made = Object.assign(document.createElement(name), properties);
+  made.append(...children);
+  return made;
+};
+
+// Colors of scene text are linear; those of the browser's picker are sRGB. What is brighter than 1 keeps its strength.
+const to_srgb = (x) => x <= 0.0031308 ? 12.92 * x : 1.055 * x ** (1 / 2.4) - 0.055;
+const to_linear = (x) => x <= 0.04045 ? x / 12.92 : ((x + 0.055) / 1.055) ** 2.4;
+const strength = (values) => Math.max(1, ...values);
+const to_hex = (values) => "#" + values.map((value) =>
+  Math.round(255 * to_srgb(Math.max(0, value / strength(values)))).toString(16).padStart(2, "0")).join("");
+const of_hex = (text, before) => [1, 3, 5].map((at) =>
+  to_linear(parseInt(text.slice(at, at + 2), 16) / 255) * strength(before));
+
+// Rows of a panel: name, values, whether they are a color, and the step of numbers. `change` gets the name, the values
+// and whether the input is over. Inputs are kept while one of them has the focus, so that a drag is not cut off.
+function fields(panel, rows, change) {
+  const shape = JSON.stringify(rows.map(([name, values]) => [name, values.map((value) => typeof value)]));
+  if (panel.dataset.shape !== shape) {
+    panel.dataset.shape = shape;
+    panel.replaceChildren(...rows.map(([name, values, is_color, step]) => {
+      const inputs = values.map((value) => {
+        const type = { number: "number", boolean: "checkbox", string: "text" }[typeof value];
+        return element("input", { type, step: step || "any", name, ariaLabel: name });
+      });
+      const read = () => inputs.map((input) =>
+        input.type === "checkbox" ? input.checked : input.type === "number" ? input.valueAsNumber : input.value);
+      for (const input of inputs) {
+        input.addEventListener("input", () => change(name, read(), false));
+        input.addEventListener("change", () => change(name, read(), true));
+      }
+      const line = element("span", {}, ...inputs);
+      if (is_color) {
+        const picker = element("input", { type: "color", ariaLabel: `${name}, picker` });
+        const pick = (write) => change(name, of_hex(picker.value, read()), write);
+        picker.addEventListener("input", () => pick(false));
+        picker.addEventListener("change", () => pick(true));
+        line.prepend(picker);
+      }
+      return element("label", {}, name, line);
+    }));
+  }
+  rows.forEach(([, values, is_color], row) => {
+    const line = panel.children[row].querySelector("span");
+    const picker = is_color ? line.querySelector("input[type=color]") : null;
+    if (picker && picker !== document.activeElement) picker.value = to_hex(values);
+    const inputs = [...line.querySelectorAll("input")].filter((input) => input !== picker);
+    values.forEach((value, index) => {
+      const input = inputs[index];
+      if (input === document.activeElement) return;
+      if (input.type === "checkbox") input.checked = value;
+      else input.value = input.type === "number" ? Number(value.toPrecision(7)) : value;
+    });
+  });
+}
+
+const are_numbers = (values) => !values.some((value) => Number.isNaN(value));

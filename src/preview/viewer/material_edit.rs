@@ -1,0 +1,26 @@
+//! Changed values of a material.
+
+use glam::Vec3;
+
+use super::scene_summary::MaterialRow;
+use crate::live::Edit;
+use reflet_scene::desc::MATERIAL;
+
+impl MaterialRow {
+    /// The edit after the value of a field of [`MATERIAL`], by its index, is changed. Emission and its strength are set
+    /// together, since a material keeps only their product.
+    pub fn with(&self, edit: &Edit, field: usize, value: Vec3) -> Edit {
+        const PAIR: [&str; 2] = ["emission", "emission_strength"];
+        let now = self.edit.over(&self.numbers);
+        let mut edit = *edit;
+        edit.values[field] = Some(value);
+        if PAIR.contains(&MATERIAL[field].key) {
+            for (other, of) in MATERIAL.iter().enumerate() {
+                if other != field && PAIR.contains(&of.key) {
+                    edit.values[other] = (of.get)(&now);
+                }
+            }
+        }
+        edit
+    }
+}
