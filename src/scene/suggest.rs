@@ -1,33 +1,59 @@
 //! "Did you mean" hints: the allowed word that is nearest to a wrong one.
 
+mod absent;
+
+pub use absent::{absent, absent_key};
+
 /// Words of other renderers and formats, with the keys and words of scene text that they may mean.
 const SYNONYMS: &[(&str, &[&str])] = &[
+    ("add", &["union"]),
     ("albedo", &["base_color"]),
+    ("angle_deg", &["outer_deg"]),
+    ("aperture_deg", &["fov_deg"]),
+    ("background", &["environment"]),
     ("ball", &["sphere"]),
+    ("bottom", &["ground"]),
     ("bulb", &["point"]),
+    ("bump", &["normal_texture"]),
     ("circle", &["disk"]),
     ("color", &["base_color", "colors", "emission"]),
     ("cube", &["box"]),
     ("cuboid", &["box"]),
     ("diffuse", &["base_color"]),
+    ("diffuse_texture", &["base_color_texture"]),
     ("distant", &["directional"]),
     ("donut", &["torus"]),
+    ("ease_in", &["in"]),
+    ("ease_in_out", &["in_out"]),
+    ("ease_out", &["out"]),
     ("emissive", &["emission"]),
+    ("entity", &["instance"]),
     ("exposure", &["exposure_ev"]),
+    ("font_size", &["size"]),
     ("from", &["eye"]),
     ("ground", &["plane"]),
+    ("hdri", &["environment", "file"]),
+    ("hide", &["show"]),
+    ("image", &["file"]),
+    ("import", &["include"]),
     ("intensity", &["intensity_cd", "intensity_lux"]),
     ("intensity_cd", &["intensity_lux"]),
     ("intensity_lux", &["intensity_cd"]),
+    ("intersect", &["intersection"]),
+    ("linear", &["none"]),
     ("location", &["eye", "position", "translation"]),
     ("look_at", &["target"]),
     ("lookat", &["target"]),
     ("max_bounces", &["bounces"]),
-    ("metalness", &["metallic"]),
-    ("hide", &["show"]),
     ("mesh", &["model", "file"]),
+    ("metalness", &["metallic"]),
     ("move", &["place"]),
+    ("node", &["instance"]),
+    ("normal_map", &["normal_texture"]),
+    ("object", &["instance"]),
+    ("of", &["parts"]),
     ("origin", &["eye", "position"]),
+    ("panorama", &["file"]),
     ("path", &["file"]),
     ("pill", &["capsule"]),
     ("position", &["eye", "translation"]),
@@ -36,14 +62,21 @@ const SYNONYMS: &[(&str, &[&str])] = &[
     ("rotate", &["rotation_deg", "place"]),
     ("rotation", &["rotation_deg"]),
     ("rough", &["roughness"]),
-    ("spp", &["samples"]),
-    ("sun", &["directional"]),
-    ("tonemap", &["tone_map"]),
-    ("transform", &["matrix"]),
     ("set_position", &["place"]),
+    ("shapes", &["parts"]),
+    ("sky", &["environment", "zenith"]),
+    ("spp", &["samples"]),
+    ("subtract", &["difference"]),
+    ("sun", &["directional"]),
+    ("texture", &["base_color_texture", "file"]),
+    ("thickness", &["depth", "thickness_m"]),
+    ("tonemap", &["tone_map"]),
+    ("top", &["zenith"]),
+    ("transform", &["matrix"]),
     ("translate", &["translation", "place"]),
     ("type", &["kind", "shape"]),
     ("uri", &["file"]),
+    ("world", &["environment"]),
 ];
 
 /// Largest number of names of a scene that are compared with one that refers to nothing.
@@ -51,106 +84,6 @@ pub const MOST_NAMES: usize = 1000;
 
 /// Pairs of words that are spelled alike but mean different things, and are never suggested.
 const STRANGERS: &[[&str; 2]] = &[["material", "matrix"]];
-
-/// Unsupported words, a word by which the list that lacks them is recognized, and what to write instead.
-const ABSENT: &[(&[&str], &str, &str)] = &[
-    (
-        &["filmic", "hable", "uncharted", "reinhard"],
-        "agx",
-        "\"aces\" and \"agx\" roll bright light off as film does, \"agx\" more softly",
-    ),
-    (
-        &["area", "quad", "sphere", "tube", "mesh"],
-        "directional",
-        "flat lights are \"rect\" and \"disk\", a ball is \"point\" with `radius_m`, and any other shape lights \
-         where its material has `emission` and `light = true`",
-    ),
-    (
-        &[
-            "ambient",
-            "dome",
-            "env",
-            "environment",
-            "hdri",
-            "sky",
-            "skylight",
-        ],
-        "directional",
-        "light from all around is `[environment]`, such as `color = [0.5, 0.6, 0.8]`",
-    ),
-    (
-        &["mesh", "obj", "gltf", "file", "model"],
-        "cylinder",
-        "a model from a file is `file = \"….glb\"`, without `shape`",
-    ),
-    (
-        &["raytraced", "raytracing"],
-        "hybrid",
-        "write \"rt\", which traces a ray for every reflective pixel",
-    ),
-    (
-        &["pathtraced", "pathtracing", "pt", "reference"],
-        "hybrid",
-        "write \"path\", which follows all light by rays",
-    ),
-];
-
-/// Unsupported keys, keys by which the table that lacks them is recognized, and what to write instead.
-const ABSENT_KEYS: &[(&[&str], &[&str], &str)] = &[
-    (
-        &["frame", "frames", "time", "t"],
-        &["at_s", "value"],
-        "write `at_s`, in seconds: the number of the frame divided by `fps` of `[timeline]`",
-    ),
-    (
-        &["shown", "visible", "hidden"],
-        &["shadow_px", "intensity_lux"], // keys of a light, and of its motion
-        "give the light a group as its parent, and hide that group: `parent = \"GROUP\"` in `[light.NAME]`, and \
-         `shown = { keys = [{ at_s = 0, value = false }, { at_s = 2, value = true }] }` in `[motion.group.GROUP]`",
-    ),
-    (
-        &["shown", "hidden"],
-        &["casts_shadow"],
-        "write `visible = false`; to show it for some time only, write in `[motion.instance.NAME]` \
-         `shown = { keys = [{ at_s = 0, value = false }, { at_s = 2, value = true }] }`",
-    ),
-    (
-        &[
-            "specular_texture",
-            "specular_color_texture",
-            "sheen_color_texture",
-            "sheen_roughness_texture",
-            "transmission_texture",
-            "clearcoat_texture",
-            "clearcoat_roughness_texture",
-            "clearcoat_normal_texture",
-            "iridescence_texture",
-            "iridescence_thickness_texture",
-            "anisotropy_texture",
-        ],
-        &["clearcoat"],
-        "this texture comes from glTF files only: name one by `file = \"….glb\"` in `[model.NAME]`; the key without \
-         `_texture` holds everywhere on the surface",
-    ),
-];
-
-/// Advice for an unsupported key in a table with the keys `known`.
-pub fn absent_key(typed: &str, known: &[&str]) -> Option<&'static str> {
-    let lower = typed.to_lowercase();
-    let (.., help) = ABSENT_KEYS.iter().find(|(absent, among, _)| {
-        absent.contains(&lower.as_str()) && among.iter().any(|key| known.contains(key))
-    })?;
-    Some(help)
-}
-
-/// Advice for an unsupported word where one of `words` is allowed.
-pub fn absent(typed: &str, words: &[&str]) -> Option<&'static str> {
-    let lower = typed.to_lowercase();
-    let (.., help) = ABSENT
-        .iter()
-        .find(|(absent, among, _)| absent.contains(&lower.as_str()) && words.contains(among))?;
-    Some(help)
-}
 
 /// The word of `words` that is nearest to `typed`, if any is near.
 pub fn nearest<'a>(typed: &str, words: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {

@@ -61,7 +61,7 @@ impl Value for Color {
                 Vec3::read(node, named, report).map(Self)
             }
             _ => {
-                let help = list_of_number(node, named.key, 3);
+                let help = of_number(node).or_else(|| list_of_number(node, named.key, 3));
                 wrong_type(node, named.key, &Self::expected(), report).help = help;
                 None
             }
@@ -83,8 +83,34 @@ fn of_text(text: &str) -> Option<[u8; 3]> {
     }
 }
 
+/// Advice for the bytes of a color as one number.
+fn of_number(node: &Node) -> Option<String> {
+    let Content::Integer(number) = node.get_ref() else {
+        return None;
+    };
+    let bytes = number.value().filter(|n| (256..=0xff_ffff).contains(n))?;
+    Some(format!("write \"#{bytes:06x}\""))
+}
+
+/// The bytes of `rgb(204, 34, 0)`.
+fn of_function(text: &str) -> Option<[u8; 3]> {
+    let list = text.strip_prefix("rgb(")?.strip_suffix(')')?;
+    let bytes = list.split(',').map(|byte| byte.trim().parse().ok());
+    bytes.collect::<Option<Vec<u8>>>()?.try_into().ok()
+}
+
 /// Advice for a text that is not a color.
 fn advice(text: &str) -> String {
+    if let Some([r, g, b]) = of_function(text) {
+        return format!("write \"#{r:02x}{g:02x}{b:02x}\"");
+    }
+    let is_image = [".png", ".jpg", ".jpeg", ".webp", ".ktx2"];
+    if is_image.iter().any(|ending| text.ends_with(ending)) {
+        return format!(
+            "an image is a texture: write `base_color_texture = {}`",
+            suggest::text(text)
+        );
+    }
     const NAMES: [(&str, &str); 10] = [
         ("black", "#000000"),
         ("blue", "#0000ff"),

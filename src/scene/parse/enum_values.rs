@@ -103,7 +103,12 @@ pub fn word(
     report: &mut Report,
 ) -> Option<&'static str> {
     let Some(written) = node.get_ref().as_str() else {
-        wrong_type(node, key, &one_of(words), report);
+        let help = node.get_ref().as_bool().and_then(|is_on| {
+            let meant = if is_on { "auto" } else { "none" };
+            let word = words.iter().find(|word| **word == meant)?;
+            Some(format!("write {}", suggest::text(word)))
+        });
+        wrong_type(node, key, &one_of(words), report).help = help;
         return None;
     };
     let known = words.iter().copied().find(|w| *w == written);

@@ -310,6 +310,12 @@ fn nothing(
         return;
     }
     let known = names_in(node);
+    let elsewhere = whole_path(path, name, node);
+    if let Some(meant) = elsewhere {
+        let help = format!("write {}", suggest::text(&meant));
+        report.error("dangling-name", at, message).help = Some(help);
+        return;
+    }
     let written = match suggest::nearest(name, known.iter().copied()) {
         None if has_script => {
             "only what is written in scene text can be removed; what a script makes it can leave out by a \
@@ -320,6 +326,23 @@ fn nothing(
         _ => suggest::hint(name, &known, suggest::text, "the names are"),
     };
     report.error("dangling-name", at, message).help = Some(written);
+}
+
+/// Path in the scene of what a path means whose first part is no table of it: `light.key` for `key` or `lights.key`.
+fn whole_path(path: &str, first: &str, scene: &Node) -> Option<String> {
+    if !path.starts_with(first) {
+        return None;
+    }
+    let last = path.rsplit('.').next()?;
+    let tables = scene.get_ref().as_table()?;
+    let mut found = tables
+        .iter()
+        .filter(|(_, table)| names_in(table).contains(&last));
+    let (table, _) = found.next()?;
+    found
+        .next()
+        .is_none()
+        .then(|| format!("{}.{last}", table.get_ref()))
 }
 
 fn index_of(items: &[Node], name: &str) -> Option<usize> {

@@ -249,6 +249,12 @@ impl<'r> Table<'r> {
             self.missing.retain(|(key, _)| !is_meant(key));
             let help = (absent.map(str::to_owned))
                 .or_else(|| self.key_of_the_file(name))
+                .or_else(|| {
+                    let is_name = self.place.path == "motion" && !self.place.in_list;
+                    is_name.then(|| {
+                        format!("write `[motion.instance.{name}]`, or that of another kind")
+                    })
+                })
                 .unwrap_or_else(|| suggest::hint(name, &self.asked, suggest::key, "its keys are"));
             self.report.error("unknown-key", &key.span(), message).help = Some(help);
         }

@@ -6,7 +6,9 @@ use serde_json::{Value as Json, json};
 
 use super::{
     report::Report,
-    value_advice::{in_degrees, list_in_text, list_of_length, list_of_number, unquoted},
+    value_advice::{
+        in_range, list_instead, list_of_length, list_of_scale, number_instead, truth, unquoted,
+    },
 };
 use crate::desc::At;
 use crate::syntax::{Content, Node};
@@ -96,7 +98,8 @@ fn number(node: &Node, named: &Named, expected: &str, report: &mut Report) -> Op
                 let x = text.parse().ok().filter(|x: &f64| x.is_finite());
                 is_toml && x.is_some_and(|x| named.range.check(x).is_ok())
             });
-            wrong_type(node, named.key, expected, report).help = quoted;
+            wrong_type(node, named.key, expected, report).help =
+                quoted.or_else(|| number_instead(node, named.range));
             return None;
         }
     };
@@ -108,7 +111,7 @@ fn number(node: &Node, named: &Named, expected: &str, report: &mut Report) -> Op
     }
     if let Err(words) = named.range.check(x) {
         let message = format!("`{key}` must be {words}, not {}", digits(node));
-        report.error("out-of-range", &at, message).help = in_degrees(x, key, named.range);
+        report.error("out-of-range", &at, message).help = in_range(x, key, named.range);
         return None;
     }
     Some(x)
@@ -152,7 +155,8 @@ impl Value for u32 {
     fn read(node: &Node, named: &Named, report: &mut Report) -> Option<Self> {
         let x = number(node, named, &Self::expected(), report)?;
         if x.fract() != 0.0 {
-            wrong_type(node, named.key, &Self::expected(), report);
+            let help = format!("write {}", x.round());
+            wrong_type(node, named.key, &Self::expected(), report).help = Some(help);
             return None;
         }
         Some(x as u32)
@@ -173,7 +177,8 @@ impl Value for bool {
         let value = node.get_ref().as_bool();
         if value.is_none() {
             let quoted = unquoted(node, |text| matches!(text, "true" | "false"));
-            wrong_type(node, named.key, &Self::expected(), report).help = quoted;
+            wrong_type(node, named.key, &Self::expected(), report).help =
+                quoted.or_else(|| truth(node));
         }
         value
     }
@@ -278,7 +283,7 @@ impl<T: Value, const N: usize> Value for [T; N] {
     fn read(node: &Node, named: &Named, report: &mut Report) -> Option<Self> {
         let (key, expected) = (named.key, Self::expected());
         let Some(items) = node.get_ref().as_array() else {
-            let help = list_in_text(node, N).or_else(|| list_of_number(node, key, N));
+            let help = list_instead(node, key, N, T::RANGED);
             wrong_type(node, key, &expected, report).help = help;
             return None;
         };
@@ -382,8 +387,8 @@ impl Value for Scale {
     fn read(node: &Node, named: &Named, report: &mut Report) -> Option<Self> {
         match node.get_ref() {
             Content::Array(items) if items.len() == 3 => Vec3::read(node, named, report).map(Self),
-            Content::Array(_) => {
-                wrong_type(node, named.key, &Self::expected(), report);
+            Content::Array(items) => {
+                wrong_type(node, named.key, &Self::expected(), report).help = list_of_scale(items);
                 None
             }
             _ => {

@@ -1,7 +1,7 @@
 //! Advice for values of a wrong type, length or range: the text to write instead.
 
 use crate::{
-    range::Range,
+    range::{LIMIT, Range, UNIT},
     syntax::{Content, Node},
 };
 
@@ -21,7 +21,7 @@ pub fn unquoted(node: &Node, is_right: impl Fn(&str) -> bool) -> Option<String> 
 }
 
 /// Advice for numbers in a text where a list of `count` is expected: `size = "1280x720"`.
-pub fn list_in_text(node: &Node, count: usize) -> Option<String> {
+fn list_in_text(node: &Node, count: usize) -> Option<String> {
     let text = node.get_ref().as_str()?;
     let parts = text.split(['x', '×', ',', ' ', '[', ']', '(', ')']);
     let parts: Vec<&str> = parts.filter(|part| !part.is_empty()).collect();
@@ -56,6 +56,10 @@ pub fn list_of_length(items: &[Node], count: usize) -> Option<String> {
     }
     let mut list: Vec<_> = items.iter().map(number_text).take(count).collect();
     match (items.len() < count, count) {
+        (true, 4) => Some(format!(
+            "four numbers are a quaternion, `[0, 0, 0, 1]` for no turn; degrees about X, Y and Z are `rotation_deg = [{}]`",
+            list.join(", ")
+        )),
         (true, 3) => {
             list.push("0".to_owned());
             Some(format!(
@@ -68,8 +72,83 @@ pub fn list_of_length(items: &[Node], count: usize) -> Option<String> {
     }
 }
 
+/// Advice for what is no list where a list of `count` is expected, of numbers if `is_ranged`.
+pub fn list_instead(node: &Node, key: &str, count: usize, is_ranged: bool) -> Option<String> {
+    let point = || "write three numbers, such as [0, 1, 0]".to_owned();
+    list_in_text(node, count)
+        .or_else(|| list_of_number(node, key, count))
+        .or_else(|| (is_ranged && count == 3).then(point))
+}
+
+/// Advice for a truth value or a text where a number in this range is expected.
+pub fn number_instead(node: &Node, range: &Range) -> Option<String> {
+    number_of_truth(node, range).or_else(|| number_for_text(node, range))
+}
+
+/// Advice for a truth value where a number in this range is expected.
+fn number_of_truth(node: &Node, range: &Range) -> Option<String> {
+    let Content::Boolean(is_true) = node.get_ref() else {
+        return None;
+    };
+    let number = u8::from(*is_true);
+    range
+        .contains(f64::from(number))
+        .then(|| format!("write {number}, or a number between"))
+}
+
+/// Advice for a text where a number in this range is expected.
+fn number_for_text(node: &Node, range: &Range) -> Option<String> {
+    node.get_ref().as_str()?;
+    Some(format!("write a number, such as {}", range.clamp(1.0)))
+}
+
+/// Advice for a text or a number that means true or false.
+pub fn truth(node: &Node) -> Option<String> {
+    let word = match node.get_ref() {
+        Content::String(text) => text.to_lowercase(),
+        _ => number_text(node),
+    };
+    let meant = match word.as_str() {
+        "yes" | "on" | "1" | "true" => true,
+        "no" | "off" | "0" | "false" => false,
+        _ => return None,
+    };
+    Some(format!("write {meant}, without quotes"))
+}
+
+/// Advice for a number out of its range: degrees in place of radians, a share in place of a percentage, else the end
+/// that is near.
+pub fn in_range(x: f64, key: &str, range: &Range) -> Option<String> {
+    if let Some(degrees) = in_degrees(x, key, range) {
+        return Some(degrees);
+    }
+    if *range == UNIT && x > 1.0 && x <= 100.0 {
+        return Some(format!("it is a share: {x} % are {}", x / 100.0));
+    }
+    let (end, is_open) = match x <= range.min {
+        true => (range.min, range.above_min),
+        false => (range.max, range.below_max),
+    };
+    (!is_open && end.abs() < LIMIT).then(|| format!("write {end}, the nearest that is allowed"))
+}
+
+/// Advice for a list of factors that is too short or too long.
+pub fn list_of_scale(items: &[Node]) -> Option<String> {
+    let factors: Vec<_> = items.iter().map(number_text).take(3).collect();
+    let list = match factors.as_slice() {
+        [x] => return Some(format!("write {x}, without brackets")),
+        [x, y] => [x, y, x],
+        [x, y, z] => [x, y, z],
+        _ => return None,
+    };
+    Some(format!(
+        "write three numbers, such as [{}]",
+        list.map(String::as_str).join(", ")
+    ))
+}
+
 /// Advice for an angle that is probably in radians.
-pub fn in_degrees(x: f64, key: &str, range: &Range) -> Option<String> {
+fn in_degrees(x: f64, key: &str, range: &Range) -> Option<String> {
     let degrees = (x.to_degrees() * 1e3).round() / 1e3;
     let may_be = key.ends_with("_deg") && x.fract() != 0.0 && range.check(degrees).is_ok();
     may_be.then(|| format!("angles are in degrees: {x} radians are {degrees}"))

@@ -119,7 +119,7 @@ impl Context {
     }
 
     fn names(&self) -> Result<&ScriptNames> {
-        let in_setup = "setup adds to the scene by what it returns; only frame can pose it";
+        let in_setup = "setup adds to the scene by what it returns; only frame can pose it: move this call into `fn frame(ctx)`";
         self.names.as_ref().ok_or_else(|| in_setup.into())
     }
 

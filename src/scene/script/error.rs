@@ -219,8 +219,23 @@ fn explain(wrong: &Wrong, known: &Known) -> (&'static str, String, Option<String
         other => {
             let text = other.to_string();
             let text = text.split(" (line ").next().unwrap_or(&text);
-            ("script-error", lower_first(text), None)
+            ("script-error", lower_first(text), advice(other))
         }
+    }
+}
+
+/// What to do about an error of Rhai's own.
+fn advice(wrong: &Wrong) -> Option<String> {
+    match wrong {
+        Wrong::ErrorArrayBounds(0, ..) => Some("the array is empty".to_owned()),
+        Wrong::ErrorArrayBounds(count, ..) => Some(format!(
+            "its elements are 0 to {}; write `a[i % a.len()]` to begin again after the last",
+            count - 1
+        )),
+        Wrong::ErrorArithmetic(text, _) if text.to_lowercase().contains("division by zero") => {
+            Some("ask first, as in `if b != 0 { a / b } else { 0 }`".to_owned())
+        }
+        _ => None,
     }
 }
 

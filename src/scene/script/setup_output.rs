@@ -92,9 +92,12 @@ pub fn text(returned: &Dynamic) -> Result<String, Wrong> {
         };
         if is_list {
             let list = value.read_lock::<Array>();
-            for item in list.ok_or_else(|| wrong("an array of maps"))?.iter() {
+            for item in list
+                .ok_or_else(|| wrong("an array of maps, such as `[#{ … }]`"))?
+                .iter()
+            {
                 let item = item.read_lock::<Map>();
-                let item = item.ok_or_else(|| wrong("an array of maps"))?;
+                let item = item.ok_or_else(|| wrong("an array of maps, such as `[#{ … }]`"))?;
                 let _ = writeln!(out, "[[{table}]]");
                 keys(&mut out, &item).map_err(|w| w.under(key))?;
             }

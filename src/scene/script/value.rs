@@ -55,7 +55,9 @@ pub fn number(value: &Dynamic, what: &str) -> Result<f64> {
     if x.is_finite() {
         Ok(x)
     } else {
-        fail(format!("`{what}` must be a finite number, not {x}"))
+        fail(format!(
+            "`{what}` must be a finite number, not {x}; a division by 0 or the root of a negative number gives it"
+        ))
     }
 }
 
@@ -69,7 +71,7 @@ pub fn vector(value: &Dynamic, what: &str) -> Result<DVec3> {
     } else {
         let found = named(value);
         return fail(format!(
-            "{what} must be a vec3 or three numbers, not {found}"
+            "{what} must be a vec3 or three numbers, such as [0, 1, 0], not {found}"
         ));
     };
     // The scene keeps 32-bit floats.

@@ -190,7 +190,11 @@ impl Table<'_> {
             }
             _ => {
                 let message = format!("each `{key}` must be a table, not {}", found(item));
-                self.report.error("wrong-type", &item.span(), message);
+                let example = match key {
+                    "keys" => "write `{ at_s = 0, value = [0, 0, 0] }`".to_owned(),
+                    _ => "write `{ … }` with its keys".to_owned(),
+                };
+                self.report.error("wrong-type", &item.span(), message).help = Some(example);
                 None
             }
         };
@@ -212,7 +216,8 @@ impl Table<'_> {
             return Vec::new();
         };
         let Content::Table(values) = node.get_ref() else {
-            wrong_type(node, key, "tables with names", self.report);
+            let help = format!("write `[{key}.NAME]`, with a name of your choice");
+            wrong_type(node, key, "tables with names", self.report).help = Some(help);
             return Vec::new();
         };
         let mut all = Vec::new();
@@ -290,7 +295,9 @@ impl Table<'_> {
         let Content::Table(values) = node.get_ref() else {
             let message = format!("`{key}` must be a table, not {}", found(node));
             let error = self.report.error("wrong-type", &node.span(), message);
-            error.help = T::instead(key, node);
+            let heading =
+                || Some(format!("write `{}`", T::HEADING)).filter(|_| !T::HEADING.is_empty());
+            error.help = T::instead(key, node).or_else(heading);
             return None;
         };
         Table::read(self.report, values, self.place.nested(key, node.span()))

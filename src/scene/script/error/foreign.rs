@@ -41,6 +41,54 @@ const WORDS: &[(&[&str], &str)] = &[
     ),
 ];
 
+/// Functions of other languages and libraries, and what to write.
+const FUNCTIONS: &[(&[&str], &str)] = &[
+    (
+        &[
+            "random",
+            "rand",
+            "rnd",
+            "randf",
+            "rand_float",
+            "randint",
+            "random_range",
+        ],
+        "write `hash01(seed, id)`, a number from 0 to 1 that is the same in every run",
+    ),
+    (&["range", "xrange"], "write `for i in 0..5 { … }`"),
+    (&["append", "add", "push_back"], "write `list.push(x)`"),
+    (&["length", "size", "count"], "write `list.len()`"),
+    (&["pow", "power"], "write `a ** b`"),
+    (
+        &["sin_deg", "cos_deg", "tan_deg", "sind", "cosd"],
+        "angles of `sin` and its like are in radians: write `sin(radians(x))`",
+    ),
+    (
+        &["rotate", "set_rotation", "rotation"],
+        "write `ctx.place(name, position, rotation)`, with a rotation such as `rotation_deg(0, 90, 0)`",
+    ),
+    (
+        &["set", "update", "animate", "get"],
+        "`ctx.place`, `ctx.camera`, `ctx.light` and `ctx.material` set what their names say",
+    ),
+    (&["format", "sprintf"], "write `ball${i}` between backticks"),
+    (&["str", "string", "toString"], "write `x.to_string()`"),
+    (
+        &["int", "parseInt"],
+        "write `x.to_int()`, or `parse_int(text)`",
+    ),
+    (
+        &["float", "parseFloat"],
+        "write `x.to_float()`, or `parse_float(text)`",
+    ),
+];
+
+/// What to write for a function of another language.
+pub fn function(name: &str) -> Option<&'static str> {
+    let found = FUNCTIONS.iter().find(|(names, _)| names.contains(&name));
+    found.map(|(_, help)| *help)
+}
+
 /// Message and advice about a word of another language.
 pub fn word(word: &str) -> Option<(String, Option<String>)> {
     let (_, help) = WORDS.iter().find(|(words, _)| words.contains(&word))?;
@@ -59,6 +107,13 @@ pub fn sign(at: &Span) -> Option<(String, Option<String>)> {
     if after.starts_with('\'') {
         let help = "write \"abc\"; single quotes hold one character";
         return explained("texts stand in double quotes", help);
+    }
+    if after.starts_with('=') && !after.starts_with("==") {
+        let entry = before.rsplit(['{', ',']).next().unwrap_or(before).trim();
+        if name(entry) && !entry.is_empty() && before.contains("#{") {
+            let help = format!("write `{entry}: …`");
+            return explained("in a map stands `:`, not `=`", &help);
+        }
     }
     if after.starts_with('?') {
         let help = "write `if a { 1 } else { 2 }`, which has a value";

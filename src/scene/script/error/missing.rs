@@ -2,7 +2,7 @@
 
 use super::{
     super::{api, format_value::type_named},
-    Known,
+    Known, foreign,
 };
 use crate::suggest;
 
@@ -24,9 +24,22 @@ pub fn missing_function(signature: &str, functions: &[&str]) -> Explained {
     }
     if !name.starts_with(|c: char| c.is_alphabetic() || c == '_') {
         let message = format!("{} does not take ({arguments})", suggest::key(name));
-        return ("script-error", message, None);
+        let help = match name {
+            "^" => Some("write `a ** b` for a power"),
+            _ if arguments.contains("array") => {
+                Some("an array is a list: `vec3(1, 2, 3)` is a vector, with which one can compute")
+            }
+            "-" | "*" | "/" if arguments.contains("text") => {
+                Some("a text is no number: `parse_float(text)` reads one")
+            }
+            _ => None,
+        };
+        return ("script-error", message, help.map(str::to_owned));
     }
     let message = format!("there is no function {}", suggest::key(name));
+    if let Some(help) = foreign::function(name) {
+        return ("script-error", message, Some(help.to_owned()));
+    }
     let known = api::names().into_iter().chain(functions.iter().copied());
     let help = suggest::nearest(name, known).map_or_else(
         || "all functions are listed in docs/scripting.md".to_owned(),
@@ -77,7 +90,10 @@ pub fn missing_property(text: &str) -> Explained {
         "ctx" => "ctx.",
         "vec3" => "v.",
         other => {
-            let help = format!("{} has no properties", type_named(other));
+            let help = match name {
+                "length" | "size" | "count" => "write `.len()`".to_owned(),
+                _ => format!("{} has no properties", type_named(other)),
+            };
             let message = format!("there is no property {shown}");
             return ("script-error", message, Some(help));
         }

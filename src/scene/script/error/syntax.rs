@@ -89,7 +89,11 @@ fn explain_syntax(
                 .map_or("", |(_, t)| t.as_str());
             let known = variables(text);
             let own = "functions and closures see their parameters and what they define with `let`";
-            let help = if let "PI" | "E" = variable.as_str() {
+            let help = if let "f" | "F" = variable.as_str()
+                && text.contains(&format!("{variable}\""))
+            {
+                "a text with values in it stands between backticks: `ball${ctx.frame}`".to_owned()
+            } else if let "PI" | "E" = variable.as_str() {
                 format!("write `{variable}()`: it is a function")
             } else if known.contains(&variable.as_str()) {
                 format!("{own}; of the outer scope only `const NAME` is visible, as `global::NAME`")
@@ -118,6 +122,14 @@ fn explain_syntax(
             let help = "integers reach to 9223372036854775807; a float has a point, such as 1e20 \
                         or 2.0";
             (message, Some(help.to_owned()))
+        }
+        ParseErrorType::BadInput(LexError::UnterminatedString) => {
+            let help =
+                "add a `\"` where it ends; a text over several lines stands between backticks";
+            (
+                "the text does not end on its line".to_owned(),
+                Some(help.to_owned()),
+            )
         }
         ParseErrorType::LiteralTooLarge(what, most) => {
             (format!("{what} is too large, at most {most}"), None)
