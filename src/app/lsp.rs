@@ -11,6 +11,7 @@ mod names;
 mod outline;
 mod position;
 mod references;
+mod scopes;
 mod script;
 mod script_text;
 mod structure;

@@ -10,9 +10,10 @@ use std::{
 use serde_json::{Value, json};
 
 use super::{
-    names::{border_of, files_of_value, kinds_of_value, names, with_parts},
+    names::{border_of, files_of_value, kinds_of_value, names},
     outline::{Part, Word, words, words_before},
     position::{range, uri_of},
+    scopes::{Scoped, with_scopes},
     tables::{Below, Manual, is_project, keys_of},
 };
 use crate::files::folder_of;
@@ -102,9 +103,15 @@ fn headers(file: &Arc<Source>, word: &Word) -> Vec<Value> {
 }
 
 fn names_of_kind(file: &Arc<Source>, kind: &str) -> BTreeSet<String> {
-    let parts = with_parts(file);
-    let all = parts.iter().flat_map(|part| names(part));
-    all.filter(|n| n.kind == kind).map(|n| n.name).collect()
+    let all = with_scopes(file)
+        .into_iter()
+        .filter(|part| part.shows(kind));
+    let names = |part: Scoped| {
+        let own = names(&part.source).into_iter();
+        own.filter(|n| n.kind == kind)
+            .map(move |n| format!("{}{}", part.prefix, n.name))
+    };
+    all.flat_map(names).collect()
 }
 
 fn values(file: &Arc<Source>, word: &Word, name: &str, quoted: bool) -> Vec<Value> {
@@ -272,17 +279,21 @@ pub fn definition(file: &Arc<Source>, offset: usize) -> Vec<Value> {
         (Part::Header, [motion, kind]) if motion == "motion" => vec![kind.clone()],
         _ => Vec::new(),
     };
-    places(&with_parts(file), &word.text, |k| {
+    places(&with_scopes(file), &word.text, |k| {
         kinds.iter().any(|kind| kind == k)
     })
 }
 
 /// Locations in these files that define the name, of a kind that `is_kind` accepts.
-pub fn places(files: &[Arc<Source>], name: &str, is_kind: impl Fn(&str) -> bool) -> Vec<Value> {
+pub fn places(files: &[Scoped], name: &str, is_kind: impl Fn(&str) -> bool) -> Vec<Value> {
     let mut all = Vec::new();
-    for file in files {
+    for part in files {
+        let Some(name) = name.strip_prefix(part.prefix.as_str()) else {
+            continue;
+        };
+        let file = &part.source;
         let given = names(file).into_iter();
-        let given = given.filter(|n| n.name == name && is_kind(&n.kind));
+        let given = given.filter(|n| n.name == name && is_kind(&n.kind) && part.shows(&n.kind));
         all.extend(
             given.map(
                 |n| json!({ "uri": uri_of(&file.path), "range": range(&file.text, &n.range) }),

@@ -15,16 +15,20 @@ use super::{
     is_script,
     names::{Name, border_of, kinds_of_value, names, uses, with_parts},
     position::{range, uri_of},
+    scopes::{Placement, is_named, placements, split},
     script_text::is_word,
 };
 use crate::{
-    files::folder_of,
+    files::{folder_of, open_regular, read_at_most},
     scene::{diagnostic::Source, parse, toml_text::toml_text},
 };
 
 /// Maximum number of files that are searched, and depth of the folders.
 const MOST_FILES: usize = 1000;
 const DEPTH: usize = 6;
+
+/// Largest script that is read, bytes, as where scenes run them.
+const MOST_SCRIPT_BYTES: u64 = 1 << 20;
 
 /// A named thing.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -38,6 +42,8 @@ pub struct Place {
     file: Arc<Source>,
     name: Name,
     is_definition: bool,
+    /// Whether it is a part of a word in quotes, such as `bulb` in `"lamp.bulb"`, where `lamp` is a placed scene.
+    is_part: bool,
     /// Start of the text before the name in the same word, such as `light.` in `remove = ["light.lamp"]`.
     lead: String,
 }
@@ -53,7 +59,11 @@ pub fn texts(file: &Arc<Source>, open: &[&Arc<Source>]) -> Vec<Arc<Source>> {
         let edited = open.iter().find(|open| same(&open.path, path));
         let text = || {
             let text = match is_script(path) {
-                true => fs::read_to_string(path).ok()?,
+                true => {
+                    let bytes = open_regular(path, false)
+                        .and_then(|file| read_at_most(&file, MOST_SCRIPT_BYTES));
+                    String::from_utf8(bytes.ok()?).ok()?
+                }
                 false => parse::read(path).ok()?,
             };
             Some(Arc::new(Source::new(path, text)))
@@ -110,19 +120,71 @@ pub fn target(file: &Arc<Source>, offset: usize, texts: &[Arc<Source>]) -> Optio
     let (name, kinds) = used_names(file).into_iter().find(|(name, _)| is_at(name))?;
     let defined = texts.iter().flat_map(|text| own_names(text));
     let mut defined = defined.filter(|d| d.name == name.name && kinds.contains(&d.kind));
-    let kind = defined.next()?.kind;
-    Some((
-        Target {
+    if let Some(Name { kind, .. }) = defined.next() {
+        let target = Target {
             kind,
             name: name.name.clone(),
+        };
+        return Some((target, name));
+    }
+    let placements = placements_in(texts);
+    let split = split(&name.name, &placements)?;
+    let (start, end) = within_quotes(file, &name)?;
+    if let Some((group, at)) =
+        (split.groups.iter()).find(|(_, at)| (start + at.start..=start + at.end).contains(&offset))
+    {
+        let target = Target {
+            kind: "instance".to_owned(),
+            name: (*group).to_owned(),
+        };
+        let range = start + at.start..start + at.end;
+        return Some((
+            target,
+            Name {
+                range,
+                ..name.clone()
+            },
+        ));
+    }
+    let kind = kind_in(split.file, split.name, &kinds, texts)?;
+    let target = Target {
+        kind,
+        name: split.name.to_owned(),
+    };
+    let range = start + split.start..end;
+    Some((
+        target,
+        Name {
+            range,
+            ..name.clone()
         },
-        name,
     ))
+}
+
+/// All scenes that texts place.
+fn placements_in(texts: &[Arc<Source>]) -> Vec<Placement> {
+    let scenes = texts.iter().filter(|text| !is_script(&text.path));
+    scenes.flat_map(|text| placements(text)).collect()
+}
+
+/// Bytes of a name in quotes, without these; `None` for a bare one, which has no prefix.
+fn within_quotes(file: &Source, name: &Name) -> Option<(usize, usize)> {
+    let (start, end) = (name.range.start + 1, name.range.end - 1);
+    (file.text.get(start..end)? == name.name).then_some((start, end))
+}
+
+/// Kind of a name that a placed file defines, of these kinds.
+fn kind_in(file: &str, name: &str, kinds: &[String], texts: &[Arc<Source>]) -> Option<String> {
+    let files = texts.iter().filter(|text| is_named(&text.path, file));
+    let mut defined = files.flat_map(|text| own_names(text));
+    let found = defined.find(|d| d.name == name && kinds.contains(&d.kind))?;
+    Some(found.kind)
 }
 
 /// All places of a named thing.
 pub fn places(target: &Target, texts: &[Arc<Source>]) -> Vec<Place> {
     let mut all = Vec::new();
+    let placed = placements_in(texts);
     for file in texts {
         let mut add = |name: Name, is_definition: bool, lead: String| {
             let file = Arc::clone(file);
@@ -130,6 +192,7 @@ pub fn places(target: &Target, texts: &[Arc<Source>]) -> Vec<Place> {
                 file,
                 name,
                 is_definition,
+                is_part: false,
                 lead,
             });
         };
@@ -144,9 +207,51 @@ pub fn places(target: &Target, texts: &[Arc<Source>]) -> Vec<Place> {
                 add(name, false, lead);
             }
         }
+        all.extend(parts_in(target, file, &placed, texts));
     }
     all.sort_by(|a, b| (&a.file.path, a.name.range.start).cmp(&(&b.file.path, b.name.range.start)));
     all.dedup_by(|a, b| a.file.path == b.file.path && a.name.range == b.name.range);
+    all
+}
+
+/// Places of a named thing in names behind groups of placed scenes: the name itself, or a group.
+fn parts_in(
+    target: &Target,
+    file: &Arc<Source>,
+    placed: &[Placement],
+    texts: &[Arc<Source>],
+) -> Vec<Place> {
+    let mut all = Vec::new();
+    for (name, kinds) in used_names(file) {
+        let Some((start, end)) = within_quotes(file, &name) else {
+            continue;
+        };
+        let Some(split) = split(&name.name, placed) else {
+            continue;
+        };
+        let mut add = |range: Range<usize>| {
+            all.push(Place {
+                file: Arc::clone(file),
+                name: Name {
+                    range,
+                    ..name.clone()
+                },
+                is_definition: false,
+                is_part: true,
+                lead: String::new(),
+            });
+        };
+        for (group, at) in &split.groups {
+            if target.kind == "instance" && *group == target.name {
+                add(start + at.start..start + at.end);
+            }
+        }
+        let is_it = split.name == target.name && kinds.contains(&target.kind);
+        let own = std::slice::from_ref(&target.kind);
+        if is_it && kind_in(split.file, split.name, own, texts).is_some() {
+            add(start + split.start..end);
+        }
+    }
     all
 }
 
@@ -254,7 +359,7 @@ pub fn rename(target: &Target, new: &str, texts: &[Arc<Source>]) -> Result<Value
         let old = &text[place.name.range.clone()];
         let is_bare = !old.starts_with(['"', '\'']);
         let is_plain = |c: char| c.is_ascii_alphanumeric() || "_-".contains(c);
-        let written = match is_bare && new.chars().all(is_plain) {
+        let written = match place.is_part || (is_bare && new.chars().all(is_plain)) {
             true => new.to_owned(),
             false => toml_text(&format!("{}{new}", place.lead)),
         };

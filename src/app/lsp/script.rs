@@ -7,7 +7,8 @@ use serde_json::{Value, json};
 use super::{
     answer::places,
     call::Call,
-    names::{names, with_parts},
+    names::{Name, names},
+    scopes::{Scoped, with_scopes},
     script_text::{in_quotes, is_word},
 };
 use crate::scene::{diagnostic::Source, parse, script::api};
@@ -22,7 +23,7 @@ const MOST_ENTRIES: usize = 1000;
 
 /// Scenes that use a script, with the files that they include: open ones as edited, others from the script's
 /// folder.
-pub fn scenes_of(script: &Path, open: &[&Arc<Source>]) -> Vec<Arc<Source>> {
+pub fn scenes_of(script: &Path, open: &[&Arc<Source>]) -> Vec<Scoped> {
     let name = script
         .file_name()
         .and_then(|name| name.to_str())
@@ -40,13 +41,19 @@ pub fn scenes_of(script: &Path, open: &[&Arc<Source>]) -> Vec<Arc<Source>> {
     let uses =
         |s: &Source| s.path.extension().is_some_and(|e| e == "toml") && s.text.contains(name);
     let scenes = scenes.iter().filter(|s| uses(s));
-    scenes.flat_map(with_parts).collect()
+    scenes.flat_map(with_scopes).collect()
 }
 
 /// Completions at a byte offset.
-pub fn complete(text: &str, offset: usize, scenes: &[Arc<Source>]) -> Vec<Value> {
+pub fn complete(text: &str, offset: usize, scenes: &[Scoped]) -> Vec<Value> {
     let before = &text[..text.floor_char_boundary(offset)];
-    let all = scenes.iter().flat_map(|s| names(s));
+    let all = scenes.iter().flat_map(|part| {
+        let own = names(&part.source).into_iter();
+        own.filter(|n| part.shows(&n.kind)).map(|n| Name {
+            name: format!("{}{}", part.prefix, n.name),
+            ..n
+        })
+    });
     if in_quotes(before) {
         let kinds = Call::around_end_of(before).map_or(&[][..], |call| call.kinds_of_names());
         let named: BTreeSet<_> = all
@@ -108,7 +115,7 @@ pub fn hover(text: &str, offset: usize) -> Option<Value> {
 }
 
 /// Locations in the scenes that define the name at a byte offset: a quoted name, or a parameter.
-pub fn definition(text: &str, offset: usize, scenes: &[Arc<Source>]) -> Vec<Value> {
+pub fn definition(text: &str, offset: usize, scenes: &[Scoped]) -> Vec<Value> {
     let before = &text[..text.floor_char_boundary(offset)];
     if in_quotes(before) {
         let start = before.rfind('"').map_or(0, |i| i + 1);

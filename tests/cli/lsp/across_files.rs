@@ -249,3 +249,75 @@ fn the_text_of_a_project_is_completed_and_checked() {
     assert!(labels.contains(&"parts.toml".to_owned()), "{labels:?}");
     client.end();
 }
+
+const LAMP: &str = "version = 1\n[model.glass]\nshape = { kind = \"sphere\" }\n[[instance]]\nname = \"bulb\"\n\
+                    model = \"glass\"\ndynamic = true\n";
+const ROOM: &str = "version = 1\nscript = \"room.rhai\"\ntimeline.end = 3\n[model.floor]\n\
+                    shape = { kind = \"plane\", size = [4, 4] }\n[[instance]]\nname = \"left\"\n\
+                    model = { scene = \"lamp.toml\" }\n[[instance]]\nmodel = \"floor\"\nparent = \"left.bulb\"\n";
+const MOVES: &str = "fn frame(ctx) {\n    ctx.place(\"left.bulb\", [0, 1, 0]);\n}\n";
+
+#[test]
+fn names_of_placed_scenes_have_the_prefix_of_their_group() {
+    let mut client = Client::start("prefix");
+    let folder = client.folder.clone();
+    fs::write(folder.join("lamp.toml"), LAMP).expect("written");
+    // Too long for a script, so that it is not read.
+    fs::write(folder.join("long.rhai"), "// \"bulb\"\n".repeat(200_000)).expect("written");
+    client.open("room.rhai", MOVES);
+    client.open("room.toml", ROOM);
+    let uri = client.uri("room.toml");
+    assert_eq!(client.found(&uri), [] as [Value; 0]);
+    let labels = |found: &Value| {
+        let items = found.as_array().expect("a list").iter();
+        let labels = items.map(|item| item["label"].as_str().unwrap_or_default().to_owned());
+        labels.collect::<Vec<_>>()
+    };
+    let at = ROOM.replace("\"left.bulb\"", "\"|left.bulb\"");
+    let found = labels(&client.at("completion", "room.toml", &at));
+    assert_eq!(found, ["left", "left.bulb"]);
+    let at = MOVES.replace("\"left.bulb\"", "\"|left.bulb\"");
+    let found = labels(&client.at("completion", "room.rhai", &at));
+    assert!(found.contains(&"left.bulb".to_owned()) && !found.contains(&"bulb".to_owned()));
+    let own = |file: &str, line| (file.to_owned(), line);
+    let all = [
+        own("lamp.toml", 4),
+        own("room.rhai", 1),
+        own("room.toml", 10),
+    ];
+    for (file, text) in [("room.toml", ROOM), ("room.rhai", MOVES)] {
+        let at = text.replace("left.bulb", "left.bu|lb");
+        assert_eq!(
+            lines(&client.at("definition", file, &at)),
+            all[..1],
+            "{file}"
+        );
+        assert_eq!(lines(&client.at("references", file, &at)), all, "{file}");
+        let name = client.at("prepareRename", file, &at);
+        let [start, end] = ["start", "end"].map(|end| name[end]["character"].as_u64());
+        assert_eq!(
+            end.zip(start).map(|(end, start)| end - start),
+            Some(4),
+            "{file}"
+        );
+    }
+    let mut rename = |at: &str, new: &str| {
+        let before = at.split('|').next().expect("a mark");
+        let mut params = document(&client, "room.toml");
+        let character = before.rsplit('\n').next().unwrap_or_default().len();
+        params["position"] =
+            json!({ "line": before.matches('\n').count(), "character": character });
+        params["newName"] = new.into();
+        client.ask("textDocument/rename", params)["changes"].to_string()
+    };
+    let renamed = rename(&ROOM.replace("left.bulb", "left.bu|lb"), "globe");
+    assert_eq!(renamed.matches("globe").count(), 3, "{renamed}");
+    assert!(
+        renamed.contains("lamp.toml") && renamed.contains("room.rhai"),
+        "{renamed}"
+    );
+    let renamed = rename(&ROOM.replace("left.bulb", "le|ft.bulb"), "right");
+    assert_eq!(renamed.matches("right").count(), 3, "{renamed}");
+    assert!(!renamed.contains("lamp.toml"), "{renamed}");
+    client.end();
+}
