@@ -148,8 +148,8 @@ impl Picture {
         for (plane, array) in whole.planes.iter_mut().zip(&self.planes) {
             let (array, channels) = (array.bind(py), plane.channels.len());
             plane.data = match array.cast::<PyArrayDyn<u32>>() {
-                Ok(_) => PlaneData::U32(numbers(array, plane.name, size, channels)?),
-                Err(_) => PlaneData::F32(numbers(array, plane.name, size, channels)?),
+                Ok(_) => PlaneData::U32(numbers(array, &plane.name, size, channels)?),
+                Err(_) => PlaneData::F32(numbers(array, &plane.name, size, channels)?),
             };
         }
         Ok(whole)
@@ -186,7 +186,7 @@ fn write(
     let path = template.map_or_else(|| path.to_owned(), |template| template.path(frame));
     let file = PictureFile::new(&path)?;
     let aovs: Vec<_> = (picture.planes.iter())
-        .filter_map(|plane| Aov::from_name(plane.name))
+        .filter_map(|plane| Aov::from_name(&plane.name))
         .collect();
     file.check_files(&aovs, inputs)?;
     file.write_marked(picture, mark)
@@ -237,8 +237,8 @@ impl Picture {
     }
 
     /// Names of the AOVs.
-    fn keys(&self) -> Vec<&'static str> {
-        self.rest.planes.iter().map(|plane| plane.name).collect()
+    fn keys(&self) -> Vec<&str> {
+        self.rest.planes.iter().map(|plane| &*plane.name).collect()
     }
 
     fn __getitem__(&self, py: Python<'_>, name: &str) -> PyResult<Py<PyAny>> {

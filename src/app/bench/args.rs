@@ -39,15 +39,10 @@ const MEASURING: [&str; 21] = [
 ];
 
 /// Methods that can be compared; `auto` chooses among them, and `path` is a reference with --against-path.
-const COMPARED: [Method; 7] = [
-    Method::Ssr,
-    Method::Probe,
-    Method::SsrProbe,
-    Method::SsrBox,
-    Method::NearFar,
-    Method::Hybrid,
-    Method::Rt,
-];
+const COMPARED: [Method; 7] = {
+    use Method::{Hybrid, NearFar, Probe, Rt, Ssr, SsrBox, SsrProbe};
+    [Ssr, Probe, SsrProbe, SsrBox, NearFar, Hybrid, Rt]
+};
 
 /// Parser of a method that can be compared.
 fn compared() -> impl TypedValueParser<Value = Method> {
