@@ -6,7 +6,7 @@ import { pathToFileURL } from "node:url";
 
 const [browserPath, address, scenePath, playwright] = process.argv.slice(2);
 const { chromium } = await import(pathToFileURL(playwright).href);
-const PATIENCE_MS = 20_000;
+const PATIENCE_MS = 60_000;
 
 const browser = await chromium.launch({
   executablePath: browserPath,
