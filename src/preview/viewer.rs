@@ -10,6 +10,7 @@ pub mod opening;
 mod outline;
 pub mod picture_filter;
 pub mod protocol;
+mod recording;
 pub mod render_thread;
 pub mod scene_summary;
 pub mod timeline;

@@ -7,6 +7,7 @@ use clap::{
     builder::{PossibleValuesParser, TypedValueParser},
 };
 
+use super::reload::ReloadArgs;
 use crate::{
     app::args::{SceneArgs, parse_size},
     bench::{choose::Bound, parameter::Parameter},
@@ -195,34 +196,6 @@ pub struct BoundsArgs {
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     pub size: Option<[u32; 2]>,
     /// Folder for bounds.json and the charts; created if it is missing
-    #[arg(short, long, value_name = "DIR", default_value = "bench")]
-    pub output: PathBuf,
-    /// Use the adapter whose name contains this; also REFLET_ADAPTER
-    #[arg(long, value_name = "NAME")]
-    pub adapter: Option<String>,
-}
-
-/// Arguments of `bench reload`.
-#[derive(Clone, Debug, Args)]
-pub struct ReloadArgs {
-    /// Scene file or model, which is copied and edited in the copy; without one, the built-in atrium
-    pub scene: Option<PathBuf>,
-    /// Changes to the scene
-    #[command(flatten)]
-    pub from: SceneArgs,
-    /// Saves of each kind, 1 to 10000; from 20 on, percentiles are reported
-    #[arg(long = "n", value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..=10_000))]
-    pub saves: u32,
-    /// Folder of shaders to copy in place of the built-in ones
-    #[arg(long, value_name = "DIR")]
-    pub shaders: Option<PathBuf>,
-    /// Measure until a viewer of the preview's page has the picture (`preview --serve`)
-    #[arg(long)]
-    pub page: bool,
-    /// Width and height of the preview's picture
-    #[arg(long, value_name = "WxH", default_value = "320x180", value_parser = parse_size)]
-    pub size: [u32; 2],
-    /// Folder for reload.json; created if it is missing
     #[arg(short, long, value_name = "DIR", default_value = "bench")]
     pub output: PathBuf,
     /// Use the adapter whose name contains this; also REFLET_ADAPTER

@@ -1,12 +1,14 @@
 //! `bench reload`: time from a save to the new picture, split by its parts.
 
-use std::sync::Arc;
+use std::{path::PathBuf, sync::Arc};
 
+use clap::Args;
 use serde::Serialize;
 
-use super::{args::ReloadArgs, create_folder, progress::Progress, write};
+use super::{create_folder, progress::Progress, write};
 use crate::{
     app::{
+        args::{SceneArgs, parse_size},
         device::open_gpu,
         error::AppError,
         print_out,
@@ -26,6 +28,34 @@ pub mod viewer;
 use copy::{Edit, Edited, SceneCopy};
 use measure::Sample;
 use series::{Series, Timed, table};
+
+/// Arguments of `bench reload`.
+#[derive(Clone, Debug, Args)]
+pub struct ReloadArgs {
+    /// Scene file or model, which is copied and edited in the copy; without one, the built-in atrium
+    pub scene: Option<PathBuf>,
+    /// Changes to the scene
+    #[command(flatten)]
+    pub from: SceneArgs,
+    /// Saves of each kind, 1 to 10000; from 20 on, percentiles are reported
+    #[arg(long = "n", value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    pub saves: u32,
+    /// Folder of shaders to copy in place of the built-in ones
+    #[arg(long, value_name = "DIR")]
+    pub shaders: Option<PathBuf>,
+    /// Measure until a viewer of the preview's page has the picture (`preview --serve`)
+    #[arg(long)]
+    pub page: bool,
+    /// Width and height of the preview's picture
+    #[arg(long, value_name = "WxH", default_value = "320x180", value_parser = parse_size)]
+    pub size: [u32; 2],
+    /// Folder for reload.json; created if it is missing
+    #[arg(short, long, value_name = "DIR", default_value = "bench")]
+    pub output: PathBuf,
+    /// Use the adapter whose name contains this; also REFLET_ADAPTER
+    #[arg(long, value_name = "NAME")]
+    pub adapter: Option<String>,
+}
 
 /// Contents of `reload.json`.
 #[derive(Serialize)]

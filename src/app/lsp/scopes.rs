@@ -19,7 +19,7 @@ const MOST_FILES: usize = 200;
 /// A file of a scene.
 #[derive(Clone, Debug)]
 pub struct Scoped {
-    /// What names of the file begin with in the scene's text: nothing, or the groups of placed scenes, each with a dot.
+    /// Beginning of names of the file in the scene's text: nothing, or the groups of placed scenes, each with a dot.
     pub prefix: String,
     /// The file.
     pub source: Arc<Source>,

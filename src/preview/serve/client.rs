@@ -45,7 +45,7 @@ struct Side {
     ms: f64,
 }
 
-/// What a text of the page may have.
+/// Contents of a text of the page, as far as they are used.
 #[derive(Debug, Deserialize)]
 struct Told {
     statistics: Option<Statistics>,

@@ -122,7 +122,7 @@ pub fn in_range(x: f64, key: &str, range: &Range) -> Option<String> {
     if let Some(degrees) = in_degrees(x, key, range) {
         return Some(degrees);
     }
-    if *range == UNIT && x > 1.0 && x <= 100.0 {
+    if *range == UNIT && (10.0..=100.0).contains(&x) {
         return Some(format!("it is a share: {x} % are {}", x / 100.0));
     }
     let (end, is_open) = match x <= range.min {

@@ -224,7 +224,7 @@ fn explain(wrong: &Wrong, known: &Known) -> (&'static str, String, Option<String
     }
 }
 
-/// What to do about an error of Rhai's own.
+/// Advice about an error of Rhai's own.
 fn advice(wrong: &Wrong) -> Option<String> {
     match wrong {
         Wrong::ErrorArrayBounds(0, ..) => Some("the array is empty".to_owned()),

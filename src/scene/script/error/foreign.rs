@@ -83,7 +83,7 @@ const FUNCTIONS: &[(&[&str], &str)] = &[
     ),
 ];
 
-/// What to write for a function of another language.
+/// Advice about a function of another language.
 pub fn function(name: &str) -> Option<&'static str> {
     let found = FUNCTIONS.iter().find(|(names, _)| names.contains(&name));
     found.map(|(_, help)| *help)
