@@ -254,7 +254,8 @@ const LAMP: &str = "version = 1\n[model.glass]\nshape = { kind = \"sphere\" }\n[
                     model = \"glass\"\ndynamic = true\n";
 const ROOM: &str = "version = 1\nscript = \"room.rhai\"\ntimeline.end = 3\n[model.floor]\n\
                     shape = { kind = \"plane\", size = [4, 4] }\n[[instance]]\nname = \"left\"\n\
-                    model = { scene = \"lamp.toml\" }\n[[instance]]\nmodel = \"floor\"\nparent = \"left.bulb\"\n";
+                    model = { scene = \"lamp.toml\" }\n[[instance]]\nmodel = \"floor\"\nparent = \"left.bulb\"\n[environment]\n\
+                    color = [0.5, 0.5, 0.5]\n";
 const MOVES: &str = "fn frame(ctx) {\n    ctx.place(\"left.bulb\", [0, 1, 0]);\n}\n";
 
 #[test]
