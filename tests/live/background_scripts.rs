@@ -125,8 +125,7 @@ impl Watched {
     pub fn screenshot(&mut self) -> Vec<u8> {
         let folder = Folder::new();
         let screenshot = FrameAction::Screenshot(Screenshot {
-            folder: folder.0.clone(),
-            stem: "view".to_owned(),
+            goal: crate::kit::file_goal(&folder, "view"),
             wipe_at: 0.5,
             error_map: false,
         });
@@ -312,8 +311,7 @@ fn what_is_asked_of_a_frame_is_done_with_that_frame_whatever_is_shown() {
         preview.worker.mailbox.post(Task::Frame(inspection));
     };
     let screenshot = FrameAction::Screenshot(Screenshot {
-        folder: screenshots.0.clone(),
-        stem: "nine".to_owned(),
+        goal: crate::kit::file_goal(&screenshots, "nine"),
         wipe_at: 0.5,
         error_map: false,
     });

@@ -19,6 +19,7 @@ use reflet::{
 };
 use reflet_preview::{
     live::{InitialBuild, Live, Reload, SceneSource, ViewOverrides},
+    viewer::protocol::ScreenshotGoal,
     watch::{Change, Changes, WatchEvent, WatchList, Watcher},
 };
 
@@ -87,6 +88,14 @@ shadow_px = 64
 [environment]
 color = [0.2, 0.2, 0.3]
 "#;
+
+/// New files in a folder as the goal of screenshots.
+pub fn file_goal(folder: &Folder, stem: &str) -> ScreenshotGoal {
+    ScreenshotGoal::File {
+        folder: folder.0.clone(),
+        stem: stem.to_owned(),
+    }
+}
 
 /// Copies the project's shaders.
 pub fn copy_shaders(to: &Folder) -> PathBuf {

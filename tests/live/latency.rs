@@ -82,7 +82,14 @@ fn saves_of_a_project_are_measured_to_a_viewer_of_the_page() {
         let [sample] = one.samples.as_slice() else {
             panic!("one save is counted");
         };
-        assert_eq!(sample.driver_ms > 0.0, one.edit == "shader", "{}", one.file);
+        // The scene marches no rays, so that `ssr.wgsl` has no pipeline.
+        let compiles = one.file == "shaders/tone.wgsl";
+        assert!(sample.driver_ms > 0.0 || !compiles, "{}", one.file);
+        assert!(
+            sample.driver_ms == 0.0 || one.edit == "shader",
+            "{}",
+            one.file
+        );
         assert!(sample.frame_ms > 0.0 && sample.encode_ms > 0.0);
         assert!(sample.beyond_ms() >= sample.encode_ms, "{sample:?}");
     }
