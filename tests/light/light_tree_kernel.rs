@@ -252,7 +252,7 @@ fn deep_world() -> World {
             color: Vec3::ONE,
             shadow: ShadowMode::Ray,
             shadow_px: 1024,
-            light_group: None,
+            light_group: <_>::default(),
         },
         range_m: None,
     };

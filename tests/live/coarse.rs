@@ -103,6 +103,7 @@ fn the_coarse_picture_is_lit_by_lamps_of_the_tree() {
         path: Some(folder.path("scene.toml")),
         options: <_>::default(),
         shaders: None,
+        text: None,
     };
     let opened = Live::open(
         gpu.clone(),
