@@ -1,0 +1,184 @@
+"""Owns what the export of glTF does not carry of materials: values of scene text over the file's.
+
+Blender's exporter writes Principled materials with their textures. Here is what it leaves out and
+Reflet has: that glass is solid, that glowing surfaces light others, plain shaders other than
+Principled; and the names of what is lost.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import bpy
+
+from .report import Report
+
+# Nodes that Blender's exporter follows from an image or a color attribute to an input.
+_FOLLOWED = {
+    *("TEX_IMAGE", "UVMAP", "MAPPING", "TEX_COORD", "NORMAL_MAP", "SEPARATE_COLOR", "REROUTE"),
+    *("VERTEX_COLOR", "ATTRIBUTE", "RGB", "VALUE", "MIX", "MATH", "COMBINE_COLOR", "INVERT"),
+}
+# Depth of any solid: Reflet follows the real way through the mesh, and asks only whether it is 0.
+_SOLID = {"thickness_m": 1}
+
+
+def overrides(material: bpy.types.Material, report: Report) -> dict[str, Any]:
+    """Keys of `[model.NAME.material.MATERIAL]` over what glTF holds of `material`."""
+    name = material.name
+    if material.node_tree is None or not material.use_nodes:
+        return {}
+    output = material.node_tree.get_output_node("CYCLES") or material.node_tree.get_output_node(
+        "ALL"
+    )
+    if output is None:
+        report.lose("material-approximated", name, "it has no output")
+        return {}
+    if output.inputs["Volume"].is_linked:
+        report.lose("volume-dropped", name)
+    if output.inputs["Displacement"].is_linked:
+        report.lose("displacement-dropped", name)
+    if material.node_tree.animation_data and _is_animated(material.node_tree.animation_data):
+        report.lose("material-animation-frozen", name)
+    shader = _source(output.inputs["Surface"])
+    if shader is None:
+        return {"base_color": [0, 0, 0], "specular": 0, "roughness": 1, "metallic": 0}
+    made = _BY_KIND.get(shader.type)
+    if made is None:
+        label = shader.bl_label
+        report.lose("material-approximated", name, f"{label} is as Blender writes it to glTF")
+        return {}
+    return made(shader, name, report)
+
+
+def _source(socket: bpy.types.NodeSocket) -> bpy.types.Node | None:
+    """The node that feeds `socket`, through reroutes."""
+    for _ in range(1000):
+        if not socket.is_linked:
+            return None
+        node = socket.links[0].from_node
+        if node.type != "REROUTE":
+            return node
+        socket = node.inputs[0]
+    return None
+
+
+def _upstream(node: bpy.types.Node) -> Iterator[bpy.types.Node]:
+    seen, waiting = set(), [node]
+    while waiting:
+        current = waiting.pop()
+        if current in seen:
+            continue
+        seen.add(current)
+        yield current
+        waiting += [link.from_node for socket in current.inputs for link in socket.links]
+
+
+def _name_procedural(shader: bpy.types.Node, name: str, report: Report) -> None:
+    for socket in shader.inputs:
+        source = _source(socket)
+        if source is None:
+            continue
+        for node in _upstream(source):
+            if node.type == "TEX_IMAGE" and (node.image is None or not node.image.has_data):
+                if node.image is None or not _loads(node.image):
+                    report.lose("image-missing", name, f"the image of {socket.name}")
+            elif node.type not in _FOLLOWED:
+                text = f"{socket.name} is fed by {node.bl_label}"
+                report.lose("procedural-dropped", name, text)
+
+
+def _loads(image: bpy.types.Image) -> bool:
+    """Whether the pixels of an image that was not needed yet can be read."""
+    return image.size[0] > 0 and image.size[1] > 0
+
+
+def _is_animated(data: bpy.types.AnimData) -> bool:
+    return bool(data.action or data.drivers or data.nla_tracks)
+
+
+def _number(shader: bpy.types.Node, name: str) -> float:
+    """The value of an input; one that is linked counts as 1, since something is there."""
+    socket = shader.inputs.get(name)
+    if socket is None:
+        return 0.0
+    return 1.0 if socket.is_linked else float(socket.default_value)
+
+
+def _color(shader: bpy.types.Node, name: str) -> list[float]:
+    return [min(max(float(part), 0.0), 1.0) for part in shader.inputs[name].default_value[:3]]
+
+
+def _share(shader: bpy.types.Node, name: str) -> float:
+    return min(max(_number(shader, name), 0.0), 1.0)
+
+
+def _principled(shader: bpy.types.Node, name: str, report: Report) -> dict[str, Any]:
+    out: dict[str, Any] = {}
+    _name_procedural(shader, name, report)
+    if _number(shader, "Subsurface Weight") > 0:
+        report.lose("subsurface-dropped", name)
+    if _number(shader, "Transmission Weight") > 0:
+        out.update(_SOLID)
+    glow = shader.inputs["Emission Color"]
+    if _number(shader, "Emission Strength") > 0 and (
+        glow.is_linked or max(glow.default_value[:3]) > 0
+    ):
+        out["light"] = True
+    film = _number(shader, "Thin Film Thickness")
+    if film > 0:
+        ior = min(max(_number(shader, "Thin Film IOR"), 1.0), 4.0)
+        out.update(iridescence=1, iridescence_ior=ior, iridescence_thickness_nm=film)
+    return out
+
+
+def _diffuse(shader: bpy.types.Node, name: str, report: Report) -> dict[str, Any]:
+    _name_linked(shader, name, report)
+    return {"base_color": _color(shader, "Color"), "metallic": 0, "roughness": 1, "specular": 0}
+
+
+def _glossy(shader: bpy.types.Node, name: str, report: Report) -> dict[str, Any]:
+    _name_linked(shader, name, report)
+    # A metal whose reflectance rises to white at grazing angles, which Glossy's does not.
+    report.lose("material-approximated", name, "Glossy is a metal, brighter at grazing angles")
+    rough = _share(shader, "Roughness")
+    return {"base_color": _color(shader, "Color"), "metallic": 1, "roughness": rough}
+
+
+def _glass(shader: bpy.types.Node, name: str, report: Report) -> dict[str, Any]:
+    _name_linked(shader, name, report)
+    ior = min(max(_number(shader, "IOR"), 1.0), 4.0)
+    look = {"base_color": _color(shader, "Color"), "metallic": 0, "ior": ior}
+    return {**look, "roughness": _share(shader, "Roughness"), "transmission": 1, **_SOLID}
+
+
+def _refraction(shader: bpy.types.Node, name: str, report: Report) -> dict[str, Any]:
+    return {**_glass(shader, name, report), "specular": 0}
+
+
+def _emission(shader: bpy.types.Node, name: str, report: Report) -> dict[str, Any]:
+    _name_linked(shader, name, report)
+    look = {"base_color": [0, 0, 0], "specular": 0, "metallic": 0, "roughness": 1}
+    strength = max(_number(shader, "Strength"), 0.0)
+    color = [max(float(part), 0.0) for part in shader.inputs["Color"].default_value[:3]]
+    glow = {"emission": color, "emission_strength": strength}
+    return {**look, **glow, "light": strength * max(color) > 0}
+
+
+def _name_linked(shader: bpy.types.Node, name: str, report: Report) -> None:
+    """Inputs of plain shaders count by their own values; the exporter reads Principled's."""
+    for socket in shader.inputs:
+        if socket.is_linked and socket.name != "Normal":
+            text = f"{socket.name} of {shader.bl_label} has its own value, not what is linked to it"
+            report.lose("material-approximated", name, text)
+
+
+_BY_KIND = {
+    "BSDF_PRINCIPLED": _principled,
+    "BSDF_DIFFUSE": _diffuse,
+    "BSDF_GLOSSY": _glossy,
+    "BSDF_ANISOTROPIC": _glossy,
+    "BSDF_GLASS": _glass,
+    "BSDF_REFRACTION": _refraction,
+    "EMISSION": _emission,
+}
