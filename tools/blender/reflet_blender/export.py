@@ -49,12 +49,14 @@ class Options:
     diffuse_bounces: int = 4
     # Whether motion is exported; else the scene is what it is at its current frame.
     animate: bool = True
+    # Name of the view layer that is exported; the first one where it is empty.
+    layer: str = ""
 
 
 def export_project(scene: bpy.types.Scene, root: Path, options: Options) -> Report:
     """Write `scene` as a project into the folder `root`; raises ExportError where that fails."""
     report = Report()
-    layer = scene.view_layers[0]
+    layer = scene.view_layers.get(options.layer) or scene.view_layers[0]
     if scene.camera is None:
         raise ExportError(f"the scene {scene.name!r} has no camera; add one and make it active")
     if scene.camera.type != "CAMERA":

@@ -51,6 +51,11 @@ def size(scene: bpy.types.Scene) -> tuple[int, int]:
     return max(int(render.resolution_x * share), 1), max(int(render.resolution_y * share), 1)
 
 
+def is_blurred(scene: bpy.types.Scene) -> bool:
+    """Whether the current frame shows motion while its shutter is open; frames begin at 0."""
+    return bool(scene.render.use_motion_blur) and scene.frame_current >= 1
+
+
 def _image(scene: bpy.types.Scene, options: Options, report: Report) -> dict[str, Any]:
     view, render = scene.view_settings, scene.render
     tone = _TONES.get(view.view_transform)
