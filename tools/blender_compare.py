@@ -47,7 +47,7 @@ def shown(path: Path) -> Path:
 def compare(reflet: Path, place: Path, samples: int) -> dict[str, float]:
     """Render one exported scene, and compare it with Cycles's picture."""
     ours, cycles = place / "reflet.exr", place / "cycles.exr"
-    command = [reflet, "render", place / "project" / "scene.toml", "-o", ours]
+    command: list[str | Path] = [reflet, "render", place / "project" / "scene.toml", "-o", ours]
     command += ["--samples", str(samples), "--set", "image.radiance=full"]
     if place.name in FRAMES:
         command += ["--frames", str(FRAMES[place.name])]

@@ -4,9 +4,10 @@
 set -euo pipefail
 
 usage() {
-    echo "usage: tools/setup.sh [--build | --run]"
-    echo "  --build  only what compiles the program"
-    echo "  --run    only what the program runs: an adapter, ffmpeg, the USD converter"
+    echo "usage: tools/setup.sh [--build | --run | --blender]"
+    echo "  --build    only what compiles the program"
+    echo "  --run      only what the program runs: an adapter, ffmpeg, the USD converter"
+    echo "  --blender  only Blender as a module of Python (400 MB), for the tests of the add-on"
 }
 
 only=all
@@ -14,6 +15,7 @@ case "${1:-}" in
     '') ;;
     --build) only=build ;;
     --run) only=run ;;
+    --blender) only=blender ;;
     -h | --help)
         usage
         exit 0
@@ -294,6 +296,24 @@ setup_denoiser() {
         echo "missing: pyoidn; the test of --denoise will be skipped"
     fi
 }
+
+# Blender as a module, in an environment of its own; each release is for one version of Python.
+setup_blender() {
+    heading "Blender"
+    if [ -x "$root/.venv-bpy/bin/python" ] && "$root/.venv-bpy/bin/python" -c "import bpy" >/dev/null 2>&1; then
+        echo "present: .venv-bpy"
+        return 0
+    fi
+    python3 -m venv "$root/.venv-bpy"
+    "$root/.venv-bpy/bin/python" -m pip install --quiet --disable-pip-version-check "bpy>=4.5,<6" ||
+        fail "there is no bpy for $(python3 --version) on this system"
+    echo "ready: .venv-bpy"
+}
+
+if [ "$only" = blender ]; then
+    setup_blender
+    exit 0
+fi
 
 if has apt-get; then
     setup_debian

@@ -95,9 +95,7 @@ def camera(eye: Color, target: Color, fov_deg: float = 40) -> bpy.types.Object:
     return thing
 
 
-def light(
-    kind: str, at: Color, target: Color, energy: float, **values: object
-) -> bpy.types.Object:
+def light(kind: str, at: Color, target: Color, energy: float, **values: object) -> bpy.types.Object:
     """A light at `at` that shines towards `target`."""
     data = bpy.data.lights.new(kind.lower(), kind)
     data.energy = energy
@@ -174,7 +172,12 @@ def sun() -> None:
     floor(principled("sand", (0.6, 0.5, 0.35), Roughness=0.9), 30)
     for i in range(5):
         look = principled(f"stone {i}", (0.3 + 0.1 * i, 0.4, 0.5 - 0.08 * i), Roughness=0.7)
-        box(f"stone {i}", (1.2 * i - 2.4, 0.4 * (i % 2), 0.4 + 0.2 * i), (0.7, 0.7, 0.8 + 0.4 * i), look)
+        box(
+            f"stone {i}",
+            (1.2 * i - 2.4, 0.4 * (i % 2), 0.4 + 0.2 * i),
+            (0.7, 0.7, 0.8 + 0.4 * i),
+            look,
+        )
     light("SUN", (-4, -3, 3), (0, 0, 0), 3, angle=math.radians(2), color=(1, 0.85, 0.6))
     camera((0, -9, 3), (0, 0, 0.8), 32)
 
@@ -204,7 +207,10 @@ def world() -> None:
     pixels[(up > 60) & (up < 90) & (across > 30) & (across < 50), :3] = (1, 5, 8)
     image.pixels.foreach_set(pixels.ravel())
     image.update()
-    texture, mapping = tree.nodes.new("ShaderNodeTexEnvironment"), tree.nodes.new("ShaderNodeMapping")
+    texture, mapping = (
+        tree.nodes.new("ShaderNodeTexEnvironment"),
+        tree.nodes.new("ShaderNodeMapping"),
+    )
     coordinates = tree.nodes.new("ShaderNodeTexCoord")
     texture.image = image
     mapping.inputs["Rotation"].default_value = (0, 0, math.radians(40))
@@ -213,7 +219,9 @@ def world() -> None:
     tree.links.new(texture.outputs["Color"], tree.nodes["Background"].inputs["Color"])
     tree.nodes["Background"].inputs["Strength"].default_value = 1.2
     floor(principled("ground", (0.5, 0.5, 0.5), Roughness=0.7))
-    ball("mirror", (-0.7, 0, 0.6), 0.6, principled("mirror", (1, 1, 1), Metallic=1.0, Roughness=0.0))
+    ball(
+        "mirror", (-0.7, 0, 0.6), 0.6, principled("mirror", (1, 1, 1), Metallic=1.0, Roughness=0.0)
+    )
     ball("clay", (0.7, 0, 0.5), 0.5, principled("clay", (0.6, 0.45, 0.35), Roughness=0.9))
     camera((0, -5, 1.8), (0, 0, 0.5), 35)
 
@@ -305,7 +313,6 @@ def _arm() -> None:
     pose = bones.pose.bones["upper"]
     pose.rotation_mode = "XYZ"
     pose.keyframe_insert("rotation_euler", frame=1)
-    pose.rotation_euler = (0, 0, math.radians(-80))
     pose.rotation_euler = (math.radians(70), 0, 0)
     pose.keyframe_insert("rotation_euler", frame=24)
 
@@ -347,8 +354,8 @@ def mirror_hall() -> None:
     box("right", (1.6, 0, 1.5), (0.1, 8, 3), mirror)
     box("back", (0, 3, 1.5), (3.2, 0.1, 3), principled("back", (0.3, 0.3, 0.5), Roughness=0.6))
     ball("ball", (0.3, 0.3, 0.5), 0.5, principled("red", (0.7, 0.1, 0.1), Roughness=0.3))
-    light("POINT", (0, -0.5, 2.6), (0, 0, 0), 120, shadow_soft_size=0.15)
-    camera((-0.6, -3.5, 1.5), (0.3, 1, 0.9), 50)
+    light("AREA", (0, 0.5, 2.9), (0, 0.5, 0), 120, shape="RECTANGLE", size=2.4, size_y=4.0)
+    camera((-0.9, -2.8, 1.7), (0.7, 1.2, 0.8), 62)
 
 
 SCENES: dict[str, Callable[[], None]] = {

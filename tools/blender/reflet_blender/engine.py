@@ -40,7 +40,9 @@ class RefletEngine(bpy.types.RenderEngine):
     bl_use_eevee_viewport = True
     bl_use_postprocess = True
 
-    def update_render_passes(self, scene: bpy.types.Scene, renderlayer: bpy.types.ViewLayer) -> None:
+    def update_render_passes(
+        self, scene: bpy.types.Scene, renderlayer: bpy.types.ViewLayer
+    ) -> None:
         """Tell Blender the passes that a view layer asks for."""
         self.register_pass(scene, renderlayer, "Combined", 4, "RGBA", "COLOR")
         for wanted, (names, channels, kind, _, _) in _PASSES.items():

@@ -1,12 +1,12 @@
 """Owns the export: a Blender scene as a project of Reflet.
 
-    reflet.toml      the project; written once, then its reader's
-    scene.toml       the scene to render: a layer over blender.toml; written once, then its reader's
-    blender.toml     everything that Blender says, written anew by each export
-    models/*.glb     meshes and rigs
-    instances/*.csv  places of many instances
-    report.json/txt  what the scene holds, and what could not be carried
-    export.json      the files that exports wrote, with their hashes
+reflet.toml      the project; written once, then its reader's
+scene.toml       the scene to render: a layer over blender.toml; written once, then its reader's
+blender.toml     everything that Blender says, written anew by each export
+models/*.glb     meshes and rigs
+instances/*.csv  places of many instances
+report.json/txt  what the scene holds, and what could not be carried
+export.json      the files that exports wrote, with their hashes
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from .motion import Samples, deforming, frames_of, may_move
 from .names import Names, file_stem
 from .report import Report
 
-PROJECT = '# A project of scenes for Reflet; exports leave this file alone.\nname = {name}\n'
+PROJECT = "# A project of scenes for Reflet; exports leave this file alone.\nname = {name}\n"
 LAYER = """\
 # The scene to render and to change: exports leave this file alone, and write blender.toml anew.
 # Keys here win over those of blender.toml; instances are changed by their names:

@@ -1,8 +1,8 @@
-"""Owns the reading of the OpenEXR files that the program writes, channel by channel.
+"""Owns the reading of OpenEXR files that the program writes, channel by channel.
 
 Blender reads the colors of such a file into a render layer, but no other channels, and not each
 build of it has OpenEXR's or OpenImageIO's Python package. So this reads what `reflet render`
-writes: one part of scanlines, plain or ZIP, with channels of 16 and 32 bits and without subsampling.
+writes: one part of scanlines, plain or ZIP, with channels of 16 and 32 bits, not subsampled.
 """
 
 from __future__ import annotations

@@ -26,7 +26,7 @@ def values(light: bpy.types.Object, report: Report) -> dict[str, Any] | None:
     data = light.data
     color, brightest = _color(data)
     power = data.energy * 2**data.exposure * brightest
-    if data.energy < 0 or data.use_nodes and data.node_tree is None:
+    if data.energy < 0 or (data.use_nodes and data.node_tree is None):
         report.lose("light-off", light.name)
         return None
     place = light.matrix_world

@@ -18,8 +18,10 @@ _MOST_FRAMES = 1_000_000
 # Modifiers that move a mesh without any key.
 _SIMULATED = {"CLOTH", "SOFT_BODY", "FLUID", "OCEAN", "WAVE", "DYNAMIC_PAINT", "PARTICLE_SYSTEM"}
 _SIMULATED |= {"NODES", "MESH_CACHE", "MESH_SEQUENCE_CACHE", "EXPLODE"}
-_MOVING_LIGHT = ("position", "direction", "intensity_cd", "intensity_lux", "color")
-_MOVING_LIGHT += ("inner_deg", "outer_deg")
+_MOVING_LIGHT = (
+    *("position", "direction", "intensity_cd", "intensity_lux", "color"),
+    *("inner_deg", "outer_deg"),
+)
 
 
 def may_move(scene: bpy.types.Scene) -> bool:
@@ -94,7 +96,8 @@ class Samples:
         if not self._places:
             self._places = {key: [] for key in at}
         for key, been in self._places.items():
-            been.append(at.get(key, been[-1] if been else None))
+            # A thing that is gone stays where it was.
+            been.append(at[key] if key in at else been[-1])
         silent = Report()
         for name, thing in seen.items():
             evaluated = thing.evaluated_get(depsgraph)
@@ -125,8 +128,9 @@ class Samples:
         shown = keys.steps(self.frames, [shown for _, shown in been], self.fps)
         if shown:
             out["shown"] = shown
-        parts = [space.parts(space.matrix(place)) for place, _ in been]
-        if any(part is None for part in parts):
+        found = [space.parts(space.matrix(place)) for place, _ in been]
+        parts = [part for part in found if part is not None]
+        if len(parts) < len(found):
             if any(place != been[0][0] for place, _ in been):
                 report.lose("matrix-motion-frozen", name)
             return out

@@ -154,9 +154,9 @@ def drawn(
                 report.lose("object-kind-dropped", original.name, f"a {thing.type.lower()}")
             continue
         holder = instance.parent.original if instance.is_instance else original
-        if not instance.is_instance and original.is_instancer:
-            if not original.show_instancer_for_render:
-                continue
+        is_instancer = not instance.is_instance and original.is_instancer
+        if is_instancer and not original.show_instancer_for_render:
+            continue
         model = models.of(thing, depsgraph, report)
         if model is None:
             continue

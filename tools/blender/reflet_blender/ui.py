@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import ClassVar
 
 import bpy
 from bpy.props import BoolProperty, EnumProperty, IntProperty, StringProperty
@@ -62,7 +63,7 @@ class EXPORT_SCENE_OT_reflet(bpy.types.Operator):  # noqa: N801 - Blender asks f
 
     bl_idname = "export_scene.reflet"
     bl_label = "Export Reflet Project"
-    bl_options = {"PRESET"}
+    bl_options: ClassVar = {"PRESET"}
 
     directory: StringProperty(name="Folder", subtype="DIR_PATH")
     animate: BoolProperty(
@@ -105,7 +106,7 @@ class RENDER_PT_reflet(bpy.types.Panel):  # noqa: N801 - Blender asks for such n
 
     bl_label = "Reflet"
     bl_space_type, bl_region_type, bl_context = "PROPERTIES", "WINDOW", "render"
-    COMPAT_ENGINES = {"REFLET"}
+    COMPAT_ENGINES: ClassVar = {"REFLET"}
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:

@@ -1,0 +1,87 @@
+"""Owns the round trip of the Blender add-on: known light, second exports, the render engine."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+import tomllib
+from reflet_usd.exr_pixels import read_exr
+
+ROOT = Path(__file__).resolve().parents[2]
+BINARY = Path(os.environ.get("REFLET", ROOT / "target" / "debug" / "reflet"))
+BPY = Path(os.environ.get("REFLET_BPY", ROOT / ".venv-bpy" / "bin" / "python"))
+
+pytestmark = pytest.mark.skipif(
+    not BPY.exists(), reason="no Python with bpy; tools/setup.sh --blender installs it"
+)
+
+
+@pytest.fixture(scope="module")
+def out(tmp_path_factory):
+    """The folder of one session of Blender."""
+    folder = tmp_path_factory.mktemp("blender")
+    path = f"{BINARY.parent}{os.pathsep}{os.environ['PATH']}"
+    done = subprocess.run(
+        [BPY, ROOT / "tests" / "tools" / "blender_session.py", folder],
+        env={**os.environ, "PATH": path},
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=600,
+    )
+    assert done.returncode == 0, done.stderr + done.stdout
+    return folder
+
+
+def said(out):
+    """Losses and refusals by the names of the scenes."""
+    return json.loads((out / "said.json").read_text(encoding="utf-8"))
+
+
+def run(*words):
+    """Run the program."""
+    done = subprocess.run([BINARY, *words], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def middle(path):
+    """Linear RGB of the middle of a picture."""
+    pixels = read_exr(path.read_bytes())[..., :3]
+    height, width = pixels.shape[:2]
+    return pixels[height // 2, width // 2]
+
+
+@pytest.mark.parametrize("name", ["sun", "point"])
+def test_light_has_its_closed_form(out, name):
+    assert said(out)[name] == []
+    run("render", out / name / "scene.toml", "-o", out / f"{name}.exr", "--samples", "1")
+    np.testing.assert_allclose(middle(out / f"{name}.exr"), 0.8, rtol=2e-3)
+
+
+def test_the_engine_shows_what_the_program_renders(out):
+    np.testing.assert_allclose(middle(out / "engine.exr"), 0.8, rtol=2e-3)
+
+
+def test_odd_names_and_scales_are_carried(out):
+    scene = out / "odd" / "scene.toml"
+    assert ": ok" in run("check", scene)
+    text = tomllib.loads((out / "odd" / "blender.toml").read_text(encoding="utf-8"))
+    assert {'a "b" \\ c', "floor", "twin"} == {thing["name"] for thing in text["instance"]}
+    info = json.loads(run("info", "--json", scene))
+    # The copy shares the mesh.
+    assert (info["instances"], info["meshes"]) == (3, 2)
+
+
+def test_a_second_export_writes_nothing_new_and_leaves_layers(out):
+    assert said(out)["again"] == []
+
+
+def test_a_scene_without_a_camera_is_refused(out):
+    assert said(out)["blind"].startswith("the scene 'Scene' has no camera")
+    assert not (out / "blind" / "scene.toml").exists()
