@@ -13,49 +13,47 @@ pub fn captured(frame: &FrameStats) -> Option<(&'static str, String)> {
     probes().or_else(far).or_else(faces)
 }
 
+/// Time of a capture, which is not part of the frame's; one before the timed picture may have none.
+fn when(update_ms: f64, capture_ms: f64) -> String {
+    match (update_ms > 0.0, capture_ms > 0.0) {
+        (true, _) => {
+            format!("captured for this picture in {capture_ms:.3} ms, apart from the passes")
+        }
+        (false, true) => format!("captured before in {capture_ms:.3} ms, apart from the passes"),
+        (false, false) => "captured before this picture was timed".to_owned(),
+    }
+}
+
 /// Number and size of the probes, and what their maps took.
 fn probes_text(probes: &ProbeStats) -> String {
-    let when = match probes.update_ms > 0.0 {
-        true => "for this picture",
-        false => "before",
-    };
     format!(
-        "{} with faces of {} px, {}; captured {when} in {:.3} ms, apart from the passes",
+        "{} with faces of {} px, {}; {}",
         probes.probes,
         probes.face_px,
         mebibytes(probes.bytes),
-        probes.capture_ms
+        when(probes.update_ms, probes.capture_ms)
     )
 }
 
 /// Size of the box of method `ssr+box`, and what its faces took.
 fn faces_text(faces: &FacesStats) -> String {
-    let when = match faces.update_ms > 0.0 {
-        true => "for this picture",
-        false => "before",
-    };
     let [x, y, z] = faces.size_m;
     format!(
-        "{x} × {y} × {z} m with faces of {} px, {}; captured {when} in {:.3} ms, apart from the passes",
+        "{x} × {y} × {z} m with faces of {} px, {}; {}",
         faces.face_px,
         mebibytes(faces.bytes),
-        faces.capture_ms
+        when(faces.update_ms, faces.capture_ms)
     )
 }
 
 /// Size of the box and of the maps of method `near-far`, and what the maps took.
 fn far_text(far: &FarStats) -> String {
-    let when = match far.update_ms > 0.0 {
-        true => "for this picture",
-        false => "before",
-    };
     let layers = if far.layers > 1 { ", 2 layers" } else { "" };
     format!(
-        "rays up to {} m from the camera along each axis; map with faces of {} px{layers}, {}; captured {when} in \
-         {:.3} ms, apart from the passes",
+        "rays up to {} m from the camera along each axis; map with faces of {} px{layers}, {}; {}",
         far.half_size_m,
         far.face_px,
         mebibytes(far.bytes),
-        far.capture_ms
+        when(far.update_ms, far.capture_ms)
     )
 }
