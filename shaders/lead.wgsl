@@ -1,6 +1,5 @@
 // Lead: traces the rays of one of RATE listed pixels (Kim et al. 2016), and lists the others, which follow them.
 
-#import cause_kept
 #import leaders
 #import lists
 #import mirror_path
@@ -46,7 +45,8 @@ fn sorted_leader(group: u32, lane: u32) -> u32 {
     return leaders[lane];
 }
 
-// Traces the ray of a leader, and keeps its first hit for those that follow it.
+// Traces the ray of a leader, and keeps its first hit for those that follow it. The number of textures that a stage may write
+// leaves none for the cause of these pixels.
 fn lead(pixel: vec2u) {
     let found = trace_pixel(pixel);
     textureStore(lead_hit, pixel, vec4u(found.xyz, first_cause));
@@ -56,12 +56,9 @@ fn lead(pixel: vec2u) {
 fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) lane: u32) {
     let leader = sorted_leader(group.y * groups.x + group.x, lane);
     if (leader == NONE) { return; }
-    let pixel = unpack_pixel(leader);
-    lead(pixel);
-    keep_cause(pixel, first_cause);
+    lead(unpack_pixel(leader));
 }
 
-// The number of textures that a stage may write leaves none for the cause of these pixels.
 @compute @workgroup_size(RAYS_PER_GROUP)
 fn counted(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) lane: u32) {
     let leader = sorted_leader(group.y * groups.x + group.x, lane);

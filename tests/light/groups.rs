@@ -122,7 +122,7 @@ fn excess(whole: &Picture, parts: &[Picture]) -> f32 {
 
 #[test]
 fn groups_add_up_to_the_whole_picture() {
-    for method in ["hybrid", "ssr+probe", "path"] {
+    for method in ["hybrid", "path"] {
         let method = format!("reflection.method=\"{method}\"");
         let Some((whole, parts, again)) = apart(LIT, &[&method]) else {
             return;
@@ -142,6 +142,7 @@ fn groups_add_up_to_the_whole_picture() {
 }
 
 #[test]
+#[ignore = "long: fog and lamps of the tree compile pipelines for each group"]
 fn groups_add_up_in_fog_and_with_many_lamps() {
     let lamps: String = (0..70)
         .map(|k| {

@@ -127,19 +127,19 @@ fn share_elsewhere(picture: &Picture, other: &Picture) -> f64 {
     far.count() as f64 / found.len().max(1) as f64
 }
 
-/// Hits are points on the triangles that pixels of the faces name, so that they are those of rays but at outlines. Shared
-/// rays keep their causes.
+/// Hits are points on the triangles that pixels of the faces name, so that they are those of rays but at outlines. Rays
+/// that others follow keep the cause of the screen's march.
 #[test]
 fn the_faces_of_a_closed_room_answer_as_rays_do() {
     let Some(rt) = by(&["reflection.method=rt"]) else {
         return;
     };
-    for set in [&[][..], &["reflection.rate=4"]] {
+    for (set, least) in [(&[][..], 500), (&["reflection.rate=4"], 300)] {
         let picture = by(set).expect("a GPU");
         let [found, hidden, unmarched] =
             [Cause::Box, Cause::BoxHidden, Cause::Unmarched].map(|c| of_cause(&picture, c).len());
         assert!(
-            found > 500 && hidden < found / 20 && unmarched == 0,
+            found > least && hidden < found / 20 && unmarched == 0,
             "{set:?}: {found} on faces, {hidden} hidden, {unmarched} without a cause"
         );
         let elsewhere = share_elsewhere(&picture, &rt);

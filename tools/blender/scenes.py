@@ -252,7 +252,7 @@ def textured() -> None:
 
     tree.links.new(image("color", color, False).outputs[0], shader.inputs["Base Color"])
     split = tree.nodes.new("ShaderNodeSeparateColor")
-    # As glTF packs them: roughness in green, metalness in blue.
+    # Packed as in glTF: roughness in green, metalness in blue.
     packed = np.stack([np.zeros_like(rough), rough, np.zeros_like(rough)], -1)
     tree.links.new(image("rough", packed, True).outputs[0], split.inputs[0])
     tree.links.new(split.outputs["Green"], shader.inputs["Roughness"])

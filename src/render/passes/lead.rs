@@ -25,13 +25,7 @@ pub const PASS: Pass = Pass {
         Target::Cause,
         Target::VisibleLights,
     ],
-    writes: &[
-        Target::Reflection,
-        Target::Hit,
-        Target::LeadHit,
-        Target::Cause,
-    ],
-    is_written: |plan, _, target| plan.features.mapped || target != Target::Cause,
+    writes: &[Target::Reflection, Target::Hit, Target::LeadHit],
     reads_shared: &[
         SharedData::Counters,
         SharedData::ShadowMaps,

@@ -42,7 +42,7 @@ GENERATED = "blender.toml"
 
 @dataclasses.dataclass(frozen=True)
 class Options:
-    """What an export is told beside the scene."""
+    """Settings of an export beside the scene."""
 
     method: str = "auto"
     samples: int = 64

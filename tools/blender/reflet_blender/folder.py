@@ -71,7 +71,7 @@ class Folder:
             inside = place.resolve().is_relative_to(self.root.resolve())
             if name in self._files or not inside or not place.is_file():
                 continue
-            # What someone has changed since is theirs.
+            # A file that someone has changed since is theirs.
             if hashlib.sha256(place.read_bytes()).hexdigest() == digest:
                 place.unlink()
                 self._report.removed.append(name)

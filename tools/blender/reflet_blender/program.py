@@ -46,7 +46,7 @@ def run(command: Sequence[str], is_stopped: Callable[[], bool]) -> str | None:
         said.seek(0)
         text = said.read().decode("utf-8", "replace")
     if process.returncode != 0:
-        # What matters stands last: messages come before the exit.
+        # The last lines matter: messages come before the exit.
         tail = "\n".join(text.strip().splitlines()[-12:])
         raise ProgramError(f"{Path(command[0]).name} failed ({process.returncode}):\n{tail}")
     return text

@@ -55,7 +55,7 @@ class Loss:
 
 
 class Report:
-    """What an export did."""
+    """Files and losses of an export."""
 
     def __init__(self) -> None:
         self._losses: set[Loss] = set()
@@ -75,7 +75,7 @@ class Report:
         return sorted(self._losses)
 
     def as_json(self) -> str:
-        """What does not depend on what was there before, so that the same scene has one report."""
+        """The part that no earlier export changes, so that the same scene has one report."""
         losses = [dataclasses.asdict(loss) for loss in self.losses]
         return json.dumps({"counts": self.counts, "losses": losses}, indent=1) + "\n"
 

@@ -17,7 +17,7 @@ _SILENT = {"EMPTY", "CAMERA", "LIGHT", "ARMATURE", "LATTICE", "SPEAKER", "LIGHT_
 # Modifiers whose level in renders is another than in the viewport.
 _LEVELS = {"SUBSURF": ("levels", "render_levels"), "MULTIRES": ("levels", "render_levels")}
 
-# Which thing it is in all frames: its name, and for an instance what places it and its number.
+# Key of a thing in all frames: its name, and for an instance what places it and its number.
 Key = tuple[Any, ...]
 
 
@@ -143,7 +143,7 @@ def _full_name(thing: bpy.types.Object) -> str:
 def drawn(
     depsgraph: bpy.types.Depsgraph, models: Models, left_out: set[str], report: Report
 ) -> dict[Key, Thing]:
-    """What is drawn at the current frame, but for the objects `left_out`."""
+    """Things drawn at the current frame, but for the objects `left_out`."""
     out: dict[Key, Thing] = {}
     for instance in depsgraph.object_instances:
         thing, original = instance.object, instance.object.original
