@@ -23,6 +23,8 @@ BINARY = pathlib.Path(os.environ.get("REFLET", ROOT / "target" / "debug" / "refl
 
 # Bad scenes whose mistakes depend on other values, or whose values have no JSON form.
 BEYOND_SCHEMA = {
+    "empty-box",
+    "missing-corner",
     "bad-matrix",
     "bad-set",
     "dangling-name",

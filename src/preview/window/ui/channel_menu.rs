@@ -14,13 +14,33 @@ use reflet_scene::desc::Method;
 /// Width of a menu, points; longer names are truncated.
 pub const MENU: f32 = 88.0;
 
+/// Number of methods with a button of their own; the others are in a menu.
+const BUTTONS: usize = 4;
+
 /// Method and channel of one side.
 pub fn side_menu(ui: &mut Ui, id: &str, side: &mut Side, shadow_lights: &[ShadowLight]) {
     let auto = ui.selectable_value(&mut side.method, Method::Auto, method_name(Method::Auto));
     auto.on_hover_text("hybrid or rt, as render decides for this size and the chosen camera");
-    for method in METHODS {
-        ui.selectable_value(&mut side.method, method, method_name(method));
+    let (own, rivals) = METHODS.split_at(BUTTONS);
+    for method in own {
+        ui.selectable_value(&mut side.method, *method, method_name(*method));
     }
+    let is_rival = rivals.contains(&side.method);
+    egui::ComboBox::from_id_salt((id, "others"))
+        .selected_text(if is_rival {
+            method_name(side.method)
+        } else {
+            "others"
+        })
+        .width(MENU)
+        .truncate()
+        .show_ui(ui, |ui| {
+            for method in rivals {
+                ui.selectable_value(&mut side.method, *method, method_name(*method));
+            }
+        })
+        .response
+        .on_hover_text("methods to be compared with");
     egui::ComboBox::from_id_salt(id)
         .selected_text(side.channel.name())
         .width(MENU)
@@ -137,15 +157,15 @@ mod tests {
     #[test]
     fn shadow_maps_are_chosen_by_light_and_face() {
         let mut harness = harness(vec![shadow_light(0, "sun", 1), shadow_light(2, "lamp", 6)]);
-        choose(&mut harness, 0, "shadow_map");
+        choose(&mut harness, 1, "shadow_map");
         assert_eq!(harness.state().channel, shadow(0, None));
         assert!(harness.query_by_label("face").is_none(), "the sun has one");
-        choose(&mut harness, 1, "lamp");
-        choose(&mut harness, 2, "-Y");
+        choose(&mut harness, 2, "lamp");
+        choose(&mut harness, 3, "-Y");
         assert_eq!(harness.state().channel, shadow(2, Some(3)));
-        choose(&mut harness, 1, "sun");
+        choose(&mut harness, 2, "sun");
         assert_eq!(harness.state().channel, shadow(0, None));
-        choose(&mut harness, 0, "ray_list");
+        choose(&mut harness, 1, "ray_list");
         assert_eq!(harness.state().channel, ViewChannel::Rays);
     }
 
@@ -155,12 +175,14 @@ mod tests {
         harness.get_by_label("path").click();
         harness.run();
         assert_eq!(harness.state().method, Method::Path);
+        choose(&mut harness, 0, "ssr+box");
+        assert_eq!(harness.state().method, Method::SsrBox);
     }
 
     #[test]
     fn without_maps_there_is_nothing_to_choose() {
         let mut harness = harness(Vec::new());
-        choose(&mut harness, 0, "shadow_map");
+        choose(&mut harness, 1, "shadow_map");
         assert_eq!(harness.state().channel, ViewChannel::Picture);
     }
 }
