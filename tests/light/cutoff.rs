@@ -204,17 +204,17 @@ const IN_FADE: (f32, f32) = (23.0 / 127.0, (0.2 - 23.0 / 127.0) / 0.04);
 
 #[test]
 fn reflections_fade_into_the_environment_towards_the_cutoff() {
-    check_fade([LIGHTS[0], LIGHTS[2]], true);
+    check_fade(&LIGHTS[..1], true);
 }
 
 #[test]
 #[ignore = "long: each light needs pipelines of its own"]
 fn reflections_of_further_lights_fade_towards_the_cutoff() {
-    check_fade([LIGHTS[1], LIGHTS[3]], false);
+    check_fade(&LIGHTS[1..], false);
 }
 
 /// Checks a dielectric under each of these lights, and a coat under the first where that is wanted.
-fn check_fade(lights: [&str; 2], has_coat: bool) {
+fn check_fade(lights: &[&str], has_coat: bool) {
     let Some(gpu) = gpu() else { return };
     let dielectric = [
         "material.floor.reflectivity=0.5",
@@ -226,9 +226,9 @@ fn check_fade(lights: [&str; 2], has_coat: bool) {
         "material.floor.clearcoat=1",
         "clearcoat_roughness",
     ];
-    let kinds = lights.map(|light| (light, dielectric));
+    let kinds = lights.iter().map(|light| (*light, dielectric));
     let coats = has_coat.then_some((lights[0], coat));
-    for (light, [reflectivity, clearcoat, key]) in kinds.into_iter().chain(coats) {
+    for (light, [reflectivity, clearcoat, key]) in kinds.chain(coats) {
         let text = [ROOM, light].concat();
         let of = |roughness: f32, cutoff: f32| {
             let own = format!("material.floor.{key}={roughness}");
