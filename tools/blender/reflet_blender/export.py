@@ -124,8 +124,12 @@ class _Export:
             self.text.environment = world.values(self.scene, self.folder, self.report)
             self._put_cameras(base_values, seen)
             self._put_lights(base_values, shining)
-            self._put_rigs(rigs)
-            self._put_models(drawn)
+            self.workshop = gltf.Workshop(self.scene)
+            try:
+                self._put_rigs(rigs)
+                self._put_models(drawn)
+            finally:
+                self.workshop.close()
             self._put_things(drawn)
         finally:
             self.models.clear()
@@ -218,7 +222,7 @@ class _Export:
     def _put_rigs(self, rigs: list[list[bpy.types.Object]]) -> None:
         for rig in rigs:
             name = self.text.model_names.unique(rig[0].name_full)
-            file = self._put_glb(name, gltf.rig_model(rig, self.scene))
+            file = self._put_glb(name, self.workshop.rig_model(rig))
             used = [slot.material for thing in rig for slot in thing.material_slots]
             playing = {"name": "*", "repeat": "once"}
             model = {"file": file, "lights": False, "animation": playing}
@@ -232,7 +236,7 @@ class _Export:
         for model in made:
             model.name = self.text.model_names.unique(model.wanted)
             # Blender numbers a material slot that has no material, and glTF gives it a plain one.
-            file = self._put_glb(model.name, gltf.mesh_model(model.mesh, model.name, self.scene))
+            file = self._put_glb(model.name, self.workshop.mesh_model(model.mesh, model.name))
             overrides = self._overrides(list(model.mesh.materials))
             self.text.add_model(model.name, {"file": file}, overrides)
         self.report.counts["models"] = len(made)

@@ -7,7 +7,6 @@ import io
 import json
 import struct
 import tempfile
-from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -28,21 +27,52 @@ def need_exporter() -> None:
         raise ExportError(f"Blender's add-on {_EXPORTER} is missing; install it")
 
 
-@contextlib.contextmanager
-def _scene_of(
-    objects: Iterable[bpy.types.Object], like: bpy.types.Scene
-) -> Iterator[bpy.types.Scene]:
-    """A scene that holds `objects` alone, with the frames of `like`."""
-    scene = bpy.data.scenes.new("reflet-export")
-    try:
+class Workshop:
+    """A scene of its own, in which things are exported a few at a time."""
+
+    def __init__(self, like: bpy.types.Scene) -> None:
+        self._scene = bpy.data.scenes.new("reflet-export")
         for name in ("frame_start", "frame_end"):
-            setattr(scene, name, getattr(like, name))
-        scene.render.fps, scene.render.fps_base = like.render.fps, like.render.fps_base
+            setattr(self._scene, name, getattr(like, name))
+        self._scene.render.fps, self._scene.render.fps_base = like.render.fps, like.render.fps_base
+
+    def close(self) -> None:
+        """Remove the scene."""
+        bpy.data.scenes.remove(self._scene)
+
+    def mesh_model(self, mesh: bpy.types.Mesh, name: str) -> bytes:
+        """A GLB with `mesh` at the origin, whose node and mesh are called `name`."""
+        thing = bpy.data.objects.new("reflet-model", mesh)
+        try:
+            content = self._export([thing], export_animations=False)
+        finally:
+            bpy.data.objects.remove(thing)
+        return _named(content, name)
+
+    def rig_model(self, objects: list[bpy.types.Object]) -> bytes:
+        """A GLB with `objects` where they are, skinned, with the animation of all frames."""
+        shaped = any(thing.type == "MESH" and thing.data.shape_keys for thing in objects)
+        return self._export(
+            objects,
+            export_animations=True,
+            export_animation_mode="SCENE",
+            export_anim_scene_split_object=False,
+            export_frame_range=True,
+            export_force_sampling=True,
+            export_optimize_animation_size=True,
+            # Blender's exporter cannot apply modifiers to a mesh that has shape keys.
+            export_apply=not shaped,
+        )
+
+    def _export(self, objects: list[bpy.types.Object], **options: Any) -> bytes:
+        held = self._scene.collection.objects
         for thing in objects:
-            scene.collection.objects.link(thing)
-        yield scene
-    finally:
-        bpy.data.scenes.remove(scene)
+            held.link(thing)
+        try:
+            return _export(self._scene, **options)
+        finally:
+            for thing in objects:
+                held.unlink(thing)
 
 
 def _export(scene: bpy.types.Scene, **options: Any) -> bytes:
@@ -66,34 +96,6 @@ def _export(scene: bpy.types.Scene, **options: Any) -> bytes:
         except (RuntimeError, OSError) as error:
             names = ", ".join(thing.name for thing in scene.objects)
             raise ExportError(f"Blender's glTF exporter failed for {names}: {error}") from error
-
-
-def mesh_model(mesh: bpy.types.Mesh, name: str, like: bpy.types.Scene) -> bytes:
-    """A GLB with `mesh` at the origin, whose node and mesh are called `name`."""
-    thing = bpy.data.objects.new("reflet-model", mesh)
-    try:
-        with _scene_of([thing], like) as scene:
-            content = _export(scene, export_animations=False)
-    finally:
-        bpy.data.objects.remove(thing)
-    return _named(content, name)
-
-
-def rig_model(objects: list[bpy.types.Object], like: bpy.types.Scene) -> bytes:
-    """A GLB with `objects` where they are, skinned and with the animation of the scene's frames."""
-    shaped = any(thing.type == "MESH" and thing.data.shape_keys for thing in objects)
-    with _scene_of(objects, like) as scene:
-        return _export(
-            scene,
-            export_animations=True,
-            export_animation_mode="SCENE",
-            export_anim_scene_split_object=False,
-            export_frame_range=True,
-            export_force_sampling=True,
-            export_optimize_animation_size=True,
-            # Blender's exporter cannot apply modifiers to a mesh that has shape keys.
-            export_apply=not shaped,
-        )
 
 
 def _named(content: bytes, name: str) -> bytes:
