@@ -18,7 +18,7 @@ from typing import Any
 import bpy
 
 from . import camera as cameras
-from . import gltf, picture, scene_text, things, world
+from . import gltf, picture, scene_text, space, things, world
 from . import light as lights
 from . import material as materials
 from .folder import ExportError, Folder
@@ -160,13 +160,15 @@ class _Export:
         if active not in found:
             found.append(active)
         for thing in sorted(found, key=lambda thing: (thing != active, thing.name_full)):
-            if cameras.is_carried(thing, self.report):
+            if not space.is_sound(thing.matrix_world):
+                self.report.lose("place-invalid", thing.name)
+            elif cameras.is_carried(thing, self.report):
                 out[names.unique(thing.name_full)] = thing
                 cameras.name_losses(thing, self.scene, self.report)
         if active not in out.values():
             raise ExportError(
-                f"the active camera {active.name!r} is of the kind {active.data.type}; "
-                "make it a perspective or orthographic one"
+                f"the active camera {active.name!r} cannot be exported; make it a perspective or "
+                "orthographic one, at a finite place"
             )
         middles = [(thing.name, thing.far) for thing in drawn.values()]
         cameras.name_clipped(active.evaluated_get(depsgraph), middles, self.report)

@@ -30,6 +30,9 @@ def values(light: bpy.types.Object, report: Report) -> dict[str, Any] | None:
         report.lose("light-off", light.name)
         return None
     place = light.matrix_world
+    if not space.is_sound(place):
+        report.lose("place-invalid", light.name)
+        return None
     position = list(space.vector(place.translation))
     turn = place.to_quaternion()
     direction = list(space.vector(turn @ Vector((0, 0, -1))))

@@ -31,6 +31,7 @@ LOSSES = {
     "material-approximated": "a material whose nodes Reflet has no counterpart for",
     "matrix-motion-frozen": "a thing that is sheared moves, and keeps its first place",
     "object-kind-dropped": "objects of a kind that Reflet has no counterpart for",
+    "place-invalid": "a thing at no finite place, or farther than 1e12 m, is left out",
     "pixel-aspect-dropped": "pixels that are not square",
     "procedural-dropped": "an input of a material that is fed by nodes other than images",
     "ray-visibility-dropped": "rays of kinds that Reflet does not tell apart see or miss a thing",

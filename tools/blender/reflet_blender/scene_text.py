@@ -85,6 +85,9 @@ class Placer:
 
     def place(self, thing_key: Key, thing: Thing, samples: Samples | None) -> None:
         """Place one thing, with its motion where `samples` has any."""
+        if not space.is_sound(thing.place):
+            self._report.lose("place-invalid", thing.name)
+            return
         if space.is_flat(thing.place):
             self._report.lose("scale-zero", thing.name)
             return

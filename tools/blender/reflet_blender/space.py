@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 
 from mathutils import Matrix, Quaternion, Vector
+
+from .toml_text import LARGEST
 
 # X stays, Z becomes Y, and Y becomes -Z, as in Blender's export of glTF.
 _TURN = Matrix(((1, 0, 0, 0), (0, 0, 1, 0), (0, -1, 0, 0), (0, 0, 0, 1)))
@@ -41,6 +44,11 @@ def parts(placement: Matrix) -> Parts | None:
             if abs(made_row[column] - row[column]) > 1e-5 * size:
                 return None
     return Parts(translation, rotation, scale)
+
+
+def is_sound(placement: Matrix) -> bool:
+    """Whether scene text can say the numbers of `placement`: finite, and not too large."""
+    return all(math.isfinite(value) and abs(value) <= LARGEST for row in placement for value in row)
 
 
 def is_flat(placement: Matrix) -> bool:

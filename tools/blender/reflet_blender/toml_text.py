@@ -8,6 +8,10 @@ import re
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+from .folder import ExportError
+
+# Numbers of scene text are within it.
+LARGEST = 1e12
 _BARE = re.compile(r"[A-Za-z0-9_-]+\Z")
 
 
@@ -29,7 +33,7 @@ def key(name: str) -> str:
 
 def number(value: float) -> str:
     """`value`, with the seven digits of single precision where it is not exact; never `-0`."""
-    if not math.isfinite(value):
+    if not math.isfinite(value) or abs(value) > LARGEST:
         raise ValueError(f"{value} is no number of scene text")
     if isinstance(value, (int, Exact)):
         return repr(value)
@@ -54,6 +58,8 @@ def value(what: Any) -> str:
 
 def table(header: str, entries: Mapping[str, Any]) -> str:
     """A table under `header`, which includes its brackets; entries of None are left out."""
-    lines = [header]
-    lines += [f"{key(k)} = {value(v)}" for k, v in entries.items() if v is not None]
-    return "\n".join(lines) + "\n"
+    try:
+        lines = [f"{key(k)} = {value(v)}" for k, v in entries.items() if v is not None]
+    except ValueError as error:
+        raise ExportError(f"{header} cannot be written: {error}") from error
+    return "\n".join([header, *lines]) + "\n"

@@ -1,0 +1,193 @@
+"""Owns what tests of exports do in Blender: changed scenes exported again, and bad input.
+
+Runs in Blender's Python: `python blender_exports.py OUT`. Writes OUT/said.json: `changes`, for each
+step in turn the files that an export wrote and removed, and `bad`, for each input the codes of its
+losses, or the message with which it was refused. Needs no program.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import shutil
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tools" / "blender"))
+
+import bpy  # noqa: E402
+from reflet_blender.export import Options, export_project  # noqa: E402
+from reflet_blender.folder import ExportError  # noqa: E402
+
+import scenes  # noqa: E402
+
+
+def fresh() -> bpy.types.Scene:
+    """Blender's own first scene: Cube, Light and Camera."""
+    bpy.ops.wm.read_factory_settings()
+    return bpy.context.scene
+
+
+def thing(name: str) -> bpy.types.Object:
+    """An object of the file."""
+    return bpy.data.objects[name]
+
+
+def changes(root: Path) -> dict[str, Any]:
+    """Export, change one thing, and export again."""
+    scene = fresh()
+    ball = scenes.ball("ball", (3, 0, 0), 1.0, scenes.principled("red", (0.8, 0.1, 0.1)))
+    out: dict[str, Any] = {}
+
+    def step(name: str) -> None:
+        done = export_project(scene, root, Options())
+        out[name] = {"written": sorted(done.written), "removed": done.removed}
+
+    step("first")
+    layer = root / "scene.toml"
+    layer.write_text(layer.read_text(encoding="utf-8") + "\n# mine\n", encoding="utf-8")
+    step("again")
+    ball.location.x = 4
+    step("moved")
+    ball.data.vertices[0].co.z += 0.5
+    ball.data.update()
+    step("reshaped")
+    bpy.data.objects.remove(thing("Cube"))
+    step("deleted")
+    out["layer is kept"] = layer.read_text(encoding="utf-8").endswith("# mine\n")
+    return out
+
+
+def at(name: str, place: tuple[float, float, float]) -> Callable[[Path], None]:
+    """Move an object."""
+    return lambda _: setattr(thing(name), "location", place)
+
+
+def motion_too_far(_: Path) -> None:
+    """Drive a thing farther away than scene text can say."""
+    driver = thing("Cube").driver_add("location", 0).driver
+    driver.expression = "frame**20"
+
+
+def odd_names(_: Path) -> None:
+    """Names that climb out of folders, end lines, and need escapes."""
+    cube = thing("Cube")
+    cube.data.materials[0].name = 'a.b"c]\n'
+    cube.data.name, cube.name = "../../etc/passwd", '../x\n"y"\x7f'
+
+
+def no_camera(_: Path) -> None:
+    """Leave the scene without a camera."""
+    bpy.context.scene.camera = None
+
+
+def panorama(_: Path) -> None:
+    """Make the active camera a panoramic one."""
+    thing("Camera").data.type = "PANO"
+
+
+def editing(_: Path) -> None:
+    """Be in edit mode."""
+    bpy.context.view_layer.objects.active = thing("Cube")
+    bpy.ops.object.mode_set(mode="EDIT")
+
+
+def lost_image(_: Path) -> None:
+    """Feed the color from an image that is not there."""
+    tree = thing("Cube").data.materials[0].node_tree
+    texture = tree.nodes.new("ShaderNodeTexImage")
+    texture.image = bpy.data.images.new("gone", 4, 4)
+    texture.image.source, texture.image.filepath = "FILE", "/nowhere/gone.png"
+    tree.links.new(texture.outputs[0], tree.nodes["Principled BSDF"].inputs["Base Color"])
+
+
+def procedural(_: Path) -> None:
+    """Feed the color from noise."""
+    tree = thing("Cube").data.materials[0].node_tree
+    noise = tree.nodes.new("ShaderNodeTexNoise")
+    tree.links.new(noise.outputs[0], tree.nodes["Principled BSDF"].inputs["Base Color"])
+
+
+def sheared(_: Path) -> None:
+    """Turn the cube below a parent that is stretched."""
+    parent = scenes.add(bpy.data.objects.new("parent", None))
+    parent.scale = (1, 3, 1)
+    thing("Cube").parent, thing("Cube").rotation_euler = parent, (0, 0, 0.5)
+
+
+def lost_library(root: Path) -> None:
+    """Link an object of a file, and remove the file."""
+    library, user = root.parent / "library.blend", root.parent / "user.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(library))
+    fresh()
+    with bpy.data.libraries.load(str(library), link=True) as (_, wanted):
+        wanted.objects = ["Cube"]
+    scenes.add(wanted.objects[0])
+    bpy.ops.wm.save_as_mainfile(filepath=str(user))
+    library.unlink()
+    bpy.ops.wm.open_mainfile(filepath=str(user))
+
+
+def broken_ledger(root: Path) -> None:
+    """Put something else where an export notes its files."""
+    root.mkdir()
+    (root / "export.json").write_text('{"files": 3}', encoding="utf-8")
+
+
+def own_file(root: Path) -> None:
+    """Put a file of the user's where the export wants to write."""
+    (root / "models").mkdir(parents=True)
+    (root / "models" / "Cube.glb").write_text("mine", encoding="utf-8")
+
+
+def no_folder(root: Path) -> None:
+    """Put a file where the folder shall be."""
+    root.write_text("mine", encoding="utf-8")
+
+
+BAD: dict[str, Callable[[Path], None]] = {
+    "place not a number": at("Cube", (math.nan, 0, 0)),
+    "place too far": at("Cube", (1e20, 0, 0)),
+    "light not a number": at("Light", (math.nan, 0, 0)),
+    "camera not a number": at("Camera", (math.nan, 0, 0)),
+    "scale zero": lambda _: setattr(thing("Cube"), "scale", (0, 1, 1)),
+    "scale negative": lambda _: setattr(thing("Cube"), "scale", (-1, 1, 1)),
+    "power negative": lambda _: setattr(thing("Light").data, "energy", -5),
+    "motion too far": motion_too_far,
+    "odd names": odd_names,
+    "no camera": no_camera,
+    "panorama": panorama,
+    "editing": editing,
+    "lost image": lost_image,
+    "procedural": procedural,
+    "sheared": sheared,
+    "lost library": lost_library,
+    "broken ledger": broken_ledger,
+    "own file": own_file,
+    "no folder": no_folder,
+}
+
+
+def main() -> None:
+    """Run all of it."""
+    out = Path(sys.argv[1])
+    bad: dict[str, Any] = {}
+    for name, spoil in BAD.items():
+        fresh()
+        root = out / name
+        spoil(root)
+        try:
+            done = export_project(bpy.context.scene, root, Options())
+            bad[name] = [loss.code for loss in done.losses]
+        except ExportError as error:
+            bad[name] = str(error)
+    shutil.rmtree(out / "changes", ignore_errors=True)
+    said = {"bad": bad, "changes": changes(out / "changes")}
+    (out / "said.json").write_text(json.dumps(said), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
