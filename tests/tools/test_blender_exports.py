@@ -55,7 +55,7 @@ def out(tmp_path_factory):
 
 @pytest.fixture
 def said(out):
-    """What the session found."""
+    """Findings of the session."""
     return json.loads((out / "said.json").read_text(encoding="utf-8"))
 
 
