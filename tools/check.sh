@@ -124,6 +124,11 @@ if [ "$full" = yes ]; then
     npm install --no-audit --no-fund --no-save --silent --prefix target/tools webgpu@0.6.2 ||
         echo "NOT CHECKED: shaders by Dawn, which cannot be installed"
 
+    heading "Blender"
+    # Its tests are skipped without it, also below among the others.
+    tools/setup.sh --blender || echo "NOT CHECKED: the add-on for Blender, which cannot be installed"
+    "${pytest[@]}" tests/tools/test_blender.py tests/tools/test_blender_exports.py
+
     heading "Extension for VS Code"
     # Its tests drive the program that was built.
     if (cd tools/vscode && npm ci --no-audit --no-fund --silent); then

@@ -1,8 +1,8 @@
 """Owns what tests do in Blender: exports scenes whose light is known, and renders one.
 
 Runs in Blender's Python: `python blender_session.py OUT`, with the program on the PATH. Writes the
-projects OUT/sun, OUT/point and OUT/odd, the picture OUT/engine.exr, and OUT/said.json with the
-losses and refusals.
+projects OUT/sun, OUT/point and OUT/odd, the pictures OUT/engine.exr and OUT/passes.exr, and
+OUT/said.json with the losses and refusals.
 """
 
 from __future__ import annotations
@@ -48,6 +48,34 @@ def odd() -> bpy.types.Scene:
     return scene
 
 
+def use_engine(scene: bpy.types.Scene, kind: str, path: Path) -> None:
+    """Let the engine of the add-on render a scene into an OpenEXR file of 32 bits."""
+    scene.render.engine = "REFLET"
+    scene.reflet.method, scene.reflet.samples = "rt", 1
+    settings = scene.render.image_settings
+    if hasattr(settings, "media_type"):  # Blender 5 asks for it before a format of layers
+        settings.media_type = "MULTI_LAYER_IMAGE" if kind == "OPEN_EXR_MULTILAYER" else "IMAGE"
+    settings.file_format, settings.color_depth = kind, "32"
+    scene.render.filepath = str(path)
+
+
+def passes() -> bpy.types.Scene:
+    """A floor and a glowing slope, by tiles in a region, with all passes that the engine has."""
+    scene = lit("SUN", math.pi)
+    lamp = scenes.plain("lamp", "ShaderNodeEmission", (0.25, 0.5, 0.75), Strength=2)
+    block = scenes.box("slope", (-0.06, 0, 0.1), (0.1, 0.1, 0.1), lamp)
+    block.rotation_euler = (0, math.radians(30), 0)
+    scene.reflet.tile_px = 10
+    render = scene.render
+    render.use_border, render.use_crop_to_border = True, False
+    render.border_min_x, render.border_max_x = 0.25, 0.875
+    render.border_min_y, render.border_max_y = 0.125, 1
+    layer = bpy.context.view_layer
+    layer.use_pass_z = layer.use_pass_normal = True
+    layer.use_pass_diffuse_color = layer.use_pass_emit = True
+    return scene
+
+
 def main() -> None:
     """Make, export and render."""
     out = Path(sys.argv[1])
@@ -69,13 +97,12 @@ def main() -> None:
     except ExportError as error:
         said["blind"] = str(error)
     reflet_blender.register()
-    scene = lit("SUN", math.pi)
-    scene.render.engine = "REFLET"
-    scene.reflet.method, scene.reflet.samples = "rt", 1
-    scene.render.image_settings.file_format = "OPEN_EXR"
-    scene.render.image_settings.color_depth = "32"
-    scene.render.filepath = str(out / "engine.exr")
-    bpy.ops.render.render(write_still=True)
+    for name, scene, kind in [
+        ("engine", lambda: lit("SUN", math.pi), "OPEN_EXR"),
+        ("passes", passes, "OPEN_EXR_MULTILAYER"),
+    ]:
+        use_engine(scene(), kind, out / f"{name}.exr")
+        bpy.ops.render.render(write_still=True)
     (out / "said.json").write_text(json.dumps(said), encoding="utf-8")
 
 

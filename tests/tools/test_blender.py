@@ -68,6 +68,32 @@ def test_the_engine_shows_what_the_program_renders(out):
     np.testing.assert_allclose(middle(out / "engine.exr"), 0.8, rtol=2e-3)
 
 
+def test_the_engine_gives_tiles_of_a_region_with_their_passes(out):
+    import OpenEXR
+
+    file = OpenEXR.File(str(out / "passes.exr"))
+    planes = {
+        name.removeprefix("ViewLayer."): channel.pixels
+        for part in file.parts
+        for name, channel in part.channels.items()
+    }
+    # 0.25 to 0.875 and, from below, 0.125 to 1 of 32 x 18 pixels; tiles of 10 fit neither side.
+    inside = np.zeros((18, 32), dtype=bool)
+    inside[:16, 8:28] = True
+    np.testing.assert_array_equal(planes["Combined"][..., 3], inside)
+    np.testing.assert_array_equal(planes["Depth.Z"] < 10, inside)
+    normals = np.stack([planes[f"Normal.{axis}"] for axis in "XYZ"], axis=-1)
+    # A slope of 30 degrees that glows, and the floor 6 m below the camera.
+    for row, column, depth, normal, color, emission in [
+        (6, 15, 5.855, (0.5, 0, 0.866), 0, (0.5, 1, 1.5)),
+        (8, 24, 6, (0, 0, 1), 0.8, (0, 0, 0)),
+    ]:
+        assert planes["Depth.Z"][row, column] == pytest.approx(depth, abs=0.02)
+        np.testing.assert_allclose(normals[row, column], normal, atol=2e-3)
+        np.testing.assert_allclose(planes["Diffuse Color"][row, column], color, atol=2e-3)
+        np.testing.assert_allclose(planes["Emission"][row, column], emission, atol=2e-3)
+
+
 def test_odd_names_and_scales_are_carried(out):
     scene = out / "odd" / "scene.toml"
     assert ": ok" in run("check", scene)
