@@ -25,6 +25,13 @@ impl System {
     pub fn named(name: &str) -> Option<&'static Self> {
         SYSTEMS.iter().find(|system| system.name == name)
     }
+
+    /// Method of the system.
+    pub fn method(&self) -> Method {
+        let mut settings = ReflectionDesc::default();
+        (self.set)(&mut settings);
+        settings.method
+    }
 }
 
 /// Sets a method that looks reflections up.
@@ -229,11 +236,13 @@ fn overall(scenes: &[SceneRows]) -> Vec<Overall> {
     SYSTEMS.iter().filter_map(of_all).collect()
 }
 
-/// The best systems over several scenes, at most `count`, fastest first: those on the Pareto front of time against error,
-/// then those on the front of the rest, and so on; of a front that is too large, those that err least.
+/// The best methods over several scenes, at most `count`, fastest first: those on the Pareto front of time against error,
+/// then those on the front of the rest, and so on; of a front that is too large, those that err least. Of a method's
+/// settings, the one that errs least on the method's first front stands for all.
 pub fn best(scenes: &[SceneRows], count: usize) -> Vec<Overall> {
     let mut left = overall(scenes);
-    let mut found = Vec::new();
+    let mut found: Vec<Overall> = Vec::new();
+    let method = |of: &Overall| System::named(of.system).map(System::method);
     while found.len() < count && !left.is_empty() {
         let spots: Vec<Spot> = left.iter().map(Overall::spot).collect();
         let on_front = pareto_front(&spots);
@@ -242,9 +251,15 @@ pub fn best(scenes: &[SceneRows], count: usize) -> Vec<Overall> {
             .zip(on_front)
             .partition(|(_, is_on)| *is_on);
         front.sort_by(|(a, _), (b, _)| a.flip.total_cmp(&b.flip));
-        let free = count - found.len();
-        found.extend(front.into_iter().map(|(system, _)| system).take(free));
-        left = rest.into_iter().map(|(system, _)| system).collect();
+        for (system, _) in front {
+            if found.len() < count && found.iter().all(|other| method(other) != method(&system)) {
+                found.push(system);
+            }
+        }
+        let systems = rest.into_iter().map(|(system, _)| system);
+        left = systems
+            .filter(|system| found.iter().all(|other| method(other) != method(system)))
+            .collect();
     }
     found.sort_by(|a, b| a.time_ratio.total_cmp(&b.time_ratio));
     found
@@ -292,12 +307,18 @@ mod tests {
                 row("near-far", 8.0, 0.1),
                 row("hybrid", 4.0, 0.01),
                 row("ssr, 2 layers", 0.1, 0.1),
+                row("probe, box, K = 1", 0.2, 0.8),
+                row("probe, box, K = 4", 0.3, 0.7),
+                row("probe, distance, K = 2", 4.0, 0.7),
             ]),
             scene(vec![
                 row("rt", 1.0, 0.0),
                 row("ssr", 1.0, 0.3),
                 row("near-far", 9.0, 0.2),
                 row("hybrid", 2.0, 0.03),
+                row("probe, box, K = 1", 0.1, 0.8),
+                row("probe, box, K = 4", 0.2, 0.7),
+                row("probe, distance, K = 2", 2.0, 0.7),
             ]),
         ];
         let names = |count| {
@@ -306,11 +327,15 @@ mod tests {
                 .map(|o| o.system)
                 .collect::<Vec<_>>()
         };
-        // `hybrid` is the front of what is left without `rt` and `ssr`; two layers miss in a scene.
-        assert_eq!(names(5), ["ssr", "rt", "hybrid", "near-far"]);
-        assert_eq!(names(3), ["ssr", "rt", "hybrid"]);
+        // `hybrid` is the front of what is left without `rt`, `ssr` and the probes, of which one setting stands for
+        // all; two layers miss in a scene.
+        assert_eq!(
+            names(5),
+            ["probe, box, K = 4", "ssr", "rt", "hybrid", "near-far"]
+        );
+        assert_eq!(names(4), ["probe, box, K = 4", "ssr", "rt", "hybrid"]);
         assert_eq!(names(1), ["rt"]);
-        let ssr = best(&scenes, 5)[0];
+        let ssr = best(&scenes, 5)[1];
         assert!((ssr.time_ratio - 0.5_f64.sqrt()).abs() < 1e-12 && (ssr.flip - 0.4).abs() < 1e-12);
         assert_eq!(best(&[], 5), []);
     }

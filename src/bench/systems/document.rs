@@ -77,8 +77,9 @@ fn over_all(out: &mut String, best: &[Overall], chart: &str) {
     let _ = writeln!(
         out,
         "\n## The best over all scenes\n\nTime over that of `rt`, geometric mean of the scenes, and mean FLIP, of the {} \
-         systems that come first: those on the front, then those on the front of the rest, and so on.\n\n![Time against \
-         error of the best systems]({chart})\n\n| system | time over `rt` | FLIP |\n|---|---|---|",
+         methods that come first: those on the front, then those on the front of the rest, and so on, each by the setting \
+         that errs least there.\n\n![Time against error of the best methods]({chart})\n\n| method | time over `rt` | \
+         FLIP |\n|---|---|---|",
         best.len()
     );
     for of in best {
