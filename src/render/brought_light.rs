@@ -2,6 +2,7 @@
 //! Counted on the CPU, for the cost model.
 
 use glam::DVec3;
+use reflet_base::pcg::Pcg;
 
 use reflet_scene::desc::ShadowMode;
 use reflet_world::{
@@ -199,20 +200,17 @@ pub fn towards(light: &Light, point: &SurfacePoint) -> Option<(DVec3, f64)> {
 
 /// Numbers that look random and are the same on all machines.
 #[derive(Debug)]
-pub struct Chance(u32);
+pub struct Chance(Pcg);
 
 impl Chance {
     /// The numbers of one sample of a view.
     pub fn of(sample: u32) -> Self {
-        Self(sample.wrapping_mul(0x9e37_79b9))
+        Self(Pcg::new(sample.wrapping_mul(0x9e37_79b9)))
     }
 
     /// A number from 0 to below 1.
     fn next(&mut self) -> f64 {
-        // PCG hash (Jarzynski & Olano 2020).
-        self.0 = self.0.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
-        let word = ((self.0 >> ((self.0 >> 28) + 4)) ^ self.0).wrapping_mul(277_803_737);
-        f64::from((word >> 22) ^ word) / (f64::from(u32::MAX) + 1.0)
+        self.0.unit()
     }
 
     fn below(&mut self, count: usize) -> usize {

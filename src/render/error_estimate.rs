@@ -128,6 +128,7 @@ pub(super) fn tile_means(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use reflet_base::pcg::Pcg;
 
     /// Sums of gray pixels.
     fn gray(values: &[f32]) -> Vec<f32> {
@@ -169,11 +170,8 @@ mod tests {
     #[test]
     fn the_estimate_is_the_error_of_random_numbers() {
         // Uniform numbers in [0, 1) have σ = √(1/12); 12 sub-frames leave σ / √12 = 1/12. Mean |Δ| is √(2/π) of that.
-        let mut state = 7_u32;
-        let mut number = || {
-            state = state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
-            (state >> 8) as f32 / (1 << 24) as f32
-        };
+        let mut sequence = Pcg::new(7);
+        let mut number = || sequence.unit() as f32;
         let pixels = 256;
         let (mut first, mut all) = (Vec::new(), Vec::new());
         for _ in 0..pixels {

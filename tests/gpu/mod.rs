@@ -112,6 +112,51 @@ fn a_dispatch_doubles_a_buffer_and_paints_a_texture() {
     assert!(timer.read(&gpu).expect("times").is_empty());
 }
 
+/// Hashes every value.
+const HASH: &str = "
+@group(0) @binding(0) var<storage, read_write> values: array<u32>;
+
+@compute @workgroup_size(64)
+fn main(@builtin(global_invocation_id) id: vec3u) {
+    if id.x < arrayLength(&values) { values[id.x] = hash(values[id.x]); }
+}
+";
+
+#[test]
+fn shaders_and_the_cpu_hash_numbers_alike() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let library = library(
+        "hash",
+        &format!("{}{HASH}", include_str!("../../shaders/lib/hash.wgsl")),
+    );
+    let shader = Shader::new(&gpu, &library, "hash").expect("valid shader");
+    let group = GroupLayout::new(&gpu, "hash", &[&shader.info], 0).expect("layout");
+    let pipeline = shader
+        .compute_pipeline(&gpu, "main", &[&group], &[])
+        .expect("pipeline");
+    let input: Vec<u32> = (0..256_u32).map(|i| i.wrapping_mul(0x0101_0203)).collect();
+    let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
+    let values = (gpu.device).create_buffer_init(&wgpu::util::BufferInitDescriptor {
+        label: None,
+        contents: bytemuck::cast_slice(&input),
+        usage,
+    });
+    let bound = group
+        .bind(&gpu, &[("values", values.as_entire_binding())])
+        .expect("bind group");
+    let mut encoder = gpu.device.create_command_encoder(&Default::default());
+    {
+        let mut pass = encoder.begin_compute_pass(&Default::default());
+        pass.set_pipeline(&pipeline);
+        pass.set_bind_group(0, &bound, &[]);
+        pass.dispatch_workgroups(4, 1, 1);
+    }
+    gpu.submit(encoder).expect("submitted");
+    let hashed: Vec<u32> = readback::read_buffer(&gpu, &values).expect("buffer");
+    let expected: Vec<u32> = input.iter().map(|v| reflet_base::pcg::hash(*v)).collect();
+    assert_eq!(hashed, expected);
+}
+
 /// A comment, and a branch that a constant rules out, compile nothing; other code, or another constant, does.
 #[test]
 fn texts_that_specialize_alike_share_a_pipeline() {

@@ -222,6 +222,7 @@ fn second_peak(curve: &[f64]) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use reflet_base::pcg::Pcg;
 
     const SIZE: [usize; 2] = [96, 64];
 
@@ -339,10 +340,9 @@ mod tests {
         assert!(structure.stripes.is_none_or(|v| v < 0.01), "{structure:?}");
 
         let mut noise = Scene::new(|_, _| 0);
-        let mut state = 1_u32;
+        let mut sequence = Pcg::new(1);
         for value in &mut noise.test {
-            state = state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
-            *value += (state >> 24) as f32 - 127.5;
+            *value += (sequence.number() >> 24) as f32 - 127.5;
         }
         let structure = noise.structure();
         assert!(

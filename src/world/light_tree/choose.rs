@@ -1,6 +1,7 @@
 //! Choosing an emitter by light trees, and its probability: the CPU's side of `shaders/lib/light_tree.wgsl`.
 
 use glam::Vec3;
+use reflet_base::pcg::hash;
 
 use super::{LIGHT_LEAF, LightTrees, NO_NODE, Node, PlacedLight, Sides, Tree, UNLIT_ITEM};
 
@@ -134,13 +135,6 @@ impl Descent {
 const BELOW_ONE: f32 = 0.999_999_94;
 /// Step between random numbers of 24 bits.
 const DIGITS_24: f32 = 1.0 / (1 << 24) as f32;
-
-/// Hash of a number, the same as `hash` in `shaders/lib/hash.wgsl`.
-fn hash(x: u32) -> u32 {
-    let state = x.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
-    let word = ((state >> ((state >> 28) + 4)) ^ state).wrapping_mul(277_803_737);
-    (word >> 22) ^ word
-}
 
 /// Shares of the first node of a pair by importance, NaN where neither node is important, and by power.
 fn shares_of(tree: &Tree, pair: u32, (point, normal, sides): (Vec3, Vec3, Sides)) -> [f32; 2] {
