@@ -11,6 +11,7 @@ pub mod heightfield;
 mod inset;
 mod lathe;
 mod made;
+mod near_faces;
 mod numbers;
 mod outlined;
 mod region;

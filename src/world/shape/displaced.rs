@@ -7,7 +7,7 @@ use xxhash_rust::xxh3::xxh3_64;
 
 use super::{
     Fault, Made,
-    region::EDGE,
+    near_faces::NearFaces,
     solid::{Corner, Solid, check_size},
 };
 use crate::Mesh;
@@ -160,12 +160,15 @@ impl Surface {
         for (number, triangle) in self.triangles.iter().enumerate() {
             triangle.iter().for_each(|i| around[*i].push(number));
         }
+        let around = around
+            .iter()
+            .map(|all| NearFaces::new(all.iter().map(|i| faces[*i])));
+        let around: Vec<_> = around.collect();
         for (number, (triangle, uv)) in self.triangles.iter().zip(&self.uv).enumerate() {
             let own = faces[number].normalize_or_zero();
             let corner = |k: usize| {
-                let near = around[triangle[k]].iter().map(|other| faces[*other]);
-                let near = near.filter(|face| face.normalize_or_zero().dot(own) > EDGE);
-                Corner::new(self.positions[triangle[k]], near.sum(), uv[k])
+                let near = around[triangle[k]].sum(own);
+                Corner::new(self.positions[triangle[k]], near, uv[k])
             };
             solid.triangle([corner(0), corner(1), corner(2)]);
         }

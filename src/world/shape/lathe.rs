@@ -2,11 +2,11 @@
 
 use glam::{Vec2, Vec3};
 
-use super::radial;
+use super::{radial, region};
 use crate::Mesh;
 
 /// Cosine of the bend between two pieces, 40°, from which on their normals are not smoothed.
-const EDGE: f32 = 0.766;
+const EDGE: f32 = region::EDGE as f32;
 
 /// Adds the surface of revolution of an outline, with a row of quads for each of its pieces. Points on the axis
 /// make triangles.

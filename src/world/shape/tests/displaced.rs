@@ -77,3 +77,35 @@ fn too_many_steps_are_refused_before_they_are_made() {
     let fault = make(&shape, &Fonts::default()).expect_err("too large");
     assert_eq!(fault.name, "shape-too-large");
 }
+
+/// The work of a fan grows with its triangles, not with their square: 10 billion pairs here.
+#[test]
+fn a_vertex_of_many_triangles_is_smoothed_in_time() {
+    const COUNT: u32 = 100_000;
+    // A disk whose rim swings up and down a little: its normals bend by less than 40°.
+    let at = |i: u32| {
+        let angle = f64::from(i) / f64::from(COUNT) * (2.0 * PI);
+        let height = 0.1 * (7.0 * angle).sin();
+        [angle.cos() as f32, height as f32, -angle.sin() as f32]
+    };
+    let positions: Vec<f32> = ([0.0; 3].into_iter())
+        .chain((0..COUNT).flat_map(at))
+        .collect();
+    let triangle = |i: u32| [0, 1 + i, 1 + (i + 1) % COUNT].map(|index| index as f32);
+    let shape = ShapeDesc::Mesh {
+        positions: positions.into(),
+        indices: (0..COUNT).flat_map(triangle).collect(),
+        normals: [].into(),
+        uv: [].into(),
+        colors: [].into(),
+        dynamic: false,
+    };
+    let fan = mesh(&displaced(shape, 0, false, 0.0));
+    assert_eq!(fan.triangles.len(), COUNT as usize);
+    let tips = (fan.positions.iter().zip(&fan.normals)).filter(|(at, _)| **at == Vec3::ZERO);
+    let tips: Vec<_> = tips.map(|(_, normal)| *normal).collect();
+    assert!(!tips.is_empty());
+    for normal in tips {
+        assert!(normal.y > 0.95, "{normal}");
+    }
+}
