@@ -18,9 +18,6 @@ struct Params {
 @group(2) @binding(5) var guides: texture_storage_2d_array<r32float, read_write>; // red, green, blue; x, y, z
 @group(2) @binding(6) var<uniform> params: Params;
 
-const SHARP: f32 = 0.05; // roughness below which reflections count as sharp
-const MIRROR: f32 = 0.2; // reflectance above which a sharp reflection is what a pixel mainly shows
-
 // Schlick's reflectance, mean over the channels.
 fn reflectance(s: Surface) -> f32 {
     let f0 = mix(vec3f(s.reflectivity), s.base_color, s.metallic);
@@ -32,7 +29,7 @@ fn reflectance(s: Surface) -> f32 {
 
 // Color of the surface of a pixel, in sharp mirrors that of what they show: white for the environment.
 fn color_of(pixel: vec2u, s: Surface) -> vec3f {
-    if (HAS_REFLECTIONS && s.roughness < SHARP && reflects(textureLoad(cause, pixel, 0).x) && reflectance(s) > MIRROR) {
+    if (HAS_REFLECTIONS && s.roughness < SHARP_ROUGHNESS && reflects(textureLoad(cause, pixel, 0).x) && reflectance(s) > MIRROR_REFLECTANCE) {
         let instance = textureLoad(hit, pixel, 0).y;
         if (instance == NONE) { return vec3f(1.0); }
         let m = instance_material(instance);

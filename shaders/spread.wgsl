@@ -23,9 +23,6 @@ struct Params {
 @group(2) @binding(9) var lead_hit: texture_2d<u32>;
 @group(2) @binding(10) var<uniform> params: Params;
 
-// Maximum distance of pixels that mirror alike from a common plane, pixel footprints.
-const SAME_PLANE_PX: f32 = 3.0;
-
 // Hits around a pixel, which are of one instance.
 struct Around {
     is_agreed: bool,

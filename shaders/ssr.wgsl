@@ -39,8 +39,6 @@ const START_PX: f32 = 0.7; // start of the march, past the reflector's own pixel
 const MAX_CANDIDATES: u32 = select(8u, 32u, HAS_SECOND_LAYER);
 // Minimum bilinear weight of the pixels around a hit that must show its surface.
 const SUPPORT: f32 = 0.75;
-// Maximum distance of points of one surface from a common plane, pixel footprints.
-const SAME_PLANE_PX: f32 = 3.0;
 
 // Number of cells visited since the invocation started, with COUNT.
 var<private> march_steps: u32 = 0u;

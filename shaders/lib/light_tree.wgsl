@@ -10,9 +10,8 @@
 #import pack
 #import sampling
 
-// Vectors of a placed light: link of its mesh's root, first word of its triangles, node, instance with sides in the lowest
-// two bits; then rows of tree_from_world.
-const LIGHT_VECTORS: u32 = 4u;
+// LIGHT_VECTORS vectors are a placed light: link of its mesh's root, first word of its triangles, node, instance with sides
+// in the lowest two bits; then rows of tree_from_world.
 
 // A surface, as a tree sees it.
 struct LitPoint {

@@ -3,6 +3,9 @@
 #import bvh
 #import surface
 
+// Maximum distance of points of one surface from a common plane, pixel footprints.
+const SAME_PLANE_PX: f32 = 3.0;
+
 // Number of triangles and capsules tested since the invocation started, with COUNT.
 var<private> march_triangles: u32 = 0u;
 

@@ -13,7 +13,11 @@ use std::{
 use libloading::Library;
 
 use super::error::AppError;
-use crate::render::{Picture, Plane, PlaneData, aov::Aov};
+use crate::render::{
+    Picture, Plane, PlaneData,
+    aov::Aov,
+    cutoff::{MIRROR_REFLECTANCE, SHARP_ROUGHNESS},
+};
 use reproject::Surfaces;
 
 /// File name of the library with its major version; the interface of version 2 dates from 2023.
@@ -29,11 +33,6 @@ const FOLDER: &str = "REFLET_OIDN";
 
 /// AOVs that tell what pixels mirror.
 const MIRRORS: [Aov; 3] = [Aov::Material, Aov::Reflectance, Aov::HitIds];
-
-/// Roughness below which reflections count as sharp.
-const SHARP: f32 = 0.05;
-/// Reflectance above which a pixel with a sharp reflection mainly shows that.
-const MIRROR: f32 = 0.2;
 
 /// Largest change of a channel's mean that is made up for, as a factor: more is light of specks that the filter removed,
 /// which would brighten all pixels, in each frame of a film otherwise.
@@ -102,7 +101,8 @@ impl Denoiser {
         let surfaces = (material.chunks_exact(3)).zip(values(planes, Aov::Reflectance));
         (surfaces.zip(hits.chunks_exact(2)))
             .map(|((material, reflectance), hit)| {
-                (material[0] < SHARP && reflectance > MIRROR).then_some(hit[0])
+                (material[0] < SHARP_ROUGHNESS && reflectance > MIRROR_REFLECTANCE)
+                    .then_some(hit[0])
             })
             .collect()
     }

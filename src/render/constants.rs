@@ -19,9 +19,9 @@ use reflet_world::{
 
 use super::{
     cause::{CAUSE_MASK, Cause, Source},
-    cutoff::{COAT_STEPS, CUTOFF_FADE, METAL_REACH},
+    cutoff::{COAT_STEPS, CUTOFF_FADE, METAL_REACH, MIRROR_REFLECTANCE, SHARP_ROUGHNESS},
     draw_shape::SQUARE_CORNERS,
-    emitters::{DARK_LAMP, LAMP_RECORD},
+    emitters::{DARK_LAMP, LAMP_RECORD, LIGHT_VECTORS},
     gpu_patterned::PATTERNED_SHIFT,
     groove_table::{GROOVE_COSINES, GROOVE_NODES, GROOVE_STEPS},
     lights::{SHADOW_MAP, SHADOW_NEAR_M, SHADOW_NONE, SHADOW_RAY},
@@ -111,18 +111,7 @@ pub fn wgsl() -> String {
         &mut out,
         NONE,
         FAR_M,
-        METAL_REACH,
-        COAT_STEPS,
-        CUTOFF_FADE,
         MOST_PROBES,
-        LOBE_COSINES,
-        LOBE_ROUGHNESSES,
-        LOBE_NODES,
-        GROOVE_COSINES,
-        GROOVE_STEPS,
-        GROOVE_NODES,
-        LEAST_SHEEN_ALPHA,
-        SMOOTH_ALPHA,
         FLAG_COLORS,
         FLAG_MIRRORED,
         FLAG_EMITTER,
@@ -179,6 +168,7 @@ pub fn wgsl() -> String {
         UNREFLECTED,
         STACK_SIZE,
     );
+    define_lobes(&mut out);
     define_structures(&mut out);
     let lent_bytes = Target::VisibleLights.format(false).block_copy_size(None);
     define(&mut out, "LENT_LIGHTS", &(lent_bytes.unwrap_or(0) * 8 / 2));
@@ -186,6 +176,26 @@ pub fn wgsl() -> String {
     define_variants(&mut out);
     define_causes(&mut out);
     out
+}
+
+/// Numbers of what surfaces reflect, and of the tables of their lobes.
+fn define_lobes(out: &mut String) {
+    define_all!(
+        out,
+        METAL_REACH,
+        COAT_STEPS,
+        CUTOFF_FADE,
+        LOBE_COSINES,
+        LOBE_ROUGHNESSES,
+        LOBE_NODES,
+        GROOVE_COSINES,
+        GROOVE_STEPS,
+        GROOVE_NODES,
+        LEAST_SHEEN_ALPHA,
+        SMOOTH_ALPHA,
+        SHARP_ROUGHNESS,
+        MIRROR_REFLECTANCE,
+    );
 }
 
 /// Numbers of the acceleration structures that ray queries search.
@@ -211,6 +221,7 @@ fn define_lights(out: &mut String) {
         LIGHT_NODE_VECTORS,
         INNER_SHARE,
         LAMP_RECORD,
+        LIGHT_VECTORS,
         SHADOW_NONE,
         SHADOW_MAP,
         SHADOW_RAY,

@@ -15,6 +15,11 @@ pub const CUTOFF_FADE: f32 = 0.2;
 /// Steps of a number between 0 and 1 of a clear coat in the G-buffer.
 pub const COAT_STEPS: f32 = 127.0;
 
+/// Roughness below which reflections count as sharp.
+pub const SHARP_ROUGHNESS: f32 = 0.05;
+/// Reflectance above which a sharp reflection is what a pixel mainly shows.
+pub const MIRROR_REFLECTANCE: f32 = 0.2;
+
 /// Roughness or metalness as the G-buffer holds it, in 16 bits.
 pub fn packed(value: f32) -> f32 {
     f16::from_f32(value).to_f32()

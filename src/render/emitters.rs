@@ -12,8 +12,8 @@ use super::{lights::gpu_light, shown_light::ShownLight, texel_array::TexelArray}
 /// Parameters of shaders for a world without a light tree.
 pub const NO_LIGHT_TREE: [u32; 4] = [0, 0, 0, NO_NODE];
 
-/// Number of vectors of a placed light.
-const LIGHT_VECTORS: usize = 4;
+/// Number of vectors of a placed light and of a lamp's record.
+pub const LIGHT_VECTORS: usize = 4;
 
 /// First word of a lamp's record, whose lowest three bits are the kind; that of a placed light is a link.
 pub const LAMP_RECORD: u32 = 0xffff_fff0;
