@@ -5,6 +5,7 @@ mod actions;
 mod answer;
 mod call;
 mod colors;
+mod entries;
 mod format;
 mod frames;
 mod names;

@@ -2,7 +2,6 @@
 
 use std::{
     collections::BTreeSet,
-    fs,
     path::{Path, PathBuf},
     sync::Arc,
 };
@@ -10,6 +9,7 @@ use std::{
 use serde_json::{Value, json};
 
 use super::{
+    entries::{entries_below, has_extension, path_below},
     names::{border_of, files_of_value, kinds_of_value, names},
     outline::{Part, Word, words, words_before},
     position::{range, uri_of},
@@ -29,11 +29,11 @@ const DEPTH: usize = 3;
 
 /// Kinds of completion items in the protocol.
 const MODULE: u32 = 9;
-const PROPERTY: u32 = 10;
+pub const PROPERTY: u32 = 10;
 const VALUE: u32 = 12;
 const FILE: u32 = 17;
 const FOLDER: u32 = 19;
-const REFERENCE: u32 = 18;
+pub const REFERENCE: u32 = 18;
 
 /// Completions at a byte offset.
 pub fn complete(file: &Arc<Source>, offset: usize) -> Vec<Value> {
@@ -137,7 +137,11 @@ fn values(file: &Arc<Source>, word: &Word, name: &str, quoted: bool) -> Vec<Valu
     if is_project(&file.path) {
         if word.table.is_empty() && ["assets", "scripts"].contains(&name) {
             let mut found = BTreeSet::new();
-            folders_below(folder_of(&file.path), "", DEPTH, &mut found);
+            let folder = folder_of(&file.path);
+            let folders = entries_below(folder, DEPTH, false)
+                .filter(|entry| entry.file_type().is_dir())
+                .filter_map(|entry| path_below(&entry, folder));
+            found.extend(folders.take(MOST_FILES));
             all.extend(found.iter().map(|name| item(&text(name), FOLDER, "")));
         }
         return all;
@@ -150,7 +154,10 @@ fn values(file: &Arc<Source>, word: &Word, name: &str, quoted: bool) -> Vec<Valu
     if !ends.is_empty() {
         let mut found = BTreeSet::new();
         for folder in folders(&file.path) {
-            files_below(&folder, "", ends, DEPTH, &mut found);
+            let files = entries_below(&folder, DEPTH, true)
+                .filter(|entry| !entry.file_type().is_dir() && has_extension(entry, ends))
+                .filter_map(|entry| path_below(&entry, &folder));
+            found.extend(files.take(MOST_FILES - found.len()));
         }
         all.extend(found.iter().map(|name| item(&text(name), FILE, "")));
     }
@@ -163,50 +170,6 @@ fn folders(path: &Path) -> Vec<PathBuf> {
     let border = border_of(path);
     let all = std::iter::once(own).chain(border.assets);
     all.chain(border.scripts).collect()
-}
-
-fn files_below(
-    folder: &Path,
-    prefix: &str,
-    ends: &[&str],
-    depth: usize,
-    found: &mut BTreeSet<String>,
-) {
-    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
-        let (path, name) = (entry.path(), entry.file_name());
-        let Some(name) = name.to_str().filter(|n| !n.starts_with('.')) else {
-            continue;
-        };
-        if found.len() >= MOST_FILES {
-            return;
-        }
-        let name = format!("{prefix}{name}");
-        if path.is_dir() && depth > 0 {
-            files_below(&path, &format!("{name}/"), ends, depth - 1, found);
-        } else if path
-            .extension()
-            .is_some_and(|e| ends.iter().any(|end| e == *end))
-        {
-            found.insert(name);
-        }
-    }
-}
-
-/// Names of the folders below one.
-fn folders_below(folder: &Path, prefix: &str, depth: usize, found: &mut BTreeSet<String>) {
-    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
-        let name = entry.file_name();
-        let name = name.to_str().filter(|name| !name.starts_with('.'));
-        if let Some(name) = name.filter(|_| entry.file_type().is_ok_and(|kind| kind.is_dir()))
-            && found.len() < MOST_FILES
-        {
-            let name = format!("{prefix}{name}");
-            if depth > 0 {
-                folders_below(&entry.path(), &format!("{name}/"), depth - 1, found);
-            }
-            found.insert(name);
-        }
-    }
 }
 
 /// Word at a byte offset.

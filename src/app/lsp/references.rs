@@ -1,17 +1,12 @@
 //! References to a name in all texts of a scene and of its project, and renaming.
 
-use std::{
-    collections::BTreeMap,
-    fs,
-    ops::Range,
-    path::{Path, PathBuf},
-    sync::Arc,
-};
+use std::{collections::BTreeMap, ops::Range, path::Path, sync::Arc};
 
 use serde_json::{Value, json};
 
 use super::{
     call::Call,
+    entries::{entries_below, has_extension},
     is_script,
     names::{Name, border_of, kinds_of_value, names, uses, with_parts},
     position::{range, uri_of},
@@ -78,36 +73,16 @@ pub fn texts(file: &Arc<Source>, open: &[&Arc<Source>]) -> Vec<Arc<Source>> {
         Some(project) => (project, DEPTH),
         None => (folder_of(&file.path).to_owned(), 0),
     };
-    let mut found = Vec::new();
-    files_below(&folder, depth, &mut found);
-    found.iter().for_each(|path| add(path));
+    entries_below(&folder, depth, false)
+        .filter(|entry| entry.file_type().is_file() && has_extension(entry, &["toml", "rhai"]))
+        .take(MOST_FILES)
+        .for_each(|entry| add(entry.path()));
     all
 }
 
 fn same(a: &Path, b: &Path) -> bool {
     let real = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_owned());
     a == b || a.file_name() == b.file_name() && real(a) == real(b)
-}
-
-fn files_below(folder: &Path, depth: usize, found: &mut Vec<PathBuf>) {
-    let mut entries: Vec<_> = (fs::read_dir(folder).into_iter().flatten().flatten())
-        .filter(|entry| !entry.file_name().to_string_lossy().starts_with('.'))
-        .collect();
-    entries.sort_by_key(fs::DirEntry::file_name);
-    for entry in entries {
-        let path = entry.path();
-        match entry.file_type() {
-            _ if found.len() >= MOST_FILES => return,
-            Ok(kind) if kind.is_dir() && depth > 0 => files_below(&path, depth - 1, found),
-            Ok(kind) if kind.is_file() => {
-                let is_text = path
-                    .extension()
-                    .is_some_and(|end| end == "toml" || end == "rhai");
-                found.extend(is_text.then_some(path));
-            }
-            _ => {}
-        }
-    }
 }
 
 /// The named thing at a byte offset of a file, with its range there.

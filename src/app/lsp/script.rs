@@ -5,7 +5,7 @@ use std::{collections::BTreeSet, fs, path::Path, sync::Arc};
 use serde_json::{Value, json};
 
 use super::{
-    answer::places,
+    answer::{PROPERTY, REFERENCE, places},
     call::Call,
     names::{Name, names},
     scopes::{Scoped, with_scopes},
@@ -13,10 +13,8 @@ use super::{
 };
 use crate::scene::{diagnostic::Source, parse, script::api};
 
-/// Kinds of completion items in the protocol.
+/// Kind of completion items in the protocol.
 const FUNCTION: u32 = 3;
-const PROPERTY: u32 = 10;
-const REFERENCE: u32 = 18;
 
 /// Maximum number of entries of a folder that are searched for scenes of a script.
 const MOST_ENTRIES: usize = 1000;
