@@ -1,6 +1,7 @@
 // Audit: traces rays for some of the screen hits, to count how many of these hits lie on a wrong surface.
 
 #import gbuffer
+#import hash
 #import lists
 
 // The maximum number of rays is not a parameter: llvmpipe 22.3 crashes on conditions that depend only on values of a
@@ -14,20 +15,24 @@ struct Params {
 @group(2) @binding(3) var hit: texture_2d<u32>;
 @group(2) @binding(4) var<uniform> params: Params;
 
-// Index of the hit that audit ray number `ray` checks: every hit where there are few, else a random one.
-fn drawn(ray: u32, hits: u32) -> u32 {
-    if (hits <= AUDIT_RAYS) { return ray; }
-    // PCG hash (Jarzynski and Olano 2020).
-    let state = (ray + params.seed * AUDIT_RAYS) * 747796405u + 2891336453u;
-    let word = ((state >> ((state >> 28u) + 4u)) ^ state) * 277803737u;
-    return ((word >> 22u) ^ word) % hits;
+// Start of part number `part` of `parts` almost equal parts of a list.
+fn start_of(part: u32, parts: u32, length: u32) -> u32 {
+    return part * (length / parts) + part * (length % parts) / parts;
+}
+
+// Index of the hit that audit ray number `ray` checks: a random one of its part of the list. No hit is checked twice, and
+// all are where there are few.
+fn drawn(ray: u32, rays: u32, hits: u32) -> u32 {
+    let first = start_of(ray, rays, hits);
+    return first + hash(ray + params.seed * AUDIT_RAYS) % (start_of(ray + 1u, rays, hits) - first);
 }
 
 @compute @workgroup_size(RAYS_PER_GROUP)
 fn main(@builtin(global_invocation_id) id: vec3u) {
     let hits = atomicLoad(&counters[HIT_COUNTER]);
-    if (id.x >= min(AUDIT_RAYS, hits)) { return; }
-    let pixel = unpack_pixel(lists[hit_slot(drawn(id.x, hits))]);
+    let rays = min(AUDIT_RAYS, hits);
+    if (id.x >= rays) { return; }
+    let pixel = unpack_pixel(lists[hit_slot(drawn(id.x, rays, hits))]);
     let found = textureLoad(hit, pixel, 0);
     if (HAS_FOG && found.y == NONE) { return; } // a ray past all surfaces, listed for its fog
     let first = load_surface(pixel);

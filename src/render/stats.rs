@@ -14,7 +14,7 @@ use super::{
     probe_maps::ProbeStats,
     ray_list::{
         AUDITED_COUNTER, BEHIND_COUNTER, COUNTERS, EXHAUSTED_COUNTER, FOLLOWER_COUNTER,
-        HIT_COUNTER, RAY_COUNTER, REST_COUNTER, WRONG_COUNTER,
+        RAY_COUNTER, REST_COUNTER, WRONG_COUNTER,
     },
 };
 
@@ -272,7 +272,10 @@ impl FrameStats {
         self.second_layer = SecondLayer::of(counters);
         let counter = |index: usize| counters.get(index).copied().unwrap_or(0);
         let (hits, wrong) = (counter(AUDITED_COUNTER), counter(WRONG_COUNTER));
-        let of = counter(HIT_COUNTER);
+        // The list of hits holds rays past all surfaces too where there is fog.
+        let is_hit = |cause: &Cause| cause.source(self.method) == Source::Screen;
+        let screen = Cause::ALL.into_iter().filter(is_hit);
+        let of = screen.map(|cause| counter(cause as usize)).sum();
         self.audit = (hits > 0).then_some(Audit { hits, of, wrong });
         if self.method.traces() {
             self.rays = counter(RAY_COUNTER) - counter(FOLLOWER_COUNTER) + counter(REST_COUNTER);

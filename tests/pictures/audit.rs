@@ -20,6 +20,11 @@ const ATRIUM: &str = include_str!("../../scenes/atrium.toml");
 
 /// A picture with an audit, and the audit computed by comparing all of its screen hits with `rt`.
 fn audited(size: &str, method: Method) -> Option<(Picture, Audit)> {
+    audited_of(ATRIUM, size, method)
+}
+
+/// The same of a scene.
+fn audited_of(text: &str, size: &str, method: Method) -> Option<(Picture, Audit)> {
     let gpu = gpu()?;
     // The paper's rule errs often.
     let set = [
@@ -27,7 +32,7 @@ fn audited(size: &str, method: Method) -> Option<(Picture, Audit)> {
         "reflection.accept=threshold",
         "reflection.threshold_u=0.1",
     ];
-    let (desc, world) = scene(ATRIUM, &set);
+    let (desc, world) = scene(text, &set);
     let of = |method, audit| {
         let mut options = RenderOptions {
             audit,
@@ -81,6 +86,35 @@ fn few_hits_are_all_traced_and_many_are_sampled() {
     let deviation = (share * (1.0 - share) / 1024.0).sqrt();
     assert!(
         (found - share).abs() < 5.0 * deviation,
+        "{sampled}, all: {all}"
+    );
+}
+
+/// Rays past all surfaces are listed for their fog, and are no hits.
+#[test]
+fn rays_into_fog_are_not_counted_as_hits() {
+    let fog = "fog = { density = 0.01 }\nzenith = [0.13, 0.24, 0.52]";
+    let text = ATRIUM.replace("zenith = [0.13, 0.24, 0.52]", fog);
+    let small = audited_of(&text, "image.size=[64, 36]", Method::Hybrid);
+    let Some((small, all)) = small else {
+        return;
+    };
+    let past = |p: &Picture| {
+        let causes = integers(p, Aov::Cause);
+        causes.iter().filter(|c| **c == Cause::None as u32).count()
+    };
+    assert!(past(&small) > 50 && all.hits > 100, "{all}");
+    assert_eq!(small.stats.audit, Some(all));
+
+    let (large, all) = audited_of(&text, "image.size=[160, 90]", Method::Hybrid).expect("a GPU");
+    let sampled = large.stats.audit.expect("an audit");
+    assert_eq!(sampled.of, all.of);
+    // About as many of the checked entries are hits as of all.
+    let listed = all.of as usize + past(&large);
+    let expected = 1024.0 * f64::from(all.of) / listed as f64;
+    assert!(listed > 1500, "{listed}");
+    assert!(
+        (f64::from(sampled.hits) - expected).abs() < 100.0,
         "{sampled}, all: {all}"
     );
 }
