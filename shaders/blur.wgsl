@@ -41,5 +41,5 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         sum += textureLoad(source, at, 0).xyz * w;
         weights += w;
     }
-    textureStore(blurred, pixel, vec4f(sum / max(weights, 1e-6), 1.0));
+    textureStore(blurred, pixel, stored(vec4f(sum / max(weights, 1e-6), 1.0)));
 }

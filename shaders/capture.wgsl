@@ -4,10 +4,10 @@
 
 #import cone
 #import cube_faces
+#import half
 #import indirect
 #import path_restart
 #import probes
-#import radiance
 #import shade
 
 struct Params {
@@ -105,5 +105,5 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         if (sample == 0u) { textureStore(captured_hits, pixel, layer, seen.hit); }
     }
     let mean = sum / f32(params.samples);
-    textureStore(captured, pixel, layer, vec4f(min(mean.xyz / EMISSION_SCALE, BRIGHTEST), mean.w));
+    textureStore(captured, pixel, layer, halved(vec4f(mean.xyz / EMISSION_SCALE, mean.w)));
 }

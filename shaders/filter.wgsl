@@ -91,5 +91,5 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     if (any(pixel >= vec2u(frame.size))) { return; }
     var color = textureLoad(source, pixel, 0);
     if (reflects(textureLoad(cause, pixel, 0).x)) { color = vec4f(filtered(pixel, color), color.w); }
-    textureStore(blurred, pixel, color);
+    textureStore(blurred, pixel, stored(color));
 }

@@ -24,7 +24,7 @@ fn fog_before(pixel: vec2u) -> vec4f {
     let origin = pixel_origin(center);
     start_path(origin, false);
     start_samples(pixel, FIRST_VERTEX);
-    return min(air_before(pixel, FIRST_VERTEX, origin, normalize(along), distance_m), vec4f(BRIGHTEST, 1.0));
+    return stored(air_before(pixel, FIRST_VERTEX, origin, normalize(along), distance_m));
 }
 
 @compute @workgroup_size(GROUP_PX, GROUP_PX)

@@ -47,7 +47,7 @@ fn shade_pixel(pixel: vec2u) {
     }
     color += followed(pixel, 2u, 1u, start, cone_there);
     if (HAS_FOG) { color = air.light + color * air.share; }
-    textureStore(reflection, pixel, vec4f(min(color, BRIGHTEST), 1.0));
+    textureStore(reflection, pixel, stored(vec4f(color, 1.0)));
     if (exhausted_rays > 0u) { atomicAdd(&counters[EXHAUSTED_COUNTER], exhausted_rays); }
 }
 

@@ -24,6 +24,6 @@ fn gathered(pixel: vec2u) -> vec3f {
 fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_id) local: vec3u) {
     let pixel = invoked_pixel(group, groups, local);
     if (any(pixel >= vec2u(frame.size)) || is_left_out(pixel)) { return; }
-    textureStore(indirect_light, pixel, vec4f(min(gathered(pixel), BRIGHTEST), 1.0));
+    textureStore(indirect_light, pixel, stored(vec4f(gathered(pixel), 1.0)));
     if (exhausted_rays > 0u) { atomicAdd(&counters[EXHAUSTED_COUNTER], exhausted_rays); }
 }

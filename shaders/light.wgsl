@@ -27,8 +27,8 @@ fn light_pixel(pixel: vec2u) {
     } else if (SHOW_ENVIRONMENT) {
         lit.diffuse = environment(normalize(pixel_ray(vec2f(pixel) + 0.5)));
     }
-    textureStore(radiance, pixel, vec4f(min(lit.diffuse, BRIGHTEST), unlit));
-    textureStore(specular, pixel, vec4f(min(lit.specular, BRIGHTEST), 1.0));
+    textureStore(radiance, pixel, stored(vec4f(lit.diffuse, unlit)));
+    textureStore(specular, pixel, stored(vec4f(lit.specular, 1.0)));
     if (LENDS_LIGHT) { textureStore(visible_lights, pixel, vec4u(lit.visible, 0u, 0u)); }
     if (exhausted_rays > 0u) { atomicAdd(&counters[EXHAUSTED_COUNTER], exhausted_rays); }
 }

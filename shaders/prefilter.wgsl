@@ -4,6 +4,7 @@
 
 #import constants
 #import cube_faces
+#import half
 
 struct Params {
     face_px: u32, // width of the faces of the level that is written
@@ -30,7 +31,7 @@ fn shrink(@builtin(global_invocation_id) id: vec3u) {
         let at = min(2u * id.xy + vec2u(k & 1u, k >> 1u), textureDimensions(finer) - 1u);
         sum += textureLoad(finer, at, id.z, 0);
     }
-    textureStore(level, id.xy, id.z, sum * 0.25);
+    textureStore(level, id.xy, id.z, halved(sum * 0.25));
 }
 
 // Radical inverse in base 2 (Hammersley's sequence).
@@ -67,5 +68,5 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         sum += textureSampleLevel(whole, whole_sampler, direction, id.z / 6u, lod) * weight;
         weights += weight;
     }
-    textureStore(level, id.xy, id.z, sum / max(weights, 1e-6));
+    textureStore(level, id.xy, id.z, halved(sum / max(weights, 1e-6)));
 }

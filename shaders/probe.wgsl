@@ -96,7 +96,7 @@ fn look_up(pixel: vec2u) {
     }
     let lamp = seen_light(s.position, ray, reach_m);
     if (lamp.is_seen) { light = lamp.radiance; }
-    textureStore(reflection, pixel, vec4f(min(light, BRIGHTEST), 1.0));
+    textureStore(reflection, pixel, stored(vec4f(light, 1.0)));
     textureStore(hit, pixel, found);
 }
 

@@ -110,7 +110,7 @@ fn follow_neighbors(pixel: vec2u) -> bool {
     if (around.instance == NONE) {
         keep_cause(pixel, around.cause);
         textureStore(hit, pixel, vec4u(0u, NONE, NONE, 0u));
-        textureStore(reflection, pixel, vec4f(min(beyond(origin, ray), BRIGHTEST), 1.0));
+        textureStore(reflection, pixel, stored(vec4f(beyond(origin, ray), 1.0)));
         return true;
     }
     let met = meet_around(around, origin, ray.direction);
@@ -122,7 +122,7 @@ fn follow_neighbors(pixel: vec2u) -> bool {
     keep_cause(pixel, around.cause);
     let color = light_of_hit(pixel, first, ray, s, met.distance_m, id, cone);
     textureStore(hit, pixel, vec4u(bitcast<u32>(met.distance_m), id, 0u));
-    textureStore(reflection, pixel, vec4f(min(color, BRIGHTEST), 1.0));
+    textureStore(reflection, pixel, stored(vec4f(color, 1.0)));
     if (exhausted_rays > 0u) { atomicAdd(&counters[EXHAUSTED_COUNTER], exhausted_rays); }
     return true;
 }

@@ -92,6 +92,6 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: ve
     let index = (group.y * groups.x + group.x) * RAYS_PER_GROUP + lane;
     if (index >= atomicLoad(&counters[TRANSMISSIVE_COUNTER])) { return; }
     let pixel = unpack_pixel(lists[transmissive_slot(index)]);
-    textureStore(transmitted_light, pixel, min(behind(pixel), vec4f(BRIGHTEST, 1.0)));
+    textureStore(transmitted_light, pixel, stored(behind(pixel)));
     if (exhausted_rays > 0u) { atomicAdd(&counters[EXHAUSTED_COUNTER], exhausted_rays); }
 }

@@ -81,7 +81,7 @@ fn trace_pixel(pixel: vec2u) -> vec4u {
         if (dot(ray.direction, s.geometric_normal) > 0.0) { cone = mirrored_cone(cone, s.curvature); }
         origin = onward_origin(s, ray.direction);
     }
-    if (SHADE) { textureStore(reflection, pixel, vec4f(min(color, BRIGHTEST), 1.0)); }
+    if (SHADE) { textureStore(reflection, pixel, stored(vec4f(color, 1.0))); }
     textureStore(hit, pixel, found);
     if (exhausted_rays > 0u) { atomicAdd(&counters[EXHAUSTED_COUNTER], exhausted_rays); }
     return found;

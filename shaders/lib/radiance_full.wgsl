@@ -2,4 +2,7 @@
 
 alias RadianceTexture = texture_storage_2d<rgba32float, write>;
 
-const BRIGHTEST: vec3f = vec3f(1e30);
+// Light as it is stored.
+fn stored(light: vec4f) -> vec4f {
+    return min(light, vec4f(1e30));
+}

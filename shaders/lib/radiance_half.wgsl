@@ -1,5 +1,10 @@
 // Storage of light between the passes: 16 bits per channel, enough for most scenes.
 
+#import half
+
 alias RadianceTexture = texture_storage_2d<rgba16float, write>;
 
-const BRIGHTEST: vec3f = vec3f(65000.0);
+// Light as it is stored.
+fn stored(light: vec4f) -> vec4f {
+    return halved(light);
+}
