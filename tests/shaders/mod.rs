@@ -34,18 +34,20 @@ fn variant(features: Features) -> ShaderVariant {
     }
 }
 
-/// Every shader of every variant.
+/// Names and texts of every shader of every variant.
+static SOURCES: LazyLock<Vec<(String, Result<ShaderSource, ShaderError>)>> = LazyLock::new(sources);
+
+/// Every shader of every variant, validated.
 static SHIPPED: LazyLock<Vec<ShaderModuleInfo>> = LazyLock::new(|| {
     // The optional features that `Gpu` asks for; a shader that needs one has a twin that does not.
     let capabilities =
         capabilities(wgpu::Features::PRIMITIVE_INDEX | wgpu::Features::EXPERIMENTAL_RAY_QUERY);
-    let check = |source: ShaderSource| check(&source, capabilities);
-    let checked = (sources().into_iter()).map(|(_, source)| source.and_then(check));
+    let checked = SOURCES.iter().map(|(_, source)| {
+        let source = source.as_ref().map_err(ShaderError::to_string)?;
+        check(source, capabilities).map_err(|error| error.to_string())
+    });
     let (good, bad): (Vec<_>, Vec<_>) = checked.partition(Result::is_ok);
-    let errors: Vec<String> = bad
-        .into_iter()
-        .filter_map(|result| Some(result.err()?.to_string()))
-        .collect();
+    let errors: Vec<String> = bad.into_iter().filter_map(Result::err).collect();
     assert!(errors.is_empty(), "\n{}", errors.join("\n\n"));
     good.into_iter().flatten().collect()
 });
@@ -63,13 +65,12 @@ fn every_shader_validates_and_has_an_entry_point() {
 
 #[test]
 fn every_library_is_imported_somewhere() {
-    let libraries = libraries();
-    let texts = libraries.iter().flat_map(|library| {
-        let sources = library.names().filter_map(|name| library.source(name).ok());
-        sources.map(|source| source.text)
-    });
-    let all: String = texts.collect();
-    let library = &libraries[0];
+    let sources = SOURCES
+        .iter()
+        .filter_map(|(_, source)| source.as_ref().ok());
+    let all: String = sources.map(|source| source.text.as_str()).collect();
+    let library = ShaderVariant::all()[0].library(&ShaderLibrary::embedded());
+    let library = library.unwrap_or_else(|e| panic!("{e}"));
     for name in library.lib_names() {
         let lib = library.lib_source(name).unwrap_or_else(|e| panic!("{e}"));
         // The last line of a library is part of every shader that imports it.
