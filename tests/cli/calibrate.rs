@@ -1,11 +1,26 @@
 //! `calibrate` and `--plan`.
 
-use std::fs;
+use std::{fs, path::Path};
+
+use reflet::{app::plan_file::PlanFile, render::unit_costs::UnitCosts};
 
 use super::{exits, folder, names};
 use crate::common::gpu_or_skip;
 
 #[test]
+fn unit_costs_of_a_plan_decide_and_only_on_its_adapter() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let plan = PlanFile {
+        adapter: gpu.adapter_info.name.clone(),
+        unit_ns: UnitCosts::PROCESSOR,
+    };
+    let folder = folder("plan");
+    fs::write(folder.join("plan.toml"), plan.text().expect("TOML")).expect("a plan");
+    check_plan(&folder);
+}
+
+#[test]
+#[ignore = "long: times frames of up to 640 x 360 pixels"]
 fn what_calibrate_measures_decides_and_only_on_its_adapter() {
     if gpu_or_skip().is_none() {
         return;
@@ -17,10 +32,15 @@ fn what_calibrate_measures_decides_and_only_on_its_adapter() {
         table.contains("mirror_node") && table.contains("its kind"),
         "{table}"
     );
+    check_plan(&folder);
+}
+
+/// Renders by `plan.toml`, by one with other unit costs, and by one of another adapter.
+fn check_plan(folder: &Path) {
     let render = |plan: &str, code| {
         let mut arguments = vec!["render", "scene.toml", "-o", "a.png", "--plan", plan];
         arguments.extend(["--size", "64x36", "--stats", "text"]);
-        exits(&folder, &arguments, code)
+        exits(folder, &arguments, code)
     };
     render("plan.toml", 0);
     let plan = fs::read_to_string(folder.join("plan.toml")).expect("a plan");
@@ -47,13 +67,13 @@ fn what_calibrate_measures_decides_and_only_on_its_adapter() {
     fs::write(folder.join("foreign.toml"), foreign).expect("a plan");
     let [_, error] = render("foreign.toml", 2);
     assert!(error.contains("was measured on \"another "), "{error}");
-    let [info, _] = exits(&folder, &["info", "scene.toml", "--plan", "own.toml"], 0);
+    let [info, _] = exits(folder, &["info", "scene.toml", "--plan", "own.toml"], 0);
     let decided = "decided     image.visibility = rays on ";
     assert!(
         info.contains(decided) && !info.contains("on GPUs"),
         "{info}"
     );
-    let names = names(&folder);
+    let names = names(folder);
     let want = [
         "a.png",
         "foreign.toml",
