@@ -77,8 +77,8 @@ fn row(folder: &Path, mode: &str, method: &str) -> Vec<String> {
     row.split(',').map(str::to_owned).collect()
 }
 
-/// Failure modes of different causes, of which one in three is measured each time.
-const SOME: [&str; 9] = ["1", "3", "7", "13", "15", "18", "20", "25", "28"];
+/// Failure modes of different causes, of which one in six is measured each time. Other tests here take 3, 15 and 18.
+const SOME: [&str; 5] = ["1", "7", "13", "20", "28"];
 
 #[test]
 fn no_score_of_some_modes_is_worse_than_the_ratchet_allows() {
