@@ -202,16 +202,16 @@ fn chosen_lamps_light_as_rays_that_meet_them() {
             let set = [&["reflection.roughness_cutoff=1"][..], set].concat();
             mean(&render(gpu, &text, &set, &[]))
         };
-        let aimed = with(&[method, "image.samples=256"]);
+        let aimed = with(&[method, "image.samples=64"]);
         // Rays in the directions of the surface alone, which know no tree.
         let met = with(&[
             "reflection.method=path",
-            "image.samples=1024",
+            "image.samples=256",
             "material.both.light=false",
             "material.front.light=false",
         ]);
         for (found, expected) in aimed.into_iter().zip(met) {
-            assert_close(found, expected, 0.015);
+            assert_close(found, expected, 0.03);
         }
     }
 }
@@ -249,14 +249,14 @@ fn rough_metal_below_an_emitter_is_as_bright_as_the_closed_form() {
     let Some(gpu) = gpu() else { return };
     let eye = DVec3::new(0.0, 2.5, 0.2);
     for (point, roughness, within) in [
-        ([-0.3, 0.3], 0.5, 5e-4),
-        ([0.1, -0.4], 0.5, 1.5e-3),
+        ([-0.3, 0.3], 0.5, 1e-3),
+        ([0.1, -0.4], 0.5, 3e-3),
         // Here both kinds of rays find about as much.
-        ([0.2, -1.0], 0.25, 3e-3),
+        ([0.2, -1.0], 0.25, 6e-3),
     ] {
         let text = format!(
             "version = 1\n[camera.main]\neye = [0, 2.5, 0.2]\ntarget = [{}, 0, {}]\northographic_height_m = 0.001\n\
-             [image]\nsize = [24, 24]\nsamples = 256\ntone_map = \"none\"\n[reflection]\nmethod = \"path\"\n\
+             [image]\nsize = [24, 24]\nsamples = 64\ntone_map = \"none\"\n[reflection]\nmethod = \"path\"\n\
              roughness_cutoff = 1\nmultiple_scattering = false\n[environment]\ncolor = [0, 0, 0]\n\
              [material.floor]\nbase_color = [1, 1, 1]\nmetallic = 1\nroughness = {roughness}\n[material.glow]\n\
              base_color = [0, 0, 0]\nreflectivity = 0\nemission = [1, 4, 2]\nlight = true\ndouble_sided = false\n\
