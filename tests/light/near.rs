@@ -47,7 +47,7 @@ version = 1
 eye = [<2.5>, <2>, <4>]
 target = [0, <0.5>, 0]
 [image]
-size = [96, 54]
+size = [64, 36]
 samples = 2
 exposure_ev = 2
 [reflection]
@@ -154,10 +154,10 @@ fn scenes_of_all_sizes_give_the_same_picture() {
             opaque.as_str(),
             "hybrid",
             "raster",
-            [1e-6, 1e-4, 0.1, 1e6].as_slice(),
+            [1e-6, 0.1, 1e6].as_slice(),
         ),
-        (&opaque, "rt", "rays", &[1e-6, 1e-3]),
-        (&glass, "hybrid", "raster", &[1e-6, 1e-3]),
+        (&opaque, "rt", "rays", &[1e-6]),
+        (&glass, "hybrid", "raster", &[1e-6]),
     ];
     for (text, method, visibility, scales) in cases {
         let of = |scale: f64| {

@@ -106,7 +106,7 @@ fn world(seed: u32) -> String {
     // No features that need other shaders, which take long to compile.
     let cutoff = ["0.2", "1"][seed as usize % 2];
     let mut text = format!(
-        "version = 1\n[image]\nsize = [40, 40]\nsamples = 8\n[camera.main]\neye = [0, 4, 9]\n\
+        "version = 1\n[image]\nsize = [40, 40]\nsamples = 4\n[camera.main]\neye = [0, 4, 9]\n\
          target = [0, 0, 0]\n[reflection]\nmultiple_scattering = true\nroughness_cutoff = {cutoff}\nbounces = 6\ndiffuse_bounces = 2\n\
          [environment]\nzenith = [0.5, 0.7, 1]\nhorizon = [0.4, 0.4, 0.4]\nground = [0, 0, 0]\n\
          shadow = \"ray\"\n\
