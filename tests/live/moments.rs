@@ -104,7 +104,7 @@ fn few_samples_show_streaks_and_not_copies() {
             let method = format!("reflection.method={method:?}");
             picture(SCENE, &[&[method.as_str()], set].concat(), &[])
         };
-        let converged = of(&["image.samples=64"]);
+        let converged = of(&["image.samples=32"]);
         let sharp = of(&["image.samples=1", "image.shutter=0"]);
         let one = of(&["image.samples=1"]);
         let [copies, streak] = [&sharp, &one].map(|p| blurred_difference(p, &converged));

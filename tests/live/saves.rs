@@ -14,9 +14,9 @@ use reflet_preview::watch::{Change, WatchList};
 use crate::kit::{Folder, Watch};
 
 /// Repetitions of each way of saving.
-pub const ROUNDS: usize = 50;
+pub const ROUNDS: usize = 20;
 /// Repetitions of the test of a thousand saves at once, of which some hundred are read.
-pub const BURSTS: usize = 12;
+pub const BURSTS: usize = 5;
 
 fn watch(path: &Path) -> Watch {
     Watch::settled(WatchList {
