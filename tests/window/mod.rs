@@ -15,6 +15,9 @@ use std::{
 /// Timeout; large, because software drivers on busy machines are slow.
 const MOST: Duration = Duration::from_secs(90);
 
+/// Size of a window whose buttons no test clicks: a software driver draws all of it at each change.
+const SMALL: &str = "480x320";
+
 /// A process that ends with the test.
 struct Running(Child);
 
@@ -75,8 +78,9 @@ struct Session {
 }
 
 impl Session {
-    /// Opens `scene.toml` of a new folder that holds these files; `None` where no window can be had.
-    fn open(name: &str, files: &[(&str, &str)]) -> Option<Self> {
+    /// Opens `scene.toml` of a new folder that holds these files, in a window of this size in points; `None` where no
+    /// window can be had.
+    fn open(name: &str, size: &str, files: &[(&str, &str)]) -> Option<Self> {
         crate::common::gpu_or_skip()?;
         let (server, display) = display()?;
         let folder = std::env::temp_dir().join(format!("reflet-{name}-{}", std::process::id()));
@@ -90,7 +94,7 @@ impl Session {
             .arg(folder.join("scene.toml"))
             .arg("--screenshots")
             .arg(&folder)
-            .args(["--size", "640x420"])
+            .args(["--size", size])
             .env("DISPLAY", &display)
             .env_remove("WAYLAND_DISPLAY")
             .spawn();
@@ -189,7 +193,7 @@ fn brightness(picture: &[u8]) -> f64 {
 fn preview_opens_follows_an_edit_survives_an_error_and_closes() {
     let cornell = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/cornell.toml");
     let text = fs::read_to_string(cornell).expect("readable");
-    let Some(session) = Session::open("window", &[("scene.toml", &text)]) else {
+    let Some(session) = Session::open("window", SMALL, &[("scene.toml", &text)]) else {
         return;
     };
     let first = session.steady();
@@ -250,7 +254,7 @@ const SCRIPT: &str = r#"fn frame(ctx) { ctx.place("ball", [2 * sin(ctx.t), 0, 0]
 #[test]
 fn preview_plays_pauses_and_follows_a_script_edit() {
     let files = [("scene.toml", SCENE), ("move.rhai", SCRIPT)];
-    let Some(session) = Session::open("play", &files) else {
+    let Some(session) = Session::open("play", SMALL, &files) else {
         return;
     };
     let first = session.steady();
@@ -305,7 +309,7 @@ material = \"white\"
 model = \"ball\"
 translation = [0, 0, 0.00] # in the middle
 ";
-    let Some(session) = Session::open("moves", &[("scene.toml", text)]) else {
+    let Some(session) = Session::open("moves", "640x420", &[("scene.toml", text)]) else {
         return;
     };
     let first = session.steady();
