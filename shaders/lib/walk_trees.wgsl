@@ -2,6 +2,8 @@
 
 // Whether the traversal passes cut-outs by itself.
 const PASSES_CUTOUTS = false;
+// Node at which reflection rays enter the top level: TOP_ROOT, or that of the one without what they skip.
+override REFLECTED_ROOT: u32 = TOP_ROOT;
 // Child mask of the group that holds only a root node: the highest slot, no siblings.
 const ROOT_GROUP = 0x80000000u;
 
@@ -176,7 +178,8 @@ fn traverse(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, shadow: boo
         traversals++;
     }
     var best = Hit(t_max, NO_INSTANCE, 0u, vec2f(0.0), 0u);
-    var top = Cursor(vec2u(TOP_ROOT, ROOT_GROUP), vec2u(0u), 0u);
+    let enter = select(REFLECTED_ROOT, TOP_ROOT, shadow || OF_CAMERA);
+    var top = Cursor(vec2u(enter, ROOT_GROUP), vec2u(0u), 0u);
     let world_ray = traversal_ray(origin, direction);
     var ray = world_ray;
     var root = STATIC_ROOT;
@@ -197,7 +200,9 @@ fn traverse(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, shadow: boo
         inside_flags = instance_trace_flags(inside);
         root = instance_tree_root(inside);
         ray = object_ray(inside, origin, direction);
-        in_tree = !(STATIC_ONLY && (inside_flags & MOVES) != 0u);
+        // Camera rays keep the nearest triangle that they pass and reflections meet.
+        let is_ignored = !OF_CAMERA && is_passed(inside_flags, passed_flags(shadow));
+        in_tree = !is_ignored && !(STATIC_ONLY && (inside_flags & MOVES) != 0u);
     }
     return best;
 }

@@ -292,26 +292,6 @@ pub struct CheckArgs {
     pub json: bool,
 }
 
-/// `info`
-#[derive(Clone, Debug, Args)]
-pub struct InfoArgs {
-    /// Scene file; without one, the built-in atrium
-    pub scene: Option<PathBuf>,
-    /// Overrides of scene values
-    #[command(flatten)]
-    pub from: SceneArgs,
-    /// File of unit costs that `calibrate` measured; settings left to auto are decided by them, not by the
-    /// built-in costs of GPUs and of software adapters
-    #[arg(long, value_name = "FILE")]
-    pub plan: Option<PathBuf>,
-    /// Print the passes of the frame instead, in their order, with what each reads and writes
-    #[arg(long)]
-    pub frame: bool,
-    /// Print JSON
-    #[arg(long)]
-    pub json: bool,
-}
-
 /// `calibrate`
 #[derive(Clone, Debug, Args)]
 pub struct CalibrateArgs {

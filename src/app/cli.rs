@@ -3,9 +3,10 @@
 use clap::{Parser, Subcommand};
 
 use super::{
-    args::{CalibrateArgs, CheckArgs, InfoArgs, PreviewArgs, RenderArgs},
+    args::{CalibrateArgs, CheckArgs, PreviewArgs, RenderArgs},
     bench::args::BenchArgs,
     cache::CacheArgs,
+    info::args::InfoArgs,
     job::JobCommand,
     new::NewArgs,
     pack::{PackArgs, unpack::UnpackArgs},

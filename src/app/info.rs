@@ -1,7 +1,9 @@
 //! `info`: contents of a scene as counts, meters and bytes.
 
+pub mod args;
 mod frame;
 mod maps;
+mod skipped;
 mod table;
 
 use std::{
@@ -11,10 +13,12 @@ use std::{
 
 use serde::Serialize;
 
+use args::InfoArgs;
 use maps::{BoxInfo, NearFarInfo, ProbesInfo, box_faces, near_far, probes};
+use skipped::{SkippedInfo, skipped};
 
 use super::{
-    args::InfoArgs, check, error::AppError, lint::Lint, plan_file::PlanFile, print_json, print_out,
+    check, error::AppError, lint::Lint, plan_file::PlanFile, print_json, print_out,
     scene::load_scene,
 };
 use crate::{
@@ -25,6 +29,7 @@ use crate::{
         cutoff::can_reflect,
         decide::{Decision, decide, needs_trees},
         plan::{Dropped, Plan},
+        skip::Skipping,
         textures::Layers,
         types::GpuVertex,
     },
@@ -112,6 +117,9 @@ pub struct Info {
     /// Box and maps of method `near-far`; `None` with another.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub near_far: Option<NearFarInfo>,
+    /// Instances that reflection rays skip; `None` with `skip_px = 0`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub skipped: Option<SkippedInfo>,
     /// Maximum number of consecutive reflections in this scene.
     pub bounces: u32,
     /// Settings left to `auto`, and their values on software adapters.
@@ -178,7 +186,7 @@ pub fn info(args: &InfoArgs) -> Result<(), AppError> {
             false => print_out(&frame::table(&frames)),
         };
     }
-    let mut info = gather(&loaded, plan.as_ref())?;
+    let mut info = gather(&loaded, plan.as_ref(), args.at)?;
     let found = check::lint(&mut loaded);
     print_diagnostics(&found);
     info.warnings += found.len();
@@ -216,11 +224,16 @@ fn border(loaded: &LoadedScene, args: &InfoArgs) -> Vec<String> {
         .collect()
 }
 
-/// Counts and measures a loaded scene. `plan_file` adds decisions by its unit costs to those of adapter kinds.
+/// Counts and measures a loaded scene. `plan_file` adds decisions by its unit costs to those of adapter kinds; `at` is
+/// the frame whose skipped instances are listed, by default the first.
 ///
 /// # Errors
-/// [`AppError::Scene`] when its trees cannot be built.
-pub fn gather(loaded: &LoadedScene, plan_file: Option<&PlanFile>) -> Result<Info, AppError> {
+/// [`AppError::Scene`] when its trees cannot be built, [`AppError::Usage`] when it has no such frame.
+pub fn gather(
+    loaded: &LoadedScene,
+    plan_file: Option<&PlanFile>,
+    at: Option<u32>,
+) -> Result<Info, AppError> {
     let world = &loaded.first_frame();
     let reflection = &loaded.scene.reflection;
     let unit_m = reflection.unit_m.unwrap_or_else(|| world.unit_m());
@@ -287,6 +300,7 @@ pub fn gather(loaded: &LoadedScene, plan_file: Option<&PlanFile>) -> Result<Info
         probes: probes(world, &plan, &gpu.options),
         box_faces: box_faces(world, reflection, &plan),
         near_far: near_far(reflection, unit_m, &plan),
+        skipped: skipped(loaded, &gpu.options, at)?,
         bounces: plan.bounces,
         decided_software: software.decisions,
         decided_gpu: gpu.decisions,
@@ -302,7 +316,8 @@ pub fn gather(loaded: &LoadedScene, plan_file: Option<&PlanFile>) -> Result<Info
 /// BVHs of a world, empty where no adapter traces rays.
 fn trees_of(world: &World, options: &RenderOptions) -> Result<Trees, AppError> {
     match needs_trees(world, options) {
-        true => Trees::build(world, u64::MAX).map_err(|d| AppError::Scene(vec![*d])),
+        true => Trees::build_apart(world, u64::MAX, &Skipping::of(world, options).apart)
+            .map_err(|d| AppError::Scene(vec![*d])),
         false => Ok(Trees::unbuilt(world)),
     }
 }

@@ -16,6 +16,7 @@ use super::{
     relative::Coordinates,
     renderer::{Renderer, build_trees, check_posed, decided_with, map_keys, top_level, variant},
     shaders::Shaders,
+    skip::Skipping,
     trace_choice::with_trace,
     validate::check_world,
     world_key::WorldKey,
@@ -65,13 +66,11 @@ impl Renderer {
             return self.renew(gpu, library, (first, shown), given);
         }
         let shown = &*self.relative(shown);
-        // BVHs that are no longer traced are kept while they fit: a preview that compares two methods would
-        // otherwise rebuild them for each picture.
-        let lacks_trees = !self.trees.is_built() && needs_trees(world, options);
-        let has_new_trees = lacks_trees || !world_key.has_same_trees(&self.world_key);
+        let skip = Skipping::of(world, options);
+        let has_new_trees = self.needs_new_trees((world, &world_key), options, &skip);
         let mut rebuilt = self.differences(&WorldKey::of(shown), has_new_trees, options);
         let new_trees = (rebuilt.trees)
-            .then(|| build_trees(gpu, world, options))
+            .then(|| build_trees(gpu, world, options, &skip.apart))
             .transpose()?;
         if new_trees.is_none() {
             self.pose_trees(world, &world_key)?;
@@ -129,7 +128,7 @@ impl Renderer {
         self.unit_m = options.unit_m(world);
         self.options = *options;
         self.decisions = decided.decisions;
-        self.plan = plan;
+        (self.plan, self.skip) = (plan, skip);
         self.shaders = shaders;
         self.world_key = world_key;
         if is_posed {
@@ -152,6 +151,19 @@ impl Renderer {
         new.update(gpu, shown)?;
         *self = new;
         Ok(RebuildSummary::NEW)
+    }
+
+    /// Whether BVHs are built anew. Those that are no longer traced are kept while they fit: a preview that compares two
+    /// methods would otherwise rebuild them for each picture.
+    fn needs_new_trees(
+        &self,
+        (world, key): (&World, &WorldKey),
+        options: &RenderOptions,
+        skip: &Skipping,
+    ) -> bool {
+        let (are_built, are_traced) = (self.trees.is_built(), needs_trees(world, options));
+        !key.has_same_trees(&self.world_key)
+            || are_traced && (!are_built || skip.apart != self.skip.apart)
     }
 
     /// Parts to rebuild for a posed world, but for its passes.

@@ -297,7 +297,7 @@ fn map_px(world: &World, light: &Light) -> f64 {
 }
 
 /// The view of the options' camera.
-fn view_of(world: &World, options: &RenderOptions) -> View {
+pub(super) fn view_of(world: &World, options: &RenderOptions) -> View {
     View::new(
         &seen_by(world, options),
         options.image.size,

@@ -38,7 +38,7 @@ impl Renderer {
         let started = Instant::now();
         let samples = self.options.image.samples.count();
         let world = &*self.relative(world);
-        let view = self.view(world, camera)?;
+        let view = self.view(gpu, world, camera)?;
         let mut times = PassTimes::default();
         for sample in 0..samples {
             let recorder = self.sub_frame(
@@ -71,7 +71,7 @@ impl Renderer {
         camera: &CameraDesc,
     ) -> Result<FrameStats, RenderError> {
         let world = &*self.relative(world);
-        let view = self.view(world, camera)?;
+        let view = self.view(gpu, world, camera)?;
         let mut before = None;
         for sample in 0..self.options.image.samples.count() {
             let recorder = self.sub_frame(
@@ -91,12 +91,17 @@ impl Renderer {
         Ok(self.stats(PassTimes::default(), 0.0))
     }
 
-    /// The view of a camera, given in scene coordinates, in the renderer's coordinates. Checks that `world` is the
-    /// uploaded one, posed.
+    /// The view of a camera, given in scene coordinates, in the renderer's coordinates; reflection rays skip what this
+    /// view allows from now on. Checks that `world`, in the renderer's coordinates, is the uploaded one, posed.
     ///
     /// # Errors
     /// A world other than the uploaded one.
-    pub(super) fn view(&self, world: &World, camera: &CameraDesc) -> Result<View, RenderError> {
+    pub(super) fn view(
+        &mut self,
+        gpu: &Gpu,
+        world: &World,
+        camera: &CameraDesc,
+    ) -> Result<View, RenderError> {
         self.check_posed(world)?;
         let drawn = self.drawn_bounds();
         let (camera, _) = self.coordinates.view(camera, &drawn, self.unit_m);
@@ -104,6 +109,11 @@ impl Renderer {
         // Method `ssr` and the paper's rule assume that the picture shows all surfaces, so they need no such check.
         let verifies = self.plan.features.reflections && self.options.reflection.verifies();
         view.has_edge_on = verifies && has_edge_on_surfaces(world, &view);
+        let skipped = self.skip.skipped(world, &view, &self.options.reflection);
+        if self.trees.skip(world, &skipped) {
+            self.scene.write_reflected(gpu, &self.trees);
+        }
+        self.scene.set_skipped(gpu, world, &self.trees, &skipped);
         Ok(view)
     }
 

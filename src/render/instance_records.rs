@@ -7,7 +7,7 @@ use glam::Affine3A;
 use reflet_gpu::{Gpu, GpuError};
 use reflet_world::{
     Instance, World,
-    bvh::{NONE, TraceInstance, Trees},
+    bvh::{NONE, TraceInstance, Trees, UNREFLECTED},
 };
 
 use super::{
@@ -30,6 +30,8 @@ pub struct RecordInputs<'a> {
     pub mesh_ranges: &'a [MeshRange],
     /// Whether the reflections of an instance are traced at once, by index; those past the end are marched.
     pub traced: &'a [bool],
+    /// Whether reflection rays skip an instance, by index; those past the end are not skipped.
+    pub skipped: &'a [bool],
     /// Light that pictures show.
     pub shown_light: ShownLight,
     /// Whether ray queries find triangles, which need the first triangle of a tree rather than its root.
@@ -62,6 +64,12 @@ pub fn rows(transform: &Affine3A) -> [[f32; 4]; 3] {
     let m = transform.matrix3;
     let t = transform.translation;
     [0, 1, 2].map(|r| [m.x_axis[r], m.y_axis[r], m.z_axis[r], t[r]])
+}
+
+/// Traversal flags of an instance, which reflection rays pass if it is skipped.
+pub fn trace_flags(traced: &TraceInstance, skipped: &[bool], index: usize) -> u32 {
+    let is_skipped = skipped.get(index).copied().unwrap_or(false);
+    traced.trace_flags | if is_skipped { UNREFLECTED } else { 0 }
 }
 
 /// Records of a range of the instances of a world in its pose, with the ranges of its meshes and the instances whose
@@ -100,7 +108,7 @@ pub fn instance_records(
                 true => first_triangle[instance.mesh],
                 false => traced.tree_root,
             },
-            trace_flags: traced.trace_flags,
+            trace_flags: trace_flags(traced, inputs.skipped, index),
             vertex_base: range.vertex_base,
             index_base: range.index_base,
             uv1_base: range.uv1_base,

@@ -77,6 +77,7 @@ mod shared_groups;
 mod sheen_table;
 mod shown_light;
 pub mod shutter;
+pub mod skip;
 pub mod stats;
 pub mod structures;
 mod sub_frame;

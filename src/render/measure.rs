@@ -29,7 +29,7 @@ impl Renderer {
         camera: &CameraDesc,
     ) -> Result<(), RenderError> {
         let world = &*self.relative(world);
-        let view = self.view(world, camera)?;
+        let view = self.view(gpu, world, camera)?;
         let recorder = self.sub_frame(gpu, world, &view, PixelShare::all(0), Timing::None, None);
         self.submitted(recorder.submit())?;
         gpu.wait()?;
@@ -53,7 +53,7 @@ impl Renderer {
     ) -> Result<Vec<PassCounts>, RenderError> {
         self.build_probe(gpu, Probe::Count)?;
         let world = &*self.relative(world);
-        let view = self.view(world, camera)?;
+        let view = self.view(gpu, world, camera)?;
         let mut sums: Vec<PassCounts> = Vec::new();
         for sample in 0..self.options.image.samples.count() {
             let probe = Some(Probe::Count);
@@ -94,7 +94,7 @@ impl Renderer {
             return Ok(None);
         }
         let world = &*self.relative(world);
-        let view = self.view(world, camera)?;
+        let view = self.view(gpu, world, camera)?;
         let mut sum_ms = None;
         for sample in 0..self.options.image.samples.count() {
             let probe = Some(Probe::Traverse);
@@ -129,7 +129,7 @@ impl Renderer {
     ) -> Result<Vec<Plane>, RenderError> {
         self.build_probe(gpu, Probe::AcceptAll)?;
         let world = &*self.relative(world);
-        let view = self.view(world, camera)?;
+        let view = self.view(gpu, world, camera)?;
         for sample in 0..self.options.image.samples.count() {
             let probe = Some(Probe::AcceptAll);
             let recorder = self.sub_frame(

@@ -39,6 +39,8 @@ pub struct Plan {
     pub precision: Precision,
     /// Maximum number of successive reflections.
     pub bounces: u32,
+    /// Node at which reflection rays enter the top level.
+    pub reflected_root: u32,
     /// Texture pools in use, [`POOL_BITS`] for each slot of a material.
     pub slot_pools: u32,
     /// Texture pools that textures of layers use, [`POOL_BITS`] for all of them together.
@@ -57,28 +59,30 @@ fn is_spread(roughness: f32) -> bool {
     roughness * roughness > SMOOTH_ALPHA as f32
 }
 
-/// Whether some material that reflects depending on its roughness, or transmits light, is in some frame too rough
-/// for a single sharp ray.
-pub fn reflects_roughly(world: &World, cutoff: f32) -> bool {
-    let is_rough = |index: usize| {
-        let material = &world.materials[index];
-        let [_, roughness] = material.roughness_extremes();
-        let [_, coat_roughness] = material.coat_roughness_extremes();
-        let spread = material.metallic_roughness_texture.is_some()
+/// Whether a material that reflects depending on its roughness, or transmits light, is in some frame too rough for a
+/// single sharp ray.
+pub fn is_rough_reflector(world: &World, index: usize, cutoff: f32) -> bool {
+    let material = &world.materials[index];
+    let [_, roughness] = material.roughness_extremes();
+    let [_, coat_roughness] = material.coat_roughness_extremes();
+    let spread = material.metallic_roughness_texture.is_some()
+        || material.anisotropy.is_some()
+        || (is_spread(roughness) && is_base_below(material, cutoff))
+        || (material.clearcoat.is_some() && is_spread(coat_roughness));
+    let scatters = material.transmission.is_some()
+        && (material.metallic_roughness_texture.is_some()
             || material.anisotropy.is_some()
-            || (is_spread(roughness) && is_base_below(material, cutoff))
-            || (material.clearcoat.is_some() && is_spread(coat_roughness));
-        let scatters = material.transmission.is_some()
-            && (material.metallic_roughness_texture.is_some()
-                || material.anisotropy.is_some()
-                || is_spread(roughness));
-        material.reflection == ReflectionMode::Auto
-            && may_reflect(world, index, cutoff)
-            && (spread || world.may_change(index))
-            && is_spread(cutoff)
-            || scatters
-    };
-    world.instances.iter().any(|i| is_rough(i.material))
+            || is_spread(roughness));
+    material.reflection == ReflectionMode::Auto
+        && may_reflect(world, index, cutoff)
+        && (spread || world.may_change(index))
+        && is_spread(cutoff)
+        || scatters
+}
+
+/// Whether [`is_rough_reflector`] holds for some material.
+pub fn reflects_roughly(world: &World, cutoff: f32) -> bool {
+    (world.instances.iter()).any(|i| is_rough_reflector(world, i.material, cutoff))
 }
 
 /// Whether some material reflects in some frame.
@@ -165,6 +169,7 @@ impl Plan {
             features,
             dropped,
             precision,
+            reflected_root: trees.reflected_root(),
             bounces: match features.further_bounces {
                 true => options.reflection.bounces.most(),
                 false => 1,
@@ -182,6 +187,7 @@ impl Plan {
             ("SLOT_POOLS", self.slot_pools.into()),
             ("LAYER_POOLS", self.layer_pools.into()),
             ("WRAPS", self.wraps.into()),
+            ("REFLECTED_ROOT", self.reflected_root.into()),
         ];
         self.features.constants().chain(numbers).collect()
     }

@@ -32,6 +32,7 @@ use super::{
     shader_variant::ShaderVariant,
     shaders::Shaders,
     shown_light::ShownLight,
+    skip::Skipping,
     targets::{Target, Targets},
     trace_choice::{queries, with_trace},
     validate::{check_deformed, check_lights, check_moving_materials, check_world, refuse},
@@ -46,6 +47,8 @@ pub struct Renderer {
     pub(super) unit_m: f32,
     pub(super) plan: Plan,
     pub(super) trees: Trees,
+    /// Instances that reflection rays may skip.
+    pub(super) skip: Skipping,
     pub(super) tree_ms: f64,
     pub(super) scene: GpuScene,
     pub(super) uniforms: FrameUniforms,
@@ -63,11 +66,13 @@ pub struct Renderer {
     pub(super) shown_light: ShownLight,
 }
 
-/// Builds the BVHs and times it, milliseconds; returns empty ones where no ray is traced.
+/// Builds the BVHs, with the instances that rays may skip `apart` from the static one, and times it, milliseconds;
+/// returns empty ones where no ray is traced.
 pub(super) fn build_trees(
     gpu: &Gpu,
     world: &World,
     options: &RenderOptions,
+    apart: &[bool],
 ) -> Result<(Trees, f64), RenderError> {
     if !options.general && !needs_trees(world, options) {
         return Ok((Trees::unbuilt(world), 0.0));
@@ -75,7 +80,7 @@ pub(super) fn build_trees(
     let started = Instant::now();
     let (vertices, indices) = geometry_bytes(world);
     let limit = largest_tree_array(gpu, vertices, indices);
-    let trees = Trees::build(world, limit)?;
+    let trees = Trees::build_apart(world, limit, apart)?;
     Ok((trees, started.elapsed().as_secs_f64() * 1e3))
 }
 
@@ -95,7 +100,8 @@ impl Renderer {
         let (options, why) = with_trace(gpu, coordinates.options(&options.settled()))?;
         let options = &options;
         let world = &*coordinates.world(world);
-        let (trees, tree_ms) = build_trees(gpu, world, options)?;
+        let skip = Skipping::of(world, options);
+        let (trees, tree_ms) = build_trees(gpu, world, options, &skip.apart)?;
         let decided = decided_with(gpu, world, &trees, options, why);
         let options = &decided.options;
         let mut scene = GpuScene::new(gpu, world, &trees, queries(&trees, options))?;
@@ -129,6 +135,7 @@ impl Renderer {
             timer: Timer::new(gpu)?,
             plan,
             trees,
+            skip,
             tree_ms,
             scene,
             uniforms,
@@ -230,6 +237,7 @@ impl Renderer {
         let scale = 1.0 / self.coordinates.meters();
         self.options.reflection.separation_m = settings.separation_m.map(|m| m * scale);
         self.options.reflection.similarity = settings.similarity;
+        self.options.reflection.skip_px = settings.skip_px;
         self.options.reflection.ray_length_u = settings.ray_length_u;
         self.options.reflection.reuse_light = settings.reuse_light;
         self.options.reflection.probes.nearest = settings.probes.nearest;

@@ -1,5 +1,7 @@
 //! Scene upload: buffers, texture pools and draw calls; group 1 of every shader.
 
+mod skipped;
+
 use std::ops::Range;
 
 use reflet_gpu::{Gpu, GpuError};
@@ -59,6 +61,8 @@ pub struct GpuScene {
     mesh_ranges: Vec<MeshRange>,
     /// Whether the reflections of an instance are traced at once, by index; those past the end are marched.
     traced: Vec<bool>,
+    /// Whether reflection rays skip an instance, by index; those past the end are not skipped.
+    skipped: Vec<bool>,
     /// Light that pictures show.
     shown_light: ShownLight,
     /// Whether the alpha of some cut-out material may change.
@@ -73,10 +77,11 @@ impl GpuScene {
     pub fn new(gpu: &Gpu, world: &World, trees: &Trees, queried: bool) -> Result<Self, GpuError> {
         let (vertices, mesh_data, mesh_ranges) = geometry(gpu, world)?;
         let pools = Pools::new(gpu, world)?;
-        let structures = (queried.then(|| Structures::new(gpu, world, trees))).transpose()?;
+        let structures = (queried.then(|| Structures::new(gpu, world, trees, &[]))).transpose()?;
         let inputs = RecordInputs {
             mesh_ranges: &mesh_ranges,
             traced: &[],
+            skipped: &[],
             shown_light: ShownLight::default(),
             queried,
         };
@@ -97,6 +102,7 @@ impl GpuScene {
             emitters: GpuEmitters::new(gpu, world)?,
             instances,
             traced: Vec::new(),
+            skipped: Vec::new(),
             shown_light: ShownLight::default(),
             vertices,
             mesh_data,
@@ -136,7 +142,7 @@ impl GpuScene {
         let structures = match &self.structures {
             _ if !queried => None,
             Some(structures) if !new_trees => Some(structures.clone()),
-            _ => Some(Structures::new(gpu, world, trees)?),
+            _ => Some(Structures::new(gpu, world, trees, &self.skipped)?),
         };
         let inputs = RecordInputs {
             queried,
@@ -151,6 +157,7 @@ impl GpuScene {
             structures,
             instances,
             traced: self.traced.clone(),
+            skipped: self.skipped.clone(),
             shown_light: self.shown_light,
             vertices: self.vertices.clone(),
             mesh_data: self.mesh_data.clone(),
@@ -203,12 +210,13 @@ impl GpuScene {
         let range = trees.top_range.clone();
         if trees.is_built() && world.instances.iter().any(|i| i.dynamic) {
             self.nodes.write(gpu, range.start, &trees.nodes[range]);
+            self.write_reflected(gpu, trees);
         }
         self.update_deformed(gpu, world, trees);
         if let Some(structures) = &mut self.structures
             && (!world.deformed.is_empty() || world.instances.iter().any(|i| i.dynamic))
         {
-            structures.update(gpu, world, trees);
+            structures.update(gpu, world, trees, &self.skipped);
         }
     }
 
@@ -216,6 +224,7 @@ impl GpuScene {
         RecordInputs {
             mesh_ranges: &self.mesh_ranges,
             traced: &self.traced,
+            skipped: &self.skipped,
             shown_light: self.shown_light,
             queried: self.structures.is_some(),
         }

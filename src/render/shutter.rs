@@ -40,8 +40,9 @@ impl Renderer {
         let started = Instant::now();
         let mut times = PassTimes::default();
         self.each_moment(gpu, moments, |renderer, world, share| {
-            let view = renderer.view(world, &camera(world))?;
+            let camera = camera(world);
             let world = &*renderer.relative(world);
+            let view = renderer.view(gpu, world, &camera)?;
             let recorder = renderer.sub_frame(gpu, world, &view, share, Timing::Passes, None);
             times.extend(renderer.submitted(recorder.finish())?);
             Ok(())
@@ -106,8 +107,9 @@ impl Renderer {
     ) -> Result<FrameStats, RenderError> {
         let mut before = None;
         self.each_moment(gpu, moments, |renderer, world, share| {
-            let view = renderer.view(world, &world.cameras[camera].value)?;
+            let camera = &world.cameras[camera].value;
             let world = &*renderer.relative(world);
+            let view = renderer.view(gpu, world, camera)?;
             let recorder = renderer.sub_frame(gpu, world, &view, share, Timing::None, None);
             let submission = renderer.submitted(recorder.submit())?;
             if let Some(before) = before.replace(submission) {
@@ -123,7 +125,7 @@ impl Renderer {
         &mut self,
         gpu: &Gpu,
         moments: &mut dyn Moments,
-        mut record: impl FnMut(&Self, &World, PixelShare) -> Result<(), RenderError>,
+        mut record: impl FnMut(&mut Self, &World, PixelShare) -> Result<(), RenderError>,
     ) -> Result<(), RenderError> {
         let samples = self.options.image.samples.count();
         let moments_each = match self.plan.features.moments && needs_moments(samples) {

@@ -16,7 +16,7 @@ use reflet_world::{
     bvh::{MOVES, MeshTree, SHADOWLESS, TraceTriangle, Trees, UNREFLECTED, UNSEEN, leaf_corners},
 };
 
-use super::instance_records::rows;
+use super::instance_records::{rows, trace_flags};
 
 /// Bit of a structure's mask: reflected rays, and rays that come through glass, meet it.
 pub const SEEN_BY_REFLECTIONS: u32 = 1;
@@ -68,7 +68,12 @@ impl Structures {
     ///
     /// # Errors
     /// More triangles or instances than the device's structures hold, a lost device, exhausted memory.
-    pub fn new(gpu: &Gpu, world: &World, trees: &Trees) -> Result<Self, GpuError> {
+    pub fn new(
+        gpu: &Gpu,
+        world: &World,
+        trees: &Trees,
+        skipped: &[bool],
+    ) -> Result<Self, GpuError> {
         let whole = (trees.static_triangles > 0).then_some(None);
         let of_meshes = trees.mesh_trees.iter().filter(|t| !t.triangles.is_empty());
         let owners: Vec<Option<&MeshTree>> = whole.into_iter().chain(of_meshes.map(Some)).collect();
@@ -111,7 +116,7 @@ impl Structures {
                 bottom.input = Some(input);
             }
         }
-        structures.place(world, trees);
+        structures.place(world, trees, skipped);
         gpu.scoped("building the top acceleration structure", || {
             structures.build(gpu, &[], true);
         })?;
@@ -122,7 +127,7 @@ impl Structures {
 
     /// Rebuilds the structures of deformed meshes, and the top structure, for a world and trees in another pose. Errors
     /// are those of the next submission.
-    pub fn update(&mut self, gpu: &Gpu, world: &World, trees: &Trees) {
+    pub fn update(&mut self, gpu: &Gpu, world: &World, trees: &Trees, skipped: &[bool]) {
         let mut deformed = Vec::new();
         for (index, bottom) in self.bottom.iter().enumerate() {
             if let Some(input) = &bottom.input {
@@ -135,7 +140,7 @@ impl Structures {
             .iter()
             .map(|(index, input)| (*index, input))
             .collect();
-        self.place(world, trees);
+        self.place(world, trees, skipped);
         self.build(gpu, &deformed, true);
     }
 
@@ -145,7 +150,7 @@ impl Structures {
     }
 
     /// Places the static tree and the instances that rays can hit.
-    fn place(&mut self, world: &World, trees: &Trees) {
+    fn place(&mut self, world: &World, trees: &Trees, skipped: &[bool]) {
         let mut of_mesh = vec![None; world.meshes.len()];
         let mut placed = Vec::with_capacity(trees.placed.len() + 1);
         for bottom in &self.bottom {
@@ -163,7 +168,8 @@ impl Structures {
         for id in &trees.placed {
             let instance = &world.instances[*id as usize];
             let rows = rows(&instance.world_from_object);
-            let mask = mask(trees.instances[*id as usize].trace_flags);
+            let index = *id as usize;
+            let mask = mask(trace_flags(&trees.instances[index], skipped, index));
             if let Some(blas) = of_mesh[instance.mesh] {
                 let mut transform = [0.0; 12];
                 transform.copy_from_slice(rows.as_flattened());

@@ -152,6 +152,16 @@ impl View {
         }
     }
 
+    /// Most pixels that an angle of one radian may cover, in the corners of the picture; `None` if orthographic.
+    pub fn pixels_per_radian(&self) -> Option<f32> {
+        let squared = self.right.length_squared() + self.up.length_squared();
+        match self.projection {
+            // The derivative of the tangent, and pixels at its end.
+            Projection::Perspective { .. } => Some((1.0 + squared) / self.pixel_spread()),
+            Projection::Orthographic { .. } => None,
+        }
+    }
+
     /// Width of an orthographic pixel, meters; 0 if perspective.
     pub fn pixel_m(&self) -> f32 {
         match self.projection {

@@ -7,6 +7,7 @@
 //! | 0 | root of the static tree, world space |
 //! | [`Trees::top_range`] | top level: its root first, then a list of instance ids in leaf order |
 //! | … | the other nodes of the static tree, then the mesh trees in object space; deformed ones have room to spare |
+//! | [`Trees::reflected_range`] | a second top level, for reflection rays, where they may skip instances |
 //!
 //! Primitives of a node index the triangle buffer, which also holds capsules; those of a top-level node, marked with
 //! [`TOP_LEVEL`], index the node buffer in `u32` words, where the ids of instances stand.
@@ -33,6 +34,7 @@ mod oracle;
 mod placed;
 mod placement;
 mod refit;
+mod reflected;
 mod slab;
 #[cfg(test)]
 mod tests;
@@ -48,6 +50,7 @@ pub use oracle::{Oracle, Ray, RayHit};
 use placed::PlacedInstances;
 use placement::{Placement, error, too_large};
 use refit::{DeformingTree, PosedTree};
+use reflected::{Reflected, ReflectedTop};
 use tree::Tree;
 
 /// Node index of the static tree's root.
@@ -95,6 +98,8 @@ pub struct Trees {
     mesh_stack_need: u32,
     /// Trees of the meshes that animations deform.
     deforming: Vec<DeformingTree>,
+    /// Top level for reflection rays, where they may skip instances.
+    reflected: Option<Reflected>,
 }
 
 /// A rebuilt top level, and the trees of deformed meshes below it, that are not applied yet.
@@ -102,6 +107,8 @@ pub struct TopLevel {
     /// Posed trees, parallel to `Trees::deforming`.
     deformed: Vec<PosedTree>,
     placed: PlacedInstances,
+    /// Top level for reflection rays, where it differs.
+    reflected: Option<ReflectedTop>,
     /// Tree over the instances that rays can hit; none where no trees were built.
     tree: Option<Tree>,
 }
@@ -112,7 +119,20 @@ impl Trees {
     /// # Errors
     /// Geometry past that limit, past [`MAX_REACH_M`](super::reach::MAX_REACH_M), or past the memory that is left.
     pub fn build(world: &World, device_limit_bytes: u64) -> Result<Self, Box<Diagnostic>> {
-        let placement = Placement::within(world, device_limit_bytes)?;
+        Self::build_apart(world, device_limit_bytes, &[])
+    }
+
+    /// Builds all trees; static instances for which `apart` is true, by index, are kept out of the static tree, so that
+    /// rays which pass them visit none of their nodes.
+    ///
+    /// # Errors
+    /// Same errors as [`Trees::build`].
+    pub fn build_apart(
+        world: &World,
+        device_limit_bytes: u64,
+        apart: &[bool],
+    ) -> Result<Self, Box<Diagnostic>> {
+        let placement = Placement::within(world, device_limit_bytes, apart)?;
         placement.check_memory(world, left_bytes(world))?;
         let (static_tree, mut triangles) = static_tree(world, &placement.baked)?;
         let static_triangles = triangles.len();
@@ -123,8 +143,8 @@ impl Trees {
             .map(|mesh| mesh_tree(&world.meshes[*mesh]))
             .collect::<Result<_, _>>()?;
 
-        let mut placed = PlacedInstances::new(world, &placement.top);
-        let top_tree = Tree::build(&std::mem::take(&mut placed.boxes));
+        let placed = PlacedInstances::new(world, &placement.top);
+        let top_tree = Tree::build(&placed.boxes);
         let may_move = |i: &u32| world.instances[*i as usize].dynamic;
         let top_capacity = match placement.top.iter().any(may_move) {
             // Every inner node has at least two children.
@@ -160,6 +180,11 @@ impl Trees {
             trees_of_meshes.push(MeshTree::new(mesh, tree.triangles.clone(), true));
             deforming.push(tree);
         }
+        let skips = placement
+            .top
+            .iter()
+            .any(|i| apart.get(*i as usize) == Some(&true));
+        let reflected = skips.then(|| Reflected::reserve(&mut nodes, placement.top.len()));
         if triangles.is_empty() {
             triangles.push(TraceTriangle::zeroed());
         }
@@ -176,6 +201,7 @@ impl Trees {
             top_instances: placement.top,
             mesh_stack_need: mesh_need,
             deforming,
+            reflected,
         };
         check_nodes(&trees.nodes, static_need, device_limit_bytes)?;
         trees.set_top_level(trees.posed(world, placed, Some(top_tree))?);
@@ -199,6 +225,7 @@ impl Trees {
             top_instances: dynamic.collect(),
             mesh_stack_need: 0,
             deforming: Vec::new(),
+            reflected: None,
         }
     }
 
@@ -226,10 +253,8 @@ impl Trees {
     /// Poses whose tree is deeper than the traversal's stack, deformed meshes that reach past
     /// [`MAX_REACH_M`](super::reach::MAX_REACH_M).
     pub fn top_level(&self, world: &World) -> Result<TopLevel, Box<Diagnostic>> {
-        let mut placed = PlacedInstances::new(world, &self.top_instances);
-        let boxes = std::mem::take(&mut placed.boxes);
-        let tree = self.is_built().then(|| Tree::build(&boxes));
-        drop(boxes);
+        let placed = PlacedInstances::new(world, &self.top_instances);
+        let tree = self.is_built().then(|| Tree::build(&placed.boxes));
         self.posed(world, placed, tree)
     }
 
@@ -237,7 +262,7 @@ impl Trees {
     fn posed(
         &self,
         world: &World,
-        placed: PlacedInstances,
+        mut placed: PlacedInstances,
         tree: Option<Tree>,
     ) -> Result<TopLevel, Box<Diagnostic>> {
         // Instances are entered with the top level's entries still on the stack.
@@ -253,8 +278,10 @@ impl Trees {
         let deformed: Vec<PosedTree> = deformed.collect::<Result<_, _>>()?;
         let below = deformed.iter().map(|tree| tree.stack_need);
         check_stack(need + below.fold(self.mesh_stack_need, u32::max))?;
+        let boxes = std::mem::take(&mut placed.boxes);
         Ok(TopLevel {
             deformed,
+            reflected: self.reflected_top(&placed.ids, &boxes),
             placed,
             tree,
         })
@@ -280,6 +307,7 @@ impl Trees {
             nodes[..posed.nodes.len()].copy_from_slice(&posed.nodes);
             self.triangles[tree.triangles.clone()].copy_from_slice(&posed.triangles);
         }
+        self.set_reflected(top.reflected);
         let Some(mut tree) = top.tree else {
             return;
         };
@@ -326,7 +354,7 @@ fn records(world: &World, top: &[u32], roots: &[u32]) -> Vec<TraceInstance> {
 /// # Errors
 /// `memory-short`.
 pub fn check_memory(world: &World) -> Result<(), Box<Diagnostic>> {
-    let placement = Placement::within(world, u64::MAX)?;
+    let placement = Placement::within(world, u64::MAX, &[])?;
     placement.check_memory(world, left_bytes(world))
 }
 

@@ -22,6 +22,7 @@ pub mod animation;
 pub mod bvh;
 mod closed;
 mod corner_tangents;
+mod curvature;
 pub mod deform;
 pub mod emitters;
 pub mod environment;
@@ -42,6 +43,7 @@ mod shared;
 pub mod texture;
 pub mod usd;
 
+pub use curvature::Curvature;
 pub use environment::Environment;
 pub use material::{ListedVariants, Material};
 pub use material_textures::{CORE_SLOTS, CoreTexture, LAYER_SLOTS, LayerTexture, TEXTURE_SLOTS};
@@ -131,6 +133,8 @@ pub struct Mesh {
     pub deformation: Option<Arc<Deformation>>,
     /// Cached result of [`Mesh::is_closed_outward`].
     pub closed: OnceLock<bool>,
+    /// Cached result of [`Mesh::curvature`].
+    pub curvature: OnceLock<Curvature>,
 }
 
 /// The attributes of a mesh that depend on its pose.

@@ -50,6 +50,7 @@ mod ray_list;
 mod script_mesh;
 mod second_layer;
 mod shown;
+mod skip;
 mod specialized;
 mod terminator;
 mod textures;

@@ -12,7 +12,7 @@ fn environment_reflection_and_image_arrive() {
     let scene = read(
         "environment.color = [1, 2, 3]\n[reflection]\nmethod = \"ssr\"\nmarched = \"all\"\ntrace = \"query\"\nray_length_u = 2\n\
          accept = \"threshold\"\nedge_px = 0.5\nthreshold_u = 0\nbounces = 16\ndiffuse_bounces = 8\nglint_limit = 3\nsteps = 8\nroughness_cutoff = 1\nunit_m = 0.5\nreuse_light = false\nfade = true\nfilter = false\nmultiple_scattering = true\n\
-         layers = 2\nseparation_m = 0.2\nrate = 4\nsimilarity = 0.5\nblur_px = 1.5\n[probes]\nspacing_m = 2.5\nface_px = 2048\nsamples = 1024\nnearest = 4\n\
+         layers = 2\nseparation_m = 0.2\nrate = 4\nsimilarity = 0.5\nskip_px = 2.5\nblur_px = 1.5\n[probes]\nspacing_m = 2.5\nface_px = 2048\nsamples = 1024\nnearest = 4\n\
          lookup = \"distance\"\nselect = \"instance\"\n[near_far]\nhalf_size_m = 3.5\nface_px = 8\n[box_faces]\nbox_min = [-1, -2, -3]\nbox_max = [1, 2, 3]\nface_px = 16384\n[image]\nsize = [1, 16384]\nsamples = 4096\nlight_rays = 256\nexposure_ev = -20\n\
          tone_map = \"aces\"\nvisibility = \"rays\"\nradiance = \"full\"\nalpha = true\nshutter = 0.5",
     );
@@ -52,6 +52,7 @@ fn environment_reflection_and_image_arrive() {
             separation_m: Some(0.2),
             rate: 4,
             similarity: 0.5,
+            skip_px: 2.5,
             roughness_cutoff: 1.0,
             unit_m: Some(0.5),
             reuse_light: false,

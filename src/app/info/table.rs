@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::{Info, Timeline};
+use super::{Info, Timeline, skipped};
 use crate::{app::stats::mebibytes, render::decide::Decision, scene::desc::LightKind};
 
 /// Project of the scene, and the folders that its files may be in.
@@ -155,6 +155,7 @@ fn frame(info: &Info) -> Vec<(&'static str, String)> {
         let text = format!("box of ±{near_m} m, map with faces of {px} px, {bytes}");
         lines.push(("near-far", text));
     }
+    lines.extend(info.skipped.iter().flat_map(skipped::lines));
     lines.extend(decisions(info).into_iter().map(|text| ("decided", text)));
     let left_out = info.left_out.iter();
     lines.extend(left_out.map(|d| ("left out", format!("{}: {}", d.what, d.why))));

@@ -1,7 +1,7 @@
 //! The table of features: what of a frame is left out where a scene does not need it. A new feature is a row here and
 //! the code in the shaders that its constant or its files switch.
 
-use reflet_scene::desc::{Method, PatternKind, SelectBy, ShownDesc, Trace};
+use reflet_scene::desc::{Method, PatternKind, SelectBy, Trace};
 
 use super::{
     environment_casts_rays,
@@ -70,7 +70,7 @@ features! {
     }
     /// Whether some instance is hidden from a kind of ray.
     unshown {
-        used: scene.is_general() || scene.world.instances.iter().any(|i| i.shown != ShownDesc::default()),
+        used: scene.is_general() || scene.hides_some(),
         constant: HAS_UNSHOWN,
     }
     /// Whether some mesh is of capsules: points or lines.

@@ -1,5 +1,6 @@
 //! A scene as the table of features asks about it.
 
+use reflet_scene::desc::ShownDesc;
 use reflet_world::{Material, World, bvh::Trees};
 
 use super::{mutual_reflections::reflectors_see_each_other, scatters, uses::passes_light};
@@ -47,6 +48,13 @@ impl PlannedScene<'_> {
     pub(super) fn culls_some(&self) -> bool {
         let mut instances = self.world.instances.iter();
         instances.any(|instance| self.world.hides_from_camera(instance))
+    }
+
+    /// Whether some instance is hidden from a kind of ray, or may be.
+    pub(super) fn hides_some(&self) -> bool {
+        let skips = self.options.reflection.skip_px > 0.0;
+        let mut instances = self.world.instances.iter();
+        skips || instances.any(|i| i.shown != ShownDesc::default())
     }
 
     /// Roughness below which materials reflect.

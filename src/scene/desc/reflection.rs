@@ -177,6 +177,12 @@ pub struct ReflectionDesc {
     /// Tolerance of `rate` above 1, 0 to 1: the largest angle between the normals of such pixels in radians, and the
     /// largest relative difference of distances. Less traces more rays and errs less. Default 0.05.
     pub similarity: f32,
+    /// Size in pixels below which reflection rays skip a static instance, 0 or more: where no flat or convex reflector
+    /// could show it as large as that, and mirrors in mirrors neither (the idea of Andrade et al.). Methods `rt` and
+    /// `hybrid` decide it anew for each picture; shadows and light stay. Nothing is skipped where a reflector is hollow or
+    /// has a normal map, where something lets light through, and with `diffuse_bounces` above 0. `reflet info` names what
+    /// is skipped. Default 0: nothing.
+    pub skip_px: f32,
     /// Maximum number of reflections in a row, 1 to 16: more shows mirrors in mirrors deeper. `"auto"` follows them
     /// until what is left of the light cannot be seen: where the product of the reflectances along the path makes
     /// less than half a step of an 8-bit picture of the brightest thing, shown in the dark; at most 64. Scenes
@@ -241,6 +247,7 @@ impl Default for ReflectionDesc {
             separation_m: None,
             rate: 1,
             similarity: 0.05,
+            skip_px: 0.0,
             bounces: Bounces::Auto,
             diffuse_bounces: 0,
             glint_limit: 0.0,
@@ -276,8 +283,9 @@ impl ReflectionDesc {
     }
 
     /// Keys whose values [`ReflectionDesc::settled`] replaces.
-    pub const REPLACED_BY_PATH: [&str; 10] = [
+    pub const REPLACED_BY_PATH: [&str; 11] = [
         "rate",
+        "skip_px",
         "bounces",
         "diffuse_bounces",
         "glint_limit",
@@ -298,6 +306,7 @@ impl ReflectionDesc {
         }
         Self {
             rate: 1,
+            skip_px: 0.0,
             bounces: Bounces::AtMost(ENDLESS),
             diffuse_bounces: ENDLESS,
             glint_limit: 0.0,
@@ -338,11 +347,12 @@ impl ReflectionDesc {
 }
 
 /// Keys of `[reflection]` that are one number; the reader works from this table.
-pub static REFLECTION: [Field<ReflectionDesc>; 7] = [
+pub static REFLECTION: [Field<ReflectionDesc>; 8] = [
     plain!(ray_length_u, Number, RAY_LENGTH_U),
     plain!(edge_px, Number, EDGE_PX),
     plain!(threshold_u, Number, THRESHOLD_U),
     plain!(similarity, Number, UNIT),
+    plain!(skip_px, Number, FROM_0),
     plain!(roughness_cutoff, Number, UNIT),
     plain!(glint_limit, Number, FROM_0),
     plain!(blur_px, Number, range(0.0, 16.0)),

@@ -27,15 +27,15 @@ pub(super) struct Placement {
 }
 
 impl Placement {
-    /// Assigns all instances; static meshes are copied as long as the triangles take at most `limit` bytes, and the
+    /// Assigns all instances, those `apart` (by index) to the top level; static meshes are copied as long as the triangles take at most `limit` bytes, and the
     /// copies are at most [`MAX_ALL_COPIES`].
     ///
     /// # Errors
     /// Too many triangles even without copies.
-    pub fn within(world: &World, limit: u64) -> Result<Self, Box<Diagnostic>> {
-        let mut placement = Self::of(world, MAX_COPIED_TRIANGLES, SMALL_MESH);
+    pub fn within(world: &World, limit: u64, apart: &[bool]) -> Result<Self, Box<Diagnostic>> {
+        let mut placement = Self::of(world, MAX_COPIED_TRIANGLES, SMALL_MESH, apart);
         if placement.copied > MAX_ALL_COPIES || placement.triangle_bytes(world) > limit {
-            placement = Self::of(world, 0, 0);
+            placement = Self::of(world, 0, 0, apart);
         }
         check_size(world, &placement, limit)?;
         Ok(placement)
@@ -43,7 +43,7 @@ impl Placement {
 
     /// Bakes a static mesh into the static tree where its copies take at most `max_copied`
     /// triangles more than storing it once, or where it has at most `small` triangles.
-    fn of(world: &World, max_copied: usize, small: usize) -> Self {
+    fn of(world: &World, max_copied: usize, small: usize, apart: &[bool]) -> Self {
         let mut uses = vec![0usize; world.meshes.len()];
         let are_capsules = |i: &Instance| world.meshes[i.mesh].capsule_radius_m.is_some();
         for i in world.instances.iter().filter(|i| !i.dynamic) {
@@ -63,7 +63,8 @@ impl Placement {
             if count == 0 {
                 continue;
             }
-            if !i.dynamic && !are_capsules(i) && (copied <= max_copied || count <= small) {
+            let is_apart = i.dynamic || are_capsules(i) || apart.get(id).is_some_and(|a| *a);
+            if !is_apart && (copied <= max_copied || count <= small) {
                 placement.baked.push(id as u32);
                 if std::mem::replace(&mut is_stored[i.mesh], true) {
                     placement.copied = placement.copied.saturating_add(count);

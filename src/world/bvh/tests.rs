@@ -160,7 +160,7 @@ fn small_meshes_are_copied_up_to_a_million_triangles() {
     for (count, is_stored_once) in [(copies - 1, false), (copies, true)] {
         let placements: Vec<_> = (0..count).map(|i| (0, place(i), false)).collect();
         let world = world(vec![mesh()], &placements);
-        let placement = Placement::within(&world, LIMIT).unwrap();
+        let placement = Placement::within(&world, LIMIT, &[]).unwrap();
         assert_eq!(placement.top.len(), if is_stored_once { count } else { 0 });
         if !is_stored_once {
             continue;
@@ -191,7 +191,7 @@ fn memory_is_refused_before_it_is_taken() {
     // Instances of one moving mesh share one tree.
     let placements = [(0, Affine3A::IDENTITY, true); 50];
     let world = world(vec![mesh], &placements);
-    let placement = Placement::within(&world, LIMIT).unwrap();
+    let placement = Placement::within(&world, LIMIT, &[]).unwrap();
     assert!(placement.check_memory(&world, 252_000).is_ok());
     let refused = placement.check_memory(&world, 251_999).unwrap_err();
     assert_eq!(refused.name, "memory-short");
