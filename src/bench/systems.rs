@@ -89,6 +89,15 @@ pub const SYSTEMS: &[System] = &[
         r.method = Method::Rt;
         r.rate = 4;
     }),
+    rival("rt, skip 1 px", [150, 200, 170], |r| {
+        r.method = Method::Rt;
+        r.skip_px = 1.0;
+    }),
+    rival("hybrid, skip 1 px", [245, 180, 140], |r| {
+        r.method = Method::Hybrid;
+        r.accept = Accept::Verified;
+        r.skip_px = 1.0;
+    }),
     rival("rt by query", [0, 60, 160], |r| {
         r.method = Method::Rt;
         r.trace = Trace::Query;
@@ -141,6 +150,10 @@ pub struct Row {
     pub wrong_percent: f64,
     /// Largest change of one frame that `rt` does not have, over the largest change of `rt`; of films only.
     pub popping: Option<f64>,
+    /// Tree nodes that the passes visit in the first picture.
+    pub nodes: u64,
+    /// Steps of marches, through pictures or maps, in the first picture.
+    pub steps: u64,
     /// Bytes of all buffers and textures.
     pub bytes: u64,
     /// Bytes of what is made apart from the frame: the maps of probes and of far things, the structures of ray queries.

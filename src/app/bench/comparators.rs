@@ -17,7 +17,8 @@ use crate::{
     },
     gpu::{Gpu, GpuError, ShaderLibrary, adapter},
     render::{
-        Picture, RenderError, passes, runtime::renderer_stage::RendererStage, stats::FrameStats,
+        Picture, RenderError, passes, probe::Counts, runtime::renderer_stage::RendererStage,
+        stats::FrameStats,
     },
     scene::desc::{Method, ReflectionDesc},
 };
@@ -38,6 +39,7 @@ struct Running<'a> {
     changes: Vec<Change>,
     temporal: Temporal,
     last: Option<FrameStats>,
+    work: Counts,
     prepare_ms: f64,
 }
 
@@ -115,8 +117,14 @@ fn command(args: &ComparatorsArgs) -> String {
     let set: String = (args.from.set.iter())
         .map(|set| format!(" --set {set}"))
         .collect();
+    // The folder's own path is of no use to a reader.
+    let assets = if args.from.assets.is_empty() {
+        ""
+    } else {
+        " --assets DIR"
+    };
     format!(
-        "reflet bench comparators {}{set} --size {}x{} --frames {} --timeline {} -o {} --document {}",
+        "reflet bench comparators {}{set}{assets} --size {}x{} --frames {} --timeline {} -o {} --document {}",
         scenes.join(" "),
         args.size[0],
         args.size[1],
@@ -222,6 +230,8 @@ fn start<'a>(
     renderer.render(gpu, &subject.world, &subject.camera)?;
     renderer.recapture_probes();
     let stats = renderer.render(gpu, &subject.world, &subject.camera)?;
+    let counted = renderer.counts(gpu, &subject.world, &subject.camera)?;
+    let work = counted.iter().map(|pass| pass.counts);
     Ok(Running {
         system,
         renderer,
@@ -233,6 +243,7 @@ fn start<'a>(
         temporal: Temporal::new(),
         prepare_ms: prepared(&stats).map_or(0.0, |(_, ms)| ms),
         last: Some(stats),
+        work: work.fold(Counts::default(), Counts::plus),
     })
 }
 
@@ -298,6 +309,8 @@ fn row(mut system: Running<'_>) -> Row {
         ssim: ssim.map(|values| mean(&values)),
         wrong_percent: 100.0 * mean(&system.wrong),
         popping: (reference > 0.0).then(|| difference / reference),
+        nodes: system.work.visited_nodes,
+        steps: system.work.march_steps,
         bytes: stats.map_or(0, |s| s.bytes.iter().map(|(_, bytes)| bytes).sum()),
         prepared_bytes: stats.and_then(prepared).map_or(0, |(bytes, _)| bytes),
         prepare_ms: system.prepare_ms,

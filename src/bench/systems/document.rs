@@ -39,7 +39,8 @@ pub fn document(
          ([methods.md](methods.md)). Pictures of {width} × {height} pixels on {}. Times are the {time} of the passes \
          that find reflections, medians of {} pictures, or of all frames of a film; errors are FLIP and SSIM against \
          `rt` inside the reflective pixels. Maps of probes and of far things are captured apart from the frame, and structures of \
-         ray queries are built apart from it: their bytes and time have columns of their own.\n\n```sh\n{}\n```\n",
+         ray queries are built apart from it: their bytes and time have columns of their own. Tree nodes and \
+         march steps are those of all passes of the first picture; they do not depend on the machine.\n\n```sh\n{}\n```\n",
         about.adapter, about.frames, about.command
     );
     out += "\n## What rivals do better\n\n";
@@ -149,8 +150,8 @@ fn table(out: &mut String, scene: &SceneRows) {
     let line = if is_film { "---|" } else { "" };
     let _ = writeln!(
         out,
-        "| system | ms | FLIP | p99 | SSIM | wrong instance, % |{popping} MiB | of maps or structures | made in, ms | front |\n\
-         |---|---|---|---|---|---|{line}---|---|---|---|"
+        "| system | ms | FLIP | p99 | SSIM | wrong instance, % |{popping} tree nodes | march steps | MiB | of maps or structures | made in, ms | front |\n\
+         |---|---|---|---|---|---|{line}---|---|---|---|---|---|"
     );
     let spots: Vec<_> = scene.rows.iter().map(Row::spot).collect();
     for (row, is_on_front) in scene.rows.iter().zip(pareto_front(&spots)) {
@@ -166,16 +167,34 @@ fn table(out: &mut String, scene: &SceneRows) {
         let made_in = if ms > 0.0 { format!("{ms:.1}") } else { none() };
         let _ = writeln!(
             out,
-            "| {} | {:.2} | {:.4} | {:.3} | {ssim} | {:.1} |{popping} {} | {prepared} | {made_in} | {} |",
+            "| {} | {:.2} | {:.4} | {:.3} | {ssim} | {:.1} |{popping} {} | {} | {} | {prepared} | {made_in} | {} |",
             row.system,
             row.ms,
             row.flip,
             row.flip_p99,
             row.wrong_percent,
+            thousands(row.nodes),
+            thousands(row.steps),
             mib(row.bytes),
             if is_on_front { "●" } else { "" }
         );
     }
+}
+
+/// A count with commas between thousands; a dash for 0.
+fn thousands(count: u64) -> String {
+    if count == 0 {
+        return "–".to_owned();
+    }
+    let digits = count.to_string();
+    let mut out = String::new();
+    for (i, digit) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i).is_multiple_of(3) {
+            out.push(',');
+        }
+        out.push(digit);
+    }
+    out
 }
 
 #[cfg(test)]
