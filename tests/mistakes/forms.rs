@@ -1,6 +1,6 @@
 //! Values in the forms and units of other programs.
 
-use super::{Mistake, check_table, text};
+use super::{Mistake, check_group, text};
 
 pub const FORMS: &[Mistake] = &[
     text(
@@ -97,5 +97,5 @@ pub const FORMS: &[Mistake] = &[
 
 #[test]
 fn forms_of_other_programs_are_explained() {
-    check_table(FORMS, "forms", "error");
+    check_group("forms");
 }

@@ -1,6 +1,6 @@
 //! Intended text that looks like the mistakes of `lint`.
 
-use std::fs;
+use std::{fs, path::Path};
 
 use super::{folder, results};
 
@@ -58,4 +58,23 @@ fn keys_that_have_an_effect_are_left_alone() {
     fs::write(folder.join("scene.toml"), scene).expect("writable");
     let found = results(&folder, &["scene.toml".to_owned()], 0);
     assert_eq!(found, [0; 0].map(serde_json::Value::from));
+}
+
+#[test]
+fn the_scenes_of_the_project_have_no_warnings() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut files = Vec::new();
+    for folder in ["scenes", "scripts"] {
+        let entries = fs::read_dir(root.join(folder)).expect("the folder is there");
+        let paths = entries.map(|entry| entry.expect("entry").path());
+        let is_scene = |path: &Path| {
+            path.extension().is_some_and(|e| e == "toml") && !path.ends_with("reflet.toml")
+        };
+        let scenes = paths.filter(|path| is_scene(path));
+        files.extend(scenes.map(|path| path.display().to_string()));
+    }
+    assert!(files.len() >= 9, "{files:?}");
+    files.sort();
+    let found = results(root, &files, 0);
+    assert!(found.is_empty(), "{found:#?}");
 }

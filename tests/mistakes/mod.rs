@@ -14,6 +14,7 @@ use std::{
     fs,
     path::{Path, PathBuf},
     process::{Command, Stdio},
+    sync::OnceLock,
 };
 
 use serde_json::Value;
@@ -105,65 +106,192 @@ fn place(result: &Value) -> (String, String) {
     (place, uri.unwrap_or_default().to_owned())
 }
 
-/// Checks a table of mistakes; messages with another level than `level` are ignored.
-#[track_caller]
-fn check_table(table: &[Mistake], group: &str, level: &str) {
-    let folder = folder(group);
-    let mut files = Vec::new();
-    for (i, mistake) in table.iter().enumerate() {
-        let name = format!("m{i:02}");
-        let scene = mistake.scene.replace("NAME", &name);
-        fs::write(
-            folder.join(format!("{name}.toml")),
-            format!("version = 1\n{scene}"),
-        )
-        .expect("writable");
-        if !mistake.script.is_empty() {
-            fs::write(folder.join(format!("{name}.rhai")), mistake.script).expect("writable");
-        }
-        files.push(format!("{name}.toml"));
+/// A table of mistakes, with what the program says about them.
+struct Group {
+    name: &'static str,
+    table: &'static [Mistake],
+    /// Level of the messages that count; others are ignored.
+    level: &'static str,
+    judged: OnceLock<Judged>,
+}
+
+/// Messages about the mistakes of a group.
+struct Judged {
+    /// Mistakes whose only message is not the expected one; empty if there are none.
+    wrong: String,
+    /// Score of the message of each mistake by [`score`], with that message.
+    scores: Vec<(u32, String)>,
+}
+
+const fn group(name: &'static str, level: &'static str, table: &'static [Mistake]) -> Group {
+    Group {
+        name,
+        table,
+        level,
+        judged: OnceLock::new(),
     }
-    let code = if level == "error" { 3 } else { 0 };
-    let results = results(&folder, &files, code);
-    let mut wrong = String::new();
-    for (i, mistake) in table.iter().enumerate() {
-        let stem = format!("m{i:02}.");
-        let own: Vec<_> = results
-            .iter()
-            .filter(|r| r["level"] == level && place(r).1.starts_with(&stem))
-            .collect();
-        let is_right = own.len() == 1 && {
-            let text = own[0]["message"]["text"].as_str().unwrap_or_default();
-            let (says, cure) = text.split_once("; ").unwrap_or((text, ""));
-            own[0]["ruleId"] == mistake.name
-                && place(own[0]).0 == mistake.place
+}
+
+static GROUPS: [Group; 6] = [
+    group("syntax", "error", text::SYNTAX),
+    group("values", "error", values::VALUES),
+    group("forms", "error", forms::FORMS),
+    group("habits", "error", habits::HABITS),
+    group("scripts", "error", script::SCRIPTS),
+    group("lint", "warning", lint::LINTS),
+];
+
+/// Words by which a message says what is expected, or what stands in its place.
+const EXPECTS: [&str; 10] = [
+    " must ",
+    " needs ",
+    " not ",
+    " no ",
+    " missing",
+    " stand",
+    " have ",
+    " has ",
+    " written ",
+    " files",
+];
+
+/// Score of a message: 0 if it does not stand at the place of the mistake, else 1, 2 if it also says what is expected or
+/// names what is wrong, 3 if it also has a text to write. A name is a piece of code, a quoted word or a number.
+fn score(is_at_place: bool, message: &str) -> u32 {
+    let (says, cure) = message.split_once("; ").unwrap_or((message, ""));
+    let has_name = |text: &str| {
+        let is_quoted = |mark: char| text.matches(mark).count() >= 2;
+        is_quoted('`') || is_quoted('"') || text.contains(|c: char| c.is_ascii_digit())
+    };
+    let expects = has_name(says) || EXPECTS.iter().any(|word| says.contains(word));
+    let is_word = ["write true", "write false"]
+        .iter()
+        .any(|word| cure.contains(word));
+    let is_file = cure.contains(" .");
+    match (is_at_place, expects, has_name(cure) || is_word || is_file) {
+        (false, ..) => 0,
+        (true, false, _) => 1,
+        (true, true, false) => 2,
+        (true, true, true) => 3,
+    }
+}
+
+impl Group {
+    /// Messages about the mistakes, by one run of the program.
+    fn judged(&self) -> &Judged {
+        self.judged.get_or_init(|| self.judge())
+    }
+
+    fn judge(&self) -> Judged {
+        let folder = folder(self.name);
+        let mut files = Vec::new();
+        for (i, mistake) in self.table.iter().enumerate() {
+            let name = format!("m{i:02}");
+            let scene = mistake.scene.replace("NAME", &name);
+            fs::write(
+                folder.join(format!("{name}.toml")),
+                format!("version = 1\n{scene}"),
+            )
+            .expect("writable");
+            if !mistake.script.is_empty() {
+                fs::write(folder.join(format!("{name}.rhai")), mistake.script).expect("writable");
+            }
+            files.push(format!("{name}.toml"));
+        }
+        let code = if self.level == "error" { 3 } else { 0 };
+        let results = results(&folder, &files, code);
+        let mut judged = Judged {
+            wrong: String::new(),
+            scores: Vec::new(),
+        };
+        for (i, mistake) in self.table.iter().enumerate() {
+            let stem = format!("m{i:02}.");
+            let own: Vec<_> = results
+                .iter()
+                .filter(|r| r["level"] == self.level && place(r).1.starts_with(&stem))
+                .collect();
+            let text_of = |result: &Value| {
+                let text = result["message"]["text"].as_str();
+                text.unwrap_or_default().to_owned()
+            };
+            let message = own.first().map_or_else(String::new, |first| text_of(first));
+            let is_at_place = own.len() == 1 && place(own[0]).0 == mistake.place;
+            judged
+                .scores
+                .push((score(is_at_place, &message), message.clone()));
+            let (says, cure) = message.split_once("; ").unwrap_or((&message, ""));
+            let is_right = is_at_place
+                && own[0]["ruleId"] == mistake.name
                 && says.contains(mistake.says)
                 && cure.contains(mistake.cure)
-                && !mistake.cure.is_empty()
-        };
-        if !is_right {
-            wrong += &format!(
-                "\n{}: wanted {} {}",
-                mistake.what, mistake.name, mistake.place
-            );
-            wrong += &format!(" {} | {}\n", mistake.says, mistake.cure);
-            for result in own {
-                let text = result["message"]["text"].as_str().unwrap_or_default();
-                wrong += &format!("  got {} {} {text}\n", result["ruleId"], place(result).0);
+                && !mistake.cure.is_empty();
+            if !is_right {
+                let wrong = &mut judged.wrong;
+                *wrong += &format!(
+                    "\n{}: wanted {} {}",
+                    mistake.what, mistake.name, mistake.place
+                );
+                *wrong += &format!(" {} | {}\n", mistake.says, mistake.cure);
+                for result in own {
+                    let (text, place) = (text_of(result), place(result).0);
+                    *wrong += &format!("  got {} {place} {text}\n", result["ruleId"]);
+                }
             }
         }
+        judged
     }
+}
+
+/// Checks that each mistake of a group has its only message.
+#[track_caller]
+fn check_group(name: &str) {
+    let group = GROUPS.iter().find(|group| group.name == name);
+    let wrong = &group.expect("a group of this name").judged().wrong;
     assert!(wrong.is_empty(), "{wrong}");
+}
+
+/// The messages about all mistakes of the tables score 2.8 of 3 on average.
+#[test]
+fn messages_say_where_what_and_what_to_write() {
+    let scores = GROUPS.iter().flat_map(|group| &group.judged().scores);
+    let (mut sum, mut count, mut lacking) = (0, 0, String::new());
+    for (score, message) in scores {
+        (sum, count) = (sum + score, count + 1);
+        if *score < 3 {
+            lacking += &format!("{score}: {message}\n");
+        }
+    }
+    let mean = f64::from(sum) / f64::from(count);
+    assert!(
+        mean >= 2.8,
+        "{count} messages score {mean:.2} of 3\n{lacking}"
+    );
+}
+
+#[test]
+fn scores_tell_good_messages_from_poor_ones() {
+    let good =
+        "`color` must be three numbers or \"#rrggbb\", not the number 0.9; write [0.9, 0.9, 0.9]";
+    assert_eq!(score(true, good), 3);
+    assert_eq!(score(false, good), 0);
+    assert_eq!(
+        score(
+            true,
+            "`color` must be three numbers or \"#rrggbb\"; correct it"
+        ),
+        2
+    );
+    assert_eq!(
+        score(true, "the camera is inside of a shape; write another `eye`"),
+        1
+    );
+    assert_eq!(score(true, "syntax error"), 1);
+    assert_eq!(score(true, ""), 1);
 }
 
 /// At least this many mistakes, so that none is removed unnoticed.
 #[test]
 fn at_least_120_mistakes_have_a_cure() {
-    let all = text::SYNTAX.len()
-        + values::VALUES.len()
-        + forms::FORMS.len()
-        + habits::HABITS.len()
-        + script::SCRIPTS.len()
-        + lint::LINTS.len();
+    let all: usize = GROUPS.iter().map(|group| group.table.len()).sum();
     assert!(all >= 120, "{all}");
 }

@@ -1,6 +1,6 @@
 //! Mistakes of scripts.
 
-use super::{Mistake, check_table, script};
+use super::{Mistake, check_group, script};
 
 pub const SCRIPTS: &[Mistake] = &[
     script(
@@ -249,5 +249,5 @@ pub const SCRIPTS: &[Mistake] = &[
 
 #[test]
 fn mistakes_of_scripts_are_explained() {
-    check_table(SCRIPTS, "scripts", "error");
+    check_group("scripts");
 }
