@@ -93,6 +93,26 @@ pub const FORMS: &[Mistake] = &[
             "begins a special character: write `/`",
         ],
     ),
+    text(
+        "a pattern by its name",
+        "[material.a]\nroughness = \"noise\"\n",
+        [
+            "wrong-type",
+            "3:13",
+            "a number",
+            "write { pattern = \"noise\", from = 0.2, to = 0.8, size_m = 0.1 }",
+        ],
+    ),
+    text(
+        "a pattern as a color",
+        "[material.a]\nbase_color = \"marble\"\n",
+        [
+            "wrong-color",
+            "3:14",
+            "not \"marble\"",
+            "write { pattern = \"marble\", from = \"#404040\", to = \"#c0c0c0\", size_m = 0.1 }",
+        ],
+    ),
 ];
 
 #[test]

@@ -21,6 +21,19 @@ macro_rules! scene {
 
 pub const LINTS: &[Mistake] = &[
     text(
+        "a light's color in bytes",
+        scene!(
+            "[light.lamp]\nkind = \"directional\"\ndirection = [0, -1, 0]\nintensity_lux = 3\n\
+             color = [255, 200, 100]\n"
+        ),
+        [
+            "bytes-as-color",
+            "6:9",
+            "[255, 200, 100] is 255 times as bright",
+            "write \"#ffc864\"",
+        ],
+    ),
+    text(
         "no light",
         scene!(""),
         [

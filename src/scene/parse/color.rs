@@ -6,10 +6,10 @@ use serde_json::{Value as Json, json};
 use super::{
     report::Report,
     value::{Named, Value, wrong_type},
-    value_advice::list_of_number,
+    value_advice::{list_of_number, pattern_instead},
 };
 use crate::syntax::{Content, Node};
-use crate::{range::Range, suggest};
+use crate::{diagnostic::Diagnostic, range::Range, suggest};
 use reflet_base::math::linear_from_srgb;
 
 /// A linear color, written as three linear numbers or as sRGB text `"#rrggbb"` or `"#rgb"`.
@@ -40,7 +40,9 @@ impl Value for Color {
                     let key = named.key;
                     let shown = suggest::text(text);
                     let message = format!("`{key}` must be {}, not {shown}", Self::expected());
-                    report.error("wrong-color", &node.span(), message).help = Some(advice(text));
+                    report.error("wrong-color", &node.span(), message).help =
+                        pattern_instead(text, key, ["\"#404040\"", "\"#c0c0c0\""])
+                            .or_else(|| Some(advice(text)));
                     None
                 }
             },
@@ -57,6 +59,19 @@ impl Value for Color {
                         "write \"#{r:02x}{g:02x}{b:02x}\", or in linear light [{x}, {y}, {z}]"
                     ));
                     return None;
+                }
+                if let Some([r, g, b]) = seems_bytes(items) {
+                    let message = format!(
+                        "`{}` is a linear color, in which 1 is white: [{r}, {g}, {b}] is {} times as bright",
+                        named.key,
+                        r.max(g).max(b)
+                    );
+                    let help = format!(
+                        "if bytes were meant, write \"#{r:02x}{g:02x}{b:02x}\"; brightness has a key of its own"
+                    );
+                    let warning =
+                        Diagnostic::at("bytes-as-color", report.span(&node.span()), message);
+                    report.push(warning.help(help).warning());
                 }
                 Vec3::read(node, named, report).map(Self)
             }
@@ -139,17 +154,28 @@ fn linear(bytes: [u8; 3]) -> Vec3 {
     Vec3::from_array(bytes.map(|b| linear_from_srgb(f32::from(b) / 255.0)))
 }
 
+/// Three whole numbers up to 255, one of them so large that it is hardly the brightness of linear light.
+fn seems_bytes(items: &[Node]) -> Option<[u8; 3]> {
+    let bytes = bytes_of(items)?;
+    (bytes.iter().any(|b| *b >= 128)).then_some(bytes)
+}
+
 /// The bytes of three whole numbers up to 255 where 1 is the limit: sRGB bytes were meant.
 fn as_bytes(items: &[Node], range: &Range) -> Option<[u8; 3]> {
-    let byte = |item: &Node| match item.get_ref() {
-        Content::Integer(i) => u8::try_from(i.value()?).ok(),
-        _ => None,
-    };
-    let bytes = items.iter().map(byte).collect::<Option<Vec<_>>>()?;
-    let bytes: [u8; 3] = bytes.try_into().ok()?;
+    let bytes = bytes_of(items)?;
     // [1, 2, 0] is more likely a typing error.
     let too_large = bytes
         .iter()
         .any(|b| *b > 15 && !range.contains(f64::from(*b)));
     (too_large && range.contains(1.0)).then_some(bytes)
+}
+
+/// Three whole numbers from 0 to 255.
+fn bytes_of(items: &[Node]) -> Option<[u8; 3]> {
+    let byte = |item: &Node| match item.get_ref() {
+        Content::Integer(i) => u8::try_from(i.value()?).ok(),
+        _ => None,
+    };
+    let bytes = items.iter().map(byte).collect::<Option<Vec<_>>>()?;
+    bytes.try_into().ok()
 }

@@ -99,7 +99,7 @@ fn number(node: &Node, named: &Named, expected: &str, report: &mut Report) -> Op
                 is_toml && x.is_some_and(|x| named.range.check(x).is_ok())
             });
             wrong_type(node, named.key, expected, report).help =
-                quoted.or_else(|| number_instead(node, named.range));
+                quoted.or_else(|| number_instead(node, named.key, named.range));
             return None;
         }
     };
