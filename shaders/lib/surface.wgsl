@@ -4,6 +4,7 @@
 #import capsule
 #import capsule_normals
 #import curvature
+#import decals
 #import film
 #import patterned
 #import frame
@@ -209,7 +210,7 @@ fn surface_at(instance: u32, triangle: u32, place: vec2f, direction: vec3f, cone
     let behind = dot(ng, direction) > 0.0;
     let footprint = cone_m / max(abs(dot(ng, direction)), 0.05);
 
-    if ((HAS_TEXTURES || HAS_CHECKERS || HAS_PATTERNED) && s.reflection != REFLECTION_NONE) {
+    if ((HAS_TEXTURES || HAS_CHECKERS || HAS_PATTERNED || HAS_DECALS) && s.reflection != REFLECTION_NONE) {
         s.curvature = mean_curvature(c.p, normals, area2) * select(1.0, -1.0, behind);
         // The mean curvature of a sphere, and of a cylinder.
         let turns = select(1.0, 0.5, round.share > 0.0 && round.share < 1.0);
@@ -247,6 +248,7 @@ fn surface_at(instance: u32, triangle: u32, place: vec2f, direction: vec3f, cone
         let odd = pattern(material_pattern(m), p_object / size, cross_object / area2_object, width);
         s.base_color *= mix(material_checker_a(m), material_checker_b(m), odd);
     }
+    let plain_normal = n;
     var coat_normal = n;
     if (HAS_TEXTURES) {
         s.base_color *= texel_at(material_texture(m, BASE_COLOR_SLOT), pools_of(BASE_COLOR_SLOT), instance, c.index, bary, area2, footprint).xyz;
@@ -265,6 +267,11 @@ fn surface_at(instance: u32, triangle: u32, place: vec2f, direction: vec3f, cone
         let occlusion = texel_at(material_texture(m, OCCLUSION_SLOT), pools_of(OCCLUSION_SLOT), instance, c.index, bary, area2, footprint).x;
         s.occlusion = 1.0 + material_occlusion_strength(m) * (occlusion - 1.0);
         s.emission *= texel_at(material_texture(m, EMISSION_SLOT), pools_of(EMISSION_SLOT), instance, c.index, bary, area2, footprint).xyz;
+    }
+    if (HAS_DECALS) {
+        s.normal = n;
+        s = with_decals(s, instance, plain_normal, ng, behind, footprint);
+        n = s.normal;
     }
     if (s.unlit) {
         // KHR_materials_unlit: light does not change the base color; the material has no specular.

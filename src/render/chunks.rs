@@ -129,7 +129,7 @@ impl Chunks {
 }
 
 /// First binding number of group 1 that no shader file declares.
-const FIRST_FREE_BINDING: u32 = 18;
+const FIRST_FREE_BINDING: u32 = 19;
 
 fn write_function(
     text: &mut String,
@@ -248,9 +248,9 @@ mod tests {
         let text = chunks.wgsl();
         for line in [
             "@group(1) @binding(1) var<storage, read> triangles: array<vec4u>;",
-            "@group(1) @binding(18) var<storage, read> triangles_1: array<vec4u>;",
-            "@group(1) @binding(19) var<storage, read> triangles_2: array<vec4u>;",
-            "@group(1) @binding(20) var<storage, read> vertices_1: array<Vertex>;",
+            "@group(1) @binding(19) var<storage, read> triangles_1: array<vec4u>;",
+            "@group(1) @binding(20) var<storage, read> triangles_2: array<vec4u>;",
+            "@group(1) @binding(21) var<storage, read> vertices_1: array<Vertex>;",
             "    switch i >> 16u {",
             "        case 1u: { return triangles_1[at]; }",
             "        default: { return triangles_2[at]; }",

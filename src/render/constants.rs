@@ -22,6 +22,10 @@ use super::{
     cutoff::{COAT_STEPS, CUTOFF_FADE, METAL_REACH, MIRROR_REFLECTANCE, SHARP_ROUGHNESS},
     draw_shape::SQUARE_CORNERS,
     emitters::{DARK_LAMP, LAMP_RECORD, LIGHT_VECTORS},
+    gpu_decal::{
+        DECAL_COLOR, DECAL_METALLIC, DECAL_NORMAL, DECAL_ROUGHNESS, DECAL_SET_SHIFT,
+        MOST_DECAL_SETS, MOST_DECALS,
+    },
     gpu_patterned::PATTERNED_SHIFT,
     groove_table::{GROOVE_COSINES, GROOVE_NODES, GROOVE_STEPS},
     lights::{SHADOW_MAP, SHADOW_NEAR_M, SHADOW_NONE, SHADOW_RAY},
@@ -277,6 +281,16 @@ fn define_variants(out: &mut String) {
     define(out, "MOST_PATTERNED", &MOST_PATTERNED);
     define(out, "DARK_LAMP", &DARK_LAMP);
     define(out, "FLAG_DARK", &FLAG_DARK);
+    define_all!(
+        out,
+        DECAL_COLOR,
+        DECAL_METALLIC,
+        DECAL_ROUGHNESS,
+        DECAL_NORMAL,
+        DECAL_SET_SHIFT,
+        MOST_DECALS,
+        MOST_DECAL_SETS,
+    );
     define(out, "PATTERNED_SHIFT", &PATTERNED_SHIFT);
 }
 

@@ -3,7 +3,7 @@
 
 use half::f16;
 use reflet_scene::desc::{PatternedKey, ReflectionMode};
-use reflet_world::{LayerTexture, Material};
+use reflet_world::{Decal, LayerTexture, Material};
 
 /// Relative increase of the roughness cut-off for metals: theirs is 1 + this times that of dielectrics, so that what
 /// they reflect begins to fade at five times the cut-off.
@@ -69,4 +69,28 @@ pub fn can_reflect(material: &Material, cutoff: f32) -> bool {
                     || is_coat_below(material, cutoff)
             }
         }
+}
+
+/// Whether a material can reflect where a decal with a material of its own covers some of it.
+pub fn can_reflect_under(own: &Material, (decal, over): (&Decal, &Material), cutoff: f32) -> bool {
+    let values = |m: &Material| match m.metallic_roughness_texture {
+        Some(_) => [0.0, 1.0],
+        None => [
+            m.roughness_extremes()[0],
+            m.extremes(PatternedKey::Metallic, m.metallic)[1],
+        ],
+    };
+    let [own_roughness, own_metallic] = values(own);
+    let [roughness, metallic] = values(over);
+    let least = match decal.changes.roughness {
+        true => own_roughness.min(roughness),
+        false => own_roughness,
+    };
+    let most = match decal.changes.metallic {
+        true => own_metallic.max(metallic),
+        false => own_metallic,
+    };
+    has_specular(own)
+        && own.reflection == ReflectionMode::Auto
+        && packed(least) < cutoff * (1.0 + METAL_REACH * packed(most))
 }

@@ -12,14 +12,14 @@ use super::{
     edge_on::has_edge_on_surfaces,
     error::RenderError,
     fog::GpuFog,
-    lights::{ShadowView, lights},
+    lights::{LightBlock, ShadowView, lights},
     pixel_share::PixelShare,
     probe::Probe,
     recorder::{PassTimes, Recorder, Timing},
     renderer::Renderer,
     stats::{FrameStats, Shares},
     sub_frame::SubFrame,
-    types::{Frame, LightBlock, Sampling},
+    types::{Frame, Sampling},
     view::{View, jitter},
 };
 

@@ -11,12 +11,12 @@ use reflet_world::World;
 use super::{
     fog::GpuFog,
     groove_table::groove_table,
-    lights::in_order,
+    lights::{LightBlock, in_order},
     lobe_table::lobe_table,
     pixel_share::PixelShare,
     precision::brightest_emission,
     sheen_table::sheen_table,
-    types::{Frame, LightBlock, Sampling},
+    types::{Frame, Sampling},
     view::View,
 };
 

@@ -13,6 +13,7 @@ use reflet_world::{
 use super::{
     draw::mirrors,
     geometry::MeshRange,
+    gpu_decal::DECAL_SET_SHIFT,
     gpu_material::gpu_material,
     records::{RecordArray, are_texels_preferred},
     shown_light::ShownLight,
@@ -118,7 +119,8 @@ pub fn instance_records(
                 | flag(is_sampled, FLAG_EMITTER)
                 | flag(!inputs.shown_light.shows(light_group), FLAG_DARK)
                 | flag(is_traced, FLAG_TRACED)
-                | flag(has_capsule_normals, FLAG_CAPSULE_NORMALS),
+                | flag(has_capsule_normals, FLAG_CAPSULE_NORMALS)
+                | u32::from(world.decals.set_of(index)) << DECAL_SET_SHIFT,
             capsule_radius_m: radius.unwrap_or(0.0),
         }
     };

@@ -1,16 +1,13 @@
 //! Lights: the uniform block and the shadow map views.
 
-use bytemuck::Zeroable;
+use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3, Vec4, camera::rh};
 
 use reflet_base::math::Bounds;
 use reflet_scene::desc::{LightKind, ShadowMode};
 use reflet_world::Light;
 
-use super::{
-    options::RenderOptions,
-    types::{GpuLight, LightBlock},
-};
+use super::{options::RenderOptions, types::GpuLight};
 
 /// Near plane of shadow maps, in the renderer's lengths. Depth is reversed, so that it costs no precision.
 pub const SHADOW_NEAR_M: f32 = 1e-4;
@@ -20,6 +17,14 @@ pub const SHADOW_NONE: u32 = 0;
 pub const SHADOW_MAP: u32 = 1;
 /// Value of [`GpuLight::shadow`] for shadow rays.
 pub const SHADOW_RAY: u32 = 2;
+
+/// Uniform block of the lights, always of full size.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+pub struct LightBlock {
+    /// Lights; unused entries are zero.
+    pub lights: [GpuLight; reflet_world::MAX_LIGHTS],
+}
 
 /// One shadow map view.
 #[derive(Clone, Copy, Debug, PartialEq)]

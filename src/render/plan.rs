@@ -19,7 +19,7 @@ pub use self::{
     uses::passes_light,
 };
 use super::{
-    cutoff::{can_reflect, is_base_below},
+    cutoff::{can_reflect, can_reflect_under, is_base_below},
     lights::{LightNeeds, has_shadow_rays},
     lobe_table::SMOOTH_ALPHA,
     options::RenderOptions,
@@ -51,7 +51,11 @@ pub struct Plan {
 
 /// Whether a material reflects now or may do so in another frame.
 pub fn may_reflect(world: &World, material: usize, cutoff: f32) -> bool {
-    can_reflect(&world.materials[material], cutoff) || world.may_change(material)
+    let own = &world.materials[material];
+    let mut decals = world.decals.over(material);
+    can_reflect(own, cutoff)
+        || world.may_change(material)
+        || decals.any(|d| can_reflect_under(own, (d, &world.materials[d.material]), cutoff))
 }
 
 /// Whether a reflection of this roughness takes more than a single sharp ray.
@@ -75,7 +79,7 @@ pub fn is_rough_reflector(world: &World, index: usize, cutoff: f32) -> bool {
             || is_spread(roughness));
     material.reflection == ReflectionMode::Auto
         && may_reflect(world, index, cutoff)
-        && (spread || world.may_change(index))
+        && (spread || world.may_change(index) || world.decals.over(index).next().is_some())
         && is_spread(cutoff)
         || scatters
 }
@@ -157,6 +161,8 @@ impl Plan {
             options,
             precision,
         });
+        let decals = world.decals.list.iter().map(|d| d.material);
+        let used: BTreeSet<usize> = used.into_iter().chain(decals).collect();
         let (slot_pools, layer_pools, wraps) = match options.general {
             true => (
                 mask(POOL_BITS * CORE_SLOTS as u32),

@@ -54,10 +54,15 @@ impl Precision {
 
 /// Maximum radiance that surfaces emit.
 pub fn brightest_emission(world: &World) -> f32 {
-    let materials = world.instances.iter().map(|i| &world.materials[i.material]);
-    materials
-        .map(|m| m.extremes(PatternedKey::Emission, m.emission.max_element())[1])
-        .fold(0.0, f32::max)
+    let brightest = |materials: &mut dyn Iterator<Item = usize>| {
+        materials
+            .map(|m| &world.materials[m])
+            .map(|m| m.extremes(PatternedKey::Emission, m.emission.max_element())[1])
+            .fold(0.0, f32::max)
+    };
+    // Decals add to what the surfaces under them emit.
+    brightest(&mut world.instances.iter().map(|i| i.material))
+        + brightest(&mut world.decals.list.iter().map(|d| d.material))
 }
 
 /// Maximum radiance of the environment, and of white surfaces lit by a light, at 1 m if the light has a position. A

@@ -6,8 +6,8 @@ use xxhash_rust::xxh3::Xxh3Default;
 use super::{
     emitters::lamp_record,
     fog::GpuFog,
-    lights::{SHADOW_MAP, SHADOW_RAY},
-    types::{Frame, LightBlock, Sampling},
+    lights::{LightBlock, SHADOW_MAP, SHADOW_RAY},
+    types::{Frame, Sampling},
 };
 
 /// Hash of the light, the environment and the materials that maps show, with blocks that do not depend on the camera.

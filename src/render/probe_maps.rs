@@ -11,9 +11,10 @@ use reflet_world::World;
 use super::{
     fog::GpuFog,
     frame_uniforms::{FrameUniforms, uniform},
+    lights::LightBlock,
     probe_boxes::MOST_PROBES,
     probe_light::{by_rays, hash_of_light},
-    types::{Frame, LightBlock, ProbeBox, Sampling},
+    types::{Frame, ProbeBox, Sampling},
 };
 
 /// Format of the maps' radiance.

@@ -74,6 +74,11 @@ impl Coordinates {
             self.move_light(&mut light.desc.kind);
             light.range_m = light.range_m.map(|range_m| range_m * self.scale);
         }
+        for decal in &mut moved.decals.list {
+            let place = &mut decal.world_from_decal;
+            place.translation = (place.translation - glam::Vec3A::from(self.origin)) * self.scale;
+            place.matrix3 *= self.scale;
+        }
         for camera in &mut moved.cameras {
             camera.value = self.camera(&camera.value);
         }

@@ -12,6 +12,7 @@ use reflet_world::{
 
 use super::{
     chunks::{Chunks, chunk_of},
+    decals::GpuDecals,
     draw::{Draw, Indexed, draws},
     emitters::{GpuEmitters, NO_LIGHT_TREE},
     geometry::{MeshRange, geometry, mesh_vertices},
@@ -54,6 +55,8 @@ pub struct GpuScene {
     pub panorama: Option<GpuPanorama>,
     /// Light trees of emissive triangles, if there are any.
     pub emitters: Option<GpuEmitters>,
+    /// Decals, if there are any.
+    pub decals: Option<GpuDecals>,
     /// Draw calls, one for each instance that has triangles.
     pub draws: Vec<Draw>,
     /// Number of shader bindings of the geometry's arrays.
@@ -100,6 +103,7 @@ impl GpuScene {
             triangles,
             structures,
             emitters: GpuEmitters::new(gpu, world)?,
+            decals: GpuDecals::new(gpu, world),
             instances,
             traced: Vec::new(),
             skipped: Vec::new(),
@@ -168,6 +172,7 @@ impl GpuScene {
             pools,
             panorama: self.panorama.clone(),
             emitters: GpuEmitters::new(gpu, world)?,
+            decals: GpuDecals::new(gpu, world),
             has_moving_cutouts: has_moving_cutouts(world),
         })
     }
@@ -213,6 +218,9 @@ impl GpuScene {
             self.write_reflected(gpu, trees);
         }
         self.update_deformed(gpu, world, trees);
+        if let Some(decals) = &self.decals {
+            decals.update(gpu, world);
+        }
         if let Some(structures) = &mut self.structures
             && (!world.deformed.is_empty() || world.instances.iter().any(|i| i.dynamic))
         {
@@ -296,6 +304,7 @@ impl GpuScene {
         match name {
             "structures" => self.structures.as_ref().map(Structures::resource),
             "instances" => Some(self.instances.resource()),
+            "decals" => self.decals.as_ref().map(GpuDecals::resource),
             "emitters" => self.emitters.as_ref().map(GpuEmitters::resource),
             "materials" => Some(self.materials.resource()),
             "pool_0" => view(0, 0),
@@ -340,6 +349,7 @@ impl GpuScene {
                 "emitters",
                 self.emitters.as_ref().map_or(0, GpuEmitters::bytes),
             ),
+            ("decals", self.decals.as_ref().map_or(0, GpuDecals::bytes)),
         ]
     }
 }

@@ -4,8 +4,8 @@ use reflet_scene::desc::LightGroup;
 use reflet_world::World;
 
 use super::{
-    lights::in_order,
-    types::{Frame, LightBlock, Sampling},
+    lights::{LightBlock, in_order},
+    types::{Frame, Sampling},
 };
 
 /// Light that a picture shows: that of one group, or all of it.

@@ -1,9 +1,7 @@
 //! Structs shared with the shaders; a test compares each with naga's layout of the WGSL struct of the same name.
 
-use bytemuck::{Pod, Zeroable};
-
 use super::gpu_struct::{StructSpec, gpu_struct};
-use super::{fog::GpuFog, gpu_patterned::GpuPatterned};
+use super::{fog::GpuFog, gpu_decal::GpuDecal, gpu_patterned::GpuPatterned};
 use reflet_scene::desc::MOST_PATTERNED;
 use reflet_world::{CORE_SLOTS, LAYER_SLOTS};
 
@@ -384,17 +382,10 @@ pub const SHARED: &[StructSpec] = &[
     GpuTextureUse::LAYOUT,
     GpuPatterned::LAYOUT,
     GpuMaterial::LAYOUT,
+    GpuDecal::LAYOUT,
     ProbeBox::LAYOUT,
     FarBox::LAYOUT,
     FaceBox::LAYOUT,
 ];
 
 const _: () = assert!(size_of::<GpuVertex>() == 32 && size_of::<GpuInstance>() == 128);
-
-/// Uniform block of the lights, always of full size.
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-pub struct LightBlock {
-    /// Lights; unused entries are zero.
-    pub lights: [GpuLight; reflet_world::MAX_LIGHTS],
-}

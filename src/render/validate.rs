@@ -49,6 +49,14 @@ pub fn check_world(world: &World) -> Result<(), RenderError> {
             ));
         }
     }
+    if world
+        .decals
+        .list
+        .iter()
+        .any(|d| d.material >= world.materials.len())
+    {
+        return refuse("a decal's material does not exist".to_owned());
+    }
     for texture in world.textures.iter() {
         let texels = texture.width as usize * texture.height as usize;
         if texels == 0 || texture.rgba.len() != 4 * texels {

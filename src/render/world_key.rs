@@ -6,7 +6,8 @@ use glam::Affine3A;
 
 use reflet_scene::desc::ShownDesc;
 use reflet_world::{
-    Instance, Material, Mesh, Shared, Texture, World, deform::Deformed, environment::Panorama,
+    Decal, DecalMask, Instance, Material, Mesh, Shared, Texture, World, deform::Deformed,
+    environment::Panorama,
 };
 
 /// Key of the uploaded world.
@@ -16,15 +17,18 @@ pub struct WorldKey {
     upload: (Shared<Mesh>, Shared<Texture>, Option<Arc<Panorama>>),
     trees: Vec<TreeInstance>,
     materials: (Vec<Material>, Vec<usize>),
+    /// Materials of the decals, and which of them each instance shows.
+    decals: (Vec<usize>, Vec<DecalMask>, Vec<u16>),
     /// Number of lamps, for which the light tree's array has room.
     lamps: usize,
     pose: PoseKey,
 }
 
-/// The pose of a world: the transform of every instance that may move, and every deformed mesh.
+/// The pose of a world: the transform of every instance that may move, every decal, and every deformed mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PoseKey {
     instances: Vec<Affine3A>,
+    decals: Vec<Decal>,
     deformed: BTreeMap<usize, Arc<Deformed>>,
 }
 
@@ -34,9 +38,20 @@ impl PoseKey {
         let dynamic = world.instances.iter().filter(|i| i.dynamic);
         Self {
             instances: dynamic.map(|i| i.world_from_object).collect(),
+            decals: world.decals.list.clone(),
             deformed: world.deformed.clone(),
         }
     }
+}
+
+fn decal_key(world: &World) -> (Vec<usize>, Vec<DecalMask>, Vec<u16>) {
+    let decals = &world.decals;
+    let materials = decals.list.iter().map(|d| d.material);
+    (
+        materials.collect(),
+        decals.sets.clone(),
+        decals.set_of.clone(),
+    )
 }
 
 /// Properties of an instance that the BVHs depend on.
@@ -80,6 +95,7 @@ impl WorldKey {
                 world.materials.clone(),
                 instances.iter().map(|i| i.material).collect(),
             ),
+            decals: decal_key(world),
             lamps: world.lamps.len(),
             pose: PoseKey::of(world),
         }
@@ -111,7 +127,9 @@ impl WorldKey {
 
     /// Whether the materials are the same, every instance has the same one, and there are as many lamps.
     pub fn has_same_materials(&self, other: &Self) -> bool {
-        self.materials == other.materials && self.lamps == other.lamps
+        self.materials == other.materials
+            && self.lamps == other.lamps
+            && self.decals == other.decals
     }
 
     /// Its pose.
@@ -133,6 +151,7 @@ impl WorldKey {
         self.shares(&world.meshes, &world.textures, panorama)
             && self.materials.0.len() == world.materials.len()
             && self.lamps == world.lamps.len()
+            && self.decals == decal_key(world)
             && self.trees.len() == world.instances.len()
             && self.pose.deformed.keys().eq(world.deformed.keys())
             && known.zip(&world.instances).all(fits)

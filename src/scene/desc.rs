@@ -8,6 +8,7 @@
 mod animation;
 mod box_faces;
 mod camera;
+mod decal;
 mod environment;
 mod hierarchy;
 mod image;
@@ -39,6 +40,7 @@ pub use self::{
     animation::{AnimationDesc, Playback},
     box_faces::BoxFacesDesc,
     camera::{CAMERA, CameraDesc, CameraMotionDesc},
+    decal::{DecalChanges, DecalDesc},
     environment::{EnvironmentDesc, EnvironmentShadow, FogDesc},
     hierarchy::{GroupDesc, Parents, PlacedSceneDesc, ShownDesc},
     image::{ErrorBound, Exposure, ImageDesc, Radiance, Samples, ToneMap, Visibility},
@@ -151,6 +153,8 @@ pub struct SceneDesc {
     /// `[light.NAME]`: lights, at most 1,048,576 with those inside glTF files. Where they are more than 64, those with a
     /// place and a shadow are lit by rays, towards a few that are chosen for each point and sample.
     pub lights: Vec<Entry<LightDesc>>,
+    /// `[decal.NAME]`: materials that are projected onto surfaces.
+    pub decals: Vec<Entry<DecalDesc>>,
     /// `[environment]`: the background that rays see where they leave the scene, and the light from it.
     pub environment: EnvironmentDesc,
     /// `[reflection]`: how reflections are found.

@@ -60,6 +60,8 @@ pub const BOX_FACE_PX: Range = range(1.0, 16384.0);
 pub const PROBE_SAMPLES: Range = range(1.0, 1024.0);
 /// Range of `probes.nearest`.
 pub const NEAREST_PROBES: Range = range(1.0, 4.0);
+/// Range of `decal.NAME.max_angle_deg` and `decal.NAME.fade_deg`.
+pub const DECAL_ANGLE_DEG: Range = range(0.0, 180.0);
 /// Range of `reflection.steps`.
 pub const STEPS: Range = range(8.0, 4096.0);
 

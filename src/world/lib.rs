@@ -23,6 +23,7 @@ pub mod bvh;
 mod closed;
 mod corner_tangents;
 mod curvature;
+mod decals;
 pub mod deform;
 pub mod emitters;
 pub mod environment;
@@ -44,6 +45,7 @@ pub mod texture;
 pub mod usd;
 
 pub use curvature::Curvature;
+pub use decals::{Decal, DecalMask, Decals};
 pub use environment::Environment;
 pub use material::{ListedVariants, Material};
 pub use material_textures::{CORE_SLOTS, CoreTexture, LAYER_SLOTS, LayerTexture, TEXTURE_SLOTS};
@@ -76,6 +78,8 @@ pub struct World {
     pub cameras: Vec<Entry<CameraDesc>>,
     /// The scene's probes.
     pub probes: Vec<Entry<ProbeDesc>>,
+    /// The scene's decals, and which instances may show them.
+    pub decals: Decals,
     /// Environment: radiance of rays that leave the scene, and light from all directions.
     pub environment: Environment,
     /// The animations of all files.

@@ -23,6 +23,7 @@ mod blended;
 mod camera;
 mod camera_frustum;
 mod check_names;
+mod decals;
 mod emitters;
 mod environment;
 pub mod foreign_formats;
@@ -108,6 +109,7 @@ pub fn load_with_cache(
     loader.read_environment(&models);
     loader.fail_on_errors()?;
     loader.place_all(&models);
+    loader.place_decals();
     loader.fail_on_errors()?;
     loader.finish(models)
 }

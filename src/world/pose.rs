@@ -210,6 +210,7 @@ impl World {
                 }
             }
         }
+        self.pose_decals(state);
         // Lights and cameras of files come after the scene's own.
         self.set_descs_of_lights(&state.lights);
         for (camera, desc) in self.cameras.iter_mut().zip(&state.cameras) {

@@ -34,6 +34,19 @@ pub const LINTS: &[Mistake] = &[
         ],
     ),
     text(
+        "a decal that meets nothing",
+        scene!(
+            "[environment]\ncolor = [1, 1, 1]\n[material.paint]\n[decal.arrow]\nmaterial = \"paint\"\n\
+             translation = [0, 0.6, 0]\nrotation_deg = [-90, 0, 0]\n"
+        ),
+        [
+            "unseen-decal",
+            "5:8",
+            "decal \"arrow\" meets no surface",
+            "half of `size` each way",
+        ],
+    ),
+    text(
         "no light",
         scene!(""),
         [
@@ -232,7 +245,7 @@ pub const LINTS: &[Mistake] = &[
         [
             "unused-material",
             "4:11",
-            "no model or instance uses \"old\"",
+            "no model, instance or decal uses \"old\"",
             "remove it",
         ],
     ),

@@ -27,6 +27,7 @@ mod closed_form;
 mod coplanar;
 mod counts;
 mod culled;
+mod decals;
 mod decide;
 mod deform;
 mod edge_cases;

@@ -10,6 +10,7 @@ mod mistakes;
 mod script_hostile;
 
 mod bad;
+mod decals;
 mod docs;
 mod extends;
 mod hierarchy;

@@ -96,7 +96,7 @@ pub fn kinds_of_value(key: &str) -> &'static [&'static str] {
     match key {
         "model" => &["model"],
         "material" | "extends" => &["material"],
-        "instance" | "parent" => &["instance", "group"],
+        "instance" | "parent" | "only" => &["instance", "group"],
         "camera" => &["camera"],
         _ => &[],
     }

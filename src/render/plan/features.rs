@@ -88,31 +88,37 @@ features! {
     }
     /// Whether some material has a texture.
     textures {
-        used: scene.is_general() || scene.has(|m| m.slots().iter().any(Option::is_some)),
+        used: scene.is_general() || scene.paints(|m| m.slots().iter().any(Option::is_some)),
         constant: HAS_TEXTURES,
         dropped: "textures" => "no material has one";
     }
     /// Whether some material has a normal map.
     normal_maps {
-        used: scene.is_general() || scene.has(|m| m.normal_texture.is_some()),
+        used: scene.is_general() || scene.paints(|m| m.normal_texture.is_some()),
         constant: HAS_NORMAL_MAPS,
         dropped: "normal maps" => "no material has one", if textures;
     }
     /// Whether some material has a checker or another pattern.
     checkers {
-        used: scene.is_general() || scene.has(|m| m.checker.is_some()),
+        used: scene.is_general() || scene.paints(|m| m.checker.is_some()),
         constant: HAS_CHECKERS,
         dropped: "checkers" => "no material has one";
     }
+    /// Whether decals are projected onto surfaces.
+    decals {
+        used: !scene.world.decals.list.is_empty(),
+        files: decals [none, applied];
+        dropped: "decals" => "the scene has none";
+    }
     /// Whether some number or color of a material follows a pattern.
     patterned {
-        used: scene.is_general() || scene.has(|m| !m.patterned.is_empty()),
+        used: scene.is_general() || scene.paints(|m| !m.patterned.is_empty()),
         constant: HAS_PATTERNED,
         dropped: "numbers that follow patterns" => "no material has one";
     }
     /// Whether some material has a pattern other than a checker.
     patterns {
-        used: scene.is_general() || scene.has(|m| m.pattern_kinds().any(|kind| kind != PatternKind::Checker)),
+        used: scene.is_general() || scene.paints(|m| m.pattern_kinds().any(|kind| kind != PatternKind::Checker)),
         constant: HAS_PATTERNS,
     }
     /// Whether some light casts its shadow by rays.

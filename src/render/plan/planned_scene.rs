@@ -37,6 +37,12 @@ impl PlannedScene<'_> {
         self.materials.iter().copied().any(feature)
     }
 
+    /// Whether some material has a feature, or that of a decal.
+    pub(super) fn paints(&self, feature: fn(&Material) -> bool) -> bool {
+        let mut decals = self.world.decals.list.iter();
+        self.has(feature) || decals.any(|d| feature(&self.world.materials[d.material]))
+    }
+
     /// Whether light may be reflected, transmitted or scattered more than once.
     pub(super) fn may_bounce(&self) -> bool {
         passes_light(self.world)

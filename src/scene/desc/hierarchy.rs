@@ -1,4 +1,4 @@
-//! Parents of instances, groups, lights and cameras, and the visibility of instances.
+//! Parents of instances, groups, lights, cameras and decals, and the visibility of instances.
 
 use super::PlacementDesc;
 
@@ -52,7 +52,7 @@ impl Default for ShownDesc {
     }
 }
 
-/// Parents of the nodes, lights and cameras of a scene, without cycles. Nodes are all instances, followed
+/// Parents of the nodes, lights, cameras and decals of a scene, without cycles. Nodes are all instances, followed
 /// by all groups.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Parents {
@@ -64,4 +64,6 @@ pub struct Parents {
     pub(crate) lights: Vec<Option<usize>>,
     /// Parent node of each camera; empty if no camera has one.
     pub(crate) cameras: Vec<Option<usize>>,
+    /// Parent node of each decal; empty if no decal has one.
+    pub(crate) decals: Vec<Option<usize>>,
 }

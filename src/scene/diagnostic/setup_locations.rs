@@ -16,12 +16,13 @@ use crate::{
 };
 
 /// Keys of the result of `setup`, the scene tables that they stand for, and whether they are lists.
-pub const TABLES: [(&str, &str, bool); 7] = [
+pub const TABLES: [(&str, &str, bool); 8] = [
     ("cameras", "camera", false),
     ("materials", "material", false),
     ("models", "model", false),
     ("lights", "light", false),
     ("groups", "group", false),
+    ("decals", "decal", false),
     ("probes", "probe", false),
     ("instances", "instance", true),
 ];

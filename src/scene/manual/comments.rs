@@ -6,6 +6,7 @@ static SOURCE: &str = concat!(
     include_str!("../desc.rs"),
     include_str!("../desc/animation.rs"),
     include_str!("../desc/camera.rs"),
+    include_str!("../desc/decal.rs"),
     include_str!("../desc/environment.rs"),
     include_str!("../desc/hierarchy.rs"),
     include_str!("../desc/image.rs"),

@@ -8,11 +8,12 @@ use super::transform;
 use crate::desc::{CameraDesc, LightDesc, Parents, PlacementDesc, SceneDesc};
 
 impl Parents {
-    /// Hierarchy from the parent node of each node, light and camera; nodes must not form cycles.
+    /// Hierarchy from the parent node of each node, light, camera and decal; nodes must not form cycles.
     pub(crate) fn new(
         nodes: Vec<Option<usize>>,
         lights: Vec<Option<usize>>,
         cameras: Vec<Option<usize>>,
+        decals: Vec<Option<usize>>,
     ) -> Self {
         let mut is_done = vec![false; nodes.len()];
         let mut order = Vec::new();
@@ -36,6 +37,7 @@ impl Parents {
             order,
             lights: some(lights),
             cameras: some(cameras),
+            decals: some(decals),
         }
     }
 
@@ -52,6 +54,11 @@ impl Parents {
     /// Parent node of a camera.
     pub fn of_camera(&self, camera: usize) -> Option<usize> {
         self.cameras.get(camera).copied().flatten()
+    }
+
+    /// Parent node of a decal.
+    pub fn of_decal(&self, decal: usize) -> Option<usize> {
+        self.decals.get(decal).copied().flatten()
     }
 
     /// World transforms of all nodes, from transforms relative to their parents.

@@ -68,7 +68,7 @@ pub fn check(root: &Entries, report: &mut Report) {
         }
     }
     let hung = instances(root).filter_map(named);
-    let others = ["group", "light", "camera"];
+    let others = ["group", "light", "camera", "decal"];
     let others = others.iter().flat_map(|kind| tables(root, kind));
     let hung = hung.chain(others.filter_map(|(_, _, table)| named(table)));
     for (parent, at) in hung {
@@ -169,5 +169,6 @@ pub fn parents(scene: &SceneDesc, root: &Entries) -> Parents {
     nodes.extend(of(root, "group", &scene.groups, parent));
     let lights = of(root, "light", &scene.lights, parent);
     let cameras = of(root, "camera", &scene.cameras, parent);
-    Parents::new(nodes, lights, cameras)
+    let decals = of(root, "decal", &scene.decals, parent);
+    Parents::new(nodes, lights, cameras, decals)
 }

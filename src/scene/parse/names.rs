@@ -112,6 +112,10 @@ pub fn check(
             report.push(error);
         }
     }
+    for decal in &scene.decals {
+        materials.refer(&decal.value.material, report);
+    }
+    check_projected_onto(scene, report);
     check_instance_names(root, report);
     hierarchy::check(root, report);
     let mut cameras = Names::of("camera", root);
@@ -124,6 +128,33 @@ pub fn check(
             .used
             .extend(extends::tables(root).filter_map(extends::extended));
         warn(scene, &materials, is_included, report);
+    }
+}
+
+/// Checks that the instances and groups exist onto which decals are projected.
+fn check_projected_onto(scene: &SceneDesc, report: &mut Report) {
+    let named = scene.decals.iter().filter_map(|d| d.value.only.as_ref());
+    let mut unknown = named.flatten().peekable();
+    if unknown.peek().is_none() || report.lacks_names() {
+        return;
+    }
+    let all: Vec<&str> = scene.node_names().flatten().collect();
+    let known: HashSet<&str> = all.iter().copied().collect();
+    for name in unknown.filter(|name| !known.contains(name.value.as_str())) {
+        let message = format!(
+            "no instance or group is named {}",
+            suggest::text(&name.value)
+        );
+        let help = match all.is_empty() {
+            true => {
+                "give an `[[instance]]` a `name`, or leave `only` out for all of them".to_owned()
+            }
+            false => {
+                let first = &all[..all.len().min(suggest::MOST_NAMES)];
+                suggest::hint(&name.value, first, suggest::text, "the names are")
+            }
+        };
+        report.push(Diagnostic::at("dangling-name", name.at.clone(), message).help(help));
     }
 }
 
@@ -164,7 +195,7 @@ fn warn(
         let is_used = materials.used.contains(material.name.as_str());
         if !is_used && !is_included(&material.at) {
             let message = format!(
-                "no model or instance uses {}",
+                "no model, instance or decal uses {}",
                 suggest::text(&material.name)
             );
             let warning = Diagnostic::at("unused-material", material.at.clone(), message);

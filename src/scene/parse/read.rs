@@ -3,6 +3,7 @@
 
 mod animation;
 mod box_faces;
+mod decal;
 mod environment;
 mod image;
 mod instance;
@@ -46,6 +47,7 @@ impl Section for SceneDesc {
             instances: t.list("instance"),
             groups: t.entries("group"),
             lights: t.entries("light"),
+            decals: t.entries("decal"),
             environment: t.table("environment").unwrap_or_default(),
             reflection: reflection(t),
             probes: t.entries("probe"),
@@ -68,6 +70,13 @@ impl Section for SceneDesc {
             let message = format!("`{}` exceeds the limit of {most} probes", probe.name);
             let help = "remove some, or write a grid in their place: `[probes]` with `spacing_m`";
             let error = Diagnostic::at("too-many-probes", probe.at.clone(), message).help(help);
+            t.report.push(error);
+        }
+        if let Some(decal) = scene.decals.get(DecalDesc::MOST) {
+            let most = DecalDesc::MOST;
+            let message = format!("`{}` exceeds the limit of {most} decals", decal.name);
+            let help = "put several of them into one image with alpha, or remove some";
+            let error = Diagnostic::at("too-many-decals", decal.at.clone(), message).help(help);
             t.report.push(error);
         }
         Some(scene)

@@ -145,6 +145,7 @@ impl AssetCache {
         loader.check_names(&self.models);
         loader.fail_on_errors()?;
         loader.place_all(&self.models);
+        loader.place_decals();
         loader.fail_on_errors()?;
         let world = &mut loader.world;
         let same_meshes = world.meshes.len() == self.needs.len();

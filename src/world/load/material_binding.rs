@@ -107,7 +107,7 @@ impl Loader<'_> {
     }
 
     /// Binds a `[material.NAME]`; an animated one is stored apart from equal materials.
-    fn add_moving_material(
+    pub fn add_moving_material(
         &mut self,
         key: MaterialKey,
         name: Option<&At<String>>,

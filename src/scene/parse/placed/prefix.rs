@@ -198,7 +198,31 @@ impl Prefix<'_> {
                 }
                 self.attach(table);
             }
+            "decal" => {
+                Self::change(table, "material", |name| self.named(name));
+                self.projected_onto(table);
+                self.attach(table);
+            }
             _ => self.attach(table),
+        }
+    }
+
+    /// Renames the instances and groups onto which a decal is projected; without any, those of the scene are.
+    fn projected_onto(&self, decal: &mut Entries) {
+        match decal.get_mut("only").map(Node::get_mut) {
+            Some(Content::Array(names)) => {
+                for name in names {
+                    if let Content::String(name) = name.get_mut() {
+                        *name = self.named(name);
+                    }
+                }
+            }
+            Some(_) => Self::change(decal, "only", |name| self.named(name)),
+            None => {
+                let group = Content::String(self.group.to_owned());
+                let key = text("only".to_owned(), self.at.clone());
+                decal.insert(key, Node::new(self.at.clone(), group));
+            }
         }
     }
 

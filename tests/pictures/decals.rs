@@ -1,0 +1,397 @@
+//! Decals: closed forms, and pictures that must be those of the same scene without them.
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
+
+use reflet::{
+    render::{Picture, aov::Aov},
+    scene::stages::{Animator, Scene},
+    world::{Decals, load},
+};
+
+use crate::common::shaders;
+use crate::kit::{color, floats, gpu, render, renderer, scene, scene_of};
+
+/// A wall in the plane z = 0, seen so that a pixel is 0.05 m wide and the middle of the picture is the origin.
+const WALL: &str = r#"
+version = 1
+[image]
+size = [40, 24]
+tone_map = "none"
+[camera.main]
+eye = [0, 0, 3]
+target = [0, 0, 0]
+orthographic_height_m = 1.2
+[environment]
+color = [1, 1, 1]
+shadow = "none"
+[material.wall]
+base_color = [0.5, 0.5, 0.5]
+roughness = 0.75
+[material.red]
+base_color = [0.8, 0.1, 0.0]
+roughness = 0.25
+metallic = 1
+[model.wall]
+shape = { kind = "box", size = [40, 40, 1] }
+material = "wall"
+[[instance]]
+name = "wall"
+model = "wall"
+translation = [0, 0, -0.5]
+"#;
+
+/// Width of a pixel of [`WALL`], meters.
+const PIXEL_M: f32 = 0.05;
+
+/// Place of a pixel's middle on the wall, meters.
+fn place(pixel: usize) -> [f32; 2] {
+    let (x, y) = ((pixel % 40) as f32, (pixel / 40) as f32);
+    [(x - 19.5) * PIXEL_M, (11.5 - y) * PIXEL_M]
+}
+
+/// Base color of each pixel of a wall with these decals.
+fn wall(decals: &str) -> Option<Vec<f32>> {
+    let text = format!("{WALL}{decals}");
+    let picture = render(gpu()?, &text, &[], &[Aov::BaseColor]);
+    Some(floats(&picture, Aov::BaseColor).to_vec())
+}
+
+/// Asserts that each pixel has the base color that `expected` gives of its place; where it is `None` any.
+#[track_caller]
+fn assert_colors(found: &[f32], expected: impl Fn([f32; 2]) -> Option<[f32; 3]>) {
+    let mut compared = 0;
+    for pixel in 0..40 * 24 {
+        let at = place(pixel);
+        let Some(color) = expected(at) else { continue };
+        let own = &found[3 * pixel..3 * pixel + 3];
+        let close = own.iter().zip(color).all(|(f, e)| (f - e).abs() < 3e-3);
+        assert!(close, "at {at:?}: {own:?}, not {color:?}");
+        compared += 1;
+    }
+    assert!(compared > 700, "{compared} pixels were compared");
+}
+
+const GRAY: [f32; 3] = [0.5; 3];
+const RED: [f32; 3] = [0.8, 0.1, 0.0];
+
+fn mixed(share: f32) -> [f32; 3] {
+    [0, 1, 2].map(|i| GRAY[i] + share * (RED[i] - GRAY[i]))
+}
+
+#[test]
+fn a_decal_covers_its_box_and_nothing_else() {
+    let Some(found) = wall(
+        "[decal.a]\nmaterial = \"red\"\ntranslation = [0.2, -0.1, 0.1]\nsize = [0.6, 0.4, 0.3]\n\
+         rotation_deg = [0, 0, 30]\nopacity = 0.5\n",
+    ) else {
+        return;
+    };
+    let (sin, cos) = 30_f32.to_radians().sin_cos();
+    assert_colors(&found, |[x, y]| {
+        let (x, y) = (x - 0.2, y + 0.1);
+        let inside = [
+            (cos * x + sin * y).abs() - 0.3,
+            (cos * y - sin * x).abs() - 0.2,
+        ];
+        let border = inside[0].max(inside[1]);
+        (border.abs() > 0.01).then(|| if border < 0.0 { mixed(0.5) } else { GRAY })
+    });
+    // The same box, moved along its Z until the wall is outside; the second decal keeps the code in the shaders.
+    let Some(found) = wall(
+        "[decal.a]\nmaterial = \"red\"\ntranslation = [0.2, -0.1, 0.16]\nsize = [0.6, 0.4, 0.3]\n\
+         [decal.b]\nmaterial = \"red\"\ntranslation = [30, 0, 0]\n",
+    ) else {
+        return;
+    };
+    assert_colors(&found, |_| Some(GRAY));
+}
+
+#[test]
+fn decals_fade_by_the_angle_and_lie_in_the_order_of_the_text() {
+    // Turned by 45 degrees: the wall is at an angle of 45 degrees to the projection.
+    for (most, fade, share) in [
+        (60.0, 30.0, 0.578),
+        (44.0, 0.0, 0.0),
+        (46.0, 0.0, 1.0),
+        (90.0, 10.0, 1.0),
+    ] {
+        let Some(found) = wall(&format!(
+            "[decal.a]\nmaterial = \"red\"\nsize = [3, 3, 3]\nrotation_deg = [0, 45, 0]\n\
+             max_angle_deg = {most}\nfade_deg = {fade}\n"
+        )) else {
+            return;
+        };
+        // Linear in the cosine: (cos 45 - cos 60) / (cos 30 - cos 60) of the first.
+        let expected: f32 = if fade == 30.0 {
+            (0.5_f32.sqrt() - 0.5) / (0.75_f32.sqrt() - 0.5)
+        } else {
+            share
+        };
+        assert!((expected - share).abs() < 0.03);
+        assert_colors(&found, |_| Some(mixed(expected)));
+    }
+    let Some(found) = wall(
+        "[material.blue]\nbase_color = [0, 0, 1]\n[decal.z]\nmaterial = \"blue\"\n[decal.a]\n\
+         material = \"red\"\nsize = [0.5, 3, 1]\nopacity = 0.25\n",
+    ) else {
+        return;
+    };
+    assert_colors(&found, |[x, y]| {
+        let near = (x.abs() - 0.25).abs() < 0.01
+            || (x.abs() - 0.5).abs() < 0.01
+            || (y.abs() - 0.5).abs() < 0.01;
+        let below = if x.abs() < 0.5 && y.abs() < 0.5 {
+            [0.0, 0.0, 1.0]
+        } else {
+            GRAY
+        };
+        let above = [0, 1, 2].map(|i| below[i] + 0.25 * (RED[i] - below[i]));
+        (!near).then_some(if x.abs() < 0.25 { above } else { below })
+    });
+}
+
+#[test]
+fn a_decal_changes_only_what_it_is_asked_to_and_whom() {
+    let Some(gpu) = gpu() else { return };
+    let numbers = |decal: &str| {
+        let text = format!(
+            "{WALL}[[instance]]\nname = \"bump\"\nmodel = \"wall\"\nscale = [0.01, 0.01, 0.2]\nparent = \"wall\"\n\
+             translation = [0, 0, 0.41]\n[decal.a]\nmaterial = \"red\"\nsize = [3, 3, 1]\n{decal}"
+        );
+        let picture = render(gpu, &text, &[], &[Aov::Material, Aov::BaseColor]);
+        let of = |pixel: usize| {
+            let material = &floats(&picture, Aov::Material)[3 * pixel..3 * pixel + 2];
+            let red = floats(&picture, Aov::BaseColor)[3 * pixel];
+            [material[0], material[1], red].map(|v| (v * 1000.0).round())
+        };
+        // In the middle of the bump, and on the wall.
+        [of(12 * 40 + 20), of(12 * 40 + 4)]
+    };
+    let (own, red) = ([750.0, 0.0, 500.0], [250.0, 1000.0, 800.0]);
+    assert_eq!(numbers(""), [red, red]);
+    assert_eq!(numbers("only = \"bump\"\n"), [red, own]);
+    // A name stands for what is attached to it too.
+    assert_eq!(numbers("only = [\"wall\"]\n"), [red, red]);
+    assert_eq!(
+        numbers("changes = \"roughness\"\n"),
+        [[250.0, 0.0, 500.0]; 2]
+    );
+    assert_eq!(
+        numbers("changes = [\"metallic\", \"normal\"]\n"),
+        [[750.0, 1000.0, 500.0]; 2]
+    );
+}
+
+/// A folder with an image of 8 × 8 pixels, some of them clear, and one of normals.
+fn folder(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("decals-{name}"));
+    let _ = fs::remove_dir_all(&folder);
+    fs::create_dir_all(&folder).expect("temporary folder");
+    let paint = |x: u32, y: u32| {
+        let alpha = if (x + y).is_multiple_of(3) { 0 } else { 255 };
+        image::Rgba([(x * 36) as u8, (y * 36) as u8, 90, alpha])
+    };
+    let slope = |x: u32, _| image::Rgba([if x < 4 { 90 } else { 160 }, 150, 220, 255]);
+    for (name, image) in [
+        ("paint.png", image::RgbaImage::from_fn(8, 8, paint)),
+        ("slope.png", image::RgbaImage::from_fn(8, 8, slope)),
+    ] {
+        image
+            .save(folder.join(name))
+            .expect("the image can be written");
+    }
+    folder
+}
+
+fn picture_of(folder: &Path, text: &str, set: &[&str], aovs: &[Aov]) -> Option<Picture> {
+    let gpu = gpu()?;
+    let (desc, world) = scene_of(&folder.join("scene.toml"), text, set);
+    let mut renderer = renderer(gpu, &desc, &world, false);
+    let picture = renderer.picture(gpu, &world, &world.cameras[0].value, aovs);
+    Some(picture.unwrap_or_else(|e| panic!("{e}")))
+}
+
+/// The plane has the image as its texture, or shows it as a decal that covers it.
+#[test]
+fn a_decal_is_the_image_as_the_texture_of_a_plane() {
+    let scene = |wall: &str, rest: &str| {
+        format!(
+            "version = 1\n[image]\nsize = [48, 32]\ntone_map = \"none\"\n[camera.main]\neye = [0.7, 0.5, 2]\n\
+             target = [0, 0, 0]\nfov_deg = 40\n[environment]\nzenith = [1, 1, 1]\nhorizon = [0.4, 0.5, 0.6]\n\
+             [light.a]\nkind = \"point\"\nposition = [1, 1, 1]\nintensity_cd = 3\nshadow = \"none\"\n\
+             [material.paint]\nbase_color_texture = \"paint.png\"\nnormal_texture = \"slope.png\"\nroughness = 0.6\n\
+             [material.plain]\nroughness = 0.6\nbase_color = [0, 0, 0]\n[model.wall]\n\
+             shape = {{ kind = \"plane\", size = [1.5, 1] }}\nmaterial = \"{wall}\"\n[[instance]]\nmodel = \"wall\"\n\
+             rotation_deg = [90, 0, 0]\n{rest}"
+        )
+    };
+    let folder = folder("texture");
+    let decal =
+        "[decal.a]\nmaterial = \"paint\"\nsize = [1.5, 1, 0.1]\nmax_angle_deg = 90\nfade_deg = 0\n";
+    // Where the image is opaque both show its texels; elsewhere the decal is clear.
+    let opaque = "[material.paint]\nbase_color_texture = \"paint.png\"";
+    let solid = |text: String| {
+        text.replace(
+            opaque,
+            "[material.paint]\nbase_color_texture = \"slope.png\"",
+        )
+    };
+    let wanted = [Aov::BaseColor, Aov::Normal];
+    let Some(textured) = picture_of(
+        &folder,
+        &solid(scene("paint", "[material.unused]\n")),
+        &[],
+        &wanted,
+    ) else {
+        return;
+    };
+    let Some(projected) = picture_of(&folder, &solid(scene("plain", decal)), &[], &wanted) else {
+        return;
+    };
+    for aov in wanted {
+        let pairs = floats(&textured, aov).iter().zip(floats(&projected, aov));
+        let worst = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+        assert!(worst < 0.02, "{}: {worst}", aov.name());
+    }
+    let Some(clear) = picture_of(&folder, &scene("plain", decal), &[], &wanted) else {
+        return;
+    };
+    // The image's blue is 0.102 everywhere, its alpha 0 or 1 at texels.
+    let blues = floats(&clear, Aov::BaseColor).chunks_exact(3).map(|c| c[2]);
+    let black = blues.clone().filter(|blue| *blue == 0.0).count();
+    let painted = blues.clone().filter(|blue| *blue > 0.06).count();
+    let brightest = blues.fold(0.0, f32::max);
+    assert!(
+        black > 200 && painted > 100 && brightest < 0.105,
+        "{black} are clear, {painted} painted, at most {brightest}"
+    );
+}
+
+/// A mirror beside the wall shows the decal where tracing the mirrored scene does.
+#[test]
+fn mirrors_and_all_methods_show_decals() {
+    let text = format!(
+        "{}[material.mirror]\nbase_color = [1, 1, 1]\nmetallic = 1\nroughness = 0\n[model.mirror]\n\
+         shape = {{ kind = \"plane\", size = [4, 4] }}\nmaterial = \"mirror\"\n[[instance]]\nmodel = \"mirror\"\n\
+         translation = [0, -0.3, 1]\n[decal.a]\nmaterial = \"paint\"\nsize = [0.6, 0.4, 0.3]\n\
+         translation = [0, 0.1, 0]\n[material.paint]\nbase_color = [0, 0, 0]\nemission = [2, 0.5, 0]\n",
+        WALL.replace("orthographic_height_m = 1.2", "fov_deg = 28")
+            .replace("eye = [0, 0, 3]", "eye = [0, 0.2, 3]")
+    );
+    let Some(gpu) = gpu() else { return };
+    for method in ["hybrid", "rt", "ssr", "path"] {
+        let set = [
+            format!("reflection.method={method}"),
+            "image.samples=4".into(),
+        ];
+        let set: Vec<_> = set.iter().map(String::as_str).collect();
+        let picture = render(gpu, &text, &set, &[]);
+        // Emission shows the decal itself on the wall, and its image as far below the mirror as it is above.
+        let lit = |rows: std::ops::Range<u32>| {
+            let pixels = rows.flat_map(|y| (0..40).map(move |x| (x, y)));
+            pixels
+                .filter(|&(x, y)| color(&picture, x, y)[0] > 1.5)
+                .count()
+        };
+        let (above, below) = (lit(0..14), lit(14..24));
+        assert!(above > 50, "{method}: {above} pixels show the decal");
+        assert!(below > 20, "{method}: {below} pixels show its reflection");
+    }
+    // A puddle makes rough ground reflect, which reflects nowhere else.
+    let puddle = WALL
+        .replace("size = [40, 24]", "size = [20, 12]")
+        .replace("roughness = 0.25\nmetallic = 1", "roughness = 0")
+        + "[decal.a]\nmaterial = \"red\"\nchanges = \"roughness\"\nsize = [0.5, 3, 1]\n";
+    let picture = render(gpu, &puddle, &[], &[Aov::Cause]);
+    let causes = crate::kit::integers(&picture, Aov::Cause);
+    let middle = causes[6 * 20 + 10];
+    assert_ne!(
+        middle,
+        causes[6 * 20 + 1],
+        "the puddle reflects and the ground does not"
+    );
+}
+
+/// A decal on a moving group, and one on a moving instance, which carries it along.
+#[test]
+fn decals_move_and_hide_with_their_parents() {
+    let Some(gpu) = gpu() else { return };
+    let text = format!(
+        "{WALL}[timeline]\nfps = 1\nend = 2\n[group.slide]\n[motion.group.slide]\n\
+         translation = {{ rate = [0.25, 0, 0] }}\nshown = {{ keys = [{{ at_s = 0, value = true }}, {{ at_s = 2, value = false }}] }}\n\
+         [decal.a]\nmaterial = \"red\"\nparent = \"slide\"\ntranslation = [-0.3, 0, 0]\nsize = [0.4, 0.4, 0.4]\n"
+    );
+    let read = Scene::from_text(&text, Path::new("test.toml"), &[]);
+    let (scene, _) = read.unwrap_or_else(|errors| panic!("{errors:?}"));
+    let world = load::load(&scene, &load::LoadOptions::default());
+    let mut world = world.unwrap_or_else(|errors| panic!("{errors:?}"));
+    let motion = Animator::new(&scene);
+    let mut renderer = renderer(gpu, &scene, &world, false);
+    for frame in [1, 0, 2] {
+        let state = motion.pose(frame).unwrap_or_else(|e| panic!("{e:?}"));
+        world.apply(&state).unwrap_or_else(|e| panic!("{e:?}"));
+        renderer.update(gpu, &world).expect("posed");
+        let camera = &world.cameras[0].value;
+        let picture = renderer.picture(gpu, &world, camera, &[Aov::BaseColor]);
+        let picture = picture.unwrap_or_else(|e| panic!("{e}"));
+        let middle = -0.3 + 0.25 * frame as f32;
+        assert_colors(floats(&picture, Aov::BaseColor), |[x, y]| {
+            let border = ((x - middle).abs() - 0.2).max(y.abs() - 0.2);
+            let inside = border < 0.0 && frame < 2;
+            (border.abs() > 0.01).then_some(if inside { RED } else { GRAY })
+        });
+    }
+}
+
+/// Each instance is asked only about the decals that may lie on it.
+#[test]
+fn instances_have_the_decals_that_meet_them() {
+    let boxes: String = (0..40)
+        .map(|i| {
+            format!("[[instance]]\nmodel = \"wall\"\nscale = 0.01\ntranslation = [{i}, 5, 0]\n")
+        })
+        .collect();
+    let decals: String = (0..200)
+        .map(|i| format!("[decal.d{i}]\nmaterial = \"red\"\ntranslation = [{}, 5, 0]\nsize = [0.3, 0.3, 0.3]\n", i as f32 / 5.0))
+        .collect();
+    let (_, world) = scene(&format!("{WALL}{boxes}{decals}"), &[]);
+    let counts = |instance: usize| {
+        let set = world.decals.sets[usize::from(world.decals.set_of(instance))];
+        set.iter().map(|word| word.count_ones()).sum::<u32>()
+    };
+    // The wall meets them all but those at its end; boxes are 0.4 m wide, decals 0.3 m and 0.2 m apart.
+    assert!(counts(0) > 100, "{}", counts(0));
+    for instance in 2..40 {
+        assert_eq!(counts(instance), 3, "instance {instance}");
+    }
+}
+
+/// A renderer of a scene without decals shows those of a later version of its text, and none after another.
+#[test]
+fn a_renderer_adopts_the_decals_of_a_changed_scene() {
+    let Some(gpu) = gpu() else { return };
+    let decal = "[decal.a]\nmaterial = \"red\"\nsize = [1, 1, 1]\n";
+    let (desc, painted) = scene(&format!("{WALL}{decal}"), &[]);
+    let mut bare = painted.clone();
+    bare.decals = Decals::default();
+    let mut renderer = renderer(gpu, &desc, &bare, false);
+    let options = *renderer.options();
+    for (world, expected) in [(&bare, GRAY), (&painted, RED), (&bare, GRAY)] {
+        let changed = renderer.change(gpu, &shaders(), world, &options);
+        assert!(!changed.unwrap_or_else(|e| panic!("{e}")).upload);
+        let picture = renderer.picture(gpu, world, &world.cameras[0].value, &[Aov::BaseColor]);
+        let picture = picture.unwrap_or_else(|e| panic!("{e}"));
+        let middle = 3 * (12 * 40 + 20);
+        let found = &floats(&picture, Aov::BaseColor)[middle..middle + 3];
+        assert!(
+            found
+                .iter()
+                .zip(expected)
+                .all(|(f, e)| (f - e).abs() < 3e-3),
+            "{found:?}"
+        );
+    }
+}
