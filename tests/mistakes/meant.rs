@@ -64,7 +64,7 @@ fn keys_that_have_an_effect_are_left_alone() {
 fn the_scenes_of_the_project_have_no_warnings() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut files = Vec::new();
-    for folder in ["scenes", "scripts"] {
+    for folder in ["scenes", "scenes/examples", "scripts"] {
         let entries = fs::read_dir(root.join(folder)).expect("the folder is there");
         let paths = entries.map(|entry| entry.expect("entry").path());
         let is_scene = |path: &Path| {

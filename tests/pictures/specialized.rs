@@ -18,8 +18,8 @@ use crate::{
     kit::{gpu, integers, renderer, share_differing},
 };
 
-/// Folders of complete scenes; `scripts/parts` holds parts.
-const FOLDERS: [&str; 3] = ["scenes", "scenes/paper", "scripts"];
+/// Folders of complete scenes; folders `parts` hold parts.
+const FOLDERS: [&str; 4] = ["scenes", "scenes/examples", "scenes/paper", "scripts"];
 const SMALL: &str = "image.size=[96, 54]";
 
 fn shipped() -> Vec<PathBuf> {
@@ -28,7 +28,10 @@ fn shipped() -> Vec<PathBuf> {
     for folder in FOLDERS {
         let entries = fs::read_dir(root.join(folder)).expect("a folder of scenes");
         let paths = entries.map(|entry| entry.expect("an entry").path());
-        found.extend(paths.filter(|path| path.extension().is_some_and(|e| e == "toml")));
+        let is_scene = |path: &Path| {
+            path.extension().is_some_and(|e| e == "toml") && !path.ends_with("reflet.toml")
+        };
+        found.extend(paths.filter(|path| is_scene(path)));
     }
     found.sort();
     found

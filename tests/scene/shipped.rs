@@ -22,9 +22,12 @@ fn scenes_below(folder: &Path) -> Vec<PathBuf> {
     let entries = fs::read_dir(folder).expect("scenes");
     let mut found = Vec::new();
     for path in entries.map(|entry| entry.expect("entry").path()) {
+        // Parts are read with the scenes that include or place them; a project is no scene.
         if path.is_dir() {
-            found.extend(scenes_below(&path));
-        } else if path.extension().is_some_and(|e| e == "toml") {
+            if !path.ends_with("parts") {
+                found.extend(scenes_below(&path));
+            }
+        } else if !path.ends_with("reflet.toml") && path.extension().is_some_and(|e| e == "toml") {
             found.push(path);
         }
     }
