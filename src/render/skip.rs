@@ -262,7 +262,10 @@ fn of_world(world: &World, reflectors: &[Reflector]) -> Option<String> {
             &world.meshes[instance.mesh],
             &world.materials[instance.material],
         );
-        let why = if material.normal_texture.is_some() || material.has_coat_normals() {
+        let has_bumps = |of: &Material| of.normal_texture.is_some() || of.has_coat_normals();
+        let mut decals = world.decals.over(instance.material);
+        let why = if has_bumps(material) || decals.any(|d| has_bumps(&world.materials[d.material]))
+        {
             "has a normal map"
         } else if mesh.deformation.is_some() {
             "is deformed"
@@ -288,7 +291,11 @@ fn kept(world: &World, instance: &Instance) -> Option<Kept> {
     if instance.dynamic || world.may_change(instance.material) {
         return Some(Kept::Moves);
     }
-    emits(&world.materials[instance.material]).then_some(Kept::Emits)
+    let decals = world.decals.over(instance.material).map(|d| d.material);
+    let mut shown = decals.chain([instance.material]);
+    shown
+        .any(|m| emits(&world.materials[m]))
+        .then_some(Kept::Emits)
 }
 
 /// Whether a material emits light somewhere.
