@@ -208,6 +208,7 @@ impl<'a> Loader<'a> {
             folders,
             world: World {
                 memory,
+                probes: desc.probes.clone(),
                 ..World::default()
             },
             errors: Vec::new(),
@@ -313,7 +314,6 @@ impl<'a> Loader<'a> {
         }
         self.world.rest_unit_m = Some(self.world.unit_m());
         self.world.environment.fog_box = self.world.fog_box();
-        self.world.probes = self.desc.probes.clone();
         let files = self.world.files.clone();
         let source = self.panorama_source(&models);
         self.add_texts();

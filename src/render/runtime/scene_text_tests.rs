@@ -2,7 +2,7 @@
 
 use std::{collections::BTreeMap, env, fs, path::Path};
 
-use super::*;
+use super::{super::kept_assets::KeptAssets, *};
 use reflet_scene::{desc::is_stage, syntax::parsed};
 
 const FILES: [(&str, &str); 6] = [
@@ -99,4 +99,26 @@ fn scene_of_a_bare_model_is_made_without_parsing() {
         format!("{:?} {sun:?} {:?}", scene.timeline, scene.environment)
     };
     assert_eq!(values(&opened.scene), values(&again));
+}
+
+/// Worlds over kept assets have all that those read from files have, whatever a scene holds.
+#[test]
+fn kept_assets_change_nothing_of_a_world() {
+    let folder = Folder::new("kept-assets");
+    let path = folder.0.join("full.toml");
+    let text = "version = 1\nbase = \"scene.toml\"\n[probe.middle]\nposition = [0, 1, 0]\n\
+                [material.spot]\nbase_color = [1, 0, 0]\n[decal.mark]\nmaterial = \"spot\"\nsize = [1, 1, 1]\n\
+                [material.paint]\nroughness = 0.1\n[environment]\nfog = { density = 0.1 }\n";
+    fs::write(&path, text).expect("it can be written");
+    let text = SceneText::read(Some(&path), &SceneOptions::default()).expect("it can be read");
+    let opened = (text.open(&[], &Dependencies::default())).expect("it is right");
+    let mut assets = KeptAssets::default();
+    let mut load = || {
+        assets
+            .load(&opened, "full.toml".to_owned())
+            .expect("it loads")
+    };
+    let [read, kept] = [load(), load()].map(|scene| scene.world);
+    assert_eq!((read.probes.len(), read.decals.list.len()), (1, 1));
+    assert_eq!(format!("{read:#?}"), format!("{kept:#?}"));
 }
