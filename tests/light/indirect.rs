@@ -108,7 +108,7 @@ eye = [0, 2, 4]
 target = [0, 0, 0]
 fov_deg = 30
 [image]
-size = [40, 40]
+size = [28, 28]
 samples = 16
 tone_map = "none"
 [environment]

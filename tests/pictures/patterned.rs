@@ -105,7 +105,6 @@ version = 1
 [image]
 size = [96, 40]
 tone_map = "none"
-samples = 4
 [camera.main]
 eye = [0, 0.4, 5]
 target = [0, 0, 0]
@@ -190,7 +189,7 @@ fn every_view_of_a_pattern_agrees() {
     let text = r#"
 version = 1
 [image]
-size = [96, 54]
+size = [64, 36]
 tone_map = "none"
 [camera.main]
 eye = [1.2, 0.7, 3]
@@ -223,11 +222,10 @@ model = "mirror"
     let general = general.unwrap_or_else(|e| panic!("{e}"));
     let differing = share_differing(&specialized, &general, 1);
     assert!(differing < 0.005, "general: {differing}");
-    for set in ["reflection.method=rt", "image.visibility=rays"] {
-        let other = render(gpu, text, &[set], &[]);
-        let differing = share_differing(&specialized, &other, 6);
-        assert!(differing < 0.02, "{set}: {differing}");
-    }
+    // Rays find the same values of patterns as rasterization, which another test shows.
+    let traced = render(gpu, text, &["reflection.method=rt"], &[]);
+    let differing = share_differing(&specialized, &traced, 6);
+    assert!(differing < 0.02, "rt: {differing}");
     let samples = ["image.samples=16"];
     let many = render(gpu, text, &samples, &[]);
     let path = render(
