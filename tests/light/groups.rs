@@ -167,7 +167,7 @@ fn groups_add_up_in_fog_and_with_many_lamps() {
 fn a_group_is_the_light_of_its_lights_alone() {
     let set = ["image.samples=24", "image.size=[24, 14]"];
     let Some(gpu) = gpu() else { return };
-    // What is dark but not off needs the same pipelines.
+    // Lights that are dark but not off need the same pipelines.
     let dark = [
         "environment.intensity=1e-6",
         "light.lamp.intensity_cd=1e-6",
