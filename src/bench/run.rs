@@ -286,6 +286,7 @@ impl Protocol {
         ReflectionDesc {
             method: Method::Rt,
             bounces: REFERENCE_BOUNCES,
+            skip_px: 0.0,
             reuse_light: false,
             layers: 1,
             rate: 1,

@@ -1,5 +1,7 @@
 //! `bench comparators`: the document that sets other ways of finding reflections beside Reflet's own.
 
+mod failures;
+
 use std::path::Path;
 
 use super::{args::ComparatorsArgs, create_folder, timeline::frame_series, write};
@@ -93,7 +95,8 @@ pub fn comparators(args: &ComparatorsArgs) -> Result<(), AppError> {
         is_processor: gpu.is_software(),
     };
     let best_chart = format!("charts/{BEST_CHART}");
-    let text = document(&about, &scenes, (&best, &best_chart), |scene| {
+    let failures = failures::failures(&gpu, &library, args)?;
+    let text = document(&about, &scenes, (&best, &best_chart), &failures, |scene| {
         format!("charts/{}", chart_name(&scene.scene))
     });
     write(&args.document, text.as_bytes())?;
@@ -154,6 +157,7 @@ fn measure(
         bounces: REFERENCE_BOUNCES,
         reuse_light: false,
         filter: false,
+        skip_px: 0.0,
         ..first.reflection
     };
     let truth = first.renderer(gpu, library, &reference, args.size);
@@ -231,7 +235,8 @@ fn start<'a>(
     renderer.recapture_probes();
     let stats = renderer.render(gpu, &subject.world, &subject.camera)?;
     let counted = renderer.counts(gpu, &subject.world, &subject.camera)?;
-    let work = counted.iter().map(|pass| pass.counts);
+    let found = counted.iter().filter(|pass| finds(pass.pass));
+    let work = found.map(|pass| pass.counts);
     Ok(Running {
         system,
         renderer,
@@ -269,6 +274,11 @@ fn judge(
     Ok(())
 }
 
+/// Whether the pass of this name finds reflections.
+fn finds(name: &str) -> bool {
+    passes::named(name).is_some_and(|p| p.group.finds_reflections())
+}
+
 /// Times a system's passes in one picture.
 fn time(gpu: &Gpu, subject: &Subject, system: &mut Running<'_>) -> Result<(), RenderError> {
     let stats = (system.renderer).render(gpu, &subject.world, &subject.camera)?;
@@ -276,7 +286,6 @@ fn time(gpu: &Gpu, subject: &Subject, system: &mut Running<'_>) -> Result<(), Re
         [] => &stats.passes_ms,
         passes => passes,
     };
-    let finds = |name: &str| passes::named(name).is_some_and(|p| p.group.finds_reflections());
     let found = passes.iter().filter(|(name, _)| finds(name));
     system.times_ms.push(found.map(|(_, ms)| ms).sum());
     system.last = Some(stats);

@@ -20,12 +20,26 @@ pub struct Conditions {
     pub is_processor: bool,
 }
 
+/// Picture of what a system gets wrong, beside that of `rt`.
+#[derive(Clone, Debug)]
+pub struct Failure {
+    /// Name of the system.
+    pub system: &'static str,
+    /// Scene file.
+    pub scene: String,
+    /// Sentence about the failure.
+    pub text: &'static str,
+    /// Address of the picture.
+    pub address: String,
+}
+
 /// The document as Markdown, with the best systems over all scenes and the address of their chart; `chart` gives the address
 /// of a scene's chart.
 pub fn document(
     about: &Conditions,
     scenes: &[SceneRows],
     (best, best_chart): (&[Overall], &str),
+    failures: &[Failure],
     chart: impl Fn(&SceneRows) -> String,
 ) -> String {
     let [width, height] = about.size;
@@ -40,7 +54,7 @@ pub fn document(
          that find reflections, medians of {} pictures, or of all frames of a film; errors are FLIP and SSIM against \
          `rt` inside the reflective pixels. Maps of probes and of far things are captured apart from the frame, and structures of \
          ray queries are built apart from it: their bytes and time have columns of their own. Tree nodes and \
-         march steps are those of all passes of the first picture; they do not depend on the machine.\n\n```sh\n{}\n```\n",
+         march steps are those of these passes in the first picture; they do not depend on the machine.\n\n```sh\n{}\n```\n",
         about.adapter, about.frames, about.command
     );
     out += "\n## What rivals do better\n\n";
@@ -52,6 +66,7 @@ pub fn document(
         false => better.iter().for_each(|line| out += &format!("- {line}\n")),
     }
     over_all(&mut out, best, best_chart);
+    failing(&mut out, failures);
     for scene in scenes {
         let _ = write!(out, "\n## {}\n\n", scene.scene);
         let frames = match scene.frames {
@@ -86,6 +101,27 @@ fn over_all(out: &mut String, best: &[Overall], chart: &str) {
     for of in best {
         let (ratio, flip) = (of.time_ratio, of.flip);
         let _ = writeln!(out, "| {} | {ratio:.2} | {flip:.4} |", of.system);
+    }
+}
+
+/// Table of failures.
+fn failing(out: &mut String, failures: &[Failure]) {
+    if failures.is_empty() {
+        return;
+    }
+    *out += "\n## How they fail\n\nLeft the system, right `rt`, where they differ most. The failures of `near-far` and \
+             `ssr+box` are in [methods.md](methods.md#near-rays-far-maps).\n\n| system | picture | failure |\n|---|---|---|\n";
+    for Failure {
+        system,
+        scene,
+        text,
+        address,
+    } in failures
+    {
+        let _ = writeln!(
+            out,
+            "| {system} | ![{system} beside rt]({address}) | {text} `{scene}` |"
+        );
     }
 }
 
@@ -237,7 +273,13 @@ mod tests {
         };
         let scenes = [scene];
         let best = best(&scenes, 2);
-        let text = document(&about, &scenes, (&best, "best.svg"), |_| {
+        let failures = [Failure {
+            system: "ssr",
+            scene: "hole.toml".to_owned(),
+            text: "It is black.",
+            address: "hole.png".to_owned(),
+        }];
+        let text = document(&about, &scenes, (&best, "best.svg"), &failures, |_| {
             "chart.svg".to_owned()
         });
         let first = text.find("## What rivals do better").expect("a heading");
@@ -250,6 +292,10 @@ mod tests {
         );
         assert!(text.contains("| hybrid | 1.00 | 0.0100 |"), "{text}");
         assert!(text.contains("64 × 36 pixels on a chip"), "{text}");
+        assert!(
+            text.contains("![ssr beside rt](hole.png) | It is black."),
+            "{text}"
+        );
         assert!(
             !text.contains("- hall.toml: ssr, 2 layers:"),
             "it is neither faster nor better: {text}"
