@@ -274,7 +274,7 @@ mod tests {
         let scenes = [scene];
         let best = best(&scenes, 2);
         let failures = [Failure {
-            system: "ssr",
+            system: "near-far",
             scene: "hole.toml".to_owned(),
             text: "It is black.",
             address: "hole.png".to_owned(),
@@ -293,7 +293,7 @@ mod tests {
         assert!(text.contains("| hybrid | 1.00 | 0.0100 |"), "{text}");
         assert!(text.contains("64 × 36 pixels on a chip"), "{text}");
         assert!(
-            text.contains("![ssr beside rt](hole.png) | It is black."),
+            text.contains("![near-far beside rt](hole.png) | It is black."),
             "{text}"
         );
         assert!(
