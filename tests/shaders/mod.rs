@@ -336,12 +336,13 @@ fn closed_forms_need_no_samples() {
 
 /// Overrides that neither the table of features nor a pass gives: numbers of the plan and of the adapter, and choices
 /// between pipelines of one shader.
-const OTHER_OVERRIDES: [&str; 11] = [
+const OTHER_OVERRIDES: [&str; 12] = [
     "COUNT",
     "CUTOUT",
     "EMISSION_SCALE",
     "LAYER_POOLS",
     "MAX_VISITS",
+    "REFLECTED_ROOT",
     "REFUSE",
     "ROW_SHUFFLES",
     "SHADE",
