@@ -33,7 +33,7 @@ def alone(name: str) -> ModuleType:
 
 @pytest.fixture(scope="module")
 def program() -> ModuleType:
-    """What runs the program."""
+    """Module that runs the program."""
     return alone("program")
 
 
