@@ -8,8 +8,13 @@ let scene = null;
 let view = null;
 let socket = null;
 
+// Messages of a viewer who is faster than the connection.
+let unsent = [];
+
 const send = (message) => {
-  if (socket && socket.readyState === WebSocket.OPEN) socket.send(JSON.stringify(message));
+  const text = JSON.stringify(message);
+  if (!socket || socket.readyState === WebSocket.CONNECTING) unsent.push(text);
+  else if (socket.readyState === WebSocket.OPEN) socket.send(text);
 };
 
 function paint() {
@@ -152,8 +157,13 @@ function connect() {
   address.protocol = "ws:";
   socket = new WebSocket(address);
   socket.binaryType = "arraybuffer";
-  socket.onopen = () => { $("status").textContent = "connected"; };
+  socket.onopen = () => {
+    $("status").textContent = "connected";
+    unsent.forEach((text) => socket.send(text));
+    unsent = [];
+  };
   socket.onclose = () => {
+    unsent = [];
     $("status").textContent = "the preview has ended, or has too many viewers; trying again";
     setTimeout(connect, 1000);
   };
