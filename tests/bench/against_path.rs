@@ -37,6 +37,7 @@ rotation_deg = [0, 0, -90]
 "#;
 
 #[test]
+#[ignore = "long: renders by path"]
 fn a_second_reference_judges_the_model() {
     if gpu_or_skip().is_none() {
         return;

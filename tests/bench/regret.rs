@@ -7,6 +7,7 @@ use super::{exits, folder, gpu_or_skip};
 const ROOM: &str = include_str!("../../scenes/cornell.toml");
 
 #[test]
+#[ignore = "long: measures all methods in several sizes"]
 fn it_lists_each_scene_and_size_with_choice_and_best() {
     if gpu_or_skip().is_none() {
         return;

@@ -26,6 +26,7 @@ shadow = "none"
 "#;
 
 #[test]
+#[ignore = "long: measures each method twice"]
 fn methods_find_surfaces_as_render_does() {
     if gpu_or_skip().is_none() {
         return;

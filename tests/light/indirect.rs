@@ -188,6 +188,7 @@ fn mirrors_show_scattered_light_whatever_finds_it() {
 }
 
 #[test]
+#[ignore = "long: renders by path with several settings"]
 fn the_truth_depends_on_no_setting_of_the_others() {
     let Some(gpu) = gpu() else { return };
     let path = |set: &[&str]| {
@@ -215,6 +216,7 @@ fn the_truth_depends_on_no_setting_of_the_others() {
 }
 
 #[test]
+#[ignore = "long: renders by path"]
 fn light_behind_solid_glass_is_found_by_what_is_refracted() {
     let Some(gpu) = gpu() else { return };
     // A slab that bends no light: only the search for light differs.

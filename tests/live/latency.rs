@@ -19,6 +19,7 @@ use crate::{
 };
 
 #[test]
+#[ignore = "long: the saves of a project are measured daily"]
 fn saves_of_all_kinds_are_measured() {
     let Some(gpu) = gpu_or_skip() else { return };
     let words = ["reflet", "bench", "reload", "--n", "1", "--size", "64x36"];

@@ -95,6 +95,7 @@ fn blurred_difference(a: &Picture, b: &Picture) -> f64 {
 /// One sub-frame shows the whole streak, in the mirror too, and four show it smoothly: what the eye averages is closer
 /// to the converged picture than with a moment for each sub-frame.
 #[test]
+#[ignore = "long: needs many moments"]
 fn few_samples_show_streaks_and_not_copies() {
     if gpu_or_skip().is_none() {
         return;
