@@ -29,7 +29,9 @@ async function startServer() {
   } catch (error) {
     client = undefined;
     const set = "Set the path";
-    const text = `Reflet's language server did not start: ${error.message}. Is reflet installed?`;
+    // The client rejects with nothing where the program cannot be run.
+    const why = error?.message ?? `\`${program()} lsp\` cannot be run`;
+    const text = `Reflet's language server did not start: ${why}. Is reflet installed?`;
     if ((await vscode.window.showErrorMessage(text, set)) === set) {
       await vscode.commands.executeCommand("workbench.action.openSettings", "reflet.path");
     }
@@ -100,12 +102,13 @@ class PicturePane {
 function page(source, picture, messages) {
   const safe = (text) =>
     text.replace(/[&<>"]/g, (c) => ({ "&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;" })[c]);
-  const image = picture ? `<img src="${safe(picture)}" alt="The rendered scene">` : "<p>Rendering …</p>";
+  const instead = messages ? "" : "<p>Rendering …</p>";
+  const image = picture ? `<img src="${safe(picture)}" alt="The rendered scene">` : instead;
   const policy = `default-src 'none'; img-src ${source}; style-src 'unsafe-inline'`;
   return `<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8">
 <meta http-equiv="Content-Security-Policy" content="${policy}">
-<style>img { max-width: 100%; } pre { white-space: pre-wrap; }</style>
+<style>img { max-width: 100%; } pre { overflow-x: auto; }</style>
 </head><body>${image}<pre>${safe(messages)}</pre></body></html>`;
 }
 
