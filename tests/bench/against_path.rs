@@ -37,7 +37,6 @@ rotation_deg = [0, 0, -90]
 "#;
 
 #[test]
-#[ignore = "long: renders by path"]
 fn a_second_reference_judges_the_model() {
     if gpu_or_skip().is_none() {
         return;
@@ -45,7 +44,7 @@ fn a_second_reference_judges_the_model() {
     let folder = folder("against-path");
     fs::write(folder.join("room.toml"), SCENE).expect("a scene");
     let run: Vec<&str> =
-        "room.toml --methods rt --sizes 64x36 --frames 1 --warm-up 1 --against-path 64 -o out"
+        "room.toml --methods rt --sizes 32x18 --frames 1 --warm-up 1 --against-path 32 -o out"
             .split(' ')
             .collect();
     exits(&folder, &run, 0);

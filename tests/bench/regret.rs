@@ -1,21 +1,40 @@
 //! `bench regret`: the choice of `auto` beside the fastest alternative.
 
-use std::fs;
+use std::{fs, path::PathBuf};
 
 use super::{exits, folder, gpu_or_skip};
 
 const ROOM: &str = include_str!("../../scenes/cornell.toml");
 
-#[test]
-#[ignore = "long: measures all methods in several sizes"]
-fn it_lists_each_scene_and_size_with_choice_and_best() {
-    if gpu_or_skip().is_none() {
-        return;
-    }
-    let folder = folder("regret");
+/// Folder with a scene for which `auto` chooses shadows too; none without an adapter.
+fn room(name: &str) -> Option<PathBuf> {
+    gpu_or_skip()?;
+    let folder = folder(name);
     let lit = ROOM.replace("kind = \"point\"", "kind = \"point\"\nshadow = \"auto\"");
     assert_ne!(lit, ROOM);
     fs::write(folder.join("room.toml"), lit).expect("written");
+    Some(folder)
+}
+
+#[test]
+fn it_lists_choice_and_best() {
+    let Some(folder) = room("regret") else { return };
+    let arguments = ["regret", "room.toml", "--sizes", "32x18", "--frames", "1"];
+    let [table, _] = exits(&folder, &arguments, 0);
+    assert!(
+        table.starts_with("| scene |") && table.lines().count() == 3,
+        "{table}"
+    );
+    let [_, error] = exits(&folder, &["regret", "none.toml"], 3);
+    assert!(error.contains("none.toml"), "{error}");
+}
+
+#[test]
+#[ignore = "long: measures all methods in two sizes"]
+fn it_lists_each_scene_and_size_with_its_regret() {
+    let Some(folder) = room("regret-sizes") else {
+        return;
+    };
     let arguments = [
         "regret",
         "room.toml",
@@ -35,12 +54,4 @@ fn it_lists_each_scene_and_size_with_choice_and_best() {
         let ratio = number("chosen_ms") / number("best_ms");
         assert!((number("regret") - ratio).abs() < 1e-9, "{row}");
     }
-    let arguments = ["regret", "room.toml", "--sizes", "32x18", "--frames", "1"];
-    let [table, _] = exits(&folder, &arguments, 0);
-    assert!(
-        table.starts_with("| scene |") && table.lines().count() == 3,
-        "{table}"
-    );
-    let [_, error] = exits(&folder, &["regret", "none.toml"], 3);
-    assert!(error.contains("none.toml"), "{error}");
 }

@@ -26,12 +26,22 @@ shadow = "none"
 "#;
 
 #[test]
-#[ignore = "long: measures each method twice"]
-fn methods_find_surfaces_as_render_does() {
+fn rt_finds_surfaces_as_render_does() {
+    found_as_render_does(&["rt"]);
+}
+
+#[test]
+#[ignore = "long: measures two methods"]
+fn all_methods_find_surfaces_as_render_does() {
+    found_as_render_does(&["hybrid", "rt"]);
+}
+
+fn found_as_render_does(methods: &[&str]) {
     if gpu_or_skip().is_none() {
         return;
     }
-    let folder = folder("visibility");
+    let folder = folder(&format!("visibility-{}", methods.len()));
+    let list = methods.join(",");
     for (segments, by_rays) in [("128", true), ("4", false)] {
         let text = BALLS.replace("SEGMENTS", segments);
         fs::write(folder.join("balls.toml"), text).expect("written");
@@ -39,7 +49,7 @@ fn methods_find_surfaces_as_render_does() {
         let run = [
             "balls.toml",
             "--methods",
-            "hybrid,rt",
+            &list,
             "--sizes",
             "32x18",
             "--frames",
@@ -51,7 +61,7 @@ fn methods_find_surfaces_as_render_does() {
         ];
         exits(&folder, &run, 0);
         let samples = samples(&folder.join(&out));
-        for method in ["hybrid", "rt"] {
+        for &method in methods {
             let sample = samples.iter().find(|s| s.method == method);
             let sample = sample.expect("measured");
             assert_eq!(sample.detail("pass_primary_ms") > 0.0, by_rays, "{method}");
