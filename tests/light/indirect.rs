@@ -216,7 +216,6 @@ fn the_truth_depends_on_no_setting_of_the_others() {
 }
 
 #[test]
-#[ignore = "long: renders by path"]
 fn light_behind_solid_glass_is_found_by_what_is_refracted() {
     let Some(gpu) = gpu() else { return };
     // A slab that bends no light: only the search for light differs.

@@ -258,7 +258,6 @@ fn reflections_show_sheen_and_tints_too() {
 
 /// A texture of one color acts as its channels do as numbers.
 #[test]
-#[ignore = "long: each layer needs pipelines of its own"]
 fn textures_of_layers_multiply_their_numbers() {
     let Some(gpu) = gpu() else { return };
     let keys = "base_color = [0.2, 0.2, 0.2]\nroughness = 0.4\nspecular_color = [9, 9, 9]\nspecular = 1\n\

@@ -95,12 +95,21 @@ fn blurred_difference(a: &Picture, b: &Picture) -> f64 {
 /// One sub-frame shows the whole streak, in the mirror too, and four show it smoothly: what the eye averages is closer
 /// to the converged picture than with a moment for each sub-frame.
 #[test]
-#[ignore = "long: needs many moments"]
 fn few_samples_show_streaks_and_not_copies() {
+    show_streaks(&["rt"]);
+}
+
+#[test]
+#[ignore = "long: the same by other methods"]
+fn few_samples_show_streaks_by_other_methods() {
+    show_streaks(&["hybrid", "path"]);
+}
+
+fn show_streaks(methods: &[&str]) {
     if gpu_or_skip().is_none() {
         return;
     }
-    for method in ["rt", "hybrid", "path"] {
+    for method in methods {
         let of = |set: &[&str]| {
             let method = format!("reflection.method={method:?}");
             picture(SCENE, &[&[method.as_str()], set].concat(), &[])

@@ -125,7 +125,6 @@ fn check_buffers(cases: &[(Visibility, Option<u64>)]) {
 }
 
 #[test]
-#[ignore = "long: each way of reading needs pipelines of its own"]
 fn pictures_do_not_depend_on_how_the_device_reads() {
     check_reading(Visibility::Raster);
 }

@@ -182,12 +182,8 @@ fn a_pattern_of_one_value_is_that_value() {
     assert!(differing < 0.002, "{differing}");
 }
 
-#[test]
-#[ignore = "long: each view needs pipelines of its own"]
-fn every_view_of_a_pattern_agrees() {
-    let Some(gpu) = gpu() else { return };
-    // A mirror beside a patterned ball, whose light is emission alone, so that methods have nothing else to differ by.
-    let text = r#"
+/// A mirror beside a patterned ball, whose light is emission alone, so that methods have nothing else to differ by.
+const MARBLE: &str = r#"
 version = 1
 [image]
 size = [64, 36]
@@ -215,23 +211,34 @@ translation = [0, 0.6, 0]
 [[instance]]
 model = "mirror"
 "#;
-    let specialized = render(gpu, text, &[], &[]);
-    let (desc, world) = scene(text, &[]);
+
+#[test]
+fn rays_meet_the_pattern_that_the_screen_shows() {
+    let Some(gpu) = gpu() else { return };
+    let specialized = render(gpu, MARBLE, &[], &[]);
+    // Rays find the same values of patterns as rasterization, which another test shows.
+    let traced = render(gpu, MARBLE, &["reflection.method=rt"], &[]);
+    let differing = share_differing(&specialized, &traced, 6);
+    assert!(differing < 0.02, "rt: {differing}");
+}
+
+#[test]
+#[ignore = "long: general pipelines, and paths"]
+fn general_pipelines_and_paths_meet_the_same_pattern() {
+    let Some(gpu) = gpu() else { return };
+    let specialized = render(gpu, MARBLE, &[], &[]);
+    let (desc, world) = scene(MARBLE, &[]);
     let camera = &world.cameras[0].value;
     let mut general = renderer(gpu, &desc, &world, true);
     let general = general.picture(gpu, &world, camera, &[]);
     let general = general.unwrap_or_else(|e| panic!("{e}"));
     let differing = share_differing(&specialized, &general, 1);
     assert!(differing < 0.005, "general: {differing}");
-    // Rays find the same values of patterns as rasterization, which another test shows.
-    let traced = render(gpu, text, &["reflection.method=rt"], &[]);
-    let differing = share_differing(&specialized, &traced, 6);
-    assert!(differing < 0.02, "rt: {differing}");
     let samples = ["image.samples=16"];
-    let many = render(gpu, text, &samples, &[]);
+    let many = render(gpu, MARBLE, &samples, &[]);
     let path = render(
         gpu,
-        text,
+        MARBLE,
         &["image.samples=16", "reflection.method=path"],
         &[],
     );
