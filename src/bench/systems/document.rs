@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 
 use super::{LeftOut, Overall, Row, SceneRows};
 use crate::pareto::pareto_front;
+use reflet_base::digits::grouped;
 
 /// Conditions of the measurements.
 #[derive(Clone, Debug)]
@@ -209,28 +210,20 @@ fn table(out: &mut String, scene: &SceneRows) {
             row.flip,
             row.flip_p99,
             row.wrong_percent,
-            thousands(row.nodes),
-            thousands(row.steps),
+            count_or_dash(row.nodes),
+            count_or_dash(row.steps),
             mib(row.bytes),
             if is_on_front { "●" } else { "" }
         );
     }
 }
 
-/// A count with commas between thousands; a dash for 0.
-fn thousands(count: u64) -> String {
-    if count == 0 {
-        return "–".to_owned();
+/// A count; a dash for 0.
+fn count_or_dash(count: u64) -> String {
+    match count {
+        0 => "–".to_owned(),
+        _ => grouped(count),
     }
-    let digits = count.to_string();
-    let mut out = String::new();
-    for (i, digit) in digits.chars().enumerate() {
-        if i > 0 && (digits.len() - i).is_multiple_of(3) {
-            out.push(',');
-        }
-        out.push(digit);
-    }
-    out
 }
 
 #[cfg(test)]

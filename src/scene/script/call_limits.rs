@@ -12,9 +12,10 @@ use rhai::{EvalAltResult, Position};
 
 use super::{
     bounds::{Bounds, Halt, halt, of_next_call, take},
-    limits::{DEADLINE, LINES, MEMORY, PRINTED, STACK, TIME_IS, grouped},
+    limits::{DEADLINE, LINES, MEMORY, PRINTED, STACK, TIME_IS},
 };
 use crate::diagnostic::printable_lines;
+use reflet_base::digits::grouped;
 use reflet_base::processor_time;
 
 /// Number of operations between two checks of the clock; a closure that is bound to itself can double in about

@@ -14,7 +14,7 @@ use super::{
     ended::{LimitHit, Place, StoppedCall},
     format_value::thrown,
     key_locations::key_of_call,
-    limits::{ARRAY, CALLS, MAP, MODULES, NESTED, TEXT, VARIABLES, grouped},
+    limits::{ARRAY, CALLS, MAP, MODULES, NESTED, TEXT, VARIABLES},
     nested_values::is_deeper,
     source_files::Sources,
     value::WrongKey,
@@ -23,6 +23,7 @@ use crate::{
     diagnostic::{Diagnostic, Span},
     suggest,
 };
+use reflet_base::digits::grouped;
 
 fn lower_first(text: &str) -> String {
     let mut letters = text.chars();

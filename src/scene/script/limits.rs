@@ -2,6 +2,8 @@
 
 use std::time::Duration;
 
+use reflet_base::digits::grouped;
+
 /// Maximum time of one call: ten times what the largest allowed `setup` takes, since machines differ.
 pub const DEADLINE: Duration = Duration::from_secs(10);
 /// Kind of time that is counted: processor time if the system tells it, so that other work on the machine does
@@ -91,12 +93,4 @@ pub fn limits() -> Vec<(&'static str, String)> {
         ("bytes printed by a call", count(PRINTED)),
         ("bytes of a script file", grouped(FILE_BYTES)),
     ]
-}
-
-/// The number with its digits in groups of three.
-pub fn grouped(n: u64) -> String {
-    let digits = n.to_string();
-    let groups = digits.as_bytes().rchunks(3).rev();
-    let texts: Vec<_> = groups.map(String::from_utf8_lossy).collect();
-    texts.join(",")
 }
