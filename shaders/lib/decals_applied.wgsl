@@ -81,9 +81,9 @@ fn decal_point(d: Decal, p: vec3f, axes: mat3x3f, cosine: f32, footprint: f32, n
     return DecalPoint(s, saturate(alpha * d.opacity * saturate((cosine - d.least_cosine) * d.per_cosine)));
 }
 
-// A surface with the decals of its instance, in their order. `plain` is its normal without normal map and `outward`
-// its geometric one, both on its front; `behind` says whether it is seen from its back.
-fn with_decals(s0: Surface, instance: u32, plain: vec3f, outward: vec3f, behind: bool, footprint: f32) -> Surface {
+// A surface with the decals of its instance, in their order. `plain` is its normal without normal map, on its front;
+// `behind` says whether it is seen from its back.
+fn with_decals(s0: Surface, instance: u32, plain: vec3f, behind: bool, footprint: f32) -> Surface {
     var s = s0;
     let own = instance_flags(instance) >> DECAL_SET_SHIFT;
     if (own == 0u) { return s; }

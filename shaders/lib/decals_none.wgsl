@@ -2,6 +2,6 @@
 
 const HAS_DECALS: bool = false;
 
-fn with_decals(s: Surface, instance: u32, plain: vec3f, outward: vec3f, behind: bool, footprint: f32) -> Surface {
+fn with_decals(s: Surface, instance: u32, plain: vec3f, behind: bool, footprint: f32) -> Surface {
     return s;
 }

@@ -270,7 +270,7 @@ fn surface_at(instance: u32, triangle: u32, place: vec2f, direction: vec3f, cone
     }
     if (HAS_DECALS) {
         s.normal = n;
-        s = with_decals(s, instance, plain_normal, ng, behind, footprint);
+        s = with_decals(s, instance, plain_normal, behind, footprint);
         n = s.normal;
     }
     if (s.unlit) {

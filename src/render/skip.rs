@@ -134,14 +134,12 @@ impl Skipping {
             .filter_map(may_be_skipped)
             .filter(|thing| thing.diameter_m <= limit_m)
             .collect();
-        let mut apart = vec![
-            false;
-            if things.is_empty() {
-                0
-            } else {
-                world.instances.len()
-            }
-        ];
+        let count = if things.is_empty() {
+            0
+        } else {
+            world.instances.len()
+        };
+        let mut apart = vec![false; count];
         for thing in &things {
             apart[thing.instance] = true;
         }
