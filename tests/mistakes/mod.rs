@@ -141,34 +141,18 @@ static GROUPS: [Group; 6] = [
     group("lint", "warning", lint::LINTS),
 ];
 
-/// Words by which a message says what is expected, or what stands in its place.
-const EXPECTS: [&str; 10] = [
-    " must ",
-    " needs ",
-    " not ",
-    " no ",
-    " missing",
-    " stand",
-    " have ",
-    " has ",
-    " written ",
-    " files",
-];
-
-/// Score of a message: 0 if it does not stand at the place of the mistake, else 1, 2 if it also says what is expected or
-/// names what is wrong, 3 if it also has a text to write. A name is a piece of code, a quoted word or a number.
+/// Score of a message: 0 if it does not stand at the place of the mistake, else 1, 2 if it also names what is wrong or
+/// expected, 3 if it also has a text to write. A name is a piece of code, a quoted word or a number.
 fn score(is_at_place: bool, message: &str) -> u32 {
     let (says, cure) = message.split_once("; ").unwrap_or((message, ""));
     let has_name = |text: &str| {
         let is_quoted = |mark: char| text.matches(mark).count() >= 2;
         is_quoted('`') || is_quoted('"') || text.contains(|c: char| c.is_ascii_digit())
     };
-    let expects = has_name(says) || EXPECTS.iter().any(|word| says.contains(word));
     let is_word = ["write true", "write false"]
         .iter()
         .any(|word| cure.contains(word));
-    let is_file = cure.contains(" .");
-    match (is_at_place, expects, has_name(cure) || is_word || is_file) {
+    match (is_at_place, has_name(says), has_name(cure) || is_word) {
         (false, ..) => 0,
         (true, false, _) => 1,
         (true, true, false) => 2,

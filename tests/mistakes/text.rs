@@ -9,7 +9,7 @@ pub const SYNTAX: &[Mistake] = &[
         [
             "toml-syntax",
             "3:7",
-            "square brackets, not in parentheses",
+            "square brackets `[ ]`, not in parentheses",
             "write [0, 1.6, 5]",
         ],
     ),
@@ -109,7 +109,7 @@ pub const SYNTAX: &[Mistake] = &[
         [
             "toml-syntax",
             "3:14",
-            "a decimal point, not a comma",
+            "a decimal point `.`, not a comma",
             "write 0.5",
         ],
     ),
@@ -174,7 +174,7 @@ pub const SYNTAX: &[Mistake] = &[
         [
             "toml-syntax",
             "3:8",
-            "typographic quotes",
+            "is a typographic quote",
             "write \"a.glb\"",
         ],
     ),

@@ -207,20 +207,20 @@ pub const VALUES: &[Mistake] = &[
         [
             "script-file",
             "2:10",
-            "a .py file",
-            "write it as a .rhai file",
+            "a `.py` file",
+            "write it as a `.rhai` file",
         ],
     ),
     text(
         "a model in OBJ",
         "[model.a]\nfile = \"a.obj\"\n",
-        ["file-format", "3:8", "a .obj file", "export it as .glb"],
+        ["file-format", "3:8", "a `.obj` file", "export it as `.glb`"],
     ),
     text(
         "a texture in TGA",
         "[material.m]\nbase_color_texture = \"a.tga\"\n[model.a]\nshape = { kind = \"box\" }\n\
          material = \"m\"\n",
-        ["file-format", "3:22", "a .tga file", "save it as .png"],
+        ["file-format", "3:22", "a `.tga` file", "save it as `.png`"],
     ),
     text(
         "a synonym",

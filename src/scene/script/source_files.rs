@@ -115,8 +115,10 @@ impl Sources {
     /// Reads the script itself; gives its name in messages, and its text.
     pub fn read(&self, file: &str) -> Result<(String, String), Problem> {
         if let Some(ending) = foreign_ending(file) {
-            let message = format!("scripts are written in Rhai, and this is a .{ending} file");
-            let help = "write it as a .rhai file; `reflet scripting` prints the manual";
+            let message = format!(
+                "scripts are `.rhai` files, written in Rhai, and this is a `.{ending}` file"
+            );
+            let help = "write it as a `.rhai` file; `reflet scripting` prints the manual";
             return Err(Problem::new(message, help));
         }
         let found = self.find(file)?;

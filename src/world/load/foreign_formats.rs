@@ -23,10 +23,11 @@ fn ending<'p>(path: &'p Path, of: &[&str]) -> Option<&'p str> {
 /// Error message and help for a model in another format; `None` for all other files.
 pub fn model(path: &Path) -> Option<(String, &'static str)> {
     let ending = ending(path, &MODELS)?;
-    let message = format!("models are glTF or USD files, and this is a .{ending} file");
+    let message =
+        format!("models are glTF (`.glb`, `.gltf`) or USD files, and this is a `.{ending}` file");
     Some((
         message,
-        "export it as .glb, in Blender by File, Export, glTF 2.0",
+        "export it as `.glb`, in Blender by File, Export, glTF 2.0",
     ))
 }
 
@@ -34,6 +35,6 @@ pub fn model(path: &Path) -> Option<(String, &'static str)> {
 pub fn image(path: &Path) -> Option<(String, &'static str)> {
     let ending = ending(path, &IMAGES)?;
     let message =
-        format!("textures are PNG, JPEG, WebP or KTX2 files, and this is a .{ending} file");
-    Some((message, "save it as .png"))
+        format!("textures are PNG, JPEG, WebP or KTX2 files, and this is a `.{ending}` file");
+    Some((message, "save it as `.png`"))
 }

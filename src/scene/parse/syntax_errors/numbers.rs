@@ -17,7 +17,8 @@ pub fn number(m: &Mistake) -> Option<Words> {
         .starts_with(|c: char| c.is_ascii_digit() || "+-.(".contains(c))
         .then_some(())?;
     if let Some(result) = computed(element) {
-        return words("TOML does not compute", result);
+        let message = format!("TOML does not compute {}", suggest::key(element));
+        return words(message, result);
     }
     let digits = element.trim_end_matches(|c: char| c.is_alphabetic() || "%°²".contains(c));
     if digits.len() < element.len() && is_number(digits.trim()) {
@@ -29,10 +30,11 @@ pub fn number(m: &Mistake) -> Option<Words> {
         .parse()
         .ok()
         .filter(|x: &f64| x.to_string() != element)?;
-    words(
-        "TOML needs digits on both sides of the decimal point, and no leading zeros",
-        format!("write {value}"),
-    )
+    let message = format!(
+        "{} is no number of TOML, which needs digits on both sides of the decimal point, and no leading zeros",
+        suggest::key(element)
+    );
+    words(message, format!("write {value}"))
 }
 
 /// Units that stand behind numbers elsewhere, their factor to the unit of scene text, and the name of that one.

@@ -87,10 +87,9 @@ fn typographic_quotes(m: &Mistake) -> Option<Words> {
     let is_quote = |c: char| "“”„‘’«»".contains(c);
     let inner = m.value.strip_prefix(is_quote)?.trim_end_matches(is_quote);
     let help = format!("write {}, with straight quotes", suggest::text(inner));
-    words(
-        "these are typographic quotes, which TOML does not know",
-        help,
-    )
+    let quote: String = m.value.chars().take(1).collect();
+    let message = format!("`{quote}` is a typographic quote, which TOML does not know");
+    words(message, help)
 }
 
 /// Explains a comment in the form of another language: `roughness = 0.5 // glossy`.
@@ -136,7 +135,11 @@ fn header(m: &Mistake) -> Option<Words> {
                 .to_owned()
         }
     };
-    words("this is not a valid table header", help)
+    let message = format!(
+        "`{}` is not a valid table header",
+        suggest::clip(m.line.trim())
+    );
+    words(message, help)
 }
 
 /// Explains a backslash in double quotes: `file = "C:\assets"`.
@@ -201,9 +204,12 @@ fn line_end(m: &Mistake) -> Option<Words> {
     match parts.as_slice() {
         [whole, rest] if !whole.contains('.') && !rest.contains('.') => {
             let help = format!("write {whole}.{rest}, or as a list {list}");
-            words("numbers have a decimal point, not a comma", help)
+            words("numbers have a decimal point `.`, not a comma `,`", help)
         }
-        _ => words("a list stands in square brackets", format!("write {list}")),
+        _ => words(
+            "a list stands in square brackets `[ ]`",
+            format!("write {list}"),
+        ),
     }
 }
 
@@ -218,7 +224,10 @@ fn parentheses(m: &Mistake) -> Option<Words> {
     let parts: Vec<_> = inner.split(',').map(str::trim).collect();
     parts.iter().all(|part| is_number(part)).then_some(())?;
     let help = format!("write [{}]", parts.join(", "));
-    words("a list stands in square brackets, not in parentheses", help)
+    words(
+        "a list stands in square brackets `[ ]`, not in parentheses `( )`",
+        help,
+    )
 }
 
 /// Explains a word that is no TOML value: `dynamic = True`, `material = red`.
@@ -252,7 +261,11 @@ fn word(m: &Mistake) -> Option<Words> {
     let parts: Vec<&str> = found.split_whitespace().collect();
     if parts.len() > 1 && parts.iter().all(|word| is_number(word)) {
         let help = format!("write {}", parts.join(", "));
-        return words("a comma is missing between numbers", help);
+        let message = format!(
+            "a comma is missing between `{}` and `{}`",
+            parts[0], parts[1]
+        );
+        return words(message, help);
     }
     number(m).or_else(|| {
         let message = format!("{} must be in quotes", suggest::key(found));
@@ -268,7 +281,7 @@ fn quotes(m: &Mistake) -> Option<Words> {
     let open = m.message.starts_with("invalid basic string, expected `\"`");
     open.then(|| {
         (
-            "the text in quotes does not end on its line".into(),
+            "the text in quotes `\"` does not end on its line".into(),
             Some("add a `\"`".into()),
         )
     })

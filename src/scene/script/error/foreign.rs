@@ -106,7 +106,10 @@ pub fn sign(at: &Span) -> Option<(String, Option<String>)> {
     let explained = |message: &str, help: &str| Some((message.to_owned(), Some(help.to_owned())));
     if after.starts_with('\'') {
         let help = "write \"abc\"; single quotes hold one character";
-        return explained("texts stand in double quotes", help);
+        return explained(
+            "texts stand in double quotes `\"`, not in single ones `'`",
+            help,
+        );
     }
     if after.starts_with('=') && !after.starts_with("==") {
         let entry = before.rsplit(['{', ',']).next().unwrap_or(before).trim();
@@ -123,7 +126,8 @@ pub fn sign(at: &Span) -> Option<(String, Option<String>)> {
         let (left, key) = before.rsplit_once(['{', ' ', ',']).unwrap_or(("", before));
         if name(key) && left.trim_end().ends_with("let") {
             let help = format!("write `let {key} = …`");
-            return explained("variables have no types in Rhai", &help);
+            let message = format!("variables have no types in Rhai, and `{key}` has one");
+            return explained(&message, &help);
         }
         if name(key.trim()) && before.contains('{') && !before.contains("#{") {
             return explained("a map begins with `#{`", "write `#{ a: 1 }`");
