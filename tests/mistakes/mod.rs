@@ -109,6 +109,8 @@ fn place(result: &Value) -> (String, String) {
 /// A table of mistakes, with what the program says about them.
 struct Group {
     name: &'static str,
+    /// Heading in docs/mistakes.md.
+    title: &'static str,
     table: &'static [Mistake],
     /// Level of the messages that count; others are ignored.
     level: &'static str,
@@ -119,13 +121,28 @@ struct Group {
 struct Judged {
     /// Mistakes whose only message is not the expected one; empty if there are none.
     wrong: String,
-    /// Score of the message of each mistake by [`score`], with that message.
-    scores: Vec<(u32, String)>,
+    /// Result of each mistake, in the order of the table.
+    results: Vec<Scored>,
 }
 
-const fn group(name: &'static str, level: &'static str, table: &'static [Mistake]) -> Group {
+/// Message about a mistake.
+struct Scored {
+    what: &'static str,
+    /// Line of the scene or script at which the message stands; empty without one.
+    line: String,
+    message: String,
+    /// Score of the message, see [`score`].
+    score: u32,
+}
+
+const fn group(
+    [name, title]: [&'static str; 2],
+    level: &'static str,
+    table: &'static [Mistake],
+) -> Group {
     Group {
         name,
+        title,
         table,
         level,
         judged: OnceLock::new(),
@@ -133,12 +150,16 @@ const fn group(name: &'static str, level: &'static str, table: &'static [Mistake
 }
 
 static GROUPS: [Group; 6] = [
-    group("syntax", "error", text::SYNTAX),
-    group("values", "error", values::VALUES),
-    group("forms", "error", forms::FORMS),
-    group("habits", "error", habits::HABITS),
-    group("scripts", "error", script::SCRIPTS),
-    group("lint", "warning", lint::LINTS),
+    group(["syntax", "TOML"], "error", text::SYNTAX),
+    group(["values", "Keys and values"], "error", values::VALUES),
+    group(["forms", "Forms of other programs"], "error", forms::FORMS),
+    group(
+        ["habits", "Habits from other programs"],
+        "error",
+        habits::HABITS,
+    ),
+    group(["scripts", "Scripts"], "error", script::SCRIPTS),
+    group(["lint", "Warnings"], "warning", lint::LINTS),
 ];
 
 /// Score of a message: 0 if it does not stand at the place of the mistake, else 1, 2 if it also names what is wrong or
@@ -186,7 +207,7 @@ impl Group {
         let results = results(&folder, &files, code);
         let mut judged = Judged {
             wrong: String::new(),
-            scores: Vec::new(),
+            results: Vec::new(),
         };
         for (i, mistake) in self.table.iter().enumerate() {
             let stem = format!("m{i:02}.");
@@ -200,9 +221,18 @@ impl Group {
             };
             let message = own.first().map_or_else(String::new, |first| text_of(first));
             let is_at_place = own.len() == 1 && place(own[0]).0 == mistake.place;
-            judged
-                .scores
-                .push((score(is_at_place, &message), message.clone()));
+            let scene = format!("version = 1\n{}", mistake.scene);
+            let line = own.first().map_or_else(String::new, |first| {
+                let (place, file) = place(first);
+                let is_script = file.ends_with(".rhai");
+                line_at(if is_script { mistake.script } else { &scene }, &place)
+            });
+            judged.results.push(Scored {
+                what: mistake.what,
+                line: line.replace("NAME", "scene"),
+                message: message.replace(stem.trim_end_matches('.'), "scene"),
+                score: score(is_at_place, &message),
+            });
             let (says, cure) = message.split_once("; ").unwrap_or((&message, ""));
             let is_right = is_at_place
                 && own[0]["ruleId"] == mistake.name
@@ -234,22 +264,82 @@ fn check_group(name: &str) {
     assert!(wrong.is_empty(), "{wrong}");
 }
 
+/// Line of a text at a `line:column`, without spaces at its ends.
+fn line_at(text: &str, place: &str) -> String {
+    let number = place.split(':').next().and_then(|line| line.parse().ok());
+    let line = number.and_then(|number: usize| text.lines().nth(number.saturating_sub(1)));
+    line.unwrap_or_default().trim().to_owned()
+}
+
+/// Mean score of the messages about all mistakes of the tables.
+fn mean_score() -> f64 {
+    let results = || GROUPS.iter().flat_map(|group| &group.judged().results);
+    let sum: u32 = results().map(|result| result.score).sum();
+    f64::from(sum) / results().count() as f64
+}
+
 /// The messages about all mistakes of the tables score 2.8 of 3 on average.
 #[test]
 fn messages_say_where_what_and_what_to_write() {
-    let scores = GROUPS.iter().flat_map(|group| &group.judged().scores);
-    let (mut sum, mut count, mut lacking) = (0, 0, String::new());
-    for (score, message) in scores {
-        (sum, count) = (sum + score, count + 1);
-        if *score < 3 {
-            lacking += &format!("{score}: {message}\n");
+    let mut lacking = String::new();
+    for result in GROUPS.iter().flat_map(|group| &group.judged().results) {
+        if result.score < 3 {
+            lacking += &format!("{}: {}\n", result.score, result.message);
         }
     }
-    let mean = f64::from(sum) / f64::from(count);
-    assert!(
-        mean >= 2.8,
-        "{count} messages score {mean:.2} of 3\n{lacking}"
+    let mean = mean_score();
+    assert!(mean >= 2.8, "mean score {mean:.2} of 3\n{lacking}");
+}
+
+const PAGE: &str = "<!-- Generated from tests/mistakes; `UPDATE_DOCS=1 cargo test --test scene` writes it anew. -->
+# Mistakes and messages
+
+Mistakes of people who write scenes, and the message of `reflet check` about each. The tests make each mistake, and see
+that it has this one message, at its line and column. A message scores 0 of 3 if it does not stand at the mistake; else 1;
+2 if it also names what is wrong or expected, by code, a quoted word or a number; 3 if it also has a text to write.
+";
+
+/// The page of mistakes, with a table for each group.
+fn page() -> String {
+    let count: usize = GROUPS.iter().map(|group| group.table.len()).sum();
+    let mut page = PAGE.to_owned();
+    page += &format!(
+        "The {count} mistakes score {:.2} on average.\n",
+        mean_score()
     );
+    let cell = |text: &str| text.replace('|', "\\|").replace('\n', " ");
+    for group in &GROUPS {
+        page += &format!(
+            "\n## {}\n\n| mistake | line | message | score |\n|---|---|---|---|\n",
+            group.title
+        );
+        for result in &group.judged().results {
+            let (says, cure) = result
+                .message
+                .split_once("; ")
+                .unwrap_or((&result.message, ""));
+            // A code span of Markdown may hold single backticks between double ones.
+            let line = if result.line.is_empty() {
+                String::new()
+            } else {
+                format!("`` {} ``", result.line)
+            };
+            page += &format!(
+                "| {} | {} | {}; *{}* | {} |\n",
+                result.what,
+                cell(&line),
+                cell(says),
+                cell(cure),
+                result.score
+            );
+        }
+    }
+    page
+}
+
+#[test]
+fn the_page_of_mistakes_is_up_to_date() {
+    crate::docs::check("docs/mistakes.md", &page());
 }
 
 #[test]

@@ -4,7 +4,8 @@ use std::{fs, path::Path};
 
 use reflet::scene::{manual, script};
 
-fn check(name: &str, want: &str) {
+/// Compares a committed page with the generated one; with `UPDATE_DOCS` in the environment, writes it first.
+pub fn check(name: &str, want: &str) {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(name);
     if std::env::var_os("UPDATE_DOCS").is_some() {
         fs::write(&file, want).expect("the manual can be written");
