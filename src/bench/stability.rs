@@ -4,6 +4,7 @@
 pub mod document;
 pub mod heat_map;
 pub mod ratchet;
+mod rivals;
 #[cfg(test)]
 mod tests;
 
@@ -374,4 +375,16 @@ pub fn table(cells: &[Cell]) -> String {
         out += &csv::line(row);
     }
     out
+}
+
+/// The cell of a mode and a method.
+pub fn find<'a>(
+    cells: &'a [Cell],
+    mode: &Mode,
+    method: &str,
+    against: ReferenceKind,
+) -> Option<&'a Cell> {
+    let wanted = (mode.name.as_str(), method, against);
+    let is_wanted = |c: &&Cell| (c.mode.as_str(), c.method.as_str(), c.against) == wanted;
+    cells.iter().find(is_wanted)
 }

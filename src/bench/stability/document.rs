@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::{Cell, CellScores, Mode, ReferenceKind};
+use super::{Cell, CellScores, Mode, ReferenceKind, find, rivals};
 use crate::metric::{
     mask::{ERODE_PX, MIN_AREA_PX},
     structure::EDGE_PX,
@@ -69,6 +69,7 @@ pub fn document(modes: &[Mode], methods: &[&str], cells: &[Cell], machine: &str)
          `hybrid` verifies.\n",
         modes.len()
     );
+    out += &rivals::section(modes, methods, cells);
     for score in scores() {
         let rows: Vec<&Mode> = modes
             .iter()
@@ -254,18 +255,6 @@ fn text(cells: &[Cell], mode: &Mode, method: &str, score: &Score) -> Option<Stri
     }
 }
 
-/// The cell of a mode and a method.
-pub fn find<'a>(
-    cells: &'a [Cell],
-    mode: &Mode,
-    method: &str,
-    against: ReferenceKind,
-) -> Option<&'a Cell> {
-    let wanted = (mode.name.as_str(), method, against);
-    let is_wanted = |c: &&Cell| (c.mode.as_str(), c.method.as_str(), c.against) == wanted;
-    cells.iter().find(is_wanted)
-}
-
 /// Band of a score.
 pub fn band(p99: f64) -> Band {
     let found = BANDS.into_iter().find(|band| p99 <= band.up_to);
@@ -341,15 +330,28 @@ mod tests {
             flip_p99: 0.31,
             ..CellScores::default()
         };
+        let of_hybrid = CellScores {
+            flip_p99: 0.32,
+            ..scores.clone()
+        };
         let cells = [
             cell("03-rails", "ssr", Ok(scores)),
             cell("03-rails", "rt", Ok(CellScores::default())),
             cell("mine", "ssr", Err("frame 0: 12 px".to_owned())),
+            cell("03-rails", "hybrid", Ok(of_hybrid)),
         ];
         let text = document(&modes, &["ssr", "rt"], &cells, "a machine");
+        assert!(!text.contains("rivals"), "{text}");
+        let text = document(
+            &modes,
+            &["ssr", "near-far", "hybrid", "rt"],
+            &cells,
+            "a machine",
+        );
         for part in [
-            "| 3 thin rails | 🟧 0.310 | 🟩 0.000 |",
-            "| mine | not scored |  |",
+            "\n- ssr: 3 thin rails (0.310, 0.320)\n- near-far: none\n",
+            "| 3 thin rails | 🟧 0.310 |  | 🟧 0.320 | 🟩 0.000 |",
+            "| mine | not scored |  |  |  |",
             "### 3 thin rails\n\nRails that are thin.\n",
             "- ssr: seen (p99 0.310,",
             "- ssr: not scored: frame 0: 12 px",
