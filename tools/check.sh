@@ -51,8 +51,9 @@ export MESA_SHADER_CACHE_DIR="$root/target/shader-cache" MESA_SHADER_CACHE_MAX_S
 export MESA_SHADER_CACHE_DISABLE=false
 mkdir -p "$MESA_SHADER_CACHE_DIR"
 if [ "$full" = no ]; then
-    # It compiles without optimization, to the same pixels; --full tests the optimized code.
-    export GALLIVM_PERF=nopt
+    # It compiles without optimization and to narrower vectors, which takes less time, to the same pixels; --full tests
+    # the code of its defaults.
+    export GALLIVM_PERF=nopt LP_NATIVE_VECTOR_WIDTH=128
 fi
 # Unoptimized, the package builds in a third of the time; its tests mostly wait for the driver.
 export CARGO_PROFILE_DEV_OPT_LEVEL=0
