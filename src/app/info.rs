@@ -351,6 +351,7 @@ fn moves(desc: &SceneDesc) -> Vec<String> {
         of("camera", &motion.cameras),
         of("instance", &motion.instances),
         of("group", &motion.groups),
+        of("decal", &motion.decals),
         of("light", &motion.lights),
         of("material", &motion.materials),
         of("materials of model", &motion.models),

@@ -35,7 +35,7 @@ use self::{
 use reflet_render::runtime::parameters::setting;
 use reflet_scene::{
     desc::{CAMERA, LIGHT, MATERIAL, ParamValue},
-    motion::turned,
+    motion::{DECAL, turned},
     number::{Field, Form, find},
 };
 
@@ -123,6 +123,10 @@ pub fn change(scene: &Layered<'_>, item: SceneItem, numbers: &Numbers) -> Result
     let place = places(scene.desc, scene.variants, &subject, numbers.key)?;
     let mut key = numbers.key;
     let mut value = match item {
+        SceneItem::Decal(_) => {
+            let clamped = within(&DECAL, numbers).map(|(_, values)| values);
+            Value::Numbers(clamped.unwrap_or_else(|| numbers.values.clone()))
+        }
         SceneItem::Light(_) => value_of(&LIGHT, numbers),
         SceneItem::Camera(_) => value_of(&CAMERA, numbers),
         SceneItem::Environment => value_of(&ENVIRONMENT, numbers),

@@ -52,8 +52,8 @@ pub use self::{
         reflectivity_of,
     },
     motion::{
-        CutDesc, GroupMotionDesc, InstanceMotionDesc, ModelMotionDesc, MotionDesc, ParamValue,
-        TimelineDesc,
+        CutDesc, DecalMotionDesc, GroupMotionDesc, InstanceMotionDesc, ModelMotionDesc, MotionDesc,
+        ParamValue, TimelineDesc,
     },
     near_far::NearFarDesc,
     outline::{BevelDesc, FigureDesc, FillRule, OutlineDesc, Written},

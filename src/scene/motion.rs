@@ -2,6 +2,7 @@
 //! number of the frame.
 
 mod clock;
+mod decal;
 mod hierarchy;
 mod joint;
 mod material;
@@ -19,6 +20,7 @@ use std::{
 
 use glam::{Affine3A, Vec3};
 
+pub use self::decal::{DECAL, DECAL_PLACES, DecalPose};
 use self::hierarchy::{attach_cameras, attach_lights};
 pub use self::hierarchy::{placed_camera, placed_light};
 pub use self::joint::JointPose;
@@ -29,6 +31,7 @@ pub use self::material::{
 pub use self::mesh::MeshPose;
 pub use self::names::{Names, ScriptNames};
 pub use self::parts::{Kind, ScriptedFields, wrong_with_camera, wrong_with_light};
+use self::placement::placed;
 pub use self::placement::{transform, turned};
 use self::track::Track;
 pub use self::track::key_value;
@@ -64,6 +67,8 @@ pub struct FrameState {
     pub morphs: BTreeMap<(usize, usize), f32>,
     /// Vertices that the script has set, by the index of their model in [`SceneDesc::models`].
     pub meshes: BTreeMap<usize, MeshPose>,
+    /// State of each decal.
+    pub decals: Vec<DecalPose>,
     /// State of each light.
     pub lights: Vec<LightDesc>,
     /// Values of each `[material.NAME]`.
@@ -143,6 +148,7 @@ pub(super) struct Motion<'a> {
     shown: Vec<(usize, Track<'a>)>,
     cameras: Vec<Moved<'a>>,
     lights: Vec<Moved<'a>>,
+    decals: Vec<(Moved<'a>, [Option<Track<'a>>; 3])>,
     materials: Vec<Moved<'a>>,
     file_materials: Vec<Moved<'a>>,
     overrides: Vec<Moved<'a>>,
@@ -188,6 +194,7 @@ impl<'a> Motion<'a> {
             instances: desc.placements().map(transform).collect(),
             hidden: vec![false; desc.placements().count()],
             animation_s: vec![None; desc.instances.len()],
+            decals: desc.decals_at_rest(),
             lights: desc.lights.iter().map(|e| e.value).collect(),
             materials: desc.materials.iter().map(|e| e.value.clone()).collect(),
             file_materials: vec![MaterialChange::default(); names.file_materials.len()],
@@ -197,10 +204,10 @@ impl<'a> Motion<'a> {
         let find = |name: &str| names.instances.get(name).copied();
         let track = |t: &'a Option<TrackDesc>| t.as_ref().map(|t| Track::new(t, find));
         let motion = &desc.motion;
+        let placing =
+            |m: &'a InstanceMotionDesc| [&m.translation, &m.rotation_deg, &m.scale].map(track);
         let instance = |e: &'a Entry<InstanceMotionDesc>| {
-            let m = &e.value;
-            let tracks = [&m.translation, &m.rotation_deg, &m.scale].map(track);
-            Some((*names.instances.get(&e.name)?, tracks))
+            Some((*names.instances.get(&e.name)?, placing(&e.value)))
         };
         let shown = |e: &'a Entry<InstanceMotionDesc>| {
             let track = Track::new(e.value.shown.as_ref()?, find);
@@ -221,6 +228,11 @@ impl<'a> Motion<'a> {
         let lights = motion.lights.iter().filter_map(|e| {
             let index = *names.lights.get(&e.name)?;
             Some(moved(index, &e.at, &e.value.tracks))
+        });
+        let decals = motion.decals.iter().filter_map(|e| {
+            let index = *names.decals.get(&e.name)?;
+            let moved = moved(index, &e.at, &e.value.tracks);
+            Some((moved, placing(&e.value.place)))
         });
         let materials = motion.materials.iter().filter_map(|e| {
             let index = *names.materials.get(&e.name)?;
@@ -248,6 +260,7 @@ impl<'a> Motion<'a> {
                 .collect(),
             cameras: cameras.collect(),
             lights: lights.collect(),
+            decals: decals.collect(),
             materials: materials.collect(),
             file_materials: of_files.collect(),
             rest,
@@ -269,10 +282,17 @@ impl<'a> Motion<'a> {
         state.frame = frame;
         state.time_s = (f64::from(frame) + late_frames) / f64::from(fps);
         for (index, tracks) in &self.instances {
-            state.instances[*index] = self.instance(*index, tracks, state.time_s);
+            let placement = self.placements[*index];
+            state.instances[*index] = placed(placement, tracks, state.time_s);
         }
         for (index, track) in &self.shown {
             state.hidden[*index] = track.at(state.time_s, Vec3::ONE, None).x < 0.5;
+        }
+        for (moved, tracks) in &self.decals {
+            let decal = &mut state.decals[moved.index];
+            let placement = self.desc.decal_placement(moved.index);
+            decal.placement = placed(placement, tracks, state.time_s);
+            moved.pose(decal, &DECAL, state.time_s, (&[], None));
         }
         for moved in &self.materials {
             let material = &mut state.materials[moved.index];
@@ -288,33 +308,6 @@ impl<'a> Motion<'a> {
         }
         self.follow(&mut state, |_, _| true);
         state
-    }
-
-    fn instance(&self, index: usize, tracks: &[Option<Track>; 3], time_s: f64) -> Affine3A {
-        let PlacementDesc::Trs {
-            translation,
-            rotation,
-            scale,
-        } = *self.placements[index]
-        else {
-            return self.rest.instances[index];
-        };
-        let [moves, turns, grows] = tracks;
-        let at =
-            |track: &Option<Track>, base| track.as_ref().map_or(base, |t| t.at(time_s, base, None));
-        let rotation = turns.as_ref().map_or(rotation, |track| {
-            let turn = turned(track.at(time_s, Vec3::ZERO, None));
-            if track.is_absolute() {
-                turn
-            } else {
-                rotation * turn
-            }
-        });
-        Affine3A::from_scale_rotation_translation(
-            at(grows, scale),
-            rotation,
-            at(moves, translation),
-        )
     }
 
     /// Applies the tracks of the cameras and lights that `wanted` selects; tracks may follow instances.
@@ -355,6 +348,12 @@ impl<'a> Motion<'a> {
             }
         }
         attach_cameras(parents, &mut state.cameras, &state.instances);
+        for (index, decal) in state.decals.iter_mut().enumerate() {
+            if let Some(parent) = parents.of_decal(index) {
+                decal.placement = state.instances[parent] * decal.placement;
+                decal.opacity *= f32::from(u8::from(!state.hidden[parent]));
+            }
+        }
     }
 
     /// Refuses cameras and lights that motion has left without a direction.

@@ -4,10 +4,11 @@ use std::collections::HashMap;
 
 use glam::{Affine3A, Vec3};
 
-use super::World;
-use reflet_base::math::Bounds;
+use super::{World, material_textures::CoreTexture, reach::is_within_reach};
+use reflet_base::math::{Bounds, invertible};
 use reflet_scene::{
     desc::{DecalChanges, DecalDesc},
+    diagnostic::Diagnostic,
     motion::FrameState,
 };
 
@@ -33,9 +34,6 @@ pub struct Decal {
     pub fade_deg: f32,
     /// Properties of a surface that it changes.
     pub changes: DecalChanges,
-    /// Its transform relative to its parent, its opacity at rest, and the index of that parent into
-    /// `FrameState::instances`, if it has one.
-    pub rest: (Affine3A, f32, Option<usize>),
 }
 
 /// The cube that stands for the box of each decal.
@@ -105,7 +103,45 @@ impl Decals {
     }
 }
 
+/// Least coverage by which a decal counts as seen at a point.
+const SEEN: f32 = 0.05;
+
 impl World {
+    /// Decals that cover a point of an instance, the topmost first; `normal` is that of the surface there. Images count
+    /// by their nearest texel, patterns as opaque.
+    pub fn covering_decals(
+        &self,
+        instance: usize,
+        point: Vec3,
+        normal: Vec3,
+    ) -> impl Iterator<Item = usize> {
+        let set = self.decals.set_of(instance);
+        let mask = (self.decals.sets.get(usize::from(set)).copied()).unwrap_or_default();
+        let list = self.decals.list.iter().enumerate().rev();
+        list.filter(move |(index, decal)| {
+            let is_shown = mask[index / 32] >> (index % 32) & 1 != 0;
+            is_shown && self.coverage(decal, point, normal) >= SEEN
+        })
+        .map(|(index, _)| index)
+    }
+
+    /// Share of a surface that a decal covers at a point.
+    fn coverage(&self, decal: &Decal, point: Vec3, normal: Vec3) -> f32 {
+        let inside = decal.world_from_box().inverse().transform_point3(point);
+        let axis = decal.world_from_decal.inverse().matrix3.transpose() * glam::Vec3A::Z;
+        let angle_deg = normal.angle_between(axis.into()).to_degrees();
+        if inside.abs().max_element() > 0.5 || angle_deg > decal.max_angle_deg {
+            return 0.0;
+        }
+        let material = &self.materials[decal.material];
+        let uv = Vec3::new(inside.x + 0.5, 0.5 - inside.y, 1.0);
+        let texel = material.slots()[CoreTexture::BaseColor as usize].map_or(1.0, |texture| {
+            let [u, v] = texture.transform.map(|row| row.dot(uv).rem_euclid(1.0));
+            self.textures[texture.texture].alpha(u, v)
+        });
+        decal.opacity * material.base_color.w * texel
+    }
+
     /// Assigns each instance the set of those of `list` that it may show: `is_target` says of a decal and an instance
     /// whether the decal is projected onto it, `moves` of a decal whether it may move. Of those that stand still, only
     /// those that meet count. `None` if there are more sets than [`Decals::MOST_SETS`].
@@ -148,16 +184,33 @@ impl World {
         Some(decals)
     }
 
-    /// Moves decals with their parents.
-    pub(crate) fn pose_decals(&mut self, state: &FrameState) {
-        for decal in &mut self.decals.list {
-            let (own, opacity, parent) = decal.rest;
-            let world = parent.map_or(Affine3A::IDENTITY, |parent| state.instances[parent]);
-            decal.world_from_decal = world * own;
-            decal.opacity = match parent.is_some_and(|parent| state.is_hidden(parent)) {
-                true => 0.0,
-                false => opacity,
+    /// Refuses poses of decals whose boxes are flat, not finite or too far away.
+    pub(crate) fn check_decals(&self, state: &FrameState) -> Result<(), Vec<Diagnostic>> {
+        let mut errors = Vec::new();
+        for (index, (decal, pose)) in self.decals.list.iter().zip(&state.decals).enumerate() {
+            let place = pose.world_from_box();
+            let wrong = match invertible(&place) {
+                false => "is flat, or its numbers are not finite",
+                true if !is_within_reach(&UNIT_CUBE.transformed(&place)) => "is too far away",
+                true => continue,
             };
+            let (name, frame) = (&decal.name, state.frame);
+            let message = format!("in frame {frame}, the box of decal \"{name}\" {wrong}");
+            let at = self.moving.decals_placed_at.get(index);
+            let at = at.cloned().unwrap_or_default();
+            errors.push(Diagnostic::at("bad-pose", at, message));
+        }
+        match errors.is_empty() {
+            true => Ok(()),
+            false => Err(errors),
+        }
+    }
+
+    /// Places decals as in a frame.
+    pub(crate) fn pose_decals(&mut self, state: &FrameState) {
+        for (decal, pose) in self.decals.list.iter_mut().zip(&state.decals) {
+            decal.world_from_decal = pose.placement;
+            (decal.size, decal.opacity) = (pose.size, pose.opacity);
         }
     }
 }

@@ -279,6 +279,19 @@ pub struct Texture {
     pub srgb: bool,
 }
 
+impl Texture {
+    /// Alpha of the texel nearest to a point, 0 to 1 from the left and from the top.
+    pub fn alpha(&self, u: f32, v: f32) -> f32 {
+        let place =
+            |part: f32, side: u32| ((part * side as f32) as u32).min(side.saturating_sub(1));
+        let texel =
+            place(v, self.height) as usize * self.width as usize + place(u, self.width) as usize;
+        self.rgba
+            .get(4 * texel + 3)
+            .map_or(1.0, |a| f32::from(*a) / 255.0)
+    }
+}
+
 /// A light in world space.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Light {

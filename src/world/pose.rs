@@ -35,6 +35,8 @@ pub struct Moving {
     pub cameras: Vec<Moved<CameraDesc>>,
     /// Materials whose numbers may change.
     pub materials: Vec<MovingMaterial>,
+    /// Transform source of each of `SceneDesc::decals`: its `[motion.decal.NAME]`, else its own table.
+    pub decals_placed_at: Vec<Span>,
     /// Transform source of each of `SceneDesc::instances`: its `[motion.instance.NAME]`, else its
     /// own table.
     pub placed_at: Vec<Span>,
@@ -166,12 +168,13 @@ impl World {
     ///
     /// # Errors
     /// `bad-pose` for instances whose transform is not finite, for those that no animation moves also
-    /// when it is singular or turns front into back, and for meshes that are deformed to something
+    /// when it is singular or turns front into back, for decals whose box is flat or too far away, and for meshes that are deformed to something
     /// not finite; the world is unchanged then.
     pub fn apply(&mut self, state: &FrameState) -> Result<(), Vec<Diagnostic>> {
         let players = self.moving.players.iter();
         let poses: Vec<_> = players.map(|player| player.pose(state)).collect();
         let placed = self.placed(state, &poses)?;
+        self.check_decals(state)?;
         self.deformed = self.deformed(&self.meshes, state, &poses)?;
         for (moving, pose) in self.moving.instances.iter().zip(placed) {
             self.instances[moving.instance].world_from_object = pose;

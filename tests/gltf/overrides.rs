@@ -137,7 +137,7 @@ fn instances_without_own_material_are_refused() {
         ),
         (
             "ball.material]\nbase_color = { orbit = { period_s = 1 } }",
-            "apply to positions, not to colors",
+            "apply to positions alone",
         ),
         (
             "nobody.material]\nroughness = { rate = 1 }",

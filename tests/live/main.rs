@@ -30,4 +30,5 @@ mod scripts;
 mod shutter;
 mod stages;
 mod write_back;
+mod write_back_decals;
 mod write_back_values;

@@ -195,3 +195,34 @@ fn ray_list_legend_has_its_count() {
     let none = drawn(&mut preview, ViewChannel::Rays);
     assert!(none.legend.starts_with("no ray list"), "{}", none.legend);
 }
+
+/// The first click selects the decal on top, further ones at the same place what is below it; where its image is clear
+/// the instance is selected.
+#[test]
+fn a_click_selects_the_decal_that_covers_the_pixel() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let (gpu, folder) = (Arc::new(gpu), Folder::new());
+    let clear_above = |_, y| image::Rgba([90, 90, 200, if y < 4 { 0 } else { 255 }]);
+    let image = image::RgbaImage::from_fn(8, 8, clear_above);
+    image.save(folder.path("paint.png")).expect("writable");
+    // The box is seen from its front, and the sticker lies on all of that.
+    let text = SCENE.replace("eye = [0, 2, 5]", "eye = [0, 0.5, 5]");
+    let sticker = "[material.paint]\nbase_color_texture = \"paint.png\"\n[decal.sticker]\nmaterial = \"paint\"\n\
+                   translation = [0, 0.5, 0.5]\n[decal.dot]\nmaterial = \"red\"\ntranslation = [0, 0.3, 0.5]\n\
+                   size = [0.5, 0.4, 0.3]\n";
+    let scene = folder.write("scene.toml", format!("{text}{sticker}"));
+    let live = open(&gpu, &scene, None);
+    let mut preview = Watched::start(gpu, folder, live, false);
+    let mut labels = |at: [f32; 2], clicks: usize| -> Vec<String> {
+        let mut click = || {
+            let picked = pick(&mut preview, at).expect("something is there");
+            assert!(picked.outline.is_some(), "{} is seen", picked.label);
+            picked.label
+        };
+        (0..clicks).map(|_| click()).collect()
+    };
+    let names = ["decal dot", "decal sticker", "box", "decal dot"];
+    assert_eq!(labels([0.5, 0.54], 4), names);
+    assert_eq!(labels([0.44, 0.54], 2), ["decal sticker", "box"]);
+    assert_eq!(labels([0.5, 0.44], 2), ["box", "box"]);
+}

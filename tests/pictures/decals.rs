@@ -7,15 +7,14 @@ use std::{
 
 use reflet::{
     render::{Picture, aov::Aov},
-    scene::stages::{Animator, Scene},
-    world::{Decals, load},
+    world::Decals,
 };
 
 use crate::common::shaders;
 use crate::kit::{color, floats, gpu, render, renderer, scene, scene_of};
 
 /// A wall in the plane z = 0, seen so that a pixel is 0.05 m wide and the middle of the picture is the origin.
-const WALL: &str = r#"
+pub const WALL: &str = r#"
 version = 1
 [image]
 size = [40, 24]
@@ -61,7 +60,7 @@ fn wall(decals: &str) -> Option<Vec<f32>> {
 
 /// Asserts that each pixel has the base color that `expected` gives of its place; where it is `None` any.
 #[track_caller]
-fn assert_colors(found: &[f32], expected: impl Fn([f32; 2]) -> Option<[f32; 3]>) {
+pub fn assert_colors(found: &[f32], expected: impl Fn([f32; 2]) -> Option<[f32; 3]>) {
     let mut compared = 0;
     for pixel in 0..40 * 24 {
         let at = place(pixel);
@@ -74,10 +73,10 @@ fn assert_colors(found: &[f32], expected: impl Fn([f32; 2]) -> Option<[f32; 3]>)
     assert!(compared > 700, "{compared} pixels were compared");
 }
 
-const GRAY: [f32; 3] = [0.5; 3];
-const RED: [f32; 3] = [0.8, 0.1, 0.0];
+pub const GRAY: [f32; 3] = [0.5; 3];
+pub const RED: [f32; 3] = [0.8, 0.1, 0.0];
 
-fn mixed(share: f32) -> [f32; 3] {
+pub fn mixed(share: f32) -> [f32; 3] {
     [0, 1, 2].map(|i| GRAY[i] + share * (RED[i] - GRAY[i]))
 }
 
@@ -316,36 +315,6 @@ fn mirrors_and_all_methods_show_decals() {
 }
 
 /// A decal on a moving group, and one on a moving instance, which carries it along.
-#[test]
-fn decals_move_and_hide_with_their_parents() {
-    let Some(gpu) = gpu() else { return };
-    let text = format!(
-        "{WALL}[timeline]\nfps = 1\nend = 2\n[group.slide]\n[motion.group.slide]\n\
-         translation = {{ rate = [0.25, 0, 0] }}\nshown = {{ keys = [{{ at_s = 0, value = true }}, {{ at_s = 2, value = false }}] }}\n\
-         [decal.a]\nmaterial = \"red\"\nparent = \"slide\"\ntranslation = [-0.3, 0, 0]\nsize = [0.4, 0.4, 0.4]\n"
-    );
-    let read = Scene::from_text(&text, Path::new("test.toml"), &[]);
-    let (scene, _) = read.unwrap_or_else(|errors| panic!("{errors:?}"));
-    let world = load::load(&scene, &load::LoadOptions::default());
-    let mut world = world.unwrap_or_else(|errors| panic!("{errors:?}"));
-    let motion = Animator::new(&scene);
-    let mut renderer = renderer(gpu, &scene, &world, false);
-    for frame in [1, 0, 2] {
-        let state = motion.pose(frame).unwrap_or_else(|e| panic!("{e:?}"));
-        world.apply(&state).unwrap_or_else(|e| panic!("{e:?}"));
-        renderer.update(gpu, &world).expect("posed");
-        let camera = &world.cameras[0].value;
-        let picture = renderer.picture(gpu, &world, camera, &[Aov::BaseColor]);
-        let picture = picture.unwrap_or_else(|e| panic!("{e}"));
-        let middle = -0.3 + 0.25 * frame as f32;
-        assert_colors(floats(&picture, Aov::BaseColor), |[x, y]| {
-            let border = ((x - middle).abs() - 0.2).max(y.abs() - 0.2);
-            let inside = border < 0.0 && frame < 2;
-            (border.abs() > 0.01).then_some(if inside { RED } else { GRAY })
-        });
-    }
-}
-
 /// Each instance is asked only about the decals that may lie on it.
 #[test]
 fn instances_have_the_decals_that_meet_them() {

@@ -27,6 +27,7 @@ mod closed_form;
 mod coplanar;
 mod counts;
 mod culled;
+mod decal_motion;
 mod decals;
 mod decide;
 mod deform;

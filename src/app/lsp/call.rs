@@ -82,6 +82,7 @@ impl<'a> Call<'a> {
             ("place" | "position" | "matrix" | "show", 0) => &["instance", "group"],
             ("animate" | "joint" | "morph" | "instance_material", 0) => &["instance"],
             ("camera", 0) => &["camera"],
+            ("decal", 0) => &["decal"],
             ("light", 0) => &["light"],
             ("material", 0) => &["material", "model"],
             _ => &[],

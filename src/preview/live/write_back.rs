@@ -41,14 +41,19 @@ impl Live {
             let instance = world.instances.get(*index);
             instance.is_some_and(|instance| instance.material == material)
         };
-        let index = shown.filter(uses);
-        let index = index.or_else(|| (0..world.instances.len()).find(uses))?;
-        let written = world.written.get(index).copied().flatten();
-        let own = written.and_then(|index| Some((index, desc.instances.get(index)?)));
         let named = |name: &str| {
             let found = desc.materials.iter().position(|entry| entry.name == name);
             found.map(MaterialOrigin::Named)
         };
+        let index = shown.filter(uses);
+        let index = index.or_else(|| (0..world.instances.len()).find(uses));
+        let Some(index) = index else {
+            let mut decals = world.decals.list.iter();
+            let decal = decals.position(|decal| decal.material == material)?;
+            return named(&desc.decals.get(decal)?.value.material.value);
+        };
+        let written = world.written.get(index).copied().flatten();
+        let own = written.and_then(|index| Some((index, desc.instances.get(index)?)));
         match own.map(|(index, instance)| (index, &instance.material)) {
             Some((_, Some(InstanceMaterialDesc::Named(name)))) => return named(&name.value),
             Some((index, Some(InstanceMaterialDesc::Override(_)))) => {

@@ -31,10 +31,11 @@ pub fn outline(desc: &SceneDesc) -> Vec<OutlineRow> {
     let parents = &desc.parents;
     let nodes = (0..count).map(|index| (parents.of_node(index), node(index), Some(index)));
     let lights = (0..desc.lights.len()).map(|i| (parents.of_light(i), SceneItem::Light(i), None));
+    let decals = (0..desc.decals.len()).map(|i| (parents.of_decal(i), SceneItem::Decal(i), None));
     let cameras =
         (0..desc.cameras.len()).map(|i| (parents.of_camera(i), SceneItem::Camera(i), None));
     let mut below: BTreeMap<Option<usize>, Vec<(SceneItem, Option<usize>)>> = BTreeMap::new();
-    for (parent, item, node) in nodes.chain(lights).chain(cameras) {
+    for (parent, item, node) in nodes.chain(decals).chain(lights).chain(cameras) {
         below.entry(parent).or_default().push((item, node));
     }
     let mut rows = Vec::new();
@@ -78,6 +79,10 @@ model = \"ball\"
 name = \"hand\"
 model = \"ball\"
 parent = \"arm\"
+[material.paint]
+[decal.sign]
+material = \"paint\"
+parent = \"hand\"
 [light.lamp]
 kind = \"point\"
 parent = \"hand\"
@@ -92,6 +97,7 @@ intensity_cd = 1
             ("instance ball", 0),
             ("group arm", 0),
             ("instance hand", 1),
+            ("decal sign", 2),
             ("light lamp", 2),
             ("camera main", 0),
             ("environment", 0),

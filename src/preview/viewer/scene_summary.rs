@@ -115,6 +115,14 @@ impl SceneSummary {
             row.bounds = row.bounds.union(around);
             bounds = bounds.union(around);
         }
+        for decal in &world.decals.list {
+            let row = &mut materials[decal.material];
+            row.bounds = row.bounds.union(decal.bounds());
+            if let (None, Some(origin)) = (&row.origin, live.origin_of(decal.material, None)) {
+                row.origin = Some(origin.label(live.desc()));
+                split_emission(&mut row.numbers, origin.emission_strength(live.desc()));
+            }
+        }
         let lights = unique_names(world.lights.iter().map(|light| light.name.as_str()));
         let dropped = live.renderer().plan().dropped.iter();
         Self {

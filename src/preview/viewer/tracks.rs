@@ -17,6 +17,7 @@ impl ViewState {
             let kind = match item {
                 SceneItem::Instance(_) => "instance",
                 SceneItem::Group(_) => "group",
+                SceneItem::Decal(_) => "decal",
                 SceneItem::Light(_) => "light",
                 SceneItem::Camera(_) => "camera",
                 SceneItem::Environment => return None,

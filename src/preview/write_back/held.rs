@@ -2,9 +2,9 @@
 
 use super::item::{MaterialOrigin, SceneItem};
 use reflet_scene::{
-    desc::{CAMERA, Entry, LIGHT, MATERIAL, SceneDesc, TrackDesc, Tracks},
+    desc::{CAMERA, DecalMotionDesc, Entry, LIGHT, MATERIAL, SceneDesc, TrackDesc, Tracks},
     diagnostic::Span,
-    motion::{FileMaterial, Kind, ScriptedFields, file_materials},
+    motion::{DECAL, FileMaterial, Kind, ScriptedFields, file_materials},
     number::Field,
 };
 
@@ -69,6 +69,7 @@ impl Layered<'_> {
                     let field = TRANSFORM.iter().position(|k| *k == key);
                     (Kind::Node, desc.instances.len() + i, field)
                 }
+                SceneItem::Decal(i) => (Kind::Decal, i, index_of(&DECAL, key)),
                 SceneItem::Light(i) => (Kind::Light, i, index_of(&LIGHT, key)),
                 SceneItem::Camera(i) => (Kind::Camera, i, index_of(&CAMERA, key)),
                 SceneItem::Environment => return None,
@@ -90,6 +91,17 @@ impl Layered<'_> {
                         _ => &entry.value.scale,
                     };
                     (&entry.at, track.as_ref()?)
+                }
+                SceneItem::Decal(_) => {
+                    let entry = named(&motion.decals, name)?;
+                    let DecalMotionDesc { place, tracks } = &entry.value;
+                    let track = match key {
+                        "translation" => place.translation.as_ref(),
+                        "rotation_deg" => place.rotation_deg.as_ref(),
+                        "scale" => place.scale.as_ref(),
+                        _ => track_of(tracks, &DECAL, key),
+                    };
+                    (&entry.at, track?)
                 }
                 SceneItem::Light(_) => {
                     let entry = named(&motion.lights, name)?;

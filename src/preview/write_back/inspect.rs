@@ -13,7 +13,7 @@ use super::{
 use reflet_scene::{
     desc::{CAMERA, EnvironmentDesc, LIGHT, PlacementDesc, SceneDesc},
     diagnostic::Span,
-    motion::turned,
+    motion::{DECAL, DECAL_PLACES, DecalPose, turned},
     number::{Field, Form},
     range::{ANY, FROM_0},
 };
@@ -100,6 +100,7 @@ fn world_from_parent(desc: &SceneDesc, item: SceneItem) -> Affine3A {
     let parent = match item {
         SceneItem::Instance(i) => parents.of_node(i),
         SceneItem::Group(i) => parents.of_node(desc.instances.len() + i),
+        SceneItem::Decal(i) => parents.of_decal(i),
         SceneItem::Light(i) => parents.of_light(i),
         SceneItem::Camera(i) => parents.of_camera(i),
         SceneItem::Environment => None,
@@ -111,6 +112,7 @@ fn numbers(desc: &SceneDesc, item: SceneItem) -> Result<Vec<Numbers>, String> {
     let placement = match item {
         SceneItem::Instance(i) => &desc.instances[i].placement,
         SceneItem::Group(i) => &desc.groups[i].value.placement,
+        SceneItem::Decal(i) => &desc.decals[i].value.placement,
         SceneItem::Light(i) => return Ok(fields(&desc.lights[i].value, &LIGHT)),
         SceneItem::Camera(i) => return Ok(fields(&desc.cameras[i].value, &CAMERA)),
         SceneItem::Environment => return Ok(environment(desc)),
@@ -142,11 +144,16 @@ fn numbers(desc: &SceneDesc, item: SceneItem) -> Result<Vec<Numbers>, String> {
             .to_vec()
     });
     let numbers = |key, values| Numbers { key, values };
-    Ok(vec![
+    let mut all = vec![
         numbers("translation", three(translation)),
         numbers("rotation_deg", euler),
         numbers("scale", three(scale)),
-    ])
+    ];
+    if let SceneItem::Decal(i) = item {
+        let decal = DecalPose::at_rest(&desc.decals[i].value);
+        all.extend(fields(&decal, &DECAL[DECAL_PLACES..]));
+    }
+    Ok(all)
 }
 
 /// Numbers of the kind of environment that the scene has.

@@ -14,6 +14,8 @@ pub enum SceneItem {
     Instance(usize),
     /// Index into [`SceneDesc::groups`].
     Group(usize),
+    /// Index into [`SceneDesc::decals`].
+    Decal(usize),
     /// Index into [`SceneDesc::lights`].
     Light(usize),
     /// Index into [`SceneDesc::cameras`].
@@ -42,6 +44,7 @@ impl SceneItem {
         match self {
             Self::Instance(i) => desc.instances.get(i).map(|i| (i.name.as_deref(), &i.at)),
             Self::Group(i) => entry(&desc.groups, i),
+            Self::Decal(i) => entry(&desc.decals, i),
             Self::Light(i) => entry(&desc.lights, i),
             Self::Camera(i) => entry(&desc.cameras, i),
             Self::Environment => Some((None, &desc.own)),
@@ -63,6 +66,7 @@ impl SceneItem {
                     .map(Self::Instance)
             }
             Self::Group(_) => of(&desc.groups, name).map(Self::Group),
+            Self::Decal(_) => of(&desc.decals, name).map(Self::Decal),
             Self::Light(_) => of(&desc.lights, name).map(Self::Light),
             Self::Camera(_) => of(&desc.cameras, name).map(Self::Camera),
             Self::Environment => Some(self),
@@ -87,6 +91,7 @@ impl SceneItem {
         match self {
             Self::Instance(_) => "instance",
             Self::Group(_) => "group",
+            Self::Decal(_) => "decal",
             Self::Light(_) => "light",
             Self::Camera(_) => "camera",
             Self::Environment => "environment",
@@ -99,6 +104,7 @@ impl SceneItem {
         let section = match self {
             Self::Instance(_) => "InstanceDesc",
             Self::Group(_) => "GroupDesc",
+            Self::Decal(_) => "DecalDesc",
             Self::Light(_) => "LightDesc",
             Self::Camera(_) => "CameraDesc",
             Self::Environment => "EnvironmentDesc",

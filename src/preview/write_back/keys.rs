@@ -9,8 +9,10 @@ use super::{
     tree::numbers,
 };
 use reflet_scene::{
-    desc::{CAMERA, LIGHT, MATERIAL, SceneDesc, TrackDesc, Tracks},
-    motion::key_value,
+    desc::{
+        CAMERA, DecalMotionDesc, InstanceMotionDesc, LIGHT, MATERIAL, SceneDesc, TrackDesc, Tracks,
+    },
+    motion::{DECAL, key_value},
     number::{Field, Form},
     syntax::{Content, Node, SyntaxTree},
 };
@@ -18,7 +20,7 @@ use reflet_scene::{
 /// A track with keys: `[motion.KIND.NAME]` and the key in it.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct TrackName {
-    /// Kind of the thing: `camera`, `instance`, `group`, `light` or `material`.
+    /// Kind of the thing: `camera`, `instance`, `group`, `decal`, `light` or `material`.
     pub kind: &'static str,
     /// Name of the thing.
     pub name: String,
@@ -74,6 +76,22 @@ const APART_S: f64 = 1e-3;
 /// A track, its form, and whether its values are numbers for all axes.
 type Found<'d> = (TrackName, &'d TrackDesc, Form);
 
+/// Tracks that place an instance, a group or a decal.
+fn placing<'d>(
+    (kind, name): (&'static str, &str),
+    moved: &'d InstanceMotionDesc,
+) -> impl Iterator<Item = Found<'d>> {
+    let parts = [
+        ("translation", &moved.translation),
+        ("rotation_deg", &moved.rotation_deg),
+        ("scale", &moved.scale),
+    ];
+    parts.into_iter().filter_map(move |(key, track)| {
+        let name = name.to_owned();
+        Some((TrackName { kind, name, key }, track.as_ref()?, Form::Vector))
+    })
+}
+
 /// Tracks of a scene.
 fn all_tracks(desc: &SceneDesc) -> Vec<Found<'_>> {
     let motion = &desc.motion;
@@ -103,20 +121,13 @@ fn all_tracks(desc: &SceneDesc) -> Vec<Found<'_>> {
     }
     for (kind, list) in [("instance", &motion.instances), ("group", &motion.groups)] {
         for entry in list {
-            let moved = &entry.value;
-            let parts = [
-                ("translation", &moved.translation),
-                ("rotation_deg", &moved.rotation_deg),
-                ("scale", &moved.scale),
-            ];
-            for (key, track) in parts {
-                let name = entry.name.clone();
-                let track = track
-                    .as_ref()
-                    .map(|t| (TrackName { kind, name, key }, t, Form::Vector));
-                all.extend(track);
-            }
+            all.extend(placing((kind, &entry.name), &entry.value));
         }
+    }
+    for entry in &motion.decals {
+        let DecalMotionDesc { place, tracks } = &entry.value;
+        all.extend(placing(("decal", &entry.name), place));
+        all.extend(fields(("decal", &entry.name), tracks, &DECAL));
     }
     for entry in &motion.lights {
         all.extend(fields(("light", &entry.name), &entry.value.tracks, &LIGHT));

@@ -9,6 +9,9 @@ use reflet_scene::{
     number::{Field, find},
 };
 
+/// Smallest size of a decal's box that a drag shows, meters.
+const SMALLEST_SIZE_M: Vec3 = Vec3::splat(1e-6);
+
 /// Gives an item of a description other numbers.
 pub fn put(desc: &mut SceneDesc, item: SceneItem, numbers: &Numbers) {
     let value = match *numbers.values.as_slice() {
@@ -21,6 +24,14 @@ pub fn put(desc: &mut SceneDesc, item: SceneItem, numbers: &Numbers) {
     let placement = match item {
         SceneItem::Instance(i) => desc.instances.get_mut(i).map(|i| &mut i.placement),
         SceneItem::Group(i) => desc.groups.get_mut(i).map(|g| &mut g.value.placement),
+        SceneItem::Decal(i) => {
+            let decal = desc.decals.get_mut(i).map(|e| &mut e.value);
+            match (decal, numbers.key) {
+                (Some(decal), "size") => return decal.size = value.max(SMALLEST_SIZE_M),
+                (Some(decal), "opacity") => return decal.opacity = value.x.clamp(0.0, 1.0),
+                (decal, _) => decal.map(|decal| &mut decal.placement),
+            }
+        }
         SceneItem::Light(i) => {
             let light = desc.lights.get_mut(i).map(|e| &mut e.value);
             return put_field(light, &LIGHT, numbers.key, value);

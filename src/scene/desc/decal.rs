@@ -26,6 +26,8 @@ pub struct DecalDesc {
     /// Names of the instances and groups onto which it is projected, with all that is attached to them. Default: all
     /// instances.
     pub only: Option<Vec<At<String>>>,
+    /// Whether scripts may move it by `ctx.decal` in `frame`. Default false; one with motion may always move.
+    pub dynamic: bool,
     /// Factor on its coverage, 0 to 1.
     pub opacity: f32,
     /// Largest angle between a surface's normal and the box's +Z at which the decal is seen, degrees, 0 to 180; from 90 on

@@ -1,6 +1,6 @@
 //! Changes over time in scene text: the frames of a film, motion, and the parameters of the script.
 
-use super::{At, CameraMotionDesc, Entry, LightMotionDesc, MaterialMotionDesc, TrackDesc};
+use super::{At, CameraMotionDesc, Entry, LightMotionDesc, MaterialMotionDesc, TrackDesc, Tracks};
 
 /// `[timeline]`: the frames of a film.
 ///
@@ -36,6 +36,8 @@ pub struct MotionDesc {
     pub instances: Vec<Entry<InstanceMotionDesc>>,
     /// `group.NAME`: motion of a group, and with it of everything attached to it.
     pub groups: Vec<Entry<InstanceMotionDesc>>,
+    /// `decal.NAME`: motion of a decal's box, and its changing opacity.
+    pub decals: Vec<Entry<DecalMotionDesc>>,
     /// `light.NAME`: motion and changing brightness of a light.
     pub lights: Vec<Entry<LightMotionDesc>>,
     /// `material.NAME`: changing numbers of a `[material.NAME]`.
@@ -50,6 +52,7 @@ impl MotionDesc {
         self.cameras.is_empty()
             && self.instances.is_empty()
             && self.groups.is_empty()
+            && self.decals.is_empty()
             && self.lights.is_empty()
             && self.materials.is_empty()
             && self.models.is_empty()
@@ -87,6 +90,21 @@ impl InstanceMotionDesc {
         let tracks = [&self.translation, &self.rotation_deg, &self.scale];
         tracks.iter().any(|track| track.is_some())
     }
+}
+
+/// `[motion.decal.NAME]`: `translation`, `rotation_deg` and `scale` need a decal that is placed by these or
+/// `rotation_quat`, not by `matrix`.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct DecalMotionDesc {
+    /// - `translation`: track of the position of the middle of the box, meters.
+    /// - `rotation_deg`: track of the rotation, degrees about X, then Y, then Z, all fixed axes. Without `keys` it is
+    ///   applied before the decal's own rotation, so about its own axes.
+    /// - `scale`: track of the factor on the size of the box, one number or three; must not pass through 0, except by
+    ///   a `"step"`.
+    pub place: InstanceMotionDesc,
+    /// - `size`: track of the size of the box along its axes, meters, each above 0.
+    /// - `opacity`: track of the factor on its coverage, 0 to 1.
+    pub tracks: Tracks,
 }
 
 /// `[motion.group.NAME]`: `translation`, `rotation_deg` and `scale` need a group that is placed by these or

@@ -13,6 +13,8 @@ pub struct Names {
     /// Indices of nodes: [`SceneDesc::instances`], then [`SceneDesc::groups`]; instances without a name are
     /// left out.
     pub instances: HashMap<String, usize>,
+    /// Indices in [`SceneDesc::decals`].
+    pub decals: HashMap<String, usize>,
     /// Indices in [`SceneDesc::lights`].
     pub lights: HashMap<String, usize>,
     /// Indices in [`SceneDesc::materials`].
@@ -70,6 +72,8 @@ pub struct Known {
     pub overrides: HashMap<usize, MaterialDesc>,
     /// Whether each node may move.
     pub dynamic: Vec<bool>,
+    /// Whether the box of each decal may move by itself.
+    pub decals: Vec<bool>,
     /// Whether each node plays an animation.
     pub playing: Vec<bool>,
     /// [`InstanceDesc::joints`](crate::desc::InstanceDesc::joints) of each instance.
@@ -98,6 +102,7 @@ impl Names {
             instances: named
                 .filter_map(|(i, name)| Some((name?.to_owned(), i)))
                 .collect(),
+            decals: entries(&desc.decals),
             lights: entries(&desc.lights),
             materials: entries(&desc.materials),
             models: entries(&desc.models),
@@ -111,6 +116,7 @@ impl Names {
                     .filter_map(|(i, _)| Some((i, override_of(&desc.instances[i])?.clone())))
                     .collect(),
                 dynamic: moving(desc),
+                decals: desc.moving_decals(),
                 playing: desc
                     .instances
                     .iter()

@@ -12,6 +12,8 @@ use crate::desc::{CameraDesc, LIGHT, LightDesc};
 pub enum Kind {
     /// A camera.
     Camera,
+    /// A decal.
+    Decal,
     /// A light.
     Light,
     /// An instance, or a group by its index after the instances.

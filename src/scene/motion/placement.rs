@@ -2,6 +2,7 @@
 
 use glam::{Affine3A, DQuat, EulerRot, Quat, Vec3};
 
+use super::track::Track;
 use crate::desc::PlacementDesc;
 
 /// Transform of a placement at rest, from model space to the space of its parent.
@@ -22,4 +23,32 @@ pub fn turned(euler_deg: Vec3) -> Quat {
     let reduced = euler_deg.as_dvec3() % 360.0;
     let [x, y, z] = reduced.to_array().map(f64::to_radians);
     DQuat::from_euler(EulerRot::ZYX, z, y, x).as_quat()
+}
+
+/// Transform of a placement at a time, as tracks of its translation, rotation and scale change it.
+pub(super) fn placed(
+    placement: &PlacementDesc,
+    tracks: &[Option<Track>; 3],
+    time_s: f64,
+) -> Affine3A {
+    let PlacementDesc::Trs {
+        translation,
+        rotation,
+        scale,
+    } = *placement
+    else {
+        return transform(placement);
+    };
+    let [moves, turns, grows] = tracks;
+    let at =
+        |track: &Option<Track>, base| track.as_ref().map_or(base, |t| t.at(time_s, base, None));
+    let rotation = turns.as_ref().map_or(rotation, |track| {
+        let turn = turned(track.at(time_s, Vec3::ZERO, None));
+        if track.is_absolute() {
+            turn
+        } else {
+            rotation * turn
+        }
+    });
+    Affine3A::from_scale_rotation_translation(at(grows, scale), rotation, at(moves, translation))
 }

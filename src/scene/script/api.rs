@@ -16,6 +16,7 @@ pub use self::definitions::definitions;
 use super::limits::limits;
 use crate::{
     desc::{CAMERA, LIGHT, MATERIAL},
+    motion::DECAL,
     number::Field,
 };
 
@@ -33,10 +34,11 @@ pub struct Entry {
 }
 
 impl Entry {
-    /// Description for the manual, with `{camera}`, `{light}` and `{material}` replaced by their keys.
+    /// Description for the manual, with `{camera}`, `{decal}`, `{light}` and `{material}` replaced by their keys.
     pub fn meaning(&self) -> String {
         let text = self.text.replace("{camera}", &keys(&CAMERA));
         let text = text.replace("{light}", &keys(&LIGHT));
+        let text = text.replace("{decal}", &keys(&DECAL));
         text.replace("{material}", &keys(&MATERIAL))
     }
 }

@@ -1,5 +1,6 @@
 //! `ctx`: the view that a call has of the scene, and the values that it sets.
 
+mod decal;
 mod mesh;
 mod rig;
 
@@ -382,9 +383,8 @@ impl Context {
         })?;
         let mut scene = self.scene();
         scene.state.file_materials[index].put(&values);
-        scene
-            .touched
-            .add(Kind::FileMaterial, index, set_bits(&values));
+        let fields = set_bits(&values);
+        scene.touched.add(Kind::FileMaterial, index, fields);
         Ok(())
     }
 }

@@ -32,6 +32,7 @@ timeline = { fps = 24, end = 47 }
 params = { count = 31 }
 camera.main = {}
 material.brass = { metallic = 1 }
+decal.poster = { material = \"brass\", dynamic = true }
 model.ball = { shape = { kind = \"sphere\" }, material = \"brass\" }
 model.walker = { file = \"walker.glb\", animation = \"walk\", material.skin = {} }
 model.flag = { shape = { kind = \"mesh\", positions = [[0, 0, 0], [1, 0, 0], [0, 1, 0]], indices = [0, 1, 2], dynamic = true } }

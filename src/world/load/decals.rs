@@ -34,8 +34,12 @@ impl Loader<'_> {
             None => true,
             Some(nodes) => written[instance].is_some_and(|node| nodes.contains(&node)),
         };
-        let may_move = |decal: usize| list[decal].rest.2.is_some_and(|parent| moves[parent]);
-        let Some(decals) = self.world.with_decals(list.clone(), &is_target, &may_move) else {
+        let moving_decals = desc.moving_decals();
+        let may_move = |decal: usize| {
+            let parent = parents.of_decal(decal);
+            moving_decals[decal] || parent.is_some_and(|parent| moves[parent])
+        };
+        let Some(decals) = self.world.with_decals(list, &is_target, &may_move) else {
             let most = Decals::MOST_SETS;
             let message = format!("instances show more than {most} different sets of decals");
             let help = "name fewer instances by `only`, or the groups that they are in";
@@ -56,6 +60,7 @@ impl Loader<'_> {
                 ..error_at("unseen-decal", &entry.at, message).help(help)
             });
         }
+        self.world.moving.decals_placed_at = desc.decals_placed_at();
         self.world.decals = decals;
     }
 
@@ -77,7 +82,6 @@ impl Loader<'_> {
             max_angle_deg: desc.max_angle_deg,
             fade_deg: desc.fade_deg,
             changes: desc.changes,
-            rest: (own, desc.opacity, parent),
         };
         let place = decal.world_from_box();
         let corners = decal.bounds();

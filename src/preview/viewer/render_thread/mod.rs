@@ -5,6 +5,7 @@ mod event_loop;
 mod frame_requests;
 mod inspecting;
 mod instance_key;
+mod picked_decal;
 mod picking;
 mod pixel;
 mod pixels;

@@ -2,9 +2,12 @@
 //! one.
 
 use super::{instance_key::InstanceKey, worker::Worker};
-use crate::viewer::{
-    frame_texture::FrameTexture,
-    protocol::{Picked, Report, View},
+use crate::{
+    viewer::{
+        frame_texture::FrameTexture,
+        protocol::{Picked, Report, View},
+    },
+    write_back::SceneItem,
 };
 use reflet_render::{RenderError, targets::Target};
 
@@ -34,8 +37,12 @@ impl Worker {
         let index = y * width + x;
         self.send(Report::Pixel(self.pixel(view, [x, y])?));
         let instance = ids[index as usize][0] as usize;
-        self.selected = InstanceKey::of(self.live.world(), instance);
-        self.show_item(self.live.item_of(instance));
+        let item = self.clicked(view, at, (instance, index as usize))?;
+        self.selected = match item {
+            Some(SceneItem::Decal(_)) => None,
+            _ => InstanceKey::of(self.live.world(), instance),
+        };
+        self.show_item(item);
         let picked = self.picked_among(&ids)?;
         self.send(Report::Picked(picked));
         Ok(())
@@ -44,20 +51,34 @@ impl Worker {
     /// Clears the selection.
     pub(super) fn unpick(&mut self) {
         self.selected = None;
-        self.item = None;
+        (self.item, self.clicked_at) = (None, None);
         self.send(Report::Unpicked);
     }
 
     /// The selected instance in the last rendered picture.
     pub(super) fn picked(&mut self) -> Result<Option<Picked>, RenderError> {
-        if self.selected.is_none() {
+        if self.selected.is_none() && self.selected_decal().is_none() {
             return Ok(None);
         }
         let ids: Vec<[u32; 2]> = self.live.renderer().read(&self.gpu, Target::Ids)?;
         self.picked_among(&ids)
     }
 
+    fn selected_decal(&self) -> Option<usize> {
+        match self.item {
+            Some((SceneItem::Decal(index), _)) => Some(index),
+            _ => None,
+        }
+    }
+
     fn picked_among(&mut self, ids: &[[u32; 2]]) -> Result<Option<Picked>, RenderError> {
+        if let Some(index) = self.selected_decal() {
+            let Some((picked, inside)) = self.picked_decal(index, ids)? else {
+                return Ok(None);
+            };
+            let outline = self.outlined(&inside)?;
+            return Ok(Some(Picked { outline, ..picked }));
+        }
         let world = self.live.world();
         let found = (self.selected.as_ref()).and_then(|key| Some((key, key.find(world)?)));
         let Some((key, (index, count))) = found else {
@@ -68,11 +89,22 @@ impl Worker {
         let label = key.label(count);
         let (material, bounds) = (instance.material, world.bounds_of(instance));
         let triangles = world.meshes[instance.mesh].triangles.len();
+        let inside: Vec<bool> = ids.iter().map(|ids| ids[0] as usize == index).collect();
+        Ok(Some(Picked {
+            label,
+            material,
+            bounds,
+            triangles,
+            outline: self.outlined(&inside)?,
+        }))
+    }
+
+    /// Outline of pixels of the last picture, as a texture.
+    fn outlined(&mut self, inside: &[bool]) -> Result<Option<FrameTexture>, RenderError> {
         let size = self.live.renderer().targets().size;
         let whole = self.view.as_ref().map_or(size, |view| view.size);
         let radius = RADIUS_PX * (size[0] as f32 / whole[0].max(1) as f32).min(1.0);
-        let inside: Vec<bool> = ids.iter().map(|ids| ids[0] as usize == index).collect();
-        let outline = match outline(&inside, size, radius) {
+        Ok(match outline(inside, size, radius) {
             Some(rgba) => {
                 let texture = FrameTexture::of_size(&self.gpu, self.outline.take(), size)?;
                 texture.write(&self.gpu, &rgba);
@@ -80,14 +112,7 @@ impl Worker {
                 Some(texture)
             }
             None => None,
-        };
-        Ok(Some(Picked {
-            label,
-            material,
-            bounds,
-            triangles,
-            outline,
-        }))
+        })
     }
 }
 

@@ -43,6 +43,8 @@ pub(super) struct Worker {
     /// The selected instance.
     pub(super) selected: Option<InstanceKey>,
     pub(super) outline: Option<FrameTexture>,
+    /// Place of the last click in the picture, 0 to 1.
+    pub(super) clicked_at: Option<[f32; 2]>,
     /// The inspected item, with its name.
     pub(super) item: Option<(SceneItem, Option<String>)>,
     /// Values of parameters to write into the text once they are shown.
@@ -107,6 +109,7 @@ impl Worker {
             error_map: None,
             selected: None,
             outline: None,
+            clicked_at: None,
             item: None,
             unwritten: None,
             own_writes: 0,

@@ -8,12 +8,12 @@ use super::Names;
 use crate::syntax::Entries;
 use crate::{
     desc::{
-        At, ByName, CAMERA, Entry, InstanceDesc, InstanceMaterialDesc, InstanceMotionDesc, LIGHT,
-        LightMotionDesc, MATERIAL, MaterialDesc, MaterialMotionDesc, ModelMotionDesc, ModelSource,
-        PlacementDesc, SceneDesc, TrackDesc, Tracks,
+        At, ByName, CAMERA, DecalMotionDesc, Entry, InstanceDesc, InstanceMaterialDesc,
+        InstanceMotionDesc, LIGHT, LightMotionDesc, MATERIAL, MaterialDesc, MaterialMotionDesc,
+        ModelMotionDesc, ModelSource, PlacementDesc, SceneDesc, TrackDesc, Tracks,
     },
     diagnostic::{Diagnostic, Span},
-    motion::ModelTables,
+    motion::{DECAL, ModelTables},
     number::{Field, Form},
     parse::{overlay, report::Report},
     suggest,
@@ -104,22 +104,34 @@ pub fn check(scene: &SceneDesc, root: &Entries, report: &mut Report) {
     refer_all(&mut Names::of("material", root), &motion.materials, report);
     refer_all(&mut Names::of("model", root), &motion.models, report);
     refer_all(&mut Names::of("group", root), &motion.groups, report);
+    refer_all(&mut Names::of("decal", root), &motion.decals, report);
     let all = Indexed::of(scene, root);
     for entry in &motion.instances {
         all.nodes.refer(&entry.name, &entry.at, report);
         check_override(&all, entry, report);
         if let Some(instance) = all.instance(&entry.name) {
-            check_placed(scene, (&instance.placement, &instance.at), entry, report);
+            check_placed(
+                scene,
+                (&instance.placement, &instance.at),
+                (&entry.value, &entry.at),
+                report,
+            );
         }
-        check_own(entry, report);
+        check_own(&entry.value, report);
     }
     for entry in &motion.groups {
         if let Some(index) = all.groups.index(&entry.name) {
             let group = &scene.groups[index];
-            check_placed(scene, (&group.value.placement, &group.at), entry, report);
+            check_placed(
+                scene,
+                (&group.value.placement, &group.at),
+                (&entry.value, &entry.at),
+                report,
+            );
         }
-        check_own(entry, report);
+        check_own(&entry.value, report);
     }
+    decals(&all, &motion.decals, report);
     for entry in &motion.cameras {
         check_tracks(&all, &entry.value.tracks, &CAMERA, &entry.at, report);
     }
@@ -163,25 +175,31 @@ fn warn_of_standing_still(scene: &SceneDesc, root: &Entries, report: &mut Report
 fn check_placed(
     scene: &SceneDesc,
     (placement, at): (&PlacementDesc, &Span),
-    entry: &Entry<InstanceMotionDesc>,
+    (motion, moved_at): (&InstanceMotionDesc, &Span),
     report: &mut Report,
 ) {
-    let is_moved = entry.value.is_placed_by_tracks() || entry.value.shown.is_none();
-    if is_moved && entry.value.moves() && matches!(placement, PlacementDesc::Matrix(_)) {
-        let message = "an instance or a group that is placed by `matrix` cannot have motion";
-        let error = Diagnostic::at("wrong-motion", entry.at.clone(), message)
+    let is_moved = motion.is_placed_by_tracks() || motion.shown.is_none();
+    if is_moved && motion.moves() && matches!(placement, PlacementDesc::Matrix(_)) {
+        let message =
+            "an instance, a group or a decal that is placed by `matrix` cannot have motion";
+        let error = Diagnostic::at("wrong-motion", moved_at.clone(), message)
             .help("place it by `translation`, `rotation_deg` and `scale`")
             .related(at.clone(), "it is placed here");
         report.push(error);
     }
-    zero_scale::check(scene.timeline.as_ref(), placement, entry, report);
+    zero_scale::check(
+        scene.timeline.as_ref(),
+        placement,
+        (motion, moved_at),
+        report,
+    );
 }
 
-/// Refuses instances and groups that follow others: in a loop of these no order would be right.
-fn check_own(entry: &Entry<InstanceMotionDesc>, report: &mut Report) {
-    for track in [&entry.value.translation, &entry.value.rotation_deg] {
+/// Refuses instances, groups and decals that follow others: in a loop of these no order would be right.
+fn check_own(motion: &InstanceMotionDesc, report: &mut Report) {
+    for track in [&motion.translation, &motion.rotation_deg] {
         if let Some(follow) = track.as_ref().and_then(|t| t.follow.as_ref()) {
-            let message = "an instance or a group cannot follow another one";
+            let message = "an instance, a group or a decal cannot follow another one";
             let error = Diagnostic::at("wrong-motion", follow.instance.at.clone(), message);
             report.push(
                 error.help("only cameras and lights follow; name the other one as its `parent`"),
@@ -247,6 +265,7 @@ fn first_motion(scene: &SceneDesc) -> Option<Span> {
     let cameras = motion.cameras.iter().map(|e| &e.at);
     let instances = motion.instances.iter().chain(&motion.groups).map(|e| &e.at);
     let lights = motion.lights.iter().map(|e| &e.at);
+    let lights = lights.chain(motion.decals.iter().map(|e| &e.at));
     let materials = motion.materials.iter().map(|e| &e.at);
     let models = scene.models.iter().map(|e| &e.value.animation);
     let played = models.chain(scene.instances.iter().map(|i| &i.animation));
@@ -271,6 +290,20 @@ fn refer_all<T>(names: &mut Names, entries: &[Entry<T>], report: &mut Report) {
     }
 }
 
+/// Checks motion of decals. One that is placed by `matrix` may still change its size and opacity.
+fn decals(all: &Indexed, motion: &[Entry<DecalMotionDesc>], report: &mut Report) {
+    let known = ByName::of(&all.scene.decals);
+    for Entry { name, at, value } in motion {
+        check_own(&value.place, report);
+        check_tracks(all, &value.tracks, &DECAL, at, report);
+        if let (Some(index), true) = (known.index(name), value.place.is_placed_by_tracks()) {
+            let decal = &all.scene.decals[index];
+            let placed = (&decal.value.placement, &decal.at);
+            check_placed(all.scene, placed, (&value.place, at), report);
+        }
+    }
+}
+
 /// Checks the instances that tracks follow.
 fn check_tracks<T>(
     all: &Indexed,
@@ -287,7 +320,7 @@ fn check_tracks<T>(
                 (all.nodes).refer(&follow.value, &follow.at, report);
             }
         } else if track.follow.is_some() || track.orbit.is_some() {
-            let message = "`follow` and `orbit` apply to positions, not to colors";
+            let message = "`follow` and `orbit` apply to positions alone";
             report.push(Diagnostic::at("wrong-motion", at.clone(), message));
         }
     }

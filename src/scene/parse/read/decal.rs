@@ -25,6 +25,7 @@ impl Section for DecalDesc {
         let placement = placement(t);
         let only = t.find("only", ANY).map(|Names(names)| names);
         let size = t.get("size", ABOVE_0, Vec3::ONE);
+        let dynamic = t.get("dynamic", ANY, false);
         let opacity = t.get("opacity", UNIT, 1.0);
         let max_angle_deg = t.get("max_angle_deg", DECAL_ANGLE_DEG, 75.0);
         let fade_deg = t.get("fade_deg", DECAL_ANGLE_DEG, 15.0);
@@ -39,6 +40,7 @@ impl Section for DecalDesc {
             placement,
             size,
             only,
+            dynamic,
             opacity,
             max_angle_deg,
             fade_deg,

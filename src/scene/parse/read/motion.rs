@@ -5,6 +5,7 @@ use glam::Vec3;
 use crate::range::ANY;
 use crate::{
     desc::*,
+    motion::{DECAL, DECAL_PLACES},
     parse::{
         table::{Section, Table},
         value::Scale,
@@ -22,6 +23,7 @@ impl Section for MotionDesc {
             cameras: t.entries("camera"),
             instances: t.entries("instance"),
             groups: groups(t),
+            decals: t.entries("decal"),
             lights: t.entries("light"),
             materials: t.entries("material"),
             models: t.entries("model"),
@@ -91,6 +93,26 @@ fn groups(t: &mut Table) -> Vec<Entry<InstanceMotionDesc>> {
         value: group.value.0,
     };
     groups.map(motion).collect()
+}
+
+impl Section for DecalMotionDesc {
+    const TYPE: &'static str = "DecalMotionDesc";
+    const HEADING: &'static str = "[motion.decal.NAME]";
+
+    fn read(t: &mut Table) -> Option<Self> {
+        let place = InstanceMotionDesc {
+            translation: track::<Vec3>(t, "translation", ANY),
+            rotation_deg: track::<Vec3>(t, "rotation_deg", ANY),
+            scale: track::<Scale>(t, "scale", ANY),
+            ..InstanceMotionDesc::default()
+        };
+        let others = tracks(t, &DECAL[DECAL_PLACES..]).into_iter();
+        let tracks = others.map(|(field, track)| (field + DECAL_PLACES, track));
+        Some(Self {
+            place,
+            tracks: tracks.collect(),
+        })
+    }
 }
 
 impl Section for LightMotionDesc {

@@ -202,6 +202,17 @@ pub static POSE: &[Entry] = &[
         },
     },
     Entry {
+        signature: "ctx.decal(name, #{ … })",
+        gives: "()",
+        text: "Sets any of {decal} of a decal; if it has a `parent`, relative to that. All but the opacity need motion or `dynamic = true` in its table.",
+        example: "ctx.decal(\"poster\", #{ translation: [0, 1, 0.1 * ctx.t], opacity: 0.5 }); true",
+        register: |e| {
+            e.register_fn("decal", |c: &mut Context, name: &str, keys: Map| {
+                c.decal(name, &keys)
+            });
+        },
+    },
+    Entry {
         signature: "ctx.material(name, #{ … })",
         gives: "()",
         text: "Sets any of {material} of a `[material.NAME]`; `checker_a`, `checker_b` and `checker_size_m` are the colors and the cell size of its `checker` or `pattern`. The material's table must have a `checker` or `pattern` for these, and its own value of `alpha_cutoff`, `alpha`, `transmission`, `attenuation_distance_m`, `clearcoat`, `specular`, `specular_color`, `sheen_color`, `iridescence`, `anisotropy` or `dispersion` if one of these is set.",

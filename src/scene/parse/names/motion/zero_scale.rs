@@ -2,8 +2,8 @@
 //! vanish in a frame at 0.
 
 use crate::{
-    desc::{CurveKind, Entry, InstanceMotionDesc, KeyDesc, PlacementDesc, TimelineDesc, TrackDesc},
-    diagnostic::Diagnostic,
+    desc::{CurveKind, InstanceMotionDesc, KeyDesc, PlacementDesc, TimelineDesc, TrackDesc},
+    diagnostic::{Diagnostic, Span},
     motion::track::Track,
     parse::report::Report,
 };
@@ -13,14 +13,14 @@ const STEPS: u32 = 8;
 /// Largest number of such times in a timeline.
 const MOST_STEPS: u32 = 1 << 16;
 
-/// Refuses a track of `scale` that is 0 or passes through 0; `placement` is that of the moved entry.
+/// Refuses a track of `scale` that is 0 or passes through 0; `placement` is that of what moves.
 pub fn check(
     timeline: Option<&TimelineDesc>,
     placement: &PlacementDesc,
-    entry: &Entry<InstanceMotionDesc>,
+    (motion, at): (&InstanceMotionDesc, &Span),
     report: &mut Report,
 ) {
-    let Some(track) = &entry.value.scale else {
+    let Some(track) = &motion.scale else {
         return;
     };
     if let Some(key) = track
@@ -44,7 +44,7 @@ pub fn check(
         report.push(error.related(before.at.clone(), "the previous key is here"));
     } else if let Some(time_s) = on_the_way(timeline, placement, track) {
         let message = format!("`scale` passes 0 at about {time_s:.2} s");
-        report.push(Diagnostic::at("passes-zero", entry.at.clone(), message).help(help));
+        report.push(Diagnostic::at("passes-zero", at.clone(), message).help(help));
     }
 }
 
