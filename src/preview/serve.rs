@@ -25,6 +25,7 @@ use reflet_scene::desc::Method;
 
 mod actions;
 pub mod client;
+mod handles;
 mod http;
 mod hub;
 mod input;

@@ -4,6 +4,7 @@
 pub mod camera_controls;
 pub mod flight;
 pub mod frame_texture;
+pub mod handles;
 pub mod mailbox;
 pub mod material_edit;
 pub mod opening;

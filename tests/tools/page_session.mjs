@@ -105,6 +105,40 @@ await page.keyboard.press("Control+z");
 await saved("position = [2, 4, 3]");
 step("changed");
 
+// A click selects the decal that covers the floor; its handles are dragged, and the camera stays.
+await page.locator("#camera").selectOption("main");
+await page.locator("#items button", { hasText: "floor" }).click();
+await page.waitForFunction(() => document.getElementById("label").textContent.includes("floor"));
+number = await rest(0);
+await page.mouse.click(x - 0.157 * box.height, y + 0.067 * box.height);
+await page.waitForFunction(() => document.getElementById("label").textContent.includes("decal sign"));
+const ends = () => page.evaluate(() => {
+  const over = document.getElementById("handles").getBoundingClientRect();
+  const parts = handles.drawn ? handles.drawn.ends : [];
+  return parts.map(([left, top]) => [over.left + left * over.width, over.top + top * over.height]);
+});
+const pull = async (axis, by) => {
+  const [left, top] = (await ends())[axis];
+  await page.mouse.move(left, top);
+  await page.mouse.down();
+  await page.mouse.move(left + by[0], top + by[1], { steps: 4 });
+  await page.mouse.up();
+};
+const seen = await page.evaluate(() => document.querySelectorAll("#handles line").length);
+if (seen !== 15) throw new Error(`${seen} lines: 12 edges of the box and 3 handles are wanted`);
+await pull(0, [40, 0]);
+await saved("translation = [-1.2,", false);
+if (await page.locator("#camera").inputValue() !== "main") throw new Error("a drag of a handle moved the camera");
+await page.locator("#turn").click();
+await page.waitForFunction(() => document.querySelectorAll("#handles circle").length === 3);
+await pull(1, [0, -40]);
+await saved("rotation_deg = [-90, 0, 0]", false);
+await page.locator("#undo").click();
+await saved("rotation_deg = [-90, 0, 0]");
+await page.locator("#undo").click();
+await saved("translation = [-1.2, 0, 0.5]");
+step("dragged");
+
 // Keys of the camera's track: one is added at the current frame, moved by a drag, and deleted.
 await page.locator("#items button", { hasText: "camera" }).click();
 await page.locator(".track button").first().click();

@@ -36,6 +36,10 @@ model = "ball"
 dynamic = true
 [motion.camera.main]
 eye = { keys = [{ at_s = 0, value = [0, 1.5, 4] }, { at_s = 0.375, value = [1, 1.5, 4] }] }
+[decal.sign]
+material = "red"
+translation = [-1.2, 0, 0.5]
+rotation_deg = [-90, 0, 0]
 [light.lamp]
 kind = "point"
 position = [2, 4, 3]
@@ -51,6 +55,7 @@ STEPS = [
     "written",
     "selected",
     "changed",
+    "dragged",
     "keyed",
     "downloaded",
     "shared",

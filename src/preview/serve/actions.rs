@@ -28,31 +28,16 @@ impl Session {
 
     pub(super) fn act(&mut self, input: Input) {
         let now_s = self.now_s();
-        // A window is never dragged further than this.
-        let part = |by: [f32; 2]| Vec2::from(by.map(|x| x.clamp(-4.0, 4.0)));
         match input {
             Input::Shown => {}
-            Input::Orbit { by } => {
-                self.state.controls.orbit(part(by));
-                self.moved();
-            }
-            Input::Look { by } => {
-                self.state.controls.look(part(by));
-                self.moved();
-            }
-            Input::Pan { by } => {
-                self.state.controls.pan(part(by));
-                self.moved();
-            }
-            Input::Dolly { notches } => {
-                self.state.controls.dolly(notches.clamp(-20.0, 20.0));
-                self.moved();
-            }
-            Input::Fly { by, seconds } => {
-                let along = glam::Vec3::from(by.map(|x| x.clamp(-1.0, 1.0)));
-                self.state.controls.fly(along, seconds.clamp(0.0, 0.5));
-                self.moved();
-            }
+            Input::Orbit { .. }
+            | Input::Drag { .. }
+            | Input::Look { .. }
+            | Input::Pan { .. }
+            | Input::Dolly { .. }
+            | Input::Fly { .. } => self.move_view(&input),
+            Input::Drop { from } => self.let_go(Some(from)),
+            Input::Handles { kind } => self.choose_handle(&kind),
             Input::Camera { name } => self.choose_camera(name.as_deref()),
             Input::Frame => self.frame(),
             Input::Pick { at } => self.pick(at),
@@ -98,6 +83,51 @@ impl Session {
             Input::Seek { .. } | Input::Step { .. } | Input::Play | Input::Loop => {
                 self.change_time(&input, now_s);
             }
+        }
+    }
+
+    /// Moves the camera, or a handle.
+    fn move_view(&mut self, input: &Input) {
+        // A window is never dragged further than this.
+        let part = |by: [f32; 2]| Vec2::from(by.map(|x| x.clamp(-4.0, 4.0)));
+        match input {
+            Input::Orbit { by } => {
+                self.state.controls.orbit(part(*by));
+                self.moved();
+            }
+            Input::Drag {
+                from,
+                to,
+                by,
+                start,
+            } => {
+                let is_held = match *start {
+                    true => self.grab(*from) && self.drag_handle(*from, *to),
+                    false => self.drag_handle(*from, *to),
+                };
+                if !is_held {
+                    self.state.controls.orbit(part(*by));
+                    self.moved();
+                }
+            }
+            Input::Look { by } => {
+                self.state.controls.look(part(*by));
+                self.moved();
+            }
+            Input::Pan { by } => {
+                self.state.controls.pan(part(*by));
+                self.moved();
+            }
+            Input::Dolly { notches } => {
+                self.state.controls.dolly(notches.clamp(-20.0, 20.0));
+                self.moved();
+            }
+            Input::Fly { by, seconds } => {
+                let along = glam::Vec3::from(by.map(|x| x.clamp(-1.0, 1.0)));
+                self.state.controls.fly(along, seconds.clamp(0.0, 0.5));
+                self.moved();
+            }
+            _ => {}
         }
     }
 

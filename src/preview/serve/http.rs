@@ -19,7 +19,7 @@ const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; i
                       connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
 /// A file of the page: its name below the token, its type and its text.
-const FILES: [(&str, &str, &str); 5] = [
+const FILES: [(&str, &str, &str); 6] = [
     ("", "text/html", include_str!("page/index.html")),
     ("keys.js", "text/javascript", include_str!("page/keys.js")),
     (
@@ -28,6 +28,11 @@ const FILES: [(&str, &str, &str); 5] = [
         include_str!("page/numbers.js"),
     ),
     ("page.js", "text/javascript", include_str!("page/page.js")),
+    (
+        "handles.js",
+        "text/javascript",
+        include_str!("page/handles.js"),
+    ),
     ("style.css", "text/css", include_str!("page/style.css")),
 ];
 

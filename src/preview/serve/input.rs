@@ -10,6 +10,18 @@ pub(super) enum Input {
     Shown,
     /// Move the camera by a drag, in parts of the picture's height.
     Orbit { by: [f32; 2] },
+    /// Drag on the picture with the main button: of the handle at `from`, if there is one where the drag starts, else as
+    /// `orbit`. Places are 0 to 1 from the top left.
+    Drag {
+        from: [f32; 2],
+        to: [f32; 2],
+        by: [f32; 2],
+        start: bool,
+    },
+    /// End of the drag that began at `from`.
+    Drop { from: [f32; 2] },
+    /// Choose the kind of the handles: `move`, `turn` or `scale`.
+    Handles { kind: String },
     /// Turn the camera on the spot, by a drag like that of `orbit`.
     Look { by: [f32; 2] },
     /// Move the camera across the view, by a drag like that of `orbit`.

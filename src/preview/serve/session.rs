@@ -17,6 +17,7 @@ use super::{ServeOptions, hub::Hub, input::Input, state};
 use crate::{
     live::{SceneSource, ViewOverrides},
     viewer::{
+        handles::{Handle, HandleDrag},
         opening::open,
         protocol::{
             FinishedFrame, FrameAction, FrameRequest, Picked, Report, Screenshot, ScreenshotGoal,
@@ -26,13 +27,14 @@ use crate::{
         scene_summary::SceneSummary,
         view_state::ViewState,
     },
-    write_back::Inspected,
+    write_back::{Inspected, Numbers, SceneItem},
 };
 use reflet_gpu::Gpu;
 use reflet_render::{
     png_file,
     runtime::{SessionError, parameters::ParameterOverrides},
 };
+use reflet_scene::desc::CameraDesc;
 
 /// Quality of pictures while something moves, 1 to 100.
 const QUALITY: u8 = 82;
@@ -53,6 +55,16 @@ pub(super) enum Event {
     End,
 }
 
+/// Handle that a viewer drags.
+pub(super) struct Grab {
+    /// Place of the press in the picture, 0 to 1.
+    pub(super) from: [f32; 2],
+    pub(super) item: SceneItem,
+    pub(super) drag: HandleDrag,
+    /// Numbers as the drag has them now.
+    pub(super) now: Numbers,
+}
+
 pub(super) struct Session {
     pub(super) gpu: Arc<Gpu>,
     pub(super) hub: Hub,
@@ -61,6 +73,11 @@ pub(super) struct Session {
     pub(super) overrides: ParameterOverrides,
     pub(super) inspected: Option<Inspected>,
     pub(super) picked: Option<Picked>,
+    /// Kind of the handles, and the one that is dragged.
+    pub(super) handle: Handle,
+    pub(super) grab: Option<Grab>,
+    /// Camera of the last picture.
+    pub(super) shown_camera: Option<CameraDesc>,
     pub(super) size: [u32; 2],
     pub(super) started: Instant,
     /// Number of the last picture.
@@ -105,6 +122,9 @@ pub(super) fn start(
         overrides: ParameterOverrides::default(),
         inspected: None,
         picked: None,
+        handle: Handle::default(),
+        grab: None,
+        shown_camera: None,
         size: options.size,
         started: Instant::now(),
         number: 0,
@@ -158,6 +178,7 @@ impl Session {
         let parameters = state::parameters(&self.state.summary, &self.overrides);
         self.hub.text("parameters", &parameters);
         self.hub.text("material", &state::material(&self.state));
+        self.tell_handles();
         self.hub.text("keys", &state::keys(&self.state, selected));
     }
 
@@ -247,6 +268,7 @@ impl Session {
     fn show(&mut self, shown: &FinishedFrame) {
         self.state.show(shown);
         self.picked.clone_from(&shown.picked);
+        self.shown_camera = Some(shown.camera.clone());
         let mut pictures = [None, None];
         let started = Instant::now();
         for (index, side) in shown.sides.iter().take(2).enumerate() {

@@ -45,7 +45,7 @@ fn get(path: &str, host: &str, more: &str) -> String {
 
 #[test]
 fn only_the_token_opens_the_page() {
-    for file in ["", "page.js", "style.css"] {
+    for file in ["", "page.js", "handles.js", "style.css"] {
         let path = format!("/0123456789abcdef/{file}");
         assert_eq!(get(&path, "127.0.0.1:1", ""), "HTTP/1.1 200 OK", "{path}");
     }

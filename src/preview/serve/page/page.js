@@ -22,6 +22,7 @@ function paint() {
   if (!left) return;
   if (canvas.width !== left.width || canvas.height !== left.height) {
     [canvas.width, canvas.height] = [left.width, left.height];
+    paint_handles();
   }
   const { width, height } = canvas;
   const context = canvas.getContext("2d");
@@ -175,54 +176,68 @@ function connect() {
     if ("item" in message) show_item(message.item);
     if (message.parameters) show_parameters(message.parameters);
     if ("material" in message) show_material(message.material);
+    if (message.handles) show_handles(message.handles);
     if (message.keys) show_keys(message.keys, message.records);
     if (message.statistics) show_statistics(message.statistics);
     if (message.message) $("status").textContent = message.message;
   };
 }
 
-// Place in the picture, 0 to 1, of a pointer over the canvas, which shows it with margins.
-function place(event) {
+// Place of the picture on the page: the canvas shows it with margins.
+function picture_box() {
   const box = canvas.getBoundingClientRect();
   const scale = Math.min(box.width / canvas.width, box.height / canvas.height);
-  const size = [canvas.width * scale, canvas.height * scale];
-  return [
-    (event.clientX - box.left - (box.width - size[0]) / 2) / size[0],
-    (event.clientY - box.top - (box.height - size[1]) / 2) / size[1],
-  ];
+  const [width, height] = [canvas.width * scale, canvas.height * scale];
+  return { left: box.left + (box.width - width) / 2, top: box.top + (box.height - height) / 2, width, height };
+}
+
+// Place of a pointer in the picture, 0 to 1.
+function place(event) {
+  const { left, top, width, height } = picture_box();
+  return [(event.clientX - left) / width, (event.clientY - top) / height];
 }
 
 // Moves are gathered and sent once for each picture of the screen.
 let drag = null;
 let gathered = [0, 0];
 let waits = false;
-function move(kind, by) {
+// Drags with the main button tell where they began and where they are: they may have taken hold of a handle.
+function move(held, by) {
   gathered = [gathered[0] + by[0], gathered[1] + by[1]];
   if (waits) return;
   waits = true;
   requestAnimationFrame(() => {
     waits = false;
-    send({ do: kind, by: gathered });
+    const { kind, from, to } = held;
+    if (kind === "drag") send({ do: kind, from, to, by: gathered, start: !held.is_sent });
+    else send({ do: kind, by: gathered });
+    held.is_sent = true;
     gathered = [0, 0];
+    if (held.is_over) send({ do: "drop", from });
   });
 }
 
 canvas.addEventListener("pointerdown", (event) => {
   canvas.setPointerCapture(event.pointerId);
-  const kind = { 0: "orbit", 1: "pan", 2: "look" }[event.button];
-  drag = { kind, at: [event.clientX, event.clientY], length: 0 };
+  const kind = { 0: "drag", 1: "pan", 2: "look" }[event.button];
+  const from = place(event);
+  drag = { kind, from, to: from, at: [event.clientX, event.clientY], length: 0 };
 });
 canvas.addEventListener("pointermove", (event) => {
   if (!drag || !drag.kind) return;
   const by = [event.clientX - drag.at[0], event.clientY - drag.at[1]];
   drag.at = [event.clientX, event.clientY];
+  drag.to = place(event);
   drag.length += Math.hypot(...by);
-  if (drag.length > 3) move(drag.kind, by.map((pixels) => pixels / canvas.clientHeight));
+  if (drag.length > 3) move(drag, by.map((pixels) => pixels / canvas.clientHeight));
 });
 canvas.addEventListener("pointerup", (event) => {
   const at = place(event);
-  if (drag && drag.kind === "orbit" && drag.length <= 3) {
+  if (drag && drag.kind === "drag" && drag.length <= 3) {
     send(at.every((part) => part >= 0 && part <= 1) ? { do: "pick", at } : { do: "unpick" });
+  } else if (drag && drag.kind === "drag") {
+    drag.is_over = true;
+    if (!waits) send({ do: "drop", from: drag.from });
   }
   drag = null;
 });

@@ -2,51 +2,27 @@
 //! ends; and the outline of the scene.
 
 use eframe::egui::{self, Key, Modifiers, Ui};
-use glam::{Affine3A, Vec3};
+use glam::Vec2;
 
 use super::{
     number_row::{Input, row},
     panels::ViewRequest,
 };
 use crate::{
-    viewer::{protocol::PixelValue, scene_summary::OutlineRow},
-    write_back::{Inspected, Numbers, POSITION_KEYS, SceneItem},
+    viewer::{
+        handles::{self, Handle, HandleDrag, Handles},
+        protocol::PixelValue,
+        scene_summary::OutlineRow,
+    },
+    write_back::{Inspected, Numbers, SceneItem},
 };
+use reflet_scene::desc::CameraDesc;
 
 /// Step by which a key moves the selection, meters; ten times as much with Shift.
 const STEP_M: f64 = 0.1;
-/// Kinds of handles, with their labels.
-const HANDLES: [(Handle, &str); 3] = [
-    (Handle::Move, "move"),
-    (Handle::Turn, "turn"),
-    (Handle::Scale, "scale"),
-];
 /// Height of a row of the outline, and maximum height of the outline, points.
 const ROW: f32 = 18.0;
 const OUTLINE: f32 = 180.0;
-
-/// Kind of the handles over the picture.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Handle {
-    /// Handles that change the position.
-    #[default]
-    Move,
-    /// Handles that change the rotation.
-    Turn,
-    /// Handles that change the scale.
-    Scale,
-}
-
-impl Handle {
-    /// Keys that these handles change; an item has at most one of them.
-    fn keys(self) -> &'static [&'static str] {
-        match self {
-            Self::Move => &POSITION_KEYS,
-            Self::Turn => &["rotation_deg"],
-            Self::Scale => &["scale"],
-        }
-    }
-}
 
 /// The selected item, and its numbers during a drag.
 #[derive(Clone, Debug, Default)]
@@ -55,8 +31,8 @@ pub struct Selection {
     numbers: Vec<Numbers>,
     /// Kind of the displayed handles.
     pub handle: Handle,
-    /// Numbers at the start of a handle's drag.
-    dragged: Option<Numbers>,
+    /// The dragged handle.
+    dragged: Option<HandleDrag>,
     /// Whether the outline is to bring its row into view.
     scrolls_to_row: bool,
     /// Whether the selection that comes next was chosen in the outline.
@@ -76,31 +52,28 @@ impl Selection {
         self.shown = inspected;
     }
 
-    /// Numbers that handles of this kind change.
-    fn held(&self, handle: Handle) -> Option<&Numbers> {
-        let is_held = |n: &&Numbers| handle.keys().contains(&n.key);
-        self.numbers.iter().find(is_held)
+    /// Handles of the item in a camera's picture of this size.
+    pub fn handles(&self, camera: &CameraDesc, size: Vec2) -> Option<Handles> {
+        let parent = &self.shown.as_ref()?.world_from_parent;
+        Handles::new((self.handle, &self.numbers, parent), camera, size)
     }
 
-    /// World transform of the parent's space, and the item's position in that space.
-    pub fn origin(&self) -> Option<(Affine3A, Vec3)> {
-        self.held(self.handle)?;
-        let place = self.held(Handle::Move)?;
-        let [x, y, z] = *place.values.as_slice() else {
-            return None;
-        };
-        let place = Vec3::new(x as f32, y as f32, z as f32);
-        Some((self.shown.as_ref()?.world_from_parent, place))
+    /// Edges of a decal's box in a camera's picture of this size.
+    pub fn box_edges(&self, camera: &CameraDesc, size: Vec2) -> Vec<[Vec2; 2]> {
+        let shown = self.shown.iter();
+        shown
+            .flat_map(|shown| handles::box_edges((shown, &self.numbers), camera, size))
+            .collect()
     }
 
     /// Starts a drag of a handle.
-    pub fn start_drag(&mut self) {
-        self.dragged = self.held(self.handle).cloned();
+    pub fn start_drag(&mut self, handles: &Handles, axis: usize) {
+        self.dragged = handles.grab(axis, &self.numbers);
     }
 
-    /// Numbers at the start of the drag.
-    pub fn drag_from(&self) -> Option<&Numbers> {
-        self.dragged.as_ref()
+    /// Numbers after the drag of a handle by points.
+    pub fn dragged(&self, by: Vec2) -> Option<Numbers> {
+        self.dragged.as_ref().map(|drag| drag.numbers(by))
     }
 
     /// Shows other numbers, which are not written yet; returns whether they differ.
@@ -115,7 +88,7 @@ impl Selection {
 
     /// Ends the drag; returns the item and its numbers to write, if they changed.
     pub fn end_drag(&mut self) -> Option<(SceneItem, Numbers)> {
-        let before = self.dragged.take()?;
+        let before = self.dragged.take()?.before;
         let now = self.numbers.iter().find(|n| n.key == before.key)?;
         let item = self.item()?;
         (*now != before).then(|| (item, now.clone()))
@@ -190,7 +163,7 @@ pub fn panel(ui: &mut Ui, selection: &mut Selection, requests: &mut Vec<ViewRequ
             }
         }
         ui.horizontal(|ui| {
-            for (handle, name) in HANDLES {
+            for (handle, name) in Handle::ALL {
                 ui.selectable_value(&mut selection.handle, handle, name);
             }
         });
@@ -261,6 +234,7 @@ pub fn outline(
 #[cfg(test)]
 mod tests {
     use egui_kittest::{Harness, kittest::Queryable as _};
+    use glam::Affine3A;
 
     use super::*;
 
