@@ -2,7 +2,7 @@
 
 Runs in Blender's Python: `python blender_exports.py OUT`. Writes OUT/said.json: `changes`, for each
 step in turn the files that an export wrote and removed, and `bad`, for each input the codes of its
-losses, or the message with which it was refused. Needs no program.
+losses, or the message with which it was refused, and `collections`. Needs no program.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from typing import Any
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools" / "blender"))
 
+import blender_collections  # noqa: E402
 import bpy  # noqa: E402
 from reflet_blender.export import Options, export_project  # noqa: E402
 from reflet_blender.folder import ExportError  # noqa: E402
@@ -186,6 +187,7 @@ def main() -> None:
             bad[name] = str(error)
     shutil.rmtree(out / "changes", ignore_errors=True)
     said = {"bad": bad, "changes": changes(out / "changes")}
+    said["collections"] = blender_collections.run(out)
     (out / "said.json").write_text(json.dumps(said), encoding="utf-8")
 
 

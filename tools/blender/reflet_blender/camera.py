@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from typing import Any
 
 import bpy
@@ -90,11 +91,11 @@ def name_losses(camera: bpy.types.Object, scene: bpy.types.Scene, report: Report
 
 
 def name_clipped(
-    camera: bpy.types.Object, farthest: list[tuple[str, Vector]], report: Report
+    camera: bpy.types.Object, middles: Iterable[tuple[str, Vector]], report: Report
 ) -> None:
-    """Name the loss where a thing, by a point of its box, is beyond the camera's end of view."""
+    """Name the loss where a thing, by the middle of its box, is beyond the camera's end of view."""
     inverse = camera.matrix_world.inverted_safe()
-    for name, point in farthest:
+    for name, point in middles:
         if -(inverse @ point).z > camera.data.clip_end:
             report.lose("clip-end-dropped", camera.name, f"{name} is beyond its end of view")
             return

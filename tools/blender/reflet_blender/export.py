@@ -3,6 +3,7 @@
 reflet.toml      the project; written once, then its reader's
 scene.toml       the scene to render: a layer over blender.toml; written once, then its reader's
 blender.toml     everything that Blender says, written anew by each export
+collection-*.toml  collections that it places, each a scene text
 models/*.glb     meshes and rigs
 instances/*.csv  places of many instances
 report.json/txt  what the scene holds, and what could not be carried
@@ -16,14 +17,17 @@ from pathlib import Path
 from typing import Any
 
 import bpy
+from mathutils import Matrix
 
 from . import camera as cameras
-from . import gltf, picture, scene_text, space, things, world
+from . import gltf, picture, placed, scene_text, space, things, world
 from . import light as lights
 from . import material as materials
 from .folder import ExportError, Folder
 from .motion import Samples, deforming, frames_of, may_move
 from .names import Names, file_stem
+from .part import Part, is_ever_shown
+from .reach import Key, full_name
 from .report import Report
 
 PROJECT = "# A project of scenes for Reflet; exports leave this file alone.\nname = {name}\n"
@@ -87,9 +91,9 @@ class _Export:
     ) -> None:
         self.scene, self.layer, self.folder = scene, layer, folder
         self.report, self.options = report, options
-        self.text = scene_text.SceneText()
+        self.main = Part(GENERATED, scene_text.SceneText(), report)
         self.models = things.Models()
-        self.instance_names = Names()
+        self.model_names, self.file_names = Names(), Names()
         self.samples: Samples | None = None
 
     def run(self) -> None:
@@ -98,58 +102,88 @@ class _Export:
         fps = self.scene.render.fps / self.scene.render.fps_base
         frames = frames_of(self.scene, self.report) if animate else [self.scene.frame_current]
         bent = deforming(self.scene, self.layer, frames) if animate else []
-        rigs = self._rigs(bent)
-        rigged = {thing.name_full for rig in rigs for thing in rig}
-        for thing in bent:
-            if thing.name_full not in rigged:
-                self.report.lose("deformation-frozen", thing.name)
         if animate:
             self.scene.frame_set(frames[0])
         depsgraph = self.layer.depsgraph
         depsgraph.update()
+        self.plan = placed.plan(self.layer, depsgraph, self.report)
         try:
-            drawn = things.drawn(depsgraph, self.models, rigged, self.report)
-            seen, shining = self._cameras(depsgraph, drawn), self._lights()
-            base_values = self._values(depsgraph, seen, shining)
+            parts = self._parts(depsgraph, bent)
+            at = things.places(depsgraph, self.plan)
+            self._find_lights(parts, depsgraph, at)
+            seen = self._cameras(depsgraph)
+            shining = {key: thing for part in parts for key, thing in part.shining.values()}
+            views = {
+                name: cameras.values(thing.evaluated_get(depsgraph), self.scene, depsgraph)
+                for name, thing in seen.items()
+            }
+            lit = self._light_values(depsgraph, shining, at)
             if animate:
                 self.samples = Samples(frames, fps)
                 for frame in frames:
                     self.scene.frame_set(frame)
-                    self.samples.take(self.scene, self.layer.depsgraph, seen, shining)
+                    self.samples.take(self.scene, self.layer.depsgraph, self.plan, seen, shining)
                 self.samples.name_losses(self.scene, self.report)
                 self.scene.frame_set(frames[0])
-            self.text.settings = picture.tables(
-                self.scene, self.options, frames if animate else None, fps, seen, self.report
-            )
-            self.text.environment = world.values(self.scene, self.folder, self.report)
-            self._put_cameras(base_values, seen)
-            self._put_lights(base_values, shining)
-            self.workshop = gltf.Workshop(self.scene)
-            try:
-                self._put_rigs(rigs)
-                self._put_models(drawn)
-            finally:
-                self.workshop.close()
-            self._put_things(drawn)
+            self._put_settings(parts, frames if animate else None, fps, seen)
+            self._put_cameras(views, seen)
+            self._put_parts(parts, lit)
         finally:
             self.models.clear()
         self._name_scene_losses()
-        self._write()
+        self._write(parts)
 
-    def _rigs(self, bent: list[bpy.types.Object]) -> list[list[bpy.types.Object]]:
-        """Deforming meshes that glTF can animate: by armature, and those of shape keys alone."""
-        by_armature: dict[str, list[bpy.types.Object]] = {}
+    def _parts(self, depsgraph: bpy.types.Depsgraph, bent: list[bpy.types.Object]) -> list[Part]:
+        """The scene and the collections that it places, inner ones first; all but their lights."""
+        by_name: dict[str, Part] = {}
+        rigged: set[str] = set()
+        contents = self.plan.scenes
+        for held in contents:
+            stem = file_stem(held.name)
+            file = f"collection-{self.file_names.unique(stem)}.toml"
+            text = scene_text.SceneText(scene_text.PLACED_HEAD)
+            part = by_name[held.name] = Part(file, text, self.report, held)
+            part.rigs = _rigs([thing for thing in held.things if thing in bent])
+        visible = [thing for thing in self.layer.objects if thing in bent and not thing.hide_render]
+        visible = [thing for thing in visible if thing.visible_get(view_layer=self.layer)]
+        self.main.rigs = _rigs(visible)
+        parts = [*by_name.values(), self.main]
+        for part in parts:
+            own = {full_name(thing) for rig in part.rigs for thing in rig}
+            if part.held is None:
+                part.drawn = things.drawn(depsgraph, self.models, self.plan, own, self.report)
+                inside = list(self.plan.holders.values())
+            else:
+                part.drawn = things.held(part.held, depsgraph, self.models, own, self.report)
+                inside = part.held.holders
+            rigged |= own
+            for thing, held in inside:
+                part.placed.append(self._placed(thing, part, by_name[held.name], depsgraph))
         for thing in bent:
-            armature = thing.find_armature()
-            if armature is not None:
-                by_armature.setdefault(armature.name_full, [armature]).append(thing)
-            elif thing.data.shape_keys is not None:
-                by_armature[f"shapes of {thing.name_full}"] = [thing]
-        return [rig for _, rig in sorted(by_armature.items())]
+            if full_name(thing) not in rigged:
+                self.report.lose("deformation-frozen", thing.name)
+        return parts
 
-    def _cameras(
-        self, depsgraph: bpy.types.Depsgraph, drawn: dict[things.Key, things.Thing]
-    ) -> dict[str, bpy.types.Object]:
+    def _placed(
+        self, thing: bpy.types.Object, outer: Part, part: Part, depsgraph: bpy.types.Depsgraph
+    ) -> tuple[Key, things.Thing, Part]:
+        """A part that `thing` places in another."""
+        evaluated = thing.evaluated_get(depsgraph)
+        made = things.Thing(
+            name=full_name(thing),
+            model=things.SceneFile(part.file),
+            place=evaluated.matrix_world.copy(),
+            shown=not thing.hide_render,
+            sight=things.sight_of(evaluated),
+            is_instance=False,
+            source=thing,
+        )
+        if outer.held is None:
+            return (full_name(thing),), made, part
+        place = outer.held.place(thing, depsgraph)
+        return outer.held.key(thing), dataclasses.replace(made, place=place), part
+
+    def _cameras(self, depsgraph: bpy.types.Depsgraph) -> dict[str, bpy.types.Object]:
         """Cameras by name, the active one first."""
         active = self.scene.camera
         names, out = Names(), {}
@@ -170,47 +204,92 @@ class _Export:
                 f"the active camera {active.name!r} cannot be exported; make it a perspective or "
                 "orthographic one, at a finite place"
             )
-        middles = [(thing.name, thing.far) for thing in drawn.values()]
+        middles = things.middles(depsgraph, self.plan, self.main.drawn)
         cameras.name_clipped(active.evaluated_get(depsgraph), middles, self.report)
         return out
 
-    def _lights(self) -> dict[str, bpy.types.Object]:
-        names, out = Names(), {}
+    def _find_lights(
+        self,
+        parts: list[Part],
+        depsgraph: bpy.types.Depsgraph,
+        at: dict[Key, tuple[Matrix, bool]],
+    ) -> None:
+        """Give the parts their lights."""
+        found = []
         lit = [thing for thing in self.scene.objects if thing.type == "LIGHT"]
-        for thing in sorted(lit, key=lambda thing: thing.name_full):
-            if not thing.hide_render and thing.visible_get(view_layer=self.layer):
-                lights.name_losses(thing, self.report)
-                out[names.unique(thing.name_full)] = thing
-        return out
+        for thing in lit:
+            is_there = (full_name(thing),) in at and thing.visible_get(view_layer=self.layer)
+            if is_there and not thing.hide_render:
+                found.append((full_name(thing), (full_name(thing),), thing))
+        found += things.lights(depsgraph, self.plan)
+        for name, key, thing in sorted(found, key=lambda light: (light[0], str(light[1]))):
+            self.main.add_light(name, key, thing)
+        for part in parts:
+            if part.held is None:
+                continue
+            for thing in part.held.lights:
+                if not thing.hide_render:
+                    part.add_light(full_name(thing), part.held.key(thing), thing)
 
-    def _values(
+    def _light_values(
         self,
         depsgraph: bpy.types.Depsgraph,
-        seen: dict[str, bpy.types.Object],
-        shining: dict[str, bpy.types.Object],
-    ) -> dict[tuple[str, str], dict[str, Any]]:
+        shining: dict[Key, bpy.types.Object],
+        at: dict[Key, tuple[Matrix, bool]],
+    ) -> dict[Key, dict[str, Any]]:
         out = {}
-        for name, thing in seen.items():
-            evaluated = thing.evaluated_get(depsgraph)
-            out["camera", name] = cameras.values(evaluated, self.scene, depsgraph)
-        for name, thing in shining.items():
-            made = lights.values(thing.evaluated_get(depsgraph), self.report)
+        for key, thing in shining.items():
+            lights.name_losses(thing, at[key][0], self.report)
+            made = lights.values(thing.evaluated_get(depsgraph), at[key][0], self.report)
             if made is not None:
-                out["light", name] = made
+                out[key] = made
         return out
 
-    def _put_cameras(self, values: dict[tuple[str, str], dict[str, Any]], seen: Any) -> None:
+    def _put_settings(
+        self,
+        parts: list[Part],
+        frames: list[int] | None,
+        fps: float,
+        seen: dict[str, bpy.types.Object],
+    ) -> None:
+        settings = picture.tables(self.scene, self.options, frames, fps, seen, self.report)
+        self.main.text.settings = settings
+        self.main.text.environment = world.values(self.scene, self.folder, self.report)
+        # A placed scene has the time and the light of the scene around it; alone it needs its own.
+        alone: dict[str, dict[str, Any]] = {}
+        if frames is not None:
+            alone["timeline"] = {key: settings["timeline"][key] for key in ("fps", "start", "end")}
+        for part in parts:
+            if part.held is not None:
+                part.text.settings = alone
+                part.text.environment = {"color": [0.5, 0.5, 0.5]}
+
+    def _put_cameras(self, values: dict[str, dict[str, Any]], seen: Any) -> None:
         for name in seen:
             tracks = self.samples.of_camera(name) if self.samples else {}
-            self.text.add("camera", name, values["camera", name], tracks)
+            self.main.text.add("camera", name, values[name], tracks)
         self.report.counts["cameras"] = len(seen)
 
-    def _put_lights(self, values: dict[tuple[str, str], dict[str, Any]], shining: Any) -> None:
-        for name in shining:
-            if ("light", name) in values:
-                tracks = self.samples.of_light(name, self.report) if self.samples else {}
-                self.text.add("light", name, values["light", name], tracks)
-        self.report.counts["lights"] = sum(kind == "light" for kind, _ in values)
+    def _put_parts(self, parts: list[Part], lit: dict[Key, dict[str, Any]]) -> None:
+        """Write lights, rigs, models and things of all parts."""
+        counts = self.report.counts
+        counts["lights"] = sum(part.put_lights(lit, self.samples) for part in parts)
+        self.workshop = gltf.Workshop(self.scene)
+        try:
+            for part in reversed(parts):
+                self._put_rigs(part)
+            self._make_models(parts)
+        finally:
+            self.workshop.close()
+        counts["collections"] = len(parts) - 1
+        counts["instances"] = 0
+        for part in parts:
+            for model in self._shown_models(part):
+                part.put_model(model.name, {"file": model.file}, model.overrides)
+            names = part.names["instance"]
+            placer = scene_text.Placer(part.text, self.folder, self.report, names, self.file_names)
+            part.put_things(placer, self.samples)
+            counts["instances"] += placer.count
 
     def _overrides(self, used: list[bpy.types.Material | None]) -> dict[str, dict[str, Any]]:
         out = {}
@@ -221,44 +300,41 @@ class _Export:
                     out[material.name] = made
         return out
 
-    def _put_rigs(self, rigs: list[list[bpy.types.Object]]) -> None:
-        for rig in rigs:
-            name = self.text.model_names.unique(rig[0].name_full)
+    def _put_rigs(self, part: Part) -> None:
+        for rig in part.rigs:
+            name = self.model_names.unique(full_name(rig[0]))
             file = self._put_glb(name, self.workshop.rig_model(rig))
             used = [slot.material for thing in rig for slot in thing.material_slots]
             playing = {"name": "*", "repeat": "once"}
             model = {"file": file, "lights": False, "animation": playing}
-            self.text.add_model(name, model, self._overrides(used))
-            self.text.add_instance({"name": self.instance_names.unique(name), "model": name})
-        self.report.counts["rigs"] = len(rigs)
+            part.put_model(name, model, self._overrides(used))
+            part.put_rig(name)
+        counts = self.report.counts
+        counts["rigs"] = counts.get("rigs", 0) + len(part.rigs)
 
-    def _put_models(self, drawn: dict[things.Key, things.Thing]) -> None:
-        needed = {id(thing.model) for thing in drawn.values() if self._is_shown(thing, drawn)}
+    def _shown_models(self, part: Part) -> list[things.Model]:
+        """The models that a part places, in the order of their names."""
+        shown = {
+            id(thing.model): thing.model
+            for key, thing in part.drawn.items()
+            if is_ever_shown(key, thing, self.samples) and isinstance(thing.model, things.Model)
+        }
+        return [model for model in self.models.all() if id(model) in shown]
+
+    def _make_models(self, parts: list[Part]) -> None:
+        needed = {id(model) for part in parts for model in self._shown_models(part)}
         made = [model for model in self.models.all() if id(model) in needed]
         for model in made:
-            model.name = self.text.model_names.unique(model.wanted)
+            model.name = self.model_names.unique(model.wanted)
             # Blender numbers a material slot that has no material, and glTF gives it a plain one.
-            file = self._put_glb(model.name, self.workshop.mesh_model(model.mesh, model.name))
-            overrides = self._overrides(list(model.mesh.materials))
-            self.text.add_model(model.name, {"file": file}, overrides)
+            model.file = self._put_glb(model.name, self.workshop.mesh_model(model.mesh, model.name))
+            model.overrides = self._overrides(list(model.mesh.materials))
         self.report.counts["models"] = len(made)
 
     def _put_glb(self, name: str, content: bytes) -> str:
-        file = f"models/{self.text.file_names.unique(file_stem(name))}.glb"
+        file = f"models/{self.file_names.unique(file_stem(name))}.glb"
         self.folder.put(file, content)
         return file
-
-    def _is_shown(self, thing: things.Thing, drawn: dict[things.Key, things.Thing]) -> bool:
-        return thing.shown or self.samples is not None
-
-    def _put_things(self, drawn: dict[things.Key, things.Thing]) -> None:
-        placer = scene_text.Placer(self.text, self.folder, self.report, self.instance_names)
-        for key, thing in sorted(drawn.items(), key=lambda item: (item[1].name, str(item[0]))):
-            shown = self.samples.is_ever_shown(key) if self.samples else thing.shown
-            if shown:
-                things.name_losses(thing, self.report)
-                placer.place(key, thing, self.samples)
-        placer.finish()
 
     def _name_scene_losses(self) -> None:
         scene = self.scene
@@ -271,11 +347,24 @@ class _Export:
             if not Path(bpy.path.abspath(library.filepath)).is_file():
                 self.report.lose("library-missing", library.name, str(library.filepath))
 
-    def _write(self) -> None:
+    def _write(self, parts: list[Part]) -> None:
         name = self.scene.name
-        self.folder.put(GENERATED, self.text.document().encode())
+        for part in parts:
+            self.folder.put(part.file, part.text.document().encode())
         self.folder.put("report.json", self.report.as_json().encode())
         self.folder.put("report.txt", self.report.as_text().encode())
         self.folder.offer("reflet.toml", PROJECT.format(name=scene_text.quoted(name)).encode())
         self.folder.offer("scene.toml", LAYER.format(base=GENERATED).encode())
         self.folder.finish()
+
+
+def _rigs(bent: list[bpy.types.Object]) -> list[list[bpy.types.Object]]:
+    """Deforming meshes that glTF can animate: by armature, and those of shape keys alone."""
+    by_armature: dict[str, list[bpy.types.Object]] = {}
+    for thing in bent:
+        armature = thing.find_armature()
+        if armature is not None:
+            by_armature.setdefault(full_name(armature), [armature]).append(thing)
+        elif thing.data.shape_keys is not None:
+            by_armature[f"shapes of {full_name(thing)}"] = [thing]
+    return [rig for _, rig in sorted(by_armature.items())]

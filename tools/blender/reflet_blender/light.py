@@ -12,7 +12,7 @@ import math
 from typing import Any
 
 import bpy
-from mathutils import Vector
+from mathutils import Matrix, Vector
 
 from . import space
 from .report import Report
@@ -21,7 +21,7 @@ from .report import Report
 _WIDEST_CONE_DEG = 89.9
 
 
-def values(light: bpy.types.Object, report: Report) -> dict[str, Any] | None:
+def values(light: bpy.types.Object, place: Matrix, report: Report) -> dict[str, Any] | None:
     """The keys of `[light.NAME]` for an evaluated light; None, and a loss, where it is dark."""
     data = light.data
     color, brightest = _color(data)
@@ -29,7 +29,6 @@ def values(light: bpy.types.Object, report: Report) -> dict[str, Any] | None:
     if data.energy < 0 or (data.use_nodes and data.node_tree is None):
         report.lose("light-off", light.name)
         return None
-    place = light.matrix_world
     if not space.is_sound(place):
         report.lose("place-invalid", light.name)
         return None
@@ -44,7 +43,7 @@ def values(light: bpy.types.Object, report: Report) -> dict[str, Any] | None:
         kind = {"kind": "directional", "direction": direction, "intensity_lux": lux}
         return {**kind, "angle_deg": degrees, **shared}
     if data.type == "AREA":
-        return {**_area(light, power, position, direction), **shared}
+        return {**_area(light, place, power, position, direction), **shared}
     radius = data.shadow_soft_size
     if not data.normalize:
         power *= 4 * math.pi * radius**2 if radius > 0 else 1.0
@@ -72,9 +71,13 @@ def _color(data: bpy.types.Light) -> tuple[list[float], float]:
 
 
 def _area(
-    light: bpy.types.Object, power: float, position: list[float], direction: list[float]
+    light: bpy.types.Object,
+    place: Matrix,
+    power: float,
+    position: list[float],
+    direction: list[float],
 ) -> dict[str, Any]:
-    data, place = light.data, light.matrix_world
+    data = light.data
     scale = place.to_scale()
     size_x = abs(data.size * scale.x)
     tall = data.size_y if data.shape in {"RECTANGLE", "ELLIPSE"} else data.size
@@ -92,10 +95,10 @@ def _area(
     return {"kind": "rect", **out, "up": up, "size": [size_x * shrink, size_y * shrink]}
 
 
-def name_losses(light: bpy.types.Object, report: Report) -> None:
+def name_losses(light: bpy.types.Object, place: Matrix, report: Report) -> None:
     """Name what a light has and `[light.NAME]` has not."""
     data, name = light.data, light.name
-    scale = light.matrix_world.to_scale()
+    scale = place.to_scale()
     if data.use_nodes and data.node_tree and _has_own_nodes(data.node_tree):
         report.lose("light-nodes-dropped", name)
     if data.type == "AREA":

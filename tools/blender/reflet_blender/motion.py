@@ -11,8 +11,11 @@ import numpy as np
 from . import camera as cameras
 from . import keys, space
 from . import light as lights
+from .placed import Plan
+from .reach import Key, full_name
+from .reach import objects as objects_of
 from .report import Report
-from .things import Key, places
+from .things import places
 
 _MOST_FRAMES = 1_000_000
 # Modifiers that move a mesh without any key.
@@ -37,7 +40,7 @@ def may_move(scene: bpy.types.Scene) -> bool:
             if animation and (animation.action or animation.drivers or animation.nla_tracks):
                 return True
     return any(
-        modifier.type in _SIMULATED for thing in scene.objects for modifier in thing.modifiers
+        modifier.type in _SIMULATED for thing in objects_of(scene) for modifier in thing.modifiers
     )
 
 
@@ -55,12 +58,12 @@ def deforming(
     """Meshes whose points differ between the first, the middle and the last frame."""
     watched = [
         thing
-        for thing in scene.objects
+        for thing in objects_of(scene)
         if thing.type == "MESH" and (thing.modifiers or thing.data.shape_keys)
     ]
     if not watched:
         return []
-    found: dict[str, set[bytes]] = {thing.name_full: set() for thing in watched}
+    found: dict[str, set[bytes]] = {full_name(thing): set() for thing in watched}
     quarters = {frames[len(frames) * part // 4] for part in range(4)} | {frames[-1]}
     for frame in sorted(quarters):
         scene.frame_set(frame)
@@ -69,8 +72,8 @@ def deforming(
             mesh = thing.evaluated_get(depsgraph).data
             points = np.empty(len(mesh.vertices) * 3, np.float32)
             mesh.vertices.foreach_get("co", points)
-            found[thing.name_full].add(hashlib.sha256(points.tobytes()).digest())
-    return [thing for thing in watched if len(found[thing.name_full]) > 1]
+            found[full_name(thing)].add(hashlib.sha256(points.tobytes()).digest())
+    return [thing for thing in watched if len(found[full_name(thing)]) > 1]
 
 
 class Samples:
@@ -79,18 +82,19 @@ class Samples:
     def __init__(self, frames: list[int], fps: float) -> None:
         self.frames, self.fps = frames, fps
         self._places: dict[Key, list[tuple[Any, bool]]] = {}
-        self._values: dict[tuple[str, str], list[dict[str, Any]]] = {}
+        self._values: dict[tuple[str, Any], list[dict[str, Any]]] = {}
         self._changing = False
 
     def take(
         self,
         scene: bpy.types.Scene,
         depsgraph: bpy.types.Depsgraph,
+        plan: Plan,
         seen: dict[str, bpy.types.Object],
-        shining: dict[str, bpy.types.Object],
+        shining: dict[Key, bpy.types.Object],
     ) -> None:
-        """Add the current frame; `seen` and `shining` are cameras and lights by their names."""
-        at = places(depsgraph)
+        """Add the current frame: cameras by their names, lights by their keys."""
+        at = places(depsgraph, plan)
         if self._places and at.keys() != self._places.keys():
             self._changing = True
         if not self._places:
@@ -103,9 +107,10 @@ class Samples:
             evaluated = thing.evaluated_get(depsgraph)
             value = cameras.values(evaluated, scene, depsgraph)
             self._values.setdefault(("camera", name), []).append(value)
-        for name, thing in shining.items():
-            value = lights.values(thing.evaluated_get(depsgraph), silent) or {}
-            self._values.setdefault(("light", name), []).append(value)
+        for key, thing in shining.items():
+            place = self._places[key][-1][0]
+            lit = lights.values(thing.evaluated_get(depsgraph), place, silent)
+            self._values.setdefault(("light", key), []).append(lit or {})
 
     def name_losses(self, scene: bpy.types.Scene, report: Report) -> None:
         """Name what changes over time and has no track."""
@@ -153,9 +158,9 @@ class Samples:
         """The tracks of `[motion.camera.NAME]`."""
         return self._tracks(self._values.get(("camera", name), []), None)
 
-    def of_light(self, name: str, report: Report) -> dict[str, Any]:
+    def of_light(self, key: Key, name: str, report: Report) -> dict[str, Any]:
         """The tracks of `[motion.light.NAME]`."""
-        values = self._values.get(("light", name), [])
+        values = self._values.get(("light", key), [])
         if not all(values):
             report.lose("light-animation-frozen", name, "it is off at some frames")
             return {}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import re
+from collections.abc import Iterable
 
 _UNSAFE = re.compile(r"[^A-Za-z0-9_-]+")
 # Names that Windows keeps for devices.
@@ -17,10 +18,17 @@ class Names:
     def __init__(self) -> None:
         self._taken: set[str] = set()
 
+    def __contains__(self, name: str) -> bool:
+        return name.casefold() in self._taken
+
+    def take(self, names: Iterable[str]) -> None:
+        """Give `names` away."""
+        self._taken.update(name.casefold() for name in names)
+
     def unique(self, wanted: str) -> str:
         """`wanted`, or that with a number where it is taken."""
         name, count = wanted, 1
-        while name.casefold() in self._taken:
+        while name in self:
             count += 1
             name = f"{wanted} ({count})"
         self._taken.add(name.casefold())

@@ -11,6 +11,7 @@ LOSSES = {
     "bokeh-dropped": "the blades, rotation and ratio of an aperture; the lens is round",
     "camera-kind-dropped": "a panoramic or custom camera is left out",
     "clip-end-dropped": "things beyond a camera's end of view are seen",
+    "collection-flat": "a collection is no placed scene: its things are placed one by one",
     "compositor-dropped": "nodes of the compositor, which change the picture after rendering",
     "deformation-frozen": "a mesh that modifiers deform over time has the shape of the first frame",
     "displacement-dropped": "displacement by a material",

@@ -13,11 +13,16 @@ from .report import Report
 from .things import Key, Thing
 from .toml_text import key, number, quoted, table
 
-__all__ = ["Placer", "SceneText", "quoted"]
+__all__ = ["PLACED_HEAD", "Placer", "SceneText", "quoted"]
 
 HEAD = """\
 # Written by the export from Blender, and written anew by the next one: change scene.toml instead,
 # which lies over this file.
+version = 1
+"""
+PLACED_HEAD = """\
+# A collection that blender.toml places, written by the export from Blender, and anew by the next
+# one: change scene.toml instead, where names of this file follow that of the place and a dot.
 version = 1
 """
 # From so many instances on that one object makes of one model, a table of points holds them.
@@ -27,11 +32,10 @@ _MANY = 32
 class SceneText:
     """The tables of a scene, in the order in which they are written."""
 
-    def __init__(self) -> None:
+    def __init__(self, head: str = HEAD) -> None:
+        self._head = head
         self.settings: dict[str, dict[str, Any]] = {}
-        self.environment: dict[str, Any] = {}
-        self.model_names = Names()
-        self.file_names = Names()
+        self.environment: dict[str, Any] | None = None
         self._tables: list[str] = []
         self._motion: list[str] = []
 
@@ -61,8 +65,9 @@ class SceneText:
     def document(self) -> str:
         """All of it."""
         settings = [table(f"[{name}]", values) for name, values in self.settings.items()]
-        environment = [table("[environment]", self.environment)]
-        return "\n".join([HEAD, *settings, *environment, *self._tables, *self._motion])
+        if self.environment is not None:
+            settings.append(table("[environment]", self.environment))
+        return "\n".join([self._head, *settings, *self._tables, *self._motion])
 
 
 @dataclasses.dataclass
@@ -77,39 +82,48 @@ class _Crowd:
 class Placer:
     """Places things: each as an instance of its name, crowds of instances as tables of points."""
 
-    def __init__(self, text: SceneText, folder: Folder, report: Report, names: Names) -> None:
+    def __init__(
+        self, text: SceneText, folder: Folder, report: Report, names: Names, file_names: Names
+    ) -> None:
         self._text, self._folder, self._report = text, folder, report
-        self._names = names
+        self._names, self._file_names = names, file_names
         self._crowds: dict[tuple[Any, ...], _Crowd] = {}
-        self._count = 0
+        self.count = 0
+        self.placed_names: list[str] = []
 
-    def place(self, thing_key: Key, thing: Thing, samples: Samples | None) -> None:
-        """Place one thing, with its motion where `samples` has any."""
+    def place(self, thing_key: Key, thing: Thing, samples: Samples | None) -> bool:
+        """Place one thing, with its motion where `samples` has any; false where no text can."""
         if not space.is_sound(thing.place):
             self._report.lose("place-invalid", thing.name)
-            return
+            return False
         if space.is_flat(thing.place):
             self._report.lose("scale-zero", thing.name)
-            return
+            return False
         moves = samples is not None and samples.moves(thing_key)
         parts = space.parts(space.matrix(thing.place))
-        self._count += 1
+        self.count += 1
         if thing.is_instance and not moves and parts is not None:
             crowd_key = (thing.name, id(thing.model), thing.sight)
             crowd = _Crowd(thing.name, _sight(thing), [])
             self._crowds.setdefault(crowd_key, crowd).things.append((thing, parts))
-            return
+            return True
         name = self._place_one(thing, parts)
         if moves and samples is not None:
             tracks = samples.of_thing(thing_key, name, self._report)
-            self._text.add_motion("instance", name, tracks)
+            self._text.add_motion(thing.model.moved_as, name, tracks)
+        return True
 
     def _place_one(self, thing: Thing, parts: space.Parts | None) -> str:
-        name = self._names.unique(thing.name)
-        values: dict[str, Any] = {"name": name, "model": thing.model.name}
+        name = self._called(thing.name)
+        values: dict[str, Any] = {"name": name, "model": thing.model.value}
         values.update(_placement(parts) if parts else _matrix(thing))
         values.update(_sight(thing))
         self._text.add_instance(values)
+        return name
+
+    def _called(self, wanted: str) -> str:
+        name = self._names.unique(wanted)
+        self.placed_names.append(name)
         return name
 
     def finish(self) -> None:
@@ -119,18 +133,17 @@ class Placer:
                 for thing, parts in crowd.things:
                     self._place_one(thing, parts)
                 continue
-            name = self._names.unique(crowd.name)
-            file = f"instances/{self._text.file_names.unique(file_stem(name))}.csv"
+            name = self._called(crowd.name)
+            file = f"instances/{self._file_names.unique(file_stem(name))}.csv"
             lines = ["x,y,z,qx,qy,qz,qw,sx,sy,sz"]
             for _, parts in crowd.things:
                 turn = parts.rotation
                 row = [*parts.translation, turn.x, turn.y, turn.z, turn.w, *parts.scale]
                 lines.append(",".join(number(part) for part in row))
             self._folder.put(file, ("\n".join(lines) + "\n").encode())
-            model = crowd.things[0][0].model.name
+            model = crowd.things[0][0].model.value
             values = {"name": name, "model": model, "instances_from": file, **crowd.values}
             self._text.add_instance(values)
-        self._report.counts["instances"] = self._count
 
 
 def _sight(thing: Thing) -> dict[str, Any]:

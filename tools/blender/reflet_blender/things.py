@@ -10,15 +10,13 @@ from typing import Any
 import bpy
 from mathutils import Matrix, Vector
 
+from . import reach
+from .placed import Held, Plan
+from .reach import DRAWN, SILENT, Key, full_name, instance_key
 from .report import Report
 
-_DRAWN = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
-_SILENT = {"EMPTY", "CAMERA", "LIGHT", "ARMATURE", "LATTICE", "SPEAKER", "LIGHT_PROBE"}
 # Modifiers whose level in renders is another than in the viewport.
 _LEVELS = {"SUBSURF": ("levels", "render_levels"), "MULTIRES": ("levels", "render_levels")}
-
-# Key of a thing in all frames: its name, and for an instance what places it and its number.
-Key = tuple[Any, ...]
 
 
 @dataclasses.dataclass
@@ -28,20 +26,41 @@ class Model:
     wanted: str
     mesh: bpy.types.Mesh
     name: str = ""
+    file: str = ""
+    overrides: dict[str, dict[str, Any]] = dataclasses.field(default_factory=dict)
+    # Kind of `[motion]` of what places it.
+    moved_as = "instance"
+
+    @property
+    def value(self) -> str:
+        """The key `model` of what places it."""
+        return self.name
+
+
+@dataclasses.dataclass(frozen=True)
+class SceneFile:
+    """A scene text that is placed in another."""
+
+    file: str
+    moved_as = "group"
+
+    @property
+    def value(self) -> dict[str, str]:
+        """The key `model` of what places it."""
+        return {"scene": self.file}
 
 
 @dataclasses.dataclass(frozen=True)
 class Thing:
-    """A placed model."""
+    """A placed model or scene."""
 
     name: str
-    model: Model
+    model: Model | SceneFile
     place: Matrix
     shown: bool
     sight: tuple[bool, bool, bool]
     is_instance: bool
     source: bpy.types.Object
-    far: Vector
 
 
 @contextlib.contextmanager
@@ -64,9 +83,12 @@ def as_rendered(scene: bpy.types.Scene, layer: bpy.types.ViewLayer) -> Iterator[
     hidden = [thing for thing in layer.objects if thing.hide_get(view_layer=layer)]
     try:
         walk(layer.layer_collection)
+        for collection in reach.placed_collections(scene):
+            for held in (collection, *collection.children_recursive):
+                change(held, "hide_viewport", held.hide_render)
         for thing in hidden:
             thing.hide_set(False, view_layer=layer)
-        for thing in scene.objects:
+        for thing in reach.objects(scene):
             # An animated `hide_render` is read frame by frame, so that the thing must be there.
             change(thing, "hide_viewport", False)
             for modifier in thing.modifiers:
@@ -127,76 +149,128 @@ def _slots(thing: bpy.types.Object) -> list[bpy.types.MaterialSlot]:
     return list(thing.material_slots)
 
 
-def _key(instance: bpy.types.DepsgraphObjectInstance) -> Key:
-    thing = instance.object.original
-    if not instance.is_instance:
-        return (_full_name(thing),)
-    holder = instance.parent.original
-    return (_full_name(holder), _full_name(thing), *instance.persistent_id)
-
-
-def _full_name(thing: bpy.types.Object) -> str:
-    """A name that also tells things of linked libraries apart."""
-    return thing.name_full
-
-
 def drawn(
-    depsgraph: bpy.types.Depsgraph, models: Models, left_out: set[str], report: Report
+    depsgraph: bpy.types.Depsgraph, models: Models, plan: Plan, rigged: set[str], report: Report
 ) -> dict[Key, Thing]:
-    """Things drawn at the current frame, but for the objects `left_out`."""
+    """Things drawn at the current frame, but for those of placed scenes, and objects of rigs."""
     out: dict[Key, Thing] = {}
-    for instance in depsgraph.object_instances:
+    for instance in _instances(depsgraph, plan):
         thing, original = instance.object, instance.object.original
-        if _full_name(original) in left_out:
-            continue
-        if thing.type not in _DRAWN:
-            if thing.type not in _SILENT:
+        if thing.type not in DRAWN:
+            if thing.type not in SILENT:
                 report.lose("object-kind-dropped", original.name, f"a {thing.type.lower()}")
             continue
-        holder = instance.parent.original if instance.is_instance else original
+        if full_name(original) in rigged:
+            if not instance.is_instance:
+                continue
+            report.lose("deformation-frozen", original.name, "its instances have one shape")
         is_instancer = not instance.is_instance and original.is_instancer
         if is_instancer and not original.show_instancer_for_render:
             continue
         model = models.of(thing, depsgraph, report)
         if model is None:
             continue
-        name = _full_name(original)
+        sight = sight_of(thing)
         if instance.is_instance:
-            name = f"{_full_name(holder)}/{name}"
-        out[_key(instance)] = Thing(
-            name=name,
+            camera, shadow, glossy = sight_of(instance.parent)
+            sight = (sight[0] and camera, sight[1] and shadow, sight[2] and glossy)
+        out[instance_key(instance)] = Thing(
+            name=instance_name(instance),
             model=model,
             place=instance.matrix_world.copy(),
-            shown=not (original.hide_render or holder.hide_render),
-            sight=(thing.visible_camera, thing.visible_shadow, thing.visible_glossy),
+            shown=_is_shown(instance),
+            sight=sight,
             is_instance=instance.is_instance,
             source=original,
-            far=_farthest(thing, instance.matrix_world),
         )
     return out
 
 
-def _farthest(thing: bpy.types.Object, place: Matrix) -> Vector:
-    """The middle of a thing's box."""
-    low, high = Vector(thing.bound_box[0]), Vector(thing.bound_box[6])
-    return place @ ((low + high) / 2)
-
-
-def places(depsgraph: bpy.types.Depsgraph) -> dict[Key, tuple[Matrix, bool]]:
-    """Where everything is drawn at the current frame, and whether it is shown."""
-    out = {}
-    for instance in depsgraph.object_instances:
-        original = instance.object.original
-        if original.type in _DRAWN:
-            holder = instance.parent.original if instance.is_instance else original
-            shown = not (original.hide_render or holder.hide_render)
-            out[_key(instance)] = (instance.matrix_world.copy(), shown)
+def held(
+    content: Held,
+    depsgraph: bpy.types.Depsgraph,
+    models: Models,
+    rigged: set[str],
+    report: Report,
+) -> dict[Key, Thing]:
+    """Things of a placed scene, but for objects of rigs."""
+    out: dict[Key, Thing] = {}
+    for thing in content.things:
+        evaluated = thing.evaluated_get(depsgraph)
+        model = None
+        if full_name(thing) not in rigged:
+            model = models.of(evaluated, depsgraph, report)
+        if model is not None:
+            out[content.key(thing)] = Thing(
+                name=full_name(thing),
+                model=model,
+                place=content.place(thing, depsgraph),
+                shown=not thing.hide_render,
+                sight=sight_of(evaluated),
+                is_instance=False,
+                source=thing,
+            )
     return out
 
 
-def name_losses(thing: Thing, report: Report) -> None:
+def sight_of(thing: bpy.types.Object) -> tuple[bool, bool, bool]:
+    """Whether the camera, light and reflections see a thing."""
+    return thing.visible_camera, thing.visible_shadow, thing.visible_glossy
+
+
+def lights(
+    depsgraph: bpy.types.Depsgraph, plan: Plan
+) -> Iterator[tuple[str, Key, bpy.types.Object]]:
+    """Lights that are instances, and in no placed scene."""
+    for instance in _instances(depsgraph, plan):
+        if instance.is_instance and instance.object.type == "LIGHT" and _is_shown(instance):
+            yield instance_name(instance), instance_key(instance), instance.object.original
+
+
+def instance_name(instance: bpy.types.DepsgraphObjectInstance) -> str:
+    """The name of what is drawn at a place, with that of what places it."""
+    name = full_name(instance.object.original)
+    return f"{full_name(instance.parent.original)}/{name}" if instance.is_instance else name
+
+
+def _is_shown(instance: bpy.types.DepsgraphObjectInstance) -> bool:
+    original = instance.object.original
+    holder = instance.parent.original if instance.is_instance else original
+    return not (original.hide_render or holder.hide_render)
+
+
+def _instances(
+    depsgraph: bpy.types.Depsgraph, plan: Plan
+) -> Iterator[bpy.types.DepsgraphObjectInstance]:
+    """What is drawn and in no placed scene."""
+    for instance in depsgraph.object_instances:
+        of_plan = instance.is_instance and full_name(instance.parent.original) in plan.holders
+        if not of_plan:
+            yield instance
+
+
+def middles(
+    depsgraph: bpy.types.Depsgraph, plan: Plan, drawn_ones: dict[Key, Thing]
+) -> Iterator[tuple[str, Vector]]:
+    """Names of all that is drawn, with the middle of its box in the world."""
+    found = [(thing.source, thing.place) for thing in drawn_ones.values()]
+    found += [(thing, place) for thing, place in plan.leaves() if thing.type in DRAWN]
+    for source, place in found:
+        low, high = (Vector(source.evaluated_get(depsgraph).bound_box[i]) for i in (0, 6))
+        yield source.name, place @ ((low + high) / 2)
+
+
+def places(depsgraph: bpy.types.Depsgraph, plan: Plan) -> dict[Key, tuple[Matrix, bool]]:
+    """Where everything is at the current frame, and whether it is shown."""
+    out = plan.places(depsgraph)
+    for instance in _instances(depsgraph, plan):
+        if instance.object.type in DRAWN or instance.object.type == "LIGHT":
+            out[instance_key(instance)] = (instance.matrix_world.copy(), _is_shown(instance))
+    return out
+
+
+def name_losses(source: bpy.types.Object, report: Report) -> None:
     """Name what a thing has and `[[instance]]` has not."""
-    source = thing.source
     if source.is_shadow_catcher or source.is_holdout:
         report.lose("shadow-catcher-dropped", source.name)
     kinds = ("visible_diffuse", "visible_transmission", "visible_volume_scatter")

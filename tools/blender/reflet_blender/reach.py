@@ -1,0 +1,66 @@
+"""Owns which objects an export looks at: kinds of objects, what is in collections, their names."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import bpy
+
+DRAWN = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
+SILENT = {"EMPTY", "CAMERA", "LIGHT", "ARMATURE", "LATTICE", "SPEAKER", "LIGHT_PROBE"}
+
+# Key of a thing in all frames: its name, and for an instance what places it and its number.
+Key = tuple[Any, ...]
+
+
+def full_name(thing: bpy.types.ID) -> str:
+    """A name that also tells things of linked libraries apart."""
+    return thing.name_full
+
+
+def instance_key(instance: bpy.types.DepsgraphObjectInstance) -> Key:
+    """The key of what is drawn at a place."""
+    thing = instance.object.original
+    if not instance.is_instance:
+        return (full_name(thing),)
+    holder = instance.parent.original
+    return (full_name(holder), full_name(thing), *instance.persistent_id)
+
+
+def is_holder(thing: bpy.types.Object) -> bool:
+    """Whether an object is an empty that places a collection."""
+    places = thing.instance_type == "COLLECTION" and thing.instance_collection is not None
+    return thing.type == "EMPTY" and places
+
+
+def members(collection: bpy.types.Collection) -> list[bpy.types.Object]:
+    """Objects that a placed collection shows in renders, with those of collections in it."""
+    out: dict[str, bpy.types.Object] = {}
+    waiting = [collection]
+    while waiting:
+        current = waiting.pop()
+        if not current.hide_render:
+            out.update((full_name(thing), thing) for thing in current.objects)
+            waiting += current.children
+    return [thing for _, thing in sorted(out.items())]
+
+
+def placed_collections(scene: bpy.types.Scene) -> list[bpy.types.Collection]:
+    """Collections that objects of the scene, or of such collections, place."""
+    found: dict[str, bpy.types.Collection] = {}
+    waiting = list(scene.objects)
+    while waiting:
+        held = waiting.pop().instance_collection
+        if held is not None and full_name(held) not in found:
+            found[full_name(held)] = held
+            waiting += held.all_objects
+    return list(found.values())
+
+
+def objects(scene: bpy.types.Scene) -> Iterator[bpy.types.Object]:
+    """Objects of the scene and of the collections that are placed in it, each once."""
+    found = {full_name(thing): thing for thing in scene.objects}
+    for collection in placed_collections(scene):
+        found.update((full_name(thing), thing) for thing in collection.all_objects)
+    return iter(found.values())
