@@ -19,6 +19,11 @@ from .report import Report
 
 # Reflet's cones end below 90 degrees.
 _WIDEST_CONE_DEG = 89.9
+_LEAST_COSINE = math.cos(math.radians(_WIDEST_CONE_DEG))
+# Cycles's border is a smooth step of the cosine, Reflet's a square: its ends, as shares of the
+# range of the step, with which it passes as much light. It differs by .033 of full brightness on
+# average, by .104 at most, and shines .012 outside; from 0 to .75 it differs by .047 and .156.
+_BORDER = (0.8, -0.1)
 
 
 def values(light: bpy.types.Object, place: Matrix, report: Report) -> dict[str, Any] | None:
@@ -51,11 +56,10 @@ def values(light: bpy.types.Object, place: Matrix, report: Report) -> dict[str, 
     if data.type == "POINT":
         return {"kind": "point", **out, **shared}
     outer = min(math.degrees(data.spot_size / 2), _WIDEST_CONE_DEG)
-    # Cycles falls off by a smooth step of the cosine over `edge`, Reflet by a square; over three
-    # quarters of that range the square passes as much light.
     edge = (1 - math.cos(math.radians(outer))) * data.spot_blend
-    inner = math.degrees(math.acos(min(math.cos(math.radians(outer)) + 0.75 * edge, 1.0)))
-    cone = {"inner_deg": min(inner, outer), "outer_deg": outer}
+    ends = [math.cos(math.radians(outer)) + share * edge for share in _BORDER]
+    inner, outer = (math.degrees(math.acos(min(max(end, _LEAST_COSINE), 1.0))) for end in ends)
+    cone = {"inner_deg": inner, "outer_deg": outer}
     return {"kind": "spot", **out, "direction": direction, **cone, **shared}
 
 
