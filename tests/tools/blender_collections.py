@@ -190,7 +190,7 @@ def no_scene_holds_it() -> dict[str, list[str]]:
         layer, report = bpy.context.view_layer, Report()
         with things.as_rendered(now, layer):
             made = placed.plan(layer, layer.depsgraph, report)
-        lost = sorted({f"{loss.subject.split()[0]}: {loss.text}" for loss in report.losses})
+        lost = sorted({f"{loss.subject}: {loss.text}" for loss in report.losses})
         out[spoil.__name__] = [str(len(made.holders)), *lost]
     return out
 

@@ -62,6 +62,23 @@ def changes(root: Path) -> dict[str, Any]:
     return out
 
 
+def stopped(root: Path) -> dict[str, Any]:
+    """Export where a file of the user's stops it, and again where that is gone."""
+    scene = fresh()
+    root.mkdir()
+    (root / "blender.toml").write_text("mine", encoding="utf-8")
+    out: dict[str, Any] = {}
+    try:
+        export_project(scene, root, Options())
+    except ExportError as error:
+        out["refused"] = str(error)
+    out["mine"] = (root / "blender.toml").read_text(encoding="utf-8")
+    (root / "blender.toml").unlink()
+    thing("Cube").data.vertices[0].co.z += 0.5
+    out["written"] = sorted(export_project(scene, root, Options()).written)
+    return out
+
+
 def at(name: str, place: tuple[float, float, float]) -> Callable[[Path], None]:
     """Move an object."""
     return lambda _: setattr(thing(name), "location", place)
@@ -187,6 +204,7 @@ def main() -> None:
             bad[name] = str(error)
     shutil.rmtree(out / "changes", ignore_errors=True)
     said = {"bad": bad, "changes": changes(out / "changes")}
+    said["stopped"] = stopped(out / "stopped")
     said["collections"] = blender_collections.run(out)
     (out / "said.json").write_text(json.dumps(said), encoding="utf-8")
 

@@ -77,6 +77,12 @@ def test_a_second_export_writes_only_what_changed(said):
     assert said["changes"]["layer is kept"]
 
 
+def test_an_export_goes_on_where_one_was_refused(said):
+    assert "blender.toml was not written by an export" in said["stopped"]["refused"]
+    assert said["stopped"]["mine"] == "mine"
+    assert {"blender.toml", "models/Cube.glb"} <= set(said["stopped"]["written"])
+
+
 def test_every_bad_input_has_its_expectation(said):
     assert set(said["bad"]) == {*LOSSES, *WHOLE, *REFUSED}
 
@@ -218,5 +224,4 @@ def test_what_no_placed_scene_can_hold_is_named(said):
     assert flat["area"] == ["1", f"Empty.001: {scaled}", f"Empty.002: {scaled}"]
     assert flat["instancer"][0] == "0" and "Cube.001 places instances" in flat["instancer"][1]
     assert flat["multiplied"] == ["2", "Empty: Empty.Cube.001 places Empty"]
-    often = "more: the collection 'the \"inner\"' is placed too often for a scene"
-    assert flat["too_many"] == ["3", often]
+    assert flat["too_many"] == ["3", 'the "inner": it is placed too often for a scene, 998 times']

@@ -73,6 +73,9 @@ def export_project(scene: bpy.types.Scene, root: Path, options: Options) -> Repo
     try:
         with things.as_rendered(scene, layer):
             _Export(scene, layer, folder, report, options).run()
+    except BaseException:
+        folder.stop()
+        raise
     finally:
         scene.frame_set(frame, subframe=subframe)
     return report

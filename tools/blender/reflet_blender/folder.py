@@ -47,14 +47,16 @@ class Folder:
 
     def put(self, name: str, content: bytes) -> None:
         """Write a file of the export; one that already has this content is not touched."""
-        self._files[name] = hashlib.sha256(content).hexdigest()
         place = self.root / name
+        digest = hashlib.sha256(content).hexdigest()
         if _holds(place, content):
+            self._files[name] = digest
             self._report.kept.append(name)
             return
         if place.exists() and name not in self._before:
             raise ExportError(f"{place} was not written by an export; move it or rename it")
         self._write(place, content)
+        self._files[name] = digest
         self._report.written.append(name)
 
     def offer(self, name: str, content: bytes) -> None:
@@ -75,7 +77,15 @@ class Folder:
             if hashlib.sha256(place.read_bytes()).hexdigest() == digest:
                 place.unlink()
                 self._report.removed.append(name)
-        ledger = {"files": dict(sorted(self._files.items()))}
+        self._write_ledger(self._files)
+
+    def stop(self) -> None:
+        """Note the files of an export that ends early, so that the next one knows them."""
+        if self._files:
+            self._write_ledger({**self._before, **self._files})
+
+    def _write_ledger(self, files: dict[str, str]) -> None:
+        ledger = {"files": dict(sorted(files.items()))}
         content = (json.dumps(ledger, indent=1) + "\n").encode()
         if not _holds(self.root / LEDGER, content):
             self._write(self.root / LEDGER, content)

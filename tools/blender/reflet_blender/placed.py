@@ -61,6 +61,11 @@ class Held:
         yield self
 
     @property
+    def is_empty(self) -> bool:
+        """Whether it shows nothing."""
+        return not (self.things or self.lights or self.holders)
+
+    @property
     def weight(self) -> tuple[int, int]:
         """Scenes that placing it places, and their things."""
         inner = [held.weight for _, held in self.holders]
@@ -110,11 +115,7 @@ def plan(layer: bpy.types.ViewLayer, depsgraph: bpy.types.Depsgraph, report: Rep
     """The empties whose collections placed scenes can hold; names why others cannot."""
     out = Plan(depsgraph)
     placing = [
-        thing
-        for thing in layer.objects
-        if thing.instance_type == "COLLECTION"
-        and thing.instance_collection is not None
-        and thing.visible_get(view_layer=layer)
+        thing for thing in layer.objects if is_holder(thing) and thing.visible_get(view_layer=layer)
     ]
     if not placing:
         return out
@@ -122,7 +123,9 @@ def plan(layer: bpy.types.ViewLayer, depsgraph: bpy.types.Depsgraph, report: Rep
     known: dict[str, Held | _NotHeldError] = {}
     for thing in sorted(placing, key=full_name):
         try:
-            held = _held_by(thing, known, ())
+            held = _held_by(thing, known)
+            if held.is_empty:
+                continue
             place = thing.evaluated_get(depsgraph).matrix_world
             if not _agree(shown.get(full_name(thing), []), list(held.leaves(depsgraph, place))):
                 raise _NotHeldError("Blender shows other things there than those of the collection")
@@ -135,21 +138,15 @@ def plan(layer: bpy.types.ViewLayer, depsgraph: bpy.types.Depsgraph, report: Rep
     return out
 
 
-def _held_by(
-    holder: bpy.types.Object, known: dict[str, Held | _NotHeldError], above: tuple[str, ...]
-) -> Held:
+def _held_by(holder: bpy.types.Object, known: dict[str, Held | _NotHeldError]) -> Held:
     """The content of the collection that `holder` places."""
-    if not is_holder(holder):
-        raise _NotHeldError(f"{holder.name} is a {holder.type.lower()} that places a collection")
     if _is_multiplied(holder):
         raise _NotHeldError(f"{holder.parent.name} places {holder.name}")
     collection = holder.instance_collection
     name = full_name(collection)
-    if name in above:
-        raise _NotHeldError(f"the collection {name!r} is in itself")
     if name not in known:
         try:
-            known[name] = _content(collection, known, (*above, name))
+            known[name] = _content(collection, known)
         except _NotHeldError as reason:
             known[name] = reason
     found = known[name]
@@ -158,16 +155,15 @@ def _held_by(
     return found
 
 
-def _content(
-    collection: bpy.types.Collection, known: dict[str, Held | _NotHeldError], above: tuple[str, ...]
-) -> Held:
+def _content(collection: bpy.types.Collection, known: dict[str, Held | _NotHeldError]) -> Held:
     held = Held(collection, [], [], [])
     for thing in members(collection):
-        if thing.instance_type == "COLLECTION" and thing.instance_collection is not None:
-            inner = _held_by(thing, known, above)
+        if is_holder(thing):
+            inner = _held_by(thing, known)
             if _is_scaled(thing.matrix_world) and _has_area_light(inner):
                 raise _NotHeldError(f"{thing.name} is scaled, and an area light in it with it")
-            held.holders.append((thing, inner))
+            if not inner.is_empty:
+                held.holders.append((thing, inner))
         elif thing.is_instancer or _is_multiplied(thing):
             raise _NotHeldError(f"{thing.name} places instances, or is placed by one that does")
         elif thing.type in DRAWN:
@@ -250,7 +246,6 @@ def _keep_within_limits(made: Plan, report: Report) -> None:
         if scenes <= left and things <= room and len(more) <= _MOST_FILES:
             left, room, files = left - scenes, room - things, more
             continue
-        for name in item[1]:
-            thing, held = made.holders.pop(name)
-            text = f"the collection {held.name!r} is placed too often for a scene"
-            report.lose("collection-flat", thing.name, text)
+        placed = [made.holders.pop(name) for name in item[1]]
+        text = f"it is placed too often for a scene, {len(placed)} times"
+        report.lose("collection-flat", placed[0][1].name, text)

@@ -30,8 +30,7 @@ def instance_key(instance: bpy.types.DepsgraphObjectInstance) -> Key:
 
 def is_holder(thing: bpy.types.Object) -> bool:
     """Whether an object is an empty that places a collection."""
-    places = thing.instance_type == "COLLECTION" and thing.instance_collection is not None
-    return thing.type == "EMPTY" and places
+    return thing.instance_type == "COLLECTION" and thing.instance_collection is not None
 
 
 def members(collection: bpy.types.Collection) -> list[bpy.types.Object]:
