@@ -165,7 +165,7 @@ def steps(root: Path) -> dict[str, Any]:
 
 
 def no_scene_holds_it() -> dict[str, list[str]]:
-    """What is placed one by one, and why, by what was done to the scene."""
+    """Reasons for placing things one by one, by the name of the change to the scene."""
 
     def area(_: bpy.types.Scene) -> None:
         moved(scenes.light("AREA", (0, 0, 1), (0, 0, 0), 5), bpy.data.collections["outer"])

@@ -149,6 +149,17 @@ def lost_library(root: Path) -> None:
     bpy.ops.wm.open_mainfile(filepath=str(user))
 
 
+def hair(_: Path) -> None:
+    """Let hair grow on the cube."""
+    system = thing("Cube").modifiers.new("hair", "PARTICLE_SYSTEM").particle_system
+    system.settings.type, system.settings.count = "HAIR", 10
+
+
+def holdout(_: Path) -> None:
+    """Cut the cube out of the picture by its collection in the view layer."""
+    bpy.context.view_layer.layer_collection.children[0].holdout = True
+
+
 def broken_ledger(root: Path) -> None:
     """Put something else where an export notes its files."""
     root.mkdir()
@@ -183,6 +194,8 @@ BAD: dict[str, Callable[[Path], None]] = {
     "procedural": procedural,
     "sheared": sheared,
     "lost library": lost_library,
+    "hair": hair,
+    "holdout": holdout,
     "broken ledger": broken_ledger,
     "own file": own_file,
     "no folder": no_folder,

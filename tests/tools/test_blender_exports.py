@@ -26,6 +26,8 @@ LOSSES = {
     "lost image": "image-missing",
     "procedural": "procedural-dropped",
     "lost library": "library-missing",
+    "hair": "hair-dropped",
+    "holdout": "layer-dropped",
 }
 WHOLE = ["scale negative", "odd names", "editing", "sheared"]
 REFUSED = {
@@ -125,7 +127,7 @@ def test_a_sheared_thing_has_its_matrix(said, out):
 
 
 def seen_by_the_program(scene):
-    """What `info` finds in a scene that the program reads."""
+    """Counts by `info` of a scene that the program reads, and all that it says."""
     done = subprocess.run(
         [BINARY, "info", "--json", scene], capture_output=True, text=True, check=False
     )
@@ -179,7 +181,7 @@ def test_placed_scenes_move_and_go(said, out):
 
 
 def checked(scene):
-    """What `check` says of a sound scene."""
+    """Words of `check` about a sound scene."""
     done = subprocess.run([BINARY, "check", scene], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     return done.stdout

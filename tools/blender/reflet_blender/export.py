@@ -20,7 +20,7 @@ import bpy
 from mathutils import Matrix
 
 from . import camera as cameras
-from . import gltf, picture, placed, scene_text, space, things, world
+from . import gltf, picture, placed, reach, scene_text, space, things, world
 from . import light as lights
 from . import material as materials
 from .folder import ExportError, Folder
@@ -346,6 +346,14 @@ class _Export:
         tree = getattr(scene, "compositing_node_group", None)
         if scene.render.use_compositing and tree is not None:
             self.report.lose("compositor-dropped", scene.name)
+        layer = self.layer
+        inside = [layer.layer_collection, *_inside(layer.layer_collection)]
+        changed = [held for held in inside if held.holdout or held.indirect_only]
+        if layer.material_override or getattr(layer, "world_override", None) or changed:
+            self.report.lose("layer-dropped", layer.name)
+        for thing in reach.objects(scene):
+            if any(_is_hair(modifier) for modifier in thing.modifiers):
+                self.report.lose("hair-dropped", thing.name)
         for library in bpy.data.libraries:
             if not Path(bpy.path.abspath(library.filepath)).is_file():
                 self.report.lose("library-missing", library.name, str(library.filepath))
@@ -371,3 +379,16 @@ def _rigs(bent: list[bpy.types.Object]) -> list[list[bpy.types.Object]]:
         elif thing.data.shape_keys is not None:
             by_armature[f"shapes of {full_name(thing)}"] = [thing]
     return [rig for _, rig in sorted(by_armature.items())]
+
+
+def _inside(collection: bpy.types.LayerCollection) -> list[bpy.types.LayerCollection]:
+    """Collections in a collection of a view layer, at all depths, that are not excluded."""
+    shown = [child for child in collection.children if not child.exclude]
+    return shown + [inner for child in shown for inner in _inside(child)]
+
+
+def _is_hair(modifier: bpy.types.Modifier) -> bool:
+    if modifier.type != "PARTICLE_SYSTEM" or not modifier.show_render:
+        return False
+    settings = modifier.particle_system.settings
+    return settings.type == "HAIR" and settings.render_type == "PATH"

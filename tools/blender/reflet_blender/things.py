@@ -242,7 +242,7 @@ def _is_shown(instance: bpy.types.DepsgraphObjectInstance) -> bool:
 def _instances(
     depsgraph: bpy.types.Depsgraph, plan: Plan
 ) -> Iterator[bpy.types.DepsgraphObjectInstance]:
-    """What is drawn and in no placed scene."""
+    """Everything drawn that is in no placed scene."""
     for instance in depsgraph.object_instances:
         of_plan = instance.is_instance and full_name(instance.parent.original) in plan.holders
         if not of_plan:
