@@ -13,6 +13,7 @@ var<workgroup> leaders: array<u32, RAYS_PER_GROUP>;
 var<workgroup> leader_count: atomic<u32>;
 var<workgroup> follower_count: atomic<u32>;
 var<workgroup> first_follower: u32;
+var<workgroup> first_leader: u32;
 
 // Sorts rays of a workgroup into leaders and followers. The result is the pixel of an invocation's leader; NONE: none.
 fn sorted_leader(group: u32, lane: u32) -> u32 {
@@ -35,18 +36,23 @@ fn sorted_leader(group: u32, lane: u32) -> u32 {
         places[k] = atomicAdd(&follower_count, 1u);
     }
     workgroupBarrier();
-    if (lane == 0u) { first_follower = atomicAdd(&counters[FOLLOWER_COUNTER], atomicLoad(&follower_count)); }
+    let placed = min(atomicLoad(&leader_count), RAYS_PER_GROUP);
+    if (lane == 0u) {
+        first_follower = atomicAdd(&counters[FOLLOWER_COUNTER], atomicLoad(&follower_count));
+        if (MAPPED) { first_leader = atomicAdd(&counters[LEADER_COUNTER], placed); }
+    }
     workgroupBarrier();
     for (var k = 0u; k < RATE; k++) {
         if (places[k] == NONE) { continue; }
         lists[follower_slot(first_follower + places[k])] = lists[ray_slot(first + k * SORTED)];
     }
-    if (lane >= atomicLoad(&leader_count)) { return NONE; }
+    if (lane >= placed) { return NONE; }
+    if (MAPPED) { lists[leader_slot(first_leader + lane, rays)] = leaders[lane]; }
     return leaders[lane];
 }
 
 // Traces the ray of a leader, and keeps its first hit for those that follow it. The number of textures that a stage may write
-// leaves none for the cause of these pixels.
+// leaves none for the cause of these pixels: `spread` writes it.
 fn lead(pixel: vec2u) {
     let found = trace_pixel(pixel);
     textureStore(lead_hit, pixel, vec4u(found.xyz, first_cause));

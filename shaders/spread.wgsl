@@ -136,6 +136,9 @@ fn spread(index: u32, lane: u32) -> vec2u {
     if (index < atomicLoad(&counters[FOLLOWER_COUNTER])) {
         pixel = unpack_pixel(lists[follower_slot(index)]);
         if (!follow_neighbors(pixel)) { place = atomicAdd(&rest_count, 1u); }
+    } else if (MAPPED && index < atomicLoad(&counters[RAY_COUNTER])) {
+        let leader = unpack_pixel(lists[follower_slot(index)]);
+        keep_cause(leader, textureLoad(lead_hit, leader, 0).w);
     }
     workgroupBarrier();
     if (lane == 0u) { first_rest = atomicAdd(&counters[REST_COUNTER], atomicLoad(&rest_count)); }

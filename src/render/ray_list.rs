@@ -27,6 +27,8 @@ pub const BEHIND_COUNTER: usize = COUNTERS - 8;
 pub const FOLLOWER_COUNTER: usize = COUNTERS - 9;
 /// Index of the counter of those that are traced in the end.
 pub const REST_COUNTER: usize = COUNTERS - 10;
+/// Index of the counter of rays that were traced first, where how they ended is kept.
+pub const LEADER_COUNTER: usize = COUNTERS - 11;
 /// Number of list entries per workgroup of the passes over lists.
 pub const RAYS_PER_GROUP: u32 = 64;
 /// Maximum number of screen hits of a sub-frame that the audit checks.
@@ -34,7 +36,7 @@ pub const AUDIT_RAYS: u32 = 1024;
 /// Number of levels of the depth pyramid above the picture itself: cells of 2 to 64 pixels.
 pub const PYRAMID_LEVELS: u32 = 6;
 
-const _: () = assert!(Cause::ALL.len() <= REST_COUNTER);
+const _: () = assert!(Cause::ALL.len() <= LEADER_COUNTER);
 
 /// List that a pass runs over; the value is its index among the dispatch arguments.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

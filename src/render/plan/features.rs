@@ -224,6 +224,7 @@ features! {
     /// Whether reflection rays march through maps.
     mapped {
         follows: near_far || box_faces,
+        constant: MAPPED,
         files: nearest_met [traced, mapped], cause_kept [none, mapped];
     }
     /// Whether probes are chosen by instances rather than by pixels.
