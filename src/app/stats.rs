@@ -207,6 +207,7 @@ impl Report {
         let all = [
             ("trees", "built on the CPU", frame.tree_ms),
             ("structures", "built by the device", frame.structures_ms),
+            ("", "updated for this pose", frame.structures_update_ms),
             ("warm-up", "pipelines compiled", self.warm_up_ms),
         ];
         all.into_iter().filter(|(.., ms)| *ms > 0.0)
@@ -292,6 +293,7 @@ mod tests {
                 unit_m: 1.0,
                 tree_ms: 0.5,
                 structures_ms: 0.0,
+                structures_update_ms: 0.0,
                 passes_ms: vec![("ssr".to_owned(), 1.5), ("trace".to_owned(), 2.5)],
                 processor_ms: Vec::new(),
                 frame_ms: 4.1,

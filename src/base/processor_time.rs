@@ -1,6 +1,6 @@
 //! CPU time, which other work on the machine does not lengthen as it does wall time.
 
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// CPU time of this thread so far; `None` where the system does not tell.
 pub fn of_thread() -> Option<Duration> {
@@ -16,6 +16,41 @@ pub fn of_process() -> Option<Duration> {
     return clock(libc::CLOCK_PROCESS_CPUTIME_ID);
     #[cfg(not(unix))]
     None
+}
+
+/// Times of some work of the process, from its start.
+#[derive(Clone, Copy, Debug)]
+pub struct Stopwatch {
+    started: Instant,
+    processor: Option<Duration>,
+}
+
+impl Stopwatch {
+    /// Starts to measure.
+    pub fn start() -> Self {
+        Self {
+            processor: of_process(),
+            started: Instant::now(),
+        }
+    }
+
+    /// Wall time since the start, milliseconds.
+    pub fn wall_ms(&self) -> f64 {
+        self.started.elapsed().as_secs_f64() * 1e3
+    }
+
+    /// CPU time of the process since the start, milliseconds; `None` where the system does not tell.
+    pub fn processor_ms(&self) -> Option<f64> {
+        let (before, after) = self.processor.zip(of_process())?;
+        Some(after.saturating_sub(before).as_secs_f64() * 1e3)
+    }
+
+    /// Cost of work of an adapter since the start, milliseconds: CPU time where it draws on the processor and the
+    /// system tells it, else wall time.
+    pub fn cost_ms(&self, is_software: bool) -> f64 {
+        let processor = self.processor_ms().filter(|_| is_software);
+        processor.unwrap_or_else(|| self.wall_ms())
+    }
 }
 
 #[cfg(unix)]
@@ -37,6 +72,16 @@ fn clock(id: libc::clockid_t) -> Option<Duration> {
 #[cfg(all(test, unix))]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_stopwatch_tells_work_from_waiting() {
+        let watch = Stopwatch::start();
+        std::thread::sleep(Duration::from_millis(20));
+        let wall_ms = watch.wall_ms();
+        assert!(wall_ms >= 20.0 && watch.cost_ms(false) >= wall_ms);
+        assert_eq!(watch.processor_ms().is_some(), of_process().is_some());
+        assert!(watch.cost_ms(true) >= 0.0);
+    }
 
     #[test]
     fn work_takes_processor_time() {

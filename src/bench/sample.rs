@@ -177,6 +177,12 @@ sample! {
     probe_bytes: Option<u64>,
     /// Time of the last capture of these maps, processor time on software adapters; not part of a frame, milliseconds.
     capture_ms: Option<f64>,
+    /// Bytes of the structures of ray queries, where the driver tells them; none without queries.
+    structure_bytes: Option<u64>,
+    /// Time in which these were built, processor time on software adapters; not part of a frame, milliseconds.
+    structures_ms: Option<f64>,
+    /// Time of their update for the frame's pose, likewise; 0 where nothing moved.
+    structures_update_ms: Option<f64>,
     /// Share of reflective pixels that `ssr` leaves without reflection, where other methods trace, percent.
     failed_percent: f64,
     /// Share of reflective pixels with nothing in reach, percent.

@@ -279,6 +279,7 @@ impl Renderer {
             unit_m: self.unit_m(),
             tree_ms: self.tree_ms,
             structures_ms: self.scene.structures.as_ref().map_or(0.0, |s| s.build_ms),
+            structures_update_ms: self.scene.structures.as_ref().map_or(0.0, |s| s.update_ms),
             shares: Shares::new(&[], size, method),
             rays: 0,
             exhausted_rays: 0,

@@ -1,9 +1,7 @@
 //! Recording and timing of passes: by GPU timestamps, or by waiting for each pass on software adapters, whose
 //! timestamps are unreliable. Without timing, no pass is waited for.
 
-use std::time::Instant;
-
-use reflet_base::processor_time;
+use reflet_base::processor_time::Stopwatch;
 use reflet_gpu::{Gpu, GpuError, Timer, timer::sum_by_name};
 
 use super::shared_groups::SharedGroups;
@@ -133,14 +131,13 @@ impl<'a> Recorder<'a> {
     }
 
     fn wait(&mut self, name: &str) -> Result<(), GpuError> {
-        let (started, before) = (Instant::now(), processor_time::of_process());
+        let watch = Stopwatch::start();
         self.submit_and_wait()?;
         self.gpu.check_interrupt()?;
-        let ms = started.elapsed().as_secs_f64() * 1e3;
+        let ms = watch.wall_ms();
         if let Some(waited) = &mut self.waited {
             waited.passes_ms.push((name.to_owned(), ms));
-            if let Some((before, after)) = before.zip(processor_time::of_process()) {
-                let own_ms = after.saturating_sub(before).as_secs_f64() * 1e3;
+            if let Some(own_ms) = watch.processor_ms() {
                 waited.processor_ms.push((name.to_owned(), own_ms));
             }
         }

@@ -13,10 +13,14 @@ use super::{
     passes::trace,
     probe_maps::ProbeStats,
     ray_list::{
-        AUDITED_COUNTER, BEHIND_COUNTER, COUNTERS, EXHAUSTED_COUNTER, FOLLOWER_COUNTER,
-        RAY_COUNTER, REST_COUNTER, WRONG_COUNTER,
+        AUDITED_COUNTER, COUNTERS, EXHAUSTED_COUNTER, FOLLOWER_COUNTER, RAY_COUNTER, REST_COUNTER,
+        WRONG_COUNTER,
     },
 };
+
+mod second_layer;
+
+pub use second_layer::SecondLayer;
 
 /// Counts of pixels by cause and by source.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -94,40 +98,6 @@ impl Shares {
                 source(Source::Rough),
             ],
         }
-    }
-}
-
-/// Work of the second depth layer.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct SecondLayer {
-    /// Number of pixels whose ray went behind the first layer, which alone would call them hidden.
-    pub behind: u32,
-    /// Number of those whose ray hits the second layer.
-    pub hits: u32,
-    /// The same as a percentage.
-    pub hit_percent: f64,
-}
-
-impl SecondLayer {
-    /// Work that the counters of a frame tell; `None` where no ray went behind a first layer with a second.
-    fn of(counters: &[u32]) -> Option<Self> {
-        let counter = |index: usize| counters.get(index).copied().unwrap_or(0);
-        let (behind, hits) = (counter(BEHIND_COUNTER), counter(Cause::HitBehind as usize));
-        (behind > 0).then(|| Self {
-            behind,
-            hits,
-            hit_percent: 100.0 * f64::from(hits) / f64::from(behind),
-        })
-    }
-}
-
-impl std::fmt::Display for SecondLayer {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(
-            f,
-            "{:.1} % of the {} rays that went behind the first layer hit the second",
-            self.hit_percent, self.behind,
-        )
     }
 }
 
@@ -218,8 +188,12 @@ pub struct FrameStats {
     pub unit_m: f32,
     /// Time to build all BVHs on the CPU, milliseconds.
     pub tree_ms: f64,
-    /// Time in which the device built its structures for ray queries, milliseconds; 0 without ray queries.
+    /// Time in which the device built its structures for ray queries, milliseconds: processor time on software adapters; 0
+    /// without ray queries.
     pub structures_ms: f64,
+    /// Time of their last update for instances that moved and meshes that deformed, milliseconds; it is not part of the times
+    /// of the frame's passes. 0 where nothing moved yet.
+    pub structures_update_ms: f64,
     /// GPU time of each pass over all sub-frames, milliseconds; empty where nothing was timed.
     #[serde(serialize_with = "as_map")]
     pub passes_ms: Vec<(String, f64)>,
@@ -289,6 +263,22 @@ impl FrameStats {
         let far = self.far.map(|maps| (maps.bytes, maps.capture_ms));
         let faces = self.box_faces.map(|f| (f.bytes, f.capture_ms));
         probes.or(far).or(faces)
+    }
+
+    /// Bytes of the structures of ray queries, 0 where the driver does not tell; `None` without queries.
+    pub fn structure_bytes(&self) -> Option<u64> {
+        let is_theirs = |(name, _): &&(String, u64)| name == "ray_structures";
+        let bytes = self.bytes.iter().find(is_theirs).map_or(0, |(_, b)| *b);
+        (self.structures_ms > 0.0).then_some(bytes)
+    }
+
+    /// Time in which maps were captured, or structures of ray queries updated, for this picture, milliseconds; it is not
+    /// part of the times of its passes.
+    pub fn prepared_ms(&self) -> f64 {
+        let probes = self.probes.map(|maps| maps.update_ms);
+        let far = self.far.map(|maps| maps.update_ms);
+        let faces = self.box_faces.map(|f| f.update_ms);
+        probes.or(far).or(faces).unwrap_or(0.0) + self.structures_update_ms
     }
 
     /// Sum of the times of all passes, milliseconds.

@@ -8,8 +8,7 @@
 //! Triangles are in the order of the trees, so that the index of a primitive finds them in the triangle buffer. All are
 //! candidates (not opaque): whether one is hit is decided by our own test in `shaders/lib/walk_query.wgsl`.
 
-use std::time::Instant;
-
+use reflet_base::processor_time::Stopwatch;
 use reflet_gpu::{Gpu, GpuError};
 use reflet_world::{
     World,
@@ -59,8 +58,11 @@ pub struct Structures {
     top: wgpu::Tlas,
     /// Size of all structures, bytes, where the driver's allocator tells it; else 0.
     pub bytes: u64,
-    /// Time that the device took to build them, milliseconds.
+    /// Time in which they were built, milliseconds: processor time on software adapters.
     pub build_ms: f64,
+    /// Time in which those of deformed meshes and the top structure were last built for another pose, milliseconds; 0 where
+    /// they never were.
+    pub update_ms: f64,
 }
 
 impl Structures {
@@ -102,8 +104,9 @@ impl Structures {
             top,
             bytes,
             build_ms: 0.0,
+            update_ms: 0.0,
         };
-        let started = Instant::now();
+        let watch = Stopwatch::start();
         for index in 0..structures.bottom.len() {
             // One by one, so that the corners of only one structure are in memory.
             let input = structures.bottom[index].upload(gpu, world, trees)?;
@@ -121,13 +124,14 @@ impl Structures {
             structures.build(gpu, &[], true);
         })?;
         gpu.wait()?;
-        structures.build_ms = started.elapsed().as_secs_f64() * 1e3;
+        structures.build_ms = watch.cost_ms(gpu.is_software());
         Ok(structures)
     }
 
-    /// Rebuilds the structures of deformed meshes, and the top structure, for a world and trees in another pose. Errors
-    /// are those of the next submission.
+    /// Rebuilds the structures of deformed meshes, and the top structure, for a world and trees in another pose, and waits for
+    /// them, so that their time is not part of a frame's. Errors are those of the next submission.
     pub fn update(&mut self, gpu: &Gpu, world: &World, trees: &Trees, skipped: &[bool]) {
+        let watch = Stopwatch::start();
         let mut deformed = Vec::new();
         for (index, bottom) in self.bottom.iter().enumerate() {
             if let Some(input) = &bottom.input {
@@ -142,6 +146,9 @@ impl Structures {
             .collect();
         self.place(world, trees, skipped);
         self.build(gpu, &deformed, true);
+        if gpu.wait().is_ok() {
+            self.update_ms = watch.cost_ms(gpu.is_software());
+        }
     }
 
     /// Binding of the top structure.

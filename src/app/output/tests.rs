@@ -63,6 +63,7 @@ fn picture() -> Picture {
             unit_m: 1.0,
             tree_ms: 0.0,
             structures_ms: 0.0,
+            structures_update_ms: 0.0,
             passes_ms: Vec::new(),
             processor_ms: Vec::new(),
             frame_ms: 0.0,

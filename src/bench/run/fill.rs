@@ -117,6 +117,11 @@ pub(super) fn timed(mut sample: Sample, stats: &FrameStats, repetition: u32) -> 
     sample.probe_percent = Some(percent("probe") + percent("far"));
     sample.probe_bytes = stats.captured().map(|(bytes, _)| bytes);
     sample.capture_ms = stats.captured().map(|(_, ms)| ms);
+    if let Some(bytes) = stats.structure_bytes() {
+        sample.structure_bytes = Some(bytes);
+        sample.structures_ms = Some(stats.structures_ms);
+        sample.structures_update_ms = Some(stats.structures_update_ms);
+    }
     sample.failed_percent = percent("failed");
     sample.none_percent = percent("none");
     sample.rough_percent = percent("rough");
@@ -155,6 +160,7 @@ mod tests {
             unit_m: 1.0,
             tree_ms: 0.0,
             structures_ms: 0.0,
+            structures_update_ms: 0.0,
             shares: Shares::new(&[], [1, 1], Method::Hybrid),
             rays: 0,
             exhausted_rays: 0,

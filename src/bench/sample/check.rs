@@ -83,10 +83,13 @@ fn range(column: &str) -> Option<(f64, f64, &'static str)> {
 }
 
 /// Columns that older tables lack; their cells are then empty.
-pub const NEWER: [&str; 31] = [
+pub const NEWER: [&str; 34] = [
     "probe_percent",
     "probe_bytes",
     "capture_ms",
+    "structure_bytes",
+    "structures_ms",
+    "structures_update_ms",
     "edge_flip",
     "inner_flip",
     "recall_1px_percent",

@@ -184,6 +184,7 @@ fn panels_list_times_shares_and_keys() {
         unit_m: 1.0,
         tree_ms: 0.0,
         structures_ms: 0.0,
+        structures_update_ms: 0.0,
         passes_ms: vec![("ssr".to_owned(), 1.25)],
         processor_ms: Vec::new(),
         frame_ms: 2.5,
