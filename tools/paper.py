@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Measures what docs/paper.md compares with the paper, and rewrites its tables.
 
-    tools/paper.py measure --assets DIR OUT    # five experiments and the atrium, about half an hour
+    tools/paper.py measure --assets DIR OUT    # six experiments and the atrium, about an hour
     tools/paper.py page OUT [OUT ...]          # the page's tables, charts and sheet, and docs/data
     tools/paper.py pictures --assets DIR       # the floor with three thresholds
 
@@ -45,11 +45,15 @@ RUNS = {
     "scenario3": ["paper", "scenario3", *SMALL, "--frames", "7"],
     "atrium": ["--sizes", "640x360"],
 }
+# Run whose table has a row for each system and frame in place of samples.
+SYSTEMS = ["paper", "scenario2", "--systems", *SMALL, "--timeline", "0-949:38", "--frames", "1"]
 # Charts of the page: the run, and the chart's file name in the run's folder.
 PICTURES = {
     "fig1-flip-over-t.svg": ("fig1", "line-chart-1-parameter.svg"),
     "walk-ssim.svg": ("walk", "line-chart-1-ssim.svg"),
     "walk-ms.svg": ("walk", "line-chart-1-ms.svg"),
+    "walk-systems-ms.svg": ("systems", "systems-ms.svg"),
+    "walk-systems-flip.svg": ("systems", "systems-flip.svg"),
     "atrium-flip.svg": ("atrium", "chart-1-flip.svg"),
 }
 
@@ -64,6 +68,10 @@ def measure(out: pathlib.Path, assets: pathlib.Path, program: pathlib.Path) -> N
             command += ["--assets", assets]
         print(f"== {name}", flush=True)
         subprocess.run([*command, "-o", out / name], check=True)
+    if not (out / "systems" / "systems.csv").exists():
+        print("== systems", flush=True)
+        command = [program, "bench", *SYSTEMS, "--assets", assets]
+        subprocess.run([*command, "-o", out / "systems"], check=True)
 
 
 def pictures(assets: pathlib.Path, program: pathlib.Path) -> None:
@@ -293,6 +301,21 @@ def walk(rows: Rows) -> str:
     return table(head, lines)
 
 
+def walk_systems(rows: Rows) -> str:
+    """Medians and extremes over the frames of each system."""
+    head = ["system", "median ms", "largest", "made anew, ms", "mean FLIP", "largest", "wrong, %"]
+
+    def line(system: str, rs: Rows) -> list[str]:
+        ms, flip = values(rs, "ms"), values(rs, "flip")
+        anew = median(rs, "update_ms")
+        times = [digits(statistics.median(ms)), digits(max(ms)), digits(anew) if anew else "–"]
+        wrong = statistics.mean(values(rs, "wrong_percent"))
+        errors = [f"{statistics.mean(flip):.4f}", f"{max(flip):.4f}", f"{wrong:.1f}"]
+        return [f"`{system}`" if system in METHODS else system, *times, *errors]
+
+    return table(head, [line(system, rs) for (system,), rs in by(rows, "system").items()])
+
+
 SURFACES = {"60 / 30": "ground", "61 / 29": "ground with normal map", "45 / 55": "sphere"}
 SURFACES |= {"49 / 51": "sphere with normal map", "44 / 56": "bunny"}
 
@@ -457,6 +480,8 @@ def page(outs: list[pathlib.Path]) -> None:
     out, runs = outs[0], read(outs[0])
     tables = {name: make(runs[run]) for name, (run, make) in TABLES.items()}
     tables["measured"] = measured(runs)
+    with (out / "systems" / "systems.csv").open(newline="") as file:
+        tables["walk-systems"] = walk_systems(list(csv.DictReader(file)))
     tables["drivers"] = drivers([runs, *map(read, outs[1:])])
     write_tables(PAGE, tables)
     for name, (run, drawn) in PICTURES.items():
@@ -465,6 +490,7 @@ def page(outs: list[pathlib.Path]) -> None:
     DATA.mkdir(exist_ok=True)
     for name in RUNS:
         shutil.copyfile(out / name / "samples.csv", DATA / f"{name}.csv")
+    shutil.copyfile(out / "systems" / "systems.csv", DATA / "walk-systems.csv")
 
 
 def main() -> None:

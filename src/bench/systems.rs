@@ -6,6 +6,9 @@ use reflet_scene::desc::{Accept, Lookup, Method, ProbesDesc, ReflectionDesc, Tra
 
 pub mod chart;
 pub mod document;
+pub mod frames;
+
+use frames::FrameRow;
 
 /// A system: a method with its settings.
 #[derive(Clone, Copy, Debug)]
@@ -160,6 +163,10 @@ pub struct Row {
     pub prepared_bytes: u64,
     /// Time of a capture of these maps, or of building these structures, milliseconds; it is not part of `ms`.
     pub prepare_ms: f64,
+    /// Median time in which they were made anew for a frame of a film, milliseconds; it is not part of `ms`.
+    pub update_ms: f64,
+    /// Measurements of each frame, in their order.
+    pub frames: Vec<FrameRow>,
 }
 
 /// A system without measurements in a scene.

@@ -79,6 +79,14 @@ fn options_that_would_do_nothing_are_refused() {
         2,
     );
     assert!(error.contains("only scenario2"), "{error}");
+    for systems in [
+        &["scenario1", "--systems"][..],
+        &["scenario2", "--systems", "--sizes", "64x36,32x18"],
+    ] {
+        let arguments = [&["paper", "-o", "new"], systems].concat();
+        let [_, error] = exits(&folder, &arguments, 2);
+        assert!(error.contains("only scenario2 is a walk"), "{error}");
+    }
     let [_, error] = exits(
         &folder,
         &["paper", "scenario2", "--timeline", "0-950", "-o", "new"],

@@ -326,6 +326,10 @@ pub struct PaperArgs {
     /// Sizes such as 640x480,1280x720; without any, 640x360
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = parse_size)]
     pub sizes: Vec<[u32; 2]>,
+    /// Measure all systems of `bench comparators` along the walk of scenario2 instead, at one size: systems.csv has
+    /// each frame, systems.md the means, and charts the curves over the frames
+    #[arg(long, conflicts_with_all = ["warm_up", "counters", "split_trace", "resume"])]
+    pub systems: bool,
     /// Measurement and output options
     #[command(flatten)]
     pub run: RunArgs,

@@ -7,7 +7,7 @@ use super::{
     args::{PaperArgs, PaperExperiment},
     open_gpu, report,
     report_pictures::{ReportPicture, gallery},
-    run, scenario2, subject,
+    run, scenario2, subject, walk_systems,
 };
 use crate::{
     app::{error::AppError, frames::FrameList, scene::load, shaders},
@@ -112,6 +112,14 @@ pub fn paper(args: &PaperArgs) -> Result<(), AppError> {
             "--timeline: only scenario2 is a walk of frames; leave it out".to_owned(),
         ));
     }
+    if args.systems && (args.figure != PaperExperiment::Scenario2 || args.sizes.len() > 1) {
+        return Err(AppError::Usage(
+            "--systems: only scenario2 is a walk of frames, and it is measured at one size; write \
+             `scenario2 --sizes 320x180 --systems`; the other scenes are files in scenes/paper for \
+             `bench comparators`"
+                .to_owned(),
+        ));
+    }
     let stage = stage(args.figure, &asset_folders(&args.assets));
     let sizes = if args.sizes.is_empty() {
         vec![SIZE]
@@ -139,6 +147,9 @@ pub fn paper(args: &PaperArgs) -> Result<(), AppError> {
     };
     let subjects = stage.subjects(&args.assets)?.into_iter();
     let mut all_series = subjects.map(series_of).collect::<Result<Vec<_>, _>>()?;
+    if let (true, [walk]) = (args.systems, all_series.as_mut_slice()) {
+        return walk_systems::walk(&args.run, protocol.sizes[0], walk);
+    }
     let gpu = open_gpu(&args.run, all_series.iter().any(FrameSeries::may_query))?;
     protocol.count |= gpu.is_software();
     let samples = run(&gpu, &args.run, &protocol, &mut all_series)?;

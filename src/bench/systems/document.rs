@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::{LeftOut, Overall, Row, SceneRows};
+use super::{LeftOut, Overall, Row, SceneRows, frames::Curves};
 use crate::pareto::pareto_front;
 use reflet_base::digits::grouped;
 
@@ -35,13 +35,13 @@ pub struct Failure {
 }
 
 /// The document as Markdown, with the best systems over all scenes and the address of their chart; `chart` gives the address
-/// of a scene's chart.
+/// of a scene's chart, and of those that end by [`Curves::ALL`].
 pub fn document(
     about: &Conditions,
     scenes: &[SceneRows],
     (best, best_chart): (&[Overall], &str),
     failures: &[Failure],
-    chart: impl Fn(&SceneRows) -> String,
+    chart: impl Fn(&SceneRows, &str) -> String,
 ) -> String {
     let [width, height] = about.size;
     let time = match about.is_processor {
@@ -54,7 +54,8 @@ pub fn document(
          ([methods.md](methods.md)). Pictures of {width} × {height} pixels on {}. Times are the {time} of the passes \
          that find reflections, medians of {} pictures, or of all frames of a film; errors are FLIP and SSIM against \
          `rt` inside the reflective pixels. Maps of probes and of far things are captured apart from the frame, and structures of \
-         ray queries are built apart from it: their bytes and time have columns of their own. Tree nodes and \
+         ray queries are built apart from it: their bytes and time have columns of their own, and in films the median time in which \
+         they are made anew for a frame, because the camera or something has moved. Tree nodes and \
          march steps are those of these passes in the first picture; they do not depend on the machine.\n\n```sh\n{}\n```\n",
         about.adapter, about.frames, about.command
     );
@@ -69,24 +70,34 @@ pub fn document(
     over_all(&mut out, best, best_chart);
     failing(&mut out, failures);
     for scene in scenes {
-        let _ = write!(out, "\n## {}\n\n", scene.scene);
-        let frames = match scene.frames {
-            1 => "one picture".to_owned(),
-            n => format!("{n} frames"),
-        };
-        let _ = writeln!(
-            out,
-            "{frames}, {} reflective pixels scored, {} probes.\n\n![Time against error of each system; a ring marks the \
-             front]({})\n",
-            scene.mask_px,
-            scene.probes,
-            chart(scene)
-        );
-        table(&mut out, scene);
-        left_out(&mut out, &scene.left_out);
+        section(&mut out, scene, |ending| chart(scene, ending));
     }
     out += LEFT_OUT;
     out
+}
+
+/// Section of a scene: its charts, whose addresses `chart` gives by their endings, and its table.
+pub fn section(out: &mut String, scene: &SceneRows, chart: impl Fn(&str) -> String) {
+    let _ = write!(out, "\n## {}\n\n", scene.scene);
+    let frames = match scene.frames {
+        1 => "one picture".to_owned(),
+        n => format!("{n} frames"),
+    };
+    let _ = writeln!(
+        out,
+        "{frames}, {} reflective pixels scored, {} probes.\n\n![Time against error of each system; a ring marks the \
+             front]({})\n",
+        scene.mask_px,
+        scene.probes,
+        chart("")
+    );
+    if scene.frames > 1 {
+        for (curves, ending) in Curves::ALL {
+            let _ = writeln!(out, "![{}]({})\n", curves.caption(), chart(ending));
+        }
+    }
+    table(out, scene);
+    left_out(out, &scene.left_out);
 }
 
 /// Table of the best systems over all scenes.
@@ -131,6 +142,9 @@ const LEFT_OUT: &str = "
 ## What is not here
 
 Maps of the last frame are left out, because a frame here depends on no frame before it: probes stand for maps from before.
+Planes in place of pixels (Widmer et al. 2015) were not built: the march skips cells of the depth pyramid, and an estimate finds
+that planes would spare 5 of 24 steps, at most 3.5 % of the time ([speed.md](speed.md#what-was-tried)).
+Time and error of all systems along the paper's walk, its Fig. 7, are in [paper.md](paper.md#all-systems-along-the-walk).
 A system that an adapter lacks or a scene refuses is named below the table of the scene.
 ";
 
@@ -182,29 +196,38 @@ fn left_out(out: &mut String, systems: &[LeftOut]) {
 }
 
 fn table(out: &mut String, scene: &SceneRows) {
-    let is_film = scene.rows.iter().any(|row| row.popping.is_some());
-    let popping = if is_film { " popping, % |" } else { "" };
-    let line = if is_film { "---|" } else { "" };
+    let is_film = scene.frames > 1;
+    let [popping, anew] = match is_film {
+        true => [" popping, % |", " made anew in, ms |"],
+        false => ["", ""],
+    };
+    let line = if is_film { "---|---|" } else { "" };
     let _ = writeln!(
         out,
-        "| system | ms | FLIP | p99 | SSIM | wrong instance, % |{popping} tree nodes | march steps | MiB | of maps or structures | made in, ms | front |\n\
+        "| system | ms | FLIP | p99 | SSIM | wrong instance, % |{popping} tree nodes | march steps | MiB | of maps or structures | made in, ms |{anew} front |\n\
          |---|---|---|---|---|---|{line}---|---|---|---|---|---|"
     );
     let spots: Vec<_> = scene.rows.iter().map(Row::spot).collect();
     for (row, is_on_front) in scene.rows.iter().zip(pareto_front(&spots)) {
         let mib = |bytes: u64| format!("{:.1}", bytes as f64 / f64::from(1 << 20));
         let ssim = row.ssim.map_or("–".to_owned(), |v| format!("{v:.4}"));
-        let popping = match row.popping {
-            Some(value) => format!(" {:.0} |", 100.0 * value),
-            None => String::new(),
+        let popping = match (is_film, row.popping) {
+            (true, Some(value)) => format!(" {:.0} |", 100.0 * value),
+            (true, None) => " – |".to_owned(),
+            (false, _) => String::new(),
         };
         let none = || "–".to_owned();
         let (bytes, ms) = (row.prepared_bytes, row.prepare_ms);
         let prepared = if bytes > 0 { mib(bytes) } else { none() };
-        let made_in = if ms > 0.0 { format!("{ms:.1}") } else { none() };
+        let ms_or_dash = |ms: f64| if ms > 0.0 { format!("{ms:.1}") } else { none() };
+        let made_in = ms_or_dash(ms);
+        let anew = match is_film {
+            true => format!(" {} |", ms_or_dash(row.update_ms)),
+            false => String::new(),
+        };
         let _ = writeln!(
             out,
-            "| {} | {:.2} | {:.4} | {:.3} | {ssim} | {:.1} |{popping} {} | {} | {} | {prepared} | {made_in} | {} |",
+            "| {} | {:.2} | {:.4} | {:.3} | {ssim} | {:.1} |{popping} {} | {} | {} | {prepared} | {made_in} |{anew} {} |",
             row.system,
             row.ms,
             row.flip,
@@ -272,9 +295,13 @@ mod tests {
             text: "It is black.",
             address: "hole.png".to_owned(),
         }];
-        let text = document(&about, &scenes, (&best, "best.svg"), &failures, |_| {
-            "chart.svg".to_owned()
-        });
+        let text = document(
+            &about,
+            &scenes,
+            (&best, "best.svg"),
+            &failures,
+            |_, ending| format!("chart{ending}.svg"),
+        );
         let first = text.find("## What rivals do better").expect("a heading");
         let said = text
             .find("probe, box, K = 1: 0.50 of the time of")
@@ -294,7 +321,35 @@ mod tests {
             "it is neither faster nor better: {text}"
         );
         assert!(!text.contains("| ssr |"), "it was not measured: {text}");
+        assert!(!text.contains("chart-ms.svg"), "it is a still: {text}");
         let why = "Not measured: ssr; probe, infinity, K = 1. The hall has no door.";
         assert!(text.contains(why), "{text}");
+    }
+
+    #[test]
+    fn films_have_curves_and_what_is_made_anew() {
+        let film = SceneRows {
+            scene: "film.toml".to_owned(),
+            frames: 2,
+            mask_px: 500,
+            probes: 0,
+            rows: vec![Row {
+                system: "near-far",
+                popping: Some(0.5),
+                update_ms: 7.0,
+                ..Row::default()
+            }],
+            left_out: Vec::new(),
+        };
+        let mut text = String::new();
+        section(&mut text, &film, |ending| format!("chart{ending}.svg"));
+        for part in [
+            "(chart.svg)",
+            "(chart-ms.svg)",
+            "(chart-flip.svg)",
+            "| 50 | – | – | 0.0 | – | – | 7.0 | ● |",
+        ] {
+            assert!(text.contains(part), "{part} in {text}");
+        }
     }
 }

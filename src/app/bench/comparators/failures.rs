@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{explain, picture, settings};
+use super::measuring::{explain, picture, settings};
 use crate::{
     app::{
         bench::{args::ComparatorsArgs, timeline::frame_series, write},

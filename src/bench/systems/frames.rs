@@ -1,0 +1,243 @@
+//! Systems frame by frame: the rows of a table, and charts of curves over the frames of a film.
+
+use plotters::{coord::CoordTranslate, prelude::*};
+
+use super::{SceneRows, System};
+use crate::{csv, report::chart::escape, summary::digits};
+
+/// Size of a chart, pixels.
+const SIZE: (u32, u32) = (1000, 430);
+/// Height of a line of the legend, pixels.
+const LINE_PX: i32 = 18;
+/// Error at which exact pictures are drawn.
+const LEAST_FLIP: f64 = 1e-4;
+
+/// Measurements of a system in one frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FrameRow {
+    /// Number of the frame.
+    pub frame: u32,
+    /// Time of the passes that find reflections, milliseconds: processor time on software adapters.
+    pub ms: f64,
+    /// Time in which maps or structures were made anew for this frame, milliseconds; it is not part of `ms`.
+    pub update_ms: f64,
+    /// Mean FLIP against `rt` inside the reflections.
+    pub flip: f64,
+    /// SSIM inside the reflections; none where they are too few.
+    pub ssim: Option<f64>,
+    /// Share of the pixels that show another instance than `rt`, or none, percent.
+    pub wrong_percent: f64,
+}
+
+/// Quantity on the vertical axis of a chart, which is logarithmic.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Curves {
+    /// Time, with that of what was made anew for the frame.
+    Time,
+    /// Mean FLIP.
+    Error,
+}
+
+impl Curves {
+    /// Both charts, with the endings of their file names.
+    pub const ALL: [(Self, &'static str); 2] = [(Self::Time, "-ms"), (Self::Error, "-flip")];
+
+    /// Sentence about the chart.
+    pub const fn caption(self) -> &'static str {
+        match self {
+            Self::Time => {
+                "Time of the passes that find reflections over the frames, with maps and structures made anew"
+            }
+            Self::Error => "Mean FLIP over the frames",
+        }
+    }
+
+    const fn title(self) -> &'static str {
+        match self {
+            Self::Time => "milliseconds, with maps and structures made anew",
+            Self::Error => "mean FLIP against rt, in reflections",
+        }
+    }
+
+    fn of(self, row: &FrameRow) -> f64 {
+        match self {
+            Self::Time => row.ms + row.update_ms,
+            Self::Error => row.flip.max(LEAST_FLIP),
+        }
+    }
+}
+
+/// Table of all systems and frames, as comma-separated values.
+pub fn table(scene: &SceneRows) -> String {
+    let header = [
+        "system",
+        "frame",
+        "ms",
+        "update_ms",
+        "flip",
+        "ssim",
+        "wrong_percent",
+    ];
+    let mut out = csv::line(header);
+    for row in &scene.rows {
+        for of in &row.frames {
+            out += &csv::line([
+                row.system.to_owned(),
+                of.frame.to_string(),
+                of.ms.to_string(),
+                of.update_ms.to_string(),
+                of.flip.to_string(),
+                of.ssim.map_or(String::new(), |ssim| ssim.to_string()),
+                of.wrong_percent.to_string(),
+            ]);
+        }
+    }
+    out
+}
+
+/// Draws a curve for each system over the frames as SVG; none for a still.
+///
+/// # Errors
+/// Message of the drawing library.
+pub fn draw(scene: &SceneRows, curves: Curves) -> Result<Option<String>, String> {
+    let said = |error: &dyn std::fmt::Display| format!("the chart cannot be drawn: {error}");
+    let rows = || scene.rows.iter().flat_map(|row| &row.frames);
+    let (Some(first), Some(last)) = (
+        rows().map(|row| row.frame).min(),
+        rows().map(|row| row.frame).max(),
+    ) else {
+        return Ok(None);
+    };
+    let shown = || {
+        rows()
+            .map(|row| curves.of(row))
+            .filter(|value| *value > 0.0)
+    };
+    let low = shown().fold(f64::INFINITY, f64::min);
+    let high = shown().fold(0.0, f64::max);
+    if first == last || high <= 0.0 {
+        return Ok(None);
+    }
+    let values = (0.8 * low..1.25 * high.max(10.0 * low)).log_scale();
+    let (mut svg, mut overlay) = (String::new(), String::new());
+    {
+        let root = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
+        root.fill(&WHITE).map_err(|e| said(&e))?;
+        let mut chart = ChartBuilder::on(&root)
+            .margin(14)
+            .margin_right(240)
+            .x_label_area_size(44)
+            .y_label_area_size(74)
+            .build_cartesian_2d(f64::from(first)..f64::from(last), values)
+            .map_err(|e| said(&e))?;
+        chart
+            .configure_mesh()
+            .x_desc("frame")
+            .y_desc(curves.title())
+            .x_label_formatter(&|frame| format!("{frame:.0}"))
+            .y_label_formatter(&|value| digits(*value))
+            .light_line_style(RGBColor(242, 242, 242))
+            .bold_line_style(RGBColor(220, 220, 220))
+            .label_style(("sans-serif", 13))
+            .axis_desc_style(("sans-serif", 14))
+            .draw()
+            .map_err(|e| said(&e))?;
+        for (line, (row, system)) in (0..).zip(scene.of_systems()) {
+            let measured = row.frames.iter();
+            let dots: Vec<_> = measured
+                .map(|of| (f64::from(of.frame), curves.of(of)))
+                .filter(|(_, value)| *value > 0.0)
+                .collect();
+            let style = stroke(system);
+            let series = LineSeries::new(dots.clone(), style);
+            chart.draw_series(series).map_err(|e| said(&e))?;
+            let to_pixels = chart.as_coord_spec();
+            for (frame, value) in dots {
+                let (x, y) = to_pixels.translate(&(frame, value));
+                let text = format!("{}, frame {frame:.0}: {}", system.name, digits(value));
+                overlay += &format!(
+                    "<circle cx=\"{x}\" cy=\"{y}\" r=\"5\" fill-opacity=\"0\"><title>{}</title></circle>\n",
+                    escape(&text)
+                );
+            }
+            overlay += &named(system, 30 + LINE_PX * line);
+        }
+        root.present().map_err(|e| said(&e))?;
+    }
+    let end = svg.rfind("</svg>").ok_or("the chart has no end")?;
+    svg.insert_str(end, &overlay);
+    Ok(Some(svg))
+}
+
+/// Stroke of a system's curve: Reflet's own are wide.
+fn stroke(system: &System) -> ShapeStyle {
+    let [r, g, b] = system.color;
+    RGBColor(r, g, b).stroke_width(if system.is_own { 3 } else { 1 })
+}
+
+/// Line of the legend, at this distance from the top.
+fn named(system: &System, y: i32) -> String {
+    let ([r, g, b], x) = (system.color, SIZE.0 as i32 - 230);
+    let width = if system.is_own { 3 } else { 1 };
+    format!(
+        "<path d=\"M{x} {y}h20\" stroke=\"rgb({r},{g},{b})\" stroke-width=\"{width}\"/>\
+         <text x=\"{}\" y=\"{}\" font-family=\"sans-serif\" font-size=\"13\">{}</text>\n",
+        x + 26,
+        y + 4,
+        escape(system.name)
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{super::Row, *};
+
+    fn film(frames: &[u32]) -> SceneRows {
+        let row = |system, factor: f64| Row {
+            system,
+            frames: (frames.iter())
+                .map(|frame| FrameRow {
+                    frame: *frame,
+                    ms: factor * f64::from(frame + 1),
+                    update_ms: 2.0,
+                    flip: 0.0,
+                    ssim: None,
+                    wrong_percent: 0.0,
+                })
+                .collect(),
+            ..Row::default()
+        };
+        SceneRows {
+            scene: "film.toml".to_owned(),
+            frames: frames.len(),
+            mask_px: 500,
+            probes: 0,
+            rows: vec![row("ssr", 1.0), row("near-far", 3.0)],
+            left_out: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn a_film_has_a_curve_of_each_system() {
+        let film = film(&[0, 40, 80]);
+        for (curves, value) in [(Curves::Time, "125"), (Curves::Error, "1.00e-4")] {
+            let svg = draw(&film, curves).expect("drawn").expect("three frames");
+            for name in ["ssr", "near-far"] {
+                assert!(svg.contains(&format!(">{name}</text>")), "{svg}");
+            }
+            let dots = svg.matches("<circle").count();
+            assert_eq!(dots, 6, "{curves:?}");
+            // Structures made anew take time as well: 3 × 41 + 2.
+            let text = format!("<title>near-far, frame 40: {value}</title>");
+            assert!(svg.contains(&text), "{svg}");
+        }
+        assert_eq!(table(&film).lines().count(), 7);
+        assert!(table(&film).contains("\nnear-far,80,243,2,0,,0\n"));
+    }
+
+    #[test]
+    fn a_still_has_no_curves() {
+        assert_eq!(draw(&film(&[7]), Curves::Time), Ok(None));
+        assert_eq!(draw(&film(&[]), Curves::Error), Ok(None));
+    }
+}
