@@ -19,7 +19,7 @@ use toml::{
 pub use self::make::made;
 pub use self::size::{MOST_TABLES, MOST_TEXT_BYTES, Size, tables_in};
 pub use self::tokens::{Token, TokenKind, tokens};
-pub use self::write::to_text;
+pub use self::write::{key_text, to_text};
 
 /// A key with its byte range in the text.
 pub type Key = Spanned<String>;

@@ -327,6 +327,14 @@ fn wrong_placed_scenes_are_named() {
     }
 }
 
+#[test]
+fn motion_of_a_placed_scene_is_that_of_its_group() {
+    let text =
+        SHOT.replacen("name = \"left\"", "name = \"left.1\"", 1) + "[motion.instance.\"left.1\"]\n";
+    let says = "it is a group; write `[motion.group.\"left.1\"]`";
+    shot(&text).assert_says(&[], &[says]);
+}
+
 /// Each scene places the next ten times: a million instances, if nothing limited it.
 #[test]
 fn scenes_that_multiply_are_refused() {

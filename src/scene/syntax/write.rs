@@ -29,7 +29,7 @@ fn write_table(path: &str, table: &Entries, out: &mut String) {
 }
 
 /// Key, in quotes where these are needed.
-fn key_text(key: &str) -> String {
+pub fn key_text(key: &str) -> String {
     let is_bare = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
     match !key.is_empty() && key.chars().all(is_bare) {
         true => key.to_owned(),

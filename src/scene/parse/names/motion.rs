@@ -5,7 +5,7 @@ mod zero_scale;
 use std::collections::HashSet;
 
 use super::Names;
-use crate::syntax::Entries;
+use crate::syntax::{Entries, key_text};
 use crate::{
     desc::{
         At, ByName, CAMERA, DecalMotionDesc, Entry, InstanceDesc, InstanceMaterialDesc,
@@ -84,7 +84,7 @@ impl<'a> NodeNames<'a> {
         let help = if self.is_group(name) {
             format!(
                 "it is a group; write `[motion.group.{}]`",
-                suggest::clip(name)
+                key_text(&suggest::clip(name))
             )
         } else if self.first.is_empty() {
             "give an `[[instance]]` a `name`".to_owned()
