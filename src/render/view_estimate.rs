@@ -1,5 +1,5 @@
 //! Estimate of a view on the CPU from a coarse grid of rays: its brightness, and the hits of its reflectors. Used
-//! for warnings and automatic exposure, not for pictures: highlights of lights are left out, a texture counts as its
+//! for warnings and automatic exposure, not for pictures: highlights of lights stand apart, a texture counts as its
 //! mean, and cut-outs count as solid except for shadow rays, which pass them.
 
 use std::{collections::BTreeMap, f64::consts::PI};
@@ -31,6 +31,9 @@ const MOST_TEXELS: usize = 1024;
 pub struct ViewEstimate {
     /// Largest channel of the linear radiance at each sample, before exposure.
     pub radiance: Vec<f32>,
+    /// Largest channel of the brightest highlight of a light, or reflection of a lamp, at a sample's surface; those of the
+    /// light tree are left out.
+    pub highlight: f32,
     /// Number of samples that show a surface.
     pub surfaces: usize,
     /// Hits of mirror rays, by index into [`World::materials`].
@@ -52,6 +55,7 @@ pub struct Reach {
 #[derive(Clone, Copy, Debug, Default)]
 struct Sample {
     radiance: f32,
+    highlight: f32,
     surface: bool,
     /// Index of the reflecting material, and the distance of its mirror ray's hit.
     mirror: Option<(usize, Option<f64>)>,
@@ -75,6 +79,7 @@ impl ViewEstimate {
         let mut estimate = Self::default();
         for sample in samples {
             estimate.radiance.push(sample.radiance);
+            estimate.highlight = estimate.highlight.max(sample.highlight);
             estimate.surfaces += usize::from(sample.surface);
             let Some((material, distance_m)) = sample.mirror else {
                 continue;
@@ -167,6 +172,7 @@ impl Estimator<'_> {
         });
         Sample {
             radiance,
+            highlight: self.highlight(&point, direction),
             surface: true,
             mirror,
         }
@@ -200,6 +206,41 @@ impl Estimator<'_> {
         };
         let (met, _) = self.rays.trees.nearest_counted(&ray);
         light + f0 * self.radiance(met, ray.direction, bounces - 1)
+    }
+
+    /// Radiance of the brightest highlight of a light at a surface, seen along a unit direction: that of GGX by its
+    /// roughness, or of a lobe as wide as a lamp appears.
+    fn highlight(&self, point: &SurfacePoint, direction: DVec3) -> f32 {
+        let world = self.rays.world;
+        let index = world.instances[point.instance].material;
+        let material = &world.materials[index];
+        let f0 = DVec3::splat(f64::from(material.reflectivity))
+            .lerp(self.looks[index].base_color, f64::from(material.metallic));
+        let alpha2 = f64::from(material.roughness).powi(4);
+        let of = |light: &Light| {
+            let kind = &light.desc.kind;
+            let arrives = f0 * self.incoming(light, point);
+            let offset = kind.position().map(|at| at.as_dvec3() - point.position);
+            let away = kind.direction().map(|to| -to.as_dvec3());
+            let to_light = offset.or(away).unwrap_or(DVec3::ZERO);
+            let distance = offset.map_or(1.0, DVec3::length).max(1e-9);
+            let half = (to_light.normalize_or_zero() - direction).normalize_or_zero();
+            let cosine2 = half.dot(point.normal).powi(2).max(1e-9);
+            let ggx = alpha2 / (PI * (cosine2 * (alpha2 - 1.0) + 1.0).powi(2)).max(1e-12);
+            // The half vector turns by half of the lamp's angle.
+            let radius2 = match kind.radiance() {
+                0.0 => 0.0,
+                radiance => f64::from(kind.intensity() / radiance) / PI,
+            };
+            let wide2 = (0.25 * radius2 / (distance * distance)).max(1e-12);
+            let tangent2 = (1.0 - cosine2).max(0.0) / cosine2;
+            let lamp = (-tangent2 / wide2).exp() / (PI * wide2 * cosine2 * cosine2);
+            let lamp = if radius2 > 0.0 { lamp } else { 0.0 };
+            let cosines =
+                4.0 * to_light.normalize_or_zero().dot(point.normal) * -direction.dot(point.normal);
+            (arrives * (ggx.max(lamp) / cosines.max(1e-3))).max_element() as f32
+        };
+        world.lights.iter().map(of).fold(0.0, f32::max)
     }
 
     /// Irradiance of the lamps on a surface, by those that a light tree chooses.

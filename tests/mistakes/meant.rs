@@ -45,6 +45,33 @@ fn a_light_that_is_larger_than_what_it_stands_in_is_not_inside() {
     }
 }
 
+/// A mirror in the dark shows a lamp that stands where its reflection falls, and a rough metal its highlight.
+#[test]
+fn a_picture_that_is_lit_by_reflection_alone_is_not_black() {
+    let folder = folder("lit-by-reflection");
+    let lamp = "kind = \"rect\"\ndirection = [0, 0, -1]\nsize = [2, 2]";
+    let cases = [
+        (lamp, 0.0, "[0, 1, 5]", 0),
+        (lamp, 0.0, "[0, 9, 5]", 1),
+        (lamp, 0.5, "[0, 9, 5]", 0),
+        ("kind = \"point\"", 0.4, "[0, 1, 5]", 0),
+        ("kind = \"point\"", 0.0, "[0, 1, 5]", 1),
+    ];
+    for (light, roughness, position, expected) in cases {
+        let scene = format!(
+            "version = 1\n[camera.main]\neye = [0, 1, 3]\ntarget = [0, 0.5, 0]\n[material.metal]\n\
+             metallic = 1\nroughness = {roughness}\n[model.wall]\nmaterial = \"metal\"\n\
+             shape = {{ kind = \"box\", size = [3, 3, 0.1] }}\n[[instance]]\nmodel = \"wall\"\n\
+             [light.lamp]\n{light}\nposition = {position}\nintensity_cd = 100\n"
+        );
+        fs::write(folder.join("scene.toml"), scene).expect("writable");
+        let found = results(&folder, &["scene.toml".to_owned()], 0);
+        let black = found.iter().filter(|f| f["ruleId"] == "black-picture");
+        let case = format!("{light}, roughness {roughness}, at {position}");
+        assert_eq!(black.count(), expected, "{case}: {found:#?}");
+    }
+}
+
 /// Keys of a base material have an effect if a material that extends it gives them one.
 #[test]
 fn keys_that_have_an_effect_are_left_alone() {

@@ -62,7 +62,7 @@ pub fn lint(scene: &Scene, world: &World, trees: &Trees) -> Vec<Diagnostic> {
     }
     // Automatic exposure adapts to the picture.
     if let Exposure::Ev(ev) = scene.image.exposure_ev {
-        found.extend(brightness(&estimate.radiance, ev, camera));
+        found.extend(brightness(&estimate, ev, camera));
     }
     for (material, reach) in &estimate.reflectors {
         found.extend(reflector(scene, world, *material, reach, unit_m));
@@ -71,10 +71,11 @@ pub fn lint(scene: &Scene, world: &World, trees: &Trees) -> Vec<Diagnostic> {
 }
 
 /// Warning about a picture that is black or white nearly all over, at an exposure of `ev` stops.
-fn brightness(radiance: &[f32], ev: f32, camera: &Entry<CameraDesc>) -> Option<Diagnostic> {
+fn brightness(estimate: &ViewEstimate, ev: f32, camera: &Entry<CameraDesc>) -> Option<Diagnostic> {
+    let radiance = &estimate.radiance;
     let (name, at) = (&camera.name, camera.at.clone());
     let exposed = || radiance.iter().map(|r| r * ev.exp2());
-    let brightest = exposed().fold(0.0, f32::max);
+    let brightest = exposed().fold(estimate.highlight * ev.exp2(), f32::max);
     let blown = exposed().filter(|r| *r > BLOWN).count() as f32;
     if brightest < BLACK {
         let message = format!("the picture of camera \"{name}\" is black all over");
