@@ -17,6 +17,7 @@ use reflet_world::{
 
 use super::{
     cutoff::can_reflect,
+    lobe_table::SMOOTH_ALPHA,
     view::View,
     view_rays::{SurfacePoint, ViewRays, is_in_reach, mirror_ray, off_surface, places},
 };
@@ -216,7 +217,8 @@ impl Estimator<'_> {
         let material = &world.materials[index];
         let f0 = DVec3::splat(f64::from(material.reflectivity))
             .lerp(self.looks[index].base_color, f64::from(material.metallic));
-        let alpha2 = f64::from(material.roughness).powi(4);
+        let alpha = f64::from(material.roughness).powi(2).max(SMOOTH_ALPHA);
+        let alpha2 = alpha * alpha;
         let of = |light: &Light| {
             let kind = &light.desc.kind;
             let arrives = f0 * self.incoming(light, point);
