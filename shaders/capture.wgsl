@@ -1,11 +1,13 @@
 // Capture: radiance and hits of the static scene, seen from a probe through the pixels of a cube map. The environment
-// that a probe sees directly is left out, as are lamps and surfaces that are sampled as lights: the look-up adds them
-// by the reflection's own ray.
+// that a probe sees, directly or straight through panes, is left out, as are lamps and surfaces that are sampled as lights:
+// the look-up adds them by the reflection's own ray.
 
+#import capture_panes
 #import cone
 #import cube_faces
 #import half
 #import indirect
+#import pane_share
 #import path_restart
 #import probes
 #import shade
@@ -21,7 +23,7 @@ struct Params {
     pad2: u32,
 }
 
-@group(2) @binding(0) var captured: texture_storage_2d_array<rgba16float, write>; // w: share that surfaces cover
+@group(2) @binding(0) var captured: texture_storage_2d_array<rgba16float, write>; // w: share that surfaces but clear panes cover
 @group(2) @binding(1) var captured_hits: texture_storage_2d_array<rgba32uint, write>; // distance, instance, triangle, place
 @group(2) @binding(2) var<uniform> params: Params;
 
@@ -29,7 +31,7 @@ struct Params {
 override EMISSION_SCALE: f32 = 1.0;
 
 struct Seen {
-    light: vec4f, // w: 1 where the ray meets a surface
+    light: vec4f, // w: 1 where the ray meets a surface, clear panes left out
     hit: vec4u,
 }
 
@@ -49,19 +51,24 @@ fn seen_from(probe: vec3f, towards: vec3f, seed: vec2u) -> Seen {
     start_path(origin, false);
     var color = vec3f(0.0);
     var throughput = vec3f(1.0);
+    var is_clear = true; // whether the path has only passed clear panes
     for (var bounce = 0u; bounce < frame.bounces + crossings() + scatterings(); bounce++) {
         start_samples(seed, bounce + 1u);
         let direction = ray.direction;
         let h = trace_nearest(origin, direction, 0.0, reach_m());
         throughput *= medium_transmittance(h.t);
+        // Light that the look-up adds, if what is met is no further pane.
+        let is_kept_apart = is_clear && (bounce == 0u || is_same_direction(direction, towards));
         if (h.instance == NONE) {
-            if (bounce > 0u) { color += found_light(throughput * beyond(origin, ray), bounce); }
+            if (is_kept_apart) { seen.light.w = 0.0; }
+            if (!is_kept_apart) { color += found_light(throughput * beyond(origin, ray), bounce); }
             break;
         }
         if (bounce > 0u) {
             let light = seen_light(origin, ray, h.t);
             if (light.is_seen) {
-                color += found_light(throughput * light.radiance, bounce);
+                if (is_kept_apart) { seen.light.w = 0.0; }
+            if (!is_kept_apart) { color += found_light(throughput * light.radiance, bounce); }
                 break;
             }
         } else {
@@ -71,11 +78,13 @@ fn seen_from(probe: vec3f, towards: vec3f, seed: vec2u) -> Seen {
         cone = continued(cone, h.t);
         var s = surface_at(h.instance, h.triangle, h.bary, direction, cone.width_m);
         s.emission *= met_emission(ray, h.instance, h.triangle, h.t, s);
-        if (bounce == 0u && is_lamp(h.instance)) { s.emission = vec3f(0.0); }
+        let is_pane = is_clear_pane(s);
+        if (is_kept_apart && (bounce == 0u || !is_pane) && is_lamp(h.instance)) { s.emission = vec3f(0.0); }
         color += found_light(throughput * met_light(ray, shade(s, -direction, vec2u(0u))), bounce);
         if (!continues(s)) { break; }
         ray = next_ray(ray, s);
         throughput *= ray.weight;
+        is_clear = is_clear && is_pane && bounce < MAX_CLEAR_PANES && dot(ray.direction, s.geometric_normal) < 0.0;
         if (max(throughput.x, max(throughput.y, throughput.z)) < frame.dimmest) { break; }
         if (dot(ray.direction, s.geometric_normal) > 0.0) { cone = mirrored_cone(cone, s.curvature); }
         origin = onward_origin(s, ray.direction);
@@ -102,7 +111,10 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         let seed = pixel + vec2u(params.face_px * layer, 65536u * sample);
         let seen = seen_from(probe, normalize(face_direction(layer % 6u, place)), seed);
         sum += seen.light;
-        if (sample == 0u) { textureStore(captured_hits, pixel, layer, seen.hit); }
+        if (sample == 0u) {
+            textureStore(captured_hits, pixel, layer, seen.hit);
+            keep_behind_panes(probe, normalize(face_direction(layer % 6u, place)), seen.hit.y, pixel, layer);
+        }
     }
     let mean = sum / f32(params.samples);
     textureStore(captured, pixel, layer, halved(vec4f(mean.xyz / EMISSION_SCALE, mean.w)));

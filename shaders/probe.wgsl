@@ -5,6 +5,7 @@
 #import gbuffer
 #import lists
 #import probe_lookup
+#import probe_panes
 #import probe_place
 #import radiance
 
@@ -63,11 +64,13 @@ fn shown_by(probe: u32, origin: vec3f, ray: Reflected, to: Aim, width_m: f32) ->
     let towards = direction_from(probe, origin, to.direction);
     let stored = textureSampleLevel(probe_radiance, probe_sampler, towards, probe, to.level);
     let found = shown_hit(probe, origin, to.direction);
-    let sky = environment(ray.direction) * (ray.sky_weight * (1.0 - stored.w));
+    var sky = environment(ray.direction) * (ray.sky_weight * (1.0 - stored.w));
+    if (has_sky_behind_panes(probe, origin, ray.direction)) { sky = vec3f(0.0); }
     // Lamps are met by the ray of one facet, as light samples expect; the rest is averaged over the lobe.
     var own = found;
     if (any(to.direction != ray.direction)) { own = shown_hit(probe, origin, ray.direction); }
-    let light = stored.xyz * (EMISSION_SCALE * ray.kept) + sky + lamp_light(own, ray, width_m);
+    let light = stored.xyz * (EMISSION_SCALE * ray.kept) + sky + lamp_light(own, ray, width_m)
+        + light_through_panes(probe, origin, ray, width_m, 1.0 - stored.w);
     return Shown(light, found, select(bitcast<f32>(own.x), 2.0 * FAR_M, own.y == NONE));
 }
 

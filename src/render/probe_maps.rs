@@ -39,16 +39,24 @@ pub struct ProbeKey {
     pub samples: u32,
     /// Whether the maps have levels for rough reflections.
     pub has_levels: bool,
+    /// Whether the maps have hits behind panes.
+    pub has_panes: bool,
 }
 
 impl ProbeKey {
     /// Key of these probes.
-    pub fn new(boxes: Vec<ProbeBox>, settings: &ProbesDesc, has_levels: bool) -> Self {
+    pub fn new(
+        boxes: Vec<ProbeBox>,
+        settings: &ProbesDesc,
+        has_levels: bool,
+        has_panes: bool,
+    ) -> Self {
         Self {
             boxes,
             face_px: settings.face_px,
             samples: settings.samples,
             has_levels,
+            has_panes,
         }
     }
 
@@ -70,7 +78,8 @@ impl ProbeKey {
             u64::from(self.layers()) * (0..levels).map(of).sum::<u64>()
         };
         let copies = if self.has_levels { 2 } else { 1 };
-        8 * copies * texels(self.levels()) + 16 * texels(1)
+        let hits = if self.has_panes { 2 } else { 1 };
+        8 * copies * texels(self.levels()) + 16 * hits * texels(1)
     }
 
     /// Number of faces of all maps.
@@ -120,9 +129,12 @@ pub struct ProbeMaps {
     /// Radiance by roughness; the captured one where there is only one level.
     filtered: wgpu::Texture,
     hits: wgpu::Texture,
+    /// Hits behind panes, with the share of light that these let pass; `None` where nothing transmits light.
+    panes: Option<wgpu::Texture>,
     whole: wgpu::TextureView,
     radiance: wgpu::TextureView,
     hits_view: wgpu::TextureView,
+    panes_view: Option<wgpu::TextureView>,
     content: Mutex<Content>,
 }
 
@@ -153,6 +165,10 @@ impl ProbeMaps {
             false => captured.clone(),
         };
         let hits = make("probe hits", HITS, 1)?;
+        let panes = (key
+            .has_panes
+            .then(|| make("probe hits behind panes", HITS, 1)))
+        .transpose()?;
         Ok(Self {
             uniforms: FrameUniforms::new(gpu),
             bytes,
@@ -167,18 +183,20 @@ impl ProbeMaps {
             whole: whole(&captured, wgpu::TextureViewDimension::CubeArray),
             radiance: whole(&filtered, wgpu::TextureViewDimension::CubeArray),
             hits_view: whole(&hits, wgpu::TextureViewDimension::D2Array),
+            panes_view: (panes.as_ref()).map(|p| whole(p, wgpu::TextureViewDimension::D2Array)),
             captured,
             filtered,
             hits,
+            panes,
             content: Mutex::default(),
             key,
         })
     }
 
     /// The resources that every pass may read, by their names in the shaders.
-    pub fn named(&self) -> [Named<'_>; 4] {
+    pub fn named(&self) -> Vec<Named<'_>> {
         let view = wgpu::BindingResource::TextureView;
-        [
+        let mut named = vec![
             ("probes", self.boxes.as_entire_binding()),
             ("probe_radiance", view(&self.radiance)),
             ("cube_hits", view(&self.hits_view)),
@@ -186,7 +204,9 @@ impl ProbeMaps {
                 "probe_sampler",
                 wgpu::BindingResource::Sampler(&self.sampler),
             ),
-        ]
+        ];
+        named.extend((self.panes_view.iter()).map(|panes| ("pane_hits", view(panes))));
+        named
     }
 
     /// The captured radiance with all of its levels, and its sampler.
@@ -213,6 +233,11 @@ impl ProbeMaps {
     /// View of the hits, to write.
     pub fn hits_level(&self) -> wgpu::TextureView {
         level_view(&self.hits, 0)
+    }
+
+    /// View of the hits behind panes, to write.
+    pub fn panes_level(&self) -> Option<wgpu::TextureView> {
+        (self.panes.as_ref()).map(|panes| level_view(panes, 0))
     }
 
     /// Copies the captured radiance into the first level of that by roughness.

@@ -343,7 +343,12 @@ pub(super) fn map_keys(
     }
     let settings = &options.reflection.probes;
     let boxes = probe_boxes(world, settings)?;
-    let probes = ProbeKey::new(boxes, settings, capture::has_levels(plan));
+    let probes = ProbeKey::new(
+        boxes,
+        settings,
+        capture::has_levels(plan),
+        plan.features.probe_panes,
+    );
     Ok((Some(probes), faces))
 }
 

@@ -46,6 +46,7 @@ mod orthographic;
 mod pattern;
 mod patterned;
 mod precision;
+mod probe_panes;
 mod probes;
 mod queries;
 mod ray_list;

@@ -50,7 +50,12 @@ pub struct NearFarInfo {
 pub fn probes(world: &World, plan: &Plan, options: &RenderOptions) -> Option<ProbesInfo> {
     let settings = &options.reflection.probes;
     let boxes = (plan.features.probes).then(|| probe_boxes(world, settings).ok());
-    let key = ProbeKey::new(boxes.flatten()?, settings, capture::has_levels(plan));
+    let key = ProbeKey::new(
+        boxes.flatten()?,
+        settings,
+        capture::has_levels(plan),
+        plan.features.probe_panes,
+    );
     Some(ProbesInfo {
         count: key.boxes.len(),
         face_px: key.face_px,

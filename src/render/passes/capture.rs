@@ -142,10 +142,12 @@ impl FramePass for Capture {
         };
         let (radiance, hits) = (maps.captured_level(0), maps.hits_level());
         let view = wgpu::BindingResource::TextureView;
-        let extra = [
+        let panes = maps.panes_level();
+        let mut extra = vec![
             ("captured", view(&radiance)),
             ("captured_hits", view(&hits)),
         ];
+        extra.extend(panes.iter().map(|panes| ("captured_panes", view(panes))));
         let pass = inner.with_resources(&PASS, "main", &extra)?;
         Ok(Self { pass, shared })
     }

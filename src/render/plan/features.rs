@@ -250,6 +250,11 @@ features! {
         constant: HAS_TRANSMISSION,
         dropped: "transmission" => "no material lets light through";
     }
+    /// Whether probes see through surfaces.
+    probe_panes {
+        follows: probes && transmission,
+        files: capture_panes [none, followed], probe_panes [none, shown];
+    }
     /// Whether some surface has a clear coat.
     coats {
         used: scene.has(|m| m.clearcoat.is_some()),

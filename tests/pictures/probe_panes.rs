@@ -1,0 +1,109 @@
+//! Light behind panes that a probe sees: rough surfaces find it by light samples as well, and it counts once.
+
+use crate::kit::{gpu, mean, render};
+
+/// A floor of metal, with a probe above it.
+const SCENE: &str = r#"
+version = 1
+[camera.main]
+eye = [0, 1.2, 2.2]
+target = [0, 0, 0]
+fov_deg = 20
+[image]
+size = [24, 16]
+samples = 16
+tone_map = "none"
+[reflection]
+roughness_cutoff = 1
+glint_limit = 0
+bounces = 4
+[material.metal]
+base_color = [1, 1, 1]
+metallic = 1
+[model.floor]
+shape = { kind = "plane", size = [4, 4] }
+material = "metal"
+[[instance]]
+model = "floor"
+[probe.middle]
+position = [0, 0.3, 0]
+[probes]
+lookup = "infinity"
+face_px = 64
+samples = 4
+"#;
+
+/// A case of glass around the floor and the probe that lets all light pass, or a share.
+fn pane(share: f32) -> String {
+    format!(
+        "[material.pane]\nbase_color = [{share}, {share}, {share}]\nroughness = 0\ntransmission = 1\nreflectivity = 0\n\
+         double_sided = true\n\
+         [model.pane]\nshape = {{ kind = \"box\", size = [6, 6, 6] }}\nmaterial = \"pane\"\n\
+         [[instance]]\nmodel = \"pane\"\n"
+    )
+}
+
+const ROOM: &str = r#"
+[environment]
+zenith = [0, 0, 0]
+horizon = [0, 0, 0]
+ground = [0, 0, 0]
+[material.glow]
+base_color = [0, 0, 0]
+reflectivity = 0
+emission = [1, 1, 1]
+light = true
+double_sided = true
+[model.room]
+shape = { kind = "box", size = [8, 8, 8] }
+material = "glow"
+[[instance]]
+model = "room"
+"#;
+
+const LAMP: &str = r#"
+[environment]
+zenith = [0, 0, 0]
+horizon = [0, 0, 0]
+ground = [0, 0, 0]
+[light.lamp]
+kind = "rect"
+position = [0, 5, -5]
+direction = [0, -1, 1]
+size = [4, 4]
+intensity_cd = 100
+"#;
+
+const SKY: &str = r#"
+[environment]
+zenith = [1, 1, 1]
+horizon = [1, 1, 1]
+ground = [1, 1, 1]
+"#;
+
+/// A case that lets all light pass changes nothing, and one that lets half pass leaves half, of a room that glows, of a lamp
+/// with a size, and of the environment.
+#[test]
+fn light_behind_panes_counts_once() {
+    let Some(gpu) = gpu() else { return };
+    for (name, light) in [("room", ROOM), ("lamp", LAMP), ("sky", SKY)] {
+        for roughness in [0.0, 0.7] {
+            let of = |pane: &str| {
+                let set = [
+                    "reflection.method=probe",
+                    &format!("material.metal.roughness={roughness}"),
+                ];
+                mean(&render(gpu, &format!("{SCENE}{light}{pane}"), &set, &[]))[1]
+            };
+            let open = of("");
+            assert!(open > 0.01, "{name}, roughness {roughness}: {open}");
+            for share in [1.0, 0.5] {
+                let seen = of(&pane(share));
+                assert!(
+                    (seen / (share * open) - 1.0).abs() < 0.03,
+                    "{name}, roughness {roughness}: {open} alone, {seen} behind a pane that lets {share} pass"
+                );
+            }
+        }
+    }
+}
