@@ -46,6 +46,7 @@ impl SceneArgs {
             assets: self.assets.clone(),
             lenient: self.lenient,
             project: self.project_choice(),
+            ..SceneOptions::default()
         }
     }
 }

@@ -25,6 +25,7 @@ use crate::{
         dependencies::Dependencies,
         diagnostic::{Diagnostic, Source, at_most, print_diagnostics},
         parse::MOST_BYTES,
+        reach::UnsavedTexts,
         stages::{Animator, Scene},
     },
     world::World,
@@ -84,16 +85,21 @@ fn check_one(path: &Path, from: &SceneArgs) -> Result<(Vec<Diagnostic>, String),
         true => SceneText::new(&read_stdin()?, Path::new(STDIN), &options),
         false => SceneText::read(Some(path), &options)?,
     };
-    check_text(&text, from)
+    check_text(&text, from, &Dependencies::default())
 }
 
-/// All messages about a scene; its text may be unsaved.
-pub fn messages(text: &Arc<Source>, from: &SceneArgs) -> Vec<Diagnostic> {
-    let text = SceneText::of(Arc::clone(text), &options(from));
-    match check_text(&text, from) {
-        Ok((messages, _)) => messages,
-        Err(messages) => messages,
-    }
+/// All messages about a scene, whose text and `unsaved` ones stand for files; adds the texts that it reads to `files`.
+pub fn messages(
+    text: &Arc<Source>,
+    from: &SceneArgs,
+    unsaved: UnsavedTexts,
+    files: &Dependencies,
+) -> Vec<Diagnostic> {
+    let mut options = options(from);
+    options.unsaved = unsaved;
+    let text = SceneText::of(Arc::clone(text), &options);
+    let (Ok((messages, _)) | Err(messages)) = check_text(&text, from, files);
+    messages
 }
 
 /// Options for opening a scene. Without chosen variants it is checked as it is and with each, not with those of its
@@ -109,17 +115,17 @@ fn options(from: &SceneArgs) -> SceneOptions {
 fn check_text(
     text: &SceneText,
     from: &SceneArgs,
+    files: &Dependencies,
 ) -> Result<(Vec<Diagnostic>, String), Vec<Diagnostic>> {
     check_output_of(text)?;
-    let mut kept = Kept::default();
+    let mut kept = Kept {
+        files: files.clone(),
+        ..Kept::default()
+    };
     let whole = check_variant(text.clone(), &mut kept, POSING);
     let mut failed = whole.is_err();
     let (mut messages, mut summary, variants) = match whole {
-        Ok(Checked {
-            messages,
-            summary,
-            variants,
-        }) => (messages, summary, variants),
+        Ok(whole) => (whole.messages, whole.summary, whole.variants),
         // A script that exceeded a limit would do so in each variant.
         Err(messages) if messages.iter().any(|d| d.name == "script-limit") => return Err(messages),
         Err(messages) => (messages, String::new(), text.variants()),
@@ -173,11 +179,12 @@ struct Checked {
     variants: Vec<String>,
 }
 
-/// State shared by a scene and its variants: files and geometry that were read, and their trees.
+/// State shared by a scene and its variants: files and geometry that were read, their trees, and the paths of texts.
 #[derive(Default)]
 struct Kept {
     assets: KeptAssets,
     trees: KeptTrees,
+    files: Dependencies,
 }
 
 /// Checks a scene with the chosen variants; posing its frames takes about `posing`.
@@ -187,7 +194,7 @@ fn check_variant(
     posing: Duration,
 ) -> Result<Checked, Vec<Diagnostic>> {
     let name = text.name();
-    let opened = text.open(&[], &Dependencies::default())?;
+    let opened = text.open(&[], &kept.files)?;
     for line in opened.scene.scripts().flat_map(|s| &s.setup_log) {
         reflet_base::error_line!("{line}");
     }

@@ -20,7 +20,7 @@ mod tables;
 
 use std::{
     collections::{BTreeMap, BTreeSet},
-    path::Path,
+    path::{Path, PathBuf},
     sync::Arc,
 };
 
@@ -30,15 +30,17 @@ use serde_json::{Value, json};
 use self::{
     outline::{Part, words},
     position::{offset, path_of, range, uri_of},
+    references::same,
     tables::is_project,
 };
 use super::{args::SceneArgs, check::messages, error::AppError, project::check_output};
 use crate::{
-    runtime::scene_text::SceneText,
+    runtime::scene_text::{SceneOptions, SceneText},
     scene::{
         dependencies::Dependencies,
         diagnostic::{Diagnostic, Severity, Source, Span},
         project::Project,
+        reach::UnsavedTexts,
     },
 };
 
@@ -82,6 +84,7 @@ fn serve(connection: &Connection) -> Result<(), String> {
         open: BTreeMap::new(),
         changed: BTreeMap::new(),
         published: BTreeMap::new(),
+        read: BTreeMap::new(),
     };
     for message in &connection.receiver {
         match message {
@@ -120,6 +123,8 @@ struct Server<'a> {
     changed: BTreeMap<String, Extent>,
     /// Files with published diagnostics, by the scene whose check found them.
     published: BTreeMap<String, BTreeSet<String>>,
+    /// Files that the last check of each scene read or looked for, by the scene's URI.
+    read: BTreeMap<String, Vec<PathBuf>>,
 }
 
 impl Server<'_> {
@@ -236,7 +241,9 @@ impl Server<'_> {
                 let text = changes.and_then(|changes| changes.last()?["text"].as_str());
                 if let (Some(file), Some(text)) = (self.open.get_mut(&uri), text) {
                     *file = Arc::new(Source::new(&file.path, text));
+                    let path = file.path.clone();
                     self.mark_changed(&uri, Extent::Text);
+                    self.mark_readers(&path);
                 }
             }
             "textDocument/didSave" => {
@@ -246,9 +253,11 @@ impl Server<'_> {
                     .for_each(|uri| self.mark_changed(uri, Extent::Whole));
             }
             "textDocument/didClose" => {
-                self.open.remove(&uri);
+                let closed = self.open.remove(&uri);
                 self.changed.remove(&uri);
+                self.read.remove(&uri);
                 self.publish_diagnostics(&uri, BTreeMap::new());
+                closed.iter().for_each(|file| self.mark_readers(&file.path));
             }
             _ => {}
         }
@@ -259,14 +268,26 @@ impl Server<'_> {
         *known = extent.max(*known);
     }
 
+    /// Marks the open scenes that read a file.
+    fn mark_readers(&mut self, path: &Path) {
+        let reads = |files: &Vec<PathBuf>| files.iter().any(|file| same(file, path));
+        let readers = self.read.iter().filter(|(_, files)| reads(files));
+        let readers: Vec<_> = readers.map(|(uri, _)| uri.clone()).collect();
+        for uri in readers {
+            self.mark_changed(&uri, Extent::Text);
+        }
+    }
+
     fn check_changed(&mut self) {
+        let unsaved = UnsavedTexts::new(self.open.values());
         for (uri, extent) in std::mem::take(&mut self.changed) {
             let is_checked = |file: &&Arc<Source>| is_scene(file) || is_project(&file.path);
             let Some(file) = self.open.get(&uri).filter(is_checked) else {
                 continue;
             };
             let mut by_file = BTreeMap::from([(uri.clone(), Vec::new())]);
-            for message in check(file, extent) {
+            let files = Dependencies::default();
+            for message in check(file, extent, (&unsaved, &files)) {
                 let place = message.span.source.as_ref();
                 let at = match place {
                     Some(source) if source.path != file.path => uri_of(&source.path),
@@ -277,6 +298,7 @@ impl Server<'_> {
                     .or_default()
                     .push(protocol_diagnostic(&message));
             }
+            self.read.insert(uri.clone(), files.paths());
             self.publish_diagnostics(&uri, by_file);
         }
     }
@@ -309,16 +331,24 @@ fn is_scene(file: &Source) -> bool {
     !is_script(&file.path) && words(file).iter().any(is_version)
 }
 
-fn check(file: &Arc<Source>, extent: Extent) -> Vec<Diagnostic> {
-    let from = SceneArgs::default();
+/// Messages about a scene or a project, with the texts of other open files; adds what it reads to `files`.
+fn check(
+    file: &Arc<Source>,
+    extent: Extent,
+    (unsaved, files): (&UnsavedTexts, &Dependencies),
+) -> Vec<Diagnostic> {
     if is_project(&file.path) {
         return check_project(file);
     }
     match extent {
-        Extent::Whole => messages(file, &from),
+        Extent::Whole => messages(file, &SceneArgs::default(), unsaved.clone(), files),
         Extent::Text => {
-            let text = SceneText::of(Arc::clone(file), &from.options());
-            match text.open(&[], &Dependencies::default()) {
+            let options = SceneOptions {
+                unsaved: unsaved.clone(),
+                ..SceneArgs::default().options()
+            };
+            let text = SceneText::of(Arc::clone(file), &options);
+            match text.open(&[], files) {
                 Ok(opened) => opened.warnings,
                 Err(errors) => errors,
             }

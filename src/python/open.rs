@@ -88,6 +88,7 @@ pub fn open(
         assets: assets.unwrap_or_default(),
         lenient,
         project: project_choice(project)?,
+        ..SceneOptions::default()
     };
     let (path, text) = source_of(py, scene, text, folder)?;
     let source = SceneSource {

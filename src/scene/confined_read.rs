@@ -184,6 +184,10 @@ fn read_in(
             None => Problem::new(message, kind.inside),
         });
     }
+    if let Some(text) = reach.unsaved().of(&real) {
+        let text = text.to_owned();
+        return Ok(Found { path, real, text });
+    }
     let file = open_regular(&real, false);
     let bytes = file.and_then(|file| read_at_most(&file, kind.most_mib << 20));
     let bytes = bytes.map_err(|e| {

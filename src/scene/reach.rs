@@ -1,6 +1,32 @@
 //! Folders that file names of a scene start from, and the border that they must not leave.
 
-use std::path::{Component, Path, PathBuf};
+use std::{
+    collections::BTreeMap,
+    path::{Component, Path, PathBuf},
+    sync::Arc,
+};
+
+use super::diagnostic::Source;
+
+/// Texts of files that are open in an editor, which are read in place of what the disk has.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct UnsavedTexts(Arc<BTreeMap<PathBuf, Arc<str>>>);
+
+impl UnsavedTexts {
+    /// Texts of files that exist; others cannot be named by a scene.
+    pub fn new<'a>(files: impl IntoIterator<Item = &'a Arc<Source>>) -> Self {
+        let real = |file: &Arc<Source>| {
+            let path = file.path.canonicalize().ok()?;
+            Some((path, Arc::from(file.text.as_str())))
+        };
+        Self(Arc::new(files.into_iter().filter_map(real).collect()))
+    }
+
+    /// Text of the file of a canonical path.
+    pub fn of(&self, real: &Path) -> Option<&str> {
+        self.0.get(real).map(AsRef::as_ref)
+    }
+}
 
 /// Folders that a scene may read besides its own.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -11,6 +37,8 @@ pub struct Border {
     pub scripts: Vec<PathBuf>,
     /// Canonical folder of the scene's project: inside it, names may climb by `..`.
     pub project: Option<PathBuf>,
+    /// Texts that stand for files inside of the border.
+    pub unsaved: UnsavedTexts,
 }
 
 impl From<Vec<PathBuf>> for Border {
@@ -29,6 +57,7 @@ pub struct Reach {
     folders: Vec<PathBuf>,
     scripts: Vec<PathBuf>,
     project: Option<PathBuf>,
+    unsaved: UnsavedTexts,
 }
 
 impl Reach {
@@ -39,6 +68,7 @@ impl Reach {
             folders: folders.collect(),
             scripts: border.scripts.clone(),
             project: border.project.clone(),
+            unsaved: border.unsaved.clone(),
         }
     }
 
@@ -50,6 +80,11 @@ impl Reach {
     /// Canonical folder of the project; `None` for a scene of no project.
     pub fn project(&self) -> Option<&Path> {
         self.project.as_deref()
+    }
+
+    /// Texts that stand for files inside of the border.
+    pub fn unsaved(&self) -> &UnsavedTexts {
+        &self.unsaved
     }
 
     /// The same border with other folders, of which the first is the scene's own.

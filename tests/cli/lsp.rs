@@ -1,6 +1,7 @@
 //! The language server, driven by a client as editors do.
 
 mod across_files;
+mod session;
 mod writing;
 
 use std::{
@@ -215,24 +216,36 @@ fn messages_follow_the_text() {
     );
     client.tell("textDocument/didChange", change(SCENE));
     assert_eq!(client.found(&uri).len(), 0);
-    // A mistake in an included file is reported there, and later withdrawn.
+    // A mistake in an included file is reported there while it is typed, and later withdrawn.
     let parts = client.uri("parts.toml");
-    let save = json!({ "textDocument": { "uri": parts } });
-    fs::write(
-        client.folder.join("parts.toml"),
-        PARTS.replace("metallic", "metalic"),
-    )
-    .expect("saved");
-    client.tell("textDocument/didSave", save.clone());
-    let found = client.found(&parts);
+    let document = json!({ "uri": parts });
+    let wrong = PARTS.replace("metallic", "metalic");
+    let mut type_in = |text: &str| {
+        let params = json!({ "textDocument": document, "contentChanges": [{ "text": text }] });
+        client.tell("textDocument/didChange", params);
+        client.found(&parts)
+    };
+    let found = type_in(&wrong);
     assert_eq!(
         found[0]["range"]["start"],
         json!({ "line": 1, "character": 0 }),
         "{found:?}"
     );
+    assert_eq!(type_in(PARTS).len(), 0);
+    // The file counts again where its text is closed.
+    fs::write(client.folder.join("parts.toml"), wrong).expect("saved");
+    let params = json!({ "textDocument": document });
+    client.tell("textDocument/didClose", params.clone());
+    assert_eq!(client.found(&parts).len(), 1);
     fs::write(client.folder.join("parts.toml"), PARTS).expect("saved");
-    client.tell("textDocument/didSave", save);
+    client.tell("textDocument/didSave", params);
     assert_eq!(client.found(&parts).len(), 0);
+    // A mistake in a script is reported while it is typed too.
+    let script = client.uri("move.rhai");
+    let text = format!("{SCRIPT}\nlet x = ;");
+    let params = json!({ "textDocument": { "uri": script }, "contentChanges": [{ "text": text }] });
+    client.tell("textDocument/didChange", params);
+    assert_eq!(client.found(&script).len(), 1);
     client.end();
 }
 

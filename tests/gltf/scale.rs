@@ -16,6 +16,7 @@ use reflet::{
     scene::{
         dependencies::Dependencies,
         diagnostic::{Diagnostic, Source},
+        reach::UnsavedTexts,
         script::Bounds,
         stages::{Animator, Scene},
     },
@@ -129,6 +130,16 @@ fn twice_as_many_parts_take_twice_the_work() {
     }
 }
 
+/// Messages about a text without unsaved ones beside it.
+fn messages_of(text: &Arc<Source>, from: &SceneArgs) -> Vec<Diagnostic> {
+    messages(
+        text,
+        from,
+        UnsavedTexts::default(),
+        &Dependencies::default(),
+    )
+}
+
 /// Variants that leave geometry alone share meshes and trees; those that move it have trees of their own.
 #[test]
 fn variants_share_meshes_and_trees() {
@@ -138,7 +149,7 @@ fn variants_share_meshes_and_trees() {
         let part = |i: usize| format!("[variant.v{i}.material.paint]\nroughness = 0.{}\n", i + 1);
         let text = text(n, ball, part);
         let source = Arc::new(Source::new(Path::new("scene.toml"), &text));
-        let work = measure(|| drop(messages(&source, &SceneArgs::default())));
+        let work = measure(|| drop(messages_of(&source, &SceneArgs::default())));
         work.bytes_total
     };
     let [none, two, eight] = [0, 2, 8].map(work);
@@ -154,13 +165,13 @@ fn variants_share_meshes_and_trees() {
          [variant.b.instance.b]\ntranslation = [0, 0, 5]\n[variant.c.image]\nexposure_ev = 2\n"
     );
     let source = Arc::new(Source::new(Path::new("scene.toml"), &text));
-    let all = messages(&source, &SceneArgs::default());
+    let all = messages_of(&source, &SceneArgs::default());
     let alone = |name: &str| {
         let args = SceneArgs {
             variant: vec![name.to_owned()],
             ..SceneArgs::default()
         };
-        messages(&source, &args)
+        messages_of(&source, &args)
     };
     let names = |found: &[Diagnostic]| found.iter().map(|d| d.name).collect::<BTreeSet<_>>();
     assert_eq!(names(&alone("a")), names(&alone("c")));

@@ -80,7 +80,8 @@ pub fn texts(file: &Arc<Source>, open: &[&Arc<Source>]) -> Vec<Arc<Source>> {
     all
 }
 
-fn same(a: &Path, b: &Path) -> bool {
+/// Whether two paths name one file.
+pub fn same(a: &Path, b: &Path) -> bool {
     let real = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_owned());
     a == b || a.file_name() == b.file_name() && real(a) == real(b)
 }

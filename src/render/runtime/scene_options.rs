@@ -6,7 +6,7 @@ use reflet_scene::{
     diagnostic::Diagnostic,
     parse::ReadOptions,
     project::{Project, ProjectChoice},
-    reach::Border,
+    reach::{Border, UnsavedTexts},
 };
 use reflet_world::load::LoadOptions;
 
@@ -28,6 +28,8 @@ pub struct SceneOptions {
     pub lenient: bool,
     /// Project of the scene.
     pub project: ProjectChoice,
+    /// Scene texts and scripts that are open in an editor, for the files of which they stand.
+    pub unsaved: UnsavedTexts,
 }
 
 /// Options for reading scene text.
@@ -37,7 +39,10 @@ pub(super) fn read_options(from: &SceneOptions, project: Option<&Project>) -> Re
         overrides: from.set.clone(),
         variants: named.cloned().collect(),
         only_chosen: false,
-        border: border(&from.assets, project),
+        border: Border {
+            unsaved: from.unsaved.clone(),
+            ..border(&from.assets, project)
+        },
     }
 }
 
