@@ -23,7 +23,7 @@ use crate::{
 };
 use reflet::{
     app::{fingerprint, frames::FrameList},
-    gpu::{Gpu, adapter},
+    gpu::adapter,
     runtime::Session as Runtime,
     scene::desc::ParamValue,
 };
@@ -32,8 +32,9 @@ use reflet::{
 #[pyclass(module = "reflet", frozen, weakref)]
 pub struct Session {
     slot: Slot,
-    gpu: Arc<Gpu>,
     name: String,
+    /// Adapter, driver and API.
+    adapter: String,
     /// Camera that was chosen when the scene was opened.
     camera: Option<String>,
     /// Time for opening the scene, milliseconds.
@@ -44,8 +45,8 @@ impl Session {
     /// A scene that took so long to open, with the chosen camera.
     pub fn new(opened: Runtime, camera: Option<String>, load_ms: f64) -> Self {
         Self {
-            gpu: Arc::clone(opened.gpu()),
             name: opened.scene().name.clone(),
+            adapter: adapter::name(&opened.gpu().adapter_info),
             slot: Slot::new(opened),
             camera,
             load_ms,
@@ -65,7 +66,6 @@ impl Session {
         let shown = Arc::new(Progress::default());
         let teller = progress.map(|function| Teller {
             function,
-            gpu: Arc::clone(&self.gpu),
             progress: Arc::clone(&shown),
         });
         let (request, names, load_ms) = (request.clone(), names.to_vec(), self.load_ms);
@@ -230,14 +230,15 @@ impl Session {
             })
     }
 
-    /// Free the device. Everything but `close` and `closed` then raises `ClosedError`; pictures
-    /// stay.
+    /// Free the device. Everything but `close`, `closed`, `name` and `adapter` then raises
+    /// `ClosedError`; pictures stay.
     fn close(&self, py: Python<'_>) -> PyResult<()> {
         self.slot.close(py)
     }
 
-    fn __enter__(slf: Bound<'_, Self>) -> Bound<'_, Self> {
-        slf
+    fn __enter__<'py>(slf: Bound<'py, Self>, py: Python<'py>) -> PyResult<Bound<'py, Self>> {
+        slf.get().read(py, |_| ())?;
+        Ok(slf)
     }
 
     #[pyo3(signature = (*_error))]
@@ -313,8 +314,8 @@ impl Session {
 
     /// Adapter, driver and API.
     #[getter]
-    fn adapter(&self) -> String {
-        adapter::name(&self.gpu.adapter_info)
+    fn adapter(&self) -> &str {
+        &self.adapter
     }
 
     /// Name of the scene in messages.

@@ -6,7 +6,7 @@ use std::{
     panic::{AssertUnwindSafe, catch_unwind},
     process,
     sync::{
-        Arc,
+        Arc, OnceLock,
         atomic::{AtomicBool, AtomicU32, Ordering},
         mpsc::{self, RecvTimeoutError},
     },
@@ -46,34 +46,35 @@ pub fn check_fork(py: Python<'_>) -> PyResult<()> {
 }
 
 /// How far a picture is.
-#[derive(Debug, Default)]
+#[derive(Default)]
 pub struct Progress {
+    /// Device that counts sub-frames; none before the picture has begun. Nothing else of Python keeps it, so that a closed
+    /// session frees it.
+    gpu: OnceLock<Arc<Gpu>>,
     /// Count of the device's sub-frames when the picture began.
     began: AtomicU32,
     /// Number of sub-frames of the picture; 0 before it has begun, and where an error bound decides.
     total: AtomicU32,
-    /// Whether it has begun.
-    has_begun: AtomicBool,
     /// Signal that ends the picture.
     pub stop: Arc<AtomicBool>,
 }
 
 impl Progress {
     /// Notes that a picture of so many sub-frames begins; 0 where an error bound decides.
-    pub fn begin(&self, gpu: &Gpu, total: u32) {
+    pub fn begin(&self, gpu: &Arc<Gpu>, total: u32) {
         self.began
             .store(gpu.sub_frames.load(Ordering::Relaxed), Ordering::Relaxed);
         self.total.store(total, Ordering::Relaxed);
-        self.has_begun.store(true, Ordering::Release);
+        self.gpu.get_or_init(|| Arc::clone(gpu));
     }
 
     /// Number of finished sub-frames, and of all where it is known; `None` before the first.
-    fn counts(&self, gpu: &Gpu) -> Option<(u32, Option<u32>)> {
-        let has_begun = self.has_begun.load(Ordering::Acquire);
+    fn counts(&self) -> Option<(u32, Option<u32>)> {
+        let gpu = self.gpu.get()?;
         let began = self.began.load(Ordering::Relaxed);
         let done = gpu.sub_frames.load(Ordering::Relaxed).wrapping_sub(began);
         let total = self.total.load(Ordering::Relaxed);
-        has_begun.then_some((done, (total > 0).then_some(total)))
+        Some((done, (total > 0).then_some(total)))
     }
 }
 
@@ -81,15 +82,13 @@ impl Progress {
 pub struct Teller<'a> {
     /// Function of the number of finished sub-frames, and of all or `None`.
     pub function: &'a Bound<'a, PyAny>,
-    /// Device that counts them.
-    pub gpu: Arc<Gpu>,
     /// The picture.
     pub progress: Arc<Progress>,
 }
 
 impl Teller<'_> {
     fn tell(&self, told: &mut Option<u32>) -> PyResult<()> {
-        match self.progress.counts(&self.gpu) {
+        match self.progress.counts() {
             Some((done, total)) if *told != Some(done) => {
                 *told = Some(done);
                 self.function.call1((done, total)).map(drop)

@@ -331,7 +331,8 @@ def test_errors_have_places(reflet: ModuleType, scene: Path, tmp_path: Path) -> 
             session.set({"image.sampels": 3})
         assert "samples" in caught.value.help
         assert session.render(3).frame == 3
-    for call in (session.render, lambda: session.frame, lambda: session.set("image.samples", 1)):
+    calls = (session.render, session.__enter__, lambda: session.frame)
+    for call in (*calls, lambda: session.set("image.samples", 1)):
         with pytest.raises(reflet.ClosedError, match="closed"):
             call()
     session.close()
@@ -393,6 +394,8 @@ def test_threads_take_turns(reflet: ModuleType, scene: Path) -> None:
 FORKED = """
 import os, sys, reflet
 scene = sys.argv[1]
+closed = reflet.open(scene, samples=1)
+closed.close()
 session = reflet.open(scene, samples=1)
 picture = session.render()
 reader, writer = os.pipe()
@@ -406,7 +409,7 @@ if child == 0:
             said.append("nothing")
         except reflet.Error as error:
             said.append(type(error).__name__)
-    del session
+    del session, closed
     os.write(writer, " ".join(said).encode())
     sys.exit(7)
 _, status = os.waitpid(child, 0)

@@ -178,8 +178,8 @@ class Session:
         """
 
     def close(self) -> None:
-        """Free the device. Everything but `close` and `closed` then raises `ClosedError`; pictures
-        stay.
+        """Free the device. Everything but `close`, `closed`, `name` and `adapter` then raises
+        `ClosedError`; pictures stay.
         """
 
     def __enter__(self) -> Self: ...
