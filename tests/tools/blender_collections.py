@@ -60,6 +60,7 @@ def scene() -> bpy.types.Scene:
         (0, 0, 0.7),
         (1, 1.5, 1),
     )
+    put("nest.002", once, outer).hide_render = True
     empties = [put(name, outer) for name in ("Empty", "Empty.001", "Empty.002")]
     for place, empty in enumerate(empties):
         empty.location.x = 3 * place
@@ -74,7 +75,10 @@ def scene() -> bpy.types.Scene:
 
 
 def keyed() -> bpy.types.Scene:
-    """The same, where an empty and the lamp of the inner collection move, and one empty goes."""
+    """The same, where an empty and the lamp in it move, another empty goes, and the lamp does too.
+
+    An inner empty is hidden from the camera, which Blender asks of outer ones alone.
+    """
     out = scene()
     out.frame_start, out.frame_end = 1, 5
     for name, at in (("Empty", (-1, 0, 0)), ("point", (0.2, 0.5, 2))):
@@ -82,10 +86,12 @@ def keyed() -> bpy.types.Scene:
         thing.keyframe_insert("location", frame=1)
         thing.location = at
         thing.keyframe_insert("location", frame=5)
-    gone = bpy.data.objects["Empty.001"]
-    gone.keyframe_insert("hide_render", frame=1)
-    gone.hide_render = True
-    gone.keyframe_insert("hide_render", frame=4)
+    for name in ("Empty.001", "point"):
+        gone = bpy.data.objects[name]
+        gone.keyframe_insert("hide_render", frame=1)
+        gone.hide_render = True
+        gone.keyframe_insert("hide_render", frame=4)
+    bpy.data.objects["nest"].visible_camera = False
     return out
 
 

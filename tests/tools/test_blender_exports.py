@@ -177,6 +177,9 @@ def test_placed_scenes_move_and_go(said, out):
     inner = out / "keyed" / "collection-the-inner-f36e4118.toml"
     lamp = tomllib.loads(inner.read_text(encoding="utf-8"))["motion"]["light"]["point"]
     assert lamp["position"]["keys"][-1]["value"] == [0, 2, -0.5]
+    assert [key["value"] > 0 for key in lamp["intensity_cd"]["keys"]] == [True, True, False, False]
+    outer = (out / "keyed" / "collection-outer.toml").read_text(encoding="utf-8")
+    assert 'name = "nest"' in outer and "visible" not in outer
     assert ": ok" in checked(out / "keyed" / "scene.toml")
 
 

@@ -120,7 +120,6 @@ class _Export:
                 name: cameras.values(thing.evaluated_get(depsgraph), self.scene, depsgraph)
                 for name, thing in seen.items()
             }
-            lit = self._light_values(depsgraph, shining, at)
             if animate:
                 self.samples = Samples(frames, fps)
                 for frame in frames:
@@ -128,6 +127,7 @@ class _Export:
                     self.samples.take(self.scene, self.layer.depsgraph, self.plan, seen, shining)
                 self.samples.name_losses(self.scene, self.report)
                 self.scene.frame_set(frames[0])
+            lit = self._light_values(self.layer.depsgraph, shining, at)
             self._put_settings(parts, frames if animate else None, fps, seen)
             self._put_cameras(views, seen)
             self._put_parts(parts, lit)
@@ -183,8 +183,10 @@ class _Export:
         )
         if outer.held is None:
             return (full_name(thing),), made, part
-        place = outer.held.place(thing, depsgraph)
-        return outer.held.key(thing), dataclasses.replace(made, place=place), part
+        # Cycles asks the outermost of the empties alone who sees what they place.
+        seen_by_all = (True, True, True)
+        made = dataclasses.replace(made, place=outer.held.place(thing, depsgraph), sight=seen_by_all)
+        return outer.held.key(thing), made, part
 
     def _cameras(self, depsgraph: bpy.types.Depsgraph) -> dict[str, bpy.types.Object]:
         """Cameras by name, the active one first."""
@@ -217,12 +219,11 @@ class _Export:
         depsgraph: bpy.types.Depsgraph,
         at: dict[Key, tuple[Matrix, bool]],
     ) -> None:
-        """Give the parts their lights."""
+        """Give the parts their lights, those too that are hidden at the first frame."""
         found = []
         lit = [thing for thing in self.scene.objects if thing.type == "LIGHT"]
         for thing in lit:
-            is_there = (full_name(thing),) in at and thing.visible_get(view_layer=self.layer)
-            if is_there and not thing.hide_render:
+            if (full_name(thing),) in at and thing.visible_get(view_layer=self.layer):
                 found.append((full_name(thing), (full_name(thing),), thing))
         found += things.lights(depsgraph, self.plan)
         for name, key, thing in sorted(found, key=lambda light: (light[0], str(light[1]))):
@@ -231,8 +232,7 @@ class _Export:
             if part.held is None:
                 continue
             for thing in part.held.lights:
-                if not thing.hide_render:
-                    part.add_light(full_name(thing), part.held.key(thing), thing)
+                part.add_light(full_name(thing), part.held.key(thing), thing)
 
     def _light_values(
         self,
@@ -242,6 +242,9 @@ class _Export:
     ) -> dict[Key, dict[str, Any]]:
         out = {}
         for key, thing in shining.items():
+            is_lit = self.samples.is_ever_shown(key) if self.samples else at[key][1]
+            if not is_lit:
+                continue
             lights.name_losses(thing, at[key][0], self.report)
             made = lights.values(thing.evaluated_get(depsgraph), at[key][0], self.report)
             if made is not None:

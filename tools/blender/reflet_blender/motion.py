@@ -108,9 +108,11 @@ class Samples:
             value = cameras.values(evaluated, scene, depsgraph)
             self._values.setdefault(("camera", name), []).append(value)
         for key, thing in shining.items():
-            place = self._places[key][-1][0]
-            lit = lights.values(thing.evaluated_get(depsgraph), place, silent)
-            self._values.setdefault(("light", key), []).append(lit or {})
+            place, shown = self._places[key][-1]
+            lit = lights.values(thing.evaluated_get(depsgraph), place, silent) or {}
+            if not shown:
+                lit.update((what, 0.0) for what in lit if what.startswith("intensity_"))
+            self._values.setdefault(("light", key), []).append(lit)
 
     def name_losses(self, scene: bpy.types.Scene, report: Report) -> None:
         """Name what changes over time and has no track."""

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 import bpy
 from mathutils import Matrix
 
-from .reach import DRAWN, SILENT, Key, full_name, is_holder, members
+from .reach import DRAWN, SILENT, Key, full_name, is_holder, is_never_shown, members
 from .report import Report
 
 # Limits of Reflet for scenes that are placed in a scene, and for their files.
@@ -159,6 +159,8 @@ def _content(collection: bpy.types.Collection, known: dict[str, Held | _NotHeldE
     held = Held(collection, [], [], [])
     for thing in members(collection):
         if is_holder(thing):
+            if is_never_shown(thing):
+                continue
             inner = _held_by(thing, known)
             if _is_scaled(thing.matrix_world) and _has_area_light(inner):
                 raise _NotHeldError(f"{thing.name} is scaled, and an area light in it with it")

@@ -33,6 +33,11 @@ def is_holder(thing: bpy.types.Object) -> bool:
     return thing.instance_type == "COLLECTION" and thing.instance_collection is not None
 
 
+def is_never_shown(thing: bpy.types.Object) -> bool:
+    """Whether renders show a thing, and what it places, at no frame."""
+    return thing.hide_render and thing.animation_data is None
+
+
 def members(collection: bpy.types.Collection) -> list[bpy.types.Object]:
     """Objects that a placed collection shows in renders, with those of collections in it."""
     out: dict[str, bpy.types.Object] = {}

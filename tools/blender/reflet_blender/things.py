@@ -90,7 +90,8 @@ def as_rendered(scene: bpy.types.Scene, layer: bpy.types.ViewLayer) -> Iterator[
             thing.hide_set(False, view_layer=layer)
         for thing in reach.objects(scene):
             # An animated `hide_render` is read frame by frame, so that the thing must be there.
-            change(thing, "hide_viewport", False)
+            is_gone = reach.is_holder(thing) and reach.is_never_shown(thing)
+            change(thing, "hide_viewport", is_gone)
             for modifier in thing.modifiers:
                 change(modifier, "show_viewport", modifier.show_render)
                 if modifier.type in _LEVELS:
@@ -221,9 +222,9 @@ def sight_of(thing: bpy.types.Object) -> tuple[bool, bool, bool]:
 def lights(
     depsgraph: bpy.types.Depsgraph, plan: Plan
 ) -> Iterator[tuple[str, Key, bpy.types.Object]]:
-    """Lights that are instances, and in no placed scene."""
+    """Lights that are instances, shown or not, and in no placed scene."""
     for instance in _instances(depsgraph, plan):
-        if instance.is_instance and instance.object.type == "LIGHT" and _is_shown(instance):
+        if instance.is_instance and instance.object.type == "LIGHT":
             yield instance_name(instance), instance_key(instance), instance.object.original
 
 
