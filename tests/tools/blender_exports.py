@@ -90,6 +90,34 @@ def motion_too_far(_: Path) -> None:
     driver.expression = "frame**20"
 
 
+def growing(_: Path) -> None:
+    """Let the cube be nothing in the first frame, and again in the fourth."""
+    for frame, size in ((1, 0), (2, 1), (4, 0), (5, 2)):
+        thing("Cube").scale.x = size
+        thing("Cube").keyframe_insert("scale", frame=frame)
+    bpy.context.scene.frame_end = 5
+
+
+def mirroring(_: Path) -> None:
+    """Turn the cube inside out."""
+    thing("Cube").keyframe_insert("scale", frame=1)
+    thing("Cube").scale.x = -1
+    thing("Cube").keyframe_insert("scale", frame=3)
+    bpy.context.scene.frame_end = 3
+
+
+def wide_open(_: Path) -> None:
+    """Open the lens without end."""
+    lens = thing("Camera").data.dof
+    lens.use_dof, lens.aperture_fstop = True, 0
+
+
+def no_view(_: Path) -> None:
+    """Let the camera see no depth."""
+    camera = thing("Camera").data
+    camera.clip_start = camera.clip_end = 1
+
+
 def odd_names(_: Path) -> None:
     """Names that climb out of folders, end lines, and need escapes."""
     cube = thing("Cube")
@@ -186,6 +214,10 @@ BAD: dict[str, Callable[[Path], None]] = {
     "scale negative": lambda _: setattr(thing("Cube"), "scale", (-1, 1, 1)),
     "power negative": lambda _: setattr(thing("Light").data, "energy", -5),
     "motion too far": motion_too_far,
+    "growing": growing,
+    "mirroring": mirroring,
+    "wide open": wide_open,
+    "no view": no_view,
     "odd names": odd_names,
     "no camera": no_camera,
     "panorama": panorama,

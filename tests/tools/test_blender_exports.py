@@ -28,11 +28,13 @@ LOSSES = {
     "lost library": "library-missing",
     "hair": "hair-dropped",
     "holdout": "layer-dropped",
+    "mirroring": "mirror-motion-frozen",
 }
-WHOLE = ["scale negative", "odd names", "editing", "sheared"]
+WHOLE = ["scale negative", "odd names", "editing", "sheared", "growing", "wide open"]
 REFUSED = {
     "camera not a number": "at a finite place",
     "motion too far": "[motion.instance.Cube] cannot be written: ",
+    "no view": "the view of the camera 'Camera' ends where it begins",
     "panorama": "perspective or orthographic",
     "no camera": "has no camera",
     "broken ledger": "export.json is not what an export writes",
@@ -124,6 +126,13 @@ def test_a_sheared_thing_has_its_matrix(said, out):
     assert placed["matrix"][0] == pytest.approx(0.87758, abs=1e-4)
     assert placed["matrix"][2] == pytest.approx(-3 * 0.47943, abs=1e-4)
     assert placed["matrix"][10] == pytest.approx(3 * 0.87758, abs=1e-4)
+
+
+def test_a_thing_that_grows_from_nothing_is_hidden_until_then(said, out):
+    shown = text(out, "growing")["motion"]["instance"]["Cube"]["shown"]["keys"]
+    assert [key["value"] for key in shown] == [False, True, False, True]
+    for name in ("growing", "mirroring"):
+        assert ": ok" in checked(out / name / "scene.toml")
 
 
 def seen_by_the_program(scene):

@@ -10,6 +10,7 @@ import bpy
 from mathutils import Vector
 
 from . import space
+from .folder import ExportError
 from .report import Report
 
 # The sensor height that Reflet's f-numbers refer to, mm.
@@ -43,6 +44,8 @@ def values(
         scale_x=render.pixel_aspect_x,
         scale_y=render.pixel_aspect_y,
     )
+    if projection[1][1] == 0:
+        raise ExportError(f"the view of the camera {camera.name!r} ends where it begins")
     half_height = 1 / projection[1][1]
     out: dict[str, Any] = {
         "eye": list(eye),
@@ -56,7 +59,7 @@ def values(
     out["fov_deg"] = min(max(math.degrees(2 * math.atan(half_height)), 1.0), 170.0)
     if data.dof.use_dof:
         # The same width of the lens in meters: of Blender's, and of one with a sensor of 24 mm.
-        width_mm = data.lens / data.dof.aperture_fstop
+        width_mm = data.lens / max(data.dof.aperture_fstop, 1e-5)
         focal_mm = _SENSOR_MM / 2 / half_height
         out["aperture_f"] = min(max(focal_mm / width_mm, 0.1), 1000.0)
         out["focus_m"] = focus

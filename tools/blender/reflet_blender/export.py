@@ -184,8 +184,8 @@ class _Export:
         if outer.held is None:
             return (full_name(thing),), made, part
         # Cycles asks the outermost of the empties alone who sees what they place.
-        seen_by_all = (True, True, True)
-        made = dataclasses.replace(made, place=outer.held.place(thing, depsgraph), sight=seen_by_all)
+        place, sight = outer.held.place(thing, depsgraph), (True, True, True)
+        made = dataclasses.replace(made, place=place, sight=sight)
         return outer.held.key(thing), made, part
 
     def _cameras(self, depsgraph: bpy.types.Depsgraph) -> dict[str, bpy.types.Object]:

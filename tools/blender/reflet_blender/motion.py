@@ -7,6 +7,7 @@ from typing import Any
 
 import bpy
 import numpy as np
+from mathutils import Matrix
 
 from . import camera as cameras
 from . import keys, space
@@ -76,12 +77,28 @@ def deforming(
     return [thing for thing in watched if len(found[full_name(thing)]) > 1]
 
 
+def _solid(
+    been: list[tuple[Matrix, bool]], name: str, report: Report
+) -> list[tuple[Matrix, bool]]:
+    """The places of a thing that motion can say: it is hidden where it is scaled to nothing."""
+    last = next(place for place, _ in been if not space.is_flat(place))
+    is_mirrored, out = last.is_negative, []
+    for place, shown in been:
+        is_flat = space.is_flat(place)
+        if not is_flat and place.is_negative != is_mirrored:
+            report.lose("mirror-motion-frozen", name)
+        elif not is_flat:
+            last = place
+        out.append((last, shown and not is_flat))
+    return out
+
+
 class Samples:
     """Values of things, cameras and lights at each frame."""
 
     def __init__(self, frames: list[int], fps: float) -> None:
         self.frames, self.fps = frames, fps
-        self._places: dict[Key, list[tuple[Any, bool]]] = {}
+        self._places: dict[Key, list[tuple[Matrix, bool]]] = {}
         self._values: dict[tuple[str, Any], list[dict[str, Any]]] = {}
         self._changing = False
 
@@ -128,9 +145,14 @@ class Samples:
         """Whether a thing is shown at some frame."""
         return any(shown for _, shown in self._places.get(key, []))
 
+    def first_solid(self, key: Key) -> Matrix | None:
+        """The first place of a thing where it has a volume."""
+        been = (place for place, _ in self._places.get(key, []))
+        return next((place for place in been if not space.is_flat(place)), None)
+
     def of_thing(self, key: Key, name: str, report: Report) -> dict[str, Any]:
         """The tracks of `[motion.instance.NAME]`."""
-        been = self._places[key]
+        been = _solid(self._places[key], name, report)
         out: dict[str, Any] = {}
         shown = keys.steps(self.frames, [shown for _, shown in been], self.fps)
         if shown:

@@ -33,6 +33,7 @@ LOSSES = {
     "material-animation-frozen": "values of a material that change over time",
     "material-approximated": "a material whose nodes Reflet has no counterpart for",
     "matrix-motion-frozen": "a thing that is sheared moves, and keeps its first place",
+    "mirror-motion-frozen": "a thing that motion mirrors stays where it was before",
     "object-kind-dropped": "objects of a kind that Reflet has no counterpart for",
     "place-invalid": "a thing at no finite place, or farther than 1e12 m, is left out",
     "pixel-aspect-dropped": "pixels that are not square",

@@ -97,8 +97,12 @@ class Placer:
             self._report.lose("place-invalid", thing.name)
             return False
         if space.is_flat(thing.place):
-            self._report.lose("scale-zero", thing.name)
-            return False
+            # Its motion hides it until then.
+            later = samples.first_solid(thing_key) if samples is not None else None
+            if later is None:
+                self._report.lose("scale-zero", thing.name)
+                return False
+            thing = dataclasses.replace(thing, place=later)
         moves = samples is not None and samples.moves(thing_key)
         parts = space.parts(space.matrix(thing.place))
         self.count += 1
