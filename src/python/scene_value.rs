@@ -83,7 +83,10 @@ fn toml_value(value: &Bound<'_, PyAny>, path: &str, depth: usize) -> PyResult<Va
         return Ok(Value::Boolean(switch.is_true()));
     }
     if value.is_instance_of::<PyInt>() {
-        let number: i64 = value.extract()?;
+        let number = value.extract().map_err(|_| {
+            let message = format!("{}: {value} does not fit into 64 bits", place(path));
+            argument_error(value.py(), &message)
+        })?;
         return Ok(Value::Integer(number));
     }
     if value.is_instance_of::<PyFloat>() {

@@ -7,6 +7,7 @@ use std::{
 
 use numpy::{PyArray2, PyArrayMethods as _};
 use pyo3::{
+    exceptions::{PyOverflowError, PyValueError},
     prelude::*,
     types::{PyDict, PyMapping, PyTuple},
 };
@@ -110,10 +111,11 @@ impl Session {
     fn render(
         &self,
         py: Python<'_>,
-        frame: Option<u32>,
+        frame: Option<Bound<'_, PyAny>>,
         progress: Option<Bound<'_, PyAny>>,
         view: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Picture> {
+        let frame = frame.map(|frame| frame_number(&frame)).transpose()?;
         let (request, names) = View::of(py, view)?.request(py, self.camera.as_ref())?;
         self.rendered(py, (&request, &names), frame, progress.as_ref(), false)
     }
@@ -144,7 +146,7 @@ impl Session {
             Some(frames) => match frames.extract::<String>() {
                 Ok(listed) => listed,
                 Err(_) => {
-                    let numbers = frames.try_iter()?.map(|number| number?.extract::<u32>());
+                    let numbers = frames.try_iter()?.map(|number| frame_number(&number?));
                     let numbers: Vec<u32> = numbers.collect::<PyResult<_>>()?;
                     numbers
                         .iter()
@@ -337,11 +339,27 @@ impl Session {
     }
 }
 
+/// Number of a frame.
+fn frame_number(number: &Bound<'_, PyAny>) -> PyResult<u32> {
+    number.extract().map_err(|error: PyErr| {
+        let py = number.py();
+        match error.is_instance_of::<PyOverflowError>(py) {
+            true => exception(py, "FrameError", &format!("there is no frame {number}")),
+            false => error,
+        }
+    })
+}
+
 /// Numbers of an array of rows of three.
 fn vertices(given: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<f32>> {
     let py = given.py();
     let numpy = py.import("numpy")?;
-    let array = numpy.call_method1("asarray", (given,))?;
+    let array = numpy.call_method1("asarray", (given,)).map_err(|error| {
+        match error.is_instance_of::<PyValueError>(py) {
+            true => argument_error(py, &format!("{what} are no array: {}", error.value(py))),
+            false => error,
+        }
+    })?;
     let numeric: String = array.getattr("dtype")?.getattr("kind")?.extract()?;
     if !["f", "i", "u"].contains(&numeric.as_str()) {
         let text = format!(

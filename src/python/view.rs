@@ -1,7 +1,11 @@
 //! Keywords of a picture, checked.
 
 use clap::ValueEnum as _;
-use pyo3::{exceptions::PyTypeError, prelude::*, types::PyDict};
+use pyo3::{
+    exceptions::{PyOverflowError, PyTypeError},
+    prelude::*,
+    types::PyDict,
+};
 
 use crate::{
     errors::{argument_error, exception},
@@ -71,6 +75,10 @@ impl<'py> View<'py> {
                 Ok(())
             };
             set(&mut view).map_err(|error: PyErr| {
+                if error.is_instance_of::<PyOverflowError>(py) {
+                    let text = format!("{name}: a number is negative or too large");
+                    return argument_error(py, &text);
+                }
                 PyTypeError::new_err(format!("{name}: {}", error.value(py)))
             })?;
         }

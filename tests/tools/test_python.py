@@ -231,6 +231,7 @@ def test_meshes_are_moved(reflet: ModuleType) -> None:
             ({"positions": near.astype(complex)}, reflet.ArgumentError, "real numbers"),
             ({"positions": [["a", "b", "c"]]}, reflet.ArgumentError, "real numbers"),
             ({"positions": bad}, reflet.ArgumentError, "number 5 is NaN"),
+            ({"positions": [[1, 2, 3], [1, 2]]}, reflet.ArgumentError, "positions are no array"),
             ({"positions": near * 1e300}, reflet.ArgumentError, "number 0 is -inf"),
             ({"positions": near, "normals": bad}, reflet.ArgumentError, "normals.*number 5 is NaN"),
         ]:
@@ -292,6 +293,8 @@ def test_errors_have_places(reflet: ModuleType, scene: Path, tmp_path: Path) -> 
         ({"adapter": "no such adapter"}, reflet.NoAdapterError, "no such adapter"),
         ({"method": "rays"}, reflet.SceneError, "reflection.method"),
         ({"size": (0, 5)}, reflet.SceneError, "size"),
+        ({"size": (-1, 5)}, reflet.SceneError, "size"),
+        ({"set": {"image.samples": 2**70}}, reflet.ArgumentError, "image.samples: .* 64 bits"),
         ({"folder": tmp_path}, reflet.ArgumentError, "folder="),
         ({"variant": 5}, reflet.ArgumentError, "variant is a text"),
         ({"sample": 5}, TypeError, "sample"),
@@ -303,6 +306,8 @@ def test_errors_have_places(reflet: ModuleType, scene: Path, tmp_path: Path) -> 
     with reflet.open(scene) as session:
         for options, error, says in [
             ({"frame": 4}, reflet.FrameError, "no frame 4; the timeline has 0 to 3"),
+            ({"frame": -1}, reflet.FrameError, "no frame -1"),
+            ({"samples": -1}, reflet.ArgumentError, "samples: a number is negative or too large"),
             ({"aovs": ["dpeth"]}, reflet.UnknownNameError, "no AOV `dpeth`"),
             ({"camera": "mian"}, reflet.UnknownNameError, "no camera `mian`"),
             ({"method": "rays"}, reflet.UnknownNameError, "no method `rays`; there are: ssr"),

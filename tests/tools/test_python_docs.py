@@ -8,9 +8,12 @@ from __future__ import annotations
 import ast
 import inspect
 import os
+import re
 from collections.abc import Iterator
 from pathlib import Path
 from types import ModuleType
+
+import pytest
 
 TYPES = Path(__file__).resolve().parents[2] / "src/python/reflet/_reflet.pyi"
 
@@ -33,6 +36,22 @@ def docstring_lines(text: str, indent: str) -> list[str]:
     if len(lines) == 1:
         return [lines[0] + '"""']
     return [*lines, f'{indent}"""']
+
+
+def choices(name: str) -> list[str]:
+    """Texts of a `Literal` of the types."""
+    for node in ast.parse(TYPES.read_text(encoding="utf-8")).body:
+        if isinstance(node, ast.AnnAssign) and ast.unparse(node.target) == name:
+            return list(ast.literal_eval(node.value.slice))
+    raise AssertionError(name)
+
+
+def test_types_list_the_choices_of_the_module(reflet: ModuleType) -> None:
+    assert choices("_Aov") == reflet.AOVS
+    with pytest.raises(reflet.SceneError) as caught:
+        reflet.open(method="?")
+    said = str(caught.value).split(", not ")[0]
+    assert set(choices("_Method")) == set(re.findall(r'"([a-z+-]+)"', said))
 
 
 def test_types_repeat_the_documentation(reflet: ModuleType) -> None:

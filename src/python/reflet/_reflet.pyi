@@ -29,7 +29,9 @@ _Aov: TypeAlias = Literal[
     "hit_ids",
     "ids",
 ]
-_Method: TypeAlias = Literal["ssr", "rt", "hybrid", "probe", "ssr+probe", "near-far", "path"]
+_Method: TypeAlias = Literal[
+    "ssr", "rt", "hybrid", "probe", "ssr+probe", "ssr+box", "near-far", "path", "auto"
+]
 
 __all__ = [
     "AOVS",
