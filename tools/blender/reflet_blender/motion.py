@@ -77,9 +77,7 @@ def deforming(
     return [thing for thing in watched if len(found[full_name(thing)]) > 1]
 
 
-def _solid(
-    been: list[tuple[Matrix, bool]], name: str, report: Report
-) -> list[tuple[Matrix, bool]]:
+def _solid(been: list[tuple[Matrix, bool]], name: str, report: Report) -> list[tuple[Matrix, bool]]:
     """The places of a thing that motion can say: it is hidden where it is scaled to nothing."""
     last = next(place for place, _ in been if not space.is_flat(place))
     is_mirrored, out = last.is_negative, []
