@@ -49,12 +49,13 @@ export REFLET_REQUIRE_GPU=1
 # The software adapter keeps compiled shaders here, whatever the user's settings and home are.
 export MESA_SHADER_CACHE_DIR="$root/target/shader-cache" MESA_SHADER_CACHE_MAX_SIZE=1G
 export MESA_SHADER_CACHE_DISABLE=false
-mkdir -p "$MESA_SHADER_CACHE_DIR"
 if [ "$full" = no ]; then
     # It compiles without optimization and to narrower vectors, which takes less time, to the same pixels; --full tests
-    # the code of its defaults.
+    # the code of its defaults. Its cache knows nothing of the width, and code of another one crashes.
     export GALLIVM_PERF=nopt LP_NATIVE_VECTOR_WIDTH=128
+    MESA_SHADER_CACHE_DIR+="-128"
 fi
+mkdir -p "$MESA_SHADER_CACHE_DIR"
 # Unoptimized, the package builds in a third of the time; its tests mostly wait for the driver.
 export CARGO_PROFILE_DEV_OPT_LEVEL=0
 
