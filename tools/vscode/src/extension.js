@@ -10,6 +10,8 @@ const vscode = require("vscode");
 const { LanguageClient } = require("vscode-languageclient/node");
 
 let client;
+/** Panes that are open, each with a program that waits for saves. */
+const panes = new Set();
 
 /** The program that the user has set. */
 function program() {
@@ -69,6 +71,7 @@ class PicturePane {
     this.child.on("error", (error) => this.hear(`error: ${error.message}\n`));
     this.child.on("exit", () => this.show());
     this.panel.onDidDispose(() => this.close());
+    panes.add(this);
     this.show();
   }
 
@@ -93,6 +96,7 @@ class PicturePane {
   }
 
   close() {
+    panes.delete(this);
     this.child.kill();
     fs.rmSync(this.folder, { recursive: true, force: true });
   }
@@ -135,6 +139,8 @@ function activate(context) {
 }
 
 function deactivate() {
+  // No pane is disposed where VS Code itself ends.
+  panes.forEach((pane) => pane.close());
   return client?.stop();
 }
 
