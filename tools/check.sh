@@ -135,6 +135,9 @@ if [ "$full" = yes ]; then
     # Its tests drive the program that was built.
     if (cd tools/vscode && npm ci --no-audit --no-fund --silent); then
         (cd tools/vscode && npm test && npm run package)
+        # A session in the real editor is skipped without it, also below among the others.
+        tools/setup.sh --vscode || echo "NOT CHECKED: the extension in VS Code, which cannot be installed"
+        "${pytest[@]}" tests/tools/test_vscode.py
     else
         echo "NOT CHECKED: tools/vscode, whose packages cannot be installed"
     fi

@@ -4,10 +4,11 @@
 set -euo pipefail
 
 usage() {
-    echo "usage: tools/setup.sh [--build | --run | --blender]"
+    echo "usage: tools/setup.sh [--build | --run | --blender | --vscode]"
     echo "  --build    only what compiles the program"
     echo "  --run      only what the program runs: an adapter, ffmpeg, the USD converter"
     echo "  --blender  only Blender as a module of Python (400 MB), for the tests of the add-on"
+    echo "  --vscode   only VS Code for a browser and its Node.js (800 MB), for the test of the extension"
 }
 
 only=all
@@ -16,6 +17,7 @@ case "${1:-}" in
     --build) only=build ;;
     --run) only=run ;;
     --blender) only=blender ;;
+    --vscode) only=vscode ;;
     -h | --help)
         usage
         exit 0
@@ -310,10 +312,32 @@ setup_blender() {
     echo "ready: .venv-bpy"
 }
 
-if [ "$only" = blender ]; then
-    setup_blender
-    exit 0
-fi
+# VS Code that a browser shows (code-server, MIT), and the version of Node.js that it is made for. Nothing is compiled: only
+# its terminal, its log files and its keyring need that.
+setup_vscode() {
+    heading "VS Code"
+    local into="$root/target/tools/vscode" node
+    if [ -x "$into/node" ] && "$into/node" "$into/node_modules/code-server/out/node/entry.js" --version >/dev/null 2>&1; then
+        echo "present: target/tools/vscode"
+        return 0
+    fi
+    has npm || fail "needs npm to install VS Code"
+    node="node-$(node -p 'process.platform + "-" + process.arch')"
+    mkdir -p "$into"
+    local install=(npm install --ignore-scripts --no-audit --no-fund --no-save --silent)
+    "${install[@]}" --prefix "$into" "$node@24.21.0" code-server@4.139.1
+    "${install[@]}" --omit=dev --prefix "$into/node_modules/code-server/lib/vscode"
+    # Last, as it says that all is there.
+    ln -sfn "node_modules/$node/bin/node" "$into/node"
+    echo "ready: target/tools/vscode"
+}
+
+case "$only" in
+    blender | vscode)
+        "setup_$only"
+        exit 0
+        ;;
+esac
 
 if has apt-get; then
     setup_debian

@@ -1,0 +1,130 @@
+// A session in the real VS Code (code-server) with the built extension: a mistake is marked, explained and mended by a quick
+// fix, a key is completed, a name renamed across files, and the pane shows the picture, anew after a save.
+// Arguments: the browser, the address of VS Code, the folder of the project and the module Playwright.
+// Prints one line for each step; ends with an error, and a screenshot in the folder, where one fails.
+import { readFileSync } from "node:fs";
+import { join } from "node:path";
+import { pathToFileURL } from "node:url";
+
+const [browserPath, address, folder, playwright] = process.argv.slice(2);
+const { chromium } = await import(pathToFileURL(playwright).href);
+const PATIENCE_MS = 60_000;
+
+const browser = await chromium.launch({
+  executablePath: browserPath,
+  args: ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
+    "--disable-component-update", "--disable-sync"],
+});
+const page = await browser.newPage({ viewport: { width: 1400, height: 900 } });
+page.setDefaultTimeout(PATIENCE_MS);
+const step = (text) => console.log(text);
+
+// Waits until the text of a file of the project is as wanted.
+const saved = async (name, holds) => {
+  const until = Date.now() + PATIENCE_MS;
+  while (!holds(readFileSync(join(folder, name), "utf8"))) {
+    if (Date.now() > until) throw new Error(`${name}: ${readFileSync(join(folder, name), "utf8")}`);
+    await page.waitForTimeout(50);
+  }
+};
+const quickInput = page.locator(".quick-input-widget");
+// Chooses in the box that these keys open.
+const choose = async (keys, words) => {
+  await page.keyboard.press(keys);
+  await quickInput.locator("input").first().fill(words);
+  await quickInput.locator(".monaco-list-row").first().waitFor();
+  await page.keyboard.press("Enter");
+  await quickInput.waitFor({ state: "hidden" });
+};
+// Puts the cursor at the start of a text of the scene's file as it is saved.
+const goTo = async (part) => {
+  const before = readFileSync(join(folder, "scene.toml"), "utf8").split(part)[0].split("\n");
+  await choose("Control+g", `:${before.length}:${before.at(-1).length + 1}`);
+};
+// Presses keys until what they open is there: VS Code closes it again where it lays itself out at that moment.
+const open = async (keys, opened) => {
+  const until = Date.now() + PATIENCE_MS;
+  for (let is_open = false; !is_open; ) {
+    if (Date.now() > until) throw new Error(`${keys} opens nothing`);
+    for (const key of keys) await page.keyboard.press(key);
+    is_open = await opened.first().waitFor({ timeout: 5_000 }).then(() => true, () => false);
+  }
+};
+const save = () => page.keyboard.press("Control+s");
+const editor = page.locator(".editor-instance .view-lines").first();
+const problems = page.locator(".markers-panel");
+const pane = page.frameLocator("iframe.webview").frameLocator("#active-frame");
+// Waits for the picture that the pane shows as its nth.
+const shown = async (nth) => {
+  const size = await pane.locator(`img[src$="?${nth}"]`).evaluate(async (image) => {
+    await image.decode();
+    return `${image.naturalWidth}x${image.naturalHeight}`;
+  });
+  if (size !== "96x54") throw new Error(`the picture has ${size} pixels`);
+};
+
+async function session() {
+  await page.goto(`${address}?folder=${encodeURIComponent(folder)}`);
+  await page.locator(".monaco-workbench").waitFor();
+  await choose("Control+p", "scene.toml");
+  await editor.getByText("camera.main").first().waitFor();
+  step("opened");
+
+  await page.keyboard.press("Control+Shift+m");
+  await problems.getByText("sphere").first().waitFor();
+  step("marked");
+
+  await page.locator(".editor-instance").first().click();
+  await goTo("target");
+  await open(["Control+k", "Control+i"], page.locator(".monaco-hover:visible", { hasText: "looks at" }));
+  await page.keyboard.press("Escape");
+  step("explained");
+
+  await goTo("spere");
+  await open(["Control+."], page.locator(".action-widget", { hasText: "sphere" }));
+  await page.keyboard.press("Enter");
+  await editor.getByText('"sphere"').waitFor();
+  await save();
+  await saved("scene.toml", (text) => text.includes('kind = "sphere"'));
+  await problems.getByText("No problems").first().waitFor();
+  step("mended");
+
+  await goTo("\n[environment]");
+  await page.keyboard.type("\nfov");
+  await open(["Control+Space"], page.locator(".suggest-widget:visible", { hasText: "fov_deg" }));
+  await page.keyboard.press("Tab");
+  await page.keyboard.type(" = 40");
+  await save();
+  await saved("scene.toml", (text) => /\nfov_deg = 40\n\[environment\]/.test(text));
+  step("completed");
+
+  await goTo("red");
+  const name = page.locator(".rename-box input:visible");
+  await open(["F2"], name);
+  await name.fill("crimson");
+  await page.keyboard.press("Enter");
+  await saved("base.toml", (text) => text.includes("[material.crimson]"));
+  await saved("scene.toml", (text) => text.includes('material = "crimson"'));
+  step("renamed");
+
+  await choose("F1", ">Reflet: Show the Picture of This Scene");
+  await shown(1);
+  step("pictured");
+
+  await editor.click();
+  await goTo("40\n");
+  await page.keyboard.press("Shift+End");
+  await page.keyboard.type("20");
+  await save();
+  await shown(2);
+  step("rerendered");
+}
+
+try {
+  await session();
+} catch (error) {
+  await page.screenshot({ path: join(folder, "failed.png") });
+  throw error;
+} finally {
+  await browser.close();
+}
