@@ -116,6 +116,7 @@ fn a_box_look_up_in_a_box_shows_what_a_mirror_shows() {
 
 /// A capture of so many paths that it is dispatched face by face has all faces.
 #[test]
+#[ignore = "long: faces of 1,024 pixels"]
 fn a_capture_in_parts_shows_what_one_in_a_piece_shows() {
     let of = |size: &str| {
         by(
