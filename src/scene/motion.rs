@@ -137,6 +137,11 @@ pub fn moving(desc: &SceneDesc) -> Vec<bool> {
     moving
 }
 
+/// Whether a track of `shown`, if there is one, shows its object at a time.
+fn is_shown(track: Option<&Track>, time_s: f64) -> bool {
+    track.is_none_or(|track| track.at(time_s, Vec3::ONE, None).x >= 0.5)
+}
+
 /// A scene's motion prepared for posing: names resolved, path lengths measured.
 #[derive(Debug)]
 pub(super) struct Motion<'a> {
@@ -148,7 +153,7 @@ pub(super) struct Motion<'a> {
     shown: Vec<(usize, Track<'a>)>,
     cameras: Vec<Moved<'a>>,
     lights: Vec<Moved<'a>>,
-    decals: Vec<(Moved<'a>, [Option<Track<'a>>; 3])>,
+    decals: Vec<(Moved<'a>, [Option<Track<'a>>; 3], Option<Track<'a>>)>,
     materials: Vec<Moved<'a>>,
     file_materials: Vec<Moved<'a>>,
     overrides: Vec<Moved<'a>>,
@@ -231,8 +236,8 @@ impl<'a> Motion<'a> {
         });
         let decals = motion.decals.iter().filter_map(|e| {
             let index = *names.decals.get(&e.name)?;
-            let moved = moved(index, &e.at, &e.value.tracks);
-            Some((moved, placing(&e.value.place)))
+            let (place, moved) = (&e.value.place, moved(index, &e.at, &e.value.tracks));
+            Some((moved, placing(place), track(&place.shown)))
         });
         let materials = motion.materials.iter().filter_map(|e| {
             let index = *names.materials.get(&e.name)?;
@@ -286,13 +291,14 @@ impl<'a> Motion<'a> {
             state.instances[*index] = placed(placement, tracks, state.time_s);
         }
         for (index, track) in &self.shown {
-            state.hidden[*index] = track.at(state.time_s, Vec3::ONE, None).x < 0.5;
+            state.hidden[*index] = !is_shown(Some(track), state.time_s);
         }
-        for (moved, tracks) in &self.decals {
+        for (moved, tracks, shown) in &self.decals {
             let decal = &mut state.decals[moved.index];
             let placement = self.desc.decal_placement(moved.index);
             decal.placement = placed(placement, tracks, state.time_s);
             moved.pose(decal, &DECAL, state.time_s, (&[], None));
+            decal.shown = is_shown(shown.as_ref(), state.time_s);
         }
         for moved in &self.materials {
             let material = &mut state.materials[moved.index];
@@ -349,10 +355,12 @@ impl<'a> Motion<'a> {
         }
         attach_cameras(parents, &mut state.cameras, &state.instances);
         for (index, decal) in state.decals.iter_mut().enumerate() {
-            if let Some(parent) = parents.of_decal(index) {
+            let parent = parents.of_decal(index);
+            if let Some(parent) = parent {
                 decal.placement = state.instances[parent] * decal.placement;
-                decal.opacity *= f32::from(u8::from(!state.hidden[parent]));
             }
+            let is_seen = decal.shown && !parent.is_some_and(|parent| state.hidden[parent]);
+            decal.opacity *= f32::from(u8::from(is_seen));
         }
     }
 

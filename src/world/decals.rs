@@ -4,7 +4,11 @@ use std::collections::HashMap;
 
 use glam::{Affine3A, Vec3};
 
-use super::{World, material_textures::CoreTexture, reach::is_within_reach};
+use super::{
+    World,
+    material_textures::CoreTexture,
+    reach::{TOO_FAR_HELP, is_within_reach},
+};
 use reflet_base::math::{Bounds, invertible};
 use reflet_scene::{
     desc::{DecalChanges, DecalDesc},
@@ -26,7 +30,7 @@ pub struct Decal {
     pub world_from_decal: Affine3A,
     /// Size of the box, meters before the transform.
     pub size: Vec3,
-    /// Factor on its coverage, 0 to 1; 0 also while its parent is hidden.
+    /// Factor on its coverage, 0 to 1; 0 also while it or its parent is hidden.
     pub opacity: f32,
     /// Largest angle between a surface's normal and the box's +Z, degrees.
     pub max_angle_deg: f32,
@@ -189,16 +193,22 @@ impl World {
         let mut errors = Vec::new();
         for (index, (decal, pose)) in self.decals.list.iter().zip(&state.decals).enumerate() {
             let place = pose.world_from_box();
-            let wrong = match invertible(&place) {
-                false => "is flat, or its numbers are not finite",
-                true if !is_within_reach(&UNIT_CUBE.transformed(&place)) => "is too far away",
-                true => continue,
+            let (wrong, help) = if !place.is_finite() {
+                let help = "keep its `size`, `scale` and place, and those of its parent, smaller";
+                ("is not finite", help)
+            } else if !is_within_reach(&UNIT_CUBE.transformed(&place)) {
+                ("is too far away", TOO_FAR_HELP)
+            } else if !invertible(&place) {
+                let help = "keep its `size` and `scale`, and the scale of its parent, larger";
+                ("is too flat for 32-bit floats", help)
+            } else {
+                continue;
             };
             let (name, frame) = (&decal.name, state.frame);
             let message = format!("in frame {frame}, the box of decal \"{name}\" {wrong}");
             let at = self.moving.decals_placed_at.get(index);
             let at = at.cloned().unwrap_or_default();
-            errors.push(Diagnostic::at("bad-pose", at, message));
+            errors.push(Diagnostic::at("bad-pose", at, message).help(help));
         }
         match errors.is_empty() {
             true => Ok(()),

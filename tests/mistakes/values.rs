@@ -171,6 +171,16 @@ pub const VALUES: &[Mistake] = &[
         ],
     ),
     text(
+        "a decal that is hidden",
+        "[material.p]\n[decal.a]\nmaterial = \"p\"\nvisible = false\n",
+        [
+            "unknown-key",
+            "5:1",
+            "`visible` is not a key",
+            "in `[motion.decal.NAME]`",
+        ],
+    ),
+    text(
         "a track of one value",
         "[timeline]\nend = 9\n[light.a]\nkind = \"point\"\nposition = [0, 1, 0]\nintensity_cd = 1\n\
          [motion.light.a]\nintensity_cd = 5\n",

@@ -2,7 +2,14 @@
 
 use std::path::Path;
 
-use reflet::scene::{desc::DecalDesc, stages::Scene};
+use reflet::{
+    scene::{
+        desc::DecalDesc,
+        script::Script,
+        stages::{Animator, Scene},
+    },
+    world::{World, load},
+};
 
 use crate::layers::Folder;
 
@@ -83,4 +90,132 @@ fn decals_of_a_placed_scene_stay_on_it() {
         of("z", "paint", None, None),
     ];
     assert_eq!(found, expected);
+}
+
+/// A wall with a decal `a` that scripts may move, on a timeline of three seconds.
+fn with_decal(tables: &str) -> String {
+    format!(
+        "{WALL}[timeline]\nfps = 1\nend = 2\n[decal.a]\nmaterial = \"paint\"\ndynamic = true\n{tables}"
+    )
+}
+
+/// Reads and loads a scene, which must be right, with a script.
+fn loaded(text: &str, script: &str) -> (Scene, World) {
+    let scene = read(text).unwrap_or_else(|e| panic!("{e}"));
+    let script = Script::from_text("test.rhai", script).unwrap_or_else(|e| panic!("{e}"));
+    let scene = Scene::new(scene.desc, script);
+    let world = load::load(&scene, &load::LoadOptions::default());
+    let world = world.unwrap_or_else(|e| panic!("{e:?}"));
+    (scene, world)
+}
+
+/// A hidden decal covers nothing, whatever its opacity and its parent are; one that is placed by a matrix hides too.
+#[test]
+fn decals_are_shown_by_their_own_track() {
+    let tables = "matrix = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]\nparent = \"wall\"\n[motion.decal.a]\n\
+                  shown = { keys = [{ at_s = 1, value = false }, { at_s = 2, value = true }] }\n";
+    let script = "fn frame(ctx) { ctx.decal(\"a\", #{ opacity: 0.5 }); }";
+    let (scene, mut world) = loaded(&with_decal(tables), script);
+    let mut opacity = |frame: u32| {
+        let state = Animator::new(&scene).pose(frame).expect("posed");
+        world.apply(&state).expect("posed");
+        world.decals.list[0].opacity
+    };
+    // Before its first key, the track has that key's value.
+    assert_eq!([2, 0, 1].map(&mut opacity), [0.5, 0.0, 0.0]);
+}
+
+/// Boxes that are flat, far away or not finite: at rest by their own text, in a frame by the frame, each with its name.
+#[test]
+fn bad_places_of_decals_are_named() {
+    for (tables, says) in [
+        ("scale = [1, 0, 1]\n", "[singular]: `scale` must not be 0"),
+        ("scale = 1e-30\n", "[singular]: `scale` is too small"),
+        (
+            "size = [1e-38, 1e-38, 1]\n",
+            "[singular]: the box of decal \"a\" is too flat",
+        ),
+        (
+            "translation = [nan, 0, 0]\n",
+            "[not-finite]: `translation[0]`",
+        ),
+        (
+            "rotation_quat = [0, 0, 0, 0]\n",
+            "[zero-direction]: `rotation_quat`",
+        ),
+        (
+            "matrix = [1, 0, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]\n",
+            "[singular]: `matrix`",
+        ),
+        (
+            "parent = \"g\"\ntranslation = [1e12, 0, 0]\n[group.g]\nscale = 1e6\n",
+            "[too-far]: decal \"a\"",
+        ),
+        (
+            "parent = \"g\"\nscale = 1e12\n[group.g]\nscale = 1e12\n",
+            "[too-far]: decal \"a\"",
+        ),
+    ] {
+        let text = with_decal(tables);
+        let errors = match Scene::from_text(&text, Path::new("scene.toml"), &[]) {
+            Err(errors) => errors,
+            Ok((scene, _)) => load::load(&scene, &load::LoadOptions::default()).expect_err(tables),
+        };
+        let told = errors[0].to_string();
+        assert!(
+            told.contains(says) && told.contains("scene.toml:1"),
+            "{told}"
+        );
+    }
+}
+
+/// Boxes that tracks, scripts and parents flatten or move away in a frame: it is refused, and the others are shown.
+#[test]
+fn bad_poses_of_decals_are_named() {
+    let still = "fn frame(ctx) {}";
+    let scaled = |to: &str| {
+        format!(
+            "parent = \"g\"\ntranslation = [1e12, 0, 0]\n[group.g]\n[motion.group.g]\n\
+             scale = {{ keys = [{{ at_s = 0, value = 1 }}, {{ at_s = 1, value = {to} }}] }}\n"
+        )
+    };
+    let placed = "parent = \"g\"\nscale = 1e10\n[group.g]\nparent = \"h\"\ndynamic = true\n[group.h]\n\
+                  parent = \"i\"\ndynamic = true\n[group.i]\ndynamic = true\n";
+    let by_script = |to: &str| {
+        let each = "for name in [\"g\", \"h\", \"i\"]";
+        format!(
+            "fn frame(ctx) {{ if ctx.frame == 1 {{ {each} {{ ctx.place(name, [0, 0, 0], [0, 0, 0], {to}); }} }} }}"
+        )
+    };
+    for (tables, script, says) in [
+        (scaled("1e9").as_str(), still, "is too far away"),
+        (&scaled("1e-25"), still, "is too flat"),
+        (placed, &by_script("1e6"), "is too far away"),
+        (placed, &by_script("1e12"), "is not finite"),
+    ] {
+        let (scene, mut world) = loaded(&with_decal(tables), script);
+        let mut apply = |frame: u32| {
+            let state = Animator::new(&scene)
+                .pose(frame)
+                .unwrap_or_else(|e| panic!("{tables}{e:?}"));
+            world.apply(&state)
+        };
+        let errors = apply(1).expect_err(&format!("{tables}{script}"));
+        let told = errors[0].to_string();
+        let message = format!("[bad-pose]: in frame 1, the box of decal \"a\" {says}");
+        assert!(
+            told.contains(&message) && told.contains("scene.toml:1"),
+            "{told}"
+        );
+        assert!(errors[0].help.is_some());
+        apply(0).expect("it can be posed");
+    }
+    let nan = "fn frame(ctx) { ctx.decal(\"a\", #{ translation: [0.0 / 0.0, 0, 0] }); }";
+    let (scene, _) = loaded(&with_decal(""), nan);
+    let error = Animator::new(&scene).pose(0).expect_err("not a number");
+    let told = error[0].to_string();
+    assert!(
+        told.contains("`translation`") && told.contains("test.rhai:1:35"),
+        "{told}"
+    );
 }

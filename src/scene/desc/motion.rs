@@ -101,6 +101,7 @@ pub struct DecalMotionDesc {
     ///   applied before the decal's own rotation, so about its own axes.
     /// - `scale`: track of the factor on the size of the box, one number or three; must not pass through 0, except by
     ///   a `"step"`.
+    /// - `shown`: track that shows or hides the decal, whatever its `opacity`. Default: always shown.
     pub place: InstanceMotionDesc,
     /// - `size`: track of the size of the box along its axes, meters, each above 0.
     /// - `opacity`: track of the factor on its coverage, 0 to 1.

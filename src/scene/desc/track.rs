@@ -78,8 +78,8 @@ pub struct PairTrackDesc;
 /// thing's own table; `rate` and `oscillate` are then added to it.
 pub struct ScaleTrackDesc;
 
-/// `shown = { keys = [{ at_s = 0, value = false }, { at_s = 2, value = true }] }`: times at which an instance
-/// or group is shown or hidden.
+/// `shown = { keys = [{ at_s = 0, value = false }, { at_s = 2, value = true }] }`: times at which an
+/// instance, group or decal is shown or hidden.
 ///
 /// - `keys`: times from which on it is shown (`true`) or hidden (`false`), at least one; the first value also
 ///   holds before its time.
@@ -90,7 +90,7 @@ pub struct ShownTrackDesc;
 /// `keys = [{ at_s = 0, value = true }, …]`, in the order of time.
 ///
 /// - `at_s`: time of the key, seconds; later than the key before.
-/// - `value`: whether the instance or group is shown from this time on.
+/// - `value`: whether the instance, group or decal is shown from this time on.
 pub struct ShownKeyDesc;
 
 /// `keys = [{ at_s = 0, value = [0, 1, 5] }, …]`, in the order of time.

@@ -19,6 +19,8 @@ pub struct DecalPose {
     pub size: Vec3,
     /// Factor on its coverage, 0 to 1.
     pub opacity: f32,
+    /// Whether its own track of `shown` shows it.
+    pub shown: bool,
 }
 
 impl DecalPose {
@@ -28,6 +30,7 @@ impl DecalPose {
             placement: transform(&decal.placement),
             size: decal.size,
             opacity: decal.opacity,
+            shown: true,
         }
     }
 
@@ -69,7 +72,7 @@ pub static DECAL: [Field<DecalPose>; 4] = [
 ];
 
 impl DecalMotionDesc {
-    /// Whether more than its opacity changes.
+    /// Whether its box changes: not only its opacity, or whether it is shown.
     pub fn moves(&self) -> bool {
         let is_of_box = |(field, _): &(usize, _)| DECAL[*field].key != "opacity";
         self.place.is_placed_by_tracks() || self.tracks.iter().any(is_of_box)

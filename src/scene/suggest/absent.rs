@@ -77,6 +77,12 @@ const ABSENT_KEYS: &[(&[&str], &[&str], &str)] = &[
          `shown = { keys = [{ at_s = 0, value = false }, { at_s = 2, value = true }] }` in `[motion.group.GROUP]`",
     ),
     (
+        &["shown", "visible", "hidden"],
+        &["max_angle_deg"], // a key of a decal
+        "write `opacity = 0`; to show it for some time only, write in `[motion.decal.NAME]` \
+         `shown = { keys = [{ at_s = 0, value = false }, { at_s = 2, value = true }] }`",
+    ),
+    (
         &["shown", "hidden"],
         &["casts_shadow"],
         "write `visible = false`; to show it for some time only, write in `[motion.instance.NAME]` \

@@ -85,7 +85,11 @@ impl Loader<'_> {
         };
         let place = decal.world_from_box();
         let corners = decal.bounds();
-        if !invertible(&place) {
+        if !is_within_reach(&corners) {
+            let message = format!("decal \"{}\" is too far away", entry.name);
+            self.errors
+                .push(error_at(TOO_FAR, &entry.at, message).help(TOO_FAR_HELP));
+        } else if !invertible(&place) {
             let message = format!(
                 "the box of decal \"{}\" is too flat for 32-bit floats",
                 entry.name
@@ -93,10 +97,6 @@ impl Loader<'_> {
             let help = "make `size` larger along each axis, or `scale`";
             self.errors
                 .push(error_at("singular", &entry.at, message).help(help));
-        } else if !is_within_reach(&corners) {
-            let message = format!("decal \"{}\" is too far away", entry.name);
-            self.errors
-                .push(error_at(TOO_FAR, &entry.at, message).help(TOO_FAR_HELP));
         }
         decal
     }

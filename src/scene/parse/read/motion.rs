@@ -104,7 +104,8 @@ impl Section for DecalMotionDesc {
             translation: track::<Vec3>(t, "translation", ANY),
             rotation_deg: track::<Vec3>(t, "rotation_deg", ANY),
             scale: track::<Scale>(t, "scale", ANY),
-            ..InstanceMotionDesc::default()
+            shown: shown(t),
+            material: None,
         };
         let others = tracks(t, &DECAL[DECAL_PLACES..]).into_iter();
         let tracks = others.map(|(field, track)| (field + DECAL_PLACES, track));
