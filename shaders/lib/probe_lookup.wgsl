@@ -1,5 +1,6 @@
 // Look-up of a ray in the cube maps of probes.
 
+#import constants
 #import cube_depth
 #import cube_faces
 #import frame
@@ -14,8 +15,6 @@ override LOOKUP: u32 = LOOKUP_BOX;
 // Number of steps of a march through distances, and of halvings where it has crossed them.
 const MARCH_STEPS: u32 = 30u;
 const HALVINGS: u32 = 8u;
-// Share of a box's half size within which a point lies on its border.
-const ON_BORDER: f32 = 1e-3;
 
 // Whether a point is behind what a probe sees in its direction.
 fn is_behind(probe: u32, offset: vec3f) -> bool {
@@ -81,7 +80,7 @@ fn depth_in_box(probe: u32, point: vec3f) -> f32 {
     return shares.x * shares.y * shares.z;
 }
 
-// The probes of a point, those deepest in whose boxes it lies, with weights that sum to 1.
+// The probes of a point, those deepest in whose boxes it lies, with weights that sum to 1; `ProbeChoice` makes the same.
 struct Chosen {
     probes: vec4u,
     weights: vec4f,

@@ -18,6 +18,7 @@ pub mod report;
 pub mod run;
 pub mod sample;
 pub mod score;
+pub mod seams;
 pub mod stability;
 pub mod summary;
 pub mod systems;

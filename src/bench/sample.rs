@@ -249,6 +249,8 @@ sample! {
     recall_4px_percent: Option<f64>,
     /// Mean luma step from marched to traced pixels minus the reference's step, display code values.
     seam_step: Option<f64>,
+    /// Mean step along the borders between probes minus the reference's, display code values; see [`crate::seams`].
+    probe_seam_step: Option<f64>,
     /// Distance at which the autocorrelation of the signed error falls below 1 / e, pixels.
     error_length_px: Option<f64>,
     /// Largest autocorrelation of the signed error beyond its first zero.

@@ -194,7 +194,8 @@ impl Hits {
     }
 }
 
-fn plane(planes: &[Plane], aov: Aov) -> Option<&PlaneData> {
+/// Values of an AOV among planes.
+pub fn plane(planes: &[Plane], aov: Aov) -> Option<&PlaneData> {
     let named = |plane: &&Plane| plane.name == aov.name();
     planes.iter().find(named).map(|plane| &plane.data)
 }

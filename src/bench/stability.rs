@@ -19,7 +19,7 @@ use super::{
 };
 
 /// Columns of the table of cells.
-const HEADER: [&str; 27] = [
+const HEADER: [&str; 28] = [
     "mode",
     "method",
     "against",
@@ -35,6 +35,7 @@ const HEADER: [&str; 27] = [
     "false_accepts_permille",
     "flicker",
     "popping",
+    "probe_seam_step",
     "traced_percent",
     "edge_flip",
     "inner_flip",
@@ -124,6 +125,8 @@ pub struct CellScores {
     pub flicker: Option<f64>,
     /// Popping of an animation: largest |Δtest − Δrt| of a frame over the largest |Δrt| of one, inside the masks.
     pub popping: Option<f64>,
+    /// Largest step of a picture along borders between probes, display code values; see [`seams`](super::seams).
+    pub probe_seam_step: Option<f64>,
     /// Reflective pixels that were traced, percent.
     pub traced_percent: f64,
     /// Structure of the errors in the pictures.
@@ -281,6 +284,7 @@ fn scores(parts: &[&Part], method: &str, samples: &[Sample]) -> Result<CellScore
         false_accepts_permille: accepts.map(|px| 1e3 * px as f64 / reflective.max(1) as f64),
         flicker: flicker(&all().collect::<Vec<_>>()),
         popping: popping(&all().collect::<Vec<_>>()),
+        probe_seam_step: all().filter_map(|s| s.probe_seam_step).reduce(f64::max),
         traced_percent: mean(&mut all().map(|s| s.traced_percent)),
         structure: structure(&all().collect::<Vec<_>>()),
     })
@@ -362,7 +366,7 @@ pub fn table(cells: &[Cell]) -> String {
                 let pixels = |px: Option<u64>| px.map_or(String::new(), |px| px.to_string());
                 row.extend([pixels(s.specks_px), pixels(s.false_accepts_px)]);
                 row.extend([number(s.false_accepts_permille), number(s.flicker)]);
-                row.push(number(s.popping));
+                row.extend([number(s.popping), number(s.probe_seam_step)]);
                 row.push(s.traced_percent.to_string());
                 row.extend(s.structure.values().map(number));
                 row.push("ok".to_owned());

@@ -7,6 +7,7 @@ use reflet_scene::desc::{Accept, Lookup, Method, ProbesDesc, ReflectionDesc, Tra
 pub mod chart;
 pub mod document;
 pub mod frames;
+pub mod probe_seams;
 
 use frames::FrameRow;
 

@@ -33,6 +33,7 @@ use super::{
     panorama::MOST_CONES,
     pass::GROUP_PX,
     probe_boxes::MOST_PROBES,
+    probe_choice::ON_BORDER,
     ray_list::{
         AUDIT_RAYS, AUDITED_COUNTER, BEHIND_COUNTER, COUNTERS, EXHAUSTED_COUNTER, FOLLOWER_COUNTER,
         HIT_COUNTER, LEADER_COUNTER, LISTS, List, PYRAMID_LEVELS, RAY_COUNTER, RAYS_PER_GROUP,
@@ -116,6 +117,7 @@ pub fn wgsl() -> String {
         NONE,
         FAR_M,
         MOST_PROBES,
+        ON_BORDER,
         FLAG_COLORS,
         FLAG_MIRRORED,
         FLAG_EMITTER,

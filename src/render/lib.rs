@@ -58,6 +58,7 @@ pub mod png_file;
 pub mod precision;
 pub mod probe;
 pub mod probe_boxes;
+pub mod probe_choice;
 mod probe_light;
 pub mod probe_maps;
 pub mod ray_list;

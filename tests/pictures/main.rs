@@ -47,6 +47,7 @@ mod pattern;
 mod patterned;
 mod precision;
 mod probe_panes;
+mod probe_seams;
 mod probes;
 mod queries;
 mod ray_list;

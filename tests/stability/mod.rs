@@ -243,9 +243,9 @@ fn bad_input_is_named() {
     let output = folder.join("out");
     for (arguments, code, parts) in [
         (
-            &["30"][..],
+            &["99"][..],
             2,
-            &["30: scenes/fail has no such mode", "03-rails"][..],
+            &["99: scenes/fail has no such mode", "03-rails"][..],
         ),
         (&["rails"], 2, &["rails: scenes/fail has no such mode"]),
         (&[&broken], 3, &["broken.toml:3:1", "fov_deg"]),

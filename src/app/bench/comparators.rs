@@ -2,6 +2,7 @@
 
 mod failures;
 mod measuring;
+mod probe_seams;
 
 use std::path::{Path, PathBuf};
 
@@ -62,11 +63,12 @@ pub fn comparators(args: &ComparatorsArgs) -> Result<(), AppError> {
     };
     let best_chart = format!("charts/{BEST_CHART}");
     let failures = failures::failures(&gpu, &library, args)?;
+    let seams = probe_seams::rows(&gpu, &library, args.size)?;
     let text = document(
         &about,
         &scenes,
         (&best, &best_chart),
-        &failures,
+        (&failures, &seams),
         |scene, ending| format!("charts/{}", chart_name(&scene.scene, ending)),
     );
     write(&args.document, text.as_bytes())?;

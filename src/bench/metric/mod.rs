@@ -1,5 +1,6 @@
 //! Metrics of a pair of pictures, over the whole frame and inside a mask; pure functions.
 
+pub mod borders;
 pub mod error;
 pub mod flip;
 pub mod hits;

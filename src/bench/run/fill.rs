@@ -30,6 +30,7 @@ pub(super) fn fill_errors(sample: &mut Sample, judged: &Judged) {
     if let Some(structure) = judged.errors.as_ref().and_then(|e| e.structure) {
         fill_structure(sample, &structure);
     }
+    sample.probe_seam_step = judged.probe_seam_step;
     if let Some(changes) = judged.changes {
         sample.source_changes_px = Some(changes.source);
         sample.met_changes_px = Some(changes.met);

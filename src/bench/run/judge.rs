@@ -6,6 +6,7 @@ use crate::{
     metric::hits::CauseTally,
     parameter::{MAX_STEPS, Variant},
     score::{CAMERA_MOVE_U, Changes, Errors, Hits, PLANES, Reference, View},
+    seams::{self, Looked},
 };
 use reflet_render::Renderer;
 use reflet_scene::{
@@ -21,6 +22,7 @@ pub(super) struct Judged {
     pub(super) since: Option<FrameChange>,
     pub(super) verdicts: Option<Vec<CauseTally>>,
     pub(super) changes: Option<Changes>,
+    pub(super) probe_seam_step: Option<f64>,
     pub(super) failure: Option<String>,
 }
 
@@ -91,15 +93,26 @@ impl Bench<'_> {
         reference: &Reference,
         size: [u32; 2],
     ) -> Result<Judged, BenchError> {
-        let planes: &[_] = if variant.scale == 1.0 { &PLANES } else { &[] };
+        let planes = match (variant.scale == 1.0, variant.method.looks_up()) {
+            (true, true) => [&PLANES[..], &seams::PLANES].concat(),
+            (true, false) => PLANES.to_vec(),
+            (false, _) => Vec::new(),
+        };
         renderer.set_reflection_parameters(&variant.reflection);
-        let picture = renderer.picture(self.gpu, &subject.world, &subject.camera, planes)?;
-        let judged: Result<(Errors, Option<FrameChange>), String> = View::new(&picture, size)
+        let picture = renderer.picture(self.gpu, &subject.world, &subject.camera, &planes)?;
+        let looked = variant.method.looks_up().then_some(Looked {
+            world: &subject.world,
+            camera: &subject.camera,
+            settings: &variant.reflection,
+            picture: &picture,
+        });
+        let judged: Result<_, String> = View::new(&picture, size)
             .and_then(|view| {
                 let flicker = &self.cache.flicker;
                 let since = flicker.push(subject, variant, &view, reference)?;
                 let (hits, traces) = (Hits::of(&picture.planes), variant.method.traces());
-                Ok((reference.errors(&view, hits.as_ref(), traces)?, since))
+                let seam = looked.and_then(|looked| looked.seam_step(&view, reference));
+                Ok((reference.errors(&view, hits.as_ref(), traces)?, since, seam))
             })
             .map_err(|e| e.to_string());
         let mut changes = None;
@@ -124,11 +137,12 @@ impl Bench<'_> {
             renderer.set_reflection_parameters(&variant.reflection);
         }
         Ok(match (judged, verdicts.transpose()) {
-            (Ok((errors, since)), Ok(verdicts)) => Judged {
+            (Ok((errors, since, probe_seam_step)), Ok(verdicts)) => Judged {
                 errors: Some(errors),
                 since,
                 verdicts,
                 changes,
+                probe_seam_step,
                 failure: None,
             },
             (Err(failure), _) | (_, Err(failure)) => Judged {
@@ -136,6 +150,7 @@ impl Bench<'_> {
                 since: None,
                 verdicts: None,
                 changes: None,
+                probe_seam_step: None,
                 failure: Some(failure),
             },
         })

@@ -67,7 +67,7 @@ fn range(column: &str) -> Option<(f64, f64, &'static str)> {
         "exposure_ev" | "value" => (f64::MIN, f64::MAX, "a finite number"),
         "temporal_difference" | "temporal_change" => MOST,
         "edge_flip" | "inner_flip" => (0.0, 1.0, "0 to 1"),
-        "seam_step" => (-255.0, 255.0, "-255 to 255"),
+        "seam_step" | "probe_seam_step" => (-255.0, 255.0, "-255 to 255"),
         "stripes" => (-1.0, 1.0 + ROUNDING, "-1 to 1"),
         _ if column.ends_with("_percent") => (0.0, 100.0 + ROUNDING, "0 to 100"),
         _ if ["_ms", "_px", "_u", "_m"]
@@ -83,7 +83,7 @@ fn range(column: &str) -> Option<(f64, f64, &'static str)> {
 }
 
 /// Columns that older tables lack; their cells are then empty.
-pub const NEWER: [&str; 34] = [
+pub const NEWER: [&str; 35] = [
     "probe_percent",
     "probe_bytes",
     "capture_ms",
@@ -96,6 +96,7 @@ pub const NEWER: [&str; 34] = [
     "recall_2px_percent",
     "recall_4px_percent",
     "seam_step",
+    "probe_seam_step",
     "error_length_px",
     "stripes",
     "source_changes_px",

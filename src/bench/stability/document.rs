@@ -177,6 +177,15 @@ fn scores() -> Vec<Score> {
             cell: |s| s.popping.map(|v| format!("{:.1}", 100.0 * v)),
             names_missing: false,
         },
+        Score {
+            title: "Seams between probes",
+            text: "Mean step between neighboring pixels of a surface that take other probes, beyond the step of `rt` there, of \
+                   255 levels; of a film the largest of a frame."
+                .to_owned(),
+            against: ReferenceKind::Rt,
+            cell: |s| s.probe_seam_step.map(|v| format!("{v:+.1}")),
+            names_missing: false,
+        },
     ];
     all.extend(structure());
     all

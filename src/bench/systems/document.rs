@@ -2,7 +2,11 @@
 
 use std::fmt::Write as _;
 
-use super::{LeftOut, Overall, Row, SceneRows, frames::Curves};
+use super::{
+    LeftOut, Overall, Row, SceneRows,
+    frames::Curves,
+    probe_seams::{self, SeamRow},
+};
 use crate::pareto::pareto_front;
 use reflet_base::digits::grouped;
 
@@ -40,7 +44,7 @@ pub fn document(
     about: &Conditions,
     scenes: &[SceneRows],
     (best, best_chart): (&[Overall], &str),
-    failures: &[Failure],
+    (failures, seams): (&[Failure], &[SeamRow]),
     chart: impl Fn(&SceneRows, &str) -> String,
 ) -> String {
     let [width, height] = about.size;
@@ -69,6 +73,7 @@ pub fn document(
     }
     over_all(&mut out, best, best_chart);
     failing(&mut out, failures);
+    out += &probe_seams::section(seams);
     for scene in scenes {
         section(&mut out, scene, |ending| chart(scene, ending));
     }
@@ -299,7 +304,7 @@ mod tests {
             &about,
             &scenes,
             (&best, "best.svg"),
-            &failures,
+            (&failures, &[]),
             |_, ending| format!("chart{ending}.svg"),
         );
         let first = text.find("## What rivals do better").expect("a heading");
