@@ -325,7 +325,8 @@ def test_errors_have_places(reflet: ModuleType, scene: Path, tmp_path: Path) -> 
         with pytest.raises(KeyError, match="rendered without it"):
             picture["depth"]
         for path, says in [
-            (tmp_path / "out.jpg", "must end in .png or .exr"),
+            (tmp_path / "out.jpg", "the name of a picture must end in .png or .exr$"),
+            (tmp_path / "out.apng", "must end in .png or .exr, not in .apng, which is a film"),
             (tmp_path / "none" / "out.png", "create it first"),
             (scene.with_suffix(".png"), None),
         ]:

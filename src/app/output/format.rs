@@ -83,7 +83,7 @@ impl Format {
 }
 
 /// Error of an unknown extension.
-pub fn unknown(path: &Path) -> AppError {
+fn unknown(path: &Path) -> AppError {
     let of = |is_external: bool| {
         let some = FILMS.iter().filter(|f| f.ffmpeg.is_some() == is_external);
         let endings: Vec<_> = some.map(|f| format!(".{}", f.ending)).collect();

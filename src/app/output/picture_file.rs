@@ -7,7 +7,7 @@ use std::{
 
 use super::{
     exr,
-    format::{Format, PictureFormat, unknown},
+    format::{Format, PictureFormat},
     writable::{check_replaceable, check_writable},
 };
 use crate::{
@@ -34,8 +34,20 @@ impl PictureFile {
     /// # Errors
     /// [`AppError::Usage`] with the invalid part of the path.
     pub fn new(path: &Path) -> Result<Self, AppError> {
-        let Format::Picture(format) = Format::expect(path)? else {
-            return Err(unknown(path));
+        let format = match Format::of(path) {
+            Some(Format::Picture(format)) => format,
+            other => {
+                let film = match other {
+                    Some(Format::Film(film)) => {
+                        format!(", not in .{}, which is a film", film.ending)
+                    }
+                    _ => String::new(),
+                };
+                return Err(AppError::Usage(format!(
+                    "--output {}: the name of a picture must end in .png or .exr{film}",
+                    path.display()
+                )));
+            }
         };
         check_writable(path, &Inputs::default())?;
         Ok(Self {

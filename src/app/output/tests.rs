@@ -185,6 +185,7 @@ fn refuses_invalid_paths_before_rendering() {
         .and_then(|output| output.write(&bare))
         .expect("the longest name that there is");
     assert!(refusal(&folder.join("out.jpg")).contains("must end in .png or .exr"));
+    assert!(refusal(&folder.join("out.apng")).contains("not in .apng, which is a film"));
     assert!(refusal(&folder.join("out")).contains("must end in .png or .exr"));
     assert!(refusal(&folder.join("missing/out.png")).contains("create it first"));
     fs::create_dir(folder.join("dir.png")).expect("folder");
