@@ -12,6 +12,7 @@ use crate::{
     errors::{Failure, argument_error, warn},
     scene_value::{kind, names, scene_text, settings_of},
     session::Session,
+    view::{integers, of_argument},
     work,
 };
 use reflet::{
@@ -65,7 +66,7 @@ pub fn open(
     project: Option<Bound<'_, PyAny>>,
     lenient: bool,
     camera: Option<String>,
-    size: Option<(i64, i64)>,
+    size: Option<Bound<'_, PyAny>>,
     samples: Option<i64>,
     method: Option<String>,
     adapter: Option<String>,
@@ -79,7 +80,9 @@ pub fn open(
     if let Some(set) = set {
         settings = settings_of(&set)?;
     }
-    settings.extend(size.map(|(width, height)| format!("image.size=[{width}, {height}]")));
+    let size = integers(size.as_ref()).map_err(|error| of_argument(py, "size", &error))?;
+    settings
+        .extend(size.map(|[width, height]: [i64; 2]| format!("image.size=[{width}, {height}]")));
     settings.extend(samples.map(|samples| format!("image.samples={samples}")));
     settings.extend(method.map(|method| format!("reflection.method={method:?}")));
     let options = SceneOptions {

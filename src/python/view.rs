@@ -4,13 +4,13 @@ use clap::ValueEnum as _;
 use pyo3::{
     exceptions::{PyOverflowError, PyTypeError},
     prelude::*,
-    types::PyDict,
+    types::{PyDict, PyMapping},
 };
 
 use crate::{
     errors::{argument_error, exception},
     render::Request,
-    scene_value::names,
+    scene_value::{kind, names},
 };
 use reflet::{
     app::{args::MethodArg, size_arg::parse_size},
@@ -39,14 +39,55 @@ fn aovs_of(py: Python<'_>, given: Option<Bound<'_, PyAny>>) -> PyResult<(Vec<Aov
     Ok((aovs, names))
 }
 
+/// Whole numbers of a list, a tuple, an array or another sequence of that length; `None` for Python's None.
+///
+/// # Errors
+/// `TypeError` for anything else, `OverflowError` for a number that does not fit.
+pub fn integers<'py, T: FromPyObjectOwned<'py>, const N: usize>(
+    value: Option<&Bound<'py, PyAny>>,
+) -> PyResult<Option<[T; N]>> {
+    let Some(value) = value.filter(|value| !value.is_none()) else {
+        return Ok(None);
+    };
+    let wrong = || {
+        let shown = value
+            .repr()
+            .map_or_else(|_| kind(value), |text| text.to_string());
+        let shown: String = shown.chars().take(60).collect();
+        PyTypeError::new_err(format!("{N} whole numbers are wanted, not {shown}"))
+    };
+    if value.cast::<PyMapping>().is_ok() || value.len().ok() != Some(N) {
+        return Err(wrong());
+    }
+    let mut numbers = Vec::with_capacity(N);
+    for index in 0..N {
+        let number = value.get_item(index).map_err(|_| wrong())?;
+        let number = number.extract::<T>().map_err(Into::<PyErr>::into);
+        numbers.push(number.map_err(|error| {
+            let is_large = error.is_instance_of::<PyOverflowError>(value.py());
+            if is_large { error } else { wrong() }
+        })?);
+    }
+    Ok(numbers.try_into().ok())
+}
+
+/// Error of an argument, with the argument's name.
+pub fn of_argument(py: Python<'_>, name: &str, error: &PyErr) -> PyErr {
+    if error.is_instance_of::<PyOverflowError>(py) {
+        let text = format!("{name}: a number is negative or too large");
+        return argument_error(py, &text);
+    }
+    PyTypeError::new_err(format!("{name}: {}", error.value(py)))
+}
+
 /// Keywords that `render` and `frames` share.
 #[derive(Default)]
 pub struct View<'py> {
     camera: Option<String>,
-    size: Option<(u32, u32)>,
+    size: Option<[u32; 2]>,
     samples: Option<u32>,
     method: Option<String>,
-    crop: Option<(u32, u32, u32, u32)>,
+    crop: Option<[u32; 4]>,
     denoise: bool,
     audit: bool,
     timed: bool,
@@ -63,10 +104,10 @@ impl<'py> View<'py> {
                 match name.as_str() {
                     "aovs" => view.aovs = Some(value).filter(|value| !value.is_none()),
                     "camera" => view.camera = value.extract()?,
-                    "size" => view.size = value.extract()?,
+                    "size" => view.size = integers(Some(&value))?,
                     "samples" => view.samples = value.extract()?,
                     "method" => view.method = value.extract()?,
-                    "crop" => view.crop = value.extract()?,
+                    "crop" => view.crop = integers(Some(&value))?,
                     "denoise" => view.denoise = value.extract()?,
                     "audit" => view.audit = value.extract()?,
                     "timed" => view.timed = value.extract()?,
@@ -74,13 +115,7 @@ impl<'py> View<'py> {
                 }
                 Ok(())
             };
-            set(&mut view).map_err(|error: PyErr| {
-                if error.is_instance_of::<PyOverflowError>(py) {
-                    let text = format!("{name}: a number is negative or too large");
-                    return argument_error(py, &text);
-                }
-                PyTypeError::new_err(format!("{name}: {}", error.value(py)))
-            })?;
+            set(&mut view).map_err(|error| of_argument(py, &name, &error))?;
         }
         Ok(view)
     }
@@ -92,7 +127,7 @@ impl<'py> View<'py> {
         camera: Option<&String>,
     ) -> PyResult<(Request, Vec<String>)> {
         let (aovs, names) = aovs_of(py, self.aovs)?;
-        if let Some((width, height)) = self.size {
+        if let Some([width, height]) = self.size {
             let checked = parse_size(&format!("{width}x{height}"));
             checked
                 .map_err(|why| argument_error(py, &format!("size=({width}, {height}): {why}")))?;
@@ -119,13 +154,13 @@ impl<'py> View<'py> {
         });
         let view = ViewOverrides {
             camera: self.camera.or_else(|| camera.cloned()),
-            size: self.size.map(Into::into),
+            size: self.size,
             samples: self.samples,
             method: method.transpose()?,
             audit: self.audit,
             ..ViewOverrides::default()
         };
-        let crop = self.crop.map(|(x, y, width, height)| Crop {
+        let crop = self.crop.map(|[x, y, width, height]| Crop {
             at: [x, y],
             size: [width, height],
         });

@@ -103,7 +103,8 @@ def test_files_equal_those_of_the_program(reflet: ModuleType, scene: Path) -> No
         names = ["own.png", "own.depth.png", "own.cause.png"]
         assert picture.save(folder / "own.png") == [folder / name for name in names]
         picture.save(folder / "own.exr")
-        side = session.render(camera="side", size=(32, 18), method="rt", crop=(4, 2, 20, 10))
+        crop = np.array([4, 2, 20, 10])
+        side = session.render(camera="side", size=[32, 18], method="rt", crop=crop)
         side.save(folder / "side.png")
         for frame in session.frames("1-2", aovs=["ids"]):
             assert frame.log[0].endswith(f": frame {frame.frame}")
@@ -194,6 +195,8 @@ def test_a_scene_is_a_file_a_text_or_a_dict(reflet: ModuleType, scene: Path) -> 
     numpy_scene = SQUARE | {"image": {"size": np.array([16, 16]), "samples": np.int64(1)}}
     with reflet.open(numpy_scene) as session:
         assert session.size == (16, 16)
+    with reflet.open(SQUARE, size=np.array([12, 8], dtype=np.int16)) as session:
+        assert session.size == (12, 8)
     for wrong, says in [
         ({"version": None}, "version: None is no value"),
         ({"a": {"b": [1, {2: 3}]}}, r"a.b\[1\]: keys must be text, not int"),
@@ -294,6 +297,8 @@ def test_errors_have_places(reflet: ModuleType, scene: Path, tmp_path: Path) -> 
         ({"method": "rays"}, reflet.SceneError, "reflection.method"),
         ({"size": (0, 5)}, reflet.SceneError, "size"),
         ({"size": (-1, 5)}, reflet.SceneError, "size"),
+        ({"size": [48]}, TypeError, r"^size: 2 whole numbers are wanted, not \[48\]$"),
+        ({"size": [2**70, 3]}, reflet.ArgumentError, "size: a number is negative or too large"),
         ({"set": {"image.samples": 2**70}}, reflet.ArgumentError, "image.samples: .* 64 bits"),
         ({"folder": tmp_path}, reflet.ArgumentError, "folder="),
         ({"variant": 5}, reflet.ArgumentError, "variant is a text"),
@@ -314,7 +319,13 @@ def test_errors_have_places(reflet: ModuleType, scene: Path, tmp_path: Path) -> 
             ({"size": (0, 5)}, reflet.ArgumentError, "each side must be 1 to 16384"),
             ({"samples": 0}, reflet.ArgumentError, "1 to 4096"),
             ({"crop": (40, 0, 20, 20)}, reflet.ArgumentError, "not inside of the picture"),
-            ({"size": "large"}, TypeError, "^size: "),
+            ({"size": "large"}, TypeError, "^size: 2 whole numbers are wanted, not 'large'$"),
+            ({"size": (48, 27, 1)}, TypeError, r"^size: 2 whole numbers are wanted, not \("),
+            ({"size": [4.5, 3]}, TypeError, "^size: 2 whole numbers"),
+            ({"size": {0: 4, 1: 3}}, TypeError, "^size: 2 whole numbers"),
+            ({"size": np.array([-4, 3])}, reflet.ArgumentError, "size: a number is negative"),
+            ({"size": [2**70, 3]}, reflet.ArgumentError, "size: a number is negative or too large"),
+            ({"crop": [0, 0, 5]}, TypeError, "^crop: 4 whole numbers"),
             ({"dnoise": True}, TypeError, "dnoise: there is no such argument"),
         ]:
             with pytest.raises(error, match=says):

@@ -29,6 +29,7 @@ _Aov: TypeAlias = Literal[
     "hit_ids",
     "ids",
 ]
+_Integers: TypeAlias = Sequence[int] | NDArray[np.integer[Any]]
 _Method: TypeAlias = Literal[
     "ssr", "rt", "hybrid", "probe", "ssr+probe", "ssr+box", "near-far", "path", "auto"
 ]
@@ -61,13 +62,13 @@ class _View(TypedDict, total=False):
     """AOVs to render too."""
     camera: str
     """Camera; without one that of the scene's cuts, else `main`, else the first."""
-    size: tuple[int, int]
+    size: _Integers
     """Width and height, pixels, each 1 to 16384."""
     samples: int
     """Sub-frames averaged, 1 to 4096."""
     method: _Method
     """How reflections are found."""
-    crop: tuple[int, int, int, int]
+    crop: _Integers
     """Left and top edge, width and height of the part to render, pixels."""
     denoise: bool
     """Whether noise is removed by Intel Open Image Denoise, where it is installed."""
@@ -87,7 +88,7 @@ def open(
     project: bool | _Path | None = None,
     lenient: bool = False,
     camera: str | None = None,
-    size: tuple[int, int] | None = None,
+    size: _Integers | None = None,
     samples: int | None = None,
     method: _Method | None = None,
     adapter: str | None = None,
