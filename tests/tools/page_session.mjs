@@ -139,6 +139,33 @@ await page.locator("#undo").click();
 await saved("translation = [-1.2, 0, 0.5]");
 step("dragged");
 
+// Two viewers take a handle at once: the second has it, and the drag of the first moves neither it nor the camera.
+const rival = await browser.newPage({ viewport: { width: 900, height: 700 } });
+await rival.goto(address);
+await rival.waitForFunction(() => handles && handles.drawn);
+await page.locator("#move").click();
+await rival.waitForFunction(() => handles.kind === "move");
+const [here_x, here_y] = (await ends())[0];
+await page.mouse.move(here_x, here_y);
+await page.mouse.down();
+await page.mouse.move(here_x + 30, here_y, { steps: 3 });
+await page.waitForTimeout(300);
+const [there_x, there_y] = (await ends())[0];
+await rival.mouse.move(there_x, there_y);
+await rival.mouse.down();
+await rival.mouse.move(there_x + 10, there_y, { steps: 2 });
+await saved("translation = [-1.2,", false);
+await page.mouse.move(here_x + 200, here_y + 60, { steps: 4 });
+await page.mouse.up();
+await rival.mouse.up();
+await rival.close();
+await page.waitForTimeout(300);
+if (await page.locator("#camera").inputValue() !== "main") throw new Error("a drag that another viewer took over moved the camera");
+await page.locator("#undo").click();
+await page.locator("#undo").click();
+await saved("translation = [-1.2, 0, 0.5]");
+step("taken");
+
 // Keys of the camera's track: one is added at the current frame, moved by a drag, and deleted.
 await page.locator("#items button", { hasText: "camera" }).click();
 await page.locator(".track button").first().click();

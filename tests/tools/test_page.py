@@ -56,6 +56,7 @@ STEPS = [
     "selected",
     "changed",
     "dragged",
+    "taken",
     "keyed",
     "downloaded",
     "shared",

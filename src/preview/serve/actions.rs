@@ -105,7 +105,7 @@ impl Session {
                     true => self.grab(*from) && self.drag_handle(*from, *to),
                     false => self.drag_handle(*from, *to),
                 };
-                if !is_held {
+                if !is_held && !self.is_taken(*from) {
                     self.state.controls.orbit(part(*by));
                     self.moved();
                 }

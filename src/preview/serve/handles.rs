@@ -12,6 +12,8 @@ use crate::{
     write_back::{Inspected, Numbers},
 };
 
+/// Most drags that other viewers took over and that have not ended.
+const MOST_TAKEN: usize = 8;
 /// Height of the picture in points, in which handles have their length.
 const HEIGHT: f32 = 600.0;
 
@@ -88,22 +90,35 @@ impl Session {
         }
     }
 
-    /// Takes hold of the handle at a place of the picture; returns whether there is one.
+    /// Takes hold of the handle at a place of the picture, also from another viewer, whose drag ends; returns whether
+    /// there is one.
     pub(super) fn grab(&mut self, from: [f32; 2]) -> bool {
-        self.let_go(None);
         let handles = self.handles();
         let axis = handles.and_then(|handles| handles.axis_at(Vec2::from(from) * self.points()));
         let drag = handles.zip(axis).zip(self.held_numbers());
         let drag = drag.and_then(|((handles, axis), (shown, numbers))| {
             Some((shown.item, handles.grab(axis, &numbers)?))
         });
-        self.grab = drag.map(|(item, drag)| Grab {
+        let Some((item, drag)) = drag else {
+            return false;
+        };
+        if let Some(taken) = &self.grab {
+            self.taken.truncate(MOST_TAKEN - 1);
+            self.taken.insert(0, taken.from);
+        }
+        self.let_go(None);
+        self.grab = Some(Grab {
             from,
             item,
             now: drag.before.clone(),
             drag,
         });
-        self.grab.is_some()
+        true
+    }
+
+    /// Whether the handle that was taken at `from` is in the hands of another viewer, so that its drag moves nothing.
+    pub(super) fn is_taken(&self, from: [f32; 2]) -> bool {
+        self.taken.contains(&from)
     }
 
     /// Drags the handle that was taken at `from`; returns whether it is held.
@@ -127,6 +142,7 @@ impl Session {
 
     /// Ends the drag that began at `from`, of whichever if that is `None`, and has its numbers written.
     pub(super) fn let_go(&mut self, from: Option<[f32; 2]>) {
+        self.taken.retain(|taken| Some(*taken) != from);
         let is_it = |grab: &mut Grab| from.is_none_or(|from| grab.from == from);
         if let Some(grab) = self.grab.take_if(is_it)
             && grab.now != grab.drag.before

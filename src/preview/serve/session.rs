@@ -76,6 +76,8 @@ pub(super) struct Session {
     /// Kind of the handles, and the one that is dragged.
     pub(super) handle: Handle,
     pub(super) grab: Option<Grab>,
+    /// Places where drags of handles began that another viewer took over, newest first.
+    pub(super) taken: Vec<[f32; 2]>,
     /// Camera of the last picture.
     pub(super) shown_camera: Option<CameraDesc>,
     pub(super) size: [u32; 2],
@@ -124,6 +126,7 @@ pub(super) fn start(
         picked: None,
         handle: Handle::default(),
         grab: None,
+        taken: Vec::new(),
         shown_camera: None,
         size: options.size,
         started: Instant::now(),

@@ -104,7 +104,8 @@ impl CameraControls {
             return;
         }
         let least = (self.scale_m * 1e-4).max(2.0 * self.near_m());
-        let distance = (self.distance() * factor).max(least);
+        let most = least.max(self.scale_m * 1e4);
+        let distance = (self.distance() * factor).clamp(least, most);
         self.camera.eye = self.camera.target - self.forward() * distance;
     }
 
@@ -258,6 +259,11 @@ mod tests {
         assert!(nav.distance() > 0.0 && nav.forward().distance(forward) < 1e-3);
         nav.dolly(-10.0);
         assert!(nav.distance() > 2.0 * nav.near_m());
+        for _ in 0..1000 {
+            nav.dolly(-20.0);
+        }
+        nav.dolly(200.0);
+        assert!(nav.distance() < 1.0, "one comes back from far away");
     }
 
     #[test]
