@@ -240,6 +240,7 @@ fn texture_runs_left_to_right_seen_from_outside() {
     }
 }
 
+mod areas;
 mod boolean;
 mod displaced;
 mod outlined;

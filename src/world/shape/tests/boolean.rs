@@ -22,7 +22,7 @@ fn part(shape: ShapeDesc, translation: Vec3, rotation: Quat, scale: Vec3) -> Par
     }
 }
 
-fn at(shape: ShapeDesc, translation: Vec3) -> PartDesc {
+pub fn at(shape: ShapeDesc, translation: Vec3) -> PartDesc {
     part(shape, translation, Quat::IDENTITY, Vec3::ONE)
 }
 

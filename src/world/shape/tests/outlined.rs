@@ -21,7 +21,7 @@ pub fn outline(figure: FigureDesc) -> OutlineDesc {
     }
 }
 
-fn path(text: &str) -> OutlineDesc {
+pub fn path(text: &str) -> OutlineDesc {
     outline(FigureDesc::Path(text.to_owned()))
 }
 
@@ -42,7 +42,7 @@ pub fn extrude(outline: OutlineDesc, depth: f32, (width, segments): (f32, u32)) 
     }
 }
 
-fn sweep(outline: OutlineDesc, points: &[[f32; 3]], curve: SweepCurve) -> ShapeDesc {
+pub fn sweep(outline: OutlineDesc, points: &[[f32; 3]], curve: SweepCurve) -> ShapeDesc {
     ShapeDesc::Sweep {
         outline,
         points: points.to_vec(),
@@ -88,7 +88,7 @@ fn check_volume(shape: &ShapeDesc, volume: f64, tolerance: f64) {
 }
 
 /// Area of a regular polygon by the radius of its corners.
-fn polygon(corners: f64, radius: f64) -> f64 {
+pub fn polygon(corners: f64, radius: f64) -> f64 {
     corners / 2.0 * radius * radius * (2.0 * PI / corners).sin()
 }
 

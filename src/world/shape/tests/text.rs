@@ -4,7 +4,7 @@ use reflet_scene::desc::{FontDesc, TextAlign, Written};
 
 use super::*;
 
-fn text(text: &str, align: TextAlign) -> ShapeDesc {
+pub fn text(text: &str, align: TextAlign) -> ShapeDesc {
     ShapeDesc::Text {
         text: text.to_owned(),
         font: None,
