@@ -18,6 +18,30 @@ fn rooms_and_lanterns_are_left_alone() {
     assert_eq!(found, [0; 0].map(serde_json::Value::from));
 }
 
+/// A cord and a word that fall between the rays which look at the view, and the same beside it.
+#[test]
+fn thin_things_in_the_view_are_seen() {
+    let folder = folder("thin");
+    for (shape, x, expected) in [
+        (
+            "kind = \"sweep\", outline = { radius = 0.01 }, points = [[0, 0, 0], [1, 0, 0]]",
+            0,
+            0,
+        ),
+        ("kind = \"text\", text = \"i\", size = 0.1", 0, 0),
+        ("kind = \"text\", text = \"i\", size = 0.1", 9, 1),
+    ] {
+        let scene = format!(
+            "version = 1\n[camera.main]\neye = [0, 1, 4]\ntarget = [0, 0, 0]\n[environment]\ncolor = [1, 1, 1]\n\
+             [model.thin]\nshape = {{ {shape} }}\n[[instance]]\nmodel = \"thin\"\ntranslation = [{x}, 0, 0]\n"
+        );
+        fs::write(folder.join("scene.toml"), scene).expect("writable");
+        let found = results(&folder, &["scene.toml".to_owned()], 0);
+        let empty = found.iter().filter(|f| f["ruleId"] == "empty-view");
+        assert_eq!(empty.count(), expected, "{shape}: {found:#?}");
+    }
+}
+
 /// The surface of the light is far outside of the object that contains its middle.
 #[test]
 fn a_light_that_is_larger_than_what_it_stands_in_is_not_inside() {

@@ -2,7 +2,7 @@
 
 use crate::{
     render::{
-        view::View,
+        view::{Projection, View},
         view_estimate::{Reach, ViewEstimate},
     },
     scene::{
@@ -10,8 +10,9 @@ use crate::{
         diagnostic::{Diagnostic, Span},
         stages::Scene,
     },
-    world::{World, bvh::Trees},
+    world::{Instance, World, bvh::Trees},
 };
+use glam::Vec3;
 
 /// Exposed radiance below which a pixel shows as black: a display value of 6 of 255.
 const BLACK: f32 = 2e-3;
@@ -48,6 +49,10 @@ pub fn lint(scene: &Scene, world: &World, trees: &Trees) -> Vec<Diagnostic> {
         );
         let help = format!("write `near_m = {}` in its table", rounded_down(depth_m));
         found.push(Diagnostic::at("clipped-view", at(), message).help(help));
+        return found;
+    }
+    if estimate.surfaces == 0 && has_triangle(world, &view) {
+        // Thin or small: a few pixels show it, between the rays.
         return found;
     }
     if estimate.surfaces == 0 {
@@ -144,6 +149,25 @@ fn nearest_m(world: &World, view: &View) -> Option<f32> {
     depths.filter(|depth| *depth > 0.0).reduce(f32::min)
 }
 
+/// Whether the middle of a triangle that the camera may see is inside of the view.
+fn has_triangle(world: &World, view: &View) -> bool {
+    let is_perspective = matches!(view.projection, Projection::Perspective { .. });
+    let is_inside = |at: Vec3| {
+        let from_eye = at - view.eye;
+        let depth = from_eye.dot(view.forward);
+        let scale = if is_perspective { depth } else { 1.0 };
+        let is_within = |axis: Vec3| from_eye.dot(axis).abs() <= scale * axis.length_squared();
+        depth > view.near_m && is_within(view.right) && is_within(view.up)
+    };
+    let seen = |instance: &&Instance| instance.shown.visible && !instance.is_hidden();
+    world.instances.iter().filter(seen).any(|instance| {
+        let (mesh, posed) = (&world.meshes[instance.mesh], world.posed(instance.mesh));
+        let middle = |t: &[u32; 3]| posed.corners(*t).iter().sum::<Vec3>() / 3.0;
+        let place = |middle| instance.world_from_object.transform_point3(middle);
+        mesh.triangles.iter().map(middle).map(place).any(is_inside)
+    })
+}
+
 /// Half of a length, rounded to a power of ten.
 fn rounded_down(length_m: f32) -> f32 {
     10f32.powf((0.5 * length_m).log10().floor())
@@ -151,5 +175,6 @@ fn rounded_down(length_m: f32) -> f32 {
 
 /// Number rounded to three decimals.
 fn shortened(x: f32) -> f64 {
-    (f64::from(x) * 1e3).round() / 1e3
+    // Zero is written without its sign.
+    (f64::from(x) * 1e3).round() / 1e3 + 0.0
 }
